@@ -1,12 +1,11 @@
-"""Mip pyramids against averages of BRDFs: `python -m benchmarks.quality.mipmap`; some minutes.
+"""Mip pyramids against averages of BRDFs: `python -m benchmarks.quality.mipmap`.
 
 The textures are coats over a conductor whose parameters are noise (no two texels alike) or a smooth
 pattern. For each level of the pyramid, prints the error E (docs/conventions.md) against the average
 of the BRDFs of the texels below, as a mean over the level's texels:
 
 - plain: averages of codes, as in Fan et al. (2022);
-- Urushi: codes of averaged values, predicted by a regression (`urushi/textures/averaging_rest.py`);
-- decoded: codes of averaged values, with every texel decoded.
+- Urushi: averages weighted by light (`urushi/textures/averaging.py`).
 
 Then prints the CPU time of all levels of a texture of noise of 2048² texels (`--side` sets another
 size).
@@ -22,14 +21,12 @@ from urushi.material import encode
 from urushi.material.layer import layer_texels
 from urushi.nets import weights
 from urushi.nets.weights import Model
-from urushi.textures import averaging_rest, mip_pyramid
-from urushi.textures.mip_pyramid import MipPyramid
+from urushi.textures import mip_pyramid
+from urushi.textures.mip_pyramid import fill_levels
 from urushi.walk import conductor
 
 SIDE, LEVELS, PAIRS = 32, 4, 128
 
-#: Number of codes that the regression is fitted to: two thirds of those of the texture.
-SAMPLE = 2048
 GOLD = conductor(0.2, (0.98, 0.77, 0.34))
 
 KINDS = {
@@ -77,30 +74,21 @@ def cosine_pairs(rng: np.random.Generator) -> tuple[np.ndarray, np.ndarray]:
     return w[0].astype(np.float32), w[1].astype(np.float32)
 
 
-def pyramid(model: Model, codes: np.ndarray, sample: int) -> list[np.ndarray]:
-    """The coarser levels of codes (SIDE, SIDE, 3, size).
-
-    sample: number of codes that the regression is fitted to.
-    """
-    default, averaging_rest.SAMPLE = averaging_rest.SAMPLE, sample
-    try:
-        levels = MipPyramid(model, *codes.shape[1::-1], codes.shape[2])
-        count = sum(width * height for width, height in levels.sizes)
-        whole = np.empty((count, *codes.shape[2:]), np.float32)
-        whole[: codes.shape[0] * codes.shape[1]] = codes.reshape(-1, *codes.shape[2:])
-        levels.fill(whole.__getitem__, whole.__setitem__)
-    finally:
-        averaging_rest.SAMPLE = default
-    ends = np.cumsum([width * height for width, height in levels.sizes])
-    parts = np.split(whole, ends)[1:]
+def pyramid(model: Model, codes: np.ndarray) -> list[np.ndarray]:
+    """The coarser levels of codes (SIDE, SIDE, 3, size)."""
+    sizes = mip_pyramid.level_sizes(*codes.shape[1::-1])
+    whole = np.empty((sum(w * h for w, h in sizes), *codes.shape[2:]), np.float32)
+    whole[: codes.shape[0] * codes.shape[1]] = codes.reshape(-1, *codes.shape[2:])
+    fill_levels(model, *sizes[0], whole.__getitem__, whole.__setitem__)
+    parts = np.split(whole, np.cumsum([w * h for w, h in sizes]))[1:]
     return [
         part.reshape(height, width, *part.shape[1:])
-        for part, (width, height) in zip(parts, levels.sizes[1:], strict=False)
+        for part, (width, height) in zip(parts, sizes[1:], strict=False)
     ]
 
 
 def errors(model: Model, kind: str) -> list[tuple[float, ...]]:
-    """E of every level: plain averages, Urushi's levels, and levels with every texel decoded."""
+    """E of every level: plain averages and Urushi's levels."""
     wi, wo = cosine_pairs(np.random.default_rng(1))
 
     def values(codes: np.ndarray) -> np.ndarray:
@@ -110,8 +98,7 @@ def errors(model: Model, kind: str) -> list[tuple[float, ...]]:
         return f.reshape(*codes.shape[:-1], -1)
 
     plain = textured(model, kind)
-    f = values(plain)
-    estimated, decoded = (pyramid(model, plain, sample) for sample in (SAMPLE, plain.size))
+    f, weighted = values(plain), pyramid(model, plain)
     result = []
     for level in range(LEVELS):
         height = SIDE >> level
@@ -122,7 +109,7 @@ def errors(model: Model, kind: str) -> list[tuple[float, ...]]:
         result.append(
             tuple(
                 float(stack_error(values(z), f, wi[:, 2], wo[:, 2]).mean())
-                for z in (plain, estimated[level], decoded[level])
+                for z in (plain, weighted[level])
             )
         )
     return result
@@ -132,11 +119,11 @@ def seconds(model: Model, side: int) -> float:
     """CPU time of all levels of a texture of noise."""
     codes = textured(model, "all, noise").reshape(-1, 3, model.arch.latent)
     choice = np.random.default_rng(2).integers(len(codes), size=side * side)
-    levels = MipPyramid(model, side, side, 3)
-    whole = np.empty((sum(w * h for w, h in levels.sizes), *codes.shape[1:]), np.float16)
+    sizes = mip_pyramid.level_sizes(side, side)
+    whole = np.empty((sum(w * h for w, h in sizes), *codes.shape[1:]), np.float16)
     whole[: side * side] = codes[choice]
     start = time.process_time()
-    levels.fill(whole.__getitem__, whole.__setitem__)
+    fill_levels(model, side, side, whole.__getitem__, whole.__setitem__)
     return time.process_time() - start
 
 
@@ -151,7 +138,7 @@ def main() -> None:
     parser.add_argument("--side", type=int, default=2048, help="side of the timed texture [texels]")
     options = parser.parse_args()
     model = weights.find(options.weights)
-    print(f"{'E [%]':18}{'level':>7}{'plain':>9}{'Urushi':>9}{'decoded':>9}")
+    print(f"{'E [%]':18}{'level':>7}{'plain':>9}{'Urushi':>9}")
     for kind in KINDS:
         for level, row in enumerate(errors(model, kind), 1):
             name = kind if level == 1 else ""

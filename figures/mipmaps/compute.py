@@ -30,7 +30,7 @@ from figures import results
 from urushi.eval import metrics
 from urushi.nets.weights import default_model
 from urushi.scenes import noise, stage
-from urushi.textures import averaging, cache
+from urushi.textures import cache, mip_pyramid
 
 FOLDER = Path(__file__).parent
 PARTS = Path("out/figures/mipmaps")
@@ -102,23 +102,14 @@ def differences(pictures: dict[str, np.ndarray]) -> dict[str, Any]:
     return found
 
 
-class LatentSpace:
-    """Averages of the codes themselves, as in Fan et al. (2022); see `averaging.LobedSpace`."""
-
-    def lift(self, z: np.ndarray) -> np.ndarray:
-        """The codes."""
-        return z
-
-    def drop(self, means: np.ndarray) -> np.ndarray:
-        """The averaged codes."""
-        return means
-
-
 @contextlib.contextmanager
 def codes_averaged() -> Iterator[None]:
     """Mip levels are averages of the codes themselves, while the context lasts; none is kept."""
-    space = mock.patch.object(averaging, "averaging_space", lambda *_: LatentSpace())
-    with space, mock.patch.dict(os.environ, {cache.VARIABLE: "off"}):
+    same = {"lifted": lambda model, z: z, "dropped": lambda model, means: means}
+    with (
+        mock.patch.multiple(mip_pyramid, **same),
+        mock.patch.dict(os.environ, {cache.VARIABLE: "off"}),
+    ):
         yield
 
 

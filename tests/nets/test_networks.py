@@ -155,19 +155,3 @@ def test_values_and_derivatives_come_from_the_same_networks(networks, pairs):
     logs, _ = own.decode_log(whole[:, None], direction_features(*pairs))
     np.testing.assert_allclose(np.exp(logs), own.f(whole[:, None], *pairs), rtol=1e-4)
     assert slopes.shape == (3, 18, arch.probes)
-
-
-def test_reduced_encoder_estimates_the_left_out_inputs_linearly(networks):
-    """The normalised logarithms of all values are a linear function of every third one."""
-    arch, params = networks
-    rng = np.random.default_rng(10)
-    kept = np.arange(0, arch.probes, 3)
-    matrix = rng.normal(size=(len(kept), arch.probes)) / np.sqrt(len(kept))
-    offset = rng.normal(size=arch.probes)
-    matrix[:, kept], offset[kept] = np.eye(len(kept)), 0
-    own = UrushiNetworks(params | {"encoder.input_mean": np.zeros(arch.probes, np.float32)}, arch)
-    logs = (rng.normal(size=(5, len(kept))) @ matrix + offset) * params["encoder.input_scale"]
-    f = (np.exp(logs) - encoder.OFFSET).astype(np.float32)
-    encode = own.reduced_encoder(kept, matrix.astype(np.float32), offset.astype(np.float32))
-    expected = own.encode(f, np.array(NO_LOBE, np.float32))[:, 6:]
-    np.testing.assert_allclose(encode(f[:, kept]), expected, atol=1e-3)

@@ -1,7 +1,5 @@
 """Mip levels represent averages of BRDFs, after a change too."""
 
-from types import SimpleNamespace
-
 import numpy as np
 import pytest
 
@@ -12,8 +10,8 @@ from urushi.material.albedo_rule import albedo_rule
 from urushi.material.encode import encoder_codes
 from urushi.material.energy import limit_albedo
 from urushi.material.layer import layer_texels
-from urushi.textures import averaging, averaging_rest, mip_pyramid, packing
-from urushi.textures.mip_pyramid import MipPyramid
+from urushi.textures import mip_pyramid, packing
+from urushi.textures.mip_pyramid import fill_levels, level_sizes
 from urushi.textures.store import TextureStore
 
 
@@ -38,13 +36,13 @@ def coats(model, height: int, width: int) -> np.ndarray:
 def pyramid_levels(model, codes: np.ndarray) -> list[np.ndarray]:
     """All levels of codes (H, W, C, size), the first included."""
     height, width, channels, size = codes.shape
-    of = MipPyramid(model, width, height, channels)
-    whole = np.zeros((sum(w * h for w, h in of.sizes), channels, size), np.float32)
+    sizes = level_sizes(width, height)
+    whole = np.zeros((sum(w * h for w, h in sizes), channels, size), np.float32)
     whole[: width * height] = codes.reshape(-1, channels, size)
-    of.fill(whole.__getitem__, whole.__setitem__)
-    ends = np.cumsum([w * h for w, h in of.sizes])[:-1]
+    fill_levels(model, width, height, whole.__getitem__, whole.__setitem__)
+    ends = np.cumsum([w * h for w, h in sizes])[:-1]
     parts = np.split(whole, ends)
-    return [p.reshape(h, w, channels, size) for p, (w, h) in zip(parts, of.sizes, strict=True)]
+    return [p.reshape(h, w, channels, size) for p, (w, h) in zip(parts, sizes, strict=True)]
 
 
 def values(model, codes: np.ndarray, wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
@@ -56,12 +54,8 @@ def tops(model, codes: np.ndarray, wi: np.ndarray, wo: np.ndarray) -> np.ndarray
     return model.networks.top(codes[..., None, :], wi, wo)
 
 
-@pytest.mark.parametrize("sample", (256, 4096))  # by a regression, and by decoding
-def test_levels_are_the_averages_of_brdfs(trained, monkeypatch, sample):
-    monkeypatch.setattr(averaging_rest, "SAMPLE", sample)
-    monkeypatch.setattr(
-        mip_pyramid, "KEPT_TEXELS", 64
-    )  # so that there are tiles and levels above them
+def test_levels_are_the_averages_of_brdfs(trained, monkeypatch):
+    monkeypatch.setattr(mip_pyramid, "BAND_TEXELS", 64)  # so that a level has several bands
     codes = coats(trained, 16, 16)
     wi, wo = cosine_pairs(np.random.default_rng(1), 100)
     f, top, plain = values(trained, codes, wi, wo), tops(trained, codes, wi, wo), codes
@@ -78,19 +72,6 @@ def test_levels_are_the_averages_of_brdfs(trained, monkeypatch, sample):
         # One lobe stands for up to 256 with widths from 0.05 to 0.4, at a quarter of the light.
         assert found < 0.06
         assert found < 0.3 * naive
-
-
-def test_the_regression_agrees_with_decoding(trained, monkeypatch):
-    whole = coats(trained, 32, 32).reshape(-1, trained.arch.latent)
-    estimated = averaging.averaging_space(trained, whole.__getitem__, len(whole)).rest
-    codes = whole[:, trained.arch.lobe :]
-    assert isinstance(estimated, averaging_rest.RegressionSpace)
-    kept = len(estimated.kept)
-    predicted, decoded = (
-        estimated.lift(codes)[:, :kept],
-        estimated.exact.lift(codes)[:, estimated.kept],
-    )
-    assert np.sqrt(np.square(np.log(predicted / decoded)).mean()) < 0.03
 
 
 def test_every_level_keeps_the_light(trained):
@@ -112,7 +93,7 @@ def test_every_level_keeps_the_light(trained):
     ).all()  # plain averages of codes lose more light
 
 
-@pytest.mark.parametrize("side", (4, 64))  # by decoding, and by a regression
+@pytest.mark.parametrize("side", (4, 64))
 def test_levels_of_a_constant_texture_are_constant(trained, side):
     bottom = limit_albedo(
         trained, encoder_codes(trained, np.full((1, len(trained.networks.pairs()[0])), 0.2))
@@ -123,12 +104,11 @@ def test_levels_of_a_constant_texture_are_constant(trained, side):
 
 
 @pytest.mark.parametrize(("width", "height"), [(37, 29), (16, 64), (1, 9), (1, 1)])
-def test_plain_averages_go_through_the_same_tiles(model, monkeypatch, width, height):
+def test_plain_averages_go_through_the_same_bands(model, monkeypatch, width, height):
     """They must be those of whole levels, also of odd sizes."""
-    monkeypatch.setattr(mip_pyramid, "KEPT_TEXELS", 20)
-    monkeypatch.setattr(
-        averaging, "averaging_space", lambda *_: SimpleNamespace(lift=np.array, drop=np.array)
-    )
+    monkeypatch.setattr(mip_pyramid, "BAND_TEXELS", 20)
+    for name in ("lifted", "dropped"):
+        monkeypatch.setattr(mip_pyramid, name, lambda model, numbers: numbers)
     level = np.random.default_rng(0).normal(size=(height, width, 2, model.arch.latent))
     for found in pyramid_levels(model, level.astype(np.float32)):
         np.testing.assert_allclose(found, level, atol=1e-5)

@@ -36,13 +36,12 @@ def correct_codes(
         values that z decodes to and f.
     """
     with one_blas_thread():
-        return correct_codes_serial(networks, z, f, CORRECTION_DAMPING)
+        return _corrected(networks, z, f)
 
 
-def correct_codes_serial(
-    decoder: UrushiNetworks, z: np.ndarray, f: np.ndarray, damping: float
+def _corrected(
+    decoder: UrushiNetworks, z: np.ndarray, f: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """The same on the calling thread; damping: relative to the mean curvature."""
     features = probe_features(decoder)
     logs = np.log(f + DARK_OFFSET)
     top = np.broadcast_to(decoder.top(z[:, None], *decoder.pairs()), f.shape)
@@ -58,7 +57,6 @@ def correct_codes_serial(
         features[FITTED_PAIRS],
         top[:, FITTED_PAIRS],
         logs[:, FITTED_PAIRS],
-        damping,
     )
     before = np.concatenate([fitted_errors, errors(z, rows, CHECKED_PAIRS)], axis=-1)
     best, least = np.array(z), huber_loss(before, HUBER_KNEE)[0].sum(axis=-1)
@@ -78,7 +76,6 @@ def _correction_steps(
     features: np.ndarray,
     top: np.ndarray,
     logs: np.ndarray,
-    damping: float,
 ) -> tuple[list[np.ndarray], np.ndarray]:
     """Codes (C, L) after each step, and the errors (C, P) before the first one.
 
@@ -92,15 +89,15 @@ def _correction_steps(
         f_hat = top + rest
         errors.append(np.log(f_hat + DARK_OFFSET) - logs)
         slopes *= (rest / (f_hat + DARK_OFFSET))[..., None]
-        step = _correction_step(errors[-1], slopes, damping)
+        step = _correction_step(errors[-1], slopes)
         codes.append(stepped(codes[-1], step))
     return codes[1:], errors[0]
 
 
-def _correction_step(error: np.ndarray, slopes: np.ndarray, damping: float) -> np.ndarray:
+def _correction_step(error: np.ndarray, slopes: np.ndarray) -> np.ndarray:
     """The step (C, R) that is subtracted, from errors (C, P) and their derivatives (C, P, R)."""
     _, far = huber_loss(error, HUBER_KNEE)
     weighted = np.swapaxes(slopes / far[..., None], -1, -2)
     curvature = (weighted @ slopes).astype(np.float64)
     slope = (weighted @ error[..., None]).astype(np.float64)[..., 0]
-    return damped_step(curvature, slope, damping)
+    return damped_step(curvature, slope, CORRECTION_DAMPING)

@@ -41,26 +41,3 @@ def encode(params: Params, arch: Architecture, f_at_probes: Any) -> Any:
 def normalised(params: Params, logs: Any) -> Any:
     """Return the network's inputs (..., probes) from `log_values`, of mean 0 and variance 1."""
     return (logs - params["encoder.input_mean"]) / params["encoder.input_scale"]
-
-
-def reduced_encoder(
-    params: Params, kept: np.ndarray, matrix: np.ndarray, offset: np.ndarray
-) -> Params:
-    """Return the parameters of an encoder that needs f (..., K) at K of the probe pairs only.
-
-    The inputs at all P pairs are estimated from those at the kept pairs by a linear map, which is
-    folded into the first layer.
-
-    Args:
-        params: the parameters of the full encoder.
-        kept: (K,) indices of the kept pairs.
-        matrix, offset: (K, P) and (P,): all inputs = kept inputs @ matrix + offset.
-    """
-    weight, bias = params["encoder.0.weight"], params["encoder.0.bias"]
-    return {
-        **params,
-        "encoder.0.weight": matrix @ weight,
-        "encoder.0.bias": bias + offset @ weight,
-        "encoder.input_mean": params["encoder.input_mean"][kept],
-        "encoder.input_scale": params["encoder.input_scale"][kept],
-    }

@@ -1,6 +1,5 @@
 """Urushi's networks as one value, and the interface of their proposals."""
 
-from collections.abc import Callable
 from typing import Any, NamedTuple, Protocol
 
 import numpy as np
@@ -144,18 +143,6 @@ class UrushiNetworks(NamedTuple):
         refer.
         """
         return derivatives.encode_log(self.params, self.arch, logs)
-
-    def normalised(self, rest: Any) -> Any:
-        """The normalised inputs (..., P) of the encoder from values (..., P) [1/sr] of the rest."""
-        return encoder.normalised(self.params, encoder.log_values(rest))
-
-    def reduced_encoder(self, kept: Any, matrix: Any, offset: Any) -> Callable[[Any], Any]:
-        """A function from values (..., K) of the rest to the codes' last numbers (..., R).
-
-        See `encoder.reduced_encoder`.
-        """
-        params = encoder.reduced_encoder(self.params, kept, matrix, offset)
-        return lambda rest: encoder.encode(params, self.arch, rest)
 
     def proposal(self, z: Any, wi: Any) -> LobeProposal:
         """The proposal of codes z (..., L) for wi (..., 3) above the horizon."""

@@ -1,71 +1,31 @@
 """Averages of BRDFs that are given as latent codes, for the mip pyramid.
 
-The code of an average BRDF is not the average of the codes. An average of codes z is computed in
-four steps, with the decoder D at the encoder's probe pairs and the encoder E:
+The code of an average BRDF is not the average of the codes. `lifted` turns codes into numbers whose
+averages give the code of the average (`dropped`).
 
-1. Average the values: f = mean D(z).
-2. Encode: E(f).
-3. Add the mean residual, mean(z - E(D(z))), so that equal codes keep their code exactly.
-4. Take two damped Gauss-Newton steps towards f (`material.correction`). They bring the decoded
-   values five times closer to f.
+The rest has the mean of the light that the rests reflect. Its other numbers are averaged with this
+light as weights. The light is the mean of f at a few pairs of cosine density.
 
-These steps apply to the rests of the codes (`textures.averaging_rest`). The lobes (`nets.lobe`) are
-averaged separately. f is linear in the Fresnel factors, which are averaged. The albedo of a lobe is
-nearly linear in the square root of its width. The roots are averaged with the light that each lobe
-reflects as weights. A sum of lobes of several widths is not one lobe: the average keeps the energy,
-and is less accurate in f.
+The lobes (`nets.lobe`) are averaged separately. f is linear in the Fresnel factors, which are
+averaged. The albedo of a lobe is nearly linear in the square root of its width. The roots are
+averaged with the light that each lobe reflects as weights. A sum of lobes of several widths is not
+one lobe: the average keeps the energy, and is less accurate in f.
 """
 
-from collections.abc import Callable
-from typing import NamedTuple
+import functools
 
 import numpy as np
 
+from urushi.core.probe_pairs import even_points
+from urushi.nets import decoder
+from urushi.nets.features import direction_features
 from urushi.nets.lobe import LOBE_NUMBERS, fresnel, reflectance
 from urushi.nets.weights import Model
-from urushi.textures.averaging_rest import DecodedSpace, RegressionSpace, rest_space
 
+#: Number of pairs whose mean f is the light of a rest, and the least light in a division.
+LIGHT_PAIRS, LEAST_LIGHT = 8, 1e-12
 
-def averaging_space(
-    model: Model, read: Callable[[np.ndarray], np.ndarray], count: int
-) -> "LobedSpace":
-    """The space in which the codes of one texture are averaged.
-
-    Args:
-        model: the networks.
-        read: from indices below `count` to codes (n, L).
-        count: number of codes in the texture.
-
-    The seed of the sample is fixed.
-    """
-    networks = model.networks
-    lobe = networks.arch.lobe
-    return LobedSpace(lobe, rest_space(networks, lambda index: read(index)[:, lobe:], count))
-
-
-class LobedSpace(NamedTuple):
-    """Codes with lobes: numbers of the lobes together with the points of the rest.
-
-    Attributes:
-        lobe: how many numbers a lobe has.
-        rest: the space of the numbers that follow the lobe.
-    """
-
-    lobe: int
-    rest: DecodedSpace | RegressionSpace
-
-    def lift(self, z: np.ndarray) -> np.ndarray:
-        """`lifted_lobes` of the lobes, side by side with the lifted rest."""
-        lobe, rest = np.split(z, [self.lobe], axis=1)
-        return np.concatenate([lifted_lobes(lobe), self.rest.lift(rest)], axis=1)
-
-    def drop(self, means: np.ndarray) -> np.ndarray:
-        """The lobes, and the codes of the rest."""
-        lobes, rest = np.split(means, [LIFTED_LOBE + self.lobe - len(LOBE_NUMBERS)], axis=1)
-        return np.concatenate([dropped_lobes(lobes), self.rest.drop(rest)], axis=1)
-
-
-#: Numbers of a lobe in `LobedSpace`, and the cosines over which its reflectance is averaged.
+#: Numbers of `lifted_lobes`, and the cosines over which a lobe's reflectance is averaged.
 LIFTED_LOBE, COSINES = 9, np.array([1.0, 0.8, 0.6, 0.4, 0.2], np.float32)
 
 #: Least weight of a lobe: lobes that do not reflect have an average too.
@@ -73,6 +33,39 @@ LEAST_WEIGHT = 1e-6
 
 #: Mean k above which an averaged index counts as a metal's.
 LEAST_K = 1e-3
+
+
+def lifted(model: Model, z: np.ndarray) -> np.ndarray:
+    """Numbers float32 (n, K) of codes (n, L): `lifted_lobes`, and light and rests times light."""
+    lobe, rest = np.split(z, [model.arch.lobe], axis=1)
+    light = _light(model, rest)[:, None]
+    return np.concatenate([lifted_lobes(lobe), light, light * rest], axis=1)
+
+
+def dropped(model: Model, means: np.ndarray) -> np.ndarray:
+    """Codes float32 (n, L) of averages (n, K) of `lifted`."""
+    count = LIFTED_LOBE + model.arch.lobe - len(LOBE_NUMBERS)
+    lobes, light, rest = np.split(means, [count, count + 1], axis=1)
+    rest = rest / light
+    rest[:, :1] += np.log(light / _light(model, rest)[:, None])  # the gain
+    return np.concatenate([dropped_lobes(lobes), rest], axis=1)
+
+
+def _light(model: Model, rest: np.ndarray) -> np.ndarray:
+    """Mean f (n,) of the rests (n, R) of codes at the pairs of cosine density."""
+    f = decoder.decode(model.params, model.arch, rest[:, None], _features(model.widths))
+    return np.maximum(f.mean(axis=-1), LEAST_LIGHT)
+
+
+@functools.cache
+def _features(widths: int) -> np.ndarray:
+    """The decoder's features (N, F) of `LIGHT_PAIRS` even pairs of directions of cosine density."""
+    u, v = np.split(even_points(LIGHT_PAIRS, 4), 2, axis=1)
+    wi, wo = (
+        np.stack([r * np.cos(phi), r * np.sin(phi), np.sqrt(1 - r * r)], axis=-1)
+        for r, phi in ((np.sqrt(w[:, 0]), 2 * np.pi * w[:, 1]) for w in (u, v))
+    )
+    return direction_features(wi.astype(np.float32), wo.astype(np.float32), widths)
 
 
 def lifted_lobes(lobe: np.ndarray) -> np.ndarray:

@@ -1,22 +1,19 @@
 """The mip pyramid of a latent texture: codes of BRDFs averaged over areas, level by level.
 
-Levels are computed from averages in the averaging space (`textures.averaging`), not from codes of
-the level below, so that errors do not accumulate. All cores share the work, tile by tile; the
-averages of a tile stay in a core's cache.
+Each level is averaged from the level below (`textures.averaging`), in bands of rows, on all cores.
 """
 
+import itertools
 from collections.abc import Callable
 
 import numpy as np
 
 from urushi import parallel
 from urushi.nets.weights import Model
-from urushi.textures import averaging
-from urushi.textures.averaging import LobedSpace
+from urushi.textures.averaging import dropped, lifted
 
-#: Coarser levels are made from the averages of the first level with at most this many texels; and
-#: the number of texels of the first level in a tile.
-KEPT_TEXELS, TILE_TEXELS = 1 << 14, 1 << 10
+#: Number of texels that are averaged at once, in whole rows: their numbers stay in a core's cache.
+BAND_TEXELS = 1 << 10
 
 #: From indices (n,) of texels to their codes (n, channels, size).
 ReadCodes = Callable[[np.ndarray], np.ndarray]
@@ -25,103 +22,50 @@ ReadCodes = Callable[[np.ndarray], np.ndarray]
 WriteCodes = Callable[[np.ndarray, np.ndarray], None]
 
 
-class MipPyramid:
-    """All levels of a texture but the first.
+def fill_levels(model: Model, width: int, height: int, read: ReadCodes, write: WriteCodes) -> None:
+    """Compute the codes of all levels but the first.
 
-    Attributes:
-        sizes: width and height of every level, the first included.
+    width, height: of the first level. read: reads codes of the first level, from several threads.
+        write: stores codes of the other levels, from the finest to the coarsest.
     """
 
-    def __init__(self, model: Model, width: int, height: int, channels: int):
-        self._model, self._channels = model, channels
-        self.sizes = level_sizes(width, height)
-        counts = [w * h for w, h in self.sizes]
-        self._first = np.cumsum([0, *counts])
-        self._kept = next(level for level, count in enumerate(counts) if count <= KEPT_TEXELS)
+    def first(index: np.ndarray) -> np.ndarray:
+        return _of_each_code(lambda z: lifted(model, z), read(index).astype(np.float32))
 
-    def fill(self, read: ReadCodes, write: WriteCodes) -> None:
-        """Compute the codes of the levels.
+    numbers: Callable[[np.ndarray], np.ndarray] = first
+    start = width * height
+    for finer, (w, h) in itertools.pairwise(level_sizes(width, height)):
+        means = _means(numbers, finer, h)
+        codes = np.empty((len(means), means.shape[1], model.arch.latent), np.float32)
+        parallel.fill_blocks(codes, lambda x: _of_each_code(lambda m: dropped(model, m), x), means)
+        write(np.arange(start, start + w * h), codes)
+        numbers, start = means.__getitem__, start + w * h
 
-        read: reads codes of the first level. write: stores codes of the other levels. Several
-        threads call both.
-        """
-        width, height = self.sizes[0]
-        space = averaging.averaging_space(
-            self._model, self._rows(read), width * height * self._channels
-        )
-        columns, rows = self.sizes[self._kept]
-        step = max(TILE_TEXELS >> (2 * self._kept), 1)
-        lifted = space.lift(self._rows(read)(np.zeros(1, np.intp)).astype(np.float32))
-        means = np.empty((rows, columns, self._channels, lifted.shape[1]), np.float32)
 
-        def make(tile: tuple[int, int]) -> None:
-            y, x = tile
-            across = range(x, min(x + step, columns))
-            part = self._average(space, read, write, self._kept, range(y, y + 1), across)
-            means[y, x : x + step] = part
+def _means(
+    numbers: Callable[[np.ndarray], np.ndarray], finer: tuple[int, int], height: int
+) -> np.ndarray:
+    """Averages (n, channels, K) for a level of this height, from numbers of the finer level."""
+    from_w, from_h = finer
+    bands = np.array_split(np.arange(height), max(from_w * from_h // BAND_TEXELS, 1))
+    bands = [band for band in bands if len(band)]
+    parts: list[np.ndarray] = [np.empty(0)] * len(bands)
 
-        tiles = [(y, x) for y in range(rows) for x in range(0, columns, step)]
-        parallel.run_all_cores(make, tiles)
-        for level in range(self._kept + 1, len(self.sizes)):
-            w, h = self.sizes[level - 1]
-            means = half_resolution(means, 0, h, 0, w)
-            self._write(space, write, level, range(len(means)), range(means.shape[1]), means)
+    def average(index: int) -> None:
+        top, bottom = bands[index][0], bands[index][-1] + 1
+        rows = source_rows(top, bottom, from_h)
+        of_rows = numbers(np.arange(rows.start * from_w, rows.stop * from_w))
+        of_rows = of_rows.reshape(len(rows), from_w, *of_rows.shape[1:])
+        means = half_resolution(of_rows, top, from_h)
+        parts[index] = means.reshape(-1, *means.shape[2:])
 
-    def _average(
-        self,
-        space: LobedSpace,
-        read: ReadCodes,
-        write: WriteCodes,
-        level: int,
-        rows: range,
-        columns: range,
-    ) -> np.ndarray:
-        """Averages (h, w, channels, K) of a part of a level; stores it and all finer levels."""
-        if level == 0:
-            codes = read(self._indices(0, rows, columns)).astype(np.float32)
-            lifted = space.lift(codes.reshape(-1, codes.shape[-1]))
-            return lifted.reshape(len(rows), len(columns), self._channels, -1)
-        width, height = self.sizes[level - 1]
-        finer = self._average(
-            space,
-            read,
-            write,
-            level - 1,
-            source_rows(rows.start, rows.stop, height),
-            source_rows(columns.start, columns.stop, width),
-        )
-        means = half_resolution(finer, rows.start, height, columns.start, width)
-        self._write(space, write, level, rows, columns, means)
-        return means
+    parallel.run_all_cores(average, range(len(bands)))
+    return np.concatenate(parts)
 
-    def _write(
-        self,
-        space: LobedSpace,
-        write: WriteCodes,
-        level: int,
-        rows: range,
-        columns: range,
-        means: np.ndarray,
-    ) -> None:
-        """Store the codes of averages (h, w, channels, K) of a part of a level."""
-        codes = space.drop(means.reshape(-1, means.shape[-1]))
-        write(
-            self._indices(level, rows, columns), codes.reshape(-1, self._channels, codes.shape[-1])
-        )
 
-    def _indices(self, level: int, rows: range, columns: range) -> np.ndarray:
-        """Indices of a part of a level, row by row."""
-        lines = np.arange(rows.start, rows.stop)[:, None] * self.sizes[level][0]
-        return (self._first[level] + lines + np.arange(columns.start, columns.stop)).ravel()
-
-    def _rows(self, read: ReadCodes) -> Callable[[np.ndarray], np.ndarray]:
-        """From indices of single codes, channel by channel and texel by texel, to codes (n, L)."""
-
-        def codes(index: np.ndarray) -> np.ndarray:
-            texel, channel = np.divmod(index, self._channels)
-            return read(texel)[np.arange(len(index)), channel]
-
-        return codes
+def _of_each_code(function: Callable[[np.ndarray], np.ndarray], rows: np.ndarray) -> np.ndarray:
+    """A function of rows (n, K), for texels (n, channels, K)."""
+    return function(rows.reshape(-1, rows.shape[-1])).reshape(*rows.shape[:2], -1)
 
 
 def level_sizes(width: int, height: int) -> list[tuple[int, int]]:
@@ -134,25 +78,16 @@ def level_sizes(width: int, height: int) -> list[tuple[int, int]]:
 
 
 def source_rows(top: int, bottom: int, height: int) -> range:
-    """Rows of a level of the given height that rows `top` to `bottom` of the next level average.
-
-    The same holds for columns and the width.
-    """
+    """Rows of a level of the given height that rows `top` to `bottom` of the next level average."""
     return range(2 * top, 2 * bottom + height % 2) if height > 1 else range(1)
 
 
-def half_resolution(
-    values: np.ndarray, top: int, height: int, left: int = 0, width: int | None = None
-) -> np.ndarray:
-    """Averages (h, w, ...) over areas of a level's values (H, W, ...): a part of the next level.
+def half_resolution(values: np.ndarray, top: int, height: int) -> np.ndarray:
+    """Averages (h, w, ...) over areas of a level's values (H, W, ...): rows of the next level.
 
-    Args:
-        values: of the rows and columns that `source_rows` gives.
-        top, left: first row and column of the part.
-        height, width: of the whole level; by default as wide as `values`.
+    values: of the rows that `source_rows` gives. top: first row. height: of the whole level.
     """
-    width = values.shape[1] if width is None else width
-    return _half_along_axis(_half_along_axis(values, 0, top, height), 1, left, width)
+    return _half_along_axis(_half_along_axis(values, 0, top, height), 1, 0, values.shape[1])
 
 
 def _half_along_axis(values: np.ndarray, axis: int, first: int, count: int) -> np.ndarray:

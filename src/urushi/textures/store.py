@@ -9,7 +9,7 @@ import numpy as np
 from urushi import parallel
 from urushi.nets.weights import Model
 from urushi.textures import packing
-from urushi.textures.mip_pyramid import MipPyramid
+from urushi.textures.mip_pyramid import fill_levels, level_sizes
 from urushi.textures.packing import PackedTexels, Rows, TexelLayout
 
 #: Texels that are packed at once: bounds memory.
@@ -32,8 +32,7 @@ class TextureStore:
         self.layout, self._model = layout, model
         # Channels often share numbers of their lobes, which are compared one by one.
         self._compared = model.arch.lobe
-        self._coarser = MipPyramid(model, width, height, layout.channels) if mipmaps else None
-        self.levels = self._coarser.sizes if self._coarser else [(width, height)]
+        self.levels = level_sizes(width, height) if mipmaps else [(width, height)]
         nothing = np.zeros(layout.size, np.float32)
         self.packed = PackedTexels(np.zeros((0, layout.texel_bytes), np.uint8), nothing, nothing)
 
@@ -58,7 +57,7 @@ class TextureStore:
         are computed at the end of each writing.
         """
         width, height = self.levels[0]
-        coarser = self._coarser
+        coarser = len(self.levels) > 1
         if self.empty and not coarser:
             written: list[_Written] = []
 
@@ -73,7 +72,7 @@ class TextureStore:
             yield collect
             self._pack_shared(written)
             return
-        if self.empty and coarser:
+        if self.empty:
             texels = sum(width * height for width, height in self.levels)
             whole = np.empty((texels, self.layout.channels, self.layout.size), np.float16)
             first = whole[: width * height]
@@ -82,7 +81,7 @@ class TextureStore:
                 first[rows] = codes if index is None else codes[index]
 
             yield keep
-            coarser.fill(whole.__getitem__, whole.__setitem__)
+            fill_levels(self._model, width, height, whole.__getitem__, whole.__setitem__)
             self._pack(whole)
             return
 
@@ -90,9 +89,11 @@ class TextureStore:
             self._overwrite(rows, codes if index is None else codes[index])
 
         yield write
-        if coarser and len(self.levels) > 1:
+        if coarser:
             parts: list[tuple[np.ndarray, np.ndarray]] = []
-            coarser.fill(self._read_alone, lambda *part: parts.append(part))
+            fill_levels(
+                self._model, width, height, self._read_alone, lambda *part: parts.append(part)
+            )
             self._overwrite(*(np.concatenate(arrays) for arrays in zip(*parts, strict=True)))
 
     def _read_alone(self, rows: np.ndarray) -> np.ndarray:
