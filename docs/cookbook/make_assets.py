@@ -170,8 +170,8 @@ def wood() -> np.ndarray:
     return colour * (1 - 0.45 * pores[..., None])
 
 
-def waves(size: int = 256) -> tuple[np.ndarray, np.ndarray]:
-    """Seigaiha, waves of concentric arcs: share of wire (H, W) and number of the arc (H, W)."""
+def waves(size: int = 256) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Seigaiha, waves of concentric arcs (H, W): share of wire, number of the arc, place in it."""
     fine = 3 * size
     x, y = np.meshgrid((np.arange(fine) + 0.5) / fine, (np.arange(fine) + 0.5) / fine)
     found = np.full(x.shape, np.inf)
@@ -191,7 +191,7 @@ def waves(size: int = 256) -> tuple[np.ndarray, np.ndarray]:
     def down(a: np.ndarray) -> np.ndarray:
         return a.reshape(size, 3, size, 3).mean(axis=(1, 3))
 
-    return down(wire)[::-1], down(arc)[::-1]
+    return down(wire)[::-1], down(arc)[::-1], down(bands - arc)[::-1]
 
 
 def glaze_depth() -> np.ndarray:
@@ -206,6 +206,17 @@ def glaze_depth() -> np.ndarray:
     streaks = 1 + 0.35 * fractal(np.concatenate([turn[..., :2] * 7, p[..., 2:] * 0.9], -1), 3, 8)
     lip = 1 - 0.75 * smoothstep(2.05, 2.25, z)
     return 0.12 + (run * streaks + 2.2 * roll) * lip
+
+
+def worn() -> np.ndarray:
+    """Thickness of a lacquer that is rubbed off at lip, shoulder and foot, and in patches."""
+    p = texels(VASE, 512, 512)
+    edges = sum(
+        weight * np.exp(-(((p[..., 2] - z) / width) ** 2))
+        for z, width, weight in ((2.26, 0.07, 1.2), (1.35, 0.16, 0.75), (0.05, 0.1, 1.1))
+    )
+    patches = fractal(p * [3.5, 3.5, 5.0], 5, 41)
+    return 1 - 0.97 * smoothstep(0.45, 0.75, 0.85 * edges + 0.55 * patches)
 
 
 def flakes(size: int = 256) -> np.ndarray:
@@ -266,7 +277,7 @@ def write_textures() -> None:
         bitmap.write(str(STAGE / name), quality=82 if name.endswith(".jpg") else -1)
 
     write("wood.jpg", wood())
-    wire, arc = waves()
+    wire, arc, slope = waves()
     cells = np.array(
         [[0.05, 0.14, 0.60], [0.06, 0.46, 0.74], [0.60, 0.90, 0.90], [0.975, 0.975, 0.95]]
     )
@@ -275,7 +286,9 @@ def write_textures() -> None:
     colour = mix(0, 1, index - low) * (cells[np.minimum(low + 1, 3)] - cells[low]) + cells[low]
     write("waves-albedo.exr", colour)
     write("waves-depth.exr", 8 * (1 - wire))
+    write("carved.png", 0.1 + 0.9 * slope**2)
     write("glaze-depth.exr", glaze_depth())
+    write("worn.png", worn())
     write("flakes.png", flakes())
     write("ginkgo.png", ginkgo())
 

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from urushi.material.layer import layer
     from urushi.material.lerp import lerp
     from urushi.material.material import Material, load
-    from urushi.measured import load_measured
+    from urushi.measured import load_measured, pigment
     from urushi.openpbr_surface.description import OpenPBR, openpbr, save_materialx
     from urushi.openpbr_surface.plugins.materialx import load_materialx
     from urushi.walk import Stack, coat, conductor, dielectric, diffuse, slab
@@ -39,6 +39,7 @@ __all__ = [
     "load_materialx",
     "load_measured",
     "openpbr",
+    "pigment",
     "save_materialx",
     "show",
     "simulate",
@@ -53,13 +54,13 @@ def __getattr__(name: str) -> Any:
     platform.require_drjit()
     from urushi.app.notebook import show
     from urushi.material import Material, encode, layer, lerp, load
-    from urushi.measured import load_measured
+    from urushi.measured import load_measured, pigment
     from urushi.openpbr_surface.description import OpenPBR, openpbr, save_materialx
     from urushi.openpbr_surface.plugins.materialx import load_materialx
     from urushi.walk import Stack, bottoms, coat, simulate, slab
 
     Material._repr_png_ = _picture  # type: ignore[attr-defined]
-    public = (Material, encode, layer, lerp, load, load_measured, simulate)
+    public = (Material, encode, layer, lerp, load, load_measured, pigment, simulate)
     described = (Stack, coat, slab, *bottoms.MAKERS.values())
     documents = (load_materialx, save_materialx, OpenPBR, openpbr, show)
     globals().update({value.__name__: value for value in (*public, *described, *documents)})

@@ -18,6 +18,7 @@ from urushi.app.commands.export import Export
 from urushi.app.commands.layer import Layer, Sheet
 from urushi.app.commands.openpbr_check import OpenPBRCheck
 from urushi.app.commands.paper import Paper
+from urushi.app.commands.recipe import Recipe
 from urushi.app.commands.render import Render, Scenes
 from urushi.app.commands.simulate import Simulate
 from urushi.app.commands.train import Evaluate, Train
@@ -45,6 +46,7 @@ COMMANDS: dict[str, tuple[type, str]] = {
     "simulate": (Simulate, "Simulate the BRDF of a layered material without bias."),
     "encode": (Encode, "Encode a BRDF into a material file."),
     "layer": (Layer, "Coat a material in the latent space."),
+    "recipe": (Recipe, "Find measured paints that give a colour over a ground."),
     "sheet": (Sheet, "Draw spheres of blended materials under coats."),
     "export": (
         Export,

@@ -1,4 +1,4 @@
-"""Measured BRDFs: MERL tables and RGL materials."""
+"""Measured BRDFs, MERL tables and RGL materials, and measured paints."""
 
 import os
 from pathlib import Path
@@ -6,9 +6,10 @@ from pathlib import Path
 from urushi.errors import FileError, ParameterError
 from urushi.measured import merl, rgl, rgl_file
 from urushi.measured.merl import Merl
+from urushi.measured.pigments import pigment
 from urushi.measured.rgl import Rgl, is_anisotropic_file
 
-__all__ = ["Merl", "Rgl", "is_anisotropic_file", "load_measured"]
+__all__ = ["Merl", "Rgl", "is_anisotropic_file", "load_measured", "pigment"]
 
 
 def load_measured(path: str | os.PathLike) -> Merl | Rgl:
