@@ -258,9 +258,8 @@ CONSTANTS: dict[str, str] = {
         "COSINE_OFFSET INTERPOLATED_COSINES OVERSHOOT AZIMUTHS ANISOTROPIC_COSINES "
         "POLAR_NODES QUADRANT_NODES CROWDING LEAST_TANGENT"
     ),
-    "material.blend": "COSINES",
     "material.correction": "CORRECTION_STEPS CORRECTION_DAMPING",
-    "material.encode": "FAINT_REST HELPFUL_REST NEAR_LOBE",
+    "material.encode": "HELPFUL_REST NEAR_LOBE",
     "material.energy": (
         "MARGIN SLACK TOLERANCE GRAZING LEAST_ALBEDO LEAST_REST TINY_FACTOR TINY_FACTOR_ROUNDS"
     ),
@@ -269,7 +268,7 @@ CONSTANTS: dict[str, str] = {
         "NODES_SHARE NODES_POWER CEILING_ROUNDS CEILING_STEPS HUBER_KNEE DAMPING "
         "LEAST_VARIANCE"
     ),
-    "material.layer": "ABSENT_CHANGE ABSENT_WIDTH ABSENT_DEPTH PRESENT DEEPEST",
+    "material.layer": "DEEPEST",
     "material.lobe_albedo": "NODES EDGE_NODES WIDTHS FINE HEIGHTS TURNS",
     "nets.decoder": "MIN_LOG MAX_LOG EMPTY_GAIN",
     "nets.encoder": "OFFSET",

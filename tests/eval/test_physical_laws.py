@@ -1,7 +1,5 @@
 """Materials come from the public operations, and violations of physical laws are found."""
 
-import importlib
-
 import numpy as np
 import pytest
 
@@ -127,10 +125,8 @@ def test_energy_is_conserved_by_any_networks(sets, lax, monkeypatch):
         assert excess[lawful].max() < energy.SLACK + 1e-5
 
 
-def test_vanishing_coat(sets, lax, unlimited, monkeypatch):
+def test_vanishing_coat(sets, lax, unlimited):
     """Networks that always answer 1 are as far from every bottom as 1 is."""
-    layering = importlib.import_module("urushi.material.layer")  # `layer` itself is the function
-    monkeypatch.setattr(layering, "PRESENT", 0.0)  # the coat is not blended with the bottom
     figure = physical_laws.vanishing_coat(lax, sets)
     ones = np.ones_like(sets["bare"].f)
     expected = sampling.stack_errors(ones, sets["bare"]).mean()

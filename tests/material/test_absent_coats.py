@@ -1,4 +1,4 @@
-"""Coats that are hardly there: the bottom remains, its lobe included, and f changes gradually."""
+"""Coats that are hardly there: the bottom remains, and f changes gradually."""
 
 import itertools
 
@@ -9,7 +9,7 @@ from urushi.core.direction_sets import cosine_pairs
 from urushi.core.error_metrics import stack_error
 from urushi.material import Material, encode, layer
 from urushi.material.blend import COSINES, blend_lobes
-from urushi.material.layer import PRESENT, layer_texels, presence
+from urushi.material.layer import layer_texels
 from urushi.nets.lobe import reflectance
 from urushi.walk import coat, conductor, dielectric, diffuse, simulate
 
@@ -35,12 +35,11 @@ def error(a: Material, b: Material, wi, wo) -> float:
 )
 def test_the_bottom_remains(trained, pairs, bottom):
     bare = encode(bottom, trained)
-    # 1.001 is the index nearest to one. A coat of it reflects (0.0005)^2 of the light, and one
-    # hundredth of the layerer's result counts; with the thin medium two. The layerer may be wrong
-    # by half so far outside its training data.
-    assert error(layer(dielectric(0.02, 1.001), bare), bare, *pairs) < 0.005
+    # 1.001 is the index nearest to one; its coat reflects (0.0005)^2 of the light. The tolerance is
+    # the error of the networks.
+    assert error(layer(dielectric(0.02, 1.001), bare), bare, *pairs) < 0.02
     thin = layer(dielectric(0.02, 1.001), bare, sigma_t=1e-4, albedo=0.5)
-    assert error(thin, bare, *pairs) < 0.01
+    assert error(thin, bare, *pairs) < 0.02
 
 
 @pytest.mark.parametrize(
@@ -52,11 +51,9 @@ def test_the_bottom_remains(trained, pairs, bottom):
     ],
     ids=["gold", "glass", "metal"],
 )
-def test_half_present_coats_agree_with_the_walk(trained, pairs, bottom, eta):
-    """The bottom's lobe has a complex index, or one far from the coat's; no index is between.
-
-    The tolerance is that of the networks for sharp lobes under thin coats; the walks' noise is
-    below 0.5 %.
+def test_faint_coats_agree_with_the_walk(trained, pairs, bottom, eta):
+    """The tolerance is that of the networks for sharp lobes under thin coats; the walks' noise
+    is below 0.5 %.
     """
     few = [side[:300] for side in pairs]
     f, _ = simulate(coat(bottom, alpha=0.04, eta=eta), *few, walks=512, seed=5)
@@ -105,19 +102,11 @@ def test_f_changes_gradually(trained, pairs):
     assert max(steps) < 0.05
 
 
-def test_coats_that_are_there_are_not_blended():
-    eta, depth = np.array([1.05, 0.9, 1.001, 1.001, 1.5]), np.array([0.0, 0.0, 0.1, 0.0, 3.0])
-    width = np.array([0.01, 0.01, 0.01, 0.4, 0.01])
-    assert (presence(width, eta, depth) >= PRESENT).all()
-    assert presence(np.array(0.02), np.array(1.001), np.array(0.0)) < 0.02
-
-
 def test_texels_and_materials_agree(trained):
     bare = encode(conductor(0.2, r0=(0.8, 0.5, 0.3)), trained)
     eta = np.array([1.002, 1.002, 1.4])
     together = layer_texels(
-        trained, bare.anchors, alpha=0.1, eta=eta, albedo=0.5, sigma_t=0.01, g=0.0,
-        rendered=bare.latents,
-    )  # fmt: skip
+        trained, bare.anchors, alpha=0.1, eta=eta, albedo=0.5, sigma_t=0.01, g=0.0
+    )
     alone = layer(dielectric(0.1, eta), bare, albedo=0.5, sigma_t=0.01)
     np.testing.assert_array_equal(together, alone.anchors)

@@ -14,7 +14,6 @@ from urushi.material.encode import (
     required_pairs,
 )
 from urushi.material.layer import layer_texels
-from urushi.nets import weights
 from urushi.nets.weights import Model
 from urushi.walk import analytic
 
@@ -279,20 +278,3 @@ def test_sources_are_evaluated_at_the_nodes_of_the_albedo_rule(trained):
     )
     stack = urushi.coat(urushi.diffuse(0.5), alpha=0.1, eta=1.5)
     assert len(required_pairs(stack, trained)[0]) == pairs
-
-
-@pytest.mark.parametrize("name", ["default", "anisotropic"])
-def test_the_mean_of_a_bright_code_is_brought_to_its_ceiling(name):
-    """By the mean over diffuse light: 2 cos integrates to one, its cosine to two thirds."""
-    model = brighter(weights.shipped(name), 1.3)
-    rule = albedo_rule(model.widths)
-    white = np.full((1, len(model.networks.pairs()[0])), 1 / np.pi, np.float32)
-    z = encoder_codes(model, white)
-    dimmed = energy.limit_mean_albedo(model, z)
-    cosines = rule.cosines[: np.flatnonzero(rule.cosines == rule.cosines.min())[0] + 1]
-    albedos = energy.directional_albedos(model, dimmed)[0].reshape(-1, len(cosines)).mean(axis=0)
-    fine = np.linspace(0, 1, 4001)
-    curve = np.interp(fine, cosines[::-1], albedos[::-1])
-    assert abs(np.trapezoid(2 * fine * curve, fine) - (1 - energy.MARGIN)) < 1e-3
-    dark = encoder_codes(model, 0.3 * white)
-    np.testing.assert_array_equal(energy.limit_mean_albedo(model, dark), dark)

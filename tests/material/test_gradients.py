@@ -44,13 +44,8 @@ def layered(model, z, coat):
 
 
 def test_the_limit_acts_on_some_codes_and_not_on_others(gaining, inputs):
-    f, z, coat = inputs
-    unlimited = gradients._unlimited(gaining, z, coat)
-    over = gradients._limited_rows(gaining, layered(gaining, z, coat), unlimited)
-    assert 0 < len(over) < ROWS
-    over = gradients._limited_rows(
-        gaining, limit_albedo(gaining, encoder_codes(gaining, f)), encoder_codes(gaining, f)
-    )
+    _, z, coat = inputs
+    over = gradients._limited_coats(gaining, z, coat, layered(gaining, z, coat))
     assert 0 < len(over) < ROWS
 
 
@@ -89,7 +84,7 @@ def test_the_limit_follows_the_lobe(gaining, inputs):
     """More reflection at the interface leaves less for the rest, whatever the network says."""
     _, z, coat = inputs
     coated = layered(gaining, z, coat)
-    rows = gradients._limited_rows(gaining, coated, gradients._unlimited(gaining, z, coat))
+    rows = gradients._limited_coats(gaining, z, coat, coated)
     for row in rows:
         of_z = gradients._log_factor(gaining, coated[row])
         assert of_z[4] < 0  # eta above one reflects more

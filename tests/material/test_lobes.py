@@ -76,7 +76,7 @@ def test_fits_come_closer(small, plastic):
         f_hat = networks.f(codes[:, None], *networks.pairs())
         return np.abs(np.log((f_hat + 1e-3) / (f + 1e-3))).mean(axis=1)
 
-    corrected, _ = correct_codes(networks, z, f)
+    corrected = correct_codes(networks, z, f)
     aim = fit_target(networks, f[0], None, lobe)
     refined = levenberg_marquardt(networks, initial_code(networks, f[0], lobe), aim, 0.0005)
     assert (miss(corrected) < miss(z)).all()

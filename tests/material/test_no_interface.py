@@ -32,10 +32,8 @@ def test_no_interface_and_no_medium_is_the_bottom(trained, pairs, bottom):
     np.testing.assert_allclose(
         tinted.f(*pairs)[:, ::2], bare.f(*pairs)[:, ::2], rtol=0.02, atol=1e-4
     )
-    z = layer_texels(
-        trained, bare.anchors, alpha=0.4, eta=1, albedo=0, sigma_t=0, g=0, rendered=bare.latents
-    )
-    np.testing.assert_array_equal(z, bare.latents)
+    z = layer_texels(trained, bare.anchors, alpha=0.4, eta=1, albedo=0, sigma_t=0, g=0)
+    assert (error(Material(z, trained).f(*pairs), bare.f(*pairs), pairs) < 0.02).all()
 
 
 def test_an_absorbing_medium_is_beers_law(trained, pairs):

@@ -127,11 +127,8 @@ def vanishing_coat(model: Model, sets: Mapping[str, Samples]) -> Figure:
     for samples in sets.values():
         if samples.table.coats:
             continue
-        bare = predict.materials(model, samples)
-        anchors, codes = (
-            np.concatenate([getattr(m, name) for m in bare]) for name in ("anchors", "latents")
-        )
-        layered = layer_texels(model, anchors, rendered=codes, **VANISHING)
+        anchors = np.concatenate([m.anchors for m in predict.materials(model, samples)])
+        layered = layer_texels(model, anchors, **VANISHING)
         coated = predict.split(Material(layered, model))
         f_hat = predict.evaluate(coated, samples.wi, samples.wo)
         errors.append(sampling.stack_errors(f_hat, samples))

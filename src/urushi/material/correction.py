@@ -21,10 +21,8 @@ CORRECTION_STEPS, CORRECTION_DAMPING = 2, 1e-3
 FITTED_PAIRS, CHECKED_PAIRS = slice(0, None, 2), slice(1, None, 2)
 
 
-def correct_codes(
-    networks: UrushiNetworks, z: np.ndarray, f: np.ndarray
-) -> tuple[np.ndarray, np.ndarray]:
-    """Return corrected codes, and factors by which the encoder's codes are too bright.
+def correct_codes(networks: UrushiNetworks, z: np.ndarray, f: np.ndarray) -> np.ndarray:
+    """Return corrected codes.
 
     Args:
         networks: the networks.
@@ -32,16 +30,13 @@ def correct_codes(
         f: (C, P) values [1/sr] at `networks.pairs`.
 
     Returns:
-        Codes float32 (C, L) whose error is at most that of z, and the greatest ratios (C,) of the
-        values that z decodes to and f.
+        Codes float32 (C, L) whose error is at most that of z.
     """
     with one_blas_thread():
         return _corrected(networks, z, f)
 
 
-def _corrected(
-    decoder: UrushiNetworks, z: np.ndarray, f: np.ndarray
-) -> tuple[np.ndarray, np.ndarray]:
+def _corrected(decoder: UrushiNetworks, z: np.ndarray, f: np.ndarray) -> np.ndarray:
     features = probe_features(decoder)
     logs = np.log(f + DARK_OFFSET)
     top = np.broadcast_to(decoder.top(z[:, None], *decoder.pairs()), f.shape)
@@ -67,7 +62,7 @@ def _corrected(
         rows = rows[~better]
         if not len(rows):
             break
-    return best, np.exp(before.max(axis=-1))
+    return best
 
 
 def _correction_steps(

@@ -39,10 +39,6 @@ from urushi.walk import Stack
 UNUSUAL_RESIDUAL = 0.3
 
 
-#: Share of the rest in the light of a source: up to the first, the anchor leaves the rest out; from
-#: the second, it keeps the whole rest.
-FAINT_REST = (0.03, 0.08)
-
 #: Errors of an anchor, over those of its lobe alone, up to which its rest is kept whole, and from
 #: which it is left out; and the error of the lobe alone up to which this is looked at.
 HELPFUL_REST, NEAR_LOBE = (1.0, 1.1), 0.3
@@ -297,12 +293,9 @@ def material_from_values(
         rule = albedo_rule(model.widths)
         source_albedo = _source_albedos(nodes, lobe, rule)
         ceiling = energy.albedo_ceiling(source_albedo, rule)
-    share = np.ones(len(probed))
-    if nodes is not None:
-        share = _rest_share(source_albedo, lobe, rule)
     if not refine:
         anchors = encoder_codes(model, probed, lobe)
-        codes, excess = correct_codes(model.networks, anchors, probed)
+        codes = correct_codes(model.networks, anchors, probed)
         if refine is None:
             refine = bool((residual(model, codes, probed) > UNUSUAL_RESIDUAL).any())
     if refine:
@@ -311,37 +304,11 @@ def material_from_values(
             anchors = with_dielectrics_in_rests(model, anchors, probed)
         both = np.stack([codes, anchors])
         codes, anchors = energy.limit_albedo(model, both, ceiling)
-        anchors = without_useless_rests(model, anchors, probed)
-        return Material(codes, model, _without_faint_rest(model, anchors, share))
+        return Material(codes, model, without_useless_rests(model, anchors, probed))
     if fitted:
         anchors = with_dielectrics_in_rests(model, anchors, probed)
-    # Anchors are never rendered. They are limited only where they would bring light into a coat,
-    # and by their mean: an excess at grazing angles, which few paths in a coat have, would
-    # darken all others.
-    bright = source_albedo.max(axis=-1) * excess > 1 - energy.MARGIN
-    if bright.any():
-        peak = energy.peak_ceiling(source_albedo)
-        anchors[bright] = energy.limit_mean_albedo(model, anchors[bright], peak[bright])
     anchors = without_useless_rests(model, anchors, probed)
-    anchors = _without_faint_rest(model, anchors, share)
     return Material(energy.limit_albedo(model, codes, ceiling), model, anchors)
-
-
-def _rest_share(source_albedo: np.ndarray, lobe: np.ndarray, rule: AlbedoRule) -> np.ndarray:
-    """The fraction (C,) of the light of sources of albedos (C, D) that their lobes (C, N) do not
-    reflect."""
-    own = lobe_albedos(lobe, rule).mean(axis=-1)
-    return np.maximum(1 - own / np.maximum(source_albedo.mean(axis=-1), energy.LEAST_ALBEDO), 0)
-
-
-def _without_faint_rest(model: Model, anchors: np.ndarray, share: np.ndarray) -> np.ndarray:
-    """Anchors (C, L) without their rests where the rest's share (C,) of the light is small.
-
-    The layerer was trained on bare lobes and on rests that are visible. A faint rest, such as the
-    error of a fitted lobe, has an arbitrary code, over which coats have errors of up to a tenth of
-    their light.
-    """
-    return _with_rests(model, anchors, _ramp(share, FAINT_REST))
 
 
 def with_dielectrics_in_rests(model: Model, anchors: np.ndarray, f: np.ndarray) -> np.ndarray:
@@ -382,30 +349,13 @@ def without_useless_rests(model: Model, anchors: np.ndarray, f: np.ndarray) -> n
     if not near.any():
         return anchors
     decoded = networks.rest(anchors[near, None], probe_features(networks))
-    errors = np.abs(rest[near] - decoded) @ weight
-    kept = np.ones(len(anchors))
-    kept[near] -= _ramp(errors / np.maximum(alone[near], energy.LEAST_ALBEDO), HELPFUL_REST)
-    return _with_rests(model, anchors, kept)
-
-
-def _with_rests(model: Model, anchors: np.ndarray, kept: np.ndarray) -> np.ndarray:
-    """Anchors (C, L), blended with anchors of their lobes alone; kept: (C,) share of the former.
-
-    The same bits where that is one.
-    """
-    partly = kept < 1
-    if not partly.any():
-        return anchors
-    result, share = np.array(anchors), kept[partly, None].astype(np.float32)
-    bare = bare_anchors(model, anchors[partly, : model.arch.lobe])
-    result[partly] = share * anchors[partly] + (1 - share) * bare
+    errors = np.abs(rest[near] - decoded) @ weight / np.maximum(alone[near], energy.LEAST_ALBEDO)
+    low, high = HELPFUL_REST
+    kept = np.clip((high - errors) / (high - low), 0, 1)[:, None].astype(np.float32)
+    result = np.array(anchors)
+    bare = bare_anchors(model, anchors[near, : model.arch.lobe])
+    result[near] = np.where(kept == 1, anchors[near], kept * anchors[near] + (1 - kept) * bare)
     return result
-
-
-def _ramp(x: np.ndarray, ends: tuple[float, float]) -> np.ndarray:
-    """0 up to the first of two ends, 1 from the second on, and linear between them."""
-    low, high = ends
-    return np.clip((x - low) / (high - low), 0, 1)
 
 
 def _lobes_of_channels(model: Model, f: np.ndarray, lobe: np.ndarray | None) -> np.ndarray:

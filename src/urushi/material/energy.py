@@ -123,49 +123,6 @@ def limit_albedo(
     return _scaled(model, z, _limiting_factors(model, z, ceiling))
 
 
-def limit_mean_albedo(
-    model: Model, z: np.ndarray, ceiling: np.ndarray | float = 1 - MARGIN
-) -> np.ndarray:
-    """Scale codes down so that the mean of their directional albedo is not above a ceiling.
-
-    The mean is over diffuse light. Codes whose albedo is nowhere above the ceiling are not changed.
-
-    Args:
-        model: the networks.
-        z: float32 (N, L).
-        ceiling: a number, or an array (N, 1).
-    """
-    over = _limiting_factors(model, z, ceiling) < 1
-    if not over.any():
-        return z
-    if isinstance(ceiling, np.ndarray):
-        ceiling = ceiling[over, 0]
-    result = np.array(z)
-    result[over] = _scaled(model, z[over], _mean_factors(model, z[over], ceiling))
-    return result
-
-
-def _mean_factors(model: Model, z: np.ndarray, ceiling: np.ndarray | float) -> np.ndarray:
-    """The factors (N,) in (0, 1] that bring the mean albedo of codes (N, L) to a ceiling."""
-    widths = _diffuse_weights(albedo_rule(model.arch.widths))
-    allowed = np.maximum(ceiling - top_albedos(model, z) @ widths, LEAST_REST)
-    factors = allowed / np.maximum(rest_albedos(model, z) @ widths, LEAST_ALBEDO)
-    return np.minimum(factors, 1).astype(np.float32)
-
-
-def _diffuse_weights(rule: AlbedoRule) -> np.ndarray:
-    """Weights (D,) of a rule's albedos in their mean over diffuse light.
-
-    They integrate by the square of the cosine, and average over the azimuths.
-    """
-    azimuths = int(np.count_nonzero(rule.cosines == 1))  # each begins at the normal
-    squares = np.square(rule.cosines).reshape(azimuths, -1)
-    steps = 0.5 * (squares[:, :-1] - squares[:, 1:])
-    weights = np.pad(steps, ((0, 0), (0, 1))) + np.pad(steps, ((0, 0), (1, 0)))
-    weights[:, -1] += squares[:, -1]
-    return weights.ravel() / azimuths
-
-
 def as_rendered(model: Model, z_bottom: np.ndarray) -> np.ndarray:
     """Codes (..., L) of bottoms as they are rendered: without the rests of bare surfaces.
 

@@ -7,7 +7,7 @@ factor is what the code's lobe leaves of the ceiling over the albedo of the rest
 least; the gain follows its logarithm.
 """
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
@@ -15,9 +15,8 @@ import numpy as np
 from urushi.checks import MIN_ALPHA, CoatParameters
 from urushi.material import energy
 from urushi.material.albedo_rule import albedo_rule
-from urushi.material.blend import blend_lobes
 from urushi.material.fit import refined_slopes
-from urushi.material.layer import PRESENT, presence
+from urushi.material.layer import absent
 from urushi.material.lobe_albedo import lobe_albedos
 from urushi.nets import derivatives
 from urushi.nets import lobe as lobes
@@ -51,24 +50,27 @@ def layer_pushforward(
     """Return the change (N, L) of `layer_texels`' codes z (N, L).
 
     z_bottom (N, L): the bottoms' codes; coat (N, C): columns `checks.COAT_COLUMNS`; dz_bottom and
-    dcoat: their changes. Where a coat is nearly absent, the limit's factor is a constant.
+    dcoat: their changes. A coat that is absent changes the code of the bottom by its own change.
     """
     gain = model.arch.lobe
     dcoat = np.where(_without_meaning(coat), 0, dcoat)
 
     def block(z_bottom, coat, z, dz_bottom, dcoat):
-        inside, medium = _inside(coat)
+        (inside, medium), none = _inside(coat), _absent(coat)
         dz = derivatives.layer_pushforward(
-            model.params, model.arch, z_bottom, coat, dz_bottom, np.where(medium, 0, dcoat)
+            model.params,
+            model.arch,
+            z_bottom,
+            coat,
+            np.where(none, 0, dz_bottom),
+            np.where(medium, 0, dcoat),
         )
         dz += derivatives.layer_pushforward(
             model.params, model.arch, z_bottom, inside, 0 * dz_bottom, medium * dcoat
         )
         for row in _limited_coats(model, z_bottom, coat, z):
             dz[row, gain] += _log_factor(model, z[row]) @ dz[row]
-        for row, of_rendered, of_coated, of_coat in _fading(model, z_bottom, coat):
-            dz[row] = of_rendered @ dz_bottom[row] + of_coated @ dz[row] + of_coat @ dcoat[row]
-        return dz
+        return dz + np.where(none & _rendered(model, z_bottom), dz_bottom, 0)
 
     return _fill_rows(model.arch.latent, block, z_bottom, coat, z, dz_bottom, dcoat)
 
@@ -83,19 +85,16 @@ def layer_pullback(
     gain = model.arch.lobe
 
     def block(z_bottom, coat, z, dz):
-        dz, beside = dz.copy(), np.zeros((len(dz), z.shape[-1] + coat.shape[-1]))
+        (inside, medium), none = _inside(coat), _absent(coat)
+        kept, dz = np.where(none & _rendered(model, z_bottom), dz, 0), dz.copy()
         for row in _limited_coats(model, z_bottom, coat, z):
             dz[row] += dz[row, gain] * _log_factor(model, z[row])
-        for row, of_rendered, of_coated, of_coat in _fading(model, z_bottom, coat):
-            beside[row] = dz[row] @ np.concatenate([of_rendered, of_coat], axis=-1)
-            dz[row] = dz[row] @ of_coated
-        inside, medium = _inside(coat)
         of_bottom, of_coat = derivatives.layer_pullback(
             model.params, model.arch, z_bottom, coat, dz
         )
         _, of_inside = derivatives.layer_pullback(model.params, model.arch, z_bottom, inside, dz)
         of_coat = np.where(medium, medium * of_inside, of_coat)
-        return np.concatenate([of_bottom, of_coat], axis=-1) + beside
+        return np.concatenate([np.where(none, kept, of_bottom), of_coat], axis=-1)
 
     both = _fill_rows(model.arch.latent + coat.shape[-1], block, z_bottom, coat, z, dz)
     of_coat = np.where(_without_meaning(coat), 0, both[:, model.arch.latent :])
@@ -217,24 +216,23 @@ def _fill_rows(columns: int, block, *arrays: np.ndarray) -> np.ndarray:
     return result
 
 
-def _unlimited(model: Model, z_bottom: np.ndarray, coat: np.ndarray) -> np.ndarray:
-    """The layerer's output before energy is limited: codes (N, L)."""
-    return model.networks.layer(z_bottom, CoatParameters.of_columns(coat.T))
+def _absent(coat: np.ndarray) -> np.ndarray:
+    """`layer.absent` (N, 1) of coats (N, C)."""
+    return absent(CoatParameters.of_columns(coat.T))[:, None]
 
 
-def _limited_rows(model: Model, z: np.ndarray, unlimited: np.ndarray) -> np.ndarray:
-    """The rows (K,) of codes that the limit scaled down."""
-    gain = model.arch.lobe
-    return np.flatnonzero(z[:, gain] < unlimited[:, gain] - _ROUNDING)
+def _rendered(model: Model, z: np.ndarray) -> np.ndarray:
+    """Which numbers (N, L) of codes z (N, L) are rendered: not the rests of bare surfaces."""
+    return (np.arange(z.shape[-1]) < model.arch.lobe) | ~energy.are_bare(model, z)[:, None]
 
 
 def _limited_coats(
     model: Model, z_bottom: np.ndarray, coat: np.ndarray, z: np.ndarray
 ) -> np.ndarray:
     """The rows (K,) of codes z of coats (N, C) that the limit scaled down."""
-    rows = _limited_rows(model, z, _unlimited(model, z_bottom, coat))
-    chosen = CoatParameters.of_columns(coat[rows].T)
-    return rows[presence(chosen.alpha, chosen.eta, chosen.sigma_t) >= PRESENT]
+    gain = model.arch.lobe
+    unlimited = model.networks.layer(z_bottom, CoatParameters.of_columns(coat.T))
+    return np.flatnonzero((z[:, gain] < unlimited[:, gain] - _ROUNDING) & ~_absent(coat)[:, 0])
 
 
 def _inside(coat: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -249,72 +247,6 @@ def _inside(coat: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     medium[:, 2:5] = (inside != coat).any(axis=-1, keepdims=True)
     medium[:, [2, 4]] *= (coat[:, 3] / inside[:, 3])[:, None]
     return inside, medium
-
-
-def _fading(
-    model: Model, z_bottom: np.ndarray, coat: np.ndarray
-) -> Iterator[tuple[int, np.ndarray, np.ndarray, np.ndarray]]:
-    """The rows of nearly absent coats (N, C), and the derivatives of their blends with the bottom.
-
-    These are (L, L) by the bottom's code, (L, L) by that of the whole coat, and (L, C) by the coat.
-    """
-    columns = list(coat.T.astype(np.float64))
-    share = _presence(columns)
-    rows = np.flatnonzero(share < PRESENT)
-    if not len(rows):
-        return
-    coated = _unlimited(model, z_bottom[rows], coat[rows])
-    stepped = [[*columns[:i], columns[i] + 1e-20j, *columns[i + 1 :]] for i in range(len(columns))]
-    slopes = np.stack([_presence(each).imag / 1e-20 for each in stepped], axis=-1)
-    size, lobe = model.arch.latent, model.arch.lobe
-    for row, whole in zip(rows, coated, strict=True):
-        bottom = energy.as_rendered(model, z_bottom[row])
-        jacobian = _blend_slopes(model, bottom, whole, float(share[row]))
-        if energy.are_bare(model, z_bottom[row]):
-            jacobian[:, lobe:size] = 0  # its rest is not rendered
-        of_share = np.outer(jacobian[:, -1], slopes[row])
-        yield int(row), jacobian[:, :size], jacobian[:, size : 2 * size], of_share
-
-
-def _presence(columns: list[np.ndarray]) -> np.ndarray:
-    """`layer.presence` (N,) of the columns of coats."""
-    coat = CoatParameters.of_columns(columns)
-    return presence(coat.alpha, coat.eta, coat.sigma_t)
-
-
-def _blend_slopes(model: Model, a: np.ndarray, b: np.ndarray, share: float) -> np.ndarray:
-    """Derivatives (L, 2 L + 1) of `blend_codes` of codes a and b (L,) by a, b and the share."""
-    size, lobe = len(a), model.arch.lobe
-    result = np.zeros((size, 2 * size + 1))
-    x = np.concatenate([a[:lobe], b[:lobe], [share]]).astype(np.float64)
-    steps = _LOBE_STEP * np.eye(len(x))
-    upper, lower = (
-        blend_lobes(y[:, :lobe], y[:, lobe:-1], y[:, -1]) for y in (x + steps, x - steps)
-    )
-    places = [*range(lobe), *range(size, size + lobe), 2 * size]
-    result[:lobe, places] = (upper - lower).T / (2 * _LOBE_STEP)
-
-    light_a, slope_a = _mean_rest(model, a)
-    light_b, slope_b = _mean_rest(model, b)
-    wanted = (1 - share) * light_a + share * light_b
-    part = share * light_b / wanted
-    light, slope = _mean_rest(model, (1 - part) * a + part * b)
-    of_wanted = np.concatenate([(1 - share) * slope_a, share * slope_b, [light_b - light_a]])
-    of_part = np.concatenate([0 * slope_a, share * slope_b, [light_b]]) - part * of_wanted
-    eye, none = np.eye(size - lobe), np.zeros((size - lobe, 1))
-    rest = np.concatenate([(1 - part) * eye, part * eye, none], axis=-1)
-    rest += np.outer(b[lobe:] - a[lobe:], of_part / wanted)
-    rest[0] += of_wanted / wanted - slope @ rest / light
-    places = [*range(lobe, size), *range(size + lobe, 2 * size + 1)]
-    result[lobe:, places] = rest
-    return result
-
-
-def _mean_rest(model: Model, z: np.ndarray) -> tuple[float, np.ndarray]:
-    """The mean albedo of the rest of a code z (L,) over the angles, and its slope (R,)."""
-    rest, slopes, _, _ = _albedos(model, z.astype(np.float32))
-    mean = np.mean([slopes(angle) for angle in range(len(rest))], axis=0)
-    return max(float(rest.mean()), 1e-30), mean
 
 
 def _log_factor(model: Model, z: np.ndarray) -> np.ndarray:

@@ -11,7 +11,6 @@ from urushi import checks
 from urushi.checks import CoatParameters, Widths
 from urushi.core.appearance import described
 from urushi.errors import ParameterError
-from urushi.material.blend import blend_codes
 from urushi.material.coated_table import coated_table
 from urushi.material.encode import encode
 from urushi.material.energy import as_rendered, limit_albedo
@@ -23,10 +22,6 @@ from urushi.nets.weights import Model, Weights, anisotropic_model, default_model
 from urushi.parallel import fill_blocks
 from urushi.walk import Dielectric
 from urushi.walk.stack import under as described_under
-
-#: Values of (eta - 1) / (eta + 1), of alpha and of sigma_t at which 1 - 1/e of a coat is present,
-#: and the share from which all of it is.
-ABSENT_CHANGE, ABSENT_WIDTH, ABSENT_DEPTH, PRESENT = 0.005, 0.2, 0.01, 0.999
 
 #: Optical depth to which deeper media are cut: up to here the networks are closest to a medium at
 #: its own depth.
@@ -158,38 +153,37 @@ def under(bottom: Any, index: npt.ArrayLike) -> Any:
 def layer_material(coat: CoatParameters, bottom: Material) -> Material:
     """`layer` for checked parameters: arrays (C,), (1,) or ().
 
-    If the bottom has a table, or the coat's index is one for which codes fade (`presence`), or its
-    medium is outside the networks' training data, the result has a table of the rest beside the
-    coat's lobe. The bottom under no interface and no medium is returned as it is.
+    If the bottom has a table, or the coat is outside the networks' training data, the result has a
+    table of the rest beside the coat's lobe. The bottom under no interface and no medium is
+    returned as it is.
     """
     model = bottom.model
     coat = _for_networks(model, coat)
-    absent = (coat.eta == 1) & (coat.sigma_t == 0)
-    if absent.all():
+    none = absent(coat)
+    if none.all():
         return bottom
-    codes = _layered(model, bottom.anchors, coat)
-    anchors = _without_absent_coats(model, codes, bottom.anchors, coat, bottom.latents)
+    latents = anchors = codes = _layered(model, bottom.anchors, coat)
+    if none.any():
+        latents, anchors = (
+            np.where(none[..., None], below, codes) for below in (bottom.latents, bottom.anchors)
+        )
     below = _tabulated(bottom, coat)
     if below is None:
-        return Material(anchors, model, rotation=bottom.rotation)
+        return Material(latents, model, anchors, rotation=bottom.rotation)
     assert below.table is not None  # for the type checker
     table = coated_table(below, coat, codes[:, : model.arch.lobe])
-    table = np.where(absent, below.table, table)
-    if below.beside_lobe:
-        numbers = np.arange(codes.shape[1]) < model.arch.lobe
-        codes = np.where(absent[..., None] & numbers, below.latents, codes)
-    return Material(codes, model, anchors, table, beside_lobe=True)
+    table = np.where(none, below.table, table)
+    return Material(
+        latents if below.beside_lobe else codes, model, anchors, table, beside_lobe=True
+    )
 
 
 def _tabulated(bottom: Material, coat: CoatParameters) -> Material | None:
     """The bottom with a table, under a coat that needs one; None: networks layer it."""
     if bottom.table is not None:
         return bottom
-    none = np.zeros(())
-    if bottom.model.widths != 1:
-        return None
-    codes_fade = (presence(none, coat.eta, none) < PRESENT).any()
-    if not (codes_fade or checks.outside_training(coat)):
+    no_interface = bool((coat.eta == 1).any())  # the networks have not seen this index
+    if bottom.model.widths != 1 or not (no_interface or checks.outside_training(coat)):
         return None
     table = rest_table(bottom.model.networks, bottom.latents)
     if table is None:
@@ -243,7 +237,6 @@ def layer_texels(
     albedo: npt.ArrayLike,
     sigma_t: npt.ArrayLike,
     g: npt.ArrayLike,
-    rendered: np.ndarray | None = None,
 ) -> np.ndarray:
     """Coat many texels by the layering network.
 
@@ -253,12 +246,11 @@ def layer_texels(
         alpha, eta: of the coat's interface; albedo, sigma_t, g: of the medium below it. Arrays
             that broadcast against each other and against z_bottom's leading shape, e.g. (H, W, 3).
             alpha is `Widths` of two such arrays for anisotropic networks, or one for equal widths.
-        rendered: codes (..., L) by which the bottoms are evaluated, if these are others; they
-            remain where a coat is absent (`presence`).
 
     Returns:
-        float32 (..., L), of the shape that all of them broadcast to. Under an index of at least 1
-        their directional albedo is at most 1 (see `urushi.material.energy`).
+        float32 (..., L), of the shape that all of them broadcast to; the bottom's where a coat has
+        neither an interface nor a medium. Under an index of at least 1 their directional albedo is
+        at most 1 (see `urushi.material.energy`).
 
     Raises:
         ParameterError: a parameter is out of range, or the shapes do not broadcast, or there are
@@ -267,12 +259,12 @@ def layer_texels(
     coat = _for_networks(model, CoatParameters(alpha, eta, albedo, sigma_t, g))
     coat = checks.coat(coat, "the coat's", any_shape=True)
     z = np.asarray(z_bottom, np.float32)
-    return _without_absent_coats(model, _layered(model, z, coat), z, coat, rendered)
+    codes, none = _layered(model, z, coat), absent(coat)
+    return np.where(none[..., None], as_rendered(model, z), codes) if none.any() else codes
 
 
 def _layered(model: Model, z: np.ndarray, coat: CoatParameters) -> np.ndarray:
-    """`layer_texels` of codes float32 z (..., L) for a coat of checked float64 arrays, as if no
-    coat were absent."""
+    """`layer_texels` of codes float32 z (..., L) and checked coats, none of which is absent."""
     columns = coat.columns()
     try:
         shape = np.broadcast_shapes(z.shape[:-1], *(p.shape for p in columns))
@@ -343,38 +335,9 @@ def check_ratios(model: Model, z: np.ndarray, coat: CoatParameters) -> None:
             )
 
 
-def presence(alpha: np.ndarray | Widths, eta: np.ndarray, sigma_t: np.ndarray) -> np.ndarray:
-    """The weight (...) of the layered code in `layer_texels`: 0 for an invisible coat, up to 1.
-
-    A smooth interface of an index close to 1 and a thin medium leave the bottom unchanged, its lobe
-    included. The layerer cannot express this, because the coat's interface is the only lobe of its
-    result. A rough interface of such an index is visible: its facets mask and shadow each other. An
-    index of 1 is no interface.
-    Two widths are replaced by their root mean square.
-    """
-    change = (eta - 1.0) / (eta + 1.0) / ABSENT_CHANGE
-    square = alpha**2 if not isinstance(alpha, Widths) else 0.5 * (alpha.u**2 + alpha.v**2)
-    width = np.where(np.real(eta) == 1, 0, square) / ABSENT_WIDTH**2
-    return 1.0 - np.exp(-(change * change) - width * width - sigma_t / ABSENT_DEPTH)
-
-
-def _without_absent_coats(
-    model: Model,
-    coated: np.ndarray,
-    z: np.ndarray,
-    coat: CoatParameters,
-    rendered: np.ndarray | None,
-) -> np.ndarray:
-    """Codes (..., L) of coats, blended with those of the bottoms where the `presence` is low."""
-    share = presence(coat.alpha, coat.eta, coat.sigma_t)
-    if (share >= PRESENT).all():
-        return coated
-    bottoms = as_rendered(model, z) if rendered is None else rendered
-    share = np.broadcast_to(share, coated.shape[:-1]).astype(np.float32)
-    fading, result = share < PRESENT, np.array(coated)
-    bottoms = np.broadcast_to(bottoms, coated.shape)[fading]
-    result[fading] = blend_codes(model, bottoms, coated[fading], share[fading])
-    return result
+def absent(coat: CoatParameters) -> np.ndarray:
+    """Whether coats have neither an interface nor a medium; bool (...)."""
+    return (np.asarray(coat.eta) == 1) & (np.asarray(coat.sigma_t) == 0)
 
 
 def _with_leading_axes(array: np.ndarray, dimensions: int) -> np.ndarray:

@@ -1,13 +1,12 @@
 /** The core: networks and energy limit behind the interface of `api.ts`. */
 
 import type { Bottom, Coat, Core, Material, Stack } from "./api";
-import { blended, presence } from "./blend";
 import { CHANNELS, firstSame, joined, rows, sameNumbers } from "./channels";
 import { Decoder } from "./decoder";
 import { Encoder } from "./encoder";
 import { EnergyLimit } from "./energy";
 import { Evaluation } from "./evaluation";
-import { ENERGY, LAYER } from "./formulas";
+import { ENERGY } from "./formulas";
 import { Layerer, withinTraining } from "./layerer";
 import { noLobe } from "./lobe";
 import { MeasuredEncoder } from "./measured_encoder";
@@ -64,8 +63,7 @@ export class NetworkCore extends Evaluation implements Core {
   layer(stack: Stack): Material {
     let material = this.encode(stack.bottom);
     for (let k = stack.coats.length - 1; k >= 0; k--) {
-      const latents = this.coated(material, stack.coats[k]);
-      material = { latents, anchors: latents };
+      material = this.coated(material, stack.coats[k]);
     }
     return material;
   }
@@ -84,14 +82,13 @@ export class NetworkCore extends Evaluation implements Core {
     this.energy.lobeAlbedo.prepare(index);
   }
 
-  /** Codes (3, L) of a bottom under a coat. */
-  private coated(bottom: Material, coat: Coat): Float32Array {
+  /** A bottom under a coat, which leaves it as it is without an interface and a medium. */
+  private coated(bottom: Material, coat: Coat): Material {
     const anchors = rows(bottom.anchors, this.latentSize);
     const latents = rows(bottom.latents, this.latentSize);
     const coats = anchors.map((_, channel) => coatOfChannel(coat, channel));
     const isSame = (a: number, b: number) =>
       sameNumbers(anchors[a], anchors[b]) &&
-      sameNumbers(latents[a], latents[b]) &&
       sameNumbers(Object.values(coats[a]), Object.values(coats[b]));
     const own = anchors.map((_, channel) => firstSame(channel, isSame));
     const kept = own.filter((channel, place) => channel === place);
@@ -99,13 +96,14 @@ export class NetworkCore extends Evaluation implements Core {
       kept.map((channel) => anchors[channel]),
       kept.map((channel) => withinTraining(coats[channel])),
     );
-    const codes = layered.map((code, place) => {
-      const channel = kept[place];
+    for (const code of layered) {
       this.energy.limit(code, 1 - ENERGY.MARGIN);
-      const share = presence(coats[channel]);
-      return share < LAYER.PRESENT ? blended(this.energy, latents[channel], code, share) : code;
-    });
-    return joined(own.map((channel) => codes[kept.indexOf(channel)]));
+    }
+    const codes = own.map((channel) => layered[kept.indexOf(channel)]);
+    const absent = coats.map(({ eta, sigmaT }) => eta === 1 && sigmaT === 0);
+    const chosen = (below: Float32Array[]) =>
+      joined(codes.map((code, channel) => (absent[channel] ? below[channel] : code)));
+    return { latents: chosen(latents), anchors: chosen(anchors) };
   }
 
   private checked(codes: Float32Array): Float32Array {

@@ -14,12 +14,6 @@ const { CORRECTION_STEPS, CORRECTION_DAMPING } = CORRECTION;
 const { OFFSET } = ENCODER;
 const { DARK_OFFSET } = ERROR_METRICS;
 
-/** A corrected code, and the factor by which the encoder's own is too bright somewhere. */
-export interface Correction {
-  readonly code: Float32Array;
-  readonly excess: number;
-}
-
 export class Encoder {
   /** The pairs at which values are needed. */
   readonly pairs: Pairs;
@@ -67,11 +61,10 @@ export class Encoder {
    * See Python's `material.fit.correct_codes`. The result is the last code that is better than the
    * given one at all pairs, or that one.
    */
-  correct(code: Float32Array, f: ArrayLike<number>): Correction {
+  correct(code: Float32Array, f: ArrayLike<number>): Float32Array {
     const top = lobeValues(code, this.pairs);
     const logs = Float64Array.from(f, (value) => Math.log(value + DARK_OFFSET));
-    const before = this.errors(code, top, logs);
-    const least = totalLoss(before);
+    const least = totalLoss(this.errors(code, top, logs));
     const tried: Float32Array[] = [];
     let current = code;
     for (let step = 0; step < CORRECTION_STEPS; step++) {
@@ -79,7 +72,7 @@ export class Encoder {
       tried.unshift(current);
     }
     const better = tried.find((candidate) => totalLoss(this.errors(candidate, top, logs)) < least);
-    return { code: better ?? code.slice(), excess: Math.exp(Math.max(...before)) };
+    return better ?? code.slice();
   }
 
   /** Errors of ln(f + offset) of a code at all probe pairs. */

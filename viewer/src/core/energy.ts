@@ -38,34 +38,6 @@ export class EnergyLimit {
     this.scaleBy(code, this.factor(code, ceiling));
   }
 
-  /** `limit` by the mean albedo over diffuse light, for a code that is anywhere above a ceiling. */
-  limitMean(code: Float32Array, ceiling: number): void {
-    if (this.factor(code, ceiling) >= 1) {
-      return;
-    }
-    const top = new Float64Array(this.rule.cosines.length);
-    this.lobeAlbedo.add(code, 0, top);
-    const allowed = Math.max(ceiling - this.diffuseMean(top), LEAST_REST);
-    const rest = Math.max(this.diffuseMean(this.restAlbedos(code)), LEAST_ALBEDO);
-    this.scaleBy(code, Math.min(allowed / rest, 1));
-  }
-
-  /** The mean over diffuse light of albedos (D): integrated by the square of the cosine. */
-  private diffuseMean(albedos: Float64Array): number {
-    const { cosines } = this.rule;
-    let sum = 0;
-    let azimuths = 0;
-    for (let d = 0; d < cosines.length; d++) {
-      const last = d + 1 === cosines.length || cosines[d + 1] === 1;
-      azimuths += cosines[d] === 1 ? 1 : 0;
-      const square = cosines[d] ** 2;
-      sum += last
-        ? square * albedos[d]
-        : 0.5 * (square - cosines[d + 1] ** 2) * (albedos[d] + albedos[d + 1]);
-    }
-    return sum / azimuths;
-  }
-
   /** Directional albedos (D) of a code at the rule's cosines. */
   albedos(code: ArrayLike<number>): Float64Array {
     const albedos = this.restAlbedos(code);
@@ -73,15 +45,10 @@ export class EnergyLimit {
     return albedos;
   }
 
-  /** The greatest permitted albedo of a code, from those of its source. */
-  peakCeiling(own: Float64Array): number {
-    const peak = greatest(own);
-    return peak > 1 + TOLERANCE ? peak : 1 - MARGIN;
-  }
-
   /** Ceiling (D) of a code's albedos, from those of its source. */
   ceilingOf(own: Float64Array): Float64Array {
-    const top = this.peakCeiling(own);
+    const peak = greatest(own);
+    const top = peak > 1 + TOLERANCE ? peak : 1 - MARGIN;
     return own.map((albedo, d) =>
       this.rule.cosines[d] < GRAZING ? top : Math.min(albedo + SLACK, top),
     );

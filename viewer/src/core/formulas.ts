@@ -51,11 +51,6 @@ export const ALBEDO_RULE = {
   LEAST_TANGENT: 0.001,
 } as const;
 
-/** Of `urushi.material.blend` of Python. */
-export const BLEND = {
-  COSINES: [1, 0.8, 0.6, 0.4, 0.2],
-} as const;
-
 /** Of `urushi.material.correction` of Python. */
 export const CORRECTION = {
   CORRECTION_STEPS: 2,
@@ -64,7 +59,6 @@ export const CORRECTION = {
 
 /** Of `urushi.material.encode` of Python. */
 export const ENCODE = {
-  FAINT_REST: [0.03, 0.08],
   HELPFUL_REST: [1, 1.1],
   NEAR_LOBE: 0.3,
 } as const;
@@ -99,10 +93,6 @@ export const FIT = {
 
 /** Of `urushi.material.layer` of Python. */
 export const LAYER = {
-  ABSENT_CHANGE: 0.005,
-  ABSENT_WIDTH: 0.2,
-  ABSENT_DEPTH: 0.01,
-  PRESENT: 0.999,
   DEEPEST: 12,
 } as const;
 

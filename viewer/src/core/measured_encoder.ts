@@ -12,7 +12,7 @@ import { readMeasured, valuesAt } from "./measured/read";
 import { probeDirections } from "./probe_pairs";
 import { difference, type Refinement } from "./refinement";
 
-const { FAINT_REST, HELPFUL_REST, NEAR_LOBE } = ENCODE;
+const { HELPFUL_REST, NEAR_LOBE } = ENCODE;
 
 export class MeasuredEncoder {
   /** @param nothing the rest that the encoder makes of none. */
@@ -51,18 +51,16 @@ export class MeasuredEncoder {
     const lobe = findLobe(encoder.pairs, probed);
     const own = new Float64Array(energy.rule.cosines.length);
     addAlbedos(energy.rule, difference(nodes, lobeValues(lobe, energy.rule.pairs)), own);
-    const rest = sum(own);
     energy.lobeAlbedo.add(lobe, 0, own);
-    const share = rest / Math.max(sum(own), Number.MIN_VALUE);
     const ceiling = energy.ceilingOf(own);
     const codes = this.refinement.refine(lobe, probed, nodes);
     energy.limit(codes.code, ceiling);
     energy.limit(codes.anchor, ceiling);
     const { alone, relative } = this.refinement.errorsOf(codes.anchor, probed);
     if (alone < NEAR_LOBE) {
-      this.keepRest(codes.anchor, 1 - ramp(relative, HELPFUL_REST));
+      const [low, high] = HELPFUL_REST;
+      this.keepRest(codes.anchor, Math.min(Math.max((high - relative) / (high - low), 0), 1));
     }
-    this.keepRest(codes.anchor, ramp(share, FAINT_REST));
     return codes;
   }
 
@@ -73,13 +71,4 @@ export class MeasuredEncoder {
       anchor[lobe + k] = kept * anchor[lobe + k] + (1 - kept) * number;
     });
   }
-}
-
-/** 0 up to the first of two ends, 1 from the second on, and linear between them. */
-function ramp(x: number, [low, high]: readonly number[]): number {
-  return Math.min(Math.max((x - low) / (high - low), 0), 1);
-}
-
-function sum(numbers: Float64Array): number {
-  return numbers.reduce((a, b) => a + b, 0);
 }

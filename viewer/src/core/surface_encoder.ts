@@ -7,7 +7,6 @@ import { emptyRest } from "./decoder";
 import type { Encoder } from "./encoder";
 import type { EnergyLimit } from "./energy";
 import type { Widths } from "./features";
-import { ENERGY } from "./formulas";
 import { lobeOfSurface, ofChannel, type Surface } from "./surfaces";
 
 /** The code of one channel, and its anchor. */
@@ -69,13 +68,9 @@ export class SurfaceEncoder {
     const value = reflectance / Math.PI;
     const values = new Float64Array(encoder.pairs.capacity).fill(value);
     const anchor = encoder.encode(lobe, values);
-    const { code, excess } = encoder.correct(anchor, values);
+    const code = encoder.correct(anchor, values);
     const own = new Float64Array(energy.rule.cosines.length);
     addAlbedos(energy.rule, new Float64Array(energy.rule.weights.length).fill(value), own);
-    // Anchors are never rendered. They are limited only where they would bring light into a coat.
-    if (Math.max(...own) * excess > 1 - ENERGY.MARGIN) {
-      energy.limitMean(anchor, energy.peakCeiling(own));
-    }
     energy.limit(code, energy.ceilingOf(own));
     return { code, anchor };
   }

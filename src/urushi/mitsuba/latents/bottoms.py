@@ -16,7 +16,7 @@ from urushi.material.encode import (
     with_dielectrics_in_rests,
     without_useless_rests,
 )
-from urushi.material.energy import limit_albedo, limit_mean_albedo
+from urushi.material.energy import limit_albedo
 from urushi.material.material import Material
 from urushi.material.table import node_pairs, table_of_values
 from urushi.mitsuba import spectrum
@@ -265,8 +265,7 @@ class _ProbedBottom:
             anchors = encoder_codes(self._model, f, lobes)
             if lobes is None:
                 anchors = with_dielectrics_in_rests(self._model, anchors, f)
-            anchors = without_useless_rests(self._model, anchors, f)
-            parts.append(limit_mean_albedo(self._model, anchors))
+            parts.append(without_useless_rests(self._model, anchors, f))
         return np.concatenate(parts)
 
     def _lobes(self, points: np.ndarray) -> np.ndarray | None:
