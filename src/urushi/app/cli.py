@@ -16,6 +16,7 @@ from urushi.app.commands.demo import Demo
 from urushi.app.commands.encode import Encode
 from urushi.app.commands.export import Export
 from urushi.app.commands.layer import Layer, Sheet
+from urushi.app.commands.materials import Materials
 from urushi.app.commands.openpbr_check import OpenPBRCheck
 from urushi.app.commands.paper import Paper
 from urushi.app.commands.recipe import Recipe
@@ -46,6 +47,7 @@ COMMANDS: dict[str, tuple[type, str]] = {
     "simulate": (Simulate, "Simulate the BRDF of a layered material without bias."),
     "encode": (Encode, "Encode a BRDF into a material file."),
     "layer": (Layer, "Coat a material in the latent space."),
+    "materials": (Materials, "List the library of described materials."),
     "recipe": (Recipe, "Find measured paints that give a colour over a ground."),
     "sheet": (Sheet, "Draw spheres of blended materials under coats."),
     "export": (

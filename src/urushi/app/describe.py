@@ -1,7 +1,14 @@
-"""Descriptions of materials, written as in Python: "conductor(alpha=0.2, r0=0.9)"."""
+"""Descriptions of materials, written as in Python: "conductor(alpha=0.2, r0=0.9)", or by name.
+
+`materials.json` is a library of described materials. Indices of metals are those of Mitsuba; those
+of brass and the colours of woods, pigments and dyes are estimates.
+"""
 
 import ast
+import functools
 import inspect
+import json
+from importlib.resources import files
 from typing import Any
 
 from urushi.errors import ParameterError
@@ -14,16 +21,25 @@ def makers() -> dict[str, Any]:
     return {"coat": coat, "slab": slab, **bottoms.MAKERS}
 
 
+@functools.cache
+def library() -> dict[str, str]:
+    """The descriptions of the library by name."""
+    text = (files("urushi.app") / "materials.json").read_text(encoding="utf-8")
+    return dict(json.loads(text))
+
+
 def describe(text: str) -> Any:
     """Build the description of a bottom, or the Stack, that `text` describes.
 
     The text is a Python expression without the prefix `urushi.`; coats may be nested:
     "coat(conductor(alpha=0.2, r0=0.9), alpha=0.05, ior=1.5)". It may hold the functions of
-    `makers`, numbers and tuples of numbers; nothing else is evaluated.
+    `makers`, numbers and tuples of numbers; nothing else is evaluated. A name of `library` stands
+    for its description.
 
     Raises:
         ParameterError: the text is no such expression, or a parameter is unknown or out of range.
     """
+    text = library().get(text.strip(), text)
     try:
         tree = ast.parse(text.strip(), mode="eval")
     except (SyntaxError, ValueError) as error:
@@ -32,8 +48,9 @@ def describe(text: str) -> Any:
 
 
 def is_description(text: str) -> bool:
-    """Whether `text` begins with a call of `makers`, and so is no file name."""
-    return text.strip().startswith(tuple(f"{maker}(" for maker in makers()))
+    """Whether `text` begins with a call of `makers` or is in the library: no file's name."""
+    calls = tuple(f"{maker}(" for maker in makers())
+    return text.strip().startswith(calls) or text.strip() in library()
 
 
 def _build(node: ast.expr, text: str) -> Any:
