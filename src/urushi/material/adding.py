@@ -131,6 +131,13 @@ class Grid:
             result += share[:, None] * values[index]
         return result
 
+    def shares(self, angles: np.ndarray) -> np.ndarray:
+        """Shares (..., N) of the nodes in values at angles (...), as by linear interpolation."""
+        index, part = self._place(angles, self.angles)
+        nodes = np.arange(len(self.angles))
+        lower, upper = nodes == index[..., None], nodes == index[..., None] + 1
+        return np.where(lower, 1 - part[..., None], 0) + np.where(upper, part[..., None], 0)
+
     def mean(self, function: Callable[[np.ndarray], np.ndarray]) -> np.ndarray:
         """Means (N,) of a function of the cosine (M,) about each node, as by linear interpolation.
 
@@ -204,11 +211,7 @@ def seen_inside(
     """
     own = grid()
     weights, one = own.weights, np.eye(len(own.cosines))
-    if g > LARGEST_ASYMMETRY:  # Joseph, Wiscombe and Weinman (1976)
-        ahead = (g - LARGEST_ASYMMETRY) / (1 - LARGEST_ASYMMETRY)
-        left = 1 - albedo * ahead
-        albedo, sigma_t, g = albedo * (1 - ahead) / left, sigma_t * left, LARGEST_ASYMMETRY
-    g = max(g, RESOLVED_G)
+    albedo, sigma_t, g = resolved(albedo, sigma_t, g)
     through = np.exp(-sigma_t / own.cosines)
     direct = through[:, None] * bottom * through
     every = direct
@@ -219,6 +222,46 @@ def seen_inside(
         every = reflected + up @ lit @ down
     every = np.linalg.solve(one - (every * weights) @ (interface * weights), every)
     return own.values_of_modes(every - direct), sigma_t
+
+
+def passed_inside(
+    bottom: np.ndarray, interface: np.ndarray, albedo: float, sigma_t: float, g: float
+) -> tuple[np.ndarray, float]:
+    """Transmission of a medium between a bottom and an interface, both of which reflect.
+
+    Args:
+        bottom, interface, albedo, sigma_t, g: as of `seen_inside`.
+
+    Returns:
+        Modes (H, N, N) of the light that arrives at the bottom, at the mirror image of its
+        direction, except what has neither been scattered nor reflected; and the optical depth that
+        attenuates the excepted light.
+    """
+    own = grid()
+    weights, one = own.weights, np.eye(len(own.cosines))
+    albedo, sigma_t, g = resolved(albedo, sigma_t, g)
+    direct = np.diag(np.exp(-sigma_t / own.cosines))
+    down, reflected = direct, np.zeros_like(bottom)
+    if albedo * sigma_t > LEAST_SCATTERING:
+        reflected, passed = medium(albedo, sigma_t, g)
+        down = direct + passed * weights
+    # Light at the bottom and at the top, of that which leaves the interface downwards
+    lit = np.linalg.solve(one - (reflected * weights) @ (bottom * weights), down)
+    up = down @ (bottom * weights) @ lit + reflected * weights
+    all_light = lit @ np.linalg.inv(one - (interface * weights) @ up)
+    return own.mirror[:, None, None] * ((all_light - direct) / weights), sigma_t
+
+
+def resolved(albedo: float, sigma_t: float, g: float) -> tuple[float, float, float]:
+    """A similar medium whose phase function the grid resolves.
+
+    By Joseph, Wiscombe and Weinman (1976).
+    """
+    if g > LARGEST_ASYMMETRY:
+        ahead = (g - LARGEST_ASYMMETRY) / (1 - LARGEST_ASYMMETRY)
+        left = 1 - albedo * ahead
+        albedo, sigma_t, g = albedo * (1 - ahead) / left, sigma_t * left, LARGEST_ASYMMETRY
+    return albedo, sigma_t, max(g, RESOLVED_G)
 
 
 def medium(albedo: float, sigma_t: float, g: float) -> tuple[np.ndarray, np.ndarray]:
