@@ -72,6 +72,15 @@ def cross(cosine: np.ndarray, alpha: float, eta: float, u: np.ndarray) -> Crossi
     return Crossing(inside, np.where(present, weight, 0), density)
 
 
+def facet_points(count: int) -> np.ndarray:
+    """Numbers (K, 2) for `cross`: a lattice of even heights and azimuths of the golden ratio.
+
+    48 of them serve better than 128 `even_points`, whose mean height is off.
+    """
+    index = np.arange(count)
+    return np.stack([index * 0.6180339887498949 % 1, (index + 0.5) / count], 1).astype(np.float32)
+
+
 def crossing_at(outside: Vector, inside: Vector, alpha: float, eta: float) -> Crossing:
     """The weight and the density of given pairs of directions outside and inside."""
     sign = np.float32(1 if eta > 1 else -1)

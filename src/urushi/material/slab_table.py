@@ -16,10 +16,9 @@ the light that the medium scatters or the interfaces reflect inside (`urushi.mat
 import numpy as np
 
 from urushi.checks import CoatParameters
-from urushi.core.probe_pairs import even_points
 from urushi.material import adding
 from urushi.material.coated_table import coated_table
-from urushi.material.crossing import Vector, cross, crossing_at
+from urushi.material.crossing import Vector, cross, crossing_at, facet_points
 from urushi.material.material import Material
 from urushi.material.table import SHAPE, node_pairs, table_of_values
 from urushi.nets import lobe as lobes
@@ -28,10 +27,10 @@ from urushi.nets.weights import Model
 from urushi.parallel import fill_blocks
 
 #: Directions inside for each node, drawn from either side.
-STRAIGHT = 64
+STRAIGHT = 48
 
 #: Facets at which light of a direction is refracted, and elevations outside.
-FACETS, ELEVATIONS = 512, 64
+FACETS, ELEVATIONS = 256, 64
 
 #: Nodes of a table that are computed at once.
 ROWS = 256
@@ -92,7 +91,7 @@ def transmitted(alpha: float, eta: float, media: np.ndarray, lowest: np.ndarray)
 def _crossing_modes(outside: adding.Grid, alpha: float, eta: float) -> np.ndarray:
     """Modes (H, M, N): shares of light of M directions outside that arrive at N nodes inside."""
     own = adding.grid()
-    u = even_points(FACETS, 2).astype(np.float32)
+    u = facet_points(FACETS)
     inside = cross(outside.cosines.astype(np.float32)[:, None], alpha, eta, u)
     x, y, z = inside.inside
     shares = own.shares(np.arccos(np.clip(z, 0, 1)))
@@ -111,7 +110,7 @@ def _straight(
 
     Half of the directions are drawn from wi, half from wo, weighted by the balance heuristic.
     """
-    u = even_points(STRAIGHT, 2).astype(np.float32)
+    u = facet_points(STRAIGHT)
     total = np.zeros((len(wi), len(depths)), np.float32)
     for one, other in ((wi, wo), (wo, wi)):
         cosine = one[:, 2, None]
