@@ -131,9 +131,20 @@ class Grid:
             result += share[:, None] * values[index]
         return result
 
-    def shares(self, angles: np.ndarray) -> np.ndarray:
-        """Shares (..., N) of the nodes in values at angles (...), as by linear interpolation."""
+    def mirror_shares(self, modes: np.ndarray) -> np.ndarray:
+        """The part (N,) of the albedo of a BRDF that `brdf_modes` added as a mirror reflection."""
+        values = self.values_of_modes(modes)
+        places = np.arange(len(self.cosines))
+        return values[places, places, -1] * self.weights * (2 * np.pi / self._count)
+
+    def shares(self, angles: np.ndarray, edge: float) -> np.ndarray:
+        """Shares (..., N) of the nodes in values at angles (...), as by linear interpolation.
+
+        edge: an angle across which values are not interpolated.
+        """
         index, part = self._place(angles, self.angles)
+        crosses = (self.angles[index] < edge) & (edge < self.angles[index + 1])
+        part = np.where(crosses, angles > edge, part)
         nodes = np.arange(len(self.angles))
         lower, upper = nodes == index[..., None], nodes == index[..., None] + 1
         return np.where(lower, 1 - part[..., None], 0) + np.where(upper, part[..., None], 0)
@@ -225,31 +236,32 @@ def seen_inside(
 
 
 def passed_inside(
-    bottom: np.ndarray, interface: np.ndarray, albedo: float, sigma_t: float, g: float
+    interface: np.ndarray, albedo: float, sigma_t: float, g: float
 ) -> tuple[np.ndarray, float]:
-    """Transmission of a medium between a bottom and an interface, both of which reflect.
+    """Transmission of a medium between two interfaces that both reflect it back.
 
     Args:
-        bottom, interface, albedo, sigma_t, g: as of `seen_inside`.
+        interface, albedo, sigma_t, g: as of `seen_inside`.
 
     Returns:
-        Modes (H, N, N) of the light that arrives at the bottom, at the mirror image of its
-        direction, except what has neither been scattered nor reflected; and the optical depth that
-        attenuates the excepted light.
+        Modes (H, N, N) of the light that arrives at the lower interface, at the mirror image of its
+        direction, except what has not been scattered and at most been mirrored
+        (`Grid.mirror_shares`); and the optical depth that attenuates the excepted light.
     """
     own = grid()
     weights, one = own.weights, np.eye(len(own.cosines))
     albedo, sigma_t, g = resolved(albedo, sigma_t, g)
-    direct = np.diag(np.exp(-sigma_t / own.cosines))
-    down, reflected = direct, np.zeros_like(bottom)
+    through = np.exp(-sigma_t / own.cosines)
+    down, reflected = np.diag(through), np.zeros_like(interface)
     if albedo * sigma_t > LEAST_SCATTERING:
         reflected, passed = medium(albedo, sigma_t, g)
-        down = direct + passed * weights
-    # Light at the bottom and at the top, of that which leaves the interface downwards
-    lit = np.linalg.solve(one - (reflected * weights) @ (bottom * weights), down)
-    up = down @ (bottom * weights) @ lit + reflected * weights
-    all_light = lit @ np.linalg.inv(one - (interface * weights) @ up)
-    return own.mirror[:, None, None] * ((all_light - direct) / weights), sigma_t
+        down = down + passed * weights
+    # Light at the bottom and at the top, of that which leaves the upper interface
+    lit = np.linalg.solve(one - (reflected * weights) @ (interface * weights), down)
+    up = down @ (interface * weights) @ lit + reflected * weights
+    every = lit @ np.linalg.inv(one - (interface * weights) @ up)
+    straight = through / (1 - (own.mirror_shares(interface) * through) ** 2)
+    return own.mirror[:, None, None] * ((every - np.diag(straight)) / weights), sigma_t
 
 
 def resolved(albedo: float, sigma_t: float, g: float) -> tuple[float, float, float]:

@@ -13,9 +13,13 @@ the transmitted fractions (`urushi.material.crossing`), t the product of density
 the light that the medium scatters or the interfaces reflect inside (`urushi.material.adding`).
 """
 
+from collections.abc import Callable
+
 import numpy as np
 
 from urushi.checks import CoatParameters
+from urushi.core import fresnel
+from urushi.core.namespace import NUMPY
 from urushi.material import adding
 from urushi.material.coated_table import coated_table
 from urushi.material.crossing import Vector, cross, crossing_at, facet_points
@@ -27,10 +31,10 @@ from urushi.nets.weights import Model
 from urushi.parallel import fill_blocks
 
 #: Directions inside for each node, drawn from either side.
-STRAIGHT = 48
+STRAIGHT = 34
 
 #: Facets at which light of a direction is refracted, and elevations outside.
-FACETS, ELEVATIONS = 256, 64
+FACETS, ELEVATIONS = 256, 48
 
 #: Nodes of a table that are computed at once.
 ROWS = 256
@@ -55,18 +59,16 @@ def slab_materials(model: Model, coat: CoatParameters) -> tuple[Material, Materi
     below = Material(codes[1], model, table=empty, beside_lobe=True)
     table = coated_table(below, CoatParameters(*columns), codes[0, :, : model.arch.lobe])
     reflected = Material(codes[0], model, table=table, beside_lobe=True)
-    modes = adding.bottom_modes(below.f)
-    f = transmitted(float(alpha[0]), float(eta[0]), np.stack(media), modes[0])
+    f = transmitted(float(alpha[0]), float(eta[0]), np.stack(media))
     return reflected, Material(codes[0], model, table=table_of_values(f))
 
 
-def transmitted(alpha: float, eta: float, media: np.ndarray, lowest: np.ndarray) -> np.ndarray:
+def transmitted(alpha: float, eta: float, media: np.ndarray) -> np.ndarray:
     """f float32 (N, C) [1/sr] of transmission at `node_pairs` of wi and the mirror image of wo.
 
     Args:
         alpha, eta: of the upper interface, mirrored by the lower one.
         media: (3, C) albedo, sigma_t and g.
-        lowest: modes (H, N, N) of the reflection of the lower interface, from above.
     """
     wi, wo = node_pairs()
     outside = adding.Grid(ELEVATIONS)
@@ -74,14 +76,24 @@ def transmitted(alpha: float, eta: float, media: np.ndarray, lowest: np.ndarray)
     back = adding.interface_modes(alpha, eta)
     depths, scattered = [], []
     for medium in media.T:
-        modes, depth = adding.passed_inside(lowest, back, *medium)
+        modes, depth = adding.passed_inside(back, *medium)
         through = passes @ modes @ passes.swapaxes(1, 2)
         scattered.append(outside.values_of_modes(through))
         depths.append(depth)
     f = np.empty((len(wi), len(depths)), np.float32)
 
+    own = adding.grid()
+    shares = own.mirror_shares(back) / np.maximum(back[0] @ own.weights, 1e-9)
+
+    def attenuation(cosine: np.ndarray) -> np.ndarray:
+        """What is left (..., C) of light that goes straight, however often it is mirrored."""
+        left = np.exp(-np.array(depths, np.float32) / cosine[..., None])
+        mirrored = fresnel.dielectric(cosine, np.float32(1 / eta), NUMPY)[0]
+        mirrored = mirrored * np.interp(cosine, own.cosines[::-1], shares[::-1])
+        return left / (1 - (mirrored[..., None] * left) ** 2)
+
     def straight(wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
-        return _straight(wi, wo, alpha, eta, np.array(depths, np.float32))
+        return _straight(wi, wo, alpha, eta, attenuation)
 
     fill_blocks(f, straight, wi, wo, rows=ROWS)
     f += np.maximum(outside.interpolated(np.stack(scattered, axis=-1), wi, wo), 0)
@@ -94,7 +106,8 @@ def _crossing_modes(outside: adding.Grid, alpha: float, eta: float) -> np.ndarra
     u = facet_points(FACETS)
     inside = cross(outside.cosines.astype(np.float32)[:, None], alpha, eta, u)
     x, y, z = inside.inside
-    shares = own.shares(np.arccos(np.clip(z, 0, 1)))
+    critical = np.arcsin(min(1 / eta, 1.0))
+    shares = own.shares(np.arccos(np.clip(z, 0, 1)), critical)
     turn = np.arctan2(y, x)
     modes = []
     for order in range(len(own.azimuths)):
@@ -104,14 +117,20 @@ def _crossing_modes(outside: adding.Grid, alpha: float, eta: float) -> np.ndarra
 
 
 def _straight(
-    wi: np.ndarray, wo: np.ndarray, alpha: float, eta: float, depths: np.ndarray
+    wi: np.ndarray,
+    wo: np.ndarray,
+    alpha: float,
+    eta: float,
+    attenuation: Callable[[np.ndarray], np.ndarray],
 ) -> np.ndarray:
-    """The integral of the module's text for pairs (N, 3) and depths (C,): (N, C).
+    """The integral of the module's text for pairs (N, 3): (N, C).
+
+    attenuation: the share (..., C) of light that is left of cosines inside (...).
 
     Half of the directions are drawn from wi, half from wo, weighted by the balance heuristic.
     """
     u = facet_points(STRAIGHT)
-    total = np.zeros((len(wi), len(depths)), np.float32)
+    total: np.ndarray | float = 0.0
     for one, other in ((wi, wo), (wo, wi)):
         cosine = one[:, 2, None]
         a = cross(cosine, alpha, eta, u)
@@ -122,5 +141,5 @@ def _straight(
         b = crossing_at(tuple(other[:, i, None] for i in range(3)), inside, alpha, eta)
         chances = a.density * b.density / np.maximum(a.density + b.density, np.float32(1e-30))
         weight = a.weight * b.weight * chances / (z * STRAIGHT)
-        total += np.einsum("nk,nkc->nc", weight, np.exp(-depths / z[..., None]))
+        total = total + np.einsum("nk,nkc->nc", weight, attenuation(z))
     return total

@@ -68,12 +68,25 @@ def _on_variant(new: str, rooms: tuple[Room, ...]) -> None:
 
 
 def _define(proposal_bsdf: type) -> dict[str, Any]:
-    from urushi.mitsuba.plugins import base, layered, measured_brdf, neural_brdf, neural_layered
+    from urushi.mitsuba.plugins import (
+        base,
+        layered,
+        measured_brdf,
+        neural_brdf,
+        neural_layered,
+        neural_slab,
+    )
+    from urushi.mitsuba.reading.parameters import nested_bsdf
 
     neural_bsdf = base.define_neural_bsdf(proposal_bsdf)
+    coat, slab = neural_layered.define(neural_bsdf), neural_slab.define(proposal_bsdf)
+
+    def coat_or_slab(props):
+        return (slab if nested_bsdf(props, optional=True) is None else coat)(props)
+
     return {
         "layered": layered.define(proposal_bsdf),
-        "neural_layered": neural_layered.define(neural_bsdf),
+        "neural_layered": coat_or_slab,
         "neural_brdf": neural_brdf.define(neural_bsdf),
         "measured_brdf": measured_brdf.define(proposal_bsdf),
     }

@@ -77,11 +77,6 @@ def test_an_error_names_the_plugin(rgb, networks, name):
         )
 
 
-def test_no_bottom(rgb):
-    with pytest.raises(RuntimeError, match="neural_layered has no nested BSDF; nest exactly one"):
-        rgb.load_dict({"type": "neural_layered"})
-
-
 @pytest.mark.parametrize("name", COATS)
 def test_a_texture_out_of_range(rgb, networks, name):
     pixels = np.full((4, 4, 1), 0.5, np.float32)

@@ -197,6 +197,72 @@ def test_flags_and_refusals(rgb):
             rgb.load_dict({"type": "neural_layered", "below": slab})
 
 
+#: Thin slabs that `neural_layered` has tables of.
+TABLES = {
+    "pane": {"alpha": 0.02, "int_ior": 1.5},
+    "paper": {"alpha": 0.4, "int_ior": 1.4} | MEDIUM,
+}
+
+
+@pytest.mark.parametrize("variant", ["llvm_ad_rgb", "llvm_ad_mono", "llvm_ad_spectral"])
+def test_tables_are_the_walk_on_all_sides(request, variant):
+    import drjit as dr
+    import mitsuba as mi
+
+    request.getfixturevalue("rgb")
+    mi.set_variant(variant)
+    wi, wo = (w.astype(np.float32) for w in cosine_pairs(np.random.default_rng(4), 64))
+    wi[::2, 2] *= -1
+    wo[::4, 2] *= -1
+    wo[1::4, 2] *= -1
+    table = mi.load_dict({"type": "neural_layered", "ext_ior": 1.0} | TABLES["paper"])
+    si = dr.zeros(mi.SurfaceInteraction3f, len(wi))
+    si.wi = mi.Vector3f(wi.T)
+    if mi.is_spectral:
+        si.wavelengths = mi.Spectrum(450, 500, 550, 600)
+    for mode in (mi.TransportMode.Radiance, mi.TransportMode.Importance):
+        f = table.eval(mi.BSDFContext(mode), si, mi.Vector3f(wo.T)).numpy()[0]
+        expected, se = urushi.simulate(DESCRIBED["paper"], wi, wo, walks=1 << 12, progress=False)
+        cosine = np.abs(wo[:, 2])
+        assert np.abs(f - expected[:, 0] * cosine).sum() < 0.05 * (expected[:, 0] * cosine).sum()
+    mi.set_variant("llvm_ad_rgb")
+
+
+@pytest.mark.parametrize("name", TABLES)
+def test_samples_of_tables_follow_their_density(rgb, sampling, name):
+    bsdf = rgb.load_dict({"type": "neural_layered"} | TABLES[name])
+    assert rgb.has_flag(bsdf.flags(), rgb.BSDFFlags.Transmission)
+    for seed, degrees in enumerate(ANGLES):
+        test = sampling.chi_squared(bsdf, degrees, seed, 1.0)
+        assert test.run(0.01, test_count=len(ANGLES) * len(TABLES), quiet=True), test.messages
+        assert test.histogram_sum[0] == 1  # no sample fails
+
+
+def test_tables_follow_changes_and_refuse_what_they_cannot_hold(rgb):
+    import drjit as dr
+
+    bsdf = rgb.load_dict({"type": "neural_layered"} | TABLES["pane"])
+    parameters = rgb.traverse(bsdf)
+    parameters["sigma_t.value"] = 1.0
+    parameters.update()
+    changed = rgb.load_dict({"type": "neural_layered", "sigma_t": 1.0} | TABLES["pane"])
+    si = dr.zeros(rgb.SurfaceInteraction3f)
+    si.wi = rgb.Vector3f(0.6, 0, 0.8)
+    f = [b.eval(rgb.BSDFContext(), si, rgb.Vector3f(-0.6, 0, -0.8)) for b in (bsdf, changed)]
+    np.testing.assert_array_equal(*f)
+    noise = {"type": "checkerboard"}
+    for change, sentence in (
+        ({"sigma_t": noise}, "sigma_t is a texture, but the tables of a slab are of constants; us"),
+        ({"alpha_u": 0.1, "alpha_v": 0.2}, "for one width alone; use the plugin 'layered'"),
+        ({"int_ior": 1.0, "ext_ior": 1.0}, "no interface bends light through this slab"),
+        ({"alpha": 2.0}, "alpha is 2; it must be a GGX width"),
+    ):
+        with pytest.raises(RuntimeError, match=f"neural_layered: .*{sentence}"):
+            rgb.load_dict({"type": "neural_layered"} | change)
+    with pytest.raises(RuntimeError, match="without a transmission component"):
+        rgb.load_dict({"type": "twosided", "slab": {"type": "neural_layered"}})
+
+
 def test_a_body_of_glass_follows_its_parameters(rgb):
     import drjit as dr
 

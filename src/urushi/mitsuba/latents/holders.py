@@ -39,11 +39,11 @@ class Vertex(NamedTuple):
     Attributes:
         decoder_terms: per channel the decoder's terms of the latent code, as Dr.Jit floats; only
             one list if all channels have the same code.
-        proposal: that of the mean latent code over the channels.
+        proposal: that of the mean latent code over the channels; None if it is not needed.
     """
 
     decoder_terms: list[list]
-    proposal: Mixture
+    proposal: Mixture | None
 
 
 class ConstantLatents:
@@ -109,8 +109,12 @@ class ConstantLatents:
         # The table is no argument: it has another width than the directions.
         propose = partial(self._sampler.proposal_of_table, self._proposals)
         proposal = only_where(active, propose, si.wi)
+        return self.bare_vertex(si)._replace(proposal=proposal)
+
+    def bare_vertex(self, si) -> Vertex:
+        """The vertex without its proposal, from which `f` follows."""
         terms = self._terms_at(si.wavelengths) if self._fine else self._decoder_terms
-        return Vertex(terms, proposal)
+        return Vertex(terms, None)
 
     def _terms_at(self, wavelengths) -> list[list]:
         """The terms of the band of each wavelength [nm], and then these bands."""

@@ -279,9 +279,9 @@ class SlabMixture(NamedTuple):
 
     def pdf(self, wi, wo):
         """Density of `sample` at wo [1/sr]; zero at the horizon."""
-        reflected = self.reflected * self.mixture.pdf(_raised(wi), _raised(wo))
-        straight = slabs.straight(_raised(wi), self.eta)
-        passed = (1 - self.reflected) * self.passed.pdf(straight, _raised(wo))
+        reflected = self.reflected * self.mixture.pdf(raised(wi), raised(wo))
+        straight = slabs.straight(raised(wi), self.eta)
+        passed = (1 - self.reflected) * self.passed.pdf(straight, raised(wo))
         return dr.select(wi.z * wo.z > 0, reflected, passed)
 
     def sample(self, wi, choice, u):
@@ -289,13 +289,13 @@ class SlabMixture(NamedTuple):
         reflects = choice < self.reflected
         choice = dr.select(reflects, choice, choice - self.reflected)
         choice /= dr.select(reflects, self.reflected, 1 - self.reflected)
-        reflected = self.mixture.sample(_raised(wi), choice, u)
-        passed = self.passed.sample(slabs.straight(_raised(wi), self.eta), choice, u)
+        reflected = self.mixture.sample(raised(wi), choice, u)
+        passed = self.passed.sample(slabs.straight(raised(wi), self.eta), choice, u)
         wo = dr.select(reflects, reflected, passed)
         return type(wo)(wo.x, wo.y, dr.select((wi.z > 0) == reflects, wo.z, -wo.z))
 
 
-def _raised(w):
+def raised(w):
     """A direction, mirrored to the upper side."""
     return type(w)(w.x, w.y, dr.abs(w.z))
 
