@@ -2,15 +2,17 @@
 
 A slab is a medium between two interfaces of one width in one surrounding medium. Its reflection is
 that of a coat over a bottom, the lower interface (`urushi.material.coated_table`). Its transmission
-is tabulated in the coordinates of reflection (`urushi.material.table`), at the mirror image of wo in
-the slab. Light that goes straight through a pane is then a narrow lobe at small half angles, and
+is tabulated in the coordinates of reflection (`urushi.material.table`), at the mirror image of wo
+in the slab. Light that goes straight through a pane is then a narrow lobe at small half angles, and
 exchanging wi and wo changes nothing. f of transmission is
 
-    1 / eta^2 (E[w_i w_o S(wi', wo')] + integral of t(wi, w) t(wo, -w) exp(-sigma_t / cos) / cos),
+    1 / eta^2 (E[w_i w_o S(wi', wo')] + integral of t(wi, w) t(wo, -w) a(w) / cos dw),
 
 where wi' and wo' are wi and wo after refraction at random facets of their interfaces, w_i and w_o
-the transmitted fractions (`urushi.material.crossing`), t the product of density and fraction, and S
-the light that the medium scatters or the interfaces reflect inside (`urushi.material.adding`).
+the transmitted fractions (`urushi.material.crossing`), and t their products with densities. The
+attenuation a counts light that goes straight or is mirrored to and fro, as between smooth surfaces,
+and S all other light, which the medium scatters or rough interfaces reflect
+(`urushi.material.adding`).
 """
 
 from collections.abc import Callable
@@ -130,7 +132,7 @@ def _straight(
     Half of the directions are drawn from wi, half from wo, weighted by the balance heuristic.
     """
     u = facet_points(STRAIGHT)
-    total: np.ndarray | float = 0.0
+    total = np.float32(0)
     for one, other in ((wi, wo), (wo, wi)):
         cosine = one[:, 2, None]
         a = cross(cosine, alpha, eta, u)
@@ -142,4 +144,4 @@ def _straight(
         chances = a.density * b.density / np.maximum(a.density + b.density, np.float32(1e-30))
         weight = a.weight * b.weight * chances / (z * STRAIGHT)
         total = total + np.einsum("nk,nkc->nc", weight, attenuation(z))
-    return total
+    return np.asarray(total)
