@@ -84,7 +84,7 @@ export const PRESETS: readonly MaterialCards[] = [
   material("Frosted metal", metal("Aluminium", 0.04), {
     alpha: 0.42,
     ior: 1.5,
-    sigmaT: [0.02, 0.09, 0.2],
+    sigmaT: [0.02, 0.025, 0.035],
   }),
   material(
     "Pearl",
@@ -95,7 +95,7 @@ export const PRESETS: readonly MaterialCards[] = [
   material("Tarnished silver", metal("Silver", 0.14), {
     alpha: 0.3,
     ior: 1.35,
-    sigmaT: [0.2, 0.36, 0.6],
+    sigmaT: [0.08, 0.13, 0.22],
     albedo: [0.12, 0.1, 0.12],
   }),
 ];

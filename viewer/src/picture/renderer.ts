@@ -7,7 +7,7 @@ import type { Comparison, EnvironmentName, ObjectName, View } from "../state/sta
 import type { AnisotropicSize } from "./anisotropic_table";
 import { brightTexels, directionTexels, FAR, NEAR, type TableSize } from "./bright_table";
 import { type Camera, cameraOf } from "./camera";
-import { EnvironmentMap, lightsOf, SIDE } from "./environment";
+import { EnvironmentMap, type Key, keyOf, lightsOf, SIDE } from "./environment";
 import { contextOf, cover, coverProgram, filters, type Gl, included, Program } from "./gl";
 import { type Mesh, meshOf, VERTEX_NUMBERS } from "./meshes";
 import { type Light, MOST_LIGHTS, type Panorama } from "./panorama";
@@ -101,6 +101,7 @@ export class Renderer {
   private mesh: Mesh;
   private meshName: ObjectName = "ball";
   private lights: Light[] = [];
+  private key: Key = keyOf("studio", []);
 
   /** @throws NoGraphics */
   constructor(private readonly canvas: HTMLCanvasElement) {
@@ -137,6 +138,7 @@ export class Renderer {
       this.map.drawFormula(name);
       this.lights = lightsOf(name);
     }
+    this.key = keyOf(name, this.lights);
   }
 
   /** Size of the canvas [pixels]. */
@@ -355,7 +357,7 @@ export class Renderer {
   }
 
   private drawBackdrop(camera: Camera, shot: Shot): void {
-    const { gl, backdrop, mesh } = this;
+    const { gl, backdrop, mesh, key } = this;
     gl.disable(gl.DEPTH_TEST);
     backdrop.use();
     backdrop.set("eye", ...camera.eye);
@@ -364,7 +366,9 @@ export class Renderer {
     backdrop.set("forward", ...camera.forward);
     backdrop.set("turn", ...turnOf(shot));
     backdrop.set("blur", BACKDROP_LEVEL);
-    backdrop.set("shadow", mesh.footprint, mesh.radius);
+    backdrop.set("size", mesh.footprint, 0.9 * mesh.width, 2 * mesh.halfHeight);
+    backdrop.set("key", ...key.direction);
+    backdrop.set("keySize", key.radius, key.share);
     backdrop.setTexture("environment", 0, gl.TEXTURE_CUBE_MAP, this.map.texture);
     cover(gl);
   }

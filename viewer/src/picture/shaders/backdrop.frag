@@ -1,5 +1,6 @@
 #version 300 es
-// What lies behind the object: the environment, out of focus, and the object's shadow on the ground.
+// What lies behind the object: the environment, out of focus, and the object's shadow on the ground,
+// which is that of an upright cylinder under the main light.
 precision highp float;
 precision highp samplerCube;
 
@@ -10,22 +11,32 @@ uniform vec3 forward;
 uniform vec2 turn;
 uniform samplerCube environment;
 uniform float blur; // level of detail
-uniform vec2 shadow; // radius of the object's foot, and of the whole object
+uniform vec3 size; // of the object: radius of its foot, radius and height
+uniform vec3 key; // direction of the main light, in the environment
+uniform vec2 keySize; // the light's angular radius, and its share of the light on the ground
 
 in vec2 place;
 out vec4 colour;
 
+vec3 inEnvironment(vec3 v) {
+    return vec3(turn.x * v.x + turn.y * v.y, turn.x * v.y - turn.y * v.x, v.z);
+}
+
 void main() {
     vec3 direction = normalize(forward + place.x * right + place.y * up);
-    vec3 turned = vec3(turn.x * direction.x + turn.y * direction.y,
-                       turn.x * direction.y - turn.y * direction.x, direction.z);
-    vec3 light = textureLod(environment, turned, blur).rgb;
+    vec3 light = textureLod(environment, inEnvironment(direction), blur).rgb;
     if (direction.z < -1e-3 && eye.z > 0.0) {
         vec3 ground = eye - direction * (eye.z / direction.z);
         float away = length(ground.xy);
-        float contact = 0.55 * exp(-pow(max(away - shadow.x, 0.0) / (0.16 * shadow.y), 1.2));
-        float broad = 0.38 * exp(-pow(away / (1.15 * shadow.y), 2.0));
-        light *= (1.0 - contact) * (1.0 - broad);
+        float contact = 0.4 * exp(-pow(max(away - size.x, 0.0) / (0.14 * size.y), 1.2));
+        float broad = 0.25 * exp(-pow(away / (1.4 * size.y), 2.0));
+        // Where the way to the light passes the axis of the object.
+        vec2 at = inEnvironment(ground).xy;
+        float way = clamp(-dot(at, key.xy) / dot(key.xy, key.xy), 0.0, size.z / key.z);
+        float soft = keySize.x * way + 0.08 * size.y;
+        float radius = mix(size.x, size.y, smoothstep(0.0, 0.4 * size.z, way * key.z));
+        float hidden = 1.0 - smoothstep(-soft, soft, length(at + way * key.xy) - radius);
+        light *= (1.0 - contact) * (1.0 - broad) * (1.0 - keySize.y * hidden);
     }
     colour = vec4(light, 1.0);
 }
