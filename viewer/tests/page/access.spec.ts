@@ -50,6 +50,6 @@ test("every control is reached by the keyboard", async ({ page }) => {
       }),
     );
   }
-  for (const name of ["Save", "Solo Coat 2", "Coat 1, Index η", "Angle of incidence"])
+  for (const name of ["Save", "Solo Coat 2", "Coat 1, Index n", "Angle of incidence"])
     expect([...reached]).toContain(name);
 });

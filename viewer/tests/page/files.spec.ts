@@ -153,14 +153,14 @@ test("a measured BRDF is encoded and coated", async ({ page }) => {
 
 test("a saved state is opened again", async ({ page }) => {
   await open(page);
-  await number(page, "Coat 2, Index η").fill("1.61");
-  await number(page, "Coat 2, Index η").press("Enter");
+  await number(page, "Coat 2, Index n").fill("1.61");
+  await number(page, "Coat 2, Index n").press("Enter");
   const state = await saved(page, "State");
   expect(state.name).toBe("vermilion-urushi.json");
   await page.getByRole("button", { name: "Remove Coat 2" }).click();
   await give(page, state.name, state.text);
   await expect(coats(page)).toHaveCount(2);
-  await expect(number(page, "Coat 2, Index η")).toHaveValue("1.61");
+  await expect(number(page, "Coat 2, Index n")).toHaveValue("1.61");
 });
 
 test("descriptions and a picture are saved", async ({ page }) => {

@@ -256,14 +256,14 @@ test.describe("by touch", () => {
       await touch("touchEnd");
     };
     const place = () => page.evaluate(() => scrollY);
-    const field = number(page, "Coat 2, Index η");
+    const field = number(page, "Coat 2, Index n");
 
-    await move("Coat 2, Index η", [0.8, 0], [0.8, -150]);
+    await move("Coat 2, Index n", [0.8, 0], [0.8, -150]);
     await expect.poll(place).toBeGreaterThan(50);
     await expect(field).toHaveValue("1.53");
     await page.evaluate(() => scrollTo(0, 0));
     await expect.poll(place).toBe(0);
-    await move("Coat 2, Index η", [0.3, 0], [0.8, 0]);
+    await move("Coat 2, Index n", [0.3, 0], [0.8, 0]);
     await expect
       .poll(async () => Math.abs(Number(await field.inputValue()) - 2.5))
       .toBeLessThan(0.2);

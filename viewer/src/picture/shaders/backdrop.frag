@@ -33,7 +33,7 @@ void main() {
         // Where the way to the light passes the axis of the object.
         vec2 at = inEnvironment(ground).xy;
         float way = clamp(-dot(at, key.xy) / dot(key.xy, key.xy), 0.0, size.z / key.z);
-        float soft = keySize.x * way + 0.08 * size.y;
+        float soft = keySize.x * way + 0.12 * size.y;
         float radius = mix(size.x, size.y, smoothstep(0.0, 0.4 * size.z, way * key.z));
         float hidden = 1.0 - smoothstep(-soft, soft, length(at + way * key.xy) - radius);
         light *= (1.0 - contact) * (1.0 - broad) * (1.0 - keySize.y * hidden);

@@ -30,9 +30,9 @@ float panel(vec3 direction, vec3 centre, vec2 half_, float tilt, float soft) {
 vec3 studio(vec3 d) {
     vec3 light = mix(vec3(0.52, 0.515, 0.505), vec3(0.34, 0.345, 0.36), smoothstep(0.0, 0.9, d.z));
     light = mix(light, vec3(0.24, 0.235, 0.228), smoothstep(-0.05, -0.60, d.z));
-    light += vec3(15.0, 14.6, 14.0) * panel(d, vec3(-2.4, -1.6, 3.0), vec2(1.5, 1.15), 0.0, 0.25);
-    light += vec3(8.5, 8.8, 9.4) * panel(d, vec3(3.6, 1.0, 1.4), vec2(0.42, 1.6), 0.0, 0.14);
-    light += vec3(6.5, 6.4, 6.1) * panel(d, vec3(-3.7, 0.9, 1.0), vec2(0.30, 1.6), 0.0, 0.12);
+    light += vec3(9.6, 9.35, 9.0) * panel(d, vec3(-2.4, -1.6, 3.0), vec2(1.85, 1.45), 0.0, 0.45);
+    light += vec3(6.2, 6.4, 6.8) * panel(d, vec3(3.6, 1.0, 1.4), vec2(0.55, 1.7), 0.0, 0.25);
+    light += vec3(4.6, 4.5, 4.3) * panel(d, vec3(-3.7, 0.9, 1.0), vec2(0.42, 1.7), 0.0, 0.22);
     light += vec3(2.2, 2.2, 2.25) * panel(d, vec3(2.4, -3.4, 1.2), vec2(1.5, 1.5), 0.0, 0.7);
     return light;
 }
