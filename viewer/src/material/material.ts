@@ -71,23 +71,18 @@ export function seenOf(material: MaterialCards): { bottom: BottomInAir; coats: C
 /**
  * The stack that is shown: every index relative to the medium above, as in Python's `walk.stack`.
  *
- * Coats without an interface and a medium are left out.
- *
  * @throws Refusal if it is a texture of codes.
  */
 export function stackOf(material: MaterialCards): Stack {
-  const { bottom, coats } = seenOf(material);
+  const { bottom, coats: cards } = seenOf(material);
   let above: Channels = CHECKS.AIR;
-  const relative = coats.map(({ id, on, ior, ...coat }): Coat => {
+  const coats = cards.map(({ id, on, ior, ...coat }): Coat => {
     const eta = interfaceRatio(ior, above);
     above = ior;
     return { ...coat, eta };
   });
   const under = bottomUnder(bottom, quotient(above, CHECKS.AIR));
-  return {
-    bottom: under.kind === "dielectric" ? interfaceOf(under) : under,
-    coats: relative.filter(({ eta, sigmaT }) => !isAll(eta, 1) || !isAll(sigmaT, 0)),
-  };
+  return { bottom: under.kind === "dielectric" ? interfaceOf(under) : under, coats };
 }
 
 /** A bottom below a medium of an index relative to air, as it would be in air. */
@@ -121,10 +116,6 @@ function interfaceRatio(ior: Channels, above: Channels): Channels {
   return mapped(quotient(ior, above), (ratio) =>
     Math.abs(ratio - 1) < CHECKS.MIN_INDEX_STEP ? 1 : Math.min(Math.max(ratio, low), high),
   );
-}
-
-function isAll(value: Channels, number: number): boolean {
-  return rgb(value).every((x) => x === number);
 }
 
 /** Quotient of each channel, as one number if all three agree. */

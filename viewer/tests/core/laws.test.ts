@@ -87,15 +87,10 @@ describe("layering", () => {
     expect(core.layer({ bottom: codes, coats: STACK.coats })).toEqual(core.layer(STACK));
   });
 
-  test("a coat that is not there changes nothing", () => {
-    const gold: Bottom = { kind: "conductor", alpha: 0.2, eta: [0.14, 0.37, 1.44], k: [4, 2.4, 2] };
-    const absent: Coat = { alpha: 0.01, eta: 1, albedo: 0.5, sigmaT: 0, g: 0 };
-    const [wi, wo] = [Float32Array.of(0.6, 0, 0.8), Float32Array.of(-0.6, 0, 0.8)];
-    const bare = core.f(core.encode(gold), wi, wo);
-    const coated = core.f(core.layer({ bottom: gold, coats: [absent] }), wi, wo);
-    coated.forEach((value, k) => {
-      expect(value / (bare[k] as number)).toBeCloseTo(1, 4);
-    });
+  test("a coat without an interface and a medium changes nothing, whatever its width", () => {
+    const bottom: Bottom = { kind: "conductor", alpha: 0.2, eta: [0.14, 0.37, 1.44], k: 3 };
+    const absent: Coat = { alpha: 1, eta: 1, albedo: 0.5, sigmaT: 0, g: 0 };
+    expect(core.layer({ bottom, coats: [absent] })).toEqual(core.layer({ bottom, coats: [] }));
   });
 
   test("parameters at the ends of their ranges give finite values", () => {

@@ -20,7 +20,7 @@ import {
   valueAt,
 } from "../../src/material/parameters";
 
-const COAT = { alpha: 0.1, ior: 1.5, albedo: 0, sigmaT: 1, g: 0 };
+const COAT = { alpha: 0.1, ior: 1.5, albedo: 0, sigmaT: 0, g: 0 };
 const THREE: MaterialCards = {
   name: "three",
   bottom: { kind: "diffuse", reflectance: 0.5 },
@@ -85,12 +85,6 @@ describe("indices are absolute", () => {
     const hidden = { ...top!, ior: 2, on: false };
     expect(stackOf({ ...THREE, coats: [hidden, lowest!] })).toEqual(
       stackOf({ ...THREE, coats: [lowest!] }),
-    );
-  });
-  test("a clear coat of the index above is no coat", () => {
-    const clear = { ...top!, sigmaT: 0, alpha: 1 };
-    expect(stackOf({ ...THREE, coats: [top!, clear] })).toEqual(
-      stackOf({ ...THREE, coats: [top!] }),
     );
   });
   test("gold under a varnish reflects as Fresnel's closed form has it", () => {
