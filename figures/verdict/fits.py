@@ -13,12 +13,12 @@ import drjit as dr
 import mitsuba as mi
 import numpy as np
 from benchmarks.rivals import ggx_fit, nbrdf
+from research.rivals import openpbr_recipe as recipe
 from scipy.optimize import least_squares
 
 from urushi.core.half_vector import turned
 from urushi.material import table
 from urushi.mitsuba.reading import probing
-from urushi.openpbr_surface import recipe
 
 #: f(wi, wo) -> (N, C) [1/sr].
 Brdf = Callable[[np.ndarray, np.ndarray], np.ndarray]

@@ -104,13 +104,13 @@ def test_bad_pair_files(tmp_path):
     path = tmp_path / "pairs.npz"
     path.write_text("no archive")
     with pytest.raises(urushi.errors.FileError, match="is not an NPZ file"):
-        simulate.read_pairs(path)
+        simulate.read_arrays(path, "wi", "wo")
     np.savez(path, wi=np.zeros((1, 3)))
     with pytest.raises(urushi.errors.FileError, match="must hold the arrays wi and wo"):
-        simulate.read_pairs(path)
+        simulate.read_arrays(path, "wi", "wo")
     np.savez(path, wi=np.array([{}], dtype=object), wo=np.zeros((1, 3)))  # would need pickle
     with pytest.raises(urushi.errors.FileError, match="is not an NPZ file"):
-        simulate.read_pairs(path)
+        simulate.read_arrays(path, "wi", "wo")
     path.write_bytes(path.read_bytes()[:100])
     with pytest.raises(urushi.errors.FileError, match="is not an NPZ file"):
-        simulate.read_pairs(path)
+        simulate.read_arrays(path, "wi", "wo")

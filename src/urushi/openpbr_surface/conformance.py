@@ -75,6 +75,12 @@ def model(parameters: Mapping[str, Any], *, walks: int = 0) -> Brdf:
     return lambda wi, wo: np.mean([bsdf_values(bsdf, wi, wo, k) for k in numbers], axis=0)
 
 
+def evaluated(build: Callable[[dict[str, Any]], Brdf], reference: Reference) -> np.ndarray:
+    """f (M, N, 3) of an implementation, a function such as `model`, at the reference's pairs."""
+    wi, wo = reference.wi, reference.wo
+    return np.stack([build(parameters)(wi, wo) for parameters in reference.parameters.values()])
+
+
 def bsdf_values(bsdf: Any, wi: np.ndarray, wo: np.ndarray, number: Any = 0.0) -> np.ndarray:
     """f (N, 3); walks of the same pair differ by their number, one or (N,)."""
     return probing.bsdf_values(bsdf, wi, wo, np.full((len(wi), 2), 0.5), number)

@@ -57,7 +57,7 @@ class Simulate:
             wi = self._turned(_polar(np.array(INCIDENCE_DEGREES, float)))
             albedo, se = evaluate_albedo(description, wi, walks=self.walks, seed=self.seed)
             return self._print_or_save(albedo_table(albedo, se), wi=wi, albedo=albedo, se=se)
-        wi, wo = self._plane() if self.pairs is None else read_pairs(self.pairs)
+        wi, wo = self._plane() if self.pairs is None else read_arrays(self.pairs, "wi", "wo")
         f, se = evaluate(description, wi, wo, walks=self.walks, seed=self.seed)
         text = table(self.incidence, f, se) if self.pairs is None else rows(wi, wo, f, se)
         return self._print_or_save(text, wi=wi, wo=wo, f=f, se=se)
@@ -108,8 +108,8 @@ def evaluate_albedo(
     return albedo(description, wi, walks=walks, seed=seed)
 
 
-def read_pairs(path: Path) -> tuple[np.ndarray, np.ndarray]:
-    """The arrays wi and wo of an NPZ file.
+def read_arrays(path: Path, *names: str) -> list[np.ndarray]:
+    """Arrays of an NPZ file.
 
     Raises:
         FileError: the file is missing, is not an NPZ file, or lacks an array.
@@ -117,9 +117,10 @@ def read_pairs(path: Path) -> tuple[np.ndarray, np.ndarray]:
     try:
         # opened here, because numpy does not close a file that it cannot read
         with path.open("rb") as file, np.load(file, allow_pickle=False) as archive:
-            return archive["wi"], archive["wo"]
+            return [archive[name] for name in names]
     except KeyError as error:
-        raise FileError(f"'{path}' must hold the arrays wi and wo; {error.args[0]}") from error
+        wanted = f"array{'s' * (len(names) > 1)} {' and '.join(names)}"
+        raise FileError(f"'{path}' must hold the {wanted}; {error.args[0]}") from error
     except (OSError, ValueError, EOFError, TypeError, BadZipFile) as error:
         reason = "it does not exist" if not path.exists() else "it is not an NPZ file"
         raise FileError(f"cannot read '{path}': {reason}; write it with numpy.savez") from error

@@ -2,11 +2,11 @@
 
 import numpy as np
 import pytest
+from research.rivals import openpbr_recipe as recipe
 
 from urushi.core import direction_sets
 from urushi.core.quadrature import half_vector_rule
 from urushi.errors import ParameterError
-from urushi.openpbr_surface import recipe
 
 LAMBERT = {"base_color": (0.6, 0.4, 0.2), "specular_weight": 0.0}
 
