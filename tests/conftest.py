@@ -99,16 +99,6 @@ def _archive(path: Path) -> Mapping[str, np.ndarray]:
 
 
 @pytest.fixture(scope="session")
-def two_workers():
-    """A Dask cluster of two worker processes, which are restarted when they die."""
-    distributed = pytest.importorskip("distributed", reason="the extra 'cluster' is not installed")
-    with distributed.LocalCluster(
-        n_workers=2, threads_per_worker=2, dashboard_address=":0", host="127.0.0.1"
-    ) as cluster:
-        yield cluster
-
-
-@pytest.fixture(scope="session")
 def stored_results() -> Callable[..., dict]:
     """A function (module of figures.NAME.compute, networks by key) -> its stored results."""
     return _stored_results

@@ -1,17 +1,15 @@
-"""Cost of data by size: `python -m benchmarks.speed.scaling data`, or `train`, or `cluster`.
+"""Cost of data by size: `python -m benchmarks.speed.scaling data`, or `train`.
 
 Takes about a minute each on two cores; the figures of docs/scaling.md come from here. Stores are
 written to a temporary folder (TMPDIR) and take some hundred MB.
 
 data     time, files and bytes of a shard in the sizes of the preset `quick`: simulate, write, read
 train    samples per second and peak memory of training: from a store that fits into memory; with
-         memory for an eighth of it; both with a store four times as large; and with products of
-         hidden layers in bfloat16. Each in a process of its own
-cluster  time of a small store by this process, and by a Dask cluster of one worker on this machine
+         memory for an eighth of it; both with a store four times as large. Each in a process of its
+         own
 """
 
 import argparse
-import dataclasses
 import json
 import resource
 import subprocess
@@ -95,32 +93,29 @@ def train(folder: Path) -> None:
     generate(quick_like(2048), whole)
     generate(quick_like(8192), large)
     small = 3072 * PAIRS // 8
-    for label, store, memory, precision in (
-        ("1.6 M pairs, all in memory", whole, 1 << 26, "float32"),
-        ("1.6 M pairs, room for 0.2 M", whole, small, "float32"),
-        ("6.3 M pairs, all in memory", large, 1 << 26, "float32"),
-        ("6.3 M pairs, room for 0.2 M", large, small, "float32"),
-        ("1.6 M pairs, all in memory, bfloat16", whole, 1 << 26, "bfloat16"),
+    for label, store, memory in (
+        ("1.6 M pairs, all in memory", whole, 1 << 26),
+        ("1.6 M pairs, room for 0.2 M", whole, small),
+        ("6.3 M pairs, all in memory", large, 1 << 26),
+        ("6.3 M pairs, room for 0.2 M", large, small),
     ):
-        arguments = json.dumps([str(store), memory, precision])
+        arguments = json.dumps([str(store), memory])
         run = [sys.executable, "-m", "benchmarks.speed.scaling", "train", "--measure", arguments]
         printed = subprocess.run(run, check=True, capture_output=True, text=True).stdout
         print(f"{label}: {printed.strip()}")
 
 
-def measure(store: str, memory: int, precision: str) -> None:
+def measure(store: str, memory: int) -> None:
     """Print speed and peak memory of the joint stage of `quick`."""
     from urushi.train import examples, presets, training
 
     preset = presets.quick()
-    schedule = dataclasses.replace(preset.stages[0].schedule, precision=precision)
-    joint = dataclasses.replace(preset.stages[0], schedule=schedule)
-    preset = dataclasses.replace(preset, stages=(joint, *preset.stages[1:]))
+    joint = preset.stages[0]
     depths = examples.load(Store.open(store), preset.arch, preset.pairs, memory)
     params = training.initial(preset, depths)
     learner = joint.learn(params, preset.architectures()[1], depths, preset.seed)
     state = training.begin(preset, 0, params).state
-    steps, waiting = schedule.steps_per_call, 0.0
+    steps, waiting = joint.schedule.steps_per_call, 0.0
     times = []
     for call in range(CALLS + 1):
         began = time.perf_counter()
@@ -139,22 +134,6 @@ def measure(store: str, memory: int, precision: str) -> None:
     )
 
 
-def cluster(folder: Path) -> None:
-    """Compare this process with a cluster of one worker that has all cores."""
-    from distributed import LocalCluster
-
-    spec = DataSpec((Part("a", Table2(1), 2048, PAIRS, WALKS),), seed=1)
-    make_shard(spec, 0, 0)
-    began = time.perf_counter()
-    generate(spec, folder / "here.zarr")
-    here = time.perf_counter() - began
-    with LocalCluster(n_workers=1, dashboard_address=":0") as local:
-        began = time.perf_counter()
-        generate(spec, folder / "there.zarr", local.scheduler_address)
-        there = time.perf_counter() - began
-    print(f"8 shards here {here:.1f} s, by a worker {there:.1f} s (its kernels' compilation in it)")
-
-
 def main() -> None:
     """Run one of the parts."""
     parser = argparse.ArgumentParser(
@@ -162,7 +141,7 @@ def main() -> None:
         description=__doc__,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
-    parts = {"data": data, "train": train, "cluster": cluster}
+    parts = {"data": data, "train": train}
     parser.add_argument("part", choices=parts)
     parser.add_argument("--measure", help=argparse.SUPPRESS)  # of a process of its own
     arguments = parser.parse_args()

@@ -274,7 +274,6 @@ EXTRAS = {
         Package("optax", "optax", "optimiser of training"),
         Package("zarr", "zarr", "stores of training data"),
     ),
-    "cluster": (Package("distributed", "distributed", "work on several machines (Dask)"),),
     "eval": (
         Package("matplotlib", "matplotlib", "plots"),
         Package("scikit-image", "skimage", "structural similarity of pictures"),

@@ -9,7 +9,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from urushi.app import cli, demo
+from urushi.app import cli
+from urushi.app.commands import demo
 from urushi.app.describe import describe
 from urushi.errors import FileError
 from urushi.eval import metrics

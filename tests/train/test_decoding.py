@@ -11,10 +11,10 @@ from urushi.nets.lobe import NO_LOBE
 from urushi.train.examples import Batch
 from urushi.train.losses import mean_loss, squared_errors
 from urushi.train.optimiser import Schedule, compile_steps, start
+from urushi.train.stages import decoding
 from urushi.train.stages.decoding import (
     fresh_scatter,
     negative_log_likelihood,
-    plain_loss,
     scatter,
     scatter_weights,
     weighted_loss,
@@ -123,7 +123,7 @@ def test_decoder_and_scatter_get_no_gradient_from_each_others_loss(batch):
         assert not bool(jnp.any((by_scatter if name.startswith("decoder") else by_fit)[name] != 0))
 
 
-def test_the_plain_loss_of_two_known_errors(batch):
+def test_the_fit_of_two_known_errors(batch, monkeypatch):
     """Networks of zero weights decode to 1; errors alternate between 0.1 and 0.2, four pairs each.
 
     With TYPICAL = 0.01 and EASE = 0.003, each half weighted by the error of the other, the loss is
@@ -132,8 +132,10 @@ def test_the_plain_loss_of_two_known_errors(batch):
     params = {k: v if k in FIXED else np.zeros_like(v) for k, v in init(ARCH, 0).items()}
     error = np.tile(np.repeat([0.1, 0.2], 4), (12, 2)).astype(np.float32)
     f = 1 - (1 + FLOOR) * error
-    loss, terms = plain_loss(params, params, ARCH, batch._replace(f=f))
-    assert float(loss) == float(terms["loss"]) == pytest.approx(0.019952, rel=1e-4)
+    monkeypatch.setattr(decoding, "scatter_weights", jnp.ones_like)
+    trained = {**params, **fresh_scatter(ARCH, 0)}
+    fit = weighted_loss(trained, params, ARCH, batch._replace(f=f))[1]["fit"]
+    assert float(fit) == pytest.approx(0.019952, rel=1e-4)
 
 
 @pytest.mark.parametrize("spread", [0.3, 1.0])

@@ -113,7 +113,8 @@ def test_the_slope_is_that_of_the_weighted_loss(share):
 
 
 @pytest.mark.parametrize("widths", [1, 2])
-def test_joint_and_decoding_loss_weigh_pairs_alike(widths):
+def test_joint_and_decoding_loss_weigh_pairs_alike(widths, monkeypatch):
+    """Where all pairs scatter alike, the decoding stage has the fit of the joint one."""
     arch = Architecture(
         latent=12, decoder=(8,), encoder=(8,), layerer=(8,), sampler=(4,), probes=6, widths=widths
     )
@@ -133,5 +134,7 @@ def test_joint_and_decoding_loss_weigh_pairs_alike(widths):
         joint.joint_loss(params, arch, batch, at_probes, share)[1]["fit"] for share in (0.0, 0.9)
     )
     assert abs(weighted / plain - 1) > 0.01
-    again, _ = decoding.plain_loss(params, params, arch, batch, 0.9)
+    monkeypatch.setattr(decoding, "scatter_weights", jnp.ones_like)
+    trained = {**params, **decoding.fresh_scatter(arch, 0)}
+    again = decoding.weighted_loss(trained, params, arch, batch, 0.9)[1]["fit"]
     assert again == pytest.approx(float(weighted), rel=1e-5)

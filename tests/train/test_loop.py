@@ -106,14 +106,12 @@ def test_the_time_of_the_data_is_kept_over_interruptions(tmp_path):
     assert resumed.data_seconds == 102
 
 
-def test_stages_and_pair_weights_are_optional(tiny, tiny_data, tmp_path):
+def test_stages_are_optional(tiny, tiny_data, tmp_path):
     joint, _, decoding, _, _ = tiny.stages
-    plain = dataclasses.replace(decoding, weigh_pairs=False)
-    brief = dataclasses.replace(tiny, stages=(joint, plain), arch=tiny.architectures()[0])
+    brief = dataclasses.replace(tiny, stages=(joint, decoding), arch=tiny.architectures()[0])
     model = train(brief, data=tiny_data, run=tmp_path)
     lines = log(tmp_path)
     assert list(dict.fromkeys(line["stage"] for line in lines)) == ["joint", "decoding"]
-    assert not any("scatter" in line for line in lines)
     assert [stage["kind"] for stage in model.header["preset"]["stages"]] == ["joint", "decoding"]
     assert set(model.header["metrics"]) == {"E mean", "P median"}
 

@@ -87,17 +87,22 @@ def _relative(node: dict[str, Any], folder: Path) -> dict[str, Any]:
 
 def _xml(description: dict[str, Any], coat: str) -> str:
     """The description as Mitsuba's XML, with the parameters $coat, $spp, $width and $height."""
+    text = xml(description).replace(f'<bsdf type="{coat}"', '<bsdf type="$coat"')
+    text = text.replace(f'name="reference" value="{coat}"', 'name="reference" value="$coat"')
+    first, rest = text.split("\n", 1)
+    return f'{first}\n    <default name="coat" value="{coat}"/>\n{rest}'
+
+
+def xml(description: dict[str, Any]) -> str:
+    """A scene for `mi.load_dict` as Mitsuba's XML, with the parameters $spp, $width and $height."""
     state = mi.parser.parse_dict(mi.parser.ParserConfig(mi.variant()), description)
     nodes = state.nodes
     for node in nodes:
         if node.props.plugin_name() in (*COATS, "openpbr"):
             node.type = mi.ObjectType.BSDF  # Mitsuba does not know the type of plugins in Python
     state.nodes = nodes
-    text = mi.parser.write_string(state).replace(f'<bsdf type="{coat}"', '<bsdf type="$coat"')
-    text = text.replace(f'name="reference" value="{coat}"', 'name="reference" value="$coat"')
+    text = mi.parser.write_string(state)
     for written, name in (("resx", "width"), ("resy", "height")):  # as Mitsuba names them
         text = text.replace(f'name="{written}"', f'name="{name}"')
         text = text.replace(f'"${written}"', f'"${name}"')
-    text = re.sub(r"-?\d+\.\d{13,}(e-?\d+)?", lambda number: f"{float(number[0]):.12g}", text)
-    first, rest = text.split("\n", 1)
-    return f'{first}\n    <default name="coat" value="{coat}"/>\n{rest}'
+    return re.sub(r"-?\d+\.\d{13,}(e-?\d+)?", lambda number: f"{float(number[0]):.12g}", text)

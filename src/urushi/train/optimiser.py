@@ -1,4 +1,4 @@
-"""The optimisers of all stages: schedules, update rules, averaged weights and precision."""
+"""The optimisers of all stages: schedules, update rules and averaged weights."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -10,8 +10,6 @@ import optax
 import optax.contrib
 
 from urushi.errors import ParameterError
-from urushi.nets.mlp import Params
-from urushi.train.devices import Devices
 
 #: Coefficients (a, b, c) of Muon's iterations, polynomials a x + b x^3 + c x^5 of the singular
 #: values. Together they map [0.005, 1] to within a twelfth of 1, each optimal for the range that
@@ -27,8 +25,7 @@ ITERATIONS = (
 #: A pytree of arrays.
 Tree = Any
 
-#: Values of a schedule's `precision` and `rule`.
-PRECISIONS = ("float32", "bfloat16")
+#: Values of a schedule's `rule`.
 RULES = ("muon", "soap")
 
 
@@ -44,7 +41,6 @@ class Schedule:
         average: decay per step of the exponential moving average of the weights, which is exported.
         steps_per_call: steps that run in one call of the compiled loop.
         checkpoint_every: steps between two checkpoints, a multiple of `steps_per_call`.
-        precision: of the hidden layers' products, "float32" or "bfloat16"; see `lowered`.
         rule: update rule of the weight matrices, "muon" or "soap"; see `optimiser`.
     """
 
@@ -55,16 +51,13 @@ class Schedule:
     average: float = 0.999
     steps_per_call: int = 16
     checkpoint_every: int = 2048
-    precision: str = "float32"
     rule: str = "muon"
 
     def __post_init__(self) -> None:
-        for name, choices in (("precision", PRECISIONS), ("rule", RULES)):
-            if getattr(self, name) not in choices:
-                raise ParameterError(
-                    f"the schedule's {name} is {getattr(self, name)!r}; choose one of "
-                    + ", ".join(choices)
-                )
+        if self.rule not in RULES:
+            raise ParameterError(
+                f"the schedule's rule is {self.rule!r}; choose one of {', '.join(RULES)}"
+            )
         for name in ("steps", "checkpoint_every"):
             if getattr(self, name) % self.steps_per_call:
                 raise ParameterError(
@@ -119,13 +112,12 @@ def start(params: Tree, schedule: Schedule) -> TrainState:
     return TrainState(params, {**params}, optimiser(schedule).init(params))
 
 
-def compile_steps(loss: Loss, schedule: Schedule, devices: Devices | None = None) -> Steps:
+def compile_steps(loss: Loss, schedule: Schedule) -> Steps:
     """Compile a function that takes several steps in one loop.
 
     Args:
         loss: (params, batch) to (loss, terms to log).
         schedule: of the stage.
-        devices: the devices that share each batch; None: JAX's default device.
 
     Returns:
         A function of a state and of batches stacked along a first axis; it returns the new state
@@ -134,11 +126,8 @@ def compile_steps(loss: Loss, schedule: Schedule, devices: Devices | None = None
     """
     rule = optimiser(schedule)
 
-    def lowered_loss(params: Tree, batch: Any) -> tuple[jax.Array, dict[str, jax.Array]]:
-        return loss(lowered(params, schedule.precision), batch)
-
     def step(state: TrainState, batch: Any) -> tuple[TrainState, dict[str, jax.Array]]:
-        (_, terms), gradient = jax.value_and_grad(lowered_loss, has_aux=True)(state.params, batch)
+        (_, terms), gradient = jax.value_and_grad(loss, has_aux=True)(state.params, batch)
         update, inner = rule.update(gradient, state.optimiser, state.params)
         params = optax.apply_updates(state.params, update)
         average = jax.tree.map(
@@ -146,32 +135,12 @@ def compile_steps(loss: Loss, schedule: Schedule, devices: Devices | None = None
         )
         return TrainState(params, average, inner), terms
 
+    @jax.jit
     def steps(state: TrainState, batches: Any) -> tuple[TrainState, dict[str, jax.Array]]:
         state, terms = jax.lax.scan(step, state, batches)
         return state, jax.tree.map(jnp.mean, terms)
 
-    if devices is None:
-        return jax.jit(steps)
-    compiled = jax.jit(steps, out_shardings=devices.replicated())
-    return lambda state, batches: compiled(*devices.place(state, batches))
-
-
-def lowered(params: Params, precision: str) -> dict[str, Any]:
-    """The parameters that a loss is evaluated with: unchanged, or hidden matrices in bfloat16.
-
-    Then the factors of these products are bfloat16. The first and the last layer of every network
-    stay in float32, because a feature or an output of 8 bits would be wrong by half a percent; so
-    do all biases, activations, and the parameters that the optimiser keeps.
-    """
-    if precision == "float32":
-        return dict(params)
-    layers = [name.split(".") for name in params if name.endswith(".weight")]
-    last = {net: max(int(k) for name, k, _ in layers if name == net) for net, _, _ in layers}
-    hidden = {f"{net}.{k}.weight" for net, k, _ in layers if 0 < int(k) < last[net]}
-    return {
-        name: value.astype(jnp.bfloat16) if name in hidden else value
-        for name, value in params.items()
-    }
+    return steps
 
 
 #: SOAP's decay rates per step: of the mean gradient M; of the squares V and of L and R.

@@ -61,8 +61,6 @@ def train(
         ParameterError: there is no such preset, or it does not fit its data.
         FileError: a file is foreign, damaged or cannot be written, or the run folder has a
             checkpoint and `resume` is not set.
-
-    Several JAX devices share the stacks of each step, see `devices`.
     """
     preset = presets.get(preset) if isinstance(preset, str) else preset
     folder = Path(run) if run is not None else RUNS / preset.name
@@ -70,7 +68,6 @@ def train(
     prepare(folder, out, resume)
     stages, sizes = preset.stages, preset.architectures()
     names = [stage.name for stage in stages]
-    device_count = max(stage.devices().count for stage in stages)
 
     began = time.monotonic()
     store = generate(preset.data, data if data is not None else folder / "data.zarr")
@@ -94,7 +91,7 @@ def train(
         point = replace(point, seconds=point.seconds + time.monotonic() - clock)
         report = partial(figures, {**params}, arch, checks)
         point = advance(point, stage, learner, report, journal)
-        params |= parameters_of(stage.devices().collect(point.state.average), stage.trains)
+        params |= parameters_of(point.state.average, stage.trains)
         if index + 1 < len(stages):
             point = begin(preset, index + 1, params, point.seconds)
             journal.save(point)
@@ -105,7 +102,6 @@ def train(
     cost = {
         "data seconds": round(journal.data_seconds),
         "training seconds": round(point.seconds),
-        "devices": device_count,
     }
     return weights.save(out, preset.arch, params, header(origin, metrics, cost))
 

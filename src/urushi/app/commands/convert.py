@@ -1,10 +1,10 @@
 """`urushi convert`: materials of a MaterialX document as a Mitsuba scene."""
 
+import itertools
 import re
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
-from xml.sax.saxutils import quoteattr
+from typing import TYPE_CHECKING, Annotated, Any
 
 import tyro
 
@@ -13,33 +13,9 @@ from urushi.files import atomic_write, new_folder
 from urushi.ranges import Texels
 
 if TYPE_CHECKING:
-    from urushi.openpbr_surface.materialx.baking import Texture
-    from urushi.openpbr_surface.materialx.surface import Mix, ParameterValue, Surface
+    import numpy as np
 
-#: A sphere under even light, seen from the front.
-_SCENE = """<scene version="3.0.0">
-    <default name="spp" value="64"/>
-    <integrator type="path"/>
-    <sensor type="perspective">
-        <float name="fov" value="32"/>
-        <transform name="to_world">
-            <lookat origin="0, 1, 4" target="0, 0, 0" up="0, 1, 0"/>
-        </transform>
-        <film type="hdrfilm">
-            <integer name="width" value="512"/>
-            <integer name="height" value="512"/>
-        </film>
-        <sampler type="independent"><integer name="sample_count" value="$spp"/></sampler>
-    </sensor>
-    <emitter type="constant"><rgb name="radiance" value="0.3"/></emitter>
-    <shape type="sphere">
-        <point name="center" x="3" y="5" z="4"/>
-        <emitter type="area"><rgb name="radiance" value="12"/></emitter>
-    </shape>
-{bsdf}
-    <shape type="sphere"><ref id={id}/>{emitter}</shape>
-</scene>
-"""
+    from urushi.openpbr_surface.materialx.surface import Mix, Surface
 
 
 @dataclass(frozen=True)
@@ -72,81 +48,62 @@ class Convert:
             checked_resolution,
             decode,
         )
+        from urushi.scenes import shipped
 
         resolution = checked_resolution(self.resolution)
         found = read_surface(self.document, decode, self.material, resolution, self.uv_plane)
         check_supported(found)
-        folder = new_folder(self.output)
-        bsdf, emitter = bsdf_xml(found, found.name, folder)
-        target = folder / "scene.xml"
+        target = new_folder(self.output) / "scene.xml"
         with atomic_write(target) as temporary:
-            scene = _SCENE.format(bsdf=bsdf, emitter=emitter, id=quoteattr(found.name))
-            temporary.write_text(scene, encoding="utf-8")
+            temporary.write_text(shipped.xml(scene(found, self.output)), encoding="utf-8")
         print(target)
         return 0
 
 
-def bsdf_xml(found: "Surface | Mix", name: str, folder: Path) -> tuple[str, str]:
-    """The material of a name as an element <bsdf>; its textures are written into the folder.
+def scene(found: "Surface | Mix", folder: Path) -> dict[str, Any]:
+    """A sphere of a material under even light, seen from the front.
 
-    Returns:
-        The element, and the element <emitter> of what it emits, empty if nothing.
+    Textures are written into the folder, which file names are relative to.
 
     Raises:
         FileError: the folder cannot be written.
     """
-    from urushi.openpbr_surface.inputs import EMISSION
-    from urushi.openpbr_surface.materialx.surface import Mix
-    from urushi.openpbr_surface.plugins.emission import NAMES
-
-    if isinstance(found, Mix):
-        parts = [bsdf_xml(found.bg, f"{name}-bg", folder), bsdf_xml(found.fg, f"{name}-fg", folder)]
-        weight = _value_xml(name, "weight", found.weight, folder)
-        inside = "\n".join((f"        {weight}", *(part for part, _ in parts)))
-        return f'    <bsdf type="blendbsdf" id={quoteattr(name)}>\n{inside}\n    </bsdf>', ""
-    lines = {key: _value_xml(name, key, x, folder) for key, x in found.values.items()}
-    inside = "".join(f"\n        {x}" for key, x in lines.items() if key not in EMISSION)
-    bsdf = f'    <bsdf type="openpbr" id={quoteattr(name)}>{inside}\n    </bsdf>'
-    if found.values.get("emission_luminance", 0.0) == 0.0:
-        return bsdf, ""
-    light = "".join(f"\n            {x}" for key, x in lines.items() if key in NAMES)
-    return bsdf, f'\n        <emitter type="openpbr_emission">{light}\n        </emitter>\n    '
-
-
-def _value_xml(material: str, name: str, value: "ParameterValue", folder: Path) -> str:
-    """The element of a parameter."""
-    from urushi.openpbr_surface.materialx.baking import Texture
-
-    if isinstance(value, Texture):
-        return _texture_xml(material, name, value, folder)
-    if isinstance(value, bool):
-        return f'<boolean name="{name}" value="{str(value).lower()}"/>'
-    if isinstance(value, tuple):
-        numbers = " ".join(repr(number) for number in value)
-        return f'<rgb name="{name}" value="{numbers}"/>'
-    return f'<float name="{name}" value="{value!r}"/>'
-
-
-def _texture_xml(material: str, name: str, texture: "Texture", folder: Path) -> str:
     import mitsuba as mi
-    import numpy as np
 
-    from urushi.openpbr_surface.plugins.materialx import filter_type, is_raw
+    from urushi.openpbr_surface.description import OpenPBR
+    from urushi.openpbr_surface.materialx.surface import Mix
+    from urushi.openpbr_surface.plugins.materialx import description
 
-    file = "textures/" + re.sub(r"[^A-Za-z0-9_-]", "_", f"{material[:60]}-{name}") + ".exr"
-    new_folder(folder / "textures")
-    with atomic_write(folder / file) as temporary:
-        mi.Bitmap(np.ascontiguousarray(texture.pixels)).write(str(temporary))
-    four = np.eye(4)  # as Mitsuba reads it from XML: the translation in the last column
-    four[:2, :2], four[:2, 3] = texture.to_uv[:2, :2], texture.to_uv[:2, 2]
-    matrix = " ".join(repr(float(x)) for x in four.ravel())
-    parts = (
-        f'<texture type="bitmap" name="{name}">',
-        f'    <string name="filename" value="{file}"/>',
-        f'    <boolean name="raw" value="{str(is_raw(name)).lower()}"/>',
-        f'    <string name="wrap_mode" value="{texture.wrap}"/>',
-        f'    <string name="filter_type" value="{filter_type(texture)}"/>',
-        f'    <transform name="to_uv"><matrix value="{matrix}"/></transform>',
-        "</texture>",
-    )
-    return "\n        ".join(parts)
+    numbers = itertools.count(1)
+
+    def stored(name: str, pixels: "np.ndarray") -> dict[str, Any]:
+        file = f"textures/{name}-{next(numbers)}.exr"
+        new_folder(folder / "textures")
+        with atomic_write(folder / file) as temporary:
+            mi.Bitmap(pixels).write(str(temporary))
+        return {"filename": file}
+
+    shape: dict[str, Any] = {"type": "sphere", "bsdf": description(found, stored=stored)}
+    if not isinstance(found, Mix):
+        del shape["bsdf"]["type"]
+        shape = OpenPBR(shape["bsdf"]).on({"type": "sphere"})
+    name = re.sub(r"[^A-Za-z0-9_-]", "_", found.name)
+    return {
+        "type": "scene",
+        "integrator": {"type": "path"},
+        "sensor": {
+            "type": "perspective",
+            "fov": 32.0,
+            "to_world": mi.ScalarTransform4f().look_at([0, 1, 4], [0, 0, 0], [0, 1, 0]),
+            "film": {"type": "hdrfilm", "width": 512, "height": 512},
+            "sampler": {"type": "independent", "sample_count": 64},
+        },
+        "sky": {"type": "constant", "radiance": 0.3},
+        "lamp": {
+            "type": "sphere",
+            "center": [3, 5, 4],
+            "emitter": {"type": "area", "radiance": 12.0},
+        },
+        name: shape["bsdf"],
+        "object": shape | {"bsdf": {"type": "ref", "id": name}},
+    }

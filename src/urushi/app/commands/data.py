@@ -15,8 +15,7 @@ from urushi.ranges import Share
 class Generate:
     """Simulate the training data of a preset.
 
-    An interrupted run continues where it stopped and ends in the same store. A Dask cluster (`dask
-    scheduler` on one machine, `dask worker ADDRESS` on each) writes an identical store.
+    An interrupted run continues where it stopped and ends in the same store.
 
     Example: urushi data generate --preset default -o runs/default.zarr
     """
@@ -27,17 +26,13 @@ class Generate:
     """Training preset whose data are simulated: default, anisotropic, quick, smoke or paper."""
     scale: Share | None = None
     """Only for the preset "paper": fraction of its training samples, as for `urushi train`."""
-    scheduler: str | None = None
-    """Address of a Dask scheduler whose workers simulate. Default: all cores of this machine."""
 
     def run(self) -> int:
         platform.require_extra("train")
-        if self.scheduler is not None:
-            platform.require_extra("cluster")
         from urushi.train.data.generate import generate
 
         preset = find_preset(self.preset, self.scale)
-        store = generate(preset.data, self.output, self.scheduler)
+        store = generate(preset.data, self.output)
         print(f"{self.output}  {store.hash()}")
         return 0
 

@@ -1,13 +1,39 @@
-"""`urushi demo`: both methods on a tea caddy."""
+"""`urushi demo`: a lacquered tea caddy, by the networks and by the reference walk, compared."""
 
-from dataclasses import dataclass
+import json
+import os
+import time
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Annotated
 
+import numpy as np
 import tyro
+from tqdm import tqdm
 
 from urushi.app.commands.render import set_variant
+from urushi.eval import metrics
+from urushi.eval.metrics import srgb
+from urushi.files import atomic_write, new_folder
 from urushi.ranges import Pixels, Range
+from urushi.scenes.options import COATS, Options
+
+#: Samples per pixel in one pass: bounds the memory, and is the step of the progress bar.
+PASS_SPP = 8
+
+#: The compared plugins: the networks, and the random walk, which is the reference.
+NEURAL, REFERENCE = COATS
+
+#: Relative differences of luminance of this size and above are shown in full colour.
+DIFFERENCE_SCALE = 0.25
+
+#: Commands to try after the demo, with what they do.
+NEXT_COMMANDS = (
+    ("urushi render teapot -o out/teapot.png", "another scene, by the networks"),
+    ("urushi render teapot -D coat=layered -o out/teapot-reference.png", "the same, by the walk"),
+    ("urushi scenes export teapot out/teapot", "a scene file to change and render"),
+    ('urushi simulate "coat(diffuse(0.5), alpha=0.1, eta=1.5)"', "values of a coated BRDF"),
+)
 
 
 @dataclass(frozen=True)
@@ -34,9 +60,158 @@ class Demo:
 
     def run(self) -> int:
         set_variant(self.mode)
-        from urushi.app import demo
-        from urushi.scenes.options import Options
+        import mitsuba as mi
 
+        out = new_folder(self.output)
         options = Options(width=self.width, height=self.height, spp=self.spp)
-        print(demo.describe(demo.run(self.output, options), self.output))
+        neural, reference = (  # different seeds: noise that both share would cancel
+            render(out / "scene", replace(options, coat=coat), k) for k, coat in enumerate(COATS)
+        )
+        figures = compare(neural, reference)
+        for name, of in ((NEURAL, neural), (REFERENCE, reference)):
+            with atomic_write(out / f"{name}.exr") as temporary:
+                mi.Bitmap(of.image.astype(np.float32)).write(str(temporary))
+        pictures = tonemap(reference.image), tonemap(neural.image)
+        difference = difference_picture(neural.image, reference.image)
+        write_png(side_by_side(*pictures, difference), out / "comparison.png")
+        with atomic_write(out / "report.json") as temporary:
+            temporary.write_text(json.dumps(figures, indent=2) + "\n")
+        print(describe(figures, out))
         return 0
+
+
+@dataclass(frozen=True)
+class Render:
+    """A render as two independent halves, whose difference measures its noise.
+
+    Attributes:
+        halves: (2, H, W, 3) float64 linear radiance, each from half of the samples.
+        seconds: wall time of the passes after the first.
+        start: wall time of loading the scene and of the first pass, which compiles the code.
+    """
+
+    halves: np.ndarray
+    seconds: float
+    start: float
+
+    @property
+    def image(self) -> np.ndarray:
+        """(H, W, 3) mean of both halves."""
+        return self.halves.mean(axis=0)
+
+    @property
+    def variance(self) -> np.ndarray:
+        """(H, W, 3) estimate of the variance of `image` in every pixel."""
+        return metrics.halves_variance(*self.halves)
+
+
+def render(folder: Path, options: Options, seed: int) -> Render:
+    """Render the caddy in passes, which alternate between the halves.
+
+    folder: for the scene's mesh and textures. options: `spp` is a multiple of twice `PASS_SPP`.
+    """
+    import mitsuba as mi
+
+    from urushi.scenes import shipped
+
+    begin = time.perf_counter()
+    scene = mi.load_dict(shipped.build(shipped.SCENES["caddy"], folder, options))
+    halves = np.zeros((2, options.height, options.width, 3))
+    passes, start = options.spp // PASS_SPP, 0.0
+    for index in tqdm(range(passes), desc=f"{options.coat:>14}", unit="pass", disable=None):
+        image = mi.render(scene, spp=PASS_SPP, seed=seed * passes + index)
+        halves[index % 2] += np.array(image, dtype=np.float64) / (passes // 2)
+        start = start or time.perf_counter() - begin
+    return Render(halves, seconds=time.perf_counter() - begin - start, start=start)
+
+
+def compare(neural: Render, reference: Render) -> dict[str, float]:
+    """Figures of the networks' image against the walk's.
+
+    Returns:
+        relative_mse: relative mean squared error, less the noise of the reference;
+            relative_mse_noise_free: less the noise of both. psnr: of the tone-mapped pictures [dB].
+        noise, seconds, start_seconds: of each method, its name in front: the relative mean squared
+            error that more samples would remove, and the times of its `Render`.
+    """
+    truth, figures = reference.image, {}
+    for name, of in ((REFERENCE, reference), (NEURAL, neural)):
+        figures[f"{name}_noise"] = metrics.relative_mse(truth, truth, variance=-of.variance)
+        figures[f"{name}_seconds"], figures[f"{name}_start_seconds"] = of.seconds, of.start
+    without = metrics.relative_mse(neural.image, truth, variance=reference.variance)
+    return figures | {
+        "relative_mse": without,
+        "relative_mse_noise_free": without - figures[f"{NEURAL}_noise"],
+        "psnr": metrics.psnr(tonemap(neural.image), tonemap(truth)),
+    }
+
+
+def describe(figures: dict[str, float], out: Path) -> str:
+    """What each method cost by the figures of `compare`, what to look at, and what to try next."""
+    rows = "\n".join(
+        f"{name:<14} {figures[f'{name}_start_seconds']:7.1f} s {figures[f'{name}_seconds']:7.1f} s"
+        f"   {figures[f'{name}_noise']:.4f}   {what}"
+        for name, what in ((REFERENCE, "random walks: the reference"), (NEURAL, "the networks"))
+    )
+    commands = "\n".join(f"  {command}\n      {purpose}" for command, purpose in NEXT_COMMANDS)
+    time, noise = (
+        figures[f"{NEURAL}_{key}"] / figures[f"{REFERENCE}_{key}"] for key in ("seconds", "noise")
+    )
+    return f"""
+method             start    render    noise
+{rows}
+
+"start" is loading the scene, compiling the code, and the first {PASS_SPP} samples per pixel.
+Compiled code is kept on disk: the next start is shorter. "noise" is the relative mean squared
+error that more samples would remove.
+
+A render by the networks takes {time:.0%} of the walk's time and has {noise:.0%} of its noise. For a
+picture of the same noise, the networks take {time * noise:.0%} of the walk's time.
+
+Error of the networks: {figures["relative_mse"]:.4f}
+  Relative mean squared error, without the noise of '{REFERENCE}'.
+
+Look at {out / "comparison.png"}
+  Left: {REFERENCE}. Middle: {NEURAL}. Right: their difference in luminance; black is equal,
+  orange means that the networks are brighter, blue that they are darker, and the full colour is a
+  difference of {DIFFERENCE_SCALE:.0%} or more. All figures are in {out / "report.json"}.
+
+Try next
+{commands}
+  In your own Mitsuba scene, put the plugin "{NEURAL}" around a BSDF to coat it."""
+
+
+def tonemap(radiance: np.ndarray) -> np.ndarray:
+    """Display values of linear radiance (H, W, 3): the fit of Narkowicz 2015 to ACES, then sRGB."""
+    x = np.maximum(radiance, 0)
+    curve = x * (2.51 * x + 0.03) / (x * (2.43 * x + 0.59) + 0.14)
+    return srgb(np.clip(curve, 0, 1))
+
+
+def difference_picture(image: np.ndarray, reference: np.ndarray) -> np.ndarray:
+    """Display values of the signed relative difference of luminance, all (H, W, 3).
+
+    Black if equal, orange if brighter, blue if darker.
+    """
+    weights = np.array([0.2126, 0.7152, 0.0722])  # luminance of Rec. 709
+    luminance = reference @ weights
+    relative = (image @ weights - luminance) / (luminance + 0.05)
+    amount = np.clip(np.abs(relative) / DIFFERENCE_SCALE, 0, 1)[..., None]
+    colour = np.where(relative[..., None] > 0, [1.0, 0.55, 0.15], [0.2, 0.55, 1.0])
+    return amount * colour
+
+
+def side_by_side(*panels: np.ndarray, gap: int = 4) -> np.ndarray:
+    """Join (H, W, 3) display images from left to right, with white gaps of `gap` pixels."""
+    white = np.ones((panels[0].shape[0], gap, 3))
+    joined = [part for panel in panels for part in (white, panel)][1:]
+    return np.concatenate(joined, axis=1)
+
+
+def write_png(image: np.ndarray, path: str | os.PathLike) -> None:
+    """Write (H, W, 3) display values in [0, 1] as an 8-bit PNG, whole or not at all."""
+    import mitsuba as mi
+
+    pixels = np.round(255 * np.clip(image, 0, 1)).astype(np.uint8)
+    with atomic_write(path) as temporary:
+        mi.Bitmap(np.ascontiguousarray(pixels)).write(str(temporary))

@@ -1,7 +1,7 @@
 """The plugin `materialx`, and materials of MaterialX documents as descriptions of `openpbr`."""
 
 import os
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -56,23 +56,29 @@ def load_materialx(
             parameter is out of its range.
         PlatformError: the package materialx is needed and missing.
     """
-    return _description(_read(path, name, resolution, uv_plane))
+    return description(_read(path, name, resolution, uv_plane))
 
 
 def _read(path: str | os.PathLike, name: str | None, resolution: int, uv: bool) -> Surface | Mix:
     return read_surface(path, decode, name, checked_resolution(resolution), uv)
 
 
-def _description(found: Surface | Mix, extra: Mapping[str, Any] = {}, where: str = "") -> Any:
+def description(
+    found: Surface | Mix,
+    extra: Mapping[str, Any] = {},
+    where: str = "",
+    stored: Callable[[str, np.ndarray], dict[str, Any]] | None = None,
+) -> dict[str, Any]:
     """A dictionary for `mi.load_dict`.
 
     extra: further properties of each `openpbr`. where: begins its errors, before the document.
+    stored: as of `mitsuba_value`.
     """
     if isinstance(found, Mix):
         parts = {"bsdf_0": found.bg, "bsdf_1": found.fg}
-        parts = {name: _description(part, extra, where) for name, part in parts.items()}
-        return {"type": "blendbsdf", "weight": mitsuba_value("mix", found.weight), **parts}
-    values = {name: mitsuba_value(name, value) for name, value in found.values.items()}
+        made = {name: description(part, extra, where, stored) for name, part in parts.items()}
+        return {"type": "blendbsdf", "weight": mitsuba_value("mix", found.weight, stored), **made}
+    values = {name: mitsuba_value(name, value, stored) for name, value in found.values.items()}
     origin = {"origin": f"{where}: {found.where}"} if where else {}
     return {"type": "openpbr", **values, **extra, **origin}
 
@@ -127,8 +133,15 @@ def decode(path: Path) -> np.ndarray:
     return pixels.reshape(*pixels.shape[:2], -1)
 
 
-def mitsuba_value(name: str, value: ParameterValue) -> Any:
+def mitsuba_value(
+    name: str,
+    value: ParameterValue,
+    stored: Callable[[str, np.ndarray], dict[str, Any]] | None = None,
+) -> Any:
     """A parameter's value as `mi.load_dict` takes it.
+
+    stored: from the parameter's name and the pixels of its texture to the property of `bitmap` that
+        has them; by default they are in memory.
 
     Raises:
         ParameterError: it is a texture and no variant is set.
@@ -142,24 +155,15 @@ def mitsuba_value(name: str, value: ParameterValue) -> Any:
             f"{name} is a texture, which needs a Mitsuba variant; set one first, for instance by "
             "mi.set_variant('llvm_ad_rgb')"
         )
+    pixels = np.ascontiguousarray(value.pixels)
     return {
         "type": "bitmap",
-        "bitmap": mi.Bitmap(np.ascontiguousarray(value.pixels)),
-        "raw": is_raw(name),
+        **({"bitmap": mi.Bitmap(pixels)} if stored is None else stored(name, pixels)),
+        "raw": name not in PARAMETERS or PARAMETERS[name].kind != "color",
         "to_uv": mi.ScalarTransform3f(value.to_uv.tolist()),
         "wrap_mode": value.wrap,
-        "filter_type": filter_type(value),
+        "filter_type": "bilinear" if value.blend else "nearest",
     }
-
-
-def is_raw(name: str) -> bool:
-    """Whether a parameter's texture holds numbers, not colours."""
-    return name not in PARAMETERS or PARAMETERS[name].kind != "color"
-
-
-def filter_type(texture: Texture) -> str:
-    """Mitsuba's name for how a texture is interpolated."""
-    return "bilinear" if texture.blend else "nearest"
 
 
 def define():
@@ -205,7 +209,7 @@ def define():
         plane = bool(props.get("uv_plane", False))
         own = ("filename", "material", "bake", "uv_plane")
         extra = {key: props[key] for key in list(props.keys()) if key not in own}
-        bsdf = _description(_read(path, name, resolution, plane), extra, where)
+        bsdf = description(_read(path, name, resolution, plane), extra, where)
         if props.id():
             bsdf["id"] = props.id()
         return mi.load_dict(bsdf)

@@ -1,17 +1,14 @@
 """Generation of a data store; each shard is a pure function of the specification and its index."""
 
 import os
-from collections.abc import Iterator
 
 import numpy as np
 from tqdm import tqdm
 
 from urushi.checks import CoatParameters
 from urushi.core import direction_sets
-from urushi.errors import PlatformError
-from urushi.train.data import cluster
 from urushi.train.data.spec import DataSpec
-from urushi.train.data.store import Shard, Store, versions
+from urushi.train.data.store import Shard, Store
 from urushi.walk import analytic
 from urushi.walk.bottoms import KINDS
 from urushi.walk.simulate import walk_pairs
@@ -54,52 +51,24 @@ def make_shard(spec: DataSpec, part: int, shard: int) -> Shard:
     return arrays
 
 
-def generate(spec: DataSpec, path: str | os.PathLike, scheduler: str | None = None) -> Store:
+def generate(spec: DataSpec, path: str | os.PathLike) -> Store:
     """Generate the data of `spec` at `path`, or resume where an earlier run was stopped.
 
-    The bytes of the result do not depend on interruptions, nor on the workers that simulate it.
+    The bytes of the result do not depend on interruptions.
 
     Args:
         spec: the content.
         path: the store's folder; only this process writes to it.
-        scheduler: address of a Dask scheduler whose workers simulate the shards; by default this
-            process simulates them on all cores. Values are equal to the last bit only if the
-            workers have the same software and the same kind of processor.
 
     Raises:
         FileError: `path` holds something else, or cannot be written.
-        PlatformError: there is no such scheduler, or its workers have different software.
     """
     store = Store.create(path, spec)
     missing = store.missing()
     total = sum(spec.walks(*index) for index in missing)
     with tqdm(total=total, unit="walk", unit_scale=True, disable=None) as progress:
-        for (part, shard), arrays in _shards(spec, missing, scheduler):
+        for part, shard in missing:
             progress.set_description(spec.parts[part].name)
-            store.write(part, shard, arrays)
+            store.write(part, shard, make_shard(spec, part, shard))
             progress.update(spec.walks(part, shard))
     return store
-
-
-def _shards(
-    spec: DataSpec, wanted: list[tuple[int, int]], scheduler: str | None
-) -> Iterator[tuple[tuple[int, int], Shard]]:
-    """Yield indices and shards: in order if simulated here, in any order from a cluster."""
-    if scheduler is None:
-        yield from ((index, make_shard(spec, *index)) for index in wanted)
-    elif wanted:
-        tasks = [(spec, part, shard, versions()) for part, shard in wanted]
-        for number, arrays in cluster.run(scheduler, _make_remotely, tasks):
-            yield wanted[number], arrays
-
-
-def _make_remotely(spec: DataSpec, part: int, shard: int, wanted: dict[str, str]) -> Shard:
-    """`make_shard` on a cluster's worker, which must have the software of the store's writer."""
-    found = versions()
-    for name in wanted:
-        if found[name] != wanted[name]:
-            raise PlatformError(
-                f"a worker of the cluster has {name} {found[name]}, but here it is {wanted[name]}; "
-                "install the same version everywhere, or the values would differ"
-            )
-    return make_shard(spec, part, shard)

@@ -1,4 +1,4 @@
-"""The decoding stage: the decoder alone, with pairs that may be weighted by their scatter.
+"""The decoding stage: the decoder alone, with pairs that are weighted by their scatter.
 
 The scatter of a pair is its expected squared relative error: noise of the simulated value and error
 of the decoder together. A small network predicts it from code and directions; it is trained beside
@@ -15,15 +15,12 @@ import numpy as np
 from urushi.nets.architecture import Architecture, init
 from urushi.nets.decoder import decode
 from urushi.nets.mlp import Params
-from urushi.train import devices
-from urushi.train.devices import Devices
 from urushi.train.examples import Batch, Batches, Depth
 from urushi.train.losses import (
     compose,
     mean_loss,
     pair_weights,
     squared_errors,
-    stack_loss,
     without_lobe,
 )
 from urushi.train.optimiser import compile_steps
@@ -53,33 +50,25 @@ class Decoding(Stage):
 
     Attributes:
         stacks: stacks of 0, 1, 2, ... coats in a step.
-        weigh_pairs: whether pairs are weighted by their scatter.
         energy_share: of the `losses.pair_weights`.
     """
 
     stacks: tuple[int, ...]
-    weigh_pairs: bool = True
     energy_share: float = 0.0
     name: str = field(default="decoding", kw_only=True)
     trains: ClassVar[tuple[str, ...]] = ("decoder",)
 
-    def devices(self) -> Devices:
-        """The devices that share the stacks of a step."""
-        return devices.find(sum(self.stacks))
-
     def begin(self, params: Params, arch: Architecture, seed: int) -> dict[str, Any]:
-        """The decoder, and a fresh network of the scatter if pairs are weighted."""
-        trained = super().begin(params, arch, seed)
-        return trained | (fresh_scatter(arch, seed) if self.weigh_pairs else {})
+        """The decoder, and a fresh network of the scatter."""
+        return super().begin(params, arch, seed) | fresh_scatter(arch, seed)
 
     def learn(self, params: Params, arch: Architecture, depths: list[Depth], seed: int) -> Learner:
-        """Steps of `weighted_loss` or `plain_loss` on all simulated stacks."""
-        minimised = weighted_loss if self.weigh_pairs else plain_loss
+        """Steps of `weighted_loss` on all simulated stacks."""
 
         def loss(trained: Params, batch: Any) -> tuple[jax.Array, dict[str, jax.Array]]:
-            return minimised(trained, params, arch, batch, self.energy_share)
+            return weighted_loss(trained, params, arch, batch, self.energy_share)
 
-        steps = compile_steps(loss, self.schedule, self.devices())
+        steps = compile_steps(loss, self.schedule)
         return Learner(steps, Batches(depths, self.stacks, seed + 1).take)
 
 
@@ -120,28 +109,6 @@ def scatter_weights(scatter: Any) -> jax.Array:
     return weights / jnp.mean(weights, axis=-1, keepdims=True)
 
 
-def plain_loss(
-    trained: Params,
-    params: Params,
-    arch: Architecture,
-    batch: Batch,
-    energy_share: float = 0.0,
-) -> tuple[jax.Array, dict[str, jax.Array]]:
-    """`losses.stack_loss` on composed codes, and its terms.
-
-    Args:
-        trained: "decoder.*".
-        params: all parameters; those of encoder and layerer compose the codes.
-        arch: sizes of the networks.
-        batch: simulated stacks.
-        energy_share: of the `losses.pair_weights`.
-    """
-    z = compose(params, arch, batch.lobes, batch.probes, batch.coats)
-    f_hat = batch.top + without_lobe(trained, arch, z, batch.features)
-    fit = stack_loss(f_hat, batch.f, pair_weights(f_hat, batch.features, energy_share))
-    return fit, {"loss": fit}
-
-
 def weighted_loss(
     trained: Params,
     params: Params,
@@ -156,7 +123,10 @@ def weighted_loss(
 
     Args:
         trained: "decoder.*" and "scatter.*".
-        params, arch, batch, energy_share: as of `plain_loss`.
+        params: all parameters; those of encoder and layerer compose the codes.
+        arch: sizes of the networks.
+        batch: simulated stacks.
+        energy_share: of the `losses.pair_weights`.
     """
     z = compose(params, arch, batch.lobes, batch.probes, batch.coats)
     f_hat = batch.top + without_lobe(trained, arch, z, batch.features)

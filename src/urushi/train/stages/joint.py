@@ -12,8 +12,6 @@ from urushi.nets.architecture import FIXED, Architecture
 from urushi.nets.features import direction_features
 from urushi.nets.layerer import layer
 from urushi.nets.mlp import Params
-from urushi.train import devices
-from urushi.train.devices import Devices
 from urushi.train.examples import Batch, Batches, Depth
 from urushi.train.losses import (
     apply_coats,
@@ -54,10 +52,6 @@ class Joint(Stage):
     name: str = field(default="joint", kw_only=True)
     trains: ClassVar[tuple[str, ...]] = ("decoder", "encoder", "layerer")
 
-    def devices(self) -> Devices:
-        """The devices that share the stacks of a step."""
-        return devices.find(sum(self.stacks))
-
     def learn(self, params: Params, arch: Architecture, depths: list[Depth], seed: int) -> Learner:
         """Steps of `joint_loss` on all simulated stacks."""
         pairs = probe_pairs(arch.probes, arch.widths)
@@ -67,7 +61,7 @@ class Joint(Stage):
         def loss(trained: Params, batch: Any) -> tuple[jax.Array, dict[str, jax.Array]]:
             return joint_loss({**fixed, **trained}, arch, batch, features, self.energy_share)
 
-        steps = compile_steps(loss, self.schedule, self.devices())
+        steps = compile_steps(loss, self.schedule)
         return Learner(steps, Batches(depths, self.stacks, seed).take)
 
 

@@ -12,8 +12,6 @@ import numpy as np
 from urushi.errors import ParameterError
 from urushi.nets.architecture import Architecture, layer_sizes
 from urushi.nets.mlp import Params
-from urushi.train import devices
-from urushi.train.devices import Devices
 from urushi.train.examples import Depth, Examples
 from urushi.train.losses import apply_coats
 from urushi.train.optimiser import compile_steps
@@ -52,10 +50,6 @@ class Layering(Stage):
         """The sizes with a layerer that is not yet widened."""
         return arch if self.widen_from is None else replace(arch, layerer=self.widen_from)
 
-    def devices(self) -> Devices:
-        """The devices that share the stacks of a step."""
-        return devices.find(sum(self.stacks))
-
     def begin(self, params: Params, arch: Architecture, seed: int) -> dict[str, Any]:
         """The layerer, widened if it was narrower before."""
         if self.widen_from is None:
@@ -83,7 +77,7 @@ class Layering(Stage):
         def loss(trained: Params, batch: Any) -> tuple[jax.Array, dict[str, jax.Array]]:
             return layering_loss(trained, arch, batch)
 
-        steps = compile_steps(loss, self.schedule, self.devices())
+        steps = compile_steps(loss, self.schedule)
         batches = LayeringBatches(losses, self.stacks, seed + self.seed_offset)
         return Learner(steps, batches.take)
 

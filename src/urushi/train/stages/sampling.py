@@ -53,7 +53,7 @@ class Sampling(Stage):
         def batches(step: int, steps: int) -> np.ndarray:
             return np.arange(step, step + steps, dtype=np.uint32)
 
-        return Learner(compile_steps(loss, self.schedule, self.devices()), batches)
+        return Learner(compile_steps(loss, self.schedule), batches)
 
     def measure(
         self, params: Params, arch: Architecture, depths: list[Depth], seed: int

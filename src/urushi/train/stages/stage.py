@@ -7,7 +7,6 @@ from typing import Any, ClassVar, NamedTuple
 
 from urushi.nets.architecture import FIXED, Architecture
 from urushi.nets.mlp import Params
-from urushi.train.devices import Devices
 from urushi.train.examples import Depth
 from urushi.train.optimiser import Schedule, Steps
 
@@ -42,14 +41,6 @@ class Stage(ABC):
     def arch_before(self, arch: Architecture) -> Architecture:
         """Sizes of the networks before this stage, where they are `arch` during and after it."""
         return arch
-
-    def devices(self) -> Devices:
-        """The devices that share the work of a step; by default JAX's default device alone.
-
-        Raises:
-            ParameterError: there are several, which cannot share the stacks of a step evenly.
-        """
-        return Devices(mesh=None, stacks=0)
 
     def begin(self, params: Params, arch: Architecture, seed: int) -> dict[str, Any]:
         """The parameters that learn, before the first step.
