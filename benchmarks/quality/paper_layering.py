@@ -14,8 +14,9 @@ from pathlib import Path
 
 from urushi.fan2022 import PaperNetworks
 from urushi.fan2022.architecture import AdamProjection, init
-from urushi.fan2022.palette import Palette
-from urushi.fan2022.train import held_out, layering, preset
+from urushi.fan2022.train import layering, preset
+from urushi.fan2022.train import training as paper_training
+from urushi.fan2022.train.preset import Palette
 from urushi.fan2022.train.projection import project_part
 from urushi.train.data.generate import generate
 from urushi.train.data.spec import DataSpec, Part
@@ -67,7 +68,7 @@ def main() -> None:
         for epoch in range(EPOCHS):
             state, loss = layering.learn_epoch(state, sets, training, epoch)
         params = {**model.params, **state.params}
-        errors = held_out.value_errors(params, training, store, sets["validation"])
+        errors = paper_training.value_errors(params, training, store, sets["validation"])
     print(f"weights {model.fingerprint}, {options.stacks} stacks, {options.pairs or 'no'} pairs")
     spread = sets["validation"].target.std(axis=0).mean()
     held = float(layering.l1_loss(state.params, sets["validation"]))

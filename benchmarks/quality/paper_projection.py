@@ -24,7 +24,7 @@ from urushi.core.direction_sets import stratified_pairs
 from urushi.fan2022 import PaperNetworks, adam, projection
 from urushi.fan2022.architecture import AdamProjection
 from urushi.fan2022.inference import LIGHT_COSINE, direction_inputs, evaluate
-from urushi.fan2022.palette import Palette
+from urushi.fan2022.train.preset import Palette
 from urushi.fan2022.train.projection import spread
 from urushi.walk import walk_pairs
 

@@ -11,9 +11,48 @@ import argparse
 import time
 from collections.abc import Callable
 from statistics import median
+from typing import Any
 
-from urushi.eval.cost import parameters, single_operations, texture_operations
+import numpy as np
+
+from urushi.eval.report import parameters
+from urushi.material import encode, layer
+from urushi.material.layer import layer_texels
 from urushi.nets import weights
+from urushi.nets.weights import Model
+from urushi.walk import conductor, dielectric
+
+GOLD, TOP = conductor(0.2, (0.98, 0.77, 0.34)), dielectric(0.05, 1.5)
+
+
+def single_operations(model: Model) -> dict[str, Callable[[], object]]:
+    """Operations on one material, by name."""
+    bottom = encode(GOLD, model)
+    return {
+        "encode one RGB material": lambda: encode(GOLD, model),
+        "layer one RGB material": lambda: layer(TOP, bottom, albedo=0.8, sigma_t=(0.2, 1.0, 3.0)),
+    }
+
+
+def texture_operations(model: Model, side: int) -> dict[str, Callable[[], object]]:
+    """Layering of side x side RGB texels, by name; coats vary in every parameter and channel."""
+    rng = np.random.default_rng(0)
+    shape = side, side, 3
+    coat: dict[str, Any] = {
+        "alpha": rng.uniform(0.05, 0.5, shape),
+        "eta": rng.uniform(1.3, 1.7, shape),
+        "albedo": rng.uniform(0, 1, shape),
+        "sigma_t": rng.uniform(0, 3, shape),
+        "g": rng.uniform(-0.5, 0.5, shape),
+    }
+    grey = {name: values[..., :1] for name, values in coat.items()}
+    one = encode(GOLD, model).anchors
+    many = np.broadcast_to(one, (side, side, *one.shape)).copy()
+    return {
+        "all varying": lambda: layer_texels(model, many, **coat),
+        "one bottom": lambda: layer_texels(model, one, **coat),
+        "grey coat": lambda: layer_texels(model, many, **grey),
+    }
 
 
 def table(heading: str, operations: dict[str, Callable[[], object]], runs: int) -> None:

@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from benchmarks.quality import benchmark_set
 from research.rivals import belcour
 
 import urushi
@@ -43,7 +44,7 @@ def main() -> None:
 def errors(interfaces: int, stacks: int) -> dict[str, Any]:
     """E of networks and of Belcour 2018, and the reference's own error, of each stack."""
     group = Group(f"figure 8, {interfaces} interfaces", Table2(interfaces - 1), stacks)
-    held_out = samples.simulate(group, SEED)
+    held_out = benchmark_set.simulate(group, SEED)
     model = default_model()
     f = predict.evaluate(predict.materials(model, held_out), held_out.wi, held_out.wo)
     row = np.repeat(np.arange(stacks, dtype=np.uint32), held_out.wi.shape[1])

@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from benchmarks.quality import benchmark_set
 
 import urushi
 from figures import results
@@ -103,7 +104,7 @@ def table2(walks: int, stacks: int | None = None) -> dict[str, Any]:
     """
     (stored,) = benchmark.read(groups=STACKS).values()
     count = len(stored.table) if stacks is None else stacks
-    table = samples.first(stored.table, count)
+    table = benchmark_set.first(stored.table, count)
     part = slice(None), slice(None, samples.E_PAIRS)
     wi, wo = stored.wi[:count][part], stored.wo[:count][part]
     values = {}

@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from benchmarks.quality import anisotropy
+from benchmarks.quality import anisotropy, benchmark_set
 from benchmarks.quality.coated_measured import COATS, coated, error
 from benchmarks.rivals.comparisons import Measured
 from research.rivals import weidlich
@@ -47,7 +47,7 @@ def isotropic(
     fitted: number of stacks that models are fitted to; 0: fits are left out.
     """
     group = Group(f"verdict, {interfaces} interfaces", Table2(interfaces - 1), stacks)
-    held_out = samples.simulate(group, SEED, only_e=True)
+    held_out = benchmark_set.simulate(group, SEED, only_e=True)
     table, wi, wo = held_out.table, held_out.wi, held_out.wo
     methods = {known.NETWORKS: known.of_networks(default_model(), held_out)}
     if paper is not None:

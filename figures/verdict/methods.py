@@ -4,6 +4,7 @@ from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
+from benchmarks.quality import benchmark_set
 from research import bidirectional
 from research.rivals import belcour, weidlich, weier
 
@@ -103,7 +104,7 @@ def tabulated(table: StackTable, stacks: int) -> list[fits.Brdf]:
             lambda row, wi, wo: walk_pairs(table, row, wi, wo, walks=TABLE_WALKS, seed=SEED)[0],
         )
     else:
-        values = samples.evaluate_bottoms(samples.first(table, stacks), wi, wo)
+        values = samples.evaluate_bottoms(benchmark_set.first(table, stacks), wi, wo)
     return [fits.tabulated(own[:, None]) for own in values]
 
 

@@ -1,8 +1,8 @@
 """Groups of a few stacks, their reference at a coarse aim, and untrained networks."""
 
 import pytest
+from benchmarks.quality import benchmark_set
 
-from urushi.eval import samples as sampling
 from urushi.eval.groups import Group
 from urushi.eval.samples import Samples
 from urushi.nets import weights
@@ -31,10 +31,10 @@ def aim() -> float:
 def sets(groups, aim) -> dict[str, Samples]:
     """The groups' sets, at three times the noise of the stored ones, more in the albedo."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(sampling, "E_ERROR", aim)
-        patch.setattr(sampling, "P_ERROR", aim)
-        patch.setattr(sampling, "ALBEDO_ERROR", 0.02)
-        return sampling.simulate_all(groups)
+        patch.setattr(benchmark_set, "E_ERROR", aim)
+        patch.setattr(benchmark_set, "P_ERROR", aim)
+        patch.setattr(benchmark_set, "ALBEDO_ERROR", 0.02)
+        return {group.name: benchmark_set.simulate(group) for group in groups}
 
 
 @pytest.fixture(scope="session")

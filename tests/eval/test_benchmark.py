@@ -22,7 +22,7 @@ def stored():
 @pytest.mark.slow
 def test_write_and_read(sets, groups, tmp_path):
     path = tmp_path / "set.safetensors"
-    digest = benchmark.write(path, sets, groups)
+    digest = benchmark_set.write(path, sets, groups)
     again = benchmark.read(path, groups)
     for group in groups:
         ours, theirs = again[group.name], sets[group.name]
@@ -35,14 +35,14 @@ def test_write_and_read(sets, groups, tmp_path):
     np.testing.assert_allclose(few.se, made.se, rtol=2**-11, atol=2**-25)
     np.testing.assert_array_equal(few.probed[1], made.probed[1])
     np.testing.assert_array_equal(few.albedo, made.albedo)
-    assert benchmark.write(path, again, groups) == digest
+    assert benchmark_set.write(path, again, groups) == digest
 
 
 @pytest.mark.research
 def test_a_set_is_reproduced_to_the_byte(groups, tmp_path, monkeypatch):
     """The same command gives the same file; at a coarse aim, for time."""
     for name in ("E_ERROR", "P_ERROR", "PROBE_ERROR", "ALBEDO_ERROR"):
-        monkeypatch.setattr(sampling, name, 0.1)
+        monkeypatch.setattr(benchmark_set, name, 0.1)
     files = [tmp_path / name for name in ("a.safetensors", "b.safetensors")]
     assert benchmark_set.make(files[0], groups[:1]) == benchmark_set.make(files[1], groups[:1])
     assert files[0].read_bytes() == files[1].read_bytes()
@@ -52,19 +52,19 @@ def test_a_set_is_reproduced_to_the_byte(groups, tmp_path, monkeypatch):
 def test_groups_that_a_file_holds_are_kept_to_the_bit(sets, groups, tmp_path, monkeypatch):
     """Only missing groups, and those of other stacks, are simulated; at a coarse aim, for time."""
     for name in ("E_ERROR", "P_ERROR", "PROBE_ERROR", "ALBEDO_ERROR"):
-        monkeypatch.setattr(sampling, name, 0.1)
+        monkeypatch.setattr(benchmark_set, name, 0.1)
     path, new = tmp_path / "old.safetensors", Group("new", Extended(1, "diffuse", "low"), 2)
     other = replace(groups[0], stacks=2)  # of the same name
-    benchmark.write(path, sets, groups)
+    benchmark_set.write(path, sets, groups)
     _, before = read_tensors(path, "benchmark")
     simulated = []
-    simulate = sampling.simulate
+    simulate = benchmark_set.simulate
 
     def noted(group, seed=0):
         simulated.append(group.name)
         return simulate(group, seed)
 
-    monkeypatch.setattr(sampling, "simulate", noted)
+    monkeypatch.setattr(benchmark_set, "simulate", noted)
     benchmark_set.make(path, (*groups, new), keep=path)
     assert simulated == ["bare", "new"]  # "bare" is analytic
     _, after = read_tensors(path, "benchmark")
@@ -75,7 +75,7 @@ def test_groups_that_a_file_holds_are_kept_to_the_bit(sets, groups, tmp_path, mo
     simulated.clear()
     benchmark_set.make(tmp_path / "other.safetensors", (other,), keep=path)
     assert simulated == ["few"]
-    benchmark.write(path, sets, groups, seed=1)
+    benchmark_set.write(path, sets, groups, seed=1)
     simulated.clear()
     benchmark_set.make(path, (groups[0],), keep=path)
     assert simulated == ["few"]
@@ -85,10 +85,10 @@ def test_groups_that_a_file_holds_are_kept_to_the_bit(sets, groups, tmp_path, mo
 def test_a_stopped_run_continues(groups, tmp_path, monkeypatch):
     """Groups that were finished are in the file, and the end is the same file."""
     for name in ("E_ERROR", "P_ERROR", "PROBE_ERROR", "ALBEDO_ERROR"):
-        monkeypatch.setattr(sampling, name, 0.1)
+        monkeypatch.setattr(benchmark_set, name, 0.1)
     first, second = (Group(name, Extended(1, "diffuse"), 2) for name in ("first", "second"))
     stopped, whole = tmp_path / "stopped.safetensors", tmp_path / "whole.safetensors"
-    simulate = sampling.simulate
+    simulate = benchmark_set.simulate
 
     def stop(group, seed=0):
         if group == second:
@@ -96,7 +96,7 @@ def test_a_stopped_run_continues(groups, tmp_path, monkeypatch):
         return simulate(group, seed)
 
     with monkeypatch.context() as patch:
-        patch.setattr(sampling, "simulate", stop)
+        patch.setattr(benchmark_set, "simulate", stop)
         with pytest.raises(KeyboardInterrupt):
             benchmark_set.make(stopped, (first, second))
     assert list(benchmark.read(stopped, (first,))) == ["first"]
@@ -132,7 +132,7 @@ def test_the_current_simulator_agrees_with_the_stored_set(stored, name):
     missed by most runs, so that the bounds are wide.
     """
     ours = stored[name]
-    part = sampling.first(ours.table, 2)
+    part = benchmark_set.first(ours.table, 2)
     f, se = sampling.walk_all(part, ours.wi[:2], ours.wo[:2], 2048, seed=17)
     # Besides noise, single precision: the stored lobe in a mirror direction at a cosine of 4e-4 is
     # 1e-4 of its value too bright.
@@ -145,7 +145,7 @@ def test_the_current_simulator_agrees_with_the_stored_set(stored, name):
 @pytest.mark.parametrize("name", ["f", "coats"])
 def test_a_damaged_set_is_refused(sets, groups, tmp_path, name):
     path = tmp_path / "set.safetensors"
-    benchmark.write(path, sets, groups)
+    benchmark_set.write(path, sets, groups)
     description, arrays = read_tensors(path, "benchmark")
     kind = description.pop("kind")
     arrays[f"few.{name}"] = arrays[f"few.{name}"] * np.float32(1.001)
@@ -158,13 +158,13 @@ def test_sets_that_do_not_fit_are_refused(sets, groups, tmp_path, monkeypatch):
     path = tmp_path / "set.safetensors"
     with pytest.raises(FileError, match="there is no benchmark file"):
         benchmark.read(path)
-    benchmark.write(path, sets, groups)
+    benchmark_set.write(path, sets, groups)
     with pytest.raises(FileError, match="lacks the group 'two, table2'"):
         benchmark.read(path)
     path.write_bytes(path.read_bytes()[:-100])
     with pytest.raises(FileError, match="is not a valid benchmark file or is truncated"):
         benchmark.read(path, groups)
-    benchmark.write(path, sets, groups, seed=1)  # the header then states other directions
+    benchmark_set.write(path, sets, groups, seed=1)  # the header then states other directions
     with pytest.raises(FileError, match="cannot be reproduced"):
         benchmark.read(path, groups)
     monkeypatch.setattr(benchmark, "FORMAT_VERSION", 2)

@@ -8,7 +8,7 @@ import pytest
 from urushi.core.direction_sets import cosine_pairs
 from urushi.core.error_metrics import stack_error
 from urushi.errors import FileError, ParameterError
-from urushi.eval import examine, likeness, metrics
+from urushi.eval import examine, metrics
 from urushi.eval.examine import ALBEDO_ANGLES, INCIDENT, OUTGOING
 from urushi.material import Material, encode
 from urushi.nets.architecture import Architecture, init
@@ -112,7 +112,7 @@ def test_errors_of_materials_that_cannot_be_examined(material, tmp_path):
 
 def test_the_report_is_written(itself, tmp_path):
     pytest.importorskip("matplotlib")
-    likeness.write_report(tmp_path / "new" / "report", {"a b": itself}, {"bad": "is a web page"})
+    examine.write_report(tmp_path / "new" / "report", {"a b": itself}, {"bad": "is a web page"})
     folder = tmp_path / "new" / "report"
     assert sorted(file.name for file in folder.iterdir()) == ["a b.png", "report.json", "report.md"]
     content = json.loads((folder / "report.json").read_text())
@@ -121,4 +121,4 @@ def test_the_report_is_written(itself, tmp_path):
     text = (folder / "report.md").read_text()
     assert "| a b | 0.0% |" in text and "(<a b.png>)" in text and "is a web page" in text
     with pytest.raises(FileError, match="cannot create the folder"):
-        likeness.write_report(folder / "report.md" / "below", {})
+        examine.write_report(folder / "report.md" / "below", {})

@@ -5,7 +5,8 @@ import pytest
 
 pytest.importorskip("matplotlib", reason="the extra 'eval' is not installed")
 
-from urushi.eval import plots
+from benchmarks.quality import eval_plots as plots
+
 from urushi.nets import lobe
 
 

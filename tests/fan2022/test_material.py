@@ -2,12 +2,12 @@
 
 import numpy as np
 import pytest
+from benchmarks.quality import benchmark_set
 
 import urushi
 from urushi import fan2022
 from urushi.checks import CoatParameters
 from urushi.errors import FileError, ParameterError
-from urushi.eval import samples
 from urushi.eval.groups import Group
 from urushi.fan2022 import Material, PaperNetworks, evaluation, networks
 from urushi.fan2022.architecture import PaperArchitecture, init
@@ -68,7 +68,7 @@ def test_errors_are_measured_over_stacks_of_indices_above_one(paper, quick, monk
         return Group(name, Extended(coats, "dielectric", indices), 2)
 
     groups = group("common", "common"), group("low", "low")
-    sets = {g.name: samples.simulate(g) for g in groups}
+    sets = {g.name: benchmark_set.simulate(g) for g in groups}
     monkeypatch.setattr(evaluation, "GROUPS", groups)
     rows = tuple(evaluation.ROWS[0].__class__(g.name, (g.name,)) for g in groups)
     monkeypatch.setattr(evaluation, "ROWS", rows)

@@ -13,9 +13,8 @@ from urushi.errors import ParameterError
 from urushi.fan2022 import Material, adam, networks
 from urushi.fan2022.architecture import AdamProjection, init
 from urushi.fan2022.inference import direction_inputs, evaluate
-from urushi.fan2022.palette import Palette
-from urushi.fan2022.train import held_out, layering, projection, proxy, representation, sampler
-from urushi.fan2022.train.preset import paper
+from urushi.fan2022.train import layering, projection, proxy, representation, training
+from urushi.fan2022.train.preset import Palette, paper
 from urushi.fan2022.train.training import train
 from urushi.train.checkpoint import Journal
 from urushi.train.data.generate import generate
@@ -82,7 +81,7 @@ def test_held_out_errors_are_those_of_the_stored_values(tmp_path):
     part = preset.part("two-layer")
     z = 1 + 0.1 * np.random.default_rng(12).normal(size=(preset.validation, 32)).astype(np.float32)
     medium = np.ones(preset.validation, np.float32)
-    found = held_out.value_errors(params, preset, store, layering.Examples(z, z, medium, medium, z))
+    found = training.value_errors(params, preset, store, layering.Examples(z, z, medium, medium, z))
     index = preset.data.parts.index(part)
     shards = range(store.spec.shard_count(part))
     read = [store.read_shard(index, shard, ("wi", "wo", "f")) for shard in shards]
@@ -100,12 +99,12 @@ def test_held_out_errors_are_those_of_the_stored_values(tmp_path):
 def test_a_sampler_is_fitted_to_networks_that_came_without_one(monkeypatch):
     """Its proposals depend on the code; the networks are untrained, so that any will do."""
     for name in ("COMPONENTS", "STACKS", "INCOMING"):
-        monkeypatch.setattr(sampler, name, 2)
+        monkeypatch.setattr(proxy, name, 2)
     project = networks.project
     monkeypatch.setattr(networks, "project", lambda p, d, f: project(p, d, f, steps=1))
     params = {k: v for k, v in init(0).items() if not k.startswith("proxy.")}
     params["evaluation.3.bias"] = params["evaluation.3.bias"] + np.float32(0.5)
-    fitted, divergence = sampler.fitted_proxy(params)
+    fitted, divergence = proxy.fitted_proxy(params)
     assert set(fitted) == {k for k in init(0) if k.startswith("proxy.")}
     assert 0 < divergence < 0.5  # from nearly constant values to lobes
 

@@ -9,9 +9,7 @@ drawn.
 
 import hashlib
 import os
-import platform
 from collections.abc import Mapping
-from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
@@ -25,14 +23,13 @@ from urushi.eval import samples as sampling
 from urushi.eval.groups import GROUPS, Group
 from urushi.eval.samples import Samples
 from urushi.train.data.distribution import to_dict
-from urushi.version import __version__
 from urushi.walk import StackTable
 from urushi.walk.bottoms import KINDS
 
-#: Seed of the stored set; `urushi eval --seed` draws another set.
+#: Seed of the stored set.
 SEED = 0
 FORMAT_VERSION = 1
-_KIND = "benchmark"
+KIND = "benchmark"
 _REMEDY = "restore it from the repository"
 
 
@@ -41,43 +38,10 @@ def default_path() -> Path:
     return Path(__file__).with_name("benchmark.safetensors")
 
 
-def write(
-    path: str | os.PathLike,
-    sets: Mapping[str, Samples],
-    groups: tuple[Group, ...] = GROUPS,
-    seed: int = SEED,
-) -> str:
-    """Write simulated sets by the groups' names to a file; returns its hash.
-
-    Raises:
-        FileError: the file cannot be written.
-    """
-    simulated = [group for group in groups if group.distribution.coats]
-    arrays = {
-        f"{group.name}.{name}": array
-        for group in simulated
-        for name, array in _arrays(sets[group.name]).items()
-    }
-    packages = {name: version(name) for name in ("numpy", "drjit")}
-    description: dict[str, Any] = {
-        "version": FORMAT_VERSION,
-        "seed": seed,
-        "groups": [describe(group) for group in simulated],
-        "hash": _hash(arrays),
-        "versions": {
-            "urushi": __version__,
-            "python": platform.python_version(),
-            **packages,
-        },
-    }
-    files.write_tensors(path, _KIND, description, arrays)
-    return description["hash"]
-
-
 def read(
     path: str | os.PathLike | None = None, groups: tuple[Group, ...] = GROUPS
 ) -> dict[str, Samples]:
-    """Read a file of `write`; groups without coats, which are exact, are evaluated.
+    """Read a set that `benchmarks.quality.benchmark_set` wrote; groups without coats are evaluated.
 
     Args:
         path: the file; default: the stored set.
@@ -92,7 +56,10 @@ def read(
     result = {}
     for group in groups:
         if not group.distribution.coats:
-            result[group.name] = sampling.simulate(group, description["seed"])
+            table = sampling.draw_stacks(group, description["seed"])
+            wi, wo = sampling.draw_pairs(group, description["seed"])
+            f = sampling.evaluate_bottoms(table, wi, wo)
+            result[group.name] = Samples(table, wi, wo, f, np.zeros_like(f))
         elif stored.get(group.name) != describe(group):
             raise FileError(
                 f"the benchmark set '{path}' lacks the group '{group.name}' or was made for other "
@@ -107,38 +74,15 @@ def read(
 
 def checked_content(path: str | os.PathLike) -> tuple[dict[str, Any], dict[str, np.ndarray]]:
     """Description and arrays of a file, after checks of its version and its hash."""
-    description, arrays = files.read_tensors(path, _KIND)
+    description, arrays = files.read_tensors(path, KIND)
     if description.get("version") != FORMAT_VERSION:
         raise FileError(
             f"'{path}' has version {description.get('version')!r} of the benchmark format, this "
             f"Urushi reads {FORMAT_VERSION}; {_REMEDY}"
         )
-    if description.get("hash") != _hash(arrays):
+    if description.get("hash") != digest(arrays):
         raise FileError(f"the benchmark set '{path}' is damaged: its hash is wrong; {_REMEDY}")
     return description, arrays
-
-
-def _arrays(samples: Samples) -> dict[str, np.ndarray]:
-    """The stored arrays of a set by name."""
-    table = samples.table
-    bottom = [table.bottom[name] for name in KINDS[table.kind].parameters]
-    coats = [getattr(table, name) for name in CoatParameters._fields]
-    return {
-        "coats": np.stack(coats, axis=-1),
-        "bottom": np.stack(bottom, axis=-1),
-        "last_pair": np.stack([samples.wi[:, -1], samples.wo[:, -1]], axis=1),
-        "f": samples.f,
-        "se": samples.se.astype(np.float16),
-        **{f"probed{coats}": values for coats, values in samples.probed.items()},
-        "albedo": _required(samples.albedo),
-        "albedo_se": _required(samples.albedo_se),
-    }
-
-
-def _required(array: np.ndarray | None) -> np.ndarray:
-    if array is None:  # `simulate` gives it for every stack with a coat
-        raise ValueError("a simulated set has no albedo")
-    return array
 
 
 def _samples(
@@ -178,10 +122,10 @@ def describe(group: Group) -> dict[str, object]:
     }
 
 
-def _hash(arrays: Mapping[str, np.ndarray]) -> str:
+def digest(arrays: Mapping[str, np.ndarray]) -> str:
     """SHA-256 over names, shapes and values."""
-    digest = hashlib.sha256()
+    found = hashlib.sha256()
     for name in sorted(arrays):
-        digest.update(f"{name} {arrays[name].shape} {arrays[name].dtype}\n".encode())
-        digest.update(np.ascontiguousarray(arrays[name]).tobytes())
-    return digest.hexdigest()
+        found.update(f"{name} {arrays[name].shape} {arrays[name].dtype}\n".encode())
+        found.update(np.ascontiguousarray(arrays[name]).tobytes())
+    return found.hexdigest()

@@ -1,4 +1,4 @@
-"""`urushi eval`: all figures of networks, as a table, JSON and plots."""
+"""`urushi eval`: all figures of networks, as a table and JSON."""
 
 import json
 import os
@@ -10,11 +10,12 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from urushi.eval import benchmark, cost, metrics, physical_laws, predict
+from urushi.eval import benchmark, metrics, physical_laws, predict
 from urushi.eval import samples as sampling
 from urushi.eval.groups import GROUPS, ROWS, Aim, Group, Row
 from urushi.eval.samples import Samples
 from urushi.files import atomic_write, new_folder
+from urushi.nets.architecture import FIXED
 from urushi.nets.weights import Model, Weights, find
 
 #: Columns of the errors. The mean of P is left out: a few pairs in dark tails dominate it.
@@ -30,38 +31,30 @@ class Result:
 
     Attributes:
         fingerprint: of the networks.
-        reference: origin of the reference values, in words.
         rows: by row name, stacks and by metric "E" (over stacks) and "P" (over all pairs): mean,
             median, p95 and reference, the reference's own error (mean of E, median of P).
         laws: the laws of physics.
         parameters: number of trained parameters by network.
-        seconds: time of every operation [s].
         errors: by group, E (S,) of its stacks with every coat layered.
     """
 
     fingerprint: str
-    reference: str
     rows: dict[str, dict[str, Any]]
     laws: list[physical_laws.Figure]
     parameters: dict[str, int]
-    seconds: dict[str, float]
     errors: dict[str, np.ndarray]
 
 
 def report(
     weights: Weights | None = None,
     output: str | os.PathLike | None = None,
-    *,
-    seed: int | None = None,
 ) -> str:
     """Measure networks; returns the table of all figures as text.
 
     Args:
         weights: the networks: a name of shipped ones, a weights file, or a Model; default: the
             default networks.
-        output: folder to write figures.json and the plots to.
-        seed: of other held-out stacks, which are then simulated in about ten minutes; default: the
-            stored set.
+        output: folder to write figures.json to.
 
     Raises:
         FileError: the weights or the stored set are missing or damaged, or `output` cannot be
@@ -69,15 +62,9 @@ def report(
     """
     model = find(weights)
     folder = None if output is None else new_folder(output)
-    sets = benchmark.read() if seed is None else sampling.simulate_all(GROUPS, seed)
-    source = "the stored set" if seed is None else f"simulated by seed {seed}"
-    result = measure(model, sets, source=source)
+    result = measure(model, benchmark.read())
     if folder is not None:
         write_json(folder / "figures.json", result)
-        from urushi.eval import plots  # lazily: matplotlib is an extra
-
-        plots.draw_errors(folder / "errors.png", sets, result.errors)
-        plots.draw_lobes(folder / "worst.png", model, sets, result.errors)
     return table(result)
 
 
@@ -143,19 +130,26 @@ def measure(
     *,
     groups: tuple[Group, ...] = GROUPS,
     rows: tuple[Row, ...] = ROWS,
-    source: str = "",
 ) -> Result:
-    """All figures of networks on the groups' sets; `source`: where the sets are from, in words."""
+    """All figures of networks on the groups' sets."""
     errors = measure_errors(partial(predict.materials, model), sets, groups=groups, rows=rows)
     return Result(
         fingerprint=model.fingerprint,
-        reference=source,
         rows=errors.rows,
         laws=physical_laws.measure(model, sets, errors.materials),
-        parameters=cost.parameters(model),
-        seconds=cost.seconds(model),
+        parameters=parameters(model),
         errors=errors.stacks,
     )
+
+
+def parameters(model: Model) -> dict[str, int]:
+    """Number of trained parameters by network."""
+    counts: dict[str, int] = {}
+    for name, array in model.params.items():
+        if name not in FIXED:
+            part = name.split(".", 1)[0]
+            counts[part] = counts.get(part, 0) + array.size
+    return counts
 
 
 def _row(parts: list[tuple[Samples, np.ndarray]]) -> dict[str, Any]:
@@ -181,17 +175,15 @@ def write_json(path: Path, result: Result) -> None:
 
 
 def table(result: Result) -> str:
-    """The whole table: errors in percent, laws of physics, sizes and times."""
-    width = max(map(len, [*result.rows, *(law.name for law in result.laws), *result.seconds]))
-    lines = [f"networks {result.fingerprint}, reference: {result.reference}", ""]
+    """The whole table: errors in percent, laws of physics, and sizes."""
+    width = max(map(len, [*result.rows, *(law.name for law in result.laws)]))
+    lines = [f"networks {result.fingerprint}", ""]
     lines += error_lines(result.rows, width)
     lines += ["", "laws of physics"]
     for law in result.laws:
         lines.append(f"{law.name:<{width}} {law.value:>10.4g} {law.unit:<4} {_limit(law)}".rstrip())
     lines += ["", "parameters"]
     lines += [f"{name:<{width}} {count:>10,}" for name, count in result.parameters.items()]
-    lines += ["", "times, on this machine now"]
-    lines += [f"{name:<{width}} {_duration(value)}" for name, value in result.seconds.items()]
     return "\n".join(lines)
 
 
@@ -216,7 +208,3 @@ def _limit(law: Any) -> str:
     if law.limit is None:
         return ""
     return f"{'>' if law.lower else '<='} {law.limit:g} {'ok' if law.kept else 'BROKEN'}"
-
-
-def _duration(seconds: float) -> str:
-    return f"{seconds:>10.3g} s" if seconds >= 1 else f"{1000 * seconds:>10.3g} ms"

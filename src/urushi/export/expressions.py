@@ -28,7 +28,7 @@ _ON_CONSTANTS: dict[str, Callable[..., np.ndarray]] = {
     "clamp": np.clip,
 }
 
-
+#: Arithmetic of constants.
 _SIGNS: dict[str, Callable[..., np.ndarray]] = {
     "+": np.add,
     "-": np.subtract,
@@ -159,13 +159,7 @@ def _folded(value: np.ndarray) -> Expression:
 def _arithmetic(sign: str, a: Expression, b: Expression) -> Expression:
     x, y = a.constant, b.constant
     if x is not None and y is not None and a.kind != INT:
-        results: dict[str, Callable] = {
-            "+": np.add,
-            "-": np.subtract,
-            "*": np.multiply,
-            "/": np.divide,
-        }
-        return _folded(results[sign](x, y))
+        return _folded(_SIGNS[sign](x, y))
     return Expression(sign, _wider(a, b), (a, b))
 
 

@@ -1,10 +1,13 @@
 """Programs: a material with known codes, and all materials of given networks."""
 
+from collections.abc import Sequence
+from typing import NamedTuple
+
 import numpy as np
 
 from urushi.errors import ParameterError
 from urushi.export import decoder, lobe, proposal
-from urushi.export.dense import activation, dense
+from urushi.export.decoder import CodeTerms, activation, dense
 from urushi.export.expressions import (
     COLOUR,
     FLOAT,
@@ -18,7 +21,7 @@ from urushi.export.expressions import (
     vector,
 )
 from urushi.export.languages import LANGUAGES
-from urushi.export.proposal import SAMPLE, WI, WIDTHS, WO, Sampling, U, argument
+from urushi.export.proposal import SAMPLE, WI, WIDTHS, WO, U, argument
 from urushi.export.statements import (
     Function,
     Lookup,
@@ -146,41 +149,79 @@ def material_program(
     model: Model, latents: np.ndarray, anchors: np.ndarray, rotation: float = 0.0
 ) -> Program:
     """The program of a material of known codes."""
-    channels, tangent = len(latents), Tangent.of(rotation)
     unit = activation(FLOAT, model.arch.activation, "unit")
-    functions = [unit]
-    numbers = [colour(column) for column in latents[:, : model.arch.lobe].T]
-
-    f = Function("f", (WI, WO), COLOUR, "The BRDF [1/sr] without the cosine.", public=True)
-    wi, wo = _inside(f, tangent, argument(WI), argument(WO))
-    value = lobe.f(f, numbers, wi, wo)
-    inputs = decoder.features(f, wi, wo, model.widths)
-    activated = activation(COLOUR, model.arch.activation, "units") if channels > 1 else unit
-    rest = decoder.rest(f, model, decoder.known_terms(model, latents), inputs, activated)
-    if activated is not unit:
-        functions.append(activated)
-    f.returns(_above(wi, wo, value + rest))
-
-    made = Function("proposal", (WI,), "Proposal", "The proposal for wi.")
+    units = activation(COLOUR, model.arch.activation, "units") if len(latents) > 1 else unit
     mean = anchors.mean(axis=0)
-    first = proposal.known_first(model, mean)
-    alphas = [expression(float(mean[place])) for place in WIDTH_PLACES[model.widths]]
-    made.returns(proposal.fill(made, model, first, alphas, argument(WI), unit))
-    sampling = proposal.functions(model)
-    pdf = Function("pdf", (WI, WO), FLOAT, "The density [1/sr] of `sample` at wo.", public=True)
-    wi, wo = _inside(pdf, tangent, argument(WI), argument(WO))
-    pdf.returns(sampling.density(made(wi), wi, wo))
-    sample = Function("sample", (WI, U), SAMPLE.name, SAMPLE_NOTE, public=True)
-    wi = tangent.inside(sample, argument(WI), "turned_i")
-    raised = _raised(sample, wi)
-    _sampled(sample, made(raised), sampling, wi, raised, tangent)
+    code = _Code(
+        [colour(column) for column in latents[:, : model.arch.lobe].T],
+        decoder.known_terms(model, latents),
+        proposal.known_first(model, mean),
+        [expression(float(mean[place])) for place in WIDTH_PLACES[model.widths]],
+        Tangent.of(rotation),
+    )
     note = (
         f"A material of Urushi as code, of the networks {model.fingerprint}.",
         "Functions: {f}(wi, wo), {pdf}(wi, wo) and {sample}(wi, u).",
         *_conventions(model),
     )
     structures = (proposal.structure(model), SAMPLE)
-    return Program(note, structures, [*functions, f, made, *sampling.all, pdf, sample])
+    activations = [unit] if units is unit else [unit, units]
+    return Program(note, structures, [*activations, *_functions(model, code, (), unit, units)])
+
+
+class _Code(NamedTuple):
+    """What the functions of a material need of its codes.
+
+    Attributes:
+        lobe: the numbers of its lobe. terms: of the decoder.
+        first: the code's part of the sampler's first layer. alphas: the widths of its lobe.
+        tangent: of the material.
+    """
+
+    lobe: Sequence[Expression]
+    terms: CodeTerms
+    first: Sequence[Expression]
+    alphas: Sequence[Expression]
+    tangent: Tangent
+
+
+def _functions(
+    model: Model, code: _Code, given: tuple[Variable, ...], unit: Function, units: Function
+) -> list[Function]:
+    """f, pdf and sample of a material, each after what it calls.
+
+    given: arguments before the directions. unit, units: the activations of floats and colours.
+    """
+    own, tangent = [argument(variable) for variable in given], code.tangent
+
+    f = Function("f", (*given, WI, WO), COLOUR, "The BRDF [1/sr] without the cosine.", public=True)
+    wi, wo = _inside(f, tangent, argument(WI), argument(WO))
+    value = lobe.f(f, code.lobe, wi, wo)
+    inputs = decoder.features(f, wi, wo, model.widths)
+    f.returns(_above(wi, wo, value + decoder.rest(f, model, code.terms, inputs, units)))
+
+    made = Function("proposal", (*given, WI), "Proposal", "The proposal for wi.")
+    made.returns(proposal.fill(made, model, code.first, code.alphas, argument(WI), unit))
+    sampling = proposal.functions(model)
+    density = "The density [1/sr] of `sample` at wo."
+    pdf = Function("pdf", (*given, WI, WO), FLOAT, density, public=True)
+    wi, wo = _inside(pdf, tangent, argument(WI), argument(WO))
+    pdf.returns(sampling.density(made(*own, wi), wi, wo))
+
+    sample = Function("sample", (*given, WI, U), SAMPLE.name, SAMPLE_NOTE, public=True)
+    wi = tangent.inside(sample, argument(WI), "turned_i")
+    # wi, or the normal where it is below the horizon.
+    raised = sample.let("raised", select(wi.z > 0.0, wi, vector(0.0, 0.0, 1.0)))
+    mixture = sample.let("mixture", made(*own, raised))
+    direction = sample.let("drawn", sampling.draw(mixture, raised, argument(U)))
+    result = sample.structure("result", SAMPLE.name)
+    above = wi.z > 0.0
+    seen = tangent.outside(sample, direction, "outside")
+    found = (seen, vector(0.0, 0.0, 1.0)), (sampling.density(mixture, raised, direction), 0.0)
+    for variable, values in zip(SAMPLE.fields, found, strict=True):
+        sample.assign(member(result, variable), select(above, *values))
+    sample.returns(result)
+    return [f, made, *sampling.all, pdf, sample]
 
 
 SAMPLE_NOTE = "A direction, about in proportion to f and its cosine; below the horizon density 0."
@@ -227,31 +268,14 @@ def codes_program(model: Model, texels: Texels | None = None) -> Program:
     lobes, gain, terms, first, *others = (
         member(argument(material), variable) for variable in structure.fields
     )
-    alphas, tangent = others[: arch.widths], Tangent(*others[arch.widths :] or X_AXIS)
-    f = Function(
-        "f", (material, WI, WO), COLOUR, "The BRDF [1/sr] without the cosine.", public=True
-    )
-    wi, wo = _inside(f, tangent, argument(WI), argument(WO))
-    value = lobe.f(f, [element(lobes, i) for i in range(arch.lobe)], wi, wo)
-    inputs = decoder.features(f, wi, wo, arch.widths)
     count = structure.fields[2].count or 0
-    parts = decoder.split_terms(model, gain, [element(terms, i) for i in range(count)])
-    rest = decoder.rest(f, model, parts, inputs, units)
-    f.returns(_above(wi, wo, value + rest))
-
-    made = Function("proposal", (material, WI), "Proposal", "The proposal for wi.")
-    firsts = [element(first, i) for i in range(arch.sampler[0])]
-    made.returns(proposal.fill(made, model, firsts, alphas, argument(WI), unit))
-    sampling = proposal.functions(model)
-    pdf = Function(
-        "pdf", (material, WI, WO), FLOAT, "The density [1/sr] of `sample` at wo.", public=True
+    code = _Code(
+        [element(lobes, i) for i in range(arch.lobe)],
+        decoder.split_terms(model, gain, [element(terms, i) for i in range(count)]),
+        [element(first, i) for i in range(arch.sampler[0])],
+        others[: arch.widths],
+        Tangent(*others[arch.widths :] or X_AXIS),
     )
-    wi, wo = _inside(pdf, tangent, argument(WI), argument(WO))
-    pdf.returns(sampling.density(made(argument(material), wi), wi, wo))
-    sample = Function("sample", (material, WI, U), SAMPLE.name, SAMPLE_NOTE, public=True)
-    wi = tangent.inside(sample, argument(WI), "turned_i")
-    raised = _raised(sample, wi)
-    _sampled(sample, made(argument(material), raised), sampling, wi, raised, tangent)
     note: tuple[str, ...] = (
         f"All materials of Urushi's networks {model.fingerprint} as code; the latent codes of a "
         "material are arguments.",
@@ -262,7 +286,7 @@ def codes_program(model: Model, texels: Texels | None = None) -> Program:
         *(TURNED if arch.widths == 2 else ()),
     )
     structures = (structure, proposal.structure(model), SAMPLE)
-    functions = [unit, units, prepare, f, made, *sampling.all, pdf, sample]
+    functions = [unit, units, prepare, *_functions(model, code, (material,), unit, units)]
     if texels is None:
         return Program(note, structures, functions)
     texel = texel_function(texels, prepare)
@@ -355,33 +379,3 @@ def _inside(
 
 def _above(wi: Expression, wo: Expression, value: Expression) -> Expression:
     return select(call("min", wi.z, wo.z) > 0.0, value, 0.0)
-
-
-def _raised(body: Function, wi: Expression) -> Expression:
-    """wi, or the normal where it is below the horizon."""
-    return body.let("raised", select(wi.z > 0.0, wi, vector(0.0, 0.0, 1.0)))
-
-
-def _sampled(
-    body: Function,
-    mixture: Expression,
-    sampling: Sampling,
-    wi: Expression,
-    raised: Expression,
-    tangent: Tangent,
-) -> None:
-    """Return a direction of a proposal and its density.
-
-    wi and raised are in the frame of the tangent.
-    """
-    mixture = body.let("mixture", mixture)
-    direction = body.let("drawn", sampling.draw(mixture, raised, argument(U)))
-    result = body.structure("result", SAMPLE.name)
-    above = wi.z > 0.0
-    seen = tangent.outside(body, direction, "outside")
-    body.assign(member(result, SAMPLE.fields[0]), select(above, seen, vector(0.0, 0.0, 1.0)))
-    body.assign(
-        member(result, SAMPLE.fields[1]),
-        select(above, sampling.density(mixture, raised, direction), 0.0),
-    )
-    body.returns(result)

@@ -77,11 +77,6 @@ CLASS_MODULES = frozenset(
     ]
 )
 
-#: Instructions whose argument is the value that they push.
-_CONSTANTS = frozenset(
-    ["BININT", "BININT1", "BININT2", "LONG1", "BINFLOAT", "BINUNICODE", "SHORT_BINUNICODE"]
-)
-
 _MARK = object()
 
 
@@ -120,43 +115,73 @@ class _Machine:
     def run(self, file: BinaryIO) -> Any:
         """Interpret a pickle."""
         for instruction, argument, _ in pickletools.genops(file):
-            name = instruction.name
-            if name in ("GLOBAL", "INST"):
-                self._push_global(*str(argument).split(" ", 1))
-            elif name in _CONSTANTS:
-                self._stack.append(argument)
-            elif name != "STOP":
-                method = getattr(self, f"_{name.lower()}", None)
-                if method is None:
-                    raise FileError(
-                        f"'{self._path}' uses the pickle's instruction {name}, which tensors in "
-                        "dictionaries do not need; give a file of torch.save(network.state_dict())"
-                    )
-                method(*([] if argument is None else [argument]))
+            self._step(instruction.name, argument)
         (result,) = self._stack
         return result
 
-    def _push_global(self, module: str, name: str) -> None:
-        is_class = module in CLASS_MODULES and name.isidentifier()
-        if (module, name) not in ALLOWED and not is_class:
-            self._refuse(f"{module}.{name}")
-        self._stack.append(_Global(module, name))
-
-    def _refuse(self, name: str) -> NoReturn:
-        raise FileError(
-            f"'{self._path}' names the Python object '{name}', and only dictionaries of float "
-            "tensors are read; nothing was run; give a file of torch.save(network.state_dict())"
-        )
-
-    def _proto(self, version: int) -> None:
-        if not 2 <= version <= 4:
-            raise ValueError("protocol")
-
-    def _frame(self, size: int) -> None:
-        """Frames help to read ahead only."""
-
-    def _mark(self) -> None:
-        self._stack.append(_MARK)
+    def _step(self, instruction: str, argument: Any) -> None:
+        stack, memo = self._stack, self._memo
+        match instruction:
+            case "BININT" | "BININT1" | "BININT2" | "LONG1" | "BINFLOAT":
+                stack.append(argument)
+            case "BINUNICODE" | "SHORT_BINUNICODE":
+                stack.append(argument)
+            case "NONE" | "NEWTRUE" | "NEWFALSE":
+                stack.append({"NONE": None, "NEWTRUE": True, "NEWFALSE": False}[instruction])
+            case "EMPTY_DICT" | "EMPTY_LIST" | "EMPTY_TUPLE":
+                stack.append({"EMPTY_DICT": dict, "EMPTY_LIST": list}.get(instruction, tuple)())
+            case "MARK":
+                stack.append(_MARK)
+            case "TUPLE":
+                stack.append(tuple(self._since_mark()))
+            case "TUPLE1" | "TUPLE2" | "TUPLE3":
+                values = [stack.pop() for _ in range(int(instruction[-1]))]
+                stack.append(tuple(values[::-1]))
+            case "APPEND" | "APPENDS":
+                values = [stack.pop()] if instruction == "APPEND" else self._since_mark()
+                _of(stack[-1], list).extend(values)
+            case "SETITEM" | "SETITEMS":
+                pair = instruction == "SETITEM"
+                values = [stack.pop(-2), stack.pop()] if pair else self._since_mark()
+                for key, value in zip(values[::2], values[1::2], strict=True):
+                    _set(stack[-1], key, value)
+            case "BINPUT" | "LONG_BINPUT":
+                memo[argument] = stack[-1]
+            case "MEMOIZE":
+                memo[len(memo)] = stack[-1]
+            case "BINGET" | "LONG_BINGET":
+                stack.append(memo[argument])
+            case "GLOBAL" | "INST":
+                stack.append(self._named(*str(argument).split(" ", 1)))
+            case "STACK_GLOBAL":
+                name, module = stack.pop(), stack.pop()
+                stack.append(self._named(_of(module, str), _of(name, str)))
+            case "NEWOBJ":
+                arguments, kind = stack.pop(), _of(stack.pop(), _Global)
+                if kind.module not in CLASS_MODULES or arguments != ():
+                    raise ValueError(kind)
+                stack.append(_Object())
+            case "BUILD":  # attributes; those of a state dict, modules' versions, are not needed
+                attributes, target = stack.pop(), stack[-1]
+                if isinstance(target, _Object):
+                    target.attributes.update(_of(attributes, dict))
+                else:
+                    _of(target, dict)
+            case "BINPERSID":
+                stack.append(self._persistent(*_of(stack.pop(), tuple)))
+            case "REDUCE":
+                arguments, function = stack.pop(), stack.pop()
+                stack.append(self._called(function, _of(arguments, tuple)))
+            case "PROTO":
+                if not 2 <= argument <= 4:
+                    raise ValueError(argument)
+            case "FRAME" | "STOP":  # frames help to read ahead only
+                pass
+            case _:
+                raise FileError(
+                    f"'{self._path}' uses the pickle's instruction {instruction}, which tensors in "
+                    "dictionaries do not need; give a file of torch.save(network.state_dict())"
+                )
 
     def _since_mark(self) -> list[Any]:
         """Pop everything above the last mark, and the mark."""
@@ -165,122 +190,51 @@ class _Machine:
             values.append(value)
         return values[::-1]
 
-    def _none(self) -> None:
-        self._stack.append(None)
+    def _named(self, module: str, name: str) -> _Global:
+        is_class = module in CLASS_MODULES and name.isidentifier()
+        if (module, name) not in ALLOWED and not is_class:
+            self._refuse(f"{module}.{name}")
+        return _Global(module, name)
 
-    def _newtrue(self) -> None:
-        self._stack.append(True)
+    def _refuse(self, name: str) -> NoReturn:
+        raise FileError(
+            f"'{self._path}' names the Python object '{name}', and only dictionaries of float "
+            "tensors are read; nothing was run; give a file of torch.save(network.state_dict())"
+        )
 
-    def _newfalse(self) -> None:
-        self._stack.append(False)
-
-    def _empty_dict(self) -> None:
-        self._stack.append({})
-
-    def _empty_list(self) -> None:
-        self._stack.append([])
-
-    def _empty_tuple(self) -> None:
-        self._stack.append(())
-
-    def _tuple(self) -> None:
-        self._stack.append(tuple(self._since_mark()))
-
-    def _tuple1(self) -> None:
-        self._join(1)
-
-    def _tuple2(self) -> None:
-        self._join(2)
-
-    def _tuple3(self) -> None:
-        self._join(3)
-
-    def _join(self, count: int) -> None:
-        values = [self._stack.pop() for _ in range(count)]
-        self._stack.append(tuple(values[::-1]))
-
-    def _append(self) -> None:
-        value = self._stack.pop()
-        _of(self._stack[-1], list).append(value)
-
-    def _appends(self) -> None:
-        values = self._since_mark()
-        _of(self._stack[-1], list).extend(values)
-
-    def _setitem(self) -> None:
-        value, key = self._stack.pop(), self._stack.pop()
-        _set(self._stack[-1], key, value)
-
-    def _setitems(self) -> None:
-        values = self._since_mark()
-        for key, value in zip(values[::2], values[1::2], strict=True):
-            _set(self._stack[-1], key, value)
-
-    def _binput(self, index: int) -> None:
-        self._memo[index] = self._stack[-1]
-
-    def _memoize(self) -> None:
-        self._memo[len(self._memo)] = self._stack[-1]
-
-    def _binget(self, index: int) -> None:
-        self._stack.append(self._memo[index])
-
-    _long_binput, _long_binget = _binput, _binget
-
-    def _stack_global(self) -> None:
-        name, module = self._stack.pop(), self._stack.pop()
-        self._push_global(_of(module, str), _of(name, str))
-
-    def _newobj(self) -> None:
-        arguments, kind = self._stack.pop(), _of(self._stack.pop(), _Global)
-        if kind.module not in CLASS_MODULES or arguments != ():
-            raise ValueError(kind)
-        self._stack.append(_Object())
-
-    def _build(self) -> None:
-        """Attributes of an object. Those of a state dict, its modules' versions, are not needed."""
-        attributes = self._stack.pop()
-        if isinstance(self._stack[-1], _Object):
-            self._stack[-1].attributes.update(_of(attributes, dict))
-        else:
-            _of(self._stack[-1], dict)
-
-    def _binpersid(self) -> None:
+    def _persistent(self, word: Any, kind: Any, key: Any, device: Any, *rest: Any) -> Any:
         """A storage: ("storage", type, key, device, length), and None for no view in old files.
 
         Old files have the class of a module like this: ("module", class, its file, its text).
         """
-        word, kind, key, _, *rest = _of(self._stack.pop(), tuple)
         if word == "module" and not rest:
-            self._stack.append(_of(kind, _Global))
-            return
-        if word != "storage" or rest[1:] not in ([], [None]):
+            return _of(kind, _Global)
+        if word != "storage" or rest[1:] not in ((), (None,)):
             raise ValueError(word)
         storage = Storage(_DTYPES[kind], _of(key, str), _of(rest[0], int))
         if self.storages.setdefault(key, storage) != storage:
             raise ValueError(key)
-        self._stack.append(storage)
+        return storage
 
-    def _reduce(self) -> None:
-        arguments, function = self._stack.pop(), self._stack.pop()
+    def _called(self, function: Any, arguments: tuple) -> Any:
+        """What the call of a function that the pickle names would return."""
         if function == _TENSOR:
-            storage, offset, shape, strides = _of(arguments, tuple)[:4]
+            storage, offset, shape, strides = arguments[:4]
             sizes = _integers(shape), _integers(strides)
-            value: Any = Tensor(_of(storage, Storage), _of(offset, int), *sizes)
-        elif function == _PARAMETER:
-            value = _of(_of(arguments, tuple)[0], Tensor)
-        elif function == _DICTIONARY and arguments == ():
-            value = {}
-        elif function == _SIZE:
-            (value,) = _of(arguments, tuple)
-        elif function == _METHOD:
-            module, name = _of(arguments, tuple)
-            if name != "state_dict":
-                self._refuse(f"{name} of a network")
-            value = _state_dict(_of(module, _Object))
-        else:
+            return Tensor(_of(storage, Storage), _of(offset, int), *sizes)
+        if function == _PARAMETER:
+            return _of(arguments[0], Tensor)
+        if function == _DICTIONARY and arguments == ():
+            return {}
+        if function == _SIZE:
+            (size,) = arguments
+            return size
+        if function != _METHOD:
             raise ValueError(function)
-        self._stack.append(value)
+        module, name = arguments
+        if name != "state_dict":
+            self._refuse(f"{name} of a network")
+        return _state_dict(_of(module, _Object))
 
 
 def _state_dict(network: _Object) -> dict[str, Tensor]:

@@ -110,7 +110,7 @@ class Encode:
         progress: tqdm,
     ) -> dict[int, UrushiError]:
         """Compare the materials with their sources; returns the comparisons' errors by index."""
-        from urushi.eval import examine, likeness
+        from urushi.eval import examine
         from urushi.material.batch import map_sources
 
         indices = list(encoded)
@@ -124,7 +124,7 @@ class Encode:
                 examinations[indices[task]] = result
         if len(sources) > 1:
             _print_errors(failed)
-        likeness.write_report(
+        examine.write_report(
             folder,
             {names[index]: examinations[index] for index in sorted(examinations)},
             {names[index]: str(error) for index, error in {**errors, **failed}.items()},

@@ -53,7 +53,7 @@ class Import:
         params = published.networks(self.representation, self.layering)
         sampler = published.cosine_proxy()
         if self.fit_sampler:
-            from urushi.fan2022.train.sampler import fitted_proxy
+            from urushi.fan2022.train.proxy import fitted_proxy
 
             fitted, divergence = fitted_proxy(params)
             sampler = dict(fitted)

@@ -8,7 +8,7 @@ import tyro
 
 from urushi import platform
 from urushi.errors import ParameterError
-from urushi.ranges import Pairs, Seed, Share
+from urushi.ranges import Pairs, Share
 
 if TYPE_CHECKING:
     from urushi.fan2022.architecture import AdamProjection
@@ -118,8 +118,8 @@ class Evaluate:
 
     For every kind of stack, prints the errors E (energy-weighted, per stack) and P (relative, per
     pair of directions) in per cent, with the reference's own error. Then prints violations of
-    physical laws, and the sizes and times of the networks. docs/conventions.md defines E and P. The
-    reference values ship with Urushi, so that this takes one to two minutes.
+    physical laws, and the sizes of the networks. docs/conventions.md defines E and P. The reference
+    values ship with Urushi, so that this takes about a minute.
 
     Example: urushi eval --weights runs/mine/weights.safetensors -o runs/mine/figures
     """
@@ -127,14 +127,10 @@ class Evaluate:
     weights: str | None = None
     """Weights file of the networks. Default: the shipped ones."""
     output: Annotated[Path | None, tyro.conf.arg(aliases=["-o"])] = None
-    """Folder for the figures (JSON) and plots."""
-    seed: Seed | None = None
-    """Seed of other stacks, which are simulated first (ten minutes). Default: the stored ones."""
+    """Folder for the figures (figures.json)."""
 
     def run(self) -> int:
-        if self.output is not None:
-            platform.require_extra("eval")
         from urushi.eval import report
 
-        print(report.report(self.weights, self.output, seed=self.seed))
+        print(report.report(self.weights, self.output))
         return 0

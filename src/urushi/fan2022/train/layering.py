@@ -8,8 +8,7 @@ import numpy as np
 import optax
 
 from urushi.fan2022.inference import layer
-from urushi.fan2022.palette import Palette
-from urushi.fan2022.train.preset import PaperPreset
+from urushi.fan2022.train.preset import Palette, PaperPreset
 from urushi.nets.mlp import Params
 
 RULE = optax.scale_by_adam()

@@ -1,5 +1,6 @@
 """Training of the sampling proxy on histograms of half vectors (Fan et al. 2022, supplement)."""
 
+from collections.abc import Mapping
 from typing import Any, NamedTuple
 
 import jax
@@ -7,9 +8,14 @@ import jax.numpy as jnp
 import numpy as np
 import optax
 
-from urushi.fan2022.inference import direction_inputs, evaluate
+from urushi.fan2022.architecture import PaperArchitecture, init
+from urushi.fan2022.inference import direction_inputs, evaluate, layer
+from urushi.fan2022.networks import PaperNetworks
 from urushi.fan2022.proxy import proxy
+from urushi.fan2022.published import cosine_proxy
+from urushi.fan2022.train.preset import Palette
 from urushi.nets.mlp import Params
+from urushi.walk import analytic
 
 #: Bins on each side of the square around the unit disk of projected half vectors.
 BINS = 40
@@ -18,6 +24,9 @@ BINS = 40
 STEPS, RATE = 500, 1e-3
 
 RULE = optax.adam(RATE)
+
+#: Components of each kind, stacks of one coat, and incoming directions in `fitted_proxy`.
+COMPONENTS, STACKS, INCOMING = 16, 64, 12
 
 
 class Histograms(NamedTuple):
@@ -110,3 +119,30 @@ def learn(params: Params, data: Histograms) -> tuple[Params, float]:
 
     (trained, _), losses = run(trained)
     return trained, float(losses[-1])
+
+
+def fitted_proxy(params: Mapping[str, np.ndarray], seed: int = 0) -> tuple[Params, float]:
+    """Train a proxy on stacks whose codes the networks predict; returns its divergence too.
+
+    Dielectrics and conductors of Table 2 are projected, by Levenberg-Marquardt, and layered. The
+    proxy learns from the conductors and the stacks, as in `learn`.
+
+    params: of the evaluation and the layering network.
+    """
+    source = Palette(1, components=COMPONENTS, stacks=STACKS, seed=seed)
+    top, below, albedo, sigma_t = source.parts(slice(0, STACKS))
+    networks = PaperNetworks(PaperArchitecture(), {**params, **cosine_proxy()}, {})
+    wi, wo = networks.pairs()
+    codes = {}
+    for kind in ("dielectric", "conductor"):
+        bare = Palette(0, kind, COMPONENTS, STACKS, seed)
+        columns = bare.draw(np.random.default_rng(seed), slice(0, COMPONENTS)).bottom
+        row = np.repeat(np.arange(COMPONENTS, dtype=np.uint32), len(wi))
+        pairs = (np.tile(w, (COMPONENTS, 1)) for w in (wi, wo))
+        f = analytic.rows(kind, columns, row, *pairs).reshape(COMPONENTS, -1)
+        codes[kind] = networks.encode(f)
+    medium = np.float32(albedo), np.float32(sigma_t)
+    stacks = layer(params, codes["dielectric"][top], codes["conductor"][below], *medium)
+    latents = np.concatenate([codes["conductor"], stacks]).astype(np.float32)
+    data = histograms(params, latents, incoming(INCOMING, seed))
+    return learn(init(seed), data)

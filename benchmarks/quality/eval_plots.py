@@ -1,21 +1,25 @@
-"""Plots of an evaluation: errors by parameter, and the lobes of the worst stacks.
+"""Plots of an evaluation: `python -m benchmarks.quality.eval_plots FOLDER [--weights FILE]`.
 
-They need matplotlib, the extra `eval`.
+Draws errors by parameter (errors.png) and the lobes of the worst stacks (worst.png) of networks on
+the stored set, in about a minute.
 """
 
+import argparse
 import os
 import textwrap
 from collections.abc import Mapping
+from functools import partial
+from pathlib import Path
 
 import numpy as np
 from matplotlib.figure import Figure
 
 from urushi.checks import CoatParameters
-from urushi.eval import predict
+from urushi.eval import benchmark, predict, report
 from urushi.eval import samples as sampling
 from urushi.eval.samples import Samples
-from urushi.files import atomic_write
-from urushi.nets.weights import Model
+from urushi.files import atomic_write, new_folder
+from urushi.nets.weights import Model, find
 from urushi.walk import StackTable
 
 #: Number of stacks in a window of the running median.
@@ -201,3 +205,19 @@ def _in_plane(angles: np.ndarray) -> np.ndarray:
     return np.stack([np.sin(angles), np.zeros_like(angles), np.cos(angles)], axis=-1).astype(
         np.float32
     )
+
+
+def main() -> None:
+    """Measure the networks and draw both plots."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("folder", type=Path, help="folder to write to")
+    parser.add_argument("--weights", help="networks: a name or file; default: the default ones")
+    arguments = parser.parse_args()
+    model, sets, folder = find(arguments.weights), benchmark.read(), new_folder(arguments.folder)
+    errors = report.measure_errors(partial(predict.materials, model), sets).stacks
+    draw_errors(folder / "errors.png", sets, errors)
+    draw_lobes(folder / "worst.png", model, sets, errors)
+
+
+if __name__ == "__main__":
+    main()
