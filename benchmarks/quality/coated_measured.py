@@ -86,9 +86,9 @@ def draw(path: Path, chosen: dict[str, tuple[MeasuredSurface, Material]]) -> Non
     """Spheres in a studio: one row for each material; for each coat, walk and network."""
     from matplotlib import pyplot as plt
 
-    from urushi.eval import environment, sphere
+    from urushi.eval import sphere
 
-    light = sphere.exposed(environment.own()[0])
+    light = sphere.exposed(sphere.own_environments()[0])
     columns = 2 * len(COATS)
     figure, axes = plt.subplots(
         len(chosen), columns, figsize=(1.3 * columns, 1.35 * len(chosen) + 0.3), squeeze=False

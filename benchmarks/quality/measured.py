@@ -30,11 +30,12 @@ from concurrent.futures import ProcessPoolExecutor, as_completed
 from pathlib import Path
 
 import numpy as np
+from benchmarks.quality import environment_maps
 from benchmarks.rivals.comparisons import METHODS, Comparisons, Measured, Result, code_hashes
 from tqdm import tqdm
 
 import urushi
-from urushi.eval import environment, metrics, sphere
+from urushi.eval import metrics, sphere
 from urushi.files import atomic_write, new_folder
 from urushi.platform import available_cores
 
@@ -217,7 +218,7 @@ def main() -> None:
     parser.add_argument("--jobs", type=int, default=available_cores(), help="number of processes")
     options = parser.parse_args()
     maps = options.envmaps
-    lights = [environment.read(path) for path in maps] if maps else environment.own()
+    lights = [environment_maps.read(path) for path in maps] if maps else sphere.own_environments()
     folder = new_folder(options.folder)
     comparisons = Comparisons(
         [sphere.exposed(light) for light in lights],

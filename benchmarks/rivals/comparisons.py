@@ -16,8 +16,8 @@ from benchmarks.rivals import ggx_fit, nbrdf
 import urushi
 from urushi.core import direction_sets, error_metrics
 from urushi.eval import metrics, sphere
-from urushi.eval.environment import Environment
 from urushi.eval.metrics import Comparison
+from urushi.eval.sphere import Environment
 from urushi.files import atomic_write
 from urushi.material import energy, fit, table
 from urushi.measured import Merl, load_measured

@@ -15,7 +15,7 @@ from matplotlib import pyplot as plt
 from research.rivals import openpbr_recipe
 
 from urushi.app.commands.openpbr_check import table
-from urushi.eval import environment, sphere
+from urushi.eval import sphere
 from urushi.files import new_folder
 from urushi.openpbr_surface import conformance
 from urushi.openpbr_surface.conformance import Brdf, Errors, Reference
@@ -36,7 +36,7 @@ MODELS = {"urushi": conformance.model} | {
 
 def draw(path: Path, reference: Reference, errors: Errors, name: str) -> None:
     """Spheres of the worst materials: the walk above, the implementation below."""
-    light = sphere.exposed(environment.own()[0])
+    light = sphere.exposed(sphere.own_environments()[0])
     names = list(reference.parameters)
     figure, axes = plt.subplots(2, WORST, figsize=(1.5 * WORST, 3.4), squeeze=False)
     for column, k in enumerate(np.argsort(errors.error)[::-1][:WORST]):

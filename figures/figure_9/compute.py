@@ -23,7 +23,7 @@ import urushi
 from figures import results
 from urushi.core import direction_sets
 from urushi.errors import UrushiWarning
-from urushi.eval import environment, sphere
+from urushi.eval import sphere
 from urushi.material import Material
 from urushi.measured.tabulated import MeasuredSurface
 from urushi.nets.weights import default_model
@@ -143,7 +143,7 @@ def spheres(measured: Measured) -> list[str]:
     """Store a row of pictures: for each coat the walk and `FORMS`. Returns the coats' names."""
     surface = load(measured)
     materials = encoded(surface)
-    light = sphere.exposed(environment.own()[0])
+    light = sphere.exposed(sphere.own_environments()[0])
     pictures = []
     for coats in COATS.values():
 

@@ -3,7 +3,7 @@
     python -m figures.proposal.compute
 
 Figures are those of `benchmarks.quality.sampling`. Spheres under the studio of
-`urushi.eval.environment` are rendered by directions drawn from each proposal alone, without light
+`urushi.eval.sphere` are rendered by directions drawn from each proposal alone, without light
 sampling; the reference is free of noise.
 """
 
@@ -17,8 +17,8 @@ from benchmarks.quality import sampling
 
 import urushi
 from figures import results
-from urushi.eval import environment, metrics, sphere
-from urushi.eval.environment import AZIMUTHS, ELEVATIONS, Environment
+from urushi.eval import metrics, sphere
+from urushi.eval.sphere import AZIMUTHS, ELEVATIONS, Environment
 from urushi.fan2022.proxy import GaussianMixture
 from urushi.material import Material
 from urushi.nets.weights import default_model
@@ -77,7 +77,7 @@ def variation() -> dict[str, Any]:
 
 def spheres() -> dict[str, dict[str, dict[str, float]]]:
     """Relative mean squared errors by material, proposal and samples; stores the pictures."""
-    light = sphere.exposed(environment.own()[0])
+    light = sphere.exposed(sphere.own_environments()[0])
     found: dict[str, dict[str, dict[str, float]]] = {}
     rows = []
     for name, material in materials().items():
@@ -128,7 +128,7 @@ def render(material: Material, draw: Draw, light: Environment, count: int, seed:
     across, up = cosine * wo[:, 0] + sine * wo[:, 2], cosine * wo[:, 2] - sine * wo[:, 0]
     row = np.arctan2(np.hypot(across, wo[:, 1]), up) / np.pi * ELEVATIONS - 0.5
     column = (np.arctan2(wo[:, 1], across) + azimuth) / (2 * np.pi) * AZIMUTHS
-    radiance = environment.periodic_bilinear(
+    radiance = sphere.periodic_bilinear(
         light.radiance, np.clip(row, 0, ELEVATIONS - 1), column % AZIMUTHS
     )
     weight = np.where((pdf > 0) & (wo[:, 2] > 0), wo[:, 2] / np.maximum(pdf, 1e-12), 0)

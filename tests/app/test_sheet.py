@@ -63,7 +63,7 @@ def test_what_cannot_be_a_sheet(materials):
 
 def test_the_command_writes_a_picture(tmp_path, capsys, monkeypatch):
     pytest.importorskip("matplotlib")
-    monkeypatch.setattr(sheet, "picture", lambda material: np.full((64, 64, 3), 0.2))
+    monkeypatch.setattr(sphere, "studio", lambda f: np.full((64, 64, 3), 0.2))
     file = tmp_path / "sheet.png"
     urushi.encode(urushi.diffuse(0.5)).save(tmp_path / "grey.safetensors")
     arguments = [str(tmp_path / "grey.safetensors"), "conductor(0.2, 0.9)", "--rows", "2"]
@@ -103,7 +103,7 @@ def test_a_picture_needs_its_suffix(tmp_path, capsys):
 
 def test_a_picture_is_a_lit_sphere(small_spheres):
     material = urushi.encode(urushi.diffuse(0.5))
-    picture = sheet.picture(material)
+    picture = sphere.studio(material.f)
     inside = sphere.mask()
     assert (picture[inside].mean(axis=0) > 0).all()
     assert not picture[~inside].any()

@@ -3,10 +3,11 @@
 import mitsuba as mi
 import numpy as np
 import pytest
+from benchmarks.quality import environment_maps
 
 from urushi.errors import FileError
-from urushi.eval import environment, sphere
-from urushi.eval.environment import AZIMUTHS, ELEVATIONS, Environment
+from urushi.eval import sphere
+from urushi.eval.sphere import AZIMUTHS, ELEVATIONS, Environment
 
 SHAPE = ELEVATIONS, AZIMUTHS, 3
 
@@ -63,7 +64,7 @@ def test_channels_do_not_mix():
 
 
 def test_exposure_shows_a_white_sphere_in_middle_grey():
-    exposed = sphere.exposed(environment.own()[1])
+    exposed = sphere.exposed(sphere.own_environments()[1])
     (picture,) = sphere.render(lambertian, [exposed])
     luminance = picture[sphere.mask()].mean(0) @ [0.2126, 0.7152, 0.0722]
     assert luminance == pytest.approx(sphere.WHITE, rel=1e-6)
@@ -114,7 +115,7 @@ def test_pictures_agree_with_mitsuba(map_file, variant):
         value = bsdf.eval(mi.BSDFContext(), si, mi.Vector3f(wo.T))
         return np.array(value).T / wo[:, 2:]
 
-    (picture,) = sphere.render(f, [environment.read(map_file)])
+    (picture,) = sphere.render(f, [environment_maps.read(map_file)])
     inside = sphere.mask().reshape(16, 8, 16, 8).all(axis=(1, 3))
     found, wanted = (
         x.reshape(16, 8, 16, 8, 3).mean(axis=(1, 3))[inside] for x in (picture, reference)
@@ -129,7 +130,7 @@ def test_a_small_sun_keeps_its_light(tmp_path):
     radiance = np.zeros((rows, columns, 3), np.float32)
     radiance[200:203, 700:703] = 1e4
     mi.Bitmap(radiance).write(str(tmp_path / "sun.exr"))
-    read = environment.read(tmp_path / "sun.exr").radiance[..., 0]
+    read = environment_maps.read(tmp_path / "sun.exr").radiance[..., 0]
     elevation = np.cos(np.pi * np.arange(rows + 1) / rows)
     wanted = 1e4 * 3 * (elevation[200] - elevation[203]) * 2 * np.pi / columns
     edges = np.cos(np.pi * np.arange(ELEVATIONS + 1) / ELEVATIONS)
@@ -138,17 +139,17 @@ def test_a_small_sun_keeps_its_light(tmp_path):
 
 
 def test_own_environments_have_light_on_every_side():
-    for own in environment.own():
+    for own in sphere.own_environments():
         assert own.radiance.shape == SHAPE
         assert (own.radiance > 0).all()
 
 
 def test_files_that_are_no_maps(tmp_path):
     with pytest.raises(FileError, match="there is no file"):
-        environment.read(tmp_path / "missing.exr")
+        environment_maps.read(tmp_path / "missing.exr")
     (tmp_path / "page.hdr").write_text("<html></html>")
     with pytest.raises(FileError, match="cannot read the environment map"):
-        environment.read(tmp_path / "page.hdr")
+        environment_maps.read(tmp_path / "page.hdr")
     mi.Bitmap(np.full((8, 16, 3), np.inf, np.float32)).write(str(tmp_path / "bright.exr"))
     with pytest.raises(FileError, match="not finite"):
-        environment.read(tmp_path / "bright.exr")
+        environment_maps.read(tmp_path / "bright.exr")

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from figures.proposal import compute
 
-from urushi.eval import environment, sphere
+from urushi.eval import sphere
 
 
 @pytest.fixture(scope="module")
@@ -23,7 +23,7 @@ def test_networks_have_the_least_noise_on_most_stacks_and_at_grazing_angles(foun
 
 
 def test_all_proposals_draw_the_sphere_without_bias(found):
-    light = sphere.exposed(environment.own()[0])
+    light = sphere.exposed(sphere.own_environments()[0])
     name, material = list(compute.materials().items())[1]
     (truth,) = sphere.render(material.f, [light])
     inside = sphere.mask()

@@ -27,7 +27,6 @@ class Page:
         return f"Page({len(self.document)} characters)"
 
     def _repr_html_(self) -> str:
-        """A frame that holds the document."""
         return (
             f'<iframe title="Urushi" width="100%" height="{self.height}" style="border: 0" '
             f'srcdoc="{html.escape(self.document)}"></iframe>'

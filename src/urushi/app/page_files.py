@@ -114,7 +114,6 @@ def version(content: bytes) -> str:
 
 
 def built_folder() -> Path:
-    """The folder of the built page."""
     return Path(__file__).with_name("page")
 
 

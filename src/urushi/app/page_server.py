@@ -54,7 +54,6 @@ class PageServer(ThreadingHTTPServer):
 
     @property
     def url(self) -> str:
-        """The page's address."""
         return f"http://{HOST}:{self.server_port}/"
 
 

@@ -34,7 +34,6 @@ _REMEDY = "restore it from the repository"
 
 
 def default_path() -> Path:
-    """Path of the stored set."""
     return Path(__file__).with_name("benchmark.safetensors")
 
 
@@ -112,7 +111,6 @@ def _samples(
 
 
 def describe(group: Group) -> dict[str, object]:
-    """A group as JSON values."""
     return {
         "name": group.name,
         "distribution": to_dict(group.distribution),

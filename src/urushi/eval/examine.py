@@ -14,7 +14,7 @@ from urushi.core.direction_sets import cosine_pairs, half_angle_pairs
 from urushi.core.error_metrics import energy_weight, pair_error
 from urushi.core.quadrature import half_vector_rule
 from urushi.errors import ParameterError, UrushiError
-from urushi.eval import environment, metrics, sphere
+from urushi.eval import metrics, sphere
 from urushi.files import atomic_write, new_folder
 from urushi.material import Material
 from urushi.material.encode import evaluate_source
@@ -98,7 +98,7 @@ def examine(source: Any, material: Material) -> Examination:
     p = pair_error(material.f(wi, wo), evaluate_source(source, wi, wo, widths=widths).values)
     averaged = widths == 1 and (deviations.anisotropy or 0.0) > RELATIVE_TOLERANCE
     isotropic = _isotropic(source, averaged)
-    pictures = [_sphere(f) for f in (isotropic, material.f)]
+    pictures = [sphere.studio(f) for f in (isotropic, material.f)]
     look = metrics.compare(
         pictures[1], pictures[0], sphere.mask(), flip=find_spec("flip_evaluator") is not None
     )
@@ -150,11 +150,6 @@ def _isotropic(source: Source, anisotropic: bool) -> Brdf:
         return np.asarray(source.f(wi, wo), np.float32).reshape(len(wi), -1)
 
     return (lambda wi, wo: azimuthal_mean(columns, wi, wo)) if anisotropic else columns
-
-
-def _sphere(f: Brdf) -> np.ndarray:
-    (picture,) = sphere.render(f, [sphere.exposed(environment.own()[0])])
-    return picture
 
 
 def _albedo(f: Brdf) -> np.ndarray:

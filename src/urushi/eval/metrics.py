@@ -103,7 +103,6 @@ class Comparison:
         return cls(*(float(np.mean([getattr(c, f.name) for c in several])) for f in fields(cls)))
 
     def as_dict(self) -> dict[str, float]:
-        """The measures by name."""
         return asdict(self)
 
 

@@ -166,7 +166,6 @@ def _row(parts: list[tuple[Samples, np.ndarray]]) -> dict[str, Any]:
 
 
 def write_json(path: Path, result: Result) -> None:
-    """Write all figures as JSON."""
     content = asdict(result)
     content["laws"] = [asdict(law) | {"kept": law.kept} for law in result.laws]
     content["errors"] = {name: errors.tolist() for name, errors in result.errors.items()}

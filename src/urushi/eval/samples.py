@@ -45,7 +45,6 @@ class Samples:
 
 
 def draw_stacks(group: Group, seed: int = 0) -> StackTable:
-    """Draw a group's stacks."""
     return group.distribution.sample(generator(group, seed, 0), group.stacks)
 
 

@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from urushi.errors import ParameterError
-from urushi.eval import environment, metrics, sphere
+from urushi.eval import metrics, sphere
 from urushi.files import atomic_write
 from urushi.material import Material, layer, lerp
 from urushi.walk import dielectric
@@ -73,12 +73,6 @@ def steps(materials: int, rows: int) -> list[tuple[int, float]]:
 def coated(material: Material, *, alpha: float, eta: float, **medium: Any) -> Material:
     """A material under a coat of `COATS`."""
     return layer(dielectric(alpha, eta), material, **medium)
-
-
-def picture(material: Material) -> np.ndarray:
-    """A sphere in Urushi's studio: (H, W, 3) of linear radiance."""
-    (result,) = sphere.render(material.f, [sphere.exposed(environment.own()[0])])
-    return result
 
 
 def labels(names: Sequence[str], rows: int) -> list[str]:
@@ -180,7 +174,7 @@ def png(material: Material) -> bytes:
     import mitsuba as mi  # lazily: a notebook may never show a material
 
     alpha = sphere.mask().astype(float)[..., None]
-    pixels = np.concatenate([metrics.shown(picture(material)), alpha], axis=-1)
+    pixels = np.concatenate([metrics.shown(sphere.studio(material.f)), alpha], axis=-1)
     stream = mi.MemoryStream()
     bitmap = mi.Bitmap((255 * pixels + 0.5).astype(np.uint8), mi.Bitmap.PixelFormat.RGBA)
     bitmap.write(stream, mi.Bitmap.FileFormat.PNG)

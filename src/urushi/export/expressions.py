@@ -104,22 +104,18 @@ class Expression:
 
     @property
     def x(self) -> "Expression":
-        """The first component of a vector."""
         return Expression("component", FLOAT, (self,), 0)
 
     @property
     def y(self) -> "Expression":
-        """The second component of a vector."""
         return Expression("component", FLOAT, (self,), 1)
 
     @property
     def z(self) -> "Expression":
-        """The third component of a vector."""
         return Expression("component", FLOAT, (self,), 2)
 
 
 def expression(value: Value) -> Expression:
-    """A value as an expression."""
     if isinstance(value, Expression):
         return value
     return Expression("constant", FLOAT, detail=np.asarray(value, np.float64))
@@ -134,12 +130,10 @@ def colour(values: Sequence[float] | np.ndarray) -> Expression:
 
 
 def name(text: str, kind: str) -> Expression:
-    """A variable or an argument."""
     return Expression("name", kind, detail=text)
 
 
 def is_zero(value: Expression) -> bool:
-    """Whether an expression is the constant zero."""
     return value.constant is not None and not value.constant.any()
 
 
@@ -181,12 +175,10 @@ def select(condition: Expression, yes: Value, no: Value) -> Expression:
 
 
 def vector(x: Value, y: Value, z: Value) -> Expression:
-    """A vector of three floats."""
     return Expression("vector", VECTOR, [expression(value) for value in (x, y, z)])
 
 
 def colour_of(red: Expression, green: Expression, blue: Expression) -> Expression:
-    """A colour of three floats."""
     return Expression("channels", COLOUR, (red, green, blue))
 
 

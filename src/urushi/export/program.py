@@ -203,8 +203,8 @@ def _functions(
     made = Function("proposal", (*given, WI), "Proposal", "The proposal for wi.")
     made.returns(proposal.fill(made, model, code.first, code.alphas, argument(WI), unit))
     sampling = proposal.functions(model)
-    density = "The density [1/sr] of `sample` at wo."
-    pdf = Function("pdf", (*given, WI, WO), FLOAT, density, public=True)
+    note = "The density [1/sr] of `sample` at wo."
+    pdf = Function("pdf", (*given, WI, WO), FLOAT, note, public=True)
     wi, wo = _inside(pdf, tangent, argument(WI), argument(WO))
     pdf.returns(sampling.density(made(*own, wi), wi, wo))
 
@@ -217,9 +217,9 @@ def _functions(
     result = sample.structure("result", SAMPLE.name)
     above = wi.z > 0.0
     seen = tangent.outside(sample, direction, "outside")
-    found = (seen, vector(0.0, 0.0, 1.0)), (sampling.density(mixture, raised, direction), 0.0)
-    for variable, values in zip(SAMPLE.fields, found, strict=True):
-        sample.assign(member(result, variable), select(above, *values))
+    density = sampling.density(mixture, raised, direction)
+    sample.assign(member(result, SAMPLE.fields[0]), select(above, seen, vector(0.0, 0.0, 1.0)))
+    sample.assign(member(result, SAMPLE.fields[1]), select(above, density, 0.0))
     sample.returns(result)
     return [f, made, *sampling.all, pdf, sample]
 

@@ -96,7 +96,6 @@ class Function:
     body: list[Statement] = field(default_factory=list)
 
     def note_line(self, text: str) -> None:
-        """Add a comment."""
         self.body.append(Statement("note", text))
 
     def let(self, label: str, value: Value) -> Expression:
@@ -135,11 +134,9 @@ class Function:
         return Expression("table", FLOAT, detail=label)
 
     def returns(self, value: Value) -> None:
-        """Return a value."""
         self.body.append(Statement("return", None, converted(expression(value), self.kind)))
 
     def __call__(self, *values: Value) -> Expression:
-        """The call of this function."""
         arguments = [
             converted(expression(value), argument.kind)
             for value, argument in zip(values, self.arguments, strict=True)
@@ -196,7 +193,6 @@ def element(array: Expression, index: int | Expression) -> Expression:
 
 
 def integer(value: int) -> Expression:
-    """A constant of an index."""
     return Expression("integer", INT, detail=value)
 
 
@@ -206,7 +202,6 @@ def offset_index(start: int, index: Expression) -> Expression:
 
 
 def member(structure: Expression, which: Variable) -> Expression:
-    """A member of a structure."""
     return Expression("field", which.kind, (structure,), which.name)
 
 

@@ -36,7 +36,6 @@ class Linear:
         }
 
     def apply(self, params: Params, x: Any) -> Any:
-        """Evaluate."""
         return linear(params, self.name, x)
 
     def pulled_back(self, params: Params, x: Any) -> tuple[Any, Pullback]:
@@ -59,15 +58,12 @@ class Norm:
     width: int
 
     def shapes(self) -> Shapes:
-        """The parameters' shapes by name."""
         return {f"{self.name}.scale": (self.width,), f"{self.name}.shift": (self.width,)}
 
     def apply(self, params: Params, x: Any) -> Any:
-        """Evaluate."""
         return self._evaluate(params, x)[0]
 
     def pulled_back(self, params: Params, x: Any) -> tuple[Any, Pullback]:
-        """Evaluate, and a function from the output's gradient to the input's."""
         xp = x.__array_namespace__()
         y, normal, inverse = self._evaluate(params, x)
         scale = params[f"{self.name}.scale"]
@@ -94,15 +90,12 @@ class Skip:
     inner: tuple["Block", ...]
 
     def shapes(self) -> Shapes:
-        """The parameters' shapes by name."""
         return shapes(self.inner)
 
     def apply(self, params: Params, x: Any) -> Any:
-        """Evaluate."""
         return apply(params, self.inner, x) + x
 
     def pulled_back(self, params: Params, x: Any) -> tuple[Any, Pullback]:
-        """Evaluate, and a function from the output's gradient to the input's."""
         y, pull = pulled_back(params, self.inner, x)
         return y + x, lambda dy: pull(dy) + dy
 
@@ -127,7 +120,6 @@ def shapes(blocks: Iterable[Block]) -> Shapes:
 
 
 def apply(params: Params, blocks: Iterable[Block], x: Any) -> Any:
-    """Evaluate a chain."""
     for block in blocks:
         x = block.apply(params, x)
     return x

@@ -63,7 +63,6 @@ class NormKernel:
         self._mean = mlp.pack(np.full((1, width), 1 / width, np.float32), np.zeros(1, np.float32))
 
     def __call__(self, x: nn.CoopVec) -> nn.CoopVec:
-        """Apply to activations."""
         centred = x - self._average(x)
         inverse = dr.rsqrt(self._average(centred * centred) + EPSILON)
         scale, shift = (
@@ -126,7 +125,6 @@ def _bound(params: Mapping[str, np.ndarray], chain: Sequence[Block]) -> list:
 
 
 def _skip(inner: list) -> Callable:
-    """m(x) + x."""
     return lambda x: _chained(inner, x) + x
 
 

@@ -113,7 +113,6 @@ class _Machine:
         self.storages: dict[str, Storage] = {}
 
     def run(self, file: BinaryIO) -> Any:
-        """Interpret a pickle."""
         for instruction, argument, _ in pickletools.genops(file):
             self._step(instruction.name, argument)
         (result,) = self._stack

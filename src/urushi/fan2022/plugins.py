@@ -58,12 +58,10 @@ class TexelCodes:
         ]
 
     def f(self, vertex: list[list], si, wo, active) -> "mi.Spectrum":
-        """The BRDF [1/sr]."""
         channels = only_where(active, self._decoder.f, vertex, si.wi, wo)
         return spectrum.from_channels(channels, si.wavelengths)
 
     def proposal(self, vertex: list[list]) -> Any:
-        """The proposal of the mean code."""
         return self._sampler.proposal([sum(z) / self.channels for z in zip(*vertex, strict=True)])
 
     @property

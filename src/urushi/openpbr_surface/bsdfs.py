@@ -207,7 +207,6 @@ def define(proposal_bsdf: type) -> tuple[type, type]:
             self._kept.keep(self)
 
         def _configure(self, layers: Layers):
-            """Take the layers."""
             self._layers, inputs = layers, self._inputs
             self._base, self._coated = layers.base, layers.coated
             self._compensation = layers.compensation

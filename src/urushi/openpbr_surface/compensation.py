@@ -211,7 +211,6 @@ class CoatLoss:
         return self._lost(self._at(si, active), cosine)
 
     def vertex(self, si, active) -> "LossVertex":
-        """The quantities that depend on the position and on wi alone."""
         at = self._at(si, active)
         reflected, passed = self._above.both_mean(at.alpha, at.eta)
         mean = 1 - reflected - at.inside * passed
@@ -309,7 +308,6 @@ class Furnace:
         return _values(self._inputs, list(self._shared)) == self._shared
 
     def vertex(self, si, active) -> "FurnaceVertex":
-        """The quantities that depend on the position and on wi alone."""
         at = [self._inputs.number(name, si, active) for name in reversed(self._varying)]
         lost, excess = self._deviations([dr.safe_sqrt(si.wi.z), *at])
         mean = mi.Float(self._constant_mean) if self._mean is None else self._mean(at)[0]

@@ -58,7 +58,6 @@ class Errors(NamedTuple):
 
 
 def default_path() -> Path:
-    """Path of the file that ships."""
     return Path(__file__).with_name("openpbr_reference.safetensors")
 
 

@@ -125,7 +125,6 @@ class Journal:
         self.data_seconds = data_seconds
 
     def begun(self) -> bool:
-        """Whether there is a checkpoint."""
         return self._checkpoint.exists()
 
     def clear(self) -> None:
@@ -147,7 +146,6 @@ class Journal:
         return point
 
     def save(self, point: Checkpoint) -> None:
-        """Replace the checkpoint."""
         save(self._checkpoint, point, self._identity, self.data_seconds)
 
     def log(self, point: Checkpoint, figures: Mapping[str, float]) -> None:

@@ -105,7 +105,7 @@ class Sheet:
 
     def run(self) -> int:
         platform.require_extra("eval")
-        from urushi.eval import sheet
+        from urushi.eval import sheet, sphere
 
         sheet.check_path(self.output)
         coats = sheet.chosen(self.coats)
@@ -116,7 +116,7 @@ class Sheet:
         total = self.rows * len(coats)
         with tqdm(total=total, unit="sphere", disable=None) as progress:
             for cell in sheet.cells(materials, self.rows, coats):
-                pictures[cell.row, cell.column] = sheet.picture(cell.material)
+                pictures[cell.row, cell.column] = sphere.studio(cell.material.f)
                 progress.update()
         grid = np.stack([[pictures[i, k] for k in range(len(coats))] for i in range(self.rows)])
         names = [text if is_description(text) else Path(text).stem for text in self.materials]

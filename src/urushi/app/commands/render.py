@@ -260,7 +260,6 @@ def set_variant(name: str) -> None:
 
 
 def parse_definitions(pairs: tuple[str, ...]) -> dict[str, str]:
-    """Split "key=value" pairs."""
     definitions = {}
     for pair in pairs:
         key, equals, value = pair.partition("=")

@@ -48,7 +48,6 @@ class Printer:
         self.prefix = prefix
 
     def printed(self, program: Program) -> str:
-        """The text of a file."""
         lines = [*self.head(program), ""]
         for structure in program.structures:
             lines += [*self.structure(structure), ""]
@@ -69,25 +68,20 @@ class Printer:
         return lines[:-1]
 
     def comments(self, text: str) -> list[str]:
-        """A text as lines of comment."""
         return [f"{self.comment} {line}" for line in textwrap.wrap(text, WIDTH - 10)]
 
     # Names
 
     def function_name(self, label: str) -> str:
-        """The name of a function in the file."""
         return f"{self.prefix}_{label}"
 
     def structure_name(self, label: str) -> str:
-        """The name of a structure in the file."""
         return self.prefix.replace("_", " ").title().replace(" ", "") + label
 
     def table_name(self, label: str) -> str:
-        """The name of a table in the file."""
         return f"{self.prefix}_{label}"
 
     def kind(self, kind: str) -> str:
-        """The name of a type."""
         return self.kinds.get(kind) or self.structure_name(kind)
 
     # Declarations
@@ -102,7 +96,6 @@ class Printer:
     structure_end: ClassVar[str] = "};"
 
     def structure(self, structure: Structure) -> list[str]:
-        """A structure's declaration."""
         lines = self.comments(structure.note)
         lines.append(f"struct {self.structure_name(structure.name)} {{")
         for variable in structure.fields:
@@ -115,21 +108,17 @@ class Printer:
         return function.tables
 
     def table(self, table: Table) -> list[str]:
-        """A table's definition."""
         raise NotImplementedError
 
     def numbers(self, values: np.ndarray, indent: str = "    ") -> list[str]:
-        """Lines of the numbers of a table."""
         text = ", ".join(self.number(float(value)) for value in values)
         return textwrap.wrap(text, WIDTH, initial_indent=indent, subsequent_indent=indent)
 
     def function(self, function: Function) -> list[str]:
-        """A function's definition."""
         lines = self.comments(function.note)
         return [*lines, self.signature(function), *self.body(function.body, "    "), "}"]
 
     def signature(self, function: Function) -> str:
-        """A function's first line."""
         arguments = ", ".join(map(self.declared, function.arguments))
         return f"{self.kind(function.kind)} {self.function_name(function.name)}({arguments}) {{"
 
@@ -182,7 +171,6 @@ class Printer:
     # Statements
 
     def body(self, statements: Iterable[Statement], indent: str) -> list[str]:
-        """The lines of statements."""
         lines: list[str] = []
         for statement in statements:
             if statement.operation == "loop":
@@ -211,7 +199,6 @@ class Printer:
     loop_end: ClassVar[Sequence[str]] = ("}",)
 
     def loop_head(self, counter: str, count: int) -> str:
-        """The first line of a loop."""
         return f"for (int {counter} = 0; {counter} < {count}; ++{counter}) {{"
 
     def wrapped(self, line: str) -> list[str]:
@@ -223,7 +210,6 @@ class Printer:
         return broken(stripped, indent, indent + "    ")
 
     def let(self, variable: Variable, value: str) -> str:
-        """A named value."""
         return f"{self.declared(variable)} = {value};"
 
     def empty(self, variable: Variable) -> str:
@@ -233,7 +219,6 @@ class Printer:
     # Expressions
 
     def text(self, value: Expression) -> str:
-        """An expression."""
         return self._precise(value)[0]
 
     def _precise(self, value: Expression) -> tuple[str, int]:
@@ -294,23 +279,18 @@ class Printer:
         return np.format_float_scientific(single, unique=True, trim="0", exp_digits=1)
 
     def colour(self, values: Sequence[float]) -> str:
-        """A constant colour."""
         return f"{self.kinds[COLOUR]}({', '.join(map(self.number, values))})"
 
     def vector(self, components: Sequence[str]) -> str:
-        """A vector."""
         return f"{self.kinds[VECTOR]}({', '.join(components)})"
 
     def channels(self, values: Sequence[str]) -> str:
-        """A colour of floats."""
         return f"{self.kinds[COLOUR]}({', '.join(values)})"
 
     def splat(self, value: str) -> str:
-        """A float as a colour."""
         return f"{self.kinds[COLOUR]}({value})"
 
     def selected(self, condition: str, yes: str, no: str) -> str:
-        """One of two values."""
         return f"({condition} ? {yes} : {no})"
 
 

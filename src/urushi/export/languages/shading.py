@@ -61,8 +61,6 @@ class Hlsl(Printer):
 
 
 class Slang(Hlsl):
-    """Slang."""
-
     title = "Slang"
     usage = "Include this file in a Slang module."
 

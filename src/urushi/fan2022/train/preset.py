@@ -139,7 +139,6 @@ class PaperPreset:
     arch: PaperArchitecture = field(default_factory=PaperArchitecture)
 
     def part(self, name: str) -> Part:
-        """A part of the data."""
         return next(part for part in self.data.parts if part.name == name)
 
     def to_dict(self) -> dict[str, Any]:

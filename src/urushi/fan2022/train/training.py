@@ -94,7 +94,6 @@ class Clock:
         self._start = time.monotonic() - before
 
     def seconds(self) -> float:
-        """The seconds up to now."""
         return time.monotonic() - self._start
 
 

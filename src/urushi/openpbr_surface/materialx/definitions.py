@@ -51,7 +51,6 @@ class Definitions:
         return None
 
     def named(self, name: str) -> Element | None:
-        """The definition of a name."""
         return self._own.by_name.get(name) or _library().by_name.get(name)
 
     def graph(self, definition: Element) -> Element | None:

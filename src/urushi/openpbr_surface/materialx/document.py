@@ -35,7 +35,6 @@ class Document:
 
     @property
     def where(self) -> str:
-        """Begins errors."""
         return f"'{self.path}'"
 
 

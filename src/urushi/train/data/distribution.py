@@ -109,7 +109,6 @@ class Table2(_Independent):
         _check_coats(self.coats)
 
     def sample(self, rng: np.random.Generator, n: int) -> StackTable:
-        """Draw n stacks."""
         shape = (n, self.coats)
         return StackTable(
             kind=self.bottom,
@@ -158,7 +157,6 @@ class Extended(_Independent):
             )
 
     def sample(self, rng: np.random.Generator, n: int) -> StackTable:
-        """Draw n stacks."""
         shape = (n, self.coats)
         return StackTable(
             kind=self.bottom,
@@ -189,7 +187,6 @@ class Clear(Extended):
     """
 
     def sample(self, rng: np.random.Generator, n: int) -> StackTable:
-        """Draw n stacks."""
         table = super().sample(rng, n)
         table.sigma_t[:] = np.maximum(rng.uniform(-0.3, 0.3, table.sigma_t.shape), 0.0)
         return table
@@ -213,7 +210,6 @@ class Practical(Extended):
     """
 
     def sample(self, rng: np.random.Generator, n: int) -> StackTable:
-        """Draw n stacks."""
         shape = (n, self.coats)
         index, gap = self._draw_indices(rng, n)
         above = np.concatenate([np.ones((n, 1)), index[:, :-1]], axis=1)
@@ -295,7 +291,6 @@ class Anisotropic(Extended):
     bottoms: ClassVar[tuple[str, ...]] = ANISOTROPIC_BOTTOMS
 
     def sample(self, rng: np.random.Generator, n: int) -> StackTable:
-        """Draw n stacks."""
         shape = (n, self.coats)
         alpha = draw_widths(rng, draw_alpha(rng, shape))
         if KINDS[self.bottom].widths == 2:

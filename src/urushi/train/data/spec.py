@@ -87,7 +87,6 @@ class DataSpec:
         return (rows.stop - rows.start) * described.pairs * described.walks
 
     def to_dict(self) -> dict[str, Any]:
-        """Describe the specification for JSON."""
         parts = [
             {**vars(part), "distribution": distributions.to_dict(part.distribution)}
             for part in self.parts
