@@ -24,6 +24,7 @@ from pathlib import Path
 import numpy as np
 import numpy.typing as npt
 import tyro
+from benchmarks.quality import pictures
 from tqdm import tqdm
 
 from urushi import checks, files
@@ -194,7 +195,7 @@ def _compare(f_hat: np.ndarray, f: np.ndarray, se: np.ndarray) -> tuple[float, .
     noise = np.sqrt(2 / np.pi) * se.astype(np.float64)  # mean of |x| for a normal x
     power = float((se.astype(np.float64) ** 2).mean())
     return (
-        metrics.mae(f_hat, f),
+        pictures.mae(f_hat, f),
         metrics.psnr(f_hat, f, peak=peak),
         smape(f_hat, f),
         float(noise.mean()),

@@ -30,7 +30,7 @@ from concurrent.futures import ProcessPoolExecutor, as_completed
 from pathlib import Path
 
 import numpy as np
-from benchmarks.quality import environment_maps
+from benchmarks.quality import environment_maps, pictures
 from benchmarks.rivals.comparisons import METHODS, Comparisons, Measured, Result, code_hashes
 from tqdm import tqdm
 
@@ -149,7 +149,7 @@ def draw(path: Path, comparisons: Comparisons, materials: list[Measured], result
         for i, (light, pair) in enumerate(zip(comparisons.environments, pairs, strict=True)):
             original, encoded = (metrics.shown(picture) for picture in pair)
             difference = np.clip(BRIGHTER * np.abs(encoded - original), 0, 1)
-            psnr = metrics.compare(*pair[::-1], sphere.mask(), flip=False).psnr
+            psnr = pictures.compare(*pair[::-1], sphere.mask(), flip=False).psnr
             titles = (
                 f"original, {light.name}",
                 f"refined, {psnr:.1f} dB",
@@ -192,7 +192,7 @@ def _cells(result: Result) -> str:
 
 
 def _mean(results: list[Result]) -> Result:
-    looks = metrics.Comparison.mean([r.look for r in results])
+    looks = pictures.Comparison.mean([r.look for r in results])
     return Result(
         looks,
         float(np.mean([r.error for r in results])),

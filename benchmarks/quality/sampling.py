@@ -6,9 +6,9 @@ variation is the relative noise of a picture under a uniform sky at one sample p
 three proposals:
 
 - the networks' own;
-- the one of Fan et al. 2022 (`urushi.fan2022.proxy`), a Gaussian on the projected half vector and a
-  cosine lobe, both independent of wi; its width and share are the best for each material, in place
-  of a network's;
+- the one of Fan et al. 2022 (`urushi.fan2022.inference`), a Gaussian on the projected half vector
+  and a cosine lobe, both independent of wi; its width and share are the best for each material, in
+  place of a network's;
 - a cosine lobe.
 
 All figures use the same directions, drawn from the networks' proposal: the second moment of
@@ -23,7 +23,7 @@ import numpy as np
 from tqdm import tqdm
 
 from urushi.eval import benchmark, predict
-from urushi.fan2022.proxy import MIN_SHARE, MIN_SIGMA, GaussianMixture
+from urushi.fan2022.inference import MIN_SHARE, MIN_SIGMA, GaussianMixture
 from urushi.material import Material
 from urushi.nets import weights
 from urushi.nets.weights import Model

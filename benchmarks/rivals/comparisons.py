@@ -11,12 +11,12 @@ from types import ModuleType
 from typing import Any
 
 import numpy as np
+from benchmarks.quality import pictures
 from benchmarks.rivals import ggx_fit, nbrdf
 
 import urushi
 from urushi.core import direction_sets, error_metrics
 from urushi.eval import metrics, sphere
-from urushi.eval.metrics import Comparison
 from urushi.eval.sphere import Environment
 from urushi.files import atomic_write
 from urushi.material import energy, fit, table
@@ -95,7 +95,7 @@ class Result:
         seconds: CPU time to encode, fit or train [s].
     """
 
-    look: Comparison
+    look: pictures.Comparison
     error: float
     seconds: float
 
@@ -133,7 +133,7 @@ class Comparisons:
         """A stored result."""
         content = json.loads(self.file(material, name).read_text())
         error, seconds = content.pop("E"), content.pop("seconds")
-        return Result(Comparison(**content), error, seconds)
+        return Result(pictures.Comparison(**content), error, seconds)
 
     def file(self, material: Measured, name: str) -> Path:
         """The file of a result; its name has a hash of everything that the result depends on."""
@@ -172,11 +172,11 @@ class Reference:
         self._wi, self._wo = direction_sets.cosine_pairs(np.random.default_rng(1), PAIRS)
         self._values = truth.f(self._wi, self._wo)
 
-    def look(self, f: Brdf) -> Comparison:
+    def look(self, f: Brdf) -> pictures.Comparison:
         """Errors of the pictures of spheres, means over environments."""
-        pictures = sphere.render(f, self._environments)
-        both = zip(pictures, self._pictures, strict=True)
-        return Comparison.mean([metrics.compare(*pair, sphere.mask()) for pair in both])
+        found = sphere.render(f, self._environments)
+        both = zip(found, self._pictures, strict=True)
+        return pictures.Comparison.mean([pictures.compare(*pair, sphere.mask()) for pair in both])
 
     def error(self, f: Brdf) -> float:
         """E, the mean over channels."""

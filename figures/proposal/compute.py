@@ -19,7 +19,7 @@ import urushi
 from figures import results
 from urushi.eval import metrics, sphere
 from urushi.eval.sphere import AZIMUTHS, ELEVATIONS, Environment
-from urushi.fan2022.proxy import GaussianMixture
+from urushi.fan2022.inference import GaussianMixture
 from urushi.material import Material
 from urushi.nets.weights import default_model
 

@@ -14,7 +14,7 @@ from pathlib import Path
 
 import mitsuba as mi
 import numpy as np
-from benchmarks.quality import equal_time
+from benchmarks.quality import equal_time, pictures
 from benchmarks.quality.converged import REFERENCE, Picture, converged
 from benchmarks.scenes import BOTH, OWN, POINT, TEXTURED, processor
 
@@ -101,17 +101,17 @@ def part(
     if case.equal_time:
         speed = relative_time(methods, reference, seconds)
         counts = {"walk": COUNT, "networks": max(1, round(COUNT / speed))}
-    pictures = {"reference": reference.image}
+    images = {"reference": reference.image}
     for method, count in counts.items():
         picture = mi.render(methods[method].scene, spp=count, seed=SEEDS[method])
-        pictures[method] = np.array(picture, np.float64)
-    results.write_pictures(folder / f"{name}.npz", pictures)
+        images[method] = np.array(picture, np.float64)
+    results.write_pictures(folder / f"{name}.npz", images)
     variance = metrics.halves_variance(reference.first, reference.second)
     found = {}
     for method, count in counts.items():
-        error = metrics.relative_mse(pictures[method], reference.image, variance=variance)
-        shown = (metrics.shown(image) for image in (pictures[method], reference.image))
-        flip = float(metrics.flip_map(*shown).mean())
+        error = metrics.relative_mse(images[method], reference.image, variance=variance)
+        shown = (metrics.shown(image) for image in (images[method], reference.image))
+        flip = float(pictures.flip_map(*shown).mean())
         found[method] = {"samples": count, "relative_mse": error, "flip": flip}
     return found
 

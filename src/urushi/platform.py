@@ -276,8 +276,8 @@ EXTRAS = {
     ),
     "eval": (
         Package("matplotlib", "matplotlib", "plots"),
-        Package("scikit-image", "skimage", "structural similarity of pictures"),
-        Package("flip-evaluator", "flip_evaluator", "FLIP, perceived difference", required=False),
+        Package("scikit-image", "skimage", "SSIM of the benchmarks", required=False),
+        Package("flip-evaluator", "flip_evaluator", "FLIP of the benchmarks", required=False),
         Package("scipy", "scipy", "fits and statistical tests of the benchmarks", required=False),
     ),
 }

@@ -25,8 +25,8 @@ def test_optional_packages_are_listed_with_their_purpose(monkeypatch):
     """A missing required package is a note with the cure, a missing optional one is only listed."""
     monkeypatch.setattr(doctor, "_version", lambda name: None)
     findings = {finding.name: finding for finding in doctor._extras()}
-    required = findings["extra eval: scikit-image"]
-    assert required.found == "missing (structural similarity of pictures)"
+    required = findings["extra eval: matplotlib"]
+    assert required.found == "missing (plots)"
     assert "pip install 'urushi[eval]'" in required.problem and not required.essential
     assert findings["extra eval: flip-evaluator"].problem is None
 

@@ -148,7 +148,7 @@ def test_averaging_is_reported(tmp_path, capsys):
     assert f"urushi: {scene}: the BRDF is anisotropic" in capsys.readouterr().err
 
 
-@pytest.mark.parametrize("package", ["matplotlib", "skimage"])
+@pytest.mark.parametrize("package", ["matplotlib"])
 def test_a_report_without_its_packages_is_refused_before_the_work(
     package, tmp_path, monkeypatch, capsys
 ):

@@ -16,7 +16,6 @@ from urushi.nets.weights import Model
 from urushi.walk import coat, conductor, diffuse, simulate
 from urushi.walk.simulate import albedo
 
-pytest.importorskip("skimage")
 pytestmark = pytest.mark.usefixtures("small_spheres")
 ARCH = Architecture(decoder=(8,), encoder=(16,), layerer=(16,), sampler=(8,), probes=48)
 

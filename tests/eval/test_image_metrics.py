@@ -5,9 +5,10 @@ from importlib.util import find_spec
 
 import numpy as np
 import pytest
+from benchmarks.quality.pictures import Comparison, compare, ssim_map
 
 from urushi.errors import ParameterError, PlatformError
-from urushi.eval.metrics import BEST_PSNR, Comparison, compare, shown, srgb, ssim_map
+from urushi.eval.metrics import BEST_PSNR, shown, srgb
 
 #: flip-evaluator has no wheels for some platforms.
 FLIP = find_spec("flip_evaluator") is not None

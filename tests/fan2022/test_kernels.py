@@ -6,9 +6,9 @@ import pytest
 import urushi
 from urushi import fan2022
 from urushi.errors import ParameterError
-from urushi.fan2022 import Material, PaperNetworks, blocks, load, networks
+from urushi.fan2022 import Material, PaperNetworks, architecture, load, networks
 from urushi.fan2022.architecture import PaperArchitecture, init
-from urushi.fan2022.proxy import proxy
+from urushi.fan2022.inference import proxy
 
 
 @pytest.fixture(scope="module")
@@ -27,13 +27,15 @@ def test_blocks_agree_with_numpy(rgb):
 
     from urushi.fan2022.kernels import _bound, _chained
 
-    chain = (*blocks.fc("a", 6, 8), *blocks.rb("b", 8), blocks.Linear("c", 8, 2))
+    chain = (*architecture.fc("a", 6, 8), *architecture.rb("b", 8), architecture.Linear("c", 8, 2))
     rng = np.random.default_rng(6)
-    params = {k: rng.normal(size=s).astype(np.float32) for k, s in blocks.shapes(chain).items()}
+    params = {
+        k: rng.normal(size=s).astype(np.float32) for k, s in architecture.shapes(chain).items()
+    }
     x = rng.normal(size=(100, 6)).astype(np.float32)
     ours = _chained(_bound(params, chain), nn.CoopVec(*(rgb.Float(column) for column in x.T)))
     ours = np.stack([value.numpy() for value in ours], axis=-1)
-    expected = blocks.apply(params, chain, x)
+    expected = architecture.apply(params, chain, x)
     np.testing.assert_allclose(ours, expected, atol=1e-5 * np.abs(expected).max())
 
 

@@ -8,8 +8,7 @@ import pytest
 from urushi.errors import ParameterError
 from urushi.fan2022 import PaperNetworks, architecture, inference
 from urushi.fan2022.architecture import PaperArchitecture, init
-from urushi.fan2022.inference import direction_inputs, evaluate, value_and_gradient
-from urushi.fan2022.proxy import proxy
+from urushi.fan2022.inference import direction_inputs, evaluate, proxy, value_and_gradient
 
 
 @pytest.fixture(scope="module")

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from urushi.fan2022.architecture import init
-from urushi.fan2022.proxy import MIN_SHARE, MIN_SIGMA, GaussianMixture, proxy
+from urushi.fan2022.inference import MIN_SHARE, MIN_SIGMA, GaussianMixture, proxy
 
 
 def direction(degrees: float) -> np.ndarray:

@@ -26,11 +26,10 @@ from tests.fan2022.torch_writer import (
 
 from urushi.app import cli
 from urushi.errors import FileError
-from urushi.fan2022 import Material, PaperNetworks, blocks, published
-from urushi.fan2022.architecture import EVALUATION, LAYERING, AdamProjection, init
-from urushi.fan2022.blocks import Linear
+from urushi.fan2022 import Material, PaperNetworks, architecture, published
+from urushi.fan2022.architecture import EVALUATION, LAYERING, AdamProjection, Linear, init
 from urushi.fan2022.inference import direction_inputs, evaluate, layer
-from urushi.fan2022.torch_file import MAX_PICKLE, TorchFile
+from urushi.fan2022.published import MAX_PICKLE, TorchFile
 
 
 @pytest.fixture(scope="module")
@@ -66,7 +65,7 @@ def files(params, tmp_path_factory):
 def theirs(params, top, bottom, albedo, sigma_t):
     """`layering.py` of the authors: layerer(input - 1) + 1, albedo and sigma_t plus 1 before."""
     x = np.concatenate([top, bottom, albedo[:, None] + 1, sigma_t[:, None] + 1], axis=1)
-    return blocks.apply(params, LAYERING, x - 1) + 1
+    return architecture.apply(params, LAYERING, x - 1) + 1
 
 
 def test_networks_keep_their_values(params, files, pairs):
@@ -467,7 +466,7 @@ def test_bombs_are_refused_in_little_memory(tmp_path):
     code = (
         "import resource, sys\n"
         "from urushi.errors import FileError\n"
-        "from urushi.fan2022.torch_file import TorchFile\n"
+        "from urushi.fan2022.published import TorchFile\n"
         "before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss\n"
         "for path in sys.argv[1:]:\n"
         "    try: TorchFile(path)\n"

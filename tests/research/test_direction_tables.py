@@ -4,11 +4,11 @@ import json
 
 import numpy as np
 import pytest
+from benchmarks.quality import pictures
 from research import direction_tables
 
 import urushi
 from urushi.errors import FileError, ParameterError
-from urushi.eval import metrics
 from urushi.nets import weights
 from urushi.nets.architecture import Architecture, init
 from urushi.walk import simulate
@@ -108,7 +108,7 @@ def test_bad_sizes():
 
 def test_table_errors_by_hand():
     table, reference = [1.0, 0.0, 0.0, 3.0], [3.0, 0.0, 2.0, 3.0]
-    assert metrics.mae(table, reference) == pytest.approx(1.0)
+    assert pictures.mae(table, reference) == pytest.approx(1.0)
     # 2 * 2 / 4 = 1 for the first, 2 for the third, which are as far apart as can be.
     assert direction_tables.smape(table, reference) == pytest.approx((1 + 0 + 2 + 0) / 4)
     assert direction_tables.smape(reference, table) == direction_tables.smape(table, reference)

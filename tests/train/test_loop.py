@@ -18,7 +18,7 @@ from urushi.nets.decoder import decode
 from urushi.nets.encoder import encode
 from urushi.nets.features import direction_features
 from urushi.nets.layerer import layer
-from urushi.train import presets, validation
+from urushi.train import presets, training
 from urushi.train.checkpoint import Checkpoint, Journal
 from urushi.train.data.store import Store
 from urushi.train.optimiser import Schedule
@@ -135,8 +135,8 @@ def test_the_header_states_the_origin_of_the_weights(uninterrupted, tiny, tiny_d
 def test_validation_measures_the_exported_weights(uninterrupted, tiny, tiny_data):
     model = uninterrupted[0]
     store = Store.open(tiny_data)
-    checks = validation.load(store, tiny.arch)
-    figures = validation.measure(model.params, tiny.arch, checks)
+    checks = training.load_checks(store, tiny.arch)
+    figures = training.measure(model.params, tiny.arch, checks)
     values = []
     for check, part in zip(checks, store.spec.parts[4:6], strict=True):
         wi, wo = (store.read(part)[name] for name in ("wi", "wo"))

@@ -21,6 +21,7 @@ from urushi.export.expressions import (
     vector,
 )
 from urushi.export.languages import LANGUAGES
+from urushi.export.lobe import FIELDS, X_AXIS, Tangent
 from urushi.export.proposal import SAMPLE, WI, WIDTHS, WO, U, argument
 from urushi.export.statements import (
     Function,
@@ -31,7 +32,6 @@ from urushi.export.statements import (
     element,
     member,
 )
-from urushi.export.tangent import FIELDS, X_AXIS, Tangent
 from urushi.export.texels import Texels, texel_function
 from urushi.nets.lobe import WIDTH_PLACES
 from urushi.nets.weights import Model

@@ -1,16 +1,23 @@
-"""The paper's evaluation and layering networks: codes and directions to f, coats to codes.
+"""The paper's networks evaluated: codes and directions to f, coats to codes, codes to proposals.
 
 Unlike Urushi's decoder, the evaluation network takes the coordinates of the directions. It is not
 reciprocal, it is isotropic only as far as it has learnt to be, and its output may be negative.
+
+The sampling proposal is a Gaussian on the projected half vector and a cosine lobe. A small network
+predicts the Gaussian's width and share from a material's code; neither depends on the direction
+(Fan et al. 2022, supplement). The supplement does not define how the outputs become a width and a
+share, nor how directions below the horizon are treated. Here the Gaussian is cut off at the unit
+disk, and directions below the horizon are mirrored up, so that the density is exactly normalised.
 """
 
-from typing import Any
+import math
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from urushi.fan2022 import blocks
+from urushi.fan2022 import architecture
 from urushi.fan2022.architecture import DIRECTIONS, EVALUATION, LAYERING
-from urushi.nets.mlp import Params, product, split_linear
+from urushi.nets.mlp import Params, mlp, product, split_linear
 
 #: The first layer; its product with the code is shared by all directions.
 _FIRST = "evaluation.0"
@@ -32,7 +39,7 @@ def evaluate(params: Params, z: Any, directions: Any) -> Any:
     z (..., 32) and `direction_inputs` (..., 6) broadcast against each other.
     """
     first = split_linear(params, _FIRST, directions, z)
-    return blocks.apply(params, EVALUATION[1:], first)[..., 0]
+    return architecture.apply(params, EVALUATION[1:], first)[..., 0]
 
 
 def value_and_gradient(params: Params, z: Any, directions: Any) -> tuple[Any, Any]:
@@ -42,7 +49,7 @@ def value_and_gradient(params: Params, z: Any, directions: Any) -> tuple[Any, An
     """
     first = split_linear(params, _FIRST, directions, z)
     xp = first.__array_namespace__()
-    y, pull = blocks.pulled_back(params, EVALUATION[1:], first)
+    y, pull = architecture.pulled_back(params, EVALUATION[1:], first)
     weight = params[f"{_FIRST}.weight"][DIRECTIONS:, :]
     return y[..., 0], product(pull(xp.ones_like(y)), weight.T)
 
@@ -58,7 +65,7 @@ def layer(params: Params, z_top: Any, z_bottom: Any, albedo: Any, sigma_t: Any) 
     parts = [z_top - 1, z_bottom - 1, medium]
     shape = np.broadcast_shapes(*(part.shape[:-1] for part in parts))
     x = xp.concat([xp.broadcast_to(p, (*shape, p.shape[-1])) for p in parts], axis=-1)
-    return blocks.apply(params, LAYERING, x) + 1
+    return architecture.apply(params, LAYERING, x) + 1
 
 
 def isotropic(albedo: Any, sigma_t: Any, g: Any) -> tuple[Any, Any]:
@@ -68,3 +75,73 @@ def isotropic(albedo: Any, sigma_t: Any, g: Any) -> tuple[Any, Any]:
     """
     reduced = 1 - albedo * g
     return albedo * (1 - g) / reduced, sigma_t * reduced
+
+
+#: Least width sigma (the greatest is 1), and least share of either lobe.
+MIN_SIGMA, MIN_SHARE = 0.005, 0.02
+
+
+class GaussianMixture(NamedTuple):
+    """The proposal: the Gaussian's width sigma (...) and its share (...) of all samples."""
+
+    sigma: Any
+    share: Any
+
+    def pdf(self, wi: Any, wo: Any) -> Any:
+        """Density (...) of `sample` at wo [1/sr]; 0 where either is below the horizon."""
+        xp = wi.__array_namespace__()
+        cos_i, cos_o = wi[..., 2], wo[..., 2]
+        x, y = wi[..., 0] + wo[..., 0], wi[..., 1] + wo[..., 1]
+        across = x * x + y * y  # the same for wo's mirror image
+        gaussian = sum(
+            reflected_density(self.sigma, across, up) for up in (cos_i + cos_o, cos_i - cos_o)
+        )
+        density = self.share * gaussian + (1 - self.share) * (cos_o / math.pi)
+        return xp.where((cos_i > 0) & (cos_o > 0), density, 0.0)
+
+    def sample(self, wi: Any, u: Any) -> Any:
+        """Directions wo (..., 3) from uniform numbers u (..., 3); the first chooses the lobe."""
+        xp = wi.__array_namespace__()
+        choice, u1, phi = u[..., 0], u[..., 1], (2 * math.pi) * u[..., 2]
+        variance2 = 2 * self.sigma * self.sigma
+        mass_inside = 1 - xp.exp(-1 / variance2)
+        squared = xp.clip(-variance2 * xp.log(1 - u1 * mass_inside), 0.0, 1.0)
+        radius, hz = xp.sqrt(squared), xp.sqrt(1 - squared)
+        hx, hy = radius * xp.cos(phi), radius * xp.sin(phi)
+        twice = 2 * (wi[..., 0] * hx + wi[..., 1] * hy + wi[..., 2] * hz)
+        gaussian = (
+            twice * hx - wi[..., 0], twice * hy - wi[..., 1], xp.abs(twice * hz - wi[..., 2])
+        )  # fmt: skip
+        disk = xp.sqrt(u1)
+        cosine = disk * xp.cos(phi), disk * xp.sin(phi), xp.sqrt(1 - u1)
+        chosen = choice < self.share
+        wo = [xp.where(chosen, a, b) for a, b in zip(gaussian, cosine, strict=True)]
+        return xp.stack(xp.broadcast_arrays(*wo), axis=-1)
+
+
+def proxy(params: Params, z: Any) -> GaussianMixture:
+    """Return the proposal of codes z (..., 32)."""
+    output = mlp(params, "proxy", z, "relu")
+    xp = output.__array_namespace__()
+    logistic = 0.5 - 0.5 * xp.tanh(0.5 * output)  # cannot overflow
+    sigma = xp.exp(math.log(MIN_SIGMA) * logistic[..., 0])
+    return GaussianMixture(sigma, MIN_SHARE + (1 - 2 * MIN_SHARE) * logistic[..., 1])
+
+
+def disk_density(sigma: Any, squared: Any) -> Any:
+    """Density of the Gaussian at a projected half vector of squared length `squared`, in [0, 1]."""
+    xp = sigma.__array_namespace__()
+    variance2 = 2 * sigma * sigma
+    mass_inside = 1 - xp.exp(-1 / variance2)
+    return xp.exp(-squared / variance2) / (math.pi * variance2 * mass_inside)
+
+
+def reflected_density(sigma: Any, across: Any, up: Any) -> Any:
+    """Density [1/sr] of wi reflected about the Gaussian's half vectors, from wi + wo = (x, y, up).
+
+    across = x^2 + y^2. The Jacobian of the projection on the disk is the half vector's cosine; that
+    of the reflection is 4 wi.h, twice the length of wi + wo for unit vectors.
+    """
+    xp = across.__array_namespace__()
+    squared = xp.maximum(across + up * up, 1e-12)
+    return disk_density(sigma, across / squared) * xp.abs(up) / (2 * squared)

@@ -15,9 +15,8 @@ import numpy as np
 from drjit import nn
 
 from urushi.core.frame import square_to_cosine_hemisphere
-from urushi.fan2022.architecture import EVALUATION, PROXY
-from urushi.fan2022.blocks import EPSILON, Block, Linear, Norm
-from urushi.fan2022.proxy import MIN_SHARE, MIN_SIGMA
+from urushi.fan2022.architecture import EPSILON, EVALUATION, PROXY, Block, Linear, Norm
+from urushi.fan2022.inference import MIN_SHARE, MIN_SIGMA
 from urushi.mitsuba.networks import mlp
 from urushi.nets.mlp import Params
 

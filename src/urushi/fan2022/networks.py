@@ -16,9 +16,15 @@ from urushi.core.probe_pairs import probe_pairs
 from urushi.errors import ParameterError
 from urushi.fan2022 import adam
 from urushi.fan2022.architecture import LATENT, PaperArchitecture, parameter_shapes
-from urushi.fan2022.inference import direction_inputs, evaluate, isotropic, layer
+from urushi.fan2022.inference import (
+    GaussianMixture,
+    direction_inputs,
+    evaluate,
+    isotropic,
+    layer,
+    proxy,
+)
 from urushi.fan2022.projection import project
-from urushi.fan2022.proxy import GaussianMixture, proxy
 from urushi.nets import weights
 from urushi.nets.mlp import Params
 from urushi.parallel import fill_blocks, run_all_cores

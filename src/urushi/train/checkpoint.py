@@ -1,7 +1,6 @@
 """Checkpoints and the run folder: the state of a stage in one file, and a log of JSON lines."""
 
 import json
-import os
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -35,62 +34,6 @@ class Checkpoint:
     seconds: float
     state: Any
     networks: dict[str, Any]
-
-
-def save(
-    path: str | os.PathLike, point: Checkpoint, identity: Mapping[str, Any], data_seconds: float
-) -> None:
-    """Write a checkpoint, so that readers find either the old file or the new one.
-
-    Args:
-        path: the file.
-        point: the state.
-        identity: JSON values that describe preset and data; `load` requires the same.
-        data_seconds: time spent on the data so far.
-    """
-    description = {
-        "version": FORMAT_VERSION,
-        "stage": point.stage,
-        "step": point.step,
-        "seconds": point.seconds,
-        "data_seconds": data_seconds,
-        "identity": dict(identity),
-    }
-    arrays = {name: np.asarray(leaf) for name, leaf in _named_leaves(point)}
-    files.write_tensors(path, "checkpoint", description, arrays)
-
-
-def load(
-    path: Path, like: Mapping[str, Checkpoint], identity: Mapping[str, Any]
-) -> tuple[Checkpoint, float]:
-    """Read a checkpoint, and the seconds spent on the data.
-
-    Args:
-        path: the file.
-        like: each stage's first checkpoint, for the structure and the shapes.
-        identity: the preset and data that the checkpoint must belong to.
-
-    Raises:
-        FileError: the file is missing, truncated, foreign, or of another training.
-    """
-    description, arrays = files.read_tensors(path, "checkpoint")
-    if description.get("version") != FORMAT_VERSION or description.get("identity") != identity:
-        raise FileError(
-            f"'{path}' is a checkpoint of another preset, data or version; "
-            "delete it, or choose another run folder"
-        )
-    beginning = like[description["stage"]]
-    expected = _named_leaves(beginning)
-    sizes = {name: leaf.size for name, leaf in expected}  # in a file, scalars are arrays of one
-    if {name: array.size for name, array in arrays.items()} != sizes:
-        raise FileError(f"'{path}' does not have the arrays that its preset needs; delete it")
-    structure = jax.tree.structure((beginning.state, beginning.networks))
-    leaves = [jnp.asarray(arrays[name].reshape(leaf.shape)) for name, leaf in expected]
-    state, networks = jax.tree.unflatten(structure, leaves)
-    point = Checkpoint(
-        description["stage"], description["step"], description["seconds"], state, networks
-    )
-    return point, description["data_seconds"]
 
 
 def _named_leaves(point: Checkpoint) -> list[tuple[str, Any]]:
@@ -132,11 +75,33 @@ class Journal:
         self._log.unlink(missing_ok=True)
 
     def restore(self, beginnings: Mapping[str, Checkpoint]) -> Checkpoint | None:
-        """The last checkpoint, or None; later lines of the log are removed."""
+        """The last checkpoint, or None; later lines of the log are removed.
+
+        beginnings: each stage's first checkpoint, for the structure and the shapes.
+
+        Raises:
+            FileError: the file is truncated, foreign, or of another training.
+        """
         if not self.begun():
             return None
-        point, earlier = load(self._checkpoint, beginnings, self._identity)
-        self.data_seconds += earlier
+        path = self._checkpoint
+        description, arrays = files.read_tensors(path, "checkpoint")
+        found = description.get("version"), description.get("identity")
+        if found != (FORMAT_VERSION, self._identity):
+            raise FileError(
+                f"'{path}' is a checkpoint of another preset, data or version; "
+                "delete it, or choose another run folder"
+            )
+        beginning = beginnings[description["stage"]]
+        expected = _named_leaves(beginning)
+        sizes = {name: leaf.size for name, leaf in expected}  # in a file, scalars are arrays of one
+        if {name: array.size for name, array in arrays.items()} != sizes:
+            raise FileError(f"'{path}' does not have the arrays that its preset needs; delete it")
+        structure = jax.tree.structure((beginning.state, beginning.networks))
+        leaves = [jnp.asarray(arrays[name].reshape(leaf.shape)) for name, leaf in expected]
+        numbers = (description[name] for name in ("stage", "step", "seconds"))
+        point = Checkpoint(*numbers, *jax.tree.unflatten(structure, leaves))
+        self.data_seconds += description["data_seconds"]
         if self._log.exists():
             lines = self._log.read_text().splitlines(keepends=True)
             with atomic_write(self._log) as path:
@@ -146,7 +111,17 @@ class Journal:
         return point
 
     def save(self, point: Checkpoint) -> None:
-        save(self._checkpoint, point, self._identity, self.data_seconds)
+        """Replace the checkpoint, so that readers find either the old one or the new one."""
+        description = {
+            "version": FORMAT_VERSION,
+            "stage": point.stage,
+            "step": point.step,
+            "seconds": point.seconds,
+            "data_seconds": self.data_seconds,
+            "identity": dict(self._identity),
+        }
+        arrays = {name: np.asarray(leaf) for name, leaf in _named_leaves(point)}
+        files.write_tensors(self._checkpoint, "checkpoint", description, arrays)
 
     def log(self, point: Checkpoint, figures: Mapping[str, float]) -> None:
         """Append a line for the steps up to `point`."""

@@ -5,7 +5,7 @@ import os
 import platform
 import time
 from collections.abc import Callable
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import partial
 from importlib.metadata import version
 from pathlib import Path
@@ -14,26 +14,45 @@ from typing import Any
 import numpy as np
 from tqdm import tqdm
 
+from urushi.checks import CoatParameters
+from urushi.core import error_metrics
 from urushi.errors import FileError
 from urushi.files import new_folder
+from urushi.nets import lobe as lobes
 from urushi.nets import weights
 from urushi.nets.architecture import Architecture, init
-from urushi.nets.encoder import input_statistics
+from urushi.nets.decoder import decode
+from urushi.nets.encoder import encode, input_statistics
+from urushi.nets.features import direction_features
+from urushi.nets.layerer import layer
 from urushi.nets.mlp import Params
 from urushi.platform import available_cores
-from urushi.train import examples, presets, validation
+from urushi.train import examples, presets
 from urushi.train.checkpoint import Checkpoint, Journal
-from urushi.train.data.generate import generate
-from urushi.train.data.store import Store
-from urushi.train.examples import Depth
+from urushi.train.data.store import Store, generate
+from urushi.train.examples import METRICS, Depth, coats_to_layer, encoder_inputs, top_lobes
 from urushi.train.optimiser import TrainState, start
 from urushi.train.presets import Preset
 from urushi.train.stages.stage import Learner, Stage, parameters_of
-from urushi.train.validation import Check
 from urushi.version import __version__
 
 #: Default folder of data, checkpoints, logs and weights.
 RUNS = Path("runs")
+
+
+@dataclass(frozen=True)
+class Check:
+    """One validation part in memory: the arrays of `examples.Examples`, and the pairs' cosines."""
+
+    metric: str
+    lobes: np.ndarray
+    probes: np.ndarray
+    coats: np.ndarray
+    features: np.ndarray
+    top: np.ndarray
+    f: np.ndarray
+    cos_i: np.ndarray
+    cos_o: np.ndarray
 
 
 def train(
@@ -73,7 +92,7 @@ def train(
     store = generate(preset.data, data if data is not None else folder / "data.zarr")
     generated = time.monotonic() - began
     depths = examples.load(store, preset.arch, preset.pairs, preset.memory)
-    checks = validation.load(store, preset.arch)
+    checks = load_checks(store, preset.arch)
     origin = identity(preset, store)
     journal = Journal(folder, origin, names, generated)
 
@@ -96,7 +115,7 @@ def train(
             point = begin(preset, index + 1, params, point.seconds)
             journal.save(point)
 
-    metrics = validation.measure(params, preset.arch, checks)
+    metrics = measure(params, preset.arch, checks)
     for stage in stages:
         metrics |= stage.measure(params, preset.arch, depths, preset.seed)
     cost = {
@@ -182,7 +201,7 @@ def figures(
     params: Params, arch: Architecture, checks: list[Check], state: TrainState
 ) -> dict[str, float]:
     """Validation errors of `params`, with the averages of those that are learning."""
-    return validation.measure({**params, **state.average}, arch, checks)
+    return measure({**params, **state.average}, arch, checks)
 
 
 def advance(
@@ -210,3 +229,45 @@ def advance(
                 journal.log(point, logged)
                 journal.save(point)
     return replace(point, seconds=spent + time.monotonic() - clock)
+
+
+def load_checks(store: Store, arch: Architecture) -> list[Check]:
+    """Read the validation parts of a store."""
+    checks = []
+    for part in store.spec.parts:
+        if part.directions not in METRICS:
+            continue
+        arrays = store.read(part)
+        wi, wo = arrays["wi"], arrays["wo"]
+        own, rest = encoder_inputs(part, arrays, arch)
+        checks.append(
+            Check(
+                metric=METRICS[part.directions],
+                lobes=own,
+                probes=rest,
+                coats=coats_to_layer(part, arrays),
+                features=direction_features(wi, wo, arch.widths),
+                top=lobes.f(top_lobes(part, arrays, arch)[:, None], wi, wo),
+                f=arrays["f"],
+                cos_i=wi[..., 2],
+                cos_o=wo[..., 2],
+            )
+        )
+    return checks
+
+
+def measure(params: Params, arch: Architecture, checks: list[Check]) -> dict[str, float]:
+    """E mean and P median, as fractions; they include the noise of the reference."""
+    host: dict[str, Any] = {name: np.asarray(value) for name, value in params.items()}
+    figures = {}
+    for check in checks:
+        z = np.concatenate([check.lobes, encode(host, arch, check.probes)], axis=-1)
+        for coat in np.moveaxis(check.coats, 1, 0)[::-1]:  # the lowest first
+            z = layer(host, arch, z, CoatParameters.of_columns(coat.T))
+        f_hat = check.top + decode(host, arch, z[:, None, arch.lobe :], check.features)
+        if check.metric == "E mean":
+            errors = error_metrics.stack_error(f_hat, check.f, check.cos_i, check.cos_o)
+            figures[check.metric] = float(errors.mean())
+        else:
+            figures[check.metric] = float(np.median(error_metrics.pair_error(f_hat, check.f)))
+    return figures

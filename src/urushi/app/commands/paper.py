@@ -85,8 +85,7 @@ class Tensors:
     """File of PyTorch (.pth)."""
 
     def run(self) -> int:
-        from urushi.fan2022.published import state_dict
-        from urushi.fan2022.torch_file import TorchFile
+        from urushi.fan2022.published import TorchFile, state_dict
 
         for name, tensor in state_dict(TorchFile(self.file)).items():
             print(f"{name}  {' × '.join(map(str, tensor.shape)) or 'scalar'}")

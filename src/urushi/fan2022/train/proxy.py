@@ -9,9 +9,8 @@ import numpy as np
 import optax
 
 from urushi.fan2022.architecture import PaperArchitecture, init
-from urushi.fan2022.inference import direction_inputs, evaluate, layer
+from urushi.fan2022.inference import direction_inputs, evaluate, layer, proxy
 from urushi.fan2022.networks import PaperNetworks
-from urushi.fan2022.proxy import proxy
 from urushi.fan2022.published import cosine_proxy
 from urushi.fan2022.train.preset import Palette
 from urushi.nets.mlp import Params
