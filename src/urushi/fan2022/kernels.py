@@ -51,7 +51,7 @@ def _stored(x: nn.CoopVec) -> nn.CoopVec:
 
 
 class NormKernel:
-    """Layer normalisation and ReLU, equal to `fan2022.blocks.Norm`."""
+    """Layer normalisation and ReLU, equal to `fan2022.architecture.Norm`."""
 
     def __init__(self, params: Mapping[str, np.ndarray], name: str):
         scale, shift = params[f"{name}.scale"], params[f"{name}.shift"]
@@ -134,7 +134,7 @@ def _chained(steps: Sequence[Callable], x: nn.CoopVec) -> nn.CoopVec:
 
 
 class Gaussian(NamedTuple):
-    """The proposal of `fan2022.proxy.GaussianMixture`, with Dr.Jit floats."""
+    """The proposal of `fan2022.inference.GaussianMixture`, with Dr.Jit floats."""
 
     sigma: Any
     share: Any

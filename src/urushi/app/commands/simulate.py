@@ -1,5 +1,6 @@
 """`urushi simulate`: BRDF values and albedos of a described material by the reference walk."""
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any
@@ -50,16 +51,35 @@ class Simulate:
     """NPZ file to write the numbers to. Default: print them."""
 
     def run(self) -> int:
+        import urushi
         from urushi.app.describe import describe
+        from urushi.walk import analytic
+        from urushi.walk.simulate import albedo
 
-        description = describe(self.description)
+        described = describe(self.description)
+        options: dict[str, Any] = {"walks": self.walks, "seed": self.seed}
+        layered = isinstance(described, urushi.Stack)
         if self.albedo:
+            if not layered:
+                raise ParameterError("--albedo needs a stack; describe one by coat(...)")
             wi = self._turned(_polar(np.array(INCIDENCE_DEGREES, float)))
-            albedo, se = evaluate_albedo(description, wi, walks=self.walks, seed=self.seed)
-            return self._print_or_save(albedo_table(albedo, se), wi=wi, albedo=albedo, se=se)
+            found, se = albedo(described, wi, **options)
+            text = table("directional albedo ± standard error", INCIDENCE_DEGREES, found, se)
+            return self._print_or_save(text, wi=wi, albedo=found, se=se)
         wi, wo = self._plane() if self.pairs is None else read_arrays(self.pairs, "wi", "wo")
-        f, se = evaluate(description, wi, wo, walks=self.walks, seed=self.seed)
-        text = table(self.incidence, f, se) if self.pairs is None else rows(wi, wo, f, se)
+        if layered:
+            f, se = urushi.simulate(described, wi, wo, **options)
+        else:  # exact
+            f = analytic.f(described, wi, wo)
+            se = np.zeros_like(f)
+        if self.pairs is None:
+            title = (
+                f"f [1/sr] ± standard error for light from {self.incidence:g}°; "
+                "the mirror direction is on the positive side"
+            )
+            text = table(title, POLAR_DEGREES, f, se)
+        else:
+            text = rows(wi, wo, f, se)
         return self._print_or_save(text, wi=wi, wo=wo, f=f, se=se)
 
     def _print_or_save(self, text: str, **arrays: np.ndarray) -> int:
@@ -83,31 +103,6 @@ class Simulate:
         return w if self.azimuth == 0 else rotated(w, self.azimuth / 360.0)
 
 
-def evaluate(
-    description: Any, wi: np.ndarray, wo: np.ndarray, *, walks: int, seed: int
-) -> tuple[np.ndarray, np.ndarray]:
-    """f [1/sr] and its standard error, (N, 3) each; without a coat f is analytic and exact."""
-    import urushi
-    from urushi.walk import analytic
-
-    if isinstance(description, urushi.Stack):
-        return urushi.simulate(description, wi, wo, walks=walks, seed=seed)
-    f = analytic.f(description, wi, wo)
-    return f, np.zeros_like(f)
-
-
-def evaluate_albedo(
-    description: Any, wi: np.ndarray, *, walks: int, seed: int
-) -> tuple[np.ndarray, np.ndarray]:
-    """Directional albedo of a stack and its standard error, (N, 3) each."""
-    import urushi
-    from urushi.walk.simulate import albedo
-
-    if not isinstance(description, urushi.Stack):
-        raise ParameterError("--albedo needs a stack; describe one by coat(...)")
-    return albedo(description, wi, walks=walks, seed=seed)
-
-
 def read_arrays(path: Path, *names: str) -> list[np.ndarray]:
     """Arrays of an NPZ file.
 
@@ -126,23 +121,11 @@ def read_arrays(path: Path, *names: str) -> list[np.ndarray]:
         raise FileError(f"cannot read '{path}': {reason}; write it with numpy.savez") from error
 
 
-def table(incidence: float, f: np.ndarray, se: np.ndarray) -> str:
-    """f in the plane of incidence as text, one polar angle per line."""
-    lines = [
-        f"f [1/sr] ± standard error for light from {incidence:g}°; "
-        "the mirror direction is on the positive side",
-        f"{'angle':>6}  {_HEADS}",
-    ]
-    for angle, values, errors in zip(POLAR_DEGREES, f, se, strict=True):
-        lines.append(f"{angle:>5}°  {_cells(values, errors)}")
-    return "\n".join(lines)
-
-
-def albedo_table(albedo: np.ndarray, se: np.ndarray) -> str:
-    """Albedos as text, one angle of incidence per line."""
-    lines = ["directional albedo ± standard error", f"{'angle':>6}  {_HEADS}"]
-    for angle, values, errors in zip(INCIDENCE_DEGREES, albedo, se, strict=True):
-        lines.append(f"{angle:>5}°  {_cells(values, errors)}")
+def table(title: str, degrees: Iterable[float], values: np.ndarray, se: np.ndarray) -> str:
+    """Values (N, 3) and standard errors as text, one angle per line."""
+    lines = [title, f"{'angle':>6}  {_HEADS}"]
+    for angle, numbers, errors in zip(degrees, values, se, strict=True):
+        lines.append(f"{angle:>5}°  {_cells(numbers, errors)}")
     return "\n".join(lines)
 
 
