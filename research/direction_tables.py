@@ -31,8 +31,7 @@ from urushi import checks, files
 from urushi.errors import FileError, ParameterError
 from urushi.eval import metrics, predict
 from urushi.eval import samples as sampling
-from urushi.eval.groups import Group
-from urushi.eval.samples import Samples
+from urushi.eval.samples import Group, Samples
 from urushi.files import atomic_write, new_folder
 from urushi.nets.weights import Model, Weights, find
 from urushi.train.data.distribution import Table2

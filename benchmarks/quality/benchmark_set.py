@@ -31,8 +31,7 @@ from urushi.eval.benchmark import (
     digest,
     read,
 )
-from urushi.eval.groups import GROUPS, Group
-from urushi.eval.samples import ALBEDO_STACKS, E_PAIRS, Samples
+from urushi.eval.samples import ALBEDO_STACKS, E_PAIRS, GROUPS, Group, Samples
 from urushi.material.source import STACK_WALKS
 from urushi.version import __version__
 from urushi.walk import StackTable, walk_pairs

@@ -26,8 +26,7 @@ from urushi.checks import CoatParameters
 from urushi.core import direction_sets, error_metrics
 from urushi.eval import benchmark, predict
 from urushi.eval import samples as sampling
-from urushi.eval.groups import GROUPS, Group
-from urushi.eval.samples import Samples
+from urushi.eval.samples import GROUPS, Group, Samples
 from urushi.material import Material, fit, layer
 from urushi.material.encode import evaluate_source, material_from_values, required_pairs
 from urushi.material.layer import layer_texels

@@ -17,7 +17,7 @@ from research.rivals import belcour
 import urushi
 from figures import results
 from urushi.eval import predict, samples
-from urushi.eval.groups import Group
+from urushi.eval.samples import Group
 from urushi.nets.weights import default_model
 from urushi.train.data.distribution import Table2
 

@@ -17,7 +17,7 @@ import urushi
 from figures import results
 from figures.simulator_biases.variants import VARIANTS
 from urushi.eval import benchmark, samples
-from urushi.eval.groups import GROUPS
+from urushi.eval.samples import GROUPS
 from urushi.walk.simulate import albedo
 
 FOLDER = Path(__file__).parent

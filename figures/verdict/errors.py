@@ -18,7 +18,7 @@ from figures.verdict.methods import Values
 from urushi import fan2022
 from urushi.core import direction_sets, error_metrics
 from urushi.eval import predict, samples
-from urushi.eval.groups import Group
+from urushi.eval.samples import Group
 from urushi.fan2022 import PaperNetworks
 from urushi.material import table as nodes
 from urushi.nets.weights import default_model

@@ -10,8 +10,8 @@ import pytest
 
 import urushi
 from urushi.app import cli
-from urushi.app.commands.data import Generate, Show
 from urushi.app.commands.paper import Import, PaperEval, Tensors
+from urushi.app.commands.train import Generate, Show
 from urushi.app.doctor import Doctor
 from urushi.errors import ParameterError
 

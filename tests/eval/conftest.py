@@ -3,8 +3,7 @@
 import pytest
 from benchmarks.quality import benchmark_set
 
-from urushi.eval.groups import Group
-from urushi.eval.samples import Samples
+from urushi.eval.samples import Group, Samples
 from urushi.nets import weights
 from urushi.nets.architecture import Architecture, init
 from urushi.train.data.distribution import Extended, Table2

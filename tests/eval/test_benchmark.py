@@ -9,7 +9,7 @@ from benchmarks.quality import benchmark_set
 from urushi.errors import FileError
 from urushi.eval import benchmark
 from urushi.eval import samples as sampling
-from urushi.eval.groups import GROUPS, Group
+from urushi.eval.samples import GROUPS, Group
 from urushi.files import read_tensors, write_tensors
 from urushi.train.data.distribution import Extended
 

@@ -6,8 +6,7 @@ import pytest
 import urushi
 from urushi.eval import physical_laws, predict
 from urushi.eval import samples as sampling
-from urushi.eval.groups import Group
-from urushi.eval.samples import Samples
+from urushi.eval.samples import Group, Samples
 from urushi.material import Material, energy
 from urushi.material.albedo_rule import albedo_rule
 from urushi.material.encode import material_from_values

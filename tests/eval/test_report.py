@@ -9,7 +9,7 @@ from benchmarks.quality import benchmark_set
 from urushi.errors import FileError
 from urushi.eval import benchmark, metrics, physical_laws, report
 from urushi.eval import samples as sampling
-from urushi.eval.groups import Aim, Row
+from urushi.eval.samples import Aim, Row
 from urushi.nets import weights
 from urushi.nets.architecture import FIXED
 

@@ -8,8 +8,7 @@ from urushi.core.probe_pairs import PROBES, probe_pairs
 from urushi.core.quadrature import half_vector_rule
 from urushi.errors import ParameterError
 from urushi.eval import samples as sampling
-from urushi.eval.groups import GROUPS, ROWS, Group
-from urushi.eval.samples import Samples
+from urushi.eval.samples import GROUPS, ROWS, Group, Samples
 from urushi.train.data.distribution import Extended, Table2
 from urushi.walk import coat, conductor
 from urushi.walk.simulate import albedo

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from urushi.eval import benchmark, physical_laws, predict, report
-from urushi.eval.groups import ROWS
+from urushi.eval.samples import ROWS
 from urushi.nets import weights
 
 RESULTS = Path(__file__).resolve().parents[2] / "docs" / "results.md"

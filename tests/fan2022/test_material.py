@@ -8,7 +8,7 @@ import urushi
 from urushi import fan2022
 from urushi.checks import CoatParameters
 from urushi.errors import FileError, ParameterError
-from urushi.eval.groups import Group
+from urushi.eval.samples import Group
 from urushi.fan2022 import Material, PaperNetworks, evaluation, networks
 from urushi.fan2022.architecture import PaperArchitecture, init
 from urushi.nets.weights import default_model, find, shipped_folder

@@ -6,7 +6,7 @@ import pytest
 from urushi.core.error_metrics import DARK_OFFSET, huber_loss
 from urushi.eval import benchmark, predict
 from urushi.eval import samples as sampling
-from urushi.eval.groups import GROUPS
+from urushi.eval.samples import GROUPS
 from urushi.material import Material, encode, energy
 from urushi.material.albedo_rule import albedo_rule
 from urushi.material.encode import evaluate_source, material_from_values

@@ -20,8 +20,7 @@ from urushi.checks import CoatParameters
 from urushi.core.probe_pairs import PROBES
 from urushi.errors import FileError
 from urushi.eval import samples as sampling
-from urushi.eval.groups import GROUPS, Group
-from urushi.eval.samples import Samples
+from urushi.eval.samples import GROUPS, Group, Samples
 from urushi.train.data.distribution import to_dict
 from urushi.walk import StackTable
 from urushi.walk.bottoms import KINDS

@@ -9,8 +9,7 @@ from urushi.checks import CoatParameters
 from urushi.core import error_metrics
 from urushi.eval import predict
 from urushi.eval import samples as sampling
-from urushi.eval.groups import Group
-from urushi.eval.samples import Samples
+from urushi.eval.samples import Group, Samples
 from urushi.material import Material
 from urushi.material.layer import layer_texels
 from urushi.nets.weights import Model

@@ -12,8 +12,7 @@ import numpy as np
 
 from urushi.eval import benchmark, metrics, physical_laws, predict
 from urushi.eval import samples as sampling
-from urushi.eval.groups import GROUPS, ROWS, Aim, Group, Row
-from urushi.eval.samples import Samples
+from urushi.eval.samples import GROUPS, ROWS, Aim, Group, Row, Samples
 from urushi.files import atomic_write, new_folder
 from urushi.nets.architecture import FIXED
 from urushi.nets.weights import Model, Weights, find

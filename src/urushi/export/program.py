@@ -28,11 +28,12 @@ from urushi.export.statements import (
     Lookup,
     Program,
     Structure,
+    Texels,
     Variable,
     element,
     member,
+    texel_function,
 )
-from urushi.export.texels import Texels, texel_function
 from urushi.nets.lobe import WIDTH_PLACES
 from urushi.nets.weights import Model
 

@@ -6,8 +6,7 @@ from functools import partial
 import numpy as np
 
 from urushi.eval import benchmark, physical_laws, predict, report
-from urushi.eval.groups import GROUPS, ROWS
-from urushi.eval.samples import Samples
+from urushi.eval.samples import GROUPS, ROWS, Samples
 from urushi.fan2022.material import Material
 from urushi.fan2022.networks import PaperNetworks
 from urushi.walk import StackTable

@@ -12,7 +12,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from urushi.errors import ParameterError
-from urushi.export.texels import LinearNumber, Texels
+from urushi.export.statements import LinearNumber, Texels
 from urushi.textures.grid import TexelGrid
 from urushi.textures.store import TextureStore
 
