@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 import urushi
-from urushi.core import eon, fresnel
+from urushi.core import albedos, eon, fresnel
 from urushi.core.namespace import NUMPY
-from urushi.openpbr_surface import albedos, film, formulas
+from urushi.openpbr_surface import film, formulas
 from urushi.walk.simulate import albedo
 
 COSINES, WEIGHTS = np.polynomial.legendre.leggauss(48)

@@ -18,11 +18,12 @@ from urushi.core.appearance import optical_depth
 from urushi.core.namespace import DRJIT
 from urushi.material import adding, energy
 from urushi.material.albedo_rule import albedo_rule
+from urushi.mitsuba.interface_albedo import InterfaceLoss, LossVertex, interpolated
 from urushi.mitsuba.offers import offer_of, tabulated
 from urushi.mitsuba.reading import probing
 from urushi.openpbr_surface import encoding, formulas
 from urushi.openpbr_surface.inputs import Inputs
-from urushi.openpbr_surface.lookups import InterfaceAlbedo, MirrorAlbedo, interpolated
+from urushi.openpbr_surface.lookups import MirrorAlbedo
 
 #: A function from parameters to the coated base without compensation.
 Coated = Callable[[Inputs], "mi.BSDF"]
@@ -180,61 +181,30 @@ def _path(w, eta):
     return dr.rsqrt(1 - (1 - w.z * w.z) / (eta * eta))
 
 
-class LossVertex(NamedTuple):
-    """A coat of `CoatLoss` at a vertex.
-
-    Attributes:
-        eta, alpha: its index and its width.
-        inside: the share of light from the base that leaves, over the mean that enters.
-        lost: what is lost at wi, over pi times its mean.
-    """
-
-    eta: Any
-    alpha: Any
-    inside: Any
-    lost: Any
-
-
 class CoatLoss:
-    """Light that the coat's interface loses over a white Lambertian base, from the tables."""
+    """Light that the coat's interface loses over a white Lambertian base."""
 
     def __init__(self, inputs: Inputs):
         self._inputs = inputs
         eta = None
         if inputs.known("coat_ior") is not None:
             eta = float(formulas.interface_index(inputs.known("coat_ior")))
-        self._above = InterfaceAlbedo(eta)
-        self._below = InterfaceAlbedo(None if eta is None else 1 / eta)
+        self._loss = InterfaceLoss(eta)
+        self.lobe = self._loss.lobe
 
     def lost(self, cosine, si, active):
         """Share of the light from a direction that is lost."""
-        return self._lost(self._at(si, active), cosine)
+        return self._loss.lost(self._at(si, active), cosine)
 
     def vertex(self, si, active) -> "LossVertex":
-        at = self._at(si, active)
-        reflected, passed = self._above.both_mean(at.alpha, at.eta)
-        mean = 1 - reflected - at.inside * passed
-        return at._replace(lost=self._lost(at, si.wi.z) / dr.maximum(dr.pi * mean, 1e-5))
-
-    def lobe(self, vertex: "LossVertex", wo):
-        """The lobe [1/sr] of the light that is given back."""
-        return vertex.lost * self._lost(vertex, wo.z)
+        return self._loss.seen(self._at(si, active), si.wi.z)
 
     def _at(self, si, active) -> "LossVertex":
         """The coat at a surface interaction."""
         inputs = self._inputs
         eta = formulas.interface_index(inputs.number("coat_ior", si, active), DRJIT)
         alpha = formulas.lobe_width(inputs.number("coat_roughness", si, active), DRJIT)
-        # Both from one table: what it does not reflect is passed or lost, whatever its error.
-        reflected, passed = self._below.both_mean(alpha, 1 / eta)
-        inside = passed / (1 - reflected)
-        return LossVertex(eta, alpha, inside, ())
-
-    def _lost(self, at: "LossVertex", cosine):
-        """Share of the light from a direction that is lost."""
-        reflected, passed = self._above.both(cosine, at.alpha, at.eta)
-        lost = dr.clip(1 - reflected - at.inside * passed, 0, 1)
-        return dr.select(at.eta == 1, 0, lost)  # there is no interface
+        return self._loss.at(alpha, eta)
 
 
 class FurnaceVertex(NamedTuple):

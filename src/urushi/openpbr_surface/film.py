@@ -13,16 +13,12 @@ import mitsuba as mi
 import numpy as np
 
 from urushi.checks import Widths
-from urushi.core import fresnel, microfacet
+from urushi.core import albedos, fresnel, microfacet
 from urushi.core.namespace import DRJIT
-from urushi.openpbr_surface import albedos, formulas, thin_film
+from urushi.mitsuba.interface_albedo import InterfaceAlbedo, coordinates, interpolated
+from urushi.openpbr_surface import formulas, thin_film
 from urushi.openpbr_surface.inputs import Inputs
-from urushi.openpbr_surface.lookups import (
-    InterfaceAlbedo,
-    MirrorAlbedo,
-    coordinates,
-    interpolated,
-)
+from urushi.openpbr_surface.lookups import MirrorAlbedo
 
 #: The parameters that the film reads.
 NAMES = ("thin_film_weight", "thin_film_thickness", "thin_film_ior")

@@ -1,57 +1,18 @@
-"""The tables of `albedos` as Dr.Jit textures: interfaces, reflectors and the slab below them."""
+"""The tables of `albedos` as Dr.Jit textures: reflectors and the slab below an interface."""
 
-from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import drjit as dr
 import mitsuba as mi
 import numpy as np
 
-from urushi.core import eon
+from urushi.core import albedos, eon
 from urushi.core.namespace import DRJIT
-from urushi.openpbr_surface import albedos, formulas
+from urushi.mitsuba.interface_albedo import InterfaceAlbedo, coordinates, interpolated
+from urushi.openpbr_surface import formulas
 
 #: Least share of light that leaves the slab at once; less is a slab of index far above 10.
 LEAST_SHARE = 1e-3
-
-
-class InterfaceAlbedo:
-    """Directional albedos of a rough dielectric interface, from above.
-
-    eta: its index if it is constant; None: any between 1/3 and 3.
-    """
-
-    def __init__(self, eta: float | None):
-        self._constant = None if eta is None else float(np.clip(eta, 1 / 3, 3))
-        known = albedos.tables(self._constant)
-        self._reflected = self._texture(known.reflected)
-        self._reflected_mean = self._texture(known.reflected_mean)
-        self._both = self._texture(known.reflected, known.passed)
-        self._both_mean = self._texture(known.reflected_mean, known.passed_mean)
-
-    def reflected(self, cosine, alpha, eta):
-        """Share of the light from a direction that is reflected."""
-        return _read(self._reflected, self._at(cosine, alpha, eta))[0]
-
-    def both(self, cosine, alpha, eta) -> list:
-        """Shares that are reflected and transmitted; the rest would meet a second facet."""
-        return _read(self._both, self._at(cosine, alpha, eta))
-
-    def reflected_mean(self, alpha, eta):
-        """Share of diffuse light that is reflected."""
-        return _read(self._reflected_mean, self._at(None, alpha, eta))[0]
-
-    def both_mean(self, alpha, eta) -> list:
-        """Shares of diffuse light that are reflected and transmitted."""
-        return _read(self._both_mean, self._at(None, alpha, eta))
-
-    def _texture(self, *values: np.ndarray):
-        """Tables as channels, without the axis of the index if it is constant."""
-        table = np.stack(values, axis=-1)
-        return _texture(table if self._constant is None else table[0])
-
-    def _at(self, cosine, alpha, eta) -> list:
-        return coordinates(cosine, alpha, eta if self._constant is None else self._constant)
 
 
 class MirrorAlbedo:
@@ -59,16 +20,16 @@ class MirrorAlbedo:
 
     def __init__(self) -> None:
         known = albedos.mirror_tables()
-        self._albedo, self._mean = (_texture(x[..., None]) for x in (known.albedo, known.mean))
+        self._albedo, self._mean = (interpolated(x[..., None]) for x in (known.albedo, known.mean))
 
     def seen(self, w, widths):
         """Share of the light from a direction that one reflection by the facets lets leave."""
         at = [dr.safe_sqrt(w.z), albedos.roughness_coordinate(widths, DRJIT)]
-        return _read(self._albedo, at)[0]
+        return self._albedo(at)[0]
 
     def seen_mean(self, widths):
         """The cosine-weighted mean of `seen` over the hemisphere."""
-        return _read(self._mean, [albedos.roughness_coordinate(widths, DRJIT)])[0]
+        return self._mean([albedos.roughness_coordinate(widths, DRJIT)])[0]
 
     def lost(self, seen_i, seen_o, widths, fresnel_mean):
         """The lobe [1/sr] of light that meets more than one facet.
@@ -106,11 +67,11 @@ class AnisotropicMirror(MirrorAlbedo):
 
     def __init__(self) -> None:
         known = albedos.anisotropic_tables()
-        self._albedo, self._mean = _texture(known.albedo), _texture(known.mean[..., None])
+        self._albedo, self._mean = interpolated(known.albedo), interpolated(known.mean[..., None])
 
     def seen(self, w, widths):
         """See `MirrorAlbedo`; the x axis is along u."""
-        terms = _read(self._albedo, [dr.safe_sqrt(w.z), *self._at(widths)])
+        terms = self._albedo([dr.safe_sqrt(w.z), *self._at(widths)])
         x2, y2 = w.x * w.x, w.y * w.y
         cosine = dr.select(x2 + y2 > 1e-12, (x2 - y2) / dr.maximum(x2 + y2, 1e-12), 0)
         fourth = 2 * cosine * cosine - 1  # cosines of 4 and of 6 times the azimuth
@@ -119,7 +80,7 @@ class AnisotropicMirror(MirrorAlbedo):
 
     def seen_mean(self, widths):
         """See `MirrorAlbedo`."""
-        return _read(self._mean, self._at(widths))[0]
+        return self._mean(self._at(widths))[0]
 
     def _at(self, widths) -> list:
         ratio = (widths.u - widths.v) / (widths.u + widths.v)
@@ -162,47 +123,6 @@ def _width_along(widths, cosine2):
     """The width along a direction whose azimuth has a cosine of a given square."""
     along, across = dr.square(widths.u), dr.square(widths.v)
     return dr.sqrt(across + (along - across) * cosine2)
-
-
-def coordinates(cosine, alpha, eta) -> list:
-    """Coordinates in [0, 1] of a look-up in tables of `albedos`, their last axis first.
-
-    cosine: None in tables without its axis.
-    eta: None in tables that do not depend on it; a float in tables of one index, without its axis.
-    """
-    at = [] if cosine is None else [albedos.cosine_coordinate(cosine, eta, DRJIT)]
-    index = []
-    if eta is not None and not isinstance(eta, float):
-        index = [albedos.index_coordinate(eta, DRJIT)]
-    return [*at, albedos.roughness_coordinate(alpha, DRJIT), *index]
-
-
-def interpolated(table: np.ndarray) -> Callable[[list], list]:
-    """A table of channels, the last axis, as a function of coordinates in [0, 1].
-
-    The coordinate of the last axis but the channels comes first.
-    """
-    texture = _texture(table)
-    return lambda at: _read(texture, at)
-
-
-def _texture(table: np.ndarray):
-    """A table as a texture, whose last axis are channels, linear between the nodes."""
-    kinds = {2: mi.Texture1f, 3: mi.Texture2f, 4: mi.Texture3f}
-    return kinds[table.ndim](
-        mi.TensorXf(np.ascontiguousarray(table)),
-        use_accel=False,
-        filter_mode=dr.FilterMode.Linear,
-        wrap_mode=dr.WrapMode.Clamp,
-    )
-
-
-def _read(texture, at: list) -> list:
-    """The channels at coordinates in [0, 1], from the first to the last node of each axis."""
-    sizes = reversed(texture.shape[:-1])
-    position = [(x * (size - 1) + 0.5) / size for x, size in zip(at, sizes, strict=True)]
-    kinds = {1: mi.Point1f, 2: mi.Point2f, 3: mi.Point3f}
-    return list(texture.eval(kinds[len(at)](*position)))
 
 
 class Slab(NamedTuple):

@@ -20,13 +20,13 @@ from urushi.checks import Widths
 from urushi.core import fresnel, microfacet
 from urushi.core.appearance import optical_depth
 from urushi.core.namespace import DRJIT
+from urushi.mitsuba.interface_albedo import InterfaceAlbedo
 from urushi.openpbr_surface import formulas
 from urushi.openpbr_surface.film import FilmFresnel
 from urushi.openpbr_surface.inputs import Inputs
 from urushi.openpbr_surface.lookups import (
     AnisotropicInterface,
     AnisotropicMirror,
-    InterfaceAlbedo,
     MirrorAlbedo,
     RoughSlab,
     Slab,

@@ -20,6 +20,7 @@ from urushi.mitsuba.plugins.coats import (
     TurnedMixture,
     walk_color,
 )
+from urushi.mitsuba.plugins.compensation import Compensation
 from urushi.mitsuba.reading.below import below
 from urushi.mitsuba.reading.dielectrics import (
     DIELECTRICS,
@@ -93,9 +94,12 @@ def define_coated(base: type, label: str, *, widened: bool, slabs: bool) -> type
                 self.coats, self.bottom = [self._coat], nested
             if self._nested is not None:
                 check_rotation(self._nested, self._coat.where)
+            self.compensation = None
             if self.bottom is None:
                 self._prepare_slab()
             else:
+                if self._coat.compensated:
+                    self.compensation = Compensation(self._coat, nested)
                 coated = isinstance(nested, CoatedBSDF)
                 self.bottom_lobes = nested.bottom_lobes if coated else BottomLobes(self.bottom)
 
@@ -161,6 +165,8 @@ def define_coated(base: type, label: str, *, widened: bool, slabs: bool) -> type
                 return mi.Spectrum(*(value(mi.Float, channel) for channel in channels))
 
             f = compiled_once(evaluated, si, wo, active)
+            if self.compensation is not None:
+                f = self.compensation.completed(f, si, wo, active)
             if self.lowest is None or ctx.mode == mi.TransportMode.Importance:
                 return f
             return f / dr.select(si.wi.z * wo.z < 0, dr.square(self._index_across(si.wi)), 1)

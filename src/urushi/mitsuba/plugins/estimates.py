@@ -27,19 +27,20 @@ def estimates(coat: CoatTextures, bottom: "mi.BSDF", si, active) -> tuple[Any, l
     at_bands = mi.SurfaceInteraction3f(si)
     spectrum.set_bands(at_bands)
     own, bands = (
-        _albedo(coat.evaluate(x, active), _reflectance(bottom, x, active)) for x in (si, at_bands)
+        albedo(coat.evaluate(x, active), reflectance(bottom, x, active)) for x in (si, at_bands)
     )
     return own, list(bands)[: len(spectrum.RGB)]
 
 
-def _reflectance(bottom: "mi.BSDF", si, active):
+def reflectance(bottom: "mi.BSDF", si, active):
+    """pi f of a bottom away from its mirror direction, in [0, 1]."""
     seen, wo = mi.SurfaceInteraction3f(si), mi.Vector3f(*WO)
     seen.wi = mi.Vector3f(*WI)
     return dr.clip(bottom.eval(mi.BSDFContext(), seen, wo, active) * (dr.pi / WO[2]), 0, 1)
 
 
-def _albedo(coat: CoatParameters, reflectance):
-    """Of a coat over a Lambertian reflectance."""
+def albedo(coat: CoatParameters, reflectance):
+    """The share of the light that enters a coat over a Lambertian reflectance and leaves again."""
 
     def without_interface(path):
         scattered = coat.sigma_t * coat.albedo
@@ -53,4 +54,5 @@ def _albedo(coat: CoatParameters, reflectance):
 
     kept_inside = dr.maximum(1 - 1 / dr.square(coat.eta), 0)
     entering = dr.lerp(REFRACTED, DIFFUSE, coat.albedo)  # what is scattered is diffuse
-    return without_interface(entering) / (1 - kept_inside * without_interface(DIFFUSE))
+    inside = without_interface(DIFFUSE)
+    return (1 - kept_inside) * without_interface(entering) / (1 - kept_inside * inside)

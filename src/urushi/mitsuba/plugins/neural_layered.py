@@ -12,6 +12,7 @@ from urushi.mitsuba.latents.gradients import DifferentiableLatents
 from urushi.mitsuba.latents.holders import ConstantLatents, TexturedLatents
 from urushi.mitsuba.plugins.base import read_weights
 from urushi.mitsuba.plugins.coats import Turn
+from urushi.mitsuba.plugins.compensation import Compensation
 from urushi.mitsuba.plugins.estimates import estimates
 from urushi.mitsuba.reading.below import Coatable, below
 from urushi.mitsuba.reading.bsdf import has_two_widths
@@ -96,7 +97,7 @@ def define(base: type) -> type:
             self._weights = read_weights(props)
             self._resolution = int(resolution)
             self._mipmaps = bool(props.get("mipmaps", False))
-            self._baker = None
+            self._baker, self._compensation = None, None
             self._below = below(self._bottom, self._coat)
             # Codes and table with gradients, for integrators
             self._differentiable = {"latents": mi.TensorXf(), "table": mi.TensorXf()}
@@ -132,6 +133,8 @@ def define(base: type) -> type:
             assert self._baker is not None  # for the type checker
             with dr.suspend_grad():
                 self.latents = self._baker.update(bottom_changed)
+                if self._coat.compensated:
+                    self._compensation = Compensation(self._coat, self._below)
             codes, table = mi.TensorXf(), mi.TensorXf()
             if gradients.wanted(self):
                 self.latents = gradients.bake(self._baker, self._coat, self._below, self.latents)
@@ -162,6 +165,14 @@ def define(base: type) -> type:
             material = self.latents.material
             assert material is not None  # for the type checker
             material.rotated(angle).save(path)
+
+        def _f(self, vertex, ctx, si, wo, active):
+            f = super()._f(vertex, ctx, si, wo, active)
+            return self._compensation.completed(f, si, wo, active) if self._compensation else f
+
+        def _f_and_pdf(self, vertex, ctx, si, wo, active):
+            f, pdf = super()._f_and_pdf(vertex, ctx, si, wo, active)
+            return self._compensation.completed(f, si, wo, active) if self._compensation else f, pdf
 
         def _turn(self, si, active):
             return Turn(*self._coat.turn(si, active)) if self._coat.has_rotation else None

@@ -55,6 +55,7 @@ class CoatTextures:
         opaque_eta: the index relative to what `ext_ior` gives, or 1 / ext_ior if `int_ior` is
             textured.
         outside: `ext_ior` relative to air.
+        compensated: whether light that the surface loses is given back.
         above: the coat around this one, if its medium lies above instead of `ext_ior`.
     """
 
@@ -76,6 +77,7 @@ class CoatTextures:
             name: self._texture(props, name, defaults.get(name, 1.5), name in colours)
             for name in names
         }
+        self.compensated = bool(props.get("energy_compensation", False))
         self.above: CoatTextures | None = None
         self._given = "ext_ior" in props
         ext_ior = index_of_refraction(props, "ext_ior", "air", f"{self.where}: ext_ior")

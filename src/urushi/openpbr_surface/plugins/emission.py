@@ -5,10 +5,10 @@ import mitsuba as mi
 
 from urushi.core.appearance import optical_depth
 from urushi.core.namespace import DRJIT
+from urushi.mitsuba.interface_albedo import InterfaceAlbedo
 from urushi.mitsuba.reading.kept import KeptParameters
 from urushi.openpbr_surface import formulas
 from urushi.openpbr_surface.inputs import EMISSION, Inputs
-from urushi.openpbr_surface.lookups import InterfaceAlbedo
 
 #: The parameters on which the light depends.
 NAMES = (

@@ -1,0 +1,141 @@
+"""Directional albedos of rough interfaces (`core.albedos`) as Dr.Jit textures, and what they lose."""
+
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
+import drjit as dr
+import mitsuba as mi
+import numpy as np
+
+from urushi.core import albedos
+from urushi.core.namespace import DRJIT
+
+
+class InterfaceAlbedo:
+    """Directional albedos of a rough dielectric interface, from above.
+
+    eta: its index if it is constant; None: any between 1/3 and 3.
+    """
+
+    def __init__(self, eta: float | None):
+        self._constant = None if eta is None else float(np.clip(eta, 1 / 3, 3))
+        known = albedos.tables(self._constant)
+        self._reflected = self._tables(known.reflected)
+        self._reflected_mean = self._tables(known.reflected_mean)
+        self._both = self._tables(known.reflected, known.passed)
+        self._both_mean = self._tables(known.reflected_mean, known.passed_mean)
+
+    def reflected(self, cosine, alpha, eta):
+        """Share of the light from a direction that is reflected."""
+        return self._reflected(self._at(cosine, alpha, eta))[0]
+
+    def both(self, cosine, alpha, eta) -> list:
+        """Shares that are reflected and transmitted; the rest would meet a second facet."""
+        return self._both(self._at(cosine, alpha, eta))
+
+    def reflected_mean(self, alpha, eta):
+        """Share of diffuse light that is reflected."""
+        return self._reflected_mean(self._at(None, alpha, eta))[0]
+
+    def both_mean(self, alpha, eta) -> list:
+        """Shares of diffuse light that are reflected and transmitted."""
+        return self._both_mean(self._at(None, alpha, eta))
+
+    def _tables(self, *values: np.ndarray):
+        """Tables as channels, without the axis of the index if it is constant."""
+        table = np.stack(values, axis=-1)
+        return interpolated(table if self._constant is None else table[0])
+
+    def _at(self, cosine, alpha, eta) -> list:
+        return coordinates(cosine, alpha, eta if self._constant is None else self._constant)
+
+
+class LossVertex(NamedTuple):
+    """An interface of `InterfaceLoss` at a vertex.
+
+    Attributes:
+        eta, alpha: its index and its width.
+        inside: the share of light from the base that leaves, over the mean that enters.
+        lost: what is lost at wi, over pi times its mean.
+    """
+
+    eta: Any
+    alpha: Any
+    inside: Any
+    lost: Any
+
+
+class InterfaceLoss:
+    """Light that a coat's interface loses over a white Lambertian base, from the tables.
+
+    A loss 1 - A(w) returns as (1 - A(wi)) (1 - A(wo)) / (pi (1 - A_mean)) (Kulla and Conty 2017).
+
+    eta: its index if it is constant; None: any between 1/3 and 3.
+    """
+
+    def __init__(self, eta: float | None):
+        self._above = InterfaceAlbedo(eta)
+        self._below = InterfaceAlbedo(None if eta is None else 1 / eta)
+
+    def at(self, alpha, eta) -> LossVertex:
+        """An interface, without a direction."""
+        # Both from one table: what it does not reflect is passed or lost, whatever its error.
+        reflected, passed = self._below.both_mean(alpha, 1 / eta)
+        return LossVertex(eta, alpha, passed / (1 - reflected), ())
+
+    def lost(self, at: LossVertex, cosine):
+        """Share of the light from a direction that is lost."""
+        reflected, passed = self._above.both(cosine, at.alpha, at.eta)
+        lost = dr.clip(1 - reflected - at.inside * passed, 0, 1)
+        return dr.select(at.eta == 1, 0, lost)  # there is no interface
+
+    def seen(self, at: LossVertex, cosine) -> LossVertex:
+        """The interface with what is lost of light from a direction."""
+        reflected, passed = self._above.both_mean(at.alpha, at.eta)
+        mean = 1 - reflected - at.inside * passed
+        return at._replace(lost=self.lost(at, cosine) / dr.maximum(dr.pi * mean, 1e-5))
+
+    def lobe(self, vertex: LossVertex, wo):
+        """The lobe [1/sr] of the light that is given back."""
+        return vertex.lost * self.lost(vertex, wo.z)
+
+
+def coordinates(cosine, alpha, eta) -> list:
+    """Coordinates in [0, 1] of a look-up in tables of `albedos`, their last axis first.
+
+    cosine: None in tables without its axis.
+    eta: None in tables that do not depend on it; a float in tables of one index, without its axis.
+    """
+    at = [] if cosine is None else [albedos.cosine_coordinate(cosine, eta, DRJIT)]
+    index = []
+    if eta is not None and not isinstance(eta, float):
+        index = [albedos.index_coordinate(eta, DRJIT)]
+    return [*at, albedos.roughness_coordinate(alpha, DRJIT), *index]
+
+
+def interpolated(table: np.ndarray) -> Callable[[list], list]:
+    """A table of channels, the last axis, as a function of coordinates in [0, 1].
+
+    The coordinate of the last axis but the channels comes first.
+    """
+    texture = _texture(table)
+    return lambda at: _read(texture, at)
+
+
+def _texture(table: np.ndarray):
+    """A table as a texture, whose last axis are channels, linear between the nodes."""
+    kinds = {2: mi.Texture1f, 3: mi.Texture2f, 4: mi.Texture3f}
+    return kinds[table.ndim](
+        mi.TensorXf(np.ascontiguousarray(table)),
+        use_accel=False,
+        filter_mode=dr.FilterMode.Linear,
+        wrap_mode=dr.WrapMode.Clamp,
+    )
+
+
+def _read(texture, at: list) -> list:
+    """The channels at coordinates in [0, 1], from the first to the last node of each axis."""
+    sizes = reversed(texture.shape[:-1])
+    position = [(x * (size - 1) + 0.5) / size for x, size in zip(at, sizes, strict=True)]
+    kinds = {1: mi.Point1f, 2: mi.Point2f, 3: mi.Point3f}
+    return list(texture.eval(kinds[len(at)](*position)))

@@ -1,0 +1,50 @@
+"""The option `energy_compensation` of coats: light that a rough surface loses is given back.
+
+A surface scatters light once, so that light which meets a second facet is lost. The loss of the
+surface over a white Lambertian base (`interface_albedo.InterfaceLoss`) returns as a lobe, in the
+colour of the coated base: the reflectance of the surface at normal incidence, and what it passes
+times the albedo of medium and base (`estimates.albedo`).
+"""
+
+import drjit as dr
+import mitsuba as mi
+import numpy as np
+
+from urushi.checks import Widths
+from urushi.mitsuba.interface_albedo import InterfaceLoss
+from urushi.mitsuba.plugins import estimates
+from urushi.mitsuba.reading import probing
+from urushi.mitsuba.reading.parameters import CoatTextures
+
+#: Samples from which the albedo of a bottom is estimated.
+SAMPLES = 1 << 14
+
+
+class Compensation:
+    """The lobe of a coat over a bottom."""
+
+    def __init__(self, coat: CoatTextures, bottom: "mi.BSDF"):
+        """Estimate the bottom's albedo; its part beyond `estimates.reflectance` is a constant."""
+        self._coat, self._bottom = coat, bottom
+        constant = not coat.has_textured_eta and coat.above is None
+        self._loss = InterfaceLoss(coat.eta if constant else None)
+        up, uv = np.tile([0.0, 0.0, 1.0], (SAMPLES, 1)), np.full((SAMPLES, 2), 0.5)
+        si = probing.interaction(up, uv)
+        rng = mi.PCG32(size=SAMPLES)
+        u = rng.next_float32(), mi.Point2f(rng.next_float32(), rng.next_float32())
+        _, weight = bottom.sample(mi.BSDFContext(), si, *u)
+        beyond = dr.mean(weight - estimates.reflectance(bottom, si, mi.Bool(True)), axis=1)
+        self._gloss = mi.Spectrum(dr.mean(beyond)) if mi.is_spectral else mi.Spectrum(beyond)
+        dr.make_opaque(self._gloss)
+
+    def completed(self, f, si, wo, active):
+        """f [1/sr] with the light that the surface loses."""
+        coat = self._coat.evaluate(si, active)
+        alpha, eta = coat.alpha, coat.eta
+        if isinstance(alpha, Widths):
+            alpha = dr.sqrt(0.5 * (dr.square(alpha.u) + dr.square(alpha.v)))
+        below = dr.clip(estimates.reflectance(self._bottom, si, active) + self._gloss, 0, 1)
+        f0 = dr.square((eta - 1) / (eta + 1))
+        color = f0 + (1 - f0) * estimates.albedo(coat, below)
+        vertex = self._loss.seen(self._loss.at(alpha, eta), si.wi.z)
+        return f + mi.Spectrum(color * self._loss.lobe(vertex, wo))
