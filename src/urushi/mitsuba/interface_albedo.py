@@ -1,7 +1,6 @@
-"""Directional albedos of rough interfaces (`core.albedos`) as Dr.Jit textures, and what they lose."""
+"""Directional albedos of rough interfaces (`core.albedos`) as textures, and what they lose."""
 
-from collections.abc import Callable
-from typing import Any, NamedTuple
+from typing import Any, ClassVar, NamedTuple
 
 import drjit as dr
 import mitsuba as mi
@@ -16,6 +15,10 @@ class InterfaceAlbedo:
 
     eta: its index if it is constant; None: any between 1/3 and 3.
     """
+
+    DRJIT_STRUCT: ClassVar = dict.fromkeys(
+        ("_reflected", "_reflected_mean", "_both", "_both_mean"), object
+    )  # for frozen functions
 
     def __init__(self, eta: float | None):
         self._constant = None if eta is None else float(np.clip(eta, 1 / 3, 3))
@@ -44,7 +47,7 @@ class InterfaceAlbedo:
     def _tables(self, *values: np.ndarray):
         """Tables as channels, without the axis of the index if it is constant."""
         table = np.stack(values, axis=-1)
-        return interpolated(table if self._constant is None else table[0])
+        return Interpolated(table if self._constant is None else table[0])
 
     def _at(self, cosine, alpha, eta) -> list:
         return coordinates(cosine, alpha, eta if self._constant is None else self._constant)
@@ -72,6 +75,8 @@ class InterfaceLoss:
 
     eta: its index if it is constant; None: any between 1/3 and 3.
     """
+
+    DRJIT_STRUCT: ClassVar = {"_above": object, "_below": object}  # for frozen functions
 
     def __init__(self, eta: float | None):
         self._above = InterfaceAlbedo(eta)
@@ -113,29 +118,27 @@ def coordinates(cosine, alpha, eta) -> list:
     return [*at, albedos.roughness_coordinate(alpha, DRJIT), *index]
 
 
-def interpolated(table: np.ndarray) -> Callable[[list], list]:
+class Interpolated:
     """A table of channels, the last axis, as a function of coordinates in [0, 1].
 
-    The coordinate of the last axis but the channels comes first.
+    The coordinate of the last axis but the channels comes first. The table is linear between its
+    nodes, which are from 0 to 1 on each axis.
     """
-    texture = _texture(table)
-    return lambda at: _read(texture, at)
 
+    DRJIT_STRUCT: ClassVar = {"_texture": object}  # for frozen functions
 
-def _texture(table: np.ndarray):
-    """A table as a texture, whose last axis are channels, linear between the nodes."""
-    kinds = {2: mi.Texture1f, 3: mi.Texture2f, 4: mi.Texture3f}
-    return kinds[table.ndim](
-        mi.TensorXf(np.ascontiguousarray(table)),
-        use_accel=False,
-        filter_mode=dr.FilterMode.Linear,
-        wrap_mode=dr.WrapMode.Clamp,
-    )
+    def __init__(self, table: np.ndarray):
+        kinds = {2: mi.Texture1f, 3: mi.Texture2f, 4: mi.Texture3f}
+        self._texture = kinds[table.ndim](
+            mi.TensorXf(np.ascontiguousarray(table)),
+            use_accel=False,
+            filter_mode=dr.FilterMode.Linear,
+            wrap_mode=dr.WrapMode.Clamp,
+        )
 
-
-def _read(texture, at: list) -> list:
-    """The channels at coordinates in [0, 1], from the first to the last node of each axis."""
-    sizes = reversed(texture.shape[:-1])
-    position = [(x * (size - 1) + 0.5) / size for x, size in zip(at, sizes, strict=True)]
-    kinds = {1: mi.Point1f, 2: mi.Point2f, 3: mi.Point3f}
-    return list(texture.eval(kinds[len(at)](*position)))
+    def __call__(self, at: list) -> list:
+        """The channels."""
+        sizes = reversed(self._texture.shape[:-1])
+        position = [(x * (size - 1) + 0.5) / size for x, size in zip(at, sizes, strict=True)]
+        kinds = {1: mi.Point1f, 2: mi.Point2f, 3: mi.Point3f}
+        return list(self._texture.eval(kinds[len(at)](*position)))

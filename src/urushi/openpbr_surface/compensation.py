@@ -18,7 +18,7 @@ from urushi.core.appearance import optical_depth
 from urushi.core.namespace import DRJIT
 from urushi.material import adding, energy
 from urushi.material.albedo_rule import albedo_rule
-from urushi.mitsuba.interface_albedo import InterfaceLoss, LossVertex, interpolated
+from urushi.mitsuba.interface_albedo import InterfaceLoss, Interpolated, LossVertex
 from urushi.mitsuba.offers import offer_of, tabulated
 from urushi.mitsuba.reading import probing
 from urushi.openpbr_surface import encoding, formulas
@@ -262,14 +262,14 @@ class Furnace:
                 losses = losses - _known_losses(known(parameters), uv)
         losses = losses.reshape(*([NODES] * len(self._varying)), COSINES)
         parts = np.maximum(losses, 0), np.maximum(-losses, 0)
-        self._deviations = interpolated(np.stack(parts, axis=-1).astype(np.float32))
+        self._deviations = Interpolated(np.stack(parts, axis=-1).astype(np.float32))
         root = np.linspace(0, 1, COSINES)
         weight = 4 * root**3 / (COSINES - 1)  # of 2 cos dcos
         weight[-1] /= 2
         self._signed = known is not None
         given = losses if self._signed else parts[0]
         mean = (given @ weight)[..., None].astype(np.float32)
-        self._mean = interpolated(mean) if self._varying else None
+        self._mean = Interpolated(mean) if self._varying else None
         self._constant_mean = float(mean.mean())
 
     @property

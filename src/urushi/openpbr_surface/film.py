@@ -15,7 +15,7 @@ import numpy as np
 from urushi.checks import Widths
 from urushi.core import albedos, fresnel, microfacet
 from urushi.core.namespace import DRJIT
-from urushi.mitsuba.interface_albedo import InterfaceAlbedo, coordinates, interpolated
+from urushi.mitsuba.interface_albedo import InterfaceAlbedo, Interpolated, coordinates
 from urushi.openpbr_surface import formulas, thin_film
 from urushi.openpbr_surface.inputs import Inputs
 from urushi.openpbr_surface.lookups import MirrorAlbedo
@@ -49,8 +49,8 @@ class FilmFresnel:
     def __init__(self, inputs: Inputs):
         self._inputs = inputs
         known = rules()
-        self._rule = interpolated(np.concatenate([known.cosines, known.weights], -1))
-        self._mean_rule = interpolated(np.concatenate([known.mean_cosines, known.mean_weights], -1))
+        self._rule = Interpolated(np.concatenate([known.cosines, known.weights], -1))
+        self._mean_rule = Interpolated(np.concatenate([known.mean_cosines, known.mean_weights], -1))
         indices = [inputs.known(name) for name in _INDICES]
         self._mirror, self._total = MirrorAlbedo(), None
         if any(x is None for x in indices) or formulas.relative_index(*indices) < 1:

@@ -8,7 +8,7 @@ import numpy as np
 
 from urushi.core import albedos, eon
 from urushi.core.namespace import DRJIT
-from urushi.mitsuba.interface_albedo import InterfaceAlbedo, coordinates, interpolated
+from urushi.mitsuba.interface_albedo import InterfaceAlbedo, Interpolated, coordinates
 from urushi.openpbr_surface import formulas
 
 #: Least share of light that leaves the slab at once; less is a slab of index far above 10.
@@ -20,7 +20,7 @@ class MirrorAlbedo:
 
     def __init__(self) -> None:
         known = albedos.mirror_tables()
-        self._albedo, self._mean = (interpolated(x[..., None]) for x in (known.albedo, known.mean))
+        self._albedo, self._mean = (Interpolated(x[..., None]) for x in (known.albedo, known.mean))
 
     def seen(self, w, widths):
         """Share of the light from a direction that one reflection by the facets lets leave."""
@@ -67,7 +67,7 @@ class AnisotropicMirror(MirrorAlbedo):
 
     def __init__(self) -> None:
         known = albedos.anisotropic_tables()
-        self._albedo, self._mean = interpolated(known.albedo), interpolated(known.mean[..., None])
+        self._albedo, self._mean = Interpolated(known.albedo), Interpolated(known.mean[..., None])
 
     def seen(self, w, widths):
         """See `MirrorAlbedo`; the x axis is along u."""
@@ -160,8 +160,8 @@ class RoughSlab:
         known = albedos.slab_tables(self._constant)
         table = np.stack([known.inside, known.excess], axis=-1)
         mean = known.excess_mean[..., None]
-        self._table = interpolated(table if self._constant is None else table[0])
-        self._mean = interpolated(mean if self._constant is None else mean[0])
+        self._table = Interpolated(table if self._constant is None else table[0])
+        self._mean = Interpolated(mean if self._constant is None else mean[0])
 
     def f(self, wi, wo, slab: Slab):
         """The BRDF [1/sr] of all orders of reflection."""

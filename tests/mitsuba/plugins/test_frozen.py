@@ -65,11 +65,13 @@ def picture(mi, loaded, seed) -> np.ndarray:
 @pytest.mark.parametrize("name", ("layered", "neural_layered"))
 @pytest.mark.parametrize("textured", (False, True))
 def test_replays_use_changed_parameters(rgb, networks, name, textured):
-    loaded = scene(rgb, coat(rgb, name, networks, textured))
+    extra = {"energy_compensation": textured}
+    loaded = scene(rgb, coat(rgb, name, networks, textured) | extra)
     parameters = rgb.traverse(loaded)
     frozen = dr.freeze(lambda loaded: picture(rgb, loaded, 0))
     for value in (0.5, 1.0, 3.0):
         parameters["sphere.bsdf.sigma_t.value"] = value
+        parameters["sphere.bsdf.eta"] = 1.3 + 0.1 * value
         parameters.update()
         np.testing.assert_allclose(
             frozen(loaded).numpy(), picture(rgb, loaded, 0).numpy(), rtol=1e-4

@@ -95,6 +95,10 @@ def define_coated(base: type, label: str, *, widened: bool, slabs: bool) -> type
             if self._nested is not None:
                 check_rotation(self._nested, self._coat.where)
             self.compensation = None
+            if self.bottom is None and self._coat.compensated:
+                raise ParameterError(
+                    f"{self._where}: energy_compensation needs an opaque bottom; leave it out"
+                )
             if self.bottom is None:
                 self._prepare_slab()
             else:

@@ -6,6 +6,8 @@ colour of the coated base: the reflectance of the surface at normal incidence, a
 times the albedo of medium and base (`estimates.albedo`).
 """
 
+from typing import ClassVar
+
 import drjit as dr
 import mitsuba as mi
 import numpy as np
@@ -22,6 +24,8 @@ SAMPLES = 1 << 14
 
 class Compensation:
     """The lobe of a coat over a bottom."""
+
+    DRJIT_STRUCT: ClassVar = {"_gloss": object, "_loss": object}  # for frozen functions
 
     def __init__(self, coat: CoatTextures, bottom: "mi.BSDF"):
         """Estimate the bottom's albedo; its part beyond `estimates.reflectance` is a constant."""

@@ -48,6 +48,10 @@ def define(base: type) -> type:
         thickness      float, texture        Factor of the optical depth, zero or more. (Default: 1)
         g              spectrum, texture     Asymmetry of its Henyey-Greenstein phase function,
                                              -1 to 1, both excluded. (Default: 0)
+        energy_        boolean               Whether light that meets a second facet of the coat's
+        compensation                         surface is given back, so that a white coat over white
+                                             reflects all light. The option of a coat under another
+                                             coat has no effect. (Default: false)
         (nested)       BSDF                  The bottom, under any name: any opaque BSDF that has
                                              no perfectly smooth lobe; coats nest. The index of a
                                              ``roughconductor`` becomes relative to the coat's;

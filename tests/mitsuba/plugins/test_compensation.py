@@ -1,0 +1,95 @@
+"""`energy_compensation`: the white furnace, reciprocity, colours, and what is left as it is."""
+
+import drjit as dr
+import numpy as np
+import pytest
+
+PLUGINS = ("layered", "neural_layered")
+COSINES = (0.2, 0.6, 1.0)
+
+
+def coat(name: str, on: bool = True, reflectance=1.0, **properties) -> dict:
+    rgb = {"type": "rgb", "value": reflectance} if isinstance(reflectance, list) else reflectance
+    base = {"type": "diffuse", "reflectance": rgb}
+    return {"type": name, "energy_compensation": on, "int_ior": 1.5, "base": base, **properties}
+
+
+def furnace(mi, bsdf: dict, count: int = 1 << 16) -> np.ndarray:
+    """Directional albedos (cosines, 3) by the plugin's samples, and their standard errors."""
+    loaded, found = mi.load_dict(bsdf), []
+    for index, cosine in enumerate(COSINES):
+        si = dr.zeros(mi.SurfaceInteraction3f, count)
+        si.wi = mi.Vector3f((1 - cosine**2) ** 0.5, 0, cosine)
+        rng = mi.PCG32(size=count, initstate=index)
+        si.p = mi.Point3f(rng.next_float32(), 0, 0)  # other walks
+        u = rng.next_float32(), mi.Point2f(rng.next_float32(), rng.next_float32())
+        _, weight = loaded.sample(mi.BSDFContext(), si, *u)
+        weight = weight.numpy()
+        found.append((weight.mean(axis=1), weight.std(axis=1) / count**0.5))
+    return np.moveaxis(np.array(found), 1, 0)
+
+
+def f(mi, bsdf, wi, wo) -> np.ndarray:
+    """f cos (N, 3) of a loaded plugin for directions (N, 3)."""
+    from urushi.mitsuba.reading import probing
+
+    si = probing.interaction(wi, np.full((len(wi), 2), 0.5))
+    out = mi.Vector3f(np.ascontiguousarray(wo.T))
+    return bsdf.eval(mi.BSDFContext(), si, out).numpy().T
+
+
+@pytest.mark.parametrize("name", PLUGINS)
+@pytest.mark.parametrize("medium", ({}, {"sigma_t": 1.0, "albedo": 1.0}))
+@pytest.mark.parametrize("alpha", (0.3, 1.0))
+def test_white_coats_reflect_all_light(rgb, name, alpha, medium):
+    """Within 0.5 %, the networks within 1 % under a medium, and five standard errors."""
+    found, error = furnace(rgb, coat(name, alpha=alpha, **medium))
+    without, _ = furnace(rgb, coat(name, on=False, alpha=alpha))
+    tolerance = 0.01 if medium and name == "neural_layered" else 0.005
+    assert (np.abs(found - 1) < tolerance + 5 * error).all()
+    assert (without < 0.75).all()
+
+
+def test_the_lobe_is_reciprocal_and_coloured(rgb, random_directions):
+    """What is added, over cos wo, is symmetric, and has the order of the base's channels."""
+    wi, wo = random_directions(64, 1, 0.1), random_directions(64, 2, 0.1)
+    color = [0.8, 0.3, 0.05]
+    on, off = (rgb.load_dict(coat("neural_layered", x, color, alpha=0.5)) for x in (True, False))
+    added = (f(rgb, on, wi, wo) - f(rgb, off, wi, wo)) / wo[:, 2:]
+    exchanged = (f(rgb, on, wo, wi) - f(rgb, off, wo, wi)) / wi[:, 2:]
+    np.testing.assert_allclose(added, exchanged, rtol=1e-3, atol=1e-5)
+    assert (added[:, 0] > added[:, 1]).all() and (added[:, 1] > added[:, 2]).all()
+
+
+@pytest.mark.parametrize("name", PLUGINS)
+def test_no_light_appears(rgb, name):
+    """Over a dark base, over gold, and under an absorbing medium."""
+    gold = {"type": "roughconductor", "material": "Au", "distribution": "ggx", "alpha": 0.2}
+    dark = coat(name, reflectance=0.0, alpha=0.6)
+    for bsdf in (dark, coat(name, alpha=0.6, sigma_t=3.0), dark | {"base": gold}):
+        found, error = furnace(rgb, bsdf)
+        assert (found < 1 + 5 * error).all()
+    assert (furnace(rgb, dark)[0] < 0.15).all()  # what facets reflect, at most F at cosine 0.2
+
+
+def test_no_surface_loses_nothing(rgb, random_directions):
+    wi, wo = random_directions(32, 1, 0.1), random_directions(32, 2, 0.1)
+    equal = {"int_ior": 1.5, "ext_ior": 1.5, "sigma_t": 0.5, "alpha": 0.4}
+    on, off = (rgb.load_dict(coat("layered", x) | equal) for x in (True, False))
+    np.testing.assert_array_equal(f(rgb, on, wi, wo), f(rgb, off, wi, wo))
+
+
+@pytest.mark.parametrize("name", PLUGINS)
+def test_updates_are_followed(rgb, name, random_directions):
+    wi, wo = random_directions(32, 1, 0.1), random_directions(32, 2, 0.1)
+    bsdf = rgb.load_dict(coat(name, alpha=0.5))
+    parameters = rgb.traverse(bsdf)
+    parameters["alpha.value"], parameters["eta"] = 0.8, 1.7
+    parameters.update()
+    new = rgb.load_dict(coat(name, alpha=0.8, ext_ior=1.0) | {"int_ior": 1.7})
+    np.testing.assert_allclose(f(rgb, bsdf, wi, wo), f(rgb, new, wi, wo), rtol=1e-3, atol=1e-5)
+
+
+def test_slabs_are_refused(rgb):
+    with pytest.raises(RuntimeError, match="energy_compensation needs an opaque bottom; leave it"):
+        rgb.load_dict({"type": "layered", "energy_compensation": True})
