@@ -15,7 +15,7 @@ FOLDER = Path(__file__).parent
 DOCS = FOLDER.parent / "docs"
 PAGE = DOCS / "figures.md"
 #: Figures with a page of their own.
-OTHERS = {"simulator_biases": DOCS / "simulator_biases.md"}
+OTHERS = {name: DOCS / f"{name}.md" for name in ("simulator_biases", "slabs")}
 
 
 def table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:

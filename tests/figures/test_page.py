@@ -17,8 +17,8 @@ def test_the_docs_show_the_tables_of_the_results(name):
         assert f"\n\n{table}\n\n" in text
 
 
-#: Figures without networks.
-WALKS = {"simulator_biases"}
+#: Figures without networks, whose results no weights change.
+WALKS = {"simulator_biases", "slabs"}
 
 
 @pytest.mark.parametrize("name", sorted({*page.names()} - WALKS))

@@ -76,8 +76,8 @@ def test_clear_panes_keep_as_much_light_as_the_analog_walk() -> None:
         shares = [m.directional_albedo(wi)[:, 0] for m in slab_materials(default_model(), coat)]
         pane = urushi.slab(alpha, eta)
         kept, _ = analog_albedo(pane, wi, walks=1 << 15, transmitted=None)
-        # Grazing light is close to that which is trapped inside, and a grid mixes both.
-        assert np.all(np.abs(sum(shares) - kept[:, 0]) < [0.015, 0.015, 0.02, 0.05])
+        # Inside, grazing light is close to the critical angle, which lies between nodes.
+        assert np.all(np.abs(sum(shares) - kept[:, 0]) < [0.01, 0.01, 0.01, 0.06])
 
 
 def test_transmission_is_reciprocal() -> None:

@@ -137,14 +137,9 @@ class Grid:
         places = np.arange(len(self.cosines))
         return values[places, places, -1] * self.weights * (2 * np.pi / self._count)
 
-    def shares(self, angles: np.ndarray, edge: float) -> np.ndarray:
-        """Shares (..., N) of the nodes in values at angles (...), as by linear interpolation.
-
-        edge: an angle across which values are not interpolated.
-        """
+    def shares(self, angles: np.ndarray) -> np.ndarray:
+        """Shares (..., N) of the nodes in values at angles (...), as by linear interpolation."""
         index, part = self._place(angles, self.angles)
-        crosses = (self.angles[index] < edge) & (edge < self.angles[index + 1])
-        part = np.where(crosses, angles > edge, part)
         nodes = np.arange(len(self.angles))
         lower, upper = nodes == index[..., None], nodes == index[..., None] + 1
         return np.where(lower, 1 - part[..., None], 0) + np.where(upper, part[..., None], 0)
@@ -262,6 +257,26 @@ def passed_inside(
     every = lit @ np.linalg.inv(one - (interface * weights) @ up)
     straight = through / (1 - (own.mirror_shares(interface) * through) ** 2)
     return own.mirror[:, None, None] * ((every - np.diag(straight)) / weights), sigma_t
+
+
+def without_trapped(interface: np.ndarray, eta: float) -> np.ndarray:
+    """The matrix (N, N) that replaces trapped directions by the last that is not trapped.
+
+    Between smooth surfaces, light beyond the critical angle is mirrored to and fro and never
+    leaves. Interpolation between nodes would let it leave. A node counts as trapped as far as the
+    interface mirrors.
+
+    Args:
+        interface: modes (H, N, N) of its reflection from below; eta: below over above.
+    """
+    own = grid()
+    result, edge = np.eye(len(own.angles)), np.arcsin(min(1 / eta, 1.0))
+    beyond = own.angles > edge
+    mirrored = own.mirror_shares(interface) / np.maximum(interface[0] @ own.weights, 1e-9)
+    kept = np.where(beyond, mirrored, 0)
+    result *= 1 - kept[:, None]
+    result[:, np.argmax(own.angles * ~beyond)] += kept
+    return result
 
 
 def resolved(albedo: float, sigma_t: float, g: float) -> tuple[float, float, float]:

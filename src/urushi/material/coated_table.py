@@ -110,12 +110,13 @@ class Below(NamedTuple):
     peak: HalfVectors
 
 
-def coated_rest(bottom: Material, coat: CoatParameters) -> np.ndarray:
+def coated_rest(bottom: Material, coat: CoatParameters, slab: bool = False) -> np.ndarray:
     """f float32 (N, C) [1/sr] at `node_pairs` of a coated material without the interface's lobe.
 
     Args:
         bottom: a material with a table, of C or one channel.
         coat: numbers or arrays (C,), with one width.
+        slab: whether the bottom is the interface, from the other side.
     """
     parameters = np.stack([*np.broadcast_arrays(*coat, np.zeros(bottom.channels))][:5])
     result = np.empty((len(node_pairs()[0]), parameters.shape[1]), np.float32)
@@ -125,7 +126,8 @@ def coated_rest(bottom: Material, coat: CoatParameters) -> np.ndarray:
         own = np.minimum(chosen, bottom.channels - 1)
         first, which = _distinct(bottom, own, parameters[2:, chosen])
         media = parameters[2:, chosen[first]]
-        below, weights = _spanning(_below(bottom, modes, own[first], interface, media, peak))
+        under = _below(bottom, modes, own[first], interface, media, peak, slab)
+        below, weights = _spanning(under)
         values = np.empty((len(result), len(weights)), np.float32)
         fill_blocks(
             values,
@@ -157,16 +159,18 @@ def _distinct(
     return np.array(first), np.array(which)
 
 
-def coated_table(bottom: Material, coat: CoatParameters, lobe: np.ndarray) -> np.ndarray:
+def coated_table(
+    bottom: Material, coat: CoatParameters, lobe: np.ndarray, slab: bool = False
+) -> np.ndarray:
     """The table float16 (U, V, W, C) of a coated material, without the lobe of its interface.
 
     With the lobe, its directional albedo is at most 1, or that of the bottom if it gains energy.
 
     Args:
-        bottom, coat: as of `coated_rest`.
+        bottom, coat, slab: as of `coated_rest`.
         lobe: (C, N) of the interface. No table has it: near the horizon it changes too fast.
     """
-    rest = coated_rest(bottom, coat)
+    rest = coated_rest(bottom, coat, slab)
     own = lobe.astype(np.float64)
 
     def top(wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
@@ -218,6 +222,7 @@ def _below(
     interface: np.ndarray,
     media: np.ndarray,
     peak: HalfVectors,
+    slab: bool,
 ) -> Below:
     """S for channels (C,) of the bottom under media (3, C), which differ; see `_distinct`."""
     assert bottom.table is not None  # for the type checker
@@ -227,6 +232,9 @@ def _below(
     inverse = (1 / wi[:, 2] + 1 / wo[:, 2]).reshape(SHAPE)
     for channel, medium in zip(channels, media.T, strict=True):
         again, depth = adding.seen_inside(modes[channel], back, *medium)
+        if slab:
+            turn = adding.without_trapped(back, interface[1])
+            again = np.einsum("ai,ijh,bj->abh", turn, again, turn, optimize=True)
         more = adding.grid().interpolated(again[..., None], wi, wo).reshape(SHAPE)
         own = np.exp(bottom.table[..., channel].astype(np.float32) - depth * inverse)
         table.append(np.log(np.maximum(own + more, 1e-30)))

@@ -59,7 +59,8 @@ def slab_materials(model: Model, coat: CoatParameters) -> tuple[Material, Materi
     codes[1, :, : model.arch.lobe] = lobes.of_coat(alpha, 1 / eta)
     empty = np.full((*SHAPE, len(alpha)), MIN_LOG, np.float16)
     below = Material(codes[1], model, table=empty, beside_lobe=True)
-    table = coated_table(below, CoatParameters(*columns), codes[0, :, : model.arch.lobe])
+    lobe = codes[0, :, : model.arch.lobe]
+    table = coated_table(below, CoatParameters(*columns), lobe, slab=True)
     reflected = Material(codes[0], model, table=table, beside_lobe=True)
     f = transmitted(float(alpha[0]), float(eta[0]), np.stack(media))
     return reflected, Material(codes[0], model, table=table_of_values(f))
@@ -74,8 +75,8 @@ def transmitted(alpha: float, eta: float, media: np.ndarray) -> np.ndarray:
     """
     wi, wo = node_pairs()
     outside = adding.Grid(ELEVATIONS)
-    passes = _crossing_modes(outside, alpha, eta)
     back = adding.interface_modes(alpha, eta)
+    passes = _crossing_modes(outside, alpha, eta) @ adding.without_trapped(back, eta)
     depths, scattered = [], []
     for medium in media.T:
         modes, depth = adding.passed_inside(back, *medium)
@@ -108,8 +109,7 @@ def _crossing_modes(outside: adding.Grid, alpha: float, eta: float) -> np.ndarra
     u = facet_points(FACETS)
     inside = cross(outside.cosines.astype(np.float32)[:, None], alpha, eta, u)
     x, y, z = inside.inside
-    critical = np.arcsin(min(1 / eta, 1.0))
-    shares = own.shares(np.arccos(np.clip(z, 0, 1)), critical)
+    shares = own.shares(np.arccos(np.clip(z, 0, 1)))
     turn = np.arctan2(y, x)
     modes = []
     for order in range(len(own.azimuths)):
