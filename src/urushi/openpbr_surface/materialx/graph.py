@@ -369,14 +369,8 @@ class Evaluation:
             raise FileError(
                 f"{where} has inputs whose numbers of channels do not match its type; check them"
             ) from error
-        if value.shape[-1] != CHANNELS[node.type]:
-            value = self._channels(value, node, where)
-        return value
-
-    def _channels(self, value: np.ndarray, node: Element, where: str) -> np.ndarray:
-        """A number as all channels of a node's type."""
         channels = CHANNELS[node.type]
-        if value.shape[-1] != 1:
+        if value.shape[-1] not in (1, channels):  # a number stands for all channels
             raise FileError(
                 f"{where} has {value.shape[-1]} channels instead of {channels}; its inputs do "
                 "not match its type"

@@ -80,14 +80,6 @@ def _blend(mode: Callable[[np.ndarray, np.ndarray], np.ndarray]) -> Node:
     return function
 
 
-def _burn(fg: np.ndarray, bg: np.ndarray) -> np.ndarray:
-    return 1 - (1 - bg) / fg
-
-
-def _dodge(fg: np.ndarray, bg: np.ndarray) -> np.ndarray:
-    return bg / (1 - fg)
-
-
 def _dot(a: np.ndarray, b: np.ndarray) -> np.ndarray:
     return (a * b).sum(axis=-1, keepdims=True)
 
@@ -153,13 +145,15 @@ NODES["screen"] = _blend(lambda fg, bg: 1 - (1 - fg) * (1 - bg))
 
 
 @_node("burn")
-def _burn_node(call: Call) -> np.ndarray:
-    return np.where(np.abs(call["fg"]) < EPSILON, 0.0, _blend(_burn)(call))
+def _burn(call: Call) -> np.ndarray:
+    mixed = _blend(lambda fg, bg: 1 - (1 - bg) / fg)(call)
+    return np.where(np.abs(call["fg"]) < EPSILON, 0.0, mixed)
 
 
 @_node("dodge")
-def _dodge_node(call: Call) -> np.ndarray:
-    return np.where(np.abs(1 - call["fg"]) < EPSILON, 0.0, _blend(_dodge)(call))
+def _dodge(call: Call) -> np.ndarray:
+    mixed = _blend(lambda fg, bg: bg / (1 - fg))(call)
+    return np.where(np.abs(1 - call["fg"]) < EPSILON, 0.0, mixed)
 
 
 def _condition(compare: Callable[[np.ndarray, np.ndarray], np.ndarray]) -> Node:
@@ -256,28 +250,24 @@ def _normal_map(call: Call) -> np.ndarray:
     return normal / np.maximum(_length(normal), 1e-30)
 
 
-@_node("ramplr")
-def _ramp_across(call: Call) -> np.ndarray:
-    t = np.clip(call["texcoord"][..., :1], 0, 1)
-    return call["valuel"] * (1 - t) + call["valuer"] * t
+def _along(call: Call) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """The coordinate of a ramp or a split, and its values at the lower and at the upper end."""
+    if call.tag.endswith("lr"):
+        return call["texcoord"][..., :1], call["valuel"], call["valuer"]
+    return call["texcoord"][..., 1:], call["valueb"], call["valuet"]
 
 
-@_node("ramptb")
-def _ramp_down(call: Call) -> np.ndarray:
-    t = np.clip(call["texcoord"][..., 1:], 0, 1)
-    return call["valueb"] * (1 - t) + call["valuet"] * t
+@_node("ramplr", "ramptb")
+def _ramp(call: Call) -> np.ndarray:
+    at, low, high = _along(call)
+    t = np.clip(at, 0, 1)
+    return low * (1 - t) + high * t
 
 
-@_node("splitlr")
-def _split_across(call: Call) -> np.ndarray:
-    right = call["texcoord"][..., :1] >= call["center"]
-    return np.where(right, call["valuer"], call["valuel"])
-
-
-@_node("splittb")
-def _split_down(call: Call) -> np.ndarray:
-    top = call["texcoord"][..., 1:] >= call["center"]
-    return np.where(top, call["valuet"], call["valueb"])
+@_node("splitlr", "splittb")
+def _split(call: Call) -> np.ndarray:
+    at, low, high = _along(call)
+    return np.where(at >= call["center"], high, low)
 
 
 def _place(call: Call) -> np.ndarray:

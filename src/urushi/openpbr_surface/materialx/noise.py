@@ -5,6 +5,7 @@ Improving noise, SIGGRAPH 2002) on Jenkins' integer hash (lookup3, 2006), cell n
 noise (Worley, SIGGRAPH 1996). Positions are arrays (..., 2) or (..., 3).
 """
 
+from functools import partial
 from itertools import product
 
 import numpy as np
@@ -38,21 +39,11 @@ def hash_integers(*numbers: np.ndarray) -> np.ndarray:
     if len(numbers) > 3:
         _mix(a, b, c)
         a += np.asarray(numbers[3]).astype(np.uint32)
-    c ^= b
-    c -= _rotate(b, 14)
-    a ^= c
-    a -= _rotate(c, 11)
-    b ^= a
-    b -= _rotate(a, 25)
-    c ^= b
-    c -= _rotate(b, 16)
-    a ^= c
-    a -= _rotate(c, 4)
-    b ^= a
-    b -= _rotate(a, 14)
-    c ^= b
-    c -= _rotate(b, 24)
-    return c.reshape(shape)
+    for bits in (14, 11, 25, 16, 4, 14, 24):  # lookup3's final mixing; the last word is the hash
+        c ^= b
+        c -= _rotate(b, bits)
+        a, b, c = b, c, a
+    return b.reshape(shape)
 
 
 def _mix(a: np.ndarray, b: np.ndarray, c: np.ndarray) -> None:
@@ -90,12 +81,8 @@ def _perlin(p: np.ndarray, shifts: tuple[int, ...], mask: int) -> np.ndarray:
     return _SCALE[p.shape[-1]] * total
 
 
-def _perlin_one(p: np.ndarray) -> np.ndarray:
-    return _perlin(p, (0,), 0xFFFFFFFF)
-
-
-def _perlin_three(p: np.ndarray) -> np.ndarray:
-    return _perlin(p, (0, 8, 16), 0xFF)
+_perlin_one = partial(_perlin, shifts=(0,), mask=0xFFFFFFFF)
+_perlin_three = partial(_perlin, shifts=(0, 8, 16), mask=0xFF)
 
 
 def perlin(p: np.ndarray, channels: int) -> np.ndarray:

@@ -128,7 +128,9 @@ def _read(
     baked = bake(graph, weigh, resolution, f"{named}: mix")
     if isinstance(baked, Texture) and (constant := baked.constant) is not None:
         baked = constant
-    weight = baked if isinstance(baked, Texture) else _number(baked, f"{named}: mix")
+    if isinstance(baked, np.ndarray) and baked.shape != (1,):
+        raise FileError(f"{named}: mix has {baked.shape[-1]} channels instead of 1")
+    weight = baked if isinstance(baked, Texture) else float(baked[0])
     found = []
     for side, absent in (("bg", 1.0), ("fg", 0.0)):
         if weight != absent:
@@ -264,28 +266,25 @@ class _Reader:
     def _final(self, entry: Parameter, value: np.ndarray | Texture) -> ParameterValue:
         """A value after checks; colours are limited to the parameter's range."""
         where = self._where
+        channels = 3 if entry.kind == "color" else 1
+        have = (value.pixels if isinstance(value, Texture) else value).shape[-1]
+        if have != channels:
+            raise FileError(f"{where}: {entry.name} has {have} channels instead of {channels}")
         if isinstance(value, Texture):
             if not entry.can_be_textured:
                 raise FileError(f"{where}: {entry.name} must not vary over the surface")
-            pixels = value.pixels
-            if pixels.shape[-1] != (3 if entry.kind == "color" else 1):
-                raise FileError(f"{where}: {entry.name} has {pixels.shape[-1]} channels")
             texture = value.map(lambda x: self._limited(entry, x).astype(np.float32))
             if (constant := texture.constant) is None:
                 return texture
             value = constant
         if entry.kind == "color":
-            if value.shape != (3,):
-                raise FileError(
-                    f"{where}: {entry.name} has {value.shape[-1]} channels instead of 3"
-                )
             if entry.name != "emission_color":
                 value = self._limited(entry, value)
             r, g, b = (float(x) for x in np.broadcast_to(np.maximum(value, 0.0), 3))
             return r, g, b
         if entry.group == "transmission":  # not rendered; exporters write Abbe numbers as scales
             value = self._limited(entry, value)
-        return checked(entry.name, _number(value, f"{where}: {entry.name}"), where)
+        return checked(entry.name, float(value[0]), where)
 
     def _limited(self, entry: Parameter, value: np.ndarray) -> np.ndarray:
         """Values limited to the range of a parameter, with a warning if that changes them much."""
@@ -296,12 +295,6 @@ class _Reader:
             ends = f"[{low:g}, {high:g}]" + (" in linear sRGB" if entry.kind == "color" else "")
             _warn(f"{self._where}: {entry.name} leaves {ends} and is clipped to it")
         return limited
-
-
-def _number(value: np.ndarray, where: str) -> float:
-    if value.shape != (1,):
-        raise FileError(f"{where} has {value.shape[-1]} channels instead of 1")
-    return float(value[0])
 
 
 def _bright(values: dict[str, ParameterValue]) -> dict[str, ParameterValue]:
