@@ -62,7 +62,7 @@ def test_a_uniform_material_is_encoded():
 def test_textures_are_kept_and_refused_where_one_value_is_needed(tmp_path):
     checker = {"type": "checkerboard"}
     textured = urushi.openpbr(base_color=checker)
-    assert not textured.is_uniform
+    assert textured.textures == ["base_color"]
     assert textured.description()["base_color"] is checker
     assert mi.load_dict(textured.description()) is not None
     with pytest.raises(ParameterError, match="base_color is a texture, but only numbers"):

@@ -40,9 +40,10 @@ class OpenPBR:
     options: Mapping[str, Any] = field(default_factory=dict)
 
     @property
-    def is_uniform(self) -> bool:
-        """Whether no parameter is a texture."""
-        return all(isinstance(x, float | bool | tuple) for x in self.parameters.values())
+    def textures(self) -> list[str]:
+        """The names of the parameters that are textures."""
+        given = self.parameters.items()
+        return [name for name, x in given if not isinstance(x, float | bool | tuple)]
 
     @property
     def emits(self) -> bool:
@@ -122,17 +123,12 @@ class OpenPBR:
             ParameterError: a parameter is a texture, or the name is another one.
             FileError: the file cannot be written.
         """
-        if not self.is_uniform:
+        if self.textures:
             raise ParameterError(
-                f"openpbr: {self._textured()} is a texture, but only numbers "
+                f"openpbr: {self.textures[0]} is a texture, but only numbers "
                 "and colours can be written; replace it by one of these"
             )
         write_parameters(self.parameters, path, name)
-
-    def _textured(self) -> str:
-        """The name of the first texture."""
-        values = self.parameters.items()
-        return next(n for n, x in values if not isinstance(x, float | bool | tuple))
 
 
 def openpbr(
@@ -186,9 +182,9 @@ def _value(name: str, value: Any) -> Any:
 
 @as_source.register
 def _(source: OpenPBR) -> Source:
-    if not source.is_uniform:
+    if source.textures:
         raise ParameterError(
-            f"encode openpbr: {source._textured()} is a texture, but a material is the same "
+            f"encode openpbr: {source.textures[0]} is a texture, but a material is the same "
             "everywhere; give a number or a colour"
         )
     return bsdf_source(source.bsdf())
