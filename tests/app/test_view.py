@@ -187,6 +187,10 @@ def test_a_description_becomes_cards():
     ("text", "bottom"),
     [
         ("conductor(0.3, r0=0.9)", {"kind": "conductor", "alpha": 0.3, "r0": 0.9}),
+        (
+            "conductor(0.3, eta=(0.2, 0.9, 1.1), k=3)",
+            {"kind": "conductor", "alpha": 0.3, "eta": [0.2, 0.9, 1.1], "k": 3.0},
+        ),
         ("dielectric(0.1, ior=1.5)", {"kind": "dielectric", "alpha": 0.1, "ior": 1.5}),
         ("diffuse((0.1, 0.2, 0.3))", {"kind": "diffuse", "reflectance": (0.1, 0.2, 0.3)}),
     ],

@@ -198,7 +198,7 @@ def cards_of(described: Any) -> dict[str, Any] | None:
         numbers = {"ior": np.multiply(numbers.pop("eta"), above).tolist(), **numbers}
     elif "k" in numbers:
         in_air = np.divide(above, AIR)
-        numbers |= {name: (in_air * numbers[name]).tolist() for name in ("eta", "k")}
+        numbers |= {name: np.multiply(in_air, numbers[name]).tolist() for name in ("eta", "k")}
     widths = _widths(numbers.pop("alpha")) if "alpha" in numbers else {}
     return {"name": "Material", "bottom": {"kind": kind, **widths, **numbers}, "coats": cards}
 
