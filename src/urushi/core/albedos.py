@@ -12,6 +12,7 @@ between their nodes have it in its place.
 
 import functools
 import math
+from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -207,6 +208,29 @@ def tables(eta: float | None = None) -> Tables:
             arrays[:, i, j] = _albedos(facets, alpha, index)
     means = (hemisphere_mean(table, etas) for table in (reflected, passed))
     return Tables(*(x.astype(np.float32) for x in (reflected, passed, *means, inside)))
+
+
+@functools.cache
+def surface_loss(alpha: float, eta: float) -> tuple[Callable[[np.ndarray], np.ndarray], float]:
+    """The share of light that a coat's surface loses over a white Lambertian base.
+
+    Returns:
+        The share, a function of cosines (N,), and its cosine-weighted mean; 0 for an index of 1.
+    """
+    if eta == 1:
+        return np.zeros_like, 0.0
+    above, below = tables(eta), tables(1 / eta)
+    place = roughness_coordinate(alpha) * (ROUGHNESSES - 1)
+    first = min(int(place), ROUGHNESSES - 2)
+
+    def at(table: np.ndarray) -> np.ndarray:
+        return table[0, first] + (place - first) * (table[0, first + 1] - table[0, first])
+
+    inside = at(below.passed_mean) / (1 - at(below.reflected_mean))
+    lost = np.clip(1 - at(above.reflected) - inside * at(above.passed), 0, 1)
+    grid = np.linspace(0, 1, COSINES)
+    mean = 1 - at(above.reflected_mean) - inside * at(above.passed_mean)
+    return lambda cosine: np.interp(cosine_coordinate(cosine, eta), grid, lost), float(mean)
 
 
 @functools.cache

@@ -36,6 +36,10 @@ LOOK = {"color": 1.0, "body": 0.0, "body_color": 0.8}
 #: The parameters that a look replaces.
 PHYSICAL = ("albedo", "sigma_t")
 
+#: Path of light through a medium over its depth: from outside and diffuse; and the share of
+#: isotropic scattering that turns light back.
+REFRACTED, DIFFUSE, BACKWARDS = 1.15, 2.0, 0.5
+
 #: Least colour: its depth is 6.9, from which nothing returns. Greatest body: its depth is 132.
 LEAST_COLOR, MOST_BODY = 1e-6, 0.99
 
@@ -108,3 +112,32 @@ def described(
         albedo = checks.albedo(known.get("albedo", checks.DEFAULT_COAT.albedo), f"{where} albedo")
         depth = checks.sigma_t(known.get("sigma_t", 0.0), f"{where} sigma_t")
     return albedo, checks.sigma_t(scale * depth, f"{where} thickness times sigma_t")
+
+
+def coated_albedo(coat: checks.CoatParameters, reflectance: Any, xp: Namespace) -> Any:
+    """The share of the light that enters a coat over a Lambertian reflectance and leaves again.
+
+    An estimate for a medium (Kubelka and Munk 1931) under a smooth interface (Saunderson 1942).
+    """
+
+    def without_interface(path: Any) -> Any:
+        scattered = coat.sigma_t * coat.albedo
+        absorption = path * (coat.sigma_t - scattered)
+        scattering = path * BACKWARDS * scattered * (1 - coat.g)
+        both = absorption + scattering
+        root = xp.sqrt(absorption * (both + scattering) + 1e-6)
+        faint = xp.exp(-2 * root)
+        decay = root * (1 + faint) / (1 - faint)
+        divisor = both - reflectance * scattering + decay
+        return (scattering - reflectance * (both - decay)) / divisor
+
+    kept_inside = xp.maximum(1 - 1 / (coat.eta * coat.eta), 0)
+    entering = REFRACTED + (DIFFUSE - REFRACTED) * coat.albedo  # what is scattered is diffuse
+    share = (1 - kept_inside) * without_interface(entering)
+    return share / (1 - kept_inside * without_interface(DIFFUSE))
+
+
+def coated_color(coat: checks.CoatParameters, reflectance: Any, xp: Namespace) -> Any:
+    """Albedo of a coat over a Lambertian reflectance, its surface included, at normal incidence."""
+    f0 = ((coat.eta - 1) / (coat.eta + 1)) ** 2
+    return f0 + (1 - f0) * coated_albedo(coat, reflectance, xp)

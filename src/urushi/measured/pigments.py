@@ -17,6 +17,7 @@ coloured paint have one depth per channel where the paint has a spectrum.
 from collections.abc import Iterable, Mapping
 from functools import cache
 from importlib.resources import files
+from typing import Any
 
 import numpy as np
 
@@ -33,7 +34,7 @@ GAMUT = 0.004, 0.996
 WAVELENGTHS = np.arange(380.0, 751.0, 10.0)
 
 
-def pigment(paint: str | Mapping[str, float]) -> dict[str, tuple[float, ...]]:
+def pigment(paint: str | Mapping[str, float]) -> dict[str, Any]:
     """The medium of a measured paint or a mixture, as arguments of `urushi.coat` and `layer`.
 
     ``urushi.coat(bottom, ior=1.5, **urushi.pigment({"titanium white": 4, "cobalt blue": 1}))``

@@ -1,6 +1,7 @@
 """BSDF and directional albedo of stacks by random walks: the reference."""
 
 import functools
+from dataclasses import replace
 from typing import Any
 
 import drjit as dr
@@ -14,9 +15,10 @@ from urushi.errors import ParameterError
 from urushi.walk import slabs, walk
 from urushi.walk.bottoms import Bottom
 from urushi.walk.bottoms.dielectric import Dielectric, Reflector
+from urushi.walk.compensation import Compensation
 from urushi.walk.interface import flip
 from urushi.walk.monte_carlo import average, backend, per_channel
-from urushi.walk.stack import Stack
+from urushi.walk.stack import Coat, Stack
 from urushi.walk.table import StackTable, TableLayers
 
 
@@ -68,7 +70,10 @@ def simulate(
     wi, wo = checks.directions(wi, wo)
     options: dict[str, Any] = dict(walks=walks, seed=seed, progress=progress)
     if not isinstance(stack.bottom, Dielectric):
-        return per_channel(stack, (wi, wo), functools.partial(walk_pairs, **options))
+        f, se = per_channel(stack, (wi, wo), functools.partial(walk_pairs, **options))
+        if stack.coats[0].energy_compensation:
+            f += compensation(stack).f(wi, wo).astype(np.float32)
+        return f, se
     f, se = per_channel(
         stack, (wi, wo), lambda table, row, *w: average(table, row, w, _scattered, **options)
     )
@@ -163,11 +168,22 @@ def albedo(
             f"a {type(stack.bottom).__name__} bottom is opaque; only urushi.slab(...) transmits"
         )
     walk_one = functools.partial(_slab_albedo, transmitted) if is_slab else _reflected
-    return per_channel(
+    wi = checks.direction(wi, "wi")
+    found, se = per_channel(
         stack,
-        (checks.direction(wi, "wi"),),
+        (wi,),
         lambda table, row, wi: average(table, row, (wi,), walk_one, walks=walks, seed=seed),
     )
+    if stack.coats[0].energy_compensation:
+        found += np.where(wi[:, 2:] > 0, compensation(stack).albedo(wi[:, 2]), 0)
+    return found, se
+
+
+def compensation(stack: Stack) -> Compensation:
+    """The lobe of the light that the topmost surface loses; what lies below it is measured."""
+    rest = Stack(stack.coats[1:] or (Coat(eta=1.0),), stack.bottom)
+    rest = replace(rest, coats=(replace(rest.coats[0], energy_compensation=False), *rest.coats[1:]))
+    return Compensation(stack, albedo(rest, [[0.0, 0.0, 1.0]], walks=1 << 14)[0][0])
 
 
 def _slab_albedo(transmitted: bool, coats: Any, lowest: Reflector, wi: Any, rng: Any) -> Any:

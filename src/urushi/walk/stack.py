@@ -36,6 +36,7 @@ class Coat(Rough):
     sigma_t: Value = DEFAULT_COAT.sigma_t
     g: Value = DEFAULT_COAT.g
     ior: Value | None = None
+    energy_compensation: bool = False
 
     def __post_init__(self) -> None:
         store_alpha(self, self.alpha, "the coat's")
@@ -119,6 +120,7 @@ def coat(
     body: npt.ArrayLike | None = None,
     body_color: npt.ArrayLike | None = None,
     thickness: float = 1.0,
+    energy_compensation: bool = False,
 ) -> Stack:
     """Put a coat on `bottom`; coating a Stack adds the coat on top of its coats.
 
@@ -146,11 +148,14 @@ def coat(
         body_color: diffuse reflectance of the pigment in [0, 1] where it is opaque, by default
             0.8. `urushi.core.appearance` has the equations.
         thickness: factor of the optical depth, zero or more.
+        energy_compensation: whether light that meets a second facet of the surface is given back,
+            so that a white coat over white reflects all light (`urushi.walk.compensation`). The
+            option of a coat under another coat has no effect.
 
     Raises:
         ParameterError: a value is out of range, `bottom` is not a BRDF, alpha is given together
             with alpha_u or alpha_v, or only one of these is given, or eta together with ior, or
-            color or body together with albedo or sigma_t.
+            color or body together with albedo or sigma_t; or energy_compensation for a slab.
     """
     width = checks.widths(alpha, alpha_u, alpha_v, "the coat's", DEFAULT_COAT.alpha)
     ratio, ior = checks.eta_in_air(eta, ior, "the coat's")
@@ -158,8 +163,11 @@ def coat(
     medium = described(
         "the coat's", g=g, thickness=thickness, albedo=albedo, sigma_t=sigma_t, **look
     )
-    top = Coat(width, ratio, *medium, g, ior)  # type: ignore[arg-type]
+    top = Coat(width, ratio, *medium, g, ior, energy_compensation)  # type: ignore[arg-type]
     bottom = under(bottom, top.eta)
+    lowest = bottom.bottom if isinstance(bottom, Stack) else bottom
+    if energy_compensation and isinstance(lowest, Dielectric):
+        raise ParameterError("energy_compensation needs an opaque bottom; leave it out of slabs")
     if isinstance(bottom, Stack):
         return Stack((top, *bottom.coats), bottom.bottom)
     return Stack((top,), bottom)

@@ -72,6 +72,20 @@ def test_no_light_appears(rgb, name):
     assert (furnace(rgb, dark)[0] < 0.15).all()  # what facets reflect, at most F at cosine 0.2
 
 
+@pytest.mark.parametrize("name", PLUGINS)
+def test_plugins_agree_with_python(rgb, name):
+    """Two walks and a network: within 2 %, and five standard errors."""
+    import urushi
+
+    color, w = [0.8, 0.3, 0.05], np.float32([[0.6, 0, 0.8], [0, 0.6, 0.8]])
+    stack = urushi.coat(urushi.diffuse(color), 0.5, ior=1.5, energy_compensation=True)
+    expected, error = urushi.simulate(stack, w[:1], w[1:], walks=1 << 14)
+    loaded = rgb.load_dict(coat(name, reflectance=color, alpha=0.5))
+    found = np.array([f(rgb, loaded, *np.repeat(w[:, None], 1 << 12, axis=1)).mean(axis=0)]) / 0.8
+    spread = 0.1 * expected if name == "layered" else 0  # all walks of `f` start at one point
+    assert (np.abs(found - expected) < 0.02 * expected + 5 * error + spread).all()
+
+
 def test_no_surface_loses_nothing(rgb, random_directions):
     wi, wo = random_directions(32, 1, 0.1), random_directions(32, 2, 0.1)
     equal = {"int_ior": 1.5, "ext_ior": 1.5, "sigma_t": 0.5, "alpha": 0.4}

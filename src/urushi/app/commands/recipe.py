@@ -22,7 +22,7 @@ CHECKED = 16
 LIGHT, EYE = np.array([[0.5**0.5, 0.0, 0.5**0.5]]), np.array([[0.0, 0.0, 1.0]])
 
 #: The varnished surface: smooth, so that no gloss is seen.
-SURFACE = {"alpha": 0.02, "ior": 1.5}
+SURFACE: dict[str, Any] = {"alpha": 0.02, "ior": 1.5}
 
 
 @dataclass(frozen=True)

@@ -1,9 +1,6 @@
 """The option `energy_compensation` of coats: light that a rough surface loses is given back.
 
-A surface scatters light once, so that light which meets a second facet is lost. The loss of the
-surface over a white Lambertian base (`interface_albedo.InterfaceLoss`) returns as a lobe, in the
-colour of the coated base: the reflectance of the surface at normal incidence, and what it passes
-times the albedo of medium and base (`estimates.albedo`).
+The lobe is that of `walk.compensation`.
 """
 
 from typing import ClassVar
@@ -13,6 +10,8 @@ import mitsuba as mi
 import numpy as np
 
 from urushi.checks import Widths
+from urushi.core.appearance import coated_color
+from urushi.core.namespace import DRJIT
 from urushi.mitsuba.interface_albedo import InterfaceLoss
 from urushi.mitsuba.plugins import estimates
 from urushi.mitsuba.reading import probing
@@ -48,7 +47,6 @@ class Compensation:
         if isinstance(alpha, Widths):
             alpha = dr.sqrt(0.5 * (dr.square(alpha.u) + dr.square(alpha.v)))
         below = dr.clip(estimates.reflectance(self._bottom, si, active) + self._gloss, 0, 1)
-        f0 = dr.square((eta - 1) / (eta + 1))
-        color = f0 + (1 - f0) * estimates.albedo(coat, below)
+        color = coated_color(coat, below, DRJIT)
         vertex = self._loss.seen(self._loss.at(alpha, eta), si.wi.z)
         return f + mi.Spectrum(color * self._loss.lobe(vertex, wo))

@@ -1,0 +1,58 @@
+"""`energy_compensation` of described coats: the white furnace, the codes, and what is refused."""
+
+import numpy as np
+import pytest
+
+import urushi
+from urushi.core import albedos
+from urushi.errors import ParameterError
+from urushi.walk.simulate import albedo
+
+COSINES = np.array([0.1, 0.4, 0.7, 1.0])
+WI = np.stack([np.sqrt(1 - COSINES**2), 0 * COSINES, COSINES], axis=-1)
+
+
+@pytest.mark.parametrize("medium", ({}, {"sigma_t": 1.0, "albedo": 1.0}))
+@pytest.mark.parametrize("alpha", (0.1, 0.3, 1.0))
+def test_white_coats_reflect_all_light(alpha, medium):
+    """Within 0.5 %, and five standard errors."""
+    stack = urushi.coat(urushi.diffuse(1.0), alpha, ior=1.5, energy_compensation=True, **medium)
+    found, error = albedo(stack, WI, walks=1 << 14, seed=0)
+    assert (np.abs(found - 1) < 0.005 + 5 * error).all()
+
+
+def test_the_integral_of_the_lobe_is_what_it_adds():
+    """By quadrature over wo of what `simulate` gains, whose walks are the same without the lobe."""
+    options = {"alpha": 0.6, "ior": 1.5}
+    on, off = (
+        urushi.coat(urushi.diffuse((0.9, 0.4, 0.1)), **options, energy_compensation=x)
+        for x in (True, False)
+    )
+    nodes, weights = np.polynomial.legendre.leggauss(12)
+    cosines = 0.5 * (nodes + 1)
+    wo = np.stack([np.sqrt(1 - cosines**2), 0 * cosines, cosines], axis=-1)
+    wi = np.tile(WI[2], (len(wo), 1))
+    gained = urushi.simulate(on, wi, wo, walks=2)[0] - urushi.simulate(off, wi, wo, walks=2)[0]
+    integral = (np.pi * weights * cosines) @ gained
+    walked = [albedo(stack, WI[2:3], walks=2)[0][0] for stack in (on, off)]
+    np.testing.assert_allclose(integral, walked[0] - walked[1], rtol=0.01)
+
+
+def test_surfaces_without_an_index_or_width_lose_nothing():
+    assert not albedos.surface_loss(0.5, 1.0)[0](COSINES).any()
+    assert albedos.surface_loss(0.01, 1.5)[0](COSINES[1:]).max() < 0.02
+
+
+def test_codes_have_the_lobe():
+    """The E of a code of one coat is about 1 %."""
+    stack = urushi.coat(urushi.diffuse(0.8), 0.6, ior=1.5, energy_compensation=True)
+    f, _ = urushi.simulate(stack, WI, WI[::-1] * [-1, 1, 1], walks=1 << 14)
+    found = urushi.encode(stack).f(WI, WI[::-1] * [-1, 1, 1])
+    np.testing.assert_allclose(found, f, rtol=0.05)
+
+
+def test_slabs_are_refused():
+    with pytest.raises(
+        ParameterError, match="energy_compensation needs an opaque bottom; leave it"
+    ):
+        urushi.coat(urushi.slab(0.3), energy_compensation=True)
