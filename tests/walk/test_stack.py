@@ -89,7 +89,7 @@ def test_widths_differ_by_channel_and_by_axis() -> None:
         (lambda: conductor(0.1, eta=-1, k=1), "the conductor's eta is -1; it must be zero or more"),
         (lambda: conductor(0.1, eta=1, k=-1), "the conductor's k is -1; it must be zero or more"),
         (lambda: dielectric(0.001, 1.5), "the dielectric's alpha is 0.001; it must be"),
-        (lambda: dielectric(0.1, 0.4), r"the dielectric's eta is 0.4; .* in \[0.5, 3\]"),
+        (lambda: dielectric(0.1, 0.3), r"the dielectric's eta is 0.3; .* in \[0.333, 3\]"),
         (lambda: diffuse(1.1), r"reflectance is 1.1; it must be a reflectance in \[0, 1\]"),
         (lambda: diffuse(np.nan), "reflectance is nan; it must be"),
         (lambda: coat(diffuse(1), 0.0, 1.5), r"the coat's alpha is 0; .* in \[0.01, 1\]"),
