@@ -4,6 +4,7 @@ from gallery.bells import bells
 from gallery.brushed import brushed
 from gallery.car import car
 from gallery.globe import globe
+from gallery.lantern import lantern
 from gallery.shoe import shoe
 from gallery.still_life import still_life
 from gallery.violin import violin
@@ -20,4 +21,5 @@ SCENES: dict[str, Scene] = {
     "bells": bells,
     "violin": violin,
     "car": car,
+    "lantern": lantern,
 }
