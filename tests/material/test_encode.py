@@ -118,5 +118,6 @@ def test_unusual_sources_are_refined():
     [conductor(0.05, (0.98, 0.77, 0.34)), dielectric(0.3, 1.5), diffuse((0.1, 0.5, 0.9))],
     ids=lambda source: type(source).__name__,
 )
-def test_sources_like_the_training_data_are_not_refined(source):
-    assert encode(source) == encode(source, refine=False)
+def test_coats_lie_over_the_encoders_codes_of_usual_sources(source):
+    fitted, passed = encode(source), encode(source, refine=False)
+    np.testing.assert_array_equal(fitted.anchors, passed.anchors)

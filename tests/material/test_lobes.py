@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 from urushi.material import Material, encode, energy, lerp
-from urushi.material.correction import correct_codes
 from urushi.material.encode import material_from_values
 from urushi.material.fit import fit_target, initial_code, levenberg_marquardt
 from urushi.nets import lobe as lobes
@@ -67,7 +66,7 @@ def test_fits_keep_the_lobe(small, plastic, refine):
 
 
 def test_fits_come_closer(small, plastic):
-    """Both lower the error of the whole f, and so the refinement's own objective."""
+    """They lower the error of the whole f."""
     networks, f = small.networks, np.ascontiguousarray(plastic.T)
     lobe = np.array([0.1, 0, 0, 1, 1.5, 0], np.float32)
     z = networks.encode(f, np.tile(lobe, (2, 1)))
@@ -76,10 +75,8 @@ def test_fits_come_closer(small, plastic):
         f_hat = networks.f(codes[:, None], *networks.pairs())
         return np.abs(np.log((f_hat + 1e-3) / (f + 1e-3))).mean(axis=1)
 
-    corrected = correct_codes(networks, z, f)
     aim = fit_target(networks, f[0], None, lobe)
     refined = levenberg_marquardt(networks, initial_code(networks, f[0], lobe), aim, 0.0005)
-    assert (miss(corrected) < miss(z)).all()
     assert miss(refined[None])[0] < 0.5 * miss(z)[0]
 
 

@@ -9,7 +9,12 @@ from urushi.eval import samples as sampling
 from urushi.eval.samples import GROUPS
 from urushi.material import Material, encode, energy
 from urushi.material.albedo_rule import albedo_rule
-from urushi.material.encode import evaluate_source, material_from_values
+from urushi.material.encode import (
+    bare_anchors,
+    encoder_codes,
+    evaluate_source,
+    material_from_values,
+)
 from urushi.material.fit import (
     ANCHOR_HOLD,
     CODE_HOLD,
@@ -23,11 +28,12 @@ from urushi.material.fit import (
     refine_codes,
 )
 from urushi.material.layer import layer, layer_texels
+from urushi.nets.interface_fit import find_lobes
 from urushi.nets.lobe import NO_LOBE
 from urushi.nets.lobe_fit import fit_lobes
 from urushi.parallel import one_blas_thread
 from urushi.train.data.distribution import Extended
-from urushi.walk import conductor, dielectric, diffuse
+from urushi.walk import analytic, conductor, dielectric, diffuse
 
 
 def three_lobes(wi, wo):
@@ -278,3 +284,36 @@ def test_codes_allow_for_the_limit_of_energy(source, trained):
 
     free, held = map(miss, codes)
     assert held < free
+
+
+@pytest.fixture(scope="module")
+def plain(trained) -> np.ndarray:
+    """Values (12, P) of plain surfaces, three channels each."""
+    pairs = trained.networks.pairs()
+    metals = conductor(0.03, (0.95, 0.6, 0.3)), conductor(0.5, (0.9, 0.5, 0.1))
+    surfaces = (*metals, dielectric(0.1, 1.5), diffuse((0.8, 0.3, 0.05)))
+    return np.concatenate([analytic.f(surface, *pairs).T for surface in surfaces])
+
+
+def test_materials_keep_the_encoders_codes_for_coats(trained, plain):
+    """Of metals over a diffuse share, so that the fitted lobe leaves a rest that matters."""
+    values = np.float32(0.5) * plain[:3] + np.float32(0.1 / np.pi)
+    material = material_from_values(values.T, trained)
+    expected = encoder_codes(trained, values, find_lobes(values))
+    np.testing.assert_allclose(material.anchors, expected, rtol=1e-4, atol=1e-4)
+    assert not np.array_equal(material.anchors, material.latents)
+
+
+def test_a_lobe_that_is_the_whole_source_has_the_anchor_of_a_bare_surface(trained, plain):
+    """The code of its misfit decodes to more than the misfit, so that it is left out."""
+    anchors = material_from_values(plain[:3].T, trained).anchors
+    assert np.array_equal(anchors, bare_anchors(trained, anchors[:, : trained.arch.lobe]))
+
+
+@pytest.mark.parametrize("name", ["trained", "model"])
+def test_odd_values_have_finite_codes_whatever_the_networks(request, name):
+    networks, rng = request.getfixturevalue(name), np.random.default_rng(0)
+    pairs = len(networks.networks.pairs()[0])
+    odd = [np.zeros(pairs), np.full(pairs, 1e4), 0.3 * (np.arange(pairs) % 2)]
+    odd = np.stack([*odd, rng.lognormal(0, 3, pairs)]).astype(np.float32)
+    assert np.isfinite(material_from_values(odd.T, networks).latents).all()

@@ -45,7 +45,7 @@ def materials(
     else:
         known = encoded or KINDS[table.kind].family.fresnel_numbers(table.bottom) is not None
         lobe = _lobes(samples, encoded) if known else None
-        material = material_from_values(values.T, model, refine=refined, lobe=lobe)
+        material = material_from_values(values.T, model, refine=refined or None, lobe=lobe)
     if table.coats == encoded:
         return split(material)
     latents = material.anchors

@@ -2,8 +2,8 @@
 
 The topmost interface of a description is known exactly and becomes the lobe of the code
 (`urushi.nets.lobe`). The lobes of other sources are fitted to their values. For the rest of the
-BRDF, one pass of the encoder is followed by two correction steps or by a refinement of many steps
-(`urushi.material.fit`).
+BRDF, the code that is evaluated is fitted to the values (`urushi.material.fit`). The anchor, over
+which coats are layered, is the encoder's own code, or a code near those for unusual sources.
 """
 
 import functools
@@ -17,7 +17,6 @@ from urushi.core.error_metrics import DARK_OFFSET, energy_weight
 from urushi.errors import ParameterError, UrushiWarning
 from urushi.material import energy
 from urushi.material.albedo_rule import AlbedoRule, albedo_rule
-from urushi.material.correction import correct_codes
 from urushi.material.fit import probe_features, refine_codes
 from urushi.material.lobe_albedo import lobe_albedos
 from urushi.material.material import Material
@@ -32,10 +31,9 @@ from urushi.nets.weights import Model, Weights, anisotropic_model, find
 from urushi.parallel import fill_blocks
 from urushi.walk import Stack
 
-#: Root mean square of the residual in ln(f + `DARK_OFFSET`) above which a source is refined unless
-#: the caller decides. Measured: descriptions, coats and stacks of the training distribution stay
-#: below 0.2, Mitsuba's `roughconductor` and `roughplastic` below 0.3, and so do most of
-#: `principled`; retro-reflectors exceed it.
+#: Root mean square of the residual in ln(f + `DARK_OFFSET`) of a fitted code above which the anchor
+#: is fitted too. Measured: descriptions, coats and stacks of the training distribution stay below
+#: 0.12, and Mitsuba's BSDFs below 0.2; retro-reflectors and most measured BRDFs exceed it.
 UNUSUAL_RESIDUAL = 0.3
 
 
@@ -86,12 +84,12 @@ def encode(
         weights: the networks, a Model or a weights file. None: the shipped ones, "anisotropic" for
             anisotropic sources. Networks for isotropic materials encode the average of an
             anisotropic source over the azimuth.
-        refine: whether to optimise the encoder's code, about 80 ms per channel, so that its decoded
-            values are closer to the given ones, instead of two quick correction steps (see
-            `urushi.material.fit`). None: for measured BRDFs, for a Stack, and for any source whose
-            residual exceeds `UNUSUAL_RESIDUAL`. The code of a Stack is fitted to walks, 2.6 M for
-            each channel (see `urushi.material.simulated`); in the mean it is closer than the code
-            of `layer`.
+        refine: None: the code is fitted to the values, about 50 ms per channel, but coats are
+            layered over the encoder's own code, unless the source is measured or the residual
+            exceeds `UNUSUAL_RESIDUAL` (see `urushi.material.fit`). True: coats are layered over a
+            fitted code too. False: one pass of the encoder. The code of a Stack is fitted to walks,
+            2.6 M for each channel (see `urushi.material.simulated`); in the mean it is closer than
+            the code of `layer`.
         table: whether the material also gets a table of f over directions (see
             `urushi.material.table`), which is used to evaluate and render it. It costs as much as
             the codes and is far more accurate for unusual BRDFs. Textures use the codes. The source
@@ -269,7 +267,7 @@ def material_from_values(
     values: np.ndarray,
     model: Model,
     *,
-    refine: bool | None = False,
+    refine: bool | None = None,
     lobe: np.ndarray | None = None,
 ) -> Material:
     """The material of values (N, C) at `required_pairs`, or at `model.networks.pairs()` alone.
@@ -280,31 +278,22 @@ def material_from_values(
     Args:
         values: (N, C) [1/sr].
         model: the networks.
-        refine: whether to refine the codes; None: if the residual of one exceeds
-            `UNUSUAL_RESIDUAL`.
+        refine: as of `encode`.
         lobe: (N,) or (C, N) the channels' lobes; None: they are fitted to the values.
     """
     pairs = len(model.networks.pairs()[0])
     probed, at_nodes = values[:pairs].T, values[pairs:].T
     nodes = at_nodes if at_nodes.size else None
     fitted, lobe = lobe is None, _lobes_of_channels(model, probed, lobe)
-    source_albedo, ceiling = np.ones((len(probed), 1)), np.full((len(probed), 1), 1 - energy.MARGIN)
+    ceiling = np.full((len(probed), 1), 1 - energy.MARGIN)
     if nodes is not None:
         rule = albedo_rule(model.widths)
-        source_albedo = _source_albedos(nodes, lobe, rule)
-        ceiling = energy.albedo_ceiling(source_albedo, rule)
-    if not refine:
-        anchors = encoder_codes(model, probed, lobe)
-        codes = correct_codes(model.networks, anchors, probed)
-        if refine is None:
-            refine = bool((residual(model, codes, probed) > UNUSUAL_RESIDUAL).any())
-    if refine:
-        codes, anchors = refine_codes(model.networks, probed, nodes, lobe)
-        if fitted:
-            anchors = with_dielectrics_in_rests(model, anchors, probed)
-        both = np.stack([codes, anchors])
-        codes, anchors = energy.limit_albedo(model, both, ceiling)
-        return Material(codes, model, without_useless_rests(model, anchors, probed))
+        ceiling = energy.albedo_ceiling(_source_albedos(nodes, lobe, rule), rule)
+    codes = anchors = encoder_codes(model, probed, lobe)
+    if refine is not False:
+        codes, refined = refine_codes(model.networks, probed, nodes, lobe)
+        if refine or (residual(model, codes, probed) > UNUSUAL_RESIDUAL).any():
+            anchors = energy.limit_albedo(model, refined, ceiling)
     if fitted:
         anchors = with_dielectrics_in_rests(model, anchors, probed)
     anchors = without_useless_rests(model, anchors, probed)

@@ -51,7 +51,7 @@ class Material:
         model: the networks.
         anchors: read-only float32 (C, L), codes near the latents that the encoder could have made.
             Coats are layered over them, and directions are sampled by them. They differ from the
-            latents of encoded materials, which are corrected or refined (see
+            latents of encoded materials, which are fitted to values (see
             `urushi.material.fit`), and equal those of coated materials. Default: the latents.
         table: read-only float16 (U, V, W, C), ln f over directions (see `urushi.material.table`),
             by which f is evaluated instead of by the latents, as of measured BRDFs. Default: None.

@@ -37,7 +37,7 @@ export class NetworkCore extends Evaluation implements Core {
     const activation = activationOf(weights.arch.activation);
     const decoder = new Decoder(weights, activation);
     super(decoder, new Sampler(weights, activation));
-    const encoder = new Encoder(weights, decoder, activation);
+    const encoder = new Encoder(weights, activation);
     const dark = new Float64Array(weights.arch.probes);
     const { lobe, widths } = weights.arch;
     const nothing = encoder.encode(noLobe(widths), dark).slice(lobe);

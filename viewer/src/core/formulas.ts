@@ -51,12 +51,6 @@ export const ALBEDO_RULE = {
   LEAST_TANGENT: 0.001,
 } as const;
 
-/** Of `urushi.material.correction` of Python. */
-export const CORRECTION = {
-  CORRECTION_STEPS: 2,
-  CORRECTION_DAMPING: 0.001,
-} as const;
-
 /** Of `urushi.material.encode` of Python. */
 export const ENCODE = {
   HELPFUL_REST: [1, 1.1],

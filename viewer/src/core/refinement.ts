@@ -7,7 +7,7 @@
 
 import { albedosAtAngles, interpolatedAlbedos } from "./albedo_rule";
 import { type Decoder, type Responses, scaleRest } from "./decoder";
-import { type Encoder, farness } from "./encoder";
+import type { Encoder } from "./encoder";
 import type { EnergyLimit } from "./energy";
 import { ENCODER, ENERGY, ERROR_METRICS, FIT, LOBE } from "./formulas";
 import { addRow, dampedSteps, type FitState, solve } from "./least_squares";
@@ -236,7 +236,7 @@ export class Refinement {
         const at = first + i;
         const f = target.top[at] + part.rest[i] + DARK_OFFSET;
         const error = Math.log(f) - target.logs[at];
-        const far = farness(error);
+        const far = Math.max(Math.abs(error) / FIT.HUBER_KNEE, 1);
         const share = part.rest[i] / f;
         objective += (target.weights[at] * error * error * (2 - 1 / far)) / far;
         const weight = target.weights[at] / far;

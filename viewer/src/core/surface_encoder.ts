@@ -68,9 +68,10 @@ export class SurfaceEncoder {
     const value = reflectance / Math.PI;
     const values = new Float64Array(encoder.pairs.capacity).fill(value);
     const anchor = encoder.encode(lobe, values);
-    const code = encoder.correct(anchor, values);
+    const nodes = new Float64Array(energy.rule.weights.length).fill(value);
+    const code = anchor.slice();
     const own = new Float64Array(energy.rule.cosines.length);
-    addAlbedos(energy.rule, new Float64Array(energy.rule.weights.length).fill(value), own);
+    addAlbedos(energy.rule, nodes, own);
     energy.limit(code, energy.ceilingOf(own));
     return { code, anchor };
   }
