@@ -1,14 +1,15 @@
-"""Formulas and constants of the networks as TypeScript, for the page's core.
+"""Formulas and constants of the networks as TypeScript, for the page's core, and its materials.
 
     python viewer/formulas.py
 
-writes `src/core/formulas.ts`. The formulas are those of `urushi.core` and `urushi.nets`, by the
-expressions of which `urushi export` prints shaders; what has a fast form of its own in the page,
-the networks' layers, is not among them. Functions take numbers, a direction as three of them, and
-put features into an array. `make viewer` runs this script.
+writes `src/core/formulas.ts` and `src/material/library.ts`. The formulas are those of `urushi.core`
+and `urushi.nets`, by the expressions of which `urushi export` prints shaders; what has a fast form
+of its own in the page, the networks' layers, is not among them. Functions take numbers, a direction
+as three of them, and put features into an array. `make viewer` runs this script.
 """
 
 import importlib
+import json
 import math
 import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
@@ -17,6 +18,8 @@ from typing import Any, ClassVar
 
 import numpy as np
 
+from urushi.app.describe import describe, library
+from urushi.app.page_files import cards_of
 from urushi.checks import Widths
 from urushi.core import fresnel, microfacet, mixture
 from urushi.core.namespace import Components
@@ -26,6 +29,14 @@ from urushi.export.statements import Function, Variable, element, namespace, off
 from urushi.nets import features, lobe, sampler
 
 FILE = Path(__file__).parent / "src/core/formulas.ts"
+LIBRARY_FILE = Path(__file__).parent / "src/material/library.ts"
+
+LIBRARY_HEAD = """\
+// Written by `python viewer/formulas.py` from the library of materials of Python. Do not edit it.
+
+import type { BottomInAir, CoatInAir } from "./material";
+
+export const LIBRARY: readonly { name: string; bottom: BottomInAir; coats: CoatInAir[] }[] = ["""
 
 HEAD = """\
 // Written by `python viewer/formulas.py` from the formulas of Python. Do not edit it.
@@ -315,9 +326,38 @@ def text() -> str:
     return "\n".join(lines)
 
 
+def library_text() -> str:
+    """The file of the library of materials, as cards of the page."""
+    lines = [LIBRARY_HEAD]
+    for material in library():
+        cards = cards_of(describe(material))
+        assert cards is not None, material
+        layers = [_short(layer) for layer in (cards["bottom"], *cards["coats"])]
+        shown = {
+            "name": material[0].upper() + material[1:],
+            "bottom": layers[0],
+            "coats": layers[1:],
+        }
+        lines.append(f"  {json.dumps(shown)},")
+    return "\n".join([*lines, "];", ""])
+
+
+def _short(layer: dict[str, Any]) -> dict[str, Any]:
+    """A layer with numbers of three decimals, one where those of the channels agree."""
+
+    def one(value: Any) -> Any:
+        if isinstance(value, str):
+            return value
+        numbers = [round(float(x), 3) for x in np.ravel(value)]
+        return numbers if len(set(numbers)) > 1 else numbers[0]
+
+    return {key: one(value) for key, value in layer.items()}
+
+
 def main() -> None:
-    """Write the file."""
+    """Write the files."""
     FILE.write_text(text(), encoding="utf-8")
+    LIBRARY_FILE.write_text(library_text(), encoding="utf-8")
 
 
 if __name__ == "__main__":

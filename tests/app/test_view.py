@@ -133,6 +133,8 @@ def test_the_formulas_of_the_page_are_those_of_python():
     """After a change of a formula, `make viewer` prints them anew. See `viewer/formulas.py`."""
     formulas = runpy.run_path(str(VIEWER / "formulas.py"))
     assert formulas["FILE"].read_text(encoding="utf-8") == formulas["text"]()
+    library = formulas["LIBRARY_FILE"].read_text(encoding="utf-8")
+    assert library == formulas["library_text"]()
 
 
 def test_the_whole_page_is_small():

@@ -66,7 +66,7 @@ export const COAT_PARAMETERS = {
     label: "Depth σₜ",
     hint: "Optical depth of the medium: how often light is absorbed or scattered on its way. Above 12, a similar medium is shown.",
     low: 0,
-    high: 100,
+    high: 1000,
     slide: 10,
     power: 3,
     fallback: 0,

@@ -1,7 +1,7 @@
 /** Everything that the page shows, as one immutable value. */
 
 import type { MaterialCards } from "../material/material";
-import { PRESETS } from "../material/presets";
+import { preset } from "../material/presets";
 
 export const OBJECTS = ["ball", "caddy", "teapot", "plate", "vase", "bowl", "sheet"] as const;
 export const ENVIRONMENTS = ["studio", "sky", "room", "own"] as const;
@@ -47,7 +47,7 @@ export interface State {
 }
 
 export const INITIAL: State = {
-  materials: [PRESETS[0]!, PRESETS[2]!],
+  materials: [preset("Vermilion urushi"), preset("Gilding under shellac")],
   active: 0,
   comparison: "off",
   edge: 0.5,

@@ -8,7 +8,7 @@ import { halfVectorRule } from "../../src/core/quadrature";
 import { mixtureDensity, Sampler } from "../../src/core/sampler";
 import { readWeights } from "../../src/core/weights";
 import { type MaterialCards, stackOf, withCoat } from "../../src/material/material";
-import { PRESETS } from "../../src/material/presets";
+import { preset } from "../../src/material/presets";
 import { bytesOf, goldenFile, readVectors, SHIPPED } from "./vectors";
 
 const STACK: Stack = {
@@ -59,7 +59,7 @@ describe("energy", () => {
     const shipped = loadCore(bytesOf(SHIPPED));
     const red = (material: MaterialCards) =>
       shipped.albedo(shipped.layer(stackOf(material)), Float32Array.of(Math.SQRT1_2))[0]!;
-    const [vermilion] = PRESETS as [MaterialCards];
+    const vermilion = preset("Vermilion urushi");
     const before = red(vermilion);
     let material = vermilion;
     for (let coats = 0; coats < 4; coats++) {

@@ -215,7 +215,7 @@ test("undo and redo", async ({ page }) => {
   await expect(coats(page)).toHaveCount(1);
   await page.keyboard.press("Control+z");
   await expect(coats(page)).toHaveCount(2);
-  await expect(number(page, "Coat 2, Roughness α")).toHaveValue("0.03");
+  await expect(number(page, "Coat 2, Roughness α")).toHaveValue("0.02");
   await page.keyboard.press("Control+Shift+z");
   await expect(coats(page)).toHaveCount(1);
 });

@@ -123,7 +123,7 @@ test("in an even light the picture is the directional albedo", async ({ page }) 
   await page.setViewportSize({ width: 640, height: 250 });
   await open(page);
   await page.getByRole("button", { name: /choose another/ }).click();
-  await page.getByRole("button", { name: "Gold maki-e" }).click();
+  await page.getByRole("button", { name: "Gilding under shellac" }).click();
   await page.getByRole("combobox", { name: "Object" }).selectOption("ball");
   await give(page, "even.hdr", panorama(64, 32, [64, 64, 64, 129])); // radiance 0.5
   const label = page.getByRole("img", { name: /^Directional albedo in percent/ });
