@@ -24,8 +24,10 @@ NEEDED = {
     "paper import": ["a.pth", "b.pth", "-o", "a.safetensors"],
     "paper eval": ["a.safetensors"],
 }
-#: Parameters of coats: their ranges are those of `urushi.coat`, whose own tests check them.
+#: Parameters of coats and colours: their ranges are those of `urushi.coat` and `urushi.diffuse`, whose
+#: own tests check them.
 OF_COATS = {"alpha", "alpha_u", "alpha_v", "ior", "eta", "albedo", "sigma_t", "g"}
+OF_COATS |= {"color", "body", "body_color", "thickness", "ground"}
 
 
 def commands() -> dict[str, type]:
