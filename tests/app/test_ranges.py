@@ -16,6 +16,7 @@ NEEDED = {
     "render": ["scene.xml"],
     "scenes export": ["teapot", "folder"],
     "simulate": ["diffuse(0.5)"],
+    "recipe": ["#7a2f1e"],
     "encode": ["diffuse(0.5)", "-o", "a.safetensors"],
     "layer": ["diffuse(0.5)", "-o", "a.safetensors"],
     "sheet": ["diffuse(0.5)", "diffuse(0.1)", "-o", "a.png"],
@@ -24,8 +25,8 @@ NEEDED = {
     "paper import": ["a.pth", "b.pth", "-o", "a.safetensors"],
     "paper eval": ["a.safetensors"],
 }
-#: Parameters of coats and colours: their ranges are those of `urushi.coat` and `urushi.diffuse`, whose
-#: own tests check them.
+#: Parameters of coats, and colours: their ranges are those of `urushi.coat` and `urushi.diffuse`,
+#: whose own tests check them.
 OF_COATS = {"alpha", "alpha_u", "alpha_v", "ior", "eta", "albedo", "sigma_t", "g"}
 OF_COATS |= {"color", "body", "body_color", "thickness", "ground"}
 
