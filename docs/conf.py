@@ -9,7 +9,7 @@ sys.path[:0] = [str(DOCS / "_ext"), str(DOCS.parent / "src")]
 import urushi  # noqa: E402 (found by the path above)
 
 project = "Urushi"
-author = "the Urushi authors"
+author = "The Urushi developers"
 copyright = author
 version = release = urushi.__version__
 
