@@ -5,6 +5,7 @@ from gallery.brushed import brushed
 from gallery.car import car
 from gallery.globe import globe
 from gallery.lantern import lantern
+from gallery.library import library_spheres
 from gallery.shoe import shoe
 from gallery.still_life import still_life
 from gallery.violin import violin
@@ -22,4 +23,5 @@ SCENES: dict[str, Scene] = {
     "violin": violin,
     "car": car,
     "lantern": lantern,
+    "library": library_spheres,
 }
