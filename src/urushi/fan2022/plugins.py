@@ -18,12 +18,12 @@ from urushi.fan2022.material import Material, encode, load
 from urushi.fan2022.networks import PaperNetworks
 from urushi.mitsuba import spectrum
 from urushi.mitsuba.latents.bottoms import KEY_BITS
-from urushi.mitsuba.latents.lookup import drawn_texel, owned, texel_draw
+from urushi.mitsuba.latents.lookup import drawn_texel, texel_draw
 from urushi.mitsuba.plugins.base import ignore, resolve
 from urushi.mitsuba.reading import grid as grids
 from urushi.mitsuba.reading import probing
 from urushi.mitsuba.reading.parameters import CoatTextures, check_bottom, nested_bsdf
-from urushi.mitsuba.recording import only_where
+from urushi.mitsuba.recording import only_where, owned
 from urushi.mitsuba.register import Room
 from urushi.textures.bake import code_hashes, unique_rows
 from urushi.textures.grid import MIDDLE, TexelGrid

@@ -292,7 +292,8 @@ def _state_at(networks: UrushiNetworks, z: np.ndarray, aim: FitTarget, hold: flo
     outward = (slopes * (probed / (probed + OFFSET))[:, None]).astype(np.float64)  # dD/dz, (P, R)
     code, inward = (x.astype(np.float64) for x in networks.encode_log(log_values(probed)))
     variance = inward @ inward.T
-    variance += LEAST_VARIANCE * np.trace(variance) / size * np.eye(size)
+    mean = max(np.trace(variance) / size, 1e-12)  # 0 of an encoder that gives the same code always
+    variance += LEAST_VARIANCE * mean * np.eye(size)
     gap, error = numbers - code, (np.log(f + DARK_OFFSET) - aim.logs).astype(np.float64)
     losses, far = huber_loss(error, HUBER_KNEE)
     loss = aim.weights @ losses

@@ -8,6 +8,7 @@ import numpy as np
 
 from urushi.core import albedos
 from urushi.core.namespace import DRJIT
+from urushi.mitsuba.recording import owned
 
 
 class InterfaceAlbedo:
@@ -130,7 +131,7 @@ class Interpolated:
     def __init__(self, table: np.ndarray):
         kinds = {2: mi.Texture1f, 3: mi.Texture2f, 4: mi.Texture3f}
         self._texture = kinds[table.ndim](
-            mi.TensorXf(np.ascontiguousarray(table)),
+            mi.TensorXf(owned(mi.Float, table), table.shape),
             use_accel=False,
             filter_mode=dr.FilterMode.Linear,
             wrap_mode=dr.WrapMode.Clamp,

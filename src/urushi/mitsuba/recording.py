@@ -5,6 +5,7 @@ from typing import Any, NamedTuple
 
 import drjit as dr
 import mitsuba as mi
+import numpy as np
 
 from urushi.checks import Widths
 
@@ -39,6 +40,20 @@ def only_where(active, function: Callable, *args):
     # Conditions of Dr.Jit take neither named tuples nor frozen dataclasses.
     values = dr.if_stmt(tuple(_flat(args)), active, evaluated, zeros)
     return _nested_like(results[0], iter(values))
+
+
+def owned(kind: type, values: np.ndarray):
+    """A flattened copy of NumPy values as a Dr.Jit array of type `kind`, in Dr.Jit's own memory.
+
+    Dr.Jit shares NumPy's memory where it can. A plugin must not hold such memory: if it does not
+    start at a multiple of the vector width, frozen functions (Dr.Jit 1.5) are replayed with the
+    values of their recording; and freeing it while a function is recorded ends the process.
+    """
+    source = kind(np.ascontiguousarray(values).reshape(-1))
+    copy = dr.zeros(kind, len(source))
+    dr.scatter(copy, source, dr.arange(mi.UInt32, len(source)))
+    dr.eval(copy)
+    return copy
 
 
 def signature(states: Sequence[int]) -> list:

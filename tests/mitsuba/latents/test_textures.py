@@ -1,7 +1,6 @@
 """Textured parameters and textured bottoms."""
 
 import re
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -12,7 +11,7 @@ from urushi.errors import UrushiWarning
 from urushi.material.encode import encoder_codes
 from urushi.material.energy import limit_albedo
 from urushi.material.layer import layer_texels
-from urushi.textures import averaging
+from urushi.textures import mip_pyramid
 
 COAT = {"alpha": 0.2, "albedo": 0.7, "sigma_t": 0.8, "g": 0.3}
 COAT_ARRAYS = {key: np.full((1, 1), value) for key, value in COAT.items()}
@@ -183,9 +182,8 @@ def test_the_level_of_the_footprint_is_taken(networks, monkeypatch):
     import mitsuba as mi
 
     mi.set_variant("llvm_ad_mono")
-    monkeypatch.setattr(
-        averaging, "averaging_space", lambda *_: SimpleNamespace(lift=np.array, drop=np.array)
-    )
+    for name in ("lifted", "dropped"):
+        monkeypatch.setattr(mip_pyramid, name, lambda model, numbers: numbers)
     rng = np.random.default_rng(0)
     bsdf = load(
         mi, "neural_layered", networks, albedo=bitmap(mi, rng.random((8, 16, 1))), mipmaps=True

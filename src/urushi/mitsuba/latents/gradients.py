@@ -33,7 +33,7 @@ from urushi.mitsuba.latents import table_gradients
 from urushi.mitsuba.latents.baking import Baker
 from urushi.mitsuba.latents.bottoms import PROBED_TEXELS, is_finer
 from urushi.mitsuba.latents.holders import ConstantLatents, TexturedLatents
-from urushi.mitsuba.latents.lookup import drawn_texel, owned, texel_draw
+from urushi.mitsuba.latents.lookup import drawn_texel, texel_draw
 from urushi.mitsuba.networks.decoder import UrushiDecoder
 from urushi.mitsuba.networks.lobe import ANY_LOBE
 from urushi.mitsuba.networks.table import TabulatedDecoder
@@ -42,7 +42,7 @@ from urushi.mitsuba.reading import probing
 from urushi.mitsuba.reading.grid import varying_textures
 from urushi.mitsuba.reading.parameters import TWO_WIDTHS, CoatTextures
 from urushi.mitsuba.reading.surfaces import known_surface
-from urushi.mitsuba.recording import only_where
+from urushi.mitsuba.recording import only_where, owned
 from urushi.nets.lobe import no_lobe
 from urushi.nets.weights import Model
 from urushi.textures.grid import MIDDLE, TexelGrid

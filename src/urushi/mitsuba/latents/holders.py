@@ -17,16 +17,12 @@ from urushi.core.mixture import Mixture
 from urushi.material.material import Material
 from urushi.material.table import rest_table
 from urushi.mitsuba import spectrum
-from urushi.mitsuba.latents.lookup import (
-    LatentTexture,
-    are_constant,
-    owned,
-)
+from urushi.mitsuba.latents.lookup import LatentTexture, are_constant
 from urushi.mitsuba.networks.decoder import UrushiDecoder
 from urushi.mitsuba.networks.lobe import NO_LOBE, LobeKind, kind_of
 from urushi.mitsuba.networks.sampler import UrushiSampler
 from urushi.mitsuba.networks.table import TabulatedDecoder, padded
-from urushi.mitsuba.recording import only_where, signature
+from urushi.mitsuba.recording import only_where, owned, signature
 from urushi.nets.weights import Model
 from urushi.textures import file
 from urushi.textures.grid import TexelGrid

@@ -14,7 +14,7 @@ import drjit as dr
 import mitsuba as mi
 import numpy as np
 
-from urushi.mitsuba.recording import signature
+from urushi.mitsuba.recording import owned, signature
 from urushi.textures.grid import IDENTITY, TexelGrid
 from urushi.textures.packing import TexelLayout
 from urushi.textures.store import TextureStore
@@ -22,20 +22,6 @@ from urushi.textures.store import TextureStore
 #: Number of steps of a texel's weight along an axis. A point within half a step of the centre of a
 #: texel has this texel alone.
 WEIGHT_STEPS = 256
-
-
-def owned(kind: type, values: np.ndarray):
-    """A flattened copy of NumPy values as a Dr.Jit array of type `kind`, in Dr.Jit's own memory.
-
-    Dr.Jit shares NumPy's memory where it can. A plugin must not hold such memory: if it does not
-    start at a multiple of the vector width, frozen functions (Dr.Jit 1.5) are replayed with the
-    values of their recording; and freeing it while a function is recorded ends the process.
-    """
-    source = kind(np.ascontiguousarray(values).reshape(-1))
-    copy = dr.zeros(kind, len(source))
-    dr.scatter(copy, source, dr.arange(mi.UInt32, len(source)))
-    dr.eval(copy)
-    return copy
 
 
 class LatentTexture:

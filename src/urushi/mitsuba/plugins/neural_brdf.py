@@ -9,12 +9,12 @@ from urushi.errors import ParameterError
 from urushi.material import Material, load
 from urushi.material.layer import under as below_medium
 from urushi.mitsuba import spectrum
-from urushi.mitsuba.latents import lookup
 from urushi.mitsuba.latents.gradients import DifferentiableLatents
 from urushi.mitsuba.latents.holders import ConstantLatents, TexturedLatents
 from urushi.mitsuba.plugins.base import read_weights, resolve
 from urushi.mitsuba.plugins.coats import Turn
 from urushi.mitsuba.reading.parameters import Rotation
+from urushi.mitsuba.recording import owned
 from urushi.textures import file
 
 
@@ -79,7 +79,7 @@ def define(base: type) -> type:
             else:
                 self._material = material = load(path, model)
                 self.model, angle = material.model, material.rotation
-                codes = lookup.owned(mi.Float, material.latents)
+                codes = owned(mi.Float, material.latents)
                 self._tensor = mi.TensorXf(codes, material.latents.shape)
                 self.latents = ConstantLatents.of(material)
             bands = (spectrum.COUNT,) if mi.is_spectral else ()
