@@ -6,18 +6,21 @@ those at the cosines `COSINES` (with its sign); both plugins are evaluated at th
 directions, and an albedo below `DARK` counts as `DARK`. E is as in docs/conventions.md, over
 `PAIRS` pairs of cosine density and `REPEATS` walks each, less the noise of the walk. Bottoms that
 cannot be coated are listed with the reason. Takes about 10 seconds of CPU time for a bottom.
+`--codes` evaluates codes alone, as textured coats and coats over textured bottoms do.
 """
 
 import argparse
 import sys
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any
 
 import drjit as dr
 import mitsuba as mi
 import numpy as np
 
-import urushi  # noqa: F401  registers the plugins
+import urushi
+from urushi.checks import GLASS
 from urushi.core import direction_sets
 from urushi.core.error_metrics import stack_error
 from urushi.errors import UrushiError
@@ -152,6 +155,21 @@ def loaded(description: dict[str, Any]) -> "mi.BSDF":
     return mi.load_dict(filled(description))
 
 
+def of_codes(coat: dict[str, Any], bottom: dict[str, Any]) -> "mi.BSDF":
+    """A coat over a bottom by codes alone."""
+    medium = {
+        name: value["value"] if isinstance(value, dict) else value
+        for name, value in coat.items()
+        if name in ("albedo", "sigma_t", "g")
+    }
+    top = urushi.dielectric(coat["alpha"], ior=coat.get("int_ior", GLASS))
+    material = urushi.layer(top, urushi.encode(loaded(bottom), table=False), **medium)
+    with TemporaryDirectory() as folder:
+        file = str(Path(folder) / "material.safetensors")
+        urushi.Material(material.anchors, material.model).save(file)
+        return mi.load_dict({"type": "neural_brdf", "filename": file})
+
+
 def values(bsdf: "mi.BSDF", wi: np.ndarray, wo: np.ndarray, repeats: int) -> np.ndarray:
     """f (repeats, N, 3) of independent evaluations."""
     a, b = (np.tile(w, (repeats, 1)) for w in (wi, wo))
@@ -203,6 +221,7 @@ def main() -> None:
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     parser.add_argument("names", nargs="*", help="bottoms; default: all")
+    parser.add_argument("--codes", action="store_true", help="leave tables out")
     parser.add_argument("--measured", type=Path, nargs="*", default=[], help="MERL or RGL files")
     options = parser.parse_args()
     mi.set_variant("llvm_ad_rgb")
@@ -217,7 +236,10 @@ def main() -> None:
         for label, coat in COATS.items():
             bottom = {"bottom": bottoms[name]}
             try:
-                neural = loaded({"type": "neural_layered", **coat, **bottom})
+                if options.codes:
+                    neural = of_codes(coat, bottoms[name])
+                else:
+                    neural = loaded({"type": "neural_layered", **coat, **bottom})
                 walk = loaded({"type": "layered", **coat, **bottom})
             except (UrushiError, RuntimeError) as error:
                 print(f"{name:28}refused: {str(error).splitlines()[-1].strip()}", flush=True)

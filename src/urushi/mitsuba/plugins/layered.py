@@ -48,7 +48,7 @@ def define(base: type) -> type:
         thickness      float, texture        Factor of the optical depth, zero or more. (Default: 1)
         g              spectrum, texture     Asymmetry of its Henyey-Greenstein phase function,
                                              -1 to 1, both excluded. (Default: 0)
-        energy_        boolean               Whether light that meets a second facet of the coat's
+        ``energy_``    boolean               Whether light that meets a second facet of the coat's
         compensation                         surface is given back, so that a white coat over white
                                              reflects all light. The option of a coat under another
                                              coat has no effect. (Default: false)
