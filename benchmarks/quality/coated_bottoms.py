@@ -6,7 +6,8 @@ those at the cosines `COSINES` (with its sign); both plugins are evaluated at th
 directions, and an albedo below `DARK` counts as `DARK`. E is as in docs/conventions.md, over
 `PAIRS` pairs of cosine density and `REPEATS` walks each, less the noise of the walk. Bottoms that
 cannot be coated are listed with the reason. Takes about 10 seconds of CPU time for a bottom.
-`--codes` evaluates codes alone, as textured coats and coats over textured bottoms do.
+`--codes` evaluates codes alone, as textured coats and coats over textured bottoms do; bottoms that
+are coats then have their index in air, unlike in the walk.
 """
 
 import argparse
