@@ -73,6 +73,8 @@ thumbnails: $(READY)
 	        --height 240 --spp 160 -o out/$$scene-walk.png || exit; \
 	    .venv/bin/python docs/small_jpg.py out/$$scene-walk.png docs/images || exit; \
 	done
+	.venv/bin/python -m gallery library out/gallery/library --width 900 --height 560 --spp 128
+	.venv/bin/urushi render out/gallery/library/scene.xml -o docs/images/library.jpg
 
 # The pictures of docs/measured.md, by the present weights
 MATERIALS := velvet car-paint brushed

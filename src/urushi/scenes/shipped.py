@@ -10,8 +10,9 @@ import mitsuba as mi
 
 from urushi.errors import ParameterError
 from urushi.files import atomic_write
+from urushi.mitsuba.register import ROOM
 from urushi.scenes.caddy import caddy
-from urushi.scenes.options import COATS, Options
+from urushi.scenes.options import Options
 from urushi.scenes.stage import Folder
 from urushi.scenes.teapot import teapot
 
@@ -98,7 +99,7 @@ def xml(description: dict[str, Any]) -> str:
     state = mi.parser.parse_dict(mi.parser.ParserConfig(mi.variant()), description)
     nodes = state.nodes
     for node in nodes:
-        if node.props.plugin_name() in (*COATS, "openpbr"):
+        if node.props.plugin_name() in (*ROOM.bsdfs, "openpbr"):
             node.type = mi.ObjectType.BSDF  # Mitsuba does not know the type of plugins in Python
     state.nodes = nodes
     text = mi.parser.write_string(state)
