@@ -45,8 +45,9 @@ from urushi.nets.weights import Model
 from urushi.train import examples, losses
 from urushi.train.bottoms import bottom_lobes
 from urushi.train.data.distribution import Extended, Practical
+from urushi.train.data.generate import generate
 from urushi.train.data.spec import DataSpec, Part
-from urushi.train.data.store import Store, generate
+from urushi.train.data.store import Store
 from urushi.train.datasets import validation, whole_domain
 from urushi.train.examples import Batches
 from urushi.train.losses import bounded, columns_of, pair_weights, stack_loss

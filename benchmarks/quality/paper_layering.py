@@ -18,8 +18,8 @@ from urushi.fan2022.train import layering, preset
 from urushi.fan2022.train import training as paper_training
 from urushi.fan2022.train.preset import Palette
 from urushi.fan2022.train.projection import project_part
+from urushi.train.data.generate import generate
 from urushi.train.data.spec import DataSpec, Part
-from urushi.train.data.store import generate
 
 #: Components of each kind, stratified pairs of each BRDF, walks for each, and epochs of training.
 COMPONENTS, PAIRS, WALKS, EPOCHS = 8, 5**4, 256, 400

@@ -14,7 +14,7 @@ import numpy as np
 from matplotlib import pyplot as plt
 from research.rivals import openpbr_recipe
 
-from urushi.app.commands.openpbr import table
+from urushi.app.commands.openpbr_check import table
 from urushi.eval import sphere
 from urushi.files import new_folder
 from urushi.openpbr_surface import conformance

@@ -22,8 +22,9 @@ import numpy as np
 import zarr
 
 from urushi.train.data.distribution import Extended, Table2
+from urushi.train.data.generate import generate, make_shard
 from urushi.train.data.spec import DataSpec, Part
-from urushi.train.data.store import Store, generate, make_shard
+from urushi.train.data.store import Store
 from urushi.train.order import Order
 
 #: Direction pairs per stack and walks per pair, as in the preset `quick`.

@@ -17,7 +17,7 @@ from urushi.fan2022.train import layering, projection, proxy, representation, tr
 from urushi.fan2022.train.preset import Palette, paper
 from urushi.fan2022.train.training import train
 from urushi.train.checkpoint import Journal
-from urushi.train.data.store import generate
+from urushi.train.data.generate import generate
 from urushi.walk import analytic
 
 pytestmark = pytest.mark.research

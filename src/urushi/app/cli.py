@@ -10,12 +10,13 @@ from typing import Annotated, Any
 import tyro
 
 from urushi import ranges
+from urushi.app.commands.convert import Convert
 from urushi.app.commands.demo import Demo
 from urushi.app.commands.encode import Encode
 from urushi.app.commands.export import Export
 from urushi.app.commands.layer import Layer, Sheet
 from urushi.app.commands.materials import Materials
-from urushi.app.commands.openpbr import Convert, OpenPBRCheck
+from urushi.app.commands.openpbr_check import OpenPBRCheck
 from urushi.app.commands.paper import Paper
 from urushi.app.commands.recipe import Recipe
 from urushi.app.commands.render import Render, Scenes

@@ -1,15 +1,12 @@
-"""The analytic lobe as shader code, by the formulas of `core` and `nets.lobe`, and its tangent."""
+"""The analytic lobe as shader code, by the formulas of `core` and `nets.lobe`."""
 
 from collections.abc import Sequence
-from typing import NamedTuple
-
-import numpy as np
 
 from urushi.checks import Widths
 from urushi.core import microfacet
 from urushi.core.namespace import Components
-from urushi.export.expressions import FLOAT, Expression, Value, call, expression, is_zero, vector
-from urushi.export.statements import Function, Variable, namespace
+from urushi.export.expressions import Expression, Value, call, expression, is_zero
+from urushi.export.statements import Function, namespace
 from urushi.nets.lobe import COSINES, FEATURES, WIDTH_PLACES, feature_columns, reflectance_of
 
 
@@ -64,45 +61,3 @@ def _reflectance(
         None if is_zero(k) else k,
     )
     return expression(reflectance_of(numbers, expression(cosine), namespace(body, suffix)))
-
-
-#: Fields of an anisotropic material: components of its tangent, of length one.
-FIELDS = (
-    Variable("tangent_x", FLOAT, note="the tangent in the frame of wi and wo, a unit vector:"),
-    Variable("tangent_y", FLOAT, note="the cosine and the sine of the material's rotation"),
-)
-
-
-class Tangent(NamedTuple):
-    """The tangent (x, y, 0) of a material, of length one."""
-
-    x: Expression
-    y: Expression
-
-    @classmethod
-    def of(cls, rotation: float) -> "Tangent":
-        """That of a known rotation [degrees]."""
-        angle = np.radians(rotation)
-        return cls(expression(float(np.cos(angle))), expression(float(np.sin(angle))))
-
-    @property
-    def _is_x_axis(self) -> bool:
-        return self.x.constant is not None and self.x.constant == 1.0
-
-    def inside(self, body: Function, w: Expression, label: str) -> Expression:
-        """A direction in the frame of the tangent; itself if that is the x axis."""
-        if self._is_x_axis:
-            return w
-        turned = vector(w.x * self.x + w.y * self.y, w.y * self.x - w.x * self.y, w.z)
-        return body.let(label, turned)
-
-    def outside(self, body: Function, w: Expression, label: str) -> Expression:
-        """A direction of the tangent's frame in the caller's."""
-        if self._is_x_axis:
-            return w
-        turned = vector(w.x * self.x - w.y * self.y, w.x * self.y + w.y * self.x, w.z)
-        return body.let(label, turned)
-
-
-#: That of a material that is not turned.
-X_AXIS = Tangent.of(0.0)

@@ -7,7 +7,8 @@ import numpy as np
 
 from urushi.errors import ParameterError
 from urushi.export import decoder, lobe, proposal
-from urushi.export.decoder import CodeTerms, activation, dense
+from urushi.export.decoder import CodeTerms
+from urushi.export.dense import activation, dense
 from urushi.export.expressions import (
     COLOUR,
     FLOAT,
@@ -21,7 +22,6 @@ from urushi.export.expressions import (
     vector,
 )
 from urushi.export.languages import LANGUAGES
-from urushi.export.lobe import FIELDS, X_AXIS, Tangent
 from urushi.export.proposal import SAMPLE, WI, WIDTHS, WO, U, argument
 from urushi.export.statements import (
     Function,
@@ -34,6 +34,7 @@ from urushi.export.statements import (
     member,
     texel_function,
 )
+from urushi.export.tangent import FIELDS, X_AXIS, Tangent
 from urushi.nets.lobe import WIDTH_PLACES
 from urushi.nets.weights import Model
 

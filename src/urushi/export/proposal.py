@@ -9,7 +9,7 @@ import numpy as np
 from urushi.checks import MIN_ALPHA, Widths
 from urushi.core.mixture import reflection_pdf, sample_reflection
 from urushi.core.namespace import Components
-from urushi.export.decoder import dense
+from urushi.export.dense import dense
 from urushi.export.expressions import (
     FLOAT,
     VECTOR,

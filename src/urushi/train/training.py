@@ -29,7 +29,8 @@ from urushi.nets.mlp import Params
 from urushi.platform import available_cores
 from urushi.train import examples, presets
 from urushi.train.checkpoint import Checkpoint, Journal
-from urushi.train.data.store import Store, generate
+from urushi.train.data.generate import generate
+from urushi.train.data.store import Store
 from urushi.train.examples import METRICS, Depth, coats_to_layer, encoder_inputs, top_lobes
 from urushi.train.optimiser import TrainState, start
 from urushi.train.presets import Preset

@@ -13,10 +13,11 @@ import pytest
 import zarr
 
 from urushi.errors import FileError, ParameterError
-from urushi.train.data import store as generation
+from urushi.train.data import generate as generation
 from urushi.train.data.distribution import Extended, Table2
+from urushi.train.data.generate import generate, make_shard
 from urushi.train.data.spec import DataSpec, Part
-from urushi.train.data.store import Store, generate, make_shard
+from urushi.train.data.store import Store
 from urushi.walk import analytic
 
 SPEC = DataSpec(
@@ -114,7 +115,7 @@ def test_a_killed_process_resumes_to_the_same_bytes(fingerprints, tmp_path):
     )
     script = (
         "import json, sys\n"
-        "from urushi.train.data.store import generate\n"
+        "from urushi.train.data.generate import generate\n"
         "from urushi.train.data.spec import DataSpec\n"
         "generate(DataSpec.from_dict(json.loads(sys.argv[1])), sys.argv[2])\n"
     )

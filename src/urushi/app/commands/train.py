@@ -154,7 +154,7 @@ class Generate:
 
     def run(self) -> int:
         platform.require_extra("train")
-        from urushi.train.data.store import generate
+        from urushi.train.data.generate import generate
 
         preset = find_preset(self.preset, self.scale)
         store = generate(preset.data, self.output)

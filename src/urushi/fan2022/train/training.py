@@ -22,7 +22,8 @@ from urushi.fan2022.train.projection import project_part
 from urushi.nets.mlp import Params
 from urushi.train import training
 from urushi.train.checkpoint import Checkpoint, Journal
-from urushi.train.data.store import Store, generate
+from urushi.train.data.generate import generate
+from urushi.train.data.store import Store
 
 #: Direction pairs of each BRDF in `value_errors`, at most; they are drawn without replacement.
 PAIRS = 4096
