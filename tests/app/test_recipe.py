@@ -31,6 +31,7 @@ def test_white_stays_white_through_the_surface():
     assert recipe.seen(np.array([0.0, 1.0])) == pytest.approx([0, 1], abs=0.06)
 
 
+@pytest.mark.slow
 def test_a_mixture_is_found_again(capsys):
     """An opaque mixture's own colour: the walk agrees within 2.5, about the step of the parts."""
     from urushi.measured import pigments

@@ -90,6 +90,7 @@ def test_lossless_slabs_keep_the_light_from_both_sides(stack: Stack, angles) -> 
         assert np.all(np.abs(kept - 1) < 1e-3)
 
 
+@pytest.mark.slow
 def test_light_that_scatters_between_smooth_surfaces_is_kept() -> None:
     lossless = slab(0.01, 1.5, 1.0, (0.5, 2.0, 20.0), 0.3)
     kept, _ = analog_albedo(lossless, ABOVE[:7], walks=1 << 16, seed=16, transmitted=None)
