@@ -79,9 +79,10 @@ thumbnails: $(READY)
 # The pictures of docs/measured.md, by the present weights
 MATERIALS := velvet car-paint brushed
 measured-pictures: $(READY)
-	.venv/bin/urushi encode $(MATERIALS:%=docs/materials.xml#%) -o out/materials --report out/materials/report
+	.venv/bin/urushi encode $(MATERIALS:%=docs/materials.xml#%) -o out/materials
+	.venv/bin/python -m benchmarks.quality.examine docs/materials.xml#car-paint -o out/materials/report
 	cp out/materials/report/car-paint.png docs/images/encode_report.png
-	.venv/bin/urushi sheet $(MATERIALS:%=out/materials/%.safetensors) --rows 5 -o docs/images/sheet.jpg
+	.venv/bin/python -m figures.sheet $(MATERIALS:%=out/materials/%.safetensors) -o docs/images/sheet.jpg
 
 # Results and pictures of all folders of figures/; finished parts in out/figures are kept.
 figures: $(READY)

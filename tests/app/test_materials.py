@@ -1,8 +1,5 @@
 """`urushi encode` and `urushi layer` make the files that `urushi.load` reads."""
 
-import json
-import sys
-
 import numpy as np
 import pytest
 
@@ -121,21 +118,6 @@ def test_encoding_again_encodes_again(tmp_path):
     assert last == urushi.encode(urushi.diffuse(0.7))
 
 
-def test_a_report(small_spheres, tmp_path, capsys):
-    pytest.importorskip("matplotlib")
-    bad, folder = tmp_path / "bad.binary", tmp_path / "report"
-    bad.write_text("nothing")
-    arguments = ["encode", GOLD, str(bad), "-o", str(tmp_path), "--report", str(folder)]
-    assert cli.main(arguments) == 2
-    assert "1 of 2 sources could not be encoded" in capsys.readouterr().err
-    names = ["conductor-1.png", "report.json", "report.md"]
-    assert sorted(file.name for file in folder.iterdir()) == names
-    content = json.loads((folder / "report.json").read_text())
-    assert list(content) == ["conductor-1", "bad"]
-    assert "is neither a MERL table" in content["bad"]["error"]
-    assert len(content["conductor-1"]["E"]) == 3
-
-
 def test_averaging_is_reported(tmp_path, capsys):
     scene = tmp_path / "scene.xml"
     brushed = '<float name="alpha_u" value="0.05"/><float name="alpha_v" value="0.5"/>'
@@ -146,17 +128,6 @@ def test_averaging_is_reported(tmp_path, capsys):
     file = str(tmp_path / "pan.safetensors")
     assert cli.main(["encode", str(scene), "-o", file, "--weights", "default"]) == 0
     assert f"urushi: {scene}: the BRDF is anisotropic" in capsys.readouterr().err
-
-
-@pytest.mark.parametrize("package", ["matplotlib"])
-def test_a_report_without_its_packages_is_refused_before_the_work(
-    package, tmp_path, monkeypatch, capsys
-):
-    monkeypatch.setitem(sys.modules, package, None)
-    file = tmp_path / "gold.safetensors"
-    assert cli.main(["encode", GOLD, "-o", str(file), "--report", str(tmp_path / "report")]) == 2
-    assert "pip install 'urushi[eval]'" in capsys.readouterr().err
-    assert not file.exists()
 
 
 @pytest.mark.parametrize(

@@ -19,7 +19,6 @@ NEEDED = {
     "recipe": ["#7a2f1e"],
     "encode": ["diffuse(0.5)", "-o", "a.safetensors"],
     "layer": ["diffuse(0.5)", "-o", "a.safetensors"],
-    "sheet": ["diffuse(0.5)", "diffuse(0.1)", "-o", "a.png"],
     "convert": ["a.mtlx", "-o", "folder"],
     "data generate": ["-o", "a.zarr"],
     "paper import": ["a.pth", "b.pth", "-o", "a.safetensors"],

@@ -14,7 +14,7 @@ from urushi.app.commands.convert import Convert
 from urushi.app.commands.demo import Demo
 from urushi.app.commands.encode import Encode
 from urushi.app.commands.export import Export
-from urushi.app.commands.layer import Layer, Sheet
+from urushi.app.commands.layer import Layer
 from urushi.app.commands.materials import Materials
 from urushi.app.commands.openpbr_check import OpenPBRCheck
 from urushi.app.commands.paper import Paper
@@ -48,7 +48,6 @@ COMMANDS: dict[str, tuple[type, str]] = {
     "layer": (Layer, "Coat a material in the latent space."),
     "materials": (Materials, "List the library of described materials."),
     "recipe": (Recipe, "Find measured paints that give a colour over a ground."),
-    "sheet": (Sheet, "Draw spheres of blended materials under coats."),
     "export": (
         Export,
         "Write a material as code: GLSL, WGSL, HLSL, Slang, OSL, Python.",

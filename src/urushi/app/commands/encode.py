@@ -9,7 +9,6 @@ from typing import Annotated, Any
 import tyro
 from tqdm import tqdm
 
-from urushi import platform
 from urushi.app.describe import describe, is_description
 from urushi.errors import FileError, ParameterError, UrushiError
 from urushi.files import new_folder
@@ -25,7 +24,7 @@ class Encode:
 
     Example: urushi encode "conductor(alpha=0.2, r0=(0.98, 0.77, 0.34))" -o gold.safetensors
 
-    Example: urushi encode merl/*.binary -o materials --report materials/report
+    Example: urushi encode merl/*.binary -o materials
     """
 
     sources: tyro.conf.Positional[tuple[str, ...]]
@@ -33,9 +32,6 @@ class Encode:
     SCENE.xml#ID."""
     output: Annotated[Path, tyro.conf.arg(aliases=["-o"])]
     """Material file to write (.safetensors), or a folder that gets one file per source."""
-    report: Path | None = None
-    """Folder for a comparison of every material with its source: report.json, report.md and a
-    picture each, with errors, asymmetry, albedos, slices and spheres side by side."""
     refine: bool = False
     """Refine every latent code by optimisation. Default: automatic, which refines those of
     measured and of unusual BRDFs."""
@@ -52,18 +48,20 @@ class Encode:
     """Weights file of the networks. Default: the shipped ones."""
 
     def run(self) -> int:
-        from urushi.material.batch import EncodedSource, encode_all
+        from urushi.material.batch import encode_all
 
-        self._check()
+        if self.refine and self.no_refine:
+            raise ParameterError(
+                "--refine and --no-refine exclude each other; give only one of them"
+            )
         targets = self.targets()
         sources = self.opened()
         errors = {k: source for k, source in enumerate(sources) if isinstance(source, UrushiError)}
         if len(sources) > 1:
-            _print_errors(errors)
+            for error in errors.values():
+                _print_to_stderr(str(error))
         readable = [k for k in range(len(sources)) if k not in errors]
-        encoded: dict[int, EncodedSource] = {}
-        total = len(readable) * (1 if self.report is None else 2)
-        with tqdm(total=total, unit="BRDF", disable=total <= 1 or None) as progress:
+        with tqdm(total=len(readable), unit="BRDF", disable=len(readable) <= 1 or None) as progress:
             for position, result in encode_all(
                 [sources[k] for k in readable],
                 weights=self.weights,
@@ -81,56 +79,11 @@ class Encode:
                     _print_to_stderr(f"{self.sources[index]}: {sentence}")
                 result.material.save(targets[index])
                 tqdm.write(str(targets[index]))
-                encoded[index] = result
-            if self.report is not None:
-                names = [target.stem for target in targets]
-                errors |= self._write_report(self.report, names, sources, encoded, errors, progress)
         if len(sources) == 1 and errors:
             raise errors[0]
         if errors:
             raise UrushiError(f"{len(errors)} of {len(sources)} sources could not be encoded")
         return 0
-
-    def _check(self) -> None:
-        """Raise an error before any work if the flags are wrong or a package is missing."""
-        if self.refine and self.no_refine:
-            raise ParameterError(
-                "--refine and --no-refine exclude each other; give only one of them"
-            )
-        if self.report is not None:
-            platform.require_extra("eval")
-
-    def _write_report(
-        self,
-        folder: Path,
-        names: list[str],
-        sources: list[Any],
-        encoded: Mapping[int, Any],
-        errors: Mapping[int, UrushiError],
-        progress: tqdm,
-    ) -> dict[int, UrushiError]:
-        """Compare the materials with their sources; returns the comparisons' errors by index."""
-        from urushi.eval import examine
-        from urushi.material.batch import map_sources
-
-        indices = list(encoded)
-        tasks = [(sources[index], encoded[index].material) for index in indices]
-        examinations, failed = {}, {}
-        for task, result in map_sources(examine.examined, tasks):
-            progress.update()
-            if isinstance(result, UrushiError):
-                failed[indices[task]] = result
-            else:
-                examinations[indices[task]] = result
-        if len(sources) > 1:
-            _print_errors(failed)
-        examine.write_report(
-            folder,
-            {names[index]: examinations[index] for index in sorted(examinations)},
-            {names[index]: str(error) for index, error in {**errors, **failed}.items()},
-        )
-        tqdm.write(str(folder / "report.md"))
-        return failed
 
     def targets(self) -> list[Path]:
         """The file to write for each source.
@@ -237,11 +190,6 @@ def _name(text: str, number: int) -> str:
         return f"{text.strip().partition('(')[0]}-{number}"
     path, bsdf = scene_and_bsdf(text)
     return path.stem if bsdf is None else bsdf.replace("/", "-")
-
-
-def _print_errors(errors: Mapping[int, UrushiError]) -> None:
-    for error in errors.values():
-        _print_to_stderr(str(error))
 
 
 def _print_to_stderr(sentence: str) -> None:

@@ -1,18 +1,13 @@
-"""`urushi layer` coats one material; `urushi sheet` draws blends of materials under coats."""
+"""`urushi layer`: a material under a coat."""
 
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
-import numpy as np
 import tyro
-from tqdm import tqdm
 
-from urushi import platform
 from urushi.app.describe import describe, is_description
 from urushi.checks import DEFAULT_COAT
-from urushi.errors import ParameterError
-from urushi.ranges import Rows
 
 if TYPE_CHECKING:
     from urushi.material import Material
@@ -78,49 +73,6 @@ class Layer:
             thickness=self.thickness,
         )
         coated.save(self.output)
-        print(self.output)
-        return 0
-
-
-@dataclass(frozen=True)
-class Sheet:
-    """Draw a sheet of spheres: rows blend from one material to the next, columns are coats.
-
-    Rows are blends by `urushi.lerp`, and coats are laid by `urushi.layer`. A material is a file of
-    `urushi encode`, a measured BRDF (MERL or RGL) or a description as in Python.
-
-    Example: urushi sheet gold.safetensors "diffuse(0.4)" --rows 5 -o sheet.png
-    """
-
-    materials: tyro.conf.Positional[tuple[str, ...]]
-    """Two or more materials: the first row, those in between, and the last row, in this order."""
-    output: Annotated[Path, tyro.conf.arg(aliases=["-o"])]
-    """Picture to write (.png, .jpg or .pdf)."""
-    rows: Rows = 5
-    """Number of rows, two or more."""
-    coats: tuple[str, ...] = ("bare", "clear", "satin", "amber", "milky", "lacquer")
-    """Coats of the columns, by name. The default lists all that exist."""
-    weights: str | None = None
-    """Weights file of the networks. Default: the shipped ones."""
-
-    def run(self) -> int:
-        platform.require_extra("eval")
-        from urushi.eval import sheet, sphere
-
-        sheet.check_path(self.output)
-        coats = sheet.chosen(self.coats)
-        if len(self.materials) < 2:
-            raise ParameterError("a sheet blends materials; give two or more")
-        materials = [read_material(text, self.weights) for text in self.materials]
-        pictures: dict[tuple[int, int], np.ndarray] = {}
-        total = self.rows * len(coats)
-        with tqdm(total=total, unit="sphere", disable=None) as progress:
-            for cell in sheet.cells(materials, self.rows, coats):
-                pictures[cell.row, cell.column] = sphere.studio(cell.material.f)
-                progress.update()
-        grid = np.stack([[pictures[i, k] for k in range(len(coats))] for i in range(self.rows)])
-        names = [text if is_description(text) else Path(text).stem for text in self.materials]
-        sheet.draw(self.output, grid, sheet.labels(names, self.rows), list(coats))
         print(self.output)
         return 0
 

@@ -1,19 +1,21 @@
-"""Pictures of materials: sheets of blends under coats, and a sphere for a notebook.
+"""A sheet of spheres: rows blend from one material to the next, columns are coats.
 
-A sheet has blends of materials from row to row, and coats from column to column. Both are
-arithmetic on latent codes: a row is `urushi.lerp` of its neighbours among the materials, a column
-`urushi.layer` over it.
+    python -m figures.sheet MATERIAL MATERIAL... -o sheet.jpg [--rows 5]
+
+A row is `urushi.lerp` of its neighbours among the materials, a column `urushi.layer` over it.
 """
 
-import functools
+import argparse
 import os
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
+from matplotlib.figure import Figure
+from tqdm import tqdm
 
-from urushi.errors import ParameterError
+from urushi.app.commands.layer import read_material
 from urushi.eval import metrics, sphere
 from urushi.files import atomic_write
 from urushi.material import Material, layer, lerp
@@ -28,9 +30,6 @@ COATS: dict[str, dict[str, Any] | None] = {
     "milky": {"alpha": 0.1, "eta": 1.5, "albedo": 0.95, "sigma_t": 0.7},
     "lacquer": {"alpha": 0.05, "eta": 1.5, "albedo": (0.9, 0.15, 0.08), "sigma_t": 1.2},
 }
-
-#: Suffixes of the picture files that a sheet can be written to.
-SUFFIXES = (".png", ".jpg", ".pdf")
 
 
 class Cell(NamedTuple):
@@ -51,12 +50,7 @@ def cells(
             last at equal steps.
         rows: two or more.
         coats: by name, as in `COATS`.
-
-    Raises:
-        ParameterError: too few materials or rows, no coats, different networks, materials that
-            have neither one nor three channels, or a coat's parameter is out of range.
     """
-    _check(materials, rows, coats)
     for row, (k, t) in enumerate(steps(len(materials), rows)):
         blend = lerp(materials[k], materials[k + 1], t)
         for column, coat in enumerate(coats.values()):
@@ -102,8 +96,6 @@ def draw(
     Raises:
         FileError: the file cannot be written.
     """
-    from matplotlib.figure import Figure  # lazily: an extra
-
     rows, columns, height, width, _ = pictures.shape
     whole = pictures.transpose(0, 2, 1, 3, 4).reshape(rows * height, columns * width, 3)
     figure = Figure(figsize=(1.3 * columns + 1.2, 1.3 * rows + 0.4), layout="constrained")
@@ -117,65 +109,25 @@ def draw(
         figure.savefig(temporary, dpi=100, bbox_inches="tight")
 
 
-def check_path(path: Path) -> None:
-    """Raise ParameterError unless a sheet can be written to such a file."""
-    if path.suffix.lower() not in SUFFIXES:
-        raise ParameterError(
-            f"'{path}' does not end in a picture format; use one of {', '.join(SUFFIXES)}"
-        )
+def main() -> None:
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawTextHelpFormatter
+    )
+    parser.add_argument("materials", nargs="+", help="two or more, as of `urushi layer`")
+    parser.add_argument("-o", "--output", type=Path, required=True)
+    parser.add_argument("--rows", type=int, default=5)
+    options = parser.parse_args()
+    if len(options.materials) < 2 or options.rows < 2:
+        parser.error("a sheet blends materials; give two or more, and two or more rows")
+    materials = [read_material(text, None) for text in options.materials]
+    shape = options.rows, len(COATS)
+    made = tqdm(cells(materials, options.rows, COATS), total=shape[0] * shape[1], unit="sphere")
+    pictures = np.stack([sphere.studio(cell.material.f) for cell in made])
+    grid = pictures.reshape(*shape, *pictures.shape[1:])
+    names = [Path(text).stem for text in options.materials]
+    draw(options.output, grid, labels(names, options.rows), list(COATS))
+    print(options.output)
 
 
-def chosen(names: Sequence[str]) -> dict[str, dict[str, Any] | None]:
-    """The coats of these names.
-
-    Raises:
-        ParameterError: there is no such coat, or one is named twice.
-    """
-    for name in names:
-        if name not in COATS:
-            raise ParameterError(f"there is no coat '{name}'; choose from {', '.join(COATS)}")
-    if len(set(names)) < len(names):
-        raise ParameterError(f"a coat is named twice: {', '.join(names)}; leave one out")
-    return {name: COATS[name] for name in names}
-
-
-def _check(materials: Sequence[Material], rows: int, coats: Mapping[str, Any]) -> None:
-    if len(materials) < 2:
-        raise ParameterError(f"a sheet of {len(materials)} materials has no rows; give two or more")
-    if rows < 2:
-        raise ParameterError(f"a sheet has {rows} rows; give two or more")
-    if not coats:
-        raise ParameterError("a sheet without coats has no columns; give one or more, or 'bare'")
-    for material in materials:
-        if material.channels not in (1, 3):
-            raise ParameterError(
-                f"a material has {material.channels} channels; only those of one or three can be "
-                "shown"
-            )
-    fingerprints = {material.model.fingerprint for material in materials}
-    if len(fingerprints) > 1:
-        raise ParameterError(
-            "the materials were encoded with different weights, "
-            f"{', '.join(sorted(fingerprints))}; encode all with the same weights"
-        )
-
-
-#: Number of pictures that are remembered: a notebook shows the same material several times.
-REMEMBERED = 32
-
-
-@functools.lru_cache(REMEMBERED)
-def png(material: Material) -> bytes:
-    """A sphere in Urushi's studio as a PNG file, 128 pixels across, transparent around it.
-
-    material: of one or three channels. The tangents of an anisotropic one point away from the
-    middle. A picture takes about two seconds.
-    """
-    import mitsuba as mi  # lazily: a notebook may never show a material
-
-    alpha = sphere.mask().astype(float)[..., None]
-    pixels = np.concatenate([metrics.shown(sphere.studio(material.f)), alpha], axis=-1)
-    stream = mi.MemoryStream()
-    bitmap = mi.Bitmap((255 * pixels + 0.5).astype(np.uint8), mi.Bitmap.PixelFormat.RGBA)
-    bitmap.write(stream, mi.Bitmap.FileFormat.PNG)
-    return bytes(stream.raw_buffer())
+if __name__ == "__main__":
+    main()

@@ -1,5 +1,12 @@
-"""Comparison of encoded materials with their sources: figures, slices, spheres, and reports."""
+"""Comparison of encoded materials with their sources: figures, slices and spheres.
 
+    python -m benchmarks.quality.examine SOURCE... -o FOLDER
+
+Sources are those of `urushi encode`. Writes report.json, a table report.md, and a picture for every
+source.
+"""
+
+import argparse
 import json
 import os
 from collections.abc import Callable, Mapping
@@ -8,7 +15,10 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from matplotlib.figure import Figure
 
+import urushi
+from urushi.app.commands.encode import Encode
 from urushi.core.direction_sets import cosine_pairs, half_angle_pairs
 from urushi.core.error_metrics import energy_weight, pair_error
 from urushi.core.quadrature import half_vector_rule
@@ -66,7 +76,7 @@ class Examination:
 
 
 def examine(source: Any, material: Material) -> Examination:
-    """Compare a source of `encode`, or a measured file's Path, with its material.
+    """Compare a source of `encode` with its material.
 
     The figures are, channel by channel, the errors E and the median of P against the source made
     isotropic and reciprocal, which is what was encoded, and directional albedos at `ALBEDO_ANGLES`;
@@ -76,7 +86,6 @@ def examine(source: Any, material: Material) -> Examination:
 
     Raises:
         ParameterError: the material has neither one nor three channels, or as of `encode`.
-        FileError: the file cannot be read.
     """
     if material.channels not in (1, 3):
         raise ParameterError(
@@ -115,14 +124,6 @@ def examine(source: Any, material: Material) -> Examination:
     return Examination(figures, slices, np.stack(pictures).astype(np.float32))
 
 
-def examined(source: Any, material: Material) -> Examination | UrushiError:
-    """As `examine`, but returns its error instead of raising it, for parallel work."""
-    try:
-        return examine(source, material)
-    except UrushiError as error:
-        return error
-
-
 def mean_error(figures: Mapping[str, Any]) -> float | None:
     """Mean E of the channels that are not black, or None."""
     errors = [e for e in figures["E"] if e is not None]
@@ -130,8 +131,6 @@ def mean_error(figures: Mapping[str, Any]) -> float | None:
 
 
 def _opened(source: Any) -> Source:
-    if isinstance(source, Path):
-        return as_source(load_measured(source))
     if not isinstance(source, Stack):
         return as_source(source)
     return Source(
@@ -177,8 +176,6 @@ def draw(path: str | os.PathLike, name: str, examination: Examination) -> None:
     Raises:
         FileError: the file cannot be written.
     """
-    from matplotlib.figure import Figure  # lazily: an extra
-
     figure = Figure(figsize=(11, 6.4), layout="constrained")
     upper, lower = figure.subplots(2, 3, height_ratios=(1, 1.1))
     largest = max(float(examination.slices.max()), 1e-6)
@@ -231,34 +228,24 @@ def _title(name: str, examination: Examination) -> str:
     return ", ".join(parts)
 
 
-def write_report(
-    folder: str | os.PathLike,
-    examinations: Mapping[str, Examination],
-    errors: Mapping[str, str] | None = None,
-) -> None:
-    """Write report.json, report.md and a picture of each examination.
-
-    Args:
-        folder: made if it is missing.
-        examinations: by name; the picture is NAME.png.
-        errors: sentences of sources that could not be encoded, by name.
+def write_report(folder: str | os.PathLike, examinations: Mapping[str, Examination]) -> None:
+    """Write report.json, report.md and a picture NAME.png of each examination by name.
 
     Raises:
         FileError: a file cannot be written.
     """
-    folder, errors = new_folder(folder), errors or {}
+    folder = new_folder(folder)
     for name, examination in examinations.items():
         draw(folder / f"{name}.png", name, examination)
-    content: dict[str, Any] = {name: e.figures for name, e in examinations.items()}
-    content |= {name: {"error": error} for name, error in errors.items()}
+    content = {name: e.figures for name, e in examinations.items()}
     with atomic_write(folder / "report.json") as temporary:
         temporary.write_text(json.dumps(content, indent=2) + "\n", encoding="utf-8")
     with atomic_write(folder / "report.md") as temporary:
-        temporary.write_text(_markdown(examinations, errors), encoding="utf-8")
+        temporary.write_text(_markdown(examinations), encoding="utf-8")
 
 
-def _markdown(examinations: Mapping[str, Examination], errors: Mapping[str, str]) -> str:
-    """A table of all examinations and errors, followed by the pictures."""
+def _markdown(examinations: Mapping[str, Examination]) -> str:
+    """A table of all examinations, followed by the pictures."""
     lines = [
         "# Encoded materials",
         "",
@@ -275,7 +262,6 @@ def _markdown(examinations: Mapping[str, Examination], errors: Mapping[str, str]
             f"{figures['sphere']['psnr']:.1f} dB",
         ]
         lines.append(f"| {name} | {' | '.join(cells)} |")
-    lines += [f"| {name} | {error} | | | | |" for name, error in errors.items()]
     for name in examinations:
         lines += ["", f"![{name}](<{name}.png>)"]
     return "\n".join(lines) + "\n"
@@ -283,3 +269,24 @@ def _markdown(examinations: Mapping[str, Examination], errors: Mapping[str, str]
 
 def _percent(share: float | None) -> str:
     return "unknown" if share is None else f"{share:.1%}"
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawTextHelpFormatter
+    )
+    parser.add_argument("sources", nargs="+")
+    parser.add_argument("-o", "--output", type=Path, required=True)
+    options = parser.parse_args()
+    encode = Encode(tuple(options.sources), options.output)
+    examinations = {}
+    for target, source in zip(encode.targets(), encode.opened(), strict=True):
+        if isinstance(source, UrushiError):
+            raise source
+        opened = load_measured(source) if isinstance(source, Path) else source
+        examinations[target.stem] = examine(opened, urushi.encode(opened))
+    write_report(options.output, examinations)
+
+
+if __name__ == "__main__":
+    main()
