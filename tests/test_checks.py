@@ -29,8 +29,9 @@ def test_ranges(check, accepted, refused):
         assert result.shape == ()
         assert result.dtype == np.float64
         assert result == value
+    name = "eta" if check is checks.eta else check.name
     for value in [*refused, np.nan, np.inf, -np.inf]:
-        with pytest.raises(ParameterError, match=f"^{check.__name__} is .*; it must be"):
+        with pytest.raises(ParameterError, match=f"^{name} is .*; it must be"):
             check(value)
 
 

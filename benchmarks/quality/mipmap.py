@@ -22,7 +22,7 @@ from urushi.material.layer import layer_texels
 from urushi.nets import weights
 from urushi.nets.weights import Model
 from urushi.textures import mip_pyramid
-from urushi.textures.mip_pyramid import fill_levels
+from urushi.textures.mip_pyramid import coarse_levels
 from urushi.walk import conductor
 
 SIDE, LEVELS, PAIRS = 32, 4, 128
@@ -77,10 +77,9 @@ def cosine_pairs(rng: np.random.Generator) -> tuple[np.ndarray, np.ndarray]:
 def pyramid(model: Model, codes: np.ndarray) -> list[np.ndarray]:
     """The coarser levels of codes (SIDE, SIDE, 3, size)."""
     sizes = mip_pyramid.level_sizes(*codes.shape[1::-1])
-    whole = np.empty((sum(w * h for w, h in sizes), *codes.shape[2:]), np.float32)
-    whole[: codes.shape[0] * codes.shape[1]] = codes.reshape(-1, *codes.shape[2:])
-    fill_levels(model, *sizes[0], whole.__getitem__, whole.__setitem__)
-    parts = np.split(whole, np.cumsum([w * h for w, h in sizes]))[1:]
+    first = codes.reshape(-1, *codes.shape[2:])
+    coarse = coarse_levels(model, *sizes[0], first.__getitem__)
+    parts = np.split(coarse, np.cumsum([w * h for w, h in sizes[1:]]))
     return [
         part.reshape(height, width, *part.shape[1:])
         for part, (width, height) in zip(parts, sizes[1:], strict=False)
@@ -119,11 +118,9 @@ def seconds(model: Model, side: int) -> float:
     """CPU time of all levels of a texture of noise."""
     codes = textured(model, "all, noise").reshape(-1, 3, model.arch.latent)
     choice = np.random.default_rng(2).integers(len(codes), size=side * side)
-    sizes = mip_pyramid.level_sizes(side, side)
-    whole = np.empty((sum(w * h for w, h in sizes), *codes.shape[1:]), np.float16)
-    whole[: side * side] = codes[choice]
+    first = codes[choice].astype(np.float16)
     start = time.process_time()
-    fill_levels(model, side, side, whole.__getitem__, whole.__setitem__)
+    coarse_levels(model, side, side, first.__getitem__)
     return time.process_time() - start
 
 

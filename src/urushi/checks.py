@@ -98,35 +98,62 @@ COAT_COLUMNS = {
 DEFAULT_COAT = CoatParameters(0.1, GLASS / AIR, 0.0, 0.0, 0.0)
 
 
-def _parameter(
-    value: npt.ArrayLike,
-    where: str,
-    valid: Callable[[np.ndarray], np.ndarray],
-    domain: str,
-    any_shape: bool,
-) -> np.ndarray:
-    """A parameter as float64, after checks of its shape and range; -0.0 becomes 0.0."""
-    try:
-        array = np.asarray(value, dtype=np.float64)
-    except (TypeError, ValueError) as error:
-        raise ParameterError(
-            f"{where} must be a number or one number per RGB channel, not {value!r}"
-        ) from error
-    if not any_shape and array.shape not in ((), (3,)):
-        raise ParameterError(
-            f"{where} has shape {array.shape}; give a scalar or three values, one per RGB channel"
-        )
-    bad = ~(np.isfinite(array) & valid(array))
-    if bad.any():
-        raise ParameterError(f"{where} is {array[bad].flat[0]:g}; it must be {domain}")
-    return np.asarray(array + 0.0)  # a walk that divides by -0.0 gets a negative distance
+@dataclass(frozen=True)
+class Check:
+    """A check that numbers are finite and lie between two ends.
+
+    Attributes:
+        name: the numbers' name in errors, unless the caller gives another.
+        domain: what the numbers must be, the end of an error.
+        least, most: the ends, which are included unless `open`.
+    """
+
+    name: str
+    domain: str
+    least: float = -np.inf
+    most: float = np.inf
+    open: bool = False
+
+    def __call__(
+        self, value: npt.ArrayLike, where: str = "", *, any_shape: bool = False
+    ) -> np.ndarray:
+        """The numbers as float64 of shape () or (3,), of any if `any_shape`; -0.0 becomes 0.0.
+
+        where: begins errors.
+
+        Raises:
+            ParameterError: they have another shape, or one is outside.
+        """
+        where = where or self.name
+        try:
+            array = np.asarray(value, dtype=np.float64)
+        except (TypeError, ValueError) as error:
+            raise ParameterError(
+                f"{where} must be a number or one number per RGB channel, not {value!r}"
+            ) from error
+        if not any_shape and array.shape not in ((), (3,)):
+            raise ParameterError(
+                f"{where} has shape {array.shape}; give a scalar or three values, one per RGB "
+                "channel"
+            )
+        inside = (array >= self.least) & (array <= self.most)
+        if self.open:
+            inside &= (array != self.least) & (array != self.most)
+        bad = ~(np.isfinite(array) & inside)
+        if bad.any():
+            raise ParameterError(f"{where} is {array[bad].flat[0]:g}; it must be {self.domain}")
+        return np.asarray(array + 0.0)  # a walk that divides by -0.0 gets a negative distance
 
 
-def alpha(value: npt.ArrayLike, where: str = "alpha", *, any_shape: bool = False) -> np.ndarray:
-    """Check GGX widths in [0.01, 1]; returns float64 of shape () or (3,), any if `any_shape`."""
-    return _parameter(
-        value, where, lambda x: (x >= MIN_ALPHA) & (x <= 1), "a GGX width in [0.01, 1]", any_shape
-    )
+alpha = Check("alpha", "a GGX width in [0.01, 1]", MIN_ALPHA, 1)
+albedo = Check("albedo", "a single-scattering albedo in [0, 1]", 0, 1)
+sigma_t = Check("sigma_t", "an optical depth in [0, 1e6]", 0, MAX_DEPTH)
+g = Check("g", "a Henyey-Greenstein asymmetry in (-1, 1)", -1, 1, open=True)
+rotation = Check("rotation", "an angle in degrees, finite")
+reflectance = Check("reflectance", "a reflectance in [0, 1]", 0, 1)
+share = Check("share", "in [0, 1]", 0, 1)
+nonnegative = Check("number", "zero or more", 0)
+_ior = Check("ior", "an index of refraction above 0", 0, open=True)
 
 
 def widths(
@@ -188,13 +215,8 @@ def eta(
 ) -> np.ndarray:
     """Check relative indices of refraction in [low, 3]; those nearer to 1 than 0.001 become 1."""
     high = ETA_RANGE[1]
-    index = _parameter(
-        value,
-        where,
-        lambda x: (x >= low) & (x <= high),
-        f"an index of refraction relative to the medium above, in [{low:.3g}, {high:g}]",
-        any_shape,
-    )
+    domain = f"an index of refraction relative to the medium above, in [{low:.3g}, {high:g}]"
+    index = Check("eta", domain, low, high)(value, where, any_shape=any_shape)
     return np.where(np.abs(index - 1) < MIN_INDEX_STEP, 1.0, index)
 
 
@@ -222,64 +244,8 @@ def eta_in_air(
         )
     if ratio is not None:
         return eta(ratio, f"{where} eta", low=low), None
-    ior = _parameter(
-        GLASS if ior is None else ior,
-        f"{where} ior",
-        lambda x: x > 0,
-        "an index of refraction above 0",
-        any_shape=False,
-    )
+    ior = _ior(GLASS if ior is None else ior, f"{where} ior")
     return eta(ior / AIR, f"{where} ior / {AIR}, in air,", low=low), ior
-
-
-def albedo(value: npt.ArrayLike, where: str = "albedo", *, any_shape: bool = False) -> np.ndarray:
-    """Check single-scattering albedos in [0, 1]."""
-    return _parameter(
-        value,
-        where,
-        lambda x: (x >= 0) & (x <= 1),
-        "a single-scattering albedo in [0, 1]",
-        any_shape,
-    )
-
-
-def sigma_t(value: npt.ArrayLike, where: str = "sigma_t", *, any_shape: bool = False) -> np.ndarray:
-    """Check optical depths in [0, 1e6]."""
-    return _parameter(
-        value,
-        where,
-        lambda x: (x >= 0) & (x <= MAX_DEPTH),
-        "an optical depth in [0, 1e6]",
-        any_shape,
-    )
-
-
-def g(value: npt.ArrayLike, where: str = "g", *, any_shape: bool = False) -> np.ndarray:
-    """Check Henyey-Greenstein asymmetries in (-1, 1)."""
-    return _parameter(
-        value, where, lambda x: np.abs(x) < 1, "a Henyey-Greenstein asymmetry in (-1, 1)", any_shape
-    )
-
-
-def rotation(
-    value: npt.ArrayLike, where: str = "rotation", *, any_shape: bool = False
-) -> np.ndarray:
-    """Check angles in degrees, finite numbers."""
-    return _parameter(value, where, np.isfinite, "an angle in degrees, finite", any_shape)
-
-
-def reflectance(
-    value: npt.ArrayLike, where: str = "reflectance", *, any_shape: bool = False
-) -> np.ndarray:
-    """Check reflectances (diffuse, or Schlick's R0) in [0, 1]."""
-    return _parameter(
-        value, where, lambda x: (x >= 0) & (x <= 1), "a reflectance in [0, 1]", any_shape
-    )
-
-
-def share(value: npt.ArrayLike, where: str, *, any_shape: bool = False) -> np.ndarray:
-    """Check shares in [0, 1]."""
-    return _parameter(value, where, lambda x: (x >= 0) & (x <= 1), "in [0, 1]", any_shape)
 
 
 def thickness(value: npt.ArrayLike, where: str, *, any_shape: bool = False) -> np.ndarray:
@@ -287,11 +253,6 @@ def thickness(value: npt.ArrayLike, where: str, *, any_shape: bool = False) -> n
     if not any_shape and np.ndim(value):
         raise ParameterError(f"{where} must be one number, which all channels share")
     return nonnegative(value, where, any_shape=any_shape)
-
-
-def nonnegative(value: npt.ArrayLike, where: str, *, any_shape: bool = False) -> np.ndarray:
-    """Check numbers that are zero or more."""
-    return _parameter(value, where, lambda x: x >= 0, "zero or more", any_shape)
 
 
 def direction(value: npt.ArrayLike, where: str) -> np.ndarray:

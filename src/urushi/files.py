@@ -109,12 +109,15 @@ def write_tensors(
 
 
 def read_tensors(
-    path: str | os.PathLike, kind: str
+    path: str | os.PathLike, kind: str, version: int | None = None
 ) -> tuple[dict[str, Any], dict[str, np.ndarray]]:
     """Return the description and the arrays of a file that `write_tensors` wrote.
 
+    version: the only one that can be read, the entry `version` of the description; None: any.
+
     Raises:
-        FileError: the file is missing, unreadable, truncated, foreign or of another kind.
+        FileError: the file is missing, unreadable, truncated, foreign, or of another kind or
+            version.
     """
     source = Path(path)
     try:
@@ -136,6 +139,11 @@ def read_tensors(
     description = _description(metadata.get(METADATA_KEY, ""))
     if description.get("kind") != kind:
         raise FileError(f"'{source}' is a safetensors file, but not one of Urushi's {kind}s")
+    if version is not None and description.get("version") != version:
+        raise FileError(
+            f"'{source}' has version {description.get('version')!r} of the {kind} format, "
+            f"this Urushi reads version {version}; install the Urushi that wrote it"
+        )
     return description, arrays
 
 

@@ -51,8 +51,7 @@ def store_of(model: Model) -> TextureStore:
         codes[..., 6] = rng.uniform(0.1, 0.4, (len(codes), 1))
     layout = packing.texel_layout(model, 3)
     store = TextureStore(model, layout, WIDTH, HEIGHT, mipmaps=True)
-    with store.writing() as write:
-        write(np.arange(len(codes)), codes)
+    store.write(np.arange(len(codes)), codes)
     return store
 
 

@@ -8,7 +8,7 @@ import safetensors.numpy
 
 from urushi.errors import FileError
 from urushi.material import Material, encode, load
-from urushi.material.file import FORMAT_VERSION
+from urushi.material.material import FORMAT_VERSION
 from urushi.nets import weights
 from urushi.walk import conductor
 
@@ -67,10 +67,10 @@ def test_truncated_files_are_refused(size, material, model, tmp_path):
         {"codes": np.ones((3, 32), np.float32)},
         {"latents": np.ones((3, 31), np.float32)},
         {"latents": np.ones((0, 32), np.float32)},
-        {"latents": np.ones((3, 32), np.float64)},
         {"latents": np.full((3, 32), np.inf, np.float32)},
         {"latents": np.ones((3, 32), np.float32), "anchors": np.ones((2, 32), np.float32)},
         {"latents": np.ones((3, 32), np.float32), "anchors": np.full((3, 32), np.nan, "f4")},
+        {"latents": np.ones((3, 32), np.float32), "coat": np.ones((5, 1))},
     ],
 )
 def test_damaged_files_are_refused(arrays, model, tmp_path):

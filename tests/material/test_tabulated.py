@@ -1,17 +1,15 @@
 """Materials with a table: closer than any code, and still BRDFs."""
 
-import json
-
 import numpy as np
 import pytest
-import safetensors.numpy
 
+from urushi import files
 from urushi.errors import FileError, ParameterError
 from urushi.material import Material, encode, layer, lerp, load
 from urushi.material.albedo_rule import albedo_rule
 from urushi.material.batch import encode_all
 from urushi.material.encode import required_pairs
-from urushi.material.file import CODES_VERSION, FORMAT_VERSION, TABLE_VERSION
+from urushi.material.material import FORMAT_VERSION
 from urushi.material.table import SHAPE
 from urushi.nets.weights import anisotropic_model
 from urushi.walk import conductor, dielectric
@@ -75,35 +73,18 @@ def test_files_keep_them(own, small, tmp_path):
     assert (tmp_path / "again.safetensors").read_bytes() == path.read_bytes()
 
 
-def test_files_of_codes_alone_can_be_read_by_older_versions(own, tmp_path):
-    def version(material) -> int:
-        material.save(tmp_path / "a.safetensors")
-        with safetensors.safe_open(tmp_path / "a.safetensors", framework="numpy") as file:
-            return json.loads(file.metadata()["urushi"])["version"]
-
-    assert version(Material(own.latents, own.model, own.anchors)) == CODES_VERSION
-    assert version(own) == TABLE_VERSION
-    beside = Material(own.latents, own.model, own.anchors, own.table, beside_lobe=True)
-    assert version(beside) == FORMAT_VERSION
-
-
 @pytest.mark.parametrize(
-    ("version", "stored"),
+    "stored",
     [
-        (FORMAT_VERSION, None),
-        (TABLE_VERSION, None),
-        (CODES_VERSION, np.zeros((*SHAPE, 3), np.float16)),
-        (TABLE_VERSION, np.zeros((*SHAPE, 1), np.float16)),
-        (TABLE_VERSION, np.zeros((*SHAPE[:2], 7, 3), np.float16)),
-        (TABLE_VERSION, np.zeros((*SHAPE, 3), np.float32)),
-        (TABLE_VERSION, np.full((*SHAPE, 3), np.nan, np.float16)),
+        np.zeros((*SHAPE, 1), np.float16),
+        np.zeros((*SHAPE[:2], 7, 3), np.float16),
+        np.full((*SHAPE, 3), np.nan, np.float16),
     ],
 )
-def test_damaged_files_are_refused(version, stored, own, small, tmp_path):
+def test_damaged_files_are_refused(stored, own, small, tmp_path):
     path = tmp_path / "a.safetensors"
-    text = json.dumps({"kind": "material", "version": version, "weights": small.fingerprint})
-    arrays = {"latents": own.latents} | ({} if stored is None else {"table": stored})
-    path.write_bytes(safetensors.numpy.save(arrays, {"urushi": text}))
+    description = {"version": FORMAT_VERSION, "weights": small.fingerprint}
+    files.write_tensors(path, "material", description, {"latents": own.latents, "table": stored})
     with pytest.raises(FileError, match="is damaged"):
         load(path, small)
 

@@ -3,19 +3,20 @@
 import os
 import warnings
 from dataclasses import dataclass
-from typing import Any, cast
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
-from urushi import checks
+from urushi import checks, files
 from urushi.checks import CoatParameters
-from urushi.errors import ParameterError, UrushiWarning
+from urushi.errors import FileError, ParameterError, UrushiWarning
 from urushi.fan2022.architecture import LATENT
 from urushi.fan2022.networks import PaperNetworks
-from urushi.material import file
 from urushi.material.encode import evaluate_source
+from urushi.material.material import FORMAT_VERSION
 from urushi.material.source import source_name
+from urushi.nets.weights import check_made_with
 from urushi.parallel import fill_blocks
 from urushi.walk import Dielectric
 
@@ -74,8 +75,8 @@ class Material:
         Raises:
             FileError: the file cannot be written.
         """
-        stored = file.StoredMaterial(self.latents, self.latents)
-        file.write(path, stored, self.networks.fingerprint)
+        description = {"version": FORMAT_VERSION, "weights": self.networks.fingerprint}
+        files.write_tensors(path, "material", description, {"latents": self.latents})
 
 
 def load(path: str | os.PathLike, networks: PaperNetworks) -> Material:
@@ -84,8 +85,12 @@ def load(path: str | os.PathLike, networks: PaperNetworks) -> Material:
     Raises:
         FileError: missing, truncated, foreign, damaged, or made with other networks.
     """
-    stored, _ = file.read(path, cast(Any, networks))  # needs fingerprint and arch.latent
-    return Material(stored.latents, networks)
+    description, arrays = files.read_tensors(path, "material", FORMAT_VERSION)
+    check_made_with(path, description.get("weights"), networks.fingerprint)
+    try:
+        return Material(arrays["latents"], networks)
+    except (KeyError, ParameterError) as error:
+        raise FileError(f"the material file '{path}' is damaged: {error}") from error
 
 
 def encode(source: Any, networks: PaperNetworks) -> Material:

@@ -3,23 +3,25 @@
 import os
 import warnings
 from dataclasses import dataclass, replace
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
-from urushi import checks
+from urushi import checks, files
 from urushi.checks import CoatParameters
 from urushi.core.half_vector import rotated
 from urushi.core.quadrature import half_vector_rule
-from urushi.errors import ParameterError, UrushiWarning
+from urushi.errors import FileError, ParameterError, UrushiWarning
 from urushi.export.program import material_text
-from urushi.material import file
 from urushi.material.table import SHAPE, interpolated
 from urushi.nets import lobe as lobes
 from urushi.nets.networks import Proposal
-from urushi.nets.weights import Model, Weights, find
+from urushi.nets.weights import Model, Weights, find, model_of_file
 from urushi.parallel import fill_blocks
+
+#: Version of the files of materials.
+FORMAT_VERSION = 2
 
 #: Directions whose albedo is integrated at once, over 1536 others each.
 ALBEDO_BLOCK = 16
@@ -282,8 +284,9 @@ class Material:
         Raises:
             FileError: the file cannot be written.
         """
-        stored = _stored(self)
-        file.write(path, stored, self.model.fingerprint)
+        description, arrays = _contents(self)
+        description |= {"version": FORMAT_VERSION, "weights": self.model.fingerprint}
+        files.write_tensors(path, "material", description, arrays)
 
 
 def load(path: str | os.PathLike, weights: Weights | None = None) -> Material:
@@ -295,32 +298,51 @@ def load(path: str | os.PathLike, weights: Weights | None = None) -> Material:
     Raises:
         FileError: missing, truncated, foreign, damaged, or made with other networks.
     """
-    return _material(*file.read(path, None if weights is None else find(weights)))
+    description, arrays = files.read_tensors(path, "material", FORMAT_VERSION)
+    given = None if weights is None else find(weights)
+    model = model_of_file(path, description.get("weights"), given)
+    try:
+        return _material(description, arrays, model)
+    except (KeyError, TypeError, ValueError) as error:
+        raise FileError(f"the material file '{path}' is damaged: {error}") from error
 
 
-def _stored(material: Material) -> file.StoredMaterial:
-    """A material as a file holds it."""
-    stored = file.StoredMaterial(
-        material.latents,
-        material.anchors,
-        material.table,
-        material.rotation,
-        material.beside_lobe,
-    )
-    if material.coating is None:
-        return stored
-    coat, absolute, bottom = material.coating
-    columns = np.stack(np.broadcast_arrays(*map(np.atleast_1d, coat.columns())))
-    return stored._replace(coat=columns, absolute=absolute, bottom=_stored(bottom))
+def _contents(material: Material) -> tuple[dict[str, Any], dict[str, np.ndarray]]:
+    """The description and the arrays by which a file holds a material and those under its coats."""
+    description: dict[str, Any] = {"rotation": material.rotation} if material.rotation else {}
+    arrays = {"latents": material.latents}
+    if not np.array_equal(material.latents, material.anchors):
+        arrays["anchors"] = material.anchors
+    if material.table is not None:
+        arrays["table"] = material.table
+        description["beside_lobe"] = material.beside_lobe
+    if material.coating is not None:
+        coat, absolute, bottom = material.coating
+        arrays["coat"] = np.stack(np.broadcast_arrays(*map(np.atleast_1d, coat.columns())))
+        below, others = _contents(bottom)
+        description |= {"absolute": absolute, "bottom": below}
+        arrays |= {f"bottom.{name}": array for name, array in others.items()}
+    return description, arrays
 
 
-def _material(stored: file.StoredMaterial, model: Model) -> Material:
-    """The material that a file holds."""
-    latents, anchors, table, rotation, beside_lobe, coat, absolute, bottom = stored
+def _material(description: dict[str, Any], arrays: dict[str, np.ndarray], model: Model) -> Material:
+    """The inverse of `_contents`."""
     coating = None
-    if coat is not None and bottom is not None:
-        coating = Coating(CoatParameters.of_columns(coat), absolute, _material(bottom, model))
-    return Material(latents, model, anchors, table, rotation, beside_lobe, coating)
+    if "coat" in arrays:
+        coat = checks.coat(CoatParameters.of_columns(arrays["coat"]), "the coat's", any_shape=True)
+        prefix = "bottom."
+        below = {n.removeprefix(prefix): x for n, x in arrays.items() if n.startswith(prefix)}
+        bottom = _material(description["bottom"], below, model)
+        coating = Coating(coat, bool(description["absolute"]), bottom)
+    return Material(
+        arrays["latents"],
+        model,
+        arrays.get("anchors"),  # type: ignore[arg-type]  # None: the latents
+        arrays.get("table"),
+        description.get("rotation", 0.0),
+        bool(description.get("beside_lobe")),
+        coating,
+    )
 
 
 def _checked(codes: npt.ArrayLike, model: Model, name: str) -> np.ndarray:

@@ -6,6 +6,7 @@ of the outputs by its transpose. These two cost about as much as the network its
 costs that much for each output.
 """
 
+from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -41,17 +42,12 @@ def decode_log(params: Params, arch: Architecture, z: Any, features: Any) -> tup
     where ln f is clamped.
     """
     codes, weight = arch.latent - arch.lobe - 1, params["decoder.0.weight"]
-    x, slope = with_slope(first_layer(params, z[..., 1:], features), arch.activation)
-    slopes, output = [slope], len(arch.decoder)
-    for layer in range(1, output):
-        x, slope = with_slope(linear(params, f"decoder.{layer}", x), arch.activation)
-        slopes.append(slope)
-    value = z[..., 0] + linear(params, f"decoder.{output}", x)[..., 0]
-
+    first = first_layer(params, z[..., 1:], features)
+    output, slopes = _forward(params, "decoder", first, arch.activation)
+    value = z[..., 0] + output[..., 0]
     xp = value.__array_namespace__()
-    gradient = params[f"decoder.{output}.weight"][:, 0] * slopes[-1]
-    for layer in range(output - 1, 0, -1):
-        gradient = product(gradient, params[f"decoder.{layer}.weight"].T) * slopes[layer - 1]
+    last = params[f"decoder.{len(slopes)}.weight"][:, 0]
+    gradient = _backward(params, "decoder", slopes, last)
     inner = product(gradient * product(features, weight[codes:, :]), params[SCALE].T)
     inner = inner + product(gradient, weight[:codes, :].T)
     gain = xp.ones_like(inner[..., :1])
@@ -67,7 +63,9 @@ def encode_log(params: Params, arch: Architecture, logs: Any) -> tuple[Any, Any]
     logs.
     """
     first = linear(params, "encoder.0", normalised(params, logs))
-    z, gradient = _output_gradients(params, "encoder", first, arch.activation)
+    z, slopes = _forward(params, "encoder", first, arch.activation)
+    last = params[f"encoder.{len(slopes)}.weight"].T  # (R, width)
+    gradient = _backward(params, "encoder", [slope[..., None, :] for slope in slopes], last)
     return z, product(gradient, params["encoder.0.weight"].T) / params["encoder.input_scale"]
 
 
@@ -103,11 +101,7 @@ def lobe_pullback(arch: Architecture, f: Any, dlobe: Any, lobe: Any) -> Any:
 def top_slopes(arch: Architecture, lobe: Any) -> Any:
     """Derivatives (N, L, P) of f of lobes (N, L) at the probe pairs by their numbers."""
     wi, wo = probe_pairs(arch.probes, arch.widths)
-    columns = [
-        lobes.f((lobe + _STEP * 1j * step)[:, None], wi, wo).imag / _STEP
-        for step in np.eye(lobe.shape[-1])
-    ]
-    return np.stack(columns, axis=1)
+    return np.stack(_by_numbers(lambda x: lobes.f(x[:, None], wi, wo), lobe), axis=1)
 
 
 class _LayererInputs(NamedTuple):
@@ -185,25 +179,26 @@ def layer_pullback(
 
 def coat_slopes(coat: Any) -> tuple[Any, Any]:
     """Return `features.coat_features` (N, F) of coats (N, C), and their derivatives (N, F, C)."""
-    columns = list(coat.astype(np.float64).T)
-    features = coat_features(*CoatParameters.of_columns(columns)).astype(coat.dtype)
-    columns[2] = np.minimum(columns[2], 1 - MIN_ABSORPTION)
-    slopes = np.empty((*features.shape, len(columns)), coat.dtype)
-    for index, column in enumerate(columns):
-        stepped = [*columns[:index], column + _STEP * 1j, *columns[index + 1 :]]
-        slopes[..., index] = coat_features(*CoatParameters.of_columns(stepped)).imag / _STEP
-    return features, slopes
+
+    def features(coat: Any) -> Any:
+        return coat_features(*CoatParameters.of_columns(coat.T))
+
+    inside = coat.astype(np.float64)
+    value = features(inside).astype(coat.dtype)
+    inside[:, 2] = np.minimum(inside[:, 2], 1 - MIN_ABSORPTION)
+    return value, np.stack(_by_numbers(features, inside), axis=-1).astype(coat.dtype)
 
 
 def lobe_slopes(lobe: Any) -> tuple[Any, Any]:
     """Return `lobe.lobe_features` (N, F) of lobes (N, L), and their derivatives (N, F, L)."""
     numbers = lobe.astype(np.float64)
-    columns = [
-        lobes.lobe_features(numbers + _STEP * 1j * step).imag / _STEP
-        for step in np.eye(lobe.shape[-1])
-    ]
-    slopes = np.stack(columns, axis=-1).astype(lobe.dtype)
+    slopes = np.stack(_by_numbers(lobes.lobe_features, numbers), axis=-1).astype(lobe.dtype)
     return lobes.lobe_features(numbers).astype(lobe.dtype), slopes
+
+
+def _by_numbers(function: Callable[[Any], Any], x: Any) -> list[Any]:
+    """The derivatives (N, ...) of function(x) by each of the K numbers of x (N, K)."""
+    return [function(x + _STEP * 1j * step).imag / _STEP for step in np.eye(x.shape[-1])]
 
 
 def _encoder_first(params: Params, f: Any) -> tuple[Any, Any]:
@@ -213,47 +208,35 @@ def _encoder_first(params: Params, f: Any) -> tuple[Any, Any]:
     return linear(params, "encoder.0", inputs), factor.astype(f.dtype)
 
 
+def _forward(params: Params, prefix: str, first: Any, activation: str) -> tuple[Any, list[Any]]:
+    """`mlp.hidden_to_output` (..., out) of `first` (..., width), and the slopes of each layer."""
+    x, slopes = first, list[Any]()
+    while f"{prefix}.{len(slopes) + 1}.weight" in params:
+        x, slope = with_slope(x, activation)
+        slopes.append(slope)
+        x = linear(params, f"{prefix}.{len(slopes)}", x)
+    return x, slopes
+
+
+def _backward(params: Params, prefix: str, slopes: list[Any], gradient: Any) -> Any:
+    """The gradient (..., width) by `first` of `_forward`, from that by the last hidden layer."""
+    for index in reversed(range(len(slopes))):
+        gradient = gradient * slopes[index]
+        if index > 0:
+            gradient = product(gradient, params[f"{prefix}.{index}.weight"].T)
+    return gradient
+
+
 def _pushforward(params: Params, prefix: str, first: Any, dfirst: Any, activation: str) -> Any:
     """The change (N, out) of `mlp.hidden_to_output` for a change `dfirst` of `first` (N, width)."""
-    index, x, dx = 1, first, dfirst
-    while f"{prefix}.{index}.weight" in params:
-        x, slope = with_slope(x, activation)
-        dx = product(slope * dx, params[f"{prefix}.{index}.weight"])
-        x = linear(params, f"{prefix}.{index}", x)
-        index += 1
-    return dx
+    change = dfirst
+    for index, slope in enumerate(_forward(params, prefix, first, activation)[1], start=1):
+        change = product(slope * change, params[f"{prefix}.{index}.weight"])
+    return change
 
 
 def _pullback(params: Params, prefix: str, first: Any, doutput: Any, activation: str) -> Any:
     """The gradient (N, width) with respect to `first`, given the outputs' weights (N, out)."""
-    slopes, index, x = [], 1, first
-    while f"{prefix}.{index}.weight" in params:
-        x, slope = with_slope(x, activation)
-        slopes.append(slope)
-        x = linear(params, f"{prefix}.{index}", x)
-        index += 1
-    gradient = doutput
-    while slopes:
-        index -= 1
-        gradient = product(gradient, params[f"{prefix}.{index}.weight"].T) * slopes.pop()
-    return gradient
-
-
-def _output_gradients(params: Params, prefix: str, first: Any, activation: str) -> tuple[Any, Any]:
-    """Outputs (..., out) of a network from its first layer's pre-activation (..., width).
-
-    Also returns their gradients (..., out, width) with respect to the pre-activation.
-    """
-    slopes, index, x = [], 1, first
-    while f"{prefix}.{index}.weight" in params:
-        x, slope = with_slope(x, activation)
-        slopes.append(slope)
-        x = linear(params, f"{prefix}.{index}", x)
-        index += 1
-    last = params[f"{prefix}.{index - 1}.weight"].T  # (out, width)
-    gradient = last * slopes.pop()[..., None, :]
-    while slopes:
-        index -= 1
-        gradient = product(gradient, params[f"{prefix}.{index - 1}.weight"].T)
-        gradient = gradient * slopes.pop()[..., None, :]
-    return x, gradient
+    slopes = _forward(params, prefix, first, activation)[1]
+    gradient = product(doutput, params[f"{prefix}.{len(slopes)}.weight"].T)
+    return _backward(params, prefix, slopes, gradient)

@@ -169,12 +169,7 @@ def read_file(
         FileError: the file is missing, truncated, foreign, of another version or of another system,
             or its arrays do not fit its architecture.
     """
-    description, arrays = files.read_tensors(path, "weights")
-    if description.get("version") != FORMAT_VERSION:
-        raise FileError(
-            f"'{path}' has version {description.get('version')!r} of the weights format, "
-            f"this Urushi reads version {FORMAT_VERSION}; install the Urushi that wrote it"
-        )
+    description, arrays = files.read_tensors(path, "weights", FORMAT_VERSION)
     arch = description.get("architecture")
     found = arch.get("kind", KIND) if isinstance(arch, dict) else KIND
     if found != kind:
@@ -220,10 +215,32 @@ def anisotropic_model() -> Model:
     return shipped(ANISOTROPIC)
 
 
-def of_fingerprint(fingerprint: object) -> Model:
-    """The shipped networks of a fingerprint; the isotropic ones if no shipped networks have it."""
-    other = anisotropic_model()
-    return other if other.fingerprint == fingerprint else default_model()
+def check_made_with(path: str | os.PathLike, made_with: object, fingerprint: str) -> None:
+    """Refuse a file of codes that other networks made than those of `fingerprint`.
+
+    made_with: the fingerprint in the file.
+
+    Raises:
+        FileError: they differ.
+    """
+    if made_with != fingerprint:
+        raise FileError(
+            f"'{path}' does not match the weights: it was encoded with weights {made_with}, but "
+            f"these are {fingerprint}; load those weights or encode the material again"
+        )
+
+
+def model_of_file(path: str | os.PathLike, made_with: object, model: Model | None) -> Model:
+    """The networks of a file of codes: `model`, or for None the shipped ones that made it.
+
+    Raises:
+        FileError: as `check_made_with`.
+    """
+    if model is None:
+        other = anisotropic_model()
+        model = other if other.fingerprint == made_with else default_model()
+    check_made_with(path, made_with, model.fingerprint)
+    return model
 
 
 def find(given: Weights | None) -> Model:

@@ -76,9 +76,9 @@ class BakedTexture:
             advance(stop - start)
         if rows:
             chosen = np.concatenate(rows)
-            with self.store.writing() as write:
-                everything = len(chosen) == self.grid.texels
-                write(slice(None) if everything else chosen, *shared.codes(np.concatenate(index)))
+            everything = len(chosen) == self.grid.texels
+            place = slice(self.grid.texels) if everything else chosen
+            self.store.write(place, shared.codes, np.concatenate(index))
             self._hashes[chosen] = np.concatenate(hashes)
 
     def read(self, start: int, stop: int) -> tuple[np.ndarray, CodesAt]:
@@ -128,12 +128,10 @@ class SharedCodes:
             self._numbers = np.insert(self._numbers, place[fresh], number[fresh])
         return number[label].reshape(hashes.shape)
 
-    def codes(self, index: np.ndarray) -> tuple[np.ndarray, ...]:
-        """The codes (k, size), and the index (n, C); the codes (n, C, size) if all differ."""
-        codes = np.concatenate(self._parts)
-        if len(codes) == index.size:  # in the order of the rows
-            return (codes.reshape(*index.shape, -1),)
-        return codes, index
+    @property
+    def codes(self) -> np.ndarray:
+        """The codes float16 (k, size) that `index` refers to."""
+        return np.concatenate(self._parts)
 
 
 def coat_source(model: Model, table: Table, bottom: Source) -> Source:

@@ -8,8 +8,7 @@ import numpy as np
 
 from urushi import files
 from urushi.errors import FileError
-from urushi.material.file import check_weights
-from urushi.nets.weights import Model, of_fingerprint
+from urushi.nets.weights import Model, model_of_file
 from urushi.textures import mip_pyramid
 from urushi.textures.grid import WRAPS, TexelGrid
 from urushi.textures.packing import PackedTexels, TexelLayout
@@ -49,15 +48,8 @@ def read(
     Raises:
         FileError: missing, truncated, foreign, damaged, or made with other networks.
     """
-    description, arrays = files.read_tensors(path, KIND)
-    if description.get("version") != FORMAT_VERSION:
-        raise FileError(
-            f"'{path}' has version {description.get('version')!r} of the texture format, "
-            f"this Urushi reads version {FORMAT_VERSION}; install the Urushi that wrote it"
-        )
-    made_with = description.get("weights")
-    model = of_fingerprint(made_with) if model is None else model
-    check_weights(path, made_with, model)
+    description, arrays = files.read_tensors(path, KIND, FORMAT_VERSION)
+    model = model_of_file(path, description.get("weights"), model)
     try:
         store = _store(description, arrays, model)
         grid = _checked_grid(*store.levels[0], description["place"])

@@ -18,28 +18,25 @@ BAND_TEXELS = 1 << 10
 #: From indices (n,) of texels to their codes (n, channels, size).
 ReadCodes = Callable[[np.ndarray], np.ndarray]
 
-#: Stores codes (n, channels, size) of texels with indices (n,). Indices run through all levels.
-WriteCodes = Callable[[np.ndarray, np.ndarray], None]
 
-
-def fill_levels(model: Model, width: int, height: int, read: ReadCodes, write: WriteCodes) -> None:
-    """Compute the codes of all levels but the first.
+def coarse_levels(model: Model, width: int, height: int, read: ReadCodes) -> np.ndarray:
+    """Codes float32 (n, channels, size) of all levels but the first, from the finest.
 
     width, height: of the first level. read: reads codes of the first level, from several threads.
-        write: stores codes of the other levels, from the finest to the coarsest.
     """
 
     def first(index: np.ndarray) -> np.ndarray:
         return _of_each_code(lambda z: lifted(model, z), read(index).astype(np.float32))
 
     numbers: Callable[[np.ndarray], np.ndarray] = first
-    start = width * height
-    for finer, (w, h) in itertools.pairwise(level_sizes(width, height)):
+    levels = [read(np.arange(0)).astype(np.float32)]  # none if the first level is one texel
+    for finer, (_, h) in itertools.pairwise(level_sizes(width, height)):
         means = _means(numbers, finer, h)
         codes = np.empty((len(means), means.shape[1], model.arch.latent), np.float32)
         parallel.fill_blocks(codes, lambda x: _of_each_code(lambda m: dropped(model, m), x), means)
-        write(np.arange(start, start + w * h), codes)
-        numbers, start = means.__getitem__, start + w * h
+        levels.append(codes)
+        numbers = means.__getitem__
+    return np.concatenate(levels)
 
 
 def _means(

@@ -232,7 +232,7 @@ def _bytes(layout: TexelLayout, packed: PackedTexels, codes: np.ndarray) -> np.n
     lowest, inverse, highest = (
         np.tile(x, layout.channels) for x in (packed.lowest, inverse, highest)
     )
-    levels = codes.astype(np.float32, order="C").reshape(len(codes), -1)
+    levels = codes.astype(np.float32, order="C").reshape(len(codes), len(lowest))
     levels -= lowest
     levels *= inverse
     np.rint(levels, out=levels)
@@ -286,16 +286,9 @@ def in_ranges(packed: PackedTexels, layout: TexelLayout, codes: np.ndarray) -> b
 
 def unpack(layout: TexelLayout, packed: PackedTexels) -> np.ndarray:
     """Codes float32 (T, channels, size) of bytes (T, B)."""
-    codes = np.empty((len(packed.bytes), layout.channels, layout.size), np.float32)
-    fill_blocks(
-        codes.reshape(len(codes), -1), lambda rows: _codes(layout, packed, rows), packed.bytes
-    )
-    return codes
-
-
-def unpack_serial(layout: TexelLayout, packed: PackedTexels) -> np.ndarray:
-    """`unpack` on the calling thread alone."""
-    return _codes(layout, packed, packed.bytes).reshape(-1, layout.channels, layout.size)
+    codes = np.empty((len(packed.bytes), layout.channels * layout.size), np.float32)
+    fill_blocks(codes, lambda rows: _codes(layout, packed, rows), packed.bytes)
+    return codes.reshape(len(codes), layout.channels, layout.size)
 
 
 def _codes(layout: TexelLayout, packed: PackedTexels, rows: np.ndarray) -> np.ndarray:
@@ -313,4 +306,4 @@ def _codes(layout: TexelLayout, packed: PackedTexels, rows: np.ndarray) -> np.nd
             codes[..., chosen] = values[:, None]
         else:
             codes[:, channel, chosen] = values
-    return codes.reshape(len(rows), -1)
+    return codes.reshape(len(rows), layout.channels * layout.size)

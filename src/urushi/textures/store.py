@@ -1,15 +1,11 @@
 """A packed latent texture that is read and overwritten by rows, with or without a mip pyramid."""
 
-import contextlib
-from collections.abc import Callable, Iterator
-from typing import NamedTuple
-
 import numpy as np
 
 from urushi import parallel
 from urushi.nets.weights import Model
 from urushi.textures import packing
-from urushi.textures.mip_pyramid import fill_levels, level_sizes
+from urushi.textures.mip_pyramid import ReadCodes, coarse_levels, level_sizes
 from urushi.textures.packing import PackedTexels, Rows, TexelLayout
 
 #: Texels that are packed at once: bounds memory.
@@ -46,84 +42,39 @@ class TextureStore:
         part = self.packed._replace(bytes=self.packed.bytes[rows])
         return packing.unpack(self.layout, part)
 
-    @contextlib.contextmanager
-    def writing(self) -> Iterator[Callable[..., None]]:
-        """A function write(rows, codes, index=None) that sets rows (n,) of the first level.
+    def write(self, rows: Rows, codes: np.ndarray, index: np.ndarray | None = None) -> None:
+        """Set rows (n,) of the first level, and compute the other levels.
+
+        The first writing must set all rows. It chooses the layout and the ranges.
 
         codes: (n, channels, size); or (k, size) codes that texels share, and index (n, channels)
-        chooses each texel's codes among them.
-
-        The first writing must set all rows; they are packed together at its end. The other levels
-        are computed at the end of each writing.
+            chooses the codes of each texel among them.
         """
-        width, height = self.levels[0]
-        coarser = len(self.levels) > 1
-        if self.empty and not coarser:
-            written: list[_Written] = []
-
-            def collect(rows: Rows, codes: np.ndarray, index: np.ndarray | None = None) -> None:
-                ends = _value_range(codes)
-                same = _same_in_channels(codes, index, self._compared)
-                which = None if index is None else index.astype(np.uint32)
-                written.append(
-                    _Written(rows, codes.astype(np.float16, copy=False), which, ends, same)
-                )
-
-            yield collect
-            self._pack_shared(written)
+        codes = codes.astype(np.float16, copy=False)
+        if index is None:
+            texels, channels, size = codes.shape
+            index = np.arange(texels * channels, dtype=np.uint32).reshape(texels, channels)
+            codes = codes.reshape(-1, size)
+        if not self.empty:
+            self._overwrite(rows, codes[index])
+            coarse = self._coarse_levels(self.read)
+            if len(coarse):
+                self._overwrite(slice(-len(coarse), None), coarse)
             return
-        if self.empty:
-            texels = sum(width * height for width, height in self.levels)
-            whole = np.empty((texels, self.layout.channels, self.layout.size), np.float16)
-            first = whole[: width * height]
+        coarse = self._coarse_levels(lambda texels: codes[index[texels]]).astype(np.float16)
+        ends = [_value_range(part) for part in (codes, coarse) if len(part)]
+        lowest, highest = (np.stack(end) for end in zip(*ends, strict=True))
+        same = _same_in_channels(codes, index, self._compared) & _equal_channels(coarse)
+        texels = len(index) + len(coarse)
+        self._start(texels, lowest.min(axis=0), highest.max(axis=0), same)
+        packing.pack_shared(self.layout, self.packed, slice(len(index)), codes, index)
+        packing.pack_rows(self.layout, self.packed, slice(len(index), None), coarse)
 
-            def keep(rows: Rows, codes: np.ndarray, index: np.ndarray | None = None) -> None:
-                first[rows] = codes if index is None else codes[index]
-
-            yield keep
-            fill_levels(self._model, width, height, whole.__getitem__, whole.__setitem__)
-            self._pack(whole)
-            return
-
-        def write(rows: Rows, codes: np.ndarray, index: np.ndarray | None = None) -> None:
-            self._overwrite(rows, codes if index is None else codes[index])
-
-        yield write
-        if coarser:
-            parts: list[tuple[np.ndarray, np.ndarray]] = []
-            fill_levels(
-                self._model, width, height, self._read_alone, lambda *part: parts.append(part)
-            )
-            self._overwrite(*(np.concatenate(arrays) for arrays in zip(*parts, strict=True)))
-
-    def _read_alone(self, rows: np.ndarray) -> np.ndarray:
-        """`read` on the calling thread alone."""
-        part = self.packed._replace(bytes=self.packed.bytes[rows])
-        return packing.unpack_serial(self.layout, part)
-
-    def _pack_shared(self, written: list["_Written"]) -> None:
-        """Pack every code once, and copy its bytes to the texels that share it.
-
-        The list is emptied: each part is freed when it is packed.
-        """
-        lowest, highest = (np.stack(ends) for ends in zip(*(w.ends for w in written), strict=True))
-        same = np.all([w.same for w in written], axis=0)
-        width, height = self.levels[0]
-        self._start(width * height, lowest.min(axis=0), highest.max(axis=0), same)
-        while written:
-            part = written.pop()
-            if part.which is None:
-                packing.pack_rows(self.layout, self.packed, part.rows, part.codes)
-            else:
-                packing.pack_shared(self.layout, self.packed, part.rows, part.codes, part.which)
-
-    def _pack(self, whole: np.ndarray) -> None:
-        lowest, highest = _value_range(whole)
-        same = (whole == whole[:, :1]).all(axis=(0, 1))
-        self._start(len(whole), lowest, highest, same)
-        for start in range(0, len(whole), PACKED_BLOCK):
-            rows = slice(start, min(start + PACKED_BLOCK, len(whole)))
-            packing.pack_rows(self.layout, self.packed, rows, whole[rows])
+    def _coarse_levels(self, read: ReadCodes) -> np.ndarray:
+        """Codes (n, channels, size) of all levels but the first, which `read` gives."""
+        if len(self.levels) == 1:
+            return np.zeros((0, self.layout.channels, self.layout.size), np.float32)
+        return coarse_levels(self._model, *self.levels[0], read)
 
     def _start(
         self, texels: int, lowest: np.ndarray, highest: np.ndarray, same: np.ndarray
@@ -157,33 +108,11 @@ class TextureStore:
             packing.pack_rows(self.layout, self.packed, rows, packing.unpack(before, part))
 
 
-class _Written(NamedTuple):
-    """A part of the first writing: rows, and their codes float16 (n, channels, size).
-
-    Or codes (k, size) that texels share.
-
-    Attributes:
-        which: uint32 (n, channels), which of the codes a texel has, if they share them.
-        ends: the smallest and the largest numbers (size,).
-        same: (size,) whether a number is the same in all channels of each texel.
-    """
-
-    rows: Rows
-    codes: np.ndarray
-    which: np.ndarray | None
-    ends: tuple[np.ndarray, np.ndarray]
-    same: np.ndarray
-
-
-def _same_in_channels(codes: np.ndarray, index: np.ndarray | None, compared: int) -> np.ndarray:
+def _same_in_channels(codes: np.ndarray, index: np.ndarray, compared: int) -> np.ndarray:
     """Whether numbers (size,) are the same in all channels; after `compared`, all or none are.
 
-    codes: (n, channels, size), or (k, size) that are chosen by index (n, channels).
+    codes: (k, size), chosen by index (n, channels).
     """
-    if index is None:
-        same = np.full(codes.shape[-1], codes.shape[1] == 1)
-        same[:compared] = _equal_channels(codes[..., :compared])
-        return same
     differs = (index != index[:, :1]).any(axis=-1)
     same = np.full(codes.shape[-1], not differs.any())
     if differs.any():

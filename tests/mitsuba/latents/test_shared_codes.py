@@ -77,8 +77,7 @@ def test_a_texture_of_one_code_a_texel(rgb, model, codes):
 
     same = np.ones(model.arch.latent, bool)
     store = TextureStore(model, packing.texel_layout(model, 3, same=same), 2, 2)
-    with store.writing() as write:
-        write(np.arange(4), codes[[SAME, [1, 1, 1], SAME, [1, 1, 1]]])
+    store.write(np.arange(4), codes[[SAME, [1, 1, 1], SAME, [1, 1, 1]]])
     latents = TexturedLatents(model, store, TexelGrid(2, 2, IDENTITY, "repeat", False))
     wi, wo, uv = points()
     codes = latents._texture.look_up(rgb.Point2f(uv.T), rgb.Vector3f(wi.T))

@@ -82,8 +82,7 @@ def textured(model, z):
     from urushi.mitsuba.latents.holders import TexturedLatents
 
     store = TextureStore(model, packing.texel_layout(model, 3), 4, 2)
-    with store.writing() as write:
-        write(np.arange(8), np.broadcast_to(z, (8, *z.shape)))
+    store.write(np.arange(8), np.broadcast_to(z, (8, *z.shape)))
     return TexturedLatents(model, store, TexelGrid(4, 2, IDENTITY, "repeat", False))
 
 

@@ -6,7 +6,7 @@ import { headerOf } from "../core/safetensors";
 import type { BottomInAir } from "../material/material";
 import { Refusal } from "../refusal";
 
-/** Version of files without tables. */
+/** Version of the format. */
 const VERSION = 2;
 
 /** The networks that a material belongs to. */
