@@ -21,6 +21,20 @@ def test_white_coats_reflect_all_light(alpha, medium):
     assert (np.abs(found - 1) < 0.005 + 5 * error).all()
 
 
+@pytest.mark.parametrize("alpha", (0.1, 0.3, 0.6, 1.0))
+@pytest.mark.parametrize("width", (0.02, 0.1, 0.3))
+def test_coats_over_white_metals_return_lost_light_and_gain_none(alpha, width):
+    """Within 3 %, and five standard errors: the loss over a mirror is an estimate."""
+    on, off = (
+        urushi.coat(urushi.conductor(width, 1.0), alpha, ior=1.5, energy_compensation=x)
+        for x in (True, False)
+    )
+    found, error = albedo(on, WI, walks=1 << 14, seed=0)
+    without, _ = albedo(off, WI, walks=1 << 14, seed=0)
+    assert (found < 1.03 + 5 * error).all()
+    assert (without < found).all()
+
+
 def test_the_integral_of_the_lobe_is_what_it_adds():
     """By quadrature over wo of what `simulate` gains, whose walks are the same without the lobe."""
     options = {"alpha": 0.6, "ior": 1.5}

@@ -109,15 +109,23 @@ def nodes(eta: float | None = None) -> tuple[np.ndarray, np.ndarray]:
     return roughness**2, np.maximum(cosine, _LEAST_COSINE)
 
 
-def hemisphere_mean(table: np.ndarray, etas: np.ndarray | None = None) -> np.ndarray:
-    """2 times the integral of a table (..., COSINES) times the cosine over [0, 1].
+def hemisphere_mean(
+    table: np.ndarray, etas: np.ndarray | None = None, *, entered: bool = False
+) -> np.ndarray:
+    """Mean of a table (..., COSINES) over diffuse light: 2 int_0^1 table(c) c dc.
 
     The tables are interpolated linearly between their nodes. The integral of this interpolation is
     exact, up to rounding, where the cosine is a polynomial of the coordinate.
 
     etas: None, or the indices (I,) of a table (I, ROUGHNESSES, COSINES).
+    entered: only over directions that a smooth interface does not reflect totally.
     """
     values, weight = between_nodes(table, etas)
+    if entered:
+        assert etas is not None
+        beyond = np.linspace(0, COSINES - 1, weight.shape[-1]) > TOTAL_CELLS
+        weight = np.where((etas[:, None, None] < 1) & ~beyond, 0, weight)
+        weight /= weight.sum(-1, keepdims=True)
     return (values * weight).sum(-1)
 
 
@@ -166,7 +174,9 @@ class Tables(NamedTuple):
     Attributes:
         reflected, passed: (I, ROUGHNESSES, COSINES) of the light from above; the cosines are those
             of `nodes` of the index.
-        reflected_mean, passed_mean: (I, ROUGHNESSES) their cosine-weighted means.
+        reflected_mean, passed_mean: (I, ROUGHNESSES) their means over diffuse light.
+        reflected_entered, passed_entered: (I, ROUGHNESSES) their means over diffuse light that has
+            entered by a smooth interface of the same index, and that a mirror returns.
         inside: (I, ROUGHNESSES, COSINES) mean cosine of the transmitted light.
     """
 
@@ -174,6 +184,8 @@ class Tables(NamedTuple):
     passed: np.ndarray
     reflected_mean: np.ndarray
     passed_mean: np.ndarray
+    reflected_entered: np.ndarray
+    passed_entered: np.ndarray
     inside: np.ndarray
 
 
@@ -206,13 +218,21 @@ def tables(eta: float | None = None) -> Tables:
                 facets = visible_facets(alpha, nodes(float(index))[1], sizes=sizes)
             assert facets is not None
             arrays[:, i, j] = _albedos(facets, alpha, index)
-    means = (hemisphere_mean(table, etas) for table in (reflected, passed))
+    means = (
+        hemisphere_mean(table, etas, entered=entered)
+        for entered in (False, True)
+        for table in (reflected, passed)
+    )
     return Tables(*(x.astype(np.float32) for x in (reflected, passed, *means, inside)))
 
 
 @functools.cache
-def surface_loss(alpha: float, eta: float) -> tuple[Callable[[np.ndarray], np.ndarray], float]:
-    """The share of light that a coat's surface loses over a white Lambertian base.
+def surface_loss(
+    alpha: float, eta: float, mirrored: float = 0.0
+) -> tuple[Callable[[np.ndarray], np.ndarray], float]:
+    """The share of light that a coat's surface loses over a white base.
+
+    mirrored: share of the base's light that it mirrors; the other is Lambertian.
 
     Returns:
         The share, a function of cosines (N,), and its cosine-weighted mean; 0 for an index of 1.
@@ -226,7 +246,14 @@ def surface_loss(alpha: float, eta: float) -> tuple[Callable[[np.ndarray], np.nd
     def at(table: np.ndarray) -> np.ndarray:
         return table[0, first] + (place - first) * (table[0, first + 1] - table[0, first])
 
-    inside = at(below.passed_mean) / (1 - at(below.reflected_mean))
+    passed, reflected = (
+        (1 - mirrored) * at(diffuse) + mirrored * at(entered)
+        for diffuse, entered in (
+            (below.passed_mean, below.passed_entered),
+            (below.reflected_mean, below.reflected_entered),
+        )
+    )
+    inside = passed / (1 - reflected)
     lost = np.clip(1 - at(above.reflected) - inside * at(above.passed), 0, 1)
     grid = np.linspace(0, 1, COSINES)
     mean = 1 - at(above.reflected_mean) - inside * at(above.passed_mean)

@@ -40,6 +40,9 @@ PHYSICAL = ("albedo", "sigma_t")
 #: isotropic scattering that turns light back.
 REFRACTED, DIFFUSE, BACKWARDS = 1.15, 2.0, 0.5
 
+#: Directions at which pi f estimates what a surface reflects diffusely, away from its mirror lobe.
+WI, WO = (0.6, 0.0, 0.8), (0.0, 0.6, 0.8)
+
 #: Least colour: its depth is 6.9, from which nothing returns. Greatest body: its depth is 132.
 LEAST_COLOR, MOST_BODY = 1e-6, 0.99
 

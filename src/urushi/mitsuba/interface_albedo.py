@@ -18,7 +18,7 @@ class InterfaceAlbedo:
     """
 
     DRJIT_STRUCT: ClassVar = dict.fromkeys(
-        ("_reflected", "_reflected_mean", "_both", "_both_mean"), object
+        ("_reflected", "_reflected_mean", "_both", "_both_mean", "_both_entered"), object
     )  # for frozen functions
 
     def __init__(self, eta: float | None):
@@ -28,6 +28,7 @@ class InterfaceAlbedo:
         self._reflected_mean = self._tables(known.reflected_mean)
         self._both = self._tables(known.reflected, known.passed)
         self._both_mean = self._tables(known.reflected_mean, known.passed_mean)
+        self._both_entered = self._tables(known.reflected_entered, known.passed_entered)
 
     def reflected(self, cosine, alpha, eta):
         """Share of the light from a direction that is reflected."""
@@ -41,9 +42,17 @@ class InterfaceAlbedo:
         """Share of diffuse light that is reflected."""
         return self._reflected_mean(self._at(None, alpha, eta))[0]
 
-    def both_mean(self, alpha, eta) -> list:
-        """Shares of diffuse light that are reflected and transmitted."""
-        return self._both_mean(self._at(None, alpha, eta))
+    def both_mean(self, alpha, eta, mirrored=None) -> list:
+        """Shares of diffuse light that are reflected and transmitted.
+
+        mirrored: share of it that has entered as `albedos.Tables` says.
+        """
+        at = self._at(None, alpha, eta)
+        diffuse = self._both_mean(at)
+        if mirrored is None:
+            return diffuse
+        entered = self._both_entered(at)
+        return [dr.lerp(a, b, mirrored) for a, b in zip(diffuse, entered, strict=True)]
 
     def _tables(self, *values: np.ndarray):
         """Tables as channels, without the axis of the index if it is constant."""
@@ -70,7 +79,7 @@ class LossVertex(NamedTuple):
 
 
 class InterfaceLoss:
-    """Light that a coat's interface loses over a white Lambertian base, from the tables.
+    """Light that a coat's interface loses over a white base, from the tables.
 
     A loss 1 - A(w) returns as (1 - A(wi)) (1 - A(wo)) / (pi (1 - A_mean)) (Kulla and Conty 2017).
 
@@ -83,10 +92,10 @@ class InterfaceLoss:
         self._above = InterfaceAlbedo(eta)
         self._below = InterfaceAlbedo(None if eta is None else 1 / eta)
 
-    def at(self, alpha, eta) -> LossVertex:
-        """An interface, without a direction."""
+    def at(self, alpha, eta, mirrored=None) -> LossVertex:
+        """An interface, without a direction; mirrored: share that the base mirrors, else none."""
         # Both from one table: what it does not reflect is passed or lost, whatever its error.
-        reflected, passed = self._below.both_mean(alpha, 1 / eta)
+        reflected, passed = self._below.both_mean(alpha, 1 / eta, mirrored)
         return LossVertex(eta, alpha, passed / (1 - reflected), ())
 
     def lost(self, at: LossVertex, cosine):

@@ -1,9 +1,10 @@
 """The option `energy_compensation` of coats: light that a rough surface loses is given back.
 
 A surface scatters light once, so that light which meets a second facet is lost. The share L(w) that
-the topmost surface loses over a white Lambertian base (`core.albedos.surface_loss`) returns as the
-lobe C L(wi) L(wo) / (pi L_mean) (Kulla and Conty 2017), in the colour C of coat and bottom. The
-plugins have the same lobe (`mitsuba.plugins.compensation`).
+the topmost surface loses over a white base (`core.albedos.surface_loss`) returns as the lobe
+C L(wi) L(wo) / (pi L_mean) (Kulla and Conty 2017), in the colour C of coat and bottom. Less is lost
+over a mirror, whose light leaves the coat as steeply as it entered, than over a Lambertian base.
+The plugins have the same lobe (`mitsuba.plugins.compensation`).
 """
 
 import numpy as np
@@ -19,27 +20,29 @@ class Compensation:
     """The lobe of a stack's topmost coat.
 
     below: (3,) directional albedo, at the normal, of what lies under the coat.
+    mirrored: the share of this light that is mirrored.
     """
 
-    def __init__(self, stack: Stack, below: np.ndarray):
+    def __init__(self, stack: Stack, below: np.ndarray, mirrored: float):
         top = stack.coats[0]
         alpha, eta = top.alpha, np.broadcast_to(top.eta, 3)
         if isinstance(alpha, Widths):
             alpha = np.sqrt(0.5 * (np.square(alpha.u) + np.square(alpha.v)))
         medium = (np.asarray(x) for x in (top.albedo, top.sigma_t, top.g))
         self._color = coated_color(CoatParameters(alpha, eta, *medium), below, NUMPY)
-        self._surfaces = list(zip(np.broadcast_to(alpha, 3).tolist(), eta.tolist(), strict=True))
+        self._losses = [
+            albedos.surface_loss(float(a), float(e), mirrored)
+            for a, e in zip(np.broadcast_to(alpha, 3), eta, strict=True)
+        ]
 
     def albedo(self, cosine: np.ndarray) -> np.ndarray:
         """What the lobe adds to the directional albedo at cosines (N,), (N, 3)."""
-        lost = [albedos.surface_loss(*surface)[0](cosine) for surface in self._surfaces]
-        return self._color * np.stack(lost, axis=-1)
+        return self._color * np.stack([lost(cosine) for lost, _ in self._losses], axis=-1)
 
     def f(self, wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
         """The lobe [1/sr] (N, 3) for unit vectors (N, 3); 0 below the horizon."""
-        lobes = []
-        for surface in self._surfaces:
-            lost, mean = albedos.surface_loss(*surface)
-            lobes.append(lost(wi[:, 2]) * lost(wo[:, 2]) / max(np.pi * mean, 1e-5))
+        lobes = [
+            lost(wi[:, 2]) * lost(wo[:, 2]) / max(np.pi * mean, 1e-5) for lost, mean in self._losses
+        ]
         above = (wi[:, 2:] > 0) & (wo[:, 2:] > 0)
         return np.where(above, self._color * np.stack(lobes, axis=-1), 0)

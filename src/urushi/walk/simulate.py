@@ -10,6 +10,7 @@ import numpy.typing as npt
 
 from urushi import checks
 from urushi.checks import Widths
+from urushi.core import appearance
 from urushi.core.mixture import Mixture
 from urushi.errors import ParameterError
 from urushi.walk import slabs, walk
@@ -183,7 +184,10 @@ def compensation(stack: Stack) -> Compensation:
     """The lobe of the light that the topmost surface loses; what lies below it is measured."""
     rest = Stack(stack.coats[1:] or (Coat(eta=1.0),), stack.bottom)
     rest = replace(rest, coats=(replace(rest.coats[0], energy_compensation=False), *rest.coats[1:]))
-    return Compensation(stack, albedo(rest, [[0.0, 0.0, 1.0]], walks=1 << 14)[0][0])
+    below = albedo(rest, [[0.0, 0.0, 1.0]], walks=1 << 14)[0][0]
+    f, _ = simulate(rest, [appearance.WI], [appearance.WO], walks=1 << 14, progress=False)
+    mirrored = 1 - np.pi * f.mean() / max(below.mean(), 1e-6)
+    return Compensation(stack, below, float(np.clip(mirrored, 0, 1)))
 
 
 def _slab_albedo(transmitted: bool, coats: Any, lowest: Reflector, wi: Any, rng: Any) -> Any:

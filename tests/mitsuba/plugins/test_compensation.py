@@ -72,6 +72,14 @@ def test_no_light_appears(rgb, name):
     assert (furnace(rgb, dark)[0] < 0.15).all()  # what facets reflect, at most F at cosine 0.2
 
 
+@pytest.mark.parametrize("alpha", (0.1, 0.3))
+def test_no_light_appears_over_white_metal(rgb, alpha):
+    """Within 3 %, as the loss is an estimate, and five standard errors."""
+    mirror = {"type": "principled", "base_color": 1.0, "metallic": 1.0, "roughness": 0.15}
+    found, error = furnace(rgb, coat("layered", alpha=alpha, base=mirror))
+    assert (found < 1.03 + 5 * error).all()
+
+
 @pytest.mark.parametrize("name", PLUGINS)
 def test_plugins_agree_with_python(rgb, name):
     """Within 2 %, the error of the networks, and five standard errors."""

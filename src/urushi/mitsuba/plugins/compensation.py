@@ -27,7 +27,7 @@ class Compensation:
     DRJIT_STRUCT: ClassVar = {"_gloss": object, "_loss": object}  # for frozen functions
 
     def __init__(self, coat: CoatTextures, bottom: "mi.BSDF"):
-        """Estimate the bottom's albedo; its part beyond `estimates.reflectance` is a constant."""
+        """Estimate what the bottom mirrors, a constant: light beyond `estimates.reflectance`."""
         self._coat, self._bottom = coat, bottom
         constant = not coat.has_textured_eta and coat.above is None
         self._loss = InterfaceLoss(coat.eta if constant else None)
@@ -47,6 +47,7 @@ class Compensation:
         if isinstance(alpha, Widths):
             alpha = dr.sqrt(0.5 * (dr.square(alpha.u) + dr.square(alpha.v)))
         below = dr.clip(estimates.reflectance(self._bottom, si, active) + self._gloss, 0, 1)
+        mirrored = dr.clip(dr.mean(self._gloss) / dr.maximum(dr.mean(below), 1e-6), 0, 1)
         color = coated_color(coat, below, DRJIT)
-        vertex = self._loss.seen(self._loss.at(alpha, eta), si.wi.z)
+        vertex = self._loss.seen(self._loss.at(alpha, eta, mirrored), si.wi.z)
         return f + mi.Spectrum(color * self._loss.lobe(vertex, wo))

@@ -10,13 +10,10 @@ from typing import Any
 import drjit as dr
 import mitsuba as mi
 
-from urushi.core.appearance import coated_albedo
+from urushi.core.appearance import WI, WO, coated_albedo
 from urushi.core.namespace import DRJIT
 from urushi.mitsuba import spectrum
 from urushi.mitsuba.reading.parameters import CoatTextures
-
-#: The pair of directions at which the bottom is evaluated, away from its mirror direction.
-WI, WO = (0.6, 0.0, 0.8), (0.0, 0.6, 0.8)
 
 
 def estimates(coat: CoatTextures, bottom: "mi.BSDF", si, active) -> tuple[Any, list]:
