@@ -315,12 +315,12 @@ def measured(form: Form, params: Any, arch: Architecture, store: Store) -> dict[
     return {name: np.concatenate(errors) for name, errors in groups.items()}
 
 
-def train(form: Form, folder: Path, steps: int, rate: float, seed: int) -> None:
-    """Train by the joint loss and print the errors."""
+def train(form: Form, folder: Path, share: float, steps: int, rate: float, seed: int) -> None:
+    """Train by the joint loss on `data(share)` and print the errors."""
     arch = Architecture(latent=24, decoder=form.decoder, activation=ACTIVATION)
     examples.encoder_inputs = lambda *given: inputs(*given, form)  # codes have an inner lobe
-    depths = examples.load(Store.open(folder / "data.zarr"), arch, 64, 1 << 28)
-    fixed = input_statistics(np.concatenate([depth.first().probes for depth in depths]))
+    depths = examples.load(generate(data(share), folder / "data.zarr"), arch, 64)
+    fixed = input_statistics(np.concatenate([depth.examples().probes for depth in depths]))
     at_probes = jnp.asarray(direction_features(*probe_pairs()))
 
     def loss(trained: Any, batch: Any) -> tuple[jax.Array, dict[str, jax.Array]]:
@@ -338,7 +338,7 @@ def train(form: Form, folder: Path, steps: int, rate: float, seed: int) -> None:
     schedule = Schedule(steps=steps, warmup=256, learning_rate=rate, clip=0.1, average=0.995)
     state, run = start(initial(form, seed), schedule), compile_steps(loss, schedule)
     take = Batches(depths, (48, 112, 64, 24, 7, 7), seed).take
-    checks, began = Store.open(folder / "tests.zarr"), time.process_time()
+    checks, began = generate(tests(), folder / "tests.zarr"), time.process_time()
     for step in range(0, steps, schedule.steps_per_call):
         state, terms = run(state, take(step, schedule.steps_per_call))
         done = step + schedule.steps_per_call
@@ -356,7 +356,7 @@ def measure(model: Model, folder: Path) -> None:
     The mean error that the noise of the walks causes is subtracted in squares, stack by stack.
     """
     groups: dict[str, list[np.ndarray]] = {}
-    checks = Store.open(folder / "tests.zarr")
+    checks = generate(tests(), folder / "tests.zarr")
     for part in checks.spec.parts:
         name, kind, count = part.name.split("-")
         if name == "validation":
@@ -398,6 +398,7 @@ def main() -> None:
     of_networks.add_argument("weights")
     of_training = commands.add_parser("train")
     of_training.add_argument("form", choices=FORMS)
+    of_training.add_argument("share", type=float, help="as of data")
     for command in (of_data, of_networks, of_training):
         command.add_argument("folder", type=Path)
     of_training.add_argument("--steps", type=int, default=3072)
@@ -411,7 +412,7 @@ def main() -> None:
     elif given.command == "measure":
         measure(weights.find(given.weights), given.folder)
     else:
-        train(FORMS[given.form], given.folder, given.steps, given.rate, given.seed)
+        train(FORMS[given.form], given.folder, given.share, given.steps, given.rate, given.seed)
 
 
 if __name__ == "__main__":

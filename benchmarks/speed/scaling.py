@@ -4,9 +4,8 @@ Takes about a minute each on two cores; the figures of docs/scaling.md come from
 written to a temporary folder (TMPDIR) and take some hundred MB.
 
 data     time, files and bytes of a shard in the sizes of the preset `quick`: simulate, write, read
-train    samples per second and peak memory of training: from a store that fits into memory; with
-         memory for an eighth of it; both with a store four times as large. Each in a process of its
-         own
+train    samples per second and peak memory of training: from a store, and from one four times as
+         large. Each in a process of its own
 """
 
 import argparse
@@ -25,7 +24,6 @@ from urushi.train.data.distribution import Extended, Table2
 from urushi.train.data.generate import generate, make_shard
 from urushi.train.data.spec import DataSpec, Part
 from urushi.train.data.store import Store
-from urushi.train.order import Order
 
 #: Direction pairs per stack and walks per pair, as in the preset `quick`.
 PAIRS, WALKS = 512, 32
@@ -74,11 +72,6 @@ def data(folder: Path) -> None:
     whole.hash()
     shards = len(list(whole.spec.shards()))
     print(f"hash: {(time.perf_counter() - began) / shards * 1e3:.1f} ms a shard")
-    began = time.perf_counter()
-    windows = len(Order([[1024] * 192_000], 1024 * 256, 0).windows(0))
-    print(
-        f"an epoch's order, 192,000 shards: {time.perf_counter() - began:.2f} s, {windows} windows"
-    )
     spec = DataSpec((Part("a", Table2(1), 4096, 4, 2),), seed=1, shard=1)
     store = Store.create(folder / "many.zarr", spec)
     zarr.open_group(store.path)["a/complete"][:] = 1
@@ -89,29 +82,21 @@ def data(folder: Path) -> None:
 
 def train(folder: Path) -> None:
     """Run `measure` in a process of its own for each case."""
-    whole, large = folder / "whole.zarr", folder / "large.zarr"
-    generate(quick_like(2048), whole)
-    generate(quick_like(8192), large)
-    small = 3072 * PAIRS // 8
-    for label, store, memory in (
-        ("1.6 M pairs, all in memory", whole, 1 << 26),
-        ("1.6 M pairs, room for 0.2 M", whole, small),
-        ("6.3 M pairs, all in memory", large, 1 << 26),
-        ("6.3 M pairs, room for 0.2 M", large, small),
-    ):
-        arguments = json.dumps([str(store), memory])
+    for label, stacks in (("1.6 M pairs", 2048), ("6.3 M pairs", 8192)):
+        store = generate(quick_like(stacks), folder / f"{stacks}.zarr").path
+        arguments = json.dumps([str(store), stacks])
         run = [sys.executable, "-m", "benchmarks.speed.scaling", "train", "--measure", arguments]
         printed = subprocess.run(run, check=True, capture_output=True, text=True).stdout
         print(f"{label}: {printed.strip()}")
 
 
-def measure(store: str, memory: int) -> None:
+def measure(store: str, stacks: int) -> None:
     """Print speed and peak memory of the joint stage of `quick`."""
     from urushi.train import examples, presets, training
 
     preset = presets.quick()
     joint = preset.stages[0]
-    depths = examples.load(Store.open(store), preset.arch, preset.pairs, memory)
+    depths = examples.load(Store(Path(store), quick_like(stacks)), preset.arch, preset.pairs)
     params = training.initial(preset, depths)
     learner = joint.learn(params, preset.architectures()[1], depths, preset.seed)
     state = training.begin(preset, 0, params).state

@@ -11,12 +11,10 @@ import pytest
 import urushi
 from urushi.app import cli
 from urushi.app.commands.paper import Import, PaperEval, Tensors
-from urushi.app.commands.train import Generate, Show
 from urushi.app.doctor import Doctor
 from urushi.errors import ParameterError
 
 FAMILIES = {(name,): command for name, (command, _) in cli.COMMANDS.items()}
-FAMILIES |= {("data", "generate"): Generate, ("data", "show"): Show}
 FAMILIES |= {("paper", "import"): Import, ("paper", "tensors"): Tensors}
 FAMILIES |= {("paper", "eval"): PaperEval}
 

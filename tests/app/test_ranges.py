@@ -20,7 +20,7 @@ NEEDED = {
     "encode": ["diffuse(0.5)", "-o", "a.safetensors"],
     "layer": ["diffuse(0.5)", "-o", "a.safetensors"],
     "convert": ["a.mtlx", "-o", "folder"],
-    "data generate": ["-o", "a.zarr"],
+    "data": ["-o", "a.zarr"],
     "paper import": ["a.pth", "b.pth", "-o", "a.safetensors"],
     "paper eval": ["a.safetensors"],
 }
@@ -118,4 +118,4 @@ def test_what_is_no_number_is_a_usage_error(text, capsys):
 
 def test_all_commands_are_reached():
     """Commands inside others are found too."""
-    assert {"scenes export", "data generate", "paper import", "demo"} <= set(commands())
+    assert {"scenes export", "data", "paper import", "demo"} <= set(commands())

@@ -50,7 +50,6 @@ TINY = Preset(
         Sampling(Schedule(8, 4, 3e-3, average=0.9, steps_per_call=4, checkpoint_every=4)),
     ),
     pairs=8,
-    memory=512,  # fewer than the 832 pairs, so that examples are streamed
     arch=ARCH,
 )
 

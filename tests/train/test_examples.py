@@ -1,14 +1,12 @@
 """Batches: each example once an epoch, with its own arrays, for any division into steps."""
 
 import dataclasses
-import gc
-import weakref
 
 import numpy as np
 import pytest
 
 from urushi.core.probe_pairs import PROBES, probe_pairs
-from urushi.errors import FileError, ParameterError
+from urushi.errors import ParameterError
 from urushi.nets import lobe
 from urushi.nets.architecture import Architecture
 from urushi.nets.features import direction_features
@@ -18,21 +16,19 @@ from urushi.train.data.distribution import BOTTOMS, Extended, Table2
 from urushi.train.data.generate import generate
 from urushi.train.data.spec import DataSpec, Part
 from urushi.train.data.store import Store
-from urushi.train.examples import Batches, Depth
+from urushi.train.examples import Batches
 from urushi.walk import analytic
 from urushi.walk.bottoms import KINDS
-
-EVERYTHING = 1 << 20  # more direction pairs than the store has
 
 
 @pytest.fixture(scope="module")
 def depths(tiny, tiny_data):
-    return examples.load(Store.open(tiny_data), tiny.arch, tiny.pairs, EVERYTHING)
+    return examples.load(Store(tiny_data, tiny.data), tiny.arch, tiny.pairs)
 
 
 @pytest.fixture(scope="module")
 def held(depths):
-    return [depth.first() for depth in depths]
+    return [depth.examples() for depth in depths]
 
 
 def test_examples_are_grouped_by_the_number_of_coats(held):
@@ -43,7 +39,7 @@ def test_examples_are_grouped_by_the_number_of_coats(held):
 
 
 def test_the_arrays_of_an_example_belong_together(tiny, tiny_data, held):
-    store = Store.open(tiny_data)
+    store = Store(tiny_data, tiny.data)
     arrays = store.read(tiny.data.parts[3])
     row, item = 5, 11  # the second run of the sixth stack
     pairs = slice(8, 16)
@@ -117,90 +113,31 @@ def test_deeper_stacks_come_first_so_that_coats_match_their_stacks(tiny, depths,
             np.testing.assert_array_equal(coats[0], highest[step, row])
 
 
-@pytest.fixture
-def streamed(tiny, tiny_data, tmp_path):
-    """The same data in shards of four stacks, for streaming."""
-    store = generate(dataclasses.replace(tiny.data, shard=4), tmp_path / "small.zarr")
-    return lambda memory=MEMORY: examples.load(store, tiny.arch, tiny.pairs, memory)
-
-
-MEMORY = 320  # direction pairs; the 52 stacks have 832 training pairs, and a shard has 64
-
-
-def test_a_store_larger_than_memory_streams_in_bounded_memory(tiny, streamed, monkeypatch):
-    windows, peak = [], []
-    read = Depth._read
-
-    def watched(self, window):
-        examples = read(self, window)
-        windows.append((weakref.ref(examples), examples.f.size))
-        peak.append(sum(size for alive, size in windows if alive() is not None))
-        return examples
-
-    monkeypatch.setattr(Depth, "_read", watched)
-    batches = Batches(streamed(), tiny.stages[0].stacks, seed=1)
-    for step in range(0, 60, 3):
-        batches.take(step, 3)
-        gc.collect()
-    assert len(windows) > 20
-    # Two depths have 192 and 128 pairs. Their shares are below the 64 of a shard, which is held.
-    assert max(peak) <= MEMORY + 2 * 2 * 64
-
-
-def test_a_stream_has_every_example_once_an_epoch(tiny, streamed):
-    count = tiny.stages[0].stacks[1]
-    all_of_them = streamed(EVERYTHING)[1].first()
-    epoch = len(all_of_them.f)  # items of one coat; after this number of steps an epoch ends
-    taken = Batches(streamed(), tiny.stages[0].stacks, seed=1).take(0, epoch)
-    values = taken.f[:, 4 : 4 + count].reshape(count, epoch, -1)
-    for once in values:
-        np.testing.assert_array_equal(np.sort(once, axis=0), np.sort(all_of_them.f, axis=0))
-    assert (values[0] != values[1]).any()
-
-
-def test_a_stream_does_not_depend_on_the_division_into_steps(tiny, streamed):
-    whole = Batches(streamed(), tiny.stages[0].stacks, seed=1).take(0, 40)
-    for start, count in ((0, 3), (33, 7), (17, 5)):  # the first steps of resumed trainings
-        part = Batches(streamed(), tiny.stages[0].stacks, seed=1).take(start, count)
-        for name in ("probes", "features", "f"):
-            np.testing.assert_array_equal(
-                getattr(part, name), getattr(whole, name)[start : start + count]
-            )
-
-
-def test_a_damaged_shard_is_reported_when_it_is_read(tiny, streamed):
-    depths = streamed()
-    chunk = depths[1]._store.path / "coated" / "f" / "c" / "4" / "0"
-    chunk.write_bytes(chunk.read_bytes()[:10])
-    with pytest.raises(FileError, match="cannot be used"):
-        Batches(depths, tiny.stages[0].stacks, seed=1).take(0, 40)
-
-
 def test_probed_stacks_are_encoded_from_their_own_values(tiny, tmp_path):
     arch = dataclasses.replace(tiny.arch, probes=PROBES)
     part = Part("probed", Table2(1), 8, PROBES + 16, 4, "probed")
     store = generate(DataSpec((part,), seed=6), tmp_path / "data.zarr")
-    (depth,) = examples.load(store, arch, 8, EVERYTHING)  # no coat is layered
-    arrays, held = store.read(part), depth.first()
+    (depth,) = examples.load(store, arch, 8)  # no coat is layered
+    arrays, held = store.read(part), depth.examples()
     top = lobe.f(held.lobes[:, None], *probe_pairs(PROBES))
     np.testing.assert_array_equal(held.lobes[:, 0], arrays["coats"][:, 0, 0])
     np.testing.assert_array_equal(held.probes, np.maximum(arrays["f"][:, :PROBES] - top, 0))
     np.testing.assert_array_equal(held.f, arrays["f"][:, PROBES:].reshape(16, 8))
     assert held.coats.shape == (8, 0, 5)
     with pytest.raises(ParameterError, match="holds 192 probes, but the architecture's encoder"):
-        examples.load(store, tiny.arch, 8, EVERYTHING)
+        examples.load(store, tiny.arch, 8)
 
 
 def test_presets_that_do_not_fit_their_data_get_one_sentence(tiny, tiny_data, depths):
     with pytest.raises(ParameterError, match="stacks of up to 2 coats, but the preset draws"):
         Batches(depths, (4, 4), seed=0)
     with pytest.raises(ParameterError, match="multiple of the 12 that a step uses"):
-        examples.load(Store.open(tiny_data), tiny.arch, 12, EVERYTHING)
-    store = Store.open(tiny_data)
+        examples.load(Store(tiny_data, tiny.data), tiny.arch, 12)
+    store = Store(tiny_data, tiny.data)
     gap = dataclasses.replace(store.spec, parts=store.spec.parts[1:])
     with pytest.raises(ParameterError, match="without a gap, not of 1, 2"):
-        examples.load(Store(store.path, gap), tiny.arch, tiny.pairs, EVERYTHING)
+        examples.load(Store(store.path, gap), tiny.arch, tiny.pairs)
     whole = Part("whole", Table2(1), 8, 81, 4, "stratified")
     foreign = dataclasses.replace(store.spec, parts=(*store.spec.parts, whole))
     with pytest.raises(ParameterError, match="'whole' has directions 'stratified', which"):
-        examples.load(Store(store.path, foreign), tiny.arch, tiny.pairs, EVERYTHING)
+        examples.load(Store(store.path, foreign), tiny.arch, tiny.pairs)

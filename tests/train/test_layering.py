@@ -24,9 +24,9 @@ def narrow(tiny):
 
 @pytest.fixture(scope="module")
 def measured(tiny, tiny_data, narrow):
-    depths = examples.load(Store.open(tiny_data), tiny.arch, tiny.pairs, memory=1 << 20)
+    depths = examples.load(Store(tiny_data, tiny.data), tiny.arch, tiny.pairs)
     return [
-        quadratic_loss.measure_quadratic_losses(narrow, tiny.architectures()[0], depth.first())
+        quadratic_loss.measure_quadratic_losses(narrow, tiny.architectures()[0], depth.examples())
         for depth in depths[1:]
     ]
 

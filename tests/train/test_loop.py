@@ -124,7 +124,7 @@ def test_the_header_states_the_origin_of_the_weights(uninterrupted, tiny, tiny_d
     assert header["preset"]["name"] == "tiny"
     assert header["preset"]["stages"][0]["schedule"]["steps"] == 8
     assert header["seed"] == tiny.seed
-    assert header["data"] == Store.open(tiny_data).hash()
+    assert header["data"] == Store(tiny_data, tiny.data).hash()
     assert set(header["metrics"]) == {
         "E mean", "P median", "sampling cv median", "sampling cv p95",
     }  # fmt: skip
@@ -134,7 +134,7 @@ def test_the_header_states_the_origin_of_the_weights(uninterrupted, tiny, tiny_d
 
 def test_validation_measures_the_exported_weights(uninterrupted, tiny, tiny_data):
     model = uninterrupted[0]
-    store = Store.open(tiny_data)
+    store = Store(tiny_data, tiny.data)
     checks = training.load_checks(store, tiny.arch)
     figures = training.measure(model.params, tiny.arch, checks)
     values = []

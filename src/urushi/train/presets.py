@@ -29,8 +29,6 @@ class Preset:
             `examples.METRICS` for validation.
         stages: in order, each with its own options.
         pairs: direction pairs of each stack in a step, a multiple of 8 for the loss.
-        memory: largest number of direction pairs in memory, of 36 bytes each; a larger store is
-            streamed.
         seed: of the initial weights and of the order of the examples.
         arch: sizes of the trained networks.
     """
@@ -39,7 +37,6 @@ class Preset:
     data: DataSpec
     stages: tuple[Stage, ...]
     pairs: int = 64
-    memory: int = 1 << 26
     seed: int = 0
     arch: Architecture = field(default_factory=Architecture)
 
@@ -57,7 +54,6 @@ class Preset:
             "data": self.data.to_dict(),
             "stages": [{"kind": type(s).__name__.lower(), **asdict(s)} for s in self.stages],
             "pairs": self.pairs,
-            "memory": self.memory,
             "seed": self.seed,
             "arch": json.loads(self.arch.to_json()),
         }
@@ -99,7 +95,6 @@ def default() -> Preset:
             Layering(_soap(12_288), coated, None, 2, energy, name="relayering"),
             Sampling(sampling),
         ),
-        memory=1 << 28,
         arch=Architecture(
             latent=24,
             decoder=(16, 16),
@@ -132,7 +127,6 @@ def anisotropic() -> Preset:
             ),
             Sampling(sampling),
         ),
-        memory=1 << 28,
         arch=Architecture(
             latent=27,
             decoder=(20, 20),

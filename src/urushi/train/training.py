@@ -92,7 +92,7 @@ def train(
     began = time.monotonic()
     store = generate(preset.data, data if data is not None else folder / "data.zarr")
     generated = time.monotonic() - began
-    depths = examples.load(store, preset.arch, preset.pairs, preset.memory)
+    depths = examples.load(store, preset.arch, preset.pairs)
     checks = load_checks(store, preset.arch)
     origin = identity(preset, store)
     journal = Journal(folder, origin, names, generated)
@@ -194,7 +194,7 @@ def header(
 
 def initial(preset: Preset, depths: list[Depth]) -> dict[str, Any]:
     """Fresh parameters, with the statistics of the bottoms' values at the probe pairs."""
-    bottoms = np.concatenate([depth.first().probes for depth in depths])
+    bottoms = np.concatenate([depth.examples().probes for depth in depths])
     return {**init(preset.architectures()[0], preset.seed), **input_statistics(bottoms)}
 
 

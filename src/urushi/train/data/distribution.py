@@ -4,7 +4,6 @@ A distribution is a frozen dataclass; `sample` draws a table of single-channel s
 the same number of coats and the same kind of bottom. Mixtures are lists of distributions.
 """
 
-from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from typing import Any, ClassVar, Protocol
 
@@ -333,44 +332,15 @@ class Source(Protocol):
     def draw(self, rng: np.random.Generator, rows: slice) -> StackTable: ...
 
 
-_sources: dict[str, Any] = {
-    "table2": Table2,
-    "extended": Extended,
-    "clear": Clear,
-    "practical": Practical,
-    "anisotropic": Anisotropic,
-}
-
-
 def to_dict(distribution: Source) -> dict[str, Any]:
-    """Describe a distribution for JSON; `from_dict` reads it back.
+    """Describe a distribution for JSON.
 
     Common indices are left out: descriptions from before `Extended.indices` stay equal to new ones.
     """
-    kinds = (name for name, cls in _sources.items() if type(distribution) is cls)
-    kind = next(kinds, type(distribution).__name__.lower())  # of an extension
     fields = asdict(distribution)  # type: ignore[call-overload]
     if fields.get("indices") == "common":
         del fields["indices"]
-    return {"kind": kind, **fields}
-
-
-def from_dict(description: Mapping[str, Any]) -> Source:
-    """Return the distribution that `to_dict` has described.
-
-    Raises:
-        ParameterError: the kind or a field is unknown, or a value is out of range.
-    """
-    fields = dict(description)
-    kind = fields.pop("kind", None)
-    if kind not in _sources:
-        raise ParameterError(
-            f"distribution is of kind {kind!r}; choose one of {', '.join(sorted(_sources))}"
-        )
-    try:
-        return _sources[kind](**fields)
-    except TypeError as error:
-        raise ParameterError(f"distribution '{kind}' has no such field: {error}") from error
+    return {"kind": type(distribution).__name__.lower(), **fields}
 
 
 def _check_coats(coats: int) -> None:

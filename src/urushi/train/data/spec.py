@@ -1,6 +1,6 @@
 """The specification of a data store, which is in the store's manifest and in a preset."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
@@ -8,8 +8,7 @@ import numpy as np
 
 from urushi.core import direction_sets
 from urushi.errors import ParameterError
-from urushi.train.data import distribution as distributions
-from urushi.train.data.distribution import Source
+from urushi.train.data.distribution import Source, to_dict
 
 
 @dataclass(frozen=True)
@@ -87,28 +86,5 @@ class DataSpec:
         return (rows.stop - rows.start) * described.pairs * described.walks
 
     def to_dict(self) -> dict[str, Any]:
-        parts = [
-            {**vars(part), "distribution": distributions.to_dict(part.distribution)}
-            for part in self.parts
-        ]
+        parts = [{**vars(part), "distribution": to_dict(part.distribution)} for part in self.parts]
         return {"parts": parts, "seed": self.seed, "shard": self.shard}
-
-    @classmethod
-    def from_dict(cls, description: Mapping[str, Any]) -> "DataSpec":
-        """Return the specification that `to_dict` has described.
-
-        Raises:
-            ParameterError: an entry is missing, unknown or out of range.
-        """
-        try:
-            entries = dict(description)
-            parts = []
-            for part in entries.pop("parts"):
-                fields = dict(part)
-                drawn_from = distributions.from_dict(fields.pop("distribution"))
-                parts.append(Part(distribution=drawn_from, **fields))
-            return cls(parts=tuple(parts), **entries)
-        except (KeyError, TypeError) as error:
-            raise ParameterError(
-                f"the description of the data has a missing or unknown entry: {error}"
-            ) from error

@@ -27,7 +27,7 @@ import numpy as np
 import zarr
 
 from urushi.checks import COAT_COLUMNS
-from urushi.errors import FileError, ParameterError
+from urushi.errors import FileError
 from urushi.files import new_folder
 from urushi.train.data.spec import DataSpec, Part
 from urushi.version import __version__
@@ -83,19 +83,6 @@ class Store:
             }
         return cls(folder, spec)
 
-    @classmethod
-    def open(cls, path: str | os.PathLike) -> "Store":
-        """Open an existing store; it may be incomplete.
-
-        Raises:
-            FileError: it is missing, is not a data store, or has another format version.
-        """
-        folder = Path(path)
-        try:
-            return cls(folder, DataSpec.from_dict(_description(folder)))
-        except ParameterError as error:
-            raise FileError(f"{_FOREIGN.format(folder)} ({error})") from error
-
     def missing(self) -> list[tuple[int, int]]:
         """The (part, shard) indices that are not yet complete, in order."""
         with _readable(self.path):
@@ -142,7 +129,7 @@ class Store:
                 raise FileError(
                     f"'{self.path}' is incomplete: part '{part.name}' has "
                     f"{int(np.sum(complete[:]))} of {self.spec.shard_count(part)} shards; "
-                    "resume it with `urushi data generate`"
+                    "resume it with `urushi data`"
                 )
             arrays = {name: _array(root, part, name)[rows] for name in wanted}
         if not all(np.isfinite(values).all() for values in arrays.values()):
@@ -168,18 +155,17 @@ class Store:
 
 
 _ZARR_ERRORS = (OSError, ValueError, KeyError, TypeError, RuntimeError)
-_FOREIGN = "'{}' is not a data store of Urushi; give the folder of `urushi data generate`"
 
 
 def _description(folder: Path) -> dict[str, Any]:
     """The specification in the manifest of a store, as `DataSpec.to_dict` describes it."""
-    if not folder.exists():
-        raise FileError(f"there is no data store '{folder}'; create it with `urushi data generate`")
     try:
         manifest: Any = zarr.open_group(folder, mode="r").attrs[_MANIFEST]
         found, described = manifest["format_version"], manifest["spec"]
     except _ZARR_ERRORS as error:
-        raise FileError(_FOREIGN.format(folder)) from error
+        raise FileError(
+            f"'{folder}' is not a data store of Urushi; give the folder of `urushi data`"
+        ) from error
     if found != FORMAT_VERSION:
         raise FileError(
             f"'{folder}' has data format {found}, and this Urushi reads {FORMAT_VERSION}; "

@@ -30,7 +30,7 @@ REENTRY = 0.5
 
 @dataclass(frozen=True)
 class Layering(Stage):
-    """The layerer on the quadratic losses of as many stacks as fit into memory.
+    """The layerer on the quadratic losses of all stacks.
 
     Attributes:
         stacks: stacks of 1, 2, ... coats in a step.
@@ -58,7 +58,7 @@ class Layering(Stage):
 
     def examples(self, depth: Depth) -> Iterator[Examples]:
         """The stacks of one depth to learn from."""
-        yield depth.first()
+        yield depth.examples()
 
     def learn(self, params: Params, arch: Architecture, depths: list[Depth], seed: int) -> Learner:
         """Steps of `layering_loss` on quadratic losses, which are measured first."""
@@ -123,8 +123,7 @@ class LayeringBatches:
 
     def __init__(self, losses: list[QuadraticLosses], stacks: tuple[int, ...], seed: int) -> None:
         self._losses, self._stacks = losses, stacks
-        sizes = [len(of_depth.z) for of_depth in losses]
-        self._orders = [Order([[n]], n, seed, coats) for coats, n in enumerate(sizes, start=1)]
+        self._orders = [Order(len(x.z), seed, coats) for coats, x in enumerate(losses, start=1)]
 
     def take(self, step: int, steps: int) -> LayeringBatch:
         """The batches of `steps` steps from `step` on, stacked along a first axis."""
@@ -132,8 +131,7 @@ class LayeringBatches:
         for losses, order, count in reversed(
             list(zip(self._losses, self._orders, self._stacks, strict=True))
         ):
-            runs = order.runs(step * count, steps * count)
-            rows = np.concatenate([run.items for run in runs])
+            rows = order.items(step * count, steps * count)
             parts.append(
                 QuadraticLosses(*(x[rows].reshape(steps, count, *x.shape[1:]) for x in losses))
             )

@@ -85,7 +85,7 @@ def training_codes(params: Params, arch: Architecture, depths: list[Depth]) -> j
     """Latent codes (M, L) of training stacks of all depths, at most `STACKS` of each."""
     run = jax.jit(functools.partial(compose, params, arch))
     codes = []
-    for examples in (depth.first() for depth in depths):
+    for examples in (depth.examples() for depth in depths):
         # Parts lie one after the other: a stride takes some of each.
         rows = slice(None, None, -(-len(examples.probes) // STACKS))
         coats = tuple(np.moveaxis(examples.coats[rows], 1, 0)[::-1])
