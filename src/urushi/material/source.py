@@ -18,6 +18,7 @@ from urushi.measured import Merl, Rgl
 from urushi.nets import lobe as lobes
 from urushi.walk import Coat, Stack
 from urushi.walk.bottoms import Description
+from urushi.walk.bottoms.dielectric import Dielectric
 
 #: Random walks per probe and channel for a Stack: about 0.5 % noise where f is not tiny.
 STACK_WALKS = 16384
@@ -123,9 +124,12 @@ def _(source: Description) -> Source:
 
 @as_source.register
 def _(source: Stack) -> Source:
-    from urushi.walk.simulate import simulate
+    from urushi.walk.simulate import albedo, simulate
 
     top, widths = source.coats[0], 2 if source.is_anisotropic else 1
+    transmitted = 0.0
+    if isinstance(source.bottom, Dielectric):
+        transmitted = albedo(source, [[0.0, 0.0, 1.0]], walks=4096, transmitted=True)[0].mean()
     lobe = None  # if there is no interface, it is one from below
     if not np.all(np.equal(top.eta, 1)):
         lobe = lobe_of_coat(top)
@@ -134,6 +138,7 @@ def _(source: Stack) -> Source:
     return Source(
         lambda wi, wo: simulate(source, wi, wo, walks=STACK_WALKS, seed=0)[0],
         symmetric=True,
+        transmitted=float(transmitted),
         lobe=lobe,
         widths=widths,
     )
