@@ -8,6 +8,7 @@ import pytest
 
 from urushi.mitsuba.reading import probing
 
+pytest.importorskip("MaterialX", reason="the extra 'materialx' is not installed")
 pytestmark = pytest.mark.usefixtures("rgb")
 
 DOCUMENT = """<materialx version="1.39" colorspace="lin_rec709">

@@ -1,8 +1,12 @@
-from importlib.util import find_spec
-
 import pytest
 
 HEAD = '<?xml version="1.0"?>\n<materialx version="1.39" colorspace="{space}">{body}</materialx>'
+
+
+@pytest.fixture(autouse=True)
+def package():
+    """MaterialX; tests are skipped where it is not installed."""
+    return pytest.importorskip("MaterialX")
 
 
 @pytest.fixture
@@ -15,10 +19,3 @@ def document(tmp_path):
         return path
 
     return write
-
-
-@pytest.fixture
-def library():
-    """Skips a test that needs MaterialX's definitions of nodes."""
-    if find_spec("MaterialX") is None:
-        pytest.skip("the package materialx is not installed")

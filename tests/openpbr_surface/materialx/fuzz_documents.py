@@ -19,7 +19,7 @@ from pathlib import Path
 import numpy as np
 
 from urushi.errors import UrushiError, UrushiWarning
-from urushi.openpbr_surface.materialx.definitions import _library
+from urushi.openpbr_surface.materialx.definitions import library
 from urushi.openpbr_surface.materialx.surface import read_surface
 
 #: Longest time of a document, and the most memory that Python allocates for it [s, bytes].
@@ -99,7 +99,7 @@ def fuzz(folder: Path, seed: int, runs: int | None = None, seconds: float = 0) -
     chance = random.Random(seed)
     (folder / "a.exr").write_bytes(EXR)
     path, report, end = folder / "mutant.mtlx", Report(0, 0), time.monotonic() + seconds
-    _library()  # not a part of any document's time and memory
+    library()  # not a part of any document's time and memory
     while report.runs < runs if runs is not None else time.monotonic() < end:
         path.write_bytes(_mutant(chance))
         report.loaded += _run(path)

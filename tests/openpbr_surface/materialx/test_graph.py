@@ -10,7 +10,6 @@ from urushi.openpbr_surface.materialx.document import read_document
 from urushi.openpbr_surface.materialx.graph import Evaluation, Graph, parse_value
 from urushi.openpbr_surface.materialx.images import Images, Look, sample
 from urushi.openpbr_surface.materialx.surface import read_surface
-from urushi.openpbr_surface.materialx.xml import Element
 
 mi = pytest.importorskip("mitsuba")
 
@@ -27,13 +26,15 @@ def llvm():
 
 
 @pytest.fixture
-def evaluate(document, library):
+def evaluate(document):
     """A function: the values of the node `n` of a document at POINTS."""
 
     def value(body, points=POINTS):
         path = document(body)
-        graph = Graph(read_document(path).root, Images(path.parent, None), "test")
-        node = Element("output", {"nodename": "n"})
+        root = read_document(path).root
+        graph = Graph(root, Images(path.parent, None), "test")
+        node = root.addOutput("tested", "color3")
+        node.setNodeName("n")
         result = Evaluation(graph, points).value(graph.follow(node, graph.root, node), node)
         return np.broadcast_to(result, (len(points), result.shape[-1]))
 
@@ -147,7 +148,7 @@ def test_noise_in_space_is_gradient_noise():
     assert np.allclose(nearest, [0, 1, 1])
 
 
-def test_patterns_in_space_need_a_plane(document, library):
+def test_patterns_in_space_need_a_plane(document):
     """`position` on the plane is (u, v, 0); otherwise the sentence names the option and a tool."""
     body = """<position name="p" type="vector3"/><convert name="n" type="color3">
         <input name="in" type="vector3" nodename="p"/></convert><open_pbr_surface name="s"
@@ -162,7 +163,7 @@ def test_patterns_in_space_need_a_plane(document, library):
 
 
 @pytest.mark.parametrize("falloff", ["0.5", "0.8"])
-def test_hexagonal_tiles_that_do_not_differ_are_the_image(document, library, falloff):
+def test_hexagonal_tiles_that_do_not_differ_are_the_image(document, falloff):
     tiled = dict.fromkeys(("rotation", "scale", "offset"), ("float", "0"))
     body = element(
         "hextiledimage",
@@ -278,7 +279,7 @@ def lookup(texture, uv):
 
 @pytest.mark.parametrize("mode", ["periodic", "clamp", "mirror"])
 @pytest.mark.parametrize("blend", ["linear", "closest"])
-def test_an_image_keeps_its_texels_and_its_place(document, library, llvm, mode, blend):
+def test_an_image_keeps_its_texels_and_its_place(document, llvm, mode, blend):
     """Mitsuba's look-up in the texture is the graph's look-up in the image, at any uv.
 
     Single precision of uv moves look-ups by 1e-6 of a texel: nearest ones are compared where they
@@ -318,7 +319,7 @@ def test_an_image_keeps_its_texels_and_its_place(document, library, llvm, mode, 
     np.testing.assert_allclose(lookup(texture, uv)[kept], expected[kept], atol=1e-4)
 
 
-def test_a_pattern_is_computed_on_a_grid(document, library, llvm):
+def test_a_pattern_is_computed_on_a_grid(document, llvm):
     """A ramp between pixel centres is linear, so that the interpolated grid is exact there."""
     body = element("ramptb", "color3", valuet=("color3", "1,0,0"), valueb=("color3", "0,0,1"))
     texture = textured(document, body, 32)
@@ -328,7 +329,7 @@ def test_a_pattern_is_computed_on_a_grid(document, library, llvm):
     assert lookup(texture, uv) == pytest.approx(up * [1, 0, 0] + (1 - up) * [0, 0, 1], abs=1e-5)
 
 
-def test_two_images_are_combined_on_a_grid_of_their_size(document, library):
+def test_two_images_are_combined_on_a_grid_of_their_size(document):
     image = element("image", "color3", "i", file=("filename", "a.exr"))
     tiled = element(
         "tiledimage", "color3", "t", file=("filename", "a.exr"), uvtiling=("vector2", "2, 2")
@@ -341,14 +342,14 @@ def test_two_images_are_combined_on_a_grid_of_their_size(document, library):
     assert textured(document, body, 4).pixels.shape == (9, 9, 3)
 
 
-def test_a_position_outside_of_the_image_needs_a_grid(document, library):
+def test_a_position_outside_of_the_image_needs_a_grid(document):
     image = element("image", "color3", "i", file=("filename", "a.exr"))
     ramp = element("ramplr", "color3", "r", valuer=("color3", "1,1,1"))
     body = image + ramp + element("multiply", "color3", in1=("color3", "@i"), in2=("color3", "@r"))
     assert textured(document, body, 16).pixels.shape == (16, 16, 3)
 
 
-def test_colours_of_images_are_converted(document, library):
+def test_colours_of_images_are_converted(document):
     body = '<image name="n" type="color3"><input name="file" type="filename" value="a.exr" '
     body += 'colorspace="srgb_texture"/></image>'
     texture = textured(document, body, pixels=0.5 + 0.5 * PIXELS[..., :1])
@@ -357,7 +358,7 @@ def test_colours_of_images_are_converted(document, library):
     assert textured(document, body, pixels=np.full((6, 9, 1), 1.0)) == (1, 1, 1)  # a constant
 
 
-def test_normal_maps_are_in_the_tangent_frame(document, library):
+def test_normal_maps_are_in_the_tangent_frame(document):
     body = """<image name="i" type="vector3">
         <input name="file" type="filename" value="a.exr"/></image>
         <normalmap name="n" type="vector3"><input name="in" type="vector3" nodename="i"/>
@@ -372,7 +373,7 @@ def test_normal_maps_are_in_the_tangent_frame(document, library):
     assert np.allclose(texture.pixels, 0.5 * unit + 0.5, atol=1e-6)
 
 
-def test_directions_in_space_are_refused(document, library):
+def test_directions_in_space_are_refused(document):
     shader = """<constant name="c" type="vector3"><input name="value" type="vector3" value="1,0,1"/>
         </constant><open_pbr_surface name="s" type="surfaceshader">
         <input name="geometry_normal" type="vector3" nodename="c"/></open_pbr_surface>"""

@@ -118,7 +118,7 @@ def inputs(**values):
 
 
 @pytest.fixture
-def translated(document, library):
+def translated(document):
     """A function: the parameters of a shader with some inputs; any warning is an error."""
 
     def values(tag, **given):
@@ -280,7 +280,7 @@ def test_a_warning_says_what_is_lost(translated, tag, kept, lost):
         translated(tag, **{kept: 0.2}, **lost)
 
 
-def test_shaders_of_other_sides_are_named(document, library):
+def test_shaders_of_other_sides_are_named(document):
     """A displacement by nothing is not lost."""
     displaced = """<displacement name="d" type="displacementshader">
         <input name="displacement" type="float" value="0.1"/></displacement>
@@ -335,7 +335,7 @@ INTERFACE = SHADER.format('interfacename="c"')
     ],
     ids=["graph", "material", "nested", "interface", "value", "functional", "shader only"],
 )
-def test_names_belong_to_their_graph(document, library, body):
+def test_names_belong_to_their_graph(document, body):
     """The shader's colour is green; a node of the same name in another scope is red."""
     assert read_surface(document(body), None).values["base_color"] == (0, 1, 0)
 
@@ -347,7 +347,7 @@ def test_names_belong_to_their_graph(document, library, body):
 @pytest.mark.parametrize(
     ("value", "unit"), [("500", "nanometer"), ("0.5", "micron"), ("5e-7", "meter")]
 )
-def test_the_thickness_of_a_film_has_a_unit(document, library, tag, name, value, unit):
+def test_the_thickness_of_a_film_has_a_unit(document, tag, name, value, unit):
     """OpenPBR's is in micrometres; wherever in the graph the number is."""
     number = f'type="float" value="{value}" unit="{unit}" unittype="distance"'
     shader = f'<{tag} name="s" type="surfaceshader"><input name="{name}" {{}}/></{tag}>'
@@ -358,7 +358,7 @@ def test_the_thickness_of_a_film_has_a_unit(document, library, tag, name, value,
     assert read_surface(linked, None).values["thin_film_thickness"] == pytest.approx(0.5)
 
 
-def test_unknown_shaders_are_refused(document, library):
+def test_unknown_shaders_are_refused(document):
     with pytest.raises(FileError, match="of kind simple_hair, which is not read; translate it to"):
         read_surface(document('<simple_hair name="s" type="surfaceshader"/>'), None)
     mix = """<mix name="m" type="surfaceshader"/><surfacematerial name="x" type="material">
@@ -376,7 +376,7 @@ def test_unknown_shaders_are_refused(document, library):
         read_surface(document(shader + chain), None, "m39")
 
 
-def test_directions_that_are_not_set(document, library):
+def test_directions_that_are_not_set(document):
     """Editors write them as 0, 0, 0."""
     directions = "".join(
         f'<input name="{name}" type="vector3" value="0, 0, 0"/>'
@@ -386,7 +386,7 @@ def test_directions_that_are_not_set(document, library):
     assert not [name for name in read_surface(path, None).values if name.endswith("al")]
 
 
-def test_a_document_may_bring_its_own_translation(document, library):
+def test_a_document_may_bring_its_own_translation(document):
     path = document(
         """<nodedef name="ND" node="gltf_pbr_to_open_pbr_surface">
         <input name="metallic" type="float" value="1"/>
@@ -402,7 +402,7 @@ def test_a_document_may_bring_its_own_translation(document, library):
     assert read_surface(path, None).values == {"base_metalness": 0.75, "coat_weight": 0.5}
 
 
-def test_an_old_document_is_upgraded(tmp_path, library):
+def test_an_old_document_is_upgraded(tmp_path):
     """Swizzles are of 1.38. A pattern of file names, which is escaped in XML, stays so."""
     path = tmp_path / "old.mtlx"
     path.write_text(

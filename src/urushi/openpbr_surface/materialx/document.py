@@ -1,24 +1,23 @@
-"""MaterialX documents: reading with includes, upgrading, finding a material, and writing one."""
+"""MaterialX documents: reading with includes, finding a material, and writing one."""
 
 import os
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 from urushi.errors import FileError, ParameterError
 from urushi.files import atomic_write
-from urushi.openpbr_surface.materialx.definitions import upgrade
+from urushi.openpbr_surface.materialx.definitions import package
 from urushi.openpbr_surface.materialx.images import other_case
+from urushi.openpbr_surface.materialx.outline import MAX_BYTES, MAX_ELEMENTS, Outline
 from urushi.openpbr_surface.materialx.shaders import SHADERS, TARGET
-from urushi.openpbr_surface.materialx.xml import MAX_BYTES, MAX_ELEMENTS, Element, parse, write
 
 #: The version of MaterialX that is read; older documents are upgraded.
 VERSION = (1, 39)
 
 #: Largest number of included files.
 MAX_INCLUDES = 64
-
-_INCLUDES = ("xi:include", "include")
 
 
 @dataclass(frozen=True)
@@ -27,11 +26,11 @@ class Document:
 
     Attributes:
         path: the file.
-        root: the outermost element, of version 1.39.
+        root: the document of the package, of version 1.39.
     """
 
     path: Path
-    root: Element
+    root: Any
 
     @property
     def where(self) -> str:
@@ -44,20 +43,10 @@ def read_document(path: str | os.PathLike) -> Document:
     Raises:
         FileError: a file is missing, too large or no MaterialX, lies outside of the document's
             folder, or includes itself.
-        PlatformError: an old document is to be upgraded and the package is missing.
+        PlatformError: the package is missing.
     """
     file = Path(path)
-    reader = _Reader(file)
-    root = reader.read(file, ())
-    version = _version(root, f"'{file}'")
-    if version > VERSION:
-        raise FileError(
-            f"'{file}' is of MaterialX {version[0]}.{version[1]}; up to "
-            f"{VERSION[0]}.{VERSION[1]} can be read; convert it to that version"
-        )
-    if version < VERSION:
-        root = upgrade(write(root), f"'{file}'")
-    return Document(file, root)
+    return Document(file, _Reader(file).read(file, ()))
 
 
 class _Reader:
@@ -69,38 +58,39 @@ class _Reader:
         self._elements = 0
         self._includes = 0
 
-    def read(self, file: Path, around: tuple[Path, ...]) -> Element:
-        """The outermost element; around: the files that include this one."""
+    def read(self, file: Path, around: tuple[Path, ...]) -> Any:
+        """The package's document; around: the files that include this one."""
         where = f"'{file}'"
-        root = parse(self._content(file), where)
-        if root.tag != "materialx":
-            raise FileError(
-                f"{where} is not a MaterialX document: it begins with <{root.tag[:40]}>"
-            )
-        self._elements += _count(root)
+        content = self._content(file)
+        outline = Outline(content, where)
+        _check_version(outline.version, where)
+        self._elements += outline.elements
         if self._elements > MAX_ELEMENTS:
             raise FileError(
                 f"{where} and its includes have more than {MAX_ELEMENTS} elements in total; keep "
                 "only the material"
             )
+        mx = package()
+        root, options = mx.createDocument(), mx.XmlReadOptions()
+        options.readXIncludeFunction = None
+        try:
+            mx.readFromXmlString(root, content.decode(), mx.FileSearchPath(), options)
+        except (mx.Exception, RuntimeError, ValueError, IndexError) as error:
+            reason = " ".join(str(error).split())[:200]
+            raise FileError(
+                f"{where} is refused by the package materialx ({reason}); export it again"
+            ) from error
         here = (*around, file.resolve())
-        children, root.children = root.children, []
-        for child in children:
-            if child.tag in _INCLUDES:
-                for element in self._included(child, file, here):
-                    root.add(element)
-            else:
-                root.add(child)
+        for href in outline.includes:
+            root.importLibrary(self._included(href, where, here))
         return root
 
-    def _included(self, include: Element, file: Path, here: tuple[Path, ...]) -> list[Element]:
-        where = f"'{file}'"
-        href = (include.get("href") or "").replace("\\", "/")
+    def _included(self, href: str, where: str, here: tuple[Path, ...]) -> Any:
         self._includes += 1
         if self._includes > MAX_INCLUDES:
             raise FileError(f"{where} includes more than {MAX_INCLUDES} files")
         try:
-            target = (self._folder / href).resolve()
+            target = (self._folder / href.replace("\\", "/")).resolve()
         except (OSError, ValueError, RuntimeError) as error:
             raise FileError(f"{where} includes '{href[:80]}', which is not a path") from error
         if not href or not target.is_relative_to(self._folder):
@@ -109,14 +99,7 @@ class _Reader:
             )
         if target in here:
             raise FileError(f"{where} includes '{href[:80]}', which includes it again")
-        root = self.read(target, here)
-        if _version(root, f"'{target}'") < VERSION:
-            root = upgrade(write(root), f"'{target}'")
-        for child in root.children:
-            for name in ("colorspace", "fileprefix"):
-                if name in root.attributes:
-                    child.attributes.setdefault(name, root.attributes[name])
-        return root.children
+        return self.read(target, here)
 
     def _content(self, file: Path) -> bytes:
         try:
@@ -140,31 +123,30 @@ class _Reader:
         return content
 
 
-def _count(root: Element) -> int:
-    return 1 + sum(_count(child) for child in root.children)
+def _check_version(text: str | None, where: str) -> None:
+    """Refuse a version that is none, or newer than `VERSION`."""
+    newest = f"{VERSION[0]}.{VERSION[1]}"
+    major, _, minor = (text or newest).partition(".")
+    if not all(x.isascii() and x.isdigit() and len(x) <= 4 for x in (major, minor)):
+        raise FileError(f"{where} has version '{major[:40]}'; MaterialX versions look like 1.39")
+    if (int(major), int(minor)) > VERSION:
+        raise FileError(
+            f"{where} is of MaterialX {major}.{minor}; up to {newest} can be read; convert it to "
+            "that version"
+        )
 
 
-def _version(root: Element, where: str) -> tuple[int, int]:
-    text = root.get("version") or f"{VERSION[0]}.{VERSION[1]}"
-    major, _, minor = text.partition(".")
-    if not (major.isascii() and major.isdigit() and minor.isascii() and minor.isdigit()):
-        raise FileError(f"{where} has version '{text[:40]}'; MaterialX versions look like 1.39")
-    if len(major) > 4 or len(minor) > 4 or int(major) < 1:
-        raise FileError(f"{where} has version '{text[:40]}'; MaterialX versions look like 1.39")
-    return int(major), int(minor)
-
-
-def materials(document: Document) -> list[Element]:
+def materials(document: Document) -> list[Any]:
     """The nodes of the materials, those in node graphs included; if none, of surface shaders.
 
     Raises:
         FileError: there is neither.
     """
-    graphs = (x for x in document.root.children if x.tag == "nodegraph" and not x.get("nodedef"))
-    scopes = [document.root, *graphs]
-    nodes = [child for scope in scopes for child in scope.children]
-    found = [node for node in nodes if node.tag == "surfacematerial"]
-    found = found or [node for node in document.root.children if _is_shader(node)]
+    root = document.root
+    graphs = (graph for graph in root.getNodeGraphs() if not graph.getNodeDefString())
+    nodes = [node for scope in (root, *graphs) for node in scope.getNodes()]
+    found = [node for node in nodes if node.getCategory() == "surfacematerial"]
+    found = found or [node for node in root.getNodes() if _is_shader(node)]
     found = found or [node for node in nodes if _is_shader(node)]
     if not found:
         raise FileError(
@@ -174,7 +156,7 @@ def materials(document: Document) -> list[Element]:
     return found
 
 
-def find_material(document: Document, name: str | None = None) -> Element:
+def find_material(document: Document, name: str | None = None) -> Any:
     """The node of a material, or of a surface shader.
 
     name: of a material, or of a surface shader; None: the document's only one.
@@ -184,21 +166,22 @@ def find_material(document: Document, name: str | None = None) -> Element:
         FileError: the document has no material.
     """
     where, choices = document.where, materials(document)
-    shaders = [node for node in document.root.children if _is_shader(node)]
-    found = choices if name is None else [x for x in (*choices, *shaders) if x.name == name][:1]
+    shaders = [node for node in document.root.getNodes() if _is_shader(node)]
+    found = (
+        choices if name is None else [x for x in (*choices, *shaders) if x.getName() == name][:1]
+    )
     if len(found) != 1:
-        names = ", ".join(node.name[:60] for node in choices[:12])
+        names = ", ".join(node.getName()[:60] for node in choices[:12])
         more = ", ..." if len(choices) > 12 else ""
         problem = "has several materials" if name is None else f"has no material '{name[:60]}'"
         raise ParameterError(f"{where} {problem}; choose one of {names}{more}")
     return found[0]
 
 
-def _is_shader(node: Element) -> bool:
-    """Whether an element is a surface shader; exporters leave out the type of known ones."""
-    if node.tag in ("input", "output", "nodegraph", "nodedef"):
-        return False
-    return node.type == "surfaceshader" or (not node.type and node.tag in SHADERS)
+def _is_shader(node: Any) -> bool:
+    """Whether a node is a surface shader; exporters leave out the type of known ones."""
+    kind = node.getAttribute("type")
+    return kind == "surfaceshader" or (not kind and node.getCategory() in SHADERS)
 
 
 def write_parameters(
@@ -221,18 +204,21 @@ def write_parameters(
         raise ParameterError(
             f"the material's name is {name!r}; use letters, digits and underscores"
         )
-    root = Element("materialx", {"version": "1.39", "colorspace": "lin_rec709"})
-    shader = Element(TARGET, {"name": f"{name}_shader", "type": "surfaceshader"})
-    for parameter, value in values.items():
-        kind, text = _typed(value)
-        shader.add(Element("input", {"name": parameter, "type": kind, "value": text}))
-    material = Element("surfacematerial", {"name": name, "type": "material"})
-    link = {"name": "surfaceshader", "type": "surfaceshader", "nodename": f"{name}_shader"}
-    material.add(Element("input", link))
-    root.add(shader)
-    root.add(material)
+    inputs = "".join(
+        '    <input name="{}" type="{}" value="{}" />\n'.format(parameter, *_typed(value))
+        for parameter, value in values.items()
+    )
+    text = f"""<?xml version="1.0"?>
+<materialx version="1.39" colorspace="lin_rec709">
+  <{TARGET} name="{name}_shader" type="surfaceshader">
+{inputs}  </{TARGET}>
+  <surfacematerial name="{name}" type="material">
+    <input name="surfaceshader" type="surfaceshader" nodename="{name}_shader" />
+  </surfacematerial>
+</materialx>
+"""
     with atomic_write(path) as temporary:
-        temporary.write_text('<?xml version="1.0"?>\n' + write(root), encoding="utf-8")
+        temporary.write_text(text, encoding="utf-8")
 
 
 def _typed(value: float | bool | tuple[float, float, float]) -> tuple[str, str]:

@@ -4,7 +4,8 @@ Vectors are in the tangent frame: the normal is (0, 0, 1), the tangent (1, 0, 0)
 """
 
 import re
-from dataclasses import dataclass, field
+from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -22,7 +23,6 @@ from urushi.openpbr_surface.materialx.images import (
 )
 from urushi.openpbr_surface.materialx.nodes import BAKE, CHANNELS, NODES
 from urushi.openpbr_surface.materialx.shaders import FILM_UNITS, SHADERS
-from urushi.openpbr_surface.materialx.xml import Element
 
 #: Largest number of nodes that are evaluated for one parameter, those inside of others included.
 MAX_NODES = 2048
@@ -59,20 +59,20 @@ class Frame:
 
     Attributes:
         scope: the graph, or the document.
+        outer: where the graph is, or its instance; None: `scope` is the document.
         instance: the node whose graph it is; None: it stands for itself.
-        outer: where the instance is; None: `scope` is the document.
-        nodes: the nodes inside by name.
+        definition: of the instance.
     """
 
-    scope: Element
-    instance: Element | None = None
+    scope: Any
     outer: "Frame | None" = None
-    nodes: dict[str, Element] = field(default_factory=dict)
+    instance: Any = None
+    definition: Any = None
 
-    def __post_init__(self) -> None:
-        for child in self.scope.children:
-            if child.tag not in ("input", "output"):
-                self.nodes.setdefault(child.name, child)
+    def node(self, name: str) -> Any | None:
+        """The node or node graph of a name."""
+        found = self.scope.getChild(name)
+        return None if found is None or found.getCategory() in ("input", "output") else found
 
 
 @dataclass(frozen=True, eq=False)
@@ -85,28 +85,30 @@ class Source:
         output: the node's output, "" for the first.
     """
 
-    element: Element
+    element: Any
     frame: Frame
     output: str = ""
 
     @property
     def is_node(self) -> bool:
-        return self.element.tag not in ("input", "output")
+        return self.element.getCategory() not in ("input", "output")
 
     @property
     def is_given(self) -> bool:
         """Whether there is a value."""
-        return self.is_node or any(self.element.get(x) for x in ("value", "defaultgeomprop"))
+        return self.is_node or any(
+            self.element.getAttribute(x) for x in ("value", "defaultgeomprop")
+        )
 
 
 class Graph:
     """The nodes of a document with what is needed to evaluate them."""
 
-    def __init__(self, root: Element, images: Images, where: str, uv_plane: bool = False):
+    def __init__(self, root: Any, images: Images, where: str, uv_plane: bool = False):
         """Take a document.
 
         Args:
-            root: its outermost element.
+            root: the document of the package.
             images: reads its images.
             where: begins errors.
             uv_plane: whether positions in space are (u, v, 0); else they are refused.
@@ -116,47 +118,60 @@ class Graph:
         self.images = images
         self.where = where
         self.uv_plane = uv_plane
-        self._frames: dict[tuple[Frame, Element], Frame | None] = {}
+        self._frames: dict[tuple[Frame, str], Frame | None] = {}
+        self._inputs: dict[tuple[Frame, str], dict[str, Any]] = {}
 
-    def named(self, node: Element) -> str:
+    def named(self, node: Any) -> str:
         """Begins errors about a node."""
-        return f"{self.where}: the node '{node.name[:60]}' ({node.tag[:40]})"
+        return f"{self.where}: the node '{node.getName()[:60]}' ({node.getCategory()[:40]})"
 
-    def source(self, node: Element, name: str, frame: Frame) -> Source | None:
+    def inputs(self, node: Any, frame: Frame) -> dict[str, Any]:
+        """The inputs of a node's definition by name; empty if there is none."""
+        key = frame, node.getNamePath()
+        if key not in self._inputs:
+            definition = self._definition(node)
+            found = {} if definition is None else self.definitions.inputs(definition)
+            self._inputs[key] = found
+        return self._inputs[key]
+
+    def _definition(self, node: Any) -> Any | None:
+        return self.definitions.find(node, node.getCategory(), node.getAttribute("type"))
+
+    def source(self, node: Any, name: str, frame: Frame) -> Source | None:
         """Where the value of a node's input comes from; None if neither it nor a default is given.
 
         Raises:
             FileError: it is connected to nothing, or in a circle.
         """
-        element = node.input(name)
+        element = node.getInput(name)
         found = None if element is None else self.follow(element, frame, node)
         if found is None or not found.is_given:
-            declared = self.definitions.inputs_of(node).get(name)
+            declared = self.inputs(node, frame).get(name)
             return found if declared is None else Source(declared, frame)
         return found
 
-    def follow(self, element: Element, frame: Frame, node: Element) -> Source:
+    def follow(self, element: Any, frame: Frame, node: Any) -> Source:
         """The source of an input or output of a node, followed through interfaces and graphs.
 
         Raises:
             FileError: it does not exist, or the connections run in a circle.
         """
         for _ in range(MAX_CHAIN):
-            if outside := element.get("interfacename"):
+            if outside := element.getAttribute("interfacename"):
                 declared = self._declared(outside, frame, node)
                 if declared is None:
                     return Source(element, frame)
                 element, frame = declared
                 continue
-            link = element.get("nodename") or element.get("nodegraph")
-            output = element.get("output") or ""
+            graph, output = (element.getAttribute(x) for x in ("nodegraph", "output"))
+            link = element.getAttribute("nodename") or graph
             if not link and not output:
                 return Source(element, frame)
             if link:
-                target = frame.nodes.get(link)
-                if target is None and element.get("nodegraph"):
+                target = frame.node(link)
+                if target is None and graph:
                     frame = self.root  # as MaterialX looks for graphs
-                    target = frame.nodes.get(link)
+                    target = frame.node(link)
                 if target is None:
                     raise FileError(
                         f"{self.named(node)} is connected to '{link[:60]}', which does not exist"
@@ -166,8 +181,8 @@ class Graph:
                     return Source(target, frame, output)
             else:  # an output of the document
                 inner = self.root
-            outputs = [child for child in inner.scope.children if child.tag == "output"]
-            found = next((child for child in outputs if output in ("", child.name)), None)
+            outputs = inner.scope.getOutputs()
+            found = next((child for child in outputs if output in ("", child.getName())), None)
             if found is None:
                 raise FileError(
                     f"{self.named(node)} is connected to the output '{output[:60]}' of "
@@ -179,31 +194,38 @@ class Graph:
             "remove the cycle"
         )
 
-    def inside(self, node: Element, frame: Frame) -> Frame | None:
+    def inside(self, node: Any, frame: Frame) -> Frame | None:
         """The graph that gives a node its value; None if the node is elementary or unknown."""
-        key = (frame, node)
+        key = frame, node.getNamePath()
         if key not in self._frames:
-            self._frames[key] = None
-            if node.tag == "nodegraph":
-                self._frames[key] = Frame(node, outer=frame)
-            elif not _is_elementary(node):
-                definition = self.definitions.find(node)
-                graph = None if definition is None else self.definitions.graph(definition)
-                if graph is not None:
-                    self._frames[key] = Frame(graph, node, frame)
+            if node.getCategory() == "nodegraph":
+                self._frames[key] = Frame(node, frame)
+            elif _is_elementary(node):
+                self._frames[key] = None
+            else:
+                self._frames[key] = self._implementation(node, frame, self._definition(node))
         return self._frames[key]
 
-    def _declared(self, name: str, frame: Frame, node: Element) -> tuple[Element, Frame] | None:
+    def translation(self, shader: Any, frame: Frame, category: str) -> Frame | None:
+        """The graph of a document for nodes of another category with a shader's inputs, if any."""
+        definition = self.definitions.find(shader, category, "multioutput")
+        return self._implementation(shader, frame, definition)
+
+    def _implementation(self, node: Any, frame: Frame, definition: Any) -> Frame | None:
+        graph = None if definition is None else self.definitions.graph(definition)
+        return None if graph is None else Frame(graph, frame, node, definition)
+
+    def _declared(self, name: str, frame: Frame, node: Any) -> tuple[Any, Frame] | None:
         """The input that gives an interface of a graph its value, and the input's frame."""
         if frame.instance is not None:
             assert frame.outer is not None
-            given = frame.instance.input(name)
+            given = frame.instance.getInput(name)
             if given is not None and self.follow(given, frame.outer, frame.instance).is_given:
                 return given, frame.outer
-            default = self.definitions.inputs_of(frame.instance).get(name)
+            default = self.definitions.inputs(frame.definition).get(name)
             return None if default is None else (default, frame)
-        declared = frame.scope.input(name)
-        if declared is None and (definition := frame.scope.get("nodedef")):
+        declared = frame.scope.getInput(name)
+        if declared is None and (definition := frame.scope.getAttribute("nodedef")):
             found = self.definitions.named(definition)
             declared = None if found is None else self.definitions.inputs(found).get(name)
         if declared is None and frame.outer is None:
@@ -213,15 +235,17 @@ class Graph:
         return None if declared is None else (declared, frame.outer or frame)
 
 
-def _is_elementary(node: Element) -> bool:
+def _is_elementary(node: Any) -> bool:
     """Whether a node is evaluated here, or a surface shader that is translated."""
-    if node.tag in NODES:
-        return node.type in CHANNELS
-    return node.tag in _OWN or node.tag in SHADERS or _reads_uv(node)
+    tag = node.getCategory()
+    if tag in NODES:
+        return node.getAttribute("type") in CHANNELS
+    return tag in _OWN or tag in SHADERS or _reads_uv(node)
 
 
-def _reads_uv(node: Element) -> bool:
-    return node.tag in ("geompropvalue", "UsdPrimvarReader") and node.type == "vector2"
+def _reads_uv(node: Any) -> bool:
+    readers = ("geompropvalue", "UsdPrimvarReader")
+    return node.getCategory() in readers and node.getAttribute("type") == "vector2"
 
 
 class Evaluation:
@@ -244,8 +268,8 @@ class Evaluation:
         self._graph = graph
         self._uv = uv
         self._texels = texels
-        self._values: dict[tuple[Frame, Element, str], np.ndarray] = {}
-        self._open: list[tuple[Frame, Element, str]] = []
+        self._values: dict[tuple[Frame, str, str], np.ndarray] = {}
+        self._open: list[tuple[Frame, str, str]] = []
         self._metre = 1.0  # number of units of length in one
 
     @property
@@ -257,31 +281,31 @@ class Evaluation:
             raise NeedsPosition
         return self._uv
 
-    def input(self, node: Element, name: str, frame: Frame) -> np.ndarray:
+    def input(self, node: Any, name: str, frame: Frame) -> np.ndarray:
         """The value (..., channels) of a node's input; of its definition's default if not given.
 
         Raises:
             FileError: the graph has a circle, is too large, or has a node that is not supported.
         """
-        self._metre = FILM_UNITS.get((node.tag, name), self._metre)
+        self._metre = FILM_UNITS.get((node.getCategory(), name), self._metre)
         source = self._graph.source(node, name, frame)
         return np.zeros(1) if source is None else self.value(source, node)
 
-    def value(self, source: Source, node: Element) -> np.ndarray:
+    def value(self, source: Source, node: Any) -> np.ndarray:
         """The value (..., channels) of a source, which a node reads."""
         element, where = source.element, self._graph.named(node)
         if source.is_node:
             return self.output(element, source.frame, source.output)
-        text = element.get("value")
+        text, kind = element.getAttribute("value"), element.getAttribute("type")
         if not text:
-            geometric = element.get("defaultgeomprop")
-            zeros = np.zeros(CHANNELS.get(element.type, 1))
+            geometric = element.getAttribute("defaultgeomprop")
+            zeros = np.zeros(CHANNELS.get(kind, 1))
             return self._property(geometric, where) if geometric else zeros
-        value = parse_value(text, element.type, where)
-        if unit := element.get("unit"):
+        value = parse_value(text, kind, where)
+        if unit := element.getAttribute("unit"):
             value = value * self._unit(unit, where)
-        if element.type in ("color3", "color4"):
-            value = to_linear_srgb(value, element.inherited("colorspace") or "", where)
+        if kind in ("color3", "color4"):
+            value = to_linear_srgb(value, element.getActiveColorSpace(), where)
         return value
 
     def _unit(self, name: str, where: str) -> float:
@@ -289,9 +313,9 @@ class Evaluation:
         kind, scale = self._graph.definitions.unit(name, where)
         return scale * self._metre if kind == "distance" else scale
 
-    def output(self, node: Element, frame: Frame, output: str = "") -> np.ndarray:
+    def output(self, node: Any, frame: Frame, output: str = "") -> np.ndarray:
         """The value (..., channels) of a node."""
-        key = (frame, node, output)
+        key = frame, node.getNamePath(), output
         if key in self._values:
             return self._values[key]
         where = self._graph.named(node)
@@ -307,22 +331,22 @@ class Evaluation:
         self._values[key] = value
         return value
 
-    def text(self, node: Element, name: str, frame: Frame) -> str:
+    def text(self, node: Any, name: str, frame: Frame) -> str:
         """The text of an input of type string or filename, with the prefix of file names."""
         source = self._text_source(node, name, frame)
         if source is None:
             return ""
         element = source.element
-        prefix = (element.inherited("fileprefix") or "") if element.type == "filename" else ""
-        return prefix + (element.get("value") or "")
+        is_file = element.getAttribute("type") == "filename"
+        return (element.getActiveFilePrefix() if is_file else "") + element.getAttribute("value")
 
-    def _text_source(self, node: Element, name: str, frame: Frame) -> Source | None:
+    def _text_source(self, node: Any, name: str, frame: Frame) -> Source | None:
         """The input that has a text."""
         source = self._graph.source(node, name, frame)
         for _ in range(MAX_CHAIN):
             if source is None or not source.is_node:
                 return source
-            name = {"constant": "value", "dot": "in"}.get(source.element.tag, "")
+            name = {"constant": "value", "dot": "in"}.get(source.element.getCategory(), "")
             source = self._graph.source(source.element, name, source.frame)
         return None
 
@@ -347,29 +371,30 @@ class Evaluation:
         uv = self.texture_coordinates()
         return np.concatenate([uv, np.zeros((len(uv), 1))], axis=-1)
 
-    def _evaluate(self, node: Element, frame: Frame, output: str, where: str) -> np.ndarray:
-        if node.tag in _DIRECTIONS:
-            return np.array(_DIRECTIONS[node.tag])
-        if node.tag == "texcoord" or _reads_uv(node):
+    def _evaluate(self, node: Any, frame: Frame, output: str, where: str) -> np.ndarray:
+        tag, kind = node.getCategory(), node.getAttribute("type")
+        if tag in _DIRECTIONS:
+            return np.array(_DIRECTIONS[tag])
+        if tag == "texcoord" or _reads_uv(node):
             return self.texture_coordinates()
-        if node.tag == "position":
+        if tag == "position":
             return self._position(where)
-        if node.tag in ("image", "hextiledimage"):
+        if tag in ("image", "hextiledimage"):
             return self._image(node, frame, where)
-        if node.tag not in NODES or node.type not in CHANNELS:
+        if tag not in NODES or kind not in CHANNELS:
             raise FileError(
-                f"{where} of type '{node.type[:40]}' is of a kind that is not supported; {BAKE}"
+                f"{where} of type '{kind[:40]}' is of a kind that is not supported; {BAKE}"
             )
         try:
             with np.errstate(all="ignore"):
-                value = np.asarray(NODES[node.tag](_Call(self, node, frame, where)), np.float64)
+                value = np.asarray(NODES[tag](_Call(self, node, frame, where)), np.float64)
         except (ValueError, IndexError) as error:
             if isinstance(error, UrushiError):
                 raise
             raise FileError(
                 f"{where} has inputs whose numbers of channels do not match its type; check them"
             ) from error
-        channels = CHANNELS[node.type]
+        channels = CHANNELS[kind]
         if value.shape[-1] not in (1, channels):  # a number stands for all channels
             raise FileError(
                 f"{where} has {value.shape[-1]} channels instead of {channels}; its inputs do "
@@ -377,15 +402,16 @@ class Evaluation:
             )
         return np.broadcast_to(value, (*value.shape[:-1], channels))
 
-    def _image(self, node: Element, frame: Frame, where: str) -> np.ndarray:
-        channels = CHANNELS.get(node.type)
+    def _image(self, node: Any, frame: Frame, where: str) -> np.ndarray:
+        kind = node.getAttribute("type")
+        channels = CHANNELS.get(kind)
         if channels is None:
-            raise FileError(f"{where} has type '{node.type[:40]}', which images cannot have")
+            raise FileError(f"{where} has type '{kind[:40]}', which images cannot have")
         name = self.text(node, "file", frame)
         space = ""
-        if node.type in ("color3", "color4"):
+        if kind in ("color3", "color4"):
             file = self._text_source(node, "file", frame)
-            space = "" if file is None else file.element.inherited("colorspace") or ""
+            space = "" if file is None else file.element.getActiveColorSpace()
         modes = [self.text(node, f"{axis}addressmode", frame) or "periodic" for axis in "uv"]
         if bad := [mode for mode in modes if mode not in ADDRESS_MODES]:
             raise FileError(
@@ -402,7 +428,7 @@ class Evaluation:
         pixels = self._graph.images.read(name, where)
         assert self._uv is not None
         uv = np.broadcast_to(uv, (len(self._uv), 2))
-        tiled = node.tag == "hextiledimage"
+        tiled = node.getCategory() == "hextiledimage"
         matrix = None if tiled else _affine(self._uv, uv)
         use = ImageUse(name, space, channels, look, matrix)
         if use not in self.uses:
@@ -416,9 +442,9 @@ class Evaluation:
 class _Call:
     """A node that is evaluated, see `nodes.Call`."""
 
-    def __init__(self, evaluation: Evaluation, node: Element, frame: Frame, where: str):
+    def __init__(self, evaluation: Evaluation, node: Any, frame: Frame, where: str):
         self._evaluation, self._node, self._frame = evaluation, node, frame
-        self.tag, self.type = node.tag, node.type
+        self.tag, self.type = node.getCategory(), node.getAttribute("type")
         self.where = where
 
     def __getitem__(self, name: str) -> np.ndarray:

@@ -8,6 +8,7 @@ import os
 import warnings
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -17,7 +18,6 @@ from urushi.openpbr_surface.materialx.document import find_material, read_docume
 from urushi.openpbr_surface.materialx.graph import Evaluation, Frame, Graph, Source
 from urushi.openpbr_surface.materialx.images import Decode, Images
 from urushi.openpbr_surface.materialx.shaders import LOST, SHADERS, TARGET, TRANSLATIONS, Inputs
-from urushi.openpbr_surface.materialx.xml import Element
 from urushi.openpbr_surface.parameters import PARAMETERS, Parameter, checked, parameter
 
 #: Rows and columns of a texture that is computed on a grid, unless another number is asked for.
@@ -94,13 +94,14 @@ def read_surface(
     """
     document = read_document(path)
     material = find_material(document, name)
-    where = f"{document.where}: '{material.name[:60]}'"
+    name = material.getName()
+    where = f"{document.where}: '{name[:60]}'"
     graph = Graph(
         document.root, Images(document.path.parent, decode), document.where, uv_plane=uv_plane
     )
     try:
         shader = _find_shader(graph, material, where)
-        return _read(graph, shader, resolution, material.name, iter(range(MAX_MIXED)))
+        return _read(graph, shader, resolution, name, iter(range(MAX_MIXED)))
     except RecursionError:
         raise FileError(f"{where} has nodes nested too deeply; simplify it") from None
 
@@ -119,7 +120,7 @@ def _read(
             f"{where} mixes more than {MAX_MIXED} surface shaders; mix the inputs of one shader "
             "instead, or bake the material into images"
         )
-    if node.tag != "mix":
+    if node.getCategory() != "mix":
         return Surface(name, named, _Reader(graph, shader, resolution, where).values())
 
     def weigh(evaluation: Evaluation) -> np.ndarray:
@@ -134,40 +135,48 @@ def _read(
     found = []
     for side, absent in (("bg", 1.0), ("fg", 0.0)):
         if weight != absent:
-            link = node.input(side) or Element("input")
-            part = _shader(graph, link, shader.frame, node, f"{named}: its {side}")
+            part = _shader(graph, node, side, shader.frame, f"{named}: its {side}")
             found.append(_read(graph, part, resolution, name, left))
     return Mix(name, weight, *found) if len(found) == 2 else found[0]
 
 
-def _shader(graph: Graph, link: Element, frame: Frame, node: Element, where: str) -> Source:
+def _shader(graph: Graph, node: Any, name: str, frame: Frame, where: str) -> Source:
     """The shader to which an input of a node is connected."""
-    found = graph.follow(link, frame, node)
-    if not found.is_node:
+    link = node.getInput(name)
+    return _node(None if link is None else graph.follow(link, frame, node), where)
+
+
+def _node(found: Source | None, where: str) -> Source:
+    if found is None or not found.is_node:
         raise FileError(f"{where} is connected to no surface shader in the document")
     return found
 
 
-def _find_shader(graph: Graph, material: Element, where: str) -> Source:
+def _find_shader(graph: Graph, material: Any, where: str) -> Source:
     """The surface shader of a material, or of a shader's graph."""
-    frame = graph.root
-    if (parent := material.parent) is not None and parent is not frame.scope:
-        frame = graph.inside(parent, frame) or frame
-    link = Element("input", {"nodename": material.name})
-    if material.tag == "surfacematerial":
-        for name, part in _LOST_SHADERS.items():
-            element = material.input(name)
-            source = None if element is None else graph.follow(element, frame, material)
-            if source is not None and source.is_node and not _is_flat(graph, source):
-                _warn(f"{where}: its {part} is left out; OpenPBR describes the front's surface")
-        link = material.input("surfaceshader") or Element("input")
-    return _shader(graph, link, frame, material, where)
+    frame, scope = graph.root, material.getParent()
+    if scope.getCategory() == "nodegraph":
+        frame = graph.inside(scope, frame) or frame
+    if material.getCategory() != "surfacematerial":
+        inner = graph.inside(material, frame)
+        outputs = [] if inner is None else inner.scope.getOutputs()
+        if inner is None or not outputs:
+            return Source(material, frame)
+        return _node(graph.follow(outputs[0], inner, material), where)
+    for name, part in _LOST_SHADERS.items():
+        element = material.getInput(name)
+        source = None if element is None else graph.follow(element, frame, material)
+        if source is not None and source.is_node and not _is_flat(graph, source):
+            _warn(f"{where}: its {part} is left out; OpenPBR describes the front's surface")
+    return _shader(graph, material, "surfaceshader", frame, where)
 
 
 def _is_flat(graph: Graph, source: Source) -> bool:
     """Whether a node displaces by nothing."""
     node, name = source.element, "displacement"
-    return node.tag == name and not changes(graph, lambda e: e.input(node, name, source.frame))
+    return node.getCategory() == name and not changes(
+        graph, lambda e: e.input(node, name, source.frame)
+    )
 
 
 def _warn(message: str) -> None:
@@ -194,15 +203,16 @@ class _Reader:
 
     def _formulas(self) -> dict[str, Value]:
         """The values of the parameters, by name."""
-        tag = self._shader.tag
+        tag, inputs = self._shader.getCategory(), self._shader.getInputs()
         if tag == TARGET:
-            for element in self._shader.inputs():
-                parameter(element.name, self._where)
-            names = [e.name for e in self._shader.inputs() if self._is_given(e)]
+            for element in inputs:
+                parameter(element.getName(), self._where)
+            names = [e.getName() for e in inputs if self._is_given(e)]
             return {name: self._input(name) for name in names}
-        if (frame := self._own_translation(f"{tag}_to_{TARGET}")) is not None:
-            outputs = [child for child in frame.scope.children if child.tag == "output"]
-            named = {child.name.removesuffix("_out"): child for child in outputs}
+        translation = self._graph.translation(self._shader, self._frame, f"{tag}_to_{TARGET}")
+        if (frame := translation) is not None:
+            outputs = frame.scope.getOutputs()
+            named = {child.getName().removesuffix("_out"): child for child in outputs}
             return {n: self._output(e, frame) for n, e in named.items() if n in PARAMETERS}
         if tag not in TRANSLATIONS:
             raise FileError(
@@ -212,13 +222,7 @@ class _Reader:
         self._warn_of_losses(tag)
         return {name: self._formula(formula) for name, formula in TRANSLATIONS[tag].items()}
 
-    def _own_translation(self, tag: str) -> Frame | None:
-        """The graph of the document that translates the shader, if it has one."""
-        node = Element(tag, {"name": self._shader.name, "type": "multioutput"})
-        node.children = self._shader.children
-        return self._graph.inside(node, self._frame)
-
-    def _is_given(self, element: Element) -> bool:
+    def _is_given(self, element: Any) -> bool:
         return self._graph.follow(element, self._frame, self._shader).is_given
 
     def _input(self, name: str) -> Value:
@@ -231,8 +235,8 @@ class _Reader:
 
     def _warn_of_losses(self, tag: str) -> None:
         """Warn of inputs without a parameter, where they would change something."""
-        known = self._graph.definitions.inputs_of(self._shader)
-        given = [element.name for element in self._shader.inputs()]
+        known = self._graph.inputs(self._shader, self._frame)
+        given = [element.getName() for element in self._shader.getInputs()]
         lost = [name for name in given if name not in known]
         for name, formula in LOST.get(tag, {}).items():
             if name in given and changes(self._graph, self._formula(formula)):
@@ -240,7 +244,7 @@ class _Reader:
         if lost:
             _warn(f"{self._where}: OpenPBR has no counterpart of {', '.join(lost)[:200]} of {tag}")
 
-    def _output(self, output: Element, frame: Frame) -> Value:
+    def _output(self, output: Any, frame: Frame) -> Value:
         return lambda evaluation: evaluation.value(
             self._graph.follow(output, frame, self._shader), self._shader
         )
