@@ -6,8 +6,13 @@ import pytest
 from urushi.core.direction_sets import cosine_pairs, slope_pairs
 from urushi.core.error_metrics import stack_error
 from urushi.material import Material, encode, layer
-from urushi.material.anisotropic_table import SHAPE, coordinates, node_directions
-from urushi.material.table import interpolated, rest_table
+from urushi.material.table import (
+    SHAPES,
+    anisotropic_node_directions,
+    interpolated,
+    pair_coordinates,
+    rest_table,
+)
 from urushi.walk import conductor, dielectric, diffuse
 
 BRUSHED = {"alpha_u": 0.08, "alpha_v": 0.4}
@@ -36,22 +41,24 @@ def pairs(count: int = 4000) -> tuple[np.ndarray, np.ndarray]:
 
 def test_nodes_have_their_coordinates():
     inner = np.random.default_rng(0).uniform(0.2, 0.9, (4, 4000))
-    wi, wo = node_directions(*inner)
+    wi, wo = anisotropic_node_directions(*inner)
     above = (wi[:, 2] > 0.01) & (wo[:, 2] > 0.01)
     assert above.sum() > 500
     for w in (wi, wo):
         np.testing.assert_allclose(np.linalg.norm(w, axis=1), 1, atol=1e-6)
     # wi + wo and wi - wo lose digits in single precision where they are small.
-    np.testing.assert_allclose(coordinates(wi[above], wo[above]), inner[:, above], atol=2e-3)
+    np.testing.assert_allclose(
+        pair_coordinates(wi[above], wo[above], 2), inner[:, above], atol=2e-3
+    )
 
 
 @pytest.mark.parametrize("signs", [(-1, 1, 1), (1, -1, 1), (-1, -1, 1)])
 def test_mirrored_and_exchanged_pairs_have_the_same_coordinates(signs):
     wi, wo = pairs()
-    expected = coordinates(wi, wo)
+    expected = pair_coordinates(wi, wo, 2)
     mirrored = wi * np.float32(signs), wo * np.float32(signs)
     for w in (mirrored, mirrored[::-1], (wo, wi)):
-        np.testing.assert_array_equal(coordinates(*w), expected)
+        np.testing.assert_array_equal(pair_coordinates(*w, 2), expected)
 
 
 def test_f_is_continuous_where_a_half_vector_crosses_an_axis(tables):
@@ -74,7 +81,7 @@ def test_f_is_continuous_where_a_half_vector_crosses_an_axis(tables):
 def test_interpolation_keeps_f(materials, tables):
     wi, wo = pairs()
     for material, table in zip(materials, tables, strict=True):
-        assert table.shape == (*SHAPE, 3)
+        assert table.shape == (*SHAPES[2], 3)
         f, networks = material.f(wi, wo), material.model.networks
         top = networks.top(material.latents[:, None], wi, wo).T
         found = top + interpolated(table, wi, wo)

@@ -8,9 +8,9 @@ from urushi.core.error_metrics import stack_error
 from urushi.material import Material, encode, layer
 from urushi.material.table import (
     SHAPE,
-    coordinates,
     interpolated,
     node_directions,
+    pair_coordinates,
     rest_table,
 )
 from urushi.walk import conductor, dielectric, diffuse
@@ -23,7 +23,7 @@ def test_nodes_have_their_coordinates():
         np.testing.assert_allclose(np.linalg.norm(w, axis=1), 1, atol=1e-6)
         assert (w[:, 2] > 0).all()
     # wi + wo loses digits in single precision where the half angle is small.
-    np.testing.assert_allclose(coordinates(wi, wo), inner, atol=2e-3)
+    np.testing.assert_allclose(pair_coordinates(wi, wo), inner, atol=2e-3)
 
 
 def test_no_direction_of_a_node_is_below_the_horizon():

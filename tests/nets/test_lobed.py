@@ -29,21 +29,6 @@ def test_f_is_the_lobe_and_the_decoder(own, codes, pairs):
     assert (f > 0).all() and np.isfinite(f).all()
 
 
-def test_one_input_array_is_enough_to_decode(own, codes, pairs):
-    wi, wo = pairs
-    inputs = own.inputs(wi, wo)
-    np.testing.assert_array_equal(own.decode(codes[:, None], inputs), own.f(codes[:, None], wi, wo))
-    one = own.inputs(wi[0], wo)  # directions broadcast
-    np.testing.assert_allclose(own.decode(codes[0], one), own.f(codes[0], wi[0], wo), rtol=1e-5)
-
-
-def test_scaled_codes_scale_lobe_and_rest(own, codes, pairs):
-    factor = np.random.default_rng(1).uniform(0.2, 3, (30, 1)).astype(np.float32)
-    f = own.f(codes[:, None], *pairs)
-    scaled = own.f(own.scaled(codes[:, None], factor), *pairs)
-    np.testing.assert_allclose(scaled, factor * f, rtol=1e-5)
-
-
 def test_the_interface_of_a_coat_is_the_lobe_of_the_result(own, codes):
     rng = np.random.default_rng(2)
     low, high = [0.01, 0.5, 0, 0, -0.9], [1, 3, 1, 8, 0.9]

@@ -318,13 +318,23 @@ def visible_facets(
     turn, angle = (0.5 * turn, 0.0) if azimuth is None else (turn, azimuth)
     sine, cosine = np.sqrt(1 - cosine**2)[:, None], cosine[:, None]
     wi = Components(sine * np.cos(angle), sine * np.sin(angle), cosine)
+    return Facets(cosine, *facets_at(wi, alpha, height, turn / (2 * np.pi)), weight)
+
+
+def facets_at(
+    wi: Components, alpha: Any, height: np.ndarray, turn: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Cosines of wi and z of facet normals visible from wi, and the masking of what they reflect.
+
+    height, turn: in [0, 1], places of the facets on the spherical cap of visible normals, which
+        has an equal density (Dupuy and Benyoub 2023). All arrays broadcast.
+    """
     cap = microfacet.stretched(wi, alpha, NUMPY)
-    turn = turn / (2 * np.pi)
     m = microfacet.cap_normal(cap, alpha, height * (1 + cap.z) - cap.z, turn, NUMPY)
     m = NUMPY.normalized(m)
     facing = np.clip(wi.x * m.x + wi.y * m.y + wi.z * m.z, 0, 1)
     wo = Components(*(2 * facing * b - a for a, b in zip(wi, m, strict=True)))
-    return Facets(cosine, facing, m.z, _masking(wo, alpha), weight)
+    return facing, m.z, _masking(wo, alpha)
 
 
 def _albedos(facets: Facets, alpha: float, eta: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

@@ -23,6 +23,7 @@ from typing import NamedTuple
 import numpy as np
 
 from urushi.checks import CoatParameters
+from urushi.core.namespace import NUMPY, Components
 from urushi.core.probe_pairs import even_points
 from urushi.material import adding, energy
 from urushi.material.crossing import Crossing, Vector, cross, crossing_at
@@ -33,10 +34,10 @@ from urushi.material.table import (
     SHAPE,
     TAN2_OFFSET,
     coordinates,
-    coordinates_of_sum,
     interpolated,
     interpolated_at,
     node_pairs,
+    pair_coordinates,
     table_of_values,
 )
 from urushi.nets import lobe as lobes
@@ -284,7 +285,7 @@ def _spanning(below: Below) -> tuple[Below, np.ndarray]:
 def _crossed(below: Below, alpha: float, eta: float, wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
     """The mean of the module's text: float32 (N, C) for pairs (N, 3)."""
     if eta == 1:
-        return _seen(below, wi, wo, coordinates(wi, wo))
+        return _seen(below, wi, wo, pair_coordinates(wi, wo))
     cosines = wi[:, 2, None], wo[:, 2, None]
     cross_product = wi[:, 0] * wo[:, 1] - wi[:, 1] * wo[:, 0]
     turn = np.arctan2(cross_product, wi[:, 0] * wo[:, 0] + wi[:, 1] * wo[:, 1])[:, None]
@@ -314,7 +315,8 @@ def _weighted(below: Below, a: Crossing, b: Crossing) -> np.ndarray:
         for w in (a, b)
     ]
     x, y, z = (p + q for p, q in zip(*inside, strict=True))
-    places = coordinates_of_sum(x, y, z, inside[0][2] - inside[1][2])
+    apart = Components(None, None, inside[0][2] - inside[1][2])
+    places = coordinates(Components(x, y, z), apart, 1, NUMPY)
     # Reflection about a half vector stretches solid angles by 4 cos theta_d.
     drawn = below.peak.density_at(places[0]) / (2 * np.sqrt(x * x + y * y + z * z))
     least = np.float32(1e-30)

@@ -11,6 +11,8 @@ import functools
 import numpy as np
 
 from urushi.checks import MIN_ALPHA
+from urushi.core.albedos import facets_at
+from urushi.core.namespace import Components
 from urushi.material.albedo_rule import AlbedoRule, albedo_rule
 from urushi.nets import lobe as lobes
 
@@ -80,28 +82,16 @@ def anisotropic_albedos(lobe: np.ndarray, wi: np.ndarray) -> np.ndarray:
     """
     result = np.empty((len(lobe), len(wi)), np.float32)
     nodes, shares = np.polynomial.legendre.leggauss(HEIGHTS)
-    phi = 2 * np.pi * (np.arange(TURNS) + 0.5) / TURNS
-    height, cos, sin = (
-        x.astype(np.float32) for x in (0.5 * (nodes + 1)[:, None], np.cos(phi), np.sin(phi))
-    )
+    height = (0.5 * (nodes + 1)[:, None]).astype(np.float32)
+    turn = ((np.arange(TURNS) + 0.5) / TURNS).astype(np.float32)
     weights = (0.5 * shares[:, None] / TURNS).astype(np.float32)
+    directions = Components(*wi.T.astype(np.float32)[:, None, :, None, None])
     for start in range(0, len(lobe), ANISOTROPIC_BLOCK):
-        rows = lobe[start : start + ANISOTROPIC_BLOCK].astype(np.float32)[:, None, None, None]
-        u, v = rows[..., 0], rows[..., 6]
-        x, y, z = wi.T.astype(np.float32)[:, None, :, None, None]
-        length = np.sqrt(np.square(u * x) + np.square(v * y) + z * z)
-        ahead, aside, up = u * x / length, v * y / length, z / length
-        level = height * (1 + up) - up
-        across = np.sqrt(np.maximum(1 - level * level, 0))
-        facet = u * (across * cos + ahead), v * (across * sin + aside), level + up
-        norm2 = facet[0] ** 2 + facet[1] ** 2 + facet[2] ** 2
-        along = x * facet[0] + y * facet[1] + z * facet[2]
-        out = [2 * along * m / norm2 - w for m, w in zip(facet, (x, y, z), strict=True)]
-        raised = np.maximum(out[2], 1e-6)
-        slope2 = (np.square(u * out[0]) + np.square(v * out[1])) / np.square(raised)
-        masking = np.where(out[2] > 0, 2 / (1 + np.sqrt(1 + slope2)), 0)
-        reflected = lobes.reflectance(rows, np.minimum(along / np.sqrt(norm2), 1))
-        result[start : start + ANISOTROPIC_BLOCK] = (weights * masking * reflected).sum((-2, -1))
+        part = slice(start, start + ANISOTROPIC_BLOCK)
+        rows = lobe[part].astype(np.float32)[:, None, None, None]
+        cosine, _, masking = facets_at(directions, lobes.width(rows), height, turn)
+        reflected = lobes.reflectance(rows, cosine)
+        result[part] = (weights * masking * reflected).sum((-2, -1))
     return result
 
 
@@ -140,19 +130,10 @@ def _facets(alpha: float, cosine: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     normals (Dupuy and Benyoub 2023).
     """
     nodes, shares = np.polynomial.legendre.leggauss(FINE)
-    phi = 0.5 * np.pi * (nodes + 1)[:, None]
-    sine = np.sqrt(1 - cosine * cosine)
-    length = np.hypot(alpha * sine, cosine)
-    x, z = alpha * sine / length, cosine / length
-    height = 0.5 * (nodes + 1) * (1 + z) - z
-    across = np.sqrt(np.maximum(1 - height * height, 0))
-    facet = alpha * (across * np.cos(phi) + x), alpha * across * np.sin(phi), height + z
-    norm = np.sqrt(facet[0] ** 2 + facet[1] ** 2 + facet[2] ** 2)
-    to_facet = (sine * facet[0] + cosine * facet[2]) / norm
-    out = 2 * to_facet * facet[2] / norm - cosine
-    raised = np.maximum(out, 1e-9)
-    masking = 2 / (1 + np.sqrt(1 + alpha * alpha * (1 / (raised * raised) - 1)))
-    weight = 0.25 * shares[:, None] * shares * np.where(out > 0, masking, 0)
+    place = 0.5 * (nodes + 1)
+    wi = Components(np.sqrt(1 - cosine * cosine), 0.0, cosine)
+    to_facet, _, masking = facets_at(wi, alpha, place, 0.5 * place[:, None])  # half of a turn
+    weight = 0.25 * shares[:, None] * shares * masking
     return to_facet.reshape(len(cosine), -1), weight.reshape(len(cosine), -1)
 
 

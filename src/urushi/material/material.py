@@ -16,7 +16,7 @@ from urushi.errors import FileError, ParameterError, UrushiWarning
 from urushi.export.program import material_text
 from urushi.material.table import SHAPE, interpolated
 from urushi.nets import lobe as lobes
-from urushi.nets.networks import Proposal
+from urushi.nets.networks import LobeProposal
 from urushi.nets.weights import Model, Weights, find, model_of_file
 from urushi.parallel import fill_blocks
 
@@ -219,7 +219,7 @@ class Material:
         wo, pdf = np.where(above[:, None], wo, normal), np.where(above, pdf, np.float32(0.0))
         return np.concatenate([wo, pdf[:, None]], axis=1)
 
-    def _proposal(self, wi: np.ndarray) -> Proposal:
+    def _proposal(self, wi: np.ndarray) -> LobeProposal:
         return self.model.networks.proposal(self.anchors.mean(axis=0)[None], wi)
 
     def directional_albedo(self, wi: npt.ArrayLike) -> np.ndarray:

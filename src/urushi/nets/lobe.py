@@ -148,14 +148,6 @@ def feature_columns(alphas: Sequence[Any], at: Sequence[Any], xp: Namespace) -> 
     return [*first, *at, xp.log(mean + VISIBLE), *(x for other in others for x in other)]
 
 
-def scaled_lobe(lobe: Any, factor: Any) -> Any:
-    """Return lobes (..., N) whose BRDF is `factor` (...) times that of `lobe` (..., N)."""
-    xp = lobe.__array_namespace__()
-    one = xp.ones_like(factor)
-    others = [one] * (lobe.shape[-1] - 4)
-    return lobe * xp.stack([one, factor, factor, factor, *others], axis=-1)
-
-
 def under(lobe: Any, index: Any) -> Any:
     """Return lobes (..., N) below a medium: indices of conductors (k > 0) are divided by `index`.
 

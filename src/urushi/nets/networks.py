@@ -1,6 +1,6 @@
-"""Urushi's networks as one value, and the interface of their proposals."""
+"""Urushi's networks as one value."""
 
-from typing import Any, NamedTuple, Protocol
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -9,20 +9,9 @@ from urushi.core.probe_pairs import probe_pairs
 from urushi.nets import decoder, derivatives, encoder, layerer, sampler
 from urushi.nets import lobe as lobes
 from urushi.nets.architecture import Architecture
-from urushi.nets.features import DIRECTION_FEATURES, direction_features
-from urushi.nets.lobe import scaled_lobe
+from urushi.nets.features import direction_features
 from urushi.nets.lobe_fit import fit_lobes
 from urushi.nets.mlp import Params
-
-
-class Proposal(Protocol):
-    """A normalised density over the upper hemisphere from which directions are drawn."""
-
-    def pdf(self, wi: Any, wo: Any) -> Any:
-        """Density (...) [1/sr] of `sample` at wo (..., 3); 0 where either is below the horizon."""
-
-    def sample(self, wi: Any, u: Any) -> Any:
-        """Directions wo (..., 3) from uniform numbers u (..., 3); wi above the horizon."""
 
 
 class LobeProposal(NamedTuple):
@@ -75,26 +64,12 @@ class UrushiNetworks(NamedTuple):
         return layerer.layer(self.params, self.arch, z_bottom, coat)
 
     def f(self, z: Any, wi: Any, wo: Any) -> Any:
-        """Values (...) [1/sr]: positive, and the same bits with wi and wo exchanged."""
-        return self.decode(z, self.inputs(wi, wo))
+        """Values (...) [1/sr]: positive, and the same bits with wi and wo exchanged.
 
-    def inputs(self, wi: Any, wo: Any) -> Any:
-        """The inputs (..., D) of `decode` for unit vectors wi, wo (..., 3)."""
-        xp = wi.__array_namespace__()
-        features = direction_features(wi, wo, self.arch.widths)
-        return xp.concat([features, *xp.broadcast_arrays(wi, wo)], axis=-1)
-
-    def scaled(self, z: Any, factor: Any) -> Any:
-        """Codes of `factor` (...) > 0 times the BRDFs, exact for all directions."""
-        lobe = self.arch.lobe
-        top, rest = scaled_lobe(z[..., :lobe], factor), decoder.scaled(z[..., lobe:], factor)
-        return np.concatenate([top, rest], axis=-1)
-
-    def decode(self, z: Any, inputs: Any) -> Any:
-        """Values (...) [1/sr] from `inputs`."""
-        count = DIRECTION_FEATURES[self.arch.widths]
-        features, wi, wo = np.split(inputs, (count, count + 3), axis=-1)
-        return self.top(z, wi, wo) + self.rest(z, features)
+        z (..., L) and the unit vectors wi, wo (..., 3) above the horizon broadcast.
+        """
+        rest = self.rest(z, direction_features(wi, wo, self.arch.widths))
+        return self.top(z, wi, wo) + rest
 
     def top(self, z: Any, wi: Any, wo: Any) -> Any:
         """The part of f (...) [1/sr] that the codes' lobes reflect."""

@@ -6,8 +6,8 @@ import drjit as dr
 import mitsuba as mi
 import numpy as np
 
-from urushi.material import anisotropic_table
-from urushi.material.table import HIGHEST, LOWEST, SHAPES, TAN2_OFFSET, corner_steps
+from urushi.core.namespace import DRJIT
+from urushi.material.table import SHAPES, coordinates, corner_steps
 from urushi.mitsuba.networks import lobe
 from urushi.mitsuba.networks.lobe import LobeKind
 
@@ -81,42 +81,10 @@ def interpolated(table, shape: Sequence[int], coordinates: Sequence, band=None) 
 
 def _looked_up(table, channels: int, wi, wo, widths: int, bands: Sequence | None) -> list:
     """f of each channel [1/sr], see `material.table.interpolated`."""
-    places = _coordinates(wi, wo) if widths == 1 else _anisotropic_coordinates(wi, wo)
+    places = coordinates(wi + wo, wi - wo, widths, DRJIT)
     clipped = [dr.clip(place, 0, 1) for place in places]
     if bands is None:
         logs = interpolated(table, SHAPES[widths], clipped)
     else:
         logs = [interpolated(table, SHAPES[widths], clipped, band)[0] for band in bands]
     return [dr.exp(log) for log in logs[:channels]]
-
-
-def _coordinates(wi, wo) -> tuple:
-    """The coordinates u, v, w, see `material.table.coordinates`."""
-    x, y, z = wi.x + wo.x, wi.y + wo.y, wi.z + wo.z
-    across, z2 = x * x + y * y, z * z
-    squared = across + z2
-    u = (dr.log(across / z2 + TAN2_OFFSET) - LOWEST) * (1 / (HIGHEST - LOWEST))
-    cos_d = dr.minimum(0.5 * dr.sqrt(squared), 1)
-    sin2 = (1 - cos_d) * (1 + cos_d)
-    # Roots that reach zero have finite derivatives if they are safe ones.
-    reach = dr.maximum(dr.minimum(0.5 * z, dr.safe_sqrt(across / squared * sin2)), 1e-9)
-    size = dr.clip(0.5 * dr.abs(wi.z - wo.z) / reach, 0, 1)
-    return u, dr.safe_sqrt(1 - cos_d), 1 - dr.safe_sqrt(1 - size)
-
-
-def _anisotropic_coordinates(wi, wo) -> tuple:
-    """The coordinates u_x, u_y, v, p, see `material.anisotropic_table.coordinates`."""
-    x, y, z = wi.x + wo.x, wi.y + wo.y, wi.z + wo.z
-    dx, dy = wi.x - wo.x, wi.y - wo.y
-    x2, y2, z2 = x * x, y * y, z * z
-    lowest = anisotropic_table.LOWEST
-    scale = 1 / (anisotropic_table.HIGHEST - lowest)
-    up = 1 / z2
-    along, across = (
-        (dr.log(dr.fma(c, up, anisotropic_table.TAN2_OFFSET)) - lowest) * scale for c in (x2, y2)
-    )
-    cos_d = dr.minimum(0.5 * dr.sqrt(x2 + y2 + z2), 1)
-    size_x, size_y = dr.abs(dx), dr.abs(dy)
-    turned = 0.5 * size_y / dr.maximum(size_x + size_y, 1e-12)
-    angle = dr.select((x * y) * (dx * dy) < 0, 1 - turned, turned)
-    return along, across, dr.safe_sqrt(1 - cos_d), angle
