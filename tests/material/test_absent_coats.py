@@ -8,8 +8,8 @@ import pytest
 from urushi.core.direction_sets import cosine_pairs
 from urushi.core.error_metrics import stack_error
 from urushi.material import Material, encode, layer
-from urushi.material.blend import COSINES, blend_lobes
 from urushi.material.layer import layer_texels
+from urushi.material.lerp import COSINES, blend_lobes
 from urushi.nets.lobe import reflectance
 from urushi.walk import coat, conductor, dielectric, diffuse, simulate
 

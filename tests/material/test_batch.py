@@ -24,19 +24,11 @@ def same(found, model):
     """Whether every source became what `encode` makes of it."""
     assert sorted(found) == list(range(len(SOURCES)))
     for index, encoded in found.items():
-        np.testing.assert_array_equal(
-            encoded.material.latents, encode(SOURCES[index], model).latents
-        )
+        np.testing.assert_array_equal(encoded[0].latents, encode(SOURCES[index], model).latents)
 
 
 def test_here(model):
     same(dict(encode_all(SOURCES, weights=model)), model)
-
-
-def test_each_may_be_refined_by_itself(model):
-    found = dict(encode_all(SOURCES[:2], weights=model, refine=[False, True]))
-    assert found[0].material == encode(SOURCES[0], model, refine=False)
-    assert found[1].material == encode(SOURCES[1], model, refine=True)
 
 
 def test_errors_belong_to_their_source(model, tmp_path):
@@ -44,5 +36,5 @@ def test_errors_belong_to_their_source(model, tmp_path):
     found = dict(encode_all([*missing, GOLD, 7], weights=model))
     assert isinstance(found[0], FileError) and "absent.binary" in str(found[0])
     assert isinstance(found[1], FileError) and "nothing.bsdf" in str(found[1])
-    np.testing.assert_array_equal(found[2].material.latents, encode(GOLD, model).latents)
+    np.testing.assert_array_equal(found[2][0].latents, encode(GOLD, model).latents)
     assert isinstance(found[3], ParameterError)

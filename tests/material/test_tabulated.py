@@ -118,8 +118,7 @@ def test_blends_are_linear_in_f(own, small, random_directions):
 
 def test_the_same_alone_and_among_many(own, small):
     channels = [lambda *w, c=channel: velvet(*w)[:, c] for channel in (0, 2)]
-    for index, result in encode_all(channels, weights=small, refine=False, table=True):
-        material = result.material
+    for index, (material, _) in encode_all(channels, weights=small, refine=False, table=True):
         np.testing.assert_array_equal(material.table, own.table[..., [0, 2][index], None])
 
 

@@ -122,7 +122,7 @@ def test_an_anisotropic_file_is_encoded_by_its_networks(writers, tmp_path):
     paths[0].write_bytes(writers.tensor_file(fields))
     paths[1].write_bytes(writers.tensor_file(writers.rgl_ggx_fields(0.3, (0.9, 0.6, 0.3))))
     found = dict(encode_all(paths))
-    assert [found[k].material.model.widths for k in (0, 1)] == [2, 1]
+    assert [found[k][0].model.widths for k in (0, 1)] == [2, 1]
     assert isinstance(found[2], FileError)
 
 

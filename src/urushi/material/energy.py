@@ -4,22 +4,17 @@ A code's lobe (`urushi.nets.lobe`) conserves energy and is exact. So only the re
 lobe and rest together meet the ceiling of the albedo. One factor for all pairs of directions keeps
 f exactly reciprocal. Codes of networks without a gain are not changed.
 
-The quadrature of one code's albedo takes several hundred evaluations of the decoder, and a texture
-has millions of codes. They lie close together, so a regression fitted to a thousand of them
-predicts the albedo of the other codes, and codes far below the ceiling are skipped
-(`codes_to_measure`).
+The quadrature of one code's albedo takes several hundred evaluations of the decoder. Among the
+millions of codes of a texture, those far below the ceiling are skipped (`screening`).
 """
 
 import functools
-from collections.abc import Callable
-from typing import NamedTuple
 
 import numpy as np
 
-from urushi.material import regression
 from urushi.material.albedo_rule import AlbedoRule, albedo_rule
 from urushi.material.lobe_albedo import lobe_albedos
-from urushi.material.regression import CodeFeatures
+from urushi.material.screening import codes_to_measure
 from urushi.nets.weights import Model
 from urushi.parallel import fill_blocks, one_blas_thread
 
@@ -213,84 +208,3 @@ def _scaled(model: Model, z: np.ndarray, factors: np.ndarray) -> np.ndarray:
     gains = model.networks.gains(result)
     gains[over] += np.log(factors[over])
     return result
-
-
-#: Number of codes that are measured, half to fit the regression and half to estimate its error.
-SCREEN_SAMPLE = 1024
-
-#: Power of the excess by which codes are weighted in the fit; and the error of the regression: the
-#: greatest over held-out codes whose ln excess is above -`SCREEN_NEAR`, or over the
-#: brightest tenth, times a factor, plus a constant.
-SCREEN_WEIGHT_POWER, SCREEN_NEAR, SCREEN_ERROR_FACTOR, SCREEN_LEAST_MARGIN = 4.0, 0.25, 2.0, 0.02
-
-#: Regression: number of random features, and ridge.
-SCREEN_FEATURES, SCREEN_RIDGE = 64, 1e-3
-
-#: Factor on the range of the sample; a code outside this range in any number is measured.
-SCREEN_REACH = 1.25
-
-#: Greatest number of rounds, each with its own sample. The rounds stop when fewer than
-#: `SCREEN_GAIN` times `SCREEN_SAMPLE` candidates remain.
-SCREEN_ROUNDS, SCREEN_GAIN = 4, 4
-
-
-def codes_to_measure(excess: Callable[[np.ndarray], np.ndarray], z: np.ndarray) -> np.ndarray:
-    """Indices of the codes among z (N, L) whose excess may be greater than one.
-
-    excess: measures the positive excess (n,) of codes (n, L). Samples have fixed seeds.
-
-    The candidates are screened again in further rounds, because a regression on bright codes alone
-    is more exact.
-    """
-    index = np.arange(len(z))
-    for seed in range(SCREEN_ROUNDS):
-        before = len(index)
-        index = index[_codes_to_measure(excess, z[index] if seed else z, seed)]
-        if len(index) > before // 2 or len(index) < SCREEN_GAIN * SCREEN_SAMPLE:
-            break
-    return index
-
-
-def _codes_to_measure(
-    excess: Callable[[np.ndarray], np.ndarray], z: np.ndarray, seed: int
-) -> np.ndarray:
-    rng = np.random.default_rng(seed)
-    sample = z[rng.integers(len(z), size=SCREEN_SAMPLE)]
-    target = np.log(excess(sample))
-    half = SCREEN_SAMPLE // 2
-    with one_blas_thread():  # the matrices are small
-        estimate = _fit_albedo_regression(sample[:half], target[:half], sample, rng)
-        errors = target[half:] - estimate(sample[half:])
-    near = target[half:] >= min(-SCREEN_NEAR, np.quantile(target[half:], 0.9))
-    margin = SCREEN_ERROR_FACTOR * max(float(errors[near].max()), 0) + SCREEN_LEAST_MARGIN
-    values = np.empty((len(z), 1), np.float32)
-    fill_blocks(values, lambda codes: estimate(codes)[:, None], z)
-    return np.flatnonzero(values[:, 0] > -margin)
-
-
-class AlbedoRegression(NamedTuple):
-    """Regression of the logarithm of the excess of codes within the range of a sample."""
-
-    features: CodeFeatures
-    reach: np.ndarray
-    coefficients: np.ndarray
-
-    def __call__(self, z: np.ndarray) -> np.ndarray:
-        """Estimates (N,) for codes (N, L); infinite for those far outside the sample."""
-        x = self.features.standard(z)
-        inside = (np.abs(x) <= self.reach).all(axis=-1)
-        return np.where(
-            inside, self.features.of_standard(x) @ self.coefficients, np.float32(np.inf)
-        )
-
-
-def _fit_albedo_regression(
-    z: np.ndarray, target: np.ndarray, sample: np.ndarray, rng: np.random.Generator
-) -> AlbedoRegression:
-    """Fit the regression to targets (n,) of codes (n, L); sample: codes that define its range."""
-    features = regression.fit_features(sample, SCREEN_FEATURES, 1e-12, rng)
-    reach = SCREEN_REACH * np.abs(features.standard(sample)).max(axis=0) + 1e-3
-    weights = np.exp(SCREEN_WEIGHT_POWER * (target - target.max()))
-    return AlbedoRegression(
-        features, reach, regression.ridge_coefficients(features(z), target, SCREEN_RIDGE, weights)
-    )

@@ -75,9 +75,10 @@ class Encode:
                     if len(sources) > 1:
                         _print_to_stderr(str(result))
                     continue
-                for sentence in result.deviations.warnings():
+                material, deviations = result
+                for sentence in deviations.warnings():
                     _print_to_stderr(f"{self.sources[index]}: {sentence}")
-                result.material.save(targets[index])
+                material.save(targets[index])
                 tqdm.write(str(targets[index]))
         if len(sources) == 1 and errors:
             raise errors[0]
