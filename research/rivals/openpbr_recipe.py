@@ -10,10 +10,10 @@ from typing import Any, Literal, NamedTuple
 import numpy as np
 
 from urushi.checks import MIN_ALPHA
-from urushi.core import albedos, eon, fresnel
+from urushi.core import albedos, fresnel
 from urushi.core.namespace import NUMPY
 from urushi.errors import ParameterError
-from urushi.openpbr_surface import formulas
+from urushi.openpbr_surface import eon, formulas
 from urushi.openpbr_surface.parameters import complete
 
 #: "materialx": the graph `open_pbr_surface.mtlx` of MaterialX 1.39 as its generator for GLSL has

@@ -1,8 +1,7 @@
-"""Directional albedos of rough interfaces, of GGX reflectors and of slabs below them, tabulated.
+"""Directional albedos of rough interfaces, tabulated.
 
 The interfaces scatter once: light that would hit a second facet is lost. These tables give the
-loss, for which the plugin `openpbr` compensates. Albedos of two widths depend on the azimuth: on a
-brushed surface, more light hits a second facet across the scratches than along them.
+loss, for which `energy_compensation` of coats and the plugin `openpbr` compensate.
 
 The axes of the tables are the index, the root of the GGX width, and the cosine. Seen from the
 denser side, an interface reflects totally at grazing angles. The edge moves with the index, and is
@@ -18,7 +17,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from urushi.checks import MIN_ALPHA, Widths
-from urushi.core import eon, fresnel, microfacet
+from urushi.core import fresnel, microfacet
 from urushi.core.namespace import NUMPY, Components, Namespace
 
 #: Nodes of the tables: of the index below one and from one, of the width, and of the cosine.
@@ -47,15 +46,6 @@ _LEAST_COSINE = 1e-5
 #: them reflect totally, the share that does decides, and the nodes are `FINE`.
 AZIMUTHS, HEIGHTS = 20, 40
 FINE = 28, 57
-
-#: Nodes of the anisotropy (u - v) / (u + v) of the widths u >= v, and its greatest.
-ANISOTROPIES, MOST = 8, 0.98
-
-#: Terms of the cosine series in the azimuth, of 0, 2, 4 and 6 times it.
-TERMS = 4
-
-#: Azimuths from which the series is fitted.
-_AZIMUTHS = np.linspace(0, np.pi / 2, 7)
 
 
 def indexnodes() -> np.ndarray:
@@ -189,19 +179,6 @@ class Tables(NamedTuple):
     inside: np.ndarray
 
 
-class MirrorTables(NamedTuple):
-    """Albedos of a reflector whose facets reflect all light, float32.
-
-    Attributes:
-        albedo: (ROUGHNESSES, COSINES); of two widths (ANISOTROPIES, ROUGHNESSES, COSINES, TERMS),
-            the series in the azimuth, and the axis of the roughness is the mean of both widths.
-        mean: (ROUGHNESSES,) or (ANISOTROPIES, ROUGHNESSES) its cosine-weighted mean.
-    """
-
-    albedo: np.ndarray
-    mean: np.ndarray
-
-
 @functools.cache
 def tables(eta: float | None = None) -> Tables:
     """The tables of dielectric interfaces.
@@ -258,15 +235,6 @@ def surface_loss(
     grid = np.linspace(0, 1, COSINES)
     mean = 1 - at(above.reflected_mean) - inside * at(above.passed_mean)
     return lambda cosine: np.interp(cosine_coordinate(cosine, eta), grid, lost), float(mean)
-
-
-@functools.cache
-def mirror_tables() -> MirrorTables:
-    """The tables of a GGX reflector without losses at its facets."""
-    alphas, cosine = nodes()
-    facets = [visible_facets(alpha, cosine) for alpha in alphas]
-    albedo = np.stack([x.masking @ x.weight for x in facets])
-    return MirrorTables(*(x.astype(np.float32) for x in (albedo, hemisphere_mean(albedo))))
 
 
 @functools.cache
@@ -353,63 +321,3 @@ def _masking(w: Components, alpha: float | Widths) -> np.ndarray:
     """Smith masking of directions; zero below the horizon."""
     above = w._replace(z=np.maximum(w.z, 1e-9))
     return np.where(w.z > 0, microfacet.smith_g1(above, alpha, NUMPY), 0.0)
-
-
-@functools.cache
-def anisotropic_tables() -> MirrorTables:
-    """`mirror_tables` of two widths, which take some seconds the first time."""
-    alphas, cosine = nodes()
-    albedo = np.empty((ANISOTROPIES, len(alphas), len(cosine), TERMS))
-    fit = np.linalg.pinv(np.cos(2 * np.outer(_AZIMUTHS, np.arange(TERMS))))
-    for i, ratio in enumerate(np.linspace(0, MOST, ANISOTROPIES)):
-        for j, alpha in enumerate(alphas):
-            widths = Widths(alpha * (1 + ratio), alpha * (1 - ratio))
-            facets = [visible_facets(widths, cosine, azimuth) for azimuth in _AZIMUTHS]
-            albedo[i, j] = (fit @ np.stack([x.masking @ x.weight for x in facets])).T
-    mean = hemisphere_mean(albedo[..., 0])
-    return MirrorTables(albedo.astype(np.float32), mean.astype(np.float32))
-
-
-# The first reflection by a rough white slab below an interface. The facets pass light from a
-# direction, which is then assumed to have their mean cosine in the slab. Of its first reflection by
-# a Lambertian slab, the interface passes the share passed_mean / eta^2, whatever the direction. EON
-# reflects more or less towards directions that the interface passes. The deviation is proportional
-# to `eon.deviation`, so that one table serves all roughnesses of the slab.
-
-
-class SlabTables(NamedTuple):
-    """A rough white slab below an interface, float32, for a base_diffuse_roughness of one.
-
-    Attributes:
-        inside: (I, ROUGHNESSES, COSINES) mean cosine in the slab.
-        excess: the same shape; light that leaves over what leaves a Lambertian slab, minus one.
-        excess_mean: (I, ROUGHNESSES) its mean over the transmitted part of diffuse light.
-    """
-
-    inside: np.ndarray
-    excess: np.ndarray
-    excess_mean: np.ndarray
-
-
-@functools.cache
-def slab_tables(eta: float | None = None) -> SlabTables:
-    """The tables of a white slab.
-
-    eta: the only index, I is 1; None: all of `indexnodes`.
-    """
-    known = tables(eta)
-    etas = indexnodes() if eta is None else np.array([eta])
-    inside = np.clip(known.inside.astype(np.float64), 0, 1)
-    passed, weight = between_nodes(1 - known.reflected.astype(np.float64), etas)
-    weights = passed * weight
-    weights /= weights.sum(-1, keepdims=True)
-    away, _ = between_nodes(inside)
-    single = np.empty_like(inside)
-    for k in range(inside.shape[-1]):
-        along = eon.single_over_azimuths(inside[..., k, None], away, 1.0)
-        single[..., k] = (weights * along).sum(-1)
-    lost = 1 - eon.single_albedo(inside, 1.0)
-    lost_mean = (weights * (1 - eon.single_albedo(away, 1.0))).sum(-1, keepdims=True)
-    excess = single + lost * lost_mean / (1 - eon.single_mean(1.0)) - 1
-    mean = (weights * between_nodes(excess)[0]).sum(-1)
-    return SlabTables(*(x.astype(np.float32) for x in (inside, excess, mean)))

@@ -1,4 +1,4 @@
-"""The tables of `albedos` as Dr.Jit textures: reflectors and the slab below an interface."""
+"""The tables of albedos as Dr.Jit textures: reflectors and the slab below an interface."""
 
 from typing import Any, NamedTuple
 
@@ -6,10 +6,10 @@ import drjit as dr
 import mitsuba as mi
 import numpy as np
 
-from urushi.core import albedos, eon
+from urushi.core import albedos
 from urushi.core.namespace import DRJIT
 from urushi.mitsuba.interface_albedo import InterfaceAlbedo, Interpolated, coordinates
-from urushi.openpbr_surface import formulas
+from urushi.openpbr_surface import albedo_tables, eon, formulas
 
 #: Least share of light that leaves the slab at once; less is a slab of index far above 10.
 LEAST_SHARE = 1e-3
@@ -19,7 +19,7 @@ class MirrorAlbedo:
     """Directional albedos of GGX facets that reflect all light, of one width."""
 
     def __init__(self) -> None:
-        known = albedos.mirror_tables()
+        known = albedo_tables.mirror_tables()
         self._albedo, self._mean = (Interpolated(x[..., None]) for x in (known.albedo, known.mean))
 
     def seen(self, w, widths):
@@ -66,7 +66,7 @@ class AnisotropicMirror(MirrorAlbedo):
     """`MirrorAlbedo` of facets of two widths u >= v."""
 
     def __init__(self) -> None:
-        known = albedos.anisotropic_tables()
+        known = albedo_tables.anisotropic_tables()
         self._albedo, self._mean = Interpolated(known.albedo), Interpolated(known.mean[..., None])
 
     def seen(self, w, widths):
@@ -85,7 +85,7 @@ class AnisotropicMirror(MirrorAlbedo):
     def _at(self, widths) -> list:
         ratio = (widths.u - widths.v) / (widths.u + widths.v)
         mean = 0.5 * (widths.u + widths.v)
-        return [albedos.roughness_coordinate(mean, DRJIT), ratio / albedos.MOST]
+        return [albedos.roughness_coordinate(mean, DRJIT), ratio / albedo_tables.MOST]
 
 
 class AnisotropicInterface:
@@ -157,7 +157,7 @@ class RoughSlab:
 
     def __init__(self, eta: float | None):
         self._constant = None if eta is None else float(np.clip(eta, 1 / 3, 3))
-        known = albedos.slab_tables(self._constant)
+        known = albedo_tables.slab_tables(self._constant)
         table = np.stack([known.inside, known.excess], axis=-1)
         mean = known.excess_mean[..., None]
         self._table = Interpolated(table if self._constant is None else table[0])
