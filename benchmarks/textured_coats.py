@@ -9,10 +9,10 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from gallery import noise
 
-from urushi.scenes import noise
 from urushi.scenes.options import Options
-from urushi.scenes.stage import Folder
+from urushi.scenes.stage import Folder, smoothstep
 
 #: Ranges of the textures: GGX widths, and indices of refraction.
 ALPHAS, INDICES = (0.03, 0.45), (1.3, 1.9)
@@ -29,10 +29,10 @@ def applied(scene: dict[str, Any], folder: Path, options: Options) -> dict[str, 
     files, side = Folder(folder), options.texels(TEXELS)
     v, u = np.meshgrid(*[(np.arange(side) + 0.5) / side] * 2, indexing="ij")
     around = np.stack([np.cos(2 * np.pi * u), np.sin(2 * np.pi * u), 3 * v], axis=-1)
-    spots = noise.smoothstep(-0.1, 0.15, noise.fractal(2 * around, 3, seed=31))
-    wear = noise.smoothstep(-0.3, 0.5, noise.fractal(around * 4, 4, seed=32))
-    bands = noise.smoothstep(-0.25, 0.25, np.sin(2 * np.pi * 10 * v))
-    stripes = noise.smoothstep(-0.25, 0.25, np.sin(2 * np.pi * 4 * u))
+    spots = smoothstep(-0.1, 0.15, noise.fractal(2 * around, 3, seed=31))
+    wear = smoothstep(-0.3, 0.5, noise.fractal(around * 4, 4, seed=32))
+    bands = smoothstep(-0.25, 0.25, np.sin(2 * np.pi * 10 * v))
+    stripes = smoothstep(-0.25, 0.25, np.sin(2 * np.pi * 4 * u))
     patterns = {
         "vase": (spots, 1 - spots),
         "plate": (wear, bands),

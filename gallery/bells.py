@@ -10,8 +10,9 @@ from typing import Any
 import mitsuba as mi
 import numpy as np
 
+from gallery import noise
 from gallery.brushed import straightened
-from urushi.scenes import noise, stage
+from urushi.scenes import stage
 from urushi.scenes.mesh import Profile, lathe
 from urushi.scenes.options import Options
 from urushi.scenes.stage import Folder, Light
@@ -108,7 +109,7 @@ def _wood(folder: Folder, options: Options) -> dict[str, Any]:
     turn = 2 * np.pi * u
     grain = noise.fractal(np.stack([3 * np.cos(turn), 3 * np.sin(turn), 2 * v], axis=-1), 4, seed=3)
     dark, light = np.array([0.030, 0.011, 0.006]), np.array([0.16, 0.055, 0.022])
-    amount = noise.smoothstep(-0.5, 0.5, grain)[..., None]
+    amount = stage.smoothstep(-0.5, 0.5, grain)[..., None]
     return options.openpbr(
         base_color=folder.texture("wood", dark + (light - dark) * amount),
         specular_roughness=0.5,

@@ -11,8 +11,10 @@ from typing import Any
 import mitsuba as mi
 import numpy as np
 
-from urushi.scenes import noise, stage
-from urushi.scenes.mesh import Mesh, Profile, grid, lathe
+from gallery import noise
+from gallery.grids import grid
+from urushi.scenes import stage
+from urushi.scenes.mesh import Mesh, Profile, lathe
 from urushi.scenes.options import Options
 from urushi.scenes.stage import Folder, Light
 
@@ -74,7 +76,7 @@ def _turned_copper(folder: Folder, options: Options) -> dict[str, Any]:
     rings = noise.fractal(np.stack([v * 160, 0 * v, 0 * v], axis=-1), 3, seed=5)
     across = np.clip(TURNED[1] * (1 + 0.45 * rings), 0.12, 0.5)
     # The outline runs up the outside and down the inside: lacquer gathers at its ends.
-    depth = 0.55 + 0.9 * noise.smoothstep(0.30, 0.02, np.minimum(v, 1 - v))
+    depth = 0.55 + 0.9 * stage.smoothstep(0.30, 0.02, np.minimum(v, 1 - v))
     columns = (8, 1)
     return options.coated(
         stage.conductor(

@@ -12,7 +12,7 @@ import numpy as np
 from gallery import car_fittings, car_shape
 from gallery.solids import merged
 from gallery.surface_nets import Field, mesh, projected
-from urushi.scenes import noise, stage
+from urushi.scenes import stage
 from urushi.scenes.mesh import Mesh, Profile, lathe
 from urushi.scenes.options import Options
 from urushi.scenes.stage import Folder, Light, rgb
@@ -148,8 +148,8 @@ def _rubber(folder: Folder, options: Options) -> dict[str, Any]:
     outline = Profile(np.array(car_fittings.TYRE))
     radius, height = np.moveaxis(outline((np.arange(count) + 0.5) / count)[0], -1, 0)
     low, high = car_fittings.WHITE_WALL
-    white = noise.smoothstep(low - 0.002, low + 0.002, radius) * (height > 0)
-    white = white * noise.smoothstep(high + 0.002, high - 0.002, radius)
+    white = stage.smoothstep(low - 0.002, low + 0.002, radius) * (height > 0)
+    white = white * stage.smoothstep(high + 0.002, high - 0.002, radius)
     color = 0.02 + (0.72 - 0.02) * white
     return options.openpbr(
         base_color=folder.texture("tyre", np.tile(color[:, None, None], (1, 8, 3))),

@@ -6,7 +6,7 @@ rule, so that a ring within another is water.
 
 import numpy as np
 
-from urushi.scenes import noise
+from gallery import noise
 
 _RINGS = """
 -17 15 -16 20 -13 27 -10 30 -6 35.5 0 36 10 37 11 34 15 32 20 31 22 33 29 31 32.5 31 34 27 37 21

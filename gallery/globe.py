@@ -5,9 +5,10 @@ from typing import Any
 import mitsuba as mi
 import numpy as np
 
-from gallery import continents
-from urushi.scenes import noise, stage
-from urushi.scenes.mesh import Mesh, Profile, grid, lathe
+from gallery import continents, noise
+from gallery.grids import grid
+from urushi.scenes import stage
+from urushi.scenes.mesh import Mesh, Profile, lathe
 from urushi.scenes.options import Options
 from urushi.scenes.stage import Folder, Light, rgb
 
@@ -86,14 +87,14 @@ def chart(rows: int) -> tuple[np.ndarray, np.ndarray]:
     land = continents.land(rows)[..., None]
     relief = noise.fractal(points * 5, 5, seed=7, gain=0.6)[..., None]
     north = np.abs(points[..., 2:])
-    ice = noise.smoothstep(0.90, 0.97, north + 0.03 * relief)
-    dry = noise.smoothstep(0.15, -0.15, np.abs(north - 0.42) - 0.12 + 0.10 * relief)
+    ice = stage.smoothstep(0.90, 0.97, north + 0.03 * relief)
+    dry = stage.smoothstep(0.15, -0.15, np.abs(north - 0.42) - 0.12 + 0.10 * relief)
 
     green, sand, white = np.array([[0.42, 0.55, 0.16], [0.93, 0.62, 0.25], [0.97, 0.97, 0.95]])
     ground = green + (sand - green) * dry
     ground = ground + (white - ground) * ice
     ground = np.clip(ground * (1 + 0.25 * relief), 0, 0.98)
-    shelf = noise.smoothstep(0, 1, _blur(land[..., 0], rows / 24)[..., None])
+    shelf = stage.smoothstep(0, 1, _blur(land[..., 0], rows / 24)[..., None])
     sea = np.array([0.03, 0.13, 0.30]) + np.array([0.10, 0.33, 0.30]) * shelf
     albedo = sea + (ground - sea) * land
 
@@ -110,13 +111,13 @@ def _graticule(longitude: np.ndarray, latitude: np.ndarray) -> np.ndarray:
     off_longitude = np.abs((longitude + 7.5) % 15 - 7.5) * np.cos(np.radians(latitude))
     off_longitude = np.where(np.abs(latitude) < 75.2, off_longitude, np.inf)
     width, soft = 0.16, max(0.12, 90 / len(latitude))
-    lines = [noise.smoothstep(width + soft, width - soft, d) for d in (off_latitude, off_longitude)]
+    lines = [stage.smoothstep(width + soft, width - soft, d) for d in (off_latitude, off_longitude)]
     return np.maximum(*lines)[..., None]
 
 
 def _coast(land: np.ndarray) -> np.ndarray:
     """1 along the borders of the land."""
-    return noise.smoothstep(0.25, 0.75, 4 * land * (1 - land))
+    return stage.smoothstep(0.25, 0.75, 4 * land * (1 - land))
 
 
 def _blur(image: np.ndarray, sigma: float) -> np.ndarray:

@@ -8,9 +8,9 @@ from gallery.lantern import lantern
 from gallery.library import library_spheres
 from gallery.shoe import shoe
 from gallery.still_life import still_life
+from gallery.teapot import teapot
 from gallery.violin import violin
 from urushi.scenes.shipped import Scene
-from urushi.scenes.teapot import teapot
 
 #: In the order of the README's pictures.
 SCENES: dict[str, Scene] = {

@@ -5,10 +5,10 @@ from typing import Any
 import mitsuba as mi
 import numpy as np
 
-from gallery import shoe_shape
+from gallery import noise, shoe_shape
+from gallery.grids import derivatives, grid
 from gallery.relief import normal_map
-from urushi.scenes import noise, stage
-from urushi.scenes.mesh import derivatives, grid
+from urushi.scenes import stage
 from urushi.scenes.options import Options
 from urushi.scenes.stage import Folder, Light, rgb
 
@@ -105,26 +105,26 @@ def leather(u: np.ndarray, v: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.nd
     grain = _grain(points)
     worn = noise.fractal(points * 1.7, 4, seed=5)
 
-    apron = APRON + 0.30 * noise.smoothstep(0.40, 0.24, toe)  # it climbs towards the instep
-    ridge = np.exp(-(((v - apron) / 0.016) ** 2)) * noise.smoothstep(0.22, 0.26, toe)
+    apron = APRON + 0.30 * stage.smoothstep(0.40, 0.24, toe)  # it climbs towards the instep
+    ridge = np.exp(-(((v - apron) / 0.016) ** 2)) * stage.smoothstep(0.22, 0.26, toe)
     pleats = 0.5 + 0.5 * np.cos(2 * np.pi * 150 * u)
-    strap = noise.smoothstep(STRAP[0] - 0.006, STRAP[0] + 0.006, v + 0 * u)
-    strap *= noise.smoothstep(STRAP[1] + 0.006, STRAP[1] - 0.006, v + 0 * u)
-    strap *= noise.smoothstep(0.215, 0.225, toe)
+    strap = stage.smoothstep(STRAP[0] - 0.006, STRAP[0] + 0.006, v + 0 * u)
+    strap *= stage.smoothstep(STRAP[1] + 0.006, STRAP[1] - 0.006, v + 0 * u)
+    strap *= stage.smoothstep(0.215, 0.225, toe)
     window = (np.abs(u - 0.5) < 0.035) & (np.abs(v - 0.80) < 0.035)
     stitches = _stitches(u, v, 0.955) + _stitches(u, v, 0.045)
     stitches += (strap > 0.5) * (
         _stitches(u, v, STRAP[0] + 0.018) + _stitches(u, v, STRAP[1] - 0.018)
     )
-    flex = noise.smoothstep(0.35, 0.0, np.abs(points[..., 0] - 0.55) * 2) * (v > 0.3)
+    flex = stage.smoothstep(0.35, 0.0, np.abs(points[..., 0] - 0.55) * 2) * (v > 0.3)
     creases = flex * noise.fractal(points * [9, 1.5, 5], 3, seed=9)
 
     height = 0.0022 * grain + 0.012 * creases + 0.032 * ridge * (0.6 + 0.4 * pleats)
     height += 0.034 * strap * (1 - window) + 0.006 * stitches
 
     # Polish gathers in folds and at the ends of the shoe: there it is dark and deep.
-    burnt = noise.smoothstep(0.30, 0.49, toe) * (1 - 0.5 * v) + noise.smoothstep(0.10, 0.0, toe)
-    burnt = np.clip(burnt * 0.85 + 0.25 * worn + 0.35 * noise.smoothstep(0.10, 0.0, v), 0, 1)
+    burnt = stage.smoothstep(0.30, 0.49, toe) * (1 - 0.5 * v) + stage.smoothstep(0.10, 0.0, toe)
+    burnt = np.clip(burnt * 0.85 + 0.25 * worn + 0.35 * stage.smoothstep(0.10, 0.0, v), 0, 1)
     folds = np.clip(0.5 * (1 - grain) + 0.9 * ridge * (1 - pleats) + 1.0 * window, 0, 1)
     light, dark = np.array([0.86, 0.42, 0.15]), np.array([0.42, 0.10, 0.04])
     albedo = light + (dark - light) * burnt[..., None]
@@ -145,10 +145,10 @@ def _grain(points: np.ndarray) -> np.ndarray:
     """Grain of the leather at points (..., 3): 1 on the pebbles, 0 in the furrows between them."""
     bent = points + 0.02 * noise.fractal(points * 8, 2, seed=2)[..., None]
     first, second = noise.cells(bent * 24, seed=4)
-    return noise.smoothstep(0.0, 0.35, second - first)
+    return stage.smoothstep(0.0, 0.35, second - first)
 
 
 def _stitches(u: np.ndarray, v: np.ndarray, line: float) -> np.ndarray:
     """A dashed line along u at v = line."""
-    dash = noise.smoothstep(-0.2, 0.3, np.cos(2 * np.pi * 170 * u))
+    dash = stage.smoothstep(-0.2, 0.3, np.cos(2 * np.pi * 170 * u))
     return dash * np.exp(-(((v - line) / 0.006) ** 4))

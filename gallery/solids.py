@@ -8,7 +8,8 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from urushi.scenes.mesh import Mesh, grid
+from gallery.grids import grid
+from urushi.scenes.mesh import Mesh
 
 
 def merged(meshes: list[Mesh]) -> Mesh:

@@ -11,9 +11,10 @@ import mitsuba as mi
 import numpy as np
 
 from gallery import still_life_objects
+from gallery.grids import derivatives, grid
 from gallery.relief import normal_map
 from urushi.scenes import stage
-from urushi.scenes.mesh import Profile, derivatives, grid, lathe
+from urushi.scenes.mesh import Profile, lathe
 from urushi.scenes.options import Options
 from urushi.scenes.stage import Folder, Light, rgb
 

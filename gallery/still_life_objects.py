@@ -5,9 +5,10 @@ Patterns are functions of the texels' positions in space, so that the mapping do
 
 import numpy as np
 
-from urushi.scenes import noise
-from urushi.scenes.mesh import Mesh, Profile, grid, surface
-from urushi.scenes.noise import smoothstep
+from gallery import noise
+from gallery.grids import grid
+from urushi.scenes.mesh import Mesh, Profile, surface
+from urushi.scenes.stage import smoothstep
 
 
 def texels(profile: Profile, rows: int) -> np.ndarray:

@@ -7,6 +7,7 @@ from itertools import pairwise
 
 import numpy as np
 
+from gallery.grids import grid
 from gallery.solids import (
     cut,
     loft,
@@ -29,7 +30,7 @@ from gallery.violin_neck import (
     peg_place,
 )
 from gallery.violin_shape import LENGTH, Arching
-from urushi.scenes.mesh import Mesh, Profile, grid, lathe
+from urushi.scenes.mesh import Mesh, Profile, lathe
 
 #: Where the strings cross the bridge, and its height above the belly.
 BRIDGE, BRIDGE_HEIGHT = LENGTH - 195.0, 33.5

@@ -7,6 +7,7 @@ x runs across the body, y from the lower end to the neck, z to the front; the ri
 
 import numpy as np
 
+from gallery.grids import grid
 from gallery.solids import (
     bezier,
     cut,
@@ -16,7 +17,7 @@ from gallery.solids import (
     signed_distance,
     wall,
 )
-from urushi.scenes.mesh import Mesh, grid
+from urushi.scenes.mesh import Mesh
 
 LENGTH, WIDTH, RIBS = 356.0, 208.0, 31.0
 EDGE = 4.2

@@ -4,11 +4,12 @@ from dataclasses import replace
 
 import numpy as np
 
+from gallery import noise
 from gallery.solids import in_region, merged, moved
 from gallery.violin_neck import maple_parts as neck_parts
 from gallery.violin_shape import LENGTH, RIBS, WIDTH, Arching, plate, ribs
-from urushi.scenes import noise
 from urushi.scenes.mesh import Mesh
+from urushi.scenes.stage import smoothstep
 
 #: Regions of the maple's textures in u: half of the back from the middle, whose other half is its
 #: mirror image; the ribs; the neck with the scroll.
@@ -48,7 +49,7 @@ def spruce(arching: Arching, rows: int) -> tuple[np.ndarray, np.ndarray]:
     rings = 56 * (1 - np.exp(-across / 62))  # close in the middle, wide at the edges
     rings = rings + 0.35 * noise.fractal(np.stack([across / 9, y / 300, 0 * x], axis=-1), 2, seed=3)
     part = rings % 1.0
-    late = noise.smoothstep(0.35, 0.9, part) * noise.smoothstep(1.0, 0.93, part)
+    late = smoothstep(0.35, 0.9, part) * smoothstep(1.0, 0.93, part)
     strong = 0.75 + 0.35 * noise.fractal(
         np.stack([np.floor(rings) * 7.7, y / 400, 0 * x], axis=-1), 1, seed=5
     )
@@ -99,7 +100,7 @@ def _flames(x: np.ndarray, y: np.ndarray, seed: int) -> np.ndarray:
     bands = noise.fractal(np.stack([side / 60, wave, 0 * x], axis=-1), 2, seed=40 + seed)
     broken = noise.fractal(np.stack([side / 9, y / 14, 0 * x], axis=-1), 2, seed=50 + seed)
     fibre = noise.fractal(np.stack([x / 0.9, y / 16, 0 * x], axis=-1), 3, seed=60 + seed)
-    amount = noise.smoothstep(-0.55, 0.6, bands + 0.22 * broken) + 0.10 * fibre
+    amount = smoothstep(-0.55, 0.6, bands + 0.22 * broken) + 0.10 * fibre
     return MAPLE + (FLAME - MAPLE) * np.clip(amount, 0, 1)[..., None]
 
 
@@ -108,8 +109,8 @@ def _inlaid(color: np.ndarray, arching: Arching, x: np.ndarray, y: np.ndarray) -
     distance = _edge_distance(arching, x, y)
     away = np.abs(distance - PURFLING)
     blur = 0.25 * LENGTH / len(x)
-    strip = noise.smoothstep(LIGHT / 2 + DARK + blur, LIGHT / 2 + DARK - blur, away)[..., None]
-    black = noise.smoothstep(LIGHT / 2 - blur, LIGHT / 2 + blur, away)[..., None]
+    strip = smoothstep(LIGHT / 2 + DARK + blur, LIGHT / 2 + DARK - blur, away)[..., None]
+    black = smoothstep(LIGHT / 2 - blur, LIGHT / 2 + blur, away)[..., None]
     light = np.array([0.72, 0.53, 0.30])
     return color + (light + (BLACK - light) * black - color) * strip
 
@@ -132,8 +133,8 @@ def _depth(
     patches = noise.fractal(np.stack([x / 60, y / 75, 0 * x], axis=-1), 4, seed=70)
     fine = noise.fractal(np.stack([x / 9, y / 9, 0 * x], axis=-1), 3, seed=71)
     away = np.hypot(np.abs(x) - worn_at[0], 0.7 * (y - worn_at[1])) / 70
-    hand = np.exp(-(away**2)) * noise.smoothstep(-0.5, 0.4, patches + 0.3 * fine)
-    edge = np.exp(-(((distance - 1.8) / 1.1) ** 2)) * noise.smoothstep(-0.6, 0.4, fine)
+    hand = np.exp(-(away**2)) * smoothstep(-0.5, 0.4, patches + 0.3 * fine)
+    edge = np.exp(-(((distance - 1.8) / 1.1) ** 2)) * smoothstep(-0.6, 0.4, fine)
     channel = np.exp(-(((distance - 5.0) / 3.0) ** 2))
     depth = 1.0 + 0.30 * patches + 0.05 * fine + 0.45 * channel - 0.55 * edge - 0.45 * hand
     return np.clip(depth, 0.25, 2.0)

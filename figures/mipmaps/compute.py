@@ -29,7 +29,7 @@ import urushi  # noqa: F401  (registers the plugins)
 from figures import results
 from urushi.eval import metrics
 from urushi.nets.weights import default_model
-from urushi.scenes import noise, stage
+from urushi.scenes import stage
 from urushi.textures import cache, mip_pyramid
 
 FOLDER = Path(__file__).parent
@@ -145,9 +145,9 @@ def loaded(mipmaps: bool) -> tuple[Any, list[tuple[np.ndarray, float]]]:
 def material(folder: stage.Folder) -> dict[str, Any]:
     """Gold under a coat whose alpha, albedo and optical depth have dots, stripes and lines."""
     x, y = np.meshgrid(*[(np.arange(TEXELS) + 0.5) / TEXELS] * 2)
-    dots = noise.smoothstep(0.36, 0.32, np.hypot(x - 0.5, y - 0.5))
-    stripes = noise.smoothstep(-0.2, 0.2, np.sin(2 * np.pi * 8 * (x + y)))
-    bare = np.clip(dots * stripes + noise.smoothstep(0.06, 0.04, np.minimum(x, y)), 0, 1)[..., None]
+    dots = stage.smoothstep(0.36, 0.32, np.hypot(x - 0.5, y - 0.5))
+    stripes = stage.smoothstep(-0.2, 0.2, np.sin(2 * np.pi * 8 * (x + y)))
+    bare = np.clip(dots * stripes + stage.smoothstep(0.06, 0.04, np.minimum(x, y)), 0, 1)[..., None]
     red, clear = np.array([0.95, 0.25, 0.1]), np.array([0.9, 0.8, 0.6])
     return {
         "type": "neural_layered",

@@ -14,7 +14,7 @@ from urushi.ranges import Range
 #: Arguments that the commands need beside the option.
 NEEDED = {
     "render": ["scene.xml"],
-    "scenes export": ["teapot", "folder"],
+    "scenes export": ["caddy", "folder"],
     "simulate": ["diffuse(0.5)"],
     "recipe": ["#7a2f1e"],
     "encode": ["diffuse(0.5)", "-o", "a.safetensors"],
@@ -111,7 +111,7 @@ def test_bad_values_are_refused_before_any_work(name, field, value, tmp_path, mo
 @pytest.mark.parametrize("text", ["abc", "", "1e5x"])
 def test_what_is_no_number_is_a_usage_error(text, capsys):
     with pytest.raises(SystemExit) as caught:
-        cli.main(["render", "teapot", "--spp", text])
+        cli.main(["render", "caddy", "--spp", text])
     assert caught.value.code == cli.FAILURE
     assert "--spp" in "".join(capsys.readouterr())
 

@@ -162,16 +162,16 @@ def test_a_plugins_error_is_shown_without_its_traceback(
 
 
 def test_a_folder_of_a_shipped_scenes_name_does_not_hide_the_scene(tmp_path, monkeypatch, capsys):
-    """As `urushi scenes export teapot teapot` leaves it behind."""
-    (tmp_path / "teapot").mkdir()
+    """As `urushi scenes export caddy caddy` leaves it behind."""
+    (tmp_path / "caddy").mkdir()
     monkeypatch.chdir(tmp_path)
 
     def export(scene, folder, *options):
         raise ParameterError(f"the shipped scene {scene.__name__} is exported")
 
     monkeypatch.setattr(shipped, "export", export)
-    assert cli.main(["render", "teapot", "-o", "teapot.exr"]) == 2
-    assert "the shipped scene teapot is exported" in capsys.readouterr().err
+    assert cli.main(["render", "caddy", "-o", "caddy.exr"]) == 2
+    assert "the shipped scene caddy is exported" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize(
@@ -182,9 +182,9 @@ def test_a_folder_of_a_shipped_scenes_name_does_not_hide_the_scene(tmp_path, mon
     ],
 )
 def test_errors_of_a_shipped_scene_name_it_and_no_temporary_file(flags, reason, capsys):
-    assert cli.main(["render", "teapot", *flags]) == 2
+    assert cli.main(["render", "caddy", *flags]) == 2
     error = capsys.readouterr().err
-    assert error.startswith(f"urushi: cannot load 'teapot': {reason}") and error.count("\n") == 1
+    assert error.startswith(f"urushi: cannot load 'caddy': {reason}") and error.count("\n") == 1
     assert "scene.xml" not in error and "/tmp" not in error
 
 

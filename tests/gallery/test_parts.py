@@ -2,12 +2,14 @@
 
 import numpy as np
 import pytest
-from gallery import continents, shoe_shape, still_life_objects
+from gallery import continents, noise, shoe_shape, still_life_objects, teapot
+from gallery.grids import grid
 from gallery.relief import normal_map
 from tests.oracles.meshes import faces, signed_volume
 
 from urushi.scenes import mesh
 from urushi.scenes.mesh import Profile, surface
+from urushi.scenes.options import Options
 
 
 @pytest.fixture(scope="module")
@@ -21,7 +23,7 @@ def mi():
 @pytest.mark.parametrize("part", shoe_shape.SHAPES)
 def test_parts_of_the_shoe_face_outwards(part):
     u, v = np.linspace(0, 1, 193), np.linspace(0, 1, 65)
-    shape = mesh.grid(shoe_shape.SHAPES[part](u[None], v[:, None]), closed=True)
+    shape = grid(shoe_shape.SHAPES[part](u[None], v[:, None]), closed=True)
     area, normals = faces(shape)
     size = np.linalg.norm(area, axis=1)
     wrong = (area * normals).sum(axis=1) < 0
@@ -63,7 +65,7 @@ def test_a_normal_map_is_the_slope_of_its_heights():
 def test_a_bump_is_lit_from_its_side(mi, tmp_path):
     """Mitsuba reads relief in our texture coordinates: a hill's slope to the light is brighter."""
     grid_u, grid_v = np.meshgrid(np.linspace(0, 1, 3), np.linspace(0, 1, 3))
-    flat = mesh.grid(np.stack([grid_u, grid_v, 0 * grid_u], axis=-1))
+    flat = grid(np.stack([grid_u, grid_v, 0 * grid_u], axis=-1))
     mesh.write_ply(flat, tmp_path / "flat.ply")
     u, v = np.meshgrid((np.arange(64) + 0.5) / 64, (np.arange(64) + 0.5) / 64)
     height = 0.1 * np.exp(-((u - 0.5) ** 2 + (v - 0.5) ** 2) / 0.02)
@@ -105,3 +107,39 @@ def test_a_bump_is_lit_from_its_side(mi, tmp_path):
     above = seen([0, 0.6, 0.8]) - 0.8 * even
     assert right[:, 16:].mean() > 1e-3 > -1e-3 > right[:, :16].mean()
     assert above[:16].mean() > 1e-3 > -1e-3 > above[16:].mean()
+
+
+def test_parts_of_the_teapot_face_outwards():
+    for name, (shape, texels) in teapot.pieces(Options(detail=0.1)).items():
+        assert signed_volume(shape) > 0, name
+        area, normals = faces(shape)
+        large = np.linalg.norm(area, axis=1) > 1e-9
+        assert (area * normals).sum(axis=1)[large].min() > 0, name
+        low, high = shape.positions.min(axis=0), shape.positions.max(axis=0)
+        assert (texels >= low - 0.02).all() and (texels <= high + 0.02).all()
+
+
+def test_outlines_and_tubes_join_smoothly():
+    """Newell's segments share end points and tangents wherever the pot has no edge."""
+    body = teapot.Outline(np.array(teapot.BODY))
+    for joint in (0.25, 0.5):
+        before, after = body(joint - 1e-9), body(joint + 1e-9)
+        np.testing.assert_allclose(before[0], after[0], atol=1e-6)
+        np.testing.assert_allclose(before[1], after[1], atol=1e-6)
+    handle = teapot.Tube(np.array(teapot.HANDLE))
+    u = np.linspace(0, 1, 33)
+    np.testing.assert_allclose(handle(u, 0.5 - 1e-9), handle(u, 0.5 + 1e-9), atol=1e-6)
+    np.testing.assert_allclose(handle(u, 0.3), handle(1 - u, 0.3) * [1, -1, 1], atol=1e-12)
+
+
+def test_noise_is_continuous_centred_and_determined_by_its_seed():
+    points = np.random.default_rng(0).uniform(-30, 30, (20_000, 3))
+    for function in (noise.gradient, noise.fractal):
+        values = function(points, seed=1)
+        assert abs(values.mean()) < 0.05
+        assert 0.1 < values.std() < 0.6
+        np.testing.assert_allclose(function(points + 1e-5, seed=1), values, atol=1e-3)
+        assert np.abs(function(points, seed=2) - values).mean() > 0.1
+    first, second = noise.cells(points)
+    assert (first >= 0).all() and (first <= second).all()
+    assert first.max() < np.sqrt(3)  # the seed of one's own cell is no farther

@@ -4,9 +4,10 @@ import numpy as np
 import pytest
 from gallery import solids, violin, violin_neck, violin_shape, violin_wood
 from gallery import violin_fittings as fittings
+from gallery.grids import grid
 from gallery.violin_shape import LENGTH, Arching
 
-from urushi.scenes.mesh import Mesh, grid
+from urushi.scenes.mesh import Mesh
 
 
 @pytest.fixture(scope="module")

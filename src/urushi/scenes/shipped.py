@@ -14,12 +14,11 @@ from urushi.mitsuba.register import ROOM
 from urushi.scenes.caddy import caddy
 from urushi.scenes.options import Options
 from urushi.scenes.stage import Folder
-from urushi.scenes.teapot import teapot
 
 #: A scene: a function that writes meshes and textures into a folder, and describes the scene.
 Scene = Callable[[Folder, Options], dict[str, Any]]
 
-SCENES: dict[str, Scene] = {"caddy": caddy, "teapot": teapot}
+SCENES: dict[str, Scene] = {"caddy": caddy}
 
 
 def build(

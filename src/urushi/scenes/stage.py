@@ -10,7 +10,6 @@ import numpy as np
 
 from urushi.files import atomic_write, new_folder
 from urushi.scenes.mesh import Mesh, write_ply
-from urushi.scenes.noise import smoothstep
 from urushi.scenes.options import Options
 
 
@@ -146,6 +145,12 @@ def radiance(
         edge = smoothstep(1.15, 0.85, beside) * smoothstep(1.15, 0.85, over) * (ahead > 0)
         result = result + edge[..., None] * np.asarray(light.radiance)
     return result
+
+
+def smoothstep(low: float, high: float, x: np.ndarray) -> np.ndarray:
+    """0 below `low`, 1 above `high`, a smooth cubic between."""
+    t = np.clip((x - low) / (high - low), 0, 1)
+    return t * t * (3 - 2 * t)
 
 
 def table(radius: float, *reflectance: float) -> dict[str, Any]:

@@ -29,9 +29,9 @@ DIFFERENCE_SCALE = 0.25
 
 #: Commands to try after the demo, with what they do.
 NEXT_COMMANDS = (
-    ("urushi render teapot -o out/teapot.png", "another scene, by the networks"),
-    ("urushi render teapot -D coat=layered -o out/teapot-reference.png", "the same, by the walk"),
-    ("urushi scenes export teapot out/teapot", "a scene file to change and render"),
+    ("urushi render caddy -o out/caddy.png", "the scene alone, by the networks"),
+    ("urushi render caddy -D coat=layered -o out/caddy-reference.png", "the same, by the walk"),
+    ("urushi scenes export caddy out/caddy", "a scene file to change and render"),
     ('urushi simulate "coat(diffuse(0.5), alpha=0.1, eta=1.5)"', "values of a coated BRDF"),
 )
 

@@ -65,10 +65,10 @@ class Render:
     """Render a Mitsuba scene file that may use Urushi's plugins, or one of the shipped scenes.
 
     The flags -m, -o, -s, -D, -a and -t mean what they mean to Mitsuba's own executable, which
-    cannot load plugins written in Python. The shipped scenes are caddy and teapot. Their
+    cannot load plugins written in Python. The shipped scene is caddy. Its
     parameters are $coat, $spp, $width and $height: -D coat=layered renders the reference.
 
-    Example: urushi render teapot --width 320 --height 240 --spp 64 -o teapot.exr
+    Example: urushi render caddy --width 320 --height 240 --spp 64 -o caddy.exr
     """
 
     scene: tyro.conf.Positional[str]
@@ -294,10 +294,10 @@ def one_line(error: BaseException) -> str:
 class ExportScene:
     """Write a shipped scene into a folder: scene.xml with its meshes and textures.
 
-    The scenes are caddy and teapot.
+    The scene is caddy.
     `urushi render FOLDER/scene.xml` renders the written scene.
 
-    Example: urushi scenes export teapot out/teapot
+    Example: urushi scenes export caddy out/caddy
     """
 
     scene: tyro.conf.Positional[str]
@@ -335,7 +335,7 @@ class ListScenes:
 class Scenes:
     """List the scenes that ship with Urushi, or write one into a folder.
 
-    Example: urushi scenes export teapot out/teapot
+    Example: urushi scenes export caddy out/caddy
     """
 
     command: (

@@ -65,12 +65,6 @@ def cells(points: np.ndarray, *, seed: int = 0) -> tuple[np.ndarray, np.ndarray]
     return first, second
 
 
-def smoothstep(low: float, high: float, x: np.ndarray) -> np.ndarray:
-    """0 below `low`, 1 above `high`, a smooth cubic between."""
-    t = np.clip((x - low) / (high - low), 0, 1)
-    return t * t * (3 - 2 * t)
-
-
 def _hash(cell: np.ndarray) -> np.ndarray:
     """Table indices of lattice cells (..., 3): the primes of Teschner et al. 2003, then mixed."""
     x = cell[..., 0] * 73856093 ^ cell[..., 1] * 19349663 ^ cell[..., 2] * 83492791

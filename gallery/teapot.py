@@ -13,8 +13,10 @@ import mitsuba as mi
 import numpy as np
 import numpy.typing as npt
 
-from urushi.scenes import noise, stage
-from urushi.scenes.mesh import Mesh, grid, lathe, surface
+from gallery import noise
+from gallery.grids import grid
+from urushi.scenes import stage
+from urushi.scenes.mesh import Mesh, lathe, surface
 from urushi.scenes.options import Options
 from urushi.scenes.stage import Folder, Light
 
@@ -144,7 +146,7 @@ def lacquer(points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     layer = np.clip((level + 0.75) / 1.5, 0, 1) * (len(LAYERS) - 1)
     stack = np.array(LAYERS)
     index = np.minimum(layer.astype(int), len(stack) - 2)
-    edge = noise.smoothstep(0.42, 0.58, layer - index)[..., None]
+    edge = stage.smoothstep(0.42, 0.58, layer - index)[..., None]
     mixed = stack[index] + (stack[index + 1] - stack[index]) * edge
     return mixed[..., :3], np.exp(mixed[..., 3:])
 
