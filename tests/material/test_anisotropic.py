@@ -152,6 +152,7 @@ def test_layers_share_one_tangent(lacquered):
         urushi.layer(SATIN, lacquered[0].rotated(25))
 
 
+@pytest.mark.slow
 def test_blends(lacquered, pairs):
     wi, wo = pairs
     a, b = lacquered

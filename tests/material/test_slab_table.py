@@ -58,9 +58,12 @@ def test_tables_agree_with_the_walk(slab: tuple) -> None:
     assert noise.max() < 0.05
 
 
-@pytest.mark.slow
-def test_tables_of_many_slabs_agree_with_the_walk() -> None:
-    every = [errors(slab, 1 << 12) for slab in drawn(60)]
+@pytest.mark.parametrize(
+    "count",
+    [pytest.param(6, marks=pytest.mark.slow), pytest.param(60, marks=pytest.mark.research)],
+)
+def test_tables_of_many_slabs_agree_with_the_walk(count: int) -> None:
+    every = [errors(slab, 1 << 12) for slab in drawn(count)]
     found, noise = (np.array(x) for x in zip(*every, strict=True))
     excess = found - noise
     assert excess[:, 1].mean() < 0.01

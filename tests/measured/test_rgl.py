@@ -92,6 +92,7 @@ def test_azimuths_agree_with_mitsuba(writers, tmp_path, random_directions, turn)
     assert_close(in_channels(brdf, wi, wo), wo, mitsuba_f_cos(path, wi, wo, nm))
 
 
+@pytest.mark.slow
 def test_an_anisotropic_conductor_comes_back(writers, tmp_path, random_directions):
     """The file holds a GGX conductor of two widths, whose f is known; so does its material."""
     import urushi

@@ -21,6 +21,7 @@ def pairs():
     return (w / np.linalg.norm(w, axis=-1, keepdims=True)).astype(np.float32)
 
 
+@pytest.mark.slow
 def test_values_are_those_of_the_plugin():
     wi, wo = pairs()
     described = {

@@ -114,6 +114,7 @@ def test_a_white_metal_is_schlicks_term_with_a_dip():
     assert np.allclose(found / mirror, expected, rtol=1e-3)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("coat_weight", [0.0, 1.0])
 def test_a_dark_metal_of_a_dark_tint_is_never_negative(coat_weight):
     """The mirror direction at 53 degrees, where the unclamped dip of f0 = 0 is deepest; a coat
@@ -173,7 +174,7 @@ def test_a_white_base_under_a_film_reflects_all_light(parameters):
         assert abs(mean - 1) < 0.02 + 4 * se
 
 
-@pytest.mark.slow
+@pytest.mark.research
 def test_the_colour_of_a_film_in_a_coat_turns_with_the_angle():
     """Networks against the walk over dark flakes; by one mean colour E was 13 %.
 
@@ -227,6 +228,7 @@ def test_no_coat_is_the_base_bit_for_bit():
     assert np.array_equal(plain, values(without, wi, wo))
 
 
+@pytest.mark.slow
 def test_the_coats_weight_mixes_brdfs():
     """A metal does not depend on the index above it: the mixture is exact."""
     wi, wo = pairs(200)
@@ -279,8 +281,8 @@ def test_a_rough_metal_under_networks_has_its_multiple_scattering():
     ("metalness", "rough", "coat_rough"),
     [
         (0.6, 0.3, 0.5),
-        pytest.param(0.0, 0.22, 0.95, marks=pytest.mark.slow),
-        pytest.param(1.0, 0.4, 0.2, marks=pytest.mark.slow),
+        pytest.param(0.0, 0.22, 0.95, marks=pytest.mark.research),
+        pytest.param(1.0, 0.4, 0.2, marks=pytest.mark.research),
     ],
 )
 def test_a_textured_base_under_networks_is_the_constant_one(metalness, rough, coat_rough):
@@ -316,11 +318,15 @@ COATED = {
 }
 
 
+#: Of the second tier; the others are for the third.
+SECOND = ("two widths", "rough slab")
+
+
 @pytest.mark.parametrize(
     "name",
     [
-        name if name in ("mixture of indices", "two widths")
-        else pytest.param(name, marks=pytest.mark.slow)
+        name if name == "mixture of indices"
+        else pytest.param(name, marks=pytest.mark.slow if name in SECOND else pytest.mark.research)
         for name in COATED
     ],
 )  # fmt: skip
@@ -355,6 +361,7 @@ def test_textures_are_read_where_they_are():
         assert np.allclose(found, expected, rtol=1e-4) or np.allclose(found, other, rtol=1e-4)
 
 
+@pytest.mark.slow
 def test_both_sides_opacity_and_a_normal_map_render():
     texels = mi.TensorXf(np.tile(np.float32([0.5, 0.5, 1.0]), (2, 2, 1)))
     flat = {"type": "bitmap", "raw": True, "data": texels}

@@ -9,6 +9,7 @@ pytestmark = pytest.mark.usefixtures("rgb")
 COLOR = {"type": "rgb", "value": [0.2, 0.5, 0.8]}
 
 
+@pytest.mark.slow
 def test_a_path_computes_a_vertex_once(monkeypatch):
     """Light and continuation share the codes and the parameters of the vertex."""
     bsdf = mi.load_dict({"type": "openpbr", "base_color": COLOR, "coat_weight": 1.0})

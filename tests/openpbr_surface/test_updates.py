@@ -78,7 +78,7 @@ def test_a_coat_appears_and_follows_its_parameters(reference):
     np.testing.assert_allclose(values(bsdf, walks), expected, rtol=0.02)
 
 
-@pytest.mark.slow
+@pytest.mark.research
 def test_an_old_list_of_parameters_reaches_a_coat_that_was_made_later():
     bsdf = loaded(coat_weight=0.0)
     parameters = mi.traverse(bsdf)
@@ -90,7 +90,7 @@ def test_an_old_list_of_parameters_reaches_a_coat_that_was_made_later():
     np.testing.assert_allclose(values(bsdf), expected, rtol=0.02)
 
 
-@pytest.mark.slow
+@pytest.mark.research
 def test_what_is_measured_of_a_coated_base_follows_its_index():
     shared = dict(coat_weight=1.0, base_color=1.0, coat_roughness=0.6)
     bsdf = loaded(**shared)
@@ -139,7 +139,7 @@ def test_a_refused_update_leaves_all_as_it_was(name, value):
     )
 
 
-@pytest.mark.parametrize("reference", [False, True])
+@pytest.mark.parametrize("reference", [False, pytest.param(True, marks=pytest.mark.slow)])
 def test_a_coat_of_index_one_is_its_medium_alone(reference):
     """coat_color is the square of the transmittance along the normal, without refraction."""
     rng = np.random.default_rng(3)
@@ -176,7 +176,8 @@ def test_a_refused_texture_is_put_back(name):
     [
         {"type": "neural_layered", "alpha": 0.01,
          "base": {"type": "roughconductor", "material": "Au", "distribution": "ggx"}},
-        {"type": "openpbr", "coat_weight": 1.0, "fuzz_weight": 0.5},
+        pytest.param({"type": "openpbr", "coat_weight": 1.0, "fuzz_weight": 0.5},
+                     marks=pytest.mark.slow),
     ],
 )  # fmt: skip
 def test_denoisers_get_the_directional_albedo(bsdf):

@@ -138,7 +138,7 @@ def test_backward_and_forward_against_differences(rgb):
     assert picture.forward("albedo") == pytest.approx(backward["albedo"].sum(), rel=1e-3)
 
 
-@pytest.mark.slow
+@pytest.mark.research
 def test_a_table_by_transport(rgb):
     """Tables are of half precision: differences of f by steps of 0.05 are right within a per cent.
     Slopes by the transport of changed channels are as right."""

@@ -378,6 +378,7 @@ def test_the_resolution_follows_the_textures(rgb, networks, properties, resoluti
     assert (grid and grid[:2]) == resolution
 
 
+@pytest.mark.slow
 def test_a_texture_outside_the_training_data_warns_once(rgb):
     """Not for every texel. A constant coat has a table by light transport, without a warning."""
     depth = bitmap(rgb, np.linspace(1, 20, 16).reshape(4, 4, 1))

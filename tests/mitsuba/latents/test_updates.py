@@ -188,6 +188,7 @@ def test_a_change_out_of_range_can_be_taken_back(rgb, networks):
     np.testing.assert_array_equal(codes(bsdf), before)
 
 
+@pytest.mark.slow
 def test_a_texture_that_becomes_larger_is_baked_larger(rgb, networks):
     bsdf = rgb.load_dict(described(rgb, networks))
     parameters = rgb.traverse(bsdf)
@@ -199,7 +200,7 @@ def test_a_texture_that_becomes_larger_is_baked_larger(rgb, networks):
     np.testing.assert_allclose(codes(bsdf), codes(fresh), rtol=1e-3, atol=1e-3)
 
 
-@pytest.mark.parametrize("kind", ["diffuse", "probed"])
+@pytest.mark.parametrize("kind", ["diffuse", pytest.param("probed", marks=pytest.mark.slow)])
 def test_a_texture_that_was_baked_before_is_read_from_the_disk(
     rgb, networks, rows, tmp_path, monkeypatch, kind
 ):

@@ -35,6 +35,7 @@ def coated(measured):
     return urushi.layer(dielectric(0.1, 1.5), measured, sigma_t=SIGMA_T)
 
 
+@pytest.mark.slow
 def test_as_in_python(rgb, merl_file, coated, random_directions, tmp_path):
     bsdf = plugin(rgb, {"type": "measured_brdf", "filename": str(merl_file)})
     assert "with a table" in str(bsdf) and bsdf.latents.material == coated
@@ -55,7 +56,7 @@ def test_over_saved_and_coated_materials(rgb, measured, coated, tmp_path):
     assert twice.latents.material == urushi.layer(dielectric(0.1, 1.5), coated, sigma_t=SIGMA_T)
 
 
-@pytest.mark.slow
+@pytest.mark.research
 def test_a_change_of_the_coat_makes_the_table_anew(rgb, merl_file, measured):
     bsdf = plugin(rgb, {"type": "measured_brdf", "filename": str(merl_file)})
     parameters = rgb.traverse(bsdf)

@@ -61,9 +61,17 @@ def furnace(bsdf: dict, spp: int = 1024) -> np.ndarray:
 
 
 def saturated() -> list:
-    """All colours of a Lambertian base, the first in the first tier; three of OpenPBR's base."""
+    """All colours of a Lambertian base, and three of OpenPBR's: one in the first tier, three in
+    the second."""
     cases = [(lambertian, color) for color in SATURATED] + [(openpbr, c) for c in SATURATED[:3]]
-    return [cases[0], *(pytest.param(*case, marks=pytest.mark.slow) for case in cases[1:])]
+    second = (1, 2, len(cases) - 1)
+    return [
+        pytest.param(
+            *case,
+            marks=() if k == 0 else pytest.mark.slow if k in second else pytest.mark.research,
+        )
+        for k, case in enumerate(cases)
+    ]
 
 
 @pytest.mark.parametrize(("material", "color"), saturated())
