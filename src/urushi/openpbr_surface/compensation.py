@@ -263,9 +263,7 @@ class Furnace:
         losses = losses.reshape(*([NODES] * len(self._varying)), COSINES)
         parts = np.maximum(losses, 0), np.maximum(-losses, 0)
         self._deviations = Interpolated(np.stack(parts, axis=-1).astype(np.float32))
-        root = np.linspace(0, 1, COSINES)
-        weight = 4 * root**3 / (COSINES - 1)  # of 2 cos dcos
-        weight[-1] /= 2
+        weight = hemisphere_weights()
         self._signed = known is not None
         given = losses if self._signed else parts[0]
         mean = (given @ weight)[..., None].astype(np.float32)
@@ -301,6 +299,13 @@ class Furnace:
         """
         lost, excess = self._deviations([dr.safe_sqrt(wo.z), *vertex.at])
         return vertex.lost * lost, dr.rsqrt(vertex.excess * (1 + excess))
+
+
+def hemisphere_weights() -> np.ndarray:
+    """Weights (COSINES,) of a cosine-weighted mean of values at the table's nodes."""
+    weight = 4 * np.linspace(0, 1, COSINES) ** 3 / (COSINES - 1)  # of 2 cos dcos
+    weight[-1] /= 2
+    return weight
 
 
 def _values(inputs: Inputs, names: list[str]) -> dict[str, float]:
@@ -340,7 +345,7 @@ def _losses(coat: "mi.BSDF", uv: np.ndarray) -> np.ndarray:
     `urushi.material.energy`."""
     offer = offer_of(coat)
     if offer.latents is None:
-        return _sampled_losses(coat, uv)
+        return sampled_losses(coat, uv)
     nodes = np.linspace(0, 1, COSINES) ** 2
     material = tabulated(offer.latents)
     if material is not None:
@@ -352,8 +357,12 @@ def _losses(coat: "mi.BSDF", uv: np.ndarray) -> np.ndarray:
     return np.stack([1 - np.interp(nodes, cosines[::-1], row[::-1]) for row in albedos])
 
 
-def _sampled_losses(coat: "mi.BSDF", uv: np.ndarray) -> np.ndarray:
-    """Losses (N, COSINES) of a random walk, by its samples at an azimuth of 45 degrees."""
+def sampled_losses(coat: "mi.BSDF", uv: np.ndarray, below: bool = False) -> np.ndarray:
+    """Losses (N, COSINES) of a random walk, by its samples at an azimuth of 45 degrees.
+
+    below: of light from below a slab.
+    """
+    context = mi.BSDFContext(mi.TransportMode.Importance)  # shares of power
     roots = np.linspace(0, 1, COSINES)[1:]
     samples = max(SAMPLES // len(uv), 1 << 11)
     index = np.arange(samples * len(roots))
@@ -362,10 +371,12 @@ def _sampled_losses(coat: "mi.BSDF", uv: np.ndarray) -> np.ndarray:
         cosine = np.repeat(roots**2, samples)
         sine = np.sqrt((1 - cosine**2) / 2)
         si = probing.interaction(
-            np.stack([sine, sine, cosine], -1), np.tile(point, (len(index), 1)), index * 1.0
+            np.stack([sine, sine, -cosine if below else cosine], -1),
+            np.tile(point, (len(index), 1)),
+            index * 1.0,
         )
         u = [((index + 0.5) * 1.2207440846057596**-k % 1).astype(np.float32) for k in (1, 2, 3)]
-        _, weight = coat.sample(mi.BSDFContext(), si, mi.Float(u[0]), mi.Point2f(u[1], u[2]))
+        _, weight = coat.sample(context, si, mi.Float(u[0]), mi.Point2f(u[1], u[2]))
         reflected = np.broadcast_to(weight[0].numpy(), len(index)).reshape(len(roots), -1)
         fit = np.polynomial.Polynomial.fit(roots, 1 - reflected.mean(axis=1), DEGREE)
         losses[row] = fit(np.linspace(0, 1, COSINES))

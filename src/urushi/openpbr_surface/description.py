@@ -18,12 +18,23 @@ from urushi.errors import ParameterError, PlatformError
 from urushi.material.source import Source, as_source
 from urushi.mitsuba.reading import probing
 from urushi.mitsuba.reading.bsdf import bsdf_source
+from urushi.openpbr_surface.formulas import (
+    modulated_index,
+    subsurface_albedo,
+    translucent_medium,
+)
 from urushi.openpbr_surface.inputs import EMISSION
 from urushi.openpbr_surface.materialx.document import write_parameters
-from urushi.openpbr_surface.parameters import checked, parameter
+from urushi.openpbr_surface.parameters import checked, complete, parameter
 from urushi.openpbr_surface.plugins.emission import NAMES as EMISSION_INPUTS
 from urushi.walk import Conductor, Diffuse, Stack
 from urushi.walk.bottoms import Value
+
+#: Parts of the base whose parameters describe the medium inside of a body.
+MEDIA = ("transmission", "subsurface")
+
+#: Least subsurface_radius, a mean free path.
+LEAST_RADIUS = 1e-4
 
 
 @dataclass(frozen=True)
@@ -63,14 +74,66 @@ class OpenPBR:
         return {"type": "openpbr_emission", **values}
 
     def on(self, shape: Mapping[str, Any]) -> dict[str, Any]:
-        """A shape of this material, with its emitted light.
+        """A shape of this material, with its emitted light and the medium inside (`interior`).
 
         shape: a dictionary for `mi.load_dict`, such as {"type": "sphere"}, without BSDF and
             emitter.
         """
         emitter = self.emitter()
         light = {} if emitter is None else {"emitter": emitter}
-        return {**shape, "bsdf": self.description(), **light}
+        medium = self.interior()
+        inside = {} if medium is None else {"interior": medium}
+        return {**shape, "bsdf": self.description(), **light, **inside}
+
+    def interior(self) -> dict[str, Any] | None:
+        """The medium inside of a body, for integrators such as `volpath`; None: it is clear.
+
+        Lengths are the scene's. If transmission_weight and subsurface_weight both have a share, the
+        medium is the mean of both.
+
+        Raises:
+            ParameterError: a parameter of the medium is a texture.
+
+        Source: OpenPBR Surface 1.1.1, 3.2.3 and 3.2.4.
+        """
+        clear, scatters = (self.parameters.get(f"{x}_weight", 0.0) for x in MEDIA)
+        if self.parameters.get("geometry_thin_walled") or (clear, scatters) == (0.0, 0.0):
+            return None
+        textured = [name for name in self.textures if name.startswith(MEDIA)]
+        if textured:
+            raise ParameterError(
+                f"openpbr: {textured[0]} is a texture, but the medium inside of a body is the same "
+                "everywhere; give a number or a colour"
+            )
+        given = self.parameters.items()
+        values = complete({name: x for name, x in given if name not in self.textures})
+        share = (1 - clear) * scatters
+        extinction, scattering, forward = np.zeros(3), np.zeros(3), 0.0
+        if clear and values["transmission_depth"] > 0:
+            names = "color", "depth", "scatter"
+            found = translucent_medium(*(values[f"transmission_{name}"] for name in names))
+            extinction, scattering = (clear * x / (clear + share) for x in found)
+            forward = values["transmission_scatter_anisotropy"] * scattering.mean()
+        if share:
+            radius = values["subsurface_radius"] * values["subsurface_radius_scale"]
+            g = values["subsurface_scatter_anisotropy"]
+            index = modulated_index(values["specular_ior"], values["specular_weight"])
+            dense = share / (clear + share) / np.maximum(radius, LEAST_RADIUS)
+            albedo = subsurface_albedo(values["subsurface_color"], g, index)
+            extinction, scattering = extinction + dense, scattering + albedo * dense
+            forward += g * (albedo * dense).mean()
+        if not extinction.any():
+            return None
+        g = float(np.clip(forward / max(scattering.mean(), 1e-12), -0.99, 0.99))
+        return {
+            "type": "homogeneous",
+            "sigma_t": {"type": "rgb", "value": extinction.tolist()},
+            "albedo": {
+                "type": "rgb",
+                "value": (scattering / np.maximum(extinction, 1e-12)).tolist(),
+            },
+            "phase": {"type": "hg", "g": g},
+        }
 
     def _values(self) -> dict[str, Any]:
         """The parameters as `mi.load_dict` takes them."""

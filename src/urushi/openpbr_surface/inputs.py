@@ -1,5 +1,6 @@
 """The parameters of the plugin `openpbr`, as textures, and textures that are computed from them."""
 
+import copy
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from functools import cache
 from typing import Any
@@ -8,19 +9,14 @@ import drjit as dr
 import mitsuba as mi
 import numpy as np
 
+from urushi.core.namespace import DRJIT
 from urushi.errors import ParameterError
 from urushi.mitsuba.reading.parameters import describe
+from urushi.openpbr_surface import formulas
 from urushi.openpbr_surface.parameters import PARAMETERS, checked, parameter
 
 #: Properties of the plugin that are no parameters of the specification.
 OPTIONS = ("reference", "unsupported", "energy_compensation", "resolution", "weights", "origin")
-
-#: Weights of features that are not supported, and the features' names.
-UNSUPPORTED = {
-    "transmission_weight": "transmission",
-    "subsurface_weight": "subsurface scattering",
-    "geometry_thin_walled": "the thin-walled mode",
-}
 
 #: The parameters of emission, which a BSDF does not have.
 EMISSION = ("emission_luminance", "emission_color")
@@ -91,6 +87,33 @@ class Inputs:
             value = mi.load_dict(value) if isinstance(value, dict) else value
             props[key] = mi.ScalarColor3f(value) if isinstance(value, tuple) else value
         return cls(props)
+
+    @property
+    def thin(self) -> bool:
+        """Whether the surface is a sheet without an inside."""
+        return bool(self.constants.get("geometry_thin_walled", False))
+
+    def transmits(self, weight: str) -> bool:
+        """Whether the share that a weight gives of a base that is no metal transmits light."""
+        others = [("base_metalness", 1)]
+        if weight == "subsurface_weight":
+            others.append(("transmission_weight", 1))
+        left_out = any(self._is_given(name, value) for name, value in others)
+        return not (left_out or self._is_absent(weight))
+
+    def replaced(self, values: Mapping[str, Any]) -> "Inputs":
+        """The same with other numbers, colours or textures, by name."""
+        other = copy.copy(self)
+        other.textures, other.constants = dict(self.textures), dict(self.constants)
+        other._numbers, other._relied = list(self._numbers), {}
+        for name, value in values.items():
+            other.constants.pop(name, None)
+            other._numbers = [x for x in other._numbers if x != name]
+            if isinstance(value, mi.Texture):
+                other.textures[name] = value
+            else:
+                other._constant(name, checked(name, value))
+        return other
 
     def is_constant(self, name: str, value: float) -> bool:
         """Whether a parameter is given as this number, and not as a texture."""
@@ -179,8 +202,8 @@ class Inputs:
 
     def _unsupported(self) -> Iterator[tuple[str, str, str]]:
         """The features that the BSDF does not have: sentence, cure, and what happens instead."""
-        for name, feature in UNSUPPORTED.items():
-            if self.constants.get(name, name in self.textures):
+        for name, feature in self._lacking():
+            if not self._is_absent(name):
                 sentence = f"{name} needs {feature}, which the plugin does not support; "
                 yield sentence, 'leave it out, or set unsupported to "ignore"', "it is left out"
         if not self._is_absent("emission_luminance"):
@@ -189,6 +212,19 @@ class Inputs:
                 "shape the emitter 'openpbr_emission'"
             )
             yield sentence, ' and leave it out here, or set unsupported to "ignore"', ""
+
+    def _lacking(self) -> Iterator[tuple[str, str]]:
+        """Parameters of features that a base lacks if it transmits, and the features."""
+        clear, scatters = self.transmits("transmission_weight"), self.transmits("subsurface_weight")
+        if clear and not self.thin:
+            yield "transmission_dispersion_scale", "dispersion"
+        if not (clear or scatters):
+            return
+        yield "fuzz_weight", "fuzz over a base that transmits light"
+        if scatters and self.thin:
+            yield "coat_weight", "a coat on a thin wall that scatters light"
+        if clear if self.thin else not self._is_absent("coat_weight"):
+            yield "thin_film_weight", "a thin film inside of what transmits light"
 
     def _own_directions(self) -> Iterator[tuple[str, str, str]]:
         """As `_unsupported`, for a coat with a normal or tangent of its own; it gets the base's."""
@@ -210,7 +246,11 @@ class Inputs:
     def _is_absent(self, name: str) -> bool:
         """Whether a parameter of default 0 is not given, or as 0."""
         given = name in self.textures or name in self.constants
-        return not given or self.is_constant(name, 0)
+        return not given or self._is_given(name, 0)
+
+    def _is_given(self, name: str, value: float) -> bool:
+        """As `is_constant`, also of a parameter that is not given."""
+        return name in self.constants and self.is_constant(name, value)
 
     def tangent(self, si, active) -> tuple["mi.Float", "mi.Float"]:
         """Sine and cosine of the angle from the shape's tangent to that of the map."""
@@ -265,6 +305,17 @@ def derived(
         color: whether the value is a colour.
     """
     return _derived_class(mi.variant())(inputs, names, function, color)
+
+
+def width_properties(inputs: Inputs, layer: str) -> dict[str, "mi.Texture"]:
+    """GGX widths as properties of Mitsuba's plugins; layer: "coat" or "specular"."""
+    names = f"{layer}_roughness", f"{layer}_roughness_anisotropy"
+    if inputs.is_constant(names[1], 0):
+        return {"alpha": derived(inputs, names[:1], lambda r: formulas.lobe_width(r, DRJIT))}
+    return {
+        name: derived(inputs, names, lambda r, a, i=i: formulas.lobe_widths(r, a, DRJIT)[i])
+        for i, name in enumerate(("alpha_u", "alpha_v"))
+    }
 
 
 @cache

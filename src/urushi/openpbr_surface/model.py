@@ -122,12 +122,16 @@ class Base:
         cosine = dr.abs(cosine)
         f = mi.Spectrum(0)
         if not self.only_metal:
-            f += lobe * self._dielectric(cosine, vertex.eta, si, active) * vertex.tint
-            f += self._diffuse(vertex, si, wo, active)
+            f += self.glossy_diffuse(vertex, lobe, cosine, si, wo, active)
         if not self._only_dielectric:
             shine = self._metal(vertex, lobe, cosine, si, wo, active)
             f = shine if self.only_metal else dr.lerp(f, shine, vertex.share)
         return f * self.boost(vertex, si, active) if self._boosted else f
+
+    def glossy_diffuse(self, vertex: BaseVertex, lobe, cosine, si, wo, active):
+        """The dielectric (3.2.2): an interface above a diffuse slab [1/sr]."""
+        f = mi.Spectrum(lobe * self._dielectric(cosine, vertex.eta, si, active) * vertex.tint)
+        return f + self.diffuse(vertex, si, wo, active)
 
     def _metal(self, vertex: BaseVertex, lobe, cosine, si, wo, active):
         """Metal (3.2.1): GGX facets of the F82-tint term, and what they reflect more than once."""
@@ -147,8 +151,8 @@ class Base:
             return self.film.dielectric(cosine, eta, si, active)
         return fresnel.dielectric(cosine, eta)[0]
 
-    def _diffuse(self, vertex: BaseVertex, si, wo, active):
-        """Glossy-diffuse (3.2.2): the interface passes light, the slab reflects it [1/sr]."""
+    def diffuse(self, vertex: BaseVertex, si, wo, active):
+        """The interface passes light, the diffuse slab reflects it [1/sr]."""
         color, alpha, eta = vertex.color, vertex.alpha, vertex.eta
         reflected = [self.reflected(w, vertex) for w in (si.wi, wo)]
         if self._turning:

@@ -21,8 +21,9 @@ if TYPE_CHECKING:
 class Convert:
     """Write a material of a MaterialX document as a Mitsuba scene, with textures as OpenEXR files.
 
-    The folder gets scene.xml, a sphere of the material, a BSDF of type openpbr, and an emitter of
-    type openpbr_emission where it emits light. Colours are linear sRGB. Copy both elsewhere.
+    The folder gets scene.xml, a sphere of the material: a BSDF of type openpbr, an emitter of type
+    openpbr_emission where it emits light, and the medium inside of what transmits light. Colours are
+    linear sRGB. Copy both elsewhere.
 
     Example: urushi convert car_paint.mtlx -o out/car_paint
     """
@@ -69,7 +70,7 @@ def scene(found: "Surface | Mix", folder: Path) -> dict[str, Any]:
     """
     import mitsuba as mi
 
-    from urushi.openpbr_surface.description import OpenPBR
+    from urushi.openpbr_surface.description import OpenPBR, openpbr
     from urushi.openpbr_surface.materialx.surface import Mix
     from urushi.openpbr_surface.plugins.materialx import description
 
@@ -84,12 +85,11 @@ def scene(found: "Surface | Mix", folder: Path) -> dict[str, Any]:
 
     shape: dict[str, Any] = {"type": "sphere", "bsdf": description(found, stored=stored)}
     if not isinstance(found, Mix):
-        del shape["bsdf"]["type"]
-        shape = OpenPBR(shape["bsdf"]).on({"type": "sphere"})
+        shape = OpenPBR(openpbr(**shape["bsdf"]).parameters).on({"type": "sphere"})
     name = re.sub(r"[^A-Za-z0-9_-]", "_", found.name)
     return {
         "type": "scene",
-        "integrator": {"type": "path"},
+        "integrator": {"type": "volpath" if "interior" in shape else "path"},
         "sensor": {
             "type": "perspective",
             "fov": 32.0,

@@ -150,9 +150,13 @@ _GLTF_PBR: Formulas = {
     "specular_ior": lambda i: i("ior"),
     "transmission_weight": lambda i: i("transmission"),
     "transmission_color": lambda i: _if(
-        i("attenuation_distance") > 0, i("attenuation_color"), i("base_color")
+        (i("attenuation_distance") > 0) & (i("thickness") > 0),
+        i("attenuation_color"),
+        i("base_color"),
     ),
     "transmission_depth": lambda i: i("attenuation_distance"),
+    # A volume of thickness 0 is a thin wall (KHR_materials_volume).
+    "geometry_thin_walled": lambda i: (i("transmission") > 0) & (i("thickness") == 0),
     "transmission_dispersion_scale": lambda i: _if(i("dispersion") > 0, 1, 0),
     "transmission_dispersion_abbe_number": lambda i: (
         20 / _if(i("dispersion") > 0, i("dispersion"), 1)

@@ -7,10 +7,10 @@ import mitsuba as mi
 from urushi.core.appearance import optical_depth
 from urushi.core.namespace import DRJIT
 from urushi.errors import ParameterError
-from urushi.openpbr_surface import bsdfs, formulas
+from urushi.openpbr_surface import bsdfs, formulas, transmission
 from urushi.openpbr_surface.bsdfs import Layers
 from urushi.openpbr_surface.compensation import Compensation
-from urushi.openpbr_surface.inputs import Inputs, derived
+from urushi.openpbr_surface.inputs import Inputs, derived, width_properties
 
 #: Plugins of the coat: by networks, and by walks.
 COATS = ("neural_layered", "layered")
@@ -19,6 +19,7 @@ COATS = ("neural_layered", "layered")
 def define(proposal_bsdf: type):
     """Make the plugin's constructor in the current variant; see `define_proposal_bsdf`."""
     base_class, surface_class = bsdfs.define(proposal_bsdf)
+    body = transmission.define(proposal_bsdf)
 
     def openpbr(props):
         """OpenPBR Surface 1.1.1, opaque, with its coat as light transport (``openpbr``).
@@ -93,8 +94,15 @@ def define(proposal_bsdf: type):
         options = {name: props[name] for name in ("resolution", "weights") if name in props}
         for name in options:
             props.mark_queried(name)
-        maker = _Maker(inputs, base_class, COATS[reference], {} if reference else options)
-        bsdf = surface_class(inputs, lambda former: maker.layers(former, compensated))
+
+        def opaque(inputs: Inputs) -> "mi.BSDF":
+            maker = _Maker(inputs, base_class, COATS[reference], {} if reference else options)
+            return surface_class(inputs, lambda former: maker.layers(former, compensated))
+
+        if transmission.transmits(inputs):
+            bsdf = body(inputs, opaque, _coat, not reference, compensated)
+        else:
+            bsdf = opaque(inputs)
         if "geometry_normal" in inputs.maps:
             bsdf = mi.load_dict(
                 {"type": "normalmap", "normalmap": inputs.maps["geometry_normal"], "bsdf": bsdf}
@@ -168,7 +176,7 @@ class _Maker:
             ParameterError: the coat or the base cannot be evaluated.
         """
         try:
-            return mi.load_dict({"type": self._plugin, **_coat(inputs, below), **options})
+            return mi.load_dict({"type": self._plugin, **_coat(inputs), "bottom": below, **options})
         except RuntimeError as error:
             sentence = str(error).strip().splitlines()[-1]
             name = self._plugin + ": "
@@ -177,17 +185,9 @@ class _Maker:
             raise ParameterError(f"{inputs.where}: {sentence.partition(name)[2]}") from error
 
 
-def _coat(inputs: Inputs, below: "mi.BSDF") -> dict[str, Any]:
-    """The coat over the base as a dictionary of a plugin, without its type."""
-    coat: dict[str, Any] = {"ext_ior": 1.0, "bottom": below}
-    names = "coat_roughness", "coat_roughness_anisotropy"
-    if inputs.is_constant(names[1], 0):
-        coat["alpha"] = derived(inputs, names[:1], lambda r: formulas.lobe_width(r, DRJIT))
-    else:
-        for i, name in enumerate(("alpha_u", "alpha_v")):
-            coat[name] = derived(
-                inputs, names, lambda r, a, i=i: formulas.lobe_widths(r, a, DRJIT)[i]
-            )
+def _coat(inputs: Inputs) -> dict[str, Any]:
+    """The coat as a dictionary of a plugin, without its type and what lies below it."""
+    coat: dict[str, Any] = {"ext_ior": 1.0, **width_properties(inputs, "coat")}
     if inputs.known("coat_ior") is not None:
         coat["int_ior"] = float(formulas.interface_index(inputs.known("coat_ior")))
     else:

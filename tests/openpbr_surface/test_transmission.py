@@ -1,0 +1,315 @@
+"""OpenPBR's bases that transmit light: energy, reciprocity, sampling, limits and bad input."""
+
+import mitsuba as mi
+import numpy as np
+import pytest
+
+import urushi
+from urushi.core import fresnel
+from urushi.core.namespace import NUMPY
+from urushi.errors import ParameterError
+from urushi.mitsuba.reading import probing
+from urushi.openpbr_surface import formulas
+
+pytestmark = pytest.mark.usefixtures("rgb")
+
+GLASS = {"transmission_weight": 1.0, "specular_ior": 1.5}
+LEAF = {"geometry_thin_walled": True, "subsurface_weight": 1.0}
+PANE = {"geometry_thin_walled": True, "transmission_weight": 1.0}
+COAT = {"coat_weight": 1.0, "coat_roughness": 0.5, "specular_roughness": 0.4}
+WHITE = (1.0, 1.0, 1.0)
+
+#: Two-sided surfaces in closed form, and their indices below relative to above.
+CLOSED = {
+    "glass": (GLASS | {"specular_roughness": 0.3}, 1.5),
+    "roughest": (GLASS | {"specular_roughness": 1.0}, 1.5),
+    "thinner": ({"transmission_weight": 1.0, "specular_ior": 0.8, "specular_roughness": 0.4}, 0.8),
+    "film": (GLASS | {"thin_film_weight": 1.0, "specular_roughness": 0.5}, 1.5),
+    "skin": ({"subsurface_weight": 1.0, "specular_ior": 1.4, "specular_roughness": 0.5}, 1.4),
+    "half": ({"transmission_weight": 0.5, "base_color": WHITE}, 1.5),
+    "half a metal": (GLASS | {"base_metalness": 0.5, "base_color": WHITE}, 1.5),
+    "paper": ({"geometry_thin_walled": True, "base_color": WHITE}, 1.0),
+    "leaf": (LEAF | {"subsurface_color": WHITE, "subsurface_scatter_anisotropy": 0.4}, 1.0),
+}
+
+
+def load(values, **options):
+    return mi.load_dict(urushi.openpbr(**values, **options).description())
+
+
+def sampled(bsdf, degrees, count=1 << 16, radiance=False):
+    """Weights (C, N) and directions (N, 3) of samples for light of an angle to the upper normal."""
+    theta = np.radians(degrees)
+    wi = np.array([0.8 * np.sin(theta), 0.6 * np.sin(theta), np.cos(theta)])
+    index = np.arange(count)
+    si = probing.interaction(np.tile(wi, (count, 1)), np.full((count, 2), 0.5), index)
+    u = [((index + 0.5) * 1.2207440846057596**-k % 1).astype(np.float32) for k in (1, 2, 3)]
+    mode = mi.TransportMode.Radiance if radiance else mi.TransportMode.Importance
+    bs, weight = bsdf.sample(mi.BSDFContext(mode), si, mi.Float(u[0]), mi.Point2f(u[1], u[2]))
+    return weight.numpy(), bs.wo.numpy().T
+
+
+def evaluated(bsdf, wi, wo, mode="Radiance"):
+    """f (N, 3) [1/sr] at directions on any sides."""
+    wi, wo = (np.asarray(w, np.float32) for w in (wi, wo))
+    si = probing.interaction(wi, np.full((len(wi), 2), 0.5))
+    context = mi.BSDFContext(getattr(mi.TransportMode, mode))
+    values = bsdf.eval(context, si, mi.Vector3f(np.ascontiguousarray(wo.T)))
+    return values.numpy().T / np.abs(wo[:, 2:])
+
+
+def directions(count, seed):
+    """(N, 3) on the sphere, none at the horizon."""
+    w = np.random.default_rng(seed).normal(size=(count, 3))
+    w /= np.linalg.norm(w, axis=1, keepdims=True)
+    return w[np.abs(w[:, 2]) > 0.1]
+
+
+@pytest.mark.parametrize("name", CLOSED)
+@pytest.mark.parametrize("degrees", [5, 65, 115, 175])
+def test_white_surfaces_lose_no_light_on_either_side(name, degrees):
+    """The standard error of the samples is 0.1 to 0.3 %."""
+    values, _ = CLOSED[name]
+    weight, _ = sampled(load(values), degrees)
+    assert weight.mean(1) == pytest.approx(1, abs=0.006)
+
+
+@pytest.mark.parametrize("name", CLOSED)
+def test_light_paths_may_be_reversed(name):
+    """f of radiance times the square of the index on wo's side is the same the other way."""
+    values, index = CLOSED[name]
+    wi, wo, bsdf = directions(200, 1), directions(200, 2), load(values)
+    count = min(len(wi), len(wo))
+    wi, wo = wi[:count], wo[:count]
+    squares = [np.where(w[:, 2:] > 0, 1, index**2) for w in (wo, wi)]
+    one, other = evaluated(bsdf, wi, wo) * squares[0], evaluated(bsdf, wo, wi) * squares[1]
+    np.testing.assert_allclose(one, other, rtol=2e-3, atol=1e-5)
+    # Importance differs by the square of the relative index, in transmitted light alone.
+    ratio = np.where(wi[:, 2:] * wo[:, 2:] < 0, squares[0] / squares[1], 1)
+    importance = evaluated(bsdf, wi, wo, "Importance")
+    np.testing.assert_allclose(importance, evaluated(bsdf, wi, wo) * ratio, rtol=1e-3, atol=1e-6)
+
+
+@pytest.mark.parametrize("name", ["glass", "thinner", "film", "half a metal", "leaf"])
+def test_samples_follow_the_density_on_the_sphere(sampling, name):
+    values, index = CLOSED[name]
+    bsdf = load(values)
+    for seed, degrees in enumerate((20, 70, 110, 160)):
+        test = sampling.chi_squared(bsdf, degrees, seed, index)
+        assert test.run(0.01, test_count=20, quiet=True), test.messages
+
+
+def test_smooth_glass_has_fresnels_shares_and_mitsubas_directions():
+    """`dielectric` reflects and refracts into one direction each; lobes of width 0.01 are about
+    these, and share the light as it does, within the width of the lobes."""
+    bsdf = load(GLASS | {"specular_roughness": 0.0})
+    for degrees, eta in ((10, 1.5), (50, 1.5), (150, 1 / 1.5)):
+        weight, wo = sampled(bsdf, degrees)
+        cosine = abs(np.cos(np.radians(degrees)))
+        expected = float(fresnel.dielectric(np.array(cosine), eta, NUMPY)[0])
+        reflected = (wo[:, 2] > 0) == (degrees < 90)
+        assert np.mean(weight[0] * reflected) == pytest.approx(expected, abs=0.004)
+        sine = np.sin(np.radians(degrees)) / eta
+        through = np.median(np.abs(wo[~reflected, 2]))
+        assert through == pytest.approx((1 - sine**2) ** 0.5, abs=0.005)
+
+
+def test_rough_glass_is_that_of_mitsuba():
+    """But for light that meets a second facet, which `roughdielectric` loses: 1 % of it."""
+    mine = load(GLASS | {"specular_roughness": 0.4})
+    theirs = mi.load_dict(
+        {
+            "type": "roughdielectric",
+            "distribution": "ggx",
+            "alpha": 0.16,
+            "int_ior": 1.5,
+            "ext_ior": 1.0,
+        }
+    )
+    wi, half = directions(400, 3), directions(400, 4)
+    wi, half = wi[:300], half[:300]
+    wo = 2 * (wi * half).sum(1, keepdims=True) * half - wi
+    wo = np.where(np.arange(len(wo))[:, None] % 2, -wi * [0.7, 0.7, 1] + 0.1 * half, wo)
+    wo /= np.linalg.norm(wo, axis=1, keepdims=True)
+    keep = np.abs(wo[:, 2]) > 0.2
+    one, other = (evaluated(bsdf, wi[keep], wo[keep]) for bsdf in (mine, theirs))
+    assert np.abs(one - other).max() < 0.02
+    bright = other > 0.1
+    assert bright.sum() > 50
+    np.testing.assert_allclose(one[bright], other[bright], rtol=0.08)
+
+
+def test_a_smooth_pane_has_the_shares_of_thindielectric():
+    """The sum over all reflections inside is 2 R / (1 + R) (Fresnel); tables are within 1 %."""
+    bsdf = load(PANE | {"specular_roughness": 0.0, "specular_ior": 1.5}, energy_compensation=False)
+    for degrees in (10, 50, 130):
+        weight, wo = sampled(bsdf, degrees)
+        once = float(fresnel.dielectric(np.array(abs(np.cos(np.radians(degrees)))), 1.5, NUMPY)[0])
+        reflected = (wo[:, 2] > 0) == (degrees < 90)
+        expected = 2 * once / (1 + once)
+        assert np.mean(weight[0] * reflected) == pytest.approx(expected, abs=0.01)
+        assert np.mean(weight[0] * ~reflected) == pytest.approx(1 - expected, abs=0.02)
+
+
+def test_a_leaf_splits_its_colour_as_the_specification_says():
+    """Shares (1 - g) / 2 and (1 + g) / 2 of the light that its interface passes. Along the normal,
+    without an interface, it is the diffuse transmission of `principledthin`."""
+    values = LEAF | {"subsurface_color": (0.2, 0.5, 0.8), "subsurface_scatter_anisotropy": 0.5}
+    weight, wo = sampled(load(values), 40)
+    through = wo[:, 2] < 0
+    black = LEAF | {"subsurface_color": (0.0, 0.0, 0.0)}
+    passed = 1 - sampled(load(black), 40)[0].mean()
+    color = np.array([0.2, 0.5, 0.8])
+    assert (weight * through).mean(1) == pytest.approx(0.75 * color * passed, rel=0.02)
+    bare = load(values | {"specular_weight": 0.0})
+    theirs = mi.load_dict(
+        {
+            "type": "principledthin",
+            "base_color": {"type": "rgb", "value": [0.2, 0.5, 0.8]},
+            "diff_trans": 1.5,
+            "spec_trans": 0.0,
+            "eta": 1.001,
+            "roughness": 0.5,
+        }
+    )
+    normal = np.array([[0, 0, 1.0]])
+    f = evaluated(bare, normal, -normal)
+    np.testing.assert_allclose(f, evaluated(theirs, normal, -normal), rtol=0.01)
+
+
+def test_the_tint_is_met_once_on_the_way_through_a_coated_body():
+    """Walks are the same for all tints: light that crosses the body's surface once has the factor
+    of the tint, light from below that comes back from the coat its square."""
+    color = (0.25, 0.5, 1.0)
+    options = dict(reference=True, energy_compensation=False)
+    plain, tinted = (
+        load(GLASS | COAT | {"transmission_color": c}, **options) for c in (WHITE, color)
+    )
+    dark = load(GLASS | COAT | {"transmission_color": (0.0, 0.0, 0.0)}, **options)
+    wi, wo = (w[:100] for w in (directions(200, 5), directions(200, 6)))
+    f, g, first = (evaluated(bsdf, wi, wo) for bsdf in (plain, tinted, dark))
+    crosses = (wi[:, 2] > 0).astype(int) + (wo[:, 2] > 0)  # 1: through
+    for kind, power in ((2, 0), (1, 1), (0, 2)):
+        at = crosses == kind
+        back = first[at] if kind != 1 else 0.0
+        expected = back + np.array(color) ** power * (f[at] - back)
+        np.testing.assert_allclose(g[at], expected, rtol=1e-3, atol=1e-6)
+
+
+@pytest.mark.parametrize("values", [GLASS | COAT, PANE | COAT], ids=["body", "pane"])
+@pytest.mark.parametrize("degrees", [20, 110])
+def test_coats_on_glass_lose_no_light(values, degrees):
+    """Walks: the standard error of 2^18 samples is up to 0.4 %."""
+    weight, _ = sampled(load(values, reference=True), degrees, 1 << 18)
+    assert weight.mean() == pytest.approx(1, abs=0.015)
+
+
+def test_a_coated_body_is_a_slab():
+    """Without compensation it is `urushi.slab` of the same interfaces, from both sides."""
+    values = GLASS | COAT | {"coat_ior": 1.6, "coat_color": (0.5, 0.5, 0.5)}
+    bsdf = load(values, reference=True, energy_compensation=False)
+    far = urushi.dielectric(0.16, 1.5 / 1.6)
+    slab = urushi.slab(0.25, 1.6, sigma_t=0.5 * np.log(2), far=far)
+    for degrees in (30, 130):
+        theta = np.radians(degrees)
+        wi = [[0.8 * np.sin(theta), 0.6 * np.sin(theta), np.cos(theta)]]
+        weight, wo = sampled(bsdf, degrees, 1 << 17)
+        through = (wo[:, 2] > 0) != (degrees < 90)
+        for transmitted in (False, True):
+            expected, se = urushi.walk.simulate.albedo(
+                slab, wi, walks=1 << 16, transmitted=transmitted
+            )
+            found = np.where(through == transmitted, weight[0], 0)
+            error = np.hypot(found.std() / len(found) ** 0.5, se[0, 0])
+            assert abs(found.mean() - expected[0, 0]) < 5 * error
+
+
+def test_the_medium_of_a_body():
+    """Beer's law at transmission_depth; absorption is shifted to have no negative channel."""
+    values = GLASS | {"transmission_color": (0.5, 0.25, 0.1), "transmission_depth": 2.0}
+    medium = urushi.openpbr(**values).on({"type": "sphere"})["interior"]
+    sigma = np.array(medium["sigma_t"]["value"])
+    assert np.exp(-2 * sigma) == pytest.approx([0.5, 0.25, 0.1])
+    assert medium["albedo"]["value"] == [0, 0, 0]
+    cloudy = urushi.openpbr(**values, transmission_scatter=(1.0, 0.2, 0.2)).interior()
+    sigma, albedo = (np.array(cloudy[name]["value"]) for name in ("sigma_t", "albedo"))
+    assert sigma * albedo == pytest.approx([0.5, 0.1, 0.1])
+    absorbed = sigma * (1 - albedo)
+    assert absorbed.min() == pytest.approx(0, abs=1e-12)
+    assert np.diff(absorbed) == pytest.approx(
+        np.diff(-np.log([0.5, 0.25, 0.1]) / 2 - [0.5, 0.1, 0.1])
+    )
+    assert urushi.openpbr(**GLASS).interior() is None
+    assert "interior" not in urushi.openpbr().on({"type": "sphere"})
+    texture = {"type": "checkerboard"}
+    with pytest.raises(ParameterError, match="transmission_color is a texture, but the medium"):
+        urushi.openpbr(**GLASS, transmission_depth=1.0, transmission_color=texture).interior()
+
+
+@pytest.mark.parametrize("g", [0.0, 0.5])
+def test_the_medium_gives_a_body_its_subsurface_color(g):
+    """The walk through a deep medium reflects that share of what enters, along the normal. Van de
+    Hulst's formula and diffuse light below the interface are approximations, to 6 %."""
+    color = np.array([0.2, 0.5, 0.8])
+    albedo = formulas.subsurface_albedo(color, g, 1.4)
+    assert np.all(formulas.subsurface_albedo(np.ones(3), g, 1.4) == pytest.approx(1, abs=1e-3))
+    normal = [[0.0, 0.0, 1.0]]
+    deep = urushi.coat(urushi.diffuse(0.0), 0.1, 1.4, albedo=albedo, sigma_t=60.0, g=g)
+    found, se = urushi.walk.simulate.albedo(deep, normal, walks=1 << 13)
+    f0 = formulas.modulated_index(1.4, 1.0) - 1
+    f0 = (f0 / 2.4) ** 2
+    assert found[0] == pytest.approx(f0 + (1 - f0) * color, rel=0.06, abs=3 * se.max())
+
+
+def test_what_changes_by_traverse_is_followed():
+    bsdf = load(GLASS | {"specular_roughness": 0.5})
+    params = mi.traverse(bsdf)
+    wi, wo = np.array([[0.3, 0.0, 0.954]]), np.array([[-0.3, 0.0, -0.954]])
+    before = evaluated(bsdf, wi, wo)
+    for name, value in (("transmission_color.value", mi.Color3f(0.5)), ("specular_ior.value", 1.3)):
+        key = next(key for key in params if key.endswith(name))
+        params[key] = value
+        params.update()
+    values = GLASS | {
+        "specular_ior": 1.3,
+        "transmission_color": (0.5,) * 3,
+        "specular_roughness": 0.5,
+    }
+    np.testing.assert_allclose(evaluated(bsdf, wi, wo), evaluated(load(values), wi, wo), rtol=1e-5)
+    assert not np.allclose(before, evaluated(bsdf, wi, wo))
+    assert mi.has_flag(bsdf.flags(), mi.BSDFFlags.Transmission)
+    assert not mi.has_flag(load({}).flags(), mi.BSDFFlags.Transmission)
+
+
+@pytest.mark.parametrize(
+    ("values", "sentence"),
+    [
+        (
+            GLASS | {"transmission_dispersion_scale": 1.0},
+            "scale needs dispersion, which the plugin",
+        ),
+        (GLASS | {"fuzz_weight": 0.5}, "fuzz_weight needs fuzz over a base that transmits light"),
+        (LEAF | {"coat_weight": 0.5}, "coat_weight needs a coat on a thin wall that scatters"),
+        (PANE | {"thin_film_weight": 0.5}, "thin_film_weight needs a thin film inside"),
+        (GLASS | COAT | {"thin_film_weight": 0.5}, "thin_film_weight needs a thin film inside"),
+    ],
+)
+def test_what_is_missing_is_refused_or_left_out(values, sentence):
+    with pytest.raises(RuntimeError, match=sentence):
+        load(values)
+    if "thin_film_weight" not in values:
+        assert load(values, unsupported="ignore") is not None
+
+
+def test_bodies_need_one_index_that_bends_light():
+    texture = {"type": "checkerboard", "color0": 0.5, "color1": 1.0}
+    with pytest.raises(
+        RuntimeError, match="specular_weight is a texture, but what transmits light"
+    ):
+        load(GLASS | {"specular_weight": texture})
+    with pytest.raises(RuntimeError, match="no interface bends light into the body"):
+        load(GLASS | {"specular_ior": 1.0})
+    with pytest.raises(RuntimeError, match="without a transmission component"):
+        mi.load_dict({"type": "twosided", "b": urushi.openpbr(**GLASS).description()})
+    # A metal does not transmit.
+    assert not mi.has_flag(load(GLASS | {"base_metalness": 1.0}).flags(), mi.BSDFFlags.Transmission)
