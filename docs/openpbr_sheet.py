@@ -41,7 +41,7 @@ def sphere(surface: urushi.OpenPBR) -> np.ndarray:
 def _render(surface: urushi.OpenPBR, sky: dict, look: "mi.ScalarTransform4f") -> np.ndarray:
     scene = {
         "type": "scene",
-        "integrator": {"type": "path", "max_depth": 4},
+        "integrator": {"type": "volpath", "max_depth": 64},
         "sensor": {
             "type": "perspective",
             "fov": 30,

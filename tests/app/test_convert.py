@@ -86,10 +86,11 @@ def test_an_emitting_material_gets_an_emitter(tmp_path):
 def test_what_cannot_be_rendered_is_not_written(tmp_path, capsys):
     document = tmp_path / "glass.mtlx"
     document.write_text("""<materialx version="1.39"><open_pbr_surface name="Glass">
-        <input name="transmission_weight" type="float" value="1"/></open_pbr_surface>
+        <input name="transmission_weight" type="float" value="1"/>
+        <input name="transmission_dispersion_scale" type="float" value="1"/></open_pbr_surface>
         </materialx>""")
     assert main(["convert", str(document), "-o", str(tmp_path / "out")]) == 2
-    assert "transmission_weight needs transmission" in capsys.readouterr().err
+    assert "transmission_dispersion_scale needs dispersion" in capsys.readouterr().err
     assert not (tmp_path / "out").exists()
 
 
@@ -97,3 +98,18 @@ def test_errors_are_sentences(tmp_path, capsys):
     assert main(["convert", str(tmp_path / "no.mtlx"), "-o", str(tmp_path / "out")]) == 2
     assert "there is no MaterialX file" in capsys.readouterr().err
     assert not (tmp_path / "out").exists()
+
+
+def test_a_body_has_its_medium(tmp_path):
+    document = tmp_path / "wine.mtlx"
+    document.write_text("""<materialx version="1.39" colorspace="lin_rec709">
+        <open_pbr_surface name="Wine" type="surfaceshader">
+        <input name="transmission_weight" type="float" value="1"/>
+        <input name="transmission_color" type="color3" value="0.4, 0.02, 0.05"/>
+        <input name="transmission_depth" type="float" value="0.5"/></open_pbr_surface>
+        </materialx>""")
+    assert main(["convert", str(document), "-o", str(tmp_path / "scene")]) == 0
+    mi.set_variant("llvm_ad_rgb")
+    scene = mi.load_file(str(tmp_path / "scene" / "scene.xml"))
+    assert "Volumetric" in str(scene.integrator())
+    assert sum(shape.interior_medium() is not None for shape in scene.shapes()) == 1

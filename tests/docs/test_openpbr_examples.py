@@ -37,6 +37,8 @@ def test_the_table_is_true(module, openpbr_examples):
 
 
 def test_refusals_name_what_is_missing(module):
-    result = module.outcome({"type": "openpbr", "transmission_weight": 1.0})
-    assert result == "refused: transmission (`transmission_weight`)"
+    glass = {"transmission_weight": 1.0, "transmission_dispersion_scale": 1.0}
+    result = module.outcome({"type": "openpbr", **glass})
+    assert result == "refused: dispersion (`transmission_dispersion_scale`)"
+    assert module.outcome({"type": "openpbr", "transmission_weight": 1.0}) == "rendered"
     assert module.outcome({"type": "openpbr"}) == "rendered"

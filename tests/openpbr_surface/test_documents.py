@@ -17,7 +17,9 @@ DOCUMENT = """<materialx version="1.39" colorspace="lin_rec709">
 <input name="base_color" type="color3" value="0.9, 0.7, 0.3"/>
 <input name="specular_roughness" type="float" value="0.5"/></open_pbr_surface>
 <open_pbr_surface name="Glass" type="surfaceshader">
-<input name="transmission_weight" type="float" value="1"/></open_pbr_surface></materialx>"""
+<input name="transmission_weight" type="float" value="1"/>
+<input name="transmission_dispersion_scale" type="float" value="1"/>
+</open_pbr_surface></materialx>"""
 
 
 @pytest.fixture
@@ -91,7 +93,7 @@ def test_a_mixture_of_shaders_is_one_of_their_brdfs(path, weight):
         ({"filename": None}, "has several materials; choose one of Gold, Glass"),
         (
             {"filename": None, "material": "Glass"},
-            r"materialx: '.*': the node 'Glass' \(open_pbr_surface\): transmission_weight needs",
+            r"materialx: '.*': the node 'Glass' \(open_pbr_surface\): .*_dispersion_scale needs",
         ),
         ({"filename": None, "material": "Gold", "bake": 0}, "materialx: bake is 0; it must be in"),
         (

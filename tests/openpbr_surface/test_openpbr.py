@@ -445,15 +445,10 @@ def test_reference_may_be_named_by_the_plugin_of_the_coat():
 
 
 def test_what_is_missing_is_refused_in_one_sentence_or_ignored():
-    for name, word in (
-        ("transmission_weight", "transmission"),
-        ("subsurface_weight", "subsurface scattering"),
-    ):
-        with pytest.raises(RuntimeError, match=f"{name} needs {word}, which the plugin does"):
-            openpbr(**{name: 0.5})
-        openpbr(unsupported="ignore", **{name: 0.5})
-    with pytest.raises(RuntimeError, match="geometry_thin_walled needs the thin-walled mode"):
-        openpbr(geometry_thin_walled=True)
+    glass = {"transmission_weight": 0.5, "transmission_dispersion_scale": 0.5}
+    with pytest.raises(RuntimeError, match="scale needs dispersion, which the plugin does not"):
+        openpbr(**glass)
+    openpbr(unsupported="ignore", **glass)
     with pytest.raises(RuntimeError, match='unsupported is "yes"'):
         openpbr(unsupported="yes")
     with pytest.raises(RuntimeError, match="did you mean coat_roughness"):

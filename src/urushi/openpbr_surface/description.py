@@ -127,7 +127,8 @@ class OpenPBR:
         g = float(np.clip(forward / max(scattering.mean(), 1e-12), -0.99, 0.99))
         return {
             "type": "homogeneous",
-            "sigma_t": {"type": "rgb", "value": extinction.tolist()},
+            "sigma_t": {"type": "rgb", "value": (extinction / extinction.max()).tolist()},
+            "scale": float(extinction.max()),
             "albedo": {
                 "type": "rgb",
                 "value": (scattering / np.maximum(extinction, 1e-12)).tolist(),

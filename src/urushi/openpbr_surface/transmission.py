@@ -298,6 +298,9 @@ def define(proposal_bsdf: type) -> Callable[..., "mi.BSDF"]:
         def _update(self, keys):
             self._configure()
 
+        def to_string(self):
+            return "OpenPBRGlass[]"
+
     class Sheet(proposal_bsdf):
         """A thin wall of a medium that scatters light to both sides, below interfaces (3.2.3)."""
 
@@ -333,6 +336,9 @@ def define(proposal_bsdf: type) -> Callable[..., "mi.BSDF"]:
             for name in (*names, "specular_roughness", "specular_ior", "specular_color"):
                 callback.put(name, self._inputs.textures[name], mi.ParamFlags.Differentiable)
 
+        def to_string(self):
+            return "OpenPBRSheet[]"
+
     class Mirrored(proposal_bsdf):
         """An opaque surface that looks the same from both sides."""
 
@@ -354,6 +360,9 @@ def define(proposal_bsdf: type) -> Callable[..., "mi.BSDF"]:
 
         def traverse(self, callback):
             callback.put("surface", self.surface, mi.ParamFlags.Differentiable)
+
+        def to_string(self):
+            return str(self.surface)
 
     class Body(proposal_bsdf):
         """A surface that transmits light: a mixture of two-sided BSDFs."""

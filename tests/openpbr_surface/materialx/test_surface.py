@@ -237,6 +237,13 @@ def test_gltf_pbr(translated):
     assert values["thin_film_thickness"] == pytest.approx(0.3)
     assert values["geometry_opacity"] == 1  # alpha_mode is OPAQUE
     assert (values["coat_weight"], values["coat_ior"], values["specular_ior"]) == (0.7, 1.5, 1.4)
+    # A volume of no thickness is a thin wall, which base_color tints (KHR_materials_volume).
+    volume = dict(transmission=1.0, base_color=(0.1, 0.2, 0.3), attenuation_color=(0.5, 0.6, 0.7))
+    for thickness, color in ((0.0, (0.1, 0.2, 0.3)), (2.0, (0.5, 0.6, 0.7))):
+        glass = translated("gltf_pbr", thickness=thickness, attenuation_distance=3.0, **volume)
+        assert glass["geometry_thin_walled"] == (thickness == 0)
+        assert glass["transmission_color"] == pytest.approx(color)
+    assert not translated("gltf_pbr")["geometry_thin_walled"]
     assert translated("gltf_pbr", alpha=0.3, alpha_mode=1)["geometry_opacity"] == 0
     assert translated("gltf_pbr", alpha=0.3, alpha_mode=2)["geometry_opacity"] == 0.3
 

@@ -22,7 +22,7 @@ def define(proposal_bsdf: type):
     body = transmission.define(proposal_bsdf)
 
     def openpbr(props):
-        """OpenPBR Surface 1.1.1, opaque, with its coat as light transport (``openpbr``).
+        """OpenPBR Surface 1.1.1, with its coat as light transport (``openpbr``).
 
         ==================== ===================== =============================================
         (parameters)         float, rgb, texture   The parameters of the specification under their
@@ -48,9 +48,14 @@ def define(proposal_bsdf: type):
         to the diffuse slab, of which the fraction base_color leaves again; a metal has the F82-tint
         term. The coat's light transport is computed by a table, networks or walks; coat_weight
         mixes the BRDFs of the bare and the coated base. Fuzz lies above both. Not supported, and
-        refused or left out with a warning, are transmission, subsurface scattering, the thin-walled
-        mode, and separate directions for the coat. Light is emitted by the emitter
-        ``openpbr_emission``.
+        refused or left out with a warning, are dispersion, separate directions for the coat, and
+        over a base that transmits light fuzz and some thin films and coats. Light is emitted by
+        the emitter ``openpbr_emission``.
+
+        With ``transmission_weight``, ``subsurface_weight`` or ``geometry_thin_walled`` the surface
+        has two sides. A body needs the medium of ``urushi.openpbr(...).on(shape)`` as the
+        ``interior`` of its shape, and one ``specular_ior`` and ``specular_weight``. Panes of
+        constants are tables; others, and coats on what transmits light, are random walks.
 
         A number that ``mi.traverse`` changes is treated like a texture from then on. Components
         that were left out because of it, for instance a coat or fuzz of weight zero, are created. A
