@@ -232,7 +232,7 @@ def define(proposal_bsdf: type) -> Callable[..., "mi.BSDF"]:
             self.returns_lost = self._inputs.is_constant("specular_roughness_anisotropy", 0)
             self._albedos = InterfaceAlbedo(index), InterfaceAlbedo(1 / index)
             film = not self._inputs.is_constant("thin_film_weight", 0)
-            self._film = FilmFresnel(self._inputs) if film else None
+            self._film: Any = FilmFresnel(self._inputs) if film else None
 
         def _vertex(self, si, active):
             inputs, scale = self._inputs, 0.0
