@@ -8,6 +8,7 @@ of its own in the page, the networks' layers, is not among them. Functions take 
 as three of them, and put features into an array. `make viewer` runs this script.
 """
 
+import ast
 import importlib
 import json
 import math
@@ -20,10 +21,10 @@ import numpy as np
 
 from urushi.app.describe import describe, library
 from urushi.app.page_files import cards_of
-from urushi.checks import Widths
-from urushi.core import fresnel, microfacet, mixture
+from urushi.checks import CoatParameters, Widths
+from urushi.core import appearance, fresnel, microfacet, mixture
 from urushi.core.namespace import Components
-from urushi.export.expressions import BOOL, FLOAT, INT, VECTOR, Expression, name, vector
+from urushi.export.expressions import BOOL, FLOAT, INT, VECTOR, Expression, call, name, vector
 from urushi.export.languages.printer import PRIMARY, Printer, broken
 from urushi.export.statements import Function, Variable, element, namespace, offset_index
 from urushi.nets import features, lobe, sampler
@@ -36,7 +37,15 @@ LIBRARY_HEAD = """\
 
 import type { BottomInAir, CoatInAir } from "./material";
 
-export const LIBRARY: readonly { name: string; bottom: BottomInAir; coats: CoatInAir[] }[] = ["""
+/** A described material. */
+interface Described {
+  name: string;
+  bottom: BottomInAir;
+  coats: CoatInAir[];
+  energyCompensation?: boolean;
+}
+
+export const LIBRARY: readonly Described[] = ["""
 
 HEAD = """\
 // Written by `python viewer/formulas.py` from the formulas of Python. Do not edit it.
@@ -157,6 +166,10 @@ def _value(variable: Variable) -> Any:
     return components(variable) if variable.kind == VECTOR else argument(variable)
 
 
+def _clip(value: Any, low: float, high: float) -> Any:
+    return call("min", call("max", value, low), high)
+
+
 def of_widths(alphas: Sequence[Any]) -> Any:
     """A width of GGX, or two."""
     return alphas[0] if len(alphas) == 1 else Widths(*alphas)
@@ -184,6 +197,22 @@ def functions() -> list[Function]:
             "Cosine between either direction and the half vector.",
             (WI, WO),
             lambda wi, wo, xp: microfacet.facet_cosine(microfacet.half_vector(wi, wo, xp), xp),
+        ),
+        filling(
+            "medium",
+            "Albedo and optical depth of a medium of thickness 1 by its appearance.",
+            floats("color", "body", "body_color", "g"),
+            lambda *values: appearance.medium(
+                values[:3], values[3], values[4]._replace(clip=_clip)
+            ),
+        ),
+        returning(
+            "coated_color",
+            "Albedo, at the normal, of a coat over a Lambertian reflectance, its surface included.",
+            floats("eta", "albedo", "sigma_t", "g", "reflectance"),
+            lambda *values: appearance.coated_color(
+                CoatParameters(None, *values[:4]), values[4], values[5]
+            ),
         ),
     ]
     for widths in (1, 2):
@@ -333,13 +362,34 @@ def library_text() -> str:
         cards = cards_of(describe(material))
         assert cards is not None, material
         layers = [_short(layer) for layer in (cards["bottom"], *cards["coats"])]
-        shown = {
+        looks = looks_of(library()[material])
+        shown = cards | {
             "name": material[0].upper() + material[1:],
             "bottom": layers[0],
-            "coats": layers[1:],
+            "coats": [as_described(*pair) for pair in zip(layers[1:], looks, strict=True)],
         }
         lines.append(f"  {json.dumps(shown)},")
     return "\n".join([*lines, "];", ""])
+
+
+def looks_of(description: str) -> list[dict[str, Any]]:
+    """The named parameters of a description's coats, the topmost first."""
+    looks = []
+    node: Any = ast.parse(description).body[0]
+    node = node.value
+    while node.func.id == "coat":
+        looks.append({str(word.arg): ast.literal_eval(word.value) for word in node.keywords})
+        node = node.args[0]
+    return looks
+
+
+def as_described(card: dict[str, Any], look: dict[str, Any]) -> dict[str, Any]:
+    """A coat by its appearance as it was given, in place of albedo and sigma_t."""
+    kept = {key: value for key, value in card.items() if key not in ("albedo", "sigmaT")}
+    names = (*appearance.LOOK, "thickness")
+    given = {key: value for key, value in look.items() if key in names}
+    medium = (appearance.look_of(look, "the coat's") or appearance.LOOK) | given
+    return {**kept, **{camel(key): value for key, value in medium.items()}}
 
 
 def _short(layer: dict[str, Any]) -> dict[str, Any]:

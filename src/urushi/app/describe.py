@@ -33,8 +33,8 @@ def describe(text: str) -> Any:
 
     The text is a Python expression without the prefix `urushi.`; coats may be nested:
     "coat(conductor(alpha=0.2, r0=0.9), alpha=0.05, ior=1.5)". It may hold the functions of
-    `makers`, numbers and tuples of numbers; nothing else is evaluated. A name of `library` stands
-    for its description.
+    `makers`, numbers, tuples of numbers, and True or False for switches; nothing else is evaluated.
+    A name of `library` stands for its description.
 
     Raises:
         ParameterError: the text is no such expression, or a parameter is unknown or out of range.
@@ -61,11 +61,17 @@ def _build(node: ast.expr, text: str) -> Any:
         raise _refuse(text, f"'{ast.unparse(node.func)}' is not one of {', '.join(known)}")
     maker = known[node.func.id]
     positional = [_build(argument, text) for argument in node.args]
-    named = {str(keyword.arg): _build(keyword.value, text) for keyword in node.keywords}
+    parameters = inspect.signature(maker)
+    switches = [key for key, one in parameters.parameters.items() if isinstance(one.default, bool)]
+    named: dict[str, Any] = {}
+    for key, value in ((str(keyword.arg), keyword.value) for keyword in node.keywords):
+        if key in switches and isinstance(value, ast.Constant):
+            named[key] = bool(value.value)
+        else:
+            named[key] = _build(value, text)
     try:
-        inspect.signature(maker).bind(*positional, **named)
+        parameters.bind(*positional, **named)
     except TypeError as error:
-        parameters = inspect.signature(maker)
         raise _refuse(text, f"{error} in {node.func.id}{parameters_text(parameters)}") from error
     return maker(*positional, **named)
 

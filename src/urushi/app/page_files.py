@@ -200,7 +200,9 @@ def cards_of(described: Any) -> dict[str, Any] | None:
         in_air = np.divide(above, AIR)
         numbers |= {name: np.multiply(in_air, numbers[name]).tolist() for name in ("eta", "k")}
     widths = _widths(numbers.pop("alpha")) if "alpha" in numbers else {}
-    return {"name": "Material", "bottom": {"kind": kind, **widths, **numbers}, "coats": cards}
+    shown = {"name": "Material", "bottom": {"kind": kind, **widths, **numbers}, "coats": cards}
+    compensated = bool(coats) and coats[0].energy_compensation
+    return {**shown, "energyCompensation": True} if compensated else shown
 
 
 def _widths(alpha: Any) -> dict[str, Any]:

@@ -80,12 +80,13 @@ def medium(look: Iterable[Any], g: Any, xp: Namespace = NUMPY) -> tuple[Any, Any
         asymmetry, in (-1, 1). All are numbers or arrays that broadcast.
     """
     color, body, body_color = look
-    reflected, body = xp.clip(body_color, 0, 1), xp.clip(body, 0, MOST_BODY)
-    linear = 1.139 + 1.17 * reflected
-    s = (linear - xp.sqrt(linear * linear - 0.556 * (1 - reflected))) / 0.278
-    albedo = (1 - s * s) / (1 - g * s * s)
-    pigment = 4 / 3 * body / (1 - body) / (1 - albedo * g)
-    depth = optical_depth(color, xp) + pigment
+    reflected = xp.named("reflected", xp.clip(body_color, 0, 1))
+    opaque = xp.named("opaque", xp.clip(body, 0, MOST_BODY))
+    linear = xp.named("linear", 1.139 + 1.17 * reflected)
+    s = xp.named("s", (linear - xp.sqrt(linear * linear - 0.556 * (1 - reflected))) / 0.278)
+    albedo = xp.named("albedo", (1 - s * s) / (1 - g * s * s))
+    pigment = xp.named("pigment", 4 / 3 * opaque / (1 - opaque) / (1 - albedo * g))
+    depth = xp.named("depth", optical_depth(color, xp) + pigment)
     return albedo * (pigment / xp.maximum(depth, 1e-6)), depth
 
 
@@ -123,24 +124,25 @@ def coated_albedo(coat: checks.CoatParameters, reflectance: Any, xp: Namespace) 
     An estimate for a medium (Kubelka and Munk 1931) under a smooth interface (Saunderson 1942).
     """
 
-    def without_interface(path: Any) -> Any:
+    def without_interface(label: str, path: Any) -> Any:
         scattered = coat.sigma_t * coat.albedo
-        absorption = path * (coat.sigma_t - scattered)
-        scattering = path * BACKWARDS * scattered * (1 - coat.g)
+        absorption = xp.named(f"{label}_absorption", path * (coat.sigma_t - scattered))
+        scattering = xp.named(f"{label}_scattering", path * BACKWARDS * scattered * (1 - coat.g))
         both = absorption + scattering
-        root = xp.sqrt(absorption * (both + scattering) + 1e-6)
-        faint = xp.exp(-2 * root)
-        decay = root * (1 + faint) / (1 - faint)
+        root = xp.named(f"{label}_root", xp.sqrt(absorption * (both + scattering) + 1e-6))
+        faint = xp.named(f"{label}_faint", xp.exp(-2 * root))
+        decay = xp.named(f"{label}_decay", root * (1 + faint) / (1 - faint))
         divisor = both - reflectance * scattering + decay
         return (scattering - reflectance * (both - decay)) / divisor
 
-    kept_inside = xp.maximum(1 - 1 / (coat.eta * coat.eta), 0)
+    kept_inside = xp.named("kept_inside", xp.maximum(1 - 1 / (coat.eta * coat.eta), 0))
     entering = REFRACTED + (DIFFUSE - REFRACTED) * coat.albedo  # what is scattered is diffuse
-    share = (1 - kept_inside) * without_interface(entering)
-    return share / (1 - kept_inside * without_interface(DIFFUSE))
+    share = (1 - kept_inside) * without_interface("entering", entering)
+    return share / (1 - kept_inside * without_interface("diffuse", DIFFUSE))
 
 
 def coated_color(coat: checks.CoatParameters, reflectance: Any, xp: Namespace) -> Any:
     """Albedo of a coat over a Lambertian reflectance, its surface included, at normal incidence."""
-    f0 = ((coat.eta - 1) / (coat.eta + 1)) ** 2
+    root = (coat.eta - 1) / (coat.eta + 1)
+    f0 = root * root
     return f0 + (1 - f0) * coated_albedo(coat, reflectance, xp)

@@ -46,6 +46,16 @@ export type Bottom =
 export interface Stack {
   bottom: Bottom;
   coats: readonly Coat[];
+  /** Whether light that the topmost coat's surface loses is given back; false if left out. */
+  energyCompensation?: boolean;
+}
+
+/** The lobe C L(wi) L(wo) / (pi L_mean) of the three channels; see `compensation.ts`. */
+export interface Compensation {
+  /** C / (pi L_mean). */
+  readonly factors: readonly number[];
+  /** (N, 3) L at N cosines. */
+  readonly lost: Float32Array;
 }
 
 /** Codes (3, latentSize) of one material. */
@@ -54,6 +64,8 @@ export interface Material {
   latents: Float32Array;
   /** The codes over which coats lie. */
   anchors: Float32Array;
+  /** Light that is added to what the codes reflect. */
+  compensation?: Compensation | undefined;
 }
 
 /** Sizes of a table of directions, and the shift of its sequence. */

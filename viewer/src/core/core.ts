@@ -2,6 +2,7 @@
 
 import type { Bottom, Coat, Core, Material, Stack } from "./api";
 import { CHANNELS, firstSame, joined, rows, sameNumbers } from "./channels";
+import { Compensations } from "./compensation";
 import { Decoder } from "./decoder";
 import { Encoder } from "./encoder";
 import { EnergyLimit } from "./energy";
@@ -32,6 +33,7 @@ export class NetworkCore extends Evaluation implements Core {
   private readonly measured: MeasuredEncoder;
   private readonly layerer: Layerer;
   private readonly energy: EnergyLimit;
+  private readonly compensations = new Compensations(this);
 
   constructor(weights: Weights) {
     const activation = activationOf(weights.arch.activation);
@@ -62,10 +64,14 @@ export class NetworkCore extends Evaluation implements Core {
 
   layer(stack: Stack): Material {
     let material = this.encode(stack.bottom);
-    for (let k = stack.coats.length - 1; k >= 0; k--) {
-      material = this.coated(material, stack.coats[k]);
+    let below = material;
+    for (const coat of [...stack.coats].reverse()) {
+      below = material;
+      material = this.coated(material, coat);
     }
-    return material;
+    const [top] = stack.coats;
+    if (!stack.energyCompensation || top === undefined) return material;
+    return { ...material, compensation: this.compensations.of(top, below) };
   }
 
   /** Codes (3, L) scaled down, each as a whole, so that they reflect at most all light. */

@@ -2,6 +2,7 @@
 
 import type { Material, TableOptions } from "./api";
 import { CHANNELS, firstSame, rows, sameNumbers } from "./channels";
+import { lobeOf } from "./compensation";
 import type { Decoder } from "./decoder";
 import { Pairs, type Widths } from "./features";
 import type { Vector } from "./formulas";
@@ -115,6 +116,13 @@ export class Evaluation {
         }
       }
     }
+    const { compensation } = material;
+    if (compensation !== undefined)
+      for (let at = 0; at < result.length; at++) {
+        const place = 6 * Math.floor(at / CHANNELS);
+        const [cosI, cosO] = [pairs.directions[place + 2], pairs.directions[place + 5]];
+        result[at] += lobeOf(compensation, at % CHANNELS, cosI, cosO);
+      }
     return result;
   }
 

@@ -197,6 +197,45 @@ export function facetCosine(wiX: number, wiY: number, wiZ: number, woX: number, 
     return cosFacet;
 }
 
+/** Albedo and optical depth of a medium of thickness 1 by its appearance. */
+export function medium(color: number, body: number, bodyColor: number, g: number, out: Float64Array,
+    at: number): void {
+    const reflected = Math.min(Math.max(bodyColor, 0), 1);
+    const opaque = Math.min(Math.max(body, 0), 0.99);
+    const linear = 1.139 + 1.17 * reflected;
+    const s = (linear - Math.sqrt(linear * linear - 0.556 * (1 - reflected))) / 0.278;
+    const albedo = (1 - s * s) / (1 - g * s * s);
+    const pigment = 1.3333333333333333 * opaque / (1 - opaque) / (1 - albedo * g);
+    const depth = Math.abs(0.5 * Math.log(Math.min(Math.max(color, 1e-06), 1))) + pigment;
+    out[at] = albedo * (pigment / Math.max(depth, 1e-06));
+    out[1 + at] = depth;
+}
+
+/** Albedo, at the normal, of a coat over a Lambertian reflectance, its surface included. */
+export function coatedColor(eta: number, albedo: number, sigmaT: number, g: number, reflectance:
+    number): number {
+    const keptInside = Math.max(1 - 1 / (eta * eta), 0);
+    const enteringAbsorption = (1.15 + 0.8500000000000001 * albedo) * (sigmaT - sigmaT * albedo);
+    const enteringScattering = (1.15 + 0.8500000000000001 * albedo) * 0.5 * (sigmaT * albedo) * (1 -
+        g);
+    const enteringRoot = Math.sqrt(enteringAbsorption * (enteringAbsorption + enteringScattering +
+        enteringScattering) + 1e-06);
+    const enteringFaint = Math.exp(-2 * enteringRoot);
+    const enteringDecay = enteringRoot * (1 + enteringFaint) / (1 - enteringFaint);
+    const diffuseAbsorption = 2 * (sigmaT - sigmaT * albedo);
+    const diffuseScattering = sigmaT * albedo * (1 - g);
+    const diffuseRoot = Math.sqrt(diffuseAbsorption * (diffuseAbsorption + diffuseScattering +
+        diffuseScattering) + 1e-06);
+    const diffuseFaint = Math.exp(-2 * diffuseRoot);
+    const diffuseDecay = diffuseRoot * (1 + diffuseFaint) / (1 - diffuseFaint);
+    return (eta - 1) / (eta + 1) * ((eta - 1) / (eta + 1)) + (1 - (eta - 1) / (eta + 1) * ((eta - 1)
+        / (eta + 1))) * ((1 - keptInside) * ((enteringScattering - reflectance * (enteringAbsorption
+        + enteringScattering - enteringDecay)) / (enteringAbsorption + enteringScattering -
+        reflectance * enteringScattering + enteringDecay)) / (1 - keptInside * ((diffuseScattering -
+        reflectance * (diffuseAbsorption + diffuseScattering - diffuseDecay)) / (diffuseAbsorption +
+        diffuseScattering - reflectance * diffuseScattering + diffuseDecay))));
+}
+
 /** The decoder's inputs of a pair of directions. */
 export function directionFeatures(wiX: number, wiY: number, wiZ: number, woX: number, woY: number,
     woZ: number, out: Float64Array, at: number): void {

@@ -223,7 +223,7 @@ export class Slot {
     const { material, stack } = this;
     const described = stack !== null && stack.bottom.kind !== "codes" && stack.coats.length > 0;
     const walkable = described && this.widths === 1; // the walk knows isotropic surfaces
-    if (material === null || !walkable || signal.aborted) return;
+    if (material === null || !walkable || material.compensation || signal.aborted) return;
     const pairs = planePairs(WALK_ANGLES, this.page.incidence(), 0);
     const networks = await this.core.f(material, ...pairs);
     const show = (estimate: Estimate) => {

@@ -1,6 +1,6 @@
 /** Colours on screen for linear values, and back. */
 
-import type { Rgb } from "./material";
+import type { Rgb } from "./channels";
 
 /** sRGB's curve, of a linear value in [0, 1]. */
 export function encoded(linear: number): number {
@@ -30,15 +30,4 @@ export function fromHex(text: string): Rgb {
     return Number(linear.toFixed(3));
   }) as [number, number, number];
   return [red, green, blue];
-}
-
-/** What passes once through a medium of the given depths. */
-export function transmission(depth: Rgb): Rgb {
-  return [Math.exp(-depth[0]), Math.exp(-depth[1]), Math.exp(-depth[2])];
-}
-
-/** Depths of a medium that lets a colour pass, up to 7. */
-export function depthOf(colour: Rgb): Rgb {
-  const one = (x: number) => Number(Math.abs(Math.log(Math.min(Math.max(x, 1e-3), 1))).toFixed(3));
-  return [one(colour[0]), one(colour[1]), one(colour[2])];
 }

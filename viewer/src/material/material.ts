@@ -3,21 +3,24 @@
 import type { Bottom, Channels, Coat, Stack } from "../core/api";
 import { CHECKS } from "../core/formulas";
 import { Refusal } from "../refusal";
+import { type Medium, physicsOf } from "./appearance";
+import { mapped, quotient, rgb } from "./channels";
 
-export type Rgb = readonly [number, number, number];
-
-/** A coat by its absolute index of refraction. */
-export interface CoatInAir extends Omit<Coat, "eta"> {
-  ior: Channels;
-}
+/** A coat by its absolute index of refraction, and by its medium as it was given. */
+export type CoatInAir = Omit<Coat, "eta" | "albedo" | "sigmaT" | "g"> &
+  Medium & {
+    ior: Channels;
+    /** Factor of the optical depth; 1 if left out. */
+    thickness?: number;
+  };
 
 /** One coat on the page. */
-export interface CoatCard extends CoatInAir {
+export type CoatCard = CoatInAir & {
   /** Identifies the card while it moves; above 0. */
   id: number;
   /** Whether the coat is part of the picture. */
   on: boolean;
-}
+};
 
 /** A texture of codes, named by its `CodeTexture.id`: its texels are no part of the state. */
 export interface TexelBottom {
@@ -39,6 +42,8 @@ export interface MaterialCards {
   coats: readonly CoatCard[];
   /** Angle by which the tangent of all layers is turned [degrees]; 0 if left out. */
   rotation?: number;
+  /** Whether light that the topmost surface loses is given back. */
+  energyCompensation?: boolean;
   /** The only coat that is shown, by its id; `BARE`: none; null: all that are on. */
   solo: number | null;
 }
@@ -49,7 +54,14 @@ export const BARE = 0;
 export const MOST_COATS = 6;
 
 /** A clear coat of glass, as Urushi's default. */
-export const CLEAR_COAT: CoatInAir = { alpha: 0.1, ior: 1.5, albedo: 0, sigmaT: 0, g: 0 };
+export const CLEAR_COAT: CoatInAir = {
+  alpha: 0.1,
+  ior: 1.5,
+  color: 1,
+  body: 0,
+  bodyColor: 0.8,
+  g: 0,
+};
 
 /** Whether a coat is part of the picture. */
 export function isSeen(material: MaterialCards, coat: CoatCard): boolean {
@@ -76,13 +88,17 @@ export function seenOf(material: MaterialCards): { bottom: BottomInAir; coats: C
 export function stackOf(material: MaterialCards): Stack {
   const { bottom, coats: cards } = seenOf(material);
   let above: Channels = CHECKS.AIR;
-  const coats = cards.map(({ id, on, ior, ...coat }): Coat => {
+  const coats = cards.map((card): Coat => {
+    const { alpha, alphaV, ior, g, thickness = 1 } = card;
     const eta = interfaceRatio(ior, above);
     above = ior;
-    return { ...coat, eta };
+    const { albedo, sigmaT } = physicsOf(card);
+    const widths = alphaV === undefined ? { alpha } : { alpha, alphaV };
+    return { ...widths, eta, albedo, sigmaT: mapped(sigmaT, (depth) => depth * thickness), g };
   });
   const under = bottomUnder(bottom, quotient(above, CHECKS.AIR));
-  return { bottom: under.kind === "dielectric" ? interfaceOf(under) : under, coats };
+  const shown = under.kind === "dielectric" ? interfaceOf(under) : under;
+  return { bottom: shown, coats, energyCompensation: material.energyCompensation === true };
 }
 
 /** A bottom below a medium of an index relative to air, as it would be in air. */
@@ -118,12 +134,6 @@ function interfaceRatio(ior: Channels, above: Channels): Channels {
   );
 }
 
-/** Quotient of each channel, as one number if all three agree. */
-export function quotient(a: Channels, b: Channels): Channels {
-  const [x, y] = [rgb(a), rgb(b)];
-  return joined([x[0] / y[0], x[1] / y[1], x[2] / y[2]]);
-}
-
 /** The largest ratio of a surface's two widths; 1 if it has one. */
 export function widthRatio(surface: CoatInAir | BottomInAir | Coat | Bottom): number {
   if (!("alpha" in surface) || surface.alphaV === undefined) return 1;
@@ -152,23 +162,6 @@ export function takesCoat({ bottom, coats }: MaterialCards): boolean {
 /** A number for an additional card. */
 function freeId(material: MaterialCards): number {
   return Math.max(0, ...material.coats.map((coat) => coat.id)) + 1;
-}
-
-/** Three numbers, from one for all channels or three. */
-export function rgb(value: Channels): Rgb {
-  return typeof value === "number" ? [value, value, value] : value;
-}
-
-/** One number if all three agree, otherwise the three. */
-export function joined(value: Rgb): Channels {
-  return value[0] === value[1] && value[1] === value[2] ? value[0] : value;
-}
-
-/** Every channel of a value by a function, as one number where it is one. */
-export function mapped(value: Channels, change: (x: number) => number): Channels {
-  if (typeof value === "number") return change(value);
-  const [red, green, blue] = rgb(value);
-  return [change(red), change(green), change(blue)];
 }
 
 /** The material with a card moved to another place. */

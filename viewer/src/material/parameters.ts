@@ -15,8 +15,8 @@ export interface Parameter {
   power: number;
   /** Value after a double click. */
   fallback: Channels;
-  /** The colour that a swatch shows: the value itself, or what passes a medium of this depth. */
-  colour?: "reflectance" | "depth";
+  /** Whether it is a colour, which a swatch shows. */
+  isColour?: true;
 }
 
 const width: Parameter = {
@@ -52,8 +52,39 @@ export const ANGLE: Parameter = {
   fallback: 0,
 };
 
+const SHARE = { low: 0, high: 1, power: 1 } as const;
+
 export const COAT_PARAMETERS = {
   alpha: width,
+  color: {
+    label: "Colour",
+    hint: "Colour of a clear dye: what light keeps that passes the coat twice, at thickness 1.",
+    ...SHARE,
+    fallback: 1,
+    isColour: true,
+  },
+  body: {
+    label: "Body",
+    hint: "How opaque the pigment is, at thickness 1: 0 is clear, 1 is opaque paint.",
+    ...SHARE,
+    fallback: 0,
+  },
+  bodyColor: {
+    label: "Body colour",
+    hint: "Colour of an opaque layer of the pigment.",
+    ...SHARE,
+    fallback: 0.8,
+    isColour: true,
+  },
+  thickness: {
+    label: "Thickness",
+    hint: "Factor of the medium's depth.",
+    low: 0,
+    high: 100,
+    slide: 4,
+    power: 2,
+    fallback: 1,
+  },
   ior: {
     label: "Index n",
     hint: "Index of refraction: water 1.33, varnish 1.5. Between equal indices there is no surface.",
@@ -70,16 +101,12 @@ export const COAT_PARAMETERS = {
     slide: 10,
     power: 3,
     fallback: 0,
-    colour: "depth",
   },
   albedo: {
     label: "Scattering",
     hint: "Single-scattering albedo of the medium: 0 only absorbs, 1 only scatters.",
-    low: 0,
-    high: 1,
-    power: 1,
+    ...SHARE,
     fallback: 0,
-    colour: "reflectance",
   },
   g: {
     label: "Direction g",
@@ -96,11 +123,9 @@ export const BOTTOM_PARAMETERS = {
   r0: {
     label: "Reflectance",
     hint: "Reflectance at normal incidence.",
-    low: 0,
-    high: 1,
-    power: 1,
+    ...SHARE,
     fallback: 0.9,
-    colour: "reflectance",
+    isColour: true,
   },
   eta: {
     label: "Index n",
@@ -123,11 +148,9 @@ export const BOTTOM_PARAMETERS = {
   reflectance: {
     label: "Reflectance",
     hint: "Reflectance of the matt surface.",
-    low: 0,
-    high: 1,
-    power: 1,
+    ...SHARE,
     fallback: 0.5,
-    colour: "reflectance",
+    isColour: true,
   },
 } satisfies Record<string, Parameter>;
 

@@ -1,7 +1,8 @@
 /** Materials to begin with. All are described by physical parameters. */
 
+import type { Rgb } from "./channels";
 import { LIBRARY } from "./library";
-import type { MaterialCards, Rgb } from "./material";
+import type { MaterialCards } from "./material";
 
 /** Complex indices of refraction of metals, as Mitsuba has them in its RGB variants. */
 export const METALS: Readonly<Record<string, { eta: Rgb; k: Rgb }>> = {

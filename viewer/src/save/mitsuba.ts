@@ -9,11 +9,14 @@ import {
   seenOf,
 } from "../material/material";
 import { Refusal } from "../refusal";
+import { mediumParameters } from "./python";
 
 /** A node of a scene: a plugin, its parameters and the BSDF inside. */
 interface Node {
   type: string;
   strings: [string, string][];
+  /** Switches that are on. */
+  switches?: string[];
   values: [string, Channels][];
   /** The name of the BSDF inside, and that. */
   inner: Node | null;
@@ -41,6 +44,8 @@ function nodeOf(material: MaterialCards): Node {
     (inner, coat) => coatNode(coat, inner),
     bottomNode(stack.bottom),
   );
+  if (material.energyCompensation === true && stack.coats.length > 0)
+    node.switches = ["energy_compensation"];
   if (!isAnisotropic(stack) || rotation === 0) return node;
   if (stack.coats.length === 0)
     throw new Refusal(
@@ -64,13 +69,7 @@ function coatNode(coat: CoatInAir, inner: Node): Node {
   return {
     type: "neural_layered",
     strings: [],
-    values: [
-      ...widthsOf(coat),
-      ["int_ior", coat.ior],
-      ["albedo", coat.albedo],
-      ["sigma_t", coat.sigmaT],
-      ["g", coat.g],
-    ],
+    values: [...widthsOf(coat), ["int_ior", coat.ior], ...mediumParameters(coat)],
     inner,
   };
 }
@@ -120,6 +119,8 @@ function xmlLines(node: Node, depth: number, id: string | null): string[] {
   const lines = [`${indent}<bsdf type="${node.type}"${named}>`];
   for (const [name, value] of node.strings)
     lines.push(`${indent}    <string name="${name}" value="${value}"/>`);
+  for (const name of node.switches ?? [])
+    lines.push(`${indent}    <boolean name="${name}" value="true"/>`);
   for (const [name, value] of node.values) {
     const element = typeof value === "number" && !isColour(name) ? "float" : "rgb";
     lines.push(`${indent}    <${element} name="${name}" value="${listed(value)}"/>`);
@@ -132,6 +133,7 @@ function dictLines(node: Node, depth: number): string[] {
   const indent = "    ".repeat(depth + 1);
   const lines = [`${"    ".repeat(depth)}{`, `${indent}"type": "${node.type}",`];
   for (const [name, value] of node.strings) lines.push(`${indent}"${name}": "${value}",`);
+  for (const name of node.switches ?? []) lines.push(`${indent}"${name}": True,`);
   for (const [name, value] of node.values) {
     const plain = typeof value === "number" && !isColour(name);
     const text = plain ? value : `{"type": "rgb", "value": [${listed(value)}]}`;

@@ -1,34 +1,47 @@
 /** A material as a Python program. */
 
 import type { Channels } from "../core/api";
-import { type BottomInAir, isAnisotropic, type MaterialCards, seenOf } from "../material/material";
+import {
+  type BottomInAir,
+  type CoatInAir,
+  isAnisotropic,
+  type MaterialCards,
+  seenOf,
+} from "../material/material";
 import { Refusal } from "../refusal";
 
 /** A program that encodes the bottom, layers the coats as the page does, and saves the material. */
 export function pythonText(material: MaterialCards): string {
   const { name, rotation = 0 } = material;
   const stack = seenOf(material);
+  const isWalked = material.energyCompensation === true && stack.coats.length > 0;
   const lines = [
     "import numpy as np",
     "",
     "import urushi",
     "",
-    "# The layers one by one, as on the page. urushi.encode of a description by urushi.coat takes",
-    "# longer and is closer to the random walk.",
+    ...(isWalked
+      ? []
+      : [
+          "# The layers one by one, as on the page. urushi.encode of a description by urushi.coat",
+          "# takes longer and is closer to the random walk.",
+        ]),
     `material = ${bottomText(stack.bottom)}`,
   ];
   for (const coat of stack.coats.reverse()) {
-    const { ior, albedo, sigmaT, g } = coat;
-    const top = call("urushi.dielectric", [...widthsOf(coat), ["ior", ior]]);
-    const others: [string, Channels | string][] = [
-      ["albedo", albedo],
-      ["sigma_t", sigmaT],
-      ["g", g],
-      ["refine", "False"],
-    ];
+    const surface: [string, Channels][] = [...widthsOf(coat), ["ior", coat.ior]];
+    if (isWalked) {
+      const given = coat === stack.coats.at(-1) ? [["energy_compensation", "True"] as const] : [];
+      const all = [...surface, ...mediumParameters(coat), ...given];
+      lines.push(`material = ${call("urushi.coat", all, "material")}`);
+      continue;
+    }
+    const top = call("urushi.dielectric", surface);
+    const others = [...mediumParameters(coat), ["refine", "False"] as const];
     lines.push(`material = ${call("urushi.layer", others, `${top}, material`)}`);
   }
-  if (stack.coats.length === 0) lines.push("material = urushi.encode(material, refine=False)");
+  if (isWalked || stack.coats.length === 0)
+    lines.push("material = urushi.encode(material, refine=False)");
   const turned = rotation !== 0 && isAnisotropic(stack) ? `material.rotated(${rotation})` : "";
   const direction = "np.array([[0.5, 0.0, np.sqrt(0.75)]])";
   lines.push(
@@ -39,6 +52,27 @@ export function pythonText(material: MaterialCards): string {
     "",
   );
   return lines.join("\n");
+}
+
+/** The medium of a coat as it was given, by its parameters in Python. */
+export function mediumParameters(coat: CoatInAir): [string, Channels][] {
+  const medium: [string, Channels][] =
+    "sigmaT" in coat
+      ? [
+          ["albedo", coat.albedo],
+          ["sigma_t", coat.sigmaT],
+        ]
+      : [
+          ["color", coat.color],
+          ["body", coat.body],
+          ["body_color", coat.bodyColor],
+        ];
+  const { g, thickness = 1 } = coat;
+  return [
+    ...medium,
+    ["g", g],
+    ...(thickness === 1 ? [] : [["thickness", thickness] as [string, number]]),
+  ];
 }
 
 /** The name of a file for a material. */
@@ -78,7 +112,11 @@ function widthsOf(surface: { alpha: Channels; alphaV?: Channels }): [string, Cha
   ];
 }
 
-function call(name: string, parameters: [string, Channels | string][], first = ""): string {
+function call(
+  name: string,
+  parameters: readonly (readonly [string, Channels | string])[],
+  first = "",
+): string {
   const named = parameters.map(([key, value]) => `${key}=${python(value)}`);
   return `${name}(${[...(first ? [first] : []), ...named].join(", ")})`;
 }

@@ -2,14 +2,13 @@
 
 import type { Channels } from "../core/api";
 import { CHECKS } from "../core/formulas";
+import { mapped, quotient, rgb } from "../material/channels";
 import {
   type BottomInAir,
   bottomUnder,
   type CoatCard,
   type MaterialCards,
   MOST_COATS,
-  mapped,
-  quotient,
   type TexelBottom,
 } from "../material/material";
 import {
@@ -91,6 +90,7 @@ export function readMaterial(value: unknown, tell?: (text: string) => void): Mat
     name: nameOf(fields.name, "Material"),
     bottom,
     coats: cards,
+    ...(fields.energyCompensation === true ? { energyCompensation: true } : {}),
     ...(fields.rotation === undefined ? {} : { rotation: number(fields.rotation, -180, 180, 0) }),
     solo:
       typeof solo === "number" && Number.isInteger(solo) && solo >= 0 && solo <= coats.length
@@ -115,14 +115,18 @@ function readCoat(value: unknown, place: number): CoatCard {
   const fields = object(value, "a coat");
   const one = (name: keyof typeof COAT_PARAMETERS) =>
     channels(fields[name], COAT_PARAMETERS[name], name);
+  const medium = ["albedo", "sigmaT"].some((name) => name in fields)
+    ? { albedo: one("albedo"), sigmaT: one("sigmaT") }
+    : { color: one("color"), body: one("body"), bodyColor: one("bodyColor") };
+  const thickness = rgb(one("thickness"))[0];
   return {
     id: place + 1,
     on: fields.on !== false,
     ...widths(fields, one("alpha")),
     ior: iorOf(fields),
-    albedo: one("albedo"),
-    sigmaT: one("sigmaT"),
+    ...medium,
     g: one("g"),
+    ...(thickness === 1 ? {} : { thickness }),
   };
 }
 

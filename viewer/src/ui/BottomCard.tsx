@@ -1,8 +1,9 @@
 /** The card of the bottom. */
 
 import type { Channels } from "../core/api";
+import { type Rgb, rgb } from "../material/channels";
 import { hex } from "../material/colour";
-import { BARE, type BottomInAir, type MaterialCards, type Rgb, rgb } from "../material/material";
+import { BARE, type BottomInAir, type MaterialCards } from "../material/material";
 import { BOTTOM_PARAMETERS, COAT_PARAMETERS, type Parameter } from "../material/parameters";
 import { METALS } from "../material/presets";
 import { changeMaterial } from "../state/store";
@@ -76,6 +77,7 @@ export function BottomCard({ material, alone }: BottomCardProps) {
             parameter={parameter}
             value={(bottom as unknown as Record<string, Channels>)[key]!}
             coloured={kind !== "dielectric"}
+            colourOf={(value) => reflectanceOf({ ...bottom, [key]: value } as BottomInAir)}
             onChange={(value, step) => change({ ...bottom, [key]: value } as BottomInAir, step)}
           />
         ))}

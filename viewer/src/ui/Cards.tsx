@@ -2,13 +2,13 @@
 
 import { signal } from "@preact/signals";
 import { useRef } from "preact/hooks";
+import { rgb } from "../material/channels";
 import {
   BARE,
   type CoatCard as Card,
   hasTangent,
   isSeen,
   moved,
-  rgb,
   takesCoat,
   withCoat,
 } from "../material/material";
@@ -96,6 +96,21 @@ export function Cards() {
         ))}
       </ul>
       <BottomCard material={material.value} alone={solo === BARE} />
+      {coats.length > 0 && (
+        <label
+          class="switch"
+          title="Light that meets a second facet of the topmost coat is given back"
+        >
+          <input
+            type="checkbox"
+            checked={material.value.energyCompensation === true}
+            onChange={({ currentTarget: { checked } }) =>
+              changeMaterial({ ...material.value, energyCompensation: checked })
+            }
+          />
+          Energy compensation
+        </label>
+      )}
       {hasTangent(material.value) && (
         <div class="fields tangent">
           <Field

@@ -2,15 +2,11 @@
 
 import { signal } from "@preact/signals";
 import type { Channels } from "../core/api";
-import { hex, transmission } from "../material/colour";
-import {
-  type CoatCard as Card,
-  type CoatInAir,
-  type Rgb,
-  rgb,
-  withoutCoat,
-} from "../material/material";
-import { COAT_PARAMETERS } from "../material/parameters";
+import { colourOnWhite, type Look, lookOf, type Physics, physicsOf } from "../material/appearance";
+import { mapped, type Rgb, rgb } from "../material/channels";
+import { hex } from "../material/colour";
+import { type CoatCard as Card, type CoatInAir, withoutCoat } from "../material/material";
+import { COAT_PARAMETERS, rounded } from "../material/parameters";
 import { announcement, changeMaterial, material } from "../state/store";
 import { Field } from "./Field";
 import { Icon } from "./icons";
@@ -19,8 +15,8 @@ import { WidthFields, withWidths } from "./WidthFields";
 /** Cards that show their name alone. */
 const folded = signal<ReadonlySet<number>>(new Set());
 
-const SHOWN = ["ior", "sigmaT", "albedo", "g"] as const;
-const COLOURED: ReadonlySet<keyof CoatInAir> = new Set(["sigmaT", "albedo", "g"]);
+/** Cards whose physical numbers are shown: all, or none. */
+const physical = signal(false);
 
 interface CoatCardProps {
   card: Card;
@@ -39,9 +35,11 @@ export function CoatCard({ card, name, seen, dragged, onMove, onDrag }: CoatCard
     changeMaterial({ ...material.value, coats }, kind);
   };
   const change = (next: Partial<Card>, kind = "") => replace({ ...card, ...next }, kind);
+  const look = lookOf(card);
+  const medium = { card, owner: name, onChange: replace };
   const classes = ["card", seen ? "" : "unseen", dragged ? "dragged" : ""].join(" ");
   return (
-    <li class={classes} aria-label={name} style={{ "--medium": mediumColour(card) }}>
+    <li class={classes} aria-label={name} style={{ "--medium": hex(shownColour(card)) }}>
       <header>
         <button
           type="button"
@@ -109,49 +107,93 @@ export function CoatCard({ card, name, seen, dragged, onMove, onDrag }: CoatCard
       </header>
       {!isFolded && (
         <div class="fields">
+          <MediumField name="color" {...medium} />
+          <MediumField name="body" {...medium} />
+          {Math.max(...rgb(look.body)) > 0 && <MediumField name="bodyColor" {...medium} />}
+          <MediumField name="thickness" {...medium} />
           <WidthFields
             owner={name}
             parameter={COAT_PARAMETERS.alpha}
             widths={card}
             onChange={(next, kind) => replace(withWidths(card, next), kind)}
           />
-          {SHOWN.map((key) => (
+          <details
+            open={physical.value}
+            onToggle={(event) => {
+              physical.value = event.currentTarget.open;
+            }}
+          >
+            <summary>Physical</summary>
             <Field
-              key={key}
               owner={name}
-              parameter={COAT_PARAMETERS[key]}
-              value={card[key]}
-              coloured={COLOURED.has(key) || typeof card[key] !== "number"}
-              onChange={(value: Channels, kind: string) => change({ [key]: value }, kind)}
+              parameter={COAT_PARAMETERS.ior}
+              value={card.ior}
+              coloured={typeof card.ior !== "number"}
+              onChange={(ior, kind) => change({ ior }, kind)}
             />
-          ))}
+            <MediumField name="sigmaT" {...medium} />
+            <MediumField name="albedo" {...medium} />
+            <MediumField name="g" {...medium} />
+          </details>
         </div>
       )}
     </li>
   );
 }
 
+/** A parameter of the medium: of its appearance or of its physics, whichever was given. */
+type MediumKey = keyof Look | keyof Physics | "thickness" | "g";
+
+interface MediumFieldProps {
+  name: MediumKey;
+  card: Card;
+  owner: string;
+  onChange: (next: Card, kind: string) => void;
+}
+
+function MediumField({ name, card, owner, onChange }: MediumFieldProps) {
+  const changed = (value: Channels) => withMedium(card, name, value);
+  return (
+    <Field
+      owner={owner}
+      parameter={COAT_PARAMETERS[name]}
+      value={mediumValue(card, name)}
+      coloured={name !== "thickness"}
+      colourOf={name === "g" ? undefined : (value) => shownColour(changed(value))}
+      onChange={(value, kind) => onChange(changed(value), kind)}
+    />
+  );
+}
+
+/** A parameter of a coat's medium, however it was given. */
+function mediumValue(card: Card, name: MediumKey): Channels {
+  if (name === "thickness") return card.thickness ?? 1;
+  const all = { ...lookOf(card), ...physicsOf(card), g: card.g };
+  return mapped(all[name], rounded);
+}
+
+/** A coat with another value of its medium, which is then given by that value's kind. */
+function withMedium(card: Card, name: MediumKey, value: Channels): Card {
+  if (name === "thickness") return { ...card, thickness: rgb(value)[0] };
+  if (name === "g") return { ...card, g: value };
+  const { color, body, bodyColor, albedo, sigmaT, ...others } = card as Card & Look & Physics;
+  const given = name === "albedo" || name === "sigmaT" ? physicsOf(card) : lookOf(card);
+  const numbers = Object.entries(given).map(([key, x]) => [key, mapped(x as Channels, rounded)]);
+  return { ...others, ...Object.fromEntries(numbers), [name]: value } as Card;
+}
+
 /** What kind of coat it is, in a word or two. */
 function kindOf(coat: CoatInAir): string {
-  const depth = Math.max(...rgb(coat.sigmaT));
-  const albedo = Math.max(...rgb(coat.albedo));
+  const { color, body } = lookOf(coat);
+  const opaque = Math.max(...rgb(body));
   const widest = Math.max(...rgb(coat.alpha), ...rgb(coat.alphaV ?? coat.alpha));
   const surface = widest > 0.2 ? "matt" : "glossy";
-  if (depth < 0.005) return `${surface}, clear`;
-  if (depth > 2.5) return `${surface}, opaque`;
-  return albedo > 0.4 ? `${surface}, milky` : `${surface}, tinted`;
+  if (opaque > 0.6) return `${surface}, opaque`;
+  if (opaque > 0.02) return `${surface}, milky`;
+  return Math.min(...rgb(color)) > 0.99 ? `${surface}, clear` : `${surface}, tinted`;
 }
 
-/** About the colour of the medium on white, for the card's edge. */
-function mediumColour(coat: CoatInAir): string {
-  const passed = transmission(rgb(coat.sigmaT));
-  const scattered = rgb(coat.albedo).map(deepReflectance);
-  const mixed = passed.map((x, k) => x * x + (1 - x * x) * scattered[k]!) as unknown as Rgb;
-  return hex(mixed);
-}
-
-/** Reflectance of an infinitely deep medium (van de Hulst 1980). */
-function deepReflectance(albedo: number): number {
-  const s = Math.sqrt(1 - albedo);
-  return ((1 - s) * (1 - 0.139 * s)) / (1 + 1.17 * s);
+/** About the colour of a coat on white. */
+function shownColour(coat: CoatInAir): Rgb {
+  return colourOnWhite(coat, coat.thickness ?? 1);
 }

@@ -2,8 +2,8 @@
 
 import type { ComponentChildren } from "preact";
 import type { Channels } from "../core/api";
-import { depthOf, fromHex, hex, transmission } from "../material/colour";
-import { joined, type Rgb, rgb } from "../material/material";
+import { joined, type Rgb, rgb } from "../material/channels";
+import { fromHex, hex } from "../material/colour";
 import { clamped, type Parameter, placeOf, rounded, valueAt } from "../material/parameters";
 import { NumberField } from "./NumberField";
 import { Slider } from "./Slider";
@@ -17,12 +17,15 @@ interface FieldProps {
   coloured: boolean;
   /** What stands at the end of its first line. */
   aside?: ComponentChildren;
+  /** The colour of a value, which the sliders' tracks show. */
+  colourOf?: ((value: Channels) => Rgb) | undefined;
   onChange: (value: Channels, kind: string) => void;
 }
 
 const CHANNELS = ["red", "green", "blue"] as const;
 
-export function Field({ owner, parameter, value, coloured, aside, onChange }: FieldProps) {
+export function Field(props: FieldProps) {
+  const { owner, parameter, value, coloured, aside, colourOf, onChange } = props;
   const split = typeof value !== "number";
   const values = rgb(value);
   const name = `${owner}, ${parameter.label}`;
@@ -36,6 +39,17 @@ export function Field({ owner, parameter, value, coloured, aside, onChange }: Fi
   const toggle = () =>
     onChange(split ? rounded((values[0] + values[1] + values[2]) / 3) : [...values], "");
 
+  /** A track's gradient: what a channel's values, or the one value, look like. */
+  const gradient = (channel: number | null) => {
+    if (colourOf === undefined) return undefined;
+    const stops = STOPS.map((place) => {
+      const other = valueAt(parameter, place);
+      if (channel === null) return hex(colourOf(other));
+      return hex(colourOf(values.map((x, k) => (k === channel ? other : x)) as unknown as Rgb));
+    });
+    return `linear-gradient(90deg, ${stops.join(", ")})`;
+  };
+
   return (
     <div class={split ? "field split" : "field"}>
       {/* biome-ignore lint/a11y/noStaticElementInteractions: a shortcut; the menu key is Delete on the slider */}
@@ -44,9 +58,7 @@ export function Field({ owner, parameter, value, coloured, aside, onChange }: Fi
       </span>
       <span class="aside">
         {aside}
-        {parameter.colour && (
-          <Swatch name={name} parameter={parameter} values={values} onChange={onChange} />
-        )}
+        {parameter.isColour && <Swatch name={name} values={values} onChange={onChange} />}
         {coloured && (
           <button
             type="button"
@@ -69,6 +81,7 @@ export function Field({ owner, parameter, value, coloured, aside, onChange }: Fi
               key={channel}
               name={`${name}, ${channel}`}
               channel={channel}
+              track={gradient(at)}
               parameter={parameter}
               value={values[at]!}
               onInput={(next) => set(at, next)}
@@ -78,6 +91,7 @@ export function Field({ owner, parameter, value, coloured, aside, onChange }: Fi
         ) : (
           <Row
             name={name}
+            track={gradient(null)}
             parameter={parameter}
             value={values[0]}
             onInput={(next) => set(null, next)}
@@ -92,20 +106,24 @@ export function Field({ owner, parameter, value, coloured, aside, onChange }: Fi
 interface RowProps {
   name: string;
   channel?: string;
+  /** The slider's background. */
+  track: string | undefined;
   parameter: Parameter;
   value: number;
   onInput: (value: number) => void;
   onReset: () => void;
 }
 
-/** Steps of a slider. */
+/** Steps of a slider, and the places at which its track's colour is computed. */
 const STEPS = 500;
+const STOPS = [0, 0.2, 0.4, 0.6, 0.8, 1];
 
-function Row({ name, channel, parameter, value, onInput, onReset }: RowProps) {
+function Row({ name, channel, track, parameter, value, onInput, onReset }: RowProps) {
   return (
     <div class="row">
       <Slider
         class={channel ?? ""}
+        track={track}
         name={name}
         text={String(value)}
         low={0}
@@ -128,25 +146,19 @@ function Row({ name, channel, parameter, value, onInput, onReset }: RowProps) {
 
 interface SwatchProps {
   name: string;
-  parameter: Parameter;
   values: Rgb;
   onChange: (value: Channels, kind: string) => void;
 }
 
-function Swatch({ name, parameter, values, onChange }: SwatchProps) {
-  const depth = parameter.colour === "depth";
-  const shown = depth ? transmission(values) : values;
+function Swatch({ name, values, onChange }: SwatchProps) {
   return (
     <input
       type="color"
       class="swatch"
-      aria-label={depth ? `${name}: colour that passes the medium` : `${name}: colour`}
-      title={depth ? "The colour that passes once through the medium" : "The colour"}
-      value={hex(shown)}
-      onInput={(event) => {
-        const colour = fromHex(event.currentTarget.value);
-        onChange(joined(depth ? depthOf(colour) : colour), `${name} colour`);
-      }}
+      aria-label={`${name}: choose`}
+      title="Choose the colour"
+      value={hex(values)}
+      onInput={(event) => onChange(joined(fromHex(event.currentTarget.value)), `${name} colour`)}
     />
   );
 }

@@ -31,6 +31,10 @@ function presentSession(): Session {
 /** The core of the material that is shown, and its codes. */
 async function encoded(): Promise<{ core: PageCore; codes: Material }> {
   const stack = stackOf(material.value);
+  if (stack.energyCompensation && stack.coats.length > 0)
+    throw new Refusal(
+      "The codes of a material have no energy compensation; switch it off, or save Python or a Mitsuba BSDF.",
+    );
   const core = await presentSession().cores.of(stack);
   return { core, codes: await core.layer(stack) };
 }

@@ -7,6 +7,8 @@ interface SliderProps {
   name?: string;
   text: string;
   class?: string;
+  /** The track's background, instead of how far it is filled. */
+  track?: string | undefined;
   low: number;
   high: number;
   step: number;
@@ -30,7 +32,7 @@ export function Slider({ name, text, low, high, step, value, onInput, ...props }
   return (
     <input
       type="range"
-      class={props.class ?? ""}
+      class={`${props.class ?? ""} ${props.track ? "graded" : ""}`}
       aria-label={name}
       aria-valuetext={text}
       title="Double click: reset"
@@ -38,7 +40,10 @@ export function Slider({ name, text, low, high, step, value, onInput, ...props }
       max={high}
       step={step}
       value={value}
-      style={{ "--fill": `${((100 * (value - low)) / (high - low)).toFixed(2)}%` }}
+      style={{
+        "--fill": `${((100 * (value - low)) / (high - low)).toFixed(2)}%`,
+        "--graded": props.track,
+      }}
       onPointerDown={({ pointerType, clientX: x, clientY: y }) => {
         touch.current = pointerType === "touch" ? { x, y, value } : null;
       }}

@@ -1,5 +1,5 @@
 import { describe, expect, test } from "vitest";
-import { decoded, depthOf, encoded, fromHex, hex, transmission } from "../../src/material/colour";
+import { decoded, encoded, fromHex, hex } from "../../src/material/colour";
 import {
   BARE,
   type BottomInAir,
@@ -148,10 +148,5 @@ describe("colours", () => {
   test("as text", () => {
     expect(hex([0, 0.2158605, 1])).toBe("#0080ff");
     expect(fromHex("#0080ff")).toEqual([0, 0.216, 1]);
-  });
-  test("a medium of a colour's depth lets that colour pass", () => {
-    transmission(depthOf([0.9, 0.5, 0.1])).forEach((x, k) => {
-      expect(x).toBeCloseTo([0.9, 0.5, 0.1][k]!, 2);
-    });
   });
 });

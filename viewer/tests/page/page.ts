@@ -28,10 +28,12 @@ export const test = base.extend<{ quiet: string[] }>({
 
 export { expect };
 
-/** Open the page and wait until it computes. */
+/** Open the page and wait until it computes; the physical numbers are shown. */
 export async function open(page: Page, address = ""): Promise<void> {
   await page.goto(`./${address}`);
   await expect(page.locator(".status")).not.toHaveText(/Loading/);
+  const physical = page.locator("summary").first();
+  if (await physical.isVisible()) await physical.click(); // of all cards
 }
 
 /** The state that the address holds; it follows with a delay. */

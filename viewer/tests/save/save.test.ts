@@ -1,5 +1,6 @@
 import { describe, expect, test } from "vitest";
-import type { MaterialCards } from "../../src/material/material";
+import type { Physics } from "../../src/material/appearance";
+import type { CoatCard, MaterialCards } from "../../src/material/material";
 import { mitsubaDict, mitsubaXml } from "../../src/save/mitsuba";
 import { fileName, pythonText } from "../../src/save/python";
 
@@ -21,6 +22,21 @@ test("Python: coats are put on from the bottom up", () => {
     "material = urushi.layer(urushi.dielectric(alpha=0.03, ior=1.53), material, albedo=0, sigma_t=(0.1, 0.2, 0.3), g=0, refine=False)",
   ]);
   expect(lines).toContain('material.save("my-lacquer.safetensors")');
+});
+
+test("Appearance, thickness and energy compensation are written as they were given", () => {
+  const look = { color: [0.9, 0.6, 0.3] as const, body: 0.1, bodyColor: 0.8, thickness: 2 };
+  const [{ albedo, sigmaT, ...top }] = STACK.coats as [CoatCard & Physics];
+  const coats = [{ ...top, ...look }];
+  const material = { ...STACK, coats, energyCompensation: true };
+  expect(pythonText(material)).toContain(
+    "urushi.coat(material, alpha=0.03, ior=1.53, color=(0.9, 0.6, 0.3), body=0.1, body_color=0.8, g=0, thickness=2, energy_compensation=True)",
+  );
+  const xml = mitsubaXml(material);
+  expect(xml).toContain('<rgb name="color" value="0.9, 0.6, 0.3"/>');
+  expect(xml).toContain('<boolean name="energy_compensation" value="true"/>');
+  expect(xml).not.toContain("sigma_t");
+  expect(mitsubaDict(material)).toContain('"energy_compensation": True,');
 });
 
 test("Mitsuba XML: the topmost coat is the outermost", () => {

@@ -1,0 +1,106 @@
+/**
+ * The option `energyCompensation`: light that the topmost coat's rough surface loses is given back.
+ *
+ * A surface scatters light once, so that light which meets a second facet is lost. The share L(w)
+ * that a clear coat of the same surface loses over white returns as the lobe C L(wi) L(wo) / (pi
+ * L_mean) (Kulla and Conty 2017), in the colour C of coat and bottom; see `walk.compensation` of
+ * Python. L, and what white reflects, are those of the networks, so that clear
+ * coats over white reflect all light.
+ */
+
+import type { Coat, Compensation, Material, Stack } from "./api";
+import { CHANNELS } from "./channels";
+import { coatedColor } from "./formulas";
+import { ofChannel } from "./surfaces";
+
+/** Nodes of the cosine, whose roots have equal distances. */
+const COSINES = Float32Array.from({ length: 13 }, (_, k) => Math.max(k / 12, 0.02) ** 2);
+
+const WHITE = { kind: "diffuse", reflectance: 1 } as const;
+
+/** What the lobe is computed by. */
+interface Networks {
+  layer(stack: Stack): Material;
+  albedo(material: Material, cosines: Float32Array): Float32Array;
+}
+
+/** Makes lobes of coats; the latest surface's loss is kept while its medium is changed. */
+export class Compensations {
+  private latest: { readonly name: string; readonly lost: Float32Array } | undefined;
+
+  constructor(private readonly networks: Networks) {}
+
+  /** The lobe of a coat over a material. */
+  of(coat: Coat, below: Material): Compensation {
+    const lost = this.lostBy(coat);
+    const [reflected, white] = [below, this.networks.layer({ bottom: WHITE, coats: [] })].map(
+      (material) => this.networks.albedo(material, Float32Array.of(1)),
+    );
+    const factors = [0, 1, 2].map((k) => {
+      const medium = [coat.albedo, coat.sigmaT, coat.g].map((value) => ofChannel(value, k));
+      const [albedo, depth, g] = medium as [number, number, number];
+      const colour = coatedColor(
+        ofChannel(coat.eta, k),
+        albedo,
+        depth,
+        g,
+        Math.min(reflected![k]! / white![k]!, 1),
+      );
+      return colour / Math.max(Math.PI * hemisphereMean(lost, k), 1e-5);
+    });
+    return { factors, lost };
+  }
+
+  /** What the surface of a coat loses over white. */
+  private lostBy({ alpha, alphaV = alpha, eta }: Coat): Float32Array {
+    const name = JSON.stringify([alpha, alphaV, eta]);
+    if (this.latest?.name !== name) {
+      const mean = (k: number) =>
+        Math.hypot(ofChannel(alpha, k), ofChannel(alphaV, k)) / Math.SQRT2;
+      const clear = {
+        alpha: [mean(0), mean(1), mean(2)],
+        eta,
+        albedo: 0,
+        sigmaT: 0,
+        g: 0,
+      } as const;
+      const coated = this.networks.layer({ bottom: WHITE, coats: [clear] });
+      const kept = this.networks.albedo(coated, COSINES);
+      const lost = kept.map((share, at) =>
+        ofChannel(eta, at % CHANNELS) === 1 ? 0 : Math.max(1 - share, 0),
+      );
+      this.latest = { name, lost };
+    }
+    return this.latest.lost;
+  }
+}
+
+/** The lobe [1/sr] of a channel at two cosines. */
+export function lobeOf(
+  { factors, lost }: Compensation,
+  channel: number,
+  cosI: number,
+  cosO: number,
+): number {
+  return factors[channel]! * lostAt(lost, channel, cosI) * lostAt(lost, channel, cosO);
+}
+
+/** L at a cosine, linear in its root. */
+function lostAt(lost: Float32Array, channel: number, cosine: number): number {
+  const last = COSINES.length - 1;
+  const place = Math.sqrt(Math.min(Math.max(cosine, 0), 1)) * last;
+  const first = Math.min(Math.floor(place), last - 1);
+  const low = lost[CHANNELS * first + channel]!;
+  return low + (place - first) * (lost[CHANNELS * (first + 1) + channel]! - low);
+}
+
+/** The mean of L over the hemisphere, weighted by the cosine. */
+function hemisphereMean(lost: Float32Array, channel: number): number {
+  const steps = 96;
+  let sum = 0;
+  for (let k = 0; k < steps; k++) {
+    const root = (k + 0.5) / steps;
+    sum += (4 * root ** 3 * lostAt(lost, channel, root * root)) / steps;
+  }
+  return sum;
+}

@@ -1,0 +1,66 @@
+/** The medium of a coat by what people see of it, or by its physics; see `core.appearance` of Python. */
+
+import type { Channels } from "../core/api";
+import { medium } from "../core/formulas";
+import { joined, type Rgb, rgb } from "./channels";
+
+/** A medium by its appearance, at thickness 1. */
+export interface Look {
+  /** What passes a clear coat twice, at normal incidence. */
+  color: Channels;
+  /** How opaque the pigment is, in [0, 1], and its colour. */
+  body: Channels;
+  bodyColor: Channels;
+}
+
+/** A medium by its physics, at thickness 1. */
+export interface Physics {
+  albedo: Channels;
+  sigmaT: Channels;
+}
+
+/** A medium as it was given, and its Henyey-Greenstein asymmetry. */
+export type Medium = (Look | Physics) & { g: Channels };
+
+/** Albedo and optical depth of a medium. */
+export function physicsOf(coat: Medium): Physics {
+  if ("sigmaT" in coat) return { albedo: coat.albedo, sigmaT: coat.sigmaT };
+  const out = new Float64Array(6);
+  const [color, body, bodyColor, g] = [coat.color, coat.body, coat.bodyColor, coat.g].map(rgb);
+  for (let k = 0; k < 3; k++) medium(color![k]!, body![k]!, bodyColor![k]!, g![k]!, out, 2 * k);
+  const of = (at: number) => joined([out[at]!, out[2 + at]!, out[4 + at]!]);
+  return { albedo: of(0), sigmaT: of(1) };
+}
+
+/** The appearance of a medium: of a clear dye if nothing scatters, otherwise of a paint. */
+export function lookOf(coat: Medium): Look {
+  if ("color" in coat) return { color: coat.color, body: coat.body, bodyColor: coat.bodyColor };
+  const [albedo, depth, g] = [rgb(coat.albedo), rgb(coat.sigmaT), rgb(coat.g)];
+  const each = (one: (k: number) => number) => joined([one(0), one(1), one(2)]);
+  if (Math.max(...albedo) === 0)
+    return { color: each((k) => Math.exp(-2 * depth[k]!)), body: 0, bodyColor: 0.8 };
+  const pigment = (k: number) => depth[k]! * (1 - albedo[k]! * g[k]!);
+  return {
+    color: 1,
+    body: each((k) => pigment(k) / (4 / 3 + pigment(k))),
+    bodyColor: each((k) => deepReflectance(albedo[k]!, g[k]!)),
+  };
+}
+
+/** About the colour of a medium of a thickness over white. */
+export function colourOnWhite(coat: Medium, thickness: number): Rgb {
+  const { color, body, bodyColor } = lookOf(coat);
+  const [clear, share, pigment] = [rgb(color), rgb(body), rgb(bodyColor)];
+  const one = (k: number) => {
+    const white = 1 - share[k]!; // is 1 / (1 + depth)
+    const hidden = 1 - white / (white + thickness * (1 - white) + 1e-9);
+    return clear[k]! ** thickness * (1 - hidden + hidden * pigment[k]!);
+  };
+  return [one(0), one(1), one(2)];
+}
+
+/** Reflectance of an infinitely deep medium (van de Hulst 1980). */
+function deepReflectance(albedo: number, g: number): number {
+  const s = Math.sqrt((1 - albedo) / (1 - albedo * g));
+  return ((1 - s) * (1 - 0.139 * s)) / (1 + 1.17 * s);
+}
