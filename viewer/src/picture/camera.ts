@@ -79,6 +79,12 @@ export function cameraOf(
   };
 }
 
+/** The camera below the ground that sees the object as it is reflected there. */
+export function mirrored({ eye, projection, ...camera }: Camera): Camera {
+  const flipped = projection.map((x, at) => (Math.floor(at / 4) === 2 ? -x : x));
+  return { ...camera, eye: [eye[0], eye[1], -eye[2]], projection: flipped };
+}
+
 function dot(a: Vector, b: Vector): number {
   return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }

@@ -4,6 +4,7 @@ import type { ObjectName } from "../state/state";
 import {
   BODY,
   BOWL,
+  GOBLET,
   HANDLE,
   LID,
   NATSUME,
@@ -43,6 +44,11 @@ type Surface = (u: number, v: number) => readonly [number, number, number];
 /** The mesh of an object. */
 export function meshOf(name: ObjectName): Mesh {
   switch (name) {
+    case "goblet":
+      return joined(
+        GOBLET.map((part) => turned(bezierOutline(part), 128, (part.length - 1) * 8)),
+        0.41,
+      );
     case "ball":
       return joined([turned(ballOutline, 96, 64)], 0.5);
     case "caddy":
@@ -222,8 +228,9 @@ function surface(at: Surface, around: number, along: number): Part {
       const u = (column % around) / around;
       const du = minus(at((u + step) % 1, beside), at((u + 1 - step) % 1, beside));
       const dv = minus(at(u, beside + step), at(u, beside - step));
-      // A vertex of the first or last row is that of one triangle, of whose middle it has the u.
-      const aside = row === 0 ? 0.5 : row === along ? -0.5 : 0;
+      // A vertex at a pole is that of one triangle, of whose middle it has the u.
+      const [x, y] = at(u, v);
+      const aside = Math.hypot(x, y) > 1e-6 ? 0 : row === 0 ? 0.5 : -0.5;
       const middle = Math.min(Math.max((column + aside) / around, 0), 1);
       vertices.push(...at(u, v), ...unit(cross(du, dv)), middle, v);
       tangents.push(...unit(du));

@@ -34,6 +34,54 @@ export const NATSUME: readonly Point[] = [
   [0, 1.058],
 ];
 
+/**
+ * A dish on a foot, in cubic Bézier segments: a flat ledge with a sharp edge, a concave stem, a round
+ * body, a thin rim and a shallow hollow. Segments meet in edges between the parts.
+ */
+export const GOBLET: readonly (readonly Point[])[] = [
+  line([0, 0], [0.39, 0]),
+  [
+    [0.39, 0],
+    [0.405, 0],
+    [0.41, 0.01],
+    [0.41, 0.02],
+    ...line([0.41, 0.02], [0.41, 0.1]).slice(1),
+  ],
+  line([0.41, 0.1], [0.23, 0.1]),
+  [
+    [0.23, 0.1],
+    [0.15, 0.12],
+    [0.13, 0.22],
+    [0.2, 0.28],
+  ],
+  [
+    [0.2, 0.28],
+    [0.4, 0.3],
+    [0.56, 0.42],
+    [0.59, 0.66],
+    [0.6, 0.74],
+    [0.61, 0.785],
+    [0.66, 0.81],
+    [0.672, 0.816],
+    [0.666, 0.828],
+    [0.652, 0.824],
+    [0.585, 0.8],
+    [0.575, 0.77],
+    [0.565, 0.7],
+    [0.545, 0.58],
+    [0.36, 0.53],
+    [0, 0.53],
+  ],
+];
+
+function line(from: Point, to: Point): Point[] {
+  const at = (share: number): Point => [
+    from[0] + share * (to[0] - from[0]),
+    from[1] + share * (to[1] - from[1]),
+  ];
+  return [from, at(1 / 3), at(2 / 3), to];
+}
+
 /** A vase with a narrow neck. */
 export const VASE: readonly Point[] = [
   [0, 0.04],

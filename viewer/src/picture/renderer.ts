@@ -6,7 +6,7 @@ import type { Radiance } from "../save/exr";
 import type { Comparison, EnvironmentName, ObjectName, View } from "../state/state";
 import type { AnisotropicSize } from "./anisotropic_table";
 import { brightTexels, directionTexels, FAR, NEAR, type TableSize } from "./bright_table";
-import { type Camera, cameraOf } from "./camera";
+import { type Camera, cameraOf, mirrored } from "./camera";
 import { EnvironmentMap, type Key, keyOf, lightsOf, SIDE } from "./environment";
 import { contextOf, cover, coverProgram, filters, type Gl, included, Program } from "./gl";
 import { type Mesh, meshOf, VERTEX_NUMBERS } from "./meshes";
@@ -56,6 +56,9 @@ const OBJECT_SOURCE = included(objectFragment, {
   "frame.glsl": frameSource,
   "anisotropic.glsl": included(anisotropicSource, { "basis.glsl": basisSource }),
 });
+
+/** Share of the directions by which the faint reflection in the ground is drawn. */
+const MIRROR_SHARE = 0.25;
 
 /** Directions of a frame where a texture of codes is decoded at each pixel. */
 const TEXEL_SAMPLES = 32;
@@ -264,16 +267,31 @@ export class Renderer {
         (2 * shift[0]!) / pane.width,
         (2 * shift[1]!) / height,
       ]);
-      targets.bindSurface();
-      this.placeTexels(textures.texels, count);
-      this.drawMesh(this.surface, camera);
-      targets.bindShaded();
-      this.shade(camera, shot, textures, count, share);
-      targets.bind();
+      const draw = (seen: Camera, directions: number) => {
+        targets.bindSurface();
+        this.placeTexels(textures.texels, count);
+        this.drawMesh(this.surface, seen);
+        targets.bindShaded();
+        this.shade(seen, shot, textures, count, directions);
+        targets.bind();
+      };
+      const isAbove = camera.eye[2] > 0;
+      if (isAbove) {
+        gl.frontFace(gl.CW);
+        draw(mirrored(camera), MIRROR_SHARE * share);
+      } else targets.bind();
       this.drawBackdrop(camera, shot);
-      this.paint.use();
-      this.paint.setTexture("shaded", 0, gl.TEXTURE_2D, targets.shaded);
-      this.drawMesh(this.paint, camera);
+      if (isAbove) {
+        gl.enable(gl.BLEND);
+        gl.blendFunc(gl.SRC_ALPHA, gl.ONE_MINUS_SRC_ALPHA);
+        this.drawPaint(mirrored(camera), [groundReflectance(camera), 0.7 * this.mesh.halfHeight]);
+        gl.disable(gl.BLEND);
+        gl.frontFace(gl.CCW);
+        gl.clear(gl.DEPTH_BUFFER_BIT);
+        targets.clearSurface();
+      }
+      draw(camera, share);
+      this.drawPaint(camera, [0, 0]);
     }
     gl.disable(gl.SCISSOR_TEST);
   }
@@ -371,6 +389,14 @@ export class Renderer {
     backdrop.set("keySize", key.radius, key.share);
     backdrop.setTexture("environment", 0, gl.TEXTURE_CUBE_MAP, this.map.texture);
     cover(gl);
+  }
+
+  /** Draw the mesh in the colours that were computed; mirror: see paint.frag. */
+  private drawPaint(camera: Camera, mirror: readonly [number, number]): void {
+    this.paint.use();
+    this.paint.setTexture("shaded", 0, this.gl.TEXTURE_2D, this.targets.shaded);
+    this.paint.set("mirror", ...mirror);
+    this.drawMesh(this.paint, camera);
   }
 
   private drawMesh(program: Program, camera: Camera): void {
@@ -475,6 +501,11 @@ export class Renderer {
     gl.vertexAttribPointer(3, 3, gl.FLOAT, false, 0, 0);
     gl.bindVertexArray(null);
   }
+}
+
+/** Reflectance of the ground at the picture's middle (Schlick 1994), of a polished floor. */
+function groundReflectance({ forward }: Camera): number {
+  return 0.04 + 0.96 * (1 - Math.abs(forward[2])) ** 5;
 }
 
 function turnOf(shot: Shot): [number, number] {

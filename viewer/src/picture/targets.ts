@@ -86,6 +86,15 @@ export class Targets {
     }
   }
 
+  /** Forget the surface in the scissored part, which the next mesh covers. */
+  clearSurface(): void {
+    const { gl } = this;
+    for (const buffer of [this.surface, this.shading]) {
+      gl.bindFramebuffer(gl.FRAMEBUFFER, buffer);
+      gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
+    }
+  }
+
   /** Draw positions and normals from here on. */
   bindSurface(): void {
     this.gl.bindFramebuffer(this.gl.FRAMEBUFFER, this.surface);

@@ -3,7 +3,7 @@
 import type { MaterialCards } from "../material/material";
 import { preset } from "../material/presets";
 
-export const OBJECTS = ["ball", "caddy", "teapot", "plate", "vase", "bowl", "sheet"] as const;
+export const OBJECTS = ["goblet", "ball", "caddy", "teapot", "plate", "vase", "bowl", "sheet"] as const;
 export const ENVIRONMENTS = ["studio", "sky", "room", "own"] as const;
 export const COMPARISONS = ["off", "side", "swipe", "difference"] as const;
 
@@ -52,7 +52,7 @@ export const INITIAL: State = {
   comparison: "off",
   edge: 0.5,
   scale: 50,
-  object: "caddy",
+  object: "goblet",
   environment: "studio",
   panorama: "",
   rotation: 0,

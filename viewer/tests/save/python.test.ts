@@ -33,13 +33,8 @@ const UNDER_VARNISH = [
   { bottom: { kind: "dielectric", alpha: 0.2, ior: 1.9 }, coats: [VARNISH] },
   { bottom: { kind: "diffuse" }, coats: [VARNISH, { alpha: 0.1, ior: 1.5 }] },
   { bottom: { kind: "diffuse" }, coats: [VARNISH, { alpha: 0.1, ior: 1.7, sigmaT: 1 }] },
-  {
-    bottom: { kind: "diffuse" },
-    coats: [
-      { color: [0.9, 0.6, 0.3], thickness: 2 },
-      { body: 0.4, g: 0.3 },
-    ],
-  },
+  { bottom: { kind: "diffuse" }, coats: [{ color: [0.9, 0.6, 0.3], thickness: 2 }] },
+  { bottom: { kind: "diffuse" }, coats: [{ body: 0.4, bodyColor: [0.8, 0.3, 0.1], g: 0.3 }] },
 ].map((material) => readMaterial(material));
 const folder = mkdtempSync(join(tmpdir(), "urushi-"));
 afterAll(() => rmSync(folder, { recursive: true }));

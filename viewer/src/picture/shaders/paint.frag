@@ -3,7 +3,9 @@
 precision highp float;
 
 uniform sampler2D shaded; // alpha: 0 where the middle of the pixel shows no surface
+uniform vec2 mirror; // share of a reflection in the ground, and the height at which it fades
 
+in vec3 worldPosition;
 out vec4 colour;
 
 void main() {
@@ -21,4 +23,5 @@ void main() {
         }
         colour = sum / sum.a;
     }
+    colour.a = mirror.y > 0.0 ? mirror.x * exp(-worldPosition.z / mirror.y) : 1.0;
 }
