@@ -21,6 +21,19 @@ export const PRESETS: readonly MaterialCards[] = LIBRARY.map(({ coats, ...materi
   solo: null,
 }));
 
+/** A material's name, and whether it is of the library but was changed. */
+export function titleOf(material: MaterialCards): string {
+  const original = PRESETS.find(({ name }) => name === material.name);
+  const content = ({ solo, ...rest }: MaterialCards) =>
+    JSON.stringify(
+      Object.entries(rest)
+        .filter(([, value]) => value !== false)
+        .sort(),
+    );
+  const isModified = original !== undefined && content(original) !== content(material);
+  return isModified ? `${material.name} (modified)` : material.name;
+}
+
 /** The material of the library of a name. */
 export function preset(name: string): MaterialCards {
   return PRESETS.find((material) => material.name === name)!;

@@ -40,6 +40,8 @@ export class Painter {
   /** Share of the frames that are gathered at rest, and whether no more will come. */
   readonly gathered = signal(0);
   readonly converged = signal(false);
+  /** Colour differences (CIELAB) of two pictures; null: none are compared so. */
+  readonly difference = signal<{ mean: number; largest: number } | null>(null);
   private renderer: Renderer | null = null;
   private shot: Shot | null = null;
   /** Milliseconds for a million pixels, and for a strip without any, whose vertices are moved. */
@@ -200,6 +202,7 @@ export class Painter {
       if (!this.resting) return false;
     }
     renderer.endFrame(shot, this.count);
+    this.difference.value = shot.comparison === "difference" ? renderer.difference(shot) : null;
     if (strips >= MANY_STRIPS) this.stripCost = Math.min(...times);
     const time = times.reduce((sum, one) => sum + one);
     this.learn(time - strips * this.stripCost, pixels);

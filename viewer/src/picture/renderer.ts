@@ -8,7 +8,7 @@ import type { AnisotropicSize } from "./anisotropic_table";
 import { brightTexels, directionTexels, FAR, NEAR, type TableSize } from "./bright_table";
 import { type Camera, cameraOf, mirrored } from "./camera";
 import { EnvironmentMap, type Key, keyOf, lightsOf, SIDE } from "./environment";
-import { contextOf, cover, coverProgram, filters, type Gl, included, Program } from "./gl";
+import { contextOf, cover, coverProgram, filters, type Gl, included, Program, readRgb } from "./gl";
 import { type Mesh, meshOf, VERTEX_NUMBERS } from "./meshes";
 import { type Light, MOST_LIGHTS, type Panorama } from "./panorama";
 import anisotropicSource from "./shaders/anisotropic.glsl?raw";
@@ -329,6 +329,28 @@ export class Renderer {
     this.display.set("exposure", 2 ** exposure);
     this.display.set("scale", comparison === "difference" ? scale : 0);
     cover(gl);
+  }
+
+  /** The mean colour difference (CIELAB) of pixels that differ, and the largest. */
+  difference(shot: Shot): { mean: number; largest: number } {
+    const { gl, targets } = this;
+    const [width, height] = [targets.width >> 1, targets.height];
+    targets.bindFrame();
+    gl.viewport(0, 0, width, height);
+    this.display.use();
+    this.display.setTexture("picture", 0, gl.TEXTURE_2D, targets.picture);
+    this.display.set("exposure", 2 ** shot.exposure);
+    this.display.set("scale", -1);
+    cover(gl);
+    let [sum, count, largest] = [0, 0, 0];
+    const values = readRgb(gl, width, height);
+    for (let at = 0; at < values.length; at += 3)
+      if (values[at]! > 0) {
+        sum += values[at]!;
+        count++;
+        largest = Math.max(largest, values[at]!);
+      }
+    return { mean: sum / Math.max(count, 1), largest };
   }
 
   /** The picture so far as linear radiance, before exposure and tone curve. */

@@ -118,6 +118,11 @@ export class Targets {
     gl.blitFramebuffer(0, 0, width, height, 0, 0, width, height, gl.COLOR_BUFFER_BIT, gl.NEAREST);
   }
 
+  /** Draw into the averaged frame from here on, once it has been gathered. */
+  bindFrame(): void {
+    this.gl.bindFramebuffer(this.gl.FRAMEBUFFER, this.single);
+  }
+
   /** Draw into the mean from here on. */
   bindMean(): void {
     const { gl } = this;

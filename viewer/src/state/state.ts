@@ -3,7 +3,16 @@
 import type { MaterialCards } from "../material/material";
 import { preset } from "../material/presets";
 
-export const OBJECTS = ["goblet", "ball", "caddy", "teapot", "plate", "vase", "bowl", "sheet"] as const;
+export const OBJECTS = [
+  "goblet",
+  "ball",
+  "caddy",
+  "teapot",
+  "plate",
+  "vase",
+  "bowl",
+  "sheet",
+] as const;
 export const ENVIRONMENTS = ["studio", "sky", "room", "own"] as const;
 export const COMPARISONS = ["off", "side", "swipe", "difference"] as const;
 

@@ -1,7 +1,10 @@
 /** The page. */
 
+import { titleOf } from "../material/presets";
+import type { State } from "../state/state";
 import { announcement, change, state } from "../state/store";
 import { Cards } from "./Cards";
+import { Icon } from "./icons";
 import { Plots } from "./Plots";
 import { Stage } from "./Stage";
 import { Toolbar } from "./Toolbar";
@@ -10,12 +13,19 @@ import { TopBar } from "./TopBar";
 export function App() {
   return (
     <>
+      <button
+        type="button"
+        class="skip"
+        onClick={() => document.getElementById("material")?.focus()}
+      >
+        Skip to the layers
+      </button>
       <TopBar />
       <main>
         <Stage />
         <Toolbar />
         <div class="column">
-          <aside aria-label="Material">
+          <aside id="material" tabIndex={-1} aria-label="Material">
             {state.value.comparison !== "off" && <Chooser />}
             <Cards />
           </aside>
@@ -29,8 +39,40 @@ export function App() {
   );
 }
 
-/** Which of the two materials the cards show. */
+/** Which of the two materials the cards show, and what makes one of the other. */
 function Chooser() {
+  const { active, materials } = state.value;
+  const [first, second] = materials;
+  const other = active === 0 ? "B" : "A";
+  const set = (next: State["materials"], said: string) => {
+    change({ ...state.value, materials: next });
+    announcement.value = said;
+  };
+  const copied = materials[active];
+  return (
+    <>
+      <Choice />
+      <div class="pair">
+        <button
+          type="button"
+          class="quiet"
+          onClick={() => set([copied, copied], `The material was copied to ${other}.`)}
+        >
+          Copy to {other}
+        </button>
+        <button
+          type="button"
+          class="quiet"
+          onClick={() => set([second, first], "A and B were swapped.")}
+        >
+          <Icon name="swap" /> Swap
+        </button>
+      </div>
+    </>
+  );
+}
+
+function Choice() {
   const { active, materials } = state.value;
   return (
     <div class="segments chooser" role="group" aria-label="Material on the cards">
@@ -41,7 +83,7 @@ function Chooser() {
           aria-pressed={active === slot}
           onClick={() => change({ ...state.value, active: slot })}
         >
-          <b>{slot === 0 ? "A" : "B"}</b> {materials[slot].name}
+          <b>{slot === 0 ? "A" : "B"}</b> {titleOf(materials[slot])}
         </button>
       ))}
     </div>

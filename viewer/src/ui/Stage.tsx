@@ -3,6 +3,7 @@
 import { useEffect, useRef } from "preact/hooks";
 import { encoding } from "../engine/open";
 import { loading, noPicture, session } from "../engine/session";
+import { titleOf } from "../material/presets";
 import { DIFFERENCE_SCALES, type View } from "../state/state";
 import { change, look, notice, state } from "../state/store";
 
@@ -13,8 +14,8 @@ export function Stage() {
       <Picture />
       {(comparison === "side" || comparison === "swipe") && (
         <div class={`names ${comparison}`}>
-          <span>A · {materials[0].name}</span>
-          <span>B · {materials[1].name}</span>
+          <span>A · {titleOf(materials[0])}</span>
+          <span>B · {titleOf(materials[1])}</span>
         </div>
       )}
       {comparison === "swipe" && <Edge />}
@@ -159,6 +160,7 @@ function Status() {
 /** What the colours of a difference mean. */
 function Legend() {
   const { scale } = state.value;
+  const found = session.value?.painter.difference.value;
   return (
     <div class="legend">
       <span title="Distance of the shown colours in CIELAB (CIE 1976); 2 is just seen">
@@ -179,6 +181,11 @@ function Legend() {
           ))}
         </select>
       </label>
+      {found && (
+        <span title="Mean over the pixels that differ, and the largest difference">
+          mean {found.mean.toFixed(1)}, largest {found.largest.toFixed(1)}
+        </span>
+      )}
     </div>
   );
 }

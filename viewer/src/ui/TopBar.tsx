@@ -3,7 +3,7 @@
 import { useEffect, useRef } from "preact/hooks";
 import { openFiles } from "../engine/open";
 import { drawThumbnails } from "../engine/thumbnails";
-import { PRESETS } from "../material/presets";
+import { PRESETS, titleOf } from "../material/presets";
 import { canRedo, canUndo, changeMaterial, material, redo, state, undo } from "../state/store";
 import { Icon } from "./icons";
 import { Menu } from "./Menu";
@@ -24,11 +24,11 @@ export function TopBar() {
       </h1>
       <Menu
         kind="presets"
-        name={`Material ${badge} ${material.value.name}: choose another`}
+        name={`Material ${badge} ${titleOf(material.value)}: choose another`}
         label={
           <>
             {badge && <b class="badge">{badge}</b>}{" "}
-            <span class="current">{material.value.name}</span>
+            <span class="current">{titleOf(material.value)}</span>
             <Icon name="down" />
           </>
         }

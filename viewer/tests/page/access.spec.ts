@@ -26,14 +26,14 @@ for (const [colorScheme, forcedColors] of [
       expect(found, `${width} by ${height}`).toEqual([]);
     };
     const button = (name: string) => page.getByRole("button", { name, exact: true });
-    await check(320, 640);
-    await check(1400, 900);
+    await check(360, 800);
+    await check(1600, 900);
     await button("Swipe").click();
     await button("Coat 2, u·v: two widths").click();
     await check(844, 390);
     await button("Difference").click();
     await button("Save").click();
-    await check(900, 640);
+    await check(1024, 768);
     await page.getByRole("button", { name: /choose another/ }).click();
     await check(390, 844);
   });
@@ -50,6 +50,12 @@ test("every control is reached by the keyboard", async ({ page }) => {
       }),
     );
   }
-  for (const name of ["Save", "Solo Coat 2", "Coat 1, Index n", "Angle of incidence"])
+  for (const name of [
+    "Skip to the layers",
+    "Save",
+    "Solo Coat 2",
+    "Coat 1, Index n",
+    "Angle of incidence",
+  ])
     expect([...reached]).toContain(name);
 });

@@ -47,6 +47,23 @@ test("a double click resets a field", async ({ page }) => {
   await expect(number(page, "Coat 2, Index n")).toHaveValue("1.5");
 });
 
+test("appearance and physics are two descriptions of a coat's medium", async ({ page }) => {
+  await open(page);
+  await number(page, "Coat 2, Colour, blue").fill("0.25");
+  await number(page, "Coat 2, Colour, blue").press("Enter");
+  await expect(number(page, "Coat 2, Depth σₜ, blue")).toHaveValue(/^0\.693/); // -ln(0.25) / 2
+  await number(page, "Coat 2, Thickness").fill("2");
+  await number(page, "Coat 2, Thickness").press("Enter");
+  await page.getByLabel("Energy compensation").check();
+  await expect
+    .poll(async () => (await stateOf(page)).materials[0])
+    .toMatchObject({
+      coats: [{ color: [0.85, 0.65, 0.25], body: 0, thickness: 2 }, { body: 1 }],
+      energyCompensation: true,
+    });
+  await expect(page.getByRole("button", { name: /choose another/ })).toContainText("(modified)");
+});
+
 test("a parameter has one value or one for each colour", async ({ page }) => {
   await open(page);
   const split = page.getByRole("button", { name: "Coat 2, Scattering: one value for each colour" });

@@ -5,7 +5,7 @@ precision highp float;
 
 uniform sampler2D picture;
 uniform float exposure;
-uniform float scale; // colour difference that is shown by the last colour; 0: one picture
+uniform float scale; // colour difference that is shown by the last colour; 0: one picture, -1: numbers
 
 in vec2 place;
 out vec4 colour;
@@ -57,11 +57,12 @@ vec3 difference(float x) {
 }
 
 void main() {
-    if (scale > 0.0) {
+    if (scale != 0.0) {
         float border = 0.5 / float(textureSize(picture, 0).x);
         vec2 left = vec2(clamp(0.25 * place.x + 0.25, border, 0.5 - border), 0.5 * place.y + 0.5);
         vec3 between = lab(shownAt(left)) - lab(shownAt(left + vec2(0.5, 0.0)));
-        colour = vec4(difference(length(between) / scale), 1.0);
+        float size = length(between);
+        colour = vec4(scale > 0.0 ? difference(size / scale) : vec3(size), 1.0);
         return;
     }
     vec3 shown = shownAt(0.5 * place + 0.5);
