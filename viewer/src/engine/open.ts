@@ -3,13 +3,14 @@
 import { signal } from "@preact/signals";
 import type { BottomInAir, TexelBottom } from "../material/material";
 import { isTexture } from "../material/texture";
+import { readMesh } from "../picture/mesh_files";
 import { readHdr, withoutLights } from "../picture/panorama";
 import { Refusal } from "../refusal";
 import { readState } from "../state/read";
 import { announcement, change, changeMaterial, complain, notice, tell } from "../state/store";
 import { networksOf, readMaterialFile } from "./material_file";
 import type { Cores, PageCore } from "./remote";
-import { session, useEnvironment } from "./session";
+import { session, useEnvironment, useMesh } from "./session";
 import { keepTexture } from "./textures";
 
 /** Whether a measured file is being encoded. */
@@ -32,6 +33,8 @@ async function openFile(file: File): Promise<void> {
   const suffix = file.name.toLowerCase().split(".").pop();
   if (suffix === "hdr") {
     useEnvironment(file.name, { file, ...withoutLights(readHdr(bytes)) });
+  } else if (suffix === "obj" || suffix === "glb" || suffix === "gltf") {
+    useMesh(file.name, readMesh(bytes, suffix));
   } else if (suffix === "json") {
     change(readState(parsed(bytes), tell));
   } else if (suffix === "safetensors" || suffix === "binary" || suffix === "bsdf") {
@@ -42,7 +45,7 @@ async function openFile(file: File): Promise<void> {
     changeMaterial({ name, ...opened, coats: [], solo: null });
   } else {
     throw new Refusal(
-      "The page opens materials (.safetensors), measured BRDFs (.binary of MERL, .bsdf of RGL), panoramas (.hdr) and saved states (.json).",
+      "The page opens materials (.safetensors), measured BRDFs (.binary of MERL, .bsdf of RGL), panoramas (.hdr), meshes (.obj, .glb, .gltf) and saved states (.json).",
     );
   }
 }

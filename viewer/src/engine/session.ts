@@ -1,10 +1,11 @@
 /** What lives as long as the page: the core, two materials, the picture, and what binds them. */
 
-import { computed, effect, signal } from "@preact/signals";
+import { computed, effect, type ReadonlySignal, signal } from "@preact/signals";
 import { type MaterialCards, stackOf } from "../material/material";
 import { meanCodes } from "../material/texture";
 import { lightsOf } from "../picture/environment";
 import { NoGraphics } from "../picture/gl";
+import { type Mesh, meshOf } from "../picture/meshes";
 import { noPictureYet, Painter } from "../picture/painter";
 import type { Light, Panorama } from "../picture/panorama";
 import { Renderer, type Shot } from "../picture/renderer";
@@ -30,6 +31,15 @@ interface OwnEnvironment {
 /** The panoramas that were opened, by the names of their files. */
 const panoramas = signal<ReadonlyMap<string, OwnEnvironment>>(new Map());
 
+/** The meshes that were opened, by the names of their files. */
+const meshes = signal<ReadonlyMap<string, Mesh>>(new Map());
+
+/** The mesh of a state's object: the goblet while the one that was opened is missing. */
+function meshOfState({ object, mesh }: State): Mesh {
+  if (object !== "own") return meshOf(object);
+  return meshes.value.get(mesh) ?? meshOf("goblet");
+}
+
 /** The panorama of a state; null if it has none, or it was not opened. */
 function panoramaOf({ environment, panorama }: State): OwnEnvironment | null {
   return environment === "own" ? (panoramas.value.get(panorama) ?? null) : null;
@@ -44,6 +54,8 @@ export const loading = signal(true);
 export class Session {
   readonly slots: readonly [Slot, Slot];
   readonly painter: Painter;
+
+  private readonly mesh: ReadonlySignal<Mesh>;
   private renderer: Renderer | null = null;
   private canvas: HTMLCanvasElement | null = null;
 
@@ -57,6 +69,11 @@ export class Session {
       });
     this.slots = [slot(0), slot(1)];
     this.painter = new Painter(this.slots, complain);
+    const object = computed(() => `${state.value.object} ${state.value.mesh}`);
+    this.mesh = computed(() => {
+      object.value; // other changes of the state keep the mesh
+      return meshOfState(state.peek());
+    });
     this.bind();
   }
 
@@ -93,7 +110,7 @@ export class Session {
       noPicture.value = error.message;
       return;
     }
-    this.renderer.setObject(state.peek().object);
+    this.renderer.setMesh(this.mesh.peek());
     this.renderer.setEnvironment(state.peek().environment, panoramaOf(state.peek()));
     this.painter.setRenderer(this.renderer);
   };
@@ -114,8 +131,8 @@ export class Session {
   async scene(): Promise<Omit<Scene, "material">> {
     if (this.renderer === null) throw noPictureYet();
     const { renderer } = this;
-    const { object, view, rotation, environment: name } = state.peek();
-    const shown = { object, view, rotation, ...renderer.size };
+    const { view, rotation, environment: name } = state.peek();
+    const shown = { mesh: this.mesh.peek(), view, rotation, ...renderer.size };
     const own = panoramaOf(state.peek());
     if (own !== null) {
       const bytes = new Uint8Array(await own.file.arrayBuffer());
@@ -159,11 +176,13 @@ export class Session {
       if (text !== last) painter.setShot(shot.value);
       last = text;
     });
-    const object = computed(() => state.value.object);
     effect(() => {
-      const name = object.value; // read here even while there is no renderer: it is followed
-      this.renderer?.setObject(name);
+      const mesh = this.mesh.value; // read here even while there is no renderer: it is followed
+      this.renderer?.setMesh(mesh);
       painter.refresh();
+      const { object, mesh: name } = state.peek();
+      if (object === "own" && !meshes.peek().has(name))
+        complain(new Refusal(lost(`mesh “${name}”`)));
     });
     const environment = computed(() => state.value.environment);
     const own = computed(() => panoramaOf(state.value));
@@ -231,6 +250,12 @@ function shownOf(material: MaterialCards): Shown | null {
 
 function lost(what: string): string {
   return `The ${what} is no part of the address or the state; open its file again.`;
+}
+
+/** Show a mesh; one of the same name takes the other's place. */
+export function useMesh(name: string, own: Mesh): void {
+  meshes.value = new Map(meshes.peek()).set(name, own);
+  change({ ...state.peek(), object: "own", mesh: name });
 }
 
 /** Light the object by a panorama; one of the same name takes the other's place. */

@@ -61,7 +61,7 @@ async function drawAll(): Promise<void> {
     const azimuths = core.widths === 1 ? 1 : AZIMUTHS;
     const sizes = { azimuths, cosines: COSINES, samples: SAMPLES };
     const table = await core.table(material, { ...sizes, shift: [0, 0, 0] });
-    renderer.setTable(0, table, sizes, preset.rotation);
+    renderer.setTable(0, table, sizes, preset.rotation, true);
     renderer.draw(SHOT);
     drawn.push(await createImageBitmap(canvas));
   }

@@ -58,20 +58,24 @@ export function brightTexels(f: Float32Array): Float32Array {
 }
 
 /**
- * Texels (2 samples, azimuths * cosines, 4) of a table (azimuths, cosines, samples, 8): half vectors
- * and log2 pdf, then weights.
+ * Texels (2 samples + 1, azimuths * cosines, 4) of a table (azimuths, cosines, samples, 8): half
+ * vectors and log2 pdf, then weights; in the last row the mean weight, which is the albedo.
  *
  * The half vectors of a lobe hardly depend on the direction of the eye. They are interpolated
  * between the cosines and azimuths, and each pixel mirrors its own direction in them.
+ *
+ * @param isSmooth whether the albedo is averaged over neighbouring cosines, against its noise.
  */
 export function directionTexels(
   table: Float32Array,
   cosines: number,
   samples: number,
   azimuths = 1,
+  isSmooth = false,
 ): Float32Array {
   const columns = azimuths * cosines;
-  const texels = new Float32Array(8 * columns * samples);
+  const texels = new Float32Array(4 * columns * (2 * samples + 1));
+  const last = 8 * columns * samples;
   for (let row = 0; row < columns; row++) {
     const cosine = ((row % cosines) + 0.5) / cosines;
     const sine = Math.sqrt(1 - cosine * cosine);
@@ -86,7 +90,20 @@ export function directionTexels(
       texels.set([x / length, y / length, z / length], to);
       texels[to + 3] = Math.log2(Math.max(table[from + 6]!, 1e-6));
       texels.set(table.subarray(from + 3, from + 6), to + 4 * columns);
+      for (let k = 0; k < 3; k++) texels[last + 4 * row + k]! += table[from + 3 + k]! / samples;
     }
   }
+  if (isSmooth) texels.set(smoothed(texels.subarray(last), cosines), last);
   return texels;
+}
+
+/** Columns (N, 4) averaged over neighbouring cosines; fewer where the albedo is steep. */
+function smoothed(columns: Float32Array, cosines: number): Float32Array {
+  return columns.map((_, at) => {
+    const place = Math.floor(at / 4) % cosines;
+    const half = Math.min(4, place >> 1, cosines - 1 - place);
+    let sum = 0;
+    for (let step = -half; step <= half; step++) sum += columns[at + 4 * step]!;
+    return sum / (2 * half + 1);
+  });
 }

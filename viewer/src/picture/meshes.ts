@@ -1,6 +1,6 @@
 /** Triangle meshes of the objects: shapes turned on a lathe, and tubes. The axis is z. */
 
-import type { ObjectName } from "../state/state";
+import type { OBJECTS } from "../state/state";
 import {
   BODY,
   BOWL,
@@ -42,7 +42,7 @@ type Outline = (place: number) => Point;
 type Surface = (u: number, v: number) => readonly [number, number, number];
 
 /** The mesh of an object. */
-export function meshOf(name: ObjectName): Mesh {
+export function meshOf(name: (typeof OBJECTS)[number]): Mesh {
   switch (name) {
     case "goblet":
       return joined(
@@ -208,10 +208,17 @@ function gradient(x: number, y: number, height: number): Vector {
   return [slope * toward(x), slope * toward(y), flat ** (RIM - 1) / THICKNESS];
 }
 
-interface Part {
+/** A part of a mesh, its numbers as in `Mesh`. */
+export interface Part {
   vertices: number[];
   tangents: number[];
   faces: number[];
+}
+
+/** The mesh of one part, whose foot is not known. */
+export function meshOfPart(part: Part): Mesh {
+  const mesh = joined([part], 0);
+  return { ...mesh, footprint: 0.7 * mesh.width };
 }
 
 /** A grid of a surface that closes around; normals by finite differences, outwards; uv is (u, v). */

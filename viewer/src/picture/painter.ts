@@ -221,7 +221,8 @@ export class Painter {
     const key = `${generation}.${table === first ? "first" : count}`;
     if (table !== null && this.uploaded[slot] !== key) {
       const { widths, rotation } = this.slots[slot];
-      renderer.setTable(slot, table, { ...TABLE_ROWS[widths], samples }, rotation);
+      const sizes = { ...TABLE_ROWS[widths], samples };
+      renderer.setTable(slot, table, sizes, rotation, table === first);
       this.uploaded[slot] = key;
     }
     if (this.textureOf[slot] !== texture) {

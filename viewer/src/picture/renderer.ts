@@ -3,7 +3,7 @@
 import { sequenceSteps } from "../core/probe_pairs";
 import type { ShownTexture } from "../engine/textures";
 import type { Radiance } from "../save/exr";
-import type { Comparison, EnvironmentName, ObjectName, View } from "../state/state";
+import type { Comparison, EnvironmentName, View } from "../state/state";
 import type { AnisotropicSize } from "./anisotropic_table";
 import { brightTexels, directionTexels, FAR, NEAR, type TableSize } from "./bright_table";
 import { type Camera, cameraOf, mirrored } from "./camera";
@@ -102,7 +102,6 @@ export class Renderer {
   private readonly slots: (SlotTextures | null)[] = [null, null];
   private readonly buffers: [WebGLBuffer, WebGLBuffer, WebGLBuffer];
   private mesh: Mesh;
-  private meshName: ObjectName = "ball";
   private lights: Light[] = [];
   private key: Key = keyOf("studio", []);
 
@@ -121,14 +120,13 @@ export class Renderer {
     this.targets = new Targets(gl);
     this.array = gl.createVertexArray()!;
     this.buffers = [gl.createBuffer()!, gl.createBuffer()!, gl.createBuffer()!];
-    this.mesh = meshOf(this.meshName);
+    this.mesh = meshOf("ball");
     this.uploadMesh();
   }
 
-  setObject(name: ObjectName): void {
-    if (name === this.meshName) return;
-    this.meshName = name;
-    this.mesh = meshOf(name);
+  setMesh(mesh: Mesh): void {
+    if (mesh === this.mesh) return;
+    this.mesh = mesh;
     this.uploadMesh();
   }
 
@@ -158,12 +156,14 @@ export class Renderer {
    * Take over a material's table of directions (azimuths, cosines, samples, 8).
    *
    * @param rotation angle by which the material's tangent is turned [degrees].
+   * @param isSmooth as in `directionTexels`.
    */
   setTable(
     slot: 0 | 1,
     table: Float32Array,
     { azimuths, cosines, samples }: DirectionSizes,
     rotation = 0,
+    isSmooth = false,
   ): void {
     const { gl } = this;
     const textures = this.slotTextures(slot);
@@ -173,10 +173,11 @@ export class Renderer {
     textures.rotation = (rotation * Math.PI) / 180;
     gl.activeTexture(gl.TEXTURE0);
     gl.bindTexture(gl.TEXTURE_2D, textures.table);
-    const texels = directionTexels(table, cosines, samples, azimuths);
+    const texels = directionTexels(table, cosines, samples, azimuths, isSmooth);
     const columns = azimuths * cosines;
     const target = gl.TEXTURE_2D;
-    gl.texImage2D(target, 0, gl.RGBA32F, columns, 2 * samples, 0, gl.RGBA, gl.FLOAT, texels);
+    const rows = 2 * samples + 1;
+    gl.texImage2D(target, 0, gl.RGBA32F, columns, rows, 0, gl.RGBA, gl.FLOAT, texels);
     filters(gl, target, gl.NEAREST, gl.NEAREST, gl.CLAMP_TO_EDGE);
   }
 

@@ -1,15 +1,15 @@
 /** What the page shows as a scene of Mitsuba 3: an archive of XML, mesh, environment and material. */
 
 import { cameraOf } from "../picture/camera";
-import { type Mesh, meshOf } from "../picture/meshes";
+import type { Mesh } from "../picture/meshes";
 import type { Light } from "../picture/panorama";
-import type { ObjectName, View } from "../state/state";
+import type { View } from "../state/state";
 import { plyFile } from "./ply";
 import { zipFile } from "./zip";
 
 /** What the camera sees. */
 export interface Scene {
-  object: ObjectName;
+  mesh: Mesh;
   view: View;
   /** Rotation of the environment [degrees]. */
   rotation: number;
@@ -25,9 +25,9 @@ export interface Scene {
 
 /** The archive; `mitsuba` itself needs `import urushi` before it can load the scene. */
 export function sceneFile(scene: Scene): Uint8Array<ArrayBuffer> {
-  const mesh = meshOf(scene.object);
+  const { mesh } = scene;
   return zipFile({
-    "scene.xml": new TextEncoder().encode(sceneXml(scene, mesh)),
+    "scene.xml": new TextEncoder().encode(sceneXml(scene)),
     "object.ply": plyFile(mesh),
     [`environment.${scene.environment.suffix}`]: scene.environment.bytes,
     "material.safetensors": scene.material,
@@ -35,8 +35,8 @@ export function sceneFile(scene: Scene): Uint8Array<ArrayBuffer> {
 }
 
 /** The scene's text. */
-export function sceneXml(scene: Scene, mesh: Mesh): string {
-  const { view, rotation, width, height, environment } = scene;
+export function sceneXml(scene: Omit<Scene, "material">): string {
+  const { mesh, view, rotation, width, height, environment } = scene;
   const { eye, up, forward } = cameraOf(mesh, view, width / height);
   const target = eye.map((x, k) => x + forward[k]!);
   const fov = (360 / Math.PI) * Math.atan(Math.hypot(...up));

@@ -19,7 +19,8 @@ export const COMPARISONS = ["off", "side", "swipe", "difference"] as const;
 /** Largest colour differences (CIELAB) of the difference's colours. */
 export const DIFFERENCE_SCALES = [2, 10, 50] as const;
 
-export type ObjectName = (typeof OBJECTS)[number];
+/** "own" is a mesh that was opened. */
+export type ObjectName = (typeof OBJECTS)[number] | "own";
 export type EnvironmentName = (typeof ENVIRONMENTS)[number];
 export type Comparison = (typeof COMPARISONS)[number];
 
@@ -43,6 +44,8 @@ export interface State {
   /** One of `DIFFERENCE_SCALES`. */
   scale: number;
   object: ObjectName;
+  /** Name of the file of the mesh that was opened last, of the object "own"; or "". */
+  mesh: string;
   environment: EnvironmentName;
   /** Name of the file of the panorama that was opened last, of the environment "own"; or "". */
   panorama: string;
@@ -62,6 +65,7 @@ export const INITIAL: State = {
   edge: 0.5,
   scale: 50,
   object: "goblet",
+  mesh: "",
   environment: "studio",
   panorama: "",
   rotation: 0,

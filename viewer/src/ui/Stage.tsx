@@ -78,13 +78,13 @@ function Picture() {
     return () => element.removeEventListener("wheel", wheel);
   }, []);
 
-  const { object, environment } = state.value;
+  const { object, mesh, environment } = state.value;
   return (
     <canvas
       ref={canvas}
       tabIndex={0}
       role="img"
-      aria-label={`A ${object} of the material, lit by the environment “${environment}”. Arrow keys turn the camera, plus and minus zoom, with Shift the arrow keys turn the light.`}
+      aria-label={`${object === "own" ? mesh : `A ${object}`} of the material, lit by the environment “${environment}”. Arrow keys turn the camera, plus and minus zoom, with Shift the arrow keys turn the light.`}
       onPointerDown={({ button, currentTarget, pointerId, clientX, clientY }) => {
         if (button !== 0) return;
         currentTarget.setPointerCapture(pointerId);

@@ -12,8 +12,9 @@ const COMPARISON_NAMES: Record<Comparison, string> = {
 };
 
 export function Toolbar() {
-  const { object, environment, panorama, rotation, exposure, comparison } = state.value;
+  const { object, mesh, environment, panorama, rotation, exposure, comparison } = state.value;
   const set = (next: Partial<State>, kind = "") => change({ ...state.value, ...next }, kind);
+  const objects = mesh === "" ? OBJECTS : ([...OBJECTS, "own"] as const);
   const environments = ENVIRONMENTS.filter((name) => name !== "own" || panorama !== "");
   return (
     <div class="toolbar" role="toolbar" aria-label="Scene">
@@ -23,9 +24,9 @@ export function Toolbar() {
           value={object}
           onChange={(event) => set({ object: event.currentTarget.value as State["object"] })}
         >
-          {OBJECTS.map((name) => (
+          {objects.map((name) => (
             <option key={name} value={name}>
-              {capital(name)}
+              {name === "own" ? mesh : capital(name)}
             </option>
           ))}
         </select>

@@ -61,7 +61,7 @@ export function TopBar() {
         type="file"
         hidden
         multiple
-        accept=".hdr,.json,.safetensors,.binary,.bsdf"
+        accept=".hdr,.obj,.glb,.gltf,.json,.safetensors,.binary,.bsdf"
         onChange={(event) => {
           void openFiles([...(event.currentTarget.files ?? [])]);
           event.currentTarget.value = "";
@@ -71,7 +71,7 @@ export function TopBar() {
         type="button"
         class="text-button"
         aria-label="Open"
-        title="A material (.safetensors), a measured BRDF (.binary, .bsdf), a panorama (.hdr) or a saved state (.json); or drop it on the page"
+        title="A material (.safetensors), a measured BRDF (.binary, .bsdf), a panorama (.hdr), a mesh (.obj, .glb, .gltf) or a saved state (.json); or drop it on the page"
         onClick={() => input.current?.click()}
       >
         <Icon name="open" />

@@ -86,4 +86,6 @@ test("a table's rows become columns, its directions half vectors", () => {
   expect(texels[at + 3]).toBe(3);
   const below = at + 4 * cosines;
   expect([...texels.subarray(below, below + 3)]).toEqual([41, 42, 43]);
+  const mean = texels.subarray(4 * (2 * samples * cosines + 2));
+  expect([...mean.subarray(0, 3)]).toEqual([20.5, 21, 21.5]);
 });

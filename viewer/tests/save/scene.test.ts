@@ -38,7 +38,7 @@ test("a mesh file has a row for each vertex and face", () => {
 
 test("a scene's bright lights turn with the environment", () => {
   const scene: Scene = {
-    object: "ball",
+    mesh: meshOf("ball"),
     view: { azimuth: 20, elevation: 18, zoom: 1 },
     rotation: 30,
     width: 64,
@@ -47,7 +47,7 @@ test("a scene's bright lights turn with the environment", () => {
     lights: [{ direction: [0, 0, 1], power: [1, 2, 3] }],
     material: new Uint8Array(),
   };
-  const text = sceneXml(scene, meshOf("ball"));
+  const text = sceneXml(scene);
   expect(text.match(/<rotate z="1" angle="30"\/>/g)).toHaveLength(2);
   expect(text).toContain('value="1, 2, 3"');
   expect(text).toContain('target="0, 0, -1"');

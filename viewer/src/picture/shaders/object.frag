@@ -7,7 +7,7 @@ precision highp sampler3D;
 
 #include frame.glsl
 
-uniform sampler2D table; // columns: cosines; rows: half vector and log2 pdf, weight, in turn
+uniform sampler2D table; // columns: cosines; rows: half vector and log2 pdf, weight, in turn; last the albedo
 uniform sampler3D bright; // ln f by half vector and difference angle
 
 
@@ -40,19 +40,21 @@ vec3 f(vec3 normal, vec3 view, vec3 light) {
     return exp(texture(bright, at).rgb);
 }
 
-// The sum over the table's directions.
+// The mean light of the table's directions by their weights, times the albedo: a few directions thus
+// reflect as much as all.
 vec3 reflected(Frame frame) {
     int columns = textureSize(table, 0).x;
     float column = clamp(frame.view.z * float(columns) - 0.5, 0.0, float(columns) - 1.0);
     int left = int(column);
     int right = min(left + 1, columns - 1);
     float share = column - float(left);
-    vec3 sum = vec3(0.0);
+    vec3 sum = vec3(0.0), total = vec3(0.0);
     for (int i = 0; i < samples; i++) {
         vec4 first = texelFetch(table, ivec2(left, 2 * i), 0);
         vec4 second = texelFetch(table, ivec2(right, 2 * i), 0);
         vec3 firstWeight = texelFetch(table, ivec2(left, 2 * i + 1), 0).rgb;
         vec3 secondWeight = texelFetch(table, ivec2(right, 2 * i + 1), 0).rgb;
+        total += mix(firstWeight, secondWeight, share);
         if (dot(first.xyz, second.xyz) > 0.97 && abs(first.w - second.w) < 2.0) {
             vec4 between = mix(first, second, share);
             sum += mix(firstWeight, secondWeight, share) * mirrored(frame, between);
@@ -61,7 +63,10 @@ vec3 reflected(Frame frame) {
             sum += share * secondWeight * mirrored(frame, second);
         }
     }
-    return sum;
+    int last = textureSize(table, 0).y - 1;
+    vec3 albedo = mix(texelFetch(table, ivec2(left, last), 0).rgb,
+                      texelFetch(table, ivec2(right, last), 0).rgb, share);
+    return sum * albedo / max(total, 1e-6);
 }
 
 vec3 f(Frame frame, vec3 light) {
@@ -80,7 +85,7 @@ void main() {
 #ifdef ANISOTROPIC
     frame = tangentFrame(frame, pixel);
 #endif
-    vec3 sum = reflected(frame) / float(samples);
+    vec3 sum = reflected(frame);
 
     for (int i = 0; i < lights; i++) {
         float cosLight = dot(frame.z, lightDirections[i]);
