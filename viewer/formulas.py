@@ -291,6 +291,7 @@ def _of_widths(widths: int, end: str, alphas: Sequence[Variable]) -> list[Functi
 #: Constants of the file, by their modules; `nets.decoder` is the object DECODER.
 CONSTANTS: dict[str, str] = {
     "checks": "AIR ETA_RANGE MIN_ALPHA MIN_INDEX_STEP TRAINED_G",
+    "core.appearance": "WI WO",
     "core.error_metrics": "COSINE_FLOOR DARK_OFFSET",
     "core.probe_pairs": "HALF_ANGLE_SHARE MIN_TANGENT MAX_TANGENT MAX_DIFFERENCE MIN_COSINE",
     "core.quadrature": "POLAR_NODES AZIMUTH_NODES MIN_TANGENT",

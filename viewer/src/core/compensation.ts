@@ -4,55 +4,54 @@
  * A surface scatters light once, so that light which meets a second facet is lost. The share L(w)
  * that a clear coat of the same surface loses over white returns as the lobe C L(wi) L(wo) / (pi
  * L_mean) (Kulla and Conty 2017), in the colour C of coat and bottom; see `walk.compensation` of
- * Python. L, and what white reflects, are those of the networks, so that clear
- * coats over white reflect all light.
+ * Python. Less is lost over a mirror: L is mixed by the share that the bottom mirrors. L, and what
+ * white reflects, are those of the networks, so that clear coats over white reflect all light.
  */
 
-import type { Coat, Compensation, Material, Stack } from "./api";
+import type { Coat, Compensation, Core, Material } from "./api";
 import { CHANNELS } from "./channels";
-import { coatedColor } from "./formulas";
+import { APPEARANCE, coatedColor } from "./formulas";
 import { ofChannel } from "./surfaces";
 
 /** Nodes of the cosine, whose roots have equal distances. */
 const COSINES = Float32Array.from({ length: 13 }, (_, k) => Math.max(k / 12, 0.02) ** 2);
 
+const { WI, WO } = APPEARANCE;
 const WHITE = { kind: "diffuse", reflectance: 1 } as const;
+const MIRROR = { kind: "conductor", alpha: 0.02, r0: 1 } as const;
 
 /** What the lobe is computed by. */
-interface Networks {
-  layer(stack: Stack): Material;
-  albedo(material: Material, cosines: Float32Array): Float32Array;
-}
+type Networks = Pick<Core, "layer" | "albedo" | "f">;
 
 /** Makes lobes of coats; the latest surface's loss is kept while its medium is changed. */
 export class Compensations {
-  private latest: { readonly name: string; readonly lost: Float32Array } | undefined;
+  private latest: { readonly name: string; readonly lost: readonly Float32Array[] } | undefined;
 
   constructor(private readonly networks: Networks) {}
 
   /** The lobe of a coat over a material. */
   of(coat: Coat, below: Material): Compensation {
-    const lost = this.lostBy(coat);
     const [reflected, white] = [below, this.networks.layer({ bottom: WHITE, coats: [] })].map(
       (material) => this.networks.albedo(material, Float32Array.of(1)),
-    );
+    ) as [Float32Array, Float32Array];
+    const f = this.networks.f(below, Float32Array.from(WI), Float32Array.from(WO));
+    const diffuse = (Math.PI * (f[0] + f[1] + f[2])) / (reflected[0] + reflected[1] + reflected[2]);
+    const mirrored = Math.min(Math.max(1 - diffuse, 0), 1);
+    const [over, overMirror] = this.lostBy(coat);
+    const lost = over.map((share, at) => share + mirrored * (overMirror[at] - share));
     const factors = [0, 1, 2].map((k) => {
-      const medium = [coat.albedo, coat.sigmaT, coat.g].map((value) => ofChannel(value, k));
-      const [albedo, depth, g] = medium as [number, number, number];
-      const colour = coatedColor(
-        ofChannel(coat.eta, k),
-        albedo,
-        depth,
-        g,
-        Math.min(reflected![k]! / white![k]!, 1),
-      );
+      const [eta, albedo, depth, g] = [coat.eta, coat.albedo, coat.sigmaT, coat.g].map((value) =>
+        ofChannel(value, k),
+      ) as [number, number, number, number];
+      const share = Math.min(reflected[k] / white[k], 1);
+      const colour = coatedColor(eta, albedo, depth, g, share);
       return colour / Math.max(Math.PI * hemisphereMean(lost, k), 1e-5);
     });
     return { factors, lost };
   }
 
-  /** What the surface of a coat loses over white. */
-  private lostBy({ alpha, alphaV = alpha, eta }: Coat): Float32Array {
+  /** What the surface of a coat loses over white, and over a mirror. */
+  private lostBy({ alpha, alphaV = alpha, eta }: Coat): readonly Float32Array[] {
     const name = JSON.stringify([alpha, alphaV, eta]);
     if (this.latest?.name !== name) {
       const mean = (k: number) =>
@@ -64,10 +63,10 @@ export class Compensations {
         sigmaT: 0,
         g: 0,
       } as const;
-      const coated = this.networks.layer({ bottom: WHITE, coats: [clear] });
-      const kept = this.networks.albedo(coated, COSINES);
-      const lost = kept.map((share, at) =>
-        ofChannel(eta, at % CHANNELS) === 1 ? 0 : Math.max(1 - share, 0),
+      const lost = [WHITE, MIRROR].map((bottom) =>
+        this.networks
+          .albedo(this.networks.layer({ bottom, coats: [clear] }), COSINES)
+          .map((share, at) => (ofChannel(eta, at % CHANNELS) === 1 ? 0 : Math.max(1 - share, 0))),
       );
       this.latest = { name, lost };
     }

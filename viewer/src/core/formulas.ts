@@ -16,6 +16,12 @@ export const CHECKS = {
   TRAINED_G: [-0.8, 0.9],
 } as const;
 
+/** Of `urushi.core.appearance` of Python. */
+export const APPEARANCE = {
+  WI: [0.6, 0, 0.8],
+  WO: [0, 0.6, 0.8],
+} as const;
+
 /** Of `urushi.core.error_metrics` of Python. */
 export const ERROR_METRICS = {
   COSINE_FLOOR: 0.02,
