@@ -12,11 +12,12 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
+from benchmarks.quality import sphere
 from matplotlib.figure import Figure
 from tqdm import tqdm
 
 from urushi.app.commands.layer import read_material
-from urushi.eval import metrics, sphere
+from urushi.eval import metrics
 from urushi.files import atomic_write
 from urushi.material import Material, layer, lerp
 from urushi.walk import dielectric

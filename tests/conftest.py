@@ -183,9 +183,9 @@ def variant(request: pytest.FixtureRequest) -> str:
 @pytest.fixture(scope="module")
 def small_spheres():
     """Pictures of spheres of 24 x 24 pixels, whose nodes take a fraction of the time."""
-    from urushi.eval import sphere
+    from benchmarks.quality import sphere
 
-    caches = sphere.nodes, sphere._white, sphere.png
+    caches = sphere.nodes, sphere._white
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(sphere, "RINGS", 12)
         for cached in caches:

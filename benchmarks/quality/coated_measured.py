@@ -84,9 +84,8 @@ def measured(surface: MeasuredSurface, material: Material) -> Row:
 
 def draw(path: Path, chosen: dict[str, tuple[MeasuredSurface, Material]]) -> None:
     """Spheres in a studio: one row for each material; for each coat, walk and network."""
+    from benchmarks.quality import sphere
     from matplotlib import pyplot as plt
-
-    from urushi.eval import sphere
 
     light = sphere.exposed(sphere.own_environments()[0])
     columns = 2 * len(COATS)

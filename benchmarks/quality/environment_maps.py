@@ -1,13 +1,13 @@
-"""Environment maps from files, for pictures of spheres by `urushi.eval.sphere`."""
+"""Environment maps from files, for pictures of spheres by `benchmarks.quality.sphere`."""
 
 import os
 from pathlib import Path
 
 import mitsuba as mi
 import numpy as np
+from benchmarks.quality.sphere import Environment, cell_means, cell_points, periodic_bilinear
 
 from urushi.errors import FileError
-from urushi.eval.sphere import Environment, cell_means, cell_points, periodic_bilinear
 
 #: Maps with more rows or columns than these are reduced first.
 LARGEST = (512, 1024)

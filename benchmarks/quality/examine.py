@@ -15,6 +15,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from benchmarks.quality import sphere
 from matplotlib.figure import Figure
 
 import urushi
@@ -23,7 +24,7 @@ from urushi.core.direction_sets import cosine_pairs, half_angle_pairs
 from urushi.core.error_metrics import energy_weight, pair_error
 from urushi.core.quadrature import half_vector_rule
 from urushi.errors import ParameterError, UrushiError
-from urushi.eval import metrics, sphere
+from urushi.eval import metrics
 from urushi.files import atomic_write, new_folder
 from urushi.material import Material
 from urushi.material.encode import evaluate_source

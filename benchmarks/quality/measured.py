@@ -30,12 +30,12 @@ from concurrent.futures import ProcessPoolExecutor, as_completed
 from pathlib import Path
 
 import numpy as np
-from benchmarks.quality import environment_maps, pictures
+from benchmarks.quality import environment_maps, pictures, sphere
 from benchmarks.rivals.comparisons import METHODS, Comparisons, Measured, Result, code_hashes
 from tqdm import tqdm
 
 import urushi
-from urushi.eval import metrics, sphere
+from urushi.eval import metrics
 from urushi.files import atomic_write, new_folder
 from urushi.platform import available_cores
 

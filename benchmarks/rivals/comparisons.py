@@ -11,13 +11,13 @@ from types import ModuleType
 from typing import Any
 
 import numpy as np
-from benchmarks.quality import pictures
+from benchmarks.quality import pictures, sphere
+from benchmarks.quality.sphere import Environment
 from benchmarks.rivals import ggx_fit, nbrdf
 
 import urushi
 from urushi.core import direction_sets, error_metrics
-from urushi.eval import metrics, sphere
-from urushi.eval.sphere import Environment
+from urushi.eval import metrics
 from urushi.files import atomic_write
 from urushi.material import energy, fit, table
 from urushi.measured import Merl, load_measured

@@ -11,11 +11,11 @@ from pathlib import Path
 
 import mitsuba as mi
 import numpy as np
+from benchmarks.quality import sphere
 from matplotlib import pyplot as plt
 from research.rivals import openpbr_recipe
 
 from urushi.app.commands.openpbr_check import table
-from urushi.eval import sphere
 from urushi.files import new_folder
 from urushi.openpbr_surface import conformance
 from urushi.openpbr_surface.conformance import Brdf, Errors, Reference

@@ -15,6 +15,7 @@ from typing import Any
 
 import mitsuba as mi
 import numpy as np
+from benchmarks.quality import sphere
 from benchmarks.quality.coated_measured import error, load
 from benchmarks.quality.measured import find_sets
 from benchmarks.rivals.comparisons import Measured
@@ -23,7 +24,6 @@ import urushi
 from figures import results
 from urushi.core import direction_sets
 from urushi.errors import UrushiWarning
-from urushi.eval import sphere
 from urushi.material import Material
 from urushi.measured.tabulated import MeasuredSurface
 from urushi.nets.weights import default_model

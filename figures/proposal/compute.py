@@ -3,7 +3,7 @@
     python -m figures.proposal.compute
 
 Figures are those of `benchmarks.quality.sampling`. Spheres under the studio of
-`urushi.eval.sphere` are rendered by directions drawn from each proposal alone, without light
+`benchmarks.quality.sphere` are rendered by directions drawn from each proposal alone, without light
 sampling; the reference is free of noise.
 """
 
@@ -13,12 +13,12 @@ from typing import Any
 
 import mitsuba as mi
 import numpy as np
-from benchmarks.quality import sampling
+from benchmarks.quality import sampling, sphere
+from benchmarks.quality.sphere import AZIMUTHS, ELEVATIONS, Environment
 
 import urushi
 from figures import results
-from urushi.eval import metrics, sphere
-from urushi.eval.sphere import AZIMUTHS, ELEVATIONS, Environment
+from urushi.eval import metrics
 from urushi.fan2022.inference import GaussianMixture
 from urushi.material import Material
 from urushi.nets.weights import default_model

@@ -76,7 +76,7 @@ def _is_bottom(name: str) -> bool:
 
 def _picture(material: "Material") -> bytes | None:
     """The picture (PNG) by which IPython and Jupyter show a material of one or three channels."""
-    from urushi.eval.sphere import png
+    from urushi.app.notebook import png
 
     return png(material) if material.channels in (1, 3) else None
 

@@ -4,9 +4,8 @@ import json
 
 import numpy as np
 import pytest
+from benchmarks.quality import sphere
 from figures.proposal import compute
-
-from urushi.eval import sphere
 
 
 @pytest.fixture(scope="module")

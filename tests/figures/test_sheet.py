@@ -2,9 +2,9 @@
 
 import numpy as np
 import pytest
+from benchmarks.quality import sphere
 
 import urushi
-from urushi.eval import sphere
 
 pytest.importorskip("matplotlib", reason="the extra 'eval' is not installed")
 sheet = pytest.importorskip("figures.sheet")

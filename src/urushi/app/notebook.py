@@ -1,15 +1,28 @@
-"""`urushi.show`: the page with a material in a notebook."""
+"""Materials in notebooks: `urushi.show`, the page with a material, and pictures of spheres."""
 
+import functools
 import html
+from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any
+
+import numpy as np
 
 from urushi.app.page_files import First, cards_of, codes_of, page_document, page_files
 from urushi.errors import ParameterError
+from urushi.eval import metrics
 from urushi.material import Material
+from urushi.nets import weights
 from urushi.nets.weights import Model, anisotropic_model, find
 
 #: Height of the page in a notebook [pixels].
 HEIGHT = 720
+
+#: Size of a picture [pixels] and its samples per pixel.
+SIZE, SAMPLES = 128, 64
+
+#: Number of pictures that are remembered: a notebook shows the same material several times.
+REMEMBERED = 32
 
 
 class Page:
@@ -79,3 +92,47 @@ def _page_model(model: Model) -> Model:
             "supports only the shipped weights; encode the material with these"
         )
     return find(None)
+
+
+@functools.lru_cache(REMEMBERED)
+def png(material: Material) -> bytes:
+    """A sphere under softboxes as a PNG file, transparent around it.
+
+    Mitsuba renders it in the current variant, in llvm_ad_rgb if none is set.
+
+    material: of one or three channels. The tangents of an anisotropic one are horizontal.
+    """
+    import mitsuba as mi  # lazily: a notebook may never show a material
+
+    from urushi.scenes import stage
+
+    if mi.variant() is None:
+        mi.set_variant("llvm_ad_rgb")
+    lights = [
+        stage.Light(towards=(-1.0, -0.6, 0.9), size=(0.35, 0.35), radiance=(9.0, 9.0, 9.0)),
+        stage.Light(towards=(1.2, -0.3, 0.3), size=(0.10, 0.55), radiance=(7.0, 6.0, 4.5)),
+        stage.Light(towards=(0.2, 1.0, 0.6), size=(0.50, 0.12), radiance=(4.4, 6.0, 8.0)),
+    ]
+    film = {"type": "hdrfilm", "width": SIZE, "height": SIZE, "pixel_format": "rgba"}
+    view = mi.ScalarTransform4f().look_at([0, -3, 0], [0, 0, 0], [0, 0, 1])
+    with TemporaryDirectory() as temporary:
+        file, networks = (Path(temporary, name) for name in ("material", "weights"))
+        material.save(file)
+        weights.write_file(networks, material.model.arch, material.model.params, {})
+        bsdf = {"type": "neural_brdf", "filename": str(file), "weights": str(networks)}
+        sky = (0.35, 0.36, 0.4), (0.25, 0.24, 0.23), (0.08, 0.07, 0.06)
+        scene = mi.load_dict(
+            {
+                "type": "scene",
+                "integrator": {"type": "direct", "hide_emitters": True},
+                "sensor": {"type": "orthographic", "to_world": view, "film": film},
+                "light": stage.surround(stage.Folder(Path(temporary)), *sky, lights),
+                "sphere": {"type": "sphere", "bsdf": bsdf},
+            }
+        )
+    picture = np.array(mi.render(scene, spp=SAMPLES))
+    pixels = np.concatenate([metrics.shown(picture[..., :3]), picture[..., 3:].clip(0, 1)], axis=-1)
+    stream = mi.MemoryStream()
+    bitmap = mi.Bitmap((255 * pixels + 0.5).astype(np.uint8), mi.Bitmap.PixelFormat.RGBA)
+    bitmap.write(stream, mi.Bitmap.FileFormat.PNG)
+    return bytes(stream.raw_buffer())

@@ -1,4 +1,4 @@
-"""Noise-free pictures of a sphere under an environment map, for notebooks and comparisons.
+"""Noise-free pictures of a sphere under an environment map, for comparisons of BRDFs.
 
 The sphere is seen by an orthographic camera, so that a pixel's wi depends only on its distance from
 the middle. With an isotropic BRDF the picture is then a convolution in azimuth: the light that a
@@ -14,12 +14,10 @@ regions the weights are blended.
 
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
-from functools import cache, lru_cache
+from functools import cache
 
 import numpy as np
 
-from urushi.eval import metrics
-from urushi.material import Material
 from urushi.scenes import stage
 from urushi.scenes.stage import Light
 
@@ -300,24 +298,3 @@ def periodic_bilinear(image: np.ndarray, row: np.ndarray, column: np.ndarray) ->
     upper = image[above, left] * (1 - right) + image[above, beside] * right
     lower = image[below, left] * (1 - right) + image[below, beside] * right
     return upper * (1 - down) + lower * down
-
-
-#: Number of pictures that are remembered: a notebook shows the same material several times.
-REMEMBERED = 32
-
-
-@lru_cache(REMEMBERED)
-def png(material: Material) -> bytes:
-    """A sphere in Urushi's studio as a PNG file, 128 pixels across, transparent around it.
-
-    material: of one or three channels. The tangents of an anisotropic one point away from the
-    middle. A picture takes about two seconds.
-    """
-    import mitsuba as mi  # lazily: a notebook may never show a material
-
-    alpha = mask().astype(float)[..., None]
-    pixels = np.concatenate([metrics.shown(studio(material.f)), alpha], axis=-1)
-    stream = mi.MemoryStream()
-    bitmap = mi.Bitmap((255 * pixels + 0.5).astype(np.uint8), mi.Bitmap.PixelFormat.RGBA)
-    bitmap.write(stream, mi.Bitmap.FileFormat.PNG)
-    return bytes(stream.raw_buffer())

@@ -3,11 +3,10 @@
 import mitsuba as mi
 import numpy as np
 import pytest
-from benchmarks.quality import environment_maps
+from benchmarks.quality import environment_maps, sphere
+from benchmarks.quality.sphere import AZIMUTHS, ELEVATIONS, Environment
 
 from urushi.errors import FileError
-from urushi.eval import sphere
-from urushi.eval.sphere import AZIMUTHS, ELEVATIONS, Environment
 
 SHAPE = ELEVATIONS, AZIMUTHS, 3
 

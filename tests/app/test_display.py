@@ -8,9 +8,20 @@ import numpy as np
 import pytest
 
 import urushi
+from urushi.app import notebook
 from urushi.material import Material
 
-pytestmark = pytest.mark.usefixtures("small_spheres")
+pytestmark = pytest.mark.usefixtures("rgb")
+
+
+@pytest.fixture(autouse=True, scope="module")
+def small():
+    """Pictures of 24 x 24 pixels."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(notebook, "SIZE", 24)
+        notebook.png.cache_clear()
+        yield
+    notebook.png.cache_clear()
 
 
 def pixels(material: Material) -> np.ndarray:
@@ -35,7 +46,7 @@ def test_colours_are_those_of_the_surface():
 
 
 def test_anisotropy_shows():
-    """Tangents point away from the middle, so that exchanged widths are another picture."""
+    """Tangents are horizontal, so that exchanged widths are another picture."""
     one, other = (
         pixels(urushi.encode(urushi.conductor(alpha_u=u, alpha_v=v, r0=0.9)))
         for u, v in ((0.05, 0.5), (0.5, 0.05))
@@ -50,9 +61,9 @@ def test_materials_of_other_numbers_of_channels_have_no_picture():
     assert pixels(Material(grey, two.model)).shape == (24, 24, 4)
 
 
-def test_no_jax_and_no_eval_before_a_picture_is_asked_for():
+def test_no_jax_and_no_scene_before_a_picture_is_asked_for():
     program = (
         "import sys, urushi; urushi.encode(urushi.diffuse(0.5));"
-        "assert 'urushi.eval' not in sys.modules; assert 'jax' not in sys.modules"
+        "assert 'urushi.scenes' not in sys.modules; assert 'jax' not in sys.modules"
     )
     subprocess.run([sys.executable, "-c", program], check=True)
