@@ -16,13 +16,14 @@ version = release = urushi.__version__
 extensions = [
     "mathml",
     "myst_parser",
+    "notebooks",
     "plugin_docs",
     "sphinx.ext.autodoc",
     "sphinx.ext.napoleon",
     "sphinx_copybutton",
     "sphinx_design",
 ]
-exclude_patterns = ["cookbook/stage", "notebooks"]
+exclude_patterns = ["cookbook/stage"]
 nitpicky = True
 nitpick_ignore_regex = [
     ("py:.*", r"(numpy|npt|np|os|mi|collections|urushi\.\w+)\..*|ArrayLike|Model|Weights")
