@@ -57,7 +57,7 @@ def test_a_lobe_of_other_numbers_is_refused():
         ({"decoder": ()}, "decoder is \\(\\)"),
         ({"sampler": (32, -1)}, "sampler is"),
         ({"latent": 7}, "latent is 7; a code has 6 numbers for its lobe and at least two more"),
-        ({"activation": "tanh"}, "choose one of smoothstep, silu7, silu, relu"),
+        ({"activation": "tanh"}, "choose one of smoothstep, silu7, relu"),
     ],
 )
 def test_bad_sizes_are_refused(change, words):

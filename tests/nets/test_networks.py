@@ -113,14 +113,11 @@ def test_sampler_gives_a_mixture(networks, draw_codes):
 def test_activations_match_their_definitions():
     x = np.linspace(-200, 200, 4001)
     np.testing.assert_array_equal(activate(x, "relu"), np.maximum(x, 0))
-    near = x[np.abs(x) < 50]
-    np.testing.assert_allclose(activate(near, "silu"), near / (1 + np.exp(-near)), atol=1e-13)
-    assert np.isfinite(activate(x.astype(np.float32), "silu")).all()
     within, step = np.clip(x, -2, 2), lambda t: t * t * (3 - 2 * t)  # Hermite's cubic
     np.testing.assert_allclose(
         activate(x, "smoothstep"), x * step((within + 2) / 4), rtol=1e-12, atol=1e-13
     )
-    np.testing.assert_allclose(activate(x, "silu7"), activate(x, "silu"), atol=0.02)
+    np.testing.assert_allclose(activate(x, "silu7"), x / (1 + np.exp(-x)), atol=0.02)
     outside = np.abs(x) > 6
     np.testing.assert_allclose(activate(x, "silu7")[outside], np.maximum(x, 0)[outside], atol=1e-11)
 

@@ -77,8 +77,8 @@ def directions_at_tangent(
 
 
 def turned(direction: np.ndarray, azimuth: np.ndarray) -> np.ndarray:
-    """Return directions (N, 3) turned about the z axis by angles (N,) [rad]."""
-    x, y, z = direction.T
+    """Return directions (..., 3) turned about the z axis by angles (...) [rad]."""
+    x, y, z = (direction[..., i] for i in range(3))
     cos, sin = np.cos(azimuth), np.sin(azimuth)
     return np.stack([cos * x - sin * y, sin * x + cos * y, z], axis=-1)
 

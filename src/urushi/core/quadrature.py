@@ -5,6 +5,8 @@ The energy limit has a rule of its own with far fewer nodes, `urushi.material.al
 
 import numpy as np
 
+from urushi.core.half_vector import turned
+
 #: Gauss-Legendre nodes in ln tan theta_h, and in each half of the range [0, pi] of the azimuth.
 POLAR_NODES, AZIMUTH_NODES = 48, 16
 #: Least tan theta_h. Smaller half angles hold 1e-6 of a lobe of alpha = 0.01.
@@ -48,12 +50,5 @@ def half_vector_rule(wi: np.ndarray, *, anisotropic: bool = False) -> tuple[np.n
     wo[..., 2] -= c
     # d(omega_h) = sin theta d(theta) d(phi), and d(theta) = sin cos d(ln tan theta)
     weight = 4.0 * dot * sin_h * sin_h * cos_h * (0.5 * span * weights) * phi_weight
-    return _rotated_to(wo.reshape(len(wi), -1, 3), wi), weight.reshape(len(wi), -1)
-
-
-def _rotated_to(wo: np.ndarray, wi: np.ndarray) -> np.ndarray:
-    """Rotate directions about the normal so that the xz plane becomes the plane of incidence."""
-    azimuth = np.arctan2(wi[:, 1], wi[:, 0])
-    cos, sin = np.cos(azimuth)[:, None], np.sin(azimuth)[:, None]
-    x, y = wo[..., 0], wo[..., 1]
-    return np.stack([cos * x - sin * y, sin * x + cos * y, wo[..., 2]], axis=-1)
+    azimuth = np.arctan2(wi[:, 1], wi[:, 0])[:, None]
+    return turned(wo.reshape(len(wi), -1, 3), azimuth), weight.reshape(len(wi), -1)

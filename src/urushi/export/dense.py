@@ -59,9 +59,6 @@ def activation(kind: str, which: str, label: str) -> Function:
         for coefficient in reversed(others):
             polynomial = polynomial * t2 + coefficient
         function.returns(x * (t * polynomial + 0.5))
-    elif which == "relu":
+    else:  # "relu"
         function.returns(call("max", x, 0.0))
-    else:  # bounded, because some languages compute tanh by exponentials that overflow
-        small = function.let("t", call("clamp", 0.5 * x, -20.0, 20.0))
-        function.returns(x * (0.5 + 0.5 * call("tanh", small)))
     return function

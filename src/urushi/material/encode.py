@@ -284,7 +284,9 @@ def material_from_values(
     pairs = len(model.networks.pairs()[0])
     probed, at_nodes = values[:pairs].T, values[pairs:].T
     nodes = at_nodes if at_nodes.size else None
-    fitted, lobe = lobe is None, _lobes_of_channels(model, probed, lobe)
+    fitted = lobe is None
+    lobe = find_lobes(probed, model.widths) if lobe is None else np.asarray(lobe, np.float32)
+    lobe = np.broadcast_to(lobe, (len(probed), lobe.shape[-1]))
     ceiling = np.full((len(probed), 1), 1 - energy.MARGIN)
     if nodes is not None:
         rule = albedo_rule(model.widths)
@@ -345,13 +347,6 @@ def without_useless_rests(model: Model, anchors: np.ndarray, f: np.ndarray) -> n
     bare = bare_anchors(model, anchors[near, : model.arch.lobe])
     result[near] = np.where(kept == 1, anchors[near], kept * anchors[near] + (1 - kept) * bare)
     return result
-
-
-def _lobes_of_channels(model: Model, f: np.ndarray, lobe: np.ndarray | None) -> np.ndarray:
-    """The lobes float32 (C, N) of values f (C, P) at the probe pairs; lobe: (C, N), if known."""
-    if lobe is None:
-        return find_lobes(f, model.widths)
-    return np.broadcast_to(np.asarray(lobe, np.float32), (len(f), lobe.shape[-1]))
 
 
 def _source_albedos(f: np.ndarray, lobe: np.ndarray, rule: AlbedoRule) -> np.ndarray:

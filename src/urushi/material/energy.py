@@ -87,18 +87,13 @@ def rest_albedos(model: Model, z: np.ndarray) -> np.ndarray:
     return result
 
 
-def peak_ceiling(own: np.ndarray) -> np.ndarray:
-    """The largest albedo (..., 1) allowed for a code whose source has the albedos own (..., D).
+def albedo_ceiling(own: np.ndarray, rule: AlbedoRule) -> np.ndarray:
+    """Largest albedos (..., D) allowed for a code whose source has the albedos own (..., D).
 
-    It is 1 - `MARGIN`, or the source's largest albedo if the source gains energy.
+    None is above 1 - `MARGIN`, or the source's largest albedo if the source gains energy.
     """
     peak = own.max(axis=-1, keepdims=True)
-    return np.where(peak > 1 + TOLERANCE, peak, 1 - MARGIN)
-
-
-def albedo_ceiling(own: np.ndarray, rule: AlbedoRule) -> np.ndarray:
-    """Largest albedos (..., D) allowed for a code whose source has the albedos own (..., D)."""
-    top = peak_ceiling(own)
+    top = np.where(peak > 1 + TOLERANCE, peak, 1 - MARGIN)
     return np.where(rule.cosines < GRAZING, top, np.minimum(own + SLACK, top))
 
 

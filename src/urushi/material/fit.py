@@ -33,6 +33,7 @@ from typing import NamedTuple
 import numpy as np
 
 from urushi.core.error_metrics import DARK_OFFSET, huber_loss
+from urushi.core.probe_pairs import probe_pairs
 from urushi.material import energy
 from urushi.material.albedo_rule import albedo_rule
 from urushi.material.energy import LEAST_ALBEDO
@@ -58,7 +59,8 @@ def initial_code(networks: UrushiNetworks, f: np.ndarray, lobe: np.ndarray) -> n
     The candidates are the encoder's code, and codes of conductors and a diffuse surface, scaled to
     the brightness of f. All have the lobe (6,) of f; the surfaces stand for its rest.
     """
-    features, surfaces = probe_features(networks), _values_of_surfaces(networks)
+    arch = networks.arch
+    features, surfaces = probe_features(networks), _surface_values(arch.probes, arch.widths)
     own, top = networks.encode(f[None], lobe[None]), lobes.f(lobe, *networks.pairs())
     plain = networks.encode(surfaces, np.array([no_lobe(networks.arch.widths)], np.float32))
     logs, rest = np.log(f + DARK_OFFSET), np.log(np.maximum(f - top, 0.0) + DARK_OFFSET)
@@ -70,17 +72,12 @@ def initial_code(networks: UrushiNetworks, f: np.ndarray, lobe: np.ndarray) -> n
     return codes[errors.argmin()].astype(np.float32)
 
 
-def _values_of_surfaces(networks: UrushiNetworks) -> np.ndarray:
-    """Values float32 (M, P) [1/sr] of conductors and a diffuse surface at the networks' pairs."""
-    wi, wo = networks.pairs()
-    return _surface_values(np.asarray(wi).tobytes(), np.asarray(wo).tobytes())
-
-
-@functools.lru_cache(4)
-def _surface_values(wi: bytes, wo: bytes) -> np.ndarray:
+@functools.cache
+def _surface_values(probes: int, widths: int) -> np.ndarray:
+    """Values float32 (M, P) [1/sr] of conductors and a diffuse surface at the probe pairs."""
     from urushi.walk import analytic  # lazily: it starts Dr.Jit
 
-    pairs = [np.frombuffer(w, np.float32).reshape(-1, 3) for w in (wi, wo)]
+    pairs = probe_pairs(probes, widths)
     white = analytic.f(diffuse(1.0), *pairs)[:, 0]
     lobes = [analytic.f(conductor(alpha, 0.9), *pairs)[:, 0] for alpha in INITIAL_ALPHAS]
     return np.stack(
@@ -166,13 +163,12 @@ def fit_target(
 
 def probe_features(networks: UrushiNetworks) -> np.ndarray:
     """The decoder's input features (P, D) of `networks.pairs`."""
-    return _cached_features(*(w.tobytes() for w in networks.pairs()), networks.arch.widths)
+    return _probe_features(networks.arch.probes, networks.arch.widths)
 
 
-@functools.lru_cache(4)
-def _cached_features(wi: bytes, wo: bytes, widths: int) -> np.ndarray:
-    one, other = (np.frombuffer(w, np.float32).reshape(-1, 3) for w in (wi, wo))
-    return direction_features(one, other, widths)
+@functools.cache
+def _probe_features(probes: int, widths: int) -> np.ndarray:
+    return direction_features(*probe_pairs(probes, widths), widths)
 
 
 class RefinedCodes(NamedTuple):

@@ -101,7 +101,7 @@ class Material:
             self.model.fingerprint == other.model.fingerprint
             and np.array_equal(self.latents, other.latents)
             and np.array_equal(self.anchors, other.anchors)
-            and _same_table(self.table, other.table)
+            and np.array_equal(self.table, other.table)  # type: ignore[arg-type]
             and self.beside_lobe == other.beside_lobe
             and self.rotation == other.rotation
         )
@@ -367,13 +367,6 @@ def _checked_rotation(angle: float) -> float:
 def _above(wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
     """Whether both directions (..., 3) are above the horizon."""
     return (wi[..., 2] > 0.0) & (wo[..., 2] > 0.0)
-
-
-def _same_table(a: np.ndarray | None, b: np.ndarray | None) -> bool:
-    """Whether two materials have the same table, or none."""
-    if a is None or b is None:
-        return a is b
-    return np.array_equal(a, b)
 
 
 def _checked_table(table: npt.ArrayLike, model: Model, channels: int) -> np.ndarray:

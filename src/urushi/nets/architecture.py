@@ -25,7 +25,7 @@ SCALE = "decoder.scale"
 #: Parameters that are stored but not trained: statistics that normalise the encoder's input.
 FIXED = ("encoder.input_mean", "encoder.input_scale")
 
-ACTIVATIONS = (*POLYNOMIALS, "silu", "relu")
+ACTIVATIONS = (*POLYNOMIALS, "relu")
 
 
 @dataclass(frozen=True)

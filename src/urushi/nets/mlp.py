@@ -75,10 +75,9 @@ def hidden_to_output(params: Params, prefix: str, first: Any, activation: str) -
 def activate(x: Any, activation: str) -> Any:
     """Apply an activation to each element.
 
-    "relu" is the positive part; "silu" is x times its logistic function. `POLYNOMIALS` resemble
-    "silu" without an exponential or a division, which makes rendering faster.
+    "relu" is the positive part. `POLYNOMIALS` resemble SiLU, x times its logistic function, without
+    an exponential or a division, which makes rendering faster.
     """
-    xp = x.__array_namespace__()
     if activation in POLYNOMIALS:
         bound, coefficients = POLYNOMIALS[activation]
         t = x.clip(-bound, bound)
@@ -93,10 +92,7 @@ def activate(x: Any, activation: str) -> Any:
         q += 0.5
         q *= x
         return q
-    if activation == "relu":
-        return xp.maximum(x, 0.0)
-    half = 0.5 * x
-    return half + half * xp.tanh(half)  # unlike 1 / (1 + exp(-x)) this cannot overflow
+    return x.__array_namespace__().maximum(x, 0.0)
 
 
 def with_slope(x: Any, activation: str) -> tuple[Any, Any]:
@@ -110,10 +106,7 @@ def with_slope(x: Any, activation: str) -> tuple[Any, Any]:
         # Beyond the bound t is constant; the polynomial's slope is 0 there as well.
         slopes = [(2 * k + 1) * coefficient for k, coefficient in enumerate(coefficients)]
         return x * logistic, logistic + t * _horner(slopes, u)
-    if activation == "relu":
-        return xp.maximum(x, 0.0), xp.astype(x > 0.0, x.dtype)
-    logistic = 0.5 + 0.5 * xp.tanh(0.5 * x)
-    return x * logistic, logistic * (1.0 + x * (1.0 - logistic))
+    return xp.maximum(x, 0.0), xp.astype(x > 0.0, x.dtype)
 
 
 def _horner(coefficients: Sequence[float], u: Any) -> Any:

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from urushi.checks import CoatParameters
+from urushi.core.random import INCREMENT, mix64
 from urushi.material.layer import layer_texels
 from urushi.nets.weights import Model
 from urushi.textures import packing
@@ -20,11 +21,6 @@ from urushi.textures.store import TextureStore
 #: Bits of the mantissa that numbers are rounded to, a relative step of 1e-4: texture filters return
 #: texels with rounding errors, and half precision rounds more.
 MANTISSA_BITS = 12
-
-#: Constants of splitmix64 (Steele, Lea and Flood 2014).
-_GAMMA, _FIRST, _SECOND = (
-    np.uint64(x) for x in (0x9E3779B97F4A7C15, 0xBF58476D1CE4E5B9, 0x94D049BB133111EB)
-)
 
 #: Texels whose inputs are read and compared at once: bounds memory.
 TEXEL_BLOCK = 1 << 18
@@ -71,7 +67,7 @@ class BakedTexture:
             changed = np.flatnonzero((present != former).any(axis=1))
             if len(changed):
                 hashes.append(present[changed])
-                index.append(shared.index(hashes[-1], _of_texels(codes_at, changed)))
+                index.append(shared.index(hashes[-1], changed, codes_at))
                 rows.append(start + changed)
             advance(stop - start)
         if rows:
@@ -83,22 +79,12 @@ class BakedTexture:
 
     def read(self, start: int, stop: int) -> tuple[np.ndarray, CodesAt]:
         """The texture as a `Source`."""
-        return self._hashes[start:stop], lambda texel, channel: _rows(
-            self.store.read, start + texel, channel
-        )
 
+        def codes_at(texel: np.ndarray, channel: np.ndarray) -> np.ndarray:
+            texels, place = np.unique(start + texel, return_inverse=True)
+            return self.store.read(texels)[place, channel]
 
-def _of_texels(codes_at: CodesAt, texels: np.ndarray) -> CodesAt:
-    """The codes of rows whose texels are counted among `texels`."""
-    return lambda texel, channel: codes_at(texels[texel], channel)
-
-
-def _rows(
-    read: Callable[[np.ndarray], np.ndarray], texel: np.ndarray, channel: np.ndarray
-) -> np.ndarray:
-    """Codes (k, size) of rows, from a function that reads codes (n, C, size) of texels (n,)."""
-    texels, place = np.unique(texel, return_inverse=True)
-    return read(texels)[place, channel]
+        return self._hashes[start:stop], codes_at
 
 
 class SharedCodes:
@@ -109,8 +95,11 @@ class SharedCodes:
         self._keys, self._numbers = np.zeros(0, np.uint64), np.zeros(0, np.uint32)
         self._parts = [np.zeros((0, size), np.float16)]
 
-    def index(self, hashes: np.ndarray, codes_at: CodesAt) -> np.ndarray:
-        """Which code each row (n, C) of hashes (n, C) has; new ones are computed."""
+    def index(self, hashes: np.ndarray, texels: np.ndarray, codes_at: CodesAt) -> np.ndarray:
+        """Which code each row (n, C) of hashes (n, C) has; new ones are computed.
+
+        texels: (n,) by which `codes_at` counts.
+        """
         first, label = unique_rows(hashes.ravel())
         keys = hashes.ravel()[first]
         place = np.searchsorted(self._keys, keys)
@@ -121,7 +110,8 @@ class SharedCodes:
         fresh = np.flatnonzero(~known)
         if len(fresh):
             number[fresh] = len(self._keys) + np.arange(len(fresh), dtype=np.uint32)
-            codes = codes_at(*np.divmod(first[fresh], hashes.shape[1]))
+            place_in_hashes, channel = np.divmod(first[fresh], hashes.shape[1])
+            codes = codes_at(texels[place_in_hashes], channel)
             self._parts.append(codes.astype(np.float16))
             fresh = fresh[np.argsort(keys[fresh])]
             self._keys = np.insert(self._keys, place[fresh], keys[fresh])
@@ -171,7 +161,7 @@ def row_hashes(columns: Sequence[np.ndarray], bits: int = MANTISSA_BITS) -> np.n
     for column in columns:
         if column.dtype != np.uint64:
             column = rounded_bits(column, bits).astype(np.uint64)
-        key = _mixed((key ^ column) + _GAMMA)
+        key = mix64((key ^ column) + INCREMENT)
     return np.ascontiguousarray(key).reshape(key.shape)
 
 
@@ -185,13 +175,6 @@ def rounded_bits(numbers: np.ndarray, kept: int = MANTISSA_BITS) -> np.ndarray:
 def code_hashes(codes: np.ndarray, bits: int = MANTISSA_BITS) -> np.ndarray:
     """`row_hashes` (...) of vectors (..., size)."""
     return row_hashes(list(np.moveaxis(codes, -1, 0)), bits)
-
-
-def _mixed(x: np.ndarray) -> np.ndarray:
-    with np.errstate(over="ignore"):
-        x = (x ^ (x >> np.uint64(30))) * _FIRST
-        x = (x ^ (x >> np.uint64(27))) * _SECOND
-        return x ^ (x >> np.uint64(31))
 
 
 def unique_rows(keys: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

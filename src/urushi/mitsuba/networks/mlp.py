@@ -29,12 +29,10 @@ def activate(x, activation: str):
     # Selections, because dr.maximum and dr.clip handle NaN, at six times the cost.
     if activation == "relu":
         return dr.select(x > 0, x, 0)
-    if activation in POLYNOMIALS:
-        bound, coefficients = POLYNOMIALS[activation]
-        t = dr.select(x > -bound, x, -bound)
-        t = dr.select(t < bound, t, bound)  # one instruction each, unlike nested selections
-        return x * dr.fma(t, horner(coefficients, t * t), 0.5)
-    return x / (1 + dr.exp(-x))  # where exp overflows to infinity, the quotient is 0, the limit
+    bound, coefficients = POLYNOMIALS[activation]
+    t = dr.select(x > -bound, x, -bound)
+    t = dr.select(t < bound, t, bound)  # one instruction each, unlike nested selections
+    return x * dr.fma(t, horner(coefficients, t * t), 0.5)
 
 
 def horner(coefficients: Sequence[float], u):
@@ -132,12 +130,9 @@ class Hidden:
     def _activate(self, x: nn.CoopVec) -> nn.CoopVec:
         if self._activation == "relu":
             return dr.maximum(x, 0)
-        if self._activation in POLYNOMIALS:
-            bound, coefficients = POLYNOMIALS[self._activation]
-            t = dr.minimum(dr.maximum(x, -bound), bound)
-            return x * dr.fma(t, horner(coefficients, t * t), 0.5)
-        half = x * 0.5
-        return dr.fma(half, dr.tanh(half), half)  # SiLU, as in `nets.mlp.activate`
+        bound, coefficients = POLYNOMIALS[self._activation]
+        t = dr.minimum(dr.maximum(x, -bound), bound)
+        return x * dr.fma(t, horner(coefficients, t * t), 0.5)
 
 
 def _vector(values: Sequence) -> nn.CoopVec:

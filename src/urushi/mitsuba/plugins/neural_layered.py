@@ -150,21 +150,17 @@ def define(base: type) -> type:
             Raises:
                 FileError: it cannot be written.
             """
-            if not self._coat.has_rotation:
-                super().save(path)
+            angle, material = self._coat.constant_rotation, self.latents.material
+            if angle is not None and material is not None:
+                material.rotated(angle).save(path)
                 return
-            angle = self._coat.constant_rotation
-            if angle is None or self.latents.grid is not None:
+            super().save(path)
+            if self._coat.has_rotation:
                 mi.Log(
                     mi.LogLevel.Warn,
                     f"{self._coat.where}: the file of the codes leaves out the rotation; give it "
                     "to the plugin 'neural_brdf' that reads the file",
                 )
-                super().save(path)
-                return
-            material = self.latents.material
-            assert material is not None  # for the type checker
-            material.rotated(angle).save(path)
 
         def _f(self, vertex, ctx, si, wo, active):
             f = super()._f(vertex, ctx, si, wo, active)

@@ -54,12 +54,8 @@ def below(bsdf: "mi.BSDF", coat: Any) -> "mi.BSDF":
         front = nested_objects(front)["brdf_0"]
     if isinstance(front, Coatable):
         return front.under(coat)
-    return _conductor_below(mi.variant())(front, coat) if is_conductor(front) else bsdf
-
-
-def is_conductor(bsdf: "mi.BSDF") -> bool:
-    """Whether a BSDF is Mitsuba's `roughconductor`."""
-    return bsdf.class_name() == "RoughConductor"
+    rough_conductor = front.class_name() == "RoughConductor"
+    return _conductor_below(mi.variant())(front, coat) if rough_conductor else bsdf
 
 
 @cache
