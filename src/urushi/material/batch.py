@@ -2,7 +2,6 @@
 
 from collections.abc import Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor, as_completed
-from itertools import chain
 from pathlib import Path
 from typing import Any
 
@@ -10,6 +9,7 @@ from urushi.errors import UrushiError
 from urushi.material.encode import (
     SourceValues,
     encode_found,
+    encode_source,
     evaluate_source,
     model_for,
     required_pairs,
@@ -47,11 +47,10 @@ def encode_all(
     models = [model_for(source, weights) for source in sources]
 
     def read(index: int) -> SourceValues | UrushiError:
-        source, model = sources[index], models[index]
         try:
-            pairs = required_pairs(source, model, table)
-            opened = load_measured(source) if isinstance(source, Path) else source
-            return evaluate_source(opened, *pairs, widths=model.widths)
+            pairs = required_pairs(sources[index], models[index], table)
+            opened = load_measured(sources[index])
+            return evaluate_source(opened, *pairs, widths=models[index].widths)
         except UrushiError as error:
             return error
 
@@ -59,13 +58,17 @@ def encode_all(
     pool = ThreadPoolExecutor(available_cores())
     try:
         futures = {pool.submit(read, k): k for k in files}
-        of_files = ((futures[future], future.result()) for future in as_completed(futures))
-        others = ((k, read(k)) for k in range(len(sources)) if k not in files)
-        for k, found in chain(of_files, others):
+        for future in as_completed(futures):
+            k, found = futures[future], future.result()
             if isinstance(found, UrushiError):
                 yield k, found
             else:
                 material = encode_found(sources[k], found, models[k], refine=refine)
                 yield k, (material, found.deviations)
+        for k in set(range(len(sources))).difference(files):
+            try:
+                yield k, encode_source(sources[k], models[k], refine=refine, table=table)
+            except UrushiError as error:
+                yield k, error
     finally:
         pool.shutdown(cancel_futures=True)

@@ -8,6 +8,7 @@ which coats are layered, is the encoder's own code, or a code near those for unu
 
 import functools
 import warnings
+from dataclasses import replace
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -54,14 +55,13 @@ class SourceValues(NamedTuple):
         values: float32 (N, C) [1/sr], made isotropic and reciprocal.
         deviations: of the source from what a material can represent.
         measured: whether the source is a measured BRDF.
-        lobe, bare: as in `Source`.
+        lobe: as in `Source`.
     """
 
     values: np.ndarray
     deviations: Deviations
     measured: bool
     lobe: np.ndarray | None = None
-    bare: bool = False
 
 
 def encode(
@@ -159,27 +159,20 @@ def encode_source(
 def encode_found(
     source: Any, found: SourceValues, model: Model, *, refine: bool | None = None
 ) -> Material:
-    """`encode_values`; the code of a Stack is then fitted to more of its simulated values."""
-    material = encode_values(found, model, refine=refine)
+    """The material of a source's values at `required_pairs`; refine: as of `encode`.
+
+    It has a table if the values at the table's nodes are among them. The code of a Stack is fitted
+    to more of its simulated values.
+    """
+    count = len(required_pairs(None, model, table=False)[0])
+    values, at_table = found.values[:count], found.values[count:]
+    fitted = True if refine is None and found.measured else refine
+    material = material_from_values(values, model, refine=fitted, lobe=found.lobe)
+    if len(at_table):
+        material = replace(material, table=table_of_values(at_table))
     if refine is False or not isinstance(source, Stack):
         return material
     return fit_to_walks(material, functools.partial(simulated, source))
-
-
-def encode_values(found: SourceValues, model: Model, *, refine: bool | None = None) -> Material:
-    """The material of a source's values at `required_pairs`; refine: as of `encode`.
-
-    It has a table if the values at the pairs of its nodes are among them.
-    """
-    refine = True if refine is None and found.measured else refine
-    if found.bare and found.lobe is not None:
-        return material_of_lobes(found.lobe, model, found.values.shape[1])
-    count = len(required_pairs(None, model, table=False)[0])
-    values, at_table = found.values[:count], found.values[count:]
-    material = material_from_values(values, model, refine=refine, lobe=found.lobe)
-    if not len(at_table):
-        return material
-    return Material(material.latents, model, material.anchors, table_of_values(at_table))
 
 
 def material_of_lobes(lobe: np.ndarray, model: Model, channels: int = 3) -> Material:
@@ -251,7 +244,7 @@ def evaluate_source(
     values, deviations = symmetrise(
         opened, wi, wo, lambda values, count: _checked(values, name, count), widths
     )
-    return SourceValues(values, deviations, opened.measured, opened.lobe, opened.bare)
+    return SourceValues(values, deviations, opened.measured, opened.lobe)
 
 
 def _with_widths(source: Source, widths: int) -> Source:

@@ -149,11 +149,7 @@ def define_proposal_bsdf() -> type:
             """
 
         def _check_changeable(self):
-            """Refuse changes that are made while a frozen function is recorded.
-
-            Raises:
-                ParameterError: this is one.
-            """
+            """Refuse, by a ParameterError, changes while a frozen function is recorded."""
             if dr.flag(dr.JitFlag.FreezingScope):
                 raise ParameterError(
                     f"{self._where}: its parameters are updated inside a frozen function, whose "

@@ -88,11 +88,7 @@ def varying_textures(root: "mi.Object") -> list["mi.Texture"]:
 
 
 def check_normals(bsdf: "mi.BSDF", where: str) -> None:
-    """Refuse a bottom that contains a normal map or a bump map.
-
-    Raises:
-        ParameterError: it contains one.
-    """
+    """Refuse, by a ParameterError, a bottom that contains a normal map or a bump map."""
     for node in _within(bsdf):
         if node.class_name() in NORMALS:
             raise ParameterError(

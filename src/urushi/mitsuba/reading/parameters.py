@@ -406,11 +406,7 @@ def check_bottom(bsdf: "mi.BSDF", where: str) -> None:
 
 
 def check_rotation(bottom: "mi.BSDF", where: str) -> None:
-    """Refuse a bottom with a rotation of its own.
-
-    Raises:
-        ParameterError: it has one.
-    """
+    """Refuse, by a ParameterError, a bottom with a rotation of its own."""
     if offer_of(bottom).rotated:
         raise ParameterError(
             f"{where}: the nested coat has its own rotation, but all layers share one tangent "
