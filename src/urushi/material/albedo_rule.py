@@ -1,9 +1,9 @@
 """Quadrature for the directional albedo of codes at ten angles, and interpolation between them.
 
-The albedo is smooth in ln(cos + 0.1), and a polynomial interpolates it between the angles. A rest
-below an interface of an index below one is dark beyond the critical angle, with an edge as sharp as
-the interface is smooth, where a polynomial swings. The polynomial is therefore clipped to the range
-of the albedos at the two neighbouring angles.
+The albedo is smooth in ln(cos + 0.1), and a polynomial interpolates it between the angles. Below an
+interface with an index below one, a rest is dark beyond the critical angle. The edge is as sharp as
+the interface is smooth, and a polynomial swings there. The polynomial is therefore clipped to the
+range of the albedos at the two neighbouring angles.
 
 For anisotropic codes the angles are repeated at several azimuths of wi, in one quadrant, because
 these codes are symmetric about the xz and the yz plane.
@@ -132,8 +132,8 @@ def _isotropic_rule() -> AlbedoRule:
 def _anisotropic_rule() -> AlbedoRule:
     """Half vectors logarithmic in tan theta_h, dense in azimuth near the xz and the yz plane.
 
-    There the lobes of two very different widths are narrow. The nodes end at the horizon of wo, as
-    in `geometry.quadrature.half_vector_rule`.
+    Lobes of two very different widths are narrow near these planes. The nodes end at the horizon of
+    wo, as in `core.quadrature.half_vector_rule`.
     """
     directions = np.stack(np.meshgrid(AZIMUTHS, ANISOTROPIC_COSINES, indexing="ij"), axis=-1)
     directions = directions.reshape(-1, 2)

@@ -96,7 +96,7 @@ class HalfVectors(NamedTuple):
 
 
 class Below(NamedTuple):
-    """S of the module's text, for channels C that share an interface.
+    """The BRDF of everything below an interface, for channels C that share the interface.
 
     Attributes:
         table: float32 (U, V, W, C), its logarithm without the bottom's lobes.
@@ -225,7 +225,7 @@ def _below(
     peak: HalfVectors,
     slab: bool,
 ) -> Below:
-    """S for channels (C,) of the bottom under media (3, C), which differ; see `_distinct`."""
+    """What lies below for channels (C,) of the bottom under media (3, C), all different."""
     assert bottom.table is not None  # for the type checker
     wi, wo = node_pairs()
     back = adding.interface_modes(*interface)
@@ -250,10 +250,10 @@ def _below(
 
 
 def _spanning(below: Below) -> tuple[Below, np.ndarray]:
-    """Channels (D,) whose sums with weights (D, C) are all channels, up to `SPANNED`.
+    """Channels (D,), and weights (D, C) by which their sums are all channels, up to `SPANNED`.
 
-    The mean of the module's text is linear in S. Those are chosen one by one, the farthest from the
-    sums of the others first, where there are more channels than three: the bands of a spectrum.
+    f of the coated material is linear in the BRDF below, so that fewer channels suffice for the
+    bands of a spectrum. The next channel is always the farthest from sums of the chosen ones.
     """
     channels = below.table.shape[-1]
     if channels <= 3:
@@ -283,7 +283,7 @@ def _spanning(below: Below) -> tuple[Below, np.ndarray]:
 
 
 def _crossed(below: Below, alpha: float, eta: float, wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
-    """The mean of the module's text: float32 (N, C) for pairs (N, 3)."""
+    """f float32 (N, C) of pairs (N, 3), without the interface's lobe (see the module)."""
     if eta == 1:
         return _seen(below, wi, wo, pair_coordinates(wi, wo))
     cosines = wi[:, 2, None], wo[:, 2, None]
@@ -329,7 +329,7 @@ def _weighted(below: Below, a: Crossing, b: Crossing) -> np.ndarray:
 def _seen(
     below: Below, wi: np.ndarray, wo: np.ndarray, places: tuple[np.ndarray, ...]
 ) -> np.ndarray:
-    """S (..., C) for pairs (..., 3) with table coordinates `places` (...)."""
+    """The BRDF below (..., C) for pairs (..., 3) with table coordinates `places` (...)."""
     values = interpolated_at(below.table, *(p.ravel() for p in places))
     values = values.reshape(*places[0].shape, -1)
     if below.lobe is None:

@@ -14,9 +14,9 @@ from urushi.parallel import fill_blocks, one_blas_thread
 #: Number of codes that are measured, half to fit the regression and half to estimate its error.
 SAMPLE = 1024
 
-#: Power of the excess by which codes are weighted in the fit; and the error of the regression: the
-#: greatest over held-out codes whose ln excess is above -`NEAR`, or over the
-#: brightest tenth, times a factor, plus a constant.
+#: Codes are weighted in the fit by this power of their excess. The error of the regression is its
+#: greatest error over held-out codes whose ln excess is above -`NEAR`, or over the brightest tenth,
+#: times `ERROR_FACTOR`, plus `LEAST_MARGIN`.
 WEIGHT_POWER, NEAR, ERROR_FACTOR, LEAST_MARGIN = 4.0, 0.25, 2.0, 0.02
 
 #: Regression: number of random features, and ridge.

@@ -69,7 +69,7 @@ class Source(NamedTuple):
 def as_source(source: Any) -> Source:
     """A source of `encode` as a function that can be evaluated.
 
-    `as_source.register(type, function)` adds a type of source; the render floor adds Mitsuba's
+    `as_source.register(type, function)` adds a type of source; `mitsuba.register` adds Mitsuba's
     BSDFs.
 
     Raises:

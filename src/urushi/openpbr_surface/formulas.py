@@ -12,7 +12,7 @@ functions take NumPy or Dr.Jit arrays; `xp` has their functions.
 3.5    fuzz                        `fuzz_albedo`, `fuzz_density`
 
 The Fresnel terms are in `urushi.core` (`fresnel`, `metal`), as is the coat's medium (`appearance`);
-the diffuse slab is `urushi.core.eon`, and section 3.3 is in `thin_film`.
+the diffuse slab is `eon`, and section 3.3 is in `thin_film`.
 """
 
 import math

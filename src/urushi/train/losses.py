@@ -33,7 +33,7 @@ WORST = 0.3
 #: it codes diverge in the first steps, when five coats are applied one after the other.
 LARGEST_CODE = 20.0
 
-#: Consecutive pairs of one mixture, see `geometry.direction_sets.training_pairs`.
+#: Consecutive pairs of one mixture, see `core.direction_sets.training_pairs`.
 _PERIOD = 4
 
 

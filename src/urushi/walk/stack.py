@@ -100,7 +100,7 @@ class Stack:
 def under(bottom: Any, index: npt.ArrayLike) -> Any:
     """A Stack or a bottom below a medium (`Stack.under`); measured BRDFs and others as they are.
 
-    `under.register(type, function)` adds a type; the render floor adds Mitsuba's BSDFs.
+    `under.register(type, function)` adds a type; `mitsuba.register` adds Mitsuba's BSDFs.
     """
     return bottom.under(index) if isinstance(bottom, Stack | Description) else bottom
 

@@ -198,7 +198,7 @@ def half_difference_position(wi: Any, wo: Any) -> tuple[Any, Any, Any]:
     """Position of a pair along the three axes of a table, each in [0, 1].
 
     The axes are sqrt(theta_h / 90 deg), theta_d / 90 deg and phi_d / 180 deg, the last modulo 1 by
-    reciprocity. The Dr.Jit counterpart of `geometry.half_vector.half_difference_angles`.
+    reciprocity. The Dr.Jit counterpart of `core.half_vector.half_difference_angles`.
     """
     total, difference = wi + wo, wi - wo
     length = dr.norm(total)

@@ -20,7 +20,7 @@ class Part:
         distribution: the distribution of the stacks' parameters.
         stacks: number of stacks.
         pairs: number of direction pairs of a stack; every stack has its own.
-        directions: name of the pairs' direction set, see `geometry.direction_sets`.
+        directions: name of the pairs' direction set, see `core.direction_sets`.
         walks: number of random walks of a pair; bottoms without a coat are analytic and need none.
     """
 
