@@ -54,7 +54,7 @@ notebook: $(READY)
 	.venv/bin/jupyter execute --inplace --NotebookClient.record_timing=False docs/notebooks/*.ipynb
 
 # The README's pictures of the gallery, by the present weights
-GALLERY := still-life globe teapot shoe brushed bells violin car lantern
+GALLERY := still-life globe teapot shoe brushed bells violin car lantern leaf glass
 thumbnails: $(READY)
 	for scene in $(GALLERY); do \
 	    .venv/bin/python -m gallery $$scene out/gallery/$$scene || exit; \
@@ -63,12 +63,12 @@ thumbnails: $(READY)
 	    .venv/bin/urushi render out/gallery/$$scene/scene.xml --width 320 --height 240 --spp 128 \
 	        -o docs/images/$$scene.png || exit; \
 	done
-	for scene in bells violin car lantern; do \
+	for scene in bells violin car lantern leaf glass; do \
 	    .venv/bin/urushi render out/gallery/$$scene/scene.xml --width 320 --height 240 --spp 160 \
 	        -o out/$$scene.png || exit; \
 	    .venv/bin/python docs/small_jpg.py out/$$scene.png docs/images || exit; \
 	done
-	for scene in car lantern; do \
+	for scene in car lantern leaf; do \
 	    .venv/bin/urushi render out/gallery/$$scene/scene.xml -D coat=layered --width 320 \
 	        --height 240 --spp 160 -o out/$$scene-walk.png || exit; \
 	    .venv/bin/python docs/small_jpg.py out/$$scene-walk.png docs/images || exit; \

@@ -3,8 +3,10 @@
 from gallery.bells import bells
 from gallery.brushed import brushed
 from gallery.car import car
+from gallery.glass import glass
 from gallery.globe import globe
 from gallery.lantern import lantern
+from gallery.leaf import leaf
 from gallery.library import library_spheres
 from gallery.shoe import shoe
 from gallery.still_life import still_life
@@ -23,5 +25,7 @@ SCENES: dict[str, Scene] = {
     "violin": violin,
     "car": car,
     "lantern": lantern,
+    "leaf": leaf,
+    "glass": glass,
     "library": library_spheres,
 }

@@ -5,6 +5,7 @@ import pytest
 
 import urushi
 from urushi.core.direction_sets import cosine_pairs
+from urushi.errors import ParameterError
 from urushi.walk.simulate import albedo
 
 MEDIUM = {"albedo": 0.9, "sigma_t": 1.0, "g": 0.3}
@@ -250,6 +251,10 @@ def test_tables_follow_changes_and_refuse_what_they_cannot_hold(rgb):
     si.wi = rgb.Vector3f(0.6, 0, 0.8)
     f = [b.eval(rgb.BSDFContext(), si, rgb.Vector3f(-0.6, 0, -0.8)) for b in (bsdf, changed)]
     np.testing.assert_array_equal(*f)
+    dr.enable_grad(parameters["albedo.value"])
+    parameters.set_dirty("albedo.value")
+    with pytest.raises(ParameterError, match="neural_layered: a parameter carries gradients, but"):
+        parameters.update()
     noise = {"type": "checkerboard"}
     for change, sentence in (
         ({"sigma_t": noise}, "sigma_t is a texture, but the tables of a slab are of constants; us"),

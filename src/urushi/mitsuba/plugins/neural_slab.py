@@ -8,6 +8,7 @@ from urushi.checks import CoatParameters
 from urushi.errors import ParameterError
 from urushi.material.slab_table import slab_materials
 from urushi.mitsuba import spectrum
+from urushi.mitsuba.latents import gradients
 from urushi.mitsuba.latents.holders import ConstantLatents
 from urushi.mitsuba.plugins.base import ignore
 from urushi.mitsuba.plugins.coated import define_coated
@@ -31,6 +32,14 @@ def define(base: type) -> type:
             super()._prepare()
             materials = slab_materials(default_model(), self._parameters())
             self._reflected, self._transmitted = map(ConstantLatents.of, materials)
+
+        def _update(self, keys):
+            if gradients.wanted(self):
+                raise ParameterError(
+                    f"{self._where}: a parameter carries gradients, but the tables of a slab have "
+                    "no derivatives; disable them, and take differences of two pictures"
+                )
+            super()._update(keys)
 
         def _parameters(self) -> CoatParameters:
             """The slab's parameters, (C,) or (1,).
