@@ -1,5 +1,6 @@
 """OpenPBR's bases that transmit light: energy, reciprocity, sampling, limits and bad input."""
 
+import drjit as dr
 import mitsuba as mi
 import numpy as np
 import pytest
@@ -200,9 +201,9 @@ def test_the_tint_is_met_once_on_the_way_through_a_coated_body():
 @pytest.mark.parametrize("values", [GLASS | COAT, PANE | COAT], ids=["body", "pane"])
 @pytest.mark.parametrize("degrees", [20, 110])
 def test_coats_on_glass_lose_no_light(values, degrees):
-    """Walks: the standard error of 2^18 samples is up to 0.4 %."""
+    """Walks: the standard error of 2^18 samples is 0.2 %, and of the measured loss 0.3 %."""
     weight, _ = sampled(load(values, reference=True), degrees, 1 << 18)
-    assert weight.mean() == pytest.approx(1, abs=0.015)
+    assert weight.mean() == pytest.approx(1, abs=0.01)
 
 
 def test_a_coated_body_is_a_slab():
@@ -315,3 +316,45 @@ def test_bodies_need_one_index_that_bends_light():
         mi.load_dict({"type": "twosided", "b": urushi.openpbr(**GLASS).description()})
     # A metal does not transmit.
     assert not mi.has_flag(load(GLASS | {"base_metalness": 1.0}).flags(), mi.BSDFFlags.Transmission)
+
+
+@pytest.mark.parametrize(
+    "values", [GLASS, LEAF | {"subsurface_color": (0.5,) * 3}], ids=["glass", "leaf"]
+)
+def test_closed_forms_have_derivatives(values):
+    """Against differences of f in single precision."""
+    bsdf = load(values | {"specular_roughness": 0.5})
+    params = mi.traverse(bsdf)
+    wi, wo = np.array([[0.3, 0.1, 0.949]]), np.array([[-0.1, -0.3, -0.949]])
+    name = "color" if "geometry_thin_walled" in values else "roughness"
+    key = next(
+        key for key, _ in params if key.endswith(f"{name}.value") and "specular_c" not in key
+    )
+    value, step = type(params[key])(params[key]), 0.01
+    found = []
+    for change in (-step, step):
+        params[key] = value + change
+        params.update()
+        found.append(evaluated(bsdf, wi, wo)[0, 0])
+    params[key] = value
+    dr.enable_grad(params[key])
+    params.update()
+    si = probing.interaction(wi.astype(np.float32), np.full((1, 2), 0.5))
+    f = bsdf.eval(mi.BSDFContext(), si, mi.Vector3f(wo[0].tolist()))[0] / abs(wo[0, 2])
+    dr.backward(f)
+    slope = np.sum(np.array(dr.grad(params[key])))
+    assert slope == pytest.approx((found[1] - found[0]) / (2 * step), rel=0.03, abs=1e-3)
+
+
+@pytest.mark.parametrize("variant", ["llvm_ad_mono", "llvm_ad_spectral"])
+def test_grey_surfaces_are_the_same_in_all_variants(variant):
+    wi, wo = directions(60, 7)[:40], directions(60, 8)[:40]
+    names = ("glass", "skin", "half", "leaf")
+    colors = [evaluated(load(CLOSED[name][0]), wi, wo) for name in names]
+    mi.set_variant(variant)
+    try:
+        for name, expected in zip(names, colors, strict=True):
+            found = evaluated(load(CLOSED[name][0]), wi, wo)
+            np.testing.assert_allclose(found[:, 0], expected[:, 0], rtol=0.01, atol=1e-4)
+    finally:
+        mi.set_variant("llvm_ad_rgb")

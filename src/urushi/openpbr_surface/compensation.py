@@ -357,14 +357,16 @@ def _losses(coat: "mi.BSDF", uv: np.ndarray) -> np.ndarray:
     return np.stack([1 - np.interp(nodes, cosines[::-1], row[::-1]) for row in albedos])
 
 
-def sampled_losses(coat: "mi.BSDF", uv: np.ndarray, below: bool = False) -> np.ndarray:
+def sampled_losses(
+    coat: "mi.BSDF", uv: np.ndarray, samples: int = SAMPLES, below: bool = False
+) -> np.ndarray:
     """Losses (N, COSINES) of a random walk, by its samples at an azimuth of 45 degrees.
 
-    below: of light from below a slab.
+    samples: for each cosine, over all points. below: of light from below a slab.
     """
     context = mi.BSDFContext(mi.TransportMode.Importance)  # shares of power
     roots = np.linspace(0, 1, COSINES)[1:]
-    samples = max(SAMPLES // len(uv), 1 << 11)
+    samples = max(samples // len(uv), 1 << 11)
     index = np.arange(samples * len(roots))
     losses = np.empty((len(uv), COSINES))
     for row, point in enumerate(uv):

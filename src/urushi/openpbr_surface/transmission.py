@@ -33,6 +33,9 @@ from urushi.walk import interface
 #: Least share of the proposal for light that meets more than one facet.
 LEAST_LOST = 0.01
 
+#: Samples from which the light that a slab loses is measured, for each cosine.
+SAMPLES = 1 << 16
+
 #: The parameters on which the shares depend.
 SHARES = ("base_metalness", "transmission_weight", "subsurface_weight")
 
@@ -191,7 +194,7 @@ class Lost:
         """slab: the white one. index: below it relative to that above."""
         uv = np.full((1, 2), 0.5)
         with dr.suspend_grad():
-            sides = [sampled_losses(slab, uv, below)[0] for below in (False, True)]
+            sides = [sampled_losses(slab, uv, SAMPLES, below)[0] for below in (False, True)]
         losses = np.maximum(np.stack(sides, axis=-1), 0).astype(np.float32)
         self._losses = Interpolated(losses)
         means = hemisphere_weights() @ losses
