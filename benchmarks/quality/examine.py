@@ -29,7 +29,7 @@ from urushi.files import atomic_write, new_folder
 from urushi.material import Material
 from urushi.material.encode import evaluate_source
 from urushi.material.source import Source, as_source
-from urushi.material.symmetry import RELATIVE_TOLERANCE, azimuthal_mean
+from urushi.material.symmetry import AZIMUTHS, RELATIVE_TOLERANCE, rotated_pairs
 from urushi.measured import load_measured
 from urushi.walk import Stack
 from urushi.walk.simulate import simulate
@@ -146,7 +146,10 @@ def _isotropic(source: Source, anisotropic: bool) -> Brdf:
     def columns(wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
         return np.asarray(source.f(wi, wo), np.float32).reshape(len(wi), -1)
 
-    return (lambda wi, wo: azimuthal_mean(columns, wi, wo)) if anisotropic else columns
+    def mean(wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
+        return np.mean([columns(*pair) for pair in rotated_pairs(wi, wo, AZIMUTHS)], axis=0)
+
+    return mean if anisotropic else columns
 
 
 def _albedo(f: Brdf) -> np.ndarray:

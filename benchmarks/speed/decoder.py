@@ -15,6 +15,7 @@ import drjit as dr
 import mitsuba as mi
 import numpy as np
 
+from urushi.material.material import Material
 from urushi.nets.weights import DEFAULT
 
 COUNT, RUNS = 1 << 20, 7
@@ -52,13 +53,13 @@ def evaluations(weights: str) -> dict[str, Callable[[], object]]:
     def of(latents) -> Callable[[], object]:
         return lambda: latents.f(latents.vertex(si, mi.Bool(True)), si, wo, mi.Bool(True))
 
-    cooperative = ConstantLatents(model, codes[0])
+    cooperative = ConstantLatents(Material(codes[0], model))
     decoder = UrushiDecoder(model, ANY_LOBE._replace(widths=model.widths), cooperative=True)
     terms = [[mi.Float(float(x)) for x in channel] for channel in decoder.code_terms(codes[0])]
     dr.make_opaque(terms)
     cooperative._decoder, cooperative._decoder_terms = decoder, terms
     return {
-        "constant codes": of(ConstantLatents(model, codes[0])),
+        "constant codes": of(ConstantLatents(Material(codes[0], model))),
         "textured codes": of(TexturedLatents(model, store, grid)),
         "cooperative vectors": of(cooperative),
     }

@@ -168,11 +168,6 @@ def mirrored_pairs(wi: np.ndarray, wo: np.ndarray) -> list[tuple[np.ndarray, np.
     return [(wi * sign, wo * sign) for sign in signs]
 
 
-def azimuthal_mean(f: Callable[..., np.ndarray], wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
-    """The mean of f(wi, wo) over the azimuth alone."""
-    return np.mean([f(*pair) for pair in rotated_pairs(wi, wo, AZIMUTHS)], axis=0)
-
-
 def rotated_pairs(
     wi: np.ndarray, wo: np.ndarray, count: int
 ) -> Iterator[tuple[np.ndarray, np.ndarray]]:

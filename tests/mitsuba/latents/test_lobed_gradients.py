@@ -6,6 +6,7 @@ import drjit as dr
 import numpy as np
 import pytest
 
+from urushi.material.material import Material
 from urushi.nets import derivatives, lobe
 from urushi.nets.architecture import SCALE, Architecture, init
 from urushi.nets.features import direction_features
@@ -78,7 +79,7 @@ def test_f_has_the_gradients_of_all_numbers(rgb, model, name, textured):
         black = SimpleNamespace(grid=grid, channels=3, f=lambda *_: [rgb.Float(0)] * 3, **unused)
         held = DifferentiableLatents(model, black, repeated)
     else:
-        plain = ConstantLatents(model, codes.astype(np.float32))
+        plain = ConstantLatents(Material(codes.astype(np.float32), model))
         held = DifferentiableLatents(model, plain, tensor)
     si = dr.zeros(rgb.SurfaceInteraction3f, len(wi))
     si.wi = rgb.Vector3f(wi.T.astype(np.float32))

@@ -5,6 +5,7 @@ import numpy as np
 import pytest
 
 from urushi.core.direction_sets import cosine_pairs
+from urushi.material.material import Material
 from urushi.nets import sampler
 from urushi.nets.architecture import SCALE, Architecture, init
 from urushi.nets.weights import Model
@@ -59,7 +60,9 @@ def f_and_pdf(mi, latents) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
 def test_a_constant_of_one_code(rgb, model, codes):
     from urushi.mitsuba.latents.holders import ConstantLatents
 
-    shared, separate = (ConstantLatents(model, codes[channels]) for channels in (SAME, OTHER))
+    shared, separate = (
+        ConstantLatents(Material(codes[channels], model)) for channels in (SAME, OTHER)
+    )
     values = zip(f_and_pdf(rgb, shared)[:2], f_and_pdf(rgb, separate)[:2], strict=True)
     for found, expected in values:
         assert found.shape == (3, COUNT)
@@ -93,7 +96,7 @@ def test_a_texture_of_one_code_a_texel(rgb, model, codes):
 def test_the_proposal_of_a_constant_agrees_with_numpy(rgb, model, codes):
     from urushi.mitsuba.latents.holders import ConstantLatents
 
-    latents = ConstantLatents(model, codes[OTHER])
+    latents = ConstantLatents(Material(codes[OTHER], model))
     wi, wo, _ = points()
     mean = codes[OTHER].mean(axis=0)
     expected = sampler.mixture_pdf(*sampler.mixture(model.params, model.arch, mean, wi), wi, wo)

@@ -41,7 +41,7 @@ def parts(rgb, model):
     from urushi.mitsuba.latents.holders import ConstantLatents
 
     z = latents(3)
-    return ConstantLatents(model, z), Material(z, model)
+    return ConstantLatents(Material(z, model)), Material(z, model)
 
 
 def vector(mi, w):
@@ -153,7 +153,7 @@ def test_cuda_agrees_with_numpy(model):
 
     z = latents(3)
     wi, wo = pairs()
-    f = evaluated(ConstantLatents(model, z), interaction(mi, wi), vector(mi, wo))
+    f = evaluated(ConstantLatents(Material(z, model)), interaction(mi, wi), vector(mi, wo))
     # half precision: 5e-4 of every activation, through a network that triples its output
     np.testing.assert_allclose(
         np.stack([x.numpy() for x in f], -1), Material(z, model).f(wi, wo), rtol=2e-2

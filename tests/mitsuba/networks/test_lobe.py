@@ -4,6 +4,7 @@ import drjit as dr
 import numpy as np
 import pytest
 
+from urushi.material.material import Material
 from urushi.material.table import interpolated, rest_table
 from urushi.nets import lobe as numpy_lobe
 from urushi.nets import weights
@@ -74,7 +75,7 @@ def interaction(mi, wi):
 def constant(model, z):
     from urushi.mitsuba.latents.holders import ConstantLatents
 
-    return ConstantLatents(model, z)
+    return ConstantLatents(Material(z, model))
 
 
 def textured(model, z):

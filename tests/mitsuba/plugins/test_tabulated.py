@@ -71,7 +71,7 @@ def test_reciprocal_to_the_bit(rgb, small, random_directions):
     from urushi.mitsuba.latents.holders import ConstantLatents
 
     material = materials(small)[1]
-    latents = ConstantLatents(small, material.latents, None, material.table)
+    latents = ConstantLatents(Material(material.latents, small, table=material.table))
     sides = random_directions(2000, 3), random_directions(2000, 4)
 
     def f(wi, wo) -> np.ndarray:
@@ -109,7 +109,7 @@ def test_coats_lie_over_the_anchors(rgb, small):
     from urushi.mitsuba.latents.holders import ConstantLatents
 
     material = materials(small)[0]
-    bottom = ConstantLatents(small, material.latents, None, material.table).anchors
+    bottom = ConstantLatents(Material(material.latents, small, table=material.table)).anchors
     again = bottom.anchors
     assert again is bottom and str(bottom) == "3 x 24"
 

@@ -92,7 +92,7 @@ class Baker:
         material = layer_material(CoatParameters.of_columns(columns), bottom)
         if material.table is None:
             self._left = checks.outside_training(coat)
-        return ConstantLatents.of(material)
+        return ConstantLatents(material)
 
     def _textured(self, grid: TexelGrid) -> TexturedLatents:
         """The codes of all texels: from the disk, or those of the bottom, layered."""

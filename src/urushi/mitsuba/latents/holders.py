@@ -6,6 +6,7 @@ interaction share, `f` evaluates every channel there, and `f_and_pdf` the propos
 
 import os
 from collections.abc import Callable
+from dataclasses import replace
 from functools import partial
 from typing import Any, ClassVar, NamedTuple
 
@@ -52,21 +53,17 @@ class ConstantLatents:
         "_signature": list,
     }  # for frozen functions
 
-    def __init__(
-        self,
-        model: Model,
-        latents: np.ndarray,
-        anchors: np.ndarray | None = None,
-        table: np.ndarray | None = None,
-        beside_lobe: bool = False,
-    ):
-        """latents, anchors: (C, size) float32; these and the others are those of a `Material`."""
-        anchors = latents if anchors is None else anchors
-        self._material = Material(latents, model, anchors, table, beside_lobe=beside_lobe)
+    grid: TexelGrid | None = None  # the same everywhere
+
+    def __init__(self, material: Material):
+        """Take the codes of a material, without its rotation."""
+        self.material = material = replace(material, rotation=0.0, coating=None)
+        self.model, self.channels = material.model, material.channels
+        model, latents, table = material.model, material.latents, material.table
         if table is None and (latents == latents[:1]).all():
             latents = latents[:1]  # channels of the same code are evaluated once
         self._fine = len(latents) == spectrum.COUNT
-        whole = table is not None and not beside_lobe
+        whole = table is not None and not material.beside_lobe
         kind = NO_LOBE if whole else kind_of_codes(model, latents[None])
         self._sampler = UrushiSampler(model, kind)
         self._decoder: UrushiDecoder | TabulatedDecoder
@@ -86,19 +83,8 @@ class ConstantLatents:
             self._decoder_terms, self._kind = [owned(mi.Float, rows)], kind
         else:
             self._decoder_terms = [_opaque(terms) for terms in self._decoder.code_terms(latents)]
-        mean = self._material.anchors.mean(axis=0)
+        mean = material.anchors.mean(axis=0)
         self._proposals = [owned(mi.Float, x) for x in self._sampler.tabulated(mean)]
-
-    @classmethod
-    def of(cls, material: Material) -> "ConstantLatents":
-        """Those of a material, without its rotation."""
-        return cls(
-            material.model,
-            material.latents,
-            material.anchors,
-            material.table,
-            material.beside_lobe,
-        )
 
     def vertex(self, si, active) -> Vertex:
         """The vertex at a surface interaction."""
@@ -146,36 +132,16 @@ class ConstantLatents:
 
     def at(self, uv: np.ndarray) -> np.ndarray:
         """Latent codes (M, C, size) at points uv (M, 2)."""
-        latents = self._material.latents
+        latents = self.material.latents
         return np.broadcast_to(latents, (len(uv), *latents.shape))
-
-    @property
-    def model(self) -> Model:
-        """The networks."""
-        return self._material.model
-
-    @property
-    def material(self) -> Material:
-        """The codes as a material."""
-        return self._material
 
     @property
     def anchors(self) -> "ConstantLatents":
         """The codes that coats are layered over."""
-        material = self._material
+        material = self.material
         if material.anchors is material.latents and material.table is None:
             return self
-        return ConstantLatents(material.model, material.anchors)
-
-    @property
-    def channels(self) -> int:
-        """Number of codes, one per channel."""
-        return self._material.channels
-
-    @property
-    def grid(self) -> TexelGrid | None:
-        """The texture's grid; None: the same everywhere."""
-        return None
+        return ConstantLatents(Material(material.anchors, material.model))
 
     def save(self, path: str | os.PathLike) -> None:
         """Write a file that `neural_brdf` and `urushi.load` read.
@@ -183,11 +149,11 @@ class ConstantLatents:
         Raises:
             FileError: it cannot be written.
         """
-        self._material.save(path)
+        self.material.save(path)
 
     def __str__(self) -> str:
-        count, size = self._material.latents.shape
-        table = "" if self._material.table is None else ", with a table"
+        count, size = self.material.latents.shape
+        table = "" if self.material.table is None else ", with a table"
         return f"{count} x {size}{table}"
 
 

@@ -81,7 +81,7 @@ def define(base: type) -> type:
                 self.model, angle = material.model, material.rotation
                 codes = owned(mi.Float, material.latents)
                 self._tensor = mi.TensorXf(codes, material.latents.shape)
-                self.latents = ConstantLatents.of(material)
+                self.latents = ConstantLatents(material)
             bands = (spectrum.COUNT,) if mi.is_spectral else ()
             if self.latents.channels not in (1, 3, *bands):
                 raise ParameterError(
@@ -99,7 +99,7 @@ def define(base: type) -> type:
             under = self._copy()
             index = float(coat.inside(dr.zeros(mi.SurfaceInteraction3f)).numpy()[0])
             under._material = below_medium(self._material, index)
-            under.latents = ConstantLatents.of(under._material)
+            under.latents = ConstantLatents(under._material)
             return under
 
         def _turn(self, si, active):
@@ -117,7 +117,7 @@ def define(base: type) -> type:
             codes = self._tensor.numpy()
             if not np.array_equal(codes, self._material.latents):
                 self._material = Material(codes, self.model)
-            self.latents = ConstantLatents.of(self._material)
+            self.latents = ConstantLatents(self._material)
             if dr.grad_enabled(self._tensor):
                 self.latents = DifferentiableLatents(self.model, self.latents, self._tensor)
 

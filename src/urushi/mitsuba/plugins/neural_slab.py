@@ -31,7 +31,7 @@ def define(base: type) -> type:
         def _prepare(self):
             super()._prepare()
             materials = slab_materials(default_model(), self._parameters())
-            self._reflected, self._transmitted = map(ConstantLatents.of, materials)
+            self._reflected, self._transmitted = map(ConstantLatents, materials)
 
         def _update(self, keys):
             if gradients.wanted(self):
