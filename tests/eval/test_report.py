@@ -9,13 +9,13 @@ from benchmarks.quality import benchmark_set
 from urushi.errors import FileError
 from urushi.eval import benchmark, metrics, physical_laws, report
 from urushi.eval import samples as sampling
-from urushi.eval.samples import Aim, Row
+from urushi.eval.samples import Row
 from urushi.nets import weights
 from urushi.nets.architecture import FIXED
 
 ROWS = (
-    Row("encode bare ones", ("bare",), aims=(Aim("E", "mean", 1e9),)),
-    Row("encode simulated ones", ("few",), encoded=-1, aims=(Aim("P", "median", 0.0),)),
+    Row("encode bare ones", ("bare",)),
+    Row("encode simulated ones", ("few",), encoded=-1),
     Row("all together", ("bare", "few")),
 )
 
@@ -45,16 +45,13 @@ def test_rows_are_the_figures_of_the_networks(result, tiny, sets):
     assert set(result.errors) == {"bare", "few"}
 
 
-def test_the_text_has_every_line(result, monkeypatch):
-    monkeypatch.setattr(report, "ROWS", ROWS)
+def test_the_text_has_every_line(result):
     text = report.table(result)
     lines = {line.strip()[:22].strip(): line for line in text.splitlines()}
     for name in ("encode bare ones", "encode simulated ones", "all together", "decoder"):
         assert name in lines
     for law in result.laws:
         assert law.name in text
-    assert lines["encode bare ones"].endswith("E mean <= 1e+11 ok")
-    assert lines["encode simulated ones"].endswith("P median <= 0 MISSED")
     mean = 100 * result.rows["all together"]["E"]["mean"]
     assert f"{mean:.2f}" in lines["all together"]
 

@@ -140,14 +140,15 @@ def test_validation_measures_the_exported_weights(uninterrupted, tiny, tiny_data
     values = []
     for check, part in zip(checks, store.spec.parts[4:6], strict=True):
         wi, wo = (store.read(part)[name] for name in ("wi", "wo"))
-        codes = encode(model.params, tiny.arch, check.probes)
-        z = np.concatenate([check.lobes, codes], axis=-1)
-        z = layer(model.params, tiny.arch, z, tuple(check.coats[:, 0].T))
+        held = check.examples
+        codes = encode(model.params, tiny.arch, held.probes)
+        z = np.concatenate([held.lobes, codes], axis=-1)
+        z = layer(model.params, tiny.arch, z, tuple(held.coats[:, 0].T))
         top = lobe.f(z[:, None, :6], wi, wo)
-        values.append(top + decode(model.params, tiny.arch, z[:, None, 6:], check.features))
+        values.append(top + decode(model.params, tiny.arch, z[:, None, 6:], held.features))
     arrays = store.read(store.spec.parts[4])
     wi, wo = arrays["wi"], arrays["wo"]
-    np.testing.assert_array_equal(checks[0].features, direction_features(wi, wo))
+    np.testing.assert_array_equal(checks[0].examples.features, direction_features(wi, wo))
     e = error_metrics.stack_error(values[0], arrays["f"], wi[..., 2], wo[..., 2]).mean()
     p = np.median(error_metrics.pair_error(values[1], store.read(store.spec.parts[5])["f"]))
     assert figures == pytest.approx({"E mean": e, "P median": p}, rel=1e-4)  # float32 sums

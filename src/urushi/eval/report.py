@@ -12,7 +12,7 @@ import numpy as np
 
 from urushi.eval import benchmark, metrics, physical_laws, predict
 from urushi.eval import samples as sampling
-from urushi.eval.samples import GROUPS, ROWS, Aim, Group, Row, Samples
+from urushi.eval.samples import GROUPS, ROWS, Group, Row, Samples
 from urushi.files import atomic_write, new_folder
 from urushi.nets.architecture import FIXED
 from urushi.nets.weights import Model, Weights, find
@@ -187,19 +187,12 @@ def table(result: Result) -> str:
 
 def error_lines(rows: Mapping[str, dict[str, Any]], width: int) -> list[str]:
     """The lines of the errors in percent; width: of the names."""
-    aims = {row.name: row.aims for row in ROWS}
     heads = " ".join(f"{metric + ' ' + _SHORT.get(key, key):>8}" for metric, key in COLUMNS)
-    lines = [f"{'errors [%]':<{width}} {'stacks':>6} {heads}  aims"]
+    lines = [f"{'errors [%]':<{width}} {'stacks':>6} {heads}"]
     for name, row in rows.items():
         numbers = " ".join(f"{100 * row[metric][key]:8.2f}" for metric, key in COLUMNS)
-        verdict = "; ".join(_aim(aim, row) for aim in aims.get(name, ()))
-        lines.append(f"{name:<{width}} {row['stacks']:>6} {numbers}  {verdict}".rstrip())
+        lines.append(f"{name:<{width}} {row['stacks']:>6} {numbers}")
     return lines
-
-
-def _aim(aim: Aim, row: dict[str, Any]) -> str:
-    verdict = "ok" if row[aim.metric][aim.statistic] <= aim.limit else "MISSED"
-    return f"{aim.metric} {aim.statistic} <= {100 * aim.limit:g} {verdict}"
 
 
 def _limit(law: Any) -> str:

@@ -6,7 +6,6 @@ The rows of the table of errors are sets of groups of stacks.
 import zlib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import NamedTuple
 
 import numpy as np
 
@@ -46,14 +45,6 @@ class Group:
             )
 
 
-class Aim(NamedTuple):
-    """An aim of the project: `metric`'s `statistic` is at most `limit` (a fraction)."""
-
-    metric: str
-    statistic: str
-    limit: float
-
-
 @dataclass(frozen=True)
 class Row:
     """One line of the table: errors over the stacks of several groups.
@@ -64,22 +55,16 @@ class Row:
         encoded: number of each stack's lowest coats that are encoded with the bottom, from values
             at the probe pairs; the others are layered. -1: all.
         refined: whether the codes are refined before they are layered, see `material.fit`.
-        aims: of the shipped networks.
     """
 
     name: str
     groups: tuple[str, ...]
     encoded: int = 0
     refined: bool = False
-    aims: tuple[Aim, ...] = ()
 
     def coats(self, group: Group) -> int:
         """Number of coats of a group's stacks that are encoded."""
         return group.distribution.coats if self.encoded < 0 else self.encoded
-
-
-def _e(limit: float) -> Aim:
-    return Aim("E", "mean", limit)
 
 
 #: The kinds of bottom that are measured, with their names in the table.
@@ -117,40 +102,22 @@ GROUPS = (*_BARE, *_TWO, *_THREE, *_SIX, *_CLEAR, *_LOW_TWO, *_LOW_THREE)
 
 #: The table, top to bottom.
 ROWS = (
-    *(
-        Row(f"encode {BOTTOMS[kind]}", (f"bare {kind}",), aims=(_e(0.005),))
-        for kind in _KINDS
-    ),
-    Row(
-        "encode simulated stacks",
-        _names((*_TWO, *_THREE)),
-        encoded=-1,
-        aims=(_e(0.006), Aim("P", "median", 0.004)),
-    ),
-    Row("bare surfaces, all, refined", _names(_BARE), refined=True, aims=(_e(0.005),)),
-    Row(
-        "simulated stacks, refined",
-        _names((*_TWO, *_THREE)),
-        encoded=-1,
-        refined=True,
-        aims=(_e(0.006), Aim("P", "median", 0.004)),
-    ),
-    Row(
-        "layer two interfaces, Table 2",
-        _names(_TWO[:1]),
-        aims=(_e(0.005), Aim("E", "p95", 0.012), Aim("P", "median", 0.0035)),
-    ),
-    Row("layer two interfaces, extended", _names(_TWO[1:]), aims=(_e(0.008),)),
+    *(Row(f"encode {BOTTOMS[kind]}", (f"bare {kind}",)) for kind in _KINDS),
+    Row("encode simulated stacks", _names((*_TWO, *_THREE)), encoded=-1),
+    Row("bare surfaces, all, refined", _names(_BARE), refined=True),
+    Row("simulated stacks, refined", _names((*_TWO, *_THREE)), encoded=-1, refined=True),
+    Row("layer two interfaces, Table 2", _names(_TWO[:1])),
+    Row("layer two interfaces, extended", _names(_TWO[1:])),
     *(Row(f"  over {BOTTOMS[kind]}", (f"two, {kind}",)) for kind in _KINDS),
-    Row("layer three interfaces", _names(_THREE), aims=(_e(0.012),)),
+    Row("layer three interfaces", _names(_THREE)),
     Row("  upper over encoded lower", _names(_THREE), encoded=1),
     Row("  upper over refined lower", _names(_THREE), encoded=1, refined=True),
-    Row("layer six interfaces", _names(_SIX), aims=(_e(0.025),)),
+    Row("layer six interfaces", _names(_SIX)),
     Row("layer clear coats", _names(_CLEAR)),
     *(Row(f"  over {BOTTOMS[kind]}, clear", (f"clear, {kind}",)) for kind in _KINDS),
-    Row("indices below one, two interfaces", _names(_LOW_TWO), aims=(_e(0.01),)),
-    Row("indices below one, three interfaces", _names(_LOW_THREE), aims=(_e(0.01),)),
-)  # fmt: skip
+    Row("indices below one, two interfaces", _names(_LOW_TWO)),
+    Row("indices below one, three interfaces", _names(_LOW_THREE)),
+)
 
 
 #: Number of drawn pairs of a stack: for E (cosine density) and for P (log half angle).

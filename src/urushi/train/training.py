@@ -18,12 +18,10 @@ from urushi.checks import CoatParameters
 from urushi.core import error_metrics
 from urushi.errors import FileError
 from urushi.files import new_folder
-from urushi.nets import lobe as lobes
 from urushi.nets import weights
 from urushi.nets.architecture import Architecture, init
 from urushi.nets.decoder import decode
 from urushi.nets.encoder import encode, input_statistics
-from urushi.nets.features import direction_features
 from urushi.nets.layerer import layer
 from urushi.nets.mlp import Params
 from urushi.platform import available_cores
@@ -31,7 +29,7 @@ from urushi.train import examples, presets
 from urushi.train.checkpoint import Checkpoint, Journal
 from urushi.train.data.generate import generate
 from urushi.train.data.store import Store
-from urushi.train.examples import METRICS, Depth, coats_to_layer, encoder_inputs, top_lobes
+from urushi.train.examples import METRICS, Depth, Examples
 from urushi.train.optimiser import TrainState, start
 from urushi.train.presets import Preset
 from urushi.train.stages.stage import Learner, Stage, parameters_of
@@ -43,15 +41,10 @@ RUNS = Path("runs")
 
 @dataclass(frozen=True)
 class Check:
-    """One validation part in memory: the arrays of `examples.Examples`, and the pairs' cosines."""
+    """One validation part in memory, and the cosines (S, P) of its pairs."""
 
     metric: str
-    lobes: np.ndarray
-    probes: np.ndarray
-    coats: np.ndarray
-    features: np.ndarray
-    top: np.ndarray
-    f: np.ndarray
+    examples: Examples
     cos_i: np.ndarray
     cos_o: np.ndarray
 
@@ -235,25 +228,11 @@ def advance(
 def load_checks(store: Store, arch: Architecture) -> list[Check]:
     """Read the validation parts of a store."""
     checks = []
-    for part in store.spec.parts:
-        if part.directions not in METRICS:
-            continue
-        arrays = store.read(part)
-        wi, wo = arrays["wi"], arrays["wo"]
-        own, rest = encoder_inputs(part, arrays, arch)
-        checks.append(
-            Check(
-                metric=METRICS[part.directions],
-                lobes=own,
-                probes=rest,
-                coats=coats_to_layer(part, arrays),
-                features=direction_features(wi, wo, arch.widths),
-                top=lobes.f(top_lobes(part, arrays, arch)[:, None], wi, wo),
-                f=arrays["f"],
-                cos_i=wi[..., 2],
-                cos_o=wo[..., 2],
-            )
-        )
+    for index, part in enumerate(store.spec.parts):
+        if part.directions in METRICS:
+            held = Depth(store, [index], arch, part.pairs).examples()
+            cos_i, cos_o = (store.read(part)[name][..., 2] for name in ("wi", "wo"))
+            checks.append(Check(METRICS[part.directions], held, cos_i, cos_o))
     return checks
 
 
@@ -262,13 +241,14 @@ def measure(params: Params, arch: Architecture, checks: list[Check]) -> dict[str
     host: dict[str, Any] = {name: np.asarray(value) for name, value in params.items()}
     figures = {}
     for check in checks:
-        z = np.concatenate([check.lobes, encode(host, arch, check.probes)], axis=-1)
-        for coat in np.moveaxis(check.coats, 1, 0)[::-1]:  # the lowest first
+        held = check.examples
+        z = np.concatenate([held.lobes, encode(host, arch, held.probes)], axis=-1)
+        for coat in np.moveaxis(held.coats, 1, 0)[::-1]:  # the lowest first
             z = layer(host, arch, z, CoatParameters.of_columns(coat.T))
-        f_hat = check.top + decode(host, arch, z[:, None, arch.lobe :], check.features)
+        f_hat = held.top + decode(host, arch, z[:, None, arch.lobe :], held.features)
         if check.metric == "E mean":
-            errors = error_metrics.stack_error(f_hat, check.f, check.cos_i, check.cos_o)
+            errors = error_metrics.stack_error(f_hat, held.f, check.cos_i, check.cos_o)
             figures[check.metric] = float(errors.mean())
         else:
-            figures[check.metric] = float(np.median(error_metrics.pair_error(f_hat, check.f)))
+            figures[check.metric] = float(np.median(error_metrics.pair_error(f_hat, held.f)))
     return figures

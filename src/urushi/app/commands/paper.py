@@ -75,24 +75,6 @@ class Import:
 
 
 @dataclass(frozen=True)
-class Tensors:
-    """Print the names and shapes of the tensors in a file of torch.save.
-
-    Example: urushi paper tensors RepreNetwork.pth
-    """
-
-    file: tyro.conf.Positional[Path]
-    """File of PyTorch (.pth)."""
-
-    def run(self) -> int:
-        from urushi.fan2022.published import TorchFile, state_dict
-
-        for name, tensor in state_dict(TorchFile(self.file)).items():
-            print(f"{name}  {' × '.join(map(str, tensor.shape)) or 'scalar'}")
-        return 0
-
-
-@dataclass(frozen=True)
 class PaperEval:
     """Measure networks on the stacks of `urushi eval` whose indices are all above one.
 
@@ -121,7 +103,6 @@ class Paper:
 
     command: (
         Annotated[Import, tyro.conf.subcommand("import")]
-        | Annotated[Tensors, tyro.conf.subcommand("tensors")]
         | Annotated[PaperEval, tyro.conf.subcommand("eval")]
     )
 
