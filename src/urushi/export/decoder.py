@@ -91,8 +91,5 @@ def rest(
         sums = dense(body, f"sum{layer}_", params[f"decoder.{layer}.weight"], values, bias)
         values = [body.let(f"unit{layer}_{k}", activated(value)) for k, value in enumerate(sums)]
     total = dot(params[f"decoder.{output}.weight"][:, 0].tolist(), values)
-    return _exponential(body, total + (terms.gain + float(params[f"decoder.{output}.bias"][0])))
-
-
-def _exponential(body: Function, logarithm: Expression) -> Expression:
+    logarithm = total + (terms.gain + float(params[f"decoder.{output}.bias"][0]))
     return body.let("rest", call("exp", call("clamp", logarithm, MIN_LOG, MAX_LOG)))

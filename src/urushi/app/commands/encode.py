@@ -135,7 +135,7 @@ class Encode:
                 f"'{path}' is neither a file nor a description; give a measured BRDF or a Mitsuba "
                 'scene file, or write for example "conductor(alpha=0.2, r0=0.9)"'
             )
-        if not _is_scene(text):
+        if path.suffix != ".xml":
             return path.absolute()  # a worker process has another working folder
         if path not in scenes:
             scenes[path] = scene_bsdfs(path, self.mode)
@@ -179,10 +179,6 @@ def choose(bsdfs: Mapping[str, Any], name: str | None, path: Path) -> Any:
     if name not in bsdfs:
         raise ParameterError(f"'{path}' has no BSDF '{name}' on a shape; it has: {names}")
     return bsdfs[name]
-
-
-def _is_scene(text: str) -> bool:
-    return not is_description(text) and scene_and_bsdf(text)[0].suffix == ".xml"
 
 
 def _name(text: str, number: int) -> str:

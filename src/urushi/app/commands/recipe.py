@@ -8,8 +8,10 @@ import numpy as np
 import tyro
 
 from urushi.errors import ParameterError
+from urushi.eval import metrics
 from urushi.measured import pigments
 from urushi.measured.rgl import XYZ_TO_SRGB
+from urushi.openpbr_surface.materialx.colour_spaces import to_linear_srgb
 from urushi.ranges import Walks
 
 #: Parts of a paint in a mixture, and thicknesses of its film (1 is 40 um of dry paint).
@@ -122,12 +124,9 @@ def linear(text: str) -> np.ndarray:
         digits = b""
     if len(digits) != 3:
         raise ParameterError(f"the colour is '{text}'; give an sRGB code such as '#7a2f1e'")
-    x = np.array(list(digits)) / 255
-    return np.where(x > 0.04045, ((x + 0.055) / 1.055) ** 2.4, x / 12.92)
+    return to_linear_srgb(np.array(list(digits)) / 255, "srgb_texture", "the colour")
 
 
 def code(color: np.ndarray) -> str:
     """The sRGB code of a linear colour (3,), clipped to [0, 1]."""
-    x = np.clip(color, 0, 1)
-    x = np.where(x > 0.0031308, 1.055 * x ** (1 / 2.4) - 0.055, 12.92 * x)
-    return "#" + bytes(np.round(255 * x).astype(np.uint8)).hex()
+    return "#" + bytes(np.round(255 * metrics.shown(color)).astype(np.uint8)).hex()
