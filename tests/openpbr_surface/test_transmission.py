@@ -243,6 +243,8 @@ def test_the_medium_of_a_body():
     assert urushi.openpbr(**GLASS).interior() is None
     assert "interior" not in urushi.openpbr().on({"type": "sphere"})
     texture = {"type": "checkerboard"}
+    tinted = {"transmission_weight": texture, "transmission_color": texture}
+    assert urushi.openpbr(**tinted).interior() is None
     with pytest.raises(ParameterError, match="transmission_color is a texture, but the medium"):
         urushi.openpbr(**GLASS, transmission_depth=1.0, transmission_color=texture).interior()
 
@@ -358,3 +360,21 @@ def test_grey_surfaces_are_the_same_in_all_variants(variant):
             np.testing.assert_allclose(found[:, 0], expected[:, 0], rtol=0.01, atol=1e-4)
     finally:
         mi.set_variant("llvm_ad_rgb")
+
+
+def test_balls_under_a_constant_sky_vanish():
+    """Lossless surfaces in a scene: a body of textured roughness, a wall that is half opaque."""
+    halves = {"type": "checkerboard", "color0": 0.2, "color1": 0.8}
+    half = {"geometry_thin_walled": True, "subsurface_weight": halves, "base_color": WHITE}
+    view = mi.ScalarTransform4f().look_at([0, 0, 5], [0, 0, 0], [0, 1, 0])
+    film = {"type": "hdrfilm", "width": 16, "height": 16, "rfilter": {"type": "box"}}
+    for values in (GLASS | {"specular_roughness": halves}, half | {"subsurface_color": WHITE}):
+        scene = {
+            "type": "scene",
+            "integrator": {"type": "path", "max_depth": 64, "rr_depth": 64},
+            "sensor": {"type": "perspective", "fov": 20, "to_world": view, "film": film},
+            "sky": {"type": "constant"},
+            "ball": urushi.openpbr(**values).on({"type": "sphere"}),
+        }
+        picture = np.array(mi.render(mi.load_dict(scene), spp=64, seed=2))
+        assert picture.mean() == pytest.approx(1, abs=0.015)

@@ -89,27 +89,30 @@ class OpenPBR:
         """The medium inside of a body, for integrators such as `volpath`; None: it is clear.
 
         Lengths are the scene's. If transmission_weight and subsurface_weight both have a share, the
-        medium is the mean of both.
+        medium is the mean of both. A weight that is a texture counts as 1.
 
         Raises:
             ParameterError: a parameter of the medium is a texture.
 
         Source: OpenPBR Surface 1.1.1, 3.2.3 and 3.2.4.
         """
-        clear, scatters = (self.parameters.get(f"{x}_weight", 0.0) for x in MEDIA)
-        if self.parameters.get("geometry_thin_walled") or (clear, scatters) == (0.0, 0.0):
+        weights = [self.parameters.get(f"{name}_weight", 0.0) for name in MEDIA]
+        clear, scatters = (x if isinstance(x, float) else 1.0 for x in weights)
+        deep = clear and self.parameters.get("transmission_depth", 0.0) != 0.0
+        if self.parameters.get("geometry_thin_walled") or not (deep or scatters):
             return None
-        textured = [name for name in self.textures if name.startswith(MEDIA)]
-        if textured:
-            raise ParameterError(
-                f"openpbr: {textured[0]} is a texture, but the medium inside of a body is the same "
-                "everywhere; give a number or a colour"
-            )
+        needed = [f"{name}_" for name, used in zip(MEDIA, (deep, scatters), strict=True) if used]
+        for name in self.textures:
+            if name.startswith(tuple(needed)) and not name.endswith("_weight"):
+                raise ParameterError(
+                    f"openpbr: {name} is a texture, but the medium inside of a body is the same "
+                    "everywhere; give a number or a colour"
+                )
         given = self.parameters.items()
         values = complete({name: x for name, x in given if name not in self.textures})
         share = (1 - clear) * scatters
         extinction, scattering, forward = np.zeros(3), np.zeros(3), 0.0
-        if clear and values["transmission_depth"] > 0:
+        if deep:
             names = "color", "depth", "scatter"
             found = translucent_medium(*(values[f"transmission_{name}"] for name in names))
             extinction, scattering = (clear * x / (clear + share) for x in found)

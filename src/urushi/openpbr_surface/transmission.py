@@ -353,6 +353,9 @@ def define(proposal_bsdf: type) -> Callable[..., "mi.BSDF"]:
         def _vertex(self, si, active):
             return self.surface._vertex(_above(si), active)
 
+        def _f(self, vertex, ctx, si, wo, active):
+            return self._f_and_pdf(vertex, ctx, si, wo, active)[0]
+
         def _f_and_pdf(self, vertex, ctx, si, wo, active):
             near = si.wi.z * wo.z > 0
             found = self.surface._f_and_pdf(vertex, ctx, _above(si), raised(wo), active & near)
