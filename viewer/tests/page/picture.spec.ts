@@ -109,6 +109,10 @@ test("the difference of two materials is dark where they agree", async ({ page }
   const before = await sum();
   await page.getByLabel("Largest difference").selectOption("50");
   await expect.poll(sum).toBeLessThan(before - 50);
+  const legend = page.locator(".legend");
+  await expect(legend).toContainText(/mean [1-9]/);
+  await page.getByRole("button", { name: "Copy to A" }).click();
+  await expect(legend).toContainText("mean 0.0, largest 0.0");
 });
 
 /** Radiance of a shown colour below 0.7: sRGB and the neutral tone curve undone. */

@@ -48,9 +48,7 @@ float level(vec3 direction, float logPdf) {
     vec3 size = abs(direction);
     float major = max(size.x, max(size.y, size.z));
     float solidAngle = 4.0 * major * major * major / (side * side); // of a texel
-    // Few directions of a broad lobe overlap, so that no edge of the light is seen in it.
-    float overlap = 0.5 * max(8.0 - log2(density), 0.0) * (1.0 - smoothstep(0.0, 4.0, logPdf));
-    return 0.5 * (-logPdf - log2(density * solidAngle)) + 0.5 + overlap;
+    return 0.5 * (-logPdf - log2(density * solidAngle)) + 0.5;
 }
 
 // Light from a direction in a frame, drawn by a density.
