@@ -61,6 +61,8 @@ export const ALBEDO_RULE = {
 export const ENCODE = {
   HELPFUL_REST: [1, 1.1],
   NEAR_LOBE: 0.3,
+  DIELECTRIC: 0.1111111111111111,
+  DIFFUSE_QUANTILE: 0.2,
 } as const;
 
 /** Of `urushi.material.energy` of Python. */
@@ -144,6 +146,7 @@ export const LOBE = {
   NUMBERS: { 1: ["alpha", "normal", "grazing", "exact", "eta", "k"], 2: ["alpha_u", "normal",
     "grazing", "exact", "eta", "k", "alpha_v"] },
   COSINES: [1, 0.5, 0.2],
+  VISIBLE: 0.01,
 } as const;
 
 /** Of `urushi.nets.lobe_fit` of Python. */

@@ -5,14 +5,14 @@ import type { Material } from "./api";
 import { joined } from "./channels";
 import type { Encoder } from "./encoder";
 import type { EnergyLimit } from "./energy";
-import { ENCODE } from "./formulas";
+import { ENCODE, LOBE } from "./formulas";
 import { findLobe } from "./interface_fit";
 import { lobeValues } from "./lobe";
 import { readMeasured, valuesAt } from "./measured/read";
 import { probeDirections } from "./probe_pairs";
 import { difference, type Refinement } from "./refinement";
 
-const { HELPFUL_REST, NEAR_LOBE } = ENCODE;
+const { DIELECTRIC, DIFFUSE_QUANTILE, HELPFUL_REST, NEAR_LOBE } = ENCODE;
 
 export class MeasuredEncoder {
   /** @param nothing the rest that the encoder makes of none. */
@@ -56,12 +56,26 @@ export class MeasuredEncoder {
     const codes = this.refinement.refine(lobe, probed, nodes);
     energy.limit(codes.code, ceiling);
     energy.limit(codes.anchor, ceiling);
+    if (this.isFittedDielectric(codes.anchor, probed)) {
+      codes.anchor = encoder.encode(LOBE.NO_LOBE, probed);
+    }
     const { alone, relative } = this.refinement.errorsOf(codes.anchor, probed);
     if (alone < NEAR_LOBE) {
       const [low, high] = HELPFUL_REST;
       this.keepRest(codes.anchor, Math.min(Math.max((high - relative) / (high - low), 0), 1));
     }
     return codes;
+  }
+
+  /** Whether the lobe of an anchor lies over a bright surface; `with_dielectrics_in_rests`. */
+  private isFittedDielectric(anchor: Float32Array, probed: Float64Array): boolean {
+    const [normal, grazing, exact] = anchor.subarray(1, 4);
+    const rest = difference(probed, lobeValues(anchor, this.encoder.pairs)).sort();
+    const place = DIFFUSE_QUANTILE * (rest.length - 1);
+    const below = Math.floor(place);
+    const diffuse = rest[below] + (place - below) * (rest[below + 1] - rest[below]);
+    const seen = normal < DIELECTRIC && exact === 0 && normal + grazing > LOBE.VISIBLE;
+    return seen && Math.PI * diffuse > 0.5 * normal;
   }
 
   /** Blend an anchor with that of its lobe alone; kept: the share of its own rest. */
