@@ -64,7 +64,8 @@ thumbnails: $(READY)
 	        -o docs/images/$$scene.png || exit; \
 	done
 	for scene in bells violin car lantern leaf glass; do \
-	    .venv/bin/urushi render out/gallery/$$scene/scene.xml --width 320 --height 240 --spp 160 \
+	    spp=160; if [ $$scene = glass ]; then spp=1024; fi; \
+	    .venv/bin/urushi render out/gallery/$$scene/scene.xml --width 320 --height 240 --spp $$spp \
 	        -o out/$$scene.png || exit; \
 	    .venv/bin/python docs/small_jpg.py out/$$scene.png docs/images || exit; \
 	done

@@ -58,4 +58,4 @@ def glass(folder: Folder, options: Options) -> dict[str, Any]:
         parts[name] = body | {"to_world": place, "bsdf": options.openpbr(**GLASS, **surface)}
     view = stage.camera(options, (0.0, -8.4, 2.9), (0.0, 0.0, 0.92), 36.0)
     described = stage.scene(view, parts)
-    return described | {"integrator": {"type": "volpath", "max_depth": 24}}
+    return described | {"integrator": {"type": "volpathmis", "max_depth": 24}}
