@@ -1,9 +1,10 @@
 """The option `energy_compensation` of coats: light that a rough surface loses is given back.
 
-A surface scatters light once, so that light which meets a second facet is lost. The share L(w) that
-the topmost surface loses over a white base (`core.albedos.surface_loss`) returns as the lobe
-C L(wi) L(wo) / (pi L_mean) (Kulla and Conty 2017), in the colour C of coat and bottom. Less is lost
-over a mirror, whose light leaves the coat as steeply as it entered, than over a Lambertian base.
+A surface scatters light once. Light that meets a second facet is lost. L(w) is the share that the
+topmost surface loses over a white base (`core.albedos.surface_loss`). The lobe
+C L(wi) L(wo) / (pi L_mean) gives it back (Kulla and Conty 2017). C is the colour of coat and
+bottom. A mirror loses less than a Lambertian base: its light leaves the coat as steeply as it
+entered.
 The plugins have the same lobe (`mitsuba.plugins.compensation`).
 """
 

@@ -1,11 +1,12 @@
 /**
  * The option `energyCompensation`: light that the topmost coat's rough surface loses is given back.
  *
- * A surface scatters light once, so that light which meets a second facet is lost. The share L(w)
- * that a clear coat of the same surface loses over white returns as the lobe C L(wi) L(wo) / (pi
- * L_mean) (Kulla and Conty 2017), in the colour C of coat and bottom; see `walk.compensation` of
- * Python. Less is lost over a mirror: L is mixed by the share that the bottom mirrors. L, and what
- * white reflects, are those of the networks, so that clear coats over white reflect all light.
+ * A surface scatters light once. Light that meets a second facet is lost. L(w) is the share that a
+ * clear coat with this surface loses over a white bottom. The lobe C L(wi) L(wo) / (pi L_mean) gives
+ * it back (Kulla and Conty 2017). C is the colour of coat and bottom. See `walk.compensation` of
+ * Python. A coat over a mirror loses less. L is therefore the mean of the losses over white and over
+ * a mirror, weighted by the share that the bottom mirrors. The networks compute the losses, so that
+ * clear coats over white reflect all light.
  */
 
 import type { Coat, Compensation, Core, Material } from "./api";
