@@ -16,17 +16,17 @@ import mitsuba as mi
 import numpy as np
 from benchmarks import textured_coats
 from benchmarks.speed.render import coat
+from gallery import export
+from gallery.options import COATS, Options
 from gallery.scenes import SCENES as GALLERY
 from research.rivals import plugins
 
 import urushi.fan2022  # noqa: F401  (registers the plugins)
 from urushi.nets import weights as networks
-from urushi.scenes import shipped
-from urushi.scenes.options import COATS, Options
 
 #: The demo's scene goes by this name.
 DEMO = "demo"
-_MAKERS = {DEMO: shipped.SCENES["caddy"], **GALLERY}
+_MAKERS = {DEMO if name == "caddy" else name: make for name, make in GALLERY.items()}
 SCENES = tuple(_MAKERS)
 #: The still life with textures of the coats' alpha and index; not among those measured by default.
 TEXTURED = "textured-still-life"
@@ -73,7 +73,7 @@ def describe(
     kind = WALK if method == WALK or method in RIVALS else COATS[0]
     options = Options(coat=kind, width=width, height=height, detail=detail)
     make = _MAKERS["still-life" if name == TEXTURED else name]
-    scene = shipped.build(make, folder, options)
+    scene = export.build(make, folder, options)
     if name == TEXTURED:
         scene = textured_coats.applied(scene, folder, options)
     if light == BOTH:

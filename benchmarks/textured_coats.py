@@ -1,6 +1,6 @@
 """Textures of alpha and index for the coats of the still life.
 
-The shipped scene varies both from object to object, and within an object the medium only. Here both
+The still life varies both from object to object, and within an object the medium only. Here both
 vary from texel to texel, as in Figure 1 of Fan et al. (2022): crystals in the glaze of the vase,
 bands on the plate, stripes on the beads, wear on bowl and table.
 """
@@ -10,9 +10,8 @@ from typing import Any
 
 import numpy as np
 from gallery import noise
-
-from urushi.scenes.options import Options
-from urushi.scenes.stage import Folder, smoothstep
+from gallery.options import Options
+from gallery.stage import Folder, smoothstep
 
 #: Ranges of the textures: GGX widths, and indices of refraction.
 ALPHAS, INDICES = (0.03, 0.45), (1.3, 1.9)

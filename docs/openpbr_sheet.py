@@ -13,10 +13,10 @@ from tempfile import TemporaryDirectory
 
 import mitsuba as mi
 import numpy as np
+from gallery import stage
 
 import urushi
 from urushi.errors import UrushiWarning
-from urushi.scenes import stage
 
 SIZE, COLUMNS, SAMPLES = 128, 8, 128
 

@@ -6,8 +6,7 @@ from typing import Any
 
 import mitsuba as mi
 import numpy as np
-
-from urushi.scenes import stage
+from gallery import stage
 
 
 def render(bsdf: dict[str, Any], size: int, samples: int, seed: int) -> np.ndarray:

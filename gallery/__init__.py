@@ -1,4 +1,4 @@
-"""The gallery: scenes made by code, beside the two that the package ships.
+"""The gallery: scenes made by code. The package contains the files of one, `caddy`.
 
 `python -m gallery NAME FOLDER` writes one; `urushi render FOLDER/scene.xml` renders it.
 """

@@ -9,9 +9,9 @@ from typing import Annotated, Literal
 import mitsuba as mi
 import tyro
 
+from gallery.export import export
+from gallery.options import Options
 from gallery.scenes import SCENES
-from urushi.scenes import shipped
-from urushi.scenes.options import Options
 
 
 def main(
@@ -27,7 +27,7 @@ def main(
         options: of the scene.
     """
     mi.set_variant("scalar_rgb")  # enough for describing a scene, and needs no LLVM
-    print(shipped.export(SCENES[scene], folder, options))
+    print(export(SCENES[scene], folder, options))
 
 
 if __name__ == "__main__":

@@ -10,12 +10,11 @@ from typing import Any
 import mitsuba as mi
 import numpy as np
 
-from gallery import noise
+from gallery import noise, stage
 from gallery.brushed import straightened
-from urushi.scenes import stage
-from urushi.scenes.mesh import Profile, lathe
-from urushi.scenes.options import Options
-from urushi.scenes.stage import Folder, Light
+from gallery.mesh import Profile, lathe
+from gallery.options import Options
+from gallery.stage import Folder, Light
 
 #: Texels of the bells' textures along their outline, and of the tray's along a side.
 TEXELS = 512

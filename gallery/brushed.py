@@ -11,12 +11,11 @@ from typing import Any
 import mitsuba as mi
 import numpy as np
 
-from gallery import noise
+from gallery import noise, stage
 from gallery.grids import grid
-from urushi.scenes import stage
-from urushi.scenes.mesh import Mesh, Profile, lathe
-from urushi.scenes.options import Options
-from urushi.scenes.stage import Folder, Light
+from gallery.mesh import Mesh, Profile, lathe
+from gallery.options import Options
+from gallery.stage import Folder, Light
 
 #: Texels of the bowl's textures along its outline.
 TEXELS = 512

@@ -10,10 +10,10 @@ import mitsuba as mi
 import numpy as np
 
 import urushi
-from urushi.scenes import stage
-from urushi.scenes.mesh import Profile, lathe
-from urushi.scenes.options import Options
-from urushi.scenes.stage import Folder, Light, rgb
+from gallery import stage
+from gallery.mesh import Profile, lathe
+from gallery.options import Options
+from gallery.stage import Folder, Light, rgb
 
 #: Outline of a stopper: half of a closed body, from the middle of its foot.
 BODY = [(0.0, 0.0), (0.50, 0.0), (0.74, 0.02), (0.80, 0.10), (0.80, 0.30), (0.76, 0.60)]

@@ -5,12 +5,11 @@ from typing import Any
 import mitsuba as mi
 import numpy as np
 
-from gallery import continents, noise
+from gallery import continents, noise, stage
 from gallery.grids import grid
-from urushi.scenes import stage
-from urushi.scenes.mesh import Mesh, Profile, lathe
-from urushi.scenes.options import Options
-from urushi.scenes.stage import Folder, Light, rgb
+from gallery.mesh import Mesh, Profile, lathe
+from gallery.options import Options
+from gallery.stage import Folder, Light, rgb
 
 #: Number of rows of the map; it has twice as many columns.
 ROWS = 512

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from urushi.scenes.mesh import Mesh
+from gallery.mesh import Mesh
 
 
 def grid(positions: np.ndarray, *, closed: bool = False) -> Mesh:

@@ -9,10 +9,10 @@ from typing import Any
 import mitsuba as mi
 import numpy as np
 
-from urushi.scenes import stage
-from urushi.scenes.mesh import Profile, lathe
-from urushi.scenes.options import Options
-from urushi.scenes.stage import Folder, Light
+from gallery import stage
+from gallery.mesh import Profile, lathe
+from gallery.options import Options
+from gallery.stage import Folder, Light
 
 #: Half of the lantern's height, its largest radius, and the radius of its openings.
 HEIGHT, RADIUS, OPENING = 1.25, 1.0, 0.5

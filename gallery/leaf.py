@@ -8,11 +8,11 @@ from typing import Any
 
 import numpy as np
 
+from gallery import stage
 from gallery.grids import grid
-from urushi.scenes import stage
-from urushi.scenes.mesh import Mesh
-from urushi.scenes.options import Options
-from urushi.scenes.stage import Folder, Light, rgb
+from gallery.mesh import Mesh
+from gallery.options import Options
+from gallery.stage import Folder, Light, rgb
 
 #: Length of the blade, and half of its greatest width.
 LENGTH, WIDTH = 3.2, 1.05

@@ -8,11 +8,11 @@ from typing import Any
 import mitsuba as mi
 
 import urushi
+from gallery import stage
+from gallery.options import Options
+from gallery.stage import Folder, Light
 from urushi.app.describe import describe, library
 from urushi.material import Material
-from urushi.scenes import stage
-from urushi.scenes.options import Options
-from urushi.scenes.stage import Folder, Light
 from urushi.walk import Stack
 
 #: Spheres of a row, and distances of their centres along a row and between rows; radius 1.

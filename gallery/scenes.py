@@ -2,7 +2,9 @@
 
 from gallery.bells import bells
 from gallery.brushed import brushed
+from gallery.caddy import caddy
 from gallery.car import car
+from gallery.export import Scene
 from gallery.glass import glass
 from gallery.globe import globe
 from gallery.lantern import lantern
@@ -12,10 +14,10 @@ from gallery.shoe import shoe
 from gallery.still_life import still_life
 from gallery.teapot import teapot
 from gallery.violin import violin
-from urushi.scenes.shipped import Scene
 
-#: In the order of the README's pictures.
+#: The demo's scene, then in the order of the README's pictures.
 SCENES: dict[str, Scene] = {
+    "caddy": caddy,
     "still-life": still_life,
     "globe": globe,
     "teapot": teapot,

@@ -5,12 +5,11 @@ from typing import Any
 import mitsuba as mi
 import numpy as np
 
-from gallery import noise, shoe_shape
+from gallery import noise, shoe_shape, stage
 from gallery.grids import derivatives, grid
+from gallery.options import Options
 from gallery.relief import normal_map
-from urushi.scenes import stage
-from urushi.scenes.options import Options
-from urushi.scenes.stage import Folder, Light, rgb
+from gallery.stage import Folder, Light, rgb
 
 #: Texels around the upper; half as many from the sole to the collar.
 TEXELS = 1024

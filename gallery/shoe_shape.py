@@ -8,7 +8,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from urushi.scenes.stage import smoothstep
+from gallery.stage import smoothstep
 
 #: The sole seen from above: control points (x, y) of a closed B-spline, from the heel's back along
 #: the outer side.

@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from gallery.grids import grid
-from urushi.scenes.mesh import Mesh
+from gallery.mesh import Mesh
 
 
 def merged(meshes: list[Mesh]) -> Mesh:

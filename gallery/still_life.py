@@ -10,13 +10,12 @@ from typing import Any
 import mitsuba as mi
 import numpy as np
 
-from gallery import still_life_objects
+from gallery import stage, still_life_objects
 from gallery.grids import derivatives, grid
+from gallery.mesh import Profile, lathe
+from gallery.options import Options
 from gallery.relief import normal_map
-from urushi.scenes import stage
-from urushi.scenes.mesh import Profile, lathe
-from urushi.scenes.options import Options
-from urushi.scenes.stage import Folder, Light, rgb
+from gallery.stage import Folder, Light, rgb
 
 #: Number of rows of the largest textures.
 ROWS = 512

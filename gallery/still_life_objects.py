@@ -7,8 +7,8 @@ import numpy as np
 
 from gallery import noise
 from gallery.grids import grid
-from urushi.scenes.mesh import Mesh, Profile, surface
-from urushi.scenes.stage import smoothstep
+from gallery.mesh import Mesh, Profile, surface
+from gallery.stage import smoothstep
 
 
 def texels(profile: Profile, rows: int) -> np.ndarray:

@@ -5,9 +5,9 @@ from collections.abc import Callable
 import numpy as np
 import numpy.typing as npt
 
-from urushi.scenes.mesh import Mesh
+from gallery.mesh import Mesh
 
-#: Values (N,) of a field at points (N, 3), see `urushi.scenes.implicit`.
+#: Values (N,) of a field at points (N, 3), see `gallery.implicit`.
 Field = Callable[[np.ndarray], np.ndarray]
 
 #: Cells along a side of the blocks in which the surface is first looked for.

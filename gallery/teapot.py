@@ -13,12 +13,11 @@ import mitsuba as mi
 import numpy as np
 import numpy.typing as npt
 
-from gallery import noise
+from gallery import noise, stage
 from gallery.grids import grid
-from urushi.scenes import stage
-from urushi.scenes.mesh import Mesh, lathe, surface
-from urushi.scenes.options import Options
-from urushi.scenes.stage import Folder, Light
+from gallery.mesh import Mesh, lathe, surface
+from gallery.options import Options
+from gallery.stage import Folder, Light
 
 
 @dataclass(frozen=True)

@@ -8,13 +8,13 @@ from typing import Any
 import mitsuba as mi
 import numpy as np
 
+from gallery import stage
 from gallery import violin_fittings as fittings
 from gallery import violin_wood as wood
+from gallery.options import Options
 from gallery.solids import merged
+from gallery.stage import Folder, Light
 from gallery.violin_shape import RIBS, Arching, plate
-from urushi.scenes import stage
-from urushi.scenes.options import Options
-from urushi.scenes.stage import Folder, Light
 
 #: Texels along the body.
 TEXELS = 640

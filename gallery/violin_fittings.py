@@ -8,6 +8,7 @@ from itertools import pairwise
 import numpy as np
 
 from gallery.grids import grid
+from gallery.mesh import Mesh, Profile, lathe
 from gallery.solids import (
     cut,
     loft,
@@ -30,7 +31,6 @@ from gallery.violin_neck import (
     peg_place,
 )
 from gallery.violin_shape import LENGTH, Arching
-from urushi.scenes.mesh import Mesh, Profile, lathe
 
 #: Where the strings cross the bridge, and its height above the belly.
 BRIDGE, BRIDGE_HEIGHT = LENGTH - 195.0, 33.5

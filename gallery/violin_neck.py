@@ -7,9 +7,9 @@ import numpy as np
 import numpy.typing as npt
 
 from gallery.grids import grid
+from gallery.mesh import Mesh, Profile, lathe
 from gallery.solids import curve, loft, merged, moved, section, turned
 from gallery.violin_shape import LENGTH
-from urushi.scenes.mesh import Mesh, Profile, lathe
 
 #: Where the strings leave the nut.
 NUT = LENGTH + 129.0

@@ -8,6 +8,7 @@ x runs across the body, y from the lower end to the neck, z to the front; the ri
 import numpy as np
 
 from gallery.grids import grid
+from gallery.mesh import Mesh
 from gallery.solids import (
     bezier,
     cut,
@@ -17,7 +18,6 @@ from gallery.solids import (
     signed_distance,
     wall,
 )
-from urushi.scenes.mesh import Mesh
 
 LENGTH, WIDTH, RIBS = 356.0, 208.0, 31.0
 EDGE = 4.2

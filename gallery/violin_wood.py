@@ -5,11 +5,11 @@ from dataclasses import replace
 import numpy as np
 
 from gallery import noise
+from gallery.mesh import Mesh
 from gallery.solids import in_region, merged, moved
+from gallery.stage import smoothstep
 from gallery.violin_neck import maple_parts as neck_parts
 from gallery.violin_shape import LENGTH, RIBS, WIDTH, Arching, plate, ribs
-from urushi.scenes.mesh import Mesh
-from urushi.scenes.stage import smoothstep
 
 #: Regions of the maple's textures in u: half of the back from the middle, whose other half is its
 #: mirror image; the ribs; the neck with the scroll.

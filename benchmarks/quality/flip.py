@@ -1,6 +1,6 @@
 """FLIP between converged pictures of networks and walk: `python -m benchmarks.quality.flip`.
 
-Renders each shipped scene with `neural_layered` and with `layered`, and prints
+Renders each scene of the gallery with `neural_layered` and with `layered`, and prints
 
 - the mean FLIP (Andersson et al. 2020) of the displayed pictures, sRGB clipped at 1; the aim is
   0.02;

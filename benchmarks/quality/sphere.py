@@ -17,9 +17,8 @@ from dataclasses import dataclass, replace
 from functools import cache
 
 import numpy as np
-
-from urushi.scenes import stage
-from urushi.scenes.stage import Light
+from gallery import stage
+from gallery.stage import Light
 
 #: Cells of the grid: elevations from the camera's direction, and azimuths about it.
 ELEVATIONS, AZIMUTHS = 96, 192

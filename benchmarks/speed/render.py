@@ -8,7 +8,7 @@
   load disturbs less; and the time to compile: the first render minus the later ones, with an empty
   kernel cache;
 - `materials`: times to compile and to render one and ten different materials in one scene;
-- `scenes`: the demo's and the shipped scenes, 512 pixels wide: times of the walk, of the networks
+- `scenes`: the demo's and the gallery's scenes, 512 pixels wide: times of the walk, of the networks
   and of `principled` in the place of every coat, and the ratios of the networks to the walk. Ratios
   are medians over alternating runs of the ratio within a run, with their range.
 

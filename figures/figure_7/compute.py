@@ -17,11 +17,11 @@ from typing import Any, NamedTuple
 import mitsuba as mi
 import numpy as np
 from benchmarks.scenes import processor  # registers the rivals' plugins
+from gallery import stage
 
 from figures import results, sphere
 from urushi.eval import metrics
 from urushi.nets.weights import default_model
-from urushi.scenes import stage
 
 FOLDER = Path(__file__).parent
 PARTS = Path("out/figures/figure_7")

@@ -24,12 +24,12 @@ import mitsuba as mi
 import numpy as np
 from benchmarks.quality import mipmap
 from benchmarks.scenes import processor
+from gallery import stage
 
 import urushi  # noqa: F401  (registers the plugins)
 from figures import results
 from urushi.eval import metrics
 from urushi.nets.weights import default_model
-from urushi.scenes import stage
 from urushi.textures import cache, mip_pyramid
 
 FOLDER = Path(__file__).parent

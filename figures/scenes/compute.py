@@ -1,4 +1,4 @@
-"""The shipped scenes by networks and by the walk: at equal time, and at one sample per pixel.
+"""Scenes of the gallery by networks and by the walk: at equal time, and at one sample per pixel.
 
     python -m figures.scenes.compute
 

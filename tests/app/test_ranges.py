@@ -14,7 +14,6 @@ from urushi.ranges import Range
 #: Arguments that the commands need beside the option.
 NEEDED = {
     "render": ["scene.xml"],
-    "scenes export": ["caddy", "folder"],
     "simulate": ["diffuse(0.5)"],
     "recipe": ["#7a2f1e"],
     "encode": ["diffuse(0.5)", "-o", "a.safetensors"],
@@ -31,7 +30,7 @@ OF_COATS |= {"color", "body", "body_color", "thickness", "ground"}
 
 
 def commands() -> dict[str, type]:
-    """The commands by their words, those inside `scenes`, `data` and `paper` included."""
+    """The commands by their words, those inside `data` and `paper` included."""
     found = {}
     for name, (command, _) in cli.COMMANDS.items():
         hints = get_type_hints(command, include_extras=True)
@@ -118,4 +117,4 @@ def test_what_is_no_number_is_a_usage_error(text, capsys):
 
 def test_all_commands_are_reached():
     """Commands inside others are found too."""
-    assert {"scenes export", "data", "paper import", "demo"} <= set(commands())
+    assert {"data", "paper import", "demo"} <= set(commands())

@@ -1,16 +1,20 @@
 """`urushi render` works like Mitsuba's executable, and errors are one sentence."""
 
 import re
+from pathlib import Path
 
 import drjit as dr
 import mitsuba as mi
 import numpy as np
 import pytest
+from gallery import export
+from gallery.globe import globe
+from gallery.options import Options
 
 from urushi.app import cli
-from urushi.app.commands.render import write_picture
-from urushi.errors import ParameterError
-from urushi.scenes import shipped
+from urushi.app.commands.render import DEMO_SCENE, Overrides, load_scene, write_picture
+from urushi.nets import weights
+from urushi.nets.architecture import Architecture, init
 
 SCENE = """<scene version="3.0.0">
     <default name="grey" value="0.5"/>
@@ -161,17 +165,32 @@ def test_a_plugins_error_is_shown_without_its_traceback(
     assert message.count("\n") == 1
 
 
-def test_a_folder_of_a_shipped_scenes_name_does_not_hide_the_scene(tmp_path, monkeypatch, capsys):
-    """As `urushi scenes export caddy caddy` leaves it behind."""
-    (tmp_path / "caddy").mkdir()
+def test_a_folder_of_the_scenes_name_does_not_hide_the_scene(tmp_path, monkeypatch, capsys):
+    """As `urushi scene caddy` leaves it behind."""
     monkeypatch.chdir(tmp_path)
+    assert cli.main(["scene", "caddy"]) == 0
+    assert capsys.readouterr().out == "caddy/scene.xml\n"
+    assert {x.name for x in Path("caddy").iterdir()} == {
+        x.name for x in DEMO_SCENE.parent.iterdir()
+    }
+    assert cli.main(["render", "caddy", "-D", "coat=foo"]) == 2
+    assert "cannot load 'caddy'" in capsys.readouterr().err
 
-    def export(scene, folder, *options):
-        raise ParameterError(f"the shipped scene {scene.__name__} is exported")
 
-    monkeypatch.setattr(shipped, "export", export)
-    assert cli.main(["render", "caddy", "-o", "caddy.exr"]) == 2
-    assert "the shipped scene caddy is exported" in capsys.readouterr().err
+def test_render_takes_the_scenes_name(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    flags = ["-D", "coat=layered", "-D", "width=16", "--height", "12", "--spp", "2"]
+    assert cli.main(["render", "caddy", *flags]) == 0
+    assert capsys.readouterr().out == "caddy.exr\n"
+    assert list(mi.Bitmap("caddy.exr").size()) == [16, 12]
+
+
+def test_errors_of_unknown_names_list_the_choices(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    assert cli.main(["render", "tea-pot"]) == 2
+    sentence = "there is no scene 'tea-pot'; give a scene file or 'caddy'"
+    assert capsys.readouterr().err == f"urushi: {sentence}\n"
+    assert not list(tmp_path.iterdir())
 
 
 @pytest.mark.parametrize(
@@ -181,11 +200,11 @@ def test_a_folder_of_a_shipped_scenes_name_does_not_hide_the_scene(tmp_path, mon
         (["-D", "spp=x"], 'could not parse integer value "x"'),
     ],
 )
-def test_errors_of_a_shipped_scene_name_it_and_no_temporary_file(flags, reason, capsys):
+def test_errors_of_the_demos_scene_name_it_and_no_file(flags, reason, capsys):
     assert cli.main(["render", "caddy", *flags]) == 2
     error = capsys.readouterr().err
     assert error.startswith(f"urushi: cannot load 'caddy': {reason}") and error.count("\n") == 1
-    assert "scene.xml" not in error and "/tmp" not in error
+    assert "scene.xml" not in error
 
 
 def test_errors_of_a_file_name_it_once_with_the_line(tmp_path, capsys):
@@ -215,3 +234,25 @@ def test_an_interrupt_inside_a_plugin_is_an_interrupt(stage, tmp_path, monkeypat
     assert cli.main(["render", str(path), "-o", "a.exr"]) == cli.INTERRUPTED
     assert "interrupted" in capsys.readouterr().err
     assert [file.name for file in tmp_path.iterdir()] == ["box.xml"]
+
+
+def test_render_replaces_weights_and_size_of_a_scene_file(variant, tmp_path, monkeypatch):
+    """Weights only where a coat names none itself, from the working folder; the size always."""
+    mi.set_variant(variant)
+    arch = Architecture(decoder=(8,), encoder=(8,), layerer=(8,), sampler=(8,))
+    other = weights.save(tmp_path / "other", arch, init(arch, 0), {})
+    monkeypatch.chdir(tmp_path)
+    folder = tmp_path / "scene"
+    path = export.export(globe, folder, Options(detail=0.05))
+    coats = path.read_text().split('type="$coat"')
+    assert len(coats) == 3
+    named = '<string name="weights" value="default"/>'
+    path.write_text('type="$coat"'.join([*coats[:2], coats[2].replace(">", f">{named}", 1)]))
+    scene = load_scene(path, {}, overrides=Overrides("other", width=8, height=6))
+    assert list(scene.sensors()[0].film().size()) == [8, 6]
+    found = {
+        shape.bsdf().model.fingerprint
+        for shape in scene.shapes()
+        if type(shape.bsdf()).__name__ == "NeuralLayered"
+    }
+    assert found == {weights.default_model().fingerprint, other.fingerprint}

@@ -3,8 +3,7 @@
 import numpy as np
 import pytest
 from gallery import car, car_fittings, car_shape
-
-from urushi.scenes.mesh import Mesh
+from gallery.mesh import Mesh
 
 
 @pytest.fixture(scope="module")

@@ -2,14 +2,12 @@
 
 import numpy as np
 import pytest
-from gallery import continents, noise, shoe_shape, still_life_objects, teapot
+from gallery import continents, mesh, noise, shoe_shape, still_life_objects, teapot
 from gallery.grids import grid
+from gallery.mesh import Profile, surface
+from gallery.options import Options
 from gallery.relief import normal_map
 from tests.oracles.meshes import faces, signed_volume
-
-from urushi.scenes import mesh
-from urushi.scenes.mesh import Profile, surface
-from urushi.scenes.options import Options
 
 
 @pytest.fixture(scope="module")

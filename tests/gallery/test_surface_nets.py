@@ -4,9 +4,8 @@ import numpy as np
 import pytest
 from gallery import implicit
 from gallery.implicit import Loft
+from gallery.mesh import Mesh
 from gallery.surface_nets import mesh, projected
-
-from urushi.scenes.mesh import Mesh
 
 RADII = (0.9, 0.5, 0.7)
 BOX = (-1.0, -0.6, -0.8), (1.0, 0.6, 0.8)

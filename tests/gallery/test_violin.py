@@ -5,9 +5,8 @@ import pytest
 from gallery import solids, violin, violin_neck, violin_shape, violin_wood
 from gallery import violin_fittings as fittings
 from gallery.grids import grid
+from gallery.mesh import Mesh
 from gallery.violin_shape import LENGTH, Arching
-
-from urushi.scenes.mesh import Mesh
 
 
 @pytest.fixture(scope="module")

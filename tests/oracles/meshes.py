@@ -1,8 +1,7 @@
 """Areas, normals and volumes of meshes."""
 
 import numpy as np
-
-from urushi.scenes.mesh import Mesh
+from gallery.mesh import Mesh
 
 
 def faces(of: Mesh) -> tuple[np.ndarray, np.ndarray]:

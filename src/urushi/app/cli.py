@@ -19,7 +19,7 @@ from urushi.app.commands.materials import Materials
 from urushi.app.commands.openpbr_check import OpenPBRCheck
 from urushi.app.commands.paper import Paper
 from urushi.app.commands.recipe import Recipe
-from urushi.app.commands.render import Render, Scenes
+from urushi.app.commands.render import Render, Scene
 from urushi.app.commands.simulate import Simulate
 from urushi.app.commands.train import Data, Evaluate, Train
 from urushi.app.commands.view import View
@@ -41,8 +41,8 @@ help with an example: `urushi render --help`.
 #: Every subcommand by name, with its line in the list of commands.
 COMMANDS: dict[str, tuple[type, str]] = {
     "demo": (Demo, "Render a lacquered object by networks and by the reference, and compare."),
-    "render": (Render, "Render a Mitsuba scene file or a shipped scene."),
-    "scenes": (Scenes, "List the shipped scenes, or write one into a folder."),
+    "render": (Render, "Render a Mitsuba scene file or the demo's scene."),
+    "scene": (Scene, "Write the demo's scene into a folder."),
     "simulate": (Simulate, "Simulate the BRDF of a layered material without bias."),
     "encode": (Encode, "Encode a BRDF into a material file."),
     "layer": (Layer, "Coat a material in the latent space."),

@@ -104,32 +104,14 @@ def png(material: Material) -> bytes:
     """
     import mitsuba as mi  # lazily: a notebook may never show a material
 
-    from urushi.scenes import stage
-
     if mi.variant() is None:
         mi.set_variant("llvm_ad_rgb")
-    lights = [
-        stage.Light(towards=(-1.0, -0.6, 0.9), size=(0.35, 0.35), radiance=(9.0, 9.0, 9.0)),
-        stage.Light(towards=(1.2, -0.3, 0.3), size=(0.10, 0.55), radiance=(7.0, 6.0, 4.5)),
-        stage.Light(towards=(0.2, 1.0, 0.6), size=(0.50, 0.12), radiance=(4.4, 6.0, 8.0)),
-    ]
-    film = {"type": "hdrfilm", "width": SIZE, "height": SIZE, "pixel_format": "rgba"}
-    view = mi.ScalarTransform4f().look_at([0, -3, 0], [0, 0, 0], [0, 0, 1])
     with TemporaryDirectory() as temporary:
         file, networks = (Path(temporary, name) for name in ("material", "weights"))
         material.save(file)
         weights.write_file(networks, material.model.arch, material.model.params, {})
-        bsdf = {"type": "neural_brdf", "filename": str(file), "weights": str(networks)}
-        sky = (0.35, 0.36, 0.4), (0.25, 0.24, 0.23), (0.08, 0.07, 0.06)
-        scene = mi.load_dict(
-            {
-                "type": "scene",
-                "integrator": {"type": "direct", "hide_emitters": True},
-                "sensor": {"type": "orthographic", "to_world": view, "film": film},
-                "light": stage.surround(stage.Folder(Path(temporary)), *sky, lights),
-                "sphere": {"type": "sphere", "bsdf": bsdf},
-            }
-        )
+        options = {"material": str(file), "weights": str(networks), "size": str(SIZE)}
+        scene = mi.load_file(str(Path(__file__).parent / "sphere" / "scene.xml"), **options)
     picture = np.array(mi.render(scene, spp=SAMPLES))
     pixels = np.concatenate([metrics.shown(picture[..., :3]), picture[..., 3:].clip(0, 1)], axis=-1)
     stream = mi.MemoryStream()

@@ -48,14 +48,13 @@ class Convert:
             checked_resolution,
             decode,
         )
-        from urushi.scenes import shipped
 
         resolution = checked_resolution(self.resolution)
         found = read_surface(self.document, decode, self.material, resolution, self.uv_plane)
         check_supported(found)
         target = new_folder(self.output) / "scene.xml"
         with atomic_write(target) as temporary:
-            temporary.write_text(shipped.xml(scene(found, self.output)), encoding="utf-8")
+            temporary.write_text(xml(scene(found, self.output)), encoding="utf-8")
         print(target)
         return 0
 
@@ -106,3 +105,22 @@ def scene(found: "Surface | Mix", folder: Path) -> dict[str, Any]:
         name: shape["bsdf"],
         "object": shape | {"bsdf": {"type": "ref", "id": name}},
     }
+
+
+def xml(description: dict[str, Any]) -> str:
+    """A scene for `mi.load_dict` as Mitsuba's XML, with the parameters $spp, $width and $height."""
+    import mitsuba as mi
+
+    from urushi.mitsuba.register import ROOM
+
+    state = mi.parser.parse_dict(mi.parser.ParserConfig(mi.variant()), description)
+    nodes = state.nodes
+    for node in nodes:
+        if node.props.plugin_name() in (*ROOM.bsdfs, "openpbr"):
+            node.type = mi.ObjectType.BSDF  # Mitsuba does not know the type of plugins in Python
+    state.nodes = nodes
+    text = mi.parser.write_string(state)
+    for written, name in (("resx", "width"), ("resy", "height")):  # as Mitsuba names them
+        text = text.replace(f'name="{written}"', f'name="{name}"')
+        text = text.replace(f'"${written}"', f'"${name}"')
+    return re.sub(r"-?\d+\.\d{13,}(e-?\d+)?", lambda number: f"{float(number[0]):.12g}", text)

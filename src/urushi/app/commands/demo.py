@@ -3,7 +3,7 @@
 import json
 import os
 import time
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated
 
@@ -11,18 +11,17 @@ import numpy as np
 import tyro
 from tqdm import tqdm
 
-from urushi.app.commands.render import set_variant
+from urushi.app.commands.render import copy_demo_scene, load_scene, set_variant
 from urushi.eval import metrics
 from urushi.eval.metrics import srgb
 from urushi.files import atomic_write, new_folder
 from urushi.ranges import Pixels, Range
-from urushi.scenes.options import COATS, Options
 
 #: Samples per pixel in one pass: bounds the memory, and is the step of the progress bar.
 PASS_SPP = 8
 
 #: The compared plugins: the networks, and the random walk, which is the reference.
-NEURAL, REFERENCE = COATS
+COATS = NEURAL, REFERENCE = "neural_layered", "layered"
 
 #: Relative differences of luminance of this size and above are shown in full colour.
 DIFFERENCE_SCALE = 0.25
@@ -31,7 +30,7 @@ DIFFERENCE_SCALE = 0.25
 NEXT_COMMANDS = (
     ("urushi render caddy -o out/caddy.png", "the scene alone, by the networks"),
     ("urushi render caddy -D coat=layered -o out/caddy-reference.png", "the same, by the walk"),
-    ("urushi scenes export caddy out/caddy", "a scene file to change and render"),
+    ("urushi scene out/caddy", "a scene file to change and render"),
     ('urushi simulate "coat(diffuse(0.5), alpha=0.1, eta=1.5)"', "values of a coated BRDF"),
 )
 
@@ -63,9 +62,9 @@ class Demo:
         import mitsuba as mi
 
         out = new_folder(self.output)
-        options = Options(width=self.width, height=self.height, spp=self.spp)
+        scene, size = copy_demo_scene(out / "scene"), (self.width, self.height)
         neural, reference = (  # different seeds: noise that both share would cancel
-            render(out / "scene", replace(options, coat=coat), k) for k, coat in enumerate(COATS)
+            render(scene, coat, size, self.spp, k) for k, coat in enumerate(COATS)
         )
         figures = compare(neural, reference)
         for name, of in ((NEURAL, neural), (REFERENCE, reference)):
@@ -105,21 +104,19 @@ class Render:
         return metrics.halves_variance(*self.halves)
 
 
-def render(folder: Path, options: Options, seed: int) -> Render:
-    """Render the caddy in passes, which alternate between the halves.
+def render(scene: Path, coat: str, size: tuple[int, int], spp: int, seed: int) -> Render:
+    """Render the scene with a plugin as its coat, in passes that alternate between the halves.
 
-    folder: for the scene's mesh and textures. options: `spp` is a multiple of twice `PASS_SPP`.
+    size: width and height [pixels]. spp: samples per pixel, a multiple of twice `PASS_SPP`.
     """
     import mitsuba as mi
 
-    from urushi.scenes import shipped
-
-    begin = time.perf_counter()
-    scene = mi.load_dict(shipped.build(shipped.SCENES["caddy"], folder, options))
-    halves = np.zeros((2, options.height, options.width, 3))
-    passes, start = options.spp // PASS_SPP, 0.0
-    for index in tqdm(range(passes), desc=f"{options.coat:>14}", unit="pass", disable=None):
-        image = mi.render(scene, spp=PASS_SPP, seed=seed * passes + index)
+    begin, (width, height) = time.perf_counter(), size
+    loaded = load_scene(scene, {"coat": coat, "width": str(width), "height": str(height)})
+    halves = np.zeros((2, height, width, 3))
+    passes, start = spp // PASS_SPP, 0.0
+    for index in tqdm(range(passes), desc=f"{coat:>14}", unit="pass", disable=None):
+        image = mi.render(loaded, spp=PASS_SPP, seed=seed * passes + index)
         halves[index % 2] += np.array(image, dtype=np.float64) / (passes // 2)
         start = start or time.perf_counter() - begin
     return Render(halves, seconds=time.perf_counter() - begin - start, start=start)

@@ -1,8 +1,7 @@
-"""`urushi render` and `urushi scenes`: scene files with Urushi's plugins, and shipped scenes."""
+"""`urushi render` and `urushi scene`: scene files with Urushi's plugins, and the demo's scene."""
 
 import re
-import sys
-import tempfile
+import shutil
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
@@ -13,13 +12,15 @@ import tyro
 
 from urushi import platform
 from urushi.errors import FileError, ParameterError, PlatformError
-from urushi.files import atomic_write
+from urushi.files import atomic_write, new_folder
 from urushi.ranges import Index, Pixels, Samples, Seed, Threads
-from urushi.scenes.options import Options
 
 #: Mitsuba puts this into long messages as a place to break the line.
 ZERO_WIDTH_SPACE = "\u200b"
 SUFFIXES = (".exr", ".png", ".jpg")
+
+#: The scene of `urushi demo`, which `python -m gallery caddy` makes.
+DEMO_SCENE = Path(__file__).parents[1] / "caddy" / "scene.xml"
 
 #: As a number of samples per pixel, it makes `mi.render` use the scene's own number.
 SCENE_SPP = 0
@@ -62,22 +63,22 @@ def _name_or_absolute(weights: str) -> str:
 
 @dataclass(frozen=True)
 class Render:
-    """Render a Mitsuba scene file that may use Urushi's plugins, or one of the shipped scenes.
+    """Render a Mitsuba scene file that may use Urushi's plugins, or the demo's scene, caddy.
 
     The flags -m, -o, -s, -D, -a and -t mean what they mean to Mitsuba's own executable, which
-    cannot load plugins written in Python. The shipped scene is caddy. Its
-    parameters are $coat, $spp, $width and $height: -D coat=layered renders the reference.
+    cannot load plugins written in Python. The parameters of caddy are $coat, $spp, $width and
+    $height: -D coat=layered renders the reference.
 
     Example: urushi render caddy --width 320 --height 240 --spp 64 -o caddy.exr
     """
 
     scene: tyro.conf.Positional[str]
-    """Scene file (XML), or the name of a shipped scene."""
+    """Scene file (XML), or caddy."""
     mode: Annotated[str, tyro.conf.arg(aliases=["-m"])] = "llvm_ad_rgb"
     """Mitsuba variant."""
     output: Annotated[Path | None, tyro.conf.arg(aliases=["-o"])] = None
     """Picture to write: .exr (linear), .png or .jpg (sRGB). Default: an .exr file of the scene's
-    name, beside the scene file or, for a shipped scene, in the working folder."""
+    name, beside the scene file or, for caddy, in the working folder."""
     sensor: Annotated[Index, tyro.conf.arg(aliases=["-s"])] = 0
     """Index of the sensor (camera), counted from 0 in the scene file's order."""
     define: Annotated[tuple[str, ...], tyro.conf.arg(aliases=["-D"]), tyro.conf.UseAppendAction] = (
@@ -130,16 +131,13 @@ class Render:
         return 0
 
     def _load(self, definitions: Mapping[str, str], overrides: Overrides) -> Any:
-        """Load a scene file if there is one or the name has a suffix, else the shipped scene."""
-        from urushi.scenes import shipped
-
+        """Load a scene file if there is one or the name has a suffix, else the demo's scene."""
         path = Path(self.scene)
         if path.is_file() or path.suffix:
             return load_scene(path, definitions, self.append, overrides)
-        scene = shipped.find(self.scene)
-        with tempfile.TemporaryDirectory(prefix="urushi-") as folder:
-            path = shipped.export(scene, folder)
-            return load_scene(path, definitions, self.append, overrides, self.scene)
+        if self.scene != DEMO_SCENE.parent.name:
+            raise ParameterError(f"there is no scene '{self.scene}'; give a scene file or 'caddy'")
+        return load_scene(DEMO_SCENE, definitions, self.append, overrides, self.scene)
 
 
 @contextmanager
@@ -291,57 +289,30 @@ def one_line(error: BaseException) -> str:
 
 
 @dataclass(frozen=True)
-class ExportScene:
-    """Write a shipped scene into a folder: scene.xml with its meshes and textures.
+class Scene:
+    """Write the demo's scene into a folder, to change it: scene.xml, its mesh and its textures.
 
-    The scene is caddy.
     `urushi render FOLDER/scene.xml` renders the written scene.
 
-    Example: urushi scenes export caddy out/caddy
+    Example: urushi scene out/caddy
     """
 
-    scene: tyro.conf.Positional[str]
-    """Name of the scene."""
     folder: tyro.conf.Positional[Path]
     """Folder to write to. It is created if it is missing."""
-    picture: Annotated[Options, tyro.conf.OmitArgPrefixes] = field(default_factory=Options)
-    """All but `weights` and `detail` are defaults of the written file's parameters: $coat, ..."""
 
     def run(self) -> int:
-        set_variant("scalar_rgb")  # enough for describing a scene, and needs no LLVM
-        from urushi.scenes import shipped
-
-        print(shipped.export(shipped.find(self.scene), self.folder, self.picture))
+        print(copy_demo_scene(self.folder))
         return 0
 
 
-@dataclass(frozen=True)
-class ListScenes:
-    """Print the names and subjects of the shipped scenes.
+def copy_demo_scene(folder: Path) -> Path:
+    """Copy the demo's scene into a folder; returns the path of its scene.xml.
 
-    Example: urushi scenes list
+    Raises:
+        FileError: the folder cannot be written.
     """
-
-    def run(self) -> int:
-        from urushi.scenes import shipped
-
-        for name, make in shipped.SCENES.items():
-            subject = (sys.modules[make.__module__].__doc__ or "").splitlines()[0]
-            print(f"{name:12}{subject.partition(': ')[2]}")
-        return 0
-
-
-@dataclass(frozen=True)
-class Scenes:
-    """List the scenes that ship with Urushi, or write one into a folder.
-
-    Example: urushi scenes export caddy out/caddy
-    """
-
-    command: (
-        Annotated[ExportScene, tyro.conf.subcommand("export")]
-        | Annotated[ListScenes, tyro.conf.subcommand("list")]
-    )
-
-    def run(self) -> int:
-        return self.command.run()
+    new_folder(folder)
+    for file in DEMO_SCENE.parent.iterdir():
+        with atomic_write(folder / file.name) as temporary:
+            shutil.copyfile(file, temporary)
+    return folder / DEMO_SCENE.name

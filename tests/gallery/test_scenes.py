@@ -1,31 +1,17 @@
 """All scenes load and render, with networks or the walk, from Python and from XML."""
 
 import re
-from functools import partial
 
 import numpy as np
 import pytest
-from gallery.scenes import SCENES as GALLERY
+from gallery import export
+from gallery.options import COATS, Options
+from gallery.scenes import SCENES
 
-from urushi.app import cli
-from urushi.app.commands.render import Overrides, load_scene
+from urushi.app.commands.render import DEMO_SCENE, load_scene
 from urushi.errors import ParameterError
-from urushi.nets import weights
-from urushi.nets.architecture import Architecture, init
-from urushi.scenes import shipped
-from urushi.scenes.options import COATS, Options
 
 TINY = {"width": 64, "height": 48, "spp": 32, "detail": 0.05}
-
-SCENES = shipped.SCENES | GALLERY
-
-
-def names(first: str, without: str = "") -> list:
-    """Scenes, of which one is in the first tier; the second has the globe."""
-    second = {*shipped.SCENES, "globe"} - {first}
-    marks = {name: pytest.mark.slow if name in second else pytest.mark.research for name in SCENES}
-    kept = [name for name in SCENES if name != without]
-    return [n if n == first else pytest.param(n, marks=marks[n]) for n in kept]
 
 
 @pytest.fixture(scope="module")
@@ -44,7 +30,7 @@ def unfiltered(node: dict) -> dict:
     return result | ({"filter_type": "nearest"} if node.get("type") == "bitmap" else {})
 
 
-@pytest.fixture(scope="module", params=names("caddy"))
+@pytest.fixture(scope="module", params=SCENES)
 def rendered(mi, request, tmp_path_factory):
     """A scene's name, and by coat two renders (2, 48, 64, 3) of it with the seeds 0 and 1.
 
@@ -55,7 +41,7 @@ def rendered(mi, request, tmp_path_factory):
     for coat in COATS:
         folder = tmp_path_factory.mktemp(f"{request.param}-{coat}")
         options = Options(coat=coat, **TINY)
-        scene = mi.load_dict(unfiltered(shipped.build(SCENES[request.param], folder, options)))
+        scene = mi.load_dict(unfiltered(export.build(SCENES[request.param], folder, options)))
         images[coat] = np.array([mi.render(scene, seed=seed).numpy() for seed in range(2)])
     return request.param, images
 
@@ -87,15 +73,15 @@ def test_networks_and_walk_give_a_scene_the_same_light(rendered):
     assert abs(networks - walk) < 0.02 * walk + 3 * np.hypot(networks_error, walk_error)
 
 
-@pytest.mark.parametrize("name", names("teapot", without="caddy"))
+@pytest.mark.parametrize("name", [name for name in SCENES if name != "caddy"])
 def test_the_exported_file_renders_as_the_dictionary_does(name, mi, tmp_path):
     """With the same seed, to what transforms lose when they are written as steps.
 
     The caddy is turned: its positions differ in the last bits, so that walks draw other numbers.
     """
     options = Options(coat="layered", **(TINY | {"spp": 4}))
-    scene = mi.load_dict(shipped.build(SCENES[name], tmp_path / "a", options))
-    path = shipped.export(SCENES[name], tmp_path / "b" / "c", options)
+    scene = mi.load_dict(export.build(SCENES[name], tmp_path / "a", options))
+    path = export.export(SCENES[name], tmp_path / "b" / "c", options)
     text = path.read_text()
     assert str(tmp_path) not in text, "the folder can be moved"
     named = set(re.findall(r'name="filename" value="([^"]+)"', text))
@@ -105,7 +91,7 @@ def test_the_exported_file_renders_as_the_dictionary_does(name, mi, tmp_path):
 
 
 def test_the_coat_is_a_parameter_of_the_file(mi, tmp_path):
-    path = shipped.export(SCENES["globe"], tmp_path, Options(**TINY))
+    path = export.export(SCENES["globe"], tmp_path, Options(**TINY))
     text = path.read_text()
     assert '<default name="coat" value="neural_layered"/>' in text
     assert text.count('type="$coat"') == 2
@@ -116,10 +102,9 @@ def test_the_coat_is_a_parameter_of_the_file(mi, tmp_path):
     assert "Layered" in kinds and "NeuralLayered" not in kinds
 
 
-@pytest.mark.research
 def test_the_coat_of_openpbr_is_a_parameter_of_the_file(mi, tmp_path):
     """A hand-written name of the plugin in the place of the parameter gives the same picture."""
-    path = shipped.export(
+    path = export.export(
         SCENES["bells"], tmp_path, Options(**(TINY | {"spp": 1, "width": 8, "height": 6}))
     )
     text = path.read_text()
@@ -139,57 +124,19 @@ def test_weights_are_named_only_where_they_matter():
     assert keys(weights="a file") == keys() | {"weights"}
 
 
-def test_render_takes_a_scenes_name(mi, tmp_path, monkeypatch, capsys):
-    monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr(shipped, "Options", partial(Options, detail=0.05))
-    flags = ["-D", "coat=layered", "-D", "width=16", "--height", "12", "--spp", "2"]
-    assert cli.main(["render", "caddy", *flags]) == 0
-    assert capsys.readouterr().out == "caddy.exr\n"
-    assert list(mi.Bitmap("caddy.exr").size()) == [16, 12]
-
-
-def test_render_replaces_weights_and_size_of_a_scene_file(mi, tmp_path, monkeypatch):
-    """Weights only where a coat names none itself, from the working folder; the size always."""
-    arch = Architecture(decoder=(8,), encoder=(8,), layerer=(8,), sampler=(8,))
-    other = weights.save(tmp_path / "other", arch, init(arch, 0), {})
-    monkeypatch.chdir(tmp_path)
-    folder = tmp_path / "scene"
-    path = shipped.export(SCENES["globe"], folder, Options(**TINY))
-    coats = path.read_text().split('type="$coat"')
-    assert len(coats) == 3
-    named = '<string name="weights" value="default"/>'
-    path.write_text('type="$coat"'.join([*coats[:2], coats[2].replace(">", f">{named}", 1)]))
-    scene = load_scene(path, {}, overrides=Overrides("other", width=8, height=6))
-    assert list(scene.sensors()[0].film().size()) == [8, 6]
-    found = {
-        shape.bsdf().model.fingerprint
-        for shape in scene.shapes()
-        if type(shape.bsdf()).__name__ == "NeuralLayered"
-    }
-    assert found == {weights.default_model().fingerprint, other.fingerprint}
-
-
-def test_export_and_list(tmp_path, capsys):
-    assert cli.main(["scenes", "export", "caddy", str(tmp_path / "new"), "--detail", "0.05"]) == 0
-    assert capsys.readouterr().out == f"{tmp_path / 'new' / 'scene.xml'}\n"
-    assert (tmp_path / "new" / "scene.xml").is_file()
-    assert cli.main(["scenes", "list"]) == 0
-    assert [line.split()[0] for line in capsys.readouterr().out.splitlines()] == list(
-        shipped.SCENES
-    )
-
-
-@pytest.mark.parametrize(
-    "arguments",
-    [["render", "tea-pot"], ["scenes", "export", "tea-pot", "folder"]],
-)
-def test_errors_of_unknown_names_list_the_choices(arguments, tmp_path, monkeypatch, capsys):
-    monkeypatch.chdir(tmp_path)
-    assert cli.main(arguments) == 2
-    names = "caddy"
-    sentence = f"there is no scene 'tea-pot'; choose one of {names}"
-    assert capsys.readouterr().err == f"urushi: {sentence}\n"
-    assert not list(tmp_path.iterdir())
+def test_the_demos_scene_is_the_gallerys(mi, tmp_path):
+    """The files in the package are those that `python -m gallery caddy` writes."""
+    written = export.export(SCENES["caddy"], tmp_path)
+    assert {x.name for x in tmp_path.iterdir()} == {x.name for x in DEMO_SCENE.parent.iterdir()}
+    texts = (re.sub(r'version="[0-9.]+"', "", x.read_text()) for x in (written, DEMO_SCENE))
+    assert len(set(texts)) == 1
+    for file in (*tmp_path.glob("*.ply"), *tmp_path.glob("*.exr")):
+        shipped = DEMO_SCENE.parent / file.name
+        if file.suffix == ".exr":
+            pictures = (np.array(mi.Bitmap(str(x)), np.float32) for x in (file, shipped))
+            np.testing.assert_allclose(*pictures, rtol=1e-3, atol=1e-6)  # half floats
+        else:
+            assert file.stat().st_size == shipped.stat().st_size
 
 
 @pytest.mark.parametrize(
@@ -202,5 +149,5 @@ def test_errors_of_unknown_names_list_the_choices(arguments, tmp_path, monkeypat
 )
 def test_bad_options(options, sentence, tmp_path):
     with pytest.raises(ParameterError, match=f"^{re.escape(sentence)}$"):
-        shipped.build(SCENES["globe"], tmp_path / "folder", Options(**options))
+        export.build(SCENES["globe"], tmp_path / "folder", Options(**options))
     assert not list(tmp_path.iterdir())

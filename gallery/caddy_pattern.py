@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from urushi.scenes.mesh import Profile, surface
+from gallery.mesh import Profile, surface
 
 #: Lines of the stream: their number, mean height and distance.
 STREAM_LINES, STREAM_HEIGHT, STREAM_GAP = 7, 0.20, 0.026

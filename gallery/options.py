@@ -1,4 +1,4 @@
-"""Options of the shipped scenes; importing them needs no Mitsuba."""
+"""Options of the scenes; importing them needs no Mitsuba."""
 
 from dataclasses import dataclass
 from typing import Any, Literal, get_args
@@ -17,7 +17,7 @@ COATS: tuple[Coat, ...] = get_args(Coat)
 
 @dataclass(frozen=True)
 class Options:
-    """Options of a shipped scene.
+    """Options of a scene.
 
     Attributes:
         coat: plugin of all coats, those of OpenPBR included: the networks, or the walk.

@@ -1,24 +1,17 @@
-"""The shipped scenes by name, as dictionaries for `mi.load_dict` or as folders with an XML file."""
+"""Scenes as dictionaries for `mi.load_dict`, or as folders with an XML file."""
 
 import os
-import re
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-import mitsuba as mi
-
-from urushi.errors import ParameterError
+from gallery.options import Options
+from gallery.stage import Folder
+from urushi.app.commands.convert import xml
 from urushi.files import atomic_write
-from urushi.mitsuba.register import ROOM
-from urushi.scenes.caddy import caddy
-from urushi.scenes.options import Options
-from urushi.scenes.stage import Folder
 
 #: A scene: a function that writes meshes and textures into a folder, and describes the scene.
 Scene = Callable[[Folder, Options], dict[str, Any]]
-
-SCENES: dict[str, Scene] = {"caddy": caddy}
 
 
 def build(
@@ -27,7 +20,7 @@ def build(
     """Describe a scene; its meshes and textures are written into a folder.
 
     Args:
-        scene: one of `SCENES`, or any other.
+        scene: one of `gallery.scenes.SCENES`, or any other.
         folder: for these files; made if it is missing.
         options: see `Options`.
 
@@ -62,17 +55,6 @@ def export(scene: Scene, folder: str | os.PathLike, options: Options | None = No
     return target
 
 
-def find(name: str) -> Scene:
-    """The function that describes the scene `name`.
-
-    Raises:
-        ParameterError: there is no such scene; the message lists the names.
-    """
-    if name not in SCENES:
-        raise ParameterError(f"there is no scene '{name}'; choose one of {', '.join(SCENES)}")
-    return SCENES[name]
-
-
 def _relative(node: dict[str, Any], folder: Path) -> dict[str, Any]:
     """The description with all file names relative to `folder`."""
     result = {}
@@ -91,18 +73,3 @@ def _xml(description: dict[str, Any], coat: str) -> str:
     text = text.replace(f'name="reference" value="{coat}"', 'name="reference" value="$coat"')
     first, rest = text.split("\n", 1)
     return f'{first}\n    <default name="coat" value="{coat}"/>\n{rest}'
-
-
-def xml(description: dict[str, Any]) -> str:
-    """A scene for `mi.load_dict` as Mitsuba's XML, with the parameters $spp, $width and $height."""
-    state = mi.parser.parse_dict(mi.parser.ParserConfig(mi.variant()), description)
-    nodes = state.nodes
-    for node in nodes:
-        if node.props.plugin_name() in (*ROOM.bsdfs, "openpbr"):
-            node.type = mi.ObjectType.BSDF  # Mitsuba does not know the type of plugins in Python
-    state.nodes = nodes
-    text = mi.parser.write_string(state)
-    for written, name in (("resx", "width"), ("resy", "height")):  # as Mitsuba names them
-        text = text.replace(f'name="{written}"', f'name="{name}"')
-        text = text.replace(f'"${written}"', f'"${name}"')
-    return re.sub(r"-?\d+\.\d{13,}(e-?\d+)?", lambda number: f"{float(number[0]):.12g}", text)

@@ -5,10 +5,10 @@ from typing import Any
 import mitsuba as mi
 import numpy as np
 
-from urushi.scenes import caddy_pattern, stage
-from urushi.scenes.mesh import Profile, lathe
-from urushi.scenes.options import Options
-from urushi.scenes.stage import Folder, conductor, diffuse, rgb
+from gallery import caddy_pattern, stage
+from gallery.mesh import Profile, lathe
+from gallery.options import Options
+from gallery.stage import Folder, conductor, diffuse, rgb
 
 #: Rows of the pattern's texture.
 TEXTURE_HEIGHT = 384
@@ -23,8 +23,8 @@ TURN = 105.0
 
 
 def caddy(folder: Folder, options: Options) -> dict[str, Any]:
-    """A scene for `mi.load_dict`; see `urushi.scenes.shipped`."""
-    mesh = folder.mesh("natsume", lathe(natsume(), 256, 384))
+    """A scene for `mi.load_dict`; see `gallery.export`."""
+    mesh = folder.mesh("natsume", lathe(natsume(), 128, 192))
     return {
         "type": "scene",
         "integrator": {"type": "path", "max_depth": 6},

@@ -2,9 +2,8 @@
 
 import numpy as np
 import pytest
-
-from urushi.scenes import stage
-from urushi.scenes.stage import Folder
+from gallery import stage
+from gallery.stage import Folder
 
 
 @pytest.fixture(scope="module")

@@ -1,4 +1,4 @@
-"""Parts that the shipped scenes share: files, options, materials, camera, light and table."""
+"""Parts that the scenes share: files, options, materials, camera, light and table."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -8,9 +8,9 @@ from typing import Any
 import mitsuba as mi
 import numpy as np
 
+from gallery.mesh import Mesh, write_ply
+from gallery.options import Options
 from urushi.files import atomic_write, new_folder
-from urushi.scenes.mesh import Mesh, write_ply
-from urushi.scenes.options import Options
 
 
 class Folder:
