@@ -10,7 +10,7 @@ textures   texels of the finest level, by `neural_layered` with mipmaps         
 codes      latent codes of constant coats, encoded, refined, layered and blended materials  10 s
 values     `simulate`, and f, pdf, samples and albedo of a material                         10 s
 openpbr    f, pdf and samples of `openpbr`, bare and under a coat, with film and fuzz          1 min
-eval       every figure of `urushi eval`                                                    2 min
+eval       every figure of `benchmarks.evaluation`                                          2 min
 demo       figures of the demo at 96 x 96 pixels, compared within ten per cent: Mitsuba loads
            shapes in parallel, and their order, in which lights are numbered, varies from
            run to run, so that the same seed gives other noise                              20 s
@@ -255,8 +255,8 @@ def _evaluated(bsdf: dict) -> str:
 
 
 def evaluation() -> Entries:
-    """Every figure of `urushi eval`."""
-    from urushi.eval import report
+    """Every figure of `benchmarks.evaluation`."""
+    from benchmarks.evaluation import report
 
     with tempfile.TemporaryDirectory() as folder:
         report.report(output=folder)

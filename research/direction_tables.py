@@ -24,14 +24,15 @@ from pathlib import Path
 import numpy as np
 import numpy.typing as npt
 import tyro
+from benchmarks.evaluation import predict
+from benchmarks.evaluation import samples as sampling
+from benchmarks.evaluation.samples import Group, Samples
 from benchmarks.quality import pictures
 from tqdm import tqdm
 
 from urushi import checks, files
+from urushi.core import image_metrics as metrics
 from urushi.errors import FileError, ParameterError
-from urushi.eval import metrics, predict
-from urushi.eval import samples as sampling
-from urushi.eval.samples import Group, Samples
 from urushi.files import atomic_write, new_folder
 from urushi.nets.weights import Model, Weights, find
 from urushi.train.data.distribution import Table2

@@ -1,6 +1,6 @@
 """The stored benchmark set: `python -m benchmarks.quality.benchmark_set FILE [--keep OLD]`.
 
-Simulates the groups of stacks that `urushi eval` compares with, in about a quarter of an hour on
+Simulates the stacks that `benchmarks.evaluation` compares with, in about a quarter of an hour on
 two idle cores. `--keep` copies the groups of an existing set instead of simulating them; the file
 itself continues a run that was stopped.
 """
@@ -14,15 +14,8 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from tqdm import tqdm
-
-from urushi import files
-from urushi.checks import CoatParameters
-from urushi.core import error_metrics
-from urushi.core.probe_pairs import PROBES, probe_pairs
-from urushi.core.quadrature import half_vector_rule
-from urushi.eval import samples as sampling
-from urushi.eval.benchmark import (
+from benchmarks.evaluation import samples as sampling
+from benchmarks.evaluation.benchmark import (
     FORMAT_VERSION,
     KIND,
     SEED,
@@ -31,7 +24,14 @@ from urushi.eval.benchmark import (
     digest,
     read,
 )
-from urushi.eval.samples import ALBEDO_STACKS, E_PAIRS, GROUPS, Group, Samples
+from benchmarks.evaluation.samples import ALBEDO_STACKS, E_PAIRS, GROUPS, Group, Samples
+from tqdm import tqdm
+
+from urushi import files
+from urushi.checks import CoatParameters
+from urushi.core import error_metrics
+from urushi.core.probe_pairs import PROBES, probe_pairs
+from urushi.core.quadrature import half_vector_rule
 from urushi.material.source import STACK_WALKS
 from urushi.version import __version__
 from urushi.walk import StackTable, walk_pairs

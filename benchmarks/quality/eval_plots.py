@@ -12,12 +12,12 @@ from functools import partial
 from pathlib import Path
 
 import numpy as np
+from benchmarks.evaluation import benchmark, predict, report
+from benchmarks.evaluation import samples as sampling
+from benchmarks.evaluation.samples import Samples
 from matplotlib.figure import Figure
 
 from urushi.checks import CoatParameters
-from urushi.eval import benchmark, predict, report
-from urushi.eval import samples as sampling
-from urushi.eval.samples import Samples
 from urushi.files import atomic_write, new_folder
 from urushi.nets.weights import Model, find
 from urushi.walk import StackTable

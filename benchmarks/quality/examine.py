@@ -20,11 +20,11 @@ from matplotlib.figure import Figure
 
 import urushi
 from urushi.app.commands.encode import Encode
+from urushi.core import image_metrics as metrics
 from urushi.core.direction_sets import cosine_pairs, half_angle_pairs
 from urushi.core.error_metrics import energy_weight, pair_error
 from urushi.core.quadrature import half_vector_rule
 from urushi.errors import ParameterError, UrushiError
-from urushi.eval import metrics
 from urushi.files import atomic_write, new_folder
 from urushi.material import Material
 from urushi.material.encode import evaluate_source

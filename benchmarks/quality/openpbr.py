@@ -14,9 +14,7 @@ from typing import Any
 
 import mitsuba as mi
 import numpy as np
-from benchmarks.quality import openpbr_reference
-
-from urushi.openpbr_surface import conformance
+from benchmarks.quality import conformance, openpbr_reference
 
 #: Seed of the materials; those of training and of other benchmarks differ.
 SEED = 911

@@ -1,8 +1,8 @@
 """Reference values of coated OpenPBR: `python -m benchmarks.quality.openpbr_reference FILE`.
 
-Simulates the 40 materials of `urushi openpbr-check` in about a minute on two cores of an AMD EPYC,
-from fixed seeds. A file that exists is continued: its materials are kept if their parameters are
-the same.
+Simulates the 40 materials of `benchmarks.quality.conformance` from fixed seeds, in about a minute
+on two cores of an AMD EPYC. A file that exists is continued: its materials are kept if their
+parameters are the same.
 """
 
 import argparse
@@ -13,10 +13,7 @@ from typing import Any
 
 import mitsuba as mi
 import numpy as np
-
-from urushi import files
-from urushi.core import direction_sets
-from urushi.openpbr_surface.conformance import (
+from benchmarks.quality.conformance import (
     KIND,
     PAIRS,
     VERSION,
@@ -24,6 +21,9 @@ from urushi.openpbr_surface.conformance import (
     channel_errors,
     read,
 )
+
+from urushi import files
+from urushi.core import direction_sets
 from urushi.openpbr_surface.description import openpbr
 
 #: Seed from which the pairs are drawn.

@@ -6,8 +6,8 @@ import numpy as np
 import numpy.typing as npt
 
 from urushi import checks
+from urushi.core.image_metrics import BEST_PSNR, mse, psnr, shown
 from urushi.errors import ParameterError, PlatformError
-from urushi.eval.metrics import BEST_PSNR, mse, psnr, shown
 
 
 @dataclass(frozen=True)

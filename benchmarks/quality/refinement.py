@@ -6,8 +6,8 @@ term that keeps codes close to the encoder's. The columns on the left are of the
 itself; those on the right are of coats layered over it, which needs codes of the kind that the
 layering network was trained on.
 
-- Stored groups of `urushi eval`: bare bottoms; stacks encoded whole, and the uppermost coat layered
-  over the encoded rest.
+- Stored groups of `benchmarks.evaluation`: bare bottoms; stacks encoded whole, and the uppermost
+  coat layered over the encoded rest.
 - Unusual materials, of kinds that no training data contain, and MEASURED files (MERL or RGL). The
   reference under coats is Mitsuba's plugin `layered`; the last column is its noise. Coats over MERL
   files are left out, because Mitsuba does not read them.
@@ -20,13 +20,13 @@ from typing import Any, NamedTuple
 
 import mitsuba as mi
 import numpy as np
+from benchmarks.evaluation import benchmark, predict
+from benchmarks.evaluation import samples as sampling
+from benchmarks.evaluation.samples import GROUPS, Group, Samples
 
 import urushi
 from urushi.checks import CoatParameters
 from urushi.core import direction_sets, error_metrics
-from urushi.eval import benchmark, predict
-from urushi.eval import samples as sampling
-from urushi.eval.samples import GROUPS, Group, Samples
 from urushi.material import Material, fit, layer
 from urushi.material.encode import evaluate_source, material_from_values, required_pairs
 from urushi.material.layer import layer_texels

@@ -1,8 +1,9 @@
 """Variance of importance sampling: `python -m benchmarks.quality.sampling`; three minutes.
 
-For 200 held-out stacks, taken evenly from the groups of `urushi eval`, and wi from 0 to 85 degrees,
-prints the coefficient of variation of f cos / pdf and the largest f cos / pdf. The coefficient of
-variation is the relative noise of a picture under a uniform sky at one sample per pixel. There are
+For 200 held-out stacks, taken evenly from the groups of `benchmarks.evaluation`, and wi from 0 to
+85 degrees, prints the coefficient of variation of f cos / pdf and the largest f cos / pdf. The
+coefficient of variation is the relative noise of a picture under a uniform sky at one sample per
+pixel. There are
 three proposals:
 
 - the networks' own;
@@ -20,9 +21,9 @@ import math
 from typing import NamedTuple
 
 import numpy as np
+from benchmarks.evaluation import benchmark, predict
 from tqdm import tqdm
 
-from urushi.eval import benchmark, predict
 from urushi.fan2022.inference import MIN_SHARE, MIN_SIGMA, GaussianMixture
 from urushi.material import Material
 from urushi.nets import weights

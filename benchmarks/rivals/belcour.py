@@ -10,10 +10,9 @@ sigma_t over the media.
 import itertools
 
 import numpy as np
+from benchmarks.evaluation import benchmark
+from benchmarks.evaluation.samples import Samples, stack_errors
 from research.rivals import belcour
-
-from urushi.eval import benchmark
-from urushi.eval.samples import Samples, stack_errors
 
 DESCRIBED = ("conductor", "conductor_complex", "dielectric", "diffuse")
 #: The group that is split by scattering depth, and the limits of its parts.

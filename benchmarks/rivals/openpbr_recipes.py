@@ -1,6 +1,6 @@
 """OpenPBR's closed forms against random walks: `python -m benchmarks.rivals.openpbr_recipes`.
 
-Prints the table of `urushi openpbr-check` for the plugin `openpbr` and for the forms of
+Prints the table of `benchmarks.quality.conformance` for the plugin `openpbr` and for the forms of
 `research.rivals.openpbr_recipe`. With `--pictures DIR` it draws, for each of them, spheres of the
 six materials with the largest E.
 """
@@ -11,14 +11,13 @@ from pathlib import Path
 
 import mitsuba as mi
 import numpy as np
-from benchmarks.quality import sphere
+from benchmarks.quality import conformance, sphere
+from benchmarks.quality.conformance import Brdf, Errors, Reference
 from matplotlib import pyplot as plt
 from research.rivals import openpbr_recipe
-
 from urushi.app.commands.openpbr_check import table
+
 from urushi.files import new_folder
-from urushi.openpbr_surface import conformance
-from urushi.openpbr_surface.conformance import Brdf, Errors, Reference
 
 #: Number of materials that are drawn, and walks for a node of a sphere of the reference.
 WORST, SPHERE_WALKS = 6, 4

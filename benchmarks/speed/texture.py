@@ -14,8 +14,8 @@ from statistics import median
 from typing import Any
 
 import numpy as np
+from benchmarks.evaluation.report import parameters
 
-from urushi.eval.report import parameters
 from urushi.material import encode, layer
 from urushi.material.layer import layer_texels
 from urushi.nets import weights

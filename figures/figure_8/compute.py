@@ -11,13 +11,13 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from benchmarks.evaluation import predict, samples
+from benchmarks.evaluation.samples import Group
 from benchmarks.quality import benchmark_set
 from research.rivals import belcour
 
 import urushi
 from figures import results
-from urushi.eval import predict, samples
-from urushi.eval.samples import Group
 from urushi.nets.weights import default_model
 from urushi.train.data.distribution import Table2
 

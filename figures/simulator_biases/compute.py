@@ -11,13 +11,13 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from benchmarks.evaluation import benchmark, samples
+from benchmarks.evaluation.samples import GROUPS
 from benchmarks.quality import benchmark_set
 
 import urushi
 from figures import results
 from figures.simulator_biases.variants import VARIANTS
-from urushi.eval import benchmark, samples
-from urushi.eval.samples import GROUPS
 from urushi.walk.simulate import albedo
 
 FOLDER = Path(__file__).parent

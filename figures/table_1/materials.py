@@ -8,11 +8,11 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from benchmarks.evaluation import samples
 from benchmarks.rivals.comparisons import Measured
 from benchmarks.rivals.nbrdf import training_pairs
 
 import urushi
-from urushi.eval import samples
 from urushi.train.data.distribution import Distribution, Extended, Table2
 from urushi.walk import StackTable, analytic, walk_pairs
 

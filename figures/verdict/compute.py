@@ -3,7 +3,7 @@
     python -m figures.verdict.compute [--paper FILE]
 
 FILE are weights of the system of Fan et al. (2022): those of a longer training, or the authors'
-(`urushi paper import`). The default are the weights in this folder. E over measured bottoms needs
+(`urushi paper`). The default are the weights in this folder. E over measured bottoms needs
 the folder that URUSHI_TEST_DATA names.
 """
 

@@ -5,6 +5,8 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from benchmarks.evaluation import predict, samples
+from benchmarks.evaluation.samples import Group
 from benchmarks.quality import anisotropy, benchmark_set
 from benchmarks.quality.coated_measured import COATS, coated, error
 from benchmarks.rivals.comparisons import Measured
@@ -17,8 +19,6 @@ from figures.verdict import methods as known
 from figures.verdict.methods import Values
 from urushi import fan2022
 from urushi.core import direction_sets, error_metrics
-from urushi.eval import predict, samples
-from urushi.eval.samples import Group
 from urushi.fan2022 import PaperNetworks
 from urushi.material import table as nodes
 from urushi.nets.weights import default_model

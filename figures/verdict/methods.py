@@ -4,14 +4,14 @@ from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
+from benchmarks.evaluation import predict, samples
+from benchmarks.evaluation.samples import Samples
 from benchmarks.quality import benchmark_set
 from research import bidirectional
 from research.rivals import belcour, weidlich, weier
 
 import urushi.walk
 from figures.verdict import fits
-from urushi.eval import predict, samples
-from urushi.eval.samples import Samples
 from urushi.fan2022 import PaperNetworks, evaluation
 from urushi.material import table as nodes
 from urushi.nets.weights import DEFAULT, Model

@@ -10,13 +10,10 @@ import pytest
 
 import urushi
 from urushi.app import cli
-from urushi.app.commands.paper import Import, PaperEval
 from urushi.app.doctor import Doctor
 from urushi.errors import ParameterError
 
 FAMILIES = {(name,): command for name, (command, _) in cli.COMMANDS.items()}
-FAMILIES |= {("paper", "import"): Import}
-FAMILIES |= {("paper", "eval"): PaperEval}
 
 
 @pytest.mark.parametrize("words", FAMILIES, ids=" ".join)

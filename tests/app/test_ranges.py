@@ -20,8 +20,7 @@ NEEDED = {
     "layer": ["diffuse(0.5)", "-o", "a.safetensors"],
     "convert": ["a.mtlx", "-o", "folder"],
     "data": ["-o", "a.zarr"],
-    "paper import": ["a.pth", "b.pth", "-o", "a.safetensors"],
-    "paper eval": ["a.safetensors"],
+    "paper": ["a.pth", "b.pth", "-o", "a.safetensors"],
 }
 #: Parameters of coats, and colours: their ranges are those of `urushi.coat` and `urushi.diffuse`,
 #: whose own tests check them.
@@ -30,7 +29,7 @@ OF_COATS |= {"color", "body", "body_color", "thickness", "ground"}
 
 
 def commands() -> dict[str, type]:
-    """The commands by their words, those inside `data` and `paper` included."""
+    """The commands by their words, those inside others included."""
     found = {}
     for name, (command, _) in cli.COMMANDS.items():
         hints = get_type_hints(command, include_extras=True)
@@ -117,4 +116,4 @@ def test_what_is_no_number_is_a_usage_error(text, capsys):
 
 def test_all_commands_are_reached():
     """Commands inside others are found too."""
-    assert {"data", "paper import", "demo"} <= set(commands())
+    assert {"data", "paper", "demo"} <= set(commands())

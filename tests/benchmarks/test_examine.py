@@ -9,10 +9,10 @@ pytest.importorskip("matplotlib", reason="the extra 'eval' is not installed")
 from benchmarks.quality import examine
 from benchmarks.quality.examine import ALBEDO_ANGLES, INCIDENT, OUTGOING
 
+from urushi.core import image_metrics as metrics
 from urushi.core.direction_sets import cosine_pairs
 from urushi.core.error_metrics import stack_error
 from urushi.errors import ParameterError
-from urushi.eval import metrics
 from urushi.material import Material, encode
 from urushi.nets.architecture import Architecture, init
 from urushi.nets.weights import Model

@@ -2,9 +2,7 @@
 
 import numpy as np
 import pytest
-from benchmarks.quality import openpbr_reference
-
-from urushi.openpbr_surface import conformance
+from benchmarks.quality import conformance, openpbr_reference
 
 
 @pytest.fixture(scope="module")

@@ -1,9 +1,9 @@
 """Groups of a few stacks, their reference at a coarse aim, and untrained networks."""
 
 import pytest
+from benchmarks.evaluation.samples import Group, Samples
 from benchmarks.quality import benchmark_set
 
-from urushi.eval.samples import Group, Samples
 from urushi.nets import weights
 from urushi.nets.architecture import Architecture, init
 from urushi.train.data.distribution import Extended, Table2

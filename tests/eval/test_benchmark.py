@@ -4,12 +4,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from benchmarks.evaluation import benchmark
+from benchmarks.evaluation import samples as sampling
+from benchmarks.evaluation.samples import GROUPS, Group
 from benchmarks.quality import benchmark_set
 
 from urushi.errors import FileError
-from urushi.eval import benchmark
-from urushi.eval import samples as sampling
-from urushi.eval.samples import GROUPS, Group
 from urushi.files import read_tensors, write_tensors
 from urushi.train.data.distribution import Extended
 

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 from benchmarks.quality.pictures import Comparison, compare, ssim_map
 
+from urushi.core.image_metrics import BEST_PSNR, shown, srgb
 from urushi.errors import ParameterError, PlatformError
-from urushi.eval.metrics import BEST_PSNR, shown, srgb
 
 #: flip-evaluator has no wheels for some platforms.
 FLIP = find_spec("flip_evaluator") is not None

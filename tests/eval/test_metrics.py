@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from benchmarks.quality import pictures
 
+from urushi.core import image_metrics as metrics
 from urushi.errors import ParameterError
-from urushi.eval import metrics
 
 
 def test_summary_of_one_to_hundred():

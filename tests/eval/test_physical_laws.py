@@ -4,11 +4,11 @@ import importlib
 
 import numpy as np
 import pytest
+from benchmarks.evaluation import physical_laws, predict
+from benchmarks.evaluation import samples as sampling
+from benchmarks.evaluation.samples import Group, Samples
 
 import urushi
-from urushi.eval import physical_laws, predict
-from urushi.eval import samples as sampling
-from urushi.eval.samples import Group, Samples
 from urushi.material import Material, energy
 from urushi.material.albedo_rule import albedo_rule
 from urushi.material.encode import material_from_values

@@ -4,12 +4,13 @@ import json
 
 import numpy as np
 import pytest
+from benchmarks.evaluation import benchmark, physical_laws, report
+from benchmarks.evaluation import samples as sampling
+from benchmarks.evaluation.samples import Row
 from benchmarks.quality import benchmark_set
 
+from urushi.core import image_metrics as metrics
 from urushi.errors import FileError
-from urushi.eval import benchmark, metrics, physical_laws, report
-from urushi.eval import samples as sampling
-from urushi.eval.samples import Row
 from urushi.nets import weights
 from urushi.nets.architecture import FIXED
 
@@ -29,7 +30,7 @@ def result(tiny, sets, groups):
 
 
 def test_rows_are_the_figures_of_the_networks(result, tiny, sets):
-    from urushi.eval import predict
+    from benchmarks.evaluation import predict
 
     e, p = [], []
     for samples in sets.values():

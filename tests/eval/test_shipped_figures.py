@@ -5,9 +5,9 @@ from functools import partial
 from pathlib import Path
 
 import pytest
+from benchmarks.evaluation import benchmark, physical_laws, predict, report
+from benchmarks.evaluation.samples import ROWS
 
-from urushi.eval import benchmark, physical_laws, predict, report
-from urushi.eval.samples import ROWS
 from urushi.nets import weights
 
 RESULTS = Path(__file__).resolve().parents[2] / "docs" / "results.md"
@@ -58,7 +58,7 @@ def test_the_shipped_networks_hold_the_published_figures(sets):
     assert list(tables) == [weights.DEFAULT]
     table = tables[weights.DEFAULT]
     rows = tuple(row for row in MEASURED if row.name.strip() in table)
-    assert len(rows) >= 10, "docs/results.md has the rows of `urushi eval`"
+    assert len(rows) >= 10, "docs/results.md has the rows of the evaluation"
     predicted = partial(predict.materials, weights.default_model())
     errors = report.measure_errors(predicted, sets, rows=rows)
     for row, figures in errors.rows.items():

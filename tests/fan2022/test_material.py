@@ -2,14 +2,15 @@
 
 import numpy as np
 import pytest
+from benchmarks.evaluation import fan2022 as evaluation
+from benchmarks.evaluation.samples import Group
 from benchmarks.quality import benchmark_set
 
 import urushi
 from urushi import fan2022
 from urushi.checks import CoatParameters
 from urushi.errors import FileError, ParameterError
-from urushi.eval.samples import Group
-from urushi.fan2022 import Material, PaperNetworks, evaluation, networks
+from urushi.fan2022 import Material, PaperNetworks, networks
 from urushi.fan2022.architecture import PaperArchitecture, init
 from urushi.nets.weights import default_model, find, shipped_folder
 from urushi.train.data.distribution import Extended

@@ -267,7 +267,7 @@ def test_files_of_pytorch_itself(params, tmp_path):
 def test_one_command_makes_weights_for_all_others(params, files, tmp_path, capsys):
     output = tmp_path / "published.safetensors"
     paths = [str(path) for path in files]
-    assert cli.main(["paper", "import", *paths, "-o", str(output)]) == 0
+    assert cli.main(["paper", *paths, "-o", str(output)]) == 0
     model = PaperNetworks.read(output)
     assert capsys.readouterr().out == f"{output}  {model.fingerprint}\n"
     assert model.header["published"]["layering"]["file"] == "layering.pth"
@@ -278,7 +278,7 @@ def test_one_command_makes_weights_for_all_others(params, files, tmp_path, capsy
     np.testing.assert_allclose(material.pdf(wi, wo), wo[:, 2] / np.pi, rtol=0.03)
 
     def projection(*arguments):
-        assert cli.main(["paper", "import", *paths, "-o", str(output), *arguments]) == 0
+        assert cli.main(["paper", *paths, "-o", str(output), *arguments]) == 0
         return PaperNetworks.read(output).arch.adam
 
     assert model.arch.adam == AdamProjection(pairs=64)
@@ -286,7 +286,7 @@ def test_one_command_makes_weights_for_all_others(params, files, tmp_path, capsy
     other = ["--projection", "levenberg-marquardt"]
     assert projection(*other) is None
     wrong = [*other, "--projection-pairs", "64"]
-    assert cli.main(["paper", "import", *paths, "-o", str(output), *wrong]) == 2
+    assert cli.main(["paper", *paths, "-o", str(output), *wrong]) == 2
     assert "--projection-pairs needs --projection adam" in capsys.readouterr().err
 
 

@@ -2,11 +2,11 @@
 
 import numpy as np
 import pytest
+from benchmarks.evaluation import benchmark, predict
+from benchmarks.evaluation import samples as sampling
+from benchmarks.evaluation.samples import GROUPS
 
 from urushi.core.error_metrics import DARK_OFFSET, huber_loss
-from urushi.eval import benchmark, predict
-from urushi.eval import samples as sampling
-from urushi.eval.samples import GROUPS
 from urushi.material import Material, encode, energy
 from urushi.material.albedo_rule import albedo_rule
 from urushi.material.encode import (

@@ -59,7 +59,7 @@ def test_figures_by_hand():
 
 def test_noise_is_what_an_exact_network_would_show(tiny, monkeypatch):
     """Another simulation in the network's place has the noise of both, sqrt(2) of one's."""
-    from urushi.eval import predict
+    from benchmarks.evaluation import predict
 
     protocol = direction_tables.Protocol(stacks=2, polar=6, azimuth=8, walks=1024)
     table = protocol.table()

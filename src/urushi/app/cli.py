@@ -16,12 +16,11 @@ from urushi.app.commands.encode import Encode
 from urushi.app.commands.export import Export
 from urushi.app.commands.layer import Layer
 from urushi.app.commands.materials import Materials
-from urushi.app.commands.openpbr_check import OpenPBRCheck
 from urushi.app.commands.paper import Paper
 from urushi.app.commands.recipe import Recipe
 from urushi.app.commands.render import Render, Scene
 from urushi.app.commands.simulate import Simulate
-from urushi.app.commands.train import Data, Evaluate, Train
+from urushi.app.commands.train import Data, Train
 from urushi.app.commands.view import View
 from urushi.app.doctor import Doctor
 from urushi.errors import UrushiError
@@ -53,12 +52,10 @@ COMMANDS: dict[str, tuple[type, str]] = {
         "Write a material as code: GLSL, WGSL, HLSL, Slang, OSL, Python.",
     ),
     "convert": (Convert, "Write a material of a MaterialX document as a Mitsuba scene."),
-    "openpbr-check": (OpenPBRCheck, "Compare implementations of OpenPBR with random walks."),
     "view": (View, "Coat a material by hand, on a page in the browser."),
     "data": (Data, "Simulate training data."),
     "train": (Train, "Train networks."),
-    "eval": (Evaluate, "Measure networks on held-out materials."),
-    "paper": (Paper, "Read and measure networks of Fan et al. 2022."),
+    "paper": (Paper, "Read the published networks of Fan et al. 2022."),
     "doctor": (Doctor, "Check this machine and say what is missing."),
 }
 

@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 
 from urushi.app.page_files import First, cards_of, codes_of, page_document, page_files
+from urushi.core import image_metrics as metrics
 from urushi.errors import ParameterError
-from urushi.eval import metrics
 from urushi.material import Material
 from urushi.nets import weights
 from urushi.nets.weights import Model, anisotropic_model, find

@@ -80,7 +80,7 @@ def default() -> Preset:
 
     Command: `urushi train --preset default`
     Time: 61 minutes on two cores (data 35, joint 15, the rest 11).
-    Expected of `urushi eval`: Table 2 stacks of two interfaces E mean 0.7 %, P median 0.4 %.
+    Expected of `benchmarks.evaluation`: Table 2, two interfaces, E mean 0.7 %, P median 0.4 %.
     """
     stacks, coated, energy = (40, 112, 64, 16, 8, 8), (448, 192, 64, 32, 32), 0.9
     joint = Schedule(steps=53_248, warmup=256, learning_rate=0.012, clip=0.1)
@@ -144,7 +144,7 @@ def quick() -> Preset:
 
     Command: `urushi train --preset quick`
     Time: 17 minutes on two cores (data 3.5, joint and sampling 13).
-    Expected of `urushi eval`: Table 2 stacks of two interfaces E mean about 1.0 %, P median 0.8 %.
+    Expected of `benchmarks.evaluation`: Table 2, two interfaces, E mean 1.0 %, P median 0.8 %.
     """
     pairs, walks = 512, 32
     parts = (

@@ -2,8 +2,8 @@
 
 import numpy as np
 import pytest
+from benchmarks.evaluation import benchmark, predict
 
-from urushi.eval import benchmark, predict
 from urushi.material import Material
 from urushi.nets import weights
 

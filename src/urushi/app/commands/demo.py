@@ -12,8 +12,8 @@ import tyro
 from tqdm import tqdm
 
 from urushi.app.commands.render import copy_demo_scene, load_scene, set_variant
-from urushi.eval import metrics
-from urushi.eval.metrics import srgb
+from urushi.core import image_metrics as metrics
+from urushi.core.image_metrics import srgb
 from urushi.files import atomic_write, new_folder
 from urushi.ranges import Pixels, Range
 

@@ -1,4 +1,4 @@
-"""`urushi paper`: networks of Fan et al. 2022; the published ones, from the files of PyTorch."""
+"""`urushi paper`: the published networks of Fan et al. 2022, from files of PyTorch."""
 
 import hashlib
 from dataclasses import dataclass
@@ -16,13 +16,13 @@ PAIRS = 64
 
 
 @dataclass(frozen=True)
-class Import:
+class Paper:
     """Convert the published PyTorch networks of Fan et al. 2022 into a weights file.
 
     PyTorch is not needed, and no code in the files is executed. docs/published.md lists what the
     files may hold.
 
-    Example: urushi paper import RepreNetwork.pth LayeringNetwork.pth -o published.safetensors
+    Example: urushi paper RepreNetwork.pth LayeringNetwork.pth -o published.safetensors
     """
 
     representation: tyro.conf.Positional[Path]
@@ -72,39 +72,3 @@ class Import:
         networks = PaperNetworks(arch, {**params, **sampler}, header).save(self.output)
         print(f"{self.output}  {networks.fingerprint}")
         return 0
-
-
-@dataclass(frozen=True)
-class PaperEval:
-    """Measure networks on the stacks of `urushi eval` whose indices are all above one.
-
-    Prints the errors E and P. Several hundred BRDFs are projected, which takes some minutes to
-    hours.
-
-    Example: urushi paper eval published.safetensors
-    """
-
-    weights: tyro.conf.Positional[Path]
-    """Weights file of `urushi train --preset paper` or `urushi paper import`."""
-
-    def run(self) -> int:
-        from urushi.fan2022 import PaperNetworks, evaluation
-
-        print(evaluation.evaluate(PaperNetworks.read(self.weights)))
-        return 0
-
-
-@dataclass(frozen=True)
-class Paper:
-    """Read the published networks of Fan et al. 2022, or measure networks of their system.
-
-    Example: urushi paper import RepreNetwork.pth LayeringNetwork.pth -o published.safetensors
-    """
-
-    command: (
-        Annotated[Import, tyro.conf.subcommand("import")]
-        | Annotated[PaperEval, tyro.conf.subcommand("eval")]
-    )
-
-    def run(self) -> int:
-        return self.command.run()

@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 import tyro
 
+from urushi.core import image_metrics as metrics
 from urushi.errors import ParameterError
-from urushi.eval import metrics
 from urushi.measured import pigments
 from urushi.measured.rgl import XYZ_TO_SRGB
 from urushi.openpbr_surface.materialx.colour_spaces import to_linear_srgb

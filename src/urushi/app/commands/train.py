@@ -1,4 +1,4 @@
-"""`urushi data`, `urushi train` and `urushi eval`: training data, training, and held-out stacks."""
+"""`urushi data` and `urushi train`: training data and training."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -109,30 +109,6 @@ class Train:
         for name, value in model.header.get("metrics", {}).items():
             print(f"{name}  {value:.4g}")
         print(f"fingerprint  {model.fingerprint}")
-        return 0
-
-
-@dataclass(frozen=True)
-class Evaluate:
-    """Measure networks on layered materials that they were not trained on.
-
-    For every kind of stack, prints the errors E (energy-weighted, per stack) and P (relative, per
-    pair of directions) in per cent, with the reference's own error. Then prints violations of
-    physical laws, and the sizes of the networks. docs/conventions.md defines E and P. The reference
-    values ship with Urushi, so that this takes about a minute.
-
-    Example: urushi eval --weights runs/mine/weights.safetensors -o runs/mine/figures
-    """
-
-    weights: str | None = None
-    """Weights file of the networks. Default: the shipped ones."""
-    output: Annotated[Path | None, tyro.conf.arg(aliases=["-o"])] = None
-    """Folder for the figures (figures.json)."""
-
-    def run(self) -> int:
-        from urushi.eval import report
-
-        print(report.report(self.weights, self.output))
         return 0
 
 

@@ -46,7 +46,7 @@ class Family:
     Attributes:
         parameters: names of the parameters.
         bare: whether the BRDF is one GGX lobe and nothing else.
-        title: name in the tables of `urushi eval`; empty if it is not evaluated.
+        title: name in tables of errors; empty if it is not evaluated.
     """
 
     parameters: ClassVar[tuple[str, ...]]

@@ -1,18 +1,22 @@
-"""Reference values of coated materials of OpenPBR, and the errors of renderers against them.
+"""Errors of an implementation of OpenPBR: `python -m benchmarks.quality.conformance`.
 
-One safetensors file holds f of 40 materials by random walks through the coat, at 300 pairs of
-directions. Any renderer can be compared with it; its format is described in docs/conformance.md.
-`benchmarks/quality/openpbr_reference.py` makes it.
+Prints E and the error of the albedo, in per cent, of the plugin `openpbr`, or with `--values FILE`
+of another renderer. The reference is one safetensors file: f of 40 coated materials by random walks
+through the coat, at 300 pairs of directions. docs/conformance.md describes its format, and
+`benchmarks.quality.openpbr_reference` makes it.
 """
 
+import argparse
 import os
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any, NamedTuple
 
+import mitsuba as mi
 import numpy as np
 
 from urushi import files
+from urushi.app.commands.simulate import read_arrays
 from urushi.checks import finite
 from urushi.core import error_metrics
 from urushi.errors import FileError, ParameterError
@@ -130,3 +134,44 @@ def noise(reference: Reference) -> np.ndarray:
 def channel_errors(values: np.ndarray, f: np.ndarray, wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
     """E of each channel (3,), of values (N, 3)."""
     return error_metrics.stack_error(values.T, f.T, wi[:, 2], wo[:, 2])
+
+
+def table(reference: Reference, results: Mapping[str, Errors]) -> str:
+    """The errors as text: one line for each material, then mean and 95th percentile."""
+    own = 100 * noise(reference)
+    error, albedo = (
+        np.array([100 * getattr(r, name) for r in results.values()]) for name in ("error", "albedo")
+    )
+    heads = "".join(f"{name:>16}" for name in results)
+    lines = [
+        "E and error of the albedo [%], against random walks",
+        f"{'':30}{heads}{'noise':>8}",
+    ]
+    for k, name in enumerate(reference.parameters):
+        lines.append(f"{name:30}{_cells(error[:, k], albedo[:, k], '+')}{own[k]:8.2f}")
+    albedo = np.abs(albedo)
+    lines.append(f"{'mean':30}{_cells(error.mean(1), albedo.mean(1))}{own.mean():8.2f}")
+    highs = (np.percentile(x, 95, axis=1) for x in (error, albedo))
+    return "\n".join([*lines, f"{'95th percentile':30}{_cells(*highs)}"])
+
+
+def _cells(errors: np.ndarray, albedos: np.ndarray, sign: str = "") -> str:
+    return "".join(f"{e:8.2f}{a:{sign}8.1f}" for e, a in zip(errors, albedos, strict=True))
+
+
+def main(arguments: list[str] | None = None) -> None:
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--values", type=Path, help="NPZ file of a renderer: f of (40, 300, 3)")
+    parser.add_argument("--reference", type=Path, help="default: the file of the repository")
+    options = parser.parse_args(arguments)
+    reference = read(options.reference)
+    if options.values is None:
+        mi.set_variant("llvm_ad_rgb")
+        name, f = "urushi", evaluated(model, reference)
+    else:
+        name, (f,) = options.values.stem, read_arrays(options.values, "f")
+    print(table(reference, {name: errors(f, reference)}))
+
+
+if __name__ == "__main__":
+    main()

@@ -1,12 +1,12 @@
-"""`urushi paper eval`: errors of the paper's networks on the held-out stacks of `urushi eval`."""
+"""Errors of the networks of Fan et al. 2022 on the held-out stacks of this evaluation."""
 
 from collections.abc import Mapping
 from functools import partial
 
 import numpy as np
+from benchmarks.evaluation import benchmark, physical_laws, predict, report
+from benchmarks.evaluation.samples import GROUPS, ROWS, Samples
 
-from urushi.eval import benchmark, physical_laws, predict, report
-from urushi.eval.samples import GROUPS, ROWS, Samples
 from urushi.fan2022.material import Material
 from urushi.fan2022.networks import PaperNetworks
 from urushi.walk import StackTable
@@ -21,7 +21,7 @@ def covered(table: StackTable) -> bool:
 def materials(
     networks: PaperNetworks, samples: Samples, encoded: int = 0, *, refined: bool = False
 ) -> list[Material]:
-    """The stacks as `eval.predict.materials` makes them; a projection leaves nothing to refine."""
+    """The stacks as `predict.materials` makes them; a projection leaves nothing to refine."""
     table = samples.table
     codes = networks.encode(predict.lower_values(samples, encoded, *networks.pairs()))
     for index in reversed(range(table.coats - encoded)):

@@ -2,9 +2,9 @@
 
 import numpy as np
 import pytest
+from benchmarks.quality import conformance
 
 from urushi.errors import FileError, ParameterError
-from urushi.openpbr_surface import conformance
 
 
 @pytest.fixture(scope="module")
@@ -50,3 +50,21 @@ def test_a_rough_slab_below_total_reflection_has_bounded_values(rgb, reference):
     """The coat's index exceeds the base's: light at grazing in the coat does not gain energy."""
     f = conformance.model(reference.parameters["clay, clear"], walks=64)(reference.wi, reference.wo)
     assert np.pi * f.mean() < 0.8  # base_color is 0.38 in the mean; the rest is the coat's
+
+
+def test_values_of_another_renderer_are_compared(tmp_path, capsys):
+    """All 25 % too bright: every line has an E and an albedo's error of 25 %."""
+    path = tmp_path / "mine.npz"
+    np.savez(path, f=1.25 * conformance.read().f)
+    conformance.main(["--values", str(path)])
+    lines = capsys.readouterr().out.splitlines()
+    assert lines[1].split()[0] == "mine"
+    assert len(lines) == 2 + 40 + 2
+    assert all("25.00   +25.0" in line for line in lines[2:42])
+
+
+def test_bad_files_get_one_sentence(tmp_path):
+    np.savez(tmp_path / "other.npz", g=np.zeros(3))
+    for name, message in (("none.npz", "does not exist"), ("other.npz", "must hold the array f")):
+        with pytest.raises(FileError, match=message):
+            conformance.main(["--values", str(tmp_path / name)])

@@ -1,4 +1,4 @@
-"""The stored benchmark set: reference values that `urushi eval` compares with by default.
+"""The stored benchmark set: reference values that networks are compared with by default.
 
 One safetensors file of about 1 MB, made by `benchmarks/quality/benchmark_set.py`. It holds, for
 every group that must be simulated, the stacks' parameters, f in single and its standard error in
@@ -14,13 +14,13 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from benchmarks.evaluation import samples as sampling
+from benchmarks.evaluation.samples import GROUPS, Group, Samples
 
 from urushi import files
 from urushi.checks import CoatParameters
 from urushi.core.probe_pairs import PROBES
 from urushi.errors import FileError
-from urushi.eval import samples as sampling
-from urushi.eval.samples import GROUPS, Group, Samples
 from urushi.train.data.distribution import to_dict
 from urushi.walk import StackTable
 from urushi.walk.bottoms import KINDS

@@ -1,4 +1,4 @@
-"""`urushi eval`: all figures of networks, as a table and JSON."""
+"""All figures of networks, as a table and JSON."""
 
 import json
 import os
@@ -9,10 +9,11 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
+from benchmarks.evaluation import benchmark, physical_laws, predict
+from benchmarks.evaluation import samples as sampling
+from benchmarks.evaluation.samples import GROUPS, ROWS, Group, Row, Samples
 
-from urushi.eval import benchmark, metrics, physical_laws, predict
-from urushi.eval import samples as sampling
-from urushi.eval.samples import GROUPS, ROWS, Group, Row, Samples
+from urushi.core import image_metrics as metrics
 from urushi.files import atomic_write, new_folder
 from urushi.nets.architecture import FIXED
 from urushi.nets.weights import Model, Weights, find

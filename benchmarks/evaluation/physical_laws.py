@@ -4,12 +4,12 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
+from benchmarks.evaluation import predict
+from benchmarks.evaluation import samples as sampling
+from benchmarks.evaluation.samples import Group, Samples
 
 from urushi.checks import CoatParameters
 from urushi.core import error_metrics
-from urushi.eval import predict
-from urushi.eval import samples as sampling
-from urushi.eval.samples import Group, Samples
 from urushi.material import Material
 from urushi.material.layer import layer_texels
 from urushi.nets.weights import Model

@@ -1,11 +1,11 @@
 """Materials of held-out stacks, encoded and layered by the public operations."""
 
 import numpy as np
+from benchmarks.evaluation import samples as sampling
+from benchmarks.evaluation.samples import Samples
 
 from urushi.checks import CoatParameters, one_width
 from urushi.core.probe_pairs import PROBES, probe_pairs
-from urushi.eval import samples as sampling
-from urushi.eval.samples import Samples
 from urushi.material import Material
 from urushi.material.encode import material_from_values, material_of_lobes, required_pairs
 from urushi.material.layer import layer_texels

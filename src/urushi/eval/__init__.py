@@ -1,1 +1,0 @@
-"""Error measures, and the evaluation of networks on stacks that they were not trained on."""
