@@ -72,7 +72,9 @@ def test_files_benchmarks_and_targets_exist(page):
     ]
     assert missing == []
     modules = set(re.findall(r"python -m (benchmarks(?:\.\w+)+)", text))
-    assert [m for m in modules if not (ROOT / (m.replace(".", "/") + ".py")).is_file()] == []
+    paths = {m: ROOT / m.replace(".", "/") for m in modules}
+    files = {m: (p.with_suffix(".py"), p / "__main__.py") for m, p in paths.items()}
+    assert [m for m, places in files.items() if not any(map(Path.is_file, places))] == []
     makefile = (ROOT / "Makefile").read_text()
     targets = set(re.findall(r"\bmake ([a-z][\w-]+)", text))
     assert [t for t in targets if not re.search(rf"^{re.escape(t)}:", makefile, re.MULTILINE)] == []
