@@ -2,8 +2,8 @@
 
 Prints millions of RGB evaluations of f per second, the best of several alternating runs. The second
 column is computed from CPU time, times the number of cores: the speed of an idle machine. The rows
-are constant codes; textured codes, for which every evaluation computes the codes' part of the first
-layer again; and constant codes in Dr.Jit's cooperative vectors.
+are constant codes, and textured codes, for which every evaluation computes the codes' part of the
+first layer again.
 """
 
 import argparse
@@ -32,8 +32,6 @@ def directions(seed: int) -> "mi.Vector3f":
 def evaluations(weights: str) -> dict[str, Callable[[], object]]:
     """For each row of the table, a function that evaluates the decoder."""
     from urushi.mitsuba.latents.holders import ConstantLatents, TexturedLatents
-    from urushi.mitsuba.networks.decoder import UrushiDecoder
-    from urushi.mitsuba.networks.lobe import ANY_LOBE
     from urushi.nets.weights import find
     from urushi.textures import packing
     from urushi.textures.grid import IDENTITY, TexelGrid
@@ -53,15 +51,9 @@ def evaluations(weights: str) -> dict[str, Callable[[], object]]:
     def of(latents) -> Callable[[], object]:
         return lambda: latents.f(latents.vertex(si, mi.Bool(True)), si, wo, mi.Bool(True))
 
-    cooperative = ConstantLatents(Material(codes[0], model))
-    decoder = UrushiDecoder(model, ANY_LOBE._replace(widths=model.widths), cooperative=True)
-    terms = [[mi.Float(float(x)) for x in channel] for channel in decoder.code_terms(codes[0])]
-    dr.make_opaque(terms)
-    cooperative._decoder, cooperative._decoder_terms = decoder, terms
     return {
         "constant codes": of(ConstantLatents(Material(codes[0], model))),
         "textured codes": of(TexturedLatents(model, store, grid)),
-        "cooperative vectors": of(cooperative),
     }
 
 

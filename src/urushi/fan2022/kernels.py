@@ -17,7 +17,6 @@ from drjit import nn
 from urushi.core.frame import square_to_cosine_hemisphere
 from urushi.fan2022.architecture import EPSILON, EVALUATION, PROXY, Block, Linear, Norm
 from urushi.fan2022.inference import MIN_SHARE, MIN_SIGMA
-from urushi.mitsuba.networks import mlp
 from urushi.nets.mlp import Params
 
 #: The flags by which Mitsuba records a whole path as one kernel.
@@ -50,6 +49,34 @@ def _stored(x: nn.CoopVec) -> nn.CoopVec:
     return nn.CoopVec(*values)
 
 
+def _number() -> type:
+    """The component type of cooperative vectors: GPUs support half precision only."""
+    return mi.Float16 if dr.backend_v(mi.Float) == dr.JitBackend.CUDA else mi.Float
+
+
+def _vector(values: Sequence) -> nn.CoopVec:
+    """Floats as one cooperative vector."""
+    return nn.CoopVec(*map(_number(), values))
+
+
+def _packed(weight: np.ndarray, bias: np.ndarray) -> tuple:
+    """A weight (out, in) and a bias (out,) in memory, as `nn.matvec` takes them."""
+    tensor = dr.tensor_t(_number())
+    return nn.pack(tensor(weight), tensor(bias), layout="inference")
+
+
+class LinearKernel:
+    """A linear layer, equal to `fan2022.architecture.Linear`."""
+
+    def __init__(self, params: Mapping[str, np.ndarray], name: str):
+        weight = np.ascontiguousarray(params[f"{name}.weight"].T)
+        self._layer = _packed(weight, params[f"{name}.bias"])
+
+    def __call__(self, x: nn.CoopVec) -> nn.CoopVec:
+        weight, bias = self._layer
+        return nn.matvec(weight, x, bias)
+
+
 class NormKernel:
     """Layer normalisation and ReLU, equal to `fan2022.architecture.Norm`."""
 
@@ -58,14 +85,14 @@ class NormKernel:
         width = len(scale)
         zeros = np.zeros((width, 1), np.float32)
         # A vector in memory can be used only as the bias of a matrix, here of zeros.
-        self._scale, self._shift = mlp.pack(zeros, scale), mlp.pack(zeros, shift)
-        self._mean = mlp.pack(np.full((1, width), 1 / width, np.float32), np.zeros(1, np.float32))
+        self._scale, self._shift = _packed(zeros, scale), _packed(zeros, shift)
+        self._mean = _packed(np.full((1, width), 1 / width, np.float32), np.zeros(1, np.float32))
 
     def __call__(self, x: nn.CoopVec) -> nn.CoopVec:
         centred = x - self._average(x)
         inverse = dr.rsqrt(self._average(centred * centred) + EPSILON)
         scale, shift = (
-            nn.matvec(weight, nn.CoopVec(mi.Float(0)), bias)
+            nn.matvec(weight, _vector([mi.Float(0)]), bias)
             for weight, bias in (self._scale, self._shift)
         )
         return dr.maximum(dr.fma(centred * inverse, scale, shift), 0)
@@ -92,8 +119,8 @@ class PaperDecoder:
         def evaluate(channel, *values):
             of_channels = zip(*latents, strict=True)
             z = [_chosen(channel, numbers) for numbers in of_channels]
-            (value,) = _chained(self._steps, nn.CoopVec(*directions, *z))
-            value = dr.maximum(value, 0)
+            (value,) = _chained(self._steps, _vector([*directions, *z]))
+            value = dr.maximum(mi.Float(value), 0)
             kept = [dr.select(channel == k, value, other) for k, other in enumerate(values)]
             return channel + 1, *kept
 
@@ -115,7 +142,7 @@ def _bound(params: Mapping[str, np.ndarray], chain: Sequence[Block]) -> list:
     steps: list = []
     for block in chain:
         if isinstance(block, Linear):
-            steps.append(mlp.Linear(params, block.name))
+            steps.append(LinearKernel(params, block.name))
         elif isinstance(block, Norm):
             steps.append(NormKernel(params, block.name))
         else:
@@ -176,10 +203,10 @@ class PaperSampler:
 
     def proposal(self, latent: Sequence) -> Gaussian:
         """The proposal of a latent code, a list (32) of Dr.Jit floats."""
-        x = self._steps[0](nn.CoopVec(*latent))
+        x = self._steps[0](_vector(latent))
         for step in self._steps[1:]:
             x = step(dr.maximum(x, 0))
-        size, share = (1 / (1 + dr.exp(value)) for value in x)
+        size, share = (1 / (1 + dr.exp(mi.Float(value))) for value in x)
         return Gaussian(
             dr.exp(float(np.log(MIN_SIGMA)) * size), MIN_SHARE + (1 - 2 * MIN_SHARE) * share
         )

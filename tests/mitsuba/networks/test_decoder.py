@@ -117,44 +117,16 @@ def test_layers_of_several_inputs_agree_with_numpy(rgb, count):
     np.testing.assert_allclose([[y.numpy() for y in one] for one in found], expected, atol=1e-5)
 
 
-def test_cooperative_vectors_agree_with_constants_in_code(rgb, model):
-    from urushi.mitsuba.networks.decoder import UrushiDecoder
-    from urushi.mitsuba.networks.lobe import ANY_LOBE
-    from urushi.mitsuba.networks.sampler import UrushiSampler
-
-    wi, wo = (vector(rgb, w) for w in pairs())
-    z, values, mixtures = latents(3), [], []
-    for cooperative in (False, True):
-        decoder = UrushiDecoder(model, ANY_LOBE, cooperative)
-        terms = [[rgb.Float(x) for x in channel] for channel in decoder.code_terms(z)]
-        values.append(decoder.f_of_terms(terms, wi, wo))
-        sampler = UrushiSampler(model, ANY_LOBE, cooperative)
-        code = [rgb.Float(x) for x in z[0]]
-        mixture = dr.switch(rgb.UInt32(0), [lambda c, s=sampler, t=code: flat(s, t, c)], wi)
-        mixtures.append(mixture)
-    for a, b in (*zip(*values, strict=True), *zip(*mixtures, strict=True)):
-        np.testing.assert_allclose(a.numpy(), b.numpy(), rtol=2e-4)
-
-
-def flat(sampler, latent, wi) -> list:
-    mixture = sampler.proposal(latent, wi)
-    return [*mixture.weights, *mixture.alphas]
-
-
-def test_cuda_agrees_with_numpy(model):
+def test_the_decoder_agrees_with_numpy(variant, model):
     import mitsuba as mi
 
-    try:
-        mi.set_variant("cuda_ad_rgb")
-        dr.eval(mi.Float(0) + dr.opaque(mi.Float, 1))
-    except (ImportError, RuntimeError):
-        pytest.skip("there is no CUDA device")
-    from urushi.mitsuba.latents.holders import ConstantLatents
+    from urushi.mitsuba.networks.decoder import UrushiDecoder
+    from urushi.mitsuba.networks.lobe import ANY_LOBE
 
-    z = latents(3)
-    wi, wo = pairs()
-    f = evaluated(ConstantLatents(Material(z, model)), interaction(mi, wi), vector(mi, wo))
-    # half precision: 5e-4 of every activation, through a network that triples its output
-    np.testing.assert_allclose(
-        np.stack([x.numpy() for x in f], -1), Material(z, model).f(wi, wo), rtol=2e-2
-    )
+    z, (wi, wo) = latents(3), pairs()
+    decoder = UrushiDecoder(model, ANY_LOBE)
+    terms = [[mi.Float(float(x)) for x in channel] for channel in decoder.code_terms(z)]
+    f = decoder.f_of_terms(terms, vector(mi, wi), vector(mi, wo))
+    expected = model.networks.f(z[:, None], wi, wo)
+    # rounding of activations, multiplied by the random weights of three layers
+    np.testing.assert_allclose([x.numpy() for x in f], expected, rtol=2e-3)

@@ -1,6 +1,7 @@
 """The decoder in Dr.Jit: the counterpart of `nets.decoder`, for channels that share directions."""
 
 from collections.abc import Sequence
+from functools import partial
 
 import drjit as dr
 import numpy as np
@@ -21,11 +22,13 @@ class UrushiDecoder:
     gain, and the scales and the offsets of the units of the first hidden layer.
     """
 
-    def __init__(self, model: Model, kind: LobeKind, cooperative: bool | None = None):
-        """kind: what is known of the codes' lobes. cooperative: see `mlp.hidden_layers`."""
-        params, activation = model.params, model.arch.activation
-        self._hidden = mlp.hidden_layers(params, "decoder", activation, cooperative)
-        weight = model.params["decoder.0.weight"]
+    def __init__(self, model: Model, kind: LobeKind):
+        """kind: what is known of the codes' lobes."""
+        params = model.params
+        self._hidden = partial(
+            mlp.hidden_to_output, params, "decoder", activation=model.arch.activation
+        )
+        weight = params["decoder.0.weight"]
         self._lobe = model.arch.lobe
         self._kind = kind
         numbers = model.arch.latent - self._lobe - 1  # the gain bypasses the network

@@ -1,21 +1,16 @@
-"""Multilayer perceptrons as Dr.Jit code, in two forms.
+"""Multilayer perceptrons as Dr.Jit code.
 
-By constants: every weight is a constant in unrolled multiply-adds. On LLVM this is about ten times
-as fast as matrices in memory, because a constant costs no load of its own. The cost is compile
-time, so a network that is used several times is compiled once.
-
-By cooperative vectors: weights are in memory. GPUs evaluate these on their matrix units in half
-precision. CPUs use them for networks that have too many weights for unrolled code. Activations stay
-cooperative vectors throughout: separate floats would make the code long and its compilation slow.
+Every weight is a constant in unrolled multiply-adds. On CPUs this is about ten times as fast as
+matrices in memory, because a constant costs no load of its own. On GPUs it is faster than
+cooperative vectors, which have half precision only. The cost is compile time, so a network that is
+used several times is compiled once.
 """
 
-from collections.abc import Callable, Mapping, Sequence
-from functools import partial
+from collections.abc import Mapping, Sequence
 
 import drjit as dr
 import mitsuba as mi
 import numpy as np
-from drjit import nn
 
 from urushi.nets.mlp import POLYNOMIALS
 
@@ -89,77 +84,3 @@ def hidden_to_output(
         x = dense([activate(value, activation) for value in x], weight, bias)
         index += 1
     return x
-
-
-class Linear:
-    """A linear layer called `name`."""
-
-    def __init__(self, params: Mapping[str, np.ndarray], name: str):
-        weight = np.ascontiguousarray(params[f"{name}.weight"].T)
-        self._layer = pack(weight, params[f"{name}.bias"])
-
-    def __call__(self, x: nn.CoopVec) -> nn.CoopVec:
-        """Apply to activations."""
-        weight, bias = self._layer
-        return nn.matvec(weight, x, bias)
-
-
-class Hidden:
-    """The layers of a network after its first one; see `hidden_to_output`.
-
-    The output layer has constant weights in single precision: outputs are logarithms, and half
-    precision has only three digits.
-    """
-
-    def __init__(self, params: Mapping[str, np.ndarray], prefix: str, activation: str):
-        last = 1
-        while f"{prefix}.{last + 1}.weight" in params:
-            last += 1
-        self._layers = [Linear(params, f"{prefix}.{index}") for index in range(1, last)]
-        self._weight = params[f"{prefix}.{last}.weight"]
-        self._bias = params[f"{prefix}.{last}.bias"].tolist()
-        self._activation = activation
-
-    def __call__(self, first: Sequence) -> list:
-        """Carry the first layer's pre-activation, a list of floats, to the output, another."""
-        x = self._activate(_vector(first))
-        for layer in self._layers:
-            x = self._activate(layer(x))
-        return dense([mi.Float(value) for value in x], self._weight, self._bias)
-
-    def _activate(self, x: nn.CoopVec) -> nn.CoopVec:
-        if self._activation == "relu":
-            return dr.maximum(x, 0)
-        bound, coefficients = POLYNOMIALS[self._activation]
-        t = dr.minimum(dr.maximum(x, -bound), bound)
-        return x * dr.fma(t, horner(coefficients, t * t), 0.5)
-
-
-def _vector(values: Sequence) -> nn.CoopVec:
-    """Floats as one cooperative vector."""
-    return nn.CoopVec(*map(_number(), values))
-
-
-def _number() -> type:
-    """The component type of cooperative vectors: GPUs support half precision only."""
-    return mi.Float16 if dr.backend_v(mi.Float) == dr.JitBackend.CUDA else mi.Float
-
-
-def pack(weight: np.ndarray, bias: np.ndarray) -> tuple:
-    """A weight (out, in) and a bias (out,) in memory, as `nn.matvec` takes them."""
-    tensor = dr.tensor_t(_number())
-    return nn.pack(tensor(weight), tensor(bias), layout="inference")
-
-
-def hidden_layers(
-    params: Mapping[str, np.ndarray], prefix: str, activation: str, cooperative: bool | None = None
-) -> Callable[[Sequence], list]:
-    """The function from a network's first pre-activation to its output, both lists.
-
-    cooperative: whether by cooperative vectors. None: on CUDA, where hardware supports them.
-    """
-    if cooperative is None:
-        cooperative = dr.backend_v(mi.Float) == dr.JitBackend.CUDA
-    if cooperative:
-        return Hidden(params, prefix, activation)
-    return partial(hidden_to_output, params, prefix, activation=activation)

@@ -1,6 +1,7 @@
 """The sampler in Dr.Jit: the counterpart of `nets.sampler`."""
 
 from collections.abc import Sequence
+from functools import partial
 
 import drjit as dr
 import mitsuba as mi
@@ -33,10 +34,12 @@ class UrushiSampler:
     widths. They are tabulated: two or four entries of a table take half the network's time.
     """
 
-    def __init__(self, model: Model, kind: LobeKind, cooperative: bool | None = None):
-        """kind: what is known of the codes' lobes. cooperative: see `mlp.hidden_layers`."""
-        params, activation = model.params, model.arch.activation
-        self._hidden = mlp.hidden_layers(params, "sampler", activation, cooperative)
+    def __init__(self, model: Model, kind: LobeKind):
+        """kind: what is known of the codes' lobes."""
+        params = model.params
+        self._hidden = partial(
+            mlp.hidden_to_output, params, "sampler", activation=model.arch.activation
+        )
         self._arch, self._kind = model.arch, kind
         self._params = params
         self._weight, self._bias = params["sampler.0.weight"], params["sampler.0.bias"]
