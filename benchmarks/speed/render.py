@@ -1,6 +1,6 @@
 """Speed of whole renders: `python -m benchmarks.speed.render`; 20 minutes on two idle cores.
 
-`llvm_ad_rgb`, default flags, path depth 6, 32 samples per pixel. Prints the table of
+Default flags, path depth 6, 32 samples per pixel. Prints the table of
 
 - `sphere`: a sphere under an environment map, 512², with one value for every parameter, and with a
   texture for every parameter: the median time of alternating runs of one process, and its ratios to
@@ -13,8 +13,8 @@
   are medians over alternating runs of the ratio within a run, with their range.
 
 Mitsuba compiles all BSDFs in memory into every kernel, so that every run loads its scene again and
-then releases it. `--tables`, `--scenes`, `--weights`, `--side`, `--spp`, `--detail` and `--runs`
-shorten the benchmark.
+then releases it. `--mode` chooses the variant. `--tables`, `--scenes`, `--weights`, `--side`,
+`--spp`, `--detail` and `--runs` shorten the benchmark.
 """
 
 import argparse
@@ -216,7 +216,11 @@ def main() -> None:
     parser.add_argument("--detail", type=float, default=1.0, help="scale of the scenes' textures")
     parser.add_argument("--spp", type=int, default=32, help="samples per pixel")
     parser.add_argument("--runs", type=int, default=5, help="number of alternating runs")
+    parser.add_argument("--mode", default="llvm_ad_rgb", help="variant of Mitsuba")
     given = parser.parse_args()
+    mi.set_variant(given.mode)
+    import urushi  # noqa: F401  (registers the plugins)
+
     plugins = [OTHERS[0], *given.weights, OTHERS[1]]
     print(f"{processor()}, {available_cores()} cores\n")
     if "sphere" in given.tables:
@@ -229,9 +233,6 @@ def main() -> None:
 
 if __name__ == "__main__":
     if FRESH in os.environ:
-        mi.set_variant("llvm_ad_rgb")
-        import urushi  # noqa: F401  (registers the plugins)
-
         main()
     else:  # in a new process, whose home folder has no cached kernels
         with tempfile.TemporaryDirectory() as folder:

@@ -1,8 +1,9 @@
 """The evaluation network and the sampling proxy in Dr.Jit, for the plugins.
 
-The million weights are read from memory. Mitsuba records a whole path as one kernel, in which every
-lane reads the weights for itself. On CPUs this kernel takes minutes to compile, and ten times as
-long to run as `separate_kernels`.
+The million weights are read from memory, by cooperative vectors in single precision, which Dr.Jit
+has on CPUs alone. Mitsuba records a whole path as one kernel, in which every lane reads the weights
+for itself. This kernel takes minutes to compile, and ten times as long to run as
+`separate_kernels`.
 """
 
 import contextlib
@@ -49,20 +50,9 @@ def _stored(x: nn.CoopVec) -> nn.CoopVec:
     return nn.CoopVec(*values)
 
 
-def _number() -> type:
-    """The component type of cooperative vectors: GPUs support half precision only."""
-    return mi.Float16 if dr.backend_v(mi.Float) == dr.JitBackend.CUDA else mi.Float
-
-
-def _vector(values: Sequence) -> nn.CoopVec:
-    """Floats as one cooperative vector."""
-    return nn.CoopVec(*map(_number(), values))
-
-
 def _packed(weight: np.ndarray, bias: np.ndarray) -> tuple:
     """A weight (out, in) and a bias (out,) in memory, as `nn.matvec` takes them."""
-    tensor = dr.tensor_t(_number())
-    return nn.pack(tensor(weight), tensor(bias), layout="inference")
+    return nn.pack(mi.TensorXf(weight), mi.TensorXf(bias), layout="inference")
 
 
 class LinearKernel:
@@ -92,7 +82,7 @@ class NormKernel:
         centred = x - self._average(x)
         inverse = dr.rsqrt(self._average(centred * centred) + EPSILON)
         scale, shift = (
-            nn.matvec(weight, _vector([mi.Float(0)]), bias)
+            nn.matvec(weight, nn.CoopVec(mi.Float(0)), bias)
             for weight, bias in (self._scale, self._shift)
         )
         return dr.maximum(dr.fma(centred * inverse, scale, shift), 0)
@@ -119,8 +109,8 @@ class PaperDecoder:
         def evaluate(channel, *values):
             of_channels = zip(*latents, strict=True)
             z = [_chosen(channel, numbers) for numbers in of_channels]
-            (value,) = _chained(self._steps, _vector([*directions, *z]))
-            value = dr.maximum(mi.Float(value), 0)
+            (value,) = _chained(self._steps, nn.CoopVec(*directions, *z))
+            value = dr.maximum(value, 0)
             kept = [dr.select(channel == k, value, other) for k, other in enumerate(values)]
             return channel + 1, *kept
 
@@ -203,10 +193,10 @@ class PaperSampler:
 
     def proposal(self, latent: Sequence) -> Gaussian:
         """The proposal of a latent code, a list (32) of Dr.Jit floats."""
-        x = self._steps[0](_vector(latent))
+        x = self._steps[0](nn.CoopVec(*latent))
         for step in self._steps[1:]:
             x = step(dr.maximum(x, 0))
-        size, share = (1 / (1 + dr.exp(mi.Float(value))) for value in x)
+        size, share = (1 / (1 + dr.exp(value)) for value in x)
         return Gaussian(
             dr.exp(float(np.log(MIN_SIGMA)) * size), MIN_SHARE + (1 - 2 * MIN_SHARE) * share
         )

@@ -1,6 +1,6 @@
 """The Mitsuba plugins `fan2022_brdf` and `fan2022_layered`.
 
-On CPUs, render them within `kernels.separate_kernels`.
+Render them within `kernels.separate_kernels`.
 """
 
 from functools import partial
@@ -11,7 +11,7 @@ import mitsuba as mi
 import numpy as np
 
 from urushi.checks import CoatParameters
-from urushi.errors import ParameterError
+from urushi.errors import ParameterError, PlatformError
 from urushi.fan2022.architecture import LATENT
 from urushi.fan2022.kernels import PaperDecoder, PaperSampler
 from urushi.fan2022.material import Material, encode, load
@@ -80,6 +80,11 @@ def define(base: type) -> dict[str, type]:
 
         def __init__(self, props):
             super().__init__(props)
+            if dr.backend_v(mi.Float) == dr.JitBackend.CUDA:
+                raise PlatformError(
+                    f"{self._where} works on CPUs alone, because GPUs have its kernels in half "
+                    "precision; choose the variant llvm_ad_rgb"
+                )
             if "weights" not in props:
                 raise ParameterError(f"{self._where} has no weights; give a file of its networks")
             self.networks = PaperNetworks.read(resolve(props["weights"]))
