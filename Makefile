@@ -3,8 +3,8 @@ READY := .venv/.ready
 # One worker for each core; a file's tests stay together, since they share fixtures.
 PYTEST := .venv/bin/pytest --numprocesses auto --dist loadfile --no-loadscope-reorder
 
-.PHONY: demo test test-all test-research lint check-wheel docs cookbook tutorial notebook \
-    thumbnails measured-pictures figures set-up format clean viewer test-web test-page
+.PHONY: demo test test-all test-research lint check-wheel docs docs-packages cookbook tutorial \
+    notebook thumbnails measured-pictures figures set-up format clean viewer test-web test-page
 
 demo: $(READY)
 	.venv/bin/urushi demo
@@ -32,9 +32,11 @@ check-wheel: $(READY)
 	scripts/check_wheel
 
 # Builds the documentation site into out/docs; a warning is an error.
-docs: $(READY)
-	VIRTUAL_ENV= UV_PROJECT_ENVIRONMENT=.venv .venv/bin/uv sync --quiet --locked --all-extras --inexact --group docs
+docs: docs-packages
 	.venv/bin/python -m sphinx -b html -W --keep-going -q docs out/docs
+
+docs-packages: $(READY)
+	VIRTUAL_ENV= UV_PROJECT_ENVIRONMENT=.venv .venv/bin/uv sync --quiet --locked --all-extras --inexact --group docs
 
 # The pictures of the cookbook and of the tutorial, by the present weights
 cookbook: $(READY)
