@@ -80,6 +80,9 @@ class _Reader:
             raise FileError(
                 f"{where} is refused by the package materialx ({reason}); export it again"
             ) from error
+        for node in root.traverseTree():  # exporters leave out the type of known shaders
+            if node.getCategory() in SHADERS and not node.getAttribute("type"):
+                node.setAttribute("type", "surfaceshader")
         here = (*around, file.resolve())
         for href in outline.includes:
             root.importLibrary(self._included(href, where, here))
@@ -179,9 +182,7 @@ def find_material(document: Document, name: str | None = None) -> Any:
 
 
 def _is_shader(node: Any) -> bool:
-    """Whether a node is a surface shader; exporters leave out the type of known ones."""
-    kind = node.getAttribute("type")
-    return kind == "surfaceshader" or (not kind and node.getCategory() in SHADERS)
+    return node.getAttribute("type") == "surfaceshader"
 
 
 def write_parameters(

@@ -11,7 +11,7 @@ import numpy as np
 
 from urushi.errors import FileError, UrushiError
 from urushi.openpbr_surface.materialx.colour_spaces import to_linear_srgb
-from urushi.openpbr_surface.materialx.definitions import Definitions
+from urushi.openpbr_surface.materialx import definitions
 from urushi.openpbr_surface.materialx.images import (
     ADDRESS_MODES,
     Images,
@@ -71,8 +71,8 @@ class Frame:
 
     def node(self, name: str) -> Any | None:
         """The node or node graph of a name."""
-        found = self.scope.getChild(name)
-        return None if found is None or found.getCategory() in ("input", "output") else found
+        mx, found = definitions.package(), self.scope.getChild(name)
+        return found if isinstance(found, mx.Node | mx.NodeGraph) else None
 
 
 @dataclass(frozen=True, eq=False)
@@ -114,7 +114,7 @@ class Graph:
             uv_plane: whether positions in space are (u, v, 0); else they are refused.
         """
         self.root = Frame(root)
-        self.definitions = Definitions(root)
+        root.setDataLibrary(definitions.library())
         self.images = images
         self.where = where
         self.uv_plane = uv_plane
@@ -129,13 +129,10 @@ class Graph:
         """The inputs of a node's definition by name; empty if there is none."""
         key = frame, node.getNamePath()
         if key not in self._inputs:
-            definition = self._definition(node)
-            found = {} if definition is None else self.definitions.inputs(definition)
+            definition = definitions.of_node(node)
+            found = {} if definition is None else definitions.inputs(definition)
             self._inputs[key] = found
         return self._inputs[key]
-
-    def _definition(self, node: Any) -> Any | None:
-        return self.definitions.find(node, node.getCategory(), node.getAttribute("type"))
 
     def source(self, node: Any, name: str, frame: Frame) -> Source | None:
         """Where the value of a node's input comes from; None if neither it nor a default is given.
@@ -203,17 +200,19 @@ class Graph:
             elif _is_elementary(node):
                 self._frames[key] = None
             else:
-                self._frames[key] = self._implementation(node, frame, self._definition(node))
+                self._frames[key] = self._implementation(node, frame, definitions.of_node(node))
         return self._frames[key]
 
     def translation(self, shader: Any, frame: Frame, category: str) -> Frame | None:
         """The graph of a document for nodes of another category with a shader's inputs, if any."""
-        definition = self.definitions.find(shader, category, "multioutput")
-        return self._implementation(shader, frame, definition)
+        found = self.root.scope.getMatchingNodeDefs(category)
+        return self._implementation(shader, frame, found[0] if found else None)
 
     def _implementation(self, node: Any, frame: Frame, definition: Any) -> Frame | None:
-        graph = None if definition is None else self.definitions.graph(definition)
-        return None if graph is None else Frame(graph, frame, node, definition)
+        graph = None if definition is None else definition.getImplementation()
+        if graph is None or graph.getCategory() != "nodegraph":
+            return None
+        return Frame(graph, frame, node, definition)
 
     def _declared(self, name: str, frame: Frame, node: Any) -> tuple[Any, Frame] | None:
         """The input that gives an interface of a graph its value, and the input's frame."""
@@ -222,12 +221,11 @@ class Graph:
             given = frame.instance.getInput(name)
             if given is not None and self.follow(given, frame.outer, frame.instance).is_given:
                 return given, frame.outer
-            default = self.definitions.inputs(frame.definition).get(name)
+            default = definitions.inputs(frame.definition).get(name)
             return None if default is None else (default, frame)
         declared = frame.scope.getInput(name)
-        if declared is None and (definition := frame.scope.getAttribute("nodedef")):
-            found = self.definitions.named(definition)
-            declared = None if found is None else self.definitions.inputs(found).get(name)
+        if declared is None and (definition := frame.scope.getNodeDef()) is not None:
+            declared = definitions.inputs(definition).get(name)
         if declared is None and frame.outer is None:
             raise FileError(
                 f"{self.named(node)} reads '{name[:60]}' from a node graph, but is not inside one"
@@ -310,7 +308,7 @@ class Evaluation:
 
     def _unit(self, name: str, where: str) -> float:
         """The factor from a unit to degrees, or to the units of length of the parameter."""
-        kind, scale = self._graph.definitions.unit(name, where)
+        kind, scale = definitions.unit(self._graph.root.scope, name, where)
         return scale * self._metre if kind == "distance" else scale
 
     def output(self, node: Any, frame: Frame, output: str = "") -> np.ndarray:
