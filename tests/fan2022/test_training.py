@@ -146,7 +146,7 @@ def test_a_step_in_slices_is_a_step_of_the_whole_batch(brdfs):
     params = {k: v for k, v in init(1).items() if k.startswith("evaluation.")}
     whole, (slope, z_slope) = jax.value_and_grad(representation.l1_loss, (0, 1))(params, z, batch)
     assert loss == pytest.approx(float(whole), rel=1e-5)
-    np.testing.assert_allclose(state.first, 0.1 * z_slope, rtol=1e-3, atol=1e-7)
+    np.testing.assert_allclose(state.moments.mu, 0.1 * z_slope, rtol=1e-3, atol=1e-7)
     for name, moment in state.optimiser.mu.items():
         np.testing.assert_allclose(moment, 0.1 * slope[name], rtol=1e-3, atol=1e-6, err_msg=name)
 

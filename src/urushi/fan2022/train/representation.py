@@ -91,10 +91,8 @@ def _trained(
     return rows[kept], arrays
 
 
-#: Adam's default constants (Kingma and Ba 2015); the paper does not state its own.
-FIRST_MOMENT, SECOND_MOMENT, TINY = 0.9, 0.999, 1e-8
-
-RULE = optax.scale_by_adam(FIRST_MOMENT, SECOND_MOMENT, TINY)
+#: Adam (Kingma and Ba 2015) with its default constants; the paper does not state its own.
+RULE = optax.scale_by_adam()
 
 
 class RepresentationState(NamedTuple):
@@ -104,26 +102,21 @@ class RepresentationState(NamedTuple):
         params: the evaluation network.
         optimiser: Adam's state for it.
         latents: (M, 32) codes of all BRDFs; a step updates only those of its batch.
-        first, second: (M, 32) Adam's moments of the codes.
-        steps: (M,) number of updates of each code.
+        moments: Adam's state for the codes: moments (M, 32) and the number of updates (M, 1).
     """
 
     params: Params
     optimiser: Any
     latents: jax.Array
-    first: jax.Array
-    second: jax.Array
-    steps: jax.Array
+    moments: optax.ScaleByAdamState
 
 
 def start(params: Params, brdfs: int) -> RepresentationState:
     """The state before the first step: all codes are 1."""
     params = {name: jnp.asarray(v) for name, v in params.items() if name.startswith("evaluation.")}
-    zeros = jnp.zeros((brdfs, LATENT))
     latents = jnp.full((brdfs, LATENT), FIRST_LATENT)
-    return RepresentationState(
-        params, RULE.init(params), latents, zeros, zeros, jnp.zeros(brdfs, jnp.int32)
-    )
+    moments = RULE.init(latents)._replace(count=jnp.zeros((brdfs, 1), jnp.int32))
+    return RepresentationState(params, RULE.init(params), latents, moments)
 
 
 def l1_loss(params: Params, z: jax.Array, batch: Batch) -> jax.Array:
@@ -162,20 +155,15 @@ def step(
         state.params, jax.tree.map(lambda change: -weights_rate * change, update)
     )
     # The loss is a mean over the batch; Adam's step does not depend on that factor.
-    first = FIRST_MOMENT * state.first[batch.rows] + (1 - FIRST_MOMENT) * z_slope
-    second = SECOND_MOMENT * state.second[batch.rows] + (1 - SECOND_MOMENT) * z_slope**2
-    steps = state.steps[batch.rows] + 1
-    bias = (1 - power[:, None] for power in (FIRST_MOMENT**steps, SECOND_MOMENT**steps))
-    mean, square = (moment / b for moment, b in zip((first, second), bias, strict=True))
-    z = z - latents_rate * mean / (jnp.sqrt(square) + TINY)
-    return RepresentationState(
-        params,
-        optimiser,
-        state.latents.at[batch.rows].set(z),
-        state.first.at[batch.rows].set(first),
-        state.second.at[batch.rows].set(second),
-        state.steps.at[batch.rows].set(steps),
-    ), loss
+    of_batch = jax.tree.map(lambda moment: moment[batch.rows], state.moments)
+    update, of_batch = RULE.update(z_slope, of_batch)
+    z = z - latents_rate * update
+    latents, moments = jax.tree.map(
+        lambda all_codes, new: all_codes.at[batch.rows].set(new),
+        (state.latents, state.moments),
+        (z, of_batch),
+    )
+    return RepresentationState(params, optimiser, latents, moments), loss
 
 
 def learn_epoch(
