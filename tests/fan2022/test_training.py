@@ -12,8 +12,8 @@ from urushi.core.direction_sets import stratified_pairs
 from urushi.errors import ParameterError
 from urushi.fan2022 import Material, adam, networks
 from urushi.fan2022.architecture import AdamProjection, init
-from urushi.fan2022.inference import direction_inputs, evaluate
-from urushi.fan2022.train import layering, projection, proxy, representation, training
+from urushi.fan2022.inference import direction_inputs
+from urushi.fan2022.train import layering, projection, proxy, representation
 from urushi.fan2022.train.preset import Palette, paper
 from urushi.fan2022.train.training import train
 from urushi.train.checkpoint import Journal
@@ -72,28 +72,6 @@ def test_a_part_is_projected_by_adam_as_numpy_does(tmp_path):
     ours, error = adam.project(params, directions, arrays["f"][:1], options)
     np.testing.assert_allclose(codes[:1], ours, atol=adam.RATE / 2)
     np.testing.assert_allclose(errors[:1], error, rtol=1e-3)
-
-
-def test_held_out_errors_are_those_of_the_stored_values(tmp_path):
-    """Written out for all held-out BRDFs, whose codes are known."""
-    preset, params = paper(TINY), init(0)
-    store = generate(preset.data, tmp_path / "data.zarr")
-    part = preset.part("two-layer")
-    z = 1 + 0.1 * np.random.default_rng(12).normal(size=(preset.validation, 32)).astype(np.float32)
-    medium = np.ones(preset.validation, np.float32)
-    found = training.value_errors(params, preset, store, layering.Examples(z, z, medium, medium, z))
-    index = preset.data.parts.index(part)
-    shards = range(store.spec.shard_count(part))
-    read = [store.read_shard(index, shard, ("wi", "wo", "f")) for shard in shards]
-    wi, wo, f = (np.concatenate([a[k] for a in read])[-preset.validation :] for k in read[0])
-    value = np.maximum(evaluate(params, z[:, None], direction_inputs(wi, wo)), 0)
-    assert found["L1 projected"] == pytest.approx(np.abs(value - f).mean(), rel=1e-4)
-    cos = wo[..., 2]
-    compressed = np.abs(adam.compressed(value * cos) - adam.compressed(f * cos)).mean()
-    assert found["compressed L1 projected"] == pytest.approx(compressed, rel=1e-4)
-    assert set(found) == {
-        f"{m} {c}" for m in ("L1", "compressed L1") for c in ("projected", "layered")
-    }
 
 
 def test_a_sampler_is_fitted_to_networks_that_came_without_one(monkeypatch):

@@ -110,8 +110,6 @@ def train(
             journal.save(point)
 
     metrics = measure(params, preset.arch, checks)
-    for stage in stages:
-        metrics |= stage.measure(params, preset.arch, depths, preset.seed)
     cost = {
         "data seconds": round(journal.data_seconds),
         "training seconds": round(point.seconds),

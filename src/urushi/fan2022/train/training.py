@@ -2,31 +2,24 @@
 
 import os
 import time
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import jax
-import jax.numpy as jnp
 import numpy as np
 from tqdm import tqdm
 
-from urushi.fan2022.adam import compressed
 from urushi.fan2022.architecture import LATENT, init
-from urushi.fan2022.inference import LIGHT_COSINE, direction_inputs, evaluate, layer
 from urushi.fan2022.networks import PaperNetworks
 from urushi.fan2022.train import layering, proxy, representation
 from urushi.fan2022.train.preset import PaperPreset
 from urushi.fan2022.train.projection import project_part
-from urushi.nets.mlp import Params
 from urushi.train import training
 from urushi.train.checkpoint import Checkpoint, Journal
 from urushi.train.data.generate import generate
 from urushi.train.data.store import Store
-
-#: Direction pairs of each BRDF in `value_errors`, at most; they are drawn without replacement.
-PAIRS = 4096
 
 STAGES = ("representation", "layering", "proxy")
 
@@ -78,7 +71,7 @@ def train(
     results = {name: np.asarray(value) for name, value in point.networks.items()}
     params = {name: v for name, v in results.items() if not name.startswith(("codes.", "error."))}
     sampling, divergence = learn_proxy(params, preset, results["codes.two-layer"])
-    metrics = figures(params, preset, results, store) | {"proxy divergence": divergence}
+    metrics = figures(params, preset, results) | {"proxy divergence": divergence}
     cost = {
         "data seconds": round(journal.data_seconds),
         "training seconds": round(clock.seconds()),
@@ -174,65 +167,13 @@ def learn_proxy(
 
 
 def figures(
-    params: Mapping[str, Any], preset: PaperPreset, results: Mapping[str, Any], store: Store
+    params: Mapping[str, Any], preset: PaperPreset, results: Mapping[str, Any]
 ) -> dict[str, float]:
-    """Mean absolute errors [1/sr] of projections, of the layering network's codes, and of values.
-
-    For the last, see `value_errors`.
-    """
+    """Mean absolute errors [1/sr] of projections, and those of the layering network's codes."""
     codes = codes_of(preset, results)
     sets = layering.examples(preset, codes)
     loss = jax.jit(layering.l1_loss)
     named = {f"L1 {p.name}": np.mean(results[f"error.{p.name}"]) for p in preset.data.parts}
     named |= {"L1 validation": np.mean(results["error.two-layer"][-preset.validation :])}
     named |= {f"L1 codes {name}": loss(params, examples) for name, examples in sets.items()}
-    named |= value_errors(params, preset, store, sets["validation"])
     return {name: float(value) for name, value in named.items()}
-
-
-def value_errors(
-    params: Params, preset: PaperPreset, store: Store, examples: layering.Examples
-) -> dict[str, float]:
-    """Mean absolute errors of projected codes, and of those that the layering network predicts.
-
-    They are given for f [1/sr] and, as "compressed", for x / (1 + x), where x is f times the
-    light's cosine. The averages over BRDFs and stratified pairs weigh all angles equally.
-
-    examples: the layerings of the last `preset.validation` two-layer BRDFs, in this order.
-    """
-    codes = {
-        "projected": jnp.asarray(examples.target),
-        "layered": layer(params, *map(jnp.asarray, examples[:4])),
-    }
-    sums: dict[str, list[float]] = {}
-    rng = np.random.default_rng((preset.seed, 3))
-    for index, (wi, wo, f) in enumerate(_brdfs(preset, store)):
-        at = rng.permutation(len(f))[:PAIRS]
-        directions = jnp.asarray(direction_inputs(wi[at], wo[at]))
-        for name, z in codes.items():
-            errors = _errors(params, z[index], directions, jnp.asarray(f[at]))
-            for measure, value in zip(("L1", "compressed L1"), errors, strict=True):
-                sums.setdefault(f"{measure} {name}", []).append(float(value))
-    return {name: float(np.mean(values)) for name, values in sums.items()}
-
-
-def _brdfs(preset: PaperPreset, store: Store) -> Iterator[tuple[np.ndarray, ...]]:
-    """Directions wi, wo (P, 3) and values f (P,) of every held-out BRDF."""
-    part = [described.name for described in preset.data.parts].index("two-layer")
-    described = preset.data.parts[part]
-    first = described.stacks - preset.validation
-    for shard in range(store.spec.shard_count(described)):
-        rows = preset.data.rows(part, shard)
-        if rows.stop <= first:
-            continue
-        arrays: Mapping[str, Any] = store.read_shard(part, shard, ("wi", "wo", "f"))
-        for row in range(max(first, rows.start) - rows.start, rows.stop - rows.start):
-            yield arrays["wi"][row], arrays["wo"][row], arrays["f"][row]
-
-
-@jax.jit
-def _errors(params: Params, z: jax.Array, directions: jax.Array, f: jax.Array) -> tuple[Any, Any]:
-    value = jnp.maximum(evaluate(params, z, directions), 0)
-    cos = directions[:, LIGHT_COSINE]
-    difference = compressed(value * cos) - compressed(f * cos)
-    return jnp.mean(jnp.abs(value - f)), jnp.mean(jnp.abs(difference))

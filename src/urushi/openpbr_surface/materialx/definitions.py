@@ -1,4 +1,4 @@
-"""The library of the package `materialx`: definitions of nodes, and the graphs that implement them."""
+"""The library of the package `materialx`: definitions of nodes, and graphs that implement them."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager

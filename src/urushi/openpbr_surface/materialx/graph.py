@@ -10,8 +10,8 @@ from typing import Any
 import numpy as np
 
 from urushi.errors import FileError, UrushiError
-from urushi.openpbr_surface.materialx.colour_spaces import to_linear_srgb
 from urushi.openpbr_surface.materialx import definitions
+from urushi.openpbr_surface.materialx.colour_spaces import to_linear_srgb
 from urushi.openpbr_surface.materialx.images import (
     ADDRESS_MODES,
     Images,

@@ -55,17 +55,6 @@ class Sampling(Stage):
 
         return Learner(compile_steps(loss, self.schedule), batches)
 
-    def measure(
-        self, params: Params, arch: Architecture, depths: list[Depth], seed: int
-    ) -> dict[str, float]:
-        """Median and 95th percentile of `variation` over random materials."""
-        latents = training_codes(params, arch, depths)
-        spread = np.asarray(variation(params, arch, latents, seed=seed + 1))
-        return {
-            "sampling cv median": float(np.median(spread)),
-            "sampling cv p95": float(np.percentile(spread, 95)),
-        }
-
 
 class Targets(NamedTuple):
     """The BRDFs that the proposals learn to follow.
@@ -170,30 +159,6 @@ def mean_f_cos(params: Params, arch: Architecture, z: Any, wi: Any, wo: Any) -> 
     rest = without_lobe(params, arch, z.reshape(-1, z.shape[-1]), features)
     top = lobes.f(z[:, :, None, : arch.lobe], wi[:, None], wo[:, None])
     return jnp.mean(top + rest.reshape(top.shape), axis=1) * wo[..., 2]
-
-
-def variation(
-    params: Params, arch: Architecture, latents: jax.Array, *, seed: int, materials: int = 256
-) -> jax.Array:
-    """Coefficient of variation (materials,) of f cos_o / pdf over 4,096 samples of the proposal.
-
-    Materials as in training; theta_i uniform from 0 to 85 degrees.
-    """
-    keys = jax.random.split(jax.random.key(seed), 3)
-    z = pick_materials(keys[0], latents, materials)
-    u = jax.random.uniform(keys[1], (materials, 2)) * jnp.array([85 / 88, 1.0])
-    wi = incoming_directions(u, arch.widths)[:, None]
-
-    def one(z: jax.Array, wi: jax.Array, key: jax.Array) -> jax.Array:
-        weights, alphas = propose(params, arch, jnp.mean(z, axis=0), wi[0])
-        wo = sampler.sample_mixture(weights, alphas, wi, jax.random.uniform(key, (4096, 3)))
-        p = sampler.mixture_pdf(weights, alphas, wi, wo)
-        f_cos = mean_f_cos(params, arch, z[None], wi[None], wo[None])[0]
-        ratio = jnp.where(p > 0, f_cos / jnp.where(p > 0, p, 1), 0)
-        return jnp.std(ratio) / jnp.mean(ratio)
-
-    per_material = jax.random.split(keys[2], materials)
-    return jax.lax.map(lambda entry: one(*entry), (z, wi, per_material))
 
 
 def _map(function: Callable[[jax.Array], jax.Array], alphas: Any) -> Any:

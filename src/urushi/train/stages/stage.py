@@ -63,12 +63,6 @@ class Stage(ABC):
             seed: the preset's.
         """
 
-    def measure(
-        self, params: Params, arch: Architecture, depths: list[Depth], seed: int
-    ) -> dict[str, float]:
-        """Figures for the weights' header that concern this stage alone; arguments as `learn`."""
-        return {}
-
 
 def parameters_of(params: Params, networks: Collection[str]) -> dict[str, Any]:
     """The parameters of some networks, without those that are never trained."""
