@@ -49,7 +49,7 @@ from urushi.train.data.generate import generate
 from urushi.train.data.spec import DataSpec, Part
 from urushi.train.data.store import Store
 from urushi.train.datasets import validation, whole_domain
-from urushi.train.examples import Batches
+from urushi.train.examples import batches
 from urushi.train.losses import bounded, columns_of, pair_weights, stack_loss
 from urushi.train.optimiser import Schedule, compile_steps, start
 
@@ -337,7 +337,7 @@ def train(form: Form, folder: Path, share: float, steps: int, rate: float, seed:
 
     schedule = Schedule(steps=steps, warmup=256, learning_rate=rate, clip=0.1, average=0.995)
     state, run = start(initial(form, seed), schedule), compile_steps(loss, schedule)
-    take = Batches(depths, (48, 112, 64, 24, 7, 7), seed).take
+    take = batches(depths, (48, 112, 64, 24, 7, 7), seed)
     checks, began = generate(tests(), folder / "tests.zarr"), time.process_time()
     for step in range(0, steps, schedule.steps_per_call):
         state, terms = run(state, take(step, schedule.steps_per_call))

@@ -16,7 +16,7 @@ from urushi.train.data.distribution import BOTTOMS, Extended, Table2
 from urushi.train.data.generate import generate
 from urushi.train.data.spec import DataSpec, Part
 from urushi.train.data.store import Store
-from urushi.train.examples import Batches
+from urushi.train.examples import batches
 from urushi.walk import analytic
 from urushi.walk.bottoms import KINDS
 
@@ -79,21 +79,21 @@ def test_a_bottom_is_its_lobe_and_the_rest(kind):
 
 
 def test_batches_do_not_depend_on_the_division_into_steps(tiny, depths):
-    whole = Batches(depths, tiny.stages[0].stacks, seed=1).take(0, 40)
-    other = Batches(depths, tiny.stages[0].stacks, seed=1)
-    pieces = [other.take(start, count) for start, count in ((0, 3), (3, 30), (33, 7))]
+    whole = batches(depths, tiny.stages[0].stacks, seed=1)(0, 40)
+    other = batches(depths, tiny.stages[0].stacks, seed=1)
+    pieces = [other(start, count) for start, count in ((0, 3), (3, 30), (33, 7))]
     for name in ("probes", "features", "f"):
         joined = np.concatenate([getattr(piece, name) for piece in pieces])
         np.testing.assert_array_equal(getattr(whole, name), joined)
     np.testing.assert_array_equal(
-        Batches(depths, tiny.stages[0].stacks, seed=1).take(33, 7).f, pieces[2].f
+        batches(depths, tiny.stages[0].stacks, seed=1)(33, 7).f, pieces[2].f
     )
-    assert (Batches(depths, tiny.stages[0].stacks, seed=2).take(0, 40).f != whole.f).any()
+    assert (batches(depths, tiny.stages[0].stacks, seed=2)(0, 40).f != whole.f).any()
 
 
 def test_an_epoch_has_every_example_once(tiny, depths, held):
     # 16 items have two coats, four of them in a step: an epoch is four steps. They come first.
-    taken = Batches(depths, tiny.stages[0].stacks, seed=1).take(0, 8)
+    taken = batches(depths, tiny.stages[0].stacks, seed=1)(0, 8)
     for epoch in (slice(0, 4), slice(4, 8)):
         values = taken.f[epoch, :4].reshape(16, -1)
         np.testing.assert_array_equal(np.sort(values, axis=0), np.sort(held[2].f, axis=0))
@@ -101,7 +101,7 @@ def test_an_epoch_has_every_example_once(tiny, depths, held):
 
 
 def test_deeper_stacks_come_first_so_that_coats_match_their_stacks(tiny, depths, held):
-    batch = Batches(depths, tiny.stages[0].stacks, seed=1).take(0, 2)
+    batch = batches(depths, tiny.stages[0].stacks, seed=1)(0, 2)
     lowest, highest = batch.coats
     assert lowest.shape == (2, 13, 5)
     assert highest.shape == (2, 4, 5)
@@ -130,7 +130,7 @@ def test_probed_stacks_are_encoded_from_their_own_values(tiny, tmp_path):
 
 def test_presets_that_do_not_fit_their_data_get_one_sentence(tiny, tiny_data, depths):
     with pytest.raises(ParameterError, match="stacks of up to 2 coats, but the preset draws"):
-        Batches(depths, (4, 4), seed=0)
+        batches(depths, (4, 4), seed=0)
     with pytest.raises(ParameterError, match="multiple of the 12 that a step uses"):
         examples.load(Store(tiny_data, tiny.data), tiny.arch, 12)
     store = Store(tiny_data, tiny.data)

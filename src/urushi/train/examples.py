@@ -4,9 +4,9 @@ The examples of a step depend only on seed and step (see `order`), so that a tra
 interrupted continues to the same bits.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -198,48 +198,57 @@ def load(store: Store, arch: Architecture, pairs: int) -> list[Depth]:
     return [Depth(store, by_depth[coats], arch, pairs) for coats in range(len(by_depth))]
 
 
-class Batches:
-    """Batches by step: every depth's items in shuffled epochs.
+def batches(depths: list[Depth], stacks: tuple[int, ...], seed: int) -> Callable[[int, int], Batch]:
+    """The function of `stage.Learner.batches`: every depth's items in shuffled epochs.
 
     Args:
         depths: the examples by number of coats.
         stacks: number of stacks of each depth in a step.
         seed: seed of the shuffling.
     """
-
-    def __init__(self, depths: list[Depth], stacks: tuple[int, ...], seed: int) -> None:
-        if len(stacks) != len(depths):
-            raise ParameterError(
-                f"the data holds stacks of up to {len(depths) - 1} coats, but the preset draws "
-                f"stacks of up to {len(stacks) - 1}; give one number for each depth"
-            )
-        self._depths = depths
-        self._stacks = stacks
-        self._orders = [Order(depth.items, seed, coats) for coats, depth in enumerate(depths)]
-
-    def take(self, step: int, steps: int) -> Batch:
-        """The batches of `steps` steps from `step` on, stacked along a first axis."""
-        parts = []
-        for coats in reversed(range(len(self._depths))):  # deepest first
-            count = self._stacks[coats]
-            arrays = self._take(coats, step * count, steps * count)
-            parts.append([array.reshape(steps, count, *array.shape[1:]) for array in arrays])
-        levels = len(self._depths) - 1
-        lowest, probes, features, top, f = (
-            np.concatenate([part[k] for part in parts], axis=1) for k in (0, 1, 3, 4, 5)
+    if len(stacks) != len(depths):
+        raise ParameterError(
+            f"the data holds stacks of up to {len(depths) - 1} coats, but the preset draws "
+            f"stacks of up to {len(stacks) - 1}; give one number for each depth"
         )
-        layered = tuple(
-            np.concatenate([part[2][:, :, -1 - k] for part in parts[: levels - k]], axis=1)
-            for k in range(levels)
-        )
-        return Batch(lowest, probes, layered, features, top, f)
+    orders = [Order(depth.items, seed, coats) for coats, depth in enumerate(depths)]
 
-    def _take(self, coats: int, start: int, count: int) -> list[np.ndarray]:
-        """Lobes, probes, coats, features, top and f of consecutive items of a sequence."""
-        items, held = self._orders[coats].items(start, count), self._depths[coats].examples()
-        rows = held.stack[items]
-        of_stacks = held.lobes[rows], held.probes[rows], held.coats[rows]
-        return [*of_stacks, held.features[items], held.top[items], held.f[items]]
+    def rows(coats: int, items: np.ndarray) -> dict[str, np.ndarray]:
+        held = depths[coats].examples()
+        of_stacks = {name: getattr(held, name) for name in ("lobes", "probes", "coats")}
+        of_items = {name: getattr(held, name)[items] for name in ("features", "top", "f")}
+        return {name: x[held.stack[items]] for name, x in of_stacks.items()} | of_items
+
+    return lambda step, steps: Batch(**taken(orders, rows, stacks, step, steps))
+
+
+def taken(
+    orders: Sequence[Order],
+    rows: Callable[[int, np.ndarray], Mapping[str, np.ndarray]],
+    counts: Sequence[int],
+    step: int,
+    steps: int,
+) -> dict[str, Any]:
+    """Columns of the batches of `steps` steps from `step` on, stacked along a first axis.
+
+    rows: from the place of a depth and some of its items to columns by name; "coats" are
+    (count, N, C), top to bottom, with one more coat at each depth. counts: items of each depth in a
+    step. Columns are those of all depths, deepest first; "coats" become a tuple, see `Batch`.
+    """
+    parts = []
+    for depth in reversed(range(len(orders))):
+        count = counts[depth]
+        columns = rows(depth, orders[depth].items(step * count, steps * count))
+        parts.append({k: x.reshape(steps, count, *x.shape[1:]) for k, x in columns.items()})
+    coats = [part.pop("coats") for part in parts]
+    joined: dict[str, Any] = {
+        name: np.concatenate([part[name] for part in parts], axis=1) for name in parts[0]
+    }
+    joined["coats"] = tuple(
+        np.concatenate([x[:, :, -1 - k] for x in coats if x.shape[2] > k], axis=1)
+        for k in range(coats[0].shape[2])
+    )
+    return joined
 
 
 #: The direction sets of parts to train on.

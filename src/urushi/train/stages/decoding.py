@@ -15,7 +15,7 @@ import numpy as np
 from urushi.nets.architecture import Architecture, init
 from urushi.nets.decoder import decode
 from urushi.nets.mlp import Params
-from urushi.train.examples import Batch, Batches, Depth
+from urushi.train.examples import Batch, Depth, batches
 from urushi.train.losses import (
     compose,
     mean_loss,
@@ -69,7 +69,7 @@ class Decoding(Stage):
             return weighted_loss(trained, params, arch, batch, self.energy_share)
 
         steps = compile_steps(loss, self.schedule)
-        return Learner(steps, Batches(depths, self.stacks, seed + 1).take)
+        return Learner(steps, batches(depths, self.stacks, seed + 1))
 
 
 def fresh_scatter(arch: Architecture, seed: int) -> dict[str, np.ndarray]:

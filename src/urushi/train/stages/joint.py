@@ -12,7 +12,7 @@ from urushi.nets.architecture import FIXED, Architecture
 from urushi.nets.features import direction_features
 from urushi.nets.layerer import layer
 from urushi.nets.mlp import Params
-from urushi.train.examples import Batch, Batches, Depth
+from urushi.train.examples import Batch, Depth, batches
 from urushi.train.losses import (
     apply_coats,
     columns_of,
@@ -62,7 +62,7 @@ class Joint(Stage):
             return joint_loss({**fixed, **trained}, arch, batch, features, self.energy_share)
 
         steps = compile_steps(loss, self.schedule)
-        return Learner(steps, Batches(depths, self.stacks, seed).take)
+        return Learner(steps, batches(depths, self.stacks, seed))
 
 
 def joint_loss(

@@ -1,7 +1,7 @@
 """The layering stage: the layerer alone, which may be widened, on quadratic losses of its codes."""
 
 import functools
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any, ClassVar, NamedTuple
 
@@ -12,7 +12,7 @@ import numpy as np
 from urushi.errors import ParameterError
 from urushi.nets.architecture import Architecture, layer_sizes
 from urushi.nets.mlp import Params
-from urushi.train.examples import Depth, Examples
+from urushi.train.examples import Depth, Examples, taken
 from urushi.train.losses import apply_coats
 from urushi.train.optimiser import compile_steps
 from urushi.train.order import Order
@@ -78,8 +78,8 @@ class Layering(Stage):
             return layering_loss(trained, arch, batch)
 
         steps = compile_steps(loss, self.schedule)
-        batches = LayeringBatches(losses, self.stacks, seed + self.seed_offset)
-        return Learner(steps, batches.take)
+        batches = layering_batches(losses, self.stacks, seed + self.seed_offset)
+        return Learner(steps, batches)
 
 
 @dataclass(frozen=True)
@@ -97,62 +97,37 @@ class LayeringBatch(NamedTuple):
     """Stacks of all depths, deepest first; B of them, B_k with k coats or more.
 
     Attributes:
-        bottoms, z, slope, curvature: as in `QuadraticLosses`, of all B.
+        bottoms, below, z, slope, curvature: as in `QuadraticLosses`, of all B.
         coats: for the lowest coat, the next one up, and so on, (B_k, C) for the first B_k stacks.
-        below: (B_2, L) as in `QuadraticLosses`.
-        top: (B_2, C) their uppermost coats.
+        top: (B, C) their uppermost coats.
     """
 
     bottoms: np.ndarray
-    coats: tuple[np.ndarray, ...]
     below: np.ndarray
+    coats: tuple[np.ndarray, ...]
     top: np.ndarray
     z: np.ndarray
     slope: np.ndarray
     curvature: np.ndarray
 
 
-class LayeringBatches:
-    """Batches by step: every depth's stacks in shuffled epochs.
+def layering_batches(
+    losses: Sequence[QuadraticLosses], stacks: tuple[int, ...], seed: int
+) -> Callable[[int, int], LayeringBatch]:
+    """The function of `Learner.batches`: every depth's stacks in shuffled epochs.
 
     Args:
         losses: by number of coats, from one up.
         stacks: stacks of each of these depths in a step.
         seed: of the shuffling.
     """
+    orders = [Order(len(x.z), seed, coats) for coats, x in enumerate(losses, start=1)]
 
-    def __init__(self, losses: list[QuadraticLosses], stacks: tuple[int, ...], seed: int) -> None:
-        self._losses, self._stacks = losses, stacks
-        self._orders = [Order(len(x.z), seed, coats) for coats, x in enumerate(losses, start=1)]
+    def rows(depth: int, items: np.ndarray) -> dict[str, np.ndarray]:
+        columns = {name: x[items] for name, x in losses[depth]._asdict().items()}
+        return columns | {"top": columns["coats"][:, 0]}
 
-    def take(self, step: int, steps: int) -> LayeringBatch:
-        """The batches of `steps` steps from `step` on, stacked along a first axis."""
-        parts: list[QuadraticLosses] = []
-        for losses, order, count in reversed(
-            list(zip(self._losses, self._orders, self._stacks, strict=True))
-        ):
-            rows = order.items(step * count, steps * count)
-            parts.append(
-                QuadraticLosses(*(x[rows].reshape(steps, count, *x.shape[1:]) for x in losses))
-            )
-        depth = len(parts)
-
-        def joined(name: str) -> np.ndarray:
-            return np.concatenate([getattr(part, name) for part in parts], axis=1)
-
-        several = parts[:-1] or [QuadraticLosses(*(x[:, :0] for x in parts[0]))]
-        return LayeringBatch(
-            bottoms=joined("bottoms"),
-            coats=tuple(
-                np.concatenate([part.coats[:, :, -1 - k] for part in parts[: depth - k]], axis=1)
-                for k in range(depth)
-            ),
-            below=np.concatenate([part.below for part in several], axis=1),
-            top=np.concatenate([part.coats[:, :, 0] for part in several], axis=1),
-            z=joined("z"),
-            slope=joined("slope"),
-            curvature=joined("curvature"),
-        )
+    return lambda step, steps: LayeringBatch(**taken(orders, rows, stacks, step, steps))
 
 
 def layering_loss(
@@ -165,8 +140,8 @@ def layering_loss(
     """
     z = apply_coats(params, arch, batch.bottoms, batch.coats)[:, arch.lobe :]
     fit = loss_increase(z, batch.z, batch.slope, batch.curvature)
-    rows = slice(len(batch.below))
-    again = apply_coats(params, arch, batch.below, (batch.top,))[:, arch.lobe :]
+    rows = slice(len(batch.coats[1]) if len(batch.coats) > 1 else 0)
+    again = apply_coats(params, arch, batch.below[rows], (batch.top[rows],))[:, arch.lobe :]
     reentry = loss_increase(again, batch.z[rows], batch.slope[rows], batch.curvature[rows])
     count = len(fit) + REENTRY * len(reentry)
     loss = (jnp.sum(fit) + REENTRY * jnp.sum(reentry)) / count
