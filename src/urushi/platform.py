@@ -252,45 +252,31 @@ def available_cores() -> int:
 
 
 class Package(NamedTuple):
-    """An optional package.
-
-    Attributes:
-        name: as pip installs it.
-        module: as Python imports it.
-        purpose: what Urushi uses it for.
-        required: whether the commands of its extra refuse to start without it.
-    """
+    """An optional package: as pip installs it, as Python imports it, and what it is used for."""
 
     name: str
     module: str
     purpose: str
-    required: bool = True
 
 
 #: The package's extras, `pip install 'urushi[EXTRA]'`.
 EXTRAS = {
     "train": (
-        Package("jax", "jax", "gradients for training"),
-        Package("optax", "optax", "optimiser of training"),
+        Package("jax", "jax", "gradients of training"),
+        Package("optax", "optax", "optimisers of training"),
         Package("zarr", "zarr", "stores of training data"),
     ),
-    "eval": (
-        Package("matplotlib", "matplotlib", "plots"),
-        Package("scikit-image", "skimage", "SSIM of the benchmarks", required=False),
-        Package("flip-evaluator", "flip_evaluator", "FLIP of the benchmarks", required=False),
-        Package("scipy", "scipy", "fits and statistical tests of the benchmarks", required=False),
-    ),
+    "materialx": (Package("materialx", "MaterialX", "MaterialX documents"),),
 }
 
 
 def require_extra(extra: str) -> None:
-    """Raise PlatformError unless the required packages of an extra can be imported."""
+    """Raise PlatformError unless the packages of an extra can be imported."""
     for package in EXTRAS[extra]:
-        if package.required:
-            try:
-                importlib.import_module(package.module)
-            except ImportError as error:
-                raise PlatformError(
-                    f"this command needs the package '{package.name}'; "
-                    f"pip install 'urushi[{extra}]'"
-                ) from error
+        try:
+            importlib.import_module(package.module)
+        except ImportError as error:
+            raise PlatformError(
+                f"{package.purpose} need the package '{package.name}', which is missing; install "
+                f"it: pip install 'urushi[{extra}]'"
+            ) from error

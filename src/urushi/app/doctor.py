@@ -190,7 +190,7 @@ def _extras() -> list[Finding]:
                 Finding(
                     f"extra {extra}: {package.name}",
                     f"{version or 'missing'} ({package.purpose})",
-                    cure if version is None and package.required else None,
+                    cure if version is None else None,
                 )
             )
     return findings

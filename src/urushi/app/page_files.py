@@ -24,7 +24,6 @@ from urushi.export.languages import LANGUAGES
 from urushi.export.program import template_text
 from urushi.files import METADATA_KEY
 from urushi.material import Material
-from urushi.nets.architecture import Architecture
 from urushi.nets.weights import FORMAT_VERSION, Model, anisotropic_model
 from urushi.walk import Stack
 
@@ -133,10 +132,8 @@ def half_precision(model: Model) -> bytes:
     """A weights file (safetensors) with the networks' parameters as half floats.
 
     Raises:
-        ParameterError: the networks are of another kind, or a parameter is too large.
+        ParameterError: a parameter is too large.
     """
-    if not isinstance(model.arch, Architecture):
-        raise ParameterError("the page runs Urushi's own networks only; give weights of those")
     largest = float(np.finfo(np.float16).max)
     if any(np.abs(array).max() > largest for array in model.params.values()):
         raise ParameterError("a parameter of the networks is too large for half precision")

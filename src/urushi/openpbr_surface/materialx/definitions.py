@@ -6,7 +6,8 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
-from urushi.errors import FileError, PlatformError
+from urushi.errors import FileError
+from urushi.platform import require_extra
 
 #: The library's files that are read, relative to its folder.
 LIBRARY = (
@@ -25,13 +26,9 @@ def package() -> Any:
     Raises:
         PlatformError: it is not installed.
     """
-    try:
-        import MaterialX
-    except ImportError as error:
-        raise PlatformError(
-            "MaterialX documents are read by the package materialx, which is missing; install it, "
-            "for instance by pip install urushi[materialx]"
-        ) from error
+    require_extra("materialx")
+    import MaterialX
+
     return MaterialX
 
 
