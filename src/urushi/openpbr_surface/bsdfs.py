@@ -52,10 +52,10 @@ class Layers(NamedTuple):
     """The parts of a surface; None for a part that the weights leave out.
 
     Attributes:
-        base: in air; None where the coat covers everything.
-        below: the base below the coat. coated: that base under the coat.
-        compensation: gives back what a coated white base loses; None: nothing does.
-        kind: what the coat has been made for.
+        base: in air; None if the coat covers everything.
+        below: the base as seen from inside the coat. coated: coat and base together.
+        compensation: of the energy that the coated base loses; None: switched off.
+        kind: the parameters that decide how the coat is made; another kind needs another coat.
     """
 
     base: Any
@@ -117,7 +117,8 @@ def define(proposal_bsdf: type) -> tuple[type, type]:
             """Take the parameters.
 
             under_coat, encoded: see `model.Base`.
-            compensated: whether the coated base is completed, so that a metal's lobe is not scaled.
+            compensated: whether `Compensation` completes the coated base; a metal's lobe is then
+                not scaled.
             """
             super().__init__(mi.Properties("openpbr_base"))
             self._where, self._inputs = inputs.where, inputs

@@ -28,21 +28,21 @@ from urushi.openpbr_surface.lookups import MirrorAlbedo
 #: A function from parameters to the coated base without compensation.
 Coated = Callable[[Inputs], "mi.BSDF"]
 
-#: Power of the base's albedo by which the deviation of networks over a white base counts.
+#: Exponent of the base's albedo in the weight of the networks' deviation over a white base.
 WHITENESS = 4
 
-#: The parameters that the table depends on where they are textures, and its nodes for each.
+#: Parameters that are axes of the table where they are textures, and the nodes of each axis.
 ROUGHNESSES, NODES = ("coat_roughness", "specular_roughness"), 5
 
-#: Nodes of the table in the root of the cosine, samples for each of a walk, and the degree of the
-#: polynomial that smooths the noise.
+#: Nodes of the table in the root of the cosine; samples of a walk at each node, and degree of the
+#: polynomial that is fitted to walks against noise.
 COSINES, SAMPLES, DEGREE = 17, 1 << 14, 5
 
 #: Least cosine at which the albedo of a table is measured.
 LEAST_COSINE = 0.02
 
-#: The parameters that the twin shares; where they are textures, it has their values in the middle
-#: of uv.
+#: Parameters that the white twin takes from the material; of textures, the value in the middle of
+#: uv.
 _SHARED = (
     *("base_diffuse_roughness", "specular_ior", "specular_roughness_anisotropy", "coat_ior"),
     *("coat_roughness_anisotropy", *ROUGHNESSES),
@@ -51,7 +51,7 @@ _SHARED = (
 #: The parameters of the coat and of the film.
 _OF_COATS = ("coat_color", "coat_roughness", "coat_roughness_anisotropy")
 
-#: Further parameters that the dielectric twin shares: they change its index.
+#: Parameters that the dielectric twin takes besides: they change its index.
 _OF_DIELECTRICS = ("specular_weight",)
 _OF_FILMS = ("thin_film_weight", "thin_film_thickness", "thin_film_ior")
 
@@ -60,14 +60,14 @@ class Vertex(NamedTuple):
     """The material of `Compensation` at a vertex; unused entries are ().
 
     Attributes:
-        share: base_metalness. white: how much the deviation over a white base counts.
+        share: base_metalness. white: weight of the deviation over a white base.
         eta: the coat's index. f0: its reflectance at normal incidence.
         tint: one spectrum, half the logarithm of coat_color.
         path: length of the refracted path of wi.
         loss: of the coat's interface.
-        below, metal_below: the colour of light that a smooth coat passes to the dielectric or
-            to the metal and back, without the tint.
-        dielectric, metal: the computed losses of the white twins.
+        below, metal_below: albedo of the dielectric and of the metal as seen through a smooth coat
+            without tint.
+        dielectric, metal: `FurnaceVertex` of the white twins.
     """
 
     share: Any
@@ -86,10 +86,11 @@ class Vertex(NamedTuple):
 class Compensation:
     """Gives back light that a coated base loses, as reciprocal lobes.
 
-    A loss 1 - A(w) returns as (1 - A(wi)) (1 - A(wo)) / (pi (1 - A_mean)), as in Kulla and Conty
-    2017, in the colour of the coated base. The interface's loss over a diffuse base is in tables.
-    That over a metal, and the deviation of the networks from one over either, are measured. Over a
-    dielectric the deviation is a lobe of either sign; over a metal the excess over one divides f.
+    The lobe of a directional loss 1 - A(w) is (1 - A(wi)) (1 - A(wo)) / (pi (1 - A_mean)), after
+    Kulla and Conty 2017, times the colour of the coated base. The loss of the coat's interface over
+    a Lambertian base is a table. The loss over a metal, and the networks' deviation from an albedo
+    of one, are measured on white twins. Over a dielectric, the deviation is a lobe of either sign.
+    Over a metal, f is divided by an albedo above one.
     """
 
     def __init__(self, inputs: Inputs, encoded: bool, coated: Coated):
@@ -212,9 +213,9 @@ class FurnaceVertex(NamedTuple):
 
     Attributes:
         at: coordinates in the table besides the cosine, its last axis first.
-        lost: share of light lost at wi, over pi times its mean; with a known part, the share lost
-            beyond it, minus the mean of this share.
-        excess: one plus the share of light gained at wi; with a known part, ().
+        lost: loss at wi divided by pi and by its mean; if a part of the loss is known, the loss at
+            wi minus its mean, both without the known part.
+        excess: one plus the gain at wi; () if a part of the loss is known.
     """
 
     at: list
@@ -237,9 +238,9 @@ class Furnace:
     ):
         """Measure the twin.
 
-        metalness: of the twin. coated: makes it of its parameters.
-        known: makes, from the twin's parameters, an object whose method `lost` gives the known
-            part of the loss, which the table leaves out; None: nothing is known.
+        metalness: of the twin. coated: makes the twin of its parameters.
+        known: makes of the same parameters an object whose method `lost` returns a known part of
+            the loss, which is subtracted from the table; None: no part is known.
         """
         self._inputs = inputs
         self._varying = [name for name in ROUGHNESSES if inputs.known(name) is None]
@@ -293,10 +294,7 @@ class Furnace:
         return dr.inv_pi * (vertex.lost + lost - excess)
 
     def lobe_and_factor(self, vertex: "FurnaceVertex", wo) -> tuple:
-        """The lobe [1/sr] of the light that is given back, and the factor on f.
-
-        The factor is less than one where the twin reflects more than all light.
-        """
+        """The compensating lobe [1/sr], and a factor on f, below one where the twin gains light."""
         lost, excess = self._deviations([dr.safe_sqrt(wo.z), *vertex.at])
         return vertex.lost * lost, dr.rsqrt(vertex.excess * (1 + excess))
 

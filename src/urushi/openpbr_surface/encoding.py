@@ -13,20 +13,20 @@ from urushi.nets.lobe import NO_LOBE
 from urushi.openpbr_surface.inputs import Inputs
 from urushi.openpbr_surface.model import Base
 
-#: Cosines at which the lobe of a mixture is limited to the mixture.
+#: Cosines at which the Schlick lobe of a mixture is kept below the mixture's Fresnel term.
 SCHLICK_COSINES = (0.6, 0.4, 0.25, 0.15, 0.05)
 
-#: Factor on this lobe. Networks expect a rest that is nowhere negative and has a faint peak, as
-#: fitted lobes leave it.
+#: Factor on the Schlick lobe of a mixture. Networks expect a rest that is nowhere negative and has
+#: a faint peak, as fitted lobes leave it.
 SCHLICK_SHARE = 0.8
 
-#: specular_roughness from which networks encode a constant, isotropic metal with what its facets
-#: reflect more than once. They see the lobe alone of other metals: smooth metals lose little,
-#: metals of two widths became up to 15 % too dark, and textures would take long to encode.
+#: Least specular_roughness at which a constant, isotropic metal is encoded with the multiple
+#: scattering between its facets. Other metals are encoded as one lobe: smooth metals scatter little
+#: more than once, metals of two widths became up to 15 % too dark, and textures take too long.
 MULTIPLE_FROM = 0.5
 
-#: specular_roughness from which a constant coat over a constant, isotropic base takes a table of
-#: it, see `urushi.material.coated_table`. The lobe of a smooth base is too narrow for a table.
+#: Least specular_roughness at which a constant coat over a constant, isotropic base is evaluated by
+#: a table, see `urushi.material.coated_table`. The lobe of a smoother base is too narrow for one.
 TABULATED_FROM = 0.15
 
 #: The parameters of an isotropic metal besides its specular_roughness.
@@ -41,12 +41,12 @@ NAMES = (
 
 
 def has_multiple(inputs: Inputs) -> bool:
-    """Whether a metal is encoded with what its facets reflect more than once; `MULTIPLE_FROM`."""
+    """Whether a metal is encoded with multiple scattering, see `MULTIPLE_FROM`."""
     return _is_rough(inputs, OF_METALS, MULTIPLE_FROM)
 
 
 def is_tabulated(inputs: Inputs) -> bool:
-    """Whether a constant coat takes a table of the base; see `TABULATED_FROM`."""
+    """Whether a constant coat over the base is a table, see `TABULATED_FROM`."""
     return _is_rough(inputs, NAMES, TABULATED_FROM)
 
 

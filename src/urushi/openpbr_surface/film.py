@@ -79,9 +79,9 @@ class FilmFresnel:
         return self.metal(mi.Float(_MEAN_COSINE), f0, tint, bare, si, active)
 
     def excess(self, cosine, alpha, eta, si, active):
-        """Light that the film adds to a dielectric's reflection, over the reflection of mirrors.
+        """Mean reflectance of the filmed facets seen from a direction, minus that of bare facets.
 
-        A spectrum, by the Gauss rules of `rules`.
+        A spectrum, by the Gauss rules of `rules`; the mean weights facets by their masking.
         """
         rule = self._rule(coordinates(cosine, alpha, None))
         edge = self._edge(eta, si, active)
@@ -103,9 +103,9 @@ class FilmFresnel:
         return self._weight(si, active) * total
 
     def _edge(self, eta, si, active):
-        """The index of a dielectric that reflects totally where a dielectric under the film does.
+        """Index of a bare dielectric with the same range of total reflection as the filmed one.
 
-        It is eta itself unless the film's index is below one and below eta.
+        It is eta unless the film's index is below one and below eta.
         """
         film = self._film(si, active).eta
         return dr.select(film < 1, dr.minimum(film, eta), eta) if self._total else eta
@@ -139,10 +139,10 @@ class FilmFresnel:
     def below_coat(self, f, base, eta, si, wo, active):
         """f [1/sr] of networks for a coat over a base, with its film.
 
-        The networks know the base without film of a dielectric, and with the mean reflectance
-        `metal_in_coat` of a metal. The light from the base is multiplied by the quotient of the
-        base's lobe and slab with and without film, at the refracted directions of a smooth coat.
-        The factor is the same with si.wi and wo exchanged.
+        The networks encode a dielectric without its film, and a filmed metal by its mean
+        reflectance `metal_in_coat`. The light from the base is multiplied by f of the base with
+        film over f of the encoded base, both at the directions refracted by a smooth coat. The
+        factor is symmetric in si.wi and wo.
 
         base: the base's vertex. eta: its index relative to the coat.
         """

@@ -21,8 +21,8 @@ OPTIONS = ("reference", "unsupported", "energy_compensation", "resolution", "wei
 #: The parameters of emission, which a BSDF does not have.
 EMISSION = ("emission_luminance", "emission_color")
 
-#: The parameters of directions: of the base, of the coat, and of the anisotropies that a direction
-#: matters to, none for a normal.
+#: Direction parameters of base and coat, with the anisotropies that depend on them; a normal has
+#: none.
 DIRECTIONS = (
     ("geometry_normal", "geometry_coat_normal", None),
     (
@@ -63,7 +63,7 @@ class Inputs:
         self.maps: dict[str, mi.Texture] = {}
         self.version = 0
         self._numbers: list[str] = []  # parameters that are given as numbers
-        self._relied: dict[str, np.ndarray] = {}  # constants that code relies on: their textures'
+        self._relied: dict[str, np.ndarray] = {}  # values of textures when `known` returned them
         for name, value in given.items():
             self._read(name, value)
         if not emits:
@@ -121,9 +121,9 @@ class Inputs:
         return known is not None and bool(np.all(known == value))
 
     def known(self, name: str) -> Any:
-        """The value of a parameter that is given as a number; None of a texture.
+        """The value of a parameter that is given as a number; None for a texture.
 
-        Code may be left out by it: `refresh` tells whether it is still the same.
+        A caller may leave out code because of the value: `refresh` reports when it changes.
         """
         if name not in self.constants:
             return None
@@ -143,9 +143,10 @@ class Inputs:
             return float(self.number(name, si, mi.Bool(True)).numpy()[0])
 
     def refresh(self) -> bool:
-        """Whether constants that code relies on have changed by `mi.traverse`, or need gradients.
+        """Whether numbers that `known` has returned have changed or have gradients now.
 
-        They are taken off `constants`, and the version grows: what was left out must be made.
+        These parameters count as textures from then on, and `version` grows: the caller must make
+        what it left out because of them.
 
         Raises:
             ParameterError: a value that was given as a number is out of range now.

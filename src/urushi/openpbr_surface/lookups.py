@@ -11,7 +11,7 @@ from urushi.core.namespace import DRJIT
 from urushi.mitsuba.interface_albedo import InterfaceAlbedo, Interpolated, coordinates
 from urushi.openpbr_surface import albedo_tables, eon, formulas
 
-#: Least share of light that leaves the slab at once; less is a slab of index far above 10.
+#: Lower bound of the share of light that leaves the slab at once; an index of 10 gives more.
 LEAST_SHARE = 1e-3
 
 
@@ -91,8 +91,8 @@ class AnisotropicMirror(MirrorAlbedo):
 class AnisotropicInterface:
     """`InterfaceAlbedo.reflected` of two widths.
 
-    A direction has the albedo of the width along it, times the quotient of what facets of both
-    widths and of this one lose.
+    The albedo of a direction is that of an isotropic interface whose width is the width along the
+    direction, times the ratio of mirror albedos of both widths and of this width.
     """
 
     def __init__(self, interface: InterfaceAlbedo, mirror: AnisotropicMirror):

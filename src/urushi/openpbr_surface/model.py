@@ -32,13 +32,13 @@ from urushi.openpbr_surface.lookups import (
     Slab,
 )
 
-#: specular_roughness below which networks take the inverse of an index below one, which reflects
-#: as much at normal incidence: they do not represent the edge of sharp total reflection over a
+#: specular_roughness below which networks are given 1 / eta for an index eta < 1, which reflects as
+#: much at normal incidence. Networks cannot represent the sharp edge of total reflection over a
 #: bright slab.
 INVERTED_BELOW = 0.3
 
-#: Greatest base_diffuse_roughness that networks encode. They have not learned what scatters further
-#: back, and darken it by up to 25 %; a coat hides most of the difference.
+#: Largest base_diffuse_roughness that networks are given. They were not trained on stronger
+#: backscattering, and darken it by up to 25 %; a coat hides most of the difference.
 ENCODED_DIFFUSE_ROUGHNESS = 0.5
 
 #: The parameters on which the base's relative index depends.

@@ -13,8 +13,7 @@ import numpy as np
 
 from urushi.errors import ParameterError
 
-#: A number; a colour of three numbers, linear; a truth value; a direction that a map or the
-#: geometry gives.
+#: A number; a linear colour; a truth value; a direction, which a map or the geometry gives.
 Kind = Literal["float", "color", "boolean", "vector"]
 
 
