@@ -15,6 +15,13 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from urushi.core.namespace import (
+    Components,
+    Namespace,
+    arrays,
+    components,
+    stacked_components,
+)
 from urushi.fan2022 import architecture
 from urushi.fan2022.architecture import DIRECTIONS, EVALUATION, LAYERING
 from urushi.nets.mlp import Params, mlp, product, split_linear
@@ -89,34 +96,46 @@ class GaussianMixture(NamedTuple):
 
     def pdf(self, wi: Any, wo: Any) -> Any:
         """Density (...) of `sample` at wo [1/sr]; 0 where either is below the horizon."""
-        xp = wi.__array_namespace__()
-        cos_i, cos_o = wi[..., 2], wo[..., 2]
-        x, y = wi[..., 0] + wo[..., 0], wi[..., 1] + wo[..., 1]
-        across = x * x + y * y  # the same for wo's mirror image
-        gaussian = sum(
-            reflected_density(self.sigma, across, up) for up in (cos_i + cos_o, cos_i - cos_o)
-        )
-        density = self.share * gaussian + (1 - self.share) * (cos_o / math.pi)
-        return xp.where((cos_i > 0) & (cos_o > 0), density, 0.0)
+        return self.density(components(wi), components(wo), arrays(wi))
 
     def sample(self, wi: Any, u: Any) -> Any:
         """Directions wo (..., 3) from uniform numbers u (..., 3); the first chooses the lobe."""
-        xp = wi.__array_namespace__()
-        choice, u1, phi = u[..., 0], u[..., 1], (2 * math.pi) * u[..., 2]
+        wo = self.drawn(components(wi), u[..., 0], u[..., 1], u[..., 2], arrays(wi))
+        return stacked_components(wo, wi.__array_namespace__())
+
+    def density(self, wi: Any, wo: Any, xp: Namespace) -> Any:
+        """`pdf` of directions with components.
+
+        The Jacobian of the projection of the half vector on the disk is its cosine. The Jacobian of
+        the reflection is 4 wi.h, twice the length of wi + wo.
+        """
         variance2 = 2 * self.sigma * self.sigma
         mass_inside = 1 - xp.exp(-1 / variance2)
-        squared = xp.clip(-variance2 * xp.log(1 - u1 * mass_inside), 0.0, 1.0)
+        x, y = wi.x + wo.x, wi.y + wo.y
+        across = x * x + y * y  # the same for wo's mirror image
+
+        def reflected(up: Any) -> Any:
+            squared = xp.maximum(across + up * up, 1e-12)
+            on_disk = xp.exp(-(across / squared) / variance2) / (math.pi * variance2 * mass_inside)
+            return on_disk * xp.absolute(up) / (2 * squared)
+
+        gaussian = reflected(wi.z + wo.z) + reflected(wi.z - wo.z)
+        density = self.share * gaussian + (1 - self.share) * (wo.z / math.pi)
+        return xp.where((wi.z > 0) & (wo.z > 0), density, 0.0)
+
+    def drawn(self, wi: Any, choice: Any, u: Any, v: Any, xp: Namespace) -> Components:
+        """`sample` of a direction with components, by three uniform numbers."""
+        variance2 = 2 * self.sigma * self.sigma
+        mass_inside = 1 - xp.exp(-1 / variance2)
+        squared = xp.clip(-variance2 * xp.log(1 - u * mass_inside), 0.0, 1.0)
         radius, hz = xp.sqrt(squared), xp.sqrt(1 - squared)
-        hx, hy = radius * xp.cos(phi), radius * xp.sin(phi)
-        twice = 2 * (wi[..., 0] * hx + wi[..., 1] * hy + wi[..., 2] * hz)
-        gaussian = (
-            twice * hx - wi[..., 0], twice * hy - wi[..., 1], xp.abs(twice * hz - wi[..., 2])
-        )  # fmt: skip
-        disk = xp.sqrt(u1)
-        cosine = disk * xp.cos(phi), disk * xp.sin(phi), xp.sqrt(1 - u1)
+        sin, cos = xp.sincos((2 * math.pi) * v)
+        hx, hy, disk = radius * cos, radius * sin, xp.sqrt(u)
+        twice = 2 * (wi.x * hx + wi.y * hy + wi.z * hz)
+        gaussian = twice * hx - wi.x, twice * hy - wi.y, xp.absolute(twice * hz - wi.z)
+        cosine = disk * cos, disk * sin, xp.sqrt(1 - u)
         chosen = choice < self.share
-        wo = [xp.where(chosen, a, b) for a, b in zip(gaussian, cosine, strict=True)]
-        return xp.stack(xp.broadcast_arrays(*wo), axis=-1)
+        return Components(*(xp.where(chosen, a, b) for a, b in zip(gaussian, cosine, strict=True)))
 
 
 def proxy(params: Params, z: Any) -> GaussianMixture:
@@ -126,22 +145,3 @@ def proxy(params: Params, z: Any) -> GaussianMixture:
     logistic = 0.5 - 0.5 * xp.tanh(0.5 * output)  # cannot overflow
     sigma = xp.exp(math.log(MIN_SIGMA) * logistic[..., 0])
     return GaussianMixture(sigma, MIN_SHARE + (1 - 2 * MIN_SHARE) * logistic[..., 1])
-
-
-def disk_density(sigma: Any, squared: Any) -> Any:
-    """Density of the Gaussian at a projected half vector of squared length `squared`, in [0, 1]."""
-    xp = sigma.__array_namespace__()
-    variance2 = 2 * sigma * sigma
-    mass_inside = 1 - xp.exp(-1 / variance2)
-    return xp.exp(-squared / variance2) / (math.pi * variance2 * mass_inside)
-
-
-def reflected_density(sigma: Any, across: Any, up: Any) -> Any:
-    """Density [1/sr] of wi reflected about the Gaussian's half vectors, from wi + wo = (x, y, up).
-
-    across = x^2 + y^2. The Jacobian of the projection on the disk is the half vector's cosine; that
-    of the reflection is 4 wi.h, twice the length of wi + wo for unit vectors.
-    """
-    xp = across.__array_namespace__()
-    squared = xp.maximum(across + up * up, 1e-12)
-    return disk_density(sigma, across / squared) * xp.abs(up) / (2 * squared)

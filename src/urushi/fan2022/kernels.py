@@ -8,16 +8,15 @@ for itself. This kernel takes minutes to compile, and ten times as long to run a
 
 import contextlib
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from typing import Any, NamedTuple
 
 import drjit as dr
 import mitsuba as mi
 import numpy as np
 from drjit import nn
 
-from urushi.core.frame import square_to_cosine_hemisphere
+from urushi.core.namespace import DRJIT
 from urushi.fan2022.architecture import EPSILON, EVALUATION, PROXY, Block, Linear, Norm
-from urushi.fan2022.inference import MIN_SHARE, MIN_SIGMA
+from urushi.fan2022.inference import MIN_SHARE, MIN_SIGMA, GaussianMixture
 from urushi.nets.mlp import Params
 
 #: The flags by which Mitsuba records a whole path as one kernel.
@@ -150,39 +149,15 @@ def _chained(steps: Sequence[Callable], x: nn.CoopVec) -> nn.CoopVec:
     return x
 
 
-class Gaussian(NamedTuple):
-    """The proposal of `fan2022.inference.GaussianMixture`, with Dr.Jit floats."""
-
-    sigma: Any
-    share: Any
+class Gaussian(GaussianMixture):
+    """`GaussianMixture` of Dr.Jit floats."""
 
     def pdf(self, wi, wo):
-        """Density of `sample` at wo [1/sr]; zero where either direction is below the horizon."""
-        x, y = wi.x + wo.x, wi.y + wo.y
-        across = x * x + y * y
-        gaussian = self._reflected(across, wi.z + wo.z) + self._reflected(across, wi.z - wo.z)
-        density = self.share * gaussian + (1 - self.share) * (wo.z * dr.inv_pi)
-        return dr.select((wi.z > 0) & (wo.z > 0), density, 0)
+        return self.density(wi, wo, DRJIT)
 
-    def sample(self, wi, choice, u):
+    def sample(self, wi, choice, u):  # type: ignore[override]  # as plugins draw
         """Draw wo above the horizon from uniform numbers: `choice`, and two in `u`."""
-        variance2 = 2 * self.sigma * self.sigma
-        squared = -variance2 * dr.log(1 - u.x * (1 - dr.exp(-1 / variance2)))
-        squared = dr.clip(squared, 0, 1)
-        sin_phi, cos_phi = dr.sincos(2 * dr.pi * u.y)
-        radius = dr.sqrt(squared)
-        h = mi.Vector3f(radius * cos_phi, radius * sin_phi, dr.sqrt(1 - squared))
-        wo = 2 * dr.dot(wi, h) * h - wi
-        gaussian = mi.Vector3f(wo.x, wo.y, dr.abs(wo.z))
-        cosine = square_to_cosine_hemisphere(mi.Vector3f, u.x, u.y)
-        return dr.select(choice < self.share, gaussian, cosine)
-
-    def _reflected(self, across, up):
-        squared = dr.maximum(across + up * up, 1e-12)
-        variance2 = 2 * self.sigma * self.sigma
-        inside = 1 - dr.exp(-1 / variance2)
-        density = dr.exp(-(across / squared) / variance2) / (dr.pi * variance2 * inside)
-        return density * dr.abs(up) / (2 * squared)
+        return mi.Vector3f(*self.drawn(wi, choice, u.x, u.y, DRJIT))
 
 
 class PaperSampler:
