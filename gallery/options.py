@@ -1,11 +1,11 @@
 """Options of the scenes; importing them needs no Mitsuba."""
 
 from dataclasses import dataclass
-from typing import Any, Literal, get_args
+from typing import Annotated, Any, Literal, get_args
 
 from urushi import ranges
 from urushi.errors import ParameterError
-from urushi.ranges import Detail, Pixels, Samples
+from urushi.ranges import Pixels, Range, Samples
 
 #: `nets.weights.DEFAULT`; importing that takes seconds.
 DEFAULT_WEIGHTS = "default"
@@ -34,7 +34,7 @@ class Options:
     width: Pixels = 640
     height: Pixels = 480
     spp: Samples = 64
-    detail: Detail = 1.0
+    detail: Annotated[float, Range(0, 4, above=True)] = 1.0
 
     def check(self) -> None:
         """Raise ParameterError if the plugin is unknown or a number is out of range."""

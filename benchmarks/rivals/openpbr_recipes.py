@@ -15,7 +15,6 @@ from benchmarks.quality import conformance, sphere
 from benchmarks.quality.conformance import Brdf, Errors, Reference
 from matplotlib import pyplot as plt
 from research.rivals import openpbr_recipe
-from urushi.app.commands.openpbr_check import table
 
 from urushi.files import new_folder
 
@@ -64,7 +63,7 @@ def main() -> None:
         name: conformance.errors(conformance.evaluated(build, reference), reference)
         for name, build in MODELS.items()
     }
-    print(table(reference, results))
+    print(conformance.table(reference, results))
     for name, errors in results.items() if folder else ():
         draw(new_folder(folder) / f"{name}.png", reference, errors, name)
 

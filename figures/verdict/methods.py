@@ -4,6 +4,7 @@ from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
+from benchmarks.evaluation import fan2022 as evaluation
 from benchmarks.evaluation import predict, samples
 from benchmarks.evaluation.samples import Samples
 from benchmarks.quality import benchmark_set
@@ -12,7 +13,7 @@ from research.rivals import belcour, weidlich, weier
 
 import urushi.walk
 from figures.verdict import fits
-from urushi.fan2022 import PaperNetworks, evaluation
+from urushi.fan2022 import PaperNetworks
 from urushi.material import table as nodes
 from urushi.nets.weights import DEFAULT, Model
 from urushi.walk import StackTable, walk_pairs

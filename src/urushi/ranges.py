@@ -47,7 +47,6 @@ Index = Annotated[int, Range(0)]
 Port = Annotated[int, Range(0, 65535)]
 Pairs = Annotated[int, Range(1, 1 << 16, " pairs")]
 Share = Annotated[float, Range(0, 1, above=True)]
-Detail = Annotated[float, Range(0, 4, above=True)]
 Incidence = Annotated[float, Range(0, 90, " degrees", below=True)]
 Angle = Annotated[float, Range(-360, 360, " degrees")]
 

@@ -8,8 +8,8 @@ import pytest
 pytest.importorskip("matplotlib", reason="the extra 'eval' is not installed")
 from benchmarks.quality import examine
 from benchmarks.quality.examine import ALBEDO_ANGLES, INCIDENT, OUTGOING
+from benchmarks.quality.pictures import BEST_PSNR
 
-from urushi.core import image_metrics as metrics
 from urushi.core.direction_sets import cosine_pairs
 from urushi.core.error_metrics import stack_error
 from urushi.errors import ParameterError
@@ -41,7 +41,7 @@ def test_a_material_is_exactly_like_itself(itself):
     assert figures["E"] == figures["P median"] == [0, 0, 0]
     assert figures["anisotropy"] == figures["reciprocity"] == figures["transmitted"] == 0
     assert figures["albedo"]["source"] == figures["albedo"]["material"]
-    assert figures["sphere"]["psnr"] == metrics.BEST_PSNR
+    assert figures["sphere"]["psnr"] == BEST_PSNR
     assert np.array_equal(*itself.slices) and np.array_equal(*itself.pictures)
     json.dumps(figures)  # all values are JSON values
 

@@ -5,9 +5,9 @@ from importlib.util import find_spec
 
 import numpy as np
 import pytest
-from benchmarks.quality.pictures import Comparison, compare, ssim_map
+from benchmarks.quality.pictures import BEST_PSNR, Comparison, compare, ssim_map
 
-from urushi.core.image_metrics import BEST_PSNR, shown, srgb
+from urushi.core.image_metrics import shown, srgb
 from urushi.errors import ParameterError, PlatformError
 
 #: flip-evaluator has no wheels for some platforms.

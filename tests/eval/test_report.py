@@ -9,7 +9,6 @@ from benchmarks.evaluation import samples as sampling
 from benchmarks.evaluation.samples import Row
 from benchmarks.quality import benchmark_set
 
-from urushi.core import image_metrics as metrics
 from urushi.errors import FileError
 from urushi.nets import weights
 from urushi.nets.architecture import FIXED
@@ -40,7 +39,7 @@ def test_rows_are_the_figures_of_the_networks(result, tiny, sets):
     row = result.rows["all together"]
     assert row["stacks"] == 6
     for metric, errors in (("E", e), ("P", p)):
-        expected = metrics.summary(np.concatenate(errors))
+        expected = report.summary(np.concatenate(errors))
         assert {k: row[metric][k] for k in expected} == pytest.approx(expected, rel=1e-9)
     assert row["E"]["reference"] < 0.01 and result.rows["encode bare ones"]["E"]["reference"] == 0
     assert set(result.errors) == {"bare", "few"}

@@ -1,22 +1,12 @@
-"""Error measures of images, their summaries, and pictures as a display shows them."""
+"""Error measures of images, and pictures as a display shows them."""
 
 import numpy as np
 import numpy.typing as npt
 
 from urushi import checks
-from urushi.errors import ParameterError
 
 #: Added to the squared reference in the relative error of images, against division by zero.
 IMAGE_OFFSET = 1e-2
-
-
-def summary(errors: npt.ArrayLike) -> dict[str, float]:
-    """Mean, median and 95th percentile of all `errors`, an array of any shape."""
-    (errors,) = checks.finite(errors=errors)
-    if errors.size == 0:
-        raise ParameterError("errors is empty; there is nothing to summarise")
-    median, high = np.percentile(errors, [50, 95])
-    return {"mean": float(errors.mean()), "median": float(median), "p95": float(high)}
 
 
 def mse(image: npt.ArrayLike, reference: npt.ArrayLike) -> float:
@@ -62,11 +52,6 @@ def psnr(image: npt.ArrayLike, reference: npt.ArrayLike, *, peak: float = 1.0) -
     """Peak signal-to-noise ratio [dB], 10 log10(peak^2 / MSE); infinite for equal images."""
     error = mse(image, reference)
     return float("inf") if error == 0 else float(10 * np.log10(peak**2 / error))
-
-
-#: PSNR of equal pictures [dB], finite so that means are finite. It is higher than that of any two
-#: different pictures of 16 bits per channel.
-BEST_PSNR = 100.0
 
 
 def srgb(linear: np.ndarray) -> np.ndarray:
