@@ -52,10 +52,10 @@ def test_equal_interfaces_are_projected_once(monkeypatch):
     monkeypatch.setattr(networks, "project", project)
     model = PaperNetworks(PaperArchitecture(), init(0), {})
 
-    def dielectrics(self, alpha, eta):
-        return np.repeat((alpha * eta)[:, None], PAIRS, axis=1)
+    def rows(kind, columns, row, wi, wo):
+        return (columns["alpha"] * columns["eta"])[row]
 
-    monkeypatch.setattr(PaperNetworks, "_dielectrics", dielectrics)
+    monkeypatch.setattr(networks.analytic, "rows", rows)
 
     alpha = np.array([[0.1, 0.2], [0.1, 0.2]], np.float32)
     codes = model._top(alpha, np.float32(1.5))

@@ -4,7 +4,6 @@ import functools
 import hashlib
 import os
 import threading
-from collections import OrderedDict
 from collections.abc import Mapping
 from typing import Any
 
@@ -93,7 +92,7 @@ class PaperNetworks:
         self.params = weights.checked_parameters(params, parameter_shapes(arch))
         self.fingerprint = weights.fingerprint(arch, self.params)
         self._lock = threading.Lock()  # guards the kept codes; not held during projections
-        self._kept: OrderedDict[bytes, np.ndarray] = OrderedDict()
+        self._kept: dict[bytes, np.ndarray] = {}  # the least recently used first
 
     @classmethod
     def read(cls, path: str | os.PathLike) -> "PaperNetworks":
@@ -163,10 +162,10 @@ class PaperNetworks:
         run_all_cores(task, [new[i : i + TOGETHER] for i in range(0, len(new), TOGETHER)])
         with self._lock:
             for key in dict.fromkeys(keys):
-                self._kept[key] = found[key]
-                self._kept.move_to_end(key)
-            while len(self._kept) > KEPT:
-                self._kept.popitem(last=False)
+                self._kept.pop(key, None)
+                self._kept[key] = found[key]  # the last one
+            for key in list(self._kept)[: max(len(self._kept) - KEPT, 0)]:
+                del self._kept[key]
         return np.array([found[key] for key in keys], np.float32).reshape(-1, LATENT)
 
     def _project(self, directions: np.ndarray, f: np.ndarray) -> np.ndarray:
@@ -226,14 +225,13 @@ class PaperNetworks:
                 f"need a second or more for each; give at most {MAX_TOPS} pairs of alpha and eta, "
                 "or use Urushi's own networks"
             )
-        codes = self.encode(self._dielectrics(*keys))
+        codes = self.encode_bare("dielectric", dict(zip(("alpha", "eta"), keys, strict=True)))
         return codes[index.reshape(alpha.shape)]
 
-    def _dielectrics(self, alpha: np.ndarray, eta: np.ndarray) -> np.ndarray:
-        """Values (S, P) [1/sr] of the reflection by rough dielectrics, at `pairs`."""
+    def encode_bare(self, kind: str, columns: dict[str, np.ndarray]) -> np.ndarray:
+        """Codes (S, 32) of bare surfaces; kind, columns (S,): as of `analytic.rows`."""
         wi, wo = self.pairs()
-        count = len(alpha)
+        count = len(columns["alpha"])
         row = np.repeat(np.arange(count, dtype=np.uint32), len(wi))
-        columns = {"alpha": alpha, "eta": eta}
         wi, wo = np.tile(wi, (count, 1)), np.tile(wo, (count, 1))
-        return analytic.rows("dielectric", columns, row, wi, wo).reshape(count, -1)
+        return self.encode(analytic.rows(kind, columns, row, wi, wo).reshape(count, -1))

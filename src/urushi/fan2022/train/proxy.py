@@ -14,7 +14,6 @@ from urushi.fan2022.networks import PaperNetworks
 from urushi.fan2022.published import cosine_proxy
 from urushi.fan2022.train.preset import Palette
 from urushi.nets.mlp import Params
-from urushi.walk import analytic
 
 #: Bins on each side of the square around the unit disk of projected half vectors.
 BINS = 40
@@ -131,15 +130,11 @@ def fitted_proxy(params: Mapping[str, np.ndarray], seed: int = 0) -> tuple[Param
     source = Palette(1, components=COMPONENTS, stacks=STACKS, seed=seed)
     top, below, albedo, sigma_t = source.parts(slice(0, STACKS))
     networks = PaperNetworks(PaperArchitecture(), {**params, **cosine_proxy()}, {})
-    wi, wo = networks.pairs()
     codes = {}
     for kind in ("dielectric", "conductor"):
         bare = Palette(0, kind, COMPONENTS, STACKS, seed)
         columns = bare.draw(np.random.default_rng(seed), slice(0, COMPONENTS)).bottom
-        row = np.repeat(np.arange(COMPONENTS, dtype=np.uint32), len(wi))
-        pairs = (np.tile(w, (COMPONENTS, 1)) for w in (wi, wo))
-        f = analytic.rows(kind, columns, row, *pairs).reshape(COMPONENTS, -1)
-        codes[kind] = networks.encode(f)
+        codes[kind] = networks.encode_bare(kind, columns)
     medium = np.float32(albedo), np.float32(sigma_t)
     stacks = layer(params, codes["dielectric"][top], codes["conductor"][below], *medium)
     latents = np.concatenate([codes["conductor"], stacks]).astype(np.float32)

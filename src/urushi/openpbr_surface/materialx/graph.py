@@ -21,7 +21,7 @@ from urushi.openpbr_surface.materialx.images import (
     image_values,
     sample,
 )
-from urushi.openpbr_surface.materialx.nodes import BAKE, CHANNELS, NODES
+from urushi.openpbr_surface.materialx.nodes import BAKE, CHANNELS, NODES, Call
 from urushi.openpbr_surface.materialx.shaders import FILM_UNITS, SHADERS
 
 #: Largest number of nodes that are evaluated for one parameter, those inside of others included.
@@ -385,7 +385,7 @@ class Evaluation:
             )
         try:
             with np.errstate(all="ignore"):
-                value = np.asarray(NODES[tag](_Call(self, node, frame, where)), np.float64)
+                value = np.asarray(NODES[tag](self._call(node, frame, where)), np.float64)
         except (ValueError, IndexError) as error:
             if isinstance(error, UrushiError):
                 raise
@@ -399,6 +399,10 @@ class Evaluation:
                 "not match its type"
             )
         return np.broadcast_to(value, (*value.shape[:-1], channels))
+
+    def _call(self, node: Any, frame: Frame, where: str) -> Call:
+        tag, kind = node.getCategory(), node.getAttribute("type")
+        return Call(tag, kind, where, lambda name: self.input(node, name, frame))
 
     def _image(self, node: Any, frame: Frame, where: str) -> np.ndarray:
         kind = node.getAttribute("type")
@@ -433,20 +437,8 @@ class Evaluation:
             self.uses.append(use)
         values = image_values(pixels, use, where)
         if tiled:
-            return hextiles(values, uv, _Call(self, node, frame, where))
+            return hextiles(values, uv, self._call(node, frame, where))
         return sample(values, uv, look, default)
-
-
-class _Call:
-    """A node that is evaluated, see `nodes.Call`."""
-
-    def __init__(self, evaluation: Evaluation, node: Any, frame: Frame, where: str):
-        self._evaluation, self._node, self._frame = evaluation, node, frame
-        self.tag, self.type = node.getCategory(), node.getAttribute("type")
-        self.where = where
-
-    def __getitem__(self, name: str) -> np.ndarray:
-        return self._evaluation.input(self._node, name, self._frame)
 
 
 def parse_value(text: str, kind: str, where: str) -> np.ndarray:

@@ -6,7 +6,7 @@ the library's graphs, if it has one for them.
 """
 
 from collections.abc import Callable
-from typing import Protocol
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -35,15 +35,18 @@ MAX_OCTAVES = 16
 EPSILON = 1e-8
 
 
-class Call(Protocol):
-    """A node that is evaluated."""
+@dataclass(frozen=True)
+class Call:
+    """A node that is evaluated: its category and type, and the function that reads an input."""
 
     tag: str
     type: str
     where: str
+    read: Callable[[str], np.ndarray]
 
     def __getitem__(self, name: str) -> np.ndarray:
         """The value of an input, or its default."""
+        return self.read(name)
 
 
 Node = Callable[[Call], np.ndarray]
