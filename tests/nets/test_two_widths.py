@@ -1,12 +1,12 @@
-"""Networks of two GGX widths: symmetries to the bit, the proposal's density, fits, derivatives."""
+"""Networks of two GGX widths: symmetries to the bit, the proposal's density, fits."""
 
 import numpy as np
 import pytest
 
-from urushi.checks import CoatParameters, Widths
+from urushi.checks import Widths
 from urushi.core.direction_sets import cosine_pairs, slope_pairs
 from urushi.core.probe_pairs import ANISOTROPIC_PROBES, probe_pairs
-from urushi.nets import derivatives, layerer, lobe, sampler
+from urushi.nets import lobe, sampler
 from urushi.nets.architecture import Architecture, init
 from urushi.nets.features import direction_features
 from urushi.nets.interface_fit import find_lobes
@@ -162,30 +162,6 @@ def test_fitted_lobes_follow_the_values():
     np.testing.assert_allclose(found, rate, rtol=2e-3, atol=2e-3)
     fitted = fit_lobes(f(0.0), 2)
     np.testing.assert_allclose(fitted[:, [0, 1, 2, 6]], numbers(0.0)[:, [0, 1, 2, 6]], rtol=0.02)
-
-
-def test_derivatives_of_layering_agree_with_differences(networks):
-    double = {name: value.astype(np.float64) for name, value in networks.params.items()}
-    rng = np.random.default_rng(11)
-    z = codes(20, 6).astype(np.float64)
-    low, high = [0.05, 1.1, 0.05, 0.1, -0.8, 0.05], [0.9, 2.5, 0.95, 4.0, 0.8, 0.9]
-    coat = rng.uniform(low, high, (20, 6))
-    dz, dcoat = rng.normal(size=z.shape), rng.normal(size=coat.shape)
-    dz[:, : ARCH.lobe] *= 0.01
-
-    def layered(z, coat):
-        return layerer.layer(double, ARCH, z, CoatParameters.of_columns(coat.T))
-
-    step = 1e-6
-    difference = layered(z + step * dz, coat + step * dcoat) - layered(
-        z - step * dz, coat - step * dcoat
-    )
-    found = derivatives.layer_pushforward(double, ARCH, z, coat, dz, dcoat)
-    np.testing.assert_allclose(found, difference / (2 * step), rtol=1e-4, atol=1e-5)
-    weights = rng.normal(size=z.shape)
-    of_z, of_coat = derivatives.layer_pullback(double, ARCH, z, coat, weights)
-    expected = (weights * found).sum(axis=-1)
-    np.testing.assert_allclose((of_z * dz).sum(-1) + (of_coat * dcoat).sum(-1), expected, rtol=1e-6)
 
 
 def test_features_have_about_unit_size():

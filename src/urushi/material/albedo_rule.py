@@ -72,27 +72,11 @@ class AlbedoRule(NamedTuple):
 
     def interpolated(self, albedos: np.ndarray) -> np.ndarray:
         """Albedos (..., D) at `cosines` from those at the angles (..., K)."""
-        least, most = self._bounds(albedos)
-        return np.clip(albedos @ self.polynomial.T, least, most)
-
-    def interpolated_slopes(self, albedos: np.ndarray, index: int) -> np.ndarray:
-        """Derivatives (K,) of `interpolated` at one of the cosines by the albedos (K,)."""
-        value, slopes = self.polynomial[index] @ albedos, np.zeros(len(albedos))
-        least, most = (bound[index] for bound in self._bounds(albedos))
-        left = self.left[index]
-        beside = albedos[left : left + 2]
-        if value > most:
-            slopes[left + beside.argmax()] = 1 + OVERSHOOT
-        elif value < least:
-            slopes[left + beside.argmin()] = 1 - OVERSHOOT
-        else:
-            slopes[:] = self.polynomial[index]
-        return slopes
-
-    def _bounds(self, albedos: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """The range of `interpolated`, each (..., D)."""
         left, right = albedos.take(self.left, -1), albedos.take(self.left + 1, -1)
-        return np.minimum(left, right) * (1 - OVERSHOOT), np.maximum(left, right) * (1 + OVERSHOOT)
+        least = np.minimum(left, right) * (1 - OVERSHOOT)
+        return np.clip(
+            albedos @ self.polynomial.T, least, np.maximum(left, right) * (1 + OVERSHOOT)
+        )
 
 
 @functools.cache

@@ -12,9 +12,11 @@ import functools
 
 import numpy as np
 
+from urushi.checks import MIN_ALPHA
 from urushi.material.albedo_rule import AlbedoRule, albedo_rule
 from urushi.material.lobe_albedo import lobe_albedos
 from urushi.material.screening import codes_to_measure
+from urushi.nets.lobe import WIDTH_PLACES
 from urushi.nets.weights import Model
 from urushi.parallel import fill_blocks, one_blas_thread
 
@@ -50,6 +52,9 @@ BLOCK = 32
 
 #: Codes that are decoded at once: their activations stay in a core's cache.
 AT_ONCE = 6
+
+#: Step of central differences of albedos: tables of lobes' albedos are in single precision.
+SLOPE_STEP = 1e-3
 
 #: Number of codes above which only the codes chosen by `codes_to_measure` are measured.
 SCREENED_COUNT = 4096
@@ -203,3 +208,32 @@ def _scaled(model: Model, z: np.ndarray, factors: np.ndarray) -> np.ndarray:
     gains = model.networks.gains(result)
     gains[over] += np.log(factors[over])
     return result
+
+
+def factor_slopes(model: Model, z: np.ndarray) -> np.ndarray:
+    """Derivatives (L,) of ln of the limit's factor of a code z (L,), by the numbers of the code.
+
+    The factor is the albedo that the lobe allows the rest over the albedo of the rest, at the angle
+    where this is least. The derivatives do not change with the gain: codes that were scaled down
+    may stand for codes that were not.
+    """
+    rule, size = albedo_rule(model.arch.widths), model.arch.lobe
+    log_f, slopes = model.networks.decode_log(z[None], rule.features)
+    f, top = np.exp(log_f), top_albedos(model, z)
+    at_angles, allowed = rule.at_angles(f), np.maximum(1 - MARGIN - top, LEAST_REST)
+    rest = rule.interpolated(at_angles)
+    at = int((rest / allowed).argmax())
+    step = SLOPE_STEP * at_angles.max()
+    up, down = (
+        rule.interpolated(at_angles + way * step * np.eye(len(at_angles)))[:, at] for way in (1, -1)
+    )
+    counts = np.diff(rule.first, append=len(rule.weights))
+    of_nodes = np.repeat((up - down) / (2 * step), counts) * rule.weights * f
+    lobe = np.concatenate([z[:size] + way * SLOPE_STEP * np.eye(size) for way in (1, -1)])
+    lobe = lobe.astype(np.float32)
+    widths = list(WIDTH_PLACES[model.arch.widths])
+    lobe[:, widths] = np.clip(lobe[:, widths], MIN_ALPHA, 1)
+    (wide, narrow), (up, down) = np.split(lobe, 2), np.split(lobe_albedos(lobe, rule)[:, at], 2)
+    of_top = (up - down) / (wide - narrow).diagonal() / allowed[at]
+    of_top *= allowed[at] > LEAST_REST
+    return np.concatenate([-of_top, -of_nodes @ slopes / max(rest[at], LEAST_ALBEDO)])

@@ -1,9 +1,8 @@
 """Latent codes with gradients: values of the plain latents, derivatives of the codes.
 
 Where a parameter of a coat or of its bottom carries a gradient, `bake` adds codes with derivatives
-to the plain codes. The bottom's values at the probe pairs, or the parameters of a surface
-that is known by them, are differentiated by Dr.Jit. Encoder and layerer are custom operations of
-Dr.Jit, whose derivatives NumPy computes (`material.gradients`).
+to the plain codes (`coding`). Dr.Jit also differentiates the bottom's values at the probe pairs, or
+the parameters of a surface that is known by them.
 
 f has the bits that it has without gradients. Its derivative is that of the decoded codes, which
 are computed within the ranges of the parameters, so that f need not be their value. Integrators
@@ -24,12 +23,9 @@ import mitsuba as mi
 import numpy as np
 
 from urushi import checks
-from urushi.checks import CoatParameters, Widths
-from urushi.material import gradients
-from urushi.material.layer import layer_texels, within_training
 from urushi.material.table import node_pairs
 from urushi.mitsuba import spectrum
-from urushi.mitsuba.latents import table_gradients
+from urushi.mitsuba.latents import coding, table_gradients
 from urushi.mitsuba.latents.baking import Baker
 from urushi.mitsuba.latents.bottoms import PROBED_TEXELS, is_finer
 from urushi.mitsuba.latents.holders import ConstantLatents, TexturedLatents
@@ -42,13 +38,10 @@ from urushi.mitsuba.reading import probing
 from urushi.mitsuba.reading.grid import varying_textures
 from urushi.mitsuba.reading.parameters import TWO_WIDTHS, CoatTextures
 from urushi.mitsuba.reading.surfaces import known_surface
-from urushi.mitsuba.recording import only_where, owned
+from urushi.mitsuba.recording import only_where
 from urushi.nets.lobe import no_lobe
 from urushi.nets.weights import Model
 from urushi.textures.grid import MIDDLE, TexelGrid
-
-#: For each channel a list of Dr.Jit floats, each with one entry per point, or one for all points.
-Columns = Sequence[Sequence]
 
 #: Largest number of rotations of an anisotropic bottom, twice an odd number: all are traced
 #: together.
@@ -191,7 +184,8 @@ def _codes(
     if model.widths == 2 and "alpha" in by_name:
         by_name |= dict.fromkeys(TWO_WIDTHS, by_name["alpha"])
     parameters = [by_name[name] for name in checks.COAT_COLUMNS[model.widths]]
-    codes = layer(model, table, _bottom_codes(baker, coat.where, bottom, uv, grid), parameters)
+    below = _bottom_codes(baker, coat.where, bottom, uv, grid)
+    codes = coding.layered(model, table, below, parameters)
     if grid is not None:
         codes = mi.TensorXf(codes.array, (grid.height, grid.width, *codes.shape[1:]))
     return codes
@@ -202,7 +196,7 @@ def _table(baker: Baker, coat: CoatTextures, bottom: "mi.BSDF", plain: Any) -> l
     material, below = tabulated(plain), baker.bottom.material
     if material is None or below is None:
         return None
-    offer, values, codes = offer_of(bottom), [], []
+    offer, values, codes = offer_of(bottom), [], None
     if wanted(bottom):
         nested = offer.latents
         if isinstance(nested, DifferentiableLatents) and nested.logs is not None:
@@ -213,31 +207,30 @@ def _table(baker: Baker, coat: CoatTextures, bottom: "mi.BSDF", plain: Any) -> l
             out = mi.Vector3f(np.ascontiguousarray(wo.T))
             values = probing.bsdf_channels(exact, si, out)
         if not values or below.beside_lobe:
-            codes = list(_bottom_codes(baker, coat.where, bottom, MIDDLE.uv(), None))
+            codes = _bottom_codes(baker, coat.where, bottom, MIDDLE.uv(), None)
     return table_gradients.attached(material, coat, below, _numbers(bottom), values, codes)
 
 
 def _bottom_codes(
     baker: Baker, where: str, bottom: "mi.BSDF", uv: np.ndarray, grid: TexelGrid | None
-) -> Columns:
-    """The bottom's codes at points uv (M, 2), or one code if it is the same everywhere."""
+) -> "mi.TensorXf":
+    """The bottom's codes (M, C, L) at points uv (M, 2); M is 1 if they are the same everywhere."""
     model, offer = baker.model, offer_of(bottom)
     nested = offer.latents
     same_networks = nested is not None and nested.model.fingerprint == model.fingerprint
     if same_networks and isinstance(nested, DifferentiableLatents):
         point = mi.Point2f(np.ascontiguousarray(uv.T, np.float32))
         codes = nested.codes(point, mi.Vector3f(0, 0, 1))
-        return [codes[i] for i in spectrum.FINE_AT_RGB] if is_finer(nested) else codes
+        return _tensor([codes[i] for i in spectrum.FINE_AT_RGB] if is_finer(nested) else codes)
     if grid is None or (nested is None and not varying_textures(bottom)):
         grid, uv = MIDDLE, MIDDLE.uv()
-    wi, wo = model.networks.pairs()
-    fixed = not wanted(bottom)
+    (wi, wo), fixed = model.networks.pairs(), not wanted(bottom)
     with dr.suspend_grad():
         baker.bottom.bake()  # the coat's texture may come from the disk
         plain = baker.bottom.read(0, len(uv))
         # A random walk's loop cannot be differentiated.
         if fixed or probing.needed_repeats(bottom, wi, wo, len(uv)) > 1:
-            return columns(plain)
+            return mi.TensorXf(plain)
     surface, lobes = known_surface(bottom), []
     if surface is not None and not surface.bare:
         lobes = [[mi.Float(x) for x in no_lobe(model.widths)]] * spectrum.channel_count()
@@ -251,12 +244,21 @@ def _bottom_codes(
     lobes = [[*lobe, *lobe[: model.arch.lobe - len(lobe)]] for lobe in lobes]
     if lobes and (surface.bare if surface is not None else offer.bare):
         rest = [mi.Float(float(value)) for value in model.networks.empty_rest()]
-        return [[*lobe, *rest] for lobe in lobes]
+        return _tensor([[*lobe, *rest] for lobe in lobes])
     with dr.suspend_grad():
         average = probing.needed_averaging(bottom, wi, wo, grid, where, model.widths)
     starts = range(0, len(uv), PROBED_TEXELS)
     parts = [_probed(bottom, wi, wo, uv[i : i + PROBED_TEXELS], average) for i in starts]
-    return encode(model, parts, lobes, plain)
+    f = [dr.concat(channel) for channel in zip(*parts, strict=True)]
+    return coding.encoded(model, f, _tensor(lobes) if lobes else None, plain)
+
+
+def _tensor(channels: Sequence[Sequence]) -> "mi.TensorXf":
+    """A tensor (M, C, K) of K Dr.Jit floats, (M) or of one number, for each of C channels."""
+    columns = [x for channel in channels for x in channel]
+    points = max(map(len, columns))
+    shape = points, len(channels), len(channels[0])
+    return mi.TensorXf(coding.stacked(columns, points).array, shape)
 
 
 def _probed(
@@ -274,124 +276,3 @@ def _probed(
             channels = probing.bsdf_channels(bottom, probing.interaction(one, everywhere), out)
             total = [a + b for a, b in zip(total, channels, strict=True)]
     return [value / (len(averaged) * (1 + average.exchanged)) for value in total]
-
-
-def encode(model: Model, parts: Sequence[Sequence], lobes: Columns, anchors: np.ndarray) -> Columns:
-    """Anchors of a bottom, differentiable in its values and lobes: L columns per channel.
-
-    parts: groups of points; for each group and channel f (M * P) [1/sr] at the probe pairs.
-    lobes: the lobes of each channel if they are known; empty: they are fitted to the values.
-    anchors: (M or 1, C, L) as they are without gradients, see `gradients.linearised`.
-    """
-    return dr.custom(_Encode, model, list(parts), lobes, anchors)
-
-
-def layer(
-    model: Model, table: dict[str, np.ndarray], z_bottom: Columns, coat: Columns
-) -> "mi.TensorXf":
-    """`material.layer.layer_texels`, differentiable in the bottoms' codes and the coats.
-
-    table: the coats' checked parameters, (M or 1, C or 1), in double precision.
-    coat: the same in the order of `checks.COAT_COLUMNS`: a column per parameter, or per channel.
-
-    Returns:
-        Codes (M, C, L).
-    """
-    return dr.custom(_Layer, model, table, z_bottom, coat)
-
-
-def columns(values: np.ndarray) -> Columns:
-    """Values (M, C, K) as Dr.Jit floats, K for each channel."""
-    channels = np.moveaxis(values, 1, 0)
-    return [[mi.Float(np.ascontiguousarray(k, np.float32)) for k in z.T] for z in channels]
-
-
-def rows(columns: Columns, points: int = 1) -> np.ndarray:
-    """The values (M, C, K) of columns, K for each channel; M is at least `points`."""
-    arrays = [column.numpy() for channel in columns for column in channel]
-    points = max(points, *map(len, arrays))
-    stacked = np.stack([np.broadcast_to(array, points) for array in arrays], axis=-1)
-    return stacked.reshape(points, len(columns), -1)
-
-
-class _Encode(dr.CustomOp):
-    def eval(self, model, parts, lobes, anchors):
-        self._model, self._pairs = model, len(model.networks.pairs()[0])
-        self._points = [len(part[0]) // self._pairs for part in parts]
-        f, self._fitted = self._joined(parts), not lobes
-        anchors = np.broadcast_to(anchors, (*f.shape[:2], anchors.shape[-1]))
-        self._shape, self._f = anchors.shape, _flat(f)
-        self._z = gradients.linearised(model, self._f, _flat(anchors))
-        return columns(self._z.reshape(self._shape))
-
-    def forward(self):
-        df, dlobe = _flat(self._joined(self.grad_in("parts"))), None
-        if not self._fitted:
-            dlobe = _flat(rows(self.grad_in("lobes"), self._shape[0]))
-        dz = gradients.encode_pushforward(self._model, self._f, self._z, df, dlobe)
-        self.set_grad_out(columns(dz.reshape(self._shape)))
-
-    def backward(self):
-        dz = _flat(rows(self.grad_out(), self._shape[0]))
-        df, dlobe = gradients.encode_pullback(self._model, self._f, self._z, dz, self._fitted)
-        parts = np.split(df.reshape(*self._shape[:2], -1), np.cumsum(self._points)[:-1])
-        channels = [np.moveaxis(part, 1, 0).reshape(part.shape[1], -1) for part in parts]
-        self.set_grad_in("parts", [[mi.Float(f) for f in part] for part in channels])
-        if not self._fitted:
-            self.set_grad_in("lobes", columns(dlobe.reshape(*self._shape[:2], -1)))
-
-    def _joined(self, parts):
-        """The values (M, C, P) of all parts."""
-        arrays = [
-            rows([part], count * self._pairs).reshape(count, self._pairs, -1)
-            for part, count in zip(parts, self._points, strict=True)
-        ]
-        return np.moveaxis(np.concatenate(arrays), -1, 1)
-
-    def name(self):
-        return "encode"
-
-
-class _Layer(dr.CustomOp):
-    def eval(self, model, table, z_bottom, coat):
-        bottom = rows(z_bottom)
-        z = layer_texels(model, bottom, **table)
-        chosen = within_training(CoatParameters(**table))
-        if model.widths == 2 and not isinstance(chosen.alpha, Widths):
-            chosen = chosen._replace(alpha=Widths(chosen.alpha, chosen.alpha))
-        coats = np.stack(np.broadcast_arrays(*chosen.columns()), axis=-1)
-        self._model, self._shape = model, z.shape
-        self._channels = [len(parameter) for parameter in coat]
-        self._inputs = (
-            _flat(np.broadcast_to(bottom, z.shape)),
-            _flat(np.broadcast_to(coats, (*z.shape[:-1], coats.shape[-1]))),
-            _flat(z),
-        )
-        return mi.TensorXf(owned(mi.Float, z), z.shape)
-
-    def forward(self):
-        points, channels, _ = self._shape
-        dz_bottom = np.broadcast_to(rows(self.grad_in("z_bottom"), points), self._shape)
-        changes = [rows([parameter], points)[:, 0] for parameter in self.grad_in("coat")]
-        dcoat = np.stack([np.broadcast_to(c, (points, channels)) for c in changes], axis=-1)
-        dz = gradients.layer_pushforward(self._model, *self._inputs, _flat(dz_bottom), _flat(dcoat))
-        self.set_grad_out(mi.TensorXf(dz.reshape(self._shape)))
-
-    def backward(self):
-        points, channels, _ = self._shape
-        dz = _flat(self.grad_out().numpy().reshape(self._shape))
-        of_bottom, of_coat = gradients.layer_pullback(self._model, *self._inputs, dz)
-        self.set_grad_in("z_bottom", columns(of_bottom.reshape(self._shape)))
-        of_coat = np.moveaxis(of_coat.reshape(points, channels, -1), -1, 0)
-        summed = [
-            gradient if count > 1 else gradient.sum(axis=1, keepdims=True)
-            for gradient, count in zip(of_coat, self._channels, strict=True)
-        ]
-        self.set_grad_in("coat", [columns(gradient[:, None])[0] for gradient in summed])
-
-    def name(self):
-        return "layer"
-
-
-def _flat(array: np.ndarray) -> np.ndarray:
-    return array.reshape(-1, array.shape[-1])

@@ -25,7 +25,7 @@ def attached(
     below: Material,
     parameters: Sequence,
     values: Sequence,
-    codes: Sequence[Sequence],
+    codes: "mi.TensorXf | None",
 ) -> list:
     """ln f of each channel at the nodes of a table, Dr.Jit floats (N) with gradients.
 
@@ -34,7 +34,7 @@ def attached(
         coat, below: its coat and its bottom.
         parameters: of the bottom, flat Dr.Jit arrays that carry gradients.
         values: f of each channel of the bottom's table; empty: its slopes are those of its codes.
-        codes: of each channel the bottom's code; empty: its lobe does not change.
+        codes: (1, C, L) of the bottom; None: its lobe does not change.
     """
     assert material.table is not None  # for the type checker
     logs = material.table.reshape(-1, material.channels).T.astype(np.float32)
@@ -46,10 +46,11 @@ def attached(
             if dr.grad_enabled(number):
                 shared = range(material.channels) if len(given) == 1 else [channel]
                 changes.append((number, [Slope(c, name) for c in shared]))
-    for number, derivatives in _derivatives(parameters, [*values, *(x for z in codes for x in z)]):
+    outputs = [*values] if codes is None else [*values, codes.array]
+    for number, derivatives in _derivatives(parameters, outputs):
         nothing = [None] * material.channels
         of_values = derivatives[: len(values)] or nothing
-        of_codes = [*np.reshape(derivatives[len(values) :], (len(codes), -1))] if codes else nothing
+        of_codes = nothing if codes is None else [*derivatives[-1].reshape(codes.shape[1:])]
         parts = zip(of_values, of_codes, strict=True)
         slopes = [Slope(c, None, *pair) for c, pair in enumerate(parts)]
         changes.append((number, [x for x in slopes if any(np.any(y) for y in x[2:])]))

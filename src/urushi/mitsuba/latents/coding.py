@@ -1,0 +1,307 @@
+"""Encoder and layerer with derivatives by Dr.Jit.
+
+Codes have the values that NumPy computes. Dr.Jit differentiates the formulas of `core` and `nets`
+at these values. NumPy multiplies by matrices: the networks' weights, and the derivatives of fitted
+lobes, of refined codes and of the energy limit.
+
+Codes are tensors (M, C, L) of M points, or one for all points, and C channels. Functions of codes
+have N = M C rows.
+"""
+
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import drjit as dr
+import mitsuba as mi
+import numpy as np
+
+from urushi.checks import CoatParameters, Widths
+from urushi.core.namespace import DRJIT
+from urushi.material import energy
+from urushi.material.encode import encoder_codes
+from urushi.material.fit import refined_slopes
+from urushi.material.layer import absent, layer_texels, within_training
+from urushi.mitsuba.networks import lobe as lobes
+from urushi.mitsuba.networks.mlp import activate
+from urushi.mitsuba.recording import owned
+from urushi.nets.encoder import OFFSET
+from urushi.nets.features import COATS, coat_columns
+from urushi.nets.lobe import no_lobe
+from urushi.nets.lobe_fit_slopes import FITTED, fit_slopes
+from urushi.nets.mlp import linear
+from urushi.nets.weights import Model
+from urushi.parallel import fill_blocks
+
+#: Least reflectance of the diffuse surface at whose code the encoder is differentiated.
+LEAST_REFLECTANCE = 0.02
+
+#: Least 1 - albedo and least sigma_t at which the derivatives by the medium of a coat are taken: at
+#: the ends of both ranges, the networks' slopes are farther from those of light transport.
+MIN_ABSORPTION, MIN_DEPTH = 1e-3, 0.02
+
+#: Codes that differ by more were scaled down by the energy limit, or are not the encoder's.
+_ROUNDING = 1e-5
+
+#: Places of widths and index among the columns of a coat, and among the numbers of its lobe.
+_OF_COAT = {1: ((0, 1), (0, 4)), 2: ((0, 1, 5), (0, 4, 6))}
+
+
+def stacked(columns: Sequence, count: int) -> "mi.TensorXf":
+    """K Dr.Jit floats, each of one number or `count`, as a tensor (count, K)."""
+    return dr.custom(_Stack, [column + dr.zeros(mi.Float, count) for column in columns])
+
+
+def layered(
+    model: Model, table: dict[str, Any], bottom: "mi.TensorXf", coat: Sequence[Sequence]
+) -> "mi.TensorXf":
+    """`layer_texels`, differentiable in the bottoms' codes and the coats.
+
+    table: the coats' checked parameters, (M or 1, C or 1), in double precision.
+    bottom: (M or 1, C, L).
+    coat: the same in the order of `checks.COAT_COLUMNS`: a column per parameter, or per channel.
+
+    Returns:
+        Codes (M, C, L). A coat that is absent changes the code of the bottom by its own change.
+    """
+    chosen, lobe = within_training(CoatParameters(**table)), model.arch.lobe
+    if model.widths == 2 and not isinstance(chosen.alpha, Widths):
+        chosen = chosen._replace(alpha=Widths(chosen.alpha, chosen.alpha))
+    below = bottom.numpy()
+    codes = layer_texels(model, below, **table)
+    (points, channels, size), z = codes.shape, codes.reshape(-1, codes.shape[-1])
+    row = dr.arange(mi.UInt32, len(z))
+    places = row % (len(below) * channels) * size
+    own = [dr.gather(mi.Float, bottom.array, places + i) for i in range(size)]
+    below = np.broadcast_to(below, codes.shape).reshape(z.shape)
+    at = np.stack([np.broadcast_to(x, (points, channels)).ravel() for x in chosen.columns()])
+    at = at.astype(np.float32)
+    moves = []
+    for values in coat:
+        place = row // channels * len(values) + row % len(values)
+        moves.append(_change(dr.gather(mi.Float, stacked(values, points).array, place)))
+    inside, share = _inside(at)
+    outside, moving = (inside != at).any(axis=0), np.ones_like(at)
+    moving[2:5] = ~outside
+    moving[[0, *range(5, len(at))]] *= at[1] != 1  # no interface has a width
+    # The slope of a root is finite below an albedo of 1.
+    finite = np.concatenate([at[:2], np.minimum(at[2:3], 1 - 1e-7), at[3:]])
+    first = [x * move for x, move in zip(_rows(moving), moves, strict=True)]
+    changes = [mi.Float(0)] * lobe
+    for column, number in zip(*_OF_COAT[model.widths], strict=True):
+        changes[number] = first[column]
+    rests = _columns(_layerer(model, own, finite, first))
+    changes += [_change(x + y) for x, y in zip(own[lobe:], rests, strict=True)]
+    if outside.any():
+        again = [x * move for x, move in zip(_rows(share), moves, strict=True)]
+        rests = _columns(_layerer(model, [dr.detach(x) for x in own], inside, again))
+        changes[lobe:] = [x + _change(y) for x, y in zip(changes[lobe:], rests, strict=True)]
+    none = absent(CoatParameters.of_columns(at))
+    unlimited = model.networks.layer(below, CoatParameters.of_columns(at))
+    limited = (z[:, lobe] < unlimited[:, lobe] - _ROUNDING) & ~none
+    if limited.any():
+        slopes = np.zeros((size, len(z)), np.float32)
+        slopes[:, limited] = np.stack([energy.factor_slopes(model, x) for x in z[limited]], axis=1)
+        changes[lobe] += sum(x * y for x, y in zip(_rows(slopes), changes, strict=True))
+    if none.any():
+        rendered = none & ~energy.are_bare(model, below)  # bare surfaces have no rest
+        of_layer, of_lobe, of_rest = _rows(np.stack([~none, none, rendered]))
+        kept = [of_lobe] * lobe + [of_rest] * (size - lobe)
+        parts = zip(kept, own, changes, strict=True)
+        changes = [share * _change(x) + of_layer * y for share, x, y in parts]
+    return _tensor(codes, changes)
+
+
+def encoded(
+    model: Model, f: Sequence, lobe: "mi.TensorXf | None", anchors: np.ndarray
+) -> "mi.TensorXf":
+    """Anchors of a bottom (M, C, L), differentiable in its values and its lobes.
+
+    The limit of a bottom's albedo is ignored, so that an optimiser can leave white. A rest below
+    that of a diffuse surface of `LEAST_REFLECTANCE` has the code of that surface: networks see
+    logarithms, whose derivatives mean nothing there.
+
+    f: of each channel (M * P) [1/sr] at the probe pairs of M points.
+    lobe: (M or 1, C, K) if it is known; None: it is fitted to the values.
+    anchors: (M or 1, C, L) as they are without gradients.
+    """
+    wi, wo = (mi.Vector3f(np.ascontiguousarray(w.T)) for w in model.networks.pairs())
+    pairs, channels, size = dr.width(wi), len(f), model.arch.lobe
+    points = len(f[0]) // pairs
+    lane, count = dr.arange(mi.UInt32, points * channels * pairs), points * channels
+    row, pair = lane // pairs, lane % pairs
+    place = (row // channels * pairs + pair) * channels + row % channels
+    values = dr.gather(mi.Float, stacked(f, points * pairs).array, place)
+    z = np.broadcast_to(anchors, (points, *anchors.shape[1:])).reshape(count, -1)
+    plain = values.numpy().reshape(count, pairs)
+    rest, seen, own, dark = _rests(model, plain, z)
+    refined = ~dark & (np.abs(own - z)[:, size + 1 :].max(axis=-1) > _ROUNDING)
+    z = np.where(dark[:, None], own, z)
+    numbers = _rows(z[:, :size].T)
+    if lobe is not None:
+        first = dr.arange(mi.UInt32, count) % (lobe.shape[0] * channels) * size
+        numbers = [x + _change(dr.gather(mi.Float, lobe.array, first + i))
+                   for i, x in enumerate(numbers)]  # fmt: skip
+    else:
+
+        def by_values(f: np.ndarray, z: np.ndarray) -> np.ndarray:
+            return np.swapaxes(fit_slopes(f, z[:, :size], model.widths), 1, 2)
+
+        fitted = z[:, FITTED[model.widths]]
+        found = dr.custom(_Linear, mi.TensorXf(values, plain.shape), fitted, by_values, (plain, z))
+        for i, column in zip(FITTED[model.widths], _columns(found), strict=True):
+            numbers[i] = numbers[i] + _change(column)
+    kind = lobes.ANY_LOBE._replace(widths=model.widths)
+    at = [dr.gather(mi.Float, x, row) for x in numbers]
+    wi, wo = (dr.gather(mi.Vector3f, w, pair) for w in (wi, wo))
+    top = lobes.f([at], wi, wo, kind)[0]
+    plain_rest, visible = _rows(np.stack([rest.ravel(), seen.ravel()]))
+    rests = plain_rest + visible * _change(values - top)
+    mean, scale = (mi.TensorXf(model.params[f"encoder.input_{x}"][None]) for x in ("mean", "scale"))
+    logs = mi.TensorXf(dr.log(rests + OFFSET), plain.shape)
+    codes = _columns(_network(model, "encoder", (logs - mean) / scale))
+    if refined.any():
+        found = dr.custom(
+            _Linear, mi.TensorXf(rests, plain.shape), z[:, size:], _refined(model),
+            (plain, z, refined),
+        )  # fmt: skip
+        of_fit, of_network = _rows(np.stack([refined, ~refined]))
+        parts = zip(_columns(found), codes, strict=True)
+        codes = [of_fit * x + of_network * y for x, y in parts]
+    return _tensor(z.reshape(points, channels, -1), [_change(x) for x in (*numbers, *codes)])
+
+
+def _rests(model: Model, f: np.ndarray, z: np.ndarray) -> tuple[np.ndarray, ...]:
+    """What the encoder sees of values f (N, P) beside the lobes of codes z (N, L).
+
+    Returns:
+        The rest (N, P) [1/sr], whether f changes it (N, P), its codes (N, L) with the same lobes,
+        and whether it stands for a darker one (N,), see `encoded`.
+    """
+    networks, size, rest = model.networks, model.arch.lobe, np.empty_like(f)
+    fill_blocks(rest, lambda f, z: f - networks.top(z[:, None], *networks.pairs()), f, z)
+    seen, least = rest >= 0, np.float32(LEAST_REFLECTANCE / np.pi)
+    np.maximum(rest, 0, out=rest)
+    dark = (rest.mean(axis=-1) < least) | energy.are_bare(model, z)
+    rest[dark], seen[dark] = least, True
+    codes = encoder_codes(model, rest, np.array(no_lobe(model.widths), np.float32))
+    return rest, seen, np.concatenate([z[:, :size], codes[:, size:]], axis=-1), dark
+
+
+def _refined(model: Model) -> Callable[..., np.ndarray]:
+    """The function from f (n, P), codes and whether they are refined to derivatives (n, P, R)."""
+
+    def by_rests(f: np.ndarray, z: np.ndarray, refined: np.ndarray) -> np.ndarray:
+        result = np.zeros((*f.shape, z.shape[1] - model.arch.lobe), np.float32)
+        for i in np.flatnonzero(refined):
+            result[i] = refined_slopes(model.networks, f[i], z[i]).T
+        return result
+
+    return by_rests
+
+
+def _inside(coat: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Coats (K, N) within `MIN_ABSORPTION` and `MIN_DEPTH`, and shares (K, N) of their derivatives.
+
+    These are the derivatives by the medium, if a coat is outside. The share is less than one of
+    albedo and g, which have no effect without a medium; it is zero of all other derivatives.
+    """
+    inside, share = coat.copy(), np.zeros_like(coat)
+    inside[2], inside[3] = np.minimum(coat[2], 1 - MIN_ABSORPTION), np.maximum(coat[3], MIN_DEPTH)
+    share[2:5] = (inside != coat).any(axis=0)
+    share[[2, 4]] *= coat[3] / inside[3]
+    return inside, share
+
+
+def _layerer(model: Model, below: Sequence, values: np.ndarray, moves: Sequence) -> "mi.TensorXf":
+    """The layerer's change (N, R) of the rests of codes `below`, at coats (K, N) that move."""
+    kind, size = lobes.ANY_LOBE._replace(widths=model.widths), model.arch.lobe
+    columns = [value + move for value, move in zip(_rows(values), moves, strict=True)]
+    coat = coat_columns(*CoatParameters.of_columns(columns), DRJIT)
+    inputs = *below[size:], *lobes.lobe_features(below[:size], kind)
+    return _network(
+        model, "layerer", stacked([*inputs, *COATS[model.widths].each(coat)], values.shape[1])
+    )
+
+
+def _network(model: Model, prefix: str, x: "mi.TensorXf") -> "mi.TensorXf":
+    """`nets.mlp.mlp` of a tensor (N, in)."""
+    index, params = 0, model.params
+    while (name := f"{prefix}.{index}") + ".weight" in params:
+        if index:
+            x = mi.TensorXf(activate(x.array, model.arch.activation), x.shape)
+        values = linear(params, name, x.numpy())
+        x, index = dr.custom(_Linear, x, values, params[f"{name}.weight"], ()), index + 1
+    return x
+
+
+def _columns(tensor: "mi.TensorXf") -> list:
+    """The columns of a tensor (N, K)."""
+    count, size = tensor.shape
+    place = size * dr.arange(mi.UInt32, count)
+    return [dr.gather(mi.Float, tensor.array, place + i) for i in range(size)]
+
+
+def _tensor(values: np.ndarray, changes: Sequence) -> "mi.TensorXf":
+    """Codes (M, C, L) of these values that change as the columns (M C) `changes`, which are 0."""
+    own = owned(mi.Float, values.astype(np.float32))
+    return mi.TensorXf(own + stacked(changes, len(own) // len(changes)).array, values.shape)
+
+
+def _change(x: Any) -> Any:
+    """0 with the derivatives of x."""
+    return x - dr.detach(x)
+
+
+def _rows(values: np.ndarray) -> list:
+    """K Dr.Jit floats of values (K, N)."""
+    source, count = owned(mi.Float, values.astype(np.float32)), values.shape[1]
+    place = dr.arange(mi.UInt32, count)
+    return [dr.gather(mi.Float, source, place + i * count) for i in range(len(values))]
+
+
+class _Stack(dr.CustomOp):
+    def eval(self, columns):
+        size, place = len(columns), len(columns) * dr.arange(mi.UInt32, len(columns[0]))
+        result = dr.zeros(mi.Float, size * len(place))
+        for i, column in enumerate(columns):
+            dr.scatter(result, column, place + i)
+        return mi.TensorXf(result, (len(place), size))
+
+    def forward(self):
+        self.set_grad_out(self.eval(self.grad_in("columns")))
+
+    def backward(self):
+        self.set_grad_in("columns", _columns(self.grad_out()))
+
+    def name(self):
+        return "stack"
+
+
+class _Linear(dr.CustomOp):
+    """Given values (N, R) that change with rows (N, K) by a matrix (K, R), or by one for each row:
+    a function of arrays (n, ...) gives matrices (n, K, R)."""
+
+    def eval(self, rows, values, matrix, arrays):
+        self._matrix, self._arrays = matrix, arrays
+        self._inputs, self._outputs = rows.shape[1], values.shape[1]
+        return mi.TensorXf(owned(mi.Float, values.astype(np.float32)), values.shape)
+
+    def forward(self):
+        self.set_grad_out(self._times(self.grad_in("rows"), self._outputs, lambda x: x))
+
+    def backward(self):
+        swapped = self._times(self.grad_out(), self._inputs, lambda x: np.swapaxes(x, -1, -2))
+        self.set_grad_in("rows", swapped)
+
+    def _times(self, change, size, turned):
+        def block(x, *arrays):
+            matrix = turned(self._matrix(*arrays) if arrays else self._matrix)
+            return x @ matrix if matrix.ndim == 2 else (x[:, None] @ matrix)[:, 0]
+
+        rows = change.numpy()
+        result = np.empty((len(rows), size), np.float32)
+        fill_blocks(result, block, rows, *self._arrays)
+        return mi.TensorXf(owned(mi.Float, result), result.shape)
+
+    def name(self):
+        return "linear"
