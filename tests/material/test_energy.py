@@ -117,22 +117,6 @@ def test_albedos_between_two_angles_are_between_theirs():
         assert (between[rule.cosines >= angles[angles > edge].min()] <= 0.4 * 1.05).all()
 
 
-def test_slopes_between_two_angles_are_those_of_the_values():
-    """Where the polynomial is clipped, and where it is not; away from kinks."""
-    rule = albedo_rule()
-    angles = rule.wi[rule.first, 2]
-    for at_angles in (0.3 + 0.2 * angles, np.where(angles > 0.6, 0.4, 0.1) + 0.01 * angles):
-        for index in range(0, len(rule.cosines), 5):
-            steps = 1e-6 * np.eye(len(angles))
-            upper, lower = (
-                rule.interpolated(at_angles + steps),
-                rule.interpolated(at_angles - steps),
-            )
-            differences = (upper - lower)[:, index] / 2e-6
-            slopes = rule.interpolated_slopes(at_angles, index)
-            np.testing.assert_allclose(slopes, differences, atol=1e-6)
-
-
 def test_what_the_encoder_makes_of_nothing_is_no_gain(trained):
     """A bare mirror is the bottom of coats with a rest for the layerer, which is not rendered."""
     bright = brighter(trained, 100.0)

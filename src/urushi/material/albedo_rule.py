@@ -91,26 +91,10 @@ def albedo_rule(widths: int = 1) -> AlbedoRule:
 def _isotropic_rule() -> AlbedoRule:
     """The rule of the file."""
     lines = (files("urushi.material") / "albedo_rule.csv").read_text(encoding="ascii").splitlines()
-    cos_i, x, y, z, weights = np.loadtxt(lines, delimiter=",").T
-    wi = np.stack([np.sqrt(1 - cos_i**2), np.zeros_like(cos_i), cos_i], axis=-1).astype(np.float32)
-    wo = np.stack([x, y, z], axis=-1).astype(np.float32)
-    wi.flags.writeable = wo.flags.writeable = False
+    cos_i, *wo, weights = np.loadtxt(lines, delimiter=",").T
     first = np.flatnonzero(np.diff(cos_i, prepend=2.0))
-    angles = np.log(cos_i[first] + COSINE_OFFSET)
-    between = np.linspace(angles[0], angles[-1], INTERPOLATED_COSINES)
-    # The angles fall, and so do those between them.
-    left = np.clip(np.searchsorted(-angles, -between, side="right") - 1, 0, len(angles) - 2)
-    features = direction_features(wi, wo)
-    return AlbedoRule(
-        wi,
-        wo,
-        features,
-        weights,
-        first,
-        np.exp(between) - COSINE_OFFSET,
-        _lagrange(angles, between),
-        left,
-    )
+    parts = np.split(np.stack(wo, axis=-1), first[1:]), np.split(weights, first[1:])
+    return _rule((0.0,), cos_i[first], [*zip(*parts, strict=True)])
 
 
 def _anisotropic_rule() -> AlbedoRule:
@@ -119,29 +103,36 @@ def _anisotropic_rule() -> AlbedoRule:
     Lobes of two very different widths are narrow near these planes. The nodes end at the horizon of
     wo, as in `core.quadrature.half_vector_rule`.
     """
-    directions = np.stack(np.meshgrid(AZIMUTHS, ANISOTROPIC_COSINES, indexing="ij"), axis=-1)
-    directions = directions.reshape(-1, 2)
-    parts = [_half_vector_nodes(azimuth, cosine) for azimuth, cosine in directions]
-    counts = [len(weights) for _, weights in parts]
-    sines = np.sqrt(1 - directions[:, 1] ** 2)
-    along, across = np.cos(directions[:, 0]), np.sin(directions[:, 0])
-    incident = np.stack([sines * along, sines * across, directions[:, 1]], axis=-1)
+    nodes = [_half_vector_nodes(phi, cosine) for phi in AZIMUTHS for cosine in ANISOTROPIC_COSINES]
+    return _rule(AZIMUTHS, np.array(ANISOTROPIC_COSINES), nodes, 2)
+
+
+def _rule(
+    azimuths: tuple[float, ...],
+    cosines: np.ndarray,
+    parts: list[tuple[np.ndarray, np.ndarray]],
+    widths: int = 1,
+) -> AlbedoRule:
+    """The rule of angles whose cosines (A,) fall; parts: wo (M, 3) and weights (M,) for each wi."""
+    phi, cosine = (x.ravel() for x in np.meshgrid(azimuths, cosines, indexing="ij"))
+    sine, counts = np.sqrt(1 - cosine**2), [len(weights) for _, weights in parts]
+    incident = np.stack([sine * np.cos(phi), sine * np.sin(phi), cosine], axis=-1)
     wi = np.repeat(incident, counts, axis=0).astype(np.float32)
     wo = np.concatenate([wo for wo, _ in parts]).astype(np.float32)
     wi.flags.writeable = wo.flags.writeable = False
-    angles = np.log(np.array(ANISOTROPIC_COSINES) + COSINE_OFFSET)
+    angles = np.log(cosines + COSINE_OFFSET)
     between = np.linspace(angles[0], angles[-1], INTERPOLATED_COSINES)
+    # The angles fall, and so do those between them.
     left = np.clip(np.searchsorted(-angles, -between, side="right") - 1, 0, len(angles) - 2)
-    azimuths = len(AZIMUTHS)
     return AlbedoRule(
         wi,
         wo,
-        direction_features(wi, wo, 2),
+        direction_features(wi, wo, widths),
         np.concatenate([weights for _, weights in parts]),
         np.cumsum([0, *counts[:-1]]),
-        np.tile(np.exp(between) - COSINE_OFFSET, azimuths),
-        np.kron(np.eye(azimuths), _lagrange(angles, between)),
-        np.concatenate([left + k * len(angles) for k in range(azimuths)]),
+        np.tile(np.exp(between) - COSINE_OFFSET, len(azimuths)),
+        np.kron(np.eye(len(azimuths)), _lagrange(angles, between)),
+        np.concatenate([left + k * len(angles) for k in range(len(azimuths))]),
     )
 
 

@@ -44,7 +44,7 @@ LEAST_REST = 0.005
 BARE_DIFFERENCE = 1e-4
 
 #: A code with a factor below `TINY_FACTOR` is measured again, at most `TINY_FACTOR_ROUNDS` times:
-#: down to exp(-80).
+#: codes far from the training data may decode to the greatest f of the decoder.
 TINY_FACTOR, TINY_FACTOR_ROUNDS = 1e-3, 3
 
 #: Codes of a block, which one core measures; fewer codes are measured by the calling thread.
@@ -115,7 +115,25 @@ def limit_albedo(
     Returns:
         float32 (..., L); the same bits where a code is not above its ceiling.
     """
-    return _scaled(model, z, _limiting_factors(model, z, ceiling))
+    rows, over = np.ascontiguousarray(z).reshape(-1, z.shape[-1]), np.arange(z[..., 0].size)
+    varies = not isinstance(ceiling, float)
+    if varies:
+        count = len(albedo_rule(model.arch.widths).cosines)
+        ceiling = np.broadcast_to(ceiling, (*z.shape[:-1], count)).reshape(-1, count)
+    elif len(rows) > SCREENED_COUNT:
+        over = codes_to_measure(functools.partial(excesses, model, ceiling=ceiling), rows)
+    unchanged = True
+    for _ in range(1 + TINY_FACTOR_ROUNDS):
+        if not len(over):
+            break
+        own = ceiling[over] if varies else ceiling  # type: ignore[index]
+        factors = (1 / excesses(model, rows[over], own)).astype(np.float32)
+        if (factors < 1).any():
+            rows, unchanged = rows if not unchanged else np.array(rows), False
+            gains = model.networks.gains(rows)
+            gains[over[factors < 1]] += np.log(factors[factors < 1])
+        over = over[factors < TINY_FACTOR]
+    return z if unchanged else rows.reshape(z.shape)
 
 
 def as_rendered(model: Model, z_bottom: np.ndarray) -> np.ndarray:
@@ -134,54 +152,6 @@ def are_bare(model: Model, z: np.ndarray) -> np.ndarray:
     return np.abs(z[..., model.arch.lobe :] - empty).max(axis=-1) < BARE_DIFFERENCE
 
 
-def _limiting_factors(
-    model: Model, z: np.ndarray, ceiling: np.ndarray | float = 1 - MARGIN
-) -> np.ndarray:
-    """The factors float32 (...) in (0, 1] that bring codes (..., L) below a ceiling.
-
-    A code far from the training data may decode to the greatest f that the decoder represents
-    (`decoder.MAX_LOG`). Then the factor is found by scaling and measuring repeatedly.
-    """
-    result = _measured_factors(model, z, ceiling)
-    far = result < TINY_FACTOR
-    for _ in range(TINY_FACTOR_ROUNDS):
-        if not far.any():
-            break
-        ceilings = ceiling
-        if not isinstance(ceiling, float):
-            ceilings = np.broadcast_to(ceiling, (*z.shape[:-1], _directions(model)))[far]
-        further = _measured_factors(
-            model, model.networks.rest_scaled(z[far], result[far]), ceilings
-        )
-        result[far] *= further
-        far[far] = further < TINY_FACTOR
-    return result
-
-
-def _measured_factors(model: Model, z: np.ndarray, ceiling: np.ndarray | float) -> np.ndarray:
-    """`_limiting_factors` by one measurement, exact where f is below the decoder's maximum."""
-    result = np.ones(z.shape[:-1], np.float32)
-    if not z.size:
-        return result
-    rows = np.ascontiguousarray(z).reshape(-1, z.shape[-1])
-    if isinstance(ceiling, float) and len(rows) > SCREENED_COUNT:
-        excess = functools.partial(excesses, model, ceiling=ceiling)
-        bright = codes_to_measure(excess, rows)
-        result.reshape(-1)[bright] = 1 / excess(rows[bright])
-    else:
-        ceilings = ceiling
-        if not isinstance(ceiling, float):
-            ceilings = np.broadcast_to(ceiling, (*z.shape[:-1], _directions(model)))
-            ceilings = ceilings.reshape(-1, ceilings.shape[-1])
-        result[...] = (1 / excesses(model, rows, ceilings)).reshape(result.shape)
-    return np.minimum(result, 1, out=result)
-
-
-def _directions(model: Model) -> int:
-    """The number D of directions at which the albedos of codes are known."""
-    return len(albedo_rule(model.arch.widths).cosines)
-
-
 def excesses(model: Model, z: np.ndarray, ceiling: np.ndarray | float) -> np.ndarray:
     """Largest ratios (N,) of the albedo of the rest to its allowed albedo, for codes (N, L)."""
     allowed = np.maximum(ceiling - top_albedos(model, z), LEAST_REST)
@@ -197,17 +167,6 @@ def is_limited(lobe: np.ndarray) -> np.ndarray:
     interface is smooth. Coats over such codes meet the ceiling themselves.
     """
     return (lobe[..., 3] <= 0) | (lobe[..., 4] >= 1)
-
-
-def _scaled(model: Model, z: np.ndarray, factors: np.ndarray) -> np.ndarray:
-    """Codes (..., L) with factors (...) in (0, 1] on their rests."""
-    over = factors < 1
-    if not over.any():
-        return z
-    result = np.array(z)
-    gains = model.networks.gains(result)
-    gains[over] += np.log(factors[over])
-    return result
 
 
 def factor_slopes(model: Model, z: np.ndarray) -> np.ndarray:

@@ -5,7 +5,6 @@ the albedo of the others.
 """
 
 from collections.abc import Callable
-from typing import NamedTuple
 
 import numpy as np
 
@@ -41,76 +40,47 @@ def codes_to_measure(excess: Callable[[np.ndarray], np.ndarray], z: np.ndarray) 
     index = np.arange(len(z))
     for seed in range(ROUNDS):
         before = len(index)
-        index = index[_codes_to_measure(excess, z[index] if seed else z, seed)]
+        index = index[_candidates(excess, z[index] if seed else z, np.random.default_rng(seed))]
         if len(index) > before // 2 or len(index) < GAIN * SAMPLE:
             break
     return index
 
 
-def _codes_to_measure(
-    excess: Callable[[np.ndarray], np.ndarray], z: np.ndarray, seed: int
+def _candidates(
+    excess: Callable[[np.ndarray], np.ndarray], z: np.ndarray, rng: np.random.Generator
 ) -> np.ndarray:
-    rng = np.random.default_rng(seed)
-    sample = z[rng.integers(len(z), size=SAMPLE)]
+    """`codes_to_measure` by one ridge regression of the logarithm of the excess.
+
+    Its features are tanh of random combinations of a code's numbers, the numbers, and one.
+    """
+    sample, half = z[rng.integers(len(z), size=SAMPLE)], SAMPLE // 2
     target = np.log(excess(sample))
-    half = SAMPLE // 2
+    mean, spread = sample.mean(axis=0), sample.std(axis=0)
+    # Numbers that hardly vary must not be amplified.
+    scale = 1 / np.maximum(spread, 0.01 * spread.max() + 1e-12)
+    size = sample.shape[1]
+    projection = (rng.normal(size=(size, FEATURES)) / np.sqrt(size)).astype(np.float32)
+    shift = rng.uniform(-2, 2, FEATURES).astype(np.float32)
+    reach = REACH * np.abs((sample - mean) * scale).max(axis=0) + 1e-3
+
+    def features(x: np.ndarray) -> np.ndarray:
+        one = np.ones((len(x), 1), np.float32)
+        return np.concatenate([np.tanh(x @ projection + shift), x, one], axis=1)
+
+    def estimate(z: np.ndarray) -> np.ndarray:  # infinite for codes far outside the sample
+        x = (z - mean) * scale
+        inside = (np.abs(x) <= reach).all(axis=-1)
+        return np.where(inside, features(x) @ coefficients, np.float32(np.inf))[:, None]
+
     with one_blas_thread():  # the matrices are small
-        estimate = AlbedoRegression.fit(sample[:half], target[:half], sample, rng)
-        errors = target[half:] - estimate(sample[half:])
+        x = features((sample[:half] - mean) * scale).astype(np.float64)
+        weights = np.exp(WEIGHT_POWER * (target[:half] - target[:half].max()))
+        weighted = x.T * (weights / weights.sum())
+        normal = weighted @ x + RIDGE * np.eye(x.shape[1])
+        coefficients = np.linalg.solve(normal, weighted @ target[:half]).astype(np.float32)
+        errors = target[half:] - estimate(sample[half:])[:, 0]
     near = target[half:] >= min(-NEAR, np.quantile(target[half:], 0.9))
     margin = ERROR_FACTOR * max(float(errors[near].max()), 0) + LEAST_MARGIN
     values = np.empty((len(z), 1), np.float32)
-    fill_blocks(values, lambda codes: estimate(codes)[:, None], z)
+    fill_blocks(values, estimate, z)
     return np.flatnonzero(values[:, 0] > -margin)
-
-
-class AlbedoRegression(NamedTuple):
-    """Ridge regression of the logarithm of the excess of codes.
-
-    Its features are tanh of random combinations of a code's numbers, the numbers, and one.
-
-    Attributes:
-        mean, scale: (L,) of the numbers, by which they are standardised.
-        projection, shift: (L, K) and (K,) of the random combinations of standardised numbers.
-        reach: (L,) magnitudes up to which the sample has standardised numbers.
-        coefficients: (F,) of the features.
-    """
-
-    mean: np.ndarray
-    scale: np.ndarray
-    projection: np.ndarray
-    shift: np.ndarray
-    reach: np.ndarray
-    coefficients: np.ndarray
-
-    @classmethod
-    def fit(
-        cls, z: np.ndarray, target: np.ndarray, sample: np.ndarray, rng: np.random.Generator
-    ) -> "AlbedoRegression":
-        """Fit targets (n,) of codes z (n, L); sample: codes that define the range."""
-        size = sample.shape[1]
-        mean, spread = sample.mean(axis=0), sample.std(axis=0)
-        # Numbers that hardly vary must not be amplified.
-        scale = 1 / np.maximum(spread, 0.01 * spread.max() + 1e-12)
-        projection = (rng.normal(size=(size, FEATURES)) / np.sqrt(size)).astype(np.float32)
-        shift = rng.uniform(-2, 2, FEATURES).astype(np.float32)
-        reach = REACH * np.abs((sample - mean) * scale).max(axis=0) + 1e-3
-        unfitted = cls(mean, scale, projection, shift, reach, np.zeros(0))
-        x = unfitted.features((z - mean) * scale).astype(np.float64)
-        weights = np.exp(WEIGHT_POWER * (target - target.max()))
-        weighted = x.T * (weights / weights.sum())
-        normal = weighted @ x + RIDGE * np.eye(x.shape[1])
-        return unfitted._replace(
-            coefficients=np.linalg.solve(normal, weighted @ target).astype(np.float32)
-        )
-
-    def features(self, x: np.ndarray) -> np.ndarray:
-        """Features (N, F) of standardised codes (N, L)."""
-        one = np.ones((len(x), 1), np.float32)
-        return np.concatenate([np.tanh(x @ self.projection + self.shift), x, one], axis=1)
-
-    def __call__(self, z: np.ndarray) -> np.ndarray:
-        """Estimates (N,) for codes (N, L); infinite for those far outside the sample."""
-        x = (z - self.mean) * self.scale
-        inside = (np.abs(x) <= self.reach).all(axis=-1)
-        return np.where(inside, self.features(x) @ self.coefficients, np.float32(np.inf))

@@ -89,6 +89,20 @@ def to_channels(value) -> list:
     return [value[0]] if mi.is_monochromatic else list(value)
 
 
+def points(uv: np.ndarray) -> "mi.SurfaceInteraction3f":
+    """Surface interactions at points uv (M, 2), for textures."""
+    si = dr.zeros(mi.SurfaceInteraction3f, len(uv))
+    si.uv = mi.Point2f(np.ascontiguousarray(uv.T, np.float32))
+    return si
+
+
+def stacked(channels: Sequence[Sequence], count: int) -> np.ndarray:
+    """Numbers float32 (count, C, K) from K Dr.Jit floats for each channel."""
+    dr.eval(channels)
+    rows = [[np.broadcast_to(value.numpy(), count) for value in channel] for channel in channels]
+    return np.moveaxis(np.array(rows, np.float32), -1, 0)
+
+
 def band_at(wavelengths) -> list:
     """The band of constant coats (UInt32) at each wavelength of a spectrum [nm]."""
     place = (dr.tanh(STEEPNESS * (wavelengths - CENTRE)) - _LOWEST) * (COUNT / (_HIGHEST - _LOWEST))

@@ -18,9 +18,6 @@ from urushi.nets.lobe import WIDTH_PLACES
 from urushi.nets.weights import Model
 from urushi.parallel import fill_blocks
 
-#: Texels by slice or index.
-Rows = slice | np.ndarray
-
 #: Least number of 16-bit numbers in a channel: the lobe's width and the gain, or its two widths.
 LEAST_FINE_NUMBERS = 2
 
@@ -187,29 +184,26 @@ def measure_importance(model: Model) -> list[int]:
     return [int(number) for number in np.argsort(change)[::-1]]
 
 
-def with_ranges(
-    layout: TexelLayout, texels: np.ndarray, lowest: np.ndarray, highest: np.ndarray
+def pack(
+    layout: TexelLayout,
+    codes: np.ndarray,
+    index: np.ndarray,
+    others: np.ndarray,
+    lowest: np.ndarray,
+    highest: np.ndarray,
 ) -> PackedTexels:
-    """Packed texels of bytes (T, B), with ranges from lowest to highest (size,)."""
-    bottom = lowest.astype(np.float32)
-    return PackedTexels(texels, bottom, ((highest - bottom) / layout.levels).astype(np.float32))
+    """Pack texels of shared codes, and other texels after them.
 
-
-def pack_rows(layout: TexelLayout, packed: PackedTexels, rows: Rows, codes: np.ndarray) -> None:
-    """Overwrite rows of a packed texture (T, B) by codes (n, channels, size) within its ranges."""
-    part = packed.bytes[rows]  # a view if `rows` is a slice, else a copy
-    fill_blocks(part, lambda z: _bytes(layout, packed, z), codes)
-    if not isinstance(rows, slice):
-        packed.bytes[rows] = part
-
-
-def pack_shared(
-    layout: TexelLayout, packed: PackedTexels, rows: Rows, codes: np.ndarray, index: np.ndarray
-) -> None:
-    """Overwrite rows (n,) of a packed texture (T, B) by codes (k, size) that texels share.
-
-    index: (n, channels) chooses the code of each texel and channel. Every code is packed once.
+    Args:
+        codes: (k, size), of which index (n, channels) chooses one for each texel and channel. Every
+            code is packed once.
+        others: (m, channels, size).
+        lowest, highest: (size,) ranges of all codes.
     """
+    bottom = lowest.astype(np.float32)
+    step = ((highest - bottom) / layout.levels).astype(np.float32)
+    empty = np.zeros((len(index) + len(others), layout.texel_bytes), np.uint8)
+    packed = PackedTexels(empty, bottom, step)
     width = layout.shared + layout.stride
     one = layout._replace(channels=1, texel_bytes=width)
     parts = np.empty((len(codes), width), np.uint8)
@@ -219,10 +213,9 @@ def pack_shared(
         own = parts[:, layout.shared :][index].reshape(len(index), -1)
         return np.concatenate([parts[index[:, 0], : layout.shared], own], axis=1)
 
-    part = packed.bytes[rows]  # a view if `rows` is a slice, else a copy
-    fill_blocks(part[:, : layout.used_bytes], texels, index, rows=SHARED_ROWS)
-    if not isinstance(rows, slice):
-        packed.bytes[rows] = part
+    fill_blocks(empty[: len(index), : layout.used_bytes], texels, index, rows=SHARED_ROWS)
+    fill_blocks(empty[len(index) :], lambda z: _bytes(layout, packed, z), others)
+    return packed
 
 
 def _bytes(layout: TexelLayout, packed: PackedTexels, codes: np.ndarray) -> np.ndarray:
@@ -240,48 +233,27 @@ def _bytes(layout: TexelLayout, packed: PackedTexels, codes: np.ndarray) -> np.n
     np.minimum(levels, highest, out=levels)
     # Every number as its low and its high byte, of which the texel's bytes are chosen.
     both = levels.astype("<u2").view(np.uint8)
+    source = np.zeros(layout.texel_bytes + 1, np.intp)
+    source[_places(layout)] = np.arange(both.shape[1])
     result = np.zeros((len(codes), layout.texel_bytes), np.uint8)
-    result[:, : layout.used_bytes] = both.take(_sources(layout), axis=1)
+    result[:, : layout.used_bytes] = both.take(source[: layout.used_bytes], axis=1)
     return result
 
 
-def _sources(layout: TexelLayout) -> np.ndarray:
-    """Which of the bytes (channels, size, low and high) of a texel's numbers it stores (B,)."""
-    result = np.zeros(layout.used_bytes, np.intp)
+def _places(layout: TexelLayout) -> np.ndarray:
+    """Where a texel holds the low and the high byte of each number, (channels * size * 2).
+
+    A byte that is zero everywhere, the last of a texel and one more, has no place in the texel.
+    """
+    result = np.full((layout.channels, layout.size, 2), layout.texel_bytes)
     for channel in range(layout.channels):
         for number, (high, low) in enumerate(zip(layout.high, layout.low, strict=True)):
-            if high < 0 or (layout.same[number] and channel):
-                continue
-            start, first = layout.start(channel, number), 2 * (channel * layout.size + number)
-            result[start + high] = first + (low >= 0)
+            start = layout.start(channel, number)
             if low >= 0:
-                result[start + low] = first
-    return result
-
-
-def _parts(layout: TexelLayout) -> list[tuple[int, int, np.ndarray]]:
-    """Of each part of a texel: a channel that it belongs to, its first byte, and its numbers."""
-    kept, same = ~layout.constant, np.array(layout.same)
-    parts = [(0, 0, np.flatnonzero(kept & same))]
-    for channel in range(layout.channels):
-        start = layout.shared + channel * layout.stride
-        parts.append((channel, start, np.flatnonzero(kept & ~same)))
-    return parts
-
-
-def in_ranges(packed: PackedTexels, layout: TexelLayout, codes: np.ndarray) -> bool:
-    """Whether a packed texture can hold codes (T, channels, size).
-
-    They are within its ranges or one step beyond, and the same where its layout needs it.
-    """
-    slack = packed.step
-    highest = packed.lowest + layout.levels * packed.step
-    same = np.array(layout.same) & ~layout.constant
-    return bool(
-        (codes >= packed.lowest - slack).all()
-        and (codes <= highest + slack).all()
-        and (codes[..., same] == codes[:, :1, same]).all()
-    )
+                result[channel, number] = start + low, start + high
+            elif high >= 0:
+                result[channel, number, 0] = start + high
+    return result.ravel()
 
 
 def unpack(layout: TexelLayout, packed: PackedTexels) -> np.ndarray:
@@ -293,17 +265,6 @@ def unpack(layout: TexelLayout, packed: PackedTexels) -> np.ndarray:
 
 def _codes(layout: TexelLayout, packed: PackedTexels, rows: np.ndarray) -> np.ndarray:
     """Codes (T, channels * size) of bytes (T, B)."""
-    codes = np.empty((len(rows), layout.channels, layout.size), np.float32)
-    codes[:] = packed.lowest
-    places_high, places_low = np.array(layout.high), np.array(layout.low)
-    for channel, start, chosen in _parts(layout):
-        levels = rows[:, start + places_high[chosen]].astype(np.float32)
-        fine = np.flatnonzero(places_low[chosen] >= 0)
-        levels[:, fine] *= 256
-        levels[:, fine] += rows[:, start + places_low[chosen[fine]]]
-        values = packed.lowest[chosen] + levels * packed.step[chosen]
-        if np.array(layout.same)[chosen].all() and len(chosen):
-            codes[..., chosen] = values[:, None]
-        else:
-            codes[:, channel, chosen] = values
-    return codes.reshape(len(rows), layout.channels * layout.size)
+    padded = np.pad(rows, [(0, 0), (0, 1)])
+    levels = padded.take(_places(layout), axis=1).view("<u2").astype(np.float32)
+    return np.tile(packed.lowest, layout.channels) + levels * np.tile(packed.step, layout.channels)

@@ -1,4 +1,4 @@
-"""A packed latent texture that is read and overwritten by rows, with or without a mip pyramid."""
+"""A packed latent texture that is read and changed by rows, with or without a mip pyramid."""
 
 import numpy as np
 
@@ -6,7 +6,7 @@ from urushi import parallel
 from urushi.nets.weights import Model
 from urushi.textures import packing
 from urushi.textures.mip_pyramid import ReadCodes, coarse_levels, level_sizes
-from urushi.textures.packing import PackedTexels, Rows, TexelLayout
+from urushi.textures.packing import PackedTexels, TexelLayout
 
 #: Texels that are packed at once: bounds memory.
 PACKED_BLOCK = 1 << 17
@@ -32,80 +32,50 @@ class TextureStore:
         nothing = np.zeros(layout.size, np.float32)
         self.packed = PackedTexels(np.zeros((0, layout.texel_bytes), np.uint8), nothing, nothing)
 
-    @property
-    def empty(self) -> bool:
-        """Whether nothing has been written yet."""
-        return not len(self.packed.bytes)
-
     def read(self, rows: slice | np.ndarray) -> np.ndarray:
         """Codes float32 (n, channels, size) of rows."""
         part = self.packed._replace(bytes=self.packed.bytes[rows])
         return packing.unpack(self.layout, part)
 
-    def write(self, rows: Rows, codes: np.ndarray, index: np.ndarray | None = None) -> None:
-        """Set rows (n,) of the first level, and compute the other levels.
+    def write(
+        self, rows: slice | np.ndarray, codes: np.ndarray, index: np.ndarray | None = None
+    ) -> None:
+        """Set rows (n,) of the first level, and compute the other levels, layout and ranges.
 
-        The first writing must set all rows. It chooses the layout and the ranges.
+        The first writing must set all rows.
 
         codes: (n, channels, size); or (k, size) codes that texels share, and index (n, channels)
             chooses the codes of each texel among them.
         """
-        codes = codes.astype(np.float16, copy=False)
+        codes, first = codes.astype(np.float16, copy=False), self.levels[0][0] * self.levels[0][1]
+        former = []
+        if len(codes if index is None else index) < first:  # other texels keep their bits
+            packed = self.packed
+            former = [(packed.lowest, packed.lowest + self.layout.levels * packed.step)]
+            starts = range(0, first, PACKED_BLOCK)
+            blocks = [slice(start, min(start + PACKED_BLOCK, first)) for start in starts]
+            whole = np.concatenate([self.read(block).astype(np.float16) for block in blocks])
+            whole[rows] = codes if index is None else codes[index]
+            codes, index = whole, None
         if index is None:
             texels, channels, size = codes.shape
             index = np.arange(texels * channels, dtype=np.uint32).reshape(texels, channels)
             codes = codes.reshape(-1, size)
-        if not self.empty:
-            self._overwrite(rows, codes[index])
-            coarse = self._coarse_levels(self.read)
-            if len(coarse):
-                self._overwrite(slice(-len(coarse), None), coarse)
-            return
         coarse = self._coarse_levels(lambda texels: codes[index[texels]]).astype(np.float16)
-        ends = [_value_range(part) for part in (codes, coarse) if len(part)]
+        ends = [*former, *(_value_range(part) for part in (codes, coarse) if len(part))]
         lowest, highest = (np.stack(end) for end in zip(*ends, strict=True))
+        lowest, highest = lowest.min(axis=0), highest.max(axis=0)
         same = _same_in_channels(codes, index, self._compared) & _equal_channels(coarse)
-        texels = len(index) + len(coarse)
-        self._start(texels, lowest.min(axis=0), highest.max(axis=0), same)
-        packing.pack_shared(self.layout, self.packed, slice(len(index)), codes, index)
-        packing.pack_rows(self.layout, self.packed, slice(len(index), None), coarse)
+        self.layout = packing.texel_layout(
+            self._model, self.layout.channels, lowest == highest, same
+        )
+        self.packed = packing.pack(self.layout, codes, index, coarse, lowest, highest)
 
     def _coarse_levels(self, read: ReadCodes) -> np.ndarray:
         """Codes (n, channels, size) of all levels but the first, which `read` gives."""
         if len(self.levels) == 1:
             return np.zeros((0, self.layout.channels, self.layout.size), np.float32)
         return coarse_levels(self._model, *self.levels[0], read)
-
-    def _start(
-        self, texels: int, lowest: np.ndarray, highest: np.ndarray, same: np.ndarray
-    ) -> None:
-        """Choose the layout, and prepare as many texels for codes of these ranges."""
-        self.layout = packing.texel_layout(
-            self._model, self.layout.channels, lowest == highest, same
-        )
-        empty = np.zeros((texels, self.layout.texel_bytes), np.uint8)
-        self.packed = packing.with_ranges(self.layout, empty, lowest, highest)
-
-    def _overwrite(self, rows: Rows, codes: np.ndarray) -> None:
-        """Replace rows (n,) by codes (n, channels, size); a wider range repacks all texels."""
-        if not packing.in_ranges(self.packed, self.layout, codes):
-            self._widen(codes)
-        packing.pack_rows(self.layout, self.packed, rows, codes)
-
-    def _widen(self, codes: np.ndarray) -> None:
-        before, narrower = self.layout, self.packed
-        highest = narrower.lowest + before.levels * narrower.step
-        self._start(
-            len(narrower.bytes),
-            np.minimum(narrower.lowest, codes.min(axis=(0, 1))),
-            np.maximum(highest, codes.max(axis=(0, 1))),
-            np.array(before.same) & (codes == codes[:, :1]).all(axis=(0, 1)),
-        )
-        texels = len(narrower.bytes)
-        for start in range(0, texels, PACKED_BLOCK):
-            rows = slice(start, min(start + PACKED_BLOCK, texels))
-            part = narrower._replace(bytes=narrower.bytes[rows])
-            packing.pack_rows(self.layout, self.packed, rows, packing.unpack(before, part))
 
 
 def _same_in_channels(codes: np.ndarray, index: np.ndarray, compared: int) -> np.ndarray:

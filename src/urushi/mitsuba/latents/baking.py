@@ -10,7 +10,6 @@ from collections.abc import Iterator
 from functools import partial
 from typing import Any
 
-import drjit as dr
 import mitsuba as mi
 import numpy as np
 from tqdm import tqdm
@@ -102,7 +101,6 @@ class Baker:
             return TexturedLatents(self.model, kept[0], grid)
         channels = spectrum.channel_count()
         texture = self._texture or BakedTexture(self.model, grid, channels, self._mipmaps)
-        dr.sync_thread()  # kernels may still read what is overwritten here
         with self._progress(grid) as bar:
             self.bottom.bake(bar.update)
             source = coat_source(self.model, partial(self._parameters, grid), self.bottom.source)

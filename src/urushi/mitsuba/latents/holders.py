@@ -43,7 +43,36 @@ class Vertex(NamedTuple):
     proposal: Mixture | None
 
 
-class ConstantLatents:
+class _Held:
+    """Codes whose f is a function of a vertex's terms, wi and wo."""
+
+    channels: int
+
+    def _evaluated(self) -> Callable[..., list]:
+        """The function from terms, wi and wo to f of each channel, or of one for all."""
+        raise NotImplementedError
+
+    def f(self, vertex: Vertex, si, wo, active) -> list:
+        """The BRDF [1/sr] of each channel for si.wi and wo above the horizon."""
+        values = only_where(active, self._evaluated(), vertex.decoder_terms, si.wi, wo)
+        return self._of_each_channel(values)
+
+    def f_and_pdf(self, vertex: Vertex, si, wo, active) -> tuple[list, Any]:
+        """`f`, and the density of the proposal [1/sr]."""
+        f_of_terms = self._evaluated()
+
+        def evaluated(terms, proposal, wi, wo):
+            return f_of_terms(terms, wi, wo), proposal.pdf(wi, wo)
+
+        values, pdf = only_where(active, evaluated, *vertex, si.wi, wo)
+        return self._of_each_channel(values), pdf
+
+    def _of_each_channel(self, values: list) -> list:
+        lanes = dr.size_v(mi.Spectrum) if self.channels == spectrum.COUNT else self.channels
+        return values * lanes if len(values) == 1 else values
+
+
+class ConstantLatents(_Held):
     """One latent code per channel. What depends on the codes alone is computed once, here."""
 
     DRJIT_STRUCT: ClassVar = {
@@ -109,16 +138,6 @@ class ConstantLatents:
             terms.append([dr.gather(mi.Float, numbers, band * count + k) for k in kept])
         return [*terms, bands]
 
-    def f(self, vertex: Vertex, si, wo, active) -> list:
-        """The BRDF [1/sr] of each channel for si.wi and wo above the horizon."""
-        values = only_where(active, self._evaluated(), vertex.decoder_terms, si.wi, wo)
-        return _of_each_channel(values, self.channels)
-
-    def f_and_pdf(self, vertex: Vertex, si, wo, active) -> tuple[list, Any]:
-        """`f`, and the density of the proposal [1/sr]."""
-        values, pdf = _f_and_pdf(self._evaluated(), vertex, si, wo, active)
-        return _of_each_channel(values, self.channels), pdf
-
     def _evaluated(self) -> Callable[..., list]:
         """The function from terms, wi and wo to f. The tables are no arguments, as in `vertex`."""
         f_of_terms: Callable = self._decoder.f_of_terms
@@ -157,7 +176,7 @@ class ConstantLatents:
         return f"{count} x {size}{table}"
 
 
-class TexturedLatents:
+class TexturedLatents(_Held):
     """A packed texture of latent codes, see `textures.packing`."""
 
     material = None
@@ -186,15 +205,8 @@ class TexturedLatents:
             footprint = []
         return only_where(active, self._vertex, si.wi, si.uv, *footprint)
 
-    def f(self, vertex: Vertex, si, wo, active) -> list:
-        """The BRDF [1/sr] of each channel for si.wi and wo above the horizon."""
-        values = only_where(active, self._decoder.f_of_terms, vertex.decoder_terms, si.wi, wo)
-        return _of_each_channel(values, self.channels)
-
-    def f_and_pdf(self, vertex: Vertex, si, wo, active) -> tuple[list, Any]:
-        """`f`, and the density of the proposal [1/sr]."""
-        values, pdf = _f_and_pdf(self._decoder.f_of_terms, vertex, si, wo, active)
-        return _of_each_channel(values, self.channels), pdf
+    def _evaluated(self) -> Callable[..., list]:
+        return self._decoder.f_of_terms
 
     def _vertex(self, wi, uv, *footprint) -> Vertex:
         latents = self._texture.look_up(uv, wi, *footprint)[: self._kept]
@@ -223,21 +235,6 @@ class TexturedLatents:
             f"{self.grid.width} x {self.grid.height} texels of {self.channels} x {self._size} "
             f"numbers in {self._bytes} bytes"
         )
-
-
-def _of_each_channel(values: list, count: int) -> list:
-    """Values of `count` channels, from their values or from the one that they share."""
-    lanes = dr.size_v(mi.Spectrum) if count == spectrum.COUNT else count
-    return values * lanes if len(values) == 1 else values
-
-
-def _f_and_pdf(f_of_terms: Callable[..., list], vertex: Vertex, si, wo, active) -> tuple[list, Any]:
-    """Values of each channel and the proposal's density where active, zero elsewhere."""
-
-    def evaluated(terms, proposal, wi, wo):
-        return f_of_terms(terms, wi, wo), proposal.pdf(wi, wo)
-
-    return only_where(active, evaluated, *vertex, si.wi, wo)
 
 
 def kind_of_codes(model: Model, codes: np.ndarray) -> LobeKind:

@@ -154,18 +154,6 @@ class CoatStack:
         return result
 
 
-def coats_at(parameters: Sequence[CoatTextures], si, active) -> list[list[CoatParameters]]:
-    """Isotropic coats, top to bottom, for each channel of the variant's spectrum; all floats."""
-    found = []
-    for coat in parameters:
-        found.append(_clipped(coat.evaluate(si, active)))
-    channels = range(dr.size_v(mi.Spectrum))
-    return [
-        [CoatParameters(*(_at_channel(x, channel) for x in coat)) for coat in found]
-        for channel in channels
-    ]
-
-
 class MitsubaBottom:
     """A Mitsuba BSDF at a surface interaction; see `urushi.walk.bottoms.bottom.Bottom`.
 

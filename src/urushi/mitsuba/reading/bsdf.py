@@ -47,25 +47,19 @@ def reflection_source(bsdf: "mi.BSDF") -> Source:
     if offer.measured is not None and spectrum.channel_count() == 3:
         return as_source(offer.measured)  # what `urushi.load_measured` gives, to the bit
 
-    if surface := known_surface(bsdf):
-        lobe, _ = values = surface.at(np.full((1, 2), 0.5))
-        if values.are_possible():
-            return Source(
-                lambda wi, wo: _mean_values(bsdf, wi, wo, 1),
-                symmetric=True,
-                lobe=lobe[0],
-                bare=surface.bare,
-                widths=surface.widths,
-            )
-
-    lobes = probing.known_lobes(bsdf, np.full((1, 2), 0.5))
-    if lobes is not None:
+    middle, known = np.full((1, 2), 0.5), None
+    if (surface := known_surface(bsdf)) and (values := surface.at(middle)).are_possible():
+        known = values.lobe[0], surface.bare, surface.widths
+    elif (lobes := probing.known_lobes(bsdf, middle)) is not None:
+        known = lobes[0], offer.bare, 1 if lobes.shape[-1] == len(LOBE_NUMBERS) else 2
+    if known is not None:
+        lobe, bare, widths = known
         return Source(
             lambda wi, wo: _mean_values(bsdf, wi, wo, 1),
             symmetric=True,
-            lobe=lobes[0],
-            bare=offer.bare,
-            widths=1 if lobes.shape[-1] == len(LOBE_NUMBERS) else 2,
+            lobe=lobe,
+            bare=bare,
+            widths=widths,
         )
 
     def f(wi: np.ndarray, wo: np.ndarray) -> np.ndarray:

@@ -7,7 +7,6 @@ repeats is then baked once and has no seam.
 from collections.abc import Mapping
 from functools import cache
 
-import drjit as dr
 import mitsuba as mi
 import numpy as np
 
@@ -187,8 +186,7 @@ def _addressing(texture: "mi.Texture", place: tuple, width: int, height: int) ->
 
 def _values(texture: "mi.Texture", uv: np.ndarray) -> np.ndarray:
     """The first channel of a texture (M,) at points uv (M, 2)."""
-    si = dr.zeros(mi.SurfaceInteraction3f, len(uv))
-    si.uv = mi.Point2f(np.ascontiguousarray(uv.T, np.float32))
+    si = spectrum.points(uv)
     try:
         value = spectrum.at_bands(si, lambda: spectrum.to_channels(texture.eval(si)))[0]
     except RuntimeError:  # some variants have no spectrum of three raw numbers

@@ -191,8 +191,7 @@ class CoatTextures:
         Raises:
             ParameterError: a value is out of range.
         """
-        si = dr.zeros(mi.SurfaceInteraction3f, len(uv))
-        si.uv = mi.Point2f(np.ascontiguousarray(uv.T, np.float32))
+        si = spectrum.points(uv)
 
         def channels(texture: "mi.Texture") -> list:
             return spectrum.at_bands(si, lambda: spectrum.to_channels(texture.eval(si)))

@@ -215,9 +215,7 @@ def known_lobes(bsdf: "mi.BSDF", uv: np.ndarray) -> np.ndarray | None:
     channels = spectrum.at_bands(si, lambda: offer.lobes(si) or ())
     if not channels:
         return None
-    dr.eval(channels)
-    rows = [[np.broadcast_to(value.numpy(), len(uv)) for value in channel] for channel in channels]
-    return np.moveaxis(np.array(rows, np.float32), -1, 0)
+    return spectrum.stacked(channels, len(uv))
 
 
 def _vector(w: np.ndarray) -> "mi.Vector3f":

@@ -64,16 +64,16 @@ class KnownSurface(NamedTuple):
         """The surface at points uv (M, 2); textures may give values that no BRDF has."""
         shape = len(uv), spectrum.channel_count()
         if self.bare:
-            lobe = _stacked(self.lobes(uv), len(uv))
+            lobe = spectrum.stacked(self.lobes(uv), len(uv))
             return SurfaceValues(lobe, np.zeros(shape, np.float32))
         lobe = np.empty((*shape, len(LOBE_NUMBERS)), np.float32)
         lobe[...] = NO_LOBE
-        reflectance = [[value] for value in self._channels("reflectance", _points(uv))]
-        return SurfaceValues(lobe, _stacked(reflectance, len(uv))[..., 0])
+        reflectance = [[value] for value in self._channels("reflectance", spectrum.points(uv))]
+        return SurfaceValues(lobe, spectrum.stacked(reflectance, len(uv))[..., 0])
 
     def lobes(self, uv: np.ndarray) -> list[list]:
         """The lobes of a bare surface at points uv: N Dr.Jit floats for each channel."""
-        si = _points(uv)
+        si = spectrum.points(uv)
         widths = ("alpha",) if self.widths == 1 else ("alpha_u", "alpha_v")
         given = (self.textures[x].eval_1(si) for x in widths)
         # The derivative passes the bound, so that an optimiser can leave it.
@@ -98,20 +98,6 @@ class KnownSurface(NamedTuple):
             return [mi.Float(1)] * spectrum.channel_count()
         texture = self.textures[name]
         return spectrum.at_bands(si, lambda: spectrum.to_channels(texture.eval(si)))
-
-
-def _points(uv: np.ndarray) -> "mi.SurfaceInteraction3f":
-    """Interactions at points uv (M, 2)."""
-    si = dr.zeros(mi.SurfaceInteraction3f, len(uv))
-    si.uv = mi.Point2f(np.ascontiguousarray(uv.T, np.float32))
-    return si
-
-
-def _stacked(channels: list[list], points: int) -> np.ndarray:
-    """Numbers float32 (points, C, K) from K Dr.Jit floats for each channel."""
-    dr.eval(channels)
-    rows = [[np.broadcast_to(value.numpy(), points) for value in channel] for channel in channels]
-    return np.moveaxis(np.array(rows, np.float32), -1, 0)
 
 
 def known_surface(bsdf: "mi.BSDF") -> KnownSurface | None:
