@@ -1,6 +1,10 @@
 """Rotations about the normal; half and difference angles (Rusinkiewicz 1998)."""
 
+from typing import Any
+
 import numpy as np
+
+from urushi.core.namespace import NUMPY, Components, Namespace
 
 
 def rotated(w: np.ndarray, turn: float, mirrored: bool = False) -> np.ndarray:
@@ -23,31 +27,32 @@ def rotated(w: np.ndarray, turn: float, mirrored: bool = False) -> np.ndarray:
 def half_difference_angles(
     wi: np.ndarray, wo: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """`half_difference` (N,) of unit vectors, float64 (N, 3)."""
+    return half_difference(Components(*wi.T), Components(*wo.T), NUMPY)
+
+
+def half_difference(wi: Any, wo: Any, xp: Namespace) -> tuple[Any, Any, Any]:
     """Return theta_h, theta_d in [0, pi/2] and phi_d in [0, pi] of unit vectors above the horizon.
 
-    wi, wo: float64 (N, 3); each result is (N,) [rad]. phi_d is taken modulo pi: exchanging wi and
-    wo adds pi to it, so that every function of these angles is reciprocal, here bit for bit.
-    phi_d is 0 if it is undefined (wi = wo); if h is the normal, it counts from the x axis.
+    The angles are in radians. phi_d is taken modulo pi: exchanging wi and wo adds pi to it, so that
+    every function of these angles is reciprocal, here bit for bit. phi_d is 0 if it is undefined
+    (wi = wo); if h is the normal, it counts from the x axis.
     """
-    total, difference = wi + wo, wi - wo
+    x, y, z = wi.x + wo.x, wi.y + wo.y, wi.z + wo.z
+    dx, dy, dz = wi.x - wo.x, wi.y - wo.y, wi.z - wo.z
     # Arc tangents of lengths: an arc cosine would lose the digits of small angles.
-    theta_d = np.arctan2(np.linalg.norm(difference, axis=1), np.linalg.norm(total, axis=1))
-    h = total / np.linalg.norm(total, axis=1, keepdims=True)
-    sin_h, cos_h = np.hypot(h[:, 0], h[:, 1]), h[:, 2]
-    theta_h = np.arctan2(sin_h, cos_h)
-
+    length, aside = xp.sqrt(x * x + y * y + z * z), xp.safe_sqrt(x * x + y * y)
+    theta_d = xp.arctan2(xp.safe_sqrt(dx * dx + dy * dy + dz * dz), length)
+    sin_h, cos_h = aside / length, z / length
     # wi - wo in the frame about h with the tangent dh/dtheta and the bitangent dh/dphi.
-    at_normal = sin_h == 0
-    safe = np.where(at_normal, 1.0, sin_h)
-    cos_phi = np.where(at_normal, 1.0, h[:, 0] / safe)
-    sin_phi = np.where(at_normal, 0.0, h[:, 1] / safe)
-    x, y, z = difference.T
-    along = cos_h * (cos_phi * x + sin_phi * y) - sin_h * z
-    across = cos_phi * y - sin_phi * x
-    flipped = (across < 0) | ((across == 0) & (along < 0))
-    sign = np.where(flipped, -1.0, 1.0)
-    phi_d = np.arctan2(sign * across + 0.0, sign * along + 0.0)  # + 0.0: no negative zeros
-    return theta_h, theta_d, phi_d
+    at_normal = aside == 0
+    safe = xp.where(at_normal, 1.0, aside)
+    cos_phi, sin_phi = xp.where(at_normal, 1.0, x / safe), y / safe
+    along = cos_h * (cos_phi * dx + sin_phi * dy) - sin_h * dz
+    across = cos_phi * dy - sin_phi * dx
+    sign = xp.where((across < 0) | ((across == 0) & (along < 0)), -1.0, 1.0)
+    phi_d = xp.arctan2(sign * across + 0.0, sign * along + 0.0)  # + 0.0: no negative zeros
+    return xp.arctan2(aside, z), theta_d, phi_d
 
 
 def above_horizon(theta_h: np.ndarray, theta_d: np.ndarray, phi_d: np.ndarray) -> np.ndarray:

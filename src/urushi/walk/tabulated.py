@@ -16,7 +16,9 @@ from typing import Any, ClassVar, NamedTuple
 import drjit as dr
 import numpy as np
 
+from urushi.core.half_vector import half_difference
 from urushi.core.mixture import Mixture
+from urushi.core.namespace import DRJIT
 from urushi.core.random import stream
 from urushi.walk.monte_carlo import backend
 
@@ -176,10 +178,10 @@ class Lookup:
 
     def __call__(self, wi: Any, wo: Any) -> Any:
         half, difference, turn = self._shape
-        u = half_difference_position(wi, wo)
-        i, x = _between_centres(u[0] * half, half)
-        j, y = _between_centres(u[1] * difference, difference)
-        k = u[2] * turn - 0.5  # periodic
+        theta_h, theta_d, phi_d = half_difference(wi, wo, DRJIT)
+        i, x = _between_centres(dr.sqrt(theta_h * (2 * dr.inv_pi)) * half, half)
+        j, y = _between_centres(theta_d * (2 * dr.inv_pi * difference), difference)
+        k = phi_d * (dr.inv_pi * turn) - 0.5  # periodic
         before = dr.floor(k)
         z = k - before
         before = type(i)(dr.select(before < 0, turn - 1, before))
@@ -192,31 +194,6 @@ class Lookup:
                     bins = dr.gather(self._device.Array4f, self._bins, row + c)
                     result += bins * (weight_i * weight_j * weight_k)
         return self._device.Array3f(result[0], result[1], result[2])
-
-
-def half_difference_position(wi: Any, wo: Any) -> tuple[Any, Any, Any]:
-    """Position of a pair along the three axes of a table, each in [0, 1].
-
-    The axes are sqrt(theta_h / 90 deg), theta_d / 90 deg and phi_d / 180 deg, the last modulo 1 by
-    reciprocity. The Dr.Jit counterpart of `core.half_vector.half_difference_angles`.
-    """
-    total, difference = wi + wo, wi - wo
-    length = dr.norm(total)
-    theta_d = dr.atan2(dr.norm(difference), length)
-    h = total / length
-    sin_h = dr.hypot(h.x, h.y)
-    theta_h = dr.atan2(sin_h, h.z)
-    at_normal = sin_h == 0
-    inverse = dr.select(at_normal, 0, 1 / sin_h)
-    cos_phi, sin_phi = dr.select(at_normal, 1, h.x * inverse), h.y * inverse
-    along = h.z * (cos_phi * difference.x + sin_phi * difference.y) - sin_h * difference.z
-    across = cos_phi * difference.y - sin_phi * difference.x
-    turn = dr.atan2(across, along) * dr.inv_pi
-    return (
-        dr.sqrt(theta_h * (2 * dr.inv_pi)),
-        theta_d * (2 * dr.inv_pi),
-        turn - dr.floor(turn),
-    )
 
 
 def _between_centres(position: Any, bins: int) -> tuple[Any, Any]:

@@ -36,6 +36,7 @@ from urushi.mitsuba.networks.table import TabulatedDecoder
 from urushi.mitsuba.offers import offer_of, tabulated
 from urushi.mitsuba.reading import probing
 from urushi.mitsuba.reading.grid import varying_textures
+from urushi.mitsuba.reading.kept import writable
 from urushi.mitsuba.reading.parameters import TWO_WIDTHS, CoatTextures
 from urushi.mitsuba.reading.surfaces import known_surface
 from urushi.mitsuba.recording import only_where
@@ -148,8 +149,7 @@ def wanted(bsdf: "mi.BSDF") -> bool:
 
 def _numbers(bsdf: "mi.BSDF") -> list:
     """The parameters of a BSDF that carry gradients, as flat arrays."""
-    parameters, read_only = mi.traverse(bsdf), mi.ParamFlags.ReadOnly
-    values = [value for key, value in parameters if not parameters.flags(key) & read_only]
+    values = [value for _, value in writable(bsdf)]
     return [x for value in values if dr.grad_enabled(value) for x in _flat_arrays(value)]
 
 

@@ -122,29 +122,24 @@ class LatentTexture:
         shape = words, dr.width(texel)
         return list(dr.gather(mi.ArrayXu, self._words, texel, shape=shape))[: self._used]
 
-    def _all(self) -> list[tuple[int, int]]:
-        return [(c, i) for c in range(self._layout.channels) for i in range(self._layout.size)]
-
-    def _place(self, channel: int, number: int) -> tuple[int, int]:
-        start = self._layout.start(channel, number)
-        low = self._layout.low[number]
-        return start + self._layout.high[number], start + low if low >= 0 else -1
-
     def _codes(self, words: list) -> list[list]:
         """The codes that the words of texels hold."""
-        layout, size = self._layout, self._layout.size
+        layout = self._layout
         value_at: dict[tuple[int, int], Any] = {}
-        values = []
-        for channel, number in self._all():
-            if layout.high[number] < 0:
-                values.append(self._lowest[number])
-                continue
-            place = self._place(channel, number)
-            if place not in value_at:
-                levels = _number(words, *place)
-                value_at[place] = dr.fma(levels, self._steps[number], self._lowest[number])
-            values.append(value_at[place])
-        return [values[i : i + size] for i in range(0, len(values), size)]
+        codes = []
+        for channel in range(layout.channels):
+            code = []
+            for number, (high, low) in enumerate(zip(layout.high, layout.low, strict=True)):
+                start = layout.start(channel, number)
+                place = start + high, start + low if low >= 0 else -1
+                value = self._lowest[number] if high < 0 else value_at.get(place)
+                if value is None:
+                    levels = _number(words, *place)
+                    value = dr.fma(levels, self._steps[number], self._lowest[number])
+                    value_at[place] = value
+                code.append(value)
+            codes.append(code)
+        return codes
 
 
 def _number(words: list, high: int, low: int):

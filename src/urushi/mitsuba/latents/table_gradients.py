@@ -15,6 +15,7 @@ from urushi.checks import CoatParameters
 from urushi.material.material import Material
 from urushi.material.table_slopes import Slope, table_slopes
 from urushi.mitsuba import spectrum
+from urushi.mitsuba.latents.coding import stacked
 from urushi.mitsuba.reading import probing
 from urushi.mitsuba.reading.parameters import CoatTextures
 
@@ -95,8 +96,6 @@ def interleaved(logs: Sequence) -> "mi.TensorXf":
     """The channels (N) of a table in one, as `networks.table` looks them up."""
     if len(logs) == spectrum.COUNT:
         return mi.TensorXf(dr.concat(logs))
-    size = 1 << (len(logs) - 1).bit_length()
-    result = dr.zeros(mi.Float, size * len(logs[0]))
-    for channel, values in enumerate(logs):
-        dr.scatter(result, values, size * dr.arange(mi.UInt32, len(values)) + channel)
-    return mi.TensorXf(result)
+    size, count = 1 << (len(logs) - 1).bit_length(), len(logs[0])
+    padding = [mi.Float(0)] * (size - len(logs))
+    return mi.TensorXf(stacked([*logs, *padding], count).array)

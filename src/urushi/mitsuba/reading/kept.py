@@ -19,7 +19,7 @@ class KeptParameters:
 
     def keep(self, plugin: "mi.Object") -> None:
         """Remember the present values. Dr.Jit's arrays are copied when they are written."""
-        self._values = {key: type(value)(value) for key, value in _writable(plugin)}
+        self._values = {key: type(value)(value) for key, value in writable(plugin)}
 
     @contextmanager
     def restored_on_error(self, plugin: "mi.Object") -> Iterator[None]:
@@ -42,12 +42,12 @@ class KeptParameters:
 
 def parameter_arrays(plugin: "mi.Object") -> Iterator[np.ndarray]:
     """All values that `mi.traverse` lists below a plugin, as arrays without names."""
-    for _, value in _writable(plugin):
+    for _, value in writable(plugin):
         array = np.array(getattr(value, "matrix", value))
         yield array if array.dtype != object else np.frombuffer(str(value).encode(), np.uint8)
 
 
-def _writable(plugin: "mi.Object") -> list[tuple[str, Any]]:
+def writable(plugin: "mi.Object") -> list[tuple[str, Any]]:
     """Names and values of the parameters below a plugin that are not read-only."""
     parameters, read_only = mi.traverse(plugin), mi.ParamFlags.ReadOnly
     return [(key, value) for key, value in parameters if not parameters.flags(key) & read_only]
