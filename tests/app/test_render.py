@@ -12,7 +12,7 @@ from gallery.globe import globe
 from gallery.options import Options
 
 from urushi.app import cli
-from urushi.app.commands.render import DEMO_SCENE, Overrides, load_scene, write_picture
+from urushi.app.commands.render import DEMO_SCENE, load_scene, write_picture
 from urushi.nets import weights
 from urushi.nets.architecture import Architecture, init
 
@@ -248,7 +248,7 @@ def test_render_replaces_weights_and_size_of_a_scene_file(variant, tmp_path, mon
     assert len(coats) == 3
     named = '<string name="weights" value="default"/>'
     path.write_text('type="$coat"'.join([*coats[:2], coats[2].replace(">", f">{named}", 1)]))
-    scene = load_scene(path, {}, overrides=Overrides("other", width=8, height=6))
+    scene = load_scene(path, {}, weights="other", size={"width": 8, "height": 6})
     assert list(scene.sensors()[0].film().size()) == [8, 6]
     found = {
         shape.bsdf().model.fingerprint

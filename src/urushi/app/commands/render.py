@@ -26,36 +26,6 @@ DEMO_SCENE = Path(__file__).parents[1] / "caddy" / "scene.xml"
 SCENE_SPP = 0
 
 
-@dataclass(frozen=True)
-class Overrides:
-    """Properties of a scene file that the command line replaces; None keeps the file's own.
-
-    Attributes:
-        weights: networks of every `neural_layered` that names none itself: "default" or a weights
-            file, relative to the working folder.
-        width, height: size of the film of every sensor [pixels].
-    """
-
-    weights: str | None = None
-    width: int | None = None
-    height: int | None = None
-
-    def apply(self, state: Any) -> None:
-        """Change the nodes of a `mi.parser.ParserState`."""
-        import mitsuba as mi
-
-        nodes = state.nodes  # a copy
-        for node in nodes:
-            if node.type == mi.ObjectType.Film:
-                for name in ("width", "height"):
-                    if getattr(self, name) is not None:
-                        node.props[name] = getattr(self, name)
-            neural = node.props.plugin_name() in ("neural_layered", "openpbr")
-            if neural and self.weights is not None and "weights" not in node.props:
-                node.props["weights"] = _name_or_absolute(self.weights)
-        state.nodes = nodes
-
-
 def _name_or_absolute(weights: str) -> str:
     """A file as absolute path, as Mitsuba searches the scene's folder; a name unchanged."""
     return str(Path(weights).absolute()) if Path(weights).exists() else weights
@@ -105,12 +75,11 @@ class Render:
 
     def run(self) -> int:
         definitions = parse_definitions(self.define)
-        overrides = Overrides(self.weights, self.width, self.height)
         set_variant(self.mode)
         import drjit as dr
         import mitsuba as mi
 
-        scene = self._load(definitions, overrides)
+        scene = self._load(definitions)
         sensors = len(scene.sensors())
         if not 0 <= self.sensor < sensors:
             raise ParameterError(
@@ -130,14 +99,19 @@ class Render:
         print(target)
         return 0
 
-    def _load(self, definitions: Mapping[str, str], overrides: Overrides) -> Any:
+    def _load(self, definitions: Mapping[str, str]) -> Any:
         """Load a scene file if there is one or the name has a suffix, else the demo's scene."""
-        path = Path(self.scene)
-        if path.is_file() or path.suffix:
-            return load_scene(path, definitions, self.append, overrides)
-        if self.scene != DEMO_SCENE.parent.name:
-            raise ParameterError(f"there is no scene '{self.scene}'; give a scene file or 'caddy'")
-        return load_scene(DEMO_SCENE, definitions, self.append, overrides, self.scene)
+        path, name = Path(self.scene), None
+        if not (path.is_file() or path.suffix):
+            if self.scene != DEMO_SCENE.parent.name:
+                raise ParameterError(
+                    f"there is no scene '{self.scene}'; give a scene file or 'caddy'"
+                )
+            path, name = DEMO_SCENE, self.scene
+        size = {"width": self.width, "height": self.height}
+        return load_scene(
+            path, definitions, self.append, weights=self.weights, size=size, name=name
+        )
 
 
 @contextmanager
@@ -175,7 +149,9 @@ def load_scene(
     path: Path,
     definitions: Mapping[str, str],
     folders: Sequence[Path] = (),
-    overrides: Overrides | None = None,
+    *,
+    weights: str | None = None,
+    size: Mapping[str, int | None] = {},
     name: str | None = None,
 ) -> Any:
     """Load a scene file as `mi.load_file` does.
@@ -184,7 +160,9 @@ def load_scene(
         path: the XML file.
         definitions: values of the file's parameters by name.
         folders: where its meshes and textures are looked for, after the file's own folder.
-        overrides: properties to replace.
+        weights: networks of every coat that names none itself: "default" or a weights file,
+            relative to the working folder; None: the default.
+        size: "width" and "height" of the film of every sensor [pixels]; None: the file's own.
         name: what the messages call the scene; default: the file.
 
     Returns:
@@ -201,7 +179,16 @@ def load_scene(
         with _search_path(path.parent, folders):
             config = mi.parser.ParserConfig(mi.variant())
             state = mi.parser.parse_file(config, str(path), **definitions)
-            (overrides or Overrides()).apply(state)
+            nodes = state.nodes  # a copy
+            for node in nodes:
+                if node.type == mi.ObjectType.Film:
+                    for key, value in size.items():
+                        if value is not None:
+                            node.props[key] = value
+                neural = node.props.plugin_name() in ("neural_layered", "openpbr")
+                if neural and weights is not None and "weights" not in node.props:
+                    node.props["weights"] = _name_or_absolute(weights)
+            state.nodes = nodes
             mi.parser.transform_all(config, state)
             scene = mi.parser.instantiate(config, state)
     except Exception as error:  # Mitsuba raises several kinds, plugins their own
