@@ -53,7 +53,7 @@ tutorial: $(READY)
 # Executes the notebooks in docs and stores their results in them.
 notebook: $(READY)
 	VIRTUAL_ENV= UV_PROJECT_ENVIRONMENT=.venv .venv/bin/uv sync --quiet --locked --all-extras --inexact --group notebook
-	.venv/bin/jupyter execute --inplace --NotebookClient.record_timing=False docs/notebooks/*.ipynb
+	PYTHONPATH=$(CURDIR) .venv/bin/jupyter execute --inplace --NotebookClient.record_timing=False docs/notebooks/*.ipynb
 
 # The README's pictures of the gallery, by the present weights
 GALLERY := still-life globe teapot shoe brushed bells violin car lantern leaf glass
