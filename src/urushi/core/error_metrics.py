@@ -79,7 +79,7 @@ def error_divisors(f: Any) -> Any:
 def huber_loss(error: Any, knee: float) -> tuple[Any, Any]:
     """Losses (...) of errors (...), and the factors by which the weights of squares are reduced.
 
-    The loss is the square up to the knee and linear beyond it: twice that of Huber (1964). Arrays
+    The loss is the square up to the knee and linear beyond it: twice Huber's loss (1964). Arrays
     of NumPy or JAX.
     """
     xp = error.__array_namespace__()

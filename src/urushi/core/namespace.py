@@ -1,7 +1,7 @@
 """Functions by which one text of a formula serves arrays, kernels and shaders.
 
 A formula takes a `Namespace` as its last argument, `xp`, and directions with the components x, y
-and z. Arithmetic is that of the operands. `NUMPY` and `arrays` are for NumPy, `arrays` for JAX,
+and z. Operands bring their own arithmetic. `NUMPY` and `arrays` are for NumPy, `arrays` for JAX,
 `DRJIT` for Dr.Jit, and `urushi.export.statements.namespace` for the expressions of shader code.
 """
 
@@ -32,8 +32,8 @@ class Namespace(NamedTuple):
 
     Attributes:
         sqrt, safe_sqrt: the square root of x >= 0; the safe one has a finite derivative at 0.
-        exp, log, log1p, absolute, minimum, maximum, where: those of NumPy.
-        clip, cos, arccos, arctan2: those of NumPy; shader code has none.
+        exp, log, log1p, absolute, minimum, maximum, where: as in NumPy.
+        clip, cos, arccos, arctan2: as in NumPy; shader code has none.
         positive: x, at least zero; by its real part if it is complex, as in a complex step. It has
             a finite derivative.
         sincos: sine and cosine of an angle [rad].
@@ -81,7 +81,7 @@ DRJIT = Namespace(
 
 
 def arrays(x: Any) -> Namespace:
-    """The functions of the arrays of x, those of NumPy or JAX."""
+    """The functions of NumPy or JAX, whichever made the array x."""
     return _of_module(x.__array_namespace__())
 
 

@@ -117,7 +117,7 @@ class Grid:
         return modes + self.mirror[:, None, None] * np.diag(missing / self.weights)
 
     def interpolated(self, values: np.ndarray, wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
-        """Values (M, C) for pairs (M, 3), from those of the grid (N, N, H, C)."""
+        """Values (M, C) for pairs (M, 3), from values on the grid (N, N, H, C)."""
         axes = [self._place(np.arccos(np.clip(w[:, 2], -1, 1)), self.angles) for w in (wi, wo)]
         cross = wi[:, 0] * wo[:, 1] - wi[:, 1] * wo[:, 0]
         dot = wi[:, 0] * wo[:, 0] + wi[:, 1] * wo[:, 1]

@@ -38,8 +38,8 @@ from urushi.walk import Stack
 UNUSUAL_RESIDUAL = 0.3
 
 
-#: Errors of an anchor, over those of its lobe alone, up to which its rest is kept whole, and from
-#: which it is left out; and the error of the lobe alone up to which this is looked at.
+#: Ratios of the error of an anchor to the error of its lobe alone: up to the first the rest is kept
+#: whole, from the second it is left out. Lobes with a larger error than `NEAR_LOBE` keep the rest.
 HELPFUL_REST, NEAR_LOBE = (1.0, 1.1), 0.3
 
 #: Reflectance at normal incidence of an index of 2: fitted lobes of dielectrics are below it. And
@@ -201,7 +201,7 @@ def required_pairs(
     """Pairs of directions (N, 3) at which a source has to be known to be encoded.
 
     These are the networks' own pairs, and the nodes of `albedo_rule`, for the albedo of the
-    source, which limits that of the material. A Stack is not simulated at the nodes: its albedo is
+    source, which limits the material's albedo. A Stack is not simulated at the nodes: its albedo is
     at most 1. For a table, `table.node_pairs` follow, and a Stack has the nodes too.
 
     source: as of `encode`, or the Path of a measured file.
@@ -265,7 +265,7 @@ def material_from_values(
 ) -> Material:
     """The material of values (N, C) at `required_pairs`, or at `model.networks.pairs()` alone.
 
-    Its directional albedo is at most that of the values, or at most 1 if the values at the nodes
+    Its directional albedo is at most the values' albedo, or at most 1 if the values at the nodes
     are missing (see `urushi.material.energy`).
 
     Args:

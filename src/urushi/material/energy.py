@@ -5,7 +5,7 @@ lobe and rest together meet the ceiling of the albedo. One factor for all pairs 
 f exactly reciprocal. Codes of networks without a gain are not changed.
 
 The quadrature of one code's albedo takes several hundred evaluations of the decoder. Among the
-millions of codes of a texture, those far below the ceiling are skipped (`screening`).
+millions of codes of a texture, codes far below the ceiling are skipped (`screening`).
 """
 
 import functools

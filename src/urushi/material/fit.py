@@ -140,7 +140,7 @@ def fit_target(
 ) -> FitTarget:
     """The target of values f (P,) [1/sr] at `networks.pairs` and nodes (M,) at the albedo nodes.
 
-    The albedo nodes are those of `albedo_rule`; None: their values are not known. lobe: (K,)
+    The albedo nodes are the nodes of `albedo_rule`; None: their values are not known. lobe: (K,)
     the code's lobe.
     """
     count, features = len(f), probe_features(networks)
@@ -189,7 +189,7 @@ def refine_codes(
     Each channel is optimised by itself, so that no rounding error of one affects another.
 
     nodes: (C, M) [1/sr], the BRDFs' values at the nodes of `albedo_rule`, if known. lobe:
-    (C, 6), which the codes keep; None: those of `fit_lobes`.
+    (C, 6), which the codes keep; None: `fit_lobes` gives them.
     """
     rows = np.ascontiguousarray(f)
     own = fit_lobes(rows, networks.arch.widths) if lobe is None else lobe
@@ -258,7 +258,7 @@ def levenberg_marquardt(
 
 
 def code_steps(state_at: Callable[[np.ndarray], FitState], z: np.ndarray, steps: int) -> np.ndarray:
-    """`damped_steps` of a code z (L,), of which the numbers after the lobe's are unknown."""
+    """`damped_steps` of a code z (L,). The unknowns are the numbers after the lobe's."""
     return damped_steps(state_at, z, steps, DAMPING, stepped)
 
 
@@ -274,7 +274,7 @@ def objective(networks: UrushiNetworks, z: np.ndarray, aim: FitTarget, hold: flo
 
 
 def _state_at(networks: UrushiNetworks, z: np.ndarray, aim: FitTarget, hold: float) -> FitState:
-    """The state at a code z (L,), of which the R numbers after the lobe's are unknown.
+    """The state at a code z (L,). The unknowns are the R numbers after the lobe's.
 
     The encoder's Jacobian J (R, P) maps a change d of D(z) to the change J d of its code. The
     smallest d that closes the gap g = z - E(D(z)) has the square g' (J J')^-1 g, which is the
@@ -308,8 +308,8 @@ def _state_at(networks: UrushiNetworks, z: np.ndarray, aim: FitTarget, hold: flo
 def refined_slopes(networks: UrushiNetworks, f: np.ndarray, z: np.ndarray) -> np.ndarray:
     """Return the derivatives (R, P) of a refined anchor z (L,) by the values f (P,) [1/sr].
 
-    They are those of its R numbers after the lobe by the rest of f, by the theorem of implicit
-    functions: the slope of the objective remains zero.
+    The R numbers follow the lobe's numbers. The theorem of implicit functions gives their
+    derivatives by the rest of f: the slope of the objective remains zero.
     """
     aim = fit_target(networks, f, None, z[: networks.arch.lobe])
     log_rest, slopes = networks.decode_log(z, aim.features)

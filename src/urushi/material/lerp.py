@@ -99,7 +99,7 @@ def _blended_table(a: Material, b: Material, share: np.ndarray) -> tuple[np.ndar
 def _blend(model: Model, a: np.ndarray, b: np.ndarray, share: np.ndarray) -> np.ndarray:
     """Codes (C, L) between a and b, exactly these for shares (C,) of 0 and 1.
 
-    Their directional albedo is at most 1, or that of the brighter one if it gains energy.
+    Their directional albedo is at most 1, or the brighter one's albedo if this gains energy.
     """
     shape = (len(share), a.shape[1])
     a, b = np.broadcast_to(a, shape), np.broadcast_to(b, shape)

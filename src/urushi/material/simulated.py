@@ -55,7 +55,7 @@ class Pairs(NamedTuple):
     """Pairs of directions of a fit.
 
     Attributes:
-        wi, wo: float32 (N, 3). The last `ANGLES` x `PER_ANGLE` pairs are those of the albedos.
+        wi, wo: float32 (N, 3). The last `ANGLES` x `PER_ANGLE` pairs measure the albedos.
         share: (N,) weights of the errors; their sum is 1.
         light: (ANGLES, PER_ANGLE) weights by which the sum of f is an estimate of the albedo.
     """

@@ -42,7 +42,7 @@ class Source(NamedTuple):
             is known of f and cost little.
         transmitted, mirrored: shares of the light, in [0, 1], that are transmitted, or reflected by
             a perfectly smooth surface; f contains neither.
-        textured: whether f is that of one point of a texture.
+        textured: whether f is taken at one point of a texture.
         lobe: (6,) or (C, 6) the analytic lobe of each channel (see `urushi.nets.lobe`), if known:
             the reflection of the topmost interface. None: it is fitted to the values.
         bare: whether f is its lobe and nothing else.
@@ -147,7 +147,7 @@ def _(source: Stack) -> Source:
 def simulated(stack: Stack, wi: np.ndarray, wo: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """f and its standard error (N, 3) [1/sr] of a Stack by `FIT_WALKS`.
 
-    The random numbers are not those of its source.
+    The random numbers differ from its source's.
     """
     from urushi.walk.simulate import simulate  # lazily: it starts Dr.Jit
 

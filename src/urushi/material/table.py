@@ -39,7 +39,7 @@ from urushi.nets.decoder import EMPTY_GAIN, MAX_LOG, MIN_LOG
 from urushi.nets.features import MIN_COSINE, direction_features
 from urushi.nets.networks import UrushiNetworks
 
-#: Nodes in the coordinates, by the number of GGX widths; those of one width are also `SHAPE`.
+#: Nodes in the coordinates, by the number of GGX widths; `SHAPE` is for one width.
 SHAPES: dict[int, tuple[int, ...]] = {1: (96, 32, 8), 2: (40, 40, 16, 20)}
 SHAPE = SHAPES[1]
 
@@ -176,7 +176,7 @@ def anisotropic_node_directions(
 ) -> tuple[np.ndarray, np.ndarray]:
     """A pair wi, wo float32 (N, 3) with the coordinates (N,) of two widths.
 
-    Some coordinates belong to a pair of which one direction is below the horizon.
+    Some coordinates belong to a pair with one direction below the horizon.
     """
     scale = ANISOTROPIC_HIGHEST - LOWEST
     tangents = [

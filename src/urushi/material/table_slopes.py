@@ -1,6 +1,6 @@
 """Slopes of the tables of coats, by differences of light transport.
 
-Where f of a coated material is a table by light transport, the derivative of its codes is that of
+Where f of a coated material is a table by light transport, its codes have the derivative of
 another f. Transport is linear in what lies below the interface, so that many channels cost little
 more than one (`coated_table`): every change of a parameter, up and down, is a channel of one table.
 """
@@ -19,7 +19,7 @@ from urushi.material.table import table_of_values
 #: Relative change of f by a step of the bottom, at all but a tenth of the nodes, and at most.
 CHANGE, QUANTILE, MOST = 0.1, 0.9, 0.5
 
-#: Steps of the coat's parameters, that of alpha relative, and their ranges.
+#: Steps of the coat's parameters, relative for alpha, and their ranges.
 STEPS = CoatParameters(0.1, 0.02, 0.02, 0.05, 0.05)
 RANGES = CoatParameters((MIN_ALPHA, 1.0), ETA_RANGE, (0.0, 1.0), (0.0, np.inf), (-0.98, 0.98))
 

@@ -82,7 +82,7 @@ class Rgl(MeasuredSurface):
         """Make a BRDF of a file's tensors by name.
 
         Args:
-            tensors: those of `TENSORS`, and "rgb", or "spectra" and "wavelengths".
+            tensors: the names of `TENSORS`, and "rgb", or "spectra" and "wavelengths".
 
         Raises:
             FileError: a tensor is missing, of another shape or type, not finite, or out of range.

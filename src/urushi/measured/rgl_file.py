@@ -41,7 +41,7 @@ class _Field:
 
 
 def read(path: Path, names: Collection[str] | None = None) -> dict[str, np.ndarray]:
-    """Return the arrays by name, those of `names` or all.
+    """Return the arrays `names`, or all, by name.
 
     Sizes are checked against the size of the file before memory is allocated, so that all arrays
     together are never larger than the file.

@@ -13,7 +13,7 @@ from urushi.checks import Widths
 def compiled_once(function: Callable, *args):
     """Return function(*args) as a call of a routine that a kernel holds once, however often called.
 
-    Dr.Jit merges routines of equal code, those of different materials too.
+    Dr.Jit merges routines of equal code, also of different materials.
     """
     return dr.switch(mi.UInt32(0), [function], *args)
 

@@ -7,7 +7,7 @@ bands, each a channel:
   band. A wavelength has the value of the band that it lies in. f of a coat is not linear in the
   colour of its bottom: bands that are wider desaturate.
 - Textures, files and tables have three bands at fixed wavelengths (`RGB`). Between them values are
-  linear in wavelength; those of textured coats follow an estimate (`plugins.estimates`).
+  linear in wavelength; textured coats follow an estimate (`plugins.estimates`).
 
 Values are constant beyond the outermost bands, so that grey stays grey.
 """

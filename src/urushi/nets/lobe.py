@@ -13,7 +13,7 @@ agree. The decoder evaluates the rest of the BRDF.
 A lobe of anisotropic networks has a seventh number, the width across the tangent (the y axis); its
 first number is the width along it (the x axis).
 
-Functions take arrays of NumPy or JAX; those with an argument `xp` also serve Dr.Jit and shaders.
+Functions take arrays of NumPy or JAX. An argument `xp` lets them serve Dr.Jit and shaders, too.
 """
 
 from collections.abc import Sequence

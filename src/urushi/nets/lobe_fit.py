@@ -41,7 +41,7 @@ STEPS, CONVERGED = 14, 1e-4
 MEANS = np.exp(np.linspace(np.log(MIN_ALPHA), 0.0, 14))
 QUOTIENTS = np.exp(np.log(8.0) * np.linspace(-1.0, 1.0, 7))
 
-#: Bounds of the diffuse term and the factors; those of the logarithms of widths follow.
+#: Bounds of the diffuse term and the factors. Bounds of the logarithms of widths follow them.
 _LOWER, _UPPER = [0.0, 0.0, 0.0], [np.inf, 1.0, 1.0]
 
 #: Greatest change of ln alpha in a step, and number of last steps that keep alpha.
@@ -83,7 +83,7 @@ class _Grid(NamedTuple):
         schlick: (2, P) Schlick's 1 - (1 - c)^5 and (1 - c)^5.
         cos2: (2, P) the squared cosines of either direction, and cos: (2, P) these cosines.
         across, along: (P,) squared lengths of wi + wo in the surface and along the normal.
-        half2: (2, P) squared x and y of wi + wo, and sides2: (2, 2, P) those of wi and of wo.
+        half2: (2, P) squared x and y of wi + wo. sides2: (2, 2, P) the same of wi and of wo.
     """
 
     logs: np.ndarray

@@ -107,7 +107,7 @@ class UrushiNetworks(NamedTuple):
     def decode_log(self, z: Any, features: Any) -> tuple[Any, Any]:
         """The logarithm (...) of `rest`, and its derivatives (..., R).
 
-        The derivatives are with respect to the R numbers of the code that follow those of the lobe.
+        The derivatives are with respect to the R numbers of the code after the lobe's numbers.
         """
         return derivatives.decode_log(self.params, self.arch, z[..., self.arch.lobe :], features)
 

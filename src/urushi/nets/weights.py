@@ -25,7 +25,7 @@ FORMAT_VERSION = 1
 DEFAULT, ANISOTROPIC = "default", "anisotropic"
 
 
-#: The system that files name as `kind`; those without the entry hold Urushi's own networks.
+#: The system that files name as `kind`. Files without the entry hold Urushi's own networks.
 KIND = "urushi"
 
 Networks = TypeVar("Networks")
@@ -216,7 +216,7 @@ def anisotropic_model() -> Model:
 
 
 def check_made_with(path: str | os.PathLike, made_with: object, fingerprint: str) -> None:
-    """Refuse a file of codes that other networks made than those of `fingerprint`.
+    """Refuse a file of codes unless the networks of `fingerprint` made it.
 
     made_with: the fingerprint in the file.
 

@@ -53,7 +53,7 @@ class BakedTexture:
         self.store = TextureStore(model, layout, grid.width, grid.height, mipmaps=mipmaps)
 
     def update(self, source: Source, advance: Callable[[int], Any] = lambda texels: None) -> None:
-        """Compute the texels of which a hash has changed.
+        """Compute the texels with a changed hash.
 
         advance: called with the number of texels of each block when it is done.
         """

@@ -195,8 +195,8 @@ def pack(
     """Pack texels of shared codes, and other texels after them.
 
     Args:
-        codes: (k, size), of which index (n, channels) chooses one for each texel and channel. Every
-            code is packed once.
+        codes: (k, size); index (n, channels) chooses one for each texel and channel. Every code is
+            packed once.
         others: (m, channels, size).
         lowest, highest: (size,) ranges of all codes.
     """
@@ -231,7 +231,7 @@ def _bytes(layout: TexelLayout, packed: PackedTexels, codes: np.ndarray) -> np.n
     np.rint(levels, out=levels)
     np.maximum(levels, 0, out=levels)
     np.minimum(levels, highest, out=levels)
-    # Every number as its low and its high byte, of which the texel's bytes are chosen.
+    # A texel's bytes are chosen from the low and the high byte of every number.
     both = levels.astype("<u2").view(np.uint8)
     source = np.zeros(layout.texel_bytes + 1, np.intp)
     source[_places(layout)] = np.arange(both.shape[1])

@@ -67,7 +67,7 @@ def of(albedo: Any, sigma_t: Any, g: Any) -> Medium:
 
 
 class Media:
-    """The media of a stack's layers; that of a single layer is computed once, outside of loops."""
+    """The media of a stack's layers. A single layer's medium is computed once, outside of loops."""
 
     def __init__(self, layers: Any, index_type: type) -> None:
         self._layers = layers

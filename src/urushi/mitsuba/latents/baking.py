@@ -94,7 +94,7 @@ class Baker:
         return ConstantLatents(material)
 
     def _textured(self, grid: TexelGrid) -> TexturedLatents:
-        """The codes of all texels: from the disk, or those of the bottom, layered."""
+        """The codes of all texels, from the disk or layered."""
         key = self._key(grid) if self._texture is None and cache.folder() else None
         kept = cache.read(key, self.model) if key else None
         if kept is not None:

@@ -107,7 +107,7 @@ class BottomCodes:
         self._stale = False
 
     def contents(self, start: int, stop: int) -> Iterator[np.ndarray]:
-        """Numbers that tell bottoms apart at a range of texels, after `open`."""
+        """Numbers that differ for different bottoms at a range of texels, after `open`."""
         assert self._opened is not None  # for the type checker
         if self._probed is None:
             yield self._opened(start, stop)[0]
@@ -164,7 +164,7 @@ def nested_latents(bottom: "mi.BSDF", model: Model) -> Latents | None:
 
 
 def is_finer(latents: Latents) -> bool:
-    """Whether codes are those of `spectrum.FINE` bands, but materials are read at three."""
+    """Whether codes have the bands `spectrum.FINE`, but materials are read at three bands."""
     return latents.channels == spectrum.COUNT > spectrum.channel_count()
 
 
@@ -222,7 +222,7 @@ class _ProbedBottom:
         return self._hashes(uv), lambda texel, channel: self._codes(uv, texel, channel)
 
     def contents(self, start: int, stop: int) -> Iterator[np.ndarray]:
-        """Numbers that tell bottoms apart at a range of texels.
+        """Numbers that differ for different bottoms at a range of texels.
 
         They are f at two pairs, one near the mirror direction; and at the first range the bottom's
         parameters, and f at all pairs of a few texels for what is no parameter of `mi.traverse`.

@@ -4,7 +4,7 @@ Where a parameter of a coat or of its bottom carries a gradient, `bake` adds cod
 to the plain codes (`coding`). Dr.Jit also differentiates the bottom's values at the probe pairs, or
 the parameters of a surface that is known by them.
 
-f has the bits that it has without gradients. Its derivative is that of the decoded codes, which
+f has the bits that it has without gradients. It has the derivative of the decoded codes, which
 are computed within the ranges of the parameters, so that f need not be their value. Integrators
 evaluate a picture without derivatives first; no code is decoded then. A table by light transport
 has slopes of its own by every number that carries a gradient (`material.table_slopes`), and codes
@@ -50,7 +50,7 @@ AZIMUTHS = 14
 
 
 class DifferentiableLatents:
-    """Latents with the gradients of codes; everything else is that of the plain latents."""
+    """Latents with the gradients of codes; everything else is as in the plain latents."""
 
     DRJIT_STRUCT: ClassVar = {
         "plain": object,
@@ -124,7 +124,7 @@ class DifferentiableLatents:
         ]
 
     def _with_gradients(self, values: list, si, wo, active) -> list:
-        """Values with the derivatives by the codes; those by the directions are their own."""
+        """Values with derivatives by the codes, besides their own derivatives by the directions."""
         bands = self.plain.channels == spectrum.COUNT
         codes = self._codes_of_bands(si) if bands else self.codes(si.uv, si.wi)
         if not dr.grad_enabled(codes):

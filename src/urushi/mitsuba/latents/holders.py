@@ -36,7 +36,7 @@ class Vertex(NamedTuple):
     Attributes:
         decoder_terms: per channel the decoder's terms of the latent code, as Dr.Jit floats; only
             one list if all channels have the same code.
-        proposal: that of the mean latent code over the channels; None if it is not needed.
+        proposal: of the mean latent code over the channels; None if it is not needed.
     """
 
     decoder_terms: list[list]

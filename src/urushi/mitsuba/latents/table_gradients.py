@@ -34,7 +34,7 @@ def attached(
         material: the coated material, which has the table.
         coat, below: its coat and its bottom.
         parameters: of the bottom, flat Dr.Jit arrays that carry gradients.
-        values: f of each channel of the bottom's table; empty: its slopes are those of its codes.
+        values: f of each channel of the bottom's table; empty: the table follows the codes.
         codes: (1, C, L) of the bottom; None: its lobe does not change.
     """
     assert material.table is not None  # for the type checker

@@ -99,7 +99,7 @@ class UrushiSampler:
         weights[k] = weights[k] + MIN_COSINE_SHARE
         fractions = [1 / (1 + dr.exp(x)) for x in output[k + 1 :]]
         alphas = [dr.exp(float(np.log(MIN_ALPHA)) * x) for x in fractions]
-        # One side for each width: that of the code's lobe, and those of the other lobes.
+        # One side for each width: the width of the code's lobe, then of the other lobes.
         sides = [[width, *alphas[i * (k - 1) :][: k - 1]] for i, width in enumerate(own)]
         sides = [[dr.clip(alpha, MIN_ALPHA, 1) for alpha in side] for side in sides]
         return _mixture(weights, sides)

@@ -76,7 +76,7 @@ def define_proposal_bsdf() -> type:
             """Quantities at si that `_f` and `_proposal` share; None unless a subclass has any."""
 
         def _f(self, vertex, ctx, si, wo, active):
-            """f, a spectrum [1/sr], for si.wi and wo of which both `_faces` are true."""
+            """f, a spectrum [1/sr], for si.wi and wo; `_faces` is true of both."""
             raise NotImplementedError
 
         def _proposal(self, vertex, si, active):
@@ -191,7 +191,7 @@ class PlacedVertex(NamedTuple):
 
     Attributes:
         turn: of the tangent about the normal, if there is one.
-        vertex: that of the codes, in the turned frame.
+        vertex: of the codes, in the turned frame.
         estimates: of f, see `spectrum.from_channels`.
     """
 

@@ -370,7 +370,7 @@ def _at_channel(value: Any, channel: int) -> Any:
 
 
 def _channel_widths(alpha: Any) -> list[Any]:
-    """The widths of a surface: one, or that of every channel if the widths are coloured."""
+    """The widths of a surface: one, or one for every channel if the widths are coloured."""
     if all(dr.depth_v(width) == 1 for width in microfacet.pair(alpha)):
         return [alpha]
     return [_at_channel(alpha, channel) for channel in range(dr.size_v(mi.Spectrum))]

@@ -1,6 +1,6 @@
 """The option `energy_compensation` of coats: light that a rough surface loses is given back.
 
-The lobe is that of `walk.compensation`.
+`walk.compensation` defines the lobe.
 """
 
 from typing import ClassVar

@@ -43,7 +43,7 @@ class SurfaceValues(NamedTuple):
 
 
 class KnownSurface(NamedTuple):
-    """A `roughconductor` or a `diffuse`, by its textures; those that are missing are one.
+    """A `roughconductor` or a `diffuse`, by its textures. Missing textures are one.
 
     Attributes:
         bare: whether it is a roughconductor: a lobe and no Lambertian part.

@@ -95,5 +95,5 @@ class Reflector(Microfacet, kind="dielectric"):
 
     @staticmethod
     def draw(rng, n, draw_eta):
-        """The index is drawn like those of coats."""
+        """Indices have the distribution of coats."""
         return {"alpha": draw_alpha(rng, n), "eta": draw_eta(rng, n)}
