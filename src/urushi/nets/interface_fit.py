@@ -23,6 +23,9 @@ TOLERANCE = 0.005
 #: Number of steps, and their damping.
 STEPS, DAMPING = 20, Damping(1e-3, 0.2, 10.0)
 
+#: Step of differences of errors.
+STEP = 1e-5
+
 #: Bounds of eta and k, the last two unknowns.
 LOWER, UPPER = [0.02, 0.0], [8.0, 12.0]
 
@@ -101,19 +104,15 @@ def _descend(f: np.ndarray, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 def _errors(f: np.ndarray, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Relative errors (N, P) of unknowns x (N, U), and their derivatives (N, U, P)."""
-    *logs, eta, k = x.T[..., None]
-    wi, wo = (w.astype(np.float64) for w in probe_pairs(f.shape[-1], len(logs)))
+    wi, wo = (w.astype(np.float64) for w in probe_pairs(f.shape[-1], x.shape[-1] - len(LOWER)))
     cosine, scale = lobes.cosine_to_facet(wi, wo), 1 / (f + DARK)
-    alphas, step = [np.exp(log) for log in logs], 1e-5
 
-    def of_widths(alphas: list[np.ndarray]) -> np.ndarray:
-        return lobes.shape(Widths(*alphas) if len(alphas) == 2 else alphas[0], wi, wo)
+    def errors(x: np.ndarray) -> np.ndarray:
+        *logs, eta, k = x.T[..., None]
+        widths = [np.exp(log) for log in logs]
+        shape = lobes.shape(Widths(*widths) if len(widths) == 2 else widths[0], wi, wo)
+        return (shape * lobes.fresnel(cosine, eta, k) - f) * scale
 
-    shape = of_widths(alphas)
-    stepped = [[*alphas[:i], alphas[i] * (1 + step), *alphas[i + 1 :]] for i in range(len(alphas))]
-    by_widths = [(of_widths(widths) - shape) / step for widths in stepped]
-    reflected = lobes.fresnel(cosine, eta, k)
-    by_eta = (lobes.fresnel(cosine, eta + step, k) - reflected) / step
-    by_k = (lobes.fresnel(cosine, eta, k + step) - reflected) / step
-    slopes = [*(by_width * reflected for by_width in by_widths), shape * by_eta, shape * by_k]
-    return (shape * reflected - f) * scale, np.stack(slopes, axis=1) * scale[:, None]
+    here = errors(x)
+    slopes = [(errors(x + STEP * unit) - here) / STEP for unit in np.eye(x.shape[-1])]
+    return here, np.stack(slopes, axis=1)
