@@ -27,8 +27,8 @@ from urushi.walk.stack import under as described_under
 #: its own depth.
 DEEPEST = 12.0
 
-#: Largest ratio of two widths that is layered, as of OpenPBR's anisotropy 0.9. Up to here the error
-#: is no larger than at trained ratios.
+#: Largest ratio of two widths that is layered, those of OpenPBR's anisotropy 0.9. Up to here the
+#: error is that of the trained ratios.
 WIDEST = 1.25 * checks.TRAINED_WIDTH_RATIO
 
 
@@ -118,7 +118,7 @@ def under(bottom: Any, index: npt.ArrayLike) -> Any:
 
     Coats whose index is absolute keep it: they are layered again. Conductors of complex index get
     the index relative to the medium. All others are as they are: measured and other BRDFs, and
-    materials that are neither coated nor known as conductors.
+    materials of which neither a coat is known nor that they are a conductor.
 
     index: of the medium, a number or one per channel, relative to the one that lies above now.
     """
