@@ -43,7 +43,7 @@ def materials(model) -> list[Material]:
         layer(dielectric(0.05, 1.5), amber),
         layer(dielectric(0.1, 1.5), encode(gold, model), sigma_t=(2, 0.5, 0.1), albedo=0.7),
         layer(dielectric(0.02, 1.3), encode(conductor(0.1, r0=0.9), model)),
-        layer(dielectric(0.3, 0.8), encode(gold, model), sigma_t=0.3),
+        layer(dielectric(0.3, 1.2), encode(gold, model), sigma_t=0.3),
     ]
 
 

@@ -13,9 +13,9 @@ that the interface reflects back (`urushi.material.adding`).
 
 An index of 1 is no interface, and f is S itself.
 
-The mean is a sum over fixed, evenly spread points. Under a rough coat, few of the pairs wi', wo'
-would hit a narrow lobe of the bottom. Some of the pairs are therefore sampled from half vectors of
-the bottom's lobe, and the balance heuristic combines all of them (Veach and Guibas 1995).
+The mean is a sum over 64 fixed pairs wi', wo'. Under a rough coat, few of them would hit a narrow
+lobe of the bottom. Twice 64 more are therefore drawn from one of them and a half vector of the
+bottom's lobe, and the balance heuristic combines all (Veach and Guibas 1995).
 """
 
 from typing import NamedTuple
@@ -24,9 +24,8 @@ import numpy as np
 
 from urushi.checks import CoatParameters
 from urushi.core.namespace import NUMPY, Components
-from urushi.core.probe_pairs import even_points
 from urushi.material import adding, energy
-from urushi.material.crossing import Crossing, Vector, cross, crossing_at
+from urushi.material.crossing import Crossing, Vector, cross, crossing_at, facet_pair_points
 from urushi.material.material import Material
 from urushi.material.table import (
     HIGHEST,
@@ -42,10 +41,6 @@ from urushi.material.table import (
 )
 from urushi.nets import lobe as lobes
 from urushi.parallel import fill_blocks
-
-#: Pairs of directions inside for each node: drawn by the interface alone, and by each of wi and wo
-#: together with a half vector of the bottom.
-BY_INTERFACE, BY_BOTTOM = 64, 64
 
 #: Half vectors are drawn in proportion to this power of the bottom's mean f over the half angle.
 #: The mean itself would spend most of them on wide lobes, which the interface's pairs sample as
@@ -290,13 +285,12 @@ def _crossed(below: Below, alpha: float, eta: float, wi: np.ndarray, wo: np.ndar
     cross_product = wi[:, 0] * wo[:, 1] - wi[:, 1] * wo[:, 0]
     turn = np.arctan2(cross_product, wi[:, 0] * wo[:, 0] + wi[:, 1] * wo[:, 1])[:, None]
     alpha, eta = float(np.float32(alpha)), float(np.float32(eta))
-    u = even_points(BY_INTERFACE, 4).astype(np.float32)
+    u = facet_pair_points()
     a, b = (cross(c, alpha, eta, u[:, k : k + 2]) for c, k in zip(cosines, (0, 2), strict=True))
     total = _weighted(below, a, b._replace(inside=_turned(b.inside, turn)))
-    u = even_points(BY_BOTTOM, 4)
     half = below.peak.draw(u[:, 2:])
     for one, other in (cosines, cosines[::-1]):  # the bottom is the same seen in a mirror
-        a = cross(one, alpha, eta, u[:, :2].astype(np.float32))
+        a = cross(one, alpha, eta, u[:, :2])
         dot = sum(x * h for x, h in zip(a.inside, half, strict=True))
         reflected = tuple(2 * dot * h - x for x, h in zip(a.inside, half, strict=True))
         sine = np.sqrt(np.maximum(1 - other * other, 0))
@@ -321,7 +315,7 @@ def _weighted(below: Below, a: Crossing, b: Crossing) -> np.ndarray:
     drawn = below.peak.density_at(places[0]) / (2 * np.sqrt(x * x + y * y + z * z))
     least = np.float32(1e-30)
     others = 1 / np.maximum(a.density, least) + 1 / np.maximum(b.density, least)
-    weight = np.where(present, weight / (BY_INTERFACE + BY_BOTTOM * drawn * others), 0)
+    weight = np.where(present, weight / (1 + drawn * others), 0) / a.weight.shape[1]
     wi, wo = (np.stack(w, axis=-1) for w in inside)
     return np.einsum("nkc,nk->nc", _seen(below, wi, wo, places), weight)
 

@@ -17,7 +17,6 @@ import numpy as np
 
 from urushi.core import fresnel, microfacet
 from urushi.core.namespace import NUMPY, Components
-from urushi.core.probe_pairs import even_points
 
 #: Components x, y and z of unit vectors.
 Vector = tuple[np.ndarray, ...]
@@ -81,6 +80,16 @@ def facet_points(count: int) -> np.ndarray:
     return np.stack([index * 0.6180339887498949 % 1, (index + 0.5) / count], 1).astype(np.float32)
 
 
+def facet_pair_points() -> np.ndarray:
+    """Numbers (64, 4) for two crossings: a lattice of Korobov (1959) with the generator 19.
+
+    Each column has 64 even numbers, and of such lattices its points are farthest apart. They serve
+    better than 256 `even_points`.
+    """
+    index = np.arange(64)[:, None]
+    return (((index * 19 ** np.arange(4)) % 64 + 0.5) / 64).astype(np.float32)
+
+
 def crossing_at(outside: Vector, inside: Vector, alpha: float, eta: float) -> Crossing:
     """The weight and the density of given pairs of directions outside and inside."""
     sign = np.float32(1 if eta > 1 else -1)
@@ -101,7 +110,7 @@ def inner_albedo(cosine: np.ndarray, alpha: float, eta: float, count: int = 256)
     """The share (N,) of light of cosines (N,) inside that the interface reflects back inside."""
     cosine = cosine.astype(np.float32)[:, None]
     sine = np.sqrt(np.maximum(1 - cosine * cosine, 0))
-    facet = visible_facets(cosine, sine, alpha, even_points(count, 2).astype(np.float32))
+    facet = visible_facets(cosine, sine, alpha, facet_points(count))
     cos_m = np.clip(sine * facet[0] + cosine * facet[2], TINY, 1)
     z = 2 * cos_m * facet[2] - cosine
     reflectance = fresnel.dielectric(cos_m, np.float32(1 / eta), NUMPY)[0]

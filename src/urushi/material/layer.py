@@ -54,9 +54,10 @@ def layer(
         bottom: a Material, or anything that `encode` accepts; coats nest, and keep the indices that
             they were given as `ior` (see `under`). All layers share one tangent: a bottom that was
             `rotated` cannot get an anisotropic coat. If the bottom has a table, such as a measured
-            BRDF, or the medium is outside the networks' training data, light transport is computed
-            without networks (see `urushi.material.coated_table`), and the result has a table too;
-            this takes a second. Anisotropic materials have no tables.
+            BRDF, or the medium is outside the networks' training data, or the relative index is at
+            most 1, light transport is computed without networks (see
+            `urushi.material.coated_table`), and the result has a table too; this takes a second.
+            Anisotropic materials have no tables.
         albedo, sigma_t, g, color, body, body_color, thickness: of the medium, as in `urushi.coat`;
             in tables, a g of less than -0.95 is -0.95.
         weights, refine: as in `encode`, for a bottom that is not a Material.
@@ -153,9 +154,9 @@ def under(bottom: Any, index: npt.ArrayLike) -> Any:
 def layer_material(coat: CoatParameters, bottom: Material) -> Material:
     """`layer` for checked parameters: arrays (C,), (1,) or ().
 
-    If the bottom has a table, or the coat is outside the networks' training data, the result has a
-    table of the rest beside the coat's lobe. The bottom under no interface and no medium is
-    returned as it is.
+    If the bottom has a table, or the coat is outside the networks' training data or of an index of
+    at most 1, the result has a table of the rest beside the coat's lobe. The bottom under no
+    interface and no medium is returned as it is.
     """
     model = bottom.model
     coat = _for_networks(model, coat)
@@ -182,8 +183,8 @@ def _tabulated(bottom: Material, coat: CoatParameters) -> Material | None:
     """The bottom with a table, under a coat that needs one; None: networks layer it."""
     if bottom.table is not None:
         return bottom
-    no_interface = bool((coat.eta == 1).any())  # the networks have not seen this index
-    if bottom.model.widths != 1 or not (no_interface or checks.outside_training(coat)):
+    low = bool((coat.eta <= 1).any())  # the networks blur total reflection, and never saw one
+    if bottom.model.widths != 1 or not (low or checks.outside_training(coat)):
         return None
     table = rest_table(bottom.model.networks, bottom.latents)
     if table is None:
