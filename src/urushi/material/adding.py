@@ -161,6 +161,15 @@ class Grid:
 
         return shared(values) / shared(fine.weights)
 
+    def averaged(self, modes: Callable[["Grid"], np.ndarray]) -> np.ndarray:
+        """Modes (H, N, M) of light from the nodes, averaged about them as by `mean`.
+
+        modes: returns them (H, L, M) for the L directions of a finer grid.
+        """
+        fine = Grid(4 * len(self.angles))
+        shares = self.shares(fine.angles) * fine.weights[:, None]
+        return (shares / shares.sum(axis=0)).T @ modes(fine)
+
     @staticmethod
     def _place(x: np.ndarray, nodes: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         place = np.interp(x, nodes, np.arange(len(nodes)))
@@ -231,17 +240,17 @@ def seen_inside(
 
 
 def passed_inside(
-    interface: np.ndarray, albedo: float, sigma_t: float, g: float
-) -> tuple[np.ndarray, float]:
-    """Transmission of a medium between two interfaces that both reflect it back.
+    bottom: np.ndarray, interface: np.ndarray, albedo: float, sigma_t: float, g: float
+) -> tuple[np.ndarray, np.ndarray, float]:
+    """Transmission of a medium over a bottom, below an interface that reflects from below.
 
     Args:
-        interface, albedo, sigma_t, g: as of `seen_inside`.
+        bottom, interface, albedo, sigma_t, g: as of `seen_inside`.
 
     Returns:
-        Modes (H, N, N) of the light that arrives at the lower interface, at the mirror image of its
-        direction, except what has not been scattered and at most been mirrored
-        (`Grid.mirror_shares`); and the optical depth that attenuates the excepted light.
+        Modes (H, N, N): shares of light that crosses the medium, in either direction, from the
+        first nodes to the second; of it (N,) what goes straight, not scattered and at most mirrored
+        (`Grid.mirror_shares`); and the optical depth that attenuates straight light.
     """
     own = grid()
     weights, one = own.weights, np.eye(len(own.cosines))
@@ -252,11 +261,11 @@ def passed_inside(
         reflected, passed = medium(albedo, sigma_t, g)
         down = down + passed * weights
     # Light at the bottom and at the top, of that which leaves the upper interface
-    lit = np.linalg.solve(one - (reflected * weights) @ (interface * weights), down)
-    up = down @ (interface * weights) @ lit + reflected * weights
+    lit = np.linalg.solve(one - (reflected * weights) @ (bottom * weights), down)
+    up = down @ (bottom * weights) @ lit + reflected * weights
     every = lit @ np.linalg.inv(one - (interface * weights) @ up)
-    straight = through / (1 - (own.mirror_shares(interface) * through) ** 2)
-    return own.mirror[:, None, None] * ((every - np.diag(straight)) / weights), sigma_t
+    mirrored = own.mirror_shares(interface) * own.mirror_shares(bottom)
+    return every, through / (1 - mirrored * through**2), sigma_t
 
 
 def without_trapped(interface: np.ndarray, eta: float) -> np.ndarray:

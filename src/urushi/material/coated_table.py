@@ -116,7 +116,8 @@ def coated_rest(bottom: Material, coat: CoatParameters, slab: bool = False) -> n
     """
     parameters = np.stack([*np.broadcast_arrays(*coat, np.zeros(bottom.channels))][:5])
     result = np.empty((len(node_pairs()[0]), parameters.shape[1]), np.float32)
-    modes, peak = adding.bottom_modes(bottom.f), half_vectors(bottom)
+    modes = adding.bottom_modes(bottom.f)
+    peak = half_vectors(bottom.f(*node_pairs()).reshape(*SHAPE, -1))
     for interface in np.unique(parameters[:2], axis=1).T:
         chosen = np.flatnonzero((parameters[:2] == interface[:, None]).all(axis=0))
         own = np.minimum(chosen, bottom.channels - 1)
@@ -197,13 +198,12 @@ def _albedos_of_values(f: np.ndarray) -> np.ndarray:
     return adding.albedos(lambda *w: interpolated(table, *w), COSINES)
 
 
-def half_vectors(bottom: Material) -> HalfVectors:
-    """The distribution of half vectors at which a bottom with a table is bright."""
+def half_vectors(f: np.ndarray) -> HalfVectors:
+    """The distribution of half vectors at which values f (U, ...) at a table's nodes are bright."""
     nodes = np.linspace(0, 1, SHAPE[0])
     tan2 = np.maximum(np.exp(LOWEST + nodes * (HIGHEST - LOWEST)) - TAN2_OFFSET, 0)
     cosines = 1 / np.sqrt(1 + tan2)
-    f = bottom.f(*node_pairs()).reshape(*SHAPE, -1)[:, :PEAK_NODES]
-    size = f.mean(axis=(1, 2, 3), dtype=np.float64) ** PEAK_POWER
+    size = f[:, :PEAK_NODES].mean(axis=(1, 2, 3), dtype=np.float64) ** PEAK_POWER
     angles = 2 * np.pi * (cosines[:-1] - cosines[1:])
     shares = (size[:-1] + size[1:]) * (cosines[:-1] + cosines[1:]) * angles
     shares /= shares.sum()

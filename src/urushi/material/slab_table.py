@@ -1,36 +1,45 @@
-"""Tables of slabs that are the same from both sides: the light they reflect and transmit.
+"""Tables of slabs: the light that they reflect on either side, and the light that they transmit.
 
-A slab is a medium between two interfaces of one width in one surrounding medium. Its reflection is
-that of a coat over a bottom, the lower interface (`urushi.material.coated_table`). Its transmission
-is tabulated in the coordinates of reflection (`urushi.material.table`), at the mirror image of wo
-in the slab. Light that goes straight through a pane is then a narrow lobe at small half angles, and
-exchanging wi and wo changes nothing. f of transmission is
+What a slab reflects on a side are coats over its last interface (`urushi.material.coated_table`).
+What it transmits is tabulated at wi above it and the mirror image of wo below, both as they would be
+in the denser of the two outer media (`slabs.straight`). Light that goes straight through is then a
+narrow lobe at small half angles. In the coordinates of `urushi.material.table`, a sign of w says
+which of both cosines is the larger. f of importance is the table times the square of the index on
+wo's side, and exchanging wi and wo leaves the table's value the same.
 
-    1 / eta^2 (E[w_i w_o S(wi', wo')] + integral of t(wi, w) t(wo, -w) a(w) / cos dw),
+Light of the directions wi', after refraction at random facets of the topmost interface, meets
 
-where wi' and wo' are wi and wo after refraction at random facets of their interfaces, w_i and w_o
-the transmitted fractions (`urushi.material.crossing`), and t their products with densities. The
-attenuation a counts light that goes straight or is mirrored to and fro, as between smooth surfaces,
-and S all other light, which the medium scatters or rough interfaces reflect
-(`urushi.material.adding`).
+    1 / eta^2 E[w_i w_o S(wi', wo')] + E[w_i a(wi') t(wi', wo)],
+
+S being light that the medium scatters or rough interfaces reflect, by adding and doubling
+(`urushi.material.adding`), w the transmitted fractions (`urushi.material.crossing`), t the straight
+light of all lower layers, a table too, and a the attenuation of the medium, which counts light that
+smooth interfaces mirror to and fro. Below the last medium, t is the lowest interface itself: its
+directions are drawn from both sides.
 """
 
 from collections.abc import Callable
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from urushi.checks import CoatParameters
+from urushi.checks import MIN_ALPHA, MIN_INDEX_STEP, CoatParameters
 from urushi.core import fresnel
-from urushi.core.namespace import NUMPY
+from urushi.core.namespace import NUMPY, Components, Namespace
 from urushi.material import adding
-from urushi.material.coated_table import coated_table
+from urushi.material.coated_table import HalfVectors, coated_table, half_vectors
 from urushi.material.crossing import Vector, cross, crossing_at, facet_points
 from urushi.material.material import Material
-from urushi.material.table import SHAPE, node_pairs, table_of_values
+from urushi.material.table import SHAPE, coordinates, interpolated_at, node_directions
 from urushi.nets import lobe as lobes
-from urushi.nets.decoder import MIN_LOG
+from urushi.nets.decoder import MAX_LOG, MIN_LOG
+from urushi.nets.features import MIN_COSINE
 from urushi.nets.weights import Model
 from urushi.parallel import fill_blocks
+from urushi.walk import slabs
+
+#: Nodes of a table of transmitted light: w has a sign.
+PASSED_SHAPE = (*SHAPE[:2], 2 * SHAPE[2] - 1)
 
 #: Directions inside for each node, drawn from either side.
 STRAIGHT = 34
@@ -41,71 +50,232 @@ FACETS, ELEVATIONS = 256, 48
 #: Nodes of a table that are computed at once.
 ROWS = 256
 
+#: Least width of straight light, as a mirror of this width reflects: a table holds no narrower one.
+LEAST_SPREAD = MIN_ALPHA / 4
 
-def slab_materials(model: Model, coat: CoatParameters) -> tuple[Material, Material]:
-    """What a slab reflects and what it transmits, as materials with tables.
+#: The share (..., C) of light that is left of cosines (...).
+Attenuation = Callable[[np.ndarray], np.ndarray]
+
+
+class SlabTables(NamedTuple):
+    """A slab of C channels.
+
+    Attributes:
+        reflected: above it and below it.
+        passed: float16 (*`PASSED_SHAPE`, C) logarithms of f / index^2 of transmission, of the index
+            on wo's side.
+        index: below it relative to above.
+    """
+
+    reflected: tuple[Material, Material]
+    passed: np.ndarray
+    index: float
+
+    def f(self, wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
+        """f (N, C) [1/sr] of importance for unit vectors (N, 3) on any side."""
+        lower = wi[:, 2:] < 0
+        a, b = (np.concatenate([w[:, :2], np.abs(w[:, 2:])], axis=1) for w in (wi, wo))
+        reflected = np.where(lower, *(m.f(a, b) for m in self.reflected[::-1]))
+        above, below = (Components(*np.where(lower, *p).T) for p in ((b, a), (a, b)))
+        passed = interpolated_at(self.passed, *passed_coordinates(above, below, self.index, NUMPY))
+        passed *= np.where(wo[:, 2:] < 0, self.index**2, 1)
+        return np.where(wi[:, 2:] * wo[:, 2:] < 0, passed, reflected)
+
+
+def slab_tables(model: Model, interfaces: np.ndarray, media: np.ndarray) -> SlabTables:
+    """The tables of a slab.
 
     Args:
         model: isotropic networks, of which nothing is used but the form of the codes.
-        coat: checked numbers or arrays (C,), one alpha and one eta.
-
-    Returns:
-        The reflection, and the transmission as a function of wi and the mirror image of wo.
+        interfaces: (n + 1, 2) alpha and eta, top to bottom, each relative to the medium above.
+        media: (n, 3, C) albedo, sigma_t and g between them.
     """
-    columns = np.stack(np.broadcast_arrays(*coat, np.zeros(1))[:5])
-    alpha, eta, *media = columns
-    codes = np.zeros((2, len(alpha), model.arch.latent), np.float32)
-    codes[0, :, : model.arch.lobe] = lobes.of_coat(alpha, eta)
-    codes[1, :, : model.arch.lobe] = lobes.of_coat(alpha, 1 / eta)
-    empty = np.full((*SHAPE, len(alpha)), MIN_LOG, np.float16)
-    below = Material(codes[1], model, table=empty, beside_lobe=True)
-    lobe = codes[0, :, : model.arch.lobe]
-    table = coated_table(below, CoatParameters(*columns), lobe, slab=True)
-    reflected = Material(codes[0], model, table=table, beside_lobe=True)
-    f = transmitted(float(alpha[0]), float(eta[0]), np.stack(media))
-    return reflected, Material(codes[0], model, table=table_of_values(f))
+    turned = np.stack([interfaces[:, 0], 1 / interfaces[:, 1]], axis=1)[::-1]
+    symmetric = np.allclose(turned, interfaces, 1e-4) and np.allclose(media[::-1], media)
+    above = _reflected(model, interfaces, media)
+    below = above if symmetric else _reflected(model, turned, media[::-1])
+    logs = np.log(transmitted(interfaces, media, above, symmetric)).clip(MIN_LOG, MAX_LOG)
+    index = float(interfaces[:, 1].prod())
+    return SlabTables((above[0], below[0]), logs.astype(np.float16), index)
 
 
-def transmitted(alpha: float, eta: float, media: np.ndarray) -> np.ndarray:
-    """f float32 (N, C) [1/sr] of transmission at `node_pairs` of wi and the mirror image of wo.
+def passed_coordinates(above: Any, below: Any, index: float, xp: Namespace) -> tuple[Any, ...]:
+    """Coordinates in [0, 1] of pairs of directions above a slab and below it, both with z > 0.
+
+    index: below the slab relative to above.
+    """
+    a, b = _refracted(above, below, index, max(index, 1 / index), xp)
+    both, apart = Components(a.x + b.x, a.y + b.y, a.z + b.z), Components(None, None, a.z - b.z)
+    u, v, w = coordinates(both, apart, 1, xp)
+    return u, v, 0.5 + xp.where(apart.z > 0, 0.5, -0.5) * w
+
+
+def _refracted(above: Any, below: Any, index: float, ratio: float, xp: Namespace) -> tuple:
+    """The pair with that of its directions refracted that is in the less dense medium.
+
+    ratio: index to which it is refracted relative to its own; its inverse undoes that.
+    """
+    if abs(index - 1) < MIN_INDEX_STEP:
+        return above, below
+    if index > 1:
+        return slabs.straight(above, ratio, xp), below
+    return above, slabs.straight(below, ratio, xp)
+
+
+def _node_pairs(index: float) -> tuple[np.ndarray, np.ndarray]:
+    """Directions above and below, (N, 3) float32, of the nodes of a table of transmitted light."""
+    u, v, w = (np.linspace(0, 1, count) for count in PASSED_SHAPE)
+    u, v, w = (x.ravel() for x in np.meshgrid(u, v, 2 * w - 1, indexing="ij"))
+    low, high = node_directions(u, v, np.abs(w))
+    pair = [Components(*np.where(w[:, None] > 0, *p).T) for p in ((high, low), (low, high))]
+    pair = _refracted(*pair, index, min(index, 1 / index), NUMPY)  # type: ignore[assignment]
+    raised = [np.stack([x, y, np.maximum(z, MIN_COSINE)], axis=1) for x, y, z in pair]
+    above, below = (w / np.linalg.norm(w, axis=1, keepdims=True) for w in raised)
+    return above.astype(np.float32), below.astype(np.float32)
+
+
+def _reflected(model: Model, interfaces: np.ndarray, media: np.ndarray) -> list[Material]:
+    """What the slab reflects above each of its interfaces, top to bottom."""
+    channels, lobe = media.shape[-1], slice(model.arch.lobe)
+    parts: list[Material] = []
+    for level in reversed(range(len(interfaces))):
+        alpha, eta = np.broadcast_to(interfaces[level], (channels, 2)).T
+        codes = np.zeros((channels, model.arch.latent), np.float32)
+        codes[:, lobe] = lobes.of_coat(alpha, eta)
+        table = np.full((*SHAPE, channels), MIN_LOG, np.float16)
+        if parts:
+            coat = CoatParameters(alpha, eta, *media[level])
+            table = coated_table(parts[0], coat, codes[:, lobe], slab=True)
+        parts.insert(0, Material(codes, model, table=table, beside_lobe=True))
+    return parts
+
+
+def transmitted(
+    interfaces: np.ndarray, media: np.ndarray, parts: list[Material], symmetric: bool = False
+) -> np.ndarray:
+    """f / index^2 float32 (*`PASSED_SHAPE`, C) [1/sr] of transmission.
 
     Args:
-        alpha, eta: of the upper interface, mirrored by the lower one.
-        media: (3, C) albedo, sigma_t and g.
+        interfaces, media: as of `slab_tables`.
+        parts: what is reflected above each interface.
+        symmetric: whether both sides are the same.
     """
-    wi, wo = node_pairs()
-    outside = adding.Grid(ELEVATIONS)
-    back = adding.interface_modes(alpha, eta)
-    passes = _crossing_modes(outside, alpha, eta) @ adding.without_trapped(back, eta)
-    depths, scattered = [], []
-    for medium in media.T:
-        modes, depth = adding.passed_inside(back, *medium)
-        through = passes @ modes @ passes.swapaxes(1, 2)
-        scattered.append(outside.values_of_modes(through))
-        depths.append(depth)
-    f = np.empty((len(wi), len(depths)), np.float32)
+    own, outside = adding.grid(), adding.Grid(ELEVATIONS)
+    indices = interfaces[:, 1].cumprod()
+    facets = _facets(interfaces, indices)
+    alpha, eta = interfaces[-1]
+    lower = [adding.interface_modes(alpha, 1 / eta)] * media.shape[-1]
+    surface: Callable[[np.ndarray], np.ndarray] = _mirror(alpha, 1 / eta)
+    # Light from below that arrives above the interfaces that have been passed, all and straight
+    every = [_crossing_modes(outside, alpha, 1 / eta)] * media.shape[-1]
+    direct, table = every, None
+    for level in reversed(range(len(media))):
+        alpha, eta = interfaces[level]
+        back = adding.interface_modes(alpha, eta)
+        if table is not None:
+            lower = list(adding.bottom_modes(parts[level + 1].f))
+            shares = np.stack([own.mirror_shares(modes) for modes in lower])
+            surface = _interpolation(own, shares.T)
+        fields, straights, depths = zip(
+            *(
+                adding.passed_inside(modes, back, *medium)
+                for modes, medium in zip(lower, media[level].T, strict=True)
+            ),
+            strict=True,
+        )
+        every = [a @ b for a, b in zip(every, fields, strict=True)]
+        direct = [a * b for a, b in zip(direct, straights, strict=True)]
+        attenuation = _attenuation(np.array(depths), _mirror(alpha, eta), surface)
+        straight = _two_interfaces(facets[level], facets[-1], indices[level], attenuation)
+        if table is not None:
+            index = indices[-1] / indices[level]
+            straight = _one_interface(facets[level], table, index, attenuation)
+        if level:
+            inner = own.averaged(lambda w, alpha=alpha, eta=eta: _crossing_modes(w, alpha, 1 / eta))
+            every, direct = ([modes @ inner for modes in x] for x in (every, direct))
+            index = indices[-1] / indices[level - 1]
+            table = np.log(np.maximum(_tabulated(straight, index, media.shape[-1]), 1e-30))
+    entering = _crossing_modes(outside, alpha, eta)
+    scattered = [
+        own.mirror[:, None, None] * (entering @ ((a - b) / own.weights).swapaxes(1, 2))
+        for a, b in zip(every, direct, strict=True)
+    ]
+    values = np.stack([outside.values_of_modes(modes) for modes in scattered], axis=-1)
+    values /= indices[0] ** 2
 
-    own = adding.grid()
-    shares = own.mirror_shares(back) / np.maximum(back[0] @ own.weights, 1e-9)
+    def whole(wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
+        return straight(wi, wo) + np.maximum(outside.interpolated(values, wi, wo), 0)
+
+    return _tabulated(whole, indices[-1], media.shape[-1], symmetric)
+
+
+def _tabulated(
+    f: Callable[..., np.ndarray], index: float, channels: int, symmetric: bool = False
+) -> np.ndarray:
+    """Values (*`PASSED_SHAPE`, C) of a function of directions above and below (N, 3)."""
+    result = np.empty((*PASSED_SHAPE, channels), np.float32)
+    half = SHAPE[2] if symmetric else PASSED_SHAPE[2]
+    pairs = (w.reshape(*PASSED_SHAPE, 3)[:, :, :half].reshape(-1, 3) for w in _node_pairs(index))
+    values = np.empty((PASSED_SHAPE[0] * PASSED_SHAPE[1] * half, channels), np.float32)
+    fill_blocks(values, f, *pairs, rows=ROWS)
+    result[:, :, :half] = values.reshape(*SHAPE[:2], half, channels)
+    if symmetric:
+        result[:, :, half:] = result[:, :, half - 2 :: -1]
+    return result
+
+
+def _facets(interfaces: np.ndarray, indices: np.ndarray) -> list[tuple[float, float]]:
+    """Width and index of each interface, for straight light: an index of 1 is nearly one.
+
+    Widths are multiplied so that straight light has at least `LEAST_SPREAD`.
+    """
+    above = indices / interfaces[:, 1]
+    spread = np.sqrt(np.sum((0.5 * above * (interfaces[:, 1] - 1) * interfaces[:, 0]) ** 2))
+    factor = max(1.0, LEAST_SPREAD * max(indices[-1], 1) / spread)
+    return [
+        (float(min(alpha * factor, 1)), float(eta)) if eta != 1 else (MIN_ALPHA, 1 + MIN_INDEX_STEP)
+        for alpha, eta in interfaces
+    ]
+
+
+def _interpolation(own: adding.Grid, values: np.ndarray) -> Callable[[np.ndarray], np.ndarray]:
+    """The function (..., C) of cosines (...) with values (N, C) at the directions of a grid."""
+    return lambda cosine: np.stack(
+        [np.interp(cosine, own.cosines[::-1], column[::-1]) for column in values.T], axis=-1
+    ).astype(np.float32)
+
+
+def _mirror(alpha: float, eta: float) -> Callable[[np.ndarray], np.ndarray]:
+    """The share (..., 1) that an interface mirrors of light inside; eta: inside over outside."""
+    own, back = adding.grid(), adding.interface_modes(alpha, eta)
+    smooth = own.mirror_shares(back) / np.maximum(back[0] @ own.weights, 1e-9)
+    share = _interpolation(own, smooth[:, None])
+
+    def mirrored(cosine: np.ndarray) -> np.ndarray:
+        return fresnel.dielectric(cosine, np.float32(1 / eta), NUMPY)[0][..., None] * share(cosine)
+
+    return mirrored
+
+
+def _attenuation(depths: np.ndarray, *mirrors: Callable[[np.ndarray], np.ndarray]) -> Attenuation:
+    """What is left of light that goes straight, however often two surfaces mirror it."""
 
     def attenuation(cosine: np.ndarray) -> np.ndarray:
-        """What is left (..., C) of light that goes straight, however often it is mirrored."""
-        left = np.exp(-np.array(depths, np.float32) / cosine[..., None])
-        mirrored = fresnel.dielectric(cosine, np.float32(1 / eta), NUMPY)[0]
-        mirrored = mirrored * np.interp(cosine, own.cosines[::-1], shares[::-1])
-        return left / (1 - (mirrored[..., None] * left) ** 2)
+        left = np.exp(-depths.astype(np.float32) / cosine[..., None])
+        upper, lower = (mirror(cosine) for mirror in mirrors)
+        return left / (1 - upper * lower * left * left)
 
-    def straight(wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
-        return _straight(wi, wo, alpha, eta, attenuation)
-
-    fill_blocks(f, straight, wi, wo, rows=ROWS)
-    f += np.maximum(outside.interpolated(np.stack(scattered, axis=-1), wi, wo), 0)
-    return f / np.float32(eta * eta)
+    return attenuation
 
 
 def _crossing_modes(outside: adding.Grid, alpha: float, eta: float) -> np.ndarray:
-    """Modes (H, M, N): shares of light of M directions outside that arrive at N nodes inside."""
+    """Modes (H, M, N): shares of light of M directions outside that arrive at N nodes inside.
+
+    eta: inside over outside; 1: light goes on.
+    """
     own = adding.grid()
+    if eta == 1:
+        return np.stack([own.shares(outside.angles)] * len(own.azimuths))
     u = facet_points(FACETS)
     inside = cross(outside.cosines.astype(np.float32)[:, None], alpha, eta, u)
     x, y, z = inside.inside
@@ -115,33 +285,89 @@ def _crossing_modes(outside: adding.Grid, alpha: float, eta: float) -> np.ndarra
     for order in range(len(own.azimuths)):
         weight = inside.weight * np.cos(order * turn) / FACETS
         modes.append(np.einsum("mk,mkn->mn", weight, shares))
-    return np.stack(modes)
+    return np.stack(modes) @ adding.without_trapped(adding.interface_modes(alpha, eta), eta)
 
 
-def _straight(
-    wi: np.ndarray,
-    wo: np.ndarray,
-    alpha: float,
-    eta: float,
-    attenuation: Callable[[np.ndarray], np.ndarray],
-) -> np.ndarray:
-    """The integral of the module's text for pairs (N, 3): (N, C).
+def _turn(w: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Cosine and sine (N, 1) of the azimuth of directions (N, 3)."""
+    turn = np.arctan2(w[:, 1], w[:, 0])[:, None]
+    return np.cos(turn), np.sin(turn)
 
-    attenuation: the share (..., C) of light that is left of cosines inside (...).
 
-    Half of the directions are drawn from wi, half from wo, weighted by the balance heuristic.
+def _two_interfaces(
+    upper: tuple[float, float], lower: tuple[float, float], index: float, attenuation: Attenuation
+) -> Callable[[np.ndarray, np.ndarray], np.ndarray]:
+    """Straight light through two interfaces: a function of directions (N, 3), f (N, C).
+
+    Args:
+        upper, lower: alpha, and eta relative to the medium above.
+        index: of the medium between them.
+        attenuation: of that medium.
+
+    Half of the directions inside are drawn from either side, weighted by the balance heuristic.
     """
     u = facet_points(STRAIGHT)
-    total = np.float32(0)
-    for one, other in ((wi, wo), (wo, wi)):
-        cosine = one[:, 2, None]
-        a = cross(cosine, alpha, eta, u)
-        turn = np.arctan2(one[:, 1], one[:, 0])[:, None]
-        cos, sin = np.cos(turn), np.sin(turn)
-        x, y, z = a.inside
-        inside: Vector = (sin * y - cos * x, -cos * y - sin * x, z)  # mirrored
-        b = crossing_at(tuple(other[:, i, None] for i in range(3)), inside, alpha, eta)
-        chances = a.density * b.density / np.maximum(a.density + b.density, np.float32(1e-30))
-        weight = a.weight * b.weight * chances / (z * STRAIGHT)
-        total = total + np.einsum("nk,nkc->nc", weight, attenuation(z))
-    return np.asarray(total)
+    lower = lower[0], 1 / lower[1]
+
+    def straight(above: np.ndarray, below: np.ndarray) -> np.ndarray:
+        total = np.float32(0)
+        for one, other, own, far in ((above, below, upper, lower), (below, above, lower, upper)):
+            a = cross(one[:, 2, None], *own, u)
+            (cos, sin), (x, y, z) = _turn(one), a.inside
+            inside: Vector = (sin * y - cos * x, -cos * y - sin * x, z)  # mirrored
+            b = crossing_at(tuple(other[:, i, None] for i in range(3)), inside, *far)
+            chances = a.density * b.density / np.maximum(a.density + b.density, np.float32(1e-30))
+            weight = a.weight * b.weight * chances / (z * STRAIGHT)
+            total = total + np.einsum("nk,nkc->nc", weight, attenuation(z))
+        return np.asarray(total) / np.float32(index * index)
+
+    return straight
+
+
+def _one_interface(
+    facets: tuple[float, float], logs: np.ndarray, index: float, attenuation: Attenuation
+) -> Callable[[np.ndarray, np.ndarray], np.ndarray]:
+    """Straight light through an interface and the layers below: a function as of `_two_interfaces`.
+
+    Args:
+        facets: alpha and eta of the interface.
+        logs: float32 (*`PASSED_SHAPE`, C) of the straight light of the layers.
+        index: below the layers relative to the medium between.
+        attenuation: of that medium.
+
+    Half of the directions inside are drawn by the interface, half by half vectors of the layers.
+    """
+    u = facet_points(STRAIGHT)
+    peak: HalfVectors = half_vectors(np.exp(logs))
+    half = peak.draw(u[:, ::-1].astype(np.float64))
+    ratio = max(index, 1 / index)
+
+    def straight(above: np.ndarray, below: np.ndarray) -> np.ndarray:
+        (cos, sin), columns = _turn(above), [below[:, i, None] for i in range(3)]
+        x, y, z = cross(above[:, 2, None], *facets, u).inside
+        drawn = Components(cos * x - sin * y, sin * x + cos * y, z)
+        _, far = _refracted(drawn, Components(*columns), index, ratio, NUMPY)
+        dot = sum(w * h for w, h in zip(far, half, strict=True))
+        mirrored = Components(*(2 * dot * h - w for w, h in zip(far, half, strict=True)))
+        seen, _ = _refracted(mirrored, far, index, 1 / ratio, NUMPY)
+        reached = (dot > 0) & (mirrored.z > 0) & (index * np.hypot(mirrored.x, mirrored.y) < 1)
+        present = [np.ones_like(z, bool), reached]
+        inside = tuple(
+            np.concatenate([a, np.where(reached, b, n)], axis=1)
+            for a, b, n in zip(drawn, seen, (0, 0, 1), strict=True)
+        )
+        b = crossing_at(tuple(above[:, i, None] for i in range(3)), inside, *facets)
+        denser, _ = _refracted(Components(*inside), far, index, ratio, NUMPY)
+        both = Components(*(p + q for p, q in zip(denser, far, strict=True)))
+        places = coordinates(both, Components(None, None, denser.z - far.z), 1, NUMPY)
+        signed = 0.5 + np.where(denser.z > far.z, 0.5, -0.5) * places[2]
+        values = interpolated_at(logs, *(p.ravel() for p in (*places[:2], signed)))
+        chance = peak.density_at(places[0]) / (2 * np.sqrt(sum(w * w for w in both)))
+        if index > 1:  # solid angles of refracted directions
+            chance = chance * inside[2] / (index * index * denser.z)
+        share = b.weight * b.density / np.maximum(b.density + chance, np.float32(1e-30)) / STRAIGHT
+        share = np.where(np.concatenate(present, axis=1), share, 0)
+        values = values.reshape(*share.shape, -1) * attenuation(inside[2])
+        return np.einsum("nkc,nk->nc", values, share)
+
+    return straight

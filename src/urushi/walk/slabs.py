@@ -17,6 +17,7 @@ import drjit as dr
 
 from urushi.checks import Widths
 from urushi.core import microfacet
+from urushi.core.namespace import DRJIT, Namespace
 from urushi.walk import interface, walk
 from urushi.walk.bottoms.dielectric import Reflector
 from urushi.walk.interface import flip
@@ -71,7 +72,7 @@ class Slab:
         return self._coats.medium(dr.select(self._turned, self.count - 1 - index, index))
 
 
-def straight(wi: Any, eta: Any) -> Any:
+def straight(wi: Any, eta: Any, xp: Namespace = DRJIT) -> Any:
     """A direction that a mirror would reflect where straight light from wi goes, mirrored back.
 
     Args:
@@ -80,7 +81,7 @@ def straight(wi: Any, eta: Any) -> Any:
     """
     x, y = wi.x / eta, wi.y / eta
     # Totally reflected light has no direction; what scatters inside leaves anywhere.
-    return dr.normalize(type(wi)(x, y, dr.sqrt(dr.maximum(1 - x * x - y * y, 1e-3))))
+    return xp.normalized(type(wi)(x, y, xp.sqrt(xp.maximum(1 - x * x - y * y, 1e-3))))
 
 
 def estimate(
