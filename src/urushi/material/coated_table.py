@@ -198,12 +198,12 @@ def _albedos_of_values(f: np.ndarray) -> np.ndarray:
     return adding.albedos(lambda *w: interpolated(table, *w), COSINES)
 
 
-def half_vectors(f: np.ndarray) -> HalfVectors:
+def half_vectors(f: np.ndarray, power: float = PEAK_POWER) -> HalfVectors:
     """The distribution of half vectors at which values f (U, ...) at a table's nodes are bright."""
     nodes = np.linspace(0, 1, SHAPE[0])
     tan2 = np.maximum(np.exp(LOWEST + nodes * (HIGHEST - LOWEST)) - TAN2_OFFSET, 0)
     cosines = 1 / np.sqrt(1 + tan2)
-    size = f[:, :PEAK_NODES].mean(axis=(1, 2, 3), dtype=np.float64) ** PEAK_POWER
+    size = f[:, :PEAK_NODES].mean(axis=(1, 2, 3), dtype=np.float64) ** power
     angles = 2 * np.pi * (cosines[:-1] - cosines[1:])
     shares = (size[:-1] + size[1:]) * (cosines[:-1] + cosines[1:]) * angles
     shares /= shares.sum()

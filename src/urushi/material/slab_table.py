@@ -44,6 +44,9 @@ PASSED_SHAPE = (*SHAPE[:2], 2 * SHAPE[2] - 1)
 #: Directions inside for each node, drawn from either side.
 STRAIGHT = 34
 
+#: The same where one of the sides is a table.
+THROUGH_TABLE = 64
+
 #: Facets at which light of a direction is refracted, and elevations outside.
 FACETS, ELEVATIONS = 256, 48
 
@@ -51,7 +54,7 @@ FACETS, ELEVATIONS = 256, 48
 ROWS = 256
 
 #: Least width of straight light, as a mirror of this width reflects: a table holds no narrower one.
-LEAST_SPREAD = MIN_ALPHA / 4
+LEAST_SPREAD = MIN_ALPHA / 5
 
 #: The share (..., C) of light that is left of cosines (...).
 Attenuation = Callable[[np.ndarray], np.ndarray]
@@ -94,7 +97,8 @@ def slab_tables(model: Model, interfaces: np.ndarray, media: np.ndarray) -> Slab
     symmetric = np.allclose(turned, interfaces, 1e-4) and np.allclose(media[::-1], media)
     above = _reflected(model, interfaces, media)
     below = above if symmetric else _reflected(model, turned, media[::-1])
-    logs = np.log(transmitted(interfaces, media, above, symmetric)).clip(MIN_LOG, MAX_LOG)
+    f = np.maximum(transmitted(interfaces, media, above, symmetric), 1e-30)
+    logs = np.log(f).clip(MIN_LOG, MAX_LOG)
     index = float(interfaces[:, 1].prod())
     return SlabTables((above[0], below[0]), logs.astype(np.float16), index)
 
@@ -127,8 +131,15 @@ def _node_pairs(index: float) -> tuple[np.ndarray, np.ndarray]:
     u, v, w = (np.linspace(0, 1, count) for count in PASSED_SHAPE)
     u, v, w = (x.ravel() for x in np.meshgrid(u, v, 2 * w - 1, indexing="ij"))
     low, high = node_directions(u, v, np.abs(w))
-    pair = [Components(*np.where(w[:, None] > 0, *p).T) for p in ((high, low), (low, high))]
-    pair = _refracted(*pair, index, min(index, 1 / index), NUMPY)  # type: ignore[assignment]
+    pair = [np.where(w[:, None] > 0, *p) for p in ((high, low), (low, high))]
+    # Where the medium of one direction has none, as beyond total reflection, the pair is moved
+    limit, far = min(index, 1 / index), int(index < 1)
+    sine = np.hypot(*pair[far][:, :2].T)[:, None]
+    moved = pair[far][:, :2] * (np.minimum(limit / np.maximum(sine, 1e-9), 1) - 1)
+    for w, step in ((pair[far], moved), (pair[1 - far], -moved)):
+        w[:, :2] += step
+        w[:, 2] = np.sqrt(np.maximum(1 - w[:, 0] ** 2 - w[:, 1] ** 2, 0))
+    pair = _refracted(*(Components(*w.T) for w in pair), index, limit, NUMPY)
     raised = [np.stack([x, y, np.maximum(z, MIN_COSINE)], axis=1) for x, y, z in pair]
     above, below = (w / np.linalg.norm(w, axis=1, keepdims=True) for w in raised)
     return above.astype(np.float32), below.astype(np.float32)
@@ -337,8 +348,8 @@ def _one_interface(
 
     Half of the directions inside are drawn by the interface, half by half vectors of the layers.
     """
-    u = facet_points(STRAIGHT)
-    peak: HalfVectors = half_vectors(np.exp(logs))
+    u = facet_points(THROUGH_TABLE)
+    peak: HalfVectors = half_vectors(np.exp(logs), 1.0)
     half = peak.draw(u[:, ::-1].astype(np.float64))
     ratio = max(index, 1 / index)
 
@@ -365,7 +376,7 @@ def _one_interface(
         chance = peak.density_at(places[0]) / (2 * np.sqrt(sum(w * w for w in both)))
         if index > 1:  # solid angles of refracted directions
             chance = chance * inside[2] / (index * index * denser.z)
-        share = b.weight * b.density / np.maximum(b.density + chance, np.float32(1e-30)) / STRAIGHT
+        share = b.weight * b.density / np.maximum(b.density + chance, np.float32(1e-30)) / THROUGH_TABLE
         share = np.where(np.concatenate(present, axis=1), share, 0)
         values = values.reshape(*share.shape, -1) * attenuation(inside[2])
         return np.einsum("nkc,nk->nc", values, share)

@@ -76,13 +76,16 @@ def _define(proposal_bsdf: type) -> dict[str, Any]:
         neural_layered,
         neural_slab,
     )
+    from urushi.mitsuba.plugins.coated import is_dielectric, is_slab
     from urushi.mitsuba.reading.parameters import nested_bsdf
 
     neural_bsdf = base.define_neural_bsdf(proposal_bsdf)
     coat, slab = neural_layered.define(neural_bsdf), neural_slab.define(proposal_bsdf)
 
     def coat_or_slab(props):
-        return (slab if nested_bsdf(props, optional=True) is None else coat)(props)
+        nested = nested_bsdf(props, optional=True)
+        transmits = nested is None or is_dielectric(nested) or is_slab(nested)
+        return (slab if transmits else coat)(props)
 
     return {
         "layered": layered.define(proposal_bsdf),

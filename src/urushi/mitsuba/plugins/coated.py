@@ -37,6 +37,16 @@ from urushi.mitsuba.reading.parameters import (
 from urushi.mitsuba.recording import compiled_once
 
 
+def is_slab(bsdf: "mi.BSDF | None") -> bool:
+    """Whether a BSDF is coats over what transmits light, of any plugin."""
+    return bsdf is not None and getattr(bsdf, "bottom", bsdf) is None
+
+
+def is_dielectric(bsdf: "mi.BSDF | None") -> bool:
+    """Whether a BSDF is one of Mitsuba's dielectrics."""
+    return bsdf is not None and bsdf.class_name() in DIELECTRICS
+
+
 def define_coated(base: type, label: str, *, widened: bool, slabs: bool) -> type:
     """Make the base class in the current variant.
 
@@ -54,22 +64,15 @@ def define_coated(base: type, label: str, *, widened: bool, slabs: bool) -> type
             super().__init__(props)
             self._nested = nested_bsdf(props, optional=slabs)
             self._coat = CoatTextures(props)
-            if slabs and self._is_dielectric():
+            if slabs and is_dielectric(self._nested):
                 check_dielectric(self._nested, self._coat.where)
-            elif self._nested is not None and not self._is_slab(self._nested):
+            elif self._nested is not None and not (slabs and is_slab(self._nested)):
                 check_bottom(self._nested, self._coat.where)
             self._prepare()
             self._kept.keep(self)
 
         def offer(self):
             return Offer(rotated=self._coat.has_rotation)
-
-        def _is_dielectric(self):
-            return self._nested is not None and self._nested.class_name() in DIELECTRICS
-
-        @staticmethod
-        def _is_slab(bsdf):
-            return isinstance(bsdf, CoatedBSDF) and bsdf.bottom is None
 
         def under(self, coat):
             """See `reading.below.Coatable`."""
@@ -83,11 +86,11 @@ def define_coated(base: type, label: str, *, widened: bool, slabs: bool) -> type
             baking.check(self._coat)
             nested: Any = None if self._nested is None else below(self._nested, self._coat)
             self.lowest: LowestInterface | None = None
-            if self._is_dielectric():
+            if is_dielectric(self._nested):
                 thin = self._nested.class_name() == "ThinDielectric"
                 self.coats = [self._coat, *([pane(nested).under(self._coat)] if thin else [])]
                 self.lowest, self.bottom = None if thin else LowestInterface(nested), None
-            elif isinstance(nested, CoatedBSDF):
+            elif isinstance(nested, CoatedBSDF) or is_slab(nested):
                 self.coats = [self._coat, *nested.coats]
                 self.lowest, self.bottom = nested.lowest, nested.bottom
             else:

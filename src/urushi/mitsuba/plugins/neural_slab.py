@@ -1,18 +1,20 @@
-"""The plugin `neural_layered` without a nested BSDF: a thin slab by tables, without noise."""
+"""The plugin `neural_layered` over what transmits light: a slab by tables, without noise."""
 
 import drjit as dr
 import mitsuba as mi
 import numpy as np
 
-from urushi.checks import CoatParameters
+from urushi.core.namespace import DRJIT
 from urushi.errors import ParameterError
-from urushi.material.slab_table import slab_materials
+from urushi.material.slab_table import PASSED_SHAPE, passed_coordinates, slab_tables
 from urushi.mitsuba import spectrum
 from urushi.mitsuba.latents import gradients
 from urushi.mitsuba.latents.holders import ConstantLatents
+from urushi.mitsuba.networks.table import interpolated, padded
 from urushi.mitsuba.plugins.base import ignore
 from urushi.mitsuba.plugins.coated import define_coated
-from urushi.mitsuba.plugins.coats import raised
+from urushi.mitsuba.plugins.coats import CoatStack, raised
+from urushi.mitsuba.recording import only_where, owned
 from urushi.nets.weights import default_model
 
 
@@ -22,16 +24,12 @@ def define(base: type) -> type:
     coated: type = define_coated(base, "NeuralLayered", widened=True, slabs=True)
 
     class NeuralSlab(coated):
-        """A thin slab of constant parameters, the same from both sides; see ``layered``."""
+        """A slab of constant parameters; see ``layered``."""
 
         def __init__(self, props):
             super().__init__(props)
             ignore(props, "resolution", "weights", "mipmaps")
-
-        def _prepare(self):
-            super()._prepare()
-            materials = slab_materials(default_model(), self._parameters())
-            self._reflected, self._transmitted = map(ConstantLatents, materials)
+            self._tabulate()
 
         def _update(self, keys):
             if gradients.wanted(self):
@@ -40,39 +38,60 @@ def define(base: type) -> type:
                     "no derivatives; disable them, and take differences of two pictures"
                 )
             super()._update(keys)
+            self._tabulate()
 
-        def _parameters(self) -> CoatParameters:
-            """The slab's parameters, (C,) or (1,).
+        def _tabulate(self):
+            """Compute the tables.
 
             Raises:
-                ParameterError: one is out of range, or no table has them.
+                ParameterError: a parameter is out of range, or no table has it.
             """
-            textures = self._coat.textures
             reason = None
-            if self._coat.is_anisotropic or self._coat.coloured:
-                reason = "a slab has a table for one width alone"
-            for name, texture in textures.items():
-                if texture.is_spatially_varying():
-                    reason = f"{name} is a texture, but the tables of a slab are of constants"
+            coats, lowest = self.coats, self.lowest
+            if any(x.is_anisotropic for x in (*coats, lowest) if x) or any(x.coloured for x in coats):
+                reason = "a slab has a table for one width of each interface"
+            for layer in (*coats, lowest):
+                for name, texture in () if layer is None else layer.textures.items():
+                    if texture.is_spatially_varying():
+                        reason = f"{name} is a texture, but the tables of a slab are of constants"
             if reason is not None:
                 raise ParameterError(
                     f"{self._where}: {reason}; use the plugin 'layered', which walks through any"
                 )
-            values = self._coat.layering(np.full((1, 2), 0.5))
-            return CoatParameters(**{name: value[0] for name, value in values.items()})
+            rows = [coat.layering(np.full((1, 2), 0.5)) for coat in coats]
+            si = dr.zeros(mi.SurfaceInteraction3f)
+            far = self._lowest_at(CoatStack(coats, si, True), si, True)
+            interfaces = [(*row["alpha"].flat, *row["eta"].flat) for row in rows]
+            interfaces.append((float(far.alpha[0]), float(far.eta[0])))
+            media = [np.broadcast_arrays(row["albedo"], row["sigma_t"], row["g"]) for row in rows]
+            channels = max(medium[0].size for medium in media)
+            columns = [[np.broadcast_to(x.ravel(), channels) for x in medium] for medium in media]
+            tables = slab_tables(default_model(), np.array(interfaces), np.array(columns))
+            above, below = tables.reflected
+            sides = (above,) if above is below else (above, below)
+            self._reflected = [ConstantLatents(side) for side in sides]
+            self._passed, self._ratio = owned(mi.Float, padded(tables.passed)), tables.index
 
         def _f(self, vertex, ctx, si, wo, active):
             inside, up = mi.SurfaceInteraction3f(si), raised(wo)
             inside.wi = raised(si.wi)
-            through = si.wi.z * wo.z < 0
-            channels = [
-                dr.select(through, passed, reflected)
-                for reflected, passed in zip(
-                    self._reflected.f(self._reflected.bare_vertex(si), inside, up, active),
-                    self._transmitted.f(self._transmitted.bare_vertex(si), inside, up, active),
-                    strict=True,
-                )
+            upper = si.wi.z > 0
+            sides = [side.f(side.bare_vertex(si), inside, up, active) for side in self._reflected]
+            channels = [dr.select(upper, x[0], x[-1]) for x in zip(*sides, strict=True)]
+
+            def passed(a, b):
+                places = passed_coordinates(a, b, self._ratio, DRJIT)
+                logs = interpolated(self._passed, PASSED_SHAPE, [dr.clip(x, 0, 1) for x in places])
+                return [dr.exp(log) for log in logs[: len(channels)]]
+
+            pair = dr.select(upper, inside.wi, up), dr.select(upper, up, inside.wi)
+            through = only_where(active, passed, *pair)
+            side = wo if ctx.mode == mi.TransportMode.Importance else si.wi
+            scale = dr.select(side.z < 0, dr.square(self._index), 1)
+            crosses = si.wi.z * wo.z < 0
+            found = [
+                dr.select(crosses, t * scale, r) for t, r in zip(through, channels, strict=True)
             ]
-            return spectrum.from_channels(channels, si.wavelengths, None)
+            return spectrum.from_channels(found, si.wavelengths, None)
 
     return NeuralSlab

@@ -22,18 +22,23 @@ class LowestInterface:
 
     Attributes:
         index: of the body, relative to air.
+        textures: of its widths, by name.
     """
 
     def __init__(self, bsdf: "mi.BSDF"):
         textures = nested_objects(bsdf)
         names = ("alpha_u", "alpha_v") if "alpha_u" in textures else ("alpha",)
-        self._widths = [textures[name] for name in names if name in textures]
+        self.textures = {name: textures[name] for name in names if name in textures}
         self.index = opaque(index_of(bsdf))
+
+    @property
+    def is_anisotropic(self) -> bool:
+        return len(self.textures) == 2
 
     def alpha(self, si, active):
         """The GGX width, or two `Widths`; a smooth surface has the least one."""
-        widths = [texture.eval_1(si, active) for texture in self._widths]
-        return Widths(*widths) if len(widths) == 2 else (widths or [mi.Float(MIN_ALPHA)])[0]
+        widths = [texture.eval_1(si, active) for texture in self.textures.values()]
+        return Widths(*widths) if self.is_anisotropic else (widths or [mi.Float(MIN_ALPHA)])[0]
 
 
 def pane(bsdf: "mi.BSDF") -> CoatTextures:
