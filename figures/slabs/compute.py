@@ -14,8 +14,7 @@ import numpy as np
 
 import urushi
 from figures import results
-from urushi.checks import CoatParameters
-from urushi.material.slab_table import slab_materials
+from urushi.material.slab_table import slab_tables
 from urushi.nets.weights import default_model
 from urushi.walk.simulate import albedo
 
