@@ -51,12 +51,12 @@ def part(alpha: float, eta: float, medium_albedo: float, sigma_t: float, g: floa
     walked = [
         albedo(slab, wi, walks=WALKS, seed=SEED, transmitted=passed) for passed in (False, True)
     ]
-    coat = CoatParameters(*(np.array([x]) for x in (alpha, eta, medium_albedo, sigma_t, g)))
-    tables = slab_materials(default_model(), coat)
+    interfaces = np.array([[alpha, eta], [alpha, 1 / eta]])
+    tables = slab_tables(default_model(), interfaces, np.array([[[medium_albedo], [sigma_t], [g]]]))
     found: dict[str, Any] = {
         "walk": [share[:, 0] for share, _ in walked],
         "se": [se[:, 0] for _, se in walked],
-        "tables": [table.directional_albedo(wi)[:, 0] for table in tables],
+        "tables": np.array(tables.shares(wi))[..., 0],
     }
     return {name: results.rounded(np.array(values)) for name, values in found.items()}
 

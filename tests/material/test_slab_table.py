@@ -69,7 +69,7 @@ def drawn(count: int) -> list[Layers]:
         if index % 4 == 1:
             far = float(rng.uniform(0.02, 1)), float(rng.uniform(1.1, 1.7) / coats[0][1])
         elif index % 4 == 3:
-            coats.append(coat(index)[:1] + (float(rng.uniform(0.7, 1.3)),) + coat(index)[2:])
+            coats.append((*coat(index)[:1], float(rng.uniform(0.7, 1.3)), *coat(index)[2:]))
             far = coats[1][0], 1 / (coats[0][1] * coats[1][1])
         every.append((coats, far))
     return every
@@ -108,37 +108,6 @@ def test_tables_of_many_slabs_agree_with_the_walk(count: int) -> None:
     assert excess[:, :2].mean() < 0.02
 
 
-def shares(found: SlabTables, wi: np.ndarray) -> np.ndarray:
-    """Reflected and transmitted share (2, N) of light of directions on one side, of channel 0.
-
-    By directions about the mirrored and the refracted one, of three widths, and cosines.
-    """
-    index, count = found.index ** np.sign(wi[0, 2]), 1 << 17
-    place = (np.arange(count)[:, None] + 0.5) * 1.2207440846057596 ** -np.arange(1.0, 4) % 1
-    result = []
-    for side, scale in ((1, 1.0), (-1, index)):
-        rows = []
-        for w in wi:
-            at, widths = -w[:2] / scale, np.array([0.004, 0.04, 0.4])
-            kind = np.minimum((4 * place[:, 0]).astype(int), 3)
-            radius = np.append(widths, 1.0)[kind] * np.sqrt(place[:, 1])
-            radius /= np.where(kind < 3, np.sqrt(1 - place[:, 1]), 1)
-            turn = 2 * np.pi * place[:, 2]
-            xy = radius[:, None] * np.stack([np.cos(turn), np.sin(turn)], 1)
-            xy += np.where(kind[:, None] < 3, at, 0)
-            far = np.sum((xy - at) ** 2, axis=1)[:, None]
-            density = np.sum(widths**2 / (widths**2 + far) ** 2, axis=1) + 1
-            z2 = 1 - np.sum(xy**2, axis=1)
-            inside = z2 > 0
-            z = np.sqrt(np.where(inside, z2, 1)) * side * np.sign(w[2])
-            xy = np.where(inside[:, None], xy, 0)
-            wo = np.concatenate([xy, z[:, None]], axis=1).astype(np.float32)
-            f = found.f(np.repeat(w[None], count, axis=0), wo)[:, 0]
-            rows.append(np.mean(f * inside * 4 * np.pi / density))
-        result.append(rows)
-    return np.array(result)
-
-
 def test_clear_slabs_keep_as_much_light_as_the_analog_walk() -> None:
     cosines = np.array([0.95, 0.8, 0.6, 0.4])
     wi = np.stack([np.sqrt(1 - cosines**2), 0 * cosines, cosines], axis=1).astype(np.float32)
@@ -148,10 +117,10 @@ def test_clear_slabs_keep_as_much_light_as_the_analog_walk() -> None:
         ([(0.1, 1.3, *CLEAR)], (0.2, 1.5 / 1.3)),
         ([(0.3, 1.4, *CLEAR), (0.02, 1.15, *CLEAR)], (0.02, 1 / 1.61)),
     ):
-        sum_of_shares = shares(tables((coats, far)), wi).sum(0)
-        kept, _ = analog_albedo(described((coats, far)), wi, walks=1 << 15, transmitted=None)
+        reflected, passed = tables((coats, far)).shares(wi)
+        kept, _ = analog_albedo(described((coats, far)), wi, walks=1 << 14, transmitted=None)
         # Inside, grazing light is close to the critical angle, which lies between nodes.
-        assert np.all(np.abs(sum_of_shares - kept[:, 0]) < [0.015, 0.02, 0.035, 0.06])
+        assert np.all(np.abs((reflected + passed)[:, 0] - kept[:, 0]) < [0.015, 0.02, 0.035, 0.06])
 
 
 def test_smooth_layers_have_fresnels_shares() -> None:
@@ -162,17 +131,18 @@ def test_smooth_layers_have_fresnels_shares() -> None:
     first, inside = fresnel.dielectric(cosines, 1.3, NUMPY)
     second, _ = fresnel.dielectric(inside, 1.5 / 1.3, NUMPY)
     passed = (1 - first) * (1 - second) / (1 - first * second)
-    np.testing.assert_allclose(shares(found, wi), [1 - passed, passed], atol=0.006)
+    np.testing.assert_allclose(np.array(found.shares(wi))[..., 0], [1 - passed, passed], atol=0.006)
 
 
 def test_white_scattering_slabs_lose_no_light() -> None:
-    """Smooth surfaces hide little light from each other; 1 % of the share is interpolation."""
+    """Grazing light is close to the critical angle inside, which lies between nodes."""
     cosines = np.array([0.95, 0.7, 0.45])
     wi = np.stack([np.sqrt(1 - cosines**2), 0 * cosines, cosines], axis=1).astype(np.float32)
-    for far in ((0.05, 1 / 1.5), (0.05, 1.0)):
-        found = tables(([(0.05, 1.5, 1.0, 4.0, 0.2)], far))
+    for far in ((0.01, 1 / 1.5), (0.01, 1.0)):
+        found = tables(([(0.01, 1.5, 1.0, 4.0, 0.2)], far))
         for w in (wi, wi * DOWN):
-            np.testing.assert_allclose(shares(found, w).sum(0), 1, atol=0.012)
+            reflected, passed = found.shares(w)
+            assert np.all(np.abs((reflected + passed)[:, 0] - 1) < [0.005, 0.005, 0.02])
 
 
 def test_transmission_is_reciprocal() -> None:
@@ -182,4 +152,4 @@ def test_transmission_is_reciprocal() -> None:
         for near, far in ((wi, wo), (wi * DOWN, wo * DOWN)):
             np.testing.assert_array_equal(found.f(near, far), found.f(far, near))
         down, up = found.f(wi, wo * DOWN), found.f(wo * DOWN, wi)
-        np.testing.assert_allclose(down, up * found.index**2, rtol=1e-5)
+        np.testing.assert_allclose(down, up * found.eta**2, rtol=1e-5)

@@ -1,9 +1,9 @@
 """Tables of slabs: the light that they reflect on either side, and the light that they transmit.
 
 What a slab reflects on a side are coats over its last interface (`urushi.material.coated_table`).
-What it transmits is tabulated at wi above it and the mirror image of wo below, both as they would be
-in the denser of the two outer media (`slabs.straight`). Light that goes straight through is then a
-narrow lobe at small half angles. In the coordinates of `urushi.material.table`, a sign of w says
+What it transmits is tabulated at wi above it and the mirror image of wo below, both as they would
+be in the denser of the two outer media (`slabs.straight`). Light that goes straight through is then
+a narrow lobe at small half angles. In the coordinates of `urushi.material.table`, a sign of w says
 which of both cosines is the larger. f of importance is the table times the square of the index on
 wo's side, and exchanging wi and wo leaves the table's value the same.
 
@@ -18,6 +18,7 @@ smooth interfaces mirror to and fro. Below the last medium, t is the lowest inte
 directions are drawn from both sides.
 """
 
+import functools
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
@@ -26,6 +27,7 @@ import numpy as np
 from urushi.checks import MIN_ALPHA, MIN_INDEX_STEP, CoatParameters
 from urushi.core import fresnel
 from urushi.core.namespace import NUMPY, Components, Namespace
+from urushi.core.quadrature import half_vector_rule
 from urushi.material import adding
 from urushi.material.coated_table import HalfVectors, coated_table, half_vectors
 from urushi.material.crossing import Vector, cross, crossing_at, facet_points
@@ -67,12 +69,12 @@ class SlabTables(NamedTuple):
         reflected: above it and below it.
         passed: float16 (*`PASSED_SHAPE`, C) logarithms of f / index^2 of transmission, of the index
             on wo's side.
-        index: below it relative to above.
+        eta: index below it relative to above.
     """
 
     reflected: tuple[Material, Material]
     passed: np.ndarray
-    index: float
+    eta: float
 
     def f(self, wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
         """f (N, C) [1/sr] of importance for unit vectors (N, 3) on any side."""
@@ -80,9 +82,25 @@ class SlabTables(NamedTuple):
         a, b = (np.concatenate([w[:, :2], np.abs(w[:, 2:])], axis=1) for w in (wi, wo))
         reflected = np.where(lower, *(m.f(a, b) for m in self.reflected[::-1]))
         above, below = (Components(*np.where(lower, *p).T) for p in ((b, a), (a, b)))
-        passed = interpolated_at(self.passed, *passed_coordinates(above, below, self.index, NUMPY))
-        passed *= np.where(wo[:, 2:] < 0, self.index**2, 1)
+        passed = interpolated_at(self.passed, *passed_coordinates(above, below, self.eta, NUMPY))
+        passed *= np.where(wo[:, 2:] < 0, self.eta**2, 1)
         return np.where(wi[:, 2:] * wo[:, 2:] < 0, passed, reflected)
+
+    def shares(self, wi: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Shares (N, C) of the light of unit vectors (N, 3) that is reflected and transmitted."""
+        reflected, passed = [], []
+        for w in wi[:, None].astype(np.float32):
+            side = np.array([1, 1, np.sign(w[0, 2])], np.float32)
+            material, across = self.reflected[int(w[0, 2] < 0)], self.eta ** float(side[2])
+            reflected.append(material.directional_albedo(w * side)[0])
+            seen = w * side if across <= 1 else _refracted_rows(w * side, across)
+            wo, weights = half_vector_rule(seen)  # in the denser medium
+            wo, weights = wo[0].astype(np.float32), weights[0] * wo[0, :, 2]
+            if across < 1:
+                weights = weights * (np.hypot(wo[:, 0], wo[:, 1]) < across) / across**2
+                wo = _refracted_rows(wo, across)
+            passed.append(weights @ self.f(np.broadcast_to(w, wo.shape), wo * side * [1, 1, -1]))
+        return np.array(reflected), np.array(passed)
 
 
 def slab_tables(model: Model, interfaces: np.ndarray, media: np.ndarray) -> SlabTables:
@@ -126,23 +144,22 @@ def _refracted(above: Any, below: Any, index: float, ratio: float, xp: Namespace
     return above, slabs.straight(below, ratio, xp)
 
 
+def _refracted_rows(w: np.ndarray, eta: float) -> np.ndarray:
+    """Directions (N, 3) above the horizon, refracted to an index relative to their own."""
+    return np.stack(slabs.straight(Components(*w.T), eta, NUMPY), axis=1)
+
+
 def _node_pairs(index: float) -> tuple[np.ndarray, np.ndarray]:
     """Directions above and below, (N, 3) float32, of the nodes of a table of transmitted light."""
     u, v, w = (np.linspace(0, 1, count) for count in PASSED_SHAPE)
     u, v, w = (x.ravel() for x in np.meshgrid(u, v, 2 * w - 1, indexing="ij"))
     low, high = node_directions(u, v, np.abs(w))
-    pair = [np.where(w[:, None] > 0, *p) for p in ((high, low), (low, high))]
-    # Where the medium of one direction has none, as beyond total reflection, the pair is moved
-    limit, far = min(index, 1 / index), int(index < 1)
-    sine = np.hypot(*pair[far][:, :2].T)[:, None]
-    moved = pair[far][:, :2] * (np.minimum(limit / np.maximum(sine, 1e-9), 1) - 1)
-    for w, step in ((pair[far], moved), (pair[1 - far], -moved)):
-        w[:, :2] += step
-        w[:, 2] = np.sqrt(np.maximum(1 - w[:, 0] ** 2 - w[:, 1] ** 2, 0))
-    pair = _refracted(*(Components(*w.T) for w in pair), index, limit, NUMPY)
-    raised = [np.stack([x, y, np.maximum(z, MIN_COSINE)], axis=1) for x, y, z in pair]
-    above, below = (w / np.linalg.norm(w, axis=1, keepdims=True) for w in raised)
-    return above.astype(np.float32), below.astype(np.float32)
+    pair = [Components(*np.where(w[:, None] > 0, *p).T) for p in ((high, low), (low, high))]
+    found = []
+    for x, y, z in _refracted(pair[0], pair[1], index, min(index, 1 / index), NUMPY):
+        raised = np.stack([x, y, np.maximum(z, MIN_COSINE)], axis=1)
+        found.append((raised / np.linalg.norm(raised, axis=1, keepdims=True)).astype(np.float32))
+    return found[0], found[1]
 
 
 def _reflected(model: Model, interfaces: np.ndarray, media: np.ndarray) -> list[Material]:
@@ -202,7 +219,7 @@ def transmitted(
             index = indices[-1] / indices[level]
             straight = _one_interface(facets[level], table, index, attenuation)
         if level:
-            inner = own.averaged(lambda w, alpha=alpha, eta=eta: _crossing_modes(w, alpha, 1 / eta))
+            inner = own.averaged(functools.partial(_crossing_modes, alpha=alpha, eta=1 / eta))
             every, direct = ([modes @ inner for modes in x] for x in (every, direct))
             index = indices[-1] / indices[level - 1]
             table = np.log(np.maximum(_tabulated(straight, index, media.shape[-1]), 1e-30))
@@ -351,6 +368,7 @@ def _one_interface(
     u = facet_points(THROUGH_TABLE)
     peak: HalfVectors = half_vectors(np.exp(logs), 1.0)
     half = peak.draw(u[:, ::-1].astype(np.float64))
+    index = float(index)  # in single precision
     ratio = max(index, 1 / index)
 
     def straight(above: np.ndarray, below: np.ndarray) -> np.ndarray:
@@ -376,7 +394,9 @@ def _one_interface(
         chance = peak.density_at(places[0]) / (2 * np.sqrt(sum(w * w for w in both)))
         if index > 1:  # solid angles of refracted directions
             chance = chance * inside[2] / (index * index * denser.z)
-        share = b.weight * b.density / np.maximum(b.density + chance, np.float32(1e-30)) / THROUGH_TABLE
+        share = (
+            b.weight * b.density / np.maximum(b.density + chance, np.float32(1e-30)) / THROUGH_TABLE
+        )
         share = np.where(np.concatenate(present, axis=1), share, 0)
         values = values.reshape(*share.shape, -1) * attenuation(inside[2])
         return np.einsum("nkc,nk->nc", values, share)

@@ -48,7 +48,9 @@ def define(base: type) -> type:
             """
             reason = None
             coats, lowest = self.coats, self.lowest
-            if any(x.is_anisotropic for x in (*coats, lowest) if x) or any(x.coloured for x in coats):
+            if any(x.is_anisotropic for x in (*coats, lowest) if x) or any(
+                x.coloured for x in coats
+            ):
                 reason = "a slab has a table for one width of each interface"
             for layer in (*coats, lowest):
                 for name, texture in () if layer is None else layer.textures.items():
@@ -70,7 +72,7 @@ def define(base: type) -> type:
             above, below = tables.reflected
             sides = (above,) if above is below else (above, below)
             self._reflected = [ConstantLatents(side) for side in sides]
-            self._passed, self._ratio = owned(mi.Float, padded(tables.passed)), tables.index
+            self._passed, self._ratio = owned(mi.Float, padded(tables.passed)), tables.eta
 
         def _f(self, vertex, ctx, si, wo, active):
             inside, up = mi.SurfaceInteraction3f(si), raised(wo)

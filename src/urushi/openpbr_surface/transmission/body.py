@@ -1,0 +1,158 @@
+"""The surface that transmits light: a mixture of two-sided parts."""
+
+from collections.abc import Callable
+from functools import partial
+from typing import Any
+
+import mitsuba as mi
+
+from urushi.mitsuba.plugins.coats import Turn, TurnedMixture
+from urushi.openpbr_surface.bsdfs import Part, SurfaceProposal
+from urushi.openpbr_surface.inputs import Inputs
+from urushi.openpbr_surface.transmission import glass, sheet, sides
+from urushi.openpbr_surface.transmission.shares import SHARES, index_of, opaque_share, shares
+from urushi.openpbr_surface.transmission.slab import Finish, Lost, slab_of
+
+#: Colours that are white where losses are measured.
+COLORS = ("coat_color", "transmission_color", "specular_color")
+
+#: Parameters that the tables of slabs hold as constants.
+TABULATED = ("specular_roughness", "transmission_color", "coat_roughness", "coat_ior", "coat_color")
+
+
+def define(proposal_bsdf: type) -> Callable[..., "mi.BSDF"]:
+    """Make the function that makes the surface; see `define_proposal_bsdf`."""
+
+    Glass, Sheet, Mirrored = (part.define(proposal_bsdf) for part in (glass, sheet, sides))
+
+    class Body(proposal_bsdf):
+        """A surface that transmits light: a mixture of two-sided BSDFs."""
+
+        def __init__(self, inputs: Inputs, make: Callable[[], list]):
+            """make: returns the parts: BSDF, weight at an interaction, and what `finish` takes."""
+            super().__init__(mi.Properties("openpbr"))
+            self._where, self._inputs, self._make = inputs.where, inputs, make
+            self._configure()
+            self._kept.keep(self)
+
+        def _configure(self):
+            self._parts = self._make()
+            self._transmit(None if self._inputs.thin else index_of(self._inputs))
+
+        def _vertex(self, si, active):
+            turn = None
+            if "geometry_tangent" in self._inputs.maps:
+                turn = Turn(*self._inputs.tangent(si, active))
+            parts = []
+            for bsdf, weight, _ in self._parts:
+                own = self._interaction(turn, bsdf, si)
+                parts.append(Part(bsdf, bsdf._vertex(own, active), weight(si, active)))
+            return turn, parts
+
+        def _interaction(self, turn, bsdf, si):
+            # An opaque surface turns its tangent itself.
+            return si if turn is None or isinstance(bsdf, Mirrored) else turn.interaction(si)
+
+        def _f(self, vertex, ctx, si, wo, active):
+            return self._f_and_pdf(vertex, ctx, si, wo, active)[0]
+
+        def _f_and_pdf(self, vertex, ctx, si, wo, active):
+            turn, parts = vertex
+            f, pdf = mi.Spectrum(0), mi.Float(0)
+            for part, (bsdf, _, finish) in zip(parts, self._parts, strict=True):
+                own = self._interaction(turn, bsdf, si)
+                towards = wo if own is si else turn.inside(wo)
+                value, density = bsdf._f_and_pdf(part.vertex, ctx, own, towards, active)
+                if finish is not None:
+                    value = finish(value, ctx, own, towards, active)
+                f += part.weight * value
+                pdf += part.weight * density
+            return f, pdf
+
+        def _proposal(self, vertex, si, active):
+            turn, parts = vertex
+            proposals = []
+            for part in parts:
+                own = self._interaction(turn, part.bsdf, si)
+                proposal = part.bsdf._proposal(part.vertex, own, active)
+                proposals.append(
+                    (proposal if own is si else TurnedMixture(proposal, turn), part.weight)
+                )
+            return SurfaceProposal(proposals, 0.0)
+
+        def traverse(self, callback):
+            for name in (*SHARES, "coat_weight"):
+                texture = self._inputs.textures[name]
+                callback.put(name, texture, mi.ParamFlags.Differentiable)
+            for i, (bsdf, _, _) in enumerate(self._parts):
+                callback.put(f"part_{i}", bsdf, mi.ParamFlags.Differentiable)
+
+        def _update(self, keys):
+            if self._inputs.refresh() or any(finish for _, _, finish in self._parts):
+                self._configure()
+
+        def to_string(self):
+            parts = ",\n".join(str(bsdf) for bsdf, _, _ in self._parts)
+            return "OpenPBR[\n  " + parts.replace("\n", "\n  ") + "\n]"
+
+    def make(
+        inputs: Inputs,
+        opaque: Callable[[Inputs], "mi.BSDF"],
+        coat: Callable[[Inputs], dict[str, Any]],
+        tables: bool,
+        compensated: bool,
+    ) -> "mi.BSDF":
+        """A surface that transmits light.
+
+        opaque: makes the opaque surface. coat: the properties of a coat without what lies below.
+        tables: whether constant slabs are tables. compensated: whether slabs lose no energy.
+        """
+
+        def weight(of: str, coated: bool | None) -> Callable[..., Any]:
+            def at(si, active):
+                share = getattr(shares(*(inputs.number(x, si, active) for x in SHARES)), of)
+                if coated is None:
+                    return share
+                cover = inputs.number("coat_weight", si, active)
+                return share * (cover if coated else 1 - cover)
+
+            return at
+
+        def slab(inputs: Inputs, coated: bool) -> "mi.BSDF":
+            described = slab_of(inputs, coat(inputs) if coated else None)
+            layers = ("specular", "coat") if coated else ("specular",)
+            one = all(inputs.is_constant(f"{x}_roughness_anisotropy", 0) for x in layers)
+            uniform = inputs.is_uniform(TABULATED if coated else TABULATED[:2])
+            plugin = "neural_layered" if tables and one and uniform else "layered"
+            return mi.load_dict(described | {"type": plugin})
+
+        def parts() -> list:
+            found: list[tuple[Any, Callable[..., Any], Any]] = []
+            rest = opaque_share(inputs)
+            if rest is not None:
+                found.append((Mirrored(opaque(rest)), weight("opaque", None), None))
+            scatters = [name for name in SHARES[1:] if inputs.transmits(name)]
+            if inputs.thin and SHARES[2] in scatters:
+                found.append((Sheet(inputs), weight("scattering", None), None))
+            names = [name for name in scatters if not inputs.thin or name == SHARES[1]]
+            if not names:
+                return found
+            of = "clear" if inputs.thin else "transmitting"
+            for coated, absent in ((False, 1), (True, 0)):
+                if inputs.is_constant("coat_weight", absent):
+                    continue
+                make = partial(slab, coated=coated) if coated or inputs.thin else Glass
+                part, finish = make(inputs), None
+                if not isinstance(part, Glass) or not part.returns_lost:
+                    white = part
+                    if not all(inputs.is_constant(name, 1) for name in COLORS):
+                        white = make(inputs.replaced(dict.fromkeys(COLORS, 1.0)))
+                    index = 1.0 if inputs.thin else index_of(inputs)
+                    lost = Lost(white, index) if compensated else None
+                    finish = Finish(inputs, coated, lost)
+                found.append((part, weight(of, coated), finish))
+            return found
+
+        return Body(inputs, parts)
+
+    return make

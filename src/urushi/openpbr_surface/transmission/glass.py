@@ -1,0 +1,162 @@
+"""The surface of a body of glass: an interface in closed form, with its lost light returned."""
+
+from typing import Any, NamedTuple
+
+import drjit as dr
+import mitsuba as mi
+
+from urushi.checks import MIN_INDEX_STEP
+from urushi.core import fresnel, microfacet
+from urushi.errors import ParameterError
+from urushi.mitsuba.interface_albedo import InterfaceAlbedo
+from urushi.mitsuba.plugins.coats import raised
+from urushi.openpbr_surface.film import FilmFresnel
+from urushi.openpbr_surface.inputs import Inputs
+from urushi.openpbr_surface.transmission.shares import INDICES, facet_widths, index_of, tint_of
+from urushi.openpbr_surface.transmission.sides import index2, relative
+from urushi.walk import interface
+
+#: Least share of the proposal for light that meets more than one facet.
+LEAST_LOST = 0.01
+
+
+class GlassProposal(NamedTuple):
+    """Facets seen from wi, which reflect or refract by Fresnel's terms, and cosine lobes.
+
+    Attributes:
+        widths: of the facets. eta: index on the far side relative to wi's.
+        lost: share of the cosine lobes of both sides.
+    """
+
+    widths: Any
+    eta: Any
+    lost: Any
+
+    def pdf(self, wi, wo):
+        """Density of `sample` at wo [1/sr]."""
+        _, density = interface.scatter(raised(wi), relative(wi, wo), self.widths, self.eta)
+        return (1 - self.lost) * density + self.lost * 0.5 * dr.inv_pi * dr.abs(wo.z)
+
+    def sample(self, wi, choice, u):
+        """Draw wo; see `Mixture.sample`. It is at the horizon where facets send light nowhere."""
+        diffuse = choice < self.lost
+        own = dr.clip((choice - self.lost) / (1 - self.lost), 0, 0.99999994)
+        wo, weight, _ = interface.sample(raised(wi), self.widths, self.eta, own, u.x, u.y)
+        wo = dr.select(weight > 0, wo, mi.Vector3f(1, 0, 0))
+        cosine = mi.warp.square_to_cosine_hemisphere(u)
+        cosine.z = dr.select(choice < 0.5 * self.lost, cosine.z, -cosine.z)
+        return relative(wi, dr.select(diffuse, cosine, wo))
+
+
+class GlassVertex(NamedTuple):
+    """`Glass` at a surface interaction.
+
+    Attributes:
+        widths: as of `model.BaseVertex`. eta: index on the far side relative to wi's.
+        tint: of transmitted light. specular: specular_color.
+        lost: share of the light from wi that meets a second facet.
+        scale: of the product of lost shares, a lobe [1/sr].
+    """
+
+    widths: Any
+    eta: Any
+    tint: Any
+    specular: Any
+    lost: Any
+    scale: Any
+
+
+def define(proposal_bsdf: type) -> type:
+    """Make the class in the current variant; see `define_proposal_bsdf`."""
+
+    class Glass(proposal_bsdf):
+        """The surface of a body whose medium transmits light (3.2.4)."""
+
+        def __init__(self, inputs: Inputs):
+            super().__init__(mi.Properties("openpbr_glass"))
+            self._inputs = inputs
+            self._configure()
+            self._kept.keep(self)
+
+        def _configure(self):
+            index = index_of(self._inputs)
+            if abs(index - 1) < MIN_INDEX_STEP:
+                raise ParameterError(
+                    f"{self._inputs.where}: no interface bends light into the body, whose index is "
+                    "1; give another specular_ior, or Mitsuba's BSDF 'null'"
+                )
+            self._transmit(index)
+            # Tables have one width.
+            self.returns_lost = self._inputs.is_constant("specular_roughness_anisotropy", 0)
+            self._albedos = InterfaceAlbedo(index), InterfaceAlbedo(1 / index)
+            film = not self._inputs.is_constant("thin_film_weight", 0)
+            self._film: Any = FilmFresnel(self._inputs) if film else None
+
+        def _vertex(self, si, active):
+            inputs, scale = self._inputs, 0.0
+            widths, lost = facet_widths(inputs, si, active), mi.Float(0)
+            if self.returns_lost:
+                means = self._sides(lambda table, eta: 1 - sum(table.both_mean(widths, eta)))
+                scale = 1 / dr.maximum(dr.pi * (means[0] + self._index**2 * means[1]), 1e-5)
+                lost = self._lost(widths, si.wi)
+            tint, specular = tint_of(inputs, si, active), inputs.color("specular_color", si, active)
+            return GlassVertex(widths, self._index_across(si.wi), tint, specular, lost, scale)
+
+        def _sides(self, function):
+            """A function of the tables of light from above and from below."""
+            etas = self._index, 1 / self._index
+            return list(map(function, self._albedos, etas))
+
+        def _lost(self, widths, w):
+            """Share of the light from a direction that meets a second facet."""
+            if not self.returns_lost:
+                return mi.Float(0)
+            passed = self._sides(lambda table, eta: sum(table.both(dr.abs(w.z), widths, eta)))
+            return dr.clip(1 - dr.select(w.z > 0, *passed), 0, 1)
+
+        def _f(self, vertex, ctx, si, wo, active):
+            above, through = si.wi.z > 0, si.wi.z * wo.z < 0
+            a, b = raised(si.wi), relative(si.wi, wo)
+            lobe, cosine = microfacet.reflection_lobe(a, b, vertex.widths)
+            bare = fresnel.dielectric(dr.abs(cosine), vertex.eta)[0]
+            reflected = mi.Spectrum(bare)
+            passed = mi.Spectrum(interface.transmission(a, b, vertex.widths, vertex.eta)[0])
+            if self._film:
+                reflected = self._filmed(dr.abs(cosine), vertex.eta, above, si, active)
+                facet = dr.abs(dr.dot(a, dr.normalize(a + vertex.eta * b)))
+                unfilmed = 1 - fresnel.dielectric(facet, vertex.eta)[0]
+                filmed = 1 - self._filmed(facet, vertex.eta, above, si, active)
+                passed *= filmed / dr.maximum(unfilmed, 1e-6)
+            reflected *= lobe * dr.select(above, vertex.specular, 1)
+            # Light that would meet a second facet leaves on both sides (Kulla and Conty 2017).
+            lost = vertex.lost * self._lost(vertex.widths, wo) * vertex.scale
+            f = dr.select(through, passed, reflected) + lost * index2(wo, self._index)
+            f *= dr.select(through, vertex.tint, 1)
+            if ctx.mode == mi.TransportMode.Importance:
+                return f
+            return f / dr.select(through, dr.square(vertex.eta), 1)
+
+        def _filmed(self, cosine, eta, above, si, active):
+            """The Fresnel term under the film, which is the same on both sides of a facet."""
+            outside = fresnel.dielectric(cosine, eta)[1]
+            outside = dr.select(above, cosine, dr.maximum(outside, 0))
+            film = self._film.dielectric(outside, mi.Float(self._index), si, active)
+            return dr.select(above | (outside > 0), film, 1)
+
+        def _proposal(self, vertex, si, active):
+            return GlassProposal(vertex.widths, vertex.eta, dr.clip(vertex.lost, LEAST_LOST, 0.9))
+
+        def traverse(self, callback):
+            names = "specular_color", "specular_roughness", "specular_roughness_anisotropy"
+            for name in (*names, *INDICES, "transmission_color"):
+                callback.put(name, self._inputs.textures[name], mi.ParamFlags.Differentiable)
+            if self._film:
+                self._film.traverse(callback)
+
+        def _update(self, keys):
+            self._configure()
+
+        def to_string(self):
+            return "OpenPBRGlass[]"
+
+    return Glass

@@ -1,0 +1,97 @@
+"""Panes, and coats on what transmits light, as slabs of `layered` and `neural_layered`."""
+
+from typing import Any
+
+import drjit as dr
+import mitsuba as mi
+import numpy as np
+
+from urushi.checks import AIR
+from urushi.core.appearance import optical_depth
+from urushi.core.namespace import DRJIT
+from urushi.mitsuba.interface_albedo import Interpolated
+from urushi.mitsuba.plugins.coats import raised
+from urushi.openpbr_surface import formulas
+from urushi.openpbr_surface.compensation import hemisphere_weights, sampled_losses
+from urushi.openpbr_surface.inputs import Inputs, derived, width_properties
+from urushi.openpbr_surface.transmission.shares import facet_widths, index_of, tint_of
+from urushi.openpbr_surface.transmission.sides import index2, relative
+from urushi.walk import interface
+
+#: Samples from which the light that a slab loses is measured, for each cosine.
+SAMPLES = 1 << 16
+
+
+class Lost:
+    """Light that a slab loses on each side, measured from its samples: a lobe that returns it.
+
+    The lobe is as that of `Glass`, in coordinates of a table.
+    """
+
+    def __init__(self, slab: "mi.BSDF", index: float):
+        """slab: the white one. index: below it relative to that above."""
+        uv = np.full((1, 2), 0.5)
+        with dr.suspend_grad():
+            sides = [sampled_losses(slab, uv, SAMPLES, below)[0] for below in (False, True)]
+        losses = np.maximum(np.stack(sides, axis=-1), 0).astype(np.float32)
+        self._losses = Interpolated(losses)
+        means = hemisphere_weights() @ losses
+        self._index, self._scale = index, np.pi * (means[0] + index**2 * means[1])
+
+    def lobe(self, wi, wo):
+        """The lobe of importance [1/sr]."""
+        lost = [dr.select(w.z > 0, *self._losses([dr.sqrt(dr.abs(w.z))])) for w in (wi, wo)]
+        return lost[0] * lost[1] * (index2(wo, self._index) / max(self._scale, 1e-5))
+
+
+class Finish:
+    """What a part lacks: the tint of a coated body, and light that meets more than one facet."""
+
+    def __init__(self, inputs: Inputs, coated: bool, lost: Lost | None):
+        self._inputs, self._coated, self._lost = inputs, coated, lost
+        self._index = 1.0 if inputs.thin else index_of(inputs)
+
+    def __call__(self, f, ctx, si, wo, active):
+        """f [1/sr] of the slab with it."""
+        inputs, through = self._inputs, si.wi.z * wo.z < 0
+        tint = tint_of(inputs, si, active)
+        if self._coated and not inputs.thin:
+            # Light from below that the surface of the body does not reflect crosses it twice.
+            coat = formulas.interface_index(inputs.number("coat_ior", si, active), DRJIT)
+            a, b = raised(si.wi), relative(si.wi, wo)
+            first = interface.reflection(a, b, facet_widths(inputs, si, active), coat / self._index)
+            below = (si.wi.z < 0) & ~through
+            f = dr.select(below, first + tint * tint * (f - first), f * dr.select(through, tint, 1))
+        if self._lost is None:
+            return f
+        lobe = self._lost.lobe(si.wi, wo)
+        if self._coated:
+            tint *= dr.sqrt(inputs.color("coat_color", si, active))
+        if ctx.mode != mi.TransportMode.Importance:
+            across = dr.select(si.wi.z > 0, self._index, 1 / self._index)
+            lobe = lobe / dr.select(through, across * across, 1)
+        return f + tint * lobe
+
+
+def slab_of(inputs: Inputs, coat: dict[str, Any] | None) -> dict[str, Any]:
+    """A slab as a dictionary of a plugin, without its type: a pane, or coats on it or on a body.
+
+    coat: the properties of the coat; None: there is none.
+    """
+    index, rough = index_of(inputs), width_properties(inputs, "specular")
+    glass = {"type": "roughdielectric", "distribution": "ggx"}
+    if not inputs.thin:
+        assert coat is not None  # for the type checker
+        return coat | {"base": glass | rough | {"int_ior": index * AIR}}
+    pane: dict[str, Any] = {"int_ior": index, **rough}
+    if not inputs.is_constant("transmission_color", 1):
+        pane["sigma_t"] = derived(
+            inputs, ("transmission_color",), lambda c: 2 * optical_depth(c, DRJIT), color=True
+        )
+    if coat is None:
+        return pane | {"ext_ior": 1.0}
+    below = {name: value for name, value in coat.items() if name != "ext_ior"}
+    # Mitsuba refuses equal indices.
+    far = glass | width_properties(inputs, "coat") | {"int_ior": AIR * (1 + 1e-5)}
+    pane |= {"type": "layered", "base": below | {"type": "layered", "base": far}}
+    return coat | {"base": pane}
