@@ -6,7 +6,6 @@ functions take NumPy or Dr.Jit arrays; `xp` has their functions.
 3.1    microfacet widths           `widths`, `lobe_widths`, `lobe_width`, `is_mirror`
 3.2    index of the base           `relative_index`, `modulated_index`, `base_index`
 3.2.2  glossy-diffuse base         `internal_reflectance`, `slab_albedo`, `promised`
-3.2.3  subsurface medium           `subsurface_albedo`
 3.2.4  translucent medium          `translucent_medium`
 3.4    darkening of the coat       `mean_fresnel`, `boost`
 3.5    fuzz                        `fuzz_albedo`, `fuzz_density`
@@ -149,22 +148,6 @@ def promised(rho: Any, internal: Any) -> Any:
 
 
 # 3.2.3 and 3.2.4: the media of bodies that transmit light
-
-
-def subsurface_albedo(color: Any, g: Any, eta: float, xp: Namespace = NUMPY) -> Any:
-    """The single-scattering albedo of the medium that gives a body its subsurface_color.
-
-    color: share of the light that enters through the interface and leaves it again, in [0, 1].
-    g: subsurface_scatter_anisotropy. eta: index of the body.
-
-    Source: van de Hulst's albedo of a half-space as the specification inverts it; the interface
-    reflects diffuse light back inside (`slab_albedo`).
-    """
-    internal = internal_reflectance(1 - mean_fresnel(eta, xp), eta) if eta > 1 else 0.0
-    c = slab_albedo(color, internal)
-    s = 4.09712 + 4.20863 * c - xp.sqrt(9.59217 + 41.6808 * c + 17.7126 * c * c)
-    s2 = xp.clip(s, 0, 1) ** 2
-    return (1 - s2) / (1 - g * s2)
 
 
 def translucent_medium(color: Any, depth: float, scatter: Any) -> tuple[Any, Any]:
