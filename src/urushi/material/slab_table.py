@@ -52,8 +52,8 @@ THROUGH_TABLE = 64
 #: Facets at which light of a direction is refracted, and elevations outside.
 FACETS, ELEVATIONS = 256, 48
 
-#: Nodes of a table that are computed at once.
-ROWS = 256
+#: Nodes of a table that are computed at once, and cosines at which attenuations are known.
+ROWS, ATTENUATIONS = 256, 1 << 12
 
 #: Least width of straight light, as a mirror of this width reflects: a table holds no narrower one.
 LEAST_SPREAD = MIN_ALPHA / 5
@@ -287,13 +287,11 @@ def _mirror(alpha: float, eta: float) -> Callable[[np.ndarray], np.ndarray]:
 
 def _attenuation(depths: np.ndarray, *mirrors: Callable[[np.ndarray], np.ndarray]) -> Attenuation:
     """What is left of light that goes straight, however often two surfaces mirror it."""
-
-    def attenuation(cosine: np.ndarray) -> np.ndarray:
-        left = np.exp(-depths.astype(np.float32) / cosine[..., None])
-        upper, lower = (mirror(cosine) for mirror in mirrors)
-        return left / (1 - upper * lower * left * left)
-
-    return attenuation
+    cosines = np.linspace(1 / ATTENUATIONS, 1, ATTENUATIONS).astype(np.float32)
+    left = np.exp(-depths.astype(np.float32) / cosines[:, None])
+    upper, lower = (mirror(cosines) for mirror in mirrors)
+    table = left / (1 - upper * lower * left * left)
+    return lambda cosine: table[(cosine * (ATTENUATIONS - 1)).astype(np.intp)]
 
 
 def _crossing_modes(outside: adding.Grid, alpha: float, eta: float) -> np.ndarray:
