@@ -54,11 +54,10 @@ def define(base: type) -> type:
         a warning. Two widths of a ratio above 10 are refused. The bottom must have no normals of
         its own.
 
-        Without a nested BSDF, it is a *thin slab* of one coat, as ``layered``, which scatters light
-        from both sides to both. Tables of what it reflects and transmits are computed by light
-        transport when the scene is loaded. They hold constants and one width, and have no
-        derivatives. Slabs of several coats, over a ``thindielectric`` or on bodies of glass need
-        ``layered``.
+        Without a nested BSDF, over dielectrics and over slabs, it is a *slab* as ``layered``, which
+        scatters light from both sides to both. Tables of what it reflects and transmits are
+        computed by light transport when the scene is loaded. They hold constants and one width of
+        each interface, and have no derivatives.
 
         When the scene is loaded, the bottom is evaluated at the encoder's probe pairs, averaged if
         it lacks the symmetries of materials (see ``urushi.encode``), encoded, and layered by the

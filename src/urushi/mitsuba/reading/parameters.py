@@ -394,8 +394,8 @@ def check_bottom(bsdf: "mi.BSDF", where: str) -> None:
     flags, has = bsdf.flags(), mi.has_flag
     if has(flags, mi.BSDFFlags.Transmission) or has(flags, mi.BSDFFlags.Null):
         raise ParameterError(
-            f"{where}: the nested BSDF transmits light; a coat needs an opaque bottom, or the "
-            "plugin 'layered' over a 'roughdielectric', a 'dielectric' or a 'thindielectric'"
+            f"{where}: the nested BSDF transmits light; a coat needs an opaque bottom, a "
+            "'roughdielectric', a 'dielectric' or a 'thindielectric'"
         )
     if has(flags, mi.BSDFFlags.Delta):
         raise ParameterError(

@@ -54,8 +54,9 @@ def define(proposal_bsdf: type):
 
         With ``transmission_weight``, ``subsurface_weight`` or ``geometry_thin_walled`` the surface
         has two sides. A body needs the medium of ``urushi.openpbr(...).on(shape)`` as the
-        ``interior`` of its shape, and one ``specular_ior`` and ``specular_weight``. Panes of
-        constants are tables; others, and coats on what transmits light, are random walks.
+        ``interior`` of its shape, and one ``specular_ior`` and ``specular_weight``. Panes,
+        and coats on what transmits light, are tables if they are constant and isotropic, and walks
+        otherwise.
 
         A number that ``mi.traverse`` changes is treated like a texture from then on. Components
         that were left out because of it, for instance a coat or fuzz of weight zero, are created. A
