@@ -1,5 +1,12 @@
 /** The pairs of directions at which f is tabulated for bright lights, and the table's axes. */
 
+/** Numbers of azimuths, cosines and directions of a table; one azimuth if it is isotropic. */
+export interface DirectionSizes {
+  azimuths: number;
+  cosines: number;
+  samples: number;
+}
+
 /** Numbers of half angles, difference angles, and differences of the cosines. */
 export interface TableSize {
   halves: number;
@@ -57,44 +64,83 @@ export function brightTexels(f: Float32Array): Float32Array {
   return texels;
 }
 
+/** Rows of texels after those of the samples. */
+const LAST_ROWS = 2;
+
 /**
- * Texels (2 samples + 1, azimuths * cosines, 4) of a table (azimuths, cosines, samples, 8): half
- * vectors and log2 pdf, then weights; in the last row the mean weight, which is the albedo.
+ * Texels (2 samples + 2, azimuths * cosines, 4) of a table (azimuths, cosines, samples, 8): half
+ * vectors and log2 pdf, then weights, in turn; in the last rows the diffuse part, and the albedo of
+ * the rest.
  *
- * The half vectors of a lobe hardly depend on the direction of the eye. They are interpolated
- * between the cosines and azimuths, and each pixel mirrors its own direction in them.
+ * The diffuse part is an albedo d whose light is known from the irradiance; the weights are those of
+ * f - d / pi (a control variate, Owen 2013, section 8.9). The half vectors of a lobe hardly depend on
+ * the direction of the eye. They are interpolated between the cosines and azimuths, and each pixel
+ * mirrors its own direction in them.
  *
- * @param isSmooth whether the albedo is averaged over neighbouring cosines, against its noise.
+ * @param isFirst whether few samples must do: those of an isotropic material are taken from both
+ *   sides of the plane of incidence, twice as many; and albedos are averaged over neighbouring cosines.
  */
 export function directionTexels(
   table: Float32Array,
-  cosines: number,
-  samples: number,
-  azimuths = 1,
-  isSmooth = false,
-): Float32Array {
+  { azimuths, cosines, samples }: DirectionSizes,
+  isFirst: boolean,
+): { texels: Float32Array; samples: number } {
   const columns = azimuths * cosines;
-  const texels = new Float32Array(4 * columns * (2 * samples + 1));
-  const last = 8 * columns * samples;
-  for (let row = 0; row < columns; row++) {
-    const cosine = ((row % cosines) + 0.5) / cosines;
+  const sides = isFirst && azimuths === 1 ? [1, -1] : [1];
+  const taken = sides.length * samples;
+  const texels = new Float32Array(4 * columns * (2 * taken + LAST_ROWS));
+  const last = texels.subarray(8 * columns * taken);
+  const diffuse = diffusePart(table, { azimuths, cosines, samples });
+  for (let column = 0; column < columns; column++) {
+    const cosine = ((column % cosines) + 0.5) / cosines;
     const sine = Math.sqrt(1 - cosine * cosine);
-    const azimuth = (0.5 * Math.PI * Math.floor(row / cosines)) / Math.max(azimuths - 1, 1);
+    const azimuth = (0.5 * Math.PI * Math.floor(column / cosines)) / Math.max(azimuths - 1, 1);
     const [along, across] = [sine * Math.cos(azimuth), sine * Math.sin(azimuth)];
-    for (let sample = 0; sample < samples; sample++) {
-      const from = 8 * (row * samples + sample);
-      const to = 4 * (2 * sample * columns + row);
-      const [x, y] = [table[from]! + along, table[from + 1]! + across];
-      const z = table[from + 2]! + cosine;
+    const rows = table.subarray(8 * column * samples, 8 * (column + 1) * samples);
+    const albedo = diffuse.subarray(4 * (column % cosines), 4 * (column % cosines) + 3);
+    for (let at = 0; at < rows.length; at += 8) {
+      const [x, y, z] = [rows[at]! + along, rows[at + 1]! + across, rows[at + 2]! + cosine];
       const length = Math.hypot(x, y, z) || 1;
-      texels.set([x / length, y / length, z / length], to);
-      texels[to + 3] = Math.log2(Math.max(table[from + 6]!, 1e-6));
-      texels.set(table.subarray(from + 3, from + 6), to + 4 * columns);
-      for (let k = 0; k < 3; k++) texels[last + 4 * row + k]! += table[from + 3 + k]! / samples;
+      const logPdf = Math.log2(Math.max(rows[at + 6]!, 1e-6));
+      const rest = albedo.map((d, k) => rows[at + 3 + k]! - d * diffuseWeight(rows, at));
+      rest.forEach((weight, k) => {
+        last[4 * (columns + column) + k]! += weight / samples;
+      });
+      sides.forEach((side, place) => {
+        const to = 8 * columns * (place * samples + at / 8) + 4 * column;
+        texels.set([x / length, (side * y) / length, z / length, logPdf], to);
+        texels.set(rest, to + 4 * columns);
+      });
     }
+    last.set(albedo, 4 * column);
   }
-  if (isSmooth) texels.set(smoothed(texels.subarray(last), cosines), last);
-  return texels;
+  if (isFirst) {
+    const rest = last.subarray(4 * columns);
+    const sum = smoothed(rest.map((value, at) => value + last[at]!), cosines);
+    rest.set(sum.map((value, at) => value - last[at]!));
+  }
+  return { texels, samples: taken };
+}
+
+/** The weight of a diffuse reflector of albedo 1 where the samples of a row were drawn. */
+function diffuseWeight(rows: Float32Array, at: number): number {
+  return rows[at + 6]! > 0 ? rows[at + 2]! / (Math.PI * rows[at + 6]!) : 0;
+}
+
+/**
+ * Albedos (cosines, 4) of the diffuse reflector that is closest to the weights of all azimuths and of
+ * neighbouring cosines.
+ */
+function diffusePart(table: Float32Array, { cosines, samples }: DirectionSizes): Float32Array {
+  const sums = new Float32Array(4 * cosines); // products with the three channels, squares
+  for (let at = 0; at < table.length; at += 8) {
+    const to = 4 * (Math.floor(at / (8 * samples)) % cosines);
+    const weight = diffuseWeight(table, at);
+    for (let k = 0; k < 3; k++) sums[to + k]! += weight * table[at + 3 + k]!;
+    sums[to + 3]! += weight * weight;
+  }
+  const means = smoothed(sums, cosines);
+  return means.map((sum, at) => sum / Math.max(means[at | 3]!, 1e-9));
 }
 
 /** Columns (N, 4) averaged over neighbouring cosines; fewer where the albedo is steep. */

@@ -4,12 +4,17 @@ import type { EnvironmentName } from "../state/state";
 import { cover, coverProgram, filters, type Gl, type Program, readRgb } from "./gl";
 import type { Light, Panorama } from "./panorama";
 import halveSource from "./shaders/halve.frag?raw";
+import irradianceSource from "./shaders/irradiance.frag?raw";
 import panoramaSource from "./shaders/panorama.frag?raw";
 import placesSource from "./shaders/places.frag?raw";
 
 /** Texels along a side of a face. */
 export const SIDE = 256;
 const LEVELS = Math.log2(SIDE) + 1;
+
+/** Texels along a side of a face of the irradiance, and the level of the light that it is made of. */
+const IRRADIANCE_SIDE = 16;
+const IRRADIANCE_LEVEL = Math.log2(SIDE / IRRADIANCE_SIDE);
 
 /** From (x, y, 1) on a face to a direction, column by column, in WebGL's order of the faces. */
 const FACES = [
@@ -56,6 +61,9 @@ function formulaOf(name: EnvironmentName): number {
 /** Draws environments into a cube map. */
 export class EnvironmentMap {
   readonly texture: WebGLTexture;
+  /** Irradiance over pi by the normal: the light of a white diffuse reflector. */
+  readonly irradiance: WebGLTexture;
+  private readonly convolve: Program;
   private readonly frame: WebGLFramebuffer;
   private readonly halve: Program;
   private readonly places: Program;
@@ -66,12 +74,10 @@ export class EnvironmentMap {
     private readonly gl: Gl,
     simple: boolean,
   ) {
-    this.texture = gl.createTexture()!;
-    gl.bindTexture(gl.TEXTURE_CUBE_MAP, this.texture);
-    gl.texStorage2D(gl.TEXTURE_CUBE_MAP, LEVELS, gl.RGBA16F, SIDE, SIDE);
-    const target = gl.TEXTURE_CUBE_MAP;
     const small = simple ? gl.LINEAR_MIPMAP_NEAREST : gl.LINEAR_MIPMAP_LINEAR;
-    filters(gl, target, small, gl.LINEAR, gl.CLAMP_TO_EDGE);
+    this.texture = cubeMap(gl, LEVELS, SIDE, small);
+    this.irradiance = cubeMap(gl, 1, IRRADIANCE_SIDE, gl.LINEAR);
+    this.convolve = coverProgram(gl, irradianceSource);
     this.frame = gl.createFramebuffer()!;
     this.halve = coverProgram(gl, halveSource);
     this.places = coverProgram(gl, placesSource);
@@ -83,7 +89,7 @@ export class EnvironmentMap {
     this.places.use();
     this.places.setInteger("which", formulaOf(name));
     this.places.setInteger("isPanorama", 0);
-    this.drawFaces(this.places, 0);
+    this.drawFaces(this.places, this.texture, SIDE, 0);
     this.drawLevels();
   }
 
@@ -121,13 +127,13 @@ export class EnvironmentMap {
     gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_WRAP_S, gl.REPEAT);
     this.panorama.use();
     this.panorama.setTexture("panorama", 0, gl.TEXTURE_2D, texture);
-    this.drawFaces(this.panorama, 0);
+    this.drawFaces(this.panorama, this.texture, SIDE, 0);
     this.drawLevels();
     gl.deleteTexture(texture);
   }
 
   private drawLevels(): void {
-    const { gl, halve } = this;
+    const { gl, halve, convolve } = this;
     halve.use();
     halve.setTexture("environment", 0, gl.TEXTURE_CUBE_MAP, this.texture);
     for (let level = 1; level < LEVELS; level++) {
@@ -135,26 +141,39 @@ export class EnvironmentMap {
       gl.texParameteri(gl.TEXTURE_CUBE_MAP, gl.TEXTURE_BASE_LEVEL, level - 1);
       gl.texParameteri(gl.TEXTURE_CUBE_MAP, gl.TEXTURE_MAX_LEVEL, level - 1);
       halve.set("side", SIDE >> (level - 1));
-      this.drawFaces(halve, level);
+      this.drawFaces(halve, this.texture, SIDE >> level, level);
     }
     gl.texParameteri(gl.TEXTURE_CUBE_MAP, gl.TEXTURE_BASE_LEVEL, 0);
     gl.texParameteri(gl.TEXTURE_CUBE_MAP, gl.TEXTURE_MAX_LEVEL, LEVELS - 1);
+    convolve.use();
+    convolve.setTexture("environment", 0, gl.TEXTURE_CUBE_MAP, this.texture);
+    convolve.set("level", IRRADIANCE_LEVEL);
+    convolve.set("side", IRRADIANCE_SIDE);
+    this.drawFaces(convolve, this.irradiance, IRRADIANCE_SIDE, 0);
   }
 
-  private drawFaces(program: Program, level: number): void {
+  private drawFaces(program: Program, texture: WebGLTexture, side: number, level: number): void {
     const { gl } = this;
     gl.disable(gl.DEPTH_TEST);
     gl.disable(gl.SCISSOR_TEST);
     gl.bindFramebuffer(gl.FRAMEBUFFER, this.frame);
-    gl.viewport(0, 0, SIDE >> level, SIDE >> level);
+    gl.viewport(0, 0, side, side);
     FACES.forEach((matrix, face) => {
       const target = gl.TEXTURE_CUBE_MAP_POSITIVE_X + face;
-      gl.framebufferTexture2D(gl.FRAMEBUFFER, gl.COLOR_ATTACHMENT0, target, this.texture, level);
+      gl.framebufferTexture2D(gl.FRAMEBUFFER, gl.COLOR_ATTACHMENT0, target, texture, level);
       program.setMatrix("face", matrix);
       cover(gl);
     });
     gl.bindFramebuffer(gl.FRAMEBUFFER, null);
   }
+}
+
+function cubeMap(gl: Gl, levels: number, side: number, small: number): WebGLTexture {
+  const texture = gl.createTexture()!;
+  gl.bindTexture(gl.TEXTURE_CUBE_MAP, texture);
+  gl.texStorage2D(gl.TEXTURE_CUBE_MAP, levels, gl.RGBA16F, side, side);
+  filters(gl, gl.TEXTURE_CUBE_MAP, small, gl.LINEAR, gl.CLAMP_TO_EDGE);
+  return texture;
 }
 
 function unit(v: readonly [number, number, number]): readonly [number, number, number] {

@@ -5,7 +5,14 @@ import type { ShownTexture } from "../engine/textures";
 import type { Radiance } from "../save/exr";
 import type { Comparison, EnvironmentName, View } from "../state/state";
 import type { AnisotropicSize } from "./anisotropic_table";
-import { brightTexels, directionTexels, FAR, NEAR, type TableSize } from "./bright_table";
+import {
+  brightTexels,
+  type DirectionSizes,
+  directionTexels,
+  FAR,
+  NEAR,
+  type TableSize,
+} from "./bright_table";
 import { type Camera, cameraOf, mirrored } from "./camera";
 import { EnvironmentMap, type Key, keyOf, lightsOf, SIDE } from "./environment";
 import { contextOf, cover, coverProgram, filters, type Gl, included, Program, readRgb } from "./gl";
@@ -62,13 +69,6 @@ const MIRROR_SHARE = 0.25;
 
 /** Directions of a frame where a texture of codes is decoded at each pixel. */
 const TEXEL_SAMPLES = 32;
-
-/** Numbers of azimuths, cosines and directions of a table; one azimuth if it is isotropic. */
-export interface DirectionSizes {
-  azimuths: number;
-  cosines: number;
-  samples: number;
-}
 
 /** Sizes of a table of f for bright lights. */
 export type BrightSize = TableSize | AnisotropicSize;
@@ -156,27 +156,28 @@ export class Renderer {
    * Take over a material's table of directions (azimuths, cosines, samples, 8).
    *
    * @param rotation angle by which the material's tangent is turned [degrees].
-   * @param isSmooth as in `directionTexels`.
+   * @param isFirst as in `directionTexels`.
    */
   setTable(
     slot: 0 | 1,
     table: Float32Array,
-    { azimuths, cosines, samples }: DirectionSizes,
+    sizes: DirectionSizes,
     rotation = 0,
-    isSmooth = false,
+    isFirst = false,
   ): void {
     const { gl } = this;
+    const { azimuths, cosines } = sizes;
     const textures = this.slotTextures(slot);
+    const { texels, samples } = directionTexels(table, sizes, isFirst);
     if (textures.azimuths > 1 !== azimuths > 1) textures.bright = this.dark();
     textures.samples = samples;
     textures.azimuths = azimuths;
     textures.rotation = (rotation * Math.PI) / 180;
     gl.activeTexture(gl.TEXTURE0);
     gl.bindTexture(gl.TEXTURE_2D, textures.table);
-    const texels = directionTexels(table, cosines, samples, azimuths, isSmooth);
     const columns = azimuths * cosines;
     const target = gl.TEXTURE_2D;
-    const rows = 2 * samples + 1;
+    const rows = texels.length / (4 * columns);
     gl.texImage2D(target, 0, gl.RGBA32F, columns, rows, 0, gl.RGBA, gl.FLOAT, texels);
     filters(gl, target, gl.NEAREST, gl.NEAREST, gl.CLAMP_TO_EDGE);
   }
@@ -457,6 +458,7 @@ export class Renderer {
     object.setVectors("lightDirections", padded(this.lights.map((light) => light.direction)));
     object.setVectors("lightPowers", padded(this.lights.map((light) => light.power)));
     object.setTexture("environment", 1, gl.TEXTURE_CUBE_MAP, this.map.texture);
+    object.setTexture("irradiance", 5, gl.TEXTURE_CUBE_MAP, this.map.irradiance);
     if (texels) {
       object.set("start", ...sequence(count * TEXEL_SAMPLES));
       object.setTexture("codes", 0, gl.TEXTURE_2D_ARRAY, texels.texture);

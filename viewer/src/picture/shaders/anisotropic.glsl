@@ -20,7 +20,6 @@ Frame tangentFrame(Frame frame, ivec2 pixel) {
     return Frame(side.x * tangent, side.y * bitangent, frame.z, vec3(abs(flat_), frame.view.z));
 }
 
-// The mean light of the table's directions by their weights, times the albedo.
 vec3 reflected(Frame frame) {
     int columns = textureSize(table, 0).x / azimuths;
     float column = clamp(frame.view.z * float(columns) - 0.5, 0.0, float(columns) - 1.0);
@@ -30,7 +29,7 @@ vec3 reflected(Frame frame) {
     float across = column - float(left), up = clamp(row - float(below), 0.0, 1.0);
     ivec4 places = ivec4(left, right, left, right) + ivec2(below, below + 1).xxyy * columns;
     vec4 shares = vec4((1.0 - across) * (1.0 - up), across * (1.0 - up), (1.0 - across) * up, across * up);
-    vec3 sum = vec3(0.0), total = vec3(0.0), albedo = vec3(0.0);
+    Gathered sum = Gathered(vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0));
     for (int i = 0; i < samples; i++) {
         vec4 facets[4], between = vec4(0.0);
         vec3 weights[4], weight = vec3(0.0);
@@ -43,20 +42,21 @@ vec3 reflected(Frame frame) {
             between += shares[k] * facets[k];
             weight += shares[k] * weights[k];
         }
-        total += weight;
         if (isOne) {
-            sum += weight * mirrored(frame, between);
+            gather(sum, weight, mirrored(frame, between));
         } else { // of different lobes of the proposal
             for (int k = 0; k < 4; k++) {
-                sum += shares[k] * weights[k] * mirrored(frame, facets[k]);
+                gather(sum, shares[k] * weights[k], mirrored(frame, facets[k]));
             }
         }
     }
-    int last = textureSize(table, 0).y - 1;
+    int last = textureSize(table, 0).y - 2;
+    vec3 diffuse = vec3(0.0), rest = vec3(0.0);
     for (int k = 0; k < 4; k++) {
-        albedo += shares[k] * texelFetch(table, ivec2(places[k], last), 0).rgb;
+        diffuse += shares[k] * texelFetch(table, ivec2(places[k], last), 0).rgb;
+        rest += shares[k] * texelFetch(table, ivec2(places[k], last + 1), 0).rgb;
     }
-    return sum * albedo / max(total, 1e-6);
+    return reflectedBy(sum, diffuse, rest, frame.z);
 }
 
 // f of the view and a light by the slopes of the half vector and by the difference, see

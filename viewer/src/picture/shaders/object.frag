@@ -7,9 +7,9 @@ precision highp sampler3D;
 
 #include frame.glsl
 
-uniform sampler2D table; // columns: cosines; rows: half vector and log2 pdf, weight, in turn; last the albedo
+uniform sampler2D table; // columns: cosines; rows as in bright_table.ts
 uniform sampler3D bright; // ln f by half vector and difference angle
-
+uniform samplerCube irradiance; // over pi, by the normal
 
 out vec4 colour;
 
@@ -17,6 +17,29 @@ out vec4 colour;
 vec3 mirrored(Frame frame, vec4 facet) {
     vec3 half_ = normalize(facet.xyz);
     return incoming(frame, 2.0 * dot(frame.view, half_) * half_ - frame.view, facet.w);
+}
+
+// Sums over directions: of weights times light, and of the weights, both also of positive weights.
+struct Gathered {
+    vec3 light;
+    vec3 weight;
+    vec3 positiveLight;
+    vec3 positiveWeight;
+};
+
+void gather(inout Gathered sum, vec3 weight, vec3 light) {
+    sum.light += weight * light;
+    sum.weight += weight;
+    sum.positiveLight += max(weight, 0.0) * light;
+    sum.positiveWeight += max(weight, 0.0);
+}
+
+// The light of the diffuse part and of the rest. The share of the rest's albedo that the directions
+// lack has their mean light: a few directions thus reflect as much as all.
+vec3 reflectedBy(Gathered sum, vec3 diffuse, vec3 rest, vec3 normal) {
+    vec3 mean = sum.positiveLight / max(sum.positiveWeight, 1e-6);
+    vec3 light = sum.light / float(samples) + (rest - sum.weight / float(samples)) * mean;
+    return max(light + diffuse * textureLod(irradiance, normal, 0.0).rgb, 0.0);
 }
 
 #ifdef ANISOTROPIC
@@ -40,33 +63,32 @@ vec3 f(vec3 normal, vec3 view, vec3 light) {
     return exp(texture(bright, at).rgb);
 }
 
-// The mean light of the table's directions by their weights, times the albedo: a few directions thus
-// reflect as much as all.
 vec3 reflected(Frame frame) {
     int columns = textureSize(table, 0).x;
     float column = clamp(frame.view.z * float(columns) - 0.5, 0.0, float(columns) - 1.0);
     int left = int(column);
     int right = min(left + 1, columns - 1);
     float share = column - float(left);
-    vec3 sum = vec3(0.0), total = vec3(0.0);
+    Gathered sum = Gathered(vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0));
     for (int i = 0; i < samples; i++) {
         vec4 first = texelFetch(table, ivec2(left, 2 * i), 0);
         vec4 second = texelFetch(table, ivec2(right, 2 * i), 0);
         vec3 firstWeight = texelFetch(table, ivec2(left, 2 * i + 1), 0).rgb;
         vec3 secondWeight = texelFetch(table, ivec2(right, 2 * i + 1), 0).rgb;
-        total += mix(firstWeight, secondWeight, share);
         if (dot(first.xyz, second.xyz) > 0.97 && abs(first.w - second.w) < 2.0) {
             vec4 between = mix(first, second, share);
-            sum += mix(firstWeight, secondWeight, share) * mirrored(frame, between);
+            gather(sum, mix(firstWeight, secondWeight, share), mirrored(frame, between));
         } else { // of different lobes of the proposal
-            sum += (1.0 - share) * firstWeight * mirrored(frame, first);
-            sum += share * secondWeight * mirrored(frame, second);
+            gather(sum, (1.0 - share) * firstWeight, mirrored(frame, first));
+            gather(sum, share * secondWeight, mirrored(frame, second));
         }
     }
-    int last = textureSize(table, 0).y - 1;
-    vec3 albedo = mix(texelFetch(table, ivec2(left, last), 0).rgb,
-                      texelFetch(table, ivec2(right, last), 0).rgb, share);
-    return sum * albedo / max(total, 1e-6);
+    int last = textureSize(table, 0).y - 2;
+    vec3 diffuse = mix(texelFetch(table, ivec2(left, last), 0).rgb,
+                       texelFetch(table, ivec2(right, last), 0).rgb, share);
+    vec3 rest = mix(texelFetch(table, ivec2(left, last + 1), 0).rgb,
+                    texelFetch(table, ivec2(right, last + 1), 0).rgb, share);
+    return reflectedBy(sum, diffuse, rest, frame.z);
 }
 
 vec3 f(Frame frame, vec3 light) {
