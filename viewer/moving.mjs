@@ -3,8 +3,8 @@
  * [ENVIRONMENT]]`, with the networks of a page that `urushi view` serves.
  *
  * For every material of the library, draws the first picture after a change and the mean of many
- * frames of more directions, in one page, without its interface. Writes both as PNG, and prints FLIP
- * (Andersson et al. 2020) of the first to the mean. Pictures of means that are there already are kept.
+ * frames, in one page, without its interface. Writes both as PNG, and prints FLIP (Andersson et al. 2020)
+ * of the first to the mean. Pictures of means that are there already are kept.
  */
 
 import { execFileSync } from "node:child_process";
@@ -16,7 +16,7 @@ const FOLDER = process.argv[2] ?? "out/moving";
 const ENVIRONMENT = process.argv[3] ?? "studio";
 const PAGE = process.env.PAGE ?? "http://127.0.0.1:8497/";
 const [WIDTH, HEIGHT] = [280, 245];
-const FRAMES = 12;
+const FRAMES = 24;
 
 const FLIP = `
 import sys
@@ -38,7 +38,7 @@ async function pictures([place, isMeanKnown, environment, width, height, frames]
         "/src/state/state.ts",
       ].map((path) => import(path)),
     );
-  const { FIRST_SAMPLES, SAMPLES, TABLE_ROWS, shiftOf } = engine;
+  const { SAMPLES, TABLE_ROWS, shiftOf } = engine;
   window.cores ??= new remote.Cores(await remote.connect());
   if (window.renderer === undefined) {
     const canvas = Object.assign(document.createElement("canvas"), { width, height });
@@ -55,18 +55,18 @@ async function pictures([place, isMeanKnown, environment, width, height, frames]
   const stack = stackOf(preset);
   const core = await cores.of(stack);
   const material = await core.layer(stack);
-  const draw = async (count, samples, isFirst) => {
-    const sizes = { ...TABLE_ROWS[core.widths], samples };
+  const sizes = { ...TABLE_ROWS[core.widths], samples: SAMPLES };
+  const draw = async (count, isFirst) => {
     const table = await core.table(material, { ...sizes, shift: shiftOf(count) });
     renderer.setTable(0, table, sizes, preset.rotation, isFirst);
     renderer.beginFrame(shot, 1);
     renderer.drawStrip(shot, count, 1, 0, 1);
     renderer.endFrame(shot, count);
   };
-  await draw(0, FIRST_SAMPLES, true);
+  await draw(0, true);
   const first = shown.toDataURL();
   if (isMeanKnown) return [preset.name, first, null];
-  for (let count = 0; count < frames; count++) await draw(count, SAMPLES, false);
+  for (let count = 0; count < frames; count++) await draw(count, false);
   return [preset.name, first, shown.toDataURL()];
 }
 

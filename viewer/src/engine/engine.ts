@@ -18,13 +18,10 @@ import type { ShownTexture } from "./textures";
 /** Directions of each row of a table. */
 export const SAMPLES = 128;
 
-/** Directions of the table that a change is shown by at once. */
-export const FIRST_SAMPLES = 64;
-
 /** Azimuths and cosines of a table of an isotropic material, and of an anisotropic one. */
 export const TABLE_ROWS = {
-  1: { azimuths: 1, cosines: 64 },
-  2: { azimuths: 8, cosines: 32 },
+  1: { azimuths: 1, cosines: 32 },
+  2: { azimuths: 8, cosines: 16 },
 } as const;
 
 /** Shifted tables whose mean the picture at rest is. */
@@ -87,9 +84,7 @@ export interface Surroundings {
 export class Slot {
   /** Counts the materials that this slot had. */
   generation = 0;
-  /** The table that is shown at once; null: nothing is known yet. */
-  first: Float32Array | null = null;
-  /** Shifted tables of the picture at rest. */
+  /** Shifted tables, whose mean the picture at rest is; the first is shown at once. */
   tables: Float32Array[] = [];
   bright: Bright | null = null;
   /** Decoded at each pixel; null: the material is the same everywhere. */
@@ -144,7 +139,7 @@ export class Slot {
   async another(): Promise<boolean> {
     const { material, generation } = this;
     if (material === null || this.busy || this.tables.length >= MOST_TABLES) return false;
-    const table = await this.table(this.core, material, this.tables.length, SAMPLES);
+    const table = await this.table(this.core, material, this.tables.length);
     if (generation !== this.generation || this.busy) return false;
     this.tables.push(table);
     return true;
@@ -175,7 +170,7 @@ export class Slot {
         this.walk.value = null;
         const core = await this.cores.of(stack);
         const material = await core.layer(stack);
-        const first = await this.table(core, material, 0, FIRST_SAMPLES);
+        const first = await this.table(core, material, 0);
         this.core = core;
         this.widths = core.widths;
         this.rotation = rotation;
@@ -183,8 +178,7 @@ export class Slot {
         this.stack = stack;
         this.texture = texture;
         this.generation++;
-        this.first = first;
-        this.tables = [];
+        this.tables = [first];
         this.bright = null;
         this.page.changed();
         this.albedoIsOld = true;
@@ -237,17 +231,9 @@ export class Slot {
     }
   }
 
-  private table(
-    core: PageCore,
-    material: Material,
-    place: number,
-    samples: number,
-  ): Promise<Float32Array> {
-    return core.table(material, {
-      ...TABLE_ROWS[core.widths],
-      samples,
-      shift: shiftOf(place),
-    });
+  private table(core: PageCore, material: Material, place: number): Promise<Float32Array> {
+    const sizes = { ...TABLE_ROWS[core.widths], samples: SAMPLES };
+    return core.table(material, { ...sizes, shift: shiftOf(place) });
   }
 }
 

@@ -4,6 +4,7 @@ import { stackOf } from "../material/material";
 import { PRESETS } from "../material/presets";
 import { NoGraphics } from "../picture/gl";
 import { Renderer, type Shot } from "../picture/renderer";
+import { SAMPLES, TABLE_ROWS } from "./engine";
 import { session } from "./session";
 
 const SHOT: Shot = {
@@ -15,10 +16,6 @@ const SHOT: Shot = {
   edge: 0.5,
   scale: 50,
 };
-
-const AZIMUTHS = 5;
-const COSINES = 32;
-const SAMPLES = 96;
 
 /** What was drawn, in the order of the presets. */
 const drawn: ImageBitmap[] = [];
@@ -58,8 +55,7 @@ async function drawAll(): Promise<void> {
     const stack = stackOf(preset);
     const core = await cores.of(stack);
     const material = await core.layer(stack);
-    const azimuths = core.widths === 1 ? 1 : AZIMUTHS;
-    const sizes = { azimuths, cosines: COSINES, samples: SAMPLES };
+    const sizes = { ...TABLE_ROWS[core.widths], samples: SAMPLES };
     const table = await core.table(material, { ...sizes, shift: [0, 0, 0] });
     renderer.setTable(0, table, sizes, preset.rotation, true);
     renderer.draw(SHOT);

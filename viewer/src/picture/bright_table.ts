@@ -64,32 +64,25 @@ export function brightTexels(f: Float32Array): Float32Array {
   return texels;
 }
 
-/** Rows of texels after those of the samples. */
-const LAST_ROWS = 2;
-
 /**
  * Texels (2 samples + 2, azimuths * cosines, 4) of a table (azimuths, cosines, samples, 8): half
- * vectors and log2 pdf, then weights, in turn; in the last rows the diffuse part, and the albedo of
- * the rest.
+ * vectors and log2 pdf, then weights, in turn; in the last rows the diffuse part, and the albedo.
  *
  * The diffuse part is an albedo d whose light is known from the irradiance; the weights are those of
  * f - d / pi (a control variate, Owen 2013, section 8.9). The half vectors of a lobe hardly depend on
  * the direction of the eye. They are interpolated between the cosines and azimuths, and each pixel
  * mirrors its own direction in them.
  *
- * @param isFirst whether few samples must do: those of an isotropic material are taken from both
- *   sides of the plane of incidence, twice as many; and albedos are averaged over neighbouring cosines.
+ * @param isFirst whether the albedos are averaged over neighbouring cosines, against their noise.
  */
 export function directionTexels(
   table: Float32Array,
   { azimuths, cosines, samples }: DirectionSizes,
   isFirst: boolean,
-): { texels: Float32Array; samples: number } {
+): Float32Array {
   const columns = azimuths * cosines;
-  const sides = isFirst && azimuths === 1 ? [1, -1] : [1];
-  const taken = sides.length * samples;
-  const texels = new Float32Array(4 * columns * (2 * taken + LAST_ROWS));
-  const last = texels.subarray(8 * columns * taken);
+  const texels = new Float32Array(4 * columns * (2 * samples + 2));
+  const last = texels.subarray(8 * columns * samples);
   const diffuse = diffusePart(table, { azimuths, cosines, samples });
   for (let column = 0; column < columns; column++) {
     const cosine = ((column % cosines) + 0.5) / cosines;
@@ -103,23 +96,15 @@ export function directionTexels(
       const length = Math.hypot(x, y, z) || 1;
       const logPdf = Math.log2(Math.max(rows[at + 6]!, 1e-6));
       const rest = albedo.map((d, k) => rows[at + 3 + k]! - d * diffuseWeight(rows, at));
-      rest.forEach((weight, k) => {
-        last[4 * (columns + column) + k]! += weight / samples;
-      });
-      sides.forEach((side, place) => {
-        const to = 8 * columns * (place * samples + at / 8) + 4 * column;
-        texels.set([x / length, (side * y) / length, z / length, logPdf], to);
-        texels.set(rest, to + 4 * columns);
-      });
+      for (let k = 0; k < 3; k++) last[4 * (columns + column) + k]! += rows[at + 3 + k]! / samples;
+      const to = columns * at + 4 * column;
+      texels.set([x / length, y / length, z / length, logPdf], to);
+      texels.set(rest, to + 4 * columns);
     }
     last.set(albedo, 4 * column);
   }
-  if (isFirst) {
-    const rest = last.subarray(4 * columns);
-    const sum = smoothed(rest.map((value, at) => value + last[at]!), cosines);
-    rest.set(sum.map((value, at) => value - last[at]!));
-  }
-  return { texels, samples: taken };
+  if (isFirst) last.set(smoothed(last.subarray(4 * columns), cosines), 4 * columns);
+  return texels;
 }
 
 /** The weight of a diffuse reflector of albedo 1 where the samples of a row were drawn. */

@@ -1,7 +1,7 @@
 /** When the picture is drawn, how large, and with which tables: at once, then ever better. */
 
 import { signal } from "@preact/signals";
-import { FIRST_SAMPLES, MOST_TABLES, SAMPLES, type Slot, TABLE_ROWS } from "../engine/engine";
+import { MOST_TABLES, SAMPLES, type Slot, TABLE_ROWS } from "../engine/engine";
 import type { ShownTexture } from "../engine/textures";
 import { Refusal } from "../refusal";
 import type { Renderer, Shot } from "./renderer";
@@ -122,7 +122,7 @@ export class Painter {
     const { renderer, shot } = this;
     if (renderer === null || shot === null) return false;
     const slots = shownSlots(shot);
-    if (slots.some((slot) => this.slots[slot].first === null)) return false;
+    if (slots.some((slot) => this.slots[slot].tables.length === 0)) return false;
     if (this.dirty) {
       this.dirty = false;
       if (renderer.hasLights) await Promise.all(slots.map((slot) => this.slots[slot].light(false)));
@@ -215,14 +215,13 @@ export class Painter {
 
   /** Give a renderer what a frame needs; count: of those that precede it at rest, null: it moves. */
   private upload(renderer: Renderer, slot: 0 | 1, count: number | null): void {
-    const { first, tables, generation, bright, texture } = this.slots[slot];
-    const table = (count === null ? null : tables[count]) ?? first;
-    const samples = table === first ? FIRST_SAMPLES : SAMPLES;
-    const key = `${generation}.${table === first ? "first" : count}`;
-    if (table !== null && this.uploaded[slot] !== key) {
+    const { tables, generation, bright, texture } = this.slots[slot];
+    const table = tables[count ?? 0] ?? tables[0];
+    const key = `${generation}.${count}`;
+    if (table !== undefined && this.uploaded[slot] !== key) {
       const { widths, rotation } = this.slots[slot];
-      const sizes = { ...TABLE_ROWS[widths], samples };
-      renderer.setTable(slot, table, sizes, rotation, table === first);
+      const sizes = { ...TABLE_ROWS[widths], samples: SAMPLES };
+      renderer.setTable(slot, table, sizes, rotation, count === null);
       this.uploaded[slot] = key;
     }
     if (this.textureOf[slot] !== texture) {

@@ -166,9 +166,9 @@ export class Renderer {
     isFirst = false,
   ): void {
     const { gl } = this;
-    const { azimuths, cosines } = sizes;
+    const { azimuths, cosines, samples } = sizes;
     const textures = this.slotTextures(slot);
-    const { texels, samples } = directionTexels(table, sizes, isFirst);
+    const texels = directionTexels(table, sizes, isFirst);
     if (textures.azimuths > 1 !== azimuths > 1) textures.bright = this.dark();
     textures.samples = samples;
     textures.azimuths = azimuths;
@@ -177,7 +177,7 @@ export class Renderer {
     gl.bindTexture(gl.TEXTURE_2D, textures.table);
     const columns = azimuths * cosines;
     const target = gl.TEXTURE_2D;
-    const rows = texels.length / (4 * columns);
+    const rows = 2 * samples + 2;
     gl.texImage2D(target, 0, gl.RGBA32F, columns, rows, 0, gl.RGBA, gl.FLOAT, texels);
     filters(gl, target, gl.NEAREST, gl.NEAREST, gl.CLAMP_TO_EDGE);
   }

@@ -204,7 +204,7 @@ test("the radiance that is saved while the picture refines is that of the pictur
     await page.locator(".stage canvas").press(key);
     early.push(await mean());
   }
-  await expect(page.locator(".status")).toHaveText("converged");
+  await expect(page.locator(".status")).toHaveText("converged", { timeout: 110_000 });
   const last = await mean();
   expect(last).toBeGreaterThan(0.01);
   // A first frame has coarse levels of the environment: they blur it, and keep its mean.

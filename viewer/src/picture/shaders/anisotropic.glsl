@@ -29,7 +29,13 @@ vec3 reflected(Frame frame) {
     float across = column - float(left), up = clamp(row - float(below), 0.0, 1.0);
     ivec4 places = ivec4(left, right, left, right) + ivec2(below, below + 1).xxyy * columns;
     vec4 shares = vec4((1.0 - across) * (1.0 - up), across * (1.0 - up), (1.0 - across) * up, across * up);
-    Gathered sum = Gathered(vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0));
+    int last = textureSize(table, 0).y - 2;
+    vec3 total = vec3(0.0), albedo = vec3(0.0);
+    for (int k = 0; k < 4; k++) {
+        total += float(samples) * shares[k] * texelFetch(table, ivec2(places[k], last), 0).rgb;
+        albedo += shares[k] * texelFetch(table, ivec2(places[k], last + 1), 0).rgb;
+    }
+    vec3 sum = total * textureLod(irradiance, frame.z, 0.0).rgb;
     for (int i = 0; i < samples; i++) {
         vec4 facets[4], between = vec4(0.0);
         vec3 weights[4], weight = vec3(0.0);
@@ -42,21 +48,16 @@ vec3 reflected(Frame frame) {
             between += shares[k] * facets[k];
             weight += shares[k] * weights[k];
         }
+        total += weight;
         if (isOne) {
-            gather(sum, weight, mirrored(frame, between));
+            sum += weight * mirrored(frame, between);
         } else { // of different lobes of the proposal
             for (int k = 0; k < 4; k++) {
-                gather(sum, shares[k] * weights[k], mirrored(frame, facets[k]));
+                sum += shares[k] * weights[k] * mirrored(frame, facets[k]);
             }
         }
     }
-    int last = textureSize(table, 0).y - 2;
-    vec3 diffuse = vec3(0.0), rest = vec3(0.0);
-    for (int k = 0; k < 4; k++) {
-        diffuse += shares[k] * texelFetch(table, ivec2(places[k], last), 0).rgb;
-        rest += shares[k] * texelFetch(table, ivec2(places[k], last + 1), 0).rgb;
-    }
-    return reflectedBy(sum, diffuse, rest, frame.z);
+    return max(sum, 0.0) * albedo / max(total, 1e-6);
 }
 
 // f of the view and a light by the slopes of the half vector and by the difference, see

@@ -19,29 +19,6 @@ vec3 mirrored(Frame frame, vec4 facet) {
     return incoming(frame, 2.0 * dot(frame.view, half_) * half_ - frame.view, facet.w);
 }
 
-// Sums over directions: of weights times light, and of the weights, both also of positive weights.
-struct Gathered {
-    vec3 light;
-    vec3 weight;
-    vec3 positiveLight;
-    vec3 positiveWeight;
-};
-
-void gather(inout Gathered sum, vec3 weight, vec3 light) {
-    sum.light += weight * light;
-    sum.weight += weight;
-    sum.positiveLight += max(weight, 0.0) * light;
-    sum.positiveWeight += max(weight, 0.0);
-}
-
-// The light of the diffuse part and of the rest. The share of the rest's albedo that the directions
-// lack has their mean light: a few directions thus reflect as much as all.
-vec3 reflectedBy(Gathered sum, vec3 diffuse, vec3 rest, vec3 normal) {
-    vec3 mean = sum.positiveLight / max(sum.positiveWeight, 1e-6);
-    vec3 light = sum.light / float(samples) + (rest - sum.weight / float(samples)) * mean;
-    return max(light + diffuse * textureLod(irradiance, normal, 0.0).rgb, 0.0);
-}
-
 #ifdef ANISOTROPIC
 #include anisotropic.glsl
 #else
@@ -63,32 +40,35 @@ vec3 f(vec3 normal, vec3 view, vec3 light) {
     return exp(texture(bright, at).rgb);
 }
 
+// The mean light of the diffuse part and of the table's directions by their weights, times the albedo:
+// a few directions thus reflect as much as all.
 vec3 reflected(Frame frame) {
     int columns = textureSize(table, 0).x;
     float column = clamp(frame.view.z * float(columns) - 0.5, 0.0, float(columns) - 1.0);
     int left = int(column);
     int right = min(left + 1, columns - 1);
     float share = column - float(left);
-    Gathered sum = Gathered(vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0));
+    int last = textureSize(table, 0).y - 2;
+    vec3 total = float(samples) * mix(texelFetch(table, ivec2(left, last), 0).rgb,
+                                      texelFetch(table, ivec2(right, last), 0).rgb, share);
+    vec3 albedo = mix(texelFetch(table, ivec2(left, last + 1), 0).rgb,
+                      texelFetch(table, ivec2(right, last + 1), 0).rgb, share);
+    vec3 sum = total * textureLod(irradiance, frame.z, 0.0).rgb;
     for (int i = 0; i < samples; i++) {
         vec4 first = texelFetch(table, ivec2(left, 2 * i), 0);
         vec4 second = texelFetch(table, ivec2(right, 2 * i), 0);
         vec3 firstWeight = texelFetch(table, ivec2(left, 2 * i + 1), 0).rgb;
         vec3 secondWeight = texelFetch(table, ivec2(right, 2 * i + 1), 0).rgb;
+        total += mix(firstWeight, secondWeight, share);
         if (dot(first.xyz, second.xyz) > 0.97 && abs(first.w - second.w) < 2.0) {
             vec4 between = mix(first, second, share);
-            gather(sum, mix(firstWeight, secondWeight, share), mirrored(frame, between));
+            sum += mix(firstWeight, secondWeight, share) * mirrored(frame, between);
         } else { // of different lobes of the proposal
-            gather(sum, (1.0 - share) * firstWeight, mirrored(frame, first));
-            gather(sum, share * secondWeight, mirrored(frame, second));
+            sum += (1.0 - share) * firstWeight * mirrored(frame, first);
+            sum += share * secondWeight * mirrored(frame, second);
         }
     }
-    int last = textureSize(table, 0).y - 2;
-    vec3 diffuse = mix(texelFetch(table, ivec2(left, last), 0).rgb,
-                       texelFetch(table, ivec2(right, last), 0).rgb, share);
-    vec3 rest = mix(texelFetch(table, ivec2(left, last + 1), 0).rgb,
-                    texelFetch(table, ivec2(right, last + 1), 0).rgb, share);
-    return reflectedBy(sum, diffuse, rest, frame.z);
+    return max(sum, 0.0) * albedo / max(total, 1e-6);
 }
 
 vec3 f(Frame frame, vec3 light) {
