@@ -100,7 +100,7 @@ export class Renderer {
   private readonly targets: Targets;
   private readonly array: WebGLVertexArrayObject;
   private readonly slots: (SlotTextures | null)[] = [null, null];
-  private readonly buffers: [WebGLBuffer, WebGLBuffer, WebGLBuffer];
+  private readonly buffers: [WebGLBuffer, WebGLBuffer, WebGLBuffer, WebGLBuffer];
   private mesh: Mesh;
   private lights: Light[] = [];
   private key: Key = keyOf("studio", []);
@@ -119,7 +119,8 @@ export class Renderer {
     this.map = new EnvironmentMap(gl, this.isSoftware);
     this.targets = new Targets(gl);
     this.array = gl.createVertexArray()!;
-    this.buffers = [gl.createBuffer()!, gl.createBuffer()!, gl.createBuffer()!];
+    const buffer = () => gl.createBuffer()!;
+    this.buffers = [buffer(), buffer(), buffer(), buffer()];
     this.mesh = meshOf("ball");
     this.uploadMesh();
   }
@@ -524,6 +525,15 @@ export class Renderer {
     gl.bufferData(gl.ARRAY_BUFFER, this.mesh.tangents, gl.STATIC_DRAW);
     gl.enableVertexAttribArray(3);
     gl.vertexAttribPointer(3, 3, gl.FLOAT, false, 0, 0);
+    const { openness } = this.mesh;
+    gl.vertexAttrib1f(4, 1);
+    if (openness === null) gl.disableVertexAttribArray(4);
+    else {
+      gl.bindBuffer(gl.ARRAY_BUFFER, this.buffers[3]);
+      gl.bufferData(gl.ARRAY_BUFFER, openness, gl.STATIC_DRAW);
+      gl.enableVertexAttribArray(4);
+      gl.vertexAttribPointer(4, 1, gl.FLOAT, false, 0, 0);
+    }
     gl.bindVertexArray(null);
   }
 }

@@ -1,4 +1,7 @@
-/** The picture at rest is Mitsuba's of the same material, object, camera and environment. */
+/**
+ * The picture at rest is Mitsuba's of the same material, object, camera and environment; the objects hide
+ * none of their own light.
+ */
 
 import type { BottomInAir, CoatInAir } from "../../src/material/material";
 import { METALS } from "../../src/material/presets";
@@ -33,7 +36,7 @@ const CASES: Record<string, Case> = {
   "rough metal": {
     bottom: metal("Copper", 0.4),
     coats: [],
-    object: "plate",
+    object: "sheet",
     environment: "sky",
   },
   "clear coat": {
@@ -60,7 +63,7 @@ const CASES: Record<string, Case> = {
   "turned copper": {
     bottom: { ...metal("Copper", 0.1), alphaV: 0.35 } as BottomInAir,
     coats: [{ alpha: 0.1, sigmaT: [0.05, 0.2, 0.4] }],
-    object: "bowl",
+    object: "teapot",
     environment: "studio",
   },
 };

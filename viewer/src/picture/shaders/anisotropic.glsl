@@ -35,7 +35,9 @@ vec3 reflected(Frame frame) {
         total += float(samples) * shares[k] * texelFetch(table, ivec2(places[k], last), 0).rgb;
         albedo += shares[k] * texelFetch(table, ivec2(places[k], last + 1), 0).rgb;
     }
-    vec3 sum = total * textureLod(irradiance, frame.z, 0.0).rgb;
+    vec3 even = textureLod(irradiance, frame.z, 0.0).rgb;
+    own = albedo * meanLight(frame.z);
+    vec3 sum = total * mix(own, even, openness);
     for (int i = 0; i < samples; i++) {
         vec4 facets[4], between = vec4(0.0);
         vec3 weights[4], weight = vec3(0.0);

@@ -11,6 +11,7 @@ uniform vec3 lightDirections[MOST_LIGHTS];
 uniform vec3 lightPowers[MOST_LIGHTS]; // irradiance at normal incidence
 uniform int lights;
 
+uniform samplerCube irradiance; // over pi, by the normal
 uniform sampler2D positions; // of the surface that each pixel shows, see surface.frag
 uniform sampler2D normals;
 
@@ -51,8 +52,24 @@ float level(vec3 direction, float logPdf) {
     return 0.5 * (-logPdf - log2(density * solidAngle)) + 0.5;
 }
 
+float openness; // share of the light that the object does not hide, by the cosine
+vec3 own; // light of the object itself where it hides the environment
+
+// Light on the parts that hide the environment: of all directions, as far as it gets there.
+vec3 meanLight(vec3 normal) {
+    vec3 both = textureLod(irradiance, normal, 0.0).rgb + textureLod(irradiance, -normal, 0.0).rgb;
+    return 0.5 * openness * both;
+}
+
+// The share of a direction that is open: of a cone about the normal (Oat and Sander 2007).
+float open(float cosine) {
+    float edge = sqrt(1.0 - openness);
+    float soft = min(edge, 0.25) + 1e-4;
+    return smoothstep(edge - soft, edge + soft, cosine);
+}
+
 // Light from a direction in a frame, drawn by a density.
 vec3 incoming(Frame frame, vec3 local, float logPdf) {
     vec3 light = local.x * frame.x + local.y * frame.y + local.z * frame.z;
-    return textureLod(environment, light, level(light, logPdf)).rgb;
+    return mix(own, textureLod(environment, light, level(light, logPdf)).rgb, open(local.z));
 }

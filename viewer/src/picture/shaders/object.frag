@@ -9,7 +9,6 @@ precision highp sampler3D;
 
 uniform sampler2D table; // columns: cosines; rows as in bright_table.ts
 uniform sampler3D bright; // ln f by half vector and difference angle
-uniform samplerCube irradiance; // over pi, by the normal
 
 out vec4 colour;
 
@@ -53,7 +52,9 @@ vec3 reflected(Frame frame) {
                                       texelFetch(table, ivec2(right, last), 0).rgb, share);
     vec3 albedo = mix(texelFetch(table, ivec2(left, last + 1), 0).rgb,
                       texelFetch(table, ivec2(right, last + 1), 0).rgb, share);
-    vec3 sum = total * textureLod(irradiance, frame.z, 0.0).rgb;
+    vec3 even = textureLod(irradiance, frame.z, 0.0).rgb;
+    own = albedo * meanLight(frame.z);
+    vec3 sum = total * mix(own, even, openness);
     for (int i = 0; i < samples; i++) {
         vec4 first = texelFetch(table, ivec2(left, 2 * i), 0);
         vec4 second = texelFetch(table, ivec2(right, 2 * i), 0);
@@ -87,12 +88,13 @@ void main() {
 #ifdef ANISOTROPIC
     frame = tangentFrame(frame, pixel);
 #endif
+    openness = position.w;
     vec3 sum = reflected(frame);
 
     for (int i = 0; i < lights; i++) {
         float cosLight = dot(frame.z, lightDirections[i]);
         if (cosLight > 0.0) {
-            sum += f(frame, lightDirections[i]) * cosLight * lightPowers[i];
+            sum += f(frame, lightDirections[i]) * cosLight * open(cosLight) * lightPowers[i];
         }
     }
     colour = vec4(sum, 1.0);

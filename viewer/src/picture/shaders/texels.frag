@@ -58,6 +58,8 @@ void main() {
     Frame frame = frameAt(pixel, position.xyz);
     UrushiProposal proposal = urushi_proposal(material, frame.view);
 
+    openness = position.w;
+    own = 0.5 * meanLight(frame.z); // of an object of average albedo
     vec3 sum = vec3(0.0);
     for (int i = 0; i < samples; i++) {
         vec3 direction = urushi_draw(proposal, frame.view, fract(start + float(i) * STEPS));
@@ -73,7 +75,7 @@ void main() {
         vec3 light = lightDirections[i];
         vec3 local = vec3(dot(light, frame.x), dot(light, frame.y), dot(light, frame.z));
         if (local.z > 0.0) {
-            sum += urushi_f(material, frame.view, local) * local.z * lightPowers[i];
+            sum += urushi_f(material, frame.view, local) * local.z * open(local.z) * lightPowers[i];
         }
     }
     colour = vec4(sum, 1.0);
