@@ -13,6 +13,8 @@ export default defineConfig({
   use: {
     baseURL: process.env.PAGE ?? `http://127.0.0.1:${PORT}/`,
     viewport: { width: 900, height: 640 },
+    // One canvas pixel for several of the screen, but where tests look at pixels: the processor draws.
+    deviceScaleFactor: 0.25,
     browserName: "chromium",
     launchOptions: {
       executablePath: process.env.CHROMIUM ?? "/usr/bin/chromium",

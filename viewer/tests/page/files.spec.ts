@@ -7,23 +7,26 @@ import type { Page } from "@playwright/test";
 import { rglTensors, tensorFile } from "../core/measured/files";
 import { coats, expect, give, number, open, panorama, saved, stateOf, test } from "./page";
 
-for (const [name, content, sentence] of [
-  ["notes.txt", "hello", "The page opens materials"],
-  ["broken.safetensors", "hello", "damaged or no material"],
-  ["broken.bsdf", "tensor_file\0\u0001", "header is truncated"],
-  ["broken.binary", "hello", "neither a MERL table"],
-  ["broken.hdr", "hello", "no .hdr panorama"],
-  ["short.hdr", "#?RADIANCE\n\n-Y 4 +X 8\n1234", "damaged or incomplete"],
-  ["broken.json", "{", "no JSON text"],
-  ["empty.json", "{}", "has no materials"],
-] as const)
-  test(`${name} is refused in a sentence`, async ({ page }) => {
-    await open(page);
+test("what cannot be read is refused in a sentence", async ({ page }) => {
+  await open(page);
+  for (const [name, content, sentence] of [
+    ["notes.txt", "hello", "The page opens materials"],
+    ["broken.safetensors", "hello", "damaged or no material"],
+    ["broken.bsdf", "tensor_file\0\u0001", "header is truncated"],
+    ["broken.binary", "hello", "neither a MERL table"],
+    ["broken.hdr", "hello", "no .hdr panorama"],
+    ["short.hdr", "#?RADIANCE\n\n-Y 4 +X 8\n1234", "damaged or incomplete"],
+    ["broken.json", "{", "no JSON text"],
+    ["empty.json", "{}", "has no materials"],
+  ] as const) {
     await give(page, name, content);
     await expect(page.getByRole("alert")).toContainText(sentence);
     await expect(coats(page)).toHaveCount(2);
     await expect(page.locator(".status")).toBeVisible();
-  });
+    await page.getByRole("button", { name: "Close" }).click();
+    await expect(page.getByRole("alert")).toHaveCount(0);
+  }
+});
 
 test("a panorama becomes the light", async ({ page }) => {
   await open(page);

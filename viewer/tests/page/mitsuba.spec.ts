@@ -86,9 +86,6 @@ function sunny(): Buffer {
   return Buffer.concat([Buffer.from(header, "latin1"), pixels]);
 }
 
-// One canvas pixel for several of the screen: the processor draws.
-test.use({ deviceScaleFactor: 0.25 });
-
 test.skip(!hasFlip, "the package flip-evaluator has no wheel for this machine");
 
 for (const [name, { bottom, coats, object, environment }] of Object.entries(CASES))

@@ -8,6 +8,8 @@ import { crc32 } from "../../src/save/zip";
 import { compared, hasFlip, PYTHON } from "./compared";
 import { coats, colourAt, expect, give, open, saved, test } from "./page";
 
+test.use({ deviceScaleFactor: 1 });
+
 let folder: string;
 let texture: Buffer;
 
@@ -29,7 +31,7 @@ test.describe("beside Mitsuba", () => {
 
   // The sky's sun is a light that is evaluated directly.
   for (const [object, environment] of [
-    ["caddy", "studio"],
+    ["teapot", "studio"],
     ["ball", "sky"],
   ])
     test(`${object}, ${environment}: at rest as Mitsuba renders it`, async ({ page }) => {

@@ -18,6 +18,8 @@ const EXAMPLE = join(import.meta.dirname, "../../../examples/threejs");
 const MODULES = join(import.meta.dirname, "../../node_modules");
 const PYTHON = process.env.PYTHON ?? join(import.meta.dirname, "../../../.venv/bin/python");
 
+test.use({ deviceScaleFactor: 1 });
+
 let folder: string;
 let pixels: Pixel[];
 
