@@ -107,7 +107,8 @@ float panel(vec3 direction, vec3 centre, vec2 half_, float tilt, float soft) {
     return inside.x * inside.y;
 }
 
-// A light cyclorama, a large soft key above on the left, and strips at both sides for the edges.
+// A light cyclorama, a large soft key above on the left, strips at both sides for the edges, and cards
+// low in front, which what faces the floor reflects.
 vec3 studio(vec3 d) {
     vec3 light = mix(vec3(0.52, 0.515, 0.505), vec3(0.34, 0.345, 0.36), smoothstep(0.0, 0.9, d.z));
     light = mix(light, vec3(0.24, 0.235, 0.228), smoothstep(-0.05, -0.60, d.z));
@@ -115,6 +116,8 @@ vec3 studio(vec3 d) {
     light += vec3(6.2, 6.4, 6.8) * panel(d, vec3(3.6, 1.0, 1.4), vec2(0.55, 1.7), 0.0, 0.25);
     light += vec3(4.6, 4.5, 4.3) * panel(d, vec3(-3.7, 0.9, 1.0), vec2(0.42, 1.7), 0.0, 0.22);
     light += vec3(2.2, 2.2, 2.25) * panel(d, vec3(2.4, -3.4, 1.2), vec2(1.5, 1.5), 0.0, 0.7);
+    light += vec3(1.9, 1.87, 1.82) * panel(d, vec3(-2.6, -2.4, -1.7), vec2(0.8, 1.5), 0.0, 0.6);
+    light += vec3(1.5, 1.53, 1.58) * panel(d, vec3(3.0, -1.6, -1.5), vec2(0.45, 1.4), 0.0, 0.4);
     return light;
 }
 
