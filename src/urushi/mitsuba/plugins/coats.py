@@ -1,5 +1,6 @@
 """A stack of coats over a Mitsuba BSDF, in the form that the random walk and its proposal take."""
 
+import copy
 import functools
 import operator
 from collections.abc import Callable, Sequence
@@ -125,7 +126,7 @@ class CoatStack:
     def slab_proposal(self, wi, lowest: Reflector) -> "SlabMixture":
         """A proposal for both sides of a slab over its lowest interface.
 
-        Light that is reflected has the same lobes on both sides. A facet tilts light that goes
+        Light from below is reflected by the stack turned upside down. A facet tilts light that goes
         through as a mirror of half the step of the index does.
         """
         cosine, index, spread, depth = dr.abs(wi.z), mi.Float(1), mi.Float(0), mi.Float(0)
@@ -138,13 +139,26 @@ class CoatStack:
             depth += _mean(coat.sigma_t)
         across = dr.select(wi.z > 0, index, 1 / index)
         reflectance, _ = fresnel.dielectric(cosine, across)
-        first, _ = fresnel.dielectric(cosine, self._etas[0])
+
+        def seen(above, below):
+            return _widths_of(lambda a, b: dr.select(wi.z > 0, a, b), above, below)
+
+        facing = copy.copy(self)
+        facing._coats = []
+        for coat, other, (alpha, eta) in zip(
+            self._coats, self._coats[::-1], interfaces[:0:-1], strict=True
+        ):
+            turned = other._replace(alpha=alpha, eta=1 / eta)
+            facing._coats.append(CoatParameters(*map(seen, coat, turned)))
+        facing._etas = [coat.eta for coat in facing._coats]
+        far = seen(lowest.alpha, interfaces[0][0])
+        first, _ = fresnel.dielectric(cosine, facing._etas[0])
         straight = MIN_COSINE_SHARE + dr.exp(-depth / dr.maximum(cosine, 0.3))
         scale = 1 / (1.75 + straight)
         narrow = dr.clip(dr.sqrt(spread) / dr.select(wi.z > 0, index, 1), MIN_ALPHA / 4, 1)
         wide = dr.minimum(4 * narrow, 1)
         passed = Mixture([scale * straight, scale, 0.75 * scale], [narrow, wide])
-        mixture = self.proposal(SlabLobes(_channel_widths(lowest.alpha)), cosine)
+        mixture = facing.proposal(SlabLobes(_channel_widths(far)), cosine)
         return SlabMixture(mixture, passed, 0.25 + 0.5 * dr.maximum(first, reflectance), across)
 
     def _at(self, index, values):
