@@ -14,7 +14,7 @@ from urushi.checks import MIN_ALPHA, CoatParameters
 from urushi.core import fresnel
 from urushi.errors import ParameterError
 from urushi.mitsuba.latents import baking
-from urushi.mitsuba.plugins.coats import coats_at
+from urushi.mitsuba.plugins.coats import CoatStack
 from urushi.mitsuba.reading.below import below
 from urushi.mitsuba.reading.parameters import CoatTextures, nested_bsdf
 from urushi.mitsuba.reading.surfaces import known_surface
@@ -125,7 +125,8 @@ def define_described(base: type, plugin: str, label: str) -> type:
 
         def _stacks(self, si, active) -> list[StackNumbers]:
             """The stack at si for each channel of the variant's spectrum."""
-            coats = coats_at(self.coats, si, active)
+            lanes = range(dr.size_v(mi.Spectrum))
+            coats = [CoatStack(self.coats, si, active, lane)._coats for lane in lanes]
             return [
                 StackNumbers(*each) for each in zip(coats, self.bottom.at(si, active), strict=True)
             ]
