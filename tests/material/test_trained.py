@@ -1,5 +1,5 @@
 """The shipped networks' proposal and faint rests; their errors are in
-tests/eval/test_shipped_figures.py.
+tests/nets/test_shipped_figures.py.
 """
 
 import numpy as np

@@ -92,9 +92,7 @@ def top_albedos(samples: Samples) -> np.ndarray:
 @pytest.fixture
 def unlimited(monkeypatch):
     """Materials as networks make them, however bright."""
-    monkeypatch.setattr(
-        energy, "_limiting_factors", lambda model, z, *ceiling: np.ones(z.shape[:-1])
-    )
+    monkeypatch.setattr(energy, "excesses", lambda model, z, ceiling: np.ones(len(z)))
 
 
 def test_excess_of_the_albedo(sets, lax, unlimited):
