@@ -188,9 +188,10 @@ def glossy(model: Model) -> tuple[np.ndarray, np.ndarray]:
 @pytest.mark.parametrize("fitted", (False, True))
 @pytest.mark.parametrize("widths", (1, 2))
 def test_encoding_against_differences(rgb, widths, fitted):
-    """Of a change of the diffuse term, which leaves lobes as they are; and the transpose.
+    """The slope of the codes by the diffuse term, and its transpose.
 
-    The fit of a lobe ends some thousandths before its minimum.
+    Only that term changes: a lobe would be fitted anew, and a fit ends some thousandths before its
+    minimum.
     """
     from urushi.mitsuba.latents import coding
 
