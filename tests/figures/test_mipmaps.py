@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from figures.mipmaps import compute
 
-from urushi.textures import averaging, cache
+from urushi.textures import cache, mip_pyramid
 
 
 @pytest.fixture(autouse=True)
@@ -39,9 +39,9 @@ def test_a_method_without_error_has_no_differences():
 def test_codes_are_averaged_only_while_the_context_lasts(tmp_path, monkeypatch):
     """Textures of such levels are not kept for other processes, nor are theirs read."""
     monkeypatch.setenv(cache.VARIABLE, str(tmp_path))
-    whole = averaging.averaging_space
+    by_light, codes = (mip_pyramid.lifted, mip_pyramid.dropped), np.arange(3.0)
     with compute.codes_averaged():
-        assert isinstance(averaging.averaging_space(None, None, 0), compute.LatentSpace)
+        assert mip_pyramid.lifted(None, codes) is codes is mip_pyramid.dropped(None, codes)
         assert cache.folder() is None
-    assert averaging.averaging_space is whole
+    assert (mip_pyramid.lifted, mip_pyramid.dropped) == by_light
     assert cache.folder() == tmp_path
