@@ -16,7 +16,6 @@ from urushi.core.namespace import DRJIT
 from urushi.errors import ParameterError
 from urushi.mitsuba import spectrum
 from urushi.mitsuba.offers import offer_of
-from urushi.mitsuba.reading.refraction import index_of_refraction
 
 #: Parameters of a coat that may be textures, and their defaults. The index of refraction is given
 #: by two properties of its own.
@@ -343,6 +342,28 @@ def _coloured(props: "mi.Properties") -> tuple[str, ...]:
     colors = mi.Properties.Type.Color, mi.Properties.Type.Spectrum
     given = (name for name in ("alpha", *TWO_WIDTHS) if name in props)
     return tuple(name for name in given if props.type(name) in colors)
+
+
+def index_of_refraction(props: "mi.Properties", name: str, default: str, where: str) -> float:
+    """The index of refraction that a property gives as a number or as Mitsuba's name of a material.
+
+    Raises:
+        ParameterError: neither a number nor a known name.
+    """
+    value = props.get(name, default)
+    if isinstance(value, int | float) and not isinstance(value, bool):
+        return float(value)
+    if not isinstance(value, str):
+        what = "texture" if isinstance(value, mi.Texture) else type(value).__name__
+        raise ParameterError(f"{where} is a {what}; give a number or the name of a material")
+    try:
+        glass = mi.load_dict({"type": "dielectric", "int_ior": value, "ext_ior": 1.0})
+    except RuntimeError as error:
+        names = str(error).rpartition("Valid choices are:")[2]
+        raise ParameterError(
+            f"{where} is {value!r}; give a number or one of the materials {names}"
+        ) from error
+    return round(float(np.ravel(mi.traverse(glass)["eta"])[0]), 6)
 
 
 def opaque(value: float) -> "mi.Float":
