@@ -16,8 +16,9 @@ from urushi.errors import ParameterError
 from urushi.mitsuba.latents import baking
 from urushi.mitsuba.plugins.coats import CoatStack
 from urushi.mitsuba.reading.below import below
+from urushi.mitsuba.reading.grid import nested_objects
+from urushi.mitsuba.reading.offers import offer_of
 from urushi.mitsuba.reading.parameters import CoatTextures, nested_bsdf
-from urushi.mitsuba.reading.surfaces import known_surface
 
 
 class BottomNumbers(NamedTuple):
@@ -50,15 +51,20 @@ class DescribedBottom:
         Raises:
             ParameterError: the BSDF is another one, or it is anisotropic; begins with `where`.
         """
-        surface = known_surface(bsdf)
-        if surface is None or surface.widths == 2:
+        self._textures = nested_objects(bsdf)
+        while bsdf.class_name() == "TwoSidedBRDF":
+            bsdf = self._textures["brdf_0"]
+            self._textures = nested_objects(bsdf)
+        offer, self._coat = offer_of(bsdf), getattr(bsdf, "coat", None)  # of one below a medium
+        self.is_diffuse = offer.reflectance is not None
+        if self._coat is not None:
+            self._textures = nested_objects(bsdf.conductor)
+        if "alpha_u" in self._textures or not (offer.bare or self.is_diffuse):
             raise ParameterError(
                 f"{where}: the model does not support the nested {bsdf.class_name()}; nest a "
                 "'roughconductor' of the distribution 'ggx' with one alpha, a 'diffuse' or "
                 f"another '{plugin}', or use the plugin 'layered'"
             )
-        self.is_diffuse, self._textures = not surface.bare, surface.textures
-        self._coat = surface.coat
 
     def at(self, si, active) -> list[BottomNumbers]:
         """The bottom at a surface interaction, for each channel of the variant's spectrum."""

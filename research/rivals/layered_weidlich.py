@@ -1,13 +1,14 @@
 """The plugin `layered_weidlich`: coats by the model of Weidlich and Wilkie 2007."""
 
 from research.rivals import weidlich
+from urushi.errors import ParameterError
 from urushi.mitsuba.plugins.coated import define_coated
 
 
 def define(base: type) -> type:
     """Make the plugin's class in the current variant; base: of `define_proposal_bsdf`."""
 
-    coated: type = define_coated(base, "LayeredWeidlich", widened=False, slabs=False)
+    coated: type = define_coated(base, "LayeredWeidlich")
 
     class LayeredWeidlich(coated):
         """A coated BSDF by one path through a common facet (``layered_weidlich``).
@@ -75,6 +76,11 @@ def define(base: type) -> type:
 
         After Weidlich and Wilkie, Arbitrarily Layered Micro-Facet Surfaces, GRAPHITE 2007.
         """
+
+        def _prepare_slab(self):
+            raise ParameterError(
+                f"{self._where}: the nested BSDF transmits light; a coat needs an opaque bottom"
+            )
 
         def _model(self, coats, bottom, si, wo, color, active):
             return weidlich.value(coats, bottom, si.wi, wo)

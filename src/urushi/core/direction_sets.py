@@ -100,26 +100,12 @@ def slope_pairs(
 
 def cosine_pairs(rng: np.random.Generator, n: int, *, lowest_cosine: float = 0.0) -> Pairs:
     """Pairs of independent directions, both of density cos(theta) / pi, as for the error E."""
-    return _accepted(
-        lambda count: (
-            _direction(np.sqrt(rng.random(count)), rng.random(count)),
-            _direction(np.sqrt(rng.random(count)), rng.random(count)),
-        ),
-        n,
-        lowest_cosine,
-    )
+    return _independent(rng, n, lowest_cosine, np.sqrt, np.sqrt)
 
 
 def uniform_pairs(rng: np.random.Generator, n: int, *, lowest_cosine: float = 0.0) -> Pairs:
     """Pairs of independent directions, both uniform over the hemisphere."""
-    return _accepted(
-        lambda count: (
-            _direction(rng.random(count), rng.random(count)),
-            _direction(rng.random(count), rng.random(count)),
-        ),
-        n,
-        lowest_cosine,
-    )
+    return _independent(rng, n, lowest_cosine, np.positive, np.positive)
 
 
 def training_pairs(rng: np.random.Generator, n: int) -> Pairs:
@@ -233,14 +219,22 @@ def _interleaved(
 
 def _one_grazing(rng: np.random.Generator, n: int, *, lowest_cosine: float) -> Pairs:
     """ln cos(theta_i) uniform between `lowest_cosine` and 1, wo of cosine density."""
-    return _accepted(
-        lambda count: (
-            _direction(lowest_cosine ** rng.random(count), rng.random(count)),
-            _direction(np.sqrt(rng.random(count)), rng.random(count)),
-        ),
-        n,
-        lowest_cosine,
-    )
+    return _independent(rng, n, lowest_cosine, lambda u: lowest_cosine**u, np.sqrt)
+
+
+def _independent(
+    rng: np.random.Generator,
+    n: int,
+    lowest_cosine: float,
+    *cosines: Callable[[np.ndarray], np.ndarray],
+) -> Pairs:
+    """Pairs of independent directions; the cosine of each is a function of uniform numbers."""
+
+    def draw(count: int) -> Pairs:
+        wi, wo = (_direction(f(rng.random(count)), rng.random(count)) for f in cosines)
+        return wi, wo
+
+    return _accepted(draw, n, lowest_cosine)
 
 
 def _accepted(draw: Callable[[int], Pairs], n: int, lowest_cosine: float) -> Pairs:

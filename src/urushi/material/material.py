@@ -95,21 +95,16 @@ class Material:
         object.__setattr__(self, "rotation", turn)
 
     def __eq__(self, other: object) -> bool:
-        if not isinstance(other, Material):
-            return NotImplemented
-        return (
-            self.model.fingerprint == other.model.fingerprint
-            and np.array_equal(self.latents, other.latents)
-            and np.array_equal(self.anchors, other.anchors)
-            and np.array_equal(self.table, other.table)  # type: ignore[arg-type]
-            and self.beside_lobe == other.beside_lobe
-            and self.rotation == other.rotation
-        )
+        return self._key() == other._key() if isinstance(other, Material) else NotImplemented
 
     def __hash__(self) -> int:
-        table = None if self.table is None else self.table.tobytes()
-        codes = self.latents.tobytes(), self.anchors.tobytes()
-        return hash((self.model.fingerprint, *codes, table, self.beside_lobe, self.rotation))
+        return hash(self._key())
+
+    def _key(self) -> tuple:
+        """What equal materials share."""
+        arrays = self.latents, self.anchors, self.table
+        contents = (x is not None and (x.shape, (x + 0).tobytes()) for x in arrays)  # -0.0 is 0.0
+        return (self.model.fingerprint, *contents, self.beside_lobe, self.rotation)
 
     def __repr__(self) -> str:
         return f"Material({self.channels} channels, weights {self.model.fingerprint})"

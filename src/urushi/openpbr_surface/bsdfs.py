@@ -11,8 +11,8 @@ import drjit as dr
 import mitsuba as mi
 
 from urushi.core.mixture import Mixture
-from urushi.mitsuba.offers import Offer, offer_of, tabulated
 from urushi.mitsuba.plugins.coats import Turn, TurnedMixture
+from urushi.mitsuba.reading.offers import Offer, offer_of, tabulated
 from urushi.openpbr_surface import encoding, model
 from urushi.openpbr_surface.compensation import Compensation
 from urushi.openpbr_surface.inputs import Inputs

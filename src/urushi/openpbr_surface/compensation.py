@@ -19,8 +19,8 @@ from urushi.core.namespace import DRJIT
 from urushi.material import adding, energy
 from urushi.material.albedo_rule import albedo_rule
 from urushi.mitsuba.interface_albedo import InterfaceLoss, Interpolated, LossVertex
-from urushi.mitsuba.offers import offer_of, tabulated
 from urushi.mitsuba.reading import probing
+from urushi.mitsuba.reading.offers import offer_of, tabulated
 from urushi.openpbr_surface import encoding, formulas
 from urushi.openpbr_surface.inputs import Inputs
 from urushi.openpbr_surface.lookups import MirrorAlbedo

@@ -4,9 +4,6 @@ from typing import NamedTuple
 
 import numpy as np
 
-#: How a texture continues beyond its unit square.
-WRAPS = ("repeat", "mirror", "clamp")
-
 #: Texture space equal to uv.
 IDENTITY = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0))
 
@@ -17,7 +14,7 @@ class TexelGrid(NamedTuple):
     Attributes:
         width, height: texels per side.
         to_texture: the affine map (2, 3), as nested tuples, from uv to texture space.
-        wrap: how the texture continues beyond the unit square, one of `WRAPS`.
+        wrap: how the texture continues beyond the unit square, "repeat", "mirror" or "clamp".
         nearest: whether a look-up returns the nearest texel instead of interpolating.
     """
 

@@ -53,24 +53,28 @@ def bitmap(mi, pixels) -> dict:
 
 @pytest.mark.parametrize("name", KNOWN)
 def test_a_known_surface_has_the_values_of_the_bsdf(rgb, name):
+    from urushi.mitsuba import spectrum
     from urushi.mitsuba.reading import probing
-    from urushi.mitsuba.reading.surfaces import known_surface
+    from urushi.mitsuba.reading.offers import offer_of
 
     bsdf = rgb.load_dict(KNOWN[name])
-    uv = np.full((len(WI), 2), 0.5)
-    found = known_surface(bsdf).at(uv)
-    values = lobes.f(found.lobe, WI[:, None], WO[:, None]) + found.diffuse / np.pi
+    uv, offer = np.full((len(WI), 2), 0.5), offer_of(bsdf)
+    values = lobes.f(probing.known_lobes(bsdf, uv), WI[:, None], WO[:, None])
+    if offer.reflectance is not None:
+        channels = [[x] for x in offer.reflectance(spectrum.points(uv))]
+        values = values + spectrum.stacked(channels, len(uv))[..., 0] / np.pi
     expected = probing.bsdf_values(bsdf, WI, WO, uv)
     # single precision of the half vector, in the steepest part of the lobe
     np.testing.assert_allclose(values, expected, rtol=5e-4, atol=1e-6)
-    assert found.are_possible()
+    assert offer.bare == (offer.reflectance is None)
 
 
 @pytest.mark.parametrize("name", UNKNOWN)
 def test_other_bsdfs_are_known_by_their_values_alone(rgb, name):
-    from urushi.mitsuba.reading.surfaces import known_surface
+    from urushi.mitsuba.reading.offers import offer_of
 
-    assert known_surface(rgb.load_dict(UNKNOWN[name])) is None
+    offer = offer_of(rgb.load_dict(UNKNOWN[name]))
+    assert offer.lobes(None) is None and not offer.bare and offer.reflectance is None
 
 
 def test_a_bare_bsdf_is_encoded_exactly(rgb, model):

@@ -115,7 +115,7 @@ def _first_of_scene(path: Path, bsdf: str | None, weights: str | None) -> "First
     from urushi.app.commands.encode import choose, scene_bsdfs
     from urushi.app.page_files import First, codes_of
     from urushi.mitsuba.latents.holders import TexturedLatents
-    from urushi.mitsuba.offers import offer_of
+    from urushi.mitsuba.reading.offers import offer_of
 
     chosen = choose(scene_bsdfs(path, MODE), bsdf, path)
     name = bsdf or path.stem

@@ -20,17 +20,16 @@ from urushi.material.energy import limit_albedo
 from urushi.material.material import Material
 from urushi.material.table import node_pairs, table_of_values
 from urushi.mitsuba import spectrum
-from urushi.mitsuba.offers import Latents, offer_of
 from urushi.mitsuba.reading import probing
 from urushi.mitsuba.reading.bsdf import reflection_source
 from urushi.mitsuba.reading.grid import varying_textures
 from urushi.mitsuba.reading.kept import parameter_arrays
+from urushi.mitsuba.reading.offers import Latents, offer_of
 from urushi.mitsuba.reading.parameters import check_bottom
-from urushi.mitsuba.reading.surfaces import KnownSurface, known_surface
 from urushi.nets.lobe import no_lobe, with_two_widths
 from urushi.nets.weights import Model
 from urushi.textures.bake import BakedTexture, CodesAt, Source, code_hashes, row_hashes
-from urushi.textures.grid import TexelGrid
+from urushi.textures.grid import MIDDLE, TexelGrid
 
 #: Texels that are probed at once: bounds memory.
 PROBED_TEXELS = 1 << 13
@@ -64,9 +63,6 @@ class BottomCodes:
         """
         offer = offer_of(self._bottom)
         nested = nested_latents(self._bottom, self._model)
-        surface = known_surface(self._bottom)
-        if surface is not None and surface.bare and surface.widths > self._model.widths:
-            surface = None  # averaged over the azimuth
         self.material, self._probed = None, None
         self.stored, self._stale = False, True
         if nested is not None and nested.grid is None:
@@ -80,15 +76,15 @@ class BottomCodes:
             self._opened = _uniform(self._encoded())
         elif nested is not None:
             self._opened = _nested(nested, grid)
-        elif surface is not None and surface.bare:
-            self._opened = _bare(self._model, surface, self._where, grid)
+        elif offer.bare and _lobes(self._model, self._bottom, MIDDLE.uv(), self._where) is not None:
+            self._opened = _bare(self._model, self._bottom, self._where, grid)
         else:
             self.stored = True
-            if surface is None:
+            if offer.reflectance is None:
                 self._probed = _ProbedBottom(self._model, self._bottom, self._where, grid)
                 self._opened = self._probed.read
             else:
-                self._opened = _diffuse(self._model, surface, self._where, grid)
+                self._opened = _diffuse(self._model, offer.reflectance, self._where, grid)
             if self._baked is None or self._baked.grid != grid:
                 self._baked = BakedTexture(self._model, grid, spectrum.channel_count())
             return
@@ -178,13 +174,24 @@ def _nested(latents: Latents, grid: TexelGrid) -> Source:
     return read
 
 
-def _bare(model: Model, surface: KnownSurface, where: str, grid: TexelGrid) -> Source:
+def _lobes(model: Model, bottom: "mi.BSDF", uv: np.ndarray, where: str) -> np.ndarray | None:
+    """Lobes (M, C, N) at points uv (M, 2) as the networks take them; None: they are fitted."""
+    lobes = probing.known_lobes(bottom, uv)
+    if lobes is None:
+        return None
+    lobes = probing.check_values(lobes, where)
+    if lobes.shape[-1] < model.arch.lobe:
+        lobes = with_two_widths(lobes)
+    # Networks of one width fit a lobe of two.
+    return lobes if lobes.shape[-1] == model.arch.lobe else None
+
+
+def _bare(model: Model, bottom: "mi.BSDF", where: str, grid: TexelGrid) -> Source:
     """The source of a bottom that is a lobe and nothing else."""
 
     def read(start: int, stop: int) -> tuple[np.ndarray, CodesAt]:
-        lobe = probing.check_values(surface.at(grid.uv(start, stop)).lobe, where)
-        if model.widths == 2 and surface.widths == 1:
-            lobe = with_two_widths(lobe)
+        lobe = _lobes(model, bottom, grid.uv(start, stop), where)
+        assert lobe is not None  # for the type checker
         for reach in (lobe[..., :4], lobe[..., 6:]):  # all but the index
             np.minimum(reach, 1, out=reach)
         return code_hashes(lobe), lambda texel, channel: bare_anchors(model, lobe[texel, channel])
@@ -192,12 +199,18 @@ def _bare(model: Model, surface: KnownSurface, where: str, grid: TexelGrid) -> S
     return read
 
 
-def _diffuse(model: Model, surface: KnownSurface, where: str, grid: TexelGrid) -> Source:
+def _diffuse(
+    model: Model, reflectance_at: Callable[[Any], list], where: str, grid: TexelGrid
+) -> Source:
     """The source of a Lambertian bottom."""
     lobe = np.array(no_lobe(model.widths), np.float32)
 
     def read(start: int, stop: int) -> tuple[np.ndarray, CodesAt]:
-        reflectance = probing.check_values(surface.at(grid.uv(start, stop)).diffuse, where)
+        uv = grid.uv(start, stop)
+        si = spectrum.points(uv)
+        channels = spectrum.at_bands(si, lambda: reflectance_at(si))
+        reflectance = spectrum.stacked([[x] for x in channels], len(uv))[..., 0]
+        probing.check_values(reflectance, where)
 
         def codes_at(texel: np.ndarray, channel: np.ndarray) -> np.ndarray:
             pairs = len(model.networks.pairs()[0])
@@ -254,12 +267,9 @@ class _ProbedBottom:
             rows = slice(*np.searchsorted(place, [start, start + PROBED_TEXELS]))
             own = place[rows] - start, channel[rows]
             points = uv[texels[start : start + PROBED_TEXELS]]
-            lobes = self._lobes(points)
+            lobes = _lobes(self._model, self._bottom, points, self._where)
             if lobes is not None:
                 lobes = lobes[own]
-                if offer_of(self._bottom).bare:
-                    parts.append(bare_anchors(self._model, lobes))
-                    continue
             f = probing.texel_values(self._bottom, *self._pairs, points, self._average)
             f = probing.check_values(f, self._where)[own]
             anchors = encoder_codes(self._model, f, lobes)
@@ -267,14 +277,3 @@ class _ProbedBottom:
                 anchors = with_dielectrics_in_rests(self._model, anchors, f)
             parts.append(without_useless_rests(self._model, anchors, f))
         return np.concatenate(parts)
-
-    def _lobes(self, points: np.ndarray) -> np.ndarray | None:
-        """Lobes (M, C, N) at points uv (M, 2) as the networks take them; None: they are fitted."""
-        lobes = probing.known_lobes(self._bottom, points)
-        if lobes is None:
-            return None
-        lobes = probing.check_values(lobes, self._where)
-        if lobes.shape[-1] < self._model.arch.lobe:
-            lobes = with_two_widths(lobes)
-        # Networks of one width fit a lobe of two.
-        return lobes if lobes.shape[-1] == self._model.arch.lobe else None

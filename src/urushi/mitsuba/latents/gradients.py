@@ -33,14 +33,12 @@ from urushi.mitsuba.latents.lookup import drawn_texel, texel_draw
 from urushi.mitsuba.networks.decoder import UrushiDecoder
 from urushi.mitsuba.networks.lobe import ANY_LOBE
 from urushi.mitsuba.networks.table import TabulatedDecoder
-from urushi.mitsuba.offers import offer_of, tabulated
 from urushi.mitsuba.reading import probing
 from urushi.mitsuba.reading.grid import varying_textures
 from urushi.mitsuba.reading.kept import writable
+from urushi.mitsuba.reading.offers import offer_of, tabulated
 from urushi.mitsuba.reading.parameters import TWO_WIDTHS, CoatTextures
-from urushi.mitsuba.reading.surfaces import known_surface
 from urushi.mitsuba.recording import only_where
-from urushi.nets.lobe import no_lobe
 from urushi.nets.weights import Model
 from urushi.textures.grid import MIDDLE, TexelGrid
 
@@ -231,24 +229,19 @@ def _bottom_codes(
         # A random walk's loop cannot be differentiated.
         if fixed or probing.needed_repeats(bottom, wi, wo, len(uv)) > 1:
             return mi.TensorXf(plain)
-    surface, lobes = known_surface(bottom), []
-    if surface is not None and not surface.bare:
-        lobes = [[mi.Float(x) for x in no_lobe(model.widths)]] * spectrum.channel_count()
-    elif surface is not None:
-        lobes = surface.lobes(uv)
-    else:
-        si = probing.interaction(np.tile([0.0, 0.0, 1.0], (len(uv), 1)), uv)
-        lobes = spectrum.at_bands(si, lambda: offer.lobes(si) or [])
+    si = probing.interaction(np.tile([0.0, 0.0, 1.0], (len(uv), 1)), uv)
+    lobes = spectrum.at_bands(si, lambda: offer.lobes(si) or [])
     if lobes and len(lobes[0]) > model.arch.lobe:
         lobes = []  # the average over the azimuth is fitted
     lobes = [[*lobe, *lobe[: model.arch.lobe - len(lobe)]] for lobe in lobes]
-    if lobes and (surface.bare if surface is not None else offer.bare):
+    if lobes and offer.bare:
         rest = [mi.Float(float(value)) for value in model.networks.empty_rest()]
         return _tensor([[*lobe, *rest] for lobe in lobes])
     with dr.suspend_grad():
         average = probing.needed_averaging(bottom, wi, wo, grid, where, model.widths)
-    starts = range(0, len(uv), PROBED_TEXELS)
-    parts = [_probed(bottom, wi, wo, uv[i : i + PROBED_TEXELS], average) for i in starts]
+    average = average._replace(azimuths=min(average.azimuths, AZIMUTHS))
+    blocks = [uv[i : i + PROBED_TEXELS] for i in range(0, len(uv), PROBED_TEXELS)]
+    parts = [probing.averaged_channels(bottom, wi, wo, block, average) for block in blocks]
     f = [dr.concat(channel) for channel in zip(*parts, strict=True)]
     return coding.encoded(model, f, _tensor(lobes) if lobes else None, plain)
 
@@ -259,20 +252,3 @@ def _tensor(channels: Sequence[Sequence]) -> "mi.TensorXf":
     points = max(map(len, columns))
     shape = points, len(channels), len(channels[0])
     return mi.TensorXf(coding.stacked(columns, points).array, shape)
-
-
-def _probed(
-    bottom: "mi.BSDF", wi: np.ndarray, wo: np.ndarray, uv: np.ndarray, average: probing.Averaging
-) -> list:
-    """`probing.texel_values` with gradients: per channel f (M * P) [1/sr] at points uv (M, 2)."""
-    average = average._replace(azimuths=min(average.azimuths, AZIMUTHS))
-    averaged = average.pairs(wi, wo)
-    everywhere = np.repeat(uv, len(wi), axis=0)
-    total = [dr.zeros(mi.Float, len(everywhere))] * spectrum.channel_count()
-    for pair in averaged:
-        a, b = (np.tile(w, (len(uv), 1)) for w in pair)
-        for one, other in ((a, b), (b, a))[: 1 + average.exchanged]:
-            out = mi.Vector3f(np.ascontiguousarray(other.T))
-            channels = probing.bsdf_channels(bottom, probing.interaction(one, everywhere), out)
-            total = [a + b for a, b in zip(total, channels, strict=True)]
-    return [value / (len(averaged) * (1 + average.exchanged)) for value in total]

@@ -8,9 +8,9 @@ import mitsuba as mi
 from urushi.errors import ParameterError
 from urushi.mitsuba import spectrum
 from urushi.mitsuba.latents.holders import ConstantLatents, TexturedLatents, Vertex
-from urushi.mitsuba.offers import Offer
 from urushi.mitsuba.plugins.coats import Turn, TurnedMixture
 from urushi.mitsuba.reading.kept import KeptParameters
+from urushi.mitsuba.reading.offers import Offer
 from urushi.mitsuba.reading.parameters import describe
 from urushi.mitsuba.recording import VertexCache
 from urushi.nets import weights

@@ -10,7 +10,6 @@ from urushi import checks
 from urushi.core.mixture import Mixture
 from urushi.errors import ParameterError
 from urushi.mitsuba.latents import baking
-from urushi.mitsuba.offers import Offer
 from urushi.mitsuba.plugins.coats import (
     BottomLobes,
     CoatStack,
@@ -20,7 +19,7 @@ from urushi.mitsuba.plugins.coats import (
     TurnedMixture,
     walk_color,
 )
-from urushi.mitsuba.plugins.compensation import Compensation
+from urushi.mitsuba.plugins.estimates import Compensation
 from urushi.mitsuba.reading.below import below
 from urushi.mitsuba.reading.dielectrics import (
     DIELECTRICS,
@@ -28,6 +27,7 @@ from urushi.mitsuba.reading.dielectrics import (
     check_dielectric,
     pane,
 )
+from urushi.mitsuba.reading.offers import Offer
 from urushi.mitsuba.reading.parameters import (
     CoatTextures,
     check_bottom,
@@ -47,14 +47,10 @@ def is_dielectric(bsdf: "mi.BSDF | None") -> bool:
     return bsdf is not None and bsdf.class_name() in DIELECTRICS
 
 
-def define_coated(base: type, label: str, *, widened: bool, slabs: bool) -> type:
+def define_coated(base: type, label: str) -> type:
     """Make the base class in the current variant.
 
-    Args:
-        base: of `define_proposal_bsdf`.
-        label: name in descriptions.
-        widened: as of `CoatStack.proposal`.
-        slabs: whether the model has slabs, which transmit light.
+    base: of `define_proposal_bsdf`. label: name in descriptions.
     """
 
     class CoatedBSDF(base):
@@ -62,11 +58,11 @@ def define_coated(base: type, label: str, *, widened: bool, slabs: bool) -> type
 
         def __init__(self, props):
             super().__init__(props)
-            self._nested = nested_bsdf(props, optional=slabs)
+            self._nested = nested_bsdf(props, optional=True)
             self._coat = CoatTextures(props)
-            if slabs and is_dielectric(self._nested):
+            if is_dielectric(self._nested):
                 check_dielectric(self._nested, self._coat.where)
-            elif self._nested is not None and not (slabs and is_slab(self._nested)):
+            elif self._nested is not None and not is_slab(self._nested):
                 check_bottom(self._nested, self._coat.where)
             self._prepare()
             self._kept.keep(self)
@@ -184,7 +180,7 @@ def define_coated(base: type, label: str, *, widened: bool, slabs: bool) -> type
             if self.bottom is None:
                 mixture = coats.slab_proposal(si.wi, self._lowest_at(coats, si, active))
             else:
-                mixture = coats.proposal(self.bottom_lobes, si.wi.z, widened)
+                mixture = coats.proposal(self.bottom_lobes, si.wi.z)
             if not self._coat.has_rotation:
                 return mixture
             return TurnedMixture(mixture, Turn(*self._coat.turn(si, active)))

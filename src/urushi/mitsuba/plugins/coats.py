@@ -71,11 +71,11 @@ class CoatStack:
             for name in ("albedo", "sigma_t", "g")
         )
 
-    def proposal(self, bottom: "BottomLobes | SlabLobes", cos_i, widened: bool = True) -> Mixture:
+    def proposal(self, bottom: "BottomLobes | SlabLobes", cos_i) -> Mixture:
         """A proposal: one lobe for each interface, two for the bottom, and a cosine lobe.
 
-        Lobes from below are widened by refraction at the interfaces above and by their roughness,
-        unless `widened` is False. A heuristic: it affects the noise only, not the mean.
+        Lobes from below are widened by refraction at the interfaces above and by their roughness: a
+        heuristic, which affects the noise only, not the mean.
         """
         reached, diffuse = mi.Float(1), mi.Float(MIN_COSINE_SHARE)
         stretch, blur = mi.Float(1), mi.Float(0)  # alpha^2 outside = stretch alpha^2 + blur
@@ -92,8 +92,6 @@ class CoatStack:
             diffuse += reached * (1 - passed) * _mean(coat.albedo)
             reached = reached * passed
             cos_i = cos_t
-            if not widened:
-                continue
             blur = _widths_of(
                 lambda blur, alpha, eta=eta, stretch=stretch: (
                     blur + stretch * 2 * dr.square((eta - 1) * alpha)

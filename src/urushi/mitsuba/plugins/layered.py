@@ -12,7 +12,7 @@ from urushi.walk.bottoms.dielectric import Reflector
 def define(base: type) -> type:
     """Make the plugin's class in the current variant; base: of `define_proposal_bsdf`."""
 
-    coated: type = define_coated(base, "Layered", widened=True, slabs=True)
+    coated: type = define_coated(base, "Layered")
 
     class Layered(coated):
         """A coated BSDF by unbiased random walks (``layered``).

@@ -5,8 +5,8 @@ import mitsuba as mi
 from urushi.errors import ParameterError
 from urushi.measured import load_measured
 from urushi.mitsuba import spectrum
-from urushi.mitsuba.offers import Offer
 from urushi.mitsuba.plugins.base import resolve
+from urushi.mitsuba.reading.offers import Offer
 
 
 def define(base: type) -> type:

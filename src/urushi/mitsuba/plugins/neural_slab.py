@@ -21,7 +21,7 @@ from urushi.nets.weights import default_model
 def define(base: type) -> type:
     """Make the plugin's class in the current variant; base: of `define_proposal_bsdf`."""
 
-    coated: type = define_coated(base, "NeuralLayered", widened=True, slabs=True)
+    coated: type = define_coated(base, "NeuralLayered")
 
     class NeuralSlab(coated):
         """A slab of constant parameters; see ``layered``."""

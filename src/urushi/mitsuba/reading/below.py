@@ -10,6 +10,7 @@ import numpy.typing as npt
 
 from urushi.core import fresnel
 from urushi.mitsuba.reading.grid import nested_objects
+from urushi.mitsuba.reading.offers import Offer, conductor_offer
 from urushi.mitsuba.reading.parameters import CoatTextures
 
 
@@ -63,12 +64,7 @@ def _conductor_below(variant: str) -> type:
     """The class of conductors below a medium, in a variant."""
 
     class ConductorBelow(mi.BSDF):
-        """A `roughconductor` below a medium: its f times the ratio of two Fresnel terms.
-
-        Attributes:
-            conductor: the BSDF in air.
-            coat: the coat.
-        """
+        """A `roughconductor` below a medium: its f times the ratio of two Fresnel terms."""
 
         def __init__(self, conductor, coat):
             mi.BSDF.__init__(self, mi.Properties("roughconductor"))
@@ -76,6 +72,9 @@ def _conductor_below(variant: str) -> type:
             self._textures = nested_objects(conductor)
             self.m_components = [conductor.flags(i) for i in range(conductor.component_count())]
             self.m_flags = conductor.flags()
+
+        def offer(self) -> Offer:
+            return conductor_offer(self.conductor, self.coat)
 
         def _ratio(self, si, wo, active) -> Any:
             """Fresnel term below the medium over that in air."""

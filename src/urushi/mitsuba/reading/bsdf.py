@@ -7,10 +7,9 @@ from urushi.errors import ParameterError, PlatformError
 from urushi.material.source import Source, as_source
 from urushi.material.symmetry import asymmetry_pairs, is_anisotropic
 from urushi.mitsuba import spectrum
-from urushi.mitsuba.offers import offer_of
 from urushi.mitsuba.reading import probing
 from urushi.mitsuba.reading.grid import not_over_uv, varying_textures
-from urushi.mitsuba.reading.surfaces import known_surface
+from urushi.mitsuba.reading.offers import offer_of
 from urushi.nets.lobe import LOBE_NUMBERS
 
 #: Samples by which the excluded shares of the light are measured, to about 0.2 %.
@@ -47,19 +46,14 @@ def reflection_source(bsdf: "mi.BSDF") -> Source:
     if offer.measured is not None and spectrum.channel_count() == 3:
         return as_source(offer.measured)  # what `urushi.load_measured` gives, to the bit
 
-    middle, known = np.full((1, 2), 0.5), None
-    if (surface := known_surface(bsdf)) and (values := surface.at(middle)).are_possible():
-        known = values.lobe[0], surface.bare, surface.widths
-    elif (lobes := probing.known_lobes(bsdf, middle)) is not None:
-        known = lobes[0], offer.bare, 1 if lobes.shape[-1] == len(LOBE_NUMBERS) else 2
-    if known is not None:
-        lobe, bare, widths = known
+    lobes = probing.known_lobes(bsdf, np.full((1, 2), 0.5))
+    if lobes is not None and _are_possible(lobes):
         return Source(
             lambda wi, wo: _mean_values(bsdf, wi, wo, 1),
             symmetric=True,
-            lobe=lobe,
-            bare=bare,
-            widths=widths,
+            lobe=lobes[0],
+            bare=offer.bare,
+            widths=1 if lobes.shape[-1] == len(LOBE_NUMBERS) else 2,
         )
 
     def f(wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
@@ -83,11 +77,16 @@ def has_two_widths(bsdf: "mi.BSDF") -> bool:
     latents = offer_of(bsdf).latents
     if latents is not None:
         return latents.model.widths == 2
-    surface = known_surface(bsdf)
-    if surface is not None and surface.widths == 2 and not varying_textures(bsdf):
-        lobe = surface.at(np.full((1, 2), 0.5)).lobe
-        return not np.array_equal(lobe[..., 0], lobe[..., 6])
+    lobes = probing.known_lobes(bsdf, np.full((1, 2), 0.5))
+    if lobes is not None and lobes.shape[-1] > len(LOBE_NUMBERS) and not varying_textures(bsdf):
+        return not np.array_equal(lobes[..., 0], lobes[..., 6])
     return is_anisotropic(reflection_source(bsdf), lambda f, count: np.asarray(f))
+
+
+def _are_possible(lobes: np.ndarray) -> bool:
+    """Whether lobes (..., 6 or 7) conserve energy: textures may hold other numbers."""
+    bounded, index = np.delete(lobes, [4, 5], axis=-1), lobes[..., 4:6]
+    return bool(((bounded >= 0) & (bounded <= 1)).all() and (index >= 0).all())
 
 
 def _mean_values(bsdf: "mi.BSDF", wi: np.ndarray, wo: np.ndarray, repeats: int) -> np.ndarray:

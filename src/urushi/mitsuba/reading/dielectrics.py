@@ -6,8 +6,8 @@ import numpy as np
 from urushi.checks import AIR, MIN_ALPHA, Widths
 from urushi.errors import ParameterError
 from urushi.mitsuba.reading.grid import nested_objects
+from urushi.mitsuba.reading.offers import GGX
 from urushi.mitsuba.reading.parameters import CoatTextures, opaque
-from urushi.mitsuba.reading.surfaces import GGX
 
 #: Classes of Mitsuba's dielectrics, and their plugins.
 DIELECTRICS = {

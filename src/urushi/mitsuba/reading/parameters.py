@@ -15,7 +15,7 @@ from urushi.core.appearance import LOOK, PHYSICAL, look_of
 from urushi.core.namespace import DRJIT
 from urushi.errors import ParameterError
 from urushi.mitsuba import spectrum
-from urushi.mitsuba.offers import offer_of
+from urushi.mitsuba.reading.offers import offer_of
 
 #: Parameters of a coat that may be textures, and their defaults. The index of refraction is given
 #: by two properties of its own.

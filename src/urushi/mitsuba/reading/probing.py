@@ -17,7 +17,7 @@ from urushi.material.symmetry import (
     rotated_pairs,
 )
 from urushi.mitsuba import spectrum
-from urushi.mitsuba.offers import offer_of
+from urushi.mitsuba.reading.offers import offer_of
 from urushi.textures.grid import TexelGrid
 
 #: Greatest number of evaluations in one launch: bounds memory.
@@ -119,38 +119,39 @@ def texel_values(
     bsdf: "mi.BSDF", wi: np.ndarray, wo: np.ndarray, uv: np.ndarray, average: Averaging
 ) -> np.ndarray:
     """f float32 (M, C, P) [1/sr] at points uv (M, 2) for pairs (P, 3) above the horizon."""
-    pairs = len(wi)
-    most = max(CHUNK // pairs, 1)
-    result = np.empty((len(uv), spectrum.channel_count(), pairs), np.float32)
-    averaged = average.pairs(wi, wo)
-    if average.exchanged:
-        averaged += [pair[::-1] for pair in averaged]
-    tables = [tuple(_vector(w) for w in pair) for pair in averaged]
-    count = average.repeats * len(tables)
+    most = max(CHUNK // len(wi), 1)
+    result = np.empty((len(uv), spectrum.channel_count(), len(wi)), np.float32)
     for start in range(0, len(uv), most):
-        part = uv[start : start + most]
-        texel, pair = _outer(len(part), pairs)
-        where = dr.gather(mi.Point2f, mi.Point2f(np.ascontiguousarray(part.T, np.float32)), texel)
-        total = [mi.Float(0)] * result.shape[1]
-        for repeat in range(average.repeats):
-            for table in tables:
-                a, b = (dr.gather(mi.Vector3f, w, pair) for w in table)
-                si = _interaction(a, where, float(repeat))
-                channels = bsdf_channels(bsdf, si, b)
-                total = [x + y for x, y in zip(total, channels, strict=True)]
-                if count > KERNEL_EVALUATIONS:
-                    dr.eval(total)
-        for channel, value in enumerate(total):
-            values = np.broadcast_to((value / count).numpy(), len(part) * pairs)
-            result[start : start + most, channel] = values.reshape(len(part), pairs)
+        part = result[start : start + most]
+        channels = averaged_channels(bsdf, wi, wo, uv[start : start + most], average)
+        for channel, value in enumerate(channels):
+            values = np.broadcast_to(value.numpy(), len(part) * len(wi))
+            part[:, channel] = values.reshape(len(part), len(wi))
     return result
 
 
-def _outer(rows: int, columns: int) -> tuple["mi.UInt32", "mi.UInt32"]:
-    """Row and column of every entry of a matrix, row by row."""
-    index = dr.arange(mi.UInt32, rows * columns)
-    row = index // columns
-    return row, index - row * columns
+def averaged_channels(
+    bsdf: "mi.BSDF", wi: np.ndarray, wo: np.ndarray, uv: np.ndarray, average: Averaging
+) -> list:
+    """`texel_values` of each channel (M * P), point by point, as Dr.Jit floats."""
+    index = dr.arange(mi.UInt32, len(uv) * len(wi))
+    texel = index // len(wi)
+    pair = index - texel * len(wi)
+    where = dr.gather(mi.Point2f, mi.Point2f(np.ascontiguousarray(uv.T, np.float32)), texel)
+    averaged = average.pairs(wi, wo)
+    if average.exchanged:
+        averaged += [sides[::-1] for sides in averaged]
+    tables = [[_vector(w) for w in sides] for sides in averaged]
+    count = average.repeats * len(tables)
+    total = [mi.Float(0)] * spectrum.channel_count()
+    for repeat in range(average.repeats):
+        for table in tables:
+            a, b = (dr.gather(mi.Vector3f, w, pair) for w in table)
+            channels = bsdf_channels(bsdf, _interaction(a, where, float(repeat)), b)
+            total = [x + y for x, y in zip(total, channels, strict=True)]
+            if count > KERNEL_EVALUATIONS:
+                dr.eval(total)
+    return [value / count for value in total]
 
 
 def needed_averaging(

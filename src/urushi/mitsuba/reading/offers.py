@@ -1,0 +1,144 @@
+"""What a BSDF tells the coat above it, besides its values.
+
+Of Mitsuba's own, `roughconductor` with the GGX distribution is a lobe and nothing else, and
+`diffuse` has none. Both are read from their parameters. All others are known by their values alone.
+"""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from functools import partial
+from typing import Any, Protocol, runtime_checkable
+
+import drjit as dr
+import mitsuba as mi
+import numpy as np
+
+from urushi.checks import MIN_ALPHA
+from urushi.material.material import Material
+from urushi.measured.tabulated import MeasuredSurface
+from urushi.mitsuba import spectrum
+from urushi.mitsuba.reading.grid import nested_objects
+from urushi.nets.lobe import NO_LOBE
+from urushi.nets.weights import Model
+from urushi.textures.grid import TexelGrid
+
+#: The line of a roughconductor's description that names its distribution, which it does not list
+#: among its parameters.
+GGX = "distribution = ggx"
+
+
+class Latents(Protocol):
+    """The codes of a plugin, one per channel or a texture of them; see `latents.holders`."""
+
+    @property
+    def model(self) -> Model:
+        """The networks that they belong to."""
+
+    @property
+    def channels(self) -> int:
+        """Number of codes, one per channel."""
+
+    @property
+    def grid(self) -> TexelGrid | None:
+        """The texture's grid; None: the same everywhere."""
+
+    @property
+    def material(self) -> Material | None:
+        """The material of codes that are the same everywhere; None: they are a texture."""
+
+    @property
+    def anchors(self) -> "Latents":
+        """The codes that coats are layered over."""
+
+    def at(self, uv: np.ndarray) -> np.ndarray:
+        """Codes (M, C, size) at points uv (M, 2)."""
+
+
+@dataclass(frozen=True)
+class Offer:
+    """What a BSDF offers to a coat; by default nothing.
+
+    Attributes:
+        latents: its codes.
+        measured: the measurement that it renders.
+        lobes: from a surface interaction to the analytic lobes: six Dr.Jit floats for each channel,
+            seven of an anisotropic BSDF (see `urushi.nets.lobe`); None if they are not known. Its
+            values contain more than the lobe, unless it is `bare`.
+        reflectance: from a surface interaction to the reflectance of each channel, of a Lambertian
+            BSDF; None: it is none.
+        exact: the BSDF whose values a table holds, if they are others than the codes'; None: none.
+        rotated: whether its tangent is turned about the normal.
+    """
+
+    latents: Latents | None = None
+    measured: MeasuredSurface | None = None
+    lobes: Callable[[Any], list[list] | None] = lambda si: None
+    bare: bool = False
+    reflectance: Callable[[Any], list] | None = None
+    exact: Callable[[], "mi.BSDF | None"] = lambda: None
+    rotated: bool = False
+
+
+@runtime_checkable
+class Offering(Protocol):
+    """A BSDF of this package."""
+
+    def offer(self) -> Offer:
+        """What it offers now; parameters may change it."""
+
+
+def offer_of(bsdf: "mi.BSDF") -> Offer:
+    """What a BSDF offers, or the front side of Mitsuba's `twosided`."""
+    if isinstance(bsdf, Offering):
+        return bsdf.offer()
+    while bsdf.class_name() == "TwoSidedBRDF":
+        bsdf = nested_objects(bsdf)["brdf_0"]
+    if bsdf.class_name() == "SmoothDiffuse":
+        channels = partial(_channels, nested_objects(bsdf), "reflectance")
+        return Offer(lobes=lambda si: [[*map(mi.Float, NO_LOBE)] for _ in channels(si)],
+                     reflectance=channels)  # fmt: skip
+    return conductor_offer(bsdf)
+
+
+def conductor_offer(bsdf: "mi.BSDF", coat: Any = None) -> Offer:
+    """The lobe of a `roughconductor`; nothing of any other BSDF.
+
+    coat: the coat whose medium lies above, with a method `inside`; None: air.
+    """
+    if bsdf.class_name() != "RoughConductor" or GGX not in str(bsdf):
+        return Offer()
+    textures = nested_objects(bsdf)
+    return Offer(lobes=partial(_conductor_lobes, textures, coat), bare=True)
+
+
+def _conductor_lobes(textures: Mapping[str, "mi.Texture"], coat: Any, si) -> list[list]:
+    """The lobes of a conductor: six or seven Dr.Jit floats for each channel."""
+    names = ("alpha_u", "alpha_v") if "alpha_u" in textures else ("alpha",)
+    given = (textures[name].eval_1(si) for name in names)
+    # The derivative passes the bound, so that an optimiser can leave it.
+    alpha, *across = (dr.replace_grad(dr.maximum(x, MIN_ALPHA), x) for x in given)
+    columns = [_channels(textures, x, si) for x in ("specular_reflectance", "eta", "k")]
+    above = mi.Float(1) if coat is None else coat.inside(si)
+    indices = list(above) if dr.depth_v(above) > 1 else [above] * len(columns[0])
+    found = []
+    for reflectance, eta, k, above in zip(*columns, indices, strict=True):
+        # Mitsuba's metal "none" has the index 0 and reflects all light.
+        exact = eta > 0
+        schlick = dr.select(exact, 0, reflectance)
+        index = dr.select(exact, eta / above, NO_LOBE[4]), dr.select(exact, k / above, 0)
+        factors = schlick, schlick, dr.select(exact, reflectance, 0)
+        found.append([alpha, *factors, *index, *across])
+    return found
+
+
+def _channels(textures: Mapping[str, "mi.Texture"], name: str, si) -> list:
+    """The channels of a texture; ones if it is missing."""
+    if name in textures:
+        return spectrum.to_channels(textures[name].eval(si))
+    return [mi.Float(1)] * len(spectrum.to_channels(mi.Spectrum(0)))
+
+
+def tabulated(latents: Latents | None) -> Material | None:
+    """The material of latents that are evaluated by a table, not by their codes; else None."""
+    material = None if latents is None else latents.material
+    return None if material is None or material.table is None else material
