@@ -370,7 +370,7 @@ def measure(model: Model, folder: Path) -> None:
         for coat in coats:
             columns = CoatParameters.of_columns(coat)
             free = model.networks.layer(free, columns)
-            limited = layer_texels(model, limited, **columns._asdict())
+            limited = layer_texels(model, limited, columns)
         wi, wo, f = arrays["wi"], arrays["wo"], arrays["f"]
         weight = error_metrics.energy_weight(wi[..., 2], wo[..., 2])
         energy = (f * weight).sum(axis=-1)

@@ -127,7 +127,7 @@ def vanishing_coat(model: Model, sets: Mapping[str, Samples]) -> Figure:
         if samples.table.coats:
             continue
         anchors = np.concatenate([m.anchors for m in predict.materials(model, samples)])
-        layered = layer_texels(model, anchors, **VANISHING)
+        layered = layer_texels(model, anchors, CoatParameters(**VANISHING))
         coated = predict.split(Material(layered, model))
         f_hat = predict.evaluate(coated, samples.wi, samples.wo)
         errors.append(sampling.stack_errors(f_hat, samples))
@@ -156,7 +156,9 @@ def absorption(model: Model, stacks: int = 16) -> list[Figure]:
         for sigma_a in ABSORPTION:
             coat["sigma_t"] = scattering + sigma_a
             coat["albedo"] = scattering / np.maximum(coat["sigma_t"], 1e-9)
-            materials = predict.split(Material(layer_texels(model, anchors, **coat), model))
+            materials = predict.split(
+                Material(layer_texels(model, anchors, CoatParameters(**coat)), model)
+            )
             values.append(predict.evaluate(materials, wi, wo).astype(np.float64))
             albedos.append(_albedo(materials))
         f = np.stack(values)

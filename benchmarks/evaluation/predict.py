@@ -50,7 +50,7 @@ def materials(
         return split(material)
     latents = material.anchors
     for index in reversed(range(table.coats - encoded)):
-        latents = layer_texels(model, latents, **coats_at(table, index)._asdict())
+        latents = layer_texels(model, latents, coats_at(table, index))
     return split(Material(latents, model))
 
 

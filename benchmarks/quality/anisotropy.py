@@ -123,7 +123,7 @@ def predicted(table: StackTable) -> list[Material]:
             for value in [getattr(table, name)]
         }
         columns["alpha"] = columns["alpha"].map(lambda x: np.maximum(x.astype(np.float64), 0.01))
-        codes = layer_texels(model, codes, **columns)
+        codes = layer_texels(model, codes, CoatParameters(**columns))
     return [Material(code[None], model) for code in codes]
 
 

@@ -9,7 +9,7 @@ of the last rows have two GGX widths.
 import numpy as np
 from benchmarks.quality.mipmap import cosine_pairs
 
-from urushi.checks import Widths
+from urushi.checks import CoatParameters, Widths
 from urushi.core.error_metrics import stack_error
 from urushi.material import encode
 from urushi.material.layer import layer_texels
@@ -39,11 +39,13 @@ def row(model: Model, low: float, high: float) -> str:
     codes = layer_texels(
         model,
         bottoms[rng.integers(len(bottoms), size=count)],
-        alpha=along if model.widths == 1 else Widths(along, across),
-        eta=rng.uniform(low, high, count),
-        albedo=rng.random(count),
-        sigma_t=rng.exponential(1, count),
-        g=rng.uniform(-0.7, 0.7, count),
+        CoatParameters(
+            alpha=along if model.widths == 1 else Widths(along, across),
+            eta=rng.uniform(low, high, count),
+            albedo=rng.random(count),
+            sigma_t=rng.exponential(1, count),
+            g=rng.uniform(-0.7, 0.7, count),
+        ),
     )
     texels = codes.reshape(TEXELS, 3, -1)
     lowest, highest = codes.min(axis=0), codes.max(axis=0)

@@ -92,7 +92,8 @@ def stored(make: Encoders, group: Group, samples: Samples, model: Model) -> Erro
     # In single precision, the smallest width may be rounded below 0.01.
     coat["alpha"] = np.maximum(coat["alpha"].astype(np.float64), 0.01)
     layered = [
-        error(layer_texels(model, to_code(rest.T).anchors, **coat)) for to_code in make.values()
+        error(layer_texels(model, to_code(rest.T).anchors, CoatParameters(**coat)))
+        for to_code in make.values()
     ]
     return Errors(encoded, layered)
 

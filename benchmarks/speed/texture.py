@@ -16,6 +16,7 @@ from typing import Any
 import numpy as np
 from benchmarks.evaluation.report import parameters
 
+from urushi.checks import CoatParameters
 from urushi.material import encode, layer
 from urushi.material.layer import layer_texels
 from urushi.nets import weights
@@ -49,9 +50,9 @@ def texture_operations(model: Model, side: int) -> dict[str, Callable[[], object
     one = encode(GOLD, model).anchors
     many = np.broadcast_to(one, (side, side, *one.shape)).copy()
     return {
-        "all varying": lambda: layer_texels(model, many, **coat),
-        "one bottom": lambda: layer_texels(model, one, **coat),
-        "grey coat": lambda: layer_texels(model, many, **grey),
+        "all varying": lambda: layer_texels(model, many, CoatParameters(**coat)),
+        "one bottom": lambda: layer_texels(model, one, CoatParameters(**coat)),
+        "grey coat": lambda: layer_texels(model, many, CoatParameters(**grey)),
     }
 
 

@@ -17,6 +17,7 @@ import urushi
 from figures.verdict import fits
 from figures.verdict import methods as known
 from urushi import fan2022
+from urushi.checks import CoatParameters
 from urushi.core import microfacet
 from urushi.fan2022 import PaperNetworks
 from urushi.fan2022.architecture import LATENT
@@ -208,11 +209,13 @@ def texel_bytes() -> int:
     codes = layer_texels(
         model,
         urushi.encode(urushi.conductor(0.2, (0.98, 0.77, 0.34)), model).anchors,
-        alpha=rng.uniform(0.02, 0.3, (TEXELS, 1)),
-        eta=np.full((TEXELS, 1), 1.5),
-        albedo=rng.uniform(0.2, 0.95, (TEXELS, 3)),
-        sigma_t=rng.uniform(0.1, 2, (TEXELS, 3)),
-        g=rng.uniform(-0.3, 0.6, (TEXELS, 3)),
+        CoatParameters(
+            alpha=rng.uniform(0.02, 0.3, (TEXELS, 1)),
+            eta=np.full((TEXELS, 1), 1.5),
+            albedo=rng.uniform(0.2, 0.95, (TEXELS, 3)),
+            sigma_t=rng.uniform(0.1, 2, (TEXELS, 3)),
+            g=rng.uniform(-0.3, 0.6, (TEXELS, 3)),
+        ),
     )
     constant = codes.min(axis=(0, 1)) == codes.max(axis=(0, 1))
     same = (codes == codes[:, :1]).all(axis=(0, 1))

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import urushi
+from urushi.checks import CoatParameters
 from urushi.core.quadrature import half_vector_rule
 from urushi.material import Material, encode, energy, layer, lerp
 from urushi.material.albedo_rule import albedo_rule
@@ -217,7 +218,9 @@ def test_a_source_that_gains_energy_keeps_its_own_albedo(trained):
     assert material_from_values(evaluate_source(bright, *pairs).values, trained) == own
     blind = material_from_values(evaluate_source(bright, *trained.networks.pairs()).values, trained)
     assert blind.directional_albedo(WI).max() < 1 + BETWEEN
-    coated = layer_texels(trained, own.anchors, alpha=0.1, eta=1.3, albedo=0, sigma_t=0, g=0)
+    coated = layer_texels(
+        trained, own.anchors, CoatParameters(alpha=0.1, eta=1.3, albedo=0, sigma_t=0, g=0)
+    )
     assert Material(coated, trained).directional_albedo(WI).max() < 1 + BETWEEN
 
 
@@ -237,7 +240,7 @@ def test_of_many_texels_the_bright_ones_are_limited(trained):
         "alpha": rng.uniform(0.05, 0.5, shape), "eta": 1.5, "sigma_t": rng.uniform(0, 2, shape),
         "albedo": np.where(rng.random(shape) < 0.3, 1.0, 0.5), "g": 0.0,
     }  # fmt: skip
-    free = layer_texels(trained, bottoms, **coats)
+    free = layer_texels(trained, bottoms, CoatParameters(**coats))
     lifted = trained.networks.rest_scaled(free, np.float32(1.15) * np.ones(shape, np.float32))
     assert lifted[..., 0].size > energy.SCREENED_COUNT
     limited = energy.limit_albedo(trained, lifted)

@@ -114,7 +114,9 @@ def test_texels_are_coated_like_materials(material, model):
     rng = np.random.default_rng(5)
     albedo, alpha = rng.random((5, 4, 3)), 0.01 + 0.99 * rng.random((5, 4, 1))
     coated = layer_texels(
-        model, material.latents, alpha=alpha, eta=1.5, albedo=albedo, sigma_t=1, g=0.2
+        model,
+        material.latents,
+        CoatParameters(alpha=alpha, eta=1.5, albedo=albedo, sigma_t=1, g=0.2),
     )
     assert coated.shape == (5, 4, 3, 32) and coated.dtype == np.float32
     single = layer(dielectric(alpha[3, 2, 0], 1.5), material, albedo=albedo[3, 2], sigma_t=1, g=0.2)
@@ -125,8 +127,12 @@ def test_texels_are_coated_like_materials(material, model):
 def test_large_textures_pass_in_chunks(model, draw_codes):
     z = draw_codes((200, 40, 1), np.random.default_rng(6))
     sigma_t = np.linspace(0, 8, 8_000).reshape(200, 40, 1)
-    whole = layer_texels(model, z, alpha=0.1, eta=1.5, albedo=0.5, sigma_t=sigma_t, g=0)
-    row = layer_texels(model, z[170], alpha=0.1, eta=1.5, albedo=0.5, sigma_t=sigma_t[170], g=0)
+    whole = layer_texels(
+        model, z, CoatParameters(alpha=0.1, eta=1.5, albedo=0.5, sigma_t=sigma_t, g=0)
+    )
+    row = layer_texels(
+        model, z[170], CoatParameters(alpha=0.1, eta=1.5, albedo=0.5, sigma_t=sigma_t[170], g=0)
+    )
     np.testing.assert_allclose(whole[170], row, atol=1e-5)
 
 
@@ -134,9 +140,9 @@ def test_textures_refuse_bad_texels_and_shapes(model):
     z = np.zeros((2, 2, 3, 32), np.float32)
     good = {"alpha": 0.1, "eta": 1.5, "albedo": 0.5, "sigma_t": 1, "g": 0}
     with pytest.raises(ParameterError, match="the coat's alpha is 0.005"):
-        layer_texels(model, z, **good | {"alpha": [[[0.1]], [[0.005]]]})
+        layer_texels(model, z, CoatParameters(**good | {"alpha": [[[0.1]], [[0.005]]]}))
     with pytest.raises(ParameterError, match="do not fit"):
-        layer_texels(model, z, **good | {"albedo": np.full((5, 2, 3), 0.5)})
+        layer_texels(model, z, CoatParameters(**good | {"albedo": np.full((5, 2, 3), 0.5)}))
 
 
 def test_indices_below_one_are_those_of_the_lobe(material):

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from urushi import parallel
+from urushi.checks import CoatParameters
 from urushi.core.probe_pairs import probe_pairs
 from urushi.material import screening
 from urushi.material.albedo_rule import INTERPOLATED_COSINES
@@ -70,7 +71,7 @@ def glossy(rng, shape) -> np.ndarray:
 def test_broadcast_inputs_are_layered_like_plain_rows(bottom, name, model, draw_codes):
     z = draw_codes(bottom, np.random.default_rng(2))
     coat = _coat(COATS[name])
-    coated = layer_texels(model, z, **coat)
+    coated = layer_texels(model, z, CoatParameters(**coat))
     expected = _plainly(model, z, coat)
     assert coated.shape == expected.shape and coated.dtype == np.float32
     np.testing.assert_allclose(coated, expected, **ROUNDING)
@@ -84,7 +85,7 @@ def test_bits_do_not_depend_on_the_number_of_cores(model, draw_codes, monkeypatc
         monkeypatch.setattr(parallel, "available_cores", lambda count=count: count)
         results.append(
             (
-                layer_texels(model, z, **_coat(COATS["rgb"])),
+                layer_texels(model, z, CoatParameters(**_coat(COATS["rgb"]))),
                 limit_albedo(model, encoder_codes(model, f)),
             )
         )
@@ -115,8 +116,8 @@ def test_memory_is_the_result_and_some_blocks(operation, model, draw_codes, monk
     z = draw_codes(side, rng)
     f = rng.random((20_000, 192), np.float32)
     run = {
-        "layer": lambda: layer_texels(model, z, **coat),
-        "layer one bottom": lambda: layer_texels(model, z[0, 0], **coat),
+        "layer": lambda: layer_texels(model, z, CoatParameters(**coat)),
+        "layer one bottom": lambda: layer_texels(model, z[0, 0], CoatParameters(**coat)),
         "encode": lambda: limit_albedo(model, encoder_codes(model, f)),
     }[operation]
     parallel._blas()
@@ -134,9 +135,11 @@ def test_memory_is_the_result_and_some_blocks(operation, model, draw_codes, monk
 def test_one_texel_and_none(model):
     z = np.ones(32, np.float32)
     coat = dict(alpha=0.1, eta=1.5, albedo=0.5, sigma_t=1, g=0)
-    alone = layer_texels(model, z, **coat)
+    alone = layer_texels(model, z, CoatParameters(**coat))
     assert alone.shape == (32,)
-    np.testing.assert_allclose(layer_texels(model, z[None, None], **coat)[0, 0], alone, **ROUNDING)
-    assert layer_texels(model, np.ones((0, 3, 32)), **coat).shape == (0, 3, 32)
+    np.testing.assert_allclose(
+        layer_texels(model, z[None, None], CoatParameters(**coat))[0, 0], alone, **ROUNDING
+    )
+    assert layer_texels(model, np.ones((0, 3, 32)), CoatParameters(**coat)).shape == (0, 3, 32)
     assert limit_albedo(model, encoder_codes(model, np.ones((0, 3, 192)))).shape == (0, 3, 32)
     assert limit_albedo(model, encoder_codes(model, np.ones(192))).shape == (32,)

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from urushi.checks import CoatParameters
 from urushi.core.direction_sets import cosine_pairs
 from urushi.core.error_metrics import stack_error
 from urushi.material import Material, encode, layer
@@ -32,7 +33,9 @@ def test_no_interface_and_no_medium_is_the_bottom(trained, pairs, bottom):
     np.testing.assert_allclose(
         tinted.f(*pairs)[:, ::2], bare.f(*pairs)[:, ::2], rtol=0.02, atol=1e-4
     )
-    z = layer_texels(trained, bare.anchors, alpha=0.4, eta=1, albedo=0, sigma_t=0, g=0)
+    z = layer_texels(
+        trained, bare.anchors, CoatParameters(alpha=0.4, eta=1, albedo=0, sigma_t=0, g=0)
+    )
     assert (error(Material(z, trained).f(*pairs), bare.f(*pairs), pairs) < 0.02).all()
 
 

@@ -6,6 +6,7 @@ from benchmarks.evaluation import benchmark, predict
 from benchmarks.evaluation import samples as sampling
 from benchmarks.evaluation.samples import GROUPS
 
+from urushi.checks import CoatParameters
 from urushi.core.error_metrics import DARK_OFFSET, huber_loss
 from urushi.material import Material, encode, energy
 from urushi.material.albedo_rule import albedo_rule
@@ -239,7 +240,9 @@ def test_layering_over_refined_codes(trained):
                 for name in ("alpha", "eta", "albedo", "sigma_t", "g")
             }
             coat["alpha"] = np.maximum(coat["alpha"], 0.01)  # rounded down in single precision
-            made = predict.split(Material(layer_texels(trained, lower, **coat), trained))
+            made = predict.split(
+                Material(layer_texels(trained, lower, CoatParameters(**coat)), trained)
+            )
             f_hat = predict.evaluate(made, samples.wi, samples.wo)
             found.append(sampling.stack_errors(f_hat, samples))
     before, after = (np.concatenate(errors[refine]).mean() for refine in (False, True))

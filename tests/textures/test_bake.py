@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from urushi.checks import CoatParameters
 from urushi.material.layer import layer_texels
 from urushi.textures import bake
 from urushi.textures.bake import BakedTexture, coat_source
@@ -16,9 +17,9 @@ def layered_rows(monkeypatch):
     """The number of rows of each call of `layer_texels`."""
     counts = []
 
-    def counted(model, z, **table):
+    def counted(model, z, coat):
         counts.append(z[..., 0].size)
-        return layer_texels(model, z, **table)
+        return layer_texels(model, z, coat)
 
     monkeypatch.setattr(bake, "layer_texels", counted)
     return counts
@@ -34,7 +35,7 @@ def test_only_distinct_and_changed_rows_are_layered(model, layered_rows):
     parameters["alpha"][:12] = 0.3
 
     def table(start, stop):
-        return {name: values[start:stop] for name, values in parameters.items()}
+        return CoatParameters(**{n: values[start:stop] for n, values in parameters.items()})
 
     def bottom(start, stop):
         return hashes, lambda texel, channel: codes[0, channel]
@@ -47,7 +48,7 @@ def test_only_distinct_and_changed_rows_are_layered(model, layered_rows):
     parameters["alpha"][5] = 0.2
     texture.update(coat_source(model, table, bottom))
     assert layered_rows == [6, 3]
-    expected = layer_texels(model, codes, **parameters)
+    expected = layer_texels(model, codes, CoatParameters(**parameters))
     found = texture.store.read(slice(None))
     # 8 bits of a number's range and half precision
     np.testing.assert_allclose(found, expected, atol=0.02 * np.ptp(expected))

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from urushi.checks import CoatParameters
 from urushi.core.direction_sets import cosine_pairs
 from urushi.core.error_metrics import stack_error
 from urushi.material import energy
@@ -25,11 +26,13 @@ def coats(model, height: int, width: int) -> np.ndarray:
     return layer_texels(
         model,
         bottom,
-        alpha=rng.uniform(0.05, 0.4, shape),
-        eta=1.5,
-        albedo=rng.random(shape),
-        sigma_t=2 * rng.random(shape),
-        g=0.0,
+        CoatParameters(
+            alpha=rng.uniform(0.05, 0.4, shape),
+            eta=1.5,
+            albedo=rng.random(shape),
+            sigma_t=2 * rng.random(shape),
+            g=0.0,
+        ),
     )
 
 

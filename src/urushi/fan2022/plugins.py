@@ -10,7 +10,6 @@ import drjit as dr
 import mitsuba as mi
 import numpy as np
 
-from urushi.checks import CoatParameters
 from urushi.errors import ParameterError, PlatformError
 from urushi.fan2022.architecture import LATENT
 from urushi.fan2022.kernels import PaperDecoder, PaperSampler
@@ -152,7 +151,7 @@ def define(base: type) -> dict[str, type]:
             inner = below.grid if below and below.grid != MIDDLE else None
             parts = self._coat.textures | ({} if below else {"the nested BSDF": self._bottom})
             chosen = grids.choose(parts, inner, self._resolution, self._coat.where) or MIDDLE
-            coat = CoatParameters(**self._coat.layering(chosen.uv()))
+            coat = self._coat.layering(chosen.uv())
             codes = self.networks.layer(self._bottom_codes(below, chosen), coat)
             self.codes = TexelCodes(self.networks, codes, chosen)
 

@@ -229,24 +229,14 @@ def _for_networks(model: Model, coat: CoatParameters) -> CoatParameters:
     return coat._replace(alpha=Widths(coat.alpha, coat.alpha))
 
 
-def layer_texels(
-    model: Model,
-    z_bottom: np.ndarray,
-    *,
-    alpha: npt.ArrayLike | Widths,
-    eta: npt.ArrayLike,
-    albedo: npt.ArrayLike,
-    sigma_t: npt.ArrayLike,
-    g: npt.ArrayLike,
-) -> np.ndarray:
+def layer_texels(model: Model, z_bottom: np.ndarray, coat: CoatParameters) -> np.ndarray:
     """Coat many texels by the layering network.
 
     Args:
         model: the networks.
         z_bottom: codes (..., L) of the bottoms.
-        alpha, eta: of the coat's interface; albedo, sigma_t, g: of the medium below it. Arrays
-            that broadcast against each other and against z_bottom's leading shape, e.g. (H, W, 3).
-            alpha is `Widths` of two such arrays for anisotropic networks, or one for equal widths.
+        coat: arrays that broadcast against each other and against z_bottom's leading shape, e.g.
+            (H, W, 3). Anisotropic networks take one width, too.
 
     Returns:
         float32 (..., L), of the shape that all of them broadcast to; the bottom's where a coat has
@@ -257,8 +247,7 @@ def layer_texels(
         ParameterError: a parameter is out of range, or the shapes do not broadcast, or there are
             two widths and the networks are for isotropic materials.
     """
-    coat = _for_networks(model, CoatParameters(alpha, eta, albedo, sigma_t, g))
-    coat = checks.coat(coat, "the coat's", any_shape=True)
+    coat = checks.coat(_for_networks(model, coat), "the coat's", any_shape=True)
     z = np.asarray(z_bottom, np.float32)
     codes, none = _layered(model, z, coat), absent(coat)
     return np.where(none[..., None], as_rendered(model, z), codes) if none.any() else codes

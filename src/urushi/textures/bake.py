@@ -32,9 +32,8 @@ CodesAt = Callable[[np.ndarray, np.ndarray], np.ndarray]
 #: that computes codes of rows, whose texels are counted from start.
 Source = Callable[[int, int], tuple[np.ndarray, CodesAt]]
 
-#: Gives the coat's parameters at texels start to stop - 1, arrays (n, 1 or C) by the names of
-#: `layer_texels`; alpha may be `Widths`.
-Table = Callable[[int, int], dict[str, Any]]
+#: Gives the coat's parameters at texels start to stop - 1, arrays (n, 1 or C).
+Coats = Callable[[int, int], CoatParameters]
 
 
 class BakedTexture:
@@ -124,26 +123,25 @@ class SharedCodes:
         return np.concatenate(self._parts)
 
 
-def coat_source(model: Model, table: Table, bottom: Source) -> Source:
+def coat_source(model: Model, coats: Coats, bottom: Source) -> Source:
     """The source of a coat of these parameters over a bottom."""
 
     def source(start: int, stop: int) -> tuple[np.ndarray, CodesAt]:
-        parameters = CoatParameters(**table(start, stop))
+        parameters = coats(start, stop)
         hashes, bottom_at = bottom(start, stop)
 
         def codes_at(texel: np.ndarray, channel: np.ndarray) -> np.ndarray:
             below = bottom_at(texel, channel)
             if len(texel) == present.size:  # every row: channels share what depends on texels
                 grid = below.reshape(*present.shape, -1)
-                return layer_texels(model, grid, **parameters._asdict()).reshape(below.shape)
+                return layer_texels(model, grid, parameters).reshape(below.shape)
 
             def at_rows(array: np.ndarray) -> np.ndarray:
                 count, width = array.shape[:2]
                 return array[texel if count > 1 else 0, channel if width > 1 else 0]
 
             rows = [np.broadcast_to(at_rows(column), len(texel)) for column in parameters.columns()]
-            coat = CoatParameters.of_columns(rows)
-            return layer_texels(model, below, **coat._asdict())
+            return layer_texels(model, below, CoatParameters.of_columns(rows))
 
         present = row_hashes([hashes, *parameters.columns()])
         return present, codes_at

@@ -78,7 +78,7 @@ def layered(mi, model: Model, z: np.ndarray, coat: np.ndarray):
     columns = [mi.Float(np.ascontiguousarray(column, np.float32)) for column in coat.T]
     dr.enable_grad(bottom, columns)
     each = [[column] for column in columns]
-    return coding.layered(model, parameters._asdict(), bottom, each), bottom, columns
+    return coding.layered(model, parameters, bottom, each), bottom, columns
 
 
 def pushed(mi, model, z, coat, dz, dcoat) -> np.ndarray:
@@ -246,5 +246,5 @@ def test_equal_widths_may_be_given_as_one(rgb):
     columns = [[rgb.Float(np.ascontiguousarray(x))] for x in (*coat.T[:5], coat[:, 0])]
     bottom = rgb.TensorXf(np.ascontiguousarray(z[:, None]))
     two = parameters._replace(alpha=Widths(parameters.alpha, parameters.alpha))
-    found = [coding.layered(model, p._asdict(), bottom, columns).numpy() for p in (parameters, two)]
+    found = [coding.layered(model, p, bottom, columns).numpy() for p in (parameters, two)]
     np.testing.assert_array_equal(*found)

@@ -5,6 +5,7 @@ import re
 import numpy as np
 import pytest
 
+from urushi.checks import CoatParameters
 from urushi.core.appearance import LOOK
 from urushi.core.half_vector import rotated
 from urushi.errors import UrushiWarning
@@ -128,7 +129,7 @@ def test_isotropic_networks_take_the_mean_of_a_brushed_bottom(rgb, textured):
     found = rgb.load_dict(coat | {"bottom": brushed}).latents.at(np.full((1, 2), 0.5))
     eta = np.full((1, 1), 1.5046 / 1.000277)
     under = limit_albedo(model, encoder_codes(model, f.T.astype(np.float32)))
-    expected = layer_texels(model, under, eta=eta, **COAT_ARRAYS)
+    expected = layer_texels(model, under, CoatParameters(eta=eta, **COAT_ARRAYS))
     # 2,048 random azimuths are an error of about 3 %; a texture's codes have 8 bits
     assert np.abs(found - expected).max() < 0.05
 

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from urushi.checks import CoatParameters
 from urushi.core.probe_pairs import probe_pairs
 from urushi.errors import ParameterError
 from urushi.material.encode import bare_anchors, encode, encoder_codes
@@ -113,7 +114,7 @@ def test_every_texel_of_a_surface_is_that_surface(rgb, model, file, name):
     )
     x, y = np.meshgrid((np.arange(8) + 0.5) / 8, (np.arange(6) + 0.5) / 6)
     found = bsdf.latents.at(np.float32([x.ravel(), y.ravel()]).T).reshape(6, 8, 3, -1)
-    expected = layer_texels(model, bottom, eta=1.5, **coat)
+    expected = layer_texels(model, bottom, CoatParameters(eta=1.5, **coat))
     # 8 bits of a number's range in the bottom and in the coat, and half precision
     tolerance = 0.01 * np.ptp(expected, axis=(0, 1, 2)) + 5e-4 * np.abs(expected) + 1e-6
     assert (np.abs(found - expected) <= tolerance).all()

@@ -8,7 +8,6 @@ another process, are read from the disk (`textures.cache`).
 
 from collections.abc import Iterator
 from functools import partial
-from typing import Any
 
 import mitsuba as mi
 import numpy as np
@@ -84,7 +83,7 @@ class Baker:
 
     def _constant(self) -> ConstantLatents:
         """The codes of a coat and a bottom without textures."""
-        coat = CoatParameters(**self._coat.layering(np.full((1, 2), 0.5)))
+        coat = self._coat.layering(np.full((1, 2), 0.5))
         bottom = self.bottom.material
         assert bottom is not None  # for the type checker
         columns = [column[0] for column in coat.columns()]
@@ -110,12 +109,12 @@ class Baker:
         self._texture = texture
         return TexturedLatents(self.model, texture.store, grid)
 
-    def _parameters(self, grid: TexelGrid, start: int, stop: int) -> dict[str, Any]:
-        """The arguments of `layer_texels` at a range of texels, or at one if they do not vary."""
+    def _parameters(self, grid: TexelGrid, start: int, stop: int) -> CoatParameters:
+        """The coats at a range of texels, or at one if they do not vary."""
         varies = any(map(grids.varying_textures, self._coat.textures.values()))
-        table = self._coat.layering(grid.uv(start, stop if varies else start + 1))
-        self._left |= checks.outside_training(CoatParameters(**table))
-        return table
+        coats = self._coat.layering(grid.uv(start, stop if varies else start + 1))
+        self._left |= checks.outside_training(coats)
+        return coats
 
     def _key(self, grid: TexelGrid) -> str:
         """The key of the texture in the cache."""
@@ -124,7 +123,7 @@ class Baker:
         def contents() -> Iterator[np.ndarray]:
             for start in range(0, grid.texels, TEXEL_BLOCK):
                 stop = min(start + TEXEL_BLOCK, grid.texels)
-                yield from CoatParameters(**self._parameters(grid, start, stop)).columns()
+                yield from self._parameters(grid, start, stop).columns()
                 yield from self.bottom.contents(start, stop)
 
         return cache.key(str(settings), contents())

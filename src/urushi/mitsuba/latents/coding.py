@@ -52,22 +52,22 @@ def stacked(columns: Sequence, count: int) -> "mi.TensorXf":
 
 
 def layered(
-    model: Model, table: dict[str, Any], bottom: "mi.TensorXf", coat: Sequence[Sequence]
+    model: Model, checked: CoatParameters, bottom: "mi.TensorXf", coat: Sequence[Sequence]
 ) -> "mi.TensorXf":
     """`layer_texels`, differentiable in the bottoms' codes and the coats.
 
-    table: the coats' checked parameters, (M or 1, C or 1), in double precision.
+    checked: the coats' parameters, (M or 1, C or 1), in double precision.
     bottom: (M or 1, C, L).
     coat: the same in the order of `checks.COAT_COLUMNS`: a column per parameter, or per channel.
 
     Returns:
         Codes (M, C, L). A coat that is absent changes the code of the bottom by its own change.
     """
-    chosen, lobe = within_training(CoatParameters(**table)), model.arch.lobe
+    chosen, lobe = within_training(checked), model.arch.lobe
     if model.widths == 2 and not isinstance(chosen.alpha, Widths):
         chosen = chosen._replace(alpha=Widths(chosen.alpha, chosen.alpha))
     below = bottom.numpy()
-    codes = layer_texels(model, below, **table)
+    codes = layer_texels(model, below, checked)
     (points, channels, size), z = codes.shape, codes.reshape(-1, codes.shape[-1])
     row = dr.arange(mi.UInt32, len(z))
     places = row % (len(below) * channels) * size

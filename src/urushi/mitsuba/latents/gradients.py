@@ -176,14 +176,13 @@ def _codes(
     """The codes of `bake`, ([1,] C, size), or (height, width, C, size) on a grid."""
     model = baker.model
     uv = grid.uv() if grid else np.full((1, 2), 0.5)
-    table = coat.layering(uv)
     si = probing.interaction(np.tile([0.0, 0.0, 1.0], (len(uv), 1)), uv)
     by_name = coat.channels(si)
     if model.widths == 2 and "alpha" in by_name:
         by_name |= dict.fromkeys(TWO_WIDTHS, by_name["alpha"])
     parameters = [by_name[name] for name in checks.COAT_COLUMNS[model.widths]]
     below = _bottom_codes(baker, coat.where, bottom, uv, grid)
-    codes = coding.layered(model, table, below, parameters)
+    codes = coding.layered(model, coat.layering(uv), below, parameters)
     if grid is not None:
         codes = mi.TensorXf(codes.array, (grid.height, grid.width, *codes.shape[1:]))
     return codes

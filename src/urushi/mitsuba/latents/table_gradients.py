@@ -57,7 +57,7 @@ def attached(
         changes.append((number, [x for x in slopes if any(np.any(y) for y in x[2:])]))
     flat = [slope for _, slopes in changes for slope in slopes]
     if flat:
-        columns = [column[0] for column in CoatParameters(**coat.layering(uv)).columns()]
+        columns = [column[0] for column in coat.layering(uv).columns()]
         found = iter(table_slopes(CoatParameters.of_columns(columns), below, flat))
         for number, slopes in changes:
             for slope, by_number in zip(slopes, found, strict=False):

@@ -63,9 +63,9 @@ def define(base: type) -> type:
             rows = [coat.layering(np.full((1, 2), 0.5)) for coat in coats]
             si = dr.zeros(mi.SurfaceInteraction3f)
             far = self._lowest_at(CoatStack(coats, si, True), si, True)
-            interfaces = [(*row["alpha"].flat, *row["eta"].flat) for row in rows]
+            interfaces = [(*row.alpha.flat, *row.eta.flat) for row in rows]
             interfaces.append((float(far.alpha[0]), float(far.eta[0])))
-            media = [np.broadcast_arrays(row["albedo"], row["sigma_t"], row["g"]) for row in rows]
+            media = [np.broadcast_arrays(*row[2:]) for row in rows]
             channels = max(medium[0].size for medium in media)
             columns = [[np.broadcast_to(x.ravel(), channels) for x in medium] for medium in media]
             tables = slab_tables(default_model(), np.array(interfaces), np.array(columns))

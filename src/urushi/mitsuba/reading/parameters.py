@@ -165,8 +165,8 @@ class CoatTextures:
             for name in channels[0]
         }
 
-    def layering(self, uv: np.ndarray) -> dict[str, Any]:
-        """The arguments of `layer_texels` at points uv (M, 2): `table`, alpha maybe `Widths`.
+    def layering(self, uv: np.ndarray) -> CoatParameters:
+        """The coat at points uv (M, 2): arrays of `table`, alpha maybe `Widths`.
 
         Raises:
             ParameterError: a value is out of range.
@@ -176,7 +176,7 @@ class CoatTextures:
             table.pop(name, None)
         if self.is_anisotropic:
             table["alpha"] = Widths(*(table.pop(name) for name in TWO_WIDTHS))
-        return table
+        return CoatParameters(**table)
 
     def table(self, uv: np.ndarray, unknown: Collection[str] = ()) -> dict[str, np.ndarray]:
         """Checked parameters at points uv (M, 2): alpha and eta (M, 1), the others (M, channels).
