@@ -5,7 +5,7 @@ pattern. For each level of the pyramid, prints the error E (docs/conventions.md)
 of the BRDFs of the texels below, as a mean over the level's texels:
 
 - plain: averages of codes, as in Fan et al. (2022);
-- Urushi: averages weighted by light (`urushi/textures/averaging.py`).
+- Urushi: averages weighted by light (`urushi/textures/mip_pyramid.py`).
 
 Then prints the CPU time of all levels of a texture of noise of 2048² texels (`--side` sets another
 size).

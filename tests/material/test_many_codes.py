@@ -8,7 +8,7 @@ import pytest
 from urushi import parallel
 from urushi.checks import CoatParameters
 from urushi.core.probe_pairs import probe_pairs
-from urushi.material import screening
+from urushi.material import energy
 from urushi.material.albedo_rule import INTERPOLATED_COSINES
 from urushi.material.encode import encoder_codes
 from urushi.material.energy import limit_albedo
@@ -128,7 +128,7 @@ def test_memory_is_the_result_and_some_blocks(operation, model, draw_codes, monk
     block = parallel.ROWS * 256 * 4
     parameters = 2 * 98_304 * (8 + 8 + 4)
     fit = lobe_fit.BLOCK * 192 * len(lobe_fit.GRID) * 8 if operation == "encode" else 0
-    lobes = screening.SAMPLE * INTERPOLATED_COSINES * 6 * 10 * 8
+    lobes = energy.SAMPLE * INTERPOLATED_COSINES * 6 * 10 * 8
     assert peak < size + parameters + 2 * 6 * (block + fit) + lobes
 
 

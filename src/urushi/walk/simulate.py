@@ -1,4 +1,12 @@
-"""BSDF and directional albedo of stacks by random walks: the reference."""
+"""BSDF and directional albedo of stacks by random walks: the reference.
+
+The option `energy_compensation` of coats gives light back that a rough surface loses. A surface
+scatters light once; light that meets a second facet is lost. L(w) is the share that the topmost
+surface loses over a white base (`core.albedos.surface_loss`). The lobe
+C L(wi) L(wo) / (pi L_mean) gives it back (Kulla and Conty 2017). C is the colour of coat and
+bottom. A mirror loses less than a Lambertian base: its light leaves the coat as steeply as it
+entered. The plugins have the same lobe (`mitsuba.plugins.estimates`).
+"""
 
 import functools
 from dataclasses import replace
@@ -9,14 +17,15 @@ import numpy as np
 import numpy.typing as npt
 
 from urushi import checks
-from urushi.checks import Widths
-from urushi.core import appearance
+from urushi.checks import CoatParameters, Widths
+from urushi.core import albedos, appearance
+from urushi.core.appearance import coated_color
 from urushi.core.mixture import Mixture
+from urushi.core.namespace import NUMPY
 from urushi.errors import ParameterError
 from urushi.walk import slabs, walk
 from urushi.walk.bottoms import Bottom
 from urushi.walk.bottoms.dielectric import Dielectric, Reflector
-from urushi.walk.compensation import Compensation
 from urushi.walk.interface import flip
 from urushi.walk.monte_carlo import average, backend, per_channel
 from urushi.walk.stack import Coat, Stack
@@ -180,7 +189,7 @@ def albedo(
     return found, se
 
 
-def compensation(stack: Stack) -> Compensation:
+def compensation(stack: Stack) -> "Compensation":
     """The lobe of the light that the topmost surface loses; what lies below it is measured."""
     rest = Stack(stack.coats[1:] or (Coat(eta=1.0),), stack.bottom)
     rest = replace(rest, coats=(replace(rest.coats[0], energy_compensation=False), *rest.coats[1:]))
@@ -226,3 +235,35 @@ def _sample_outgoing(layers: Any, wi: Any, rng: Any, narrow: float) -> tuple[Any
     choice, *u = rng.next_float32(), rng.next_float32(), rng.next_float32()
     wo = mixture.sample(wi, choice, u)
     return wo, mixture.pdf(wi, wo)
+
+
+class Compensation:
+    """The lobe of a stack's topmost coat.
+
+    below: (3,) directional albedo, at the normal, of what lies under the coat.
+    mirrored: the share of this light that is mirrored.
+    """
+
+    def __init__(self, stack: Stack, below: np.ndarray, mirrored: float):
+        top = stack.coats[0]
+        alpha, eta = top.alpha, np.broadcast_to(top.eta, 3)
+        if isinstance(alpha, Widths):
+            alpha = np.sqrt(0.5 * (np.square(alpha.u) + np.square(alpha.v)))
+        medium = (np.asarray(x) for x in (top.albedo, top.sigma_t, top.g))
+        self._color = coated_color(CoatParameters(alpha, eta, *medium), below, NUMPY)
+        self._losses = [
+            albedos.surface_loss(float(a), float(e), mirrored)
+            for a, e in zip(np.broadcast_to(alpha, 3), eta, strict=True)
+        ]
+
+    def albedo(self, cosine: np.ndarray) -> np.ndarray:
+        """What the lobe adds to the directional albedo at cosines (N,), (N, 3)."""
+        return self._color * np.stack([lost(cosine) for lost, _ in self._losses], axis=-1)
+
+    def f(self, wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
+        """The lobe [1/sr] (N, 3) for unit vectors (N, 3); 0 below the horizon."""
+        lobes = [
+            lost(wi[:, 2]) * lost(wo[:, 2]) / max(np.pi * mean, 1e-5) for lost, mean in self._losses
+        ]
+        above = (wi[:, 2:] > 0) & (wo[:, 2:] > 0)
+        return np.where(above, self._color * np.stack(lobes, axis=-1), 0)

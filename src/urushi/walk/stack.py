@@ -149,7 +149,7 @@ def coat(
             0.8. `urushi.core.appearance` has the equations.
         thickness: factor of the optical depth, zero or more.
         energy_compensation: whether light that meets a second facet of the surface is given back,
-            so that a white coat over white reflects all light (`urushi.walk.compensation`). The
+            so that a white coat over white reflects all light (`urushi.walk.simulate`). The
             option of a coat under another coat has no effect.
 
     Raises:

@@ -7,8 +7,8 @@ the parameters of a surface that is known by them.
 f has the bits that it has without gradients. It has the derivative of the decoded codes, which
 are computed within the ranges of the parameters, so that f need not be their value. Integrators
 evaluate a picture without derivatives first; no code is decoded then. A table by light transport
-has slopes of its own by every number that carries a gradient (`material.table_slopes`), and codes
-give the derivatives of the lobe beside it.
+has slopes of its own by every number that carries a gradient (`table_gradients`), and codes give
+the derivatives of the lobe beside it.
 
 Only f is differentiated with respect to codes. Proposals depend on detached codes: as in all of
 Mitsuba's differentiable integrators, samples are fixed while the integrand changes.

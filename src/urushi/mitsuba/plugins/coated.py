@@ -20,10 +20,10 @@ from urushi.mitsuba.plugins.coats import (
     walk_color,
 )
 from urushi.mitsuba.plugins.estimates import Compensation
-from urushi.mitsuba.reading.below import below
-from urushi.mitsuba.reading.dielectrics import (
+from urushi.mitsuba.reading.below import (
     DIELECTRICS,
     LowestInterface,
+    below,
     check_dielectric,
     pane,
 )

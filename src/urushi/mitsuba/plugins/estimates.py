@@ -5,7 +5,7 @@ of a Lambertian bottom under the coat (`core.appearance.coated_albedo`), for the
 bottom at these wavelengths. f is nearly linear in this albedo.
 
 The option `energy_compensation` gives light back that a rough surface loses, by the lobe of
-`walk.compensation`.
+`walk.simulate`.
 """
 
 from typing import Any, ClassVar

@@ -7,11 +7,14 @@ arrays whose parameters are one number per lane. Both register themselves when t
 from collections.abc import Callable, Iterator
 from typing import Any, ClassVar, NamedTuple, Protocol
 
+import drjit as dr
 import numpy as np
 import numpy.typing as npt
 
 from urushi import checks
 from urushi.checks import MIN_ALPHA, Widths
+from urushi.core import microfacet
+from urushi.core.frame import reflect
 
 #: A number, or one number per RGB channel.
 Value = float | tuple[float, float, float]
@@ -198,3 +201,31 @@ def store_alpha(instance: object, alpha: Value | Widths, where: str) -> None:
 def draw_alpha(rng: np.random.Generator, shape: int | tuple[int, ...]) -> np.ndarray:
     """U(0.01^(1/3), 1)^3, in [0.01, 1]."""
     return np.maximum(rng.uniform(MIN_ALPHA ** (1 / 3), 1.0, shape) ** 3, MIN_ALPHA)
+
+
+class Microfacet(Family):
+    """A GGX reflector of one width or two `Widths`."""
+
+    bare: ClassVar[bool] = True
+
+    def __init__(self, alpha: Any) -> None:
+        self.alpha = alpha
+
+    def reflectance(self, cos_m: Any) -> Any:
+        """The Fresnel reflectance, a float or colour, at the cosine wi.m >= 0."""
+        raise NotImplementedError
+
+    def f_pdf(self, wi: Any, wo: Any) -> tuple[Any, Any]:
+        lobe, cos_m = microfacet.reflection_lobe(wi, wo, self.alpha)
+        pdf = lobe * wo.z / microfacet.smith_g1(wo, self.alpha)
+        return lobe * self.reflectance(dr.abs(cos_m)), dr.select(lobe > 0, pdf, 0)
+
+    def sample(self, wi: Any, u0: Any, u1: Any, u2: Any) -> tuple[Any, Any, Any]:
+        m = microfacet.sample_visible_normal(wi, self.alpha, u1, u2)
+        cos_m = dr.dot(wi, m)
+        wo = reflect(wi, m)
+        g1 = microfacet.smith_g1(wo, self.alpha)
+        pdf = microfacet.visible_normal_pdf(wi, m, self.alpha) / (4 * cos_m)
+        valid = wo.z > 0
+        weight = self.reflectance(dr.abs(cos_m)) * dr.select(valid, g1, 0)
+        return wo, weight, dr.select(valid, pdf, 0)

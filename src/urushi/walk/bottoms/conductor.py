@@ -11,6 +11,7 @@ from urushi.core import fresnel
 from urushi.errors import ParameterError
 from urushi.walk.bottoms.bottom import (
     Description,
+    Microfacet,
     Rough,
     Value,
     draw_alpha,
@@ -18,7 +19,6 @@ from urushi.walk.bottoms.bottom import (
     store,
     store_alpha,
 )
-from urushi.walk.bottoms.microfacet import Microfacet
 
 
 @dataclass(frozen=True)

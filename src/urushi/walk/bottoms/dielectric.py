@@ -10,6 +10,7 @@ from urushi.checks import DEFAULT_COAT, LEAST_ETA_BELOW, Widths
 from urushi.core import fresnel
 from urushi.walk.bottoms.bottom import (
     Description,
+    Microfacet,
     Rough,
     Value,
     draw_alpha,
@@ -17,7 +18,6 @@ from urushi.walk.bottoms.bottom import (
     store,
     store_alpha,
 )
-from urushi.walk.bottoms.microfacet import Microfacet
 
 
 @dataclass(frozen=True)

@@ -5,10 +5,16 @@ from types import ModuleType
 import numpy as np
 import pytest
 
-from urushi.core import phase
+from urushi.walk import medium
+from urushi.walk.monte_carlo import backend
 
 NODES = np.polynomial.legendre.leggauss(200)
 ASYMMETRIES = [-0.95, -0.5, -1e-3, -1e-6, 0.0, 1e-8, 9.9e-4, 1.01e-3, 0.3, 0.8, 0.97]
+
+
+@pytest.fixture
+def jit() -> ModuleType:
+    return backend()
 
 
 def cumulative(g: float, cos: np.ndarray) -> np.ndarray:
@@ -24,7 +30,7 @@ def cumulative(g: float, cos: np.ndarray) -> np.ndarray:
 @pytest.mark.parametrize("g", ASYMMETRIES)
 def test_it_is_normalised_and_its_mean_cosine_is_g(jit: ModuleType, g: float) -> None:
     nodes, weights = NODES
-    values = phase.hg(jit.Float(nodes.astype(np.float32)), jit.Float(g)).numpy()
+    values = medium.hg(jit.Float(nodes.astype(np.float32)), jit.Float(g)).numpy()
     # float32 cosines and a peak that is sharp for the largest |g|
     assert 2 * np.pi * np.sum(values * weights) == pytest.approx(1, abs=1e-4)
     assert 2 * np.pi * np.sum(values * weights * nodes) == pytest.approx(g, abs=1e-4)
@@ -33,7 +39,7 @@ def test_it_is_normalised_and_its_mean_cosine_is_g(jit: ModuleType, g: float) ->
 @pytest.mark.parametrize("g", ASYMMETRIES)
 def test_samples_invert_the_distribution_function(jit: ModuleType, g: float) -> None:
     u = np.concatenate([[0, 2**-24, 1 - 2**-24], np.linspace(0, 1, 1001)[:-1]]).astype(np.float32)
-    cos = phase.sample_hg_cosine(jit.Float(g), jit.Float(u)).numpy()
+    cos = medium.sample_hg_cosine(jit.Float(g), jit.Float(u)).numpy()
     assert np.all(np.abs(cos) <= 1)
     # Near the switch to the expansion the closed form loses 1e-7 / 2e-3 = 6e-5 to cancellation; at
     # |g| = 0.97 the density of cosines reaches 1100, and float32 cosines are 6e-8 apart.
@@ -43,11 +49,11 @@ def test_samples_invert_the_distribution_function(jit: ModuleType, g: float) -> 
 def test_the_sampled_cosine_rises_with_u(jit: ModuleType) -> None:
     u = jit.Float(np.linspace(0, 0.999, 300, dtype=np.float32))
     for g in (-0.9, 0.0, 0.5):
-        assert np.all(np.diff(phase.sample_hg_cosine(jit.Float(g), u).numpy()) > 0)
+        assert np.all(np.diff(medium.sample_hg_cosine(jit.Float(g), u).numpy()) > 0)
 
 
 def test_opposite_asymmetries_mirror_each_other(jit: ModuleType) -> None:
     cos = np.linspace(-1, 1, 101, dtype=np.float32)
-    there = phase.hg(jit.Float(cos), jit.Float(0.7)).numpy()
-    back = phase.hg(jit.Float(-cos), jit.Float(-0.7)).numpy()
+    there = medium.hg(jit.Float(cos), jit.Float(0.7)).numpy()
+    back = medium.hg(jit.Float(-cos), jit.Float(-0.7)).numpy()
     assert np.array_equal(there, back)
