@@ -51,9 +51,6 @@ def look_of(given: Container[str], where: str) -> dict[str, float]:
     """`LOOK`, if one of its names is among those that a caller gives; otherwise nothing.
 
     where: begins errors, for example "the coat's".
-
-    Raises:
-        ParameterError: names of both descriptions of a medium are given.
     """
     looks = [name for name in LOOK if name in given]
     physical = [name for name in PHYSICAL if name in given]

@@ -40,9 +40,6 @@ def encode_all(
     Yields:
         (index, result) of each source as it is done: the material, and the source's deviations from
         what a material can represent; or the source's error, which stops none of the others.
-
-    Raises:
-        FileError: the networks are missing.
     """
     models = [model_for(source, weights) for source in sources]
 

@@ -205,9 +205,6 @@ def required_pairs(
     at most 1. For a table, `table.node_pairs` follow, and a Stack has the nodes too.
 
     source: as of `encode`, or the Path of a measured file.
-
-    Raises:
-        ParameterError: materials of the networks, of two widths, have no tables.
     """
     parts = [model.networks.pairs()]
     if table is None:
@@ -231,9 +228,6 @@ def evaluate_source(
     """Values of a source of `encode` for float32 unit vectors (N, 3) above the horizon.
 
     name: begins errors; by default that of the source's type. widths: of the material's networks.
-
-    Raises:
-        ParameterError: as `encode`.
     """
     opened, name = _with_widths(as_source(source), widths), name or source_name(source)
     if isinstance(source, Stack) and not opened.symmetric:
@@ -383,9 +377,6 @@ def encoder_codes(model: Model, f: np.ndarray, lobe: np.ndarray | None = None) -
     """Codes float32 (..., L) that the encoder makes of f (..., P) [1/sr] at its pairs.
 
     lobe: (N,) or (..., N) the lobes of f; None: they are fitted to the values.
-
-    Raises:
-        ParameterError: P is not the number of these pairs.
     """
     values = np.asarray(f, np.float32)
     pairs = len(model.networks.pairs()[0])

@@ -217,11 +217,7 @@ def _below(
 
 
 def _for_networks(model: Model, coat: CoatParameters) -> CoatParameters:
-    """The coat with as many widths as the networks have; two may be equal.
-
-    Raises:
-        ParameterError: it has two, and the networks are for isotropic materials.
-    """
+    """The coat with as many widths as the networks have; two may be equal."""
     if model.widths == 1:
         return coat._replace(alpha=checks.one_width(coat.alpha, "the coat's"))
     if isinstance(coat.alpha, Widths):
@@ -307,11 +303,7 @@ def within_training(coat: CoatParameters) -> CoatParameters:
 
 
 def check_ratios(model: Model, z: np.ndarray, coat: CoatParameters) -> None:
-    """Refuse two widths of coats, or of the lobes of bottoms z (..., L), that differ too much.
-
-    Raises:
-        ParameterError: the ratio of a surface's widths is above `WIDEST`.
-    """
+    """Refuse two widths of coats, or of the lobes of bottoms z (..., L), that differ too much."""
     if model.widths == 1:
         return
     for owner, widths in (("bottom", lobes.width(z[..., : model.arch.lobe])), ("coat", coat.alpha)):

@@ -100,12 +100,7 @@ class Merl(MeasuredSurface):
 
 
 def read(path: Path) -> Merl:
-    """Read a MERL file.
-
-    Raises:
-        FileError: the file has another size than 34,992,012 bytes or another header, or its planes
-            are not finite.
-    """
+    """Read a MERL file."""
     size = path.stat().st_size
     if size != FILE_SIZE:
         kind = "truncated" if size < FILE_SIZE else "too long"

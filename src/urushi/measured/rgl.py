@@ -170,11 +170,7 @@ class Rgl(MeasuredSurface):
 
 
 def read(path: Path) -> Rgl:
-    """Read an RGL file.
-
-    Raises:
-        FileError: as `rgl_file.read` and `Rgl`.
-    """
+    """Read an RGL file."""
     tensors = rgl_file.read(path)
     try:
         return Rgl(tensors)

@@ -78,9 +78,6 @@ def evaluate(
 
     Returns:
         float32 (N, channels).
-
-    Raises:
-        ParameterError: wrong shapes, or directions that are not unit vectors.
     """
     wi, wo = checks.directions(wi, wo)
     result = np.zeros((len(wi), channels), np.float32)

@@ -78,11 +78,7 @@ class Model:
 def checked_parameters(
     params: Params, shapes: Mapping[str, tuple[int, ...]]
 ) -> dict[str, np.ndarray]:
-    """Read-only float32 copies of parameters.
-
-    Raises:
-        ParameterError: a parameter is missing, unknown, of a wrong shape or not finite.
-    """
+    """Read-only float32 copies of parameters."""
     unmatched = sorted(set(shapes) ^ set(params))
     if unmatched:
         state = "missing" if unmatched[0] in shapes else "unknown"
@@ -131,11 +127,7 @@ def save(
 def write_file(
     path: str | os.PathLike, arch: Described, params: Params, header: Mapping[str, Any]
 ) -> None:
-    """Write the networks of any system to a weights file.
-
-    Raises:
-        FileError: the file cannot be written.
-    """
+    """Write the networks of any system to a weights file."""
     description = {
         "version": FORMAT_VERSION,
         "architecture": json.loads(arch.to_json()),
@@ -145,11 +137,7 @@ def write_file(
 
 
 def read(path: str | os.PathLike) -> Model:
-    """Read a weights file that `save` wrote.
-
-    Raises:
-        FileError: as `read_file`.
-    """
+    """Read a weights file that `save` wrote."""
     return read_file(path, KIND, lambda arch, *rest: Model.of(Architecture.from_json(arch), *rest))
 
 
@@ -194,11 +182,7 @@ def shipped_folder() -> Path:
 
 @functools.cache
 def shipped(name: str) -> Model:
-    """The shipped networks `DEFAULT` or `ANISOTROPIC`, loaded once per process.
-
-    Raises:
-        FileError: the file is missing from this installation, or damaged.
-    """
+    """The shipped networks `DEFAULT` or `ANISOTROPIC`, loaded once per process."""
     path = shipped_folder() / f"{name}.safetensors"
     if not path.exists():
         raise FileError(f"Urushi's trained weights '{path}' are missing; install the package again")
@@ -219,9 +203,6 @@ def check_made_with(path: str | os.PathLike, made_with: object, fingerprint: str
     """Refuse a file of codes unless the networks of `fingerprint` made it.
 
     made_with: the fingerprint in the file.
-
-    Raises:
-        FileError: they differ.
     """
     if made_with != fingerprint:
         raise FileError(
@@ -231,11 +212,7 @@ def check_made_with(path: str | os.PathLike, made_with: object, fingerprint: str
 
 
 def model_of_file(path: str | os.PathLike, made_with: object, model: Model | None) -> Model:
-    """The networks of a file of codes: `model`, or for None the shipped ones that made it.
-
-    Raises:
-        FileError: as `check_made_with`.
-    """
+    """The networks of a file of codes: `model`, or for None the shipped ones that made it."""
     if model is None:
         other = anisotropic_model()
         model = other if other.fingerprint == made_with else default_model()

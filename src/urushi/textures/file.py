@@ -19,11 +19,7 @@ KIND, FORMAT_VERSION = "texture", 3
 
 
 def write(path: str | os.PathLike, store: TextureStore, grid: TexelGrid, fingerprint: str) -> None:
-    """Write a texture over `grid` that the networks with this fingerprint have made.
-
-    Raises:
-        FileError: the file cannot be written.
-    """
+    """Write a texture over `grid` that the networks with this fingerprint have made."""
     packed = store.packed
     description = {
         "version": FORMAT_VERSION,

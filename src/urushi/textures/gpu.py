@@ -21,11 +21,7 @@ _DXGI_RGBA8, _VULKAN_RGBA8 = 28, 37
 
 
 def texels(store: TextureStore, grid: TexelGrid) -> Texels:
-    """The layout by which shaders read a texture's codes.
-
-    Raises:
-        ParameterError: it has other than one or three channels.
-    """
+    """The layout by which shaders read a texture's codes."""
     layout, packed = store.layout, store.packed
     if layout.channels not in (1, 3):
         raise ParameterError(

@@ -19,9 +19,6 @@ def f(description: Description, wi: npt.ArrayLike, wo: npt.ArrayLike) -> np.ndar
 
     Returns:
         float32 (N, 3): the BRDF [1/sr], without cosine; zero below the horizon.
-
-    Raises:
-        ParameterError: wrong shapes, or directions that are not unit vectors.
     """
     wi, wo = checks.directions(wi, wo)
     channels = channel_count(description)

@@ -25,11 +25,7 @@ Walk = Callable[..., Any]
 
 @functools.cache
 def backend() -> ModuleType:
-    """The module of Dr.Jit's array types: `drjit.cuda` if there is a GPU, else `drjit.llvm`.
-
-    Raises:
-        PlatformError: there is neither a GPU nor a libLLVM that Dr.Jit can use.
-    """
+    """The module of Dr.Jit's array types: `drjit.cuda` if there is a GPU, else `drjit.llvm`."""
     if dr.has_backend(dr.JitBackend.CUDA):
         return importlib.import_module("drjit.cuda")
     platform.require_llvm()

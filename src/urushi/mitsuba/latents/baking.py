@@ -63,9 +63,6 @@ class Baker:
 
         bottom_changed: whether the bottom may have changed since the last call.
 
-        Raises:
-            ParameterError: a parameter is out of range, or the bottom's values are not a BRDF.
-
         Warns:
             UrushiWarning: codes of a coat outside the networks' training data are rendered.
         """
@@ -144,11 +141,7 @@ class Baker:
 def choose_grid(
     coat: CoatTextures, bottom: "mi.BSDF", model: Model, resolution: int
 ) -> TexelGrid | None:
-    """The grid of a coat's codes over a bottom; None: they are the same everywhere.
-
-    Raises:
-        ParameterError: a texture is not over uv, or the bottom has normals of its own.
-    """
+    """The grid of a coat's codes over a bottom; None: they are the same everywhere."""
     grids.check_normals(bottom, coat.where)
     nested = nested_latents(bottom, model)
     below = {} if nested is not None else {"the nested BSDF": bottom}
@@ -157,11 +150,7 @@ def choose_grid(
 
 
 def check(coat: CoatTextures) -> None:
-    """Check the coat's parameters over uv; the walk clips the others at each point.
-
-    Raises:
-        ParameterError: one is out of range.
-    """
+    """Check the coat's parameters over uv; the walk clips the others at each point."""
     over_uv = {
         name: texture for name, texture in coat.textures.items() if not grids.not_over_uv(texture)
     }

@@ -56,11 +56,7 @@ class BottomCodes:
         self.stored = self._stale = False
 
     def open(self, grid: TexelGrid | None) -> None:
-        """Read the bottom, after each of its changes. If it is constant, it is encoded.
-
-        Raises:
-            ParameterError: a value of the bottom is negative or not finite.
-        """
+        """Read the bottom, after each of its changes. If it is constant, it is encoded."""
         offer = offer_of(self._bottom)
         nested = nested_latents(self._bottom, self._model)
         self.material, self._probed = None, None
@@ -94,9 +90,6 @@ class BottomCodes:
         """Compute the codes that are stored, where texels have changed before the last `open`.
 
         advance: as of `BakedTexture.update`.
-
-        Raises:
-            ParameterError: a value of the bottom is negative or not finite.
         """
         if self._stale and self._baked is not None and self._opened is not None:
             self._baked.update(self._opened, advance)

@@ -163,11 +163,7 @@ class ConstantLatents(_Held):
         return ConstantLatents(Material(material.anchors, material.model))
 
     def save(self, path: str | os.PathLike) -> None:
-        """Write a file that `neural_brdf` and `urushi.load` read.
-
-        Raises:
-            FileError: it cannot be written.
-        """
+        """Write a file that `neural_brdf` and `urushi.load` read."""
         self.material.save(path)
 
     def __str__(self) -> str:
@@ -223,11 +219,7 @@ class TexturedLatents(_Held):
         return self
 
     def save(self, path: str | os.PathLike) -> None:
-        """Write a file that `neural_brdf` reads.
-
-        Raises:
-            FileError: it cannot be written.
-        """
+        """Write a file that `neural_brdf` reads."""
         file.write(path, self._store, self.grid, self.model.fingerprint)
 
     def __str__(self) -> str:

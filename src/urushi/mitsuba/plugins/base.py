@@ -142,11 +142,7 @@ def define_proposal_bsdf() -> type:
                 self._update(keys)
 
         def _update(self, keys):
-            """Follow a change of the parameters that `traverse` lists.
-
-            Raises:
-                ParameterError: a value is out of range.
-            """
+            """Follow a change of the parameters that `traverse` lists."""
 
         def _check_changeable(self):
             """Refuse, by a ParameterError, changes while a frozen function is recorded."""

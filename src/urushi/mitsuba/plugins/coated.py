@@ -107,12 +107,7 @@ def define_coated(base: type, label: str) -> type:
                 self.bottom_lobes = nested.bottom_lobes if coated else BottomLobes(self.bottom)
 
         def _prepare_slab(self):
-            """Set the index below, and refuse slabs through which light goes straight, a delta.
-
-            Raises:
-                ParameterError: an index of a thin slab is a texture, all are 1, or that of the
-                    lowest interface is out of range.
-            """
+            """Set the index below, and refuse slabs through which light goes straight, a delta."""
             index = None if self.lowest is None else self.lowest.index / self._coat.outside
             self._transmit(index)
             textured = any(coat.has_textured_eta for coat in self.coats)
@@ -150,7 +145,7 @@ def define_coated(base: type, label: str) -> type:
         def _f(self, vertex, ctx, si, wo, active):
             def evaluated(si, wo, active):
                 if self._coat.has_rotation:
-                    turn = Turn(*self._coat.turn(si, active))
+                    turn = Turn.of(self._coat.textures["rotation"].eval_1(si, active))
                     si, wo = turn.interaction(si), turn.inside(wo)
 
                 def value(color, channel=None):
@@ -183,7 +178,9 @@ def define_coated(base: type, label: str) -> type:
                 mixture = coats.proposal(self.bottom_lobes, si.wi.z)
             if not self._coat.has_rotation:
                 return mixture
-            return TurnedMixture(mixture, Turn(*self._coat.turn(si, active)))
+            return TurnedMixture(
+                mixture, Turn.of(self._coat.textures["rotation"].eval_1(si, active))
+            )
 
         def traverse(self, callback):
             self._coat.traverse(callback, mi.ParamFlags.NonDifferentiable)

@@ -321,6 +321,11 @@ class Turn(NamedTuple):
     sin: Any
     cos: Any
 
+    @classmethod
+    def of(cls, degrees):
+        """The turn by an angle [degrees]."""
+        return cls(*dr.sincos(degrees * (dr.pi / 180)))
+
     def inside(self, w):
         """A direction of the shape's frame, in the turned frame."""
         return type(w)(self.cos * w.x + self.sin * w.y, self.cos * w.y - self.sin * w.x, w.z)

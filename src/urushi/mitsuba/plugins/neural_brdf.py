@@ -13,7 +13,7 @@ from urushi.mitsuba.latents.gradients import DifferentiableLatents
 from urushi.mitsuba.latents.holders import ConstantLatents, TexturedLatents
 from urushi.mitsuba.plugins.base import read_weights, resolve
 from urushi.mitsuba.plugins.coats import Turn
-from urushi.mitsuba.reading.parameters import Rotation
+from urushi.mitsuba.reading.parameters import opaque
 from urushi.mitsuba.recording import owned
 from urushi.textures import file
 
@@ -88,8 +88,9 @@ def define(base: type) -> type:
                     f"{self._where}: '{self._filename}' has {self.latents.channels} channels; "
                     "only materials of one or three can be rendered"
                 )
-
-            self._rotation = Rotation(props, angle)
+            self._angle, given = opaque(angle), "rotation" in props
+            self._rotation = props.get_unbounded_texture("rotation", 0.0) if given else None
+            self._turned = self.model.widths == 2 and (given or angle != 0)
 
         def under(self, coat):
             """See `reading.below.Coatable`: a material below the medium of a coat, if both are
@@ -103,11 +104,14 @@ def define(base: type) -> type:
             return under
 
         def _turn(self, si, active):
-            turned = self.model.widths == 2 and self._rotation.present
-            return Turn(*self._rotation.turn(si, active)) if turned else None
+            if not self._turned:
+                return None
+            given = 0 if self._rotation is None else self._rotation.eval_1(si, active)
+            return Turn.of(self._angle + given)
 
         def traverse(self, callback):
-            self._rotation.traverse(callback)
+            if self._rotation is not None:
+                callback.put("rotation", self._rotation, mi.ParamFlags.Differentiable)
             if self._tensor is not None:
                 callback.put("latents", self._tensor, mi.ParamFlags.Differentiable)
 

@@ -169,7 +169,11 @@ def define(base: type) -> type:
             return self._compensation.completed(f, si, wo, active) if self._compensation else f, pdf
 
         def _turn(self, si, active):
-            return Turn(*self._coat.turn(si, active)) if self._coat.has_rotation else None
+            return (
+                Turn.of(self._coat.textures["rotation"].eval_1(si, active))
+                if self._coat.has_rotation
+                else None
+            )
 
         def _estimates(self, si, active):
             if not mi.is_spectral or self.latents.grid is None:

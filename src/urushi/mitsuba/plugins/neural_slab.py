@@ -41,11 +41,7 @@ def define(base: type) -> type:
             self._tabulate()
 
         def _tabulate(self):
-            """Compute the tables.
-
-            Raises:
-                ParameterError: a parameter is out of range, or no table has it.
-            """
+            """Compute the tables."""
             reason = None
             coats, lowest = self.coats, self.lowest
             if any(x.is_anisotropic for x in (*coats, lowest) if x) or any(

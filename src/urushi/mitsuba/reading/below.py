@@ -167,11 +167,7 @@ def index_of(bsdf: "mi.BSDF") -> float:
 
 
 def check_dielectric(bsdf: "mi.BSDF", where: str) -> None:
-    """Refuse dielectrics that are no interfaces of the walk.
-
-    Raises:
-        ParameterError: it is tinted, or its facets are not GGX's.
-    """
+    """Refuse dielectrics that are no interfaces of the walk."""
     name = DIELECTRICS[bsdf.class_name()]
     tints = [tint for tint in nested_objects(bsdf) if tint.startswith("specular")]
     if tints:

@@ -40,9 +40,6 @@ def choose(
         nested: the grid of the bottom's codes, if it has one.
         resolution: texels per side; 0 to choose it from the textures.
         where: start of errors and warnings.
-
-    Raises:
-        ParameterError: a texture is not a function of uv.
     """
     grids = [nested] if nested else []
     for name, part in parts.items():

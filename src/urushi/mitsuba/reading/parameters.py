@@ -61,11 +61,7 @@ class CoatTextures:
     DRJIT_STRUCT: ClassVar = {"textures": dict, "opaque_eta": object}  # for frozen functions
 
     def __init__(self, props: "mi.Properties"):
-        """Read the properties.
-
-        Raises:
-            ParameterError: a property is missing, out of range or of a wrong kind.
-        """
+        """Read the properties."""
         self.where = describe(props)
         defaults = DEFAULTS | look_of(props, f"{self.where}:")
         medium = LOOK if "color" in defaults else PHYSICAL
@@ -166,11 +162,7 @@ class CoatTextures:
         }
 
     def layering(self, uv: np.ndarray) -> CoatParameters:
-        """The coat at points uv (M, 2): arrays of `table`, alpha maybe `Widths`.
-
-        Raises:
-            ParameterError: a value is out of range.
-        """
+        """The coat at points uv (M, 2): arrays of `table`, alpha maybe `Widths`."""
         table: dict[str, Any] = self.table(uv)
         for name in (*LOOK, *NUMBERS):
             table.pop(name, None)
@@ -186,9 +178,6 @@ class CoatTextures:
         coat may have: `LOOK`, `thickness` and `rotation` (M, 1).
 
         unknown: names of parameters that are no functions of uv; they are left out.
-
-        Raises:
-            ParameterError: a value is out of range.
         """
         si = spectrum.points(uv)
 
@@ -238,11 +227,6 @@ class CoatTextures:
             return None
         return float(texture.eval_1(dr.zeros(mi.SurfaceInteraction3f)).numpy()[0])
 
-    def turn(self, si, active) -> tuple["mi.Float", "mi.Float"]:
-        """Sine and cosine of the angle from the shape's tangent to the coat's; needs `rotation`."""
-        degrees = self.textures["rotation"].eval_1(si, active)
-        return dr.sincos(degrees * (dr.pi / 180))
-
     @property
     def has_textured_eta(self) -> bool:
         """Whether `int_ior` is a texture; `opaque_eta` is 1 / ext_ior then."""
@@ -264,11 +248,7 @@ class CoatTextures:
             callback.put("ext_eta", self.above.opaque_eta, flags)
 
     def parameters_changed(self) -> None:
-        """Check `eta`, which `mi.traverse` may have changed.
-
-        Raises:
-            ParameterError: it is out of range.
-        """
+        """Check `eta`, which `mi.traverse` may have changed."""
         if not self.has_textured_eta:
             checks.eta(self.eta, f"{self.where}: eta")
         dr.make_opaque(self.opaque_eta)
@@ -314,29 +294,6 @@ class CoatTextures:
         return texture
 
 
-class Rotation:
-    """The rotation of a tangent: a texture, read from a plugin's properties, and a fixed angle."""
-
-    def __init__(self, props: "mi.Properties", angle: float = 0.0):
-        """angle: [degrees] added to the texture."""
-        self._angle = opaque(angle)
-        given = "rotation" in props
-        self._texture = props.get_unbounded_texture("rotation", 0.0) if given else None
-        self.present = angle != 0 or self._texture is not None
-
-    def turn(self, si, active) -> tuple["mi.Float", "mi.Float"]:
-        """Sine and cosine of the angle."""
-        degrees = self._angle
-        if self._texture is not None:
-            degrees = degrees + self._texture.eval_1(si, active)
-        return dr.sincos(degrees * (dr.pi / 180))
-
-    def traverse(self, callback) -> None:
-        """List the texture for `mi.traverse`."""
-        if self._texture is not None:
-            callback.put("rotation", self._texture, mi.ParamFlags.Differentiable)
-
-
 def _coloured(props: "mi.Properties") -> tuple[str, ...]:
     """The names of the widths that are given as colours or spectra, not as numbers or textures."""
     colors = mi.Properties.Type.Color, mi.Properties.Type.Spectrum
@@ -345,11 +302,7 @@ def _coloured(props: "mi.Properties") -> tuple[str, ...]:
 
 
 def index_of_refraction(props: "mi.Properties", name: str, default: str, where: str) -> float:
-    """The index of refraction that a property gives as a number or as Mitsuba's name of a material.
-
-    Raises:
-        ParameterError: neither a number nor a known name.
-    """
+    """The index of refraction that a property gives as a number or by Mitsuba's name of it."""
     value = props.get(name, default)
     if isinstance(value, int | float) and not isinstance(value, bool):
         return float(value)
@@ -385,9 +338,6 @@ def nested_bsdf(props: "mi.Properties", *, optional: bool = False) -> Any:
     Listing the objects resets Mitsuba's record of which properties were read.
 
     optional: return None if there is none.
-
-    Raises:
-        ParameterError: there is none, or more than one.
     """
     found = [
         (name, value)
@@ -407,11 +357,7 @@ def nested_bsdf(props: "mi.Properties", *, optional: bool = False) -> Any:
 
 
 def check_bottom(bsdf: "mi.BSDF", where: str) -> None:
-    """Refuse BSDFs that cannot be coated: those that transmit light or have a delta lobe.
-
-    Raises:
-        ParameterError: the BSDF transmits, or has a delta lobe.
-    """
+    """Refuse BSDFs that cannot be coated: those that transmit light or have a delta lobe."""
     flags, has = bsdf.flags(), mi.has_flag
     if has(flags, mi.BSDFFlags.Transmission) or has(flags, mi.BSDFFlags.Null):
         raise ParameterError(

@@ -187,11 +187,7 @@ def needed_averaging(
 
 
 def check_values(f: np.ndarray, where: str) -> np.ndarray:
-    """Return f.
-
-    Raises:
-        ParameterError: a value is negative or not finite; the error begins with `where`.
-    """
+    """Return f; refuse a value that is negative or not finite."""
     if not (np.isfinite(f) & (f >= 0)).all():
         raise ParameterError(
             f"{where}: the nested BSDF returns a negative or non-finite value; "
