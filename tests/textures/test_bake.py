@@ -69,7 +69,7 @@ def test_texels_that_share_nothing_equal_those_that_share(model, layered_rows, m
     }
 
     def table(start, stop):
-        return {name: values[start:stop] for name, values in coat.items()}
+        return CoatParameters(**{name: values[start:stop] for name, values in coat.items()})
 
     def bottom(start, stop):
         return hashes[start:stop], lambda texel, channel: codes[start:stop][texel, channel]
