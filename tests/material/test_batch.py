@@ -5,8 +5,7 @@ import pytest
 
 import urushi
 from urushi.errors import FileError, ParameterError
-from urushi.material.batch import encode_all
-from urushi.material.encode import encode
+from urushi.material.encode import encode, encode_all
 from urushi.nets import weights
 from urushi.nets.architecture import Architecture, init
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from urushi.errors import FileError, ParameterError
-from urushi.material.batch import encode_all
+from urushi.material.encode import encode_all
 from urushi.measured import Rgl, load_measured
 from urushi.measured.rgl import MIN_COSINE, srgb_weights
 from urushi.measured.tabulated import evaluate

@@ -8,6 +8,7 @@ which coats are layered, is the encoder's own code, or a code near those for unu
 
 import functools
 import warnings
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -15,7 +16,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from urushi.core.error_metrics import DARK_OFFSET, energy_weight
-from urushi.errors import ParameterError, UrushiWarning
+from urushi.errors import ParameterError, UrushiError, UrushiWarning
 from urushi.material import energy
 from urushi.material.albedo_rule import AlbedoRule, albedo_rule
 from urushi.material.fit import probe_features, refine_codes
@@ -25,7 +26,7 @@ from urushi.material.simulated import fit_to_walks
 from urushi.material.source import Source, as_source, simulated, source_name
 from urushi.material.symmetry import Deviations, deviations_of, is_anisotropic, symmetrise
 from urushi.material.table import node_pairs, table_of_values
-from urushi.measured import is_anisotropic_file
+from urushi.measured import load_measured
 from urushi.nets import lobe as lobes
 from urushi.nets.interface_fit import find_lobes
 from urushi.nets.weights import Model, Weights, anisotropic_model, find
@@ -123,8 +124,6 @@ def model_for(source: Any, weights: Weights | None = None) -> Model:
         return find(weights)
     if isinstance(source, Material):
         return anisotropic_model() if source.model.widths == 2 else find(None)
-    if isinstance(source, Path):  # whoever encodes it may not be able to read it here
-        return anisotropic_model() if is_anisotropic_file(source) else find(None)
     name = source_name(source)
     anisotropic = is_anisotropic(as_source(source), lambda f, count: _checked(f, name, count))
     return anisotropic_model() if anisotropic else find(None)
@@ -153,26 +152,40 @@ def encode_source(
         return material, deviations_of(opened, widths=model.widths)
     pairs = required_pairs(source, model, table)
     found = evaluate_source(source, *pairs, name, widths=model.widths)
-    return encode_found(source, found, model, refine=refine), found.deviations
-
-
-def encode_found(
-    source: Any, found: SourceValues, model: Model, *, refine: bool | None = None
-) -> Material:
-    """The material of a source's values at `required_pairs`; refine: as of `encode`.
-
-    It has a table if the values at the table's nodes are among them. The code of a Stack is fitted
-    to more of its simulated values.
-    """
     count = len(required_pairs(None, model, table=False)[0])
     values, at_table = found.values[:count], found.values[count:]
     fitted = True if refine is None and found.measured else refine
     material = material_from_values(values, model, refine=fitted, lobe=found.lobe)
     if len(at_table):
         material = replace(material, table=table_of_values(at_table))
-    if refine is False or not isinstance(source, Stack):
-        return material
-    return fit_to_walks(material, functools.partial(simulated, source))
+    if refine is not False and isinstance(source, Stack):
+        material = fit_to_walks(material, functools.partial(simulated, source))
+    return material, found.deviations
+
+
+def encode_all(
+    sources: Sequence[Any],
+    *,
+    weights: Weights | None = None,
+    refine: bool | None = None,
+    table: bool | None = None,
+) -> Iterator[tuple[int, tuple[Material, Deviations] | UrushiError]]:
+    """Encode many BRDFs, one after the other.
+
+    sources: each a Path of a measured BRDF, or else what `encode` takes, as the other arguments.
+
+    Yields:
+        (index, result) of each source: the material and the source's deviations, or the source's
+        error, which stops none of the others.
+    """
+    weights = None if weights is None else find(weights)
+    for index, source in enumerate(sources):
+        try:
+            opened = load_measured(source) if isinstance(source, Path) else source
+            model = model_for(opened, weights)
+            yield index, encode_source(opened, model, refine=refine, table=table)
+        except UrushiError as error:
+            yield index, error
 
 
 def material_of_lobes(lobe: np.ndarray, model: Model, channels: int = 3) -> Material:
@@ -204,12 +217,11 @@ def required_pairs(
     source, which limits the material's albedo. A Stack is not simulated at the nodes: its albedo is
     at most 1. For a table, `table.node_pairs` follow, and a Stack has the nodes too.
 
-    source: as of `encode`, or the Path of a measured file.
+    source: as of `encode`.
     """
     parts = [model.networks.pairs()]
     if table is None:
-        table = model.widths == 1
-        table = table and (isinstance(source, Path) or as_source(source).tabulated)
+        table = model.widths == 1 and as_source(source).tabulated
     if table and model.widths != 1:
         raise ParameterError(
             "materials of these networks cannot have tables; give table=False or other networks"

@@ -7,9 +7,9 @@ from urushi.errors import FileError, ParameterError
 from urushi.measured import merl, rgl, rgl_file
 from urushi.measured.merl import Merl
 from urushi.measured.pigments import pigment
-from urushi.measured.rgl import Rgl, is_anisotropic_file
+from urushi.measured.rgl import Rgl
 
-__all__ = ["Merl", "Rgl", "is_anisotropic_file", "load_measured", "pigment"]
+__all__ = ["Merl", "Rgl", "load_measured", "pigment"]
 
 
 def load_measured(path: str | os.PathLike) -> Merl | Rgl:

@@ -178,14 +178,6 @@ def read(path: Path) -> Rgl:
         raise FileError(f"cannot use '{path}': {error}") from error
 
 
-def is_anisotropic_file(path: Path) -> bool:
-    """Whether a file is a material of this format with more azimuths than an isotropic one has."""
-    try:
-        return rgl_file.read(path, ["phi_i"])["phi_i"].size > RELATIVE_AZIMUTHS
-    except (FileError, OSError, KeyError):
-        return False
-
-
 def _check_structure(tensors: dict[str, np.ndarray]) -> np.ndarray:
     """Check names, types and shapes; return the measured tensor."""
     expected = dict(TENSORS)

@@ -7,7 +7,6 @@ from the start of the file, uint64 shape[].
 
 import math
 import struct
-from collections.abc import Collection
 from dataclasses import dataclass
 from pathlib import Path
 from typing import BinaryIO
@@ -40,8 +39,8 @@ class _Field:
     end: int
 
 
-def read(path: Path, names: Collection[str] | None = None) -> dict[str, np.ndarray]:
-    """Return the arrays `names`, or all, by name.
+def read(path: Path) -> dict[str, np.ndarray]:
+    """Return the arrays by name.
 
     Sizes are checked against the size of the file before memory is allocated, so that all arrays
     together are never larger than the file.
@@ -66,8 +65,7 @@ def read(path: Path, names: Collection[str] | None = None) -> dict[str, np.ndarr
             raise reader.damaged(f"it claims {count} fields")
         fields = [_field(reader) for _ in range(count)]
         _check_places(fields, file.tell(), reader)
-        wanted = [field for field in fields if names is None or field.name in names]
-        return {field.name: _array(file, field, reader) for field in wanted}
+        return {field.name: _array(file, field, reader) for field in fields}
 
 
 class _Reader:

@@ -48,7 +48,7 @@ class Encode:
     """Weights file of the networks. Default: the shipped ones."""
 
     def run(self) -> int:
-        from urushi.material.batch import encode_all
+        from urushi.material.encode import encode_all
 
         if self.refine and self.no_refine:
             raise ParameterError(
