@@ -19,8 +19,8 @@ class Encode:
     """Encode BRDFs into material files: one latent code per colour channel.
 
     A source is a description as in Python, a measured BRDF (a MERL or an RGL file), or a BSDF of a
-    Mitsuba scene file: SCENE.xml#ID, or SCENE.xml if it has only one. Several sources are encoded
-    in parallel. If one cannot be encoded, the others still are.
+    Mitsuba scene file: SCENE.xml#ID, or SCENE.xml if it has only one. If one of several sources
+    cannot be encoded, the others still are.
 
     Example: urushi encode "conductor(alpha=0.2, r0=(0.98, 0.77, 0.34))" -o gold.safetensors
 
