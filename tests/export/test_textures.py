@@ -13,6 +13,7 @@ from urushi.app.cli import main
 from urushi.errors import ParameterError
 from urushi.export.program import codes_text
 from urushi.nets import weights
+from urushi.nets.sampler import mixture_pdf
 from urushi.nets.weights import Model
 from urushi.textures import file, packing
 from urushi.textures import gpu as texture_files
@@ -153,7 +154,8 @@ def test_look_up_in_opengl(networks_of, request):
             part = codes[start : start + len(uv)]
             start += len(uv)
             np.testing.assert_allclose(result[:, :3], networks.f(part, wi, wo), rtol=1e-4)
-            pdf = networks.proposal(part.mean(axis=1), wi[None]).pdf(wi[None], wo[None])
+            proposal = networks.proposal(part.mean(axis=1), wi[None])
+            pdf = mixture_pdf(*proposal, wi[None], wo[None])
             np.testing.assert_allclose(result[:, 3], pdf, rtol=1e-4)
     assert start == len(codes)
 

@@ -100,14 +100,14 @@ def test_the_proposals_density_is_that_of_its_samples(networks, wi):
     rng = np.random.default_rng(4)
     proposal = networks.proposal(codes(1), wi)
     count = 1 << 18
-    wo = proposal.sample(wi, rng.random((count, 3)).astype(np.float32))
+    wo = sampler.sample_mixture(*proposal, wi, rng.random((count, 3)).astype(np.float32))
     assert (wo[:, 2] >= 0).all()
     # Midpoints in both angles: cells of 2 by 4 milliradians, for lobes of at least 30.
     theta = 0.5 * np.pi * (np.arange(800) + 0.5) / 800
     theta, phi = np.meshgrid(theta, 2 * np.pi * (np.arange(1600) + 0.5) / 1600)
     sin = np.sin(theta)
     grid = np.stack([sin * np.cos(phi), sin * np.sin(phi), np.cos(theta)], axis=-1).reshape(-1, 3)
-    density = proposal.pdf(wi, grid) * (sin.ravel() * np.pi**2 / len(grid))
+    density = sampler.mixture_pdf(*proposal, wi, grid) * (sin.ravel() * np.pi**2 / len(grid))
     assert density.sum() == pytest.approx(1, abs=0.01)
     for moment in (lambda w: w[:, 0] ** 2, lambda w: w[:, 1] ** 2, lambda w: w[:, 0] * w[:, 1]):
         samples = moment(wo)

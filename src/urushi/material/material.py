@@ -16,7 +16,7 @@ from urushi.errors import FileError, ParameterError, UrushiWarning
 from urushi.export.program import material_text
 from urushi.material.table import SHAPE, interpolated
 from urushi.nets import lobe as lobes
-from urushi.nets.networks import LobeProposal
+from urushi.nets.sampler import mixture_pdf, sample_mixture
 from urushi.nets.weights import Model, Weights, find, model_of_file
 from urushi.parallel import fill_blocks
 
@@ -182,7 +182,7 @@ class Material:
         return pdf
 
     def _pdf(self, wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
-        return self._proposal(wi).pdf(wi, wo)[:, None]
+        return mixture_pdf(*self._proposal(wi), wi, wo)[:, None]
 
     def sample(self, wi: npt.ArrayLike, u: npt.ArrayLike) -> tuple[np.ndarray, np.ndarray]:
         """Draw directions wo with a density approximately proportional to f times wo's cosine.
@@ -209,12 +209,12 @@ class Material:
         normal = np.array([0.0, 0.0, 1.0], np.float32)
         raised = np.where(above[:, None], wi, normal)
         proposal = self._proposal(raised)
-        wo = proposal.sample(raised, u)
-        pdf = proposal.pdf(raised, wo)
+        wo = sample_mixture(*proposal, raised, u)
+        pdf = mixture_pdf(*proposal, raised, wo)
         wo, pdf = np.where(above[:, None], wo, normal), np.where(above, pdf, np.float32(0.0))
         return np.concatenate([wo, pdf[:, None]], axis=1)
 
-    def _proposal(self, wi: np.ndarray) -> LobeProposal:
+    def _proposal(self, wi: np.ndarray) -> tuple[Any, Any]:
         return self.model.networks.proposal(self.anchors.mean(axis=0)[None], wi)
 
     def directional_albedo(self, wi: npt.ArrayLike) -> np.ndarray:

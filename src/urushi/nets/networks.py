@@ -14,26 +14,6 @@ from urushi.nets.lobe_fit import fit_lobes
 from urushi.nets.mlp import Params
 
 
-class LobeProposal(NamedTuple):
-    """A mixture of K GGX reflection lobes and a cosine lobe.
-
-    Attributes:
-        weights: (..., K+1), the last the cosine lobe's; they add up to 1.
-        alphas: (..., K) GGX widths, or `Widths` of two such arrays.
-    """
-
-    weights: Any
-    alphas: Any
-
-    def pdf(self, wi: Any, wo: Any) -> Any:
-        """Density (...) [1/sr] of `sample`, see `sampler.mixture_pdf`."""
-        return sampler.mixture_pdf(self.weights, self.alphas, wi, wo)
-
-    def sample(self, wi: Any, u: Any) -> Any:
-        """Directions (..., 3), see `sampler.sample_mixture`."""
-        return sampler.sample_mixture(self.weights, self.alphas, wi, u)
-
-
 class UrushiNetworks(NamedTuple):
     """Encoder, layerer, decoder and sampler of an `Architecture`.
 
@@ -119,6 +99,6 @@ class UrushiNetworks(NamedTuple):
         """
         return derivatives.encode_log(self.params, self.arch, logs)
 
-    def proposal(self, z: Any, wi: Any) -> LobeProposal:
-        """The proposal of codes z (..., L) for wi (..., 3) above the horizon."""
-        return LobeProposal(*sampler.mixture(self.params, self.arch, z, wi))
+    def proposal(self, z: Any, wi: Any) -> tuple[Any, Any]:
+        """`sampler.mixture` of codes z (..., L) for wi (..., 3) above the horizon."""
+        return sampler.mixture(self.params, self.arch, z, wi)

@@ -128,10 +128,7 @@ def test_proposal_agrees_with_numpy(rgb, model, name, hold):
     wi, _ = directions()
     mixture = hold(model, z).vertex(interaction(rgb, wi), rgb.Bool(True)).proposal
     expected = model.networks.proposal(z.mean(axis=0)[None], wi)
-    for ours, theirs in (
-        (mixture.weights, expected.weights),
-        (mixture.alphas, expected.alphas),
-    ):
+    for ours, theirs in zip(mixture, expected, strict=True):
         values = np.stack([np.broadcast_to(x.numpy(), len(wi)) for x in ours], axis=-1)
         # texels: half precision, through a network that multiplies its output by twenty;
         # constant codes: a table that is linear between 129 cosines
