@@ -13,7 +13,7 @@ import numpy as np
 from urushi.checks import MIN_ALPHA
 from urushi.core.albedos import facets_at
 from urushi.core.namespace import Components
-from urushi.material.albedo_rule import AlbedoRule, albedo_rule
+from urushi.material.albedo_rule import AlbedoRule
 from urushi.nets import lobe as lobes
 
 #: Nodes of a Gauss rule, and for eta < 1, where the reflectance has an edge.
@@ -26,9 +26,6 @@ WIDTHS, FINE = 24, 40
 #: Heights and azimuths of the quadrature for lobes of two widths, and lobes measured at once.
 HEIGHTS, TURNS, ANISOTROPIC_BLOCK = 16, 20, 16
 
-#: Greatest number of lobes whose albedos are remembered.
-REMEMBERED_ROWS = 16
-
 
 def lobe_albedos(lobe: np.ndarray, rule: AlbedoRule) -> np.ndarray:
     """Directional albedos (..., D) of lobes (..., 6) or (..., 7) at the directions of a rule.
@@ -38,20 +35,7 @@ def lobe_albedos(lobe: np.ndarray, rule: AlbedoRule) -> np.ndarray:
     angles, and interpolated between.
     """
     rows = np.ascontiguousarray(lobe).reshape(-1, lobe.shape[-1])
-    widths = 1 + (lobe.shape[-1] > len(lobes.LOBE_NUMBERS))
-    shape = (*lobe.shape[:-1], len(rule.cosines))
-    if len(rows) > REMEMBERED_ROWS:
-        return _measured(rows, rule).reshape(shape)
-    return _remembered(rows.tobytes(), rows.dtype.char, widths).reshape(shape)
-
-
-@functools.lru_cache(64)
-def _remembered(rows: bytes, kind: str, widths: int) -> np.ndarray:
-    """`_measured` for the lobes of one material, which are asked for several times."""
-    numbers = len(lobes.NUMBERS[widths])
-    result = _measured(np.frombuffer(rows, kind).reshape(-1, numbers), albedo_rule(widths))
-    result.flags.writeable = False
-    return result
+    return _measured(rows, rule).reshape(*lobe.shape[:-1], len(rule.cosines))
 
 
 def _measured(rows: np.ndarray, rule: AlbedoRule) -> np.ndarray:
