@@ -107,16 +107,6 @@ def test_texels_that_share_nothing_equal_those_that_share(model, layered_rows, m
     np.testing.assert_array_equal(grey[:, 0], grey[:, 2])
 
 
-@pytest.mark.parametrize(("count", "kinds"), [(0, 1), (1, 1), (7, 3), (5000, 50), (5000, 2**40)])
-def test_unique_rows_represent_all_keys(count, kinds):
-    keys = np.random.default_rng(0).integers(kinds, size=count).astype(np.uint64)
-    first, label = bake.unique_rows(keys)
-    np.testing.assert_array_equal(keys[first][label], keys)  # every key has an equal representative
-    assert len(first) == len(set(keys.tolist()))  # no representative occurs twice
-    assert (np.diff(first) > 0).all()
-    np.testing.assert_array_equal(label[first], np.arange(len(first)))
-
-
 def test_only_equal_rows_have_equal_hashes():
     rng = np.random.default_rng(1)
     columns = [rng.integers(4, size=3000).astype(np.float32) for _ in range(4)]

@@ -24,7 +24,7 @@ from urushi.mitsuba.reading import probing
 from urushi.mitsuba.reading.parameters import CoatTextures, check_bottom, nested_bsdf
 from urushi.mitsuba.recording import only_where, owned
 from urushi.mitsuba.register import Room
-from urushi.textures.bake import code_hashes, unique_rows
+from urushi.textures.bake import code_hashes
 from urushi.textures.grid import MIDDLE, TexelGrid
 
 #: Texels whose bottom is evaluated at once: bounds memory.
@@ -168,7 +168,8 @@ def define(base: type) -> dict[str, type]:
             for start in range(0, grid.texels, TEXELS):
                 uv = grid.uv(start, min(start + TEXELS, grid.texels))
                 f = probing.check_values(values(uv), self._coat.where)
-                first, label = unique_rows(code_hashes(f, KEY_BITS).ravel())
+                keys = code_hashes(f, KEY_BITS).ravel()
+                _, first, label = np.unique(keys, return_index=True, return_inverse=True)
                 codes = self.networks.encode(f.reshape(-1, f.shape[-1])[first])
                 parts.append(codes[label].reshape(*f.shape[:2], LATENT))
             return np.concatenate(parts)

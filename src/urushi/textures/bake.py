@@ -99,8 +99,7 @@ class SharedCodes:
 
         texels: (n,) by which `codes_at` counts.
         """
-        first, label = unique_rows(hashes.ravel())
-        keys = hashes.ravel()[first]
+        keys, first, label = np.unique(hashes.ravel(), return_index=True, return_inverse=True)
         place = np.searchsorted(self._keys, keys)
         number = np.zeros(len(keys), np.uint32)
         known = place < len(self._keys)
@@ -108,11 +107,12 @@ class SharedCodes:
         number[known] = self._numbers[place[known]]
         fresh = np.flatnonzero(~known)
         if len(fresh):
+            fresh = fresh[np.argsort(first[fresh])]  # ascending texels
             number[fresh] = len(self._keys) + np.arange(len(fresh), dtype=np.uint32)
             place_in_hashes, channel = np.divmod(first[fresh], hashes.shape[1])
             codes = codes_at(texels[place_in_hashes], channel)
             self._parts.append(codes.astype(np.float16))
-            fresh = fresh[np.argsort(keys[fresh])]
+            fresh = np.sort(fresh)  # ascending keys
             self._keys = np.insert(self._keys, place[fresh], keys[fresh])
             self._numbers = np.insert(self._numbers, place[fresh], number[fresh])
         return number[label].reshape(hashes.shape)
@@ -173,20 +173,3 @@ def rounded_bits(numbers: np.ndarray, kept: int = MANTISSA_BITS) -> np.ndarray:
 def code_hashes(codes: np.ndarray, bits: int = MANTISSA_BITS) -> np.ndarray:
     """`row_hashes` (...) of vectors (..., size)."""
     return row_hashes(list(np.moveaxis(codes, -1, 0)), bits)
-
-
-def unique_rows(keys: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Indices where each distinct key of keys (M,) occurs first, and labels (M,) into these."""
-    ordered = np.sort(keys)
-    if (ordered[1:] != ordered[:-1]).all():
-        return np.arange(len(keys)), np.arange(len(keys))
-    order = np.argsort(keys)  # vectorised, unlike the stable one of np.unique
-    ordered = keys[order]
-    starts = np.flatnonzero(np.append(True, ordered[1:] != ordered[:-1])[: len(keys)])
-    first = np.minimum.reduceat(order, starts)
-    stands = np.zeros(len(keys), bool)
-    stands[first] = True
-    rank = np.cumsum(stands) - 1
-    label = np.empty_like(order)
-    label[order] = np.repeat(rank[first], np.diff(starts, append=len(keys)))
-    return np.flatnonzero(stands), label
