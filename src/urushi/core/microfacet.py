@@ -71,6 +71,13 @@ def pair(alpha):
     return (alpha.u, alpha.v) if isinstance(alpha, Widths) else (alpha, alpha)
 
 
+def of_widths(function, *values):
+    """A function of numbers, for each of two widths if one of the values is `Widths`."""
+    if not any(isinstance(value, Widths) for value in values):
+        return function(*values)
+    return Widths(*(function(*axis) for axis in zip(*map(pair, values), strict=True)))
+
+
 def product(alpha):
     """The product of the two GGX widths, which is the square of one."""
     u, v = pair(alpha)

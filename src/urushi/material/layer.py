@@ -10,6 +10,7 @@ import numpy.typing as npt
 from urushi import checks
 from urushi.checks import CoatParameters, Widths
 from urushi.core.appearance import described
+from urushi.core.microfacet import of_widths
 from urushi.errors import ParameterError
 from urushi.material.coated_table import coated_table
 from urushi.material.encode import encode
@@ -85,7 +86,7 @@ def layer(
         )
     bottom = _below(under(bottom, top.eta), weights, refine, isinstance(top.alpha, Widths))
     coat = CoatParameters(
-        top.alpha.map(np.asarray) if isinstance(top.alpha, Widths) else np.asarray(top.alpha),
+        of_widths(np.asarray, top.alpha),
         checks.eta(top.eta, "the coat's eta"),
         *described(
             "the coat's",
@@ -284,10 +285,7 @@ def within_training(coat: CoatParameters) -> CoatParameters:
     """
     if (coat.eta == 1).any():
         smooth = functools.partial(np.where, coat.eta == 1, checks.MIN_ALPHA)
-        widths = coat.alpha
-        coat = coat._replace(
-            alpha=widths.map(smooth) if isinstance(widths, Widths) else smooth(widths)
-        )
+        coat = coat._replace(alpha=of_widths(smooth, coat.alpha))
     g = np.clip(coat.g, *checks.TRAINED_G)
     if np.array_equal(g, coat.g) and np.max(coat.sigma_t) <= DEEPEST:
         return coat

@@ -20,6 +20,7 @@ from urushi import checks
 from urushi.checks import CoatParameters, Widths
 from urushi.core import albedos, appearance
 from urushi.core.appearance import coated_color
+from urushi.core.microfacet import of_widths
 from urushi.core.mixture import Mixture
 from urushi.core.namespace import NUMPY
 from urushi.errors import ParameterError
@@ -227,10 +228,7 @@ def _sample_outgoing(layers: Any, wi: Any, rng: Any, narrow: float) -> tuple[Any
     alpha, _ = layers.interface(dr.uint32_array_t(type(wi.z))(0))
     # Light that was scattered below leaves in a lobe wider than the top interface's. The root of
     # alpha lies between a narrow lobe and the cosine lobe.
-    widths = [
-        alpha.map(width) if isinstance(alpha, Widths) else width(alpha)
-        for width in (lambda alpha: narrow * alpha, dr.sqrt)
-    ]
+    widths = [of_widths(width, alpha) for width in (lambda alpha: narrow * alpha, dr.sqrt)]
     mixture = Mixture([1 / 3] * 3, widths)
     choice, *u = rng.next_float32(), rng.next_float32(), rng.next_float32()
     wo = mixture.sample(wi, choice, u)

@@ -15,8 +15,7 @@ from typing import Any
 
 import drjit as dr
 
-from urushi.checks import Widths
-from urushi.core import microfacet
+from urushi.core.microfacet import of_widths
 from urushi.core.namespace import DRJIT, Namespace
 from urushi.walk import interface, walk
 from urushi.walk.bottoms.dielectric import Reflector
@@ -61,11 +60,7 @@ class Slab:
         alpha, eta = self._coats.interface(dr.minimum(index, self.count - 1))
         lowest = index == self.count
         eta = dr.select(lowest, self._lowest.eta, eta)
-        if isinstance(alpha, Widths) or isinstance(self._lowest.alpha, Widths):
-            pairs = zip(microfacet.pair(self._lowest.alpha), microfacet.pair(alpha), strict=True)
-            alpha = Widths(*(dr.select(lowest, a, b) for a, b in pairs))
-        else:
-            alpha = dr.select(lowest, self._lowest.alpha, alpha)
+        alpha = of_widths(lambda a, b: dr.select(lowest, a, b), self._lowest.alpha, alpha)
         return alpha, dr.select(self._turned, 1 / eta, eta)
 
     def medium(self, index: Any) -> tuple[Any, Any, Any]:

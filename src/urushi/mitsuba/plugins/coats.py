@@ -3,7 +3,7 @@
 import copy
 import functools
 import operator
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from typing import Any, ClassVar, NamedTuple
 
 import drjit as dr
@@ -19,6 +19,7 @@ from urushi.checks import (
     Widths,
 )
 from urushi.core import fresnel, microfacet
+from urushi.core.microfacet import of_widths
 from urushi.core.mixture import Mixture
 from urushi.mitsuba.reading import probing
 from urushi.mitsuba.reading.parameters import CoatTextures, opaque
@@ -92,12 +93,12 @@ class CoatStack:
             diffuse += reached * (1 - passed) * _mean(coat.albedo)
             reached = reached * passed
             cos_i = cos_t
-            blur = _widths_of(
+            blur = of_widths(
                 lambda blur, alpha, eta=eta, stretch=stretch: (
                     blur + stretch * 2 * dr.square((eta - 1) * alpha)
                 ),
                 blur,
-                widths[0] if len(widths) == 1 else _widths_of(_mean, coat.alpha),
+                widths[0] if len(widths) == 1 else of_widths(_mean, coat.alpha),
             )
             stretch *= eta * eta
         for alpha in bottom.alphas:
@@ -139,7 +140,7 @@ class CoatStack:
         reflectance, _ = fresnel.dielectric(cosine, across)
 
         def seen(above, below):
-            return _widths_of(lambda a, b: dr.select(wi.z > 0, a, b), above, below)
+            return of_widths(lambda a, b: dr.select(wi.z > 0, a, b), above, below)
 
         facing = copy.copy(self)
         facing._coats = []
@@ -356,7 +357,7 @@ def _clipped(coat: CoatParameters) -> CoatParameters:
 
 
 def _width_in_range(alpha: Any) -> Any:
-    return _widths_of(lambda alpha: dr.clip(alpha, MIN_ALPHA, 1), alpha)
+    return of_widths(lambda alpha: dr.clip(alpha, MIN_ALPHA, 1), alpha)
 
 
 def _index_in_range(eta: Any, low: float = ETA_RANGE[0]) -> Any:
@@ -366,24 +367,16 @@ def _index_in_range(eta: Any, low: float = ETA_RANGE[0]) -> Any:
 
 def _width_outside(alpha, stretch, blur):
     """The width, seen from outside the stack, of a lobe of width alpha inside it."""
-    return _widths_of(
+    return of_widths(
         lambda alpha, blur: dr.clip(dr.sqrt(stretch * alpha * alpha + blur), MIN_ALPHA, 1),
         alpha,
         blur,
     )
 
 
-def _widths_of(function: Callable[..., Any], *values: Any) -> Any:
-    """A function of numbers, for each of two widths if one of the values is `Widths`."""
-    if not any(isinstance(value, Widths) for value in values):
-        return function(*values)
-    pairs = [microfacet.pair(value) for value in values]
-    return Widths(*(function(*axis) for axis in zip(*pairs, strict=True)))
-
-
 def _at_channel(value: Any, channel: int) -> Any:
     """A channel of a spectrum; a number as it is."""
-    return _widths_of(lambda x: x[channel] if dr.depth_v(x) > 1 else x, value)
+    return of_widths(lambda x: x[channel] if dr.depth_v(x) > 1 else x, value)
 
 
 def _channel_widths(alpha: Any) -> list[Any]:
