@@ -9,11 +9,12 @@ from typing import Any, NamedTuple
 
 import drjit as dr
 
-from urushi.core import microfacet, phase
+from urushi.core import microfacet
 from urushi.core.frame import from_cosine
 from urushi.walk import interface
 from urushi.walk.bottoms import Bottom
 from urushi.walk.interface import flip
+from urushi.walk.medium import hg, sample_hg_cosine
 from urushi.walk.spectral_mis import greatest
 from urushi.walk.walk import Layers
 
@@ -78,7 +79,7 @@ class Scattering:
         """Scattering into w, its density, and the density of the reverse, from -w to -v.w."""
         top, low, inner = self._places(v)
         albedo, _, g = self.layers.medium(v.layer)
-        p = phase.hg(dr.dot(v.w, w), g)
+        p = hg(dr.dot(v.w, w), g)
         f, pdf, reverse = albedo * p / dr.maximum(dr.abs(w.z), 1e-9), p, p
         alpha, eta = self.layers.interface(self.index(0))
         inside, outgoing = flip(-v.w), flip(w)
@@ -120,7 +121,7 @@ class Scattering:
         u = rng.next_float32(), rng.next_float32(), rng.next_float32()
         top, low, inner = self._places(v)
         albedo, _, g = self.layers.medium(v.layer)
-        w = from_cosine(v.w, phase.sample_hg_cosine(g, u[1]), 2 * dr.pi * u[2])
+        w = from_cosine(v.w, sample_hg_cosine(g, u[1]), 2 * dr.pi * u[2])
         weight = albedo
         alpha, eta = self.layers.interface(self.index(0))
         found, part = interface.sample_reflection(flip(-v.w), alpha, 1 / eta, u[1], u[2])

@@ -13,11 +13,12 @@ import numpy as np
 import numpy.typing as npt
 
 from urushi import checks
-from urushi.core import fresnel, microfacet, phase
+from urushi.core import fresnel, microfacet
 from urushi.core.frame import from_cosine, reflect, refract
 from urushi.walk import Stack
 from urushi.walk.bottoms import Bottom
 from urushi.walk.bottoms.dielectric import Reflector
+from urushi.walk.medium import sample_hg_cosine
 from urushi.walk.monte_carlo import average, per_channel
 
 
@@ -91,7 +92,7 @@ def _event(layers: Any, bottom: Bottom, w: Any, layer: Any, depth: Any, rng: Any
     collision = dr.clip(depth - flight * w.z, 0, 1)
     at_bottom = ~collides & down & (layer == layers.count - 1)
 
-    cos_theta = phase.sample_hg_cosine(g, rng.next_float32())
+    cos_theta = sample_hg_cosine(g, rng.next_float32())
     scattered = from_cosine(w, cos_theta, 2 * dr.pi * rng.next_float32())
     survives = rng.next_float32() < albedo
 
