@@ -18,13 +18,12 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from urushi.fan2022 import PaperNetworks
-from urushi.fan2022.adam import compressed
-from urushi.fan2022.architecture import AdamProjection, init
+from urushi.fan2022 import PaperNetworks, layering, preset
+from urushi.fan2022.architecture import init
 from urushi.fan2022.inference import LIGHT_COSINE, direction_inputs, evaluate, layer
-from urushi.fan2022.train import layering, preset
-from urushi.fan2022.train.preset import Palette, PaperPreset
-from urushi.fan2022.train.projection import project_part
+from urushi.fan2022.preset import Palette, PaperPreset
+from urushi.fan2022.projection import compressed
+from urushi.fan2022.training import project_part
 from urushi.nets.mlp import Params
 from urushi.train.data.generate import generate
 from urushi.train.data.spec import DataSpec, Part
@@ -37,7 +36,7 @@ COMPONENTS, PAIRS, WALKS, EPOCHS = 8, 5**4, 256, 400
 VALUE_PAIRS = 4096
 
 
-def small(stacks: int, adam: AdamProjection | None) -> PaperPreset:
+def small(stacks: int, pairs: int) -> PaperPreset:
     """The paper's training with few stacks, which its scale alone would not give."""
 
     def part(name: str, coats: int, count: int, bottom: str = "conductor") -> Part:
@@ -51,7 +50,7 @@ def small(stacks: int, adam: AdamProjection | None) -> PaperPreset:
         part("three-layer", 2, 1),  # not used, as there is no finetuning
     )
     return replace(
-        preset.paper(1e-4, adam),
+        preset.paper(1e-4, pairs),
         data=DataSpec(parts, seed=1, shard=16),
         validation=stacks // 4,
         layering_epochs=EPOCHS,
@@ -113,14 +112,14 @@ def main() -> None:
     )
     parser.add_argument("weights", help="weights file of the kind paper")
     parser.add_argument("--stacks", type=int, default=64)
-    parser.add_argument("--pairs", type=int, help="of Adam's steps; default: Levenberg-Marquardt")
+    parser.add_argument("--pairs", type=int, default=16, help="of a projection's steps")
     options = parser.parse_args()
     model = PaperNetworks.read(options.weights)
-    training = small(options.stacks, options.pairs and AdamProjection(pairs=options.pairs))
+    training = small(options.stacks, options.pairs)
     with tempfile.TemporaryDirectory() as folder:
         store = generate(training.data, Path(folder) / "data.zarr")
         codes = {
-            part.name: project_part(model.params, store, index, 0, training.arch.adam)[0]
+            part.name: project_part(model.params, store, index, training.arch.adam)[0]
             for index, part in enumerate(training.data.parts)
         }
         sets = layering.examples(training, codes)
@@ -129,7 +128,7 @@ def main() -> None:
             state, loss = layering.learn_epoch(state, sets, training, epoch)
         params = {**model.params, **state.params}
         errors = value_errors(params, training, store, sets["validation"])
-    print(f"weights {model.fingerprint}, {options.stacks} stacks, {options.pairs or 'no'} pairs")
+    print(f"weights {model.fingerprint}, {options.stacks} stacks, {options.pairs} pairs")
     spread = sets["validation"].target.std(axis=0).mean()
     held = float(layering.l1_loss(state.params, sets["validation"]))
     print(f"L1 of codes: trained {loss:.4f}, held out {held:.4f}, their spread {spread:.4f}")

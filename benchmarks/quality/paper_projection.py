@@ -9,8 +9,7 @@ network of a weights file, and prints for every projection, as means over the st
   relative to the spread of codes over the stacks. No layering network can predict this part;
 - the processor time for a code, with one thread of BLAS.
 
-Levenberg-Marquardt is run as in training, at 512 of the stack's 4,096 stratified pairs. With the
-default options it takes about five minutes of one core, each further hundred pairs of Adam as much.
+With the default options it takes some minutes of one core, each further hundred pairs five minutes.
 """
 
 import argparse
@@ -21,11 +20,10 @@ import numpy as np
 import threadpoolctl
 
 from urushi.core.direction_sets import stratified_pairs
-from urushi.fan2022 import PaperNetworks, adam, projection
+from urushi.fan2022 import PaperNetworks, projection
 from urushi.fan2022.architecture import AdamProjection
 from urushi.fan2022.inference import LIGHT_COSINE, direction_inputs, evaluate
-from urushi.fan2022.train.preset import Palette
-from urushi.fan2022.train.projection import spread
+from urushi.fan2022.preset import Palette
 from urushi.walk import walk_pairs
 
 #: Stratified pairs of each stack for its projection, and for its errors; walks for each.
@@ -49,16 +47,11 @@ def projections(params, data: tuple[np.ndarray, ...], pairs: list[int]) -> dict[
     """Functions from a seed to codes (S, 32), by name."""
     wi, wo, f = data
 
-    def by_steps(seed: int) -> np.ndarray:
-        at = spread(wi, wo, np.random.default_rng(seed))
-        directions = direction_inputs(*(np.take_along_axis(w, at[..., None], 1) for w in (wi, wo)))
-        return projection.project(params, directions, np.take_along_axis(f, at, 1))[0]
-
-    def by_adam(count: int) -> Project:
+    def of_pairs(count: int) -> Project:
         options, directions = AdamProjection(pairs=count), direction_inputs(wi, wo)
-        return lambda seed: adam.project(params, directions, f, options, seed)[0]
+        return lambda seed: projection.project(params, directions, f, options, seed)[0]
 
-    return {"levenberg-marquardt": by_steps} | {f"adam, {n} pairs": by_adam(n) for n in pairs}
+    return {f"{n} pairs": of_pairs(n) for n in pairs}
 
 
 def main() -> None:
@@ -67,7 +60,9 @@ def main() -> None:
     )
     parser.add_argument("weights", help="weights file of the kind paper")
     parser.add_argument("--stacks", type=int, default=8)
-    parser.add_argument("--pairs", type=int, nargs="*", default=[16, 64], help="of Adam's steps")
+    parser.add_argument(
+        "--pairs", type=int, nargs="*", default=[16, 64], help="of a projection's steps"
+    )
     options = parser.parse_args()
     model = PaperNetworks.read(options.weights)
     data = simulated(options.stacks, PAIRS, WALKS, 1)
@@ -79,7 +74,7 @@ def main() -> None:
 
     def report(name: str, z: np.ndarray, repeated: float, seconds: float) -> None:
         value = np.maximum(evaluate(model.params, z[:, None], directions), 0)
-        difference = adam.compressed(value * cos) - adam.compressed(f * cos)
+        difference = projection.compressed(value * cos) - projection.compressed(f * cos)
         errors = np.abs(value - f).mean(), np.abs(difference).mean()
         print(f"{name:<24}{errors[0]:>9.4f}{errors[1]:>12.5f}{repeated:>10.3f}{seconds:>8.1f}")
 

@@ -25,7 +25,7 @@ from urushi.train.data.generate import generate, make_shard
 from urushi.train.data.spec import DataSpec, Part
 from urushi.train.data.store import Store
 
-#: Direction pairs per stack and walks per pair, as in the preset `quick`.
+#: Direction pairs per stack and walks per pair, as in `quick`, an earlier preset for experiments.
 PAIRS, WALKS = 512, 32
 
 #: Number of timed calls of the compiled loop, after one that compiles.
@@ -92,11 +92,16 @@ def train(folder: Path) -> None:
 
 def measure(store: str, stacks: int) -> None:
     """Print speed and peak memory of the joint stage of `quick`."""
-    from urushi.train import examples, presets, training
+    from urushi.nets.architecture import Architecture
+    from urushi.train import examples, training
+    from urushi.train.optimiser import Schedule
+    from urushi.train.presets import Preset
+    from urushi.train.stages.joint import Joint
 
-    preset = presets.quick()
-    joint = preset.stages[0]
-    depths = examples.load(Store(Path(store), quick_like(stacks)), preset.arch, preset.pairs)
+    joint = Joint(Schedule(steps=20_480, warmup=256, learning_rate=0.02), (36, 160, 44))
+    arch = Architecture(latent=24, decoder=(24, 24), lobes=1, sampler=(16,))
+    preset = Preset("quick", quick_like(stacks), (joint,), pairs=128, arch=arch)
+    depths = examples.load(Store(Path(store), preset.data), preset.arch, preset.pairs)
     params = training.initial(preset, depths)
     learner = joint.learn(params, preset.architectures()[1], depths, preset.seed)
     state = training.begin(preset, 0, params).state

@@ -4,11 +4,10 @@ import numpy as np
 import pytest
 from benchmarks.quality import paper_layering
 
-from urushi.fan2022 import adam
+from urushi.fan2022 import layering, projection
 from urushi.fan2022.architecture import init
 from urushi.fan2022.inference import direction_inputs, evaluate
-from urushi.fan2022.train import layering
-from urushi.fan2022.train.preset import paper
+from urushi.fan2022.preset import paper
 from urushi.train.data.generate import generate
 
 #: Scale of the paper's training.
@@ -32,7 +31,7 @@ def test_held_out_errors_are_those_of_the_stored_values(tmp_path):
     value = np.maximum(evaluate(params, z[:, None], direction_inputs(wi, wo)), 0)
     assert found["L1 projected"] == pytest.approx(np.abs(value - f).mean(), rel=1e-4)
     cos = wo[..., 2]
-    compressed = np.abs(adam.compressed(value * cos) - adam.compressed(f * cos)).mean()
+    compressed = np.abs(projection.compressed(value * cos) - projection.compressed(f * cos)).mean()
     assert found["compressed L1 projected"] == pytest.approx(compressed, rel=1e-4)
     assert set(found) == {
         f"{m} {c}" for m in ("L1", "compressed L1") for c in ("projected", "layered")

@@ -6,8 +6,8 @@ import pytest
 import urushi
 from urushi import fan2022
 from urushi.errors import ParameterError
-from urushi.fan2022 import Material, PaperNetworks, architecture, load, networks
-from urushi.fan2022.architecture import PaperArchitecture, init
+from urushi.fan2022 import Material, PaperNetworks, architecture, load
+from urushi.fan2022.architecture import AdamProjection, PaperArchitecture, init
 from urushi.fan2022.inference import proxy
 
 
@@ -18,7 +18,9 @@ def paper(tmp_path_factory):
     params["evaluation.3.bias"] = params["evaluation.3.bias"] + np.float32(0.3)
     params["proxy.4.weight"] = 20 * params["proxy.4.weight"]
     path = tmp_path_factory.mktemp("paper") / "weights.safetensors"
-    return PaperNetworks(PaperArchitecture(), params, {}).save(path), path
+    return PaperNetworks(PaperArchitecture(AdamProjection(steps=1, pairs=64)), params, {}).save(
+        path
+    ), path
 
 
 def test_blocks_agree_with_numpy(rgb):
@@ -115,14 +117,7 @@ def pairs():
     return (w / np.linalg.norm(w, axis=-1, keepdims=True)).astype(np.float32)
 
 
-@pytest.fixture
-def quick(monkeypatch):
-    """Projections of one step."""
-    project = networks.project
-    monkeypatch.setattr(networks, "project", lambda p, d, f: project(p, d, f, steps=1))
-
-
-def test_a_constant_coat_is_that_of_the_functions(rgb, paper, tmp_path, pairs, quick):
+def test_a_constant_coat_is_that_of_the_functions(rgb, paper, tmp_path, pairs):
     own, path = paper
     bottom = {"type": "diffuse", "reflectance": {"type": "rgb", "value": [0.2, 0.4, 0.6]}}
     coat = {"alpha": 0.2, "int_ior": 1.5, "ext_ior": 1.0, "albedo": 0.5, "sigma_t": 1.0}
@@ -143,7 +138,7 @@ def test_a_constant_coat_is_that_of_the_functions(rgb, paper, tmp_path, pairs, q
     assert np.abs(bsdf.codes.codes[0] - expected.latents).max() > 1e-3
 
 
-def test_a_texture_has_the_constant_coats_of_its_texels(rgb, paper, pairs, quick):
+def test_a_texture_has_the_constant_coats_of_its_texels(rgb, paper, pairs):
     _, path = paper
     texels = np.array([[[0.2], [0.8]]], np.float32)
 
@@ -174,7 +169,7 @@ def test_a_texture_has_the_constant_coats_of_its_texels(rgb, paper, pairs, quick
         ({"weights": None}, "has no weights; give a file"),
     ],
 )
-def test_scenes_that_it_cannot_render_are_refused(rgb, paper, quick, extra, sentence):
+def test_scenes_that_it_cannot_render_are_refused(rgb, paper, extra, sentence):
     _, path = paper
     bsdf = {"type": "fan2022_layered", "weights": str(path), "bottom": {"type": "diffuse"}} | extra
     with pytest.raises(RuntimeError, match=sentence):

@@ -11,9 +11,12 @@ from urushi import fan2022
 from urushi.checks import CoatParameters
 from urushi.errors import FileError, ParameterError
 from urushi.fan2022 import Material, PaperNetworks, networks
-from urushi.fan2022.architecture import PaperArchitecture, init
+from urushi.fan2022.architecture import AdamProjection, PaperArchitecture, init
 from urushi.nets.weights import default_model, find, shipped_folder
 from urushi.train.data.distribution import Extended
+
+#: Projections of two steps, so that tests are quick.
+ARCH = PaperArchitecture(AdamProjection(steps=2, pairs=64))
 
 
 @pytest.fixture(scope="module")
@@ -21,21 +24,14 @@ def paper():
     """Untrained networks whose values are positive nearly everywhere."""
     params = init(3)
     params["evaluation.3.bias"] = params["evaluation.3.bias"] + np.float32(0.5)
-    return PaperNetworks(PaperArchitecture(), params, {})
-
-
-@pytest.fixture
-def quick(monkeypatch):
-    """Projections of two steps."""
-    project = networks.project
-    monkeypatch.setattr(networks, "project", lambda p, d, f: project(p, d, f, steps=2))
+    return PaperNetworks(ARCH, params, {})
 
 
 def grey(wi, wo):
     return np.full(len(wi), 0.3)
 
 
-def test_encode_layer_save_and_load(paper, tmp_path, quick):
+def test_encode_layer_save_and_load(paper, tmp_path):
     bottom = fan2022.encode(grey, paper)
     assert bottom.latents.shape == (1, 32)
     assert fan2022.encode(bottom, paper) is bottom
@@ -45,7 +41,7 @@ def test_encode_layer_save_and_load(paper, tmp_path, quick):
     coated.save(tmp_path / "coated.safetensors")
     loaded = fan2022.load(tmp_path / "coated.safetensors", paper)
     np.testing.assert_array_equal(loaded.latents, coated.latents)
-    other = PaperNetworks(PaperArchitecture(), init(4), {})
+    other = PaperNetworks(ARCH, init(4), {})
     with pytest.raises(FileError, match="does not match the weights"):
         fan2022.load(tmp_path / "coated.safetensors", other)
 
@@ -64,7 +60,7 @@ def test_weights_of_one_system_are_refused_by_the_other(paper, tmp_path):
         urushi.load(tmp_path / "material.safetensors", default_model())
 
 
-def test_errors_are_measured_over_stacks_of_indices_above_one(paper, quick, monkeypatch):
+def test_errors_are_measured_over_stacks_of_indices_above_one(paper, monkeypatch):
     def group(name, indices, coats=0):
         return Group(name, Extended(coats, "dielectric", indices), 2)
 

@@ -7,8 +7,10 @@ import pytest
 
 from urushi.errors import ParameterError
 from urushi.fan2022 import PaperNetworks, architecture, inference
-from urushi.fan2022.architecture import PaperArchitecture, init
+from urushi.fan2022.architecture import AdamProjection, PaperArchitecture, init
 from urushi.fan2022.inference import direction_inputs, evaluate, proxy, value_and_gradient
+
+ARCH = PaperArchitecture(AdamProjection())
 
 
 @pytest.fixture(scope="module")
@@ -56,7 +58,7 @@ def half(p, name, x):
 def test_sizes_are_the_papers():
     assert architecture.parameter_count("evaluation") == 1_074_689
     assert architecture.parameter_count("layering") == 1_954_208
-    shapes = architecture.parameter_shapes(PaperArchitecture())
+    shapes = architecture.parameter_shapes()
     assert shapes["evaluation.0.weight"] == (38, 256)
     assert shapes["evaluation.3.weight"] == (256, 1)
     assert shapes["layering.0.weight"] == (66, 512)
@@ -130,12 +132,12 @@ def test_isotropic_media_stay_and_absorption_does_for_all():
 
 
 def test_weights_survive_a_round_trip_and_other_sizes_are_refused(params, tmp_path):
-    own = PaperNetworks(PaperArchitecture(), params, {"scale": 0.5}).save(tmp_path / "paper")
+    own = PaperNetworks(ARCH, params, {"scale": 0.5}).save(tmp_path / "paper")
     read = PaperNetworks.read(tmp_path / "paper")
-    assert (read.arch, read.fingerprint) == (PaperArchitecture(), own.fingerprint)
+    assert (read.arch, read.fingerprint) == (ARCH, own.fingerprint)
     assert read.header["scale"] == 0.5
     with pytest.raises(ParameterError, match="takes no options"):
         PaperArchitecture.from_json('{"kind": "paper", "latent": 16}')
     with pytest.raises(ParameterError, match="'evaluation.0.bias' is missing"):
         less = {k: v for k, v in params.items() if k != "evaluation.0.bias"}
-        PaperNetworks(PaperArchitecture(), less, {})
+        PaperNetworks(ARCH, less, {})

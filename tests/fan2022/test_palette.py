@@ -5,7 +5,7 @@ import pytest
 
 from urushi.core import direction_sets
 from urushi.errors import FileError, ParameterError
-from urushi.fan2022.train.preset import Palette
+from urushi.fan2022.preset import Palette
 from urushi.train.data.spec import DataSpec, Part
 from urushi.train.data.store import Store
 

@@ -283,11 +283,6 @@ def test_one_command_makes_weights_for_all_others(params, files, tmp_path, capsy
 
     assert model.arch.adam == AdamProjection(pairs=64)
     assert projection("--projection-pairs", "4096") == AdamProjection()
-    other = ["--projection", "levenberg-marquardt"]
-    assert projection(*other) is None
-    wrong = [*other, "--projection-pairs", "64"]
-    assert cli.main(["paper", *paths, "-o", str(output), *wrong]) == 2
-    assert "--projection-pairs needs --projection adam" in capsys.readouterr().err
 
 
 def test_a_file_of_another_network_is_refused(params, files, tmp_path):

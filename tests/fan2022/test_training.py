@@ -10,12 +10,19 @@ import pytest
 from urushi.app.commands.train import find_preset
 from urushi.core.direction_sets import stratified_pairs
 from urushi.errors import ParameterError
-from urushi.fan2022 import Material, adam, networks
+from urushi.fan2022 import (
+    Material,
+    layering,
+    networks,
+    projection,
+    proxy,
+    representation,
+    training,
+)
 from urushi.fan2022.architecture import AdamProjection, init
 from urushi.fan2022.inference import direction_inputs
-from urushi.fan2022.train import layering, projection, proxy, representation
-from urushi.fan2022.train.preset import Palette, paper
-from urushi.fan2022.train.training import train
+from urushi.fan2022.preset import Palette, paper
+from urushi.fan2022.training import train
 from urushi.train.checkpoint import Journal
 from urushi.train.data.generate import generate
 from urushi.walk import analytic
@@ -52,25 +59,25 @@ def test_scale_is_the_share_of_training_samples():
     assert small.decay**small.epochs == pytest.approx(0.9**50)
 
 
-def test_a_projection_by_adam_changes_the_architecture_alone():
-    preset = paper(1e-4, AdamProjection())
-    assert preset.arch.adam == AdamProjection(steps=1000, pairs=4096)
+def test_the_pairs_of_the_projection_change_the_architecture_alone():
+    preset = paper(1e-4, pairs=4096)
+    assert preset.arch.adam == AdamProjection()
     assert replace(preset, arch=paper(1e-4).arch) == paper(1e-4)
     assert preset.to_dict()["arch"] == {"kind": "paper", "adam": {"steps": 1000, "pairs": 4096}}
 
 
-def test_a_part_is_projected_by_adam_as_numpy_does(tmp_path):
+def test_a_part_is_projected_as_numpy_does(tmp_path):
     """At a random fifth of its stratified pairs in each step, and the same again."""
     preset, options = paper(TINY), AdamProjection(steps=4, pairs=16)
     store, params = generate(preset.data, tmp_path / "data.zarr"), init(0)
-    codes, errors = projection.project_part(params, store, 0, options=options)
+    codes, errors = training.project_part(params, store, 0, options)
     assert codes.shape == (preset.data.parts[0].stacks, 32) and np.isfinite(errors).all()
-    again, _ = projection.project_part(params, store, 0, options=options)
+    again, _ = training.project_part(params, store, 0, options)
     np.testing.assert_array_equal(codes, again)
     arrays = store.read_shard(0, 0, ("wi", "wo", "f"))
     directions = direction_inputs(arrays["wi"][:1], arrays["wo"][:1])
-    ours, error = adam.project(params, directions, arrays["f"][:1], options)
-    np.testing.assert_allclose(codes[:1], ours, atol=adam.RATE / 2)
+    ours, error = projection.project(params, directions, arrays["f"][:1], options)
+    np.testing.assert_allclose(codes[:1], ours, atol=projection.RATE / 2)
     np.testing.assert_allclose(errors[:1], error, rtol=1e-3)
 
 
@@ -78,11 +85,9 @@ def test_a_sampler_is_fitted_to_networks_that_came_without_one(monkeypatch):
     """Its proposals depend on the code; the networks are untrained, so that any will do."""
     for name in ("COMPONENTS", "STACKS", "INCOMING"):
         monkeypatch.setattr(proxy, name, 2)
-    project = networks.project
-    monkeypatch.setattr(networks, "project", lambda p, d, f: project(p, d, f, steps=1))
     params = {k: v for k, v in init(0).items() if not k.startswith("proxy.")}
     params["evaluation.3.bias"] = params["evaluation.3.bias"] + np.float32(0.5)
-    fitted, divergence = proxy.fitted_proxy(params)
+    fitted, divergence = proxy.fitted_proxy(params, AdamProjection(steps=1, pairs=64))
     assert set(fitted) == {k for k in init(0) if k.startswith("proxy.")}
     assert 0 < divergence < 0.5  # from nearly constant values to lobes
 
@@ -90,10 +95,9 @@ def test_a_sampler_is_fitted_to_networks_that_came_without_one(monkeypatch):
 def test_scales_out_of_range_or_place_are_refused():
     with pytest.raises(ParameterError, match="scale is 2; it must be in"):
         paper(2)
-    with pytest.raises(ParameterError, match="'quick' has one size; only 'paper' takes a scale"):
-        find_preset("quick", 0.5)
-    with pytest.raises(ParameterError, match="'quick' has no projection; only 'paper' has one"):
-        find_preset("quick", adam=AdamProjection())
+    for option in ({"scale": 0.5}, {"pairs": 64}):
+        with pytest.raises(ParameterError, match="'smoke' takes neither --scale nor"):
+            find_preset("smoke", **option)
 
 
 def test_one_brdf_is_learned_by_heart():
@@ -156,16 +160,6 @@ def test_batches_of_an_epoch_have_one_size_and_leave_out_different_brdfs(tmp_pat
     left_out = [set(range(trained)) - set(run) for run in shown.tolist()]
     assert {len(rest) for rest in left_out} == {trained % 8}  # no BRDF twice in a run
     assert len(set(map(frozenset, left_out))) == runs
-
-
-def test_projection_looks_at_different_pairs_more_of_them_near_highlights():
-    rng = np.random.default_rng(10)
-    wi, wo = (w[None] for w in stratified_pairs(rng, 7**4))
-    at = projection.spread(wi, wo, rng)
-    assert len(set(at[0])) == projection.PAIRS
-    half = wi + wo
-    cos_h = half[0, :, 2] / np.linalg.norm(half[0], axis=-1)
-    assert np.median(cos_h[at[0]]) > np.median(cos_h)
 
 
 def test_layering_examples_join_codes_of_the_right_parts():

@@ -10,8 +10,8 @@ from figures.light.compute import SCENES
 from figures.verdict import compute, costs, errors, fits, methods, plot
 
 from urushi.core import direction_sets, error_metrics
-from urushi.fan2022 import PaperNetworks, networks
-from urushi.fan2022.architecture import PaperArchitecture, init
+from urushi.fan2022 import PaperNetworks
+from urushi.fan2022.architecture import AdamProjection, PaperArchitecture, init
 from urushi.nets.weights import anisotropic_model, default_model
 
 
@@ -95,10 +95,9 @@ def test_networks_are_reciprocal_and_no_method_but_weidlich_and_wilkies_gains_en
     assert laws[methods.WEIER] == pytest.approx(laws[methods.BELCOUR], rel=1e-3)
 
 
-def test_the_papers_system_has_a_row_if_it_has_weights(monkeypatch):
-    project = networks.project
-    monkeypatch.setattr(networks, "project", lambda p, d, f: project(p, d, f, steps=2))
-    untrained = PaperNetworks(PaperArchitecture(), init(3), {})
+def test_the_papers_system_has_a_row_if_it_has_weights():
+    arch = PaperArchitecture(AdamProjection(steps=2, pairs=64))
+    untrained = PaperNetworks(arch, init(3), {})
     found = errors.isotropic(2, untrained, stacks=1, fitted=0)
     assert min(found[methods.PAPER]["E"]) > max(found[methods.NETWORKS]["E"])  # it learned nothing
     found |= {f"interfaces_{n}": found for n in compute.INTERFACES}

@@ -16,11 +16,10 @@ from urushi.app.commands.encode import Encode
 from urushi.app.commands.export import Export
 from urushi.app.commands.layer import Layer
 from urushi.app.commands.materials import Materials
-from urushi.app.commands.paper import Paper
 from urushi.app.commands.recipe import Recipe
 from urushi.app.commands.render import Render, Scene
 from urushi.app.commands.simulate import Simulate
-from urushi.app.commands.train import Data, Train
+from urushi.app.commands.train import Data, Paper, Train
 from urushi.app.commands.view import View
 from urushi.app.doctor import Doctor
 from urushi.errors import UrushiError

@@ -9,7 +9,7 @@ import json
 import math
 from collections.abc import Callable, Iterable
 from dataclasses import asdict, dataclass
-from typing import Any, ClassVar
+from typing import Any
 
 import numpy as np
 
@@ -172,7 +172,7 @@ DIRECTIONS = 6
 
 @dataclass(frozen=True)
 class AdamProjection:
-    """Options of the projection by Adam (`urushi.fan2022.adam`); the authors' by default.
+    """Options of the projection by Adam (`urushi.fan2022.projection`); the authors' by default.
 
     Attributes:
         steps: number of steps, up to a million.
@@ -197,38 +197,28 @@ class PaperArchitecture:
     """The architecture of the paper's networks; their sizes are fixed.
 
     Attributes:
-        adam: how a BRDF is projected to a code. None: by Levenberg-Marquardt, see
-            `urushi.fan2022.projection`. A layering network expects codes of the projection that it
-            was trained with.
+        adam: how a BRDF is projected to a code. A layering network expects codes of the projection
+            that it was trained with.
     """
 
-    adam: AdamProjection | None = None
-    latent: ClassVar[int] = LATENT
+    adam: AdamProjection
 
     def to_json(self) -> str:
         """Return kind and projection as the text of a JSON object."""
-        options = {} if self.adam is None else {"adam": asdict(self.adam)}
-        return json.dumps({"kind": "paper", **options})
+        return json.dumps({"kind": "paper", **asdict(self)})
 
     @classmethod
     def from_json(cls, text: str) -> "PaperArchitecture":
-        """Read the text that `to_json` returns.
-
-        Raises:
-            ParameterError: the text has other entries.
-        """
-        description = json.loads(text)
-        adam = description.pop("adam", None)
-        wrong = adam is not None and (not isinstance(adam, dict) or set(adam) != _ADAM_OPTIONS)
-        if wrong or description != {"kind": "paper"}:
-            raise ParameterError(
-                "the paper's architecture takes no options but the projection; it must be "
-                '{"kind": "paper"} or {"kind": "paper", "adam": {"steps": ..., "pairs": ...}}'
-            )
-        return cls(None if adam is None else AdamProjection(**adam))
-
-
-_ADAM_OPTIONS = {"steps", "pairs"}
+        """Read the text that `to_json` returns; a ParameterError if it has other entries."""
+        match json.loads(text):
+            case {"kind": "paper", "adam": {"steps": steps, "pairs": pairs, **no}, **more} if not (
+                no or more
+            ):
+                return cls(AdamProjection(steps, pairs))
+        raise ParameterError(
+            "the paper's architecture takes no options but the projection; it must be "
+            '{"kind": "paper", "adam": {"steps": ..., "pairs": ...}}'
+        )
 
 
 def _residual(name: str, n: int) -> Skip:
@@ -286,7 +276,7 @@ PROXY = _proxy()
 PARTS = {"evaluation": EVALUATION, "layering": LAYERING, "proxy": PROXY}
 
 
-def parameter_shapes(arch: PaperArchitecture) -> dict[str, tuple[int, ...]]:
+def parameter_shapes() -> Shapes:
     """Return every parameter's shape by name."""
     return {name: shape for part in PARTS.values() for name, shape in shapes(part).items()}
 

@@ -12,7 +12,7 @@ from urushi import checks, files
 from urushi.checks import CoatParameters
 from urushi.errors import FileError, ParameterError, UrushiWarning
 from urushi.fan2022.architecture import LATENT
-from urushi.fan2022.networks import PaperNetworks
+from urushi.fan2022.networks import PaperNetworks, projection_pairs
 from urushi.material.encode import evaluate_source
 from urushi.material.material import FORMAT_VERSION
 from urushi.material.source import source_name
@@ -94,7 +94,7 @@ def load(path: str | os.PathLike, networks: PaperNetworks) -> Material:
 
 
 def encode(source: Any, networks: PaperNetworks) -> Material:
-    """Project a BRDF into codes, one per channel: about a second each, or some minutes by Adam.
+    """Project a BRDF into codes, one per channel; see `PaperNetworks.encode` for the time.
 
     source: as of `urushi.encode`; it is averaged to be isotropic and reciprocal.
 
@@ -107,7 +107,7 @@ def encode(source: Any, networks: PaperNetworks) -> Material:
     """
     if isinstance(source, Material) and source.networks.fingerprint == networks.fingerprint:
         return source
-    found = evaluate_source(source, *networks.pairs())
+    found = evaluate_source(source, *projection_pairs())
     for sentence in found.deviations.warnings():
         warnings.warn(f"encode {source_name(source)}: {sentence}", UrushiWarning, stacklevel=2)
     return Material(networks.encode(found.values.T), networks)

@@ -11,9 +11,7 @@ import numpy as np
 
 from urushi.checks import CoatParameters, one_width
 from urushi.core.direction_sets import stratified_pairs
-from urushi.core.probe_pairs import probe_pairs
 from urushi.errors import ParameterError
-from urushi.fan2022 import adam
 from urushi.fan2022.architecture import LATENT, PaperArchitecture, parameter_shapes
 from urushi.fan2022.inference import (
     GaussianMixture,
@@ -32,12 +30,9 @@ from urushi.walk import analytic
 #: The system that weights files name.
 KIND = "paper"
 
-#: Number of direction pairs at which a BRDF is evaluated for its projection.
-PAIRS = 512
-
-#: The same for a projection by Adam: the authors' number for one step, and eight strata for each
-#: of the four angles.
-ADAM_PAIRS = 4096
+#: Number of direction pairs at which a BRDF is evaluated for its projection: the authors' number
+#: for one step, and eight strata for each of the four angles.
+PAIRS = 4096
 
 #: Number of BRDFs that are projected together; more would not fit into the caches.
 TOGETHER = 4
@@ -52,25 +47,11 @@ MAX_TOPS = 256
 #: Number of codes that are kept, of the BRDFs used last.
 KEPT = 1 << 14
 
-_GOLDEN_ANGLE = np.pi * (3 - np.sqrt(5))
-
 
 @functools.cache
 def projection_pairs() -> tuple[np.ndarray, np.ndarray]:
-    """The probe pairs, each at another azimuth: the evaluation network is not isotropic."""
-    turn = _GOLDEN_ANGLE * np.arange(PAIRS)
-    cos, sin, zero, one = np.cos(turn), np.sin(turn), np.zeros(PAIRS), np.ones(PAIRS)
-    rows = [(cos, -sin, zero), (sin, cos, zero), (zero, zero, one)]
-    rotation = np.moveaxis(np.array(rows), -1, 0)
-    wi, wo = (np.einsum("nij,nj->ni", rotation, w).astype(np.float32) for w in probe_pairs(PAIRS))
-    wi.flags.writeable = wo.flags.writeable = False
-    return wi, wo
-
-
-@functools.cache
-def adam_pairs() -> tuple[np.ndarray, np.ndarray]:
-    """Stratified pairs, as in the training data."""
-    wi, wo = stratified_pairs(np.random.default_rng(0), ADAM_PAIRS)
+    """The pairs at which a BRDF is projected: stratified, as in the training data."""
+    wi, wo = stratified_pairs(np.random.default_rng(0), PAIRS)
     wi.flags.writeable = wo.flags.writeable = False
     return wi, wo
 
@@ -89,7 +70,7 @@ class PaperNetworks:
             ParameterError: a parameter is missing, unknown, of a wrong shape or not finite.
         """
         self.arch, self.header = arch, dict(header)
-        self.params = weights.checked_parameters(params, parameter_shapes(arch))
+        self.params = weights.checked_parameters(params, parameter_shapes())
         self.fingerprint = weights.fingerprint(arch, self.params)
         self._lock = threading.Lock()  # guards the kept codes; not held during projections
         self._kept: dict[bytes, np.ndarray] = {}  # the least recently used first
@@ -114,21 +95,18 @@ class PaperNetworks:
         weights.write_file(path, self.arch, self.params, self.header)
         return self
 
-    def pairs(self) -> tuple[np.ndarray, np.ndarray]:
-        """The pairs at which a BRDF is projected."""
-        return projection_pairs() if self.arch.adam is None else adam_pairs()
-
     def encode(self, f: Any) -> np.ndarray:
-        """Codes (..., 32) by projection: about a second each, or some minutes by Adam.
+        """Codes (..., 32) of values f (..., PAIRS) [1/sr] at `projection_pairs`, by projection.
 
-        Codes are kept, so that equal BRDFs are projected once. Codes of more than `LEVELS`
-        Lambertian BRDFs are interpolated, by Adam alone: its codes vary smoothly with the BRDF.
+        A projection takes two seconds for 16 pairs in a step, some minutes for 4,096. Codes are
+        kept, so that equal BRDFs are projected once. Codes of more than `LEVELS` Lambertian BRDFs
+        are interpolated: they vary smoothly with the BRDF.
         """
         values = np.asarray(f, np.float32)
-        directions = direction_inputs(*self.pairs())[None]
+        directions = direction_inputs(*projection_pairs())[None]
         rows = values.reshape(-1, directions.shape[1])
         grey = np.ptp(rows, axis=1) <= 1e-4 * rows.max(axis=1)  # but for rounding
-        if self.arch.adam is None or np.count_nonzero(grey) <= LEVELS:
+        if np.count_nonzero(grey) <= LEVELS:
             grey[:] = False
         codes = np.empty((len(rows), LATENT), np.float32)
         codes[~grey] = self._projected(directions, rows[~grey])
@@ -170,9 +148,7 @@ class PaperNetworks:
 
     def _project(self, directions: np.ndarray, f: np.ndarray) -> np.ndarray:
         """Codes (M, 32) of BRDFs f (M, P)."""
-        if self.arch.adam is None:
-            return project(self.params, directions, f)[0]
-        return adam.project(self.params, directions, f, self.arch.adam)[0]
+        return project(self.params, directions, f, self.arch.adam)[0]
 
     def layer(self, z_bottom: np.ndarray, coat: CoatParameters) -> np.ndarray:
         """Codes (..., 32) by the layering network, whose inputs include the interface's code.
@@ -230,7 +206,7 @@ class PaperNetworks:
 
     def encode_bare(self, kind: str, columns: dict[str, np.ndarray]) -> np.ndarray:
         """Codes (S, 32) of bare surfaces; kind, columns (S,): as of `analytic.rows`."""
-        wi, wo = self.pairs()
+        wi, wo = projection_pairs()
         count = len(columns["alpha"])
         row = np.repeat(np.arange(count, dtype=np.uint32), len(wi))
         wi, wo = np.tile(wi, (count, 1)), np.tile(wo, (count, 1))

@@ -14,7 +14,7 @@ from urushi.errors import ParameterError, PlatformError
 from urushi.fan2022.architecture import LATENT
 from urushi.fan2022.kernels import PaperDecoder, PaperSampler
 from urushi.fan2022.material import Material, encode, load
-from urushi.fan2022.networks import PaperNetworks
+from urushi.fan2022.networks import PaperNetworks, projection_pairs
 from urushi.mitsuba import spectrum
 from urushi.mitsuba.latents.bottoms import KEY_BITS
 from urushi.mitsuba.latents.lookup import drawn_texel, texel_draw
@@ -161,7 +161,7 @@ def define(base: type) -> dict[str, type]:
                 return below.codes if below.grid == MIDDLE else _read(below, grid)
             if grid == MIDDLE or not grids.varying_textures(self._bottom):
                 return encode(self._bottom, self.networks).latents[None]
-            pairs = self.networks.pairs()
+            pairs = projection_pairs()
             average = probing.needed_averaging(self._bottom, *pairs, grid, self._coat.where)
             values = partial(probing.texel_values, self._bottom, *pairs, average=average)
             parts = []

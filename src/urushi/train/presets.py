@@ -2,7 +2,7 @@
 
 import json
 from collections.abc import Callable
-from dataclasses import asdict, dataclass, field, replace
+from dataclasses import asdict, dataclass, field
 from typing import Any
 
 from urushi.core.probe_pairs import ANISOTROPIC_PROBES
@@ -71,10 +71,6 @@ def _soap(steps: int) -> Schedule:
     )
 
 
-#: Sizes of the networks of experiments.
-SMALL = Architecture(latent=24, decoder=(24, 24), lobes=1, sampler=(16,))
-
-
 def default() -> Preset:
     """Networks with an analytic lobe for the whole domain.
 
@@ -139,46 +135,6 @@ def anisotropic() -> Preset:
     )
 
 
-def quick() -> Preset:
-    """Mostly Table 2, and enough of everything else to be usable: for experiments.
-
-    Command: `urushi train --preset quick`
-    Time: 17 minutes on two cores (data 3.5, joint and sampling 13).
-    Expected of `benchmarks.evaluation`: Table 2, two interfaces, E mean 1.0 %, P median 0.8 %.
-    """
-    pairs, walks = 512, 32
-    parts = (
-        Part("table2", Table2(1), 20_480, pairs, walks),
-        Part("conductor", Extended(1, "conductor", "whole"), 3_072, pairs, walks),
-        Part("complex", Extended(1, "conductor_complex", "whole"), 2_048, pairs, walks),
-        Part("diffuse", Extended(1, "diffuse", "whole"), 3_072, pairs, walks),
-        Part("mixture", Extended(1, "mixture", "whole"), 5_120, pairs, walks),
-        Part("table2-twice", Table2(2), 2_560, pairs, walks),
-        Part("conductor-twice", Extended(2, "conductor", "whole"), 1_024, pairs, walks),
-        Part("diffuse-twice", Extended(2, "diffuse", "whole"), 1_024, pairs, walks),
-        Part("mixture-twice", Extended(2, "mixture", "whole"), 1_024, pairs, walks),
-        Part("bare-diffuse", Extended(0, "diffuse"), 512, pairs, 1),
-        Part("bare-mixture", Extended(0, "mixture"), 4_096, pairs, 1),
-        *validation(),
-    )
-    stacks, coated = (36, 160, 44), (512, 128)
-    joint = Schedule(steps=20_480, warmup=256, learning_rate=0.02, checkpoint_every=1_024)
-    sampling = Schedule(steps=8_000, warmup=200, learning_rate=0.01, checkpoint_every=4_000)
-    return Preset(
-        name="quick",
-        data=DataSpec(parts, seed=1),
-        stages=(
-            Joint(joint, stacks),
-            Layering(_soap(4_096), coated),
-            Decoding(_soap(2_048), stacks),
-            Layering(_soap(2_048), coated, seed_offset=2, name="relayering"),
-            Sampling(sampling),
-        ),
-        pairs=128,
-        arch=SMALL,
-    )
-
-
 def smoke() -> Preset:
     """A five-hundredth of `default`, to check that everything runs.
 
@@ -204,14 +160,20 @@ def smoke() -> Preset:
             Layering(brief, coated, seed_offset=2, name="relayering"),
             Sampling(Schedule(steps=128, warmup=16, learning_rate=0.01, average=0.95)),
         ),
-        arch=replace(SMALL, encoder=(64, 64), layerer=(64, 64, 64)),
+        arch=Architecture(
+            latent=24,
+            decoder=(24, 24),
+            encoder=(64, 64),
+            layerer=(64, 64, 64),
+            lobes=1,
+            sampler=(16,),
+        ),
     )
 
 
 _PRESETS: dict[str, Callable[[], Preset]] = {
     "default": default,
     "anisotropic": anisotropic,
-    "quick": quick,
     "smoke": smoke,
 }
 

@@ -1,8 +1,9 @@
-"""`urushi data` and `urushi train`: training data and training."""
+"""`urushi data`, `train` and `paper`: training data, training, and published networks."""
 
+import hashlib
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any
 
 import tyro
 
@@ -11,52 +12,28 @@ from urushi.errors import ParameterError
 from urushi.ranges import Pairs, Share
 
 if TYPE_CHECKING:
-    from urushi.fan2022.architecture import AdamProjection
-    from urushi.fan2022.train.preset import PaperPreset
+    from urushi.fan2022.preset import PaperPreset
     from urushi.train.presets import Preset
-
-ProjectionName = Literal["levenberg-marquardt", "adam"]
 
 
 def find_preset(
-    name: str, scale: float | None = None, adam: "AdamProjection | None" = None
+    name: str, scale: float | None = None, pairs: int | None = None
 ) -> "Preset | PaperPreset":
-    """The training preset of a name; the others are for "paper", see `fan2022.train.preset.paper`.
+    """The training preset of a name; the others are for "paper", see `fan2022.preset.paper`.
 
     Raises:
         ParameterError: there is no such preset, or it takes no scale or projection.
     """
-    from urushi.fan2022.train.preset import paper
+    from urushi.fan2022.preset import paper
     from urushi.train import presets
 
     if name == "paper":
-        return paper(1.0 if scale is None else scale, adam)
-    if scale is not None and name in presets.NAMES:
-        raise ParameterError(f"the preset '{name}' has one size; only 'paper' takes a scale")
-    if adam is not None and name in presets.NAMES:
-        raise ParameterError(f"the preset '{name}' has no projection; only 'paper' has one")
-    if name not in presets.NAMES:
+        return paper(scale or 1.0, pairs or 16)
+    if scale or pairs:
         raise ParameterError(
-            f"there is no preset '{name}'; choose one of {', '.join((*presets.NAMES, 'paper'))}"
+            f"the preset '{name}' takes neither --scale nor --projection-pairs; only 'paper' does"
         )
     return presets.get(name)
-
-
-def adam_projection(name: ProjectionName, pairs: int | None) -> "AdamProjection | None":
-    """The options of a projection by name; None is Levenberg-Marquardt.
-
-    Raises:
-        ParameterError: the number of pairs is out of range, or given without Adam.
-    """
-    from urushi.fan2022.architecture import AdamProjection
-
-    if name == "adam":
-        return AdamProjection() if pairs is None else AdamProjection(pairs=pairs)
-    if pairs is not None:
-        raise ParameterError(
-            "--projection-pairs needs --projection adam; give both, or leave it out"
-        )
-    return None
 
 
 @dataclass(frozen=True)
@@ -69,15 +46,14 @@ class Train:
     """
 
     preset: str = "default"
-    """Name of the preset: default, anisotropic (two GGX widths), quick (for experiments), smoke
-    (half a minute, a check that training runs), or paper (the system of Fan et al. 2022)."""
+    """Name of the preset: default, anisotropic (two GGX widths), smoke (half a
+    minute, a check that training runs), or paper (the system of Fan et al. 2022)."""
     scale: Share | None = None
     """Only for the preset "paper": fraction of its training samples to use, in (0, 1]. 4e-5 takes
     about half an hour on two cores."""
-    projection: ProjectionName = "levenberg-marquardt"
-    """Only for the preset "paper": how BRDFs are projected to codes. adam is the authors' way."""
     projection_pairs: Pairs | None = None
-    """Only for the projection adam: direction pairs in each of its 1,000 steps. Default: 4096."""
+    """Only for the preset "paper": direction pairs in each of the 1,000 steps of a projection.
+    Default: 16; the authors' number is 4096."""
     data: Path | None = None
     """Store of training data (.zarr). Default: runs/PRESET/data.zarr."""
     run_folder: Path | None = None
@@ -89,12 +65,11 @@ class Train:
 
     def run(self) -> int:
         platform.require_extra("train")
-        from urushi.fan2022.train import training as paper_training
-        from urushi.fan2022.train.preset import PaperPreset
+        from urushi.fan2022 import training as paper_training
+        from urushi.fan2022.preset import PaperPreset
         from urushi.train import training
 
-        adam = adam_projection(self.projection, self.projection_pairs)
-        preset = find_preset(self.preset, self.scale, adam)
+        preset = find_preset(self.preset, self.scale, self.projection_pairs)
         files: dict[str, Any] = {
             "data": self.data,
             "out": self.output,
@@ -124,7 +99,7 @@ class Data:
     output: Annotated[Path, tyro.conf.arg(aliases=["-o"])]
     """Store to write (.zarr)."""
     preset: str = "default"
-    """Training preset whose data are simulated: default, anisotropic, quick, smoke or paper."""
+    """Training preset whose data are simulated: default, anisotropic, smoke or paper."""
     scale: Share | None = None
     """Only for the preset "paper": fraction of its training samples, as for `urushi train`."""
 
@@ -135,4 +110,55 @@ class Data:
         preset = find_preset(self.preset, self.scale)
         store = generate(preset.data, self.output)
         print(f"{self.output}  {store.hash()}")
+        return 0
+
+
+@dataclass(frozen=True)
+class Paper:
+    """Convert the published PyTorch networks of Fan et al. 2022 into a weights file.
+
+    PyTorch is not needed, and no code in the files is executed. docs/published.md lists what the
+    files may hold.
+
+    Example: urushi paper RepreNetwork.pth LayeringNetwork.pth -o published.safetensors
+    """
+
+    representation: tyro.conf.Positional[Path]
+    """File of the representation (evaluation) network (.pth)."""
+    layering: tyro.conf.Positional[Path]
+    """File of the layering network (.pth)."""
+    output: Annotated[Path, tyro.conf.arg(aliases=["-o"])]
+    """Weights file to write (.safetensors)."""
+    projection_pairs: Pairs = 64
+    """Direction pairs in each of the 1,000 steps by which a BRDF is projected to a code. 64 take
+    some seconds for each channel, the authors' 4096 some minutes."""
+    fit_sampler: bool = False
+    """Train a sampling network, a few minutes. Default: directions are drawn by the cosine."""
+
+    def run(self) -> int:
+        if self.fit_sampler:
+            platform.require_extra("train")
+        from urushi.fan2022 import PaperNetworks, published
+        from urushi.fan2022.architecture import AdamProjection, PaperArchitecture
+
+        params = published.networks(self.representation, self.layering)
+        sampler = published.cosine_proxy()
+        adam = AdamProjection(pairs=self.projection_pairs)
+        if self.fit_sampler:
+            from urushi.fan2022.proxy import fitted_proxy
+
+            fitted, divergence = fitted_proxy(params, adam)
+            sampler = dict(fitted)
+            print(f"proxy divergence  {divergence:.4g}")
+        files = {"representation": self.representation, "layering": self.layering}
+        header = {
+            "published": {
+                name: {"file": path.name, "sha256": hashlib.sha256(path.read_bytes()).hexdigest()}
+                for name, path in files.items()
+            },
+            "sampler": "fitted" if self.fit_sampler else "cosine",
+        }
+        arch = PaperArchitecture(adam)
+        networks = PaperNetworks(arch, {**params, **sampler}, header).save(self.output)
+        print(f"{self.output}  {networks.fingerprint}")
         return 0

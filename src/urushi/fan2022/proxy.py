@@ -8,11 +8,11 @@ import jax.numpy as jnp
 import numpy as np
 import optax
 
-from urushi.fan2022.architecture import PaperArchitecture, init
+from urushi.fan2022.architecture import AdamProjection, PaperArchitecture, init
 from urushi.fan2022.inference import direction_inputs, evaluate, layer, proxy
 from urushi.fan2022.networks import PaperNetworks
+from urushi.fan2022.preset import Palette
 from urushi.fan2022.published import cosine_proxy
-from urushi.fan2022.train.preset import Palette
 from urushi.nets.mlp import Params
 
 #: Bins on each side of the square around the unit disk of projected half vectors.
@@ -119,17 +119,19 @@ def learn(params: Params, data: Histograms) -> tuple[Params, float]:
     return trained, float(losses[-1])
 
 
-def fitted_proxy(params: Mapping[str, np.ndarray], seed: int = 0) -> tuple[Params, float]:
+def fitted_proxy(
+    params: Mapping[str, np.ndarray], adam: AdamProjection, seed: int = 0
+) -> tuple[Params, float]:
     """Train a proxy on stacks whose codes the networks predict; returns its divergence too.
 
-    Dielectrics and conductors of Table 2 are projected, by Levenberg-Marquardt, and layered. The
-    proxy learns from the conductors and the stacks, as in `learn`.
+    Dielectrics and conductors of Table 2 are projected and layered. The proxy learns from the
+    conductors and the stacks, as in `learn`.
 
-    params: of the evaluation and the layering network.
+    params: of the evaluation and the layering network. adam: how they are projected.
     """
     source = Palette(1, components=COMPONENTS, stacks=STACKS, seed=seed)
     top, below, albedo, sigma_t = source.parts(slice(0, STACKS))
-    networks = PaperNetworks(PaperArchitecture(), {**params, **cosine_proxy()}, {})
+    networks = PaperNetworks(PaperArchitecture(adam), {**params, **cosine_proxy()}, {})
     codes = {}
     for kind in ("dielectric", "conductor"):
         bare = Palette(0, kind, COMPONENTS, STACKS, seed)

@@ -8,7 +8,7 @@ import numpy as np
 import optax
 
 from urushi.fan2022.inference import layer
-from urushi.fan2022.train.preset import Palette, PaperPreset
+from urushi.fan2022.preset import Palette, PaperPreset
 from urushi.nets.mlp import Params
 
 RULE = optax.scale_by_adam()

@@ -13,7 +13,7 @@ import optax
 
 from urushi.fan2022.architecture import FIRST_LATENT, LATENT
 from urushi.fan2022.inference import direction_inputs, evaluate
-from urushi.fan2022.train.preset import PaperPreset
+from urushi.fan2022.preset import PaperPreset
 from urushi.nets.mlp import Params
 from urushi.train.data.store import Store
 

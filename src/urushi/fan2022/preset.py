@@ -1,7 +1,7 @@
 """The paper's set of materials, and the preset of its training, at full or smaller scale."""
 
 import json
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass
 from typing import Any, ClassVar
 
 import numpy as np
@@ -102,6 +102,7 @@ class PaperPreset:
     Attributes:
         name: the value of `--preset`.
         scale: share of the paper's number of training samples.
+        arch: the architecture, with the projection.
         data: parts "conductor", "dielectric", "two-layer" and "three-layer".
         validation: number of two-layer BRDFs, the last ones, that are not trained on.
         epochs, decay: passes over the two-layer BRDFs, and the factor on both rates after each.
@@ -114,11 +115,11 @@ class PaperPreset:
         proxy_materials, proxy_incoming: materials that the sampling proxy learns from, and
             incoming directions over which their histograms are averaged.
         seed: of the initial weights and of the order of the examples.
-        arch: the architecture, with the projection.
     """
 
     name: str
     scale: float
+    arch: PaperArchitecture
     data: DataSpec
     validation: int
     epochs: int
@@ -136,7 +137,6 @@ class PaperPreset:
     finetuning_rate: float = 3e-4
     rows: int = 64
     seed: int = 0
-    arch: PaperArchitecture = field(default_factory=PaperArchitecture)
 
     def part(self, name: str) -> Part:
         return next(part for part in self.data.parts if part.name == name)
@@ -147,14 +147,14 @@ class PaperPreset:
         return asdict(self) | {"data": self.data.to_dict(), "arch": arch}
 
 
-def paper(scale: float = 1.0, adam: AdamProjection | None = None) -> PaperPreset:
+def paper(scale: float = 1.0, pairs: int = 16) -> PaperPreset:
     """Neural Layered BRDFs (Fan et al. 2022), trained as published or at a smaller scale.
 
     `scale` is the share of the paper's 2.3e11 training samples: BRDFs and epochs shrink by its
     fourth root, direction pairs by its square root. The total decay of the rates stays the same.
     The latents' rate is raised by the inverse square root of scale, at most a hundredfold, because
-    the latents would otherwise stay near their initial value in the few steps. `adam`: project by
-    Adam with these options, in training and in the weights file; None: by Levenberg-Marquardt.
+    the latents would otherwise stay near their initial value in the few steps. `pairs`: of each
+    step of the projection, in training and later; the authors' number is 4,096.
 
     Command: `urushi train --preset paper --scale 4e-5`
     Time: at most 25 minutes on two cores at that scale, 214 at 8e-4, 40 hours of a GPU at 1.
@@ -168,12 +168,12 @@ def paper(scale: float = 1.0, adam: AdamProjection | None = None) -> PaperPreset
     def shrunk(count: int, least: int) -> int:
         return max(least, round(count * fourth))
 
-    pairs = max(3, round(25 * scale**0.125)) ** 4
+    stratified = max(3, round(25 * scale**0.125)) ** 4
     components, stacks, epochs = shrunk(300, 4), shrunk(12_720, 16), shrunk(50, 1)
 
     def part(name: str, coats: int, count: int, bottom: str = "conductor") -> Part:
         source = Palette(coats, bottom, components, stacks)
-        return Part(name, source, count, pairs, 256 if coats else 1, "stratified")
+        return Part(name, source, count, stratified, 256 if coats else 1, "stratified")
 
     parts = (
         part("conductor", 0, components),
@@ -184,7 +184,8 @@ def paper(scale: float = 1.0, adam: AdamProjection | None = None) -> PaperPreset
     return PaperPreset(
         name="paper",
         scale=scale,
-        data=DataSpec(parts, seed=1, shard=max(1, min(256, SHARD_PAIRS // pairs))),
+        arch=PaperArchitecture(AdamProjection(pairs=pairs)),
+        data=DataSpec(parts, seed=1, shard=max(1, min(256, SHARD_PAIRS // stratified))),
         validation=shrunk(720, 4),
         epochs=epochs,
         decay=0.9 ** (50 / epochs),
@@ -194,5 +195,4 @@ def paper(scale: float = 1.0, adam: AdamProjection | None = None) -> PaperPreset
         finetuning_epochs=shrunk(100, 2),
         proxy_materials=shrunk(1_024, 4),
         proxy_incoming=max(4, round(1_600 * scale**0.5)),
-        arch=PaperArchitecture(adam),
     )

@@ -1,5 +1,6 @@
 """The whole training of the paper's networks, from data to a weights file."""
 
+import functools
 import os
 import time
 from collections.abc import Mapping
@@ -11,17 +12,21 @@ import jax
 import numpy as np
 from tqdm import tqdm
 
-from urushi.fan2022.architecture import LATENT, init
+from urushi.fan2022 import layering, projection, proxy, representation
+from urushi.fan2022.architecture import LATENT, AdamProjection, init
+from urushi.fan2022.inference import direction_inputs
 from urushi.fan2022.networks import PaperNetworks
-from urushi.fan2022.train import layering, proxy, representation
-from urushi.fan2022.train.preset import PaperPreset
-from urushi.fan2022.train.projection import project_part
+from urushi.fan2022.preset import PaperPreset
+from urushi.nets.mlp import Params
 from urushi.train import training
 from urushi.train.checkpoint import Checkpoint, Journal
 from urushi.train.data.generate import generate
 from urushi.train.data.store import Store
 
 STAGES = ("representation", "layering", "proxy")
+
+#: BRDFs that are projected together, and their pairs in one step, at most: bounds memory.
+TOGETHER, ROWS = 16, 1 << 13
 
 
 def train(
@@ -131,9 +136,47 @@ def projected(params: Mapping[str, Any], preset: PaperPreset, store: Store) -> d
     """Codes and errors of all parts, by name."""
     arrays: dict[str, Any] = {}
     for index, part in enumerate(preset.data.parts):
-        codes, errors = project_part(params, store, index, preset.seed, preset.arch.adam)
+        codes, errors = project_part(params, store, index, preset.arch.adam, preset.seed)
         arrays |= {f"codes.{part.name}": codes, f"error.{part.name}": errors}
     return arrays
+
+
+def project_part(
+    params: Mapping[str, Any], store: Store, part: int, options: AdamProjection, seed: int = 0
+) -> tuple[np.ndarray, np.ndarray]:
+    """Codes (S, 32) of a part's BRDFs and their mean absolute errors (S,) [1/sr]."""
+    described = store.spec.parts[part]
+    together = max(1, min(TOGETHER, ROWS // min(options.pairs, described.pairs)))
+    at = projection.draws(options, described.pairs, seed)
+    found = []
+    with tqdm(total=described.stacks, desc=f"project {described.name}", disable=None) as progress:
+        for shard in range(store.spec.shard_count(described)):
+            arrays = store.read_shard(part, shard, ("wi", "wo", "f"))
+            for start in range(0, len(arrays["f"]), together):
+                wi, wo, f = (arrays[name][start : start + together] for name in ("wi", "wo", "f"))
+                count, missing = len(f), ((0, together - len(f)), (0, 0))
+                # All blocks have one shape, for the compiler.
+                f = np.pad(f, missing, "edge")
+                directions = np.pad(direction_inputs(wi, wo), (*missing, (0, 0)), "edge")
+                results = project(params, directions, f, at, options.steps)
+                found.append([np.asarray(result)[:count] for result in results])
+                progress.update(count)
+    codes, errors = map(np.concatenate, zip(*found, strict=True))
+    return codes, errors
+
+
+@functools.partial(jax.jit, static_argnums=4)
+def project(
+    params: Params, directions: jax.Array, f: jax.Array, at: jax.Array | None, steps: int
+) -> tuple[jax.Array, jax.Array]:
+    """`projection.project` on JAX; at: of `projection.draws`."""
+
+    def step(index: int, state: projection.AdamState) -> projection.AdamState:
+        chosen = slice(None) if at is None else at[index]
+        return projection.step(params, state, directions[:, chosen], f[:, chosen], steps)
+
+    state = jax.lax.fori_loop(0, steps, step, projection.start(f))
+    return state.z, state.error
 
 
 def codes_of(preset: PaperPreset, arrays: Mapping[str, Any]) -> dict[str, np.ndarray]:

@@ -1,1 +1,0 @@
-"""Training of the paper's networks as the paper describes it, at any scale."""
