@@ -25,7 +25,7 @@ from urushi.checks import CoatParameters, Widths
 from urushi.core import appearance, fresnel, microfacet, mixture
 from urushi.core.namespace import Components
 from urushi.export.expressions import BOOL, FLOAT, INT, VECTOR, Expression, call, name, vector
-from urushi.export.languages.printer import PRIMARY, Printer, broken
+from urushi.export.printer import PRIMARY, Printer, broken
 from urushi.export.statements import Function, Variable, element, namespace, offset_index
 from urushi.nets import features, lobe, sampler
 
@@ -111,8 +111,8 @@ class TypeScript(Printer):
     def let(self, variable: Variable, value: str) -> str:
         return f"const {camel(variable.name)} = {value};"
 
-    def vector(self, components: Sequence[str]) -> str:
-        return "{ " + ", ".join(f"{k}: {x}" for k, x in zip("xyz", components, strict=True)) + " }"
+    def composed(self, kind: str, parts: Sequence[str]) -> str:
+        return "{ " + ", ".join(f"{k}: {x}" for k, x in zip("xyz", parts, strict=True)) + " }"
 
     def number(self, value: float) -> str:
         return repr(int(value) if value == int(value) else value)

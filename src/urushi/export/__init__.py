@@ -1,5 +1,5 @@
 """Materials as source code: one description of the networks, one printer for each language.
 
-`expressions` and `statements` are the form in which a computation is described, `lobe`, `decoder`
-and `proposal` describe it, `program` joins them to a file, and `languages` prints it.
+`expressions` and `statements` are the form in which a computation is described, `networks` and
+`proposal` describe it, `program` joins them to a file, and `printer` with `languages` prints it.
 """

@@ -6,9 +6,7 @@ from typing import NamedTuple
 import numpy as np
 
 from urushi.errors import ParameterError
-from urushi.export import decoder, lobe, proposal
-from urushi.export.decoder import CodeTerms
-from urushi.export.dense import activation, dense
+from urushi.export import networks, proposal
 from urushi.export.expressions import (
     COLOUR,
     FLOAT,
@@ -22,6 +20,7 @@ from urushi.export.expressions import (
     vector,
 )
 from urushi.export.languages import LANGUAGES
+from urushi.export.networks import FIELDS, X_AXIS, CodeTerms, Tangent, activation, dense
 from urushi.export.proposal import SAMPLE, WI, WIDTHS, WO, U, argument
 from urushi.export.statements import (
     Function,
@@ -34,7 +33,6 @@ from urushi.export.statements import (
     member,
     texel_function,
 )
-from urushi.export.tangent import FIELDS, X_AXIS, Tangent
 from urushi.nets.lobe import WIDTH_PLACES
 from urushi.nets.weights import Model
 
@@ -156,7 +154,7 @@ def material_program(
     mean = anchors.mean(axis=0)
     code = _Code(
         [colour(column) for column in latents[:, : model.arch.lobe].T],
-        decoder.known_terms(model, latents),
+        networks.known_terms(model, latents),
         proposal.known_first(model, mean),
         [expression(float(mean[place])) for place in WIDTH_PLACES[model.widths]],
         Tangent.of(rotation),
@@ -198,9 +196,9 @@ def _functions(
 
     f = Function("f", (*given, WI, WO), COLOUR, "The BRDF [1/sr] without the cosine.", public=True)
     wi, wo = _inside(f, tangent, argument(WI), argument(WO))
-    value = lobe.f(f, code.lobe, wi, wo)
-    inputs = decoder.features(f, wi, wo, model.widths)
-    f.returns(_above(wi, wo, value + decoder.rest(f, model, code.terms, inputs, units)))
+    value = networks.lobe_f(f, code.lobe, wi, wo)
+    inputs = networks.features(f, wi, wo, model.widths)
+    f.returns(_above(wi, wo, value + networks.rest(f, model, code.terms, inputs, units)))
 
     made = Function("proposal", (*given, WI), "Proposal", "The proposal for wi.")
     made.returns(proposal.fill(made, model, code.first, code.alphas, argument(WI), unit))
@@ -273,7 +271,7 @@ def codes_program(model: Model, texels: Texels | None = None) -> Program:
     count = structure.fields[2].count or 0
     code = _Code(
         [element(lobes, i) for i in range(arch.lobe)],
-        decoder.split_terms(model, gain, [element(terms, i) for i in range(count)]),
+        networks.split_terms(model, gain, [element(terms, i) for i in range(count)]),
         [element(first, i) for i in range(arch.sampler[0])],
         others[: arch.widths],
         Tangent(*others[arch.widths :] or X_AXIS),
@@ -347,7 +345,7 @@ def _prepare(model: Model, structure: Structure) -> Function:
         function.assign(element(lobes, i), numbers[i])
     function.assign(gain, numbers[arch.lobe])
     function.note_line("Scales and offsets of the decoder's units.")
-    weight, bias = decoder.of_code(model)
+    weight, bias = networks.of_code(model)
     outputs = dense(
         function, "term", weight, numbers[arch.lobe + 1 :], [float(value) for value in bias]
     )
@@ -358,7 +356,7 @@ def _prepare(model: Model, structure: Structure) -> Function:
         function.let(f"mean{i}", (number.x + number.y + number.z) * (1.0 / 3.0))
         for i, number in enumerate(numbers)
     ]
-    inputs = [*lobe.features(function, mean[: arch.lobe]), *mean[arch.lobe :]]
+    inputs = [*networks.lobe_features(function, mean[: arch.lobe]), *mean[arch.lobe :]]
     weight, bias = model.params["sampler.0.weight"][: len(inputs)], model.params["sampler.0.bias"]
     outputs = dense(function, "first", weight, inputs, [float(value) for value in bias])
     for i, output in enumerate(outputs):

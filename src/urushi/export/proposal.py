@@ -9,7 +9,6 @@ import numpy as np
 from urushi.checks import MIN_ALPHA, Widths
 from urushi.core.mixture import reflection_pdf, sample_reflection
 from urushi.core.namespace import Components
-from urushi.export.dense import dense
 from urushi.export.expressions import (
     FLOAT,
     VECTOR,
@@ -20,6 +19,7 @@ from urushi.export.expressions import (
     select,
     vector,
 )
+from urushi.export.networks import dense
 from urushi.export.statements import Function, Structure, Variable, member, namespace
 from urushi.nets.sampler import MIN_COSINE_SHARE, sampler_columns, sampler_inputs
 from urushi.nets.weights import Model

@@ -4,7 +4,7 @@ import contextlib
 import functools
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -70,8 +70,8 @@ class Statement:
     """
 
     operation: str
-    target: object = None
-    value: Expression | None = None
+    target: Any = None
+    value: Any = None
     count: int = 0
     body: tuple["Statement", ...] = ()
 

@@ -34,6 +34,15 @@ class Printer:
         kinds: the languages' names of the kinds of values.
         calls: names of functions that differ from those of `expressions`.
         components: how a vector's and a colour's components are written.
+        field_end, structure_end: end a field of a structure, and the structure.
+        table_form: the line before the numbers of a table, and the line after them.
+        tables_inside: whether tables stand in the functions that read them.
+        end, loop_end: ends a statement; the lines that end a loop.
+        two: the name of two floats.
+        fetch_head, level: the first line of a function that reads a texture, and the argument that
+            a function for a given level has in addition.
+        place, sample, sample_level: declarations of the texture's coordinates, and of four bytes:
+            by the footprint, and of a given level.
     """
 
     title: ClassVar[str]
@@ -42,6 +51,18 @@ class Printer:
     kinds: ClassVar[Mapping[str, str]]
     calls: ClassVar[Mapping[str, str]] = {}
     components: ClassVar[Sequence[str]] = (".x", ".y", ".z")
+    field_end: ClassVar[str] = ";"
+    structure_end: ClassVar[str] = "};"
+    table_form: ClassVar[tuple[str, str]]
+    tables_inside: ClassVar[bool] = False
+    end: ClassVar[str] = ";"
+    loop_end: ClassVar[Sequence[str]] = ("}",)
+    two: ClassVar[str] = "vec2"
+    fetch_head: ClassVar[str]
+    level: ClassVar[str] = ", float level"
+    place: ClassVar[str] = "vec2 place"
+    sample: ClassVar[str]
+    sample_level: ClassVar[str]
 
     def __init__(self, prefix: str):
         """prefix: begins the names of all functions, structures and tables."""
@@ -52,7 +73,7 @@ class Printer:
         for structure in program.structures:
             lines += [*self.structure(structure), ""]
         for function in program.functions:
-            for table in self.outer_tables(function):
+            for table in () if self.tables_inside else function.tables:
                 lines += [*self.table(table), ""]
             lines += [*self.function(function), ""]
         if program.lookup:
@@ -91,10 +112,6 @@ class Printer:
         count = "" if variable.count is None else f"[{variable.count}]"
         return f"{self.kind(variable.kind)} {variable.name}{count}"
 
-    #: What ends a field of a structure, and the line that ends the structure.
-    field_end: ClassVar[str] = ";"
-    structure_end: ClassVar[str] = "};"
-
     def structure(self, structure: Structure) -> list[str]:
         lines = self.comments(structure.note)
         lines.append(f"struct {self.structure_name(structure.name)} {{")
@@ -103,20 +120,17 @@ class Printer:
             lines.append(f"    {self.declared(variable)}{self.field_end}{note}")
         return [*lines, self.structure_end]
 
-    def outer_tables(self, function: Function) -> Sequence[Table]:
-        """The tables of a function that stand before it."""
-        return function.tables
-
-    def table(self, table: Table) -> list[str]:
-        raise NotImplementedError
-
-    def numbers(self, values: np.ndarray, indent: str = "    ") -> list[str]:
-        text = ", ".join(self.number(float(value)) for value in values)
-        return textwrap.wrap(text, WIDTH, initial_indent=indent, subsequent_indent=indent)
+    def table(self, table: Table, indent: str = "") -> list[str]:
+        name, count, inner = self.table_name(table.name), len(table.values), indent + "    "
+        first, last = (indent + line.format(name=name, count=count) for line in self.table_form)
+        text = ", ".join(self.number(float(value)) for value in table.values)
+        return [first, *broken(text, inner, inner), last]
 
     def function(self, function: Function) -> list[str]:
-        lines = self.comments(function.note)
-        return [*lines, self.signature(function), *self.body(function.body, "    "), "}"]
+        tables = function.tables if self.tables_inside else ()
+        inside = [line for table in tables for line in self.table(table, "    ")]
+        head = [*self.comments(function.note), self.signature(function)]
+        return [*head, *inside, *self.body(function.body, "    "), "}"]
 
     def signature(self, function: Function) -> str:
         arguments = ", ".join(map(self.declared, function.arguments))
@@ -124,40 +138,28 @@ class Printer:
 
     def lookup(self, lookup: Lookup) -> list[str]:
         """The functions that read a texture: with the level of the footprint, and a given one."""
+        kind, name = self.kind(lookup.function.kind), self.function_name(lookup.function.name)
+        forms = (
+            ("fetch", "", self.sample, "The material at uv; the footprint chooses the level."),
+            ("fetch_level", self.level, self.sample_level, "The material at uv, of a given level."),
+        )
         lines: list[str] = []
-        for label, extra, note in (
-            ("fetch", None, "The material at uv; the footprint chooses the level."),
-            ("fetch_level", "level", "The material at uv, of a given level."),
-        ):
-            lines += self.comments(note)
-            lines += self.fetch(lookup, self.function_name(label), extra)
-            lines.append("")
+        for label, level, sample, note in forms:
+            label = self.function_name(label)
+            lines += [
+                *self.comments(note),
+                self.fetch_head.format(kind=kind, label=label, level=level),
+                f"    {self.empty(Variable('stored', FLOAT, 4 * lookup.layers))}",
+                f"    {self.place} = {self.placed(lookup)};",
+                f"    {self.loop_head('layer', lookup.layers)}",
+                f"        {sample};",
+                *(f"        stored[4 * layer + {i}] = four.{c};" for i, c in enumerate("xyzw")),
+                "    }",
+                f"    return {name}(stored);",
+                "}",
+                "",
+            ]
         return lines
-
-    def fetch(self, lookup: Lookup, label: str, level: str | None) -> list[str]:
-        """A function `label` that reads a texture; level: the name of an argument, or None."""
-        head, declared, sample = self.fetched(lookup, label, level)
-        name = self.function_name(lookup.function.name)
-        loop = self.loop_head("layer", lookup.layers)
-        bytes_ = Variable("stored", FLOAT, 4 * lookup.layers)
-        return [
-            head,
-            f"    {self.empty(bytes_)}",
-            f"    {declared} = {self.placed(lookup)};",
-            f"    {loop}",
-            f"        {sample};",
-            *(f"        stored[4 * layer + {i}] = four.{c};" for i, c in enumerate("xyzw")),
-            "    }",
-            f"    return {name}(stored);",
-            "}",
-        ]
-
-    def fetched(self, lookup: Lookup, label: str, level: str | None) -> tuple[str, str, str]:
-        """The first line of `fetch`, the declaration of `place`, and that of `four` bytes."""
-        raise NotImplementedError
-
-    #: The name of two floats.
-    two: ClassVar[str] = "vec2"
 
     def placed(self, lookup: Lookup) -> str:
         """The texture's coordinates of uv."""
@@ -183,20 +185,17 @@ class Printer:
 
     def statement(self, statement: Statement) -> str:
         """A statement, except a loop, in one line."""
-        operation, target, value = statement.operation, statement.target, statement.value
-        if operation == "note":
-            return f"{self.comment} {target}"
-        if operation == "let":
-            return self.let(target, self.text(value))  # type: ignore[arg-type]
-        if operation in ("array", "structure"):
-            return self.empty(target)  # type: ignore[arg-type]
-        if operation == "assign":
-            return f"{self.text(target)} = {self.text(value)}{self.end}"  # type: ignore[arg-type]
-        return f"return {self.text(value)}{self.end}"  # type: ignore[arg-type]
-
-    #: What ends a statement, and the lines that end a loop.
-    end: ClassVar[str] = ";"
-    loop_end: ClassVar[Sequence[str]] = ("}",)
+        target, value = statement.target, statement.value
+        match statement.operation:
+            case "note":
+                return f"{self.comment} {target}"
+            case "let":
+                return self.let(target, self.text(value))
+            case "array" | "structure":
+                return self.empty(target)
+            case "assign":
+                return f"{self.text(target)} = {self.text(value)}{self.end}"
+        return f"return {self.text(value)}{self.end}"
 
     def loop_head(self, counter: str, count: int) -> str:
         return f"for (int {counter} = 0; {counter} < {count}; ++{counter}) {{"
@@ -206,8 +205,11 @@ class Printer:
         stripped = line.lstrip()
         if len(line) <= WIDTH or stripped.startswith(self.comment):
             return [line]
-        indent = " " * (len(line) - len(stripped))
-        return broken(stripped, indent, indent + "    ")
+        return self.split(stripped, " " * (len(line) - len(stripped)))
+
+    def split(self, code: str, indent: str) -> list[str]:
+        """A line of code, without its indent, as several."""
+        return broken(code, indent, indent + "    ")
 
     def let(self, variable: Variable, value: str) -> str:
         return f"{self.declared(variable)} = {value};"
@@ -223,36 +225,38 @@ class Printer:
 
     def _precise(self, value: Expression) -> tuple[str, int]:
         """An expression and how tightly its last operation binds."""
-        operation, arguments, detail = value.operation, value.arguments, value.detail
-        if operation == "constant":
-            if value.kind == COLOUR:
-                return self.colour([float(x) for x in detail]), PRIMARY
-            number = self.number(float(detail))
-            return number, _UNARY if number.startswith("-") else PRIMARY
-        if operation in _PRECEDENCE:
-            return self._binary(operation, *arguments), _PRECEDENCE[operation]
+        arguments, detail = value.arguments, value.detail
+        if value.operation in _PRECEDENCE:
+            return self._binary(value.operation, *arguments), _PRECEDENCE[value.operation]
         texts = [self.text(argument) for argument in arguments]
-        if operation in ("name", "integer"):
-            return str(detail), PRIMARY
-        if operation == "table":
-            return self.table_name(detail), PRIMARY
-        if operation == "call":
-            return f"{self.calls.get(detail, detail)}({', '.join(texts)})", PRIMARY
-        if operation == "invoke":
-            return f"{self.function_name(detail)}({', '.join(texts)})", PRIMARY
-        if operation == "select":
-            return self.selected(*texts), PRIMARY
-        if operation == "component":
-            return f"{self._primary(arguments[0])}{self.components[detail]}", PRIMARY
-        if operation == "field":
-            return f"{self._primary(arguments[0])}.{detail}", PRIMARY
-        if operation == "element":
-            return f"{self._primary(arguments[0])}[{texts[1]}]", PRIMARY
-        if operation == "vector":
-            return self.vector(texts), PRIMARY
-        if operation == "channels":
-            return self.channels(texts), PRIMARY
-        return self.splat(texts[0]), PRIMARY
+        match value.operation:
+            case "constant" if value.kind == COLOUR:
+                text = self.composed(COLOUR, [self.number(float(x)) for x in detail])
+            case "constant":
+                text = self.number(float(detail))
+                if text.startswith("-"):
+                    return text, _UNARY
+            case "name" | "integer":
+                text = str(detail)
+            case "table":
+                text = self.table_name(detail)
+            case "call":
+                text = f"{self.calls.get(detail, detail)}({', '.join(texts)})"
+            case "invoke":
+                text = f"{self.function_name(detail)}({', '.join(texts)})"
+            case "select":
+                text = self.selected(*texts)
+            case "component":
+                text = self._primary(arguments[0]) + self.components[detail]
+            case "field":
+                text = f"{self._primary(arguments[0])}.{detail}"
+            case "element":
+                text = f"{self._primary(arguments[0])}[{texts[1]}]"
+            case "vector" | "channels":
+                text = self.composed(value.kind, texts)
+            case _:
+                text = self.splat(texts[0])
+        return text, PRIMARY
 
     def _primary(self, value: Expression) -> str:
         text, binding = self._precise(value)
@@ -278,14 +282,9 @@ class Printer:
             return np.format_float_positional(single, unique=True, trim="0")
         return np.format_float_scientific(single, unique=True, trim="0", exp_digits=1)
 
-    def colour(self, values: Sequence[float]) -> str:
-        return f"{self.kinds[COLOUR]}({', '.join(map(self.number, values))})"
-
-    def vector(self, components: Sequence[str]) -> str:
-        return f"{self.kinds[VECTOR]}({', '.join(components)})"
-
-    def channels(self, values: Sequence[str]) -> str:
-        return f"{self.kinds[COLOUR]}({', '.join(values)})"
+    def composed(self, kind: str, parts: Sequence[str]) -> str:
+        """A colour or a vector of three floats."""
+        return f"{self.kinds[kind]}({', '.join(parts)})"
 
     def splat(self, value: str) -> str:
         return f"{self.kinds[COLOUR]}({value})"
@@ -294,9 +293,9 @@ class Printer:
         return f"({condition} ? {yes} : {no})"
 
 
-def c_kinds(three: str, boolean: str = "bool") -> dict[str, str]:
-    """The kinds of a language whose three floats are called `three`."""
-    return {FLOAT: "float", COLOUR: three, VECTOR: three, BOOL: boolean, INT: "int"}
+def kinds(three: str, number: str = "float", whole: str = "int", truth: str = "bool") -> dict:
+    """The kinds of a language by its names of three floats, a float, an integer and a bool."""
+    return {FLOAT: number, COLOUR: three, VECTOR: three, BOOL: truth, INT: whole}
 
 
 def broken(text: str, first: str, further: str) -> list[str]:

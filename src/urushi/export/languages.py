@@ -1,0 +1,203 @@
+"""The languages: GLSL, WGSL, HLSL with Slang, OSL, and Python with NumPy."""
+
+from collections.abc import Sequence
+
+from urushi.export.expressions import COLOUR, FLOAT, VECTOR
+from urushi.export.printer import Printer, broken, kinds
+from urushi.export.proposal import SAMPLE
+from urushi.export.statements import Function, Program, Statement, Structure, Variable
+
+
+class Glsl(Printer):
+    """GLSL, from OpenGL 3.3 and from OpenGL ES 3.0 (WebGL2)."""
+
+    title = "GLSL"
+    usage = (
+        "Include this file after the line with the version (GLSL 3.30 or GLSL ES 3.00 and later) "
+        "and, in GLSL ES, after `precision highp float;`."
+    )
+    kinds = kinds("vec3")
+    table_form = "const float {name}[{count}] = float[{count}](", ");"
+    fetch_head = "{kind} {label}(sampler2DArray texels, vec2 uv{level}) {{"
+    sample = "vec4 four = texture(texels, vec3(place, float(layer)))"
+    sample_level = "vec4 four = textureLod(texels, vec3(place, float(layer)), level)"
+
+
+class Hlsl(Printer):
+    """HLSL, in the subset that Slang shares."""
+
+    title = "HLSL"
+    usage = "Include this file in a shader of shader model 5.0 or later."
+    kinds = kinds("float3")
+    table_form = "static const float {name}[{count}] = {{", "}};"
+    two, place = "float2", "float2 place"
+    fetch_head = (
+        "{kind} {label}(Texture2DArray<float4> texels, SamplerState filtering, float2 uv{level}) {{"
+    )
+    sample = "float4 four = texels.Sample(filtering, float3(place, float(layer)))"
+    sample_level = "float4 four = texels.SampleLevel(filtering, float3(place, float(layer)), level)"
+
+    def splat(self, value: str) -> str:
+        return f"({value}).xxx"
+
+
+class Slang(Hlsl):
+    title = "Slang"
+    usage = "Include this file in a Slang module."
+
+
+class Osl(Printer):
+    """OSL, the Open Shading Language, which has no constants outside functions."""
+
+    title = "OSL"
+    usage = (
+        "Include this file in a shader. OSL renderers integrate closures and have none for these "
+        "functions: they serve where a shader knows both directions."
+    )
+    kinds = kinds("vector", truth="int") | {COLOUR: "color"}
+    components = ("[0]", "[1]", "[2]")
+    table_form = "float {name}[{count}] = {{", "}};"
+    tables_inside = True
+
+
+class Wgsl(Printer):
+    """WGSL, the language of WebGPU."""
+
+    title = "WGSL"
+    usage = "Put this file before the code that uses it: WGSL has no includes."
+    kinds = kinds("vec3f", "f32", "i32")
+    field_end, structure_end = ",", "}"
+    table_form = "const {name} = array<f32, {count}>(", ");"
+    two, place, level = "vec2f", "let place", ", level: f32"
+    fetch_head = (
+        "fn {label}(texels: texture_2d_array<f32>, filtering: sampler, uv: vec2f{level}) -> {kind} "
+        "{{"
+    )
+    sample = "let four = textureSample(texels, filtering, place, layer)"
+    sample_level = "let four = textureSampleLevel(texels, filtering, place, layer, level)"
+
+    def declared(self, variable: Variable) -> str:
+        kind = self.kind(variable.kind)
+        if variable.count is not None:
+            kind = f"array<{kind}, {variable.count}>"
+        return f"{variable.name}: {kind}"
+
+    def signature(self, function: Function) -> str:
+        arguments = ", ".join(map(self.declared, function.arguments))
+        name = self.function_name(function.name)
+        return f"fn {name}({arguments}) -> {self.kind(function.kind)} {{"
+
+    def loop_head(self, counter: str, count: int) -> str:
+        return f"for (var {counter} = 0; {counter} < {count}; {counter}++) {{"
+
+    def let(self, variable: Variable, value: str) -> str:
+        return f"let {variable.name} = {value};"
+
+    def empty(self, variable: Variable) -> str:
+        return f"var {self.declared(variable)};"
+
+    def selected(self, condition: str, yes: str, no: str) -> str:
+        return f"select({no}, {yes}, {condition})"
+
+
+class Python(Printer):
+    """Python. Floats are arrays (..., 1), so that they broadcast against vectors (..., 3)."""
+
+    title = "Python"
+    usage = (
+        "It needs NumPy. Directions are arrays (..., 3), results have the same leading dimensions. "
+        "{sample} returns the pair (wo, density)."
+    )
+    comment = "#"
+    calls = {name: f"np.{name}" for name in ("sqrt", "log", "exp", "tanh", "abs", "cos", "sin")} | {
+        "min": "np.minimum",
+        "max": "np.maximum",
+        "clamp": "np.clip",
+    }
+    components = ("[..., 0:1]", "[..., 1:2]", "[..., 2:3]")
+    end, loop_end = "", ()
+    table_form = "{name} = np.array([", "], np.float32)"
+
+    def printed(self, program: Program) -> str:
+        self._public = program.public
+        return super().printed(program)
+
+    def head(self, program: Program) -> list[str]:
+        return [*super().head(program), "", "import numpy as np"]
+
+    def function_name(self, label: str) -> str:
+        return label if label in self._public else f"_{label}"
+
+    def structure_name(self, label: str) -> str:
+        return label
+
+    def table_name(self, label: str) -> str:
+        return f"_{label.upper()}"
+
+    def structure(self, structure: Structure) -> list[str]:
+        lines = ["", f"class {structure.name}:", f'    """{structure.note}"""']
+        lines += ["", "    def __init__(self):"]
+        for variable in structure.fields:
+            value = "None" if variable.count is None else f"[None] * {variable.count}"
+            note = f"  # {variable.note}" if variable.note else ""
+            lines.append(f"        self.{variable.name} = {value}{note}")
+        return lines
+
+    def function(self, function: Function) -> list[str]:
+        arguments = ", ".join(variable.name for variable in function.arguments)
+        lines = ["", f"def {self.function_name(function.name)}({arguments}):"]
+        lines.append(f'    """{function.note}"""')
+        if function.public:
+            for variable in function.arguments:
+                if variable.kind in (VECTOR, COLOUR):
+                    lines.append(f"    {variable.name} = np.asarray({variable.name}, np.float32)")
+        self._function = function
+        return [*lines, *self.body(function.body, "    ")]
+
+    def statement(self, statement: Statement) -> str:
+        line = super().statement(statement)
+        if statement.operation != "return" or not self._function.public:
+            return line
+        if self._function.kind == SAMPLE.name:
+            direction, density = (f"{line}.{variable.name}" for variable in SAMPLE.fields)
+            return f"{direction}, {density.removeprefix('return ')}[..., 0]"
+        return f"{line}[..., 0]" if self._function.kind == FLOAT else line
+
+    def split(self, code: str, indent: str) -> list[str]:
+        mark = "return " if code.startswith("return ") else " = "
+        head, _, value = code.partition(mark)
+        inner = indent + "    "
+        return [f"{indent}{head}{mark}(", *broken(value, inner, inner), f"{indent})"]
+
+    def loop_head(self, counter: str, count: int) -> str:
+        return f"for {counter} in range({count}):"
+
+    def let(self, variable: Variable, value: str) -> str:
+        return f"{variable.name} = {value}"
+
+    def empty(self, variable: Variable) -> str:
+        if variable.count is not None:
+            return f"{variable.name} = [None] * {variable.count}"
+        return f"{variable.name} = {self.structure_name(variable.kind)}()"
+
+    def composed(self, kind: str, parts: Sequence[str]) -> str:
+        if kind == COLOUR or all(part[0].isdigit() for part in parts):
+            return f"np.array([{', '.join(parts)}], np.float32)"
+        return f"np.concatenate(np.broadcast_arrays({', '.join(parts)}), axis=-1)"
+
+    def splat(self, value: str) -> str:
+        return f"({value}) * np.ones(3, np.float32)"
+
+    def selected(self, condition: str, yes: str, no: str) -> str:
+        return f"np.where({condition}, {yes}, {no})"
+
+
+#: The printers by the names of their languages.
+LANGUAGES: dict[str, type[Printer]] = {
+    "glsl": Glsl,
+    "wgsl": Wgsl,
+    "hlsl": Hlsl,
+    "slang": Slang,
+    "osl": Osl,
+    "python": Python,
+}
