@@ -16,7 +16,7 @@ from benchmarks.quality import sphere
 from matplotlib.figure import Figure
 from tqdm import tqdm
 
-from urushi.app.commands.layer import read_material
+from urushi.app.encode import read_material
 from urushi.core import image_metrics as metrics
 from urushi.files import atomic_write
 from urushi.material import Material, layer, lerp

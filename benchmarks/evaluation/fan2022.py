@@ -23,7 +23,7 @@ def materials(
 ) -> list[Material]:
     """The stacks as `predict.materials` makes them; a projection leaves nothing to refine."""
     table = samples.table
-    codes = networks.encode(predict.lower_values(samples, encoded, *networks.pairs()))
+    codes = networks.encode(predict.lower_values(samples, encoded, *projection_pairs()))
     for index in reversed(range(table.coats - encoded)):
         codes = networks.layer(codes, predict.coats_at(table, index))
     return [Material(code[None], networks) for code in codes]

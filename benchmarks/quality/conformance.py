@@ -16,7 +16,7 @@ import mitsuba as mi
 import numpy as np
 
 from urushi import files
-from urushi.app.commands.simulate import read_arrays
+from urushi.app.simulate import read_arrays
 from urushi.checks import finite
 from urushi.core import error_metrics
 from urushi.errors import FileError, ParameterError

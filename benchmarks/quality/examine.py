@@ -20,7 +20,7 @@ from benchmarks.quality.pictures import BEST_PSNR
 from matplotlib.figure import Figure
 
 import urushi
-from urushi.app.commands.encode import Encode
+from urushi.app.encode import Encode
 from urushi.core import image_metrics as metrics
 from urushi.core.direction_sets import cosine_pairs, half_angle_pairs
 from urushi.core.error_metrics import energy_weight, pair_error

@@ -9,8 +9,7 @@ import pytest
 from gallery import caddy, export
 from gallery.options import Options
 
-from urushi.app import cli
-from urushi.app.commands import demo, render
+from urushi.app import cli, demo, render
 from urushi.app.describe import describe
 from urushi.core import image_metrics as metrics
 

@@ -5,7 +5,7 @@ import pytest
 
 import urushi
 from urushi.app import cli
-from urushi.app.commands.layer import scalar_or_rgb
+from urushi.app.encode import scalar_or_rgb
 from urushi.checks import DEFAULT_COAT
 from urushi.nets import weights
 from urushi.nets.architecture import Architecture, init

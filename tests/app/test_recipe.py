@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from urushi.app.commands import recipe
+from urushi.app import recipe
 from urushi.errors import ParameterError
 
 

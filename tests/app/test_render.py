@@ -12,7 +12,7 @@ from gallery.globe import globe
 from gallery.options import Options
 
 from urushi.app import cli
-from urushi.app.commands.render import DEMO_SCENE, load_scene, write_picture
+from urushi.app.render import DEMO_SCENE, load_scene, write_picture
 from urushi.nets import weights
 from urushi.nets.architecture import Architecture, init
 

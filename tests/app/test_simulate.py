@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 
 import urushi
-from urushi.app import cli
-from urushi.app.commands import simulate
+from urushi.app import cli, simulate
 
 COATED = "coat(conductor(alpha=0.3, r0=(0.9, 0.6, 0.3)), alpha=0.2, eta=1.5, sigma_t=1, albedo=0.5)"
 

@@ -19,9 +19,8 @@ import pytest
 import safetensors.numpy
 
 import urushi
-from urushi.app import cli, page_files
-from urushi.app.commands import view
-from urushi.app.page_server import HOST, POLICY, PageServer
+from urushi.app import cli, page_files, view
+from urushi.app.view import HOST, POLICY, PageServer
 from urushi.errors import FileError, ParameterError
 from urushi.export.languages import LANGUAGES
 from urushi.nets import weights

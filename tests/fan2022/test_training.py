@@ -7,7 +7,7 @@ import jax
 import numpy as np
 import pytest
 
-from urushi.app.commands.train import find_preset
+from urushi.app.train import find_preset
 from urushi.core.direction_sets import stratified_pairs
 from urushi.errors import ParameterError
 from urushi.fan2022 import (

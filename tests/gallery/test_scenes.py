@@ -8,7 +8,7 @@ from gallery import export
 from gallery.options import COATS, Options
 from gallery.scenes import SCENES
 
-from urushi.app.commands.render import DEMO_SCENE, load_scene
+from urushi.app.render import DEMO_SCENE, load_scene
 from urushi.errors import ParameterError
 
 TINY = {"width": 64, "height": 48, "spp": 32, "detail": 0.05}

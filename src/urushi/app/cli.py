@@ -10,18 +10,17 @@ from typing import Annotated, Any
 import tyro
 
 from urushi import ranges
-from urushi.app.commands.convert import Convert
-from urushi.app.commands.demo import Demo
-from urushi.app.commands.encode import Encode
-from urushi.app.commands.export import Export
-from urushi.app.commands.layer import Layer
-from urushi.app.commands.materials import Materials
-from urushi.app.commands.recipe import Recipe
-from urushi.app.commands.render import Render, Scene
-from urushi.app.commands.simulate import Simulate
-from urushi.app.commands.train import Data, Paper, Train
-from urushi.app.commands.view import View
+from urushi.app.convert import Convert
+from urushi.app.demo import Demo
+from urushi.app.describe import Materials
 from urushi.app.doctor import Doctor
+from urushi.app.encode import Encode, Layer
+from urushi.app.export import Export
+from urushi.app.recipe import Recipe
+from urushi.app.render import Render, Scene
+from urushi.app.simulate import Simulate
+from urushi.app.train import Data, Paper, Train
+from urushi.app.view import View
 from urushi.errors import UrushiError
 from urushi.version import __version__
 

@@ -8,6 +8,7 @@ import ast
 import functools
 import inspect
 import json
+from dataclasses import dataclass
 from importlib.resources import files
 from typing import Any
 
@@ -100,3 +101,19 @@ def _refuse(text: str, reason: str) -> ParameterError:
         f"cannot read the description '{text}': {reason}; "
         'write it as in Python, e.g. "coat(conductor(alpha=0.2, r0=0.9), alpha=0.05, ior=1.5)"'
     )
+
+
+@dataclass(frozen=True)
+class Materials:
+    """List the materials of the library, with their descriptions.
+
+    Every command that takes a description takes these names, too, as in
+    `urushi view "vermilion urushi"`.
+
+    Example: urushi materials
+    """
+
+    def run(self) -> int:
+        for name, description in library().items():
+            print(f"{name}\n    {description}")
+        return 0

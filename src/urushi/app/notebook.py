@@ -60,7 +60,7 @@ def show(material: Any, *, height: int = HEIGHT) -> Page:
     Raises:
         UrushiError: the page cannot show the material, see `urushi view`.
     """
-    from urushi.app.commands.view import first_material
+    from urushi.app.view import first_material
 
     model = find(None)
     if isinstance(material, str):

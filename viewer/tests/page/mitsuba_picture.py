@@ -18,7 +18,7 @@ import numpy as np
 mi.set_variant("llvm_ad_rgb")
 
 import urushi  # noqa: E402, F401  (registers the plugins)
-from urushi.app.commands.demo import side_by_side, srgb, write_png  # noqa: E402
+from urushi.app.demo import side_by_side, srgb, write_png  # noqa: E402
 
 #: Samples of a half of a picture. Noise must be far below what is compared, see `compare`.
 SAMPLES = 1024

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import numpy as np
 import tyro
 
-from urushi.app.commands.render import set_variant
+from urushi.app.render import set_variant
 from urushi.files import atomic_write, new_folder
 from urushi.ranges import Texels
 

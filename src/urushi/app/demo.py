@@ -11,7 +11,7 @@ import numpy as np
 import tyro
 from tqdm import tqdm
 
-from urushi.app.commands.render import copy_demo_scene, load_scene, set_variant
+from urushi.app.render import copy_demo_scene, load_scene, set_variant
 from urushi.core import image_metrics as metrics
 from urushi.core.image_metrics import srgb
 from urushi.files import atomic_write, new_folder

@@ -51,7 +51,7 @@ class Export:
         return 0
 
     def _text(self) -> str:
-        from urushi.app.commands.layer import read_material
+        from urushi.app.encode import read_material
         from urushi.export.program import codes_text
         from urushi.nets.weights import find
 

@@ -20,7 +20,7 @@ ZERO_WIDTH_SPACE = "\u200b"
 SUFFIXES = (".exr", ".png", ".jpg")
 
 #: The scene of `urushi demo`, which `python -m gallery caddy` makes.
-DEMO_SCENE = Path(__file__).parents[1] / "caddy" / "scene.xml"
+DEMO_SCENE = Path(__file__).parent / "caddy" / "scene.xml"
 
 #: As a number of samples per pixel, it makes `mi.render` use the scene's own number.
 SCENE_SPP = 0
