@@ -43,13 +43,12 @@ from urushi.nets.lobe import LOBE_FEATURES, lobe_features, of_coat
 from urushi.nets.mlp import activate, hidden_to_output, linear, product, split_linear
 from urushi.nets.weights import Model
 from urushi.train import examples, losses
-from urushi.train.bottoms import bottom_lobes
+from urushi.train.batches import batches
 from urushi.train.data.distribution import Extended, Practical
-from urushi.train.data.generate import generate
 from urushi.train.data.spec import DataSpec, Part
-from urushi.train.data.store import Store
+from urushi.train.data.store import Store, generate
 from urushi.train.datasets import validation, whole_domain
-from urushi.train.examples import batches
+from urushi.train.examples import bottom_lobes
 from urushi.train.losses import bounded, columns_of, pair_weights, stack_loss
 from urushi.train.optimiser import Schedule, compile_steps, start
 

@@ -8,7 +8,7 @@ from benchmarks.evaluation import benchmark, physical_laws, predict, report
 from benchmarks.evaluation.samples import GROUPS, ROWS, Samples
 
 from urushi.fan2022.material import Material
-from urushi.fan2022.networks import PaperNetworks
+from urushi.fan2022.networks import PaperNetworks, projection_pairs
 from urushi.walk import StackTable
 
 

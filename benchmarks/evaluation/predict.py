@@ -13,7 +13,7 @@ from urushi.material.source import STACK_WALKS
 from urushi.nets.architecture import Architecture
 from urushi.nets.lobe import of_coat
 from urushi.nets.weights import Model
-from urushi.train.bottoms import bottom_lobes
+from urushi.train.examples import bottom_lobes
 from urushi.walk import StackTable
 from urushi.walk.bottoms import KINDS
 

@@ -4,8 +4,8 @@ import pytest
 
 from urushi.nets.architecture import Architecture
 from urushi.train.data.distribution import Extended, Table2
-from urushi.train.data.generate import generate
 from urushi.train.data.spec import DataSpec, Part
+from urushi.train.data.store import generate
 from urushi.train.datasets import validation
 from urushi.train.optimiser import Schedule
 from urushi.train.presets import Preset

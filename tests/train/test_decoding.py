@@ -8,7 +8,7 @@ import pytest
 from urushi.core.error_metrics import FLOOR
 from urushi.nets.architecture import FIXED, Architecture, init
 from urushi.nets.lobe import NO_LOBE
-from urushi.train.examples import Batch
+from urushi.train.batches import Batch
 from urushi.train.losses import mean_loss, squared_errors
 from urushi.train.optimiser import Schedule, compile_steps, start
 from urushi.train.stages import decoding

@@ -15,10 +15,10 @@ from urushi.nets.architecture import Architecture, init
 from urushi.nets.decoder import decode
 from urushi.nets.features import direction_features
 from urushi.train import losses
-from urushi.train.examples import Batch
+from urushi.train.batches import Batch
 from urushi.train.losses import squared_errors, stack_weights
 from urushi.train.stages import decoding, joint
-from urushi.train.stages.quadratic_loss import quadratic_expansion
+from urushi.train.stages.layering import quadratic_expansion
 
 PAIRS = 1 << 18
 

@@ -11,12 +11,11 @@ from urushi.nets import lobe
 from urushi.nets.architecture import Architecture
 from urushi.nets.features import direction_features
 from urushi.train import examples
-from urushi.train.bottoms import bottom_lobes, bottom_rest
+from urushi.train.batches import batches
 from urushi.train.data.distribution import BOTTOMS, Extended, Table2
-from urushi.train.data.generate import generate
 from urushi.train.data.spec import DataSpec, Part
-from urushi.train.data.store import Store
-from urushi.train.examples import batches
+from urushi.train.data.store import Store, generate
+from urushi.train.examples import bottom_lobes, bottom_rest
 from urushi.walk import analytic
 from urushi.walk.bottoms import KINDS
 

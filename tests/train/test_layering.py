@@ -13,7 +13,6 @@ from urushi.nets.lobe import of_coat
 from urushi.train import examples
 from urushi.train.data.store import Store
 from urushi.train.optimiser import compile_steps, start
-from urushi.train.stages import quadratic_loss
 from urushi.train.stages.layering import layering_batches, layering_loss, widened
 
 
@@ -26,7 +25,7 @@ def narrow(tiny):
 def measured(tiny, tiny_data, narrow):
     depths = examples.load(Store(tiny_data, tiny.data), tiny.arch, tiny.pairs)
     return [
-        quadratic_loss.measure_quadratic_losses(narrow, tiny.architectures()[0], depth.examples())
+        layering.measure_quadratic_losses(narrow, tiny.architectures()[0], depth.examples())
         for depth in depths[1:]
     ]
 

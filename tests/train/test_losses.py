@@ -10,7 +10,7 @@ from urushi.nets.architecture import Architecture, init
 from urushi.nets.encoder import encode
 from urushi.nets.layerer import layer
 from urushi.nets.lobe import of_coat
-from urushi.train.examples import Batch
+from urushi.train.batches import Batch
 from urushi.train.losses import (
     KNEE,
     LARGEST_CODE,

@@ -9,8 +9,8 @@ from urushi.errors import ParameterError
 from urushi.nets.architecture import Architecture, init
 from urushi.train import examples
 from urushi.train.data.distribution import ANISOTROPIC_BOTTOMS, Anisotropic, Table2
-from urushi.train.data.generate import generate, make_shard
 from urushi.train.data.spec import DataSpec, Part
+from urushi.train.data.store import generate, make_shard
 from urushi.train.examples import mirror_images
 from urushi.train.stages.layering import MirroredLayering
 from urushi.walk import StackTable, analytic, walk_pairs

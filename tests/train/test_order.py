@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from urushi.train.order import Order
+from urushi.train.batches import Order
 
 SIZE = 2413
 

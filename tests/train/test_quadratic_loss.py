@@ -14,7 +14,6 @@ from urushi.nets.layerer import layer
 from urushi.train import examples
 from urushi.train.data.store import Store
 from urushi.train.losses import stack_loss
-from urushi.train.stages import quadratic_loss
 
 
 @pytest.fixture(scope="module")
@@ -31,7 +30,7 @@ def params(tiny):
 
 def test_the_slope_is_that_of_the_loss(tiny, depths, params):
     held = depths[1].examples()
-    forms = quadratic_loss.measure_quadratic_losses(params, tiny.arch, held)
+    forms = layering.measure_quadratic_losses(params, tiny.arch, held)
     per_stack = len(held.f) // len(held.probes)
     for stack in (0, 7, len(held.probes) - 1):
         items = np.flatnonzero(held.stack == stack)
@@ -53,7 +52,7 @@ def test_the_curvature_is_exact_where_the_decoded_values_are_exact(tiny, params)
     features = rng.standard_normal((3, 64, 8)).astype(np.float32)
     top = 0.2 * rng.random((3, 64)).astype(np.float32)
     f = top + decode(params, tiny.arch, z[:, None], features)
-    slope, curvature = quadratic_loss.quadratic_expansion(
+    slope, curvature = layering.quadratic_expansion(
         params, tiny.arch, jnp.asarray(z), features, top, f
     )
     np.testing.assert_allclose(slope, 0.0, atol=1e-4)
@@ -69,13 +68,13 @@ def test_the_curvature_is_exact_where_the_decoded_values_are_exact(tiny, params)
         ]  # fmt: skip
         # The third order is a relative error in proportion to the size, here up to 10 times the
         # size. The weights of halves, which are constant in the form, add EASE = 3e-3 in 1e-2.
-        predicted = quadratic_loss.loss_increase(moved, z, np.zeros_like(z), curvature)
+        predicted = layering.loss_increase(moved, z, np.zeros_like(z), curvature)
         np.testing.assert_allclose(predicted, expected, rtol=10 * size)
 
 
 def test_lower_parts_are_decoded_and_encoded_again(tiny, depths, params):
     held = depths[2].examples()
-    forms = quadratic_loss.measure_quadratic_losses(params, tiny.arch, held)
+    forms = layering.measure_quadratic_losses(params, tiny.arch, held)
     arch = tiny.arch
     bottoms = np.concatenate([held.lobes, encode(params, arch, held.probes)], axis=-1)
     lower = layer(params, arch, bottoms, tuple(held.coats[:, 1].T))
@@ -87,5 +86,5 @@ def test_lower_parts_are_decoded_and_encoded_again(tiny, depths, params):
     whole = layer(params, arch, lower, tuple(held.coats[:, 0].T))
     np.testing.assert_allclose(forms.z, whole[:, arch.lobe :], atol=1e-5)
     np.testing.assert_array_equal(
-        quadratic_loss.loss_increase(forms.z, forms.z, forms.slope, forms.curvature), 0.0
+        layering.loss_increase(forms.z, forms.z, forms.slope, forms.curvature), 0.0
     )

@@ -63,9 +63,6 @@ def scene(found: "Surface | Mix", folder: Path) -> dict[str, Any]:
     """A sphere of a material under even light, seen from the front.
 
     Textures are written into the folder, which file names are relative to.
-
-    Raises:
-        FileError: the folder cannot be written.
     """
     import mitsuba as mi
 

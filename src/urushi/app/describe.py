@@ -36,9 +36,6 @@ def describe(text: str) -> Any:
     "coat(conductor(alpha=0.2, r0=0.9), alpha=0.05, ior=1.5)". It may hold the functions of
     `makers`, numbers, tuples of numbers, and True or False for switches; nothing else is evaluated.
     A name of `library` stands for its description.
-
-    Raises:
-        ParameterError: the text is no such expression, or a parameter is unknown or out of range.
     """
     text = library().get(text.strip(), text)
     try:

@@ -91,11 +91,7 @@ class Encode:
         return 0
 
     def targets(self) -> list[Path]:
-        """The file to write for each source.
-
-        Raises:
-            ParameterError: no source, one file for several, or two sources of the same name.
-        """
+        """The file to write for each source."""
         if not self.sources:
             raise ParameterError("there is nothing to encode; give a description or a file")
         if self.output.suffix == ".safetensors":
@@ -155,11 +151,7 @@ def scene_and_bsdf(text: str) -> tuple[Path, str | None]:
 
 
 def scene_bsdfs(path: Path, mode: str) -> dict[str, Any]:
-    """The BSDFs of a scene's shapes by id; `mode`: the Mitsuba variant.
-
-    Raises:
-        FileError: the file is no scene.
-    """
+    """The BSDFs of a scene's shapes by id; `mode`: the Mitsuba variant."""
     from urushi.app.render import load_scene, set_variant
 
     set_variant(mode)
@@ -168,11 +160,7 @@ def scene_bsdfs(path: Path, mode: str) -> dict[str, Any]:
 
 
 def choose(bsdfs: Mapping[str, Any], name: str | None, path: Path) -> Any:
-    """The BSDF with the id `name`, or the only one if `name` is None.
-
-    Raises:
-        ParameterError: there is no such BSDF, or there are several and `name` is None.
-    """
+    """The BSDF with the id `name`, or the only one if `name` is None."""
     names = ", ".join(sorted(bsdfs)) or "none"
     if name is None and len(bsdfs) == 1:
         return next(iter(bsdfs.values()))
@@ -263,11 +251,7 @@ class Layer:
 
 
 def read_material(text: str, weights: str | None) -> "Material":
-    """The material of a file of `urushi encode`, or an encoded description or measured file.
-
-    Raises:
-        UrushiError: as of `urushi.load`, `urushi.encode`, `urushi.load_measured` and `describe`.
-    """
+    """The material of a file of `urushi encode`, or an encoded description or measured file."""
     import urushi
 
     if is_description(text):

@@ -57,10 +57,6 @@ def page_files(model: Model, first: First | None) -> dict[str, bytes]:
     Args:
         model: the networks of isotropic materials. Those of anisotropic ones are the shipped ones.
         first: what the page shows first; None: its own first material.
-
-    Raises:
-        FileError: the page was not built.
-        ParameterError: the networks are for anisotropic materials; and as of `half_precision`.
     """
     if model.widths == 2:
         raise ParameterError(
@@ -129,11 +125,7 @@ def shader_files(model: Model) -> dict[str, bytes]:
 
 
 def half_precision(model: Model) -> bytes:
-    """A weights file (safetensors) with the networks' parameters as half floats.
-
-    Raises:
-        ParameterError: a parameter is too large.
-    """
+    """A weights file (safetensors) with the networks' parameters as half floats."""
     largest = float(np.finfo(np.float16).max)
     if any(np.abs(array).max() > largest for array in model.params.values()):
         raise ParameterError("a parameter of the networks is too large for half precision")
@@ -216,9 +208,6 @@ def page_document(files: Mapping[str, bytes]) -> str:
 
     The script and the style stand in it, all other files packed: each by gzip and in base64. Its
     policy allows these two only, by their hashes, and no request to anywhere.
-
-    Raises:
-        FileError: the page was built in another way.
     """
     script, style = (files[f"assets/index.{suffix}"].decode() for suffix in ("js", "css"))
     if "</script" in script or "</style" in style:

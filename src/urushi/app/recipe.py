@@ -113,11 +113,7 @@ def distance(a: np.ndarray, b: np.ndarray) -> Any:
 
 
 def linear(text: str) -> np.ndarray:
-    """The linear colour (3,) of an sRGB code such as "#7a2f1e".
-
-    Raises:
-        ParameterError: the text is no such code.
-    """
+    """The linear colour (3,) of an sRGB code such as "#7a2f1e"."""
     try:
         digits = bytes.fromhex(text.removeprefix("#"))
     except ValueError:

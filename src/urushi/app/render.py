@@ -167,9 +167,6 @@ def load_scene(
 
     Returns:
         The `mi.Scene`.
-
-    Raises:
-        FileError: the file is missing, or Mitsuba refuses it; the message gives Mitsuba's reason.
     """
     import mitsuba as mi
 
@@ -219,12 +216,7 @@ def _search_path(first: Path, last: Sequence[Path]) -> Iterator[None]:
 
 
 def set_variant(name: str) -> None:
-    """Switch Mitsuba to a variant.
-
-    Raises:
-        ParameterError: Mitsuba has no such variant.
-        PlatformError: the variant needs LLVM, a GPU or a library that is missing here.
-    """
+    """Switch Mitsuba to a variant."""
     platform.require_drjit()
     import mitsuba as mi
 
@@ -293,11 +285,7 @@ class Scene:
 
 
 def copy_demo_scene(folder: Path) -> Path:
-    """Copy the demo's scene into a folder; returns the path of its scene.xml.
-
-    Raises:
-        FileError: the folder cannot be written.
-    """
+    """Copy the demo's scene into a folder; returns the path of its scene.xml."""
     new_folder(folder)
     for file in DEMO_SCENE.parent.iterdir():
         with atomic_write(folder / file.name) as temporary:

@@ -104,11 +104,7 @@ class Simulate:
 
 
 def read_arrays(path: Path, *names: str) -> list[np.ndarray]:
-    """Arrays of an NPZ file.
-
-    Raises:
-        FileError: the file is missing, is not an NPZ file, or lacks an array.
-    """
+    """Arrays of an NPZ file."""
     try:
         # opened here, because numpy does not close a file that it cannot read
         with path.open("rb") as file, np.load(file, allow_pickle=False) as archive:

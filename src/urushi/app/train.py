@@ -19,11 +19,7 @@ if TYPE_CHECKING:
 def find_preset(
     name: str, scale: float | None = None, pairs: int | None = None
 ) -> "Preset | PaperPreset":
-    """The training preset of a name; the others are for "paper", see `fan2022.preset.paper`.
-
-    Raises:
-        ParameterError: there is no such preset, or it takes no scale or projection.
-    """
+    """The training preset of a name; the others are for "paper", see `fan2022.preset.paper`."""
     from urushi.fan2022.preset import paper
     from urushi.train import presets
 
@@ -105,7 +101,7 @@ class Data:
 
     def run(self) -> int:
         platform.require_extra("train")
-        from urushi.train.data.generate import generate
+        from urushi.train.data.store import generate
 
         preset = find_preset(self.preset, self.scale)
         store = generate(preset.data, self.output)

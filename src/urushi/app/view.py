@@ -91,12 +91,7 @@ class View:
 
 
 def first_material(text: str, weights: str | None) -> "First":
-    """What the page shows of a material: cards if it is described, otherwise codes or a texture.
-
-    Raises:
-        UrushiError: as of `read_material`, of `encode.choose` for a scene's BSDF, and of
-            `textures.file.read`.
-    """
+    """What the page shows of a material: cards if it is described, otherwise codes or a texture."""
     from urushi.app.page_files import First, cards_of, codes_of
 
     path, bsdf = scene_and_bsdf(text)

@@ -85,10 +85,6 @@ def material_text(
         latents, anchors: (C, size), C being 1 or 3: codes by which f is evaluated and sampled.
         prefix: begins the names in the file.
         rotation: [degrees] by which the material's tangent is turned.
-
-    Raises:
-        ParameterError: an unknown language or a prefix that is no name, a material of another
-            number of channels, or networks without analytic lobes.
     """
     check(language, model, prefix)
     if len(latents) not in (1, 3):
@@ -104,10 +100,6 @@ def codes_text(language: str, model: Model, prefix: str, texels: Texels | None =
     """The file of all materials of networks; their codes are arguments.
 
     texels: of a texture that the file also reads.
-
-    Raises:
-        ParameterError: an unknown language or a prefix that is no name, networks without analytic
-            lobes, or a texture in a language without array textures.
     """
     check(language, model, prefix)
     if texels and language not in TEXTURED:
@@ -124,9 +116,6 @@ def template_text(language: str, model: Model) -> str:
     It is the file of `codes_text` with a function `material` that prepares the codes. The number
     of a code and a channel is written as a name, `code_0_red` for the first. If the networks are
     anisotropic, `code_tangent_x` and `code_tangent_y` are the cosine and the sine of the rotation.
-
-    Raises:
-        ParameterError: as `codes_text`.
     """
     check(language, model, PREFIX)
     return LANGUAGES[language](PREFIX).printed(template_program(model))

@@ -88,10 +88,6 @@ def decode(file: BinaryIO, path: str | os.PathLike) -> tuple[Any, dict[str, Stor
     Args:
         file: the pickle; reading ends after its last instruction.
         path: of the file, for errors.
-
-    Raises:
-        FileError: the pickle names an object that is not `ALLOWED` or of `CLASS_MODULES`, uses an
-            instruction that tensors in dictionaries do not need, or is damaged.
     """
     machine = _Machine(path)
     try:

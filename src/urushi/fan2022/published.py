@@ -50,12 +50,7 @@ class TorchFile:
     """
 
     def __init__(self, path: str | os.PathLike) -> None:
-        """Read a file's pickle and its storages; `array` makes tensors of them.
-
-        Raises:
-            FileError: the file is missing, too large, truncated, foreign, or holds anything but
-                tensors in dictionaries.
-        """
+        """Read a file's pickle and its storages; `array` makes tensors of them."""
         self.path = Path(path)
         data = _content(self.path)
         self.content: Any
@@ -64,12 +59,7 @@ class TorchFile:
         self.content, self._storages = read(data, self.path)
 
     def array(self, tensor: Tensor, name: str) -> np.ndarray:
-        """The values of a tensor as a new float32 array; name: for errors.
-
-        Raises:
-            FileError: the tensor is too large or lies outside its storage, its storage is missing
-                or damaged, or a value is not finite.
-        """
+        """The values of a tensor as a new float32 array; name: for errors."""
         storage, path = tensor.storage, self.path
         shape, strides = tensor.shape, tensor.strides
         if len(shape) != len(strides) or min((tensor.offset, *shape, *strides), default=0) < 0:
@@ -206,11 +196,7 @@ _COSINE_OUTPUT = 20.0
 def networks(
     representation: str | os.PathLike, layering: str | os.PathLike
 ) -> dict[str, np.ndarray]:
-    """Return the parameters of the evaluation and the layering network from two files.
-
-    Raises:
-        FileError: a file cannot be read, see `TorchFile`, or does not fit the paper's network.
-    """
+    """Return the parameters of the evaluation and the layering network from two files."""
     params = _read(representation, "representation", EVALUATION)
     params |= _read(layering, "layering", LAYERING)
     return params
@@ -224,11 +210,7 @@ def cosine_proxy() -> dict[str, np.ndarray]:
 
 
 def state_dict(file: TorchFile) -> dict[str, Tensor]:
-    """The tensors by name: the file's content, or the one entry of it that is such a dictionary.
-
-    Raises:
-        FileError: there is none, or several.
-    """
+    """The tensors by name: the file's content, or the one entry of it that is such a dictionary."""
     content = file.content
     entries = content if isinstance(content, dict) else {}
     if _holds_tensors(content):

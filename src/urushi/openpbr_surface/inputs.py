@@ -50,10 +50,6 @@ class Inputs:
         """Read the properties.
 
         emits: whether they are an emitter's, which only reads what it needs.
-
-        Raises:
-            ParameterError: a name does not exist, a value is out of range or of a wrong kind, or a
-                feature is asked for that the plugin does not have.
         """
         self.where = props.get("origin", describe(props))
         given = {name: props[name] for name in list(props.keys()) if name not in OPTIONS}
@@ -147,9 +143,6 @@ class Inputs:
 
         These parameters count as textures from then on, and `version` grows: the caller must make
         what it left out because of them.
-
-        Raises:
-            ParameterError: a value that was given as a number is out of range now.
         """
         for name in self._numbers:
             value = _texture_value(self.textures[name])[0].ravel()

@@ -100,13 +100,7 @@ PARAMETERS: dict[str, Parameter] = {
 
 
 def parameter(name: str, where: str = "openpbr") -> Parameter:
-    """The parameter of a name.
-
-    where: begins errors.
-
-    Raises:
-        ParameterError: the specification has none of this name.
-    """
+    """The parameter of a name."""
     if name in PARAMETERS:
         return PARAMETERS[name]
     near = get_close_matches(name, PARAMETERS, 1)
@@ -120,13 +114,9 @@ def checked(name: str, value: Any, where: str = "openpbr") -> Any:
     Args:
         name: of the parameter.
         value: a number; for a colour a number or three.
-        where: begins errors.
 
     Returns:
         A float, a float64 array of shape (3,), or a bool. -0.0 becomes 0.0.
-
-    Raises:
-        ParameterError: it has another kind, or is out of range.
     """
     entry = parameter(name, where)
     if entry.kind == "boolean":
@@ -161,10 +151,6 @@ def complete(values: Mapping[str, Any], where: str = "openpbr") -> dict[str, Any
 
     Args:
         values: constants by name.
-        where: begins errors.
-
-    Raises:
-        ParameterError: a name does not exist, or a value has another kind or is out of range.
     """
     for name in values:
         parameter(name, where)

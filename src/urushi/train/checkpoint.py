@@ -78,9 +78,6 @@ class Journal:
         """The last checkpoint, or None; later lines of the log are removed.
 
         beginnings: each stage's first checkpoint, for the structure and the shapes.
-
-        Raises:
-            FileError: the file is truncated, foreign, or of another training.
         """
         if not self.begun():
             return None

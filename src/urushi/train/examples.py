@@ -1,12 +1,7 @@
-"""Training examples from a data store.
+"""Training examples from a data store: pairs with their features, and the encoder's inputs."""
 
-The examples of a step depend only on seed and step (see `order`), so that a training that was
-interrupted continues to the same bits.
-"""
-
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -16,35 +11,14 @@ from urushi.errors import ParameterError
 from urushi.nets import lobe as lobes
 from urushi.nets.architecture import Architecture
 from urushi.nets.features import DIRECTION_FEATURES, direction_features
-from urushi.train.bottoms import bottom_lobes, bottom_rest
+from urushi.nets.lobe_fit import fit_lobes
 from urushi.train.data.spec import Part
 from urushi.train.data.store import Store
-from urushi.train.order import Order
+from urushi.walk import analytic
 from urushi.walk.bottoms import KINDS
 
 #: The arrays that are read from a store.
 ARRAYS = ("coats", "bottom", "wi", "wo", "f")
-
-
-class Batch(NamedTuple):
-    """Stacks of all depths, deepest first, so that each coat belongs to the first stacks.
-
-    Attributes:
-        lobes: (B, L) the bottoms' lobes, see `nets.lobe`.
-        probes: (B, probes) the bottoms' values [1/sr] at the probe pairs, without their lobes.
-        coats: (B_k, C) columns `checks.COAT_COLUMNS` of each coat, the lowest first, for the B_k
-            stacks that have this coat, which are the first ones of the batch.
-        features: (B, P, D) of the direction pairs.
-        top: (B, P) the part of f [1/sr] that the stacks' own lobes reflect.
-        f: (B, P) simulated values [1/sr].
-    """
-
-    lobes: np.ndarray
-    probes: np.ndarray
-    coats: tuple[np.ndarray, ...]
-    features: np.ndarray
-    top: np.ndarray
-    f: np.ndarray
 
 
 @dataclass(frozen=True)
@@ -198,59 +172,6 @@ def load(store: Store, arch: Architecture, pairs: int) -> list[Depth]:
     return [Depth(store, by_depth[coats], arch, pairs) for coats in range(len(by_depth))]
 
 
-def batches(depths: list[Depth], stacks: tuple[int, ...], seed: int) -> Callable[[int, int], Batch]:
-    """The function of `stage.Learner.batches`: every depth's items in shuffled epochs.
-
-    Args:
-        depths: the examples by number of coats.
-        stacks: number of stacks of each depth in a step.
-        seed: seed of the shuffling.
-    """
-    if len(stacks) != len(depths):
-        raise ParameterError(
-            f"the data holds stacks of up to {len(depths) - 1} coats, but the preset draws "
-            f"stacks of up to {len(stacks) - 1}; give one number for each depth"
-        )
-    orders = [Order(depth.items, seed, coats) for coats, depth in enumerate(depths)]
-
-    def rows(coats: int, items: np.ndarray) -> dict[str, np.ndarray]:
-        held = depths[coats].examples()
-        of_stacks = {name: getattr(held, name) for name in ("lobes", "probes", "coats")}
-        of_items = {name: getattr(held, name)[items] for name in ("features", "top", "f")}
-        return {name: x[held.stack[items]] for name, x in of_stacks.items()} | of_items
-
-    return lambda step, steps: Batch(**taken(orders, rows, stacks, step, steps))
-
-
-def taken(
-    orders: Sequence[Order],
-    rows: Callable[[int, np.ndarray], Mapping[str, np.ndarray]],
-    counts: Sequence[int],
-    step: int,
-    steps: int,
-) -> dict[str, Any]:
-    """Columns of the batches of `steps` steps from `step` on, stacked along a first axis.
-
-    rows: from the place of a depth and some of its items to columns by name; "coats" are
-    (count, N, C), top to bottom, with one more coat at each depth. counts: items of each depth in a
-    step. Columns are those of all depths, deepest first; "coats" become a tuple, see `Batch`.
-    """
-    parts = []
-    for depth in reversed(range(len(orders))):
-        count = counts[depth]
-        columns = rows(depth, orders[depth].items(step * count, steps * count))
-        parts.append({k: x.reshape(steps, count, *x.shape[1:]) for k, x in columns.items()})
-    coats = [part.pop("coats") for part in parts]
-    joined: dict[str, Any] = {
-        name: np.concatenate([part[name] for part in parts], axis=1) for name in parts[0]
-    }
-    joined["coats"] = tuple(
-        np.concatenate([x[:, :, -1 - k] for x in coats if x.shape[2] > k], axis=1)
-        for k in range(coats[0].shape[2])
-    )
-    return joined
-
-
 #: The direction sets of parts to train on.
 TRAINING = ("training", "grazing", "probed", "anisotropic")
 
@@ -276,9 +197,6 @@ def mirror_images(part: Part, arrays: dict[str, np.ndarray]) -> dict[str, np.nda
 
     This is the mirror image at the plane x = y. Values of f stay, so that simulated stacks give as
     many others at no cost.
-
-    Raises:
-        ParameterError: the stacks have one GGX width per surface.
     """
     if part.distribution.widths != 2:
         raise ParameterError(
@@ -331,3 +249,38 @@ def coats_to_layer(part: Part, arrays: dict[str, np.ndarray]) -> np.ndarray:
         columns = len(COAT_COLUMNS[part.distribution.widths])
         return np.zeros((len(arrays["bottom"]), 0, columns), np.float32)
     return arrays["coats"]
+
+
+def bottom_lobes(kind: str, bottom: np.ndarray, arch: Architecture) -> np.ndarray:
+    """Lobes (S, L) of bottoms with the parameters (S, K), in the order of their kind.
+
+    Lobes that the family does not know are fitted to its values, as `encode` does.
+    """
+    columns = dict(zip(KINDS[kind].parameters, bottom.T, strict=True))
+    fresnel = KINDS[kind].family.fresnel_numbers(columns)
+    if fresnel is None:
+        return fit_lobes(_values(kind, bottom, arch), arch.widths)
+    result = np.tile(np.array(lobes.no_lobe(arch.widths), np.float32), (len(bottom), 1))
+    if widths := [column for name, column in columns.items() if name.startswith("alpha")]:
+        result[:, lobes.WIDTH_PLACES[arch.widths]] = np.stack(widths, axis=-1)
+    for place, numbers in enumerate(fresnel, start=1):
+        result[:, place] = numbers
+    return result
+
+
+def bottom_rest(kind: str, bottom: np.ndarray, own: np.ndarray, arch: Architecture) -> np.ndarray:
+    """Values (S, probes) [1/sr] of bottoms in air at the probe pairs, minus their lobes."""
+    if KINDS[kind].family.bare:
+        return np.zeros((len(bottom), arch.probes), np.float32)
+    top = lobes.f(own[:, None], *probe_pairs(arch.probes, arch.widths))
+    return np.maximum(_values(kind, bottom, arch) - top, 0.0)
+
+
+def _values(kind: str, bottom: np.ndarray, arch: Architecture) -> np.ndarray:
+    """Values (S, probes) [1/sr] of bottoms in air at the probe pairs."""
+    names = KINDS[kind].parameters
+    count = len(bottom)
+    wi, wo = (np.tile(w, (count, 1)) for w in probe_pairs(arch.probes, arch.widths))
+    row = np.repeat(np.arange(count, dtype=np.uint32), arch.probes)
+    columns = dict(zip(names, bottom.T, strict=True))
+    return analytic.rows(kind, columns, row, wi, wo).reshape(count, arch.probes)

@@ -90,7 +90,7 @@ def compose(
         params, arch: the networks.
         lobes: (B, L) the bottoms' lobes.
         probes: (B, probes) the bottoms' values [1/sr] at the probe pairs, without the lobes.
-        coats: as in `examples.Batch`: the lowest coats first, (B_k, C) for the first B_k rows.
+        coats: as in `batches.Batch`: the lowest coats first, (B_k, C) for the first B_k rows.
     """
     return apply_coats(params, arch, encoded(params, arch, lobes, probes), coats)
 

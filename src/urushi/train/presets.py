@@ -182,11 +182,7 @@ NAMES = tuple(_PRESETS)
 
 
 def get(name: str) -> Preset:
-    """Find a preset by name.
-
-    Raises:
-        ParameterError: there is no preset of that name.
-    """
+    """Find a preset by name."""
     if name not in _PRESETS:
         raise ParameterError(f"there is no preset '{name}'; choose one of {', '.join(NAMES)}")
     return _PRESETS[name]()

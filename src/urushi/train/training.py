@@ -27,8 +27,7 @@ from urushi.nets.mlp import Params
 from urushi.platform import available_cores
 from urushi.train import examples, presets
 from urushi.train.checkpoint import Checkpoint, Journal
-from urushi.train.data.generate import generate
-from urushi.train.data.store import Store
+from urushi.train.data.store import Store, generate
 from urushi.train.examples import METRICS, Depth, Examples
 from urushi.train.optimiser import TrainState, start
 from urushi.train.presets import Preset

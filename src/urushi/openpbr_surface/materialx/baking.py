@@ -64,10 +64,6 @@ def bake(graph: Graph, value: Value, resolution: int, where: str) -> np.ndarray 
         graph: the nodes.
         value: evaluates it.
         resolution: rows and columns of the grid.
-        where: begins errors.
-
-    Raises:
-        FileError: as of `Evaluation.input`, or a value is not finite.
     """
     few = _few(graph)
     first = _finite(value(few), where)

@@ -117,9 +117,6 @@ def to_linear_srgb(colours: npt.ArrayLike, space: str, where: str) -> np.ndarray
     """Convert colours (..., 3 or 4) of a space to linear sRGB; a fourth channel stays.
 
     Colours outside sRGB get negative channels.
-
-    Raises:
-        FileError: the space is unknown.
     """
     array = np.asarray(colours, np.float64)
     if (key := _key(space)) in RAW:

@@ -21,11 +21,7 @@ LIBRARY = (
 
 
 def package() -> Any:
-    """The package MaterialX.
-
-    Raises:
-        PlatformError: it is not installed.
-    """
+    """The package MaterialX."""
     require_extra("materialx")
     import MaterialX
 
@@ -45,11 +41,7 @@ def library() -> Any:
 
 
 def of_node(node: Any) -> Any | None:
-    """The definition that fits a node best.
-
-    Raises:
-        FileError: definitions inherit from each other in a circle.
-    """
+    """The definition that fits a node best."""
     with _without_cycles(node):
         return node.getNodeDef("", True)
 
@@ -71,11 +63,7 @@ def _without_cycles(element: Any) -> Iterator[None]:
 
 
 def unit(document: Any, name: str, where: str) -> tuple[str, float]:
-    """The kind of a unit, such as distance, and its size in metres or degrees.
-
-    Raises:
-        FileError: neither the document nor the library defines it.
-    """
+    """The kind of a unit, such as distance, and its size in metres or degrees."""
     known = {
         unit.getName(): (units.getUnitType(), unit.getAttribute("scale"))
         for source in (library(), document)

@@ -38,13 +38,7 @@ class Document:
 
 
 def read_document(path: str | os.PathLike) -> Document:
-    """Read a document and the files that it includes.
-
-    Raises:
-        FileError: a file is missing, too large or no MaterialX, lies outside of the document's
-            folder, or includes itself.
-        PlatformError: the package is missing.
-    """
+    """Read a document and the files that it includes."""
     file = Path(path)
     return Document(file, _Reader(file).read(file, ()))
 
@@ -140,11 +134,7 @@ def _check_version(text: str | None, where: str) -> None:
 
 
 def materials(document: Document) -> list[Any]:
-    """The nodes of the materials, those in node graphs included; if none, of surface shaders.
-
-    Raises:
-        FileError: there is neither.
-    """
+    """The nodes of the materials, those in node graphs included; if none, of surface shaders."""
     root = document.root
     graphs = (graph for graph in root.getNodeGraphs() if not graph.getNodeDefString())
     nodes = [node for scope in (root, *graphs) for node in scope.getNodes()]
@@ -163,10 +153,6 @@ def find_material(document: Document, name: str | None = None) -> Any:
     """The node of a material, or of a surface shader.
 
     name: of a material, or of a surface shader; None: the document's only one.
-
-    Raises:
-        ParameterError: there is none of this name, or several and no name.
-        FileError: the document has no material.
     """
     where, choices = document.where, materials(document)
     shaders = [node for node in document.root.getNodes() if _is_shader(node)]
@@ -196,10 +182,6 @@ def write_parameters(
         values: by name; colours in linear sRGB.
         path: the document (.mtlx).
         name: of the material; letters, digits and underscores.
-
-    Raises:
-        ParameterError: the name is another one.
-        FileError: the file cannot be written.
     """
     if not (name.isascii() and name.isidentifier()):
         raise ParameterError(

@@ -110,7 +110,6 @@ class Graph:
         Args:
             root: the document of the package.
             images: reads its images.
-            where: begins errors.
             uv_plane: whether positions in space are (u, v, 0); else they are refused.
         """
         self.root = Frame(root)
@@ -135,11 +134,7 @@ class Graph:
         return self._inputs[key]
 
     def source(self, node: Any, name: str, frame: Frame) -> Source | None:
-        """Where the value of a node's input comes from; None if neither it nor a default is given.
-
-        Raises:
-            FileError: it is connected to nothing, or in a circle.
-        """
+        """The source of a node's input; None if neither it nor a default is given."""
         element = node.getInput(name)
         found = None if element is None else self.follow(element, frame, node)
         if found is None or not found.is_given:
@@ -148,11 +143,7 @@ class Graph:
         return found
 
     def follow(self, element: Any, frame: Frame, node: Any) -> Source:
-        """The source of an input or output of a node, followed through interfaces and graphs.
-
-        Raises:
-            FileError: it does not exist, or the connections run in a circle.
-        """
+        """The source of an input or output of a node, followed through interfaces and graphs."""
         for _ in range(MAX_CHAIN):
             if outside := element.getAttribute("interfacename"):
                 declared = self._declared(outside, frame, node)
@@ -280,11 +271,7 @@ class Evaluation:
         return self._uv
 
     def input(self, node: Any, name: str, frame: Frame) -> np.ndarray:
-        """The value (..., channels) of a node's input; of its definition's default if not given.
-
-        Raises:
-            FileError: the graph has a circle, is too large, or has a node that is not supported.
-        """
+        """The value (..., channels) of a node's input; of its definition's default if not given."""
         self._metre = FILM_UNITS.get((node.getCategory(), name), self._metre)
         source = self._graph.source(node, name, frame)
         return np.zeros(1) if source is None else self.value(source, node)
@@ -446,9 +433,6 @@ def parse_value(text: str, kind: str, where: str) -> np.ndarray:
 
     Numbers are separated by commas or spaces. What follows a number is left out, as in 0.5f; one
     number is the first of several.
-
-    Raises:
-        FileError: it has another type, or is not finite.
     """
     channels = CHANNELS.get(kind)
     if channels is None:

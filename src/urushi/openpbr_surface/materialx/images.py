@@ -47,11 +47,7 @@ class Images:
         self._pixels = 0
 
     def read(self, name: str, where: str) -> np.ndarray:
-        """The stored values (height, width, channels) of a file.
-
-        Raises:
-            FileError: it is missing, of another format or too large, or cannot be decoded.
-        """
+        """The stored values (height, width, channels) of a file."""
         if re.search(r"<[A-Za-z]+>", name):
             raise FileError(
                 f"{where}: '{name[:80]}' is a pattern for several files, which is not supported; "
@@ -95,11 +91,7 @@ def other_case(path: Path) -> Path | None:
 
 
 def image_size(path: Path) -> tuple[int, int]:
-    """Width and height of a PNG, JPEG, OpenEXR or Radiance file, from its header.
-
-    Raises:
-        FileError: the file is of another format, or truncated.
-    """
+    """Width and height of a PNG, JPEG, OpenEXR or Radiance file, from its header."""
     with path.open("rb") as file:
         header = file.read(HEADER)
     size = None

@@ -25,14 +25,7 @@ class Outline:
     """
 
     def __init__(self, content: bytes, where: str):
-        """Parse a file without keeping its elements.
-
-        where: begins errors.
-
-        Raises:
-            FileError: the content is no XML in UTF-8 or no MaterialX, has a document type or
-                entities, or is too large.
-        """
+        """Parse a file without keeping its elements."""
         self.version: str | None = None
         self.includes: list[str] = []
         self.elements = self._depth = 0

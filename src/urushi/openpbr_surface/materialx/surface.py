@@ -86,11 +86,6 @@ def read_surface(
         name: of the material; None: the only one.
         resolution: rows and columns of textures that have to be computed on a grid.
         uv_plane: whether positions in space are (u, v, 0); else they are refused.
-
-    Raises:
-        FileError: the document or an image cannot be read, or has something unsupported.
-        ParameterError: there is no such material, or a parameter is out of its range.
-        PlatformError: the package materialx is needed and missing.
     """
     document = read_document(path)
     material = find_material(document, name)

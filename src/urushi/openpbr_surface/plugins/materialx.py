@@ -87,9 +87,6 @@ def check_supported(found: Surface | Mix, *, emits: bool = True) -> None:
     """Refuse a material that the plugin `openpbr` cannot render.
 
     emits: whether an emitter takes its emission; mixtures have no emitter.
-
-    Raises:
-        ParameterError: it asks for a feature that is not supported.
     """
     if isinstance(found, Mix):
         check_supported(found.bg, emits=False)
@@ -104,22 +101,14 @@ def check_supported(found: Surface | Mix, *, emits: bool = True) -> None:
 
 
 def checked_resolution(resolution: int, name: str = "resolution") -> int:
-    """The resolution, in [1, 4096]; name: the user's for it.
-
-    Raises:
-        ParameterError: it is not.
-    """
+    """The resolution, in [1, 4096]; name: the user's for it."""
     if not 1 <= resolution <= 4096:
         raise ParameterError(f"{name} is {resolution}; it must be in [1, 4096]")
     return int(resolution)
 
 
 def decode(path: Path) -> np.ndarray:
-    """The stored values of an image, float32 (height, width, channels), not linearised.
-
-    Raises:
-        FileError: it is damaged, or has other channels than grey or RGB with or without alpha.
-    """
+    """The stored values of an image, float32 (height, width, channels), not linearised."""
     try:
         bitmap = mi.Bitmap(str(path))
         layout = str(bitmap.pixel_format()).rpartition(".")[2]
@@ -142,9 +131,6 @@ def mitsuba_value(
 
     stored: from the parameter's name and the pixels of its texture to the property of `bitmap` that
         has them; by default they are in memory.
-
-    Raises:
-        ParameterError: it is a texture and no variant is set.
     """
     if isinstance(value, tuple):
         return {"type": "rgb", "value": list(value)}

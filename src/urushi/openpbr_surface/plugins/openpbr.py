@@ -176,11 +176,7 @@ class _Maker:
         return self._coat(inputs, below, options)
 
     def _coat(self, inputs: Inputs, below: "mi.BSDF", options: dict[str, Any]) -> "mi.BSDF":
-        """The coat over a base; its errors begin with the plugin that the user wrote.
-
-        Raises:
-            ParameterError: the coat or the base cannot be evaluated.
-        """
+        """The coat over a base; its errors begin with the plugin that the user wrote."""
         try:
             return mi.load_dict({"type": self._plugin, **_coat(inputs), "bottom": below, **options})
         except RuntimeError as error:

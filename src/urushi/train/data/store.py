@@ -1,4 +1,4 @@
-"""The store of simulated BRDF values, a zarr v3 group that describes itself.
+"""The store of simulated BRDF values, a zarr v3 group that describes itself; and its simulation.
 
 Layout: every part of the specification is one group of arrays, whose first axis is the stack:
 
@@ -25,13 +25,17 @@ from typing import Any
 
 import numpy as np
 import zarr
+from tqdm import tqdm
 
-from urushi.checks import COAT_COLUMNS
+from urushi.checks import COAT_COLUMNS, CoatParameters
+from urushi.core import direction_sets
 from urushi.errors import FileError
 from urushi.files import new_folder
 from urushi.train.data.spec import DataSpec, Part
 from urushi.version import __version__
+from urushi.walk import analytic
 from urushi.walk.bottoms import KINDS
+from urushi.walk.simulate import walk_pairs
 
 FORMAT_VERSION = 1
 _MANIFEST = "urushi_data"
@@ -54,11 +58,7 @@ class Store:
 
     @classmethod
     def create(cls, path: str | os.PathLike, spec: DataSpec) -> "Store":
-        """Make an empty store, or open an existing one of the same specification to resume it.
-
-        Raises:
-            FileError: the folder holds something else, or data of another specification.
-        """
+        """Make an empty store, or open an existing one of the same specification to resume it."""
         folder = Path(path)
         if folder.exists() and (not folder.is_dir() or any(folder.iterdir())):
             found, wanted = _description(folder), json.loads(json.dumps(spec.to_dict()))
@@ -100,11 +100,7 @@ class Store:
             _array(group, self.spec.parts[part], "complete")[shard] = 1
 
     def read(self, part: Part) -> dict[str, np.ndarray]:
-        """Read all arrays of a complete part into memory.
-
-        Raises:
-            FileError: the part is incomplete or damaged.
-        """
+        """Read all arrays of a complete part into memory."""
         return self.read_rows(part, slice(0, part.stacks))
 
     def read_rows(
@@ -116,9 +112,6 @@ class Store:
             part: a part of this store.
             rows: consecutive rows.
             names: the arrays to read, where the part has them; by default all.
-
-        Raises:
-            FileError: a shard of these rows is missing or damaged.
         """
         wanted = [name for name in _layout(part) if names is None or name in names]
         shards = slice(rows.start // self.spec.shard, -(-rows.stop // self.spec.shard))
@@ -152,6 +145,63 @@ class Store:
             f = self.read_shard(part, shard, ("f",))["f"]
             digest.update(np.ascontiguousarray(f).tobytes())
         return digest.hexdigest()
+
+
+def make_shard(spec: DataSpec, part: int, shard: int) -> Shard:
+    """Draw and simulate the stacks of one shard.
+
+    Args:
+        spec: the whole specification.
+        part, shard: indices of the part and of its shard.
+
+    Returns:
+        The arrays of `store`'s layout; they depend only on the arguments.
+    """
+    described = spec.parts[part]
+    rows = spec.rows(part, shard)
+    count = rows.stop - rows.start
+    parameters, directions, walks = spec.seeds(part, shard).spawn(3)
+    table = described.distribution.draw(np.random.default_rng(parameters), rows)
+    rng = np.random.default_rng(directions)
+    wi, wo = direction_sets.draw_pairs(described.directions, rng, count, described.pairs)
+    row = np.repeat(np.arange(count, dtype=np.uint32), described.pairs)
+    if described.distribution.coats == 0:
+        f = analytic.rows(table.kind, table.bottom, row, wi, wo)
+        se = np.zeros_like(f)
+    else:
+        seed = int(walks.generate_state(1)[0])
+        f, se = walk_pairs(table, row, wi, wo, walks=described.walks, seed=seed)
+    arrays = {
+        "bottom": np.stack([table.bottom[name] for name in KINDS[table.kind].parameters], axis=-1),
+        "wi": wi.reshape(count, -1, 3),
+        "wo": wo.reshape(count, -1, 3),
+        "f": f.reshape(count, -1),
+        "se": se.reshape(count, -1),
+    }
+    if described.distribution.coats:
+        coats = CoatParameters(*(getattr(table, name) for name in CoatParameters._fields))
+        arrays["coats"] = np.stack(coats.columns(), axis=-1)
+    return arrays
+
+
+def generate(spec: DataSpec, path: str | os.PathLike) -> Store:
+    """Generate the data of `spec` at `path`, or resume where an earlier run was stopped.
+
+    The bytes of the result do not depend on interruptions.
+
+    Args:
+        spec: the content.
+        path: the store's folder; only this process writes to it.
+    """
+    store = Store.create(path, spec)
+    missing = store.missing()
+    total = sum(spec.walks(*index) for index in missing)
+    with tqdm(total=total, unit="walk", unit_scale=True, disable=None) as progress:
+        for part, shard in missing:
+            progress.set_description(spec.parts[part].name)
+            store.write(part, shard, make_shard(spec, part, shard))
+            progress.update(spec.walks(part, shard))
+    return store
 
 
 _ZARR_ERRORS = (OSError, ValueError, KeyError, TypeError, RuntimeError)

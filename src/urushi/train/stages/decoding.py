@@ -15,7 +15,8 @@ import numpy as np
 from urushi.nets.architecture import Architecture, init
 from urushi.nets.decoder import decode
 from urushi.nets.mlp import Params
-from urushi.train.examples import Batch, Depth, batches
+from urushi.train.batches import Batch, batches
+from urushi.train.examples import Depth
 from urushi.train.losses import (
     compose,
     mean_loss,

@@ -12,7 +12,8 @@ from urushi.nets.architecture import FIXED, Architecture
 from urushi.nets.features import direction_features
 from urushi.nets.layerer import layer
 from urushi.nets.mlp import Params
-from urushi.train.examples import Batch, Depth, batches
+from urushi.train.batches import Batch, batches
+from urushi.train.examples import Depth
 from urushi.train.losses import (
     apply_coats,
     columns_of,
