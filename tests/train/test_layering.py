@@ -13,6 +13,7 @@ from urushi.nets.lobe import of_coat
 from urushi.train import examples
 from urushi.train.data.store import Store
 from urushi.train.optimiser import compile_steps, start
+from urushi.train.stages import layering
 from urushi.train.stages.layering import layering_batches, layering_loss, widened
 
 

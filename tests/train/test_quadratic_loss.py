@@ -14,6 +14,7 @@ from urushi.nets.layerer import layer
 from urushi.train import examples
 from urushi.train.data.store import Store
 from urushi.train.losses import stack_loss
+from urushi.train.stages import layering
 
 
 @pytest.fixture(scope="module")
