@@ -7,7 +7,7 @@ from typing import Any
 
 from gallery.options import Options
 from gallery.stage import Folder
-from urushi.app.convert import xml
+from urushi.app.export import xml
 from urushi.files import atomic_write
 
 #: A scene: a function that writes meshes and textures into a folder, and describes the scene.

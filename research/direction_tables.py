@@ -35,7 +35,7 @@ from urushi.core import image_metrics as metrics
 from urushi.errors import FileError, ParameterError
 from urushi.files import atomic_write, new_folder
 from urushi.nets.weights import Model, Weights, find
-from urushi.train.data.distribution import Table2
+from urushi.train.distribution import Table2
 from urushi.walk import StackTable, walk_pairs
 
 _KIND = "direction table"

@@ -21,7 +21,7 @@ from urushi import files
 from urushi.checks import CoatParameters
 from urushi.core.probe_pairs import PROBES
 from urushi.errors import FileError
-from urushi.train.data.distribution import to_dict
+from urushi.train.distribution import to_dict
 from urushi.walk import StackTable
 from urushi.walk.bottoms import KINDS
 

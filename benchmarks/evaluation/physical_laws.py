@@ -13,7 +13,7 @@ from urushi.core import error_metrics
 from urushi.material import Material
 from urushi.material.layer import layer_texels
 from urushi.nets.weights import Model
-from urushi.train.data.distribution import Extended
+from urushi.train.distribution import Extended
 
 #: Number of stacks that absorb nothing, per number of coats and kind of bottom; numbers of coats.
 WHITE_STACKS, WHITE_COATS = 16, (1, 2, 3, 5)

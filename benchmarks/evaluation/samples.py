@@ -11,7 +11,7 @@ import numpy as np
 
 from urushi.core import direction_sets, error_metrics
 from urushi.errors import ParameterError
-from urushi.train.data.distribution import Clear, Distribution, Extended, Table2
+from urushi.train.distribution import Clear, Distribution, Extended, Table2
 from urushi.walk import StackTable, analytic, walk_pairs
 from urushi.walk.bottoms import KINDS
 

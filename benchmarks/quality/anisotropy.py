@@ -26,7 +26,7 @@ from urushi.material.simulated import fit_to_walks
 from urushi.material.source import FIT_WALKS, STACK_WALKS
 from urushi.nets import lobe as lobes
 from urushi.nets.weights import anisotropic_model
-from urushi.train.data.distribution import Anisotropic
+from urushi.train.distribution import Anisotropic
 from urushi.train.examples import bottom_lobes
 from urushi.walk import StackTable, analytic, bottoms, walk_pairs
 

@@ -20,9 +20,9 @@ from pathlib import Path
 import numpy as np
 import zarr
 
-from urushi.train.data.distribution import Extended, Table2
-from urushi.train.data.spec import DataSpec, Part
-from urushi.train.data.store import Store, generate, make_shard
+from urushi.train.distribution import Extended, Table2
+from urushi.train.spec import DataSpec, Part
+from urushi.train.store import Store, generate, make_shard
 
 #: Direction pairs per stack and walks per pair, as in `quick`, an earlier preset for experiments.
 PAIRS, WALKS = 512, 32

@@ -19,7 +19,7 @@ from research.rivals import belcour
 import urushi
 from figures import results
 from urushi.nets.weights import default_model
-from urushi.train.data.distribution import Table2
+from urushi.train.distribution import Table2
 
 FOLDER = Path(__file__).parent
 PARTS = Path("out/figures/figure_8")

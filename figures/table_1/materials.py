@@ -13,7 +13,7 @@ from benchmarks.rivals.comparisons import Measured
 from benchmarks.rivals.nbrdf import training_pairs
 
 import urushi
-from urushi.train.data.distribution import Distribution, Extended, Table2
+from urushi.train.distribution import Distribution, Extended, Table2
 from urushi.walk import StackTable, analytic, walk_pairs
 
 STACKS, CONDUCTORS, SEED = "two interfaces", "bare conductors", 31

@@ -22,7 +22,7 @@ from urushi.core import direction_sets, error_metrics
 from urushi.fan2022 import PaperNetworks
 from urushi.material import table as nodes
 from urushi.nets.weights import default_model
-from urushi.train.data.distribution import Table2
+from urushi.train.distribution import Table2
 from urushi.walk import Stack, walk_pairs
 from urushi.walk.simulate import albedo as walked_albedo
 

@@ -12,9 +12,9 @@ pytest.importorskip("jax", reason="the extra 'train' is not installed")
 pytest.importorskip("zarr", reason="the extra 'train' is not installed")
 
 from urushi.train import presets, training
-from urushi.train.data.distribution import Extended, Table2
-from urushi.train.data.spec import DataSpec, Part
-from urushi.train.data.store import Store
+from urushi.train.distribution import Extended, Table2
+from urushi.train.spec import DataSpec, Part
+from urushi.train.store import Store
 
 
 @pytest.fixture

@@ -12,7 +12,7 @@ from tests.export import gpu
 
 from urushi.app.cli import main
 from urushi.errors import ParameterError, UrushiWarning
-from urushi.export import dense
+from urushi.export import networks
 from urushi.export.program import codes_text, template_text
 from urushi.material import Material
 from urushi.material.table import SHAPE
@@ -117,7 +117,7 @@ def test_templates_with_codes_filled_in(model, materials, rows, language):
 @pytest.mark.parametrize("language", ["python", *SHADERS])
 def test_loops_over_tables(materials, rows, language, monkeypatch):
     """Layers that are too large to unroll are loops; here the second hidden one is."""
-    monkeypatch.setattr(dense, "UNROLLED", 200)
+    monkeypatch.setattr(networks, "UNROLLED", 200)
     text = materials["one lobe"].shader(language)
     assert text.count("for ") >= 1
     check(language, text, materials["one lobe"], rows)

@@ -13,7 +13,7 @@ from urushi.errors import FileError, ParameterError
 from urushi.fan2022 import Material, PaperNetworks, networks
 from urushi.fan2022.architecture import AdamProjection, PaperArchitecture, init
 from urushi.nets.weights import default_model, find, shipped_folder
-from urushi.train.data.distribution import Extended
+from urushi.train.distribution import Extended
 
 #: Projections of two steps, so that tests are quick.
 ARCH = PaperArchitecture(AdamProjection(steps=2, pairs=64))

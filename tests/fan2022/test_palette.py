@@ -6,8 +6,8 @@ import pytest
 from urushi.core import direction_sets
 from urushi.errors import FileError, ParameterError
 from urushi.fan2022.preset import Palette
-from urushi.train.data.spec import DataSpec, Part
-from urushi.train.data.store import Store
+from urushi.train.spec import DataSpec, Part
+from urushi.train.store import Store
 
 ALL = slice(0, 5000)
 

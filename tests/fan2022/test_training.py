@@ -24,7 +24,7 @@ from urushi.fan2022.inference import direction_inputs
 from urushi.fan2022.preset import Palette, paper
 from urushi.fan2022.training import train
 from urushi.train.checkpoint import Journal
-from urushi.train.data.store import generate
+from urushi.train.store import generate
 from urushi.walk import analytic
 
 pytestmark = pytest.mark.research

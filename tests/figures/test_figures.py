@@ -16,7 +16,7 @@ from figures.table_3 import plot as scenes_plot
 
 from urushi.core.direction_sets import cosine_pairs
 from urushi.nets.weights import default_model
-from urushi.train.data.distribution import Table2
+from urushi.train.distribution import Table2
 
 
 def test_finished_parts_are_read_and_not_computed_again(tmp_path):

@@ -33,7 +33,7 @@ from urushi.nets.interface_fit import find_lobes
 from urushi.nets.lobe import NO_LOBE
 from urushi.nets.lobe_fit import fit_lobes
 from urushi.parallel import one_blas_thread
-from urushi.train.data.distribution import Extended
+from urushi.train.distribution import Extended
 from urushi.walk import analytic, conductor, dielectric, diffuse
 
 

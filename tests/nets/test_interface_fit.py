@@ -8,7 +8,7 @@ from urushi.nets import lobe as lobes
 from urushi.nets.interface_fit import TOLERANCE, find_lobes
 from urushi.nets.least_squares import Damping, FitState, damped_steps
 from urushi.nets.lobe_fit import DARK, fit_lobes
-from urushi.train.data.distribution import Extended
+from urushi.train.distribution import Extended
 from urushi.walk import analytic
 
 STACKS = 96

@@ -6,7 +6,7 @@ import pytest
 from urushi.core.probe_pairs import probe_pairs
 from urushi.nets import lobe as lobes
 from urushi.nets.lobe_fit import DARK, fit_lobes
-from urushi.train.data.distribution import Extended
+from urushi.train.distribution import Extended
 from urushi.walk import analytic
 
 STACKS = 128

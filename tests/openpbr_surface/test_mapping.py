@@ -6,7 +6,7 @@ import pytest
 import urushi
 from urushi.core import albedos, fresnel
 from urushi.core.namespace import NUMPY
-from urushi.openpbr_surface import albedo_tables, eon, film, formulas
+from urushi.openpbr_surface import eon, film, formulas, lookups
 from urushi.walk.simulate import albedo
 
 COSINES, WEIGHTS = np.polynomial.legendre.leggauss(48)
@@ -108,7 +108,7 @@ def test_slab_albedo_inverts_the_promise_and_exceeds_the_colour():
 @pytest.mark.parametrize("eta", [0.7, 1.2, 2.0])
 def test_the_excess_of_a_rough_slab_is_its_integral(eta):
     """What EON of a white slab sends at once through the interface, by a quadrature over wo."""
-    known, slab = albedos.tables(eta), albedo_tables.slab_tables(eta)
+    known, slab = albedos.tables(eta), lookups.slab_tables(eta)
     nodes = np.linspace(0, 1, albedos.COSINES)
     fine = (np.arange(1000) + 0.5) / 1000  # the interface's edge has no room between few nodes
     at = albedos.cosine_coordinate(fine, eta)
@@ -133,7 +133,7 @@ def test_few_facets_have_the_moments_of_all():
         facets = albedos.visible_facets(alphas[row], cosine)
         weight = facets.masking * facets.weight
         seen = weight.sum(-1)
-        assert np.allclose(seen, albedo_tables.mirror_tables().albedo[row], rtol=1e-6)
+        assert np.allclose(seen, lookups.mirror_tables().albedo[row], rtol=1e-6)
         for power in range(8):
             expected = (weight * facets.cosine**power).sum(-1) / seen
             found = (rules.weights[row] * rules.cosines[row] ** power).sum(-1)
@@ -190,7 +190,7 @@ def test_what_an_interface_does_not_reflect_or_lose_passes(alpha):
 
 def test_the_albedo_of_two_equal_widths_is_that_of_one():
     """Up to the azimuth's quadrature: both tables are made by the same nodes, turned."""
-    two, one = albedo_tables.anisotropic_tables(), albedo_tables.mirror_tables()
+    two, one = lookups.anisotropic_tables(), lookups.mirror_tables()
     assert np.abs(two.albedo[0, ..., 0] - one.albedo).max() < 3e-3
     assert np.abs(two.albedo[0, ..., 1:]).max() < 3e-3
 

@@ -1,18 +1,20 @@
 """The shared fixtures of this folder: a training of a few steps and its data."""
 
+import hashlib
+
 import pytest
 
 from urushi.nets.architecture import Architecture
-from urushi.train.data.distribution import Extended, Table2
-from urushi.train.data.spec import DataSpec, Part
-from urushi.train.data.store import generate
 from urushi.train.datasets import validation
+from urushi.train.distribution import Extended, Table2
 from urushi.train.optimiser import Schedule
 from urushi.train.presets import Preset
+from urushi.train.spec import DataSpec, Part
 from urushi.train.stages.decoding import Decoding
 from urushi.train.stages.joint import Joint
 from urushi.train.stages.layering import Layering
 from urushi.train.stages.sampling import Sampling
+from urushi.train.store import generate
 
 ARCH = Architecture(
     latent=12,
@@ -66,3 +68,17 @@ def tiny_data(tmp_path_factory):
     path = tmp_path_factory.mktemp("tiny") / "data.zarr"
     generate(TINY.data, path)
     return path
+
+
+@pytest.fixture(scope="session")
+def fingerprints():
+    """A function of a store's path: the hash of each of its files, by name."""
+
+    def of(path):
+        return {
+            str(file.relative_to(path)): hashlib.sha256(file.read_bytes()).hexdigest()
+            for file in path.rglob("*")
+            if file.is_file()
+        }
+
+    return of

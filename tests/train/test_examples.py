@@ -12,10 +12,10 @@ from urushi.nets.architecture import Architecture
 from urushi.nets.features import direction_features
 from urushi.train import examples
 from urushi.train.batches import batches
-from urushi.train.data.distribution import BOTTOMS, Extended, Table2
-from urushi.train.data.spec import DataSpec, Part
-from urushi.train.data.store import Store, generate
+from urushi.train.distribution import BOTTOMS, Extended, Table2
 from urushi.train.examples import bottom_lobes, bottom_rest
+from urushi.train.spec import DataSpec, Part
+from urushi.train.store import Store, generate
 from urushi.walk import analytic
 from urushi.walk.bottoms import KINDS
 

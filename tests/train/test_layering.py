@@ -11,10 +11,10 @@ from urushi.nets.architecture import init
 from urushi.nets.layerer import layer
 from urushi.nets.lobe import of_coat
 from urushi.train import examples
-from urushi.train.data.store import Store
 from urushi.train.optimiser import compile_steps, start
 from urushi.train.stages import layering
 from urushi.train.stages.layering import layering_batches, layering_loss, widened
+from urushi.train.store import Store
 
 
 @pytest.fixture(scope="module")

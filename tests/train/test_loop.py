@@ -20,8 +20,8 @@ from urushi.nets.features import direction_features
 from urushi.nets.layerer import layer
 from urushi.train import presets, training
 from urushi.train.checkpoint import Checkpoint, Journal
-from urushi.train.data.store import Store
 from urushi.train.optimiser import Schedule
+from urushi.train.store import Store
 from urushi.train.training import train
 
 

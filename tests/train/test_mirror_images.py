@@ -8,11 +8,11 @@ from urushi.core.probe_pairs import ANISOTROPIC_PROBES
 from urushi.errors import ParameterError
 from urushi.nets.architecture import Architecture, init
 from urushi.train import examples
-from urushi.train.data.distribution import ANISOTROPIC_BOTTOMS, Anisotropic, Table2
-from urushi.train.data.spec import DataSpec, Part
-from urushi.train.data.store import generate, make_shard
+from urushi.train.distribution import ANISOTROPIC_BOTTOMS, Anisotropic, Table2
 from urushi.train.examples import mirror_images
+from urushi.train.spec import DataSpec, Part
 from urushi.train.stages.layering import MirroredLayering
+from urushi.train.store import generate, make_shard
 from urushi.walk import StackTable, analytic, walk_pairs
 from urushi.walk.bottoms import KINDS
 

@@ -12,9 +12,9 @@ from urushi.nets.encoder import encode
 from urushi.nets.features import direction_features
 from urushi.nets.layerer import layer
 from urushi.train import examples
-from urushi.train.data.store import Store
 from urushi.train.losses import stack_loss
 from urushi.train.stages import layering
+from urushi.train.store import Store
 
 
 @pytest.fixture(scope="module")

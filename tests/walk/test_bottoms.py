@@ -10,7 +10,7 @@ from urushi.app.describe import describe
 from urushi.core import microfacet
 from urushi.core.frame import square_to_cosine_hemisphere
 from urushi.core.random import stream
-from urushi.train.data.distribution import Extended
+from urushi.train.distribution import Extended
 from urushi.walk import analytic, coat, monte_carlo, simulate
 from urushi.walk.bottoms import KINDS, MAKERS, Description
 from urushi.walk.bottoms.bottom import Family, maker

@@ -10,12 +10,11 @@ from typing import Annotated, Any
 import tyro
 
 from urushi import ranges
-from urushi.app.convert import Convert
 from urushi.app.demo import Demo
 from urushi.app.describe import Materials
 from urushi.app.doctor import Doctor
 from urushi.app.encode import Encode, Layer
-from urushi.app.export import Export
+from urushi.app.export import Convert, Export
 from urushi.app.recipe import Recipe
 from urushi.app.render import Render, Scene
 from urushi.app.simulate import Simulate

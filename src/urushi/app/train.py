@@ -101,7 +101,7 @@ class Data:
 
     def run(self) -> int:
         platform.require_extra("train")
-        from urushi.train.data.store import generate
+        from urushi.train.store import generate
 
         preset = find_preset(self.preset, self.scale)
         store = generate(preset.data, self.output)

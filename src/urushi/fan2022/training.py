@@ -20,7 +20,7 @@ from urushi.fan2022.preset import PaperPreset
 from urushi.nets.mlp import Params
 from urushi.train import training
 from urushi.train.checkpoint import Checkpoint, Journal
-from urushi.train.data.store import Store, generate
+from urushi.train.store import Store, generate
 
 STAGES = ("representation", "layering", "proxy")
 

@@ -4,7 +4,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import replace
 
 from urushi.core.probe_pairs import PROBES
-from urushi.train.data.distribution import (
+from urushi.train.distribution import (
     Anisotropic,
     Clear,
     Distribution,
@@ -12,7 +12,7 @@ from urushi.train.data.distribution import (
     Practical,
     Table2,
 )
-from urushi.train.data.spec import DataSpec, Part
+from urushi.train.spec import DataSpec, Part
 from urushi.walk.bottoms import KINDS
 
 #: Numbers of stacks by distribution: "table2", or the kind of bottom of an `Extended`.

@@ -12,8 +12,8 @@ from urushi.nets import lobe as lobes
 from urushi.nets.architecture import Architecture
 from urushi.nets.features import DIRECTION_FEATURES, direction_features
 from urushi.nets.lobe_fit import fit_lobes
-from urushi.train.data.spec import Part
-from urushi.train.data.store import Store
+from urushi.train.spec import Part
+from urushi.train.store import Store
 from urushi.walk import analytic
 from urushi.walk.bottoms import KINDS
 

@@ -8,10 +8,10 @@ from typing import Any
 from urushi.core.probe_pairs import ANISOTROPIC_PROBES
 from urushi.errors import ParameterError
 from urushi.nets.architecture import Architecture
-from urushi.train.data.distribution import Extended, Table2
-from urushi.train.data.spec import DataSpec, Part
 from urushi.train.datasets import anisotropic_domain, validation, whole_domain
+from urushi.train.distribution import Extended, Table2
 from urushi.train.optimiser import Schedule
+from urushi.train.spec import DataSpec, Part
 from urushi.train.stages.decoding import Decoding
 from urushi.train.stages.joint import Joint
 from urushi.train.stages.layering import Layering, MirroredLayering

@@ -27,11 +27,11 @@ from urushi.nets.mlp import Params
 from urushi.platform import available_cores
 from urushi.train import examples, presets
 from urushi.train.checkpoint import Checkpoint, Journal
-from urushi.train.data.store import Store, generate
 from urushi.train.examples import METRICS, Depth, Examples
 from urushi.train.optimiser import TrainState, start
 from urushi.train.presets import Preset
 from urushi.train.stages.stage import Learner, Stage, parameters_of
+from urushi.train.store import Store, generate
 from urushi.version import __version__
 
 #: Default folder of data, checkpoints, logs and weights.

@@ -6,7 +6,7 @@ from benchmarks.quality import benchmark_set
 
 from urushi.nets import weights
 from urushi.nets.architecture import Architecture, init
-from urushi.train.data.distribution import Extended, Table2
+from urushi.train.distribution import Extended, Table2
 
 #: Small ones: one with everything that a group may have, and one that is analytic.
 GROUPS = (

@@ -11,7 +11,7 @@ from benchmarks.quality import benchmark_set
 
 from urushi.errors import FileError
 from urushi.files import read_tensors, write_tensors
-from urushi.train.data.distribution import Extended
+from urushi.train.distribution import Extended
 
 
 @pytest.fixture(scope="module")

@@ -13,7 +13,7 @@ from urushi.material import Material, energy
 from urushi.material.albedo_rule import albedo_rule
 from urushi.material.encode import material_from_values
 from urushi.nets.lobe import of_coat
-from urushi.train.data.distribution import Extended
+from urushi.train.distribution import Extended
 
 
 def of(figures, name):

@@ -9,7 +9,7 @@ from benchmarks.quality import benchmark_set
 from urushi.core.probe_pairs import PROBES, probe_pairs
 from urushi.core.quadrature import half_vector_rule
 from urushi.errors import ParameterError
-from urushi.train.data.distribution import Extended, Table2
+from urushi.train.distribution import Extended, Table2
 from urushi.walk import coat, conductor
 from urushi.walk.simulate import albedo
 

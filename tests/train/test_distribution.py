@@ -5,8 +5,8 @@ import pytest
 from scipy import stats
 
 from urushi.errors import ParameterError
-from urushi.train.data import distribution
-from urushi.train.data.distribution import Clear, Extended, Practical, Table2
+from urushi.train import distribution
+from urushi.train.distribution import Clear, Extended, Practical, Table2
 
 N = 20_000
 

@@ -31,7 +31,7 @@ from urushi.checks import COAT_COLUMNS, CoatParameters
 from urushi.core import direction_sets
 from urushi.errors import FileError
 from urushi.files import new_folder
-from urushi.train.data.spec import DataSpec, Part
+from urushi.train.spec import DataSpec, Part
 from urushi.version import __version__
 from urushi.walk import analytic
 from urushi.walk.bottoms import KINDS

@@ -8,7 +8,7 @@ import numpy as np
 
 from urushi.core import direction_sets
 from urushi.errors import ParameterError
-from urushi.train.data.distribution import Source, to_dict
+from urushi.train.distribution import Source, to_dict
 
 
 @dataclass(frozen=True)

@@ -1,1 +1,0 @@
-"""Parameter distributions, direction sets and the stores of simulated BRDF values."""
