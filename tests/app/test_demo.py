@@ -28,8 +28,8 @@ def test_difference_shows_sign_and_size():
 
 
 def test_figures_of_equal_images_are_their_noise():
-    """Both renders have the halves 0.9 and 1.1: no difference, variance 0.01 each."""
-    same = demo.Render(np.stack([np.full((4, 4, 3), 0.9), np.full((4, 4, 3), 1.1)]), 1.0, 2.0)
+    """Both renders have a variance of 0.01, as of the halves 0.9 and 1.1."""
+    same = demo.Render(np.ones((4, 4, 3)), np.full((4, 4, 3), 0.01), 1.0, 2.0)
     figures = demo.compare(same, same)
     noise = 0.01 / (1 + 0.01)
     assert figures["layered_noise"] == figures["neural_layered_noise"] == pytest.approx(noise)

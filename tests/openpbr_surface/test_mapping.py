@@ -33,8 +33,6 @@ def test_anisotropy_keeps_the_mean_square_width():
 
 def test_a_mirror_has_the_narrowest_lobe():
     assert formulas.lobe_widths(0.0, 0.0) == (0.01, 0.01)
-    assert formulas.is_mirror(0.0)
-    assert not formulas.is_mirror(0.1)
 
 
 def test_the_base_has_the_ratio_of_the_indices():

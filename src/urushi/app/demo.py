@@ -5,7 +5,7 @@ import os
 import time
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, NamedTuple
 
 import numpy as np
 import tyro
@@ -79,29 +79,19 @@ class Demo:
         return 0
 
 
-@dataclass(frozen=True)
-class Render:
-    """A render as two independent halves, whose difference measures its noise.
+class Render(NamedTuple):
+    """A render of two independent halves, whose difference measures its noise.
 
     Attributes:
-        halves: (2, H, W, 3) float64 linear radiance, each from half of the samples.
+        image: (H, W, 3) linear radiance. variance: (H, W, 3) estimate of the variance of `image`.
         seconds: wall time of the passes after the first.
         start: wall time of loading the scene and of the first pass, which compiles the code.
     """
 
-    halves: np.ndarray
+    image: np.ndarray
+    variance: np.ndarray
     seconds: float
     start: float
-
-    @property
-    def image(self) -> np.ndarray:
-        """(H, W, 3) mean of both halves."""
-        return self.halves.mean(axis=0)
-
-    @property
-    def variance(self) -> np.ndarray:
-        """(H, W, 3) estimate of the variance of `image` in every pixel."""
-        return metrics.halves_variance(*self.halves)
 
 
 def render(scene: Path, coat: str, size: tuple[int, int], spp: int, seed: int) -> Render:
@@ -119,7 +109,8 @@ def render(scene: Path, coat: str, size: tuple[int, int], spp: int, seed: int) -
         image = mi.render(loaded, spp=PASS_SPP, seed=seed * passes + index)
         halves[index % 2] += np.array(image, dtype=np.float64) / (passes // 2)
         start = start or time.perf_counter() - begin
-    return Render(halves, seconds=time.perf_counter() - begin - start, start=start)
+    seconds = time.perf_counter() - begin - start
+    return Render(halves.mean(axis=0), metrics.halves_variance(*halves), seconds, start)
 
 
 def compare(neural: Render, reference: Render) -> dict[str, float]:

@@ -83,10 +83,8 @@ def parameters_text(signature: inspect.Signature) -> str:
 def _number(node: ast.expr, text: str) -> Any:
     try:
         value = ast.literal_eval(node)
-    except (ValueError, TypeError, SyntaxError) as error:
-        raise _refuse(
-            text, f"'{ast.unparse(node)}' is neither one number nor three numbers"
-        ) from error
+    except (ValueError, TypeError, SyntaxError):
+        value = None
     numbers = value if isinstance(value, tuple | list) else (value,)
     if not all(isinstance(x, int | float) and not isinstance(x, bool) for x in numbers):
         raise _refuse(text, f"'{ast.unparse(node)}' is neither one number nor three numbers")

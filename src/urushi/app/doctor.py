@@ -9,7 +9,7 @@ import platform
 import re
 import subprocess
 import sys
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 from urushi.errors import UrushiError
@@ -43,19 +43,15 @@ class Finding:
     essential: bool = False
 
 
-_NO_GPU = Finding("GPU", "no NVIDIA driver; the LLVM variants run on the CPU, the CUDA ones do not")
-
-
 def examine() -> list[Finding]:
     """Run all checks, the most basic first."""
-    gpu = _gpu()
     return [
-        _python(),
+        Finding("Python", f"{platform.python_version()} ({sys.executable})"),
         _package("mitsuba", (3, 9), (3, 10)),
         _drjit(),
         _llvm(),
-        gpu,
-        *_variants(VARIANTS if gpu is not _NO_GPU else VARIANTS[:-1]),
+        _gpu(),
+        *_variants(VARIANTS),
         *_weights(),
         *_extras(),
     ]
@@ -73,12 +69,6 @@ def report(findings: Sequence[Finding]) -> str:
     wrong = [finding.name for finding in findings if finding.problem and finding.essential]
     lines.append(f"\nProblems: {', '.join(wrong)}." if wrong else "\nAll essential parts work.")
     return "\n".join(lines)
-
-
-def _python() -> Finding:
-    found = f"{platform.python_version()} ({sys.executable})"
-    too_old = sys.version_info < (3, 11)
-    return Finding("Python", found, "3.11 or newer is needed" if too_old else None, True)
 
 
 def _package(
@@ -140,60 +130,42 @@ def _variants(names: Sequence[str]) -> list[Finding]:
 
 
 def _gpu() -> Finding:
+    query = ["nvidia-smi", "--query-gpu=name,driver_version", "--format=csv,noheader"]
     try:
-        run = subprocess.run(
-            ["nvidia-smi", "--query-gpu=name,driver_version", "--format=csv,noheader"],
-            capture_output=True,
-            text=True,
-            timeout=30,
-        )
+        run = subprocess.run(query, capture_output=True, text=True, timeout=30)
+        found = "; ".join((run.stdout or run.stderr).split("\n")).strip("; ")
     except (OSError, subprocess.TimeoutExpired):
-        return _NO_GPU
-    if run.returncode != 0 or not run.stdout.strip():
-        reason = " ".join((run.stderr or run.stdout).split()) or "nvidia-smi found none"
-        return Finding("GPU", "not usable", reason)
-    return Finding("GPU", "; ".join(run.stdout.strip().splitlines()))
+        found = "no NVIDIA driver; the LLVM variants run on the CPU"
+    return Finding("GPU", found)
 
 
-def _weights() -> list[Finding]:
+def _weights() -> Iterator[Finding]:
     from urushi.nets import weights
 
     folder = weights.shipped_folder()
     files = sorted(folder.glob("*.safetensors"))
     if not files:
-        return [Finding("weights", "missing", f"'{folder}' has none; install urushi again", True)]
-    findings = []
+        yield Finding("weights", "missing", f"'{folder}' has none; install urushi again", True)
     for file in files:
         name = f"weights {file.stem}"
         try:
             model = weights.read(file)
         except UrushiError as error:
-            findings.append(Finding(name, "not usable", str(error), True))
+            yield Finding(name, "not usable", str(error), True)
             continue
-        header = model.header
-        details = [f"fingerprint {model.fingerprint}"]
-        if "preset" in header:
-            details.append(f"preset {header['preset']['name']}")
-        details += [f"{name} {value:.3g}" for name, value in header.get("metrics", {}).items()]
-        findings.append(Finding(f"weights {file.stem}", ", ".join(details), None, True))
-    return findings
+        metrics = model.header.get("metrics", {}).items()
+        details = [f"fingerprint {model.fingerprint}", *(f"{k} {x:.3g}" for k, x in metrics)]
+        yield Finding(name, ", ".join(details), None, True)
 
 
-def _extras() -> list[Finding]:
+def _extras() -> Iterator[Finding]:
     """The optional packages, one finding each."""
-    findings = []
     for extra, packages in EXTRAS.items():
         for package in packages:
-            version = _version(package.name)
+            version, name = _version(package.name), f"extra {extra}: {package.name}"
             cure = f"needed for {package.purpose}: pip install 'urushi[{extra}]'"
-            findings.append(
-                Finding(
-                    f"extra {extra}: {package.name}",
-                    f"{version or 'missing'} ({package.purpose})",
-                    cure if version is None else None,
-                )
-            )
-    return findings
+            found = f"{version or 'missing'} ({package.purpose})"
+            yield Finding(name, found, None if version else cure)
 
 
 def _version(package: str) -> str | None:

@@ -42,16 +42,6 @@ class Palette:
     seed: int = 0
     widths: ClassVar[int] = 1
 
-    def __post_init__(self) -> None:
-        kinds = ("conductor", "dielectric") if self.coats == 0 else ("conductor",)
-        if self.coats not in (0, 1, 2) or self.bottom not in kinds:
-            raise ParameterError(
-                f"the paper's materials have no stacks of {self.coats!r} coats over "
-                f"{self.bottom!r}; give 0, 1 or 2 coats over 'conductor', or 0 and 'dielectric'"
-            )
-        if min(self.components, self.stacks) < 1:
-            raise ParameterError("the paper's materials need at least one component and one stack")
-
     def draw(self, rng: np.random.Generator, rows: slice) -> StackTable:
         """The stacks of some rows; `rng` is not needed."""
         coats: dict[str, list[np.ndarray]] = {k: [] for k in ("alpha", "eta", "albedo", "sigma_t")}

@@ -82,24 +82,19 @@ class FilmFresnel:
         """Mean reflectance of the filmed facets seen from a direction, minus that of bare facets.
 
         A spectrum, by the Gauss rules of `rules`; the mean weights facets by their masking.
+
+        cosine: of the direction; None: the mean over diffuse light.
         """
-        rule = self._rule(coordinates(cosine, alpha, None))
+        rule = (self._mean_rule if cosine is None else self._rule)(coordinates(cosine, alpha, None))
         edge = self._edge(eta, si, active)
         total = self._mean_over(rule, eta, edge, si, active)
-        if self._total:
+        if self._total and cosine is None:
+            more, less = (self._total.reflected_mean(alpha, index) for index in (edge, eta))
+            total += (more - less) / dr.maximum(self._mirror.seen_mean(alpha), _LEAST)
+        elif self._total:
             more, less = (self._total.reflected(cosine, alpha, index) for index in (edge, eta))
             seen = self._mirror.seen(mi.Vector3f(0, 0, cosine), alpha)
             total += (more - less) / dr.maximum(seen, _LEAST)
-        return self._weight(si, active) * total
-
-    def mean_excess(self, alpha, eta, si, active):
-        """The mean of `excess` over diffuse light."""
-        rule = self._mean_rule(coordinates(None, alpha, None))
-        edge = self._edge(eta, si, active)
-        total = self._mean_over(rule, eta, edge, si, active)
-        if self._total:
-            more, less = (self._total.reflected_mean(alpha, index) for index in (edge, eta))
-            total += (more - less) / dr.maximum(self._mirror.seen_mean(alpha), _LEAST)
         return self._weight(si, active) * total
 
     def _edge(self, eta, si, active):

@@ -3,7 +3,7 @@
 Section numbers are those of the specification (Andersson et al., OpenPBR Surface 1.1.1). All
 functions take NumPy or Dr.Jit arrays; `xp` has their functions.
 
-3.1    microfacet widths           `widths`, `lobe_widths`, `lobe_width`, `is_mirror`
+3.1    microfacet widths           `widths`, `lobe_widths`, `lobe_width`
 3.2    index of the base           `relative_index`, `modulated_index`, `base_index`
 3.2.2  glossy-diffuse base         `internal_reflectance`, `slab_albedo`, `promised`
 3.2.4  translucent medium          `translucent_medium`
@@ -57,11 +57,6 @@ def lobe_widths(roughness: Any, anisotropy: Any, xp: Namespace = NUMPY) -> tuple
 def lobe_width(roughness: Any, xp: Namespace = NUMPY) -> Any:
     """The GGX width of an isotropic surface: roughness squared, at least 0.01."""
     return xp.clip(roughness * roughness, MIN_ALPHA, 1)
-
-
-def is_mirror(roughness: float) -> bool:
-    """Whether the lobe of an isotropic surface is narrower than the narrowest that is evaluated."""
-    return roughness * roughness < MIN_ALPHA
 
 
 # 3.2 Base substrate: the index of the dielectric base

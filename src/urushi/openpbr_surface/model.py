@@ -164,7 +164,7 @@ class Base:
                 more = self.film.excess(w.z, alpha, eta, si, active)
                 more = self.mirror.seen(w, vertex.widths) * more
                 reflected[i] = dr.clip(reflected[i] + more, 0, 1)
-            more = self.film.mean_excess(alpha, eta, si, active)
+            more = self.film.excess(None, alpha, eta, si, active)
             mean = dr.clip(mean + self.mirror.seen_mean(vertex.widths) * more, 0, 1)
         passed, mean = (1 - reflected[0]) * (1 - reflected[1]), 1 - mean
         if self._slab is None:

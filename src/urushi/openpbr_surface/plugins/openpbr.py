@@ -96,7 +96,6 @@ def define(proposal_bsdf: type):
         inputs = Inputs(props)
         reference = _is_reference(props)
         compensated = bool(props.get("energy_compensation", True))
-        _warn_of_mirrors(inputs)
         options = {name: props[name] for name in ("resolution", "weights") if name in props}
         for name in options:
             props.mark_queried(name)
@@ -201,21 +200,3 @@ def _coat(inputs: Inputs) -> dict[str, Any]:
             inputs, ("coat_color",), lambda color: optical_depth(color, DRJIT), color=True
         )
     return coat
-
-
-def _warn_of_mirrors(inputs: Inputs) -> None:
-    """Say that a perfectly smooth interface has the narrowest lobe that there is."""
-    present = {
-        "specular_roughness": True,
-        "coat_roughness": not inputs.is_constant("coat_weight", 0),
-    }
-    smooth = [
-        name
-        for name, used in present.items()
-        if used and name in inputs.constants and formulas.is_mirror(inputs.constants[name])
-    ]
-    if smooth:
-        mi.Log(
-            mi.LogLevel.Info,
-            f"{inputs.where}: {' and '.join(smooth)} below 0.1 have the lobe of 0.1, the narrowest",
-        )
