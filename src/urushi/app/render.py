@@ -2,8 +2,7 @@
 
 import re
 import shutil
-from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Annotated, Any
@@ -21,14 +20,6 @@ SUFFIXES = (".exr", ".png", ".jpg")
 
 #: The scene of `urushi demo`, which `python -m gallery caddy` makes.
 DEMO_SCENE = Path(__file__).parent / "caddy" / "scene.xml"
-
-#: As a number of samples per pixel, it makes `mi.render` use the scene's own number.
-SCENE_SPP = 0
-
-
-def _name_or_absolute(weights: str) -> str:
-    """A file as absolute path, as Mitsuba searches the scene's folder; a name unchanged."""
-    return str(Path(weights).absolute()) if Path(weights).exists() else weights
 
 
 @dataclass(frozen=True)
@@ -85,15 +76,18 @@ class Render:
             raise ParameterError(
                 f"--sensor is {self.sensor}, but '{self.scene}' has {sensors}, counted from 0"
             )
-        spp = SCENE_SPP if self.spp is None else self.spp
+        before = dr.thread_count()
+        # Not while files are read and written: with one thread, Mitsuba waits for ever for EXR.
+        dr.set_thread_count(self.threads or before)
         try:
-            with _thread_count(self.threads):
-                image = mi.render(scene, sensor=self.sensor, spp=spp, seed=self.seed)
-                dr.eval(image)
-                dr.sync_thread()
+            image = mi.render(scene, sensor=self.sensor, spp=self.spp or 0, seed=self.seed)
+            dr.eval(image)
+            dr.sync_thread()
         except RuntimeError as error:
             raise_interrupt(error)
             raise PlatformError(f"cannot render '{self.scene}': {one_line(error)}") from error
+        finally:
+            dr.set_thread_count(before)
         target = self.output or Path(self.scene).with_suffix(".exr")
         write_picture(image, target)
         print(target)
@@ -112,22 +106,6 @@ class Render:
         return load_scene(
             path, definitions, self.append, weights=self.weights, size=size, name=name
         )
-
-
-@contextmanager
-def _thread_count(count: int | None) -> Iterator[None]:
-    """Render with `count` threads; None: with one per core.
-
-    With one thread, Mitsuba waits for ever for an EXR file that it reads or writes.
-    """
-    import drjit as dr
-
-    before = dr.thread_count()
-    dr.set_thread_count(before if count is None else count)
-    try:
-        yield
-    finally:
-        dr.set_thread_count(before)
 
 
 def write_picture(image: Any, path: Path) -> None:
@@ -172,47 +150,39 @@ def load_scene(
 
     if not path.is_file():
         raise FileError(f"scene file '{path}' does not exist")
+    if weights is not None and Path(weights).exists():
+        weights = str(Path(weights).absolute())  # Mitsuba searches the scene's folder
+    resolver = mi.file_resolver()
+    resolver.prepend(str(path.parent))
+    for folder in folders:
+        resolver.append(str(folder))
     try:
-        with _search_path(path.parent, folders):
-            config = mi.parser.ParserConfig(mi.variant())
-            state = mi.parser.parse_file(config, str(path), **definitions)
-            nodes = state.nodes  # a copy
-            for node in nodes:
-                if node.type == mi.ObjectType.Film:
-                    for key, value in size.items():
-                        if value is not None:
-                            node.props[key] = value
-                neural = node.props.plugin_name() in ("neural_layered", "openpbr")
-                if neural and weights is not None and "weights" not in node.props:
-                    node.props["weights"] = _name_or_absolute(weights)
-            state.nodes = nodes
-            mi.parser.transform_all(config, state)
-            scene = mi.parser.instantiate(config, state)
+        config = mi.parser.ParserConfig(mi.variant())
+        state = mi.parser.parse_file(config, str(path), **definitions)
+        nodes = state.nodes  # a copy
+        for node in nodes:
+            if node.type == mi.ObjectType.Film:
+                for key, value in size.items():
+                    if value is not None:
+                        node.props[key] = value
+            neural = node.props.plugin_name() in ("neural_layered", "openpbr")
+            if neural and weights is not None and "weights" not in node.props:
+                node.props["weights"] = weights
+        state.nodes = nodes
+        mi.parser.transform_all(config, state)
+        scene = mi.parser.instantiate(config, state)
     except Exception as error:  # Mitsuba raises several kinds, plugins their own
         raise_interrupt(error)
         place = rf"(At|(Error w|W)hile loading) {re.escape(str(path))} \((line \d+), col \d+\): "
         reason = re.sub(place, r"" if name else r"\3: ", one_line(error))
         raise FileError(f"cannot load '{name or path}': {reason}") from error
+    finally:
+        del resolver[0]
+        for _ in folders:
+            del resolver[len(resolver) - 1]
     if not isinstance(scene, mi.Scene):
         raise FileError(f"'{path}' is not a scene: its outermost element must be <scene>")
     return scene
-
-
-@contextmanager
-def _search_path(first: Path, last: Sequence[Path]) -> Iterator[None]:
-    """Let Mitsuba look for files in `first` before, and in `last` after, its usual folders."""
-    import mitsuba as mi
-
-    resolver = mi.file_resolver()
-    resolver.prepend(str(first))
-    for folder in last:
-        resolver.append(str(folder))
-    try:
-        yield
-    finally:
-        del resolver[0]
-        for _ in last:
-            del resolver[len(resolver) - 1]
 
 
 def set_variant(name: str) -> None:

@@ -1,5 +1,8 @@
 """Energy-preserving Oren-Nayar: rough diffuse reflection that conserves energy.
 
+Cosines are to the normal, in [0, 1]; `color` is the albedo of the facets and `roughness` the
+parameter base_diffuse_roughness, both in [0, 1]; `xp` has the functions of the arrays.
+
 Source: Portsmouth, Kutz and Hill 2025, EON: A practical energy-preserving rough diffuse BRDF; the
 single-scattering term is Fujii's (2012).
 """
@@ -22,13 +25,7 @@ class Cosines(NamedTuple):
 
 
 def single_albedo(cosine: Any, roughness: Any, xp: Namespace = NUMPY) -> Any:
-    """Directional albedo of the single-scattering term for a facet albedo of one.
-
-    Args:
-        cosine: to the normal, in [0, 1].
-        roughness: base_diffuse_roughness, in [0, 1].
-        xp: the functions of the arrays.
-    """
+    """Directional albedo of the single-scattering term for a facet albedo of one."""
     sine = xp.sqrt(xp.maximum(1 - cosine * cosine, 0))
     angle = xp.arccos(xp.clip(cosine, 0, 1))
     # (sine / cosine)(1 - sine^3) without the quotient: 1 - sine^2 = cosine^2.
@@ -43,13 +40,7 @@ def single_mean(roughness: Any) -> Any:
 
 
 def single_over_azimuths(i: Any, o: Any, roughness: Any, xp: Namespace = NUMPY) -> Any:
-    """The single-scattering term times pi for a facet albedo of one, its mean over the azimuth.
-
-    Args:
-        i, o: cosines to the normal, in [0, 1].
-        roughness: base_diffuse_roughness, in [0, 1].
-        xp: the functions of the arrays.
-    """
+    """The single-scattering term times pi for a facet albedo of one, its mean over the azimuth."""
     sines2 = xp.maximum(1 - i * i, 0) * xp.maximum(1 - o * o, 0)
     larger = xp.maximum(xp.maximum(i, o), 1e-7)
     shape = xp.sqrt(sines2) * (1 / larger - 1) / math.pi
@@ -71,14 +62,7 @@ def multiple_albedo(color: Any, roughness: Any) -> Any:
 
 
 def albedo(cosine: Any, color: Any, roughness: Any, xp: Namespace = NUMPY) -> Any:
-    """Directional albedo of the BRDF, one for a colour of one.
-
-    Args:
-        cosine: to the normal, in [0, 1].
-        color: albedo of the facets, in [0, 1].
-        roughness: base_diffuse_roughness, in [0, 1].
-        xp: the functions of the arrays.
-    """
+    """Directional albedo of the BRDF, one for a colour of one."""
     single = single_albedo(cosine, roughness, xp)
     return color * single + multiple_albedo(color, roughness) * (1 - single)
 
@@ -90,14 +74,7 @@ def mean_albedo(color: Any, roughness: Any) -> Any:
 
 
 def f(cosines: Cosines, color: Any, roughness: Any, xp: Namespace = NUMPY) -> Any:
-    """The BRDF [1/sr], without cosine.
-
-    Args:
-        cosines: of directions above the horizon.
-        color: albedo of the facets, in [0, 1].
-        roughness: base_diffuse_roughness, in [0, 1].
-        xp: the functions of the arrays.
-    """
+    """The BRDF [1/sr], without cosine."""
     s = cosines.between - cosines.i * cosines.o
     larger = xp.maximum(xp.maximum(cosines.i, cosines.o), 1e-7)
     shape = xp.minimum(s, 0) + xp.maximum(s, 0) / larger
