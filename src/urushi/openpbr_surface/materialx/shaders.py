@@ -6,6 +6,7 @@ that define the shaders in MaterialX's `libraries/bxdf`, and OpenPBR Surface 1.1
 """
 
 from collections.abc import Callable, Mapping
+from operator import methodcaller
 
 import numpy as np
 
@@ -77,14 +78,26 @@ def _ior(f0: np.ndarray) -> np.ndarray:
     return (1 + root) / (1 - root)
 
 
-_STANDARD_SURFACE: Formulas = {
-    "base_weight": lambda i: i("base"),
+def _renamed(pairs: str) -> dict[str, Callable[[Inputs], np.ndarray]]:
+    """Formulas of parameters that are inputs: "PARAMETER=INPUT", or one name of both."""
+    names = (pair.partition("=") for pair in pairs.split())
+    return {x: methodcaller("__call__", name or x) for x, _, name in names}
+
+
+_STANDARD_SURFACE = _renamed(
+    "base_weight=base base_diffuse_roughness=diffuse_roughness base_metalness=metalness "
+    "specular_ior=specular_IOR transmission_weight=transmission transmission_color "
+    "transmission_depth transmission_scatter transmission_scatter_anisotropy "
+    "subsurface_weight=subsurface subsurface_color "
+    "subsurface_scatter_anisotropy=subsurface_anisotropy fuzz_color=sheen_color coat_weight=coat "
+    "coat_color coat_ior=coat_IOR thin_film_ior=thin_film_IOR emission_luminance=emission "
+    "emission_color geometry_thin_walled=thin_walled geometry_normal=normal "
+    "geometry_tangent=tangent geometry_coat_normal=coat_normal"
+) | {
     "base_color": lambda i: (
         np.maximum(i("base_color"), 0)
         ** (1 + np.clip(i("coat"), 0, 1) * i("coat_affect_color") * (1 - i("metalness")))
     ),
-    "base_diffuse_roughness": lambda i: i("diffuse_roughness"),
-    "base_metalness": lambda i: i("metalness"),
     "specular_weight": lambda i: _mix(i("specular"), 1, i("metalness")),
     "specular_color": lambda i: _mix(
         i("specular_color"),
@@ -92,41 +105,21 @@ _STANDARD_SURFACE: Formulas = {
         i("metalness"),
     ),
     "specular_roughness": lambda i: _stretched(i("specular_roughness"), i("specular_anisotropy")),
-    "specular_ior": lambda i: i("specular_IOR"),
     "specular_roughness_anisotropy": lambda i: np.clip(i("specular_anisotropy"), 0, 0.98),
-    "transmission_weight": lambda i: i("transmission"),
-    "transmission_color": lambda i: i("transmission_color"),
-    "transmission_depth": lambda i: i("transmission_depth"),
-    "transmission_scatter": lambda i: i("transmission_scatter"),
-    "transmission_scatter_anisotropy": lambda i: i("transmission_scatter_anisotropy"),
     "transmission_dispersion_scale": lambda i: _if(i("transmission_dispersion") > 0, 1, 0),
     "transmission_dispersion_abbe_number": lambda i: _if(
         i("transmission_dispersion") > 0, i("transmission_dispersion"), 20
     ),
-    "subsurface_weight": lambda i: i("subsurface"),
-    "subsurface_color": lambda i: i("subsurface_color"),
     "subsurface_radius": lambda i: i("subsurface_scale") * _peak(i("subsurface_radius")),
     "subsurface_radius_scale": lambda i: _unit(i("subsurface_radius")),
-    "subsurface_scatter_anisotropy": lambda i: i("subsurface_anisotropy"),
     "fuzz_weight": lambda i: i("sheen") * (1 - i("metalness")) * (1 - i("transmission")),
-    "fuzz_color": lambda i: i("sheen_color"),
     "fuzz_roughness": lambda i: i("sheen_roughness") ** 0.4,  # as MaterialX translates it
-    "coat_weight": lambda i: i("coat"),
-    "coat_color": lambda i: i("coat_color"),
     "coat_roughness": lambda i: _stretched(i("coat_roughness"), i("coat_anisotropy")),
     "coat_roughness_anisotropy": lambda i: np.clip(i("coat_anisotropy"), 0, 0.98),
-    "coat_ior": lambda i: i("coat_IOR"),
     "coat_darkening": lambda i: np.zeros(1),
     "thin_film_weight": lambda i: _if(i("thin_film_thickness") > 0, 1, 0),
     "thin_film_thickness": lambda i: 1e-3 * i("thin_film_thickness"),
-    "thin_film_ior": lambda i: i("thin_film_IOR"),
-    "emission_luminance": lambda i: i("emission"),
-    "emission_color": lambda i: i("emission_color"),
     "geometry_opacity": lambda i: (i("opacity") * _LUMA).sum(-1, keepdims=True),
-    "geometry_thin_walled": lambda i: i("thin_walled"),
-    "geometry_normal": lambda i: i("normal"),
-    "geometry_tangent": lambda i: i("tangent"),
-    "geometry_coat_normal": lambda i: i("coat_normal"),
 }
 
 
@@ -136,9 +129,13 @@ def _gltf_widths(i: Inputs) -> tuple[np.ndarray, np.ndarray]:
     return _mix(width, 1, i("anisotropy_strength") ** 2), width
 
 
-_GLTF_PBR: Formulas = {
-    "base_color": lambda i: i("base_color"),
-    "base_metalness": lambda i: i("metallic"),
+_GLTF_PBR = _renamed(
+    "base_color base_metalness=metallic specular_ior=ior transmission_weight=transmission "
+    "transmission_depth=attenuation_distance coat_weight=clearcoat "
+    "coat_roughness=clearcoat_roughness thin_film_weight=iridescence "
+    "thin_film_ior=iridescence_ior emission_luminance=emissive_strength emission_color=emissive "
+    "geometry_normal=normal geometry_tangent=tangent geometry_coat_normal=clearcoat_normal"
+) | {
     "specular_weight": lambda i: _mix(
         i("specular") * np.maximum(_peak(i("specular_color")), 1), 1, i("metallic")
     ),
@@ -147,14 +144,11 @@ _GLTF_PBR: Formulas = {
     ),
     "specular_roughness": lambda i: _roughness(*_gltf_widths(i)),
     "specular_roughness_anisotropy": lambda i: 1 - np.divide(*_gltf_widths(i)[::-1]),
-    "specular_ior": lambda i: i("ior"),
-    "transmission_weight": lambda i: i("transmission"),
     "transmission_color": lambda i: _if(
         (i("attenuation_distance") > 0) & (i("thickness") > 0),
         i("attenuation_color"),
         i("base_color"),
     ),
-    "transmission_depth": lambda i: i("attenuation_distance"),
     # A volume of thickness 0 is a thin wall (KHR_materials_volume).
     "geometry_thin_walled": lambda i: (i("transmission") > 0) & (i("thickness") == 0),
     "transmission_dispersion_scale": lambda i: _if(i("dispersion") > 0, 1, 0),
@@ -164,23 +158,14 @@ _GLTF_PBR: Formulas = {
     "fuzz_weight": lambda i: _peak(i("sheen_color")),
     "fuzz_color": lambda i: _unit(i("sheen_color")),
     "fuzz_roughness": lambda i: i("sheen_roughness") ** 0.8,  # its square in standard_surface
-    "coat_weight": lambda i: i("clearcoat"),
-    "coat_roughness": lambda i: i("clearcoat_roughness"),
     "coat_ior": lambda i: np.full(1, 1.5),
     "coat_darkening": lambda i: np.zeros(1),
-    "thin_film_weight": lambda i: i("iridescence"),
     "thin_film_thickness": lambda i: 1e-3 * i("iridescence_thickness"),
-    "thin_film_ior": lambda i: i("iridescence_ior"),
-    "emission_luminance": lambda i: i("emissive_strength"),
-    "emission_color": lambda i: i("emissive"),
     "geometry_opacity": lambda i: _if(
         i("alpha_mode") == 0,
         1,
         _if(i("alpha_mode") == 1, i("alpha") >= i("alpha_cutoff"), i("alpha")),
     ),
-    "geometry_normal": lambda i: i("normal"),
-    "geometry_tangent": lambda i: i("tangent"),
-    "geometry_coat_normal": lambda i: i("clearcoat_normal"),
 }
 
 
@@ -193,51 +178,45 @@ def _usd_dielectric(i: Inputs, with_color: np.ndarray, without: np.ndarray | flo
     return _if(i("useSpecularWorkflow") == 1, with_color, without)
 
 
-_USD_PREVIEW_SURFACE: Formulas = {
-    "base_color": lambda i: i("diffuseColor"),
+_USD_PREVIEW_SURFACE = _renamed(
+    "base_color=diffuseColor specular_roughness=roughness coat_weight=clearcoat "
+    "coat_roughness=clearcoatRoughness coat_ior=ior emission_color=emissiveColor "
+    "geometry_normal=normal"
+) | {
     "base_metalness": _usd_metalness,
     "specular_color": lambda i: _mix(
         _usd_dielectric(i, _unit(i("specularColor")), 1),
         edge_tint(i("diffuseColor"), i("diffuseColor")),
         _usd_metalness(i),
     ),
-    "specular_roughness": lambda i: i("roughness"),
     "specular_ior": lambda i: _usd_dielectric(i, _ior(_peak(i("specularColor"))), i("ior")),
     "transmission_weight": lambda i: (
         _if((i("opacityMode") == 0) & (i("opacityThreshold") <= 0), 1 - i("opacity"), 0)
         * (1 - _usd_metalness(i))
     ),
-    "coat_weight": lambda i: i("clearcoat"),
-    "coat_roughness": lambda i: i("clearcoatRoughness"),
-    "coat_ior": lambda i: i("ior"),
     "coat_darkening": lambda i: np.zeros(1),
     "emission_luminance": lambda i: np.ones(1),
-    "emission_color": lambda i: i("emissiveColor"),
     "geometry_opacity": lambda i: _if(
         i("opacityThreshold") > 0,
         i("opacity") >= i("opacityThreshold"),
         _if(i("opacityMode") == 1, i("opacity"), 1),
     ),
-    "geometry_normal": lambda i: i("normal"),
 }
 
-_DISNEY_PRINCIPLED: Formulas = {
-    "base_color": lambda i: i("baseColor"),
-    "base_metalness": lambda i: i("metallic"),
+_DISNEY_PRINCIPLED = _renamed(
+    "base_color=baseColor base_metalness=metallic transmission_weight=specTrans "
+    "transmission_color=baseColor subsurface_weight=subsurface subsurface_color=baseColor "
+    "coat_weight=clearcoat"
+) | {
     "specular_color": lambda i: _mix(1, i("baseColor"), i("specularTint") * (1 - i("metallic"))),
     "specular_roughness": lambda i: _stretched(i("roughness"), i("anisotropic")),
     "specular_roughness_anisotropy": lambda i: np.clip(i("anisotropic"), 0, 0.98),
     "specular_ior": lambda i: _mix(_ior(0.08 * i("specular")), i("ior"), i("specTrans")),
-    "transmission_weight": lambda i: i("specTrans"),
-    "transmission_color": lambda i: i("baseColor"),
-    "subsurface_weight": lambda i: i("subsurface"),
-    "subsurface_color": lambda i: i("baseColor"),
     "subsurface_radius": lambda i: _peak(i("subsurfaceDistance")),
     "subsurface_radius_scale": lambda i: _unit(i("subsurfaceDistance")),
     "fuzz_weight": lambda i: i("sheen") * (1 - i("metallic")) * (1 - i("specTrans")),
     "fuzz_color": lambda i: _mix(1, i("baseColor"), i("sheenTint")),
     "fuzz_roughness": lambda i: np.full(1, 0.3**0.4),
-    "coat_weight": lambda i: i("clearcoat"),
     "coat_roughness": lambda i: 1 - i("clearcoatGloss"),
     "coat_ior": lambda i: np.full(1, 1.5),
     "coat_darkening": lambda i: np.zeros(1),
