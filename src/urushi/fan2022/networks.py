@@ -44,7 +44,7 @@ LEVELS = 32
 #: Maximum number of different interfaces in one layering: a texture of widths would take hours.
 MAX_TOPS = 256
 
-#: Number of codes that are kept, of the BRDFs used last.
+#: Number of codes that are kept, of the BRDFs projected last.
 KEPT = 1 << 14
 
 
@@ -73,7 +73,7 @@ class PaperNetworks:
         self.params = weights.checked_parameters(params, parameter_shapes())
         self.fingerprint = weights.fingerprint(arch, self.params)
         self._lock = threading.Lock()  # guards the kept codes; not held during projections
-        self._kept: dict[bytes, np.ndarray] = {}  # the least recently used first
+        self._kept: dict[bytes, np.ndarray] = {}  # the oldest first
 
     @classmethod
     def read(cls, path: str | os.PathLike) -> "PaperNetworks":
@@ -139,10 +139,8 @@ class PaperNetworks:
 
         run_all_cores(task, [new[i : i + TOGETHER] for i in range(0, len(new), TOGETHER)])
         with self._lock:
-            for key in dict.fromkeys(keys):
-                self._kept.pop(key, None)
-                self._kept[key] = found[key]  # the last one
-            for key in list(self._kept)[: max(len(self._kept) - KEPT, 0)]:
+            self._kept |= found
+            for key in list(self._kept)[:-KEPT]:
                 del self._kept[key]
         return np.array([found[key] for key in keys], np.float32).reshape(-1, LATENT)
 

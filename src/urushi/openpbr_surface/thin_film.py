@@ -173,13 +173,8 @@ def metal_index(f0: Any, tint: Any, xp: Namespace = NUMPY) -> Below:
     constant = -2 * s * s * (1 - target)
     root = xp.sqrt(xp.maximum(linear * linear - 4 * twice * constant, 0))
     n = xp.clip((linear + root) / (-4 * twice), least, most)
-    return Below(n, _absorption(n, r, xp))
-
-
-def _absorption(n: Any, r: Any, xp: Namespace) -> Any:
-    """k of an index n + i k of reflectance r at normal incidence."""
     excess = r * (n + 1) * (n + 1) - (n - 1) * (n - 1)
-    return xp.sqrt(xp.maximum(excess, 0) / (1 - r))
+    return Below(n, xp.sqrt(xp.maximum(excess, 0) / (1 - r)))
 
 
 def _series(

@@ -1,7 +1,6 @@
 """The presets of `urushi train --preset NAME`, each a frozen value."""
 
 import json
-from collections.abc import Callable
 from dataclasses import asdict, dataclass, field
 from typing import Any
 
@@ -171,11 +170,7 @@ def smoke() -> Preset:
     )
 
 
-_PRESETS: dict[str, Callable[[], Preset]] = {
-    "default": default,
-    "anisotropic": anisotropic,
-    "smoke": smoke,
-}
+_PRESETS = {preset.__name__: preset for preset in (default, anisotropic, smoke)}
 
 #: The names that `--preset` takes.
 NAMES = tuple(_PRESETS)

@@ -99,20 +99,14 @@ class Store:
                 _array(group, self.spec.parts[part], name)[rows] = values
             _array(group, self.spec.parts[part], "complete")[shard] = 1
 
-    def read(self, part: Part) -> dict[str, np.ndarray]:
-        """Read all arrays of a complete part into memory."""
-        return self.read_rows(part, slice(0, part.stacks))
-
-    def read_rows(
-        self, part: Part, rows: slice, names: Collection[str] | None = None
+    def read(
+        self, part: Part, rows: slice | None = None, names: Collection[str] | None = None
     ) -> dict[str, np.ndarray]:
-        """Read some rows of a part's arrays, for data larger than memory.
+        """Read arrays of a part into memory.
 
-        Args:
-            part: a part of this store.
-            rows: consecutive rows.
-            names: the arrays to read, where the part has them; by default all.
+        rows: consecutive ones that are complete; None: all. names: of the arrays; None: all.
         """
+        rows = rows or slice(0, part.stacks)
         wanted = [name for name in _layout(part) if names is None or name in names]
         shards = slice(rows.start // self.spec.shard, -(-rows.stop // self.spec.shard))
         with _readable(self.path):
@@ -135,8 +129,8 @@ class Store:
     def read_shard(
         self, part: int, shard: int, names: Collection[str] | None = None
     ) -> dict[str, np.ndarray]:
-        """Read one shard: `read_rows` for the shard's rows."""
-        return self.read_rows(self.spec.parts[part], self.spec.rows(part, shard), names)
+        """`read` for the rows of a shard."""
+        return self.read(self.spec.parts[part], self.spec.rows(part, shard), names)
 
     def hash(self) -> str:
         """SHA-256 over the specification and all values f, recorded in the weights' header."""
