@@ -153,7 +153,7 @@ def test_a_film_changes_the_fresnel_term_of_metals_and_dielectrics():
         layer = thin_film.Film(1.8, 1.8, 0.3)
         expected = [
             thin_film.reflectance(cosine, layer, x, response)
-            for x, response in zip(below, thin_film.rgb_responses(), strict=True)
+            for x, response in zip(below, thin_film.RGB, strict=True)
         ]
         plain = fresnel.f82(cosine, f0, 1.0) if metalness else fresnel_of_glass(cosine)
         assert np.allclose(seen / bare, np.array(expected) / plain, rtol=2e-3)

@@ -60,14 +60,14 @@ def test_a_colour_is_the_mean_of_wavelengths_by_the_matching_functions():
     for cosine in COSINES:
         values = [transfer_matrix(x, cosine, layer, 2 + 3j) for x in wavelength]
         found = thin_film.reflectance(
-            np.float64(cosine), layer, Below(2.0, 3.0), thin_film.luminance_response()
+            np.float64(cosine), layer, Below(2.0, 3.0), thin_film.LUMINANCE
         )
         assert found == pytest.approx((values * y).sum() / y.sum(), abs=0.02)  # one Gaussian
 
 
 def test_a_white_metal_under_a_film_reflects_all_light():
     white = thin_film.metal_index(np.float64(1), np.float64(1))
-    for response in thin_film.rgb_responses():
+    for response in thin_film.RGB:
         for cosine in COSINES:
             found = thin_film.reflectance(np.float64(cosine), Film(1.4, 1.4, 0.5), white, response)
             assert found == pytest.approx(1, abs=1e-3)
@@ -79,7 +79,7 @@ def test_a_film_of_no_thickness_is_not_seen():
     bare = thin_film.reflectance(
         0.6, Film(1.0, 1.0, 0.5), below, thin_film.wavelength_response(550.0)
     )
-    found = thin_film.reflectance(0.6, Film(1.4, 1.4, 0.0), below, thin_film.luminance_response())
+    found = thin_film.reflectance(0.6, Film(1.4, 1.4, 0.0), below, thin_film.LUMINANCE)
     assert found == pytest.approx(bare, abs=1e-5)
 
 
@@ -87,7 +87,5 @@ def test_a_film_of_no_thickness_is_not_seen():
 def test_a_metals_index_has_its_reflectance_at_both_ends(f0, tint):
     below = thin_film.metal_index(np.float64(f0), np.float64(tint))
     for cosine, tolerance in ((1.0, 1e-6), (fresnel.EDGE_COSINE, 0.02)):
-        found = thin_film.reflectance(
-            cosine, Film(1.0, 1.0, 0.0), below, thin_film.luminance_response()
-        )
+        found = thin_film.reflectance(cosine, Film(1.0, 1.0, 0.0), below, thin_film.LUMINANCE)
         assert found == pytest.approx(fresnel.f82(cosine, f0, tint), abs=tolerance)

@@ -59,12 +59,8 @@ class FilmFresnel:
     def dielectric(self, cosine, eta, si, active):
         """The term of a dielectric of index eta relative to the medium above, a spectrum."""
         bare = fresnel.dielectric(cosine, eta)[0]
-        film = self._film(si, active)
-        values = [
-            thin_film.reflectance(cosine, film, thin_film.Below(eta), response, DRJIT)
-            for response in self._responses(si)
-        ]
-        return dr.lerp(mi.Spectrum(bare), mi.Spectrum(*values), self._weight(si, active))
+        filmed = self._filmed(cosine, self._film(si, active), eta, si)
+        return dr.lerp(mi.Spectrum(bare), filmed, self._weight(si, active))
 
     def metal(self, cosine, f0, tint, bare, si, active):
         """The term of a metal of `bare` reflectance without film, a spectrum."""
@@ -113,12 +109,16 @@ class FilmFresnel:
         """
         film, total, count = self._film(si, active), mi.Spectrum(0), len(rule) // 2
         for cosine, weight in zip(rule[:count], rule[count:], strict=True):
-            values = [
-                thin_film.reflectance(cosine, film, thin_film.Below(eta), response, DRJIT)
-                for response in self._responses(si)
-            ]
-            total += weight * (mi.Spectrum(*values) - fresnel.dielectric(cosine, edge)[0])
+            filmed = self._filmed(cosine, film, eta, si)
+            total += weight * (filmed - fresnel.dielectric(cosine, edge)[0])
         return total
+
+    def _filmed(self, cosine, film, eta, si):
+        """Reflectance of a dielectric under the film, a spectrum."""
+        below = thin_film.Below(eta)
+        return mi.Spectrum(
+            *(thin_film.reflectance(cosine, film, below, x, DRJIT) for x in self._responses(si))
+        )
 
     def metal_in_coat(self, f0, tint, si, active):
         """The mean of `metal` over the angles that light from above has in a coat, a spectrum.
@@ -192,10 +192,10 @@ class FilmFresnel:
 
     def _responses(self, si):
         if mi.is_monochromatic:
-            return [thin_film.luminance_response()]
+            return [thin_film.LUMINANCE]
         if mi.is_spectral:
             return [thin_film.wavelength_response(x) for x in si.wavelengths]
-        return thin_film.rgb_responses()
+        return thin_film.RGB
 
 
 def _refracted(w, index):

@@ -90,14 +90,9 @@ def color_response(weights: np.ndarray) -> Response:
     return response
 
 
-def rgb_responses() -> list[Response]:
-    """The responses of the channels of linear sRGB."""
-    return [color_response(row) for row in _RGB]
-
-
-def luminance_response() -> Response:
-    """The response of a monochromatic channel, Y."""
-    return color_response(np.array([0.0, 1.0, 0.0]))
+#: The responses of the channels of linear sRGB, and of a monochromatic channel, Y.
+RGB = [color_response(row) for row in _RGB]
+LUMINANCE = color_response(np.array([0.0, 1.0, 0.0]))
 
 
 def wavelength_response(wavelength: Any) -> Response:
