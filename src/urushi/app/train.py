@@ -111,18 +111,17 @@ class Data:
 
 @dataclass(frozen=True)
 class Paper:
-    """Convert the published PyTorch networks of Fan et al. 2022 into a weights file.
+    """Convert the published networks of Fan et al. 2022 into a weights file.
 
-    PyTorch is not needed, and no code in the files is executed. docs/published.md lists what the
-    files may hold.
+    docs/published.md shows how PyTorch writes their tensors to NumPy files.
 
-    Example: urushi paper RepreNetwork.pth LayeringNetwork.pth -o published.safetensors
+    Example: urushi paper RepreNetwork.npz LayeringNetwork.npz -o published.safetensors
     """
 
     representation: tyro.conf.Positional[Path]
-    """File of the representation (evaluation) network (.pth)."""
+    """File of the representation (evaluation) network (.npz)."""
     layering: tyro.conf.Positional[Path]
-    """File of the layering network (.pth)."""
+    """File of the layering network (.npz)."""
     output: Annotated[Path, tyro.conf.arg(aliases=["-o"])]
     """Weights file to write (.safetensors)."""
     projection_pairs: Pairs = 64
