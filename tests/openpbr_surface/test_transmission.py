@@ -10,7 +10,7 @@ from urushi.core import fresnel
 from urushi.core.namespace import NUMPY
 from urushi.errors import ParameterError
 from urushi.mitsuba.reading import probing
-from urushi.openpbr_surface.subsurface import subsurface_albedo
+from urushi.openpbr_surface.formulas import subsurface_albedo
 from urushi.walk.simulate import albedo
 
 pytestmark = pytest.mark.usefixtures("rgb")

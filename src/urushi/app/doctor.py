@@ -7,6 +7,7 @@ abort the process.
 import importlib.metadata
 import platform
 import re
+import shutil
 import subprocess
 import sys
 from collections.abc import Iterator, Sequence
@@ -51,7 +52,7 @@ def examine() -> list[Finding]:
         _drjit(),
         _llvm(),
         _gpu(),
-        *_variants(VARIANTS),
+        *_variants(VARIANTS if shutil.which("nvidia-smi") else VARIANTS[:-1]),
         *_weights(),
         *_extras(),
     ]

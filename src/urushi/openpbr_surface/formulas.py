@@ -6,6 +6,7 @@ functions take NumPy or Dr.Jit arrays; `xp` has their functions.
 3.1    microfacet widths           `widths`, `lobe_widths`, `lobe_width`
 3.2    index of the base           `relative_index`, `modulated_index`, `base_index`
 3.2.2  glossy-diffuse base         `internal_reflectance`, `slab_albedo`, `promised`
+3.2.3  medium of subsurface_color  `subsurface_albedo`
 3.2.4  translucent medium          `translucent_medium`
 3.4    darkening of the coat       `mean_fresnel`, `boost`
 3.5    fuzz                        `fuzz_albedo`, `fuzz_density`
@@ -14,6 +15,7 @@ The Fresnel terms are in `urushi.core` (`fresnel`, `metal`), as is the coat's me
 the diffuse slab is `eon`, and section 3.3 is in `thin_film`.
 """
 
+import functools
 import math
 from typing import Any, NamedTuple
 
@@ -21,12 +23,19 @@ import numpy as np
 
 from urushi.checks import ETA_RANGE, MIN_ALPHA, MIN_INDEX_STEP
 from urushi.core.namespace import NUMPY, Namespace
+from urushi.material import adding
 
 #: Least index of refraction of a medium.
 LEAST_INDEX = 0.1
 
 #: Least transmission_color of a medium.
 LEAST_COLOR = 1e-6
+
+#: Optical depth of the medium that stands for the half-space of a subsurface_color, over 1 - g.
+HALF_SPACE = 200.0
+
+#: Number of albedos at which its colours are computed.
+COLORS = 25
 
 #: Least fuzz_roughness that the fits of the fuzz cover.
 LEAST_FUZZ_ROUGHNESS = 0.01
@@ -153,6 +162,37 @@ def translucent_medium(color: Any, depth: float, scatter: Any) -> tuple[Any, Any
     scattering = scatter / depth
     absorption = -np.log(np.maximum(color, LEAST_COLOR)) / depth - scattering
     return absorption - min(absorption.min(), 0) + scattering, scattering
+
+
+def subsurface_albedo(color: np.ndarray, g: float, eta: float) -> np.ndarray:
+    """The single-scattering albedo of the medium that gives a body its subsurface_color.
+
+    Args:
+        color: share of the light along the normal that enters through the interface and leaves it
+            again, in [0, 1].
+        g: subsurface_scatter_anisotropy.
+        eta: index of the body relative to the medium outside.
+
+    Source: the specification inverts van de Hulst's albedo of a half-space without an interface.
+    """
+    s, colors = _colors(float(g), float(eta))
+    s2 = np.interp(color, colors, s) ** 2
+    return (1 - s2) / (1 - g * s2)
+
+
+@functools.lru_cache(maxsize=16)
+def _colors(g: float, eta: float) -> tuple[np.ndarray, np.ndarray]:
+    """Van de Hulst's similarity parameters (N,), of which colours (N,) are nearly linear."""
+    s = np.linspace(1, 0, COLORS)
+    back, weights = adding.interface_modes(MIN_ALPHA, eta)[0], adding.grid().weights
+    passed = weights * (1 - back @ weights)
+    colors = [0.0]
+    for x in s[1:-1] ** 2:
+        albedo = (1 - x) / (1 - g * x)
+        below = adding.medium(*adding.resolved(albedo, HALF_SPACE / (1 - g), g))[0][0]
+        trapped = (below * weights) @ (back * weights)
+        colors.append(np.linalg.solve(np.eye(len(weights)) - trapped, below)[0] @ passed)
+    return s, np.array([*colors, 1.0])
 
 
 # 3.4 Coat

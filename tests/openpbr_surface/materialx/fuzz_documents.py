@@ -19,7 +19,7 @@ from pathlib import Path
 import numpy as np
 
 from urushi.errors import UrushiError, UrushiWarning
-from urushi.openpbr_surface.materialx.definitions import library
+from urushi.openpbr_surface.materialx.graph import library
 from urushi.openpbr_surface.materialx.surface import read_surface
 
 #: Longest time of a document, and the most memory that Python allocates for it [s, bytes].

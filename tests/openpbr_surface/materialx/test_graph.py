@@ -7,7 +7,8 @@ from urushi.errors import FileError
 from urushi.openpbr_surface.materialx import noise
 from urushi.openpbr_surface.materialx.baking import Texture
 from urushi.openpbr_surface.materialx.document import read_document
-from urushi.openpbr_surface.materialx.graph import Evaluation, Graph, parse_value
+from urushi.openpbr_surface.materialx.evaluation import Evaluation, parse_value
+from urushi.openpbr_surface.materialx.graph import Graph
 from urushi.openpbr_surface.materialx.images import Images, Look, sample
 from urushi.openpbr_surface.materialx.surface import read_surface
 

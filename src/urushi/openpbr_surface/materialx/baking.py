@@ -6,7 +6,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from urushi.errors import FileError
-from urushi.openpbr_surface.materialx.graph import Evaluation, Graph, NeedsPosition
+from urushi.openpbr_surface.materialx.evaluation import Evaluation, NeedsPosition
+from urushi.openpbr_surface.materialx.graph import Graph
 from urushi.openpbr_surface.materialx.images import ImageUse, image_values
 
 #: Number of points at which a graph is evaluated first, to find what its values depend on.

@@ -9,7 +9,7 @@ from xml.parsers import expat
 
 from urushi.errors import FileError, ParameterError
 from urushi.files import atomic_write
-from urushi.openpbr_surface.materialx.definitions import package
+from urushi.openpbr_surface.materialx.graph import package
 from urushi.openpbr_surface.materialx.images import other_case
 from urushi.openpbr_surface.materialx.shaders import SHADERS, TARGET
 

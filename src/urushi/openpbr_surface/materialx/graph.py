@@ -1,56 +1,78 @@
-"""Evaluation of a document's node graphs at points of the surface, on NumPy arrays.
+"""A document's node graphs: definitions of nodes, and the source of every value.
 
-Vectors are in the tangent frame: the normal is (0, 0, 1), the tangent (1, 0, 0).
+The library of the package `materialx` has the definitions of nodes, and graphs that implement them.
 """
 
-import re
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
 from typing import Any
 
-import numpy as np
+from urushi.errors import FileError
+from urushi.openpbr_surface.materialx.images import Images
+from urushi.openpbr_surface.materialx.nodes import CHANNELS, NODES
+from urushi.openpbr_surface.materialx.shaders import SHADERS
+from urushi.platform import require_extra
 
-from urushi.errors import FileError, UrushiError
-from urushi.openpbr_surface.materialx import definitions
-from urushi.openpbr_surface.materialx.colour_spaces import to_linear_srgb
-from urushi.openpbr_surface.materialx.images import (
-    ADDRESS_MODES,
-    Images,
-    ImageUse,
-    Look,
-    hextiles,
-    image_values,
-    sample,
+#: The library's files that are read, relative to its folder.
+LIBRARY = (
+    "stdlib/stdlib_defs.mtlx",
+    "stdlib/stdlib_ng.mtlx",
+    "bxdf/usd_preview_surface.mtlx",
+    "bxdf/standard_surface.mtlx",
+    "bxdf/gltf_pbr.mtlx",
+    "bxdf/disney_principled.mtlx",
 )
-from urushi.openpbr_surface.materialx.nodes import BAKE, CHANNELS, NODES, Call
-from urushi.openpbr_surface.materialx.shaders import FILM_UNITS, SHADERS
-
-#: Largest number of nodes that are evaluated for one parameter, those inside of others included.
-MAX_NODES = 2048
 
 #: Largest number of nodes that are connected in a row.
 MAX_CHAIN = 80
 
-#: Directions of the surface, by the names of nodes and of geometric properties.
-_DIRECTIONS = {
-    "normal": (0.0, 0.0, 1.0),
-    "tangent": (1.0, 0.0, 0.0),
-    "bitangent": (0.0, 1.0, 0.0),
-}
-_PROPERTIES = {"Nworld": "normal", "Nobject": "normal", "Tworld": "tangent", "Tobject": "tangent"}
-_PROPERTIES |= {"Bworld": "bitangent", "Bobject": "bitangent"}
-
-#: Nodes that are evaluated here, besides those of `nodes.NODES`.
-_OWN = (*_DIRECTIONS, "texcoord", "position", "image", "hextiledimage")
-
-#: A number at the beginning of a text, as C++ reads it.
-_NUMBER = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)")
-
-#: Texts of truth values.
-_TRUTHS = {"true": 1.0, "false": 0.0, "1": 1.0, "0": 0.0}
+#: Nodes that `evaluation` evaluates itself, besides those of `nodes.NODES`.
+OWN = ("normal", "tangent", "bitangent", "texcoord", "position", "image", "hextiledimage")
 
 
-class NeedsPosition(Exception):
-    """The texture coordinates are needed where only an image's texels are given."""
+def package() -> Any:
+    """The package MaterialX."""
+    require_extra("materialx")
+    import MaterialX
+
+    return MaterialX
+
+
+@cache
+def library() -> Any:
+    """The files of `LIBRARY` as one document."""
+    mx = package()
+    whole = mx.createDocument()
+    for name in LIBRARY:
+        part = mx.createDocument()
+        mx.readFromXmlFile(part, str(Path(mx.__file__).parent / "libraries" / name))
+        whole.importLibrary(part)
+    return whole
+
+
+def definition_of(node: Any) -> Any | None:
+    """The definition that fits a node best."""
+    with _without_cycles(node):
+        return node.getNodeDef("", True)
+
+
+def declared_inputs(definition: Any) -> dict[str, Any]:
+    """The inputs of a definition by name, those that it inherits included."""
+    with _without_cycles(definition):
+        return {element.getName(): element for element in definition.getActiveInputs()}
+
+
+@contextmanager
+def _without_cycles(element: Any) -> Iterator[None]:
+    try:
+        yield
+    except LookupError as error:
+        raise FileError(
+            f"the definition of '{element.getName()[:60]}' inherits from itself; remove the cycle"
+        ) from error
 
 
 @dataclass(eq=False)
@@ -71,7 +93,7 @@ class Frame:
 
     def node(self, name: str) -> Any | None:
         """The node or node graph of a name."""
-        mx, found = definitions.package(), self.scope.getChild(name)
+        mx, found = package(), self.scope.getChild(name)
         return found if isinstance(found, mx.Node | mx.NodeGraph) else None
 
 
@@ -113,7 +135,7 @@ class Graph:
             uv_plane: whether positions in space are (u, v, 0); else they are refused.
         """
         self.root = Frame(root)
-        root.setDataLibrary(definitions.library())
+        root.setDataLibrary(library())
         self.images = images
         self.where = where
         self.uv_plane = uv_plane
@@ -128,8 +150,8 @@ class Graph:
         """The inputs of a node's definition by name; empty if there is none."""
         key = frame, node.getNamePath()
         if key not in self._inputs:
-            definition = definitions.of_node(node)
-            found = {} if definition is None else definitions.inputs(definition)
+            definition = definition_of(node)
+            found = {} if definition is None else declared_inputs(definition)
             self._inputs[key] = found
         return self._inputs[key]
 
@@ -191,7 +213,7 @@ class Graph:
             elif _is_elementary(node):
                 self._frames[key] = None
             else:
-                self._frames[key] = self._implementation(node, frame, definitions.of_node(node))
+                self._frames[key] = self._implementation(node, frame, definition_of(node))
         return self._frames[key]
 
     def translation(self, shader: Any, frame: Frame, category: str) -> Frame | None:
@@ -212,11 +234,11 @@ class Graph:
             given = frame.instance.getInput(name)
             if given is not None and self.follow(given, frame.outer, frame.instance).is_given:
                 return given, frame.outer
-            default = definitions.inputs(frame.definition).get(name)
+            default = declared_inputs(frame.definition).get(name)
             return None if default is None else (default, frame)
         declared = frame.scope.getInput(name)
         if declared is None and (definition := frame.scope.getNodeDef()) is not None:
-            declared = definitions.inputs(definition).get(name)
+            declared = declared_inputs(definition).get(name)
         if declared is None and frame.outer is None:
             raise FileError(
                 f"{self.named(node)} reads '{name[:60]}' from a node graph, but is not inside one"
@@ -229,233 +251,9 @@ def _is_elementary(node: Any) -> bool:
     tag = node.getCategory()
     if tag in NODES:
         return node.getAttribute("type") in CHANNELS
-    return tag in _OWN or tag in SHADERS or _reads_uv(node)
+    return tag in OWN or tag in SHADERS or reads_uv(node)
 
 
-def _reads_uv(node: Any) -> bool:
+def reads_uv(node: Any) -> bool:
     readers = ("geompropvalue", "UsdPrimvarReader")
     return node.getCategory() in readers and node.getAttribute("type") == "vector2"
-
-
-class Evaluation:
-    """Values of nodes at points.
-
-    Attributes:
-        uses: the images that the values depend on.
-        size: number of nodes evaluated.
-    """
-
-    def __init__(self, graph: Graph, uv: np.ndarray | None, texels: np.ndarray | None = None):
-        """Evaluate at some points.
-
-        Args:
-            graph: the nodes.
-            uv: (N, 2), MaterialX's, from the lower left corner; None: `texels` are given.
-            texels: values (N, channels) of the only image.
-        """
-        self.uses: list[ImageUse] = []
-        self._graph = graph
-        self._uv = uv
-        self._texels = texels
-        self._values: dict[tuple[Frame, str, str], np.ndarray] = {}
-        self._open: list[tuple[Frame, str, str]] = []
-        self._metre = 1.0  # number of units of length in one
-
-    @property
-    def size(self) -> int:
-        return len(self._values)
-
-    def texture_coordinates(self) -> np.ndarray:
-        if self._uv is None:
-            raise NeedsPosition
-        return self._uv
-
-    def input(self, node: Any, name: str, frame: Frame) -> np.ndarray:
-        """The value (..., channels) of a node's input; of its definition's default if not given."""
-        self._metre = FILM_UNITS.get((node.getCategory(), name), self._metre)
-        source = self._graph.source(node, name, frame)
-        return np.zeros(1) if source is None else self.value(source, node)
-
-    def value(self, source: Source, node: Any) -> np.ndarray:
-        """The value (..., channels) of a source, which a node reads."""
-        element, where = source.element, self._graph.named(node)
-        if source.is_node:
-            return self.output(element, source.frame, source.output)
-        text, kind = element.getAttribute("value"), element.getAttribute("type")
-        if not text:
-            geometric = element.getAttribute("defaultgeomprop")
-            zeros = np.zeros(CHANNELS.get(kind, 1))
-            return self._property(geometric, where) if geometric else zeros
-        value = parse_value(text, kind, where)
-        if unit := element.getAttribute("unit"):
-            value = value * self._unit(unit, where)
-        if kind in ("color3", "color4"):
-            value = to_linear_srgb(value, element.getActiveColorSpace(), where)
-        return value
-
-    def _unit(self, name: str, where: str) -> float:
-        """The factor from a unit to degrees, or to the units of length of the parameter."""
-        kind, scale = definitions.unit(self._graph.root.scope, name, where)
-        return scale * self._metre if kind == "distance" else scale
-
-    def output(self, node: Any, frame: Frame, output: str = "") -> np.ndarray:
-        """The value (..., channels) of a node."""
-        key = frame, node.getNamePath(), output
-        if key in self._values:
-            return self._values[key]
-        where = self._graph.named(node)
-        if key in self._open:
-            raise FileError(f"{where} is connected to itself; remove the cycle")
-        if len(self._open) >= MAX_CHAIN:
-            raise FileError(f"{where} is the end of a chain of more than {MAX_CHAIN} nodes")
-        if self.size >= MAX_NODES:
-            raise FileError(f"{where} is one of more than {MAX_NODES} nodes of a single parameter")
-        self._open.append(key)
-        value = self._evaluate(node, frame, output, where)
-        self._open.pop()
-        self._values[key] = value
-        return value
-
-    def text(self, node: Any, name: str, frame: Frame) -> str:
-        """The text of an input of type string or filename, with the prefix of file names."""
-        source = self._text_source(node, name, frame)
-        if source is None:
-            return ""
-        element = source.element
-        is_file = element.getAttribute("type") == "filename"
-        return (element.getActiveFilePrefix() if is_file else "") + element.getAttribute("value")
-
-    def _text_source(self, node: Any, name: str, frame: Frame) -> Source | None:
-        """The input that has a text."""
-        source = self._graph.source(node, name, frame)
-        for _ in range(MAX_CHAIN):
-            if source is None or not source.is_node:
-                return source
-            name = {"constant": "value", "dot": "in"}.get(source.element.getCategory(), "")
-            source = self._graph.source(source.element, name, source.frame)
-        return None
-
-    def _property(self, name: str, where: str) -> np.ndarray:
-        if name.startswith("UV"):
-            return self.texture_coordinates()
-        if name in ("Pobject", "Pworld"):
-            return self._position(where)
-        if name in _PROPERTIES:
-            return np.array(_DIRECTIONS[_PROPERTIES[name]])
-        raise FileError(
-            f"{where} needs the geometric property '{name[:60]}', which is unknown "
-            f"before rendering; {BAKE}"
-        )
-
-    def _position(self, where: str) -> np.ndarray:
-        if not self._graph.uv_plane:
-            raise FileError(
-                f"{where} needs positions in space, which are unknown before rendering; set "
-                f"uv_plane to take (u, v, 0), or {BAKE}"
-            )
-        uv = self.texture_coordinates()
-        return np.concatenate([uv, np.zeros((len(uv), 1))], axis=-1)
-
-    def _evaluate(self, node: Any, frame: Frame, output: str, where: str) -> np.ndarray:
-        tag, kind = node.getCategory(), node.getAttribute("type")
-        if tag in _DIRECTIONS:
-            return np.array(_DIRECTIONS[tag])
-        if tag == "texcoord" or _reads_uv(node):
-            return self.texture_coordinates()
-        if tag == "position":
-            return self._position(where)
-        if tag in ("image", "hextiledimage"):
-            return self._image(node, frame, where)
-        if tag not in NODES or kind not in CHANNELS:
-            raise FileError(
-                f"{where} of type '{kind[:40]}' is of a kind that is not supported; {BAKE}"
-            )
-        try:
-            with np.errstate(all="ignore"):
-                value = np.asarray(NODES[tag](self._call(node, frame, where)), np.float64)
-        except (ValueError, IndexError) as error:
-            if isinstance(error, UrushiError):
-                raise
-            raise FileError(
-                f"{where} has inputs whose numbers of channels do not match its type; check them"
-            ) from error
-        channels = CHANNELS[kind]
-        if value.shape[-1] not in (1, channels):  # a number stands for all channels
-            raise FileError(
-                f"{where} has {value.shape[-1]} channels instead of {channels}; its inputs do "
-                "not match its type"
-            )
-        return np.broadcast_to(value, (*value.shape[:-1], channels))
-
-    def _call(self, node: Any, frame: Frame, where: str) -> Call:
-        tag, kind = node.getCategory(), node.getAttribute("type")
-        return Call(tag, kind, where, lambda name: self.input(node, name, frame))
-
-    def _image(self, node: Any, frame: Frame, where: str) -> np.ndarray:
-        kind = node.getAttribute("type")
-        channels = CHANNELS.get(kind)
-        if channels is None:
-            raise FileError(f"{where} has type '{kind[:40]}', which images cannot have")
-        name = self.text(node, "file", frame)
-        space = ""
-        if kind in ("color3", "color4"):
-            file = self._text_source(node, "file", frame)
-            space = "" if file is None else file.element.getActiveColorSpace()
-        modes = [self.text(node, f"{axis}addressmode", frame) or "periodic" for axis in "uv"]
-        if bad := [mode for mode in modes if mode not in ADDRESS_MODES]:
-            raise FileError(
-                f"{where}: the address mode '{bad[0][:40]}' is unknown; use one of "
-                f"{', '.join(ADDRESS_MODES)}"
-            )
-        look = Look(modes[0], modes[1], self.text(node, "filtertype", frame) != "closest")
-        if self._texels is not None:
-            return self._texels
-        uv = self.input(node, "texcoord", frame)
-        default = self.input(node, "default", frame)
-        if default.ndim > 1 or uv.shape[-1] != 2:
-            raise FileError(f"{where}: its default must be a constant, and its texcoord a vector2")
-        pixels = self._graph.images.read(name, where)
-        assert self._uv is not None
-        uv = np.broadcast_to(uv, (len(self._uv), 2))
-        tiled = node.getCategory() == "hextiledimage"
-        matrix = None if tiled else _affine(self._uv, uv)
-        use = ImageUse(name, space, channels, look, matrix)
-        if use not in self.uses:
-            self.uses.append(use)
-        values = image_values(pixels, use, where)
-        if tiled:
-            return hextiles(values, uv, self._call(node, frame, where))
-        return sample(values, uv, look, default)
-
-
-def parse_value(text: str, kind: str, where: str) -> np.ndarray:
-    """The value (channels,) of an attribute, read as MaterialX does.
-
-    Numbers are separated by commas or spaces. What follows a number is left out, as in 0.5f; one
-    number is the first of several.
-    """
-    channels = CHANNELS.get(kind)
-    if channels is None:
-        raise FileError(f"{where} has an input of type '{kind[:40]}', which is not supported")
-    if kind == "boolean":
-        value = np.array([_TRUTHS[x] for x in (text.strip().lower(),) if x in _TRUTHS])
-    else:
-        parts = [_NUMBER.match(part) for part in re.split(r"[,\s]+", text) if part]
-        parts = parts[:1] if channels == 1 else parts
-        value = np.array([float(part[1]) for part in parts if part is not None])
-        value = np.trunc(value) if kind == "integer" else value
-        value = np.where(np.isfinite(value), np.clip(value, -1e30, 1e30), value)  # FLT_MAX: none
-        value = value if None not in parts else np.empty(0)
-    if value.shape != (channels,) or not np.isfinite(value).all():
-        raise FileError(f"{where} has the value '{text[:60]}', which is not of type {kind}")
-    return value
-
-
-def _affine(uv: np.ndarray, image_uv: np.ndarray) -> tuple[tuple[float, ...], ...] | None:
-    """The affine map between two sets of points, of which the first are (0, 0), (1, 0), (0, 1)."""
-    origin = image_uv[0]
-    columns = np.stack([image_uv[1] - origin, image_uv[2] - origin, origin], axis=1)
-    expected = uv @ columns[:, :2].T + origin
-    if not np.allclose(expected, image_uv, rtol=1e-6, atol=1e-6):
-        return None
-    return tuple(tuple(float(round(x, 9)) for x in row) for row in columns)

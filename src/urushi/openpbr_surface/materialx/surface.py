@@ -15,7 +15,8 @@ import numpy as np
 from urushi.errors import FileError, UrushiWarning
 from urushi.openpbr_surface.materialx.baking import Texture, Value, bake, changes
 from urushi.openpbr_surface.materialx.document import find_material, read_document
-from urushi.openpbr_surface.materialx.graph import Evaluation, Frame, Graph, Source
+from urushi.openpbr_surface.materialx.evaluation import Evaluation
+from urushi.openpbr_surface.materialx.graph import Frame, Graph, Source
 from urushi.openpbr_surface.materialx.images import Decode, Images
 from urushi.openpbr_surface.materialx.shaders import LOST, SHADERS, TARGET, TRANSLATIONS, Inputs
 from urushi.openpbr_surface.parameters import PARAMETERS, Parameter, checked, parameter

@@ -1,0 +1,294 @@
+"""Evaluation of a document's node graphs at points of the surface, on NumPy arrays.
+
+Vectors are in the tangent frame: the normal is (0, 0, 1), the tangent (1, 0, 0).
+"""
+
+import re
+from typing import Any
+
+import numpy as np
+
+from urushi.errors import FileError, UrushiError
+from urushi.openpbr_surface.materialx.colour_spaces import to_linear_srgb
+from urushi.openpbr_surface.materialx.graph import (
+    MAX_CHAIN,
+    Frame,
+    Graph,
+    Source,
+    library,
+    reads_uv,
+)
+from urushi.openpbr_surface.materialx.images import (
+    ADDRESS_MODES,
+    ImageUse,
+    Look,
+    hextiles,
+    image_values,
+    sample,
+)
+from urushi.openpbr_surface.materialx.nodes import BAKE, CHANNELS, NODES, Call
+from urushi.openpbr_surface.materialx.shaders import FILM_UNITS
+
+#: Largest number of nodes that are evaluated for one parameter, those inside of others included.
+MAX_NODES = 2048
+
+#: Directions of the surface, by the names of nodes and of geometric properties.
+_DIRECTIONS = {
+    "normal": (0.0, 0.0, 1.0),
+    "tangent": (1.0, 0.0, 0.0),
+    "bitangent": (0.0, 1.0, 0.0),
+}
+_PROPERTIES = {"Nworld": "normal", "Nobject": "normal", "Tworld": "tangent", "Tobject": "tangent"}
+_PROPERTIES |= {"Bworld": "bitangent", "Bobject": "bitangent"}
+
+#: A number at the beginning of a text, as C++ reads it.
+_NUMBER = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)")
+
+#: Texts of truth values.
+_TRUTHS = {"true": 1.0, "false": 0.0, "1": 1.0, "0": 0.0}
+
+
+class NeedsPosition(Exception):
+    """The texture coordinates are needed where only an image's texels are given."""
+
+
+class Evaluation:
+    """Values of nodes at points.
+
+    Attributes:
+        uses: the images that the values depend on.
+        size: number of nodes evaluated.
+    """
+
+    def __init__(self, graph: Graph, uv: np.ndarray | None, texels: np.ndarray | None = None):
+        """Evaluate at some points.
+
+        Args:
+            graph: the nodes.
+            uv: (N, 2), MaterialX's, from the lower left corner; None: `texels` are given.
+            texels: values (N, channels) of the only image.
+        """
+        self.uses: list[ImageUse] = []
+        self._graph = graph
+        self._uv = uv
+        self._texels = texels
+        self._values: dict[tuple[Frame, str, str], np.ndarray] = {}
+        self._open: list[tuple[Frame, str, str]] = []
+        self._metre = 1.0  # number of units of length in one
+
+    @property
+    def size(self) -> int:
+        return len(self._values)
+
+    def texture_coordinates(self) -> np.ndarray:
+        if self._uv is None:
+            raise NeedsPosition
+        return self._uv
+
+    def input(self, node: Any, name: str, frame: Frame) -> np.ndarray:
+        """The value (..., channels) of a node's input; of its definition's default if not given."""
+        self._metre = FILM_UNITS.get((node.getCategory(), name), self._metre)
+        source = self._graph.source(node, name, frame)
+        return np.zeros(1) if source is None else self.value(source, node)
+
+    def value(self, source: Source, node: Any) -> np.ndarray:
+        """The value (..., channels) of a source, which a node reads."""
+        element, where = source.element, self._graph.named(node)
+        if source.is_node:
+            return self.output(element, source.frame, source.output)
+        text, kind = element.getAttribute("value"), element.getAttribute("type")
+        if not text:
+            geometric = element.getAttribute("defaultgeomprop")
+            zeros = np.zeros(CHANNELS.get(kind, 1))
+            return self._property(geometric, where) if geometric else zeros
+        value = parse_value(text, kind, where)
+        if unit := element.getAttribute("unit"):
+            value = value * self._unit(unit, where)
+        if kind in ("color3", "color4"):
+            value = to_linear_srgb(value, element.getActiveColorSpace(), where)
+        return value
+
+    def _unit(self, name: str, where: str) -> float:
+        """The factor from a unit to degrees, or to the units of length of the parameter."""
+        kind, scale = _unit(self._graph.root.scope, name, where)
+        return scale * self._metre if kind == "distance" else scale
+
+    def output(self, node: Any, frame: Frame, output: str = "") -> np.ndarray:
+        """The value (..., channels) of a node."""
+        key = frame, node.getNamePath(), output
+        if key in self._values:
+            return self._values[key]
+        where = self._graph.named(node)
+        if key in self._open:
+            raise FileError(f"{where} is connected to itself; remove the cycle")
+        if len(self._open) >= MAX_CHAIN:
+            raise FileError(f"{where} is the end of a chain of more than {MAX_CHAIN} nodes")
+        if self.size >= MAX_NODES:
+            raise FileError(f"{where} is one of more than {MAX_NODES} nodes of a single parameter")
+        self._open.append(key)
+        value = self._evaluate(node, frame, output, where)
+        self._open.pop()
+        self._values[key] = value
+        return value
+
+    def text(self, node: Any, name: str, frame: Frame) -> str:
+        """The text of an input of type string or filename, with the prefix of file names."""
+        source = self._text_source(node, name, frame)
+        if source is None:
+            return ""
+        element = source.element
+        is_file = element.getAttribute("type") == "filename"
+        return (element.getActiveFilePrefix() if is_file else "") + element.getAttribute("value")
+
+    def _text_source(self, node: Any, name: str, frame: Frame) -> Source | None:
+        """The input that has a text."""
+        source = self._graph.source(node, name, frame)
+        for _ in range(MAX_CHAIN):
+            if source is None or not source.is_node:
+                return source
+            name = {"constant": "value", "dot": "in"}.get(source.element.getCategory(), "")
+            source = self._graph.source(source.element, name, source.frame)
+        return None
+
+    def _property(self, name: str, where: str) -> np.ndarray:
+        if name.startswith("UV"):
+            return self.texture_coordinates()
+        if name in ("Pobject", "Pworld"):
+            return self._position(where)
+        if name in _PROPERTIES:
+            return np.array(_DIRECTIONS[_PROPERTIES[name]])
+        raise FileError(
+            f"{where} needs the geometric property '{name[:60]}', which is unknown "
+            f"before rendering; {BAKE}"
+        )
+
+    def _position(self, where: str) -> np.ndarray:
+        if not self._graph.uv_plane:
+            raise FileError(
+                f"{where} needs positions in space, which are unknown before rendering; set "
+                f"uv_plane to take (u, v, 0), or {BAKE}"
+            )
+        uv = self.texture_coordinates()
+        return np.concatenate([uv, np.zeros((len(uv), 1))], axis=-1)
+
+    def _evaluate(self, node: Any, frame: Frame, output: str, where: str) -> np.ndarray:
+        tag, kind = node.getCategory(), node.getAttribute("type")
+        if tag in _DIRECTIONS:
+            return np.array(_DIRECTIONS[tag])
+        if tag == "texcoord" or reads_uv(node):
+            return self.texture_coordinates()
+        if tag == "position":
+            return self._position(where)
+        if tag in ("image", "hextiledimage"):
+            return self._image(node, frame, where)
+        if tag not in NODES or kind not in CHANNELS:
+            raise FileError(
+                f"{where} of type '{kind[:40]}' is of a kind that is not supported; {BAKE}"
+            )
+        try:
+            with np.errstate(all="ignore"):
+                value = np.asarray(NODES[tag](self._call(node, frame, where)), np.float64)
+        except (ValueError, IndexError) as error:
+            if isinstance(error, UrushiError):
+                raise
+            raise FileError(
+                f"{where} has inputs whose numbers of channels do not match its type; check them"
+            ) from error
+        channels = CHANNELS[kind]
+        if value.shape[-1] not in (1, channels):  # a number stands for all channels
+            raise FileError(
+                f"{where} has {value.shape[-1]} channels instead of {channels}; its inputs do "
+                "not match its type"
+            )
+        return np.broadcast_to(value, (*value.shape[:-1], channels))
+
+    def _call(self, node: Any, frame: Frame, where: str) -> Call:
+        tag, kind = node.getCategory(), node.getAttribute("type")
+        return Call(tag, kind, where, lambda name: self.input(node, name, frame))
+
+    def _image(self, node: Any, frame: Frame, where: str) -> np.ndarray:
+        kind = node.getAttribute("type")
+        channels = CHANNELS.get(kind)
+        if channels is None:
+            raise FileError(f"{where} has type '{kind[:40]}', which images cannot have")
+        name = self.text(node, "file", frame)
+        space = ""
+        if kind in ("color3", "color4"):
+            file = self._text_source(node, "file", frame)
+            space = "" if file is None else file.element.getActiveColorSpace()
+        modes = [self.text(node, f"{axis}addressmode", frame) or "periodic" for axis in "uv"]
+        if bad := [mode for mode in modes if mode not in ADDRESS_MODES]:
+            raise FileError(
+                f"{where}: the address mode '{bad[0][:40]}' is unknown; use one of "
+                f"{', '.join(ADDRESS_MODES)}"
+            )
+        look = Look(modes[0], modes[1], self.text(node, "filtertype", frame) != "closest")
+        if self._texels is not None:
+            return self._texels
+        uv = self.input(node, "texcoord", frame)
+        default = self.input(node, "default", frame)
+        if default.ndim > 1 or uv.shape[-1] != 2:
+            raise FileError(f"{where}: its default must be a constant, and its texcoord a vector2")
+        pixels = self._graph.images.read(name, where)
+        assert self._uv is not None
+        uv = np.broadcast_to(uv, (len(self._uv), 2))
+        tiled = node.getCategory() == "hextiledimage"
+        matrix = None if tiled else _affine(self._uv, uv)
+        use = ImageUse(name, space, channels, look, matrix)
+        if use not in self.uses:
+            self.uses.append(use)
+        values = image_values(pixels, use, where)
+        if tiled:
+            return hextiles(values, uv, self._call(node, frame, where))
+        return sample(values, uv, look, default)
+
+
+def parse_value(text: str, kind: str, where: str) -> np.ndarray:
+    """The value (channels,) of an attribute, read as MaterialX does.
+
+    Numbers are separated by commas or spaces. What follows a number is left out, as in 0.5f; one
+    number is the first of several.
+    """
+    channels = CHANNELS.get(kind)
+    if channels is None:
+        raise FileError(f"{where} has an input of type '{kind[:40]}', which is not supported")
+    if kind == "boolean":
+        value = np.array([_TRUTHS[x] for x in (text.strip().lower(),) if x in _TRUTHS])
+    else:
+        parts = [_NUMBER.match(part) for part in re.split(r"[,\s]+", text) if part]
+        parts = parts[:1] if channels == 1 else parts
+        value = np.array([float(part[1]) for part in parts if part is not None])
+        value = np.trunc(value) if kind == "integer" else value
+        value = np.where(np.isfinite(value), np.clip(value, -1e30, 1e30), value)  # FLT_MAX: none
+        value = value if None not in parts else np.empty(0)
+    if value.shape != (channels,) or not np.isfinite(value).all():
+        raise FileError(f"{where} has the value '{text[:60]}', which is not of type {kind}")
+    return value
+
+
+def _affine(uv: np.ndarray, image_uv: np.ndarray) -> tuple[tuple[float, ...], ...] | None:
+    """The affine map between two sets of points, of which the first are (0, 0), (1, 0), (0, 1)."""
+    origin = image_uv[0]
+    columns = np.stack([image_uv[1] - origin, image_uv[2] - origin, origin], axis=1)
+    expected = uv @ columns[:, :2].T + origin
+    if not np.allclose(expected, image_uv, rtol=1e-6, atol=1e-6):
+        return None
+    return tuple(tuple(float(round(x, 9)) for x in row) for row in columns)
+
+
+def _unit(document: Any, name: str, where: str) -> tuple[str, float]:
+    """The kind of a unit, such as distance, and its size in metres or degrees."""
+    known = {
+        unit.getName(): (units.getUnitType(), unit.getAttribute("scale"))
+        for source in (library(), document)
+        for units in source.getUnitDefs()
+        for unit in units.getChildren()
+    }
+    if name not in known:
+        names = ", ".join(known)
+        raise FileError(f"{where} has a value in '{name[:40]}', an unknown unit; use {names}")
+    kind, scale = known[name]
+    try:
+        return kind, float(scale or 1)
+    except ValueError as error:
+        raise FileError(f"{where}: the unit '{name[:40]}' has no number as scale") from error
