@@ -318,7 +318,7 @@ def train(form: Form, folder: Path, share: float, steps: int, rate: float, seed:
     """Train by the joint loss on `data(share)` and print the errors."""
     arch = Architecture(latent=24, decoder=form.decoder, activation=ACTIVATION)
     examples.encoder_inputs = lambda *given: inputs(*given, form)  # codes have an inner lobe
-    depths = examples.load(generate(data(share), folder / "data.zarr"), arch, 64)
+    depths = examples.load(generate(data(share), folder / "data"), arch, 64)
     fixed = input_statistics(np.concatenate([depth.examples().probes for depth in depths]))
     at_probes = jnp.asarray(direction_features(*probe_pairs()))
 
@@ -337,7 +337,7 @@ def train(form: Form, folder: Path, share: float, steps: int, rate: float, seed:
     schedule = Schedule(steps=steps, warmup=256, learning_rate=rate, clip=0.1, average=0.995)
     state, run = start(initial(form, seed), schedule), compile_steps(loss, schedule)
     take = batches(depths, (48, 112, 64, 24, 7, 7), seed)
-    checks, began = generate(tests(), folder / "tests.zarr"), time.process_time()
+    checks, began = generate(tests(), folder / "tests"), time.process_time()
     for step in range(0, steps, schedule.steps_per_call):
         state, terms = run(state, take(step, schedule.steps_per_call))
         done = step + schedule.steps_per_call
@@ -355,7 +355,7 @@ def measure(model: Model, folder: Path) -> None:
     The mean error that the noise of the walks causes is subtracted in squares, stack by stack.
     """
     groups: dict[str, list[np.ndarray]] = {}
-    checks = generate(tests(), folder / "tests.zarr")
+    checks = generate(tests(), folder / "tests")
     for part in checks.spec.parts:
         name, kind, count = part.name.split("-")
         if name == "validation":
@@ -406,8 +406,8 @@ def main() -> None:
     given = parser.parse_args()
     if given.command == "data":
         given.folder.mkdir(parents=True, exist_ok=True)
-        generate(data(given.share), given.folder / "data.zarr")
-        generate(tests(), given.folder / "tests.zarr")
+        generate(data(given.share), given.folder / "data")
+        generate(tests(), given.folder / "tests")
     elif given.command == "measure":
         measure(weights.find(given.weights), given.folder)
     else:

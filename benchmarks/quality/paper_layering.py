@@ -116,7 +116,7 @@ def main() -> None:
     model = PaperNetworks.read(options.weights)
     training = small(options.stacks, options.pairs)
     with tempfile.TemporaryDirectory() as folder:
-        store = generate(training.data, Path(folder) / "data.zarr")
+        store = generate(training.data, Path(folder) / "data")
         codes = {
             part.name: project_part(model.params, store, index, training.arch.adam)[0]
             for index, part in enumerate(training.data.parts)

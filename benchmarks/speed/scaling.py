@@ -18,7 +18,6 @@ import time
 from pathlib import Path
 
 import numpy as np
-import zarr
 
 from urushi.train.distribution import Extended, Table2
 from urushi.train.spec import DataSpec, Part
@@ -49,7 +48,7 @@ def data(folder: Path) -> None:
         began = time.perf_counter()
         made = make_shard(spec, 0, 0)
         simulated = time.perf_counter()
-        store = Store.create(folder / f"{coats}.zarr", spec)
+        store = Store.create(folder / f"{coats}", spec)
         before = set(store.path.rglob("*"))
         opened = time.perf_counter()
         store.write(0, 0, made)
@@ -66,14 +65,16 @@ def data(folder: Path) -> None:
             f"{len(files)} files, {size / 2**20:.2f} MB on disk, "
             f"{sum(x.nbytes for x in made.values()) / 2**20:.2f} MB in memory"
         )
-    whole = generate(quick_like(1024), folder / "whole.zarr")
+    whole = generate(quick_like(1024), folder / "whole")
     began = time.perf_counter()
     whole.hash()
     shards = len(list(whole.spec.shards()))
     print(f"hash: {(time.perf_counter() - began) / shards * 1e3:.1f} ms a shard")
     spec = DataSpec((Part("a", Table2(1), 4096, 4, 2),), seed=1, shard=1)
-    store = Store.create(folder / "many.zarr", spec)
-    zarr.open_group(store.path)["a/complete"][:] = 1
+    store = Store.create(folder / "many", spec)
+    (store.path / "a").mkdir()
+    for shard in range(4096):
+        (store.path / "a" / f"{shard:05}.safetensors").touch()
     began = time.perf_counter()
     store.missing()
     print(f"what is missing of 4,096 shards: {time.perf_counter() - began:.2f} s")
@@ -82,7 +83,7 @@ def data(folder: Path) -> None:
 def train(folder: Path) -> None:
     """Run `measure` in a process of its own for each case."""
     for label, stacks in (("1.6 M pairs", 2048), ("6.3 M pairs", 8192)):
-        store = generate(quick_like(stacks), folder / f"{stacks}.zarr").path
+        store = generate(quick_like(stacks), folder / f"{stacks}").path
         arguments = json.dumps([str(store), stacks])
         run = [sys.executable, "-m", "benchmarks.speed.scaling", "train", "--measure", arguments]
         printed = subprocess.run(run, check=True, capture_output=True, text=True).stdout

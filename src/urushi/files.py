@@ -7,7 +7,7 @@ import contextlib
 import json
 import os
 import tempfile
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -109,11 +109,15 @@ def write_tensors(
 
 
 def read_tensors(
-    path: str | os.PathLike, kind: str, version: int | None = None
+    path: str | os.PathLike,
+    kind: str,
+    version: int | None = None,
+    names: Collection[str] | None = None,
 ) -> tuple[dict[str, Any], dict[str, np.ndarray]]:
     """Return the description and the arrays of a file that `write_tensors` wrote.
 
     version: the only one that can be read, the entry `version` of the description; None: any.
+    names: of the arrays to read, where the file has them; None: all.
 
     Raises:
         FileError: the file is missing, unreadable, truncated, foreign, or of another kind or
@@ -124,8 +128,8 @@ def read_tensors(
         size = source.stat().st_size
         with safetensors.safe_open(source, framework="numpy") as file:
             metadata = file.metadata() or {}
-            names = file.keys()
-            arrays = {name: file.get_tensor(name) for name in names}
+            found = [name for name in file.keys() if names is None or name in names]  # noqa: SIM118
+            arrays = {name: file.get_tensor(name) for name in found}
     except FileNotFoundError as error:
         raise FileError(f"there is no {kind} file '{source}'; check the path") from error
     except OSError as error:

@@ -241,7 +241,6 @@ EXTRAS = {
     "train": (
         Package("jax", "jax", "gradients of training"),
         Package("optax", "optax", "optimisers of training"),
-        Package("zarr", "zarr", "stores of training data"),
     ),
     "materialx": (Package("materialx", "MaterialX", "MaterialX documents"),),
 }

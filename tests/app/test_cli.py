@@ -118,7 +118,7 @@ def test_the_script_imports_little():
     """A command does not import packages that only another command needs."""
     code = (
         "import sys; from urushi.app import cli\n"
-        "for name in ('jax', 'zarr', 'matplotlib', 'distributed', 'urushi.walk',"
+        "for name in ('jax', 'matplotlib', 'distributed', 'urushi.walk',"
         " 'urushi.nets'):\n"
         "    assert name not in sys.modules, name"
     )

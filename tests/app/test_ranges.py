@@ -19,7 +19,7 @@ NEEDED = {
     "encode": ["diffuse(0.5)", "-o", "a.safetensors"],
     "layer": ["diffuse(0.5)", "-o", "a.safetensors"],
     "convert": ["a.mtlx", "-o", "folder"],
-    "data": ["-o", "a.zarr"],
+    "data": ["-o", "a"],
     "paper": ["a.pth", "b.pth", "-o", "a.safetensors"],
 }
 #: Parameters of coats, and colours: their ranges are those of `urushi.coat` and `urushi.diffuse`,

@@ -17,7 +17,7 @@ TINY = 1e-10
 def test_held_out_errors_are_those_of_the_stored_values(tmp_path):
     """Written out for all held-out BRDFs, whose codes are known."""
     preset, params = paper(TINY), init(0)
-    store = generate(preset.data, tmp_path / "data.zarr")
+    store = generate(preset.data, tmp_path / "data")
     part = preset.part("two-layer")
     z = 1 + 0.1 * np.random.default_rng(12).normal(size=(preset.validation, 32)).astype(np.float32)
     medium = np.ones(preset.validation, np.float32)

@@ -57,10 +57,10 @@ def test_a_store_is_resumed_by_the_same_palette_alone(tmp_path):
     def spec(**options):
         return DataSpec((Part("a", Palette(0, components=7, **options), 7, 81, 1, "stratified"),))
 
-    store = Store.create(tmp_path / "data.zarr", spec(seed=3))
-    assert Store.create(tmp_path / "data.zarr", spec(seed=3)) == store
+    store = Store.create(tmp_path / "data", spec(seed=3))
+    assert Store.create(tmp_path / "data", spec(seed=3)) == store
     with pytest.raises(FileError, match="its part 'a' has another specification"):
-        Store.create(tmp_path / "data.zarr", spec(seed=4))
+        Store.create(tmp_path / "data", spec(seed=4))
 
 
 def test_impossible_ones_are_refused():

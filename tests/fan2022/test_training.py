@@ -69,7 +69,7 @@ def test_the_pairs_of_the_projection_change_the_architecture_alone():
 def test_a_part_is_projected_as_numpy_does(tmp_path):
     """At a random fifth of its stratified pairs in each step, and the same again."""
     preset, options = paper(TINY), AdamProjection(steps=4, pairs=16)
-    store, params = generate(preset.data, tmp_path / "data.zarr"), init(0)
+    store, params = generate(preset.data, tmp_path / "data"), init(0)
     codes, errors = training.project_part(params, store, 0, options)
     assert codes.shape == (preset.data.parts[0].stacks, 32) and np.isfinite(errors).all()
     again, _ = training.project_part(params, store, 0, options)
@@ -135,7 +135,7 @@ def test_a_step_in_slices_is_a_step_of_the_whole_batch(brdfs):
 
 def test_an_epoch_shows_every_brdf_equally_often_and_is_repeatable(tmp_path):
     preset = paper(TINY)
-    store = generate(preset.data, tmp_path / "data.zarr")
+    store = generate(preset.data, tmp_path / "data")
     batches = list(representation.epoch(store, preset, 3))
     rows = np.concatenate([batch.rows for batch in batches])
     counts = np.bincount(rows, minlength=preset.part("two-layer").stacks)
@@ -150,7 +150,7 @@ def test_an_epoch_shows_every_brdf_equally_often_and_is_repeatable(tmp_path):
 
 def test_batches_of_an_epoch_have_one_size_and_leave_out_different_brdfs(tmp_path):
     preset = replace(paper(1e-9), stacks=8, pairs=16)
-    store = generate(preset.data, tmp_path / "data.zarr")
+    store = generate(preset.data, tmp_path / "data")
     batches = list(representation.epoch(store, preset, 0))
     trained, runs = representation.trained(preset), preset.part("two-layer").pairs // 16
     assert trained % 8
@@ -198,7 +198,7 @@ def test_the_proxy_learns_to_tell_narrow_from_wide():
 @pytest.mark.slow
 def test_from_data_to_weights_and_the_same_bits_after_an_interruption(tmp_path, monkeypatch):
     preset = paper(TINY)
-    model = train(preset, data=tmp_path / "data.zarr", run=tmp_path / "whole")
+    model = train(preset, data=tmp_path / "data", run=tmp_path / "whole")
     header = networks.PaperNetworks.read(tmp_path / "whole" / "weights.safetensors").header
     assert header["scale"] == TINY
     assert header["preset"]["name"] == "paper"
@@ -220,8 +220,8 @@ def test_from_data_to_weights_and_the_same_bits_after_an_interruption(tmp_path, 
 
     monkeypatch.setattr(Journal, "save", interrupted)
     with pytest.raises(KeyboardInterrupt):
-        train(preset, data=tmp_path / "data.zarr", run=tmp_path / "cut")
+        train(preset, data=tmp_path / "data", run=tmp_path / "cut")
     monkeypatch.undo()
-    resumed = train(preset, data=tmp_path / "data.zarr", run=tmp_path / "cut", resume=True)
+    resumed = train(preset, data=tmp_path / "data", run=tmp_path / "cut", resume=True)
     assert resumed.fingerprint == model.fingerprint
     assert resumed.header["metrics"] == model.header["metrics"]

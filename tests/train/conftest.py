@@ -65,7 +65,7 @@ def tiny() -> Preset:
 @pytest.fixture(scope="session")
 def tiny_data(tmp_path_factory):
     """Its data store, generated once."""
-    path = tmp_path_factory.mktemp("tiny") / "data.zarr"
+    path = tmp_path_factory.mktemp("tiny") / "data"
     generate(TINY.data, path)
     return path
 

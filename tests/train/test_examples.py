@@ -115,7 +115,7 @@ def test_deeper_stacks_come_first_so_that_coats_match_their_stacks(tiny, depths,
 def test_probed_stacks_are_encoded_from_their_own_values(tiny, tmp_path):
     arch = dataclasses.replace(tiny.arch, probes=PROBES)
     part = Part("probed", Table2(1), 8, PROBES + 16, 4, "probed")
-    store = generate(DataSpec((part,), seed=6), tmp_path / "data.zarr")
+    store = generate(DataSpec((part,), seed=6), tmp_path / "data")
     (depth,) = examples.load(store, arch, 8)  # no coat is layered
     arrays, held = store.read(part), depth.examples()
     top = lobe.f(held.lobes[:, None], *probe_pairs(PROBES))

@@ -79,7 +79,7 @@ def test_the_stage_learns_from_every_stack_and_its_mirror_image(tiny, tmp_path):
         for coats in (1, 2)
     )
     bare = Part("bare", Anisotropic(0, "mixture_anisotropic"), 4, 16, 1, "anisotropic")
-    store = generate(DataSpec((bare, *parts), seed=3, shard=8), tmp_path / "data.zarr")
+    store = generate(DataSpec((bare, *parts), seed=3, shard=8), tmp_path / "data")
     depths = examples.load(store, ARCH, 16)
     stage = MirroredLayering(tiny.stages[1].schedule, stacks=(16, 4))
     one, other = stage.examples(depths[1])

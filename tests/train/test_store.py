@@ -9,8 +9,8 @@ import time
 
 import numpy as np
 import pytest
-import zarr
 
+from urushi import files
 from urushi.errors import FileError, ParameterError
 from urushi.train import store as generation
 from urushi.train.distribution import Extended, Table2
@@ -31,7 +31,7 @@ SPEC = DataSpec(
 
 @pytest.fixture(scope="module")
 def finished(tmp_path_factory):
-    path = tmp_path_factory.mktemp("data") / "whole.zarr"
+    path = tmp_path_factory.mktemp("data") / "whole"
     generate(SPEC, path)
     return path
 
@@ -75,7 +75,7 @@ def test_stacks_of_different_shards_differ(finished):
 def test_a_generator_that_fails_midway_resumes_to_the_same_bytes(
     fingerprints, finished, tmp_path, monkeypatch
 ):
-    path = tmp_path / "resumed.zarr"
+    path = tmp_path / "resumed"
     made = []
 
     def interrupted(spec, part, shard):
@@ -95,12 +95,11 @@ def test_a_generator_that_fails_midway_resumes_to_the_same_bytes(
     assert fingerprints(path) == fingerprints(finished)
 
 
-def test_a_shard_without_its_mark_is_simulated_again(fingerprints, finished, tmp_path):
-    path = tmp_path / "torn.zarr"
+def test_a_lost_shard_is_simulated_again(fingerprints, finished, tmp_path):
+    path = tmp_path / "torn"
     generate(SPEC, path)
-    (path / "coated" / "complete" / "c" / "1").unlink()
-    (path / "coated" / "f" / "c" / "1" / "0").write_bytes(b"half a chunk")
-    (path / "coated" / "f" / "c" / "1" / "0.123.partial").write_bytes(b"of a killed writer")
+    (path / "coated" / "00001.safetensors").unlink()
+    (path / "coated" / ".00001-x7f3.safetensors").write_bytes(b"of a killed writer")
     assert Store(path, SPEC).missing() == [(0, 1)]
     generate(SPEC, path)
     assert fingerprints(path) == fingerprints(finished)
@@ -118,29 +117,31 @@ def test_a_killed_process_resumes_to_the_same_bytes(fingerprints, tmp_path):
         "part = Part('coated', Table2(), stacks=64, pairs=64, walks=64)\n"
         "generate(DataSpec((part,), seed=1, shard=2), sys.argv[1])\n"
     )
-    path = tmp_path / "killed.zarr"
+    path = tmp_path / "killed"
     command = [sys.executable, "-c", script, str(path)]
     process = subprocess.Popen(command)
     deadline = time.monotonic() + 60
-    while not any(path.glob("coated/complete/c/*")) and time.monotonic() < deadline:
+    while not any(path.glob("coated/0*")) and time.monotonic() < deadline:
         time.sleep(0.005)
     process.send_signal(signal.SIGKILL)
     assert process.wait() == -signal.SIGKILL
     assert 0 < len(Store(path, spec).missing()) < 32
     generate(spec, path)
-    generate(spec, tmp_path / "whole.zarr")
-    assert fingerprints(path) == fingerprints(tmp_path / "whole.zarr")
+    generate(spec, tmp_path / "whole")
+    assert fingerprints(path) == fingerprints(tmp_path / "whole")
 
 
 def test_the_hash_depends_on_specification_and_values(finished, tmp_path):
     expected = Store(finished, SPEC).hash()
-    assert generate(SPEC, tmp_path / "again.zarr").hash() == expected
-    other = generate(dataclasses.replace(SPEC, seed=4), tmp_path / "other.zarr")
+    assert generate(SPEC, tmp_path / "again").hash() == expected
+    other = generate(dataclasses.replace(SPEC, seed=4), tmp_path / "other")
     assert other.hash() != expected
-    shutil.copytree(finished, tmp_path / "changed.zarr")
-    f = zarr.open_group(tmp_path / "changed.zarr")["coated/f"]
-    f[7, 3] = f[7, 3] * 1.001
-    assert Store(tmp_path / "changed.zarr", SPEC).hash() != expected
+    shutil.copytree(finished, tmp_path / "changed")
+    store = Store(tmp_path / "changed", SPEC)
+    arrays = store.read_shard(0, 1)
+    arrays["f"][3, 3] *= 1.001
+    store.write(0, 1, arrays)
+    assert store.hash() != expected
 
 
 @pytest.mark.parametrize(
@@ -165,33 +166,39 @@ def test_foreign_folders_and_files_are_refused_and_left_alone(tmp_path):
     (folder / "cat.jpg").write_bytes(b"meow")
     file = tmp_path / "file"
     file.write_text("text")
-    zarr.create_group(tmp_path / "foreign.zarr")
-    for path in (folder, file, tmp_path / "foreign.zarr"):
+    (tmp_path / "foreign").mkdir()
+    (tmp_path / "foreign" / "store.json").write_text("[]")
+    for path in (folder, file, tmp_path / "foreign"):
         with pytest.raises(FileError, match="is not a data store of Urushi"):
             generate(SPEC, path)
     assert (folder / "cat.jpg").read_bytes() == b"meow"
 
 
 def test_a_newer_format_is_refused(tmp_path):
-    store = generate(DataSpec(parts=SPEC.parts[2:]), tmp_path / "new.zarr")
-    root = zarr.open_group(store.path)
-    root.attrs["urushi_data"] = {**root.attrs["urushi_data"], "format_version": 99}
-    with pytest.raises(FileError, match="data format 99, and this Urushi reads 1"):
+    store = generate(DataSpec(parts=SPEC.parts[2:]), tmp_path / "new")
+    manifest = store.path / "store.json"
+    manifest.write_text(manifest.read_text().replace('"format_version": 2', '"format_version": 99'))
+    with pytest.raises(FileError, match="data format 99, and this Urushi reads 2"):
         generate(store.spec, store.path)
 
 
-def test_a_damaged_chunk_is_reported(tmp_path):
-    store = generate(DataSpec(parts=SPEC.parts[2:]), tmp_path / "damaged.zarr")
-    chunk = store.path / "bare" / "f" / "c" / "0" / "0"
-    chunk.write_bytes(chunk.read_bytes()[:10])
-    with pytest.raises(FileError, match="cannot be used"):
+def test_a_damaged_shard_is_reported(tmp_path):
+    store = generate(DataSpec(parts=SPEC.parts[2:]), tmp_path / "damaged")
+    whole = store.read_shard(0, 0)
+    shard = store.path / "bare" / "00000.safetensors"
+    shard.write_bytes(shard.read_bytes()[:-10])
+    with pytest.raises(FileError, match="is not a valid data file or is truncated"):
+        store.read(store.spec.parts[0])
+    whole["f"][0, 0] = np.nan
+    files.write_tensors(shard, "data", {}, whole)
+    with pytest.raises(FileError, match="values that are not finite; delete it and resume"):
         store.read(store.spec.parts[0])
 
 
 def test_an_unwritable_place_is_reported(tmp_path):
     (tmp_path / "file").write_text("text")
     with pytest.raises(FileError, match=r"cannot create the folder .* choose one that is writable"):
-        generate(SPEC, tmp_path / "file" / "store.zarr")
+        generate(SPEC, tmp_path / "file" / "store")
 
 
 @pytest.mark.parametrize(

@@ -51,7 +51,7 @@ class Train:
     """Only for the preset "paper": direction pairs in each of the 1,000 steps of a projection.
     Default: 16; the authors' number is 4096."""
     data: Path | None = None
-    """Store of training data (.zarr). Default: runs/PRESET/data.zarr."""
+    """Folder of training data. Default: runs/PRESET/data."""
     run_folder: Path | None = None
     """Folder for checkpoints and log. Default: runs/PRESET."""
     output: Annotated[Path | None, tyro.conf.arg(aliases=["-o"])] = None
@@ -89,11 +89,11 @@ class Data:
 
     An interrupted run continues where it stopped and ends in the same store.
 
-    Example: urushi data --preset default -o runs/default.zarr
+    Example: urushi data --preset default -o runs/default/data
     """
 
     output: Annotated[Path, tyro.conf.arg(aliases=["-o"])]
-    """Store to write (.zarr)."""
+    """Folder to write."""
     preset: str = "default"
     """Training preset whose data are simulated: default, anisotropic, smoke or paper."""
     scale: Share | None = None

@@ -49,7 +49,7 @@ def train(
     out = Path(out) if out is not None else folder / "weights.safetensors"
     training.prepare(folder, out, resume)
     began = time.monotonic()
-    store = generate(preset.data, data if data is not None else folder / "data.zarr")
+    store = generate(preset.data, data if data is not None else folder / "data")
     generated = time.monotonic() - began
     identity = training.identity(preset, store)
     journal = Journal(folder, identity, STAGES, generated)

@@ -1,44 +1,40 @@
-"""The store of simulated BRDF values, a zarr v3 group that describes itself; and its simulation.
+"""The store of simulated BRDF values, and its simulation.
 
-Layout: every part of the specification is one group of arrays, whose first axis is the stack:
+A store is a folder. `store.json` has its specification; every shard is one file,
+`PART/NUMBER.safetensors`, of these arrays, whose first axis is the stack:
 
     coats   (S, N, C)  the coats' `checks.COAT_COLUMNS`, top to bottom (none if N = 0)
-    bottom  (S, K)     the bottom's parameters, named by the array's attribute `names`
+    bottom  (S, K)     the parameters of the bottom's kind, in its order
     wi, wo  (S, P, 3)  unit direction pairs, float32
     f, se   (S, P)     BRDF value [1/sr] and its standard error
 
-One chunk is one shard. The shard's entry of `complete` is written last. If the writer is killed,
-the store still holds whole shards and can be resumed. The group's attribute `urushi_data` is the
-manifest.
+Files are written whole. If the writer is killed, the store can be resumed.
 """
 
-import contextlib
 import hashlib
 import json
 import os
 import platform
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-import zarr
 from tqdm import tqdm
 
-from urushi.checks import COAT_COLUMNS, CoatParameters
+from urushi import files
+from urushi.checks import CoatParameters
 from urushi.core import direction_sets
 from urushi.errors import FileError
-from urushi.files import new_folder
 from urushi.train.spec import DataSpec, Part
 from urushi.version import __version__
 from urushi.walk import analytic
 from urushi.walk.bottoms import KINDS
 from urushi.walk.simulate import walk_pairs
 
-FORMAT_VERSION = 1
-_MANIFEST = "urushi_data"
+FORMAT_VERSION = 2
 
 #: A shard: the arrays of the layout above for its stacks.
 Shard = Mapping[str, np.ndarray]
@@ -59,78 +55,61 @@ class Store:
     @classmethod
     def create(cls, path: str | os.PathLike, spec: DataSpec) -> "Store":
         """Make an empty store, or open an existing one of the same specification to resume it."""
-        folder = Path(path)
+        folder, wanted = Path(path), json.loads(json.dumps(spec.to_dict()))
         if folder.exists() and (not folder.is_dir() or any(folder.iterdir())):
-            found, wanted = _description(folder), json.loads(json.dumps(spec.to_dict()))
+            found = _description(folder)
             if found != wanted:
                 raise FileError(
                     f"'{folder}' contains data of another specification "
                     f"({_difference(found, wanted)}); choose another path or delete that folder"
                 )
-            for stray in folder.rglob("*.partial"):  # left by a writer that was killed
+            for stray in folder.rglob(".*-*"):  # left by a writer that was killed
                 stray.unlink()
             return cls(folder, spec)
-        new_folder(folder)
-        with _readable(folder):
-            root = zarr.create_group(folder, zarr_format=3)
-            for part in spec.parts:
-                _create_part(root, spec, part)
-            # Last: a store that has a manifest has all its arrays.
-            root.attrs[_MANIFEST] = {
-                "format_version": FORMAT_VERSION,
-                "spec": spec.to_dict(),
-                "versions": versions(),
-            }
+        files.new_folder(folder)
+        packages = {name: version(name) for name in ("numpy", "drjit")}
+        versions = {"urushi": __version__, "python": platform.python_version(), **packages}
+        manifest = {"format_version": FORMAT_VERSION, "spec": wanted, "versions": versions}
+        with files.atomic_write(folder / "store.json") as temporary:
+            temporary.write_text(json.dumps(manifest, indent=1), encoding="utf-8")
         return cls(folder, spec)
 
     def missing(self) -> list[tuple[int, int]]:
         """The (part, shard) indices that are not yet complete, in order."""
-        with _readable(self.path):
-            root = zarr.open_group(self.path, mode="r")
-            complete = [_array(root, part, "complete")[:] for part in self.spec.parts]
-        return [(part, shard) for part, shard in self.spec.shards() if not complete[part][shard]]
+        return [index for index in self.spec.shards() if not self._file(*index).exists()]
 
     def write(self, part: int, shard: int, arrays: Shard) -> None:
-        """Write one shard and then mark it complete."""
-        with _readable(self.path):
-            group = zarr.open_group(self.path, mode="r+")
-            rows = self.spec.rows(part, shard)
-            for name, values in arrays.items():
-                _array(group, self.spec.parts[part], name)[rows] = values
-            _array(group, self.spec.parts[part], "complete")[shard] = 1
+        """Write one shard."""
+        file = self._file(part, shard)
+        files.new_folder(file.parent)
+        single = {name: np.asarray(values, np.float32) for name, values in arrays.items()}
+        files.write_tensors(file, "data", {}, single)
 
-    def read(
-        self, part: Part, rows: slice | None = None, names: Collection[str] | None = None
-    ) -> dict[str, np.ndarray]:
-        """Read arrays of a part into memory.
-
-        rows: consecutive ones that are complete; None: all. names: of the arrays; None: all.
-        """
-        rows = rows or slice(0, part.stacks)
-        wanted = [name for name in _layout(part) if names is None or name in names]
-        shards = slice(rows.start // self.spec.shard, -(-rows.stop // self.spec.shard))
-        with _readable(self.path):
-            root = zarr.open_group(self.path, mode="r")
-            complete = _array(root, part, "complete")
-            if not np.all(complete[shards]):
-                raise FileError(
-                    f"'{self.path}' is incomplete: part '{part.name}' has "
-                    f"{int(np.sum(complete[:]))} of {self.spec.shard_count(part)} shards; "
-                    "resume it with `urushi data`"
-                )
-            arrays = {name: _array(root, part, name)[rows] for name in wanted}
-        if not all(np.isfinite(values).all() for values in arrays.values()):
-            raise FileError(
-                f"'{self.path}' is damaged: part '{part.name}' has values that are not finite; "
-                "delete the folder and generate the data again"
-            )
-        return arrays
+    def read(self, part: Part) -> dict[str, np.ndarray]:
+        """Read all arrays of a complete part into memory."""
+        index = self.spec.parts.index(part)
+        shards = [self.read_shard(index, k) for k in range(self.spec.shard_count(part))]
+        return {name: np.concatenate([shard[name] for shard in shards]) for name in shards[0]}
 
     def read_shard(
         self, part: int, shard: int, names: Collection[str] | None = None
     ) -> dict[str, np.ndarray]:
-        """`read` for the rows of a shard."""
-        return self.read(self.spec.parts[part], self.spec.rows(part, shard), names)
+        """Read one shard; names: of the arrays, where it has them; None: all."""
+        file, described = self._file(part, shard), self.spec.parts[part]
+        if not file.exists():
+            count = self.spec.shard_count(described)
+            found = sum(self._file(part, k).exists() for k in range(count))
+            raise FileError(
+                f"'{self.path}' is incomplete: part '{described.name}' has {found} of {count} "
+                "shards; resume it with `urushi data`"
+            )
+        _, arrays = files.read_tensors(file, "data", names=names)
+        if not all(np.isfinite(values).all() for values in arrays.values()):
+            raise FileError(
+                f"'{file}' is damaged: it has values that are not finite; delete it and resume "
+                "with `urushi data`"
+            )
+        return arrays
 
     def hash(self) -> str:
         """SHA-256 over the specification and all values f, recorded in the weights' header."""
@@ -139,6 +118,9 @@ class Store:
             f = self.read_shard(part, shard, ("f",))["f"]
             digest.update(np.ascontiguousarray(f).tobytes())
         return digest.hexdigest()
+
+    def _file(self, part: int, shard: int) -> Path:
+        return self.path / self.spec.parts[part].name / f"{shard:05}.safetensors"
 
 
 def make_shard(spec: DataSpec, part: int, shard: int) -> Shard:
@@ -198,15 +180,12 @@ def generate(spec: DataSpec, path: str | os.PathLike) -> Store:
     return store
 
 
-_ZARR_ERRORS = (OSError, ValueError, KeyError, TypeError, RuntimeError)
-
-
 def _description(folder: Path) -> dict[str, Any]:
     """The specification in the manifest of a store, as `DataSpec.to_dict` describes it."""
     try:
-        manifest: Any = zarr.open_group(folder, mode="r").attrs[_MANIFEST]
+        manifest = json.loads((folder / "store.json").read_text(encoding="utf-8"))
         found, described = manifest["format_version"], manifest["spec"]
-    except _ZARR_ERRORS as error:
+    except (OSError, ValueError, KeyError, TypeError) as error:
         raise FileError(
             f"'{folder}' is not a data store of Urushi; give the folder of `urushi data`"
         ) from error
@@ -216,57 +195,6 @@ def _description(folder: Path) -> dict[str, Any]:
             "generate the data again"
         )
     return described
-
-
-@contextlib.contextmanager
-def _readable(path: Path) -> Iterator[None]:
-    """Turn zarr's errors about a damaged or unwritable store into a `FileError`."""
-    try:
-        yield
-    except FileError:
-        raise
-    except _ZARR_ERRORS as error:
-        raise FileError(
-            f"'{path}' cannot be used ({type(error).__name__}: {error}); if it is damaged, delete "
-            "the folder and generate the data again"
-        ) from error
-
-
-def _layout(part: Part) -> dict[str, tuple[int, ...]]:
-    """Shapes of a part's arrays for one stack."""
-    layout = {
-        "coats": (part.distribution.coats, len(COAT_COLUMNS[part.distribution.widths])),
-        "bottom": (len(KINDS[part.distribution.bottom].parameters),),
-        "wi": (part.pairs, 3),
-        "wo": (part.pairs, 3),
-        "f": (part.pairs,),
-        "se": (part.pairs,),
-    }
-    if part.distribution.coats == 0:
-        del layout["coats"]
-    return layout
-
-
-def _create_part(root: zarr.Group, spec: DataSpec, part: Part) -> None:
-    group = root.create_group(part.name)
-    names = {
-        "coats": COAT_COLUMNS[part.distribution.widths],
-        "bottom": KINDS[part.distribution.bottom].parameters,
-    }
-    for name, shape in _layout(part).items():
-        array = group.create_array(
-            name,
-            shape=(part.stacks, *shape),
-            chunks=(min(spec.shard, part.stacks), *shape),
-            dtype="float32",
-        )
-        if name in names:
-            array.attrs["names"] = list(names[name])
-    group.create_array("complete", shape=(spec.shard_count(part),), chunks=(1,), dtype="uint8")
-
-
-def _array(root: zarr.Group, part: Part, name: str) -> Any:
-    return root[f"{part.name}/{name}"]
 
 
 def _difference(found: Mapping[str, Any], wanted: Mapping[str, Any]) -> str:
@@ -280,9 +208,3 @@ def _difference(found: Mapping[str, Any], wanted: Mapping[str, Any]) -> str:
     pairs = zip(found["parts"], wanted["parts"], strict=True)
     part = next(ours["name"] for ours, theirs in pairs if ours != theirs)
     return f"its part '{part}' has another specification"
-
-
-def versions() -> dict[str, str]:
-    """Versions of the software that values and files depend on, by name."""
-    packages = {name: version(name) for name in ("numpy", "drjit", "zarr")}
-    return {"urushi": __version__, "python": platform.python_version(), **packages}

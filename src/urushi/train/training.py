@@ -60,7 +60,7 @@ def train(
 
     Args:
         preset: a name of `presets.NAMES`, or a preset.
-        data: the data store, which is completed if necessary; default `runs/NAME/data.zarr`.
+        data: the data store, which is completed if necessary; default `runs/NAME/data`.
         out: the weights file; default `runs/NAME/weights.safetensors`.
         run: folder of the checkpoint and of `log.jsonl`; default `runs/NAME`.
         resume: continue from the run folder's checkpoint. The weights are bit for bit those of an
@@ -82,7 +82,7 @@ def train(
     names = [stage.name for stage in stages]
 
     began = time.monotonic()
-    store = generate(preset.data, data if data is not None else folder / "data.zarr")
+    store = generate(preset.data, data if data is not None else folder / "data")
     generated = time.monotonic() - began
     depths = examples.load(store, preset.arch, preset.pairs)
     checks = load_checks(store, preset.arch)
