@@ -7,6 +7,8 @@ import contextlib
 import json
 import os
 import tempfile
+import zipfile
+import zlib
 from collections.abc import Collection, Iterator, Mapping
 from pathlib import Path
 from typing import Any
@@ -149,6 +151,25 @@ def read_tensors(
             f"this Urushi reads version {version}; install the Urushi that wrote it"
         )
     return description, arrays
+
+
+def read_npz(path: str | os.PathLike) -> dict[str, np.ndarray]:
+    """The arrays of a file of `numpy.savez` by name, in their order.
+
+    Raises:
+        FileError: the file is missing, damaged or of another kind.
+    """
+    source = Path(path)
+    try:
+        # opened here, because numpy does not close a file that it cannot read
+        with source.open("rb") as file, np.load(file, allow_pickle=False) as archive:
+            arrays = {name: archive[name] for name in archive.files}
+        if not all(isinstance(array, np.ndarray) for array in arrays.values()):
+            raise ValueError(path)
+    except (OSError, ValueError, EOFError, TypeError, zipfile.BadZipFile, zlib.error) as error:
+        reason = "it is not an NPZ file" if source.exists() else "it does not exist"
+        raise FileError(f"cannot read '{source}': {reason}; write it with numpy.savez") from error
+    return arrays
 
 
 def tensor_file_kind(path: str | os.PathLike) -> str | None:

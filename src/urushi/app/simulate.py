@@ -4,14 +4,13 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any
-from zipfile import BadZipFile
 
 import numpy as np
 import tyro
 
 from urushi.core.half_vector import rotated
 from urushi.errors import FileError, ParameterError
-from urushi.files import atomic_write
+from urushi.files import atomic_write, read_npz
 from urushi.ranges import Angle, Incidence, Seed, Walks
 
 #: Polar angles of the printed table [degrees]; negative ones are on the light's side.
@@ -105,16 +104,12 @@ class Simulate:
 
 def read_arrays(path: Path, *names: str) -> list[np.ndarray]:
     """Arrays of an NPZ file."""
-    try:
-        # opened here, because numpy does not close a file that it cannot read
-        with path.open("rb") as file, np.load(file, allow_pickle=False) as archive:
-            return [archive[name] for name in names]
-    except KeyError as error:
-        wanted = f"array{'s' * (len(names) > 1)} {' and '.join(names)}"
-        raise FileError(f"'{path}' must hold the {wanted}; {error.args[0]}") from error
-    except (OSError, ValueError, EOFError, TypeError, BadZipFile) as error:
-        reason = "it does not exist" if not path.exists() else "it is not an NPZ file"
-        raise FileError(f"cannot read '{path}': {reason}; write it with numpy.savez") from error
+    arrays = read_npz(path)
+    for name in names:
+        if name not in arrays:
+            wanted = f"array{'s' * (len(names) > 1)} {' and '.join(names)}"
+            raise FileError(f"'{path}' must hold the {wanted}; it has no {name}")
+    return [arrays[name] for name in names]
 
 
 def table(title: str, degrees: Iterable[float], values: np.ndarray, se: np.ndarray) -> str:

@@ -9,8 +9,6 @@ minus 1, albedo and sigma_t; its output is a code minus 1.
 """
 
 import os
-import zipfile
-import zlib
 from collections.abc import Iterable
 
 import numpy as np
@@ -26,9 +24,7 @@ from urushi.fan2022.architecture import (
     Skip,
     shapes,
 )
-
-#: Largest size of a file's arrays. The paper's networks have 12 MB.
-MAX_BYTES = 1 << 26
+from urushi.files import read_npz
 
 #: Output of a sampler without training, for the least share of the Gaussian.
 _COSINE_OUTPUT = 20.0
@@ -50,36 +46,14 @@ def cosine_proxy() -> dict[str, np.ndarray]:
     return params
 
 
-def _tensors(path: str | os.PathLike) -> dict[str, np.ndarray]:
-    """The arrays of a file of `numpy.savez` by name, in their order."""
-    cure = "write it with numpy.savez, as docs/published.md shows"
-    try:
-        with zipfile.ZipFile(path) as archive:
-            size = sum(member.file_size for member in archive.infolist())
-        if size > MAX_BYTES:
-            raise FileError(
-                f"'{path}' has {size} bytes, and files of the paper's networks have at most "
-                f"{MAX_BYTES}; give others"
-            )
-        with np.load(path, allow_pickle=False) as file:
-            arrays = {name: file[name] for name in file.files}
-    except FileError:
-        raise
-    except FileNotFoundError as error:
-        raise FileError(f"there is no file '{path}'; check the path") from error
-    except (OSError, ValueError, EOFError, zipfile.BadZipFile, zlib.error) as error:
-        raise FileError(f"cannot read '{path}': it is damaged or no NumPy file; {cure}") from error
-    if not all(
-        isinstance(array, np.ndarray) and array.dtype.kind == "f" for array in arrays.values()
-    ):
-        raise FileError(f"'{path}' holds other things than arrays of floats; {cure}")
-    return arrays
-
-
 def _read(path: str | os.PathLike, network: str, chain: Iterable[Block]) -> dict[str, np.ndarray]:
     """The parameters of one network, by Urushi's names."""
     modules: dict[str, dict[str, np.ndarray]] = {}
-    for name, tensor in _tensors(path).items():
+    for name, tensor in read_npz(path).items():
+        if tensor.dtype.kind != "f":
+            raise FileError(
+                f"'{path}' has the array '{name}', which is not of floats; leave it out"
+            )
         module, _, part = name.rpartition(".")
         modules.setdefault(module, {})[part] = tensor
     where = f"the {network} network in '{path}'"
