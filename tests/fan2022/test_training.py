@@ -212,8 +212,8 @@ def test_from_data_to_weights_and_the_same_bits_after_an_interruption(tmp_path, 
 
     save, count = Journal.save, []
 
-    def interrupted(self, point):
-        save(self, point)
+    def interrupted(self, point, *figures):
+        save(self, point, *figures)
         count.append(point)
         if len(count) == 2:  # the projections are done
             raise KeyboardInterrupt

@@ -29,16 +29,16 @@ from urushi.train.training import train
 def uninterrupted(tiny, tiny_data, tmp_path_factory):
     """A model, its run folder, and copies of that folder as interruptions would have left it.
 
-    Copy k is made before save k + 1 (from k = 1 on): the log is then ahead of the checkpoint.
+    Copy k is made before save k + 1 (from k = 1 on).
     """
     folder, copies = tmp_path_factory.mktemp("whole"), tmp_path_factory.mktemp("copies")
     save, count = Journal.save, []
 
-    def copied(self, point):
+    def copied(self, point, *figures):
         if count:
             shutil.copytree(folder, copies / str(len(count)))
         count.append(point)
-        save(self, point)
+        save(self, point, *figures)
 
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(Journal, "save", copied)
@@ -100,8 +100,8 @@ def test_a_killed_process_resumes_to_the_same_bits(uninterrupted, tmp_path, tiny
 def test_the_time_of_the_data_is_kept_over_interruptions(tmp_path):
     """A resumed run finds its data complete; the header still states what they cost."""
     point = Checkpoint("joint", 1, 3.0, {"weight": np.ones(2, np.float32)}, {})
-    Journal(tmp_path, {}, ["joint"], data_seconds=100.0).save(point)
-    resumed = Journal(tmp_path, {}, ["joint"], data_seconds=2.0)
+    Journal(tmp_path, {}, data_seconds=100.0).save(point)
+    resumed = Journal(tmp_path, {}, data_seconds=2.0)
     assert resumed.restore({"joint": point}).seconds == 3
     assert resumed.data_seconds == 102
 

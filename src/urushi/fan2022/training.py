@@ -22,8 +22,6 @@ from urushi.train import training
 from urushi.train.checkpoint import Checkpoint, Journal
 from urushi.train.store import Store, generate
 
-STAGES = ("representation", "layering", "proxy")
-
 #: BRDFs that are projected together, and their pairs in one step, at most: bounds memory.
 TOGETHER, ROWS = 16, 1 << 13
 
@@ -52,7 +50,7 @@ def train(
     store = generate(preset.data, data if data is not None else folder / "data")
     generated = time.monotonic() - began
     identity = training.identity(preset, store)
-    journal = Journal(folder, identity, STAGES, generated)
+    journal = Journal(folder, identity, generated)
 
     starts = beginnings(preset)
     point = journal.restore(starts) if resume else None
@@ -126,8 +124,7 @@ def represent(
         )
         state, loss = representation.learn_epoch(point.state, batches, *rates)
         point = replace(point, step=epoch + 1, seconds=clock.seconds(), state=state)
-        journal.log(point, {"loss": loss})
-        journal.save(point)
+        journal.save(point, {"loss": loss})
     return point
 
 
@@ -194,8 +191,7 @@ def learn_layering(
         state, loss = layering.learn_epoch(point.state, sets, preset, epoch)
         point = replace(point, step=epoch + 1, seconds=clock.seconds(), state=state)
         if (epoch + 1) % layering.DECAYS == 0 or epoch + 1 == epochs:
-            journal.log(point, {"loss": loss})
-            journal.save(point)
+            journal.save(point, {"loss": loss})
     return point
 
 

@@ -1,7 +1,7 @@
 """Checkpoints and the run folder: the state of a stage in one file, and a log of JSON lines."""
 
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -12,7 +12,6 @@ import numpy as np
 
 from urushi import files
 from urushi.errors import FileError
-from urushi.files import atomic_write
 
 FORMAT_VERSION = 2
 
@@ -47,7 +46,6 @@ class Journal:
     Args:
         folder: the run folder.
         identity: JSON values of preset and data; a checkpoint of another identity is an error.
-        stages: the stages' names, in order.
         data_seconds: time that this run has spent on its data.
 
     Attributes:
@@ -55,16 +53,11 @@ class Journal:
     """
 
     def __init__(
-        self,
-        folder: Path,
-        identity: Mapping[str, Any],
-        stages: Sequence[str],
-        data_seconds: float = 0.0,
+        self, folder: Path, identity: Mapping[str, Any], data_seconds: float = 0.0
     ) -> None:
         self._checkpoint = folder / "checkpoint.safetensors"
         self._log = folder / "log.jsonl"
         self._identity = identity
-        self._stages = stages
         self.data_seconds = data_seconds
 
     def begun(self) -> bool:
@@ -75,7 +68,7 @@ class Journal:
         self._log.unlink(missing_ok=True)
 
     def restore(self, beginnings: Mapping[str, Checkpoint]) -> Checkpoint | None:
-        """The last checkpoint, or None; later lines of the log are removed.
+        """The last checkpoint, or None.
 
         beginnings: each stage's first checkpoint, for the structure and the shapes.
         """
@@ -99,16 +92,10 @@ class Journal:
         numbers = (description[name] for name in ("stage", "step", "seconds"))
         point = Checkpoint(*numbers, *jax.tree.unflatten(structure, leaves))
         self.data_seconds += description["data_seconds"]
-        if self._log.exists():
-            lines = self._log.read_text().splitlines(keepends=True)
-            with atomic_write(self._log) as path:
-                path.write_text(
-                    "".join(x for x in lines if self._place(x) <= self._progress(point))
-                )
         return point
 
-    def save(self, point: Checkpoint) -> None:
-        """Replace the checkpoint, so that readers find either the old one or the new one."""
+    def save(self, point: Checkpoint, figures: Mapping[str, float] = {}) -> None:
+        """Replace the checkpoint, and append figures of the steps up to it to the log."""
         description = {
             "version": FORMAT_VERSION,
             "stage": point.stage,
@@ -119,21 +106,8 @@ class Journal:
         }
         arrays = {name: np.asarray(leaf) for name, leaf in _named_leaves(point)}
         files.write_tensors(self._checkpoint, "checkpoint", description, arrays)
-
-    def log(self, point: Checkpoint, figures: Mapping[str, float]) -> None:
-        """Append a line for the steps up to `point`."""
-        rounded = {name: float(f"{value:.5g}") for name, value in figures.items()}
-        entry = {"stage": point.stage, "step": point.step, "seconds": round(point.seconds, 1)}
-        with self._log.open("a") as file:
-            file.write(json.dumps(entry | rounded) + "\n")
-
-    def _progress(self, point: Checkpoint) -> tuple[int, int]:
-        return self._stages.index(point.stage), point.step
-
-    def _place(self, line: str) -> tuple[int, int]:
-        """Stage and step of a log line; an incomplete line of a killed process is placed last."""
-        try:
-            entry = json.loads(line)
-        except ValueError:
-            return len(self._stages), 0
-        return self._stages.index(entry["stage"]), entry["step"]
+        if figures:
+            rounded = {name: float(f"{value:.5g}") for name, value in figures.items()}
+            entry = {"stage": point.stage, "step": point.step, "seconds": round(point.seconds, 1)}
+            with self._log.open("a") as file:
+                file.write(json.dumps(entry | rounded) + "\n")

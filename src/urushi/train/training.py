@@ -87,7 +87,7 @@ def train(
     depths = examples.load(store, preset.arch, preset.pairs)
     checks = load_checks(store, preset.arch)
     origin = identity(preset, store)
-    journal = Journal(folder, origin, names, generated)
+    journal = Journal(folder, origin, generated)
 
     params = initial(preset, depths)
     point = journal.restore(beginnings(preset, params)) if resume else None
@@ -150,7 +150,7 @@ def identity(preset: Any, store: Store) -> dict[str, Any]:
 
 def prepare(folder: Path, out: Path, resume: bool) -> None:
     """Make the folders; refuse unwritable places, and an earlier training that would be lost."""
-    if not resume and Journal(folder, {}, ()).begun():
+    if not resume and Journal(folder, {}).begun():
         raise FileError(
             f"'{folder}' contains an unfinished training; give --resume to continue it, "
             "or choose another run folder"
@@ -217,8 +217,7 @@ def advance(
                 seconds = spent + time.monotonic() - clock
                 point = replace(point, step=done, seconds=seconds, state=state)
                 bar.set_postfix({name: f"{value:.4f}" for name, value in logged.items()})
-                journal.log(point, logged)
-                journal.save(point)
+                journal.save(point, logged)
     return replace(point, seconds=spent + time.monotonic() - clock)
 
 
