@@ -2,7 +2,6 @@
 
 import numpy as np
 
-from urushi import parallel
 from urushi.nets.weights import Model
 from urushi.textures import packing
 from urushi.textures.mip_pyramid import ReadCodes, coarse_levels, level_sizes
@@ -96,22 +95,9 @@ def _equal_channels(codes: np.ndarray) -> np.ndarray:
     return (codes == codes[:, :1]).all(axis=(0, 1))
 
 
-def _ends(codes: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """The smallest and the largest numbers (size,) of codes (n, ..., size)."""
-    rows = codes.reshape(len(codes), -1)  # NumPy is slow along axes as short as a code
-    shape = -1, codes.shape[-1]
-    least, most = rows.min(axis=0).reshape(shape), rows.max(axis=0).reshape(shape)
-    return least.min(axis=0), most.max(axis=0)
-
-
 def _value_range(whole: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """The smallest and the largest values float32 (size,) of codes (T, ..., size)."""
-    pieces = [slice(start, start + PACKED_BLOCK) for start in range(0, len(whole), PACKED_BLOCK)]
-    ends = np.empty((len(pieces), 2, whole.shape[-1]), np.float32)
-
-    def find_ends(index: int) -> None:
-        part = whole[pieces[index]].astype(np.float32)  # faster than in half precision
-        ends[index] = _ends(part)
-
-    parallel.run_all_cores(find_ends, range(len(pieces)))
+    starts, size = range(0, len(whole), PACKED_BLOCK), whole.shape[-1]
+    blocks = (whole[k : k + PACKED_BLOCK].astype(np.float32).reshape(-1, size) for k in starts)
+    ends = np.array([(block.min(axis=0), block.max(axis=0)) for block in blocks])
     return ends[:, 0].min(axis=0), ends[:, 1].max(axis=0)
