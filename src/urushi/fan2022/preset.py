@@ -147,7 +147,7 @@ def paper(scale: float = 1.0, pairs: int = 16) -> PaperPreset:
     step of the projection, in training and later; the authors' number is 4,096.
 
     Command: `urushi train --preset paper --scale 4e-5`
-    Time: at most 25 minutes on two cores at that scale, 214 at 8e-4, 40 hours of a GPU at 1.
+    Time: half an hour on two cores at that scale, 214 minutes at 8e-4, 40 hours of a GPU at 1.
     Expected: at that scale no sharp highlights, and errors far above the paper's; the header of the
         weights file has the mean absolute errors of the projections.
     """

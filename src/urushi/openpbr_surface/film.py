@@ -32,8 +32,8 @@ _COAT_COSINES = (1.0, 0.9, 0.8, 0.7)
 #: Least reflectance in a division.
 _LEAST = 1e-4
 
-#: Cosine whose reflectance stands for the mean of a metal's, which is nearly constant.
-_MEAN_COSINE = 0.66
+#: Cosine at which the reflectance of a filmed metal is about its mean, which is nearly constant.
+MEAN_COSINE = 0.66
 
 #: Nodes of a rule from one direction, and of one for diffuse light.
 NODES, MEAN_NODES = 4, 4
@@ -69,10 +69,6 @@ class FilmFresnel:
             below = thin_film.metal_index(f0[i], tint[i], DRJIT)
             values.append(thin_film.reflectance(cosine, film, below, response, DRJIT))
         return dr.lerp(mi.Spectrum(bare), mi.Spectrum(*values), self._weight(si, active))
-
-    def metal_mean(self, f0, tint, bare, si, active):
-        """The mean of `metal` over the hemisphere; bare: that without film."""
-        return self.metal(mi.Float(_MEAN_COSINE), f0, tint, bare, si, active)
 
     def excess(self, cosine, alpha, eta, si, active):
         """Mean reflectance of the filmed facets seen from a direction, minus that of bare facets.

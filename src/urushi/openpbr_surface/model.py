@@ -22,7 +22,7 @@ from urushi.core.appearance import optical_depth
 from urushi.core.namespace import DRJIT
 from urushi.mitsuba.interface_albedo import InterfaceAlbedo
 from urushi.openpbr_surface import formulas
-from urushi.openpbr_surface.film import FilmFresnel
+from urushi.openpbr_surface.film import MEAN_COSINE, FilmFresnel
 from urushi.openpbr_surface.inputs import Inputs
 from urushi.openpbr_surface.lookups import (
     AnisotropicInterface,
@@ -140,7 +140,7 @@ class Base:
         mean = fresnel.f82_mean(color, tint, DRJIT)
         if self.film:
             reflectance = self.film.metal(cosine, color, tint, reflectance, si, active)
-            mean = self.film.metal_mean(color, tint, mean, si, active)
+            mean = self.film.metal(mi.Float(MEAN_COSINE), color, tint, mean, si, active)
         first, second = (self.mirror.seen(w, widths) for w in (si.wi, wo))
         more = self.mirror.lost(first, second, widths, mean)
         return vertex.weight * (lobe * reflectance + more)
