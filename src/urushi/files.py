@@ -119,7 +119,7 @@ def read_tensors(
     """Return the description and the arrays of a file that `write_tensors` wrote.
 
     version: the only one that can be read, the entry `version` of the description; None: any.
-    names: of the arrays to read, where the file has them; None: all.
+    names: of the arrays to read, in this order, where the file has them; None: all.
 
     Raises:
         FileError: the file is missing, unreadable, truncated, foreign, or of another kind or
@@ -130,8 +130,9 @@ def read_tensors(
         size = source.stat().st_size
         with safetensors.safe_open(source, framework="numpy") as file:
             metadata = file.metadata() or {}
-            found = [name for name in file.keys() if names is None or name in names]  # noqa: SIM118
-            arrays = {name: file.get_tensor(name) for name in found}
+            stored = list(file.keys())
+            wanted = stored if names is None else [name for name in names if name in stored]
+            arrays = {name: file.get_tensor(name) for name in wanted}
     except FileNotFoundError as error:
         raise FileError(f"there is no {kind} file '{source}'; check the path") from error
     except OSError as error:
