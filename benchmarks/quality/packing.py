@@ -9,7 +9,7 @@ of the last rows have two GGX widths.
 import numpy as np
 from benchmarks.quality.mipmap import cosine_pairs
 
-from urushi.checks import CoatParameters, Widths
+from urushi.checks import TRAINED_WIDTH_RATIO, CoatParameters, Widths
 from urushi.core.error_metrics import stack_error
 from urushi.material import encode
 from urushi.material.layer import layer_texels
@@ -35,7 +35,8 @@ def row(model: Model, low: float, high: float) -> str:
     bottoms = np.concatenate([encode(metal, model).anchors for metal in metals])
     count = 3 * TEXELS
     along = np.repeat(0.01 * 100 ** rng.random(TEXELS), 3)
-    across = np.repeat(0.01 * 100 ** rng.random(TEXELS), 3)
+    ratios = np.repeat(TRAINED_WIDTH_RATIO ** rng.uniform(-1, 1, TEXELS), 3)
+    across = np.clip(along * ratios, 0.01, 1)
     codes = layer_texels(
         model,
         bottoms[rng.integers(len(bottoms), size=count)],
