@@ -15,10 +15,11 @@ from urushi.errors import PlatformError
 @pytest.fixture
 def machine(monkeypatch, tmp_path):
     """A machine without libLLVM and without Dr.Jit loaded; returns a maker of fake libraries."""
+    monkeypatch.setattr(sys, "platform", "linux")
     monkeypatch.delenv(platform.LLVM_VARIABLE, raising=False)
     monkeypatch.delenv("LD_LIBRARY_PATH", raising=False)
     monkeypatch.setattr(sys, "prefix", str(tmp_path / "nowhere"))
-    monkeypatch.setattr(platform, "_LLVM_PATTERNS", (f"{tmp_path}/libLLVM*.so*",))
+    monkeypatch.setitem(platform._LLVM_PATTERNS, "linux", (f"{tmp_path}/libLLVM*.so*",))
     monkeypatch.delitem(sys.modules, "drjit", raising=False)
 
     def library(name: str) -> Path:
@@ -50,9 +51,16 @@ def test_version_is_read_through_links(machine, tmp_path):
     assert platform.llvm_version_of(link) == 19
 
 
+def test_homebrew_names_the_version_in_the_folder(tmp_path):
+    library = tmp_path / "Cellar" / "llvm" / "19.1.7_1" / "lib" / "libLLVM.dylib"
+    library.parent.mkdir(parents=True)
+    library.touch()
+    assert platform.llvm_version_of(library) == 19
+
+
 def test_version_is_read_from_the_library_if_its_name_lacks_it(tmp_path):
     real = _real(at_least=platform.OLDEST_LLVM)
-    link = tmp_path / "libLLVM.so"
+    link = tmp_path / "LLVM-C.dll"
     try:
         link.hardlink_to(real)  # a symbolic link would be resolved to a name with the version
     except OSError:
@@ -133,7 +141,7 @@ def test_a_missing_libatomic_is_named():
     run = _python(code)
     assert run.returncode == 0, run.stderr
     sentence = "libatomic.so.1, which Mitsuba needs, was not found; install it"
-    assert run.stdout.count(sentence) == 2
+    assert run.stdout.count(sentence) == (2 if sys.platform == "linux" else 0)
 
 
 def test_import_chooses_before_drjit_loads():
@@ -205,7 +213,7 @@ def _python(code: str, **environment: str) -> subprocess.CompletedProcess:
 
 def _real(*, at_least: int = 0, below: int = 1000) -> str:
     """A libLLVM of this machine in a range of versions; skips where there is none."""
-    for pattern in platform._LLVM_PATTERNS:
+    for pattern in platform._LLVM_PATTERNS.get(sys.platform, ()):
         for name in glob.glob(pattern):
             if not Path(name).name.startswith(("libLLVM-", "libLLVM.")) or name.endswith(".a"):
                 continue
