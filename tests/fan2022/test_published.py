@@ -1,18 +1,35 @@
-"""Networks in files of their tensors: they keep their values, and other files are refused."""
+"""Networks in PyTorch's files: they keep their values, and hostile files do nothing."""
 
+import io
+import os
 import pickle
-import re
+import subprocess
+import sys
 import zipfile
-from pathlib import Path
+from collections import OrderedDict
+from types import ModuleType
 
 import numpy as np
 import pytest
+from tests.fan2022 import torch_writer as writer
+from tests.fan2022.torch_writer import (
+    EMPTY,
+    dictionary,
+    integer,
+    named,
+    state_dict,
+    tensor,
+    text,
+    write,
+    write_legacy,
+)
 
 from urushi.app import cli
 from urushi.errors import FileError
 from urushi.fan2022 import Material, PaperNetworks, architecture, published
 from urushi.fan2022.architecture import EVALUATION, LAYERING, AdamProjection, Linear, init
 from urushi.fan2022.inference import direction_inputs, evaluate, layer
+from urushi.fan2022.published import MAX_PICKLE, TorchFile
 
 
 @pytest.fixture(scope="module")
@@ -39,11 +56,10 @@ def in_torch(params, chain) -> dict[str, np.ndarray]:
 @pytest.fixture(scope="module")
 def files(params, tmp_path_factory):
     folder = tmp_path_factory.mktemp("torch")
-    paths = []
-    for name, chain in (("representation", EVALUATION), ("layering", LAYERING)):
-        paths.append(folder / f"{name}.npz")
-        np.savez(paths[-1], **in_torch(params, chain))
-    return paths
+    return [
+        write(folder / f"{name}.pth", *state_dict(in_torch(params, chain)))
+        for name, chain in (("representation", EVALUATION), ("layering", LAYERING))
+    ]
 
 
 def theirs(params, top, bottom, albedo, sigma_t):
@@ -65,14 +81,187 @@ def test_networks_keep_their_values(params, files, pairs):
     )
 
 
-def test_doubles_and_halves_are_read(params, files, tmp_path):
+def test_checkpoints_parameters_doubles_and_halves_are_read(params, files, tmp_path):
+    """As a checkpoint with other entries, of parameters, in other precisions."""
     expected = published.networks(*files)
     for kind, tolerance in (("<f8", 0), ("<f2", 2e-3)):
         tensors = {n: a.astype(kind) for n, a in in_torch(params, EVALUATION).items()}
-        np.savez_compressed(tmp_path / "other.npz", **tensors)
-        read = published.networks(tmp_path / "other.npz", files[1])
+        program, storages = state_dict(tensors, parameter=True)
+        checkpoint = b"}(" + text("epoch") + integer(49) + text("loss") + b"G" + bytes(8)
+        checkpoint += text("optimizer") + b"}" + integer(0) + b"]s" + text("model") + program + b"u"
+        path = write(tmp_path / "checkpoint.pth", checkpoint, storages)
+        read = published.networks(path, files[1])
         for name, value in read.items():
             np.testing.assert_allclose(value, expected[name], rtol=tolerance, atol=tolerance)
+
+
+def test_tensors_that_share_a_storage_are_cut_out_of_it(tmp_path):
+    values = np.arange(24, dtype=np.float32)
+    program = dictionary(
+        {
+            "first": tensor(values, "0", shape=(2, 3)),
+            "turned": tensor(values, "0", shape=(3, 2), strides=(1, 3), offset=12),
+        }
+    )
+    file = TorchFile(write(tmp_path / "a.pth", program, {"0": values.tobytes()}))
+    arrays = {name: file.array(t, name) for name, t in published.state_dict(file).items()}
+    np.testing.assert_array_equal(arrays["first"], values[:6].reshape(2, 3))
+    np.testing.assert_array_equal(arrays["turned"], values[12:18].reshape(2, 3).T)
+
+
+class Storage:
+    def __init__(self, array):
+        self.array = array
+
+
+@pytest.fixture
+def by_python(monkeypatch):
+    """A function that pickles tensors by Python's own pickler, as PyTorch does.
+
+    Stand-ins have the names of PyTorch's and the authors' functions and classes.
+    """
+
+    def standin(module, name, value):
+        if module not in sys.modules or not hasattr(sys.modules[module], "standin"):
+            monkeypatch.setitem(sys.modules, module, ModuleType(module))
+            sys.modules[module].standin = True
+        value.__module__, value.__qualname__ = module, name
+        setattr(sys.modules[module], name, value)
+        return value
+
+    rebuild = standin("torch._utils", "_rebuild_tensor_v2", lambda: None)
+    parameter = standin("torch._utils", "_rebuild_parameter", lambda: None)
+    floats = standin("torch", "FloatStorage", type("FloatStorage", (), {}))
+    kinds = {
+        name: standin(f"torch.nn.modules.{module}", name, type(name, (), {}))
+        for module, name in (
+            ("linear", "Linear"),
+            ("normalization", "LayerNorm"),
+            ("container", "Sequential"),
+        )
+    }
+
+    class Tensor:
+        def __init__(self, array):
+            self.storage = Storage(array)
+
+        def __reduce__(self):
+            shape = self.storage.array.shape
+            strides = tuple(int(np.prod(shape[i + 1 :])) for i in range(len(shape)))
+            return rebuild, (self.storage, 0, shape, strides, False, OrderedDict())
+
+    class Parameter(Tensor):
+        def __reduce__(self):
+            return parameter, (Tensor(self.storage.array), True, OrderedDict())
+
+    class Network:
+        def state_dict(self):
+            """The authors saved this method."""
+
+    network = standin("model", "Network", Network)
+    module_kinds = {network, *kinds.values()}
+    config = standin("utils", "Config", type("Config", (), {}))
+
+    def module(kind, parameters=(), modules=()):
+        made = kind()
+        made.training, made._buffers, made._backward_hooks = True, OrderedDict(), OrderedDict()
+        made._parameters = OrderedDict((n, Parameter(a)) for n, a in parameters)
+        made._modules = OrderedDict(modules)
+        return made
+
+    def method(arrays):
+        """The bound method of a network with one module for each two arrays."""
+        parts = []
+        for name, weight in arrays.items():
+            place, _, part = name.rpartition(".")
+            if part == "weight":
+                kind = kinds["Linear" if weight.ndim == 2 else "LayerNorm"]
+                pair = (("weight", weight), ("bias", arrays[f"{place}.bias"]))
+                parts.append((place, module(kind, pair)))
+        whole = module(network, modules=[("layer", module(kinds["Sequential"], modules=parts))])
+        whole.config = config()
+        whole.config.layer_norm, whole.config.path = True, ["a", 1.5]
+        return whole.state_dict
+
+    def dictionary(arrays):
+        content = OrderedDict((name, Tensor(array)) for name, array in arrays.items())
+        content._metadata = OrderedDict([("", {"version": 1}), ("a", {"version": 1})])
+        return content
+
+    def program(arrays, form, protocol):
+        """Instructions without the first and the last, which the writers add."""
+        keys = {id(array): str(i) for i, array in enumerate(arrays.values())}
+        known = set()
+
+        class Pickler(pickle.Pickler):
+            def persistent_id(self, value):
+                if isinstance(value, Storage):
+                    size = value.array.size
+                    key = keys[id(value.array)]
+                    view = () if form == "dictionary" else (None,)
+                    return "storage", floats, key, "cuda:0", size, *view
+                if isinstance(value, type) and value in module_kinds - known and form == "method":
+                    known.add(value)
+                    return "module", value, "model.py", "class Network(nn.Module): ..."
+                return None
+
+        Pickler(buffer := io.BytesIO(), protocol).dump(
+            method(arrays) if form == "method" else dictionary(arrays)
+        )
+        return buffer.getvalue()[2:-1]
+
+    return program
+
+
+@pytest.mark.parametrize("protocol", [2, 4])
+def test_what_pythons_own_pickler_writes_for_a_state_dict_is_read(protocol, tmp_path, by_python):
+    """With its memo and its state `_metadata`."""
+    arrays = {"a.weight": np.ones((300, 2), np.float32), "a.bias": np.zeros(300, np.float32)}
+    program = by_python(arrays, "dictionary", protocol)
+    storages = {str(i): array.tobytes() for i, array in enumerate(arrays.values())}
+    file = TorchFile(write(tmp_path / "a.pth", program, storages))
+    for name, value in published.state_dict(file).items():
+        np.testing.assert_array_equal(file.array(value, name), arrays[name])
+
+
+@pytest.mark.parametrize("form", ["method", "old dictionary"])
+def test_the_authors_form_is_read(form, params, tmp_path, by_python):
+    """Their scripts call what they load: a network's method `state_dict`, in the older format."""
+    paths = []
+    for name, chain in (("Repre", EVALUATION), ("Layering", LAYERING)):
+        arrays = in_torch(params, chain)
+        storages = {str(i): array for i, array in enumerate(arrays.values())}
+        path = tmp_path / f"{name}Network.pth"
+        paths.append(write_legacy(path, by_python(arrays, form, 2), storages))
+    for name, value in published.networks(*paths).items():
+        np.testing.assert_array_equal(value, params[name])
+    data = paths[0].read_bytes()
+    for content, match in (
+        (data[:-1], "truncated or damaged"),
+        (data[: len(data) // 2], "truncated or damaged"),
+        (data[:200], "damaged"),
+        (data.replace(b"\xe9\x03", b"\xea\x03", 1), "truncated or damaged"),
+    ):
+        paths[0].write_bytes(content)
+        with pytest.raises(FileError, match=match):
+            TorchFile(paths[0])
+    write_legacy(paths[0], b"}", {}, little=False)
+    with pytest.raises(FileError, match="big-endian"):
+        TorchFile(paths[0])
+
+
+def test_files_of_pytorch_itself(params, tmp_path):
+    torch = pytest.importorskip("torch")
+    paths = []
+    for name, chain in (("representation", EVALUATION), ("layering", LAYERING)):
+        tensors = {n: torch.from_numpy(a.copy()) for n, a in in_torch(params, chain).items()}
+        paths.append(tmp_path / f"{name}.pth")
+        torch.save(tensors, paths[-1])
+    read = published.networks(*paths)
+    np.testing.assert_array_equal(read["evaluation.0.weight"], params["evaluation.0.weight"])
+    torch.save(tensors, paths[-1], _use_new_zipfile_serialization=False)
+    old = published.networks(*paths)
+    np.testing.assert_array_equal(old["layering.0.weight"], params["layering.0.weight"])
 
 
 def test_one_command_makes_weights_for_all_others(params, files, tmp_path, capsys):
@@ -81,7 +270,7 @@ def test_one_command_makes_weights_for_all_others(params, files, tmp_path, capsy
     assert cli.main(["paper", *paths, "-o", str(output)]) == 0
     model = PaperNetworks.read(output)
     assert capsys.readouterr().out == f"{output}  {model.fingerprint}\n"
-    assert model.header["published"]["layering"]["file"] == "layering.npz"
+    assert model.header["published"]["layering"]["file"] == "layering.pth"
     material = Material(np.ones((1, 32)), model)
     assert (material.f([[0, 0, 1]], [[0.6, 0, 0.8]]) >= 0).all()
     # The sampler without training: nearly the cosine's density everywhere.
@@ -104,9 +293,9 @@ def test_a_file_of_another_network_is_refused(params, files, tmp_path):
     names = [name for name in tensors if name.endswith("weight") and "linear" in name]
 
     def refused(tensors, match):
-        np.savez(tmp_path / "other.npz", **tensors)
+        path = write(tmp_path / "other.pth", *state_dict(tensors))
         with pytest.raises(FileError, match=match):
-            published.networks(tmp_path / "other.npz", layering)
+            published.networks(path, layering)
 
     swapped = {**tensors, names[1]: tensors[names[2]], names[2]: tensors[names[1]]}
     swapped[names[1].replace("weight", "bias")] = tensors[names[2].replace("weight", "bias")]
@@ -115,57 +304,176 @@ def test_a_file_of_another_network_is_refused(params, files, tmp_path):
     refused({**tensors, "latents": np.ones((9, 32), np.float32)}, "layer '' of the representation")
     refused({**tensors, "a.running_mean": np.ones(3, np.float32)}, "neither a Linear nor a LayerN")
     wrong = {**tensors, names[0]: np.full((256, 38), np.nan, np.float32)}
-    refused(wrong, "Linear 1 of .*'module.linear0', holds a number that is not finite")
+    refused(wrong, "'module.linear0.weight' of '.*' holds a number that is not finite")
     huge = {**tensors, names[0]: np.full((256, 38), 1e300)}
     refused(huge, "not finite in single precision")
-    refused(
-        {**tensors, "epoch.weight": np.ones(3, int)}, "array 'epoch.weight', which is not of floats"
-    )
+    path = write(tmp_path / "two.pth", b"}(" + 2 * (text("a") + dictionary({})) + b"u", {})
+    with pytest.raises(FileError, match="should hold one state dict and holds none"):
+        published.networks(path, layering)
 
 
-def test_files_of_other_kinds_are_refused_in_one_sentence(files, tmp_path):
-    whole = files[0].read_bytes()
-    path = tmp_path / "file.npz"
-    with pytest.raises(FileError, match="it does not exist; write it with numpy.savez"):
-        published.networks(path, files[1])
-    pickled = tmp_path / "pickled.npz"
-    np.savez(pickled, a=np.array([print], object))
-    with zipfile.ZipFile(tmp_path / "torch.npz", "w") as archive:  # as of torch.save
-        archive.writestr("network/data.pkl", pickle.dumps({"a": 1.0}))
-    contents = {
-        "text": b"no network",
-        "pickle": pickle.dumps({"a": 1.0}),
-        "truncated": whole[: len(whole) // 2],
-        "changed": whole[:2000] + bytes(100) + whole[2100:],
-        "object array": pickled.read_bytes(),
-        "torch": (tmp_path / "torch.npz").read_bytes(),
+#: A network without attributes.
+NETWORK = named("model", "Network") + b")\x81"
+
+
+def method(value: bytes, name="state_dict") -> bytes:
+    """The method of an object."""
+    return named("__builtin__", "getattr") + value + text(name) + b"\x86R"
+
+
+def modules(*inner: bytes) -> bytes:
+    """Attributes of a network of modules."""
+    parts = b"".join(text(str(i)) + part for i, part in enumerate(inner))
+    names = b"}(" + text("_parameters") + EMPTY + text("_buffers") + EMPTY
+    return names + text("_modules") + EMPTY + b"(" + parts + b"uu"
+
+
+def hostile(target="") -> dict[str, tuple[bytes, str]]:
+    """Pickles that must do nothing, with what the refusal says; some would make a file."""
+    call = text(f"touch {target}") + b"\x85R"
+    return {
+        "system": (named("os", "system") + call, r"'os\.system'.*nothing was run"),
+        "posix": (named("posix", "system") + call, r"'posix\.system'"),
+        "stack global": (text("os") + text("system") + b"\x93" + call, r"'os\.system'"),
+        "instance": (b"(" + text(f"touch {target}") + b"ios\nsystem\n", r"'os\.system'"),
+        "eval": (named("builtins", "eval") + text("1") + b"\x85R", r"'builtins\.eval'"),
+        "dotted": (named("torch", "serialization.load") + b")R", r"'torch\.serialization\.load'"),
+        "other storage": (named("torch", "LongStorage"), r"'torch\.LongStorage'"),
+        "new object": (named("collections", "OrderedDict") + b")\x81", "damaged"),
+        "new function": (named("torch._utils", "_rebuild_tensor_v2") + b")\x81", "damaged"),
+        "call of a class": (named("model", "Network") + b")R", "damaged"),
+        "class with arguments": (named("utils", "Config") + integer(1) + b"\x85\x81", "damaged"),
+        "name in a class": (named("model", "torch.hub.load") + b")\x81", "'model.torch.hub.load'"),
+        "other module": (named("torch.nn.utils", "x") + b")\x81", r"'torch\.nn\.utils\.x'"),
+        "other method": (method(b"}", "__class__"), "'__class__ of a network'"),
+        "method of a dictionary": (method(b"}"), "damaged"),
+        "method of a method": (method(named("__builtin__", "getattr")), "damaged"),
+        "no parameters": (method(NETWORK + b"}b"), "damaged"),
+        "module in itself": (method(NETWORK + b"q\x00" + modules(b"h\x00") + b"b"), "damaged"),
+        "module twice": (
+            method(NETWORK + modules(NETWORK + modules() + b"bq\x00", b"h\x00") + b"b"),
+            "damaged",
+        ),
+        "extension": (b"\x82\x01", "instruction EXT1"),
+        "call of a storage": (named("torch", "FloatStorage") + b")R", "damaged"),
+        "dictionary of a call": (named("collections", "OrderedDict") + b"]\x85R", "damaged"),
+        "cyclic": (b"}q\x00" + text("a") + b"h\x00s", "holds none"),
+        "cyclic list": (b"]q\x00h\x00a", "holds none"),
+        "missing memo": (b"h\x05", "damaged"),
+        "empty stack": (b"R", "damaged"),
+        "tuple as key": (b"})Ns", "damaged"),
+        "text that ends early": (b"X\xff\xff\xff\x7fabc", "damaged"),
+        "long text that ends early": (b"\x8d" + b"\xff" * 7 + b"\x7fabc", "damaged"),
+        "long bytes": (b"\x8e" + b"\xff" * 7 + b"\x7fabc", "damaged"),
+        "huge place in the memo": (b"}r\xff\xff\xff\xff0", "instruction POP"),
+        "nested": (b"(" * 10000 + b"t" * 10000, "holds none"),
     }
-    for content in contents.values():
-        path.write_bytes(content)
-        with pytest.raises(
-            FileError, match="it is not an NPZ file; write it with numpy.savez"
-        ) as caught:
-            published.networks(path, files[1])
+
+
+@pytest.mark.parametrize("name", hostile())
+def test_a_hostile_pickle_is_refused_and_nothing_runs(name, tmp_path):
+    target = tmp_path / "made"
+    program, match = hostile(target)[name]
+    for save in (write, write_legacy):
+        path = save(tmp_path / "hostile.pth", program, {})
+        with pytest.raises(FileError, match=match) as caught:
+            published.state_dict(TorchFile(path))
+        assert str(path) in str(caught.value)
+        assert "\n" not in str(caught.value)
+        assert not target.exists()
+
+
+def test_the_hostile_file_of_the_test_would_run_in_a_plain_pickle(tmp_path):
+    """The test above shows something: Python's pickle does run such a program."""
+    program = writer.PROTO + named("os", "getpid") + b")R" + writer.STOP
+    assert pickle.loads(program) == os.getpid()
+
+
+def test_shapes_outside_the_storage_are_refused(tmp_path):
+    values = np.ones(6, np.float32)
+    cases = {
+        "lies outside its storage": {"shape": (2, 3), "offset": 1},
+        "lies outside": {"shape": (2, 3), "strides": (4, 1)},
+        "wrong shape": {"shape": (2, 3), "strides": (-3, 1), "offset": 3},
+        "has a wrong shape": {"shape": (-2, 3)},
+        "at most 4194304 values": {"shape": (1 << 16, 1 << 16), "strides": (0, 0)},
+    }
+    for match, options in cases.items():
+        program = dictionary({"a": tensor(values, "0", **options)})
+        file = TorchFile(write(tmp_path / "a.pth", program, {"0": values.tobytes()}))
+        with pytest.raises(FileError, match=match):
+            file.array(file.content["a"], "a")
+    for match, storages in {
+        "has 20 bytes instead of 24": {"0": bytes(20)},
+        "lacks the values of the tensor 'a'": {},
+    }.items():
+        program = dictionary({"a": tensor(values, "0")})
+        file = TorchFile(write(tmp_path / "a.pth", program, storages))
+        with pytest.raises(FileError, match=match):
+            file.array(file.content["a"], "a")
+
+
+def test_files_of_other_kinds_are_refused(params, files, tmp_path):
+    data = files[0].read_bytes()
+
+    def refused(content, match):
+        path = tmp_path / "other.pth"
+        if content is not None:
+            path.write_bytes(content)
+        with pytest.raises(FileError, match=match) as caught:
+            TorchFile(path)
         assert "\n" not in str(caught.value)
 
+    refused(data[: len(data) // 2], "truncated or damaged")
+    refused(data[:2], "truncated or damaged")
+    refused(b"", "is not a PyTorch file")
+    refused(b"\x80\x02\x8a\nl\xfc\x9cF\xf9 j\xa8P\x19.\x80\x02M\xe9\x03.", "damaged")
+    refused(b"\x89HDF\r\n", "is not a PyTorch file")
+    with pytest.raises(FileError, match="cannot read .* No such file"):
+        TorchFile(tmp_path / "missing.pth")
+    with pytest.raises(FileError, match="cannot read .* Is a directory"):
+        TorchFile(tmp_path)
+    with zipfile.ZipFile(tmp_path / "other.pth", "w") as archive:
+        archive.writestr("words.txt", "no tensors")
+    refused(None, "not one of torch.save")
+    write(tmp_path / "other.pth", b"}", {}, order=b"big")
+    refused(None, "big-endian")
+    damaged = bytearray(data)
+    damaged[len(data) // 2] ^= 1  # within a storage
+    path = tmp_path / "other.pth"
+    path.write_bytes(damaged)
+    with pytest.raises(FileError, match="truncated or damaged"):
+        published.networks(path, files[1])
 
-def test_the_script_of_the_documentation_writes_the_files(params, tmp_path, monkeypatch):
-    """The authors' files hold a network's method `state_dict`, which a stand-in returns here."""
-    torch = pytest.importorskip("torch")
-    text = (Path(__file__).parents[2] / "docs" / "published.md").read_text(encoding="utf-8")
-    script = re.search(r"```py\n(.*?)```", text, re.DOTALL)[1]
-    states = {
-        f"{name}Network.pth": {
-            key: torch.from_numpy(array.copy()) for key, array in in_torch(params, chain).items()
-        }
-        for name, chain in (("Repre", EVALUATION), ("Layering", LAYERING))
-    }
-    monkeypatch.setattr(torch, "load", lambda path, **options: lambda: states[path])
-    monkeypatch.chdir(tmp_path)
-    exec(script)
-    read = published.networks("RepreNetwork.npz", "LayeringNetwork.npz")
-    for name, value in read.items():
-        np.testing.assert_array_equal(value, params[name])
+
+def test_bombs_are_refused_in_little_memory(tmp_path):
+    """A pickle of 200 MB behind 200 kB, and a file of 1 GB that takes no place on the disk."""
+    with zipfile.ZipFile(tmp_path / "bomb.pth", "w", zipfile.ZIP_DEFLATED) as archive:
+        archive.writestr("bomb/data.pkl", bytes(200 << 20))
+    with zipfile.ZipFile(tmp_path / "long.pth", "w") as archive:
+        archive.writestr("long/data.pkl", bytes(MAX_PICKLE + 1))
+    with (tmp_path / "sparse.pth").open("wb") as file:
+        file.write(b"PK")
+        file.truncate(1 << 30)
+    code = (
+        "import resource, sys\n"
+        "from urushi.errors import FileError\n"
+        "from urushi.fan2022.published import TorchFile\n"
+        "before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss\n"
+        "for path in sys.argv[1:]:\n"
+        "    try: TorchFile(path)\n"
+        "    except FileError as error: print(error)\n"
+        "print((resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before) // 1024)\n"
+    )
+    names = [str(tmp_path / f"{name}.pth") for name in ("bomb", "long", "sparse")]
+    run = subprocess.run(
+        [sys.executable, "-c", code, *names], capture_output=True, text=True, check=True
+    )
+    bomb, long, sparse, grown = run.stdout.splitlines()
+    assert "is compressed" in bomb
+    assert "more than 1048576" in long
+    assert "1073741824 bytes" in sparse
+    assert int(grown) < 50  # MB
 
 
 def codes(text):
@@ -204,7 +512,7 @@ LAYERED = codes("""
 def test_the_authors_networks_layer_as_their_readme_prints(test_data):
     """Four decimals are printed. The medium has albedo 1 and sigma_t 0."""
     folder = test_data / "data" / "fan2022"
-    paths = [folder / f"{name}Network.npz" for name in ("Repre", "Layering")]
+    paths = [folder / f"{name}Network.pth" for name in ("Repre", "Layering")]
     if not all(path.is_file() for path in paths):
         pytest.skip(f"no networks of Fan et al. 2022 in '{folder}'")
     read = published.networks(*paths)

@@ -111,17 +111,18 @@ class Data:
 
 @dataclass(frozen=True)
 class Paper:
-    """Convert the published networks of Fan et al. 2022 into a weights file.
+    """Convert the published PyTorch networks of Fan et al. 2022 into a weights file.
 
-    docs/published.md shows how PyTorch writes their tensors to NumPy files.
+    PyTorch is not needed, and no code in the files is executed. docs/published.md lists what the
+    files may hold.
 
-    Example: urushi paper RepreNetwork.npz LayeringNetwork.npz -o published.safetensors
+    Example: urushi paper RepreNetwork.pth LayeringNetwork.pth -o published.safetensors
     """
 
     representation: tyro.conf.Positional[Path]
-    """File of the representation (evaluation) network (.npz)."""
+    """File of the representation (evaluation) network (.pth)."""
     layering: tyro.conf.Positional[Path]
-    """File of the layering network (.npz)."""
+    """File of the layering network (.pth)."""
     output: Annotated[Path, tyro.conf.arg(aliases=["-o"])]
     """Weights file to write (.safetensors)."""
     projection_pairs: Pairs = 64

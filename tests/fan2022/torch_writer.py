@@ -1,0 +1,94 @@
+"""Files in the layouts of torch.save, written without PyTorch."""
+
+import pickle
+import struct
+import zipfile
+from collections.abc import Mapping
+from pathlib import Path
+
+import numpy as np
+
+STORAGES = {"<f2": "HalfStorage", "<f4": "FloatStorage", "<f8": "DoubleStorage"}
+
+PROTO, STOP = b"\x80\x02", b"."
+
+
+def text(value: str) -> bytes:
+    data = value.encode()
+    return b"X" + struct.pack("<I", len(data)) + data
+
+
+def integer(value: int) -> bytes:
+    return b"J" + struct.pack("<i", value)
+
+
+def named(module: str, name: str) -> bytes:
+    return f"c{module}\n{name}\n".encode()
+
+
+def integers(values) -> bytes:
+    return b"(" + b"".join(map(integer, values)) + b"t"
+
+
+EMPTY = named("collections", "OrderedDict") + b")R"
+
+
+def tensor(array: np.ndarray, key: str, *, parameter=False, shape=None, strides=None, offset=0):
+    """Instructions for a tensor whose storage has the array's values."""
+    kind = named("torch", STORAGES[array.dtype.str])
+    shape = array.shape if shape is None else shape
+    if strides is None:
+        strides = [int(np.prod(shape[i + 1 :])) for i in range(len(shape))]
+    storage = b"(" + text("storage") + kind + text(key) + text("cpu") + integer(array.size) + b"tQ"
+    place = integer(offset) + integers(shape) + integers(strides)
+    rebuilt = named("torch._utils", "_rebuild_tensor_v2")
+    rebuilt += b"(" + storage + place + b"\x89" + EMPTY + b"tR"
+    if parameter:
+        return (
+            named("torch._utils", "_rebuild_parameter") + b"(" + rebuilt + b"\x88" + EMPTY + b"tR"
+        )
+    return rebuilt
+
+
+def dictionary(entries: Mapping[str, bytes]) -> bytes:
+    """An OrderedDict with the state `_metadata`, as of state_dict()."""
+    items = b"".join(text(name) + value for name, value in entries.items())
+    metadata = b"}" + text("_metadata") + EMPTY + b"s"
+    return EMPTY + b"(" + items + b"u" + metadata + b"b"
+
+
+def state_dict(tensors: Mapping[str, np.ndarray], **options) -> tuple[bytes, dict[str, bytes]]:
+    """Instructions of a state dict, and its storages by key."""
+    entries = {n: tensor(a, str(i), **options) for i, (n, a) in enumerate(tensors.items())}
+    return dictionary(entries), {str(i): a.tobytes() for i, a in enumerate(tensors.values())}
+
+
+def write(
+    path: Path,
+    program: bytes,
+    storages: Mapping[str, bytes],
+    *,
+    order: bytes = b"little",
+    compression: int = zipfile.ZIP_STORED,
+) -> Path:
+    """Write instructions and storages as a zip file."""
+    with zipfile.ZipFile(path, "w", compression) as archive:
+        archive.writestr(f"{path.stem}/data.pkl", PROTO + program + STOP)
+        archive.writestr(f"{path.stem}/byteorder", order)
+        for key, data in storages.items():
+            archive.writestr(f"{path.stem}/data/{key}", data)
+        archive.writestr(f"{path.stem}/version", b"3\n")
+    return path
+
+
+def write_legacy(
+    path: Path, program: bytes, storages: Mapping[str, np.ndarray], *, little: bool = True
+) -> Path:
+    """Write instructions and storages as PyTorch did before version 1.6."""
+    sizes = {"short": 2, "int": 4, "long": 4}
+    system = {"protocol_version": 1001, "little_endian": little, "type_sizes": sizes}
+    parts = [pickle.dumps(part, 2) for part in (0x1950A86A20F9469CFC6C, 1001, system)]
+    parts += [PROTO + program + STOP, pickle.dumps(list(storages), 2)]
+    parts += [struct.pack("<q", array.size) + array.tobytes() for array in storages.values()]
+    path.write_bytes(b"".join(parts))
+    return path
