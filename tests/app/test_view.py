@@ -1,5 +1,6 @@
 """`urushi view` serves the page to this machine alone, and writes it for web servers."""
 
+import gzip
 import hashlib
 import http.client
 import json
@@ -59,6 +60,11 @@ def test_the_page_is_at_the_root(server):
     assert answer.headers["Content-Type"].startswith("text/javascript")
 
 
+def test_head_has_no_body(server):
+    answer, body = request(server, "/", "HEAD")
+    assert (answer.status, body, answer.headers["Content-Length"]) == (200, b"", "15")
+
+
 @pytest.mark.parametrize(
     "path", ["/missing", "/assets", "/../pyproject.toml", "/%2e%2e/setup.py", "//etc/passwd"]
 )
@@ -66,7 +72,7 @@ def test_nothing_else_is_served(server, path):
     assert request(server, path)[0].status == 404
 
 
-@pytest.mark.parametrize("method", ["HEAD", "POST", "PUT", "DELETE"])
+@pytest.mark.parametrize("method", ["POST", "PUT", "DELETE"])
 def test_nothing_can_be_sent(server, method):
     assert request(server, "/", method)[0].status == 501
 
@@ -75,6 +81,29 @@ def test_only_this_machine_is_answered(server):
     assert server.server_address[0] == "127.0.0.1"
     assert request(server, "/", Host="urushi.example")[0].status == 403
     assert request(server, "/", Host=f"localhost:{server.server_port}")[0].status == 200
+
+
+def test_answers_are_compressed_for_browsers_that_accept_it(server):
+    answer, body = request(server, "/", Accept_Encoding="gzip, br")
+    assert answer.headers["Content-Encoding"] == "gzip"
+    assert int(answer.headers["Content-Length"]) == len(body)
+    assert gzip.decompress(body) == b"<!doctype html>"
+    plain, body = request(server, "/")
+    assert (plain.headers["Content-Encoding"], body) == (None, b"<!doctype html>")
+    assert answer.headers["Vary"] == plain.headers["Vary"] == "Accept-Encoding"
+
+
+def test_a_browser_asks_again_only_where_the_address_has_no_version(server):
+    digest = hashlib.sha256(b"0").hexdigest()[:16]
+    kept, _ = request(server, f"/assets/page.js?{digest}")
+    assert "immutable" in kept.headers["Cache-Control"]
+    for path in ("/", "/assets/page.js", "/assets/page.js?0123456789abcdef"):
+        first, _ = request(server, path)
+        assert first.headers["Cache-Control"] == "no-cache"
+        again, body = request(server, path, If_None_Match=first.headers["ETag"])
+        assert (again.status, body) == (304, b"")
+        assert again.headers["ETag"] == first.headers["ETag"]
+        assert request(server, path, If_None_Match='W/"other"')[0].status == 200
 
 
 def test_the_policy_of_the_page_is_that_of_the_server():

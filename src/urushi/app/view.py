@@ -1,11 +1,13 @@
 """`urushi view`: a page in the browser on which a material is coated by hand, and its server."""
 
 import contextlib
+import gzip
 import mimetypes
 import tempfile
 import webbrowser
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cache
 from http import HTTPStatus
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from pathlib import Path
@@ -156,8 +158,12 @@ HEADERS = {
     "X-Content-Type-Options": "nosniff",
     "Referrer-Policy": "no-referrer",
     "Cross-Origin-Resource-Policy": "same-origin",
-    "Cache-Control": "no-cache",
+    "Vary": "Accept-Encoding",
 }
+
+#: What a browser does with an answer that it has: asks whether it is still right; or, where the
+#: address names the version of the content, uses it.
+ASK, KEEP = "no-cache", "private, max-age=31536000, immutable"
 
 TYPES = {".js": "text/javascript", ".svg": "image/svg+xml", ".json": "application/json"}
 
@@ -166,15 +172,20 @@ class PageServer(ThreadingHTTPServer):
     """Serves files by their paths, "index.html" at the root, and nothing else.
 
     Requests that name another host are refused, so that a foreign page cannot read the files by a
-    name that it points to this machine.
+    name that it points to this machine. Files are compressed by gzip for browsers that accept it,
+    and answered by 304 if the browser has them.
     """
 
     daemon_threads = True
 
     def __init__(self, files: Mapping[str, bytes], port: int = 0):
         """Bind to the port, 0: a free one; OSError if it is taken."""
+        from urushi.app.page_files import version
+
         super().__init__((HOST, port), _Handler)
         self.files = files
+        self.versions = {path: version(content) for path, content in files.items()}
+        self.compressed = cache(lambda path: gzip.compress(files[path], mtime=0))
 
     @property
     def url(self) -> str:
@@ -186,22 +197,38 @@ class _Handler(BaseHTTPRequestHandler):
     protocol_version = "HTTP/1.1"  # one connection for several files
 
     def do_GET(self) -> None:
+        self._answer(with_body=True)
+
+    def do_HEAD(self) -> None:
+        self._answer(with_body=False)
+
+    def _answer(self, with_body: bool) -> None:
         port = self.server.server_port
         if self.headers.get("Host") not in (f"{HOST}:{port}", f"localhost:{port}"):
             self.send_error(HTTPStatus.FORBIDDEN)
             return
-        path = self.path.partition("?")[0].removeprefix("/") or "index.html"
+        path, _, query = self.path.partition("?")
+        path = path.removeprefix("/") or "index.html"
         if path not in self.server.files:
             self.send_error(HTTPStatus.NOT_FOUND)
             return
-        content = self.server.files[path]
-        self.send_response(HTTPStatus.OK)
-        sizes = {"Content-Type": _type(path), "Content-Length": str(len(content))}
-        for name, value in (HEADERS | sizes).items():
+        content, headers = self.server.files[path], dict(HEADERS)
+        if "gzip" in self.headers.get("Accept-Encoding", ""):
+            content = self.server.compressed(path)
+            headers["Content-Encoding"] = "gzip"
+        known = self.server.versions[path]
+        headers["ETag"] = f'W/"{known}"'
+        headers["Cache-Control"] = KEEP if query == known else ASK
+        is_known = headers["ETag"] == self.headers.get("If-None-Match")
+        self.send_response(HTTPStatus.NOT_MODIFIED if is_known else HTTPStatus.OK)
+        if not is_known:
+            headers |= {"Content-Type": _type(path), "Content-Length": str(len(content))}
+        for name, value in headers.items():
             self.send_header(name, value)
         self.end_headers()
-        with contextlib.suppress(ConnectionError):  # the browser has gone away
-            self.wfile.write(content)
+        if with_body and not is_known:
+            with contextlib.suppress(ConnectionError):  # the browser has gone away
+                self.wfile.write(content)
 
     def log_message(self, format: str, *args: object) -> None:
         """Print nothing."""
