@@ -338,6 +338,22 @@ def test_networks_agree_with_the_reference(name):
     assert error(values(openpbr(base_color=COLOR, **shared), wi, wo), reference, wi, wo) < most
 
 
+@pytest.mark.parametrize(("metalness", "rough"), [(1.0, 0.1), (1.0, 0.4), (0.5, 0.2), (0.0, 0.3)])
+def test_a_textured_surface_below_another_coat_is_the_walk(metalness, rough):
+    """Albedos within 7 %: the coat takes the lobe of the surface's parameters, not a fitted one."""
+    data = np.array([[[0.1, 0.6, 0.2], [0.8, 0.35, 0.05]]], np.float32)
+    color = {"type": "bitmap", "bitmap": mi.Bitmap(data), "raw": True, "filter_type": "nearest"}
+    surface = {"type": "openpbr", "base_color": color, "base_metalness": metalness}
+    surface["specular_roughness"] = rough
+    codes, walk = (
+        mi.load_dict({"type": name, "alpha": 0.2, "bottom": surface})
+        for name in ("neural_layered", "layered")
+    )
+    for cosine in (1, 0.5):
+        (found, _), (expected, se) = (albedo(bsdf, cosine) for bsdf in (codes, walk))
+        assert abs(found - expected) < 0.07 * expected + 4 * se
+
+
 def test_fuzz_adds_and_hides():
     """At a coverage and a colour of one, a black base under fuzz reflects the fuzz's albedo."""
     from urushi.openpbr_surface import formulas

@@ -4,6 +4,7 @@ What they evaluate is in `model`; here it is sampled, listed for `mi.traverse` a
 """
 
 from collections.abc import Callable
+from dataclasses import replace
 from functools import partial
 from typing import Any, NamedTuple
 
@@ -267,6 +268,12 @@ def define(proposal_bsdf: type) -> tuple[type, type]:
             ]
             proposal = SurfaceProposal(proposals, self._diffuse_share())
             return TurnedMixture(proposal, vertex.turn) if vertex.turn else proposal
+
+        def offer(self):
+            base, hidden = self._base, self._coated or self._fuzz or self._absorbs or self._turned
+            if hidden or base._model.film:
+                return Offer()
+            return replace(offer_of(base), exact=lambda: self)
 
         def _coat_has_codes(self) -> bool:
             """Whether networks evaluate the coat, which know a film by one mean reflectance."""

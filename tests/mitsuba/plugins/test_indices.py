@@ -39,6 +39,24 @@ def test_a_coat_of_the_index_above_has_no_interface(rgb, outer, inner, base):
     )
 
 
+@pytest.mark.parametrize(
+    "base", [GOLD | {"alpha_u": 0.05, "alpha_v": 0.3}, {"type": "roughplastic"}]
+)
+def test_a_textured_medium_without_an_interface_is_beers_law(rgb, base):
+    """To rounding, over any bottom: here over two that codes represent badly."""
+    base = {name: x for name, x in base.items() if "alpha_u" not in base or name != "alpha"}
+    data = np.array([[0.1, 0.4], [1.0, 2.0]], np.float32)[..., None]
+    depth = {"type": "bitmap", "bitmap": rgb.Bitmap(data), "raw": True, "filter_type": "nearest"}
+    coat = {"type": "neural_layered", "alpha": 0.3, "int_ior": 1.0, "sigma_t": depth, "base": base}
+    plugin, bottom = rgb.load_dict(coat), rgb.load_dict(base)
+    from urushi.mitsuba.reading import probing
+
+    uv = np.array([[0.25, 0.25], [0.75, 0.25], [0.25, 0.75]])
+    found, bare = (probing.bsdf_values(bsdf, WI, WO, uv) for bsdf in (plugin, bottom))
+    path = data.ravel()[:3] * (1 / WI[:, 2] + 1 / WO[:, 2])
+    np.testing.assert_allclose(found, bare * np.exp(-path)[:, None], rtol=1e-5)
+
+
 def test_ext_ior_is_kept_where_it_is_given(rgb):
     """An explicit air gap; and a textured index above, where it has the same value."""
     for kind in KINDS:

@@ -36,6 +36,7 @@ class Baker:
     Attributes:
         model: the networks.
         bottom: the codes of the bottom.
+        absorbs: whether the coat has no interface and does not scatter, anywhere.
     """
 
     def __init__(
@@ -57,6 +58,7 @@ class Baker:
         self._grid: TexelGrid | None = None
         self._texture: BakedTexture | None = None
         self._left: set[str] = set()  # trained ranges that the coat leaves
+        self.absorbs = False
 
     def update(self, bottom_changed: bool = True) -> ConstantLatents | TexturedLatents:
         """The codes for the current parameters; in a texture, only changed rows are layered.
@@ -66,7 +68,7 @@ class Baker:
         Warns:
             UrushiWarning: codes of a coat outside the networks' training data are rendered.
         """
-        self._left = set()
+        self._left, self.absorbs = set(), True
         grid = choose_grid(self._coat, self._bottom, self.model, self._resolution)
         with spectrum.bands_of(grid):
             if grid != self._grid:
@@ -85,8 +87,9 @@ class Baker:
         assert bottom is not None  # for the type checker
         columns = [column[0] for column in coat.columns()]
         material = layer_material(CoatParameters.of_columns(columns), bottom)
-        if material.table is None:
-            self._left = checks.outside_training(coat)
+        self._note(coat)
+        if material.table is not None:
+            self._left = set()
         return ConstantLatents(material)
 
     def _textured(self, grid: TexelGrid) -> TexturedLatents:
@@ -110,8 +113,13 @@ class Baker:
         """The coats at a range of texels, or at one if they do not vary."""
         varies = any(map(grids.varying_textures, self._coat.textures.values()))
         coats = self._coat.layering(grid.uv(start, stop if varies else start + 1))
-        self._left |= checks.outside_training(coats)
+        self._note(coats)
         return coats
+
+    def _note(self, coat: CoatParameters) -> None:
+        """Note what is known of coats."""
+        self._left |= checks.outside_training(coat)
+        self.absorbs &= bool(((coat.eta == 1) & (coat.albedo == 0)).all())
 
     def _key(self, grid: TexelGrid) -> str:
         """The key of the texture in the cache."""

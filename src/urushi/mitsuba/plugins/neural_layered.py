@@ -161,10 +161,19 @@ def define(base: type) -> type:
                 )
 
         def _f(self, vertex, ctx, si, wo, active):
+            if self._baker.absorbs:  # without codes: f of the bottom by Beer's law
+                if vertex.turn is not None:
+                    si, wo = vertex.turn.interaction(si), vertex.turn.inside(wo)
+                cos_i, cos_o = (dr.select(active, w.z, 1) for w in (si.wi, wo))
+                depth = self._coat.evaluate(si, active).sigma_t * (1 / cos_i + 1 / cos_o)
+                return self._below.eval(ctx, si, wo, active) / cos_o * dr.exp(-depth)
             f = super()._f(vertex, ctx, si, wo, active)
             return self._compensation.completed(f, si, wo, active) if self._compensation else f
 
         def _f_and_pdf(self, vertex, ctx, si, wo, active):
+            if self._baker.absorbs:
+                f = self._f(vertex, ctx, si, wo, active)
+                return f, self._proposal(vertex, si, active).pdf(si.wi, wo)
             f, pdf = super()._f_and_pdf(vertex, ctx, si, wo, active)
             return self._compensation.completed(f, si, wo, active) if self._compensation else f, pdf
 
