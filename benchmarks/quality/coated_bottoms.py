@@ -6,8 +6,7 @@ those at the cosines `COSINES` (with its sign); both plugins are evaluated at th
 directions, and an albedo below `DARK` counts as `DARK`. E is as in docs/conventions.md, over
 `PAIRS` pairs of cosine density and `REPEATS` walks each, less the noise of the walk. Bottoms that
 cannot be coated are listed with the reason. Takes about 10 seconds of CPU time for a bottom.
-`--codes` evaluates codes alone, as textured coats and coats over textured bottoms do; bottoms that
-are coats then have their index in air, unlike in the walk.
+`--codes` evaluates codes alone, as textured coats and coats over textured bottoms do.
 """
 
 import argparse
@@ -21,11 +20,16 @@ import mitsuba as mi
 import numpy as np
 
 import urushi
-from urushi.checks import GLASS
+from urushi.checks import AIR, GLASS
 from urushi.core import direction_sets
 from urushi.core.error_metrics import stack_error
 from urushi.errors import UrushiError
+from urushi.material.layer import layer_texels
+from urushi.mitsuba.latents.bottoms import BottomCodes
 from urushi.mitsuba.reading import probing
+from urushi.mitsuba.reading.below import bsdf_under
+from urushi.mitsuba.reading.bsdf import has_two_widths
+from urushi.nets.weights import anisotropic_model, default_model
 
 #: Cosines of the albedos, walks for each of them, and the least divisor of an error.
 COSINES, WALKS, DARK = (1.0, 0.85, 0.6, 0.3), 1 << 17, 0.02
@@ -158,16 +162,21 @@ def loaded(description: dict[str, Any]) -> "mi.BSDF":
 
 def of_codes(coat: dict[str, Any], bottom: dict[str, Any]) -> "mi.BSDF":
     """A coat over a bottom by codes alone."""
+    index = coat.get("int_ior", GLASS) / AIR
+    below = bsdf_under(loaded(bottom), index)
+    model = anisotropic_model() if has_two_widths(below) else default_model()
+    encoded = BottomCodes(model, below, "codes")
+    encoded.open(None)
+    assert encoded.material is not None  # for the type checker
     medium = {
-        name: value["value"] if isinstance(value, dict) else value
-        for name, value in coat.items()
-        if name in ("albedo", "sigma_t", "g")
+        name: coat[name]["value"] if isinstance(coat.get(name), dict) else coat.get(name, 0.0)
+        for name in ("albedo", "sigma_t", "g")
     }
-    top = urushi.dielectric(coat["alpha"], ior=coat.get("int_ior", GLASS))
-    material = urushi.layer(top, urushi.encode(loaded(bottom), table=False), **medium)
+    z = encoded.material.anchors
+    codes = layer_texels(model, z, alpha=coat["alpha"], eta=index, **medium)
     with TemporaryDirectory() as folder:
         file = str(Path(folder) / "material.safetensors")
-        urushi.Material(material.anchors, material.model).save(file)
+        urushi.Material(codes, model).save(file)
         return mi.load_dict({"type": "neural_brdf", "filename": file})
 
 

@@ -395,9 +395,6 @@ def encoder_codes(model: Model, f: np.ndarray, lobe: np.ndarray | None = None) -
     if not values.ndim or values.shape[-1] != pairs:
         raise ParameterError(f"f has shape {values.shape}; these networks need (..., {pairs})")
     codes = np.empty((*values.shape[:-1], model.arch.latent), np.float32)
-    if lobe is None:
-        fill_blocks(codes, model.networks.encode, values)
-    else:
-        lobe = np.broadcast_to(lobe, (*values.shape[:-1], lobe.shape[-1]))
-        fill_blocks(codes, model.networks.encode, values, lobe)
+    own = [] if lobe is None else [np.broadcast_to(lobe, (*values.shape[:-1], lobe.shape[-1]))]
+    fill_blocks(codes, model.networks.encode, values, *own)
     return codes

@@ -120,11 +120,8 @@ class BottomCodes:
         check_bottom(self._bottom, self._where)
         source = reflection_source(self._bottom)
         tables = self._model.widths == 1
-        material, deviations = encode_source(
-            source,
-            self._model,
-            name=f"{self._where}: the nested BSDF",
-        )
+        name = f"{self._where}: the nested BSDF"
+        material, deviations = encode_source(source, self._model, name=name)
         for sentence in deviations.warnings():
             mi.Log(mi.LogLevel.Warn, f"{self._where}: {sentence}")
         exact = offer_of(self._bottom).exact() if tables else None

@@ -50,11 +50,8 @@ AZIMUTHS = 14
 class DifferentiableLatents:
     """Latents with the gradients of codes; everything else is as in the plain latents."""
 
-    DRJIT_STRUCT: ClassVar = {
-        "plain": object,
-        "_codes": object,
-        "_tables": list,
-    }  # for frozen functions
+    # For frozen functions
+    DRJIT_STRUCT: ClassVar = {"plain": object, "_codes": object, "_tables": list}
 
     def __init__(
         self,

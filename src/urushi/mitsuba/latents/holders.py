@@ -75,12 +75,10 @@ class _Held:
 class ConstantLatents(_Held):
     """One latent code per channel. What depends on the codes alone is computed once, here."""
 
-    DRJIT_STRUCT: ClassVar = {
-        "_decoder_terms": list,
-        "_tables": list,
-        "_proposals": list,
-        "_signature": list,
-    }  # for frozen functions
+    # For frozen functions
+    DRJIT_STRUCT: ClassVar = dict.fromkeys(
+        ("_decoder_terms", "_tables", "_proposals", "_signature"), list
+    )
 
     grid: TexelGrid | None = None  # the same everywhere
 
@@ -177,10 +175,7 @@ class TexturedLatents(_Held):
 
     material = None
 
-    DRJIT_STRUCT: ClassVar = {
-        "_texture": object,
-        "_signature": list,
-    }  # for frozen functions
+    DRJIT_STRUCT: ClassVar = {"_texture": object, "_signature": list}  # for frozen functions
 
     def __init__(self, model: Model, store: TextureStore, grid: TexelGrid):
         self._store, self.model = store, model

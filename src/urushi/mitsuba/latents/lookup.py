@@ -60,9 +60,7 @@ class LatentTexture:
             mi.Float(self._levels - 1),
         ]
         affine = [] if grid.to_texture == IDENTITY else np.ravel(grid.to_texture).tolist()
-        self._affine = list(
-            map(mi.Float, affine)
-        )  # a new length makes frozen functions record again
+        self._affine = [*map(mi.Float, affine)]  # a new length: frozen functions record again
         self._lowest = [mi.Float(float(value)) for value in packed.lowest]
         self._steps = [mi.Float(float(value)) for value in packed.step]
         self._signature = signature(layout_states(store.layout))
