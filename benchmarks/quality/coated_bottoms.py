@@ -20,7 +20,7 @@ import mitsuba as mi
 import numpy as np
 
 import urushi
-from urushi.checks import AIR, GLASS
+from urushi.checks import AIR, GLASS, CoatParameters
 from urushi.core import direction_sets
 from urushi.core.error_metrics import stack_error
 from urushi.errors import UrushiError
@@ -173,7 +173,7 @@ def of_codes(coat: dict[str, Any], bottom: dict[str, Any]) -> "mi.BSDF":
         for name in ("albedo", "sigma_t", "g")
     }
     z = encoded.material.anchors
-    codes = layer_texels(model, z, alpha=coat["alpha"], eta=index, **medium)
+    codes = layer_texels(model, z, CoatParameters(coat["alpha"], index, **medium))
     with TemporaryDirectory() as folder:
         file = str(Path(folder) / "material.safetensors")
         urushi.Material(codes, model).save(file)

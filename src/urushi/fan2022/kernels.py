@@ -20,11 +20,7 @@ from urushi.fan2022.inference import MIN_SHARE, MIN_SIGMA, GaussianMixture
 from urushi.nets.mlp import Params
 
 #: The flags by which Mitsuba records a whole path as one kernel.
-_SYMBOLIC = (
-    dr.JitFlag.SymbolicCalls,
-    dr.JitFlag.SymbolicLoops,
-    dr.JitFlag.SymbolicConditionals,
-)
+_SYMBOLIC = dr.JitFlag.SymbolicCalls, dr.JitFlag.SymbolicLoops, dr.JitFlag.SymbolicConditionals
 
 
 @contextlib.contextmanager

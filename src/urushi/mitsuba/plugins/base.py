@@ -228,7 +228,7 @@ def define_neural_bsdf(base: type) -> type:
             return PlacedVertex(turn, self.latents.vertex(inside, active), estimates)
 
         def _f(self, vertex, ctx, si, wo, active):
-            si, wo = _inside(vertex, si, wo)
+            si, wo = inside(vertex, si, wo)
             channels = self.latents.f(vertex.vertex, si, wo, active)
             return spectrum.from_channels(channels, si.wavelengths, vertex.estimates)
 
@@ -237,18 +237,17 @@ def define_neural_bsdf(base: type) -> type:
             return proposal if vertex.turn is None else TurnedMixture(proposal, vertex.turn)
 
         def _f_and_pdf(self, vertex, ctx, si, wo, active):
-            si, wo = _inside(vertex, si, wo)
+            si, wo = inside(vertex, si, wo)
             channels, pdf = self.latents.f_and_pdf(vertex.vertex, si, wo, active)
             return spectrum.from_channels(channels, si.wavelengths, vertex.estimates), pdf
 
     return NeuralBSDF
 
 
-def _inside(vertex: PlacedVertex, si: Any, wo: Any) -> tuple[Any, Any]:
+def inside(vertex: PlacedVertex, si: Any, wo: Any) -> tuple[Any, Any]:
     """The interaction and wo in the turned frame, if there is a turn."""
-    return (
-        (si, wo) if vertex.turn is None else (vertex.turn.interaction(si), vertex.turn.inside(wo))
-    )
+    turn = vertex.turn
+    return (si, wo) if turn is None else (turn.interaction(si), turn.inside(wo))
 
 
 def ignore(props: "mi.Properties", *names: str) -> None:

@@ -10,7 +10,7 @@ from urushi.mitsuba.latents import gradients
 from urushi.mitsuba.latents.baking import Baker
 from urushi.mitsuba.latents.gradients import DifferentiableLatents
 from urushi.mitsuba.latents.holders import ConstantLatents, TexturedLatents
-from urushi.mitsuba.plugins.base import read_weights
+from urushi.mitsuba.plugins.base import inside, read_weights
 from urushi.mitsuba.plugins.coats import Turn
 from urushi.mitsuba.plugins.estimates import Compensation, estimates
 from urushi.mitsuba.reading.below import Coatable, below
@@ -162,8 +162,7 @@ def define(base: type) -> type:
 
         def _f(self, vertex, ctx, si, wo, active):
             if self._baker.absorbs:  # without codes: f of the bottom by Beer's law
-                if vertex.turn is not None:
-                    si, wo = vertex.turn.interaction(si), vertex.turn.inside(wo)
+                si, wo = inside(vertex, si, wo)
                 cos_i, cos_o = (dr.select(active, w.z, 1) for w in (si.wi, wo))
                 depth = self._coat.evaluate(si, active).sigma_t * (1 / cos_i + 1 / cos_o)
                 return self._below.eval(ctx, si, wo, active) / cos_o * dr.exp(-depth)
