@@ -88,8 +88,7 @@ class Baker:
         columns = [column[0] for column in coat.columns()]
         material = layer_material(CoatParameters.of_columns(columns), bottom)
         self._note(coat)
-        if material.table is not None:
-            self._left = set()
+        self._left = self._left if material.table is None else set()
         return ConstantLatents(material)
 
     def _textured(self, grid: TexelGrid) -> TexturedLatents:

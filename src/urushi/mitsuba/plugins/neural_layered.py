@@ -131,6 +131,7 @@ def define(base: type) -> type:
             assert self._baker is not None  # for the type checker
             with dr.suspend_grad():
                 self.latents = self._baker.update(bottom_changed)
+                self._absorbs = self._baker.absorbs
                 if self._coat.compensated:
                     self._compensation = Compensation(self._coat, self._below)
             codes, table = mi.TensorXf(), mi.TensorXf()
@@ -161,7 +162,7 @@ def define(base: type) -> type:
                 )
 
         def _f(self, vertex, ctx, si, wo, active):
-            if self._baker.absorbs:  # without codes: f of the bottom by Beer's law
+            if self._absorbs:  # without codes: f of the bottom by Beer's law
                 si, wo = inside(vertex, si, wo)
                 cos_i, cos_o = (dr.select(active, w.z, 1) for w in (si.wi, wo))
                 depth = self._coat.evaluate(si, active).sigma_t * (1 / cos_i + 1 / cos_o)
@@ -170,7 +171,7 @@ def define(base: type) -> type:
             return self._compensation.completed(f, si, wo, active) if self._compensation else f
 
         def _f_and_pdf(self, vertex, ctx, si, wo, active):
-            if self._baker.absorbs:
+            if self._absorbs:
                 f = self._f(vertex, ctx, si, wo, active)
                 return f, self._proposal(vertex, si, active).pdf(si.wi, wo)
             f, pdf = super()._f_and_pdf(vertex, ctx, si, wo, active)
