@@ -15,13 +15,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from urushi.core.namespace import (
-    Components,
-    Namespace,
-    arrays,
-    components,
-    stacked_components,
-)
+from urushi.core.namespace import Components, Namespace, arrays, components, stacked_components
 from urushi.fan2022 import architecture
 from urushi.fan2022.architecture import DIRECTIONS, EVALUATION, LAYERING
 from urushi.nets.mlp import Params, mlp, product, split_linear

@@ -36,7 +36,7 @@ def bsdf_source(bsdf: "mi.BSDF") -> Source:
     _check_encodable(bsdf, name)
     transmitted, mirrored = excluded_shares(bsdf)
     source = reflection_source(bsdf)
-    if offer_of(bsdf).exact() is bsdf:  # its lobe is for coats; without them, its values say more
+    if offer_of(bsdf).exact():  # its lobe is for coats; without them, its values say more
         source = source._replace(lobe=None, bare=False, tabulated=True, widths=1)
     return source._replace(
         transmitted=transmitted, mirrored=mirrored, textured=bool(varying_textures(bsdf))

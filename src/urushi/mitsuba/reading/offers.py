@@ -1,7 +1,8 @@
 """What a BSDF tells the coat above it, besides its values.
 
-Of Mitsuba's own, `roughconductor` with the GGX distribution is a lobe and nothing else, and
-`diffuse` has none. Both are read from their parameters. All others are known by their values alone.
+Of Mitsuba's own, `roughconductor` with the GGX distribution is a lobe and nothing else,
+`roughplastic` has one, and `diffuse` has none. All are read from their parameters. Others are known
+by their values alone.
 """
 
 from collections.abc import Callable, Mapping
@@ -22,7 +23,7 @@ from urushi.nets.lobe import NO_LOBE
 from urushi.nets.weights import Model
 from urushi.textures.grid import TexelGrid
 
-#: The line of a roughconductor's description that names its distribution, which it does not list
+#: The line of a BSDF's description that names its distribution, which it does not list
 #: among its parameters.
 GGX = "distribution = ggx"
 
@@ -97,6 +98,8 @@ def offer_of(bsdf: "mi.BSDF") -> Offer:
         channels = partial(_channels, nested_objects(bsdf), "reflectance")
         return Offer(lobes=lambda si: [[*map(mi.Float, NO_LOBE)] for _ in channels(si)],
                      reflectance=channels)  # fmt: skip
+    if bsdf.class_name() == "RoughPlastic" and GGX in str(bsdf):
+        return Offer(lobes=partial(_plastic_lobes, bsdf), exact=lambda: bsdf)
     return conductor_offer(bsdf)
 
 
@@ -129,6 +132,15 @@ def _conductor_lobes(textures: Mapping[str, "mi.Texture"], coat: Any, si) -> lis
         factors = schlick, schlick, dr.select(exact, reflectance, 0)
         found.append([alpha, *factors, *index, *across])
     return found
+
+
+def _plastic_lobes(plastic: "mi.BSDF", si) -> list[list]:
+    """The lobes of a `roughplastic`: six Dr.Jit floats for each channel."""
+    given, zero = mi.traverse(plastic), mi.Float(0)
+    alpha, eta = mi.Float(given["alpha"]), mi.Float(given["eta"])
+    alpha = dr.replace_grad(dr.maximum(alpha, MIN_ALPHA), alpha)
+    tints = _channels(nested_objects(plastic), "specular_reflectance", si)
+    return [[alpha, zero, zero, tint, eta, zero] for tint in tints]
 
 
 def _channels(textures: Mapping[str, "mi.Texture"], name: str, si) -> list:
