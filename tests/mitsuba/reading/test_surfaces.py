@@ -31,7 +31,7 @@ KNOWN = {
 }
 UNKNOWN = {
     "beckmann": GGX | {"distribution": "beckmann"},
-    "plastic": {"type": "roughplastic", "distribution": "ggx"},
+    "plastic": {"type": "roughplastic"},
     "principled": {"type": "principled"},
 }
 
@@ -68,6 +68,17 @@ def test_a_known_surface_has_the_values_of_the_bsdf(rgb, name):
     # single precision of the half vector, in the steepest part of the lobe
     np.testing.assert_allclose(values, expected, rtol=5e-4, atol=1e-6)
     assert offer.bare == (offer.reflectance is None)
+
+
+def test_a_black_plastic_is_the_lobe_that_it_offers(rgb):
+    from urushi.mitsuba.reading import probing
+
+    plastic = {"type": "roughplastic", "distribution": "ggx", "alpha": 0.2, "int_ior": 1.7}
+    black = rgb.load_dict(plastic | {"specular_reflectance": 0.5, "diffuse_reflectance": 0.0})
+    uv = np.full((len(WI), 2), 0.5)
+    found = lobes.f(probing.known_lobes(black, uv), WI[:, None], WO[:, None])
+    expected = probing.bsdf_values(black, WI, WO, uv)
+    np.testing.assert_allclose(found, expected, rtol=5e-4, atol=1e-6)
 
 
 @pytest.mark.parametrize("name", UNKNOWN)
