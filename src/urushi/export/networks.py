@@ -26,14 +26,7 @@ from urushi.export.expressions import (
     name,
     vector,
 )
-from urushi.export.statements import (
-    Function,
-    Variable,
-    element,
-    integer,
-    namespace,
-    offset_index,
-)
+from urushi.export.statements import Function, Variable, element, integer, namespace, offset_index
 from urushi.nets.architecture import SCALE
 from urushi.nets.decoder import MAX_LOG, MIN_LOG
 from urushi.nets.features import DIRECTIONS, direction_columns
