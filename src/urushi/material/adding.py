@@ -16,10 +16,13 @@ is added as a mirror reflection.
 """
 
 import functools
-from collections.abc import Callable
+import itertools
+from collections.abc import Callable, Sequence
 
 import numpy as np
 
+from urushi.core import fresnel
+from urushi.core.namespace import NUMPY
 from urushi.core.quadrature import half_vector_rule
 from urushi.material.crossing import inner_albedo
 from urushi.nets import lobe as lobes
@@ -42,12 +45,23 @@ FIRST_DEPTH, LEAST_SCATTERING = 1e-4, 1e-6
 #: Rounds of the scalings that give rows their sums.
 ROUNDS = 20
 
+#: Ascending angles inside a medium at which light begins to be totally reflected.
+Edges = tuple[float, ...]
+
+#: Cosines at which light that is mirrored to and fro is known.
+COSINES = 1 << 12
+
+#: The share (..., C) of light of cosines (...) that a surface mirrors.
+Mirror = Callable[[np.ndarray], np.ndarray]
+
 #: BRDF values (N, C) of float32 unit vectors (N, 3).
 Brdf = Callable[[np.ndarray, np.ndarray], np.ndarray]
 
 
 class Grid:
     """Directions on the hemisphere: Gauss-Legendre nodes in the angle, evenly spaced azimuths.
+
+    Each part of the angles between `edges`, where light is totally reflected, has its own nodes.
 
     Attributes:
         angles, cosines: (N,) ascending angles to the normal, and their cosines.
@@ -56,15 +70,20 @@ class Grid:
         mirror: (H,) the modes of a mirror reflection.
     """
 
-    def __init__(self, elevations: int = ELEVATIONS, azimuths: int = AZIMUTHS):
-        nodes, weights = np.polynomial.legendre.leggauss(elevations)
-        self.angles = 0.25 * np.pi * (nodes + 1)
+    def __init__(self, elevations: int = ELEVATIONS, azimuths: int = AZIMUTHS, edges: Edges = ()):
+        parts = []
+        for start, end in itertools.pairwise((0.0, *edges, 0.5 * np.pi)):
+            share = (end - start) / (0.5 * np.pi)
+            nodes, weights = np.polynomial.legendre.leggauss(max(round(elevations * share), 4))
+            half = 0.5 * (end - start)
+            parts.append((start + half * (nodes + 1), half * weights))
+        self.angles, weights = np.concatenate(parts, axis=1)
         self.cosines = np.cos(self.angles)
-        self.weights = 0.25 * np.pi * weights * np.sin(self.angles) * self.cosines
+        self.weights = weights * np.sin(self.angles) * self.cosines
         self.azimuths = np.linspace(0, np.pi, azimuths // 2 + 1)
         self.mirror = (-1.0) ** np.arange(len(self.azimuths))
         self._count = azimuths
-        self._upper = np.triu_indices(elevations)
+        self._upper = np.triu_indices(len(self.angles))
 
     def pairs(self) -> tuple[np.ndarray, np.ndarray]:
         """Pairs float32 (M, 3) at which `values` takes a BRDF: half of all, by reciprocity."""
@@ -131,6 +150,16 @@ class Grid:
             result += share[:, None] * values[index]
         return result
 
+    def function(self, values: np.ndarray) -> Callable[[np.ndarray], np.ndarray]:
+        """The function (..., C) of cosines (...) with values (N,) or (N, C) at the nodes."""
+        columns = values.reshape(len(self.cosines), -1).T
+
+        def interpolation(cosine: np.ndarray) -> np.ndarray:
+            found = [np.interp(cosine, self.cosines[::-1], column[::-1]) for column in columns]
+            return np.stack(found, axis=-1).astype(np.float32)
+
+        return interpolation
+
     def mirror_shares(self, modes: np.ndarray) -> np.ndarray:
         """The part (N,) of the albedo of a BRDF that `brdf_modes` added as a mirror reflection."""
         values = self.values_of_modes(modes)
@@ -178,9 +207,9 @@ class Grid:
 
 
 @functools.cache
-def grid() -> Grid:
-    """The grid of coats."""
-    return Grid()
+def grid(edges: Edges = ()) -> Grid:
+    """The grid of coats; edges: of the medium of a slab."""
+    return Grid(edges=edges)
 
 
 def albedos(f: Brdf, cosines: np.ndarray) -> np.ndarray:
@@ -192,18 +221,18 @@ def albedos(f: Brdf, cosines: np.ndarray) -> np.ndarray:
     return np.einsum("nmc,nm->nc", values.astype(np.float64), weights * wo[..., 2])
 
 
-def bottom_modes(f: Brdf) -> np.ndarray:
+def bottom_modes(f: Brdf, edges: Edges = ()) -> np.ndarray:
     """Modes (C, H, N, N) of a BRDF. Albedos above 1 count as 1."""
-    own = grid()
+    own = grid(edges)
     values = f(*own.pairs()).astype(np.float64)
     columns = zip(values.T, np.minimum(albedos(f, own.cosines), 1).T, strict=True)
     return np.stack([own.brdf_modes(*column) for column in columns])
 
 
 @functools.lru_cache(maxsize=8)
-def interface_modes(alpha: float, eta: float) -> np.ndarray:
+def interface_modes(alpha: float, eta: float, edges: Edges = ()) -> np.ndarray:
     """Modes (H, N, N) of the reflection of an interface from below; eta: below over above."""
-    own = grid()
+    own = grid(edges)
     wi, wo = (w.astype(np.float64) for w in own.pairs())
     lobe = lobes.of_coat(np.float64(alpha), np.float64(1 / eta))
     return own.brdf_modes(
@@ -211,54 +240,103 @@ def interface_modes(alpha: float, eta: float) -> np.ndarray:
     )
 
 
+def mirror(alpha: float, eta: float, edges: Edges) -> Mirror:
+    """The share (..., 1) that an interface mirrors of light below it; eta: below over above."""
+    own, modes = grid(edges), interface_modes(alpha, eta, edges)
+    share = own.function(own.mirror_shares(modes) / np.maximum(modes[0] @ own.weights, 1e-9))
+
+    def mirrored(cosine: np.ndarray) -> np.ndarray:
+        return fresnel.dielectric(cosine, np.float32(1 / eta), NUMPY)[0][..., None] * share(cosine)
+
+    return mirrored
+
+
+def to_and_fro(
+    depths: Sequence[float], *mirrors: Mirror
+) -> tuple[Callable[[np.ndarray], np.ndarray], Callable[[np.ndarray], np.ndarray]]:
+    """How much light (..., C) of cosines (...) there is, however often two surfaces mirror it.
+
+    Args:
+        depths: (C,) optical depths of the medium between the surfaces.
+
+    Returns:
+        What crosses the medium, of light that enters it; and the part of it that is not attenuated.
+    """
+    cosines = np.linspace(1 / COSINES, 1, COSINES).astype(np.float32)
+    left = np.exp(-np.asarray(depths, np.float32) / cosines[:, None])
+    upper, lower = (surface(cosines) for surface in mirrors)
+    times = 1 / (1 - upper * lower * left * left)
+
+    def lookup(table: np.ndarray) -> Callable[[np.ndarray], np.ndarray]:
+        return lambda cosine: table[(cosine * (COSINES - 1)).astype(np.intp)]
+
+    return lookup(left * times), lookup(times)
+
+
 def seen_inside(
-    bottom: np.ndarray, interface: np.ndarray, albedo: float, sigma_t: float, g: float
+    bottom: np.ndarray,
+    interface: np.ndarray,
+    albedo: float,
+    sigma_t: float,
+    g: float,
+    edges: Edges | None = None,
 ) -> tuple[np.ndarray, float]:
     """BRDF of a bottom and a medium below an interface that reflects from below.
 
     Args:
         bottom, interface: modes (H, N, N).
         albedo, sigma_t, g: of the medium.
+        edges: of slabs.
 
     Returns:
         Values (N, N, H) [1/sr] of all light except that reflected once by the bottom and not
-        scattered by the medium; and the optical depth that attenuates the excepted light.
+        scattered by the medium; and the optical depth that attenuates the excepted light. In slabs,
+        the excepted light counts as often as both surfaces mirror it (`to_and_fro`).
     """
-    own = grid()
+    own = grid(edges or ())
     weights, one = own.weights, np.eye(len(own.cosines))
     albedo, sigma_t, g = resolved(albedo, sigma_t, g)
     through = np.exp(-sigma_t / own.cosines)
     direct = through[:, None] * bottom * through
     every = direct
     if albedo * sigma_t > LEAST_SCATTERING:
-        reflected, passed = medium(albedo, sigma_t, g)
+        reflected, passed = medium(albedo, sigma_t, g, edges or ())
         lit = np.linalg.solve(one - (bottom * weights) @ (reflected * weights), bottom)
         down, up = np.diag(through) + weights[:, None] * passed, np.diag(through) + passed * weights
         every = reflected + up @ lit @ down
     every = np.linalg.solve(one - (every * weights) @ (interface * weights), every)
+    if edges is not None:
+        mirrored = own.mirror_shares(interface) * own.mirror_shares(bottom)
+        times = np.sqrt(1 / (1 - mirrored * through**2))
+        direct = times[:, None] * direct * times
     return own.values_of_modes(every - direct), sigma_t
 
 
 def passed_inside(
-    bottom: np.ndarray, interface: np.ndarray, albedo: float, sigma_t: float, g: float
+    bottom: np.ndarray,
+    interface: np.ndarray,
+    albedo: float,
+    sigma_t: float,
+    g: float,
+    edges: Edges,
 ) -> tuple[np.ndarray, np.ndarray, float]:
     """Transmission of a medium over a bottom, below an interface that reflects from below.
 
     Args:
-        bottom, interface, albedo, sigma_t, g: as of `seen_inside`.
+        bottom, interface, albedo, sigma_t, g, edges: as of `seen_inside`.
 
     Returns:
         Modes (H, N, N): shares of light that crosses the medium, in either direction, from the
         first nodes to the second; of it (N,) what goes straight, not scattered and at most mirrored
         (`Grid.mirror_shares`); and the optical depth that attenuates straight light.
     """
-    own = grid()
+    own = grid(edges)
     weights, one = own.weights, np.eye(len(own.cosines))
     albedo, sigma_t, g = resolved(albedo, sigma_t, g)
     through = np.exp(-sigma_t / own.cosines)
     down, reflected = np.diag(through), np.zeros_like(interface)
     if albedo * sigma_t > LEAST_SCATTERING:
-        reflected, passed = medium(albedo, sigma_t, g)
+        reflected, passed = medium(albedo, sigma_t, g, edges)
         down = down + passed * weights
     # Light at the bottom and at the top, of that which leaves the upper interface
     lit = np.linalg.solve(one - (reflected * weights) @ (bottom * weights), down)
@@ -266,26 +344,6 @@ def passed_inside(
     every = lit @ np.linalg.inv(one - (interface * weights) @ up)
     mirrored = own.mirror_shares(interface) * own.mirror_shares(bottom)
     return every, through / (1 - mirrored * through**2), sigma_t
-
-
-def without_trapped(interface: np.ndarray, eta: float) -> np.ndarray:
-    """The matrix (N, N) that replaces trapped directions by the last that is not trapped.
-
-    Between smooth surfaces, light beyond the critical angle is mirrored to and fro and never
-    leaves. Interpolation between nodes would let it leave. A node counts as trapped as far as the
-    interface mirrors.
-
-    Args:
-        interface: modes (H, N, N) of its reflection from below; eta: below over above.
-    """
-    own = grid()
-    result, edge = np.eye(len(own.angles)), np.arcsin(min(1 / eta, 1.0))
-    beyond = own.angles > edge
-    mirrored = own.mirror_shares(interface) / np.maximum(interface[0] @ own.weights, 1e-9)
-    kept = np.where(beyond, mirrored, 0)
-    result *= 1 - kept[:, None]
-    result[:, np.argmax(own.angles * ~beyond)] += kept
-    return result
 
 
 def resolved(albedo: float, sigma_t: float, g: float) -> tuple[float, float, float]:
@@ -300,12 +358,14 @@ def resolved(albedo: float, sigma_t: float, g: float) -> tuple[float, float, flo
     return albedo, sigma_t, max(g, RESOLVED_G)
 
 
-def medium(albedo: float, sigma_t: float, g: float) -> tuple[np.ndarray, np.ndarray]:
+def medium(
+    albedo: float, sigma_t: float, g: float, edges: Edges = ()
+) -> tuple[np.ndarray, np.ndarray]:
     """Reflection and transmission of the light that a medium scatters: modes (H, N, N) each.
 
     By doubling a thin layer that scatters once; its sums over directions are made exact.
     """
-    own = grid()
+    own = grid(edges)
     cosines, weights, one = own.cosines, own.weights, np.eye(len(own.cosines))
     count = max(int(np.ceil(np.log2(sigma_t / FIRST_DEPTH))), 0)
     depth = sigma_t / 2**count

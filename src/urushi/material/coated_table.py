@@ -18,6 +18,7 @@ lobe of the bottom. Twice 64 more are therefore drawn from one of them and a hal
 bottom's lobe, and the balance heuristic combines all (Veach and Guibas 1995).
 """
 
+from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
@@ -97,26 +98,40 @@ class Below(NamedTuple):
         table: float32 (U, V, W, C), its logarithm without the bottom's lobes.
         lobe: float32 (C, N) of the bottom; (1, N) if the channels share it; None: there is none.
         depth: float32 (C,) the optical depth that attenuates light from the lobe.
+        times: of slabs, as often as it is mirrored to and fro; see `adding.to_and_fro`.
         peak: the bottom's half vectors.
     """
 
     table: np.ndarray
     lobe: np.ndarray | None
     depth: np.ndarray
+    times: Callable[[np.ndarray], np.ndarray] | None
     peak: HalfVectors
 
 
-def coated_rest(bottom: Material, coat: CoatParameters, slab: bool = False) -> np.ndarray:
+class Inside(NamedTuple):
+    """What is known of the medium of a slab.
+
+    Attributes:
+        edges: of its grid.
+        lower: how the bottom mirrors light; None: as its table does.
+    """
+
+    edges: adding.Edges
+    lower: adding.Mirror | None
+
+
+def coated_rest(bottom: Material, coat: CoatParameters, slab: Inside | None = None) -> np.ndarray:
     """f float32 (N, C) [1/sr] at `node_pairs` of a coated material without the interface's lobe.
 
     Args:
         bottom: a material with a table, of C or one channel.
         coat: numbers or arrays (C,), with one width.
-        slab: whether the bottom is the interface, from the other side.
+        slab: of a coat of a slab.
     """
     parameters = np.stack([*np.broadcast_arrays(*coat, np.zeros(bottom.channels))][:5])
     result = np.empty((len(node_pairs()[0]), parameters.shape[1]), np.float32)
-    modes = adding.bottom_modes(bottom.f)
+    modes = adding.bottom_modes(bottom.f, slab.edges if slab else ())
     peak = half_vectors(bottom.f(*node_pairs()).reshape(*SHAPE, -1))
     for interface in np.unique(parameters[:2], axis=1).T:
         chosen = np.flatnonzero((parameters[:2] == interface[:, None]).all(axis=0))
@@ -157,7 +172,7 @@ def _distinct(
 
 
 def coated_table(
-    bottom: Material, coat: CoatParameters, lobe: np.ndarray, slab: bool = False
+    bottom: Material, coat: CoatParameters, lobe: np.ndarray, slab: Inside | None = None
 ) -> np.ndarray:
     """The table float16 (U, V, W, C) of a coated material, without the lobe of its interface.
 
@@ -218,30 +233,33 @@ def _below(
     interface: np.ndarray,
     media: np.ndarray,
     peak: HalfVectors,
-    slab: bool,
+    slab: Inside | None,
 ) -> Below:
     """What lies below for channels (C,) of the bottom under media (3, C), all different."""
     assert bottom.table is not None  # for the type checker
     wi, wo = node_pairs()
-    back = adding.interface_modes(*interface)
-    table, depths = [], []
+    edges = slab.edges if slab else ()
+    own, back = adding.grid(edges), adding.interface_modes(*interface, edges)
     inverse = (1 / wi[:, 2] + 1 / wo[:, 2]).reshape(SHAPE)
+    direct, more, depths, times = [], [], [], None
     for channel, medium in zip(channels, media.T, strict=True):
-        again, depth = adding.seen_inside(modes[channel], back, *medium)
-        if slab:
-            turn = adding.without_trapped(back, interface[1])
-            again = np.einsum("ai,ijh,bj->abh", turn, again, turn, optimize=True)
-        more = adding.grid().interpolated(again[..., None], wi, wo).reshape(SHAPE)
-        own = np.exp(bottom.table[..., channel].astype(np.float32) - depth * inverse)
-        table.append(np.log(np.maximum(own + more, 1e-30)))
+        again, depth = adding.seen_inside(modes[channel], back, *medium, slab and slab.edges)
+        more.append(own.interpolated(again[..., None], wi, wo).reshape(SHAPE))
+        logs = bottom.table[..., channel].astype(np.float32) - depth * inverse
+        direct.append(np.exp(logs))
         depths.append(depth)
+    values = np.stack(direct, axis=-1)
+    if slab:
+        shares = [own.mirror_shares(modes[channel]) for channel in channels]
+        lower = slab.lower or own.function(np.stack(shares, axis=-1))
+        times = adding.to_and_fro(depths, adding.mirror(*interface, edges), lower)[1]
+        values *= np.sqrt(times(wi[:, 2]) * times(wo[:, 2])).reshape(values.shape)
+    table = np.log(np.maximum(values + np.stack(more, axis=-1), 1e-30)).astype(np.float32)
     lobe = None
     if bottom.beside_lobe:
         lobe = bottom.latents[channels, : bottom.model.arch.lobe]
         lobe = lobe[:1] if (lobe == lobe[:1]).all() else lobe
-    return Below(
-        np.stack(table, axis=-1).astype(np.float32), lobe, np.array(depths, np.float32), peak
-    )
+    return Below(table, lobe, np.array(depths, np.float32), times, peak)
 
 
 def _spanning(below: Below) -> tuple[Below, np.ndarray]:
@@ -273,7 +291,7 @@ def _spanning(below: Below) -> tuple[Below, np.ndarray]:
     weights = np.linalg.lstsq(relative[:, chosen], relative, rcond=None)[0]
     weights *= sizes / sizes[chosen, None]
     lobe = below.lobe if below.lobe is None or len(below.lobe) == 1 else below.lobe[chosen]
-    part = Below(below.table[..., chosen], lobe, below.depth[chosen], below.peak)
+    part = below._replace(table=below.table[..., chosen], lobe=lobe, depth=below.depth[chosen])
     return part, weights.astype(np.float32)
 
 
@@ -331,6 +349,8 @@ def _seen(
     own = lobes.f(below.lobe, wi[..., None, :], wo[..., None, :])
     if below.depth.any():
         own = own * np.exp(-below.depth * (1 / wi[..., 2, None] + 1 / wo[..., 2, None]))
+    if below.times:
+        own = own * np.sqrt(below.times(wi[..., 2]) * below.times(wo[..., 2]))
     return values + own
 
 

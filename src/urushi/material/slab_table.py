@@ -29,7 +29,7 @@ from urushi.core import fresnel
 from urushi.core.namespace import NUMPY, Components, Namespace
 from urushi.core.quadrature import half_vector_rule
 from urushi.material import adding
-from urushi.material.coated_table import HalfVectors, coated_table, half_vectors
+from urushi.material.coated_table import HalfVectors, Inside, coated_table, half_vectors
 from urushi.material.crossing import Vector, cross, crossing_at, facet_points
 from urushi.material.material import Material
 from urushi.material.table import SHAPE, coordinates, interpolated_at, node_directions
@@ -43,6 +43,10 @@ from urushi.walk import slabs
 #: Nodes of a table of transmitted light: w has a sign.
 PASSED_SHAPE = (*SHAPE[:2], 2 * SHAPE[2] - 1)
 
+#: The coordinate v from which on light in the denser medium is totally reflected, a node. Below it,
+#: nodes are those of the angle in the less dense medium.
+CONE = 22 / (SHAPE[1] - 1)
+
 #: Directions inside for each node, drawn from either side.
 STRAIGHT = 34
 
@@ -52,8 +56,8 @@ THROUGH_TABLE = 64
 #: Facets at which light of a direction is refracted, and elevations outside.
 FACETS, ELEVATIONS = 256, 48
 
-#: Nodes of a table that are computed at once, and cosines at which attenuations are known.
-ROWS, ATTENUATIONS = 256, 1 << 12
+#: Nodes of a table that are computed at once.
+ROWS = 256
 
 #: Least width of straight light, as a mirror of this width reflects: a table holds no narrower one.
 LEAST_SPREAD = MIN_ALPHA / 5
@@ -68,21 +72,24 @@ class SlabTables(NamedTuple):
     Attributes:
         reflected: above it and below it.
         passed: float16 (*`PASSED_SHAPE`, C) logarithms of f / index^2 of transmission, of the index
-            on wo's side.
+            on wo's side, over `entering` of both directions.
         eta: index below it relative to above.
+        faces: alpha and eta of the first interface on each side.
     """
 
     reflected: tuple[Material, Material]
     passed: np.ndarray
     eta: float
+    faces: tuple[tuple[float, float], ...]
 
     def f(self, wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
         """f (N, C) [1/sr] of importance for unit vectors (N, 3) on any side."""
         lower = wi[:, 2:] < 0
         a, b = (np.concatenate([w[:, :2], np.abs(w[:, 2:])], axis=1) for w in (wi, wo))
         reflected = np.where(lower, *(m.f(a, b) for m in self.reflected[::-1]))
-        above, below = (Components(*np.where(lower, *p).T) for p in ((b, a), (a, b)))
-        passed = interpolated_at(self.passed, *passed_coordinates(above, below, self.eta, NUMPY))
+        pair = [Components(*np.where(lower, *p).T) for p in ((b, a), (a, b))]
+        passed = interpolated_at(self.passed, *passed_coordinates(*pair, self.eta, NUMPY))
+        passed *= entering(*pair, self.faces, NUMPY)[:, None]
         passed *= np.where(wo[:, 2:] < 0, self.eta**2, 1)
         return np.where(wi[:, 2:] * wo[:, 2:] < 0, passed, reflected)
 
@@ -116,9 +123,24 @@ def slab_tables(model: Model, interfaces: np.ndarray, media: np.ndarray) -> Slab
     above = _reflected(model, interfaces, media)
     below = above if symmetric else _reflected(model, turned, media[::-1])
     f = np.maximum(transmitted(interfaces, media, above, symmetric), 1e-30)
+    index, faces = float(interfaces[:, 1].prod()), (tuple(interfaces[0]), tuple(turned[0]))
+    pair = (Components(*w.T) for w in _node_pairs(index))
+    f /= entering(*pair, faces, NUMPY).reshape(*PASSED_SHAPE, 1)
     logs = np.log(f).clip(MIN_LOG, MAX_LOG)
-    index = float(interfaces[:, 1].prod())
-    return SlabTables((above[0], below[0]), logs.astype(np.float16), index)
+    return SlabTables((above[0], below[0]), logs.astype(np.float16), index, faces)
+
+
+def entering(above: Any, below: Any, faces: tuple[tuple[float, float], ...], xp: Namespace) -> Any:
+    """A factor of transmitted light that is steep near the horizon: what enters denser layers.
+
+    A table of the rest is smooth, also where refraction bends all light of the horizon into a cone.
+    """
+    result = 1 + 0 * above.z
+    for w, (alpha, eta) in zip((above, below), faces, strict=True):
+        if eta > 1:
+            tilted = xp.sqrt(w.z * w.z + float(alpha) ** 2 * (1 - w.z * w.z))
+            result = result * (1 - fresnel.dielectric(tilted, float(eta), xp)[0])
+    return result
 
 
 def passed_coordinates(above: Any, below: Any, index: float, xp: Namespace) -> tuple[Any, ...]:
@@ -126,10 +148,31 @@ def passed_coordinates(above: Any, below: Any, index: float, xp: Namespace) -> t
 
     index: below the slab relative to above.
     """
-    a, b = _refracted(above, below, index, max(index, 1 / index), xp)
+    ratio = max(index, 1 / index)
+    return _denser_coordinates(*_refracted(above, below, index, ratio, xp), ratio, xp)
+
+
+def _denser_coordinates(a: Any, b: Any, ratio: float, xp: Namespace) -> tuple[Any, ...]:
+    """Coordinates of pairs of directions in the denser medium; ratio: of the indices outside."""
     both, apart = Components(a.x + b.x, a.y + b.y, a.z + b.z), Components(None, None, a.z - b.z)
     u, v, w = coordinates(both, apart, 1, xp)
+    if ratio > 1 + MIN_INDEX_STEP:
+        cosine, cone = _cosine(v), _cone(ratio)
+        inside = 1 - ratio * ratio * (1 - cosine) * (1 + cosine)
+        less = xp.safe_sqrt(xp.maximum(1 - xp.safe_sqrt(xp.maximum(inside, 0)), 0))
+        beyond = CONE + (1 - CONE) * (v - cone) / (1 - cone)
+        v = xp.where(inside > 0, CONE * less, beyond)
     return u, v, 0.5 + xp.where(apart.z > 0, 0.5, -0.5) * w
+
+
+def _cosine(v: Any) -> Any:
+    """The cosine of the difference angle of a table's coordinate v."""
+    return 1 - v * v
+
+
+def _cone(ratio: float) -> float:
+    """The coordinate v of the angle of total reflection."""
+    return float((1 - (1 - 1 / ratio**2) ** 0.5) ** 0.5)
 
 
 def _refracted(above: Any, below: Any, index: float, ratio: float, xp: Namespace) -> tuple:
@@ -152,11 +195,16 @@ def _refracted_rows(w: np.ndarray, eta: float) -> np.ndarray:
 def _node_pairs(index: float) -> tuple[np.ndarray, np.ndarray]:
     """Directions above and below, (N, 3) float32, of the nodes of a table of transmitted light."""
     u, v, w = (np.linspace(0, 1, count) for count in PASSED_SHAPE)
+    ratio = max(index, 1 / index)
+    if ratio > 1 + MIN_INDEX_STEP:
+        cosine, cone = _cosine(np.minimum(v / CONE, 1)), _cone(ratio)
+        inside = np.sqrt(1 - np.sqrt(1 - (1 - cosine) * (1 + cosine) / ratio**2))
+        v = np.where(v < CONE, inside, cone + (v - CONE) / (1 - CONE) * (1 - cone))
     u, v, w = (x.ravel() for x in np.meshgrid(u, v, 2 * w - 1, indexing="ij"))
     low, high = node_directions(u, v, np.abs(w))
     pair = [Components(*np.where(w[:, None] > 0, *p).T) for p in ((high, low), (low, high))]
     found = []
-    for x, y, z in _refracted(pair[0], pair[1], index, min(index, 1 / index), NUMPY):
+    for x, y, z in _refracted(pair[0], pair[1], index, 1 / ratio, NUMPY):
         raised = np.stack([x, y, np.maximum(z, MIN_COSINE)], axis=1)
         found.append((raised / np.linalg.norm(raised, axis=1, keepdims=True)).astype(np.float32))
     return found[0], found[1]
@@ -172,10 +220,21 @@ def _reflected(model: Model, interfaces: np.ndarray, media: np.ndarray) -> list[
         codes[:, lobe] = lobes.of_coat(alpha, eta)
         table = np.full((*SHAPE, channels), MIN_LOG, np.float16)
         if parts:
+            edges, lower = _edges(interfaces, level), None
+            if len(parts) == 1:
+                width, index = interfaces[-1]
+                lower = adding.mirror(width, 1 / index, edges)
             coat = CoatParameters(alpha, eta, *media[level])
-            table = coated_table(parts[0], coat, codes[:, lobe], slab=True)
+            table = coated_table(parts[0], coat, codes[:, lobe], Inside(edges, lower))
         parts.insert(0, Material(codes, model, table=table, beside_lobe=True))
     return parts
+
+
+def _edges(interfaces: np.ndarray, level: int) -> adding.Edges:
+    """Angles of total reflection inside a medium, or beyond the last one: of every other index."""
+    indices = np.append(1, interfaces[:, 1].cumprod())
+    sines = indices / indices[level + 1]
+    return tuple(np.unique(np.arcsin(sines[sines < 1 - 1e-6]).round(4)).tolist())
 
 
 def transmitted(
@@ -188,42 +247,48 @@ def transmitted(
         parts: what is reflected above each interface.
         symmetric: whether both sides are the same.
     """
-    own, outside = adding.grid(), adding.Grid(ELEVATIONS)
     indices = interfaces[:, 1].cumprod()
+    edges = [_edges(interfaces, level) for level in range(-1, len(interfaces))]
+    outside = adding.Grid(ELEVATIONS, edges=edges[-1 if indices[-1] > 1 else 0])
     facets = _facets(interfaces, indices)
     alpha, eta = interfaces[-1]
-    lower = [adding.interface_modes(alpha, 1 / eta)] * media.shape[-1]
-    surface: Callable[[np.ndarray], np.ndarray] = _mirror(alpha, 1 / eta)
+    lower = [adding.interface_modes(alpha, 1 / eta, edges[-2])] * media.shape[-1]
+    surface = adding.mirror(alpha, 1 / eta, edges[-2])
     # Light from below that arrives above the interfaces that have been passed, all and straight
-    every = [_crossing_modes(outside, alpha, 1 / eta)] * media.shape[-1]
+    crossing = _crossing_modes(outside, adding.grid(edges[-2]), alpha, 1 / eta)
+    every = [crossing] * media.shape[-1]
     direct, table = every, None
     for level in reversed(range(len(media))):
+        inside, own = edges[level + 1], adding.grid(edges[level + 1])
         alpha, eta = interfaces[level]
-        back = adding.interface_modes(alpha, eta)
+        back = adding.interface_modes(alpha, eta, inside)
         if table is not None:
-            lower = list(adding.bottom_modes(parts[level + 1].f))
+            lower = list(adding.bottom_modes(parts[level + 1].f, inside))
             shares = np.stack([own.mirror_shares(modes) for modes in lower])
-            surface = _interpolation(own, shares.T)
+            surface = own.function(shares.T)
         fields, straights, depths = zip(
             *(
-                adding.passed_inside(modes, back, *medium)
+                adding.passed_inside(modes, back, *medium, inside)
                 for modes, medium in zip(lower, media[level].T, strict=True)
             ),
             strict=True,
         )
         every = [a @ b for a, b in zip(every, fields, strict=True)]
         direct = [a * b for a, b in zip(direct, straights, strict=True)]
-        attenuation = _attenuation(np.array(depths), _mirror(alpha, eta), surface)
+        attenuation, _ = adding.to_and_fro(depths, adding.mirror(alpha, eta, inside), surface)
         straight = _two_interfaces(facets[level], facets[-1], indices[level], attenuation)
         if table is not None:
             index = indices[-1] / indices[level]
             straight = _one_interface(facets[level], table, index, attenuation)
         if level:
-            inner = own.averaged(functools.partial(_crossing_modes, alpha=alpha, eta=1 / eta))
+            above = adding.grid(edges[level])
+            inner = own.averaged(
+                functools.partial(_crossing_modes, own=above, alpha=alpha, eta=1 / eta)
+            )
             every, direct = ([modes @ inner for modes in x] for x in (every, direct))
             index = indices[-1] / indices[level - 1]
             table = np.log(np.maximum(_tabulated(straight, index, media.shape[-1]), 1e-30))
-    entering = _crossing_modes(outside, alpha, eta)
+    entering = _crossing_modes(outside, own, alpha, eta)
     scattered = [
         own.mirror[:, None, None] * (entering @ ((a - b) / own.weights).swapaxes(1, 2))
         for a, b in zip(every, direct, strict=True)
@@ -266,40 +331,11 @@ def _facets(interfaces: np.ndarray, indices: np.ndarray) -> list[tuple[float, fl
     ]
 
 
-def _interpolation(own: adding.Grid, values: np.ndarray) -> Callable[[np.ndarray], np.ndarray]:
-    """The function (..., C) of cosines (...) with values (N, C) at the directions of a grid."""
-    return lambda cosine: np.stack(
-        [np.interp(cosine, own.cosines[::-1], column[::-1]) for column in values.T], axis=-1
-    ).astype(np.float32)
-
-
-def _mirror(alpha: float, eta: float) -> Callable[[np.ndarray], np.ndarray]:
-    """The share (..., 1) that an interface mirrors of light inside; eta: inside over outside."""
-    own, back = adding.grid(), adding.interface_modes(alpha, eta)
-    smooth = own.mirror_shares(back) / np.maximum(back[0] @ own.weights, 1e-9)
-    share = _interpolation(own, smooth[:, None])
-
-    def mirrored(cosine: np.ndarray) -> np.ndarray:
-        return fresnel.dielectric(cosine, np.float32(1 / eta), NUMPY)[0][..., None] * share(cosine)
-
-    return mirrored
-
-
-def _attenuation(depths: np.ndarray, *mirrors: Callable[[np.ndarray], np.ndarray]) -> Attenuation:
-    """What is left of light that goes straight, however often two surfaces mirror it."""
-    cosines = np.linspace(1 / ATTENUATIONS, 1, ATTENUATIONS).astype(np.float32)
-    left = np.exp(-depths.astype(np.float32) / cosines[:, None])
-    upper, lower = (mirror(cosines) for mirror in mirrors)
-    table = left / (1 - upper * lower * left * left)
-    return lambda cosine: table[(cosine * (ATTENUATIONS - 1)).astype(np.intp)]
-
-
-def _crossing_modes(outside: adding.Grid, alpha: float, eta: float) -> np.ndarray:
+def _crossing_modes(outside: adding.Grid, own: adding.Grid, alpha: float, eta: float) -> np.ndarray:
     """Modes (H, M, N): shares of light of M directions outside that arrive at N nodes inside.
 
     eta: inside over outside; 1: light goes on.
     """
-    own = adding.grid()
     if eta == 1:
         return np.stack([own.shares(outside.angles)] * len(own.azimuths))
     u = facet_points(FACETS)
@@ -311,7 +347,7 @@ def _crossing_modes(outside: adding.Grid, alpha: float, eta: float) -> np.ndarra
     for order in range(len(own.azimuths)):
         weight = inside.weight * np.cos(order * turn) / FACETS
         modes.append(np.einsum("mk,mkn->mn", weight, shares))
-    return np.stack(modes) @ adding.without_trapped(adding.interface_modes(alpha, eta), eta)
+    return np.stack(modes)
 
 
 def _turn(w: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -385,10 +421,9 @@ def _one_interface(
         )
         b = crossing_at(tuple(above[:, i, None] for i in range(3)), inside, *facets)
         denser, _ = _refracted(Components(*inside), far, index, ratio, NUMPY)
-        both = Components(*(p + q for p, q in zip(denser, far, strict=True)))
-        places = coordinates(both, Components(None, None, denser.z - far.z), 1, NUMPY)
-        signed = 0.5 + np.where(denser.z > far.z, 0.5, -0.5) * places[2]
-        values = interpolated_at(logs, *(p.ravel() for p in (*places[:2], signed)))
+        places = _denser_coordinates(denser, far, ratio, NUMPY)
+        values = interpolated_at(logs, *(p.ravel() for p in places))
+        both = [p + q for p, q in zip(denser, far, strict=True)]
         chance = peak.density_at(places[0]) / (2 * np.sqrt(sum(w * w for w in both)))
         if index > 1:  # solid angles of refracted directions
             chance = chance * inside[2] / (index * index * denser.z)

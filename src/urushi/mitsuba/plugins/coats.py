@@ -228,11 +228,11 @@ class BottomLobes:
         for q in (0.25, 0.75):
             along_axis = (1 - q * q) ** 0.5 / q
             widths = [
-                _width(np.abs(slope.numpy()), share, q, along_axis)
+                width(np.abs(slope.numpy()), share, q, along_axis)
                 for slope in (half.x / half.z, half.y / half.z)
             ]
             if max(widths) < ANISOTROPIC_RATIO * min(widths):
-                widths = [_width(tangent, share, q, ((1 - q) / q) ** 0.5)]
+                widths = [width(tangent, share, q, ((1 - q) / q) ** 0.5)]
             self._alphas.append([opaque(width) for width in widths])
 
     @property
@@ -247,7 +247,7 @@ def _cumulative(tangent: np.ndarray, share: np.ndarray) -> tuple[np.ndarray, np.
     return tangent[order], np.cumsum(share[order])
 
 
-def _width(tangent: np.ndarray, share: np.ndarray, q: float, factor: float) -> float:
+def width(tangent: np.ndarray, share: np.ndarray, q: float, factor: float) -> float:
     """A GGX width: a factor times the q-quantile of tangents of the given weights."""
     ascending, below = _cumulative(tangent, share)
     if below[-1] == 0:

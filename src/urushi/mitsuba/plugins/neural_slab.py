@@ -4,18 +4,64 @@ import drjit as dr
 import mitsuba as mi
 import numpy as np
 
-from urushi.core.namespace import DRJIT
+from urushi.checks import MIN_ALPHA
+from urushi.core.mixture import Mixture
+from urushi.core.namespace import DRJIT, NUMPY, Components
+from urushi.core.quadrature import half_vector_rule
 from urushi.errors import ParameterError
-from urushi.material.slab_table import PASSED_SHAPE, passed_coordinates, slab_tables
+from urushi.material.slab_table import (
+    PASSED_SHAPE,
+    SlabTables,
+    entering,
+    passed_coordinates,
+    slab_tables,
+)
 from urushi.mitsuba import spectrum
+from urushi.mitsuba.interface_albedo import Interpolated
 from urushi.mitsuba.latents import gradients
 from urushi.mitsuba.latents.holders import ConstantLatents
 from urushi.mitsuba.networks.table import interpolated, padded
 from urushi.mitsuba.plugins.base import ignore
 from urushi.mitsuba.plugins.coated import define_coated
-from urushi.mitsuba.plugins.coats import CoatStack, raised
+from urushi.mitsuba.plugins.coats import CoatStack, SlabMixture, raised, width
 from urushi.mitsuba.recording import only_where, owned
+from urushi.nets.features import MIN_COSINE
 from urushi.nets.weights import default_model
+from urushi.walk.slabs import straight
+
+#: Quantiles of the half angles at which lobes are sampled, and the weights of these lobes and of a
+#: cosine lobe. The first is for a narrow lobe that has a small part of the light.
+QUANTILES, WEIGHTS = (0.03, 0.25, 0.5, 0.8), (0.12, 0.3, 0.28, 0.2, 0.1)
+
+#: Cosines for which proposals are computed, and the least and largest share of reflected samples.
+COSINES, SHARES = 33, (0.03, 0.97)
+
+
+def _lobes(tables: SlabTables) -> np.ndarray:
+    """Proposals (2, `COSINES`, 9), of each side and the root of the cosine of wi.
+
+    The share that is reflected, within `SHARES`; and widths at `QUANTILES` of the half angles, of
+    reflected light and of transmitted light, as `coats.BottomLobes`.
+    """
+    found = np.empty((2, COSINES, 1 + 2 * len(QUANTILES)), np.float32)
+    for side, row in np.ndindex(found.shape[:2]):
+        cosine, sign = max((row / (COSINES - 1)) ** 2, MIN_COSINE), 1 - 2 * side
+        wi, powers, widths = np.array([(1 - cosine**2) ** 0.5, 0, cosine]), [], []
+        for seen, onward in (
+            (wi, [1, 1, sign]),
+            (np.ravel(straight(Components(*wi), tables.eta**sign, NUMPY)), [1, 1, -sign]),
+        ):
+            wo, weights = half_vector_rule(seen[None])
+            both, turned = wo[0] + seen, np.broadcast_to(wi * [1, 1, sign], wo[0].shape)
+            f = tables.f(turned.astype(np.float32), (wo[0] * onward).astype(np.float32))
+            power = f.mean(axis=1) * weights[0] * wo[0, :, 2]
+            tangent = np.hypot(both[:, 0], both[:, 1]) / both[:, 2]
+            powers.append(power.sum())
+            widths += [width(tangent, power, q, ((1 - q) / q) ** 0.5) for q in QUANTILES]
+        found[side, row] = powers[0] / sum(powers), *widths
+    found[..., 0] = found[..., 0].clip(*SHARES)
+    found[..., 1:] = found[..., 1:].clip(MIN_ALPHA / 4, 1)
+    return found
 
 
 def define(base: type) -> type:
@@ -68,7 +114,9 @@ def define(base: type) -> type:
             above, below = tables.reflected
             sides = (above,) if above is below else (above, below)
             self._reflected = [ConstantLatents(side) for side in sides]
-            self._passed, self._ratio = owned(mi.Float, padded(tables.passed)), tables.eta
+            self._passed = owned(mi.Float, padded(tables.passed))
+            self._ratio, self._surfaces = tables.eta, tables.faces
+            self._lobes = Interpolated(_lobes(tables))
 
         def _f(self, vertex, ctx, si, wo, active):
             inside, up = mi.SurfaceInteraction3f(si), raised(wo)
@@ -80,7 +128,8 @@ def define(base: type) -> type:
             def passed(a, b):
                 places = passed_coordinates(a, b, self._ratio, DRJIT)
                 logs = interpolated(self._passed, PASSED_SHAPE, [dr.clip(x, 0, 1) for x in places])
-                return [dr.exp(log) for log in logs[: len(channels)]]
+                scale = entering(a, b, self._surfaces, DRJIT)
+                return [dr.exp(log) * scale for log in logs[: len(channels)]]
 
             pair = dr.select(upper, inside.wi, up), dr.select(upper, up, inside.wi)
             through = only_where(active, passed, *pair)
@@ -91,5 +140,14 @@ def define(base: type) -> type:
                 dr.select(crosses, t * scale, r) for t, r in zip(through, channels, strict=True)
             ]
             return spectrum.from_channels(found, si.wavelengths, None)
+
+        def _proposal(self, vertex, si, active):
+            sides = [self._lobes([dr.sqrt(dr.abs(si.wi.z)), side]) for side in (0.0, 1.0)]
+            reflected, *widths = (
+                dr.select(si.wi.z > 0, *pair) for pair in zip(*sides, strict=True)
+            )
+            count = len(QUANTILES)
+            mixtures = [Mixture(WEIGHTS, part) for part in (widths[:count], widths[count:])]
+            return SlabMixture(*mixtures, reflected, self._index_across(si.wi))
 
     return NeuralSlab
