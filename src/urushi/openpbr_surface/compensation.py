@@ -356,11 +356,13 @@ def _losses(coat: "mi.BSDF", uv: np.ndarray) -> np.ndarray:
 
 
 def sampled_losses(
-    coat: "mi.BSDF", uv: np.ndarray, samples: int = SAMPLES, below: bool = False
+    coat: "mi.BSDF", uv: np.ndarray, samples: int = SAMPLES, below: bool | None = None
 ) -> np.ndarray:
     """Losses (N, COSINES) of a random walk, by its samples at an azimuth of 45 degrees.
 
-    samples: for each cosine, over all points. below: of light from below a slab.
+    samples: for each cosine, over all points.
+    below: of a slab: whether of light from below. There, total reflection has an edge, and the
+        samples are as they are; losses of coats are a polynomial.
     """
     context = mi.BSDFContext(mi.TransportMode.Importance)  # shares of power
     roots = np.linspace(0, 1, COSINES)[1:]
@@ -378,8 +380,12 @@ def sampled_losses(
         u = [((index + 0.5) * 1.2207440846057596**-k % 1).astype(np.float32) for k in (1, 2, 3)]
         _, weight = coat.sample(context, si, mi.Float(u[0]), mi.Point2f(u[1], u[2]))
         reflected = np.broadcast_to(weight[0].numpy(), len(index)).reshape(len(roots), -1)
-        fit = np.polynomial.Polynomial.fit(roots, 1 - reflected.mean(axis=1), DEGREE)
-        losses[row] = fit(np.linspace(0, 1, COSINES))
+        lost = 1 - reflected.mean(axis=1)
+        if below is None:
+            fit = np.polynomial.Polynomial.fit(roots, lost, DEGREE)
+            losses[row] = fit(np.linspace(0, 1, COSINES))
+        else:
+            losses[row] = np.append(lost[0], lost)
     return losses
 
 

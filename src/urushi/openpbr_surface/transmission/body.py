@@ -29,7 +29,7 @@ def define(proposal_bsdf: type) -> Callable[..., "mi.BSDF"]:
         """A surface that transmits light: a mixture of two-sided BSDFs."""
 
         def __init__(self, inputs: Inputs, make: Callable[[], list]):
-            """make: returns the parts: BSDF, weight at an interaction, and what `finish` takes."""
+            """make: returns the parts: BSDF, weight at an interaction, and `Finish` or None."""
             super().__init__(mi.Properties("openpbr"))
             self._where, self._inputs, self._make = inputs.where, inputs, make
             self._configure()
@@ -64,7 +64,8 @@ def define(proposal_bsdf: type) -> Callable[..., "mi.BSDF"]:
                 towards = wo if own is si else turn.inside(wo)
                 value, density = bsdf._f_and_pdf(part.vertex, ctx, own, towards, active)
                 if finish is not None:
-                    value = finish(value, ctx, own, towards, active)
+                    value = finish.f(value, ctx, own, towards, active)
+                    density = finish.density(density, own.wi, towards)
                 f += part.weight * value
                 pdf += part.weight * density
             return f, pdf
@@ -72,9 +73,10 @@ def define(proposal_bsdf: type) -> Callable[..., "mi.BSDF"]:
         def _proposal(self, vertex, si, active):
             turn, parts = vertex
             proposals = []
-            for part in parts:
+            for part, (_, _, finish) in zip(parts, self._parts, strict=True):
                 own = self._interaction(turn, part.bsdf, si)
                 proposal = part.bsdf._proposal(part.vertex, own, active)
+                proposal = finish.proposal(proposal, own.wi) if finish else proposal
                 proposals.append(
                     (proposal if own is si else TurnedMixture(proposal, turn), part.weight)
                 )

@@ -8,14 +8,16 @@ import numpy as np
 
 from urushi.checks import AIR
 from urushi.core.appearance import optical_depth
+from urushi.core.mixture import Mixture
 from urushi.core.namespace import DRJIT
 from urushi.mitsuba.interface_albedo import Interpolated
 from urushi.mitsuba.plugins.coats import raised
 from urushi.openpbr_surface import formulas
+from urushi.openpbr_surface.bsdfs import SurfaceProposal
 from urushi.openpbr_surface.compensation import hemisphere_weights, sampled_losses
 from urushi.openpbr_surface.inputs import Inputs, derived, width_properties
 from urushi.openpbr_surface.transmission.shares import facet_widths, index_of, tint_of
-from urushi.openpbr_surface.transmission.sides import index2, relative
+from urushi.openpbr_surface.transmission.sides import TwoSided, index2, relative
 from urushi.walk import interface
 
 #: Samples from which the light that a slab loses is measured, for each cosine.
@@ -37,11 +39,19 @@ class Lost:
         self._losses = Interpolated(losses)
         means = hemisphere_weights() @ losses
         self._index, self._scale = index, np.pi * (means[0] + index**2 * means[1])
+        self._below = float(np.pi * index**2 * means[1] / max(self._scale, 1e-5))
+
+    def _at(self, w):
+        return dr.select(w.z > 0, *self._losses([dr.sqrt(dr.abs(w.z))]))
 
     def lobe(self, wi, wo):
         """The lobe of importance [1/sr]."""
-        lost = [dr.select(w.z > 0, *self._losses([dr.sqrt(dr.abs(w.z))])) for w in (wi, wo)]
-        return lost[0] * lost[1] * (index2(wo, self._index) / max(self._scale, 1e-5))
+        return self._at(wi) * self._at(wo) * (index2(wo, self._index) / max(self._scale, 1e-5))
+
+    def proposal(self, wi):
+        """Directions of the lobe, and their share of all."""
+        through = dr.select(wi.z > 0, self._below, 1 - self._below)
+        return TwoSided(Mixture([0.0, 1.0], [1.0]), through), dr.clip(self._at(wi), 0, 0.9)
 
 
 class Finish:
@@ -51,7 +61,21 @@ class Finish:
         self._inputs, self._coated, self._lost = inputs, coated, lost
         self._index = 1.0 if inputs.thin else index_of(inputs)
 
-    def __call__(self, f, ctx, si, wo, active):
+    def proposal(self, slab, wi):
+        """The proposal of the slab with it."""
+        if self._lost is None:
+            return slab
+        lobe, share = self._lost.proposal(wi)
+        return SurfaceProposal([(slab, 1 - share), (lobe, share)], 0.0)
+
+    def density(self, density, wi, wo):
+        """The density of `proposal` at wo, from the slab's [1/sr]."""
+        if self._lost is None:
+            return density
+        lobe, share = self._lost.proposal(wi)
+        return dr.lerp(density, lobe.pdf(wi, wo), share)
+
+    def f(self, f, ctx, si, wo, active):
         """f [1/sr] of the slab with it."""
         inputs, through = self._inputs, si.wi.z * wo.z < 0
         tint = tint_of(inputs, si, active)
