@@ -45,6 +45,8 @@ FIRST_DEPTH, LEAST_SCATTERING = 1e-4, 1e-6
 #: Rounds of the scalings that give rows their sums.
 ROUNDS = 20
 
+_gauss = functools.cache(np.polynomial.legendre.leggauss)
+
 #: Ascending angles inside a medium at which light begins to be totally reflected.
 Edges = tuple[float, ...]
 
@@ -74,7 +76,7 @@ class Grid:
         parts = []
         for start, end in itertools.pairwise((0.0, *edges, 0.5 * np.pi)):
             share = (end - start) / (0.5 * np.pi)
-            nodes, weights = np.polynomial.legendre.leggauss(max(round(elevations * share), 4))
+            nodes, weights = _gauss(max(round(elevations * share), 4))
             half = 0.5 * (end - start)
             parts.append((start + half * (nodes + 1), half * weights))
         self.angles, weights = np.concatenate(parts, axis=1)

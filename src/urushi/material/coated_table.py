@@ -29,10 +29,12 @@ from urushi.material import adding, energy
 from urushi.material.crossing import Crossing, Vector, cross, crossing_at, facet_pair_points
 from urushi.material.material import Material
 from urushi.material.table import (
+    COARSE,
     HIGHEST,
     LOWEST,
     SHAPE,
     TAN2_OFFSET,
+    completed,
     coordinates,
     interpolated,
     interpolated_at,
@@ -129,8 +131,11 @@ def coated_rest(bottom: Material, coat: CoatParameters, slab: Inside | None = No
         coat: numbers or arrays (C,), with one width.
         slab: of a coat of a slab.
     """
+    pairs = node_pairs()
+    if slab:
+        pairs = tuple(w.reshape(*SHAPE, 3)[COARSE].reshape(-1, 3) for w in pairs)
     parameters = np.stack([*np.broadcast_arrays(*coat, np.zeros(bottom.channels))][:5])
-    result = np.empty((len(node_pairs()[0]), parameters.shape[1]), np.float32)
+    result = np.empty((len(pairs[0]), parameters.shape[1]), np.float32)
     modes = adding.bottom_modes(bottom.f, slab.edges if slab else ())
     peak = half_vectors(bottom.f(*node_pairs()).reshape(*SHAPE, -1))
     for interface in np.unique(parameters[:2], axis=1).T:
@@ -144,11 +149,14 @@ def coated_rest(bottom: Material, coat: CoatParameters, slab: Inside | None = No
         fill_blocks(
             values,
             lambda *pair, below=below, interface=interface: _crossed(below, *interface, *pair),
-            *node_pairs(),
+            *pairs,
             rows=ROWS,
         )
         values = values @ weights if len(weights) < len(first) else values
         result[:, chosen] = values[:, which]
+    if slab:
+        every = completed(result.reshape(len(COARSE), *SHAPE[1:], -1))
+        return every.reshape(-1, parameters.shape[1])
     return result
 
 

@@ -19,6 +19,7 @@ directions are drawn from both sides.
 """
 
 import functools
+import math
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
@@ -32,7 +33,14 @@ from urushi.material import adding
 from urushi.material.coated_table import HalfVectors, Inside, coated_table, half_vectors
 from urushi.material.crossing import Vector, cross, crossing_at, facet_points
 from urushi.material.material import Material
-from urushi.material.table import SHAPE, coordinates, interpolated_at, node_directions
+from urushi.material.table import (
+    COARSE,
+    SHAPE,
+    completed,
+    coordinates,
+    interpolated_at,
+    node_directions,
+)
 from urushi.nets import lobe as lobes
 from urushi.nets.decoder import MAX_LOG, MIN_LOG
 from urushi.nets.features import MIN_COSINE
@@ -306,14 +314,16 @@ def _tabulated(
     f: Callable[..., np.ndarray], index: float, channels: int, symmetric: bool = False
 ) -> np.ndarray:
     """Values (*`PASSED_SHAPE`, C) of a function of directions above and below (N, 3)."""
-    result = np.empty((*PASSED_SHAPE, channels), np.float32)
     half = SHAPE[2] if symmetric else PASSED_SHAPE[2]
-    pairs = (w.reshape(*PASSED_SHAPE, 3)[:, :, :half].reshape(-1, 3) for w in _node_pairs(index))
-    values = np.empty((PASSED_SHAPE[0] * PASSED_SHAPE[1] * half, channels), np.float32)
+    shape = len(COARSE), PASSED_SHAPE[1], half
+    pairs = (
+        w.reshape(*PASSED_SHAPE, 3)[COARSE, :, :half].reshape(-1, 3) for w in _node_pairs(index)
+    )
+    values = np.empty((math.prod(shape), channels), np.float32)
     fill_blocks(values, f, *pairs, rows=ROWS)
-    result[:, :, :half] = values.reshape(*SHAPE[:2], half, channels)
+    result = completed(values.reshape(*shape, channels))
     if symmetric:
-        result[:, :, half:] = result[:, :, half - 2 :: -1]
+        result = np.concatenate([result, result[:, :, half - 2 :: -1]], axis=2)
     return result
 
 

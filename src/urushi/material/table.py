@@ -47,6 +47,9 @@ SHAPE = SHAPES[1]
 TAN2_OFFSET = 1e-5
 LOWEST, HIGHEST, ANISOTROPIC_HIGHEST = math.log(TAN2_OFFSET), math.log(1e3), math.log(1e2)
 
+#: Nodes in u at which slabs are computed.
+COARSE = np.append(np.arange(0, SHAPE[0] - 1, 4), SHAPE[0] - 1)
+
 #: Pairs that are evaluated at once.
 BLOCK = 4096
 
@@ -134,6 +137,23 @@ def coordinates(both: Any, apart: Any, widths: int, xp: Namespace) -> tuple[Any,
 def _log_tangent(tan2: Any, highest: float, xp: Namespace) -> Any:
     """The coordinate u of a squared tangent."""
     return (xp.log(tan2 + TAN2_OFFSET) - LOWEST) * (1 / (highest - LOWEST))
+
+
+def completed(f: np.ndarray) -> np.ndarray:
+    """Values (U, ...) at all nodes in u of values f (K, ...) at `COARSE` ones.
+
+    Logarithms of smooth lobes are cubic (Lagrange) between four of these nodes.
+    """
+    nodes, logs = np.arange(SHAPE[0]), np.log(np.maximum(f, math.exp(MIN_LOG)))
+    above = np.searchsorted(COARSE, nodes).clip(1, len(COARSE) - 1)
+    first = (above - 2).clip(0, len(COARSE) - 4)
+    shares = np.zeros((len(nodes), len(COARSE)), np.float32)
+    for i, j in np.ndindex(len(nodes), 4):
+        known = COARSE[first[i] : first[i] + 4].astype(float)
+        others = np.delete(known, j)
+        shares[i, first[i] + j] = np.prod((nodes[i] - others) / (known[j] - others))
+    ends = logs[above - 1], logs[above]
+    return np.exp(np.tensordot(shares, logs, 1).clip(np.minimum(*ends), np.maximum(*ends)))
 
 
 @functools.cache
