@@ -242,7 +242,7 @@ def interface_modes(alpha: float, eta: float, edges: Edges = ()) -> np.ndarray:
     )
 
 
-def mirror(alpha: float, eta: float, edges: Edges) -> Mirror:
+def mirror(alpha: float, eta: float, *, edges: Edges) -> Mirror:
     """The share (..., 1) that an interface mirrors of light below it; eta: below over above."""
     own, modes = grid(edges), interface_modes(alpha, eta, edges)
     share = own.function(own.mirror_shares(modes) / np.maximum(modes[0] @ own.weights, 1e-9))
@@ -262,7 +262,8 @@ def to_and_fro(
         depths: (C,) optical depths of the medium between the surfaces.
 
     Returns:
-        What crosses the medium, of light that enters it; and the part of it that is not attenuated.
+        What crosses the medium, of light that enters it; and, without attenuation, the root, a
+        factor of each direction of light that the lower surface reflects.
     """
     cosines = np.linspace(1 / COSINES, 1, COSINES).astype(np.float32)
     left = np.exp(-np.asarray(depths, np.float32) / cosines[:, None])
@@ -272,7 +273,7 @@ def to_and_fro(
     def lookup(table: np.ndarray) -> Callable[[np.ndarray], np.ndarray]:
         return lambda cosine: table[(cosine * (COSINES - 1)).astype(np.intp)]
 
-    return lookup(left * times), lookup(times)
+    return lookup(left * times), lookup(np.sqrt(times))
 
 
 def seen_inside(
@@ -281,6 +282,7 @@ def seen_inside(
     albedo: float,
     sigma_t: float,
     g: float,
+    *,
     edges: Edges | None = None,
 ) -> tuple[np.ndarray, float]:
     """BRDF of a bottom and a medium below an interface that reflects from below.
@@ -320,6 +322,7 @@ def passed_inside(
     albedo: float,
     sigma_t: float,
     g: float,
+    *,
     edges: Edges,
 ) -> tuple[np.ndarray, np.ndarray, float]:
     """Transmission of a medium over a bottom, below an interface that reflects from below.

@@ -29,11 +29,11 @@ from urushi.material import adding, energy
 from urushi.material.crossing import Crossing, Vector, cross, crossing_at, facet_pair_points
 from urushi.material.material import Material
 from urushi.material.table import (
-    COARSE,
     HIGHEST,
     LOWEST,
     SHAPE,
     TAN2_OFFSET,
+    coarse,
     completed,
     coordinates,
     interpolated,
@@ -57,6 +57,9 @@ PEAK_NODES = 17
 #: about the rounding of a table in half precision.
 SPANNED = 2e-3
 
+#: Nodes in u at which slabs are computed.
+KNOWN = coarse(4)
+
 #: Nodes of a table that are computed at once: their numbers stay in a core's cache.
 ROWS = 128
 
@@ -65,6 +68,11 @@ COSINES = np.array([1.0, 0.9, 0.75, 0.6, 0.45, 0.3, 0.2, 0.1, 0.05, 0.02, 0.01])
 
 #: Rounds of that limit.
 ROUNDS = 4
+
+
+#: The `adding.Edges` of the medium of a slab, and how the lowest interface under it mirrors light;
+#: None: the bottom is a table.
+Inside = tuple[adding.Edges, adding.Mirror | None]
 
 
 class HalfVectors(NamedTuple):
@@ -100,7 +108,8 @@ class Below(NamedTuple):
         table: float32 (U, V, W, C), its logarithm without the bottom's lobes.
         lobe: float32 (C, N) of the bottom; (1, N) if the channels share it; None: there is none.
         depth: float32 (C,) the optical depth that attenuates light from the lobe.
-        times: of slabs, as often as it is mirrored to and fro; see `adding.to_and_fro`.
+        times: of slabs, the factor of each direction of light from the lobe; see
+            `adding.to_and_fro`.
         peak: the bottom's half vectors.
     """
 
@@ -109,18 +118,6 @@ class Below(NamedTuple):
     depth: np.ndarray
     times: Callable[[np.ndarray], np.ndarray] | None
     peak: HalfVectors
-
-
-class Inside(NamedTuple):
-    """What is known of the medium of a slab.
-
-    Attributes:
-        edges: of its grid.
-        lower: how the bottom mirrors light; None: as its table does.
-    """
-
-    edges: adding.Edges
-    lower: adding.Mirror | None
 
 
 def coated_rest(bottom: Material, coat: CoatParameters, slab: Inside | None = None) -> np.ndarray:
@@ -133,10 +130,10 @@ def coated_rest(bottom: Material, coat: CoatParameters, slab: Inside | None = No
     """
     pairs = node_pairs()
     if slab:
-        pairs = tuple(w.reshape(*SHAPE, 3)[COARSE].reshape(-1, 3) for w in pairs)
+        pairs = tuple(w.reshape(*SHAPE, 3)[KNOWN].reshape(-1, 3) for w in pairs)
     parameters = np.stack([*np.broadcast_arrays(*coat, np.zeros(bottom.channels))][:5])
     result = np.empty((len(pairs[0]), parameters.shape[1]), np.float32)
-    modes = adding.bottom_modes(bottom.f, slab.edges if slab else ())
+    modes = adding.bottom_modes(bottom.f, slab[0] if slab else ())
     peak = half_vectors(bottom.f(*node_pairs()).reshape(*SHAPE, -1))
     for interface in np.unique(parameters[:2], axis=1).T:
         chosen = np.flatnonzero((parameters[:2] == interface[:, None]).all(axis=0))
@@ -155,7 +152,7 @@ def coated_rest(bottom: Material, coat: CoatParameters, slab: Inside | None = No
         values = values @ weights if len(weights) < len(first) else values
         result[:, chosen] = values[:, which]
     if slab:
-        every = completed(result.reshape(len(COARSE), *SHAPE[1:], -1))
+        every = completed(result.reshape(len(KNOWN), *SHAPE[1:], -1), KNOWN)
         return every.reshape(-1, parameters.shape[1])
     return result
 
@@ -246,12 +243,12 @@ def _below(
     """What lies below for channels (C,) of the bottom under media (3, C), all different."""
     assert bottom.table is not None  # for the type checker
     wi, wo = node_pairs()
-    edges = slab.edges if slab else ()
-    own, back = adding.grid(edges), adding.interface_modes(*interface, edges)
+    edges = slab[0] if slab else ()
+    own, back = adding.grid(edges), adding.interface_modes(*interface, edges=edges)
     inverse = (1 / wi[:, 2] + 1 / wo[:, 2]).reshape(SHAPE)
     direct, more, depths, times = [], [], [], None
     for channel, medium in zip(channels, media.T, strict=True):
-        again, depth = adding.seen_inside(modes[channel], back, *medium, slab and slab.edges)
+        again, depth = adding.seen_inside(modes[channel], back, *medium, edges=slab and edges)
         more.append(own.interpolated(again[..., None], wi, wo).reshape(SHAPE))
         logs = bottom.table[..., channel].astype(np.float32) - depth * inverse
         direct.append(np.exp(logs))
@@ -259,9 +256,9 @@ def _below(
     values = np.stack(direct, axis=-1)
     if slab:
         shares = [own.mirror_shares(modes[channel]) for channel in channels]
-        lower = slab.lower or own.function(np.stack(shares, axis=-1))
-        times = adding.to_and_fro(depths, adding.mirror(*interface, edges), lower)[1]
-        values *= np.sqrt(times(wi[:, 2]) * times(wo[:, 2])).reshape(values.shape)
+        lower = slab[1] or own.function(np.stack(shares, axis=-1))
+        times = adding.to_and_fro(depths, adding.mirror(*interface, edges=edges), lower)[1]
+        values *= (times(wi[:, 2]) * times(wo[:, 2])).reshape(values.shape)
     table = np.log(np.maximum(values + np.stack(more, axis=-1), 1e-30)).astype(np.float32)
     lobe = None
     if bottom.beside_lobe:
@@ -315,14 +312,14 @@ def _crossed(below: Below, alpha: float, eta: float, wi: np.ndarray, wo: np.ndar
     a, b = (cross(c, alpha, eta, u[:, k : k + 2]) for c, k in zip(cosines, (0, 2), strict=True))
     total = _weighted(below, a, b._replace(inside=_turned(b.inside, turn)))
     half = below.peak.draw(u[:, 2:])
-    for one, other in (cosines, cosines[::-1]):  # the bottom is the same seen in a mirror
-        a = cross(one, alpha, eta, u[:, :2])
-        dot = sum(x * h for x, h in zip(a.inside, half, strict=True))
-        reflected = tuple(2 * dot * h - x for x, h in zip(a.inside, half, strict=True))
+    mirrored = cross(cosines[1], alpha, eta, u[:, :2]), cosines[0]
+    for near, other in ((a, cosines[1]), mirrored):  # the bottom is the same seen in a mirror
+        dot = sum(x * h for x, h in zip(near.inside, half, strict=True))
+        reflected = tuple(2 * dot * h - x for x, h in zip(near.inside, half, strict=True))
         sine = np.sqrt(np.maximum(1 - other * other, 0))
         outside = _turned((sine, np.zeros_like(sine), other), turn)
         b = crossing_at(outside, reflected, alpha, eta)
-        total += _weighted(below, a, b._replace(weight=np.where(dot > 0, b.weight, 0)))
+        total += _weighted(below, near, b._replace(weight=np.where(dot > 0, b.weight, 0)))
     return total / (eta * eta)
 
 
@@ -358,7 +355,7 @@ def _seen(
     if below.depth.any():
         own = own * np.exp(-below.depth * (1 / wi[..., 2, None] + 1 / wo[..., 2, None]))
     if below.times:
-        own = own * np.sqrt(below.times(wi[..., 2]) * below.times(wo[..., 2]))
+        own = own * below.times(wi[..., 2]) * below.times(wo[..., 2])
     return values + own
 
 

@@ -30,12 +30,12 @@ from urushi.core import fresnel
 from urushi.core.namespace import NUMPY, Components, Namespace
 from urushi.core.quadrature import half_vector_rule
 from urushi.material import adding
-from urushi.material.coated_table import HalfVectors, Inside, coated_table, half_vectors
+from urushi.material.coated_table import HalfVectors, coated_table, half_vectors
 from urushi.material.crossing import Vector, cross, crossing_at, facet_points
 from urushi.material.material import Material
 from urushi.material.table import (
-    COARSE,
     SHAPE,
+    coarse,
     completed,
     coordinates,
     interpolated_at,
@@ -64,6 +64,9 @@ THROUGH_TABLE = 64
 #: Facets at which light of a direction is refracted, and elevations outside.
 FACETS, ELEVATIONS = 256, 48
 
+#: Nodes in u at which tables are computed.
+KNOWN = coarse(3)
+
 #: Nodes of a table that are computed at once.
 ROWS = 256
 
@@ -72,6 +75,10 @@ LEAST_SPREAD = MIN_ALPHA / 5
 
 #: The share (..., C) of light that is left of cosines (...).
 Attenuation = Callable[[np.ndarray], np.ndarray]
+
+
+#: Alpha and eta of the first interface on either side.
+Faces = tuple[tuple[float, float], tuple[float, float]]
 
 
 class SlabTables(NamedTuple):
@@ -88,34 +95,40 @@ class SlabTables(NamedTuple):
     reflected: tuple[Material, Material]
     passed: np.ndarray
     eta: float
-    faces: tuple[tuple[float, float], ...]
+    faces: Faces
 
     def f(self, wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
         """f (N, C) [1/sr] of importance for unit vectors (N, 3) on any side."""
         lower = wi[:, 2:] < 0
         a, b = (np.concatenate([w[:, :2], np.abs(w[:, 2:])], axis=1) for w in (wi, wo))
         reflected = np.where(lower, *(m.f(a, b) for m in self.reflected[::-1]))
-        pair = [Components(*np.where(lower, *p).T) for p in ((b, a), (a, b))]
-        passed = interpolated_at(self.passed, *passed_coordinates(*pair, self.eta, NUMPY))
-        passed *= entering(*pair, self.faces, NUMPY)[:, None]
+        above, below = (Components(*np.where(lower, *p).T) for p in ((b, a), (a, b)))
+        passed = interpolated_at(self.passed, *passed_coordinates(above, below, self.eta, NUMPY))
+        passed *= entering(above, below, self.faces, NUMPY)[:, None]
         passed *= np.where(wo[:, 2:] < 0, self.eta**2, 1)
         return np.where(wi[:, 2:] * wo[:, 2:] < 0, passed, reflected)
 
-    def shares(self, wi: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Shares (N, C) of the light of unit vectors (N, 3) that is reflected and transmitted."""
-        reflected, passed = [], []
-        for w in wi[:, None].astype(np.float32):
-            side = np.array([1, 1, np.sign(w[0, 2])], np.float32)
-            material, across = self.reflected[int(w[0, 2] < 0)], self.eta ** float(side[2])
-            reflected.append(material.directional_albedo(w * side)[0])
-            seen = w * side if across <= 1 else _refracted_rows(w * side, across)
-            wo, weights = half_vector_rule(seen)  # in the denser medium
-            wo, weights = wo[0].astype(np.float32), weights[0] * wo[0, :, 2]
-            if across < 1:
-                weights = weights * (np.hypot(wo[:, 0], wo[:, 1]) < across) / across**2
-                wo = _refracted_rows(wo, across)
-            passed.append(weights @ self.f(np.broadcast_to(w, wo.shape), wo * side * [1, 1, -1]))
-        return np.array(reflected), np.array(passed)
+    def powers(self, wi: np.ndarray) -> list[tuple[np.ndarray, np.ndarray]]:
+        """Light of a unit vector (3,) that is reflected and transmitted, at directions M.
+
+        Returns:
+            For either: tangents (M,) of half angles, about where a mirror or straight light goes,
+            and shares of the light (M, C).
+        """
+        sign, found = float(np.sign(wi[2])), []
+        near = Components(*(wi * [1, 1, sign]))
+        for seen, side in ((near, sign), (slabs.straight(near, self.eta**sign, NUMPY), -sign)):
+            wo, weights = half_vector_rule(np.array([seen]))
+            f = self.f(np.broadcast_to(wi, wo[0].shape), wo[0] * [1, 1, side])
+            half = wo[0] + np.array(seen)
+            tangents = np.hypot(half[:, 0], half[:, 1]) / half[:, 2]
+            found.append((tangents, f * (weights[0] * wo[0, :, 2])[:, None]))
+        return found
+
+    def shares(self, wi: np.ndarray) -> np.ndarray:
+        """Shares (2, N, C) of the light of unit vectors (N, 3): reflected and transmitted."""
+        every = [[power.sum(axis=0) for _, power in self.powers(w)] for w in wi]
+        return np.array(every).swapaxes(0, 1)
 
 
 def slab_tables(model: Model, interfaces: np.ndarray, media: np.ndarray) -> SlabTables:
@@ -130,15 +143,13 @@ def slab_tables(model: Model, interfaces: np.ndarray, media: np.ndarray) -> Slab
     symmetric = np.allclose(turned, interfaces, 1e-4) and np.allclose(media[::-1], media)
     above = _reflected(model, interfaces, media)
     below = above if symmetric else _reflected(model, turned, media[::-1])
-    f = np.maximum(transmitted(interfaces, media, above, symmetric), 1e-30)
     index, faces = float(interfaces[:, 1].prod()), (tuple(interfaces[0]), tuple(turned[0]))
-    pair = (Components(*w.T) for w in _node_pairs(index))
-    f /= entering(*pair, faces, NUMPY).reshape(*PASSED_SHAPE, 1)
+    f = np.maximum(transmitted(interfaces, media, above, faces, symmetric), 1e-30)
     logs = np.log(f).clip(MIN_LOG, MAX_LOG)
     return SlabTables((above[0], below[0]), logs.astype(np.float16), index, faces)
 
 
-def entering(above: Any, below: Any, faces: tuple[tuple[float, float], ...], xp: Namespace) -> Any:
+def entering(above: Any, below: Any, faces: Faces, xp: Namespace) -> Any:
     """A factor of transmitted light that is steep near the horizon: what enters denser layers.
 
     A table of the rest is smooth, also where refraction bends all light of the horizon into a cone.
@@ -157,7 +168,8 @@ def passed_coordinates(above: Any, below: Any, index: float, xp: Namespace) -> t
     index: below the slab relative to above.
     """
     ratio = max(index, 1 / index)
-    return _denser_coordinates(*_refracted(above, below, index, ratio, xp), ratio, xp)
+    above, below = _refracted(above, below, index, ratio, xp)
+    return _denser_coordinates(above, below, ratio, xp)
 
 
 def _denser_coordinates(a: Any, b: Any, ratio: float, xp: Namespace) -> tuple[Any, ...]:
@@ -195,11 +207,6 @@ def _refracted(above: Any, below: Any, index: float, ratio: float, xp: Namespace
     return above, slabs.straight(below, ratio, xp)
 
 
-def _refracted_rows(w: np.ndarray, eta: float) -> np.ndarray:
-    """Directions (N, 3) above the horizon, refracted to an index relative to their own."""
-    return np.stack(slabs.straight(Components(*w.T), eta, NUMPY), axis=1)
-
-
 def _node_pairs(index: float) -> tuple[np.ndarray, np.ndarray]:
     """Directions above and below, (N, 3) float32, of the nodes of a table of transmitted light."""
     u, v, w = (np.linspace(0, 1, count) for count in PASSED_SHAPE)
@@ -231,9 +238,9 @@ def _reflected(model: Model, interfaces: np.ndarray, media: np.ndarray) -> list[
             edges, lower = _edges(interfaces, level), None
             if len(parts) == 1:
                 width, index = interfaces[-1]
-                lower = adding.mirror(width, 1 / index, edges)
+                lower = adding.mirror(width, 1 / index, edges=edges)
             coat = CoatParameters(alpha, eta, *media[level])
-            table = coated_table(parts[0], coat, codes[:, lobe], Inside(edges, lower))
+            table = coated_table(parts[0], coat, codes[:, lobe], (edges, lower))
         parts.insert(0, Material(codes, model, table=table, beside_lobe=True))
     return parts
 
@@ -246,13 +253,18 @@ def _edges(interfaces: np.ndarray, level: int) -> adding.Edges:
 
 
 def transmitted(
-    interfaces: np.ndarray, media: np.ndarray, parts: list[Material], symmetric: bool = False
+    interfaces: np.ndarray,
+    media: np.ndarray,
+    parts: list[Material],
+    faces: Faces,
+    symmetric: bool = False,
 ) -> np.ndarray:
-    """f / index^2 float32 (*`PASSED_SHAPE`, C) [1/sr] of transmission.
+    """f / index^2 float32 (*`PASSED_SHAPE`, C) [1/sr] of transmission, over `entering`.
 
     Args:
         interfaces, media: as of `slab_tables`.
         parts: what is reflected above each interface.
+        faces: as of `SlabTables`.
         symmetric: whether both sides are the same.
     """
     indices = interfaces[:, 1].cumprod()
@@ -261,7 +273,7 @@ def transmitted(
     facets = _facets(interfaces, indices)
     alpha, eta = interfaces[-1]
     lower = [adding.interface_modes(alpha, 1 / eta, edges[-2])] * media.shape[-1]
-    surface = adding.mirror(alpha, 1 / eta, edges[-2])
+    surface = adding.mirror(alpha, 1 / eta, edges=edges[-2])
     # Light from below that arrives above the interfaces that have been passed, all and straight
     crossing = _crossing_modes(outside, adding.grid(edges[-2]), alpha, 1 / eta)
     every = [crossing] * media.shape[-1]
@@ -276,14 +288,14 @@ def transmitted(
             surface = own.function(shares.T)
         fields, straights, depths = zip(
             *(
-                adding.passed_inside(modes, back, *medium, inside)
+                adding.passed_inside(modes, back, *medium, edges=inside)
                 for modes, medium in zip(lower, media[level].T, strict=True)
             ),
             strict=True,
         )
         every = [a @ b for a, b in zip(every, fields, strict=True)]
         direct = [a * b for a, b in zip(direct, straights, strict=True)]
-        attenuation, _ = adding.to_and_fro(depths, adding.mirror(alpha, eta, inside), surface)
+        attenuation, _ = adding.to_and_fro(depths, adding.mirror(alpha, eta, edges=inside), surface)
         straight = _two_interfaces(facets[level], facets[-1], indices[level], attenuation)
         if table is not None:
             index = indices[-1] / indices[level]
@@ -296,16 +308,17 @@ def transmitted(
             every, direct = ([modes @ inner for modes in x] for x in (every, direct))
             index = indices[-1] / indices[level - 1]
             table = np.log(np.maximum(_tabulated(straight, index, media.shape[-1]), 1e-30))
-    entering = _crossing_modes(outside, own, alpha, eta)
+    inwards = _crossing_modes(outside, own, alpha, eta)
     scattered = [
-        own.mirror[:, None, None] * (entering @ ((a - b) / own.weights).swapaxes(1, 2))
+        own.mirror[:, None, None] * (inwards @ ((a - b) / own.weights).swapaxes(1, 2))
         for a, b in zip(every, direct, strict=True)
     ]
     values = np.stack([outside.values_of_modes(modes) for modes in scattered], axis=-1)
     values /= indices[0] ** 2
 
     def whole(wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
-        return straight(wi, wo) + np.maximum(outside.interpolated(values, wi, wo), 0)
+        every = straight(wi, wo) + np.maximum(outside.interpolated(values, wi, wo), 0)
+        return every / entering(Components(*wi.T), Components(*wo.T), faces, NUMPY)[:, None]
 
     return _tabulated(whole, indices[-1], media.shape[-1], symmetric)
 
@@ -315,13 +328,13 @@ def _tabulated(
 ) -> np.ndarray:
     """Values (*`PASSED_SHAPE`, C) of a function of directions above and below (N, 3)."""
     half = SHAPE[2] if symmetric else PASSED_SHAPE[2]
-    shape = len(COARSE), PASSED_SHAPE[1], half
+    shape = len(KNOWN), PASSED_SHAPE[1], half
     pairs = (
-        w.reshape(*PASSED_SHAPE, 3)[COARSE, :, :half].reshape(-1, 3) for w in _node_pairs(index)
+        w.reshape(*PASSED_SHAPE, 3)[KNOWN, :, :half].reshape(-1, 3) for w in _node_pairs(index)
     )
     values = np.empty((math.prod(shape), channels), np.float32)
     fill_blocks(values, f, *pairs, rows=ROWS)
-    result = completed(values.reshape(*shape, channels))
+    result = completed(values.reshape(*shape, channels), KNOWN)
     if symmetric:
         result = np.concatenate([result, result[:, :, half - 2 :: -1]], axis=2)
     return result

@@ -6,8 +6,7 @@ import numpy as np
 
 from urushi.checks import MIN_ALPHA
 from urushi.core.mixture import Mixture
-from urushi.core.namespace import DRJIT, NUMPY, Components
-from urushi.core.quadrature import half_vector_rule
+from urushi.core.namespace import DRJIT
 from urushi.errors import ParameterError
 from urushi.material.slab_table import (
     PASSED_SHAPE,
@@ -27,7 +26,6 @@ from urushi.mitsuba.plugins.coats import CoatStack, SlabMixture, raised, width
 from urushi.mitsuba.recording import only_where, owned
 from urushi.nets.features import MIN_COSINE
 from urushi.nets.weights import default_model
-from urushi.walk.slabs import straight
 
 #: Quantiles of the half angles at which lobes are sampled, and the weights of these lobes and of a
 #: cosine lobe. The first is for a narrow lobe that has a small part of the light.
@@ -45,20 +43,11 @@ def _lobes(tables: SlabTables) -> np.ndarray:
     """
     found = np.empty((2, COSINES, 1 + 2 * len(QUANTILES)), np.float32)
     for side, row in np.ndindex(found.shape[:2]):
-        cosine, sign = max((row / (COSINES - 1)) ** 2, MIN_COSINE), 1 - 2 * side
-        wi, powers, widths = np.array([(1 - cosine**2) ** 0.5, 0, cosine]), [], []
-        for seen, onward in (
-            (wi, [1, 1, sign]),
-            (np.ravel(straight(Components(*wi), tables.eta**sign, NUMPY)), [1, 1, -sign]),
-        ):
-            wo, weights = half_vector_rule(seen[None])
-            both, turned = wo[0] + seen, np.broadcast_to(wi * [1, 1, sign], wo[0].shape)
-            f = tables.f(turned.astype(np.float32), (wo[0] * onward).astype(np.float32))
-            power = f.mean(axis=1) * weights[0] * wo[0, :, 2]
-            tangent = np.hypot(both[:, 0], both[:, 1]) / both[:, 2]
-            powers.append(power.sum())
-            widths += [width(tangent, power, q, ((1 - q) / q) ** 0.5) for q in QUANTILES]
-        found[side, row] = powers[0] / sum(powers), *widths
+        cosine = max((row / (COSINES - 1)) ** 2, MIN_COSINE)
+        wi = np.array([(1 - cosine**2) ** 0.5, 0, cosine * (1 - 2 * side)])
+        both = [(tangents, power.mean(axis=1)) for tangents, power in tables.powers(wi)]
+        widths = [width(*x, q, ((1 - q) / q) ** 0.5) for x in both for q in QUANTILES]
+        found[side, row] = both[0][1].sum() / sum(power.sum() for _, power in both), *widths
     found[..., 0] = found[..., 0].clip(*SHARES)
     found[..., 1:] = found[..., 1:].clip(MIN_ALPHA / 4, 1)
     return found
@@ -147,7 +136,7 @@ def define(base: type) -> type:
                 dr.select(si.wi.z > 0, *pair) for pair in zip(*sides, strict=True)
             )
             count = len(QUANTILES)
-            mixtures = [Mixture(WEIGHTS, part) for part in (widths[:count], widths[count:])]
-            return SlabMixture(*mixtures, reflected, self._index_across(si.wi))
+            near, far = (Mixture(WEIGHTS, part) for part in (widths[:count], widths[count:]))
+            return SlabMixture(near, far, reflected, self._index_across(si.wi))
 
     return NeuralSlab
