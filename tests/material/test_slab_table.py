@@ -111,14 +111,14 @@ def test_tables_of_many_slabs_agree_with_the_walk(count: int) -> None:
 def test_clear_slabs_keep_as_much_light_as_the_analog_walk() -> None:
     cosines = np.array([0.95, 0.8, 0.6, 0.4])
     wi = np.stack([np.sqrt(1 - cosines**2), 0 * cosines, cosines], axis=1).astype(np.float32)
-    # Inside, grazing light is close to the critical angle, which lies between nodes.
-    pane, stack = [0.01, 0.01, 0.01, 0.06], [0.01, 0.02, 0.03, 0.06]
+    pane, stack = [0.01, 0.01, 0.01, 0.02], [0.01, 0.02, 0.02, 0.03]
     for coats, far, bound in (
         ([(0.03, 1.3, *CLEAR)], (0.03, 1 / 1.3), pane),
         ([(0.03, 1.7, *CLEAR)], (0.03, 1 / 1.7), pane),
         ([(0.15, 1.5, *CLEAR)], (0.15, 1 / 1.5), pane),
         ([(0.1, 1.3, *CLEAR)], (0.2, 1.5 / 1.3), stack),
         ([(0.3, 1.4, *CLEAR), (0.02, 1.15, *CLEAR)], (0.02, 1 / 1.61), stack),
+        ([(0.3, 1.4 / 1.5, *CLEAR)], (0.01, 1 / 1.4), stack),  # from inside glass
     ):
         reflected, passed = tables((coats, far)).shares(wi)
         kept, _ = analog_albedo(described((coats, far)), wi, walks=1 << 15, transmitted=None)
@@ -137,14 +137,14 @@ def test_smooth_layers_have_fresnels_shares() -> None:
 
 
 def test_white_scattering_slabs_lose_no_light() -> None:
-    """Grazing light is close to the critical angle inside, which lies between nodes."""
-    cosines = np.array([0.95, 0.7, 0.45])
+    """Within half a per cent, also where light in the glass is close to total reflection."""
+    cosines = np.array([0.95, 0.75, 0.7, 0.45])
     wi = np.stack([np.sqrt(1 - cosines**2), 0 * cosines, cosines], axis=1).astype(np.float32)
     for far in ((0.01, 1 / 1.5), (0.01, 1.0)):
         found = tables(([(0.01, 1.5, 1.0, 4.0, 0.2)], far))
         for w in (wi, wi * DOWN):
             reflected, passed = found.shares(w)
-            assert np.all(np.abs((reflected + passed)[:, 0] - 1) < [0.008, 0.008, 0.02])
+            assert np.all(np.abs((reflected + passed)[:, 0] - 1) < 0.005)
 
 
 def test_transmission_is_reciprocal() -> None:

@@ -31,6 +31,9 @@ from urushi.nets.weights import default_model
 #: cosine lobe. The first is for a narrow lobe that has a small part of the light.
 QUANTILES, WEIGHTS = (0.03, 0.25, 0.5, 0.8), (0.12, 0.3, 0.28, 0.2, 0.1)
 
+#: Half of the steps of differences, and what can be differentiated; relative to 1 + the number.
+STEPS = {"albedo": 0.02, "sigma_t": 0.02}
+
 #: Cosines for which proposals are computed, and the least and largest share of reflected samples.
 COSINES, SHARES = 33, (0.03, 0.97)
 
@@ -67,11 +70,6 @@ def define(base: type) -> type:
             self._tabulate()
 
         def _update(self, keys):
-            if gradients.wanted(self):
-                raise ParameterError(
-                    f"{self._where}: a parameter carries gradients, but the tables of a slab have "
-                    "no derivatives; disable them, and take differences of two pictures"
-                )
             super()._update(keys)
             self._tabulate()
 
@@ -106,6 +104,43 @@ def define(base: type) -> type:
             self._passed = owned(mi.Float, padded(tables.passed))
             self._ratio, self._surfaces = tables.eta, tables.faces
             self._lobes = Interpolated(_lobes(tables))
+            self._attach(np.array(interfaces), np.array(columns))
+
+        def _attach(self, interfaces: np.ndarray, media: np.ndarray):
+            """Add derivatives by albedo and sigma_t to the tables: differences of two slabs.
+
+            Channels do not mix: those of a colour change together.
+            """
+            si, found = dr.zeros(mi.SurfaceInteraction3f), []
+            for level, coat in enumerate(self.coats):
+                for name, numbers in coat.channels(si).items():
+                    if dr.grad_enabled(numbers):
+                        found.append((level, name, numbers))
+            wrong = gradients.wanted(self) and not found
+            if wrong or (mi.is_spectral and found) or any(x[1] not in STEPS for x in found):
+                raise ParameterError(
+                    f"{self._where}: a parameter carries gradients, but tables of slabs have derivatives "
+                    "by albedo and sigma_t only, and none of spectra; disable the others"
+                )
+            for level, name, numbers in found:
+                row, ends = ("albedo", "sigma_t").index(name), (media.copy(), media.copy())
+                for sign, end in zip((-1, 1), ends, strict=True):
+                    moved = media[level, row] + sign * STEPS[name] * (1 + media[level, row])
+                    end[level, row] = np.clip(moved, 0, 1 if name == "albedo" else np.inf)
+                low, high = (slab_tables(default_model(), interfaces, end) for end in ends)
+                step = (ends[1] - ends[0])[level, row]
+
+                def change(a, b, step=step, numbers=numbers):
+                    slopes = padded((b.astype(np.float32) - a) / step)
+                    channel = dr.arange(mi.UInt32, slopes.size) % slopes.shape[-1]
+                    total = mi.Float(0)
+                    for c, number in enumerate(numbers * (len(step) // len(numbers))):
+                        total += dr.select(channel == c, number - dr.detach(number), 0)
+                    return total * owned(mi.Float, slopes)
+
+                for side, a, b in zip(self._reflected, low.reflected, high.reflected, strict=False):
+                    side._tables = [side._tables[0] + change(a.table, b.table)]
+                self._passed = self._passed + change(low.passed, high.passed)
 
         def _f(self, vertex, ctx, si, wo, active):
             inside, up = mi.SurfaceInteraction3f(si), raised(wo)
