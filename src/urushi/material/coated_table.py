@@ -204,12 +204,21 @@ def coated_table(
         factors = np.minimum(allowed / np.maximum(of_rest, energy.LEAST_ALBEDO), 1)
         if (factors == 1).all():
             break
-        for channel, values in enumerate(factors.T):
-            # The lesser of two factors keeps f reciprocal.
-            ends = [np.interp(w[:, 2], COSINES[::-1], values[::-1]) for w in node_pairs()]
-            rest[:, channel] *= np.minimum(*ends)
+        rest *= least_factors(factors)
         of_rest = _albedos_of_values(rest)
     return table_of_values(rest)
+
+
+def least_factors(factors: np.ndarray) -> np.ndarray:
+    """The lesser (N, C) of both factors at `node_pairs`, of factors (M, C) at `COSINES`.
+
+    It keeps f reciprocal.
+    """
+    columns = [
+        np.minimum(*(np.interp(w[:, 2], COSINES[::-1], column[::-1]) for w in node_pairs()))
+        for column in factors.T
+    ]
+    return np.stack(columns, axis=1).astype(np.float32)
 
 
 def _albedos_of_values(f: np.ndarray) -> np.ndarray:

@@ -21,6 +21,7 @@ directions are drawn from both sides.
 import functools
 import math
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -29,8 +30,14 @@ from urushi.checks import MIN_ALPHA, MIN_INDEX_STEP, CoatParameters
 from urushi.core import fresnel
 from urushi.core.namespace import NUMPY, Components, Namespace
 from urushi.core.quadrature import half_vector_rule
-from urushi.material import adding
-from urushi.material.coated_table import HalfVectors, coated_table, half_vectors
+from urushi.material import adding, energy
+from urushi.material.coated_table import (
+    COSINES,
+    HalfVectors,
+    coated_table,
+    half_vectors,
+    least_factors,
+)
 from urushi.material.crossing import Vector, cross, crossing_at, facet_points
 from urushi.material.material import Material
 from urushi.material.table import (
@@ -38,6 +45,7 @@ from urushi.material.table import (
     coarse,
     completed,
     coordinates,
+    interpolated,
     interpolated_at,
     node_directions,
 )
@@ -145,8 +153,22 @@ def slab_tables(model: Model, interfaces: np.ndarray, media: np.ndarray) -> Slab
     below = above if symmetric else _reflected(model, turned, media[::-1])
     index, faces = float(interfaces[:, 1].prod()), (tuple(interfaces[0]), tuple(turned[0]))
     f = np.maximum(transmitted(interfaces, media, above, faces, symmetric), 1e-30)
-    logs = np.log(f).clip(MIN_LOG, MAX_LOG)
-    return SlabTables((above[0], below[0]), logs.astype(np.float16), index, faces)
+    passed = np.log(f).clip(MIN_LOG, MAX_LOG).astype(np.float16)
+    tables = SlabTables((above[0], below[0]), passed, index, faces)
+    upper = _limited(tables, 1)
+    return tables._replace(reflected=(upper, upper if symmetric else _limited(tables, -1)))
+
+
+def _limited(tables: SlabTables, side: int) -> Material:
+    """What is reflected above (1) or below (-1): with transmitted light, no more than all light."""
+    wi = np.stack([np.sqrt(1 - COSINES**2), 0 * COSINES, side * COSINES], axis=1)
+    material, every = tables.reflected[side < 0], tables.shares(wi.astype(np.float32)).sum(axis=0)
+    table = material.table
+    assert table is not None  # for the type checker
+    rest = adding.albedos(lambda *w: interpolated(table, *w), COSINES)
+    factors = 1 - np.maximum(every - 1, 0) / np.maximum(rest, energy.LEAST_ALBEDO)
+    logs = np.log(least_factors(factors.clip(0.5, 1))).reshape(table.shape)
+    return replace(material, table=(table + logs).clip(MIN_LOG).astype(np.float16))
 
 
 def entering(above: Any, below: Any, faces: Faces, xp: Namespace) -> Any:

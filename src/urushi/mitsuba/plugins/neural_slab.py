@@ -119,8 +119,8 @@ def define(base: type) -> type:
             wrong = gradients.wanted(self) and not found
             if wrong or (mi.is_spectral and found) or any(x[1] not in STEPS for x in found):
                 raise ParameterError(
-                    f"{self._where}: a parameter carries gradients, but tables of slabs have derivatives "
-                    "by albedo and sigma_t only, and none of spectra; disable the others"
+                    f"{self._where}: a parameter carries gradients, but tables of slabs have "
+                    "derivatives by albedo and sigma_t only, and none of spectra; disable others"
                 )
             for level, name, numbers in found:
                 row, ends = ("albedo", "sigma_t").index(name), (media.copy(), media.copy())
