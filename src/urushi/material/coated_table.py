@@ -30,10 +30,10 @@ from urushi.material.crossing import Crossing, Vector, cross, crossing_at, facet
 from urushi.material.material import Material
 from urushi.material.table import (
     HIGHEST,
+    KNOWN,
     LOWEST,
     SHAPE,
     TAN2_OFFSET,
-    coarse,
     completed,
     coordinates,
     interpolated,
@@ -56,9 +56,6 @@ PEAK_NODES = 17
 #: Root mean square of the relative deviation of a channel from a sum of others that stands for it,
 #: about the rounding of a table in half precision.
 SPANNED = 2e-3
-
-#: Nodes in u at which slabs are computed.
-KNOWN = coarse(4)
 
 #: Nodes of a table that are computed at once: their numbers stay in a core's cache.
 ROWS = 128
@@ -152,7 +149,7 @@ def coated_rest(bottom: Material, coat: CoatParameters, slab: Inside | None = No
         values = values @ weights if len(weights) < len(first) else values
         result[:, chosen] = values[:, which]
     if slab:
-        every = completed(result.reshape(len(KNOWN), *SHAPE[1:], -1), KNOWN)
+        every = completed(result.reshape(len(KNOWN), *SHAPE[1:], -1))
         return every.reshape(-1, parameters.shape[1])
     return result
 

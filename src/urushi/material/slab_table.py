@@ -41,8 +41,8 @@ from urushi.material.coated_table import (
 from urushi.material.crossing import Vector, cross, crossing_at, facet_points
 from urushi.material.material import Material
 from urushi.material.table import (
+    KNOWN,
     SHAPE,
-    coarse,
     completed,
     coordinates,
     interpolated,
@@ -71,9 +71,6 @@ THROUGH_TABLE = 64
 
 #: Facets at which light of a direction is refracted, and elevations outside.
 FACETS, ELEVATIONS = 256, 48
-
-#: Nodes in u at which tables are computed.
-KNOWN = coarse(3)
 
 #: Nodes of a table that are computed at once.
 ROWS = 256
@@ -356,7 +353,7 @@ def _tabulated(
     )
     values = np.empty((math.prod(shape), channels), np.float32)
     fill_blocks(values, f, *pairs, rows=ROWS)
-    result = completed(values.reshape(*shape, channels), KNOWN)
+    result = completed(values.reshape(*shape, channels))
     if symmetric:
         result = np.concatenate([result, result[:, :, half - 2 :: -1]], axis=2)
     return result

@@ -47,6 +47,9 @@ SHAPE = SHAPES[1]
 TAN2_OFFSET = 1e-5
 LOWEST, HIGHEST, ANISOTROPIC_HIGHEST = math.log(TAN2_OFFSET), math.log(1e3), math.log(1e2)
 
+#: Nodes in u at which slabs are computed.
+KNOWN = np.append(np.arange(0, SHAPE[0] - 1, 3), SHAPE[0] - 1)
+
 #: Pairs that are evaluated at once.
 BLOCK = 4096
 
@@ -136,22 +139,17 @@ def _log_tangent(tan2: Any, highest: float, xp: Namespace) -> Any:
     return (xp.log(tan2 + TAN2_OFFSET) - LOWEST) * (1 / (highest - LOWEST))
 
 
-def coarse(step: int) -> np.ndarray:
-    """Nodes (K,) in u: one of `step`, and the last."""
-    return np.append(np.arange(0, SHAPE[0] - 1, step), SHAPE[0] - 1)
-
-
-def completed(f: np.ndarray, known: np.ndarray) -> np.ndarray:
-    """Values (U, ...) at all nodes in u of values f (K, ...) at `coarse` ones.
+def completed(f: np.ndarray) -> np.ndarray:
+    """Values (U, ...) at all nodes in u of values f (K, ...) at `KNOWN` ones.
 
     Logarithms of smooth lobes are cubic (Lagrange) between four of these nodes.
     """
     nodes, logs = np.arange(SHAPE[0]), np.log(np.maximum(f, math.exp(MIN_LOG)))
-    above = np.searchsorted(known, nodes).clip(1, len(known) - 1)
-    first = (above - 2).clip(0, len(known) - 4)
-    shares = np.zeros((len(nodes), len(known)), np.float32)
+    above = np.searchsorted(KNOWN, nodes).clip(1, len(KNOWN) - 1)
+    first = (above - 2).clip(0, len(KNOWN) - 4)
+    shares = np.zeros((len(nodes), len(KNOWN)), np.float32)
     for i, j in np.ndindex(len(nodes), 4):
-        four = known[first[i] : first[i] + 4]
+        four = KNOWN[first[i] : first[i] + 4]
         others = np.delete(four, j)
         shares[i, first[i] + j] = np.prod((nodes[i] - others) / (four[j] - others))
     ends = logs[above - 1], logs[above]

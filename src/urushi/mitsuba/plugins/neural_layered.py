@@ -56,7 +56,8 @@ def define(base: type) -> type:
         Without a nested BSDF, over dielectrics and over slabs, it is a *slab* as ``layered``, which
         scatters light from both sides to both. Tables of what it reflects and transmits are
         computed by light transport when the scene is loaded. They hold constants and one width of
-        each interface, and have no derivatives.
+        each interface, and have derivatives by albedo and sigma_t, but not in
+        spectral variants.
 
         When the scene is loaded, the bottom is evaluated at the encoder's probe pairs, averaged if
         it lacks the symmetries of materials (see ``urushi.encode``), encoded, and layered by the
