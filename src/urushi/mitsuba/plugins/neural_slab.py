@@ -31,8 +31,11 @@ from urushi.nets.weights import default_model
 #: cosine lobe. The first is for a narrow lobe that has a small part of the light.
 QUANTILES, WEIGHTS = (0.03, 0.25, 0.5, 0.8), (0.12, 0.3, 0.28, 0.2, 0.1)
 
-#: Half of the steps of differences, and what can be differentiated; relative to 1 + the number.
-STEPS = {"albedo": 0.02, "sigma_t": 0.02}
+#: Rows of media that can be differentiated, and their largest value.
+LARGEST = {"albedo": 1, "sigma_t": np.inf}
+
+#: Half of the step of a difference, relative to 1 + the number.
+STEP = 0.02
 
 #: Cosines for which proposals are computed, and the least and largest share of reflected samples.
 COSINES, SHARES = 33, (0.03, 0.97)
@@ -99,7 +102,8 @@ def define(base: type) -> type:
             columns = [[np.broadcast_to(x.ravel(), channels) for x in medium] for medium in media]
             tables = slab_tables(default_model(), np.array(interfaces), np.array(columns))
             above, below = tables.reflected
-            sides = (above,) if above is below else (above, below)
+            single = above is below and not gradients.wanted(self)  # they may change apart
+            sides = (above,) if single else (above, below)
             self._reflected = [ConstantLatents(side) for side in sides]
             self._passed = owned(mi.Float, padded(tables.passed))
             self._ratio, self._surfaces = tables.eta, tables.faces
@@ -117,16 +121,15 @@ def define(base: type) -> type:
                     if dr.grad_enabled(numbers):
                         found.append((level, name, numbers))
             wrong = gradients.wanted(self) and not found
-            if wrong or (mi.is_spectral and found) or any(x[1] not in STEPS for x in found):
+            if wrong or (mi.is_spectral and found) or any(x[1] not in LARGEST for x in found):
                 raise ParameterError(
                     f"{self._where}: a parameter carries gradients, but tables of slabs have "
                     "derivatives by albedo and sigma_t only, and none of spectra; disable others"
                 )
             for level, name, numbers in found:
-                row, ends = ("albedo", "sigma_t").index(name), (media.copy(), media.copy())
-                for sign, end in zip((-1, 1), ends, strict=True):
-                    moved = media[level, row] + sign * STEPS[name] * (1 + media[level, row])
-                    end[level, row] = np.clip(moved, 0, 1 if name == "albedo" else np.inf)
+                row, ends = list(LARGEST).index(name), np.stack([media, media])
+                moved = media[level, row] + np.array([[-STEP], [STEP]]) * (1 + media[level, row])
+                ends[:, level, row] = moved.clip(0, LARGEST[name])
                 low, high = (slab_tables(default_model(), interfaces, end) for end in ends)
                 step = (ends[1] - ends[0])[level, row]
 
