@@ -104,14 +104,24 @@ class SlabTables(NamedTuple):
 
     def f(self, wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
         """f (N, C) [1/sr] of importance for unit vectors (N, 3) on any side."""
-        lower = wi[:, 2:] < 0
+        result = np.empty((len(wi), self.passed.shape[-1]))
         a, b = (np.concatenate([w[:, :2], np.abs(w[:, 2:])], axis=1) for w in (wi, wo))
-        reflected = np.where(lower, *(m.f(a, b) for m in self.reflected[::-1]))
-        above, below = (Components(*np.where(lower, *p).T) for p in ((b, a), (a, b)))
-        passed = interpolated_at(self.passed, *passed_coordinates(above, below, self.eta, NUMPY))
-        passed *= entering(above, below, self.faces, NUMPY)[:, None]
-        passed *= np.where(wo[:, 2:] < 0, self.eta**2, 1)
-        return np.where(wi[:, 2:] * wo[:, 2:] < 0, passed, reflected)
+        for lower, crosses in np.ndindex(2, 2):
+            at = (wi[:, 2] < 0) == lower
+            at &= (wi[:, 2] * wo[:, 2] < 0) == crosses
+            if not at.any():
+                continue
+            if not crosses:
+                result[at] = self.reflected[lower].f(a[at], b[at])
+                continue
+            pair = (b[at], a[at]) if lower else (a[at], b[at])
+            above, below = (Components(*w.T) for w in pair)
+            values = interpolated_at(
+                self.passed, *passed_coordinates(above, below, self.eta, NUMPY)
+            )
+            scale = entering(above, below, self.faces, NUMPY)[:, None]
+            result[at] = values * scale * (1 if lower else self.eta**2)
+        return result
 
     def powers(self, wi: np.ndarray) -> list[tuple[np.ndarray, np.ndarray]]:
         """Light of a unit vector (3,) that is reflected and transmitted, at directions M.

@@ -48,12 +48,14 @@ def _lobes(tables: SlabTables) -> np.ndarray:
     reflected light and of transmitted light, as `coats.BottomLobes`.
     """
     found = np.empty((2, COSINES, 1 + 2 * len(QUANTILES)), np.float32)
-    for side, row in np.ndindex(found.shape[:2]):
+    sides = 1 if tables.reflected[0] is tables.reflected[1] else 2
+    for side, row in np.ndindex(sides, COSINES):
         cosine = max((row / (COSINES - 1)) ** 2, MIN_COSINE)
         wi = np.array([(1 - cosine**2) ** 0.5, 0, cosine * (1 - 2 * side)])
         both = [(tangents, power.mean(axis=1)) for tangents, power in tables.powers(wi)]
         widths = [width(*x, q, ((1 - q) / q) ** 0.5) for x in both for q in QUANTILES]
         found[side, row] = both[0][1].sum() / sum(power.sum() for _, power in both), *widths
+    found[sides:] = found[0]
     found[..., 0] = found[..., 0].clip(*SHARES)
     found[..., 1:] = found[..., 1:].clip(MIN_ALPHA / 4, 1)
     return found
