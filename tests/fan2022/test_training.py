@@ -19,7 +19,7 @@ from urushi.fan2022 import (
     representation,
     training,
 )
-from urushi.fan2022.architecture import AdamProjection, init
+from urushi.fan2022.architecture import AdamProjection, PaperArchitecture, init
 from urushi.fan2022.inference import direction_inputs
 from urushi.fan2022.preset import Palette, paper
 from urushi.fan2022.training import train
@@ -197,7 +197,8 @@ def test_the_proxy_learns_to_tell_narrow_from_wide():
 
 @pytest.mark.slow
 def test_from_data_to_weights_and_the_same_bits_after_an_interruption(tmp_path, monkeypatch):
-    preset = paper(TINY)
+    brief = PaperArchitecture(AdamProjection(steps=8, pairs=16))
+    preset = replace(paper(TINY), arch=brief)
     model = train(preset, data=tmp_path / "data", run=tmp_path / "whole")
     header = networks.PaperNetworks.read(tmp_path / "whole" / "weights.safetensors").header
     assert header["scale"] == TINY
