@@ -34,8 +34,9 @@ export class RemoteCore {
   readonly f = this.remote("f");
   readonly albedo = this.remote("albedo");
   readonly table = this.remote("table");
+  readonly occlusion = this.remote("occlusion");
 
-  /** @param port a worker of `worker.ts`; without `load`, it can only walk. */
+  /** @param port a worker of `worker.ts`; without `load`, it has only `walk` and `occlusion`. */
   constructor(private readonly port: Port) {
     port.addEventListener("message", ({ data }) => this.receive(data));
   }

@@ -2,6 +2,7 @@
 
 import { loadCore, type NetworkCore } from "./core";
 import { LOBE_ALBEDO } from "./formulas";
+import { occlusion } from "./occlusion";
 import type { CallName, Calls, Cancellation, Request, Response } from "./protocol";
 import { Reference } from "./walk/reference";
 
@@ -112,6 +113,7 @@ export class Server {
       const { latentSize, widths, fingerprint } = this.core;
       return { latentSize, widths, fingerprint };
     }
+    if (request.call === "occlusion") return occlusion(...request.args);
     if (!this.core) {
       throw new Error("the networks are not loaded yet");
     }

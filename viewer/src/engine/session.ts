@@ -1,11 +1,12 @@
 /** What lives as long as the page: the core, two materials, the picture, and what binds them. */
 
 import { computed, effect, type ReadonlySignal, signal } from "@preact/signals";
+import { RemoteCore } from "../core/client";
 import { type MaterialCards, stackOf } from "../material/material";
 import { meanCodes } from "../material/texture";
 import { lightsOf } from "../picture/environment";
 import { NoGraphics } from "../picture/gl";
-import { type Mesh, meshOf } from "../picture/meshes";
+import { type Mesh, meshOf, VERTEX_NUMBERS } from "../picture/meshes";
 import { noPictureYet, Painter } from "../picture/painter";
 import type { Light, Panorama } from "../picture/panorama";
 import { Renderer, type Shot } from "../picture/renderer";
@@ -16,7 +17,7 @@ import { readState } from "../state/read";
 import type { State } from "../state/state";
 import { announcement, change, complain, showRead, state, tell } from "../state/store";
 import { type Shown, Slot } from "./engine";
-import { readFile } from "./files";
+import { readFile, startWorker } from "./files";
 import { Cores, connect } from "./remote";
 import { keepTexture, textures } from "./textures";
 
@@ -34,10 +35,35 @@ const panoramas = signal<ReadonlyMap<string, OwnEnvironment>>(new Map());
 /** The meshes that were opened, by the names of their files. */
 const meshes = signal<ReadonlyMap<string, Mesh>>(new Map());
 
+/** Whether the light that the object hides is being computed. */
+export const occluding = signal(false);
+
+/** What is known of each mesh's occlusion; its worker has no networks. */
+const occlusions = new WeakMap<Mesh, Promise<Float32Array>>();
+
+function occlusionOf(mesh: Mesh): Promise<Float32Array> {
+  let known = occlusions.get(mesh);
+  if (known === undefined) {
+    known = startWorker().then(({ worker, broken }) => {
+      const done = new RemoteCore(worker).occlusion(mesh.vertices, VERTEX_NUMBERS, mesh.faces);
+      return Promise.race([done, broken]).finally(() => worker.terminate());
+    });
+    occlusions.set(mesh, known);
+  }
+  return known;
+}
+
+/** The page's own meshes so far, which keep their occlusion. */
+const built = new Map<string, Mesh>();
+
 /** The mesh of a state's object: the goblet while the one that was opened is missing. */
 function meshOfState({ object, mesh }: State): Mesh {
-  if (object !== "own") return meshOf(object);
-  return meshes.value.get(mesh) ?? meshOf("goblet");
+  const own = object === "own" ? meshes.value.get(mesh) : undefined;
+  if (own !== undefined) return own;
+  const name = object === "own" ? "goblet" : object;
+  const known = built.get(name) ?? meshOf(name);
+  built.set(name, known);
+  return known;
 }
 
 /** The panorama of a state; null if it has none, or it was not opened. */
@@ -110,10 +136,28 @@ export class Session {
       noPicture.value = error.message;
       return;
     }
-    this.renderer.setMesh(this.mesh.peek());
+    this.show(this.mesh.peek());
     this.renderer.setEnvironment(state.peek().environment, panoramaOf(state.peek()));
     this.painter.setRenderer(this.renderer);
   };
+
+  /** Show a mesh at once, and the light that it hides when that is known. */
+  private show(mesh: Mesh): void {
+    this.renderer?.setMesh(mesh);
+    this.painter.refresh();
+    occluding.value = true;
+    const isShown = () => mesh === this.mesh.peek();
+    occlusionOf(mesh)
+      .then((occlusion) => {
+        if (!isShown()) return;
+        this.renderer?.setOcclusion(occlusion);
+        this.painter.refresh();
+      })
+      .catch(complain)
+      .finally(() => {
+        if (isShown()) occluding.value = false;
+      });
+  }
 
   /** The picture so far as linear radiance, before exposure and tone curve. */
   async radiance(): Promise<Radiance> {
@@ -178,8 +222,7 @@ export class Session {
     });
     effect(() => {
       const mesh = this.mesh.value; // read here even while there is no renderer: it is followed
-      this.renderer?.setMesh(mesh);
-      painter.refresh();
+      this.show(mesh);
       const { object, mesh: name } = state.peek();
       if (object === "own" && !meshes.peek().has(name))
         complain(new Refusal(lost(`mesh “${name}”`)));

@@ -1,7 +1,6 @@
 /** Triangle meshes of the objects: shapes turned on a lathe, and tubes. The axis is z. */
 
 import type { OBJECTS } from "../state/state";
-import { openness } from "./openness";
 import {
   BODY,
   BOWL,
@@ -23,8 +22,6 @@ export interface Mesh {
   /** Unit tangents, in the direction of growing u, three numbers a vertex. */
   tangents: Float32Array;
   faces: Uint32Array;
-  /** Share of an even light that reaches a vertex past the object; null: it is not known. */
-  openness: Float32Array | null;
   /** Centre and radius of the ball. */
   centre: readonly [number, number, number];
   radius: number;
@@ -51,20 +48,19 @@ export function meshOf(name: (typeof OBJECTS)[number]): Mesh {
       return joined(
         GOBLET.map((part) => turned(bezierOutline(part), 128, (part.length - 1) * 8)),
         0.41,
-        128,
       );
     case "ball":
       return joined([turned(ballOutline, 96, 64)], 0.5);
     case "caddy":
-      return joined([turned(splineOutline(NATSUME), 96, 128)], 0.42, 96);
+      return joined([turned(splineOutline(NATSUME), 96, 128)], 0.42);
     case "plate":
-      return joined([turned(splineOutline(PLATE), 128, 96)], 0.6, 128);
+      return joined([turned(splineOutline(PLATE), 128, 96)], 0.6);
     case "bowl":
-      return joined([turned(splineOutline(BOWL), 128, 128)], 0.34, 128);
+      return joined([turned(splineOutline(BOWL), 128, 128)], 0.34);
     case "sheet":
       return joined([pillow(96)], 0.6);
     case "vase":
-      return joined([turned(splineOutline(VASE), 96, 128)], 0.46, 96);
+      return joined([turned(splineOutline(VASE), 96, 128)], 0.46);
     case "teapot":
       return joined(
         [
@@ -254,8 +250,8 @@ function surface(at: Surface, around: number, along: number): Part {
   return { vertices, tangents, faces };
 }
 
-/** Parts as one mesh; around: faces of a ring, if all parts are turned and may hide their own light. */
-function joined(parts: Part[], footprint: number, around = 0): Mesh {
+/** Parts as one mesh. */
+function joined(parts: Part[], footprint: number): Mesh {
   const vertices: number[] = [];
   const tangents: number[] = [];
   const faces: number[] = [];
@@ -287,28 +283,12 @@ function joined(parts: Part[], footprint: number, around = 0): Mesh {
     vertices: new Float32Array(vertices),
     tangents: new Float32Array(tangents),
     faces: new Uint32Array(faces),
-    openness: around > 0 ? opennessOf(parts, around + 1) : null,
     centre: [centre[0]!, centre[1]!, centre[2]!],
     radius,
     width,
     halfHeight: (high[2]! - low[2]!) / 2,
     footprint,
   };
-}
-
-/** The openness of turned parts, whose rings have so many vertices. */
-function opennessOf(parts: Part[], ring: number): Float32Array {
-  const curves = parts.map(({ vertices }) => {
-    const curve: Point[] = [];
-    for (let at = 0; at < vertices.length; at += ring * VERTEX_NUMBERS)
-      curve.push([Math.hypot(vertices[at]!, vertices[at + 1]!), vertices[at + 2]!]);
-    return curve;
-  });
-  const rings = openness(curves).flat();
-  return Float32Array.from(
-    { length: rings.length * ring },
-    (_, at) => rings[Math.floor(at / ring)]!,
-  );
 }
 
 type Vector = readonly [number, number, number];

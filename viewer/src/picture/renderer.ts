@@ -131,6 +131,17 @@ export class Renderer {
     this.uploadMesh();
   }
 
+  /** Take over the `occlusion` of the mesh; until then it hides none of its light. */
+  setOcclusion(occlusion: Float32Array): void {
+    const { gl } = this;
+    gl.bindVertexArray(this.array);
+    gl.bindBuffer(gl.ARRAY_BUFFER, this.buffers[3]);
+    gl.bufferData(gl.ARRAY_BUFFER, occlusion, gl.STATIC_DRAW);
+    gl.enableVertexAttribArray(4);
+    gl.vertexAttribPointer(4, 4, gl.FLOAT, false, 0, 0);
+    gl.bindVertexArray(null);
+  }
+
   /** Draw the environment of a name, or a panorama and the lights that were taken out of it. */
   setEnvironment(name: EnvironmentName, own: { panorama: Panorama; lights: Light[] } | null): void {
     if (name === "own" && own !== null) {
@@ -475,6 +486,7 @@ export class Renderer {
     }
     object.setTexture("positions", 3, gl.TEXTURE_2D, targets.positions);
     object.setTexture("normals", 4, gl.TEXTURE_2D, targets.normals);
+    object.setTexture("openings", 6, gl.TEXTURE_2D, targets.openings);
     cover(gl);
   }
 
@@ -525,15 +537,8 @@ export class Renderer {
     gl.bufferData(gl.ARRAY_BUFFER, this.mesh.tangents, gl.STATIC_DRAW);
     gl.enableVertexAttribArray(3);
     gl.vertexAttribPointer(3, 3, gl.FLOAT, false, 0, 0);
-    const { openness } = this.mesh;
-    gl.vertexAttrib1f(4, 1);
-    if (openness === null) gl.disableVertexAttribArray(4);
-    else {
-      gl.bindBuffer(gl.ARRAY_BUFFER, this.buffers[3]);
-      gl.bufferData(gl.ARRAY_BUFFER, openness, gl.STATIC_DRAW);
-      gl.enableVertexAttribArray(4);
-      gl.vertexAttribPointer(4, 1, gl.FLOAT, false, 0, 0);
-    }
+    gl.disableVertexAttribArray(4);
+    gl.vertexAttrib4f(4, 0, 0, 0, 1);
     gl.bindVertexArray(null);
   }
 }

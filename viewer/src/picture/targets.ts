@@ -9,6 +9,8 @@ export class Targets {
   /** Positions and normals of the surface that each pixel of the frame shows, and its colours. */
   positions!: WebGLTexture;
   normals!: WebGLTexture;
+  /** Bent normals and openness of that surface. */
+  openings!: WebGLTexture;
   /** Where each pixel lies in a texture of codes, and at which level. */
   places!: WebGLTexture;
   shaded!: WebGLTexture;
@@ -48,6 +50,7 @@ export class Targets {
       for (const texture of [
         this.positions,
         this.normals,
+        this.openings,
         this.places,
         this.shaded,
         this.frame,
@@ -70,8 +73,9 @@ export class Targets {
     this.positions = this.texture(gl.RGBA32F, this.surface);
     this.normals = this.texture(gl.RGBA32F, this.surface, gl.COLOR_ATTACHMENT1);
     this.places = this.texture(gl.RGBA32F, this.surface, gl.COLOR_ATTACHMENT2);
+    this.openings = this.texture(gl.RGBA16F, this.surface, gl.COLOR_ATTACHMENT3);
     gl.framebufferRenderbuffer(target, gl.DEPTH_ATTACHMENT, gl.RENDERBUFFER, single);
-    gl.drawBuffers([gl.COLOR_ATTACHMENT0, gl.COLOR_ATTACHMENT1, gl.COLOR_ATTACHMENT2]);
+    gl.drawBuffers([0, 1, 2, 3].map((place) => gl.COLOR_ATTACHMENT0 + place));
     gl.bindFramebuffer(target, null);
   }
 

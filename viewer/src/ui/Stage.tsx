@@ -2,7 +2,7 @@
 
 import { useEffect, useRef } from "preact/hooks";
 import { encoding } from "../engine/open";
-import { loading, noPicture, session } from "../engine/session";
+import { loading, noPicture, occluding, session } from "../engine/session";
 import { titleOf } from "../material/presets";
 import { DIFFERENCE_SCALES, type View } from "../state/state";
 import { change, look, notice, state } from "../state/store";
@@ -150,9 +150,9 @@ function Status() {
     return <p class="status">{text}</p>;
   }
   return (
-    <p class="status" data-converged={painter.converged.value}>
+    <p class="status" data-converged={painter.converged.value && !occluding.value}>
       <progress aria-hidden="true" value={painter.gathered.value} />
-      {painter.converged.value ? "converged" : "refining"}
+      {occluding.value ? "computing shadows" : painter.converged.value ? "converged" : "refining"}
     </p>
   );
 }

@@ -1,6 +1,6 @@
 /**
  * The picture at rest is Mitsuba's of the same material, object, camera and environment; the objects hide
- * none of their own light.
+ * none of their own light here.
  */
 
 import type { BottomInAir, CoatInAir } from "../../src/material/material";

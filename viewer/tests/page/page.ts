@@ -5,8 +5,16 @@ import { test as base, expect, type Page } from "@playwright/test";
 import { fromAddress, toAddress } from "../../src/state/address";
 import { INITIAL, type State } from "../../src/state/state";
 
-/** A page on which nothing is logged, fails, or is asked of another server; `quiet`: what was. */
-export const test = base.extend<{ quiet: string[] }>({
+/**
+ * A page on which nothing is logged, fails, or is asked of another server; `quiet`: what was.
+ * `occlusion`: whether objects hide a part of their own light, which takes a second to compute.
+ */
+export const test = base.extend<{ quiet: string[]; occlusion: boolean }>({
+  occlusion: [false, { option: true }],
+  page: async ({ page, occlusion }, use) => {
+    if (!occlusion) await page.addInitScript(hideNothing);
+    await use(page);
+  },
   quiet: [
     async ({ page, baseURL }, use) => {
       const complaints: string[] = [];
@@ -27,6 +35,18 @@ export const test = base.extend<{ quiet: string[] }>({
 });
 
 export { expect };
+
+/** In the page: answer calls of `occlusion` at once, with meshes that hide none of their light. */
+function hideNothing(): void {
+  const post = Worker.prototype.postMessage;
+  Worker.prototype.postMessage = function (this: Worker, message, options) {
+    if (message.call !== "occlusion")
+      return post.call(this, message, options as StructuredSerializeOptions);
+    const [vertices, stride] = message.args;
+    const result = new Float32Array((4 * vertices.length) / stride).map((_, at) => +(at % 4 === 3));
+    this.dispatchEvent(new MessageEvent("message", { data: { id: message.id, result } }));
+  } as typeof post;
+}
 
 /** Open the page and wait until it computes; the physical numbers are shown. */
 export async function open(page: Page, address = ""): Promise<void> {

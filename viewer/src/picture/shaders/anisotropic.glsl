@@ -35,7 +35,7 @@ vec3 reflected(Frame frame) {
         total += float(samples) * shares[k] * texelFetch(table, ivec2(places[k], last), 0).rgb;
         albedo += shares[k] * texelFetch(table, ivec2(places[k], last + 1), 0).rgb;
     }
-    vec3 even = textureLod(irradiance, frame.z, 0.0).rgb;
+    vec3 even = textureLod(irradiance, bent, 0.0).rgb;
     own = albedo * meanLight(frame.z);
     vec3 sum = total * mix(own, even, openness);
     for (int i = 0; i < samples; i++) {

@@ -14,6 +14,7 @@ uniform int lights;
 uniform samplerCube irradiance; // over pi, by the normal
 uniform sampler2D positions; // of the surface that each pixel shows, see surface.frag
 uniform sampler2D normals;
+uniform sampler2D openings;
 
 // A pixel's frame, in which z is the normal, and its direction to the eye.
 struct Frame {
@@ -26,6 +27,11 @@ struct Frame {
 vec3 turned(vec3 v) {
     return vec3(turn.x * v.x + turn.y * v.y, turn.x * v.y - turn.y * v.x, v.z);
 }
+
+vec3 bent; // the mean direction of the light that the object does not hide
+float edge; // cosine of the angle about it beyond which light is hidden
+float openness; // share of the light that the object does not hide, by the cosine
+vec3 own; // light of the object itself where it hides the environment
 
 // The frame where a pixel shows a position.
 Frame frameAt(ivec2 pixel, vec3 position) {
@@ -41,6 +47,11 @@ Frame frameAt(ivec2 pixel, vec3 position) {
     vec3 tangent = size > 1e-4
         ? across / size
         : normalize(cross(normal, abs(normal.z) < 0.9 ? vec3(0.0, 0.0, 1.0) : vec3(1.0, 0.0, 0.0)));
+    vec4 opening = texelFetch(openings, pixel, 0);
+    bent = turned(opening.xyz);
+    openness = opening.w;
+    // The cosine at the edge of a cone of the openness (Oat and Sander 2007)
+    edge = sqrt(max(1.0 - openness / clamp(dot(normal, bent), 0.02, 1.0), 0.0));
     return Frame(tangent, cross(normal, tangent), normal, vec3(size, 0.0, cosine));
 }
 
@@ -52,24 +63,20 @@ float level(vec3 direction, float logPdf) {
     return 0.5 * (-logPdf - log2(density * solidAngle)) + 0.5;
 }
 
-float openness; // share of the light that the object does not hide, by the cosine
-vec3 own; // light of the object itself where it hides the environment
-
 // Light on the parts that hide the environment: of all directions, as far as it gets there.
 vec3 meanLight(vec3 normal) {
     vec3 both = textureLod(irradiance, normal, 0.0).rgb + textureLod(irradiance, -normal, 0.0).rgb;
     return 0.5 * openness * both;
 }
 
-// The share of a direction that is open: of a cone about the normal (Oat and Sander 2007).
-float open(float cosine) {
-    float edge = sqrt(1.0 - openness);
+// The share of a direction that is open: of a cone about the bent normal.
+float open(vec3 light) {
     float soft = min(edge, 0.25) + 1e-4;
-    return smoothstep(edge - soft, edge + soft, cosine);
+    return openness == 1.0 ? 1.0 : smoothstep(edge - soft, edge + soft, dot(light, bent));
 }
 
 // Light from a direction in a frame, drawn by a density.
 vec3 incoming(Frame frame, vec3 local, float logPdf) {
     vec3 light = local.x * frame.x + local.y * frame.y + local.z * frame.z;
-    return mix(own, textureLod(environment, light, level(light, logPdf)).rgb, open(local.z));
+    return mix(own, textureLod(environment, light, level(light, logPdf)).rgb, open(light));
 }

@@ -52,7 +52,7 @@ vec3 reflected(Frame frame) {
                                       texelFetch(table, ivec2(right, last), 0).rgb, share);
     vec3 albedo = mix(texelFetch(table, ivec2(left, last + 1), 0).rgb,
                       texelFetch(table, ivec2(right, last + 1), 0).rgb, share);
-    vec3 even = textureLod(irradiance, frame.z, 0.0).rgb;
+    vec3 even = textureLod(irradiance, bent, 0.0).rgb;
     own = albedo * meanLight(frame.z);
     vec3 sum = total * mix(own, even, openness);
     for (int i = 0; i < samples; i++) {
@@ -88,13 +88,12 @@ void main() {
 #ifdef ANISOTROPIC
     frame = tangentFrame(frame, pixel);
 #endif
-    openness = position.w;
     vec3 sum = reflected(frame);
 
     for (int i = 0; i < lights; i++) {
         float cosLight = dot(frame.z, lightDirections[i]);
         if (cosLight > 0.0) {
-            sum += f(frame, lightDirections[i]) * cosLight * open(cosLight) * lightPowers[i];
+            sum += f(frame, lightDirections[i]) * cosLight * open(lightDirections[i]) * lightPowers[i];
         }
     }
     colour = vec4(sum, 1.0);

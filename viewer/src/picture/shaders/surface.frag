@@ -11,15 +11,17 @@ in vec3 worldPosition;
 in vec3 worldNormal;
 in vec3 worldTangent;
 in vec2 uv;
-in float openness;
-layout(location = 0) out vec4 position; // and the openness; -1 for a back, 0 where there is no surface
+in vec4 opening;
+layout(location = 0) out vec4 position; // and 1; -1 for a back, 0 where there is no surface
 layout(location = 1) out vec4 normal; // and the tangent's angle in its `basis`
 layout(location = 2) out vec4 at; // in the texture, and the level whose texels are as large as pixels
+layout(location = 3) out vec4 open; // bent normal and openness
 
 #include basis.glsl
 
 void main() {
-    position = vec4(worldPosition, gl_FrontFacing ? openness : -1.0);
+    position = vec4(worldPosition, gl_FrontFacing ? 1.0 : -1.0);
+    open = vec4(normalize(opening.xyz), opening.w);
     mat3 frame = basis(normalize(worldNormal));
     normal = vec4(worldNormal, atan(dot(worldTangent, frame[1]), dot(worldTangent, frame[0])));
     vec2 place = toTexture * vec3(uv, 1.0);

@@ -58,7 +58,6 @@ void main() {
     Frame frame = frameAt(pixel, position.xyz);
     UrushiProposal proposal = urushi_proposal(material, frame.view);
 
-    openness = position.w;
     own = 0.5 * meanLight(frame.z); // of an object of average albedo
     vec3 sum = vec3(0.0);
     for (int i = 0; i < samples; i++) {
@@ -75,7 +74,7 @@ void main() {
         vec3 light = lightDirections[i];
         vec3 local = vec3(dot(light, frame.x), dot(light, frame.y), dot(light, frame.z));
         if (local.z > 0.0) {
-            sum += urushi_f(material, frame.view, local) * local.z * open(local.z) * lightPowers[i];
+            sum += urushi_f(material, frame.view, local) * local.z * open(light) * lightPowers[i];
         }
     }
     colour = vec4(sum, 1.0);
