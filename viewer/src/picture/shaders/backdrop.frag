@@ -15,6 +15,8 @@ uniform vec3 size; // of the object: radius of its foot, radius and height
 uniform vec3 key; // direction of the main light, in the environment
 uniform vec2 keySize; // the light's angular radius, and its share of the light on the ground
 
+const float WIDER = 3.0;
+
 in vec2 place;
 out vec4 colour;
 
@@ -24,7 +26,9 @@ vec3 inEnvironment(vec3 v) {
 
 void main() {
     vec3 direction = normalize(forward + place.x * right + place.y * up);
-    vec3 light = textureLod(environment, inEnvironment(direction), blur).rgb;
+    // Wider than the picture, so that the horizon is seen from above
+    vec3 wide = normalize(forward + WIDER * (place.x * right + place.y * up));
+    vec3 light = textureLod(environment, inEnvironment(wide), blur).rgb;
     if (direction.z < -1e-3 && eye.z > 0.0) {
         vec3 ground = eye - direction * (eye.z / direction.z);
         float away = length(ground.xy);

@@ -121,17 +121,55 @@ vec3 studio(vec3 d) {
     return light;
 }
 
+// Smooth noise in [0, 1]: a random number at each corner of a grid (Perlin 1985, by values).
+float noise(vec2 at) {
+    vec2 cell = floor(at), part = smoothstep(0.0, 1.0, at - cell);
+    vec4 corners;
+    for (int k = 0; k < 4; k++) {
+        vec2 corner = cell + vec2(float(k % 2), float(k / 2));
+        corners[k] = fract(52.9829189 * fract(dot(corner, vec2(0.06711056, 0.00583715))));
+    }
+    vec2 rows = mix(corners.xz, corners.yw, part.x);
+    return mix(rows.x, rows.y, part.y);
+}
+
+// Octaves of noise.
+float cloudy(vec2 at) {
+    float sum = 0.0, share = 0.5;
+    for (int octave = 0; octave < 6; octave++) {
+        sum += share * noise(at);
+        at = mat2(1.6, 1.2, -1.2, 1.6) * at + 7.3;
+        share *= 0.5;
+    }
+    return sum;
+}
+
+// A summer's sky with clouds over trees and a meadow, seen from a terrace.
 vec3 sky(vec3 d) {
     vec3 sun = normalize(vec3(-0.50, -0.62, 0.60));
     float near = max(dot(d, sun), 0.0);
     float height = max(d.z, 0.0);
-    vec3 light = mix(vec3(1.05, 1.12, 1.20), vec3(0.16, 0.34, 0.78), pow(height, 0.45));
-    light += vec3(1.0, 0.82, 0.55) * (0.35 * pow(near, 8.0) + 1.4 * pow(near, 90.0));
-    float cloud = sin(5.0 * d.x + 2.0 * sin(4.0 * d.y)) * sin(6.0 * d.y + 1.5 * sin(3.0 * d.x + 1.0));
-    cloud = smoothstep(0.25, 0.95, cloud) * smoothstep(0.12, 0.4, d.z);
-    light = mix(light, vec3(1.35, 1.33, 1.32), 0.55 * cloud);
-    vec3 ground = mix(vec3(0.46, 0.44, 0.40), vec3(0.27, 0.255, 0.23), smoothstep(0.0, 0.5, -d.z));
-    return mix(ground, light, smoothstep(-0.012, 0.012, d.z));
+    vec3 light = mix(vec3(0.98, 1.06, 1.14), vec3(0.13, 0.29, 0.72), pow(height, 0.42));
+    light += vec3(1.0, 0.85, 0.62) * (0.30 * pow(near, 8.0) + 1.6 * pow(near, 90.0));
+    vec2 over = 1.3 * d.xy / (height + 0.22);
+    float thick = cloudy(over);
+    float cloud = smoothstep(0.46, 0.66, thick) * smoothstep(0.02, 0.2, d.z);
+    float lit = smoothstep(0.10, -0.10, cloudy(over + 0.25 * sun.xy) - thick); // thinner to the sun
+    light = mix(light, mix(vec3(0.66, 0.70, 0.78), vec3(2.0, 1.92, 1.8), lit), cloud);
+    float way = atan(d.y, d.x);
+    vec2 around = vec2(cos(way), sin(way));
+    float trees = 0.035 + 0.09 * cloudy(4.0 * around + 3.0) + 0.02 * noise(60.0 * around);
+    vec3 leaves = mix(vec3(0.05, 0.075, 0.035), vec3(0.13, 0.16, 0.06), noise(25.0 * vec2(way, 3.0 * d.z)));
+    light = mix(light, leaves, smoothstep(0.004, -0.004, d.z - trees));
+    vec2 at = 1.7 * d.xy / max(-d.z, 1e-3);
+    vec3 ground = mix(vec3(0.13, 0.17, 0.055), vec3(0.22, 0.26, 0.10), noise(0.5 * at));
+    vec2 joint = abs(fract(at / 1.4) - 0.5) * 1.4;
+    float joints = smoothstep(0.66, 0.69, max(joint.x, joint.y)) * smoothstep(-0.15, -0.5, d.z);
+    float stone = 0.85 + 0.3 * noise(floor(at / 1.4) + 0.5) * (0.7 + 0.3 * noise(9.0 * at));
+    vec3 terrace = vec3(0.50, 0.47, 0.42) * stone * (1.0 - 0.5 * joints);
+    float edge = max(abs(at.x), abs(at.y));
+    ground = mix(ground, terrace, smoothstep(5.65, 5.55, edge));
+    return mix(ground, light, smoothstep(-0.004, 0.004, d.z));
 }
 
 // A room with windows behind and on the left, seen from a table in it.
@@ -148,16 +186,21 @@ vec3 room(vec3 d) {
     } else if (away == far.z) { // ceiling
         light = vec3(0.95, 0.92, 0.87) * (0.7 + 0.3 * smoothstep(-2.6, 2.8, at.y));
     } else {
-        light = vec3(0.72, 0.68, 0.62) * (0.8 + 0.2 * smoothstep(-2.6, 2.8, at.y));
-        light *= 0.75 + 0.25 * smoothstep(-0.9, -0.3, at.z);
+        light = vec3(0.58, 0.53, 0.465) * (0.8 + 0.2 * smoothstep(-2.6, 2.8, at.y));
+        light *= 0.7 + 0.3 * smoothstep(-0.9, -0.3, at.z);
+        light = mix(light, vec3(0.34, 0.31, 0.28), smoothstep(-0.72, -0.735, at.z)); // skirting
     }
     if (away == far.y && d.y > 0.0) { // windows
-        float column = abs(abs(at.x + 0.3) - 1.25);
-        vec2 pane = vec2(column, abs(at.z - 0.55));
-        float open = smoothstep(0.80, 0.77, pane.x) * smoothstep(0.92, 0.89, pane.y);
-        float frame = smoothstep(0.03, 0.045, abs(pane.x)) * smoothstep(0.03, 0.045, abs(at.z - 0.75));
-        vec3 outside = mix(vec3(2.0, 2.2, 1.9), vec3(4.2, 4.6, 5.2), smoothstep(-0.3, 0.7, at.z));
+        float column = abs(abs(at.x + 0.3) - 1.15);
+        float open = smoothstep(0.62, 0.59, column) * smoothstep(0.92, 0.89, abs(at.z - 0.55));
+        float frame = smoothstep(0.03, 0.045, column) * smoothstep(0.03, 0.045, abs(at.z - 0.75));
+        float trees = 0.35 + 0.9 * cloudy(vec2(1.7 * at.x, 0.0));
+        vec3 leaves = mix(vec3(0.35, 0.5, 0.2), vec3(0.85, 1.0, 0.5), noise(vec2(14.0 * at.x, 14.0 * at.z)));
+        vec3 outside = mix(leaves, vec3(3.0, 3.4, 3.9), smoothstep(-0.06, 0.06, at.z - trees));
         light = mix(light, outside, open * frame);
+        float curtain = smoothstep(0.62, 0.66, column) * smoothstep(0.86, 0.82, column);
+        vec3 cloth = vec3(1.05, 1.0, 0.9) * (0.75 + 0.25 * sin(55.0 * at.x));
+        light = mix(light, cloth, curtain);
     }
     if (away == far.x && d.x > 0.0) { // a lamp beside
         float lamp = smoothstep(0.34, 0.26, length(vec2(at.y + 1.3, (at.z - 0.35) * 1.1)));
@@ -285,6 +328,8 @@ uniform vec3 size; // of the object: radius of its foot, radius and height
 uniform vec3 key; // direction of the main light, in the environment
 uniform vec2 keySize; // the light's angular radius, and its share of the light on the ground
 
+const float WIDER = 3.0;
+
 in vec2 place;
 out vec4 colour;
 
@@ -294,7 +339,9 @@ vec3 inEnvironment(vec3 v) {
 
 void main() {
     vec3 direction = normalize(forward + place.x * right + place.y * up);
-    vec3 light = textureLod(environment, inEnvironment(direction), blur).rgb;
+    // Wider than the picture, so that the horizon is seen from above
+    vec3 wide = normalize(forward + WIDER * (place.x * right + place.y * up));
+    vec3 light = textureLod(environment, inEnvironment(wide), blur).rgb;
     if (direction.z < -1e-3 && eye.z > 0.0) {
         vec3 ground = eye - direction * (eye.z / direction.z);
         float away = length(ground.xy);
