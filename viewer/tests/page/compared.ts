@@ -1,6 +1,7 @@
 /** Saves what the page shows, renders it in Mitsuba, and compares the pictures. */
 
-import { execFileSync, spawnSync } from "node:child_process";
+import { type ChildProcess, spawn, spawnSync } from "node:child_process";
+import { once } from "node:events";
 import { mkdirSync, writeFileSync } from "node:fs";
 import { join } from "node:path";
 import type { Page } from "@playwright/test";
@@ -19,6 +20,9 @@ const FOLDER = join(import.meta.dirname, "../../out/mitsuba");
 
 export const hasFlip = spawnSync(PYTHON, ["-c", "import flip_evaluator"]).status === 0;
 
+/** The process that renders all scenes, so that it starts once. */
+let renderer: ChildProcess | undefined;
+
 /** The measures of the page's picture; name: of the files that are left in `out/mitsuba`. */
 export async function compared(page: Page, name: string): Promise<Measures> {
   mkdirSync(FOLDER, { recursive: true });
@@ -26,9 +30,19 @@ export async function compared(page: Page, name: string): Promise<Measures> {
   await save(page, "Mitsuba scene", `${name}.zip`);
   await save(page, "Picture", `${name}.png`);
   const script = join(import.meta.dirname, "mitsuba_picture.py");
-  const text = execFileSync(PYTHON, [script, FOLDER, name], { encoding: "utf8" });
+  renderer ??= spawn(PYTHON, [script, FOLDER], { stdio: ["pipe", "pipe", "inherit"] });
+  renderer.stdin!.write(`${name}\n`);
+  // A line is short and comes at once; a process that fails ends its output.
+  const [text] = await Promise.race([
+    once(renderer.stdout!, "data"),
+    once(renderer.stdout!, "end"),
+  ]);
+  if (text === undefined) {
+    renderer = undefined;
+    throw new Error("Rendering by Mitsuba failed; its error is printed above.");
+  }
   writeFileSync(join(FOLDER, `${name}.json`), text);
-  return JSON.parse(text) as Measures;
+  return JSON.parse(String(text)) as Measures;
 }
 
 async function save(page: Page, label: string, name: string): Promise<void> {

@@ -86,6 +86,7 @@ function sunny(): Buffer {
   return Buffer.concat([Buffer.from(header, "latin1"), pixels]);
 }
 
+test.use({ picture: true });
 test.skip(!hasFlip, "the package flip-evaluator has no wheel for this machine");
 
 for (const [name, { bottom, coats, object, environment }] of Object.entries(CASES))

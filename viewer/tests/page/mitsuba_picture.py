@@ -1,8 +1,8 @@
-"""Renders a scene that the page has saved, and compares: `mitsuba_picture.py FOLDER NAME`.
+"""Renders scenes that the page has saved, and compares: `mitsuba_picture.py FOLDER`.
 
-The folder holds `NAME.zip` (the scene), `NAME.exr` (the page's radiance) and `NAME.png` (the page's
-picture, as it is seen). Prints the measures of `compare` as JSON. Writes `NAME-compared.png`: page,
-Mitsuba, and the map of FLIP.
+Each line of the standard input is a name. The folder holds `NAME.zip` (the scene), `NAME.exr` (the
+page's radiance) and `NAME.png` (the page's picture, as it is seen). Prints the measures of
+`compare` as a line of JSON. Writes `NAME-compared.png`: page, Mitsuba, and the map of FLIP.
 """
 
 import json
@@ -123,4 +123,5 @@ def compare(folder: Path, name: str) -> dict[str, float]:
 
 
 if __name__ == "__main__":
-    print(json.dumps(compare(Path(sys.argv[1]), sys.argv[2])))
+    for line in sys.stdin:
+        print(json.dumps(compare(Path(sys.argv[1]), line.strip())), flush=True)

@@ -7,11 +7,15 @@ import { INITIAL, type State } from "../../src/state/state";
 
 /**
  * A page on which nothing is logged, fails, or is asked of another server; `quiet`: what was.
- * `occlusion`: whether objects hide a part of their own light, which takes a second to compute.
+ *
+ * `picture`: whether the picture is drawn, which is slow by software. `occlusion`: whether objects hide a
+ * part of their own light, which takes a second to compute.
  */
-export const test = base.extend<{ quiet: string[]; occlusion: boolean }>({
+export const test = base.extend<{ quiet: string[]; picture: boolean; occlusion: boolean }>({
+  picture: [false, { option: true }],
   occlusion: [false, { option: true }],
-  page: async ({ page, occlusion }, use) => {
+  page: async ({ page, picture, occlusion }, use) => {
+    if (!picture) await page.addInitScript(drawNothing);
     if (!occlusion) await page.addInitScript(hideNothing);
     await use(page);
   },
@@ -35,6 +39,12 @@ export const test = base.extend<{ quiet: string[]; occlusion: boolean }>({
 });
 
 export { expect };
+
+/** In the page: let WebGL draw nothing; all else is as ever. */
+function drawNothing(): void {
+  WebGL2RenderingContext.prototype.drawArrays = () => {};
+  WebGL2RenderingContext.prototype.drawElements = () => {};
+}
 
 /** In the page: answer calls of `occlusion` at once, with meshes that hide none of their light. */
 function hideNothing(): void {

@@ -3,7 +3,7 @@
 import { decoded } from "../../src/material/colour";
 import { colourAt, expect, give, number, open, panorama, saved, stateOf, test } from "./page";
 
-test.use({ deviceScaleFactor: 1 });
+test.use({ deviceScaleFactor: 1, picture: true });
 
 /** An address of a red matt ball in a small picture, where everything is fast. */
 async function matt(page: import("@playwright/test").Page, reflectance: number[]): Promise<void> {

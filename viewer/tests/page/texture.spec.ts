@@ -8,7 +8,7 @@ import { crc32 } from "../../src/save/zip";
 import { compared, hasFlip, PYTHON } from "./compared";
 import { coats, colourAt, expect, give, open, saved, test } from "./page";
 
-test.use({ deviceScaleFactor: 1 });
+test.use({ deviceScaleFactor: 1, picture: true });
 
 let folder: string;
 let texture: Buffer;
