@@ -26,7 +26,7 @@ print(format(flip_evaluator.evaluate(*sys.argv[1:], "LDR")[1], ".3f"))
 
 /** Runs in the page: [name, first picture, mean or null] of a material, as addresses of PNG. */
 async function pictures([place, isMeanKnown, environment, width, height, frames]) {
-  const [{ PRESETS }, { stackOf }, remote, engine, { Renderer }, { meshOf }, { INITIAL }] =
+  const [{ PRESETS }, { stackOf }, remote, engine, { Renderer }, meshes, { INITIAL }, hiding] =
     await Promise.all(
       [
         "/src/material/presets.ts",
@@ -36,6 +36,7 @@ async function pictures([place, isMeanKnown, environment, width, height, frames]
         "/src/picture/renderer.ts",
         "/src/picture/meshes.ts",
         "/src/state/state.ts",
+        "/src/core/occlusion.ts",
       ].map((path) => import(path)),
     );
   const { SAMPLES, TABLE_ROWS, shiftOf } = engine;
@@ -43,7 +44,10 @@ async function pictures([place, isMeanKnown, environment, width, height, frames]
   if (window.renderer === undefined) {
     const canvas = Object.assign(document.createElement("canvas"), { width, height });
     window.renderer = new Renderer(canvas);
-    window.renderer.setMesh(meshOf("goblet"));
+    const mesh = meshes.meshOf("goblet");
+    window.renderer.setMesh(mesh);
+    const { vertices, faces } = mesh;
+    window.renderer.setOcclusion(hiding.occlusion(vertices, meshes.VERTEX_NUMBERS, faces));
     window.renderer.setEnvironment(environment, null);
     window.shown = canvas;
   }

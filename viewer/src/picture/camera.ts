@@ -2,8 +2,7 @@
 
 import type { View } from "../state/state";
 import type { Mesh } from "./meshes";
-
-type Vector = readonly [number, number, number];
+import { dot, type Vector } from "./vectors";
 
 export interface Camera {
   eye: Vector;
@@ -83,8 +82,4 @@ export function cameraOf(
 export function mirrored({ eye, projection, ...camera }: Camera): Camera {
   const flipped = projection.map((x, at) => (Math.floor(at / 4) === 2 ? -x : x));
   return { ...camera, eye: [eye[0], eye[1], -eye[2]], projection: flipped };
-}
-
-function dot(a: Vector, b: Vector): number {
-  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }

@@ -7,6 +7,7 @@ import halveSource from "./shaders/halve.frag?raw";
 import irradianceSource from "./shaders/irradiance.frag?raw";
 import panoramaSource from "./shaders/panorama.frag?raw";
 import placesSource from "./shaders/places.frag?raw";
+import { unit } from "./vectors";
 
 /** Texels along a side of a face. */
 export const SIDE = 256;
@@ -174,9 +175,4 @@ function cubeMap(gl: Gl, levels: number, side: number, small: number): WebGLText
   gl.texStorage2D(gl.TEXTURE_CUBE_MAP, levels, gl.RGBA16F, side, side);
   filters(gl, gl.TEXTURE_CUBE_MAP, small, gl.LINEAR, gl.CLAMP_TO_EDGE);
   return texture;
-}
-
-function unit(v: readonly [number, number, number]): readonly [number, number, number] {
-  const length = Math.hypot(...v);
-  return [v[0] / length, v[1] / length, v[2] / length];
 }

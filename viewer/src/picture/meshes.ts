@@ -14,6 +14,7 @@ import {
   type Tube,
   VASE,
 } from "./outlines";
+import { cross, minus, unit, type Vector } from "./vectors";
 
 /** A mesh that fits into a ball. */
 export interface Mesh {
@@ -289,19 +290,4 @@ function joined(parts: Part[], footprint: number): Mesh {
     halfHeight: (high[2]! - low[2]!) / 2,
     footprint,
   };
-}
-
-type Vector = readonly [number, number, number];
-
-function minus(a: Vector, b: Vector): Vector {
-  return [a[0] - b[0], a[1] - b[1], a[2] - b[2]];
-}
-
-function cross(a: Vector, b: Vector): Vector {
-  return [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
-}
-
-function unit(a: Vector): Vector {
-  const length = Math.hypot(...a) || 1;
-  return [a[0] / length, a[1] / length, a[2] / length];
 }

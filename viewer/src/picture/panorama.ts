@@ -1,6 +1,7 @@
 /** Panoramas: reading Radiance's .hdr files, and taking the bright lights out of them. */
 
 import { Refusal } from "../refusal";
+import { dot } from "./vectors";
 
 /** A picture of all directions: width twice the height, the zenith in the first row. */
 export interface Panorama {
@@ -141,8 +142,4 @@ export function withoutLights(panorama: Panorama): { panorama: Panorama; lights:
     power: [power[0]!, power[1]!, power[2]!] as const,
   }));
   return { panorama: { width, height, pixels: kept }, lights };
-}
-
-function dot(a: number[], b: number[]): number {
-  return a[0]! * b[0]! + a[1]! * b[1]! + a[2]! * b[2]!;
 }

@@ -16,8 +16,11 @@ import { LANGUAGES, type Language, readTemplate, shaderText } from "../save/shad
 import { toAddress, toJson } from "../state/address";
 import { announcement, complain, material, state } from "../state/store";
 
-/** A kind of file: its name in the menu, what it is, and what makes it. */
+const GROUPS = ["Picture", "Material", "Code", "Share"] as const;
+
+/** A kind of file: its place and its name in the menu, what it is, and what makes it. */
 interface Kind {
+  group: (typeof GROUPS)[number];
   label: string;
   hint: string;
   save: (name: string) => void | Promise<void>;
@@ -56,32 +59,38 @@ async function presentFile(): Promise<Uint8Array<ArrayBuffer>> {
 
 const KINDS: readonly Kind[] = [
   {
+    group: "Picture",
     label: "Picture",
     hint: "PNG, as it is seen",
     save: async (name) => download(`${name}.png`, await presentSession().picture()),
   },
   {
+    group: "Picture",
     label: "Radiance",
     hint: "EXR, the picture in linear light",
     save: async (name) =>
       download(`${name}.exr`, new Blob([exrFile(await presentSession().radiance())])),
   },
   {
+    group: "Material",
     label: "Material",
     hint: "safetensors, for urushi.load",
     save: async (name) => download(`${name}.safetensors`, new Blob([await presentFile()])),
   },
   {
+    group: "Material",
     label: "Mitsuba XML",
     hint: "a BSDF for a scene file",
     save: (name) => download(`${name}.xml`, textBlob(mitsubaXml(material.value))),
   },
   {
+    group: "Material",
     label: "Mitsuba dictionary",
     hint: "the same for mi.load_dict",
     save: (name) => download(`${name}-dict.py`, textBlob(mitsubaDict(material.value))),
   },
   {
+    group: "Share",
     label: "Mitsuba scene",
     hint: "ZIP: object, camera, light and material",
     save: async (name) => {
@@ -90,11 +99,13 @@ const KINDS: readonly Kind[] = [
     },
   },
   {
+    group: "Code",
     label: "Python",
     hint: "a program with urushi",
     save: (name) => download(`${name}.py`, textBlob(pythonText(material.value))),
   },
   {
+    group: "Share",
     label: "State",
     hint: "JSON, to open here again",
     save: (name) => download(`${name}.json`, textBlob(toJson(state.value, 2))),
@@ -102,6 +113,7 @@ const KINDS: readonly Kind[] = [
 ];
 
 const ADDRESS: Kind = {
+  group: "Share",
   label: "Copy the address",
   hint: "it holds the whole state",
   save: async () => {
@@ -147,31 +159,38 @@ export function SaveMenu({ onDone }: { onDone: () => void }) {
       complain(error, () => void run(save));
     }
   };
-  return (
-    <ul>
-      {(isDocument() ? KINDS : [...KINDS, ADDRESS]).map((kind) => (
-        <li key={kind.label}>
-          <button type="button" onClick={() => void run(kind.save)}>
-            <span>{kind.label}</span>
-            <small>{kind.hint}</small>
-          </button>
-        </li>
-      ))}
-      <li class="languages">
-        <span>Shader code</span>
-        <small>functions f, pdf and sample</small>
-        <div role="group" aria-label="Shader code">
-          {LANGUAGE_NAMES.map((language) => (
-            <button
-              key={language}
-              type="button"
-              onClick={() => void run((name) => saveShader(language, name))}
-            >
-              {LANGUAGES[language].title}
-            </button>
+  const kinds = isDocument() ? KINDS : [...KINDS, ADDRESS];
+  return GROUPS.map((group) => (
+    <section key={group} aria-label={group}>
+      <h2>{group}</h2>
+      <ul>
+        {kinds
+          .filter((kind) => kind.group === group)
+          .map(({ label, hint, save }) => (
+            <li key={label}>
+              <button type="button" onClick={() => void run(save)}>
+                <span>{label}</span>
+                <small>{hint}</small>
+              </button>
+            </li>
           ))}
-        </div>
-      </li>
-    </ul>
-  );
+        {group === "Code" && (
+          <li class="languages">
+            <small>Shaders of f, pdf and sample</small>
+            <div role="group" aria-label="Shader code">
+              {LANGUAGE_NAMES.map((language) => (
+                <button
+                  key={language}
+                  type="button"
+                  onClick={() => void run((name) => saveShader(language, name))}
+                >
+                  {LANGUAGES[language].title}
+                </button>
+              ))}
+            </div>
+          </li>
+        )}
+      </ul>
+    </section>
+  ));
 }

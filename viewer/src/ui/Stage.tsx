@@ -4,7 +4,7 @@ import { useEffect, useRef } from "preact/hooks";
 import { encoding } from "../engine/open";
 import { loading, noPicture, occluding, session } from "../engine/session";
 import { titleOf } from "../material/presets";
-import { DIFFERENCE_SCALES, type View } from "../state/state";
+import { DIFFERENCE_SCALES, INITIAL, type View } from "../state/state";
 import { change, look, notice, state } from "../state/store";
 
 export function Stage() {
@@ -84,7 +84,7 @@ function Picture() {
       ref={canvas}
       tabIndex={0}
       role="img"
-      aria-label={`${object === "own" ? mesh : `A ${object}`} of the material, lit by the environment “${environment}”. Arrow keys turn the camera, plus and minus zoom, with Shift the arrow keys turn the light.`}
+      aria-label={`${object === "own" ? mesh : `A ${object}`} of the material, lit by the environment “${environment}”. Arrow keys turn the camera, plus and minus zoom, Home or a double click resets it, with Shift the arrow keys turn the light.`}
       onPointerDown={({ button, currentTarget, pointerId, clientX, clientY }) => {
         if (button !== 0) return;
         currentTarget.setPointerCapture(pointerId);
@@ -104,8 +104,10 @@ function Picture() {
         } else if (shiftKey) light(x * 0.4);
         else turn({ azimuth: view.azimuth - x * 0.4, elevation: view.elevation + y * 0.3 });
       }}
+      onDblClick={() => look({ view: INITIAL.view })}
       onKeyDown={(event) => {
         const { view } = state.value;
+        if (event.key === "Home") look({ view: INITIAL.view });
         const x = { ArrowLeft: -1, ArrowRight: 1 }[event.key];
         const y = { ArrowUp: 1, ArrowDown: -1 }[event.key];
         const zoom = { "+": 1.1, "=": 1.1, "-": 1 / 1.1 }[event.key];
