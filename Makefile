@@ -31,9 +31,10 @@ lint: $(READY)
 check-wheel: $(READY)
 	scripts/check_wheel
 
-# Builds the documentation site into out/docs; a warning is an error.
+# Builds the documentation site, and the page that it shows, into out/docs; a warning is an error.
 docs: docs-packages
 	.venv/bin/python -m sphinx -b html -W --keep-going -q docs out/docs
+	.venv/bin/urushi view -o out/docs/page
 
 docs-packages: $(READY)
 	VIRTUAL_ENV= UV_PROJECT_ENVIRONMENT=.venv .venv/bin/uv sync --quiet --locked --all-extras --inexact --group docs
