@@ -161,12 +161,18 @@ export class Session {
 
   /** The picture so far as linear radiance, before exposure and tone curve. */
   async radiance(): Promise<Radiance> {
-    return (await this.painter.whole()).radiance();
+    return (await this.whole()).radiance();
+  }
+
+  /** The renderer, once it has a whole picture, whose light the object partly hides. */
+  private async whole(): Promise<Renderer> {
+    await occlusionOf(this.mesh.peek());
+    return this.painter.whole();
   }
 
   /** The picture so far as it is displayed. */
   async picture(): Promise<Blob> {
-    await this.painter.whole();
+    await this.whole();
     const blob = await new Promise<Blob | null>((resolve) => this.canvas!.toBlob(resolve));
     return blob!;
   }
