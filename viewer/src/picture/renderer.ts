@@ -59,6 +59,9 @@ interface Pane {
 /** Blur of the backdrop: level of the environment. */
 const BACKDROP_LEVEL = 4;
 
+/** Width of the backdrop relative to the picture's, but in the studio, whose lights it would show. */
+const BACKDROP_WIDTH = 3;
+
 const OBJECT_SOURCE = included(objectFragment, {
   "frame.glsl": frameSource,
   "anisotropic.glsl": included(anisotropicSource, { "basis.glsl": basisSource }),
@@ -104,6 +107,7 @@ export class Renderer {
   private mesh: Mesh;
   private lights: Light[] = [];
   private key: Key = keyOf("studio", []);
+  private backdropWidth = 1;
 
   /** @throws NoGraphics */
   constructor(private readonly canvas: HTMLCanvasElement) {
@@ -152,6 +156,7 @@ export class Renderer {
       this.lights = lightsOf(name);
     }
     this.key = keyOf(name, this.lights);
+    this.backdropWidth = name === "studio" ? 1 : BACKDROP_WIDTH;
   }
 
   /** Size of the canvas [pixels]. */
@@ -420,6 +425,7 @@ export class Renderer {
     backdrop.set("forward", ...camera.forward);
     backdrop.set("turn", ...turnOf(shot));
     backdrop.set("blur", BACKDROP_LEVEL);
+    backdrop.set("wider", this.backdropWidth);
     backdrop.set("size", mesh.footprint, 0.9 * mesh.width, 2 * mesh.halfHeight);
     backdrop.set("key", ...key.direction);
     backdrop.set("keySize", key.radius, key.share);

@@ -11,11 +11,10 @@ uniform vec3 forward;
 uniform vec2 turn;
 uniform samplerCube environment;
 uniform float blur; // level of detail
+uniform float wider; // width relative to the picture's, to show the horizon from above
 uniform vec3 size; // of the object: radius of its foot, radius and height
 uniform vec3 key; // direction of the main light, in the environment
 uniform vec2 keySize; // the light's angular radius, and its share of the light on the ground
-
-const float WIDER = 3.0;
 
 in vec2 place;
 out vec4 colour;
@@ -26,8 +25,7 @@ vec3 inEnvironment(vec3 v) {
 
 void main() {
     vec3 direction = normalize(forward + place.x * right + place.y * up);
-    // Wider than the picture, so that the horizon is seen from above
-    vec3 wide = normalize(forward + WIDER * (place.x * right + place.y * up));
+    vec3 wide = normalize(forward + wider * (place.x * right + place.y * up));
     vec3 light = textureLod(environment, inEnvironment(wide), blur).rgb;
     if (direction.z < -1e-3 && eye.z > 0.0) {
         vec3 ground = eye - direction * (eye.z / direction.z);
