@@ -161,7 +161,7 @@ export function SaveMenu({ onDone }: { onDone: () => void }) {
   };
   const kinds = isDocument() ? KINDS : [...KINDS, ADDRESS];
   return GROUPS.map((group) => (
-    <section key={group} aria-label={group}>
+    <section key={group}>
       <h2>{group}</h2>
       <ul>
         {kinds

@@ -18,7 +18,7 @@ const EXAMPLE = join(import.meta.dirname, "../../../examples/threejs");
 const MODULES = join(import.meta.dirname, "../../node_modules");
 const PYTHON = process.env.PYTHON ?? join(import.meta.dirname, "../../../.venv/bin/python");
 
-test.use({ deviceScaleFactor: 1 });
+test.use({ deviceScaleFactor: 1, picture: true });
 
 let folder: string;
 let pixels: Pixel[];
