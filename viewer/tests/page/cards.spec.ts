@@ -249,7 +249,7 @@ test("the address holds the state", async ({ page, context }) => {
   await expect(async () => {
     await other.goto("about:blank"); // a mere change of the fragment would not load the page
     await other.goto(page.url());
-    await expect(coats(other)).toHaveCount(1);
+    await expect(coats(other)).toHaveCount(1, { timeout: 5_000 });
     const object = other.getByRole("combobox", { name: "Object" });
     await expect(object).toHaveValue("plate", { timeout: 5_000 });
     await expect(number(other, "Coat 1, Index n")).toHaveValue("1.77", { timeout: 5_000 });
