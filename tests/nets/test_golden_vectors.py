@@ -13,6 +13,7 @@ from urushi.nets.weights import anisotropic_model, default_model
 SCRIPT = Path(__file__).parents[2] / "viewer/tests/golden.py"
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not SCRIPT.exists(), reason="the source distribution has no page")
 @pytest.mark.filterwarnings("ignore:layer.*:urushi.errors.UrushiWarning")  # a medium of depth 50
 @pytest.mark.parametrize(

@@ -53,6 +53,7 @@ def sets():
     return benchmark.read()
 
 
+@pytest.mark.slow
 def test_the_shipped_networks_hold_the_published_figures(sets):
     tables = published(RESULTS.read_text(encoding="utf-8"))
     assert list(tables) == [weights.DEFAULT]

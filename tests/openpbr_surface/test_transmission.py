@@ -198,7 +198,13 @@ def test_the_tint_is_met_once_on_the_way_through_a_coated_body():
         np.testing.assert_allclose(g[at], expected, rtol=1e-3, atol=1e-6)
 
 
-@pytest.mark.parametrize("values", [GLASS | COAT, PANE | COAT], ids=["body", "pane"])
+@pytest.mark.parametrize(
+    "values",
+    [
+        pytest.param(GLASS | COAT, id="body"),
+        pytest.param(PANE | COAT, id="pane", marks=pytest.mark.slow),
+    ],
+)
 @pytest.mark.parametrize("reference", [False, True])
 def test_coats_on_glass_lose_no_light(values, reference):
     """Walks: the standard error of 2^18 samples is 0.2 %, and of the measured loss 0.3 %."""

@@ -272,7 +272,7 @@ def test_tables_follow_changes_and_refuse_what_they_cannot_hold(rgb):
         rgb.load_dict({"type": "twosided", "slab": {"type": "neural_layered"}})
 
 
-@pytest.mark.parametrize("name", ["albedo", "sigma_t"])
+@pytest.mark.parametrize("name", [pytest.param("albedo", marks=pytest.mark.slow), "sigma_t"])
 def test_tables_have_derivatives_of_the_medium(rgb, name):
     """Those of f summed over pairs on all sides, against slabs at 0.08 to both sides."""
     import drjit as dr
