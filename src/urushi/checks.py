@@ -89,7 +89,10 @@ class CoatParameters(NamedTuple):
 
 
 #: Names of the columns of coats with one width, and with two.
-COAT_COLUMNS = {1: CoatParameters._fields, 2: ("alpha_u", *CoatParameters._fields[1:], "alpha_v")}
+COAT_COLUMNS = {
+    1: CoatParameters._fields,
+    2: ("alpha_u", *CoatParameters._fields[1:], "alpha_v"),
+}
 
 #: The default coat: glass in air, without absorption.
 DEFAULT_COAT = CoatParameters(0.1, GLASS / AIR, 0.0, 0.0, 0.0)

@@ -139,8 +139,9 @@ def encoded(
     numbers = _rows(z[:, :size].T)
     if lobe is not None:
         first = dr.arange(mi.UInt32, count) % (lobe.shape[0] * channels) * size
-        numbers = [x + _change(dr.gather(mi.Float, lobe.array, first + i))
-                   for i, x in enumerate(numbers)]  # fmt: skip
+        numbers = [
+            x + _change(dr.gather(mi.Float, lobe.array, first + i)) for i, x in enumerate(numbers)
+        ]
     else:
 
         def by_values(f: np.ndarray, z: np.ndarray) -> np.ndarray:
@@ -161,9 +162,12 @@ def encoded(
     codes = _columns(_network(model, "encoder", (logs - mean) / scale))
     if refined.any():
         found = dr.custom(
-            _Linear, mi.TensorXf(rests, plain.shape), z[:, size:], _refined(model),
+            _Linear,
+            mi.TensorXf(rests, plain.shape),
+            z[:, size:],
+            _refined(model),
             (plain, z, refined),
-        )  # fmt: skip
+        )
         of_fit, of_network = _rows(np.stack([refined, ~refined]))
         parts = zip(_columns(found), codes, strict=True)
         codes = [of_fit * x + of_network * y for x, y in parts]

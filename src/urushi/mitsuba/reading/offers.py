@@ -96,8 +96,10 @@ def offer_of(bsdf: "mi.BSDF") -> Offer:
         bsdf = nested_objects(bsdf)["brdf_0"]
     if bsdf.class_name() == "SmoothDiffuse":
         channels = partial(_channels, nested_objects(bsdf), "reflectance")
-        return Offer(lobes=lambda si: [[*map(mi.Float, NO_LOBE)] for _ in channels(si)],
-                     reflectance=channels)  # fmt: skip
+        return Offer(
+            lobes=lambda si: [[*map(mi.Float, NO_LOBE)] for _ in channels(si)],
+            reflectance=channels,
+        )
     if bsdf.class_name() == "RoughPlastic" and GGX in str(bsdf):
         return Offer(lobes=partial(_plastic_lobes, bsdf), exact=lambda: bsdf)
     return conductor_offer(bsdf)

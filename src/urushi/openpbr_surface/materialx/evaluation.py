@@ -33,7 +33,11 @@ from urushi.openpbr_surface.materialx.shaders import FILM_UNITS
 MAX_NODES = 2048
 
 #: Directions of the surface, by the names of nodes and of geometric properties.
-_DIRECTIONS = {"normal": (0.0, 0.0, 1.0), "tangent": (1.0, 0.0, 0.0), "bitangent": (0.0, 1.0, 0.0)}
+_DIRECTIONS = {
+    "normal": (0.0, 0.0, 1.0),
+    "tangent": (1.0, 0.0, 0.0),
+    "bitangent": (0.0, 1.0, 0.0),
+}
 _PROPERTIES = {"Nworld": "normal", "Nobject": "normal", "Tworld": "tangent", "Tobject": "tangent"}
 _PROPERTIES |= {"Bworld": "bitangent", "Bobject": "bitangent"}
 
