@@ -208,7 +208,7 @@ class Grid:
         return index, place - index
 
 
-@functools.cache
+@functools.lru_cache(maxsize=16)
 def grid(edges: Edges = ()) -> Grid:
     """The grid of coats; edges: of the medium of a slab."""
     return Grid(edges=edges)
