@@ -10,6 +10,7 @@ as three of them, and put features into an array. `make viewer` runs this script
 
 import ast
 import importlib
+import itertools
 import json
 import math
 import re
@@ -27,6 +28,7 @@ from urushi.core.namespace import Components
 from urushi.export.expressions import BOOL, FLOAT, INT, VECTOR, Expression, call, name, vector
 from urushi.export.printer import PRIMARY, Printer, broken
 from urushi.export.statements import Function, Variable, element, namespace, offset_index
+from urushi.material import table
 from urushi.nets import features, lobe, sampler
 
 FILE = Path(__file__).parent / "src/core/formulas.ts"
@@ -206,6 +208,23 @@ def functions() -> list[Function]:
                 values[:3], values[3], values[4]._replace(clip=_clip)
             ),
         ),
+        filling(
+            "table_coordinates",
+            "Coordinates of a pair of directions in a table of f.",
+            (WI, WO),
+            lambda wi, wo, xp: table.coordinates(
+                Components(*(a + b for a, b in zip(wi, wo, strict=True))),
+                Components(*(a - b for a, b in zip(wi, wo, strict=True))),
+                1,
+                xp,
+            ),
+        ),
+        filling(
+            "node_directions",
+            "Directions wi and wo of the coordinates of a table of f.",
+            floats("u", "v", "w"),
+            lambda u, v, w, xp: itertools.chain(*table.node_components(u, v, w, xp)),
+        ),
         returning(
             "coated_color",
             "Albedo, at the normal, of a coat over a Lambertian reflectance, its surface included.",
@@ -310,6 +329,7 @@ CONSTANTS: dict[str, str] = {
     ),
     "material.layer": "DEEPEST",
     "material.lobe_albedo": "NODES EDGE_NODES WIDTHS FINE HEIGHTS TURNS",
+    "material.table": "SHAPE",
     "nets.decoder": "MIN_LOG MAX_LOG EMPTY_GAIN",
     "nets.encoder": "OFFSET",
     "nets.features": "MIN_COSINE DIRECTION_FEATURES COAT_FEATURES",

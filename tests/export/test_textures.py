@@ -108,7 +108,7 @@ def test_files_hold_all_levels(store, kind):
         "dds": (texture_files.dds, read_dds),
         "ktx2": (texture_files.ktx2, read_ktx2),
     }[kind]
-    read = reader(writer(store))
+    read = reader(writer(texture_files.texture_image(store)))
     expected = levels_of_store(store, read[0].shape[0])
     assert len(read) == 4
     assert all(np.array_equal(a, b) for a, b in zip(read, expected, strict=True))
@@ -118,7 +118,7 @@ def test_dds_is_read_by_another_program(store, tmp_path):
     """Pillow reads the first layer."""
     image = pytest.importorskip("PIL.Image", reason="Pillow is not installed")
     path = tmp_path / "texture.dds"
-    path.write_bytes(texture_files.dds(store))
+    path.write_bytes(texture_files.dds(texture_files.texture_image(store)))
     with image.open(path) as opened:
         assert np.array_equal(np.asarray(opened), levels_of_store(store, 1)[0][0])
 
@@ -138,7 +138,7 @@ def test_look_up_in_opengl(networks_of, request):
     with context:
         source = "#version 330\n" + text + MAIN
         program = context.program(vertex_shader=source, varyings=["f", "pdf"])
-        for level in read_ktx2(texture_files.ktx2(store)):
+        for level in read_ktx2(texture_files.ktx2(texture_files.texture_image(store))):
             layers, height, width, _ = level.shape
             texture = context.texture_array((width, height, layers), 4, level.tobytes())
             texture.repeat_x = texture.repeat_y = False
@@ -212,7 +212,7 @@ def test_command_writes_shader_and_texture(model, store, tmp_path, capsys):
     given = ["export", str(stored), *given]
     assert main([*given, "--texture", str(tmp_path / "texture.ktx2")]) == 0
     texture, text = (Path(line) for line in capsys.readouterr().out.split())
-    assert texture.read_bytes() == texture_files.ktx2(store)
+    assert texture.read_bytes() == texture_files.ktx2(texture_files.texture_image(store))
     shader = codes_text("hlsl", model, "urushi", texture_files.texels(store, grid))
     assert text.read_text() == shader and "mirrored repeat" in shader
     assert main(given) == 2
@@ -221,5 +221,7 @@ def test_command_writes_shader_and_texture(model, store, tmp_path, capsys):
 
 def test_textures_need_array_textures(model, store):
     texels = texture_files.texels(store, TexelGrid(WIDTH, HEIGHT))
-    with pytest.raises(ParameterError, match="OSL has no array textures; choose one of glsl, wgsl"):
+    with pytest.raises(
+        ParameterError, match="exported OSL code reads no textures; choose one of glsl, wgsl"
+    ):
         codes_text("osl", model, "urushi", texels)

@@ -16,6 +16,7 @@ from urushi.ranges import Texels
 
 if TYPE_CHECKING:
     from urushi.openpbr_surface.materialx.surface import Mix, Surface
+    from urushi.textures.gpu import Image
 
 
 @dataclass(frozen=True)
@@ -26,7 +27,8 @@ class Export:
     material, the file is for all materials: their latent codes are arguments of its functions.
 
     A latent texture, as written by the method `save` of a plugin, becomes such a file with a
-    texture look-up, and a texture file for graphics hardware.
+    texture look-up, and a texture file for graphics hardware. So does a material with a table, as
+    of a measured BRDF; without --texture, its f is computed from its codes.
 
     Example: urushi export lacquer.safetensors --language glsl -o lacquer.glsl
 
@@ -45,7 +47,8 @@ class Export:
     """Material: a material file, a latent texture, a measured BRDF (MERL or RGL), or a
     description as in Python, such as "conductor(alpha=0.2, r0=0.9)"."""
     texture: Path | None = None
-    """Texture file to write (.dds or .ktx2), with all mip levels that the texture has."""
+    """Texture file to write (.dds or .ktx2): that of a latent texture, with all mip levels that it
+    has, or the table of a material."""
     prefix: str = "urushi"
     """Beginning of the names of all functions and structures; Python's have none."""
     weights: str | None = None
@@ -65,13 +68,21 @@ class Export:
 
         if self.material is not None and tensor_file_kind(self.material) == "texture":
             return self._textured_text()
-        if self.texture is not None:
+        material = None if self.material is None else read_material(self.material, self.weights)
+        if self.texture is not None and (material is None or material.table is None):
             raise ParameterError(
-                "only latent textures become texture files; give one, or leave out --texture"
+                "only latent textures and tables of materials become texture files; give one, or "
+                "leave out --texture"
             )
-        if self.material is None:
+        if material is None:
             return codes_text(self.language, find(self.weights), self.prefix)
-        return read_material(self.material, self.weights).shader(self.language, self.prefix)
+        if self.texture is None:
+            return material.shader(self.language, self.prefix)
+        from urushi.textures import gpu
+
+        text = material.shader(self.language, self.prefix, table=True)
+        self._write_texture(gpu.table_image(material.table))
+        return text
 
     def _textured_text(self) -> str:
         """The text for a texture, which is written."""
@@ -79,20 +90,25 @@ class Export:
         from urushi.nets.weights import find
         from urushi.textures import file, gpu
 
+        given = None if self.weights is None else find(self.weights)
+        store, grid, model = file.read(str(self.material), given)
+        text = codes_text(self.language, model, self.prefix, gpu.texels(store, grid))
+        self._write_texture(gpu.texture_image(store))
+        return text
+
+    def _write_texture(self, image: "Image") -> None:
+        from urushi.textures import gpu
+
         writers = {".dds": gpu.dds, ".ktx2": gpu.ktx2}
         writer = None if self.texture is None else writers.get(self.texture.suffix)
         if self.texture is None or writer is None:
             raise ParameterError(
-                f"'{self.material}' is a texture; name the texture file to write, .dds or .ktx2, "
+                f"'{self.material}' has a texture; name the texture file to write, .dds or .ktx2, "
                 "by --texture"
             )
-        given = None if self.weights is None else find(self.weights)
-        store, grid, model = file.read(str(self.material), given)
-        text = codes_text(self.language, model, self.prefix, gpu.texels(store, grid))
         with atomic_write(self.texture) as temporary:
-            temporary.write_bytes(writer(store))
+            temporary.write_bytes(writer(image))
         print(self.texture)
-        return text
 
 
 @dataclass(frozen=True)

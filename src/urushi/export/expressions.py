@@ -13,6 +13,9 @@ import numpy as np
 
 FLOAT, COLOUR, VECTOR, BOOL, INT = "float", "colour", "vector", "bool", "int"
 
+#: The kind of a texture of three coordinates, with its sampler where languages separate them.
+VOLUME = "volume"
+
 #: What arithmetic takes: an expression or a Python number.
 Value = Union["Expression", float]
 
@@ -42,7 +45,7 @@ class Expression:
 
     Attributes:
         operation: "constant", "name", an arithmetic sign, "call", "select", "component", "field",
-            "element", or a conversion.
+            "element", "texel" (the colour of a volume at a vector), or a conversion.
         arguments: its operands.
         kind: the type of the value: one of the kinds above, or the name of a structure.
         detail: what else the operation needs: the number of a constant, the name of a variable, a

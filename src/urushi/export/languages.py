@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 
-from urushi.export.expressions import COLOUR, FLOAT, VECTOR
+from urushi.export.expressions import COLOUR, FLOAT, VECTOR, VOLUME
 from urushi.export.printer import Printer, broken, kinds
 from urushi.export.proposal import SAMPLE
 from urushi.export.statements import Function, Program, Statement, Structure, Variable
@@ -21,6 +21,7 @@ class Glsl(Printer):
     fetch_head = "{kind} {label}(sampler2DArray texels, vec2 uv{level}) {{"
     sample = "vec4 four = texture(texels, vec3(place, float(layer)))"
     sample_level = "vec4 four = textureLod(texels, vec3(place, float(layer)), level)"
+    volume, texel = "highp sampler3D {name}", "textureLod({0}, {1}, 0.0).rgb"
 
 
 class Hlsl(Printer):
@@ -36,6 +37,8 @@ class Hlsl(Printer):
     )
     sample = "float4 four = texels.Sample(filtering, float3(place, float(layer)))"
     sample_level = "float4 four = texels.SampleLevel(filtering, float3(place, float(layer)), level)"
+    volume = "Texture3D<float4> {name}, SamplerState filtering"
+    texel = "{0}.SampleLevel(filtering, {1}, 0.0).rgb"
 
     def splat(self, value: str) -> str:
         return f"({value}).xxx"
@@ -75,8 +78,12 @@ class Wgsl(Printer):
     )
     sample = "let four = textureSample(texels, filtering, place, layer)"
     sample_level = "let four = textureSampleLevel(texels, filtering, place, layer, level)"
+    volume = "{name}: texture_3d<f32>, filtering: sampler"
+    texel = "textureSampleLevel({0}, filtering, {1}, 0.0).rgb"
 
     def declared(self, variable: Variable) -> str:
+        if variable.kind == VOLUME:
+            return super().declared(variable)
         kind = self.kind(variable.kind)
         if variable.count is not None:
             kind = f"array<{kind}, {variable.count}>"

@@ -5,7 +5,7 @@ axis is the tangent; `Tangent` is the tangent of a rotated material in the frame
 directions.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -183,6 +183,36 @@ def _reflectance(
         None if is_zero(k) else k,
     )
     return expression(reflectance_of(numbers, expression(cosine), namespace(body, suffix)))
+
+
+class FTable(NamedTuple):
+    """A table of ln f that shaders read from a texture; see `material.table`.
+
+    Attributes:
+        shape: its nodes in three coordinates.
+        coordinates: from wi + wo, wi - wo, the number of widths and a namespace to coordinates.
+        beside_lobe: whether it is of the rest alone.
+    """
+
+    shape: Sequence[int]
+    coordinates: Callable[..., Sequence[Expression]]
+    beside_lobe: bool
+
+
+def tabulated(
+    body: Function, table: FTable, texture: Expression, wi: Expression, wo: Expression
+) -> Expression:
+    """f [1/sr] of a table whose last coordinate is the first of its texture."""
+    body.note_line("The table's coordinates, from the first node to the last.")
+    both = body.let("both", wi + wo)
+    apart = body.let("apart", wi - wo)
+    places = table.coordinates(both, apart, 1, namespace(body))
+    at = (
+        (place * (count - 1.0) + 0.5) * (1.0 / count)
+        for place, count in zip(places, table.shape, strict=True)
+    )
+    place = body.let("place", vector(*reversed(tuple(at))))
+    return call("exp", Expression("texel", COLOUR, (texture, place)))
 
 
 class CodeTerms(NamedTuple):

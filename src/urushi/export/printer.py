@@ -6,7 +6,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from urushi.export.expressions import BOOL, COLOUR, FLOAT, INT, VECTOR, Expression
+from urushi.export.expressions import BOOL, COLOUR, FLOAT, INT, VECTOR, VOLUME, Expression
 from urushi.export.statements import (
     Function,
     Lookup,
@@ -43,6 +43,7 @@ class Printer:
             a function for a given level has in addition.
         place, sample, sample_level: declarations of the texture's coordinates, and of four bytes:
             by the footprint, and of a given level.
+        volume, texel: the argument that is a texture of three coordinates, and its colour there.
     """
 
     title: ClassVar[str]
@@ -63,6 +64,8 @@ class Printer:
     place: ClassVar[str] = "vec2 place"
     sample: ClassVar[str]
     sample_level: ClassVar[str]
+    volume: ClassVar[str]
+    texel: ClassVar[str]
 
     def __init__(self, prefix: str):
         """prefix: begins the names of all functions, structures and tables."""
@@ -109,6 +112,8 @@ class Printer:
 
     def declared(self, variable: Variable) -> str:
         """A type and a name, as in C."""
+        if variable.kind == VOLUME:
+            return self.volume.format(name=variable.name)
         count = "" if variable.count is None else f"[{variable.count}]"
         return f"{self.kind(variable.kind)} {variable.name}{count}"
 
@@ -242,6 +247,8 @@ class Printer:
                 text = self.table_name(detail)
             case "call":
                 text = f"{self.calls.get(detail, detail)}({', '.join(texts)})"
+            case "texel":
+                text = self.texel.format(*texts)
             case "invoke":
                 text = f"{self.function_name(detail)}({', '.join(texts)})"
             case "select":

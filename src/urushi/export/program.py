@@ -10,6 +10,7 @@ from urushi.export import networks, proposal
 from urushi.export.expressions import (
     COLOUR,
     FLOAT,
+    VOLUME,
     Expression,
     call,
     colour,
@@ -20,7 +21,7 @@ from urushi.export.expressions import (
     vector,
 )
 from urushi.export.languages import LANGUAGES
-from urushi.export.networks import FIELDS, X_AXIS, CodeTerms, Tangent, activation, dense
+from urushi.export.networks import FIELDS, X_AXIS, CodeTerms, FTable, Tangent, activation, dense
 from urushi.export.proposal import SAMPLE, WI, WIDTHS, WO, U, argument
 from urushi.export.statements import (
     Function,
@@ -66,6 +67,9 @@ PREFIX = "urushi"
 #: Languages that read textures.
 TEXTURED = ("glsl", "wgsl", "hlsl", "slang")
 
+#: The texture of a table of f.
+TABLE = Variable("table", VOLUME)
+
 #: The material of a file for all materials.
 MATERIAL = "Material"
 
@@ -77,6 +81,7 @@ def material_text(
     anchors: np.ndarray,
     prefix: str,
     rotation: float = 0.0,
+    table: FTable | None = None,
 ) -> str:
     """The file of one material.
 
@@ -85,14 +90,17 @@ def material_text(
         latents, anchors: (C, size), C being 1 or 3: codes by which f is evaluated and sampled.
         prefix: begins the names in the file.
         rotation: [degrees] by which the material's tangent is turned.
+        table: by which f is evaluated; None: it is by the codes.
     """
     check(language, model, prefix)
+    if table:
+        check_textured(language)
     if len(latents) not in (1, 3):
         raise ParameterError(
             f"the material has {len(latents)} channels; only materials of one or three can be "
             "exported"
         )
-    program = material_program(model, latents, anchors, rotation)
+    program = material_program(model, latents, anchors, rotation, table)
     return LANGUAGES[language](prefix).printed(program)
 
 
@@ -102,11 +110,8 @@ def codes_text(language: str, model: Model, prefix: str, texels: Texels | None =
     texels: of a texture that the file also reads.
     """
     check(language, model, prefix)
-    if texels and language not in TEXTURED:
-        raise ParameterError(
-            f"{LANGUAGES[language].title} has no array textures; choose one of "
-            + ", ".join(TEXTURED)
-        )
+    if texels:
+        check_textured(language)
     return LANGUAGES[language](prefix).printed(codes_program(model, texels))
 
 
@@ -119,6 +124,15 @@ def template_text(language: str, model: Model) -> str:
     """
     check(language, model, PREFIX)
     return LANGUAGES[language](PREFIX).printed(template_program(model))
+
+
+def check_textured(language: str) -> None:
+    """Raise a ParameterError if files of a language read no textures."""
+    if language not in TEXTURED:
+        raise ParameterError(
+            f"exported {LANGUAGES[language].title} code reads no textures; choose one of "
+            + ", ".join(TEXTURED)
+        )
 
 
 def check(language: str, model: Model, prefix: str) -> None:
@@ -135,27 +149,46 @@ def check(language: str, model: Model, prefix: str) -> None:
 
 
 def material_program(
-    model: Model, latents: np.ndarray, anchors: np.ndarray, rotation: float = 0.0
+    model: Model,
+    latents: np.ndarray,
+    anchors: np.ndarray,
+    rotation: float = 0.0,
+    table: FTable | None = None,
 ) -> Program:
-    """The program of a material of known codes."""
+    """The program of a material of known codes, or of a table and codes."""
     unit = activation(FLOAT, model.arch.activation, "unit")
     units = activation(COLOUR, model.arch.activation, "units") if len(latents) > 1 else unit
     mean = anchors.mean(axis=0)
+    has_lobe = table is None or table.beside_lobe
+    lobe = latents[:, : model.arch.lobe] if has_lobe else np.zeros((1, model.arch.lobe))
     code = _Code(
-        [colour(column) for column in latents[:, : model.arch.lobe].T],
+        [colour(column) for column in lobe.T],
         networks.known_terms(model, latents),
         proposal.known_first(model, mean),
         [expression(float(mean[place])) for place in WIDTH_PLACES[model.widths]],
         Tangent.of(rotation),
     )
-    note = (
+    reads = ", table" if table else ""
+    note: tuple[str, ...] = (
         f"A material of Urushi as code, of the networks {model.fingerprint}.",
-        "Functions: {f}(wi, wo), {pdf}(wi, wo) and {sample}(wi, u).",
+        f"Functions: {{f}}(wi, wo{reads}), {{pdf}}(wi, wo) and {{sample}}(wi, u).",
         *_conventions(model),
     )
+    if table:
+        note = (*note, _table_note(table))
     structures = (proposal.structure(model), SAMPLE)
-    activations = [unit] if units is unit else [unit, units]
-    return Program(note, structures, [*activations, *_functions(model, code, (), unit, units)])
+    activations = [unit] if units is unit or table else [unit, units]
+    functions = _functions(model, code, (), unit, units, table)
+    return Program(note, structures, [*activations, *functions])
+
+
+def _table_note(table: FTable) -> str:
+    depth, height, width = table.shape
+    return (
+        f"The table belongs to this file: a 3D texture of {width} x {height} x {depth} texels of "
+        "the format RGBA16F. Its sampler has the wrap mode clamp to edge and linear filtering. "
+        "Where the language separates samplers from textures, the sampler follows the texture."
+    )
 
 
 class _Code(NamedTuple):
@@ -175,19 +208,30 @@ class _Code(NamedTuple):
 
 
 def _functions(
-    model: Model, code: _Code, given: tuple[Variable, ...], unit: Function, units: Function
+    model: Model,
+    code: _Code,
+    given: tuple[Variable, ...],
+    unit: Function,
+    units: Function,
+    table: FTable | None = None,
 ) -> list[Function]:
     """f, pdf and sample of a material, each after what it calls.
 
     given: arguments before the directions. unit, units: the activations of floats and colours.
+    table: by which f is evaluated; None: it is by the codes.
     """
     own, tangent = [argument(variable) for variable in given], code.tangent
 
-    f = Function("f", (*given, WI, WO), COLOUR, "The BRDF [1/sr] without the cosine.", public=True)
+    arguments = (*given, WI, WO, TABLE) if table else (*given, WI, WO)
+    f = Function("f", arguments, COLOUR, "The BRDF [1/sr] without the cosine.", public=True)
     wi, wo = _inside(f, tangent, argument(WI), argument(WO))
     value = networks.lobe_f(f, code.lobe, wi, wo)
-    inputs = networks.features(f, wi, wo, model.widths)
-    f.returns(_above(wi, wo, value + networks.rest(f, model, code.terms, inputs, units)))
+    if table:
+        rest = networks.tabulated(f, table, argument(TABLE), wi, wo)
+    else:
+        inputs = networks.features(f, wi, wo, model.widths)
+        rest = networks.rest(f, model, code.terms, inputs, units)
+    f.returns(_above(wi, wo, value + rest))
 
     made = Function("proposal", (*given, WI), "Proposal", "The proposal for wi.")
     made.returns(proposal.fill(made, model, code.first, code.alphas, argument(WI), unit))

@@ -13,8 +13,9 @@ from urushi.checks import CoatParameters
 from urushi.core.half_vector import rotated
 from urushi.core.quadrature import half_vector_rule
 from urushi.errors import FileError, ParameterError, UrushiWarning
+from urushi.export.networks import FTable
 from urushi.export.program import material_text
-from urushi.material.table import SHAPE, interpolated
+from urushi.material.table import SHAPE, coordinates, interpolated
 from urushi.nets import lobe as lobes
 from urushi.nets.sampler import mixture_pdf, sample_mixture
 from urushi.nets.weights import Model, Weights, find, model_of_file
@@ -242,32 +243,39 @@ class Material:
         f_cos = f.reshape(*weights.shape, -1) * wo[..., 2, None]
         return np.sum(f_cos * weights[..., None], axis=1)
 
-    def shader(self, language: str, prefix: str = "urushi") -> str:
+    def shader(self, language: str, prefix: str = "urushi", *, table: bool = False) -> str:
         """Return the material as source code: functions f, pdf and sample in one file.
 
-        The weights of the networks are literals in it; see `urushi export`. f is computed from the
-        codes, because a table is too large for source code.
+        The weights of the networks are literals in it; see `urushi export`.
 
         Args:
             language: "glsl", "wgsl", "hlsl", "slang", "osl" or "python".
             prefix: begins the names of functions and structures; those of Python have none.
+            table: whether f reads the material's table, which is too large for source code, from
+                the texture that `urushi export --texture` writes; otherwise f is computed from the
+                codes. Languages with textures only.
 
         Raises:
-            ParameterError: the language is unknown, the prefix is not a name, or the material has
-                neither one nor three channels.
+            ParameterError: the language is unknown, the prefix is not a name, the material has
+                neither one nor three channels, or there is no table or texture to read.
 
         Warns:
-            UrushiWarning: the material has a table.
+            UrushiWarning: the material has a table that is left out.
         """
-        if self.table is not None:
+        read = None
+        if table and self.table is None:
+            raise ParameterError("the material has no table; leave out table=True")
+        if table:
+            read = FTable(SHAPE, coordinates, self.beside_lobe)
+        elif self.table is not None:
             warnings.warn(
                 f"shader: the {language} code leaves out the table of the material and computes f "
-                "from its codes",
+                "from its codes; urushi export --texture writes the table",
                 UrushiWarning,
                 stacklevel=2,
             )
         return material_text(
-            language, self.model, self.latents, self.anchors, prefix, self.rotation
+            language, self.model, self.latents, self.anchors, prefix, self.rotation, read
         )
 
     def save(self, path: str | os.PathLike) -> None:

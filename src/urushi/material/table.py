@@ -34,7 +34,7 @@ from typing import Any
 
 import numpy as np
 
-from urushi.core.namespace import NUMPY, Components, Namespace
+from urushi.core.namespace import NUMPY, Components, Namespace, stacked_components
 from urushi.nets.decoder import EMPTY_GAIN, MAX_LOG, MIN_LOG
 from urushi.nets.features import MIN_COSINE, direction_features
 from urushi.nets.networks import UrushiNetworks
@@ -117,9 +117,10 @@ def coordinates(both: Any, apart: Any, widths: int, xp: Namespace) -> tuple[Any,
     One width needs the z of wi - wo only. u_x and u_y exceed one where h is less than 6 degrees
     above the horizon.
     """
-    x2, y2, z2 = both.x * both.x, both.y * both.y, xp.maximum(both.z * both.z, 1e-18)
-    squared = x2 + y2 + z2
-    cos_d = xp.minimum(0.5 * xp.sqrt(squared), 1)
+    x2, y2 = both.x * both.x, both.y * both.y
+    z2 = xp.named("z2", xp.maximum(both.z * both.z, 1e-18))
+    squared = xp.named("squared", x2 + y2 + z2)
+    cos_d = xp.named("cos_d", xp.minimum(0.5 * xp.sqrt(squared), 1))
     v = xp.safe_sqrt(1 - cos_d)  # roots that reach zero have finite derivatives if they are safe
     if widths == 2:
         u_x, u_y = (_log_tangent(c / z2, ANISOTROPIC_HIGHEST, xp) for c in (x2, y2))
@@ -127,10 +128,10 @@ def coordinates(both: Any, apart: Any, widths: int, xp: Namespace) -> tuple[Any,
         turned = 0.5 * size_y / xp.maximum(size_x + size_y, 1e-12)
         crossed = (both.x * both.y) * (apart.x * apart.y) < 0
         return u_x, u_y, v, xp.where(crossed, 1 - turned, turned)
-    across = x2 + y2
+    across = xp.named("across", x2 + y2)
     sin2 = (1 - cos_d) * (1 + cos_d)
     reach = xp.minimum(0.5 * both.z, xp.safe_sqrt(across / squared * sin2))
-    size = xp.clip(0.5 * xp.absolute(apart.z) / xp.maximum(reach, 1e-9), 0, 1)
+    size = xp.minimum(0.5 * xp.absolute(apart.z) / xp.maximum(reach, 1e-9), 1)
     return _log_tangent(across / z2, HIGHEST, xp), v, 1 - xp.safe_sqrt(1 - size)
 
 
@@ -173,22 +174,31 @@ def node_pairs(widths: int = 1) -> tuple[np.ndarray, np.ndarray]:
 
 
 def node_directions(u: np.ndarray, v: np.ndarray, w: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """A pair wi, wo float32 (N, 3) with the coordinates (N,).
+    """A pair wi, wo float32 (N, 3) with the coordinates (N,), see `node_components`."""
+    wi, wo = node_components(u, v, w, NUMPY)
+    return stacked_components(wi, np).astype(np.float32), stacked_components(wo, np).astype(
+        np.float32
+    )
+
+
+def node_components(u: Any, v: Any, w: Any, xp: Namespace) -> tuple[Components, Components]:
+    """A pair wi, wo with three coordinates.
 
     Where a coordinate means nothing, as w for equal directions, any pair of the same f is one.
     """
-    tan2 = np.maximum(np.exp(LOWEST + u * (HIGHEST - LOWEST)) - TAN2_OFFSET, 1e-9)
-    cos_h = 1 / np.sqrt(1 + tan2)
-    sin_h = np.sqrt(tan2) * cos_h
-    cos_d = 1 - v * v
-    sin_d = np.sqrt(np.maximum(1 - cos_d * cos_d, 0))
-    both = sin_h * sin_d
-    difference = (1 - (1 - w) ** 2) * np.minimum(cos_h * cos_d, both)
-    cos_phi = np.where(both > 1e-12, difference / np.maximum(both, 1e-12), w)
-    sin_phi = np.sqrt(np.maximum(1 - cos_phi**2, 0))
-    along = np.stack([sin_h, np.zeros_like(sin_h), cos_h], axis=-1) * cos_d[..., None]
-    across = np.stack([cos_phi * cos_h, sin_phi, -cos_phi * sin_h], axis=-1) * sin_d[..., None]
-    return (along + across).astype(np.float32), (along - across).astype(np.float32)
+    tan2 = xp.maximum(xp.exp(LOWEST + u * (HIGHEST - LOWEST)) - TAN2_OFFSET, 1e-9)
+    cos_h = xp.named("cos_h", 1 / xp.sqrt(1 + tan2))
+    sin_h = xp.named("sin_h", xp.sqrt(tan2) * cos_h)
+    cos_d = xp.named("cos_d", 1 - v * v)
+    sin_d = xp.named("sin_d", xp.sqrt(xp.maximum(1 - cos_d * cos_d, 0)))
+    both = xp.named("both", sin_h * sin_d)
+    difference = (1 - (1 - w) * (1 - w)) * xp.minimum(cos_h * cos_d, both)
+    cos_phi = xp.named("cos_phi", xp.where(both > 1e-12, difference / xp.maximum(both, 1e-12), w))
+    sin_phi = xp.sqrt(xp.maximum(1 - cos_phi * cos_phi, 0))
+    across = (cos_phi * cos_h * sin_d, sin_phi * sin_d, -1 * cos_phi * sin_h * sin_d)
+    x, y, z = (xp.named(f"across_{k}", c) for k, c in zip("xyz", across, strict=True))
+    along_x, along_z = sin_h * cos_d, cos_h * cos_d
+    return Components(along_x + x, y, along_z + z), Components(along_x - x, -1 * y, along_z - z)
 
 
 def anisotropic_node_directions(

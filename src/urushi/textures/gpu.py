@@ -1,13 +1,15 @@
-"""Packed latent textures as files for graphics hardware, DDS and KTX2, with all mip levels.
+"""Textures as files for graphics hardware, DDS and KTX2: packed latent textures and tables of f.
 
-Four bytes of a texel are a layer of an array texture of the format RGBA8, without gamma. Hardware
-interpolates bytes one by one, as packed textures allow (`textures.packing`). Sources: Microsoft's
+Four bytes of a texel of a latent texture are a layer of an array texture of the format RGBA8,
+without gamma. Hardware interpolates bytes one by one, as packed textures allow
+(`textures.packing`). A table of f is a 3D texture of the format RGBA16F. Sources: Microsoft's
 Programming Guide for DDS; KTX File Format Specification 2.0 and Data Format Specification 1.3
 (Khronos).
 """
 
 import struct
 from collections.abc import Iterator
+from typing import NamedTuple
 
 import numpy as np
 
@@ -16,8 +18,33 @@ from urushi.export.statements import LinearNumber, Texels
 from urushi.textures.grid import TexelGrid
 from urushi.textures.store import TextureStore
 
-#: Numbers of the format with four bytes of 8 bits, linear: in DXGI and in Vulkan.
-_DXGI_RGBA8, _VULKAN_RGBA8 = 28, 37
+
+class Image(NamedTuple):
+    """What a file holds.
+
+    Attributes:
+        levels: uint8 or float16 (layers or depth, height, width, 4), the finest first.
+        is_volume: whether it is a 3D texture, not an array texture.
+    """
+
+    levels: list[np.ndarray]
+    is_volume: bool
+
+    @property
+    def is_half(self) -> bool:
+        return self.levels[0].dtype == np.float16
+
+
+def texture_image(store: TextureStore) -> Image:
+    """The image of a latent texture, with all its levels."""
+    return Image(list(_levels(store)), is_volume=False)
+
+
+def table_image(table: np.ndarray) -> Image:
+    """The image of a table float16 (U, V, W, C) of one channel or three; see `material.table`."""
+    texels = np.zeros((*table.shape[:3], 4), np.float16)
+    texels[..., :3] = table
+    return Image([texels], is_volume=True)
 
 
 def texels(store: TextureStore, grid: TexelGrid) -> Texels:
@@ -65,43 +92,52 @@ def _levels(store: TextureStore) -> Iterator[np.ndarray]:
         yield rows.reshape(height, width, layers, 4).transpose(2, 0, 1, 3)
 
 
-def dds(store: TextureStore) -> bytes:
-    """A texture as the content of a DDS file: an array texture with all its levels."""
-    width, height = store.levels[0]
-    count = len(store.levels)
+def dds(image: Image) -> bytes:
+    """The content of a DDS file."""
+    depth, height, width, _ = image.levels[0].shape
+    count = len(image.levels)
     flags = 0x1 | 0x2 | 0x4 | 0x8 | 0x1000 | (0x20000 if count > 1 else 0)
+    flags |= 0x800000 if image.is_volume else 0
     caps = 0x1000 | (0x400008 if count > 1 else 0)
-    header = struct.pack("<4s7I44x", b"DDS ", 124, flags, height, width, 4 * width, 0, count)
-    header += struct.pack("<2I4s20x5I", 32, 0x4, b"DX10", caps, 0, 0, 0, 0)
-    header += struct.pack("<5I", _DXGI_RGBA8, 3, 0, _layers(store), 0)
-    levels = list(_levels(store))
-    parts = [level[layer].tobytes() for layer in range(_layers(store)) for level in levels]
+    pitch, slices = width * image.levels[0][0, 0, 0].nbytes, depth if image.is_volume else 0
+    header = struct.pack("<4s7I44x", b"DDS ", 124, flags, height, width, pitch, slices, count)
+    header += struct.pack(
+        "<2I4s20x5I", 32, 0x4, b"DX10", caps, 0x200000 if image.is_volume else 0, 0, 0, 0
+    )
+    kind = 10 if image.is_half else 28  # DXGI_FORMAT_R16G16B16A16_FLOAT, R8G8B8A8_UNORM
+    dimension, layers = (4, 1) if image.is_volume else (3, depth)
+    header += struct.pack("<5I", kind, dimension, 0, layers, 0)
+    parts = [level[layer].tobytes() for layer in range(depth) for level in image.levels]
     return header + b"".join(parts)
 
 
-def ktx2(store: TextureStore) -> bytes:
-    """A texture as the content of a KTX2 file: an array texture with all its levels."""
-    width, height = store.levels[0]
-    levels = [level.tobytes() for level in _levels(store)]
-    description = _data_format()
+def ktx2(image: Image) -> bytes:
+    """The content of a KTX2 file."""
+    depth, height, width, _ = image.levels[0].shape
+    levels = [level.tobytes() for level in image.levels]
+    description = _data_format(image.is_half)
     start = 80 + 24 * len(levels)
-    offset, places = start + len(description), []
+    offset, places = -(-(start + len(description)) // 8) * 8, []
+    padding = bytes(offset - start - len(description))
     for level in reversed(levels):  # the smallest first
         places.append((offset, len(level), len(level)))
         offset += len(level)
+    kind, size = (97, 2) if image.is_half else (37, 1)  # VK_FORMAT_R16G16B16A16_SFLOAT, R8…_UNORM
+    slices, layers = (depth, 0) if image.is_volume else (0, depth)
     header = b"\xabKTX 20\xbb\r\n\x1a\n" + struct.pack(
-        "<9I", _VULKAN_RGBA8, 1, width, height, 0, _layers(store), 1, len(levels), 0
+        "<9I", kind, size, width, height, slices, layers, 1, len(levels), 0
     )
     header += struct.pack("<4I2Q", start, len(description), 0, 0, 0, 0)
     index = b"".join(struct.pack("<3Q", *place) for place in reversed(places))
-    return header + index + description + b"".join(reversed(levels))
+    return header + index + description + padding + b"".join(reversed(levels))
 
 
-def _data_format() -> bytes:
-    """The data format descriptor of four linear bytes: red, green, blue and alpha."""
-    samples = [(0, 0), (8, 1), (16, 2), (24, 15)]  # first bit, and the channel's number
-    block = struct.pack("<4B4x8B", 1, 0, 1, 0, 4, 0, 0, 0, 0, 0, 0, 0)
-    for bit, channel in samples:
-        block += struct.pack("<HBB4xII", bit, 7, channel, 0, 255)
+def _data_format(is_half: bool) -> bytes:
+    """The data format descriptor of four linear numbers: red, green, blue and alpha."""
+    bits, sign = (16, 0xC0) if is_half else (8, 0)  # 0xC0: signed floats
+    lowest, highest = (0xBF800000, 0x3F800000) if is_half else (0, 255)  # -1 and 1 as floats
+    block = struct.pack("<4B4x8B", 1, 0, 1, 0, bits // 2, 0, 0, 0, 0, 0, 0, 0)
+    for place, channel in enumerate((0, 1, 2, 15)):  # the numbers of the channels
+        block += struct.pack("<HBB4xII", bits * place, bits - 1, channel | sign, lowest, highest)
     size = 8 + len(block)
     return struct.pack("<IIHH", 4 + size, 0, 2, size) + block

@@ -108,6 +108,11 @@ export const LOBE_ALBEDO = {
   TURNS: 20,
 } as const;
 
+/** Of `urushi.material.table` of Python. */
+export const TABLE = {
+  SHAPE: [96, 32, 8],
+} as const;
+
 /** Of `urushi.nets.decoder` of Python. */
 export const DECODER = {
   MIN_LOG: -25,
@@ -218,6 +223,42 @@ export function medium(color: number, body: number, bodyColor: number, g: number
     const depth = Math.abs(0.5 * Math.log(Math.min(Math.max(color, 1e-06), 1))) + pigment;
     out[at] = albedo * (pigment / Math.max(depth, 1e-06));
     out[1 + at] = depth;
+}
+
+/** Coordinates of a pair of directions in a table of f. */
+export function tableCoordinates(wiX: number, wiY: number, wiZ: number, woX: number, woY: number,
+    woZ: number, out: Float64Array, at: number): void {
+    const z2 = Math.max((wiZ + woZ) * (wiZ + woZ), 1e-18);
+    const squared = (wiX + woX) * (wiX + woX) + (wiY + woY) * (wiY + woY) + z2;
+    const cosD = Math.min(0.5 * Math.sqrt(squared), 1);
+    const across = (wiX + woX) * (wiX + woX) + (wiY + woY) * (wiY + woY);
+    out[at] = (Math.log(across / z2 + 1e-05) - (-11.512925464970229)) * 0.05428681023790647;
+    out[1 + at] = Math.sqrt(1 - cosD);
+    out[2 + at] = 1 - Math.sqrt(1 - Math.min(0.5 * Math.abs(wiZ - woZ) / Math.max(Math.min(0.5 *
+        (wiZ + woZ), Math.sqrt(across / squared * ((1 - cosD) * (1 + cosD)))), 1e-09), 1));
+}
+
+/** Directions wi and wo of the coordinates of a table of f. */
+export function nodeDirections(u: number, v: number, w: number, out: Float64Array, at: number): void
+    {
+    const cosH = 1 / Math.sqrt(1 + Math.max(Math.exp(-11.512925464970229 + u * 18.420680743952367) -
+        1e-05, 1e-09));
+    const sinH = Math.sqrt(Math.max(Math.exp(-11.512925464970229 + u * 18.420680743952367) - 1e-05,
+        1e-09)) * cosH;
+    const cosD = 1 - v * v;
+    const sinD = Math.sqrt(Math.max(1 - cosD * cosD, 0));
+    const both = sinH * sinD;
+    const cosPhi = (both > 1e-12 ? (1 - (1 - w) * (1 - w)) * Math.min(cosH * cosD, both) /
+        Math.max(both, 1e-12) : w);
+    const acrossX = cosPhi * cosH * sinD;
+    const acrossY = Math.sqrt(Math.max(1 - cosPhi * cosPhi, 0)) * sinD;
+    const acrossZ = -1 * cosPhi * sinH * sinD;
+    out[at] = sinH * cosD + acrossX;
+    out[1 + at] = acrossY;
+    out[2 + at] = cosH * cosD + acrossZ;
+    out[3 + at] = sinH * cosD - acrossX;
+    out[4 + at] = -1 * acrossY;
+    out[5 + at] = cosH * cosD - acrossZ;
 }
 
 /** Albedo, at the normal, of a coat over a Lambertian reflectance, its surface included. */
