@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from urushi.app.page_files import First, cards_of, codes_of, page_document, page_files
+from urushi.app.page_files import First, cards_of, first_of, page_document, page_files
 from urushi.core import image_metrics as metrics
 from urushi.errors import ParameterError
 from urushi.material import Material
@@ -71,7 +71,7 @@ def show(material: Any, *, height: int = HEIGHT) -> Page:
             raise ParameterError(
                 f"the material has {material.channels} channels; the page shows one or three"
             )
-        first = First(codes_of(material, "Material"))
+        first = first_of(material, "Material")
     else:
         cards = cards_of(material)
         if cards is None:

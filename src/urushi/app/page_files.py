@@ -30,7 +30,7 @@ from urushi.walk import Stack
 #: Names of the files that are made, not built.
 WEIGHTS_FILE, START_FILE, SHADERS_FOLDER = "weights.safetensors", "start.json", "shaders"
 ANISOTROPIC_FILE = "anisotropic.safetensors"
-TEXTURE_FILE = "texture.safetensors"
+TEXTURE_FILE, TABLE_FILE = "texture.safetensors", "table.f16"
 
 #: Coats that the page has cards for.
 MOST_COATS = 6
@@ -43,12 +43,14 @@ class First(NamedTuple):
     """What the page shows first.
 
     Attributes:
-        material: as the page reads it; of `cards_of`, `codes_of` or `texels_of`.
+        material: as the page reads it; of `cards_of`, `first_of` or `texels_of`.
         texture: the content of the file of its texture of codes, if it has one.
+        table: the half numbers of its table of f, if it has one.
     """
 
     material: dict[str, Any]
     texture: bytes | None = None
+    table: bytes | None = None
 
 
 def page_files(model: Model, first: First | None) -> dict[str, bytes]:
@@ -74,9 +76,10 @@ def page_files(model: Model, first: First | None) -> dict[str, bytes]:
     start: dict[str, Any] = {} if first is None else {"materials": [first.material]}
     other = anisotropic_model()
     made = {WEIGHTS_FILE: half_precision(model), ANISOTROPIC_FILE: half_precision(other)}
-    if first is not None and first.texture is not None:
-        start["texture"] = TEXTURE_FILE
-        made[TEXTURE_FILE] = first.texture
+    for kind, file in (("texture", TEXTURE_FILE), ("table", TABLE_FILE)):
+        content = getattr(first, kind, None)
+        if content is not None:
+            start[kind], made[file] = file, content
     made[START_FILE] = json.dumps(start).encode()
     return built | made | shader_files(model) | shader_files(other)
 
@@ -139,8 +142,8 @@ def half_precision(model: Model) -> bytes:
     return safetensors.numpy.save(halves, {METADATA_KEY: json.dumps(description, sort_keys=True)})
 
 
-def codes_of(material: Material, name: str) -> dict[str, Any]:
-    """A material as the page reads it, by its codes."""
+def first_of(material: Material, name: str) -> First:
+    """A material as the page shows it, by its table or its codes."""
     shown: dict[str, Any] = {
         "name": name,
         "bottom": {
@@ -153,7 +156,13 @@ def codes_of(material: Material, name: str) -> dict[str, Any]:
     if material.model.widths == 2:
         shown["bottom"]["widths"] = 2
         shown["rotation"] = (material.rotation + 180) % 360 - 180
-    return shown
+    if material.table is None:
+        return First(shown)
+    nodes = material.table.shape[:3]
+    table = np.broadcast_to(material.table, (*nodes, 3)).astype("<f2").tobytes()
+    named = {"table": f"{zlib.crc32(table):08x}", "besideLobe": material.beside_lobe}
+    shown["bottom"] |= named
+    return First(shown, table=table)
 
 
 def texels_of(texture: bytes, name: str) -> First:

@@ -92,7 +92,7 @@ class View:
 
 def first_material(text: str, weights: str | None) -> "First":
     """What the page shows of a material: cards if it is described, otherwise codes or a texture."""
-    from urushi.app.page_files import First, cards_of, codes_of
+    from urushi.app.page_files import First, cards_of, first_of
 
     path, bsdf = scene_and_bsdf(text)
     described = is_description(text)
@@ -104,13 +104,13 @@ def first_material(text: str, weights: str | None) -> "First":
     if cards is not None:
         return First(cards)
     name = "Material" if described else path.stem
-    return First(codes_of(read_material(text, weights), name))
+    return first_of(read_material(text, weights), name)
 
 
 def _first_of_scene(path: Path, bsdf: str | None, weights: str | None) -> "First":
     """The BSDF of a scene file; `bsdf`: its id, or None for the only one."""
     import urushi
-    from urushi.app.page_files import First, codes_of
+    from urushi.app.page_files import first_of
     from urushi.mitsuba.latents.holders import TexturedLatents
     from urushi.mitsuba.reading.offers import offer_of
 
@@ -121,7 +121,7 @@ def _first_of_scene(path: Path, bsdf: str | None, weights: str | None) -> "First
             saved = Path(folder, "texture.safetensors")
             chosen.save(saved)
             return _first_texture(saved, name, weights)
-    return First(codes_of(urushi.encode(chosen, weights, table=False), name))
+    return first_of(urushi.encode(chosen, weights), name)
 
 
 def _first_texture(path: Path, name: str, weights: str | None) -> "First":

@@ -7,6 +7,7 @@
  * one of `latentSize` numbers for every channel, row by row.
  */
 
+import type { FTable } from "./f_table";
 import type { Widths } from "./features";
 
 /** One number for all channels, or one for each of red, green and blue. */
@@ -66,6 +67,8 @@ export interface Material {
   anchors: Float32Array;
   /** Light that is added to what the codes reflect. */
   compensation?: Compensation | undefined;
+  /** By which f is evaluated. Coats lie over the codes, directions are drawn by them. */
+  table?: FTable | undefined;
 }
 
 /** Sizes of a table of directions, and the shift of its sequence. */
@@ -92,7 +95,7 @@ export interface Core {
   readonly fingerprint: string;
 
   /**
-   * Encode a measured BRDF: a MERL table or an isotropic RGL material.
+   * Encode a measured BRDF, a MERL table or an isotropic RGL material: its codes and its table.
    *
    * @throws FileError if the file is damaged, anisotropic or of another format.
    */

@@ -4,6 +4,7 @@ import type { Material, TableOptions } from "./api";
 import { CHANNELS, firstSame, rows, sameNumbers } from "./channels";
 import { lobeOf } from "./compensation";
 import type { Decoder } from "./decoder";
+import { tableValues } from "./f_table";
 import { Pairs, type Widths } from "./features";
 import type { Vector } from "./formulas";
 import { lobeValue } from "./lobe";
@@ -100,9 +101,20 @@ export class Evaluation {
 
   /** f (count, 3) of the first pairs. */
   private values(material: Material, pairs: Pairs, count: number): Float64Array {
+    const { table } = material;
     const codes = rows(material.latents, this.latentSize);
-    const responses = this.decoder.respond(pairs, count);
     const result = new Float64Array(CHANNELS * count);
+    if (table !== undefined) {
+      for (let i = 0; i < count; i++) {
+        tableValues(table, pairs.directions, 6 * i, result, CHANNELS * i);
+        if (table.besideLobe)
+          codes.forEach((code, channel) => {
+            result[CHANNELS * i + channel] += lobeValue(code, 0, pairs, i);
+          });
+      }
+      return result;
+    }
+    const responses = this.decoder.respond(pairs, count);
     for (let channel = 0; channel < CHANNELS; channel++) {
       const own = firstSame(channel, (a, b) => sameNumbers(codes[a], codes[b]));
       if (own < channel) {

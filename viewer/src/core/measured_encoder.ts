@@ -5,6 +5,7 @@ import type { Material } from "./api";
 import { joined } from "./channels";
 import type { Encoder } from "./encoder";
 import type { EnergyLimit } from "./energy";
+import { logsOf, nodePairs } from "./f_table";
 import { ENCODE, LOBE } from "./formulas";
 import { findLobe } from "./interface_fit";
 import { lobeValues } from "./lobe";
@@ -24,7 +25,8 @@ export class MeasuredEncoder {
   ) {}
 
   /**
-   * The codes of a MERL table or an RGL material, which are isotropic, by networks of one width.
+   * The codes and the table of a MERL table or an RGL material, which are isotropic, by networks of
+   * one width.
    *
    * @throws FileError if the file is damaged or of another format.
    */
@@ -37,7 +39,10 @@ export class MeasuredEncoder {
     const codes = probed.map((values, channel) =>
       this.encodeChannel(values, nodes[channel as 0 | 1 | 2]),
     );
+    const tabulated = nodePairs();
+    const logs = logsOf(valuesAt(measured, tabulated.wi, tabulated.wo));
     return {
+      table: { logs, besideLobe: false },
       latents: joined(codes.map(({ code }) => code)),
       anchors: joined(codes.map(({ anchor }) => anchor)),
     };

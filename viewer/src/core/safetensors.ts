@@ -1,6 +1,7 @@
 /** Reading of safetensors files: named arrays, and Urushi's JSON description of them. */
 
 import { Refusal } from "../refusal";
+import { fromHalf } from "./half";
 
 /** An array of a file, as double precision numbers. */
 export interface Tensor {
@@ -25,7 +26,7 @@ export class FileError extends Refusal {
 const METADATA_KEY = "urushi";
 
 const READERS: Readonly<Record<string, { bytes: number; read: Reader }>> = {
-  F16: { bytes: 2, read: (view, at) => halfPrecision(view.getUint16(at, true)) },
+  F16: { bytes: 2, read: (view, at) => fromHalf(view.getUint16(at, true)) },
   F32: { bytes: 4, read: (view, at) => view.getFloat32(at, true) },
   F64: { bytes: 8, read: (view, at) => view.getFloat64(at, true) },
 };
@@ -95,20 +96,6 @@ function readTensor(data: DataView, name: string, entry: unknown): Tensor {
     values[i] = reader.read(data, first + i * reader.bytes);
   }
   return { shape, values };
-}
-
-/** The number of sixteen bits (IEEE 754). */
-function halfPrecision(bits: number): number {
-  const sign = bits & 0x8000 ? -1 : 1;
-  const exponent = (bits >> 10) & 0x1f;
-  const fraction = bits & 0x3ff;
-  if (exponent === 0) {
-    return sign * fraction * 2 ** -24;
-  }
-  if (exponent === 0x1f) {
-    return fraction ? Number.NaN : sign * Number.POSITIVE_INFINITY;
-  }
-  return sign * (1 + fraction / 1024) * 2 ** (exponent - 15);
 }
 
 /** Whether a value is a JSON object. */

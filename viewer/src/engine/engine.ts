@@ -3,6 +3,7 @@
 import { signal } from "@preact/signals";
 import type { Material, Stack } from "../core/api";
 import { Superseded } from "../core/client";
+import type { FTable } from "../core/f_table";
 import { sequenceSteps } from "../core/probe_pairs";
 import type { Estimate } from "../core/walk/reference";
 import {
@@ -60,12 +61,13 @@ export interface Bright {
   size: BrightSize;
 }
 
-/** What a slot shows: a stack, or a texture of codes whose mean the stack is. */
+/** What a slot shows: a stack, whose f may be a table's, or a texture of codes whose mean it is. */
 export interface Shown {
   stack: Stack;
   /** Angle by which the tangent is turned [degrees]. */
   rotation: number;
   texture: ShownTexture | null;
+  table?: FTable | undefined;
 }
 
 /** What a slot knows of the page. */
@@ -118,7 +120,7 @@ export class Slot {
   /** Show another material as soon as possible. */
   show(shown: Shown): void {
     const key = `${shown.texture?.texture.id ?? ""}${shown.rotation}${keyOf(shown.stack)}`;
-    if (key === this.key) return;
+    if (key === this.key && shown.table?.logs === this.latest?.table?.logs) return;
     this.key = key;
     this.wanted = this.latest = shown;
     void this.work();
@@ -164,12 +166,12 @@ export class Slot {
     this.busy = true;
     try {
       while (this.wanted !== null) {
-        const { stack, texture, rotation } = this.wanted;
+        const { stack, texture, table, rotation } = this.wanted;
         this.wanted = null;
         this.abort.abort();
         this.walk.value = null;
         const core = await this.cores.of(stack);
-        const material = await core.layer(stack);
+        const material = { ...(await core.layer(stack)), table };
         const first = await this.table(core, material, 0);
         this.core = core;
         this.widths = core.widths;

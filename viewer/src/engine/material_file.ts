@@ -2,9 +2,11 @@
 
 import type { Core, Material } from "../core/api";
 import { CHANNELS } from "../core/channels";
+import { TABLE } from "../core/formulas";
 import { headerOf } from "../core/safetensors";
-import type { BottomInAir } from "../material/material";
+import type { CodesBottom } from "../material/material";
 import { Refusal } from "../refusal";
+import { halfBits, keepTable, logsOfBits } from "./textures";
 
 /** Version of the format. */
 const VERSION = 2;
@@ -18,14 +20,14 @@ export function networksOf(bytes: Uint8Array): unknown {
 }
 
 /**
- * The codes and the rotation of a material file; a table in it is left out.
+ * The codes and the rotation of a material file; a table in it is kept as long as the page lives.
  *
  * @throws Refusal if it is another file, damaged, or of other networks.
  */
 export function readMaterialFile(
   bytes: Uint8Array,
   { latentSize, widths, fingerprint }: Networks,
-): { bottom: BottomInAir & { kind: "codes" }; rotation?: number } {
+): { bottom: CodesBottom; rotation?: number } {
   const { description, tensors, start: first } = materialHeader(bytes);
   if (description.weights !== fingerprint) throw foreign();
   const codes = (name: string): Float32Array | null => {
@@ -43,7 +45,13 @@ export function readMaterialFile(
   const latents = codes("latents");
   if (latents === null) throw damaged();
   const bottom = { kind: "codes", latents, anchors: codes("anchors") ?? latents } as const;
-  if (widths === 1) return { bottom };
+  if (widths === 1) {
+    const { data_offsets: [start, end] = [0, 0], dtype } = tensors.table ?? {};
+    if (start === end) return { bottom };
+    if (dtype !== "F16" || first + end > bytes.length) throw damaged();
+    const table = keepTable(logsOfBits(bytes.slice(first + start, first + end)));
+    return { bottom: { ...bottom, table, besideLobe: description.beside_lobe === true } };
+  }
   const { rotation = 0 } = description;
   if (typeof rotation !== "number" || !Number.isFinite(rotation)) throw damaged();
   return { bottom: { ...bottom, widths }, rotation: wrapped(rotation) };
@@ -64,14 +72,21 @@ function wrapped(angle: number): number {
 
 /** The bytes of a material file; rotation: of the tangent [degrees]. */
 export function materialFile(
-  { latents, anchors }: Material,
+  { latents, anchors, table }: Material,
   { latentSize, widths, fingerprint }: Networks,
   rotation = 0,
 ): Uint8Array<ArrayBuffer> {
   const isAnchored = latents.some((number, k) => number !== anchors[k]);
   const arrays = { latents, ...(isAnchored ? { anchors } : {}) };
   const turn = widths === 2 && rotation !== 0 ? { rotation } : {};
-  const description = { kind: "material", version: VERSION, weights: fingerprint, ...turn };
+  const kind = table === undefined ? {} : { beside_lobe: table.besideLobe };
+  const description = {
+    kind: "material",
+    version: VERSION,
+    weights: fingerprint,
+    ...turn,
+    ...kind,
+  };
   const header: Record<string, unknown> = {
     __metadata__: { urushi: JSON.stringify(description) },
   };
@@ -80,6 +95,12 @@ export function materialFile(
     const offsets = [end, end + values.byteLength];
     header[name] = { dtype: "F32", shape: [CHANNELS, latentSize], data_offsets: offsets };
     end += values.byteLength;
+  }
+  const codesEnd = end;
+  if (table !== undefined) {
+    end += 2 * table.logs.length;
+    const shape = [...TABLE.SHAPE, CHANNELS];
+    header.table = { dtype: "F16", shape, data_offsets: [codesEnd, end] };
   }
   const json = JSON.stringify(header);
   // Numbers begin at a multiple of eight bytes.
@@ -94,6 +115,8 @@ export function materialFile(
       view.setFloat32(start + 4 * k, number, true);
     });
   });
+  if (table !== undefined)
+    bytes.set(new Uint8Array(halfBits(table.logs).buffer), 8 + text.length + codesEnd);
   return bytes;
 }
 

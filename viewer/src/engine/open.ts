@@ -1,7 +1,7 @@
 /** Files that are dropped on the page or opened: a panorama, a state, or a material. */
 
 import { signal } from "@preact/signals";
-import type { BottomInAir, TexelBottom } from "../material/material";
+import type { BottomInAir, CodesBottom, MaterialCards, TexelBottom } from "../material/material";
 import { isTexture } from "../material/texture";
 import { readMesh } from "../picture/mesh_files";
 import { readHdr, withoutLights } from "../picture/panorama";
@@ -11,10 +11,13 @@ import { announcement, change, changeMaterial, complain, notice, tell } from "..
 import { networksOf, readMaterialFile } from "./material_file";
 import type { Cores, PageCore } from "./remote";
 import { session, useEnvironment, useMesh } from "./session";
-import { keepTexture } from "./textures";
+import { keepTable, keepTexture } from "./textures";
 
 /** Whether a measured file is being encoded. */
 export const encoding = signal(false);
+
+/** The materials of files that were opened, one of each name, the last first. */
+export const opened = signal<readonly MaterialCards[]>([]);
 
 /** Take over files, one after the other; what is wrong with one is told in one sentence. */
 export async function openFiles(files: readonly File[]): Promise<void> {
@@ -40,9 +43,11 @@ async function openFile(file: File): Promise<void> {
   } else if (suffix === "safetensors" || suffix === "binary" || suffix === "bsdf") {
     const cores = session.value?.cores;
     if (cores === undefined) throw new Refusal("The networks are not loaded yet.");
-    const opened = await materialOf(cores, bytes, suffix !== "safetensors");
+    const found = await materialOf(cores, bytes, suffix !== "safetensors");
     const name = file.name.replace(/\.[a-z]+$/i, "").slice(0, 80);
-    changeMaterial({ name, ...opened, coats: [], solo: null });
+    const material = { name, ...found, coats: [], solo: null };
+    opened.value = [material, ...opened.value.filter((one) => one.name !== name)];
+    changeMaterial(material);
   } else {
     throw new Refusal(
       "The page opens materials (.safetensors), measured BRDFs (.binary of MERL, .bsdf of RGL), panoramas (.hdr), meshes (.obj, .glb, .gltf) and saved states (.json).",
@@ -72,15 +77,16 @@ async function materialOf(
   return readMaterialFile(bytes, isOther ? await cores.anisotropic() : core);
 }
 
-/** The codes of a measured BRDF, which the worker takes some seconds to find. */
+/** Codes and table of a measured BRDF, which the worker takes some seconds to find. */
 async function encodeMeasured(
   core: PageCore,
   bytes: Uint8Array<ArrayBuffer>,
-): Promise<BottomInAir> {
+): Promise<CodesBottom> {
   encoding.value = true;
   announcement.value = "The measured BRDF is being encoded.";
   try {
-    return { kind: "codes", ...(await core.encodeMeasured(bytes.buffer)) };
+    const { latents, anchors, table } = await core.encodeMeasured(bytes.buffer);
+    return { kind: "codes", latents, anchors, table: keepTable(table!.logs) };
   } finally {
     encoding.value = false;
   }

@@ -1,7 +1,9 @@
 /** What lives as long as the page: the core, two materials, the picture, and what binds them. */
 
 import { computed, effect, type ReadonlySignal, signal } from "@preact/signals";
+import type { Stack } from "../core/api";
 import { RemoteCore } from "../core/client";
+import type { FTable } from "../core/f_table";
 import { type MaterialCards, stackOf } from "../material/material";
 import { meanCodes } from "../material/texture";
 import { lightsOf } from "../picture/environment";
@@ -19,7 +21,7 @@ import { announcement, change, complain, showRead, state, tell } from "../state/
 import { type Shown, Slot } from "./engine";
 import { readFile, startWorker } from "./files";
 import { Cores, connect } from "./remote";
-import { keepTexture, textures } from "./textures";
+import { keepTable, keepTexture, logsOfBits, tables, textures } from "./textures";
 
 /** A panorama that was opened. */
 interface OwnEnvironment {
@@ -262,6 +264,7 @@ export async function begin(addressed: boolean): Promise<void> {
   try {
     const [core, start] = await Promise.all([connect(), readStart()]);
     if ("texture" in start) await keepTexture(await readBytes(String(start.texture)), core);
+    if ("table" in start) keepTable(logsOfBits(await readBytes(String(start.table))));
     if ("materials" in start && !addressed) showRead(() => readState(start, tell), false);
     session.value = new Session(new Cores(core));
   } catch (error) {
@@ -284,9 +287,12 @@ async function readBytes(path: string): Promise<Uint8Array<ArrayBuffer>> {
 }
 
 /** What a slot shows of a material; null if its texture was not opened. */
-function shownOf(material: MaterialCards): Shown | null {
+export function shownOf(material: MaterialCards): Shown | null {
   const { bottom, rotation = 0 } = material;
-  if (bottom.kind !== "texels") return { stack: stackOf(material), rotation, texture: null };
+  if (bottom.kind !== "texels") {
+    const stack = stackOf(material);
+    return { stack, rotation, texture: null, table: tableOf(material, stack) };
+  }
   const texture = textures.value.get(bottom.texture);
   if (texture === undefined) {
     complain(new Refusal(lost(`texture of “${material.name}”`)));
@@ -295,6 +301,15 @@ function shownOf(material: MaterialCards): Shown | null {
   const latents = meanCodes(texture.texture);
   const mean = { kind: "codes", latents, anchors: latents } as const;
   return { stack: { bottom: mean, coats: [] }, rotation: 0, texture };
+}
+
+/** The table by which a material is shown: that of its bottom if that is bare. */
+function tableOf({ bottom, name }: MaterialCards, { coats }: Stack): FTable | undefined {
+  if (bottom.kind !== "codes" || bottom.table === undefined || coats.length > 0) return undefined;
+  const logs = tables.value.get(bottom.table);
+  if (logs !== undefined) return { logs, besideLobe: bottom.besideLobe === true };
+  complain(new Refusal(`${lost(`table of “${name}”`)} It is shown by its codes.`));
+  return undefined;
 }
 
 function lost(what: string): string {

@@ -1,8 +1,13 @@
-/** Textures of codes that were opened: the page's state names them only. */
+/** Textures of codes and tables of f that were opened: the page's state names them only. */
 
 import { signal } from "@preact/signals";
+import { CHANNELS } from "../core/channels";
+import { TABLE_SIZE } from "../core/f_table";
+import { fromHalf, toHalf } from "../core/half";
 import { type CodeTexture, readTexture } from "../material/texture";
+import { Refusal } from "../refusal";
 import { readTemplate, texelShaderText } from "../save/shader";
+import { crc32 } from "../save/zip";
 import type { PageCore } from "./remote";
 
 /** A texture and the shader code that makes materials of its texels. */
@@ -26,4 +31,44 @@ export async function keepTexture(
   const shader = texelShaderText(await readTemplate("glsl"), texture);
   textures.value = new Map(textures.value).set(texture.id, { texture, shader });
   return texture.id;
+}
+
+/** Logarithms of f, as of `FTable`. */
+export const tables = signal<ReadonlyMap<string, Float32Array>>(new Map());
+
+/** Keep a table as long as the page lives; returns its name in the state, its check sum. */
+export function keepTable(logs: Float32Array): string {
+  const bytes = new Uint8Array(halfBits(logs).buffer);
+  const id = crc32(bytes).toString(16).padStart(8, "0");
+  tables.value = new Map(tables.value).set(id, logs);
+  return id;
+}
+
+/** Numbers as half precision, in the order of bytes of files. */
+export function halfBits(numbers: Float32Array): DataView<ArrayBuffer> {
+  const view = new DataView(new ArrayBuffer(2 * numbers.length));
+  numbers.forEach((number, k) => {
+    view.setUint16(2 * k, toHalf(number), true);
+  });
+  return view;
+}
+
+/**
+ * The logarithms of a table's bytes, half numbers of one channel or three.
+ *
+ * @throws Refusal if they are damaged.
+ */
+export function logsOfBits(bytes: Uint8Array): Float32Array {
+  const view = new DataView(bytes.buffer, bytes.byteOffset, bytes.byteLength);
+  const repeated = (2 * TABLE_SIZE) / bytes.length;
+  if (repeated !== 1 && repeated !== CHANNELS) throw damagedTable();
+  const logs = Float32Array.from({ length: TABLE_SIZE }, (_, at) =>
+    fromHalf(view.getUint16(2 * Math.floor(at / repeated), true)),
+  );
+  if (!logs.every(Number.isFinite)) throw damagedTable();
+  return logs;
+}
+
+function damagedTable(): Refusal {
+  return new Refusal("The table of the material is damaged.");
 }

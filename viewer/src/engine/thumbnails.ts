@@ -1,11 +1,9 @@
-/** Small pictures of the presets, drawn when they are first looked at. */
+/** Small pictures of materials, drawn when they are first looked at. */
 
-import { stackOf } from "../material/material";
-import { PRESETS } from "../material/presets";
-import { NoGraphics } from "../picture/gl";
+import type { MaterialCards } from "../material/material";
 import { Renderer, type Shot } from "../picture/renderer";
 import { SAMPLES, TABLE_ROWS } from "./engine";
-import { session } from "./session";
+import { session, shownOf } from "./session";
 
 const SHOT: Shot = {
   view: { azimuth: 20, elevation: 12, zoom: 1.2 },
@@ -17,49 +15,50 @@ const SHOT: Shot = {
   scale: 50,
 };
 
-/** What was drawn, in the order of the presets. */
-const drawn: ImageBitmap[] = [];
-let begun = false;
+/** Width and height [pixels]. */
+export const THUMBNAIL_SIZE = 112;
 
-/** Fill the canvases, as long as they are seen. */
-export async function drawThumbnails(
-  canvases: HTMLCanvasElement[],
-  seen: () => boolean,
-): Promise<void> {
-  if (!begun) void draw();
-  begun = true;
-  for (let shown = 0; shown < canvases.length && seen(); ) {
-    const picture = drawn[shown];
-    if (picture !== undefined) canvases[shown++]!.getContext("2d")?.drawImage(picture, 0, 0);
-    else await new Promise((resolve) => setTimeout(resolve, 30));
+/** What was drawn; null: the browser or the material has no picture. */
+const drawn = new WeakMap<MaterialCards, Promise<ImageBitmap | null>>();
+const waiting: (() => Promise<void>)[] = [];
+let renderer: Renderer | null = null;
+
+/** The picture of a material on a ball; null if there is none. The same object is drawn once. */
+export function thumbnailOf(material: MaterialCards): Promise<ImageBitmap | null> {
+  let picture = drawn.get(material);
+  if (picture === undefined) {
+    picture = new Promise((resolve) => {
+      waiting.push(() => draw(material).then(resolve, () => resolve(null)));
+    });
+    drawn.set(material, picture);
+    if (waiting.length === 1) void drawAll();
   }
+  return picture;
 }
 
-async function draw(): Promise<void> {
-  try {
-    await drawAll();
-  } catch (error) {
-    if (!(error instanceof NoGraphics)) throw error;
-  }
-}
-
+/** Draw one after the other by one renderer, which is given back at last. */
 async function drawAll(): Promise<void> {
-  const cores = session.value?.cores;
-  if (cores === undefined) return;
-  const canvas = document.createElement("canvas");
-  canvas.width = 112;
-  canvas.height = 112;
-  const renderer = new Renderer(canvas);
-  renderer.setEnvironment("studio", null);
-  for (const preset of PRESETS) {
-    const stack = stackOf(preset);
-    const core = await cores.of(stack);
-    const material = await core.layer(stack);
-    const sizes = { ...TABLE_ROWS[core.widths], samples: SAMPLES };
-    const table = await core.table(material, { ...sizes, shift: [0, 0, 0] });
-    renderer.setTable(0, table, sizes, preset.rotation, true);
-    renderer.draw(SHOT);
-    drawn.push(await createImageBitmap(canvas));
+  for (; waiting.length > 0; waiting.shift()) await waiting[0]!();
+  renderer?.dispose();
+  renderer = null;
+}
+
+async function draw(material: MaterialCards): Promise<ImageBitmap | null> {
+  while (session.peek() === null) await new Promise((resolve) => setTimeout(resolve, 100));
+  const shown = shownOf(material);
+  if (shown === null) return null;
+  const core = await session.peek()!.cores.of(shown.stack);
+  const codes = { ...(await core.layer(shown.stack)), table: shown.table };
+  const sizes = { ...TABLE_ROWS[core.widths], samples: SAMPLES };
+  const table = await core.table(codes, { ...sizes, shift: [0, 0, 0] });
+  if (renderer === null) {
+    const canvas = document.createElement("canvas");
+    [canvas.width, canvas.height] = [THUMBNAIL_SIZE, THUMBNAIL_SIZE];
+    renderer = new Renderer(canvas);
+    renderer.setEnvironment("studio", null);
   }
-  renderer.dispose();
+  renderer.setTexels(0, shown.texture);
+  renderer.setTable(0, table, sizes, shown.rotation, true);
+  renderer.draw(SHOT);
+  return createImageBitmap(renderer.picture);
 }

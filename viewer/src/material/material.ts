@@ -28,9 +28,13 @@ export interface TexelBottom {
   texture: string;
 }
 
+/** Codes of a material, and the name of the table by which it is shown without coats, if it has one. */
+export type CodesBottom = Bottom & { kind: "codes" } & { table?: string; besideLobe?: boolean };
+
 /** A bottom by its indices of refraction in air: that of a dielectric, or a metal's eta and k. */
 export type BottomInAir =
-  | Exclude<Bottom, { kind: "dielectric" }>
+  | Exclude<Bottom, { kind: "dielectric" | "codes" }>
+  | CodesBottom
   | { kind: "dielectric"; alpha: Channels; alphaV?: Channels; ior: Channels };
 
 /** A named stack of cards. */

@@ -159,6 +159,11 @@ export class Renderer {
     this.backdropWidth = name === "studio" ? 1 : BACKDROP_WIDTH;
   }
 
+  /** The canvas with what was shown last. */
+  get picture(): HTMLCanvasElement {
+    return this.canvas;
+  }
+
   /** Size of the canvas [pixels]. */
   get size(): { width: number; height: number } {
     return { width: this.canvas.width, height: this.canvas.height };

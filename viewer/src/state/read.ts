@@ -154,14 +154,21 @@ function readBottom(value: unknown): BottomInAir | TexelBottom {
         latents: codes(fields.latents),
         anchors: codes(fields.anchors),
         ...(fields.widths === 2 ? { widths: 2 } : {}),
+        ...(fields.table === undefined ? {} : { table: checkSum(fields.table, "table") }),
+        ...(fields.besideLobe === true ? { besideLobe: true } : {}),
       };
     case "texels":
-      if (typeof fields.texture !== "string" || !/^[0-9a-f]{8}$/.test(fields.texture))
-        throw new Refusal("The name of the bottom's texture is damaged.");
-      return { kind: "texels", texture: fields.texture };
+      return { kind: "texels", texture: checkSum(fields.texture, "texture") };
     default:
       throw new Refusal("The bottom is of no kind that this page knows.");
   }
+}
+
+/** The check sum that names what is no part of the state. */
+function checkSum(value: unknown, what: string): string {
+  if (typeof value !== "string" || !/^[0-9a-f]{8}$/.test(value))
+    throw new Refusal(`The name of the bottom's ${what} is damaged.`);
+  return value;
 }
 
 /** The widths of a surface; one across the tangent only if it is given. */

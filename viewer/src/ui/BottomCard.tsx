@@ -1,13 +1,21 @@
 /** The card of the bottom. */
 
+import { useMemo } from "preact/hooks";
 import type { Channels } from "../core/api";
 import { type Rgb, rgb } from "../material/channels";
 import { hex } from "../material/colour";
-import { BARE, type BottomInAir, type MaterialCards } from "../material/material";
+import {
+  BARE,
+  type BottomInAir,
+  type CodesBottom,
+  type MaterialCards,
+  type TexelBottom,
+} from "../material/material";
 import { BOTTOM_PARAMETERS, COAT_PARAMETERS, type Parameter } from "../material/parameters";
 import { METALS } from "../material/presets";
 import { changeMaterial } from "../state/store";
 import { Field } from "./Field";
+import { Thumbnail } from "./Thumbnail";
 import { WidthFields, withWidths } from "./WidthFields";
 
 const KINDS = {
@@ -30,6 +38,8 @@ interface BottomCardProps {
 export function BottomCard({ material, alone }: BottomCardProps) {
   const { bottom } = material;
   const kind = kindOf(bottom);
+  const { name } = material;
+  const bare = useMemo(() => ({ name, bottom, coats: [], solo: null }), [name, bottom]);
   const change = (next: AnyBottom, step = "") =>
     changeMaterial({ ...material, bottom: next }, step);
   return (
@@ -81,19 +91,26 @@ export function BottomCard({ material, alone }: BottomCardProps) {
             onChange={(value, step) => change({ ...bottom, [key]: value } as BottomInAir, step)}
           />
         ))}
-        {kind === "codes" && (
-          <p class="note">
-            Loaded from a file; it can be coated, and its own coats keep their ratios of indices.
-          </p>
-        )}
-        {kind === "texels" && (
-          <p class="note">
-            Loaded from a file with a texture; coat it in Python. The plots show its mean code.
-          </p>
+        {(bottom.kind === "codes" || bottom.kind === "texels") && (
+          <div class="loaded">
+            <Thumbnail of={bare} />
+            <p class="note">
+              <strong>{name}</strong> {noteOn(bottom)}
+            </p>
+          </div>
         )}
       </div>
     </section>
   );
+}
+
+/** How a loaded material is shown. */
+function noteOn(bottom: CodesBottom | TexelBottom): string {
+  if (bottom.kind === "texels")
+    return "was loaded from a file with a texture; coat it in Python. The plots show its mean code.";
+  const note = "was loaded from a file; its own coats keep their ratios of indices.";
+  if (bottom.table === undefined) return note;
+  return `${note} It is shown by its table, but under coats by its codes, which differ from it by 10 to 40 %.`;
 }
 
 function Metals({

@@ -4,7 +4,7 @@ import type { Material } from "../core/api";
 import { isDocument } from "../engine/files";
 import { materialFile } from "../engine/material_file";
 import type { PageCore } from "../engine/remote";
-import { type Session, session } from "../engine/session";
+import { type Session, session, shownOf } from "../engine/session";
 import { textures } from "../engine/textures";
 import { stackOf } from "../material/material";
 import { Refusal } from "../refusal";
@@ -14,7 +14,7 @@ import { fileName, pythonText } from "../save/python";
 import { sceneFile } from "../save/scene";
 import { LANGUAGES, type Language, readTemplate, shaderText } from "../save/shader";
 import { toAddress, toJson } from "../state/address";
-import { announcement, complain, material, state } from "../state/store";
+import { announcement, complain, material, state, tell } from "../state/store";
 
 const GROUPS = ["Picture", "Material", "Code", "Share"] as const;
 
@@ -34,12 +34,13 @@ function presentSession(): Session {
 /** The core of the material that is shown, and its codes. */
 async function encoded(): Promise<{ core: PageCore; codes: Material }> {
   const stack = stackOf(material.value);
+  const table = shownOf(material.value)?.table;
   if (stack.energyCompensation && stack.coats.length > 0)
     throw new Refusal(
       "The codes of a material have no energy compensation; switch it off, or save Python or a Mitsuba BSDF.",
     );
   const core = await presentSession().cores.of(stack);
-  return { core, codes: await core.layer(stack) };
+  return { core, codes: { ...(await core.layer(stack)), table } };
 }
 
 /** Angle by which the tangent is turned [degrees]. */
@@ -135,6 +136,10 @@ async function saveShader(language: Language, name: string): Promise<void> {
   const { core, codes } = await encoded();
   const text = shaderText(await readTemplate(language, core.widths), codes, rotation());
   download(`${name}${LANGUAGES[language].suffix}`, textBlob(text));
+  if (codes.table !== undefined)
+    tell(
+      "The shader code has the codes of the material; for its table, save the material and run urushi export --texture.",
+    );
 }
 
 /** Offer a file for download. */

@@ -1,13 +1,13 @@
 /** Presets, undo and redo, opening and saving. */
 
-import { useEffect, useRef } from "preact/hooks";
-import { openFiles } from "../engine/open";
-import { drawThumbnails } from "../engine/thumbnails";
+import { useRef } from "preact/hooks";
+import { opened, openFiles } from "../engine/open";
 import { PRESETS, titleOf } from "../material/presets";
 import { canRedo, canUndo, changeMaterial, material, redo, state, undo } from "../state/store";
 import { Icon } from "./icons";
 import { Menu } from "./Menu";
 import { SaveMenu } from "./SaveMenu";
+import { Thumbnail } from "./Thumbnail";
 
 export function TopBar() {
   const input = useRef<HTMLInputElement>(null);
@@ -93,20 +93,11 @@ export function TopBar() {
   );
 }
 
-/** The materials to begin with, as small pictures. */
+/** The materials that were opened and those to begin with, as small pictures. */
 function Presets({ onChosen }: { onChosen: () => void }) {
-  const list = useRef<HTMLUListElement>(null);
-  useEffect(() => {
-    const canvases = [...(list.current?.querySelectorAll("canvas") ?? [])];
-    let open = true;
-    void drawThumbnails(canvases, () => open);
-    return () => {
-      open = false;
-    };
-  }, []);
   return (
-    <ul ref={list}>
-      {PRESETS.map((preset) => (
+    <ul>
+      {[...opened.value, ...PRESETS].map((preset) => (
         <li key={preset.name}>
           <button
             type="button"
@@ -116,7 +107,7 @@ function Presets({ onChosen }: { onChosen: () => void }) {
               onChosen();
             }}
           >
-            <canvas width={112} height={112} aria-hidden="true" />
+            <Thumbnail of={preset} />
             <span>{preset.name}</span>
           </button>
         </li>
