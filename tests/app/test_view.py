@@ -23,6 +23,7 @@ from urushi.app import cli, page_files, view
 from urushi.app.view import HOST, POLICY, PageServer
 from urushi.errors import FileError, ParameterError
 from urushi.export.languages import LANGUAGES
+from urushi.material.table import SHAPE
 from urushi.nets import weights
 from urushi.nets.architecture import init
 
@@ -232,6 +233,22 @@ SCENE = """<scene version="3.0.0">
     </bsdf></shape>
     <shape type="sphere"><bsdf type="diffuse" id="clay"/></shape>
 </scene>"""
+
+
+def test_a_table_lies_beside_the_page(tmp_path):
+    """A grey one has three equal channels."""
+    model = weights.find(None)
+    codes = np.zeros((1, model.arch.latent), np.float32)
+    logs = np.random.default_rng(0).uniform(-3, 3, (*SHAPE, 1)).astype(np.float16)
+    urushi.Material(codes, model, None, logs).save(tmp_path / "paint.safetensors")
+    first = view.first_material(str(tmp_path / "paint.safetensors"), None)
+    files = page_files.page_files(model, first)
+    start = json.loads(files["start.json"])
+    found = np.frombuffer(files[start["table"]], "<f2").reshape(*SHAPE, 3)
+    assert (found == logs).all()
+    bottom = start["materials"][0]["bottom"]
+    assert bottom["table"] == f"{zlib.crc32(files[start['table']]):08x}"
+    assert not bottom["besideLobe"]
 
 
 def test_a_bsdf_of_a_scene_becomes_codes(tmp_path, rgb):

@@ -69,19 +69,20 @@ class Export:
         if self.material is not None and tensor_file_kind(self.material) == "texture":
             return self._textured_text()
         material = None if self.material is None else read_material(self.material, self.weights)
-        if self.texture is not None and (material is None or material.table is None):
+        table = None if material is None else material.table
+        if self.texture is not None and table is None:
             raise ParameterError(
                 "only latent textures and tables of materials become texture files; give one, or "
                 "leave out --texture"
             )
         if material is None:
             return codes_text(self.language, find(self.weights), self.prefix)
-        if self.texture is None:
+        if table is None or self.texture is None:
             return material.shader(self.language, self.prefix)
         from urushi.textures import gpu
 
         text = material.shader(self.language, self.prefix, table=True)
-        self._write_texture(gpu.table_image(material.table))
+        self._write_texture(gpu.table_image(table))
         return text
 
     def _textured_text(self) -> str:

@@ -142,12 +142,25 @@ test("what is needed later is fetched by another try", async ({ page, quiet }) =
   quiet.length = 0;
 });
 
-test("a measured BRDF is encoded and coated", async ({ page }) => {
+test("a measured BRDF is shown by its table, by its codes without the file, and coated", async ({
+  page,
+}) => {
   await open(page);
   const file = Buffer.from(tensorFile(rglTensors([0.3, 0.2, 0.1])));
   await give(page, "gypsum.bsdf", file);
   await expect(page.getByRole("button", { name: /^Material gypsum/ })).toBeVisible();
   await expect(coats(page)).toHaveCount(0);
+  await expect(page.locator(".bottom")).toContainText("gypsum was loaded from a file");
+  await expect(page.locator(".bottom")).toContainText("shown by its table");
+  await expect.poll(async () => (await stateOf(page)).materials[0].name).toBe("gypsum");
+  const other = await page.context().newPage();
+  await other.goto(page.url());
+  await expect(other.getByRole("alert")).toContainText("The table of “gypsum” is no part of");
+  await other.close();
+  await page.getByRole("button", { name: /^Material gypsum/ }).click();
+  await page.getByRole("button", { name: "Black urushi" }).click();
+  await page.getByRole("button", { name: /^Material Black urushi/ }).click();
+  await page.getByRole("button", { name: "gypsum", exact: true }).click();
   await page.getByRole("button", { name: "Add coat" }).click();
   await expect(coats(page)).toHaveCount(1);
   await expect(page.locator(".status[data-converged]")).toBeVisible();
