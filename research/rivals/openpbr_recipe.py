@@ -181,8 +181,7 @@ def _darkening(p: dict[str, Any], recipe: Recipe) -> np.ndarray:
         metallic = min(p["specular_weight"], 1.0) * color
         albedo = f0 + (1 - f0) * color
         albedo = albedo + share * (metallic - albedo)
-        base = formulas.Base(albedo, p["specular_roughness"], share, f0)
-        internal = formulas.internal(eta, base)
+        internal = formulas.internal(eta, p["specular_roughness"], share, f0)
     full = (1 - internal) / (1 - albedo * internal)
     return 1 + p["coat_weight"] * p["coat_darkening"] * (full - 1)
 

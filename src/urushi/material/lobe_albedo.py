@@ -104,7 +104,7 @@ def _rule_of_width(width: int, cosines: bytes, nodes: int) -> np.ndarray:
     share = width / (WIDTHS - 1)
     alpha = (MIN_ALPHA**0.5 * (1 - share) + share) ** 2
     at = np.frombuffer(cosines)[:, None, None]
-    return _gauss_rule(*_facets(alpha, at), nodes).astype(np.float32)
+    return gauss_rule(*_facets(alpha, at), nodes).astype(np.float32)
 
 
 def _facets(alpha: float, cosine: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -121,7 +121,7 @@ def _facets(alpha: float, cosine: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return to_facet.reshape(len(cosine), -1), weight.reshape(len(cosine), -1)
 
 
-def _gauss_rule(x: np.ndarray, weights: np.ndarray, nodes: int) -> np.ndarray:
+def gauss_rule(x: np.ndarray, weights: np.ndarray, nodes: int) -> np.ndarray:
     """Nodes and weights (D, nodes, 2) of sums over points x (D, M), by the method of Lanczos."""
     total = weights.sum(axis=-1, keepdims=True)
     basis, previous, below = np.sqrt(weights / total), np.zeros_like(x), np.zeros_like(total)

@@ -16,6 +16,7 @@ from urushi.mitsuba.plugins.coats import Turn, TurnedMixture
 from urushi.mitsuba.reading.offers import Offer, offer_of, tabulated
 from urushi.openpbr_surface import encoding, model
 from urushi.openpbr_surface.compensation import Compensation
+from urushi.openpbr_surface.film import NAMES as film_parameters
 from urushi.openpbr_surface.inputs import Inputs
 
 #: Least share of each lobe in the base's proposal.
@@ -31,7 +32,7 @@ OWN = ("coat_weight", "fuzz_weight", "fuzz_color", "fuzz_roughness")
 #: The parameters of layers, which are left out while the parameters have their defaults.
 OF_LAYERS = (
     *("coat_color", "coat_roughness", "coat_roughness_anisotropy", "coat_ior", "coat_darkening"),
-    *("thin_film_weight", "thin_film_thickness", "thin_film_ior"),
+    *film_parameters,
 )
 
 
@@ -180,10 +181,8 @@ def define(proposal_bsdf: type) -> tuple[type, type]:
             return film.below_coat(f, vertex, eta, si, wo, active)
 
         def traverse(self, callback):
-            for name in encoding.NAMES:
-                callback.put(name, self._inputs.textures[name], mi.ParamFlags.Differentiable)
-            if self._model.film:
-                self._model.film.traverse(callback)
+            film = film_parameters if self._model.film else ()
+            self._inputs.traverse(callback, (*encoding.NAMES, *film))
 
         def _update(self, keys):
             self.update()
@@ -238,9 +237,6 @@ def define(proposal_bsdf: type) -> tuple[type, type]:
             fuzz = model.fuzz_at(self._inputs, si, active) if self._fuzz else None
             return Vertex(turn, parts, compensation, fuzz)
 
-        def _f(self, vertex, ctx, si, wo, active):
-            return self._f_and_pdf(vertex, ctx, si, wo, active)[0]
-
         def _f_and_pdf(self, vertex, ctx, si, wo, active):
             if vertex.turn:
                 si, wo = vertex.turn.interaction(si), vertex.turn.inside(wo)
@@ -284,15 +280,12 @@ def define(proposal_bsdf: type) -> tuple[type, type]:
             return DIFFUSE_SHARE if self._fuzz or self._compensation else 0.0
 
         def traverse(self, callback):
-            textures = self._inputs.textures
-            for name in OWN:
-                callback.put(name, textures[name], mi.ParamFlags.Differentiable)
+            self._inputs.traverse(callback, OWN)
             for name, part in (("base", self._base), ("coated", self._coated)):
                 if part is not None:
                     callback.put(name, part, mi.ParamFlags.Differentiable)
             # Mitsuba lists a texture once. These are the ones that no layer has listed.
-            for name in OF_LAYERS:
-                callback.put(name, textures[name], mi.ParamFlags.Differentiable)
+            self._inputs.traverse(callback, OF_LAYERS)
 
         def _update(self, keys):
             self._inputs.refresh()

@@ -2,7 +2,7 @@
 
 The model loses energy because facets of a rough coat scatter once, and because networks have errors
 over bright bases. The loss is measured on the white twin: the same material with all colours set to
-one. It is read from tables (`CoatLoss`) or computed when the material is loaded (`Furnace`),
+one. It is read from tables (`interface_loss`) or computed when the material is loaded (`Furnace`),
 and added as a lobe.
 """
 
@@ -22,6 +22,7 @@ from urushi.mitsuba.interface_albedo import InterfaceLoss, Interpolated, LossVer
 from urushi.mitsuba.reading import probing
 from urushi.mitsuba.reading.offers import offer_of, tabulated
 from urushi.openpbr_surface import encoding, formulas
+from urushi.openpbr_surface.film import NAMES as film_parameters
 from urushi.openpbr_surface.inputs import Inputs
 from urushi.openpbr_surface.lookups import MirrorAlbedo
 
@@ -48,12 +49,8 @@ _SHARED = (
     *("coat_roughness_anisotropy", *ROUGHNESSES),
 )
 
-#: The parameters of the coat and of the film.
+#: The parameters of the coat.
 _OF_COATS = ("coat_color", "coat_roughness", "coat_roughness_anisotropy")
-
-#: Parameters that the dielectric twin takes besides: they change its index.
-_OF_DIELECTRICS = ("specular_weight",)
-_OF_FILMS = ("thin_film_weight", "thin_film_thickness", "thin_film_ior")
 
 
 class Vertex(NamedTuple):
@@ -102,14 +99,14 @@ class Compensation:
         self._only_metal = inputs.is_constant("base_metalness", 1)
         self._only_dielectric = inputs.is_constant("base_metalness", 0)
         self._tinted = not inputs.is_constant("coat_color", 1)
-        self._coat = CoatLoss(inputs)
+        self._loss = interface_loss(inputs)
         self._mirror = MirrorAlbedo()
         self._dielectric = self._metal = None
         if encoded and not self._only_metal:
-            self._dielectric = Furnace(inputs, 0.0, coated, CoatLoss)
+            self._dielectric = Furnace(inputs, 0.0, coated)
         # Codes of mixtures include multiple scattering between facets; codes of metals do not.
         if self._only_metal or not (encoded or self._only_dielectric):
-            self._metal = Furnace(inputs, 1.0, coated, None)
+            self._metal = Furnace(inputs, 1.0, coated)
 
     @property
     def is_current(self) -> bool:
@@ -125,7 +122,7 @@ class Compensation:
         internal = formulas.internal_reflectance(1 - formulas.mean_fresnel(eta, DRJIT), eta)
         loss: Any = ()
         if not (self._only_metal and self._metal):
-            loss = self._coat.vertex(si, active)
+            loss = self._loss.seen(interface_at(self._loss, inputs, si, active), si.wi.z)
         tint, below, metal_below = [], (), ()
         if self._tinted:
             tint = [-optical_depth(inputs.color("coat_color", si, active), DRJIT)]
@@ -152,7 +149,7 @@ class Compensation:
         share, tint = vertex.share, mi.Spectrum(1)
         for half_log in vertex.tint:  # of the refracted paths along wi and wo
             tint = dr.exp(half_log * (vertex.path + _path(wo, vertex.eta)))
-        coat = self._coat.lobe(vertex.loss, wo) if vertex.loss else None
+        coat = self._loss.lobe(vertex.loss, wo) if vertex.loss else None
         if not self._only_metal:
             lobe = mi.Spectrum(coat)
             if self._dielectric:
@@ -182,30 +179,16 @@ def _path(w, eta):
     return dr.rsqrt(1 - (1 - w.z * w.z) / (eta * eta))
 
 
-class CoatLoss:
+def interface_loss(inputs: Inputs) -> InterfaceLoss:
     """Light that the coat's interface loses over a white Lambertian base."""
+    ior = inputs.known("coat_ior")
+    return InterfaceLoss(None if ior is None else float(formulas.interface_index(ior)))
 
-    def __init__(self, inputs: Inputs):
-        self._inputs = inputs
-        eta = None
-        if inputs.known("coat_ior") is not None:
-            eta = float(formulas.interface_index(inputs.known("coat_ior")))
-        self._loss = InterfaceLoss(eta)
-        self.lobe = self._loss.lobe
 
-    def lost(self, cosine, si, active):
-        """Share of the light from a direction that is lost."""
-        return self._loss.lost(self._at(si, active), cosine)
-
-    def vertex(self, si, active) -> "LossVertex":
-        return self._loss.seen(self._at(si, active), si.wi.z)
-
-    def _at(self, si, active) -> "LossVertex":
-        """The coat at a surface interaction."""
-        inputs = self._inputs
-        eta = formulas.interface_index(inputs.number("coat_ior", si, active), DRJIT)
-        alpha = formulas.lobe_width(inputs.number("coat_roughness", si, active), DRJIT)
-        return self._loss.at(alpha, eta)
+def interface_at(loss: InterfaceLoss, inputs: Inputs, si, active) -> LossVertex:
+    """The coat's interface at a surface interaction."""
+    eta = formulas.interface_index(inputs.number("coat_ior", si, active), DRJIT)
+    return loss.at(formulas.lobe_width(inputs.number("coat_roughness", si, active), DRJIT), eta)
 
 
 class FurnaceVertex(NamedTuple):
@@ -227,28 +210,21 @@ class Furnace:
     """Table of one minus the directional albedo of a material's white twin; may be negative.
 
     The white twin has base, specular and coat colours of one, and is all metal or all dielectric.
+    The table of a dielectric is without the known part of the loss, at the coat's interface.
     """
 
-    def __init__(
-        self,
-        inputs: Inputs,
-        metalness: float,
-        coated: Coated,
-        known: Callable[..., Any] | None,
-    ):
+    def __init__(self, inputs: Inputs, metalness: float, coated: Coated):
         """Measure the twin.
 
-        metalness: of the twin. coated: makes the twin of its parameters.
-        known: makes of the same parameters an object whose method `lost` returns a known part of
-            the loss, which is subtracted from the table; None: no part is known.
+        metalness: of the twin, 0 or 1. coated: makes the twin of its parameters.
         """
         self._inputs = inputs
         self._varying = [name for name in ROUGHNESSES if inputs.known(name) is None]
-        names = _SHARED if metalness else (*_SHARED, *_OF_DIELECTRICS)
+        names = _SHARED if metalness else (*_SHARED, "specular_weight")  # it changes the index
         self._shared = _values(inputs, [name for name in names if name not in self._varying])
         # A constant material may be evaluated by a table, a texture by codes; and so its twin. Only
         # codes of constant metals contain multiple scattering, see `encoding.MULTIPLE_FROM`.
-        film = () if inputs.is_constant("thin_film_weight", 0) else _OF_FILMS
+        film = () if inputs.is_constant("thin_film_weight", 0) else film_parameters
         constant = inputs.is_uniform((*encoding.NAMES, *_OF_COATS, *film))
         twin, uv = _twin(self._shared, metalness, self._varying)
         if not constant and metalness and inputs.is_uniform(encoding.OF_METALS):
@@ -259,13 +235,13 @@ class Furnace:
         parameters = Inputs.of(twin, inputs.where)
         with dr.suspend_grad():
             losses = _losses(coated(parameters), uv)
-            if known is not None:
-                losses = losses - _known_losses(known(parameters), uv)
+            if not metalness:
+                losses = losses - _interface_losses(parameters, uv)
         losses = losses.reshape(*([NODES] * len(self._varying)), COSINES)
         parts = np.maximum(losses, 0), np.maximum(-losses, 0)
         self._deviations = Interpolated(np.stack(parts, axis=-1).astype(np.float32))
         weight = hemisphere_weights()
-        self._signed = known is not None
+        self._signed = not metalness
         given = losses if self._signed else parts[0]
         mean = (given @ weight)[..., None].astype(np.float32)
         self._mean = Interpolated(mean) if self._varying else None
@@ -389,9 +365,10 @@ def sampled_losses(
     return losses
 
 
-def _known_losses(known: Any, uv: np.ndarray) -> np.ndarray:
-    """The known losses (N, COSINES) at points of uv (N, 2)."""
+def _interface_losses(inputs: Inputs, uv: np.ndarray) -> np.ndarray:
+    """The losses (N, COSINES) of the coat's interface at points of uv (N, 2)."""
     cosine = np.tile(np.linspace(0, 1, COSINES, dtype=np.float32) ** 2, len(uv))
     si = probing.interaction(np.tile([0.0, 0.0, 1.0], (len(cosine), 1)), np.repeat(uv, COSINES, 0))
-    lost = known.lost(mi.Float(cosine), si, mi.Bool(True)).numpy()
+    loss = interface_loss(inputs)
+    lost = loss.lost(interface_at(loss, inputs, si, mi.Bool(True)), mi.Float(cosine)).numpy()
     return np.broadcast_to(lost, len(cosine)).reshape(len(uv), COSINES)

@@ -6,7 +6,6 @@ Gauss rule, which is exact for polynomials in the cosine to the facet.
 """
 
 import functools
-from typing import NamedTuple
 
 import drjit as dr
 import mitsuba as mi
@@ -15,6 +14,7 @@ import numpy as np
 from urushi.checks import Widths
 from urushi.core import albedos, fresnel, microfacet
 from urushi.core.namespace import DRJIT
+from urushi.material.lobe_albedo import gauss_rule
 from urushi.mitsuba.interface_albedo import InterfaceAlbedo, Interpolated, coordinates
 from urushi.openpbr_surface import formulas, thin_film
 from urushi.openpbr_surface.inputs import Inputs
@@ -35,8 +35,8 @@ _LEAST = 1e-4
 #: Cosine at which the reflectance of a filmed metal is about its mean, which is nearly constant.
 MEAN_COSINE = 0.66
 
-#: Nodes of a rule from one direction, and of one for diffuse light.
-NODES, MEAN_NODES = 4, 4
+#: Nodes of a Gauss rule.
+NODES = 4
 
 
 class FilmFresnel:
@@ -48,9 +48,7 @@ class FilmFresnel:
 
     def __init__(self, inputs: Inputs):
         self._inputs = inputs
-        known = rules()
-        self._rule = Interpolated(np.concatenate([known.cosines, known.weights], -1))
-        self._mean_rule = Interpolated(np.concatenate([known.mean_cosines, known.mean_weights], -1))
+        self._rule, self._mean_rule = map(Interpolated, rules())
         indices = [inputs.known(name) for name in _INDICES]
         self._mirror, self._total = MirrorAlbedo(), None
         if any(x is None for x in indices) or formulas.relative_index(*indices) < 1:
@@ -78,8 +76,11 @@ class FilmFresnel:
         cosine: of the direction; None: the mean over diffuse light.
         """
         rule = (self._mean_rule if cosine is None else self._rule)(coordinates(cosine, alpha, None))
-        edge = self._edge(eta, si, active)
-        total = self._mean_over(rule, eta, edge, si, active)
+        film, total, edge = self._film(si, active), mi.Spectrum(0), eta
+        if self._total:  # index of a bare dielectric that reflects totally at the same facets
+            edge = dr.select(film.eta < 1, dr.minimum(film.eta, eta), eta)
+        for c, weight in zip(rule[:NODES], rule[NODES:], strict=True):  # a difference without step
+            total += weight * (self._filmed(c, film, eta, si) - fresnel.dielectric(c, edge)[0])
         if self._total and cosine is None:
             more, less = (self._total.reflected_mean(alpha, index) for index in (edge, eta))
             total += (more - less) / dr.maximum(self._mirror.seen_mean(alpha), _LEAST)
@@ -88,26 +89,6 @@ class FilmFresnel:
             seen = self._mirror.seen(mi.Vector3f(0, 0, cosine), alpha)
             total += (more - less) / dr.maximum(seen, _LEAST)
         return self._weight(si, active) * total
-
-    def _edge(self, eta, si, active):
-        """Index of a bare dielectric with the same range of total reflection as the filmed one.
-
-        It is eta unless the film's index is below one and below eta.
-        """
-        film = self._film(si, active).eta
-        return dr.select(film < 1, dr.minimum(film, eta), eta) if self._total else eta
-
-    def _mean_over(self, rule: list, eta, edge, si, active):
-        """Mean difference of the film's reflectance and of a dielectric's of index `edge`.
-
-        rule: cosines of facets, and then their weights. Both reflect totally at the same facets, so
-        that the difference has no step.
-        """
-        film, total, count = self._film(si, active), mi.Spectrum(0), len(rule) // 2
-        for cosine, weight in zip(rule[:count], rule[count:], strict=True):
-            filmed = self._filmed(cosine, film, eta, si)
-            total += weight * (filmed - fresnel.dielectric(cosine, edge)[0])
-        return total
 
     def _filmed(self, cosine, film, eta, si):
         """Reflectance of a dielectric under the film, a spectrum."""
@@ -139,7 +120,7 @@ class FilmFresnel:
         """
         inputs = self._inputs
         index = dr.maximum(inputs.number("coat_ior", si, active), formulas.LEAST_INDEX)
-        coat = self._coat_widths(si, active)
+        coat = inputs.widths("coat", si, active)
         lobe, cosine = microfacet.reflection_lobe(si.wi, wo, coat)
         top = dr.minimum(f, lobe * fresnel.dielectric(dr.abs(cosine), index)[0])
         wi, wo = (_refracted(w, index) for w in (si.wi, wo))
@@ -163,19 +144,6 @@ class FilmFresnel:
         others = (1 - base.share) * dr.inv_pi * color + _LEAST
         quotient = (lobe * film + others) / (lobe * coded + others)
         return top + (f - top) * quotient
-
-    def _coat_widths(self, si, active):
-        """The coat's GGX width, or both of an anisotropic one."""
-        rough = self._inputs.number("coat_roughness", si, active)
-        if self._inputs.is_constant("coat_roughness_anisotropy", 0):
-            return formulas.lobe_width(rough, DRJIT)
-        bias = self._inputs.number("coat_roughness_anisotropy", si, active)
-        return Widths(*formulas.lobe_widths(rough, bias, DRJIT))
-
-    def traverse(self, callback):
-        """List the textures for `mi.traverse`."""
-        for name in NAMES:
-            callback.put(name, self._inputs.textures[name], mi.ParamFlags.Differentiable)
 
     def _weight(self, si, active):
         return self._inputs.number("thin_film_weight", si, active)
@@ -213,59 +181,26 @@ def _blurred(widths, coat, index):
     return Widths(u, v)
 
 
-class Rules(NamedTuple):
-    """Gauss rules at the nodes of `albedos`, float32; weights have a sum of one.
-
-    Attributes:
-        cosines, weights: (ROUGHNESSES, COSINES, NODES) of the facets seen from a direction.
-        mean_cosines, mean_weights: (ROUGHNESSES, MEAN_NODES) of the facets met by diffuse light.
-    """
-
-    cosines: np.ndarray
-    weights: np.ndarray
-    mean_cosines: np.ndarray
-    mean_weights: np.ndarray
-
-
 @functools.cache
-def rules() -> Rules:
-    """The rules of GGX facets with Smith's masking."""
+def rules() -> tuple[np.ndarray, np.ndarray]:
+    """Gauss rules of GGX facets with Smith's masking at the nodes of `albedos`, float32.
+
+    Returns:
+        `NODES` cosines to facets and then their weights, whose sum is one:
+        (ROUGHNESSES, COSINES, 2 NODES) of the facets seen from a direction, and
+        (ROUGHNESSES, 2 NODES) of the facets met by diffuse light.
+    """
     alphas, cosine = albedos.nodes()
-    found, means = [], []
-    light = albedos.hemisphere_mean(np.eye(len(cosine)))
+    light = albedos.hemisphere_mean(np.eye(len(cosine)))[:, None]
+    found = []
     for alpha in alphas:
         facets = albedos.visible_facets(alpha, cosine)
         weight = facets.masking * facets.weight
-        found.append(gauss_rule(facets.cosine, weight, NODES))
-        weight = weight * light[:, None]
-        means.append(gauss_rule(facets.cosine.ravel(), weight.ravel(), MEAN_NODES))
-    tables = [np.stack(x) for pairs in (found, means) for x in zip(*pairs, strict=True)]
-    return Rules(*(table.astype(np.float32) for table in tables))
-
-
-def gauss_rule(x: np.ndarray, weight: np.ndarray, count: int) -> tuple[np.ndarray, np.ndarray]:
-    """The Gauss rules of discrete measures.
-
-    Args:
-        x: (..., K) points in [0, 1]. weight: their weights, not negative.
-        count: of nodes, N.
-
-    Returns:
-        Nodes within [0, 1] and weights of sum one, (..., N).
-
-    Source: Golub and Welsch 1969; the recurrence of orthogonal polynomials by Stieltjes' procedure.
-    """
-    weight = weight / weight.sum(-1, keepdims=True)
-    former, present = np.zeros_like(x), np.ones_like(x)
-    matrix = np.zeros((*x.shape[:-1], count, count))
-    for k in range(count):
-        matrix[..., k, k] = (weight * x * present**2).sum(-1)
-        following = (x - matrix[..., k, k, None]) * present
-        if k:
-            following -= matrix[..., k, k - 1, None] * former
-        norm = np.sqrt((weight * following**2).sum(-1))
-        if k + 1 < count:
-            matrix[..., k, k + 1] = matrix[..., k + 1, k] = norm
-        former, present = present, following / np.maximum(norm, 1e-300)[..., None]
-    nodes, vectors = np.linalg.eigh(matrix)
-    return np.clip(nodes, 0, 1), vectors[..., 0, :] ** 2
+        pairs = (facets.cosine, weight), (facets.cosine.ravel(), (weight * light).ravel())
+        both = [
+            gauss_rule(np.atleast_2d(x), np.atleast_2d(w / w.sum(-1, keepdims=True)), NODES)
+            for x, w in pairs
+        ]
+        found.append([rule.swapaxes(1, 2).reshape(len(rule), -1) for rule in both])
+    seen, mean = (np.stack(rows).astype(np.float32) for rows in zip(*found, strict=True))
+    return seen, mean[:, 0]

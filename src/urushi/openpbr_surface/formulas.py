@@ -8,7 +8,7 @@ functions take NumPy or Dr.Jit arrays; `xp` has their functions.
 3.2.2  glossy-diffuse base         `internal_reflectance`, `slab_albedo`, `promised`
 3.2.3  medium of subsurface_color  `subsurface_albedo`
 3.2.4  translucent medium          `translucent_medium`
-3.4    darkening of the coat       `mean_fresnel`, `boost`
+3.4    darkening of the coat       `mean_fresnel`, `internal`, `boost`
 3.5    fuzz                        `fuzz_albedo`, `fuzz_density`
 
 The Fresnel terms are in `urushi.core` (`fresnel`, `metal`), as is the coat's medium (`appearance`);
@@ -17,7 +17,7 @@ the diffuse slab is `eon`, and section 3.3 is in `thin_film`.
 
 import functools
 import math
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
@@ -198,22 +198,6 @@ def _colors(g: float, eta: float) -> tuple[np.ndarray, np.ndarray]:
 # 3.4 Coat
 
 
-class Base(NamedTuple):
-    """The base below the coat, for the estimate of its darkening (3.4.1).
-
-    Attributes:
-        albedo: directional albedo at normal incidence, per channel.
-        roughness: specular_roughness.
-        metalness: base_metalness.
-        reflectance: of the dielectric base's interface at normal incidence.
-    """
-
-    albedo: Any
-    roughness: Any
-    metalness: Any
-    reflectance: Any
-
-
 def mean_fresnel(eta: Any, xp: Namespace = NUMPY) -> Any:
     """Cosine-weighted mean of the Fresnel reflectance of a smooth dielectric of index eta >= 1.
 
@@ -222,20 +206,27 @@ def mean_fresnel(eta: Any, xp: Namespace = NUMPY) -> Any:
     return xp.log((10893 * eta - 1438.2) / (-774.4 * eta * eta + 10212 * eta + 1))
 
 
-def internal(coat_eta: Any, base: Base, xp: Namespace = NUMPY) -> Any:
+def internal(
+    coat_eta: Any, roughness: Any, metalness: Any, reflectance: Any, xp: Namespace = NUMPY
+) -> Any:
     """Share K of the light leaving the base that the coat's interface returns to it (3.4.1).
 
     It interpolates between the shares of diffuse light and of light along the normal, by the
     roughness of the base.
+
+    Args:
+        coat_eta: the coat's index. roughness: specular_roughness. metalness: base_metalness.
+        reflectance: of the dielectric base's interface at normal incidence.
+        xp: see the module.
     """
     diffuse = internal_reflectance(1 - mean_fresnel(coat_eta, xp), coat_eta)
     root = (coat_eta - 1) / (coat_eta + 1)
-    dielectric = 1 + (base.roughness - 1) * base.reflectance
-    rough = dielectric + (base.roughness - dielectric) * base.metalness
+    dielectric = 1 + (roughness - 1) * reflectance
+    rough = dielectric + (roughness - dielectric) * metalness
     return root * root + (diffuse - root * root) * rough
 
 
-def boost(darkening: Any, coat_eta: Any, base: Base, xp: Namespace = NUMPY) -> Any:
+def boost(darkening: Any, k: Any, albedo: Any) -> Any:
     """The factor B of the base's BRDF under the coat for a coat_darkening in [0, 1] (3.4.1).
 
     The darkening results from the light transport between the layers. B cancels it: 1 for a
@@ -243,11 +234,12 @@ def boost(darkening: Any, coat_eta: Any, base: Base, xp: Namespace = NUMPY) -> A
     needs a base of albedo E_b / (1 - K + K E_b): the specification's Delta = (1 - K) /
     (1 - B E_b K) with B Delta = 1.
 
+    k: K of `internal`. albedo: E_b, the base's directional albedo at normal incidence.
+
     Returns:
-        Per channel, at least one.
+        At least one.
     """
-    k = internal(coat_eta, base, xp)
-    undarkened = 1 / (1 - k + k * base.albedo)
+    undarkened = 1 / (1 - k + k * albedo)
     return 1 + (undarkened - 1) * (1 - darkening)
 
 

@@ -9,6 +9,7 @@ import drjit as dr
 import mitsuba as mi
 import numpy as np
 
+from urushi.checks import Widths
 from urushi.core.namespace import DRJIT
 from urushi.errors import ParameterError
 from urushi.mitsuba.reading.parameters import describe
@@ -168,6 +169,14 @@ class Inputs:
         """The value of a colour at a surface interaction, within the parameter's range."""
         return _clipped(name, self.textures[name].eval(si, active))
 
+    def widths(self, layer: str, si, active) -> Any:
+        """The GGX width of a layer, "coat" or "specular", or the two `Widths`."""
+        rough = self.number(f"{layer}_roughness", si, active)
+        if self.is_constant(f"{layer}_roughness_anisotropy", 0):
+            return formulas.lobe_width(rough, DRJIT)
+        bias = self.number(f"{layer}_roughness_anisotropy", si, active)
+        return Widths(*formulas.lobe_widths(rough, bias, DRJIT))
+
     def _read(self, name: str, value: Any) -> None:
         entry = parameter(name, self.where)
         if entry.kind == "vector":
@@ -246,6 +255,11 @@ class Inputs:
         """As `is_constant`, also of a parameter that is not given."""
         return name in self.constants and self.is_constant(name, value)
 
+    def traverse(self, callback, names: Iterable[str]) -> None:
+        """List parameters for `mi.traverse`."""
+        for name in names:
+            callback.put(name, self.textures[name], mi.ParamFlags.Differentiable)
+
     def tangent(self, si, active) -> tuple["mi.Float", "mi.Float"]:
         """Sine and cosine of the angle from the shape's tangent to that of the map."""
         x, y = (2 * c - 1 for c in self.maps["geometry_tangent"].eval_3(si, active)[:2])
@@ -319,19 +333,10 @@ def _derived_class(variant: str) -> type:
     class Derived(mi.Texture):
         """A function of the plugin's parameters."""
 
-        def __init__(
-            self,
-            inputs: Inputs,
-            names: Sequence[str],
-            function: Callable[..., Any],
-            color: bool,
-        ):
+        def __init__(self, inputs, names, function, color):
             mi.Texture.__init__(self, mi.Properties("derived"))
             self._inputs, self._names = inputs, names
             self._function, self._color = function, color
-
-        def _sources(self) -> Mapping[str, "mi.Texture"]:
-            return {name: self._inputs.textures[name] for name in self._names}
 
         def eval(self, si, active=True):
             read = self._inputs.color if self._color else self._inputs.number
@@ -348,8 +353,7 @@ def _derived_class(variant: str) -> type:
             return False
 
         def traverse(self, callback):
-            for name, texture in self._sources().items():
-                callback.put(name, texture, mi.ParamFlags.Differentiable)
+            self._inputs.traverse(callback, self._names)
 
         def to_string(self):
             return f"Derived[{', '.join(self._names)}]"

@@ -5,7 +5,7 @@ surface, more light hits a second facet across the scratches than along them.
 """
 
 import functools
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import drjit as dr
 import mitsuba as mi
@@ -32,31 +32,25 @@ TERMS = 4
 _FITTED = np.linspace(0, np.pi / 2, 7)
 
 
-class MirrorTables(NamedTuple):
-    """Albedos of a reflector whose facets reflect all light, float32.
-
-    Attributes:
-        albedo: (ROUGHNESSES, COSINES); of two widths (ANISOTROPIES, ROUGHNESSES, COSINES, TERMS),
-            the series in the azimuth, and the axis of the roughness is the mean of both widths.
-        mean: (ROUGHNESSES,) or (ANISOTROPIES, ROUGHNESSES) its cosine-weighted mean.
-    """
-
-    albedo: np.ndarray
-    mean: np.ndarray
-
-
 @functools.cache
-def mirror_tables() -> MirrorTables:
-    """The tables of a GGX reflector without losses at its facets."""
+def mirror_tables() -> tuple[np.ndarray, np.ndarray]:
+    """Albedos of a GGX reflector whose facets reflect all light, float32 (ROUGHNESSES, COSINES).
+
+    The second table (ROUGHNESSES,) is their cosine-weighted mean.
+    """
     alphas, cosine = nodes()
     facets = [visible_facets(alpha, cosine) for alpha in alphas]
     albedo = np.stack([x.masking @ x.weight for x in facets])
-    return MirrorTables(*(x.astype(np.float32) for x in (albedo, hemisphere_mean(albedo))))
+    return albedo.astype(np.float32), hemisphere_mean(albedo).astype(np.float32)
 
 
 @functools.cache
-def anisotropic_tables() -> MirrorTables:
-    """`mirror_tables` of two widths, which take some seconds the first time."""
+def anisotropic_tables() -> tuple[np.ndarray, np.ndarray]:
+    """`mirror_tables` of two widths, which take some seconds the first time.
+
+    (ANISOTROPIES, ROUGHNESSES, COSINES, TERMS), the series in the azimuth, and
+    (ANISOTROPIES, ROUGHNESSES) its mean. The axis of the roughness is the mean of both widths.
+    """
     alphas, cosine = nodes()
     albedo = np.empty((ANISOTROPIES, len(alphas), len(cosine), TERMS))
     fit = np.linalg.pinv(np.cos(2 * np.outer(_FITTED, np.arange(TERMS))))
@@ -66,7 +60,7 @@ def anisotropic_tables() -> MirrorTables:
             facets = [visible_facets(widths, cosine, azimuth) for azimuth in _FITTED]
             albedo[i, j] = (fit @ np.stack([x.masking @ x.weight for x in facets])).T
     mean = hemisphere_mean(albedo[..., 0])
-    return MirrorTables(albedo.astype(np.float32), mean.astype(np.float32))
+    return albedo.astype(np.float32), mean.astype(np.float32)
 
 
 # The first reflection by a rough white slab below an interface. The facets pass light from a
@@ -118,8 +112,7 @@ class MirrorAlbedo:
     """Directional albedos of GGX facets that reflect all light, of one width."""
 
     def __init__(self) -> None:
-        known = mirror_tables()
-        self._albedo, self._mean = (Interpolated(x[..., None]) for x in (known.albedo, known.mean))
+        self._albedo, self._mean = (Interpolated(x[..., None]) for x in mirror_tables())
 
     def seen(self, w, widths):
         """Share of the light from a direction that one reflection by the facets lets leave."""
@@ -165,8 +158,8 @@ class AnisotropicMirror(MirrorAlbedo):
     """`MirrorAlbedo` of facets of two widths u >= v."""
 
     def __init__(self) -> None:
-        known = anisotropic_tables()
-        self._albedo, self._mean = Interpolated(known.albedo), Interpolated(known.mean[..., None])
+        albedo, mean = anisotropic_tables()
+        self._albedo, self._mean = Interpolated(albedo), Interpolated(mean[..., None])
 
     def seen(self, w, widths):
         """See `MirrorAlbedo`; the x axis is along u."""
@@ -224,24 +217,6 @@ def _width_along(widths, cosine2):
     return dr.sqrt(across + (along - across) * cosine2)
 
 
-class Slab(NamedTuple):
-    """The slab and its interface at a vertex.
-
-    Attributes:
-        color: base_weight times base_color. roughness: base_diffuse_roughness.
-        alpha: one GGX width of the interface. eta: its index relative to the medium above.
-        passed: the product of the shares of light that it passes from wi and from wo.
-        passed_mean: the share of diffuse light that it passes.
-    """
-
-    color: Any
-    roughness: Any
-    alpha: Any
-    eta: Any
-    passed: Any
-    passed_mean: Any
-
-
 class RoughSlab:
     """Light that is transmitted, reflected by an EON slab and transmitted again.
 
@@ -262,25 +237,32 @@ class RoughSlab:
         self._table = Interpolated(table if self._constant is None else table[0])
         self._mean = Interpolated(mean if self._constant is None else mean[0])
 
-    def f(self, wi, wo, slab: Slab):
-        """The BRDF [1/sr] of all orders of reflection."""
-        at = slab.alpha, slab.eta if self._constant is None else self._constant
+    def f(self, wi, wo, color, roughness, interface: tuple, passed, passed_mean):
+        """The BRDF [1/sr] of all orders of reflection.
+
+        color: base_weight times base_color. roughness: base_diffuse_roughness.
+        interface: its GGX width, and its index relative to the medium above.
+        passed: the product of the shares of light that it passes from wi and from wo.
+        passed_mean: the share of diffuse light that it passes.
+        """
+        alpha, eta = interface
+        at = alpha, eta if self._constant is None else self._constant
         ends = [self._table(coordinates(w.z, *at)) for w in (wi, wo)]
         inside, excess = zip(*ends, strict=True)
         excess_mean = self._mean(coordinates(None, *at))[0]
-        direct = dr.clip(slab.passed_mean / dr.square(slab.eta), LEAST_SHARE, 1)
+        direct = dr.clip(passed_mean / dr.square(eta), LEAST_SHARE, 1)
         internal = 1 - direct
-        rho = formulas.slab_albedo(slab.color, internal)
+        rho = formulas.slab_albedo(color, internal)
 
         cosines = eon.Cosines(inside[0], inside[1], _between(wi, wo, inside))
-        first = direct * eon.f(cosines, rho, slab.roughness, DRJIT)
-        more = direct * eon.deviation(slab.roughness)
+        first = direct * eon.f(cosines, rho, roughness, DRJIT)
+        more = direct * eon.deviation(roughness)
         kept = internal - more * (excess[0] + excess[1] - excess_mean)
-        albedos = [eon.albedo(cosine, rho, slab.roughness, DRJIT) for cosine in inside]
-        mean_albedo = eon.mean_albedo(rho, slab.roughness)
+        albedos = [eon.albedo(cosine, rho, roughness, DRJIT) for cosine in inside]
+        mean_albedo = eon.mean_albedo(rho, roughness)
         later = albedos[0] * albedos[1] * kept * (direct / (1 - mean_albedo * internal))
         # What is kept is less than nothing for few directions at grazing angles.
-        return dr.maximum(first + dr.inv_pi * later, 0) * (slab.passed / slab.passed_mean)
+        return dr.maximum(first + dr.inv_pi * later, 0) * (passed / passed_mean)
 
 
 def _between(wi, wo, inside):

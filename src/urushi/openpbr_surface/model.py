@@ -29,7 +29,6 @@ from urushi.openpbr_surface.lookups import (
     AnisotropicMirror,
     MirrorAlbedo,
     RoughSlab,
-    Slab,
 )
 
 #: specular_roughness below which networks are given 1 / eta for an index eta < 1, which reflects as
@@ -100,12 +99,8 @@ class Base:
         eta = self.relative_index(si, active)
         if self.encoded:
             eta = dr.select((rough < INVERTED_BELOW) & (eta < 1), 1 / eta, eta)
-        if self._turning is None:
-            widths = alpha = formulas.lobe_width(rough, DRJIT)
-        else:
-            bias = inputs.number("specular_roughness_anisotropy", si, active)
-            widths = Widths(*formulas.lobe_widths(rough, bias, DRJIT))
-            alpha = 0.5 * (widths.u + widths.v)
+        widths = inputs.widths("specular", si, active)
+        alpha = 0.5 * (widths.u + widths.v) if isinstance(widths, Widths) else widths
         return BaseVertex(
             inputs.number("base_weight", si, active) * inputs.color("base_color", si, active),
             inputs.color("specular_color", si, active),
@@ -172,7 +167,7 @@ class Base:
         rough = self.inputs.number("base_diffuse_roughness", si, active)
         if self.encoded:
             rough = dr.minimum(rough, ENCODED_DIFFUSE_ROUGHNESS)
-        return self._slab.f(si.wi, wo, Slab(color, rough, alpha, eta, passed, mean))
+        return self._slab.f(si.wi, wo, color, rough, (alpha, eta), passed, mean)
 
     def reflected(self, w, vertex: BaseVertex):
         """Share of the light from a direction that the dielectric's interface reflects."""
@@ -187,14 +182,11 @@ class Base:
         inputs = self.inputs
         f0 = dr.square((vertex.eta - 1) / (vertex.eta + 1))
         dielectric, shine = f0 + (1 - f0) * vertex.color, vertex.weight * vertex.color
-        base = formulas.Base(
-            dr.lerp(dielectric, shine, vertex.share),
-            inputs.number("specular_roughness", si, active),
-            vertex.share,
-            f0,
-        )
+        albedo = dr.lerp(dielectric, shine, vertex.share)
         coat_eta = dr.maximum(inputs.number("coat_ior", si, active), 1.001)
-        return formulas.boost(inputs.number("coat_darkening", si, active), coat_eta, base, DRJIT)
+        rough = inputs.number("specular_roughness", si, active)
+        internal = formulas.internal(coat_eta, rough, vertex.share, f0, DRJIT)
+        return formulas.boost(inputs.number("coat_darkening", si, active), internal, albedo)
 
     def relative_index(self, si, active):
         """The dielectric's index relative to the medium above, without networks' limits."""

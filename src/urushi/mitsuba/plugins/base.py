@@ -24,7 +24,7 @@ def define_proposal_bsdf() -> type:
     """Make the class in the current variant."""
 
     class ProposalBSDF(mi.BSDF):
-        """A BSDF; subclasses give f (`_f`) and the proposal (`_proposal`).
+        """A BSDF; subclasses give f (`_f` or `_f_and_pdf`) and the proposal (`_proposal`).
 
         It reflects light from above, unless a subclass calls `_transmit`.
         """
@@ -77,7 +77,7 @@ def define_proposal_bsdf() -> type:
 
         def _f(self, vertex, ctx, si, wo, active):
             """f, a spectrum [1/sr], for si.wi and wo; `_faces` is true of both."""
-            raise NotImplementedError
+            return self._f_and_pdf(vertex, ctx, si, wo, active)[0]
 
         def _proposal(self, vertex, si, active):
             """The proposal for si.wi: it has `pdf` and `sample`, as `core.mixture.Mixture`."""

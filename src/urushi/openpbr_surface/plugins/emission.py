@@ -113,8 +113,7 @@ def define() -> type:
             return dr.select(active, value, 0)
 
         def traverse(self, callback):
-            for name in NAMES:
-                callback.put(name, self._inputs.textures[name], mi.ParamFlags.Differentiable)
+            self._inputs.traverse(callback, NAMES)
 
         def parameters_changed(self, keys):
             with self._kept.restored_on_error(self):

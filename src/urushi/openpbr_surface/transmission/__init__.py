@@ -1,6 +1,6 @@
 """OpenPBR's bases that transmit light: bodies of glass, and thin walls.
 
-A `body` mixes two-sided BSDFs by the shares of the base: opaque (`sides`), an interface with a
+A `body` mixes two-sided BSDFs by the shares of the base: opaque, an interface with a
 medium below it (`glass`), a thin wall that scatters light (`sheet`), and slabs of the plugins
 `layered` and `neural_layered` (`slab`): coats on glass, panes, and panes with coats on both sides.
 Departures from the specification: a share that is opaque looks the same from inside; both sides of

@@ -4,13 +4,15 @@ from collections.abc import Callable
 from functools import partial
 from typing import Any
 
+import drjit as dr
 import mitsuba as mi
 
-from urushi.mitsuba.plugins.coats import Turn, TurnedMixture
+from urushi.mitsuba.plugins.coats import Turn, TurnedMixture, raised
 from urushi.openpbr_surface.bsdfs import Part, SurfaceProposal
 from urushi.openpbr_surface.inputs import Inputs
-from urushi.openpbr_surface.transmission import glass, sheet, sides
+from urushi.openpbr_surface.transmission import glass, sheet
 from urushi.openpbr_surface.transmission.shares import SHARES, index_of, opaque_share, shares
+from urushi.openpbr_surface.transmission.sides import TwoSided, above_surface
 from urushi.openpbr_surface.transmission.slab import Finish, Lost, slab_of
 
 #: Colours that are white where losses are measured.
@@ -23,7 +25,7 @@ TABULATED = ("specular_roughness", "transmission_color", "coat_roughness", "coat
 def define(proposal_bsdf: type) -> Callable[..., "mi.BSDF"]:
     """Make the function that makes the surface; see `define_proposal_bsdf`."""
 
-    Glass, Sheet, Mirrored = (part.define(proposal_bsdf) for part in (glass, sheet, sides))
+    Glass, Sheet = (part.define(proposal_bsdf) for part in (glass, sheet))
 
     class Body(proposal_bsdf):
         """A surface that transmits light: a mixture of two-sided BSDFs."""
@@ -50,19 +52,21 @@ def define(proposal_bsdf: type) -> Callable[..., "mi.BSDF"]:
             return turn, parts
 
         def _interaction(self, turn, bsdf, si):
-            # An opaque surface turns its tangent itself.
-            return si if turn is None or isinstance(bsdf, Mirrored) else turn.interaction(si)
-
-        def _f(self, vertex, ctx, si, wo, active):
-            return self._f_and_pdf(vertex, ctx, si, wo, active)[0]
+            if not bsdf._transmits:  # it looks the same from both sides, and turns its tangent
+                return above_surface(si)
+            return si if turn is None else turn.interaction(si)
 
         def _f_and_pdf(self, vertex, ctx, si, wo, active):
             turn, parts = vertex
-            f, pdf = mi.Spectrum(0), mi.Float(0)
+            f, pdf, near = mi.Spectrum(0), mi.Float(0), si.wi.z * wo.z > 0
             for part, (bsdf, _, finish) in zip(parts, self._parts, strict=True):
                 own = self._interaction(turn, bsdf, si)
-                towards = wo if own is si else turn.inside(wo)
-                value, density = bsdf._f_and_pdf(part.vertex, ctx, own, towards, active)
+                if bsdf._transmits:
+                    towards = wo if turn is None else turn.inside(wo)
+                    value, density = bsdf._f_and_pdf(part.vertex, ctx, own, towards, active)
+                else:
+                    found = bsdf._f_and_pdf(part.vertex, ctx, own, raised(wo), active & near)
+                    value, density = (dr.select(near, x, 0) for x in found)
                 if finish is not None:
                     value = finish.f(value, ctx, own, towards, active)
                     density = finish.density(density, own.wi, towards)
@@ -76,16 +80,16 @@ def define(proposal_bsdf: type) -> Callable[..., "mi.BSDF"]:
             for part, (_, _, finish) in zip(parts, self._parts, strict=True):
                 own = self._interaction(turn, part.bsdf, si)
                 proposal = part.bsdf._proposal(part.vertex, own, active)
-                proposal = finish.proposal(proposal, own.wi) if finish else proposal
-                proposals.append(
-                    (proposal if own is si else TurnedMixture(proposal, turn), part.weight)
-                )
+                if not part.bsdf._transmits:
+                    proposal = TwoSided(proposal, 0.0)
+                else:
+                    proposal = finish.proposal(proposal, own.wi) if finish else proposal
+                    proposal = proposal if turn is None else TurnedMixture(proposal, turn)
+                proposals.append((proposal, part.weight))
             return SurfaceProposal(proposals, 0.0)
 
         def traverse(self, callback):
-            for name in (*SHARES, "coat_weight"):
-                texture = self._inputs.textures[name]
-                callback.put(name, texture, mi.ParamFlags.Differentiable)
+            self._inputs.traverse(callback, (*SHARES, "coat_weight"))
             for i, (bsdf, _, _) in enumerate(self._parts):
                 callback.put(f"part_{i}", bsdf, mi.ParamFlags.Differentiable)
 
@@ -132,7 +136,7 @@ def define(proposal_bsdf: type) -> Callable[..., "mi.BSDF"]:
             found: list[tuple[Any, Callable[..., Any], Any]] = []
             rest = opaque_share(inputs)
             if rest is not None:
-                found.append((Mirrored(opaque(rest)), weight("opaque", None), None))
+                found.append((opaque(rest), weight("opaque", None), None))
             scatters = [name for name in SHARES[1:] if inputs.transmits(name)]
             if inputs.thin and SHARES[2] in scatters:
                 found.append((Sheet(inputs), weight("scattering", None), None))

@@ -10,9 +10,10 @@ from urushi.core import fresnel, microfacet
 from urushi.errors import ParameterError
 from urushi.mitsuba.interface_albedo import InterfaceAlbedo
 from urushi.mitsuba.plugins.coats import raised
+from urushi.openpbr_surface.film import NAMES as film_parameters
 from urushi.openpbr_surface.film import FilmFresnel
 from urushi.openpbr_surface.inputs import Inputs
-from urushi.openpbr_surface.transmission.shares import INDICES, facet_widths, index_of, tint_of
+from urushi.openpbr_surface.transmission.shares import INDICES, index_of, tint_of
 from urushi.openpbr_surface.transmission.sides import index2, relative
 from urushi.walk import interface
 
@@ -94,7 +95,7 @@ def define(proposal_bsdf: type) -> type:
 
         def _vertex(self, si, active):
             inputs, scale = self._inputs, 0.0
-            widths, lost = facet_widths(inputs, si, active), mi.Float(0)
+            widths, lost = inputs.widths("specular", si, active), mi.Float(0)
             if self.returns_lost:
                 means = self._sides(lambda table, eta: 1 - sum(table.both_mean(widths, eta)))
                 scale = 1 / dr.maximum(dr.pi * (means[0] + self._index**2 * means[1]), 1e-5)
@@ -148,10 +149,8 @@ def define(proposal_bsdf: type) -> type:
 
         def traverse(self, callback):
             names = "specular_color", "specular_roughness", "specular_roughness_anisotropy"
-            for name in (*names, *INDICES, "transmission_color"):
-                callback.put(name, self._inputs.textures[name], mi.ParamFlags.Differentiable)
-            if self._film:
-                self._film.traverse(callback)
+            film = film_parameters if self._film else ()
+            self._inputs.traverse(callback, (*names, *INDICES, "transmission_color", *film))
 
         def _update(self, keys):
             self._configure()

@@ -5,7 +5,6 @@ from typing import Any, NamedTuple
 import drjit as dr
 import mitsuba as mi
 
-from urushi.checks import Widths
 from urushi.core.namespace import DRJIT
 from urushi.errors import ParameterError
 from urushi.openpbr_surface import formulas
@@ -71,15 +70,6 @@ def index_of(inputs: Inputs) -> float:
     ior, weight = (inputs.middle(name) for name in INDICES)
     ior = float(formulas.modulated_index(max(ior, formulas.LEAST_INDEX), weight))
     return min(max(ior, 1 / 3), 3.0)
-
-
-def facet_widths(inputs: Inputs, si, active) -> Any:
-    """The GGX width of the base, or both."""
-    rough = inputs.number("specular_roughness", si, active)
-    if inputs.is_constant("specular_roughness_anisotropy", 0):
-        return formulas.lobe_width(rough, DRJIT)
-    bias = inputs.number("specular_roughness_anisotropy", si, active)
-    return Widths(*formulas.lobe_widths(rough, bias, DRJIT))
 
 
 def tint_of(inputs: Inputs, si, active) -> Any:

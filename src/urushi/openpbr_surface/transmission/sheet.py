@@ -47,8 +47,8 @@ def define(proposal_bsdf: type) -> type:
 
         def traverse(self, callback):
             names = "subsurface_color", "subsurface_scatter_anisotropy", "base_diffuse_roughness"
-            for name in (*names, "specular_roughness", "specular_ior", "specular_color"):
-                callback.put(name, self._inputs.textures[name], mi.ParamFlags.Differentiable)
+            more = "specular_roughness", "specular_ior", "specular_color"
+            self._inputs.traverse(callback, (*names, *more))
 
         def to_string(self):
             return "OpenPBRSheet[]"

@@ -1,4 +1,4 @@
-"""Surfaces seen from both sides: their frames and proposals, and opaque ones."""
+"""Surfaces seen from both sides: their frames and proposals."""
 
 from typing import Any, NamedTuple
 
@@ -47,39 +47,3 @@ def above_surface(si):
 def index2(w, index):
     """The square of the index on the side of a direction."""
     return dr.select(w.z > 0, 1, index * index)
-
-
-def define(proposal_bsdf: type) -> type:
-    """Make the class of opaque surfaces; see `define_proposal_bsdf`."""
-
-    class Mirrored(proposal_bsdf):
-        """An opaque surface that looks the same from both sides."""
-
-        def __init__(self, surface: "mi.BSDF"):
-            super().__init__(mi.Properties("openpbr_mirrored"))
-            self.surface = surface
-            self._transmit()
-
-        def _vertex(self, si, active):
-            return self.surface._vertex(above_surface(si), active)
-
-        def _f(self, vertex, ctx, si, wo, active):
-            return self._f_and_pdf(vertex, ctx, si, wo, active)[0]
-
-        def _f_and_pdf(self, vertex, ctx, si, wo, active):
-            near = si.wi.z * wo.z > 0
-            found = self.surface._f_and_pdf(
-                vertex, ctx, above_surface(si), raised(wo), active & near
-            )
-            return tuple(dr.select(near, x, 0) for x in found)
-
-        def _proposal(self, vertex, si, active):
-            return TwoSided(self.surface._proposal(vertex, above_surface(si), active), 0.0)
-
-        def traverse(self, callback):
-            callback.put("surface", self.surface, mi.ParamFlags.Differentiable)
-
-        def to_string(self):
-            return str(self.surface)
-
-    return Mirrored

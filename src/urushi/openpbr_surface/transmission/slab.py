@@ -16,7 +16,7 @@ from urushi.openpbr_surface import formulas
 from urushi.openpbr_surface.bsdfs import SurfaceProposal
 from urushi.openpbr_surface.compensation import hemisphere_weights, sampled_losses
 from urushi.openpbr_surface.inputs import Inputs, derived, width_properties
-from urushi.openpbr_surface.transmission.shares import facet_widths, index_of, tint_of
+from urushi.openpbr_surface.transmission.shares import index_of, tint_of
 from urushi.openpbr_surface.transmission.sides import TwoSided, index2, relative
 from urushi.walk import interface
 
@@ -83,7 +83,9 @@ class Finish:
             # Light from below that the surface of the body does not reflect crosses it twice.
             coat = formulas.interface_index(inputs.number("coat_ior", si, active), DRJIT)
             a, b = raised(si.wi), relative(si.wi, wo)
-            first = interface.reflection(a, b, facet_widths(inputs, si, active), coat / self._index)
+            first = interface.reflection(
+                a, b, inputs.widths("specular", si, active), coat / self._index
+            )
             below = (si.wi.z < 0) & ~through
             f = dr.select(below, first + tint * tint * (f - first), f * dr.select(through, tint, 1))
         if self._lost is None:
