@@ -25,7 +25,7 @@ import numpy.typing as npt
 from urushi.errors import FileError, ParameterError
 from urushi.measured import rgl_file
 from urushi.measured.tabulated import MeasuredSurface, evaluate, tabulated
-from urushi.measured.warp import BilinearGrid, Slices, Warp
+from urushi.measured.warp import BilinearGrid, Warp, slices_at
 
 #: Number of dimensions and type of each tensor that every file has.
 TENSORS = {
@@ -95,7 +95,7 @@ class Rgl(MeasuredSurface):
         if self.isotropic:  # Mitsuba reads a second azimuth, which only repeats the first
             phi_i = phi_i[:1]
         self._symmetry = 1 if self.isotropic else _symmetry(phi_i)
-        self._slices = Slices(tensors["theta_i"], phi_i)
+        self._nodes = tensors["theta_i"].astype(np.float64), phi_i
         self._ndf = BilinearGrid(tensors["ndf"].astype(np.float64)[None, ..., None])
         self._sigma = BilinearGrid(tensors["sigma"].astype(np.float64)[None, ..., None])
         used = slice(len(phi_i))
@@ -160,7 +160,7 @@ class Rgl(MeasuredSurface):
             np.stack([np.sqrt(theta / (np.pi / 2)), (phi + np.pi) / (2 * np.pi)], 1)
             for theta, phi in ((theta_i, phi_i), (theta_m, azimuth))
         )
-        slices = self._slices.find(theta_i, phi_i)
+        slices = slices_at(self._nodes, theta_i, phi_i)
         result = self._measured.evaluate(self._vndf.invert(u_m, slices), slices)
         scale = 1 / np.maximum(wo[:, 2:], MIN_COSINE)
         if self._jacobian:

@@ -7,9 +7,7 @@ from the start of the file, uint64 shape[].
 
 import math
 import struct
-from dataclasses import dataclass
 from pathlib import Path
-from typing import BinaryIO
 
 import numpy as np
 
@@ -28,103 +26,64 @@ TYPES = {
 }  # fmt: skip
 
 
-@dataclass(frozen=True)
-class _Field:
-    """A tensor's entry in the header; `start` and `end` are byte offsets in the file."""
-
-    name: str
-    dtype: np.dtype
-    shape: tuple[int, ...]
-    start: int
-    end: int
-
-
 def read(path: Path) -> dict[str, np.ndarray]:
-    """Return the arrays by name.
-
-    Sizes are checked against the size of the file before memory is allocated, so that all arrays
-    together are never larger than the file.
+    """Return the arrays by name, which share the memory of the file's content.
 
     Raises:
         FileError: the file is no tensor file, of another version or truncated, or its tensors
             repeat a name, overlap, or lie outside of the file.
     """
-    size = path.stat().st_size
-    with path.open("rb") as file:
-        reader = _Reader(file, path, size)
-        if reader.take(len(MAGIC)) != MAGIC:
-            raise FileError(f"'{path}' is not a tensor file; its first bytes are not 'tensor_file'")
-        version = reader.unpack("BB")
-        if version != VERSION:
-            raise FileError(
-                f"the tensor file '{path}' has version {version[0]}.{version[1]}; "
-                "only 1.0 can be read"
-            )
-        (count,) = reader.unpack("I")
-        if count > MAX_FIELDS:
-            raise reader.damaged(f"it claims {count} fields")
-        fields = [_field(reader) for _ in range(count)]
-        _check_places(fields, file.tell(), reader)
-        return {field.name: _array(file, field, reader) for field in fields}
-
-
-class _Reader:
-    """Reads the header; raises a FileError at the end of the file."""
-
-    def __init__(self, file: BinaryIO, path: Path, size: int) -> None:
-        self.file, self.path, self.size = file, path, size
-
-    def take(self, count: int) -> bytes:
-        content = self.file.read(count)
-        if len(content) < count:
-            raise self.damaged("its header is truncated")
-        return content
-
-    def unpack(self, layout: str) -> tuple[int, ...]:
-        return struct.unpack("<" + layout, self.take(struct.calcsize("<" + layout)))
-
-    def damaged(self, what: str) -> FileError:
-        return FileError(
-            f"the tensor file '{self.path}' ({self.size} bytes) is damaged: {what}; obtain it again"
-        )
-
-
-def _field(reader: _Reader) -> _Field:
-    """Read one tensor's entry in the header."""
-    (length,) = reader.unpack("H")
-    name = reader.take(length).decode("utf-8", "replace")[:40]
-    dimensions, code, start = reader.unpack("HBQ")
-    if code not in TYPES:
-        raise reader.damaged(f"its tensor {name!r} has the unknown type {code}")
-    if dimensions > MAX_DIMENSIONS:
-        raise reader.damaged(f"its tensor {name!r} claims {dimensions} dimensions")
-    shape = reader.unpack(f"{dimensions}Q")
-    dtype = np.dtype(TYPES[code])
-    return _Field(name, dtype, shape, start, start + math.prod(shape) * dtype.itemsize)
-
-
-def _check_places(fields: list[_Field], header_end: int, reader: _Reader) -> None:
-    """Raise a FileError if tensors repeat a name, overlap, or lie outside of the file."""
-    if len({field.name for field in fields}) < len(fields):
-        raise reader.damaged("two of its tensors have the same name")
-    end, previous = header_end, "the header"
-    for field in sorted(fields, key=lambda field: (field.start, field.end)):
-        if field.end > reader.size:
-            raise reader.damaged(
-                f"its tensor {field.name!r} ends at byte {field.end}, outside the file"
-            )
-        if field.start < end:
-            raise reader.damaged(f"its tensor {field.name!r} overlaps {previous}")
-        end, previous = field.end, repr(field.name)
-
-
-def _array(file: BinaryIO, field: _Field, reader: _Reader) -> np.ndarray:
-    """Read one tensor's data."""
-    file.seek(field.start)
-    data = np.fromfile(file, field.dtype, math.prod(field.shape))
-    if data.nbytes < field.end - field.start:
-        raise reader.damaged(f"its tensor {field.name!r} is truncated")
+    content = path.read_bytes()
+    if not content.startswith(MAGIC):
+        raise FileError(f"'{path}' is not a tensor file; its first bytes are not 'tensor_file'")
+    if tuple(content[12:14]) not in ((), VERSION):
+        version = ".".join(map(str, content[12:14]))
+        raise FileError(f"the tensor file '{path}' has version {version}; only 1.0 can be read")
     try:
-        return data.reshape(field.shape)
-    except ValueError as error:  # a dimension too large for NumPy in an empty array
-        raise reader.damaged(f"its tensor {field.name!r} has the shape {field.shape}") from error
+        return _tensors(content)
+    except (struct.error, ValueError) as error:
+        what = "its header is truncated" if isinstance(error, struct.error) else error
+        raise FileError(
+            f"the tensor file '{path}' ({len(content)} bytes) is damaged: {what}; obtain it again"
+        ) from error
+
+
+def _tensors(content: bytes) -> dict[str, np.ndarray]:
+    """The arrays; a ValueError says what is wrong with them."""
+    place = len(MAGIC) + len(VERSION)
+
+    def unpack(layout: str) -> tuple:
+        nonlocal place
+        values = struct.unpack_from("<" + layout, content, place)
+        place += struct.calcsize("<" + layout)
+        return values
+
+    (count,) = unpack("I")
+    if count > MAX_FIELDS:
+        raise ValueError(f"it claims {count} fields")
+    found, extents = {}, []
+    for _ in range(count):
+        (length,) = unpack("H")
+        name = unpack(f"{length}s")[0].decode("utf-8", "replace")[:40]
+        dimensions, code, start = unpack("HBQ")
+        if code not in TYPES:
+            raise ValueError(f"its tensor {name!r} has the unknown type {code}")
+        if dimensions > MAX_DIMENSIONS:
+            raise ValueError(f"its tensor {name!r} claims {dimensions} dimensions")
+        shape, dtype = unpack(f"{dimensions}Q"), np.dtype(TYPES[code])
+        end = start + math.prod(shape) * dtype.itemsize
+        if end > len(content):
+            raise ValueError(f"its tensor {name!r} ends at byte {end}, outside the file")
+        if name in found:
+            raise ValueError("two of its tensors have the same name")
+        try:
+            found[name] = np.frombuffer(memoryview(content)[start:end], dtype).reshape(shape)
+        except ValueError as error:  # a dimension too large for NumPy in an empty array
+            raise ValueError(f"its tensor {name!r} has the shape {shape}") from error
+        extents.append((start, end, repr(name)))
+    end, previous = place, "the header"
+    for start, following, name in sorted(extents):
+        if start < end:
+            raise ValueError(f"its tensor {name} overlaps {previous}")
+        end, previous = following, name
+    return found

@@ -9,26 +9,22 @@ parameterization for efficient material acquisition and rendering", 2018.
 import numpy as np
 
 
-class Slices:
-    """Linear interpolation between slices over elevation and azimuth, clamped at the ends.
+def slices_at(
+    nodes: tuple[np.ndarray, np.ndarray], theta: np.ndarray, phi: np.ndarray
+) -> list[tuple[np.ndarray, np.ndarray]]:
+    """The slices around each pair of angles (N,), each with its weight; clamped at the ends.
 
-    Slice p T + t belongs to azimuth p and elevation t.
+    nodes: elevations (T,), T >= 2, and azimuths (P,), strictly increasing. Slice p T + t belongs to
+        azimuth p and elevation t.
     """
-
-    def __init__(self, theta: np.ndarray, phi: np.ndarray) -> None:
-        """theta: (T,), T >= 2; phi: (P,), P >= 1; strictly increasing."""
-        self._theta, self._phi = theta.astype(np.float64), phi.astype(np.float64)
-
-    def find(self, theta: np.ndarray, phi: np.ndarray) -> list[tuple[np.ndarray, np.ndarray]]:
-        """Return the slices around each pair of angles (N,), each with its weight."""
-        columns = _between(self._theta, theta)
-        if len(self._phi) == 1:
-            return columns
-        return [
-            (row * len(self._theta) + column, weight * share)
-            for row, weight in _between(self._phi, phi)
-            for column, share in columns
-        ]
+    columns = _between(nodes[0], theta)
+    if len(nodes[1]) == 1:
+        return columns
+    return [
+        (row * len(nodes[0]) + column, weight * share)
+        for row, weight in _between(nodes[1], phi)
+        for column, share in columns
+    ]
 
 
 def _between(nodes: np.ndarray, x: np.ndarray) -> list[tuple[np.ndarray, np.ndarray]]:
