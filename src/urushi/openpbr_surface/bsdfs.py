@@ -217,6 +217,8 @@ def define(proposal_bsdf: type) -> tuple[type, type]:
             self._absorbs = no_interface and not (
                 inputs.is_constant("coat_weight", 0) or inputs.is_constant("coat_color", 1)
             )
+            # Share of the cosine lobe, which is sampled besides the parts.
+            self._diffuse = DIFFUSE_SHARE if self._fuzz or self._compensation else 0.0
             self._version = inputs.version
 
         def _vertex(self, si, active):
@@ -244,7 +246,7 @@ def define(proposal_bsdf: type) -> tuple[type, type]:
             for part in vertex.parts:
                 own, density = part.bsdf._f_and_pdf(part.vertex, ctx, si, wo, active)
                 if part.bsdf is self._coated:
-                    if self._coat_has_codes():
+                    if tabulated(offer_of(self._coated).latents) is None:  # else it has the film
                         own = self._layers.below.below_coat(own, si, wo, active)
                     if self._compensation:
                         own = self._compensation.completed(vertex.compensation, own, wo)
@@ -254,7 +256,7 @@ def define(proposal_bsdf: type) -> tuple[type, type]:
                 f = model.absorbed(self._inputs, f, si, wo, active)
             if vertex.fuzz:
                 f = model.under_fuzz(vertex.fuzz, f, si, wo)
-            return f, with_cosine(pdf, wo, self._diffuse_share())
+            return f, with_cosine(pdf, wo, self._diffuse)
 
         def _proposal(self, vertex, si, active):
             if vertex.turn:
@@ -262,7 +264,7 @@ def define(proposal_bsdf: type) -> tuple[type, type]:
             proposals = [
                 (part.bsdf._proposal(part.vertex, si, active), part.weight) for part in vertex.parts
             ]
-            proposal = SurfaceProposal(proposals, self._diffuse_share())
+            proposal = SurfaceProposal(proposals, self._diffuse)
             return TurnedMixture(proposal, vertex.turn) if vertex.turn else proposal
 
         def offer(self):
@@ -270,14 +272,6 @@ def define(proposal_bsdf: type) -> tuple[type, type]:
             if hidden or base._model.film:
                 return Offer()
             return replace(offer_of(base), exact=lambda: self)
-
-        def _coat_has_codes(self) -> bool:
-            """Whether networks evaluate the coat, which know a film by one mean reflectance."""
-            return tabulated(offer_of(self._coated).latents) is None
-
-        def _diffuse_share(self) -> float:
-            """Share of the cosine lobe, which is sampled besides the parts."""
-            return DIFFUSE_SHARE if self._fuzz or self._compensation else 0.0
 
         def traverse(self, callback):
             self._inputs.traverse(callback, OWN)

@@ -84,9 +84,7 @@ def lobe(base: Base, si, bare: bool, compensated: bool) -> list[list]:
     along, across = (alpha.u, [alpha.v]) if isinstance(alpha, Widths) else (alpha, [])
     dielectric = share == 0
     normal, grazing = _schlick_below(
-        lambda c: dr.lerp(
-            tint * fresnel.dielectric(c, eta)[0], weight * fresnel.f82(c, color, tint, DRJIT), share
-        )
+        lambda c: vertex.mixed(fresnel.dielectric(c, eta)[0], fresnel.f82(c, color, tint, DRJIT))
     )
     metals = (share == 1) & mi.Bool(bare)
     normal = dr.select(metals, weight * color, normal)

@@ -127,18 +127,12 @@ class FilmFresnel:
         lobe, cosine = microfacet.reflection_lobe(wi, wo, _blurred(base.widths, coat, index))
         c = dr.clip(cosine, 0, 1)
 
-        color, tint, weight = base.color, base.tint, base.weight
+        color, tint = base.color, base.tint
         f0 = self.metal_in_coat(color, tint, si, active)
-        coded = dr.lerp(
-            tint * fresnel.dielectric(c, eta)[0],
-            weight * fresnel.f82(c, f0, tint, DRJIT),
-            base.share,
-        )
+        coded = base.mixed(fresnel.dielectric(c, eta)[0], fresnel.f82(c, f0, tint, DRJIT))
         bare = fresnel.f82(c, color, tint, DRJIT)
-        film = dr.lerp(
-            tint * self.dielectric(c, eta, si, active),
-            weight * self.metal(c, color, tint, bare, si, active),
-            base.share,
+        film = base.mixed(
+            self.dielectric(c, eta, si, active), self.metal(c, color, tint, bare, si, active)
         )
         # Far from a metal's lobe the quotient is one.
         others = (1 - base.share) * dr.inv_pi * color + _LEAST

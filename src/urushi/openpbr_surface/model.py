@@ -62,6 +62,10 @@ class BaseVertex(NamedTuple):
     alpha: Any
     eta: Any
 
+    def mixed(self, dielectric, metal):
+        """The Fresnel term of a mixture of dielectric and metal, by their terms."""
+        return dr.lerp(self.tint * dielectric, self.weight * metal, self.share)
+
 
 class Base:
     """The base substrate (3.2), for directions in the medium above it.

@@ -7,6 +7,7 @@ the library's graphs, if it has one for them.
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -34,7 +35,7 @@ MAX_OCTAVES = 16
 #: What `burn` and `dodge` take for zero.
 EPSILON = 1e-8
 
-Function = Callable[..., np.ndarray]
+Function = Callable[..., Any]
 
 
 @dataclass(frozen=True)

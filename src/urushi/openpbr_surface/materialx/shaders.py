@@ -78,13 +78,13 @@ def _ior(f0: np.ndarray) -> np.ndarray:
     return (1 + root) / (1 - root)
 
 
-def _renamed(pairs: str) -> dict[str, Callable[[Inputs], np.ndarray]]:
+def renamed(pairs: str) -> dict[str, Callable[[Inputs], np.ndarray]]:
     """Formulas of parameters that are inputs: "PARAMETER=INPUT", or one name of both."""
     names = (pair.partition("=") for pair in pairs.split())
     return {x: methodcaller("__call__", name or x) for x, _, name in names}
 
 
-_STANDARD_SURFACE = _renamed(
+_STANDARD_SURFACE = renamed(
     "base_weight=base base_diffuse_roughness=diffuse_roughness base_metalness=metalness "
     "specular_ior=specular_IOR transmission_weight=transmission transmission_color "
     "transmission_depth transmission_scatter transmission_scatter_anisotropy "
@@ -129,7 +129,7 @@ def _gltf_widths(i: Inputs) -> tuple[np.ndarray, np.ndarray]:
     return _mix(width, 1, i("anisotropy_strength") ** 2), width
 
 
-_GLTF_PBR = _renamed(
+_GLTF_PBR = renamed(
     "base_color base_metalness=metallic specular_ior=ior transmission_weight=transmission "
     "transmission_depth=attenuation_distance coat_weight=clearcoat "
     "coat_roughness=clearcoat_roughness thin_film_weight=iridescence "
@@ -178,7 +178,7 @@ def _usd_dielectric(i: Inputs, with_color: np.ndarray, without: np.ndarray | flo
     return _if(i("useSpecularWorkflow") == 1, with_color, without)
 
 
-_USD_PREVIEW_SURFACE = _renamed(
+_USD_PREVIEW_SURFACE = renamed(
     "base_color=diffuseColor specular_roughness=roughness coat_weight=clearcoat "
     "coat_roughness=clearcoatRoughness coat_ior=ior emission_color=emissiveColor "
     "geometry_normal=normal"
@@ -203,7 +203,7 @@ _USD_PREVIEW_SURFACE = _renamed(
     ),
 }
 
-_DISNEY_PRINCIPLED = _renamed(
+_DISNEY_PRINCIPLED = renamed(
     "base_color=baseColor base_metalness=metallic transmission_weight=specTrans "
     "transmission_color=baseColor subsurface_weight=subsurface subsurface_color=baseColor "
     "coat_weight=clearcoat"

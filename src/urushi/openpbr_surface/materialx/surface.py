@@ -18,7 +18,14 @@ from urushi.openpbr_surface.materialx.document import find_material, read_docume
 from urushi.openpbr_surface.materialx.evaluation import Evaluation
 from urushi.openpbr_surface.materialx.graph import Frame, Graph, Source
 from urushi.openpbr_surface.materialx.images import Decode, Images
-from urushi.openpbr_surface.materialx.shaders import LOST, SHADERS, TARGET, TRANSLATIONS, Inputs
+from urushi.openpbr_surface.materialx.shaders import (
+    LOST,
+    SHADERS,
+    TARGET,
+    TRANSLATIONS,
+    Inputs,
+    renamed,
+)
 from urushi.openpbr_surface.parameters import PARAMETERS, Parameter, checked, parameter
 
 #: Rows and columns of a texture that is computed on a grid, unless another number is asked for.
@@ -203,8 +210,10 @@ class _Reader:
         if tag == TARGET:
             for element in inputs:
                 parameter(element.getName(), self._where)
-            names = [e.getName() for e in inputs if self._is_given(e)]
-            return {name: self._input(name) for name in names}
+            follow = self._graph.follow
+            given = [e for e in inputs if follow(e, self._frame, self._shader).is_given]
+            formulas = renamed(" ".join(element.getName() for element in given))
+            return {name: self._formula(formula) for name, formula in formulas.items()}
         translation = self._graph.translation(self._shader, self._frame, f"{tag}_to_{TARGET}")
         if (frame := translation) is not None:
             outputs = frame.scope.getOutputs()
@@ -217,12 +226,6 @@ class _Reader:
             )
         self._warn_of_losses(tag)
         return {name: self._formula(formula) for name, formula in TRANSLATIONS[tag].items()}
-
-    def _is_given(self, element: Any) -> bool:
-        return self._graph.follow(element, self._frame, self._shader).is_given
-
-    def _input(self, name: str) -> Value:
-        return lambda evaluation: evaluation.input(self._shader, name, self._frame)
 
     def _formula(self, formula: Callable[[Inputs], np.ndarray]) -> Value:
         return lambda evaluation: formula(

@@ -13,7 +13,7 @@ from urushi.openpbr_surface.inputs import Inputs
 from urushi.openpbr_surface.transmission import glass, sheet
 from urushi.openpbr_surface.transmission.shares import SHARES, index_of, opaque_share, shares
 from urushi.openpbr_surface.transmission.sides import TwoSided, above_surface
-from urushi.openpbr_surface.transmission.slab import Finish, Lost, slab_of
+from urushi.openpbr_surface.transmission.slab import Finish, slab_of
 
 #: Colours that are white where losses are measured.
 COLORS = ("coat_color", "transmission_color", "specular_color")
@@ -153,9 +153,7 @@ def define(proposal_bsdf: type) -> Callable[..., "mi.BSDF"]:
                     white = part
                     if not all(inputs.is_constant(name, 1) for name in COLORS):
                         white = make(inputs.replaced(dict.fromkeys(COLORS, 1.0)))
-                    index = 1.0 if inputs.thin else index_of(inputs)
-                    lost = Lost(white, index) if compensated else None
-                    finish = Finish(inputs, coated, lost)
+                    finish = Finish(inputs, coated, white if compensated else None)
                 found.append((part, weight(of, coated), finish))
             return found
 

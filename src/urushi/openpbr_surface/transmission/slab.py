@@ -24,55 +24,51 @@ from urushi.walk import interface
 SAMPLES = 1 << 16
 
 
-class Lost:
-    """Light that a slab loses on each side, measured from its samples: a lobe that returns it.
+class Finish:
+    """What a part lacks: the tint of a coated body, and light that meets more than one facet.
 
-    The lobe is as that of `Glass`, in coordinates of a table.
+    The lobe that returns the light is as that of `Glass`. Its losses on each side are measured from
+    samples of a white slab, and are a table.
     """
 
-    def __init__(self, slab: "mi.BSDF", index: float):
-        """slab: the white one. index: below it relative to that above."""
-        uv = np.full((1, 2), 0.5)
+    def __init__(self, inputs: Inputs, coated: bool, white: "mi.BSDF | None"):
+        """white: the white slab; None: it loses no light."""
+        self._inputs, self._coated = inputs, coated
+        self._losses: Any = None
+        self._index = 1.0 if inputs.thin else index_of(inputs)
+        if white is None:
+            return
         with dr.suspend_grad():
-            sides = [sampled_losses(slab, uv, SAMPLES, below)[0] for below in (False, True)]
+            uv = np.full((1, 2), 0.5)
+            sides = [sampled_losses(white, uv, SAMPLES, below)[0] for below in (False, True)]
         losses = np.maximum(np.stack(sides, axis=-1), 0).astype(np.float32)
         self._losses = Interpolated(losses)
         means = hemisphere_weights() @ losses
-        self._index, self._scale = index, np.pi * (means[0] + index**2 * means[1])
-        self._below = float(np.pi * index**2 * means[1] / max(self._scale, 1e-5))
+        scale = np.pi * (means[0] + self._index**2 * means[1])
+        self._scale = max(scale, 1e-5)
+        self._below = float(np.pi * self._index**2 * means[1] / self._scale)
 
-    def _at(self, w):
+    def _lost(self, w):
+        """Share of the light from a direction that is lost."""
         return dr.select(w.z > 0, *self._losses([dr.sqrt(dr.abs(w.z))]))
 
-    def lobe(self, wi, wo):
-        """The lobe of importance [1/sr]."""
-        return self._at(wi) * self._at(wo) * (index2(wo, self._index) / max(self._scale, 1e-5))
-
-    def proposal(self, wi):
-        """Directions of the lobe, and their share of all."""
+    def _returned(self, wi):
+        """Directions of the returned light, and their share of all."""
         through = dr.select(wi.z > 0, self._below, 1 - self._below)
-        return TwoSided(Mixture([0.0, 1.0], [1.0]), through), dr.clip(self._at(wi), 0, 0.9)
-
-
-class Finish:
-    """What a part lacks: the tint of a coated body, and light that meets more than one facet."""
-
-    def __init__(self, inputs: Inputs, coated: bool, lost: Lost | None):
-        self._inputs, self._coated, self._lost = inputs, coated, lost
-        self._index = 1.0 if inputs.thin else index_of(inputs)
+        return TwoSided(Mixture([0.0, 1.0], [1.0]), through), dr.clip(self._lost(wi), 0, 0.9)
 
     def proposal(self, slab, wi):
         """The proposal of the slab with it."""
-        if self._lost is None:
+        if self._losses is None:
             return slab
-        lobe, share = self._lost.proposal(wi)
+        lobe, share = self._returned(wi)
         return SurfaceProposal([(slab, 1 - share), (lobe, share)], 0.0)
 
     def density(self, density, wi, wo):
         """The density of `proposal` at wo, from the slab's [1/sr]."""
-        if self._lost is None:
+        if self._losses is None:
             return density
-        lobe, share = self._lost.proposal(wi)
+        lobe, share = self._returned(wi)
         return dr.lerp(density, lobe.pdf(wi, wo), share)
 
     def f(self, f, ctx, si, wo, active):
@@ -83,14 +79,13 @@ class Finish:
             # Light from below that the surface of the body does not reflect crosses it twice.
             coat = formulas.interface_index(inputs.number("coat_ior", si, active), DRJIT)
             a, b = raised(si.wi), relative(si.wi, wo)
-            first = interface.reflection(
-                a, b, inputs.widths("specular", si, active), coat / self._index
-            )
+            widths = inputs.widths("specular", si, active)
+            first = interface.reflection(a, b, widths, coat / self._index)
             below = (si.wi.z < 0) & ~through
             f = dr.select(below, first + tint * tint * (f - first), f * dr.select(through, tint, 1))
-        if self._lost is None:
+        if self._losses is None:
             return f
-        lobe = self._lost.lobe(si.wi, wo)
+        lobe = self._lost(si.wi) * self._lost(wo) * (index2(wo, self._index) / self._scale)
         if self._coated:
             tint *= dr.sqrt(inputs.color("coat_color", si, active))
         if ctx.mode != mi.TransportMode.Importance:
