@@ -2,9 +2,10 @@
 
 import os
 from pathlib import Path
+from typing import Any
 
 from urushi.errors import FileError, ParameterError
-from urushi.measured import merl, rgl, rgl_file
+from urushi.measured import merl, rgl_file
 from urushi.measured.merl import Merl
 from urushi.measured.pigments import pigment
 from urushi.measured.rgl import Rgl
@@ -30,14 +31,17 @@ def load_measured(path: str | os.PathLike) -> Merl | Rgl:
         source = Path(path)
     except TypeError as error:
         raise ParameterError(f"path must be the path of a file, not {path!r}") from error
+    surface: Any
+    content: Any
     try:
         with source.open("rb") as file:
             start = file.read(512)
         if start.startswith(rgl_file.MAGIC):
-            return rgl.read(source)
-        if start.startswith(merl.HEADER):
-            return merl.read(source)
-        raise _foreign(source, start)
+            surface, content = Rgl, rgl_file.read(source)
+        elif start.startswith(merl.HEADER):
+            surface, content = Merl, merl.read(source)
+        else:
+            raise _foreign(source, start)
     except FileNotFoundError as error:
         raise FileError(f"there is no file '{source}'; check the path") from error
     except OSError as error:
@@ -46,6 +50,10 @@ def load_measured(path: str | os.PathLike) -> Merl | Rgl:
         raise FileError(f"cannot read '{source}': {error.strerror or error}") from error
     except ValueError as error:  # a path with a null character
         raise FileError(f"cannot read '{source}': {error}") from error
+    try:
+        return surface(content)
+    except FileError as error:
+        raise FileError(f"cannot use '{source}': {error}") from error
 
 
 def _foreign(source: Path, start: bytes) -> FileError:

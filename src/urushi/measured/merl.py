@@ -99,8 +99,8 @@ class Merl(MeasuredSurface):
         return self._table
 
 
-def read(path: Path) -> Merl:
-    """Read a MERL file."""
+def read(path: Path) -> np.ndarray:
+    """The table of a file that begins with `HEADER`."""
     size = path.stat().st_size
     if size != FILE_SIZE:
         kind = "truncated" if size < FILE_SIZE else "too long"
@@ -109,19 +109,12 @@ def read(path: Path) -> Merl:
         )
     table = np.empty((*SHAPE, 3), np.float32)
     with path.open("rb") as file:
-        header = file.read(len(HEADER))
-        if header != HEADER:
-            raise FileError(
-                f"'{path}' has dimensions {dimensions(header)}; a MERL table has 90 x 90 x 180"
-            )
+        file.seek(len(HEADER))
         for channel, scale in enumerate(SCALE):
             plane = np.fromfile(file, "<f8", SHAPE[0] * SHAPE[1] * SHAPE[2])
             with np.errstate(all="ignore"):  # values out of range become infinite: see Merl
                 table[..., channel] = (plane * scale).reshape(SHAPE)
-    try:
-        return Merl(table)
-    except FileError as error:
-        raise FileError(f"cannot use '{path}': {error}") from error
+    return table
 
 
 def dimensions(header: bytes) -> str:

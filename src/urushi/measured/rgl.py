@@ -17,13 +17,11 @@ degrees, or under mirroring at the xz and at the yz plane.
 """
 
 from importlib.resources import files
-from pathlib import Path
 
 import numpy as np
 import numpy.typing as npt
 
 from urushi.errors import FileError, ParameterError
-from urushi.measured import rgl_file
 from urushi.measured.tabulated import MeasuredSurface, evaluate, tabulated
 from urushi.measured.warp import BilinearGrid, Warp, slices_at
 
@@ -87,8 +85,7 @@ class Rgl(MeasuredSurface):
         Raises:
             FileError: a tensor is missing, of another shape or type, not finite, or out of range.
         """
-        measured = _check_structure(tensors)
-        _check_values(tensors, measured)
+        measured = _checked(tensors)
         self.description = tensors["description"].tobytes().decode("utf-8", "replace")
         phi_i = tensors["phi_i"].astype(np.float64)
         self.isotropic = len(phi_i) <= RELATIVE_AZIMUTHS
@@ -169,24 +166,10 @@ class Rgl(MeasuredSurface):
         return result * scale
 
 
-def read(path: Path) -> Rgl:
-    """Read an RGL file."""
-    tensors = rgl_file.read(path)
-    try:
-        return Rgl(tensors)
-    except FileError as error:
-        raise FileError(f"cannot use '{path}': {error}") from error
-
-
-def _check_structure(tensors: dict[str, np.ndarray]) -> np.ndarray:
-    """Check names, types and shapes; return the measured tensor."""
-    expected = dict(TENSORS)
-    if RGB in tensors and SPECTRA not in tensors:
-        colour = RGB
-    else:
-        colour = SPECTRA
-        expected["wavelengths"] = (1, "f4")
-    expected[colour] = (5, "f4")
+def _checked(tensors: dict[str, np.ndarray]) -> np.ndarray:
+    """The measured tensor, after checks of all names, types, shapes and numbers."""
+    colour = RGB if RGB in tensors and SPECTRA not in tensors else SPECTRA
+    expected = TENSORS | ({} if colour == RGB else {"wavelengths": (1, "f4")}) | {colour: (5, "f4")}
     for name, (dimensions, dtype) in expected.items():
         if name not in tensors:
             raise FileError(f"it has no tensor '{name}', so it is not an RGL material")
@@ -196,9 +179,9 @@ def _check_structure(tensors: dict[str, np.ndarray]) -> np.ndarray:
                 f"its tensor '{name}' is {tensor.dtype.name} of shape {tensor.shape}, "
                 f"not {np.dtype(dtype).name} with {dimensions} dimensions"
             )
-    measured = tensors[colour]
+    measured, nm = tensors[colour], tensors.get("wavelengths", np.empty(0))
     phi, theta = len(tensors["phi_i"]), len(tensors["theta_i"])
-    channels = 3 if colour == RGB else len(tensors["wavelengths"])
+    channels = 3 if colour == RGB else len(nm)
     resolutions = [n for name in ("ndf", "sigma") for n in tensors[name].shape]
     resolutions += [theta, channels, *tensors["vndf"].shape[2:], *measured.shape[3:]]
     if not (
@@ -210,39 +193,29 @@ def _check_structure(tensors: dict[str, np.ndarray]) -> np.ndarray:
     ):
         shapes = ", ".join(f"{name} {tensors[name].shape}" for name in expected)
         raise FileError(f"the shapes of its tensors do not match: {shapes}")
-    return measured
-
-
-def _check_values(tensors: dict[str, np.ndarray], measured: np.ndarray) -> None:
-    """Raise a FileError if a number is not finite or out of range."""
-    named = {name: tensors[name] for name, (_, dtype) in TENSORS.items() if dtype == "f4"}
-    named |= {RGB if SPECTRA not in tensors else SPECTRA: measured}
-    if SPECTRA in tensors:
-        named["wavelengths"] = tensors["wavelengths"]
-    for name, tensor in named.items():
-        if not np.isfinite(tensor).all():
+    for name, (_, dtype) in expected.items():
+        if dtype == "f4" and not np.isfinite(tensors[name]).all():
             raise FileError(f"its tensor '{name}' has numbers that are not finite")
-    relative = len(tensors["phi_i"]) <= RELATIVE_AZIMUTHS
-    for name in ("theta_i", "wavelengths") if relative else ("phi_i", "theta_i", "wavelengths"):
-        if name in named and not (np.diff(named[name].astype(np.float64)) > 0).all():
+    relative, sigma = phi <= RELATIVE_AZIMUTHS, tensors["sigma"]
+    for name in ("phi_i", "theta_i", "wavelengths")[relative:]:
+        if name in expected and not (np.diff(tensors[name].astype(np.float64)) > 0).all():
             raise FileError(f"its tensor '{name}' does not increase")
-    if SPECTRA in tensors:
-        nm = tensors["wavelengths"]
-        if ((nm >= VISIBLE[0]) & (nm <= VISIBLE[1])).sum() < 2:
-            raise FileError(
-                f"its wavelengths, {nm[0]:g} to {nm[-1]:g} nm, are outside the visible spectrum"
-            )
-    if not (tensors["sigma"] > 0).all():
-        raise FileError("its tensor 'sigma', a projected area, is not positive")
-    if relative and (tensors["sigma"] != tensors["sigma"][:1]).any():
+    if colour == SPECTRA and ((nm >= VISIBLE[0]) & (nm <= VISIBLE[1])).sum() < 2:
         raise FileError(
-            f"its tensor 'sigma' depends on the azimuth, but it has {len(tensors['phi_i'])} "
-            "azimuths; an anisotropic material has three or more"
+            f"its wavelengths, {nm[0]:g} to {nm[-1]:g} nm, are outside the visible spectrum"
+        )
+    if not (sigma > 0).all():
+        raise FileError("its tensor 'sigma', a projected area, is not positive")
+    if relative and (sigma != sigma[:1]).any():
+        raise FileError(
+            f"its tensor 'sigma' depends on the azimuth, but it has {phi} azimuths; an anisotropic "
+            "material has three or more"
         )
     if (tensors["ndf"] < 0).any():
         raise FileError("its tensor 'ndf', a density, is negative")
     if not (tensors["vndf"] > 0).any(axis=(2, 3)).all():
         raise FileError("its tensor 'vndf' has no density at all for some elevation")
+    return measured
 
 
 def _elevation(w: np.ndarray) -> np.ndarray:
