@@ -53,19 +53,23 @@ class Inputs:
         emits: whether they are an emitter's, which only reads what it needs.
         """
         self.where = props.get("origin", describe(props))
-        given = {name: props[name] for name in list(props.keys()) if name not in OPTIONS}
-        ignore = _ignores(props, self.where)
+        unsupported = props.get("unsupported", "error")
+        if unsupported not in ("error", "ignore"):
+            raise ParameterError(
+                f'{self.where}: unsupported is "{unsupported}"; give "error" or "ignore"'
+            )
         self.textures: dict[str, mi.Texture] = {}
         self.constants: dict[str, Any] = {}
         self.maps: dict[str, mi.Texture] = {}
         self.version = 0
         self._numbers: list[str] = []  # parameters that are given as numbers
         self._relied: dict[str, np.ndarray] = {}  # values of textures when `known` returned them
-        for name, value in given.items():
-            self._read(name, value)
+        for name in list(props.keys()):
+            if name not in OPTIONS:
+                self._read(name, props[name])
         if not emits:
             for sentence, cure, instead in (*self._unsupported(), *self._own_directions()):
-                if not ignore:
+                if unsupported == "error":
                     raise ParameterError(f"{self.where}: {sentence}{cure}")
                 mi.Log(mi.LogLevel.Warn, f"{self.where}: {sentence}{instead}")
         for name, entry in PARAMETERS.items():
@@ -147,15 +151,14 @@ class Inputs:
         """
         for name in self._numbers:
             value = _texture_value(self.textures[name])[0].ravel()
-            if not (
-                mi.is_spectral and PARAMETERS[name].kind == "color"
-            ):  # no colours, coefficients
+            if not (mi.is_spectral and PARAMETERS[name].kind == "color"):  # they are coefficients
                 checked(name, value if len(value) == 3 else value.item(), self.where)
-        changed = []
-        for name, relied in self._relied.items():
-            value, differentiated = _texture_value(self.textures[name])
-            if differentiated or not np.array_equal(value, relied):
-                changed.append(name)
+        found = {name: _texture_value(self.textures[name]) for name in self._relied}
+        changed = [
+            name
+            for name, (value, differentiated) in found.items()
+            if differentiated or not np.array_equal(value, self._relied[name])
+        ]
         for name in changed:
             del self._relied[name], self.constants[name]
         self.version += bool(changed)
@@ -267,14 +270,6 @@ class Inputs:
         known = size2 > 1e-12
         scale = dr.rsqrt(dr.select(known, size2, 1))
         return dr.select(known, y * scale, 0), dr.select(known, x * scale, 1)
-
-
-def _ignores(props: "mi.Properties", where: str) -> bool:
-    """The property `unsupported`: whether unsupported features are left out."""
-    value = props.get("unsupported", "error")
-    if value not in ("error", "ignore"):
-        raise ParameterError(f'{where}: unsupported is "{value}"; give "error" or "ignore"')
-    return bool(value == "ignore")
 
 
 def _texture_value(texture: "mi.Texture") -> tuple[np.ndarray, bool]:

@@ -5,7 +5,6 @@ surface, more light hits a second facet across the scratches than along them.
 """
 
 import functools
-from typing import NamedTuple
 
 import drjit as dr
 import mitsuba as mi
@@ -70,25 +69,16 @@ def anisotropic_tables() -> tuple[np.ndarray, np.ndarray]:
 # to `eon.deviation`, so that one table serves all roughnesses of the slab.
 
 
-class SlabTables(NamedTuple):
-    """A rough white slab below an interface, float32, for a base_diffuse_roughness of one.
-
-    Attributes:
-        inside: (I, ROUGHNESSES, COSINES) mean cosine in the slab.
-        excess: the same shape; light that leaves over what leaves a Lambertian slab, minus one.
-        excess_mean: (I, ROUGHNESSES) its mean over the transmitted part of diffuse light.
-    """
-
-    inside: np.ndarray
-    excess: np.ndarray
-    excess_mean: np.ndarray
-
-
 @functools.cache
-def slab_tables(eta: float | None = None) -> SlabTables:
-    """The tables of a white slab.
+def slab_tables(eta: float | None = None) -> tuple[np.ndarray, np.ndarray]:
+    """Tables of a white slab below an interface, float32, for a base_diffuse_roughness of one.
 
     eta: the only index, I is 1; None: all of `indexnodes`.
+
+    Returns:
+        (I, ROUGHNESSES, COSINES, 2): the mean cosine in the slab; and the light that leaves over
+        what leaves a Lambertian slab, minus one. (I, ROUGHNESSES, 1): the mean of the second over
+        the transmitted part of diffuse light.
     """
     known = albedos.tables(eta)
     etas = indexnodes() if eta is None else np.array([eta])
@@ -104,8 +94,8 @@ def slab_tables(eta: float | None = None) -> SlabTables:
     lost = 1 - eon.single_albedo(inside, 1.0)
     lost_mean = (weights * (1 - eon.single_albedo(away, 1.0))).sum(-1, keepdims=True)
     excess = single + lost * lost_mean / (1 - eon.single_mean(1.0)) - 1
-    mean = (weights * between_nodes(excess)[0]).sum(-1)
-    return SlabTables(*(x.astype(np.float32) for x in (inside, excess, mean)))
+    mean = (weights * between_nodes(excess)[0]).sum(-1, keepdims=True)
+    return np.stack([inside, excess], axis=-1).astype(np.float32), mean.astype(np.float32)
 
 
 class MirrorAlbedo:
@@ -232,10 +222,7 @@ class RoughSlab:
     def __init__(self, eta: float | None):
         self._constant = None if eta is None else float(np.clip(eta, 1 / 3, 3))
         known = slab_tables(self._constant)
-        table = np.stack([known.inside, known.excess], axis=-1)
-        mean = known.excess_mean[..., None]
-        self._table = Interpolated(table if self._constant is None else table[0])
-        self._mean = Interpolated(mean if self._constant is None else mean[0])
+        self._table, self._mean = (Interpolated(x if eta is None else x[0]) for x in known)
 
     def f(self, wi, wo, color, roughness, interface: tuple, passed, passed_mean):
         """The BRDF [1/sr] of all orders of reflection.
