@@ -187,7 +187,7 @@ class Inputs:
                 checked(name, value, self.where)  # the error says what to give
             self.maps[name] = value
         elif isinstance(value, mi.Texture):
-            if not entry.can_be_textured:
+            if entry.kind == "boolean":
                 raise ParameterError(
                     f"{self.where}: {name} cannot be a texture; give true or false"
                 )
@@ -198,11 +198,12 @@ class Inputs:
 
     def _constant(self, name: str, value: Any) -> None:
         self.constants[name] = value
-        if PARAMETERS[name].kind in ("float", "color"):
+        kind = PARAMETERS[name].kind
+        if kind in ("float", "color"):
             self._numbers.append(name)
-        if PARAMETERS[name].kind == "float":
+        if kind == "float":
             self.textures[name] = mi.load_dict({"type": "uniform", "value": value})
-        elif PARAMETERS[name].kind == "color":
+        elif kind == "color":
             color = mi.ScalarColor3f(value.tolist())
             self.textures[name] = mi.load_dict({"type": "srgb", "color": color, "unbounded": True})
 

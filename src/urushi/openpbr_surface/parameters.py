@@ -36,16 +36,6 @@ class Parameter:
     high: float | None
     description: str
 
-    @property
-    def group(self) -> str:
-        """The part of the material, the first word of the name; `thin_film` has two."""
-        return "thin_film" if self.name.startswith("thin_film") else self.name.split("_")[0]
-
-    @property
-    def can_be_textured(self) -> bool:
-        """Whether the value may differ from point to point by a texture."""
-        return self.kind in ("float", "color")
-
 
 _WHITE = (1.0, 1.0, 1.0)
 _GREY = (0.8, 0.8, 0.8)

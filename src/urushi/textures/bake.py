@@ -156,18 +156,14 @@ def row_hashes(columns: Sequence[np.ndarray], bits: int = MANTISSA_BITS) -> np.n
     Two different rows have the same hash with a probability of 2^-64.
     """
     key: np.ndarray = np.zeros((), np.uint64)
+    dropped = 23 - bits
     for column in columns:
         if column.dtype != np.uint64:
-            column = rounded_bits(column, bits).astype(np.uint64)
+            stored = np.asarray(column + np.float32(0), np.float32).view(np.uint32)  # -0 is 0
+            rounded = (stored + np.uint32(1 << (dropped - 1))) >> np.uint32(dropped)
+            column = rounded.astype(np.uint64)
         key = mix64((key ^ column) + INCREMENT)
     return np.ascontiguousarray(key).reshape(key.shape)
-
-
-def rounded_bits(numbers: np.ndarray, kept: int = MANTISSA_BITS) -> np.ndarray:
-    """The bits, uint32, of numbers in single precision, rounded to `kept` bits of mantissa."""
-    bits = np.asarray(numbers + np.float32(0), np.float32).view(np.uint32)  # -0 is 0
-    dropped = 23 - kept
-    return (bits + np.uint32(1 << (dropped - 1))) >> np.uint32(dropped)
 
 
 def code_hashes(codes: np.ndarray, bits: int = MANTISSA_BITS) -> np.ndarray:

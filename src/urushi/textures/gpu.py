@@ -69,14 +69,10 @@ def texels(store: TextureStore, grid: TexelGrid) -> Texels:
                 factors = ((start + high, 255 * step),)
             channels.append(LinearNumber(offset, factors))
         numbers.append(channels)
-    return Texels(numbers, _layers(store), grid.to_texture, _filtering(grid))
-
-
-def _filtering(grid: TexelGrid) -> str:
-    """The wrap and filter modes that the sampler of a grid needs."""
     wraps = {"repeat": "repeat", "mirror": "mirrored repeat", "clamp": "clamp to edge"}
     kind = "nearest" if grid.nearest else "linear"
-    return f"Its sampler has the wrap mode {wraps[grid.wrap]} and {kind} filtering."
+    sampler = f"Its sampler has the wrap mode {wraps[grid.wrap]} and {kind} filtering."
+    return Texels(numbers, _layers(store), grid.to_texture, sampler)
 
 
 def _layers(store: TextureStore) -> int:

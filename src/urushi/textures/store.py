@@ -4,7 +4,7 @@ import numpy as np
 
 from urushi.nets.weights import Model
 from urushi.textures import packing
-from urushi.textures.mip_pyramid import ReadCodes, coarse_levels, level_sizes
+from urushi.textures.mip_pyramid import coarse_levels, level_sizes
 from urushi.textures.packing import PackedTexels, TexelLayout
 
 #: Texels that are packed at once: bounds memory.
@@ -60,7 +60,11 @@ class TextureStore:
             texels, channels, size = codes.shape
             index = np.arange(texels * channels, dtype=np.uint32).reshape(texels, channels)
             codes = codes.reshape(-1, size)
-        coarse = self._coarse_levels(lambda texels: codes[index[texels]]).astype(np.float16)
+        coarse = np.zeros((0, index.shape[1], codes.shape[-1]), np.float16)
+        if len(self.levels) > 1:
+            size = self.levels[0]
+            found = coarse_levels(self._model, *size, lambda texels: codes[index[texels]])
+            coarse = found.astype(np.float16)
         ends = [*former, *(_value_range(part) for part in (codes, coarse) if len(part))]
         lowest, highest = (np.stack(end) for end in zip(*ends, strict=True))
         lowest, highest = lowest.min(axis=0), highest.max(axis=0)
@@ -69,12 +73,6 @@ class TextureStore:
             self._model, self.layout.channels, lowest == highest, same
         )
         self.packed = packing.pack(self.layout, codes, index, coarse, lowest, highest)
-
-    def _coarse_levels(self, read: ReadCodes) -> np.ndarray:
-        """Codes (n, channels, size) of all levels but the first, which `read` gives."""
-        if len(self.levels) == 1:
-            return np.zeros((0, self.layout.channels, self.layout.size), np.float32)
-        return coarse_levels(self._model, *self.levels[0], read)
 
 
 def _same_in_channels(codes: np.ndarray, index: np.ndarray, compared: int) -> np.ndarray:

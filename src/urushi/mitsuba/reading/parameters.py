@@ -66,7 +66,7 @@ class CoatTextures:
         defaults = DEFAULTS | look_of(props, f"{self.where}:")
         medium = LOOK if "color" in defaults else PHYSICAL
         names = [*self._width_names(props), *medium, "g", *(n for n in NUMBERS if n in props)]
-        colours = _coloured(props)
+        colours = tuple(name for name in ("alpha", *TWO_WIDTHS) if _is_colour(props, name))
         self.coloured = () if mi.is_monochromatic else colours
         self.textures = {
             name: self._texture(props, name, defaults.get(name, 1.5), name in colours)
@@ -285,20 +285,18 @@ class CoatTextures:
                 raise ParameterError(
                     f"{self.where}: {name} must be a number, a spectrum or a texture"
                 ) from error
-        colors = mi.Properties.Type.Color, mi.Properties.Type.Spectrum
         is_number = name in ("alpha", *TWO_WIDTHS, *NUMBERS) and not coloured_width
-        if is_number and kind in colors:
+        if is_number and _is_colour(props, name):
             raise ParameterError(
                 f"{self.where}: {name} must be a number or a texture; all channels share it"
             )
         return texture
 
 
-def _coloured(props: "mi.Properties") -> tuple[str, ...]:
-    """The names of the widths that are given as colours or spectra, not as numbers or textures."""
-    colors = mi.Properties.Type.Color, mi.Properties.Type.Spectrum
-    given = (name for name in ("alpha", *TWO_WIDTHS) if name in props)
-    return tuple(name for name in given if props.type(name) in colors)
+def _is_colour(props: "mi.Properties", name: str) -> bool:
+    """Whether a property is given as a colour or spectrum, not as a number or texture."""
+    colours = mi.Properties.Type.Color, mi.Properties.Type.Spectrum
+    return name in props and props.type(name) in colours
 
 
 def index_of_refraction(props: "mi.Properties", name: str, default: str, where: str) -> float:

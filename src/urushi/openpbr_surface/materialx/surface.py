@@ -274,7 +274,7 @@ class _Reader:
         if have != channels:
             raise FileError(f"{where}: {entry.name} has {have} channels instead of {channels}")
         if isinstance(value, Texture):
-            if not entry.can_be_textured:
+            if entry.kind == "boolean":
                 raise FileError(f"{where}: {entry.name} must not vary over the surface")
             texture = value.map(lambda x: self._limited(entry, x).astype(np.float32))
             if (constant := texture.constant) is None:
@@ -285,7 +285,9 @@ class _Reader:
                 value = self._limited(entry, value)
             r, g, b = (float(x) for x in np.broadcast_to(np.maximum(value, 0.0), 3))
             return r, g, b
-        if entry.group == "transmission":  # not rendered; exporters write Abbe numbers as scales
+        if entry.name.startswith(
+            "transmission_"
+        ):  # not rendered; exporters write Abbe numbers as scales
             value = self._limited(entry, value)
         return checked(entry.name, float(value[0]), where)
 
