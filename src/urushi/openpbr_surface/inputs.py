@@ -300,13 +300,9 @@ def _clipped(name: str, value: Any) -> Any:
 def derived(
     inputs: Inputs, names: Sequence[str], function: Callable[..., Any], *, color: bool = False
 ) -> "mi.Texture":
-    """A texture whose value is a function of parameters.
+    """A texture whose value is a function of the parameters `names`, in order.
 
-    Args:
-        inputs: the parameters.
-        names: the function's parameters, in order.
-        function: of Dr.Jit floats, or of spectra if `color`.
-        color: whether the value is a colour.
+    function: of Dr.Jit floats; color: of spectra.
     """
     return _derived_class(mi.variant())(inputs, names, function, color)
 

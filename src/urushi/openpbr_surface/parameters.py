@@ -101,9 +101,7 @@ def parameter(name: str, where: str = "openpbr") -> Parameter:
 def checked(name: str, value: Any, where: str = "openpbr") -> Any:
     """A constant value of a parameter, after checks of its kind and range.
 
-    Args:
-        name: of the parameter.
-        value: a number; for a colour a number or three.
+    value: a number; for a colour a number or three.
 
     Returns:
         A float, a float64 array of shape (3,), or a bool. -0.0 becomes 0.0.
@@ -137,11 +135,7 @@ def checked(name: str, value: Any, where: str = "openpbr") -> Any:
 
 
 def complete(values: Mapping[str, Any], where: str = "openpbr") -> dict[str, Any]:
-    """All parameters but the directions: the values that are given, checked, and the defaults.
-
-    Args:
-        values: constants by name.
-    """
+    """All parameters but the directions: constants that are given, checked, and the defaults."""
     for name in values:
         parameter(name, where)
     return {

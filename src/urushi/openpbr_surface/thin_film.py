@@ -5,7 +5,7 @@ that the light gains on its way through the film. A colour is the integral of ev
 sensitivity curve, in closed form.
 
 Source: Belcour and Barla 2017, A practical extension to microfacet theory for the modeling of
-varying iridescence.
+varying iridescence. The argument `xp` has the functions of the arrays.
 """
 
 import math
@@ -105,12 +105,7 @@ def reflectance(
 ) -> Any:
     """Reflectance of a facet under a film, for unpolarised light.
 
-    Args:
-        cosine: of the angle between the light above the film and the facet, in [0, 1].
-        film: see `Film`.
-        below: see `Below`.
-        response: of the channel.
-        xp: the functions of the arrays.
+    cosine: of the angle between the light above the film and the facet, in [0, 1].
 
     Returns:
         In [0, 1]; 1 where the film reflects totally.
@@ -147,10 +142,7 @@ def metal_index(f0: Any, tint: Any, xp: Namespace = NUMPY) -> Below:
     All indices n + i k of one reflectance at normal incidence lie on a curve. The point on it has
     the reflectance of F82-tint at 82 degrees, within a few percent, or is the end of the curve.
 
-    Args:
-        f0: reflectance at normal incidence, in [0, 1].
-        tint: specular_color, in [0, 1].
-        xp: the functions of the arrays.
+    f0: reflectance at normal incidence, in [0, 1]. tint: specular_color, in [0, 1].
 
     Source: Gulbrandsen 2014, Artist friendly metallic Fresnel, equations 1 to 4, for the curve.
     """

@@ -59,12 +59,7 @@ def bake(graph: Graph, value: Value, resolution: int, where: str) -> np.ndarray 
 
     A value that depends on one image, with an affine map of its coordinates, and on nothing else
     of the position, has that image's texels. All others are computed at the centres of a grid over
-    [0, 1]^2, with at least as many rows and columns as the largest image.
-
-    Args:
-        graph: the nodes.
-        value: evaluates it.
-        resolution: rows and columns of the grid.
+    [0, 1]^2 with `resolution` rows and columns, or as many as the largest image has.
     """
     few = _few(graph)
     first = _finite(value(few), where)

@@ -247,12 +247,9 @@ def write_parameters(
     path: str | os.PathLike,
     name: str = "material",
 ) -> None:
-    """Write constant parameters of OpenPBR as a document.
+    """Write constant parameters of OpenPBR as a document; see `description.save_materialx`.
 
-    Args:
-        values: by name; colours in linear sRGB.
-        path: the document (.mtlx).
-        name: of the material; letters, digits and underscores.
+    values: by name; colours in linear sRGB.
     """
     if not (name.isascii() and name.isidentifier()):
         raise ParameterError(

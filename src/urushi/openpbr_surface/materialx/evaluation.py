@@ -63,10 +63,8 @@ class Evaluation:
     def __init__(self, graph: Graph, uv: np.ndarray | None, texels: np.ndarray | None = None):
         """Evaluate at some points.
 
-        Args:
-            graph: the nodes.
-            uv: (N, 2), MaterialX's, from the lower left corner; None: `texels` are given.
-            texels: values (N, channels) of the only image.
+        uv: (N, 2), MaterialX's, from the lower left corner; None: `texels` are given.
+        texels: values (N, channels) of the only image.
         """
         self.uses: list[ImageUse] = []
         self._graph = graph

@@ -127,12 +127,9 @@ class Graph:
     """The nodes of a document with what is needed to evaluate them."""
 
     def __init__(self, root: Any, images: Images, where: str, uv_plane: bool = False):
-        """Take a document.
+        """Take a document of the package.
 
-        Args:
-            root: the document of the package.
-            images: reads its images.
-            uv_plane: whether positions in space are (u, v, 0); else they are refused.
+        uv_plane: whether positions in space are (u, v, 0); else they are refused.
         """
         self.root = Frame(root)
         root.setDataLibrary(library())

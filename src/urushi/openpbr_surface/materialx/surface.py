@@ -52,7 +52,6 @@ class Surface:
     """A material of a document.
 
     Attributes:
-        name: the material's.
         where: the document and the shader's node; begins errors.
         values: its parameters that the document gives, by OpenPBR's names. Normals are textures of
             0.5 n + 0.5 in the tangent frame.
@@ -67,10 +66,7 @@ class Surface:
 class Mix:
     """Two materials that MaterialX's node `mix` mixes: (1 - weight) bg + weight fg.
 
-    Attributes:
-        name: the material's.
-        weight: a number in (0, 1), or a texture.
-        bg, fg: the materials.
+    weight: a number in (0, 1), or a texture.
     """
 
     name: str
@@ -86,15 +82,7 @@ def read_surface(
     resolution: int = RESOLUTION,
     uv_plane: bool = False,
 ) -> Surface | Mix:
-    """Read a material of a document.
-
-    Args:
-        path: the document.
-        decode: reads an image.
-        name: of the material; None: the only one.
-        resolution: rows and columns of textures that have to be computed on a grid.
-        uv_plane: whether positions in space are (u, v, 0); else they are refused.
-    """
+    """Read a material of a document; see `plugins.materialx.load_materialx`."""
     document = read_document(path)
     material = find_material(document, name)
     name = material.getName()
