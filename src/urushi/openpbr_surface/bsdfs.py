@@ -37,34 +37,21 @@ OF_LAYERS = (
 
 
 class Part(NamedTuple):
-    """A BSDF at a vertex.
+    """A BSDF at a vertex."""
 
-    Attributes:
-        bsdf: of `base.define_proposal_bsdf`.
-        vertex: its own.
-        weight: its weight in the mixture.
-    """
-
-    bsdf: Any
-    vertex: Any
-    weight: Any
+    bsdf: Any  # of `base.define_proposal_bsdf`
+    vertex: Any  # its own
+    weight: Any  # its weight in the mixture
 
 
 class Layers(NamedTuple):
-    """The parts of a surface; None for a part that the weights leave out.
+    """The parts of a surface; None for a part that the weights leave out."""
 
-    Attributes:
-        base: in air; None if the coat covers everything.
-        below: the base as seen from inside the coat. coated: coat and base together.
-        compensation: of the energy that the coated base loses; None: switched off.
-        kind: the parameters that decide how the coat is made; another kind needs another coat.
-    """
-
-    base: Any
-    below: Any
-    coated: Any
-    compensation: Compensation | None
-    kind: Any
+    base: Any  # in air; None if the coat covers everything
+    below: Any  # the base as seen from inside the coat
+    coated: Any  # coat and base together
+    compensation: Compensation | None  # of the energy that `coated` loses; None: switched off
+    kind: Any  # the parameters that decide how the coat is made; another kind needs another coat
 
 
 class Vertex(NamedTuple):
@@ -77,15 +64,10 @@ class Vertex(NamedTuple):
 
 
 class SurfaceProposal(NamedTuple):
-    """A mixture of proposals and a cosine lobe.
+    """A mixture of proposals and a cosine lobe."""
 
-    Attributes:
-        proposals: the parts' proposals, each with its weight; the weights sum to one.
-        diffuse: share of the cosine lobe.
-    """
-
-    proposals: list[tuple[Any, Any]]
-    diffuse: float
+    proposals: list[tuple[Any, Any]]  # the parts', each with its weight; the weights sum to one
+    diffuse: float  # share of the cosine lobe
 
     def pdf(self, wi, wo):
         """Density of `sample` at wo [1/sr]."""

@@ -54,30 +54,19 @@ _OF_COATS = ("coat_color", "coat_roughness", "coat_roughness_anisotropy")
 
 
 class Vertex(NamedTuple):
-    """The material of `Compensation` at a vertex; unused entries are ().
+    """The material of `Compensation` at a vertex; unused entries are ()."""
 
-    Attributes:
-        share: base_metalness. white: weight of the deviation over a white base.
-        eta: the coat's index. f0: its reflectance at normal incidence.
-        tint: one spectrum, half the logarithm of coat_color.
-        path: length of the refracted path of wi.
-        loss: of the coat's interface.
-        below, metal_below: albedo of the dielectric and of the metal as seen through a smooth coat
-            without tint.
-        dielectric, metal: `FurnaceVertex` of the white twins.
-    """
-
-    share: Any
-    white: Any
-    eta: Any
-    f0: Any
-    tint: Any
-    path: Any
-    loss: Any
-    below: Any
-    metal_below: Any
-    dielectric: Any
-    metal: Any
+    share: Any  # base_metalness
+    white: Any  # weight of the deviation over a white base
+    eta: Any  # the coat's index
+    f0: Any  # its reflectance at normal incidence
+    tint: Any  # one spectrum, half the logarithm of coat_color
+    path: Any  # length of the refracted path of wi
+    loss: Any  # of the coat's interface
+    below: Any  # albedo of the dielectric as seen through a smooth coat without tint
+    metal_below: Any  # and of the metal
+    dielectric: Any  # `FurnaceVertex` of the white twin
+    metal: Any  # and of the metallic one
 
 
 class Compensation:
@@ -192,18 +181,14 @@ def interface_at(loss: InterfaceLoss, inputs: Inputs, si, active) -> LossVertex:
 
 
 class FurnaceVertex(NamedTuple):
-    """Attributes of `Furnace` at a vertex.
+    """`Furnace` at a vertex.
 
-    Attributes:
-        at: coordinates in the table besides the cosine, its last axis first.
-        lost: loss at wi divided by pi and by its mean; if a part of the loss is known, the loss at
-            wi minus its mean, both without the known part.
-        excess: one plus the gain at wi; () if a part of the loss is known.
+    If a part of the loss is known, losses are without it, and their mean is subtracted.
     """
 
-    at: list
-    lost: Any
-    excess: Any
+    at: list  # coordinates in the table besides the cosine, its last axis first
+    lost: Any  # the loss at wi; divided by pi and by its mean if no part is known
+    excess: Any  # one plus the gain at wi; () if a part of the loss is known
 
 
 class Furnace:

@@ -45,22 +45,15 @@ INDICES = ("specular_ior", "coat_ior", "coat_weight", "specular_weight")
 
 
 class BaseVertex(NamedTuple):
-    """The base at a surface interaction.
+    """The base at a surface interaction."""
 
-    Attributes:
-        color: base_weight times base_color. tint: specular_color.
-        weight: specular_weight, at most one. share: base_metalness.
-        widths: the GGX width, or `Widths` of an anisotropic interface; alpha: one for both.
-        eta: the index relative to the medium above.
-    """
-
-    color: Any
-    tint: Any
-    weight: Any
-    share: Any
-    widths: Any
-    alpha: Any
-    eta: Any
+    color: Any  # base_weight times base_color
+    tint: Any  # specular_color
+    weight: Any  # specular_weight, at most one
+    share: Any  # base_metalness
+    widths: Any  # the GGX width, or `Widths` of an anisotropic interface
+    alpha: Any  # one width for both
+    eta: Any  # the index relative to the medium above
 
     def mixed(self, dielectric, metal):
         """The Fresnel term of a mixture of dielectric and metal, by their terms."""
@@ -221,16 +214,11 @@ def absorbed(inputs: Inputs, f, si, wo, active):
 
 
 class Fuzz(NamedTuple):
-    """The fuzz (3.5) at a vertex.
+    """The fuzz (3.5) at a vertex."""
 
-    Attributes:
-        hidden: fuzz_weight times the albedo seen from wi.
-        color: fuzz_color. roughness: fuzz_roughness.
-    """
-
-    hidden: Any
-    color: Any
-    roughness: Any
+    hidden: Any  # fuzz_weight times the albedo seen from wi
+    color: Any  # fuzz_color
+    roughness: Any  # fuzz_roughness
 
 
 def fuzz_at(inputs: Inputs, si, active) -> Fuzz:

@@ -19,22 +19,14 @@ Kind = Literal["float", "color", "boolean", "vector"]
 
 @dataclass(frozen=True)
 class Parameter:
-    """A parameter of the specification.
-
-    Attributes:
-        name: its name there.
-        kind: what it holds, see `Kind`.
-        default: a float, a tuple of three, a bool, or None: the geometry's own direction.
-        low, high: the values that the specification allows, ends included; None: no limit.
-        description: one sentence, with the unit if there is one.
-    """
+    """A parameter of the specification."""
 
     name: str
     kind: Kind
-    default: float | tuple[float, float, float] | bool | None
-    low: float | None
+    default: float | tuple[float, float, float] | bool | None  # None: the geometry's own direction
+    low: float | None  # of the values that are allowed, ends included; None: no limit
     high: float | None
-    description: str
+    description: str  # one sentence, with the unit if there is one
 
 
 _WHITE = (1.0, 1.0, 1.0)

@@ -50,17 +50,11 @@ Response = Callable[[Any, Any, Any], Any]
 
 
 class Film(NamedTuple):
-    """A film.
+    """A film."""
 
-    Attributes:
-        eta: its index relative to the medium above.
-        index: its index of refraction.
-        thickness: [micrometres].
-    """
-
-    eta: Any
-    index: Any
-    thickness: Any
+    eta: Any  # its index relative to the medium above
+    index: Any  # its index of refraction
+    thickness: Any  # [micrometres]
 
 
 class Below(NamedTuple):

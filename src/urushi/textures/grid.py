@@ -9,20 +9,14 @@ IDENTITY = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0))
 
 
 class TexelGrid(NamedTuple):
-    """Texels over the unit square of texture space.
-
-    Attributes:
-        width, height: texels per side.
-        to_texture: the affine map (2, 3), as nested tuples, from uv to texture space.
-        wrap: how the texture continues beyond the unit square, "repeat", "mirror" or "clamp".
-        nearest: whether a look-up returns the nearest texel instead of interpolating.
-    """
+    """Texels over the unit square of texture space."""
 
     width: int
     height: int
+    # The affine map (2, 3) from uv to texture space.
     to_texture: tuple[tuple[float, float, float], tuple[float, float, float]] = IDENTITY
-    wrap: str = "repeat"
-    nearest: bool = False
+    wrap: str = "repeat"  # beyond the unit square: "repeat", "mirror" or "clamp"
+    nearest: bool = False  # whether a look-up returns the nearest texel instead of interpolating
 
     @property
     def texels(self) -> int:

@@ -34,26 +34,16 @@ class TexelLayout(NamedTuple):
 
     A texel has a part for the numbers that are the same in all channels, and then one part for each
     channel. Numbers that are the same in the whole texture have no bytes.
-
-    Attributes:
-        channels, size: codes in a texel, and numbers in a code.
-        high: (size,) the position of each number's high byte in its part, or -1 if it is the same
-            in the whole texture.
-        low: (size,) the position of its low byte, or -1 if it has 8 bits or none.
-        same: (size,) whether it is the same in all channels of a texel.
-        shared: bytes of the part that the channels share.
-        stride: bytes of a channel's part.
-        texel_bytes: a power of two, at least 4; bytes at the end may be unused.
     """
 
-    channels: int
-    size: int
-    high: tuple[int, ...]
-    low: tuple[int, ...]
-    same: tuple[bool, ...]
-    shared: int
-    stride: int
-    texel_bytes: int
+    channels: int  # codes in a texel
+    size: int  # numbers in a code
+    high: tuple[int, ...]  # (size,) place of a number's high byte in its part; -1: it has no byte
+    low: tuple[int, ...]  # (size,) place of its low byte; -1: it has 8 bits or none
+    same: tuple[bool, ...]  # (size,) whether it is the same in all channels of a texel
+    shared: int  # bytes of the part that the channels share
+    stride: int  # bytes of a channel's part
+    texel_bytes: int  # a power of two, at least 4; bytes at the end may be unused
 
     @property
     def levels(self) -> np.ndarray:
@@ -76,16 +66,11 @@ class TexelLayout(NamedTuple):
 
 
 class PackedTexels(NamedTuple):
-    """A packed texture.
+    """A packed texture."""
 
-    Attributes:
-        bytes: uint8 (..., B), B = `TexelLayout.texel_bytes`.
-        lowest, step: float32 (size,): a number's smallest value, and the size of one step.
-    """
-
-    bytes: np.ndarray
-    lowest: np.ndarray
-    step: np.ndarray
+    bytes: np.ndarray  # uint8 (..., B), B = `TexelLayout.texel_bytes`
+    lowest: np.ndarray  # float32 (size,): a number's smallest value
+    step: np.ndarray  # float32 (size,): the size of one step
 
 
 def texel_layout(

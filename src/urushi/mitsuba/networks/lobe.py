@@ -24,25 +24,15 @@ from urushi.nets.lobe import (
 
 
 class LobeKind(NamedTuple):
-    """Properties that the lobes of a plugin's codes have at all texels.
+    """Properties that the lobes of a plugin's codes have at all texels."""
 
-    Attributes:
-        schlick: whether the factors normal and grazing may differ from zero.
-        exact: whether the factor of the exact term may differ from zero.
-        plain: whether that factor is one everywhere.
-        absorbing: whether k may differ from zero.
-        same_alpha: whether all channels have the same width.
-        same_reflectance: whether all channels have the same five other numbers.
-        widths: 2 if lobes have two widths.
-    """
-
-    schlick: bool = True
-    exact: bool = True
-    plain: bool = False
-    absorbing: bool = True
-    same_alpha: bool = False
-    same_reflectance: bool = False
-    widths: int = 1
+    schlick: bool = True  # whether the factors normal and grazing may differ from zero
+    exact: bool = True  # whether the factor of the exact term may differ from zero
+    plain: bool = False  # whether that factor is one everywhere
+    absorbing: bool = True  # whether k may differ from zero
+    same_alpha: bool = False  # whether all channels have the same width
+    same_reflectance: bool = False  # whether all channels have the same five other numbers
+    widths: int = 1  # 2 if lobes have two widths
 
     @property
     def size(self) -> int:

@@ -97,16 +97,13 @@ def bsdf_channels(bsdf: "mi.BSDF", si, wo: "mi.Vector3f") -> list:
 class Averaging(NamedTuple):
     """An average of a BSDF that has the symmetry of a material and is free of noise.
 
-    Attributes:
-        azimuths: number of common rotations of a pair about the normal, of
-            `symmetry.rotated_pairs`; 0 for the mirror images of `symmetry.mirrored_pairs`.
-        exchanged: whether the average is also over the exchange of wi and wo.
-        repeats: evaluations of each pair, for BSDFs that draw random numbers.
+    Pairs are turned about the normal as by `symmetry.rotated_pairs`; 0 azimuths stand for the
+    mirror images of `symmetry.mirrored_pairs`.
     """
 
-    azimuths: int = 1
-    exchanged: bool = False
-    repeats: int = 1
+    azimuths: int = 1  # number of common rotations of a pair
+    exchanged: bool = False  # whether wi and wo are exchanged as well
+    repeats: int = 1  # evaluations of each pair, for BSDFs that draw random numbers
 
     def pairs(self, wi: np.ndarray, wo: np.ndarray) -> list[tuple[np.ndarray, np.ndarray]]:
         """The pairs whose values are averaged for pairs (P, 3), without their exchange."""

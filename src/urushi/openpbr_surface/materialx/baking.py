@@ -25,20 +25,13 @@ Value = Callable[[Evaluation], np.ndarray]
 
 @dataclass(frozen=True, eq=False)
 class Texture:
-    """A parameter that varies over the surface.
+    """A parameter that varies over the surface."""
 
-    Attributes:
-        pixels: (height, width, channels), float32, the upper row first; colours in linear sRGB.
-        to_uv: (3, 3), the map from the surface's uv to the texture's, both from the upper left
-            corner as in Mitsuba.
-        wrap: how it continues outside of [0, 1]: repeat, clamp or mirror.
-        blend: whether pixels are interpolated.
-    """
-
-    pixels: np.ndarray
+    pixels: np.ndarray  # float32 (height, width, channels), the upper row first; linear sRGB
+    # The map (3, 3) from the surface's uv to the texture's, both from the upper left as in Mitsuba.
     to_uv: np.ndarray
-    wrap: str = "repeat"
-    blend: bool = True
+    wrap: str = "repeat"  # how it continues outside of [0, 1]: repeat, clamp or mirror
+    blend: bool = True  # whether pixels are interpolated
 
     def map(self, function: Callable[[np.ndarray], np.ndarray]) -> "Texture":
         """The texture of which each pixel is `function` of one of these."""

@@ -32,15 +32,10 @@ CHUNK = 1 << 16
 
 @dataclass(frozen=True)
 class Document:
-    """A document with its included files.
-
-    Attributes:
-        path: the file.
-        root: the document of the package, of version 1.39.
-    """
+    """A document with its included files."""
 
     path: Path
-    root: Any
+    root: Any  # the document of the package, of version 1.39
 
     @property
     def where(self) -> str:

@@ -77,19 +77,12 @@ def _without_cycles(element: Any) -> Iterator[None]:
 
 @dataclass(eq=False)
 class Frame:
-    """A node graph that is evaluated for one of its instances, or the document.
+    """A node graph that is evaluated for one of its instances, or the document."""
 
-    Attributes:
-        scope: the graph, or the document.
-        outer: where the graph is, or its instance; None: `scope` is the document.
-        instance: the node whose graph it is; None: it stands for itself.
-        definition: of the instance.
-    """
-
-    scope: Any
-    outer: "Frame | None" = None
-    instance: Any = None
-    definition: Any = None
+    scope: Any  # the graph, or the document
+    outer: "Frame | None" = None  # where the graph is, or its instance; None: it is the document
+    instance: Any = None  # the node whose graph it is; None: it stands for itself
+    definition: Any = None  # of the instance
 
     def node(self, name: str) -> Any | None:
         """The node or node graph of a name."""
@@ -99,17 +92,11 @@ class Frame:
 
 @dataclass(frozen=True, eq=False)
 class Source:
-    """Where a value comes from: a node, or an input or output that has the value itself.
+    """Where a value comes from: a node, or an input or output that has the value itself."""
 
-    Attributes:
-        element: the node, input or output.
-        frame: where it is.
-        output: the node's output, "" for the first.
-    """
-
-    element: Any
-    frame: Frame
-    output: str = ""
+    element: Any  # the node, input or output
+    frame: Frame  # where it is
+    output: str = ""  # the node's output, "" for the first
 
     @property
     def is_node(self) -> bool:

@@ -136,21 +136,13 @@ class Look:
 
 @dataclass(frozen=True)
 class ImageUse:
-    """An image that a value depends on.
-
-    Attributes:
-        file: its name.
-        space: the colour space of its values, "" for none.
-        channels: the number that is used.
-        look: how it is looked up.
-        matrix: (2, 3), rows of the affine map from the surface's uv to the image's; None: the map
-            is not affine.
-    """
+    """An image that a value depends on."""
 
     file: str
-    space: str
-    channels: int
+    space: str  # the colour space of its values, "" for none
+    channels: int  # the number that is used
     look: Look
+    # Rows (2, 3) of the affine map from the surface's uv to the image's; None: it is not affine.
     matrix: tuple[tuple[float, ...], ...] | None
 
 

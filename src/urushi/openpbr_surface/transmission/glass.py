@@ -22,16 +22,11 @@ LEAST_LOST = 0.01
 
 
 class GlassProposal(NamedTuple):
-    """Facets seen from wi, which reflect or refract by Fresnel's terms, and cosine lobes.
+    """Facets seen from wi, which reflect or refract by Fresnel's terms, and cosine lobes."""
 
-    Attributes:
-        widths: of the facets. eta: index on the far side relative to wi's.
-        lost: share of the cosine lobes of both sides.
-    """
-
-    widths: Any
-    eta: Any
-    lost: Any
+    widths: Any  # of the facets
+    eta: Any  # index on the far side relative to wi's
+    lost: Any  # share of the cosine lobes of both sides
 
     def pdf(self, wi, wo):
         """Density of `sample` at wo [1/sr]."""
@@ -50,21 +45,14 @@ class GlassProposal(NamedTuple):
 
 
 class GlassVertex(NamedTuple):
-    """`Glass` at a surface interaction.
+    """`Glass` at a surface interaction."""
 
-    Attributes:
-        widths: as of `model.BaseVertex`. eta: index on the far side relative to wi's.
-        tint: of transmitted light. specular: specular_color.
-        lost: share of the light from wi that meets a second facet.
-        scale: of the product of lost shares, a lobe [1/sr].
-    """
-
-    widths: Any
-    eta: Any
-    tint: Any
-    specular: Any
-    lost: Any
-    scale: Any
+    widths: Any  # as of `model.BaseVertex`
+    eta: Any  # index on the far side relative to wi's
+    tint: Any  # of transmitted light
+    specular: Any  # specular_color
+    lost: Any  # share of the light from wi that meets a second facet
+    scale: Any  # of the product of lost shares, a lobe [1/sr]
 
 
 def define(proposal_bsdf: type) -> type:

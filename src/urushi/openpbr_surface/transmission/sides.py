@@ -9,14 +9,10 @@ from urushi.mitsuba.plugins.coats import raised
 
 
 class TwoSided(NamedTuple):
-    """A proposal for both sides: directions of one, and a cosine lobe on the side opposite to wi.
+    """A proposal for both sides: directions of one, and a cosine lobe on the other side of wi."""
 
-    Attributes:
-        proposal: for directions above the horizon. through: the probability of the other side.
-    """
-
-    proposal: Any
-    through: Any
+    proposal: Any  # for directions above the horizon
+    through: Any  # the probability of the other side
 
     def pdf(self, wi, wo):
         """Density of `sample` at wo [1/sr]."""
