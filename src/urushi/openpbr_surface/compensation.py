@@ -25,6 +25,7 @@ from urushi.openpbr_surface import encoding, formulas
 from urushi.openpbr_surface.film import NAMES as film_parameters
 from urushi.openpbr_surface.inputs import Inputs
 from urushi.openpbr_surface.lookups import MirrorAlbedo
+from urushi.textures.grid import TexelGrid
 
 #: A function from parameters to the coated base without compensation.
 Coated = Callable[[Inputs], "mi.BSDF"]
@@ -211,7 +212,14 @@ class Furnace:
         # codes of constant metals contain multiple scattering, see `encoding.MULTIPLE_FROM`.
         film = () if inputs.is_constant("thin_film_weight", 0) else film_parameters
         constant = inputs.is_uniform((*encoding.NAMES, *_OF_COATS, *film))
-        twin, uv = _twin(self._shared, metalness, self._varying)
+        twin: dict[str, Any] = {**self._shared, "base_color": (1.0, 1.0, 1.0)}
+        twin |= {"base_metalness": metalness, "coat_weight": 1.0}
+        twin["coat_ior"] = float(formulas.interface_index(twin["coat_ior"]))
+        nodes = [np.linspace(0, 1, NODES, dtype=np.float32)] * len(self._varying)
+        grid = [np.atleast_2d(x) for x in np.meshgrid(*nodes, indexing="ij")]
+        for name, values in zip(self._varying, grid, strict=True):
+            twin[name] = _texture(values[..., None])
+        uv = TexelGrid(*(grid[0].shape[::-1] if grid else (1, 1))).uv()  # of the nodes, by rows
         if not constant and metalness and inputs.is_uniform(encoding.OF_METALS):
             if isinstance(rough := twin["coat_roughness"], float):
                 twin["coat_roughness"] = _texture(np.full((1, 1, 1), rough))
@@ -270,22 +278,6 @@ def hemisphere_weights() -> np.ndarray:
 def _values(inputs: Inputs, names: list[str]) -> dict[str, float]:
     """The values of parameters in the middle of uv."""
     return {name: inputs.middle(name) for name in names}
-
-
-def _twin(
-    shared: dict[str, float], metalness: float, varying: list[str]
-) -> tuple[dict[str, Any], np.ndarray]:
-    """The white twin's parameters, and points of uv (N, 2) of the nodes of the table, by rows."""
-    twin: dict[str, Any] = {**shared, "base_color": (1.0, 1.0, 1.0)}
-    twin["coat_ior"] = float(formulas.interface_index(shared["coat_ior"]))
-    nodes = np.linspace(0, 1, NODES, dtype=np.float32)
-    grid = np.meshgrid(*[nodes] * len(varying), indexing="ij") if varying else []
-    for name, values in zip(varying, grid, strict=True):
-        twin[name] = _texture(np.atleast_2d(values)[..., None])
-    rows, columns = (1, 1) if not varying else np.atleast_2d(grid[0]).shape
-    v, u = np.meshgrid((np.arange(rows) + 0.5) / rows, (np.arange(columns) + 0.5) / columns)
-    uv = np.stack([u.T.ravel(), v.T.ravel()], axis=-1)
-    return twin | {"base_metalness": metalness, "coat_weight": 1.0}, uv
 
 
 def _texture(texels: np.ndarray) -> dict[str, Any]:

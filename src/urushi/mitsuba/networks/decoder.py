@@ -60,8 +60,12 @@ class UrushiDecoder:
         widths = self._kind.widths
         features = DIRECTIONS[widths].each(direction_columns(wi, wo, widths, DRJIT))
         response = mlp.dense(features, self._response, [0.0] * self._width)
-        count = 1 + len(self._bias)
-        rests = [self._rest(channel[-count:], response) for channel in terms]
+        count, rests = 1 + len(self._bias), []
+        for channel in terms:
+            gain, *units = channel[-count:]
+            scales, offsets = units[: self._width], units[self._width :]
+            first = [dr.fma(*values) for values in zip(scales, response, offsets, strict=True)]
+            rests.append(dr.exp(dr.clip(gain + self._hidden(first)[0], MIN_LOG, MAX_LOG)))
         if not self._kind.present:
             return rests
         lobes = self._kind.complete([channel[:-count] for channel in terms])
@@ -71,10 +75,3 @@ class UrushiDecoder:
     def f(self, latents: Sequence[Sequence], wi, wo) -> list:
         """f of each channel, from a list (size) of Dr.Jit floats for each."""
         return self.f_of_terms(self.code_terms_drjit(latents), wi, wo)
-
-    def _rest(self, terms: Sequence, response: Sequence):
-        """The decoded rest [1/sr] of one channel."""
-        gain, *units = terms
-        scales, offsets = units[: self._width], units[self._width :]
-        first = [dr.fma(*values) for values in zip(scales, response, offsets, strict=True)]
-        return dr.exp(dr.clip(gain + self._hidden(first)[0], MIN_LOG, MAX_LOG))

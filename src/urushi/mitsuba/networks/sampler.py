@@ -84,11 +84,7 @@ class UrushiSampler:
         inputs += sampler_columns(wi, self._arch.widths, DRJIT)
         first = mlp.dense(inputs, self._weight, self._bias.tolist())
         own = [latent[place] for place in WIDTH_PLACES[self._arch.widths]]
-        return self._of_output(own, self._hidden(first))
-
-    def _of_output(self, own: Sequence, output: Sequence) -> Mixture:
-        """own: the width or the two widths of the code's lobe."""
-        k = 1 + self._arch.lobes
+        output, k = self._hidden(first), 1 + self._arch.lobes
         logits = output[: k + 1]
         largest = logits[0]
         for logit in logits[1:]:

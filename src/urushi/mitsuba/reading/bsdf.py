@@ -50,14 +50,17 @@ def reflection_source(bsdf: "mi.BSDF") -> Source:
         return as_source(offer.measured)  # what `urushi.load_measured` gives, to the bit
 
     lobes = probing.known_lobes(bsdf, np.full((1, 2), 0.5))
-    if lobes is not None and _are_possible(lobes):
-        return Source(
-            lambda wi, wo: _mean_values(bsdf, wi, wo, 1),
-            symmetric=True,
-            lobe=lobes[0],
-            bare=offer.bare,
-            widths=1 if lobes.shape[-1] == len(LOBE_NUMBERS) else 2,
-        )
+    if lobes is not None:
+        bounded = np.delete(lobes, [4, 5], axis=-1)
+        # Textures may hold other numbers than those of lobes that conserve energy.
+        if ((bounded >= 0) & (bounded <= 1)).all() and (lobes[..., 4:6] >= 0).all():
+            return Source(
+                lambda wi, wo: _mean_values(bsdf, wi, wo, 1),
+                symmetric=True,
+                lobe=lobes[0],
+                bare=offer.bare,
+                widths=1 if lobes.shape[-1] == len(LOBE_NUMBERS) else 2,
+            )
 
     def f(wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
         return _mean_values(bsdf, wi, wo, probing.needed_repeats(bsdf, wi, wo, 1))
@@ -84,12 +87,6 @@ def has_two_widths(bsdf: "mi.BSDF") -> bool:
     if lobes is not None and lobes.shape[-1] > len(LOBE_NUMBERS) and not varying_textures(bsdf):
         return not np.array_equal(lobes[..., 0], lobes[..., 6])
     return is_anisotropic(reflection_source(bsdf), lambda f, count: np.asarray(f))
-
-
-def _are_possible(lobes: np.ndarray) -> bool:
-    """Whether lobes (..., 6 or 7) conserve energy: textures may hold other numbers."""
-    bounded, index = np.delete(lobes, [4, 5], axis=-1), lobes[..., 4:6]
-    return bool(((bounded >= 0) & (bounded <= 1)).all() and (index >= 0).all())
 
 
 def _mean_values(bsdf: "mi.BSDF", wi: np.ndarray, wo: np.ndarray, repeats: int) -> np.ndarray:

@@ -57,8 +57,15 @@ def choose(
     if len(spaces) == 1:
         place, sizes = grids[0].to_texture, [(grid.width, grid.height) for grid in grids]
     else:
-        place, wrap, sizes = IDENTITY, "repeat", [_over_uv(grid) for grid in grids]
-        if any(not _seamless(grid) for grid in grids):
+        place, wrap, sizes, seamless = IDENTITY, "repeat", [], True
+        for grid in grids:
+            linear = np.array(grid.to_texture)[:, :2]
+            scale = np.abs(linear).max(axis=1)  # repetitions over the unit square of uv
+            sides = zip((grid.width, grid.height), scale, strict=True)
+            sizes.append(tuple(max(round(side * x), 1) for side, x in sides))
+            whole = np.abs(linear - linear.round()).max() < 1e-4
+            seamless &= grid.wrap == "repeat" and bool(whole)
+        if not seamless:
             mi.Log(
                 mi.LogLevel.Warn,
                 f"{where}: its textures have different to_uv transforms, one of which does not map "
@@ -189,15 +196,3 @@ def _values(texture: "mi.Texture", uv: np.ndarray) -> np.ndarray:
     except RuntimeError:  # some variants have no spectrum of three raw numbers
         value = texture.eval_3(si)[0]
     return np.broadcast_to(value.numpy(), len(uv)).astype(np.float64)
-
-
-def _over_uv(grid: TexelGrid) -> tuple[int, int]:
-    """Texels over the unit square of uv, including repetitions by the transform."""
-    scale = np.abs(np.array(grid.to_texture))[:, :2].max(axis=1)
-    return max(round(grid.width * scale[0]), 1), max(round(grid.height * scale[1]), 1)
-
-
-def _seamless(grid: TexelGrid) -> bool:
-    """Whether a texture repeats with a period of one in u and v."""
-    linear = np.array(grid.to_texture)[:, :2]
-    return grid.wrap == "repeat" and bool(np.abs(linear - linear.round()).max() < 1e-4)

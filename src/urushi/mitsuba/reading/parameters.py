@@ -65,7 +65,10 @@ class CoatTextures:
         self.where = describe(props)
         defaults = DEFAULTS | look_of(props, f"{self.where}:")
         medium = LOOK if "color" in defaults else PHYSICAL
-        names = [*self._width_names(props), *medium, "g", *(n for n in NUMBERS if n in props)]
+        alpha, u, v = (props.get(n, None) for n in ("alpha", *TWO_WIDTHS))
+        chosen = checks.widths(alpha, u, v, f"{self.where}:", DEFAULTS["alpha"])
+        widths = TWO_WIDTHS if isinstance(chosen, Widths) else ("alpha",)
+        names = [*widths, *medium, "g", *(n for n in NUMBERS if n in props)]
         colours = tuple(name for name in ("alpha", *TWO_WIDTHS) if _is_colour(props, name))
         self.coloured = () if mi.is_monochromatic else colours
         self.textures = {
@@ -254,16 +257,11 @@ class CoatTextures:
         dr.make_opaque(self.opaque_eta)
 
     def __str__(self) -> str:
-        lines = [f"  {name} = {_indent(texture)}" for name, texture in self.textures.items()]
+        texts = {name: str(x).replace("\n", "\n  ") for name, x in self.textures.items()}
+        lines = [f"  {name} = {text}" for name, text in texts.items()]
         if not self.has_textured_eta:
             lines.append(f"  eta = {self.eta:g}")
         return ",\n".join(lines)
-
-    def _width_names(self, props: "mi.Properties") -> tuple[str, ...]:
-        """The properties that hold the GGX width or the two widths."""
-        alpha, alpha_u, alpha_v = (props.get(n, None) for n in ("alpha", *TWO_WIDTHS))
-        chosen = checks.widths(alpha, alpha_u, alpha_v, f"{self.where}:", DEFAULTS["alpha"])
-        return TWO_WIDTHS if isinstance(chosen, Widths) else ("alpha",)
 
     def _texture(
         self, props: "mi.Properties", name: str, default: float, coloured_width: bool = False
@@ -376,7 +374,3 @@ def check_rotation(bottom: "mi.BSDF", where: str) -> None:
             f"{where}: the nested coat has its own rotation, but all layers share one tangent "
             "frame; give rotation to the outermost coat only"
         )
-
-
-def _indent(value: object) -> str:
-    return str(value).replace("\n", "\n  ")

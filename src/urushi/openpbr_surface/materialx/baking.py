@@ -59,9 +59,11 @@ def bake(graph: Graph, value: Value, resolution: int, where: str) -> np.ndarray 
     if first.ndim == 1:
         return first
     points = max(64, MEMORY // (32 * max(few.size, 1)))
-    if len(few.uses) == 1 and _is_simple(few.uses[0]):
+    # One texture with an affine map can replace one image.
+    simple = [use for use in few.uses if use.matrix is not None and use.look.u_mode in _WRAPS]
+    if few.uses == simple and len(simple) == 1 and simple[0].look.u_mode == simple[0].look.v_mode:
         try:
-            return _from_texels(graph, value, few.uses[0], points, where)
+            return _from_texels(graph, value, simple[0], points, where)
         except NeedsPosition:
             pass
     sizes = [max(graph.images.read(use.file, where).shape[:2]) for use in few.uses]
@@ -81,12 +83,6 @@ def changes(graph: Graph, value: Value) -> bool:
         return bool(value(_few(graph)).any())
     except FileError:
         return True
-
-
-def _is_simple(use: ImageUse) -> bool:
-    """Whether one texture with an affine map can replace an image."""
-    look = use.look
-    return use.matrix is not None and look.u_mode == look.v_mode and look.u_mode in _WRAPS
 
 
 def _from_texels(graph: Graph, value: Value, use: ImageUse, points: int, where: str) -> Texture:

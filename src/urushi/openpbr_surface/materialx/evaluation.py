@@ -108,8 +108,20 @@ class Evaluation:
 
     def _unit(self, name: str, where: str) -> float:
         """The factor from a unit to degrees, or to the units of length of the parameter."""
-        kind, scale = _unit(self._graph.root.scope, name, where)
-        return scale * self._metre if kind == "distance" else scale
+        known = {
+            unit.getName(): (units.getUnitType(), unit.getAttribute("scale"))
+            for source in (library(), self._graph.root.scope)
+            for units in source.getUnitDefs()
+            for unit in units.getChildren()
+        }
+        if name not in known:
+            names = ", ".join(known)
+            raise FileError(f"{where} has a value in '{name[:40]}', an unknown unit; use {names}")
+        kind, scale = known[name]
+        try:
+            return float(scale or 1) * (self._metre if kind == "distance" else 1)
+        except ValueError as error:
+            raise FileError(f"{where}: the unit '{name[:40]}' has no number as scale") from error
 
     def output(self, node: Any, frame: Frame, output: str = "") -> np.ndarray:
         """The value (..., channels) of a node."""
@@ -272,21 +284,3 @@ def _affine(uv: np.ndarray, image_uv: np.ndarray) -> tuple[tuple[float, ...], ..
     if not np.allclose(expected, image_uv, rtol=1e-6, atol=1e-6):
         return None
     return tuple(tuple(float(round(x, 9)) for x in row) for row in columns)
-
-
-def _unit(document: Any, name: str, where: str) -> tuple[str, float]:
-    """The kind of a unit, such as distance, and its size in metres or degrees."""
-    known = {
-        unit.getName(): (units.getUnitType(), unit.getAttribute("scale"))
-        for source in (library(), document)
-        for units in source.getUnitDefs()
-        for unit in units.getChildren()
-    }
-    if name not in known:
-        names = ", ".join(known)
-        raise FileError(f"{where} has a value in '{name[:40]}', an unknown unit; use {names}")
-    kind, scale = known[name]
-    try:
-        return kind, float(scale or 1)
-    except ValueError as error:
-        raise FileError(f"{where}: the unit '{name[:40]}' has no number as scale") from error
