@@ -145,11 +145,13 @@ def define(proposal_bsdf: type) -> tuple[type, type]:
         @property
         def _bare(self) -> bool:
             """Whether the base counts as its lobe alone: a metal, but for its dip at 82 degrees."""
-            return self._model.only_metal and not encoding.has_multiple(self._inputs)
+            names, least = encoding.OF_METALS, encoding.MULTIPLE_FROM
+            return self._model.only_metal and not encoding.is_rough(self._inputs, names, least)
 
         def _exact(self):
             """The base without the limits of networks, for tables; None: coats take codes."""
-            if not (self._encoded and encoding.is_tabulated(self._inputs)):
+            names, least = encoding.NAMES, encoding.TABULATED_FROM
+            if not (self._encoded and encoding.is_rough(self._inputs, names, least)):
                 return None
             return type(self)(self._inputs, self._under_coat, False, self._compensated)
 

@@ -119,7 +119,11 @@ class Compensation:
         if not self._only_metal:
             below = formulas.promised(color, internal)
         if not self._only_dielectric:
-            metal_below = formulas.promised(self._metal_color(color, si, active), internal)
+            weight = dr.minimum(inputs.number("specular_weight", si, active), 1)
+            f82 = fresnel.f82_mean(color, inputs.color("specular_color", si, active), DRJIT)
+            alpha = formulas.lobe_width(inputs.number("specular_roughness", si, active), DRJIT)
+            # Of the metal, the albedo for light that its facets reflect more than once.
+            metal_below = formulas.promised(self._mirror.multiple(weight * f82, alpha), internal)
         return Vertex(
             share,
             dr.power(color, WHITENESS) if self._dielectric else (),
@@ -153,15 +157,6 @@ class Compensation:
                 f = f * (factor if self._only_metal else 1 - share * (1 - factor))
             f = f + share * tint * vertex.metal_below * lobe
         return f
-
-    def _metal_color(self, color, si, active):
-        """Albedo of the metal for light that its facets reflect more than once."""
-        inputs = self._inputs
-        tint = inputs.color("specular_color", si, active)
-        weight = dr.minimum(inputs.number("specular_weight", si, active), 1)
-        mean = weight * fresnel.f82_mean(color, tint, DRJIT)
-        alpha = formulas.lobe_width(inputs.number("specular_roughness", si, active), DRJIT)
-        return self._mirror.multiple(mean, alpha)
 
 
 def _path(w, eta):

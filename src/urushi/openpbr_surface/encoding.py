@@ -40,17 +40,7 @@ NAMES = (
 )
 
 
-def has_multiple(inputs: Inputs) -> bool:
-    """Whether a metal is encoded with multiple scattering, see `MULTIPLE_FROM`."""
-    return _is_rough(inputs, OF_METALS, MULTIPLE_FROM)
-
-
-def is_tabulated(inputs: Inputs) -> bool:
-    """Whether a constant coat over the base is a table, see `TABULATED_FROM`."""
-    return _is_rough(inputs, NAMES, TABULATED_FROM)
-
-
-def _is_rough(inputs: Inputs, names: Iterable[str], least: float) -> bool:
+def is_rough(inputs: Inputs, names: Iterable[str], least: float) -> bool:
     """Whether parameters are constant, the base isotropic and its roughness at least `least`."""
     return (
         inputs.is_uniform((*names, "specular_roughness", "specular_roughness_anisotropy"))

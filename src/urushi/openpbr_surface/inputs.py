@@ -209,8 +209,16 @@ class Inputs:
 
     def _unsupported(self) -> Iterator[tuple[str, str, str]]:
         """The features that the BSDF does not have: sentence, cure, and what happens instead."""
-        for name, feature in self._lacking():
-            if not self._is_absent(name):
+        clear, scatters = self.transmits("transmission_weight"), self.transmits("subsurface_weight")
+        transmits = clear or scatters
+        filmed = transmits and (clear if self.thin else not self._is_absent("coat_weight"))
+        for name, lacks, feature in (
+            ("transmission_dispersion_scale", clear and not self.thin, "dispersion"),
+            ("fuzz_weight", transmits, "fuzz over a base that transmits light"),
+            ("coat_weight", scatters and self.thin, "a coat on a thin wall that scatters light"),
+            ("thin_film_weight", filmed, "a thin film inside of what transmits light"),
+        ):
+            if lacks and not self._is_absent(name):
                 sentence = f"{name} needs {feature}, which the plugin does not support; "
                 yield sentence, 'leave it out, or set unsupported to "ignore"', "it is left out"
         if not self._is_absent("emission_luminance"):
@@ -219,19 +227,6 @@ class Inputs:
                 "shape the emitter 'openpbr_emission'"
             )
             yield sentence, ' and leave it out here, or set unsupported to "ignore"', ""
-
-    def _lacking(self) -> Iterator[tuple[str, str]]:
-        """Parameters of features that a base lacks if it transmits, and the features."""
-        clear, scatters = self.transmits("transmission_weight"), self.transmits("subsurface_weight")
-        if clear and not self.thin:
-            yield "transmission_dispersion_scale", "dispersion"
-        if not (clear or scatters):
-            return
-        yield "fuzz_weight", "fuzz over a base that transmits light"
-        if scatters and self.thin:
-            yield "coat_weight", "a coat on a thin wall that scatters light"
-        if clear if self.thin else not self._is_absent("coat_weight"):
-            yield "thin_film_weight", "a thin film inside of what transmits light"
 
     def _own_directions(self) -> Iterator[tuple[str, str, str]]:
         """As `_unsupported`, for a coat with a normal or tangent of its own; it gets the base's."""

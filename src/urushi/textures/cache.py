@@ -73,26 +73,20 @@ def read(name: str, model: Model) -> tuple[TextureStore, TexelGrid] | None:
 
 
 def write(name: str, store: TextureStore, grid: TexelGrid, model: Model) -> None:
-    """Keep a texture under a key, if possible."""
+    """Keep a texture under a key, if possible; remove those that were read longest ago."""
     place = folder()
     if place is None:
         return
     try:
         file.write(_path(files.new_folder(place), name), store, grid, model.fingerprint)
-        _remove_oldest(place)
+        found, total = [(path.stat(), path) for path in place.glob("*.safetensors")], 0
+        for status, path in sorted(found, key=lambda entry: entry[0].st_mtime, reverse=True):
+            total += status.st_size
+            if total > LIMIT:
+                path.unlink(missing_ok=True)
     except OSError:  # a FileError too
         return
 
 
 def _path(place: Path, name: str) -> Path:
     return place / f"{name}.safetensors"
-
-
-def _remove_oldest(place: Path) -> None:
-    """Remove the files that were read longest ago, until the others fit into `LIMIT`."""
-    found = [(path.stat(), path) for path in place.glob("*.safetensors")]
-    total = 0
-    for status, path in sorted(found, key=lambda entry: entry[0].st_mtime, reverse=True):
-        total += status.st_size
-        if total > LIMIT:
-            path.unlink(missing_ok=True)

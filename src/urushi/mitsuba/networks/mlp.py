@@ -40,25 +40,21 @@ def horner(coefficients: Sequence[float], u):
 
 
 def dense(x: Sequence, weight: np.ndarray, bias: Sequence) -> list:
-    """Multiply the list x (in) by a constant weight (in, out) and add bias (out): a list (out).
-
-    `BLOCK` outputs are accumulated at a time, because a processor can hold them in its registers;
-    each input is loaded once for all of them. A scope per input enforces this order. Without it,
-    Dr.Jit computes one output after the other, at two thirds of the speed or less.
-    """
-    return _dense([x], weight, bias, BLOCK)[0]
+    """Multiply the list x (in) by a constant weight (in, out) and add bias (out): a list (out)."""
+    return dense_each([x], weight, bias)[0]
 
 
 def dense_each(xs: Sequence[Sequence], weight: np.ndarray, bias: Sequence) -> list[list]:
     """`dense` of several lists, the same weight and bias for all of them.
 
+    `BLOCK` outputs are accumulated at a time, because a processor can hold them in its registers;
+    each input is loaded once for all of them. A scope per input enforces this order. Without it,
+    Dr.Jit computes one output after the other, at two thirds of the speed or less.
+
     A weight is loaded once for all lists. Loading weights takes longer than the products, because
     they fill the first-level cache.
     """
-    return _dense(xs, weight, bias, max(SHARED_BLOCK // len(xs), 1))
-
-
-def _dense(xs: Sequence[Sequence], weight: np.ndarray, bias: Sequence, block: int) -> list[list]:
+    block = BLOCK if len(xs) == 1 else max(SHARED_BLOCK // len(xs), 1)
     totals = [[mi.Float(offset) for offset in bias] for _ in xs]
     columns = weight.astype(float).T.tolist()
     for first in range(0, len(columns), block):
