@@ -85,23 +85,26 @@ _perlin_one = partial(_perlin, shifts=(0,), mask=0xFFFFFFFF)
 _perlin_three = partial(_perlin, shifts=(0, 8, 16), mask=0xFF)
 
 
+def _channels(one, three, p: np.ndarray, channels: int, offset: np.ndarray) -> np.ndarray:
+    """Channels of noises of one and of three: the last of two or four is of a shifted position."""
+    if channels in (1, 3):
+        return one(p) if channels == 1 else three(p)
+    parts = [(one if channels == 2 else three)(p), one(p + offset[: p.shape[-1]])]
+    parts = [np.broadcast_to(part, (*p.shape[:-1], part.shape[-1])) for part in parts]
+    return np.concatenate(parts, axis=-1)
+
+
 def perlin(p: np.ndarray, channels: int) -> np.ndarray:
     """Gradient noise at positions (..., D), of 1 to 4 channels, about [-1, 1]."""
-    if channels == 1:
-        return _perlin_one(p)
-    three = _perlin_three(p)
-    if channels == 4:
-        return np.concatenate([three, _perlin_one(p + _NOISE_OFFSET[: p.shape[-1]])], axis=-1)
-    return three[..., :channels]
+    if channels == 2:
+        return _perlin_three(p)[..., :2]
+    return _channels(_perlin_one, _perlin_three, p, channels, _NOISE_OFFSET)
 
 
 def fractal(
     p: np.ndarray, channels: int, octaves: int, lacunarity: np.ndarray, diminish: np.ndarray
 ) -> np.ndarray:
-    """A sum of octaves of gradient noise, of 1 to 4 channels.
-
-    Two channels are two single ones, the second of a shifted position.
-    """
+    """A sum of octaves of gradient noise, of 1 to 4 channels."""
 
     def octave_sum(noise, position):
         total, amplitude = np.zeros(1), np.ones(1)
@@ -111,16 +114,8 @@ def fractal(
             position = position * lacunarity
         return total
 
-    if channels == 1:
-        return octave_sum(_perlin_one, p)
-    if channels == 3:
-        return octave_sum(_perlin_three, p)
-    first = _perlin_one if channels == 2 else _perlin_three
-    offset = _FRACTAL_OFFSET[: p.shape[-1]]
-    parts = (octave_sum(first, p), octave_sum(_perlin_one, p + offset))
-    return np.concatenate(
-        [np.broadcast_to(part, (*p.shape[:-1], part.shape[-1])) for part in parts], -1
-    )
+    one, three = (partial(octave_sum, noise) for noise in (_perlin_one, _perlin_three))
+    return _channels(one, three, p, channels, _FRACTAL_OFFSET)
 
 
 def _unit(code: np.ndarray) -> np.ndarray:
