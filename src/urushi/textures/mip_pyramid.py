@@ -98,30 +98,24 @@ def half_resolution(values: np.ndarray, top: int, height: int) -> np.ndarray:
 
     values: of the rows that `source_rows` gives. top: first row. height: of the whole level.
     """
-    return _half_along_axis(_half_along_axis(values, 0, top, height), 1, 0, values.shape[1])
+    halved = _half(values, top, height).swapaxes(0, 1)
+    return _half(halved, 0, values.shape[1]).swapaxes(0, 1)
 
 
-def _half_along_axis(values: np.ndarray, axis: int, first: int, count: int) -> np.ndarray:
-    """Averages along an axis: of two values, or of three weighted by area if `count` is odd."""
+def _half(values: np.ndarray, first: int, count: int) -> np.ndarray:
+    """Averages along the first axis: of two values, or of three by area if `count` is odd."""
     if count == 1:
         return values
-    half = values.shape[axis] // 2
-    parts = [_every_second(values, axis, start, half) for start in (0, 1)]
+    half = len(values) // 2
+    parts = [values[start : start + 2 * half - 1 : 2] for start in (0, 1)]
     if count % 2 == 0:
         return 0.5 * (parts[0] + parts[1])
-    parts.append(_every_second(values, axis, 2, half))
-    shape = [1] * values.ndim
-    shape[axis] = half
-    index = np.arange(first, first + half, dtype=np.float32).reshape(shape)
+    parts.append(values[2 : 2 * half + 1 : 2])
+    index = np.arange(first, first + half, dtype=np.float32)
+    index = index.reshape(-1, *[1] * (values.ndim - 1))
     whole = count // 2
     weights = (whole - index) / count, np.float32(whole / count), (index + 1) / count
     return sum(weight * part for weight, part in zip(weights, parts, strict=True))
-
-
-def _every_second(values: np.ndarray, axis: int, first: int, count: int) -> np.ndarray:
-    index: list[slice] = [slice(None)] * values.ndim
-    index[axis] = slice(first, first + 2 * count - 1, 2)
-    return values[tuple(index)]
 
 
 #: Number of pairs whose mean f is the light of a rest, and the least light in a division.
