@@ -64,18 +64,12 @@ class InterfaceAlbedo:
 
 
 class LossVertex(NamedTuple):
-    """An interface of `InterfaceLoss` at a vertex.
+    """An interface of `InterfaceLoss` at a vertex."""
 
-    Attributes:
-        eta, alpha: its index and its width.
-        inside: the share of light from the base that leaves, over the mean that enters.
-        lost: what is lost at wi, over pi times its mean.
-    """
-
-    eta: Any
-    alpha: Any
-    inside: Any
-    lost: Any
+    eta: Any  # its index
+    alpha: Any  # its width
+    inside: Any  # the share of light from the base that leaves, over the mean that enters
+    lost: Any  # what is lost at wi, over pi times its mean
 
 
 class InterfaceLoss:

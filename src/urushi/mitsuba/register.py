@@ -10,16 +10,12 @@ from urushi.errors import PlatformError
 
 
 class Room(NamedTuple):
-    """The plugins of one part of the package.
+    """The plugins of one part of the package."""
 
-    Attributes:
-        define: makes their constructors by name in the current variant, from the class of
-            `plugins.base.define_proposal_bsdf`.
-        bsdfs, emitters: their names.
-    """
-
+    # Makes their constructors by name in the current variant, from the class of
+    # `plugins.base.define_proposal_bsdf`.
     define: Callable[[type], dict[str, Any]]
-    bsdfs: tuple[str, ...]
+    bsdfs: tuple[str, ...]  # their names
     emitters: tuple[str, ...] = ()
 
 

@@ -183,17 +183,11 @@ def define_proposal_bsdf() -> type:
 
 
 class PlacedVertex(NamedTuple):
-    """The vertex of codes at a surface interaction.
+    """The vertex of codes at a surface interaction."""
 
-    Attributes:
-        turn: of the tangent about the normal, if there is one.
-        vertex: of the codes, in the turned frame.
-        estimates: of f, see `spectrum.from_channels`.
-    """
-
-    turn: Turn | None
-    vertex: Vertex
-    estimates: tuple[Any, list] | None
+    turn: Turn | None  # of the tangent about the normal, if there is one
+    vertex: Vertex  # of the codes, in the turned frame
+    estimates: tuple[Any, list] | None  # of f, see `spectrum.from_channels`
 
 
 def define_neural_bsdf(base: type) -> type:

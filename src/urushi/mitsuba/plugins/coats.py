@@ -263,20 +263,14 @@ class SlabLobes(NamedTuple):
 
 
 class SlabMixture(NamedTuple):
-    """A proposal for both sides of a slab.
+    """A proposal for both sides of a slab."""
 
-    Attributes:
-        mixture: of reflected directions.
-        passed: of transmitted directions, as a mirror would reflect them that reflects wi where
-            straight light goes, mirrored through the slab.
-        reflected: the probability of reflection.
-        eta: index on the far side relative to that on wi's.
-    """
-
-    mixture: Mixture
+    mixture: Mixture  # of reflected directions
+    # Of transmitted directions, as a mirror would reflect them that reflects wi where straight
+    # light goes, mirrored through the slab.
     passed: Mixture
-    reflected: Any
-    eta: Any
+    reflected: Any  # the probability of reflection
+    eta: Any  # index on the far side relative to that on wi's
 
     def pdf(self, wi, wo):
         """Density of `sample` at wo [1/sr]; zero at the horizon."""
