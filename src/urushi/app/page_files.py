@@ -1,4 +1,4 @@
-"""The files of the page: the built page, the networks, shader code, and what it shows first.
+"""The files of the page: the built page, the networks, shader code, films, what it shows first.
 
 The page is built from the folder `viewer` of the repository by `make viewer`. The networks are in
 half precision. The shader code is that of `urushi export`, into which the page inserts the codes of
@@ -10,6 +10,7 @@ import gzip
 import hashlib
 import json
 import re
+import tempfile
 import zlib
 from collections.abc import Mapping
 from pathlib import Path
@@ -18,6 +19,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import safetensors.numpy
 
+from urushi.app.films import FILMS
 from urushi.checks import AIR, Widths
 from urushi.errors import FileError, ParameterError
 from urushi.export.languages import LANGUAGES
@@ -30,6 +32,7 @@ from urushi.walk import Stack
 #: Names of the files that are made, not built.
 WEIGHTS_FILE, START_FILE, SHADERS_FOLDER = "weights.safetensors", "start.json", "shaders"
 ANISOTROPIC_FILE = "anisotropic.safetensors"
+STORED_FOLDER = "stored"
 TEXTURE_FILE, TABLE_FILE = "texture.safetensors", "table.f16"
 
 #: Coats that the page has cards for.
@@ -80,8 +83,21 @@ def page_files(model: Model, first: First | None) -> dict[str, bytes]:
         content = getattr(first, kind, None)
         if content is not None:
             start[kind], made[file] = file, content
+    start["stored"] = {}
+    for place, (name, metal) in enumerate(FILMS.items()):
+        path = f"{STORED_FOLDER}/{place}.safetensors"
+        start["stored"][name[0].upper() + name[1:]] = path
+        made[path] = file_of(metal.material(model))
     made[START_FILE] = json.dumps(start).encode()
     return built | made | shader_files(model) | shader_files(other)
+
+
+def file_of(material: Material) -> bytes:
+    """The content of a material's file."""
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder, "material.safetensors")
+        material.save(path)
+        return path.read_bytes()
 
 
 def addressed(files: Mapping[str, bytes]) -> dict[str, bytes]:

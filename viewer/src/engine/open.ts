@@ -10,7 +10,7 @@ import { readState } from "../state/read";
 import { announcement, change, changeMaterial, complain, notice, tell } from "../state/store";
 import { networksOf, readMaterialFile } from "./material_file";
 import type { Cores, PageCore } from "./remote";
-import { session, useEnvironment, useMesh } from "./session";
+import { readBytes, readStart, session, useEnvironment, useMesh } from "./session";
 import { keepTable, keepTexture } from "./textures";
 
 /** Whether a measured file is being encoded. */
@@ -18,6 +18,27 @@ export const encoding = signal(false);
 
 /** The materials of files that were opened, one of each name, the last first. */
 export const opened = signal<readonly MaterialCards[]>([]);
+
+/** Materials that lie beside the page as files. */
+export const stored = signal<readonly MaterialCards[]>([]);
+let isReadingStored = false;
+
+/** Read what lies beside the page, once. */
+export async function readStored(): Promise<void> {
+  const core = session.value?.cores.isotropic;
+  if (isReadingStored || core === undefined) return;
+  isReadingStored = true;
+  try {
+    const { stored: files = {} } = (await readStart()) as { stored?: Record<string, string> };
+    for (const [name, path] of Object.entries(files).slice(stored.value.length)) {
+      const { bottom } = readMaterialFile(await readBytes(path), core);
+      stored.value = [...stored.value, { name, bottom, coats: [], solo: null }];
+    }
+  } catch (error) {
+    isReadingStored = false;
+    complain(error, () => void readStored());
+  }
+}
 
 /** Take over files, one after the other; what is wrong with one is told in one sentence. */
 export async function openFiles(files: readonly File[]): Promise<void> {

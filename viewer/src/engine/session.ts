@@ -275,12 +275,12 @@ export async function begin(addressed: boolean): Promise<void> {
 }
 
 /** The file beside the page that describes its first material; it may be missing. */
-async function readStart(): Promise<object> {
+export async function readStart(): Promise<object> {
   const bytes = await readFile("start.json");
   return bytes === null ? {} : (JSON.parse(new TextDecoder().decode(bytes)) as object);
 }
 
-async function readBytes(path: string): Promise<Uint8Array<ArrayBuffer>> {
+export async function readBytes(path: string): Promise<Uint8Array<ArrayBuffer>> {
   const bytes = await readFile(path);
   if (bytes === null) throw new Refusal(`The file ${path} is missing beside the page.`);
   return bytes;

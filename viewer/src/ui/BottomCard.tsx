@@ -110,7 +110,7 @@ function noteOn(bottom: CodesBottom | TexelBottom): string {
     return "was loaded from a file with a texture; coat it in Python. The plots show its mean code.";
   const note = "was loaded from a file; its own coats keep their ratios of indices.";
   if (bottom.table === undefined) return note;
-  return `${note} It is shown by its table, but under coats by its codes, which differ from it by 10 to 40 %.`;
+  return `${note} It is shown by its table, but under coats by its codes, which can differ from it by 10 to 40 %.`;
 }
 
 function Metals({

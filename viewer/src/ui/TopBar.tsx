@@ -1,7 +1,7 @@
 /** Presets, undo and redo, opening and saving. */
 
-import { useRef } from "preact/hooks";
-import { opened, openFiles } from "../engine/open";
+import { useEffect, useRef } from "preact/hooks";
+import { opened, openFiles, readStored, stored } from "../engine/open";
 import { PRESETS, titleOf } from "../material/presets";
 import { canRedo, canUndo, changeMaterial, material, redo, state, undo } from "../state/store";
 import { Icon } from "./icons";
@@ -93,11 +93,12 @@ export function TopBar() {
   );
 }
 
-/** The materials that were opened and those to begin with, as small pictures. */
+/** The materials that were opened, the library, and what lies beside the page, as small pictures. */
 function Presets({ onChosen }: { onChosen: () => void }) {
+  useEffect(() => void readStored(), []);
   return (
     <ul>
-      {[...opened.value, ...PRESETS].map((preset) => (
+      {[...opened.value, ...PRESETS, ...stored.value].map((preset) => (
         <li key={preset.name}>
           <button
             type="button"
