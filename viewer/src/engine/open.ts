@@ -9,8 +9,9 @@ import { Refusal } from "../refusal";
 import { readState } from "../state/read";
 import { announcement, change, changeMaterial, complain, notice, tell } from "../state/store";
 import { networksOf, readMaterialFile } from "./material_file";
+import { readMaterialx } from "./materialx";
 import type { Cores, PageCore } from "./remote";
-import { readBytes, readStart, session, useEnvironment, useMesh } from "./session";
+import { session, useEnvironment, useMesh } from "./session";
 import { keepTable, keepTexture } from "./textures";
 
 /** Whether a measured file is being encoded. */
@@ -18,27 +19,6 @@ export const encoding = signal(false);
 
 /** The materials of files that were opened, one of each name, the last first. */
 export const opened = signal<readonly MaterialCards[]>([]);
-
-/** Materials that lie beside the page as files. */
-export const stored = signal<readonly MaterialCards[]>([]);
-let isReadingStored = false;
-
-/** Read what lies beside the page, once. */
-export async function readStored(): Promise<void> {
-  const core = session.value?.cores.isotropic;
-  if (isReadingStored || core === undefined) return;
-  isReadingStored = true;
-  try {
-    const { stored: files = {} } = (await readStart()) as { stored?: Record<string, string> };
-    for (const [name, path] of Object.entries(files).slice(stored.value.length)) {
-      const { bottom } = readMaterialFile(await readBytes(path), core);
-      stored.value = [...stored.value, { name, bottom, coats: [], solo: null }];
-    }
-  } catch (error) {
-    isReadingStored = false;
-    complain(error, () => void readStored());
-  }
-}
 
 /** Take over files, one after the other; what is wrong with one is told in one sentence. */
 export async function openFiles(files: readonly File[]): Promise<void> {
@@ -61,19 +41,33 @@ async function openFile(file: File): Promise<void> {
     useMesh(file.name, readMesh(bytes, suffix));
   } else if (suffix === "json") {
     change(readState(parsed(bytes), tell));
+  } else if (suffix === "mtlx") {
+    const { bottom, coats, lost } = readMaterialx(bytes);
+    showOpened({ name: stem(file), bottom, coats, solo: null });
+    if (lost.length > 0)
+      tell(
+        `“${file.name}” was opened without ${lost.join(", ")}; urushi convert writes all of it as a Mitsuba scene.`,
+      );
   } else if (suffix === "safetensors" || suffix === "binary" || suffix === "bsdf") {
     const cores = session.value?.cores;
     if (cores === undefined) throw new Refusal("The networks are not loaded yet.");
     const found = await materialOf(cores, bytes, suffix !== "safetensors");
-    const name = file.name.replace(/\.[a-z]+$/i, "").slice(0, 80);
-    const material = { name, ...found, coats: [], solo: null };
-    opened.value = [material, ...opened.value.filter((one) => one.name !== name)];
-    changeMaterial(material);
+    showOpened({ name: stem(file), ...found, coats: [], solo: null });
   } else {
     throw new Refusal(
-      "The page opens materials (.safetensors), measured BRDFs (.binary of MERL, .bsdf of RGL), panoramas (.hdr), meshes (.obj, .glb, .gltf) and saved states (.json).",
+      "The page opens materials (.safetensors, .mtlx), measured BRDFs (.binary of MERL, .bsdf of RGL), panoramas (.hdr), meshes (.obj, .glb, .gltf) and saved states (.json).",
     );
   }
+}
+
+/** Show a material of a file. */
+function showOpened(material: MaterialCards): void {
+  opened.value = [material, ...opened.value.filter(({ name }) => name !== material.name)];
+  changeMaterial(material);
+}
+
+function stem(file: File): string {
+  return file.name.replace(/\.[a-z]+$/i, "").slice(0, 80);
 }
 
 async function bytesOf(file: File): Promise<Uint8Array<ArrayBuffer>> {

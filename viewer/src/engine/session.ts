@@ -20,6 +20,7 @@ import type { State } from "../state/state";
 import { announcement, change, complain, showRead, state, tell } from "../state/store";
 import { type Shown, Slot } from "./engine";
 import { readFile, startWorker } from "./files";
+import { readMaterialFile } from "./material_file";
 import { Cores, connect } from "./remote";
 import { keepTable, keepTexture, logsOfBits, tables, textures } from "./textures";
 
@@ -275,15 +276,36 @@ export async function begin(addressed: boolean): Promise<void> {
 }
 
 /** The file beside the page that describes its first material; it may be missing. */
-export async function readStart(): Promise<object> {
+async function readStart(): Promise<object> {
   const bytes = await readFile("start.json");
   return bytes === null ? {} : (JSON.parse(new TextDecoder().decode(bytes)) as object);
 }
 
-export async function readBytes(path: string): Promise<Uint8Array<ArrayBuffer>> {
+async function readBytes(path: string): Promise<Uint8Array<ArrayBuffer>> {
   const bytes = await readFile(path);
   if (bytes === null) throw new Refusal(`The file ${path} is missing beside the page.`);
   return bytes;
+}
+
+/** Materials that lie beside the page as files. */
+export const stored = signal<readonly MaterialCards[]>([]);
+let reading: Promise<void> | null = null;
+
+/** Read what lies beside the page, once; what is wrong is told. */
+export function readStored(): Promise<void> {
+  reading ??= readAll().catch((error) => {
+    reading = null;
+    complain(error, () => void readStored());
+  });
+  return reading;
+}
+
+async function readAll(): Promise<void> {
+  const { stored: files = {} } = (await readStart()) as { stored?: Record<string, string> };
+  for (const [name, path] of Object.entries(files).slice(stored.value.length)) {
+    const { bottom } = readMaterialFile(await readBytes(path), session.value!.cores.isotropic);
+    stored.value = [...stored.value, { name, bottom, coats: [], solo: null }];
+  }
 }
 
 /** What a slot shows of a material; null if its texture was not opened. */
@@ -306,9 +328,13 @@ export function shownOf(material: MaterialCards): Shown | null {
 /** The table by which a material is shown: that of its bottom if that is bare. */
 function tableOf({ bottom, name }: MaterialCards, { coats }: Stack): FTable | undefined {
   if (bottom.kind !== "codes" || bottom.table === undefined || coats.length > 0) return undefined;
-  const logs = tables.value.get(bottom.table);
-  if (logs !== undefined) return { logs, besideLobe: bottom.besideLobe === true };
-  complain(new Refusal(`${lost(`table of “${name}”`)} It is shown by its codes.`));
+  const { table, besideLobe = false } = bottom;
+  const logs = tables.value.get(table);
+  if (logs !== undefined) return { logs, besideLobe };
+  void readStored().then(() => {
+    if (!tables.peek().has(table))
+      complain(new Refusal(`${lost(`table of “${name}”`)} It is shown by its codes.`));
+  });
   return undefined;
 }
 

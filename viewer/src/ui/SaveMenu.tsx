@@ -9,6 +9,7 @@ import { textures } from "../engine/textures";
 import { stackOf } from "../material/material";
 import { Refusal } from "../refusal";
 import { exrFile } from "../save/exr";
+import { materialxText } from "../save/materialx";
 import { mitsubaDict, mitsubaXml } from "../save/mitsuba";
 import { fileName, pythonText } from "../save/python";
 import { sceneFile } from "../save/scene";
@@ -104,6 +105,16 @@ const KINDS: readonly Kind[] = [
     label: "Python",
     hint: "a program with urushi",
     save: (name) => download(`${name}.py`, textBlob(pythonText(material.value))),
+  },
+  {
+    group: "Code",
+    label: "MaterialX",
+    hint: "an open_pbr_surface, without what that lacks",
+    save: (name) => {
+      const { text, lost } = materialxText(material.value);
+      download(`${name}.mtlx`, textBlob(text));
+      if (lost) tell(lost);
+    },
   },
   {
     group: "Share",

@@ -1,7 +1,8 @@
 /** Presets, undo and redo, opening and saving. */
 
 import { useEffect, useRef } from "preact/hooks";
-import { opened, openFiles, readStored, stored } from "../engine/open";
+import { opened, openFiles } from "../engine/open";
+import { readStored, stored } from "../engine/session";
 import { PRESETS, titleOf } from "../material/presets";
 import { canRedo, canUndo, changeMaterial, material, redo, state, undo } from "../state/store";
 import { Icon } from "./icons";
@@ -61,7 +62,7 @@ export function TopBar() {
         type="file"
         hidden
         multiple
-        accept=".hdr,.obj,.glb,.gltf,.json,.safetensors,.binary,.bsdf"
+        accept=".hdr,.obj,.glb,.gltf,.json,.safetensors,.mtlx,.binary,.bsdf"
         onChange={(event) => {
           void openFiles([...(event.currentTarget.files ?? [])]);
           event.currentTarget.value = "";
@@ -71,7 +72,7 @@ export function TopBar() {
         type="button"
         class="text-button"
         aria-label="Open"
-        title="A material (.safetensors), a measured BRDF (.binary, .bsdf), a panorama (.hdr), a mesh (.obj, .glb, .gltf) or a saved state (.json); or drop it on the page"
+        title="A material (.safetensors, .mtlx), a measured BRDF (.binary, .bsdf), a panorama (.hdr), a mesh (.obj, .glb, .gltf) or a saved state (.json); or drop it on the page"
         onClick={() => input.current?.click()}
       >
         <Icon name="open" />

@@ -160,12 +160,51 @@ test("a measured BRDF is shown by its table, by its codes without the file, and 
   await page.getByRole("button", { name: /^Material gypsum/ }).click();
   await page.getByRole("button", { name: "Black urushi" }).click();
   await page.getByRole("button", { name: /^Material Black urushi/ }).click();
+  await page.getByRole("button", { name: "Anodised niobium, blue" }).click();
+  await expect(page.locator(".bottom")).toContainText("shown by its table");
+  await page.getByRole("button", { name: /^Material Anodised niobium, blue/ }).click();
   await page.getByRole("button", { name: "gypsum", exact: true }).click();
   await page.getByRole("button", { name: "Add coat" }).click();
   await expect(coats(page)).toHaveCount(1);
   await expect(page.locator(".status[data-converged]")).toBeVisible();
   await expect(page.getByRole("alert")).toHaveCount(0);
 });
+
+test("MaterialX is saved and opened", async ({ page }) => {
+  await open(page);
+  await give(page, "car.mtlx", standardSurface('value="0.3, 0.1, 0.1"'));
+  await expect(coats(page)).toHaveCount(2);
+  await expect(page.getByRole("alert")).toContainText(
+    "opened without sheen, the coat that does not",
+  );
+  await expect(number(page, "Coat 1, Index n")).toHaveValue("1.8");
+  // Alpha is roughness squared; by default 0.2 of the base, and 0.1 of the coat.
+  await expect(number(page, "Coat 1, Roughness α")).toHaveValue("0.04");
+  await expect(number(page, "Coat 2, Roughness α")).toHaveValue("0.01");
+  const before = (await stateOf(page)).materials[0];
+  const { name, text } = await saved(page, "MaterialX");
+  await give(page, name, text);
+  await expect(page.getByRole("alert")).toHaveCount(0);
+  await expect(coats(page)).toHaveCount(2);
+  const bottom = (one: typeof before) => Object(one.bottom).reflectance as number[];
+  const again = (await stateOf(page)).materials[0];
+  for (const k of [0, 1, 2]) expect(bottom(again)[k]).toBeCloseTo(bottom(before)[k]!, 4);
+  for (const [content, sentence] of [
+    [standardSurface('nodename="image"'), "base_color is an image or a graph; urushi convert"],
+    ["<materialx/>", "It has 0 shaders of kind"],
+    ["hello", "no MaterialX document"],
+  ] as const) {
+    await give(page, "broken.mtlx", content);
+    await expect(page.getByRole("alert")).toContainText(sentence);
+  }
+});
+
+function standardSurface(baseColor: string): string {
+  return `<materialx version="1.38"><standard_surface name="s" type="surfaceshader">
+    <input name="base_color" type="color3" ${baseColor}/><input name="coat" type="float" value="1"/>
+    <input name="specular_IOR" type="float" value="1.8"/>
+    <input name="sheen" type="float" value="0.1"/></standard_surface></materialx>`;
+}
 
 test("a saved state is opened again", async ({ page }) => {
   await open(page);
