@@ -59,6 +59,7 @@ export function readMaterialx(
   bytes: Uint8Array,
 ): Pick<MaterialCards, "bottom" | "coats"> & { lost: string[] } {
   const text = new TextDecoder().decode(bytes);
+  if (!text.trimStart().startsWith("<")) throw new Refusal("It is no MaterialX document.");
   const document = new DOMParser().parseFromString(text, "application/xml");
   if (document.querySelector("parsererror") !== null || !document.querySelector("materialx"))
     throw new Refusal("It is no MaterialX document.");

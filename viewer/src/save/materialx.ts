@@ -66,7 +66,7 @@ function describe(material: MaterialCards): Description {
   const index = quotient(top?.ior ?? CHECKS.AIR, CHECKS.AIR);
   const inputs = {
     ...baseOf(bottomUnder(bottom, index), lost),
-    ...(isBase ? glossOf(below, bottom.reflectance, index, lost) : {}),
+    ...(isBase ? glossOf(below, bottom.reflectance, top!.ior, lost) : {}),
   };
   if (top !== undefined) {
     const { color } = lookOf(top);
