@@ -52,8 +52,7 @@ async function pictures([place, isMeanKnown, environment, width, height, frames]
     window.shown = canvas;
   }
   const { cores, renderer, shown } = window;
-  const { view, rotation: turn, exposure, edge, scale } = INITIAL;
-  const shot = { view, rotation: turn, exposure, edge, scale, comparison: "off", slot: 0 };
+  const shot = { ...INITIAL, slot: 0 };
   const preset = PRESETS[place];
   if (preset === undefined) return null;
   const stack = stackOf(preset);

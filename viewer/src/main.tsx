@@ -14,17 +14,18 @@ import "./style.css";
 const addressed = location.hash.length > 1;
 if (addressed) showRead(() => fromAddress(location.hash, tell), false);
 
-// The address follows the state, but not at every step of a slider. A document in a frame has none.
+// The address follows the state, but not at every step: browsers allow few changes in a second.
+// A document in a frame has none.
 let written = location.hash;
 let timer = 0;
 effect(() => {
-  const present = state.value;
-  if (isDocument()) return;
-  clearTimeout(timer);
+  state.value;
+  if (isDocument() || timer !== 0) return;
   timer = window.setTimeout(() => {
-    written = `#${toAddress(present)}`;
+    timer = 0;
+    written = `#${toAddress(state.peek())}`;
     history.replaceState(null, "", written);
-  }, 300);
+  }, 400);
 });
 window.addEventListener("hashchange", () => {
   if (location.hash !== written) showRead(() => fromAddress(location.hash, tell), true);

@@ -35,8 +35,9 @@ export class RemoteCore {
   readonly albedo = this.remote("albedo");
   readonly table = this.remote("table");
   readonly occlusion = this.remote("occlusion");
+  readonly readExr = this.remote("readExr");
 
-  /** @param port a worker of `worker.ts`; without `load`, it has only `walk` and `occlusion`. */
+  /** @param port a worker of `worker.ts`; without `load`, it has only the last two and `walk`. */
   constructor(private readonly port: Port) {
     port.addEventListener("message", ({ data }) => this.receive(data));
   }

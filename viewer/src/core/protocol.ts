@@ -1,6 +1,7 @@
 /** Messages between the page and the core in its worker. */
 
 import type { Core, Stack } from "./api";
+import type { readExr } from "./exr_file";
 import type { occlusion } from "./occlusion";
 import type { Estimate } from "./walk/reference";
 
@@ -14,10 +15,11 @@ export interface WalkOptions {
 
 /** What the worker does, by name. */
 export interface Calls extends Pick<Core, "encodeMeasured" | "layer" | "f" | "albedo" | "table"> {
-  /** Load the networks, which other calls but `walk` and `occlusion` need. */
+  /** Load the networks, which other calls but `walk`, `occlusion` and `readExr` need. */
   load(weights: ArrayBuffer): Pick<Core, "latentSize" | "widths" | "fingerprint">;
   /** `occlusion` of a mesh, which needs no networks. */
   occlusion: typeof occlusion;
+  readExr: typeof readExr;
   /** Estimate f of a stack by random walks; estimates so far precede the result. */
   walk(stack: Stack, wi: Float32Array, wo: Float32Array, options: WalkOptions): Estimate;
 }

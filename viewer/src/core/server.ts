@@ -1,6 +1,7 @@
 /** The worker's side: calls in their order, and walks while there is nothing else to do. */
 
 import { loadCore, type NetworkCore } from "./core";
+import { readExr } from "./exr_file";
 import { LOBE_ALBEDO } from "./formulas";
 import { occlusion } from "./occlusion";
 import type { CallName, Calls, Cancellation, Request, Response } from "./protocol";
@@ -114,6 +115,7 @@ export class Server {
       return { latentSize, widths, fingerprint };
     }
     if (request.call === "occlusion") return occlusion(...request.args);
+    if (request.call === "readExr") return readExr(...request.args);
     if (!this.core) {
       throw new Error("the networks are not loaded yet");
     }

@@ -137,6 +137,12 @@ export class Slot {
     if (material === this.material) this.plane.value = f;
   }
 
+  /** A copy that keeps its material when this slot gets another one. */
+  frozen(): Slot {
+    const copy: Slot = Object.create(Slot.prototype);
+    return Object.assign(copy, this, { tables: [...this.tables], busy: false });
+  }
+
   /** Compute the next shifted table; resolves to false if there is nothing to do. */
   async another(): Promise<boolean> {
     const { material, generation } = this;

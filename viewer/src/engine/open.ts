@@ -4,18 +4,22 @@ import { signal } from "@preact/signals";
 import type { BottomInAir, CodesBottom, MaterialCards, TexelBottom } from "../material/material";
 import { isTexture } from "../material/texture";
 import { readMesh } from "../picture/mesh_files";
-import { readHdr, withoutLights } from "../picture/panorama";
+import { checkSize, type Panorama, readHdr, withoutLights } from "../picture/panorama";
 import { Refusal } from "../refusal";
 import { readState } from "../state/read";
 import { announcement, change, changeMaterial, complain, notice, tell } from "../state/store";
 import { networksOf, readMaterialFile } from "./material_file";
 import { readMaterialx } from "./materialx";
-import type { Cores, PageCore } from "./remote";
+import { byOwnWorker, type Cores, type PageCore } from "./remote";
 import { session, useEnvironment, useMesh } from "./session";
 import { keepTable, keepTexture } from "./textures";
 
 /** Whether a measured file is being encoded. */
 export const encoding = signal(false);
+
+/** Whether an OpenEXR file is being read, and the time after which it counts as damaged [ms]. */
+export const reading = signal(false);
+const PATIENCE = 60_000;
 
 /** The materials of files that were opened, one of each name, the last first. */
 export const opened = signal<readonly MaterialCards[]>([]);
@@ -35,8 +39,9 @@ export async function openFiles(files: readonly File[]): Promise<void> {
 async function openFile(file: File): Promise<void> {
   const bytes = await bytesOf(file);
   const suffix = file.name.toLowerCase().split(".").pop();
-  if (suffix === "hdr") {
-    useEnvironment(file.name, { file, ...withoutLights(readHdr(bytes)) });
+  if (suffix === "hdr" || suffix === "exr") {
+    const panorama = suffix === "hdr" ? readHdr(bytes) : await exrPanorama(bytes);
+    useEnvironment(file.name, { file, ...withoutLights(panorama) });
   } else if (suffix === "obj" || suffix === "glb" || suffix === "gltf") {
     useMesh(file.name, readMesh(bytes, suffix));
   } else if (suffix === "json") {
@@ -55,7 +60,7 @@ async function openFile(file: File): Promise<void> {
     showOpened({ name: stem(file), ...found, coats: [], solo: null });
   } else {
     throw new Refusal(
-      "The page opens materials (.safetensors, .mtlx), measured BRDFs (.binary of MERL, .bsdf of RGL), panoramas (.hdr), meshes (.obj, .glb, .gltf) and saved states (.json).",
+      "The page opens materials (.safetensors, .mtlx), measured BRDFs (.binary of MERL, .bsdf of RGL), panoramas (.hdr, .exr), meshes (.obj, .glb, .gltf) and saved states (.json).",
     );
   }
 }
@@ -75,6 +80,21 @@ async function bytesOf(file: File): Promise<Uint8Array<ArrayBuffer>> {
     return new Uint8Array(await file.arrayBuffer());
   } catch {
     throw new Refusal("It is a folder, or the browser cannot read it.");
+  }
+}
+
+/** The panorama of an OpenEXR file, which takes some seconds to unpack. */
+async function exrPanorama(bytes: Uint8Array): Promise<Panorama> {
+  reading.value = true;
+  const late = new Promise<never>((_resolve, reject) => {
+    setTimeout(() => reject(new Refusal("This .exr file is damaged.")), PATIENCE);
+  });
+  try {
+    const picture = await byOwnWorker((core) => Promise.race([core.readExr(bytes), late]));
+    checkSize(picture.width, picture.height);
+    return picture;
+  } finally {
+    reading.value = false;
   }
 }
 

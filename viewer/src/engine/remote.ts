@@ -65,6 +65,16 @@ export class Cores {
   }
 }
 
+/** The result of a call that needs no networks, by a worker of its own. */
+export async function byOwnWorker<T>(call: (core: RemoteCore) => Promise<T>): Promise<T> {
+  const { worker, broken } = await startWorker();
+  try {
+    return await Promise.race([call(new RemoteCore(worker)), broken]);
+  } finally {
+    worker.terminate();
+  }
+}
+
 /**
  * Start a worker and load networks.
  *

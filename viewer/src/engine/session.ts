@@ -2,7 +2,6 @@
 
 import { computed, effect, type ReadonlySignal, signal } from "@preact/signals";
 import type { Stack } from "../core/api";
-import { RemoteCore } from "../core/client";
 import type { FTable } from "../core/f_table";
 import { type MaterialCards, stackOf } from "../material/material";
 import { meanCodes } from "../material/texture";
@@ -17,16 +16,17 @@ import { exrFile, type Radiance } from "../save/exr";
 import type { Scene } from "../save/scene";
 import { readState } from "../state/read";
 import type { State } from "../state/state";
-import { announcement, change, complain, showRead, state, tell } from "../state/store";
+import { announcement, change, complain, look, showRead, state, tell } from "../state/store";
 import { type Shown, Slot } from "./engine";
-import { readFile, startWorker } from "./files";
+import { readFile } from "./files";
+import { blobOf, drawLarge, type LargeSize } from "./large_picture";
 import { readMaterialFile } from "./material_file";
-import { Cores, connect } from "./remote";
+import { byOwnWorker, Cores, connect } from "./remote";
 import { keepTable, keepTexture, logsOfBits, tables, textures } from "./textures";
 
 /** A panorama that was opened. */
 interface OwnEnvironment {
-  file: Blob;
+  file: File;
   /** Its panorama without the bright lights, and these. */
   panorama: Panorama;
   lights: Light[];
@@ -47,10 +47,7 @@ const occlusions = new WeakMap<Mesh, Promise<Float32Array>>();
 function occlusionOf(mesh: Mesh): Promise<Float32Array> {
   let known = occlusions.get(mesh);
   if (known === undefined) {
-    known = startWorker().then(({ worker, broken }) => {
-      const done = new RemoteCore(worker).occlusion(mesh.vertices, VERTEX_NUMBERS, mesh.faces);
-      return Promise.race([done, broken]).finally(() => worker.terminate());
-    });
+    known = byOwnWorker((core) => core.occlusion(mesh.vertices, VERTEX_NUMBERS, mesh.faces));
     occlusions.set(mesh, known);
   }
   return known;
@@ -85,6 +82,11 @@ export class Session {
   readonly painter: Painter;
 
   private readonly mesh: ReadonlySignal<Mesh>;
+  private readonly shot = computed<Shot>(() => {
+    const { view, rotation, exposure, tone, background, comparison, edge, scale } = state.value;
+    const slot = state.value.active;
+    return { view, rotation, exposure, tone, background, comparison, edge, scale, slot };
+  });
   private renderer: Renderer | null = null;
   private canvas: HTMLCanvasElement | null = null;
 
@@ -94,7 +96,7 @@ export class Session {
         changed: () => this.painter.refresh(),
         failed: complain,
         incidence: () => state.peek().incidence,
-        plotted: () => state.peek().active === place,
+        plotted: () => state.peek().plots && state.peek().active === place,
       });
     this.slots = [slot(0), slot(1)];
     this.painter = new Painter(this.slots, complain);
@@ -167,17 +169,27 @@ export class Session {
     return (await this.whole()).radiance();
   }
 
-  /** The renderer, once it has a whole picture, whose light the object partly hides. */
+  /** The renderer, once it has a whole picture at rest, whose light the object partly hides. */
   private async whole(): Promise<Renderer> {
+    look({ turntable: false });
     await occlusionOf(this.mesh.peek());
     return this.painter.whole();
   }
 
-  /** The picture so far as it is displayed. */
-  async picture(): Promise<Blob> {
-    await this.whole();
-    const blob = await new Promise<Blob | null>((resolve) => this.canvas!.toBlob(resolve));
-    return blob!;
+  /** The picture so far as it is displayed; or a larger one, as in `drawLarge`. */
+  async picture(size?: LargeSize): Promise<Blob> {
+    const whole = await this.whole();
+    if (size === undefined) return blobOf(this.canvas!);
+    const mesh = this.mesh.peek();
+    const occlusion = await occlusionOf(mesh);
+    const { environment } = state.peek();
+    const own = panoramaOf(state.peek());
+    const slots = [this.slots[0].frozen(), this.slots[1].frozen()] as const;
+    return drawLarge(size, whole.size, slots, this.shot.peek(), (renderer) => {
+      renderer.setMesh(mesh);
+      renderer.setOcclusion(occlusion);
+      renderer.setEnvironment(environment, own);
+    });
   }
 
   /** What the picture shows, but the material. */
@@ -189,7 +201,8 @@ export class Session {
     const own = panoramaOf(state.peek());
     if (own !== null) {
       const bytes = new Uint8Array(await own.file.arrayBuffer());
-      return { ...shown, environment: { suffix: "hdr", bytes }, lights: [] };
+      const suffix = /\.exr$/i.test(own.file.name) ? "exr" : "hdr";
+      return { ...shown, environment: { suffix, bytes }, lights: [] };
     }
     const bytes = exrFile(renderer.panoramaOf(name));
     return { ...shown, environment: { suffix: "exr", bytes }, lights: lightsOf(name) };
@@ -219,14 +232,10 @@ export class Session {
         }
     });
 
-    const shot = computed<Shot>(() => {
-      const { view, rotation, exposure, comparison, edge, scale, active } = state.value;
-      return { view, rotation, exposure, comparison, edge, scale, slot: active };
-    });
     let last = "";
     effect(() => {
-      const text = JSON.stringify(shot.value);
-      if (text !== last) painter.setShot(shot.value);
+      const text = JSON.stringify(this.shot.value);
+      if (text !== last) painter.setShot(this.shot.value);
       last = text;
     });
     effect(() => {
@@ -246,9 +255,10 @@ export class Session {
         complain(new Refusal(lost(`panorama “${state.peek().panorama}”`)));
     });
     const incidence = computed(() => state.value.incidence);
+    const plots = computed(() => state.value.plots);
     effect(() => {
       incidence.value;
-      slots[active.value].drawPlane().catch(complain);
+      if (plots.value) slots[active.value].drawPlane().catch(complain);
     });
     effect(() => {
       if (painter.converged.value) announcement.value = "The picture has converged.";

@@ -2,17 +2,14 @@
 
 import type { MaterialCards } from "../material/material";
 import { Renderer, type Shot } from "../picture/renderer";
+import { INITIAL } from "../state/state";
 import { SAMPLES, TABLE_ROWS } from "./engine";
 import { session, shownOf } from "./session";
 
 const SHOT: Shot = {
-  view: { azimuth: 20, elevation: 12, zoom: 1.2 },
-  rotation: 0,
-  exposure: 0,
-  comparison: "off",
+  ...INITIAL,
+  view: { ...INITIAL.view, elevation: 12, zoom: 1.2 },
   slot: 0,
-  edge: 0.5,
-  scale: 50,
 };
 
 /** Width and height [pixels]. */

@@ -14,9 +14,6 @@ export interface Camera {
   projection: number[];
 }
 
-/** Distance of the camera, in radii of the ball around the object. */
-const DISTANCE = 6;
-
 /** Share of the picture that the object fills at zoom 1. */
 const FILLED = 0.8;
 
@@ -35,10 +32,11 @@ export function cameraOf(
   aspect: number,
   jitter: readonly [number, number] = [0, 0],
 ): Camera {
-  const distance = DISTANCE * mesh.radius;
+  const distance = mesh.radius / (FILLED * Math.tan((view.fov * Math.PI) / 360));
   const steep = (Math.max(view.elevation, LOW) * Math.PI) / 180;
   const tall = mesh.halfHeight * Math.cos(steep) + mesh.width * Math.sin(steep);
-  const halfHeight = Math.max(tall, mesh.width / aspect) / (FILLED * distance * view.zoom);
+  const size = Math.max(tall, mesh.width / aspect) / FILLED;
+  const halfHeight = size / (distance * view.zoom);
   const halfWidth = halfHeight * aspect;
 
   const azimuth = (view.azimuth * Math.PI) / 180;
@@ -54,7 +52,10 @@ export function cameraOf(
     Math.sin(elevation) * Math.cos(azimuth),
     Math.cos(elevation),
   ];
-  const eye = mesh.centre.map((x, k) => x + distance * back[k]!) as unknown as Vector;
+  const [along, upward] = view.pan;
+  const eye = mesh.centre.map(
+    (x, k) => x + distance * back[k]! - size * (along * side[k]! + upward * top[k]!),
+  ) as unknown as Vector;
   const near = distance - 1.5 * mesh.radius;
   const far = distance + 1.5 * mesh.radius;
 

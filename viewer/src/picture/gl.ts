@@ -10,7 +10,6 @@ export class NoGraphics extends Error {}
 /** The context of a canvas, with float targets. */
 export function contextOf(canvas: HTMLCanvasElement): Gl {
   const gl = canvas.getContext("webgl2", {
-    alpha: false,
     antialias: false,
     depth: false,
     preserveDrawingBuffer: true,

@@ -77,8 +77,18 @@ export class Painter {
   }
 
   setShot(shot: Shot): void {
+    const { shot: before, renderer } = this;
     this.shot = shot;
-    this.refresh();
+    const isDrawn = before !== null && this.count > 0 && lightOf(before) === lightOf(shot);
+    if (isDrawn && renderer !== null) {
+      renderer.show(shot);
+      this.measure(renderer, shot);
+    } else this.refresh();
+  }
+
+  /** Compare the two pictures of a difference. */
+  private measure(renderer: Renderer, shot: Shot): void {
+    this.difference.value = shot.comparison === "difference" ? renderer.difference(shot) : null;
   }
 
   /**
@@ -202,7 +212,7 @@ export class Painter {
       if (!this.resting) return false;
     }
     renderer.endFrame(shot, this.count);
-    this.difference.value = shot.comparison === "difference" ? renderer.difference(shot) : null;
+    this.measure(renderer, shot);
     if (strips >= MANY_STRIPS) this.stripCost = Math.min(...times);
     const time = times.reduce((sum, one) => sum + one);
     this.learn(time - strips * this.stripCost, pixels);
@@ -237,6 +247,11 @@ export class Painter {
 
 export function noPictureYet(): Refusal {
   return new Refusal("There is no picture to save.");
+}
+
+/** What decides the light of a shot: all but how it is displayed. */
+function lightOf({ exposure, tone, background, scale, ...light }: Shot): string {
+  return JSON.stringify([light, background === "environment"]);
 }
 
 /** The materials that a shot shows. */

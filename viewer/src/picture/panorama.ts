@@ -34,11 +34,7 @@ export function readHdr(bytes: Uint8Array): Panorama {
   if (!header.startsWith("#?") || size === null)
     throw new Refusal("This is no .hdr panorama that the page can read.");
   const [height, width] = [Number(size[1]), Number(size[2])];
-  if (width * height > MOST_PIXELS || width < 2 || height < 1)
-    throw new Refusal("This panorama is too large; up to 8192 by 4096 pixels can be read.");
-  if (Math.abs(width / height - 2) > 0.05)
-    throw new Refusal("This picture is no panorama, whose width is twice its height.");
-
+  checkSize(width, height);
   const pixels = new Float32Array(width * height * 3);
   const row = new Uint8Array(width * 4);
   let at = size.index + size[0].length;
@@ -51,6 +47,14 @@ export function readHdr(bytes: Uint8Array): Panorama {
     }
   }
   return { width, height, pixels };
+}
+
+/** @throws Refusal if a picture of this size is no panorama, or too large a one. */
+export function checkSize(width: number, height: number): void {
+  if (width * height > MOST_PIXELS || width < 2 || height < 1)
+    throw new Refusal("This panorama is too large; up to 8192 by 4096 pixels can be read.");
+  if (Math.abs(width / height - 2) > 0.05)
+    throw new Refusal("This picture is no panorama, whose width is twice its height.");
 }
 
 /** Reads a row's pixels (width, 4) into `row`; returns where the next one begins. */

@@ -3,7 +3,7 @@
 import { sequenceSteps } from "../core/probe_pairs";
 import type { ShownTexture } from "../engine/textures";
 import type { Radiance } from "../save/exr";
-import type { Comparison, EnvironmentName, View } from "../state/state";
+import { type Comparison, type EnvironmentName, TONES, type Tone, type View } from "../state/state";
 import type { AnisotropicSize } from "./anisotropic_table";
 import {
   brightTexels,
@@ -38,6 +38,9 @@ export interface Shot {
   rotation: number;
   /** Powers of two. */
   exposure: number;
+  tone: Tone;
+  /** As in the state. */
+  background: string;
   comparison: Comparison;
   /** The material that is shown alone. */
   slot: 0 | 1;
@@ -45,7 +48,11 @@ export interface Shot {
   edge: number;
   /** Colour difference (CIELAB) of the last of the difference's colours. */
   scale: number;
+  /** Of a picture of `count` by `count` parts, each as large as the canvas: the one that is drawn. */
+  part?: { count: number; column: number; row: number };
 }
+
+const WHOLE = { count: 1, column: 0, row: 0 };
 
 /** The part of the picture that a material fills [pixels], and the part of it that is drawn. */
 interface Pane {
@@ -54,6 +61,8 @@ interface Pane {
   width: number;
   from: number;
   to: number;
+  /** Place of its picture in the frame. */
+  offset: number;
 }
 
 /** Blur of the backdrop: level of the environment. */
@@ -279,17 +288,22 @@ export class Renderer {
     const { gl, targets } = this;
     const { width, height } = targets;
     const [low, high] = [Math.round(from * height), Math.round(to * height)];
+    const { count: parts, column, row } = shot.part ?? WHOLE;
+    const partWidth = shot.comparison === "difference" ? width / 2 : width;
     gl.enable(gl.SCISSOR_TEST);
-    for (const pane of panes(shot, width)) {
+    for (const pane of panes(shot, parts * partWidth, partWidth)) {
       const textures = this.slots[pane.slot];
-      if (!textures) continue;
-      gl.viewport(pane.x, 0, pane.width, height);
-      gl.scissor(pane.from, low, pane.to - pane.from, high - low);
+      const inPart = (x: number) => Math.min(Math.max(x - column * partWidth, 0), partWidth);
+      const [left, right] = [inPart(pane.from), inPart(pane.to)];
+      if (!textures || left === right) continue;
+      const begin = pane.offset + pane.x - column * partWidth;
+      gl.viewport(begin, -row * height, pane.width, parts * height);
+      gl.scissor(pane.offset + left, low, right - left, high - low);
       // Frames are shifted by parts of a pixel, for smooth edges.
       const shift = count === 0 ? [0, 0] : [halton(count, 2) - 0.5, halton(count, 3) - 0.5];
-      const camera = cameraOf(this.mesh, shot.view, pane.width / height, [
+      const camera = cameraOf(this.mesh, shot.view, pane.width / (parts * height), [
         (2 * shift[0]!) / pane.width,
-        (2 * shift[1]!) / height,
+        (2 * shift[1]!) / (parts * height),
       ]);
       const draw = (seen: Camera, directions: number) => {
         targets.bindSurface();
@@ -307,7 +321,8 @@ export class Renderer {
       this.drawBackdrop(camera, shot);
       if (isAbove) {
         gl.enable(gl.BLEND);
-        gl.blendFunc(gl.SRC_ALPHA, gl.ONE_MINUS_SRC_ALPHA);
+        const rest = gl.ONE_MINUS_SRC_ALPHA;
+        gl.blendFuncSeparate(gl.SRC_ALPHA, rest, gl.ONE, rest);
         this.drawPaint(mirrored(camera), [groundReflectance(camera), 0.7 * this.mesh.halfHeight]);
         gl.disable(gl.BLEND);
         gl.frontFace(gl.CCW);
@@ -328,9 +343,9 @@ export class Renderer {
     this.blend.use();
     this.blend.setTexture("frame", 0, gl.TEXTURE_2D, targets.frame);
     // The later frames, whose levels are finer, weigh more.
-    this.blend.set("share", 2 / (count + 2));
+    gl.blendColor(0, 0, 0, 2 / (count + 2));
     if (count > 0) gl.enable(gl.BLEND);
-    gl.blendFunc(gl.SRC_ALPHA, gl.ONE_MINUS_SRC_ALPHA);
+    gl.blendFunc(gl.CONSTANT_ALPHA, gl.ONE_MINUS_CONSTANT_ALPHA);
     cover(gl);
     gl.disable(gl.BLEND);
     this.show(shot);
@@ -344,14 +359,24 @@ export class Renderer {
   }
 
   /** Show what has been gathered. */
-  show({ exposure, comparison, scale }: Shot): void {
+  show(shot: Shot): void {
     const { gl } = this;
     gl.bindFramebuffer(gl.FRAMEBUFFER, null);
     gl.viewport(0, 0, this.canvas.width, this.canvas.height);
-    this.display.use();
-    this.display.setTexture("picture", 0, gl.TEXTURE_2D, this.targets.picture);
-    this.display.set("exposure", 2 ** exposure);
-    this.display.set("scale", comparison === "difference" ? scale : 0);
+    this.drawDisplay(shot, shot.comparison === "difference" ? shot.scale : 0);
+  }
+
+  /** Draw what has been gathered as it is shown; scale: see display.frag. */
+  private drawDisplay({ exposure, tone, background }: Shot, scale: number): void {
+    const { gl, display } = this;
+    const bytes = [1, 3, 5].map((at) => Number.parseInt(background.slice(at, at + 2), 16));
+    const behind = background.startsWith("#") ? bytes.map((x) => x / 255) : [0, 0, 0];
+    display.use();
+    display.setTexture("picture", 0, gl.TEXTURE_2D, this.targets.picture);
+    display.set("exposure", 2 ** exposure);
+    display.setInteger("tone", TONES.indexOf(tone));
+    display.set("behind", ...behind, Number(background.startsWith("#")));
+    display.set("scale", scale);
     cover(gl);
   }
 
@@ -361,11 +386,7 @@ export class Renderer {
     const [width, height] = [targets.width >> 1, targets.height];
     targets.bindFrame();
     gl.viewport(0, 0, width, height);
-    this.display.use();
-    this.display.setTexture("picture", 0, gl.TEXTURE_2D, targets.picture);
-    this.display.set("exposure", 2 ** shot.exposure);
-    this.display.set("scale", -1);
-    cover(gl);
+    this.drawDisplay(shot, -1);
     let [sum, count, largest] = [0, 0, 0];
     const values = readRgb(gl, width, height);
     for (let at = 0; at < values.length; at += 3)
@@ -429,6 +450,7 @@ export class Renderer {
     backdrop.set("up", ...camera.up);
     backdrop.set("forward", ...camera.forward);
     backdrop.set("turn", ...turnOf(shot));
+    backdrop.setInteger("isPlain", Number(shot.background !== "environment"));
     backdrop.set("blur", BACKDROP_LEVEL);
     backdrop.set("wider", this.backdropWidth);
     backdrop.set("size", mesh.footprint, 0.9 * mesh.width, 2 * mesh.halfHeight);
@@ -582,23 +604,28 @@ function sequence(place: number): [number, number, number] {
   return [x, y, z];
 }
 
-/** The panes of a picture, left to right. */
-function panes(shot: Shot, width: number): Pane[] {
+/** The panes of a picture, left to right; `partWidth`: of the part that is drawn. */
+function panes(shot: Shot, width: number, partWidth: number): Pane[] {
+  const offset = 0;
   const half = Math.floor(width / 2);
   const edge = Math.round(width * shot.edge);
   switch (shot.comparison) {
     case "off":
-      return [{ slot: shot.slot, x: 0, width, from: 0, to: width }];
+      return [{ slot: shot.slot, x: 0, width, from: 0, to: width, offset }];
     case "side":
+      return [
+        { slot: 0, x: 0, width: half, from: 0, to: half, offset },
+        { slot: 1, x: half, width: width - half, from: half, to: width, offset },
+      ];
     case "difference": // of two pictures beside each other
       return [
-        { slot: 0, x: 0, width: half, from: 0, to: half },
-        { slot: 1, x: half, width: width - half, from: half, to: width },
+        { slot: 0, x: 0, width, from: 0, to: width, offset },
+        { slot: 1, x: 0, width, from: 0, to: width, offset: partWidth },
       ];
     case "swipe":
       return [
-        { slot: 0, x: 0, width, from: 0, to: edge },
-        { slot: 1, x: 0, width, from: edge, to: width },
+        { slot: 0, x: 0, width, from: 0, to: edge, offset },
+        { slot: 1, x: 0, width, from: edge, to: width, offset },
       ];
   }
 }

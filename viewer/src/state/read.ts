@@ -25,6 +25,7 @@ import {
   INITIAL,
   OBJECTS,
   type State,
+  TONES,
 } from "./state";
 
 type Fields = Record<string, unknown>;
@@ -46,6 +47,8 @@ export function readState(value: unknown, tell?: (text: string) => void): State 
   const first = readMaterial(materials[0], tell);
   const second = materials.length > 1 ? readMaterial(materials[1], tell) : INITIAL.materials[1];
   const view = object(fields.view ?? {}, "the view");
+  const pan = Array.isArray(view.pan) ? view.pan : [];
+  const { background } = fields;
   return {
     materials: [first, second],
     active: fields.active === 1 ? 1 : 0,
@@ -62,7 +65,16 @@ export function readState(value: unknown, tell?: (text: string) => void): State 
       azimuth: number(view.azimuth, -180, 180, INITIAL.view.azimuth),
       elevation: number(view.elevation, -10, 85, INITIAL.view.elevation),
       zoom: number(view.zoom, 0.5, 4, INITIAL.view.zoom),
+      fov: number(view.fov, 5, 60, INITIAL.view.fov),
+      pan: [number(pan[0], -2, 2, 0), number(pan[1], -2, 2, 0)],
     },
+    tone: choice(fields.tone, TONES, INITIAL.tone),
+    background:
+      background === "transparent" || /^#[0-9a-f]{6}$/.test(String(background))
+        ? String(background)
+        : INITIAL.background,
+    turntable: fields.turntable === true,
+    plots: fields.plots !== false,
     incidence: number(fields.incidence, 0, 89, INITIAL.incidence),
   };
 }

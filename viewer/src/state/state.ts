@@ -14,6 +14,7 @@ export const OBJECTS = [
   "sheet",
 ] as const;
 export const ENVIRONMENTS = ["studio", "sky", "room", "own"] as const;
+export const TONES = ["neutral", "filmic", "none"] as const;
 export const COMPARISONS = ["off", "side", "swipe", "difference"] as const;
 
 /** Largest colour differences (CIELAB) of the difference's colours. */
@@ -22,6 +23,7 @@ export const DIFFERENCE_SCALES = [2, 10, 50] as const;
 /** "own" is a mesh that was opened. */
 export type ObjectName = (typeof OBJECTS)[number] | "own";
 export type EnvironmentName = (typeof ENVIRONMENTS)[number];
+export type Tone = (typeof TONES)[number];
 export type Comparison = (typeof COMPARISONS)[number];
 
 /** Where the camera stands, and how wide the object appears. */
@@ -32,6 +34,10 @@ export interface View {
   elevation: number;
   /** Size of the object, 1 fits the picture. */
   zoom: number;
+  /** Angle of the picture's height if the ball around the object fills 80 % of it [degrees]. */
+  fov: number;
+  /** Shift of the object to the right and upwards, in half heights of the picture at zoom 1. */
+  pan: readonly [number, number];
 }
 
 export interface State {
@@ -53,7 +59,15 @@ export interface State {
   rotation: number;
   /** Exposure [powers of two]. */
   exposure: number;
+  /** The tone curve. */
+  tone: Tone;
+  /** What lies behind the object: "environment", "transparent", or a colour "#rrggbb" (sRGB). */
+  background: string;
   view: View;
+  /** Whether the camera goes round the object. */
+  turntable: boolean;
+  /** Whether the plots are unfolded. */
+  plots: boolean;
   /** Angle of incidence of the plot [degrees]. */
   incidence: number;
 }
@@ -70,7 +84,11 @@ export const INITIAL: State = {
   panorama: "",
   rotation: 0,
   exposure: 0,
-  view: { azimuth: 20, elevation: 18, zoom: 1 },
+  tone: "neutral",
+  background: "environment",
+  view: { azimuth: 20, elevation: 18, zoom: 1, fov: 24, pan: [0, 0] },
+  turntable: false,
+  plots: true,
   incidence: 45,
 };
 

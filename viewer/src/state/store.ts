@@ -52,8 +52,8 @@ export function redo(): void {
 
 function restore(value: State | null, said: string): void {
   if (value === null) return;
-  const { view, edge, scale, incidence } = state.value;
-  state.value = { ...value, view, edge, scale, incidence };
+  const { view, turntable, plots, edge, scale, incidence } = state.value;
+  state.value = { ...value, view, turntable, plots, edge, scale, incidence };
   announcement.value = said;
   steps.value++;
 }

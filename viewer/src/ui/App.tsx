@@ -2,7 +2,7 @@
 
 import { titleOf } from "../material/presets";
 import type { State } from "../state/state";
-import { announcement, change, state } from "../state/store";
+import { announcement, change, changeMaterial, material, state } from "../state/store";
 import { Cards } from "./Cards";
 import { Icon } from "./icons";
 import { Plots } from "./Plots";
@@ -27,6 +27,7 @@ export function App() {
         <div class="column">
           <aside id="material" tabIndex={-1} aria-label="Material">
             {state.value.comparison !== "off" && <Chooser />}
+            <Name />
             <Cards />
           </aside>
           <Plots />
@@ -36,6 +37,30 @@ export function App() {
         {announcement.value}
       </p>
     </>
+  );
+}
+
+/** The name of the material on the cards, which can be changed. */
+function Name() {
+  const { name } = material.value;
+  return (
+    <input
+      type="text"
+      class="name"
+      aria-label="Name of the material"
+      maxLength={80}
+      autocomplete="off"
+      spellcheck={false}
+      value={name}
+      onChange={({ currentTarget: field }) => {
+        const next = field.value.trim();
+        if (next === "") field.value = name;
+        else if (next !== name) changeMaterial({ ...material.value, name: next });
+      }}
+      onKeyDown={({ key, currentTarget }) => {
+        if (key === "Enter") currentTarget.blur();
+      }}
+    />
   );
 }
 

@@ -17,8 +17,18 @@ export function Plots() {
   const slot = session.value?.slots[state.value.active];
   return (
     <section class="plots" aria-label="Plots">
-      <PlanePlot slot={slot} />
-      <AlbedoPlot slot={slot} />
+      <details
+        open={state.value.plots}
+        onToggle={({ currentTarget: { open: plots } }) => {
+          if (plots !== state.value.plots) look({ plots });
+        }}
+      >
+        <summary>Plots</summary>
+        <div>
+          <PlanePlot slot={slot} />
+          <AlbedoPlot slot={slot} />
+        </div>
+      </details>
     </section>
   );
 }

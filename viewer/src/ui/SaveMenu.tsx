@@ -2,6 +2,7 @@
 
 import type { Material } from "../core/api";
 import { isDocument } from "../engine/files";
+import type { LargeSize } from "../engine/large_picture";
 import { materialFile } from "../engine/material_file";
 import type { PageCore } from "../engine/remote";
 import { type Session, session, shownOf } from "../engine/session";
@@ -124,6 +125,14 @@ const KINDS: readonly Kind[] = [
   },
 ];
 
+/** The sizes of larger pictures, in words. */
+const SIZES: Record<LargeSize, string> = { "2x": "2 ×", "4K": "4K" };
+
+async function saveLarge(size: LargeSize, name: string): Promise<void> {
+  announcement.value = "The picture is being drawn.";
+  download(`${name}-${size}.png`, await presentSession().picture(size));
+}
+
 const ADDRESS: Kind = {
   group: "Share",
   label: "Copy the address",
@@ -190,6 +199,22 @@ export function SaveMenu({ onDone }: { onDone: () => void }) {
               </button>
             </li>
           ))}
+        {group === "Picture" && (
+          <li class="languages">
+            <small>Larger, drawn to the end</small>
+            <div role="group" aria-label="Larger picture">
+              {Object.entries(SIZES).map(([size, label]) => (
+                <button
+                  key={size}
+                  type="button"
+                  onClick={() => void run((name) => saveLarge(size as LargeSize, name))}
+                >
+                  {label}
+                </button>
+              ))}
+            </div>
+          </li>
+        )}
         {group === "Code" && (
           <li class="languages">
             <small>Shaders of f, pdf and sample</small>

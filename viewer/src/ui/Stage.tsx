@@ -1,16 +1,21 @@
 /** The picture, and what is laid over it. */
 
 import { useEffect, useRef } from "preact/hooks";
-import { encoding } from "../engine/open";
+import { drawn } from "../engine/large_picture";
+import { encoding, reading } from "../engine/open";
 import { loading, noPicture, occluding, session } from "../engine/session";
 import { titleOf } from "../material/presets";
 import { DIFFERENCE_SCALES, INITIAL, type View } from "../state/state";
 import { change, look, notice, state } from "../state/store";
 
+/** The id of the picture's place. */
+export const STAGE = "stage";
+
 export function Stage() {
-  const { comparison, materials } = state.value;
+  const { comparison, materials, background } = state.value;
+  const classes = background === "transparent" ? "stage checkered" : "stage";
   return (
-    <section class="stage" aria-label="Picture">
+    <section id={STAGE} class={classes} aria-label="Picture">
       <Picture />
       {(comparison === "side" || comparison === "swipe") && (
         <div class={`names ${comparison}`}>
@@ -78,30 +83,47 @@ function Picture() {
     return () => element.removeEventListener("wheel", wheel);
   }, []);
 
-  const { object, mesh, environment } = state.value;
+  const { object, mesh, environment, turntable } = state.value;
+  useEffect(() => {
+    if (!turntable) return undefined;
+    const timer = setInterval(() => {
+      if (wantsStillness()) look({ turntable: false });
+      else if (held.size === 0) turn({ azimuth: state.value.view.azimuth + TURN });
+    }, TURN_TIME);
+    return () => clearInterval(timer);
+  }, [turntable, held]);
   return (
     <canvas
       ref={canvas}
       tabIndex={0}
       role="img"
-      aria-label={`${object === "own" ? mesh : `A ${object}`} of the material, lit by the environment “${environment}”. Arrow keys turn the camera, plus and minus zoom, Home or a double click resets it, with Shift the arrow keys turn the light.`}
+      aria-label={`${object === "own" ? mesh : `A ${object}`} of the material, lit by the environment “${environment}”. Arrow keys turn the camera, with Control they shift the picture, with Shift they turn the light; plus and minus zoom; Home or a double click resets the camera.`}
+      onContextMenu={(event) => event.preventDefault()}
       onPointerDown={({ button, currentTarget, pointerId, clientX, clientY }) => {
-        if (button !== 0) return;
+        if (button === 1) return; // it scrolls
         currentTarget.setPointerCapture(pointerId);
         held.set(pointerId, [clientX, clientY]);
       }}
       onLostPointerCapture={({ pointerId }) => held.delete(pointerId)}
-      onPointerMove={({ pointerId, clientX, clientY, shiftKey }) => {
+      onPointerMove={(event) => {
+        const { pointerId, clientX, clientY, currentTarget } = event;
         const before = held.get(pointerId);
         if (before === undefined) return;
         const { view } = state.value;
         const [x, y] = [clientX - before[0], clientY - before[1]];
         held.set(pointerId, [clientX, clientY]);
+        // The point under the pointer follows it.
+        const follow = (share: number) => {
+          const unit = (share * 2) / (currentTarget.clientHeight * view.zoom);
+          return [view.pan[0] + x * unit, view.pan[1] - y * unit] as const;
+        };
         const other = [...held].find(([id]) => id !== pointerId)?.[1];
         if (other !== undefined) {
           const apart = (at: Place) => Math.hypot(at[0] - other[0], at[1] - other[1]) + 1;
-          turn({ zoom: (view.zoom * apart([clientX, clientY])) / apart(before) });
-        } else if (shiftKey) light(x * 0.4);
+          const zoom = (view.zoom * apart([clientX, clientY])) / apart(before);
+          turn({ zoom, pan: follow(0.5) }); // the middle of two pointers moves half as far
+        } else if (event.buttons !== 1 || event.ctrlKey || event.metaKey) turn({ pan: follow(1) });
+        else if (event.shiftKey) light(x * 0.4);
         else turn({ azimuth: view.azimuth - x * 0.4, elevation: view.elevation + y * 0.3 });
       }}
       onDblClick={() => look({ view: INITIAL.view })}
@@ -111,7 +133,10 @@ function Picture() {
         const x = { ArrowLeft: -1, ArrowRight: 1 }[event.key];
         const y = { ArrowUp: 1, ArrowDown: -1 }[event.key];
         const zoom = { "+": 1.1, "=": 1.1, "-": 1 / 1.1 }[event.key];
-        if (x !== undefined && event.shiftKey) light(5 * x);
+        const [along, upward] = view.pan;
+        if ((x ?? y) !== undefined && (event.ctrlKey || event.metaKey))
+          turn({ pan: [along + 0.1 * (x ?? 0), upward + 0.1 * (y ?? 0)] });
+        else if (x !== undefined && event.shiftKey) light(5 * x);
         else if (x !== undefined) turn({ azimuth: view.azimuth + 5 * x });
         else if (y !== undefined) turn({ elevation: view.elevation + 5 * y });
         else if (zoom !== undefined) turn({ zoom: view.zoom * zoom });
@@ -122,6 +147,14 @@ function Picture() {
   );
 }
 
+/** Angle and time of a step of the turntable [degrees, ms]: a turn takes 24 s. */
+const [TURN, TURN_TIME] = [0.6, 40];
+
+/** Whether the user's system asks for less motion, which the turntable heeds. */
+export function wantsStillness(): boolean {
+  return matchMedia("(prefers-reduced-motion: reduce)").matches;
+}
+
 /** Move the camera. */
 function turn(change: Partial<View>): void {
   const view = { ...state.value.view, ...change };
@@ -130,6 +163,8 @@ function turn(change: Partial<View>): void {
       azimuth: around(view.azimuth),
       elevation: Math.min(Math.max(view.elevation, -5), 80),
       zoom: Math.min(Math.max(view.zoom, 0.5), 4),
+      fov: view.fov,
+      pan: [panned(view.pan[0]), panned(view.pan[1])],
     },
   });
 }
@@ -140,6 +175,10 @@ function light(degrees: number): void {
   change({ ...state.value, rotation }, "rotation");
 }
 
+function panned(shift: number): number {
+  return Number(Math.min(Math.max(shift, -2), 2).toFixed(3));
+}
+
 function around(degrees: number): number {
   return Number((((((degrees + 180) % 360) + 360) % 360) - 180).toFixed(1));
 }
@@ -147,6 +186,14 @@ function around(degrees: number): number {
 function Status() {
   const painter = session.value?.painter;
   if (encoding.value) return <p class="status">Encoding the measured BRDF …</p>;
+  if (reading.value) return <p class="status">Reading the panorama …</p>;
+  if (drawn.value !== null)
+    return (
+      <p class="status">
+        <progress aria-hidden="true" value={drawn.value} />
+        drawing the large picture
+      </p>
+    );
   if (painter === undefined) {
     const text = loading.value ? "Loading the networks …" : "The networks are not loaded.";
     return <p class="status">{text}</p>;

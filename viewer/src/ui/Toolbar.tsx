@@ -2,7 +2,7 @@
 
 import { COMPARISONS, type Comparison, ENVIRONMENTS, OBJECTS, type State } from "../state/state";
 import { change, state } from "../state/store";
-import { Slider } from "./Slider";
+import { Dial } from "./Dial";
 
 const COMPARISON_NAMES: Record<Comparison, string> = {
   off: "Single",
@@ -77,26 +77,6 @@ export function Toolbar() {
         ))}
       </div>
     </div>
-  );
-}
-
-interface DialProps {
-  label: string;
-  text: string;
-  value: number;
-  low: number;
-  high: number;
-  step: number;
-  onInput: (value: number) => void;
-}
-
-function Dial({ label, ...dial }: DialProps) {
-  return (
-    <label>
-      <span>{label}</span>
-      <Slider {...dial} onReset={() => dial.onInput(0)} />
-      <output>{dial.text}</output>
-    </label>
   );
 }
 

@@ -9,6 +9,7 @@ import { Icon } from "./icons";
 import { Menu } from "./Menu";
 import { SaveMenu } from "./SaveMenu";
 import { Thumbnail } from "./Thumbnail";
+import { ViewMenu } from "./ViewMenu";
 
 export function TopBar() {
   const input = useRef<HTMLInputElement>(null);
@@ -62,7 +63,7 @@ export function TopBar() {
         type="file"
         hidden
         multiple
-        accept=".hdr,.obj,.glb,.gltf,.json,.safetensors,.mtlx,.binary,.bsdf"
+        accept=".hdr,.exr,.obj,.glb,.gltf,.json,.safetensors,.mtlx,.binary,.bsdf"
         onChange={(event) => {
           void openFiles([...(event.currentTarget.files ?? [])]);
           event.currentTarget.value = "";
@@ -72,12 +73,24 @@ export function TopBar() {
         type="button"
         class="text-button"
         aria-label="Open"
-        title="A material (.safetensors, .mtlx), a measured BRDF (.binary, .bsdf), a panorama (.hdr), a mesh (.obj, .glb, .gltf) or a saved state (.json); or drop it on the page"
+        title="A material (.safetensors, .mtlx), a measured BRDF (.binary, .bsdf), a panorama (.hdr, .exr), a mesh (.obj, .glb, .gltf) or a saved state (.json); or drop it on the page"
         onClick={() => input.current?.click()}
       >
         <Icon name="open" />
         <span>Open</span>
       </button>
+      <Menu
+        kind="view"
+        name="View"
+        label={
+          <>
+            <Icon name="sliders" />
+            <span>View</span>
+          </>
+        }
+      >
+        {(close) => <ViewMenu onDone={close} />}
+      </Menu>
       <Menu
         kind="save"
         name="Save"

@@ -36,6 +36,8 @@ test("axe finds nothing", async ({ page }) => {
   await check(1600, 900);
   await button("Swipe").click();
   await button("Coat 2, u·v: two widths").click();
+  await button("View").click();
+  await page.getByRole("combobox", { name: "Background" }).selectOption("colour");
   await check(844, 390);
   await button("Difference").click();
   await button("Save").click();
@@ -58,7 +60,10 @@ test("every control is reached by the keyboard", async ({ page }) => {
   }
   for (const name of [
     "Skip to the layers",
+    "View",
     "Save",
+    "Name of the material",
+    "Plots",
     "Solo Coat 2",
     "Coat 1, Index n",
     "Angle of incidence",

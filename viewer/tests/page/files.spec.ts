@@ -4,6 +4,7 @@ import { mkdtempSync, rmSync, writeFileSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
 import type { Page } from "@playwright/test";
+import { exrFile } from "../../src/save/exr";
 import { rglTensors, tensorFile } from "../core/measured/files";
 import { coats, expect, give, number, open, panorama, saved, stateOf, test } from "./page";
 
@@ -16,6 +17,7 @@ test("what cannot be read is refused in a sentence", async ({ page }) => {
     ["broken.binary", "hello", "neither a MERL table"],
     ["broken.hdr", "hello", "no .hdr panorama"],
     ["short.hdr", "#?RADIANCE\n\n-Y 4 +X 8\n1234", "damaged or incomplete"],
+    ["broken.exr", "v/1\u0001hello", ".exr file is damaged"],
     ["broken.json", "{", "no JSON text"],
     ["empty.json", "{}", "has no materials"],
   ] as const) {
@@ -30,6 +32,9 @@ test("what cannot be read is refused in a sentence", async ({ page }) => {
 
 test("a panorama becomes the light", async ({ page }) => {
   await open(page);
+  const pixels = new Float32Array(3 * 8 * 4).fill(0.5);
+  await give(page, "noon.exr", Buffer.from(exrFile({ width: 8, height: 4, pixels })));
+  await expect(page.getByRole("combobox", { name: "Light" })).toContainText("noon.exr");
   await give(page, "evening.hdr", panorama(64, 32, [128, 64, 32, 129]));
   await expect(page.getByRole("combobox", { name: "Light" })).toHaveValue("own");
   await expect(page.getByRole("combobox", { name: "Light" })).toContainText("evening.hdr");

@@ -1,6 +1,7 @@
 /** The picture: it is there, follows the cards, and its absence is told. */
 
-import { decoded } from "../../src/material/colour";
+import { readExr } from "../../src/core/exr_file";
+import { decoded, encoded } from "../../src/material/colour";
 import { colourAt, expect, give, number, open, panorama, saved, stateOf, test } from "./page";
 
 test.use({ deviceScaleFactor: 1, picture: true });
@@ -229,6 +230,124 @@ test.describe("in a small picture", () => {
   });
 });
 
+/** The tone curve of the Khronos Group (2024, "PBR Neutral"), of one linear colour. */
+function neutral(light: number[]): number[] {
+  const least = Math.min(...light);
+  const offset = least < 0.08 ? least - 6.25 * least ** 2 : 0.04;
+  const lowered = light.map((x) => x - offset);
+  const peak = Math.max(...lowered);
+  if (peak < 0.76) return lowered;
+  const next = 1 - 0.24 ** 2 / (peak + 0.24 - 0.76);
+  const grey = 1 - 1 / (0.15 * (peak - next) + 1);
+  return lowered.map((x) => ((1 - grey) * x * next) / peak + grey * next);
+}
+
+/** Hill's fit of ACES (BakingLab, ACES.hlsl), with the exposure of three.js. */
+function filmic(light: number[]): number[] {
+  const times = (rows: number[][], v: number[]) =>
+    rows.map((row) => row.reduce((sum, x, k) => sum + x * v[k]!, 0));
+  const inner = times(
+    [
+      [0.59719, 0.35458, 0.04823],
+      [0.076, 0.90834, 0.01566],
+      [0.0284, 0.13383, 0.83777],
+    ],
+    light.map((x) => x / 0.6),
+  );
+  const fitted = inner.map(
+    (x) => (x * (x + 0.0245786) - 0.000090537) / (x * (0.983729 * x + 0.432951) + 0.238081),
+  );
+  return times(
+    [
+      [1.60475, -0.53108, -0.07367],
+      [-0.10208, 1.10813, -0.00605],
+      [-0.00327, -0.07276, 1.07602],
+    ],
+    fitted,
+  );
+}
+
+const CURVES = { neutral, filmic, none: (light: number[]) => light };
+
+test.describe("a saved picture", () => {
+  test.use({ deviceScaleFactor: 0.2 });
+
+  test("has the chosen tone curve, background and size", async ({ page }) => {
+    await page.setViewportSize({ width: 640, height: 300 });
+    await open(page);
+    await page.getByRole("button", { name: /choose another/ }).click();
+    await page.getByRole("button", { name: "Gilding under shellac" }).click();
+    await page.getByRole("combobox", { name: "Object" }).selectOption("ball");
+    const choose = async (name: string, value: string) => {
+      await page.getByRole("button", { name: "View", exact: true }).click();
+      await page.getByRole("combobox", { name }).selectOption(value);
+      await page.getByRole("button", { name: "View", exact: true }).click();
+    };
+    const picture = async (label = "Picture") => {
+      await expect(page.locator(".status[data-converged=true]")).toBeVisible();
+      return pixelsOf(page, (await saved(page, label)).text);
+    };
+    await choose("Background", "transparent");
+    const one = await picture();
+    const centre = Math.floor(one.height / 2) * one.width + Math.floor(one.width / 2);
+    expect(one.data.slice(0, 4)).toEqual([0, 0, 0, 0]);
+    expect(one.data[4 * centre + 3]).toBe(255);
+
+    const linear = readExr(Buffer.from((await saved(page, "Radiance")).text, "latin1"));
+    expect([one.width, one.height]).toEqual([linear.width, linear.height]);
+    for (const [tone, curve] of Object.entries(CURVES)) {
+      await choose("Tone curve", tone);
+      const { data } = await picture();
+      const differences = [...linear.pixels].map((_, at) => {
+        const [pixel, k] = [Math.floor(at / 3), at % 3];
+        if (one.data[4 * pixel + 3] !== 255) return 0;
+        const known = curve([...linear.pixels.subarray(3 * pixel, 3 * pixel + 3)])[k]!;
+        return Math.abs(data[4 * pixel + k]! - 255 * encoded(known));
+      });
+      // Half a step of rounding, and half a step of noise
+      expect(Math.max(...differences), tone).toBeLessThan(1.1);
+    }
+
+    await choose("Background", "colour");
+    await page.getByRole("button", { name: "View", exact: true }).click();
+    await page.getByLabel("Colour of the background").fill("#336699");
+    expect((await picture()).data.slice(0, 4)).toEqual([0x33, 0x66, 0x99, 255]);
+
+    await choose("Background", "transparent");
+    // A pixel is the mean of the four of the picture of twice the size, whose parts have no seams.
+    const two = await picture("2 ×");
+    expect([two.width, two.height]).toEqual([2 * one.width, 2 * one.height]);
+    let sum = 0;
+    for (let y = 0; y < one.height; y++)
+      for (let x = 0; x < one.width; x++) {
+        const of = ([i, j]: number[]) => two.data[4 * ((2 * y + j!) * two.width + 2 * x + i!) + 3]!;
+        const mean =
+          [
+            [0, 0],
+            [0, 1],
+            [1, 0],
+            [1, 1],
+          ]
+            .map(of)
+            .reduce((a, b) => a + b) / 4;
+        sum += Math.abs(mean - one.data[4 * (y * one.width + x) + 3]!);
+      }
+    expect(sum / (one.width * one.height)).toBeLessThan(1);
+  });
+});
+
+/** The pixels (RGBA, the first row at the top) of a PNG file. */
+async function pixelsOf(page: import("@playwright/test").Page, file: string) {
+  return page.evaluate(async (text) => {
+    const bytes = Uint8Array.from(text, (character) => character.charCodeAt(0));
+    const bitmap = await createImageBitmap(new Blob([bytes]));
+    const { width, height } = bitmap;
+    const context = new OffscreenCanvas(width, height).getContext("2d")!;
+    context.drawImage(bitmap, 0, 0);
+    return { width, height, data: [...context.getImageData(0, 0, width, height).data] };
+  }, file);
+}
+
 test("the picture has its place, and nothing is cut off, whatever the window's size", async ({
   page,
 }) => {
@@ -239,6 +358,7 @@ test("the picture has its place, and nothing is cut off, whatever the window's s
     [568, 320],
     [390, 844],
     [1440, 900],
+    [2560, 1300],
   ] as const) {
     await page.setViewportSize({ width, height });
     const stage = (await page.locator(".stage").boundingBox())!;

@@ -1,7 +1,7 @@
 import { expect, test } from "vitest";
 import { cameraOf } from "../../src/picture/camera";
 import { type Mesh, meshOf, VERTEX_NUMBERS } from "../../src/picture/meshes";
-import { OBJECTS } from "../../src/state/state";
+import { INITIAL, OBJECTS } from "../../src/state/state";
 
 function vertex(mesh: Mesh, face: number, corner: number): number[] {
   const at = VERTEX_NUMBERS * mesh.faces[3 * face + corner]!;
@@ -84,11 +84,14 @@ function projected(matrix: number[], point: readonly number[]): number[] {
 }
 
 test.each([
-  [1.6, 30, 20],
-  [0.5, -140, 70],
-])("at aspect %d the camera has the whole object in the picture", (aspect, azimuth, elevation) => {
+  [1.6, 30, 20, 24],
+  [0.5, -140, 70, 24],
+  [1.6, 30, 20, 5],
+  [1.6, 30, 20, 60],
+])("at aspect %d the camera has the whole object in the picture", (...place) => {
+  const [aspect, azimuth, elevation, fov] = place;
   const mesh = meshOf("teapot");
-  const camera = cameraOf(mesh, { azimuth, elevation, zoom: 1 }, aspect);
+  const camera = cameraOf(mesh, { azimuth, elevation, zoom: 1, fov, pan: [0, 0] }, aspect);
   const middle = projected(camera.projection, mesh.centre);
   expect(middle[0]).toBeCloseTo(0, 6);
   let farthest = 0;
@@ -101,9 +104,32 @@ test.each([
 
 test("a shift moves the picture by parts of it", () => {
   const mesh = meshOf("ball");
-  const view = { azimuth: 0, elevation: 0, zoom: 1 };
+  const view = { ...INITIAL.view, azimuth: 0, elevation: 0 };
   const still = projected(cameraOf(mesh, view, 1).projection, [0.3, 0.2, 1.4]);
   const moved = projected(cameraOf(mesh, view, 1, [0.01, -0.02]).projection, [0.3, 0.2, 1.4]);
   expect(moved[0]! - still[0]!).toBeCloseTo(0.01, 6);
   expect(moved[1]! - still[1]!).toBeCloseTo(-0.02, 6);
+});
+
+test("the field of view is the angle of the picture's height where the ball around the object fills 80 %", () => {
+  const mesh = meshOf("ball");
+  for (const fov of [5, 24, 60]) {
+    const { eye } = cameraOf(mesh, { ...INITIAL.view, fov }, 1);
+    const distance = Math.hypot(...eye.map((x, k) => x - mesh.centre[k]!));
+    const height = 2 * distance * Math.tan((fov * Math.PI) / 360);
+    expect((2 * mesh.radius) / height).toBeCloseTo(0.8, 9);
+  }
+});
+
+test("a pan shifts the object by half heights of the picture, and a zoom enlarges the shift", () => {
+  const mesh = meshOf("goblet");
+  for (const [zoom, aspect] of [
+    [1, 1.6],
+    [2, 0.7],
+  ] as const) {
+    const view = { ...INITIAL.view, zoom, pan: [0.3, -0.2] as const };
+    const middle = projected(cameraOf(mesh, view, aspect).projection, mesh.centre);
+    expect(middle[0]).toBeCloseTo((0.3 * zoom) / aspect, 6);
+    expect(middle[1]).toBeCloseTo(-0.2 * zoom, 6);
+  }
 });

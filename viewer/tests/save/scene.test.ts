@@ -3,6 +3,7 @@ import { meshOf } from "../../src/picture/meshes";
 import { plyFile } from "../../src/save/ply";
 import { type Scene, sceneXml } from "../../src/save/scene";
 import { crc32, zipFile } from "../../src/save/zip";
+import { INITIAL } from "../../src/state/state";
 
 test("the check sum has its published check value", () => {
   expect(crc32(new TextEncoder().encode("123456789"))).toBe(0xcbf43926);
@@ -39,7 +40,7 @@ test("a mesh file has a row for each vertex and face", () => {
 test("a scene's bright lights turn with the environment", () => {
   const scene: Scene = {
     mesh: meshOf("ball"),
-    view: { azimuth: 20, elevation: 18, zoom: 1 },
+    view: INITIAL.view,
     rotation: 30,
     width: 64,
     height: 32,

@@ -91,3 +91,11 @@ test("widths across the tangent, the angle and codes of anisotropic networks are
   expect(readMaterial({ bottom, rotation: 500 }).rotation).toBe(180);
   expect(readMaterial({ bottom: { ...bottom, alphaV: 7 } }).bottom).toMatchObject({ alphaV: 1 });
 });
+
+test("a background is a colour or one of two words", () => {
+  const read = (background: unknown) => readState({ materials: [{ bottom: BOTTOM }], background });
+  expect(read("#12ab9f").background).toBe("#12ab9f");
+  expect(read("transparent").background).toBe("transparent");
+  for (const other of ["red", "#12ab9fx", "url(x)", 7, null])
+    expect(read(other).background).toBe("environment");
+});

@@ -15,6 +15,7 @@ uniform float wider; // width relative to the picture's, to show the horizon fro
 uniform vec3 size; // of the object: radius of its foot, radius and height
 uniform vec3 key; // direction of the main light, in the environment
 uniform vec2 keySize; // the light's angular radius, and its share of the light on the ground
+uniform bool isPlain; // whether there is the shadow alone
 
 in vec2 place;
 out vec4 colour;
@@ -26,7 +27,7 @@ vec3 inEnvironment(vec3 v) {
 void main() {
     vec3 direction = normalize(forward + place.x * right + place.y * up);
     vec3 wide = normalize(forward + wider * (place.x * right + place.y * up));
-    vec3 light = textureLod(environment, inEnvironment(wide), blur).rgb;
+    float shade = 1.0;
     if (direction.z < -1e-3 && eye.z > 0.0) {
         vec3 ground = eye - direction * (eye.z / direction.z);
         float away = length(ground.xy);
@@ -38,7 +39,11 @@ void main() {
         float soft = keySize.x * way + 0.12 * size.y;
         float radius = mix(size.x, size.y, smoothstep(0.0, 0.4 * size.z, way * key.z));
         float hidden = 1.0 - smoothstep(-soft, soft, length(at + way * key.xy) - radius);
-        light *= (1.0 - contact) * (1.0 - broad) * (1.0 - keySize.y * hidden);
+        shade = (1.0 - contact) * (1.0 - broad) * (1.0 - keySize.y * hidden);
     }
-    colour = vec4(light, 1.0);
+    if (isPlain) {
+        colour = vec4(vec3(0.0), 1.0 - pow(shade, 1.0 / 2.2)); // it is laid over an encoded colour
+        return;
+    }
+    colour = vec4(shade * textureLod(environment, inEnvironment(wide), blur).rgb, 1.0);
 }

@@ -1,10 +1,12 @@
 #version 300 es
-// Exposure, the neutral tone curve of the Khronos Group (2024), and sRGB; or the colour difference of
-// two pictures that lie beside each other.
+// Exposure, a tone curve, sRGB, and what lies behind the picture; or the colour difference of two
+// pictures that lie beside each other.
 precision highp float;
 
 uniform sampler2D picture;
 uniform float exposure;
+uniform int tone; // 0: neutral, 1: filmic, 2: none
+uniform vec4 behind; // colour (sRGB) and opacity where the picture is transparent
 uniform float scale; // colour difference that is shown by the last colour; 0: one picture, -1: numbers
 
 in vec2 place;
@@ -13,7 +15,8 @@ out vec4 colour;
 const float START = 0.8 - 0.04;
 const float DESATURATION = 0.15;
 
-vec3 toned(vec3 light) {
+// "PBR Neutral" of the Khronos Group (2024).
+vec3 neutral(vec3 light) {
     float least = min(light.r, min(light.g, light.b));
     float offset = least < 0.08 ? least - 6.25 * least * least : 0.04;
     light -= offset;
@@ -28,15 +31,29 @@ vec3 toned(vec3 light) {
     return mix(light, vec3(lowered), grey);
 }
 
+// The Academy's ACES, as fitted by Hill (2017, BakingLab), with the exposure of three.js.
+vec3 filmic(vec3 light) {
+    mat3 toAces = mat3(0.59719, 0.07600, 0.02840, 0.35458, 0.90834, 0.13383, 0.04823, 0.01566, 0.83777);
+    mat3 toRgb = mat3(1.60475, -0.10208, -0.00327, -0.53108, 1.10813, -0.07276, -0.07367, -0.00605,
+                      1.07602);
+    vec3 x = toAces * light / 0.6;
+    return toRgb * ((x * (x + 0.0245786) - 0.000090537) / (x * (0.983729 * x + 0.4329510) + 0.238081));
+}
+
 // Noise of half a step, against bands in smooth gradients.
 float dither(vec2 pixel) {
     return fract(52.9829189 * fract(dot(pixel, vec2(0.06711056, 0.00583715)))) - 0.5;
 }
 
-// Linear sRGB as it is shown, at a place in [0, 1]^2 of the texture.
-vec3 shownAt(vec2 at) {
-    vec3 light = max(textureLod(picture, at, 0.0).rgb, 0.0) * exposure;
-    return clamp(toned(light), 0.0, 1.0);
+// Linear sRGB as it is shown, and opacity, at a place in [0, 1]^2 of the texture.
+vec4 shownAt(vec2 at) {
+    vec4 texel = max(textureLod(picture, at, 0.0), 0.0);
+    float opacity = min(texel.a, 1.0);
+    vec3 light = texel.rgb / max(opacity, 1e-4) * exposure;
+    if (tone < 2) {
+        light = tone == 0 ? neutral(light) : filmic(light);
+    }
+    return vec4(clamp(light, 0.0, 1.0), opacity);
 }
 
 // CIELAB of linear sRGB, with the white of D65 (CIE 15).
@@ -60,13 +77,15 @@ void main() {
     if (scale != 0.0) {
         float border = 0.5 / float(textureSize(picture, 0).x);
         vec2 left = vec2(clamp(0.25 * place.x + 0.25, border, 0.5 - border), 0.5 * place.y + 0.5);
-        vec3 between = lab(shownAt(left)) - lab(shownAt(left + vec2(0.5, 0.0)));
+        vec3 between = lab(shownAt(left).rgb) - lab(shownAt(left + vec2(0.5, 0.0)).rgb);
         float size = length(between);
         colour = vec4(scale > 0.0 ? difference(size / scale) : vec3(size), 1.0);
         return;
     }
-    vec3 shown = shownAt(0.5 * place + 0.5);
-    vec3 encoded = mix(12.92 * shown, 1.055 * pow(shown, vec3(1.0 / 2.4)) - 0.055,
-                       step(0.0031308, shown));
-    colour = vec4(encoded + dither(gl_FragCoord.xy) / 255.0, 1.0);
+    vec4 shown = shownAt(0.5 * place + 0.5);
+    vec3 encoded = mix(12.92 * shown.rgb, 1.055 * pow(shown.rgb, vec3(1.0 / 2.4)) - 0.055,
+                       step(0.0031308, shown.rgb));
+    encoded += dither(gl_FragCoord.xy) / 255.0;
+    float rest = (1.0 - shown.a) * behind.a;
+    colour = vec4(shown.a * encoded + rest * behind.rgb, shown.a + rest); // premultiplied
 }

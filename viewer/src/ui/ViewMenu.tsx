@@ -1,0 +1,99 @@
+/** How the picture is seen: lens, background, tone curve, turntable, and full screen. */
+
+import { Refusal } from "../refusal";
+import { INITIAL, type State, TONES, type Tone } from "../state/state";
+import { change, complain, look, state } from "../state/store";
+import { Dial } from "./Dial";
+import { STAGE, wantsStillness } from "./Stage";
+
+const TONE_NAMES: Record<Tone, string> = {
+  neutral: "Neutral (Khronos)",
+  filmic: "Filmic (ACES)",
+  none: "None (sRGB)",
+};
+
+const BACKGROUNDS = { environment: "Environment", colour: "Colour", transparent: "Transparent" };
+
+/** The first plain background, that of catalogues. */
+const PLAIN = "#f2f2f2";
+
+export function ViewMenu({ onDone }: { onDone: () => void }) {
+  const { view, background, tone, turntable } = state.value;
+  const set = (next: Partial<State>, kind = "") => change({ ...state.value, ...next }, kind);
+  const isColour = background.startsWith("#");
+  const fullScreen = async () => {
+    onDone();
+    try {
+      await document.getElementById(STAGE)!.requestFullscreen();
+    } catch {
+      complain(new Refusal("The browser does not let the page fill the screen."));
+    }
+  };
+  return (
+    <>
+      <Dial
+        label="Field of view"
+        text={`${view.fov}°`}
+        value={view.fov}
+        low={5}
+        high={60}
+        step={1}
+        fallback={INITIAL.view.fov}
+        onInput={(fov) => look({ view: { ...state.value.view, fov } })}
+      />
+      <label>
+        <span>Background</span>
+        <select
+          value={isColour ? "colour" : background}
+          onChange={({ currentTarget: { value } }) =>
+            set({ background: value === "colour" ? PLAIN : value })
+          }
+        >
+          {Object.entries(BACKGROUNDS).map(([value, label]) => (
+            <option key={value} value={value}>
+              {label}
+            </option>
+          ))}
+        </select>
+        {isColour && (
+          <input
+            type="color"
+            class="swatch"
+            aria-label="Colour of the background"
+            value={background}
+            onInput={(event) => set({ background: event.currentTarget.value }, "background")}
+          />
+        )}
+      </label>
+      <label>
+        <span>Tone curve</span>
+        <select value={tone} onChange={(event) => set({ tone: event.currentTarget.value as Tone })}>
+          {TONES.map((name) => (
+            <option key={name} value={name}>
+              {TONE_NAMES[name]}
+            </option>
+          ))}
+        </select>
+      </label>
+      <label title={wantsStillness() ? "Your system asks for less motion." : undefined}>
+        <span>Turntable</span>
+        <input
+          type="checkbox"
+          checked={turntable}
+          disabled={wantsStillness()}
+          onChange={(event) => look({ turntable: event.currentTarget.checked })}
+        />
+      </label>
+      <div class="pair">
+        <button type="button" class="text-button" onClick={() => look({ view: INITIAL.view })}>
+          Reset camera
+        </button>
+        {document.fullscreenEnabled && (
+          <button type="button" class="text-button" onClick={() => void fullScreen()}>
+            Full screen
+          </button>
+        )}
+      </div>
+    </>
+  );
+}
