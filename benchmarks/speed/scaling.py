@@ -94,7 +94,7 @@ def measure(store: str, stacks: int) -> None:
     """Print speed and peak memory of the joint stage of `quick`."""
     from urushi.nets.architecture import Architecture
     from urushi.train import examples, training
-    from urushi.train.optimiser import Schedule
+    from urushi.train.optimiser import Schedule, compile_steps
     from urushi.train.presets import Preset
     from urushi.train.stages.joint import Joint
 
@@ -103,15 +103,16 @@ def measure(store: str, stacks: int) -> None:
     preset = Preset("quick", quick_like(stacks), (joint,), pairs=128, arch=arch)
     depths = examples.load(Store(Path(store), preset.data), preset.arch, preset.pairs)
     params = training.initial(preset, depths)
-    learner = joint.learn(params, preset.architectures()[1], depths, preset.seed)
+    lesson = joint.lesson(params, preset.architectures()[1], depths, preset.seed)
+    take = compile_steps(lesson.loss, joint.schedule)
     state = training.begin(preset, 0, params).state
     steps, waiting = joint.schedule.steps_per_call, 0.0
     times = []
     for call in range(CALLS + 1):
         began = time.perf_counter()
-        batches = learner.batches(call * steps, steps)
+        batches = lesson.batches(call * steps, steps)
         drawn = time.perf_counter()
-        state, terms = learner.steps(state, batches)
+        state, terms = take(state, batches)
         terms["loss"].block_until_ready()
         if call:
             times.append(time.perf_counter() - began)

@@ -4,6 +4,7 @@ python -m figures.table_1.plot
 """
 
 import json
+import math
 from typing import Any
 
 import numpy as np
@@ -82,12 +83,13 @@ def storage() -> dict[str, tuple[int, int, str]]:
     common, own_numbers = metalayer.size(metalayer.initial(np.random.default_rng(0)))
     own = default_model()
     decoder = sum(array.size for name, array in own.params.items() if name.startswith("decoder"))
+    evaluation = sum(map(math.prod, paper.shapes(paper.EVALUATION).values()))
     return {
         "Rainer 2019": (rainer.LATENT_2019, decoders[rainer.LATENT_2019], "a texture"),
         "Rainer 2020": (rainer.LATENT_2020, decoders[rainer.LATENT_2020], "all"),
         "NBRDF": (nbrdf.SIZE, 0, "a BRDF"),
         "BSDFNet": (own_numbers, common, "all; here a BRDF"),
-        "Fan 2022": (3 * paper.LATENT, paper.parameter_count("evaluation"), "all"),
+        "Fan 2022": (3 * paper.LATENT, evaluation, "all"),
         "Urushi": (3 * own.arch.latent, decoder, "all"),
     }
 

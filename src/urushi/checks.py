@@ -327,17 +327,15 @@ def warn_of_training(left: set[str], where: str) -> None:
         warnings.warn(message, UrushiWarning, stacklevel=3)
 
 
+def alphas(value: Any, where: str, *, any_shape: bool = False) -> np.ndarray | Widths:
+    """Check one GGX width, or two `Widths`."""
+    if not isinstance(value, Widths):
+        return alpha(value, where, any_shape=any_shape)
+    axes = {"u": value.u, "v": value.v}
+    return Widths(*(alpha(x, f"{where}_{k}", any_shape=any_shape) for k, x in axes.items()))
+
+
 def coat(parameters: CoatParameters, where: str, *, any_shape: bool = False) -> CoatParameters:
     """Check all parameters of a coat. `where` begins the errors, for example "the coat's"."""
-    checks = CoatParameters(alpha, eta, albedo, sigma_t, g)
-    checked = {}
-    for check, value, name in zip(checks, parameters, CoatParameters._fields, strict=True):
-        if isinstance(value, Widths):
-            u, v = (
-                check(width, f"{where} {name}{suffix}", any_shape=any_shape)
-                for width, suffix in ((value.u, "_u"), (value.v, "_v"))
-            )
-            checked[name] = Widths(u, v)
-        else:
-            checked[name] = check(value, f"{where} {name}", any_shape=any_shape)
-    return CoatParameters(**checked)
+    named = zip((alphas, eta, albedo, sigma_t, g), CoatParameters._fields, parameters, strict=True)
+    return CoatParameters(*(f(x, f"{where} {name}", any_shape=any_shape) for f, name, x in named))

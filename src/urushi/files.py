@@ -47,7 +47,8 @@ def atomic_write(path: str | os.PathLike) -> Iterator[Path]:
     temporary = Path(name)
     try:
         yield temporary
-        temporary.chmod(0o666 & ~_umask())  # mkstemp makes private files
+        os.umask(mask := os.umask(0))  # the mask can be read only by setting it
+        temporary.chmod(0o666 & ~mask)  # mkstemp makes private files
         temporary.replace(target)
     except (OSError, RuntimeError) as error:
         reason = _reason(error)
@@ -85,13 +86,6 @@ def new_folder(path: str | os.PathLike) -> Path:
             "choose one that is writable"
         ) from error
     return folder
-
-
-def _umask() -> int:
-    """The process's file mode mask, which can only be read by setting it."""
-    mask = os.umask(0)
-    os.umask(mask)
-    return mask
 
 
 def write_tensors(

@@ -51,7 +51,11 @@ def fill_blocks(
         return
 
     def task(block: Block) -> None:
-        out[block] = function(*(_part(array, block) for array in arrays))
+        parts = []
+        for array in arrays:  # dimensions of size one are kept
+            sizes = zip(array.shape[: len(block)], block, strict=True)
+            parts.append(array[tuple(slice(None) if n == 1 else cut for n, cut in sizes)])
+        out[block] = function(*parts)
 
     run_all_cores(task, blocks(out.shape[:-1], rows or ROWS))
 
@@ -71,12 +75,6 @@ def blocks(shape: tuple[int, ...], rows: int) -> list[Block]:
     cuts = [slice(start, stop) for start, stop in itertools.pairwise(edges)]
     outer = np.ndindex(*shape[: axis - 1])
     return [(*(slice(i, i + 1) for i in index), cut, *whole) for index in outer for cut in cuts]
-
-
-def _part(array: np.ndarray, block: Block) -> np.ndarray:
-    """The part of an array that belongs to a block; dimensions of size one are kept."""
-    sizes = array.shape[: len(block)]
-    return array[tuple(slice(None) if n == 1 else cut for n, cut in zip(sizes, block, strict=True))]
 
 
 def run_all_cores(task: Callable[[Any], None], pieces: Sequence[Any]) -> None:

@@ -15,7 +15,7 @@ def untrained(monkeypatch, tmp_path):
     folder.mkdir()
     for name, arch in {"default": Architecture(), "anisotropic": ANISOTROPIC}.items():
         weights.save(folder / f"{name}.safetensors", arch, init(arch, 0), {})
-    monkeypatch.setattr(weights, "shipped_folder", lambda: folder)
+    monkeypatch.setattr(weights, "SHIPPED", folder)
     weights.shipped.cache_clear()
     yield
     weights.shipped.cache_clear()

@@ -70,7 +70,7 @@ def test_a_variant_that_kills_its_process(monkeypatch):
 
 def test_weights_that_cannot_be_read(monkeypatch, tmp_path):
     (tmp_path / "broken.safetensors").write_bytes(b"no weights")
-    monkeypatch.setattr("urushi.nets.weights.shipped_folder", lambda: tmp_path)
+    monkeypatch.setattr("urushi.nets.weights.SHIPPED", tmp_path)
     (finding,) = doctor._weights()
     assert finding.name == "weights broken"
     assert finding.essential
@@ -78,7 +78,7 @@ def test_weights_that_cannot_be_read(monkeypatch, tmp_path):
 
 
 def test_missing_weights(monkeypatch, tmp_path):
-    monkeypatch.setattr("urushi.nets.weights.shipped_folder", lambda: tmp_path)
+    monkeypatch.setattr("urushi.nets.weights.SHIPPED", tmp_path)
     (finding,) = doctor._weights()
     assert finding.found == "missing"
     assert finding.essential

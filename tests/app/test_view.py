@@ -109,7 +109,7 @@ def test_a_browser_asks_again_only_where_the_address_has_no_version(server):
 
 def test_the_policy_of_the_page_is_that_of_the_server():
     """The page carries it for other hosts; frames can be forbidden by a server only."""
-    text = (page_files.built_folder() / "index.html").read_text()
+    text = (page_files.BUILT / "index.html").read_text()
     carried = re.search(r'content="(default-src[^"]*)"', text)
     assert carried is not None
     assert f"{carried[1]}; frame-ancestors 'none'" == POLICY
@@ -124,7 +124,7 @@ def test_the_built_page_is_that_of_the_sources():
     files = {path.relative_to(VIEWER).as_posix(): path for path in paths if path.is_file()}
     for name in sorted(files):
         digest.update(name.encode() + b"\0" + files[name].read_bytes() + b"\0")
-    built = (page_files.built_folder() / "sources.txt").read_text().strip()
+    built = (page_files.BUILT / "sources.txt").read_text().strip()
     assert built == digest.hexdigest()
 
 
@@ -300,7 +300,7 @@ def test_what_the_page_cannot_show(untrained, monkeypatch, tmp_path):
     large = {name: array * np.float32(1e6) for name, array in model.params.items()}
     with pytest.raises(ParameterError, match="too large for half precision"):
         page_files.half_precision(weights.Model.of(model.arch, large, {}))
-    monkeypatch.setattr(page_files, "built_folder", lambda: tmp_path)
+    monkeypatch.setattr(page_files, "BUILT", tmp_path)
     with pytest.raises(FileError, match="make viewer"):
         page_files.page_files(model, None)
 

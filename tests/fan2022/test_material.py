@@ -12,7 +12,7 @@ from urushi.checks import CoatParameters
 from urushi.errors import FileError, ParameterError
 from urushi.fan2022 import Material, PaperNetworks, networks
 from urushi.fan2022.architecture import AdamProjection, PaperArchitecture, init
-from urushi.nets.weights import default_model, find, shipped_folder
+from urushi.nets.weights import SHIPPED, default_model, find
 from urushi.train.distribution import Extended
 
 #: Projections of two steps, so that tests are quick.
@@ -54,7 +54,7 @@ def test_weights_of_one_system_are_refused_by_the_other(paper, tmp_path):
     with pytest.raises(FileError, match=sentence.format("paper", "urushi")):
         find(tmp_path / "paper.safetensors")
     with pytest.raises(FileError, match=sentence.format("urushi", "paper")):
-        PaperNetworks.read(shipped_folder() / "default.safetensors")
+        PaperNetworks.read(SHIPPED / "default.safetensors")
     with pytest.raises(FileError, match="does not match the weights"):
         Material(np.ones((1, 32)), paper).save(tmp_path / "material.safetensors")
         urushi.load(tmp_path / "material.safetensors", default_model())

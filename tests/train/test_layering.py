@@ -68,7 +68,6 @@ def test_every_stack_of_a_depth_comes_once_an_epoch(measured):
     rows = [np.flatnonzero((measured[1].z == z).all(-1))[0] for z in of_two]
     np.testing.assert_array_equal(epoch.coats[0][:, :2].reshape(8, 5), measured[1].coats[rows, 1])
     np.testing.assert_array_equal(epoch.coats[1].reshape(8, 5), measured[1].coats[rows, 0])
-    np.testing.assert_array_equal(epoch.top[:, :2], epoch.coats[1])
     np.testing.assert_array_equal(epoch.below[:, :2].reshape(8, -1), measured[1].below[rows])
     np.testing.assert_array_equal(take(5, 1).z[0], epoch.z[1])
 

@@ -143,7 +143,7 @@ def _gpu() -> Finding:
 def _weights() -> Iterator[Finding]:
     from urushi.nets import weights
 
-    folder = weights.shipped_folder()
+    folder = weights.SHIPPED
     files = sorted(folder.glob("*.safetensors"))
     if not files:
         yield Finding("weights", "missing", f"'{folder}' has none; install urushi again", True)

@@ -29,6 +29,9 @@ from urushi.material import Material
 from urushi.nets.weights import FORMAT_VERSION, Model, anisotropic_model
 from urushi.walk import Stack
 
+#: The folder of the built page.
+BUILT = Path(__file__).with_name("page")
+
 #: Names of the files that are made, not built.
 WEIGHTS_FILE, START_FILE, SHADERS_FOLDER = "weights.safetensors", "start.json", "shaders"
 ANISOTROPIC_FILE = "anisotropic.safetensors"
@@ -68,14 +71,13 @@ def page_files(model: Model, first: First | None) -> dict[str, bytes]:
             f"the weights {model.fingerprint} are for anisotropic materials; give --weights of "
             "networks for isotropic ones, or leave it out"
         )
-    folder = built_folder()
     built = {
-        path.relative_to(folder).as_posix(): path.read_bytes()
-        for path in sorted(folder.rglob("*"))
+        path.relative_to(BUILT).as_posix(): path.read_bytes()
+        for path in sorted(BUILT.rglob("*"))
         if path.is_file()
     }
     if "index.html" not in built:
-        raise FileError(f"the page is missing in '{folder}'; run `make viewer` in the repository")
+        raise FileError(f"the page is missing in '{BUILT}'; run `make viewer` in the repository")
     start: dict[str, Any] = {} if first is None else {"materials": [first.material]}
     other = anisotropic_model()
     made = {WEIGHTS_FILE: half_precision(model), ANISOTROPIC_FILE: half_precision(other)}
@@ -125,10 +127,6 @@ def addressed(files: Mapping[str, bytes]) -> dict[str, bytes]:
 def version(content: bytes) -> str:
     """Identifies a file's content: the beginning of its SHA-256."""
     return hashlib.sha256(content).hexdigest()[:16]
-
-
-def built_folder() -> Path:
-    return Path(__file__).with_name("page")
 
 
 def shader_files(model: Model) -> dict[str, bytes]:

@@ -66,17 +66,10 @@ class Train:
         from urushi.train import training
 
         preset = find_preset(self.preset, self.scale, self.projection_pairs)
-        files: dict[str, Any] = {
-            "data": self.data,
-            "out": self.output,
-            "run": self.run_folder,
-            "resume": self.resume,
-        }
-        model: Any
-        if isinstance(preset, PaperPreset):
-            model = paper_training.train(preset, **files)
-        else:
-            model = training.train(preset, **files)
+        train: Any = paper_training if isinstance(preset, PaperPreset) else training
+        model = train.train(
+            preset, data=self.data, out=self.output, run=self.run_folder, resume=self.resume
+        )
         for name, value in model.header.get("metrics", {}).items():
             print(f"{name}  {value:.4g}")
         print(f"fingerprint  {model.fingerprint}")
@@ -137,15 +130,16 @@ class Paper:
         from urushi.fan2022 import PaperNetworks, published
         from urushi.fan2022.architecture import AdamProjection, PaperArchitecture
 
-        params = published.networks(self.representation, self.layering)
-        sampler = published.cosine_proxy()
+        params: dict[str, Any] = published.networks(self.representation, self.layering)
         adam = AdamProjection(pairs=self.projection_pairs)
         if self.fit_sampler:
             from urushi.fan2022.proxy import fitted_proxy
 
             fitted, divergence = fitted_proxy(params, adam)
-            sampler = dict(fitted)
+            params |= fitted
             print(f"proxy divergence  {divergence:.4g}")
+        else:
+            params |= published.cosine_proxy()
         files = {"representation": self.representation, "layering": self.layering}
         header = {
             "published": {
@@ -154,7 +148,6 @@ class Paper:
             },
             "sampler": "fitted" if self.fit_sampler else "cosine",
         }
-        arch = PaperArchitecture(adam)
-        networks = PaperNetworks(arch, {**params, **sampler}, header).save(self.output)
+        networks = PaperNetworks(PaperArchitecture(adam), params, header).save(self.output)
         print(f"{self.output}  {networks.fingerprint}")
         return 0

@@ -4,6 +4,7 @@ Every set is drawn in double precision from a generator that the caller seeds, a
 float32 unit vectors wi, wo of shape (n, 3), z the normal, both above the horizon.
 """
 
+import functools
 from collections.abc import Callable
 
 import numpy as np
@@ -47,6 +48,7 @@ def half_angle_pairs(
     tangents: tuple[float, float] = METRIC_HALF_ANGLE_RANGE,
     lowest_cosine: float = 0.0,
     mirror_share: float = 0.0,
+    slopes: bool = False,
 ) -> Pairs:
     """Pairs with ln tan(theta_h) uniform about difference directions over the whole hemisphere.
 
@@ -57,85 +59,97 @@ def half_angle_pairs(
 
     A share of the pairs, `mirror_share` in [0, 1), is near the mirror direction instead:
     tan(theta_h) is zero for half of them, and uniform in [0, `MIRROR_TANGENT`] for the others.
+
+    slopes: whether half vectors have every azimuth, for anisotropic BRDFs. It is uniform for half
+        of the pairs. The half vectors of the others have independent slopes h_x / h_z and
+        h_y / h_z, log-uniform in `tangents`, so that there are pairs near both axes of a lobe
+        whatever its two widths are.
     """
     low, high = np.log(tangents)
 
     def draw(count: int) -> Pairs:
-        u = rng.random((3, count))
-        tangent = _tangents(u[0], low, high, mirror_share)
-        return directions_at_tangent(tangent, 0.5 * np.pi * u[1], 2 * np.pi * u[2])
+        u = rng.random((5 if slopes else 3, count))
+        tangent, turn = _tangents(u[0], low, high, mirror_share), np.zeros(count)
+        if slopes:
+            across = np.exp(low + (high - low) * u[3])
+            radial = (u[4] < 0.5) | (u[0] < mirror_share)
+            turn = np.where(radial, 2 * np.pi * u[3], np.arctan2(across, tangent))
+            turn += np.where(radial, 0.0, 0.5 * np.pi * np.floor(8 * (u[4] - 0.5)))
+            tangent = np.where(radial, tangent, np.hypot(tangent, across))
+        wi, wo = directions_at_tangent(tangent, 0.5 * np.pi * u[1], 2 * np.pi * u[2])
+        return (turned(wi, turn), turned(wo, turn)) if slopes else (wi, wo)
 
     return _accepted(draw, n, lowest_cosine)
 
 
-def slope_pairs(
+def _independent(
+    cosine_i: Callable[[np.ndarray], np.ndarray],
+    cosine_o: Callable[[np.ndarray], np.ndarray],
     rng: np.random.Generator,
     n: int,
     *,
-    tangents: tuple[float, float] = METRIC_HALF_ANGLE_RANGE,
     lowest_cosine: float = 0.0,
-    mirror_share: float = 0.0,
 ) -> Pairs:
-    """As `half_angle_pairs`, with half vectors of every azimuth, for anisotropic BRDFs.
-
-    The azimuth is uniform for half of the pairs. The half vectors of the others have independent
-    slopes h_x / h_z and h_y / h_z, log-uniform in `tangents`, so that there are pairs near both
-    axes of a lobe whatever its two widths are.
-    """
-    low, high = np.log(tangents)
+    """Pairs of independent directions; the cosine of each is a function of uniform numbers."""
 
     def draw(count: int) -> Pairs:
-        u = rng.random((5, count))
-        tangent = _tangents(u[0], low, high, mirror_share)
-        across = np.exp(low + (high - low) * u[3])
-        radial = (u[4] < 0.5) | (u[0] < mirror_share)
-        turn = np.where(radial, 2 * np.pi * u[3], np.arctan2(across, tangent))
-        turn += np.where(radial, 0.0, 0.5 * np.pi * np.floor(8 * (u[4] - 0.5)))
-        tangent = np.where(radial, tangent, np.hypot(tangent, across))
-        wi, wo = directions_at_tangent(tangent, 0.5 * np.pi * u[1], 2 * np.pi * u[2])
-        return turned(wi, turn), turned(wo, turn)
+        cosines = cosine_i, cosine_o
+        wi, wo = (_direction(f(rng.random(count)), rng.random(count)) for f in cosines)
+        return wi, wo
 
     return _accepted(draw, n, lowest_cosine)
 
 
-def cosine_pairs(rng: np.random.Generator, n: int, *, lowest_cosine: float = 0.0) -> Pairs:
-    """Pairs of independent directions, both of density cos(theta) / pi, as for the error E."""
-    return _independent(rng, n, lowest_cosine, np.sqrt, np.sqrt)
+#: `half_angle_pairs` for anisotropic BRDFs.
+slope_pairs = functools.partial(half_angle_pairs, slopes=True)
+
+#: Pairs of independent directions, both of density cos(theta) / pi, as for the error E.
+cosine_pairs = functools.partial(_independent, np.sqrt, np.sqrt)
+
+#: Pairs of independent directions, both uniform over the hemisphere.
+uniform_pairs = functools.partial(_independent, np.positive, np.positive)
+
+#: ln cos(theta_i) uniform down to the least cosine of training pairs, wo of cosine density.
+_one_grazing = functools.partial(_independent, lambda u: LOWEST_COSINE**u, np.sqrt)
 
 
-def uniform_pairs(rng: np.random.Generator, n: int, *, lowest_cosine: float = 0.0) -> Pairs:
-    """Pairs of independent directions, both uniform over the hemisphere."""
-    return _independent(rng, n, lowest_cosine, np.positive, np.positive)
-
-
-def training_pairs(rng: np.random.Generator, n: int) -> Pairs:
+def training_pairs(
+    rng: np.random.Generator,
+    n: int,
+    first: Callable[..., Pairs] = half_angle_pairs,
+    last: Callable[..., Pairs] = uniform_pairs,
+) -> Pairs:
     """Half of the pairs log-uniform in the half angle, a quarter cosine, a quarter uniform.
 
-    They are interleaved with a period of four, so that any run of pairs has the same mixture.
+    They are interleaved with a period of four, so that any run of pairs has the same mixture:
+    `first`, cosine, `first`, `last`.
 
     Of the pairs that are log-uniform in the half angle, `MIRROR_SHARE` are at the exact mirror
     direction or within `MIRROR_TANGENT` of it. Without them a decoder extrapolates below the range
     of tan(theta_h), and f of the sharpest lobes was wrong by 6 to 14 % at their peaks. Exact
     mirror directions fix the value there, and the pairs beside them join it to the range.
 
-    Args:
-        n: number of pairs, a multiple of 4.
+    n: number of pairs, a multiple of 4.
     """
-    return _interleaved(rng, n, uniform_pairs)
+    half_angles = {"tangents": HALF_ANGLE_RANGE, "mirror_share": MIRROR_SHARE}
+    parts = (
+        first(rng, n // 2, lowest_cosine=LOWEST_COSINE, **half_angles),
+        cosine_pairs(rng, n // 4, lowest_cosine=LOWEST_COSINE),
+        last(rng, n // 4, lowest_cosine=LOWEST_COSINE),
+    )
+    wi, wo = np.empty((n, 3), np.float32), np.empty((n, 3), np.float32)
+    places = slice(0, None, 2), slice(1, None, 4), slice(3, None, 4)
+    for (part_wi, part_wo), place in zip(parts, places, strict=True):
+        wi[place], wo[place] = part_wi, part_wo
+    return wi, wo
 
 
-def grazing_pairs(rng: np.random.Generator, n: int) -> Pairs:
-    """As `training_pairs`, but in the last quarter wi has a log-uniform cosine, mostly grazing.
+#: As `training_pairs`, but in the last quarter wi has a log-uniform cosine, mostly grazing, so that
+#: the pairs sample the directional albedo of every wi.
+grazing_pairs = functools.partial(training_pairs, last=_one_grazing)
 
-    wo has cosine density there, so that the pairs sample the directional albedo of every wi.
-    """
-    return _interleaved(rng, n, _one_grazing)
-
-
-def anisotropic_pairs(rng: np.random.Generator, n: int) -> Pairs:
-    """As `training_pairs`, with the half vectors of `slope_pairs`."""
-    return _interleaved(rng, n, uniform_pairs, slope_pairs)
-
+#: As `training_pairs`, with the half vectors of `slope_pairs`.
+anisotropic_pairs = functools.partial(training_pairs, first=slope_pairs)
 
 #: Sets by name whose pairs may be divided among stacks; data specifications use the names.
 DIRECTION_SETS: dict[str, Callable[[np.random.Generator, int], Pairs]] = {
@@ -163,8 +177,7 @@ def stratified_pairs(rng: np.random.Generator, n: int) -> Pairs:
 
 def probed_pairs(rng: np.random.Generator, n: int) -> Pairs:
     """The encoder's `PROBES` fixed pairs, then training pairs."""
-    probes, others = probe_pairs(PROBES), training_pairs(rng, n - PROBES)
-    return np.concatenate([probes[0], others[0]]), np.concatenate([probes[1], others[1]])
+    return _joined([probe_pairs(PROBES), training_pairs(rng, n - PROBES)])
 
 
 #: Further sets by name; every stack has each of them complete.
@@ -188,53 +201,11 @@ def draw_pairs(name: str, rng: np.random.Generator, stacks: int, pairs: int) -> 
     """The pairs of several stacks, one after the other: (stacks * pairs, 3) twice."""
     if name not in COMPLETE_SETS:
         return DIRECTION_SETS[name](rng, stacks * pairs)
-    parts = [COMPLETE_SETS[name](rng, pairs) for _ in range(stacks)]
+    return _joined([COMPLETE_SETS[name](rng, pairs) for _ in range(stacks)])
+
+
+def _joined(parts: list[Pairs]) -> Pairs:
     return np.concatenate([wi for wi, _ in parts]), np.concatenate([wo for _, wo in parts])
-
-
-def _interleaved(
-    rng: np.random.Generator,
-    n: int,
-    last: Callable[..., Pairs],
-    first: Callable[..., Pairs] = half_angle_pairs,
-) -> Pairs:
-    """n pairs with the period: log-uniform in the half angle, cosine, log-uniform, `last`."""
-    parts = (
-        first(
-            rng,
-            n // 2,
-            tangents=HALF_ANGLE_RANGE,
-            lowest_cosine=LOWEST_COSINE,
-            mirror_share=MIRROR_SHARE,
-        ),
-        cosine_pairs(rng, n // 4, lowest_cosine=LOWEST_COSINE),
-        last(rng, n // 4, lowest_cosine=LOWEST_COSINE),
-    )
-    wi, wo = np.empty((n, 3), np.float32), np.empty((n, 3), np.float32)
-    places = slice(0, None, 2), slice(1, None, 4), slice(3, None, 4)
-    for (part_wi, part_wo), place in zip(parts, places, strict=True):
-        wi[place], wo[place] = part_wi, part_wo
-    return wi, wo
-
-
-def _one_grazing(rng: np.random.Generator, n: int, *, lowest_cosine: float) -> Pairs:
-    """ln cos(theta_i) uniform between `lowest_cosine` and 1, wo of cosine density."""
-    return _independent(rng, n, lowest_cosine, lambda u: lowest_cosine**u, np.sqrt)
-
-
-def _independent(
-    rng: np.random.Generator,
-    n: int,
-    lowest_cosine: float,
-    *cosines: Callable[[np.ndarray], np.ndarray],
-) -> Pairs:
-    """Pairs of independent directions; the cosine of each is a function of uniform numbers."""
-
-    def draw(count: int) -> Pairs:
-        wi, wo = (_direction(f(rng.random(count)), rng.random(count)) for f in cosines)
-        return wi, wo
-
-    return _accepted(draw, n, lowest_cosine)
 
 
 def _accepted(draw: Callable[[int], Pairs], n: int, lowest_cosine: float) -> Pairs:

@@ -8,15 +8,9 @@ from urushi.core.namespace import NUMPY, Components, Namespace
 
 
 def rotated(w: np.ndarray, turn: float, mirrored: bool = False) -> np.ndarray:
-    """Rotate directions about the normal, and mirror them in the xz plane if `mirrored`.
+    """Rotate directions (N, 3) about the normal, and then negate y if `mirrored`; float32 (N, 3).
 
-    Args:
-        w: (N, 3) directions.
-        turn: the angle as a fraction of a full turn, counter-clockwise.
-        mirrored: whether to negate y after the rotation.
-
-    Returns:
-        float32 (N, 3).
+    turn: the angle as a fraction of a full turn, counter-clockwise.
     """
     cos, sin = np.cos(2 * np.pi * turn), np.sin(2 * np.pi * turn)
     sign = -1.0 if mirrored else 1.0

@@ -5,9 +5,6 @@ import numpy.typing as npt
 
 from urushi import checks
 
-#: Added to the squared reference in the relative error of images, against division by zero.
-IMAGE_OFFSET = 1e-2
-
 
 def mse(image: npt.ArrayLike, reference: npt.ArrayLike) -> float:
     """Mean squared difference over all pixels and channels."""
@@ -20,7 +17,7 @@ def relative_mse(
     reference: npt.ArrayLike,
     *,
     variance: npt.ArrayLike = 0.0,
-    offset: float = IMAGE_OFFSET,
+    offset: float = 1e-2,
 ) -> float:
     """Mean of ((image - reference)^2 - variance) / (reference^2 + offset).
 

@@ -16,11 +16,10 @@ MIN_TANGENT = 1e-5
 def half_vector_rule(wi: np.ndarray, *, anisotropic: bool = False) -> tuple[np.ndarray, np.ndarray]:
     """Return wo (N, M, 3) and weights (N, M): the sum of f(wo) cos_o weights integrates f cos_o.
 
-    Args:
-        wi: (N, 3) unit vectors above the horizon.
-        anisotropic: whether f may be. Otherwise nodes lie on one side of the plane of incidence,
-            and the integrand must be the same on the other. There are four times as many nodes for
-            anisotropic ones, twice as dense, because the azimuth changes them.
+    wi: (N, 3) unit vectors above the horizon.
+    anisotropic: whether f may be. Otherwise nodes lie on one side of the plane of incidence, and
+        the integrand must be the same on the other. There are four times as many nodes for
+        anisotropic ones, twice as dense, because the azimuth changes them.
 
     The integration variable is the half vector, logarithmic in tan theta_h, which resolves narrow
     and wide lobes. With wi = (s, 0, c) and h at (theta, phi), the cosine of wo is

@@ -17,12 +17,9 @@ def mix64(x: Any) -> Any:
 
 
 def stream(pcg: type, index: Any, seed: int) -> Any:
-    """A generator per lane that depends on the lane's index and a seed.
+    """A generator per lane that depends on the lane's index, unsigned, and a seed, any integer.
 
-    Args:
-        pcg: the backend's PCG32 type.
-        index: unsigned integers, one per lane.
-        seed: any integer.
+    pcg: the backend's PCG32 type.
     """
     uint64 = dr.uint64_array_t(type(index))
     return _generator(pcg, mix64(uint64(index) * INCREMENT + uint64(seed & 0xFFFFFFFFFFFFFFFF)))

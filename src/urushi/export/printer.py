@@ -9,11 +9,11 @@ import numpy as np
 from urushi.export.expressions import BOOL, COLOUR, FLOAT, INT, VECTOR, VOLUME, Expression
 from urushi.export.statements import (
     Function,
-    Lookup,
     Program,
     Statement,
     Structure,
     Table,
+    Texels,
     Variable,
 )
 
@@ -79,8 +79,8 @@ class Printer:
             for table in () if self.tables_inside else function.tables:
                 lines += [*self.table(table), ""]
             lines += [*self.function(function), ""]
-        if program.lookup:
-            lines += self.lookup(program.lookup)
+        if program.texels:
+            lines += self.lookup(program.texels, program.functions[-1])
         return "\n".join(lines).rstrip("\n") + "\n"
 
     def head(self, program: Program) -> list[str]:
@@ -141,9 +141,14 @@ class Printer:
         arguments = ", ".join(map(self.declared, function.arguments))
         return f"{self.kind(function.kind)} {self.function_name(function.name)}({arguments}) {{"
 
-    def lookup(self, lookup: Lookup) -> list[str]:
+    def lookup(self, texels: Texels, function: Function) -> list[str]:
         """The functions that read a texture: with the level of the footprint, and a given one."""
-        kind, name = self.kind(lookup.function.kind), self.function_name(lookup.function.name)
+        kind, name = self.kind(function.kind), self.function_name(function.name)
+        place = "uv"
+        if not np.array_equal(texels.to_texture, np.eye(2, 3)):
+            rows = (map(self.number, row) for row in texels.to_texture)
+            texts = (f"{u} * uv.x + {v} * uv.y + {offset}" for u, v, offset in rows)
+            place = f"{self.two}({', '.join(texts)})"
         forms = (
             ("fetch", "", self.sample, "The material at uv; the footprint chooses the level."),
             ("fetch_level", self.level, self.sample_level, "The material at uv, of a given level."),
@@ -154,9 +159,9 @@ class Printer:
             lines += [
                 *self.comments(note),
                 self.fetch_head.format(kind=kind, label=label, level=level),
-                f"    {self.empty(Variable('stored', FLOAT, 4 * lookup.layers))}",
-                f"    {self.place} = {self.placed(lookup)};",
-                f"    {self.loop_head('layer', lookup.layers)}",
+                f"    {self.empty(Variable('stored', FLOAT, 4 * texels.layers))}",
+                f"    {self.place} = {place};",
+                f"    {self.loop_head('layer', texels.layers)}",
                 f"        {sample};",
                 *(f"        stored[4 * layer + {i}] = four.{c};" for i, c in enumerate("xyzw")),
                 "    }",
@@ -165,15 +170,6 @@ class Printer:
                 "",
             ]
         return lines
-
-    def placed(self, lookup: Lookup) -> str:
-        """The texture's coordinates of uv."""
-        rows = []
-        for row in lookup.to_texture:
-            u, v, offset = (self.number(value) for value in row)
-            rows.append(f"{u} * uv.x + {v} * uv.y + {offset}")
-        plain = np.array_equal(lookup.to_texture, np.eye(2, 3))
-        return "uv" if plain else f"{self.two}({', '.join(rows)})"
 
     # Statements
 
@@ -231,8 +227,8 @@ class Printer:
     def _precise(self, value: Expression) -> tuple[str, int]:
         """An expression and how tightly its last operation binds."""
         arguments, detail = value.arguments, value.detail
-        if value.operation in _PRECEDENCE:
-            return self._binary(value.operation, *arguments), _PRECEDENCE[value.operation]
+        if level := _PRECEDENCE.get(value.operation):
+            return self._binary(value.operation, level, *arguments), level
         texts = [self.text(argument) for argument in arguments]
         match value.operation:
             case "constant" if value.kind == COLOUR:
@@ -269,8 +265,7 @@ class Printer:
         text, binding = self._precise(value)
         return text if binding == PRIMARY else f"({text})"
 
-    def _binary(self, sign: str, a: Expression, b: Expression) -> str:
-        level = _PRECEDENCE[sign]
+    def _binary(self, sign: str, level: int, a: Expression, b: Expression) -> str:
         if sign == "+" and b.kind == FLOAT and b.constant is not None and b.constant < 0:
             sign, b = "-", Expression("constant", FLOAT, detail=-b.constant)
         left, left_level = self._precise(a)

@@ -22,10 +22,9 @@ from urushi.export.expressions import (
 )
 from urushi.export.languages import LANGUAGES
 from urushi.export.networks import FIELDS, X_AXIS, CodeTerms, FTable, Tangent, activation, dense
-from urushi.export.proposal import SAMPLE, WI, WIDTHS, WO, U, argument
+from urushi.export.proposal import LABELS, SAMPLE, WI, WO, U, argument
 from urushi.export.statements import (
     Function,
-    Lookup,
     Program,
     Structure,
     Texels,
@@ -49,16 +48,14 @@ CONVENTIONS = (
     "wo.",
 )
 
-#: What the files of anisotropic networks add.
+#: What the files of anisotropic networks add, and how those for all materials turn one.
 ANISOTROPIC = (
     "The x axis of the frame is the tangent of the shape. f is the same for the mirror images of "
-    "wi and wo at the plane of the normal and the material's tangent, and at the plane across.",
+    "wi and wo at the plane of the normal and the material's tangent, and at the plane across."
 )
-
-#: How the materials of a file for all of them are turned.
 TURNED = (
     "A material's tangent is the x axis. To turn it, set tangent_x and tangent_y of the material "
-    "to the cosine and the sine of the angle.",
+    "to the cosine and the sine of the angle."
 )
 
 #: Beginning of the names in templates.
@@ -100,7 +97,37 @@ def material_text(
             f"the material has {len(latents)} channels; only materials of one or three can be "
             "exported"
         )
-    program = material_program(model, latents, anchors, rotation, table)
+    activations = [activation(FLOAT, model.arch.activation, "unit")]
+    if len(latents) > 1 and not table:
+        activations.append(activation(COLOUR, model.arch.activation, "units"))
+    mean = anchors.mean(axis=0)
+    has_lobe = table is None or table.beside_lobe
+    lobe = latents[:, : model.arch.lobe] if has_lobe else np.zeros((1, model.arch.lobe))
+    code = _Code(
+        [colour(column) for column in lobe.T],
+        networks.known_terms(model, latents),
+        proposal.known_first(model, mean),
+        [expression(float(mean[place])) for place in WIDTH_PLACES[model.widths]],
+        Tangent.of(rotation),
+    )
+    reads = ", table" if table else ""
+    note: tuple[str, ...] = (
+        f"A material of Urushi as code, of the networks {model.fingerprint}.",
+        f"Functions: {{f}}(wi, wo{reads}), {{pdf}}(wi, wo) and {{sample}}(wi, u).",
+        *_conventions(model),
+    )
+    if table:
+        depth, height, width = table.shape
+        note = (
+            *note,
+            f"The table belongs to this file: a 3D texture of {width} x {height} x {depth} texels "
+            "of the format RGBA16F. Its sampler has the wrap mode clamp to edge and linear "
+            "filtering. Where the language separates samplers from textures, the sampler follows "
+            "the texture.",
+        )
+    functions = _functions(model, code, (), activations[0], activations[-1], table)
+    structures = (proposal.structure(model), SAMPLE)
+    program = Program(note, structures, [*activations, *functions])
     return LANGUAGES[language](prefix).printed(program)
 
 
@@ -123,7 +150,29 @@ def template_text(language: str, model: Model) -> str:
     anisotropic, `code_tangent_x` and `code_tangent_y` are the cosine and the sine of the rotation.
     """
     check(language, model, PREFIX)
-    return LANGUAGES[language](PREFIX).printed(template_program(model))
+    program = codes_program(model)
+    prepare = next(function for function in program.functions if function.name == "prepare")
+    made = Function("material", (), MATERIAL, "This material; make it once.", public=True)
+    codes = made.array("codes", COLOUR, model.arch.latent)
+    for i in range(model.arch.latent):
+        numbers = (name(f"code_{i}_{channel}", FLOAT) for channel in ("red", "green", "blue"))
+        made.assign(element(codes, i), colour_of(*numbers))
+    if model.widths == 1:
+        made.returns(prepare(codes))
+    else:
+        prepared = made.structure("prepared", MATERIAL)
+        made.assign(prepared, prepare(codes))
+        for variable in FIELDS:
+            made.assign(member(prepared, variable), name(f"code_{variable.name}", FLOAT))
+        made.returns(prepared)
+    note = (
+        f"A material of Urushi as code, of the networks {model.fingerprint}.",
+        "Functions: {material}(), once; then {f}(material, wi, wo), {pdf}(material, wi, wo) and "
+        "{sample}(material, wi, u). {prepare}(codes) makes other materials.",
+        *_conventions(model),
+    )
+    program = Program(note, program.structures, [*program.functions, made])
+    return LANGUAGES[language](PREFIX).printed(program)
 
 
 def check_textured(language: str) -> None:
@@ -146,49 +195,6 @@ def check(language: str, model: Model, prefix: str) -> None:
             f"'{prefix}' is not a valid prefix of function names; use letters, digits and single "
             "underscores, beginning with a letter"
         )
-
-
-def material_program(
-    model: Model,
-    latents: np.ndarray,
-    anchors: np.ndarray,
-    rotation: float = 0.0,
-    table: FTable | None = None,
-) -> Program:
-    """The program of a material of known codes, or of a table and codes."""
-    unit = activation(FLOAT, model.arch.activation, "unit")
-    units = activation(COLOUR, model.arch.activation, "units") if len(latents) > 1 else unit
-    mean = anchors.mean(axis=0)
-    has_lobe = table is None or table.beside_lobe
-    lobe = latents[:, : model.arch.lobe] if has_lobe else np.zeros((1, model.arch.lobe))
-    code = _Code(
-        [colour(column) for column in lobe.T],
-        networks.known_terms(model, latents),
-        proposal.known_first(model, mean),
-        [expression(float(mean[place])) for place in WIDTH_PLACES[model.widths]],
-        Tangent.of(rotation),
-    )
-    reads = ", table" if table else ""
-    note: tuple[str, ...] = (
-        f"A material of Urushi as code, of the networks {model.fingerprint}.",
-        f"Functions: {{f}}(wi, wo{reads}), {{pdf}}(wi, wo) and {{sample}}(wi, u).",
-        *_conventions(model),
-    )
-    if table:
-        note = (*note, _table_note(table))
-    structures = (proposal.structure(model), SAMPLE)
-    activations = [unit] if units is unit or table else [unit, units]
-    functions = _functions(model, code, (), unit, units, table)
-    return Program(note, structures, [*activations, *functions])
-
-
-def _table_note(table: FTable) -> str:
-    depth, height, width = table.shape
-    return (
-        f"The table belongs to this file: a 3D texture of {width} x {height} x {depth} texels of "
-        "the format RGBA16F. Its sampler has the wrap mode clamp to edge and linear filtering. "
-        "Where the language separates samplers from textures, the sampler follows the texture."
-    )
 
 
 class _Code(NamedTuple):
@@ -222,26 +228,32 @@ def _functions(
     """
     own, tangent = [argument(variable) for variable in given], code.tangent
 
+    def inside(body: Function) -> tuple[Expression, Expression]:
+        """wi and wo in the frame of the tangent."""
+        wi = tangent.inside(body, argument(WI), "turned_i")
+        return wi, tangent.inside(body, argument(WO), "turned_o")
+
     arguments = (*given, WI, WO, TABLE) if table else (*given, WI, WO)
     f = Function("f", arguments, COLOUR, "The BRDF [1/sr] without the cosine.", public=True)
-    wi, wo = _inside(f, tangent, argument(WI), argument(WO))
+    wi, wo = inside(f)
     value = networks.lobe_f(f, code.lobe, wi, wo)
     if table:
         rest = networks.tabulated(f, table, argument(TABLE), wi, wo)
     else:
         inputs = networks.features(f, wi, wo, model.widths)
         rest = networks.rest(f, model, code.terms, inputs, units)
-    f.returns(_above(wi, wo, value + rest))
+    f.returns(select(call("min", wi.z, wo.z) > 0.0, value + rest, 0.0))
 
     made = Function("proposal", (*given, WI), "Proposal", "The proposal for wi.")
     made.returns(proposal.fill(made, model, code.first, code.alphas, argument(WI), unit))
     sampling = proposal.functions(model)
     note = "The density [1/sr] of `sample` at wo."
     pdf = Function("pdf", (*given, WI, WO), FLOAT, note, public=True)
-    wi, wo = _inside(pdf, tangent, argument(WI), argument(WO))
+    wi, wo = inside(pdf)
     pdf.returns(sampling.density(made(*own, wi), wi, wo))
 
-    sample = Function("sample", (*given, WI, U), SAMPLE.name, SAMPLE_NOTE, public=True)
+    note = "A direction, about in proportion to f and its cosine; below the horizon density 0."
+    sample = Function("sample", (*given, WI, U), SAMPLE.name, note, public=True)
     wi = tangent.inside(sample, argument(WI), "turned_i")
     # wi, or the normal where it is below the horizon.
     raised = sample.let("raised", select(wi.z > 0.0, wi, vector(0.0, 0.0, 1.0)))
@@ -257,42 +269,27 @@ def _functions(
     return [f, made, *sampling.all, pdf, sample]
 
 
-SAMPLE_NOTE = "A direction, about in proportion to f and its cosine; below the horizon density 0."
-
-
-WIDTH_NOTE = "width of the proposal's own lobe"
-
-
 def _conventions(model: Model) -> tuple[str, ...]:
     """How directions and values are meant in a file."""
-    return CONVENTIONS if model.widths == 1 else (*CONVENTIONS, *ANISOTROPIC)
-
-
-def material_structure(model: Model) -> Structure:
-    """The structure that `prepare` computes from codes."""
-    arch = model.arch
-    terms = 2 * arch.decoder[0]
-    last = [Variable("alpha", FLOAT, note=WIDTH_NOTE)]
-    if arch.widths == 2:
-        along, across = (Variable(label, FLOAT, note=WIDTH_NOTE) for label in WIDTHS)
-        last = [along, across, *FIELDS]
-    return Structure(
-        MATERIAL,
-        (
-            Variable("lobe", COLOUR, arch.lobe, "width, Fresnel factors and index of the lobe"),
-            Variable("gain", COLOUR, note="added to the logarithm of the rest"),
-            Variable("terms", COLOUR, terms, "scales and offsets of the units"),
-            Variable("first", FLOAT, arch.sampler[0], "of the sampler's first layer"),
-            *last,
-        ),
-        "A material: what the networks need of its codes. `prepare` makes it.",
-    )
+    return CONVENTIONS if model.widths == 1 else (*CONVENTIONS, ANISOTROPIC)
 
 
 def codes_program(model: Model, texels: Texels | None = None) -> Program:
     """The program of all materials; their codes are arguments, or read from a texture."""
     arch = model.arch
-    structure = material_structure(model)
+    count, widths = 2 * arch.decoder[0], [f"alpha{label}" for label in LABELS[arch.widths]]
+    structure = Structure(
+        MATERIAL,
+        (
+            Variable("lobe", COLOUR, arch.lobe, "width, Fresnel factors and index of the lobe"),
+            Variable("gain", COLOUR, note="added to the logarithm of the rest"),
+            Variable("terms", COLOUR, count, "scales and offsets of the units"),
+            Variable("first", FLOAT, arch.sampler[0], "of the sampler's first layer"),
+            *(Variable(label, FLOAT, None, "width of the proposal's own lobe") for label in widths),
+            *(FIELDS if arch.widths == 2 else ()),
+        ),
+        "A material: what the networks need of its codes. `prepare` makes it.",
+    )
     unit = activation(FLOAT, arch.activation, "unit")
     units = activation(COLOUR, arch.activation, "units")
     prepare = _prepare(model, structure)
@@ -301,7 +298,6 @@ def codes_program(model: Model, texels: Texels | None = None) -> Program:
     lobes, gain, terms, first, *others = (
         member(argument(material), variable) for variable in structure.fields
     )
-    count = structure.fields[2].count or 0
     code = _Code(
         [element(lobes, i) for i in range(arch.lobe)],
         networks.split_terms(model, gain, [element(terms, i) for i in range(count)]),
@@ -309,14 +305,14 @@ def codes_program(model: Model, texels: Texels | None = None) -> Program:
         others[: arch.widths],
         Tangent(*others[arch.widths :] or X_AXIS),
     )
-    note: tuple[str, ...] = (
+    note = (
         f"All materials of Urushi's networks {model.fingerprint} as code; the latent codes of a "
         "material are arguments.",
         f"Functions: {{prepare}}(codes), once for the {arch.latent} numbers of a material's codes, "
         "each for red, green and blue; then {f}(material, wi, wo), {pdf}(material, wi, wo) and "
         "{sample}(material, wi, u).",
         *_conventions(model),
-        *(TURNED if arch.widths == 2 else ()),
+        *((TURNED,) if arch.widths == 2 else ()),
     )
     structures = (structure, proposal.structure(model), SAMPLE)
     functions = [unit, units, prepare, *_functions(model, code, (material,), unit, units)]
@@ -330,34 +326,7 @@ def codes_program(model: Model, texels: Texels | None = None) -> Program:
         f"{texels.filtering} Where the language separates samplers from textures, the sampler "
         "follows the texture. {fetch_level} takes the level as a last argument.",
     )
-    lookup = Lookup(texel, texels.layers, texels.to_texture)
-    return Program(note, structures, [*functions, texel], lookup)
-
-
-def template_program(model: Model) -> Program:
-    """The program of `codes_program`, and a function that gives the material of named numbers."""
-    program = codes_program(model)
-    prepare = next(function for function in program.functions if function.name == "prepare")
-    made = Function("material", (), MATERIAL, "This material; make it once.", public=True)
-    codes = made.array("codes", COLOUR, model.arch.latent)
-    for i in range(model.arch.latent):
-        numbers = (name(f"code_{i}_{channel}", FLOAT) for channel in ("red", "green", "blue"))
-        made.assign(element(codes, i), colour_of(*numbers))
-    if model.widths == 1:
-        made.returns(prepare(codes))
-    else:
-        prepared = made.structure("prepared", MATERIAL)
-        made.assign(prepared, prepare(codes))
-        for variable in FIELDS:
-            made.assign(member(prepared, variable), name(f"code_{variable.name}", FLOAT))
-        made.returns(prepared)
-    note = (
-        f"A material of Urushi as code, of the networks {model.fingerprint}.",
-        "Functions: {material}(), once; then {f}(material, wi, wo), {pdf}(material, wi, wo) and "
-        "{sample}(material, wi, u). {prepare}(codes) makes other materials.",
-        *_conventions(model),
-    )
-    return Program(note, program.structures, [*program.functions, made])
+    return Program(note, structures, [*functions, texel], texels)
 
 
 def _prepare(model: Model, structure: Structure) -> Function:
@@ -379,9 +348,7 @@ def _prepare(model: Model, structure: Structure) -> Function:
     function.assign(gain, numbers[arch.lobe])
     function.note_line("Scales and offsets of the decoder's units.")
     weight, bias = networks.of_code(model)
-    outputs = dense(
-        function, "term", weight, numbers[arch.lobe + 1 :], [float(value) for value in bias]
-    )
+    outputs = dense(function, "term", weight, numbers[arch.lobe + 1 :], bias.tolist())
     for i, output in enumerate(outputs):
         function.assign(element(terms, i), output)
     function.note_line("Directions are drawn by the mean code of the channels.")
@@ -391,7 +358,7 @@ def _prepare(model: Model, structure: Structure) -> Function:
     ]
     inputs = [*networks.lobe_features(function, mean[: arch.lobe]), *mean[arch.lobe :]]
     weight, bias = model.params["sampler.0.weight"][: len(inputs)], model.params["sampler.0.bias"]
-    outputs = dense(function, "first", weight, inputs, [float(value) for value in bias])
+    outputs = dense(function, "first", weight, inputs, bias.tolist())
     for i, output in enumerate(outputs):
         function.assign(element(first, i), output)
     places = WIDTH_PLACES[arch.widths]
@@ -401,14 +368,3 @@ def _prepare(model: Model, structure: Structure) -> Function:
         function.assign(component, value)
     function.returns(made)
     return function
-
-
-def _inside(
-    body: Function, tangent: Tangent, wi: Expression, wo: Expression
-) -> tuple[Expression, Expression]:
-    """Both directions in the frame of a tangent."""
-    return tangent.inside(body, wi, "turned_i"), tangent.inside(body, wo, "turned_o")
-
-
-def _above(wi: Expression, wo: Expression, value: Expression) -> Expression:
-    return select(call("min", wi.z, wo.z) > 0.0, value, 0.0)

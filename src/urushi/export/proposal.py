@@ -24,8 +24,11 @@ from urushi.export.statements import Function, Structure, Variable, member, name
 from urushi.nets.sampler import MIN_COSINE_SHARE, sampler_columns, sampler_inputs
 from urushi.nets.weights import Model
 
-WI, WO = Variable("wi", VECTOR), Variable("wo", VECTOR)
-U = Variable("u", VECTOR)
+WI, WO, U = (Variable(label, VECTOR) for label in ("wi", "wo", "u"))
+
+#: Ends of the names of a lobe's widths, one or two.
+LABELS = {1: ("",), 2: ("_u", "_v")}
+
 SAMPLE = Structure(
     "Sample",
     (
@@ -45,17 +48,13 @@ def structure(model: Model) -> Structure:
     """The proposal for one wi: weights and widths of its lobes, those along the tangent first."""
     count = _lobes(model)
     weights = [Variable(f"weight{k}", FLOAT) for k in range(count)]
-    names = ["alpha"] if model.widths == 1 else WIDTHS
+    names = [f"alpha{label}" for label in LABELS[model.widths]]
     widths = [Variable(f"{name}{k}", FLOAT) for name in names for k in range(count)]
     return Structure(
         "Proposal",
         (*weights, Variable("cosine_weight", FLOAT), *widths),
         "A mixture of GGX reflection lobes and a cosine lobe.",
     )
-
-
-#: Names of the two widths of a lobe.
-WIDTHS = ("alpha_u", "alpha_v")
 
 
 def _lobes(model: Model) -> int:
@@ -136,26 +135,41 @@ def functions(model: Model) -> Sampling:
     weights, cosine_weight = parts[:count], parts[count]
     # The widths of each lobe, one or two.
     alphas = [parts[count + 1 :][k::count] for k in range(count)]
-    reflection = _reflection_density(model.widths)
+    wi, wo, u = map(argument, (WI, WO, U))
+    widths = [Variable(f"alpha{label}", FLOAT) for label in LABELS[model.widths]]
+    own = tuple(map(argument, widths))
+    width = own[0] if model.widths == 1 else Widths(*own)
+    reflection = Function(
+        "reflection_density",
+        (*widths, WI, WO),
+        FLOAT,
+        "The density of wi reflected about a visible GGX normal and mirrored up (Heitz 2018).",
+    )
+    reflection.returns(reflection_pdf(width, wi, wo, namespace(reflection)))
+    reflected = Function(
+        "sample_reflection",
+        (*widths, WI, U),
+        VECTOR,
+        "wi reflected about a visible GGX normal by u.y and u.z (Dupuy and Benyoub 2023).",
+    )
+    drawn = sample_reflection(width, Components(wi.x, wi.y, wi.z), u.y, u.z, namespace(reflected))
+    reflected.returns(vector(*drawn))
     density = Function(
         "density", (mixture, WI, WO), FLOAT, "The density [1/sr] of the proposal at wo."
     )
-    wi, wo = argument(WI), argument(WO)
     total = cosine_weight * (wo.z * (1.0 / math.pi))
     for weight, alpha in zip(weights, alphas, strict=True):
         total = total + weight * reflection(*alpha, wi, wo)
     density.returns(select(call("min", wi.z, wo.z) > 0.0, total, 0.0))
-    reflected = _sample_reflection(model.widths)
     draw = Function(
         "draw", (mixture, WI, U), VECTOR, "A direction of the proposal from uniform numbers."
     )
-    u = argument(U)
     draw.note_line("u.x chooses the lobe.")
     edge, alpha = weights[0], alphas[0]
     for k in range(1, count):
         alpha = [
             draw.let(f"width{label}{k}", select(u.x >= edge, own, other))
-            for label, own, other in zip(_labels(model.widths), alphas[k], alpha, strict=True)
+            for label, own, other in zip(LABELS[model.widths], alphas[k], alpha, strict=True)
         ]
         edge = draw.let(f"edge{k}", edge + weights[k])
     radius = draw.let("radius", call("sqrt", u.y))
@@ -164,45 +178,6 @@ def functions(model: Model) -> Sampling:
     cosine = vector(radius * call("cos", phi), radius * call("sin", phi), height)
     draw.returns(select(u.x >= edge, cosine, reflected(*alpha, wi, u)))
     return Sampling(density, draw, (reflection, density, reflected, draw))
-
-
-def _labels(widths: int) -> tuple[str, ...]:
-    """Ends of the names of a lobe's widths."""
-    return ("",) if widths == 1 else ("_u", "_v")
-
-
-def _alphas(widths: int) -> tuple[Variable, ...]:
-    """The widths of a lobe as arguments."""
-    return tuple(Variable(f"alpha{label}", FLOAT) for label in _labels(widths))
-
-
-def _reflection_density(widths: int) -> Function:
-    """Of visible normals of GGX, see `core.mixture.reflection_pdf`."""
-    function = Function(
-        "reflection_density",
-        (*_alphas(widths), WI, WO),
-        FLOAT,
-        "The density of wi reflected about a visible GGX normal and mirrored up (Heitz 2018).",
-    )
-    *alphas, wi, wo = map(argument, function.arguments)
-    alpha = alphas[0] if widths == 1 else Widths(*alphas)
-    function.returns(reflection_pdf(alpha, wi, wo, namespace(function)))
-    return function
-
-
-def _sample_reflection(widths: int) -> Function:
-    """By a spherical cap (Dupuy and Benyoub 2023), see `core.mixture.sample_reflection`."""
-    function = Function(
-        "sample_reflection",
-        (*_alphas(widths), WI, U),
-        VECTOR,
-        "wi reflected about a visible GGX normal by u.y and u.z (Dupuy and Benyoub 2023).",
-    )
-    *alphas, wi, u = map(argument, function.arguments)
-    alpha = alphas[0] if widths == 1 else Widths(*alphas)
-    incident = Components(wi.x, wi.y, wi.z)
-    function.returns(vector(*sample_reflection(alpha, incident, u.y, u.z, namespace(function))))
-    return function
 
 
 def known_first(model: Model, code: np.ndarray) -> list[Expression]:

@@ -2,7 +2,7 @@
 
 import contextlib
 import functools
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
@@ -81,13 +81,9 @@ class Function:
     """A function, and the builder of its body.
 
     Attributes:
-        name: without prefix.
-        arguments: its arguments.
-        kind: of what it returns.
-        note: what it does.
+        name: without prefix. kind: of what it returns. note: what it does.
         public: whether the user of the file calls it.
         tables: the tables that it reads.
-        body: its statements.
     """
 
     name: str
@@ -147,23 +143,32 @@ class Function:
         return Expression("invoke", self.kind, arguments, self.name)
 
 
-#: The functions that read a texture: by the footprint, and at a given level.
-LOOKUPS = ("fetch", "fetch_level")
-
-
-@dataclass(frozen=True)
-class Lookup:
-    """The look-up of an array texture.
+class LinearNumber(NamedTuple):
+    """A number of a code as a linear function of a texel's bytes.
 
     Attributes:
-        function: what its filtered bytes are given to.
-        layers: the number of its layers.
-        to_texture: the affine map (2, 3) from uv to its coordinates.
+        offset: its value where the bytes are zero.
+        factors: byte and factor of each term; bytes are in [0, 1].
     """
 
-    function: Function
+    offset: float
+    factors: tuple[tuple[int, float], ...] = ()
+
+
+class Texels(NamedTuple):
+    """How the codes of texels are stored in an array texture.
+
+    Attributes:
+        numbers: of each number of a code, its linear function in each channel, one or three.
+        layers: layers of the texture.
+        to_texture: the affine map (2, 3) from uv to the texture's coordinates.
+        filtering: how the user's sampler continues and filters the texture, a sentence.
+    """
+
+    numbers: Sequence[Sequence[LinearNumber]]
     layers: int
     to_texture: Sequence[Sequence[float]]
+    filtering: str
 
 
 @dataclass(frozen=True)
@@ -174,19 +179,19 @@ class Program:
         note: the comment at its head, paragraph by paragraph; {f} stands for the name that the
             function f has in the file.
         structures, functions: in an order in which each uses only those before it.
-        lookup: of the texture that the last function is for, if there is one.
+        texels: of the texture whose filtered bytes the last function takes, if there is one.
     """
 
     note: Sequence[str]
     structures: Sequence[Structure]
     functions: Sequence[Function]
-    lookup: Lookup | None = None
+    texels: Texels | None = None
 
     @property
     def public(self) -> list[str]:
         """The functions that the user calls."""
         labels = [function.name for function in self.functions if function.public]
-        return [*labels, *LOOKUPS] if self.lookup else labels
+        return [*labels, "fetch", "fetch_level"] if self.texels else labels
 
 
 def element(array: Expression, index: int | Expression) -> Expression:
@@ -224,52 +229,11 @@ def namespace(body: Function, suffix: str = "") -> Namespace:
             *(named(f"cap_{axis}", c / size) for axis, c in zip("xyz", wide, strict=True))
         )
 
-    def function(label: str) -> Callable[..., Expression]:
-        return functools.partial(call, label)
-
-    return Namespace(
-        function("sqrt"),
-        function("sqrt"),
-        function("exp"),
-        function("log"),
-        function("log1p"),
-        function("abs"),
-        function("min"),
-        function("max"),
-        select,
-        lambda x: call("max", x, 0.0),
-        lambda x: (call("sin", x), call("cos", x)),
-        normalized,
-        named,
-    )
-
-
-class LinearNumber(NamedTuple):
-    """A number of a code as a linear function of a texel's bytes.
-
-    Attributes:
-        offset: its value where the bytes are zero.
-        factors: byte and factor of each term; bytes are in [0, 1].
-    """
-
-    offset: float
-    factors: tuple[tuple[int, float], ...] = ()
-
-
-class Texels(NamedTuple):
-    """How the codes of texels are stored.
-
-    Attributes:
-        numbers: of each number of a code, its linear function in each channel, one or three.
-        layers: layers of the texture.
-        to_texture: the affine map (2, 3) from uv to the texture's coordinates.
-        filtering: how the user's sampler continues and filters the texture, a sentence.
-    """
-
-    numbers: Sequence[Sequence[LinearNumber]]
-    layers: int
-    to_texture: Sequence[Sequence[float]]
-    filtering: str
+    labels = ("sqrt", "sqrt", "exp", "log", "log1p", "abs", "min", "max")
+    functions: Any = [functools.partial(call, label) for label in labels]
+    functions += [select, lambda x: call("max", x, 0.0)]
+    functions += [lambda x: (call("sin", x), call("cos", x)), normalized, named]
+    return Namespace(*functions)
 
 
 def texel_function(texels: Texels, prepare: Function) -> Function:
@@ -281,17 +245,12 @@ def texel_function(texels: Texels, prepare: Function) -> Function:
     values = name(stored.name, FLOAT)
     codes = function.array("codes", COLOUR, len(texels.numbers))
     for i, channels in enumerate(texels.numbers):
-        if len(set(channels)) == 1:
-            number = _linear(channels[0], values)
-        else:
-            number = colour_of(*(_linear(channel, values) for channel in channels))
-        function.assign(element(codes, i), number)
+        numbers = []
+        for offset, factors in channels[:1] if len(set(channels)) == 1 else channels:
+            number = expression(offset)
+            for place, factor in factors:
+                number = number + element(values, place) * factor
+            numbers.append(number)
+        function.assign(element(codes, i), numbers[0] if len(numbers) == 1 else colour_of(*numbers))
     function.returns(prepare(codes))
     return function
-
-
-def _linear(number: LinearNumber, values: Expression) -> Expression:
-    total = expression(number.offset)
-    for place, factor in number.factors:
-        total = total + element(values, place) * factor
-    return total

@@ -5,8 +5,8 @@ returns the gradient with respect to the input, written by hand, so that latent 
 optimised where JAX is not installed.
 """
 
+import itertools
 import json
-import math
 from collections.abc import Callable, Iterable
 from dataclasses import asdict, dataclass
 from typing import Any
@@ -221,57 +221,43 @@ class PaperArchitecture:
         )
 
 
-def _residual(name: str, n: int) -> Skip:
-    """R{RB, FC, RB}."""
-    return Skip((*rb(f"{name}.0", n), *fc(f"{name}.1", n, n), *rb(f"{name}.2", n)))
-
-
-def _evaluation() -> tuple[Block, ...]:
-    name, n = "evaluation", 256
-
-    def half(name: str) -> Skip:
-        parts = _residual(f"{name}.0", n), *fc(f"{name}.1", n, n), _residual(f"{name}.2", n)
-        return Skip(parts)
-
-    middle = half(f"{name}.1.0"), *fc(f"{name}.1.1", n, n), half(f"{name}.1.2")
-    return (
-        *fc(f"{name}.0", DIRECTIONS + LATENT, n),
-        Skip(middle),
-        *fc(f"{name}.2", n, n),
-        Linear(f"{name}.3", n, 1),
-    )
-
-
-def _layering() -> tuple[Block, ...]:
-    name, n = "layering", 512
-    middle = (
-        *rb(f"{name}.1.0", n),
-        *fc(f"{name}.1.1", n, n),
-        _residual(f"{name}.1.2", n),
-        *fc(f"{name}.1.3", n, n),
-        *rb(f"{name}.1.4", n),
-    )
-    return (
-        *fc(f"{name}.0", 2 * LATENT + 2, n),
-        Skip(middle),
-        *fc(f"{name}.2", n, 128),
-        Linear(f"{name}.3", 128, LATENT),
-    )
-
-
-def _proxy() -> tuple[Linear, ...]:
-    sizes = (LATENT, 128, 512, 128, 32, 2)
-    return tuple(Linear(f"proxy.{i}", sizes[i], sizes[i + 1]) for i in range(len(sizes) - 1))
+def _nested(name: str, n: int, depth: int) -> tuple[Block, ...]:
+    """R{A, FC, A}, where A is of the depth below; RB at depth 0."""
+    if depth == 0:
+        return rb(name, n)
+    first, last = (_nested(f"{name}.{place}", n, depth - 1) for place in (0, 2))
+    return (Skip((*first, *fc(f"{name}.1", n, n), *last)),)
 
 
 #: The evaluation network: 1,074,689 parameters.
-EVALUATION = _evaluation()
+EVALUATION = (
+    *fc("evaluation.0", DIRECTIONS + LATENT, 256),
+    *_nested("evaluation.1", 256, 3),
+    *fc("evaluation.2", 256, 256),
+    Linear("evaluation.3", 256, 1),
+)
+
+_MIDDLE = (
+    *rb("layering.1.0", 512),
+    *fc("layering.1.1", 512, 512),
+    *_nested("layering.1.2", 512, 1),
+    *fc("layering.1.3", 512, 512),
+    *rb("layering.1.4", 512),
+)
 
 #: The layering network: 1,954,208 parameters.
-LAYERING = _layering()
+LAYERING = (
+    *fc("layering.0", 2 * LATENT + 2, 512),
+    Skip(_MIDDLE),
+    *fc("layering.2", 512, 128),
+    Linear("layering.3", 128, LATENT),
+)
 
 #: The sampling proxy, an MLP with plain ReLUs between its layers (evaluated by `nets.mlp`).
-PROXY = _proxy()
+PROXY = tuple(
+    Linear(f"proxy.{i}", *sizes)
+    for i, sizes in enumerate(itertools.pairwise((LATENT, 128, 512, 128, 32, 2)))
+)
 
 PARTS = {"evaluation": EVALUATION, "layering": LAYERING, "proxy": PROXY}
 
@@ -279,11 +265,6 @@ PARTS = {"evaluation": EVALUATION, "layering": LAYERING, "proxy": PROXY}
 def parameter_shapes() -> Shapes:
     """Return every parameter's shape by name."""
     return {name: shape for part in PARTS.values() for name, shape in shapes(part).items()}
-
-
-def parameter_count(part: str) -> int:
-    """Return the number of parameters of one network, named as in `PARTS`."""
-    return sum(math.prod(shape) for shape in shapes(PARTS[part]).values())
 
 
 def init(seed: int) -> dict[str, np.ndarray]:

@@ -50,42 +50,32 @@ def _packed(weight: np.ndarray, bias: np.ndarray) -> tuple:
     return nn.pack(mi.TensorXf(weight), mi.TensorXf(bias), layout="inference")
 
 
-class LinearKernel:
+def _linear(params: Mapping[str, np.ndarray], name: str) -> Callable:
     """A linear layer, equal to `fan2022.architecture.Linear`."""
-
-    def __init__(self, params: Mapping[str, np.ndarray], name: str):
-        weight = np.ascontiguousarray(params[f"{name}.weight"].T)
-        self._layer = _packed(weight, params[f"{name}.bias"])
-
-    def __call__(self, x: nn.CoopVec) -> nn.CoopVec:
-        weight, bias = self._layer
-        return nn.matvec(weight, x, bias)
+    weight = np.ascontiguousarray(params[f"{name}.weight"].T)
+    weight, bias = _packed(weight, params[f"{name}.bias"])
+    return lambda x: nn.matvec(weight, x, bias)
 
 
-class NormKernel:
+def _norm(params: Mapping[str, np.ndarray], name: str) -> Callable:
     """Layer normalisation and ReLU, equal to `fan2022.architecture.Norm`."""
+    width = len(params[f"{name}.scale"])
+    # A vector in memory can be used only as the bias of a matrix, here of zeros.
+    zeros = np.zeros((width, 1), np.float32)
+    vectors = [_packed(zeros, params[f"{name}.{part}"]) for part in ("scale", "shift")]
+    mean = _packed(np.full((1, width), 1 / width, np.float32), np.zeros(1, np.float32))
 
-    def __init__(self, params: Mapping[str, np.ndarray], name: str):
-        scale, shift = params[f"{name}.scale"], params[f"{name}.shift"]
-        width = len(scale)
-        zeros = np.zeros((width, 1), np.float32)
-        # A vector in memory can be used only as the bias of a matrix, here of zeros.
-        self._scale, self._shift = _packed(zeros, scale), _packed(zeros, shift)
-        self._mean = _packed(np.full((1, width), 1 / width, np.float32), np.zeros(1, np.float32))
+    def average(x: nn.CoopVec):
+        (value,) = nn.matvec(mean[0], x, mean[1])
+        return value
 
-    def __call__(self, x: nn.CoopVec) -> nn.CoopVec:
-        centred = x - self._average(x)
-        inverse = dr.rsqrt(self._average(centred * centred) + EPSILON)
-        scale, shift = (
-            nn.matvec(weight, nn.CoopVec(mi.Float(0)), bias)
-            for weight, bias in (self._scale, self._shift)
-        )
+    def normalised(x: nn.CoopVec) -> nn.CoopVec:
+        centred = x - average(x)
+        inverse = dr.rsqrt(average(centred * centred) + EPSILON)
+        scale, shift = (nn.matvec(zero, nn.CoopVec(mi.Float(0)), own) for zero, own in vectors)
         return dr.maximum(dr.fma(centred * inverse, scale, shift), 0)
 
-    def _average(self, x: nn.CoopVec):
-        weight, bias = self._mean
-        (average,) = nn.matvec(weight, x, bias)
-        return average
+    return normalised
 
 
 class PaperDecoder:
@@ -127,9 +117,9 @@ def _bound(params: Mapping[str, np.ndarray], chain: Sequence[Block]) -> list:
     steps: list = []
     for block in chain:
         if isinstance(block, Linear):
-            steps.append(LinearKernel(params, block.name))
+            steps.append(_linear(params, block.name))
         elif isinstance(block, Norm):
-            steps.append(NormKernel(params, block.name))
+            steps.append(_norm(params, block.name))
         else:
             steps.append(_skip(_bound(params, block.inner)))
     return steps

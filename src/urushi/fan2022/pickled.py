@@ -71,13 +71,14 @@ ALLOWED = frozenset({_DICTIONARY, _METHOD, _SIZE, _TENSOR, _PARAMETER, *_DTYPES}
 #: Modules of the classes that a pickle may name: PyTorch's, and the authors' scripts.
 CLASS_MODULES = frozenset(
     ["model", "utils"]
-    + [
-        f"torch.nn.modules.{name}"
-        for name in ("activation", "container", "linear", "normalization")
-    ]
+    + [f"torch.nn.modules.{k}" for k in ("activation", "container", "linear", "normalization")]
 )
 
 _MARK = object()
+
+#: Classes of empty values, and constants, by instruction.
+_EMPTY = {"EMPTY_DICT": dict, "EMPTY_LIST": list, "EMPTY_TUPLE": tuple}
+_CONSTANTS = {"NONE": None, "NEWTRUE": True, "NEWFALSE": False, "MARK": _MARK}
 
 
 def decode(file: BinaryIO, path: str | os.PathLike) -> tuple[Any, dict[str, Storage]]:
@@ -121,12 +122,10 @@ class _Machine:
                 stack.append(argument)
             case "BINUNICODE" | "SHORT_BINUNICODE":
                 stack.append(argument)
-            case "NONE" | "NEWTRUE" | "NEWFALSE":
-                stack.append({"NONE": None, "NEWTRUE": True, "NEWFALSE": False}[instruction])
-            case "EMPTY_DICT" | "EMPTY_LIST" | "EMPTY_TUPLE":
-                stack.append({"EMPTY_DICT": dict, "EMPTY_LIST": list}.get(instruction, tuple)())
-            case "MARK":
-                stack.append(_MARK)
+            case _ if instruction in _CONSTANTS:
+                stack.append(_CONSTANTS[instruction])
+            case _ if instruction in _EMPTY:
+                stack.append(_EMPTY[instruction]())
             case "TUPLE":
                 stack.append(tuple(self._since_mark()))
             case "TUPLE1" | "TUPLE2" | "TUPLE3":

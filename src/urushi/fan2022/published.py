@@ -53,47 +53,41 @@ class TorchFile:
         """Read a file's pickle and its storages; `array` makes tensors of them."""
         self.path = Path(path)
         data = _content(self.path)
-        self.content: Any
-        self._storages: Mapping[str, bytes]
         read = _read_legacy if data.startswith(_LEGACY) else _read_zip
         self.content, self._storages = read(data, self.path)
 
     def array(self, tensor: Tensor, name: str) -> np.ndarray:
         """The values of a tensor as a new float32 array; name: for errors."""
-        storage, path = tensor.storage, self.path
-        shape, strides = tensor.shape, tensor.strides
-        if len(shape) != len(strides) or min((tensor.offset, *shape, *strides), default=0) < 0:
-            raise FileError(f"the tensor '{name}' of '{path}' has a wrong shape; save it again")
+        (storage, offset, shape, strides), where = tensor, f"the tensor '{name}' of '{self.path}'"
+        if len(shape) != len(strides) or min((offset, *shape, *strides), default=0) < 0:
+            raise FileError(f"{where} has a wrong shape; save it again")
         if math.prod(shape) > MAX_VALUES:
             raise FileError(
-                f"the tensor '{name}' of '{path}' has shape {shape}; the paper's networks have at "
-                f"most {MAX_VALUES} values in one"
+                f"{where} has shape {shape}; the paper's networks have at most {MAX_VALUES} values "
+                "in one"
             )
-        last = tensor.offset + sum((n - 1) * s for n, s in zip(shape, strides, strict=True))
+        last = offset + sum((n - 1) * s for n, s in zip(shape, strides, strict=True))
         if 0 not in shape and last >= storage.length:
-            raise FileError(
-                f"the tensor '{name}' of '{path}' lies outside its storage; save it again"
-            )
+            raise FileError(f"{where} lies outside its storage; save it again")
         dtype = np.dtype(storage.dtype)
         data = self._storages.get(storage.key)
         if data is None:
             raise FileError(
-                f"'{path}' lacks the values of the tensor '{name}'; download or save it again"
+                f"'{self.path}' lacks the values of the tensor '{name}'; download or save it again"
             )
         if len(data) != storage.length * dtype.itemsize:
             raise FileError(
-                f"the storage of the tensor '{name}' of '{path}' has {len(data)} bytes instead of "
+                f"the storage of {where} has {len(data)} bytes instead of "
                 f"{storage.length * dtype.itemsize}; download or save the file again"
             )
-        values = np.frombuffer(data, dtype)[tensor.offset :]
+        values = np.frombuffer(data, dtype)[offset:]
         steps = tuple(s * dtype.itemsize for s in strides)
         view = as_strided(values, shape, steps, writeable=False)
         with np.errstate(over="ignore"):  # of doubles: refused below
             array = np.array(view, np.float32, order="C")
         if not np.isfinite(array).all():
             raise FileError(
-                f"the tensor '{name}' of '{path}' holds a number that is not finite in single "
-                "precision; give other weights"
+                f"{where} holds a number that is not finite in single precision; give other weights"
             )
         return array
 
@@ -189,40 +183,35 @@ def _damaged(path: Path) -> FileError:
     return FileError(f"'{path}' is truncated or damaged; download or save it again")
 
 
-#: Output of a sampler without training, for the least share of the Gaussian.
-_COSINE_OUTPUT = 20.0
-
-
 def networks(
     representation: str | os.PathLike, layering: str | os.PathLike
 ) -> dict[str, np.ndarray]:
     """Return the parameters of the evaluation and the layering network from two files."""
-    params = _read(representation, "representation", EVALUATION)
-    params |= _read(layering, "layering", LAYERING)
-    return params
+    evaluation = _read(representation, "representation", EVALUATION)
+    return evaluation | _read(layering, "layering", LAYERING)
 
 
 def cosine_proxy() -> dict[str, np.ndarray]:
     """Parameters of a sampling proxy that gives the cosine lobe its greatest share, 98 %."""
     params = {name: np.zeros(shape, np.float32) for name, shape in shapes(PROXY).items()}
-    params[f"{PROXY[-1].name}.bias"][1] = _COSINE_OUTPUT
+    params[f"{PROXY[-1].name}.bias"][1] = 20.0  # the least share of the Gaussian
     return params
 
 
 def state_dict(file: TorchFile) -> dict[str, Tensor]:
     """The tensors by name: the file's content, or the one entry of it that is such a dictionary."""
     content = file.content
-    entries = content if isinstance(content, dict) else {}
     if _holds_tensors(content):
         return content
-    found = [key for key, value in entries.items() if _holds_tensors(value)]
+    entries = content.items() if isinstance(content, dict) else ()
+    found = {key: value for key, value in entries if _holds_tensors(value)}
     if len(found) != 1:
         several = f"several state dicts ({', '.join(map(str, found))})" if found else "none"
         raise FileError(
             f"'{file.path}' should hold one state dict and holds {several}; "
             "give a file of torch.save(network.state_dict())"
         )
-    return entries[found[0]]
+    return next(iter(found.values()))
 
 
 def _holds_tensors(value: Any) -> bool:
@@ -237,9 +226,8 @@ def _holds_tensors(value: Any) -> bool:
 def _read(path: str | os.PathLike, network: str, chain: Iterable[Block]) -> dict[str, np.ndarray]:
     """The parameters of one network, by Urushi's names."""
     file = TorchFile(path)
-    tensors = state_dict(file)
     modules: dict[str, dict[str, Tensor]] = {}
-    for name, tensor in tensors.items():
+    for name, tensor in state_dict(file).items():
         module, _, part = name.rpartition(".")
         modules.setdefault(module, {})[part] = tensor
     where = f"the {network} network in '{path}'"
@@ -255,7 +243,8 @@ def _read(path: str | os.PathLike, network: str, chain: Iterable[Block]) -> dict
                 f"{len(expected)}; give the representation network first, then the layering one"
             )
         for number, (module, block) in enumerate(zip(found[kind], expected, strict=True), 1):
-            shape, asked = modules[module]["weight"].shape, _torch_shape(block)
+            shape = modules[module]["weight"].shape
+            asked = tuple(next(iter(block.shapes().values())))[::-1]  # matrices are (out, in)
             if shape != asked:
                 raise FileError(
                     f"{word} {number} of {where}, '{module}', has a weight of shape {shape}, "
@@ -281,11 +270,6 @@ def _kind(module: str, parts: dict[str, Tensor], where: str) -> type:
         f"the layer '{module}' of {where} is neither a Linear nor a LayerNorm layer ({tensors}); "
         "give the state dict of the paper's network alone"
     )
-
-
-def _torch_shape(block: Linear | Norm) -> tuple[int, ...]:
-    """The shape of a layer's weight in PyTorch, whose matrices are (out, in)."""
-    return (block.columns, block.rows) if isinstance(block, Linear) else (block.width,)
 
 
 def flat(chain: Iterable[Block]) -> list[Linear | Norm]:

@@ -3,9 +3,8 @@
 import functools
 import os
 import time
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import replace
-from pathlib import Path
 from typing import Any
 
 import jax
@@ -20,7 +19,7 @@ from urushi.fan2022.preset import PaperPreset
 from urushi.nets.mlp import Params
 from urushi.train import training
 from urushi.train.checkpoint import Checkpoint, Journal
-from urushi.train.store import Store, generate
+from urushi.train.store import Store
 
 #: BRDFs that are projected together, and their pairs in one step, at most: bounds memory.
 TOGETHER, ROWS = 16, 1 << 13
@@ -43,53 +42,38 @@ def train(
     is written after every epoch of the evaluation network, after every twentieth epoch of the
     layering network, and between the stages.
     """
-    folder = Path(run) if run is not None else training.RUNS / preset.name
-    out = Path(out) if out is not None else folder / "weights.safetensors"
-    training.prepare(folder, out, resume)
-    began = time.monotonic()
-    store = generate(preset.data, data if data is not None else folder / "data")
-    generated = time.monotonic() - began
-    identity = training.identity(preset, store)
-    journal = Journal(folder, identity, generated)
-
+    store, journal, out = training.prepare(preset, data, out, run, resume)
     starts = beginnings(preset)
     point = journal.restore(starts) if resume else None
     if point is None:
         journal.clear()
         point = starts["representation"]
-    clock = Clock(point.seconds)
+    began = time.monotonic() - point.seconds
+
+    def seconds() -> float:
+        """Time of training, of earlier runs too."""
+        return time.monotonic() - began
 
     if point.stage == "representation":
-        point = represent(point, preset, store, journal, clock)
+        point = represent(point, preset, store, journal, seconds)
         networks = {**point.state.params, **projected(point.state.params, preset, store)}
-        point = replace(starts["layering"], seconds=clock.seconds(), networks=networks)
+        point = replace(starts["layering"], seconds=seconds(), networks=networks)
         journal.save(point)
     if point.stage == "layering":
-        point = learn_layering(point, preset, journal, clock)
+        point = learn_layering(point, preset, journal, seconds)
         networks = {**point.networks, **point.state.params}
-        point = Checkpoint("proxy", 0, clock.seconds(), {}, networks)
+        point = Checkpoint("proxy", 0, seconds(), {}, networks)
         journal.save(point)
 
     results = {name: np.asarray(value) for name, value in point.networks.items()}
     params = {name: v for name, v in results.items() if not name.startswith(("codes.", "error."))}
-    sampling, divergence = learn_proxy(params, preset, results["codes.two-layer"])
+    wi = proxy.incoming(preset.proxy_incoming, preset.seed)
+    codes = results["codes.two-layer"][: preset.proxy_materials]
+    histograms = proxy.histograms(params, codes, wi)
+    sampling, divergence = proxy.learn(init(preset.seed), histograms)
     metrics = figures(params, preset, results) | {"proxy divergence": divergence}
-    cost = {
-        "data seconds": round(journal.data_seconds),
-        "training seconds": round(clock.seconds()),
-    }
-    header = {**training.header(identity, metrics, cost), "scale": preset.scale}
+    header = {**training.header(journal, metrics, seconds()), "scale": preset.scale}
     return PaperNetworks(preset.arch, {**params, **sampling}, header).save(out)
-
-
-class Clock:
-    """Seconds of training, including those of earlier runs."""
-
-    def __init__(self, before: float) -> None:
-        self._start = time.monotonic() - before
-
-    def seconds(self) -> float:
-        return time.monotonic() - self._start
 
 
 def beginnings(preset: PaperPreset) -> dict[str, Checkpoint]:
@@ -109,9 +93,13 @@ def beginnings(preset: PaperPreset) -> dict[str, Checkpoint]:
 
 
 def represent(
-    point: Checkpoint, preset: PaperPreset, store: Store, journal: Journal, clock: Clock
+    point: Checkpoint,
+    preset: PaperPreset,
+    store: Store,
+    journal: Journal,
+    seconds: Callable[[], float],
 ) -> Checkpoint:
-    """Train the evaluation network for its remaining epochs."""
+    """Train the evaluation network for its remaining epochs; seconds: time of training."""
     pairs = preset.part("two-layer").pairs
     runs = pairs // min(preset.pairs, pairs)
     for epoch in range(point.step, preset.epochs):
@@ -123,7 +111,7 @@ def represent(
             disable=None,
         )
         state, loss = representation.learn_epoch(point.state, batches, *rates)
-        point = replace(point, step=epoch + 1, seconds=clock.seconds(), state=state)
+        point = replace(point, step=epoch + 1, seconds=seconds(), state=state)
         journal.save(point, {"loss": loss})
     return point
 
@@ -181,35 +169,24 @@ def codes_of(preset: PaperPreset, arrays: Mapping[str, Any]) -> dict[str, np.nda
 
 
 def learn_layering(
-    point: Checkpoint, preset: PaperPreset, journal: Journal, clock: Clock
+    point: Checkpoint, preset: PaperPreset, journal: Journal, seconds: Callable[[], float]
 ) -> Checkpoint:
-    """Train the layering network for its remaining epochs."""
-    codes = codes_of(preset, point.networks)
-    sets = layering.examples(preset, codes)
+    """Train the layering network for its remaining epochs; seconds: time of training."""
+    sets = layering.examples(preset, codes_of(preset, point.networks))
     epochs = preset.layering_epochs + preset.finetuning_epochs
     for epoch in tqdm(range(point.step, epochs), desc="layering", disable=None):
         state, loss = layering.learn_epoch(point.state, sets, preset, epoch)
-        point = replace(point, step=epoch + 1, seconds=clock.seconds(), state=state)
+        point = replace(point, step=epoch + 1, seconds=seconds(), state=state)
         if (epoch + 1) % layering.DECAYS == 0 or epoch + 1 == epochs:
             journal.save(point, {"loss": loss})
     return point
-
-
-def learn_proxy(
-    params: Mapping[str, Any], preset: PaperPreset, codes: np.ndarray
-) -> tuple[Mapping[str, Any], float]:
-    """Train the sampling proxy; returns its parameters and its divergence."""
-    wi = proxy.incoming(preset.proxy_incoming, preset.seed)
-    data = proxy.histograms(params, codes[: preset.proxy_materials], wi)
-    return proxy.learn(init(preset.seed), data)
 
 
 def figures(
     params: Mapping[str, Any], preset: PaperPreset, results: Mapping[str, Any]
 ) -> dict[str, float]:
     """Mean absolute errors [1/sr] of projections, and those of the layering network's codes."""
-    codes = codes_of(preset, results)
-    sets = layering.examples(preset, codes)
+    sets = layering.examples(preset, codes_of(preset, results))
     loss = jax.jit(layering.l1_loss)
     named = {f"L1 {p.name}": np.mean(results[f"error.{p.name}"]) for p in preset.data.parts}
     named |= {"L1 validation": np.mean(results["error.two-layer"][-preset.validation :])}

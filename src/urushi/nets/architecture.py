@@ -64,10 +64,10 @@ class Architecture:
                 f"architecture's widths is {self.widths!r}; it must be 1 (isotropic) or 2"
             )
         for name in ("latent", "lobes", "probes"):
-            if not _positive(getattr(self, name)):
+            value = getattr(self, name)
+            if not _positive(value):
                 raise ParameterError(
-                    f"architecture's {name} is {getattr(self, name)!r}; "
-                    "it must be a positive integer"
+                    f"architecture's {name} is {value!r}; it must be a positive integer"
                 )
         if self.latent < self.lobe + 2:
             raise ParameterError(
@@ -76,11 +76,7 @@ class Architecture:
             )
         for name in PARTS:
             widths = getattr(self, name)
-            if (
-                not isinstance(widths, tuple | list)
-                or not widths
-                or not all(map(_positive, widths))
-            ):
+            if not (isinstance(widths, tuple | list) and widths and all(map(_positive, widths))):
                 raise ParameterError(
                     f"architecture's {name} is {widths!r}; give the hidden layers' widths, "
                     "such as (64, 64)"
@@ -112,9 +108,7 @@ class Architecture:
         except ValueError as error:
             raise ParameterError(f"the architecture is not valid JSON: {error}") from error
         names = {entry.name for entry in fields(cls)} | {"lobe"}
-        if isinstance(entries, dict):
-            entries.setdefault("widths", 1)
-        if not isinstance(entries, dict) or set(entries) != names:
+        if not isinstance(entries, dict) or set(entries) | {"widths"} != names:
             raise ParameterError(
                 "the architecture must be a JSON object with exactly the fields "
                 + ", ".join(sorted(names))
@@ -174,16 +168,13 @@ def init(arch: Architecture, seed: int) -> dict[str, np.ndarray]:
     """
     rng = np.random.default_rng(seed)
     output_gain = {"decoder": 0.3, "encoder": 1.0, "layerer": 0.1, "sampler": 0.1}
-    params: dict[str, np.ndarray] = {}
-    for part in PARTS:
-        sizes = layer_sizes(arch, part)
-        for index, (rows, columns) in enumerate(itertools.pairwise(sizes)):
-            last = index == len(sizes) - 2
-            deviation = (output_gain[part] if last else np.sqrt(2.0)) / np.sqrt(rows)
-            weight = rng.standard_normal((rows, columns)) * deviation
-            params[f"{part}.{index}.weight"] = weight.astype(np.float32)
-            params[f"{part}.{index}.bias"] = np.zeros(columns, np.float32)
-    params[SCALE] = np.zeros((arch.latent - arch.lobe - 1, arch.decoder[0]), np.float32)
-    params["encoder.input_mean"] = np.full(arch.probes, -2.0, np.float32)
-    params["encoder.input_scale"] = np.full(arch.probes, 2.0, np.float32)
+    params = {k: np.zeros(shape, np.float32) for k, shape in parameter_shapes(arch).items()}
+    for part, gain in output_gain.items():
+        last = len(getattr(arch, part))
+        for index in range(last + 1):
+            weight = params[f"{part}.{index}.weight"]
+            deviation = (gain if index == last else np.sqrt(2.0)) / np.sqrt(len(weight))
+            weight[:] = rng.standard_normal(weight.shape) * deviation
+    params["encoder.input_mean"] -= 2
+    params["encoder.input_scale"] += 2
     return params

@@ -25,15 +25,19 @@ def stacked(columns: Sequence[Any]) -> Any:
 class Normalisation:
     """Means and scales of features, by which they have about mean 0 and variance 1."""
 
-    def __init__(self, means: Sequence[float], scales: Sequence[float]):
-        """means, scales: one of each for every column."""
+    def __init__(self, table: Sequence[tuple[Any, float, float]]):
+        """table: name, mean and scale of every column."""
+        _, means, scales = zip(*table, strict=True)
         self._means, self._factors = np.array(means), 1.0 / np.array(scales)
         self._of_type: dict[Any, tuple[np.ndarray, np.ndarray]] = {}
 
     def __call__(self, columns: Sequence[Any]) -> Any:
         """Normalised features (..., C) of columns (...), which broadcast against each other."""
         features = stacked(columns)
-        means, factors = self._constants(features.real.dtype)
+        dtype = features.real.dtype  # the precision of the columns
+        if dtype not in self._of_type:
+            self._of_type[dtype] = self._means.astype(dtype), self._factors.astype(dtype)
+        means, factors = self._of_type[dtype]
         features -= means  # in place where arrays can be changed
         features *= factors
         return features
@@ -42,12 +46,6 @@ class Normalisation:
         """Columns of any kind, normalised in the same way, as a list."""
         constants = zip(columns, self._means.tolist(), self._factors.tolist(), strict=True)
         return [(column - mean) * factor for column, mean, factor in constants]
-
-    def _constants(self, dtype: Any) -> tuple[np.ndarray, np.ndarray]:
-        """The means and factors (C,) in the precision of the columns."""
-        if dtype not in self._of_type:
-            self._of_type[dtype] = self._means.astype(dtype), self._factors.astype(dtype)
-        return self._of_type[dtype]
 
 
 #: Smallest cosine to the normal. Smaller ones are clamped to it, so f is constant near the horizon.
@@ -111,20 +109,9 @@ COAT_TABLE = (
 COAT_FEATURES = {1: len(COAT_TABLE), 2: len(COAT_TABLE) + 2}
 
 
-Table = tuple[tuple[str, float, float], ...]
-
-
-def _normalisation(table: Table) -> Normalisation:
-    """The normalisation by the means and scales of a table."""
-    return Normalisation([mean for _, mean, _ in table], [scale for _, _, scale in table])
-
-
 #: Normalisations of the features, for networks of one GGX width or two.
-DIRECTIONS = {
-    1: _normalisation(DIRECTION_TABLE),
-    2: _normalisation(DIRECTION_TABLE + AZIMUTH_TABLE),
-}
-COATS = {1: _normalisation(COAT_TABLE), 2: _normalisation(COAT_TABLE + COAT_TABLE[:2])}
+DIRECTIONS = {1: Normalisation(DIRECTION_TABLE), 2: Normalisation(DIRECTION_TABLE + AZIMUTH_TABLE)}
+COATS = {1: Normalisation(COAT_TABLE), 2: Normalisation(COAT_TABLE + COAT_TABLE[:2])}
 
 
 def direction_features(wi: Any, wo: Any, widths: int = 1) -> Any:

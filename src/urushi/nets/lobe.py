@@ -37,19 +37,23 @@ WIDTH_PLACES = {1: (0,), 2: (0, len(LOBE_NUMBERS))}
 #: The numbers of a surface without a lobe.
 NO_LOBE = (1.0, 0.0, 0.0, 0.0, 1.5, 0.0)
 
-#: Features of a lobe: mean and scale; see `lobe_features`. Each further width has the first two.
-FEATURE_MEANS = (-0.9, 0.22, 0.45, 0.47, 0.55, -1.5)
-FEATURE_SCALES = (1.1, 0.3, 0.4, 0.4, 0.35, 1.5)
-LOBE_FEATURES = {1: len(FEATURE_MEANS), 2: len(FEATURE_MEANS) + 2}
-
-#: Normalisations of the features of lobes with one width and with two.
-FEATURES = {
-    1: Normalisation(FEATURE_MEANS, FEATURE_SCALES),
-    2: Normalisation(FEATURE_MEANS + FEATURE_MEANS[:2], FEATURE_SCALES + FEATURE_SCALES[:2]),
-}
-
 #: Cosines at which `lobe_features` contains the reflectance.
 COSINES = (1.0, 0.5, 0.2)
+
+#: Features of a lobe: formula, mean, scale; see `lobe_features`. With F the reflectance, and F_m
+#: its mean over `COSINES`. Each further width has the first two.
+FEATURE_TABLE = (
+    ("s ln alpha, s = F_m / (F_m + 0.01)", -0.9, 1.1),
+    ("s alpha", 0.22, 0.3),
+    ("F(1)", 0.45, 0.4),
+    ("F(0.5)", 0.47, 0.4),
+    ("F(0.2)", 0.55, 0.35),
+    ("ln(F_m + 0.01)", -1.5, 1.5),
+)
+LOBE_FEATURES = {1: len(FEATURE_TABLE), 2: len(FEATURE_TABLE) + 2}
+
+#: Normalisations of the features of lobes with one width and with two.
+FEATURES = {1: Normalisation(FEATURE_TABLE), 2: Normalisation(FEATURE_TABLE + FEATURE_TABLE[:2])}
 
 #: Mean reflectance at which half of a lobe's width counts in `lobe_features`.
 VISIBLE = 0.01

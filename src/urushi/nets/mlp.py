@@ -51,14 +51,9 @@ def product(x: Any, weight: Any) -> Any:
     """Return x (..., in) times weight (in, out) as one large product of two matrices.
 
     NumPy would multiply a stack of matrices one by one, which takes up to thirty times as long.
-    If the weight has two bytes per number, as it may in training, x is rounded to its type.
     """
     rows = x if x.ndim == 2 else x.reshape((-1, x.shape[-1]))
-    if weight.dtype.itemsize == 2:
-        xp = x.__array_namespace__()
-        result = xp.astype(xp.astype(rows, weight.dtype) @ weight, x.dtype)
-    else:
-        result = rows @ weight
+    result = rows @ weight
     return result if x.ndim == 2 else result.reshape((*x.shape[:-1], weight.shape[-1]))
 
 

@@ -12,7 +12,13 @@ from typing import Any
 
 from urushi.checks import MIN_ALPHA, Widths
 from urushi.core.mixture import reflection_pdf, sample_reflection
-from urushi.core.namespace import Namespace, arrays, components, stacked_components
+from urushi.core.namespace import (
+    Components,
+    Namespace,
+    arrays,
+    components,
+    stacked_components,
+)
 from urushi.nets.architecture import Architecture
 from urushi.nets.features import MIN_COSINE
 from urushi.nets.lobe import lobe_features, width
@@ -20,9 +26,6 @@ from urushi.nets.mlp import Params, hidden_to_output, split_linear
 
 #: Least weight of the cosine lobe. It bounds f cos / pdf where the network is wrong.
 MIN_COSINE_SHARE = 0.02
-
-#: ln `MIN_ALPHA`
-_LOG_MIN_ALPHA = -4.605170185988092
 
 
 def sampler_features(wi: Any, widths: int = 1) -> Any:
@@ -67,7 +70,7 @@ def mixture(params: Params, arch: Architecture, z: Any, wi: Any) -> tuple[Any, A
     weights = xp.concat([shares[..., :k], shares[..., k:] + MIN_COSINE_SHARE], axis=-1)
     # Logistic interpolation between ln 1 and ln MIN_ALPHA; tanh cannot overflow.
     fraction = 0.5 - 0.5 * xp.tanh(0.5 * output[..., k + 1 :])
-    alphas = xp.exp(_LOG_MIN_ALPHA * fraction)
+    alphas = xp.exp(math.log(MIN_ALPHA) * fraction)
 
     def with_own(own: Any, others: Any) -> Any:
         own = xp.broadcast_to(own[..., None], (*others.shape[:-1], 1))
@@ -113,6 +116,6 @@ def sample_mixture(weights: Any, alphas: Any, wi: Any, u: Any) -> Any:
         sample_reflection(chosen, components(wi), u1, u2, arrays(wi)), xp
     )
     radius, phi = xp.sqrt(u1), (2.0 * math.pi) * u2
-    cosine = [radius * xp.cos(phi), radius * xp.sin(phi), xp.sqrt(1.0 - u1)]
-    cosine = xp.stack(xp.broadcast_arrays(*cosine), axis=-1)
+    axes = Components(radius * xp.cos(phi), radius * xp.sin(phi), xp.sqrt(1.0 - u1))
+    cosine = stacked_components(axes, xp)
     return xp.where((choice >= edge)[..., None], cosine, reflected)

@@ -83,20 +83,18 @@ def checked_parameters(
     if unmatched:
         state = "missing" if unmatched[0] in shapes else "unknown"
         raise ParameterError(f"the parameter '{unmatched[0]}' is {state} in these networks")
-    return {name: _checked(name, params[name], shape) for name, shape in shapes.items()}
-
-
-def _checked(name: str, value: Any, shape: tuple[int, ...]) -> np.ndarray:
-    """A read-only float32 copy of a parameter, after checks of its shape and values."""
-    array = np.array(value, dtype=np.float32, order="C")
-    if array.shape != shape:
-        raise ParameterError(
-            f"the parameter '{name}' has shape {array.shape}, but its architecture requires {shape}"
-        )
-    if not np.isfinite(array).all():
-        raise ParameterError(f"the parameter '{name}' holds a number that is not finite")
-    array.flags.writeable = False
-    return array
+    checked = {}
+    for name, shape in shapes.items():
+        array = checked[name] = np.array(params[name], dtype=np.float32, order="C")
+        if array.shape != shape:
+            raise ParameterError(
+                f"the parameter '{name}' has shape {array.shape}, but its architecture requires "
+                f"{shape}"
+            )
+        if not np.isfinite(array).all():
+            raise ParameterError(f"the parameter '{name}' holds a number that is not finite")
+        array.flags.writeable = False
+    return checked
 
 
 def fingerprint(arch: Described, params: Params) -> str:
@@ -175,15 +173,14 @@ def read_file(
 Weights = Model | str | os.PathLike
 
 
-def shipped_folder() -> Path:
-    """The folder of the shipped weights."""
-    return Path(__file__).with_name("weights")
+#: The folder of the shipped weights.
+SHIPPED = Path(__file__).with_name("weights")
 
 
 @functools.cache
 def shipped(name: str) -> Model:
     """The shipped networks `DEFAULT` or `ANISOTROPIC`, loaded once per process."""
-    path = shipped_folder() / f"{name}.safetensors"
+    path = SHIPPED / f"{name}.safetensors"
     if not path.exists():
         raise FileError(f"Urushi's trained weights '{path}' are missing; install the package again")
     return read(path)

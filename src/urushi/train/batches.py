@@ -65,7 +65,7 @@ class Order:
 
 
 def batches(depths: list[Depth], stacks: tuple[int, ...], seed: int) -> Callable[[int, int], Batch]:
-    """The function of `stage.Learner.batches`: every depth's items in shuffled epochs.
+    """The function of `stage.Lesson.batches`: every depth's items in shuffled epochs.
 
     Args:
         depths: the examples by number of coats.

@@ -36,7 +36,7 @@ class Checkpoint:
 
 
 def _named_leaves(point: Checkpoint) -> list[tuple[str, Any]]:
-    leaves, _ = jax.tree_util.tree_flatten_with_path((point.state, point.networks))
+    leaves = jax.tree.leaves_with_path((point.state, point.networks))
     return [(jax.tree_util.keystr(path), leaf) for path, leaf in leaves]
 
 
@@ -49,6 +49,7 @@ class Journal:
         data_seconds: time that this run has spent on its data.
 
     Attributes:
+        identity: as given.
         data_seconds: time spent on the data, with that of the runs before the checkpoint.
     """
 
@@ -57,7 +58,7 @@ class Journal:
     ) -> None:
         self._checkpoint = folder / "checkpoint.safetensors"
         self._log = folder / "log.jsonl"
-        self._identity = identity
+        self.identity = identity
         self.data_seconds = data_seconds
 
     def begun(self) -> bool:
@@ -77,7 +78,7 @@ class Journal:
         path = self._checkpoint
         description, arrays = files.read_tensors(path, "checkpoint")
         found = description.get("version"), description.get("identity")
-        if found != (FORMAT_VERSION, self._identity):
+        if found != (FORMAT_VERSION, self.identity):
             raise FileError(
                 f"'{path}' is a checkpoint of another preset, data or version; "
                 "delete it, or choose another run folder"
@@ -102,7 +103,7 @@ class Journal:
             "step": point.step,
             "seconds": point.seconds,
             "data_seconds": self.data_seconds,
-            "identity": dict(self._identity),
+            "identity": dict(self.identity),
         }
         arrays = {name: np.asarray(leaf) for name, leaf in _named_leaves(point)}
         files.write_tensors(self._checkpoint, "checkpoint", description, arrays)

@@ -4,6 +4,7 @@ A distribution is a frozen dataclass; `sample` draws a table of single-channel s
 the same number of coats and the same kind of bottom. Mixtures are lists of distributions.
 """
 
+from collections.abc import Callable
 from dataclasses import asdict, dataclass
 from typing import Any, ClassVar, Protocol
 
@@ -44,11 +45,6 @@ def draw_widths(rng: np.random.Generator, mean: np.ndarray) -> Widths:
     return Widths(np.clip(mean * root, MIN_ALPHA, 1.0), np.clip(mean / root, MIN_ALPHA, 1.0))
 
 
-def common_eta(rng: np.random.Generator, shape: int | tuple[int, ...]) -> np.ndarray:
-    """U(1.05, 2), as in Table 2."""
-    return rng.uniform(1.05, 2.0, shape)
-
-
 def whole_eta(rng: np.random.Generator, shape: int | tuple[int, ...]) -> np.ndarray:
     """Indices in [0.5, 3], those of coats on air or on a denser or thinner medium.
 
@@ -67,17 +63,25 @@ def whole_eta(rng: np.random.Generator, shape: int | tuple[int, ...]) -> np.ndar
     return np.choose(which, parts)
 
 
-def low_eta(rng: np.random.Generator, shape: int | tuple[int, ...]) -> np.ndarray:
-    """U(0.5, 0.96): every interface is to a thinner medium, with total reflection from above."""
-    return rng.uniform(0.5, 0.96, shape)
-
-
-#: Indices of refraction by name: functions of a generator and a shape.
-DRAW_ETA = {"common": common_eta, "whole": whole_eta, "low": low_eta}
+#: Indices of refraction by name: functions of a generator and a shape. Low ones are of interfaces
+#: to a thinner medium, with total reflection from above.
+DRAW_ETA: dict[str, Callable[[np.random.Generator, int | tuple[int, ...]], np.ndarray]] = {
+    "common": lambda rng, shape: rng.uniform(1.05, 2.0, shape),
+    "whole": whole_eta,
+    "low": lambda rng, shape: rng.uniform(0.5, 0.96, shape),
+}
 
 
 class _Independent:
     """Stacks that are drawn independently of each other."""
+
+    coats: int
+
+    def __post_init__(self) -> None:
+        if self.coats not in range(MAX_COATS + 1):
+            raise ParameterError(
+                f"coats is {self.coats!r}; it must be an integer from 0 to {MAX_COATS}"
+            )
 
     def sample(self, rng: np.random.Generator, n: int) -> StackTable:
         """Draw n stacks."""
@@ -103,9 +107,6 @@ class Table2(_Independent):
     coats: int = 1
     bottom: ClassVar[str] = "conductor"
     widths: ClassVar[int] = 1
-
-    def __post_init__(self) -> None:
-        _check_coats(self.coats)
 
     def sample(self, rng: np.random.Generator, n: int) -> StackTable:
         shape = (n, self.coats)
@@ -145,7 +146,7 @@ class Extended(_Independent):
     bottoms: ClassVar[tuple[str, ...]] = BOTTOMS
 
     def __post_init__(self) -> None:
-        _check_coats(self.coats)
+        super().__post_init__()
         if self.bottom not in self.bottoms:
             raise ParameterError(
                 f"bottom is {self.bottom!r}; choose one of {', '.join(self.bottoms)}"
@@ -156,13 +157,21 @@ class Extended(_Independent):
             )
 
     def sample(self, rng: np.random.Generator, n: int) -> StackTable:
-        shape = (n, self.coats)
+        return self._of_widths(rng, draw_alpha(rng, (n, self.coats)))
+
+    def _of_widths(
+        self, rng: np.random.Generator, alpha: Any, sigma_t: np.ndarray | None = None
+    ) -> StackTable:
+        """Stacks with these widths (n, coats) of the coats; sigma_t: theirs, None: drawn."""
+        n, _ = shape = np.shape(alpha.u if isinstance(alpha, Widths) else alpha)
         return StackTable(
             kind=self.bottom,
-            alpha=draw_alpha(rng, shape),
+            alpha=alpha,
             eta=DRAW_ETA[self.indices](rng, shape),
             albedo=1 - rng.uniform(0.0, 1.0, shape) ** 2,
-            sigma_t=TRAINED_DEPTH * rng.uniform(0.0, 1.0, shape) ** 2,
+            sigma_t=TRAINED_DEPTH * rng.uniform(0.0, 1.0, shape) ** 2
+            if sigma_t is None
+            else sigma_t,
             g=rng.uniform(*TRAINED_G, shape),
             bottom=self._draw_bottom(rng, n),
         )
@@ -203,9 +212,6 @@ class Practical(Extended):
     scattering (20 %), lossless (10 %) or as those of `Extended`. Widths are log-uniform in
     [0.01, 0.5], those of bottoms named "alpha" too. The index of a complex conductor is divided by
     that of the medium above it.
-
-    Attributes:
-        coats, bottom: as in `Extended`.
     """
 
     def sample(self, rng: np.random.Generator, n: int) -> StackTable:
@@ -213,15 +219,8 @@ class Practical(Extended):
         index, gap = self._draw_indices(rng, n)
         above = np.concatenate([np.ones((n, 1)), index[:, :-1]], axis=1)
         medium = rng.choice(4, shape, p=(0.4, 0.2, 0.1, 0.3))
-        depth = np.choose(
-            medium,
-            (
-                np.zeros(shape),
-                2.0 * rng.uniform(0.0, 1.0, shape) ** 2,
-                TRAINED_DEPTH * rng.uniform(0.0, 1.0, shape) ** 2,
-                TRAINED_DEPTH * rng.uniform(0.0, 1.0, shape) ** 2,
-            ),
-        )
+        depths = (most * rng.uniform(0.0, 1.0, shape) ** 2 for most in (2.0, *2 * [TRAINED_DEPTH]))
+        depth = np.choose(medium, (np.zeros(shape), *depths))
         scattered = 1 - rng.uniform(0.0, 1.0, shape) ** 2
         bottom = self._draw_bottom(rng, n)
         if "k" in bottom:
@@ -296,15 +295,7 @@ class Anisotropic(Extended):
             plain = rng.random((n, 1)) < ISOTROPIC_COATS
             alpha = Widths(alpha.u, np.where(plain, alpha.u, alpha.v))
         thin = np.maximum(rng.uniform(-0.3, 0.3, shape), 0.0)
-        return StackTable(
-            kind=self.bottom,
-            alpha=alpha,
-            eta=DRAW_ETA[self.indices](rng, shape),
-            albedo=1 - rng.uniform(0.0, 1.0, shape) ** 2,
-            sigma_t=thin if self.clear else TRAINED_DEPTH * rng.uniform(0.0, 1.0, shape) ** 2,
-            g=rng.uniform(*TRAINED_G, shape),
-            bottom=self._draw_bottom(rng, n),
-        )
+        return self._of_widths(rng, alpha, thin if self.clear else None)
 
 
 #: Distributions from which any number of stacks can be drawn.
@@ -341,8 +332,3 @@ def to_dict(distribution: Source) -> dict[str, Any]:
     if fields.get("indices") == "common":
         del fields["indices"]
     return {"kind": type(distribution).__name__.lower(), **fields}
-
-
-def _check_coats(coats: int) -> None:
-    if coats not in range(MAX_COATS + 1):
-        raise ParameterError(f"coats is {coats!r}; it must be an integer from 0 to {MAX_COATS}")

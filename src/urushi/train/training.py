@@ -28,9 +28,9 @@ from urushi.platform import available_cores
 from urushi.train import examples, presets
 from urushi.train.checkpoint import Checkpoint, Journal
 from urushi.train.examples import METRICS, Depth, Examples
-from urushi.train.optimiser import TrainState, start
+from urushi.train.optimiser import compile_steps, start
 from urushi.train.presets import Preset
-from urushi.train.stages.stage import Learner, Stage, parameters_of
+from urushi.train.stages.stage import Lesson, Stage, parameters_of
 from urushi.train.store import Store, generate
 from urushi.version import __version__
 
@@ -75,19 +75,11 @@ def train(
             checkpoint and `resume` is not set.
     """
     preset = presets.get(preset) if isinstance(preset, str) else preset
-    folder = Path(run) if run is not None else RUNS / preset.name
-    out = Path(out) if out is not None else folder / "weights.safetensors"
-    prepare(folder, out, resume)
+    store, journal, out = prepare(preset, data, out, run, resume)
     stages, sizes = preset.stages, preset.architectures()
     names = [stage.name for stage in stages]
-
-    began = time.monotonic()
-    store = generate(preset.data, data if data is not None else folder / "data")
-    generated = time.monotonic() - began
     depths = examples.load(store, preset.arch, preset.pairs)
     checks = load_checks(store, preset.arch)
-    origin = identity(preset, store)
-    journal = Journal(folder, origin, generated)
 
     params = initial(preset, depths)
     point = journal.restore(beginnings(preset, params)) if resume else None
@@ -99,31 +91,24 @@ def train(
         stage, arch = stages[index], sizes[index + 1]
         params |= point.networks
         clock = time.monotonic()
-        learner = stage.learn(params, arch, depths, preset.seed)
+        lesson = stage.lesson(params, arch, depths, preset.seed)
         point = replace(point, seconds=point.seconds + time.monotonic() - clock)
-        report = partial(figures, {**params}, arch, checks)
-        point = advance(point, stage, learner, report, journal)
+        report = partial(measure, {**params}, arch, checks)
+        point = advance(point, stage, lesson, report, journal)
         params |= parameters_of(point.state.average, stage.trains)
         if index + 1 < len(stages):
             point = begin(preset, index + 1, params, point.seconds)
             journal.save(point)
 
     metrics = measure(params, preset.arch, checks)
-    cost = {
-        "data seconds": round(journal.data_seconds),
-        "training seconds": round(point.seconds),
-    }
-    return weights.save(out, preset.arch, params, header(origin, metrics, cost))
+    return weights.save(out, preset.arch, params, header(journal, metrics, point.seconds))
 
 
 def begin(preset: Preset, index: int, params: Params, seconds: float = 0.0) -> Checkpoint:
-    """The checkpoint before the first step of a stage.
+    """The checkpoint before the first step of the preset's stage `index`.
 
-    Args:
-        preset: the training.
-        index: the stage's place among the preset's.
-        params: all parameters, as the stage before has left them; fresh ones for the first stage.
-        seconds: time spent so far.
+    params: all parameters, as the stage before has left them; fresh ones for the first stage.
+    seconds: time spent so far.
     """
     stage, arch = preset.stages[index], preset.architectures()[index + 1]
     state = start(stage.begin(params, arch, preset.seed), stage.schedule)
@@ -143,13 +128,19 @@ def beginnings(preset: Preset, params: Params) -> dict[str, Checkpoint]:
     return points
 
 
-def identity(preset: Any, store: Store) -> dict[str, Any]:
-    """Preset and data of a training, as JSON values; a checkpoint of others is refused."""
-    return {"preset": json.loads(json.dumps(preset.to_dict())), "data": store.hash()}
+def prepare(
+    preset: Any,
+    data: str | os.PathLike | None,
+    out: str | os.PathLike | None,
+    run: str | os.PathLike | None,
+    resume: bool,
+) -> tuple[Store, Journal, Path]:
+    """The data, the journal and the weights file of a training; the arguments are of `train`.
 
-
-def prepare(folder: Path, out: Path, resume: bool) -> None:
-    """Make the folders; refuse unwritable places, and an earlier training that would be lost."""
+    Refuses unwritable places, and an earlier training that would be lost.
+    """
+    folder = Path(run) if run is not None else RUNS / preset.name
+    out = Path(out) if out is not None else folder / "weights.safetensors"
     if not resume and Journal(folder, {}).begun():
         raise FileError(
             f"'{folder}' contains an unfinished training; give --resume to continue it, "
@@ -161,24 +152,27 @@ def prepare(folder: Path, out: Path, resume: bool) -> None:
             raise FileError(f"cannot write into '{place}'; choose a folder that is writable")
     if out.is_dir():
         raise FileError(f"cannot write '{out}': it is a folder; give the name of a file")
+    began = time.monotonic()
+    store = generate(preset.data, data if data is not None else folder / "data")
+    generated = time.monotonic() - began
+    origin = {"preset": json.loads(json.dumps(preset.to_dict())), "data": store.hash()}
+    return store, Journal(folder, origin, generated), out
 
 
-def header(
-    origin: dict[str, Any], metrics: dict[str, float], cost: dict[str, int]
-) -> dict[str, Any]:
-    """The weights file's record of its training; `origin` is that of `identity`."""
+def header(journal: Journal, metrics: dict[str, float], seconds: float) -> dict[str, Any]:
+    """The weights file's record of its training, which took these seconds after its data."""
     packages = {name: version(name) for name in ("jax", "optax", "numpy")}
     return {
-        "preset": origin["preset"],
-        "seed": origin["preset"]["seed"],
-        "data": origin["data"],
+        **journal.identity,
+        "seed": journal.identity["preset"]["seed"],
         "metrics": metrics,
-        "cost": {**cost, "processors": available_cores(), "machine": platform.machine()},
-        "versions": {
-            "urushi": __version__,
-            "python": platform.python_version(),
-            **packages,
+        "cost": {
+            "data seconds": round(journal.data_seconds),
+            "training seconds": round(seconds),
+            "processors": available_cores(),
+            "machine": platform.machine(),
         },
+        "versions": {"urushi": __version__, "python": platform.python_version(), **packages},
     }
 
 
@@ -188,32 +182,28 @@ def initial(preset: Preset, depths: list[Depth]) -> dict[str, Any]:
     return {**init(preset.architectures()[0], preset.seed), **input_statistics(bottoms)}
 
 
-def figures(
-    params: Params, arch: Architecture, checks: list[Check], state: TrainState
-) -> dict[str, float]:
-    """Validation errors of `params`, with the averages of those that are learning."""
-    return measure({**params, **state.average}, arch, checks)
-
-
 def advance(
     point: Checkpoint,
     stage: Stage,
-    learner: Learner,
-    report: Callable[[TrainState], dict[str, float]],
+    lesson: Lesson,
+    report: Callable[[Params], dict[str, float]],
     journal: Journal,
 ) -> Checkpoint:
-    """Take the remaining steps of a stage, with log lines and checkpoints by its schedule."""
+    """Take the remaining steps of a stage, with log lines and checkpoints by its schedule.
+
+    report: validation errors by the averages of the parameters that learn.
+    """
     schedule = stage.schedule
+    steps = compile_steps(lesson.loss, schedule)
     state, clock, spent = point.state, time.monotonic(), point.seconds
     bar = tqdm(total=schedule.steps, initial=point.step, desc=point.stage, disable=None)
     with bar:
         for step in range(point.step, schedule.steps, schedule.steps_per_call):
-            batches = learner.batches(step, schedule.steps_per_call)
-            state, terms = learner.steps(state, batches)
+            state, terms = steps(state, lesson.batches(step, schedule.steps_per_call))
             done = step + schedule.steps_per_call
             bar.update(schedule.steps_per_call)
             if done % schedule.checkpoint_every == 0 or done == schedule.steps:
-                logged = {name: float(value) for name, value in terms.items()} | report(state)
+                logged = {name: float(x) for name, x in terms.items()} | report(state.average)
                 seconds = spent + time.monotonic() - clock
                 point = replace(point, step=done, seconds=seconds, state=state)
                 bar.set_postfix({name: f"{value:.4f}" for name, value in logged.items()})
@@ -232,8 +222,14 @@ def load_checks(store: Store, arch: Architecture) -> list[Check]:
     return checks
 
 
-def measure(params: Params, arch: Architecture, checks: list[Check]) -> dict[str, float]:
-    """E mean and P median, as fractions; they include the noise of the reference."""
+def measure(
+    params: Params, arch: Architecture, checks: list[Check], learnt: Params | None = None
+) -> dict[str, float]:
+    """E mean and P median, as fractions; they include the noise of the reference.
+
+    learnt: replace some of the parameters.
+    """
+    params = {**params, **(learnt or {})}
     host: dict[str, Any] = {name: np.asarray(value) for name, value in params.items()}
     figures = {}
     for check in checks:

@@ -69,6 +69,9 @@ def average(
 ) -> tuple[np.ndarray, np.ndarray]:
     """Mean and standard error of `walk` through row[i] of `table` for directions[...][i].
 
+    A walk's random numbers depend on its row's number and its own alone, so that the result does
+    not depend on how the walks are divided into launches.
+
     Args:
         table: S monochrome stacks.
         row: (M,) unsigned integers below S.
@@ -83,56 +86,37 @@ def average(
     """
     if walks < 2:
         raise ParameterError(f"walks is {walks}; a standard error needs at least 2")
+    device = backend()
+
+    def launch(part: slice, first: int, count: int) -> np.ndarray:
+        """Sums and sums of squares, (2, rows), of the walks from `first` on for a part's rows."""
+        rows = device.UInt32(np.ascontiguousarray(row[part], np.uint32))
+        lane = dr.arange(device.UInt32, len(rows) * count)
+        start = lane // count if count > 1 else lane
+        place = device.UInt64(start) + part.start
+        place = place * walks + device.UInt64(lane - start * count) + first
+        lane_row = dr.gather(device.UInt32, rows, start)
+        vectors = (device.Array3f(np.ascontiguousarray(w[part].T)) for w in directions)
+        value = walk(
+            TableLayers(device, table, lane_row),
+            table_bottom(device, table, lane_row),
+            *(dr.gather(device.Array3f, w, start) for w in vectors),
+            stream(device.PCG32, place, seed),
+        )
+        sums = dr.block_sum(value, count), dr.block_sum(value * value, count)
+        dr.eval(*sums)
+        return np.stack([x.numpy().astype(np.float64) for x in sums])
+
     total = np.zeros((2, len(row)))
     block = min(walks, LANES)
-    rows_per_launch = max(LANES // block, 1)
-    launches = -(-len(row) // rows_per_launch) * -(-walks // block)
+    together = max(LANES // block, 1)
+    launches = -(-len(row) // together) * -(-walks // block)
     with tqdm(total=launches, disable=None if progress else True, unit="launch") as bar:
-        for start in range(0, len(row), rows_per_launch):
-            part = slice(start, start + rows_per_launch)
-            directions_part = [w[part] for w in directions]
+        for start in range(0, len(row), together):
+            part = slice(start, start + together)
             for first in range(0, walks, block):
-                count = min(block, walks - first)
-                total[:, part] += _launch(
-                    table, row[part], directions_part, walk, count, (start, first), seed, walks
-                )
+                total[:, part] += launch(part, first, min(block, walks - first))
                 bar.update()
     mean = total[0] / walks
     variance = np.maximum(total[1] / walks - mean * mean, 0) / (walks - 1)
     return mean, np.sqrt(variance)
-
-
-def _launch(
-    table: StackTable,
-    row: np.ndarray,
-    directions: Sequence[np.ndarray],
-    walk: Walk,
-    count: int,
-    first: tuple[int, int],
-    seed: int,
-    walks: int,
-) -> np.ndarray:
-    """Sum and sum of squares, (2, rows), of `count` walks for each row, in one kernel launch.
-
-    `first` is the number of the first row and of the first walk in the whole request. A walk's
-    random numbers depend on these alone, so that the result does not depend on how the request is
-    divided into launches.
-    """
-    device = backend()
-    lane = dr.arange(device.UInt32, len(row) * count)
-    start = lane // count if count > 1 else lane
-    place = device.UInt64(start) + first[0]
-    place = place * walks + device.UInt64(lane - start * count) + first[1]
-    lane_row = dr.gather(device.UInt32, device.UInt32(np.ascontiguousarray(row, np.uint32)), start)
-    value = walk(
-        TableLayers(device, table, lane_row),
-        table_bottom(device, table, lane_row),
-        *(
-            dr.gather(device.Array3f, device.Array3f(np.ascontiguousarray(w.T)), start)
-            for w in directions
-        ),
-        stream(device.PCG32, place, seed),
-    )
-    sums = dr.block_sum(value, count), dr.block_sum(value * value, count)
-    dr.eval(*sums)
-    return np.stack([x.numpy().astype(np.float64) for x in sums])

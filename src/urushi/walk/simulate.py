@@ -85,8 +85,12 @@ def simulate(
         if stack.coats[0].energy_compensation:
             f += compensation(stack).f(wi, wo).astype(np.float32)
         return f, se
+
+    def scattered(coats: Any, lowest: Reflector, wi: Any, wo: Any, rng: Any) -> Any:
+        return slabs.estimate(coats, lowest, wi, wo, rng, type(wi.z), True)
+
     f, se = per_channel(
-        stack, (wi, wo), lambda table, row, *w: average(table, row, w, _scattered, **options)
+        stack, (wi, wo), lambda table, row, *w: average(table, row, w, scattered, **options)
     )
     if mode == "radiance":
         side = np.sign(wi[:, 2:]) - np.sign(wo[:, 2:])  # 2: down through the slab, -2: up
@@ -104,32 +108,20 @@ def walk_pairs(
     seed: int,
     progress: bool = False,
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Estimate f of row[i] of `table` at (wi[i], wo[i]) for every i.
+    """Estimate f of row[i] of `table` at (wi[i], wo[i]), float32 (M, 3), for every i.
 
-    Args:
-        table: S monochrome stacks.
-        row: (M,) unsigned integers below S.
-        wi, wo: float32 (M, 3) unit vectors.
-        walks: random walks per pair, at least 2.
-        seed: any integer.
-        progress: show a progress bar (on a terminal only).
+    The other arguments are those of `monte_carlo.average`.
 
     Returns:
         (f, se): float32 (M,), mean [1/sr] and standard error.
     """
-    mean, se = average(table, row, (wi, wo), _estimate, walks=walks, seed=seed, progress=progress)
+
+    def estimate(layers: Any, bottom: Bottom, wi: Any, wo: Any, rng: Any) -> Any:
+        return walk.estimate(layers, bottom, wi, wo, rng, type(wi.z))
+
+    mean, se = average(table, row, (wi, wo), estimate, walks=walks, seed=seed, progress=progress)
     mean += top_reflection(table, row, wi, wo)
     return mean.astype(np.float32), se.astype(np.float32)
-
-
-def _estimate(layers: Any, bottom: Bottom, wi: Any, wo: Any, rng: Any) -> Any:
-    """One walk's f of one channel, without the reflection of the topmost interface."""
-    return walk.estimate(layers, bottom, wi, wo, rng, type(wi.z))
-
-
-def _scattered(coats: Any, lowest: Reflector, wi: Any, wo: Any, rng: Any) -> Any:
-    """One walk's f of one channel of a slab."""
-    return slabs.estimate(coats, lowest, wi, wo, rng, type(wi.z), True)
 
 
 def top_reflection(
@@ -236,13 +228,13 @@ def _sample_outgoing(layers: Any, wi: Any, rng: Any, narrow: float) -> tuple[Any
 
 
 class Compensation:
-    """The lobe of a stack's topmost coat.
-
-    below: (3,) directional albedo, at the normal, of what lies under the coat.
-    mirrored: the share of this light that is mirrored.
-    """
+    """The lobe of a stack's topmost coat."""
 
     def __init__(self, stack: Stack, below: np.ndarray, mirrored: float):
+        """below: (3,) directional albedo, at the normal, of what lies under the coat.
+
+        mirrored: the share of this light that is mirrored.
+        """
         top = stack.coats[0]
         alpha, eta = top.alpha, np.broadcast_to(top.eta, 3)
         if isinstance(alpha, Widths):

@@ -76,17 +76,13 @@ def _column(values: npt.ArrayLike) -> np.ndarray:
 
 def channel_count(description: object) -> int:
     """3 if a parameter of a description or Stack is given per channel, else 1."""
-    parts = (
-        (*description.coats, description.bottom)
-        if isinstance(description, Stack)
-        else (description,)
-    )
-    for part in parts:
-        if part is parts[-1] and not isinstance(part, Description):
-            return 3
-        if any(isinstance(value, tuple) for value in numbers_of(part)):
-            return 3
-    return 1
+    parts: tuple[Any, ...] = (description,)
+    if isinstance(description, Stack):
+        parts = *description.coats, description.bottom
+    if not isinstance(parts[-1], Description):
+        return 3
+    values = (value for part in parts for value in numbers_of(part))
+    return 3 if any(isinstance(value, tuple) for value in values) else 1
 
 
 def bottom_columns(description: Description, channels: int) -> tuple[str, dict[str, np.ndarray]]:

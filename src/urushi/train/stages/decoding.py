@@ -24,8 +24,7 @@ from urushi.train.losses import (
     squared_errors,
     without_lobe,
 )
-from urushi.train.optimiser import compile_steps
-from urushi.train.stages.stage import Learner, Stage
+from urushi.train.stages.stage import Lesson, Stage
 
 #: Widths of the hidden layers of the scatter's network, which has the form of the decoder.
 WIDTHS = (16, 16)
@@ -63,22 +62,25 @@ class Decoding(Stage):
         """The decoder, and a fresh network of the scatter."""
         return super().begin(params, arch, seed) | fresh_scatter(arch, seed)
 
-    def learn(self, params: Params, arch: Architecture, depths: list[Depth], seed: int) -> Learner:
-        """Steps of `weighted_loss` on all simulated stacks."""
-
-        def loss(trained: Params, batch: Any) -> tuple[jax.Array, dict[str, jax.Array]]:
-            return weighted_loss(trained, params, arch, batch, self.energy_share)
-
-        steps = compile_steps(loss, self.schedule)
-        return Learner(steps, batches(depths, self.stacks, seed + 1))
+    def lesson(self, params: Params, arch: Architecture, depths: list[Depth], seed: int) -> Lesson:
+        """`weighted_loss` on all simulated stacks."""
+        return Lesson(
+            lambda trained, batch: weighted_loss(trained, params, arch, batch, self.energy_share),
+            batches(depths, self.stacks, seed + 1),
+        )
 
 
 def fresh_scatter(arch: Architecture, seed: int) -> dict[str, np.ndarray]:
     """Untrained parameters "scatter.*"."""
     drawn = init(replace(arch, decoder=WIDTHS), seed)
-    params = {_renamed(k, "decoder", "scatter"): drawn[k] for k in drawn if k.startswith("decoder")}
+    params = _renamed(drawn, "decoder", "scatter")
     params[f"scatter.{len(WIDTHS)}.bias"] += np.float32(_START)
     return params
+
+
+def _renamed(params: Params, old: str, new: str) -> dict[str, Any]:
+    """The parameters of one network, under the name of another."""
+    return {new + k.removeprefix(old): x for k, x in params.items() if k.startswith(old)}
 
 
 def scatter(params: Params, arch: Architecture, z: Any, features: Any) -> Any:
@@ -88,10 +90,9 @@ def scatter(params: Params, arch: Architecture, z: Any, features: Any) -> Any:
     the value that is weighted. The gain, the first number of a code, does not enter, because
     relative errors do not depend on it.
     """
-    own = (name for name in params if name.startswith("scatter"))
-    as_decoder = {_renamed(name, "scatter", "decoder"): params[name] for name in own}
     rest = z[:, None, arch.lobe :]
     rest = jnp.concatenate([jnp.zeros_like(rest[..., :1]), rest[..., 1:]], axis=-1)
+    as_decoder = _renamed(params, "scatter", "decoder")
     return decode(as_decoder, replace(arch, decoder=WIDTHS), rest, features)
 
 
@@ -122,12 +123,8 @@ def weighted_loss(
     - fit: as `losses.stack_loss`, with less weight for pairs that are hard or noisy;
     - scatter: the negative log-likelihood of the errors.
 
-    Args:
-        trained: "decoder.*" and "scatter.*".
-        params: all parameters; those of encoder and layerer compose the codes.
-        arch: sizes of the networks.
-        batch: simulated stacks.
-        energy_share: of the `losses.pair_weights`.
+    trained: "decoder.*" and "scatter.*". params: all; those of encoder and layerer compose the
+    codes. energy_share: of the `losses.pair_weights`.
     """
     z = compose(params, arch, batch.lobes, batch.probes, batch.coats)
     f_hat = batch.top + without_lobe(trained, arch, z, batch.features)
@@ -139,7 +136,3 @@ def weighted_loss(
     unlikely = negative_log_likelihood(expected, jax.lax.stop_gradient(squares))
     loss = fit + _SHARE * unlikely
     return loss, {"loss": loss, "fit": fit, "scatter": unlikely}
-
-
-def _renamed(name: str, old: str, new: str) -> str:
-    return new + name.removeprefix(old)

@@ -22,8 +22,7 @@ from urushi.train.losses import (
     stack_loss,
     without_lobe,
 )
-from urushi.train.optimiser import compile_steps
-from urushi.train.stages.stage import Learner, Stage
+from urushi.train.stages.stage import Lesson, Stage
 
 #: Stride of the stacks used in the cycle loss, which decodes all probe pairs.
 CYCLE_STRIDE = 16
@@ -53,8 +52,8 @@ class Joint(Stage):
     name: str = field(default="joint", kw_only=True)
     trains: ClassVar[tuple[str, ...]] = ("decoder", "encoder", "layerer")
 
-    def learn(self, params: Params, arch: Architecture, depths: list[Depth], seed: int) -> Learner:
-        """Steps of `joint_loss` on all simulated stacks."""
+    def lesson(self, params: Params, arch: Architecture, depths: list[Depth], seed: int) -> Lesson:
+        """`joint_loss` on all simulated stacks."""
         pairs = probe_pairs(arch.probes, arch.widths)
         features = jnp.asarray(direction_features(*pairs, arch.widths))
         fixed = {name: params[name] for name in FIXED}
@@ -62,8 +61,7 @@ class Joint(Stage):
         def loss(trained: Params, batch: Any) -> tuple[jax.Array, dict[str, jax.Array]]:
             return joint_loss({**fixed, **trained}, arch, batch, features, self.energy_share)
 
-        steps = compile_steps(loss, self.schedule)
-        return Learner(steps, batches(depths, self.stacks, seed))
+        return Lesson(loss, batches(depths, self.stacks, seed))
 
 
 def joint_loss(
@@ -114,11 +112,8 @@ def absorption_penalty(
     show this only indirectly; the penalty compares a coat with a darker one and needs no simulated
     values.
 
-    Args:
-        params, arch: the networks.
-        z_bottom: (B, L) codes of bottoms.
-        coats: (B, C) columns `checks.COAT_COLUMNS`.
-        features: (B, P, D) of direction pairs.
+    z_bottom: (B, L) codes of bottoms. coats: (B, C) columns `checks.COAT_COLUMNS`. features:
+    (B, P, D) of direction pairs.
     """
 
     def log_f(coats: Any) -> jax.Array:

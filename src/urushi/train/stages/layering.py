@@ -34,8 +34,10 @@ from urushi.train.losses import (
     stack_weights,
     without_lobe,
 )
-from urushi.train.optimiser import compile_steps
-from urushi.train.stages.stage import Learner, Stage
+from urushi.train.stages.stage import Lesson, Stage
+
+#: Items that are decoded at once.
+_BLOCK = 1024
 
 #: Loss weight of stacks whose lower part was decoded and encoded again, relative to the same stacks
 #: layered coat after coat.
@@ -74,26 +76,20 @@ class Layering(Stage):
         """The stacks of one depth to learn from."""
         yield depth.examples()
 
-    def learn(self, params: Params, arch: Architecture, depths: list[Depth], seed: int) -> Learner:
-        """Steps of `layering_loss` on quadratic losses, which are measured first."""
-        losses = []
+    def lesson(self, params: Params, arch: Architecture, depths: list[Depth], seed: int) -> Lesson:
+        """`layering_loss` on quadratic losses, which are measured first."""
+        before, losses = self.arch_before(arch), []
         measure = functools.partial(
-            measure_quadratic_losses,
-            params,
-            self.arch_before(arch),
-            energy_share=self.energy_share,
+            measure_quadratic_losses, params, before, energy_share=self.energy_share
         )
         for depth in depths[1:]:
             measured = list(map(measure, self.examples(depth)))  # holds no examples meanwhile
             depth.forget()
             losses.append(QuadraticLosses(*map(np.concatenate, zip(*measured, strict=True))))
-
-        def loss(trained: Params, batch: Any) -> tuple[jax.Array, dict[str, jax.Array]]:
-            return layering_loss(trained, arch, batch)
-
-        steps = compile_steps(loss, self.schedule)
-        batches = layering_batches(losses, self.stacks, seed + self.seed_offset)
-        return Learner(steps, batches)
+        return Lesson(
+            lambda trained, batch: layering_loss(trained, arch, batch),
+            layering_batches(losses, self.stacks, seed + self.seed_offset),
+        )
 
 
 @dataclass(frozen=True)
@@ -121,25 +117,7 @@ class QuadraticLosses(NamedTuple):
 
     bottoms: np.ndarray
     below: np.ndarray
-    coats: np.ndarray
-    z: np.ndarray
-    slope: np.ndarray
-    curvature: np.ndarray
-
-
-class LayeringBatch(NamedTuple):
-    """Stacks of all depths, deepest first; B of them, B_k with k coats or more.
-
-    Attributes:
-        bottoms, below, z, slope, curvature: as in `QuadraticLosses`, of all B.
-        coats: for the lowest coat, the next one up, and so on, (B_k, C) for the first B_k stacks.
-        top: (B, C) their uppermost coats.
-    """
-
-    bottoms: np.ndarray
-    below: np.ndarray
-    coats: tuple[np.ndarray, ...]
-    top: np.ndarray
+    coats: Any
     z: np.ndarray
     slope: np.ndarray
     curvature: np.ndarray
@@ -147,8 +125,11 @@ class LayeringBatch(NamedTuple):
 
 def layering_batches(
     losses: Sequence[QuadraticLosses], stacks: tuple[int, ...], seed: int
-) -> Callable[[int, int], LayeringBatch]:
-    """The function of `Learner.batches`: every depth's stacks in shuffled epochs.
+) -> Callable[[int, int], QuadraticLosses]:
+    """The function of `Lesson.batches`: every depth's stacks in shuffled epochs.
+
+    A batch has stacks of all depths, deepest first. Its coats are a tuple as in `batches.Batch`:
+    for the lowest coat, the next one up, and so on, (B_k, C) for the first B_k stacks.
 
     Args:
         losses: by number of coats, from one up.
@@ -158,14 +139,13 @@ def layering_batches(
     orders = [Order(len(x.z), seed, coats) for coats, x in enumerate(losses, start=1)]
 
     def rows(depth: int, items: np.ndarray) -> dict[str, np.ndarray]:
-        columns = {name: x[items] for name, x in losses[depth]._asdict().items()}
-        return columns | {"top": columns["coats"][:, 0]}
+        return {name: x[items] for name, x in losses[depth]._asdict().items()}
 
-    return lambda step, steps: LayeringBatch(**taken(orders, rows, stacks, step, steps))
+    return lambda step, steps: QuadraticLosses(**taken(orders, rows, stacks, step, steps))
 
 
 def layering_loss(
-    params: Params, arch: Architecture, batch: LayeringBatch
+    params: Params, arch: Architecture, batch: QuadraticLosses
 ) -> tuple[jax.Array, dict[str, jax.Array]]:
     """Increase of the stacks' loss relative to that of the measured codes, and its terms.
 
@@ -174,16 +154,15 @@ def layering_loss(
     """
     z = apply_coats(params, arch, batch.bottoms, batch.coats)[:, arch.lobe :]
     fit = loss_increase(z, batch.z, batch.slope, batch.curvature)
-    rows = slice(len(batch.coats[1]) if len(batch.coats) > 1 else 0)
-    again = apply_coats(params, arch, batch.below[rows], (batch.top[rows],))[:, arch.lobe :]
+    deeper = [*map(len, batch.coats[1:]), 0]  # numbers of stacks with two coats or more, ...
+    rows = slice(deeper[0])
+    tops = [coat[n:] for coat, n in zip(batch.coats[1:], deeper[1:], strict=True)]
+    top = jnp.concatenate([*reversed(tops), batch.coats[0][:0]])
+    again = apply_coats(params, arch, batch.below[rows], (top,))[:, arch.lobe :]
     reentry = loss_increase(again, batch.z[rows], batch.slope[rows], batch.curvature[rows])
     count = len(fit) + REENTRY * len(reentry)
     loss = (jnp.sum(fit) + REENTRY * jnp.sum(reentry)) / count
     return loss, {"loss": loss, "fit": jnp.mean(fit), "reentry": jnp.sum(reentry) / count}
-
-
-#: Items that are decoded at once.
-_BLOCK = 1024
 
 
 def loss_increase(codes: Any, z: Any, slope: Any, curvature: Any) -> jax.Array:
@@ -246,10 +225,8 @@ def measure_quadratic_losses(
         z: Any, features: Any, top: Any, f: Any, local: Any
     ) -> tuple[jax.Array, jax.Array]:
         slope, curvature = quadratic_expansion(params, arch, z, features, top, f, energy_share)
-        return (
-            jax.ops.segment_sum(slope, local, _BLOCK),
-            jax.ops.segment_sum(curvature, local, _BLOCK),
-        )
+        of_stacks = functools.partial(jax.ops.segment_sum, segment_ids=local, num_segments=_BLOCK)
+        return of_stacks(slope), of_stacks(curvature)
 
     coats = tuple(np.moveaxis(examples.coats, 1, 0)[::-1])
     stacks, size = len(examples.coats), arch.latent - arch.lobe

@@ -19,8 +19,7 @@ from urushi.nets.mlp import Params
 from urushi.nets.sampler import mixture as propose
 from urushi.train.examples import Depth
 from urushi.train.losses import compose, without_lobe
-from urushi.train.optimiser import compile_steps
-from urushi.train.stages.stage import Learner, Stage
+from urushi.train.stages.stage import Lesson, Stage
 
 #: Largest number of training stacks of each depth whose codes the sampler is trained on.
 STACKS = 1 << 15
@@ -43,17 +42,13 @@ class Sampling(Stage):
     name: str = field(default="sampling", kw_only=True)
     trains: ClassVar[tuple[str, ...]] = ("sampler",)
 
-    def learn(self, params: Params, arch: Architecture, depths: list[Depth], seed: int) -> Learner:
-        """Steps of `sampler_loss` on random materials between the codes of training stacks."""
+    def lesson(self, params: Params, arch: Architecture, depths: list[Depth], seed: int) -> Lesson:
+        """`sampler_loss` on random materials between the codes of training stacks."""
         targets = Targets(dict(params), training_codes(params, arch, depths), jax.random.key(seed))
-
-        def loss(trained: Params, step: jax.Array) -> tuple[jax.Array, dict[str, jax.Array]]:
-            return sampler_loss(trained, arch, targets, step)
-
-        def batches(step: int, steps: int) -> np.ndarray:
-            return np.arange(step, step + steps, dtype=np.uint32)
-
-        return Learner(compile_steps(loss, self.schedule), batches)
+        return Lesson(
+            lambda trained, step: sampler_loss(trained, arch, targets, step),
+            lambda step, steps: np.arange(step, step + steps, dtype=np.uint32),
+        )
 
 
 class Targets(NamedTuple):

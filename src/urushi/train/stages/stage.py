@@ -8,19 +8,19 @@ from typing import Any, ClassVar, NamedTuple
 from urushi.nets.architecture import FIXED, Architecture
 from urushi.nets.mlp import Params
 from urushi.train.examples import Depth
-from urushi.train.optimiser import Schedule, Steps
+from urushi.train.optimiser import Loss, Schedule
 
 
-class Learner(NamedTuple):
-    """The steps of a stage and their batches.
+class Lesson(NamedTuple):
+    """What a stage minimises, and its batches.
 
     Attributes:
-        steps: compiled; from a state and batches to the new state and the terms to log.
+        loss: from the parameters that learn and a batch to the loss and the terms to log.
         batches: from the first step and the number of steps to their batches, stacked along a
             first axis. It depends on its arguments alone, so that a training can be resumed.
     """
 
-    steps: Steps
+    loss: Loss
     batches: Callable[[int, int], Any]
 
 
@@ -53,8 +53,8 @@ class Stage(ABC):
         return parameters_of(params, self.trains)
 
     @abstractmethod
-    def learn(self, params: Params, arch: Architecture, depths: list[Depth], seed: int) -> Learner:
-        """Prepare the steps.
+    def lesson(self, params: Params, arch: Architecture, depths: list[Depth], seed: int) -> Lesson:
+        """Prepare loss and batches.
 
         Args:
             params: all parameters, as the stage before has left them.

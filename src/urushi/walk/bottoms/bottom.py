@@ -153,12 +153,12 @@ class Rough:
     @property
     def alpha_u(self) -> Value:
         """The GGX width along the tangent (the x axis)."""
-        return self.alpha.u if isinstance(self.alpha, Widths) else self.alpha
+        return microfacet.pair(self.alpha)[0]
 
     @property
     def alpha_v(self) -> Value:
         """The GGX width across the tangent (along the y axis)."""
-        return self.alpha.v if isinstance(self.alpha, Widths) else self.alpha
+        return microfacet.pair(self.alpha)[1]
 
     @property
     def is_anisotropic(self) -> bool:
@@ -173,9 +173,8 @@ def numbers_of(part: object) -> Iterator[object]:
 
 
 def _freeze(array: np.ndarray) -> Value:
-    if array.ndim == 0:
-        return float(array)
-    return float(array[0]), float(array[1]), float(array[2])
+    numbers: Any = array.tolist()
+    return tuple(numbers) if array.ndim else numbers
 
 
 def store(instance: object, name: str, array: np.ndarray) -> None:
@@ -185,16 +184,8 @@ def store(instance: object, name: str, array: np.ndarray) -> None:
 
 def store_alpha(instance: object, alpha: Value | Widths, where: str) -> None:
     """Check and set the GGX width or widths of a description; equal widths are stored as one."""
-    stored: Value | Widths
-    if isinstance(alpha, Widths):
-        u, v = (
-            checks.alpha(width, f"{where} {name}")
-            for width, name in ((alpha.u, "alpha_u"), (alpha.v, "alpha_v"))
-        )
-        u, v = np.broadcast_arrays(u, v)
-        stored = _freeze(u) if np.array_equal(u, v) else Widths(_freeze(u), _freeze(v))
-    else:
-        stored = _freeze(checks.alpha(alpha, f"{where} alpha"))
+    u, v = np.broadcast_arrays(*microfacet.pair(checks.alphas(alpha, f"{where} alpha")))
+    stored = _freeze(u) if np.array_equal(u, v) else Widths(_freeze(u), _freeze(v))
     object.__setattr__(instance, "alpha", stored)
 
 
