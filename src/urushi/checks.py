@@ -337,5 +337,6 @@ def alphas(value: Any, where: str, *, any_shape: bool = False) -> np.ndarray | W
 
 def coat(parameters: CoatParameters, where: str, *, any_shape: bool = False) -> CoatParameters:
     """Check all parameters of a coat. `where` begins the errors, for example "the coat's"."""
-    named = zip((alphas, eta, albedo, sigma_t, g), CoatParameters._fields, parameters, strict=True)
+    checks: Any = (alphas, eta, albedo, sigma_t, g)
+    named = zip(checks, CoatParameters._fields, parameters, strict=True)
     return CoatParameters(*(f(x, f"{where} {name}", any_shape=any_shape) for f, name, x in named))

@@ -50,25 +50,20 @@ def atomic_write(path: str | os.PathLike) -> Iterator[Path]:
         os.umask(mask := os.umask(0))  # the mask can be read only by setting it
         temporary.chmod(0o666 & ~mask)  # mkstemp makes private files
         temporary.replace(target)
+    except FileError:
+        raise
     except (OSError, RuntimeError) as error:
-        reason = _reason(error)
-        if isinstance(error, FileError) or reason is None:
-            raise
+        reason = getattr(error, "strerror", None) or str(error)
+        # Mitsuba's streams: "... I/O error while ...: No space left on device".
+        if isinstance(error, RuntimeError):
+            if "I/O error" not in reason:
+                raise
+            reason = reason.rpartition(": ")[2]
         raise FileError(
             f"cannot write '{target}': {reason}; free some space or choose another folder"
         ) from error
     finally:
         temporary.unlink(missing_ok=True)
-
-
-def _reason(error: OSError | RuntimeError) -> str | None:
-    """Why a file could not be written; None: the error is another one.
-
-    Mitsuba's streams raise RuntimeError: "... I/O error while ...: No space left on device".
-    """
-    if isinstance(error, OSError):
-        return error.strerror or str(error)
-    return str(error).rpartition(": ")[2] if "I/O error" in str(error) else None
 
 
 def new_folder(path: str | os.PathLike) -> Path:

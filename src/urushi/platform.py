@@ -207,17 +207,12 @@ def _loaded_llvm() -> tuple[Path | None, int | None] | None:
         named = os.environ.get(LLVM_VARIABLE)
         path = Path(named) if named else None
         return (path, llvm_version_of(path)) if path else (None, None)
-    return _mapped_llvm(), version
-
-
-def _mapped_llvm() -> Path | None:
-    """The file of the libLLVM in this process's memory (known on Linux only)."""
-    try:
+    try:  # the file in this process's memory, known on Linux only
         maps = Path("/proc/self/maps").read_text()
     except OSError:
-        return None
+        return None, version
     found = re.search(r"/\S*libLLVM[^/\s]*$", maps, re.MULTILINE)
-    return Path(found.group()) if found else None
+    return Path(found.group()) if found else None, version
 
 
 def _llvm_judged(path: Path | None, version: int | None, cure: str) -> LlvmStatus:

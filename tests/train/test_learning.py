@@ -17,7 +17,7 @@ from urushi.train.losses import compose
 from urushi.train.optimiser import Schedule, compile_steps, start
 from urushi.train.stages import sampling
 from urushi.train.stages.joint import joint_loss
-from urushi.train.stages.sampling import Targets, sampler_loss
+from urushi.train.stages.sampling import sampler_loss
 from urushi.walk import analytic, conductor
 
 pytestmark = pytest.mark.research
@@ -85,8 +85,8 @@ def test_the_proposal_learns_its_lobe(overfitted):
     latents = compose(params, ARCH, jnp.asarray(LOBES), jnp.asarray(probes), ())
     before = variation(params, ARCH, latents, seed=1, materials=16)
     schedule = Schedule(200, 10, 1e-2, average=0.9, steps_per_call=50, checkpoint_every=50)
-    scene = Targets(params, latents, jax.random.key(0))
-    steps = compile_steps(lambda p, step: sampler_loss(p, ARCH, scene, step), schedule)
+    scene = params, latents, jax.random.key(0)
+    steps = compile_steps(lambda p, step: sampler_loss(p, ARCH, *scene, step), schedule)
     sampler = {name: value for name, value in params.items() if name.startswith("sampler.")}
     state = start(sampler, schedule)
     for first in range(0, schedule.steps, 50):

@@ -44,10 +44,7 @@ COMMANDS: dict[str, tuple[type, str]] = {
     "layer": (Layer, "Coat a material in the latent space."),
     "materials": (Materials, "List the library of described materials."),
     "recipe": (Recipe, "Find measured paints that give a colour over a ground."),
-    "export": (
-        Export,
-        "Write a material as code: GLSL, WGSL, HLSL, Slang, OSL, Python.",
-    ),
+    "export": (Export, "Write a material as code: GLSL, WGSL, HLSL, Slang, OSL, Python."),
     "convert": (Convert, "Write a material of a MaterialX document as a Mitsuba scene."),
     "view": (View, "Coat a material by hand, on a page in the browser."),
     "data": (Data, "Simulate training data."),
@@ -57,20 +54,16 @@ COMMANDS: dict[str, tuple[type, str]] = {
 }
 
 
-def _union(listing: bool) -> Any:
-    """The union of all commands for tyro; `listing`: with the one-line descriptions."""
+def parse(arguments: Sequence[str]) -> Any:
+    """The command object of the arguments; exits the process if they cannot be parsed."""
+    listing = list(arguments) in ([], ["-h"], ["--help"])  # with the one-line descriptions
     members = (
         Annotated[command, tyro.conf.subcommand(name, description=summary if listing else None)]
         for name, (command, summary) in COMMANDS.items()
     )
-    return functools.reduce(operator.or_, members)
-
-
-def parse(arguments: Sequence[str]) -> Any:
-    """The command object of the arguments; exits the process if they cannot be parsed."""
-    listing = list(arguments) in ([], ["-h"], ["--help"])
+    union: Any = functools.reduce(operator.or_, members)
     return tyro.cli(
-        _union(listing),
+        union,
         prog="urushi",
         description=DESCRIPTION,
         args=arguments or ["--help"],
@@ -102,19 +95,12 @@ def main(args: Sequence[str] | None = None) -> int:
         print("urushi: interrupted; nothing half-written was left behind", file=sys.stderr)
         return INTERRUPTED
     except BrokenPipeError:
-        if not _output_is_closed():
-            raise
-        return OUTPUT_CLOSED
-
-
-def _output_is_closed() -> bool:
-    """Whether standard output is closed; if so, the rest of it goes to the null device."""
-    try:
-        print(flush=True)
-    except BrokenPipeError:
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        return True
-    return False
+        try:
+            print(flush=True)  # is it standard output that is closed?
+        except BrokenPipeError:
+            os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # for the rest of it
+            return OUTPUT_CLOSED
+        raise
 
 
 if __name__ == "__main__":

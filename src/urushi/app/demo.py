@@ -189,9 +189,9 @@ def difference_picture(image: np.ndarray, reference: np.ndarray) -> np.ndarray:
     return amount * colour
 
 
-def side_by_side(*panels: np.ndarray, gap: int = 4) -> np.ndarray:
-    """Join (H, W, 3) display images from left to right, with white gaps of `gap` pixels."""
-    white = np.ones((panels[0].shape[0], gap, 3))
+def side_by_side(*panels: np.ndarray) -> np.ndarray:
+    """Join (H, W, 3) display images from left to right, with white gaps of four pixels."""
+    white = np.ones((panels[0].shape[0], 4, 3))
     joined = [part for panel in panels for part in (white, panel)][1:]
     return np.concatenate(joined, axis=1)
 

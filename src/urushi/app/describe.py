@@ -25,8 +25,7 @@ def makers() -> dict[str, Any]:
 @functools.cache
 def library() -> dict[str, str]:
     """The descriptions of the library by name."""
-    text = (files("urushi.app") / "materials.json").read_text(encoding="utf-8")
-    return dict(json.loads(text))
+    return json.loads((files("urushi.app") / "materials.json").read_text(encoding="utf-8"))
 
 
 def describe(text: str) -> Any:
@@ -70,14 +69,10 @@ def _build(node: ast.expr, text: str) -> Any:
     try:
         parameters.bind(*positional, **named)
     except TypeError as error:
-        raise _refuse(text, f"{error} in {node.func.id}{parameters_text(parameters)}") from error
+        untyped = [p.replace(annotation=p.empty) for p in parameters.parameters.values()]
+        call = f"{node.func.id}{inspect.Signature(untyped)}"
+        raise _refuse(text, f"{error} in {call}") from error
     return maker(*positional, **named)
-
-
-def parameters_text(signature: inspect.Signature) -> str:
-    """The parameters' names and defaults in parentheses, without types."""
-    bare = [p.replace(annotation=inspect.Parameter.empty) for p in signature.parameters.values()]
-    return str(inspect.Signature(bare))
 
 
 def _number(node: ast.expr, text: str) -> Any:

@@ -75,9 +75,8 @@ def report(findings: Sequence[Finding]) -> str:
 def _package(
     name: str, oldest: tuple[int, int] = (0, 0), below: tuple[int, int] = (99, 0)
 ) -> Finding:
-    try:
-        version = importlib.metadata.version(name)
-    except importlib.metadata.PackageNotFoundError:
+    version = _version(name)
+    if version is None:
         return Finding(name, "missing", f"install it (pip install {name})", True)
     numbers = re.match(r"(\d+)\.(\d+)", version)
     fits = numbers is None or oldest <= (int(numbers[1]), int(numbers[2])) < below
@@ -96,10 +95,9 @@ def _drjit() -> Finding:
 
 def _llvm() -> Finding:
     status = llvm_status()
-    if status.ok:
-        return Finding("LLVM", f"{status.version} ({status.path})", None, True)
-    found = "missing" if status.path is None else f"{status.version or '?'} ({status.path})"
-    return Finding("LLVM", found, status.message, True)
+    missing = not status.ok and status.path is None
+    found = "missing" if missing else f"{status.version or '?'} ({status.path})"
+    return Finding("LLVM", found, None if status.ok else status.message, True)
 
 
 def _variants(names: Sequence[str]) -> list[Finding]:
@@ -121,12 +119,11 @@ def _variants(names: Sequence[str]) -> list[Finding]:
             process.kill()
             process.communicate()
             message = f"no answer in {_TIMEOUT} seconds"
-        essential = name == "llvm_ad_rgb"
-        if process.returncode == 0:
-            findings.append(Finding(f"variant {name}", "usable", None, essential))
-        else:
+        found, reason = "usable", None
+        if process.returncode:
             reason = (message.strip().splitlines() or [f"exit code {process.returncode}"])[-1]
-            findings.append(Finding(f"variant {name}", "not usable", reason, essential))
+            found = "not usable"
+        findings.append(Finding(f"variant {name}", found, reason, name == "llvm_ad_rgb"))
     return findings
 
 

@@ -58,13 +58,20 @@ class Encode:
             raise ParameterError(
                 "--refine and --no-refine exclude each other; give only one of them"
             )
-        targets = self.targets()
-        sources = self.opened()
-        errors = {k: source for k, source in enumerate(sources) if isinstance(source, UrushiError)}
-        if len(sources) > 1:
-            for error in errors.values():
-                _print_to_stderr(str(error))
-        readable = [k for k in range(len(sources)) if k not in errors]
+        targets, sources = self.targets(), self.opened()
+        failures = 0
+
+        def failed(error: UrushiError) -> None:
+            nonlocal failures
+            if len(sources) == 1:
+                raise error
+            failures += 1
+            _print_to_stderr(str(error))
+
+        for source in sources:
+            if isinstance(source, UrushiError):
+                failed(source)
+        readable = [k for k, source in enumerate(sources) if not isinstance(source, UrushiError)]
         with tqdm(total=len(readable), unit="BRDF", disable=len(readable) <= 1 or None) as progress:
             for position, result in encode_all(
                 [sources[k] for k in readable],
@@ -73,21 +80,16 @@ class Encode:
                 table=True if self.table else False if self.no_table else None,
             ):
                 progress.update()
-                index = readable[position]
                 if isinstance(result, UrushiError):
-                    errors[index] = result
-                    if len(sources) > 1:
-                        _print_to_stderr(str(result))
+                    failed(result)
                     continue
-                material, deviations = result
+                index, (material, deviations) = readable[position], result
                 for sentence in deviations.warnings():
                     _print_to_stderr(f"{self.sources[index]}: {sentence}")
                 material.save(targets[index])
                 tqdm.write(str(targets[index]))
-        if len(sources) == 1 and errors:
-            raise errors[0]
-        if errors:
-            raise UrushiError(f"{len(errors)} of {len(sources)} sources could not be encoded")
+        if failures:
+            raise UrushiError(f"{failures} of {len(sources)} sources could not be encoded")
         return 0
 
     def targets(self) -> list[Path]:
@@ -106,7 +108,13 @@ class Encode:
                 f"--output is '{self.output}', which ends neither in .safetensors nor is a folder; "
                 "give a file of that kind, or a folder's name without a suffix"
             )
-        names = [_name(text, number) for number, text in enumerate(self.sources, 1)]
+        names = []
+        for number, text in enumerate(self.sources, 1):
+            path, bsdf = scene_and_bsdf(text)
+            if is_description(text):
+                names.append(f"{text.strip().partition('(')[0]}-{number}")
+            else:
+                names.append(path.stem if bsdf is None else bsdf.replace("/", "-"))
         twice = next((name for name in names if names.count(name) > 1), None)
         if twice is not None:
             raise ParameterError(
@@ -171,14 +179,6 @@ def choose(bsdfs: Mapping[str, Any], name: str | None, path: Path) -> Any:
     if name not in bsdfs:
         raise ParameterError(f"'{path}' has no BSDF '{name}' on a shape; it has: {names}")
     return bsdfs[name]
-
-
-def _name(text: str, number: int) -> str:
-    """File name, without suffix, of a source's material; `number`: its place, from 1."""
-    if is_description(text):
-        return f"{text.strip().partition('(')[0]}-{number}"
-    path, bsdf = scene_and_bsdf(text)
-    return path.stem if bsdf is None else bsdf.replace("/", "-")
 
 
 def _print_to_stderr(sentence: str) -> None:

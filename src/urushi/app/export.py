@@ -101,14 +101,13 @@ class Export:
         from urushi.textures import gpu
 
         writers = {".dds": gpu.dds, ".ktx2": gpu.ktx2}
-        writer = None if self.texture is None else writers.get(self.texture.suffix)
-        if self.texture is None or writer is None:
+        if self.texture is None or self.texture.suffix not in writers:
             raise ParameterError(
                 f"'{self.material}' has a texture; name the texture file to write, .dds or .ktx2, "
                 "by --texture"
             )
         with atomic_write(self.texture) as temporary:
-            temporary.write_bytes(writer(image))
+            temporary.write_bytes(writers[self.texture.suffix](image))
         print(self.texture)
 
 

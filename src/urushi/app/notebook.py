@@ -2,6 +2,7 @@
 
 import functools
 import html
+from dataclasses import dataclass
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
@@ -25,6 +26,7 @@ SIZE, SAMPLES = 128, 64
 REMEMBERED = 32
 
 
+@dataclass(frozen=True, eq=False)
 class Page:
     """A page that IPython and Jupyter show.
 
@@ -33,8 +35,8 @@ class Page:
         height: in a notebook [pixels].
     """
 
-    def __init__(self, document: str, height: int):
-        self.document, self.height = document, height
+    document: str
+    height: int
 
     def __repr__(self) -> str:
         return f"Page({len(self.document)} characters)"

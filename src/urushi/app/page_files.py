@@ -62,9 +62,8 @@ class First(NamedTuple):
 def page_files(model: Model, first: First | None) -> dict[str, bytes]:
     """The page's files by their paths relative to it, with "/" between folders.
 
-    Args:
-        model: the networks of isotropic materials. Those of anisotropic ones are the shipped ones.
-        first: what the page shows first; None: its own first material.
+    model: the networks of isotropic materials; those of anisotropic ones are the shipped ones.
+    first: None: the page's own first material.
     """
     if model.widths == 2:
         raise ParameterError(

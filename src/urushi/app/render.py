@@ -14,8 +14,6 @@ from urushi.errors import FileError, ParameterError, PlatformError
 from urushi.files import atomic_write, new_folder
 from urushi.ranges import Index, Pixels, Samples, Seed, Threads
 
-#: Mitsuba puts this into long messages as a place to break the line.
-ZERO_WIDTH_SPACE = "\u200b"
 SUFFIXES = (".exr", ".png", ".jpg")
 
 #: The scene of `urushi demo`, which `python -m gallery caddy` makes.
@@ -65,12 +63,26 @@ class Render:
     """Seed of the random numbers."""
 
     def run(self) -> int:
-        definitions = parse_definitions(self.define)
+        definitions = {}
+        for pair in self.define:
+            key, equals, definitions[key] = pair.partition("=")
+            if not (key and equals):
+                raise ParameterError(f"-D '{pair}' is not of the form key=value")
         set_variant(self.mode)
         import drjit as dr
         import mitsuba as mi
 
-        scene = self._load(definitions)
+        path, name = Path(self.scene), None
+        if not (path.is_file() or path.suffix):
+            if self.scene != DEMO_SCENE.parent.name:
+                raise ParameterError(
+                    f"there is no scene '{self.scene}'; give a scene file or 'caddy'"
+                )
+            path, name = DEMO_SCENE, self.scene
+        size = {"width": self.width, "height": self.height}
+        scene = load_scene(
+            path, definitions, self.append, weights=self.weights, size=size, name=name
+        )
         sensors = len(scene.sensors())
         if not 0 <= self.sensor < sensors:
             raise ParameterError(
@@ -92,20 +104,6 @@ class Render:
         write_picture(image, target)
         print(target)
         return 0
-
-    def _load(self, definitions: Mapping[str, str]) -> Any:
-        """Load a scene file if there is one or the name has a suffix, else the demo's scene."""
-        path, name = Path(self.scene), None
-        if not (path.is_file() or path.suffix):
-            if self.scene != DEMO_SCENE.parent.name:
-                raise ParameterError(
-                    f"there is no scene '{self.scene}'; give a scene file or 'caddy'"
-                )
-            path, name = DEMO_SCENE, self.scene
-        size = {"width": self.width, "height": self.height}
-        return load_scene(
-            path, definitions, self.append, weights=self.weights, size=size, name=name
-        )
 
 
 def write_picture(image: Any, path: Path) -> None:
@@ -206,16 +204,6 @@ def set_variant(name: str) -> None:
     import urushi.fan2022  # noqa: F401  (registers its plugins)
 
 
-def parse_definitions(pairs: tuple[str, ...]) -> dict[str, str]:
-    definitions = {}
-    for pair in pairs:
-        key, equals, value = pair.partition("=")
-        if not (key and equals):
-            raise ParameterError(f"-D '{pair}' is not of the form key=value")
-        definitions[key] = value
-    return definitions
-
-
 def raise_interrupt(error: BaseException) -> None:
     """Raise KeyboardInterrupt if it caused the error; Mitsuba and Dr.Jit wrap exceptions."""
     cause: BaseException | None = error
@@ -231,7 +219,7 @@ def one_line(error: BaseException) -> str:
     Removes source positions of Mitsuba's parser, invisible characters, and the traceback of a
     plugin written in Python except its last line, the error.
     """
-    text = str(error).replace(ZERO_WIDTH_SPACE, "")
+    text = str(error).replace("\u200b", "")  # of long messages, as a place to break the line
     text = re.sub(r"^\[\w+\.cpp:\d+\] ", "", text)
     text = re.sub(r"Traceback \(most recent call last\):\n(?:\s+.*\n)*(?:[\w.]+: )?", "", text)
     return " ".join(text.split()).rstrip(".")

@@ -71,14 +71,12 @@ class Simulate:
         else:  # exact
             f = analytic.f(described, wi, wo)
             se = np.zeros_like(f)
-        if self.pairs is None:
-            title = (
-                f"f [1/sr] ± standard error for light from {self.incidence:g}°; "
-                "the mirror direction is on the positive side"
-            )
-            text = table(title, POLAR_DEGREES, f, se)
-        else:
-            text = rows(wi, wo, f, se)
+        title = (
+            f"f [1/sr] ± standard error for light from {self.incidence:g}°; "
+            "the mirror direction is on the positive side"
+        )
+        plane = self.pairs is None
+        text = table(title, POLAR_DEGREES, f, se) if plane else rows(wi, wo, f, se)
         return self._print_or_save(text, wi=wi, wo=wo, f=f, se=se)
 
     def _print_or_save(self, text: str, **arrays: np.ndarray) -> int:

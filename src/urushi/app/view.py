@@ -66,19 +66,15 @@ class View:
 
         shown = None if self.material is None else first_material(self.material, self.weights)
         files = page_files(find(self.weights), shown)
-        if self.output is None:
-            self._serve(addressed(files))
+        if self.output is not None:
+            if self.output.suffix == ".html":
+                write({self.output.name: page_document(files).encode()}, self.output.parent)
+            else:
+                write(addressed(files), self.output)
+            print(self.output)
             return 0
-        if self.output.suffix == ".html":
-            write({self.output.name: page_document(files).encode()}, self.output.parent)
-        else:
-            write(addressed(files), self.output)
-        print(self.output)
-        return 0
-
-    def _serve(self, files: dict[str, bytes]) -> None:
         try:
-            server = PageServer(files, self.port)
+            server = PageServer(addressed(files), self.port)
         except OSError as error:
             raise FileError(
                 f"cannot serve the page on port {self.port}: {error}; leave out --port"
@@ -88,23 +84,22 @@ class View:
             if not self.no_browser:
                 webbrowser.open(server.url)
             server.serve_forever()
+        return 0
 
 
 def first_material(text: str, weights: str | None) -> "First":
     """What the page shows of a material: cards if it is described, otherwise codes or a texture."""
     from urushi.app.page_files import First, cards_of, first_of
 
+    if is_description(text):
+        cards = cards_of(describe(text))
+        return First(cards) if cards else first_of(read_material(text, weights), "Material")
     path, bsdf = scene_and_bsdf(text)
-    described = is_description(text)
-    if path.suffix == ".xml" and not described:
+    if path.suffix == ".xml":
         return _first_of_scene(path, bsdf, weights)
-    if not described and tensor_file_kind(text) == "texture":
+    if tensor_file_kind(text) == "texture":
         return _first_texture(path, path.stem, weights)
-    cards = cards_of(describe(text)) if described else None
-    if cards is not None:
-        return First(cards)
-    name = "Material" if described else path.stem
-    return first_of(read_material(text, weights), name)
+    return first_of(read_material(text, weights), path.stem)
 
 
 def _first_of_scene(path: Path, bsdf: str | None, weights: str | None) -> "First":
@@ -222,7 +217,10 @@ class _Handler(BaseHTTPRequestHandler):
         is_known = headers["ETag"] == self.headers.get("If-None-Match")
         self.send_response(HTTPStatus.NOT_MODIFIED if is_known else HTTPStatus.OK)
         if not is_known:
-            headers |= {"Content-Type": _type(path), "Content-Length": str(len(content))}
+            suffix = path[path.rfind(".") :]
+            kind = TYPES.get(suffix) or mimetypes.guess_type(path)[0] or "application/octet-stream"
+            kind += "; charset=utf-8" * kind.startswith("text/")
+            headers |= {"Content-Type": kind, "Content-Length": str(len(content))}
         for name, value in headers.items():
             self.send_header(name, value)
         self.end_headers()
@@ -232,9 +230,3 @@ class _Handler(BaseHTTPRequestHandler):
 
     def log_message(self, format: str, *args: object) -> None:
         """Print nothing."""
-
-
-def _type(path: str) -> str:
-    suffix = path[path.rfind(".") :]
-    kind = TYPES.get(suffix) or mimetypes.guess_type(path)[0] or "application/octet-stream"
-    return f"{kind}; charset=utf-8" if kind.startswith("text/") else kind

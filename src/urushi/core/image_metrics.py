@@ -35,11 +35,8 @@ def relative_mse(
 def halves_variance(first: npt.ArrayLike, second: npt.ArrayLike) -> np.ndarray:
     """Estimate by pixel the variance of (first + second) / 2 from two independent renders.
 
-    Unbiased, with one degree of freedom per pixel: Var = (first - second)^2 / 4. It is noisy in
-    one pixel and accurate in the mean of many.
-
-    Args:
-        first, second: (...) renders of one scene, of equal sample count, with different seeds.
+    These have equal sample counts and different seeds. Unbiased, with one degree of freedom per
+    pixel: Var = (first - second)^2 / 4. It is noisy in one pixel and accurate in the mean of many.
     """
     first, second = checks.finite(first=first, second=second)
     return (first - second) ** 2 / 4

@@ -246,11 +246,11 @@ def _functions(
 
     made = Function("proposal", (*given, WI), "Proposal", "The proposal for wi.")
     made.returns(proposal.fill(made, model, code.first, code.alphas, argument(WI), unit))
-    sampling = proposal.functions(model)
+    sampling = _, density_of, _, draw = proposal.functions(model)
     note = "The density [1/sr] of `sample` at wo."
     pdf = Function("pdf", (*given, WI, WO), FLOAT, note, public=True)
     wi, wo = inside(pdf)
-    pdf.returns(sampling.density(made(*own, wi), wi, wo))
+    pdf.returns(density_of(made(*own, wi), wi, wo))
 
     note = "A direction, about in proportion to f and its cosine; below the horizon density 0."
     sample = Function("sample", (*given, WI, U), SAMPLE.name, note, public=True)
@@ -258,15 +258,15 @@ def _functions(
     # wi, or the normal where it is below the horizon.
     raised = sample.let("raised", select(wi.z > 0.0, wi, vector(0.0, 0.0, 1.0)))
     mixture = sample.let("mixture", made(*own, raised))
-    direction = sample.let("drawn", sampling.draw(mixture, raised, argument(U)))
+    direction = sample.let("drawn", draw(mixture, raised, argument(U)))
     result = sample.structure("result", SAMPLE.name)
     above = wi.z > 0.0
     seen = tangent.outside(sample, direction, "outside")
-    density = sampling.density(mixture, raised, direction)
+    density = density_of(mixture, raised, direction)
     sample.assign(member(result, SAMPLE.fields[0]), select(above, seen, vector(0.0, 0.0, 1.0)))
     sample.assign(member(result, SAMPLE.fields[1]), select(above, density, 0.0))
     sample.returns(result)
-    return [f, made, *sampling.all, pdf, sample]
+    return [f, made, *sampling, pdf, sample]
 
 
 def _conventions(model: Model) -> tuple[str, ...]:

@@ -2,7 +2,6 @@
 
 import math
 from collections.abc import Sequence
-from typing import NamedTuple
 
 import numpy as np
 
@@ -113,22 +112,12 @@ def fill(
     return result
 
 
-class Sampling(NamedTuple):
-    """Functions of a proposal.
+def functions(model: Model) -> tuple[Function, ...]:
+    """Functions of a `structure`, each after what it calls.
 
-    Attributes:
-        density: of the proposal, wi and wo.
-        draw: a direction, of the proposal, wi and u.
-        all: both, after those that they call.
+    The last but two is the density of the proposal, wi and wo; the last draws a direction, of the
+    proposal, wi and u.
     """
-
-    density: Function
-    draw: Function
-    all: Sequence[Function]
-
-
-def functions(model: Model) -> Sampling:
-    """Functions of a `structure`: its density at wo, and a direction from uniform numbers."""
     fields, count = structure(model).fields, _lobes(model)
     mixture = Variable("mixture", "Proposal")
     parts = [member(argument(mixture), variable) for variable in fields]
@@ -177,7 +166,7 @@ def functions(model: Model) -> Sampling:
     height = draw.let("height", call("sqrt", call("max", 1.0 - u.y, 0.0)))
     cosine = vector(radius * call("cos", phi), radius * call("sin", phi), height)
     draw.returns(select(u.x >= edge, cosine, reflected(*alpha, wi, u)))
-    return Sampling(density, draw, (reflection, density, reflected, draw))
+    return reflection, density, reflected, draw
 
 
 def known_first(model: Model, code: np.ndarray) -> list[Expression]:

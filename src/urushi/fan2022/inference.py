@@ -97,14 +97,18 @@ class GaussianMixture(NamedTuple):
         wo = self.drawn(components(wi), u[..., 0], u[..., 1], u[..., 2], arrays(wi))
         return stacked_components(wo, wi.__array_namespace__())
 
+    def _spread(self, xp: Namespace) -> tuple[Any, Any]:
+        """Twice the Gaussian's variance, and its mass inside the unit disk."""
+        variance2 = 2 * self.sigma * self.sigma
+        return variance2, 1 - xp.exp(-1 / variance2)
+
     def density(self, wi: Any, wo: Any, xp: Namespace) -> Any:
         """`pdf` of directions with components.
 
         The Jacobian of the projection of the half vector on the disk is its cosine. The Jacobian of
         the reflection is 4 wi.h, twice the length of wi + wo.
         """
-        variance2 = 2 * self.sigma * self.sigma
-        mass_inside = 1 - xp.exp(-1 / variance2)
+        variance2, mass_inside = self._spread(xp)
         x, y = wi.x + wo.x, wi.y + wo.y
         across = x * x + y * y  # the same for wo's mirror image
 
@@ -119,8 +123,7 @@ class GaussianMixture(NamedTuple):
 
     def drawn(self, wi: Any, choice: Any, u: Any, v: Any, xp: Namespace) -> Components:
         """`sample` of a direction with components, by three uniform numbers."""
-        variance2 = 2 * self.sigma * self.sigma
-        mass_inside = 1 - xp.exp(-1 / variance2)
+        variance2, mass_inside = self._spread(xp)
         squared = xp.clip(-variance2 * xp.log(1 - u * mass_inside), 0.0, 1.0)
         radius, hz = xp.sqrt(squared), xp.sqrt(1 - squared)
         sin, cos = xp.sincos((2 * math.pi) * v)

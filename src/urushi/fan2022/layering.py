@@ -5,13 +5,11 @@ from typing import Any, NamedTuple
 import jax
 import jax.numpy as jnp
 import numpy as np
-import optax
 
 from urushi.fan2022.inference import layer
 from urushi.fan2022.preset import Palette, PaperPreset
+from urushi.fan2022.representation import RULE, updated
 from urushi.nets.mlp import Params
-
-RULE = optax.scale_by_adam()
 
 #: Number of decays of the learning rate: the paper's rate decays every 50 of 1,000 epochs.
 DECAYS = 20
@@ -68,9 +66,7 @@ def l1_loss(params: Params, batch: Examples) -> jax.Array:
 def step(state: LayeringState, batch: Examples, rate: float) -> tuple[LayeringState, jax.Array]:
     """Update the weights; returns the loss too."""
     loss, slope = jax.value_and_grad(l1_loss)(state.params, batch)
-    update, optimiser = RULE.update(slope, state.optimiser)
-    params = optax.apply_updates(state.params, jax.tree.map(lambda change: -rate * change, update))
-    return LayeringState(params, optimiser), loss
+    return LayeringState(*updated(*state, slope, rate)), loss
 
 
 def learn_epoch(

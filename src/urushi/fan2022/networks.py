@@ -134,7 +134,8 @@ class PaperNetworks:
         new = list(rows)
 
         def task(part: list[bytes]) -> None:
-            codes = self._project(directions, np.stack([rows[key] for key in part]))
+            f = np.stack([rows[key] for key in part])
+            codes, _ = project(self.params, directions, f, self.arch.adam)
             found.update(zip(part, codes, strict=True))
 
         run_all_cores(task, [new[i : i + TOGETHER] for i in range(0, len(new), TOGETHER)])
@@ -144,15 +145,9 @@ class PaperNetworks:
                 del self._kept[key]
         return np.array([found[key] for key in keys], np.float32).reshape(-1, LATENT)
 
-    def _project(self, directions: np.ndarray, f: np.ndarray) -> np.ndarray:
-        """Codes (M, 32) of BRDFs f (M, P)."""
-        return project(self.params, directions, f, self.arch.adam)[0]
-
     def layer(self, z_bottom: np.ndarray, coat: CoatParameters) -> np.ndarray:
         """Codes (..., 32) by the layering network, whose inputs include the interface's code.
 
-        A medium that scatters anisotropically is replaced by the similar isotropic one
-        (`inference.isotropic`).
 
         Args:
             z_bottom: codes (..., 32) of the bottoms.
@@ -204,8 +199,4 @@ class PaperNetworks:
 
     def encode_bare(self, kind: str, columns: dict[str, np.ndarray]) -> np.ndarray:
         """Codes (S, 32) of bare surfaces; kind, columns (S,): as of `analytic.rows`."""
-        wi, wo = projection_pairs()
-        count = len(columns["alpha"])
-        row = np.repeat(np.arange(count, dtype=np.uint32), len(wi))
-        wi, wo = np.tile(wi, (count, 1)), np.tile(wo, (count, 1))
-        return self.encode(analytic.rows(kind, columns, row, wi, wo).reshape(count, -1))
+        return self.encode(analytic.at_all(kind, columns, *projection_pairs()))

@@ -19,12 +19,7 @@ from urushi.errors import FileError
 
 
 class Storage(NamedTuple):
-    """A row of numbers in the file.
-
-    Attributes:
-        dtype: NumPy's name of the little-endian type; key: name in the file; length: number of
-            numbers.
-    """
+    """A row of numbers in the file; dtype: NumPy's name of the little-endian type."""
 
     dtype: str
     key: str
@@ -84,11 +79,8 @@ _CONSTANTS = {"NONE": None, "NEWTRUE": True, "NEWFALSE": False, "MARK": _MARK}
 def decode(file: BinaryIO, path: str | os.PathLike) -> tuple[Any, dict[str, Storage]]:
     """Return what a pickle describes, and its storages by key.
 
-    Values are dicts, lists, tuples, numbers, text, None and tensors.
-
-    Args:
-        file: the pickle; reading ends after its last instruction.
-        path: of the file, for errors.
+    Values are dicts, lists, tuples, numbers, text, None and tensors. Reading ends after the last
+    instruction. path: of the file, for errors.
     """
     machine = _Machine(path)
     try:

@@ -53,16 +53,11 @@ def epoch(store: Store, preset: PaperPreset, index: int) -> Iterator[Batch]:
         run = min(preset.pairs, pairs)
         order = rng.permuted(np.tile(np.arange(pairs), (count, 1)), axis=1)
         for first in range(0, pairs - run + 1, run):
-            for chosen in _full_batches(rng.permutation(count), preset.stacks):
+            # Batches without the rest; all in one where there are fewer.
+            size = min(preset.stacks, count)
+            for chosen in rng.permutation(count)[: count // size * size].reshape(-1, size):
                 at = chosen[:, None], order[chosen, first : first + run]
                 yield Batch(rows[chosen], arrays["wi"][at], arrays["wo"][at], arrays["f"][at])
-
-
-def _full_batches(stacks: np.ndarray, size: int) -> np.ndarray:
-    """Stacks (S,) as batches (B, size) without the rest; all in one where S is below size."""
-    size = min(size, len(stacks))
-    whole = len(stacks) // size * size
-    return stacks[:whole].reshape(-1, size)
 
 
 def shuffled_groups(preset: PaperPreset, rng: np.random.Generator) -> list[np.ndarray]:
@@ -111,6 +106,13 @@ class RepresentationState(NamedTuple):
     moments: optax.ScaleByAdamState
 
 
+def updated(params: Params, optimiser: Any, slope: Params, rate: Any) -> tuple[Params, Any]:
+    """Parameters and Adam's state after a step along a gradient."""
+    update, optimiser = RULE.update(slope, optimiser)
+    changes = jax.tree.map(lambda change: -rate * change, update)
+    return optax.apply_updates(params, changes), optimiser
+
+
 def start(params: Params, brdfs: int) -> RepresentationState:
     """The state before the first step: all codes are 1."""
     params = {name: jnp.asarray(v) for name, v in params.items() if name.startswith("evaluation.")}
@@ -150,10 +152,7 @@ def step(
     """Update the weights and the batch's codes; returns the loss too."""
     z = state.latents[batch.rows]
     loss, slope, z_slope = _loss_and_slopes(state.params, z, batch)
-    update, optimiser = RULE.update(slope, state.optimiser)
-    params = optax.apply_updates(
-        state.params, jax.tree.map(lambda change: -weights_rate * change, update)
-    )
+    params, optimiser = updated(state.params, state.optimiser, slope, weights_rate)
     # The loss is a mean over the batch; Adam's step does not depend on that factor.
     of_batch = jax.tree.map(lambda moment: moment[batch.rows], state.moments)
     update, of_batch = RULE.update(z_slope, of_batch)

@@ -23,9 +23,6 @@ TOLERANCE = 0.005
 #: Number of steps, and their damping.
 STEPS, DAMPING = 20, Damping(1e-3, 0.2, 10.0)
 
-#: Step of differences of errors.
-STEP = 1e-5
-
 #: Bounds of eta and k, the last two unknowns.
 LOWER, UPPER = [0.02, 0.0], [8.0, 12.0]
 
@@ -39,31 +36,22 @@ def find_lobes(f: np.ndarray, widths: int = 1) -> np.ndarray:
     A bare interface gets its exact lobe, any other BRDF the lobe of `lobe_fit.fit_lobes`, which
     documents the pairs and N.
     """
-    rows = np.maximum(np.ascontiguousarray(f, np.float64).reshape(-1, f.shape[-1]), 0.0)
-    found = exact_interfaces(rows, fit_lobes(rows, widths))
-    return found.reshape(*f.shape[:-1], found.shape[-1])
-
-
-def exact_interfaces(f: np.ndarray, schlick: np.ndarray) -> np.ndarray:
-    """Return lobes (N, L): exact lobes where they reproduce f (N, P) [1/sr], else `schlick`.
-
-    schlick: (N, L) the best lobes with Schlick's term.
-    """
-    widths = 1 + (schlick.shape[-1] > len(lobes.LOBE_NUMBERS))
+    values = np.maximum(np.ascontiguousarray(f, np.float64).reshape(-1, f.shape[-1]), 0.0)
+    result = fit_lobes(values, widths)
+    schlick = result.astype(np.float64)
     wi, wo = (w.astype(np.float64) for w in probe_pairs(f.shape[-1], widths))
-    error = np.abs(lobes.f(schlick[:, None].astype(np.float64), wi, wo) - f) / (f + DARK)
+    error = np.abs(lobes.f(schlick[:, None], wi, wo) - values) / (values + DARK)
     mean = error.mean(axis=-1)
     rows = np.flatnonzero((mean > LEAST_ERROR) & (mean < GREATEST_ERROR) & (schlick[:, 1] > 0))
-    result = schlick.copy()
     if len(rows):
-        found, error = _fit(f[rows], schlick[rows].astype(np.float64), widths)
+        found, error = _fit(values[rows], schlick[rows], widths)
         exact, found = rows[error < TOLERANCE], found[error < TOLERANCE]
         result[exact] = 0.0
         result[exact, 3] = 1.0
         for column, place in enumerate(lobes.WIDTH_PLACES[widths]):
             result[exact, place] = np.exp(found[:, column])
         result[exact, 4:6] = found[:, widths:]
-    return result
+    return result.reshape(*f.shape[:-1], result.shape[-1])
 
 
 def _fit(f: np.ndarray, schlick: np.ndarray, widths: int) -> tuple[np.ndarray, np.ndarray]:
@@ -80,26 +68,20 @@ def _fit(f: np.ndarray, schlick: np.ndarray, widths: int) -> tuple[np.ndarray, n
     ]
     logs = np.log(schlick[:, lobes.WIDTH_PLACES[widths]])
     first = [np.column_stack([logs, eta, k]) for eta, k in starts]
-    x, error = _descend(np.tile(f, (len(starts), 1)), np.concatenate(first))
-    x, error = x.reshape(len(starts), *first[0].shape), error.reshape(len(starts), -1)
-    best = error.argmin(axis=0), np.arange(len(f))
-    return x[best], error[best]
-
-
-def _descend(f: np.ndarray, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Unknowns (N, U) after damped steps from x (N, U), and their greatest errors (N,)."""
-    widths = x.shape[-1] - len(LOWER)
     lower, upper = [np.log(MIN_ALPHA)] * widths + LOWER, [0.0] * widths + UPPER
-    x = np.clip(x, lower, upper)
+    every = np.tile(f, (len(starts), 1))
 
     def state_at(x: np.ndarray) -> FitState:
-        error, slopes = _errors(f, x)
+        error, slopes = _errors(every, x)
         slope = (slopes @ error[..., None])[..., 0]
         curvature = slopes @ np.swapaxes(slopes, -1, -2)
         return FitState(x, np.square(error).sum(axis=-1), slope, curvature)
 
+    x = np.clip(np.concatenate(first), lower, upper)
     x = damped_steps(state_at, x, STEPS, DAMPING, lambda x, step: np.clip(x - step, lower, upper))
-    return x, np.abs(_errors(f, x)[0]).max(axis=-1)
+    error = np.abs(_errors(every, x)[0]).max(axis=-1).reshape(len(starts), -1)
+    best = error.argmin(axis=0), np.arange(len(f))
+    return x.reshape(len(starts), *first[0].shape)[best], error[best]
 
 
 def _errors(f: np.ndarray, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -114,5 +96,5 @@ def _errors(f: np.ndarray, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         return (shape * lobes.fresnel(cosine, eta, k) - f) * scale
 
     here = errors(x)
-    slopes = [(errors(x + STEP * unit) - here) / STEP for unit in np.eye(x.shape[-1])]
+    slopes = [(errors(x + 1e-5 * unit) - here) / 1e-5 for unit in np.eye(x.shape[-1])]
     return here, np.stack(slopes, axis=1)

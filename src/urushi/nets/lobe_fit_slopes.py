@@ -44,7 +44,12 @@ def fit_slopes(f: np.ndarray, lobe: np.ndarray, widths: int = 1) -> np.ndarray:
         bent = (upper - lower) / (2 * _STEP)
         curvature[..., k] += (bent * (first * scale)[:, None]).sum(axis=-1)
     right = columns * (scale**2 * (second * (1 + error) + first))[:, None]
-    free = _free(x)
+    # Unknowns within their bounds.
+    factors, logs = x[:, 1:3], x[:, 3:]
+    within = (factors > _INSIDE) & (factors < 1 - _INSIDE)
+    width = (logs > np.log(MIN_ALPHA) + _INSIDE) & (logs < -_INSIDE)
+    seen = factors.max(axis=-1, keepdims=True) > _VISIBLE
+    free = np.column_stack([x[:, 0] > _INSIDE, within, width & seen])
     both = free[:, :, None] & free[:, None, :]
     curvature = np.where(both, curvature, unknowns)
     slopes = np.linalg.solve(curvature, np.where(free[..., None], right, 0.0))
@@ -81,12 +86,3 @@ def _diffuse(f: np.ndarray, x: np.ndarray) -> np.ndarray:
         weights = np.where(error > 0, OVERSHOOT_WEIGHT, KNEE / np.maximum(-error, KNEE)) * scale**2
         diffuse = np.maximum(np.pi * (weights * (f - top)).sum(-1) / weights.sum(-1), 0)
     return diffuse
-
-
-def _free(x: np.ndarray) -> np.ndarray:
-    """Mask (N, U) of the unknowns that are within their bounds."""
-    factors = x[:, 1:3]
-    within = (factors > _INSIDE) & (factors < 1 - _INSIDE)
-    width = (x[:, 3:] > np.log(MIN_ALPHA) + _INSIDE) & (x[:, 3:] < -_INSIDE)
-    seen = factors.max(axis=-1, keepdims=True) > _VISIBLE
-    return np.column_stack([x[:, 0] > _INSIDE, within, width & seen])

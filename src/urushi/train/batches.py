@@ -3,6 +3,7 @@
 A training that was interrupted continues to the same bits.
 """
 
+import functools
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any, NamedTuple
 
@@ -33,51 +34,43 @@ class Batch(NamedTuple):
     f: np.ndarray
 
 
-class Order:
-    """An endless sequence of items: every epoch has each of them once, shuffled anew.
+#: The items `start` to `start + count` of a sequence, as indices (count,).
+Order = Callable[[int, int], np.ndarray]
 
-    Args:
-        size: number of items.
-        seed: seed of all shuffling.
-        key: distinguishes sequences of the same seed.
+
+def shuffled(size: int, seed: int, key: int = 0) -> Order:
+    """An endless sequence of `size` items: every epoch has each of them once, shuffled anew.
+
+    key: distinguishes sequences of the same seed.
     """
 
-    def __init__(self, size: int, seed: int, key: int = 0) -> None:
-        self.size = size
-        self._seed, self._key = seed, key
-        self._shuffled: tuple[int, np.ndarray] = -1, np.empty(0, np.int64)
+    @functools.lru_cache(1)
+    def order(epoch: int) -> np.ndarray:
+        seeds = np.random.SeedSequence(seed, spawn_key=(key, epoch, 0))
+        return np.random.default_rng(seeds).permutation(size)
 
-    def items(self, start: int, count: int) -> np.ndarray:
-        """The items `start` to `start + count` of the sequence, as indices (count,)."""
+    def items(start: int, count: int) -> np.ndarray:
         found = [np.empty(0, np.int64)]
         while count:
-            epoch, first = divmod(start, self.size)
-            found.append(self._epoch(epoch)[first : first + count])
+            epoch, first = divmod(start, size)
+            found.append(order(epoch)[first : first + count])
             start, count = start + len(found[-1]), count - len(found[-1])
         return np.concatenate(found)
 
-    def _epoch(self, epoch: int) -> np.ndarray:
-        """The order of one epoch; that of the last one asked for is kept."""
-        if self._shuffled[0] != epoch:
-            seeds = np.random.SeedSequence(self._seed, spawn_key=(self._key, epoch, 0))
-            self._shuffled = epoch, np.random.default_rng(seeds).permutation(self.size)
-        return self._shuffled[1]
+    return items
 
 
 def batches(depths: list[Depth], stacks: tuple[int, ...], seed: int) -> Callable[[int, int], Batch]:
     """The function of `stage.Lesson.batches`: every depth's items in shuffled epochs.
 
-    Args:
-        depths: the examples by number of coats.
-        stacks: number of stacks of each depth in a step.
-        seed: seed of the shuffling.
+    depths: the examples by number of coats. stacks: of each of these depths in a step.
     """
     if len(stacks) != len(depths):
         raise ParameterError(
             f"the data holds stacks of up to {len(depths) - 1} coats, but the preset draws "
             f"stacks of up to {len(stacks) - 1}; give one number for each depth"
         )
-    orders = [Order(depth.items, seed, coats) for coats, depth in enumerate(depths)]
+    orders = [shuffled(depth.items, seed, coats) for coats, depth in enumerate(depths)]
 
     def rows(coats: int, items: np.ndarray) -> dict[str, np.ndarray]:
         held = depths[coats].examples()
@@ -104,7 +97,7 @@ def taken(
     parts = []
     for depth in reversed(range(len(orders))):
         count = counts[depth]
-        columns = rows(depth, orders[depth].items(step * count, steps * count))
+        columns = rows(depth, orders[depth](step * count, steps * count))
         parts.append({k: x.reshape(steps, count, *x.shape[1:]) for k, x in columns.items()})
     coats = [part.pop("coats") for part in parts]
     joined: dict[str, Any] = {

@@ -41,15 +41,10 @@ def _named_leaves(point: Checkpoint) -> list[tuple[str, Any]]:
 
 
 class Journal:
-    """The checkpoint and the log of one training.
-
-    Args:
-        folder: the run folder.
-        identity: JSON values of preset and data; a checkpoint of another identity is an error.
-        data_seconds: time that this run has spent on its data.
+    """The checkpoint and the log of one training, in its run folder.
 
     Attributes:
-        identity: as given.
+        identity: JSON values of preset and data; a checkpoint of another identity is an error.
         data_seconds: time spent on the data, with that of the runs before the checkpoint.
     """
 

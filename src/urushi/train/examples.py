@@ -26,13 +26,10 @@ class Examples:
     """Examples in memory, all with the same number of coats; an item is one run of pairs.
 
     Attributes:
-        lobes: (S, L).
-        probes: (S, probes).
+        lobes, probes: (S, L) and (S, probes), as in `batches.Batch`.
         coats: (S, N, C) columns `checks.COAT_COLUMNS`, top to bottom.
         stack: (I,) the stack of each item; the items of a stack lie side by side.
-        features: (I, P, D).
-        top: (I, P).
-        f: (I, P).
+        features, top, f: (I, P, D) and (I, P), as in `batches.Batch`.
     """
 
     lobes: np.ndarray
@@ -45,16 +42,10 @@ class Examples:
 
 
 class Depth:
-    """The examples of one depth, read from the store when they are first needed.
-
-    Args:
-        store: a complete store.
-        parts: the indices of its parts that have this depth.
-        arch: determines the number of probes.
-        pairs: number of direction pairs of an item.
-    """
+    """The examples of one depth, read from the store when they are first needed."""
 
     def __init__(self, store: Store, parts: list[int], arch: Architecture, pairs: int) -> None:
+        """parts: indices of those of this depth. pairs: number of direction pairs of an item."""
         self._store, self._arch, self._pairs = store, arch, pairs
         self._shards = [
             (part, shard)
@@ -106,7 +97,11 @@ class Depth:
             own, rest = encoder_inputs(part, arrays, self._arch)
             encoded.append(own)
             probes.append(rest)
-            coats.append(coats_to_layer(part, arrays))
+            if depth(part):
+                coats.append(arrays["coats"])
+            else:
+                no_coats = 0, len(COAT_COLUMNS[part.distribution.widths])
+                coats.append(np.zeros((len(values), *no_coats), np.float32))
             numbers = np.arange(stacks, stacks + len(values), dtype=np.int32)
             stack.append(np.repeat(numbers, (used.stop - used.start) // self._pairs))
             first, stacks = place.stop, stacks + len(numbers)
@@ -122,16 +117,12 @@ class Depth:
 
 
 def load(store: Store, arch: Architecture, pairs: int) -> list[Depth]:
-    """Prepare the training parts of a complete store.
+    """The training parts of a complete store, by number of coats, from 0 up.
 
-    Args:
-        store: the data.
-        arch: determines the number of probes.
-        pairs: direction pairs of one stack in a step; the number of pairs of every part must be a
-            multiple of it.
+    They take 36 bytes of memory for each direction pair.
 
-    Returns:
-        The examples by number of coats, from 0 up; 36 bytes of memory for each direction pair.
+    pairs: direction pairs of one stack in a step; the number of pairs of every part must be a
+        multiple of it.
     """
     by_depth: dict[int, list[int]] = {}
     for index, part in enumerate(store.spec.parts):
@@ -243,14 +234,6 @@ def encoder_inputs(
     return own, bottom_rest(kind, arrays["bottom"], own, arch)
 
 
-def coats_to_layer(part: Part, arrays: dict[str, np.ndarray]) -> np.ndarray:
-    """The coats (S, N, C) of a part's stacks that are layered, top to bottom; see `depth`."""
-    if depth(part) == 0:
-        columns = len(COAT_COLUMNS[part.distribution.widths])
-        return np.zeros((len(arrays["bottom"]), 0, columns), np.float32)
-    return arrays["coats"]
-
-
 def bottom_lobes(kind: str, bottom: np.ndarray, arch: Architecture) -> np.ndarray:
     """Lobes (S, L) of bottoms with the parameters (S, K), in the order of their kind.
 
@@ -278,9 +261,5 @@ def bottom_rest(kind: str, bottom: np.ndarray, own: np.ndarray, arch: Architectu
 
 def _values(kind: str, bottom: np.ndarray, arch: Architecture) -> np.ndarray:
     """Values (S, probes) [1/sr] of bottoms in air at the probe pairs."""
-    names = KINDS[kind].parameters
-    count = len(bottom)
-    wi, wo = (np.tile(w, (count, 1)) for w in probe_pairs(arch.probes, arch.widths))
-    row = np.repeat(np.arange(count, dtype=np.uint32), arch.probes)
-    columns = dict(zip(names, bottom.T, strict=True))
-    return analytic.rows(kind, columns, row, wi, wo).reshape(count, arch.probes)
+    columns = dict(zip(KINDS[kind].parameters, bottom.T, strict=True))
+    return analytic.at_all(kind, columns, *probe_pairs(arch.probes, arch.widths))

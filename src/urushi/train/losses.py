@@ -69,9 +69,8 @@ def stack_weights(squares: jax.Array) -> jax.Array:
 def stack_loss(f_hat: Any, f: Any, weights: Any = 1.0) -> jax.Array:
     """Mean over stacks of about the root of their mean squared relative error.
 
-    Args:
-        f_hat, f: (S, P) predicted and simulated values [1/sr], P a multiple of 8.
-        weights: (S, P) of the pairs in these means, about 1 on average.
+    f_hat, f: (S, P) predicted and simulated values [1/sr], P a multiple of 8. weights: (S, P) of
+    the pairs in these means, about 1 on average.
     """
     return mean_loss(weights * squared_errors(f_hat, f))
 
@@ -86,11 +85,7 @@ def compose(
 ) -> Any:
     """Latent codes (B, L) of stacks: encode their bottoms, then apply coat after coat.
 
-    Args:
-        params, arch: the networks.
-        lobes: (B, L) the bottoms' lobes.
-        probes: (B, probes) the bottoms' values [1/sr] at the probe pairs, without the lobes.
-        coats: as in `batches.Batch`: the lowest coats first, (B_k, C) for the first B_k rows.
+    lobes, probes, coats: as in `batches.Batch`.
     """
     return apply_coats(params, arch, encoded(params, arch, lobes, probes), coats)
 

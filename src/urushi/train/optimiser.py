@@ -113,16 +113,12 @@ def start(params: Tree, schedule: Schedule) -> TrainState:
 
 
 def compile_steps(loss: Loss, schedule: Schedule) -> Steps:
-    """Compile a function that takes several steps in one loop.
+    """Compile a function from a state and batches to the new state and the means of the terms.
 
-    Args:
-        loss: (params, batch) to (loss, terms to log).
-        schedule: of the stage.
+    Batches are stacked along a first axis. One call takes many steps, because the overhead of a
+    call is about the cost of a small step.
 
-    Returns:
-        A function of a state and of batches stacked along a first axis; it returns the new state
-        and the means of the terms. One call takes many steps, because the overhead of a call is
-        about the cost of a small step.
+    loss: from the parameters and a batch to the loss and terms to log.
     """
     rule = optimiser(schedule)
 
@@ -194,9 +190,6 @@ def soap(rate: optax.Schedule) -> optax.GradientTransformation:
     Every parameter is a matrix. Its gradient G is rotated into the eigenbases Q_L and Q_R of the
     averages L of G Gᵀ and R of Gᵀ G, where Adam divides by the root of the mean square. The step
     is rotated back. The eigenbases are updated every `EVERY` steps by one power iteration.
-
-    Args:
-        rate: learning rate by step.
     """
 
     def init(params: Any) -> SoapState:

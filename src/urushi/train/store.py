@@ -42,12 +42,7 @@ Shard = Mapping[str, np.ndarray]
 
 @dataclass(frozen=True)
 class Store:
-    """A data store on disk.
-
-    Attributes:
-        path: the store's folder.
-        spec: the content of the complete store.
-    """
+    """A data store on disk, with its folder and the content of the complete store."""
 
     path: Path
     spec: DataSpec
@@ -124,14 +119,9 @@ class Store:
 
 
 def make_shard(spec: DataSpec, part: int, shard: int) -> Shard:
-    """Draw and simulate the stacks of one shard.
+    """Draw and simulate the stacks of one shard; the result depends only on the arguments.
 
-    Args:
-        spec: the whole specification.
-        part, shard: indices of the part and of its shard.
-
-    Returns:
-        The arrays of `store`'s layout; they depend only on the arguments.
+    part, shard: indices of the part and of its shard.
     """
     described = spec.parts[part]
     rows = spec.rows(part, shard)
@@ -163,11 +153,7 @@ def make_shard(spec: DataSpec, part: int, shard: int) -> Shard:
 def generate(spec: DataSpec, path: str | os.PathLike) -> Store:
     """Generate the data of `spec` at `path`, or resume where an earlier run was stopped.
 
-    The bytes of the result do not depend on interruptions.
-
-    Args:
-        spec: the content.
-        path: the store's folder; only this process writes to it.
+    The bytes of the result do not depend on interruptions. Only this process writes to the folder.
     """
     store = Store.create(path, spec)
     missing = store.missing()

@@ -11,14 +11,9 @@ from urushi.walk.table import bottom_columns, channel_count
 
 
 def f(description: Description, wi: npt.ArrayLike, wo: npt.ArrayLike) -> np.ndarray:
-    """Evaluate a described surface in air.
+    """The BRDF [1/sr] of a surface in air, float32 (N, 3), for unit vectors (N, 3).
 
-    Args:
-        description: a surface; of a dielectric, its reflection alone.
-        wi, wo: (N, 3) unit vectors.
-
-    Returns:
-        float32 (N, 3): the BRDF [1/sr], without cosine; zero below the horizon.
+    Without cosine; zero below the horizon; of a dielectric, its reflection alone.
     """
     wi, wo = checks.directions(wi, wo)
     channels = channel_count(description)
@@ -26,6 +21,14 @@ def f(description: Description, wi: npt.ArrayLike, wo: npt.ArrayLike) -> np.ndar
     row = np.tile(np.arange(channels, dtype=np.uint32), len(wi))
     values = rows(kind, columns, row, np.repeat(wi, channels, 0), np.repeat(wo, channels, 0))
     return np.broadcast_to(values.reshape(-1, channels), (len(wi), 3)).copy()
+
+
+def at_all(kind: str, columns: dict[str, np.ndarray], wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
+    """Evaluate all S surfaces of `rows` at all of the same pairs (P, 3); returns (S, P)."""
+    count = len(next(iter(columns.values())))
+    row = np.repeat(np.arange(count, dtype=np.uint32), len(wi))
+    values = rows(kind, columns, row, np.tile(wi, (count, 1)), np.tile(wo, (count, 1)))
+    return values.reshape(count, len(wi))
 
 
 def rows(

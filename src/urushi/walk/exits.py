@@ -46,44 +46,33 @@ class ExitPaths:
         self._wo = wo
         self._alpha, self._eta = layers.interface(dr.uint32_array_t(type(wo.z))(0))
         self._of_layer: list[ExitPath] = []
-        outside, weight, ratios = wo, 1, 1
+        outside, weight, ratios, index_type = wo, 1, 1, dr.uint32_array_t(type(wo.z))
         for index in range(layers.count):
-            link = self._link(layers, outside, index, rng)
+            # Refract the upward direction `outside` down through one interface, against the light.
+            alpha, eta = layers.interface(index_type(index))
+            inside, passed = interface.sample_transmission(
+                outside, alpha, eta, rng.next_float32(), rng.next_float32()
+            )
+            # A failed sample gets a vertical direction, so that no cosine is zero.
+            inside = dr.select(passed > 0, inside, type(outside)(0, 0, -1))
+            _, pdf = interface.transmission(outside, inside, alpha, eta)
+            pdf = dr.select(eta == 1, dr.inf, pdf)
             if index > 0:
                 above = self._of_layer[-1]
-                crossed = media.at(dr.uint32_array_t(type(wo.z))(index - 1))
+                crossed = media.at(index_type(index - 1))
                 weight = weight * crossed.transmittance(type(wo.z)(1), above.direction.z)
-                ratio = self._density_from_below(layers, link.direction, above.direction, index)
+                # b: the density with which a walk that rises from inside continues outside.
+                _, ratio = interface.scatter(flip(inside), flip(outside), alpha, 1 / eta)
                 ratio /= above.pdf
                 ratios = 1 + dr.select(above.pdf > 0, ratio * ratio * above.ratios, 0)
-                straight = link.pdf == dr.inf
-                link = link._replace(pdf=dr.select(straight, above.pdf, link.pdf))
+                straight = pdf == dr.inf
+                pdf = dr.select(straight, above.pdf, pdf)
                 ratios = dr.select(straight, above.ratios, ratios)
-            weight = weight * link.weight
-            self._of_layer.append(ExitPath(link.direction, weight, link.pdf, ratios))
-            outside = link.direction
-
-    @staticmethod
-    def _link(layers: Any, outside: Any, index: int, rng: Any) -> ExitPath:
-        """Refract the upward direction `outside` down through one interface, against the light."""
-        alpha, eta = layers.interface(dr.uint32_array_t(type(outside.z))(index))
-        inside, weight = interface.sample_transmission(
-            outside, alpha, eta, rng.next_float32(), rng.next_float32()
-        )
-        # A failed sample gets a vertical direction, so that no cosine is zero.
-        inside = dr.select(weight > 0, inside, type(outside)(0, 0, -1))
-        _, pdf = interface.transmission(outside, inside, alpha, eta)
-        pdf = dr.select(eta == 1, dr.inf, pdf)
-        # `weight` is (1 - F) G1 for light that enters. Light that leaves has the same factors
-        # divided by eta^2, because a cone of light widens.
-        return ExitPath(-inside, weight / (eta * eta), pdf, 1)
-
-    @staticmethod
-    def _density_from_below(layers: Any, inside: Any, outside: Any, index: int) -> Any:
-        """b: the density with which a walk that rises along `inside` continues along `outside`."""
-        alpha, eta = layers.interface(dr.uint32_array_t(type(inside.z))(index))
-        _, pdf = interface.scatter(flip(-inside), flip(outside), alpha, 1 / eta)
-        return pdf
+            # `passed` is (1 - F) G1 for light that enters. Light that leaves has the same factors
+            # divided by eta^2, because a cone of light widens.
+            weight = weight * (passed / (eta * eta))
+            outside = -inside
+            self._of_layer.append(ExitPath(outside, weight, pdf, ratios))
 
     def at(self, layer: Any) -> ExitPath:
         """The chain above a vertex in `layer`, which may vary per lane."""

@@ -37,15 +37,10 @@ def per_channel(
     directions: Sequence[np.ndarray],
     function: Callable[..., tuple[np.ndarray, np.ndarray]],
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Evaluate a function for every channel of a stack.
+    """Evaluate a function for every channel of a stack; returns its two results, (N, 3) each.
 
-    Args:
-        stack: the stack.
-        directions: arrays float32 (N, 3) of unit vectors.
-        function: function(table, row, *directions) -> two arrays (M,), see `average`.
-
-    Returns:
-        Its two results, (N, 3) each.
+    directions: arrays float32 (N, 3) of unit vectors.
+    function: function(table, row, *directions) -> two arrays (M,), see `average`.
     """
     table, count = from_stack(stack), len(directions[0])
     channels = len(table)

@@ -184,8 +184,8 @@ def albedo(
 
 def compensation(stack: Stack) -> "Compensation":
     """The lobe of the light that the topmost surface loses; what lies below it is measured."""
-    rest = Stack(stack.coats[1:] or (Coat(eta=1.0),), stack.bottom)
-    rest = replace(rest, coats=(replace(rest.coats[0], energy_compensation=False), *rest.coats[1:]))
+    first, *others = stack.coats[1:] or (Coat(eta=1.0),)
+    rest = Stack((replace(first, energy_compensation=False), *others), stack.bottom)
     below = albedo(rest, [[0.0, 0.0, 1.0]], walks=1 << 14)[0][0]
     f, _ = simulate(rest, [appearance.WI], [appearance.WO], walks=1 << 14, progress=False)
     mirrored = 1 - np.pi * f.mean() / max(below.mean(), 1e-6)
@@ -205,26 +205,18 @@ def _reflected(layers: Any, bottom: Bottom, wi: Any, rng: Any, entry: Bottom | N
     about, lit, narrow = wi, wi.z > 0, 1.0
     if entry is not None:  # two refractions of glass are about half as wide as a reflection
         about, lit, narrow = slabs.straight(wi, 1 / layers.index), wi.z < 0, 0.5
-    wo, pdf = _sample_outgoing(layers, about, rng, narrow)
-    valid = lit & (wo.z > 0) & (pdf > 0)
-    f = walk.estimate(layers, bottom, wi, wo, rng, type(wi.z), valid, entry)
-    f += walk.top_reflection(layers, wi, wo)
-    return dr.select(valid, f * wo.z / pdf, 0)
-
-
-def _sample_outgoing(layers: Any, wi: Any, rng: Any, narrow: float) -> tuple[Any, Any]:
-    """Draw wo by one of three techniques; returns (wo, density [1/sr] of the mixture).
-
-    narrow: width of the narrow lobe relative to the top interface's.
-    """
     alpha, _ = layers.interface(dr.uint32_array_t(type(wi.z))(0))
     # Light that was scattered below leaves in a lobe wider than the top interface's. The root of
     # alpha lies between a narrow lobe and the cosine lobe.
     widths = [of_widths(width, alpha) for width in (lambda alpha: narrow * alpha, dr.sqrt)]
     mixture = Mixture([1 / 3] * 3, widths)
     choice, *u = rng.next_float32(), rng.next_float32(), rng.next_float32()
-    wo = mixture.sample(wi, choice, u)
-    return wo, mixture.pdf(wi, wo)
+    wo = mixture.sample(about, choice, u)
+    pdf = mixture.pdf(about, wo)
+    valid = lit & (wo.z > 0) & (pdf > 0)
+    f = walk.estimate(layers, bottom, wi, wo, rng, type(wi.z), valid, entry)
+    f += walk.top_reflection(layers, wi, wo)
+    return dr.select(valid, f * wo.z / pdf, 0)
 
 
 class Compensation:

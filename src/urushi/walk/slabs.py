@@ -70,9 +70,7 @@ class Slab:
 def straight(wi: Any, eta: Any, xp: Namespace = DRJIT) -> Any:
     """A direction that a mirror would reflect where straight light from wi goes, mirrored back.
 
-    Args:
-        wi: unit directions above the horizon.
-        eta: index on the far side of the slab relative to that on wi's.
+    wi: above the horizon. eta: index on the far side of the slab relative to that on wi's.
     """
     x, y = wi.x / eta, wi.y / eta
     # Totally reflected light has no direction; what scatters inside leaves anywhere.
@@ -84,10 +82,8 @@ def estimate(
 ) -> Any:
     """One walk's estimate of f(wi, wo) [1/sr] of a slab, of importance, of type `color`.
 
-    Args:
-        lowest: the interface under the coats.
-        wi, wo: unit directions on either side.
-        coats, rng, color, active: as of `urushi.walk.walk.estimate`.
+    lowest: the interface under the coats. wi, wo: on either side. The other arguments are those of
+    `urushi.walk.walk.estimate`.
     """
     turned = wo.z < 0
     wi, wo = (dr.select(turned, flip(w), w) for w in (wi, wo))

@@ -22,7 +22,7 @@ from urushi.nets.architecture import Architecture, layer_sizes
 from urushi.nets.derivatives import decode_log
 from urushi.nets.features import direction_features
 from urushi.nets.mlp import Params
-from urushi.train.batches import Order, taken
+from urushi.train.batches import shuffled, taken
 from urushi.train.examples import Depth, Examples
 from urushi.train.losses import (
     KNEE,
@@ -131,12 +131,9 @@ def layering_batches(
     A batch has stacks of all depths, deepest first. Its coats are a tuple as in `batches.Batch`:
     for the lowest coat, the next one up, and so on, (B_k, C) for the first B_k stacks.
 
-    Args:
-        losses: by number of coats, from one up.
-        stacks: stacks of each of these depths in a step.
-        seed: of the shuffling.
+    losses: by number of coats, from one up. stacks: of each of these depths in a step.
     """
-    orders = [Order(len(x.z), seed, coats) for coats, x in enumerate(losses, start=1)]
+    orders = [shuffled(len(x.z), seed, coats) for coats, x in enumerate(losses, start=1)]
 
     def rows(depth: int, items: np.ndarray) -> dict[str, np.ndarray]:
         return {name: x[items] for name, x in losses[depth]._asdict().items()}
@@ -230,14 +227,12 @@ def measure_quadratic_losses(
 
     coats = tuple(np.moveaxis(examples.coats, 1, 0)[::-1])
     stacks, size = len(examples.coats), arch.latent - arch.lobe
-    blocks: list[list[np.ndarray]] = [[], [], []]
+    blocks = []
     for first in range(0, stacks, _BLOCK):
         rows = slice(first, first + _BLOCK)
         values = examples.lobes[rows], examples.probes[rows]
-        block = codes(*values, tuple(coat[rows] for coat in coats))
-        for column, part in zip(blocks, block, strict=True):
-            column.append(np.asarray(part))
-    bottoms, below, z = map(np.concatenate, blocks)
+        blocks.append(list(map(np.asarray, codes(*values, tuple(coat[rows] for coat in coats)))))
+    bottoms, below, z = map(np.concatenate, zip(*blocks, strict=True))
     z = z[:, arch.lobe :]
 
     slope = np.zeros((stacks, size), np.float32)
@@ -264,12 +259,9 @@ def widened(
     New neurons have random weights to the layer below, and zero weights to the old neurons above
     and to the output. The network's values and its derivatives by the old parameters are unchanged.
 
-    Args:
-        params: all parameters, of the sizes `arch`.
-        arch: the sizes before widening.
-        part: the network, one of `architecture.PARTS`.
-        widths: the new widths of its hidden layers: as many as before, none smaller.
-        seed: of the new neurons' weights.
+    params, arch: all parameters and the sizes before widening. part: the network, one of
+    `architecture.PARTS`. widths: the new ones of its hidden layers, as many as before, none
+    smaller. seed: of the new neurons' weights.
     """
     before = getattr(arch, part)
     pairs = zip(before, widths, strict=False)

@@ -4,7 +4,7 @@ import functools
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import Any, ClassVar, NamedTuple
+from typing import Any, ClassVar
 
 import jax
 import jax.numpy as jnp
@@ -30,9 +30,9 @@ MATERIALS, DIRECTIONS = 96, 64
 #: Channels of a material; they share the proposal of their mean code.
 CHANNELS = 3
 
-#: Fixed mixture from which half of the directions are drawn, so that no part of a BRDF is missed.
-FIXED_ALPHAS = (0.015, 0.06, 0.25)
-FIXED_WEIGHTS = (0.25, 0.25, 0.25, 0.25)
+#: Weights and widths of a fixed mixture from which half of the directions are drawn, so that no
+#: part of a BRDF is missed.
+FIXED = (0.25, 0.25, 0.25, 0.25), (0.015, 0.06, 0.25)
 
 
 @dataclass(frozen=True)
@@ -44,25 +44,11 @@ class Sampling(Stage):
 
     def lesson(self, params: Params, arch: Architecture, depths: list[Depth], seed: int) -> Lesson:
         """`sampler_loss` on random materials between the codes of training stacks."""
-        targets = Targets(dict(params), training_codes(params, arch, depths), jax.random.key(seed))
+        targets, key = (dict(params), training_codes(params, arch, depths)), jax.random.key(seed)
         return Lesson(
-            lambda trained, step: sampler_loss(trained, arch, targets, step),
+            lambda trained, step: sampler_loss(trained, arch, *targets, key, step),
             lambda step, steps: np.arange(step, step + steps, dtype=np.uint32),
         )
-
-
-class Targets(NamedTuple):
-    """The BRDFs that the proposals learn to follow.
-
-    Attributes:
-        params: trained encoder, layerer and decoder.
-        latents: (M, L) codes of layered and bare stacks, one channel each.
-        key: of all random numbers.
-    """
-
-    params: Params
-    latents: jax.Array
-    key: jax.Array
 
 
 def training_codes(params: Params, arch: Architecture, depths: list[Depth]) -> jax.Array:
@@ -78,7 +64,12 @@ def training_codes(params: Params, arch: Architecture, depths: list[Depth]) -> j
 
 
 def sampler_loss(
-    trained: Params, arch: Architecture, targets: Targets, step: jax.Array
+    trained: Params,
+    arch: Architecture,
+    params: Params,
+    latents: jax.Array,
+    key: jax.Array,
+    step: jax.Array,
 ) -> tuple[jax.Array, dict[str, jax.Array]]:
     """Divergence and spread of importance sampling by the proposal, for random materials.
 
@@ -86,28 +77,28 @@ def sampler_loss(
     gradient) and half from a fixed mixture; q is their joint density. Weighted by f cos_o / q they
     estimate the cross entropy of the proposal p to the normalised f cos_o, and the second moment
     of f cos_o / p under p, whose logarithm is ln(1 + cv^2) of one sample.
+
+    params: trained encoder, layerer and decoder. latents: (M, L) codes of layered and bare stacks,
+    one channel each. key: of all random numbers.
     """
-    picked, angles, own, fixed = jax.random.split(jax.random.fold_in(targets.key, step), 4)
-    z = pick_materials(picked, targets.latents, MATERIALS)
+    picked, angles, own, fixed = jax.random.split(jax.random.fold_in(key, step), 4)
+    z = pick_materials(picked, latents, MATERIALS)
     u = jax.random.uniform(angles, (MATERIALS, 2))
     wi = incoming_directions(u, arch.widths)[:, None]
     weights, alphas = propose(trained, arch, jnp.mean(z, axis=1), wi[:, 0])
     weights, alphas = _broadcastable((weights, alphas), 1)
     constant = jax.lax.stop_gradient
     current = constant(weights), _map(constant, alphas)
-    defensive = _broadcastable((jnp.array(FIXED_WEIGHTS), jnp.array(FIXED_ALPHAS)), 0)
+    defensive = _broadcastable((jnp.array(FIXED[0]), jnp.array(FIXED[1])), 0)
 
     half = (MATERIALS, DIRECTIONS // 2, 3)
-    wo = jnp.concatenate(
-        [
-            sampler.sample_mixture(*current, wi, jax.random.uniform(own, half)),
-            sampler.sample_mixture(*defensive, wi, jax.random.uniform(fixed, half)),
-        ],
-        axis=1,
+    drawn = (
+        sampler.sample_mixture(*mixture, wi, jax.random.uniform(random, half))
+        for mixture, random in ((current, own), (defensive, fixed))
     )
-    wo = jax.lax.stop_gradient(wo)
+    wo = constant(jnp.concatenate(list(drawn), axis=1))
     q = 0.5 * (sampler.mixture_pdf(*current, wi, wo) + sampler.mixture_pdf(*defensive, wi, wo))
-    f_cos = mean_f_cos(targets.params, arch, z, wi, wo)
+    f_cos = mean_f_cos(params, arch, z, wi, wo)
     p = sampler.mixture_pdf(weights, alphas, wi, wo)
 
     valid = q > 0

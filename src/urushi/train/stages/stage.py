@@ -54,13 +54,9 @@ class Stage(ABC):
 
     @abstractmethod
     def lesson(self, params: Params, arch: Architecture, depths: list[Depth], seed: int) -> Lesson:
-        """Prepare loss and batches.
+        """Prepare loss and batches; the arguments are those of `begin`.
 
-        Args:
-            params: all parameters, as the stage before has left them.
-            arch: sizes of the networks during the stage.
-            depths: the training examples by number of coats, from none up.
-            seed: the preset's.
+        depths: the training examples by number of coats, from none up.
         """
 
 

@@ -38,7 +38,10 @@ class Mixture(Family, kind="mixture"):
         f = weight * lobe * fresnel.schlick(dr.abs(cos_m), r0)
         pdf = self._share_ggx * _visible_reflection_pdf(wi, wo, alpha)
         weight, alpha, r0 = self._beckmann
-        f += weight * _beckmann_lobe(wi, wo, alpha) * fresnel.schlick(dr.abs(cos_m), r0)
+        m = dr.normalize(wi + wo)
+        g = microfacet.beckmann_g1(wi, alpha) * microfacet.beckmann_g1(wo, alpha)
+        lobe = microfacet.beckmann_d(m, alpha) * g / (4 * wi.z * wo.z)
+        f += weight * lobe * fresnel.schlick(dr.abs(cos_m), r0)
         pdf += self._share_beckmann * _visible_reflection_pdf(wi, wo, alpha)
         f += self._diffuse * dr.inv_pi
         pdf += (1 - self._share_ggx - self._share_beckmann) * wo.z * dr.inv_pi
@@ -86,10 +89,3 @@ def _visible_reflection_pdf(wi, wo, alpha):
     """Density of reflecting wi about a visible GGX normal, at wo above the horizon."""
     m = dr.normalize(wi + wo)
     return microfacet.smith_g1(wi, alpha) * microfacet.ggx_d(m, alpha) / (4 * wi.z)
-
-
-def _beckmann_lobe(wi, wo, alpha):
-    """The Beckmann reflection BRDF for Fresnel reflectance 1 [1/sr]."""
-    m = dr.normalize(wi + wo)
-    g = microfacet.beckmann_g1(wi, alpha) * microfacet.beckmann_g1(wo, alpha)
-    return microfacet.beckmann_d(m, alpha) * g / (4 * wi.z * wo.z)
