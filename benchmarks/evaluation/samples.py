@@ -13,7 +13,6 @@ from urushi.core import direction_sets, error_metrics
 from urushi.errors import ParameterError
 from urushi.train.distribution import Clear, Distribution, Extended, Table2
 from urushi.walk import StackTable, analytic, walk_pairs
-from urushi.walk.bottoms import KINDS
 
 
 @dataclass(frozen=True)
@@ -69,9 +68,11 @@ class Row:
 
 #: The kinds of bottom that are measured, with their names in the table.
 BOTTOMS = {
-    name: kind.family.title
-    for name, kind in KINDS.items()
-    if kind.family.title and kind.widths == 1
+    "conductor": "conductor (Schlick)",
+    "conductor_complex": "conductor (complex)",
+    "dielectric": "dielectric reflector",
+    "diffuse": "Lambertian",
+    "mixture": "mixture",
 }
 _KINDS = tuple(BOTTOMS)
 

@@ -143,16 +143,9 @@ class Function:
         return Expression("invoke", self.kind, arguments, self.name)
 
 
-class LinearNumber(NamedTuple):
-    """A number of a code as a linear function of a texel's bytes.
-
-    Attributes:
-        offset: its value where the bytes are zero.
-        factors: byte and factor of each term; bytes are in [0, 1].
-    """
-
-    offset: float
-    factors: tuple[tuple[int, float], ...] = ()
+#: A number of a code as a linear function of a texel's bytes, which are in [0, 1]: its value where
+#: they are zero, and byte and factor of each term.
+LinearNumber = tuple[float, tuple[tuple[int, float], ...]]
 
 
 class Texels(NamedTuple):

@@ -148,10 +148,11 @@ class PaperNetworks:
     def layer(self, z_bottom: np.ndarray, coat: CoatParameters) -> np.ndarray:
         """Codes (..., 32) by the layering network, whose inputs include the interface's code.
 
+        A medium that scatters anisotropically is replaced by the similar isotropic one
+        (`inference.isotropic`).
 
-        Args:
-            z_bottom: codes (..., 32) of the bottoms.
-            coat: checked parameters, arrays that broadcast against the leading shape of z_bottom.
+        z_bottom: codes (..., 32) of the bottoms. coat: checked parameters, arrays that broadcast
+        against the leading shape of z_bottom.
 
         Raises:
             ParameterError: the coat has two widths, an index is below one, or there are too many

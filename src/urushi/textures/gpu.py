@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 
 from urushi.errors import ParameterError
-from urushi.export.statements import LinearNumber, Texels
+from urushi.export.statements import Texels
 from urushi.textures.grid import TexelGrid
 from urushi.textures.store import TextureStore
 
@@ -67,7 +67,7 @@ def texels(store: TextureStore, grid: TexelGrid) -> Texels:
                 factors = ((start + high, 255 * 256 * step), (start + low, 255 * step))
             elif high >= 0:
                 factors = ((start + high, 255 * step),)
-            channels.append(LinearNumber(offset, factors))
+            channels.append((offset, factors))
         numbers.append(channels)
     wraps = {"repeat": "repeat", "mirror": "mirrored repeat", "clamp": "clamp to edge"}
     kind = "nearest" if grid.nearest else "linear"

@@ -49,12 +49,10 @@ class Family:
     Attributes:
         parameters: names of the parameters.
         bare: whether the BRDF is one GGX lobe and nothing else.
-        title: name in tables of errors; empty if it is not evaluated.
     """
 
     parameters: ClassVar[tuple[str, ...]]
     bare: ClassVar[bool] = False
-    title: ClassVar[str] = ""
 
     def __init_subclass__(cls, kind: str = "", **others: Any) -> None:
         super().__init_subclass__(**others)

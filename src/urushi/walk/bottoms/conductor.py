@@ -88,7 +88,6 @@ class SchlickConductor(Microfacet, kind="conductor"):
     """A GGX conductor with Schlick's Fresnel term (Schlick 1994, equation 24)."""
 
     parameters = ("alpha", "r0")
-    title = "conductor (Schlick)"
 
     def __init__(self, alpha, r0):
         super().__init__(alpha)
@@ -111,7 +110,6 @@ class ComplexConductor(Microfacet, kind="conductor_complex"):
     """A GGX conductor with the exact Fresnel term of a complex index eta - i k."""
 
     parameters = ("alpha", "eta", "k")
-    title = "conductor (complex)"
 
     def __init__(self, alpha, eta, k):
         super().__init__(alpha)

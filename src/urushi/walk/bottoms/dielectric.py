@@ -80,7 +80,6 @@ class Reflector(Microfacet, kind="dielectric"):
     """The reflection of a rough dielectric."""
 
     parameters = ("alpha", "eta")
-    title = "dielectric reflector"
 
     def __init__(self, alpha, eta):
         super().__init__(alpha)

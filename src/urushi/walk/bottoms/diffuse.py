@@ -38,7 +38,6 @@ class Lambertian(Family, kind="diffuse"):
     """Ideal diffuse reflection: f = reflectance / pi."""
 
     parameters = ("reflectance",)
-    title = "Lambertian"
 
     def __init__(self, reflectance):
         self.reflectance = reflectance

@@ -20,7 +20,6 @@ class Mixture(Family, kind="mixture"):
         *("diffuse", "ggx_weight", "ggx_alpha", "ggx_r0"),
         *("beckmann_weight", "beckmann_alpha", "beckmann_r0"),
     )
-    title = "mixture"
 
     def __init__(
         self, diffuse, ggx_weight, ggx_alpha, ggx_r0, beckmann_weight, beckmann_alpha, beckmann_r0
