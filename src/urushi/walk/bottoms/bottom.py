@@ -54,6 +54,10 @@ class Family:
     parameters: ClassVar[tuple[str, ...]]
     bare: ClassVar[bool] = False
 
+    def __init__(self, *values: Any) -> None:
+        """values: of the parameters, which become attributes."""
+        vars(self).update(zip(self.parameters, values, strict=True))
+
     def __init_subclass__(cls, kind: str = "", **others: Any) -> None:
         super().__init_subclass__(**others)
         if not kind:
@@ -196,9 +200,7 @@ class Microfacet(Family):
     """A GGX reflector of one width or two `Widths`."""
 
     bare: ClassVar[bool] = True
-
-    def __init__(self, alpha: Any) -> None:
-        self.alpha = alpha
+    alpha: Any
 
     def reflectance(self, cos_m: Any) -> Any:
         """The Fresnel reflectance, a float or colour, at the cosine wi.m >= 0."""

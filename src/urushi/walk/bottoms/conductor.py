@@ -1,6 +1,7 @@
 """Rough conductors: a GGX surface with Schlick's Fresnel term, or with a complex index."""
 
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -88,10 +89,7 @@ class SchlickConductor(Microfacet, kind="conductor"):
     """A GGX conductor with Schlick's Fresnel term (Schlick 1994, equation 24)."""
 
     parameters = ("alpha", "r0")
-
-    def __init__(self, alpha, r0):
-        super().__init__(alpha)
-        self.r0 = r0
+    r0: Any
 
     def reflectance(self, cos_m):
         return fresnel.schlick(cos_m, self.r0)
@@ -110,10 +108,8 @@ class ComplexConductor(Microfacet, kind="conductor_complex"):
     """A GGX conductor with the exact Fresnel term of a complex index eta - i k."""
 
     parameters = ("alpha", "eta", "k")
-
-    def __init__(self, alpha, eta, k):
-        super().__init__(alpha)
-        self.eta, self.k = eta, k
+    eta: Any
+    k: Any
 
     def reflectance(self, cos_m):
         return fresnel.exact(cos_m, self.eta, self.k)

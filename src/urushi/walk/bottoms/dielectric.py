@@ -1,6 +1,7 @@
 """The rough dielectric interface, as a coat's surface or as the lowest interface of a slab."""
 
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -29,6 +30,7 @@ class Dielectric(Rough, Description):
     `ior` is the absolute index, if it is known: `eta` then follows the medium above (`under`).
     """
 
+    kind = "dielectric"
     alpha: Value | Widths = DEFAULT_COAT.alpha
     eta: Value = DEFAULT_COAT.eta
     ior: Value | None = None
@@ -42,10 +44,6 @@ class Dielectric(Rough, Description):
 
     def under(self, index: npt.ArrayLike) -> "Dielectric":
         return self if self.ior is None else replace(self, eta=np.divide(self.eta, index))  # type: ignore
-
-    @property
-    def kind(self) -> str:
-        return "dielectric"
 
 
 @maker
@@ -80,10 +78,7 @@ class Reflector(Microfacet, kind="dielectric"):
     """The reflection of a rough dielectric."""
 
     parameters = ("alpha", "eta")
-
-    def __init__(self, alpha, eta):
-        super().__init__(alpha)
-        self.eta = eta
+    eta: Any
 
     def reflectance(self, cos_m):
         return fresnel.dielectric(cos_m, self.eta)[0]

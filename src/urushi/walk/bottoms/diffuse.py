@@ -1,6 +1,7 @@
 """The Lambertian surface."""
 
 from dataclasses import dataclass
+from typing import Any
 
 import drjit as dr
 import numpy.typing as npt
@@ -14,14 +15,11 @@ from urushi.walk.bottoms.bottom import Description, Family, Value, maker, store
 class Diffuse(Description):
     """A Lambertian surface of the given `reflectance`."""
 
+    kind = "diffuse"
     reflectance: Value
 
     def __post_init__(self) -> None:
         store(self, "reflectance", checks.reflectance(self.reflectance))
-
-    @property
-    def kind(self) -> str:
-        return "diffuse"
 
 
 @maker
@@ -38,9 +36,7 @@ class Lambertian(Family, kind="diffuse"):
     """Ideal diffuse reflection: f = reflectance / pi."""
 
     parameters = ("reflectance",)
-
-    def __init__(self, reflectance):
-        self.reflectance = reflectance
+    reflectance: Any
 
     def f_pdf(self, wi, wo):
         valid = (wi.z > 0) & (wo.z > 0)
