@@ -14,7 +14,7 @@ from urushi.core import image_metrics as metrics
 from urushi.errors import ParameterError
 from urushi.material import Material
 from urushi.nets import weights
-from urushi.nets.weights import Model, anisotropic_model, find
+from urushi.nets.weights import anisotropic_model, find
 
 #: Height of the page in a notebook [pixels].
 HEIGHT = 720
@@ -64,11 +64,18 @@ def show(material: Any, *, height: int = HEIGHT) -> Page:
     """
     from urushi.app.view import first_material
 
-    model = find(None)
+    model = find(None)  # of isotropic materials
     if isinstance(material, str):
         first = first_material(material, None)
     elif isinstance(material, Material):
-        model = _page_model(material.model)
+        own = material.model
+        if own.widths == 1:
+            model = own
+        elif own.fingerprint != anisotropic_model().fingerprint:
+            raise ParameterError(
+                f"the weights {own.fingerprint} are for anisotropic materials, for which the page "
+                "supports only the shipped weights; encode the material with these"
+            )
         if material.channels not in (1, 3):
             raise ParameterError(
                 f"the material has {material.channels} channels; the page shows one or three"
@@ -82,18 +89,6 @@ def show(material: Any, *, height: int = HEIGHT) -> Page:
             )
         first = First(cards)
     return Page(page_document(page_files(model, first)), height)
-
-
-def _page_model(model: Model) -> Model:
-    """The networks of isotropic materials beside which the page has a material's own."""
-    if model.widths == 1:
-        return model
-    if model.fingerprint != anisotropic_model().fingerprint:
-        raise ParameterError(
-            f"the weights {model.fingerprint} are for anisotropic materials, for which the page "
-            "supports only the shipped weights; encode the material with these"
-        )
-    return find(None)
 
 
 @functools.lru_cache(REMEMBERED)

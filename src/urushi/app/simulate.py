@@ -65,7 +65,11 @@ class Simulate:
             found, se = albedo(described, wi, **options)
             text = table("directional albedo ± standard error", INCIDENCE_DEGREES, found, se)
             return self._print_or_save(text, wi=wi, albedo=found, se=se)
-        wi, wo = self._plane() if self.pairs is None else read_arrays(self.pairs, "wi", "wo")
+        if self.pairs is None:  # the plane of incidence; the mirror direction has a positive angle
+            wo = self._turned(_polar(-np.array(POLAR_DEGREES, float)))
+            wi = np.repeat(self._turned(_polar(np.array([self.incidence]))), len(wo), axis=0)
+        else:
+            wi, wo = read_arrays(self.pairs, "wi", "wo")
         if layered:
             f, se = urushi.simulate(described, wi, wo, **options)
         else:  # exact
@@ -88,12 +92,6 @@ class Simulate:
             np.savez(file, **arrays)  # type: ignore[arg-type]  # numpy's stub takes no keywords
         print(self.output)
         return 0
-
-    def _plane(self) -> tuple[np.ndarray, np.ndarray]:
-        """wi and wo (N, 3) in the plane of incidence; the mirror direction has a positive angle."""
-        wo = self._turned(_polar(-np.array(POLAR_DEGREES, float)))
-        wi = self._turned(_polar(np.array([self.incidence])))
-        return np.repeat(wi, len(wo), axis=0), wo
 
     def _turned(self, w: np.ndarray) -> np.ndarray:
         """Directions (N, 3) of the xz plane, in the plane of incidence."""

@@ -47,8 +47,11 @@ def epoch(store: Store, preset: PaperPreset, index: int) -> Iterator[Batch]:
     `TOGETHER` does not divide them.
     """
     rng = np.random.default_rng((preset.seed, index))
-    for shards in shuffled_groups(preset, rng):
-        rows, arrays = _trained(store, preset, shards)
+    part, shard = preset.part("two-layer"), preset.data.shard
+    shards = rng.permutation(-(-trained(preset) // shard))
+    together = max(1, GROUP // (part.pairs * shard))
+    for group in np.array_split(shards, -(-len(shards) // together)):
+        rows, arrays = _trained(store, preset, group)
         count, pairs = arrays["f"].shape
         run = min(preset.pairs, pairs)
         order = rng.permuted(np.tile(np.arange(pairs), (count, 1)), axis=1)
@@ -58,14 +61,6 @@ def epoch(store: Store, preset: PaperPreset, index: int) -> Iterator[Batch]:
             for chosen in rng.permutation(count)[: count // size * size].reshape(-1, size):
                 at = chosen[:, None], order[chosen, first : first + run]
                 yield Batch(rows[chosen], arrays["wi"][at], arrays["wo"][at], arrays["f"][at])
-
-
-def shuffled_groups(preset: PaperPreset, rng: np.random.Generator) -> list[np.ndarray]:
-    """Shards with BRDFs to train on, in random order, in groups that fit into memory."""
-    part, shard = preset.part("two-layer"), preset.data.shard
-    shards = rng.permutation(-(-trained(preset) // shard))
-    together = max(1, GROUP // (part.pairs * shard))
-    return np.array_split(shards, -(-len(shards) // together))
 
 
 def trained(preset: PaperPreset) -> int:

@@ -148,6 +148,7 @@ def _fit(f: np.ndarray, widths: int) -> np.ndarray:
         shape, *slopes = _shape(grid, np.exp(x[:, _LINEAR:]).astype(np.float32))
         shape *= scale
         diffuse, normal, grazing = x[:, :3].T[..., None].astype(np.float32)
+        # Derivatives of the errors by the unknowns.
         columns = [white, shape * grid.schlick[0], shape * grid.schlick[1], *slopes]
         error = normal * columns[1]
         error += grazing * columns[2]
@@ -157,7 +158,15 @@ def _fit(f: np.ndarray, widths: int) -> np.ndarray:
         error -= aim
         weights = np.where(error > 0, np.float32(OVERSHOOT_WEIGHT), KNEE / np.maximum(-error, KNEE))
         lower, upper = np.maximum(bounds[0] - x, -longest), np.minimum(bounds[1] - x, longest)
-        change = _change(columns, weights, error, lower, upper)
+        # The step of Gauss and Newton's method, within bounds.
+        size, rows = len(columns), len(error)
+        curvature, ahead = np.empty((size, size, rows)), np.empty((size, rows))
+        for i, column in enumerate(columns):
+            weighted = weights * column
+            ahead[i] = np.einsum("np,np->n", weighted, error)
+            for j in range(i, size):
+                curvature[i, j] = curvature[j, i] = np.einsum("np,np->n", weighted, columns[j])
+        change = _bounded(curvature, -ahead, lower.T, upper.T).T
         at[open_rows] = x + change
         # A row that has converged is left alone, so that no row affects another.
         moving = (np.abs(change) > CONVERGED).any(axis=-1)
@@ -169,27 +178,6 @@ def _fit(f: np.ndarray, widths: int) -> np.ndarray:
     result[:, lobes.WIDTH_PLACES[widths]] = np.exp(at[:, _LINEAR:])
     result[:, 1:3] = at[:, 1:3]
     return result
-
-
-def _change(
-    columns: list[np.ndarray],
-    weights: np.ndarray,
-    error: np.ndarray,
-    lower: np.ndarray,
-    upper: np.ndarray,
-) -> np.ndarray:
-    """The step (N, K) of Gauss and Newton's method for K unknowns, within bounds (N, K).
-
-    columns: the derivatives (N, P) of the errors (N, P) by the unknowns.
-    """
-    size, rows = len(columns), len(error)
-    curvature, ahead = np.empty((size, size, rows)), np.empty((size, rows))
-    for i, column in enumerate(columns):
-        weighted = weights * column
-        ahead[i] = np.einsum("np,np->n", weighted, error)
-        for j in range(i, size):
-            curvature[i, j] = curvature[j, i] = np.einsum("np,np->n", weighted, columns[j])
-    return _bounded(curvature, -ahead, lower.T, upper.T).T
 
 
 def _shape(grid: _Grid, alpha: np.ndarray) -> tuple[np.ndarray, ...]:

@@ -1,6 +1,5 @@
 """Training examples from a data store: pairs with their features, and the encoder's inputs."""
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -195,18 +194,12 @@ def mirror_images(part: Part, arrays: dict[str, np.ndarray]) -> dict[str, np.nda
             "mirror images; use a Layering stage"
         )
     names = {"coats": COAT_COLUMNS[2], "bottom": KINDS[part.distribution.bottom].parameters}
-    orders = {name: _exchanged_widths(columns) for name, columns in names.items()}
-    orders |= {"wi": [1, 0, 2], "wo": [1, 0, 2]}
-    return {name: x[..., orders[name]] if name in orders else x for name, x in arrays.items()}
-
-
-def _exchanged_widths(columns: Sequence[str]) -> list[int]:
-    """Places of the columns after widths along the tangent have been exchanged with those across.
-
-    Their names end in "alpha_u" and "alpha_v".
-    """
+    # Names of widths along the tangent end in "alpha_u", those across in "alpha_v".
     other = {"alpha_u": "alpha_v", "alpha_v": "alpha_u"}
-    return [columns.index(c[:-7] + other.get(c[-7:], c[-7:])) for c in columns]
+    orders = {"wi": [1, 0, 2], "wo": [1, 0, 2]}
+    for name, columns in names.items():
+        orders[name] = [columns.index(c[:-7] + other.get(c[-7:], c[-7:])) for c in columns]
+    return {name: x[..., orders[name]] if name in orders else x for name, x in arrays.items()}
 
 
 def top_lobes(part: Part, arrays: dict[str, np.ndarray], arch: Architecture) -> np.ndarray:

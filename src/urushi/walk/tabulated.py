@@ -51,28 +51,8 @@ class Lobes(NamedTuple):
 
 def fit_lobes(f: Callable[[Any, Any], Any], device: ModuleType) -> Lobes:
     """Fit lobes to a BRDF f(wi, wo) of three channels, evaluated in the types of `device`."""
-    cost, densities = _lobe_samples(f, device)
-    cosine = len(ALPHAS)
-    best = min(
-        itertools.combinations(range(cosine), 2),
-        key=lambda pair: _best_shares(cost, densities[..., [*pair, cosine]], TRIAL_STEPS)[1],
-    )
-    shares, _ = _best_shares(cost, densities[..., [*best, cosine]], STEPS)
-    least = np.array([MIN_SHARE, MIN_SHARE, MIN_COSINE_SHARE])
-    return Lobes(ALPHAS[list(best)], least + (1 - least.sum()) * shares)
-
-
-def _lobe_samples(
-    f: Callable[[Any, Any], Any], device: ModuleType
-) -> tuple[np.ndarray, np.ndarray]:
-    """Draw S directions for each of A elevations from all K + 1 lobes with equal shares.
-
-    Returns:
-        cost (A, S) and the densities (A, S, K + 1) of the lobes. The sum over S of cost / pdf
-        estimates the integral of (f cos)^2 / pdf, relative to the squared integral of f cos.
-    """
-    count = ELEVATIONS * SAMPLES
-    lane = dr.arange(device.UInt32, count)
+    # `SAMPLES` directions for each elevation, from all lobes with equal shares.
+    lane = dr.arange(device.UInt32, ELEVATIONS * SAMPLES)
     cos_i = (device.Float(lane // SAMPLES) + 0.5) / ELEVATIONS
     wi = device.Array3f(dr.sqrt(1 - cos_i * cos_i), 0, cos_i)
     rng = stream(device.PCG32, device.UInt64(lane), SEED)
@@ -82,13 +62,22 @@ def _lobe_samples(
     wo = uniform.sample(wi, u[0], u[1:])
     f_cos = (dr.mean(f(wi, wo)) * wo.z).numpy().astype(np.float64)
     lobes = [Mixture([1.0, 0.0], [alpha]).pdf(wi, wo).numpy() for alpha in alphas]
-    cosine = (wo.z * dr.inv_pi).numpy()
-    densities = np.stack([*lobes, cosine], axis=-1).reshape(ELEVATIONS, SAMPLES, -1)
+    lobes.append((wo.z * dr.inv_pi).numpy())
+    densities = np.stack(lobes, axis=-1).reshape(ELEVATIONS, SAMPLES, -1)
     drawn = densities.mean(axis=-1)
     f_cos = f_cos.reshape(drawn.shape)
     albedo = (f_cos / drawn).mean(axis=1, keepdims=True)
+    # The sum over samples of cost / pdf estimates the integral of (f cos)^2 / pdf, relative to the
+    # squared integral of f cos.
     cost = f_cos**2 / (drawn * np.maximum(albedo, 1e-9) ** 2 * SAMPLES)
-    return cost, densities
+    cosine = len(ALPHAS)
+    best = min(
+        itertools.combinations(range(cosine), 2),
+        key=lambda pair: _best_shares(cost, densities[..., [*pair, cosine]], TRIAL_STEPS)[1],
+    )
+    shares, _ = _best_shares(cost, densities[..., [*best, cosine]], STEPS)
+    least = np.array([MIN_SHARE, MIN_SHARE, MIN_COSINE_SHARE])
+    return Lobes(ALPHAS[list(best)], least + (1 - least.sum()) * shares)
 
 
 def _best_shares(cost: np.ndarray, densities: np.ndarray, steps: int) -> tuple[np.ndarray, float]:
