@@ -16,10 +16,10 @@ import mitsuba as mi
 import numpy as np
 
 from urushi import files
-from urushi.app.simulate import read_arrays
 from urushi.checks import finite
 from urushi.core import error_metrics
 from urushi.errors import FileError, ParameterError
+from urushi.files import read_npz
 from urushi.mitsuba.reading import probing
 from urushi.openpbr_surface.description import openpbr
 
@@ -169,7 +169,7 @@ def main(arguments: list[str] | None = None) -> None:
         mi.set_variant("llvm_ad_rgb")
         name, f = "urushi", evaluated(model, reference)
     else:
-        name, (f,) = options.values.stem, read_arrays(options.values, "f")
+        name, (f,) = options.values.stem, read_npz(options.values, "f")
     print(table(reference, {name: errors(f, reference)}))
 
 

@@ -143,11 +143,11 @@ def read_tensors(
     return description, arrays
 
 
-def read_npz(path: str | os.PathLike) -> dict[str, np.ndarray]:
-    """The arrays of a file of `numpy.savez` by name, in their order.
+def read_npz(path: str | os.PathLike, *names: str) -> list[np.ndarray]:
+    """Arrays of a file of `numpy.savez`.
 
     Raises:
-        FileError: the file is missing, damaged or of another kind.
+        FileError: the file is missing, damaged, of another kind or without one of the arrays.
     """
     source = Path(path)
     try:
@@ -159,7 +159,11 @@ def read_npz(path: str | os.PathLike) -> dict[str, np.ndarray]:
     except (OSError, ValueError, EOFError, TypeError, zipfile.BadZipFile, zlib.error) as error:
         reason = "it is not an NPZ file" if source.exists() else "it does not exist"
         raise FileError(f"cannot read '{source}': {reason}; write it with numpy.savez") from error
-    return arrays
+    for name in names:
+        if name not in arrays:
+            wanted = f"array{'s' * (len(names) > 1)} {' and '.join(names)}"
+            raise FileError(f"'{source}' must hold the {wanted}; it has no {name}")
+    return [arrays[name] for name in names]
 
 
 def tensor_file_kind(path: str | os.PathLike) -> str | None:

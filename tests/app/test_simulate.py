@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import urushi
+from urushi import files
 from urushi.app import cli, simulate
 
 COATED = "coat(conductor(alpha=0.3, r0=(0.9, 0.6, 0.3)), alpha=0.2, eta=1.5, sigma_t=1, albedo=0.5)"
@@ -103,13 +104,13 @@ def test_bad_pair_files(tmp_path):
     path = tmp_path / "pairs.npz"
     path.write_text("no archive")
     with pytest.raises(urushi.errors.FileError, match="is not an NPZ file"):
-        simulate.read_arrays(path, "wi", "wo")
+        files.read_npz(path, "wi", "wo")
     np.savez(path, wi=np.zeros((1, 3)))
     with pytest.raises(urushi.errors.FileError, match="must hold the arrays wi and wo"):
-        simulate.read_arrays(path, "wi", "wo")
+        files.read_npz(path, "wi", "wo")
     np.savez(path, wi=np.array([{}], dtype=object), wo=np.zeros((1, 3)))  # would need pickle
     with pytest.raises(urushi.errors.FileError, match="is not an NPZ file"):
-        simulate.read_arrays(path, "wi", "wo")
+        files.read_npz(path, "wi", "wo")
     path.write_bytes(path.read_bytes()[:100])
     with pytest.raises(urushi.errors.FileError, match="is not an NPZ file"):
-        simulate.read_arrays(path, "wi", "wo")
+        files.read_npz(path, "wi", "wo")

@@ -9,7 +9,7 @@ import numpy as np
 import tyro
 
 from urushi.core.half_vector import rotated
-from urushi.errors import FileError, ParameterError
+from urushi.errors import ParameterError
 from urushi.files import atomic_write, read_npz
 from urushi.ranges import Angle, Incidence, Seed, Walks
 
@@ -69,7 +69,7 @@ class Simulate:
             wo = self._turned(_polar(-np.array(POLAR_DEGREES, float)))
             wi = np.repeat(self._turned(_polar(np.array([self.incidence]))), len(wo), axis=0)
         else:
-            wi, wo = read_arrays(self.pairs, "wi", "wo")
+            wi, wo = read_npz(self.pairs, "wi", "wo")
         if layered:
             f, se = urushi.simulate(described, wi, wo, **options)
         else:  # exact
@@ -96,16 +96,6 @@ class Simulate:
     def _turned(self, w: np.ndarray) -> np.ndarray:
         """Directions (N, 3) of the xz plane, in the plane of incidence."""
         return w if self.azimuth == 0 else rotated(w, self.azimuth / 360.0)
-
-
-def read_arrays(path: Path, *names: str) -> list[np.ndarray]:
-    """Arrays of an NPZ file."""
-    arrays = read_npz(path)
-    for name in names:
-        if name not in arrays:
-            wanted = f"array{'s' * (len(names) > 1)} {' and '.join(names)}"
-            raise FileError(f"'{path}' must hold the {wanted}; it has no {name}")
-    return [arrays[name] for name in names]
 
 
 def table(title: str, degrees: Iterable[float], values: np.ndarray, se: np.ndarray) -> str:

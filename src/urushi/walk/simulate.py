@@ -83,7 +83,7 @@ def simulate(
     if not isinstance(stack.bottom, Dielectric):
         f, se = per_channel(stack, (wi, wo), functools.partial(walk_pairs, **options))
         if stack.coats[0].energy_compensation:
-            f += compensation(stack).f(wi, wo).astype(np.float32)
+            f += Compensation(stack).f(wi, wo).astype(np.float32)
         return f, se
 
     def scattered(coats: Any, lowest: Reflector, wi: Any, wo: Any, rng: Any) -> Any:
@@ -178,18 +178,8 @@ def albedo(
         lambda table, row, wi: average(table, row, (wi,), walk_one, walks=walks, seed=seed),
     )
     if stack.coats[0].energy_compensation:
-        found += np.where(wi[:, 2:] > 0, compensation(stack).albedo(wi[:, 2]), 0)
+        found += np.where(wi[:, 2:] > 0, Compensation(stack).albedo(wi[:, 2]), 0)
     return found, se
-
-
-def compensation(stack: Stack) -> "Compensation":
-    """The lobe of the light that the topmost surface loses; what lies below it is measured."""
-    first, *others = stack.coats[1:] or (Coat(eta=1.0),)
-    rest = Stack((replace(first, energy_compensation=False), *others), stack.bottom)
-    below = albedo(rest, [[0.0, 0.0, 1.0]], walks=1 << 14)[0][0]
-    f, _ = simulate(rest, [appearance.WI], [appearance.WO], walks=1 << 14, progress=False)
-    mirrored = 1 - np.pi * f.mean() / max(below.mean(), 1e-6)
-    return Compensation(stack, below, float(np.clip(mirrored, 0, 1)))
 
 
 def _slab_albedo(transmitted: bool, coats: Any, lowest: Reflector, wi: Any, rng: Any) -> Any:
@@ -220,13 +210,16 @@ def _reflected(layers: Any, bottom: Bottom, wi: Any, rng: Any, entry: Bottom | N
 
 
 class Compensation:
-    """The lobe of a stack's topmost coat."""
+    """The lobe of the light that the topmost surface loses."""
 
-    def __init__(self, stack: Stack, below: np.ndarray, mirrored: float):
-        """below: (3,) directional albedo, at the normal, of what lies under the coat.
-
-        mirrored: the share of this light that is mirrored.
-        """
+    def __init__(self, stack: Stack):
+        # Directional albedo, at the normal, of what lies under the coat; and the share of this
+        # light that is mirrored.
+        first, *others = stack.coats[1:] or (Coat(eta=1.0),)
+        rest = Stack((replace(first, energy_compensation=False), *others), stack.bottom)
+        below = albedo(rest, [[0.0, 0.0, 1.0]], walks=1 << 14)[0][0]
+        f, _ = simulate(rest, [appearance.WI], [appearance.WO], walks=1 << 14, progress=False)
+        mirrored = float(np.clip(1 - np.pi * f.mean() / max(below.mean(), 1e-6), 0, 1))
         top = stack.coats[0]
         alpha, eta = top.alpha, np.broadcast_to(top.eta, 3)
         if isinstance(alpha, Widths):
