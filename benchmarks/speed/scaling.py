@@ -103,14 +103,14 @@ def measure(store: str, stacks: int) -> None:
     preset = Preset("quick", quick_like(stacks), (joint,), pairs=128, arch=arch)
     depths = examples.load(Store(Path(store), preset.data), preset.arch, preset.pairs)
     params = training.initial(preset, depths)
-    lesson = joint.lesson(params, preset.architectures()[1], depths, preset.seed)
-    take = compile_steps(lesson.loss, joint.schedule)
+    task = joint.task(params, preset.architectures()[1], depths, preset.seed)
+    take = compile_steps(task.loss, joint.schedule)
     state = training.begin(preset, 0, params).state
     steps, waiting = joint.schedule.steps_per_call, 0.0
     times = []
     for call in range(CALLS + 1):
         began = time.perf_counter()
-        batches = lesson.batches(call * steps, steps)
+        batches = task.batches(call * steps, steps)
         drawn = time.perf_counter()
         state, terms = take(state, batches)
         terms["loss"].block_until_ready()

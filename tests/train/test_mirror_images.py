@@ -88,7 +88,7 @@ def test_the_stage_learns_from_every_stack_and_its_mirror_image(tiny, tmp_path):
     np.testing.assert_array_equal(other.f, one.f)
     assert not np.array_equal(other.features, one.features)
     params = init(ARCH, 0)
-    batch = stage.lesson(params, ARCH, depths, seed=0).batches(0, 1)
+    batch = stage.task(params, ARCH, depths, seed=0).batches(0, 1)
     lowest = batch.coats[0][0][4:]  # after the stacks of two coats, one epoch of those of one
     expected = np.concatenate([one.coats[:, 0], other.coats[:, 0]])
     assert sorted(map(bytes, lowest)) == sorted(map(bytes, expected))

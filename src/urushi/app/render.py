@@ -3,7 +3,7 @@
 import re
 import shutil
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -40,13 +40,13 @@ class Render:
     name, beside the scene file or, for caddy, in the working folder."""
     sensor: Annotated[Index, tyro.conf.arg(aliases=["-s"])] = 0
     """Index of the sensor (camera), counted from 0 in the scene file's order."""
-    define: Annotated[tuple[str, ...], tyro.conf.arg(aliases=["-D"]), tyro.conf.UseAppendAction] = (
-        field(default=())
-    )
+    define: Annotated[
+        tuple[str, ...], tyro.conf.arg(aliases=["-D"]), tyro.conf.UseAppendAction
+    ] = ()
     """Set the scene file's parameter $key: -D key=value. May be repeated."""
     append: Annotated[
         tuple[Path, ...], tyro.conf.arg(aliases=["-a"]), tyro.conf.UseAppendAction
-    ] = field(default=())
+    ] = ()
     """Another folder to search for the scene's files. May be repeated."""
     threads: Annotated[Threads | None, tyro.conf.arg(aliases=["-t"])] = None
     """Number of threads that render. All cores read and write files. Default: one per core."""

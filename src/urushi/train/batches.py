@@ -61,7 +61,7 @@ def shuffled(size: int, seed: int, key: int = 0) -> Order:
 
 
 def batches(depths: list[Depth], stacks: tuple[int, ...], seed: int) -> Callable[[int, int], Batch]:
-    """The function of `stage.Lesson.batches`: every depth's items in shuffled epochs.
+    """The function of `stage.Task.batches`: every depth's items in shuffled epochs.
 
     depths: the examples by number of coats. stacks: of each of these depths in a step.
     """

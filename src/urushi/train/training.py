@@ -30,7 +30,7 @@ from urushi.train.checkpoint import Checkpoint, Journal
 from urushi.train.examples import METRICS, Depth, Examples
 from urushi.train.optimiser import compile_steps, start
 from urushi.train.presets import Preset
-from urushi.train.stages.stage import Lesson, Stage, parameters_of
+from urushi.train.stages.stage import Stage, Task, parameters_of
 from urushi.train.store import Store, generate
 from urushi.version import __version__
 
@@ -91,10 +91,10 @@ def train(
         stage, arch = stages[index], sizes[index + 1]
         params |= point.networks
         clock = time.monotonic()
-        lesson = stage.lesson(params, arch, depths, preset.seed)
+        task = stage.task(params, arch, depths, preset.seed)
         point = replace(point, seconds=point.seconds + time.monotonic() - clock)
         report = partial(measure, {**params}, arch, checks)
-        point = advance(point, stage, lesson, report, journal)
+        point = advance(point, stage, task, report, journal)
         params |= parameters_of(point.state.average, stage.trains)
         if index + 1 < len(stages):
             point = begin(preset, index + 1, params, point.seconds)
@@ -185,7 +185,7 @@ def initial(preset: Preset, depths: list[Depth]) -> dict[str, Any]:
 def advance(
     point: Checkpoint,
     stage: Stage,
-    lesson: Lesson,
+    task: Task,
     report: Callable[[Params], dict[str, float]],
     journal: Journal,
 ) -> Checkpoint:
@@ -194,12 +194,12 @@ def advance(
     report: validation errors by the averages of the parameters that learn.
     """
     schedule = stage.schedule
-    steps = compile_steps(lesson.loss, schedule)
+    steps = compile_steps(task.loss, schedule)
     state, clock, spent = point.state, time.monotonic(), point.seconds
     bar = tqdm(total=schedule.steps, initial=point.step, desc=point.stage, disable=None)
     with bar:
         for step in range(point.step, schedule.steps, schedule.steps_per_call):
-            state, terms = steps(state, lesson.batches(step, schedule.steps_per_call))
+            state, terms = steps(state, task.batches(step, schedule.steps_per_call))
             done = step + schedule.steps_per_call
             bar.update(schedule.steps_per_call)
             if done % schedule.checkpoint_every == 0 or done == schedule.steps:

@@ -24,7 +24,7 @@ from urushi.train.losses import (
     squared_errors,
     without_lobe,
 )
-from urushi.train.stages.stage import Lesson, Stage
+from urushi.train.stages.stage import Stage, Task
 
 #: Widths of the hidden layers of the scatter's network, which has the form of the decoder.
 WIDTHS = (16, 16)
@@ -62,9 +62,9 @@ class Decoding(Stage):
         """The decoder, and a fresh network of the scatter."""
         return super().begin(params, arch, seed) | fresh_scatter(arch, seed)
 
-    def lesson(self, params: Params, arch: Architecture, depths: list[Depth], seed: int) -> Lesson:
+    def task(self, params: Params, arch: Architecture, depths: list[Depth], seed: int) -> Task:
         """`weighted_loss` on all simulated stacks."""
-        return Lesson(
+        return Task(
             lambda trained, batch: weighted_loss(trained, params, arch, batch, self.energy_share),
             batches(depths, self.stacks, seed + 1),
         )

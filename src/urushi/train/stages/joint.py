@@ -22,7 +22,7 @@ from urushi.train.losses import (
     stack_loss,
     without_lobe,
 )
-from urushi.train.stages.stage import Lesson, Stage
+from urushi.train.stages.stage import Stage, Task
 
 #: Stride of the stacks used in the cycle loss, which decodes all probe pairs.
 CYCLE_STRIDE = 16
@@ -52,7 +52,7 @@ class Joint(Stage):
     name: str = field(default="joint", kw_only=True)
     trains: ClassVar[tuple[str, ...]] = ("decoder", "encoder", "layerer")
 
-    def lesson(self, params: Params, arch: Architecture, depths: list[Depth], seed: int) -> Lesson:
+    def task(self, params: Params, arch: Architecture, depths: list[Depth], seed: int) -> Task:
         """`joint_loss` on all simulated stacks."""
         pairs = probe_pairs(arch.probes, arch.widths)
         features = jnp.asarray(direction_features(*pairs, arch.widths))
@@ -61,7 +61,7 @@ class Joint(Stage):
         def loss(trained: Params, batch: Any) -> tuple[jax.Array, dict[str, jax.Array]]:
             return joint_loss({**fixed, **trained}, arch, batch, features, self.energy_share)
 
-        return Lesson(loss, batches(depths, self.stacks, seed))
+        return Task(loss, batches(depths, self.stacks, seed))
 
 
 def joint_loss(

@@ -34,7 +34,7 @@ from urushi.train.losses import (
     stack_weights,
     without_lobe,
 )
-from urushi.train.stages.stage import Lesson, Stage
+from urushi.train.stages.stage import Stage, Task
 
 #: Items that are decoded at once.
 _BLOCK = 1024
@@ -76,7 +76,7 @@ class Layering(Stage):
         """The stacks of one depth to learn from."""
         yield depth.examples()
 
-    def lesson(self, params: Params, arch: Architecture, depths: list[Depth], seed: int) -> Lesson:
+    def task(self, params: Params, arch: Architecture, depths: list[Depth], seed: int) -> Task:
         """`layering_loss` on quadratic losses, which are measured first."""
         before, losses = self.arch_before(arch), []
         measure = functools.partial(
@@ -86,7 +86,7 @@ class Layering(Stage):
             measured = list(map(measure, self.examples(depth)))  # holds no examples meanwhile
             depth.forget()
             losses.append(QuadraticLosses(*map(np.concatenate, zip(*measured, strict=True))))
-        return Lesson(
+        return Task(
             lambda trained, batch: layering_loss(trained, arch, batch),
             layering_batches(losses, self.stacks, seed + self.seed_offset),
         )
@@ -126,7 +126,7 @@ class QuadraticLosses(NamedTuple):
 def layering_batches(
     losses: Sequence[QuadraticLosses], stacks: tuple[int, ...], seed: int
 ) -> Callable[[int, int], QuadraticLosses]:
-    """The function of `Lesson.batches`: every depth's stacks in shuffled epochs.
+    """The function of `Task.batches`: every depth's stacks in shuffled epochs.
 
     A batch has stacks of all depths, deepest first. Its coats are a tuple as in `batches.Batch`:
     for the lowest coat, the next one up, and so on, (B_k, C) for the first B_k stacks.

@@ -19,7 +19,7 @@ from urushi.nets.mlp import Params
 from urushi.nets.sampler import mixture as propose
 from urushi.train.examples import Depth
 from urushi.train.losses import compose, without_lobe
-from urushi.train.stages.stage import Lesson, Stage
+from urushi.train.stages.stage import Stage, Task
 
 #: Largest number of training stacks of each depth whose codes the sampler is trained on.
 STACKS = 1 << 15
@@ -42,10 +42,10 @@ class Sampling(Stage):
     name: str = field(default="sampling", kw_only=True)
     trains: ClassVar[tuple[str, ...]] = ("sampler",)
 
-    def lesson(self, params: Params, arch: Architecture, depths: list[Depth], seed: int) -> Lesson:
+    def task(self, params: Params, arch: Architecture, depths: list[Depth], seed: int) -> Task:
         """`sampler_loss` on random materials between the codes of training stacks."""
         targets, key = (dict(params), training_codes(params, arch, depths)), jax.random.key(seed)
-        return Lesson(
+        return Task(
             lambda trained, step: sampler_loss(trained, arch, *targets, key, step),
             lambda step, steps: np.arange(step, step + steps, dtype=np.uint32),
         )

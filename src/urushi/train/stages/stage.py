@@ -11,7 +11,7 @@ from urushi.train.examples import Depth
 from urushi.train.optimiser import Loss, Schedule
 
 
-class Lesson(NamedTuple):
+class Task(NamedTuple):
     """What a stage minimises, and its batches.
 
     Attributes:
@@ -53,7 +53,7 @@ class Stage(ABC):
         return parameters_of(params, self.trains)
 
     @abstractmethod
-    def lesson(self, params: Params, arch: Architecture, depths: list[Depth], seed: int) -> Lesson:
+    def task(self, params: Params, arch: Architecture, depths: list[Depth], seed: int) -> Task:
         """Prepare loss and batches; the arguments are those of `begin`.
 
         depths: the training examples by number of coats, from none up.
