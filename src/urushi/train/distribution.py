@@ -53,14 +53,9 @@ def whole_eta(rng: np.random.Generator, shape: int | tuple[int, ...]) -> np.ndar
     """
     near = np.exp(rng.uniform(np.log(0.004), np.log(0.05), shape))
     near = 1 + np.where(rng.integers(2, size=shape) == 0, -near, near)
-    parts = (
-        rng.uniform(1.05, 2.0, shape),
-        rng.uniform(2.0, 3.0, shape),
-        rng.uniform(0.5, 0.96, shape),
-        near,
-    )
-    which = rng.choice(len(parts), shape, p=(0.55, 0.1, 0.25, 0.1))
-    return np.choose(which, parts)
+    ranges = (1.05, 2.0), (2.0, 3.0), (0.5, 0.96)
+    parts = (*(rng.uniform(*ends, shape) for ends in ranges), near)
+    return np.choose(rng.choice(len(parts), shape, p=(0.55, 0.1, 0.25, 0.1)), parts)
 
 
 #: Indices of refraction by name: functions of a generator and a shape. Low ones are of interfaces
@@ -247,15 +242,8 @@ class Practical(Extended):
         for _ in range(self.coats - 1):
             before, in_air = indices[-1], gaps[-1]
             which = rng.choice(4, n, p=(0.3, 0.25, 0.25, 0.2))
-            factor = np.choose(
-                which,
-                (
-                    np.exp(rng.uniform(-0.05, 0.05, n)),
-                    rng.uniform(1.05, 1.3, n),
-                    rng.uniform(0.8, 0.95, n),
-                    rng.uniform(0.8, 0.95, n),
-                ),
-            )
+            near, ranges = np.exp(rng.uniform(-0.05, 0.05, n)), ((1.05, 1.3), *2 * [(0.8, 0.95)])
+            factor = np.choose(which, (near, *(rng.uniform(*ends, n) for ends in ranges)))
             gap = (which == 3) & ~in_air & (before < 2.0)
             solid = np.where(in_air, rng.uniform(1.3, 1.8, n), before * factor)
             indices.append(np.where(gap, 1.0, solid))

@@ -5,11 +5,11 @@ import os
 import platform
 import time
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import partial
 from importlib.metadata import version
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from tqdm import tqdm
@@ -38,8 +38,7 @@ from urushi.version import __version__
 RUNS = Path("runs")
 
 
-@dataclass(frozen=True)
-class Check:
+class Check(NamedTuple):
     """One validation part in memory, and the cosines (S, P) of its pairs."""
 
     metric: str
