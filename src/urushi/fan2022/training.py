@@ -3,7 +3,7 @@
 import functools
 import os
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
 
@@ -48,21 +48,16 @@ def train(
     if point is None:
         journal.clear()
         point = starts["representation"]
-    began = time.monotonic() - point.seconds
-
-    def seconds() -> float:
-        """Time of training, of earlier runs too."""
-        return time.monotonic() - began
-
+    began = time.monotonic() - point.seconds  # as if earlier runs had been a part of this one
     if point.stage == "representation":
-        point = represent(point, preset, store, journal, seconds)
+        point = represent(point, preset, store, journal, began)
         networks = {**point.state.params, **projected(point.state.params, preset, store)}
-        point = replace(starts["layering"], seconds=seconds(), networks=networks)
+        point = replace(starts["layering"], seconds=time.monotonic() - began, networks=networks)
         journal.save(point)
     if point.stage == "layering":
-        point = learn_layering(point, preset, journal, seconds)
+        point = learn_layering(point, preset, journal, began)
         networks = {**point.networks, **point.state.params}
-        point = Checkpoint("proxy", 0, seconds(), {}, networks)
+        point = Checkpoint("proxy", 0, time.monotonic() - began, {}, networks)
         journal.save(point)
 
     results = {name: np.asarray(value) for name, value in point.networks.items()}
@@ -72,7 +67,7 @@ def train(
     histograms = proxy.histograms(params, codes, wi)
     sampling, divergence = proxy.learn(init(preset.seed), histograms)
     metrics = figures(params, preset, results) | {"proxy divergence": divergence}
-    header = {**training.header(journal, metrics, seconds()), "scale": preset.scale}
+    header = {**training.header(journal, metrics, time.monotonic() - began), "scale": preset.scale}
     return PaperNetworks(preset.arch, {**params, **sampling}, header).save(out)
 
 
@@ -93,13 +88,9 @@ def beginnings(preset: PaperPreset) -> dict[str, Checkpoint]:
 
 
 def represent(
-    point: Checkpoint,
-    preset: PaperPreset,
-    store: Store,
-    journal: Journal,
-    seconds: Callable[[], float],
+    point: Checkpoint, preset: PaperPreset, store: Store, journal: Journal, began: float
 ) -> Checkpoint:
-    """Train the evaluation network for its remaining epochs; seconds: time of training."""
+    """Train the evaluation network for its remaining epochs."""
     pairs = preset.part("two-layer").pairs
     runs = pairs // min(preset.pairs, pairs)
     for epoch in range(point.step, preset.epochs):
@@ -111,7 +102,7 @@ def represent(
             disable=None,
         )
         state, loss = representation.learn_epoch(point.state, batches, *rates)
-        point = replace(point, step=epoch + 1, seconds=seconds(), state=state)
+        point = replace(point, step=epoch + 1, seconds=time.monotonic() - began, state=state)
         journal.save(point, {"loss": loss})
     return point
 
@@ -169,14 +160,14 @@ def codes_of(preset: PaperPreset, arrays: Mapping[str, Any]) -> dict[str, np.nda
 
 
 def learn_layering(
-    point: Checkpoint, preset: PaperPreset, journal: Journal, seconds: Callable[[], float]
+    point: Checkpoint, preset: PaperPreset, journal: Journal, began: float
 ) -> Checkpoint:
-    """Train the layering network for its remaining epochs; seconds: time of training."""
+    """Train the layering network for its remaining epochs."""
     sets = layering.examples(preset, codes_of(preset, point.networks))
     epochs = preset.layering_epochs + preset.finetuning_epochs
     for epoch in tqdm(range(point.step, epochs), desc="layering", disable=None):
         state, loss = layering.learn_epoch(point.state, sets, preset, epoch)
-        point = replace(point, step=epoch + 1, seconds=seconds(), state=state)
+        point = replace(point, step=epoch + 1, seconds=time.monotonic() - began, state=state)
         if (epoch + 1) % layering.DECAYS == 0 or epoch + 1 == epochs:
             journal.save(point, {"loss": loss})
     return point
