@@ -6,10 +6,11 @@ import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { expect, test } from "vitest";
 import { loadCore } from "../../../src/core/core";
+import { logsOf, nodePairs } from "../../../src/core/f_table";
 import { readMeasured, valuesAt } from "../../../src/core/measured/read";
 import { materialFile, readMaterialFile } from "../../../src/engine/material_file";
 import { tables } from "../../../src/engine/textures";
-import { bytesOf, readVectors, SHIPPED } from "../vectors";
+import { bytesOf, readVectors, relativeError, SHIPPED } from "../vectors";
 import { merlFile } from "./files";
 
 const PYTHON = process.env.PYTHON ?? join(import.meta.dirname, "../../../../.venv/bin/python");
@@ -29,8 +30,19 @@ const VALUES = `
 import json, sys
 import numpy as np
 import urushi
+from safetensors.numpy import load_file
+from urushi.material.table import node_pairs, table_of_values
+from urushi.nets.weights import find
 pairs = np.array(json.load(sys.stdin), np.float32).reshape(2, -1, 3)
-print(json.dumps(urushi.load_measured(sys.argv[1]).f(*pairs).T.tolist()))
+brdf, saved = urushi.load_measured(sys.argv[1]), load_file(sys.argv[2])
+model = find(None)  # of a file of networks without a fingerprint
+saved = urushi.Material(saved["latents"], model, None, saved["table"], beside_lobe=True)
+table = table_of_values(brdf.f(*node_pairs())).astype(float)
+print(json.dumps({
+    "values": brdf.f(*pairs).T.tolist(),
+    "saved": saved.f(*pairs).ravel().tolist(),
+    "apart": np.abs(saved.table - table).max(),
+}))
 `;
 
 const vectors = readVectors("default");
@@ -65,7 +77,7 @@ test.skipIf(!existsSync(PYTHON) || !existsSync(FILE) || vectors === undefined)(
 );
 
 test.skipIf(!existsSync(PYTHON) || vectors === undefined)(
-  "a MERL table with gaps has Python's values",
+  "a MERL table with gaps has Python's values, and the material with its table Python's f",
   { timeout: 300_000 },
   () => {
     const folder = mkdtempSync(join(tmpdir(), "urushi-"));
@@ -79,9 +91,23 @@ test.skipIf(!existsSync(PYTHON) || vectors === undefined)(
       const above = (name: string) => vectors!.of(name).subarray(0, 3 * 63); // the last is below
       const [wi, wo] = [above("wi"), above("wo")];
       const input = JSON.stringify([...wi, ...wo]);
-      const expected: number[][] = JSON.parse(
-        execFileSync(PYTHON, ["-c", VALUES, path], { input, encoding: "utf-8" }),
-      );
+      const core = loadCore(bytesOf(SHIPPED));
+      const nodes = nodePairs();
+      const logs = logsOf(valuesAt(readMeasured(file), nodes.wi, nodes.wo));
+      const codes = new Float32Array(3 * core.latentSize).fill(0.3);
+      const material = { latents: codes, anchors: codes, table: { logs, besideLobe: true } };
+      writeFileSync(`${path}.safetensors`, materialFile(material, core));
+      const files = [path, `${path}.safetensors`];
+      const {
+        values: expected,
+        saved,
+        apart,
+      } = JSON.parse(
+        execFileSync(PYTHON, ["-c", VALUES, ...files], { input, encoding: "utf-8" }),
+      ) as { values: number[][]; saved: number[]; apart: number };
+      // At half angles of 3e-5, azimuths of directions in single precision are off by some 0.004.
+      expect(apart).toBeLessThan(0.01);
+      expect(relativeError(core.f(material, wi, wo), saved)).toBeLessThan(1e-4);
       valuesAt(readMeasured(file), wi, wo).forEach((values, channel) => {
         values.forEach((value, i) => {
           expect(value).toBeCloseTo(expected[channel]![i]!, 5);
