@@ -144,6 +144,14 @@ def test_f_is_finite_not_negative_and_isotropic(material, random_directions):
     np.testing.assert_allclose(brdf.f(wi @ turn, wo @ turn), f, rtol=1e-2, atol=1e-3 * f.mean())
 
 
+def test_f_along_the_normal_does_not_depend_on_the_signs_of_zeros(material, random_directions):
+    """A mirrored pair must have the values of the pair; in a file they vary with the azimuth."""
+    brdf, wo = load_measured(material), random_directions(16, 1)
+    expected = brdf.f(np.tile([0.0, 0.0, 1.0], (16, 1)), wo)
+    for zeros in ([-0.0, 0.0], [0.0, -0.0], [-0.0, -0.0]):
+        np.testing.assert_array_equal(brdf.f(np.tile([*zeros, 1.0], (16, 1)), wo), expected)
+
+
 def test_f_has_no_cosine_because_it_is_reciprocal(test_data, random_directions):
     path = test_data / "data" / "rgl" / "aurora_white_rgb.bsdf"
     if not path.is_file():

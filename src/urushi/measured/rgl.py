@@ -147,10 +147,11 @@ class Rgl(MeasuredSurface):
         theta_i, theta_m = _elevation(wi), _elevation(m)
         phi_i = np.arctan2(wi[:, 1], wi[:, 0])
         if self.isotropic:
-            # phi_m - phi_i, by products: it depends on the difference of the azimuths alone.
-            azimuth = np.arctan2(
-                wi[:, 0] * m[:, 1] - wi[:, 1] * m[:, 0], wi[:, 0] * m[:, 0] + wi[:, 1] * m[:, 1]
-            )
+            # phi_m - phi_i, by products: it depends on the difference of the azimuths alone. Zeros
+            # are positive, so that it is 0 along the normal whatever the signs there.
+            across = wi[:, 0] * m[:, 1] - wi[:, 1] * m[:, 0]
+            along = wi[:, 0] * m[:, 0] + wi[:, 1] * m[:, 1]
+            azimuth = np.arctan2(across + 0.0, along + 0.0)
         else:
             azimuth = np.arctan2(m[:, 1], m[:, 0])
         u_i, u_m = (

@@ -70,10 +70,11 @@ def test_a_known_surface_has_the_values_of_the_bsdf(rgb, name):
     assert offer.bare == (offer.reflectance is None)
 
 
-def test_a_black_plastic_is_the_lobe_that_it_offers(rgb):
+@pytest.mark.parametrize("kind", ("roughplastic", "pplastic"))
+def test_a_black_plastic_is_the_lobe_that_it_offers(rgb, kind):
     from urushi.mitsuba.reading import probing
 
-    plastic = {"type": "roughplastic", "distribution": "ggx", "alpha": 0.2, "int_ior": 1.7}
+    plastic = {"type": kind, "distribution": "ggx", "alpha": 0.2, "int_ior": 1.7}
     black = rgb.load_dict(plastic | {"specular_reflectance": 0.5, "diffuse_reflectance": 0.0})
     uv = np.full((len(WI), 2), 0.5)
     found = lobes.f(probing.known_lobes(black, uv), WI[:, None], WO[:, None])

@@ -1,8 +1,8 @@
 """What a BSDF tells the coat above it, besides its values.
 
 Of Mitsuba's own, `roughconductor` with the GGX distribution is a lobe and nothing else,
-`roughplastic` has one, and `diffuse` has none. All are read from their parameters. Others are known
-by their values alone.
+`roughplastic` and an isotropic `pplastic` have one, and `diffuse` has none. All are read from their
+parameters. Others are known by their values alone.
 """
 
 from collections.abc import Callable, Mapping
@@ -26,6 +26,9 @@ from urushi.textures.grid import TexelGrid
 #: The line of a BSDF's description that names its distribution, which it does not list
 #: among its parameters.
 GGX = "distribution = ggx"
+
+#: Mitsuba's rough plastics.
+PLASTICS = ("RoughPlastic", "PolarizedPlastic")
 
 
 class Latents(Protocol):
@@ -100,7 +103,8 @@ def offer_of(bsdf: "mi.BSDF") -> Offer:
             lobes=lambda si: [[*map(mi.Float, NO_LOBE)] for _ in channels(si)],
             reflectance=channels,
         )
-    if bsdf.class_name() == "RoughPlastic" and GGX in str(bsdf):
+    plastic = bsdf.class_name() in PLASTICS and "alpha_u" not in nested_objects(bsdf)
+    if plastic and GGX in str(bsdf):
         return Offer(lobes=partial(_plastic_lobes, bsdf), exact=lambda: bsdf)
     return conductor_offer(bsdf)
 
@@ -137,11 +141,14 @@ def _conductor_lobes(textures: Mapping[str, "mi.Texture"], coat: Any, si) -> lis
 
 
 def _plastic_lobes(plastic: "mi.BSDF", si) -> list[list]:
-    """The lobes of a `roughplastic`: six Dr.Jit floats for each channel."""
-    given, zero = mi.traverse(plastic), mi.Float(0)
-    alpha, eta = mi.Float(given["alpha"]), mi.Float(given["eta"])
+    """The lobes of a plastic: six Dr.Jit floats for each channel."""
+    given, textures, zero = mi.traverse(plastic), nested_objects(plastic), mi.Float(0)
+    alpha, eta = (
+        textures[name].eval_1(si) if name in textures else mi.Float(given[name])
+        for name in ("alpha", "eta")
+    )
     alpha = dr.replace_grad(dr.maximum(alpha, MIN_ALPHA), alpha)
-    tints = _channels(nested_objects(plastic), "specular_reflectance", si)
+    tints = _channels(textures, "specular_reflectance", si)
     return [[alpha, zero, zero, tint, eta, zero] for tint in tints]
 
 

@@ -60,7 +60,9 @@ export class Rgl {
   f(wi: Direction, wo: Direction): [number, number, number] {
     const m: Direction = [wi[0] + wo[0], wi[1] + wo[1], wi[2] + wo[2]];
     const [thetaI, thetaM] = [elevation(wi), elevation(m)];
-    const azimuth = Math.atan2(wi[0] * m[1] - wi[1] * m[0], wi[0] * m[0] + wi[1] * m[1]);
+    // Zeros are positive, so that it is 0 along the normal whatever the signs there.
+    const across = wi[0] * m[1] - wi[1] * m[0] + 0;
+    const azimuth = Math.atan2(across, wi[0] * m[0] + wi[1] * m[1] + 0);
     const xI = Math.sqrt(thetaI / (Math.PI / 2));
     const xM = Math.sqrt(thetaM / (Math.PI / 2));
     const slices = slicesAt(this.elevations, thetaI);

@@ -69,8 +69,7 @@ test.skipIf(!existsSync(PYTHON) || !existsSync(FILE) || vectors === undefined)(
     expect(deviation(core.f({ latents, anchors, table }, wi, wo), tabulated)).toBeLessThan(1e-3);
     const reread = readMaterialFile(materialFile({ latents, anchors, table }, core), core);
     expect(tables.value.get(reread.bottom.table!)).toEqual(table!.logs);
-    // Python computes in single precision, by which the steps of the refinement come to rest at
-    // slightly different codes of the same objective.
+    // Python computes in single precision, the page in double.
     expect(deviation(core.f({ latents, anchors }, wi, wo), f)).toBeLessThan(0.01);
     expect(deviation(core.f({ latents: anchors, anchors }, wi, wo), anchored)).toBeLessThan(0.01);
   },
