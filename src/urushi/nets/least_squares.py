@@ -6,21 +6,6 @@ from typing import Any, NamedTuple
 import numpy as np
 
 
-def damped_step(curvature: Any, slope: Any, damping: Any) -> Any:
-    """Return the change (..., L) that is subtracted from the unknowns (Marquardt 1963).
-
-    Args:
-        curvature: (..., L, L) half the Hessian, by Gauss and Newton.
-        slope: (..., L) half the gradient.
-        damping: (...) or a number, relative to the mean of the curvature's diagonal.
-    """
-    size = curvature.shape[-1]
-    mean = np.trace(curvature, axis1=-2, axis2=-1) / size
-    added = np.asarray(damping * mean + 1e-12)[..., None, None]
-    damped = curvature + added * np.eye(size, dtype=curvature.dtype)
-    return np.linalg.solve(damped, slope[..., None])[..., 0]
-
-
 class FitState(NamedTuple):
     """The state of fits of U numbers, at x (..., L), which determines the numbers.
 
@@ -38,7 +23,7 @@ class FitState(NamedTuple):
 
 
 class Damping(NamedTuple):
-    """Damping relative to the mean curvature.
+    """Damping relative to the mean of the curvature's diagonal.
 
     Attributes:
         first: at the first step.
@@ -71,7 +56,12 @@ def damped_steps(
     state = state_at(x)
     factor = np.full(np.shape(state.objective), damping.first)
     for _ in range(steps):
-        new = state_at(moved(state.x, damped_step(state.curvature, state.slope, factor)))
+        size = state.curvature.shape[-1]
+        mean = np.trace(state.curvature, axis1=-2, axis2=-1) / size
+        added = np.asarray(factor * mean + 1e-12)[..., None, None]
+        damped = state.curvature + added * np.eye(size, dtype=state.curvature.dtype)
+        step = np.linalg.solve(damped, state.slope[..., None])[..., 0]
+        new = state_at(moved(state.x, step))
         better = np.asarray(new.objective < state.objective)  # false for NaN
         state = FitState(*(_chosen(better, *pair) for pair in zip(new, state, strict=True)))
         factor = factor * np.where(better, damping.decrease, damping.increase)
