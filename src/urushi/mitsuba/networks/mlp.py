@@ -27,16 +27,12 @@ def activate(x, activation: str):
     bound, coefficients = POLYNOMIALS[activation]
     t = dr.select(x > -bound, x, -bound)
     t = dr.select(t < bound, t, bound)  # one instruction each, unlike nested selections
-    return x * dr.fma(t, horner(coefficients, t * t), 0.5)
-
-
-def horner(coefficients: Sequence[float], u):
-    """The polynomial of u with these coefficients, at least two, lowest power first."""
-    *others, second, first = coefficients
-    total = dr.fma(u, first, second)
+    *others, second, highest = coefficients  # of a polynomial of t^2, lowest power first
+    u = t * t
+    total = dr.fma(u, highest, second)
     for coefficient in reversed(others):
         total = dr.fma(u, total, coefficient)
-    return total
+    return x * dr.fma(t, total, 0.5)
 
 
 def dense(x: Sequence, weight: np.ndarray, bias: Sequence) -> list:

@@ -94,14 +94,20 @@ def define(proposal_bsdf: type):
         Andersson et al., OpenPBR Surface 1.1.1, Academy Software Foundation.
         """
         inputs = Inputs(props)
-        reference = _is_reference(props)
+        reference = props.get("reference", False)
+        if isinstance(reference, str):
+            if reference not in COATS:
+                raise ParameterError(
+                    f"reference is '{reference}'; choose one of {', '.join(COATS)}"
+                )
+            reference = reference == COATS[1]
         compensated = bool(props.get("energy_compensation", True))
         options = {name: props[name] for name in ("resolution", "weights") if name in props}
         for name in options:
             props.mark_queried(name)
 
         def opaque(inputs: Inputs) -> "mi.BSDF":
-            maker = _Maker(inputs, base_class, COATS[reference], {} if reference else options)
+            maker = _Maker(inputs, base_class, COATS[bool(reference)], {} if reference else options)
             return surface_class(inputs, lambda former: maker.layers(former, compensated))
 
         if transmission.transmits(inputs):
@@ -118,16 +124,6 @@ def define(proposal_bsdf: type):
         return bsdf
 
     return openpbr
-
-
-def _is_reference(props: "mi.Properties") -> bool:
-    """Whether the coat is a random walk, said by a boolean or by the coat's plugin."""
-    value = props.get("reference", False)
-    if isinstance(value, str):
-        if value not in COATS:
-            raise ParameterError(f"reference is '{value}'; choose one of {', '.join(COATS)}")
-        return value == COATS[1]
-    return bool(value)
 
 
 class _Maker:
