@@ -256,19 +256,13 @@ def facet_nodes(
 
 
 class Facets(NamedTuple):
-    """K facets that are seen from N directions.
+    """K facets that are seen from N directions."""
 
-    Attributes:
-        seen: (N, 1) cosines of the directions. cosine: (N, K) of facet and direction.
-        z: (N, K) of the facets' normals. masking: (N, K) of what they reflect.
-        weight: (K,) of the facets, of sum one.
-    """
-
-    seen: np.ndarray
-    cosine: np.ndarray
-    z: np.ndarray
-    masking: np.ndarray
-    weight: np.ndarray
+    seen: np.ndarray  # (N, 1) cosines of the directions
+    cosine: np.ndarray  # (N, K) of facet and direction
+    z: np.ndarray  # (N, K) of the facets' normals
+    masking: np.ndarray  # (N, K) of what they reflect
+    weight: np.ndarray  # (K,) of the facets, of sum one
 
 
 def visible_facets(

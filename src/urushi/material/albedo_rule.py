@@ -42,24 +42,16 @@ class AlbedoRule(NamedTuple):
     """A quadrature of M nodes for the albedo at K angles, and its interpolation to D angles.
 
     K and D count the angles of all azimuths, one azimuth after the other.
-
-    Attributes:
-        wi, wo: read-only float32 (M, 3).
-        features: float32 (M, F), the decoder's input features of wi and wo.
-        weights: (M,), wo's cosine included; the nodes of an angle are contiguous.
-        first: (K,) index of the first node of each angle.
-        cosines: (D,) of the wi at which albedos are interpolated.
-        polynomial: (D, K), maps albedos at the angles to the polynomial's albedos at `cosines`.
-        left: (D,) index of the left neighbour among the angles, whose cosines fall; at most K - 2.
     """
 
-    wi: np.ndarray
-    wo: np.ndarray
-    features: np.ndarray
-    weights: np.ndarray
-    first: np.ndarray
-    cosines: np.ndarray
-    polynomial: np.ndarray
+    wi: np.ndarray  # read-only float32 (M, 3)
+    wo: np.ndarray  # read-only float32 (M, 3)
+    features: np.ndarray  # float32 (M, F), the decoder's input features of wi and wo
+    weights: np.ndarray  # (M,), wo's cosine included; the nodes of an angle are contiguous
+    first: np.ndarray  # (K,) index of the first node of each angle
+    cosines: np.ndarray  # (D,) of the wi at which albedos are interpolated
+    polynomial: np.ndarray  # (D, K), from albedos at the angles to the polynomial's at `cosines`
+    # (D,) index of the left neighbour among the angles, whose cosines fall; at most K - 2.
     left: np.ndarray
 
     def albedo(self, f: np.ndarray) -> np.ndarray:

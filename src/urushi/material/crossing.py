@@ -29,17 +29,11 @@ TINY = np.float32(1e-12)
 
 
 class Crossing(NamedTuple):
-    """Light that crosses an interface, from directions outside to directions inside.
+    """Light that crosses an interface, from directions outside to directions inside."""
 
-    Attributes:
-        inside: the directions inside; the normal where light does not cross.
-        weight: transmitted fraction of the light over the density; 0 where no light crosses.
-        density: probability density of the inner direction [1/sr], given the outer one.
-    """
-
-    inside: Vector
-    weight: np.ndarray
-    density: np.ndarray
+    inside: Vector  # the directions inside; the normal where light does not cross
+    weight: np.ndarray  # transmitted fraction of the light over the density; 0 where none crosses
+    density: np.ndarray  # of probability of the inner direction [1/sr], given the outer one
 
 
 def cross(cosine: np.ndarray, alpha: float, eta: float, u: np.ndarray) -> Crossing:

@@ -50,19 +50,12 @@ DIELECTRIC, DIFFUSE_QUANTILE = 1 / 9, 0.2
 
 
 class SourceValues(NamedTuple):
-    """Values of a source of `encode`.
+    """Values of a source of `encode`."""
 
-    Attributes:
-        values: float32 (N, C) [1/sr], made isotropic and reciprocal.
-        deviations: of the source from what a material can represent.
-        measured: whether the source is a measured BRDF.
-        lobe: as in `Source`.
-    """
-
-    values: np.ndarray
-    deviations: Deviations
-    measured: bool
-    lobe: np.ndarray | None = None
+    values: np.ndarray  # float32 (N, C) [1/sr], made isotropic and reciprocal
+    deviations: Deviations  # of the source from what a material can represent
+    measured: bool  # whether the source is a measured BRDF
+    lobe: np.ndarray | None = None  # as in `Source`
 
 
 def encode(

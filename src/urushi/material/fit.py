@@ -116,20 +116,13 @@ LEAST_VARIANCE = 1e-6
 
 
 class FitTarget(NamedTuple):
-    """Target values of a fit at N pairs: the P probe pairs, and the albedo nodes if known.
+    """Target values of a fit at N pairs: the P probe pairs, and the albedo nodes if known."""
 
-    Attributes:
-        features: (N, D) of the pairs; logs: (N,) of ln(f + `DARK_OFFSET`); weights: (N,), their
-            sum is 1.
-        top: (N,) [1/sr] the part of f that the code's lobe reflects.
-        probes: P.
-    """
-
-    features: np.ndarray
-    logs: np.ndarray
-    weights: np.ndarray
-    top: np.ndarray
-    probes: int
+    features: np.ndarray  # (N, D) of the pairs
+    logs: np.ndarray  # (N,) of ln(f + `DARK_OFFSET`)
+    weights: np.ndarray  # (N,), their sum is 1
+    top: np.ndarray  # (N,) [1/sr] the part of f that the code's lobe reflects
+    probes: int  # P
 
 
 def fit_target(

@@ -54,35 +54,26 @@ _GOLDEN = 0.6180339887498949
 class Pairs(NamedTuple):
     """Pairs of directions of a fit.
 
-    Attributes:
-        wi, wo: float32 (N, 3). The last `ANGLES` x `PER_ANGLE` pairs measure the albedos.
-        share: (N,) weights of the errors; their sum is 1.
-        light: (ANGLES, PER_ANGLE) weights by which the sum of f is an estimate of the albedo.
+    The last `ANGLES` x `PER_ANGLE` pairs measure the albedos.
     """
 
-    wi: np.ndarray
-    wo: np.ndarray
-    share: np.ndarray
+    wi: np.ndarray  # float32 (N, 3)
+    wo: np.ndarray  # float32 (N, 3)
+    share: np.ndarray  # (N,) weights of the errors; their sum is 1
+    # (ANGLES, PER_ANGLE) weights by which the sum of f is an estimate of the albedo.
     light: np.ndarray
 
 
 class Aim(NamedTuple):
-    """Target values of one channel.
+    """Target values of one channel."""
 
-    Attributes:
-        features: (N, D) of the pairs.
-        top, f: (N,) [1/sr] what the code's lobe reflects, and the simulated values.
-        allowed: (`ANGLES`,) excesses of the albedos that are not penalised: their standard errors.
-        pairs: the pairs.
-        start: (L,) the encoder's code.
-    """
-
-    features: np.ndarray
-    top: np.ndarray
-    f: np.ndarray
+    features: np.ndarray  # (N, D) of the pairs
+    top: np.ndarray  # (N,) [1/sr] what the code's lobe reflects
+    f: np.ndarray  # (N,) [1/sr] the simulated values
+    # (`ANGLES`,) excesses of the albedos that are not penalised: their standard errors.
     allowed: np.ndarray
     pairs: Pairs
-    start: np.ndarray
+    start: np.ndarray  # (L,) the encoder's code
 
 
 def fit_to_walks(
