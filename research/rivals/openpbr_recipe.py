@@ -116,8 +116,8 @@ def _base(p: dict[str, Any], pairs: _Pairs, recipe: Recipe) -> np.ndarray:
     rough = rough + coat * (covered - rough)
     widths = _widths(rough, p["specular_roughness_anisotropy"])
     reflection, passed = _dielectric(pairs, _index(p), widths, recipe)
-    cosines = eon.Cosines(pairs.i, pairs.o, np.maximum(pairs.between, 0))
-    diffuse = p["base_weight"] * eon.f(cosines, p["base_color"], p["base_diffuse_roughness"])
+    cosines = pairs.i, pairs.o, np.maximum(pairs.between, 0)
+    diffuse = p["base_weight"] * eon.f(*cosines, p["base_color"], p["base_diffuse_roughness"])
     dielectric = p["specular_color"] * reflection + passed(pairs.i) * diffuse
     f82 = fresnel.f82(pairs.facet, p["base_weight"] * p["base_color"], p["specular_color"])
     shine = p["specular_weight"] * f82 * _lobe(pairs, widths)

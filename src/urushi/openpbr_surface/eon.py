@@ -8,20 +8,12 @@ single-scattering term is Fujii's (2012).
 """
 
 import math
-from typing import Any, NamedTuple
+from typing import Any
 
 from urushi.core.namespace import NUMPY, Namespace
 
 _FIRST = 0.5 - 2 / (3 * math.pi)
 _SECOND = 2 / 3 - 28 / (15 * math.pi)
-
-
-class Cosines(NamedTuple):
-    """Cosines of wi and wo to the normal, and the cosine between wi and wo."""
-
-    i: Any
-    o: Any
-    between: Any
 
 
 def single_albedo(cosine: Any, roughness: Any, xp: Namespace = NUMPY) -> Any:
@@ -73,13 +65,15 @@ def mean_albedo(color: Any, roughness: Any) -> Any:
     return color * mean + multiple_albedo(color, roughness) * (1 - mean)
 
 
-def f(cosines: Cosines, color: Any, roughness: Any, xp: Namespace = NUMPY) -> Any:
-    """The BRDF [1/sr], without cosine."""
-    s = cosines.between - cosines.i * cosines.o
-    larger = xp.maximum(xp.maximum(cosines.i, cosines.o), 1e-7)
-    shape = xp.minimum(s, 0) + xp.maximum(s, 0) / larger
+def f(i: Any, o: Any, between: Any, color: Any, roughness: Any, xp: Namespace = NUMPY) -> Any:
+    """The BRDF [1/sr], without cosine.
+
+    i, o: cosines of wi and wo. between: the cosine between wi and wo.
+    """
+    s = between - i * o
+    shape = xp.minimum(s, 0) + xp.maximum(s, 0) / xp.maximum(xp.maximum(i, o), 1e-7)
     single = color * (1 + roughness * shape) / (1 + _FIRST * roughness)
-    lost = [1 - single_albedo(cosine, roughness, xp) for cosine in (cosines.i, cosines.o)]
+    lost = [1 - single_albedo(cosine, roughness, xp) for cosine in (i, o)]
     # For a roughness of zero nothing is lost, and the quotient is 0 / 0.
     share = lost[0] * lost[1] / xp.maximum(1 - single_mean(roughness), 1e-7)
     return (single + multiple_albedo(color, roughness) * share) / math.pi

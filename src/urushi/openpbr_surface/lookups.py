@@ -241,8 +241,8 @@ class RoughSlab:
         internal = 1 - direct
         rho = formulas.slab_albedo(color, internal)
 
-        cosines = eon.Cosines(inside[0], inside[1], _between(wi, wo, inside))
-        first = direct * eon.f(cosines, rho, roughness, DRJIT)
+        cosines = inside[0], inside[1], _between(wi, wo, inside)
+        first = direct * eon.f(*cosines, rho, roughness, DRJIT)
         more = direct * eon.deviation(roughness)
         kept = internal - more * (excess[0] + excess[1] - excess_mean)
         albedos = [eon.albedo(cosine, rho, roughness, DRJIT) for cosine in inside]

@@ -59,8 +59,10 @@ def definition_of(node: Any) -> Any | None:
         return node.getNodeDef("", True)
 
 
-def declared_inputs(definition: Any) -> dict[str, Any]:
-    """The inputs of a definition by name, those that it inherits included."""
+def declared_inputs(definition: Any | None) -> dict[str, Any]:
+    """The inputs of a definition by name, those that it inherits included; none of None."""
+    if definition is None:
+        return {}
     with _without_cycles(definition):
         return {element.getName(): element for element in definition.getActiveInputs()}
 
@@ -134,9 +136,7 @@ class Graph:
         """The inputs of a node's definition by name; empty if there is none."""
         key = frame, node.getNamePath()
         if key not in self._inputs:
-            definition = definition_of(node)
-            found = {} if definition is None else declared_inputs(definition)
-            self._inputs[key] = found
+            self._inputs[key] = declared_inputs(definition_of(node))
         return self._inputs[key]
 
     def source(self, node: Any, name: str, frame: Frame) -> Source | None:
@@ -221,8 +221,8 @@ class Graph:
             default = declared_inputs(frame.definition).get(name)
             return None if default is None else (default, frame)
         declared = frame.scope.getInput(name)
-        if declared is None and (definition := frame.scope.getNodeDef()) is not None:
-            declared = declared_inputs(definition).get(name)
+        if declared is None:
+            declared = declared_inputs(frame.scope.getNodeDef()).get(name)
         if declared is None and frame.outer is None:
             raise FileError(
                 f"{self.named(node)} reads '{name[:60]}' from a node graph, but is not inside one"
