@@ -49,28 +49,21 @@ def read(
     model = model_of_file(path, description.get("weights"), model)
     try:
         del description["kind"]
-        store, grid = _store(description, arrays, model)
+        packed = PackedTexels(arrays["texels"], arrays["lowest"], arrays["step"])
+        checksum = description.pop("checksum")
+        if checksum != _checksum(description, packed):
+            raise ValueError("its content has changed")
+        entries: dict[str, Any] = {
+            n: tuple(x) if isinstance(x, list) else x for n, x in description["layout"].items()
+        }
+        place, size = description["place"], (description["width"], description["height"])
+        place["to_texture"] = tuple(map(tuple, place["to_texture"]))
+        mipmaps, grid = description["levels"] > 1, TexelGrid(*size, **place)
+        store = TextureStore(model, TexelLayout(**entries), *size, mipmaps=mipmaps)
+        store.packed = packed
     except (KeyError, TypeError, ValueError) as error:
         raise FileError(f"the texture file '{path}' is damaged ({error}); save it again") from error
     return store, grid, model
-
-
-def _store(
-    description: dict[str, Any], arrays: dict[str, np.ndarray], model: Model
-) -> tuple[TextureStore, TexelGrid]:
-    packed = PackedTexels(arrays["texels"], arrays["lowest"], arrays["step"])
-    checksum = description.pop("checksum")
-    if checksum != _checksum(description, packed):
-        raise ValueError("its content has changed")
-    entries: dict[str, Any] = {
-        n: tuple(x) if isinstance(x, list) else x for n, x in description["layout"].items()
-    }
-    place = dict(description["place"])
-    place["to_texture"] = tuple(map(tuple, place["to_texture"]))
-    size = description["width"], description["height"]
-    store = TextureStore(model, TexelLayout(**entries), *size, mipmaps=description["levels"] > 1)
-    store.packed = packed
-    return store, TexelGrid(*size, **place)
 
 
 def _checksum(description: Mapping[str, Any], packed: PackedTexels) -> int:
