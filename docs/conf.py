@@ -3,6 +3,9 @@
 import sys
 from pathlib import Path
 
+import numpy.typing as npt
+from sphinx.util.typing import stringify_annotation
+
 DOCS = Path(__file__).parent
 sys.path[:0] = [str(DOCS / "_ext"), str(DOCS.parent / "src")]
 
@@ -37,7 +40,7 @@ myst_heading_anchors = 4
 myst_links_external_new_tab = False
 
 autodoc_member_order = "bysource"
-autodoc_typehints = "none"  # docstrings give shapes, units and ranges, which types do not
+python_maximum_signature_line_length = 88
 napoleon_numpy_docstring = False
 napoleon_use_rtype = False
 napoleon_custom_sections = [("Warns", "returns_style")]
@@ -59,3 +62,17 @@ html_theme_options = {
         "color-brand-visited": "#c98d7c",
     },
 }
+
+ARRAY_LIKE = stringify_annotation(npt.ArrayLike, "smart")
+
+
+def short_types(app, what, name, obj, options, signature, result):
+    """The signature that autodoc shows, with NumPy's name of what `ArrayLike` stands for."""
+    if signature is None:
+        return None
+    named = signature.replace(ARRAY_LIKE, "~numpy.typing.ArrayLike")
+    return named.replace("<factory>", "..."), result
+
+
+def setup(app):
+    app.connect("autodoc-process-signature", short_types)
