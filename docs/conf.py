@@ -47,7 +47,7 @@ napoleon_custom_sections = [("Warns", "returns_style")]
 
 html_math_renderer = "mathml"
 html_theme = "furo"
-html_title = "Urushi"
+html_title = f"Urushi {release}"
 html_static_path = ["_static"]
 html_css_files = ["urushi.css"]
 html_theme_options = {
