@@ -1,4 +1,5 @@
 import { defineConfig } from "vitest/config";
+import { licences } from "./licences";
 import { sources } from "./sources";
 
 const plainNames = {
@@ -9,7 +10,7 @@ const plainNames = {
 
 export default defineConfig({
   base: "./",
-  plugins: [sources()],
+  plugins: [licences(), sources()],
   build: {
     // The built page ships with the Python package, so that using it needs no Node.
     outDir: "../src/urushi/app/page",
