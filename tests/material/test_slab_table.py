@@ -125,6 +125,21 @@ def test_clear_slabs_keep_as_much_light_as_the_analog_walk() -> None:
         assert np.all(np.abs((reflected + passed)[:, 0] - kept[:, 0]) < bound)
 
 
+def test_coats_on_glass_keep_their_light_near_the_horizon_and_beyond_total_reflection() -> None:
+    """Light of the horizon refracts into few cells of a table. The bounds are 4 % of the light."""
+    cosines = np.array([0.7, 0.6, 0.45, 0.3, 0.2, 0.1, 0.05])
+    wi = np.stack([np.sqrt(1 - cosines**2), 0 * cosines, cosines], axis=1).astype(np.float32)
+    sharp_on_rough = ([(0.3, 1.4 / 1.5, *CLEAR)], (0.01, 1 / 1.4))  # from inside glass
+    for layers, seen, part in (
+        (([(0.1, 1.4, *CLEAR)], (0.1, 1.5 / 1.4)), wi[2:], 1),
+        (([(0.02, 1.3, *CLEAR)], (0.02, 1.5 / 1.3)), wi[2:], 1),
+        (sharp_on_rough, wi[:4], 0),
+    ):
+        found = tables(layers).shares(seen)[part]
+        kept, _ = analog_albedo(described(layers), seen, walks=1 << 15, transmitted=bool(part))
+        assert np.abs(found - kept)[:, 0].max() < 0.04
+
+
 def test_smooth_layers_have_fresnels_shares() -> None:
     """A film between two media: R and T of all light mirrored to and fro (Stokes 1862)."""
     found = tables(([(0.02, 1.3, *CLEAR)], (0.02, 1.5 / 1.3)))

@@ -5,13 +5,22 @@ import pytest
 
 from urushi.core.direction_sets import cosine_pairs, half_angle_pairs
 from urushi.core.error_metrics import stack_error
+from urushi.core.namespace import NUMPY
 from urushi.material import Material, encode, layer
 from urushi.material.table import (
+    HIGHEST,
+    LOWEST,
     SHAPE,
+    TAN2_OFFSET,
+    completed,
     interpolated,
+    knots_of,
+    knotted,
+    known_nodes,
     node_directions,
     pair_coordinates,
     rest_table,
+    unknotted,
 )
 from urushi.walk import conductor, dielectric, diffuse
 
@@ -70,3 +79,26 @@ def test_lobes_alone_need_no_table(model):
     metal, white = encode(conductor(0.2, r0=0.9), model), encode(diffuse(0.9), model)
     assert rest_table(model.networks, metal.latents) is None
     assert rest_table(model.networks, white.latents).shape == (*SHAPE, 3)
+
+
+def test_angles_of_total_reflection_are_nodes() -> None:
+    """Seen from glass, below a coat: the angles whose sines are the quotients of the indices."""
+    sines = np.array([1.0, 1.3]) / 1.5
+    knots = knots_of(sines.tolist())
+    places = [node / (SHAPE[1] - 1) for _, node in knots]
+    half = np.arcsin(sines) / 2
+    np.testing.assert_allclose(unknotted(np.array(places), knots), 2**0.5 * np.sin(half))
+    v = np.linspace(0, 1, 101)
+    np.testing.assert_allclose(unknotted(knotted(v, knots, NUMPY), knots), v, atol=1e-12)
+    assert all(node in known_nodes(knots)[1] for _, node in knots)
+
+
+def test_values_at_a_part_of_the_nodes_tell_the_others() -> None:
+    """The logarithm of GGX is smooth, and a bend at a knot does not reach beyond it."""
+    knots = knots_of([1 / 1.5])
+    u, v, _ = np.ix_(*(np.linspace(0, 1, count) for count in SHAPE))
+    tan2 = np.exp(LOWEST + u * (HIGHEST - LOWEST)) - TAN2_OFFSET
+    bend = np.exp(5 * np.minimum(unknotted(v, knots), knots[0][0]))
+    f = np.broadcast_to(bend / (0.1**2 + tan2) ** 2, SHAPE)[..., None]
+    known = np.ix_(*known_nodes(knots))
+    np.testing.assert_allclose(completed(f[known], knots), f, rtol=0.02)

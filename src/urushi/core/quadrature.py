@@ -3,6 +3,8 @@
 The energy limit has a rule of its own with far fewer nodes, `urushi.material.albedo_rule`.
 """
 
+import functools
+
 import numpy as np
 
 from urushi.core.half_vector import turned
@@ -11,6 +13,9 @@ from urushi.core.half_vector import turned
 POLAR_NODES, AZIMUTH_NODES = 48, 16
 #: Least tan theta_h. Smaller half angles hold 1e-6 of a lobe of alpha = 0.01.
 MIN_TANGENT = 1e-5
+
+#: Nodes and weights of Gauss and Legendre in [-1, 1], by their number.
+gauss = functools.cache(np.polynomial.legendre.leggauss)
 
 
 def half_vector_rule(wi: np.ndarray, *, anisotropic: bool = False) -> tuple[np.ndarray, np.ndarray]:
@@ -29,13 +34,13 @@ def half_vector_rule(wi: np.ndarray, *, anisotropic: bool = False) -> tuple[np.n
     wi = np.asarray(wi, np.float64)
     c = wi[:, 2, None, None]
     s = np.hypot(wi[:, 0], wi[:, 1])[:, None, None]
-    nodes, weights = np.polynomial.legendre.leggauss(AZIMUTH_NODES * (1 + anisotropic))
+    nodes, weights = gauss(AZIMUTH_NODES * (1 + anisotropic))
     quarter = 0.25 * np.pi * (nodes + 1.0)
     phi = np.concatenate([quarter, np.pi - quarter])[:, None]
     phi_weight = np.tile(2.0 * 0.25 * np.pi * weights, 2)[:, None]  # both sides of the plane
     if anisotropic:
         phi, phi_weight = np.concatenate([phi, -phi]), np.tile(0.5 * phi_weight, (2, 1))
-    nodes, weights = np.polynomial.legendre.leggauss(POLAR_NODES)
+    nodes, weights = gauss(POLAR_NODES)
     end = 0.5 * (0.5 * np.pi + np.arctan2(s * np.cos(phi), c))
     first = np.log(MIN_TANGENT)
     span = np.maximum(np.log(np.tan(end)) - first, 0.0)

@@ -23,7 +23,7 @@ import numpy as np
 
 from urushi.core import fresnel
 from urushi.core.namespace import NUMPY
-from urushi.core.quadrature import half_vector_rule
+from urushi.core.quadrature import gauss, half_vector_rule
 from urushi.material.crossing import inner_albedo
 from urushi.nets import lobe as lobes
 
@@ -44,8 +44,6 @@ FIRST_DEPTH, LEAST_SCATTERING = 1e-4, 1e-6
 
 #: Rounds of the scalings that give rows their sums.
 ROUNDS = 20
-
-_gauss = functools.cache(np.polynomial.legendre.leggauss)
 
 #: Ascending angles inside a medium at which light begins to be totally reflected.
 Edges = tuple[float, ...]
@@ -76,7 +74,7 @@ class Grid:
         parts = []
         for start, end in itertools.pairwise((0.0, *edges, 0.5 * np.pi)):
             share = (end - start) / (0.5 * np.pi)
-            nodes, weights = _gauss(max(round(elevations * share), 4))
+            nodes, weights = gauss(max(round(elevations * share), 4))
             half = 0.5 * (end - start)
             parts.append((start + half * (nodes + 1), half * weights))
         self.angles, weights = np.concatenate(parts, axis=1)
@@ -271,7 +269,7 @@ def to_and_fro(
     times = 1 / (1 - upper * lower * left * left)
 
     def lookup(table: np.ndarray) -> Callable[[np.ndarray], np.ndarray]:
-        return lambda cosine: table[(cosine * (COSINES - 1)).astype(np.intp)]
+        return lambda cosine: table.take((cosine * (COSINES - 1)).astype(np.intp), axis=0)
 
     return lookup(left * times), lookup(np.sqrt(times))
 

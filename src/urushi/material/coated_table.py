@@ -30,14 +30,15 @@ from urushi.material.crossing import Crossing, Vector, cross, crossing_at, facet
 from urushi.material.material import Material
 from urushi.material.table import (
     HIGHEST,
-    KNOWN,
     LOWEST,
     SHAPE,
     TAN2_OFFSET,
+    Knots,
     completed,
     coordinates,
     interpolated,
     interpolated_at,
+    known_nodes,
     node_pairs,
     pair_coordinates,
     table_of_values,
@@ -47,8 +48,8 @@ from urushi.parallel import fill_blocks
 
 #: Half vectors are drawn in proportion to this power of the bottom's mean f over the half angle.
 #: The mean itself would spend most of them on wide lobes, which the interface's pairs sample as
-#: well.
-PEAK_POWER = 2.0
+#: well. In slabs, rough interfaces between similar media widen light less than their facets do.
+PEAK_POWER, SLAB_POWER = 2.0, 1.5
 
 #: Nodes in the table's v of that mean: difference angles up to 45 degrees, as below a coat.
 PEAK_NODES = 17
@@ -67,9 +68,18 @@ COSINES = np.array([1.0, 0.9, 0.75, 0.6, 0.45, 0.3, 0.2, 0.1, 0.05, 0.02, 0.01])
 ROUNDS = 4
 
 
-#: The `adding.Edges` of the medium of a slab, and how the lowest interface under it mirrors light;
-#: None: the bottom is a table.
-Inside = tuple[adding.Edges, adding.Mirror | None]
+class Inside(NamedTuple):
+    """A coat of a slab.
+
+    Attributes:
+        edges: of its medium.
+        lower: how the lowest interface under it mirrors light; None: the bottom is a table.
+        knots: of the table of the coated material.
+    """
+
+    edges: adding.Edges
+    lower: adding.Mirror | None
+    knots: Knots
 
 
 class HalfVectors(NamedTuple):
@@ -108,6 +118,7 @@ class Below(NamedTuple):
         times: of slabs, the factor of each direction of light from the lobe; see
             `adding.to_and_fro`.
         peak: the bottom's half vectors.
+        knots: of the table.
     """
 
     table: np.ndarray
@@ -115,10 +126,11 @@ class Below(NamedTuple):
     depth: np.ndarray
     times: Callable[[np.ndarray], np.ndarray] | None
     peak: HalfVectors
+    knots: Knots
 
 
 def coated_rest(bottom: Material, coat: CoatParameters, slab: Inside | None = None) -> np.ndarray:
-    """f float32 (N, C) [1/sr] at `node_pairs` of a coated material without the interface's lobe.
+    """f float32 (N, C) [1/sr] at the nodes of a coated material without the interface's lobe.
 
     Args:
         bottom: a material with a table, of C or one channel.
@@ -127,11 +139,13 @@ def coated_rest(bottom: Material, coat: CoatParameters, slab: Inside | None = No
     """
     pairs = node_pairs()
     if slab:
-        pairs = tuple(w.reshape(*SHAPE, 3)[KNOWN].reshape(-1, 3) for w in pairs)
+        rows = np.ix_(*known_nodes(slab.knots))
+        pairs = tuple(w.reshape(*SHAPE, 3)[rows].reshape(-1, 3) for w in node_pairs(1, slab.knots))
     parameters = np.stack([*np.broadcast_arrays(*coat, np.zeros(bottom.channels))][:5])
     result = np.empty((len(pairs[0]), parameters.shape[1]), np.float32)
-    modes = adding.bottom_modes(bottom.f, slab[0] if slab else ())
-    peak = half_vectors(bottom.f(*node_pairs()).reshape(*SHAPE, -1))
+    modes = adding.bottom_modes(bottom.f, slab.edges if slab else ())
+    values = bottom.f(*node_pairs(1, bottom.knots)).reshape(*SHAPE, -1)
+    peak = half_vectors(values, SLAB_POWER if slab else PEAK_POWER)
     for interface in np.unique(parameters[:2], axis=1).T:
         chosen = np.flatnonzero((parameters[:2] == interface[:, None]).all(axis=0))
         own = np.minimum(chosen, bottom.channels - 1)
@@ -149,8 +163,8 @@ def coated_rest(bottom: Material, coat: CoatParameters, slab: Inside | None = No
         values = values @ weights if len(weights) < len(first) else values
         result[:, chosen] = values[:, which]
     if slab:
-        every = completed(result.reshape(len(KNOWN), *SHAPE[1:], -1))
-        return every.reshape(-1, parameters.shape[1])
+        shape = *(row.size for row in rows), *SHAPE[2:], -1
+        return completed(result.reshape(shape), slab.knots).reshape(-1, parameters.shape[1])
     return result
 
 
@@ -190,7 +204,8 @@ def coated_table(
     def top(wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
         return lobes.f(own, wi[:, None].astype(np.float64), wo[:, None].astype(np.float64))
 
-    of_rest = _albedos_of_values(rest)
+    knots = slab.knots if slab else ()
+    of_rest = _albedos_of_values(rest, knots)
     of_top = adding.albedos(top, COSINES)
     ceiling = np.full(rest.shape[1], 1 - energy.MARGIN)
     if (of_rest + of_top > ceiling).any():
@@ -201,30 +216,30 @@ def coated_table(
         factors = np.minimum(allowed / np.maximum(of_rest, energy.LEAST_ALBEDO), 1)
         if (factors == 1).all():
             break
-        rest *= least_factors(factors)
-        of_rest = _albedos_of_values(rest)
+        rest *= least_factors(factors, knots)
+        of_rest = _albedos_of_values(rest, knots)
     return table_of_values(rest)
 
 
-def least_factors(factors: np.ndarray) -> np.ndarray:
+def least_factors(factors: np.ndarray, knots: Knots) -> np.ndarray:
     """The lesser (N, C) of both factors at `node_pairs`, of factors (M, C) at `COSINES`.
 
     It keeps f reciprocal.
     """
     columns = [
-        np.minimum(*(np.interp(w[:, 2], COSINES[::-1], column[::-1]) for w in node_pairs()))
+        np.minimum(*(np.interp(w[:, 2], COSINES[::-1], column[::-1]) for w in node_pairs(1, knots)))
         for column in factors.T
     ]
     return np.stack(columns, axis=1).astype(np.float32)
 
 
-def _albedos_of_values(f: np.ndarray) -> np.ndarray:
+def _albedos_of_values(f: np.ndarray, knots: Knots) -> np.ndarray:
     """Albedos (N, C) at `COSINES` of the table of values f (M, C) at `node_pairs`."""
     table = table_of_values(f).astype(np.float32)
-    return adding.albedos(lambda *w: interpolated(table, *w), COSINES)
+    return adding.albedos(lambda wi, wo: interpolated(table, wi, wo, knots), COSINES)
 
 
-def half_vectors(f: np.ndarray, power: float = PEAK_POWER) -> HalfVectors:
+def half_vectors(f: np.ndarray, power: float) -> HalfVectors:
     """The distribution of half vectors at which values f (U, ...) at a table's nodes are bright."""
     nodes = np.linspace(0, 1, SHAPE[0])
     tan2 = np.maximum(np.exp(LOWEST + nodes * (HIGHEST - LOWEST)) - TAN2_OFFSET, 0)
@@ -248,8 +263,8 @@ def _below(
 ) -> Below:
     """What lies below for channels (C,) of the bottom under media (3, C), all different."""
     assert bottom.table is not None  # for the type checker
-    wi, wo = node_pairs()
-    edges = slab[0] if slab else ()
+    wi, wo = node_pairs(1, bottom.knots)
+    edges = slab.edges if slab else ()
     own, back = adding.grid(edges), adding.interface_modes(*interface, edges=edges)
     inverse = (1 / wi[:, 2] + 1 / wo[:, 2]).reshape(SHAPE)
     direct, more, depths, times = [], [], [], None
@@ -262,7 +277,7 @@ def _below(
     values = np.stack(direct, axis=-1)
     if slab:
         shares = [own.mirror_shares(modes[channel]) for channel in channels]
-        lower = slab[1] or own.function(np.stack(shares, axis=-1))
+        lower = slab.lower or own.function(np.stack(shares, axis=-1))
         times = adding.to_and_fro(depths, adding.mirror(*interface, edges=edges), lower)[1]
         values *= (times(wi[:, 2]) * times(wo[:, 2])).reshape(values.shape)
     table = np.log(np.maximum(values + np.stack(more, axis=-1), 1e-30)).astype(np.float32)
@@ -270,7 +285,7 @@ def _below(
     if bottom.beside_lobe:
         lobe = bottom.latents[channels, : bottom.model.arch.lobe]
         lobe = lobe[:1] if (lobe == lobe[:1]).all() else lobe
-    return Below(table, lobe, np.array(depths, np.float32), times, peak)
+    return Below(table, lobe, np.array(depths, np.float32), times, peak, bottom.knots)
 
 
 def _spanning(below: Below) -> tuple[Below, np.ndarray]:
@@ -282,7 +297,7 @@ def _spanning(below: Below) -> tuple[Below, np.ndarray]:
     channels = below.table.shape[-1]
     if channels <= 3:
         return below, np.eye(channels, dtype=np.float32)
-    wi, wo = node_pairs()
+    wi, wo = node_pairs(1, below.knots)
     s = np.exp(below.table.reshape(-1, channels))
     if below.lobe is not None:
         inverse = (1 / wi[:, 2] + 1 / wo[:, 2])[:, None]
@@ -309,7 +324,7 @@ def _spanning(below: Below) -> tuple[Below, np.ndarray]:
 def _crossed(below: Below, alpha: float, eta: float, wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
     """f float32 (N, C) of pairs (N, 3), without the interface's lobe (see the module)."""
     if eta == 1:
-        return _seen(below, wi, wo, pair_coordinates(wi, wo))
+        return _seen(below, wi, wo, pair_coordinates(wi, wo, 1, below.knots))
     cosines = wi[:, 2, None], wo[:, 2, None]
     cross_product = wi[:, 0] * wo[:, 1] - wi[:, 1] * wo[:, 0]
     turn = np.arctan2(cross_product, wi[:, 0] * wo[:, 0] + wi[:, 1] * wo[:, 1])[:, None]
@@ -339,7 +354,7 @@ def _weighted(below: Below, a: Crossing, b: Crossing) -> np.ndarray:
     ]
     x, y, z = (p + q for p, q in zip(*inside, strict=True))
     apart = Components(None, None, inside[0][2] - inside[1][2])
-    places = coordinates(Components(x, y, z), apart, 1, NUMPY)
+    places = coordinates(Components(x, y, z), apart, 1, NUMPY, below.knots)
     # Reflection about a half vector stretches solid angles by 4 cos theta_d.
     drawn = below.peak.density_at(places[0]) / (2 * np.sqrt(x * x + y * y + z * z))
     least = np.float32(1e-30)

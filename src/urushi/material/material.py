@@ -15,7 +15,7 @@ from urushi.core.quadrature import half_vector_rule
 from urushi.errors import FileError, ParameterError, UrushiWarning
 from urushi.export.networks import FTable
 from urushi.export.program import material_text
-from urushi.material.table import SHAPE, coordinates, interpolated
+from urushi.material.table import SHAPE, Knots, coordinates, interpolated
 from urushi.nets import lobe as lobes
 from urushi.nets.sampler import mixture_pdf, sample_mixture
 from urushi.nets.weights import Model, Weights, find, model_of_file
@@ -64,6 +64,7 @@ class Material:
         rotation: angle [degrees] by which the tangent is turned about the normal,
             counter-clockwise, see `rotated`; 0 for isotropic networks. Default: 0.
         coating: its topmost coat, if `layer` made it. Default: None.
+        knots: of the table, where it is of a slab; files do not hold them. Default: ().
 
     Materials equal each other if codes, tables, rotations and networks do.
     """
@@ -75,6 +76,7 @@ class Material:
     rotation: float = 0.0
     beside_lobe: bool = False
     coating: Coating | None = None
+    knots: Knots = ()
 
     def __post_init__(self) -> None:
         latents = _checked(self.latents, self.model, "latents")
@@ -163,7 +165,7 @@ class Material:
 
     def _tabulated(self, wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
         assert self.table is not None  # for the type checker
-        f = interpolated(self.table, wi, wo)
+        f = interpolated(self.table, wi, wo, self.knots)
         if self.beside_lobe:
             f = f + lobes.f(self.latents[:, : self.model.arch.lobe], wi[:, None], wo[:, None])
         return np.where(_above(wi, wo)[:, None], f, np.float32(0.0))

@@ -19,6 +19,7 @@ directions are drawn from both sides.
 """
 
 import functools
+import itertools
 import math
 from collections.abc import Callable
 from dataclasses import replace
@@ -34,6 +35,7 @@ from urushi.material import adding, energy
 from urushi.material.coated_table import (
     COSINES,
     HalfVectors,
+    Inside,
     coated_table,
     half_vectors,
     least_factors,
@@ -41,13 +43,17 @@ from urushi.material.coated_table import (
 from urushi.material.crossing import Vector, cross, crossing_at, facet_points
 from urushi.material.material import Material
 from urushi.material.table import (
-    KNOWN,
     SHAPE,
+    Knots,
     completed,
     coordinates,
     interpolated,
     interpolated_at,
+    knots_of,
+    knotted,
+    known_nodes,
     node_directions,
+    unknotted,
 )
 from urushi.nets import lobe as lobes
 from urushi.nets.decoder import MAX_LOG, MIN_LOG
@@ -59,9 +65,8 @@ from urushi.walk import slabs
 #: Nodes of a table of transmitted light: w has a sign.
 PASSED_SHAPE = (*SHAPE[:2], 2 * SHAPE[2] - 1)
 
-#: The coordinate v from which on light in the denser medium is totally reflected, a node. Below it,
-#: nodes are those of the angle in the less dense medium.
-CONE = 22 / (SHAPE[1] - 1)
+#: The node in v from which on light in the denser medium does not leave it.
+CONE = 22
 
 #: Directions inside for each node, drawn from either side.
 STRAIGHT = 34
@@ -74,6 +79,10 @@ FACETS, ELEVATIONS = 256, 48
 
 #: Nodes of a table that are computed at once.
 ROWS = 256
+
+#: Cosines near the horizon, below the first, at which a table is given all light; least and largest
+#: logarithm of the factor; rounds of the search for it.
+GRAZING, MISSING, ROUNDS = np.array([0.5, 0.35, 0.2, 0.1, 0.04]), (-0.5, 1.0), 8
 
 #: Least width of straight light, as a mirror of this width reflects: a table holds no narrower one.
 LEAST_SPREAD = MIN_ALPHA / 5
@@ -159,11 +168,54 @@ def slab_tables(model: Model, interfaces: np.ndarray, media: np.ndarray) -> Slab
     above = _reflected(model, interfaces, media)
     below = above if symmetric else _reflected(model, turned, media[::-1])
     index, faces = float(interfaces[:, 1].prod()), (tuple(interfaces[0]), tuple(turned[0]))
-    f = np.maximum(transmitted(interfaces, media, above, faces, symmetric), 1e-30)
-    passed = np.log(f).clip(MIN_LOG, MAX_LOG).astype(np.float16)
+    light = transmitted(interfaces, media, above, faces)
+    logs = np.log(np.maximum(_tabulated(light, index, media.shape[-1], symmetric), 1e-30))
+    logs = _completed(light, logs, index, faces, symmetric)
+    passed = logs.clip(MIN_LOG, MAX_LOG).astype(np.float16)
     tables = SlabTables((above[0], below[0]), passed, index, faces)
     upper = _limited(tables, 1)
     return tables._replace(reflected=(upper, upper if symmetric else _limited(tables, -1)))
+
+
+def _completed(
+    light: Callable[..., np.ndarray], logs: np.ndarray, index: float, faces: Faces, symmetric: bool
+) -> np.ndarray:
+    """A table of transmitted light with all light near the horizon, which few of its cells hold.
+
+    Args:
+        light: as of `transmitted`.
+        logs: (*`PASSED_SHAPE`, C) its logarithms at the nodes.
+        index, faces: as of `SlabTables`.
+        symmetric: whether both sides are the same.
+    """
+    sides = [side for side in range(2 - symmetric) if faces[side][1] > 1]
+    quadratures = []
+    for side, cosine in itertools.product(sides, GRAZING[1:]):
+        near = Components((1 - cosine**2) ** 0.5, 0.0, cosine)
+        seen = slabs.straight(near, index ** (1 - 2 * side), NUMPY)
+        far, weights = (x[0] for x in half_vector_rule(np.array([seen])))
+        pair = [np.full(far.shape, near, np.float32), far.astype(np.float32)][:: 1 - 2 * side]
+        values = np.empty((len(far), logs.shape[-1]), np.float32)
+        fill_blocks(values, light, *pair, rows=ROWS)
+        a, b = (Components(*w.T) for w in pair)
+        weights = weights * far[:, 2] * entering(a, b, faces, NUMPY)
+        places = passed_coordinates(a, b, index, NUMPY)
+        quadratures.append((weights @ values, weights, places))
+    heights = [-w[:, 2] for w in _node_pairs(index)]
+    factors = np.zeros((2, len(GRAZING), logs.shape[-1]))
+    result = logs
+    for _ in range(ROUNDS if sides else 0):
+        changes = [np.log(x / (w @ interpolated_at(result, *p))) for x, w, p in quadratures]
+        factors[sides, 1:] += np.reshape(changes, (len(sides), -1, logs.shape[-1]))
+        factors = factors.clip(*MISSING)
+        if symmetric:
+            factors[1] = factors[0]
+        above, below = (
+            np.stack([np.interp(z, -GRAZING, column) for column in factor.T], axis=-1)
+            for z, factor in zip(heights, factors, strict=True)
+        )
+        result = logs + np.where(abs(above) > abs(below), above, below).reshape(logs.shape)
+    return result
 
 
 def _limited(tables: SlabTables, side: int) -> Material:
@@ -172,9 +224,9 @@ def _limited(tables: SlabTables, side: int) -> Material:
     material, every = tables.reflected[side < 0], tables.shares(wi.astype(np.float32)).sum(axis=0)
     table = material.table
     assert table is not None  # for the type checker
-    rest = adding.albedos(lambda *w: interpolated(table, *w), COSINES)
+    rest = adding.albedos(lambda a, b: interpolated(table, a, b, material.knots), COSINES)
     factors = 1 - np.maximum(every - 1, 0) / np.maximum(rest, energy.LEAST_ALBEDO)
-    logs = np.log(least_factors(factors.clip(0.5, 1))).reshape(table.shape)
+    logs = np.log(least_factors(factors.clip(0.5, 1), material.knots)).reshape(table.shape)
     return replace(material, table=(table + logs).clip(MIN_LOG).astype(np.float16))
 
 
@@ -202,26 +254,28 @@ def passed_coordinates(above: Any, below: Any, index: float, xp: Namespace) -> t
 
 
 def _denser_coordinates(a: Any, b: Any, ratio: float, xp: Namespace) -> tuple[Any, ...]:
-    """Coordinates of pairs of directions in the denser medium; ratio: of the indices outside."""
+    """Coordinates of pairs of directions in the denser medium; ratio: of the indices outside.
+
+    Within the cone of light that leaves that medium, v is in proportion to v outside.
+    """
     both, apart = Components(a.x + b.x, a.y + b.y, a.z + b.z), Components(None, None, a.z - b.z)
     u, v, w = coordinates(both, apart, 1, xp)
-    if ratio > 1 + MIN_INDEX_STEP:
-        cosine, cone = _cosine(v), _cone(ratio)
-        inside = 1 - ratio * ratio * (1 - cosine) * (1 + cosine)
-        less = xp.safe_sqrt(xp.maximum(1 - xp.safe_sqrt(xp.maximum(inside, 0)), 0))
-        beyond = CONE + (1 - CONE) * (v - cone) / (1 - cone)
-        v = xp.where(inside > 0, CONE * less, beyond)
+    if knots := _passed_knots(ratio):
+        edge = knots[0][0]
+        v = knotted(xp.where(v < edge, edge * _refracted_v(v, ratio, xp), v), knots, xp)
     return u, v, 0.5 + xp.where(apart.z > 0, 0.5, -0.5) * w
 
 
-def _cosine(v: Any) -> Any:
-    """The cosine of the difference angle of a table's coordinate v."""
-    return 1 - v * v
+def _refracted_v(v: Any, ratio: float, xp: Namespace) -> Any:
+    """The coordinate v of the angle to which that of another v is refracted."""
+    cosine = 1 - v * v
+    square = 1 - ratio * ratio * (1 - cosine) * (1 + cosine)
+    return xp.safe_sqrt(xp.maximum(1 - xp.safe_sqrt(xp.maximum(square, 0)), 0))
 
 
-def _cone(ratio: float) -> float:
-    """The coordinate v of the angle of total reflection."""
-    return float((1 - (1 - 1 / ratio**2) ** 0.5) ** 0.5)
+def _passed_knots(ratio: float) -> Knots:
+    """The knots of a table of transmitted light; ratio: of the indices outside."""
+    return knots_of([1 / ratio], CONE) if ratio > 1 + MIN_INDEX_STEP else ()
 
 
 def _refracted(above: Any, below: Any, index: float, ratio: float, xp: Namespace) -> tuple:
@@ -240,10 +294,9 @@ def _node_pairs(index: float) -> tuple[np.ndarray, np.ndarray]:
     """Directions above and below, (N, 3) float32, of the nodes of a table of transmitted light."""
     u, v, w = (np.linspace(0, 1, count) for count in PASSED_SHAPE)
     ratio = max(index, 1 / index)
-    if ratio > 1 + MIN_INDEX_STEP:
-        cosine, cone = _cosine(np.minimum(v / CONE, 1)), _cone(ratio)
-        inside = np.sqrt(1 - np.sqrt(1 - (1 - cosine) * (1 + cosine) / ratio**2))
-        v = np.where(v < CONE, inside, cone + (v - CONE) / (1 - CONE) * (1 - cone))
+    if knots := _passed_knots(ratio):
+        v, edge = unknotted(v, knots), knots[0][0]
+        v = np.where(v < edge, _refracted_v(np.minimum(v / edge, 1), 1 / ratio, NUMPY), v)
     u, v, w = (x.ravel() for x in np.meshgrid(u, v, 2 * w - 1, indexing="ij"))
     low, high = node_directions(u, v, np.abs(w))
     pair = [Components(*np.where(w[:, None] > 0, *p).T) for p in ((high, low), (low, high))]
@@ -263,14 +316,17 @@ def _reflected(model: Model, interfaces: np.ndarray, media: np.ndarray) -> list[
         codes = np.zeros((channels, model.arch.latent), np.float32)
         codes[:, lobe] = lobes.of_coat(alpha, eta)
         table = np.full((*SHAPE, channels), MIN_LOG, np.float16)
+        knots: Knots = ()
         if parts:
             edges, lower = _edges(interfaces, level), None
             if len(parts) == 1:
                 width, index = interfaces[-1]
                 lower = adding.mirror(width, 1 / index, edges=edges)
+            beyond = interfaces[level:, 1].cumprod()
+            knots = knots_of(beyond[beyond < 1 - MIN_INDEX_STEP].tolist())
             coat = CoatParameters(alpha, eta, *media[level])
-            table = coated_table(parts[0], coat, codes[:, lobe], (edges, lower))
-        parts.insert(0, Material(codes, model, table=table, beside_lobe=True))
+            table = coated_table(parts[0], coat, codes[:, lobe], Inside(edges, lower, knots))
+        parts.insert(0, Material(codes, model, table=table, beside_lobe=True, knots=knots))
     return parts
 
 
@@ -286,15 +342,13 @@ def transmitted(
     media: np.ndarray,
     parts: list[Material],
     faces: Faces,
-    symmetric: bool = False,
-) -> np.ndarray:
-    """f / index^2 float32 (*`PASSED_SHAPE`, C) [1/sr] of transmission, over `entering`.
+) -> Callable[[np.ndarray, np.ndarray], np.ndarray]:
+    """f / index^2 [1/sr] of transmission over `entering`: a function of directions above and below.
 
     Args:
         interfaces, media: as of `slab_tables`.
         parts: what is reflected above each interface.
         faces: as of `SlabTables`.
-        symmetric: whether both sides are the same.
     """
     indices = interfaces[:, 1].cumprod()
     edges = [_edges(interfaces, level) for level in range(-1, len(interfaces))]
@@ -349,21 +403,20 @@ def transmitted(
         every = straight(wi, wo) + np.maximum(outside.interpolated(values, wi, wo), 0)
         return every / entering(Components(*wi.T), Components(*wo.T), faces, NUMPY)[:, None]
 
-    return _tabulated(whole, indices[-1], media.shape[-1], symmetric)
+    return whole
 
 
 def _tabulated(
     f: Callable[..., np.ndarray], index: float, channels: int, symmetric: bool = False
 ) -> np.ndarray:
     """Values (*`PASSED_SHAPE`, C) of a function of directions above and below (N, 3)."""
-    half = SHAPE[2] if symmetric else PASSED_SHAPE[2]
-    shape = len(KNOWN), PASSED_SHAPE[1], half
-    pairs = (
-        w.reshape(*PASSED_SHAPE, 3)[KNOWN, :, :half].reshape(-1, 3) for w in _node_pairs(index)
-    )
+    half, knots = SHAPE[2] if symmetric else PASSED_SHAPE[2], _passed_knots(max(index, 1 / index))
+    rows = np.ix_(*known_nodes(knots), np.arange(half))
+    shape = [row.size for row in rows]
+    pairs = (w.reshape(*PASSED_SHAPE, 3)[rows].reshape(-1, 3) for w in _node_pairs(index))
     values = np.empty((math.prod(shape), channels), np.float32)
     fill_blocks(values, f, *pairs, rows=ROWS)
-    result = completed(values.reshape(*shape, channels))
+    result = completed(values.reshape(*shape, channels), knots)
     if symmetric:
         result = np.concatenate([result, result[:, :, half - 2 :: -1]], axis=2)
     return result

@@ -11,6 +11,7 @@ interpolated linearly in three coordinates in [0, 1]:
 with the half and the difference angle of Rusinkiewicz (1998), c = (cos_i + cos_o) / 2,
 d = (cos_i - cos_o) / 2 and s = sin theta_h sin theta_d; neither c nor s is below |d|. The nodes are
 densest for small half angles, where lobes are narrow, and where a direction grazes the surface.
+Tables of slabs have nodes at the angles of total reflection (`Knots`), and v is linear in between.
 
 A rest of two GGX widths is symmetric about the xz and the yz plane, and has four coordinates:
 
@@ -28,6 +29,7 @@ coat covers a sharp lobe; with two widths 0.1 to 0.5 % (`python -m benchmarks.qu
 """
 
 import functools
+import itertools
 import math
 from collections.abc import Callable, Sequence
 from typing import Any
@@ -47,8 +49,11 @@ SHAPE = SHAPES[1]
 TAN2_OFFSET = 1e-5
 LOWEST, HIGHEST, ANISOTROPIC_HIGHEST = math.log(TAN2_OFFSET), math.log(1e3), math.log(1e2)
 
-#: Nodes in u at which slabs are computed.
-KNOWN = np.append(np.arange(0, SHAPE[0] - 1, 3), SHAPE[0] - 1)
+#: Of u and v: strides of the nodes at which slabs are computed.
+STRIDES = 3, 2
+
+#: Coordinates v of angles of total reflection, ascending, and the nodes there.
+Knots = tuple[tuple[float, int], ...]
 
 #: Pairs that are evaluated at once.
 BLOCK = 4096
@@ -73,12 +78,14 @@ def table_of_values(f: np.ndarray) -> np.ndarray:
     return logs.clip(MIN_LOG, MAX_LOG).reshape(*SHAPE, -1).astype(np.float16)
 
 
-def interpolated(table: np.ndarray, wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
+def interpolated(
+    table: np.ndarray, wi: np.ndarray, wo: np.ndarray, knots: Knots = ()
+) -> np.ndarray:
     """f float32 (N, C) [1/sr] of a table (U, V, W, C) for pairs (N, 3) above the horizon.
 
     The table may be one of four coordinates.
     """
-    return interpolated_at(table, *pair_coordinates(wi, wo, 1 if table.ndim == 4 else 2))
+    return interpolated_at(table, *pair_coordinates(wi, wo, 1 if table.ndim == 4 else 2, knots))
 
 
 def interpolated_at(table: np.ndarray, *places: np.ndarray) -> np.ndarray:
@@ -92,7 +99,10 @@ def interpolated_at(table: np.ndarray, *places: np.ndarray) -> np.ndarray:
         index = np.minimum(place.astype(np.intp), count - 2)
         first = first * count + index
         shares.append((place - index.astype(place.dtype)).astype(np.float32)[:, None])
-    values = [rows[first + step].astype(np.float32, copy=False) for step in corner_steps(shape)]
+    values = [  # `take` is several times as fast as an index
+        rows.take(first + step, axis=0).astype(np.float32, copy=False)
+        for step in corner_steps(shape)
+    ]
     for share in reversed(shares):
         values = [
             low + share * (high - low) for low, high in zip(values[::2], values[1::2], strict=True)
@@ -105,13 +115,17 @@ def corner_steps(shape: Sequence[int]) -> list[int]:
     return [int(np.ravel_multi_index(corner, shape)) for corner in np.ndindex(*[2] * len(shape))]
 
 
-def pair_coordinates(wi: np.ndarray, wo: np.ndarray, widths: int = 1) -> tuple[np.ndarray, ...]:
+def pair_coordinates(
+    wi: np.ndarray, wo: np.ndarray, widths: int = 1, knots: Knots = ()
+) -> tuple[np.ndarray, ...]:
     """The coordinates (N,) of pairs (N, 3), see `coordinates`."""
     both, apart = (Components(*w.T.astype(np.float64)) for w in (wi + wo, wi - wo))
-    return coordinates(both, apart, widths, NUMPY)
+    return coordinates(both, apart, widths, NUMPY, knots)
 
 
-def coordinates(both: Any, apart: Any, widths: int, xp: Namespace) -> tuple[Any, ...]:
+def coordinates(
+    both: Any, apart: Any, widths: int, xp: Namespace, knots: Knots = ()
+) -> tuple[Any, ...]:
     """The coordinates of pairs in [0, 1] up to rounding, from wi + wo and wi - wo.
 
     One width needs the z of wi - wo only. u_x and u_y exceed one where h is less than 6 degrees
@@ -132,6 +146,7 @@ def coordinates(both: Any, apart: Any, widths: int, xp: Namespace) -> tuple[Any,
     sin2 = (1 - cos_d) * (1 + cos_d)
     reach = xp.minimum(0.5 * both.z, xp.safe_sqrt(across / squared * sin2))
     size = xp.minimum(0.5 * xp.absolute(apart.z) / xp.maximum(reach, 1e-9), 1)
+    v = knotted(v, knots, xp) if knots else v
     return _log_tangent(across / z2, HIGHEST, xp), v, 1 - xp.safe_sqrt(1 - size)
 
 
@@ -140,30 +155,79 @@ def _log_tangent(tan2: Any, highest: float, xp: Namespace) -> Any:
     return (xp.log(tan2 + TAN2_OFFSET) - LOWEST) * (1 / (highest - LOWEST))
 
 
-def completed(f: np.ndarray) -> np.ndarray:
-    """Values (U, ...) at all nodes in u of values f (K, ...) at `KNOWN` ones.
+def knots_of(sines: Sequence[float], first: int | None = None) -> Knots:
+    """The knots at angles of total reflection.
 
-    Logarithms of smooth lobes are cubic (Lagrange) between four of these nodes.
+    Args:
+        sines: of the angles, below one, in any order.
+        first: the node of the least angle, the only knot; None: nodes are about where they are
+            without knots.
     """
-    nodes, logs = np.arange(SHAPE[0]), np.log(np.maximum(f, math.exp(MIN_LOG)))
-    above = np.searchsorted(KNOWN, nodes).clip(1, len(KNOWN) - 1)
-    first = (above - 2).clip(0, len(KNOWN) - 4)
-    shares = np.zeros((len(nodes), len(KNOWN)), np.float32)
-    for i, j in np.ndindex(len(nodes), 4):
-        four = KNOWN[first[i] : first[i] + 4]
-        others = np.delete(four, j)
-        shares[i, first[i] + j] = np.prod((nodes[i] - others) / (four[j] - others))
-    ends = logs[above - 1], logs[above]
-    return np.exp(np.tensordot(shares, logs, 1).clip(np.minimum(*ends), np.maximum(*ends)))
+    last, knots = SHAPE[1] - 1, list[tuple[float, int]]()
+    for sine in sorted(sines):
+        v = (1 - (1 - sine * sine) ** 0.5) ** 0.5
+        node = first or round(last * v)
+        if node < last and (not knots or node > knots[-1][1] + 1):
+            knots.append((v, node))
+    return tuple(knots)
 
 
-@functools.cache
-def node_pairs(widths: int = 1) -> tuple[np.ndarray, np.ndarray]:
+def knotted(v: Any, knots: Knots, xp: Namespace) -> Any:
+    """The coordinate, with nodes at knots, of v: linear between them."""
+    last, result = SHAPE[1] - 1, 0.0
+    for (a, start), (b, end) in itertools.pairwise([(0.0, 0), *knots, (1.0, last)]):
+        result = result + xp.clip(v - a, 0, b - a) * ((end - start) / last / (b - a))
+    return result
+
+
+def unknotted(place: np.ndarray, knots: Knots) -> np.ndarray:
+    """v of coordinates with nodes at knots, the inverse of `knotted`."""
+    edges, nodes = zip((0.0, 0), *knots, (1.0, SHAPE[1] - 1), strict=True)
+    return np.interp(place * nodes[-1], nodes, edges)
+
+
+def known_nodes(knots: Knots) -> tuple[np.ndarray, np.ndarray]:
+    """Nodes (K,) in u and (L,) in v at which slabs are computed."""
+    u, v = (np.append(np.arange(0, n - 1, k), n - 1) for n, k in zip(SHAPE, STRIDES, strict=False))
+    about = [node + step for _, node in knots for step in (-1, 0, 1)]
+    return u, np.unique([*v, *about])
+
+
+def completed(f: np.ndarray, knots: Knots) -> np.ndarray:
+    """Values (U, V, ...) at all nodes of values f (K, L, ...) at `known_nodes`.
+
+    Logarithms are cubic (Lagrange) between four of these nodes, on one side of knots.
+    """
+    logs = np.log(np.maximum(f, math.exp(MIN_LOG)))
+    for axis, (known, ends) in enumerate(
+        zip(known_nodes(knots), ([], [n for _, n in knots]), strict=True)
+    ):
+        logs = np.moveaxis(logs, axis, 0)
+        shares = np.zeros((SHAPE[axis], len(known)), np.float32)
+        above = np.searchsorted(known, np.arange(SHAPE[axis])).clip(1, len(known) - 1)
+        for low, high in itertools.pairwise(np.searchsorted(known, [0, *ends, known[-1]])):
+            count = min(4, high - low + 1)
+            for i in np.flatnonzero((above > low) & (above <= high)):
+                first = np.clip(above[i] - 2, low, high + 1 - count)
+                nodes = known[first : first + count]
+                for j, node in enumerate(nodes):
+                    others = np.delete(nodes, j)
+                    shares[i, first + j] = np.prod((i - others) / (node - others))
+        between = logs[above - 1], logs[above]
+        cubic = np.tensordot(shares, logs, 1)
+        logs = np.moveaxis(cubic.clip(np.minimum(*between), np.maximum(*between)), 0, axis)
+    return np.exp(logs)
+
+
+@functools.lru_cache(maxsize=16)
+def node_pairs(widths: int = 1, knots: Knots = ()) -> tuple[np.ndarray, np.ndarray]:
     """Pairs wi, wo float32 (N, 3) of the nodes, the last axis fastest.
 
     Cosines are at least `MIN_COSINE`.
     """
-    axes = (np.linspace(0, 1, count) for count in SHAPES[widths])
+    axes = [np.linspace(0, 1, count) for count in SHAPES[widths]]
+    if knots:
+        axes[1] = unknotted(axes[1], knots)
     places = (x.ravel() for x in np.meshgrid(*axes, indexing="ij"))
     pairs = NODE_DIRECTIONS[widths](*places)
     for w in pairs:

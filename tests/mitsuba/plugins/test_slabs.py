@@ -245,6 +245,9 @@ def test_tables_follow_changes_and_refuse_what_they_cannot_hold(rgb):
     import drjit as dr
 
     bsdf = rgb.load_dict({"type": "neural_layered"} | TABLES["pane"])
+    held = [*(side._tables[0] for side in bsdf._reflected), bsdf._passed]
+    assert all(dr.type_v(table) == dr.VarType.Float16 for table in held)
+    assert 2 * sum(map(len, held)) <= 1e6
     parameters = rgb.traverse(bsdf)
     parameters["sigma_t.value"] = 1.0
     parameters.update()

@@ -22,7 +22,7 @@ from urushi.mitsuba.latents.lookup import LatentTexture, are_constant
 from urushi.mitsuba.networks.decoder import UrushiDecoder
 from urushi.mitsuba.networks.lobe import NO_LOBE, LobeKind, kind_of
 from urushi.mitsuba.networks.sampler import UrushiSampler
-from urushi.mitsuba.networks.table import TabulatedDecoder, padded
+from urushi.mitsuba.networks.table import TabulatedDecoder, stored
 from urushi.mitsuba.recording import only_where, owned, signature
 from urushi.nets.weights import Model
 from urushi.textures import file
@@ -82,8 +82,11 @@ class ConstantLatents(_Held):
 
     grid: TexelGrid | None = None  # the same everywhere
 
-    def __init__(self, material: Material):
-        """Take the codes of a material, without its rotation."""
+    def __init__(self, material: Material, half: bool = False):
+        """Take the codes of a material, without its rotation.
+
+        half: whether the table has half precision, as the material's has.
+        """
         self.material = material = replace(material, rotation=0.0, coating=None)
         self.model, self.channels = material.model, material.channels
         model, latents, table = material.model, material.latents, material.table
@@ -98,11 +101,11 @@ class ConstantLatents(_Held):
         if self._fine and model.widths == 2:
             self._decoder = UrushiDecoder(model, kind)
         else:
-            self._decoder = TabulatedDecoder(kind)
+            self._decoder = TabulatedDecoder(kind, material.knots)
             table = rest_table(model.networks, latents) if table is None else table
             if table is not None:
                 table = np.moveaxis(table, -1, 0)[..., None] if self._fine else table
-                self._tables = [owned(mi.Float, padded(table))]
+                self._tables = [stored(table, half)]
         single = int(len(latents) == 1)
         self._signature = signature([*map(int, kind), len(self._tables), single + 2 * self._fine])
         if self._fine:

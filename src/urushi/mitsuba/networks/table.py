@@ -1,15 +1,17 @@
 """f of constant materials in Dr.Jit, by tables over directions (`material.table`)."""
 
 from collections.abc import Sequence
+from typing import Any
 
 import drjit as dr
 import mitsuba as mi
 import numpy as np
 
 from urushi.core.namespace import DRJIT
-from urushi.material.table import SHAPES, coordinates, corner_steps
+from urushi.material.table import SHAPES, Knots, coordinates, corner_steps
 from urushi.mitsuba.networks import lobe
 from urushi.mitsuba.networks.lobe import LobeKind
+from urushi.mitsuba.recording import owned
 
 
 class TabulatedDecoder:
@@ -18,9 +20,14 @@ class TabulatedDecoder:
     The terms of a channel are the numbers of its lobe that `LobeKind.numbers` names.
     """
 
-    def __init__(self, kind: LobeKind):
-        """kind: what is known of the codes' lobes; no lobe is present in a table of all of f."""
-        self._kind = kind
+    def __init__(self, kind: LobeKind, knots: Knots = ()):
+        """Decode codes of one kind.
+
+        Args:
+            kind: what is known of the codes' lobes; no lobe is present in a table of all of f.
+            knots: of the table.
+        """
+        self._kind, self._knots = kind, knots
 
     def code_terms(self, latents: np.ndarray) -> list[np.ndarray]:
         """Terms (K,) of the code of each channel, from codes (C, size)."""
@@ -37,11 +44,18 @@ class TabulatedDecoder:
         """
         rests = [wi.z * 0] * len(terms)
         if tables:
-            rests = _looked_up(tables[0], len(terms), wi, wo, self._kind.widths, bands)
+            places = coordinates(wi + wo, wi - wo, self._kind.widths, DRJIT, self._knots)
+            rests = _looked_up(tables[0], len(terms), places, bands)
         if not self._kind.present:
             return rests
         values = lobe.f(self._kind.complete(terms), wi, wo, self._kind)
         return [a + b for a, b in zip(values, rests, strict=True)]
+
+
+def stored(table: np.ndarray, half: bool) -> Any:
+    """A table (..., C), `padded`, as flat Dr.Jit floats; half: in half precision."""
+    kind, dtype = (dr.float16_array_t(mi.Float), np.float16) if half else (mi.Float, np.float32)
+    return owned(kind, padded(table).astype(dtype))
 
 
 def padded(table: np.ndarray) -> np.ndarray:
@@ -54,8 +68,8 @@ def padded(table: np.ndarray) -> np.ndarray:
 def interpolated(table, shape: Sequence[int], coordinates: Sequence, band=None) -> list:
     """The numbers of an entry (K) of a table (*shape, K), linear between its nodes.
 
-    table: flattened Dr.Jit floats; K is a power of two. coordinates: in [0, 1], one for each axis.
-    band: index (UInt32) of the table in a sequence of tables with K = 1.
+    table: flattened Dr.Jit floats, `stored`; K is a power of two. coordinates: in [0, 1], one for
+    each axis. band: index (UInt32) of the table in a sequence of tables with K = 1.
     """
     first, shares = mi.UInt32(0 if band is None else band), []
     for coordinate, count in zip(coordinates, shape, strict=True):
@@ -66,9 +80,11 @@ def interpolated(table, shape: Sequence[int], coordinates: Sequence, band=None) 
 
     def entry(index) -> list:
         if band is not None:  # Dr.Jit 1.5 fails on packets of one number in calls
-            return [dr.gather(mi.Float, table, index)]
+            return [mi.Float(dr.gather(type(table), table, index))]
         packet = len(table) // int(np.prod(shape)), dr.width(index)
-        return list(dr.gather(mi.ArrayXf, table, index, shape=packet))
+        half = dr.type_v(table) == dr.VarType.Float16
+        kind = dr.float16_array_t(mi.ArrayXf) if half else mi.ArrayXf
+        return list(mi.ArrayXf(dr.gather(kind, table, index, shape=packet)))
 
     values = [entry(first + step) for step in corner_steps(shape)]
     for share in reversed(shares):
@@ -79,12 +95,12 @@ def interpolated(table, shape: Sequence[int], coordinates: Sequence, band=None) 
     return values[0]
 
 
-def _looked_up(table, channels: int, wi, wo, widths: int, bands: Sequence | None) -> list:
-    """f of each channel [1/sr], see `material.table.interpolated`."""
-    places = coordinates(wi + wo, wi - wo, widths, DRJIT)
+def _looked_up(table, channels: int, places: Sequence, bands: Sequence | None) -> list:
+    """f of each channel [1/sr] at a table's coordinates, see `material.table.interpolated_at`."""
+    shape = SHAPES[1 if len(places) == 3 else 2]
     clipped = [dr.clip(place, 0, 1) for place in places]
     if bands is None:
-        logs = interpolated(table, SHAPES[widths], clipped)
+        logs = interpolated(table, shape, clipped)
     else:
-        logs = [interpolated(table, SHAPES[widths], clipped, band)[0] for band in bands]
+        logs = [interpolated(table, shape, clipped, band)[0] for band in bands]
     return [dr.exp(log) for log in logs[:channels]]

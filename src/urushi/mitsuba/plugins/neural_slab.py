@@ -19,7 +19,7 @@ from urushi.mitsuba import spectrum
 from urushi.mitsuba.interface_albedo import Interpolated
 from urushi.mitsuba.latents import gradients
 from urushi.mitsuba.latents.holders import ConstantLatents
-from urushi.mitsuba.networks.table import interpolated, padded
+from urushi.mitsuba.networks.table import interpolated, padded, stored
 from urushi.mitsuba.plugins.base import ignore
 from urushi.mitsuba.plugins.coated import define_coated
 from urushi.mitsuba.plugins.coats import CoatStack, SlabMixture, raised, width
@@ -104,10 +104,10 @@ def define(base: type) -> type:
             columns = [[np.broadcast_to(x.ravel(), channels) for x in medium] for medium in media]
             tables = slab_tables(default_model(), np.array(interfaces), np.array(columns))
             above, below = tables.reflected
-            single = above is below and not gradients.wanted(self)  # they may change apart
-            sides = (above,) if single else (above, below)
-            self._reflected = [ConstantLatents(side) for side in sides]
-            self._passed = owned(mi.Float, padded(tables.passed))
+            wanted = gradients.wanted(self)
+            sides = (above, below) if wanted or above is not below else (above,)
+            self._reflected = [ConstantLatents(side, not wanted) for side in sides]
+            self._passed = stored(tables.passed, not wanted)
             self._ratio, self._surfaces = tables.eta, tables.faces
             self._lobes = Interpolated(_lobes(tables))
             self._attach(np.array(interfaces), np.array(columns))
