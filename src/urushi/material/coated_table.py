@@ -13,9 +13,10 @@ that the interface reflects back (`urushi.material.adding`).
 
 An index of 1 is no interface, and f is S itself.
 
-The mean is a sum over 64 fixed pairs wi', wo'. Under a rough coat, few of them would hit a narrow
-lobe of the bottom. Twice 64 more are therefore drawn from one of them and a half vector of the
-bottom's lobe, and the balance heuristic combines all (Veach and Guibas 1995).
+The mean is a sum over 256 fixed pairs wi', wo', 64 in slabs. Under a rough coat, few of them would
+hit a narrow lobe of the bottom. Twice as many are therefore drawn from one of them and a half
+vector of the bottom's lobe, and the balance heuristic combines all (Veach and Guibas 1995). A sixth
+of the nodes is computed; between them, logarithms are cubic (`table.completed`).
 """
 
 from collections.abc import Callable
@@ -137,12 +138,12 @@ def coated_rest(bottom: Material, coat: CoatParameters, slab: Inside | None = No
         coat: numbers or arrays (C,), with one width.
         slab: of a coat of a slab.
     """
-    pairs = node_pairs()
-    if slab:
-        rows = np.ix_(*known_nodes(slab.knots))
-        pairs = tuple(w.reshape(*SHAPE, 3)[rows].reshape(-1, 3) for w in node_pairs(1, slab.knots))
+    knots = slab.knots if slab else ()
+    every, rows = node_pairs(1, knots), np.ix_(*known_nodes(knots))
+    known = tuple(w.reshape(*SHAPE, 3)[rows].reshape(-1, 3) for w in every)
+    points = facet_pair_points(64 if slab else 256)
     parameters = np.stack([*np.broadcast_arrays(*coat, np.zeros(bottom.channels))][:5])
-    result = np.empty((len(pairs[0]), parameters.shape[1]), np.float32)
+    result = np.empty((len(every[0]), parameters.shape[1]), np.float32)
     modes = adding.bottom_modes(bottom.f, slab.edges if slab else ())
     values = bottom.f(*node_pairs(1, bottom.knots)).reshape(*SHAPE, -1)
     peak = half_vectors(values, SLAB_POWER if slab else PEAK_POWER)
@@ -153,18 +154,21 @@ def coated_rest(bottom: Material, coat: CoatParameters, slab: Inside | None = No
         media = parameters[2:, chosen[first]]
         under = _below(bottom, modes, own[first], interface, media, peak, slab)
         below, weights = _spanning(under)
-        values = np.empty((len(result), len(weights)), np.float32)
+        pairs = every if interface[1] == 1 else known  # without an interface, a pair costs little
+        values = np.empty((len(pairs[0]), len(weights)), np.float32)
         fill_blocks(
             values,
-            lambda *pair, below=below, interface=interface: _crossed(below, *interface, *pair),
+            lambda *pair, below=below, interface=interface: _crossed(
+                below, *interface, points, *pair
+            ),
             *pairs,
             rows=ROWS,
         )
+        if pairs is known:
+            shape = *(row.size for row in rows), *SHAPE[2:], -1
+            values = completed(values.reshape(shape), knots).reshape(len(result), -1)
         values = values @ weights if len(weights) < len(first) else values
         result[:, chosen] = values[:, which]
-    if slab:
-        shape = *(row.size for row in rows), *SHAPE[2:], -1
-        return completed(result.reshape(shape), slab.knots).reshape(-1, parameters.shape[1])
     return result
 
 
@@ -321,15 +325,19 @@ def _spanning(below: Below) -> tuple[Below, np.ndarray]:
     return part, weights.astype(np.float32)
 
 
-def _crossed(below: Below, alpha: float, eta: float, wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
-    """f float32 (N, C) of pairs (N, 3), without the interface's lobe (see the module)."""
+def _crossed(
+    below: Below, alpha: float, eta: float, u: np.ndarray, wi: np.ndarray, wo: np.ndarray
+) -> np.ndarray:
+    """f float32 (N, C) of pairs (N, 3), without the interface's lobe (see the module).
+
+    u: `facet_pair_points`.
+    """
     if eta == 1:
         return _seen(below, wi, wo, pair_coordinates(wi, wo, 1, below.knots))
     cosines = wi[:, 2, None], wo[:, 2, None]
     cross_product = wi[:, 0] * wo[:, 1] - wi[:, 1] * wo[:, 0]
     turn = np.arctan2(cross_product, wi[:, 0] * wo[:, 0] + wi[:, 1] * wo[:, 1])[:, None]
     alpha, eta = float(np.float32(alpha)), float(np.float32(eta))
-    u = facet_pair_points()
     a, b = (cross(c, alpha, eta, u[:, k : k + 2]) for c, k in zip(cosines, (0, 2), strict=True))
     total = _weighted(below, a, b._replace(inside=_turned(b.inside, turn)))
     half = below.peak.draw(u[:, 2:])

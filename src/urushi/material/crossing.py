@@ -74,14 +74,14 @@ def facet_points(count: int) -> np.ndarray:
     return np.stack([index * 0.6180339887498949 % 1, (index + 0.5) / count], 1).astype(np.float32)
 
 
-def facet_pair_points() -> np.ndarray:
-    """Numbers (64, 4) for two crossings: a lattice of Korobov (1959) with the generator 19.
+def facet_pair_points(count: int) -> np.ndarray:
+    """Numbers (K, 4) for two crossings: a lattice of Korobov (1959), of 64 or 256 points.
 
-    Each column has 64 even numbers, and of such lattices its points are farthest apart. They serve
-    better than 256 `even_points`.
+    Each column has even numbers, and of such lattices its points are farthest apart. 64 of them
+    serve better than 256 `even_points`.
     """
-    index = np.arange(64)[:, None]
-    return (((index * 19 ** np.arange(4)) % 64 + 0.5) / 64).astype(np.float32)
+    index, generator = np.arange(count)[:, None], {64: 19, 256: 9}[count]
+    return (((index * generator ** np.arange(4)) % count + 0.5) / count).astype(np.float32)
 
 
 def crossing_at(outside: Vector, inside: Vector, alpha: float, eta: float) -> Crossing:

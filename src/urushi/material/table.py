@@ -49,7 +49,7 @@ SHAPE = SHAPES[1]
 TAN2_OFFSET = 1e-5
 LOWEST, HIGHEST, ANISOTROPIC_HIGHEST = math.log(TAN2_OFFSET), math.log(1e3), math.log(1e2)
 
-#: Of u and v: strides of the nodes at which slabs are computed.
+#: Of u and v: strides of the nodes at which coats and slabs are computed by light transport.
 STRIDES = 3, 2
 
 #: Coordinates v of angles of total reflection, ascending, and the nodes there.
@@ -187,7 +187,7 @@ def unknotted(place: np.ndarray, knots: Knots) -> np.ndarray:
 
 
 def known_nodes(knots: Knots) -> tuple[np.ndarray, np.ndarray]:
-    """Nodes (K,) in u and (L,) in v at which slabs are computed."""
+    """Nodes (K,) in u and (L,) in v that light transport computes."""
     u, v = (np.append(np.arange(0, n - 1, k), n - 1) for n, k in zip(SHAPE, STRIDES, strict=False))
     about = [node + step for _, node in knots for step in (-1, 0, 1)]
     return u, np.unique([*v, *about])
