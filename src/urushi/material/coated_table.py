@@ -159,7 +159,7 @@ def coated_rest(bottom: Material, coat: CoatParameters, slab: Inside | None = No
         fill_blocks(
             values,
             lambda *pair, below=below, interface=interface: _crossed(
-                below, *interface, points, *pair
+                below, points, *interface, *pair
             ),
             *pairs,
             rows=ROWS,
@@ -326,7 +326,7 @@ def _spanning(below: Below) -> tuple[Below, np.ndarray]:
 
 
 def _crossed(
-    below: Below, alpha: float, eta: float, u: np.ndarray, wi: np.ndarray, wo: np.ndarray
+    below: Below, u: np.ndarray, alpha: float, eta: float, wi: np.ndarray, wo: np.ndarray
 ) -> np.ndarray:
     """f float32 (N, C) of pairs (N, 3), without the interface's lobe (see the module).
 
