@@ -130,11 +130,11 @@ def test_a_texture_of_lambertian_brdfs_takes_few_projections(params, monkeypatch
     """Codes are interpolated; at the levels themselves they are those of the projection."""
     projected = []
 
-    def project(self, directions, f):
+    def project(params, directions, f, adam):
         projected.extend(np.pi * f[:, 0])
-        return np.repeat(np.sqrt(np.pi * f[:, :1]), 32, axis=1)  # linear between levels
+        return np.repeat(np.sqrt(np.pi * f[:, :1]), 32, axis=1), None  # linear between levels
 
-    monkeypatch.setattr(networks.PaperNetworks, "_project", project)
+    monkeypatch.setattr(networks, "project", project)
     arch = PaperArchitecture(AdamProjection(steps=3, pairs=32))
     own = networks.PaperNetworks(arch, params, {})
     reflectance = np.random.default_rng(0).uniform(0, 1, (500, 3))
