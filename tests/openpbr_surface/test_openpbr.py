@@ -7,6 +7,7 @@ import pytest
 import urushi
 from urushi.core import fresnel
 from urushi.core.namespace import NUMPY
+from urushi.material import adding
 from urushi.mitsuba.reading import probing
 from urushi.openpbr_surface import thin_film
 
@@ -58,6 +59,26 @@ def albedo(bsdf, cosine, samples=1 << 17):
     _, weight = bsdf.sample(mi.BSDFContext(), si, rng.next_float32(), u)
     mean = weight[0].numpy().astype(np.float64)
     return mean.mean(), mean.std() / samples**0.5
+
+
+@pytest.mark.parametrize("index", [1.002, 1.1, 1.5])
+def test_a_smooth_coat_over_a_polished_metal_reflects_as_much_as_plane_surfaces(index):
+    """Saunderson (1942): light between two plane surfaces, with the metal's reflectance inside."""
+    metal, cosines = 0.8, np.array([0.95, 0.6, 0.3])
+    coated = openpbr(
+        base_metalness=1.0,
+        base_color={"type": "rgb", "value": [metal] * 3},
+        specular_roughness=0.1,
+        coat_weight=1.0,
+        coat_ior=index,
+        coat_roughness=0.0,
+    )
+    found = adding.albedos(lambda wi, wo: values(coated, wi, wo), cosines)
+    top, below = fresnel.dielectric(cosines, index / 1.000277, NUMPY)
+    inside = metal + (1 - metal) * (1 - below) ** 5
+    expected = top + (1 - top) ** 2 * inside / (1 - top * inside)
+    # The surfaces have an alpha of 0.01. Towards the horizon, tables hardly resolve such lobes.
+    np.testing.assert_allclose(found, np.tile(expected[:, None], 3), rtol=0.03)
 
 
 @pytest.mark.parametrize(("metalness", "rough"), [(0.0, 0.1), (0.0, 1.0), (1.0, 0.7)])

@@ -25,8 +25,9 @@ SCHLICK_SHARE = 0.8
 #: more than once, metals of two widths became up to 15 % too dark, and textures take too long.
 MULTIPLE_FROM = 0.5
 
-#: Least specular_roughness at which a constant coat over a constant, isotropic base is evaluated by
-#: a table, see `urushi.material.coated_table`. The lobe of a smoother base is too narrow for one.
+#: Least specular_roughness at which a constant coat over a constant, isotropic base with a film is
+#: evaluated by a table, see `urushi.material.coated_table`. A smoother base would need its lobe
+#: beside the table, and the lobe does not have the film's colours.
 TABULATED_FROM = 0.15
 
 #: The parameters of an isotropic metal besides its specular_roughness.

@@ -5,6 +5,7 @@ import numpy as np
 import pytest
 
 from urushi.errors import ParameterError
+from urushi.mitsuba.reading import probing
 
 #: The shipped networks: derivatives of random ones change too fast for finite differences.
 WEIGHTS = "default"
@@ -148,6 +149,37 @@ def test_a_table_by_transport(rgb):
     for name in ("bottom.diffuse_reflectance", "sigma_t"):
         expected = picture.difference(name, 0.05)
         assert backward[name].sum() == pytest.approx(expected, rel=0.03), name
+
+
+def test_a_number_in_all_channels_counts_once(rgb):
+    """One variable in red, green and blue of a bottom: its slope is the sum over the channels.
+
+    The lobe of the bottom is narrow, so that it lies beside its table.
+    """
+    bottom = {
+        "type": "roughplastic",
+        "distribution": "ggx",
+        "alpha": 0.015,
+        "diffuse_reflectance": {"type": "rgb", "value": [0.4, 0.4, 0.4]},
+    }
+    plugin = rgb.load_dict({"type": "neural_layered", "alpha": 0.1, "bottom": bottom})
+    parameters = rgb.traverse(plugin)
+    key = "bottom.diffuse_reflectance.value"
+    wi, wo = np.array([[0.6, 0, 0.8]] * 64), np.zeros((64, 3))
+    wo[:, 0], wo[:, 2] = np.linspace(-0.9, 0.9, 64), np.sqrt(1 - np.linspace(-0.9, 0.9, 64) ** 2)
+
+    def mean(value):
+        parameters[key] = rgb.Color3f(value)
+        parameters.update()
+        si = probing.interaction(wi, np.full((64, 2), 0.5))
+        return dr.mean(dr.sum(plugin.eval(rgb.BSDFContext(), si, rgb.Vector3f(wo.T))))
+
+    number = rgb.Float(0.4)
+    dr.enable_grad(number)
+    result = mean(number)
+    dr.backward(result)
+    expected = (mean(rgb.Float(0.43)) - mean(rgb.Float(0.37))) / 0.06
+    assert dr.grad(number)[0] == pytest.approx(expected[0], rel=0.03)  # tables in half precision
 
 
 @pytest.mark.slow

@@ -4,6 +4,7 @@ A textured bottom that is known by its values is compared by a few probes of eac
 """
 
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 from typing import Any
 
 import mitsuba as mi
@@ -26,6 +27,7 @@ from urushi.mitsuba.reading.grid import varying_textures
 from urushi.mitsuba.reading.kept import parameter_arrays
 from urushi.mitsuba.reading.offers import Latents, offer_of
 from urushi.mitsuba.reading.parameters import check_bottom
+from urushi.nets.lobe import f as lobe_f
 from urushi.nets.lobe import no_lobe, with_two_widths
 from urushi.nets.weights import Model
 from urushi.textures.bake import BakedTexture, CodesAt, Source, code_hashes, row_hashes
@@ -37,6 +39,9 @@ PROBED_TEXELS = 1 << 13
 #: Stride of the probe pairs by which texels are compared, and bits of the mantissa to which their
 #: values are rounded: texels that differ by less than 0.2 % share a code.
 KEY_STRIDE, KEY_BITS = 24, 9
+
+#: Width below which a lobe stays beside the table of a bottom, which is too coarse for it.
+NARROW = 0.0225
 
 
 class BottomCodes:
@@ -126,9 +131,13 @@ class BottomCodes:
             mi.Log(mi.LogLevel.Warn, f"{self._where}: {sentence}")
         exact = offer_of(self._bottom).exact() if tables else None
         if exact is not None:
-            f = probing.check_values(reflection_source(exact).f(*node_pairs()), self._where)
-            table = table_of_values(f)
-            material = Material(material.latents, self._model, material.anchors, table)
+            wi, wo = node_pairs()
+            f = probing.check_values(reflection_source(exact).f(wi, wo), self._where)
+            lobe = material.latents[:, : self._model.arch.lobe]
+            narrow = source.lobe is not None and bool((lobe[:, 0] < NARROW).any())
+            if narrow:
+                f = np.maximum(f - lobe_f(lobe, wi[:, None], wo[:, None]), 0)
+            material = replace(material, table=table_of_values(f), beside_lobe=narrow)
         self.material = material
         return material.anchors
 

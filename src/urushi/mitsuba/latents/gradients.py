@@ -32,6 +32,7 @@ from urushi.mitsuba.latents.holders import ConstantLatents, TexturedLatents
 from urushi.mitsuba.latents.lookup import drawn_texel, texel_draw
 from urushi.mitsuba.networks.decoder import UrushiDecoder
 from urushi.mitsuba.networks.lobe import ANY_LOBE
+from urushi.mitsuba.networks.lobe import f as lobe_f
 from urushi.mitsuba.networks.table import TabulatedDecoder
 from urushi.mitsuba.reading import probing
 from urushi.mitsuba.reading.grid import varying_textures
@@ -143,9 +144,10 @@ def wanted(bsdf: "mi.BSDF") -> bool:
 
 
 def _numbers(bsdf: "mi.BSDF") -> list:
-    """The parameters of a BSDF that carry gradients, as flat arrays."""
-    values = [value for _, value in writable(bsdf)]
-    return [x for value in values if dr.grad_enabled(value) for x in _flat_arrays(value)]
+    """The parameters of a BSDF that carry gradients, as flat arrays, each once."""
+    values = [value for _, value in writable(bsdf) if dr.grad_enabled(value)]
+    arrays = [x for value in values for x in _flat_arrays(value) if dr.grad_enabled(x)]
+    return list({x.index_ad: x for x in arrays}.values())
 
 
 def _flat_arrays(value: Any) -> list:
@@ -200,6 +202,10 @@ def _table(baker: Baker, coat: CoatTextures, bottom: "mi.BSDF", plain: Any) -> l
             si = probing.interaction(wi, np.full((len(wi), 2), 0.5))
             out = mi.Vector3f(np.ascontiguousarray(wo.T))
             values = probing.bsdf_channels(exact, si, out)
+            if below.beside_lobe:
+                known = spectrum.at_bands(si, lambda: offer.lobes(si) or [])
+                tops = lobe_f(known, si.wi, out, ANY_LOBE)
+                values = [dr.maximum(f - top, 0) for f, top in zip(values, tops, strict=True)]
         if not values or below.beside_lobe:
             codes = _bottom_codes(baker, coat.where, bottom, MIDDLE.uv(), None)
     return table_gradients.attached(material, coat, below, _numbers(bottom), values, codes)

@@ -88,12 +88,15 @@ def _step(coat: CoatParameters, bottom: Material, slope: Slope) -> tuple[float, 
             side = value > 1
             least, most = (1 + MIN_INDEX_STEP, most) if side else (least, 1 - MIN_INDEX_STEP)
         return min(value + size, most) - value, max(value - size, least) - value
+    largest = 1e-6
     if slope.values is not None and bottom.table is not None:
         f = np.exp(bottom.table[..., slope.channel].astype(np.float64).ravel())
-        largest = float(np.quantile(np.abs(slope.values) / f, QUANTILE))
-    else:
-        largest = float(np.abs(slope.code).max()) if slope.code is not None else 0.0
-    size = CHANGE / max(largest, 1e-6)
+        largest = max(largest, np.quantile(np.abs(slope.values) / f, QUANTILE))
+    if slope.code is not None:
+        relative = np.array(slope.code)
+        relative[0] /= bottom.latents[slope.channel, 0]  # the lobe's width
+        largest = max(largest, np.abs(relative).max())
+    size = CHANGE / float(largest)
     return size, -size
 
 
