@@ -102,7 +102,7 @@ def test_tables_agree_with_the_walk(name: str) -> None:
 )
 def test_tables_of_many_slabs_agree_with_the_walk(count: int) -> None:
     every = [errors(slab, 1 << 12) for slab in drawn(count)]
-    # Walks through the deepest channels are too noisy to tell an error of 3 %.
+    # The walks through the deepest channels have more noise than the error that is asserted.
     excess = np.array([np.where(noise < 0.05, found - noise, 0) for found, noise in every])
     assert np.mean([noise < 0.05 for _, noise in every]) > 0.95
     assert excess[:, 2].mean() < 0.01

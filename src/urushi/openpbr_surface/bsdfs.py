@@ -150,7 +150,7 @@ def define(proposal_bsdf: type) -> tuple[type, type]:
 
         def _exact(self):
             """The base without the limits of networks, for tables; None: coats take codes."""
-            least = encoding.TABULATED_FROM if self._model.film else 0
+            least = encoding.FILM_TABULATED_FROM if self._model.film else 0
             if not (self._encoded and encoding.is_rough(self._inputs, encoding.NAMES, least)):
                 return None
             return type(self)(self._inputs, self._under_coat, False, self._compensated)

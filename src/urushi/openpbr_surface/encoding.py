@@ -28,7 +28,7 @@ MULTIPLE_FROM = 0.5
 #: Least specular_roughness at which a constant coat over a constant, isotropic base with a film is
 #: evaluated by a table, see `urushi.material.coated_table`. A smoother base would need its lobe
 #: beside the table, and the lobe does not have the film's colours.
-TABULATED_FROM = 0.15
+FILM_TABULATED_FROM = 0.15
 
 #: The parameters of an isotropic metal besides its specular_roughness.
 OF_METALS = ("base_weight", "base_color", "specular_weight", "specular_color")
