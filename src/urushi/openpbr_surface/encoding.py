@@ -9,6 +9,7 @@ from urushi.checks import Widths
 from urushi.core import fresnel
 from urushi.core.namespace import DRJIT
 from urushi.mitsuba import spectrum
+from urushi.mitsuba.latents.bottoms import NARROW
 from urushi.nets.lobe import NO_LOBE
 from urushi.openpbr_surface.inputs import Inputs
 from urushi.openpbr_surface.model import Base
@@ -28,7 +29,7 @@ MULTIPLE_FROM = 0.5
 #: Least specular_roughness at which a constant coat over a constant, isotropic base with a film is
 #: evaluated by a table, see `urushi.material.coated_table`. A smoother base would need its lobe
 #: beside the table, and the lobe does not have the film's colours.
-FILM_TABULATED_FROM = 0.15
+FILM_TABULATED_FROM = NARROW**0.5
 
 #: The parameters of an isotropic metal besides its specular_roughness.
 OF_METALS = ("base_weight", "base_color", "specular_weight", "specular_color")
