@@ -44,13 +44,12 @@ from urushi.nets.mlp import activate, hidden_to_output, linear, product, split_l
 from urushi.nets.weights import Model
 from urushi.train import examples, losses
 from urushi.train.batches import batches
-from urushi.train.datasets import validation, whole_domain
 from urushi.train.distribution import Extended, Practical
 from urushi.train.examples import bottom_lobes
 from urushi.train.losses import bounded, columns_of, pair_weights, stack_loss
 from urushi.train.optimiser import Schedule, compile_steps, start
-from urushi.train.spec import DataSpec, Part
-from urushi.train.store import Store, generate
+from urushi.train.presets import validation, whole_domain
+from urushi.train.store import DataSpec, Part, Store, generate
 
 #: The kinds of bottoms of practical stacks, and thousands of training stacks by number of coats.
 KINDS = ("conductor", "conductor_complex", "dielectric", "diffuse", "mixture", "measured_like")

@@ -33,7 +33,6 @@ from urushi.core import error_metrics
 from urushi.core.probe_pairs import PROBES, probe_pairs
 from urushi.core.quadrature import half_vector_rule
 from urushi.material.source import STACK_WALKS
-from urushi.version import __version__
 from urushi.walk import StackTable, walk_pairs
 from urushi.walk.bottoms import KINDS
 
@@ -101,17 +100,13 @@ def write(
         for group in simulated
         for name, array in _arrays(sets[group.name]).items()
     }
-    packages = {name: version(name) for name in ("numpy", "drjit")}
+    packages = {name: version(name) for name in ("urushi", "numpy", "drjit")}
     description: dict[str, Any] = {
         "version": FORMAT_VERSION,
         "seed": seed,
         "groups": [describe(group) for group in simulated],
         "hash": digest(arrays),
-        "versions": {
-            "urushi": __version__,
-            "python": platform.python_version(),
-            **packages,
-        },
+        "versions": {"python": platform.python_version(), **packages},
     }
     files.write_tensors(path, KIND, description, arrays)
     return description["hash"]

@@ -25,8 +25,7 @@ from urushi.fan2022.preset import Palette, PaperPreset
 from urushi.fan2022.projection import compressed
 from urushi.fan2022.training import project_part
 from urushi.nets.mlp import Params
-from urushi.train.spec import DataSpec, Part
-from urushi.train.store import Store, generate
+from urushi.train.store import DataSpec, Part, Store, generate
 
 #: Components of each kind, stratified pairs of each BRDF, walks for each, and epochs of training.
 COMPONENTS, PAIRS, WALKS, EPOCHS = 8, 5**4, 256, 400

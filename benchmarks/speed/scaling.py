@@ -20,8 +20,7 @@ from pathlib import Path
 import numpy as np
 
 from urushi.train.distribution import Extended, Table2
-from urushi.train.spec import DataSpec, Part
-from urushi.train.store import Store, generate, make_shard
+from urushi.train.store import DataSpec, Part, Store, generate, make_shard
 
 #: Direction pairs per stack and walks per pair, as in `quick`, an earlier preset for experiments.
 PAIRS, WALKS = 512, 32

@@ -13,7 +13,7 @@ from urushi.checks import MIN_ALPHA
 from urushi.core import albedos, fresnel
 from urushi.core.namespace import NUMPY
 from urushi.errors import ParameterError
-from urushi.openpbr_surface import eon, formulas
+from urushi.openpbr_surface import formulas
 from urushi.openpbr_surface.parameters import complete
 
 #: "materialx": the graph `open_pbr_surface.mtlx` of MaterialX 1.39 as its generator for GLSL has
@@ -117,7 +117,9 @@ def _base(p: dict[str, Any], pairs: _Pairs, recipe: Recipe) -> np.ndarray:
     widths = _widths(rough, p["specular_roughness_anisotropy"])
     reflection, passed = _dielectric(pairs, _index(p), widths, recipe)
     cosines = pairs.i, pairs.o, np.maximum(pairs.between, 0)
-    diffuse = p["base_weight"] * eon.f(*cosines, p["base_color"], p["base_diffuse_roughness"])
+    diffuse = p["base_weight"] * formulas.eon(
+        *cosines, p["base_color"], p["base_diffuse_roughness"]
+    )
     dielectric = p["specular_color"] * reflection + passed(pairs.i) * diffuse
     f82 = fresnel.f82(pairs.facet, p["base_weight"] * p["base_color"], p["specular_color"])
     shine = p["specular_weight"] * f82 * _lobe(pairs, widths)

@@ -9,7 +9,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from urushi import platform
-from urushi.version import __version__
 
 if TYPE_CHECKING:
     from urushi.app.notebook import show
@@ -22,6 +21,8 @@ if TYPE_CHECKING:
     from urushi.openpbr_surface.plugins.materialx import load_materialx
     from urushi.walk import Stack, coat, conductor, dielectric, diffuse, slab
     from urushi.walk.simulate import simulate
+
+__version__ = "0.1.0"
 
 __all__ = [
     "Material",

@@ -13,8 +13,7 @@ pytest.importorskip("jax", reason="the extra 'train' is not installed")
 
 from urushi.train import presets, training
 from urushi.train.distribution import Extended, Table2
-from urushi.train.spec import DataSpec, Part
-from urushi.train.store import Store
+from urushi.train.store import DataSpec, Part, Store
 
 
 @pytest.fixture

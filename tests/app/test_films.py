@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from urushi.app.films import FILMS
+from urushi.app.page_files import FILMS, filmed_material
 from urushi.core.direction_sets import cosine_pairs
 from urushi.core.error_metrics import energy_weight
 from urushi.core.fresnel import exact
@@ -17,7 +17,7 @@ def test_the_table_is_f(name):
     """Within 0.3 %: interpolation in logarithms of half precision."""
     metal = FILMS[name]
     wi, wo = cosine_pairs(np.random.default_rng(0), 4096, lowest_cosine=0.01)
-    expected, found = metal.f(wi, wo), metal.material(find(None)).f(wi, wo)
+    expected, found = metal.f(wi, wo), filmed_material(metal, find(None)).f(wi, wo)
     weight = energy_weight(wi[:, 2], wo[:, 2])[:, None]
     assert (np.abs(found - expected) * weight).sum() < 0.003 * (expected * weight).sum()
 

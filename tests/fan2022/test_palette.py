@@ -6,8 +6,7 @@ import pytest
 from urushi.core import direction_sets
 from urushi.errors import FileError, ParameterError
 from urushi.fan2022.preset import Palette
-from urushi.train.spec import DataSpec, Part
-from urushi.train.store import Store
+from urushi.train.store import DataSpec, Part, Store
 
 ALL = slice(0, 5000)
 

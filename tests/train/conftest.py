@@ -5,16 +5,14 @@ import hashlib
 import pytest
 
 from urushi.nets.architecture import Architecture
-from urushi.train.datasets import validation
 from urushi.train.distribution import Extended, Table2
 from urushi.train.optimiser import Schedule
-from urushi.train.presets import Preset
-from urushi.train.spec import DataSpec, Part
+from urushi.train.presets import Preset, validation
 from urushi.train.stages.decoding import Decoding
 from urushi.train.stages.joint import Joint
 from urushi.train.stages.layering import Layering
 from urushi.train.stages.sampling import Sampling
-from urushi.train.store import generate
+from urushi.train.store import DataSpec, Part, generate
 
 ARCH = Architecture(
     latent=12,

@@ -14,8 +14,7 @@ from urushi.train import examples
 from urushi.train.batches import batches
 from urushi.train.distribution import BOTTOMS, Extended, Table2
 from urushi.train.examples import bottom_lobes, bottom_rest
-from urushi.train.spec import DataSpec, Part
-from urushi.train.store import Store, generate
+from urushi.train.store import DataSpec, Part, Store, generate
 from urushi.walk import analytic
 from urushi.walk.bottoms import KINDS
 

@@ -10,9 +10,8 @@ from urushi.nets.architecture import Architecture, init
 from urushi.train import examples
 from urushi.train.distribution import ANISOTROPIC_BOTTOMS, Anisotropic, Table2
 from urushi.train.examples import mirror_images
-from urushi.train.spec import DataSpec, Part
 from urushi.train.stages.layering import MirroredLayering
-from urushi.train.store import generate, make_shard
+from urushi.train.store import DataSpec, Part, generate, make_shard
 from urushi.walk import StackTable, analytic, walk_pairs
 from urushi.walk.bottoms import KINDS
 

@@ -14,8 +14,7 @@ from urushi import files
 from urushi.errors import FileError, ParameterError
 from urushi.train import store as generation
 from urushi.train.distribution import Extended, Table2
-from urushi.train.spec import DataSpec, Part
-from urushi.train.store import Store, generate, make_shard
+from urushi.train.store import DataSpec, Part, Store, generate, make_shard
 from urushi.walk import analytic
 
 SPEC = DataSpec(
@@ -112,8 +111,7 @@ def test_a_killed_process_resumes_to_the_same_bytes(fingerprints, tmp_path):
     script = (
         "import sys\n"
         "from urushi.train.distribution import Table2\n"
-        "from urushi.train.store import generate\n"
-        "from urushi.train.spec import DataSpec, Part\n"
+        "from urushi.train.store import DataSpec, Part, generate\n"
         "part = Part('coated', Table2(), stacks=64, pairs=64, walks=64)\n"
         "generate(DataSpec((part,), seed=1, shard=2), sys.argv[1])\n"
     )

@@ -9,6 +9,7 @@ from typing import Annotated, Any
 
 import tyro
 
+import urushi
 from urushi import ranges
 from urushi.app.demo import Demo
 from urushi.app.describe import Materials
@@ -21,7 +22,6 @@ from urushi.app.simulate import Simulate
 from urushi.app.train import Data, Paper, Train
 from urushi.app.view import View
 from urushi.errors import UrushiError
-from urushi.version import __version__
 
 FAILURE = 2
 INTERRUPTED = 130  # 128 + SIGINT, as shells report it
@@ -80,7 +80,7 @@ def main(args: Sequence[str] | None = None) -> int:
     """
     arguments = list(sys.argv[1:] if args is None else args)
     if arguments == ["--version"]:
-        print(__version__)
+        print(urushi.__version__)
         return 0
     try:
         command = parse(arguments)

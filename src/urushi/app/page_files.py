@@ -13,21 +13,23 @@ import re
 import tempfile
 import zlib
 from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
 import safetensors.numpy
 
-from urushi.app.films import FILMS
 from urushi.checks import AIR, Widths
 from urushi.errors import FileError, ParameterError
 from urushi.export.languages import LANGUAGES
 from urushi.export.program import template_text
 from urushi.files import METADATA_KEY
-from urushi.material import Material
+from urushi.material import Material, encode
+from urushi.material.table import node_pairs, table_of_values
 from urushi.nets.weights import FORMAT_VERSION, Model, anisotropic_model
-from urushi.walk import Stack
+from urushi.openpbr_surface.thin_film import MEAN_COSINE, FilmedMetal
+from urushi.walk import Stack, conductor
 
 #: The folder of the built page.
 BUILT = Path(__file__).with_name("page")
@@ -37,6 +39,16 @@ WEIGHTS_FILE, START_FILE, SHADERS_FOLDER = "weights.safetensors", "start.json", 
 ANISOTROPIC_FILE = "anisotropic.safetensors"
 STORED_FOLDER = "stored"
 TEXTURE_FILE, TABLE_FILE = "texture.safetensors", "table.f16"
+
+#: Complex index of niobium as Mitsuba has it in its RGB variants.
+_NIOBIUM = (3.42, 2.79, 2.396), (3.441, 2.738, 2.58)
+
+#: Metals under films that the page offers, since descriptions have no films: anodised niobium, the
+#: metal of coins and jewellery, whose oxide has an index of 2.3.
+FILMS = {
+    "anodised niobium, blue": FilmedMetal(0.15, *_NIOBIUM, ior=2.3, thickness=0.06),
+    "anodised niobium, magenta": FilmedMetal(0.15, *_NIOBIUM, ior=2.3, thickness=0.16),
+}
 
 #: Coats that the page has cards for.
 MOST_COATS = 6
@@ -88,9 +100,16 @@ def page_files(model: Model, first: First | None) -> dict[str, bytes]:
     for place, (name, metal) in enumerate(FILMS.items()):
         path = f"{STORED_FOLDER}/{place}.safetensors"
         start["stored"][name[0].upper() + name[1:]] = path
-        made[path] = file_of(metal.material(model))
+        made[path] = file_of(filmed_material(metal, model))
     made[START_FILE] = json.dumps(start).encode()
     return built | made | shader_files(model) | shader_files(other)
+
+
+def filmed_material(metal: FilmedMetal, model: Model) -> Material:
+    """A filmed metal: its table; and codes for coats, of a metal of its mean reflectance."""
+    mean = tuple(metal.reflectance(np.array([MEAN_COSINE]))[0])
+    codes = encode(conductor(metal.alpha, r0=mean), model)
+    return replace(codes, table=table_of_values(metal.f(*node_pairs())))
 
 
 def file_of(material: Material) -> bytes:

@@ -8,7 +8,7 @@ import numpy as np
 
 from urushi.errors import ParameterError
 from urushi.fan2022.architecture import AdamProjection, PaperArchitecture
-from urushi.train.spec import DataSpec, Part
+from urushi.train.store import DataSpec, Part
 from urushi.walk.table import StackTable
 
 #: Pairs of direction strata in memory together, at most: bounds memory to some hundred MB.

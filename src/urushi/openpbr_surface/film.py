@@ -32,9 +32,6 @@ _COAT_COSINES = (1.0, 0.9, 0.8, 0.7)
 #: Least reflectance in a division.
 _LEAST = 1e-4
 
-#: Cosine at which the reflectance of a filmed metal is about its mean, which is nearly constant.
-MEAN_COSINE = 0.66
-
 #: Nodes of a Gauss rule.
 NODES = 4
 

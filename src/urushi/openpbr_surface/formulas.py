@@ -6,13 +6,14 @@ functions take NumPy or Dr.Jit arrays; `xp` has their functions.
 3.1    microfacet widths           `widths`, `lobe_widths`, `lobe_width`
 3.2    index of the base           `relative_index`, `modulated_index`, `base_index`
 3.2.2  glossy-diffuse base         `internal_reflectance`, `slab_albedo`, `promised`
+       rough diffuse slab          `eon`, `eon_albedo`, `eon_mean_albedo`
 3.2.3  medium of subsurface_color  `subsurface_albedo`
 3.2.4  translucent medium          `translucent_medium`
 3.4    darkening of the coat       `mean_fresnel`, `internal`, `boost`
 3.5    fuzz                        `fuzz_albedo`, `fuzz_density`
 
-The Fresnel terms are in `urushi.core` (`fresnel`, `metal`), as is the coat's medium (`appearance`);
-the diffuse slab is `eon`, and section 3.3 is in `thin_film`.
+The Fresnel terms (`fresnel`) and the coat's medium (`appearance`) are in `urushi.core`, section 3.3
+is in `thin_film`.
 """
 
 import functools
@@ -149,6 +150,78 @@ def slab_albedo(color: Any, internal: Any) -> Any:
 def promised(rho: Any, internal: Any) -> Any:
     """The inverse of `slab_albedo`: the share of the transmitted light that leaves again."""
     return (1 - internal) * rho / (1 - rho * internal)
+
+
+# 3.2.2 Diffuse slab: energy-preserving Oren-Nayar reflection. Cosines are to the normal, in [0, 1].
+# `color` is the albedo of the facets and `roughness` is base_diffuse_roughness, both in [0, 1].
+# Source: Portsmouth, Kutz and Hill 2025, EON: A practical energy-preserving rough diffuse BRDF; the
+# single-scattering term is Fujii's (2012).
+
+_EON_FIRST = 0.5 - 2 / (3 * math.pi)
+_EON_SECOND = 2 / 3 - 28 / (15 * math.pi)
+
+
+def eon_single_albedo(cosine: Any, roughness: Any, xp: Namespace = NUMPY) -> Any:
+    """Directional albedo of the single-scattering term for a facet albedo of one."""
+    sine = xp.sqrt(xp.maximum(1 - cosine * cosine, 0))
+    angle = xp.arccos(xp.clip(cosine, 0, 1))
+    # (sine / cosine)(1 - sine^3) without the quotient: 1 - sine^2 = cosine^2.
+    ratio = sine * cosine * (1 + sine + sine * sine) / (1 + sine)
+    g = sine * (angle - sine * cosine) + 2 / 3 * (ratio - sine)
+    return (1 + roughness * g / math.pi) / (1 + _EON_FIRST * roughness)
+
+
+def eon_single_mean(roughness: Any) -> Any:
+    """The cosine-weighted mean of `eon_single_albedo` over the hemisphere."""
+    return (1 + _EON_SECOND * roughness) / (1 + _EON_FIRST * roughness)
+
+
+def eon_single_over_azimuths(i: Any, o: Any, roughness: Any, xp: Namespace = NUMPY) -> Any:
+    """The single-scattering term times pi for a facet albedo of one, its mean over the azimuth."""
+    sines2 = xp.maximum(1 - i * i, 0) * xp.maximum(1 - o * o, 0)
+    larger = xp.maximum(xp.maximum(i, o), 1e-7)
+    shape = xp.sqrt(sines2) * (1 / larger - 1) / math.pi
+    return (1 + roughness * shape) / (1 + _EON_FIRST * roughness)
+
+
+def eon_deviation(roughness: Any) -> Any:
+    """Deviation of a white BRDF from a Lambertian one, as a share of the deviation at roughness 1.
+
+    It is the same for all directions.
+    """
+    return roughness * ((1 + _EON_FIRST) / (1 + _EON_FIRST * roughness))
+
+
+def eon_multiple_albedo(color: Any, roughness: Any) -> Any:
+    """The albedo of light that is scattered more than once, in proportion to what the term lost."""
+    mean = eon_single_mean(roughness)
+    return color * color * mean / (1 - color * (1 - mean))
+
+
+def eon_albedo(cosine: Any, color: Any, roughness: Any, xp: Namespace = NUMPY) -> Any:
+    """Directional albedo of the BRDF, one for a colour of one."""
+    single = eon_single_albedo(cosine, roughness, xp)
+    return color * single + eon_multiple_albedo(color, roughness) * (1 - single)
+
+
+def eon_mean_albedo(color: Any, roughness: Any) -> Any:
+    """The cosine-weighted mean of `eon_albedo` over the hemisphere."""
+    mean = eon_single_mean(roughness)
+    return color * mean + eon_multiple_albedo(color, roughness) * (1 - mean)
+
+
+def eon(i: Any, o: Any, between: Any, color: Any, roughness: Any, xp: Namespace = NUMPY) -> Any:
+    """The BRDF [1/sr], without cosine.
+
+    i, o: cosines of wi and wo. between: the cosine between wi and wo.
+    """
+    s = between - i * o
+    shape = xp.minimum(s, 0) + xp.maximum(s, 0) / xp.maximum(xp.maximum(i, o), 1e-7)
+    single = color * (1 + roughness * shape) / (1 + _EON_FIRST * roughness)
+    lost = [1 - eon_single_albedo(cosine, roughness, xp) for cosine in (i, o)]
+    # For a roughness of zero nothing is lost, and the quotient is 0 / 0.
+    share = lost[0] * lost[1] / xp.maximum(1 - eon_single_mean(roughness), 1e-7)
+    return (single + eon_multiple_albedo(color, roughness) * share) / math.pi
 
 
 # 3.2.3 and 3.2.4: the media of bodies that transmit light

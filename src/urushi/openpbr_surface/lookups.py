@@ -15,7 +15,7 @@ from urushi.core import albedos
 from urushi.core.albedos import between_nodes, hemisphere_mean, indexnodes, nodes, visible_facets
 from urushi.core.namespace import DRJIT
 from urushi.mitsuba.interface_albedo import InterfaceAlbedo, Interpolated, coordinates
-from urushi.openpbr_surface import eon, formulas
+from urushi.openpbr_surface import formulas
 
 #: Lower bound of the share of light that leaves the slab at once; an index of 10 gives more.
 LEAST_SHARE = 1e-3
@@ -66,7 +66,7 @@ def anisotropic_tables() -> tuple[np.ndarray, np.ndarray]:
 # direction, which is then assumed to have their mean cosine in the slab. Of its first reflection by
 # a Lambertian slab, the interface passes the share passed_mean / eta^2, whatever the direction. EON
 # reflects more or less towards directions that the interface passes. The deviation is proportional
-# to `eon.deviation`, so that one table serves all roughnesses of the slab.
+# to `formulas.eon_deviation`, so that one table serves all roughnesses of the slab.
 
 
 @functools.cache
@@ -89,11 +89,11 @@ def slab_tables(eta: float | None = None) -> tuple[np.ndarray, np.ndarray]:
     away, _ = between_nodes(inside)
     single = np.empty_like(inside)
     for k in range(inside.shape[-1]):
-        along = eon.single_over_azimuths(inside[..., k, None], away, 1.0)
+        along = formulas.eon_single_over_azimuths(inside[..., k, None], away, 1.0)
         single[..., k] = (weights * along).sum(-1)
-    lost = 1 - eon.single_albedo(inside, 1.0)
-    lost_mean = (weights * (1 - eon.single_albedo(away, 1.0))).sum(-1, keepdims=True)
-    excess = single + lost * lost_mean / (1 - eon.single_mean(1.0)) - 1
+    lost = 1 - formulas.eon_single_albedo(inside, 1.0)
+    lost_mean = (weights * (1 - formulas.eon_single_albedo(away, 1.0))).sum(-1, keepdims=True)
+    excess = single + lost * lost_mean / (1 - formulas.eon_single_mean(1.0)) - 1
     mean = (weights * between_nodes(excess)[0]).sum(-1, keepdims=True)
     return np.stack([inside, excess], axis=-1).astype(np.float32), mean.astype(np.float32)
 
@@ -242,11 +242,11 @@ class RoughSlab:
         rho = formulas.slab_albedo(color, internal)
 
         cosines = inside[0], inside[1], _between(wi, wo, inside)
-        first = direct * eon.f(*cosines, rho, roughness, DRJIT)
-        more = direct * eon.deviation(roughness)
+        first = direct * formulas.eon(*cosines, rho, roughness, DRJIT)
+        more = direct * formulas.eon_deviation(roughness)
         kept = internal - more * (excess[0] + excess[1] - excess_mean)
-        albedos = [eon.albedo(cosine, rho, roughness, DRJIT) for cosine in inside]
-        mean_albedo = eon.mean_albedo(rho, roughness)
+        albedos = [formulas.eon_albedo(cosine, rho, roughness, DRJIT) for cosine in inside]
+        mean_albedo = formulas.eon_mean_albedo(rho, roughness)
         later = albedos[0] * albedos[1] * kept * (direct / (1 - mean_albedo * internal))
         # What is kept is less than nothing for few directions at grazing angles.
         return dr.maximum(first + dr.inv_pi * later, 0) * (passed / passed_mean)

@@ -21,8 +21,8 @@ from urushi.core import fresnel, microfacet
 from urushi.core.appearance import optical_depth
 from urushi.core.namespace import DRJIT
 from urushi.mitsuba.interface_albedo import InterfaceAlbedo
-from urushi.openpbr_surface import formulas
-from urushi.openpbr_surface.film import MEAN_COSINE, FilmFresnel
+from urushi.openpbr_surface import formulas, thin_film
+from urushi.openpbr_surface.film import FilmFresnel
 from urushi.openpbr_surface.inputs import Inputs
 from urushi.openpbr_surface.lookups import (
     AnisotropicInterface,
@@ -132,7 +132,7 @@ class Base:
         mean = fresnel.f82_mean(color, tint, DRJIT)
         if self.film:
             reflectance = self.film.metal(cosine, color, tint, reflectance, si, active)
-            mean = self.film.metal(mi.Float(MEAN_COSINE), color, tint, mean, si, active)
+            mean = self.film.metal(mi.Float(thin_film.MEAN_COSINE), color, tint, mean, si, active)
         first, second = (self.mirror.seen(w, widths) for w in (si.wi, wo))
         more = self.mirror.lost(first, second, widths, mean)
         return vertex.weight * (lobe * reflectance + more)

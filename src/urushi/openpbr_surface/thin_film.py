@@ -16,12 +16,17 @@ import numpy as np
 
 from urushi.core import fresnel
 from urushi.core.namespace import NUMPY, Namespace
+from urushi.nets import lobe
 
 #: Terms of the series; the next is at most 2 % of the light for a film of index 2.
 ORDERS = 5
 
 #: Largest reflectance of a metal that is taken as a complex index, which has no bound at one.
 LARGEST_REFLECTANCE = 0.9999
+
+#: Cosine at which the reflectance of a filmed metal is about its mean over the facets that diffuse
+#: light meets.
+MEAN_COSINE = 0.66
 
 #: Least argument of roots, whose derivatives have no bound at zero.
 LEAST = 1e-12
@@ -156,6 +161,28 @@ def metal_index(f0: Any, tint: Any, xp: Namespace = NUMPY) -> Below:
     n = xp.clip((linear + root) / (-4 * twice), least, most)
     excess = r * (n + 1) * (n + 1) - (n - 1) * (n - 1)
     return Below(n, xp.sqrt(xp.maximum(excess, 0) / (1 - r)))
+
+
+class FilmedMetal(NamedTuple):
+    """A rough metal under a film, in air."""
+
+    alpha: float  # GGX width
+    eta: tuple[float, float, float]  # complex index eta + i k of the metal for red, green and blue
+    k: tuple[float, float, float]
+    ior: float  # of the film
+    thickness: float  # of the film [micrometres]
+
+    def reflectance(self, cosine: np.ndarray) -> np.ndarray:
+        """Reflectance (N, 3) of a facet at cosines (N,)."""
+        film = Film(self.ior, self.ior, self.thickness)
+        columns = zip(map(Below, self.eta, self.k), RGB, strict=True)
+        return np.stack([reflectance(cosine, film, *pair) for pair in columns], axis=-1)
+
+    def f(self, wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
+        """The BRDF (N, 3) [1/sr] of directions (N, 3) above the horizon."""
+        white = np.array([self.alpha, 1, 1, 0, 1.5, 0], np.float32)
+        cosine = 0.5 * np.linalg.norm(wi + wo, axis=-1)
+        return lobe.f(white, wi, wo)[:, None] * self.reflectance(np.minimum(cosine, 1))
 
 
 def _series(

@@ -18,7 +18,6 @@ from urushi.nets.weights import Model
 from urushi.textures import file
 from urushi.textures.grid import TexelGrid
 from urushi.textures.store import TextureStore
-from urushi.version import __version__
 
 #: Environment variable: the folder of the textures, or "off".
 VARIABLE = "URUSHI_CACHE"
@@ -56,7 +55,7 @@ def _program() -> str:
     digest = hashlib.blake2b(digest_size=16)
     for path in sorted(Path(__file__).parents[1].rglob("*.py")):
         digest.update(path.read_bytes())
-    return f"{__version__} {digest.hexdigest()}"
+    return digest.hexdigest()
 
 
 def read(name: str, model: Model) -> tuple[TextureStore, TexelGrid] | None:

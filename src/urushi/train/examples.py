@@ -11,8 +11,7 @@ from urushi.nets import lobe as lobes
 from urushi.nets.architecture import Architecture
 from urushi.nets.features import DIRECTION_FEATURES, direction_features
 from urushi.nets.lobe_fit import fit_lobes
-from urushi.train.spec import Part
-from urushi.train.store import Store
+from urushi.train.store import Part, Store
 from urushi.walk import analytic
 from urushi.walk.bottoms import KINDS
 

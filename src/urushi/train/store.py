@@ -1,4 +1,4 @@
-"""The store of simulated BRDF values, and its simulation.
+"""The store of simulated BRDF values: its specification, its files and its simulation.
 
 A store is a folder. `store.json` has its specification; every shard is one file,
 `PART/NUMBER.safetensors`, of these arrays, whose first axis is the stack:
@@ -15,7 +15,7 @@ import hashlib
 import json
 import os
 import platform
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass
 from importlib.metadata import version
 from pathlib import Path
@@ -27,9 +27,8 @@ from tqdm import tqdm
 from urushi import files
 from urushi.checks import CoatParameters
 from urushi.core import direction_sets
-from urushi.errors import FileError
-from urushi.train.spec import DataSpec, Part
-from urushi.version import __version__
+from urushi.errors import FileError, ParameterError
+from urushi.train.distribution import Source, to_dict
 from urushi.walk import analytic
 from urushi.walk.bottoms import KINDS
 from urushi.walk.simulate import walk_pairs
@@ -38,6 +37,70 @@ FORMAT_VERSION = 2
 
 #: A shard: the arrays of the layout above for its stacks.
 Shard = Mapping[str, np.ndarray]
+
+
+@dataclass(frozen=True)
+class Part:
+    """Stacks of one distribution, with the direction pairs at which each is simulated."""
+
+    name: str  # unique in the store
+    distribution: Source
+    stacks: int
+    pairs: int  # direction pairs of a stack; every stack has its own
+    walks: int  # random walks of a pair; bottoms without a coat are analytic and need none
+    directions: str = "training"  # name of the direction set, see `core.direction_sets`
+
+    def __post_init__(self) -> None:
+        for name in ("stacks", "pairs", "walks"):
+            value = getattr(self, name)
+            if not isinstance(value, int) or value < 1:
+                raise ParameterError(
+                    f"part '{self.name}' has {name} = {value!r}; give a positive integer"
+                )
+        direction_sets.check_set(self.directions, self.pairs, f"part '{self.name}'")
+
+
+@dataclass(frozen=True)
+class DataSpec:
+    """The specification of a data store, which its manifest and a preset contain."""
+
+    parts: tuple[Part, ...]  # in the order of generation
+    seed: int = 0  # of parameters, directions and walks
+    shard: int = 256  # number of stacks that are drawn, simulated and written together
+
+    def __post_init__(self) -> None:
+        if len({part.name for part in self.parts}) != len(self.parts):
+            raise ParameterError("two parts of the data specification have the same name")
+
+    def shards(self) -> Iterator[tuple[int, int]]:
+        """Yield every (part index, shard index), in order."""
+        for index, part in enumerate(self.parts):
+            for shard in range(self.shard_count(part)):
+                yield index, shard
+
+    def shard_count(self, part: Part) -> int:
+        """Number of shards of a part; the last one may be smaller than the others."""
+        return -(-part.stacks // self.shard)
+
+    def rows(self, part: int, shard: int) -> slice:
+        """The rows of a part that belong to one of its shards."""
+        start = shard * self.shard
+        return slice(start, min(start + self.shard, self.parts[part].stacks))
+
+    def seeds(self, part: int, shard: int) -> np.random.SeedSequence:
+        """The seeds of one shard, independent of all others and of the order of generation."""
+        return np.random.SeedSequence(self.seed, spawn_key=(part, shard))
+
+    def walks(self, part: int, shard: int) -> int:
+        """Number of random walks of one shard."""
+        rows, described = self.rows(part, shard), self.parts[part]
+        if described.distribution.coats == 0:
+            return 0
+        return (rows.stop - rows.start) * described.pairs * described.walks
+
+    def to_dict(self) -> dict[str, Any]:
+        parts = [{**vars(part), "distribution": to_dict(part.distribution)} for part in self.parts]
+        return {"parts": parts, "seed": self.seed, "shard": self.shard}
 
 
 @dataclass(frozen=True)
@@ -62,8 +125,8 @@ class Store:
                 stray.unlink()
             return cls(folder, spec)
         files.new_folder(folder)
-        packages = {name: version(name) for name in ("numpy", "drjit")}
-        versions = {"urushi": __version__, "python": platform.python_version(), **packages}
+        packages = {name: version(name) for name in ("urushi", "numpy", "drjit")}
+        versions = {"python": platform.python_version(), **packages}
         manifest = {"format_version": FORMAT_VERSION, "spec": wanted, "versions": versions}
         with files.atomic_write(folder / "store.json") as temporary:
             temporary.write_text(json.dumps(manifest, indent=1), encoding="utf-8")

@@ -30,9 +30,8 @@ from urushi.train.checkpoint import Checkpoint, Journal
 from urushi.train.examples import METRICS, Depth, Examples
 from urushi.train.optimiser import compile_steps, start
 from urushi.train.presets import Preset
-from urushi.train.stages.stage import Stage, Task, parameters_of
+from urushi.train.stages import Stage, Task, parameters_of
 from urushi.train.store import Store, generate
-from urushi.version import __version__
 
 #: Default folder of data, checkpoints, logs and weights.
 RUNS = Path("runs")
@@ -160,7 +159,7 @@ def prepare(
 
 def header(journal: Journal, metrics: dict[str, float], seconds: float) -> dict[str, Any]:
     """The weights file's record of its training, which took these seconds after its data."""
-    packages = {name: version(name) for name in ("jax", "optax", "numpy")}
+    packages = {name: version(name) for name in ("urushi", "jax", "optax", "numpy")}
     return {
         **journal.identity,
         "seed": journal.identity["preset"]["seed"],
@@ -171,7 +170,7 @@ def header(journal: Journal, metrics: dict[str, float], seconds: float) -> dict[
             "processors": available_cores(),
             "machine": platform.machine(),
         },
-        "versions": {"urushi": __version__, "python": platform.python_version(), **packages},
+        "versions": {"python": platform.python_version(), **packages},
     }
 
 

@@ -24,7 +24,7 @@ from urushi.train.losses import (
     squared_errors,
     without_lobe,
 )
-from urushi.train.stages.stage import Stage, Task
+from urushi.train.stages import Stage, Task
 
 #: Widths of the hidden layers of the scatter's network, which has the form of the decoder.
 WIDTHS = (16, 16)

@@ -22,7 +22,7 @@ from urushi.train.losses import (
     stack_loss,
     without_lobe,
 )
-from urushi.train.stages.stage import Stage, Task
+from urushi.train.stages import Stage, Task
 
 #: Stride of the stacks used in the cycle loss, which decodes all probe pairs.
 CYCLE_STRIDE = 16

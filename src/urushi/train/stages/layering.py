@@ -34,7 +34,7 @@ from urushi.train.losses import (
     stack_weights,
     without_lobe,
 )
-from urushi.train.stages.stage import Stage, Task
+from urushi.train.stages import Stage, Task
 
 #: Items that are decoded at once.
 _BLOCK = 1024

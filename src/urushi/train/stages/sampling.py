@@ -19,7 +19,7 @@ from urushi.nets.mlp import Params
 from urushi.nets.sampler import mixture as propose
 from urushi.train.examples import Depth
 from urushi.train.losses import compose, without_lobe
-from urushi.train.stages.stage import Stage, Task
+from urushi.train.stages import Stage, Task
 
 #: Largest number of training stacks of each depth whose codes the sampler is trained on.
 STACKS = 1 << 15
