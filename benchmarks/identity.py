@@ -37,7 +37,7 @@ import numpy as np
 import urushi
 from urushi.files import atomic_write, read_tensors
 from urushi.nets.weights import DEFAULT, default_model
-from urushi.textures.file import KIND
+from urushi.textures.store import KIND
 
 #: Pairs of directions, and size of the demo's pictures and their samples per pixel.
 PAIRS, DEMO_SIZE, DEMO_SPP = 500, 96, 16

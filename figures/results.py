@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from tqdm import tqdm
 
-from urushi.core import image_metrics as metrics
+from urushi.core import error_metrics as metrics
 from urushi.files import atomic_write
 
 #: Resamples of a bootstrap interval, and its coverage.

@@ -17,7 +17,7 @@ from matplotlib.figure import Figure
 from tqdm import tqdm
 
 from urushi.app.encode import read_material
-from urushi.core import image_metrics as metrics
+from urushi.core import error_metrics as metrics
 from urushi.files import atomic_write
 from urushi.material import Material, layer, lerp
 from urushi.walk import dielectric

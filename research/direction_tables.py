@@ -31,7 +31,7 @@ from benchmarks.quality import pictures
 from tqdm import tqdm
 
 from urushi import checks, files
-from urushi.core import image_metrics as metrics
+from urushi.core import error_metrics as metrics
 from urushi.errors import FileError, ParameterError
 from urushi.files import atomic_write, new_folder
 from urushi.nets.weights import Model, Weights, find

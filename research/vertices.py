@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 import drjit as dr
 
 from urushi.core import microfacet
-from urushi.core.frame import from_cosine
+from urushi.core.directions import from_cosine
 from urushi.walk import interface
 from urushi.walk.bottoms import Bottom
 from urushi.walk.interface import flip

@@ -16,7 +16,7 @@ import numpy as np
 from benchmarks.scenes import OWN, SCENES, WALK, describe, digest
 from tqdm import tqdm
 
-from urushi.core import image_metrics as metrics
+from urushi.core import error_metrics as metrics
 from urushi.files import atomic_write, new_folder
 from urushi.nets import weights as networks
 

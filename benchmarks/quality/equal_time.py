@@ -52,7 +52,7 @@ from benchmarks.quality.converged import (
 from benchmarks.scenes import LIGHTS, PRINCIPLED, processor
 from benchmarks.speed.render import PAPER
 
-from urushi.core import image_metrics as metrics
+from urushi.core import error_metrics as metrics
 from urushi.fan2022.kernels import separate_kernels
 from urushi.platform import available_cores
 

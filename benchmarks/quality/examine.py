@@ -21,7 +21,7 @@ from matplotlib.figure import Figure
 
 import urushi
 from urushi.app.encode import Encode
-from urushi.core import image_metrics as metrics
+from urushi.core import error_metrics as metrics
 from urushi.core.direction_sets import cosine_pairs, half_angle_pairs
 from urushi.core.error_metrics import energy_weight, pair_error
 from urushi.core.quadrature import half_vector_rule

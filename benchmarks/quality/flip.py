@@ -24,7 +24,7 @@ import numpy as np
 from benchmarks.quality.converged import REFERENCE, Picture, add_arguments, converged
 
 from urushi.app.demo import side_by_side, srgb, write_png
-from urushi.core import image_metrics as metrics
+from urushi.core import error_metrics as metrics
 
 AIM = 0.02
 

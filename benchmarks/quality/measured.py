@@ -35,7 +35,7 @@ from benchmarks.rivals.comparisons import METHODS, Comparisons, Measured, Result
 from tqdm import tqdm
 
 import urushi
-from urushi.core import image_metrics as metrics
+from urushi.core import error_metrics as metrics
 from urushi.files import atomic_write, new_folder
 from urushi.platform import available_cores
 

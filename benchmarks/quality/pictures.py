@@ -6,7 +6,7 @@ import numpy as np
 import numpy.typing as npt
 
 from urushi import checks
-from urushi.core.image_metrics import mse, psnr, shown
+from urushi.core.error_metrics import mse, psnr, shown
 from urushi.errors import ParameterError, PlatformError
 
 #: PSNR of equal pictures [dB], finite so that means are finite. It is higher than that of any two

@@ -17,7 +17,7 @@ from benchmarks.rivals import ggx_fit, nbrdf
 
 import urushi
 from urushi.core import direction_sets, error_metrics
-from urushi.core import image_metrics as metrics
+from urushi.core import error_metrics as metrics
 from urushi.files import atomic_write
 from urushi.material import energy, fit, table
 from urushi.measured import Merl, load_measured

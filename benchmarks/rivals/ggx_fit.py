@@ -15,7 +15,7 @@ import numpy as np
 import numpy.typing as npt
 from threadpoolctl import threadpool_limits
 
-from urushi.core.half_vector import directions_at
+from urushi.core.directions import directions_at
 from urushi.errors import ParameterError, PlatformError
 from urushi.measured.tabulated import evaluate
 from urushi.nets import lobe as analytic

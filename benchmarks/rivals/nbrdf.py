@@ -18,7 +18,7 @@ import numpy as np
 import numpy.typing as npt
 import optax
 
-from urushi.core.half_vector import directions_at, half_difference_angles
+from urushi.core.directions import directions_at, half_difference_angles
 from urushi.errors import ParameterError
 from urushi.measured.tabulated import evaluate
 

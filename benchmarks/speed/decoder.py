@@ -34,8 +34,7 @@ def evaluations(weights: str) -> dict[str, Callable[[], object]]:
     from urushi.mitsuba.latents.holders import ConstantLatents, TexturedLatents
     from urushi.nets.weights import find
     from urushi.textures import packing
-    from urushi.textures.grid import IDENTITY, TexelGrid
-    from urushi.textures.store import TextureStore
+    from urushi.textures.store import IDENTITY, TexelGrid, TextureStore
 
     model = find(weights)
     rng = np.random.default_rng(0)

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 import urushi
-from urushi.core.half_vector import directions_at
+from urushi.core.directions import directions_at
 from urushi.measured import merl
 from urushi.measured.tabulated import bin_centres
 from urushi.walk import analytic

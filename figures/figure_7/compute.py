@@ -20,7 +20,7 @@ from benchmarks.scenes import processor  # registers the rivals' plugins
 from gallery import stage
 
 from figures import results, sphere
-from urushi.core import image_metrics as metrics
+from urushi.core import error_metrics as metrics
 from urushi.nets.weights import default_model
 
 FOLDER = Path(__file__).parent

@@ -28,7 +28,7 @@ from gallery import stage
 
 import urushi  # noqa: F401  (registers the plugins)
 from figures import results
-from urushi.core import image_metrics as metrics
+from urushi.core import error_metrics as metrics
 from urushi.nets.weights import default_model
 from urushi.textures import cache, mip_pyramid
 

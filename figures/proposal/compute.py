@@ -18,7 +18,7 @@ from benchmarks.quality.sphere import AZIMUTHS, ELEVATIONS, Environment
 
 import urushi
 from figures import results
-from urushi.core import image_metrics as metrics
+from urushi.core import error_metrics as metrics
 from urushi.fan2022.inference import GaussianMixture
 from urushi.material import Material
 from urushi.nets.weights import default_model

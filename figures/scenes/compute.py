@@ -19,7 +19,7 @@ from benchmarks.quality.converged import REFERENCE, Picture, converged
 from benchmarks.scenes import BOTH, OWN, POINT, TEXTURED, processor
 
 from figures import results
-from urushi.core import image_metrics as metrics
+from urushi.core import error_metrics as metrics
 from urushi.nets.weights import DEFAULT, default_model
 
 FOLDER = Path(__file__).parent

@@ -16,7 +16,7 @@ from benchmarks.rivals import ggx_fit, nbrdf
 from research.rivals import openpbr_recipe as recipe
 from scipy.optimize import least_squares
 
-from urushi.core.half_vector import turned
+from urushi.core.directions import turned
 from urushi.material import table
 from urushi.mitsuba.reading import probing
 

@@ -13,7 +13,7 @@ import drjit as dr
 import numpy as np
 
 from urushi.core import fresnel, microfacet
-from urushi.core.frame import reflect
+from urushi.core.directions import reflect
 from urushi.walk.monte_carlo import backend
 
 COSINES, WIDTHS, SHARES = 48, 16, 32

@@ -22,7 +22,7 @@ import numpy.typing as npt
 from research.rivals import values_per_channel
 from urushi import checks
 from urushi.core import fresnel, microfacet
-from urushi.core.frame import refract
+from urushi.core.directions import refract
 from urushi.errors import ParameterError
 from urushi.walk import Stack
 from urushi.walk.bottoms import Bottom

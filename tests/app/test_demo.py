@@ -11,7 +11,7 @@ from gallery.options import Options
 
 from urushi.app import cli, demo, render
 from urushi.app.describe import describe
-from urushi.core import image_metrics as metrics
+from urushi.core import error_metrics as metrics
 
 
 def test_tone_curve_is_monotone_and_within_the_display_range():

@@ -5,7 +5,7 @@ import pytest
 from benchmarks.rivals import nbrdf
 from benchmarks.rivals.nbrdf import Nbrdf
 
-from urushi.core.half_vector import directions_at, half_difference_angles
+from urushi.core.directions import directions_at, half_difference_angles
 from urushi.errors import ParameterError
 
 

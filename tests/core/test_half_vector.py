@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from urushi.core.half_vector import (
+from urushi.core.directions import (
     above_horizon,
     directions_at,
     directions_at_tangent,

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from benchmarks.quality.pictures import BEST_PSNR, Comparison, compare, ssim_map
 
-from urushi.core.image_metrics import shown, srgb
+from urushi.core.error_metrics import shown, srgb
 from urushi.errors import ParameterError, PlatformError
 
 #: flip-evaluator has no wheels for some platforms.

@@ -5,7 +5,7 @@ import pytest
 from benchmarks.evaluation.report import summary
 from benchmarks.quality import pictures
 
-from urushi.core import image_metrics as metrics
+from urushi.core import error_metrics as metrics
 from urushi.errors import ParameterError
 
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from urushi.core import microfacet
-from urushi.core.frame import reflect
+from urushi.core.directions import reflect
 
 ALPHAS = [0.01, 0.1, 0.5, 1.0]
 

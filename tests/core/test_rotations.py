@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from urushi.core.half_vector import rotated
+from urushi.core.directions import rotated
 
 DIRECTIONS = np.random.default_rng(0).normal(size=(50, 3)).astype(np.float32)
 

@@ -15,10 +15,9 @@ from urushi.export.program import codes_text
 from urushi.nets import weights
 from urushi.nets.sampler import mixture_pdf
 from urushi.nets.weights import Model
-from urushi.textures import file, packing
 from urushi.textures import gpu as texture_files
-from urushi.textures.grid import TexelGrid
-from urushi.textures.store import TextureStore
+from urushi.textures import packing
+from urushi.textures.store import TexelGrid, TextureStore, write_texture
 
 WIDTH, HEIGHT = 8, 4
 
@@ -207,7 +206,7 @@ def test_command_writes_shader_and_texture(model, store, tmp_path, capsys):
     networks, stored = tmp_path / "weights.safetensors", tmp_path / "texture.safetensors"
     weights.save(networks, model.arch, model.params, {})
     grid = TexelGrid(WIDTH, HEIGHT, PLACE, "mirror")
-    file.write(stored, store, grid, model.fingerprint)
+    write_texture(stored, store, grid, model.fingerprint)
     given = ["-l", "hlsl", "--weights", str(networks), "-o", str(tmp_path / "texture.hlsl")]
     given = ["export", str(stored), *given]
     assert main([*given, "--texture", str(tmp_path / "texture.ktx2")]) == 0

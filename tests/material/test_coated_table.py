@@ -42,7 +42,7 @@ class Sheen(MeasuredSurface):
         return sheen(wi, wo).astype(np.float32)
 
     def table(self):
-        from urushi.core.half_vector import directions_at
+        from urushi.core.directions import directions_at
 
         angles = np.broadcast_arrays(*bin_centres((64, 32, 32)))
         wi, wo = directions_at(*(x.ravel() for x in angles))
@@ -149,7 +149,7 @@ def dielectric_bottom(alpha, eta):
             return np.repeat(lobe_f(lobe, wi, wo)[:, None], 3, axis=1).astype(np.float32)
 
         def table(self):
-            from urushi.core.half_vector import directions_at
+            from urushi.core.directions import directions_at
 
             shape = (256, 32, 16)
             angles = np.broadcast_arrays(*bin_centres(shape))

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from urushi.core.direction_sets import cosine_pairs
+from urushi.core.directions import rotated
 from urushi.core.error_metrics import stack_error
-from urushi.core.half_vector import rotated
 from urushi.core.probe_pairs import probe_pairs
 from urushi.errors import ParameterError, UrushiWarning
 from urushi.material.encode import encode, evaluate_source

@@ -4,7 +4,7 @@ import drjit as dr
 import numpy as np
 import pytest
 
-from urushi.core.frame import square_to_cosine_hemisphere
+from urushi.core.directions import square_to_cosine_hemisphere
 from urushi.core.random import stream
 from urushi.measured import Merl, load_measured, tabulated
 from urushi.walk import analytic, coat, conductor, diffuse, monte_carlo, simulate

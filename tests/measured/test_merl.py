@@ -5,7 +5,7 @@ import sys
 import numpy as np
 import pytest
 
-from urushi.core.half_vector import directions_at, half_difference_angles
+from urushi.core.directions import directions_at, half_difference_angles
 from urushi.measured import Merl, load_measured, tabulated
 from urushi.measured.tabulated import fill_nearest
 

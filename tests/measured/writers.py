@@ -4,7 +4,7 @@ import struct
 
 import numpy as np
 
-from urushi.core.half_vector import directions_at
+from urushi.core.directions import directions_at
 
 TYPES = {"u1": 1, "i1": 2, "u2": 3, "i2": 4, "u4": 5, "i4": 6, "u8": 7, "i8": 8, "f2": 9}
 TYPES |= {"f4": 10, "f8": 11}

@@ -5,7 +5,7 @@ import re
 
 import numpy as np
 
-from urushi.core.half_vector import directions_at_tangent
+from urushi.core.directions import directions_at_tangent
 from urushi.core.probe_pairs import probe_pairs
 from urushi.nets.features import (
     COAT_FEATURES,

@@ -5,7 +5,7 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from urushi.nets import decoder, derivatives, encoder
+from urushi.nets import decoder, encoder
 from urushi.nets.features import direction_features
 
 
@@ -52,7 +52,7 @@ def _compare(slopes, function, x):
 
 def test_decoder_against_differences(double, codes, features):
     arch, params = double
-    log_f, slopes = derivatives.decode_log(params, arch, codes[:, None], features)
+    log_f, slopes = decoder.decode_log(params, arch, codes[:, None], features)
     np.testing.assert_allclose(
         np.exp(log_f), decoder.decode(params, arch, codes[:, None], features), rtol=1e-12
     )
@@ -61,7 +61,7 @@ def test_decoder_against_differences(double, codes, features):
 
 def test_encoder_against_differences(double, logs):
     arch, params = double
-    z, slopes = derivatives.encode_log(params, arch, logs)
+    z, slopes = encoder.encode_log(params, arch, logs)
     f = np.exp(logs) - encoder.OFFSET
     np.testing.assert_allclose(z, encoder.encode(params, arch, f), atol=1e-9)
     _compare(slopes, lambda x: encoder.encode(params, arch, np.exp(x) - encoder.OFFSET), logs)
@@ -77,21 +77,19 @@ def test_against_automatic_differentiation(networks, codes, features, logs):
     def encoded(x):
         return encoder.encode(params, arch, jnp.exp(x) - encoder.OFFSET)
 
-    ours = derivatives.decode_log(
-        params, arch, np.asarray(z)[:, None], np.asarray(direction_inputs)
-    )[1]
+    ours = decoder.decode_log(params, arch, np.asarray(z)[:, None], np.asarray(direction_inputs))[1]
     theirs = jax.vmap(jax.vmap(jax.grad(decoded), (None, 0)), (0, None))(z, direction_inputs)
     # Single precision: sums of some hundred terms of size 1 to 10.
     np.testing.assert_allclose(ours, theirs, atol=2e-4, rtol=1e-3)
-    ours = derivatives.encode_log(params, arch, np.asarray(x))[1]
+    ours = encoder.encode_log(params, arch, np.asarray(x))[1]
     np.testing.assert_allclose(ours, jax.vmap(jax.jacobian(encoded))(x), atol=2e-4, rtol=1e-3)
 
 
 def test_one_definition_runs_on_jax(networks, codes, features):
     arch, params = networks
     z, direction_inputs = codes[:, None].astype(np.float32), features.astype(np.float32)
-    ours = derivatives.decode_log(params, arch, z, direction_inputs)
-    theirs = jax.jit(lambda z, x: derivatives.decode_log(params, arch, z, x))(z, direction_inputs)
+    ours = decoder.decode_log(params, arch, z, direction_inputs)
+    theirs = jax.jit(lambda z, x: decoder.decode_log(params, arch, z, x))(z, direction_inputs)
     for a, b in zip(ours, theirs, strict=True):
         np.testing.assert_allclose(a, b, atol=1e-4, rtol=1e-3)
 
@@ -100,5 +98,5 @@ def test_clamped_values_have_no_slope(networks, codes, features):
     arch, params = networks
     dark = codes[:, None].astype(np.float32)
     dark[..., 0] = -1000.0
-    log_f, slopes = derivatives.decode_log(params, arch, dark, features.astype(np.float32))
+    log_f, slopes = decoder.decode_log(params, arch, dark, features.astype(np.float32))
     assert (log_f == decoder.MIN_LOG).all() and not slopes.any()

@@ -14,7 +14,7 @@ import numpy.typing as npt
 
 from urushi import checks
 from urushi.core import fresnel, microfacet
-from urushi.core.frame import from_cosine, reflect, refract
+from urushi.core.directions import from_cosine, reflect, refract
 from urushi.walk import Stack
 from urushi.walk.bottoms import Bottom
 from urushi.walk.bottoms.dielectric import Reflector

@@ -7,7 +7,7 @@ from urushi.checks import CoatParameters
 from urushi.material.layer import layer_texels
 from urushi.textures import bake
 from urushi.textures.bake import BakedTexture, coat_source
-from urushi.textures.grid import TexelGrid
+from urushi.textures.store import TexelGrid
 
 GRID = TexelGrid(6, 4)
 

@@ -5,14 +5,14 @@ import pytest
 
 from urushi import files
 from urushi.errors import FileError
-from urushi.textures import file
+from urushi.textures.store import KIND, read_texture
 
 
 def written(path, version, fingerprint) -> None:
     """A file of the earlier form: one texel of codes, without shared or constant numbers."""
     description = {"version": version, "weights": fingerprint, "width": 1, "height": 1}
     arrays = {"texels": np.zeros((1, 64), np.uint8), "lowest": np.zeros(18, np.float32)}
-    files.write_tensors(path, file.KIND, description, arrays)
+    files.write_tensors(path, KIND, description, arrays)
 
 
 @pytest.mark.parametrize("version", [1, 2, 4])
@@ -20,4 +20,4 @@ def test_other_versions_are_refused(version, model, tmp_path):
     path = tmp_path / "former.safetensors"
     written(path, version, model.fingerprint)
     with pytest.raises(FileError, match=f"version {version} of the texture format"):
-        file.read(path, model)
+        read_texture(path, model)

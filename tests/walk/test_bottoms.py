@@ -8,7 +8,7 @@ import pytest
 
 from urushi.app.describe import describe
 from urushi.core import microfacet
-from urushi.core.frame import square_to_cosine_hemisphere
+from urushi.core.directions import square_to_cosine_hemisphere
 from urushi.core.random import stream
 from urushi.train.distribution import Extended
 from urushi.walk import analytic, coat, monte_carlo, simulate

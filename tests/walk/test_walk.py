@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from urushi.checks import Widths
-from urushi.core.frame import from_cosine
+from urushi.core.directions import from_cosine
 from urushi.core.random import stream
 from urushi.walk import (
     Coat,

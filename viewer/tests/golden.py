@@ -29,7 +29,7 @@ import numpy as np
 import urushi
 from urushi import files
 from urushi.core.direction_sets import training_pairs
-from urushi.core.half_vector import turned
+from urushi.core.directions import turned
 from urushi.material.energy import limit_albedo
 from urushi.material.material import Material
 from urushi.nets import weights

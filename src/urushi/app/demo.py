@@ -12,8 +12,8 @@ import tyro
 from tqdm import tqdm
 
 from urushi.app.render import copy_demo_scene, load_scene, set_variant
-from urushi.core import image_metrics as metrics
-from urushi.core.image_metrics import srgb
+from urushi.core import error_metrics as metrics
+from urushi.core.error_metrics import srgb
 from urushi.files import atomic_write, new_folder
 from urushi.ranges import Pixels, Range
 

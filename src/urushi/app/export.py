@@ -89,10 +89,11 @@ class Export:
         """The text for a texture, which is written."""
         from urushi.export.program import codes_text
         from urushi.nets.weights import find
-        from urushi.textures import file, gpu
+        from urushi.textures import gpu
+        from urushi.textures.store import read_texture
 
         given = None if self.weights is None else find(self.weights)
-        store, grid, model = file.read(str(self.material), given)
+        store, grid, model = read_texture(str(self.material), given)
         text = codes_text(self.language, model, self.prefix, gpu.texels(store, grid))
         self._write_texture(gpu.texture_image(store))
         return text

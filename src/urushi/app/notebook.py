@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from urushi.app.page_files import First, cards_of, first_of, page_document, page_files
-from urushi.core import image_metrics as metrics
+from urushi.core import error_metrics as metrics
 from urushi.errors import ParameterError
 from urushi.material import Material
 from urushi.nets import weights

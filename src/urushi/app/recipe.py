@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import tyro
 
-from urushi.core import image_metrics as metrics
+from urushi.core import error_metrics as metrics
 from urushi.errors import ParameterError
 from urushi.measured import pigments
 from urushi.measured.rgl import XYZ_TO_SRGB

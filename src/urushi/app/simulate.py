@@ -8,7 +8,7 @@ from typing import Annotated, Any
 import numpy as np
 import tyro
 
-from urushi.core.half_vector import rotated
+from urushi.core.directions import rotated
 from urushi.errors import ParameterError
 from urushi.files import atomic_write, read_npz
 from urushi.ranges import Angle, Incidence, Seed, Walks

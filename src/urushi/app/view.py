@@ -123,9 +123,9 @@ def _first_texture(path: Path, name: str, weights: str | None) -> "First":
     """The texture of codes of a file, of the networks that the page has."""
     from urushi.app.page_files import texels_of
     from urushi.nets.weights import find
-    from urushi.textures import file
+    from urushi.textures.store import read_texture
 
-    file.read(path, find(weights))  # refuses what the page could not read either
+    read_texture(path, find(weights))  # refuses what the page could not read either
     return texels_of(path.read_bytes(), name)
 
 

@@ -9,7 +9,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from urushi.core.half_vector import directions_at_tangent, turned
+from urushi.core.directions import directions_at_tangent, turned
 from urushi.core.probe_pairs import PROBES, probe_pairs
 from urushi.errors import ParameterError
 

@@ -12,7 +12,7 @@ import drjit as dr
 
 from urushi.checks import Widths
 from urushi.core import microfacet
-from urushi.core.frame import square_to_cosine_hemisphere
+from urushi.core.directions import square_to_cosine_hemisphere
 from urushi.core.namespace import DRJIT
 
 

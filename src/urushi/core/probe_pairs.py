@@ -4,7 +4,7 @@ import functools
 
 import numpy as np
 
-from urushi.core.half_vector import directions_at_tangent, turned
+from urushi.core.directions import directions_at_tangent, turned
 
 #: Number of probe pairs of the shipped encoders of isotropic BRDFs.
 PROBES = 192

@@ -7,7 +7,7 @@ import functools
 
 import numpy as np
 
-from urushi.core.half_vector import turned
+from urushi.core.directions import turned
 
 #: Gauss-Legendre nodes in ln tan theta_h, and in each half of the range [0, pi] of the azimuth.
 POLAR_NODES, AZIMUTH_NODES = 48, 16

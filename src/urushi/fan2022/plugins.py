@@ -25,7 +25,7 @@ from urushi.mitsuba.reading.parameters import CoatTextures, check_bottom, nested
 from urushi.mitsuba.recording import only_where, owned
 from urushi.mitsuba.register import Room
 from urushi.textures.bake import code_hashes
-from urushi.textures.grid import MIDDLE, TexelGrid
+from urushi.textures.store import MIDDLE, TexelGrid
 
 #: Texels whose bottom is evaluated at once: bounds memory.
 TEXELS = 1 << 10

@@ -10,7 +10,7 @@ import numpy.typing as npt
 
 from urushi import checks, files
 from urushi.checks import CoatParameters
-from urushi.core.half_vector import rotated
+from urushi.core.directions import rotated
 from urushi.core.quadrature import half_vector_rule
 from urushi.errors import FileError, ParameterError, UrushiWarning
 from urushi.export.networks import FTable

@@ -11,8 +11,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from urushi.core.direction_sets import cosine_pairs
+from urushi.core.directions import rotated
 from urushi.core.error_metrics import energy_weight
-from urushi.core.half_vector import rotated
 from urushi.material.source import Source
 
 #: Number of common rotations of a pair about the normal over which a BRDF is averaged: twice an odd

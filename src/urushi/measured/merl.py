@@ -15,7 +15,7 @@ from pathlib import Path
 import numpy as np
 import numpy.typing as npt
 
-from urushi.core.half_vector import above_horizon
+from urushi.core.directions import above_horizon
 from urushi.errors import FileError
 from urushi.measured.tabulated import (
     MeasuredSurface,

@@ -14,7 +14,7 @@ import numpy as np
 import numpy.typing as npt
 
 from urushi import checks
-from urushi.core.half_vector import above_horizon, directions_at, half_difference_angles
+from urushi.core.directions import above_horizon, directions_at, half_difference_angles
 
 if TYPE_CHECKING:
     from urushi.walk.tabulated import Tabulated

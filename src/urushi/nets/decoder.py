@@ -8,7 +8,14 @@ from typing import Any
 import numpy as np
 
 from urushi.nets.architecture import SCALE, Architecture
-from urushi.nets.mlp import Params, activate, hidden_to_output, product
+from urushi.nets.mlp import (
+    Params,
+    activate,
+    gradient_of_first,
+    hidden_to_output,
+    hidden_with_slopes,
+    product,
+)
 
 #: Range to which ln f is clamped, so that f is positive and finite for any weights.
 MIN_LOG, MAX_LOG = -25.0, 20.0
@@ -41,6 +48,28 @@ def first_layer(params: Params, z: Any, features: Any) -> Any:
     weight, codes = params["decoder.0.weight"], z.shape[-1]
     offset = product(z, weight[:codes, :]) + params["decoder.0.bias"]
     return offset + (1.0 + product(z, params[SCALE])) * product(features, weight[codes:, :])
+
+
+def decode_log(params: Params, arch: Architecture, z: Any, features: Any) -> tuple[Any, Any]:
+    """Return ln f (...) of `decode`, and its gradients (..., R) with respect to z.
+
+    z (..., R) and features (..., 8) broadcast: z (S, 1, R) with features (P, 8) gives (S, P).
+    Each value depends on its own code alone, so that the gradients are the Jacobian. They are zero
+    where ln f is clamped, and cost about as much as the network.
+    """
+    codes, weight = arch.latent - arch.lobe - 1, params["decoder.0.weight"]
+    first = first_layer(params, z[..., 1:], features)
+    output, slopes = hidden_with_slopes(params, "decoder", first, arch.activation)
+    value = z[..., 0] + output[..., 0]
+    xp = value.__array_namespace__()
+    last = params[f"decoder.{len(slopes)}.weight"][:, 0]
+    gradient = gradient_of_first(params, "decoder", slopes, last)
+    inner = product(gradient * product(features, weight[codes:, :]), params[SCALE].T)
+    inner = inner + product(gradient, weight[:codes, :].T)
+    gain = xp.ones_like(inner[..., :1])
+    inside = (value > MIN_LOG) & (value < MAX_LOG)
+    slope = xp.where(inside[..., None], xp.concat([gain, inner], axis=-1), 0.0)
+    return value.clip(MIN_LOG, MAX_LOG), slope
 
 
 def decode_all(params: Params, arch: Architecture, z: np.ndarray, features: np.ndarray) -> Any:

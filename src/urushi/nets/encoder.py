@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from urushi.nets.architecture import Architecture
-from urushi.nets.mlp import Params, mlp
+from urushi.nets.mlp import Params, gradient_of_first, hidden_with_slopes, linear, mlp, product
 
 #: [1/sr] Added to f before the logarithm; differences between values far below it are ignored.
 OFFSET = 1e-4
@@ -36,6 +36,19 @@ def input_statistics(f: np.ndarray) -> dict[str, np.ndarray]:
 def encode(params: Params, arch: Architecture, f_at_probes: Any) -> Any:
     """Return latent codes z (..., R) from f (..., probes) [1/sr] at `probe_pairs`."""
     return mlp(params, "encoder", normalised(params, log_values(f_at_probes)), arch.activation)
+
+
+def encode_log(params: Params, arch: Architecture, logs: Any) -> tuple[Any, Any]:
+    """Return the codes z (..., R) of `encode`, and their Jacobians (..., R, P) by `logs`.
+
+    logs: (..., P) `log_values` of f at the probe pairs. A Jacobian costs about R networks.
+    """
+    first = linear(params, "encoder.0", normalised(params, logs))
+    z, slopes = hidden_with_slopes(params, "encoder", first, arch.activation)
+    last = params[f"encoder.{len(slopes)}.weight"].T  # (R, width)
+    rows = [slope[..., None, :] for slope in slopes]
+    gradient = gradient_of_first(params, "encoder", rows, last)
+    return z, product(gradient, params["encoder.0.weight"].T) / params["encoder.input_scale"]
 
 
 def normalised(params: Params, logs: Any) -> Any:

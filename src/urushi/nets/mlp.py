@@ -104,6 +104,31 @@ def with_slope(x: Any, activation: str) -> tuple[Any, Any]:
     return xp.maximum(x, 0.0), xp.astype(x > 0.0, x.dtype)
 
 
+def hidden_with_slopes(
+    params: Params, prefix: str, first: Any, activation: str
+) -> tuple[Any, list[Any]]:
+    """Return `hidden_to_output` (..., out) of `first`, and the activation's slopes by layer."""
+    x, slopes = first, list[Any]()
+    while f"{prefix}.{len(slopes) + 1}.weight" in params:
+        x, slope = with_slope(x, activation)
+        slopes.append(slope)
+        x = linear(params, f"{prefix}.{len(slopes)}", x)
+    return x, slopes
+
+
+def gradient_of_first(params: Params, prefix: str, slopes: list[Any], last: Any) -> Any:
+    """Return the gradient (..., width) with respect to the first layer's pre-activation.
+
+    last: (..., width) the gradient with respect to the last hidden layer.
+    """
+    gradient = last
+    for index in reversed(range(len(slopes))):
+        gradient = gradient * slopes[index]
+        if index > 0:
+            gradient = product(gradient, params[f"{prefix}.{index}.weight"].T)
+    return gradient
+
+
 def _horner(coefficients: Sequence[float], u: Any) -> Any:
     """The polynomial of u with two or more coefficients, lowest power first."""
     *others, second, first = coefficients

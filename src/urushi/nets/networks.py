@@ -6,7 +6,7 @@ import numpy as np
 
 from urushi.checks import CoatParameters
 from urushi.core.probe_pairs import probe_pairs
-from urushi.nets import decoder, derivatives, encoder, layerer, sampler
+from urushi.nets import decoder, encoder, layerer, sampler
 from urushi.nets import lobe as lobes
 from urushi.nets.architecture import Architecture
 from urushi.nets.features import direction_features
@@ -89,7 +89,7 @@ class UrushiNetworks(NamedTuple):
 
         The derivatives are with respect to the R numbers of the code after the lobe's numbers.
         """
-        return derivatives.decode_log(self.params, self.arch, z[..., self.arch.lobe :], features)
+        return decoder.decode_log(self.params, self.arch, z[..., self.arch.lobe :], features)
 
     def encode_log(self, logs: Any) -> tuple[Any, Any]:
         """The codes' R last numbers (..., R) and their derivatives (..., R, P).
@@ -97,7 +97,7 @@ class UrushiNetworks(NamedTuple):
         logs (..., P): `encoder.log_values` of the rest at the probe pairs, to which the derivatives
         refer.
         """
-        return derivatives.encode_log(self.params, self.arch, logs)
+        return encoder.encode_log(self.params, self.arch, logs)
 
     def proposal(self, z: Any, wi: Any) -> tuple[Any, Any]:
         """`sampler.mixture` of codes z (..., L) for wi (..., 3) above the horizon."""

@@ -25,7 +25,7 @@ from urushi.openpbr_surface import encoding, formulas
 from urushi.openpbr_surface.film import NAMES as film_parameters
 from urushi.openpbr_surface.inputs import Inputs
 from urushi.openpbr_surface.lookups import MirrorAlbedo
-from urushi.textures.grid import TexelGrid
+from urushi.textures.store import TexelGrid
 
 #: A function from parameters to the coated base without compensation.
 Coated = Callable[[Inputs], "mi.BSDF"]

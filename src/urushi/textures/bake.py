@@ -15,8 +15,7 @@ from urushi.core.random import INCREMENT, mix64
 from urushi.material.layer import layer_texels
 from urushi.nets.weights import Model
 from urushi.textures import packing
-from urushi.textures.grid import TexelGrid
-from urushi.textures.store import TextureStore
+from urushi.textures.store import TexelGrid, TextureStore
 
 #: Bits of the mantissa that numbers are rounded to, a relative step of 1e-4: texture filters return
 #: texels with rounding errors, and half precision rounds more.

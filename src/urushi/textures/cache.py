@@ -1,7 +1,7 @@
 """Baked textures on disk, so that a scene that was loaded before is not baked again.
 
 A texture is found by a digest of all that its codes depend on: the networks, the program, and the
-values of its inputs at every texel. `textures.file` reads and writes the files. A damaged file is
+values of its inputs at every texel. `textures.store` reads and writes the files. A damaged file is
 ignored and written anew, and a folder that cannot be written is not used.
 """
 
@@ -15,9 +15,7 @@ import numpy as np
 
 from urushi import files
 from urushi.nets.weights import Model
-from urushi.textures import file
-from urushi.textures.grid import TexelGrid
-from urushi.textures.store import TextureStore
+from urushi.textures.store import TexelGrid, TextureStore, read_texture, write_texture
 
 #: Environment variable: the folder of the textures, or "off".
 VARIABLE = "URUSHI_CACHE"
@@ -64,7 +62,7 @@ def read(name: str, model: Model) -> tuple[TextureStore, TexelGrid] | None:
     if place is None:
         return None
     try:
-        store, grid, _ = file.read(_path(place, name), model)
+        store, grid, _ = read_texture(_path(place, name), model)
         os.utime(_path(place, name))
     except OSError:  # a FileError too
         return None
@@ -77,7 +75,7 @@ def write(name: str, store: TextureStore, grid: TexelGrid, model: Model) -> None
     if place is None:
         return
     try:
-        file.write(_path(files.new_folder(place), name), store, grid, model.fingerprint)
+        write_texture(_path(files.new_folder(place), name), store, grid, model.fingerprint)
         found, total = [(path.stat(), path) for path in place.glob("*.safetensors")], 0
         for status, path in sorted(found, key=lambda entry: entry[0].st_mtime, reverse=True):
             total += status.st_size

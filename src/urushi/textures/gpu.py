@@ -15,8 +15,7 @@ import numpy as np
 
 from urushi.errors import ParameterError
 from urushi.export.statements import Texels
-from urushi.textures.grid import TexelGrid
-from urushi.textures.store import TextureStore
+from urushi.textures.store import TexelGrid, TextureStore
 
 
 class Image(NamedTuple):

@@ -1,14 +1,66 @@
-"""A packed latent texture that is read and changed by rows, with or without a mip pyramid."""
+"""A latent texture: its grid of texels over uv, its packed codes, and its file.
+
+The codes are read and changed by rows, with or without a mip pyramid.
+"""
+
+import json
+import os
+import zlib
+from collections.abc import Mapping
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from urushi.nets.weights import Model
+from urushi import files
+from urushi.errors import FileError
+from urushi.nets.weights import Model, model_of_file
 from urushi.textures import packing
 from urushi.textures.mip_pyramid import coarse_levels, level_sizes
 from urushi.textures.packing import PackedTexels, TexelLayout
 
+#: Kind of the files of textures, and its version.
+KIND, FORMAT_VERSION = "texture", 3
+
 #: Texels that are packed at once: bounds memory.
 PACKED_BLOCK = 1 << 17
+
+#: Texture space equal to uv.
+IDENTITY = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0))
+
+
+class TexelGrid(NamedTuple):
+    """Texels over the unit square of texture space."""
+
+    width: int
+    height: int
+    # The affine map (2, 3) from uv to texture space.
+    to_texture: tuple[tuple[float, float, float], tuple[float, float, float]] = IDENTITY
+    wrap: str = "repeat"  # beyond the unit square: "repeat", "mirror" or "clamp"
+    nearest: bool = False  # whether a look-up returns the nearest texel instead of interpolating
+
+    @property
+    def texels(self) -> int:
+        """Number of texels."""
+        return self.width * self.height
+
+    def uv(self, start: int = 0, stop: int | None = None) -> np.ndarray:
+        """The uv (M, 2) of the centres of texels start to stop - 1, in row-major order."""
+        index = np.arange(start, self.texels if stop is None else stop)
+        x = (index % self.width + 0.5) / self.width
+        y = (index // self.width + 0.5) / self.height
+        return from_texture(self.to_texture, np.stack([x, y], axis=-1))
+
+
+#: The grid of what is the same everywhere.
+MIDDLE = TexelGrid(1, 1)
+
+
+def from_texture(to_texture: tuple, points: np.ndarray) -> np.ndarray:
+    """The uv (M, 2) of points of texture space (M, 2)."""
+    if to_texture == IDENTITY:
+        return points
+    matrix = np.array(to_texture)
+    return np.linalg.solve(matrix[:, :2], (points - matrix[:, 2]).T).T
 
 
 class TextureStore:
@@ -99,3 +151,60 @@ def _value_range(whole: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     blocks = (whole[k : k + PACKED_BLOCK].astype(np.float32).reshape(-1, size) for k in starts)
     ends = np.array([(block.min(axis=0), block.max(axis=0)) for block in blocks])
     return ends[:, 0].min(axis=0), ends[:, 1].max(axis=0)
+
+
+def write_texture(
+    path: str | os.PathLike, store: TextureStore, grid: TexelGrid, fingerprint: str
+) -> None:
+    """Write a texture over `grid` that the networks with this fingerprint have made."""
+    packed = store.packed
+    description = {
+        "version": FORMAT_VERSION,
+        "weights": fingerprint,
+        "width": grid.width,
+        "height": grid.height,
+        "levels": len(store.levels),
+        "layout": store.layout._asdict(),
+        "place": {"to_texture": grid.to_texture, "wrap": grid.wrap, "nearest": grid.nearest},
+    }
+    description["checksum"] = _checksum(description, packed)
+    arrays = {"texels": packed.bytes, "lowest": packed.lowest, "step": packed.step}
+    files.write_tensors(path, KIND, description, arrays)
+
+
+def read_texture(
+    path: str | os.PathLike, model: Model | None = None
+) -> tuple[TextureStore, TexelGrid, Model]:
+    """Return a file's texture, its grid, and the networks that it was made with.
+
+    model: the networks; None: the shipped ones by which it was made.
+
+    Raises:
+        FileError: missing, truncated, foreign, damaged, or made with other networks.
+    """
+    description, arrays = files.read_tensors(path, KIND, FORMAT_VERSION)
+    model = model_of_file(path, description.get("weights"), model)
+    try:
+        del description["kind"]
+        packed = PackedTexels(arrays["texels"], arrays["lowest"], arrays["step"])
+        checksum = description.pop("checksum")
+        if checksum != _checksum(description, packed):
+            raise ValueError("its content has changed")
+        entries: dict[str, Any] = {
+            n: tuple(x) if isinstance(x, list) else x for n, x in description["layout"].items()
+        }
+        place, size = description["place"], (description["width"], description["height"])
+        place["to_texture"] = tuple(map(tuple, place["to_texture"]))
+        mipmaps, grid = description["levels"] > 1, TexelGrid(*size, **place)
+        store = TextureStore(model, TexelLayout(**entries), *size, mipmaps=mipmaps)
+        store.packed = packed
+    except (KeyError, TypeError, ValueError) as error:
+        raise FileError(f"the texture file '{path}' is damaged ({error}); save it again") from error
+    return store, grid, model
+
+
+def _checksum(description: Mapping[str, Any], packed: PackedTexels) -> int:
+    checksum = zlib.crc32(json.dumps(description, sort_keys=True).encode())
+    for array in packed:
+        checksum = zlib.crc32(np.ascontiguousarray(array).data, checksum)
+    return checksum

@@ -13,7 +13,7 @@ An index of 1 is no interface: light passes straight whatever the width. `sample
 import drjit as dr
 
 from urushi.core import fresnel, microfacet
-from urushi.core.frame import reflect, refract
+from urushi.core.directions import reflect, refract
 
 
 def flip(w):

@@ -16,7 +16,7 @@ from typing import Any, ClassVar, NamedTuple
 import drjit as dr
 import numpy as np
 
-from urushi.core.half_vector import half_difference
+from urushi.core.directions import half_difference
 from urushi.core.mixture import Mixture
 from urushi.core.namespace import DRJIT
 from urushi.core.random import stream

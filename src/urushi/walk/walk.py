@@ -22,7 +22,7 @@ from typing import Any, NamedTuple, Protocol
 
 import drjit as dr
 
-from urushi.core.frame import from_cosine, square_to_cosine_hemisphere
+from urushi.core.directions import from_cosine, square_to_cosine_hemisphere
 from urushi.walk import interface, spectral_mis
 from urushi.walk.bottoms import Bottom
 from urushi.walk.exits import ExitPath, ExitPaths

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from urushi.material.material import Material
-from urushi.nets import derivatives, lobe
+from urushi.nets import decoder, lobe
 from urushi.nets.architecture import SCALE, Architecture, init
 from urushi.nets.features import direction_features
 from urushi.nets.weights import Model
@@ -47,7 +47,7 @@ def slopes(model, codes, wi, wo):
     """Derivatives (C, N, size) of f by the codes (C, size), in double precision."""
     params = {name: value.astype(np.float64) for name, value in model.params.items()}
     top = [lobe.f(codes[:, None, :6] + 1e-20j * step, wi, wo).imag / 1e-20 for step in np.eye(6)]
-    log_f, of_rest = derivatives.decode_log(
+    log_f, of_rest = decoder.decode_log(
         params, ARCH, codes[:, None, 6:], direction_features(wi, wo)
     )
     of_rest = np.exp(log_f)[..., None] * of_rest
@@ -60,7 +60,7 @@ def test_f_has_the_gradients_of_all_numbers(rgb, model, name, textured):
     """Single precision of lobes of width 0.1, summed over 400 pairs: 1e-3."""
     from urushi.mitsuba.latents.gradients import DifferentiableLatents
     from urushi.mitsuba.latents.holders import ConstantLatents
-    from urushi.textures.grid import IDENTITY, TexelGrid
+    from urushi.textures.store import IDENTITY, TexelGrid
 
     rest = np.random.default_rng(1).normal(size=(3, ARCH.latent - 6))
     codes = np.concatenate([LOBES[name], rest], axis=1)

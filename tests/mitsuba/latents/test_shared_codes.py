@@ -10,8 +10,7 @@ from urushi.nets import sampler
 from urushi.nets.architecture import SCALE, Architecture, init
 from urushi.nets.weights import Model
 from urushi.textures import packing
-from urushi.textures.grid import IDENTITY, TexelGrid
-from urushi.textures.store import TextureStore
+from urushi.textures.store import IDENTITY, TexelGrid, TextureStore
 
 COUNT = 500
 

@@ -7,7 +7,7 @@ import pytest
 
 from urushi.checks import CoatParameters
 from urushi.core.appearance import LOOK
-from urushi.core.half_vector import rotated
+from urushi.core.directions import rotated
 from urushi.errors import UrushiWarning
 from urushi.material.encode import encoder_codes
 from urushi.material.energy import limit_albedo

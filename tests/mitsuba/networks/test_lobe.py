@@ -11,8 +11,7 @@ from urushi.nets import weights
 from urushi.nets.architecture import SCALE, Architecture, init
 from urushi.nets.networks import UrushiNetworks
 from urushi.textures import packing
-from urushi.textures.grid import IDENTITY, TexelGrid
-from urushi.textures.store import TextureStore
+from urushi.textures.store import IDENTITY, TexelGrid, TextureStore
 
 ARCH = Architecture(
     latent=12, decoder=(8, 8), encoder=(8,), layerer=(8,), sampler=(8,), lobes=1, probes=48

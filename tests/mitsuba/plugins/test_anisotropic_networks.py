@@ -5,8 +5,8 @@ import pytest
 
 import urushi
 from urushi.core.direction_sets import cosine_pairs
+from urushi.core.directions import rotated
 from urushi.core.error_metrics import stack_error
-from urushi.core.half_vector import rotated
 from urushi.material.table import interpolated, rest_table
 from urushi.nets.weights import anisotropic_model, default_model
 

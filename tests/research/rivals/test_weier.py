@@ -9,7 +9,7 @@ from research.rivals.belcour_bottoms import Bottom
 from urushi.checks import CoatParameters, Widths
 from urushi.core import error_metrics, fresnel, microfacet
 from urushi.core.direction_sets import cosine_pairs
-from urushi.core.frame import reflect
+from urushi.core.directions import reflect
 from urushi.errors import ParameterError
 from urushi.walk import analytic, coat, conductor, dielectric, diffuse, simulate
 from urushi.walk.bottoms import KINDS

@@ -24,7 +24,7 @@ from urushi.mitsuba.reading.parameters import CoatTextures
 from urushi.nets.weights import Model
 from urushi.textures import cache
 from urushi.textures.bake import TEXEL_BLOCK, BakedTexture, coat_source
-from urushi.textures.grid import TexelGrid
+from urushi.textures.store import TexelGrid
 
 #: Seconds of baking before progress is shown, and between two reports.
 PROGRESS_DELAY = 3.0

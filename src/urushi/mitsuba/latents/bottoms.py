@@ -31,7 +31,7 @@ from urushi.nets.lobe import f as lobe_f
 from urushi.nets.lobe import no_lobe, with_two_widths
 from urushi.nets.weights import Model
 from urushi.textures.bake import BakedTexture, CodesAt, Source, code_hashes, row_hashes
-from urushi.textures.grid import MIDDLE, TexelGrid
+from urushi.textures.store import MIDDLE, TexelGrid
 
 #: Texels that are probed at once: bounds memory.
 PROBED_TEXELS = 1 << 13

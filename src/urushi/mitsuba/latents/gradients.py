@@ -41,7 +41,7 @@ from urushi.mitsuba.reading.offers import offer_of, tabulated
 from urushi.mitsuba.reading.parameters import TWO_WIDTHS, CoatTextures
 from urushi.mitsuba.recording import only_where
 from urushi.nets.weights import Model
-from urushi.textures.grid import MIDDLE, TexelGrid
+from urushi.textures.store import MIDDLE, TexelGrid
 
 #: Largest number of rotations of an anisotropic bottom, twice an odd number: all are traced
 #: together.

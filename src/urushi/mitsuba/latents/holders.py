@@ -25,9 +25,7 @@ from urushi.mitsuba.networks.sampler import UrushiSampler
 from urushi.mitsuba.networks.table import TabulatedDecoder, stored
 from urushi.mitsuba.recording import only_where, owned, signature
 from urushi.nets.weights import Model
-from urushi.textures import file
-from urushi.textures.grid import TexelGrid
-from urushi.textures.store import TextureStore
+from urushi.textures.store import TexelGrid, TextureStore, write_texture
 
 
 class Vertex(NamedTuple):
@@ -218,7 +216,7 @@ class TexturedLatents(_Held):
 
     def save(self, path: str | os.PathLike) -> None:
         """Write a file that `neural_brdf` reads."""
-        file.write(path, self._store, self.grid, self.model.fingerprint)
+        write_texture(path, self._store, self.grid, self.model.fingerprint)
 
     def __str__(self) -> str:
         return (

@@ -15,9 +15,8 @@ import mitsuba as mi
 import numpy as np
 
 from urushi.mitsuba.recording import owned, signature
-from urushi.textures.grid import IDENTITY, TexelGrid
 from urushi.textures.packing import TexelLayout
-from urushi.textures.store import TextureStore
+from urushi.textures.store import IDENTITY, TexelGrid, TextureStore
 
 #: Number of steps of a texel's weight along an axis. A point within half a step of the centre of a
 #: texel has this texel alone.

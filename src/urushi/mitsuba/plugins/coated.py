@@ -19,7 +19,7 @@ from urushi.mitsuba.plugins.coats import (
     TurnedMixture,
     walk_color,
 )
-from urushi.mitsuba.plugins.compensation import Compensation
+from urushi.mitsuba.plugins.estimates import Compensation
 from urushi.mitsuba.reading.below import (
     DIELECTRICS,
     LowestInterface,

@@ -15,7 +15,7 @@ from urushi.mitsuba.plugins.base import read_weights, resolve
 from urushi.mitsuba.plugins.coats import Turn
 from urushi.mitsuba.reading.parameters import opaque
 from urushi.mitsuba.recording import owned
-from urushi.textures import file
+from urushi.textures.store import KIND, read_texture
 
 
 def define(base: type) -> type:
@@ -72,9 +72,9 @@ def define(base: type) -> type:
             self._filename = props["filename"]
             model = read_weights(props)
             path, angle = resolve(self._filename), 0.0
-            if files.tensor_file_kind(path) == file.KIND:
+            if files.tensor_file_kind(path) == KIND:
                 self._tensor = None
-                store, grid, self.model = file.read(path, model)
+                store, grid, self.model = read_texture(path, model)
                 self.latents = TexturedLatents(self.model, store, grid)
             else:
                 self._material = material = load(path, model)

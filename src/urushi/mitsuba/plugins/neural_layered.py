@@ -12,8 +12,7 @@ from urushi.mitsuba.latents.gradients import DifferentiableLatents
 from urushi.mitsuba.latents.holders import ConstantLatents, TexturedLatents
 from urushi.mitsuba.plugins.base import inside, read_weights
 from urushi.mitsuba.plugins.coats import Turn
-from urushi.mitsuba.plugins.compensation import Compensation
-from urushi.mitsuba.plugins.estimates import estimates
+from urushi.mitsuba.plugins.estimates import Compensation, estimates
 from urushi.mitsuba.reading.below import Coatable, below
 from urushi.mitsuba.reading.bsdf import has_two_widths
 from urushi.mitsuba.reading.parameters import (

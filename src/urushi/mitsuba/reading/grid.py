@@ -12,7 +12,7 @@ import numpy as np
 
 from urushi.errors import ParameterError
 from urushi.mitsuba import spectrum
-from urushi.textures.grid import IDENTITY, TexelGrid, from_texture
+from urushi.textures.store import IDENTITY, TexelGrid, from_texture
 
 #: Texels per side for procedural textures, and the largest side that is chosen automatically.
 PROCEDURAL, LARGEST = 256, 2048

@@ -21,7 +21,7 @@ from urushi.mitsuba import spectrum
 from urushi.mitsuba.reading.grid import nested_objects
 from urushi.nets.lobe import NO_LOBE
 from urushi.nets.weights import Model
-from urushi.textures.grid import TexelGrid
+from urushi.textures.store import TexelGrid
 
 #: The line of a BSDF's description that names its distribution, which it does not list
 #: among its parameters.

@@ -18,7 +18,7 @@ from urushi.material.symmetry import (
 )
 from urushi.mitsuba import spectrum
 from urushi.mitsuba.reading.offers import offer_of
-from urushi.textures.grid import TexelGrid
+from urushi.textures.store import TexelGrid
 
 #: Greatest number of evaluations in one launch: bounds memory.
 CHUNK = 1 << 21

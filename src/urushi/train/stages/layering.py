@@ -19,7 +19,7 @@ from urushi.core.error_metrics import huber_loss
 from urushi.core.probe_pairs import probe_pairs
 from urushi.errors import ParameterError
 from urushi.nets.architecture import Architecture, layer_sizes
-from urushi.nets.derivatives import decode_log
+from urushi.nets.decoder import decode_log
 from urushi.nets.features import direction_features
 from urushi.nets.mlp import Params
 from urushi.train.batches import shuffled, taken

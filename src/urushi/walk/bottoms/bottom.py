@@ -14,7 +14,7 @@ import numpy.typing as npt
 from urushi import checks
 from urushi.checks import MIN_ALPHA, Widths
 from urushi.core import microfacet
-from urushi.core.frame import reflect
+from urushi.core.directions import reflect
 
 #: A number, or one number per RGB channel.
 Value = float | tuple[float, float, float]

@@ -7,7 +7,7 @@ import drjit as dr
 import numpy.typing as npt
 
 from urushi import checks
-from urushi.core.frame import square_to_cosine_hemisphere
+from urushi.core.directions import square_to_cosine_hemisphere
 from urushi.walk.bottoms.bottom import Description, Family, Value, maker, store
 
 

@@ -7,7 +7,7 @@ import drjit as dr
 import numpy as np
 
 from urushi.core import fresnel, microfacet
-from urushi.core.frame import reflect, square_to_cosine_hemisphere
+from urushi.core.directions import reflect, square_to_cosine_hemisphere
 from urushi.walk.bottoms.bottom import Family
 
 #: Least share of cosine-distributed samples.
