@@ -1,4 +1,4 @@
-"""Errors of BRDFs: E and P at the pairs of `direction_sets`, and losses of fits. Errors of images."""
+"""Errors of BRDFs (E and P at the pairs of `direction_sets`, losses of fits) and of images."""
 
 from typing import Any
 
