@@ -42,38 +42,27 @@ class Widths:
     """The two GGX widths of an anisotropic surface.
 
     Where a single number stands for a GGX width, `Widths` stands for two. A surface of equal widths
-    is isotropic.
-
-    Attributes:
-        u, v: widths along the tangent (the x axis) and across it (the y axis), both of one kind:
-            numbers, a number per channel, or arrays.
+    is isotropic. The two are of one kind: numbers, a number per channel, or arrays.
     """
 
-    u: Any
-    v: Any
+    u: Any  # along the tangent (the x axis)
+    v: Any  # across it (the y axis)
 
     def map(self, function: Callable[[Any], Any]) -> "Widths":
-        """The widths of which each is `function` of one of these."""
+        """`function` of each width."""
         return Widths(function(self.u), function(self.v))
 
 
 class CoatParameters(NamedTuple):
-    """The parameters of one coat or of many: numbers, or arrays that broadcast.
+    """The parameters of one coat or of many: numbers, or arrays that broadcast."""
 
-    Attributes:
-        alpha: GGX width of the interface, in [0.01, 1], or `Widths` where anisotropy is possible.
-        eta: its index of refraction relative to the medium above, in [0.5, 3]. Below 1 there is
-            total reflection from above, at grazing angles. At 1 there is no interface.
-        albedo: single-scattering albedo of the medium below it, in [0, 1].
-        sigma_t: optical depth of that medium, at least 0.
-        g: its Henyey-Greenstein asymmetry, in (-1, 1).
-    """
-
-    alpha: Any
+    alpha: Any  # GGX width of the interface, in [0.01, 1], or `Widths` where anisotropy is possible
+    # Its index of refraction relative to the medium above, in [0.5, 3]. Below 1 there is total
+    # reflection from above, at grazing angles. At 1 there is no interface.
     eta: Any
-    albedo: Any
-    sigma_t: Any
-    g: Any
+    albedo: Any  # single-scattering albedo of the medium below it, in [0, 1]
+    sigma_t: Any  # optical depth of this medium, at least 0
+    g: Any  # its Henyey-Greenstein asymmetry, in (-1, 1)
 
     @classmethod
     def of_columns(cls, columns: Any) -> "CoatParameters":
@@ -100,19 +89,13 @@ DEFAULT_COAT = CoatParameters(0.1, GLASS / AIR, 0.0, 0.0, 0.0)
 
 @dataclass(frozen=True)
 class Check:
-    """A check that numbers are finite and lie between two ends.
+    """A check that numbers are finite and lie between two ends."""
 
-    Attributes:
-        name: the numbers' name in errors, unless the caller gives another.
-        domain: what the numbers must be, the end of an error.
-        least, most: the ends, which are included unless `open`.
-    """
-
-    name: str
-    domain: str
+    name: str  # the numbers' name in errors, unless the caller gives another
+    domain: str  # what the numbers must be, the end of an error
     least: float = -np.inf
     most: float = np.inf
-    open: bool = False
+    open: bool = False  # whether the ends are excluded
 
     def __call__(
         self, value: npt.ArrayLike, where: str = "", *, any_shape: bool = False

@@ -73,19 +73,12 @@ CGROUP_CPU_MAX = Path("/sys/fs/cgroup/cpu.max")
 
 @dataclass(frozen=True)
 class LlvmStatus:
-    """The libLLVM that Dr.Jit uses, or would use, in this process.
+    """The libLLVM that Dr.Jit uses, or would use, in this process."""
 
-    Attributes:
-        path: the library's file, or None if none was found.
-        version: its major version, or None if it is missing or unreadable.
-        ok: whether every kernel can be compiled with it.
-        message: one sentence that names the library, or the problem and the cure.
-    """
-
-    path: Path | None
-    version: int | None
-    ok: bool
-    message: str
+    path: Path | None  # the library's file, or None if none was found
+    version: int | None  # its major version, or None if it is missing or unreadable
+    ok: bool  # whether every kernel can be compiled with it
+    message: str  # one sentence that names the library, or the problem and the cure
 
 
 def choose_llvm() -> None:

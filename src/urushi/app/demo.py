@@ -80,18 +80,12 @@ class Demo:
 
 
 class Render(NamedTuple):
-    """A render of two independent halves, whose difference measures its noise.
+    """A render of two independent halves, whose difference measures its noise."""
 
-    Attributes:
-        image: (H, W, 3) linear radiance. variance: (H, W, 3) estimate of the variance of `image`.
-        seconds: wall time of the passes after the first.
-        start: wall time of loading the scene and of the first pass, which compiles the code.
-    """
-
-    image: np.ndarray
-    variance: np.ndarray
-    seconds: float
-    start: float
+    image: np.ndarray  # (H, W, 3) linear radiance
+    variance: np.ndarray  # (H, W, 3) estimate of the variance of `image`
+    seconds: float  # wall time of the passes after the first
+    start: float  # wall time of loading the scene and of the first pass, which compiles the code
 
 
 def render(scene: Path, coat: str, size: tuple[int, int], spp: int, seed: int) -> Render:

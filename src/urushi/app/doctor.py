@@ -29,19 +29,12 @@ _TIMEOUT = 120
 
 @dataclass(frozen=True)
 class Finding:
-    """The result of one check.
+    """The result of one check."""
 
-    Attributes:
-        name: what was checked.
-        found: its version or state.
-        problem: what is wrong and the cure, or None if all is well.
-        essential: whether Urushi cannot work without it.
-    """
-
-    name: str
-    found: str
-    problem: str | None = None
-    essential: bool = False
+    name: str  # what was checked
+    found: str  # its version or state
+    problem: str | None = None  # what is wrong and the cure, or None if all is well
+    essential: bool = False  # whether Urushi cannot work without it
 
 
 def examine() -> list[Finding]:

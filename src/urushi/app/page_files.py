@@ -58,17 +58,11 @@ PAGE_BOTTOMS = ("conductor", "dielectric", "diffuse")
 
 
 class First(NamedTuple):
-    """What the page shows first.
+    """What the page shows first."""
 
-    Attributes:
-        material: as the page reads it; of `cards_of`, `first_of` or `texels_of`.
-        texture: the content of the file of its texture of codes, if it has one.
-        table: the half numbers of its table of f, if it has one.
-    """
-
-    material: dict[str, Any]
-    texture: bytes | None = None
-    table: bytes | None = None
+    material: dict[str, Any]  # as the page reads it; of `cards_of`, `first_of` or `texels_of`
+    texture: bytes | None = None  # the content of the file of its texture of codes, if it has one
+    table: bytes | None = None  # the half numbers of its table of f, if it has one
 
 
 def page_files(model: Model, first: First | None) -> dict[str, bytes]:

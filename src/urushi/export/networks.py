@@ -49,7 +49,7 @@ class Tangent(NamedTuple):
 
     @classmethod
     def of(cls, rotation: float) -> "Tangent":
-        """That of a known rotation [degrees]."""
+        """The tangent of a material with a known rotation [degrees]."""
         angle = np.radians(rotation)
         return cls(expression(float(np.cos(angle))), expression(float(np.sin(angle))))
 
@@ -72,7 +72,7 @@ class Tangent(NamedTuple):
         return body.let(label, turned)
 
 
-#: That of a material that is not turned.
+#: The tangent of a material that is not turned.
 X_AXIS = Tangent.of(0.0)
 
 
@@ -186,17 +186,12 @@ def _reflectance(
 
 
 class FTable(NamedTuple):
-    """A table of ln f that shaders read from a texture; see `material.table`.
+    """A table of ln f that shaders read from a texture; see `material.table`."""
 
-    Attributes:
-        shape: its nodes in three coordinates.
-        coordinates: from wi + wo, wi - wo, the number of widths and a namespace to coordinates.
-        beside_lobe: whether it is of the rest alone.
-    """
-
-    shape: Sequence[int]
+    shape: Sequence[int]  # its nodes in three coordinates
+    # From wi + wo, wi - wo, the number of widths and a namespace to coordinates.
     coordinates: Callable[..., Sequence[Expression]]
-    beside_lobe: bool
+    beside_lobe: bool  # whether it holds the rest alone
 
 
 def tabulated(
@@ -216,15 +211,10 @@ def tabulated(
 
 
 class CodeTerms(NamedTuple):
-    """The terms of the decoder that depend on the code only, floats or colours.
+    """The terms of the decoder that depend on the code only, floats or colours."""
 
-    Attributes:
-        gain: added to the logarithm.
-        scales, offsets: of the units of the first hidden layer.
-    """
-
-    gain: Expression
-    scales: Sequence[Expression]
+    gain: Expression  # added to the logarithm
+    scales: Sequence[Expression]  # of the units of the first hidden layer
     offsets: Sequence[Expression]
 
 

@@ -25,47 +25,28 @@ _UNARY, PRIMARY = 4, 5
 
 
 class Printer:
-    """A language. Subclasses say what differs from C.
+    """A language. Subclasses say what differs from C."""
 
-    Attributes:
-        title: the language's name in prose.
-        usage: sentences at the head of the file on how to include it.
-        comment: begins a comment.
-        kinds: the languages' names of the kinds of values.
-        calls: names of functions that differ from those of `expressions`.
-        components: how a vector's and a colour's components are written.
-        field_end, structure_end: end a field of a structure, and the structure.
-        table_form: the line before the numbers of a table, and the line after them.
-        tables_inside: whether tables stand in the functions that read them.
-        end, loop_end: ends a statement; the lines that end a loop.
-        two: the name of two floats.
-        fetch_head, level: the first line of a function that reads a texture, and the argument that
-            a function for a given level has in addition.
-        place, sample, sample_level: declarations of the texture's coordinates, and of four bytes:
-            by the footprint, and of a given level.
-        volume, texel: the argument that is a texture of three coordinates, and its colour there.
-    """
-
-    title: ClassVar[str]
-    usage: ClassVar[str]
-    comment: ClassVar[str] = "//"
-    kinds: ClassVar[Mapping[str, str]]
-    calls: ClassVar[Mapping[str, str]] = {}
-    components: ClassVar[Sequence[str]] = (".x", ".y", ".z")
-    field_end: ClassVar[str] = ";"
+    title: ClassVar[str]  # the language's name in prose
+    usage: ClassVar[str]  # sentences at the head of the file on how to include it
+    comment: ClassVar[str] = "//"  # begins a comment
+    kinds: ClassVar[Mapping[str, str]]  # the language's names of the kinds of values
+    calls: ClassVar[Mapping[str, str]] = {}  # names of functions that differ from `expressions`
+    components: ClassVar[Sequence[str]] = (".x", ".y", ".z")  # of a vector and of a colour
+    field_end: ClassVar[str] = ";"  # ends a field of a structure
     structure_end: ClassVar[str] = "};"
-    table_form: ClassVar[tuple[str, str]]
-    tables_inside: ClassVar[bool] = False
-    end: ClassVar[str] = ";"
-    loop_end: ClassVar[Sequence[str]] = ("}",)
-    two: ClassVar[str] = "vec2"
-    fetch_head: ClassVar[str]
-    level: ClassVar[str] = ", float level"
-    place: ClassVar[str] = "vec2 place"
-    sample: ClassVar[str]
-    sample_level: ClassVar[str]
-    volume: ClassVar[str]
-    texel: ClassVar[str]
+    table_form: ClassVar[tuple[str, str]]  # lines before and after the numbers of a table
+    tables_inside: ClassVar[bool] = False  # whether tables stand in the functions that read them
+    end: ClassVar[str] = ";"  # ends a statement
+    loop_end: ClassVar[Sequence[str]] = ("}",)  # the lines that end a loop
+    two: ClassVar[str] = "vec2"  # the name of two floats
+    fetch_head: ClassVar[str]  # the first line of a function that reads a texture
+    level: ClassVar[str] = ", float level"  # further argument of a function for a given level
+    place: ClassVar[str] = "vec2 place"  # declares the texture's coordinates
+    sample: ClassVar[str]  # declares four bytes, by the footprint
+    sample_level: ClassVar[str]  # and of a given level
+    volume: ClassVar[str]  # the argument that is a texture of three coordinates
+    texel: ClassVar[str]  # and its colour at a place
 
     def __init__(self, prefix: str):
         """prefix: begins the names of all functions, structures and tables."""

@@ -198,18 +198,12 @@ def check(language: str, model: Model, prefix: str) -> None:
 
 
 class _Code(NamedTuple):
-    """What the functions of a material need of its codes.
+    """What the functions of a material need of its codes."""
 
-    Attributes:
-        lobe: the numbers of its lobe. terms: of the decoder.
-        first: the code's part of the sampler's first layer. alphas: the widths of its lobe.
-        tangent: of the material.
-    """
-
-    lobe: Sequence[Expression]
-    terms: CodeTerms
-    first: Sequence[Expression]
-    alphas: Sequence[Expression]
+    lobe: Sequence[Expression]  # the numbers of its lobe
+    terms: CodeTerms  # of the decoder
+    first: Sequence[Expression]  # the code's part of the sampler's first layer
+    alphas: Sequence[Expression]  # the widths of its lobe
     tangent: Tangent
 
 

@@ -26,18 +26,12 @@ from urushi.export.expressions import (
 
 @dataclass(frozen=True)
 class Variable:
-    """A field of a structure or an argument of a function.
-
-    Attributes:
-        name, kind: as in `expressions`.
-        count: the number of elements of an array; None for a single value.
-        note: what it is.
-    """
+    """A field of a structure or an argument of a function."""
 
     name: str
-    kind: str
-    count: int | None = None
-    note: str = ""
+    kind: str  # as in `expressions`
+    count: int | None = None  # the number of elements of an array; None for a single value
+    note: str = ""  # what it is
 
 
 @dataclass(frozen=True)
@@ -59,39 +53,26 @@ class Table:
 
 @dataclass(frozen=True)
 class Statement:
-    """A line of a body.
+    """A line of a body."""
 
-    Attributes:
-        operation: "note", "let" (a constant), "array", "structure" (both without values),
-            "assign", "loop" or "return".
-        target: what is declared (`Variable`), assigned to or counted; the text of a note.
-        value: the value.
-        count, body: turns and statements of a loop.
-    """
-
+    # "note", "let" (a constant), "array", "structure" (without values), "assign", "loop", "return".
     operation: str
-    target: Any = None
+    target: Any = None  # what is declared (`Variable`), assigned to or counted; the text of a note
     value: Any = None
-    count: int = 0
-    body: tuple["Statement", ...] = ()
+    count: int = 0  # turns of a loop
+    body: tuple["Statement", ...] = ()  # of a loop
 
 
 @dataclass
 class Function:
-    """A function, and the builder of its body.
+    """A function, and the builder of its body."""
 
-    Attributes:
-        name: without prefix. kind: of what it returns. note: what it does.
-        public: whether the user of the file calls it.
-        tables: the tables that it reads.
-    """
-
-    name: str
+    name: str  # without prefix
     arguments: tuple[Variable, ...]
-    kind: str
-    note: str
-    public: bool = False
-    tables: list[Table] = field(default_factory=list)
+    kind: str  # of what it returns
+    note: str  # what it does
+    public: bool = False  # whether the user of the file calls it
+    tables: list[Table] = field(default_factory=list)  # which it reads
     body: list[Statement] = field(default_factory=list)
 
     def note_line(self, text: str) -> None:
@@ -149,36 +130,23 @@ LinearNumber = tuple[float, tuple[tuple[int, float], ...]]
 
 
 class Texels(NamedTuple):
-    """How the codes of texels are stored in an array texture.
+    """How the codes of texels are stored in an array texture."""
 
-    Attributes:
-        numbers: of each number of a code, its linear function in each channel, one or three.
-        layers: layers of the texture.
-        to_texture: the affine map (2, 3) from uv to the texture's coordinates.
-        filtering: how the user's sampler continues and filters the texture, a sentence.
-    """
-
-    numbers: Sequence[Sequence[LinearNumber]]
-    layers: int
-    to_texture: Sequence[Sequence[float]]
-    filtering: str
+    numbers: Sequence[Sequence[LinearNumber]]  # of a code, each in one channel or three
+    layers: int  # of the texture
+    to_texture: Sequence[Sequence[float]]  # affine map (2, 3) from uv to the texture's coordinates
+    filtering: str  # how the user's sampler continues and filters the texture, a sentence
 
 
 @dataclass(frozen=True)
 class Program:
-    """A file.
+    """A file. Each structure and function uses only the ones before it."""
 
-    Attributes:
-        note: the comment at its head, paragraph by paragraph; {f} stands for the name that the
-            function f has in the file.
-        structures, functions: in an order in which each uses only those before it.
-        texels: of the texture whose filtered bytes the last function takes, if there is one.
-    """
-
+    # The comment at its head, by paragraphs; {f} stands for the function f's name in the file.
     note: Sequence[str]
     structures: Sequence[Structure]
     functions: Sequence[Function]
-    texels: Texels | None = None
+    texels: Texels | None = None  # of the texture whose filtered bytes the last function takes
 
     @property
     def public(self) -> list[str]:

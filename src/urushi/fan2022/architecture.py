@@ -172,15 +172,10 @@ DIRECTIONS = 6
 
 @dataclass(frozen=True)
 class AdamProjection:
-    """Options of the projection by Adam (`urushi.fan2022.projection`); the authors' by default.
+    """Options of the projection by Adam (`urushi.fan2022.projection`); the authors' by default."""
 
-    Attributes:
-        steps: number of steps, up to a million.
-        pairs: direction pairs of a step, up to 2^20.
-    """
-
-    steps: int = 1000
-    pairs: int = 4096
+    steps: int = 1000  # up to a million
+    pairs: int = 4096  # direction pairs of a step, up to 2^20
 
     def __post_init__(self) -> None:
         for name, most in (("steps", 1_000_000), ("pairs", 1 << 20)):
@@ -194,13 +189,10 @@ class AdamProjection:
 
 @dataclass(frozen=True)
 class PaperArchitecture:
-    """The architecture of the paper's networks; their sizes are fixed.
+    """The architecture of the paper's networks; their sizes are fixed."""
 
-    Attributes:
-        adam: how a BRDF is projected to a code. A layering network expects codes of the projection
-            that it was trained with.
-    """
-
+    # How a BRDF is projected to a code. A layering network expects codes of the projection that it
+    # was trained with.
     adam: AdamProjection
 
     def to_json(self) -> str:

@@ -26,20 +26,13 @@ class Palette:
     conductor; a stack of two coats is a random dielectric over a random stack of one coat. The
     choice depends only on the seed and the row, so that a stack's components can be found in the
     other parts.
-
-    Attributes:
-        coats: 0 for the components themselves, 1 or 2.
-        bottom: "conductor"; without coats also "dielectric".
-        components: number of dielectrics, and of conductors.
-        stacks: number of stacks of one coat, from which the stacks of two coats are made.
-        seed: of all random choices and parameters.
     """
 
-    coats: int
-    bottom: str = "conductor"
-    components: int = 300
-    stacks: int = 12_720
-    seed: int = 0
+    coats: int  # 0 for the components themselves, 1 or 2
+    bottom: str = "conductor"  # without coats also "dielectric"
+    components: int = 300  # number of dielectrics, and of conductors
+    stacks: int = 12_720  # of one coat, from which the stacks of two coats are made
+    seed: int = 0  # of all random choices and parameters
     widths: ClassVar[int] = 1
 
     def draw(self, rng: np.random.Generator, rows: slice) -> StackTable:
@@ -87,46 +80,28 @@ class Palette:
 
 @dataclass(frozen=True)
 class PaperPreset:
-    """Data and schedules of Fan et al. 2022, section 4.
+    """Data and schedules of Fan et al. 2022, section 4."""
 
-    Attributes:
-        name: the value of `--preset`.
-        scale: share of the paper's number of training samples.
-        arch: the architecture, with the projection.
-        data: parts "conductor", "dielectric", "two-layer" and "three-layer".
-        validation: number of two-layer BRDFs, the last ones, that are not trained on.
-        epochs, decay: passes over the two-layer BRDFs, and the factor on both rates after each.
-        weights_rate, latents_rate: Adam's learning rates of evaluation network and latents.
-        stacks, pairs: BRDFs in a step, and direction pairs of each.
-        layering_epochs, layering_rate, layering_decay: training of the layering network; the rate
-            is multiplied by the decay twenty times.
-        finetuning_epochs, finetuning_rate: its training on the three-layer BRDFs, at a fixed rate.
-        rows: layerings in a step.
-        proxy_materials, proxy_incoming: materials that the sampling proxy learns from, and
-            incoming directions over which their histograms are averaged.
-        seed: of the initial weights and of the order of the examples.
-    """
-
-    name: str
-    scale: float
+    name: str  # the value of `--preset`
+    scale: float  # share of the paper's number of training samples
     arch: PaperArchitecture
-    data: DataSpec
-    validation: int
-    epochs: int
-    decay: float
-    weights_rate: float
-    latents_rate: float
-    layering_epochs: int
-    finetuning_epochs: int
-    proxy_materials: int
-    proxy_incoming: int
-    stacks: int = 64
-    pairs: int = 64
+    data: DataSpec  # parts "conductor", "dielectric", "two-layer" and "three-layer"
+    validation: int  # number of two-layer BRDFs, the last ones, that are not trained on
+    epochs: int  # passes over the two-layer BRDFs
+    decay: float  # factor on both rates after each epoch
+    weights_rate: float  # Adam's learning rate of the evaluation network
+    latents_rate: float  # and of the latents
+    layering_epochs: int  # of the layering network
+    finetuning_epochs: int  # of the layering network on the three-layer BRDFs
+    proxy_materials: int  # materials that the sampling proxy learns from
+    proxy_incoming: int  # incoming directions over which their histograms are averaged
+    stacks: int = 64  # BRDFs in a step
+    pairs: int = 64  # direction pairs of each
     layering_rate: float = 3e-3
-    layering_decay: float = 0.7
+    layering_decay: float = 0.7  # factor on the rate, twenty times
     finetuning_rate: float = 3e-4
-    rows: int = 64
-    seed: int = 0
+    rows: int = 64  # layerings in a step
+    seed: int = 0  # of the initial weights and of the order of the examples
 
     def part(self, name: str) -> Part:
         return next(part for part in self.data.parts if part.name == name)

@@ -29,20 +29,14 @@ ROWS = 512
 
 
 class AdamState(NamedTuple):
-    """State of the optimisation of M codes.
+    """State of the optimisation of M codes."""
 
-    Attributes:
-        z: (M, 32); first, second: (M, 32) moments of the gradient; steps: number of steps taken;
-        loss: (M,) compressed loss before the last step, in [0, 2);
-        error: (M,) mean absolute error [1/sr] before the last step.
-    """
-
-    z: Any
-    first: Any
+    z: Any  # (M, 32)
+    first: Any  # (M, 32) moments of the gradient
     second: Any
-    steps: Any
-    loss: Any
-    error: Any
+    steps: Any  # number of steps taken
+    loss: Any  # (M,) compressed loss before the last step, in [0, 2)
+    error: Any  # (M,) mean absolute error [1/sr] before the last step
 
 
 def compressed(x: Any) -> Any:

@@ -28,17 +28,11 @@ COMPONENTS, STACKS, INCOMING = 16, 64, 12
 
 
 class Histograms(NamedTuple):
-    """Shares (BINS^2,) of the projected half vectors, averaged over incoming directions.
+    """Shares (BINS^2,) of the projected half vectors, averaged over incoming directions."""
 
-    Attributes:
-        latents: (M, 32) codes of the materials.
-        shares: (M, BINS^2) for f cos_o.
-        cosine: (BINS^2,) for a cosine lobe.
-    """
-
-    latents: jax.Array
-    shares: jax.Array
-    cosine: jax.Array
+    latents: jax.Array  # (M, 32) codes of the materials
+    shares: jax.Array  # (M, BINS^2) for f cos_o
+    cosine: jax.Array  # (BINS^2,) for a cosine lobe
 
 
 def centres() -> np.ndarray:

@@ -42,15 +42,10 @@ _LEGACY, _LEGACY_VERSION = b"\x80\x02\x8a\x0al\xfc\x9cF\xf9 j\xa8P\x19.", 1001
 
 
 class TorchFile:
-    """A file of `torch.save`, of the zip format or that before PyTorch 1.6 (2020).
-
-    Attributes:
-        path: the file.
-        content: dicts, lists, tuples, numbers, text, None and tensors, see `pickled.decode`.
-    """
+    """A file of `torch.save`, of the zip format or the older one of PyTorch before 1.6 (2020)."""
 
     def __init__(self, path: str | os.PathLike) -> None:
-        """Read a file's pickle and its storages; `array` makes tensors of them."""
+        """Read a file's pickle, `content` as of `pickled.decode`, and its storages, for `array`."""
         self.path = Path(path)
         data = _content(self.path)
         read = _read_legacy if data.startswith(_LEGACY) else _read_zip

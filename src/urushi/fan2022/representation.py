@@ -26,16 +26,12 @@ TOGETHER = 8
 
 
 class Batch(NamedTuple):
-    """B different BRDFs at P pairs each.
+    """B different BRDFs at P pairs each."""
 
-    Attributes:
-        rows: (B,) rows of the BRDFs in the store's part; wi, wo: (B, P, 3); f: (B, P) [1/sr].
-    """
-
-    rows: np.ndarray
-    wi: np.ndarray
+    rows: np.ndarray  # (B,) rows of the BRDFs in the store's part
+    wi: np.ndarray  # (B, P, 3)
     wo: np.ndarray
-    f: np.ndarray
+    f: np.ndarray  # (B, P) [1/sr]
 
 
 def epoch(store: Store, preset: PaperPreset, index: int) -> Iterator[Batch]:
@@ -86,19 +82,12 @@ RULE = optax.scale_by_adam()
 
 
 class RepresentationState(NamedTuple):
-    """The state that is carried from step to step.
+    """The state that is carried from step to step."""
 
-    Attributes:
-        params: the evaluation network.
-        optimiser: Adam's state for it.
-        latents: (M, 32) codes of all BRDFs; a step updates only those of its batch.
-        moments: Adam's state for the codes: moments (M, 32) and the number of updates (M, 1).
-    """
-
-    params: Params
-    optimiser: Any
-    latents: jax.Array
-    moments: optax.ScaleByAdamState
+    params: Params  # the evaluation network
+    optimiser: Any  # Adam's state for it
+    latents: jax.Array  # (M, 32) codes of all BRDFs; a step updates the codes of its batch
+    moments: optax.ScaleByAdamState  # of the codes, (M, 32), and their numbers of updates (M, 1)
 
 
 def updated(params: Params, optimiser: Any, slope: Params, rate: Any) -> tuple[Params, Any]:

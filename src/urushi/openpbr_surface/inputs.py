@@ -35,33 +35,26 @@ DIRECTIONS = (
 
 
 class Inputs:
-    """All parameters but the directions, each a texture, numbers and colours as well.
-
-    Attributes:
-        where: the plugin's name, or its property `origin`, the document that `materialx` read;
-            begins errors.
-        textures: by the parameters' names.
-        constants: the values of parameters that are given as numbers, by name. A number that is
-            changed later counts as a texture from then on, see `refresh`.
-        maps: the textures of directions, by the parameters' names.
-        version: how often `refresh` has found changes.
-    """
+    """All parameters but the directions, each a texture, numbers and colours as well."""
 
     def __init__(self, props: "mi.Properties", *, emits: bool = False):
         """Read the properties.
 
         emits: whether they are an emitter's, which only reads what it needs.
         """
+        # Begins errors: the plugin's name, or the document that `materialx` read.
         self.where = props.get("origin", describe(props))
         unsupported = props.get("unsupported", "error")
         if unsupported not in ("error", "ignore"):
             raise ParameterError(
                 f'{self.where}: unsupported is "{unsupported}"; give "error" or "ignore"'
             )
-        self.textures: dict[str, mi.Texture] = {}
+        self.textures: dict[str, mi.Texture] = {}  # by the parameters' names
+        # Parameters that are given as numbers. A number that is changed later counts as a texture
+        # from then on, see `refresh`.
         self.constants: dict[str, Any] = {}
-        self.maps: dict[str, mi.Texture] = {}
-        self.version = 0
+        self.maps: dict[str, mi.Texture] = {}  # of directions
+        self.version = 0  # how often `refresh` has found changes
         self._numbers: list[str] = []  # parameters that are given as numbers
         self._relied: dict[str, np.ndarray] = {}  # values of textures when `known` returned them
         for name in list(props.keys()):

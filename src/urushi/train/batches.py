@@ -14,24 +14,16 @@ from urushi.train.examples import Depth
 
 
 class Batch(NamedTuple):
-    """Stacks of all depths, deepest first, so that each coat belongs to the first stacks.
+    """Stacks of all depths, deepest first, so that each coat belongs to the first stacks."""
 
-    Attributes:
-        lobes: (B, L) the bottoms' lobes, see `nets.lobe`.
-        probes: (B, probes) the bottoms' values [1/sr] at the probe pairs, without their lobes.
-        coats: (B_k, C) columns `checks.COAT_COLUMNS` of each coat, the lowest first, for the B_k
-            stacks that have this coat, which are the first ones of the batch.
-        features: (B, P, D) of the direction pairs.
-        top: (B, P) the part of f [1/sr] that the stacks' own lobes reflect.
-        f: (B, P) simulated values [1/sr].
-    """
-
-    lobes: np.ndarray
-    probes: np.ndarray
+    lobes: np.ndarray  # (B, L) the bottoms' lobes, see `nets.lobe`
+    probes: np.ndarray  # (B, probes) the bottoms' values [1/sr] at the probe pairs, less the lobes
+    # Columns `checks.COAT_COLUMNS` (B_k, C) of each coat, the lowest first. The B_k stacks that
+    # have this coat are the first ones of the batch.
     coats: tuple[np.ndarray, ...]
-    features: np.ndarray
-    top: np.ndarray
-    f: np.ndarray
+    features: np.ndarray  # (B, P, D) of the direction pairs
+    top: np.ndarray  # (B, P) the part of f [1/sr] that the stacks' own lobes reflect
+    f: np.ndarray  # (B, P) simulated values [1/sr]
 
 
 #: The items `start` to `start + count` of a sequence, as indices (count,).

@@ -18,21 +18,13 @@ FORMAT_VERSION = 2
 
 @dataclass(frozen=True)
 class Checkpoint:
-    """The state of a training.
+    """The state of a training."""
 
-    Attributes:
-        stage: the name of one of the training's stages.
-        step: number of completed steps of that stage.
-        seconds: time spent so far, all stages together.
-        state: input of the stage's next step, any tree of arrays.
-        networks: the parameters that earlier stages have trained.
-    """
-
-    stage: str
-    step: int
-    seconds: float
-    state: Any
-    networks: dict[str, Any]
+    stage: str  # the name of one of the training's stages
+    step: int  # number of completed steps of this stage
+    seconds: float  # time spent so far, all stages together
+    state: Any  # input of the stage's next step, any tree of arrays
+    networks: dict[str, Any]  # the parameters that earlier stages have trained
 
 
 def _named_leaves(point: Checkpoint) -> list[tuple[str, Any]]:
@@ -41,20 +33,15 @@ def _named_leaves(point: Checkpoint) -> list[tuple[str, Any]]:
 
 
 class Journal:
-    """The checkpoint and the log of one training, in its run folder.
-
-    Attributes:
-        identity: JSON values of preset and data; a checkpoint of another identity is an error.
-        data_seconds: time spent on the data, with that of the runs before the checkpoint.
-    """
+    """The checkpoint and the log of one training, in its run folder."""
 
     def __init__(
         self, folder: Path, identity: Mapping[str, Any], data_seconds: float = 0.0
     ) -> None:
         self._checkpoint = folder / "checkpoint.safetensors"
         self._log = folder / "log.jsonl"
-        self.identity = identity
-        self.data_seconds = data_seconds
+        self.identity = identity  # JSON values of preset and data, which a checkpoint must share
+        self.data_seconds = data_seconds  # time spent on the data, by earlier runs too
 
     def begun(self) -> bool:
         return self._checkpoint.exists()

@@ -58,8 +58,9 @@ def whole_eta(rng: np.random.Generator, shape: int | tuple[int, ...]) -> np.ndar
     return np.choose(rng.choice(len(parts), shape, p=(0.55, 0.1, 0.25, 0.1)), parts)
 
 
-#: Indices of refraction by name: functions of a generator and a shape. Low ones are of interfaces
-#: to a thinner medium, with total reflection from above.
+#: Indices of refraction by name: functions of a generator and a shape. "common" is the range of
+#: Table 2, "whole" all of [0.5, 3]. "low" are interfaces to a thinner medium, with total reflection
+#: from above, for evaluation.
 DRAW_ETA: dict[str, Callable[[np.random.Generator, int | tuple[int, ...]], np.ndarray]] = {
     "common": lambda rng, shape: rng.uniform(1.05, 2.0, shape),
     "whole": whole_eta,
@@ -93,12 +94,9 @@ class Table2(_Independent):
 
     alpha = U(0.216, 1)^3, eta = U(1.05, 2), R0 = U(0, 1), albedo = 1 - U(0, 1)^2,
     sigma_t from {0, 1, 2, 5} with equal chances, g = 0.
-
-    Attributes:
-        coats: number of dielectric interfaces, each with a medium below. The bottom is not
-            counted: the "two layers" of Fan et al. are one coat.
     """
 
+    # Dielectric interfaces, each with a medium below. The "two layers" of Fan et al. are one coat.
     coats: int = 1
     bottom: ClassVar[str] = "conductor"
     widths: ClassVar[int] = 1
@@ -125,18 +123,11 @@ class Extended(_Independent):
 
     alpha = U(0.01^(1/3), 1)^3, in [0.01, 1]; albedo as in Table 2; sigma_t = 8 U(0, 1)^2 in [0, 8],
     with more thin media than thick ones; g = U(-0.8, 0.9).
-
-    Attributes:
-        coats: as in `Table2`.
-        bottom: one of `BOTTOMS`; its parameters are drawn by the `draw` of its family.
-        indices: eta of coats and of "dielectric" bottoms: "common" (U(1.05, 2), as in Table 2),
-            "whole" (all of [0.5, 3], see `whole_eta`) or "low" (U(0.5, 0.96), for
-            evaluation).
     """
 
-    coats: int = 1
-    bottom: str = "conductor"
-    indices: str = "common"
+    coats: int = 1  # as in `Table2`
+    bottom: str = "conductor"  # one of `BOTTOMS`; its parameters are drawn by its family
+    indices: str = "common"  # eta of coats and of "dielectric" bottoms, a key of `DRAW_ETA`
     widths: ClassVar[int] = 1
     bottoms: ClassVar[tuple[str, ...]] = BOTTOMS
 
@@ -261,18 +252,12 @@ class Anisotropic(Extended):
     """`Extended` with two widths of every coat, and of bottoms of an "..._anisotropic" kind.
 
     The widths have the geometric mean of `Extended` and a quotient that is log-uniform in
-    [1/8, 8]; for a fifth of the surfaces it is one. Of the stacks whose bottom has two widths,
-    `ISOTROPIC_COATS` have coats of one width only.
-
-    Attributes:
-        coats, indices: as in `Extended`.
-        bottom: one of `ANISOTROPIC_BOTTOMS`; "mixture_anisotropic" is "mixture" with two widths of
-            either lobe.
-        clear: whether media are clear or thin, as in `Clear`.
+    [1/8, 8]; for a fifth of the surfaces it is one. Of the stacks whose bottom has two widths, the
+    share `ISOTROPIC_COATS` has coats of one width only.
     """
 
-    bottom: str = "conductor_anisotropic"
-    clear: bool = False
+    bottom: str = "conductor_anisotropic"  # one of `ANISOTROPIC_BOTTOMS`
+    clear: bool = False  # whether media are clear or thin, as in `Clear`
     widths: ClassVar[int] = 2
     bottoms: ClassVar[tuple[str, ...]] = ANISOTROPIC_BOTTOMS
 
@@ -291,22 +276,16 @@ Distribution = Table2 | Extended
 
 
 class Source(Protocol):
-    """The source of a data store's part: a frozen dataclass, a `Distribution` or an extension's.
-
-    Attributes:
-        coats: coats of every stack.
-        widths: numbers of a coat's GGX width: 2 if it may be anisotropic, otherwise 1.
-        bottom: the kind of its bottom, a key of `KINDS`.
-    """
+    """The source of a data store's part: a frozen dataclass, a `Distribution` or an extension's."""
 
     @property
-    def coats(self) -> int: ...
+    def coats(self) -> int: ...  # of every stack
 
     @property
-    def widths(self) -> int: ...
+    def widths(self) -> int: ...  # GGX widths of a coat: 2 if it may be anisotropic, otherwise 1
 
     @property
-    def bottom(self) -> str: ...
+    def bottom(self) -> str: ...  # the kind of every stack's bottom, a key of `KINDS`
 
     def draw(self, rng: np.random.Generator, rows: slice) -> StackTable: ...
 

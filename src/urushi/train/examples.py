@@ -23,20 +23,16 @@ ARRAYS = ("coats", "bottom", "wi", "wo", "f")
 class Examples:
     """Examples in memory, all with the same number of coats; an item is one run of pairs.
 
-    Attributes:
-        lobes, probes: (S, L) and (S, probes), as in `batches.Batch`.
-        coats: (S, N, C) columns `checks.COAT_COLUMNS`, top to bottom.
-        stack: (I,) the stack of each item; the items of a stack lie side by side.
-        features, top, f: (I, P, D) and (I, P), as in `batches.Batch`.
+    Arrays of the names of `batches.Batch` have its meaning.
     """
 
-    lobes: np.ndarray
-    probes: np.ndarray
-    coats: np.ndarray
-    stack: np.ndarray
-    features: np.ndarray
-    top: np.ndarray
-    f: np.ndarray
+    lobes: np.ndarray  # (S, L)
+    probes: np.ndarray  # (S, probes)
+    coats: np.ndarray  # (S, N, C) columns `checks.COAT_COLUMNS`, top to bottom
+    stack: np.ndarray  # (I,) the stack of each item; the items of a stack lie side by side
+    features: np.ndarray  # (I, P, D)
+    top: np.ndarray  # (I, P)
+    f: np.ndarray  # (I, P)
 
 
 class Depth:

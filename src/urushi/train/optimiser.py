@@ -31,27 +31,16 @@ RULES = ("muon", "soap")
 
 @dataclass(frozen=True)
 class Schedule:
-    """Length, learning rate and optimiser of one stage.
+    """Length, learning rate and optimiser of one stage."""
 
-    Attributes:
-        steps: optimiser steps; the learning rate falls to zero at the last one (half a cosine).
-        warmup: steps in which the learning rate rises from zero.
-        learning_rate: its peak.
-        clip: largest norm of the gradient.
-        average: decay per step of the exponential moving average of the weights, which is exported.
-        steps_per_call: steps that run in one call of the compiled loop.
-        checkpoint_every: steps between two checkpoints, a multiple of `steps_per_call`.
-        rule: update rule of the weight matrices, "muon" or "soap"; see `optimiser`.
-    """
-
-    steps: int
-    warmup: int
-    learning_rate: float
-    clip: float = 1.0
-    average: float = 0.999
-    steps_per_call: int = 16
-    checkpoint_every: int = 2048
-    rule: str = "muon"
+    steps: int  # optimiser steps; the learning rate falls to zero at the last one (half a cosine)
+    warmup: int  # steps in which the learning rate rises from zero
+    learning_rate: float  # its peak
+    clip: float = 1.0  # largest norm of the gradient
+    average: float = 0.999  # decay per step of the moving average of the weights, the result
+    steps_per_call: int = 16  # steps that run in one call of the compiled loop
+    checkpoint_every: int = 2048  # steps between two checkpoints, a multiple of `steps_per_call`
+    rule: str = "muon"  # update rule of the weight matrices, one of `RULES`; see `optimiser`
 
     def __post_init__(self) -> None:
         if self.rule not in RULES:
@@ -67,17 +56,11 @@ class Schedule:
 
 
 class TrainState(NamedTuple):
-    """The state of a stage between two steps.
+    """The state of a stage between two steps."""
 
-    Attributes:
-        params: the parameters that learn.
-        average: their exponential moving average.
-        optimiser: the state of the update rule.
-    """
-
-    params: Tree
-    average: Tree
-    optimiser: Tree
+    params: Tree  # the parameters that learn
+    average: Tree  # their exponential moving average
+    optimiser: Tree  # the state of the update rule
 
 
 Loss = Callable[[Tree, Any], tuple[jax.Array, dict[str, jax.Array]]]
@@ -151,37 +134,26 @@ _TINY = 1e-30
 
 
 class Side(NamedTuple):
-    """One side of Shampoo's preconditioner, (n, n) for a side of n rows or columns.
+    """One side of Shampoo's preconditioner, (n, n) for a side of n rows or columns."""
 
-    Attributes:
-        outer: the moving average over gradients G of G Gᵀ (L of the left side) or Gᵀ G (R).
-        basis: eigenvectors of `outer` as columns.
-    """
-
-    outer: jax.Array
-    basis: jax.Array
+    outer: jax.Array  # moving average over gradients G: of G Gᵀ on the left (L), Gᵀ G (R)
+    basis: jax.Array  # eigenvectors of `outer` as columns
 
 
 class Matrix(NamedTuple):
-    """SOAP's moments of one weight matrix (rows, columns).
+    """SOAP's moments of one weight matrix (rows, columns)."""
 
-    Attributes:
-        mean: M, the moving average of the gradient.
-        squares: V, the moving average of the squared gradient in the eigenbases.
-        left, right: averages L and R with their eigenbases.
-    """
-
-    mean: jax.Array
-    squares: jax.Array
+    mean: jax.Array  # M, the moving average of the gradient
+    squares: jax.Array  # V, the moving average of the squared gradient in the eigenbases
     left: Side
     right: Side
 
 
 class SoapState(NamedTuple):
-    """SOAP's state: number of steps, and the moments of each parameter in a tree like theirs."""
+    """SOAP's state."""
 
-    step: jax.Array
-    matrices: Any
+    step: jax.Array  # number of steps taken
+    matrices: Any  # a `Matrix` for each parameter
 
 
 def soap(rate: optax.Schedule) -> optax.GradientTransformation:

@@ -28,24 +28,16 @@ from urushi.walk.bottoms import KINDS
 
 @dataclass(frozen=True)
 class Preset:
-    """A whole training: data, networks and stages.
+    """A whole training: data, networks and stages."""
 
-    Attributes:
-        name: its name on the command line.
-        data: what is simulated; every part has a direction set of `examples.TRAINING`, or one of
-            `examples.METRICS` for validation.
-        stages: in order, each with its own options.
-        pairs: direction pairs of each stack in a step, a multiple of 8 for the loss.
-        seed: of the initial weights and of the order of the examples.
-        arch: sizes of the trained networks.
-    """
-
-    name: str
+    name: str  # on the command line
+    # What is simulated. The direction set of a part is one of `examples.TRAINING`, or of
+    # `examples.METRICS` for validation.
     data: DataSpec
-    stages: tuple[Stage, ...]
-    pairs: int = 64
-    seed: int = 0
-    arch: Architecture = field(default_factory=Architecture)
+    stages: tuple[Stage, ...]  # in order, each with its own options
+    pairs: int = 64  # direction pairs of each stack in a step, a multiple of 8 for the loss
+    seed: int = 0  # of the initial weights and of the order of the examples
+    arch: Architecture = field(default_factory=Architecture)  # sizes of the trained networks
 
     def architectures(self) -> list[Architecture]:
         """Sizes of the networks before the first stage, and during and after each stage."""

@@ -126,19 +126,13 @@ class _Reader:
 
 
 class Outline:
-    """What an XML file from an untrusted source consists of, before the package reads it.
-
-    Attributes:
-        version: the attribute of the outermost element, if it has one.
-        includes: the included files, in order.
-        elements: number of elements.
-    """
+    """What an XML file from an untrusted source consists of, before the package reads it."""
 
     def __init__(self, content: bytes, where: str):
         """Parse a file without keeping its elements."""
-        self.version: str | None = None
-        self.includes: list[str] = []
-        self.elements = self._depth = 0
+        self.version: str | None = None  # the attribute of the outermost element
+        self.includes: list[str] = []  # the included files, in order
+        self.elements = self._depth = 0  # their number, and how deep the parser is in them
         self._where = where
         parser = expat.ParserCreate()
         parser.StartElementHandler, parser.EndElementHandler = self._start, self._end

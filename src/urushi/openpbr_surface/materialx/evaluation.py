@@ -53,12 +53,7 @@ class NeedsPosition(Exception):
 
 
 class Evaluation:
-    """Values of nodes at points.
-
-    Attributes:
-        uses: the images that the values depend on.
-        size: number of nodes evaluated.
-    """
+    """Values of nodes at points."""
 
     def __init__(self, graph: Graph, uv: np.ndarray | None, texels: np.ndarray | None = None):
         """Evaluate at some points.
@@ -66,7 +61,7 @@ class Evaluation:
         uv: (N, 2), MaterialX's, from the lower left corner; None: `texels` are given.
         texels: values (N, channels) of the only image.
         """
-        self.uses: list[ImageUse] = []
+        self.uses: list[ImageUse] = []  # the images that the values depend on
         self._graph = graph
         self._uv = uv
         self._texels = texels
@@ -76,6 +71,7 @@ class Evaluation:
 
     @property
     def size(self) -> int:
+        """Number of nodes evaluated."""
         return len(self._values)
 
     def texture_coordinates(self) -> np.ndarray:

@@ -49,16 +49,12 @@ ParameterValue = float | bool | tuple[float, float, float] | Texture
 
 @dataclass(frozen=True)
 class Surface:
-    """A material of a document.
-
-    Attributes:
-        where: the document and the shader's node; begins errors.
-        values: its parameters that the document gives, by OpenPBR's names. Normals are textures of
-            0.5 n + 0.5 in the tangent frame.
-    """
+    """A material of a document."""
 
     name: str
-    where: str
+    where: str  # the document and the shader's node; begins errors
+    # Its parameters that the document gives, by OpenPBR's names. Normals are textures of
+    # 0.5 n + 0.5 in the tangent frame.
     values: Mapping[str, ParameterValue]
 
 

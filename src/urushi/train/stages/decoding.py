@@ -46,15 +46,10 @@ _SHARE = 0.02
 
 @dataclass(frozen=True)
 class Decoding(Stage):
-    """The decoder on the codes that the other networks compose.
+    """The decoder on the codes that the other networks compose."""
 
-    Attributes:
-        stacks: stacks of 0, 1, 2, ... coats in a step.
-        energy_share: of the `losses.pair_weights`.
-    """
-
-    stacks: tuple[int, ...]
-    energy_share: float = 0.0
+    stacks: tuple[int, ...]  # stacks of 0, 1, 2, ... coats in a step
+    energy_share: float = 0.0  # of the `losses.pair_weights`
     name: str = field(default="decoding", kw_only=True)
     trains: ClassVar[tuple[str, ...]] = ("decoder",)
 

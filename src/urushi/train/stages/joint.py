@@ -40,15 +40,10 @@ ABSORPTION_STEPS = (0.1, 0.3, 1.0)
 
 @dataclass(frozen=True)
 class Joint(Stage):
-    """Encoder, layerer and decoder together.
+    """Encoder, layerer and decoder together."""
 
-    Attributes:
-        stacks: stacks of 0, 1, 2, ... coats in a step.
-        energy_share: of the `losses.pair_weights`.
-    """
-
-    stacks: tuple[int, ...]
-    energy_share: float = 0.0
+    stacks: tuple[int, ...]  # stacks of 0, 1, 2, ... coats in a step
+    energy_share: float = 0.0  # of the `losses.pair_weights`
     name: str = field(default="joint", kw_only=True)
     trains: ClassVar[tuple[str, ...]] = ("decoder", "encoder", "layerer")
 

@@ -46,19 +46,13 @@ REENTRY = 0.5
 
 @dataclass(frozen=True)
 class Layering(Stage):
-    """The layerer on the quadratic losses of all stacks.
+    """The layerer on the quadratic losses of all stacks."""
 
-    Attributes:
-        stacks: stacks of 1, 2, ... coats in a step.
-        widen_from: widths of the layerer's hidden layers before this stage; None: as after it.
-        seed_offset: added to the preset's seed for the order of the stacks.
-        energy_share: of the `losses.pair_weights`.
-    """
-
-    stacks: tuple[int, ...]
+    stacks: tuple[int, ...]  # stacks of 1, 2, ... coats in a step
+    # Widths of the layerer's hidden layers before this stage; None: as after it.
     widen_from: tuple[int, ...] | None = None
-    seed_offset: int = 0
-    energy_share: float = 0.0
+    seed_offset: int = 0  # added to the preset's seed for the order of the stacks
+    energy_share: float = 0.0  # of the `losses.pair_weights`
     name: str = field(default="layering", kw_only=True)
     trains: ClassVar[tuple[str, ...]] = ("layerer",)
 
@@ -104,23 +98,16 @@ class MirroredLayering(Layering):
 
 
 class QuadraticLosses(NamedTuple):
-    """The losses of S stacks of N coats about their codes z.
+    """The losses of S stacks of N coats about their codes z."""
 
-    Attributes:
-        bottoms: (S, L) codes of the bottoms.
-        below: (S, L) codes of the stacks without their uppermost coat, decoded at the probe pairs
-            and encoded again, as when a measured stack is coated; the bottoms' codes for N = 1.
-        coats: (S, N, C) columns `checks.COAT_COLUMNS`, top to bottom.
-        z: (S, K) codes of the stacks, without the lobe's numbers.
-        slope, curvature: (S, K), (S, K, K) of the loss with respect to these numbers, at z.
-    """
-
-    bottoms: np.ndarray
+    bottoms: np.ndarray  # (S, L) codes of the bottoms
+    # Codes (S, L) of the stacks without their uppermost coat, decoded at the probe pairs and
+    # encoded again, as when a measured stack is coated; the bottoms' codes for N = 1.
     below: np.ndarray
-    coats: Any
-    z: np.ndarray
-    slope: np.ndarray
-    curvature: np.ndarray
+    coats: Any  # (S, N, C) columns `checks.COAT_COLUMNS`, top to bottom
+    z: np.ndarray  # (S, K) codes of the stacks, without the lobe's numbers
+    slope: np.ndarray  # (S, K) of the loss with respect to z
+    curvature: np.ndarray  # (S, K, K)
 
 
 def layering_batches(
