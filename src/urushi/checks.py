@@ -196,7 +196,7 @@ def eta(
     any_shape: bool = False,
     low: float = ETA_RANGE[0],
 ) -> np.ndarray:
-    """Check relative indices of refraction in [low, 3]; those nearer to 1 than 0.001 become 1."""
+    """Check relative indices of refraction in [low, 3]; indices within 0.001 of 1 become 1."""
     high = ETA_RANGE[1]
     domain = f"an index of refraction relative to the medium above, in [{low:.3g}, {high:g}]"
     index = Check("eta", domain, low, high)(value, where, any_shape=any_shape)
@@ -213,7 +213,7 @@ def eta_in_air(
 
     Args:
         ratio, ior: the relative and the absolute index that a caller gives; None: not given. If
-            neither is, the absolute one is that of glass.
+            neither is, the index is that of glass.
         where: begins errors, for example "the coat's".
         low: the least relative index.
 

@@ -92,7 +92,7 @@ def run_all_cores(task: Callable[[Any], None], pieces: Sequence[Any]) -> None:
         _thread.at_work = True
         one_thread()  # some builds of BLAS limit each calling thread separately
 
-    with _blas_lock, one_thread():  # threads of BLAS would compete with those of the pool
+    with _blas_lock, one_thread():  # threads of BLAS would compete with the pool's
         pool = ThreadPoolExecutor(available_cores(), "urushi", initializer=begin)
         try:
             for future in [pool.submit(task, piece) for piece in pieces]:

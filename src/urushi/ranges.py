@@ -72,7 +72,7 @@ def check(command: Any, dashes: str = "--") -> None:
 
 
 def ranges_of(hint: Any) -> list[Range]:
-    """The ranges in a type: in its annotations, and in those of the members of a union."""
+    """The ranges in the annotations of a type and of the members of a union."""
     parts = get_args(hint)
     inner = parts[:1] if get_origin(hint) is Annotated else parts
     found = [part for part in parts if isinstance(part, Range)]

@@ -1,7 +1,7 @@
 """Descriptions of materials, written as in Python: "conductor(alpha=0.2, r0=0.9)", or by name.
 
-`materials.json` is a library of described materials. Indices of metals are those of Mitsuba; those
-of brass and the colours of woods, pigments and dyes are estimates.
+`materials.json` is a library of described materials. Indices of metals are taken from
+Mitsuba. The index of brass and the colours of woods, pigments and dyes are estimates.
 """
 
 import ast

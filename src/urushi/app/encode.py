@@ -37,8 +37,8 @@ class Encode:
     output: Annotated[Path, tyro.conf.arg(aliases=["-o"])]
     """Material file to write (.safetensors), or a folder that gets one file per source."""
     refine: bool = False
-    """Refine every latent code by optimisation. Default: automatic, which refines those of
-    measured and of unusual BRDFs."""
+    """Refine every latent code by optimisation. Default: automatic, which refines
+    measured and unusual BRDFs."""
     no_refine: bool = False
     """Refine no latent code."""
     table: bool = False
@@ -209,7 +209,7 @@ class Layer:
     alpha_v: tuple[float, ...] | None = None
     """In place of --alpha: the width across the tangent."""
     ior: tuple[float, ...] | None = None
-    """Index of refraction of the coat. Default: that of BK7 glass, 1.5046. Coats below it keep
+    """Index of refraction of the coat. Default: BK7 glass, 1.5046. Coats below it keep
     theirs."""
     eta: tuple[float, ...] | None = None
     """In place of --ior: its ratio to the index of the medium above, in [0.5, 3]."""

@@ -26,8 +26,8 @@ class Export:
     The weights of the networks are literals in the file, which needs nothing else. Without a
     material, the file is for all materials: their latent codes are arguments of its functions.
 
-    A latent texture, as written by the method `save` of a plugin, becomes such a file with a
-    texture look-up, and a texture file for graphics hardware. So does a material with a table, as
+    A latent texture, as written by the method `save` of a plugin, becomes a file with a texture
+    look-up, and a texture file for graphics hardware. So does a material with a table, as
     of a measured BRDF; without --texture, its f is computed from its codes.
 
     Example: urushi export lacquer.safetensors --language glsl -o lacquer.glsl
@@ -47,8 +47,8 @@ class Export:
     """Material: a material file, a latent texture, a measured BRDF (MERL or RGL), or a
     description as in Python, such as "conductor(alpha=0.2, r0=0.9)"."""
     texture: Path | None = None
-    """Texture file to write (.dds or .ktx2): that of a latent texture, with all mip levels that it
-    has, or the table of a material."""
+    """Texture file to write (.dds or .ktx2): a latent texture with its mip levels, or the
+    table of a material."""
     prefix: str = "urushi"
     """Beginning of the names of all functions and structures; Python's have none."""
     weights: str | None = None
@@ -131,21 +131,14 @@ class Convert:
     """Name of the material. Default: the document's only one."""
     resolution: Texels = 1024
     """Rows and columns of textures that are computed from patterns, at most 4096."""
-
     uv_plane: bool = False
     """Take patterns in space on the plane (u, v, 0) of the texture coordinates."""
 
     def run(self) -> int:
         set_variant("scalar_rgb")  # enough for images, and needs no LLVM
-        from urushi.openpbr_surface.materialx.surface import read_surface
-        from urushi.openpbr_surface.plugins.materialx import (
-            check_supported,
-            checked_resolution,
-            decode,
-        )
+        from urushi.openpbr_surface.plugins.materialx import check_supported, read
 
-        resolution = checked_resolution(self.resolution)
-        found = read_surface(self.document, decode, self.material, resolution, self.uv_plane)
+        found = read(self.document, self.material, self.resolution, self.uv_plane)
         check_supported(found)
         target = new_folder(self.output) / "scene.xml"
         with atomic_write(target) as temporary:

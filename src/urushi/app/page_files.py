@@ -1,8 +1,8 @@
 """The files of the page: the built page, the networks, shader code, films, what it shows first.
 
 The page is built from the folder `viewer` of the repository by `make viewer`. The networks are in
-half precision. The shader code is that of `urushi export`, into which the page inserts the codes of
-its materials. `page_document` puts all files into one HTML document, for notebooks.
+half precision. The page inserts the codes of its materials into shader code of `urushi export`.
+`page_document` puts all files into one HTML document, for notebooks.
 """
 
 import base64
@@ -68,7 +68,7 @@ class First(NamedTuple):
 def page_files(model: Model, first: First | None) -> dict[str, bytes]:
     """The page's files by their paths relative to it, with "/" between folders.
 
-    model: the networks of isotropic materials; those of anisotropic ones are the shipped ones.
+    model: the networks of isotropic materials; anisotropic ones have the shipped networks.
     first: None: the page's own first material.
     """
     if model.widths == 2:

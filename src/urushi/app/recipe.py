@@ -31,7 +31,7 @@ SURFACE: dict[str, Any] = {"alpha": 0.02, "ior": 1.5}
 class Recipe:
     """Find paints for a colour: two or three acrylics, their parts, the thickness of the film.
 
-    The paints are those of `urushi.pigment`. The colour is what is seen at the normal, without
+    The paints are `urushi.pigment`'s. The colour is what is seen at the normal, without
     gloss, under light from 45 degrees, through a surface of index 1.5; white is a Lambertian
     reflector. The formula of Kubelka (1948) finds candidates. Random walks choose the best and give
     the colour that is printed, with its distance dE in CIELAB (1976).

@@ -2,8 +2,8 @@
 
 A colour has one number for each channel, red, green and blue. A value that is the same in all
 channels is a float. Arithmetic with constants is evaluated here, in double precision. So one
-description of a formula serves both for materials whose numbers are known and for those whose
-numbers are arguments; terms that vanish for known numbers generate no code.
+description of a formula serves both where the numbers of a material are known and where they are
+arguments; terms that vanish for known numbers generate no code.
 """
 
 from collections.abc import Callable, Sequence

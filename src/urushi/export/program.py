@@ -48,7 +48,7 @@ CONVENTIONS = (
     "wo.",
 )
 
-#: What the files of anisotropic networks add, and how those for all materials turn one.
+#: Further conventions of anisotropic networks, and how a file for all materials turns one.
 ANISOTROPIC = (
     "The x axis of the frame is the tangent of the shape. f is the same for the mirror images of "
     "wi and wo at the plane of the normal and the material's tangent, and at the plane across."

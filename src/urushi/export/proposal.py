@@ -44,7 +44,7 @@ def argument(variable: Variable) -> Expression:
 
 
 def structure(model: Model) -> Structure:
-    """The proposal for one wi: weights and widths of its lobes, those along the tangent first."""
+    """The proposal for one wi: weights and widths of its lobes, first along the tangent."""
     count = _lobes(model)
     weights = [Variable(f"weight{k}", FLOAT) for k in range(count)]
     names = [f"alpha{label}" for label in LABELS[model.widths]]

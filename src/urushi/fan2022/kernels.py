@@ -27,7 +27,7 @@ _SYMBOLIC = dr.JitFlag.SymbolicCalls, dr.JitFlag.SymbolicLoops, dr.JitFlag.Symbo
 def separate_kernels() -> Iterator[None]:
     """Within this context `mi.render` runs a kernel for each layer of these networks.
 
-    The lanes of such a kernel read each weight once, together. All activations are in memory: they
+    The lanes of a layer's kernel read each weight once, together. Activations are in memory and
     take about 4 kB for every ray of a pass.
     """
     with contextlib.ExitStack() as stack:

@@ -72,7 +72,7 @@ def step(state: LayeringState, batch: Examples, rate: float) -> tuple[LayeringSt
 def learn_epoch(
     state: LayeringState, sets: dict[str, Examples], preset: PaperPreset, epoch: int
 ) -> tuple[LayeringState, float]:
-    """Take the steps of one epoch: on two layers at first, on three layers after these epochs."""
+    """Take the steps of one epoch: on two layers for `layering_epochs`, then on three layers."""
     period = max(1, preset.layering_epochs // DECAYS)
     if epoch < preset.layering_epochs:
         data = sets["train"]

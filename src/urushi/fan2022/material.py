@@ -121,7 +121,7 @@ def layer(
     sigma_t: npt.ArrayLike = checks.DEFAULT_COAT.sigma_t,
     g: npt.ArrayLike = checks.DEFAULT_COAT.g,
 ) -> Material:
-    """Coat a material; the arguments are those of `urushi.layer`.
+    """Coat a material; the arguments have the meaning that `urushi.layer` gives them.
 
     Raises:
         ParameterError: a parameter is out of range or of a wrong shape, the coat has two widths, or

@@ -37,7 +37,7 @@ PAIRS = 4096
 #: Number of BRDFs that are projected together; more would not fit into the caches.
 TOGETHER = 4
 
-#: Codes of many Lambertian BRDFs, as of a texture, are interpolated between those of the
+#: Codes of many Lambertian BRDFs, as of a texture, are interpolated between codes of the
 #: reflectances (k / LEVELS)².
 LEVELS = 32
 
@@ -115,7 +115,7 @@ class PaperNetworks:
         return codes.reshape(*values.shape[:-1], LATENT)
 
     def _interpolated(self, directions: np.ndarray, f: np.ndarray) -> np.ndarray:
-        """Codes (M, 32) of Lambertian BRDFs f (M,), between those of levels."""
+        """Codes (M, 32) of Lambertian BRDFs f (M,), between codes of levels."""
         position = LEVELS * np.sqrt(np.pi * np.maximum(f, 0))
         lower = np.floor(position)
         levels, index = np.unique(np.stack([lower, lower + 1]), return_inverse=True)

@@ -147,7 +147,7 @@ class _Machine:
                 if kind.module not in CLASS_MODULES or arguments != ():
                     raise ValueError(kind)
                 stack.append(_Object())
-            case "BUILD":  # attributes; those of a state dict, modules' versions, are not needed
+            case "BUILD":  # attributes; a state dict has versions of modules, which are not needed
                 attributes, target = stack.pop(), stack[-1]
                 if isinstance(target, _Object):
                     target.attributes.update(_of(attributes, dict))

@@ -45,7 +45,7 @@ class TexelCodes:
     def vertex(self, si) -> list[list]:
         """The codes at a surface interaction: a list (32) of Dr.Jit floats for each channel.
 
-        They are those of one texel, drawn as in `mitsuba.latents.lookup`.
+        One texel is drawn, as in `mitsuba.latents.lookup`.
         """
         (a, b, c), (d, e, f) = self.grid.to_texture
         point = a * si.uv.x + b * si.uv.y + c, d * si.uv.x + e * si.uv.y + f
@@ -122,7 +122,7 @@ def define(base: type) -> dict[str, type]:
                                              of the largest texture; 384 bytes for an RGB texel)
         ============== ===================== ====================================================
 
-        The coat and the nested BSDF are those of ``neural_layered``, isotropic and with indices
+        The coat and the nested BSDF are given as for ``neural_layered``, isotropic and with indices
         above one. Every different bottom, and every pair of ``alpha`` and index, is projected,
         which takes seconds or minutes; a texture has at most 256 of these pairs. Codes are kept in
         memory.
@@ -156,7 +156,7 @@ def define(base: type) -> dict[str, type]:
             self.codes = TexelCodes(self.networks, codes, chosen)
 
         def _bottom_codes(self, below, grid):
-            """Codes (T or 1, C, 32) of the bottom on a grid; below: those of its own, or False."""
+            """Codes (T or 1, C, 32) of the bottom on a grid; below: its own codes, or False."""
             if below and self._bottom.networks.fingerprint == self.networks.fingerprint:
                 return below.codes if below.grid == MIDDLE else _read(below, grid)
             if grid == MIDDLE or not grids.varying_textures(self._bottom):

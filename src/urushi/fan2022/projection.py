@@ -1,9 +1,9 @@
 """Projection by Adam on compressed values, the method of the paper's authors.
 
 The loss is the mean absolute difference of x / (1 + x), where x is f times the light's cosine. The
-compression limits the weight of highlights, and the cosine that of grazing light. Adam (Kingma and
-Ba 2015) takes steps of about its rate in every number of the code. One definition runs on NumPy and
-JAX.
+compression limits the weight of highlights, and the cosine limits the weight of grazing light. Adam
+(Kingma and Ba 2015) takes steps of about its rate in every number of the code. One definition runs
+on NumPy and JAX.
 
 Source: `compress.py` of the authors (github.com/sssssy/pytorch-mitsuba-NLB_Release). There, steps
 take the pairs in overlapping windows of a random order; here, every step draws pairs of its own.
@@ -18,7 +18,7 @@ from urushi.fan2022.inference import LIGHT_COSINE, value_and_gradient
 from urushi.nets.mlp import Params
 
 #: The learning rate of the first steps, its factor after each fifth of all steps, and the number of
-#: these decays: 1e-3 to 1.5e-5.
+#: decays: the rate falls from 1e-3 to 1.5e-5.
 RATE, DECAY, DECAYS = 1e-3, 0.003**0.24, 3
 
 #: Adam's default constants.

@@ -34,7 +34,7 @@ from urushi.fan2022.pickled import Tensor, decode
 #: Largest file, and largest pickle in it. The paper's networks have 12 MB, their pickles 30 kB.
 MAX_FILE, MAX_PICKLE = 1 << 26, 1 << 20
 
-#: Largest number of values of a tensor: sixteen times that of the paper's largest.
+#: Largest number of values of a tensor: sixteen times as many as the paper's largest tensor has.
 MAX_VALUES = 1 << 22
 
 #: First bytes of the format that PyTorch wrote before version 1.6, and the version of the format.
@@ -194,7 +194,7 @@ def cosine_proxy() -> dict[str, np.ndarray]:
 
 
 def state_dict(file: TorchFile) -> dict[str, Tensor]:
-    """The tensors by name: the file's content, or the one entry of it that is such a dictionary."""
+    """The tensors by name: the file's content, or its one entry that is a dictionary of tensors."""
     content = file.content
     if _holds_tensors(content):
         return content
@@ -268,7 +268,7 @@ def _kind(module: str, parts: dict[str, Tensor], where: str) -> type:
 
 
 def flat(chain: Iterable[Block]) -> list[Linear | Norm]:
-    """The layers of a chain, those inside of skips too, in the order of evaluation."""
+    """The layers of a chain and of the skips in it, in the order of evaluation."""
     layers: list[Linear | Norm] = []
     for block in chain:
         layers += flat(block.inner) if isinstance(block, Skip) else [block]

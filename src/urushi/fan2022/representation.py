@@ -39,7 +39,7 @@ def epoch(store: Store, preset: PaperPreset, index: int) -> Iterator[Batch]:
 
     Groups of BRDFs that fit into memory are visited in random order. Within a group the pairs of
     every BRDF are shuffled and cut into runs; a batch has one run from each of different BRDFs.
-    BRDFs that do not fill a batch are left out of that run: batches of other sizes are slow where
+    BRDFs that do not fill a batch are left out of the run: batches of other sizes are slow where
     `TOGETHER` does not divide them.
     """
     rng = np.random.default_rng((preset.seed, index))
@@ -67,7 +67,7 @@ def trained(preset: PaperPreset) -> int:
 def _trained(
     store: Store, preset: PaperPreset, shards: np.ndarray
 ) -> tuple[np.ndarray, dict[str, np.ndarray]]:
-    """Rows (R,) int32 and arrays of some shards' BRDFs, without those for validation."""
+    """Rows (R,) int32 and arrays of the BRDFs of some shards that are trained on."""
     part = [described.name for described in preset.data.parts].index("two-layer")
     slices = [preset.data.rows(part, shard) for shard in shards]
     rows = np.concatenate([np.arange(s.start, s.stop, dtype=np.int32) for s in slices])

@@ -176,7 +176,7 @@ def learn_layering(
 def figures(
     params: Mapping[str, Any], preset: PaperPreset, results: Mapping[str, Any]
 ) -> dict[str, float]:
-    """Mean absolute errors [1/sr] of projections, and those of the layering network's codes."""
+    """Mean absolute errors [1/sr] of projections, and mean absolute errors of layered codes."""
     sets = layering.examples(preset, codes_of(preset, results))
     loss = jax.jit(layering.l1_loss)
     named = {f"L1 {p.name}": np.mean(results[f"error.{p.name}"]) for p in preset.data.parts}

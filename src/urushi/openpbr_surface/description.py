@@ -38,7 +38,7 @@ class OpenPBR:
     """A material of OpenPBR Surface 1.1.1, as `openpbr` makes it.
 
     Attributes:
-        parameters: those that are given, by name: floats, truth values, colours as tuples of three
+        parameters: the given ones by name: floats, truth values, colours as tuples of three
             numbers, and textures as Mitsuba's dictionaries or objects.
         options: of the plugin `openpbr`, such as `reference`.
     """
@@ -160,7 +160,7 @@ class OpenPBR:
 
         Args:
             wi, wo: (N, 3) unit vectors above the horizon, z the normal and x the tangent.
-            walks: number of evaluations that are averaged; only those of `reference` have noise.
+            walks: number of evaluations that are averaged; only `reference` has noise.
 
         Returns:
             (N, C) [1/sr], without cosine; C is the variant's number of channels.

@@ -66,7 +66,7 @@ class FilmFresnel:
         return dr.lerp(mi.Spectrum(bare), mi.Spectrum(*values), self._weight(si, active))
 
     def excess(self, cosine, alpha, eta, si, active):
-        """Mean reflectance of the filmed facets seen from a direction, minus that of bare facets.
+        """Mean reflectance of the facets seen from a direction with film, minus without film.
 
         A spectrum, by the Gauss rules of `rules`; the mean weights facets by their masking.
 

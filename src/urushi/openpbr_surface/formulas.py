@@ -1,7 +1,7 @@
 """The formulas of OpenPBR Surface 1.1.1, in the order of the specification.
 
-Section numbers are those of the specification (Andersson et al., OpenPBR Surface 1.1.1). All
-functions take NumPy or Dr.Jit arrays; `xp` has their functions.
+Section numbers are the specification's (Andersson et al., OpenPBR Surface 1.1.1). All functions
+take NumPy or Dr.Jit arrays; `xp` has their functions.
 
 3.1    microfacet widths           `widths`, `lobe_widths`, `lobe_width`
 3.2    index of the base           `relative_index`, `modulated_index`, `base_index`
@@ -255,7 +255,7 @@ def subsurface_albedo(color: np.ndarray, g: float, eta: float) -> np.ndarray:
 
 @functools.lru_cache(maxsize=16)
 def _colors(g: float, eta: float) -> tuple[np.ndarray, np.ndarray]:
-    """Van de Hulst's similarity parameters (N,), of which colours (N,) are nearly linear."""
+    """Van de Hulst's similarity parameters (N,), and colours (N,), nearly linear in them."""
     s = np.linspace(1, 0, COLORS)
     back, weights = adding.interface_modes(MIN_ALPHA, eta)[0], adding.grid().weights
     passed = weights * (1 - back @ weights)

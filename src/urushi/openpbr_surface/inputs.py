@@ -92,7 +92,7 @@ class Inputs:
         others = [("base_metalness", 1)]
         if weight == "subsurface_weight":
             others.append(("transmission_weight", 1))
-        left_out = any(self._is_given(name, value) for name, value in others)
+        left_out = any(self.is_constant(name, value) for name, value in others)
         return not (left_out or self._is_absent(weight))
 
     def replaced(self, values: Mapping[str, Any]) -> "Inputs":
@@ -241,11 +241,7 @@ class Inputs:
     def _is_absent(self, name: str) -> bool:
         """Whether a parameter of default 0 is not given, or as 0."""
         given = name in self.textures or name in self.constants
-        return not given or self._is_given(name, 0)
-
-    def _is_given(self, name: str, value: float) -> bool:
-        """As `is_constant`, also of a parameter that is not given."""
-        return name in self.constants and self.is_constant(name, value)
+        return not given or self.is_constant(name, 0)
 
     def traverse(self, callback, names: Iterable[str]) -> None:
         """List parameters for `mi.traverse`."""
@@ -253,7 +249,7 @@ class Inputs:
             callback.put(name, self.textures[name], mi.ParamFlags.Differentiable)
 
     def tangent(self, si, active) -> tuple["mi.Float", "mi.Float"]:
-        """Sine and cosine of the angle from the shape's tangent to that of the map."""
+        """Sine and cosine of the angle from the shape's tangent to the map's."""
         x, y = (2 * c - 1 for c in self.maps["geometry_tangent"].eval_3(si, active)[:2])
         size2 = x * x + y * y
         known = size2 > 1e-12

@@ -1,6 +1,6 @@
 """Directional albedos of GGX reflectors and of rough slabs below interfaces: tables and look-ups.
 
-The nodes are those of `core.albedos`. Albedos of two widths depend on the azimuth: on a brushed
+The nodes are defined in `core.albedos`. Albedos of two widths depend on the azimuth: on a brushed
 surface, more light hits a second facet across the scratches than along them.
 """
 
@@ -173,7 +173,7 @@ class AnisotropicMirror(MirrorAlbedo):
 class AnisotropicInterface:
     """`InterfaceAlbedo.reflected` of two widths.
 
-    The albedo of a direction is that of an isotropic interface whose width is the width along the
+    The albedo of a direction is the albedo of an isotropic interface with the width along the
     direction, times the ratio of mirror albedos of both widths and of this width.
     """
 

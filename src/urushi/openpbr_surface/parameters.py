@@ -1,7 +1,7 @@
 """The parameters of OpenPBR Surface 1.1.1: names, kinds, ranges and defaults.
 
 From the specification's tables (Andersson et al., OpenPBR Surface 1.1.1) and its reference graph
-`open_pbr_surface.mtlx`. The order is that of the reference graph.
+`open_pbr_surface.mtlx`. The order is the reference graph's.
 """
 
 from collections.abc import Mapping
@@ -11,6 +11,7 @@ from typing import Any, Literal
 
 import numpy as np
 
+from urushi.checks import Check
 from urushi.errors import ParameterError
 
 #: A number; a linear colour; a truth value; a direction, which a map or the geometry gives.
@@ -117,13 +118,9 @@ def checked(name: str, value: Any, where: str = "openpbr") -> Any:
         raise ParameterError(f"{where}: {name} is {value!r}; give {expected}")
     low = -np.inf if entry.low is None else entry.low
     high = np.inf if entry.high is None else entry.high
-    bad = ~(np.isfinite(array) & (array >= low) & (array <= high))
-    if bad.any():
-        limits = f"in [{low:g}, {high:g}]" if np.isfinite(high) else f"{low:g} or more"
-        raise ParameterError(f"{where}: {name} is {array[bad].flat[0]:g}; it must be {limits}")
-    if entry.kind == "float":
-        return float(array) + 0.0
-    return np.broadcast_to(array, 3) + 0.0
+    limits = f"in [{low:g}, {high:g}]" if np.isfinite(high) else f"{low:g} or more"
+    array = Check(name, limits, low, high)(array, f"{where}: {name}")
+    return float(array) if entry.kind == "float" else np.broadcast_to(array, 3)
 
 
 def complete(values: Mapping[str, Any], where: str = "openpbr") -> dict[str, Any]:

@@ -55,7 +55,7 @@ def shuffled(size: int, seed: int, key: int = 0) -> Order:
 def batches(depths: list[Depth], stacks: tuple[int, ...], seed: int) -> Callable[[int, int], Batch]:
     """The function of `stage.Task.batches`: every depth's items in shuffled epochs.
 
-    depths: the examples by number of coats. stacks: of each of these depths in a step.
+    depths: the examples by number of coats. stacks: of each depth in a step.
     """
     if len(stacks) != len(depths):
         raise ParameterError(
@@ -84,7 +84,7 @@ def taken(
 
     rows: from the place of a depth and some of its items to columns by name; "coats" are
     (count, N, C), top to bottom, with one more coat at each depth. counts: items of each depth in a
-    step. Columns are those of all depths, deepest first; "coats" become a tuple, see `Batch`.
+    step. Columns join all depths, deepest first; "coats" become a tuple, see `Batch`.
     """
     parts = []
     for depth in reversed(range(len(orders))):

@@ -46,7 +46,7 @@ def draw_widths(rng: np.random.Generator, mean: np.ndarray) -> Widths:
 
 
 def whole_eta(rng: np.random.Generator, shape: int | tuple[int, ...]) -> np.ndarray:
-    """Indices in [0.5, 3], those of coats on air or on a denser or thinner medium.
+    """Indices in [0.5, 3], of coats under air, or under a denser or thinner medium.
 
     55 % are U(1.05, 2), 10 % U(2, 3), 25 % U(0.5, 0.96). In the last 10 %, |eta - 1| is log-uniform
     in [0.004, 0.05], on either side of 1.
@@ -176,8 +176,8 @@ class Extended(_Independent):
 class Clear(Extended):
     """`Extended` with clear or optically thin media, such as varnish.
 
-    sigma_t = max(0, U(-0.3, 0.3)). No medium blurs the lobes of the interfaces, which makes these
-    stacks the hardest to predict.
+    sigma_t = max(0, U(-0.3, 0.3)). No medium blurs the lobes of the interfaces, so that these
+    stacks are the hardest to predict.
     """
 
     def sample(self, rng: np.random.Generator, n: int) -> StackTable:
@@ -190,14 +190,14 @@ class Clear(Extended):
 class Practical(Extended):
     """Coats as people build them: varnish, lacquer, enamel, glaze, car paint, coated metal.
 
-    Each medium has an absolute index, and the interfaces have the ratios of these. The topmost is
+    Each medium has an absolute index, and the interfaces have their ratios. The topmost index is
     U(1.3, 1.8), for a tenth of the stacks U(1.8, 3). A medium below another one has about the same
     index (30 %, within 5 %), a higher one (25 %, up to 1.3 times), a lower one (25 %, down to 0.8
     times), or is a gap of air (20 %). Below a gap it is U(1.3, 1.8), and below indices from 2 on
     there is a lower one in place of the gap. Media are clear (40 %, and all gaps), tinted without
-    scattering (20 %), lossless (10 %) or as those of `Extended`. Widths are log-uniform in
-    [0.01, 0.5], those of bottoms named "alpha" too. The index of a complex conductor is divided by
-    that of the medium above it.
+    scattering (20 %), lossless (10 %) or as in `Extended`. Widths of coats and bottoms are
+    log-uniform in [0.01, 0.5]. The index of a complex conductor is divided by the index of the
+    medium above it.
     """
 
     def sample(self, rng: np.random.Generator, n: int) -> StackTable:

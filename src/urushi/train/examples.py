@@ -39,7 +39,7 @@ class Depth:
     """The examples of one depth, read from the store when they are first needed."""
 
     def __init__(self, store: Store, parts: list[int], arch: Architecture, pairs: int) -> None:
-        """parts: indices of those of this depth. pairs: number of direction pairs of an item."""
+        """parts: indices of this depth's parts. pairs: number of direction pairs of an item."""
         self._store, self._arch, self._pairs = store, arch, pairs
         self._shards = [
             (part, shard)
@@ -189,7 +189,7 @@ def mirror_images(part: Part, arrays: dict[str, np.ndarray]) -> dict[str, np.nda
             "mirror images; use a Layering stage"
         )
     names = {"coats": COAT_COLUMNS[2], "bottom": KINDS[part.distribution.bottom].parameters}
-    # Names of widths along the tangent end in "alpha_u", those across in "alpha_v".
+    # Names of widths along the tangent end in "alpha_u", across it in "alpha_v".
     other = {"alpha_u": "alpha_v", "alpha_v": "alpha_u"}
     orders = {"wi": [1, 0, 2], "wo": [1, 0, 2]}
     for name, columns in names.items():

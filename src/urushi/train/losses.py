@@ -55,8 +55,8 @@ def squared_errors(f_hat: Any, f: Any) -> jax.Array:
 def stack_weights(squares: jax.Array) -> jax.Array:
     """Weights (S, P) of squared relative errors (S, P), constant to the gradient.
 
-    Each stack's error is divided by about its own root mean square, so that the few hardest stacks,
-    those of narrow lobes and the nearly black ones, do not dominate the gradient. A weight computed
+    Each stack's error is divided by about its own root mean square, so that the few hardest stacks
+    (narrow lobes, or nearly black) do not dominate the gradient. A weight computed
     from the same noisy values that it multiplies would be biased against fireflies; therefore the
     pairs are split into halves, and each half is weighted by the error of the other.
     """
@@ -176,7 +176,7 @@ def cosines_over_density(features: Any) -> jax.Array:
     cos_d = jnp.clip(_column(features, "cos theta_d"), 1e-3, 1.0 - 1e-6)
 
     # Densities of the half vector [1/sr]: of `half_angle_pairs`, of the two kinds of `slope_pairs`,
-    # and near mirror directions. The span is that of ln tan(theta_h).
+    # and near mirror directions. The span is the range of ln tan(theta_h).
     low, high = HALF_ANGLE_RANGE
     span = math.log(high / low)
     half_vector = 1.0 / (2.0 * math.pi * span * tangent2 * cos_h**3)

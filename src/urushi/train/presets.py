@@ -86,11 +86,11 @@ def whole_domain(share: float = 1.0) -> DataSpec:
     walks are spent on one coat, where the error must be a fraction of a percent; a part of them on
     clear coats, which are the hardest to predict. Deeper stacks train the layerer on its own
     outputs. Layered BRDFs with values at the encoder's probe pairs train the encoder. Bare bottoms
-    are analytic and need no walks; those that are one lobe teach the networks nothing and are left
-    out. Matt bottoms have additional pairs at grazing angles: an excess of a few percent there
-    makes the limit of energy darken white ones at all angles.
+    are analytic and need no walks. Bottoms of one lobe teach the networks nothing and are left out.
+    Matt bottoms have additional pairs at grazing angles: an excess of a few percent there makes the
+    limit of energy darken white ones at all angles.
 
-    share: of all these numbers of stacks.
+    share: factor on all numbers of stacks.
     """
     deep = _counts(6, 4, 4, 2, 4, 6, 3)
     layered = (
@@ -131,7 +131,7 @@ def whole_domain(share: float = 1.0) -> DataSpec:
 def anisotropic_domain() -> DataSpec:
     """Stacks of two widths under up to five coats: 4.6 G walks, half an hour on two cores.
 
-    Of bare bottoms only those are included that are more than one lobe.
+    Bare bottoms of one lobe are left out.
     """
     kinds = ("conductor", "conductor_complex", "dielectric", "mixture", "diffuse", "measured_like")
     layered = ((40, 24, 12, 40, 16, 8), (28, 16, 8, 16, 8, 4), *3 * [(6, 4, 2, 4, 2, 2)])

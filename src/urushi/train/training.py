@@ -61,8 +61,8 @@ def train(
         data: the data store, which is completed if necessary; default `runs/NAME/data`.
         out: the weights file; default `runs/NAME/weights.safetensors`.
         run: folder of the checkpoint and of `log.jsonl`; default `runs/NAME`.
-        resume: continue from the run folder's checkpoint. The weights are bit for bit those of an
-            uninterrupted training on the same machine and software.
+        resume: continue from the run folder's checkpoint. The weights are bit for bit the same as
+            of an uninterrupted training on the same machine and software.
 
     Returns:
         The trained model, as written to `out`.
@@ -117,7 +117,7 @@ def begin(preset: Preset, index: int, params: Params, seconds: float = 0.0) -> C
 def beginnings(preset: Preset, params: Params) -> dict[str, Checkpoint]:
     """The first checkpoint of every stage by its name, from fresh parameters.
 
-    Only structure and shapes are those of a training, not the values of what earlier stages learn.
+    Structure and shapes are right, the values that earlier stages learn are not.
     """
     points, params = {}, {**params}
     for index, stage in enumerate(preset.stages):
@@ -158,7 +158,7 @@ def prepare(
 
 
 def header(journal: Journal, metrics: dict[str, float], seconds: float) -> dict[str, Any]:
-    """The weights file's record of its training, which took these seconds after its data."""
+    """The weights file's record of its training; seconds: spent after the data were made."""
     packages = {name: version(name) for name in ("urushi", "jax", "optax", "numpy")}
     return {
         **journal.identity,

@@ -34,7 +34,7 @@ class Texture:
     blend: bool = True  # whether pixels are interpolated
 
     def map(self, function: Callable[[np.ndarray], np.ndarray]) -> "Texture":
-        """The texture of which each pixel is `function` of one of these."""
+        """The texture whose pixels are `function` of these pixels."""
         return Texture(function(self.pixels), self.to_uv, self.wrap, self.blend)
 
     @property

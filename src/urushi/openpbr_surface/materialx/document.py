@@ -194,7 +194,7 @@ def _check_version(text: str | None, where: str) -> None:
 
 
 def materials(document: Document) -> list[Any]:
-    """The nodes of the materials, those in node graphs included; if none, of surface shaders."""
+    """The nodes of materials, also inside of node graphs; if none, of surface shaders."""
     root = document.root
     graphs = (graph for graph in root.getNodeGraphs() if not graph.getNodeDefString())
     nodes = [node for scope in (root, *graphs) for node in scope.getNodes()]

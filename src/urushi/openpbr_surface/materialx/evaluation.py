@@ -29,7 +29,7 @@ from urushi.openpbr_surface.materialx.images import (
 from urushi.openpbr_surface.materialx.nodes import BAKE, CHANNELS, NODES, Call
 from urushi.openpbr_surface.materialx.shaders import FILM_UNITS
 
-#: Largest number of nodes that are evaluated for one parameter, those inside of others included.
+#: Largest number of nodes that are evaluated for one parameter, with the nodes inside of others.
 MAX_NODES = 2048
 
 #: Directions of the surface, by the names of nodes and of geometric properties.
@@ -273,7 +273,7 @@ def parse_value(text: str, kind: str, where: str) -> np.ndarray:
 
 
 def _affine(uv: np.ndarray, image_uv: np.ndarray) -> tuple[tuple[float, ...], ...] | None:
-    """The affine map between two sets of points, of which the first are (0, 0), (1, 0), (0, 1)."""
+    """The affine map between two sets of points; uv begins with (0, 0), (1, 0), (0, 1)."""
     origin = image_uv[0]
     columns = np.stack([image_uv[1] - origin, image_uv[2] - origin, origin], axis=1)
     expected = uv @ columns[:, :2].T + origin

@@ -29,7 +29,7 @@ LIBRARY = (
 #: Largest number of nodes that are connected in a row.
 MAX_CHAIN = 80
 
-#: Nodes that `evaluation` evaluates itself, besides those of `nodes.NODES`.
+#: Nodes that `evaluation` evaluates itself, besides `nodes.NODES`.
 OWN = ("normal", "tangent", "bitangent", "texcoord", "position", "image", "hextiledimage")
 
 
@@ -60,7 +60,7 @@ def definition_of(node: Any) -> Any | None:
 
 
 def declared_inputs(definition: Any | None) -> dict[str, Any]:
-    """The inputs of a definition by name, those that it inherits included; none of None."""
+    """The inputs of a definition by name, with inherited ones; none of None."""
     if definition is None:
         return {}
     with _without_cycles(definition):

@@ -1,7 +1,7 @@
 """Image files of a document: checks of their size before they are decoded, and look-ups.
 
-Images on hexagonal tiles that are turned, scaled and moved at random are those of MaterialX's node
-`hextiledimage` (Mikkelsen, Practical Real-Time Hex-Tiling, JCGT 11(2), 2022).
+MaterialX's node `hextiledimage` puts images on hexagonal tiles that are turned, scaled and moved at
+random (Mikkelsen, Practical Real-Time Hex-Tiling, JCGT 11(2), 2022).
 """
 
 import re
@@ -32,7 +32,7 @@ _TILES = 2 * np.sqrt(3.0)
 #: From uv to the grid of triangles of tiles, as rows.
 _SKEW = np.array([[1, -np.tan(np.pi / 6)], [0, 2 * np.tan(np.pi / 6)]])
 
-#: Ways to continue an image outside of [0, 1]; all but "constant" are those of MaterialX.
+#: Ways to continue an image outside of [0, 1], by MaterialX's names.
 ADDRESS_MODES = ("periodic", "clamp", "mirror", "constant")
 
 

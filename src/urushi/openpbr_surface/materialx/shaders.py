@@ -39,10 +39,6 @@ def _unit(colour: np.ndarray) -> np.ndarray:
     return colour / np.where(peak > 0, peak, 1)
 
 
-def _if(condition: np.ndarray, yes: np.ndarray | float, no: np.ndarray | float) -> np.ndarray:
-    return np.where(condition, yes, no)
-
-
 def _roughness(tangent: np.ndarray, bitangent: np.ndarray) -> np.ndarray:
     """OpenPBR's roughness of two GGX widths: r^4 is the mean of their squares."""
     return np.minimum(((tangent**2 + bitangent**2) / 2) ** 0.25, 1)
@@ -106,8 +102,8 @@ _STANDARD_SURFACE = renamed(
     ),
     "specular_roughness": lambda i: _stretched(i("specular_roughness"), i("specular_anisotropy")),
     "specular_roughness_anisotropy": lambda i: np.clip(i("specular_anisotropy"), 0, 0.98),
-    "transmission_dispersion_scale": lambda i: _if(i("transmission_dispersion") > 0, 1, 0),
-    "transmission_dispersion_abbe_number": lambda i: _if(
+    "transmission_dispersion_scale": lambda i: np.where(i("transmission_dispersion") > 0, 1, 0),
+    "transmission_dispersion_abbe_number": lambda i: np.where(
         i("transmission_dispersion") > 0, i("transmission_dispersion"), 20
     ),
     "subsurface_radius": lambda i: i("subsurface_scale") * _peak(i("subsurface_radius")),
@@ -117,7 +113,7 @@ _STANDARD_SURFACE = renamed(
     "coat_roughness": lambda i: _stretched(i("coat_roughness"), i("coat_anisotropy")),
     "coat_roughness_anisotropy": lambda i: np.clip(i("coat_anisotropy"), 0, 0.98),
     "coat_darkening": lambda i: np.zeros(1),
-    "thin_film_weight": lambda i: _if(i("thin_film_thickness") > 0, 1, 0),
+    "thin_film_weight": lambda i: np.where(i("thin_film_thickness") > 0, 1, 0),
     "thin_film_thickness": lambda i: 1e-3 * i("thin_film_thickness"),
     "geometry_opacity": lambda i: (i("opacity") * _LUMA).sum(-1, keepdims=True),
 }
@@ -144,16 +140,16 @@ _GLTF_PBR = renamed(
     ),
     "specular_roughness": lambda i: _roughness(*_gltf_widths(i)),
     "specular_roughness_anisotropy": lambda i: 1 - np.divide(*_gltf_widths(i)[::-1]),
-    "transmission_color": lambda i: _if(
+    "transmission_color": lambda i: np.where(
         (i("attenuation_distance") > 0) & (i("thickness") > 0),
         i("attenuation_color"),
         i("base_color"),
     ),
     # A volume of thickness 0 is a thin wall (KHR_materials_volume).
     "geometry_thin_walled": lambda i: (i("transmission") > 0) & (i("thickness") == 0),
-    "transmission_dispersion_scale": lambda i: _if(i("dispersion") > 0, 1, 0),
+    "transmission_dispersion_scale": lambda i: np.where(i("dispersion") > 0, 1, 0),
     "transmission_dispersion_abbe_number": lambda i: (
-        20 / _if(i("dispersion") > 0, i("dispersion"), 1)
+        20 / np.where(i("dispersion") > 0, i("dispersion"), 1)
     ),
     "fuzz_weight": lambda i: _peak(i("sheen_color")),
     "fuzz_color": lambda i: _unit(i("sheen_color")),
@@ -161,10 +157,10 @@ _GLTF_PBR = renamed(
     "coat_ior": lambda i: np.full(1, 1.5),
     "coat_darkening": lambda i: np.zeros(1),
     "thin_film_thickness": lambda i: 1e-3 * i("iridescence_thickness"),
-    "geometry_opacity": lambda i: _if(
+    "geometry_opacity": lambda i: np.where(
         i("alpha_mode") == 0,
         1,
-        _if(i("alpha_mode") == 1, i("alpha") >= i("alpha_cutoff"), i("alpha")),
+        np.where(i("alpha_mode") == 1, i("alpha") >= i("alpha_cutoff"), i("alpha")),
     ),
 }
 
@@ -174,8 +170,8 @@ def _usd_metalness(i: Inputs) -> np.ndarray:
 
 
 def _usd_dielectric(i: Inputs, with_color: np.ndarray, without: np.ndarray | float) -> np.ndarray:
-    """A value of the workflow with specularColor, or of that with metallic."""
-    return _if(i("useSpecularWorkflow") == 1, with_color, without)
+    """A value of the workflow with specularColor, or of the workflow with metallic."""
+    return np.where(i("useSpecularWorkflow") == 1, with_color, without)
 
 
 _USD_PREVIEW_SURFACE = renamed(
@@ -191,15 +187,15 @@ _USD_PREVIEW_SURFACE = renamed(
     ),
     "specular_ior": lambda i: _usd_dielectric(i, _ior(_peak(i("specularColor"))), i("ior")),
     "transmission_weight": lambda i: (
-        _if((i("opacityMode") == 0) & (i("opacityThreshold") <= 0), 1 - i("opacity"), 0)
+        np.where((i("opacityMode") == 0) & (i("opacityThreshold") <= 0), 1 - i("opacity"), 0)
         * (1 - _usd_metalness(i))
     ),
     "coat_darkening": lambda i: np.zeros(1),
     "emission_luminance": lambda i: np.ones(1),
-    "geometry_opacity": lambda i: _if(
+    "geometry_opacity": lambda i: np.where(
         i("opacityThreshold") > 0,
         i("opacity") >= i("opacityThreshold"),
-        _if(i("opacityMode") == 1, i("opacity"), 1),
+        np.where(i("opacityMode") == 1, i("opacity"), 1),
     ),
 }
 

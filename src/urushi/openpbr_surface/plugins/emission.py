@@ -25,7 +25,7 @@ def define() -> type:
         """The light that the base of OpenPBR emits (``openpbr_emission``).
 
         A BSDF in Mitsuba cannot emit light. Give the shape this emitter in addition to the BSDF
-        ``openpbr``, with the same parameters; it reads those of emission, coat, fuzz and opacity.
+        ``openpbr``, with the same parameters; it reads emission, coat, fuzz and opacity.
         ``urushi.openpbr`` makes both. The radiance is emission_luminance times emission_color, in
         the scene's units: one unit is one nit. The base emits the same radiance in all directions.
         The coat attenuates it by the transmittance of its interface and by absorption along one
@@ -105,9 +105,8 @@ def define() -> type:
                 coated = passed * dr.exp(-depth / inside)
                 value *= dr.lerp(mi.Spectrum(1), coated, inputs.number("coat_weight", si, active))
             if self._fuzz:
-                hidden = formulas.fuzz_albedo(
-                    cosine, inputs.number("fuzz_roughness", si, active), dr
-                )
+                rough = inputs.number("fuzz_roughness", si, active)
+                hidden = formulas.fuzz_albedo(cosine, rough, DRJIT)
                 value *= 1 - inputs.number("fuzz_weight", si, active) * hidden
             value *= inputs.number("geometry_opacity", si, active)
             return dr.select(active, value, 0)

@@ -56,10 +56,11 @@ def load_materialx(
             parameter is out of its range.
         PlatformError: the package materialx is needed and missing.
     """
-    return description(_read(path, name, resolution, uv_plane))
+    return description(read(path, name, resolution, uv_plane))
 
 
-def _read(path: str | os.PathLike, name: str | None, resolution: int, uv: bool) -> Surface | Mix:
+def read(path: str | os.PathLike, name: str | None, resolution: int, uv: bool) -> Surface | Mix:
+    """A material of a document; arguments as of `load_materialx`."""
     return read_surface(path, decode, name, checked_resolution(resolution), uv)
 
 
@@ -169,7 +170,7 @@ def define():
                                              of refusing them. (Default: false)
         ============== ===================== ====================================================
 
-        All other properties go to ``openpbr``, of which this is an instance: ``reference``,
+        The plugin makes an instance of ``openpbr``, which gets all other properties: ``reference``,
         ``unsupported``, and parameters of OpenPBR, which replace those of the document. A mixture
         of two shaders is a ``blendbsdf`` of two instances.
 
@@ -195,7 +196,7 @@ def define():
         plane = bool(props.get("uv_plane", False))
         own = ("filename", "material", "bake", "uv_plane")
         extra = {key: props[key] for key in list(props.keys()) if key not in own}
-        bsdf = description(_read(path, name, resolution, plane), extra, where)
+        bsdf = description(read(path, name, resolution, plane), extra, where)
         if props.id():
             bsdf["id"] = props.id()
         return mi.load_dict(bsdf)

@@ -45,7 +45,7 @@ def define(proposal_bsdf: type):
         ==================== ===================== =============================================
 
         The base is a closed form. A dielectric reflects by single scattering and transmits the rest
-        to the diffuse slab, of which the fraction base_color leaves again; a metal has the F82-tint
+        to the diffuse slab, and the fraction base_color leaves it again; a metal has the F82-tint
         term. The coat's light transport is computed by a table, networks or walks; coat_weight
         mixes the BRDFs of the bare and the coated base. Fuzz lies above both. Not supported, and
         refused or left out with a warning, are dispersion, separate directions for the coat, and

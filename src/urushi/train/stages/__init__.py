@@ -44,14 +44,14 @@ class Stage(ABC):
 
     @abstractmethod
     def task(self, params: Params, arch: Architecture, depths: list[Depth], seed: int) -> Task:
-        """Prepare loss and batches; the arguments are those of `begin`.
+        """Prepare loss and batches; arguments as of `begin`.
 
         depths: the training examples by number of coats, from none up.
         """
 
 
 def parameters_of(params: Params, networks: Collection[str]) -> dict[str, Any]:
-    """The parameters of some networks, without those that are never trained."""
+    """The parameters of some networks that are trained at all."""
     return {
         name: value
         for name, value in params.items()

@@ -118,8 +118,8 @@ def weighted_loss(
     - fit: as `losses.stack_loss`, with less weight for pairs that are hard or noisy;
     - scatter: the negative log-likelihood of the errors.
 
-    trained: "decoder.*" and "scatter.*". params: all; those of encoder and layerer compose the
-    codes. energy_share: of the `losses.pair_weights`.
+    trained: "decoder.*" and "scatter.*". params: all; encoder and layerer compose the codes.
+    energy_share: of the `losses.pair_weights`.
     """
     z = compose(params, arch, batch.lobes, batch.probes, batch.coats)
     f_hat = batch.top + without_lobe(trained, arch, z, batch.features)

@@ -31,7 +31,7 @@ CYCLE_STRIDE = 16
 #: the rest, the code of the rest is arbitrary.
 CYCLE_SHARE = 0.02
 
-#: Stride of the stacks used in the absorption penalty, among those with a coat.
+#: Stride of the stacks with a coat that are used in the absorption penalty.
 ABSORPTION_STRIDE = 12
 
 #: Optical depths of added absorption; the rows of a batch take them one after the other.

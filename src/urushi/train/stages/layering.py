@@ -118,7 +118,7 @@ def layering_batches(
     A batch has stacks of all depths, deepest first. Its coats are a tuple as in `batches.Batch`:
     for the lowest coat, the next one up, and so on, (B_k, C) for the first B_k stacks.
 
-    losses: by number of coats, from one up. stacks: of each of these depths in a step.
+    losses: by number of coats, from one up. stacks: of each depth in a step.
     """
     orders = [shuffled(len(x.z), seed, coats) for coats, x in enumerate(losses, start=1)]
 
@@ -131,7 +131,7 @@ def layering_batches(
 def layering_loss(
     params: Params, arch: Architecture, batch: QuadraticLosses
 ) -> tuple[jax.Array, dict[str, jax.Array]]:
-    """Increase of the stacks' loss relative to that of the measured codes, and its terms.
+    """Increase of the stacks' loss over the loss of the measured codes, and its terms.
 
     - fit: coat after coat over the encoded bottom;
     - reentry: the uppermost coat over the decoded and encoded lower part.
@@ -167,7 +167,7 @@ def quadratic_expansion(
     """Slope (B, L) and curvature (B, L, L) of the summands of `losses.stack_loss` at z (B, L).
 
     z without the lobe's numbers; features (B, P, D), top and f (B, P) as in `Examples`. The
-    curvature is that of Gauss and Newton, as if f were linear in the code. The weights of the
+    curvature is the Gauss-Newton approximation, as if f were linear in the code. The weights of the
     errors are constant. energy_share: of the `losses.pair_weights`.
     """
     log_f, log_slope = decode_log(params, arch, z[:, None], features)

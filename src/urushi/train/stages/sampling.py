@@ -115,8 +115,8 @@ def sampler_loss(
 def pick_materials(key: jax.Array, latents: jax.Array, count: int) -> jax.Array:
     """Codes (count, CHANNELS, L) of random materials, about half of them grey.
 
-    The channels of a real material are similar: those of a coloured one are blends of two codes,
-    with a share of the second in [0, 1/2).
+    The channels of a real material are similar. The channels of a coloured one are blends of two
+    codes, with a share of the second in [0, 1/2).
     """
     first, second, place, grey = jax.random.split(key, 4)
     z0 = latents[jax.random.randint(first, (count, 1), 0, len(latents))]
@@ -153,7 +153,7 @@ def _map(function: Callable[[jax.Array], jax.Array], alphas: Any) -> Any:
 
 
 def _broadcastable(mixture: tuple[Any, Any], axis: int) -> tuple[Any, Any]:
-    """Mixtures with axes for materials and directions, of which those from `axis` on are new."""
+    """Mixtures with axes for materials and directions; the axes from `axis` on are new."""
     added = functools.partial(jnp.expand_dims, axis=tuple(range(axis, 2)))
     weights, alphas = mixture
     return added(weights), _map(added, alphas)
