@@ -1,8 +1,7 @@
-"""The networks as shader code: the frame that they take, layers, the lobe and the decoder.
+"""The networks as shader code: layers, the lobe and the decoder, as in `nets.lobe` and `.decoder`.
 
-The counterparts of `nets.lobe` and `nets.decoder`. The networks take directions in a frame whose x
-axis is the tangent; `Tangent` is the tangent of a rotated material in the frame of the caller's
-directions.
+The networks take directions in a frame whose x axis is the tangent. `Tangent` is the tangent of a
+rotated material in the frame of the caller's directions.
 """
 
 from collections.abc import Callable, Sequence
@@ -58,14 +57,14 @@ class Tangent(NamedTuple):
         return self.x.constant is not None and self.x.constant == 1.0
 
     def inside(self, body: Function, w: Expression, label: str) -> Expression:
-        """A direction in the frame of the tangent; itself if that is the x axis."""
+        """A direction of the caller's frame in the frame of the tangent."""
         if self._is_x_axis:
             return w
         turned = vector(w.x * self.x + w.y * self.y, w.y * self.x - w.x * self.y, w.z)
         return body.let(label, turned)
 
     def outside(self, body: Function, w: Expression, label: str) -> Expression:
-        """A direction of the tangent's frame in the caller's."""
+        """A direction of the tangent's frame in the caller's frame."""
         if self._is_x_axis:
             return w
         turned = vector(w.x * self.x - w.y * self.y, w.x * self.y + w.y * self.x, w.z)
@@ -197,7 +196,7 @@ class FTable(NamedTuple):
 def tabulated(
     body: Function, table: FTable, texture: Expression, wi: Expression, wo: Expression
 ) -> Expression:
-    """f [1/sr] of a table whose last coordinate is the first of its texture."""
+    """f [1/sr] of a table; its texture has the coordinates in the opposite order."""
     body.note_line("The table's coordinates, from the first node to the last.")
     both = body.let("both", wi + wo)
     apart = body.let("apart", wi - wo)

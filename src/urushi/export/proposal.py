@@ -113,10 +113,9 @@ def fill(
 
 
 def functions(model: Model) -> tuple[Function, ...]:
-    """Functions of a `structure`, each after what it calls.
+    """The functions reflection_density, density, sample_reflection and draw, in this order.
 
-    The last but two is the density of the proposal, wi and wo; the last draws a direction, of the
-    proposal, wi and u.
+    density takes a proposal (`structure`), wi and wo; draw takes a proposal, wi and u.
     """
     fields, count = structure(model).fields, _lobes(model)
     mixture = Variable("mixture", "Proposal")

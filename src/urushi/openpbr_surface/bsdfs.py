@@ -275,7 +275,7 @@ def define(proposal_bsdf: type) -> tuple[type, type]:
             if renewed or (self._compensation and not self._compensation.is_current):
                 self._configure(self._make(former))
                 self._renewed |= former.coated is not self._coated
-            # A coat has seen what has changed if it was listed, and nothing else has.
+            # Mitsuba has already updated a coat that it lists if only its own parameters changed.
             seen = set(keys) == {"coated"} and not (renewed or self._renewed)
             if self._coated is former.coated is not None and not seen:
                 self._coated.parameters_changed(["bottom"])

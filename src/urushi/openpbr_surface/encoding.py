@@ -54,10 +54,10 @@ def is_rough(inputs: Inputs, names: Iterable[str], least: float) -> bool:
 def lobe(base: Base, si, bare: bool, compensated: bool) -> list[list]:
     """The base's lobe, six floats for each channel; seven of an anisotropic base.
 
-    Metal and dielectric share one width, so that their mixture is one lobe. The mixture's Fresnel
-    term is the greatest of Schlick's form below it: the networks return nonsense for some sums of
-    Schlick's and an exact term. The rest contains the dip of a metal's Fresnel term at 82 degrees,
-    and what the facets of a rough metal reflect more than once.
+    Metal and dielectric share one width, so that their mixture is one lobe. Its Fresnel term is the
+    largest Schlick term that does not exceed the mixture's: the networks return nonsense for some
+    sums of a Schlick and an exact term. The rest contains the dip of a metal's Fresnel term at 82
+    degrees, and what the facets of a rough metal reflect more than once.
 
     Args:
         base: the base. si: the surface interactions.

@@ -176,11 +176,11 @@ def eon_single_mean(roughness: Any) -> Any:
     return (1 + _EON_SECOND * roughness) / (1 + _EON_FIRST * roughness)
 
 
-def eon_single_over_azimuths(i: Any, o: Any, roughness: Any, xp: Namespace = NUMPY) -> Any:
-    """The single-scattering term times pi for a facet albedo of one, its mean over the azimuth."""
-    sines2 = xp.maximum(1 - i * i, 0) * xp.maximum(1 - o * o, 0)
-    larger = xp.maximum(xp.maximum(i, o), 1e-7)
-    shape = xp.sqrt(sines2) * (1 / larger - 1) / math.pi
+def eon_single_over_azimuths(i: Any, o: Any, roughness: Any) -> Any:
+    """Mean over the azimuth of pi times the single-scattering term, for a facet albedo of one."""
+    sines2 = np.maximum(1 - i * i, 0) * np.maximum(1 - o * o, 0)
+    larger = np.maximum(np.maximum(i, o), 1e-7)
+    shape = np.sqrt(sines2) * (1 / larger - 1) / math.pi
     return (1 + roughness * shape) / (1 + _EON_FIRST * roughness)
 
 
@@ -193,7 +193,7 @@ def eon_deviation(roughness: Any) -> Any:
 
 
 def eon_multiple_albedo(color: Any, roughness: Any) -> Any:
-    """The albedo of light that is scattered more than once, in proportion to what the term lost."""
+    """Albedo, by all further scattering, of the light that the single-scattering term loses."""
     mean = eon_single_mean(roughness)
     return color * color * mean / (1 - color * (1 - mean))
 

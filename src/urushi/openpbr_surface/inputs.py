@@ -22,8 +22,7 @@ OPTIONS = ("reference", "unsupported", "energy_compensation", "resolution", "wei
 #: The parameters of emission, which a BSDF does not have.
 EMISSION = ("emission_luminance", "emission_color")
 
-#: Direction parameters of base and coat, with the anisotropies that depend on them; a normal has
-#: none.
+#: Direction parameters of base and coat, with the anisotropies that depend on tangents.
 DIRECTIONS = (
     ("geometry_normal", "geometry_coat_normal", None),
     (
@@ -35,7 +34,7 @@ DIRECTIONS = (
 
 
 class Inputs:
-    """All parameters but the directions, each a texture, numbers and colours as well."""
+    """All parameters except the directions, as textures; numbers and colours are textures too."""
 
     def __init__(self, props: "mi.Properties", *, emits: bool = False):
         """Read the properties.

@@ -98,7 +98,7 @@ def _read(
 ) -> Surface | Mix:
     """The material of a shader, or the mixture of two.
 
-    name: the material's. left: has as many items as there may be further shaders.
+    name: the material's. left: has an item for every further shader that is allowed.
     """
     node, named = shader.element, graph.named(shader.element)
     where = f"{graph.where}: '{name[:60]}'"
