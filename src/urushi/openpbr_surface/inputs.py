@@ -276,8 +276,8 @@ def _equal_textures(one: "mi.Texture", other: "mi.Texture") -> bool:
 def _clipped(name: str, value: Any) -> Any:
     """A value of a texture within the range of a parameter; has gradients at its ends."""
     entry, kind = PARAMETERS[name], type(value)  # a selection of spectra is an array
-    value = value if entry.low is None else dr.select(value < entry.low, entry.low, value)
-    return kind(value if entry.high is None else dr.select(value > entry.high, entry.high, value))
+    value = dr.select(value < entry.low, entry.low, value)
+    return kind(value if entry.high == np.inf else dr.select(value > entry.high, entry.high, value))
 
 
 def derived(

@@ -25,11 +25,12 @@ class Parameter:
     name: str
     kind: Kind
     default: float | tuple[float, float, float] | bool | None  # None: the geometry's own direction
-    low: float | None  # of the values that are allowed, ends included; None: no limit
-    high: float | None
+    low: float  # of the values that are allowed, ends included
+    high: float
     description: str  # one sentence, with the unit if there is one
 
 
+_INF = np.inf
 _WHITE = (1.0, 1.0, 1.0)
 _GREY = (0.8, 0.8, 0.8)
 
@@ -41,21 +42,21 @@ PARAMETERS: dict[str, Parameter] = {
         ("base_color", "color", _GREY, 0, 1, "Albedo of the diffuse base; a metal's F0."),
         ("base_diffuse_roughness", "float", 0.0, 0, 1, "Roughness of the diffuse base (EON)."),
         ("base_metalness", "float", 0.0, 0, 1, "Share of the base that is metal."),
-        ("specular_weight", "float", 1.0, 0, None, "Multiplier of the base's reflectivity."),
+        ("specular_weight", "float", 1.0, 0, _INF, "Multiplier of the base's reflectivity."),
         ("specular_color", "color", _WHITE, 0, 1, "Tint of a dielectric's highlight; of F82."),
         ("specular_roughness", "float", 0.3, 0, 1, "Roughness of the base's interface."),
-        ("specular_ior", "float", 1.5, 0, None, "Index of refraction of the dielectric base."),
+        ("specular_ior", "float", 1.5, 0, _INF, "Index of refraction of the dielectric base."),
         ("specular_roughness_anisotropy", "float", 0.0, 0, 1, "Anisotropy of that interface."),
         ("transmission_weight", "float", 0.0, 0, 1, "Share of the base that transmits."),
         ("transmission_color", "color", _WHITE, 0, 1, "Colour at transmission_depth."),
-        ("transmission_depth", "float", 0.0, 0, None, "Length at which it is reached."),
+        ("transmission_depth", "float", 0.0, 0, _INF, "Length at which it is reached."),
         ("transmission_scatter", "color", (0.0, 0.0, 0.0), 0, 1, "Scattering in the interior."),
         ("transmission_scatter_anisotropy", "float", 0.0, -1, 1, "Its Henyey-Greenstein g."),
         ("transmission_dispersion_scale", "float", 0.0, 0, 1, "Amount of dispersion."),
-        ("transmission_dispersion_abbe_number", "float", 20.0, 0, None, "The Abbe number."),
+        ("transmission_dispersion_abbe_number", "float", 20.0, 0, _INF, "The Abbe number."),
         ("subsurface_weight", "float", 0.0, 0, 1, "Share of the opaque base that scatters."),
         ("subsurface_color", "color", _GREY, 0, 1, "Albedo of the scattering base."),
-        ("subsurface_radius", "float", 1.0, 0, None, "Mean free path of its medium."),
+        ("subsurface_radius", "float", 1.0, 0, _INF, "Mean free path of its medium."),
         ("subsurface_radius_scale", "color", (1.0, 0.5, 0.25), 0, 1, "Factor per channel."),
         ("subsurface_scatter_anisotropy", "float", 0.0, -1, 1, "Its Henyey-Greenstein g."),
         ("fuzz_weight", "float", 0.0, 0, 1, "Share of the surface that fuzz covers."),
@@ -65,19 +66,19 @@ PARAMETERS: dict[str, Parameter] = {
         ("coat_color", "color", _WHITE, 0, 1, "Square of its transmittance at the normal."),
         ("coat_roughness", "float", 0.0, 0, 1, "Roughness of the coat's interface."),
         ("coat_roughness_anisotropy", "float", 0.0, 0, 1, "Anisotropy of that interface."),
-        ("coat_ior", "float", 1.6, 0, None, "Index of refraction of the coat."),
+        ("coat_ior", "float", 1.6, 0, _INF, "Index of refraction of the coat."),
         ("coat_darkening", "float", 1.0, 0, 1, "Share of the darkening by the coat that is kept."),
         ("thin_film_weight", "float", 0.0, 0, 1, "Share of the base that the film covers."),
-        ("thin_film_thickness", "float", 0.5, 0, None, "Thickness of the film [micrometres]."),
-        ("thin_film_ior", "float", 1.4, 0, None, "Index of refraction of the film."),
-        ("emission_luminance", "float", 0.0, 0, None, "Luminance of emitted light [nit]."),
-        ("emission_color", "color", _WHITE, 0, None, "Multiplier of that luminance."),
+        ("thin_film_thickness", "float", 0.5, 0, _INF, "Thickness of the film [micrometres]."),
+        ("thin_film_ior", "float", 1.4, 0, _INF, "Index of refraction of the film."),
+        ("emission_luminance", "float", 0.0, 0, _INF, "Luminance of emitted light [nit]."),
+        ("emission_color", "color", _WHITE, 0, _INF, "Multiplier of that luminance."),
         ("geometry_opacity", "float", 1.0, 0, 1, "Opacity of the whole surface."),
-        ("geometry_thin_walled", "boolean", False, None, None, "Whether it is a thin sheet."),
-        ("geometry_normal", "vector", None, None, None, "Normal of the base."),
-        ("geometry_coat_normal", "vector", None, None, None, "Normal of the coat."),
-        ("geometry_tangent", "vector", None, None, None, "Tangent of the base's anisotropy."),
-        ("geometry_coat_tangent", "vector", None, None, None, "Tangent of the coat's anisotropy."),
+        ("geometry_thin_walled", "boolean", False, -_INF, _INF, "Whether it is a thin sheet."),
+        ("geometry_normal", "vector", None, -_INF, _INF, "Normal of the base."),
+        ("geometry_coat_normal", "vector", None, -_INF, _INF, "Normal of the coat."),
+        ("geometry_tangent", "vector", None, -_INF, _INF, "Tangent of the base's anisotropy."),
+        ("geometry_coat_tangent", "vector", None, -_INF, _INF, "Tangent of the coat's anisotropy."),
     )
 }
 
@@ -116,9 +117,8 @@ def checked(name: str, value: Any, where: str = "openpbr") -> Any:
     if array.shape not in shapes:
         expected = "a number or three, one per RGB channel" if entry.kind == "color" else "a number"
         raise ParameterError(f"{where}: {name} is {value!r}; give {expected}")
-    low = -np.inf if entry.low is None else entry.low
-    high = np.inf if entry.high is None else entry.high
-    limits = f"in [{low:g}, {high:g}]" if np.isfinite(high) else f"{low:g} or more"
+    low, high = entry.low, entry.high
+    limits = f"in [{low:g}, {high:g}]" if high < _INF else f"{low:g} or more"
     array = Check(name, limits, low, high)(array, f"{where}: {name}")
     return float(array) if entry.kind == "float" else np.broadcast_to(array, 3)
 

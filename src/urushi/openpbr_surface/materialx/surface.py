@@ -277,11 +277,10 @@ class _Reader:
 
     def _limited(self, entry: Parameter, value: np.ndarray) -> np.ndarray:
         """Values limited to the range of a parameter, with a warning if that changes them much."""
-        low = -np.inf if entry.low is None else entry.low
-        high = np.inf if entry.high is None else entry.high
-        limited = np.clip(value, low, high)
+        limited = np.clip(value, entry.low, entry.high)
         if np.abs(limited - value).max(initial=0) > GAMUT_TOLERANCE:
-            ends = f"[{low:g}, {high:g}]" + (" in linear sRGB" if entry.kind == "color" else "")
+            space = " in linear sRGB" if entry.kind == "color" else ""
+            ends = f"[{entry.low:g}, {entry.high:g}]{space}"
             _warn(f"{self._where}: {entry.name} leaves {ends} and is clipped to it")
         return limited
 
