@@ -22,8 +22,8 @@ from urushi.core.direction_sets import cosine_pairs, slope_pairs
 from urushi.material import Material
 from urushi.material.encode import material_from_values, material_of_lobes
 from urushi.material.layer import layer_texels
-from urushi.material.simulated import fit_to_walks
-from urushi.material.source import FIT_WALKS, STACK_WALKS
+from urushi.material.simulated import FIT_WALKS, fit_to_walks
+from urushi.material.source import STACK_WALKS
 from urushi.nets import lobe as lobes
 from urushi.nets.weights import anisotropic_model
 from urushi.train.distribution import Anisotropic

@@ -159,24 +159,17 @@ def _edge(eta: Any, xp: Namespace) -> Any:
 
 
 class Tables(NamedTuple):
-    """Albedos at the nodes, float32.
+    """Albedos at the nodes, float32 (I, ROUGHNESSES, COSINES); their means have no cosine."""
 
-    Attributes:
-        reflected, passed: (I, ROUGHNESSES, COSINES) of the light from above; the cosines are those
-            of `nodes` of the index.
-        reflected_mean, passed_mean: (I, ROUGHNESSES) their means over diffuse light.
-        reflected_entered, passed_entered: (I, ROUGHNESSES) their means over diffuse light that has
-            entered by a smooth interface of the same index, and that a mirror returns.
-        inside: (I, ROUGHNESSES, COSINES) mean cosine of the transmitted light.
-    """
-
-    reflected: np.ndarray
+    reflected: np.ndarray  # of the light from above, at the cosines of `nodes` of the index
     passed: np.ndarray
-    reflected_mean: np.ndarray
+    reflected_mean: np.ndarray  # over diffuse light
     passed_mean: np.ndarray
+    # Over diffuse light that has entered by a smooth interface of the same index, and that a mirror
+    # returns.
     reflected_entered: np.ndarray
     passed_entered: np.ndarray
-    inside: np.ndarray
+    inside: np.ndarray  # the mean cosine of the transmitted light
 
 
 @functools.cache

@@ -17,15 +17,10 @@ from urushi.core.namespace import DRJIT
 
 
 class Mixture(NamedTuple):
-    """The proposal for one wi.
+    """The proposal for one wi."""
 
-    Attributes:
-        weights: K + 1 numbers of sum 1, the last the cosine lobe's.
-        alphas: the K GGX widths, all of them single numbers or all of them `Widths`.
-    """
-
-    weights: Sequence[Any]
-    alphas: Sequence[Any]
+    weights: Sequence[Any]  # K + 1 numbers of sum 1, the last the cosine lobe's
+    alphas: Sequence[Any]  # the K GGX widths, all of them single numbers or all of them `Widths`
 
     def pdf(self, wi, wo):
         """Density of `sample` at wo [1/sr]; zero where either direction is below the horizon."""

@@ -28,21 +28,10 @@ def _absent(*_: Any) -> Any:
 
 
 class Namespace(NamedTuple):
-    """Functions of numbers.
-
-    Attributes:
-        sqrt, safe_sqrt: the square root of x >= 0; the safe one has a finite derivative at 0.
-        exp, log, log1p, absolute, minimum, maximum, where: as in NumPy.
-        clip, cos, arccos, arctan2: as in NumPy; shader code has none.
-        positive: x, at least zero; by its real part if it is complex, as in a complex step. It has
-            a finite derivative.
-        sincos: sine and cosine of an angle [rad].
-        normalized: a vector, scaled to length one.
-        named: a value, given its name; shader code declares a variable.
-    """
+    """Functions of numbers: those of NumPy, and those with a comment."""
 
     sqrt: Function
-    safe_sqrt: Function
+    safe_sqrt: Function  # with a finite derivative at 0
     exp: Function
     log: Function
     log1p: Function
@@ -50,10 +39,12 @@ class Namespace(NamedTuple):
     minimum: Function
     maximum: Function
     where: Function
-    positive: Function
-    sincos: Function
-    normalized: Function
+    positive: Function  # at least zero, by the real part in a complex step; finite derivative
+    sincos: Function  # sine and cosine of an angle [rad]
+    normalized: Function  # a vector, scaled to length one
+    # A value, given its name, by which shader code declares a variable.
     named: Callable[[str, Any], Any] = lambda _label, value: value
+    # Shader code has none of the following.
     clip: Function = _absent
     cos: Function = _absent
     arccos: Function = _absent

@@ -26,33 +26,43 @@ def half_vector_rule(wi: np.ndarray, *, anisotropic: bool = False) -> tuple[np.n
         the integrand must be the same on the other. There are four times as many nodes for
         anisotropic ones, twice as dense, because the azimuth changes them.
 
-    The integration variable is the half vector, logarithmic in tan theta_h, which resolves narrow
-    and wide lobes. With wi = (s, 0, c) and h at (theta, phi), the cosine of wo is
-    s cos(phi) sin(2 theta) + c cos(2 theta). The range of theta ends at its zero, so that all nodes
-    are above the horizon and no discontinuity is integrated. The Jacobian of reflection is 4 wi.h.
     """
     wi = np.asarray(wi, np.float64)
-    c = wi[:, 2, None, None]
-    s = np.hypot(wi[:, 0], wi[:, 1])[:, None, None]
+    in_plane = np.stack([np.hypot(wi[:, 0], wi[:, 1]), 0 * wi[:, 1], wi[:, 2]], axis=-1)
     nodes, weights = gauss(AZIMUTH_NODES * (1 + anisotropic))
     quarter = 0.25 * np.pi * (nodes + 1.0)
-    phi = np.concatenate([quarter, np.pi - quarter])[:, None]
+    phi = np.concatenate([quarter, np.pi - quarter])
     phi_weight = np.tile(2.0 * 0.25 * np.pi * weights, 2)[:, None]  # both sides of the plane
     if anisotropic:
         phi, phi_weight = np.concatenate([phi, -phi]), np.tile(0.5 * phi_weight, (2, 1))
-    nodes, weights = gauss(POLAR_NODES)
-    end = 0.5 * (0.5 * np.pi + np.arctan2(s * np.cos(phi), c))
-    first = np.log(MIN_TANGENT)
+    wo, weight = half_vector_nodes(in_plane, phi, POLAR_NODES, MIN_TANGENT)
+    weight = weight * phi_weight
+    azimuth = np.arctan2(wi[:, 1], wi[:, 0])[:, None]
+    return turned(wo.reshape(len(wi), -1, 3), azimuth), weight.reshape(len(wi), -1)
+
+
+def half_vector_nodes(
+    wi: np.ndarray, phi: np.ndarray, count: int, least: float
+) -> tuple[np.ndarray, np.ndarray]:
+    """Nodes wo (N, A, count, 3) of wi (N, 3), by half vectors at azimuths phi (A,), and weights.
+
+    The integration variable is the half vector, logarithmic in tan theta_h from `least`, which
+    resolves narrow and wide lobes. With wi = (s, 0, c) and h at (theta, phi), the cosine of wo is
+    s cos(phi) sin(2 theta) + c cos(2 theta). The range of theta ends at its zero, so that all nodes
+    are above the horizon and no discontinuity is integrated. The Jacobian of reflection is 4 wi.h.
+    The weights (N, A, count) are those of solid angle, to be multiplied by those of the azimuths.
+    """
+    x, y, z = (wi[:, i, None, None] for i in range(3))
+    cos_phi, sin_phi = np.cos(phi)[:, None], np.sin(phi)[:, None]
+    nodes, weights = gauss(count)
+    end = 0.5 * (0.5 * np.pi + np.arctan2(x * cos_phi + y * sin_phi, z))
+    first = np.log(least)
     span = np.maximum(np.log(np.tan(end)) - first, 0.0)
     tangent = np.exp(first + span * 0.5 * (nodes + 1.0))
     cos_h = 1.0 / np.sqrt(1.0 + tangent * tangent)
     sin_h = tangent * cos_h
-    h = np.stack(np.broadcast_arrays(sin_h * np.cos(phi), sin_h * np.sin(phi), cos_h), axis=-1)
-    dot = s * h[..., 0] + c * h[..., 2]
-    wo = 2.0 * dot[..., None] * h
-    wo[..., 0] -= s
-    wo[..., 2] -= c
+    h = np.stack(np.broadcast_arrays(sin_h * cos_phi, sin_h * sin_phi, cos_h), axis=-1)
+    dot = x * h[..., 0] + y * h[..., 1] + z * h[..., 2]
     # d(omega_h) = sin theta d(theta) d(phi), and d(theta) = sin cos d(ln tan theta)
-    weight = 4.0 * dot * sin_h * sin_h * cos_h * (0.5 * span * weights) * phi_weight
-    azimuth = np.arctan2(wi[:, 1], wi[:, 0])[:, None]
-    return turned(wo.reshape(len(wi), -1, 3), azimuth), weight.reshape(len(wi), -1)
+    weight = 4.0 * dot * sin_h * sin_h * cos_h * (0.5 * span * weights)
+    return 2.0 * dot[..., None] * h - wi[:, None, None], weight

@@ -26,6 +26,7 @@ from urushi.core.namespace import NUMPY
 from urushi.core.quadrature import gauss, half_vector_rule
 from urushi.material.crossing import inner_albedo
 from urushi.nets import lobe as lobes
+from urushi.walk.medium import hg
 
 #: Directions of the grid in elevation, and around.
 ELEVATIONS, AZIMUTHS = 24, 48
@@ -62,12 +63,6 @@ class Grid:
     """Directions on the hemisphere: Gauss-Legendre nodes in the angle, evenly spaced azimuths.
 
     Each part of the angles between `edges`, where light is totally reflected, has its own nodes.
-
-    Attributes:
-        angles, cosines: (N,) ascending angles to the normal, and their cosines.
-        weights: (N,) integrate over the cosine times the cosine.
-        azimuths: (H,) from 0 to pi, both included.
-        mirror: (H,) the modes of a mirror reflection.
     """
 
     def __init__(self, elevations: int = ELEVATIONS, azimuths: int = AZIMUTHS, edges: Edges = ()):
@@ -77,11 +72,12 @@ class Grid:
             nodes, weights = gauss(max(round(elevations * share), 4))
             half = 0.5 * (end - start)
             parts.append((start + half * (nodes + 1), half * weights))
-        self.angles, weights = np.concatenate(parts, axis=1)
+        self.angles, weights = np.concatenate(parts, axis=1)  # (N,) ascending, to the normal
         self.cosines = np.cos(self.angles)
+        # (N,) They integrate over the cosine times the cosine.
         self.weights = weights * np.sin(self.angles) * self.cosines
-        self.azimuths = np.linspace(0, np.pi, azimuths // 2 + 1)
-        self.mirror = (-1.0) ** np.arange(len(self.azimuths))
+        self.azimuths = np.linspace(0, np.pi, azimuths // 2 + 1)  # (H,)
+        self.mirror = (-1.0) ** np.arange(len(self.azimuths))  # the modes of a mirror reflection
         self._count = azimuths
         self._upper = np.triu_indices(len(self.angles))
 
@@ -375,7 +371,7 @@ def medium(
     a, b = cosines[:, None], cosines
     sines = np.sin(own.angles)
     ahead = (a * b)[..., None] + (sines[:, None] * sines)[..., None] * np.cos(own.azimuths)
-    back, forth = (own.modes(_henyey_greenstein(sign * ahead, g)) for sign in (-1, 1))
+    back, forth = (own.modes(hg(sign * ahead, g, NUMPY)) for sign in (-1, 1))
     same = np.isclose(a, b, rtol=0, atol=1e-9)
     between = (np.exp(-depth / a) - np.exp(-depth / b)) / np.where(same, 1, a - b)
     reflected = back * (-np.expm1(-depth * (1 / a + 1 / b)) / (a + b))
@@ -396,8 +392,3 @@ def medium(
         through = through * through
         passed = (twice @ up - np.diag(through)) / weights
     return reflected, passed
-
-
-def _henyey_greenstein(cosine: np.ndarray, g: float) -> np.ndarray:
-    """The phase function [1/sr]."""
-    return (1 - g * g) / (4 * np.pi * (1 + g * g - 2 * g * cosine) ** 1.5)

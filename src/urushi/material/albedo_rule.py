@@ -15,6 +15,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from urushi.core.quadrature import gauss, half_vector_nodes
 from urushi.nets.features import direction_features
 
 #: The variable of the interpolating polynomial is ln(cos + this).
@@ -131,23 +132,15 @@ def _rule(
 def _half_vector_nodes(azimuth: float, cosine: float) -> tuple[np.ndarray, np.ndarray]:
     """Directions wo (M, 3) and weights (M,), their cosines included, for one wi."""
     sine = np.sqrt(1 - cosine * cosine)
-    nodes, shares = np.polynomial.legendre.leggauss(QUADRANT_NODES)
+    nodes, shares = gauss(QUADRANT_NODES)
     # Gauss's nodes, drawn towards both ends of a quadrant.
     quadrant = 0.25 * np.pi * (1 + np.tanh(CROWDING * nodes) / np.tanh(CROWDING))
     slopes = CROWDING / (np.tanh(CROWDING) * np.square(np.cosh(CROWDING * nodes)))
-    phi = np.concatenate([quadrant + k * 0.5 * np.pi for k in range(4)])[:, None]
+    phi = np.concatenate([quadrant + k * 0.5 * np.pi for k in range(4)])
     phi_weights = np.tile(0.25 * np.pi * shares * slopes, 4)[:, None]
-    nodes, shares = np.polynomial.legendre.leggauss(POLAR_NODES)
-    end = 0.5 * (0.5 * np.pi + np.arctan2(sine * np.cos(phi - azimuth), cosine))
-    span = np.log(np.tan(end)) - np.log(LEAST_TANGENT)
-    tangent = LEAST_TANGENT * np.exp(0.5 * span * (nodes + 1))
-    cos_h = 1 / np.sqrt(1 + tangent * tangent)
-    sin_h = tangent * cos_h
-    h = np.stack(np.broadcast_arrays(sin_h * np.cos(phi), sin_h * np.sin(phi), cos_h), axis=-1)
-    wi = np.array([sine * np.cos(azimuth), sine * np.sin(azimuth), cosine])
-    dot = h @ wi
-    wo = 2 * dot[..., None] * h - wi
-    weights = 4 * dot * sin_h * sin_h * cos_h * (0.5 * span * shares) * phi_weights * wo[..., 2]
+    wi = np.array([[sine * np.cos(azimuth), sine * np.sin(azimuth), cosine]])
+    (wo,), (weights,) = half_vector_nodes(wi, phi, POLAR_NODES, LEAST_TANGENT)
+    weights = weights * phi_weights * wo[..., 2]
     above = weights > 0
     return wo[above], weights[above]
 

@@ -70,31 +70,19 @@ ROUNDS = 4
 
 
 class Inside(NamedTuple):
-    """A coat of a slab.
+    """A coat of a slab."""
 
-    Attributes:
-        edges: of its medium.
-        lower: how the lowest interface under it mirrors light; None: the bottom is a table.
-        knots: of the table of the coated material.
-    """
-
-    edges: adding.Edges
-    lower: adding.Mirror | None
-    knots: Knots
+    edges: adding.Edges  # of its medium
+    lower: adding.Mirror | None  # of the lowest interface under it; None: the bottom is a table
+    knots: Knots  # of the table of the coated material
 
 
 class HalfVectors(NamedTuple):
-    """The distribution of half vectors of a bottom, constant in solid angle between nodes in u.
+    """The distribution of half vectors of a bottom, constant in solid angle between nodes in u."""
 
-    Attributes:
-        cosines: (U,) of the half angle at the nodes.
-        cumulated: (U,) shares of the half vectors up to each node.
-        density: float32 (U - 1,) [1/sr].
-    """
-
-    cosines: np.ndarray
-    cumulated: np.ndarray
-    density: np.ndarray
+    cosines: np.ndarray  # (U,) of the half angle at the nodes
+    cumulated: np.ndarray  # (U,) shares of the half vectors up to each node
+    density: np.ndarray  # float32 (U - 1,) [1/sr] between nodes
 
     def draw(self, u: np.ndarray) -> Vector:
         """Half vectors (K,) from numbers u (K, 2) in [0, 1)."""
@@ -110,24 +98,15 @@ class HalfVectors(NamedTuple):
 
 
 class Below(NamedTuple):
-    """The BRDF of everything below an interface, for channels C that share the interface.
+    """The BRDF of everything below an interface, for channels C that share the interface."""
 
-    Attributes:
-        table: float32 (U, V, W, C), its logarithm without the bottom's lobes.
-        lobe: float32 (C, N) of the bottom; (1, N) if the channels share it; None: there is none.
-        depth: float32 (C,) the optical depth that attenuates light from the lobe.
-        times: of slabs, the factor of each direction of light from the lobe; see
-            `adding.to_and_fro`.
-        peak: the bottom's half vectors.
-        knots: of the table.
-    """
-
-    table: np.ndarray
-    lobe: np.ndarray | None
-    depth: np.ndarray
+    table: np.ndarray  # float32 (U, V, W, C), ln f without the bottom's lobes
+    lobe: np.ndarray | None  # float32 (C, N) of the bottom, (1, N) if the channels share it
+    depth: np.ndarray  # float32 (C,) the optical depth that attenuates light from the lobe
+    # Of slabs: factor of each direction of light from the lobe, the root of `adding.to_and_fro`.
     times: Callable[[np.ndarray], np.ndarray] | None
-    peak: HalfVectors
-    knots: Knots
+    peak: HalfVectors  # of the bottom
+    knots: Knots  # of the table
 
 
 def coated_rest(bottom: Material, coat: CoatParameters, slab: Inside | None = None) -> np.ndarray:

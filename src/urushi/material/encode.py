@@ -22,8 +22,8 @@ from urushi.material.albedo_rule import AlbedoRule, albedo_rule
 from urushi.material.fit import probe_features, refine_codes
 from urushi.material.lobe_albedo import lobe_albedos
 from urushi.material.material import Material
-from urushi.material.simulated import fit_to_walks
-from urushi.material.source import Source, as_source, simulated, source_name
+from urushi.material.simulated import FIT_WALKS, fit_to_walks
+from urushi.material.source import Source, as_source, source_name
 from urushi.material.symmetry import Deviations, deviations_of, is_anisotropic, symmetrise
 from urushi.material.table import node_pairs, table_of_values
 from urushi.measured import load_measured
@@ -31,7 +31,7 @@ from urushi.nets import lobe as lobes
 from urushi.nets.interface_fit import find_lobes
 from urushi.nets.weights import Model, Weights, anisotropic_model, find
 from urushi.parallel import fill_blocks
-from urushi.walk import Stack
+from urushi.walk import Stack, simulate
 
 #: Root mean square of the residual in ln(f + `DARK_OFFSET`) of a fitted code above which the anchor
 #: is fitted too. Measured: descriptions, coats and stacks of the training distribution stay below
@@ -152,7 +152,9 @@ def encode_source(
     if len(at_table):
         material = replace(material, table=table_of_values(at_table))
     if refine is not False and isinstance(source, Stack):
-        material = fit_to_walks(material, functools.partial(simulated, source))
+        # The random numbers differ from those of the values.
+        walks = functools.partial(simulate, source, walks=FIT_WALKS, seed=1)
+        material = fit_to_walks(material, walks)
     return material, found.deviations
 
 

@@ -46,7 +46,7 @@ from urushi.nets.lobe import no_lobe
 from urushi.nets.lobe_fit import fit_lobes
 from urushi.nets.networks import UrushiNetworks
 from urushi.parallel import one_blas_thread
-from urushi.walk import conductor, diffuse
+from urushi.walk import analytic, conductor, diffuse
 
 #: Roughness of the conductors among the initial guesses, and shares of a white diffuse lobe that
 #: are added to each.
@@ -75,8 +75,6 @@ def initial_code(networks: UrushiNetworks, f: np.ndarray, lobe: np.ndarray) -> n
 @functools.cache
 def _surface_values(probes: int, widths: int) -> np.ndarray:
     """Values float32 (M, P) [1/sr] of conductors and a diffuse surface at the probe pairs."""
-    from urushi.walk import analytic  # lazily: it starts Dr.Jit
-
     pairs = probe_pairs(probes, widths)
     white = analytic.f(diffuse(1.0), *pairs)[:, 0]
     lobes = [analytic.f(conductor(alpha, 0.9), *pairs)[:, 0] for alpha in INITIAL_ALPHAS]

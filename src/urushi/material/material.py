@@ -29,17 +29,11 @@ ALBEDO_BLOCK = 16
 
 
 class Coating(NamedTuple):
-    """How a material was layered: what is needed to layer it again below another medium.
+    """How a material was layered: what is needed to layer it again below another medium."""
 
-    Attributes:
-        coat: the coat's parameters, checked; `eta` is relative to the medium above.
-        absolute: whether the coat's index remains what it is below another medium; otherwise `eta`.
-        bottom: the material under the coat.
-    """
-
-    coat: CoatParameters
-    absolute: bool
-    bottom: "Material"
+    coat: CoatParameters  # checked; `eta` is relative to the medium above
+    absolute: bool  # whether the coat keeps its index below another medium; otherwise `eta`
+    bottom: "Material"  # under the coat
 
 
 @dataclass(frozen=True, eq=False)

@@ -35,6 +35,9 @@ from urushi.parallel import one_blas_thread
 #: Pairs of cosine density, directions wi of the albedos, and directions wo of each of these.
 COSINE_PAIRS, ANGLES, PER_ANGLE = 2048, 32, 256
 
+#: Random walks of a Stack for each pair and channel.
+FIT_WALKS = 256
+
 #: Seed of the pairs.
 SEED = 1
 

@@ -16,53 +16,36 @@ from urushi.errors import ParameterError
 from urushi.material.material import Material
 from urushi.measured import Merl, Rgl
 from urushi.nets import lobe as lobes
-from urushi.walk import Coat, Stack
+from urushi.walk import Stack, analytic
 from urushi.walk.bottoms import Description
 from urushi.walk.bottoms.dielectric import Dielectric
+from urushi.walk.simulate import albedo, simulate
 
 #: Random walks per probe and channel for a Stack: about 0.5 % noise where f is not tiny.
 STACK_WALKS = 16384
-
-#: The same for each of the 10,240 pairs to which the code of a Stack is fitted.
-FIT_WALKS = 256
 
 #: An evaluated BRDF: f(wi, wo) -> (N, 3), (N, C) or (N,) [1/sr] for float32 unit vectors (N, 3).
 Brdf = Callable[[np.ndarray, np.ndarray], Any]
 
 
 class Source(NamedTuple):
-    """A BRDF to be encoded.
+    """A BRDF to be encoded."""
 
-    Attributes:
-        f: evaluates the BRDF at pairs above the horizon.
-        symmetric: whether f is isotropic and reciprocal by construction.
-        noisy: whether f draws random numbers; its asymmetry then cannot be separated from noise.
-        measured: whether f is a measured BRDF.
-        tabulated: whether a material of it has a table by default, because its values are all that
-            is known of f and cost little.
-        transmitted, mirrored: shares of the light, in [0, 1], that are transmitted, or reflected by
-            a perfectly smooth surface; f contains neither.
-        textured: whether f is taken at one point of a texture.
-        lobe: (6,) or (C, 6) the analytic lobe of each channel (see `urushi.nets.lobe`), if known:
-            the reflection of the topmost interface. None: it is fitted to the values.
-        bare: whether f is its lobe and nothing else.
-        isotropic: whether f is isotropic by construction, up to its mirror image.
-        widths: 2 if f is anisotropic by construction; symmetric then refers to its two planes of
-            symmetry.
-    """
-
-    f: Brdf
-    symmetric: bool = False
-    noisy: bool = False
-    measured: bool = False
+    f: Brdf  # is evaluated at pairs above the horizon
+    symmetric: bool = False  # whether f is isotropic and reciprocal by construction
+    noisy: bool = False  # whether f draws random numbers, which hide its asymmetry
+    measured: bool = False  # whether f is a measured BRDF
+    # Whether a material has a table by default: values are all that is known of f, and cost little.
     tabulated: bool = False
-    transmitted: float = 0.0
-    mirrored: float = 0.0
-    textured: bool = False
+    transmitted: float = 0.0  # share of the light in [0, 1], which f does not contain
+    mirrored: float = 0.0  # the same, reflected by a perfectly smooth surface
+    textured: bool = False  # whether f is taken at one point of a texture
+    # (6,) or (C, 6) the analytic lobe of each channel (`urushi.nets.lobe`): the reflection of the
+    # topmost interface. None: it is fitted to the values.
     lobe: np.ndarray | None = None
-    bare: bool = False
-    isotropic: bool = False
-    widths: int = 1
+    bare: bool = False  # whether f is its lobe and nothing else
+    isotropic: bool = False  # whether f is isotropic by construction, up to its mirror image
+    widths: int = 1  # 2: f is anisotropic by construction; symmetric is about its two planes
 
 
 @functools.singledispatch
@@ -108,13 +91,8 @@ def _(source: Rgl) -> Source:
 
 @as_source.register
 def _(source: Description) -> Source:
-    from urushi.walk import analytic  # lazily: it starts Dr.Jit
-
-    def f(wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
-        return analytic.f(source, wi, wo)
-
     return Source(
-        f,
+        functools.partial(analytic.f, source),
         symmetric=True,
         lobe=lobe_of_surface(source),
         bare=source.as_kind().family.bare,
@@ -124,15 +102,13 @@ def _(source: Description) -> Source:
 
 @as_source.register
 def _(source: Stack) -> Source:
-    from urushi.walk.simulate import albedo, simulate
-
     top, widths = source.coats[0], 2 if source.is_anisotropic else 1
     transmitted = 0.0
     if isinstance(source.bottom, Dielectric):
         transmitted = albedo(source, [[0.0, 0.0, 1.0]], walks=4096, transmitted=True)[0].mean()
     lobe = None  # if there is no interface, it is one from below
     if not np.all(np.equal(top.eta, 1)):
-        lobe = lobe_of_coat(top)
+        lobe = _lobe(top.alpha, 0.0, 0.0, 1.0, top.eta, 0.0)
         if lobe.shape[-1] < len(lobes.NUMBERS[widths]):
             lobe = lobes.with_two_widths(lobe)
     return Source(
@@ -144,16 +120,6 @@ def _(source: Stack) -> Source:
     )
 
 
-def simulated(stack: Stack, wi: np.ndarray, wo: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """f and its standard error (N, 3) [1/sr] of a Stack by `FIT_WALKS`.
-
-    The random numbers differ from its source's.
-    """
-    from urushi.walk.simulate import simulate  # lazily: it starts Dr.Jit
-
-    return simulate(stack, wi, wo, walks=FIT_WALKS, seed=1)
-
-
 def lobe_of_surface(source: Description) -> np.ndarray | None:
     """The lobe float32 (N,) or (3, N) of a surface, N = 7 if it has two widths, otherwise 6.
 
@@ -162,11 +128,6 @@ def lobe_of_surface(source: Description) -> np.ndarray | None:
     fresnel = source.as_kind().family.fresnel_numbers(vars(source))
     alpha = getattr(source, "alpha", lobes.NO_LOBE[0])
     return None if fresnel is None else _lobe(alpha, *fresnel)
-
-
-def lobe_of_coat(coat: Coat) -> np.ndarray:
-    """The lobe float32 (N,) or (3, N) of a coat's interface, N as of `lobe_of_surface`."""
-    return _lobe(coat.alpha, 0.0, 0.0, 1.0, coat.eta, 0.0)
 
 
 def _lobe(alpha: Any, *numbers: npt.ArrayLike) -> np.ndarray:

@@ -39,22 +39,16 @@ WARNED_ASYMMETRY, WARNED_SHARE = 0.1, 0.01
 
 
 class Deviations(NamedTuple):
-    """Deviations of a source from what a material can represent.
+    """Deviations of a source from what a material can represent."""
 
-    Attributes:
-        anisotropy: E between the source and its mean over the azimuth: 0 for an isotropic source,
-            and no isotropic BRDF is much closer to the source. None if the source is noisy. For a
-            material of two widths, E between the source and its mean over mirror images.
-        reciprocity: the same for the mean over the exchange of wi and wo.
-        transmitted, mirrored, textured: as in `Source`.
-    """
-
+    # E between the source and its mean over the azimuth, or over mirror images for a material of
+    # two widths. No isotropic BRDF is much closer than the mean. None: the source is noisy.
     anisotropy: float | None = 0.0
-    reciprocity: float | None = 0.0
-    transmitted: float = 0.0
+    reciprocity: float | None = 0.0  # E of the mean over the exchange of wi and wo
+    transmitted: float = 0.0  # as in `Source`, as the next two
     mirrored: float = 0.0
     textured: bool = False
-    widths: int = 1
+    widths: int = 1  # of the material
 
     def warnings(self) -> list[str]:
         """Sentences for the user about deviations that are not small."""

@@ -8,16 +8,14 @@ value of a bin belongs to its centre.
 from abc import ABC, abstractmethod
 from collections.abc import Callable
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
 from urushi import checks
 from urushi.core.directions import above_horizon, directions_at, half_difference_angles
-
-if TYPE_CHECKING:
-    from urushi.walk.tabulated import Tabulated
+from urushi.walk.tabulated import Tabulated
 
 #: Numbers of bins along theta_h, theta_d and phi_d.
 Shape = tuple[int, int, int]
@@ -45,10 +43,8 @@ class MeasuredSurface(ABC):
         """The BRDF made reciprocal, as a table float32 (H, D, P, 3) [1/sr]."""
 
     @cached_property
-    def tabulated(self) -> "Tabulated":
+    def tabulated(self) -> Tabulated:
         """The table as a bottom of the random walk."""
-        from urushi.walk.tabulated import Tabulated  # imported here because it starts Dr.Jit
-
         return Tabulated(self.table())
 
     def f_pdf(self, wi: Any, wo: Any) -> tuple[Any, Any]:

@@ -7,32 +7,20 @@ import numpy as np
 
 
 class FitState(NamedTuple):
-    """The state of fits of U numbers, at x (..., L), which determines the numbers.
+    """The state of fits of U numbers at a point that determines the numbers."""
 
-    Attributes:
-        x: where the state is.
-        objective: (...) what is minimised.
-        slope: (..., U) half its gradient.
-        curvature: (..., U, U) half its Hessian, by Gauss and Newton.
-    """
-
-    x: np.ndarray
-    objective: Any
-    slope: np.ndarray
-    curvature: np.ndarray
+    x: np.ndarray  # (..., L) the point
+    objective: Any  # (...) is minimised
+    slope: np.ndarray  # (..., U) half the gradient of the objective
+    curvature: np.ndarray  # (..., U, U) half its Hessian, by Gauss and Newton
 
 
 class Damping(NamedTuple):
-    """Damping relative to the mean of the curvature's diagonal.
+    """Damping relative to the mean of the curvature's diagonal."""
 
-    Attributes:
-        first: at the first step.
-        decrease, increase: its factors after steps that lower the objective and that do not.
-    """
-
-    first: float
-    decrease: float
-    increase: float
+    first: float  # at the first step
+    decrease: float  # factor after a step that lowers the objective
+    increase: float  # factor after any other step
 
 
 def damped_steps(

@@ -74,28 +74,18 @@ def fit_lobes(f: np.ndarray, widths: int = 1) -> np.ndarray:
 
 
 class _Grid(NamedTuple):
-    """Precomputed quantities at P pairs; the last five in single precision, for the steps.
+    """Precomputed quantities at P pairs, from `schlick` on in single precision, for the steps."""
 
-    Attributes:
-        logs: (A, W) logarithms of the grid's widths.
-        columns: (P, 3 A) the diffuse term and the two of the lobe, for factors of one and A widths.
-        products: (P, 6 A) of two columns, by `_PAIRS`.
-        schlick: (2, P) Schlick's 1 - (1 - c)^5 and (1 - c)^5.
-        cos2: (2, P) the squared cosines of either direction, and cos: (2, P) these cosines.
-        across, along: (P,) squared lengths of wi + wo in the surface and along the normal.
-        half2: (2, P) squared x and y of wi + wo. sides2: (2, 2, P) the same of wi and of wo.
-    """
-
-    logs: np.ndarray
-    columns: np.ndarray
-    products: np.ndarray
-    schlick: np.ndarray
-    cos: np.ndarray
-    cos2: np.ndarray
-    across: np.ndarray
-    along: np.ndarray
-    half2: np.ndarray
-    sides2: np.ndarray
+    logs: np.ndarray  # (A, W) logarithms of the grid's widths
+    columns: np.ndarray  # (P, 3 A) the diffuse term and the lobe's two, for factors of one
+    products: np.ndarray  # (P, 6 A) of two columns, by `_PAIRS`
+    schlick: np.ndarray  # (2, P) 1 - (1 - c)^5 and (1 - c)^5
+    cos: np.ndarray  # (2, P) cosines of either direction
+    cos2: np.ndarray  # (2, P) their squares
+    across: np.ndarray  # (P,) squared length of wi + wo in the surface
+    along: np.ndarray  # (P,) squared z of wi + wo
+    half2: np.ndarray  # (2, P) squared x and y of wi + wo
+    sides2: np.ndarray  # (2, 2, P) squared x and y of wi, and of wo
 
 
 @functools.cache

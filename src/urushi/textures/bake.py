@@ -36,12 +36,7 @@ Coats = Callable[[int, int], CoatParameters]
 
 
 class BakedTexture:
-    """The packed codes of a source on a grid of texels.
-
-    Attributes:
-        grid: the texels.
-        store: their codes; empty before the first `update`.
-    """
+    """The packed codes of a source on a grid of texels, none before the first `update`."""
 
     def __init__(self, model: Model, grid: TexelGrid, channels: int, mipmaps: bool = False):
         """mipmaps: whether to hold all levels of the mip pyramid; else the first one only."""

@@ -19,15 +19,10 @@ from urushi.textures.store import TexelGrid, TextureStore
 
 
 class Image(NamedTuple):
-    """What a file holds.
+    """The content of a file."""
 
-    Attributes:
-        levels: uint8 or float16 (layers or depth, height, width, 4), the finest first.
-        is_volume: whether it is a 3D texture, not an array texture.
-    """
-
-    levels: list[np.ndarray]
-    is_volume: bool
+    levels: list[np.ndarray]  # uint8 or float16 (layers or depth, height, width, 4), finest first
+    is_volume: bool  # whether it is a 3D texture, not an array texture
 
     @property
     def is_half(self) -> bool:

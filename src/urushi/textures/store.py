@@ -66,10 +66,7 @@ def from_texture(to_texture: tuple, points: np.ndarray) -> np.ndarray:
 class TextureStore:
     """Codes of a texture's texels, row by row; the rows of its levels follow each other.
 
-    Attributes:
-        layout, packed: layout and bytes of the texels; none before the first writing, which
-            chooses the layout.
-        levels: width and height of every level.
+    There are none before the first writing, which chooses their layout.
     """
 
     def __init__(
@@ -79,6 +76,7 @@ class TextureStore:
         self.layout, self._model = layout, model
         # Channels often share numbers of their lobes, which are compared one by one.
         self._compared = model.arch.lobe
+        # Width and height of every level.
         self.levels = level_sizes(width, height) if mipmaps else [(width, height)]
         nothing = np.zeros(layout.size, np.float32)
         self.packed = PackedTexels(np.zeros((0, layout.texel_bytes), np.uint8), nothing, nothing)

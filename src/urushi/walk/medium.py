@@ -14,6 +14,7 @@ from typing import Any, NamedTuple
 
 import drjit as dr
 
+from urushi.core.namespace import DRJIT
 from urushi.walk import spectral_mis
 
 #: Collisions whose albedo is below this scatter with probability albedo / threshold; walks whose
@@ -78,13 +79,13 @@ class Media:
         return self._single or of(*self._layers.medium(layer))
 
 
-def hg(cos_theta, g):
+def hg(cos_theta, g, xp=DRJIT):
     """Phase function [1/sr] at the cosine between the propagation directions; it is its density.
 
     `g` in (-1, 1) is the mean of that cosine: positive scatters forward.
     """
     base = 1 + g * g - 2 * g * cos_theta
-    return (0.25 / dr.pi) * (1 - g * g) / (base * dr.sqrt(base))
+    return (0.25 / dr.pi) * (1 - g * g) / (base * xp.sqrt(base))
 
 
 def sample_hg_cosine(g, u):

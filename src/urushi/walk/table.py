@@ -18,12 +18,8 @@ from urushi.walk.stack import Stack
 class StackTable:
     """S monochrome stacks of N coats each over bottoms of one kind.
 
-    Attributes:
-        alpha, eta, albedo, sigma_t, g: float32 (S, N), coats from top to bottom. alpha is `Widths`
-            of two such arrays if a coat may be anisotropic; a walk then takes up to a tenth longer.
-        kind: a key of `bottoms.KINDS`, or "custom".
-        bottom: parameters of the bottom by name, float32 (S,).
-        custom: for "custom", a `Bottom`; row i reads channel i of its colours.
+    Parameters of coats are float32 (S, N), from top to bottom. If a coat may be anisotropic, alpha
+    is `Widths` of two arrays; a walk then takes up to a tenth longer.
     """
 
     alpha: np.ndarray | Widths
@@ -31,9 +27,9 @@ class StackTable:
     albedo: np.ndarray
     sigma_t: np.ndarray
     g: np.ndarray
-    kind: str
-    bottom: dict[str, np.ndarray] = field(default_factory=dict)
-    custom: Any = None
+    kind: str  # a key of `bottoms.KINDS`, or "custom"
+    bottom: dict[str, np.ndarray] = field(default_factory=dict)  # parameters by name, float32 (S,)
+    custom: Any = None  # for "custom", a `Bottom`; row i reads channel i of its colours
 
     def __post_init__(self) -> None:
         names = KINDS[self.kind].parameters if self.kind in KINDS else ()

@@ -37,16 +37,10 @@ MIN_SHARE, MIN_COSINE_SHARE = 0.02, 0.1
 
 
 class Lobes(NamedTuple):
-    """A proposal for each elevation of wi.
+    """A proposal for each elevation of wi, whose cosines are (i + 0.5) / ELEVATIONS."""
 
-    Attributes:
-        alphas: (2,) widths of the GGX lobes.
-        shares: (ELEVATIONS, 3) shares of the GGX lobes and of the cosine lobe, of sum 1, for wi of
-            the cosines (i + 0.5) / ELEVATIONS.
-    """
-
-    alphas: np.ndarray
-    shares: np.ndarray
+    alphas: np.ndarray  # (2,) widths of the GGX lobes
+    shares: np.ndarray  # (ELEVATIONS, 3) of the GGX lobes and of the cosine lobe, of sum 1
 
 
 def fit_lobes(f: Callable[[Any, Any], Any], device: ModuleType) -> Lobes:

@@ -31,13 +31,7 @@ PROGRESS_DELAY = 3.0
 
 
 class Baker:
-    """The codes of a coat over a bottom; `update` computes them, and again after a change.
-
-    Attributes:
-        model: the networks.
-        bottom: the codes of the bottom.
-        absorbs: whether the coat has no interface and does not scatter, anywhere.
-    """
+    """The codes of a coat over a bottom; `update` computes them, and again after a change."""
 
     def __init__(
         self,
@@ -58,7 +52,7 @@ class Baker:
         self._grid: TexelGrid | None = None
         self._texture: BakedTexture | None = None
         self._left: set[str] = set()  # trained ranges that the coat leaves
-        self.absorbs = False
+        self.absorbs = False  # whether the coat has no interface and does not scatter, anywhere
 
     def update(self, bottom_changed: bool = True) -> ConstantLatents | TexturedLatents:
         """The codes for the current parameters; in a texture, only changed rows are layered.

@@ -45,20 +45,15 @@ NARROW = 0.0225
 
 
 class BottomCodes:
-    """The codes of a bottom: `open` prepares them, `bake` computes those that are stored.
-
-    Attributes:
-        material: a constant bottom as a material; None: it varies over uv.
-        stored: whether codes of texels have to be computed and stored.
-    """
+    """The codes of a bottom: `open` prepares them, `bake` computes those that are stored."""
 
     def __init__(self, model: Model, bottom: "mi.BSDF", where: str):
         self._model, self._bottom, self._where = model, bottom, where
         self._baked: BakedTexture | None = None
         self._opened: Source | None = None
         self._probed: _ProbedBottom | None = None
-        self.material: Material | None = None
-        self.stored = self._stale = False
+        self.material: Material | None = None  # of a constant bottom; None: it varies over uv
+        self.stored = self._stale = False  # whether codes of texels are stored; have to be computed
 
     def open(self, grid: TexelGrid | None) -> None:
         """Read the bottom, after each of its changes. If it is constant, it is encoded."""

@@ -29,16 +29,11 @@ from urushi.textures.store import TexelGrid, TextureStore, write_texture
 
 
 class Vertex(NamedTuple):
-    """Quantities that depend on the position and on wi alone.
+    """Quantities that depend on the position and on wi alone."""
 
-    Attributes:
-        decoder_terms: per channel the decoder's terms of the latent code, as Dr.Jit floats; only
-            one list if all channels have the same code.
-        proposal: of the mean latent code over the channels; None if it is not needed.
-    """
-
+    # Per channel the decoder's terms, Dr.Jit floats; one list if all channels have the same code.
     decoder_terms: list[list]
-    proposal: Mixture | None
+    proposal: Mixture | None  # of the mean code over the channels; None if it is not needed
 
 
 class _Held:

@@ -26,17 +26,10 @@ WEIGHT_STEPS = 256
 class LatentTexture:
     """Codes at points of uv by bilinear filtering of f, trilinear where the footprint is known."""
 
-    DRJIT_STRUCT: ClassVar = {
-        "_words": object,
-        "_offsets": object,
-        "_widths": object,
-        "_heights": object,
-        "_base": list,
-        "_affine": list,
-        "_lowest": list,
-        "_steps": list,
-        "_signature": list,
-    }  # for frozen functions
+    # For frozen functions
+    DRJIT_STRUCT: ClassVar = dict.fromkeys(
+        ("_words", "_offsets", "_widths", "_heights"), object
+    ) | dict.fromkeys(("_base", "_affine", "_lowest", "_steps", "_signature"), list)
 
     def __init__(self, store: TextureStore, grid: TexelGrid):
         """grid: the place of the first level's texels."""

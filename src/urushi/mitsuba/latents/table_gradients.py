@@ -33,19 +33,13 @@ RANGES = CoatParameters((MIN_ALPHA, 1.0), ETA_RANGE, (0.0, 1.0), (0.0, np.inf), 
 
 
 class Slope(NamedTuple):
-    """Derivatives of what a channel of a coated material is made of, by one number.
-
-    Attributes:
-        channel: its index.
-        parameter: the name of the coat's parameter that is the number; None: it is the bottom's.
-        values: (N,) derivative of the bottom's table as f at `node_pairs`; None: there is none.
-        code: (L,) derivative of the bottom's code; None: it vanishes.
-    """
+    """Derivatives of what a channel of a coated material is made of, by one number."""
 
     channel: int
-    parameter: str | None = None
+    parameter: str | None = None  # of the coat; None: the number is the bottom's
+    # (N,) derivative of the bottom's table as f at `node_pairs`; None: there is none.
     values: np.ndarray | None = None
-    code: np.ndarray | None = None
+    code: np.ndarray | None = None  # (L,) derivative of the bottom's code; None: it vanishes
 
 
 def table_slopes(coat: CoatParameters, bottom: Material, slopes: Sequence[Slope]) -> np.ndarray:

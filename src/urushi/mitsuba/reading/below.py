@@ -131,18 +131,13 @@ DIELECTRICS = {
 
 
 class LowestInterface:
-    """The surface of a body of glass under coats: a `roughdielectric` or a `dielectric`.
-
-    Attributes:
-        index: of the body, relative to air.
-        textures: of its widths, by name.
-    """
+    """The surface of a body of glass under coats: a `roughdielectric` or a `dielectric`."""
 
     def __init__(self, bsdf: "mi.BSDF"):
         textures = nested_objects(bsdf)
         names = ("alpha_u", "alpha_v") if "alpha_u" in textures else ("alpha",)
-        self.textures = {name: textures[name] for name in names if name in textures}
-        self.index = opaque(index_of(bsdf))
+        self.textures = {name: textures[name] for name in names if name in textures}  # of widths
+        self.index = opaque(index_of(bsdf))  # of the body, relative to air
 
     @property
     def is_anisotropic(self) -> bool:

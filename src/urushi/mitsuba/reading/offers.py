@@ -60,27 +60,19 @@ class Latents(Protocol):
 
 @dataclass(frozen=True)
 class Offer:
-    """What a BSDF offers to a coat; by default nothing.
+    """What a BSDF offers to a coat; by default nothing. `si` is a surface interaction."""
 
-    Attributes:
-        latents: its codes.
-        measured: the measurement that it renders.
-        lobes: from a surface interaction to the analytic lobes: six Dr.Jit floats for each channel,
-            seven of an anisotropic BSDF (see `urushi.nets.lobe`); None if they are not known. Its
-            values contain more than the lobe, unless it is `bare`.
-        reflectance: from a surface interaction to the reflectance of each channel, of a Lambertian
-            BSDF; None: it is none.
-        exact: the BSDF whose values a table holds, if they are others than the codes'; None: none.
-        rotated: whether its tangent is turned about the normal.
-    """
-
-    latents: Latents | None = None
-    measured: MeasuredSurface | None = None
+    latents: Latents | None = None  # its codes
+    measured: MeasuredSurface | None = None  # the measurement that it renders
+    # From si to the analytic lobes (`urushi.nets.lobe`): six Dr.Jit floats for each channel, seven
+    # of an anisotropic BSDF; None if they are not known.
     lobes: Callable[[Any], list[list] | None] = lambda si: None
-    bare: bool = False
+    bare: bool = False  # whether it is its lobe and nothing else
+    # From si to the reflectance of each channel of a Lambertian BSDF; None: it is not Lambertian.
     reflectance: Callable[[Any], list] | None = None
+    # The BSDF whose values a table holds where the codes have others; None: there is none.
     exact: Callable[[], "mi.BSDF | None"] = lambda: None
-    rotated: bool = False
+    rotated: bool = False  # whether its tangent is turned about the normal
 
 
 @runtime_checkable

@@ -45,24 +45,13 @@ class CoatTextures:
     An anisotropic coat has the textures `alpha_u` and `alpha_v` in place of `alpha`, a medium given
     by its appearance those of `LOOK` in place of `albedo` and `sigma_t`. The textures `thickness`
     and `rotation` exist if the properties are given.
-
-    Attributes:
-        where: the plugin's name; begins errors.
-        textures: the textures by the properties' names.
-        coloured: names of the widths that are given as colours or spectra, which monochromatic
-            variants read as numbers.
-        opaque_eta: the index relative to what `ext_ior` gives, or 1 / ext_ior if `int_ior` is
-            textured.
-        outside: `ext_ior` relative to air.
-        compensated: whether light that the surface loses is given back.
-        above: the coat around this one, if its medium lies above instead of `ext_ior`.
     """
 
     DRJIT_STRUCT: ClassVar = {"textures": dict, "opaque_eta": object}  # for frozen functions
 
     def __init__(self, props: "mi.Properties"):
         """Read the properties."""
-        self.where = describe(props)
+        self.where = describe(props)  # begins errors
         defaults = DEFAULTS | look_of(props, f"{self.where}:")
         medium = LOOK if "color" in defaults else PHYSICAL
         alpha, u, v = (props.get(n, None) for n in ("alpha", *TWO_WIDTHS))
@@ -70,20 +59,22 @@ class CoatTextures:
         widths = TWO_WIDTHS if isinstance(chosen, Widths) else ("alpha",)
         names = [*widths, *medium, "g", *(n for n in NUMBERS if n in props)]
         colours = tuple(name for name in ("alpha", *TWO_WIDTHS) if _is_colour(props, name))
+        # Widths given as colours or spectra; monochromatic variants read them as numbers.
         self.coloured = () if mi.is_monochromatic else colours
-        self.textures = {
+        self.textures = {  # by the properties' names
             name: self._texture(props, name, defaults.get(name, 1.5), name in colours)
             for name in names
         }
         self.compensated = bool(props.get("energy_compensation", False))
-        self.above: CoatTextures | None = None
+        self.above: CoatTextures | None = None  # whose medium lies above in place of `ext_ior`
         self._given = "ext_ior" in props
         ext_ior = index_of_refraction(props, "ext_ior", "air", f"{self.where}: ext_ior")
         if not ext_ior > 0:
             raise ParameterError(f"{self.where}: ext_ior is {ext_ior:g}; it must be positive")
-        self.outside = ext_ior / AIR
+        self.outside = ext_ior / AIR  # relative to air
         if abs(self.outside - 1) < checks.MIN_INDEX_STEP:  # vacuum is air
             self.outside = 1.0
+        # `opaque_eta`: the index relative to `ext_ior`, or 1 / ext_ior if `int_ior` is textured.
         if "int_ior" in props and props.type("int_ior") == mi.Properties.Type.Object:
             self.textures["int_ior"] = self._texture(props, "int_ior", 1.5)
             self.opaque_eta = opaque(1 / ext_ior)

@@ -45,14 +45,10 @@ class Family:
     Subclasses with the keyword `kind` are listed in `KINDS`. Their constructor takes the
     `parameters` in order. If some end with "alpha", the kind "..._anisotropic" has two widths in
     place of each.
-
-    Attributes:
-        parameters: names of the parameters.
-        bare: whether the BRDF is one GGX lobe and nothing else.
     """
 
-    parameters: ClassVar[tuple[str, ...]]
-    bare: ClassVar[bool] = False
+    parameters: ClassVar[tuple[str, ...]]  # their names
+    bare: ClassVar[bool] = False  # whether the BRDF is one GGX lobe and nothing else
 
     def __init__(self, *values: Any) -> None:
         """values: of the parameters, which become attributes."""
@@ -88,15 +84,11 @@ class Family:
 
 
 class Kind(NamedTuple):
-    """A family with one width for each of its GGX lobes, or with two.
-
-    Attributes:
-        parameters: names of the columns of a table, in the order of stored data.
-    """
+    """A family with one width for each of its GGX lobes, or with two."""
 
     name: str
     family: type[Family]
-    parameters: tuple[str, ...]
+    parameters: tuple[str, ...]  # names of the columns of a table, in the order of stored data
     widths: int = 1
 
     def bottom(self, *values: Any) -> Bottom:

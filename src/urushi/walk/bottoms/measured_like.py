@@ -16,20 +16,13 @@ MIN_COSINE_SHARE = 0.1
 
 @dataclasses.dataclass(frozen=True)
 class Lobe:
-    """A specular lobe with generalised Trowbridge-Reitz normals and the Smith masking of GGX.
+    """A specular lobe with generalised Trowbridge-Reitz normals and the Smith masking of GGX."""
 
-    Attributes:
-        weight: factor of the lobe, in [0, 1].
-        alpha, gamma: width and exponent, see `microfacet.gtr_d`.
-        r0: Schlick's reflectance at normal incidence.
-        masking: GGX width for the masking.
-    """
-
-    weight: Any
-    alpha: Any
-    gamma: Any
-    r0: Any
-    masking: Any
+    weight: Any  # factor of the lobe, in [0, 1]
+    alpha: Any  # width, see `microfacet.gtr_d`
+    gamma: Any  # exponent
+    r0: Any  # Schlick's reflectance at normal incidence
+    masking: Any  # GGX width for the masking
 
     def d(self, m):
         """The distribution of normals [1/sr]."""
