@@ -42,10 +42,11 @@ class Namespace(NamedTuple):
     positive: Function  # at least zero, by the real part in a complex step; finite derivative
     sincos: Function  # sine and cosine of an angle [rad]
     normalized: Function  # a vector, scaled to length one
+    clip: Function
+    falling_logistic: Function  # 1 / (1 + exp(x)), without overflow
     # A value, given its name, by which shader code declares a variable.
     named: Callable[[str, Any], Any] = lambda _label, value: value
     # Shader code has none of the following.
-    clip: Function = _absent
     cos: Function = _absent
     arccos: Function = _absent
     arctan2: Function = _absent
@@ -64,7 +65,8 @@ DRJIT = Namespace(
     lambda x: dr.select(x > 0, x, 0),
     dr.sincos,
     dr.normalize,
-    clip=dr.clip,
+    dr.clip,
+    lambda x: 1 / (1 + dr.exp(x)),
     cos=dr.cos,
     arccos=dr.acos,
     arctan2=dr.atan2,
@@ -95,7 +97,8 @@ def _of_module(xp: Any) -> Namespace:
         lambda x: xp.where(x.real > 0.0, x, 0.0),
         lambda x: (xp.sin(x), xp.cos(x)),
         normalized,
-        clip=xp.clip,
+        xp.clip,
+        lambda x: 0.5 - 0.5 * xp.tanh(0.5 * x),
         cos=xp.cos,
         arccos=xp.arccos,
         arctan2=xp.arctan2,

@@ -1,11 +1,12 @@
 """The sampler and its proposal as shader code: the counterpart of `nets.sampler`."""
 
+import itertools
 import math
 from collections.abc import Sequence
 
 import numpy as np
 
-from urushi.checks import MIN_ALPHA, Widths
+from urushi.checks import Widths
 from urushi.core.mixture import reflection_pdf, sample_reflection
 from urushi.core.namespace import Components
 from urushi.export.expressions import (
@@ -20,7 +21,7 @@ from urushi.export.expressions import (
 )
 from urushi.export.networks import dense
 from urushi.export.statements import Function, Structure, Variable, member, namespace
-from urushi.nets.sampler import MIN_COSINE_SHARE, sampler_columns, sampler_inputs
+from urushi.nets.sampler import sampler_columns, sampler_inputs, weights_and_widths
 from urushi.nets.weights import Model
 
 WI, WO, U = (Variable(label, VECTOR) for label in ("wi", "wo", "u"))
@@ -74,7 +75,7 @@ def fill(
     first: the code's part of the sampler's first layer, its bias included. own_alphas: the
     widths of the code's lobe.
     """
-    params, count = model.params, _lobes(model)
+    params = model.params
     columns = sampler_columns(wi, model.widths, namespace(body))
     inputs = [body.let(f"direction{k}", column) for k, column in enumerate(columns)]
     weight = params["sampler.0.weight"][-len(inputs) :]
@@ -85,30 +86,10 @@ def fill(
         bias = params[f"sampler.{layer}.bias"].tolist()
         values = dense(body, f"output{layer}_", params[f"sampler.{layer}.weight"], units, bias)
         layer += 1
-    logits = values[: count + 1]
-    largest = logits[0]
-    for logit in logits[1:]:
-        largest = call("max", largest, logit)
-    largest = body.let("largest", largest)
-    shares = [body.let(f"share{k}", call("exp", x - largest)) for k, x in enumerate(logits)]
-    total = shares[0]
-    for share in shares[1:]:
-        total = total + share
-    scale = body.let("unit_sum", (1.0 - MIN_COSINE_SHARE) / total)
-    result = body.structure("result", "Proposal")
-    fields = structure(model).fields
-    for variable, share in zip(fields[:count], shares, strict=False):
-        body.assign(member(result, variable), share * scale)
-    body.assign(member(result, fields[count]), shares[count] * scale + MIN_COSINE_SHARE)
-    widths = []
-    for axis, own in enumerate(own_alphas):
-        widths.append(own)
-        start = count + 1 + axis * model.arch.lobes
-        for value in values[start : start + model.arch.lobes]:
-            fraction = 0.5 - 0.5 * call("tanh", call("clamp", 0.5 * value, -20.0, 20.0))
-            widths.append(call("exp", math.log(MIN_ALPHA) * fraction))
-    for variable, width in zip(fields[count + 1 :], widths, strict=True):
-        body.assign(member(result, variable), call("clamp", width, MIN_ALPHA, 1.0))
+    weights, sides = weights_and_widths(values, own_alphas, namespace(body))
+    result, numbers = body.structure("result", "Proposal"), itertools.chain(weights, *sides)
+    for variable, number in zip(structure(model).fields, numbers, strict=True):
+        body.assign(member(result, variable), number)
     return result
 
 

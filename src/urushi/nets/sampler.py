@@ -7,7 +7,10 @@ that at its mirror image, and integrates to one over the upper hemisphere. Direc
 z is the normal, wi is above the horizon.
 """
 
+import functools
 import math
+import operator
+from collections.abc import Sequence
 from typing import Any
 
 from urushi.checks import MIN_ALPHA, Widths
@@ -20,8 +23,8 @@ from urushi.core.namespace import (
     stacked_components,
 )
 from urushi.nets.architecture import Architecture
-from urushi.nets.features import MIN_COSINE
-from urushi.nets.lobe import lobe_features, width
+from urushi.nets.features import MIN_COSINE, stacked
+from urushi.nets.lobe import WIDTH_PLACES, lobe_features
 from urushi.nets.mlp import Params, hidden_to_output, split_linear
 
 #: Least weight of the cosine lobe. It bounds f cos / pdf where the network is wrong.
@@ -62,25 +65,33 @@ def mixture(params: Params, arch: Architecture, z: Any, wi: Any) -> tuple[Any, A
     angle = sampler_features(wi, arch.widths)
     first = split_linear(params, "sampler.0", sampler_inputs(arch, z), angle)
     output = hidden_to_output(params, "sampler", first, arch.activation)
-    xp = output.__array_namespace__()
-    k = 1 + arch.lobes
-    logits = output[..., : k + 1]
-    shares = xp.exp(logits - xp.max(logits, axis=-1, keepdims=True))
-    shares = shares * ((1.0 - MIN_COSINE_SHARE) / xp.sum(shares, axis=-1, keepdims=True))
-    weights = xp.concat([shares[..., :k], shares[..., k:] + MIN_COSINE_SHARE], axis=-1)
-    # Logistic interpolation between ln 1 and ln MIN_ALPHA; tanh cannot overflow.
-    fraction = 0.5 - 0.5 * xp.tanh(0.5 * output[..., k + 1 :])
-    alphas = xp.exp(math.log(MIN_ALPHA) * fraction)
+    columns = [output[..., i] for i in range(output.shape[-1])]
+    own = [z[..., place] for place in WIDTH_PLACES[arch.widths]]
+    weights, sides = weights_and_widths(columns, own, arrays(output))
+    along, *across = map(stacked, sides)
+    return stacked(weights), Widths(along, *across) if across else along
 
-    def with_own(own: Any, others: Any) -> Any:
-        own = xp.broadcast_to(own[..., None], (*others.shape[:-1], 1))
-        return xp.clip(xp.concat([own, others], axis=-1), MIN_ALPHA, 1.0)
 
-    own = width(z[..., : arch.lobe])
-    if isinstance(own, Widths):
-        along, across = alphas[..., : arch.lobes], alphas[..., arch.lobes :]
-        return weights, Widths(with_own(own.u, along), with_own(own.v, across))
-    return weights, with_own(own, alphas)
+def weights_and_widths(
+    output: Sequence[Any], own: Sequence[Any], xp: Namespace
+) -> tuple[list[Any], list[list[Any]]]:
+    """The K + 1 weights of a proposal, the last the cosine lobe's, and its K widths.
+
+    output: the network's numbers. own: the widths of the code's lobe, one or two; the proposal has
+        a list of widths for each.
+    """
+    lobes = (len(output) - 2) // (1 + len(own))
+    logits, others = output[: lobes + 2], output[lobes + 2 :]
+    largest = xp.named("largest", functools.reduce(xp.maximum, logits))
+    shares = [xp.named(f"share{k}", xp.exp(x - largest)) for k, x in enumerate(logits)]
+    total = functools.reduce(operator.add, shares)
+    scale = xp.named("unit_sum", (1.0 - MIN_COSINE_SHARE) / total)
+    weights = [share * scale for share in shares]
+    weights[-1] = weights[-1] + MIN_COSINE_SHARE
+    # Logistic interpolation between ln 1 and ln MIN_ALPHA.
+    widths = [xp.exp(math.log(MIN_ALPHA) * xp.falling_logistic(x)) for x in others]
+    sides = [[first, *widths[i * lobes :][:lobes]] for i, first in enumerate(own)]
+    return weights, [[xp.clip(x, MIN_ALPHA, 1.0) for x in side] for side in sides]
 
 
 def mixture_pdf(weights: Any, alphas: Any, wi: Any, wo: Any) -> Any:

@@ -7,14 +7,14 @@ import drjit as dr
 import mitsuba as mi
 import numpy as np
 
-from urushi.checks import MIN_ALPHA, Widths
+from urushi.checks import Widths
 from urushi.core.mixture import Mixture
 from urushi.core.namespace import DRJIT
 from urushi.mitsuba.networks import mlp
 from urushi.mitsuba.networks.lobe import LobeKind, lobe_features
 from urushi.mitsuba.networks.table import interpolated, padded
 from urushi.nets.lobe import WIDTH_PLACES
-from urushi.nets.sampler import MIN_COSINE_SHARE, mixture, sampler_columns
+from urushi.nets.sampler import mixture, sampler_columns, weights_and_widths
 from urushi.nets.weights import Model
 
 #: Roots of the cosines at which the proposals of one code are tabulated, by the number of GGX
@@ -84,21 +84,7 @@ class UrushiSampler:
         inputs += sampler_columns(wi, self._arch.widths, DRJIT)
         first = mlp.dense(inputs, self._weight, self._bias.tolist())
         own = [latent[place] for place in WIDTH_PLACES[self._arch.widths]]
-        output, k = self._hidden(first), 1 + self._arch.lobes
-        logits = output[: k + 1]
-        largest = logits[0]
-        for logit in logits[1:]:
-            largest = dr.maximum(largest, logit)
-        shares = [dr.exp(logit - largest) for logit in logits]
-        scale = (1 - MIN_COSINE_SHARE) / sum(shares)
-        weights = [share * scale for share in shares]
-        weights[k] = weights[k] + MIN_COSINE_SHARE
-        fractions = [1 / (1 + dr.exp(x)) for x in output[k + 1 :]]
-        alphas = [dr.exp(float(np.log(MIN_ALPHA)) * x) for x in fractions]
-        # One side for each width: the width of the code's lobe, then of the other lobes.
-        sides = [[width, *alphas[i * (k - 1) :][: k - 1]] for i, width in enumerate(own)]
-        sides = [[dr.clip(alpha, MIN_ALPHA, 1) for alpha in side] for side in sides]
-        return _mixture(weights, sides)
+        return _mixture(*weights_and_widths(self._hidden(first), own, DRJIT))
 
 
 def _mixture(weights: Sequence, sides: Sequence[Sequence]) -> Mixture:
