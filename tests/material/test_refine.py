@@ -25,7 +25,6 @@ from urushi.material.fit import (
     fit_target,
     initial_code,
     levenberg_marquardt,
-    objective,
     refine_codes,
 )
 from urushi.material.layer import layer, layer_texels
@@ -75,7 +74,7 @@ def test_no_step_raises_the_objective(source, hold, trained, model):
                     levenberg_marquardt(networks, z, aim, hold, steps)
                     for steps in range(0, REFINEMENT_STEPS + 1, 4)
                 ]
-                course = [objective(networks, z, aim, hold) for z in made]
+                course = [state_at(networks, z, aim, hold).objective for z in made]
             assert (np.diff(course) <= 0).all() and np.isfinite(course).all()
 
 

@@ -28,7 +28,7 @@ def _absent(*_: Any) -> Any:
 
 
 class Namespace(NamedTuple):
-    """Functions of numbers: those of NumPy, and those with a comment."""
+    """Functions of numbers, as in NumPy unless a comment says otherwise."""
 
     sqrt: Function
     safe_sqrt: Function  # with a finite derivative at 0

@@ -50,7 +50,7 @@ def half_vector_nodes(
     resolves narrow and wide lobes. With wi = (s, 0, c) and h at (theta, phi), the cosine of wo is
     s cos(phi) sin(2 theta) + c cos(2 theta). The range of theta ends at its zero, so that all nodes
     are above the horizon and no discontinuity is integrated. The Jacobian of reflection is 4 wi.h.
-    The weights (N, A, count) are those of solid angle, to be multiplied by those of the azimuths.
+    The weights (N, A, count) integrate over solid angle once the weights of phi multiply them.
     """
     x, y, z = (wi[:, i, None, None] for i in range(3))
     cos_phi, sin_phi = np.cos(phi)[:, None], np.sin(phi)[:, None]

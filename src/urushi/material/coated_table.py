@@ -175,7 +175,8 @@ def coated_table(
 ) -> np.ndarray:
     """The table float16 (U, V, W, C) of a coated material, without the lobe of its interface.
 
-    With the lobe, its directional albedo is at most 1, or that of the bottom if it gains energy.
+    Table and lobe have a directional albedo of at most 1, or of at most the bottom's if the bottom
+    gains energy.
 
     Args:
         bottom, coat, slab: as of `coated_rest`.

@@ -77,7 +77,7 @@ def facet_points(count: int) -> np.ndarray:
 def facet_pair_points(count: int) -> np.ndarray:
     """Numbers (K, 4) for two crossings: a lattice of Korobov (1959), of 64 or 256 points.
 
-    Each column has even numbers, and of such lattices its points are farthest apart. 64 of them
+    Each column is evenly spaced, and no other generator keeps the points as far apart. 64 of them
     serve better than 256 `even_points`.
     """
     index, generator = np.arange(count)[:, None], {64: 19, 256: 9}[count]
@@ -100,11 +100,11 @@ def crossing_at(outside: Vector, inside: Vector, alpha: float, eta: float) -> Cr
     return Crossing(inside, np.where(present, weight, 0), np.where(present, density, 0))
 
 
-def inner_albedo(cosine: np.ndarray, alpha: float, eta: float, count: int = 256) -> np.ndarray:
+def inner_albedo(cosine: np.ndarray, alpha: float, eta: float) -> np.ndarray:
     """The share (N,) of light of cosines (N,) inside that the interface reflects back inside."""
     cosine = cosine.astype(np.float32)[:, None]
     sine = np.sqrt(np.maximum(1 - cosine * cosine, 0))
-    facet = visible_facets(cosine, sine, alpha, facet_points(count))
+    facet = visible_facets(cosine, sine, alpha, facet_points(256))
     cos_m = np.clip(sine * facet[0] + cosine * facet[2], TINY, 1)
     z = 2 * cos_m * facet[2] - cosine
     reflectance = fresnel.dielectric(cos_m, np.float32(1 / eta), NUMPY)[0]

@@ -132,7 +132,7 @@ def encode_source(
 ) -> tuple[Material, Deviations]:
     """`encode` without its warnings.
 
-    name: begins errors; by default that of the source's type.
+    name: begins errors; by default the name of the source's type.
 
     Returns:
         The material, and the source's deviations.
@@ -234,7 +234,8 @@ def evaluate_source(
 ) -> SourceValues:
     """Values of a source of `encode` for float32 unit vectors (N, 3) above the horizon.
 
-    name: begins errors; by default that of the source's type. widths: of the material's networks.
+    name: begins errors; by default the name of the source's type.
+    widths: of the material's networks.
     """
     opened, name = _with_widths(as_source(source), widths), name or source_name(source)
     if isinstance(source, Stack) and not opened.symmetric:

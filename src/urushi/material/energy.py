@@ -165,7 +165,7 @@ def is_limited(lobe: np.ndarray) -> np.ndarray:
 
     An interface of an index below one lies below another coat. It reflects all light beyond the
     critical angle, and the rest ends there, with an edge that the decoder cannot draw where the
-    interface is smooth. Coats over such codes meet the ceiling themselves.
+    interface is smooth. The codes of coats above meet the ceiling themselves.
     """
     return (lobe[..., 3] <= 0) | (lobe[..., 4] >= 1)
 

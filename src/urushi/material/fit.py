@@ -245,7 +245,7 @@ def levenberg_marquardt(
     steps: int = REFINEMENT_STEPS,
 ) -> np.ndarray:
     """Return a code float32 (L,) whose objective is at most that of z (L,)."""
-    return code_steps(lambda z: _state_at(networks, z, aim, hold), z, steps)
+    return code_steps(lambda z: state_at(networks, z, aim, hold), z, steps)
 
 
 def code_steps(state_at: Callable[[np.ndarray], FitState], z: np.ndarray, steps: int) -> np.ndarray:
@@ -259,12 +259,7 @@ def stepped(z: np.ndarray, step: np.ndarray) -> np.ndarray:
     return np.concatenate([z[..., :lobe], z[..., lobe:] - step], axis=-1).astype(np.float32)
 
 
-def objective(networks: UrushiNetworks, z: np.ndarray, aim: FitTarget, hold: float) -> float:
-    """The objective of `levenberg_marquardt` at a code z (L,)."""
-    return _state_at(networks, z, aim, hold).objective
-
-
-def _state_at(networks: UrushiNetworks, z: np.ndarray, aim: FitTarget, hold: float) -> FitState:
+def state_at(networks: UrushiNetworks, z: np.ndarray, aim: FitTarget, hold: float) -> FitState:
     """The state at a code z (L,). The unknowns are the R numbers after the lobe's.
 
     The encoder's Jacobian J (R, P) maps a change d of D(z) to the change J d of its code. The
@@ -308,4 +303,4 @@ def refined_slopes(networks: UrushiNetworks, f: np.ndarray, z: np.ndarray) -> np
     decoded = aim.top + rest + DARK_OFFSET
     _, far = huber_loss(np.log(decoded) - aim.logs, HUBER_KNEE)
     pull = slopes.T * (rest / decoded * aim.weights / far / (f + DARK_OFFSET))
-    return np.linalg.solve(_state_at(networks, z, aim, ANCHOR_HOLD).curvature, pull)
+    return np.linalg.solve(state_at(networks, z, aim, ANCHOR_HOLD).curvature, pull)

@@ -28,8 +28,8 @@ from urushi.walk.stack import under as described_under
 #: its own depth.
 DEEPEST = 12.0
 
-#: Largest ratio of two widths that is layered, those of OpenPBR's anisotropy 0.9. Up to here the
-#: error is that of the trained ratios.
+#: Largest ratio of two widths that is layered: OpenPBR's anisotropy of 0.9 has it. Errors up to
+#: here are as small as at the trained ratios.
 WIDEST = 1.25 * checks.TRAINED_WIDTH_RATIO
 
 
@@ -77,7 +77,7 @@ def layer(
 
     Warns:
         UrushiWarning: the medium is outside the networks' training data, and the result has no
-            table: its codes are those of `within_training`.
+            table: its codes have the medium of `within_training`.
     """
     if not isinstance(top, Dielectric):
         raise ParameterError(
@@ -119,8 +119,8 @@ def under(bottom: Any, index: npt.ArrayLike) -> Any:
     """A source of `encode` below a medium.
 
     Coats whose index is absolute keep it: they are layered again. Conductors of complex index get
-    the index relative to the medium. All others are as they are: measured and other BRDFs, and
-    materials of which neither a coat is known nor that they are a conductor.
+    the index relative to the medium. All others stay as they are: measured and other BRDFs, and
+    materials without a known coat that are no conductors.
 
     index: of the medium, a number or one per channel, relative to the one that lies above now.
     """

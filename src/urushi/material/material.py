@@ -47,9 +47,9 @@ class Material:
         latents: read-only float32 (C, L), one code per channel (C = 3 for RGB, 1 for grey).
         model: the networks.
         anchors: read-only float32 (C, L), codes near the latents that the encoder could have made.
-            Coats are layered over them, and directions are sampled by them. They differ from the
-            latents of encoded materials, which are fitted to values (see
-            `urushi.material.fit`), and equal those of coated materials. Default: the latents.
+            Coats are layered over them, and directions are sampled by them. In encoded materials
+            they differ from the latents, which are fitted to values (see `urushi.material.fit`);
+            in coated materials they are equal. Default: the latents.
         table: read-only float16 (U, V, W, C), ln f over directions (see `urushi.material.table`),
             by which f is evaluated instead of by the latents, as of measured BRDFs. Default: None.
         beside_lobe: whether the table is of the rest alone, and f is the lobe of the latents plus
@@ -246,7 +246,7 @@ class Material:
 
         Args:
             language: "glsl", "wgsl", "hlsl", "slang", "osl" or "python".
-            prefix: begins the names of functions and structures; those of Python have none.
+            prefix: begins the names of functions and structures; names in Python have none.
             table: whether f reads the material's table, which is too large for source code, from
                 the texture that `urushi export --texture` writes; otherwise f is computed from the
                 codes. Languages with textures only.

@@ -1,7 +1,7 @@
 """Averages that give a BRDF the symmetry of materials, and what they change.
 
-Materials are reciprocal. Those of isotropic networks do not change if both directions are rotated
-about the normal, and those of anisotropic networks are symmetric about the xz and the yz plane.
+Materials are reciprocal. With isotropic networks they do not change if both directions are rotated
+about the normal. With anisotropic networks they are symmetric about the xz and the yz plane.
 """
 
 import functools
@@ -167,9 +167,9 @@ def rotated_pairs(
 ) -> Iterator[tuple[np.ndarray, np.ndarray]]:
     """A pair (N, 3) rotated about the normal by `count` angles; every second one is mirrored.
 
-    Most anisotropic BRDFs are equal after half a turn, and to their mirror image. Still, all angles
-    then count: an odd number of rotations is spread evenly over half a turn, and those of the
-    mirrored pairs lie halfway between them.
+    Half a turn or mirroring leaves most anisotropic BRDFs the same. No angle counts twice for them:
+    modulo half a turn, an odd number of rotations is evenly spaced, and the mirrored pairs are
+    rotated by the angles halfway between.
 
     count: 1, for the pair itself, or twice an odd number.
     """

@@ -62,7 +62,7 @@ def channel_count() -> int:
 
 
 def set_bands(si) -> None:
-    """Set a surface interaction's wavelengths to those of `RGB`, in spectral variants."""
+    """Set a surface interaction's wavelengths to `RGB`, in spectral variants."""
     if mi.is_spectral:
         si.wavelengths = mi.Spectrum([*RGB, RGB[-1]])
 

@@ -61,7 +61,7 @@ def fit_lobes(f: np.ndarray, widths: int = 1) -> np.ndarray:
     """Return the lobes float32 (..., N) of BRDFs with values f (..., P) [1/sr] at the probe pairs.
 
     These are `probe_pairs(P, widths)`. N is 6 for lobes of one width and 7 for lobes of two. The
-    factors of Schlick's term are in [0, 1], the other numbers those of `lobe.NO_LOBE`. A BRDF
+    factors of Schlick's term are in [0, 1], the other numbers equal `lobe.NO_LOBE`. A BRDF
     without a lobe has the factors 0.
     """
     values = np.ascontiguousarray(f, np.float64)  # the order of sums follows the layout

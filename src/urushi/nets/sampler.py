@@ -2,9 +2,9 @@
 
 The proposal is a mixture of GGX reflection lobes and a cosine lobe, exactly normalised. A lobe
 reflects wi about a visible GGX normal. Reflected directions below the horizon are mirrored up
-(z to |z|). The density of a direction is therefore the reflection density at the direction plus
-that at its mirror image, and integrates to one over the upper hemisphere. Directions are (..., 3),
-z is the normal, wi is above the horizon.
+(z to |z|). The density of a direction is therefore the sum of the reflection densities at the
+direction and at its mirror image, and integrates to one over the upper hemisphere. Directions are
+(..., 3), z is the normal, wi is above the horizon.
 """
 
 import functools

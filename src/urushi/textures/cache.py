@@ -49,7 +49,7 @@ def key(description: str, contents: Iterable[np.ndarray]) -> str:
 
 @functools.cache
 def _program() -> str:
-    """A digest of Urushi's source code, any change of which may change the codes."""
+    """A digest of Urushi's source code: any change of it may change the codes."""
     digest = hashlib.blake2b(digest_size=16)
     for path in sorted(Path(__file__).parents[1].rglob("*.py")):
         digest.update(path.read_bytes())

@@ -8,7 +8,6 @@ Programming Guide for DDS; KTX File Format Specification 2.0 and Data Format Spe
 """
 
 import struct
-from collections.abc import Iterator
 from typing import NamedTuple
 
 import numpy as np
@@ -30,8 +29,13 @@ class Image(NamedTuple):
 
 
 def texture_image(store: TextureStore) -> Image:
-    """The image of a latent texture, with all its levels."""
-    return Image(list(_levels(store)), is_volume=False)
+    """The image of a latent texture: uint8 (layers, height, width, 4) for each level."""
+    levels, start, layers = [], 0, _layers(store)
+    for width, height in store.levels:
+        rows = store.packed.bytes[start : start + width * height, : 4 * layers]
+        start += width * height
+        levels.append(rows.reshape(height, width, layers, 4).transpose(2, 0, 1, 3))
+    return Image(levels, is_volume=False)
 
 
 def table_image(table: np.ndarray) -> Image:
@@ -71,15 +75,6 @@ def texels(store: TextureStore, grid: TexelGrid) -> Texels:
 
 def _layers(store: TextureStore) -> int:
     return max(-(-store.layout.used_bytes // 4), 1)
-
-
-def _levels(store: TextureStore) -> Iterator[np.ndarray]:
-    """The bytes of each level: uint8 (layers, height, width, 4)."""
-    start, layers = 0, _layers(store)
-    for width, height in store.levels:
-        rows = store.packed.bytes[start : start + width * height, : 4 * layers]
-        start += width * height
-        yield rows.reshape(height, width, layers, 4).transpose(2, 0, 1, 3)
 
 
 def dds(image: Image) -> bytes:

@@ -1,13 +1,12 @@
 """BRDFs of described surfaces without coats, in closed form."""
 
-import drjit as dr
 import numpy as np
 import numpy.typing as npt
 
 from urushi import checks
-from urushi.walk.bottoms import KINDS, Description
+from urushi.walk.bottoms import Description
 from urushi.walk.monte_carlo import backend
-from urushi.walk.table import bottom_columns, channel_count
+from urushi.walk.table import bottom_columns, bottom_of_columns, channel_count
 
 
 def f(description: Description, wi: npt.ArrayLike, wo: npt.ArrayLike) -> np.ndarray:
@@ -43,11 +42,6 @@ def rows(
         return np.zeros(0, np.float32)
     device = backend()
     index = device.UInt32(np.ascontiguousarray(row, np.uint32))
-    family = KINDS[kind]
-    parameters = (
-        dr.gather(device.Float, device.Float(np.ascontiguousarray(columns[n], np.float32)), index)
-        for n in family.parameters
-    )
     wi, wo = (device.Array3f(np.ascontiguousarray(w.T, np.float32)) for w in (wi, wo))
-    value, _ = family.bottom(*parameters).f_pdf(wi, wo)
+    value, _ = bottom_of_columns(device, kind, columns, index).f_pdf(wi, wo)
     return np.array(value.numpy(), np.float32)

@@ -54,10 +54,10 @@ def simulate(
         walks: random walks per pair and channel, at least 2.
         seed: any integer; the same seed gives the same numbers on the same backend.
         progress: show a progress bar (on a terminal only).
-        mode: Mitsuba's `TransportMode`, "radiance" or "importance". They differ in light that slabs
-            transmit to another index: with eta that on wo's side relative to that on wi's, f of
-            importance, whose integral over wo's cosine is the transmitted power of light from wi,
-            is eta^2 times that of radiance.
+        mode: Mitsuba's `TransportMode`, "radiance" or "importance". They differ for light that
+            slabs transmit to another index. f of importance integrates over wo's cosine to the
+            share of the power from wi that is transmitted. It is eta^2 times f of radiance, with
+            eta the index on wo's side over the index on wi's side.
 
     Returns:
         (f, se): float32 (N, 3) each, the BSDF [1/sr] without cosine and its standard error. Both

@@ -125,7 +125,7 @@ def coat(
     """Put a coat on `bottom`; coating a Stack adds the coat on top of its coats.
 
     Indices given as `ior` remain what they are: of two coats of the same index, the lower one has
-    no interface. So do those of a conductor given by `eta` and `k`. The Stack holds their ratios.
+    no interface. So do `eta` and `k` of a conductor. The Stack holds the ratios of indices.
 
     Args:
         bottom: a description, a Stack, or an object with `f_pdf` and `sample` on Dr.Jit arrays

@@ -171,6 +171,10 @@ def table_bottom(types: Any, table: StackTable, row: Any) -> Bottom:
     """The walk's bottom: one row of a table per lane."""
     if table.kind == "custom":
         return ChannelBottom(table.custom, row)
-    kind = KINDS[table.kind]
-    columns = (types.Float(table.bottom[name]) for name in kind.parameters)
-    return kind.bottom(*(dr.gather(types.Float, column, row) for column in columns))
+    return bottom_of_columns(types, table.kind, table.bottom, row)
+
+
+def bottom_of_columns(types: Any, kind: str, columns: dict[str, np.ndarray], row: Any) -> Bottom:
+    """The BRDF of a kind with one row of its parameters' columns (S,) per lane."""
+    arrays = (types.Float(_column(columns[name])) for name in KINDS[kind].parameters)
+    return KINDS[kind].bottom(*(dr.gather(types.Float, array, row) for array in arrays))

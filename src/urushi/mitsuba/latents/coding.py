@@ -116,8 +116,8 @@ def encoded(
 ) -> "mi.TensorXf":
     """Anchors of a bottom (M, C, L), differentiable in its values and its lobes.
 
-    The limit of a bottom's albedo is ignored, so that an optimiser can leave white. A rest below
-    that of a diffuse surface of `LEAST_REFLECTANCE` has the code of that surface: networks see
+    The limit of a bottom's albedo is ignored, so that an optimiser can leave white. A rest
+    darker than a diffuse surface of `LEAST_REFLECTANCE` has the code of this surface: networks see
     logarithms, whose derivatives mean nothing there.
 
     f: of each channel (M * P) [1/sr] at the probe pairs of M points.

@@ -51,7 +51,7 @@ def below(bsdf: "mi.BSDF", coat: Any) -> "mi.BSDF":
     """A BSDF as it reflects below the medium of a coat, `CoatTextures` or a `Medium`.
 
     Coats without `ext_ior`, and saved materials that were layered, keep their absolute indices. The
-    index of a `roughconductor` is divided by that of the medium, relative to air. All others, such
+    index of a `roughconductor` is divided by the medium's, relative to air. All others, such
     as measured BRDFs, are as they are in air.
     """
     if isinstance(bsdf, Coatable):

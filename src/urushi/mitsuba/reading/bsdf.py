@@ -52,7 +52,7 @@ def reflection_source(bsdf: "mi.BSDF") -> Source:
     lobes = probing.known_lobes(bsdf, np.full((1, 2), 0.5))
     if lobes is not None:
         bounded = np.delete(lobes, [4, 5], axis=-1)
-        # Textures may hold other numbers than those of lobes that conserve energy.
+        # Numbers of textures may leave the ranges of lobes that conserve energy.
         if ((bounded >= 0) & (bounded <= 1)).all() and (lobes[..., 4:6] >= 0).all():
             return Source(
                 lambda wi, wo: _mean_values(bsdf, wi, wo, 1),
