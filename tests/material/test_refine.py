@@ -26,6 +26,7 @@ from urushi.material.fit import (
     initial_code,
     levenberg_marquardt,
     refine_codes,
+    state_at,
 )
 from urushi.material.layer import layer, layer_texels
 from urushi.nets.interface_fit import find_lobes

@@ -193,10 +193,11 @@ def namespace(body: Function, suffix: str = "") -> Namespace:
     labels = ("sqrt", "sqrt", "exp", "log", "log1p", "abs", "min", "max")
     functions: Any = [functools.partial(call, label) for label in labels]
     functions += [select, lambda x: call("max", x, 0.0)]
-    functions += [lambda x: (call("sin", x), call("cos", x)), normalized]
-    functions.append(functools.partial(call, "clamp"))
+    functions.append(lambda x: (call("sin", x), call("cos", x)))
+    functions += [normalized, functools.partial(call, "clamp")]
     functions.append(lambda x: 0.5 - 0.5 * call("tanh", call("clamp", 0.5 * x, -20.0, 20.0)))
-    return Namespace(*functions, named)
+    functions.append(named)
+    return Namespace(*functions)
 
 
 def texel_function(texels: Texels, prepare: Function) -> Function:
