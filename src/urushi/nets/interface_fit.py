@@ -1,7 +1,7 @@
 """Recognition of bare interfaces by their values: GGX with the exact Fresnel term.
 
 Schlick's term, by which `lobe_fit` approximates, differs by some per cent from the exact one of a
-metal or a dielectric. Where it leaves only this much, a width and a complex index are fitted, by
+metal or a dielectric. Where its error is as small, a width and a complex index are fitted, by
 damped steps from several indices that have the same reflectance at normal incidence. They are used
 if they give all values.
 """
@@ -14,7 +14,7 @@ from urushi.nets import lobe as lobes
 from urushi.nets.least_squares import Damping, FitState, damped_steps
 from urushi.nets.lobe_fit import DARK, fit_lobes
 
-#: Mean relative error of Schlick's term between which an exact one is looked for.
+#: Range of the mean relative error of Schlick's term in which an exact term is tried.
 LEAST_ERROR, GREATEST_ERROR = 2e-3, 0.15
 
 #: Greatest relative error of any value that the exact term may leave.

@@ -33,7 +33,7 @@ def fit_slopes(f: np.ndarray, lobe: np.ndarray, widths: int = 1) -> np.ndarray:
     approximation, columns = _approximation(x, f.shape[-1])
     scale = 1 / (f + DARK)
     error = (approximation - f) * scale
-    # Of the summands' first derivative by the error, half, and of the second.
+    # Half the second and half the first derivative of each summand by its error.
     second = np.where(error > 0, OVERSHOOT_WEIGHT, np.where(error > -KNEE, 1.0, 0.0))
     first = np.where(error > -KNEE, second * error, -KNEE)
     curvature = (columns * (second * scale**2)[:, None]) @ np.swapaxes(columns, -1, -2)

@@ -64,8 +64,8 @@ def average(
 ) -> tuple[np.ndarray, np.ndarray]:
     """Mean and standard error of `walk` through row[i] of `table` for directions[...][i].
 
-    A walk's random numbers depend on its row's number and its own alone, so that the result does
-    not depend on how the walks are divided into launches.
+    The random numbers of a walk depend on its number and the number of its row alone, so that the
+    result does not depend on how the walks are divided into launches.
 
     Args:
         table: S monochrome stacks.

@@ -204,10 +204,10 @@ def _refined(model: Model) -> Callable[..., np.ndarray]:
 
 
 def _inside(coat: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Coats (K, N) within `MIN_ABSORPTION` and `MIN_DEPTH`, and shares (K, N) of their derivatives.
+    """Coats (K, N) moved to `MIN_ABSORPTION` and `MIN_DEPTH`, and shares (K, N) of derivatives.
 
-    These are the derivatives by the medium, if a coat is outside. The share is less than one of
-    albedo and g, which have no effect without a medium; it is zero of all other derivatives.
+    A share is what a derivative at the moved coat counts. It is zero for coats that have not moved
+    and for the interface, and below one for albedo and g, which have no effect without a medium.
     """
     inside, share = coat.copy(), np.zeros_like(coat)
     inside[2], inside[3] = np.minimum(coat[2], 1 - MIN_ABSORPTION), np.maximum(coat[3], MIN_DEPTH)

@@ -4,8 +4,8 @@ Where a parameter of a coat or of its bottom carries a gradient, `bake` adds cod
 to the plain codes (`coding`). Dr.Jit also differentiates the bottom's values at the probe pairs, or
 the parameters of a surface that is known by them.
 
-f has the bits that it has without gradients. It has the derivative of the decoded codes, which
-are computed within the ranges of the parameters, so that f need not be their value. Integrators
+f has the same bits as without gradients. Its derivatives come from the decoded codes, which are
+computed within the ranges of the parameters, so that they may decode to another f. Integrators
 evaluate a picture without derivatives first; no code is decoded then. A table by light transport
 has slopes of its own by every number that carries a gradient (`table_gradients`), and codes give
 the derivatives of the lobe beside it.
