@@ -1,10 +1,11 @@
 """Tables by light transport with gradients: of the coat, and of what lies below it.
 
 The codes of a coated material decode to another f than its table by light transport, so that their
-derivatives do not serve the table. ln f at the nodes of a table is linear in every number that carries a gradient. The slopes are
-differences of light transport, which is linear in what lies below the interface, so that many
-channels cost little more than one (`material.coated_table`): every change of a number, up and down,
-is a channel of one table. How the bottom changes with a number is found by Dr.Jit's forward mode.
+derivatives do not serve the table. ln f at the nodes of a table is linear in every number that
+carries a gradient. The slopes are differences of light transport, which is linear in what lies
+below the interface, so that many channels cost little more than one (`material.coated_table`):
+every change of a number, up and down, is a channel of one table. How the bottom changes with a
+number is found by Dr.Jit's forward mode.
 """
 
 from collections.abc import Iterator, Sequence
