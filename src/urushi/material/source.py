@@ -37,8 +37,9 @@ class Source(NamedTuple):
     measured: bool = False  # whether f is a measured BRDF
     # Whether a material has a table by default: values are all that is known of f, and cost little.
     tabulated: bool = False
-    transmitted: float = 0.0  # share of the light in [0, 1], which f does not contain
-    mirrored: float = 0.0  # the same, reflected by a perfectly smooth surface
+    # Shares of the light, in [0, 1], that f does not contain.
+    transmitted: float = 0.0
+    mirrored: float = 0.0  # reflected by a perfectly smooth surface
     textured: bool = False  # whether f is taken at one point of a texture
     # (6,) or (C, 6) the analytic lobe of each channel (`urushi.nets.lobe`): the reflection of the
     # topmost interface. None: it is fitted to the values.
