@@ -12,6 +12,7 @@ import numpy as np
 from urushi.checks import Widths
 from urushi.core.namespace import DRJIT
 from urushi.errors import ParameterError
+from urushi.mitsuba.reading.grid import varies
 from urushi.mitsuba.reading.parameters import describe
 from urushi.openpbr_surface import formulas
 from urushi.openpbr_surface.parameters import PARAMETERS, checked, parameter
@@ -126,7 +127,7 @@ class Inputs:
 
     def is_uniform(self, names: Iterable[str]) -> bool:
         """Whether parameters are now the same everywhere."""
-        return not any(self.textures[name].is_spatially_varying() for name in names)
+        return not any(varies(self.textures[name]) for name in names)
 
     def middle(self, name: str) -> float:
         """The present value of a number in the middle of uv."""
@@ -184,6 +185,8 @@ class Inputs:
                     f"{self.where}: {name} cannot be a texture; give true or false"
                 )
             self.textures[name] = value
+            if entry.kind == "float" and not varies(value):
+                self.constants[name] = self.middle(name)
         else:
             channels = [float(x) for x in value] if isinstance(value, mi.ScalarColor3f) else value
             self._constant(name, checked(name, channels, self.where))
@@ -258,7 +261,8 @@ class Inputs:
 
 def _texture_value(texture: "mi.Texture") -> tuple[np.ndarray, bool]:
     """The parameter of a texture of one value, and whether it has gradients enabled."""
-    value = mi.traverse(texture)["value"]
+    parameters = mi.traverse(texture)
+    value = parameters["value" if "value" in parameters else "data"]
     return np.array(dr.detach(value)), bool(dr.grad_enabled(value))
 
 

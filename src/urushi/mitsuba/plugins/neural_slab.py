@@ -23,6 +23,7 @@ from urushi.mitsuba.networks.table import interpolated, padded, stored
 from urushi.mitsuba.plugins.base import ignore
 from urushi.mitsuba.plugins.coated import define_coated
 from urushi.mitsuba.plugins.coats import CoatStack, SlabMixture, raised, width
+from urushi.mitsuba.reading.grid import varies
 from urushi.mitsuba.recording import only_where, owned
 from urushi.nets.features import MIN_COSINE
 from urushi.nets.weights import default_model
@@ -88,7 +89,7 @@ def define(base: type) -> type:
                 reason = "a slab has a table for one width of each interface"
             for layer in (*coats, lowest):
                 for name, texture in () if layer is None else layer.textures.items():
-                    if texture.is_spatially_varying():
+                    if varies(texture):
                         reason = f"{name} is a texture, but the tables of a slab are of constants"
             if reason is not None:
                 raise ParameterError(

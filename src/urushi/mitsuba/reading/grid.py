@@ -7,6 +7,7 @@ repeats is then baked once and has no seam.
 from collections.abc import Mapping
 from functools import cache
 
+import drjit as dr
 import mitsuba as mi
 import numpy as np
 
@@ -81,13 +82,23 @@ def choose(
 
 def varying_textures(root: "mi.Object") -> list["mi.Texture"]:
     """The textures that depend on the position, anywhere in a scene object."""
-    # Mesh attributes report that they do not vary.
-    return [
-        node
-        for node in _within(root)
-        if isinstance(node, mi.Texture)
-        and (node.is_spatially_varying() or node.class_name() in ELSEWHERE)
-    ]
+    return [node for node in _within(root) if isinstance(node, mi.Texture) and varies(node)]
+
+
+def varies(texture: "mi.Texture") -> bool:
+    """Whether a texture depends on the position.
+
+    A bitmap of one value does not, unless it carries gradients, which an optimiser may make differ.
+    """
+    if texture.class_name() in ELSEWHERE:  # mesh attributes report that they do not vary
+        return True
+    if not (texture.is_spatially_varying() and texture.class_name().startswith("BitmapTexture")):
+        return texture.is_spatially_varying()
+    data = mi.traverse(texture)["data"]
+    if dr.grad_enabled(data):
+        return True
+    texels = data.numpy().reshape(-1, data.shape[-1])
+    return any((part != texels[0]).any() for part in (texels[:POINTS], texels))
 
 
 def check_normals(bsdf: "mi.BSDF", where: str) -> None:

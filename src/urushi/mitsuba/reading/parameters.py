@@ -15,6 +15,7 @@ from urushi.core.appearance import LOOK, PHYSICAL, look_of
 from urushi.core.namespace import DRJIT
 from urushi.errors import ParameterError
 from urushi.mitsuba import spectrum
+from urushi.mitsuba.reading.grid import varies
 from urushi.mitsuba.reading.offers import offer_of
 
 #: Parameters of a coat that may be textures, and their defaults. The index of refraction is given
@@ -217,7 +218,7 @@ class CoatTextures:
     def constant_rotation(self) -> float | None:
         """The angle of the tangent [degrees]; None: it is a texture, or there is none."""
         texture = self.textures.get("rotation")
-        if texture is None or texture.is_spatially_varying():
+        if texture is None or varies(texture):
             return None
         return float(texture.eval_1(dr.zeros(mi.SurfaceInteraction3f)).numpy()[0])
 
