@@ -16,8 +16,8 @@ import numpy as np
 import urushi  # noqa: F401  # registers the plugins
 from urushi.mitsuba.reading import probing
 
-#: Pairs of directions at which slopes are compared.
-PAIRS = 2048
+#: Pairs of directions at which slopes are compared, and walks for each.
+PAIRS, WALKS = 2048, 256
 
 
 def coated(bottom: dict, **coat) -> dict:
@@ -100,10 +100,11 @@ def spread(count: int, seed: int) -> np.ndarray:
     return np.stack([sine * np.cos(azimuth), sine * np.sin(azimuth), u[:, 0]], axis=-1)
 
 
-def f_cos(bsdf: "mi.BSDF") -> "mi.Float":
-    """The red channel of f cos at the pairs."""
-    wi, wo = (spread(PAIRS, seed) for seed in (1, 2))
-    si = probing.interaction(wi.astype(np.float32), np.full((PAIRS, 2), 0.5))
+def f_cos(bsdf: "mi.BSDF", walks: int = 1) -> "mi.Float":
+    """The red channel of f cos at the pairs (PAIRS * walks), all pairs for each walk."""
+    wi, wo = (np.tile(spread(PAIRS, seed), (walks, 1)) for seed in (1, 2))
+    time = np.repeat(np.arange(walks, dtype=np.float32), PAIRS)
+    si = probing.interaction(wi.astype(np.float32), np.full((len(wi), 2), 0.5), time)
     wo = mi.Vector3f(np.ascontiguousarray(wo.T, np.float32))
     return bsdf.eval(mi.BSDFContext(), si, wo).x
 
@@ -121,13 +122,14 @@ def attached(description: dict, name: str) -> tuple["mi.BSDF", Any]:
 class Slopes(NamedTuple):
     """Slopes of the mean of f cos: the derivative, and differences of the plugin and of the walk.
 
-    size: the mean size of the slope of f cos by the walk.
+    size: the mean size of the slope of f cos by the walk. error: standard error of the walk's.
     """
 
     derivative: float
     plugin: float
     walk: float
     size: float
+    error: float
 
 
 def slopes(case: str) -> Slopes:
@@ -145,28 +147,31 @@ def slopes(case: str) -> Slopes:
     dr.backward(dr.mean(found))
     walk = {"reference": True} if make is openpbr else {"type": "layered"}
     by_plugin, by_walk = (
-        [f_cos(mi.load_dict(make(x) | other)).numpy() for x in ends] for other in ({}, walk)
+        [f_cos(mi.load_dict(make(x) | other), walks).numpy() for x in ends]
+        for other, walks in (({}, 1), (walk, WALKS))
     )
     of_plugin, of_walk = ((high - low) / (below + above) for low, high in (by_plugin, by_walk))
+    of_walk = of_walk.reshape(WALKS, PAIRS)
     return Slopes(
         float(np.sum(dr.grad(parameter).numpy()[:1])),
         float(of_plugin.mean()),
         float(of_walk.mean()),
-        float(np.abs(of_walk).mean()),
+        float(np.abs(of_walk.mean(axis=0)).mean()),
+        float(of_walk.mean(axis=1).std() / WALKS**0.5),
     )
 
 
 def main() -> None:
     """Print the table."""
     mi.set_variant("llvm_ad_rgb")
-    print("| material | parameter | derivative | plugin | walk | error |")
-    print("|---|---|---|---|---|---|")
+    print("| material | parameter | derivative | plugin | walk | its standard error | error |")
+    print("|---|---|---|---|---|---|---|")
     for case, (_, value, name, *_) in SLOPES.items():
         of = slopes(case)
         error = (of.derivative - of.walk) / of.size
         print(
             f"| {case} | `{name.split('.')[-2]}` {value:g} | {of.derivative:.4f} | "
-            f"{of.plugin:.4f} | {of.walk:.4f} | {error:+.1%} |"
+            f"{of.plugin:.4f} | {of.walk:.4f} | {of.error:.4f} | {error:+.1%} |"
         )
 
 

@@ -102,6 +102,26 @@ def test_what_is_measured_of_a_coated_base_follows_its_index():
         np.testing.assert_allclose(values(bsdf), expected, rtol=0.02)
 
 
+def test_a_bitmap_of_one_value_is_a_number_until_it_varies():
+    """Then, and where it has gradients, it is the texture that is loaded so, within the tables."""
+
+    def textured(texels):
+        bitmap = mi.Bitmap(np.float32(texels).reshape(2, 2, 1))
+        weight = {"type": "bitmap", "raw": True, "filter_type": "nearest", "bitmap": bitmap}
+        return mi.load_dict({"type": "openpbr", **PLAIN, "coat_weight": weight})
+
+    bsdf, weights = textured(np.zeros(4)), [0.5, 0.5, 0.5, 1.0]
+    assert np.array_equal(values(bsdf), values(loaded(**PLAIN | {"coat_weight": 0.0})))
+    parameters = mi.traverse(bsdf)
+    (key,) = (key for key in list(parameters.keys()) if key.endswith("coat_weight.data"))
+    dr.enable_grad(parameters[key])
+    parameters.update()
+    np.testing.assert_allclose(values(bsdf), values(textured(np.zeros(4))), rtol=1e-3)
+    parameters[key] = mi.TensorXf(np.float32(weights).reshape(2, 2, 1))
+    parameters.update()
+    np.testing.assert_allclose(values(bsdf), values(textured(weights)), rtol=0.01)
+
+
 def test_the_gradient_of_a_weight_of_zero_is_that_of_the_part():
     """By the difference of two weights, to which f is linear."""
     bsdf = loaded()

@@ -67,7 +67,8 @@ def test_a_change_of_the_coat_makes_the_table_anew(rgb, merl_file, measured):
 
 
 def test_textured_coats_lie_over_the_codes(rgb, merl_file):
-    texture = {"type": "bitmap", "bitmap": rgb.Bitmap(np.full((2, 2, 1), 0.2, np.float32))}
+    texels = np.float32([0.2, 0.2, 0.2, 0.3]).reshape(2, 2, 1)
+    texture = {"type": "bitmap", "bitmap": rgb.Bitmap(texels)}
     bsdf = plugin(
         rgb,
         {"type": "measured_brdf", "filename": str(merl_file)},

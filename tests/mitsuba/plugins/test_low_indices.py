@@ -51,7 +51,7 @@ def test_an_index_of_one_is_no_interface(rgb, name, textured):
     wi, wo = np.array([0.0, 0.6, 0.8]), np.array([0.5, 0.0, 0.75**0.5])
     index: float | dict = 1.33
     if textured:
-        pixels = np.full((2, 2, 1), 1.33, np.float32)
+        pixels = np.float32([1.33, 1.33, 1.33, 1.330001]).reshape(2, 2, 1)  # not of one value
         index = {"type": "bitmap", "bitmap": rgb.Bitmap(pixels), "raw": True}
     for depth, tolerance in ((0.0, 0.01), (0.2, 0.04)):
         medium = {"alpha": 0.5, "albedo": 0.0, "sigma_t": depth}
