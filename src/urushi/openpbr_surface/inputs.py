@@ -50,8 +50,8 @@ class Inputs:
                 f'{self.where}: unsupported is "{unsupported}"; give "error" or "ignore"'
             )
         self.textures: dict[str, mi.Texture] = {}  # by the parameters' names
-        # Parameters that are given as numbers. A number that is changed later counts as a texture
-        # from then on, see `refresh`.
+        # Parameters that are given as numbers, or as bitmaps of one value. A number that is changed
+        # later counts as a texture from then on, see `refresh`.
         self.constants: dict[str, Any] = {}
         self.maps: dict[str, mi.Texture] = {}  # of directions
         self.version = 0  # how often `refresh` has found changes
