@@ -1,11 +1,13 @@
 """Code that Dr.Jit records: routines compiled once, work that is skipped, a cache of the vertex."""
 
+import zlib
 from collections.abc import Callable, Iterator, Sequence
 from typing import Any, NamedTuple
 
 import drjit as dr
 import mitsuba as mi
 import numpy as np
+import numpy.typing as npt
 
 from urushi.checks import Widths
 
@@ -66,6 +68,12 @@ def signature(states: Sequence[int]) -> list:
     variables = [kinds[state](0) for state in states]
     dr.make_opaque(variables)
     return variables
+
+
+def signature_of(numbers: npt.ArrayLike) -> list:
+    """`signature` of numbers that are part of a plugin's code."""
+    digits = np.base_repr(zlib.crc32(np.asarray(numbers, np.float64).tobytes()), 5)
+    return signature([int(digit) for digit in digits])
 
 
 def _flat(nested: Any) -> list:

@@ -187,7 +187,8 @@ def define(proposal_bsdf: type) -> tuple[type, type]:
             self._where = inputs.where
             self._inputs, self._make = inputs, make
             self._turned = "geometry_tangent" in inputs.maps
-            self._renewed = False  # whether `mi.traverse` may have listed a former coat
+            # Coats that `mi.traverse` may have listed. Frozen functions must find them.
+            self._former: list[Any] = []
             self._configure(make(None))
             self._kept.keep(self)
 
@@ -274,9 +275,10 @@ def define(proposal_bsdf: type) -> tuple[type, type]:
             former, renewed = self._layers, self._version != self._inputs.version
             if renewed or (self._compensation and not self._compensation.is_current):
                 self._configure(self._make(former))
-                self._renewed |= former.coated is not self._coated
+                if former.coated is not self._coated:
+                    self._former.append(former.coated)
             # Mitsuba has already updated a coat that it lists if only its own parameters changed.
-            seen = set(keys) == {"coated"} and not (renewed or self._renewed)
+            seen = set(keys) == {"coated"} and not (renewed or self._former)
             if self._coated is former.coated is not None and not seen:
                 self._coated.parameters_changed(["bottom"])
 

@@ -7,7 +7,7 @@ and added as a lobe.
 """
 
 from collections.abc import Callable
-from typing import Any, NamedTuple
+from typing import Any, ClassVar, NamedTuple
 
 import drjit as dr
 import mitsuba as mi
@@ -79,6 +79,8 @@ class Compensation:
     of one, are measured on white twins. Over a dielectric, the deviation is a lobe of either sign.
     Over a metal, f is divided by an albedo above one.
     """
+
+    DRJIT_STRUCT: ClassVar = dict.fromkeys(("_loss", "_mirror", "_dielectric", "_metal"), object)
 
     def __init__(self, inputs: Inputs, encoded: bool, coated: Coated):
         """Measure white twins.
@@ -193,6 +195,8 @@ class Furnace:
     The white twin has base, specular and coat colours of one, and is all metal or all dielectric.
     The table of a dielectric is without the known part of the loss, at the coat's interface.
     """
+
+    DRJIT_STRUCT: ClassVar = {"_deviations": object, "_mean": object}  # for frozen functions
 
     def __init__(self, inputs: Inputs, metalness: float, coated: Coated):
         """Measure the twin.

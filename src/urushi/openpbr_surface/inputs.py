@@ -3,7 +3,7 @@
 import copy
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from functools import cache
-from typing import Any
+from typing import Any, ClassVar
 
 import drjit as dr
 import mitsuba as mi
@@ -36,6 +36,8 @@ DIRECTIONS = (
 
 class Inputs:
     """All parameters except the directions, as textures; numbers and colours are textures too."""
+
+    DRJIT_STRUCT: ClassVar = {"textures": dict, "maps": dict}  # for frozen functions
 
     def __init__(self, props: "mi.Properties", *, emits: bool = False):
         """Read the properties.

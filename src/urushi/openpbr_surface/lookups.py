@@ -5,6 +5,7 @@ surface, more light hits a second facet across the scratches than along them.
 """
 
 import functools
+from typing import ClassVar
 
 import drjit as dr
 import mitsuba as mi
@@ -101,6 +102,8 @@ def slab_tables(eta: float | None = None) -> tuple[np.ndarray, np.ndarray]:
 class MirrorAlbedo:
     """Directional albedos of GGX facets that reflect all light, of one width."""
 
+    DRJIT_STRUCT: ClassVar = {"_albedo": object, "_mean": object}  # for frozen functions
+
     def __init__(self) -> None:
         self._albedo, self._mean = (Interpolated(x[..., None]) for x in mirror_tables())
 
@@ -177,6 +180,8 @@ class AnisotropicInterface:
     direction, times the ratio of mirror albedos of both widths and of this width.
     """
 
+    DRJIT_STRUCT: ClassVar = dict.fromkeys(("_interface", "_mirror", "_one"), object)
+
     def __init__(self, interface: InterfaceAlbedo, mirror: AnisotropicMirror):
         self._interface, self._mirror, self._one = interface, mirror, MirrorAlbedo()
 
@@ -218,6 +223,8 @@ class RoughSlab:
 
     eta: the interface's index if it is constant; None: any between 1/3 and 3.
     """
+
+    DRJIT_STRUCT: ClassVar = {"_table": object, "_mean": object}  # for frozen functions
 
     def __init__(self, eta: float | None):
         self._constant = None if eta is None else float(np.clip(eta, 1 / 3, 3))

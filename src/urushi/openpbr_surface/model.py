@@ -10,7 +10,7 @@ by a formula. Departures from the specification: a metal has the lobe of multipl
 Kulla and Conty 2017, and the base follows refraction by the coat (`formulas.base_index`).
 """
 
-from typing import Any, NamedTuple
+from typing import Any, ClassVar, NamedTuple
 
 import drjit as dr
 import mitsuba as mi
@@ -66,6 +66,10 @@ class Base:
     The dielectric's interface reflects by single scattering and passes the rest, so that a white
     base reflects all light.
     """
+
+    DRJIT_STRUCT: ClassVar = dict.fromkeys(
+        ("film", "mirror", "_albedo", "_slab", "_turning"), object
+    )  # for frozen functions
 
     def __init__(self, inputs: Inputs, under_coat: bool, encoded: bool):
         """Leave out what parameters that are given as numbers do not need.

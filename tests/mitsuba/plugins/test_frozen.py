@@ -78,6 +78,23 @@ def test_replays_use_changed_parameters(rgb, networks, name, textured):
         )
 
 
+@pytest.mark.parametrize("name", ("layered", "neural_layered"))
+def test_replays_use_changed_slabs(rgb, name):
+    glass = {"type": "roughdielectric", "distribution": "ggx", "int_ior": 1.7}
+    loaded = scene(rgb, {"type": name, **COAT, "base": glass})
+    parameters = rgb.traverse(loaded)
+    frozen = dr.freeze(lambda loaded: picture(rgb, loaded, 0))
+    for value in (0.5, 1.0, 3.0):
+        parameters["sphere.bsdf.sigma_t.value"] = value
+        parameters["sphere.bsdf.alpha.value"] = 0.1 * value
+        parameters["sphere.bsdf.eta"] = 1.3 + 0.1 * value
+        parameters.update()
+        gc.collect()
+        np.testing.assert_allclose(
+            frozen(loaded).numpy(), picture(rgb, loaded, 0).numpy(), rtol=1e-4
+        )
+
+
 def test_replays_use_changed_widths_and_rotations(rgb):
     two = {"alpha_u": 0.5, "alpha_v": 0.1}
     base = {"type": "roughconductor", "distribution": "ggx", **two}

@@ -11,7 +11,7 @@ from urushi.mitsuba.latents.holders import ConstantLatents, TexturedLatents, Ver
 from urushi.mitsuba.plugins.coats import Turn, TurnedMixture
 from urushi.mitsuba.reading.kept import KeptParameters
 from urushi.mitsuba.reading.offers import Offer
-from urushi.mitsuba.reading.parameters import describe
+from urushi.mitsuba.reading.parameters import describe, opaque
 from urushi.mitsuba.recording import VertexCache
 from urushi.nets import weights
 from urushi.nets.weights import Model
@@ -43,7 +43,7 @@ def define_proposal_bsdf() -> type:
 
         def _transmit(self, index=None):
             """Scatter light from both sides to both; index: below relative to above, if not 1."""
-            self._transmits, self._index = True, 1.0 if index is None else index
+            self._transmits, self._index = True, 1.0 if index is None else opaque(index)
             passed = mi.BSDFFlags.GlossyTransmission | mi.BSDFFlags.DiffuseTransmission
             sides = mi.BSDFFlags.FrontSide | mi.BSDFFlags.BackSide
             if index is not None:

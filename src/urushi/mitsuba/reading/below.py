@@ -5,7 +5,7 @@ lower interface of a slab, or a pane in air.
 """
 
 from functools import cache
-from typing import Any, Protocol, runtime_checkable
+from typing import Any, ClassVar, Protocol, runtime_checkable
 
 import drjit as dr
 import mitsuba as mi
@@ -132,6 +132,8 @@ DIELECTRICS = {
 
 class LowestInterface:
     """The surface of a body of glass under coats: a `roughdielectric` or a `dielectric`."""
+
+    DRJIT_STRUCT: ClassVar = {"textures": dict, "index": object}  # for frozen functions
 
     def __init__(self, bsdf: "mi.BSDF"):
         textures = nested_objects(bsdf)

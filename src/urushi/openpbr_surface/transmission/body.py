@@ -30,15 +30,18 @@ def define(proposal_bsdf: type) -> Callable[..., "mi.BSDF"]:
     class Body(proposal_bsdf):
         """A surface that transmits light: a mixture of two-sided BSDFs."""
 
-        def __init__(self, inputs: Inputs, make: Callable[[], list]):
-            """make: returns the parts: BSDF, weight at an interaction, and `Finish` or None."""
+        def __init__(self, inputs: Inputs, make: Callable[[list], list]):
+            """make: returns the parts: BSDF, weight at an interaction, and `Finish` or None. It
+            takes former ones, whose BSDFs are reused, or an empty list."""
             super().__init__(mi.Properties("openpbr"))
             self._where, self._inputs, self._make = inputs.where, inputs, make
+            self._parts: list = []
+            self._former: list = []  # parts that `mi.traverse` may have listed, see `_update`
             self._configure()
             self._kept.keep(self)
 
         def _configure(self):
-            self._parts = self._make()
+            self._parts = self._make([])
             self._transmit(None if self._inputs.thin else index_of(self._inputs))
 
         def _vertex(self, si, active):
@@ -94,8 +97,15 @@ def define(proposal_bsdf: type) -> Callable[..., "mi.BSDF"]:
                 callback.put(f"part_{i}", bsdf, mi.ParamFlags.Differentiable)
 
         def _update(self, keys):
-            if self._inputs.refresh() or any(finish for _, _, finish in self._parts):
+            if self._inputs.refresh():
+                # Frozen functions must find what the user's parameters keep alive.
+                self._former.append(self._parts)
                 self._configure()
+            elif any(finish for _, _, finish in self._parts):
+                for i, (bsdf, _, _) in enumerate(self._parts):
+                    if f"part_{i}" not in keys:  # another part may list its textures
+                        bsdf.parameters_changed()
+                self._parts = self._make(self._parts)
 
         def to_string(self):
             parts = ",\n".join(str(bsdf) for bsdf, _, _ in self._parts)
@@ -132,14 +142,18 @@ def define(proposal_bsdf: type) -> Callable[..., "mi.BSDF"]:
             plugin = "neural_layered" if tables and one and uniform else "layered"
             return mi.load_dict(described | {"type": plugin})
 
-        def parts() -> list:
+        def parts(former: list) -> list:
             found: list[tuple[Any, Callable[..., Any], Any]] = []
+
+            def part(make: Callable[[Inputs], Any], given: Inputs) -> Any:
+                return former[len(found)][0] if former else make(given)
+
             rest = opaque_share(inputs)
             if rest is not None:
-                found.append((opaque(rest), weight("opaque", None), None))
+                found.append((part(opaque, rest), weight("opaque", None), None))
             scatters = [name for name in SHARES[1:] if inputs.transmits(name)]
             if inputs.thin and SHARES[2] in scatters:
-                found.append((Sheet(inputs), weight("scattering", None), None))
+                found.append((part(Sheet, inputs), weight("scattering", None), None))
             names = [name for name in scatters if not inputs.thin or name == SHARES[1]]
             if not names:
                 return found
@@ -148,13 +162,13 @@ def define(proposal_bsdf: type) -> Callable[..., "mi.BSDF"]:
                 if inputs.is_constant("coat_weight", absent):
                     continue
                 make = partial(slab, coated=coated) if coated or inputs.thin else Glass
-                part, finish = make(inputs), None
-                if not isinstance(part, Glass) or not part.returns_lost:
-                    white = part
+                bsdf, finish = part(make, inputs), None
+                if not isinstance(bsdf, Glass) or not bsdf.returns_lost:
+                    white = bsdf
                     if not all(inputs.is_constant(name, 1) for name in COLORS):
                         white = make(inputs.replaced(dict.fromkeys(COLORS, 1.0)))
                     finish = Finish(inputs, coated, white if compensated else None)
-                found.append((part, weight(of, coated), finish))
+                found.append((bsdf, weight(of, coated), finish))
             return found
 
         return Body(inputs, parts)

@@ -1,6 +1,6 @@
 """Panes, and coats on what transmits light, as slabs of `layered` and `neural_layered`."""
 
-from typing import Any
+from typing import Any, ClassVar
 
 import drjit as dr
 import mitsuba as mi
@@ -12,6 +12,7 @@ from urushi.core.mixture import Mixture
 from urushi.core.namespace import DRJIT
 from urushi.mitsuba.interface_albedo import Interpolated
 from urushi.mitsuba.plugins.coats import raised
+from urushi.mitsuba.reading.parameters import opaque
 from urushi.openpbr_surface import formulas
 from urushi.openpbr_surface.bsdfs import SurfaceProposal
 from urushi.openpbr_surface.compensation import hemisphere_weights, sampled_losses
@@ -31,11 +32,16 @@ class Finish:
     samples of a white slab, and are a table.
     """
 
+    DRJIT_STRUCT: ClassVar = dict.fromkeys(
+        ("_losses", "_index", "_scale", "_below"), object
+    )  # for frozen functions
+
     def __init__(self, inputs: Inputs, coated: bool, white: "mi.BSDF | None"):
         """white: the white slab; None: it loses no light."""
         self._inputs, self._coated = inputs, coated
         self._losses: Any = None
-        self._index = 1.0 if inputs.thin else index_of(inputs)
+        index = 1.0 if inputs.thin else index_of(inputs)
+        self._index = opaque(index)
         if white is None:
             return
         with dr.suspend_grad():
@@ -44,9 +50,9 @@ class Finish:
         losses = np.maximum(np.stack(sides, axis=-1), 0).astype(np.float32)
         self._losses = Interpolated(losses)
         means = hemisphere_weights() @ losses
-        scale = np.pi * (means[0] + self._index**2 * means[1])
-        self._scale = max(scale, 1e-5)
-        self._below = float(np.pi * self._index**2 * means[1] / self._scale)
+        below = np.pi * index**2 * means[1]
+        scale = max(np.pi * means[0] + below, 1e-5)
+        self._scale, self._below = opaque(scale), opaque(below / scale)
 
     def _lost(self, w):
         """Share of the light from a direction that is lost."""
