@@ -5,7 +5,6 @@ import gc
 import drjit as dr
 import numpy as np
 import pytest
-
 from tests.mitsuba.plugins.test_frozen import no_garbage, picture, scene  # noqa: F401
 
 MATERIALS = {
