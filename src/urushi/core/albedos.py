@@ -254,7 +254,7 @@ class Facets(NamedTuple):
     seen: np.ndarray  # (N, 1) cosines of the directions
     cosine: np.ndarray  # (N, K) of facet and direction
     z: np.ndarray  # (N, K) of the facets' normals
-    masking: np.ndarray  # (N, K) of what they reflect
+    masking: np.ndarray  # (N, K) of the reflected directions
     weight: np.ndarray  # (K,) of the facets, of sum one
 
 
@@ -279,7 +279,7 @@ def visible_facets(
 def facets_at(
     wi: Components, alpha: Any, height: np.ndarray, turn: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Cosines of wi and z of facet normals visible from wi, and the masking of what they reflect.
+    """Cosines of wi and z of facet normals visible from wi, and the masking of reflected light.
 
     height, turn: in [0, 1], places of the facets on the spherical cap of visible normals, which
         has an equal density (Dupuy and Benyoub 2023). All arrays broadcast.

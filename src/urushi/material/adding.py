@@ -250,14 +250,14 @@ def mirror(alpha: float, eta: float, *, edges: Edges) -> Mirror:
 def to_and_fro(
     depths: Sequence[float], *mirrors: Mirror
 ) -> tuple[Callable[[np.ndarray], np.ndarray], Callable[[np.ndarray], np.ndarray]]:
-    """How much light (..., C) of cosines (...) there is, however often two surfaces mirror it.
+    """Functions of cosines (...) that sum light (..., C) over all its reflections by two surfaces.
 
     Args:
         depths: (C,) optical depths of the medium between the surfaces.
 
     Returns:
-        What crosses the medium, of light that enters it; and, without attenuation, the root, a
-        factor of each direction of light that the lower surface reflects.
+        The share of entering light that crosses the medium; and the root of the sum without
+        attenuation, a factor of each direction of light that the lower surface reflects.
     """
     cosines = np.linspace(1 / COSINES, 1, COSINES).astype(np.float32)
     left = np.exp(-np.asarray(depths, np.float32) / cosines[:, None])

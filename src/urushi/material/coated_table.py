@@ -245,7 +245,7 @@ def _below(
     peak: HalfVectors,
     slab: Inside | None,
 ) -> Below:
-    """What lies below for channels (C,) of the bottom under media (3, C), all different."""
+    """The BRDF below for channels (C,) of the bottom under media (3, C), all different."""
     assert bottom.table is not None  # for the type checker
     wi, wo = node_pairs(1, bottom.knots)
     edges = slab.edges if slab else ()

@@ -301,8 +301,8 @@ def with_dielectrics_in_rests(model: Model, anchors: np.ndarray, f: np.ndarray) 
     """Anchors (N, L) of f (N, P) whose fitted lobes of dielectrics become part of the rests.
 
     The layerer has seen exact lobes of dielectrics only, and coats over fitted ones lose up to nine
-    tenths of their light. A lobe remains if the surface below it reflects less than half of what
-    the lobe reflects at normal incidence.
+    tenths of their light. A lobe remains if the surface below it reflects less than half as much as
+    the lobe does at normal incidence.
 
     f: [1/sr] at the probe pairs.
     """

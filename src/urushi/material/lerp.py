@@ -82,8 +82,8 @@ def lerp(a: Material, b: Material, t: npt.ArrayLike) -> Material:
 def _blended_table(a: Material, b: Material, share: np.ndarray) -> tuple[np.ndarray | None, bool]:
     """The table of the blend with shares (C,) of b, and whether it leaves the lobe out.
 
-    There is none if a and b have none where they count. Two lobes are no lobe: they are in the
-    table.
+    None if neither a nor b with a share above 0 has a table. A sum of two lobes is not one lobe, so
+    that the table contains both.
     """
     if (share == 0).all() or (share == 1).all():
         end = b if share.any() else a

@@ -138,7 +138,7 @@ def symmetrise(
 def is_anisotropic(source: Source, check: Callable[[Any, int], np.ndarray]) -> bool:
     """Whether a source differs by E > `KEPT_ANISOTROPY` from its mean over the azimuth.
 
-    check: as of `symmetrise`. A noisy source counts as isotropic unless it is known to be none.
+    check: as of `symmetrise`. A noisy source counts as isotropic unless its `widths` are 2.
     """
     if source.symmetric or source.isotropic or source.noisy:
         return source.widths == 2

@@ -69,7 +69,7 @@ class LossVertex(NamedTuple):
     eta: Any  # its index
     alpha: Any  # its width
     inside: Any  # the share of light from the base that leaves, over the mean that enters
-    lost: Any  # what is lost at wi, over pi times its mean
+    lost: Any  # the share lost at wi, over pi times the mean share
 
 
 class InterfaceLoss:

@@ -7,9 +7,9 @@ b_l. It can join the chain in any layer, so that several techniques produce the 
 heuristic with exponent 2 (Veach 1997, section 9.2.3) weighs technique k by p_k^2 / sum_j p_j^2; the
 sums of squared ratios (p_j / p_k)^2 are kept here.
 
-Where an interface has the index 1, there is none: the chain goes straight on, with the density and
-the ratios of the layer above. Below a topmost interface of index 1 no walk can draw u_0, and the
-density of the chain is infinite.
+An interface of index 1 does not exist: the chain goes straight on, with the density and the ratios
+of the layer above. Below a topmost interface of index 1 no walk can draw u_0, and the density of
+the chain is infinite.
 """
 
 from typing import Any, NamedTuple

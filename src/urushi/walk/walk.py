@@ -206,7 +206,7 @@ def fly(s: dict[str, Any], here: Medium, down: Any, hero: Any) -> tuple[Place, A
     """Move along w to the next vertex; returns the place to connect, and whether w scatters there.
 
     Only the share `here.scatters` of the collisions scatters. All other flights go on to the end,
-    with the expected weight of what absorption leaves. They also connect to wo once, at a place
+    with the mean weight that absorption leaves them. They also connect to wo once, at a place
     drawn for this connection alone. An expected weight in place of a random absorption never
     increases the variance (Jensen's inequality).
     """

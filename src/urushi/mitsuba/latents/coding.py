@@ -175,7 +175,7 @@ def encoded(
 
 
 def _rests(model: Model, f: np.ndarray, z: np.ndarray) -> tuple[np.ndarray, ...]:
-    """What the encoder sees of values f (N, P) beside the lobes of codes z (N, L).
+    """Values f (N, P) without the lobes of codes z (N, L), as the encoder takes them.
 
     Returns:
         The rest (N, P) [1/sr], whether f changes it (N, P), its codes (N, L) with the same lobes,

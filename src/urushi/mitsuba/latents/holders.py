@@ -221,14 +221,14 @@ class TexturedLatents(_Held):
 
 
 def kind_of_codes(model: Model, codes: np.ndarray) -> LobeKind:
-    """What is known of the lobes of codes (T, C, size)."""
+    """Common properties of the lobes of codes (T, C, size)."""
     lobes = codes[..., : model.arch.lobe]
     same = (lobes == lobes[:, :1]).all(axis=(0, 1))
     return kind_of(lobes.min(axis=(0, 1)), lobes.max(axis=(0, 1)), same)
 
 
 def kind_of_store(model: Model, store: TextureStore) -> LobeKind:
-    """What is known of the lobes of a texture."""
+    """Common properties of the lobes of a texture."""
     layout, packed = store.layout, store.packed
     highest, lobe = packed.lowest + layout.levels * packed.step, slice(model.arch.lobe)
     return kind_of(packed.lowest[lobe], highest[lobe], (layout.constant | layout.same)[lobe])

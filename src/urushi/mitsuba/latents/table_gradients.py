@@ -34,7 +34,7 @@ RANGES = CoatParameters((MIN_ALPHA, 1.0), ETA_RANGE, (0.0, 1.0), (0.0, np.inf), 
 
 
 class Slope(NamedTuple):
-    """Derivatives of what a channel of a coated material is made of, by one number."""
+    """Derivatives of a channel's coat and bottom with respect to one number."""
 
     channel: int
     parameter: str | None = None  # of the coat; None: the number is the bottom's
@@ -144,7 +144,7 @@ def attached(
 def _derivatives(parameters: Sequence, outputs: Sequence) -> Iterator[tuple[Any, list[np.ndarray]]]:
     """Each number of the parameters, and the derivatives of the outputs by it.
 
-    The parameters may be results themselves: what they were computed from keeps its gradients.
+    The parameters may be results of others, which keep their gradients.
     """
     kept = [dr.grad(array) for array in parameters]
     units = [(array, i) for array in parameters for i in range(len(array))]
@@ -159,7 +159,7 @@ def _derivatives(parameters: Sequence, outputs: Sequence) -> Iterator[tuple[Any,
         return [np.array(dr.grad(output), copy=True) for output in outputs]
 
     if units and any(map(dr.grad_enabled, outputs)):
-        other = forward(units[0][0], -1)  # by gradients of what the parameters were computed from
+        other = forward(units[0][0], -1)  # by gradients of those others alone
         for array, i in units:
             found = [x - y for x, y in zip(forward(array, i), other, strict=True)]
             yield dr.gather(mi.Float, array, i), found

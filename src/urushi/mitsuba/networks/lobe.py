@@ -46,7 +46,7 @@ class LobeKind(NamedTuple):
 
     @property
     def needed(self) -> dict[int, bool]:
-        """Whether the number at each place may differ from what is known of it."""
+        """Whether the number at each place may differ from its common value."""
         needed = {
             0: self.present,
             1: self.schlick,

@@ -35,7 +35,7 @@ class UrushiSampler:
     """
 
     def __init__(self, model: Model, kind: LobeKind):
-        """kind: what is known of the codes' lobes."""
+        """kind: common properties of the codes' lobes."""
         params = model.params
         self._hidden = partial(
             mlp.hidden_to_output, params, "sampler", activation=model.arch.activation

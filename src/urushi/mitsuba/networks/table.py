@@ -24,7 +24,7 @@ class TabulatedDecoder:
         """Decode codes of one kind.
 
         Args:
-            kind: what is known of the codes' lobes; no lobe is present in a table of all of f.
+            kind: common properties of the codes' lobes; none is present if a table has all of f.
             knots: of the table.
         """
         self._kind, self._knots = kind, knots

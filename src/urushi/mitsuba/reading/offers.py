@@ -80,7 +80,7 @@ class Offering(Protocol):
     """A BSDF of this package."""
 
     def offer(self) -> Offer:
-        """What it offers now; parameters may change it."""
+        """Its present offer; parameters may change it."""
 
 
 def offer_of(bsdf: "mi.BSDF") -> Offer:
