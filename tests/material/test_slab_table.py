@@ -98,7 +98,7 @@ def test_tables_agree_with_the_walk(name: str) -> None:
 
 @pytest.mark.parametrize(
     "count",
-    [pytest.param(6, marks=pytest.mark.slow), pytest.param(60, marks=pytest.mark.research)],
+    [pytest.param(3, marks=pytest.mark.slow), pytest.param(60, marks=pytest.mark.research)],
 )
 def test_tables_of_many_slabs_agree_with_the_walk(count: int) -> None:
     every = [errors(slab, 1 << 12) for slab in drawn(count)]

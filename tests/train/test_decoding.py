@@ -20,6 +20,9 @@ from urushi.train.stages.decoding import (
     weighted_loss,
 )
 
+#: Each compiles a training step for seconds.
+pytestmark = pytest.mark.research
+
 ARCH = Architecture(latent=10, decoder=(8,), encoder=(8,), layerer=(8,), sampler=(4,), probes=6)
 
 

@@ -20,6 +20,9 @@ from urushi.train.losses import squared_errors, stack_weights
 from urushi.train.stages import decoding, joint
 from urushi.train.stages.layering import quadratic_expansion
 
+#: Each compiles a training step for seconds.
+pytestmark = pytest.mark.research
+
 PAIRS = 1 << 18
 
 

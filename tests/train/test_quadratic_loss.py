@@ -16,6 +16,9 @@ from urushi.train.losses import stack_loss
 from urushi.train.stages import layering
 from urushi.train.store import Store
 
+#: Each compiles a training step for seconds.
+pytestmark = pytest.mark.research
+
 
 @pytest.fixture(scope="module")
 def depths(tiny, tiny_data):
