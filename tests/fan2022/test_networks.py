@@ -100,6 +100,7 @@ def test_inputs_are_view_and_light_in_the_papers_order():
     np.testing.assert_array_equal(direction_inputs(view, light), [[0.1, 0.2, 0.4, 0.5, 0.3, 0.6]])
 
 
+@pytest.mark.slow
 def test_gradient_by_hand_is_that_of_jax(params, inputs):
     z, directions = inputs
     value, gradient = value_and_gradient(params, z, directions)

@@ -214,7 +214,13 @@ def test_coats_on_glass_lose_no_light(values, reference):
         assert weight.mean() == pytest.approx(1, abs=0.01)
 
 
-@pytest.mark.parametrize("values", [GLASS | COAT, PANE | COAT], ids=["body", "pane"])
+@pytest.mark.parametrize(
+    "values",
+    [
+        pytest.param(GLASS | COAT, id="body"),
+        pytest.param(PANE | COAT, id="pane", marks=pytest.mark.slow),
+    ],
+)
 def test_tables_of_coats_on_glass_are_the_walk(values):
     """E of both sides and directions; the noise of the walks is 1 %."""
     values = values | {"coat_color": (0.8, 0.5, 0.3), "transmission_color": (0.4, 0.6, 0.9)}

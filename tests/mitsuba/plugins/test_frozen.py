@@ -78,7 +78,9 @@ def test_replays_use_changed_parameters(rgb, networks, name, textured):
         )
 
 
-@pytest.mark.parametrize("name", ("layered", "neural_layered"))
+@pytest.mark.parametrize(
+    "name", ("layered", pytest.param("neural_layered", marks=pytest.mark.slow))
+)
 def test_replays_use_changed_slabs(rgb, name):
     glass = {"type": "roughdielectric", "distribution": "ggx", "int_ior": 1.7}
     loaded = scene(rgb, {"type": name, **COAT, "base": glass})

@@ -203,7 +203,14 @@ TABLES = {
 }
 
 
-@pytest.mark.parametrize("variant", ["llvm_ad_rgb", "llvm_ad_mono", "llvm_ad_spectral"])
+@pytest.mark.parametrize(
+    "variant",
+    [
+        pytest.param("llvm_ad_rgb", marks=pytest.mark.slow),
+        pytest.param("llvm_ad_mono", marks=pytest.mark.slow),
+        "llvm_ad_spectral",
+    ],
+)
 def test_tables_are_the_walk_on_all_sides(request, variant):
     import drjit as dr
     import mitsuba as mi
