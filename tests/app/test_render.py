@@ -121,7 +121,7 @@ def test_errors(scene, flags, sentence, capsys):
         ("no XML", "cannot load"),
         ('<bsdf version="3.0.0" type="diffuse"/>', "its outermost element must be <scene>"),
         ('<scene version="3.0.0"><bsdf type="lacquer"/></scene>', "cannot load"),
-        ('<scene version="3.0.0"/>', "--sensor is 0"),
+        ('<scene version="3.0.0"/>', "has 0 sensors; give an index from 0, or add a <sensor>"),
     ],
 )
 def test_bad_scenes(tmp_path, text, sentence, capsys):

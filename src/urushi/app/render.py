@@ -86,7 +86,8 @@ class Render:
         sensors = len(scene.sensors())
         if not 0 <= self.sensor < sensors:
             raise ParameterError(
-                f"--sensor is {self.sensor}, but '{self.scene}' has {sensors}, counted from 0"
+                f"--sensor is {self.sensor}, but '{self.scene}' has {sensors} sensors; give an "
+                "index from 0, or add a <sensor> to the scene"
             )
         before = dr.thread_count()
         # Not while files are read and written: with one thread, Mitsuba waits for ever for EXR.

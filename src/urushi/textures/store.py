@@ -130,11 +130,12 @@ def _same_in_channels(codes: np.ndarray, index: np.ndarray, compared: int) -> np
 
     codes: (k, size), chosen by index (n, channels).
     """
-    differs = (index != index[:, :1]).any(axis=-1)
-    same = np.full(codes.shape[-1], not differs.any())
-    if differs.any():
-        first = np.ascontiguousarray(codes[:, :compared])
-        same[:compared] = _equal_channels(first[index[differs]])
+    same = np.full(codes.shape[-1], (index == index[:, :1]).all())
+    if not same.all():
+        same[:compared] = codes[:, :compared].min(axis=0) == codes[:, :compared].max(axis=0)
+        for i in np.flatnonzero(~same[:compared]):
+            number = np.ascontiguousarray(codes[:, i])[index]
+            same[i] = (number == number[:, :1]).all()
     return same
 
 
