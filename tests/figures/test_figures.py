@@ -118,8 +118,8 @@ def test_coloured_stacks_share_widths_and_indices_and_values_are_kept():
     assert (np.abs((stack.f(wi, wo) - other).mean(axis=0)) < 5 * spread).all()
 
 
-def test_a_bare_conductor_is_represented_as_stored():
-    stored = json.loads((representations.FOLDER / "results.json").read_text())["materials"]
+def test_a_bare_conductor_is_represented_as_stored(stored_results):
+    stored = stored_results(representations, weights=default_model())["materials"]
     subject = next(s for s in materials.subjects() if s.name == "conductor_0")
     rng = np.random.default_rng((materials.SEED, 1))
     pairs = cosine_pairs(rng, representations.REFERENCE["E"][0], lowest_cosine=0.02)
