@@ -92,7 +92,7 @@ class Check:
     """A check that numbers are finite and lie between two ends."""
 
     name: str  # the numbers' name in errors, unless the caller gives another
-    domain: str  # what the numbers must be, the end of an error
+    domain: str  # the allowed numbers in words, the end of an error
     least: float = -np.inf
     most: float = np.inf
     open: bool = False  # whether the ends are excluded

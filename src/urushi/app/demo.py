@@ -26,7 +26,7 @@ COATS = NEURAL, REFERENCE = "neural_layered", "layered"
 #: Relative differences of luminance of this size and above are shown in full colour.
 DIFFERENCE_SCALE = 0.25
 
-#: Commands to try after the demo, with what they do.
+#: Commands to try after the demo, with their purpose.
 NEXT_COMMANDS = (
     ("urushi render caddy -o out/caddy.png", "the scene alone, by the networks"),
     ("urushi render caddy -D coat=layered -o out/caddy-reference.png", "the same, by the walk"),
@@ -129,7 +129,7 @@ def compare(neural: Render, reference: Render) -> dict[str, float]:
 
 
 def describe(figures: dict[str, float], out: Path) -> str:
-    """What each method cost by the figures of `compare`, what to look at, and what to try next."""
+    """Text of the figures of `compare`, the pictures to look at, and commands to try next."""
     rows = "\n".join(
         f"{name:<14} {figures[f'{name}_start_seconds']:7.1f} s {figures[f'{name}_seconds']:7.1f} s"
         f"   {figures[f'{name}_noise']:.4f}   {what}"

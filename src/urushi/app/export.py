@@ -117,7 +117,7 @@ class Convert:
     """Write a material of a MaterialX document as a Mitsuba scene, with textures as OpenEXR files.
 
     The folder gets scene.xml, a sphere of the material: a BSDF of type openpbr, an emitter of type
-    openpbr_emission where it emits light, and the medium inside of what transmits light. Colours
+    openpbr_emission where it emits light, and the medium inside if it transmits light. Colours
     are linear sRGB. Copy both elsewhere.
 
     Example: urushi convert car_paint.mtlx -o out/car_paint

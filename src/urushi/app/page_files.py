@@ -58,7 +58,7 @@ PAGE_BOTTOMS = ("conductor", "dielectric", "diffuse")
 
 
 class First(NamedTuple):
-    """What the page shows first."""
+    """The first material of the page."""
 
     material: dict[str, Any]  # as the page reads it; of `cards_of`, `first_of` or `texels_of`
     texture: bytes | None = None  # the content of the file of its texture of codes, if it has one

@@ -42,7 +42,7 @@ class Recipe:
     color: tyro.conf.Positional[str]
     """The colour in sRGB: "#7a2f1e"."""
     ground: tuple[float, ...] = (0.8,)
-    """Reflectance of what lies under the paint: one linear value, or three, in [0, 1]."""
+    """Reflectance of the ground under the paint: one linear value, or three, in [0, 1]."""
     walks: Walks = 1 << 16
     """Random walks that check a candidate."""
 

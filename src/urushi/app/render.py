@@ -140,7 +140,7 @@ def load_scene(
         weights: networks of every coat that names none itself: "default" or a weights file,
             relative to the working folder; None: the default.
         size: "width" and "height" of the film of every sensor [pixels]; None: the file's own.
-        name: what the messages call the scene; default: the file.
+        name: of the scene in messages; default: the file.
 
     Returns:
         The `mi.Scene`.
@@ -215,7 +215,7 @@ def raise_interrupt(error: BaseException) -> None:
 
 
 def one_line(error: BaseException) -> str:
-    """An error's message in one line, without what Mitsuba adds for its own developers.
+    """An error's message in one line, without additions for developers of Mitsuba.
 
     Removes source positions of Mitsuba's parser, invisible characters, and the traceback of a
     plugin written in Python except its last line, the error.

@@ -88,7 +88,7 @@ class View:
 
 
 def first_material(text: str, weights: str | None) -> "First":
-    """What the page shows of a material: cards if it is described, otherwise codes or a texture."""
+    """A material for the page: cards if it is described, otherwise codes or a texture."""
     from urushi.app.page_files import First, cards_of, first_of
 
     if is_description(text):
@@ -125,7 +125,7 @@ def _first_texture(path: Path, name: str, weights: str | None) -> "First":
     from urushi.nets.weights import find
     from urushi.textures.store import read_texture
 
-    read_texture(path, find(weights))  # refuses what the page could not read either
+    read_texture(path, find(weights))  # refuses textures that the page could not read
     return texels_of(path.read_bytes(), name)
 
 
@@ -141,7 +141,7 @@ def write(files: dict[str, bytes], folder: Path) -> None:
 #: The only address: other machines cannot reach it.
 HOST = "127.0.0.1"
 
-#: What a browser may load for the page: its own files.
+#: Content policy: a browser may load the page's own files only.
 POLICY = (
     "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self'; "
     "connect-src 'self'; worker-src 'self'; base-uri 'none'; form-action 'none'; "

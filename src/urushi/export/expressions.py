@@ -16,7 +16,7 @@ FLOAT, COLOUR, VECTOR, BOOL, INT = "float", "colour", "vector", "bool", "int"
 #: The kind of a texture of three coordinates, with its sampler where languages separate them.
 VOLUME = "volume"
 
-#: What arithmetic takes: an expression or a Python number.
+#: An operand of arithmetic: an expression or a Python number.
 Value = Union["Expression", float]
 
 #: Functions that constants pass through as they are computed here.
@@ -48,7 +48,7 @@ class Expression:
             "element", "texel" (the colour of a volume at a vector), or a conversion.
         arguments: its operands.
         kind: the type of the value: one of the kinds above, or the name of a structure.
-        detail: what else the operation needs: the number of a constant, the name of a variable, a
+        detail: a further operand: the number of a constant, the name of a variable, a
             function or a field, the place of a component.
     """
 

@@ -1,4 +1,4 @@
-"""What all printers share: the structure of a file, and expressions and statements as in C."""
+"""The base of all printers: the structure of a file, and expressions and statements as in C."""
 
 import textwrap
 from collections.abc import Iterable, Mapping, Sequence

@@ -198,7 +198,7 @@ def check(language: str, model: Model, prefix: str) -> None:
 
 
 class _Code(NamedTuple):
-    """What the functions of a material need of its codes."""
+    """The terms of a material's codes that its functions use."""
 
     lobe: Sequence[Expression]  # the numbers of its lobe
     terms: CodeTerms  # of the decoder
@@ -215,7 +215,7 @@ def _functions(
     units: Function,
     table: FTable | None = None,
 ) -> list[Function]:
-    """f, pdf and sample of a material, each after what it calls.
+    """f, pdf and sample of a material, each after the functions that it calls.
 
     given: arguments before the directions. unit, units: the activations of floats and colours.
     table: by which f is evaluated; None: it is by the codes.

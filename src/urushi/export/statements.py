@@ -31,7 +31,7 @@ class Variable:
     name: str
     kind: str  # as in `expressions`
     count: int | None = None  # the number of elements of an array; None for a single value
-    note: str = ""  # what it is
+    note: str = ""  # its meaning, a comment in the file
 
 
 @dataclass(frozen=True)
@@ -57,7 +57,7 @@ class Statement:
 
     # "note", "let" (a constant), "array", "structure" (without values), "assign", "loop", "return".
     operation: str
-    target: Any = None  # what is declared (`Variable`), assigned to or counted; the text of a note
+    target: Any = None  # the `Variable` declared, assigned to or counted; the text of a note
     value: Any = None
     count: int = 0  # turns of a loop
     body: tuple["Statement", ...] = ()  # of a loop
@@ -69,8 +69,8 @@ class Function:
 
     name: str  # without prefix
     arguments: tuple[Variable, ...]
-    kind: str  # of what it returns
-    note: str  # what it does
+    kind: str  # of the result
+    note: str  # a comment in the file
     public: bool = False  # whether the user of the file calls it
     tables: list[Table] = field(default_factory=list)  # which it reads
     body: list[Statement] = field(default_factory=list)

@@ -5,9 +5,9 @@ module interprets the few instructions that tensors in dictionaries need. It has
 becomes a description of where its values are, and every other object is refused by its name. Time
 and memory are proportional to the pickle's length.
 
-The authors saved the bound method `state_dict` of a network, so that their scripts call what
-`torch.load` returns. It stands for the tensors of the network's modules. Modules, and objects of
-classes in the authors' `model.py` and `utils.py`, are read as their attributes.
+The authors saved the bound method `state_dict` of a network, so that their scripts call
+the result of `torch.load`. It stands for the tensors of the network's modules. Modules, and objects
+of classes in the authors' `model.py` and `utils.py`, are read as their attributes.
 """
 
 import os
@@ -77,7 +77,7 @@ _CONSTANTS = {"NONE": None, "NEWTRUE": True, "NEWFALSE": False, "MARK": _MARK}
 
 
 def decode(file: BinaryIO, path: str | os.PathLike) -> tuple[Any, dict[str, Storage]]:
-    """Return what a pickle describes, and its storages by key.
+    """Return the value that a pickle describes, and its storages by key.
 
     Values are dicts, lists, tuples, numbers, text, None and tensors. Reading ends after the last
     instruction. path: of the file, for errors.
@@ -203,7 +203,7 @@ class _Machine:
         return storage
 
     def _called(self, function: Any, arguments: tuple) -> Any:
-        """What the call of a function that the pickle names would return."""
+        """The result that a function named in the pickle would return."""
         if function == _TENSOR:
             storage, offset, shape, strides = arguments[:4]
             sizes = _integers(shape), _integers(strides)

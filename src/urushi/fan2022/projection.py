@@ -91,7 +91,7 @@ def draws(options: AdamProjection, count: int, seed: int = 0) -> np.ndarray | No
     """Indices (steps, pairs) of every step's pairs out of `count`; None: all pairs in each step.
 
     They are drawn uniformly with replacement, the same for all BRDFs: a code does not depend on
-    what is projected with it.
+    the BRDFs that are projected with it.
     """
     if options.pairs >= count:
         return None

@@ -1,6 +1,6 @@
 """The BSDFs of OpenPBR: the base, and the surface of base, coated base and fuzz.
 
-What they evaluate is in `model`; here it is sampled, listed for `mi.traverse` and updated.
+`model` evaluates them; here they are sampled, listed for `mi.traverse` and updated.
 """
 
 from collections.abc import Callable
@@ -116,7 +116,7 @@ def define(proposal_bsdf: type) -> tuple[type, type]:
             self._model = model.Base(self._inputs, self._under_coat, self._encoded)
 
         def update(self) -> None:
-            """Make what was left out and is needed since parameters have changed."""
+            """Make parts that were left out and are needed since parameters have changed."""
             self._inputs.refresh()
             if self._version != self._inputs.version:
                 self._configure()

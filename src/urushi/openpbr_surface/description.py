@@ -1,4 +1,4 @@
-"""Materials of OpenPBR in Python: what `urushi.openpbr` returns, and a `Stack` as one.
+"""Materials of OpenPBR in Python: `urushi.openpbr`, and a `Stack` as a material of OpenPBR.
 
 A stack's base is a conductor with Schlick's Fresnel term, to which F82 with a white tint is equal
 (Kutz et al. 2021), or a Lambertian surface with a specular weight of 0. A coat's colour is the

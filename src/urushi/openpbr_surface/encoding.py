@@ -57,12 +57,12 @@ def lobe(base: Base, si, bare: bool, compensated: bool) -> list[list]:
     Metal and dielectric share one width, so that their mixture is one lobe. Its Fresnel term is the
     largest Schlick term that does not exceed the mixture's: the networks return nonsense for some
     sums of a Schlick and an exact term. The rest contains the dip of a metal's Fresnel term at 82
-    degrees, and what the facets of a rough metal reflect more than once.
+    degrees, and multiple scattering between the facets of a rough metal.
 
     Args:
         base: the base. si: the surface interactions.
         bare: whether the base counts as its lobe alone.
-        compensated: whether the coated base gets back what it loses. If not, a bare metal is scaled
+        compensated: whether the coated base gets back lost energy. If not, a bare metal is scaled
             to the energy of its multiple scattering (Turquin 2019).
     """
     active = mi.Bool(True)

@@ -109,7 +109,7 @@ def base_index(
 
 
 def interface_index(ratio: Any, xp: Namespace = NUMPY) -> Any:
-    """A relative index within what the walk takes: in [0.5, 3], and 1 near 1."""
+    """A relative index in the range of the walk: in [0.5, 3], and 1 near 1."""
     ratio = xp.clip(ratio, *ETA_RANGE)
     return xp.where(xp.absolute(ratio - 1) < MIN_INDEX_STEP, 1, ratio)
 

@@ -42,7 +42,7 @@ class Inputs:
     def __init__(self, props: "mi.Properties", *, emits: bool = False):
         """Read the properties.
 
-        emits: whether they are an emitter's, which only reads what it needs.
+        emits: whether they are an emitter's, which refuses no unsupported features.
         """
         # Begins errors: the plugin's name, or the document that `materialx` read.
         self.where = props.get("origin", describe(props))
@@ -142,7 +142,7 @@ class Inputs:
         """Whether numbers that `known` has returned have changed or have gradients now.
 
         These parameters count as textures from then on, and `version` grows: the caller must make
-        what it left out because of them.
+        the parts that it left out because of them.
         """
         for name in self._numbers:
             value = _texture_value(self.textures[name])[0].ravel()
@@ -205,7 +205,7 @@ class Inputs:
             self.textures[name] = mi.load_dict({"type": "srgb", "color": color, "unbounded": True})
 
     def _unsupported(self) -> Iterator[tuple[str, str, str]]:
-        """The features that the BSDF does not have: sentence, cure, and what happens instead."""
+        """Features that the BSDF lacks: sentence, cure, and the consequence of ignoring them."""
         clear, scatters = self.transmits("transmission_weight"), self.transmits("subsurface_weight")
         transmits = clear or scatters
         filmed = transmits and (clear if self.thin else not self._is_absent("coat_weight"))

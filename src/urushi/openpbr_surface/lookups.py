@@ -77,9 +77,9 @@ def slab_tables(eta: float | None = None) -> tuple[np.ndarray, np.ndarray]:
     eta: the only index, I is 1; None: all of `indexnodes`.
 
     Returns:
-        (I, ROUGHNESSES, COSINES, 2): the mean cosine in the slab; and the light that leaves over
-        what leaves a Lambertian slab, minus one. (I, ROUGHNESSES, 1): the mean of the second over
-        the transmitted part of diffuse light.
+        (I, ROUGHNESSES, COSINES, 2): the mean cosine in the slab; and the relative excess of the
+        light that leaves over the light that leaves a Lambertian slab. (I, ROUGHNESSES, 1): the
+        mean of the excess over the transmitted part of diffuse light.
     """
     known = albedos.tables(eta)
     etas = indexnodes() if eta is None else np.array([eta])
@@ -255,7 +255,7 @@ class RoughSlab:
         albedos = [formulas.eon_albedo(cosine, rho, roughness, DRJIT) for cosine in inside]
         mean_albedo = formulas.eon_mean_albedo(rho, roughness)
         later = albedos[0] * albedos[1] * kept * (direct / (1 - mean_albedo * internal))
-        # What is kept is less than nothing for few directions at grazing angles.
+        # `kept` is negative for few directions at grazing angles.
         return dr.maximum(first + dr.inv_pi * later, 0) * (passed / passed_mean)
 
 

@@ -72,7 +72,7 @@ class Base:
     )  # for frozen functions
 
     def __init__(self, inputs: Inputs, under_coat: bool, encoded: bool):
-        """Leave out what parameters that are given as numbers do not need.
+        """Leave out parts that parameters given as numbers do not need.
 
         under_coat: whether `coat_darkening` has an effect.
         encoded: whether networks encode it. They take the dielectric without its film; see
@@ -130,7 +130,7 @@ class Base:
         return f + self.diffuse(vertex, si, wo, active)
 
     def _metal(self, vertex: BaseVertex, lobe, cosine, si, wo, active):
-        """Metal (3.2.1): GGX facets of the F82-tint term, and what they reflect more than once."""
+        """Metal (3.2.1): GGX facets of the F82-tint term, with multiple scattering."""
         color, tint, widths = vertex.color, vertex.tint, vertex.widths
         reflectance = fresnel.f82(cosine, color, tint, DRJIT)
         mean = fresnel.f82_mean(color, tint, DRJIT)

@@ -50,7 +50,7 @@ _RGB = np.array(
 )
 _RGB = _RGB / _RGB.sum(axis=1, keepdims=True)
 
-#: What a channel sees of cos(2 pi D / wavelength + shift): a function of D [um] and the shift.
+#: Mean of cos(2 pi D / wavelength + shift) over a channel: a function of D [um] and the shift.
 Response = Callable[[Any, Any, Any], Any]
 
 
@@ -113,7 +113,7 @@ def reflectance(
     inside = xp.sqrt(xp.maximum(1 - sine2, 1e-8))
     path = 2 * film.index * film.thickness * inside
     k = 0.0 * below.eta if below.k is None else below.k
-    # The squared index of what is below relative to the film, and what is left of it along z.
+    # Squared index of the material below relative to the film, and its component along z.
     scale = 1 / (film.eta * film.eta)
     square = (below.eta * below.eta - k * k) * scale, 2 * below.eta * k * scale
     along = _root((square[0] - sine2, square[1]), xp)

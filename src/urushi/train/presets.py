@@ -31,7 +31,7 @@ class Preset:
     """A whole training: data, networks and stages."""
 
     name: str  # on the command line
-    # What is simulated. The direction set of a part is one of `examples.TRAINING`, or of
+    # The simulated data. The direction set of a part is one of `examples.TRAINING`, or of
     # `examples.METRICS` for validation.
     data: DataSpec
     stages: tuple[Stage, ...]  # in order, each with its own options

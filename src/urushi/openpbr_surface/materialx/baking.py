@@ -10,7 +10,7 @@ from urushi.openpbr_surface.materialx.evaluation import Evaluation, NeedsPositio
 from urushi.openpbr_surface.materialx.graph import Graph
 from urushi.openpbr_surface.materialx.images import ImageUse, image_values
 
-#: Number of points at which a graph is evaluated first, to find what its values depend on.
+#: Number of points at which a graph is evaluated first, to find the images that it depends on.
 PROBES = 64
 
 #: Bytes that the values of all nodes may take at once.

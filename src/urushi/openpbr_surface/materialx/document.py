@@ -126,7 +126,7 @@ class _Reader:
 
 
 class Outline:
-    """What an XML file from an untrusted source consists of, before the package reads it."""
+    """Version, includes and size of an untrusted XML file, before the package reads it."""
 
     def __init__(self, content: bytes, where: str):
         """Parse a file without keeping its elements."""

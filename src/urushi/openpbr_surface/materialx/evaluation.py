@@ -252,7 +252,7 @@ class Evaluation:
 def parse_value(text: str, kind: str, where: str) -> np.ndarray:
     """The value (channels,) of an attribute, read as MaterialX does.
 
-    Numbers are separated by commas or spaces. What follows a number is left out, as in 0.5f; one
+    Numbers are separated by commas or spaces. Text after a number is ignored, as in 0.5f; one
     number is the first of several.
     """
     channels = CHANNELS.get(kind)

@@ -113,7 +113,7 @@ class Source:
 
 
 class Graph:
-    """The nodes of a document with what is needed to evaluate them."""
+    """The nodes of a document, with the definitions and images that evaluation needs."""
 
     def __init__(self, root: Any, images: Images, where: str, uv_plane: bool = False):
         """Take a document of the package.

@@ -32,7 +32,7 @@ BAKE = "bake it into an image, for instance by MaterialX's command baketextures"
 #: Largest number of octaves of fractal noise.
 MAX_OCTAVES = 16
 
-#: What `burn` and `dodge` take for zero.
+#: Largest divisor that counts as zero in `burn` and `dodge`.
 EPSILON = 1e-8
 
 Function = Callable[..., Any]

@@ -34,7 +34,7 @@ RESOLUTION = 1024
 #: Largest amount by which a colour may leave [0, 1] without a warning.
 GAMUT_TOLERANCE = 0.01
 
-#: Inputs of a material that are no surface shader of its front, and what they are.
+#: Inputs of a material that are left out, and their names in warnings.
 _LOST_SHADERS = {"displacementshader": "displacement", "backsurfaceshader": "back's shader"}
 
 #: Largest number of shaders in a mixture.

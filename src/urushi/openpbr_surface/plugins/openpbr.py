@@ -55,7 +55,7 @@ def define(proposal_bsdf: type):
         With ``transmission_weight``, ``subsurface_weight`` or ``geometry_thin_walled`` the surface
         has two sides. A body needs the medium of ``urushi.openpbr(...).on(shape)`` as the
         ``interior`` of its shape, and one ``specular_ior`` and ``specular_weight``. Panes,
-        and coats on what transmits light, are tables if they are constant and isotropic, and walks
+        and coats over transmitting bases, are tables if they are constant and isotropic, and walks
         otherwise.
 
         A number that ``mi.traverse`` changes is treated like a texture from then on. Components
@@ -183,7 +183,7 @@ class _Maker:
 
 
 def _coat(inputs: Inputs) -> dict[str, Any]:
-    """The coat as a dictionary of a plugin, without its type and what lies below it."""
+    """The coat as a dictionary of a plugin, without its type and bottom."""
     coat: dict[str, Any] = {"ext_ior": 1.0, **width_properties(inputs, "coat")}
     if inputs.known("coat_ior") is not None:
         coat["int_ior"] = float(formulas.interface_index(inputs.known("coat_ior")))

@@ -1,4 +1,4 @@
-"""The stages of a training, one file each, and their interface: what a stage trains, and how."""
+"""The stages of a training, one file each, and their interface, `Stage` and `Task`."""
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Collection
@@ -12,7 +12,7 @@ from urushi.train.optimiser import Loss, Schedule
 
 
 class Task(NamedTuple):
-    """What a stage minimises, and its batches."""
+    """The loss of a stage, and its batches."""
 
     loss: Loss  # from the parameters that learn and a batch to the loss and the terms to log
     # From the first step and the number of steps to their batches, stacked along a first axis. It
