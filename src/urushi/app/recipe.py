@@ -9,8 +9,6 @@ import tyro
 
 from urushi.core import error_metrics as metrics
 from urushi.errors import ParameterError
-from urushi.measured import pigments
-from urushi.measured.rgl import XYZ_TO_SRGB
 from urushi.openpbr_surface.materialx.colour_spaces import to_linear_srgb
 from urushi.ranges import Walks
 
@@ -75,6 +73,8 @@ def candidates(
 
     One of each choice of paints, for a target and a ground of reflectance (3,).
     """
+    from urushi.measured import pigments  # lazily: it starts Dr.Jit
+
     ratios = np.array([r for r in itertools.product(PARTS, repeat=count) if np.gcd.reduce(r) == 1])
     found: list[tuple[float, dict[str, int], float]] = []
     for names in itertools.combinations(pigments.paints(), count):
@@ -101,6 +101,7 @@ def seen(reflectance: np.ndarray) -> np.ndarray:
 
 def distance(a: np.ndarray, b: np.ndarray) -> Any:
     """Distance (...) of linear sRGB colours (..., 3) in CIELAB of 1976, under D65."""
+    from urushi.measured.rgl import XYZ_TO_SRGB
 
     def lab(color: np.ndarray) -> np.ndarray:
         to_xyz = np.linalg.inv(XYZ_TO_SRGB)
