@@ -193,6 +193,28 @@ def test_gradients_of_single_texels(rgb):
     assert (gradient * sign).sum() == pytest.approx(expected, rel=0.02, abs=5e-3 * scale)
 
 
+@pytest.mark.parametrize("name", ("albedo", "bottom.reflectance"))
+def test_texels_of_one_value_have_gradients_of_their_own(rgb, name):
+    """Their sum is the gradient of the number: all texels change together. Codes have 8 bits."""
+    own, count = name.split(".")[-1], 4096
+    uv = np.random.default_rng(0).random((count, 2))
+    si = probing.interaction(np.tile(np.float32([0.6, 0, 0.8]), (count, 1)), uv)
+    found = []
+    for value in ({"type": "rgb", "value": [0.5] * 3}, texture(rgb, 0.5, 0.5)):
+        diffuse = {"type": "diffuse"} | ({own: value} if own == "reflectance" else {})
+        changes = {"albedo": value} if own == "albedo" else {}
+        bsdf = rgb.load_dict(coat(rgb, bottom=diffuse, **changes))
+        parameters = rgb.traverse(bsdf)
+        key = next(x for x in list(parameters.keys()) if x in (f"{name}.data", f"{name}.value"))
+        dr.enable_grad(parameters[key])
+        parameters.update()
+        dr.backward(dr.mean(bsdf.eval(rgb.BSDFContext(), si, rgb.Vector3f(0, 0.6, 0.8)).x))
+        found.append(np.array(dr.grad(parameters[key])))
+    number, texels = found[0].ravel()[0], found[1][..., 0]
+    assert texels.sum() == pytest.approx(number, rel=0.02)
+    np.testing.assert_allclose(texels, texels.mean(), rtol=0.3)  # 256 points of uv for each
+
+
 @pytest.mark.slow
 def test_in_an_environment(rgb):
     """Directions are drawn from the material here, so that only the means over 4 renders agree."""

@@ -7,7 +7,6 @@ repeats is then baked once and has no seam.
 from collections.abc import Mapping
 from functools import cache
 
-import drjit as dr
 import mitsuba as mi
 import numpy as np
 
@@ -95,7 +94,7 @@ def varies(texture: "mi.Texture") -> bool:
     if not (texture.is_spatially_varying() and texture.class_name().startswith("BitmapTexture")):
         return texture.is_spatially_varying()
     data = mi.traverse(texture)["data"]
-    if dr.grad_enabled(data):
+    if data.array.index_ad:  # `dr.grad_enabled` is false where gradients are suspended
         return True
     texels = data.numpy().reshape(-1, data.shape[-1])
     return any((part != texels[0]).any() for part in (texels[:POINTS], texels))
