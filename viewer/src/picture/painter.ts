@@ -23,6 +23,9 @@ const SLOW_PIXELS = 3e6;
 /** Frames for one of a table, where a texture of codes is decoded: they have fewer directions. */
 const TEXTURE_FRAMES = 3;
 
+/** Least pixels of a strip: each moves all vertices again, which small strips would mostly do. */
+const STRIP_PIXELS = 16384;
+
 /** From so many strips on, one has hardly a pixel of the object. */
 const MANY_STRIPS = 4;
 
@@ -203,7 +206,8 @@ export class Painter {
   private async improve(renderer: Renderer, shot: Shot, slots: (0 | 1)[]): Promise<boolean> {
     const pixels = renderer.pixels(shot) / 1e6;
     for (const slot of slots) this.upload(renderer, slot, this.count);
-    const strips = Math.min(Math.max(Math.ceil((this.cost * pixels) / RESTING), 1), 32);
+    const most = Math.min(Math.ceil((1e6 * pixels) / STRIP_PIXELS), 32);
+    const strips = Math.min(Math.max(Math.ceil((this.cost * pixels) / RESTING), 1), most);
     renderer.beginFrame(shot, 1);
     const times: number[] = [];
     for (let strip = 0; strip < strips; strip++) {

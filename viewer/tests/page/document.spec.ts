@@ -8,6 +8,9 @@ import type { FrameLocator, Page } from "@playwright/test";
 import { PYTHON } from "./compared";
 import { expect, test } from "./page";
 
+// The page as it is, and all that it computes
+test.use({ picture: true, occlusion: true, walk: true });
+
 let folder: string;
 let file: string;
 

@@ -86,7 +86,8 @@ function sunny(): Buffer {
   return Buffer.concat([Buffer.from(header, "latin1"), pixels]);
 }
 
-test.use({ picture: true });
+// One canvas pixel for several of the screen: the processor draws.
+test.use({ deviceScaleFactor: 0.16, picture: true });
 test.skip(!hasFlip, "the package flip-evaluator has no wheel for this machine");
 
 for (const [name, { bottom, coats, object, environment }] of Object.entries(CASES))

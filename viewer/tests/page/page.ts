@@ -5,18 +5,26 @@ import { test as base, expect, type Page } from "@playwright/test";
 import { fromAddress, toAddress } from "../../src/state/address";
 import { INITIAL, type State } from "../../src/state/state";
 
+interface Options {
+  picture: boolean;
+  occlusion: boolean;
+  walk: boolean;
+}
+
 /**
  * A page on which nothing is logged, fails, or is asked of another server; `quiet`: what was.
  *
  * `picture`: whether the picture is drawn, which is slow by software. `occlusion`: whether objects hide a
- * part of their own light, which takes a second to compute.
+ * part of their own light, which takes a second to compute. `walk`: whether the random walk converges
+ * beside the plots, which takes two seconds of each material.
  */
-export const test = base.extend<{ quiet: string[]; picture: boolean; occlusion: boolean }>({
+export const test = base.extend<Options & { quiet: string[] }>({
   picture: [false, { option: true }],
   occlusion: [false, { option: true }],
-  page: async ({ page, picture, occlusion }, use) => {
+  walk: [false, { option: true }],
+  page: async ({ page, picture, occlusion, walk }, use) => {
     if (!picture) await page.addInitScript(drawNothing);
-    if (!occlusion) await page.addInitScript(hideNothing);
+    await page.addInitScript(answerAtOnce, { picture, occlusion, walk });
     await use(page);
   },
   quiet: [
@@ -46,15 +54,30 @@ function drawNothing(): void {
   WebGL2RenderingContext.prototype.drawElements = () => {};
 }
 
-/** In the page: answer calls of `occlusion` at once, with meshes that hide none of their light. */
-function hideNothing(): void {
+/**
+ * In the page: answer calls for what is not wanted at once. Meshes hide none of their light, walks end,
+ * and the tables of a picture that nobody sees are all the first.
+ */
+function answerAtOnce(wanted: Options): void {
   const post = Worker.prototype.postMessage;
+  const tables = new WeakMap<Worker, Float32Array>();
   Worker.prototype.postMessage = function (this: Worker, message, options) {
-    if (message.call !== "occlusion")
-      return post.call(this, message, options as StructuredSerializeOptions);
-    const [vertices, stride] = message.args;
-    const result = new Float32Array((4 * vertices.length) / stride).map((_, at) => +(at % 4 === 3));
-    this.dispatchEvent(new MessageEvent("message", { data: { id: message.id, result } }));
+    const answer = (data: object) =>
+      this.dispatchEvent(new MessageEvent("message", { data: { id: message.id, ...data } }));
+    const later = message.call === "table" && Math.max(...message.args[1].shift) > 0;
+    if (later && !wanted.picture && tables.has(this)) answer({ result: tables.get(this) });
+    else if (message.call === "walk" && !wanted.walk) answer({ superseded: true });
+    else if (message.call === "occlusion" && !wanted.occlusion) {
+      const [vertices, stride] = message.args;
+      const numbers = (4 * vertices.length) / stride;
+      answer({ result: new Float32Array(numbers).map((_, at) => +(at % 4 === 3)) });
+    } else {
+      if (message.call === "table")
+        this.addEventListener("message", ({ data }) => {
+          if (data.id === message.id && data.result) tables.set(this, data.result);
+        });
+      post.call(this, message, options as StructuredSerializeOptions);
+    }
   } as typeof post;
 }
 

@@ -2,9 +2,13 @@
 
 import { readExr } from "../../src/core/exr_file";
 import { decoded, encoded } from "../../src/material/colour";
+import { preset } from "../../src/material/presets";
+import { toAddress } from "../../src/state/address";
+import { INITIAL } from "../../src/state/state";
 import { colourAt, expect, give, number, open, panorama, saved, stateOf, test } from "./page";
 
-test.use({ deviceScaleFactor: 1, picture: true });
+// One canvas pixel for several of the screen: the processor draws.
+test.use({ deviceScaleFactor: 0.4, picture: true });
 
 /** An address of a red matt ball in a small picture, where everything is fast. */
 async function matt(page: import("@playwright/test").Page, reflectance: number[]): Promise<void> {
@@ -199,7 +203,6 @@ test("without WebGL 2 a sentence says so, and the cards work", async ({ page }) 
 });
 
 test.describe("in a small picture", () => {
-  // One canvas pixel for several of the screen: the processor draws.
   test.use({ deviceScaleFactor: 0.2 });
 
   test("the radiance that is saved while it refines is that of the picture", async ({ page }) => {
@@ -274,10 +277,9 @@ test.describe("a saved picture", () => {
 
   test("has the chosen tone curve, background and size", async ({ page }) => {
     await page.setViewportSize({ width: 640, height: 300 });
-    await open(page);
-    await page.getByRole("button", { name: /choose another/ }).click();
-    await page.getByRole("button", { name: "Gilding under shellac" }).click();
-    await page.getByRole("combobox", { name: "Object" }).selectOption("ball");
+    const [, other] = INITIAL.materials;
+    const materials = [preset("Gilding under shellac"), other] as const;
+    await open(page, `#${toAddress({ ...INITIAL, materials, object: "ball" })}`);
     const choose = async (name: string, value: string) => {
       await page.getByRole("button", { name: "View", exact: true }).click();
       await page.getByRole("combobox", { name }).selectOption(value);
@@ -348,32 +350,42 @@ async function pixelsOf(page: import("@playwright/test").Page, file: string) {
   }, file);
 }
 
-test("the picture has its place, and nothing is cut off, whatever the window's size", async ({
-  page,
-}) => {
-  await page.goto("./");
-  for (const [width, height] of [
-    [844, 390],
-    [740, 360],
-    [568, 320],
-    [390, 844],
-    [1440, 900],
-    [2560, 1300],
-  ] as const) {
-    await page.setViewportSize({ width, height });
-    const stage = (await page.locator(".stage").boundingBox())!;
-    const share = (stage.width * stage.height) / (width * height);
-    expect(share, `${width} by ${height}`).toBeGreaterThan(0.3);
-    const sizes = await page.evaluate(() => {
-      const { scrollWidth, clientWidth } = document.documentElement;
-      return [scrollWidth, clientWidth];
-    });
-    expect(sizes[0], `${width} by ${height}`).toBe(sizes[1]);
-  }
+test.describe("at the screen's resolution", () => {
+  test.use({ deviceScaleFactor: 1, picture: false });
+
+  test("the picture has its place, and nothing is cut off, whatever the window's size", async ({
+    page,
+  }) => {
+    await page.goto("./");
+    for (const [width, height] of [
+      [844, 390],
+      [740, 360],
+      [568, 320],
+      [390, 844],
+      [1440, 900],
+      [2560, 1300],
+    ] as const) {
+      await page.setViewportSize({ width, height });
+      const stage = (await page.locator(".stage").boundingBox())!;
+      const share = (stage.width * stage.height) / (width * height);
+      expect(share, `${width} by ${height}`).toBeGreaterThan(0.3);
+      const sizes = await page.evaluate(() => {
+        const { scrollWidth, clientWidth } = document.documentElement;
+        return [scrollWidth, clientWidth];
+      });
+      expect(sizes[0], `${width} by ${height}`).toBe(sizes[1]);
+    }
+  });
 });
 
 test.describe("by touch", () => {
-  test.use({ hasTouch: true, isMobile: true, viewport: { width: 390, height: 700 } });
+  test.use({
+    deviceScaleFactor: 1,
+    picture: false,
+    hasTouch: true,
+    isMobile: true,
+    viewport: { width: 390, height: 700 },
+  });
 
   test("a swipe scrolls, a slider slides, and a pinch zooms", async ({ page, context }) => {
     await open(page);

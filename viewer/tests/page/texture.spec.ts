@@ -8,8 +8,6 @@ import { crc32 } from "../../src/save/zip";
 import { compared, hasFlip, PYTHON } from "./compared";
 import { coats, colourAt, expect, give, open, saved, test } from "./page";
 
-test.use({ deviceScaleFactor: 1, picture: true });
-
 let folder: string;
 let texture: Buffer;
 
@@ -26,7 +24,7 @@ const view = { azimuth: 20, elevation: 25, zoom: 1.4 };
 
 test.describe("beside Mitsuba", () => {
   // One canvas pixel for several of the screen: the processor draws.
-  test.use({ deviceScaleFactor: 0.16 });
+  test.use({ deviceScaleFactor: 0.12, picture: true });
   test.skip(!hasFlip, "the package flip-evaluator has no wheel for this machine");
 
   // The sky's sun is a light that is evaluated directly.
@@ -83,21 +81,25 @@ test("a state without its texture says so", async ({ page }) => {
   await expect(page.getByRole("alert")).toContainText("The texture of “silk” is no part");
 });
 
-test("the page begins with a texture beside it", async ({ page }) => {
-  const name = crc32(texture).toString(16).padStart(8, "0");
-  const materials = [{ name: "stripes", bottom: { kind: "texels", texture: name } }];
-  await page.route("**/start.json*", (route) =>
-    route.fulfill({ json: { materials, texture: "texture.safetensors" } }),
-  );
-  await page.route("**/texture.safetensors*", (route) => route.fulfill({ body: texture }));
-  await open(page);
-  await expect(page.getByRole("button", { name: "Material stripes" })).toBeVisible();
-  await expect(page.getByRole("alert")).toHaveCount(0);
-  await expect(async () => {
-    const colours = await Promise.all(
-      [0.42, 0.46, 0.5, 0.54, 0.58].map((x) => colourAt(page, x, 0.6)),
+test.describe("in a picture", () => {
+  test.use({ deviceScaleFactor: 0.5, picture: true });
+
+  test("the page begins with a texture beside it", async ({ page }) => {
+    const name = crc32(texture).toString(16).padStart(8, "0");
+    const materials = [{ name: "stripes", bottom: { kind: "texels", texture: name } }];
+    await page.route("**/start.json*", (route) =>
+      route.fulfill({ json: { materials, texture: "texture.safetensors" } }),
     );
-    const blue = colours.map(([red, , blue]) => blue! - red!);
-    expect(Math.max(...blue) - Math.min(...blue)).toBeGreaterThan(20);
-  }).toPass();
+    await page.route("**/texture.safetensors*", (route) => route.fulfill({ body: texture }));
+    await open(page);
+    await expect(page.getByRole("button", { name: "Material stripes" })).toBeVisible();
+    await expect(page.getByRole("alert")).toHaveCount(0);
+    await expect(async () => {
+      const colours = await Promise.all(
+        [0.42, 0.46, 0.5, 0.54, 0.58].map((x) => colourAt(page, x, 0.6)),
+      );
+      const blue = colours.map(([red, , blue]) => blue! - red!);
+      expect(Math.max(...blue) - Math.min(...blue)).toBeGreaterThan(20);
+    }).toPass();
+  });
 });
