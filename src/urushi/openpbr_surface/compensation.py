@@ -221,9 +221,9 @@ class Furnace:
         uv = TexelGrid(*(grid[0].shape[::-1] if grid else (1, 1))).uv()  # of the nodes, by rows
         if not constant and metalness and inputs.is_uniform(encoding.OF_METALS):
             if isinstance(rough := twin["coat_roughness"], float):
-                twin["coat_roughness"] = _texture(np.full((1, 1, 1), rough))
+                twin["coat_roughness"] = _hardly_varying(rough)
         elif not constant:
-            twin["base_color"] = _texture(np.ones((1, 1, 1)))
+            twin["base_color"] = _hardly_varying(1.0)
         parameters = Inputs.of(twin, inputs.where)
         with dr.suspend_grad():
             losses = _losses(coated(parameters), uv)
@@ -277,6 +277,11 @@ def hemisphere_weights() -> np.ndarray:
 def _values(inputs: Inputs, names: list[str]) -> dict[str, float]:
     """The values of parameters in the middle of uv."""
     return {name: inputs.middle(name) for name in names}
+
+
+def _hardly_varying(value: float) -> dict[str, Any]:
+    """A texture about a value. One of a single value would be a constant, and its coat a table."""
+    return _texture(np.array([[[value], [value + 1e-6]]]))
 
 
 def _texture(texels: np.ndarray) -> dict[str, Any]:
