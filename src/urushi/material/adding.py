@@ -34,6 +34,9 @@ ELEVATIONS, AZIMUTHS = 24, 48
 #: Directions for each of the grid by which means about them are taken.
 FINE = 10
 
+#: How much denser nodes are at angles of total reflection: spacing is 1 - `DENSITY` times as wide.
+DENSITY = 0.8
+
 #: Largest asymmetry of a phase function on the grid. A sharper forward peak counts as unscattered.
 LARGEST_ASYMMETRY = 0.9
 
@@ -66,12 +69,16 @@ class Grid:
     """
 
     def __init__(self, elevations: int = ELEVATIONS, azimuths: int = AZIMUTHS, edges: Edges = ()):
-        parts = []
+        parts, self._edges = [], edges
         for start, end in itertools.pairwise((0.0, *edges, 0.5 * np.pi)):
-            share = (end - start) / (0.5 * np.pi)
-            nodes, weights = gauss(max(round(elevations * share), 4))
-            half = 0.5 * (end - start)
-            parts.append((start + half * (nodes + 1), half * weights))
+            size = end - start
+            nodes, weights = gauss(max(round(elevations * size / (0.5 * np.pi)), 4))
+            t = 0.5 * (nodes + 1)  # the place of a node in its part, before it is moved to edges
+            low, high = int(start > 0), int(end < 0.5 * np.pi)
+            bend = DENSITY * (high - low + (low & high) * (2 * t - 1))
+            moved = t + bend * t * (1 - t)
+            slope = 1 + bend * (1 - 2 * t) + 2 * DENSITY * (low & high) * t * (1 - t)
+            parts.append((start + size * moved, 0.5 * size * weights * slope))
         self.angles, weights = np.concatenate(parts, axis=1)  # (N,) ascending, to the normal
         self.cosines = np.cos(self.angles)
         # (N,) They integrate over the cosine times the cosine.
@@ -174,7 +181,7 @@ class Grid:
 
         The values at the nodes alone would miss the edge of total reflection.
         """
-        fine = Grid(FINE * len(self.angles))
+        fine = Grid(FINE * len(self.angles), edges=self._edges)
         index, part = self._place(fine.angles, self.angles)
         values = fine.weights * function(fine.cosines)
 
@@ -191,7 +198,7 @@ class Grid:
 
         modes: returns them (H, L, M) for the L directions of a finer grid.
         """
-        fine = Grid(4 * len(self.angles))
+        fine = Grid(4 * len(self.angles), edges=self._edges)
         shares = self.shares(fine.angles) * fine.weights[:, None]
         return (shares / shares.sum(axis=0)).T @ modes(fine)
 
