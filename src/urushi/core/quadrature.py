@@ -18,18 +18,20 @@ MIN_TANGENT = 1e-5
 gauss = functools.cache(np.polynomial.legendre.leggauss)
 
 
-def half_vector_rule(wi: np.ndarray, *, anisotropic: bool = False) -> tuple[np.ndarray, np.ndarray]:
+def half_vector_rule(
+    wi: np.ndarray, *, anisotropic: bool = False, azimuths: int = AZIMUTH_NODES
+) -> tuple[np.ndarray, np.ndarray]:
     """Return wo (N, M, 3) and weights (N, M): the sum of f(wo) cos_o weights integrates f cos_o.
 
     wi: (N, 3) unit vectors above the horizon.
     anisotropic: whether f may be. Otherwise nodes lie on one side of the plane of incidence, and
         the integrand must be the same on the other. There are four times as many nodes for
         anisotropic ones, twice as dense, because the azimuth changes them.
-
+    azimuths: nodes in each half of the azimuth's range.
     """
     wi = np.asarray(wi, np.float64)
-    in_plane = np.stack([np.hypot(wi[:, 0], wi[:, 1]), 0 * wi[:, 1], wi[:, 2]], axis=-1)
-    nodes, weights = gauss(AZIMUTH_NODES * (1 + anisotropic))
+in_plane = np.stack([np.hypot(wi[:, 0], wi[:, 1]), 0 * wi[:, 1], wi[:, 2]], axis=-1)
+    nodes, weights = gauss(azimuths * (1 + anisotropic))
     quarter = 0.25 * np.pi * (nodes + 1.0)
     phi = np.concatenate([quarter, np.pi - quarter])
     phi_weight = np.tile(2.0 * 0.25 * np.pi * weights, 2)[:, None]  # both sides of the plane

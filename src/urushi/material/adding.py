@@ -232,7 +232,7 @@ def bottom_modes(f: Brdf, edges: Edges = ()) -> np.ndarray:
     return np.stack([own.brdf_modes(*column) for column in columns])
 
 
-@functools.lru_cache(maxsize=8)
+@functools.lru_cache(maxsize=16)
 def interface_modes(alpha: float, eta: float, edges: Edges = ()) -> np.ndarray:
     """Modes (H, N, N) of the reflection of an interface from below; eta: below over above."""
     own = grid(edges)
@@ -364,6 +364,7 @@ def resolved(albedo: float, sigma_t: float, g: float) -> tuple[float, float, flo
     return albedo, sigma_t, max(g, RESOLVED_G)
 
 
+@functools.lru_cache(maxsize=16)
 def medium(
     albedo: float, sigma_t: float, g: float, edges: Edges = ()
 ) -> tuple[np.ndarray, np.ndarray]:

@@ -84,6 +84,9 @@ ROWS = 256
 #: logarithm of the factor; rounds of the search for it.
 GRAZING, MISSING, ROUNDS = np.array([0.5, 0.35, 0.2, 0.1, 0.04]), (-0.5, 1.0), 8
 
+#: Nodes of the quadrature of this light in each half of the azimuth's range.
+AROUND = 4
+
 #: Least width of straight light, as a mirror of this width reflects: a table holds no narrower one.
 LEAST_SPREAD = MIN_ALPHA / 5
 
@@ -193,7 +196,7 @@ def _completed(
     for side, cosine in itertools.product(sides, GRAZING[1:]):
         near = Components((1 - cosine**2) ** 0.5, 0.0, cosine)
         seen = slabs.straight(near, index ** (1 - 2 * side), NUMPY)
-        far, weights = (x[0] for x in half_vector_rule(np.array([seen])))
+        far, weights = (x[0] for x in half_vector_rule(np.array([seen]), azimuths=AROUND))
         pair = [np.full(far.shape, near, np.float32), far.astype(np.float32)][:: 1 - 2 * side]
         values = np.empty((len(far), logs.shape[-1]), np.float32)
         fill_blocks(values, light, *pair, rows=ROWS)

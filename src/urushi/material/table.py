@@ -98,15 +98,19 @@ def interpolated_at(table: np.ndarray, *places: np.ndarray) -> np.ndarray:
         place = np.clip(coordinate, 0, 1) * (count - 1)
         index = np.minimum(place.astype(np.intp), count - 2)
         first = first * count + index
-        shares.append((place - index.astype(place.dtype)).astype(np.float32)[:, None])
+        share = (place - index.astype(place.dtype)).astype(np.float32)
+        # Arrays of equal shapes: NumPy broadcasts along a short last axis slowly.
+        shares.append(np.repeat(share, channels).reshape(-1, channels))
     values = [  # `take` is several times as fast as an index
         rows.take(first + step, axis=0).astype(np.float32, copy=False)
         for step in corner_steps(shape)
     ]
     for share in reversed(shares):
-        values = [
-            low + share * (high - low) for low, high in zip(values[::2], values[1::2], strict=True)
-        ]
+        for low, high in zip(values[::2], values[1::2], strict=True):
+            high -= low
+            high *= share
+            low += high
+        values = values[::2]
     return np.exp(values[0])
 
 
