@@ -30,7 +30,7 @@ def half_vector_rule(
     azimuths: nodes in each half of the azimuth's range.
     """
     wi = np.asarray(wi, np.float64)
-in_plane = np.stack([np.hypot(wi[:, 0], wi[:, 1]), 0 * wi[:, 1], wi[:, 2]], axis=-1)
+    in_plane = np.stack([np.hypot(wi[:, 0], wi[:, 1]), 0 * wi[:, 1], wi[:, 2]], axis=-1)
     nodes, weights = gauss(azimuths * (1 + anisotropic))
     quarter = 0.25 * np.pi * (nodes + 1.0)
     phi = np.concatenate([quarter, np.pi - quarter])

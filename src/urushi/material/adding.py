@@ -17,7 +17,8 @@ is added as a mirror reflection.
 
 import functools
 import itertools
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
+from typing import NamedTuple
 
 import numpy as np
 
@@ -53,10 +54,7 @@ ROUNDS = 20
 Edges = tuple[float, ...]
 
 #: Cosines at which light that is mirrored to and fro is known.
-COSINES = 1 << 12
-
-#: The share (..., C) of light of cosines (...) that a surface mirrors.
-Mirror = Callable[[np.ndarray], np.ndarray]
+COSINES = np.linspace(1 / (1 << 12), 1, 1 << 12).astype(np.float32)
 
 #: BRDF values (N, C) of float32 unit vectors (N, 3).
 Brdf = Callable[[np.ndarray, np.ndarray], np.ndarray]
@@ -153,15 +151,10 @@ class Grid:
             result += share[:, None] * values[index]
         return result
 
-    def function(self, values: np.ndarray) -> Callable[[np.ndarray], np.ndarray]:
-        """The function (..., C) of cosines (...) with values (N,) or (N, C) at the nodes."""
-        columns = values.reshape(len(self.cosines), -1).T
-
-        def interpolation(cosine: np.ndarray) -> np.ndarray:
-            found = [np.interp(cosine, self.cosines[::-1], column[::-1]) for column in columns]
-            return np.stack(found, axis=-1).astype(np.float32)
-
-        return interpolation
+    def at_cosines(self, values: np.ndarray) -> np.ndarray:
+        """Values (M, C) at `COSINES`, float32, of values (N, C) at the nodes."""
+        found = [np.interp(COSINES, self.cosines[::-1], column[::-1]) for column in values.T]
+        return np.stack(found, axis=-1).astype(np.float32)
 
     def mirror_shares(self, modes: np.ndarray) -> np.ndarray:
         """The part (N,) of the albedo of a BRDF that `brdf_modes` added as a mirror reflection."""
@@ -243,54 +236,79 @@ def interface_modes(alpha: float, eta: float, edges: Edges = ()) -> np.ndarray:
     )
 
 
-def mirror(alpha: float, eta: float, *, edges: Edges) -> Mirror:
-    """The share (..., 1) that an interface mirrors of light below it; eta: below over above."""
+def mirror(alpha: float, eta: float, edges: Edges) -> np.ndarray:
+    """The share (M, 1) that an interface mirrors of light below it at `COSINES`; eta: as above."""
     own, modes = grid(edges), interface_modes(alpha, eta, edges)
-    share = own.function(own.mirror_shares(modes) / np.maximum(modes[0] @ own.weights, 1e-9))
-
-    def mirrored(cosine: np.ndarray) -> np.ndarray:
-        return fresnel.dielectric(cosine, np.float32(1 / eta), NUMPY)[0][..., None] * share(cosine)
-
-    return mirrored
+    share = own.mirror_shares(modes) / np.maximum(modes[0] @ own.weights, 1e-9)
+    fresnel_term = fresnel.dielectric(COSINES, np.float32(1 / eta), NUMPY)[0]
+    return fresnel_term[:, None] * own.at_cosines(share[:, None])
 
 
 def to_and_fro(
-    depths: Sequence[float], *mirrors: Mirror
+    depths: Sequence[float], upper: np.ndarray, lower: np.ndarray
 ) -> tuple[Callable[[np.ndarray], np.ndarray], Callable[[np.ndarray], np.ndarray]]:
     """Functions of cosines (...) that sum light (..., C) over all its reflections by two surfaces.
 
     Args:
         depths: (C,) optical depths of the medium between the surfaces.
+        upper, lower: (M, C) or (M, 1) shares of light at `COSINES` that the surfaces mirror.
 
     Returns:
         The share of entering light that crosses the medium; and the root of the sum without
         attenuation, a factor of each direction of light that the lower surface reflects.
     """
-    cosines = np.linspace(1 / COSINES, 1, COSINES).astype(np.float32)
-    left = np.exp(-np.asarray(depths, np.float32) / cosines[:, None])
-    upper, lower = (surface(cosines) for surface in mirrors)
+    left = np.exp(-np.asarray(depths, np.float32) / COSINES[:, None])
     times = 1 / (1 - upper * lower * left * left)
 
     def lookup(table: np.ndarray) -> Callable[[np.ndarray], np.ndarray]:
-        return lambda cosine: table.take((cosine * (COSINES - 1)).astype(np.intp), axis=0)
+        last = len(COSINES) - 1
+        return lambda cosine: table.take((cosine * last).astype(np.intp), axis=0)
 
     return lookup(left * times), lookup(np.sqrt(times))
+
+
+class Lit(NamedTuple):
+    """Light in a medium over a bottom, below nothing else.
+
+    Attributes:
+        grid: its directions.
+        through: (N,) the share of light that crosses the medium unscattered.
+        down, up: modes (H, N, N): shares of light from the top that arrive at the bottom, and that
+            leave the top.
+        depth: the optical depth that attenuates unscattered light.
+    """
+
+    grid: Grid
+    through: np.ndarray
+    down: np.ndarray
+    up: np.ndarray
+    depth: float
+
+
+def lit(bottom: np.ndarray, layer: Iterable[float], edges: Edges) -> Lit:
+    """Light in a medium (albedo, sigma_t, g) over a bottom of modes (H, N, N)."""
+    own, (albedo, sigma_t, g) = grid(edges), resolved(*layer)
+    through, mirrored = np.exp(-sigma_t / own.cosines), bottom * own.weights
+    if albedo * sigma_t <= LEAST_SCATTERING:
+        down = np.broadcast_to(np.diag(through), bottom.shape)
+        return Lit(own, through, down, through[:, None] * mirrored * through, sigma_t)
+    reflected, passed = (x * own.weights for x in medium(albedo, sigma_t, g, edges))
+    once = np.diag(through) + passed
+    down = np.linalg.solve(np.eye(len(through)) - reflected @ mirrored, once)
+    return Lit(own, through, down, once @ mirrored @ down + reflected, sigma_t)
 
 
 def seen_inside(
     bottom: np.ndarray,
     interface: np.ndarray,
-    albedo: float,
-    sigma_t: float,
-    g: float,
-    *,
+    layer: Iterable[float],
     edges: Edges | None = None,
 ) -> tuple[np.ndarray, float]:
     """BRDF of a bottom and a medium below an interface that reflects from below.
 
     Args:
         bottom, interface: modes (H, N, N).
-        albedo, sigma_t, g: of the medium.
+        layer: albedo, sigma_t and g of the medium.
         edges: of slabs.
 
     Returns:
@@ -298,58 +316,31 @@ def seen_inside(
         scattered by the medium; and the optical depth that attenuates the excepted light. In slabs,
         the excepted light counts as often as both surfaces mirror it (`to_and_fro`).
     """
-    own = grid(edges or ())
-    weights, one = own.weights, np.eye(len(own.cosines))
-    albedo, sigma_t, g = resolved(albedo, sigma_t, g)
-    through = np.exp(-sigma_t / own.cosines)
-    direct = through[:, None] * bottom * through
-    every = direct
-    if albedo * sigma_t > LEAST_SCATTERING:
-        reflected, passed = medium(albedo, sigma_t, g, edges or ())
-        lit = np.linalg.solve(one - (bottom * weights) @ (reflected * weights), bottom)
-        down, up = np.diag(through) + weights[:, None] * passed, np.diag(through) + passed * weights
-        every = reflected + up @ lit @ down
-    every = np.linalg.solve(one - (every * weights) @ (interface * weights), every)
-    if edges is not None:
-        mirrored = own.mirror_shares(interface) * own.mirror_shares(bottom)
-        times = np.sqrt(1 / (1 - mirrored * through**2))
-        direct = times[:, None] * direct * times
-    return own.values_of_modes(every - direct), sigma_t
+    own, through, _, up, depth = lit(bottom, layer, edges or ())
+    every = up / own.weights
+    every = np.linalg.solve(np.eye(len(through)) - up @ (interface * own.weights), every)
+    mirrored = own.mirror_shares(interface) * own.mirror_shares(bottom) if edges is not None else 0
+    left = through * np.sqrt(1 / (1 - mirrored * through**2))
+    return own.values_of_modes(every - left[:, None] * bottom * left), depth
 
 
 def passed_inside(
-    bottom: np.ndarray,
-    interface: np.ndarray,
-    albedo: float,
-    sigma_t: float,
-    g: float,
-    *,
-    edges: Edges,
+    bottom: np.ndarray, interface: np.ndarray, layer: Iterable[float], edges: Edges
 ) -> tuple[np.ndarray, np.ndarray, float]:
     """Transmission of a medium over a bottom, below an interface that reflects from below.
 
     Args:
-        bottom, interface, albedo, sigma_t, g, edges: as of `seen_inside`.
+        bottom, interface, layer, edges: as of `seen_inside`.
 
     Returns:
         Modes (H, N, N): shares of light that crosses the medium, in either direction, from the
         first nodes to the second; of it (N,) what goes straight, not scattered and at most mirrored
         (`Grid.mirror_shares`); and the optical depth that attenuates straight light.
     """
-    own = grid(edges)
-    weights, one = own.weights, np.eye(len(own.cosines))
-    albedo, sigma_t, g = resolved(albedo, sigma_t, g)
-    through = np.exp(-sigma_t / own.cosines)
-    down, reflected = np.diag(through), np.zeros_like(interface)
-    if albedo * sigma_t > LEAST_SCATTERING:
-        reflected, passed = medium(albedo, sigma_t, g, edges)
-        down = down + passed * weights
-    # Light at the bottom and at the top, of that which leaves the upper interface
-    lit = np.linalg.solve(one - (reflected * weights) @ (bottom * weights), down)
-    up = down @ (bottom * weights) @ lit + reflected * weights
-    every = lit @ np.linalg.inv(one - (interface * weights) @ up)
+    own, through, down, up, depth = lit(bottom, layer, edges)
+    every = down @ np.linalg.inv(np.eye(len(through)) - (interface * own.weights) @ up)
     mirrored = own.mirror_shares(interface) * own.mirror_shares(bottom)
-    return every, through / (1 - mirrored * through**2), sigma_t
+    return every, through / (1 - mirrored * through**2), depth
 
 
 def resolved(albedo: float, sigma_t: float, g: float) -> tuple[float, float, float]:

@@ -73,7 +73,8 @@ class Inside(NamedTuple):
     """A coat of a slab."""
 
     edges: adding.Edges  # of its medium
-    lower: adding.Mirror | None  # of the lowest interface under it; None: the bottom is a table
+    modes: np.ndarray  # (C, H, N, N) of what lies below the medium
+    mirrored: np.ndarray  # (M, C) shares of light at `adding.COSINES` that it mirrors
     knots: Knots  # of the table of the coated material
 
 
@@ -123,7 +124,7 @@ def coated_rest(bottom: Material, coat: CoatParameters, slab: Inside | None = No
     points = facet_pair_points(64 if slab else 256)
     parameters = np.stack([*np.broadcast_arrays(*coat, np.zeros(bottom.channels))][:5])
     result = np.empty((len(every[0]), parameters.shape[1]), np.float32)
-    modes = adding.bottom_modes(bottom.f, slab.edges if slab else ())
+    modes = slab.modes if slab else adding.bottom_modes(bottom.f)
     values = bottom.f(*node_pairs(1, bottom.knots)).reshape(*SHAPE, -1)
     peak = half_vectors(values, SLAB_POWER if slab else PEAK_POWER)
     for interface in np.unique(parameters[:2], axis=1).T:
@@ -253,16 +254,15 @@ def _below(
     inverse = (1 / wi[:, 2] + 1 / wo[:, 2]).reshape(SHAPE)
     direct, more, depths, times = [], [], [], None
     for channel, medium in zip(channels, media.T, strict=True):
-        again, depth = adding.seen_inside(modes[channel], back, *medium, edges=slab and edges)
+        again, depth = adding.seen_inside(modes[channel], back, medium, slab and edges)
         more.append(own.interpolated(again[..., None], wi, wo).reshape(SHAPE))
         logs = bottom.table[..., channel].astype(np.float32) - depth * inverse
         direct.append(np.exp(logs))
         depths.append(depth)
     values = np.stack(direct, axis=-1)
     if slab:
-        shares = [own.mirror_shares(modes[channel]) for channel in channels]
-        lower = slab.lower or own.function(np.stack(shares, axis=-1))
-        times = adding.to_and_fro(depths, adding.mirror(*interface, edges=edges), lower)[1]
+        upper = adding.mirror(float(interface[0]), float(interface[1]), edges)
+        times = adding.to_and_fro(depths, upper, slab.mirrored[:, channels])[1]
         values *= (times(wi[:, 2]) * times(wo[:, 2])).reshape(values.shape)
     table = np.log(np.maximum(values + np.stack(more, axis=-1), 1e-30)).astype(np.float32)
     lobe = None

@@ -168,14 +168,14 @@ def slab_tables(model: Model, interfaces: np.ndarray, media: np.ndarray) -> Slab
     """
     turned = np.stack([interfaces[:, 0], 1 / interfaces[:, 1]], axis=1)[::-1]
     symmetric = np.allclose(turned, interfaces, 1e-4) and np.allclose(media[::-1], media)
-    above = _reflected(model, interfaces, media)
-    below = above if symmetric else _reflected(model, turned, media[::-1])
+    above, layers = _reflected(model, interfaces, media)
+    below = above if symmetric else _reflected(model, turned, media[::-1])[0]
     index, faces = float(interfaces[:, 1].prod()), (tuple(interfaces[0]), tuple(turned[0]))
-    light = transmitted(interfaces, media, above, faces)
+    light = transmitted(interfaces, media, layers, faces)
     logs = np.log(np.maximum(_tabulated(light, index, media.shape[-1], symmetric), 1e-30))
     logs = _completed(light, logs, index, faces, symmetric)
     passed = logs.clip(MIN_LOG, MAX_LOG).astype(np.float16)
-    tables = SlabTables((above[0], below[0]), passed, index, faces)
+    tables = SlabTables((above, below), passed, index, faces)
     upper = _limited(tables, 1)
     return tables._replace(reflected=(upper, upper if symmetric else _limited(tables, -1)))
 
@@ -310,27 +310,35 @@ def _node_pairs(index: float) -> tuple[np.ndarray, np.ndarray]:
     return found[0], found[1]
 
 
-def _reflected(model: Model, interfaces: np.ndarray, media: np.ndarray) -> list[Material]:
-    """What the slab reflects above each of its interfaces, top to bottom."""
+def _reflected(
+    model: Model, interfaces: np.ndarray, media: np.ndarray
+) -> tuple[Material, list[Inside]]:
+    """What the slab reflects above, and each of its media."""
     channels, lobe = media.shape[-1], slice(model.arch.lobe)
-    parts: list[Material] = []
+    below, layers = None, list[Inside]()
     for level in reversed(range(len(interfaces))):
         alpha, eta = np.broadcast_to(interfaces[level], (channels, 2)).T
         codes = np.zeros((channels, model.arch.latent), np.float32)
         codes[:, lobe] = lobes.of_coat(alpha, eta)
         table = np.full((*SHAPE, channels), MIN_LOG, np.float16)
         knots: Knots = ()
-        if parts:
-            edges, lower = _edges(interfaces, level), None
-            if len(parts) == 1:
-                width, index = interfaces[-1]
-                lower = adding.mirror(width, 1 / index, edges=edges)
+        if below is not None:
+            edges = _edges(interfaces, level)
+            if layers:
+                own, modes = adding.grid(edges), adding.bottom_modes(below.f, edges)
+                mirrored = own.at_cosines(np.stack([own.mirror_shares(m) for m in modes], axis=-1))
+            else:
+                surface = interfaces[-1, 0], 1 / interfaces[-1, 1], edges
+                modes = np.stack([adding.interface_modes(*surface)] * channels)
+                mirrored = adding.mirror(*surface).repeat(channels, axis=1)
             beyond = interfaces[level:, 1].cumprod()
             knots = knots_of(beyond[beyond < 1 - MIN_INDEX_STEP].tolist())
+            layers.insert(0, Inside(edges, modes, mirrored, knots))
             coat = CoatParameters(alpha, eta, *media[level])
-            table = coated_table(parts[0], coat, codes[:, lobe], Inside(edges, lower, knots))
-        parts.insert(0, Material(codes, model, table=table, beside_lobe=True, knots=knots))
-    return parts
+            table = coated_table(below, coat, codes[:, lobe], layers[0])
+        below = Material(codes, model, table=table, beside_lobe=True, knots=knots)
+    assert below is not None  # for the type checker
+    return below, layers
 
 
 def _edges(interfaces: np.ndarray, level: int) -> adding.Edges:
@@ -343,14 +351,14 @@ def _edges(interfaces: np.ndarray, level: int) -> adding.Edges:
 def transmitted(
     interfaces: np.ndarray,
     media: np.ndarray,
-    parts: list[Material],
+    layers: list[Inside],
     faces: Faces,
 ) -> Callable[[np.ndarray, np.ndarray], np.ndarray]:
     """f / index^2 [1/sr] of transmission over `entering`: a function of directions above and below.
 
     Args:
         interfaces, media: as of `slab_tables`.
-        parts: what is reflected above each interface.
+        layers: the media.
         faces: as of `SlabTables`.
     """
     indices = interfaces[:, 1].cumprod()
@@ -358,8 +366,6 @@ def transmitted(
     outside = adding.Grid(ELEVATIONS, edges=edges[-1 if indices[-1] > 1 else 0])
     facets = _facets(interfaces, indices)
     alpha, eta = interfaces[-1]
-    lower = [adding.interface_modes(alpha, 1 / eta, edges[-2])] * media.shape[-1]
-    surface = adding.mirror(alpha, 1 / eta, edges=edges[-2])
     # Light from below that arrives above the interfaces that have been passed, all and straight
     crossing = _crossing_modes(outside, adding.grid(edges[-2]), alpha, 1 / eta)
     every = [crossing] * media.shape[-1]
@@ -368,20 +374,17 @@ def transmitted(
         inside, own = edges[level + 1], adding.grid(edges[level + 1])
         alpha, eta = interfaces[level]
         back = adding.interface_modes(alpha, eta, inside)
-        if table is not None:
-            lower = list(adding.bottom_modes(parts[level + 1].f, inside))
-            shares = np.stack([own.mirror_shares(modes) for modes in lower])
-            surface = own.function(shares.T)
         fields, straights, depths = zip(
             *(
-                adding.passed_inside(modes, back, *medium, edges=inside)
-                for modes, medium in zip(lower, media[level].T, strict=True)
+                adding.passed_inside(modes, back, medium, inside)
+                for modes, medium in zip(layers[level].modes, media[level].T, strict=True)
             ),
             strict=True,
         )
         every = [a @ b for a, b in zip(every, fields, strict=True)]
         direct = [a * b for a, b in zip(direct, straights, strict=True)]
-        attenuation, _ = adding.to_and_fro(depths, adding.mirror(alpha, eta, edges=inside), surface)
+        upper = adding.mirror(alpha, eta, inside)
+        attenuation, _ = adding.to_and_fro(depths, upper, layers[level].mirrored)
         straight = _two_interfaces(facets[level], facets[-1], indices[level], attenuation)
         if table is not None:
             index = indices[-1] / indices[level]
