@@ -51,6 +51,7 @@ def test_media_are_those_of_the_solver_on_another_grid(albedo, sigma_t, g):
 def test_what_the_grids_differ_by_vanishes_on_a_finer_grid(monkeypatch):
     fine = adding.Grid(2 * adding.ELEVATIONS, 2 * adding.AZIMUTHS)
     monkeypatch.setattr(adding, "grid", lambda edges=(): fine)
+    monkeypatch.setattr(adding, "medium", adding.medium.__wrapped__)  # without its cache
     monkeypatch.setattr(adding, "FIRST_DEPTH", adding.FIRST_DEPTH / 100)
     assert_as_by_the_solver(0.9, 2.0, 0.9)
 

@@ -290,9 +290,29 @@ class SlabMixture(NamedTuple):
         return type(wo)(wo.x, wo.y, dr.select((wi.z > 0) == reflects, wo.z, -wo.z))
 
 
+def with_far_side(mixture, through) -> SlabMixture:
+    """A proposal of one side, and a cosine lobe on the other side of wi.
+
+    through: the probability of the other side.
+    """
+    return SlabMixture(mixture, Mixture([0.0, 1.0], [1.0]), 1 - through, 1.0)
+
+
 def raised(w):
     """A direction, mirrored to the upper side."""
     return type(w)(w.x, w.y, dr.abs(w.z))
+
+
+def relative(wi, wo):
+    """wo with z > 0 on the side of wi, and the inverse."""
+    return type(wo)(wo.x, wo.y, dr.select(wi.z > 0, wo.z, -wo.z))
+
+
+def above_surface(si):
+    """The interaction seen from the same direction above the surface."""
+    seen = mi.SurfaceInteraction3f(si)
+    seen.wi = raised(si.wi)
+    return seen
 
 
 class TurnedMixture(NamedTuple):

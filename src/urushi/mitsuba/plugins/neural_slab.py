@@ -22,7 +22,7 @@ from urushi.mitsuba.latents.holders import ConstantLatents
 from urushi.mitsuba.networks.table import interpolated, padded, stored
 from urushi.mitsuba.plugins.base import ignore
 from urushi.mitsuba.plugins.coated import define_coated
-from urushi.mitsuba.plugins.coats import CoatStack, SlabMixture, raised, width
+from urushi.mitsuba.plugins.coats import CoatStack, SlabMixture, above_surface, raised, width
 from urushi.mitsuba.reading.grid import varies
 from urushi.mitsuba.recording import only_where, owned, signature_of
 from urushi.nets.features import MIN_COSINE
@@ -150,8 +150,7 @@ def define(base: type) -> type:
                 self._passed = self._passed + change(low.passed, high.passed)
 
         def _f(self, vertex, ctx, si, wo, active):
-            inside, up = mi.SurfaceInteraction3f(si), raised(wo)
-            inside.wi = raised(si.wi)
+            inside, up = above_surface(si), raised(wo)
             upper = si.wi.z > 0
             sides = [side.f(side.bare_vertex(si), inside, up, active) for side in self._reflected]
             channels = [dr.select(upper, x[0], x[-1]) for x in zip(*sides, strict=True)]

@@ -11,6 +11,7 @@ from urushi.openpbr_surface import bsdfs, formulas, transmission
 from urushi.openpbr_surface.bsdfs import Layers
 from urushi.openpbr_surface.compensation import Compensation
 from urushi.openpbr_surface.inputs import Inputs, derived, width_properties
+from urushi.openpbr_surface.shares import transmits
 
 #: Plugins of the coat: by networks, and by walks.
 COATS = ("neural_layered", "layered")
@@ -110,7 +111,7 @@ def define(proposal_bsdf: type):
             maker = _Maker(inputs, base_class, COATS[bool(reference)], {} if reference else options)
             return surface_class(inputs, lambda former: maker.layers(former, compensated))
 
-        if transmission.transmits(inputs):
+        if transmits(inputs):
             bsdf = body(inputs, opaque, _coat, not reference, compensated)
         else:
             bsdf = opaque(inputs)

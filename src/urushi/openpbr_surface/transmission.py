@@ -1,4 +1,11 @@
-"""The surface that transmits light: a mixture of two-sided parts."""
+"""OpenPBR's bases that transmit light: bodies of glass, and thin walls.
+
+A `Body` mixes two-sided BSDFs by the shares of the base: opaque, an interface with a
+medium below it (`Glass`), a thin wall that scatters light (`Sheet`), and slabs of the plugins
+`layered` and `neural_layered` (`slabs`): coats on glass, panes, and panes with coats on both sides.
+Departures from the specification: a share that is opaque looks the same from inside; both sides of
+a thin wall have the coat; specular_weight changes the index of the body, whatever lies above it.
+"""
 
 from collections.abc import Callable
 from functools import partial
@@ -7,13 +14,18 @@ from typing import Any
 import drjit as dr
 import mitsuba as mi
 
-from urushi.mitsuba.plugins.coats import Turn, TurnedMixture, raised
+from urushi.mitsuba.plugins.coats import (
+    Turn,
+    TurnedMixture,
+    above_surface,
+    raised,
+    with_far_side,
+)
+from urushi.openpbr_surface import two_sided
 from urushi.openpbr_surface.bsdfs import Part, SurfaceProposal
 from urushi.openpbr_surface.inputs import Inputs
-from urushi.openpbr_surface.transmission import glass, sheet
-from urushi.openpbr_surface.transmission.shares import SHARES, index_of, opaque_share, shares
-from urushi.openpbr_surface.transmission.sides import TwoSided, above_surface
-from urushi.openpbr_surface.transmission.slab import Finish, slab_of
+from urushi.openpbr_surface.shares import SHARES, index_of, opaque_share, shares
+from urushi.openpbr_surface.slabs import Finish, slab_of
 
 #: Colours that are white where losses are measured.
 COLORS = ("coat_color", "transmission_color", "specular_color")
@@ -25,7 +37,7 @@ TABULATED = ("specular_roughness", "transmission_color", "coat_roughness", "coat
 def define(proposal_bsdf: type) -> Callable[..., "mi.BSDF"]:
     """Make the function that makes the surface; see `define_proposal_bsdf`."""
 
-    Glass, Sheet = (part.define(proposal_bsdf) for part in (glass, sheet))
+    Glass, Sheet = two_sided.define(proposal_bsdf)
 
     class Body(proposal_bsdf):
         """A surface that transmits light: a mixture of two-sided BSDFs."""
@@ -84,7 +96,7 @@ def define(proposal_bsdf: type) -> Callable[..., "mi.BSDF"]:
                 own = self._interaction(turn, part.bsdf, si)
                 proposal = part.bsdf._proposal(part.vertex, own, active)
                 if not part.bsdf._transmits:
-                    proposal = TwoSided(proposal, 0.0)
+                    proposal = with_far_side(proposal, 0.0)
                 else:
                     proposal = finish.proposal(proposal, own.wi) if finish else proposal
                     proposal = proposal if turn is None else TurnedMixture(proposal, turn)

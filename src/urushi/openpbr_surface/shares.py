@@ -72,6 +72,11 @@ def index_of(inputs: Inputs) -> float:
     return min(max(ior, 1 / 3), 3.0)
 
 
+def index2(w, index):
+    """The square of the index on the side of a direction."""
+    return dr.select(w.z > 0, 1, index * index)
+
+
 def tint_of(inputs: Inputs, si, active) -> Any:
     """The factor of light that crosses the base's interface, without a transmission_depth."""
     clear, scattering = inputs.transmits(SHARES[1]), inputs.transmits(SHARES[2])

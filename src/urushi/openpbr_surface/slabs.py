@@ -11,14 +11,13 @@ from urushi.core.appearance import optical_depth
 from urushi.core.mixture import Mixture
 from urushi.core.namespace import DRJIT
 from urushi.mitsuba.interface_albedo import Interpolated
-from urushi.mitsuba.plugins.coats import raised
+from urushi.mitsuba.plugins.coats import raised, relative, with_far_side
 from urushi.mitsuba.reading.parameters import opaque
 from urushi.openpbr_surface import formulas
 from urushi.openpbr_surface.bsdfs import SurfaceProposal
 from urushi.openpbr_surface.compensation import hemisphere_weights, sampled_losses
 from urushi.openpbr_surface.inputs import Inputs, derived, width_properties
-from urushi.openpbr_surface.transmission.shares import index_of, tint_of
-from urushi.openpbr_surface.transmission.sides import TwoSided, index2, relative
+from urushi.openpbr_surface.shares import index2, index_of, tint_of
 from urushi.walk import interface
 
 #: Samples from which the light that a slab loses is measured, for each cosine.
@@ -61,7 +60,7 @@ class Finish:
     def _returned(self, wi):
         """Directions of the returned light, and their share of all."""
         through = dr.select(wi.z > 0, self._below, 1 - self._below)
-        return TwoSided(Mixture([0.0, 1.0], [1.0]), through), dr.clip(self._lost(wi), 0, 0.9)
+        return with_far_side(Mixture([0.0, 1.0], [1.0]), through), dr.clip(self._lost(wi), 0, 0.9)
 
     def proposal(self, slab, wi):
         """The proposal of the slab with it."""

@@ -1,4 +1,8 @@
-"""The surface of a body of glass: an interface in closed form, with its lost light returned."""
+"""Parts of a surface that transmits light, in closed form: the interface of a body, thin walls.
+
+The interface returns the light that it loses. Thin walls scatter light to both sides, as leaves and
+paper do.
+"""
 
 from typing import Any, NamedTuple
 
@@ -7,14 +11,16 @@ import mitsuba as mi
 
 from urushi.checks import MIN_INDEX_STEP
 from urushi.core import fresnel, microfacet
+from urushi.core.mixture import Mixture
 from urushi.errors import ParameterError
 from urushi.mitsuba.interface_albedo import InterfaceAlbedo
-from urushi.mitsuba.plugins.coats import raised
+from urushi.mitsuba.plugins.coats import above_surface, raised, relative, with_far_side
+from urushi.openpbr_surface import model
+from urushi.openpbr_surface.bsdfs import MIN_SHARE
 from urushi.openpbr_surface.film import NAMES as film_parameters
 from urushi.openpbr_surface.film import FilmFresnel
 from urushi.openpbr_surface.inputs import Inputs
-from urushi.openpbr_surface.transmission.shares import INDICES, index_of, tint_of
-from urushi.openpbr_surface.transmission.sides import index2, relative
+from urushi.openpbr_surface.shares import INDICES, index2, index_of, tint_of
 from urushi.walk import interface
 
 #: Least share of the proposal for light that meets more than one facet.
@@ -55,8 +61,8 @@ class GlassVertex(NamedTuple):
     scale: Any  # of the product of lost shares, a lobe [1/sr]
 
 
-def define(proposal_bsdf: type) -> type:
-    """Make the class in the current variant; see `define_proposal_bsdf`."""
+def define(proposal_bsdf: type) -> tuple[Any, type]:
+    """Make the classes in the current variant; see `define_proposal_bsdf`."""
 
     class Glass(proposal_bsdf):
         """The surface of a body whose medium transmits light (3.2.4)."""
@@ -146,4 +152,42 @@ def define(proposal_bsdf: type) -> type:
         def to_string(self):
             return "OpenPBRGlass[]"
 
-    return Glass
+    class Sheet(proposal_bsdf):
+        """A thin wall of a medium that scatters light to both sides, below interfaces (3.2.3)."""
+
+        def __init__(self, inputs: Inputs):
+            super().__init__(mi.Properties("openpbr_sheet"))
+            self._inputs, self._base = inputs, model.Base(inputs, False, False)
+            self._transmit()
+
+        def _vertex(self, si, active):
+            inputs, vertex = self._inputs, self._base.vertex(si, active)
+            color = inputs.color("subsurface_color", si, active)
+            forward = 0.5 + 0.5 * inputs.number("subsurface_scatter_anisotropy", si, active)
+            near, far = color * (1 - forward), color * forward
+            return vertex._replace(color=near), vertex._replace(color=far), forward
+
+        def _f(self, vertex, ctx, si, wo, active):
+            near, far, _ = vertex
+            through, wo, si = si.wi.z * wo.z < 0, raised(wo), above_surface(si)
+            passed = self._base.diffuse(far, si, wo, active)
+            lobe, cosine = microfacet.reflection_lobe(si.wi, wo, near.widths)
+            reflected = self._base.glossy_diffuse(near, lobe, dr.abs(cosine), si, wo, active)
+            return dr.select(through, passed, reflected)
+
+        def _proposal(self, vertex, si, active):
+            near, _, forward = vertex
+            reflected = self._base.reflected(raised(si.wi), near)
+            through = dr.clip((1 - reflected) * forward, 0, 1 - MIN_SHARE)
+            share = dr.clip(reflected / (1 - through), MIN_SHARE, 1 - MIN_SHARE)
+            return with_far_side(Mixture([share, 1 - share], [near.widths]), through)
+
+        def traverse(self, callback):
+            names = "subsurface_color", "subsurface_scatter_anisotropy", "base_diffuse_roughness"
+            more = "specular_roughness", "specular_ior", "specular_color"
+            self._inputs.traverse(callback, (*names, *more))
+
+        def to_string(self):
+            return "OpenPBRSheet[]"
+
+    return Glass, Sheet
