@@ -135,6 +135,7 @@ def test_coats_on_glass_keep_their_light_near_the_horizon_and_beyond_total_refle
     for layers, seen, part in (
         (([(0.1, 1.4, *CLEAR)], (0.1, 1.5 / 1.4)), wi[2:], 1),
         (([(0.02, 1.3, *CLEAR)], (0.02, 1.5 / 1.3)), wi[2:], 1),
+        (([(0.01, 1.5, *CLEAR)], (0.01, 1 / 1.5)), wi[2:], 1),  # a window
         (sharp_on_rough, wi[:4], 0),
     ):
         found = tables(layers).shares(seen)[part]
