@@ -6,8 +6,8 @@ const PORT = 8497;
 export default defineConfig({
   testDir: "tests/page",
   outputDir: "out/playwright",
-  // The processor draws, so that pages beside each other would wait for each other.
-  workers: 1,
+  // One page alone keeps two cores busy only where it draws.
+  workers: 2,
   timeout: 120_000,
   expect: { timeout: 60_000 },
   use: {

@@ -7,7 +7,7 @@ import type { BottomInAir, CoatInAir } from "../../src/material/material";
 import { METALS } from "../../src/material/presets";
 import type { EnvironmentName, ObjectName } from "../../src/state/state";
 import { compared, hasFlip } from "./compared";
-import { expect, give, open, test } from "./page";
+import { addressOf, expect, give, open, test } from "./page";
 
 interface Case {
   bottom: BottomInAir;
@@ -93,12 +93,13 @@ test.skip(!hasFlip, "the package flip-evaluator has no wheel for this machine");
 for (const [name, { bottom, coats, object, environment }] of Object.entries(CASES))
   test(`${name}: at rest as Mitsuba renders it`, async ({ page }) => {
     test.setTimeout(400_000);
-    await open(page);
-    if (environment === "own") await give(page, "sunny.hdr", sunny());
     const materials = [{ name, bottom, coats }];
     const view = { azimuth: 20, elevation: 25, zoom: 1.4 };
-    const state = { materials, object, environment, view, rotation: 30 };
-    await give(page, "state.json", JSON.stringify(state));
+    await open(page, addressOf({ materials, object, environment, view, rotation: 30 }));
+    if (environment === "own") {
+      await give(page, "sunny.hdr", sunny());
+      await expect(page.getByRole("combobox", { name: "Light" })).toContainText("sunny.hdr");
+    }
     await expect(page.getByRole("button", { name: `Material ${name}` })).toBeVisible();
     await expect(page.locator(".status")).toHaveText("refining");
     await expect(page.locator(".status")).toHaveText("converged", { timeout: 300_000 });

@@ -89,6 +89,11 @@ export async function open(page: Page, address = ""): Promise<void> {
   if (await physical.isVisible()) await physical.click(); // of all cards
 }
 
+/** The address of a state, of which only some is given; the rest is as at first. */
+export function addressOf(state: object): string {
+  return `#${toAddress(state as State)}`;
+}
+
 /** The state that the address holds; it follows with a delay. */
 export async function stateOf(page: Page): Promise<State> {
   return fromAddress(new URL(page.url()).hash || `#${toAddress(INITIAL)}`);

@@ -6,7 +6,7 @@ import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { crc32 } from "../../src/save/zip";
 import { compared, hasFlip, PYTHON } from "./compared";
-import { coats, colourAt, expect, give, open, saved, test } from "./page";
+import { addressOf, coats, colourAt, expect, give, open, saved, test } from "./page";
 
 let folder: string;
 let texture: Buffer;
@@ -36,9 +36,7 @@ test.describe("beside Mitsuba", () => {
       test.setTimeout(400_000);
       const bottom = { kind: "diffuse", reflectance: 0.5 };
       const materials = [{ name: "first", bottom }];
-      await open(page);
-      const state = { materials, object, environment, view, rotation: 30 };
-      await give(page, "state.json", JSON.stringify(state));
+      await open(page, addressOf({ materials, object, environment, view, rotation: 30 }));
       await expect(page.getByRole("button", { name: "Material first" })).toBeVisible();
       await give(page, "stripes.safetensors", texture);
       await expect(page.getByRole("button", { name: "Material stripes" })).toBeVisible();
