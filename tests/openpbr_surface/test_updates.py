@@ -214,3 +214,25 @@ def test_denoisers_get_the_directional_albedo(bsdf):
         expected = weight.numpy().mean(axis=1)
         assert (found.numpy() <= 1).all()
         np.testing.assert_allclose(found.numpy()[:, 0], expected, atol=0.07)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("name", "glass"), [("base_color", False), ("base_metalness", False), ("coat_color", True)]
+)
+def test_a_bitmap_of_one_value_may_begin_to_vary(name, glass):
+    """At first it is a constant; then the material is the one that is loaded with the new texels."""
+    channels = 3 if name.endswith("color") else 1
+    texels = np.random.default_rng(0).uniform(0.2, 0.8, (4, 4, channels)).astype(np.float32)
+
+    def with_texels(texels):
+        texture = {"type": "bitmap", "bitmap": mi.Bitmap(texels), "raw": True}
+        coat = {"coat_weight": 1.0, "coat_roughness": 0.3, "transmission_weight": float(glass)}
+        return mi.load_dict({"type": "openpbr", **coat, name: texture})
+
+    bsdf = with_texels(np.full_like(texels, 0.5))
+    parameters = mi.traverse(bsdf)
+    (key,) = (key for key, _ in parameters if key.endswith(f"{name}.data"))
+    parameters[key] = mi.TensorXf(texels)
+    parameters.update()
+    np.testing.assert_allclose(values(bsdf), values(with_texels(texels)), rtol=1e-4)

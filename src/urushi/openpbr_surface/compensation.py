@@ -209,8 +209,7 @@ class Furnace:
         self._shared = _values(inputs, [name for name in names if name not in self._varying])
         # A constant material may be evaluated by a table, a texture by codes; and so its twin. Only
         # codes of constant metals contain multiple scattering, see `encoding.MULTIPLE_FROM`.
-        film = () if inputs.is_constant("thin_film_weight", 0) else film_parameters
-        constant = inputs.is_uniform((*encoding.NAMES, *_OF_COATS, *film))
+        self._constant = self._is_constant()
         twin: dict[str, Any] = {**self._shared, "base_color": (1.0, 1.0, 1.0)}
         twin |= {"base_metalness": metalness, "coat_weight": 1.0}
         twin["coat_ior"] = float(formulas.interface_index(twin["coat_ior"]))
@@ -219,10 +218,10 @@ class Furnace:
         for name, values in zip(self._varying, grid, strict=True):
             twin[name] = _texture(values[..., None])
         uv = TexelGrid(*(grid[0].shape[::-1] if grid else (1, 1))).uv()  # of the nodes, by rows
-        if not constant and metalness and inputs.is_uniform(encoding.OF_METALS):
+        if not self._constant and metalness and inputs.is_uniform(encoding.OF_METALS):
             if isinstance(rough := twin["coat_roughness"], float):
                 twin["coat_roughness"] = _hardly_varying(rough)
-        elif not constant:
+        elif not self._constant:
             twin["base_color"] = _hardly_varying(1.0)
         parameters = Inputs.of(twin, inputs.where)
         with dr.suspend_grad():
@@ -241,8 +240,13 @@ class Furnace:
 
     @property
     def is_current(self) -> bool:
-        """Whether the parameters that the twin shares are still the same."""
-        return _values(self._inputs, list(self._shared)) == self._shared
+        """Whether the parameters that the twin shares are still the same, and as constant."""
+        same = _values(self._inputs, list(self._shared)) == self._shared
+        return same and self._is_constant() == self._constant
+
+    def _is_constant(self) -> bool:
+        film = () if self._inputs.is_constant("thin_film_weight", 0) else film_parameters
+        return self._inputs.is_uniform((*encoding.NAMES, *_OF_COATS, *film))
 
     def vertex(self, si, active) -> "FurnaceVertex":
         at = [self._inputs.number(name, si, active) for name in reversed(self._varying)]

@@ -150,8 +150,9 @@ def define(proposal_bsdf: type) -> Callable[..., "mi.BSDF"]:
             described = slab_of(inputs, coat(inputs) if coated else None)
             layers = ("specular", "coat") if coated else ("specular",)
             one = all(inputs.is_constant(f"{x}_roughness_anisotropy", 0) for x in layers)
-            uniform = inputs.is_uniform(TABULATED if coated else TABULATED[:2])
-            plugin = "neural_layered" if tables and one and uniform else "layered"
+            given = [inputs.textures[x] for x in (TABULATED if coated else TABULATED[:2])]
+            numbers = not any(x.is_spatially_varying() for x in given)  # nor bitmaps of one value
+            plugin = "neural_layered" if tables and one and numbers else "layered"
             return mi.load_dict(described | {"type": plugin})
 
         def parts(former: list) -> list:
