@@ -221,7 +221,7 @@ def test_denoisers_get_the_directional_albedo(bsdf):
     ("name", "glass"), [("base_color", False), ("base_metalness", False), ("coat_color", True)]
 )
 def test_a_bitmap_of_one_value_may_begin_to_vary(name, glass):
-    """At first it is a constant; then the material is the one that is loaded with the new texels."""
+    """A constant at first; then the material is the one that is loaded with the new texels."""
     channels = 3 if name.endswith("color") else 1
     texels = np.random.default_rng(0).uniform(0.2, 0.8, (4, 4, channels)).astype(np.float32)
 
