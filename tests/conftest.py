@@ -1,5 +1,6 @@
 """Settings of the test run, and fixtures that tests of several floors share."""
 
+import ctypes
 import importlib.util
 import json
 import os
@@ -15,7 +16,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from urushi.platform import available_cores
+from urushi.platform import available_cores, llvm_status
 
 ROOT = Path(__file__).resolve().parents[1]
 
@@ -27,6 +28,19 @@ if "PYTEST_XDIST_WORKER" not in os.environ:
     os.environ["JAX_COMPILATION_CACHE_DIR"] = tempfile.mkdtemp(prefix="urushi-test-jax-")
     os.environ["JAX_PERSISTENT_CACHE_MIN_COMPILE_TIME_SECS"] = "0.2"
     os.environ["JAX_DISABLE_MOST_OPTIMIZATIONS"] = "1"  # compiling takes longer than running
+
+
+def _skip_optional_passes() -> None:
+    """Let LLVM skip optional passes: Dr.Jit's kernels compile for longer than they run in tests."""
+    path = llvm_status().path
+    if path is None:
+        return
+    options = [b"pytest", b"-opt-bisect-limit=0", b"-opt-bisect-verbose=0"]
+    texts = (ctypes.c_char_p * len(options))(*options)
+    ctypes.CDLL(str(path)).LLVMParseCommandLineOptions(len(options), texts, None)
+
+
+_skip_optional_passes()  # an option of the library's, which all of the process's kernels share
 
 
 def pytest_configure(config: pytest.Config) -> None:

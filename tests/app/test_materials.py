@@ -170,6 +170,7 @@ def test_layer_a_file_and_a_description_alike(tmp_path):
     np.testing.assert_array_equal(urushi.load(other).latents, expected.latents)
 
 
+@pytest.mark.slow
 def test_layer_takes_two_widths(tmp_path):
     file = tmp_path / "brushed.safetensors"
     flags = ["--alpha-u", "0.05", "--alpha-v", "0.3", "0.2", "0.1"]

@@ -102,6 +102,7 @@ def test_the_loss_is_a_number_for_any_values_of_f_and_of_the_network(params, dir
         assert np.isfinite(state.z).all()
 
 
+@pytest.mark.slow
 def test_numpy_and_jax_agree(params, directions):
     f = np.random.default_rng(6).gamma(0.5, size=(2, 200)).astype(np.float32)
     some = directions[:, :200]

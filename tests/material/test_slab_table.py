@@ -110,6 +110,7 @@ def test_tables_of_many_slabs_agree_with_the_walk(count: int) -> None:
     assert excess[:, :2].mean() < 0.02
 
 
+@pytest.mark.slow
 def test_clear_slabs_keep_as_much_light_as_the_analog_walk() -> None:
     cosines = np.array([0.95, 0.8, 0.6, 0.4])
     wi = np.stack([np.sqrt(1 - cosines**2), 0 * cosines, cosines], axis=1).astype(np.float32)

@@ -2,6 +2,7 @@
 
 import drjit as dr
 import numpy as np
+import pytest
 
 from urushi.mitsuba.recording import only_where
 
@@ -15,6 +16,7 @@ def test_no_active_lane_gives_zeros(rgb):
             np.testing.assert_array_equal(value.numpy(), np.zeros(len(value)))
 
 
+@pytest.mark.slow
 def test_calls_of_one_kernel_or_of_several_render_the_same(rgb, networks):
     """A coat and a textured one, some rays of which leave the scene."""
     texels = np.random.default_rng(0).uniform(0.3, 0.8, (4, 4, 3)).astype(np.float32)

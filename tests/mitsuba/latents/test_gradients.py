@@ -193,7 +193,9 @@ def test_gradients_of_single_texels(rgb):
     assert (gradient * sign).sum() == pytest.approx(expected, rel=0.02, abs=5e-3 * scale)
 
 
-@pytest.mark.parametrize("name", ("albedo", "bottom.reflectance"))
+@pytest.mark.parametrize(
+    "name", (pytest.param("albedo", marks=pytest.mark.slow), "bottom.reflectance")
+)
 def test_texels_of_one_value_have_gradients_of_their_own(rgb, name):
     """Their sum is the gradient of the number: all texels change together. Codes have 8 bits."""
     own, count = name.split(".")[-1], 4096

@@ -4,8 +4,16 @@ import pytest
 from benchmarks.quality.gradients import SLOPES, slopes
 
 #: Cases of the first tier and of the second; the others are for the third, at the ends of ranges.
-FIRST = ("black diffuse", "rough gold", "bright openpbr")
-SECOND = ("white diffuse", "openpbr", "plastic", "alpha on plastic", "white medium", "no medium")
+FIRST = ("black diffuse", "rough gold")
+SECOND = (
+    "white diffuse",
+    "openpbr",
+    "bright openpbr",
+    "plastic",
+    "alpha on plastic",
+    "white medium",
+    "no medium",
+)
 RARE = {name: pytest.mark.slow if name in SECOND else pytest.mark.research for name in SLOPES}
 
 

@@ -73,6 +73,7 @@ def test_layered(rgb, sampling):
     check(sampling, [rgb.load_dict(coat | {"type": "layered"}) for coat in coats(MATERIALS)])
 
 
+@pytest.mark.slow
 def test_weights_of_samples_of_the_shipped_networks_are_bounded():
     materials = [
         material

@@ -123,6 +123,7 @@ def test_saturated_textures_are_those_of_the_walk(material, color):
     np.testing.assert_array_less(np.abs(coat - walk), 0.03 * np.abs(walk) + least * walk.max())
 
 
+@pytest.mark.slow
 def test_a_textured_openpbr_is_as_near_as_in_rgb_variants():
     """Its codes err by 5 %; three bands alone would by 25 %."""
 
