@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from urushi.errors import FileError
+from urushi.errors import FileError, UrushiWarning
 from urushi.openpbr_surface.materialx import noise
 from urushi.openpbr_surface.materialx.baking import Texture
 from urushi.openpbr_surface.materialx.document import read_document
@@ -95,6 +95,56 @@ def test_channels(evaluate):
     body += """<dot name="n" type="float">
         <input name="in" type="float" nodename="s" output="outg"/></dot>"""
     assert evaluate(body)[0, 0] == 2
+
+
+@pytest.mark.parametrize("tag", ["ifgreater", "ifgreatereq", "ifequal"])
+@pytest.mark.parametrize("value", [0.5, 1, 2])
+def test_a_comparison_is_a_truth_value(evaluate, tag, value):
+    """Of type boolean it has no inputs but the compared ones."""
+    truth = {"ifgreater": value > 1, "ifgreatereq": value >= 1, "ifequal": value == 1}[tag]
+    body = element(tag, "boolean", value1=("float", str(value)), value2=("float", "1"))
+    assert evaluate(body)[0, 0] == truth
+
+
+def test_values_do_not_replace_geometric_properties(evaluate):
+    """Editors write a value beside an unconnected coordinate; MaterialX reads the property."""
+    zero = ("vector2", "0, 0")
+    ramp = element("ramplr", "float", valuer=("float", "1"), texcoord=zero)
+    assert evaluate(ramp)[:, 0] == pytest.approx(POINTS[:, 0])
+    board = {"texcoord": zero, "uvtiling": ("vector2", "4, 2")}  # a node with a graph
+    plain = element("checkerboard", "color3", uvtiling=board["uvtiling"])
+    assert np.array_equal(evaluate(element("checkerboard", "color3", **board)), evaluate(plain))
+
+
+def test_coordinates_in_space_have_a_third_of_0(evaluate):
+    assert np.array_equal(evaluate(element("texcoord", "vector3")), np.c_[POINTS, 0 * POINTS[:, 0]])
+
+
+def test_a_normal_map_bends_another(evaluate):
+    """A flat map keeps the normal that it is given; others are in the frame that they are given."""
+    vector = {"in_": ("vector3", "0.9, 0.4, 0.8")}
+    inner = element("normalmap", "vector3", "i", **vector)
+    outer = element("normalmap", "vector3", normal=("vector3", "@i"))
+    x, y, z = np.array([0.8, -0.2, 0.6]) / np.sqrt(1.04)
+    assert evaluate(inner + outer)[0] == pytest.approx([x, y, z])
+    along = element("constant", "vector3", "t", value=("vector3", "0, 1, 0"))
+    across = element("constant", "vector3", "b", value=("vector3", "-1, 0, 0"))
+    frame = {"tangent": ("vector3", "@t"), "bitangent": ("vector3", "@b")}
+    turned = element("normalmap", "vector3", **vector, **frame)
+    assert evaluate(along + across + turned)[0] == pytest.approx([-y, x, z])
+
+
+@pytest.mark.parametrize(
+    ("body", "lost"),
+    [
+        (element("add", "float", in3=("float", "1")), "the unknown input in3"),
+        (element("blur", "float", size=("float", "1")), "blurring"),
+        (element("normalmap", "vector3", space=("string", "object")), "the unknown input space"),
+    ],
+)
+def test_what_nodes_lose_is_said(evaluate, body, lost):
+    with pytest.warns(UrushiWarning, match=f"the node 'n'.*{lost} is left out"):
+        evaluate(body)
 
 
 def test_positions_are_placed(evaluate):
@@ -278,7 +328,7 @@ def lookup(texture, uv):
     return np.array(bitmap.eval(si)).T
 
 
-@pytest.mark.parametrize("mode", ["periodic", "clamp", "mirror"])
+@pytest.mark.parametrize("mode", ["periodic", "clamp", "mirror", "repeat"])
 @pytest.mark.parametrize("blend", ["linear", "closest"])
 def test_an_image_keeps_its_texels_and_its_place(document, llvm, mode, blend):
     """Mitsuba's look-up in the texture is the graph's look-up in the image, at any uv.
@@ -318,6 +368,38 @@ def test_an_image_keeps_its_texels_and_its_place(document, llvm, mode, blend):
     assert inside.mean() > 0.98
     kept = slice(None) if blend == "linear" else inside
     np.testing.assert_allclose(lookup(texture, uv)[kept], expected[kept], atol=1e-4)
+
+
+def test_usd_textures_are_black_outside(document):
+    """Whatever their fallback is, where they are asked to be."""
+    image = """<dot name="n" type="color3">
+        <input name="in" type="color3" nodename="t" output="rgb"/></dot>
+        <UsdUVTexture name="t" type="multioutput">
+        <input name="file" type="filename" value="a.exr"/>
+        <input name="wrapS" type="string" value="black"/>
+        <input name="wrapT" type="string" value="black"/>
+        <input name="fallback" type="color4" value="1, 1, 1, 1"/>
+        <input name="st" type="vector2" nodename="p"/></UsdUVTexture>"""
+    scale = ("vector2", "0.5, 0.5")
+    place = UV + element("place2d", "vector2", "p", texcoord=("vector2", "@uv"), scale=scale)
+    texture = textured(document, place + image, 18)
+    assert (texture.pixels[9:, :9] > 0).all()
+    assert (texture.pixels[:9] == 0).all() and (texture.pixels[:, 9:] == 0).all()
+
+
+@pytest.mark.parametrize("file", ['<input name="file" type="filename" value=""/>', ""])
+def test_an_image_without_a_file_has_its_default(document, file):
+    body = f"""<image name="n" type="color3">{file}
+        <input name="default" type="color3" value="0.2, 0.3, 0.4"/></image>"""
+    assert textured(document, body) == pytest.approx((0.2, 0.3, 0.4))
+
+
+def test_tokens_of_file_names_are_replaced(document):
+    body = f"""<nodegraph name="g"><token name="Name" type="string" value="a"/>
+        {element("image", "color3", "i", file=("filename", "[Name].exr"))}
+        <output name="out" type="color3" nodename="i"/></nodegraph>
+        <dot name="n" type="color3"><input name="in" type="color3" nodegraph="g"/></dot>"""
+    assert np.array_equal(textured(document, body).pixels, PIXELS)
 
 
 def test_a_pattern_is_computed_on_a_grid(document, llvm):

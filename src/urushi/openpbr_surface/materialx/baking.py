@@ -44,7 +44,7 @@ class Texture:
         return first.astype(np.float64) if (self.pixels == first).all() else None
 
 
-_WRAPS = {"periodic": "repeat", "clamp": "clamp", "mirror": "mirror"}
+_WRAPS = {"periodic": "repeat", "repeat": "repeat", "clamp": "clamp", "mirror": "mirror"}
 
 
 def bake(graph: Graph, value: Value, resolution: int, where: str) -> np.ndarray | Texture:

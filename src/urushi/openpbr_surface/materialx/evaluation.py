@@ -138,13 +138,11 @@ class Evaluation:
         return value
 
     def text(self, node: Any, name: str, frame: Frame) -> str:
-        """The text of an input of type string or filename, with the prefix of file names."""
+        """The text of an input of type string, or filename: with its prefix and tokens."""
         source = self._text_source(node, name, frame)
         if source is None:
             return ""
-        element = source.element
-        is_file = element.getAttribute("type") == "filename"
-        return (element.getActiveFilePrefix() if is_file else "") + element.getAttribute("value")
+        return source.element.getResolvedValueString()
 
     def _text_source(self, node: Any, name: str, frame: Frame) -> Source | None:
         """The input that has a text."""
@@ -174,6 +172,10 @@ class Evaluation:
                 f"{where} needs positions in space, which are unknown before rendering; set "
                 f"uv_plane to take (u, v, 0), or {BAKE}"
             )
+        return self._in_space()
+
+    def _in_space(self) -> np.ndarray:
+        """Texture coordinates with a third, 0."""
         uv = self.texture_coordinates()
         return np.concatenate([uv, np.zeros((len(uv), 1))], axis=-1)
 
@@ -182,7 +184,7 @@ class Evaluation:
         if tag in _DIRECTIONS:
             return np.array(_DIRECTIONS[tag])
         if tag == "texcoord" or reads_uv(node):
-            return self.texture_coordinates()
+            return self._in_space() if kind == "vector3" else self.texture_coordinates()
         if tag == "position":
             return self._position(where)
         if tag in ("image", "hextiledimage"):
@@ -218,6 +220,8 @@ class Evaluation:
         if channels is None:
             raise FileError(f"{where} has type '{kind[:40]}', which images cannot have")
         name = self.text(node, "file", frame)
+        if not name:
+            return self.input(node, "default", frame)
         space = ""
         if kind in ("color3", "color4"):
             file = self._text_source(node, "file", frame)

@@ -3,6 +3,7 @@
 The library of the package `materialx` has the definitions of nodes, and graphs that implement them.
 """
 
+import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -10,7 +11,7 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
-from urushi.errors import FileError
+from urushi.errors import FileError, UrushiWarning
 from urushi.openpbr_surface.materialx.images import Images
 from urushi.openpbr_surface.materialx.nodes import CHANNELS, NODES
 from urushi.openpbr_surface.materialx.shaders import SHADERS
@@ -160,7 +161,7 @@ class Graph:
             graph, output = (element.getAttribute(x) for x in ("nodegraph", "output"))
             link = element.getAttribute("nodename") or graph
             if not link and not output:
-                return Source(element, frame)
+                return Source(self._geometric(element, frame), frame)
             if link:
                 target = frame.node(link)
                 if target is None and graph:
@@ -198,7 +199,31 @@ class Graph:
                 self._frames[key] = None
             else:
                 self._frames[key] = self._implementation(node, frame, definition_of(node))
+            self._warn_of_losses(node, frame)
         return self._frames[key]
+
+    def _warn_of_losses(self, node: Any, frame: Frame) -> None:
+        """Warn of what a node asks for and MaterialX leaves out; shaders have their own warning."""
+        tag = node.getCategory()
+        known = {} if tag == "nodegraph" or tag in SHADERS else self.inputs(node, frame)
+        unknown = [x.getName() for x in node.getInputs() if x.getName() not in known]
+        lost = (
+            ["blurring"] if tag == "blur" else [f"the unknown input {x}" for x in unknown if known]
+        )
+        if lost:
+            warnings.warn(
+                f"{self.named(node)}: {', '.join(lost)[:200]} is left out, as by MaterialX",
+                UrushiWarning,
+                stacklevel=3,
+            )
+
+    def _geometric(self, element: Any, frame: Frame) -> Any:
+        """The geometric property that MaterialX takes for an unconnected input, or the input."""
+        node = element.getParent()
+        known = self.inputs(node, frame) if isinstance(node, package().Node) else {}
+        declared = known.get(element.getName())
+        is_geometric = declared is not None and declared.getAttribute("defaultgeomprop")
+        return declared if is_geometric else element
 
     def translation(self, shader: Any, frame: Frame, category: str) -> Frame | None:
         """The graph of a document for nodes of another category with a shader's inputs, if any."""

@@ -32,8 +32,8 @@ _TILES = 2 * np.sqrt(3.0)
 #: From uv to the grid of triangles of tiles, as rows.
 _SKEW = np.array([[1, -np.tan(np.pi / 6)], [0, 2 * np.tan(np.pi / 6)]])
 
-#: Ways to continue an image outside of [0, 1], by MaterialX's names.
-ADDRESS_MODES = ("periodic", "clamp", "mirror", "constant")
+#: Ways to continue an image outside of [0, 1], by MaterialX's names, then USD's.
+ADDRESS_MODES = ("periodic", "clamp", "mirror", "constant", "repeat", "black")
 
 
 class Images:
@@ -168,7 +168,7 @@ def image_values(pixels: np.ndarray, use: ImageUse, where: str) -> np.ndarray:
 def sample(pixels: np.ndarray, uv: np.ndarray, look: Look, default: np.ndarray) -> np.ndarray:
     """Values (N, channels) of an image at uv (N, 2); the origin is its lower left corner.
 
-    default: (channels,), taken outside of [0, 1] where the mode is "constant".
+    default: (channels,), taken outside of [0, 1] where the mode is "constant"; 0 if "black".
     """
     height, width = pixels.shape[:2]
     uv = np.clip(np.nan_to_num(uv), -1e6, 1e6)
@@ -186,15 +186,15 @@ def sample(pixels: np.ndarray, uv: np.ndarray, look: Look, default: np.ndarray) 
         )
         value = upper * (1 - fy) + lower * fy
     for axis, mode in enumerate((look.u_mode, look.v_mode)):
-        if mode == "constant":
+        if mode in ("constant", "black"):
             outside = (uv[:, axis] < 0) | (uv[:, axis] > 1)
-            value = np.where(outside[:, None], default, value)
+            value = np.where(outside[:, None], default if mode == "constant" else 0, value)
     return value
 
 
 def _index(cells: np.ndarray, size: int, mode: str) -> np.ndarray:
     cells = cells.astype(np.int64)
-    if mode == "periodic":
+    if mode in ("periodic", "repeat"):
         return cells % size
     if mode == "mirror":
         cells = cells % (2 * size)

@@ -80,8 +80,12 @@ def _dodge(fg: np.ndarray, bg: np.ndarray, mix: np.ndarray) -> np.ndarray:
     return np.where(np.abs(1 - fg) < EPSILON, 0.0, mixed)
 
 
-def _condition(compare: Function) -> Function:
-    return lambda one, other, yes, no: np.where(compare(one, other), yes, no)
+def _condition(compare: Function) -> Callable[["Call"], np.ndarray]:
+    def choose(call: Call) -> np.ndarray:
+        holds = compare(call["value1"], call["value2"])
+        return holds if call.type == "boolean" else np.where(holds, call["in1"], call["in2"])
+
+    return choose
 
 
 def _keep_alpha(colour: np.ndarray, source: np.ndarray) -> np.ndarray:
@@ -125,13 +129,17 @@ def _rotate(vector: np.ndarray, amount: np.ndarray) -> np.ndarray:
     return _stack([c * x + s * y, c * y - s * x])
 
 
-def _normal_map(code: np.ndarray, scale: np.ndarray) -> np.ndarray:
-    """The normal in the tangent frame, which is the frame of all vectors here."""
-    if scale.shape[-1] == 1:
-        scale = _stack([scale, scale])
+def _normal_map(
+    code: np.ndarray,
+    scale: np.ndarray,
+    normal: np.ndarray,
+    tangent: np.ndarray,
+    bitangent: np.ndarray,
+) -> np.ndarray:
     decoded = np.where((code == 0).all(-1, keepdims=True), np.array([0, 0, 1.0]), 2 * code - 1)
-    normal = _stack([decoded[..., :2] * scale, decoded[..., 2:]])
-    return normal / np.maximum(_length(normal), 1e-30)
+    x, y = np.split(decoded[..., :2] * scale, 2, axis=-1)
+    direction = tangent * x + bitangent * y + normal * decoded[..., 2:]
+    return direction / np.maximum(_length(direction), 1e-30)
 
 
 def _ramp(at: np.ndarray, low: np.ndarray, high: np.ndarray) -> np.ndarray:
@@ -191,7 +199,7 @@ _FUNCTIONS: dict[str, dict[str, Function]] = {
     },
     "in amount": {"invert": lambda x, amount: amount - x, "rotate2d": _rotate},
     "in mask": {"inside": lambda x, mask: x * mask, "outside": lambda x, mask: x * (1 - mask)},
-    "in scale": {"normalmap": _normal_map},
+    "in scale normal tangent bitangent": {"normalmap": _normal_map},
     "iny inx": {"atan2": np.arctan2},
     "value": {"constant": lambda x: x},
     "fg bg mix": {
@@ -202,11 +210,6 @@ _FUNCTIONS: dict[str, dict[str, Function]] = {
         "screen": _blend(lambda fg, bg: 1 - (1 - fg) * (1 - bg)),
         "burn": _burn,
         "dodge": _dodge,
-    },
-    "value1 value2 in1 in2": {
-        "ifgreater": _condition(np.greater),
-        "ifgreatereq": _condition(np.greater_equal),
-        "ifequal": _condition(np.equal),
     },
     "texcoord valuel valuer": {"ramplr": lambda uv, *ends: _ramp(uv[..., :1], *ends)},
     "texcoord valueb valuet": {"ramptb": lambda uv, *ends: _ramp(uv[..., 1:], *ends)},
@@ -289,6 +292,9 @@ NODES: dict[str, Callable[[Call], np.ndarray]] = {
     **dict.fromkeys(("noise2d", "noise3d"), _noise),
     **dict.fromkeys(("fractal2d", "fractal3d"), _fractal),
     **dict.fromkeys(("worleynoise2d", "worleynoise3d"), _worley_noise),
+    "ifgreater": _condition(np.greater),
+    "ifgreatereq": _condition(np.greater_equal),
+    "ifequal": _condition(np.equal),
     "extract": _extract,
     "convert": _convert,
 }
