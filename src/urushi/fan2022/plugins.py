@@ -77,8 +77,7 @@ def define(base: type) -> dict[str, type]:
 
         codes: TexelCodes
 
-        def __init__(self, props):
-            super().__init__(props)
+        def _load(self, props):
             if dr.backend_v(mi.Float) == dr.JitBackend.CUDA:
                 raise PlatformError(
                     f"{self._where} works on CPUs alone, because GPUs have its kernels in half "
@@ -106,8 +105,8 @@ def define(base: type) -> dict[str, type]:
         ============== ===================== ====================================================
         """
 
-        def __init__(self, props):
-            super().__init__(props)
+        def _load(self, props):
+            super()._load(props)
             if "filename" not in props:
                 raise ParameterError(f"{self._where} has no filename; give a file of Material.save")
             material = load(resolve(props["filename"]), self.networks)
@@ -128,10 +127,9 @@ def define(base: type) -> dict[str, type]:
         memory.
         """
 
-        def __init__(self, props):
-            bottom = nested_bsdf(props)
-            super().__init__(props)
-            self._bottom = bottom
+        def _load(self, props):
+            self._bottom = nested_bsdf(props)
+            super()._load(props)
             ignore(props, "mipmaps")
             self._coat = CoatTextures(props)
             check_bottom(self._bottom, self._coat.where)
@@ -142,7 +140,6 @@ def define(base: type) -> dict[str, type]:
                 )
             self._resolution = int(props.get("resolution", 0))
             self._update([])
-            self._kept.keep(self)
 
         def _update(self, keys):
             self._coat.parameters_changed()

@@ -104,12 +104,10 @@ def define(proposal_bsdf: type) -> tuple[type, type]:
             compensated: whether `Compensation` completes the coated base; a metal's lobe is then
                 not scaled.
             """
-            super().__init__(mi.Properties("openpbr_base"))
-            self._where, self._inputs = inputs.where, inputs
-            self._under_coat, self._encoded = under_coat, encoded
+            self._inputs, self._under_coat, self._encoded = inputs, under_coat, encoded
             self._compensated = compensated
             self._configure()
-            self._kept.keep(self)
+            super().__init__(mi.Properties("openpbr_base"), inputs.where)
 
         def _configure(self):
             self._version = self._inputs.version
@@ -183,14 +181,12 @@ def define(proposal_bsdf: type) -> tuple[type, type]:
             make: returns the layers that the parameters need, and reuses previous ones that still
                 fit.
             """
-            super().__init__(mi.Properties("openpbr"))
-            self._where = inputs.where
             self._inputs, self._make = inputs, make
             self._turned = "geometry_tangent" in inputs.maps
             # Coats that `mi.traverse` may have listed. Frozen functions must find them.
             self._former: list[Any] = []
             self._configure(make(None))
-            self._kept.keep(self)
+            super().__init__(mi.Properties("openpbr"), inputs.where)
 
         def _configure(self, layers: Layers):
             self._layers, inputs = layers, self._inputs

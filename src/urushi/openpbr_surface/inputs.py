@@ -315,9 +315,9 @@ def _derived_class(variant: str) -> type:
         """A function of the plugin's parameters."""
 
         def __init__(self, inputs, names, function, color):
-            mi.Texture.__init__(self, mi.Properties("derived"))
             self._inputs, self._names = inputs, names
             self._function, self._color = function, color
+            mi.Texture.__init__(self, mi.Properties("derived"))
 
         def eval(self, si, active=True):
             read = self._inputs.color if self._color else self._inputs.number

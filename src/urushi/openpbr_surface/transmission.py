@@ -45,12 +45,11 @@ def define(proposal_bsdf: type) -> Callable[..., "mi.BSDF"]:
         def __init__(self, inputs: Inputs, make: Callable[[list], list]):
             """make: returns the parts: BSDF, weight at an interaction, and `Finish` or None. It
             takes former ones, whose BSDFs are reused, or an empty list."""
-            super().__init__(mi.Properties("openpbr"))
-            self._where, self._inputs, self._make = inputs.where, inputs, make
+            self._inputs, self._make = inputs, make
             self._parts: list = []
             self._former: list = []  # parts that `mi.traverse` may have listed, see `_update`
             self._configure()
-            self._kept.keep(self)
+            super().__init__(mi.Properties("openpbr"), inputs.where)
 
         def _configure(self):
             self._parts = self._make([])

@@ -68,10 +68,9 @@ def define(proposal_bsdf: type) -> tuple[Any, type]:
         """The surface of a body whose medium transmits light (3.2.4)."""
 
         def __init__(self, inputs: Inputs):
-            super().__init__(mi.Properties("openpbr_glass"))
             self._inputs = inputs
             self._configure()
-            self._kept.keep(self)
+            super().__init__(mi.Properties("openpbr_glass"))
 
         def _configure(self):
             index = index_of(self._inputs)
@@ -156,9 +155,9 @@ def define(proposal_bsdf: type) -> tuple[Any, type]:
         """A thin wall of a medium that scatters light to both sides, below interfaces (3.2.3)."""
 
         def __init__(self, inputs: Inputs):
-            super().__init__(mi.Properties("openpbr_sheet"))
             self._inputs, self._base = inputs, model.Base(inputs, False, False)
             self._transmit()
+            super().__init__(mi.Properties("openpbr_sheet"))
 
         def _vertex(self, si, active):
             inputs, vertex = self._inputs, self._base.vertex(si, active)

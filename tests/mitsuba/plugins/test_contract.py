@@ -7,6 +7,7 @@ import pytest
 
 from urushi.material import encode
 from urushi.mitsuba.reading import probing
+from urushi.mitsuba.reading.parameters import CoatTextures
 from urushi.walk import conductor
 
 MEDIUM = {"int_ior": 1.4, "ext_ior": 1.0, "albedo": 0.7, "sigma_t": 0.8, "g": 0.3}
@@ -154,6 +155,24 @@ def test_nothing_passes_below_the_horizon(rgb, describe, name):
         si = probing.interaction(wi, np.full((64, 2), 0.3))
         f_cos, pdf = bsdf.eval_pdf(rgb.BSDFContext(), si, rgb.Vector3f(wo.T.copy()))
         assert not f_cos.numpy().any() and not pdf.numpy().any()
+
+
+@pytest.mark.parametrize("name", ["walks", "networks", "openpbr under walks"])
+def test_a_scene_is_rendered_while_a_plugin_is_loaded(rgb, describe, monkeypatch, name):
+    """Another thread may do so: Mitsuba then evaluates all BSDFs that it knows."""
+    look = {"type": "perspective", "film": {"type": "hdrfilm", "width": 4, "height": 4}}
+    parts = {"light": {"type": "constant"}, "sphere": {"type": "sphere", "center": [0, 0, 4]}}
+    scene = rgb.load_dict({"type": "scene", "integrator": {"type": "path"}, "eye": look, **parts})
+    table, pictures = CoatTextures.table, []
+
+    def rendering(*args):
+        if not pictures:
+            pictures.append(rgb.render(scene, spp=1).numpy())
+        return table(*args)
+
+    monkeypatch.setattr(CoatTextures, "table", rendering)
+    rgb.load_dict(describe(name))
+    np.testing.assert_array_equal(pictures[0], rgb.render(scene, spp=1).numpy())
 
 
 @pytest.mark.parametrize("name", [name for name, (_, change) in CASES.items() if change])

@@ -1,5 +1,7 @@
 """Base classes of the plugins: a BSDF that samples a proposal, and one that has latent codes."""
 
+from functools import reduce
+from operator import or_
 from typing import Any, NamedTuple
 
 import drjit as dr
@@ -26,30 +28,41 @@ def define_proposal_bsdf() -> type:
     class ProposalBSDF(mi.BSDF):
         """A BSDF; subclasses give f (`_f` or `_f_and_pdf`) and the proposal (`_proposal`).
 
-        It reflects light from above, unless a subclass calls `_transmit`.
+        It reflects light from above, unless a subclass calls `_transmit`. Mitsuba evaluates every
+        BSDF that it knows, also while another thread loads one: a subclass reads its parameters in
+        `_load`, or before it calls `__init__`, which makes the BSDF known.
         """
 
         _transmits = False
         _index = 1.0  # below the surface, relative to that above it
 
-        def __init__(self, props):
+        def __init__(self, props, where=None):
+            """where: begins errors; None: the plugin's name."""
+            self._where = where or describe(props)
+            self._load(props)
+            self._vertex_cache, self._kept = VertexCache(), KeptParameters()
             mi.BSDF.__init__(self, props)
-            flags = mi.BSDFFlags.GlossyReflection | mi.BSDFFlags.DiffuseReflection
-            self.m_components = [flags | mi.BSDFFlags.FrontSide]
-            self.m_flags = self.m_components[0]
-            self._where = describe(props)  # begins errors
-            self._vertex_cache = VertexCache()
-            self._kept = KeptParameters()
+            self.m_components = self._flags()
+            self.m_flags = reduce(or_, self.m_components)
+            self._kept.keep(self)
+
+        def _load(self, props):
+            """Read the properties."""
 
         def _transmit(self, index=None):
             """Scatter light from both sides to both; index: below relative to above, if not 1."""
             self._transmits, self._index = True, 1.0 if index is None else opaque(index)
-            passed = mi.BSDFFlags.GlossyTransmission | mi.BSDFFlags.DiffuseTransmission
-            sides = mi.BSDFFlags.FrontSide | mi.BSDFFlags.BackSide
-            if index is not None:
-                passed |= mi.BSDFFlags.NonSymmetric
-            self.m_components = [self.m_components[0] | sides, passed | sides]
-            self.m_flags = self.m_components[0] | passed
+
+        def _flags(self):
+            """Mitsuba's flags of the components."""
+            flags = mi.BSDFFlags
+            reflected = flags.GlossyReflection | flags.DiffuseReflection | flags.FrontSide
+            if not self._transmits:
+                return [reflected]
+            passed = flags.GlossyTransmission | flags.DiffuseTransmission | flags.FrontSide
+            if not isinstance(self._index, float):
+                passed |= flags.NonSymmetric
+            return [reflected | flags.BackSide, passed | flags.BackSide]
 
         def _index_across(self, wi):
             """The index on the side that light from wi is transmitted to, relative to wi's."""
@@ -62,10 +75,10 @@ def define_proposal_bsdf() -> type:
         def _copy(self):
             """A copy that shares everything, for another medium above."""
             copy = type(self).__new__(type(self))
-            mi.BSDF.__init__(copy, mi.Properties(type(self).__name__))
             copy.__dict__.update(self.__dict__)
-            copy.m_components, copy.m_flags = self.m_components, self.m_flags
             copy._vertex_cache, copy._kept = VertexCache(), KeptParameters()
+            mi.BSDF.__init__(copy, mi.Properties(type(self).__name__))
+            copy.m_components, copy.m_flags = self.m_components, self.m_flags
             return copy
 
         def offer(self):

@@ -56,8 +56,7 @@ def define_coated(base: type, label: str) -> type:
     class CoatedBSDF(base):
         """Coats over a BSDF; directly nested ones of the same plugin form one stack."""
 
-        def __init__(self, props):
-            super().__init__(props)
+        def _load(self, props):
             self._nested = nested_bsdf(props, optional=True)
             self._coat = CoatTextures(props)
             if is_dielectric(self._nested):
@@ -65,7 +64,6 @@ def define_coated(base: type, label: str) -> type:
             elif self._nested is not None and not is_slab(self._nested):
                 check_bottom(self._nested, self._coat.where)
             self._prepare()
-            self._kept.keep(self)
 
         def offer(self):
             return Offer(rotated=self._coat.has_rotation)

@@ -113,8 +113,8 @@ def define(base: type) -> type:
         BSDFs, SIGGRAPH Asia 2018.
         """
 
-        def __init__(self, props):
-            super().__init__(props)
+        def _load(self, props):
+            super()._load(props)
             ignore(props, "resolution", "weights", "mipmaps")
 
         def _model(self, coats, bottom, si, wo, color, active):

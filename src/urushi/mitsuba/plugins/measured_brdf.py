@@ -45,8 +45,7 @@ def define(base: type) -> type:
         SIGGRAPH Asia 2018.
         """
 
-        def __init__(self, props):
-            super().__init__(props)
+        def _load(self, props):
             if "filename" not in props:
                 raise ParameterError(f"{self._where} has no filename; give a MERL or RGL file")
             self._filename = props["filename"]

@@ -62,8 +62,7 @@ def define(base: type) -> type:
 
         latents: ConstantLatents | TexturedLatents | DifferentiableLatents
 
-        def __init__(self, props):
-            super().__init__(props)
+        def _load(self, props):
             if "filename" not in props:
                 raise ParameterError(
                     f"{self._where} has no filename; give the file of a material saved by "

@@ -82,8 +82,7 @@ def define(base: type) -> type:
         latents: ConstantLatents | TexturedLatents | DifferentiableLatents
         _baker: Baker | None
 
-        def __init__(self, props):
-            super().__init__(props)
+        def _load(self, props):
             self._bottom = nested_bsdf(props)
             self._coat = CoatTextures(props)
             check_bottom(self._bottom, self._coat.where)
@@ -101,7 +100,6 @@ def define(base: type) -> type:
             # Codes and table with gradients, for integrators
             self._differentiable = {"latents": mi.TensorXf(), "table": mi.TensorXf()}
             self._bake()
-            self._kept.keep(self)
 
         def under(self, coat):
             """See `reading.below.Coatable`."""

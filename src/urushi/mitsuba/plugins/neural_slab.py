@@ -70,8 +70,8 @@ def define(base: type) -> type:
     class NeuralSlab(coated):
         """A slab of constant parameters; see ``layered``."""
 
-        def __init__(self, props):
-            super().__init__(props)
+        def _load(self, props):
+            super()._load(props)
             ignore(props, "resolution", "weights", "mipmaps")
             self._tabulate()
 

@@ -73,9 +73,9 @@ def _conductor_below(variant: str) -> type:
         """A `roughconductor` below a medium: its f times the ratio of two Fresnel terms."""
 
         def __init__(self, conductor, coat):
-            mi.BSDF.__init__(self, mi.Properties("roughconductor"))
             self.conductor, self.coat = conductor, coat
             self._textures = nested_objects(conductor)
+            mi.BSDF.__init__(self, mi.Properties("roughconductor"))
             self.m_components = [conductor.flags(i) for i in range(conductor.component_count())]
             self.m_flags = conductor.flags()
 

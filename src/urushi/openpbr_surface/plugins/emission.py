@@ -57,11 +57,11 @@ def define() -> type:
         """
 
         def __init__(self, props):
-            mi.Emitter.__init__(self, props)
-            self.m_flags = mi.EmitterFlags.Surface | mi.EmitterFlags.SpatiallyVarying
             self._inputs = Inputs(props, emits=True)
             self._configure()
             self._kept = KeptParameters()
+            mi.Emitter.__init__(self, props)  # which other threads may evaluate from here on
+            self.m_flags = mi.EmitterFlags.Surface | mi.EmitterFlags.SpatiallyVarying
             self._kept.keep(self)
 
         def _configure(self):
