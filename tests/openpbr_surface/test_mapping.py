@@ -40,6 +40,10 @@ def test_the_base_has_the_ratio_of_the_indices():
     assert formulas.base_index(1.5, 1.6, 1.0, 1.0) == pytest.approx(1.5 / 1.6)
     assert formulas.base_index(1.5, 1.6, 0.5, 1.0) == pytest.approx(0.5 * (1.5 + 1.5 / 1.6))
     assert formulas.base_index(1.5, 1.6, 0.3, 0.0) == 1
+    # The specification allows indices down to zero: the base has a finite index below any coat.
+    for coat in (0.0, 0.5, 1.0):
+        assert formulas.relative_index(0.0, 0.0, coat) > 0
+        assert formulas.base_index(1.5, 0.0, coat, 1.0) > 1.49
 
 
 @pytest.mark.parametrize("ior", [1.2, 1.5, 0.9])

@@ -147,8 +147,8 @@ class FilmFresnel:
     def _film(self, si, active):
         names = *_INDICES, "thin_film_thickness"
         ior, coat_ior, coat, thickness = (self._inputs.number(n, si, active) for n in names)
-        ior, coat_ior = (dr.maximum(x, formulas.LEAST_INDEX) for x in (ior, coat_ior))
-        return thin_film.Film(formulas.relative_index(ior, coat_ior, coat), ior, thickness)
+        relative = formulas.relative_index(ior, coat_ior, coat, DRJIT)
+        return thin_film.Film(relative, dr.maximum(ior, formulas.LEAST_INDEX), thickness)
 
     def _responses(self, si):
         if mi.is_monochromatic:

@@ -72,11 +72,12 @@ def lobe_width(roughness: Any, xp: Namespace = NUMPY) -> Any:
 # 3.2 Base substrate: the index of the dielectric base
 
 
-def relative_index(ior: Any, coat_ior: Any, coat_weight: Any) -> Any:
+def relative_index(ior: Any, coat_ior: Any, coat_weight: Any, xp: Namespace = NUMPY) -> Any:
     """An index relative to the medium above: air, the coat, or linear in between (3.4).
 
-    ior, coat_ior: positive. coat_weight: in [0, 1].
+    ior, coat_ior: zero or more, taken as at least `LEAST_INDEX`. coat_weight: in [0, 1].
     """
+    ior, coat_ior = (xp.maximum(x, LEAST_INDEX) for x in (ior, coat_ior))
     return ior + coat_weight * (ior / coat_ior - ior)
 
 
@@ -104,7 +105,7 @@ def base_index(
     does not reach. The specification (3.4.4) recommends the inverse ratio where refraction by the
     coat is not followed; here it is followed.
     """
-    ratio = relative_index(specular_ior, coat_ior, coat_weight)
+    ratio = relative_index(specular_ior, coat_ior, coat_weight, xp)
     return modulated_index(ratio, specular_weight, xp)
 
 

@@ -14,7 +14,6 @@ from typing import Any, ClassVar, NamedTuple
 
 import drjit as dr
 import mitsuba as mi
-import numpy as np
 
 from urushi.checks import Widths
 from urushi.core import fresnel, microfacet
@@ -192,7 +191,6 @@ class Base:
     def relative_index(self, si, active):
         """The dielectric's index relative to the medium above, without networks' limits."""
         ior, coat_ior, coat, weight = (self.inputs.number(name, si, active) for name in INDICES)
-        ior, coat_ior = (dr.maximum(x, formulas.LEAST_INDEX) for x in (ior, coat_ior))
         return dr.clip(formulas.base_index(ior, coat_ior, coat, weight, DRJIT), 1 / 3, 3)
 
     def _constant_eta(self) -> float | None:
@@ -200,7 +198,6 @@ class Base:
         values = [self.inputs.known(name) for name in INDICES]
         if any(value is None for value in values):
             return None
-        values[:2] = np.maximum(values[:2], formulas.LEAST_INDEX)
         eta = float(formulas.base_index(*values))
         if self.encoded and eta < 1:
             rough = self.inputs.known("specular_roughness")
