@@ -389,6 +389,24 @@ def test_fuzz_adds_and_hides():
         assert abs(mean - formulas.fuzz_albedo(cosine, 0.4, NUMPY)) < 4 * se + 0.02 * mean
 
 
+@pytest.mark.parametrize("name", ["base_color", "specular_roughness"])
+def test_an_even_spectrum_is_a_number(name):
+    wi, wo = pairs(64)
+    found, expected = (
+        values(openpbr(**{name: x}), wi, wo) for x in ({"type": "spectrum", "value": 0.5}, 0.5)
+    )
+    np.testing.assert_allclose(found, expected, rtol=1e-5)
+
+
+def test_a_spectrum_is_its_colour():
+    wi, wo = pairs(64)
+    spectrum = {"type": "spectrum", "value": [(400, 0.1), (700, 0.9)]}
+    color = mi.load_dict(spectrum).eval(mi.SurfaceInteraction3f()).numpy().ravel()
+    expected = openpbr(base_color={"type": "rgb", "value": color.tolist()})
+    found = openpbr(base_color=spectrum)
+    np.testing.assert_allclose(*(values(x, wi, wo) for x in (found, expected)), rtol=1e-5)
+
+
 def test_textures_are_read_where_they_are():
     checker = {"type": "checkerboard", "color0": 0.0, "color1": 1.0}
     bsdf = openpbr(base_color=COLOR, base_metalness=checker)

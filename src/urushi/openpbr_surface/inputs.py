@@ -61,7 +61,8 @@ class Inputs:
         self._relied: dict[str, np.ndarray] = {}  # values of textures when `known` returned them
         for name in list(props.keys()):
             if name not in OPTIONS:
-                self._read(name, props[name])
+                spectrum = props.type(name) == mi.Properties.Type.Spectrum
+                self._read(name, props.get_unbounded_texture(name) if spectrum else props[name])
         if not emits:
             for sentence, cure, instead in (*self._unsupported(), *self._own_directions()):
                 if unsupported == "error":

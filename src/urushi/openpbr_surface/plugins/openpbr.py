@@ -26,8 +26,8 @@ def define(proposal_bsdf: type):
         """OpenPBR Surface 1.1.1, with its coat as light transport (``openpbr``).
 
         ==================== ===================== =============================================
-        (parameters)         float, rgb, texture   The parameters of the specification under their
-                                                   names, with its defaults.
+        (parameters)         float, spectrum,      The parameters of the specification under their
+                             texture               names, with its defaults.
         geometry_normal,     texture               Maps of 0.5 n + 0.5 in the tangent frame. The
         geometry_tangent                           coat shares both: geometry_coat_normal and
                                                    geometry_coat_tangent must be equal to them, or
