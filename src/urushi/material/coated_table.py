@@ -27,7 +27,14 @@ import numpy as np
 from urushi.checks import CoatParameters
 from urushi.core.namespace import NUMPY, Components
 from urushi.material import adding, energy
-from urushi.material.crossing import Crossing, Vector, cross, crossing_at, facet_pair_points
+from urushi.material.crossing import (
+    LEAST_COSINE,
+    Crossing,
+    Vector,
+    cross,
+    crossing_at,
+    facet_pair_points,
+)
 from urushi.material.material import Material
 from urushi.material.table import (
     HIGHEST,
@@ -60,7 +67,7 @@ PEAK_NODES = 17
 SPANNED = 2e-3
 
 #: Nodes of a table that are computed at once: their numbers stay in a core's cache.
-ROWS = 128
+ROWS = 256
 
 #: Cosines at which the albedo is limited.
 COSINES = np.array([1.0, 0.9, 0.75, 0.6, 0.45, 0.3, 0.2, 0.1, 0.05, 0.02, 0.01])
@@ -319,37 +326,46 @@ def _crossed(
     turn = np.arctan2(cross_product, wi[:, 0] * wo[:, 0] + wi[:, 1] * wo[:, 1])[:, None]
     alpha, eta = float(np.float32(alpha)), float(np.float32(eta))
     a, b = (cross(c, alpha, eta, u[:, k : k + 2]) for c, k in zip(cosines, (0, 2), strict=True))
-    total = _weighted(below, a, b._replace(inside=_turned(b.inside, turn)))
+    count = len(wi)
+    rows = np.repeat(np.arange(count), len(u))
+    total = _weighted(below, a, b._replace(inside=_turned(b.inside, turn)), rows, count)
     half = below.peak.draw(u[:, 2:])
     mirrored = cross(cosines[1], alpha, eta, u[:, :2]), cosines[0]
     for near, other in ((a, cosines[1]), mirrored):  # the bottom is the same seen in a mirror
         dot = sum(x * h for x, h in zip(near.inside, half, strict=True))
-        reflected = tuple(2 * dot * h - x for x, h in zip(near.inside, half, strict=True))
-        sine = np.sqrt(np.maximum(1 - other * other, 0))
+        reflected = [2 * dot * h - x for x, h in zip(near.inside, half, strict=True)]
+        reached = np.flatnonzero((near.weight > 0) & (dot > 0) & (reflected[2] > LEAST_COSINE))
+        sine, own = np.sqrt(np.maximum(1 - other * other, 0)), rows.take(reached)
         outside = _turned((sine, np.zeros_like(sine), other), turn)
-        b = crossing_at(outside, reflected, alpha, eta)
-        total += _weighted(below, near, b._replace(weight=np.where(dot > 0, b.weight, 0)))
-    return total / (eta * eta)
+        pair = [tuple(w.take(at) for w in x) for x, at in ((outside, own), (reflected, reached))]
+        far = crossing_at(*pair, alpha, eta)
+        total = total + _weighted(below, near.taken(reached), far, own, count)
+    return total / (eta * eta * len(u))
 
 
-def _weighted(below: Below, a: Crossing, b: Crossing) -> np.ndarray:
-    """Sums (N, C) over pairs of crossings (N, K), weighted by the balance heuristic."""
-    weight = a.weight * b.weight
-    present = weight > 0
-    inside = [
-        tuple(np.where(present, x, np.float32(n)) for x, n in zip(w.inside, (0, 0, 1), strict=True))
-        for w in (a, b)
-    ]
-    x, y, z = (p + q for p, q in zip(*inside, strict=True))
-    apart = Components(None, None, inside[0][2] - inside[1][2])
+def _weighted(below: Below, a: Crossing, b: Crossing, rows: np.ndarray, count: int) -> np.ndarray:
+    """Sums (N, C) over pairs of crossings (M,), weighted by the balance heuristic.
+
+    rows: (M,) places of the sums, below `count`.
+    """
+    weight = (a.weight * b.weight).ravel()
+    present = np.flatnonzero(weight)  # in slabs a third of all
+    weight, (a, b) = weight.take(present), (w.taken(present) for w in (a, b))
+    x, y, z = (p + q for p, q in zip(a.inside, b.inside, strict=True))
+    apart = Components(None, None, a.inside[2] - b.inside[2])
     places = coordinates(Components(x, y, z), apart, 1, NUMPY, below.knots)
     # Reflection about a half vector stretches solid angles by 4 cos theta_d.
     drawn = below.peak.density_at(places[0]) / (2 * np.sqrt(x * x + y * y + z * z))
     least = np.float32(1e-30)
     others = 1 / np.maximum(a.density, least) + 1 / np.maximum(b.density, least)
-    weight = np.where(present, weight / (1 + drawn * others), 0) / a.weight.shape[1]
-    wi, wo = (np.stack(w, axis=-1) for w in inside)
-    return np.einsum("nkc,nk->nc", _seen(below, wi, wo, places), weight)
+    wi, wo = (np.stack(w.inside, axis=-1) for w in (a, b))
+    values = _seen(below, wi, wo, places) * (weight / (1 + drawn * others))[:, None]
+    return sums(values, rows.take(present), count)
+
+
+def sums(values: np.ndarray, rows: np.ndarray, count: int) -> np.ndarray:
+    """Sums (N, C) of the values (M, C) of each row (M,), below `count`."""
+    return np.stack([np.bincount(rows, column, count) for column in values.T], axis=-1)
 
 
 def _seen(
@@ -357,7 +373,7 @@ def _seen(
 ) -> np.ndarray:
     """The BRDF below (..., C) for pairs (..., 3) with table coordinates `places` (...)."""
     values = interpolated_at(below.table, *(p.ravel() for p in places))
-    values = values.reshape(*places[0].shape, -1)
+    values = values.reshape(*places[0].shape, below.table.shape[-1])
     if below.lobe is None:
         return values
     own = lobes.f(below.lobe, wi[..., None, :], wo[..., None, :])

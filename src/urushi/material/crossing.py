@@ -35,6 +35,11 @@ class Crossing(NamedTuple):
     weight: np.ndarray  # transmitted fraction of the light over the density; 0 where none crosses
     density: np.ndarray  # of probability of the inner direction [1/sr], given the outer one
 
+    def taken(self, places: np.ndarray) -> "Crossing":
+        """The crossings (M,) at places of the flat arrays."""
+        x, y, z, weight, density = (w.take(places) for w in (*self.inside, *self[1:]))
+        return Crossing((x, y, z), weight, density)
+
 
 def cross(cosine: np.ndarray, alpha: float, eta: float, u: np.ndarray) -> Crossing:
     """Let light of directions (sqrt(1 - cosine^2), 0, cosine) cross.

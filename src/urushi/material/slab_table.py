@@ -34,13 +34,15 @@ from urushi.core.quadrature import half_vector_rule
 from urushi.material import adding, energy
 from urushi.material.coated_table import (
     COSINES,
+    ROWS,
     HalfVectors,
     Inside,
     coated_table,
     half_vectors,
     least_factors,
+    sums,
 )
-from urushi.material.crossing import Vector, cross, crossing_at, facet_points
+from urushi.material.crossing import LEAST_COSINE, Vector, cross, crossing_at, facet_points
 from urushi.material.material import Material
 from urushi.material.table import (
     SHAPE,
@@ -76,9 +78,6 @@ THROUGH_TABLE = 64
 
 #: Facets at which light of a direction is refracted, and elevations outside.
 FACETS, ELEVATIONS = 256, 48
-
-#: Nodes of a table that are computed at once.
-ROWS = 256
 
 #: Cosines near the horizon, below the first, at which a table is given all light; least and largest
 #: logarithm of the factor; rounds of the search for it.
@@ -490,8 +489,10 @@ def _two_interfaces(
             inside: Vector = (sin * y - cos * x, -cos * y - sin * x, z)  # mirrored
             b = crossing_at(tuple(other[:, i, None] for i in range(3)), inside, *far)
             chances = a.density * b.density / np.maximum(a.density + b.density, np.float32(1e-30))
-            weight = a.weight * b.weight * chances / (z * STRAIGHT)
-            total = total + np.einsum("nk,nkc->nc", weight, attenuation(z))
+            weight = (a.weight * b.weight * chances / (z * STRAIGHT)).ravel()
+            present = np.flatnonzero(weight)
+            values = attenuation(z.take(present)) * weight.take(present)[:, None]
+            total = total + sums(values, present // STRAIGHT, len(above))
         return np.asarray(total) / np.float32(index * index)
 
     return straight
@@ -518,31 +519,28 @@ def _one_interface(
 
     def straight(above: np.ndarray, below: np.ndarray) -> np.ndarray:
         (cos, sin), columns = _turn(above), [below[:, i, None] for i in range(3)]
-        x, y, z = cross(above[:, 2, None], *facets, u).inside
+        (x, y, z), weight, _ = cross(above[:, 2, None], *facets, u)
         drawn = Components(cos * x - sin * y, sin * x + cos * y, z)
         _, far = _refracted(drawn, Components(*columns), index, ratio, NUMPY)
         dot = sum(w * h for w, h in zip(far, half, strict=True))
         mirrored = Components(*(2 * dot * h - w for w, h in zip(far, half, strict=True)))
         seen, _ = _refracted(mirrored, far, index, 1 / ratio, NUMPY)
         reached = (dot > 0) & (mirrored.z > 0) & (index * np.hypot(mirrored.x, mirrored.y) < 1)
-        present = [np.ones_like(z, bool), reached]
-        inside = tuple(
-            np.concatenate([a, np.where(reached, b, n)], axis=1)
-            for a, b, n in zip(drawn, seen, (0, 0, 1), strict=True)
-        )
-        b = crossing_at(tuple(above[:, i, None] for i in range(3)), inside, *facets)
+        present = np.concatenate([weight > 0, reached], axis=1)
+        inside = tuple(np.concatenate(w, axis=1) for w in zip(drawn, seen, strict=True))
+        chosen = np.flatnonzero(present & (inside[2] > LEAST_COSINE))
+        rows = chosen // present.shape[1]
+        inside = tuple(w.take(chosen) for w in inside)
+        far = Components(*(w.take(rows) for w in far))
+        b = crossing_at(tuple(above[:, i].take(rows) for i in range(3)), inside, *facets)
         denser, _ = _refracted(Components(*inside), far, index, ratio, NUMPY)
         places = _denser_coordinates(denser, far, ratio, NUMPY)
-        values = interpolated_at(logs, *(p.ravel() for p in places))
         both = [p + q for p, q in zip(denser, far, strict=True)]
         chance = peak.density_at(places[0]) / (2 * np.sqrt(sum(w * w for w in both)))
         if index > 1:  # solid angles of refracted directions
             chance = chance * inside[2] / (index * index * denser.z)
-        share = (
-            b.weight * b.density / np.maximum(b.density + chance, np.float32(1e-30)) / THROUGH_TABLE
-        )
-        share = np.where(np.concatenate(present, axis=1), share, 0)
-        values = values.reshape(*share.shape, -1) * attenuation(inside[2])
-        return np.einsum("nkc,nk->nc", values, share)
+        share = b.weight * b.density / np.maximum(b.density + chance, np.float32(1e-30))
+        values = interpolated_at(logs, *places) * attenuation(inside[2])
+        return sums(values * share[:, None], rows, len(above)) / THROUGH_TABLE
 
     return straight

@@ -213,10 +213,9 @@ def completed(f: np.ndarray, knots: Knots) -> np.ndarray:
             count = min(4, high - low + 1)
             for i in np.flatnonzero((above > low) & (above <= high)):
                 first = np.clip(above[i] - 2, low, high + 1 - count)
-                nodes = known[first : first + count]
-                for j, node in enumerate(nodes):
-                    others = np.delete(nodes, j)
-                    shares[i, first + j] = np.prod((i - others) / (node - others))
+                nodes, same = known[first : first + count], np.eye(count, dtype=bool)
+                factors = (i - nodes) / np.where(same, 1, nodes[:, None] - nodes)
+                shares[i, first : first + count] = np.where(same, 1, factors).prod(axis=1)
         between = logs[above - 1], logs[above]
         cubic = np.tensordot(shares, logs, 1)
         logs = np.moveaxis(cubic.clip(np.minimum(*between), np.maximum(*between)), 0, axis)
