@@ -337,8 +337,8 @@ def _crossed(
         reached = np.flatnonzero((near.weight > 0) & (dot > 0) & (reflected[2] > LEAST_COSINE))
         sine, own = np.sqrt(np.maximum(1 - other * other, 0)), rows.take(reached)
         outside = _turned((sine, np.zeros_like(sine), other), turn)
-        pair = [tuple(w.take(at) for w in x) for x, at in ((outside, own), (reflected, reached))]
-        far = crossing_at(*pair, alpha, eta)
+        outside, inside = (tuple(w.take(at) for w in x) for x, at in ((outside, own), (reflected, reached)))
+        far = crossing_at(outside, inside, alpha, eta)
         total = total + _weighted(below, near.taken(reached), far, own, count)
     return total / (eta * eta * len(u))
 

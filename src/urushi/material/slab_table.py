@@ -482,7 +482,7 @@ def _two_interfaces(
     lower = lower[0], 1 / lower[1]
 
     def straight(above: np.ndarray, below: np.ndarray) -> np.ndarray:
-        total = np.float32(0)
+        total: np.ndarray | float = 0.0
         for one, other, own, far in ((above, below, upper, lower), (below, above, lower, upper)):
             a = cross(one[:, 2, None], *own, u)
             (cos, sin), (x, y, z) = _turn(one), a.inside
