@@ -174,3 +174,13 @@ def test_transmission_is_reciprocal() -> None:
             np.testing.assert_array_equal(found.f(near, far), found.f(far, near))
         down, up = found.f(wi, wo * DOWN), found.f(wo * DOWN, wi)
         np.testing.assert_allclose(down, up * found.eta**2, rtol=1e-5)
+
+
+def test_windows_reflect_and_transmit_their_light_near_the_horizon() -> None:
+    """Inside, this light is close to total reflection, and smooth surfaces widen it beyond."""
+    cosines = np.array([0.3, 0.2, 0.15, 0.1])
+    wi = np.stack([np.sqrt(1 - cosines**2), 0 * cosines, cosines], axis=1).astype(np.float32)
+    window: Layers = ([(0.01, 1.5, *CLEAR)], (0.01, 1 / 1.5))
+    for part, found in enumerate(tables(window).shares(wi)):
+        kept, _ = analog_albedo(described(window), wi, walks=1 << 15, transmitted=bool(part))
+        assert np.abs(found - kept)[:, 0].max() < 0.025

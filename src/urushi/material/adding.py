@@ -35,6 +35,9 @@ ELEVATIONS, AZIMUTHS = 24, 48
 #: Directions for each of the grid by which means about them are taken.
 FINE = 10
 
+#: Azimuths of a lobe for each of the grid.
+DENSE = 8
+
 #: How much denser nodes are at angles of total reflection: spacing is 1 - `DENSITY` times as wide.
 DENSITY = 0.8
 
@@ -86,11 +89,14 @@ class Grid:
         self._count = azimuths
         self._upper = np.triu_indices(len(self.angles))
 
-    def pairs(self) -> tuple[np.ndarray, np.ndarray]:
-        """Pairs float32 (M, 3) at which `values` takes a BRDF: half of all, by reciprocity."""
+    def pairs(self, dense: int = 1) -> tuple[np.ndarray, np.ndarray]:
+        """Pairs float32 (M, 3) at which `values` takes a BRDF: half of all, by reciprocity.
+
+        dense: pairs for each azimuth of the grid.
+        """
+        azimuths = np.linspace(0, np.pi, dense * (len(self.azimuths) - 1) + 1)
         first, second, turn = (
-            x.ravel()
-            for x in np.broadcast_arrays(*(i[:, None] for i in self._upper), self.azimuths)
+            x.ravel() for x in np.broadcast_arrays(*(i[:, None] for i in self._upper), azimuths)
         )
         sines = np.sin(self.angles)
         wi = np.stack([sines[first], 0 * turn, self.cosines[first]], axis=-1)
@@ -101,18 +107,18 @@ class Grid:
         return wi.astype(np.float32), wo.astype(np.float32)
 
     def values(self, f: np.ndarray) -> np.ndarray:
-        """A BRDF (N, N, H) from its values (M,) at `pairs`."""
+        """A BRDF (N, N, K) from its values (M,) at `pairs`, K azimuths from 0 to pi."""
         count = len(self.cosines)
-        result = np.empty((count, count, len(self.azimuths)))
-        rows = f.reshape(-1, len(self.azimuths))
+        rows = f.reshape(len(self._upper[0]), -1)
+        result = np.empty((count, count, rows.shape[1]))
         result[self._upper], result[self._upper[::-1]] = rows, rows
         return result
 
     def modes(self, values: np.ndarray) -> np.ndarray:
-        """Modes (H, N, N) of values (N, N, H)."""
+        """Modes (H, N, N) of values (N, N, K)."""
         around = np.concatenate([values, values[..., -2:0:-1]], axis=-1)
-        modes = np.fft.rfft(around, axis=-1).real * (2 * np.pi / self._count)
-        return np.moveaxis(modes, -1, 0)
+        modes = np.fft.rfft(around, axis=-1).real * (2 * np.pi / around.shape[-1])
+        return np.moveaxis(modes, -1, 0)[: len(self.azimuths)]
 
     def values_of_modes(self, modes: np.ndarray) -> np.ndarray:
         """Values (N, N, H) of modes (H, N, N)."""
@@ -126,7 +132,8 @@ class Grid:
         albedos. If the other values already exceed the albedo, they are scaled down.
         """
         values, places = self.values(f), np.arange(len(self.cosines))
-        values[places, places, -1] = 0
+        dense = (values.shape[-1] - 1) // (len(self.azimuths) - 1)
+        values[places, places, -1 - dense // 2 :] = 0
         modes = self.modes(values)
         factors = np.ones(len(places))
         for _ in range(3):
@@ -229,7 +236,7 @@ def bottom_modes(f: Brdf, edges: Edges = ()) -> np.ndarray:
 def interface_modes(alpha: float, eta: float, edges: Edges = ()) -> np.ndarray:
     """Modes (H, N, N) of the reflection of an interface from below; eta: below over above."""
     own = grid(edges)
-    wi, wo = (w.astype(np.float64) for w in own.pairs())
+    wi, wo = (w.astype(np.float64) for w in own.pairs(DENSE))
     lobe = lobes.of_coat(np.float64(alpha), np.float64(1 / eta))
     return own.brdf_modes(
         lobes.f(lobe, wi, wo), own.mean(lambda cosine: inner_albedo(cosine, alpha, eta))

@@ -333,11 +333,13 @@ def _crossed(
     mirrored = cross(cosines[1], alpha, eta, u[:, :2]), cosines[0]
     for near, other in ((a, cosines[1]), mirrored):  # the bottom is the same seen in a mirror
         dot = sum(x * h for x, h in zip(near.inside, half, strict=True))
-        reflected = [2 * dot * h - x for x, h in zip(near.inside, half, strict=True)]
-        reached = np.flatnonzero((near.weight > 0) & (dot > 0) & (reflected[2] > LEAST_COSINE))
+        mirror = [2 * dot * h - x for x, h in zip(near.inside, half, strict=True)]
+        reached = np.flatnonzero((near.weight > 0) & (dot > 0) & (mirror[2] > LEAST_COSINE))
         sine, own = np.sqrt(np.maximum(1 - other * other, 0)), rows.take(reached)
         outside = _turned((sine, np.zeros_like(sine), other), turn)
-        outside, inside = (tuple(w.take(at) for w in x) for x, at in ((outside, own), (reflected, reached)))
+        outside, inside = (
+            tuple(x.take(at) for x in w) for w, at in ((outside, own), (mirror, reached))
+        )
         far = crossing_at(outside, inside, alpha, eta)
         total = total + _weighted(below, near.taken(reached), far, own, count)
     return total / (eta * eta * len(u))

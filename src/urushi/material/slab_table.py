@@ -320,7 +320,7 @@ def _reflected(
         codes = np.zeros((channels, model.arch.latent), np.float32)
         codes[:, lobe] = lobes.of_coat(alpha, eta)
         table = np.full((*SHAPE, channels), MIN_LOG, np.float16)
-        knots: Knots = ()
+        knots = knots_of(np.sin(_edges(interfaces, level - 1)).tolist())
         if below is not None:
             edges = _edges(interfaces, level)
             if layers:
@@ -330,8 +330,6 @@ def _reflected(
                 surface = interfaces[-1, 0], 1 / interfaces[-1, 1], edges
                 modes = np.stack([adding.interface_modes(*surface)] * channels)
                 mirrored = adding.mirror(*surface).repeat(channels, axis=1)
-            beyond = interfaces[level:, 1].cumprod()
-            knots = knots_of(beyond[beyond < 1 - MIN_INDEX_STEP].tolist())
             layers.insert(0, Inside(edges, modes, mirrored, knots))
             coat = CoatParameters(alpha, eta, *media[level])
             table = coated_table(below, coat, codes[:, lobe], layers[0])
