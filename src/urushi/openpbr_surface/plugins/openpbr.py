@@ -180,7 +180,9 @@ class _Maker:
             name = self._plugin + ": "
             if name not in sentence:
                 raise
-            raise ParameterError(f"{inputs.where}: {sentence.partition(name)[2]}") from error
+            cause = sentence.partition(name)[2]
+            walk = ", which openpbr takes by the option 'reference'" if "'layered'" in cause else ""
+            raise ParameterError(f"{inputs.where}: {cause}{walk}") from error
 
 
 def _coat(inputs: Inputs) -> dict[str, Any]:
