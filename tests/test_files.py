@@ -85,6 +85,30 @@ def test_a_target_that_is_a_folder(tmp_path):
     assert os.listdir(tmp_path) == ["folder"]
 
 
+def test_a_device_stays_a_device(tmp_path):
+    """A pipe stands for devices such as /dev/null, which renaming would replace by a file."""
+    pipe = tmp_path / "pipe"
+    os.mkfifo(pipe)
+    with pytest.raises(FileError, match="pipe': it is not a file; choose"), atomic_write(pipe):
+        pass
+    assert pipe.is_fifo() and os.listdir(tmp_path) == ["pipe"]
+
+
+def test_links_are_followed(tmp_path):
+    (tmp_path / "disk").mkdir()
+    link = tmp_path / "link.txt"
+    link.symlink_to(tmp_path / "disk" / "text")
+    for text in ("new", "newer"):
+        with atomic_write(link) as temporary:
+            assert temporary.suffix == ".txt"
+            temporary.write_text(text)
+        assert link.is_symlink() and (tmp_path / "disk" / "text").read_text() == text
+    circle = tmp_path / "circle"
+    circle.symlink_to(circle)
+    with pytest.raises(FileError, match="cannot write"), atomic_write(circle):
+        pass
+
+
 def test_file_errors_are_os_errors(tmp_path):
     with pytest.raises(OSError, match="cannot write"), atomic_write(tmp_path / "no" / "file"):
         pass

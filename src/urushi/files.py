@@ -28,20 +28,26 @@ def atomic_write(path: str | os.PathLike) -> Iterator[Path]:
     """Yield a temporary path in the folder of `path`; rename it to `path` on success.
 
     Readers see either the old file or the whole new one. The temporary path has the same suffix.
-    On any exception the temporary file is removed and `path` is unchanged.
+    On any exception the temporary file is removed and `path` is unchanged. Links are followed.
 
     Raises:
-        FileError: the folder is missing or cannot be written, or the disk is full.
+        FileError: the folder is missing or cannot be written, the disk is full, or `path` is a
+            folder or a device.
     """
     target = Path(path)
     try:
+        place = target.resolve()
+        if place.exists() and not place.is_file():  # renaming would replace a device
+            raise FileError(f"cannot write '{target}': it is not a file; choose another name")
         handle, name = tempfile.mkstemp(
-            dir=target.parent, prefix=f".{target.stem}-", suffix=target.suffix
+            dir=place.parent, prefix=f".{target.stem}-", suffix=target.suffix
         )
         os.close(handle)
-    except OSError as error:
+    except FileError:
+        raise
+    except (OSError, RuntimeError) as error:  # RuntimeError: links in a circle
         raise FileError(
-            f"cannot write '{target}': {error.strerror or error}; "
+            f"cannot write '{target}': {getattr(error, 'strerror', None) or error}; "
             "choose a folder that exists and is writable"
         ) from error
     temporary = Path(name)
@@ -49,7 +55,7 @@ def atomic_write(path: str | os.PathLike) -> Iterator[Path]:
         yield temporary
         os.umask(mask := os.umask(0))  # the mask can be read only by setting it
         temporary.chmod(0o666 & ~mask)  # mkstemp makes private files
-        temporary.replace(target)
+        temporary.replace(place)
     except FileError:
         raise
     except (OSError, RuntimeError) as error:
