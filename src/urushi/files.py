@@ -185,6 +185,6 @@ def _description(text: str) -> dict[str, Any]:
     """The JSON object in a file's metadata; empty if there is none."""
     try:
         description = json.loads(text)
-    except ValueError:
+    except (ValueError, RecursionError):
         return {}
     return description if isinstance(description, dict) else {}

@@ -67,6 +67,7 @@ def test_truncated_files_are_refused(size, material, model, tmp_path):
         {"codes": np.ones((3, 32), np.float32)},
         {"latents": np.ones((3, 31), np.float32)},
         {"latents": np.ones((0, 32), np.float32)},
+        {"latents": np.ones((3, 32), np.int32)},
         {"latents": np.full((3, 32), np.inf, np.float32)},
         {"latents": np.ones((3, 32), np.float32), "anchors": np.ones((2, 32), np.float32)},
         {"latents": np.ones((3, 32), np.float32), "anchors": np.full((3, 32), np.nan, "f4")},
@@ -77,7 +78,15 @@ def test_damaged_files_are_refused(arrays, model, tmp_path):
     path = tmp_path / "a.safetensors"
     text = json.dumps({"kind": "material", "version": FORMAT_VERSION, "weights": model.fingerprint})
     path.write_bytes(safetensors.numpy.save(arrays, {"urushi": text}))
-    with pytest.raises(FileError, match="is damaged"):
+    with pytest.raises(FileError, match="is damaged: .*; copy or write it again"):
+        load(path, model)
+
+
+def test_a_description_nested_deeply_is_refused(model, tmp_path):
+    path = tmp_path / "a.safetensors"
+    text = "[" * 100_000
+    path.write_bytes(safetensors.numpy.save({"latents": np.ones((3, 32), "f4")}, {"urushi": text}))
+    with pytest.raises(FileError, match="not one of Urushi's materials"):
         load(path, model)
 
 

@@ -302,8 +302,11 @@ def load(path: str | os.PathLike, weights: Weights | None = None) -> Material:
     model = model_of_file(path, description.get("weights"), given)
     try:
         return _material(description, arrays, model)
-    except (KeyError, TypeError, ValueError) as error:
-        raise FileError(f"the material file '{path}' is damaged: {error}") from error
+    except (KeyError, TypeError, ValueError, RecursionError) as error:
+        reason = f"it has no {error}" if isinstance(error, KeyError) else error
+        raise FileError(
+            f"the material file '{path}' is damaged: {reason}; copy or write it again"
+        ) from error
 
 
 def _contents(material: Material) -> tuple[dict[str, Any], dict[str, np.ndarray]]:
@@ -326,6 +329,9 @@ def _contents(material: Material) -> tuple[dict[str, Any], dict[str, np.ndarray]
 
 def _material(description: dict[str, Any], arrays: dict[str, np.ndarray], model: Model) -> Material:
     """The inverse of `_contents`."""
+    for name, array in arrays.items():
+        if array.dtype.kind != "f":
+            raise ValueError(f"its {name} are of type {array.dtype}, not of floating point")
     coating = None
     if "coat" in arrays:
         coat = checks.coat(CoatParameters.of_columns(arrays["coat"]), "the coat's", any_shape=True)
