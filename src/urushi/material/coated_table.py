@@ -329,9 +329,8 @@ def _crossed(
     count = len(wi)
     rows = np.repeat(np.arange(count), len(u))
     total = _weighted(below, a, b._replace(inside=_turned(b.inside, turn)), rows, count)
-    half = below.peak.draw(u[:, 2:])
-    mirrored = cross(cosines[1], alpha, eta, u[:, :2]), cosines[0]
-    for near, other in ((a, cosines[1]), mirrored):  # the bottom is the same seen in a mirror
+    for near, other, k in ((a, cosines[1], 2), (b, cosines[0], 0)):  # seen in a mirror, b is as a
+        half = below.peak.draw(u[:, k : k + 2])
         dot = sum(x * h for x, h in zip(near.inside, half, strict=True))
         mirror = [2 * dot * h - x for x, h in zip(near.inside, half, strict=True)]
         reached = np.flatnonzero((near.weight > 0) & (dot > 0) & (mirror[2] > LEAST_COSINE))
