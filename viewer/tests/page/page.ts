@@ -7,6 +7,7 @@ import { INITIAL, type State } from "../../src/state/state";
 
 interface Options {
   picture: boolean;
+  refined: number;
   occlusion: boolean;
   walk: boolean;
 }
@@ -14,17 +15,20 @@ interface Options {
 /**
  * A page on which nothing is logged, fails, or is asked of another server; `quiet`: what was.
  *
- * `picture`: whether the picture is drawn, which is slow by software. `occlusion`: whether objects hide a
+ * `picture`: whether the picture is drawn, which is slow by software. `refined`: the share of its frames
+ * after which it stays as it is, see `refined`. `occlusion`: whether objects hide a
  * part of their own light, which takes a second to compute. `walk`: whether the random walk converges
  * beside the plots, which takes two seconds of each material.
  */
 export const test = base.extend<Options & { quiet: string[] }>({
   picture: [false, { option: true }],
+  refined: [1, { option: true }],
   occlusion: [false, { option: true }],
   walk: [false, { option: true }],
-  page: async ({ page, picture, occlusion, walk }, use) => {
+  page: async ({ page, picture, refined, occlusion, walk }, use) => {
     if (!picture) await page.addInitScript(drawNothing);
-    await page.addInitScript(answerAtOnce, { picture, occlusion, walk });
+    if (refined < 1) await page.addInitScript(refineTo, refined);
+    await page.addInitScript(answerAtOnce, { picture, refined, occlusion, walk });
     await use(page);
   },
   quiet: [
@@ -54,6 +58,15 @@ function drawNothing(): void {
   WebGL2RenderingContext.prototype.drawElements = () => {};
 }
 
+/** In the page: let WebGL finish nothing more once the picture has a share of its frames. */
+function refineTo(share: number): void {
+  const wait = WebGL2RenderingContext.prototype.clientWaitSync;
+  WebGL2RenderingContext.prototype.clientWaitSync = function (...args) {
+    const gathered = document.querySelector<HTMLProgressElement>(".status progress")?.value ?? 0;
+    return gathered < share ? wait.apply(this, args) : this.TIMEOUT_EXPIRED;
+  };
+}
+
 /**
  * In the page: answer calls for what is not wanted at once. Meshes hide none of their light, walks end,
  * and the tables of a picture that nobody sees are all the first.
@@ -79,6 +92,12 @@ function answerAtOnce(wanted: Options): void {
       post.call(this, message, options as StructuredSerializeOptions);
     }
   } as typeof post;
+}
+
+/** Wait until the picture has a share of its frames. */
+export async function refined(page: Page, share: number): Promise<void> {
+  const gathered = () => page.locator(".status progress").evaluate((bar) => Object(bar).value);
+  await expect.poll(gathered, { timeout: 300_000 }).toBeGreaterThanOrEqual(share);
 }
 
 /** Open the page and wait until it computes; the physical numbers are shown. */

@@ -274,6 +274,24 @@ function filmic(light: number[]): number[] {
 
 const CURVES = { neutral, filmic, none: (light: number[]) => light };
 
+/** A mesh whose few triangles are drawn at once. */
+const OCTAHEDRON = `
+v 1 0 0
+v 0 1 0
+v 0 0 1
+v -1 0 0
+v 0 -1 0
+v 0 0 -1
+f 1 2 3
+f 2 4 3
+f 4 5 3
+f 5 1 3
+f 2 1 6
+f 4 2 6
+f 5 4 6
+f 1 5 6
+`;
+
 test.describe("a saved picture", () => {
   test.use({ deviceScaleFactor: 0.2 });
 
@@ -281,6 +299,8 @@ test.describe("a saved picture", () => {
     await page.setViewportSize({ width: 640, height: 300 });
     const materials = [preset("Gilding under shellac")];
     await open(page, addressOf({ materials, object: "ball" }));
+    await give(page, "octahedron.obj", OCTAHEDRON);
+    await expect(page.getByRole("combobox", { name: "Object" })).toHaveValue("own");
     const choose = async (name: string, value: string) => {
       await page.getByRole("button", { name: "View", exact: true }).click();
       await page.getByRole("combobox", { name }).selectOption(value);

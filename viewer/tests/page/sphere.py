@@ -14,7 +14,7 @@ import numpy as np
 EXAMPLES = Path(__file__).resolve().parents[3] / "examples"
 sys.path.insert(0, str(EXAMPLES))
 
-from material import lacquer, main  # noqa: E402
+from material import lacquer  # noqa: E402
 
 LIGHTS = np.array([[1, 2, 2], [-3, 1, 1], [2, -1, 0.5]])
 IRRADIANCES = np.array([[1.2, 1.2, 1.2], [0.3, 0.4, 0.7], [0.8, 0.5, 0.3]])
@@ -76,11 +76,11 @@ def pixels(size: int) -> list[dict[str, list[float]]]:
             if met is None or met[0] @ met[1] < LEAST_COSINE:
                 continue
             local = frame(met[0])
-            wi = local @ met[1]
             to = unit(LIGHTS) @ local.T
-            lit = material.f(np.tile(wi, (len(to), 1)), to) * np.maximum(to[:, 2:], 0) * IRRADIANCES
-            f = material.f(np.tile(wi, (len(wo), 1)), wo)
-            scattered = f * (wo[:, 2] * weights)[:, None] * sky(wo @ local)
+            all_wo = np.concatenate([to, wo])
+            f = material.f(np.tile(local @ met[1], (len(all_wo), 1)), all_wo)
+            lit = f[: len(to)] * np.maximum(to[:, 2:], 0) * IRRADIANCES
+            scattered = f[len(to) :] * (wo[:, 2] * weights)[:, None] * sky(wo @ local)
             result.append(
                 {
                     "place": [column, row],
@@ -92,5 +92,6 @@ def pixels(size: int) -> list[dict[str, list[float]]]:
 
 
 if __name__ == "__main__":
-    main(Path(sys.argv[1]))
+    code = lacquer().shader("glsl")
+    (Path(sys.argv[1]) / "material.glsl").write_text(code, encoding="utf-8")
     print(json.dumps(pixels(int(sys.argv[2]))))

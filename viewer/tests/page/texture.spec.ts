@@ -4,9 +4,10 @@ import { execFileSync } from "node:child_process";
 import { mkdtempSync, readFileSync, rmSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
+import type { Page } from "@playwright/test";
 import { crc32 } from "../../src/save/zip";
 import { compared, hasFlip, PYTHON } from "./compared";
-import { addressOf, coats, colourAt, expect, give, open, saved, test } from "./page";
+import { addressOf, coats, colourAt, expect, give, open, refined, saved, test } from "./page";
 
 let folder: string;
 let texture: Buffer;
@@ -20,6 +21,20 @@ test.beforeAll(() => {
 
 test.afterAll(() => rmSync(folder, { recursive: true, force: true }));
 
+/** The material of the texture. */
+function stripes() {
+  const name = crc32(texture).toString(16).padStart(8, "0");
+  return { name: "stripes", bottom: { kind: "texels", texture: name } };
+}
+
+/** Let the page find the texture beside it, and what else it begins with. */
+async function beginWithTexture(page: Page, start: object = {}): Promise<void> {
+  await page.route("**/start.json*", (route) =>
+    route.fulfill({ json: { ...start, texture: "texture.safetensors" } }),
+  );
+  await page.route("**/texture.safetensors*", (route) => route.fulfill({ body: texture }));
+}
+
 const view = { azimuth: 20, elevation: 25, zoom: 1.4 };
 
 test.describe("beside Mitsuba", () => {
@@ -27,27 +42,29 @@ test.describe("beside Mitsuba", () => {
   test.use({ deviceScaleFactor: 0.12, picture: true });
   test.skip(!hasFlip, "the package flip-evaluator has no wheel for this machine");
 
-  // The sky's sun is a light that is evaluated directly.
-  for (const [object, environment] of [
-    ["teapot", "studio"],
-    ["ball", "sky"],
-  ])
-    test(`${object}, ${environment}: at rest as Mitsuba renders it`, async ({ page }) => {
-      test.setTimeout(400_000);
-      const bottom = { kind: "diffuse", reflectance: 0.5 };
-      const materials = [{ name: "first", bottom }];
-      await open(page, addressOf({ materials, object, environment, view, rotation: 30 }));
-      await expect(page.getByRole("button", { name: "Material first" })).toBeVisible();
-      await give(page, "stripes.safetensors", texture);
-      await expect(page.getByRole("button", { name: "Material stripes" })).toBeVisible();
-      await expect(page.locator(".status")).toHaveText("refining");
-      await expect(page.locator(".status")).toHaveText("converged", { timeout: 300_000 });
-      const measures = await compared(page, `texture on a ${object}`);
-      expect.soft(measures.flip).toBeLessThan(0.05);
-      expect.soft(Math.abs(measures.mean)).toBeLessThan(0.01);
-      // Noise alone is far below these tolerances.
-      expect.soft(measures.noise).toBeLessThan(0.02);
-      expect.soft(Math.abs(measures.mean_noise)).toBeLessThan(0.003);
+  // The sky's sun is a light that is evaluated directly. The last frames have the finest levels of the
+  // texture, which decide on the teapot; on the ball a third of the frames has the same mean.
+  for (const [object, environment, share] of [
+    ["teapot", "studio", 1],
+    ["ball", "sky", 1 / 3],
+  ] as const)
+    test.describe(() => {
+      test.use({ refined: share });
+      test(`${object}, ${environment}: at rest as Mitsuba renders it`, async ({ page }) => {
+        test.setTimeout(400_000);
+        await beginWithTexture(page);
+        const materials = [stripes()];
+        await open(page, addressOf({ materials, object, environment, view, rotation: 30 }));
+        await expect(page.getByRole("button", { name: "Material stripes" })).toBeVisible();
+        await expect(page.locator(".status")).toHaveText("refining");
+        await refined(page, share);
+        const measures = await compared(page, `texture on a ${object}`);
+        expect.soft(measures.flip).toBeLessThan(0.05);
+        expect.soft(Math.abs(measures.mean)).toBeLessThan(0.01);
+        // Noise alone is far below these tolerances.
+        expect.soft(measures.noise).toBeLessThan(0.02);
+        expect.soft(Math.abs(measures.mean_noise)).toBeLessThan(0.003);
+      });
     });
 });
 
@@ -83,12 +100,7 @@ test.describe("in a picture", () => {
   test.use({ deviceScaleFactor: 0.5, picture: true });
 
   test("the page begins with a texture beside it", async ({ page }) => {
-    const name = crc32(texture).toString(16).padStart(8, "0");
-    const materials = [{ name: "stripes", bottom: { kind: "texels", texture: name } }];
-    await page.route("**/start.json*", (route) =>
-      route.fulfill({ json: { materials, texture: "texture.safetensors" } }),
-    );
-    await page.route("**/texture.safetensors*", (route) => route.fulfill({ body: texture }));
+    await beginWithTexture(page, { materials: [stripes()] });
     await open(page);
     await expect(page.getByRole("button", { name: "Material stripes" })).toBeVisible();
     await expect(page.getByRole("alert")).toHaveCount(0);

@@ -13,7 +13,7 @@ interface Pixel {
   sky: number[];
 }
 
-const SIZE = 120;
+const SIZE = 84;
 const EXAMPLE = join(import.meta.dirname, "../../../examples/threejs");
 const MODULES = join(import.meta.dirname, "../../node_modules");
 const PYTHON = process.env.PYTHON ?? join(import.meta.dirname, "../../../.venv/bin/python");
