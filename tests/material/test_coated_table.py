@@ -1,5 +1,7 @@
 """Coats over materials with a table, against closed forms and the walk."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -10,6 +12,7 @@ from urushi.core.error_metrics import stack_error
 from urushi.errors import UrushiWarning
 from urushi.material import Material, encode, layer, lerp, load
 from urushi.material.coated_table import coated_rest
+from urushi.material.layer import layer_material
 from urushi.material.table import SHAPE, interpolated, node_pairs, table_of_values
 from urushi.measured.tabulated import MeasuredSurface, bin_centres
 from urushi.nets.lobe import f as lobe_f
@@ -250,3 +253,19 @@ def test_a_measured_source_needs_no_encoding_first(trained):
     """Sources other than measured ones have codes alone."""
     assert layer(dielectric(0.1, 1.5), conductor(0.2, 0.8)).table is None
     assert layer(dielectric(0.1, 1.5), sheen, refine=False).table is None
+
+
+def test_each_of_many_channels_is_as_it_is_alone():
+    """Four media, none a sum of the others: albedo and depth of the coat, up and down."""
+    bottom = encode(lambda wi, wo: sheen(wi, wo)[:, :1])
+    bottom = replace(bottom, table=table_of_values(sheen(*node_pairs())[:, :1]))
+    media = [(0.02, 0.18), (0.0, 0.23), (0.0, 0.18), (0.0, 0.13)]
+    latents, table = np.repeat(bottom.latents, 4, axis=0), np.repeat(bottom.table, 4, axis=-1)
+    four = replace(bottom, latents=latents, anchors=latents, table=table)
+
+    def layered(below, media):
+        columns = [(0.2, 1.5, albedo, depth, 0.0) for albedo, depth in media]
+        return layer_material(CoatParameters.of_columns(np.array(columns).T), below).table
+
+    alone = [layered(bottom, [medium])[..., 0] for medium in media]
+    np.testing.assert_allclose(layered(four, media), np.stack(alone, axis=-1), atol=0.01)

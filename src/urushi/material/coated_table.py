@@ -154,7 +154,7 @@ def coated_rest(bottom: Material, coat: CoatParameters, slab: Inside | None = No
         if pairs is known:
             shape = *(row.size for row in rows), *SHAPE[2:], -1
             values = completed(values.reshape(shape), knots).reshape(len(result), -1)
-        values = values @ weights if len(weights) < len(first) else values
+        values = values @ weights
         result[:, chosen] = values[:, which]
     return result
 
