@@ -61,6 +61,15 @@ def test_ranges_are_those_of_python():
         describe("conductor(alpha=7, r0=0.5)")
 
 
-@pytest.mark.parametrize("text", ["scene.xml", "coat.safetensors", "/tmp/conductor", ""])
+@pytest.mark.parametrize(
+    "text", ["scene.xml", "coat.safetensors", "/tmp/conductor", "a (2).binary", ""]
+)
 def test_file_names_are_no_descriptions(text):
     assert not is_description(text)
+
+
+def test_unknown_calls_are_descriptions_that_are_refused():
+    """Not files that are missing."""
+    assert is_description("openpbr(coat_weight=1)")
+    with pytest.raises(ParameterError, match="'openpbr' is not one of coat, slab, "):
+        describe("openpbr(coat_weight=1)")

@@ -30,6 +30,7 @@ def fields(writers):
         (b"\x5a", r"\(1 bytes\) is neither"),
         (b"BRDF, I swear", "is neither"),
         (b"\n<!DOCTYPE html><html>404</html>", "is a web page"),
+        (b"<?xml version='1.0'?><materialx/>", "is an XML file, .* urushi convert reads MaterialX"),
         (b"<html><body>Not found</body></html>", "is a web page"),
         (merl_header(90, 90, 360) + bytes(80), "has dimensions 90 x 90 x 360"),
         (merl_header(90, 90, -180) + bytes(80), "has dimensions 90 x 90 x -180"),

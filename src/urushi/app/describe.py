@@ -8,6 +8,7 @@ import ast
 import functools
 import inspect
 import json
+import re
 from dataclasses import dataclass
 from importlib.resources import files
 from typing import Any
@@ -45,9 +46,10 @@ def describe(text: str) -> Any:
 
 
 def is_description(text: str) -> bool:
-    """Whether `text` begins with a call of `makers` or is in the library: no file's name."""
-    calls = tuple(f"{maker}(" for maker in makers())
-    return text.strip().startswith(calls) or text.strip() in library()
+    """Whether `text` is a call, or begins one of `makers`, or is in the library: no file's name."""
+    calls, text = tuple(f"{maker}(" for maker in makers()), text.strip()
+    is_call = re.fullmatch(r"\w+\(.*\)", text, re.DOTALL) is not None
+    return is_call or text.startswith(calls) or text in library()
 
 
 def _build(node: ast.expr, text: str) -> Any:

@@ -59,7 +59,12 @@ def load_measured(path: str | os.PathLike) -> Merl | Rgl:
 def _foreign(source: Path, start: bytes) -> FileError:
     """The error for a file of another format; it says what the file resembles."""
     text = start.lstrip().lower()
-    if text.startswith((b"<!doctype", b"<html", b"<?xml", b"<head")):
+    if text.startswith(b"<?xml"):
+        return FileError(
+            f"'{source}' is an XML file, not a BRDF; a BSDF of a scene is SCENE.xml#ID, and "
+            "urushi convert reads MaterialX"
+        )
+    if text.startswith((b"<!doctype", b"<html", b"<head")):
         return FileError(f"'{source}' is a web page, not a BRDF; download the file itself")
     size = source.stat().st_size
     resembles = size == merl.FILE_SIZE or start[:8] == merl.HEADER[:8]
