@@ -200,7 +200,7 @@ def test_one_value_or_three():
     ("arguments", "sentence"),
     [
         (["encode", "scene.xml"], "'scene.xml' is neither a file nor a description"),
-        (["encode", "lacquer(1)"], "is neither a file nor a description"),
+        (["encode", "lacquer(1)"], "'lacquer' is not one of coat, slab"),
         (["encode", "diffuse(2)"], "reflectance is 2"),
         (["encode", "diffuse(0.5)", "--refine", "--no-refine"], "exclude each other"),
         (["layer", "missing.safetensors"], "missing.safetensors"),
