@@ -102,7 +102,7 @@ test.skip(!hasFlip, "the package flip-evaluator has no wheel for this machine");
 for (const [name, { bottom, coats, object, environment, share }] of Object.entries(CASES))
   test.describe(() => {
     test.use({ refined: share });
-    test(`${name}: at rest as Mitsuba renders it`, async ({ page }) => {
+    test(`${name}: as Mitsuba renders it`, async ({ page }) => {
       test.setTimeout(400_000);
       const materials = [{ name, bottom, coats }];
       const view = { azimuth: 20, elevation: 25, zoom: 1.4 };

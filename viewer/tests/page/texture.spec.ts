@@ -42,15 +42,15 @@ test.describe("beside Mitsuba", () => {
   test.use({ deviceScaleFactor: 0.12, picture: true });
   test.skip(!hasFlip, "the package flip-evaluator has no wheel for this machine");
 
-  // The sky's sun is a light that is evaluated directly. The last frames have the finest levels of the
-  // texture, which decide on the teapot; on the ball a third of the frames has the same mean.
+  // The sky's sun is a light that is evaluated directly. The mean of the
+  // teapot needs all frames; on the ball a third of them has the same mean.
   for (const [object, environment, share] of [
     ["teapot", "studio", 1],
     ["ball", "sky", 1 / 3],
   ] as const)
     test.describe(() => {
       test.use({ refined: share });
-      test(`${object}, ${environment}: at rest as Mitsuba renders it`, async ({ page }) => {
+      test(`${object}, ${environment}: as Mitsuba renders it`, async ({ page }) => {
         test.setTimeout(400_000);
         await beginWithTexture(page);
         const materials = [stripes()];
