@@ -15,10 +15,10 @@ interface Options {
 /**
  * A page on which nothing is logged, fails, or is asked of another server; `quiet`: what was.
  *
- * `picture`: whether the picture is drawn, which is slow by software. `refined`: the share of its frames
- * after which it stays as it is, see `refined`. `occlusion`: whether objects hide a
- * part of their own light, which takes a second to compute. `walk`: whether the random walk converges
- * beside the plots, which takes two seconds of each material.
+ * `picture`: whether the picture is drawn, which is slow by software. `refined`: the picture stops to refine
+ * after this share of its frames. `occlusion`: whether objects hide a part of their own light, which takes a
+ * second to compute. `walk`: whether the random walk converges beside the plots, which takes two seconds of
+ * each material.
  */
 export const test = base.extend<Options & { quiet: string[] }>({
   picture: [false, { option: true }],
