@@ -75,6 +75,28 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
                 item.add_marker(marker)
 
 
+#: Folders whose tests compute with Dr.Jit, and those among them that read EXR files, for which
+#: Mitsuba waits for ever if it has one thread.
+COMPUTING = ("fan2022", "material", "measured", "mitsuba", "openpbr_surface", "walk")
+READING = "materialx"
+
+
+@pytest.fixture(autouse=True, scope="module")
+def _share_of_the_cores(request: pytest.FixtureRequest):
+    """Give Dr.Jit one thread beside other workers: its threads spin while they wait."""
+    folders = request.path.relative_to(ROOT / "tests").parts
+    alone = "PYTEST_XDIST_WORKER" not in os.environ
+    if alone or folders[0] not in COMPUTING or READING in folders:
+        yield
+        return
+    import drjit as dr
+
+    before = dr.thread_count()
+    dr.set_thread_count(max(before // int(os.environ["PYTEST_XDIST_WORKER_COUNT"]), 1))
+    yield
+    dr.set_thread_count(before)
+
+
 @pytest.fixture(scope="session")
 def test_data() -> Path:
     """The folder of test data outside the repository; without it, the test is skipped."""

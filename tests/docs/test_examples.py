@@ -9,6 +9,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from urushi.app.cli import main
+
 pytestmark = pytest.mark.slow
 
 ROOT = Path(__file__).parents[2]
@@ -104,5 +106,6 @@ wi, wo = np.array([[0.0, 0.6, 0.8]]), np.array([[0.0, -0.6, 0.8]])
 @pytest.mark.parametrize("scene", sorted(DOCS.glob("cookbook/*.xml")), ids=lambda path: path.stem)
 def test_cookbook(scene, tmp_path):
     size = ("-D", "width=12", "-D", "height=8", "--spp", "1")
-    run(tmp_path, "-m", "urushi.app.cli", "render", scene, *size, "-o", "scene.exr")
-    assert is_lit(tmp_path / "scene.exr", 12, 8)
+    picture = tmp_path / "scene.exr"
+    assert main(["render", str(scene), *size, "-o", str(picture)]) == 0
+    assert is_lit(picture, 12, 8)

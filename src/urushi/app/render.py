@@ -90,7 +90,7 @@ class Render:
                 "index from 0, or add a <sensor> to the scene"
             )
         before = dr.thread_count()
-        # Not while files are read and written: with one thread, Mitsuba waits for ever for EXR.
+        # Not while files are read and written: see `set_variant`.
         dr.set_thread_count(self.threads or before)
         try:
             image = mi.render(scene, sensor=self.sensor, spp=self.spp or 0, seed=self.seed)
@@ -202,6 +202,9 @@ def set_variant(name: str) -> None:
             f"variant '{name}' cannot run here: {one_line(error)}; `urushi doctor` lists those "
             "that can"
         ) from error
+    import drjit as dr
+
+    dr.set_thread_count(max(dr.thread_count(), 2))  # with one, Mitsuba waits for ever for EXR
     import urushi.fan2022  # noqa: F401  (registers its plugins)
 
 
