@@ -1,5 +1,7 @@
 # Two commands: `make demo` and `make test`. Each sets up .venv first; later runs skip that.
 READY := .venv/.ready
+# Many processes import the same modules, which are compiled once.
+unexport PYTHONDONTWRITEBYTECODE
 # One worker for each core; a file's tests stay together, since they share fixtures.
 PYTEST := .venv/bin/pytest --numprocesses auto --dist loadfile --no-loadscope-reorder
 

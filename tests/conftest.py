@@ -1,6 +1,5 @@
 """Settings of the test run, and fixtures that tests of several floors share."""
 
-import ctypes
 import importlib.util
 import json
 import os
@@ -9,14 +8,16 @@ import signal
 import subprocess
 import sys
 import tempfile
+import tomllib
 from collections.abc import Callable, Mapping
 from functools import cache
 from pathlib import Path
 
 import numpy as np
 import pytest
+from tests.fast import skip_optional_passes
 
-from urushi.platform import available_cores, llvm_status
+from urushi.platform import available_cores
 
 ROOT = Path(__file__).resolve().parents[1]
 
@@ -30,17 +31,7 @@ if "PYTEST_XDIST_WORKER" not in os.environ:
     os.environ["JAX_DISABLE_MOST_OPTIMIZATIONS"] = "1"  # compiling takes longer than running
 
 
-def _skip_optional_passes() -> None:
-    """Let LLVM skip optional passes: Dr.Jit's kernels compile for longer than they run in tests."""
-    path = llvm_status().path
-    if path is None:
-        return
-    options = [b"pytest", b"-opt-bisect-limit=0", b"-opt-bisect-verbose=0"]
-    texts = (ctypes.c_char_p * len(options))(*options)
-    ctypes.CDLL(str(path)).LLVMParseCommandLineOptions(len(options), texts, None)
-
-
-_skip_optional_passes()  # an option of the library's, which all of the process's kernels share
+skip_optional_passes()
 
 
 def pytest_configure(config: pytest.Config) -> None:
@@ -66,13 +57,32 @@ TIERS = {
 }
 
 
-def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Mark the tests of whole folders."""
+#: Tests and cases by their tier, file and name; see the file's first lines.
+CASES = tomllib.loads((ROOT / "tests" / "tiers.toml").read_text())
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
+    """Mark the tests of whole folders, and those that `tiers.toml` names."""
+    found = set()
     for item in items:
-        folder = item.path.relative_to(ROOT / "tests").parts[0]
-        for marker, folders in TIERS.items():
-            if folder in folders:
-                item.add_marker(marker)
+        path = item.path.relative_to(ROOT / "tests")
+        name, _, case = item.name.removesuffix("]").partition("[")
+        for tier in TIERS:
+            cases = CASES[tier].get(path.as_posix(), {}).get(name, [])
+            if path.parts[0] in TIERS[tier] or cases is True or case in cases:
+                item.add_marker(tier)
+                found.add((tier, path.as_posix(), name, case))
+    if any("::" in argument for argument in config.args):
+        return  # some tests alone
+    collected = {item.path.relative_to(ROOT / "tests").as_posix() for item in items}
+    for tier, files in CASES.items():
+        for path in files.keys() & collected:
+            for name, cases in files[path].items():
+                named = {entry[3] for entry in found if entry[:3] == (tier, path, name)}
+                missing = not named if cases is True else set(cases) - named
+                if missing:
+                    raise pytest.UsageError(f"tiers.toml: {path} has no {name} {missing}")
 
 
 #: Folders whose tests compute with Dr.Jit, and those among them that read EXR files, for which

@@ -20,11 +20,15 @@ PYTHON_BLOCK = re.compile(r"^```python\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 
 
 def run(folder: Path, *arguments: str | Path) -> str:
-    """Run Python in a folder and return what it prints."""
+    """Run a script in a folder, or a block of code, and return what it prints."""
+    script, *others = arguments
+    if isinstance(script, str):
+        (folder / "block.py").write_text(script)
+        script = "block.py"
     result = subprocess.run(
-        [sys.executable, *arguments],
+        [sys.executable, "-m", "tests.fast", script, *others],
         cwd=folder,
-        env=os.environ | {"PYTHONPATH": str(ROOT / "src")},
+        env=os.environ | {"PYTHONPATH": os.pathsep.join(map(str, (ROOT / "src", ROOT)))},
         capture_output=True,
         text=True,
         timeout=600,
@@ -46,7 +50,7 @@ def test_readme(tmp_path):
     (block,) = PYTHON_BLOCK.findall((ROOT / "README.md").read_text())
     assert block.count("spp=64") == 1
     # The Cornell box of Mitsuba has 256 x 256 pixels.
-    run(tmp_path, "-c", block.replace("spp=64", "spp=1"))
+    run(tmp_path, block.replace("spp=64", "spp=1"))
     assert is_lit(tmp_path / "box.png", 256, 256)
     assert (tmp_path / "lacquer.safetensors").is_file()
 
@@ -82,7 +86,7 @@ wi, wo = np.array([[0.0, 0.6, 0.8]]), np.array([[0.36, -0.48, 0.8]])
 """
     # A quarter of a turn exchanges x and y of the directions, here up to the signs.
     after = "\nassert np.array_equal(f, lacquered.f(wi[:, [1, 0, 2]], wo[:, [1, 0, 2]]))\n"
-    run(tmp_path, "-c", before + "".join(blocks) + after)
+    run(tmp_path, before + "".join(blocks) + after)
     run(tmp_path, DOCS / "examples" / "anisotropy.py", tmp_path, "--size", "12", "--spp", "1")
     assert is_lit(tmp_path / "anisotropy.png", 12, 8)
 
@@ -100,7 +104,7 @@ import urushi
 wi, wo = np.array([[0.0, 0.6, 0.8]]), np.array([[0.0, -0.6, 0.8]])
 """
     after = "\nassert (f > 0).all() and (coated.f(wi, wo) > 0).all()\n"
-    run(tmp_path, "-c", before + "\n".join(blocks) + after)
+    run(tmp_path, before + "\n".join(blocks) + after)
 
 
 @pytest.mark.parametrize("scene", sorted(DOCS.glob("cookbook/*.xml")), ids=lambda path: path.stem)
