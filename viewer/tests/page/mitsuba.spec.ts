@@ -54,9 +54,9 @@ const CASES: Record<string, Case> = {
   "tinted gold": {
     bottom: metal("Gold", 0.2),
     coats: [{ alpha: 0.1, sigmaT: [0.1, 0.3, 0.9] }],
-    object: "teapot",
+    object: "ball",
     environment: "studio",
-    share: 1,
+    share: 1 / 3,
   },
   "three layers": {
     bottom: metal("Aluminium", 0.3),
