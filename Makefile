@@ -102,11 +102,13 @@ viewer: $(READY) viewer/node_modules/.ready
 	.venv/bin/python viewer/formulas.py
 	cd viewer && npm run build
 
-# Builds the page, then checks and tests it.
+# Builds the page, then checks and tests it; in Chromium also the long cases.
 test-web: viewer
 	$(MAKE) test-page
+	cd viewer && npm run test:long
 
-# Checks and tests of the page as it is built: types, style, units, and the whole page in Chromium
+# Checks and tests of the page as it is built: types, style, units, and the whole page in Chromium,
+# but for three long pictures
 test-page: $(READY) viewer/node_modules/.ready
 	cd viewer && npm run check && npm test
 	viewer/install_chromium

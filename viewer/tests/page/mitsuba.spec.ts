@@ -16,6 +16,8 @@ interface Case {
   environment: EnvironmentName;
   /** Share of the frames that is drawn: the mean of a part is the same, with more noise. */
   share: number;
+  /** Without a coat, and only in `make test-web`: coats have the lobe, too. */
+  long?: true;
 }
 
 function metal(name: keyof typeof METALS & string, alpha: number): BottomInAir {
@@ -36,6 +38,7 @@ const CASES: Record<string, Case> = {
     object: "ball",
     environment: "room",
     share: 1 / 3,
+    long: true,
   },
   "rough metal": {
     bottom: metal("Copper", 0.4),
@@ -43,6 +46,7 @@ const CASES: Record<string, Case> = {
     object: "sheet",
     environment: "sky",
     share: 1 / 3,
+    long: true,
   },
   "clear coat": {
     bottom: { kind: "diffuse", reflectance: [0.5, 0.05, 0.04] },
@@ -99,10 +103,11 @@ function sunny(): Buffer {
 test.use({ deviceScaleFactor: 0.16, picture: true });
 test.skip(!hasFlip, "the package flip-evaluator has no wheel for this machine");
 
-for (const [name, { bottom, coats, object, environment, share }] of Object.entries(CASES))
+for (const [name, { bottom, coats, object, environment, share, long }] of Object.entries(CASES))
   test.describe(() => {
     test.use({ refined: share });
-    test(`${name}: as Mitsuba renders it`, async ({ page }) => {
+    const tag = long ? "@long" : [];
+    test(`${name}: as Mitsuba renders it`, { tag }, async ({ page }) => {
       test.setTimeout(400_000);
       const materials = [{ name, bottom, coats }];
       const view = { azimuth: 20, elevation: 25, zoom: 1.4 };
