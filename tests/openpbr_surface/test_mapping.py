@@ -209,6 +209,17 @@ def interpolated(table, at):
     return float(table)
 
 
+@pytest.mark.parametrize("eta", [1.001, 1.1, 1.5, 3.0, 10.0, 100.0])
+def test_the_mean_fresnel_term_is_the_integral_of_fresnels_equations(eta):
+    """Within the fit's 0.04 % of one up to an index of 3, 0.5 % above."""
+    cosine = np.sqrt((np.arange(100_000) + 0.5) / 100_000)  # of cosine density
+    inside = np.sqrt(1 - (1 - cosine**2) / eta**2)
+    s = (cosine - eta * inside) / (cosine + eta * inside)
+    p = (eta * cosine - inside) / (eta * cosine + inside)
+    integral = np.mean((s * s + p * p) / 2)
+    assert abs(formulas.mean_fresnel(eta) - integral) < (4e-4 if eta <= 3 else 5e-3)
+
+
 @pytest.mark.parametrize("color", [0.2, 0.6, 0.95])
 def test_without_darkening_a_smooth_coat_keeps_the_base_albedo(color):
     """B0 over a Lambertian base, whose roughness estimate is one."""

@@ -110,8 +110,8 @@ class Compensation:
         inputs = self._inputs
         share = inputs.number("base_metalness", si, active)
         color = inputs.number("base_weight", si, active) * inputs.color("base_color", si, active)
-        eta = dr.clip(inputs.number("coat_ior", si, active), 1.001, 3)
-        internal = formulas.internal_reflectance(1 - formulas.mean_fresnel(eta, DRJIT), eta)
+        eta = dr.maximum(inputs.number("coat_ior", si, active), 1.001)
+        internal = formulas.internal_reflectance(1 - formulas.mean_fresnel(eta), eta)
         loss: Any = ()
         if not (self._only_metal and self._metal):
             loss = self._loss.seen(interface_at(self._loss, inputs, si, active), si.wi.z)

@@ -272,17 +272,17 @@ def _colors(g: float, eta: float) -> tuple[np.ndarray, np.ndarray]:
 # 3.4 Coat
 
 
-def mean_fresnel(eta: Any, xp: Namespace = NUMPY) -> Any:
+def mean_fresnel(eta: Any) -> Any:
     """Cosine-weighted mean of the Fresnel reflectance of a smooth dielectric of index eta >= 1.
 
-    Source: Kulla and Conty 2017, a fit, within 0.1 % of one.
+    Fitted to integrals in r = (eta - 1) / (eta + 1), which is the root of the reflectance at normal
+    incidence: within 0.04 % of one up to an index of 3, within 0.5 % for all.
     """
-    return xp.log((10893 * eta - 1438.2) / (-774.4 * eta * eta + 10212 * eta + 1))
+    r = (eta - 1) / (eta + 1)
+    return r * (0.64 + r * (2.75 + r * 2.16)) / (1 + r * (9.97 - r * 5.42))
 
 
-def internal(
-    coat_eta: Any, roughness: Any, metalness: Any, reflectance: Any, xp: Namespace = NUMPY
-) -> Any:
+def internal(coat_eta: Any, roughness: Any, metalness: Any, reflectance: Any) -> Any:
     """Share K of the light leaving the base that the coat's interface returns to it (3.4.1).
 
     It interpolates between the shares of diffuse light and of light along the normal, by the
@@ -291,9 +291,8 @@ def internal(
     Args:
         coat_eta: the coat's index. roughness: specular_roughness. metalness: base_metalness.
         reflectance: of the dielectric base's interface at normal incidence.
-        xp: see the module.
     """
-    diffuse = internal_reflectance(1 - mean_fresnel(coat_eta, xp), coat_eta)
+    diffuse = internal_reflectance(1 - mean_fresnel(coat_eta), coat_eta)
     root = (coat_eta - 1) / (coat_eta + 1)
     dielectric = 1 + (roughness - 1) * reflectance
     rough = dielectric + (roughness - dielectric) * metalness

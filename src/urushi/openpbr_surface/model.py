@@ -185,7 +185,7 @@ class Base:
         albedo = dr.lerp(dielectric, shine, vertex.share)
         coat_eta = dr.maximum(inputs.number("coat_ior", si, active), 1.001)
         rough = inputs.number("specular_roughness", si, active)
-        internal = formulas.internal(coat_eta, rough, vertex.share, f0, DRJIT)
+        internal = formulas.internal(coat_eta, rough, vertex.share, f0)
         return formulas.boost(inputs.number("coat_darkening", si, active), internal, albedo)
 
     def relative_index(self, si, active):
