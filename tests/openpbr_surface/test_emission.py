@@ -49,16 +49,23 @@ def test_a_smooth_coat_passes_what_it_does_not_reflect(cosine):
     assert np.allclose(half, 0.5 * (radiance(cosine) + found), rtol=1e-4)
 
 
-def test_nothing_leaves_the_back():
-    assert not radiance(-0.5).any()
+def test_only_a_thin_wall_emits_on_its_back():
+    """A thin wall is the same from either side (OpenPBR Surface 1.1.1, thin-walled case)."""
+    layers = dict(coat_weight=0.7, coat_color=(0.9, 0.4, 0.1), fuzz_weight=0.5, reference=True)
+    assert not radiance(-0.5, **layers).any()
+    both = [radiance(c, geometry_thin_walled=True, **layers) for c in (0.5, -0.5)]
+    assert np.allclose(both, radiance(0.5, **layers))
 
 
-def test_a_square_lights_another():
+@pytest.mark.parametrize("back", [False, True])
+def test_a_square_lights_another(back):
     """Irradiance of a square of side 2 at a distance 1 on its axis: 4 times a corner's form factor.
 
     Source: Howell 1982, A catalog of radiation configuration factors, configuration B-3.
     """
-    shape = urushi.openpbr(**LIGHT, base_weight=0.0, specular_weight=0.0).on(SQUARE)
+    turned = SQUARE | {"to_world": mi.ScalarTransform4f().rotate([1, 0, 0], 180 * back)}
+    black_base = dict(base_weight=0.0, specular_weight=0.0, geometry_thin_walled=back)
+    shape = urushi.openpbr(**LIGHT, **black_base).on(turned)
     black = {"type": "diffuse", "reflectance": 1.0}
     down = mi.ScalarTransform4f().translate([0, 0, 1]).rotate([1, 0, 0], 180).scale(0.01)
     scene = mi.load_dict(

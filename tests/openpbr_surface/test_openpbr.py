@@ -389,6 +389,23 @@ def test_fuzz_adds_and_hides():
         assert abs(mean - formulas.fuzz_albedo(cosine, 0.4, NUMPY)) < 4 * se + 0.02 * mean
 
 
+@pytest.mark.parametrize("thin", [False, True])
+def test_light_that_is_traced_from_emitters_finds_the_same_fuzz(thin):
+    """f of importance is f of radiance with its directions exchanged (Veach 1997, 3.7.6)."""
+    fuzz = dict(fuzz_weight=0.8, fuzz_color={"type": "rgb", "value": [0.9, 0.5, 0.2]})
+    bsdf, (wi, wo) = openpbr(geometry_thin_walled=thin, **fuzz), pairs(256)
+
+    def f(mode, wi, wo):
+        si = probing.interaction(wi, np.full((len(wi), 2), 0.5))
+        context = mi.BSDFContext(getattr(mi.TransportMode, mode))
+        f_cos, _ = bsdf.eval_pdf(context, si, mi.Vector3f(np.ascontiguousarray(wo.T)))
+        return f_cos.numpy().T / wo[:, 2:]
+
+    seen, exchanged = f("Radiance", wi, wo), f("Radiance", wo, wi)
+    assert np.abs(seen / exchanged - 1).max() > 0.05  # the fuzz is not reciprocal
+    np.testing.assert_allclose(f("Importance", wi, wo), exchanged, rtol=1e-4)
+
+
 @pytest.mark.parametrize("name", ["base_color", "specular_roughness"])
 def test_an_even_spectrum_is_a_number(name):
     wi, wo = pairs(64)

@@ -236,7 +236,7 @@ def define(proposal_bsdf: type) -> tuple[type, type]:
             if self._absorbs:
                 f = model.absorbed(self._inputs, f, si, wo, active)
             if vertex.fuzz:
-                f = model.under_fuzz(vertex.fuzz, f, si, wo)
+                f = model.under_fuzz(vertex.fuzz, f, ctx, si, wo)
             return f, with_cosine(pdf, wo, self._diffuse)
 
         def _proposal(self, vertex, si, active):

@@ -217,24 +217,27 @@ def absorbed(inputs: Inputs, f, si, wo, active):
 class Fuzz(NamedTuple):
     """The fuzz (3.5) at a vertex."""
 
-    hidden: Any  # fuzz_weight times the albedo seen from wi
+    weight: Any  # fuzz_weight
     color: Any  # fuzz_color
     roughness: Any  # fuzz_roughness
 
 
 def fuzz_at(inputs: Inputs, si, active) -> Fuzz:
     """The fuzz at a surface interaction."""
-    rough = inputs.number("fuzz_roughness", si, active)
-    hidden = inputs.number("fuzz_weight", si, active) * formulas.fuzz_albedo(si.wi.z, rough, DRJIT)
-    return Fuzz(hidden, inputs.color("fuzz_color", si, active), rough)
+    weight, rough = (inputs.number(f"fuzz_{x}", si, active) for x in ("weight", "roughness"))
+    return Fuzz(weight, inputs.color("fuzz_color", si, active), rough)
 
 
-def under_fuzz(fuzz: Fuzz, f, si, wo):
+def under_fuzz(fuzz: Fuzz, f, ctx, si, wo):
     """f [1/sr] with fuzz above it, which covers a fraction of the surface and passes the rest.
 
     The layers are weighted by the albedo of the direction that is seen, as in the specification
-    (2.2), so that the sum is not reciprocal.
+    (2.2), so that the sum is not reciprocal. The seen direction is si.wi, or wo of light that is
+    traced from the emitters.
     """
+    importance = ctx.mode == mi.TransportMode.Importance
+    seen, lit = (wo, si.wi) if importance else (si.wi, wo)
+    hidden = fuzz.weight * formulas.fuzz_albedo(seen.z, fuzz.roughness, DRJIT)
     across = wo.x * si.wi.x + wo.y * si.wi.y
-    lobe = formulas.fuzz_density(si.wi.z, wo.z, across, fuzz.roughness, DRJIT)
-    return f * (1 - fuzz.hidden) + fuzz.color * (fuzz.hidden * lobe)
+    lobe = formulas.fuzz_density(seen.z, lit.z, across, fuzz.roughness, DRJIT)
+    return f * (1 - hidden) + fuzz.color * (hidden * lobe)

@@ -10,12 +10,15 @@ from urushi.mitsuba.reading.kept import KeptParameters
 from urushi.openpbr_surface import formulas
 from urushi.openpbr_surface.inputs import EMISSION, Inputs
 
-#: The parameters on which the light depends.
-NAMES = (
+#: Numbers and colours on which the light depends.
+TEXTURED = (
     *EMISSION,
     *("coat_weight", "coat_color", "coat_roughness", "coat_ior"),
     *("fuzz_weight", "fuzz_roughness", "geometry_opacity"),
 )
+
+#: All parameters on which it depends.
+NAMES = (*TEXTURED, "geometry_thin_walled")
 
 
 def define() -> type:
@@ -25,12 +28,13 @@ def define() -> type:
         """The light that the base of OpenPBR emits (``openpbr_emission``).
 
         A BSDF in Mitsuba cannot emit light. Give the shape this emitter in addition to the BSDF
-        ``openpbr``, with the same parameters; it reads emission, coat, fuzz and opacity.
-        ``urushi.openpbr`` makes both. The radiance is emission_luminance times emission_color, in
-        the scene's units: one unit is one nit. The base emits the same radiance in all directions.
-        The coat attenuates it by the transmittance of its interface and by absorption along one
-        refracted path, and fuzz by one minus its albedo. Light that the coat reflects back down is
-        ignored.
+        ``openpbr``, with the same parameters; it reads emission, coat, fuzz, opacity and
+        geometry_thin_walled. ``urushi.openpbr`` makes both. The radiance is emission_luminance
+        times emission_color, in the scene's units: one unit is one nit. The base emits the same
+        radiance in all directions. The coat attenuates it by the transmittance of its interface and
+        by absorption along one refracted path, and fuzz by one minus its albedo. Light that the
+        coat reflects back down is ignored. A thin wall (``geometry_thin_walled``) emits on both
+        sides, all others on the side of the normal.
 
         .. tabs::
             .. code-tab:: xml
@@ -81,7 +85,7 @@ def define() -> type:
             return ds, dr.select(ds.pdf > 0, value / ds.pdf, 0)
 
         def pdf_direction(self, it, ds, active=True):
-            facing = mi.Bool(active) & (dr.dot(ds.d, ds.n) < 0)
+            facing = mi.Bool(active) & (self._towards(-dr.dot(ds.d, ds.n)) > 0)
             return dr.select(facing, self.get_shape().pdf_direction(it, ds, facing), 0)
 
         def eval_direction(self, it, ds, active=True):
@@ -89,8 +93,13 @@ def define() -> type:
             si.uv, si.p, si.n, si.wavelengths = ds.uv, ds.p, ds.n, it.wavelengths
             return self._radiance(-dr.dot(ds.d, ds.n), si, active)
 
+        def _towards(self, cosine):
+            """The cosine to the normal of the side that is seen; both sides of a thin wall emit."""
+            return dr.abs(cosine) if self._inputs.thin else cosine
+
         def _radiance(self, cosine, si, active):
             """The radiance that leaves at an angle to the normal."""
+            cosine = self._towards(cosine)
             inputs, active = self._inputs, mi.Bool(active) & (cosine > 0)
             cosine = dr.clip(cosine, 0, 1)
             value = inputs.number("emission_luminance", si, active) * inputs.color(
@@ -112,7 +121,7 @@ def define() -> type:
             return dr.select(active, value, 0)
 
         def traverse(self, callback):
-            self._inputs.traverse(callback, NAMES)
+            self._inputs.traverse(callback, TEXTURED)
 
         def parameters_changed(self, keys):
             with self._kept.restored_on_error(self):
