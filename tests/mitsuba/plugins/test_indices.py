@@ -1,5 +1,7 @@
 """Absolute indices: of nested coats, and of conductors below them, in all forms."""
 
+import functools
+
 import numpy as np
 import pytest
 
@@ -80,6 +82,70 @@ def test_ext_ior_is_kept_where_it_is_given(rgb):
     coats = CoatStack(plugin.coats, si, rgb.Bool(True))
     ratios = coats._etas[1].numpy()
     assert sorted(ratios) == pytest.approx([1.3 / 1.6, 1.3 / 1.4], rel=1e-5)
+
+
+def normal_map(mi, inner: dict, **switches) -> dict:
+    """A `normalmap` that tilts the surface by 17 degrees."""
+    normals = np.tile(np.float32([0.64, 0.5, 0.98]), (2, 2, 1))
+    texture = {"type": "bitmap", "bitmap": mi.Bitmap(normals), "raw": True}
+    return {"type": "normalmap", "normalmap": texture, "inner": inner} | switches
+
+
+def bump_map(mi, inner: dict) -> dict:
+    """A `bumpmap` of a slope along u."""
+    heights = np.tile(np.arange(8, dtype=np.float32)[:, None] / 8, (8, 1, 1))
+    texture = {"type": "bitmap", "bitmap": mi.Bitmap(heights), "raw": True, "wrap_mode": "mirror"}
+    return {"type": "bumpmap", "heights": texture, "inner": inner, "scale": 0.7}
+
+
+WRAPPERS = {
+    "twosided": lambda mi, inner: {"type": "twosided", "inner": inner},
+    "blendbsdf": lambda mi, inner: {
+        "type": "blendbsdf",
+        "weight": {"type": "checkerboard", "color0": 0.2, "color1": 0.9},
+        "first": inner,
+        "second": {"type": "twosided", "inner": inner},
+    },
+    "normalmap": normal_map,
+    "without shadowing": functools.partial(normal_map, use_shadowing_function=False),
+    "without flips": functools.partial(normal_map, flip_invalid_normals=False),
+    "bumpmap": bump_map,
+}
+
+
+@pytest.mark.parametrize("wrapper", WRAPPERS)
+def test_metals_and_coats_in_wrappers_keep_their_indices(rgb, wrapper):
+    """Below a medium of 1.5 a metal's f is that in air times the ratio of Fresnel's terms at the
+    half vector, which no tilt of the normal changes; a coat of 1.5 over it has no interface."""
+    from urushi.mitsuba.reading import probing
+    from urushi.mitsuba.reading.below import bsdf_under
+
+    uv, index = np.array([[0.3, 0.6], [0.8, 0.2], [0.1, 0.7]]), 1.5 / 1.000277
+    cosine = np.sqrt(0.5 + 0.5 * np.sum(WI * WO, axis=1, dtype=np.float64))
+    air, medium = (fresnel.exact(cosine, 0.2 / n, 3.9 / n, NUMPY) for n in (1, index))
+    coat = {"type": "neural_layered", "alpha": 0.4, "int_ior": 1.5, "base": GOLD}
+    bare = probing.bsdf_values(rgb.load_dict(WRAPPERS[wrapper](rgb, GOLD)), WI, WO, uv)
+    for inner in (GOLD, coat):
+        wrapped = bsdf_under(rgb.load_dict(WRAPPERS[wrapper](rgb, inner)), index)
+        found = probing.bsdf_values(wrapped, WI, WO, uv)
+        np.testing.assert_allclose(found, bare * (medium / air)[:, None], rtol=1e-4)
+
+
+def test_coats_over_wrappers_follow_changes(rgb):
+    """Of a coat in a `blendbsdf`, as loaded afresh."""
+    from urushi.mitsuba.reading import probing
+
+    def blend(sigma_t: float) -> dict:
+        inner = {"type": "neural_layered", "int_ior": 1.5, "sigma_t": sigma_t, "base": GOLD}
+        parts = {"first": inner, "second": GOLD, "weight": 0.5}
+        return {"type": "neural_layered", "int_ior": 1.5, "base": {"type": "blendbsdf", **parts}}
+
+    changed, fresh = rgb.load_dict(blend(0.2)), rgb.load_dict(blend(1.0))
+    parameters = rgb.traverse(changed)
+    parameters["bottom.bsdf_0.sigma_t.value"] = 1.0
+    parameters.update()
+    f = [probing.bsdf_values(bsdf, WI, WO, np.zeros((3, 2))) for bsdf in (changed, fresh)]
+    np.testing.assert_allclose(*f, rtol=1e-5)
 
 
 def test_python_plugins_and_the_walk_agree(rgb):

@@ -13,7 +13,7 @@ from urushi.mitsuba.latents.holders import ConstantLatents, TexturedLatents
 from urushi.mitsuba.plugins.base import inside, read_weights
 from urushi.mitsuba.plugins.coats import Turn
 from urushi.mitsuba.plugins.estimates import Compensation, estimates
-from urushi.mitsuba.reading.below import Coatable, below
+from urushi.mitsuba.reading.below import below, is_rebuilt
 from urushi.mitsuba.reading.bsdf import has_two_widths
 from urushi.mitsuba.reading.parameters import (
     CoatTextures,
@@ -203,7 +203,7 @@ def define(base: type) -> type:
                 changed = True
             if changed and isinstance(self._below, NeuralLayered):
                 self._below._update([])  # it has the bottom's textures
-            elif changed and isinstance(self._below, Coatable):
+            elif changed and is_rebuilt(self._below):
                 self._below, self._baker = below(self._bottom, self._coat), None
             self._bake(changed)
 

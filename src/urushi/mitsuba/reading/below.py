@@ -4,6 +4,7 @@ Indices of refraction become relative to that medium. Of Mitsuba's dielectrics, 
 lower interface of a slab, or a pane in air.
 """
 
+import itertools
 from functools import cache
 from typing import Any, ClassVar, Protocol, runtime_checkable
 
@@ -14,10 +15,19 @@ import numpy.typing as npt
 
 from urushi.checks import AIR, MIN_ALPHA, Widths
 from urushi.core import fresnel
+from urushi.core.direction_sets import cosine_pairs
 from urushi.errors import ParameterError
-from urushi.mitsuba.reading.grid import nested_objects
+from urushi.mitsuba.reading import probing
+from urushi.mitsuba.reading.grid import NORMALS, nested_objects
 from urushi.mitsuba.reading.offers import GGX, Offer, conductor_offer
 from urushi.mitsuba.reading.parameters import CoatTextures, opaque
+
+#: Classes of Mitsuba's BSDFs that reflect as the BSDFs nested in them, and their plugins.
+WRAPPERS = NORMALS | {"BlendBSDF": "blendbsdf"}
+
+#: Properties of `normalmap` and `bumpmap` that they do not list, by default true, and the number of
+#: pairs at which they are found.
+SWITCHES, SWITCH_PAIRS = ("use_shadowing_function", "flip_invalid_normals"), 1024
 
 
 @runtime_checkable
@@ -51,18 +61,64 @@ def below(bsdf: "mi.BSDF", coat: Any) -> "mi.BSDF":
     """A BSDF as it reflects below the medium of a coat, `CoatTextures` or a `Medium`.
 
     Coats without `ext_ior`, and saved materials that were layered, keep their absolute indices. The
-    index of a `roughconductor` is divided by the medium's, relative to air. All others, such
-    as measured BRDFs, are as they are in air.
+    index of a `roughconductor` is divided by the medium's, relative to air. So it is for those
+    within Mitsuba's `twosided`, `blendbsdf`, `normalmap` and `bumpmap`. All others, such as
+    measured BRDFs, are as they are in air.
     """
     if isinstance(bsdf, Coatable):
         return bsdf.under(coat)
-    front = bsdf
-    while front.class_name() == "TwoSidedBRDF":
-        front = nested_objects(front)["brdf_0"]
-    if isinstance(front, Coatable):
-        return front.under(coat)
-    rough_conductor = front.class_name() == "RoughConductor"
-    return _conductor_below(mi.variant())(front, coat) if rough_conductor else bsdf
+    name = bsdf.class_name()
+    if name == "RoughConductor":
+        return _conductor_below(mi.variant())(bsdf, coat)
+    if name == "TwoSidedBRDF":
+        front = nested_objects(bsdf)["brdf_0"]
+        found = below(front, coat)
+        return bsdf if found is front else found
+    return _wrapper_below(bsdf, coat) if name in WRAPPERS else bsdf
+
+
+def is_rebuilt(bsdf: "mi.BSDF") -> bool:
+    """Whether a result of `below` has to be made again after a change of a parameter."""
+    if bsdf.class_name() in WRAPPERS:
+        return any(map(is_rebuilt, _nested(bsdf).values()))
+    return isinstance(bsdf, Coatable)
+
+
+def _nested(bsdf: "mi.BSDF") -> dict[str, "mi.BSDF"]:
+    parts = nested_objects(bsdf)
+    return {name: part for name, part in parts.items() if isinstance(part, mi.BSDF)}
+
+
+def _wrapper_below(wrapper: "mi.BSDF", coat: Any) -> "mi.BSDF":
+    """One of `WRAPPERS` around its nested BSDFs below a medium; itself if they stay the same."""
+    nested = _nested(wrapper)
+    changed = {id(bsdf): below(bsdf, coat) for bsdf in nested.values()}
+    if all(changed[id(bsdf)] is bsdf for bsdf in nested.values()):
+        return wrapper
+    given = nested_objects(wrapper) | {"type": WRAPPERS[wrapper.class_name()]}
+    if given["type"] == "bumpmap":
+        given["scale"] = mi.traverse(wrapper)["scale"]
+    if given["type"] in NORMALS.values():
+        given |= _switches(wrapper, given)
+    return mi.load_dict(given | {name: changed[id(bsdf)] for name, bsdf in nested.items()})
+
+
+def _switches(wrapper: "mi.BSDF", given: dict[str, Any]) -> dict[str, bool]:
+    """The switches of a `normalmap` or `bumpmap`, which it does not list among its parameters.
+
+    They are those with which it reflects as it does.
+
+    given: its properties without them.
+    """
+    rng = np.random.default_rng(0)
+    pairs = *cosine_pairs(rng, SWITCH_PAIRS), rng.random((SWITCH_PAIRS, 2))
+    f = probing.bsdf_values(wrapper, *pairs)
+    for on in itertools.product((True, False), repeat=len(SWITCHES)):
+        switches = dict(zip(SWITCHES, on, strict=True))
+        found = probing.bsdf_values(mi.load_dict(given | switches), *pairs)
+        if np.allclose(found, f, rtol=1e-3):
+            break
+    return switches
 
 
 @cache
