@@ -12,6 +12,7 @@ from urushi.core.mixture import Mixture
 from urushi.core.namespace import DRJIT
 from urushi.mitsuba.interface_albedo import Interpolated
 from urushi.mitsuba.plugins.coats import raised, relative, with_far_side
+from urushi.mitsuba.reading.below import DECIMALS
 from urushi.mitsuba.reading.parameters import opaque
 from urushi.openpbr_surface import formulas
 from urushi.openpbr_surface.bsdfs import SurfaceProposal
@@ -108,7 +109,7 @@ def slab_of(inputs: Inputs, coat: dict[str, Any] | None) -> dict[str, Any]:
     glass = {"type": "roughdielectric", "distribution": "ggx"}
     if not inputs.thin:
         assert coat is not None  # for the type checker
-        return coat | {"base": glass | rough | {"int_ior": index * AIR}}
+        return coat | {"base": glass | rough | {"int_ior": round(index * AIR, DECIMALS)}}
     pane: dict[str, Any] = {"int_ior": index, **rough}
     if not inputs.is_constant("transmission_color", 1):
         pane["sigma_t"] = derived(

@@ -185,6 +185,18 @@ def test_flags_and_refusals(rgb):
         ({"base": {"type": "roughdielectric"}}, "has the distribution 'beckmann'; give 'ggx'"),
         ({"base": PANE | {"specular_transmittance": 0.5}}, "has a specular_transmittance"),
         (
+            {"base": GLASS | {"int_ior": 1.6, "ext_ior": 1.4}},
+            "relative to its ext_ior is 1.1429, fr",
+        ),
+        (
+            {"base": PANE | {"int_ior": 1.8, "ext_ior": 1.33}},
+            "'thindielectric' relative to its ext",
+        ),
+        (
+            {"base": {"type": "dielectric", "int_ior": "air", "ext_ior": 1.5}},
+            "ext_ior is 0.66685, ",
+        ),
+        (
             {"int_ior": 3.0, "ext_ior": 1.0, "base": {"type": "dielectric", "int_ior": 0.9}},
             "the index below the slab relative to int_ior is 0.29.*it must be",
         ),
@@ -310,6 +322,19 @@ def test_tables_have_derivatives_of_the_medium(rgb, name):
     dr.backward(total())
     slope = float(np.sum(np.array(dr.grad(parameters[key]))))
     assert slope == pytest.approx((found[1] - found[0]) / 0.16, rel=0.05)
+
+
+@pytest.mark.parametrize("index", ["bk7", 1.6201, "water"])
+def test_indices_of_bodies_are_absolute(rgb, index):
+    """In a medium of 1.4, which outside and coat are, a body and a bubble of air have the ratio to
+    it."""
+    numbers = {"bk7": 1.5046, "water": 1.333}
+    n = numbers.get(index, index) / 1.4
+    body = {"base": {"type": "dielectric", "int_ior": index}}
+    bubble = {"base": {"type": "dielectric", "int_ior": "air"}}
+    same = {"type": "layered", "int_ior": 1.4, "ext_ior": 1.4}
+    for slab, ratio in ((body, n), (bubble, 1.000277 / 1.4)):
+        assert float(rgb.load_dict(same | slab)._index.numpy()[0]) == pytest.approx(ratio, 1e-5)
 
 
 def test_a_body_of_glass_follows_its_parameters(rgb):

@@ -79,8 +79,11 @@ def define(base: type) -> type:
         are numbers, and not all 1; all other parameters may be textures.
 
         Over a ``roughdielectric`` of the distribution ``ggx`` or a ``dielectric``, the coats lie on
-        a *body of glass*: its index, given for air, holds below the surface of the shape. The body
-        may have an interior medium. A smooth ``dielectric`` has an ``alpha`` of 0.01.
+        a *body of glass*: its index holds below the surface of the shape. The body may have an
+        interior medium. A smooth ``dielectric`` has an ``alpha`` of 0.01. Dielectrics have an
+        absolute ``int_ior`` of at most four decimals and no ``ext_ior``, since Mitsuba tells only
+        the ratio of both. A bubble of air in glass is a coat of ``ext_ior`` 1.5 over a
+        ``dielectric`` of ``int_ior`` "air".
 
         Slabs scatter light from both sides to both, of radiance and of importance.
 

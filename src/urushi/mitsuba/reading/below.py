@@ -13,7 +13,7 @@ import mitsuba as mi
 import numpy as np
 import numpy.typing as npt
 
-from urushi.checks import AIR, MIN_ALPHA, Widths
+from urushi.checks import AIR, MIN_ALPHA, MIN_INDEX_STEP, Widths
 from urushi.core import fresnel
 from urushi.core.direction_sets import cosine_pairs
 from urushi.errors import ParameterError
@@ -185,6 +185,12 @@ DIELECTRICS = {
     "ThinDielectric": "thindielectric",
 }
 
+#: Mitsuba keeps only the ratio of the indices of a dielectric. People give indices with at most so
+#: many decimals, so that another number times the index of air tells that `ext_ior` is not air.
+DECIMALS = 4
+#: A ratio is taken for one to vacuum from here: no solid or liquid reflects less.
+LEAST_IN_VACUUM = 1.3
+
 
 class LowestInterface:
     """The surface of a body of glass under coats: a `roughdielectric` or a `dielectric`."""
@@ -233,3 +239,16 @@ def check_dielectric(bsdf: "mi.BSDF", where: str) -> None:
             f"{where}: the nested 'roughdielectric' has the distribution 'beckmann'; give 'ggx', "
             "which all interfaces of a stack have"
         )
+    ratio = index_of(bsdf)
+    vacuum = ratio > LEAST_IN_VACUUM and _is_plain(ratio)
+    if not (vacuum or abs(ratio - 1) < MIN_INDEX_STEP or _is_plain(ratio * AIR)):
+        raise ParameterError(
+            f"{where}: the index of the nested '{name}' relative to its ext_ior is {ratio:.5g}, "
+            "from which its index in air does not follow; leave out ext_ior, since indices are "
+            f"absolute, and give int_ior with at most {DECIMALS} decimals"
+        )
+
+
+def _is_plain(index: float) -> bool:
+    """Whether an index was given with at most `DECIMALS` decimals, up to single precision."""
+    return abs(index - round(index, DECIMALS)) < 2e-7 * index
