@@ -2,6 +2,7 @@
 
 from pathlib import Path
 
+import drjit as dr
 import mitsuba as mi
 import numpy as np
 import pytest
@@ -106,3 +107,58 @@ def test_errors_say_what_to_do(path, properties, message):
     given = {k: path if v is None else v for k, v in properties.items()}
     with pytest.raises(Exception, match=message):
         mi.load_dict({"type": "materialx", **given})
+
+
+@pytest.mark.parametrize(
+    ("tag", "text", "transmitted", "spread"),
+    [
+        (
+            "gltf_pbr",
+            """<input name="transmission" type="float" value="1"/>
+            <input name="metallic" type="float" value="0"/>
+            <input name="roughness" type="float" value="0"/>
+            <input name="thickness" type="float" value="1"/>
+            <input name="base_color" type="color3" value="0.5, 0.8, 0.9"/>""",
+            (0.48, 0.768, 0.864),
+            (0, 0.1),
+        ),
+        (
+            "UsdPreviewSurface",
+            """<input name="opacity" type="float" value="0.25"/>
+            <input name="roughness" type="float" value="0.6"/>""",
+            (0.72,) * 3,
+            (0, 0.1),
+        ),
+        (
+            "standard_surface",
+            """<input name="thin_walled" type="boolean" value="true"/>
+            <input name="subsurface" type="float" value="1"/>
+            <input name="subsurface_color" type="color3" value="0.3, 0.6, 0.1"/>
+            <input name="specular" type="float" value="0"/>""",
+            (0.3, 0.6, 0.1),
+            (0.7071, 0.02),
+        ),
+    ],
+)
+@pytest.mark.filterwarnings("ignore:.*has one roughness of light")
+def test_light_that_crosses_a_surface(tmp_path, tag, text, transmitted, spread):
+    """At the normal, by the shaders' graphs in MaterialX: 1 - F = .96 times tint and share.
+
+    spread: root mean square of the sine, and its tolerance. It is 0 but for the tails of width .01
+    if the light is transmitted sharply, and 1 / sqrt(2) of a Lambertian lobe. The tolerances of the
+    shares and of this lobe are three standard errors of 4,096 samples.
+    """
+    path = tmp_path / "m.mtlx"
+    body = f'<{tag} name="m" type="surfaceshader">{text}</{tag}>'
+    path.write_text(f'<materialx version="1.39" colorspace="lin_rec709">{body}</materialx>')
+    bsdf, count = mi.load_dict({"type": "materialx", "filename": str(path)}), 1 << 12
+    si = dr.zeros(mi.SurfaceInteraction3f, count)
+    si.wi, si.sh_frame = mi.Vector3f(0, 0, 1), mi.Frame3f([0, 0, 1])
+    choice, *u = np.random.default_rng(0).random((3, count))
+    context = mi.BSDFContext(mi.TransportMode.Importance)
+    sample, weight = bsdf.sample(context, si, mi.Float(choice), mi.Point2f(*u))
+    below = np.array(sample.wo.z) < 0
+    share = (np.array(weight) * below).mean(axis=1)
+    assert share == pytest.approx(transmitted, abs=0.02)
+    sine2 = 1 - np.array(sample.wo.z)[below] ** 2
+    assert sine2.mean() ** 0.5 == pytest.approx(spread[0], abs=spread[1])

@@ -106,10 +106,11 @@ def test_values_out_of_range_are_refused(document):
 
 
 def inputs(**values):
-    """Input elements: a float, or a colour as a tuple."""
-    kinds = {tuple: "color3", int: "integer", float: "float"}
+    """Input elements: a number, a truth value, or a colour as a tuple."""
+    kinds = {tuple: "color3", int: "integer", float: "float", bool: "boolean"}
     text = {
-        name: ", ".join(map(str, x)) if isinstance(x, tuple) else x for name, x in values.items()
+        name: ", ".join(map(str, x)) if isinstance(x, tuple) else str(x).lower()
+        for name, x in values.items()
     }
     return "".join(
         f'<input name="{name}" type="{kinds[type(x)]}" value="{text[name]}"/>'
@@ -237,15 +238,108 @@ def test_gltf_pbr(translated):
     assert values["thin_film_thickness"] == pytest.approx(0.3)
     assert values["geometry_opacity"] == 1  # alpha_mode is OPAQUE
     assert (values["coat_weight"], values["coat_ior"], values["specular_ior"]) == (0.7, 1.5, 1.4)
-    # A volume of no thickness is a thin wall, which base_color tints (KHR_materials_volume).
-    volume = dict(transmission=1.0, base_color=(0.1, 0.2, 0.3), attenuation_color=(0.5, 0.6, 0.7))
-    for thickness, color in ((0.0, (0.1, 0.2, 0.3)), (2.0, (0.5, 0.6, 0.7))):
-        glass = translated("gltf_pbr", thickness=thickness, attenuation_distance=3.0, **volume)
-        assert glass["geometry_thin_walled"] == (thickness == 0)
-        assert glass["transmission_color"] == pytest.approx(color)
     assert not translated("gltf_pbr")["geometry_thin_walled"]
     assert translated("gltf_pbr", alpha=0.3, alpha_mode=1)["geometry_opacity"] == 0
     assert translated("gltf_pbr", alpha=0.3, alpha_mode=2)["geometry_opacity"] == 0.3
+
+
+def test_a_volume_of_gltf(translated):
+    """One of no thickness is a thin wall (KHR_materials_volume).
+
+    base_color tints light that crosses the surface, the attenuation what passes the inside.
+    OpenPBR has both in one colour.
+    """
+    amber, white = (0.5, 0.6, 0.7), (1.0, 1.0, 1.0)
+    volume = dict(transmission=1.0, attenuation_color=amber, attenuation_distance=3.0)
+    for thickness, base, color, depth in (
+        (0.0, (0.1, 0.2, 0.3), (0.1, 0.2, 0.3), 0),
+        (0.0, white, white, 0),
+        (2.0, white, amber, 3),
+    ):
+        glass = translated("gltf_pbr", thickness=thickness, base_color=base, **volume)
+        assert glass["geometry_thin_walled"] == (thickness == 0)
+        assert glass["transmission_color"] == pytest.approx(color)
+        assert glass["transmission_depth"] == depth
+    clear = translated("gltf_pbr", thickness=2.0, transmission=1.0, base_color=amber)
+    assert (clear["transmission_color"], clear["transmission_depth"]) == (pytest.approx(amber), 0)
+    with pytest.raises(UrushiWarning, match="no counterpart of attenuation_color of gltf_pbr"):
+        translated("gltf_pbr", thickness=2.0, base_color=(0.1, 0.2, 0.3), **volume)
+
+
+@pytest.mark.parametrize(
+    ("given", "thin"),
+    [
+        ("transmission=map", True),
+        ("transmission=map thickness=1", False),
+        ("transmission=1 thickness=map", False),
+        ("transmission=map thickness=map", False),
+        ("thickness=map", False),
+    ],
+)
+def test_maps_of_transmission_and_thickness(document, given, thin):
+    """A surface is a thin wall, or none: where the map of thickness is 0, a volume ends."""
+    mask = """<splitlr name="map" type="float"><input name="valuel" type="float" value="0"/>
+        <input name="valuer" type="float" value="1"/></splitlr>"""
+    text = "".join(
+        f'<input name="{name}" type="float" {"nodename" if x == "map" else "value"}="{x}"/>'
+        for name, _, x in (pair.partition("=") for pair in given.split())
+    )
+    path = document(f'{mask}<gltf_pbr name="s" type="surfaceshader">{text}</gltf_pbr>')
+    assert read_surface(path, None, resolution=8).values["geometry_thin_walled"] is thin
+
+
+@pytest.mark.parametrize(
+    ("tag", "given"),
+    [
+        ("standard_surface", dict(transmission=1.0, specular=0.2, specular_color=(1.0, 0.5, 0.1))),
+        (
+            "gltf_pbr",
+            dict(transmission=1.0, metallic=0.0, specular=0.2, specular_color=(1.0, 0.5, 0.1)),
+        ),
+        (
+            "UsdPreviewSurface",
+            dict(opacity=0.0, useSpecularWorkflow=1, specularColor=(0.008, 0.004, 0.0008)),
+        ),
+        (
+            "disney_principled",
+            dict(specTrans=1.0, specular=0.1, specularTint=1.0, baseColor=(1.0, 0.5, 0.1)),
+        ),
+    ],
+)
+def test_the_strength_of_reflections_does_not_bend_light(translated, tag, given):
+    """In the graphs, dielectric_bsdf refracts by the index, whatever the reflection's weight."""
+    smooth = {"UsdPreviewSurface": "roughness", "disney_principled": "roughness"}.get(tag)
+    values = translated(tag, **given, **({smooth: 0.0} if smooth else {}))
+    assert (values["specular_ior"], values.get("specular_weight", 1)) == (1.5, 1)
+    assert values["specular_color"] == pytest.approx((0.2, 0.1, 0.02))
+
+
+def test_the_leaf_of_standard_surface_transmits_all(translated):
+    """Its translucent_bsdf reflects nothing; OpenPBR's wall transmits (1 + g) / 2."""
+    leaf = translated("standard_surface", subsurface=1.0, subsurface_anisotropy=0.5)
+    assert leaf["subsurface_scatter_anisotropy"] == 0.5
+    leaf = translated("standard_surface", subsurface=1.0, thin_walled=True)
+    assert leaf["subsurface_scatter_anisotropy"] == 1
+
+
+def test_transmitted_light_has_its_own_roughness(document):
+    """The transmission of UsdPreviewSurface is smooth; a mixture keeps its opaque share rough.
+
+    Of metalness m and opacity o, (1 - m) (1 - o) is clear; the rest has all of the metal.
+    """
+    text = inputs(opacity=0.5, metallic=0.4, roughness=0.6)
+    path = document(f'<UsdPreviewSurface name="s" type="surfaceshader">{text}</UsdPreviewSurface>')
+    with pytest.warns(UrushiWarning, match="both get that of transmitted light"):
+        mix = read_surface(path, None)
+    assert mix.weight == pytest.approx(0.3)
+    clear, opaque = mix.fg.values, mix.bg.values
+    assert (clear["specular_roughness"], clear["transmission_weight"]) == (0, 1)
+    assert (opaque["specular_roughness"], opaque["transmission_weight"]) == (0.6, 0)
+    assert (clear["base_metalness"], opaque["base_metalness"]) == (0, pytest.approx(0.4 / 0.7))
+    text = inputs(transmission=1.0, transmission_extra_roughness=0.2, specular_roughness=0.3)
+    path = document(f'<standard_surface name="s" type="surfaceshader">{text}</standard_surface>')
+    with pytest.warns(UrushiWarning, match="both get that of transmitted light"):
+        assert read_surface(path, None).values["specular_roughness"] == pytest.approx(0.5)
 
 
 def test_usd_preview_surface(translated):
@@ -260,7 +354,8 @@ def test_usd_preview_surface(translated):
     assert f0 == pytest.approx((0.04, 0.16, 0.08))
     assert (values["base_metalness"], values["coat_weight"]) == (0, 0.5)
     assert values["emission_luminance"] == 0
-    assert translated("UsdPreviewSurface", opacity=0.25)["transmission_weight"] == 0.75
+    clear = translated("UsdPreviewSurface", opacity=0.25, roughness=0.0, metallic=0.5)
+    assert (clear["transmission_weight"], clear["base_metalness"]) == (0.75, 0.5)
     cut = translated("UsdPreviewSurface", opacity=0.25, opacityThreshold=0.5)
     assert (cut["transmission_weight"], cut["geometry_opacity"]) == (0, 0)
 
@@ -276,7 +371,6 @@ def test_disney_principled(translated):
     ("tag", "kept", "lost"),
     [
         ("standard_surface", "specular_rotation", {"specular_anisotropy": 0.5}),
-        ("standard_surface", "transmission_extra_roughness", {"transmission": 1.0}),
         ("gltf_pbr", "anisotropy_rotation", {"anisotropy_strength": 0.5}),
     ],
 )

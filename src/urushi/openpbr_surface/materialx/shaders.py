@@ -7,6 +7,7 @@ that define the shaders in MaterialX's `libraries/bxdf`, and OpenPBR Surface 1.1
 
 from collections.abc import Callable, Mapping
 from operator import methodcaller
+from typing import Protocol
 
 import numpy as np
 
@@ -16,9 +17,23 @@ from urushi.core.namespace import NUMPY
 #: The shader whose inputs are the parameters.
 TARGET = "open_pbr_surface"
 
-#: Reads an input by name: (..., channels), or its default.
-Inputs = Callable[[str], np.ndarray]
-Formulas = Mapping[str, Callable[[Inputs], np.ndarray]]
+
+class Inputs(Protocol):
+    """Reads inputs of the shader by name, or their defaults."""
+
+    def __call__(self, name: str) -> np.ndarray:
+        """The value (..., channels) at the points that are evaluated."""
+
+    def ends(self, name: str) -> tuple[np.ndarray, np.ndarray]:
+        """The least and the largest value (channels,) on the surface.
+
+        What the plugin needs to be the same everywhere depends on them: thin walls, the index of
+        what transmits light, the medium inside.
+        """
+
+
+Formula = Callable[[Inputs], np.ndarray]
+Formulas = Mapping[str, Formula]
 
 #: Weights of MaterialX's node `luminance`, which the opacity of standard_surface goes through.
 _LUMA = np.array([0.2722287, 0.6740818, 0.0536895])
@@ -74,29 +89,66 @@ def _ior(f0: np.ndarray) -> np.ndarray:
     return (1 + root) / (1 - root)
 
 
-def renamed(pairs: str) -> dict[str, Callable[[Inputs], np.ndarray]]:
+def _f0(ior: np.ndarray) -> np.ndarray:
+    """The reflectance of an index of refraction at normal incidence, above 0."""
+    return np.maximum(((ior - 1) / (ior + 1)) ** 2, 1e-6)
+
+
+def _anywhere(i: Inputs, name: str) -> bool:
+    """Whether an input is above 0 somewhere."""
+    return bool((i.ends(name)[1] > 0).any())
+
+
+def _zero(_: Inputs) -> np.ndarray:
+    return np.zeros(1)
+
+
+def _one(_: Inputs) -> np.ndarray:
+    return np.ones(1)
+
+
+def renamed(pairs: str) -> dict[str, Formula]:
     """Formulas of parameters that are inputs: "PARAMETER=INPUT", or one name of both."""
     names = (pair.partition("=") for pair in pairs.split())
     return {x: methodcaller("__call__", name or x) for x, _, name in names}
+
+
+def _gloss(i: Inputs, clear: str, weight: str, color: str) -> tuple[np.ndarray, np.ndarray]:
+    """OpenPBR's specular_weight and specular_color of a dielectric, from inputs of these names.
+
+    clear: the weight of transmission. In the shaders' graphs the weight of reflections does not
+    change the direction of refraction, which OpenPBR's specular_weight does. It is a factor of the
+    colour where something transmits light.
+    """
+    if _anywhere(i, clear):
+        return np.ones(1), i(weight) * i(color)
+    peak = np.maximum(_peak(i(color)), 1)
+    return i(weight) * peak, i(color) / peak
+
+
+def _under_coat(i: Inputs, color: str, share: np.ndarray | float = 1.0) -> np.ndarray:
+    """A colour of standard_surface, raised to the power of coat_affect_color."""
+    gamma = 1 + np.clip(i("coat"), 0, 1) * i("coat_affect_color") * share
+    return np.maximum(i(color), 0) ** gamma
+
+
+def _standard_gloss(i: Inputs) -> tuple[np.ndarray, np.ndarray]:
+    return _gloss(i, "transmission", "specular", "specular_color")
 
 
 _STANDARD_SURFACE = renamed(
     "base_weight=base base_diffuse_roughness=diffuse_roughness base_metalness=metalness "
     "specular_ior=specular_IOR transmission_weight=transmission transmission_color "
     "transmission_depth transmission_scatter transmission_scatter_anisotropy "
-    "subsurface_weight=subsurface subsurface_color "
-    "subsurface_scatter_anisotropy=subsurface_anisotropy fuzz_color=sheen_color coat_weight=coat "
+    "subsurface_weight=subsurface fuzz_color=sheen_color coat_weight=coat "
     "coat_color coat_ior=coat_IOR thin_film_ior=thin_film_IOR emission_luminance=emission "
     "emission_color geometry_thin_walled=thin_walled geometry_normal=normal "
     "geometry_tangent=tangent geometry_coat_normal=coat_normal"
 ) | {
-    "base_color": lambda i: (
-        np.maximum(i("base_color"), 0)
-        ** (1 + np.clip(i("coat"), 0, 1) * i("coat_affect_color") * (1 - i("metalness")))
-    ),
-    "specular_weight": lambda i: _mix(i("specular"), 1, i("metalness")),
+    "base_color": lambda i: _under_coat(i, "base_color", 1 - i("metalness")),
+    "specular_weight": lambda i: _mix(_standard_gloss(i)[0], 1, i("metalness")),
     "specular_color": lambda i: _mix(
-        i("specular_color"),
+        _standard_gloss(i)[1],
         edge_tint(i("base") * i("base_color"), i("specular") * i("specular_color")),
         i("metalness"),
     ),
@@ -106,13 +158,18 @@ _STANDARD_SURFACE = renamed(
     "transmission_dispersion_abbe_number": lambda i: np.where(
         i("transmission_dispersion") > 0, i("transmission_dispersion"), 20
     ),
+    "subsurface_color": lambda i: _under_coat(i, "subsurface_color"),
     "subsurface_radius": lambda i: i("subsurface_scale") * _peak(i("subsurface_radius")),
     "subsurface_radius_scale": lambda i: _unit(i("subsurface_radius")),
+    # A thin wall transmits all of it.
+    "subsurface_scatter_anisotropy": lambda i: np.where(
+        i("thin_walled"), 1, i("subsurface_anisotropy")
+    ),
     "fuzz_weight": lambda i: i("sheen") * (1 - i("metalness")) * (1 - i("transmission")),
     "fuzz_roughness": lambda i: i("sheen_roughness") ** 0.4,  # as MaterialX translates it
     "coat_roughness": lambda i: _stretched(i("coat_roughness"), i("coat_anisotropy")),
     "coat_roughness_anisotropy": lambda i: np.clip(i("coat_anisotropy"), 0, 0.98),
-    "coat_darkening": lambda i: np.zeros(1),
+    "coat_darkening": _zero,
     "thin_film_weight": lambda i: np.where(i("thin_film_thickness") > 0, 1, 0),
     "thin_film_thickness": lambda i: 1e-3 * i("thin_film_thickness"),
     "geometry_opacity": lambda i: (i("opacity") * _LUMA).sum(-1, keepdims=True),
@@ -125,28 +182,43 @@ def _gltf_widths(i: Inputs) -> tuple[np.ndarray, np.ndarray]:
     return _mix(width, 1, i("anisotropy_strength") ** 2), width
 
 
+def _gltf_gloss(i: Inputs) -> tuple[np.ndarray, np.ndarray]:
+    return _gloss(i, "transmission", "specular", "specular_color")
+
+
+def _gltf_medium(i: Inputs) -> bool:
+    """Whether a volume absorbs light inside (KHR_materials_volume)."""
+    absorbs = (i("attenuation_color") < 1).any() and _anywhere(i, "transmission")
+    return bool(absorbs) and _anywhere(i, "thickness") and _anywhere(i, "attenuation_distance")
+
+
+def _gltf_tinted(i: Inputs) -> bool:
+    """Whether base_color tints light that crosses the surface."""
+    return bool((i.ends("base_color")[0] < 0.98).any())
+
+
+def _gltf_deep(i: Inputs) -> bool:
+    """Whether transmission_color is the medium's: OpenPBR has no tint of the surface beside it."""
+    return _gltf_medium(i) and not _gltf_tinted(i)
+
+
 _GLTF_PBR = renamed(
     "base_color base_metalness=metallic specular_ior=ior transmission_weight=transmission "
-    "transmission_depth=attenuation_distance coat_weight=clearcoat "
+    "coat_weight=clearcoat "
     "coat_roughness=clearcoat_roughness thin_film_weight=iridescence "
     "thin_film_ior=iridescence_ior emission_luminance=emissive_strength emission_color=emissive "
     "geometry_normal=normal geometry_tangent=tangent geometry_coat_normal=clearcoat_normal"
 ) | {
-    "specular_weight": lambda i: _mix(
-        i("specular") * np.maximum(_peak(i("specular_color")), 1), 1, i("metallic")
-    ),
-    "specular_color": lambda i: _mix(
-        i("specular_color") / np.maximum(_peak(i("specular_color")), 1), 1, i("metallic")
-    ),
+    "specular_weight": lambda i: _mix(_gltf_gloss(i)[0], 1, i("metallic")),
+    "specular_color": lambda i: _mix(_gltf_gloss(i)[1], 1, i("metallic")),
     "specular_roughness": lambda i: _roughness(*_gltf_widths(i)),
     "specular_roughness_anisotropy": lambda i: 1 - np.divide(*_gltf_widths(i)[::-1]),
-    "transmission_color": lambda i: np.where(
-        (i("attenuation_distance") > 0) & (i("thickness") > 0),
-        i("attenuation_color"),
-        i("base_color"),
-    ),
+    "transmission_color": lambda i: i("attenuation_color" if _gltf_deep(i) else "base_color"),
+    "transmission_depth": lambda i: i("attenuation_distance") * _gltf_deep(i),
     # A volume of thickness 0 is a thin wall (KHR_materials_volume).
-    "geometry_thin_walled": lambda i: (i("transmission") > 0) & (i("thickness") == 0),
+    "geometry_thin_walled": lambda i: np.full(
+        1, _anywhere(i, "transmission") and not _anywhere(i, "thickness")
+    ),
     "transmission_dispersion_scale": lambda i: np.where(i("dispersion") > 0, 1, 0),
     "transmission_dispersion_abbe_number": lambda i: (
         20 / np.where(i("dispersion") > 0, i("dispersion"), 1)
@@ -155,7 +227,7 @@ _GLTF_PBR = renamed(
     "fuzz_color": lambda i: _unit(i("sheen_color")),
     "fuzz_roughness": lambda i: i("sheen_roughness") ** 0.8,  # its square in standard_surface
     "coat_ior": lambda i: np.full(1, 1.5),
-    "coat_darkening": lambda i: np.zeros(1),
+    "coat_darkening": _zero,
     "thin_film_thickness": lambda i: 1e-3 * i("iridescence_thickness"),
     "geometry_opacity": lambda i: np.where(
         i("alpha_mode") == 0,
@@ -169,9 +241,18 @@ def _usd_metalness(i: Inputs) -> np.ndarray:
     return i("metallic") * (i("useSpecularWorkflow") == 0)
 
 
-def _usd_dielectric(i: Inputs, with_color: np.ndarray, without: np.ndarray | float) -> np.ndarray:
-    """A value of the workflow with specularColor, or of the workflow with metallic."""
-    return np.where(i("useSpecularWorkflow") == 1, with_color, without)
+def _usd_transparent(i: Inputs) -> np.ndarray:
+    """Whether opacity is one of transmission, not of presence."""
+    return (i("opacityMode") == 0) & (i("opacityThreshold") <= 0)
+
+
+def _usd_gloss(i: Inputs) -> tuple[np.ndarray, np.ndarray]:
+    """Index and specular_color of the dielectric; light is refracted by the input ior."""
+    with_color = i("useSpecularWorkflow") == 1
+    if _usd_transparent(i).all() and (i.ends("opacity")[0] < 1).any():
+        return i("ior"), np.where(with_color, i("specularColor") / _f0(i("ior")), 1)
+    index = np.where(with_color, _ior(_peak(i("specularColor"))), i("ior"))
+    return index, np.where(with_color, _unit(i("specularColor")), 1)
 
 
 _USD_PREVIEW_SURFACE = renamed(
@@ -181,17 +262,12 @@ _USD_PREVIEW_SURFACE = renamed(
 ) | {
     "base_metalness": _usd_metalness,
     "specular_color": lambda i: _mix(
-        _usd_dielectric(i, _unit(i("specularColor")), 1),
-        edge_tint(i("diffuseColor"), i("diffuseColor")),
-        _usd_metalness(i),
+        _usd_gloss(i)[1], edge_tint(i("diffuseColor"), i("diffuseColor")), _usd_metalness(i)
     ),
-    "specular_ior": lambda i: _usd_dielectric(i, _ior(_peak(i("specularColor"))), i("ior")),
-    "transmission_weight": lambda i: (
-        np.where((i("opacityMode") == 0) & (i("opacityThreshold") <= 0), 1 - i("opacity"), 0)
-        * (1 - _usd_metalness(i))
-    ),
-    "coat_darkening": lambda i: np.zeros(1),
-    "emission_luminance": lambda i: np.ones(1),
+    "specular_ior": lambda i: _usd_gloss(i)[0],
+    "transmission_weight": lambda i: _usd_transparent(i) * (1 - i("opacity")),
+    "coat_darkening": _zero,
+    "emission_luminance": _one,
     "geometry_opacity": lambda i: np.where(
         i("opacityThreshold") > 0,
         i("opacity") >= i("opacityThreshold"),
@@ -199,15 +275,24 @@ _USD_PREVIEW_SURFACE = renamed(
     ),
 }
 
+
+def _disney_gloss(i: Inputs) -> tuple[np.ndarray, np.ndarray]:
+    """Index and specular_color of the dielectric; light is refracted by the input ior."""
+    f0, tint = 0.08 * i("specular"), i("specularTint") * (1 - i("metallic"))
+    if _anywhere(i, "specTrans"):
+        return i("ior"), _mix(1, i("baseColor"), tint) * f0 / _f0(i("ior"))
+    return _ior(f0), _mix(1, i("baseColor"), tint)
+
+
 _DISNEY_PRINCIPLED = renamed(
     "base_color=baseColor base_metalness=metallic transmission_weight=specTrans "
     "transmission_color=baseColor subsurface_weight=subsurface subsurface_color=baseColor "
     "coat_weight=clearcoat"
 ) | {
-    "specular_color": lambda i: _mix(1, i("baseColor"), i("specularTint") * (1 - i("metallic"))),
+    "specular_color": lambda i: _disney_gloss(i)[1],
     "specular_roughness": lambda i: _stretched(i("roughness"), i("anisotropic")),
     "specular_roughness_anisotropy": lambda i: np.clip(i("anisotropic"), 0, 0.98),
-    "specular_ior": lambda i: _mix(_ior(0.08 * i("specular")), i("ior"), i("specTrans")),
+    "specular_ior": lambda i: _disney_gloss(i)[0],
     "subsurface_radius": lambda i: _peak(i("subsurfaceDistance")),
     "subsurface_radius_scale": lambda i: _unit(i("subsurfaceDistance")),
     "fuzz_weight": lambda i: i("sheen") * (1 - i("metallic")) * (1 - i("specTrans")),
@@ -215,12 +300,12 @@ _DISNEY_PRINCIPLED = renamed(
     "fuzz_roughness": lambda i: np.full(1, 0.3**0.4),
     "coat_roughness": lambda i: 1 - i("clearcoatGloss"),
     "coat_ior": lambda i: np.full(1, 1.5),
-    "coat_darkening": lambda i: np.zeros(1),
+    "coat_darkening": _zero,
 }
 
 _SURFACE_UNLIT: Formulas = {
-    "base_weight": lambda i: np.zeros(1),
-    "specular_weight": lambda i: np.zeros(1),
+    "base_weight": _zero,
+    "specular_weight": _zero,
     "emission_luminance": lambda i: i("emission"),
     "emission_color": lambda i: i("emission_color"),
     "geometry_opacity": lambda i: i("opacity") * (1 - i("transmission")),
@@ -235,6 +320,45 @@ TRANSLATIONS: dict[str, Formulas] = {
     "surface_unlit": _SURFACE_UNLIT,
 }
 
+#: The roughness of transmitted light, of shaders in which it is not that of reflected light.
+TRANSMITTED_ROUGHNESS: dict[str, Formula] = {
+    "standard_surface": lambda i: _stretched(
+        np.clip(i("specular_roughness") + i("transmission_extra_roughness"), 0, 1),
+        i("specular_anisotropy"),
+    ),
+    "UsdPreviewSurface": _zero,
+    "disney_principled": _zero,
+}
+
+
+def separated(formulas: Formulas, roughness: Formula) -> tuple[Formula, Formulas, Formulas]:
+    """A material as a mixture of what is opaque and of what transmits light.
+
+    roughness: of the light that is transmitted; the reflections of this share get it, too.
+
+    Returns:
+        The weight of what transmits, and the formulas of both.
+    """
+    metalness, clear = formulas["base_metalness"], formulas["transmission_weight"]
+    thin = formulas.get("geometry_thin_walled", _zero)
+
+    def weight(i: Inputs) -> np.ndarray:
+        return (1 - metalness(i)) * clear(i)
+
+    opaque = {
+        "base_metalness": lambda i: metalness(i) / np.maximum(1 - weight(i), 1e-6),
+        "transmission_weight": _zero,
+        # A thin wall is seen from inside, too.
+        "geometry_thin_walled": lambda i: thin(i) + (not _anywhere(i, "subsurface")) > 0,
+    }
+    through: Formulas = {
+        "base_metalness": _zero,
+        "transmission_weight": _one,
+        "specular_roughness": roughness,
+    }
+    return weight, {**formulas, **opaque}, {**formulas, **through}
+
+
 #: Shaders that are read.
 SHADERS = (TARGET, *TRANSLATIONS)
 
@@ -243,11 +367,9 @@ LOST: dict[str, Formulas] = {
     "standard_surface": {
         "specular_rotation": lambda i: 2 * i("specular_rotation") % 1 * i("specular_anisotropy"),
         "coat_rotation": lambda i: 2 * i("coat_rotation") % 1 * i("coat_anisotropy") * i("coat"),
-        "transmission_extra_roughness": lambda i: (
-            i("transmission_extra_roughness") * i("transmission")
-        ),
     },
     "gltf_pbr": {
+        "attenuation_color": lambda i: np.full(1, _gltf_medium(i) and _gltf_tinted(i)),
         "anisotropy_rotation": lambda i: (
             np.round(np.sin(i("anisotropy_rotation")), 6) * i("anisotropy_strength")
         ),

@@ -23,8 +23,11 @@ from urushi.openpbr_surface.materialx.shaders import (
     SHADERS,
     TARGET,
     TRANSLATIONS,
-    Inputs,
+    TRANSMITTED_ROUGHNESS,
+    Formula,
+    Formulas,
     renamed,
+    separated,
 )
 from urushi.openpbr_surface.parameters import PARAMETERS, Parameter, checked, parameter
 
@@ -108,23 +111,33 @@ def _read(
             "instead, or bake the material into images"
         )
     if node.getCategory() != "mix":
-        return Surface(name, named, _Reader(graph, shader, resolution, where).values())
+        return _Reader(graph, shader, resolution, where).material(name)
 
-    def weigh(evaluation: Evaluation) -> np.ndarray:
-        return np.clip(evaluation.input(node, "mix", shader.frame), 0, 1)
+    def part(side: str) -> Surface | Mix:
+        source = _shader(graph, node, side, shader.frame, f"{named}: its {side}")
+        return _read(graph, source, resolution, name, left)
 
-    baked = bake(graph, weigh, resolution, f"{named}: mix")
-    if isinstance(baked, Texture) and (constant := baked.constant) is not None:
-        baked = constant
-    if isinstance(baked, np.ndarray) and baked.shape != (1,):
-        raise FileError(f"{named}: mix has {baked.shape[-1]} channels instead of 1")
-    weight = baked if isinstance(baked, Texture) else float(baked[0])
-    found = []
-    for side, absent in (("bg", 1.0), ("fg", 0.0)):
-        if weight != absent:
-            part = _shader(graph, node, side, shader.frame, f"{named}: its {side}")
-            found.append(_read(graph, part, resolution, name, left))
-    return Mix(name, weight, *found) if len(found) == 2 else found[0]
+    weight = bake(graph, lambda e: e.input(node, "mix", shader.frame), resolution, f"{named}: mix")
+    return _mixed(name, weight, f"{named}: mix", part)
+
+
+def _mixed(
+    name: str,
+    weight: np.ndarray | Texture,
+    where: str,
+    part: Callable[[str], Surface | Mix],
+) -> Surface | Mix:
+    """The mixture of the parts "bg" and "fg", or the only one of them that has a weight."""
+    if isinstance(weight, Texture):
+        weight = weight.map(lambda x: np.clip(x, 0, 1))
+        constant = weight.constant
+        weight = weight if constant is None else constant
+    if isinstance(weight, np.ndarray) and weight.shape != (1,):
+        raise FileError(f"{where} has {weight.shape[-1]} channels instead of 1")
+    share = weight if isinstance(weight, Texture) else float(np.clip(weight[0], 0, 1))
+    if share in (0.0, 1.0):
+        return part("fg" if share else "bg")
+    return Mix(name, share, part("bg"), part("fg"))
 
 
 def _shader(graph: Graph, node: Any, name: str, frame: Frame, where: str) -> Source:
@@ -170,36 +183,76 @@ def _warn(message: str) -> None:
     warnings.warn(message, UrushiWarning, stacklevel=3)
 
 
+@dataclass(frozen=True)
+class _Inputs:
+    """`shaders.Inputs` of a shader at the points of an evaluation."""
+
+    reader: "_Reader"
+    evaluation: Evaluation
+
+    def __call__(self, name: str) -> np.ndarray:
+        return self.reader.read(name)(self.evaluation)
+
+    def ends(self, name: str) -> tuple[np.ndarray, np.ndarray]:
+        return self.reader.ends(name)
+
+
 class _Reader:
     """Reads the parameters of one shader."""
 
     def __init__(self, graph: Graph, shader: Source, resolution: int, where: str):
         self._graph, self._shader, self._frame = graph, shader.element, shader.frame
         self._resolution, self._where = resolution, where
+        self._ends: dict[str, tuple[np.ndarray, np.ndarray]] = {}  # by input
 
-    def values(self) -> dict[str, ParameterValue]:
+    def material(self, name: str) -> Surface | Mix:
+        """The material of a name."""
+        tag, given = self._shader.getCategory(), self._given()
+        if given is not None:
+            return self._surface(name, given)
+        self._warn_of_losses(tag)
+        formulas, roughness = TRANSLATIONS[tag], TRANSMITTED_ROUGHNESS.get(tag)
+        if roughness is None:
+            return self._surface(name, self._values(formulas))
+        weight, *parts = separated(formulas, roughness)
+        share = bake(self._graph, self._value(weight), self._resolution, f"{self._where}: opacity")
+        present = (share.pixels if isinstance(share, Texture) else share).any()
+        difference = self._value(lambda i: roughness(i) - formulas["specular_roughness"](i))
+        if not present or not changes(self._graph, difference):
+            return self._surface(name, self._values(formulas))
+        _warn(
+            f"{self._where}: OpenPBR has one roughness of light that is reflected and transmitted; "
+            "where the surface transmits, both get that of transmitted light"
+        )
+        return _mixed(
+            name,
+            share,
+            self._where,
+            lambda side: self._surface(name, self._values(parts[side == "fg"])),
+        )
+
+    def _surface(self, name: str, values: Mapping[str, Value]) -> Surface:
         found: dict[str, ParameterValue] = {}
-        for name, value in self._formulas().items():
-            entry = parameter(name, self._where)
-            baked = bake(self._graph, value, self._resolution, f"{self._where}: {name}")
+        for key, value in values.items():
+            entry = parameter(key, self._where)
+            baked = bake(self._graph, value, self._resolution, f"{self._where}: {key}")
             if entry.kind != "vector":
-                found[name] = self._final(entry, baked)
+                found[key] = self._final(entry, baked)
             elif (normals := self._direction(entry, baked)) is not None:
-                found[name] = normals
-        return _bright(found)
+                found[key] = normals
+        return Surface(name, self._graph.named(self._shader), _bright(found))
 
-    def _formulas(self) -> dict[str, Value]:
-        """The values of the parameters, by name."""
+    def _given(self) -> dict[str, Value] | None:
+        """The parameters that the shader itself, or a graph of the document, gives; else None."""
         tag, inputs = self._shader.getCategory(), self._shader.getInputs()
         if tag == TARGET:
             for element in inputs:
                 parameter(element.getName(), self._where)
             follow = self._graph.follow
             given = [e for e in inputs if follow(e, self._frame, self._shader).is_given]
-            formulas = renamed(" ".join(element.getName() for element in given))
-            return {name: self._formula(formula) for name, formula in formulas.items()}
-        translation = self._graph.translation(self._shader, self._frame, f"{tag}_to_{TARGET}")
-        if (frame := translation) is not None:
+            return self._values(renamed(" ".join(element.getName() for element in given)))
+        frame = self._graph.translation(self._shader, self._frame, f"{tag}_to_{TARGET}")
+        if frame is not None:
             outputs = frame.scope.getOutputs()
             named = {child.getName().removesuffix("_out"): child for child in outputs}
             return {n: self._output(e, frame) for n, e in named.items() if n in PARAMETERS}
@@ -208,13 +261,27 @@ class _Reader:
                 f"{self._where} has a shader of kind {tag[:40]}, which is not read; translate it "
                 f"to one of {', '.join(SHADERS)}"
             )
-        self._warn_of_losses(tag)
-        return {name: self._formula(formula) for name, formula in TRANSLATIONS[tag].items()}
+        return None
 
-    def _formula(self, formula: Callable[[Inputs], np.ndarray]) -> Value:
-        return lambda evaluation: formula(
-            lambda name: evaluation.input(self._shader, name, self._frame)
-        )
+    def _values(self, formulas: Formulas) -> dict[str, Value]:
+        return {name: self._value(formula) for name, formula in formulas.items()}
+
+    def _value(self, formula: Formula) -> Value:
+        return lambda evaluation: formula(_Inputs(self, evaluation))
+
+    def read(self, name: str) -> Value:
+        """The value of an input of the shader."""
+        return lambda evaluation: evaluation.input(self._shader, name, self._frame)
+
+    def ends(self, name: str) -> tuple[np.ndarray, np.ndarray]:
+        """The least and the largest value (channels,) of an input on the surface."""
+        if name not in self._ends:
+            where = f"{self._where}: {name}"
+            baked = bake(self._graph, self.read(name), self._resolution, where)
+            pixels = baked.pixels if isinstance(baked, Texture) else baked
+            pixels = pixels.reshape(-1, pixels.shape[-1])
+            self._ends[name] = pixels.min(axis=0), pixels.max(axis=0)
+        return self._ends[name]
 
     def _warn_of_losses(self, tag: str) -> None:
         """Warn of inputs without a parameter, where they would change something."""
@@ -222,7 +289,7 @@ class _Reader:
         given = [element.getName() for element in self._shader.getInputs()]
         lost = [name for name in given if name not in known]
         for name, formula in LOST.get(tag, {}).items():
-            if name in given and changes(self._graph, self._formula(formula)):
+            if name in given and changes(self._graph, self._value(formula)):
                 lost.append(name)
         if lost:
             _warn(f"{self._where}: OpenPBR has no counterpart of {', '.join(lost)[:200]} of {tag}")
