@@ -55,7 +55,8 @@ def glass(folder: Folder, options: Options) -> dict[str, Any]:
         }.items()
     ):
         place = mi.ScalarTransform4d().translate([1.9 * (i - 1), 0, 0.004])
-        parts[name] = body | {"to_world": place, "bsdf": options.openpbr(**GLASS, **surface)}
+        bsdf = options.openpbr(**GLASS, **surface, interior=True)
+        parts[name] = body | {"to_world": place, "bsdf": bsdf}
     view = stage.camera(options, (0.0, -8.4, 2.9), (0.0, 0.0, 0.92), 36.0)
     described = stage.scene(view, parts)
     return described | {"integrator": {"type": "volpathmis", "max_depth": 24}}

@@ -113,3 +113,17 @@ def test_a_body_has_its_medium(tmp_path):
     scene = mi.load_file(str(tmp_path / "scene" / "scene.xml"))
     assert "Volumetric" in str(scene.integrator())
     assert sum(shape.interior_medium() is not None for shape in scene.shapes()) == 1
+
+
+def test_a_mixture_has_no_medium(tmp_path, capsys):
+    skin = """<standard_surface name="{}" type="surfaceshader">
+        <input name="subsurface" type="float" value="1"/></standard_surface>"""
+    document = tmp_path / "mixture.mtlx"
+    document.write_text(f"""<materialx version="1.39">{skin.format("A")}{skin.format("B")}
+        <mix name="Mix" type="surfaceshader"><input name="mix" type="float" value="0.5"/>
+        <input name="bg" type="surfaceshader" nodename="A"/>
+        <input name="fg" type="surfaceshader" nodename="B"/></mix></materialx>""")
+    arguments = ["convert", str(document), "-o", str(tmp_path / "out"), "--material", "Mix"]
+    assert main(arguments) == 2
+    assert "subsurface_weight asks for the medium inside of a body" in capsys.readouterr().err
+    assert not (tmp_path / "out").exists()

@@ -7,6 +7,7 @@ import mitsuba as mi
 import numpy as np
 import pytest
 
+import urushi
 from urushi.mitsuba.reading import probing
 
 pytest.importorskip("MaterialX", reason="the extra 'materialx' is not installed")
@@ -20,7 +21,9 @@ DOCUMENT = """<materialx version="1.39" colorspace="lin_rec709">
 <open_pbr_surface name="Glass" type="surfaceshader">
 <input name="transmission_weight" type="float" value="1"/>
 <input name="transmission_dispersion_scale" type="float" value="1"/>
-</open_pbr_surface></materialx>"""
+</open_pbr_surface>
+<standard_surface name="Ketchup" type="surfaceshader">
+<input name="subsurface" type="float" value="1"/></standard_surface></materialx>"""
 
 
 @pytest.fixture
@@ -86,15 +89,28 @@ def test_a_mixture_of_shaders_is_one_of_their_brdfs(path, weight):
     assert np.allclose(f("Mix"), expected, rtol=1e-3, atol=1e-6)  # the texture has 1024 columns
 
 
+def test_a_document_with_a_medium_is_rendered_on_a_shape(path):
+    """The plugin says `interior` where the shape has a medium of its own."""
+    ketchup = {"type": "materialx", "filename": path, "material": "Ketchup", "interior": True}
+    surface = values(mi.load_dict(ketchup))
+    shape = urushi.openpbr(**urushi.load_materialx(path, "Ketchup")).on({"type": "sphere"})
+    assert mi.load_dict(shape).interior_medium() is not None
+    assert np.array_equal(surface, values(mi.load_dict(shape["bsdf"])))
+
+
 @pytest.mark.parametrize(
     ("properties", "message"),
     [
         ({}, "has no filename; give a MaterialX document"),
         ({"filename": "none.mtlx"}, "there is no MaterialX file"),
-        ({"filename": None}, "has several materials; choose one of Gold, Glass"),
+        ({"filename": None}, "has several materials; choose one of Gold, Glass, Ketchup"),
         (
             {"filename": None, "material": "Glass"},
             r"materialx: '.*': the node 'Glass' \(open_pbr_surface\): .*_dispersion_scale needs",
+        ),
+        (
+            {"filename": None, "material": "Ketchup"},
+            r"materialx: '.*': the node 'Ketchup' \(standard_surface\): subsurface_weight asks for",
         ),
         ({"filename": None, "material": "Gold", "bake": 0}, "materialx: bake is 0; it must be in"),
         (

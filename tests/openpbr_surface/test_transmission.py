@@ -36,7 +36,8 @@ CLOSED = {
 
 
 def load(values, **options):
-    return mi.load_dict(urushi.openpbr(**values, **options).description())
+    surface = urushi.openpbr(**values, **options).description()
+    return mi.load_dict(surface | {"interior": True})
 
 
 def sampled(bsdf, degrees, count=1 << 16, radiance=False):
@@ -279,6 +280,47 @@ def test_the_medium_of_a_body():
     assert urushi.openpbr(**tinted).interior() is None
     with pytest.raises(ParameterError, match="transmission_color is a texture, but the medium"):
         urushi.openpbr(**GLASS, transmission_depth=1.0, transmission_color=texture).interior()
+
+
+@pytest.mark.parametrize(
+    ("values", "surface"),
+    [
+        (
+            {"subsurface_weight": 0.8, "subsurface_color": (0.2, 0.1, 0.5), "base_weight": 0.5},
+            {"base_color": tuple(0.8 * np.array((0.2, 0.1, 0.5)) + 0.2 * 0.5 * 0.8)},
+        ),
+        (
+            GLASS | {"transmission_color": (0.2, 0.6, 0.4), "transmission_depth": 2.0},
+            GLASS | {"transmission_color": (0.2, 0.6, 0.4)},
+        ),
+        (GLASS | {"transmission_scatter": (0.2, 0.6, 0.4), "transmission_depth": 2.0}, GLASS),
+    ],
+    ids=["subsurface", "depth", "scatter"],
+)
+def test_a_bsdf_alone_has_no_medium(values, surface):
+    """It is refused; where that is ignored, the body has no depth: its colours are the surface's.
+
+    The base of subsurface_color is a mixture by subsurface_weight (OpenPBR Surface 1.1.1, 3.2.3).
+    """
+    alone = urushi.openpbr(**values)
+    shape = alone.on({"type": "sphere"})
+    assert mi.load_dict(shape).interior_medium() is not None
+    with pytest.raises(RuntimeError, match="the medium inside of a body, and a BSDF has none"):
+        alone.bsdf()
+    ignored = mi.load_dict(urushi.openpbr(**values, unsupported="ignore").description())
+    wi, wo = directions(200, 1)[:80], directions(200, 2)[:80]
+    wi[:, 2] = np.abs(wi[:, 2])
+    np.testing.assert_allclose(
+        evaluated(ignored, wi, wo), evaluated(load(surface), wi, wo), rtol=1e-4, atol=1e-6
+    )
+
+
+def test_clear_bodies_and_thin_walls_need_no_medium():
+    deep = urushi.openpbr(**GLASS, transmission_depth=1.0)
+    thin = urushi.openpbr(**PANE, transmission_color=(0.5, 0.6, 0.7), transmission_depth=1.0)
+    for material in (deep, thin, urushi.openpbr(**LEAF)):
+        assert material.interior() is None
+        mi.load_dict(material.description())
 
 
 @pytest.mark.parametrize(("g", "index"), [(0.0, 1.4), (0.5, 1.4), (0.5, 0.8), (-0.3, 1.001)])

@@ -58,7 +58,8 @@ class OpenPBR:
         return self.parameters.get("emission_luminance", 0.0) != 0.0
 
     def description(self) -> dict[str, Any]:
-        """The BSDF for `mi.load_dict`, of the plugin `openpbr`; it does not emit."""
+        """The BSDF for `mi.load_dict`, of the plugin `openpbr`; it does not emit, nor has it a
+        medium: the plugin refuses a material with one, unless "interior" is true."""
         values = {name: x for name, x in self._values().items() if name not in EMISSION}
         return {"type": "openpbr", **values, **self.options}
 
@@ -77,9 +78,10 @@ class OpenPBR:
         """
         emitter = self.emitter()
         light = {} if emitter is None else {"emitter": emitter}
-        medium = self.interior()
-        inside = {} if medium is None else {"interior": medium}
-        return {**shape, "bsdf": self.description(), **light, **inside}
+        bsdf, medium = self.description(), self.interior()
+        if medium is None:
+            return {**shape, "bsdf": bsdf, **light}
+        return {**shape, "bsdf": bsdf | {"interior": True}, **light, "interior": medium}
 
     def interior(self) -> dict[str, Any] | None:
         """The medium inside of a body, for integrators such as `volpath`; None: it is clear.

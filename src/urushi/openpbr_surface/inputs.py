@@ -18,7 +18,10 @@ from urushi.openpbr_surface import formulas
 from urushi.openpbr_surface.parameters import PARAMETERS, checked, parameter
 
 #: Properties of the plugin that are no parameters of the specification.
-OPTIONS = ("reference", "unsupported", "energy_compensation", "resolution", "weights", "origin")
+OPTIONS = (
+    *("reference", "unsupported", "energy_compensation", "interior", "resolution", "weights"),
+    "origin",
+)
 
 #: The parameters of emission, which a BSDF does not have.
 EMISSION = ("emission_luminance", "emission_color")
@@ -56,6 +59,8 @@ class Inputs:
         # later counts as a texture from then on, see `refresh`.
         self.constants: dict[str, Any] = {}
         self.maps: dict[str, mi.Texture] = {}  # of directions
+        # Whether the shape has the medium inside of the material, which a BSDF does not hold.
+        self.interior = bool(props.get("interior", False))
         self.version = 0  # how often `refresh` has found changes
         self._numbers: list[str] = []  # parameters that are given as numbers
         self._relied: dict[str, np.ndarray] = {}  # values of textures when `known` returned them
@@ -219,6 +224,14 @@ class Inputs:
             if lacks and not self._is_absent(name):
                 sentence = f"{name} needs {feature}, which the plugin does not support; "
                 yield sentence, 'leave it out, or set unsupported to "ignore"', "it is left out"
+        deep = clear and not (self._is_absent("transmission_depth") or self._is_clear())
+        for name, lacks in (("transmission_depth", deep), ("subsurface_weight", scatters)):
+            if lacks and not (self.thin or self.interior):
+                sentence = (
+                    f"{name} asks for the medium inside of a body, and a BSDF has none; give its "
+                    "shape the interior of urushi.openpbr(...).on(shape), and set interior to true"
+                )
+                yield sentence, ', or set unsupported to "ignore"', "; its colour is the surface's"
         if not self._is_absent("emission_luminance"):
             sentence = (
                 "emission_luminance asks for emitted light, and a BSDF does not emit; give its "
@@ -242,6 +255,12 @@ class Inputs:
             )
             cure = ', or set unsupported to "ignore" for the base\'s'
             yield sentence, cure, "; the coat has the base's"
+
+    def _is_clear(self) -> bool:
+        """Whether the medium of the transmitting share neither absorbs nor scatters."""
+        color = "transmission_color"
+        given = color in self.textures and not self.is_constant(color, 1)
+        return not given and self._is_absent("transmission_scatter")
 
     def _is_absent(self, name: str) -> bool:
         """Whether a parameter of default 0 is not given, or as 0."""

@@ -55,6 +55,20 @@ def opaque_share(inputs: Inputs) -> Inputs | None:
     return inputs.replaced({"base_metalness": value, **dict.fromkeys(SHARES[1:], 0.0)})
 
 
+def without_medium(inputs: Inputs) -> Inputs:
+    """The parameters for a body of no depth: each colour of its medium is one of its surface.
+
+    Light that is scattered below the surface leaves where it entered: subsurface_color is the
+    albedo of a diffuse base. transmission_color tints the light that crosses the surface.
+    """
+    names = "base_weight", "base_color", "subsurface_weight", "subsurface_color"
+    color = derived(inputs, names, lambda w, b, s, c: dr.lerp(w * b, c, s), color=True)
+    changed = {"transmission_depth": 0.0}
+    if inputs.transmits("subsurface_weight"):
+        changed |= {"base_color": color, "base_weight": 1.0, "subsurface_weight": 0.0}
+    return inputs.replaced(changed)
+
+
 def index_of(inputs: Inputs) -> float:
     """The index of the base relative to air.
 

@@ -47,7 +47,8 @@ def load_materialx(
     Returns:
         A description for `mi.load_dict` of the plugin `openpbr`, or of `blendbsdf` for a mixture of
         shaders. Numbers are floats, colours dictionaries of type `rgb`, textures of type `bitmap`.
-        Parameters that the document leaves out are missing.
+        Parameters that the document leaves out are missing. A BSDF has no medium and emits nothing:
+        `urushi.openpbr(**description).on(shape)` gives both to a shape.
 
     Raises:
         FileError: the document, or a file that it includes or an image, is missing, damaged, too
@@ -84,21 +85,21 @@ def description(
     return {"type": "openpbr", **values, **extra, **origin}
 
 
-def check_supported(found: Surface | Mix, *, emits: bool = True) -> None:
+def check_supported(found: Surface | Mix, *, alone: bool = True) -> None:
     """Refuse a material that the plugin `openpbr` cannot render.
 
-    emits: whether an emitter takes its emission; mixtures have no emitter.
+    alone: whether its shape has its emission and its medium; mixtures have neither.
     """
     if isinstance(found, Mix):
-        check_supported(found.bg, emits=False)
-        check_supported(found.fg, emits=False)
+        check_supported(found.bg, alone=False)
+        check_supported(found.fg, alone=False)
         return
     values = {
         name: mitsuba_value(name, value) if isinstance(value, Texture) else value
         for name, value in found.values.items()
-        if not (emits and name in EMISSION)
+        if not (alone and name in EMISSION)
     }
-    Inputs.of(values, found.where)
+    Inputs.of(values | {"interior": alone}, found.where)
 
 
 def checked_resolution(resolution: int, name: str = "resolution") -> int:
@@ -171,8 +172,9 @@ def define():
         ============== ===================== ====================================================
 
         The plugin makes an instance of ``openpbr``, which gets all other properties: ``reference``,
-        ``unsupported``, and parameters of OpenPBR, which replace those of the document. A mixture
-        of two shaders is a ``blendbsdf`` of two instances.
+        ``unsupported``, ``interior``, and parameters of OpenPBR, which replace those of the
+        document. A mixture of two shaders is a ``blendbsdf`` of two instances. ``urushi convert``
+        writes a shape with the medium and the emitter that a document asks for.
 
         .. tabs::
             .. code-tab:: xml

@@ -11,7 +11,7 @@ from urushi.openpbr_surface import bsdfs, formulas, transmission
 from urushi.openpbr_surface.bsdfs import Layers
 from urushi.openpbr_surface.compensation import Compensation
 from urushi.openpbr_surface.inputs import Inputs, derived, width_properties
-from urushi.openpbr_surface.shares import transmits
+from urushi.openpbr_surface.shares import transmits, without_medium
 
 #: Plugins of the coat: by networks, and by walks.
 COATS = ("neural_layered", "layered")
@@ -42,6 +42,8 @@ def define(proposal_bsdf: type):
         unsupported          string                "error" or "ignore": whether an unsupported
                                                    feature is refused or left out with a warning.
                                                    (Default: "error")
+        interior             boolean               Whether the shape has the medium inside of the
+                                                   body as its ``interior``. (Default: false)
         resolution, weights  integer, string       As of ``neural_layered``, without ``reference``.
         ==================== ===================== =============================================
 
@@ -54,10 +56,12 @@ def define(proposal_bsdf: type):
         the emitter ``openpbr_emission``.
 
         With ``transmission_weight``, ``subsurface_weight`` or ``geometry_thin_walled`` the surface
-        has two sides. A body needs the medium of ``urushi.openpbr(...).on(shape)`` as the
-        ``interior`` of its shape, and one ``specular_ior`` and ``specular_weight``. Panes,
-        and coats over transmitting bases, are tables if they are constant and isotropic, and walks
-        otherwise.
+        has two sides. A body needs one ``specular_ior`` and ``specular_weight``. With subsurface or
+        a ``transmission_depth``, its shape needs a medium, too: ``urushi.openpbr(...).on(shape)``
+        gives it, and sets ``interior``. Without ``interior`` a body is refused; if ``unsupported``
+        is "ignore", the medium's colours are the surface's: a diffuse base of ``subsurface_color``,
+        glass tinted by ``transmission_color``. Panes, and coats over transmitting bases, are tables
+        if they are constant and isotropic, and walks otherwise.
 
         A number that ``mi.traverse`` changes is treated like a texture from then on. Components
         that were left out because of it, for instance a coat or fuzz of weight zero, are created. A
@@ -95,6 +99,8 @@ def define(proposal_bsdf: type):
         Andersson et al., OpenPBR Surface 1.1.1, Academy Software Foundation.
         """
         inputs = Inputs(props)
+        if transmits(inputs) and not (inputs.thin or inputs.interior):
+            inputs = without_medium(inputs)
         reference = props.get("reference", False)
         if isinstance(reference, str):
             if reference not in COATS:
