@@ -1,13 +1,15 @@
 """Code that Dr.Jit records: routines compiled once, work that is skipped, a cache of the vertex."""
 
 import zlib
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Hashable, Iterable, Iterator
+from functools import partial
+from numbers import Number
+from types import FunctionType, MethodType
 from typing import Any, NamedTuple
 
 import drjit as dr
 import mitsuba as mi
 import numpy as np
-import numpy.typing as npt
 
 from urushi.checks import Widths
 
@@ -58,22 +60,62 @@ def owned(kind: type, values: np.ndarray):
     return copy
 
 
-def signature(states: Sequence[int]) -> list:
-    """Dr.Jit variables whose types encode small numbers, one each.
+def signature_of(plugin: Any) -> list:
+    """Dr.Jit variables whose types encode what a plugin's recorded code may depend on.
 
-    A plugin that lists them among its variables lets frozen functions record again where its code
-    changes: Dr.Jit compares the types of variables, but neither Python's values nor scalars.
+    A plugin holds them, so that frozen functions record again where its code changes: Dr.Jit
+    compares the types of variables, but not Python's values, which code contains as literals.
+
+    They encode a hash of all attributes, and of the attributes of all objects in them. Left out are
+    the contents of arrays, which code reads from memory, and attributes that a class lists in
+    `UNRECORDED`. Networks, whose weights are literals, are known by their fingerprint.
     """
+    digits = np.base_repr(zlib.crc32(repr([*_described(plugin, {})]).encode()), 5).zfill(14)
     kinds = (mi.Float, mi.UInt32, mi.Int32, mi.UInt64, mi.Int64)
-    variables = [kinds[state](0) for state in states]
+    variables = [kinds[int(digit)](0) for digit in digits]
     dr.make_opaque(variables)
     return variables
 
 
-def signature_of(numbers: npt.ArrayLike) -> list:
-    """`signature` of numbers that are part of a plugin's code."""
-    digits = np.base_repr(zlib.crc32(np.asarray(numbers, np.float64).tobytes()), 5)
-    return signature([int(digit) for digit in digits])
+def _described(value: Any, seen: dict[int, Any]) -> Iterator[str]:
+    """A value as `signature_of` takes it; seen: objects that need no second description, by id."""
+    if value is None or isinstance(value, type | str | bytes | Number | np.generic):
+        yield repr(value)
+        return
+    if isinstance(value, np.ndarray) or dr.is_array_v(value):
+        in_memory = isinstance(value, np.ndarray) or dr.is_jit_v(value)
+        yield "array" if in_memory else repr(value)
+        return
+    yield type(value).__qualname__
+    if isinstance(mark := getattr(value, "fingerprint", None), str):
+        yield mark
+        return
+    if id(value) in seen:
+        yield str([*seen].index(id(value)))
+        return
+    seen[id(value)] = value
+    for part in _parts(value):
+        yield from _described(part, seen)
+
+
+def _parts(value: Any) -> Iterable[Any]:
+    """The contents of a container, a function or another object."""
+    if isinstance(value, dict):
+        return [x for item in value.items() for x in item]
+    if isinstance(value, set | frozenset):
+        return sorted(map(repr, value))
+    if isinstance(value, list | tuple):
+        return [len(value), *value]
+    if isinstance(value, FunctionType):
+        cells = [cell.cell_contents for cell in value.__closure__ or ()]
+        return [value.__qualname__, *cells, value.__defaults__, value.__kwdefaults__]
+    if isinstance(value, MethodType):
+        return [value.__func__, value.__self__]
+    if isinstance(value, partial):
+        return [value.func, value.args, value.keywords]
+    left_out = {name for kind in type(value).__mro__ for name in vars(kind).get("UNRECORDED", ())}
+    named = getattr(value, "__dict__", {}).items()
+    return [x for name, part in named if name not in left_out for x in (name, part)]
 
 
 def _flat(nested: Any) -> list:
@@ -99,9 +141,11 @@ def _nested_like(template: Any, values: Iterator) -> Any:
 
 
 class CacheEntry(NamedTuple):
-    """Inputs (Dr.Jit arrays), the scope of recorded code that they were used in, and the result."""
+    """A result, the scope of recorded code that it was computed in, and what it was computed of."""
 
-    inputs: Sequence
+    key: Hashable
+    inputs: list[int]  # indices of Dr.Jit variables
+    arrays: Any  # which keep the variables
     scope: int
     result: Any
 
@@ -118,15 +162,17 @@ class VertexCache:
         self._last: CacheEntry | None = None
         self._replaced: list[CacheEntry] = []
 
-    def get(self, inputs: Sequence, compute: Callable[[], Any]) -> Any:
+    def get(self, key: Hashable, si, active, compute: Callable[[], Any]) -> Any:
         """Return compute(), or the last result if the inputs are the same and it can be used.
 
-        inputs: Dr.Jit arrays. A result can be used in the scope that it was computed in, and in
-        the scopes that `extend` reaches: they follow it without leaving the recorded code.
+        Inputs are the key, the surface interaction and the active lanes. A result can be used in
+        the scope that it was computed in, and in the scopes that `extend` reaches: they follow it
+        without leaving the recorded code.
         """
         last, self._last = self._last, None
-        scope, indices = _scope(inputs), _indices(inputs)
-        if last and (last.scope, _indices(last.inputs)) == (scope, indices):
+        arrays = mi.SurfaceInteraction3f(si), active  # a copy: callers may change theirs
+        inputs = dr.detail.collect_indices(arrays)
+        if last and (last.scope, last.key, last.inputs) == (_scope(), key, inputs):
             return last.result
         if not dr.flag(dr.JitFlag.FreezingScope):
             self._replaced.clear()
@@ -135,19 +181,15 @@ class VertexCache:
             # is freed while a frozen function is recorded.
             self._replaced.append(last)
         result = compute()
-        if dr.detail.any_symbolic(inputs):  # evaluated arrays would stay in memory
-            self._last = CacheEntry(inputs, _scope(inputs), result)
+        if dr.detail.any_symbolic(arrays):  # evaluated arrays would stay in memory
+            self._last = CacheEntry(key, inputs, arrays, _scope(), result)
         return result
 
     def extend(self) -> None:
         """Let the last result be used in the present scope too: only calls have come between."""
         if self._last:
-            self._last = self._last._replace(scope=_scope(self._last.inputs))
+            self._last = self._last._replace(scope=_scope())
 
 
-def _scope(arrays: Sequence) -> int:
-    return dr.detail.scope(dr.backend_v(arrays[0]))
-
-
-def _indices(arrays: Sequence) -> list[tuple[int, int]]:
-    return [(array.index, array.index_ad) for array in arrays]
+def _scope() -> int:
+    return dr.detail.scope(dr.backend_v(mi.Float))

@@ -21,6 +21,7 @@ from urushi.material.albedo_rule import albedo_rule
 from urushi.mitsuba.interface_albedo import InterfaceLoss, Interpolated, LossVertex
 from urushi.mitsuba.reading import probing
 from urushi.mitsuba.reading.offers import offer_of, tabulated
+from urushi.mitsuba.reading.parameters import opaque
 from urushi.openpbr_surface import encoding, formulas
 from urushi.openpbr_surface.film import NAMES as film_parameters
 from urushi.openpbr_surface.inputs import Inputs
@@ -196,7 +197,10 @@ class Furnace:
     The table of a dielectric is without the known part of the loss, at the coat's interface.
     """
 
-    DRJIT_STRUCT: ClassVar = {"_deviations": object, "_mean": object}  # for frozen functions
+    DRJIT_STRUCT: ClassVar = dict.fromkeys(
+        ("_deviations", "_mean", "_constant_mean"), object
+    )  # for frozen functions
+    UNRECORDED: ClassVar = ("_shared",)
 
     def __init__(self, inputs: Inputs, metalness: float, coated: Coated):
         """Measure the twin.
@@ -236,7 +240,7 @@ class Furnace:
         given = losses if self._signed else parts[0]
         mean = (given @ weight)[..., None].astype(np.float32)
         self._mean = Interpolated(mean) if self._varying else None
-        self._constant_mean = float(mean.mean())
+        self._constant_mean = opaque(float(mean.mean()))
 
     @property
     def is_current(self) -> bool:
@@ -251,7 +255,7 @@ class Furnace:
     def vertex(self, si, active) -> "FurnaceVertex":
         at = [self._inputs.number(name, si, active) for name in reversed(self._varying)]
         lost, excess = self._deviations([dr.safe_sqrt(si.wi.z), *at])
-        mean = mi.Float(self._constant_mean) if self._mean is None else self._mean(at)[0]
+        mean = self._constant_mean if self._mean is None else self._mean(at)[0]
         if self._signed:
             return FurnaceVertex(at, lost - excess - mean, ())
         return FurnaceVertex(at, lost / dr.maximum(dr.pi * mean, 1e-5), 1 + excess)

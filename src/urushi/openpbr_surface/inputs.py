@@ -41,6 +41,7 @@ class Inputs:
     """All parameters except the directions, as textures; numbers and colours are textures too."""
 
     DRJIT_STRUCT: ClassVar = {"textures": dict, "maps": dict}  # for frozen functions
+    UNRECORDED: ClassVar = ("_relied",)
 
     def __init__(self, props: "mi.Properties", *, emits: bool = False):
         """Read the properties.

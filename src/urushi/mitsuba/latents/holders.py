@@ -23,7 +23,7 @@ from urushi.mitsuba.networks.decoder import UrushiDecoder
 from urushi.mitsuba.networks.lobe import NO_LOBE, LobeKind, kind_of
 from urushi.mitsuba.networks.sampler import UrushiSampler
 from urushi.mitsuba.networks.table import TabulatedDecoder, stored
-from urushi.mitsuba.recording import only_where, owned, signature
+from urushi.mitsuba.recording import only_where, owned
 from urushi.nets.weights import Model
 from urushi.textures.store import TexelGrid, TextureStore, write_texture
 
@@ -69,9 +69,7 @@ class ConstantLatents(_Held):
     """One latent code per channel. What depends on the codes alone is computed once, here."""
 
     # For frozen functions
-    DRJIT_STRUCT: ClassVar = dict.fromkeys(
-        ("_decoder_terms", "_tables", "_proposals", "_signature"), list
-    )
+    DRJIT_STRUCT: ClassVar = dict.fromkeys(("_decoder_terms", "_tables", "_proposals"), list)
 
     grid: TexelGrid | None = None  # the same everywhere
 
@@ -99,8 +97,6 @@ class ConstantLatents(_Held):
             if table is not None:
                 table = np.moveaxis(table, -1, 0)[..., None] if self._fine else table
                 self._tables = [stored(table, half)]
-        single = int(len(latents) == 1)
-        self._signature = signature([*map(int, kind), len(self._tables), single + 2 * self._fine])
         if self._fine:
             rows = np.stack([self._decoder.code_terms(z[None])[0] for z in latents])
             self._decoder_terms, self._kind = [owned(mi.Float, rows)], kind
@@ -171,7 +167,7 @@ class TexturedLatents(_Held):
 
     material = None
 
-    DRJIT_STRUCT: ClassVar = {"_texture": object, "_signature": list}  # for frozen functions
+    DRJIT_STRUCT: ClassVar = {"_texture": object}  # for frozen functions
 
     def __init__(self, model: Model, store: TextureStore, grid: TexelGrid):
         self._store, self.model = store, model
@@ -182,7 +178,6 @@ class TexturedLatents(_Held):
         self._sampler = UrushiSampler(model, self._kind)
         # Channels of the same code are evaluated once.
         self._kept = 1 if (store.layout.constant | store.layout.same).all() else self.channels
-        self._signature = signature([*map(int, self._kind), int(self._kept == 1)])
         self._texture = LatentTexture(store, grid)
 
     def vertex(self, si, active) -> Vertex:

@@ -14,8 +14,7 @@ import drjit as dr
 import mitsuba as mi
 import numpy as np
 
-from urushi.mitsuba.recording import owned, signature
-from urushi.textures.packing import TexelLayout
+from urushi.mitsuba.recording import owned
 from urushi.textures.store import IDENTITY, TexelGrid, TextureStore
 
 #: Number of steps of a texel's weight along an axis. A point within half a step of the centre of a
@@ -29,7 +28,7 @@ class LatentTexture:
     # For frozen functions
     DRJIT_STRUCT: ClassVar = dict.fromkeys(
         ("_words", "_offsets", "_widths", "_heights"), object
-    ) | dict.fromkeys(("_base", "_affine", "_lowest", "_steps", "_signature"), list)
+    ) | dict.fromkeys(("_base", "_affine", "_lowest", "_steps"), list)
 
     def __init__(self, store: TextureStore, grid: TexelGrid):
         """grid: the place of the first level's texels."""
@@ -55,7 +54,6 @@ class LatentTexture:
         self._affine = [*map(mi.Float, affine)]  # a new length: frozen functions record again
         self._lowest = [mi.Float(float(value)) for value in packed.lowest]
         self._steps = [mi.Float(float(value)) for value in packed.step]
-        self._signature = signature(layout_states(store.layout))
         # Read from memory, so that all textures of a model share compiled code.
         dr.make_opaque(self._base, self._affine, self._lowest, self._steps)
 
@@ -182,14 +180,6 @@ def _drawn_along(x, count, grid: TexelGrid, u):
     if grid.wrap == "repeat":
         texel = dr.select(texel >= count, 0, dr.select(texel < 0, count - 1, texel))
     return dr.clip(texel, 0, count - 1)  # NaN too
-
-
-def layout_states(layout: TexelLayout) -> list[int]:
-    """For each number of a code: absent, or 8 or 16 bits, for all channels or for each."""
-    return [
-        0 if high < 0 else 1 + (low >= 0) + 2 * same
-        for high, low, same in zip(layout.high, layout.low, layout.same, strict=True)
-    ]
 
 
 def are_constant(*vectors) -> bool:

@@ -2,7 +2,7 @@
 
 from functools import reduce
 from operator import or_
-from typing import Any, NamedTuple
+from typing import Any, ClassVar, NamedTuple
 
 import drjit as dr
 import mitsuba as mi
@@ -14,7 +14,7 @@ from urushi.mitsuba.plugins.coats import Turn, TurnedMixture
 from urushi.mitsuba.reading.kept import KeptParameters
 from urushi.mitsuba.reading.offers import Offer
 from urushi.mitsuba.reading.parameters import describe, opaque
-from urushi.mitsuba.recording import VertexCache
+from urushi.mitsuba.recording import VertexCache, signature_of
 from urushi.nets import weights
 from urushi.nets.weights import Model
 
@@ -33,6 +33,8 @@ def define_proposal_bsdf() -> type:
         `_load`, or before it calls `__init__`, which makes the BSDF known.
         """
 
+        UNRECORDED: ClassVar = ("_vertex_cache", "_kept", "_signature")
+
         _transmits = False
         _index = 1.0  # below the surface, relative to that above it
 
@@ -41,6 +43,7 @@ def define_proposal_bsdf() -> type:
             self._where = where or describe(props)
             self._load(props)
             self._vertex_cache, self._kept = VertexCache(), KeptParameters()
+            self._signature = signature_of(self)
             mi.BSDF.__init__(self, props)
             self.m_components = self._flags()
             self.m_flags = reduce(or_, self.m_components)
@@ -153,6 +156,7 @@ def define_proposal_bsdf() -> type:
             self._check_changeable()
             with self._kept.restored_on_error(self):
                 self._update(keys)
+            self._signature = signature_of(self)
 
         def _update(self, keys):
             """Follow a change of the parameters that `traverse` lists."""
@@ -174,10 +178,8 @@ def define_proposal_bsdf() -> type:
                 enabled = self._enabled(ctx, si, active)
                 return enabled, self._vertex(si, enabled)
 
-            inputs = (*si.wi, *si.uv, *si.duv_dx, *si.duv_dy, *si.p, active)
-            if mi.is_spectral:
-                inputs += tuple(si.wavelengths)
-            return self._vertex_cache.get(inputs, compute)
+            context = ctx.mode, ctx.type_mask, ctx.component
+            return self._vertex_cache.get(context, si, active, compute)
 
         def _f_cos_and_pdf(self, vertex, ctx, si, wo, active):
             lit = active & self._faces(wo)

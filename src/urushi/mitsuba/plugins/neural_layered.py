@@ -1,6 +1,7 @@
 """The plugin `neural_layered`: a coat over any BSDF, layered in the latent space."""
 
 from dataclasses import replace
+from typing import ClassVar
 
 import drjit as dr
 import mitsuba as mi
@@ -77,6 +78,8 @@ def define(base: type) -> type:
 
         After Fan, Wang, Hašan, Yang and Yan, Neural Layered BRDFs, SIGGRAPH 2022.
         """
+
+        UNRECORDED: ClassVar = ("_baker",)
 
         model: Model
         latents: ConstantLatents | TexturedLatents | DifferentiableLatents

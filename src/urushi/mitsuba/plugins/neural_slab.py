@@ -24,7 +24,7 @@ from urushi.mitsuba.plugins.base import ignore
 from urushi.mitsuba.plugins.coated import define_coated
 from urushi.mitsuba.plugins.coats import CoatStack, SlabMixture, above_surface, raised, width
 from urushi.mitsuba.reading.grid import varies
-from urushi.mitsuba.recording import only_where, owned, signature_of
+from urushi.mitsuba.recording import only_where, owned
 from urushi.nets.features import MIN_COSINE
 from urushi.nets.weights import default_model
 
@@ -110,7 +110,6 @@ def define(base: type) -> type:
             self._reflected = [ConstantLatents(side, not wanted) for side in sides]
             self._passed = stored(tables.passed, not wanted)
             self._ratio, self._surfaces = tables.eta, tables.faces
-            self._signature = signature_of([tables.eta, *np.ravel(tables.faces)])
             self._lobes = Interpolated(_lobes(tables))
             self._attach(np.array(interfaces), np.array(columns))
 

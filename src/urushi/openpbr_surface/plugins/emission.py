@@ -63,7 +63,7 @@ def define() -> type:
         def __init__(self, props):
             self._inputs = Inputs(props, emits=True)
             self._configure()
-            self._kept = KeptParameters()
+            self._kept, self._signature = KeptParameters(), signature_of(self._inputs)
             mi.Emitter.__init__(self, props)  # which other threads may evaluate from here on
             self.m_flags = mi.EmitterFlags.Surface | mi.EmitterFlags.SpatiallyVarying
             self._kept.keep(self)
