@@ -4,7 +4,7 @@ import drjit as dr
 import numpy as np
 import pytest
 
-from urushi.mitsuba.recording import only_where
+from urushi.mitsuba.recording import compiled_once, only_where
 
 
 def test_no_active_lane_gives_zeros(rgb):
@@ -14,6 +14,25 @@ def test_no_active_lane_gives_zeros(rgb):
         first, (second,) = only_where(active, lambda a: [a + 1, [2 * a]], x)
         for value in (first, second):
             np.testing.assert_array_equal(value.numpy(), np.zeros(len(value)))
+
+
+def test_a_vertex_is_cached_for_one_context_and_one_interaction(rgb):
+    """In one recorded scope: another mask, and an interaction that its owner changes."""
+    bsdf = rgb.load_dict({"type": "openpbr"})
+    everything, nothing = rgb.BSDFContext(), rgb.BSDFContext()
+    nothing.type_mask = 0
+
+    def evaluated(wi, wo):
+        si = dr.zeros(rgb.SurfaceInteraction3f)
+        si.wi = wi
+        found = [bsdf.eval(context, si, wo).x for context in (everything, nothing, everything)]
+        si.wi.z *= -1
+        return [*found, bsdf.eval(everything, si, wo).x]
+
+    wi, wo = rgb.Vector3f(0.6, 0, 0.8), rgb.Vector3f(0, 0.6, 0.8)
+    dr.make_opaque(wi, wo)
+    found = [x.numpy()[0] for x in compiled_once(evaluated, wi, wo)]
+    assert found[0] == found[2] > 0 and found[1] == found[3] == 0
 
 
 @pytest.mark.slow

@@ -89,6 +89,38 @@ def test_a_square_lights_another(back):
     assert (np.abs(value.mean(axis=1) - expected) < 4 * error + 1e-3).all()
 
 
+def picture(integrator, samples, material):
+    """A square that lights a screen, both seen by a camera: means and errors over 2 x 4 blocks."""
+    turn = mi.ScalarTransform4f().translate([0, 0.6, 1]).rotate([1, 0, 0], 120).scale(0.5)
+    to_world = mi.ScalarTransform4f().look_at([0, -4, 1], [0, 0, 0.5], [0, 0, 1])
+    film = {"type": "hdrfilm", "width": 16, "height": 8, "rfilter": {"type": "box"}}
+    scene = mi.load_dict(
+        {
+            "type": "scene",
+            "integrator": {"type": integrator, "max_depth": 2},
+            "light": material.on(SQUARE | {"to_world": turn}),
+            "screen": {"type": "rectangle", "bsdf": {"type": "diffuse"}},
+            "sensor": {"type": "perspective", "fov": 35, "to_world": to_world, "film": film},
+        }
+    )
+    parts = [mi.render(scene, spp=samples, seed=i).numpy() for i in range(6)]
+    blocks = np.stack(parts).reshape(6, 2, 4, 4, 4, 3).mean(axis=(2, 4))
+    return blocks.mean(axis=0), blocks.std(axis=0, ddof=1) / 6**0.5
+
+
+@pytest.mark.parametrize("thin", [False, True])
+def test_particles_light_as_much_as_paths(thin):
+    """Two integrators of Mitsuba: one follows light from emitters, the other from the camera."""
+    black = dict(base_weight=0.0, specular_weight=0.0, geometry_thin_walled=thin)
+    layers = dict(fuzz_weight=0.0 if thin else 0.7, coat_weight=0.8, coat_color=(0.9, 0.4, 0.1))
+    material = urushi.openpbr(**LIGHT, **black, **({} if thin else layers), reference=True)
+    (paths, error), (particles, other) = (
+        picture(*x, material) for x in (("path", 64), ("ptracer", 128))
+    )
+    assert (paths.mean(axis=(0, 1)) > 0.05).all()
+    assert (np.abs(paths - particles) < 5 * np.hypot(error, other) + 0.01 * paths.max()).all()
+
+
 def test_a_material_without_light_has_no_emitter():
     assert urushi.openpbr().emitter() is None
     assert "emitter" not in urushi.openpbr(emission_luminance=0.0).on(SQUARE)

@@ -8,6 +8,8 @@ import numpy as np
 import pytest
 
 from urushi.material import Material
+from urushi.mitsuba.reading import probing
+from urushi.mitsuba.recording import signature_of
 
 COAT = {"alpha": 0.2, "int_ior": 1.4, "albedo": 0.7, "sigma_t": 0.8, "g": 0.3}
 
@@ -95,6 +97,71 @@ def test_replays_use_changed_slabs(rgb, name):
         np.testing.assert_allclose(
             frozen(loaded).numpy(), picture(rgb, loaded, 0).numpy(), rtol=1e-4
         )
+
+
+#: Materials, and changes, one after the other, that change their code.
+CHANGES = {
+    "a medium begins to scatter": (
+        {"type": "neural_layered", "int_ior": "air", "sigma_t": 0.8, "base": {"type": "diffuse"}},
+        [{"albedo.value": 0.8}],
+    ),
+    "an interface appears": (
+        {"type": "neural_layered", "int_ior": "air", "sigma_t": 0.8, "base": {"type": "diffuse"}},
+        [{"eta": 1.4}],
+    ),
+    "fuzz appears": ({"type": "openpbr"}, [{"fuzz_weight.value": 0.8}]),
+}
+
+
+@pytest.mark.parametrize("name", CHANGES)
+def test_replays_follow_changes_of_code(rgb, name):
+    """Numbers and flags that code contains as literals: a replay gives what plain code does."""
+    description, changes = CHANGES[name]
+    bsdf = rgb.load_dict(description)
+    si = probing.interaction(np.float32([[0.6, 0, 0.8]]), np.full((1, 2), 0.5))
+    wo = rgb.Vector3f(0.0, 0.6, 0.8)
+    frozen = dr.freeze(lambda bsdf, si, wo: bsdf.eval(rgb.BSDFContext(), si, wo))
+    before, parameters = frozen(bsdf, si, wo).numpy(), rgb.traverse(bsdf)
+    for change in changes:
+        for end, value in change.items():
+            (key,) = (key for key in list(parameters.keys()) if f".{key}".endswith(f".{end}"))
+            parameters[key] = value
+        parameters.update()
+        expected = bsdf.eval(rgb.BSDFContext(), si, wo).numpy()
+        np.testing.assert_allclose(frozen(bsdf, si, wo).numpy(), expected, rtol=1e-4)
+    assert not np.allclose(before, expected, rtol=0.01)
+
+
+def test_a_signature_has_every_attribute(rgb):
+    """Whatever is in a plugin, but for the numbers in arrays, which code reads from memory."""
+
+    class Part:
+        UNRECORDED = ("cache",)
+
+        def __init__(self):
+            self.flag, self.cache, self.numbers = False, 0, [rgb.Float(1), np.zeros(3)]
+            self.function = lambda: self.flag
+
+    plugin = Part()
+    plugin.part = (Part(), {"a": 1.5})
+
+    def kinds():
+        return [type(x) for x in signature_of(plugin)]
+
+    before = kinds()
+    plugin.cache, plugin.numbers = 1, [rgb.Float(2), np.ones(3)]
+    assert kinds() == before
+    changes = [
+        lambda: setattr(plugin.part[0], "flag", True),
+        lambda: plugin.part[1].update(a=2.5),
+        lambda: plugin.numbers.append(rgb.Float(1)),
+        lambda: setattr(plugin, "numbers", None),
+        lambda: setattr(plugin, "function", lambda: True),
+    ]
+    for change in changes:
+        change()
+        before, former = kinds(), before
+        assert before != former
 
 
 def test_replays_use_changed_widths_and_rotations(rgb):

@@ -1,5 +1,7 @@
 """The emitter `openpbr_emission`: the light that an OpenPBR base emits, seen through the coat."""
 
+from typing import ClassVar
+
 import drjit as dr
 import mitsuba as mi
 
@@ -7,6 +9,7 @@ from urushi.core.appearance import optical_depth
 from urushi.core.namespace import DRJIT
 from urushi.mitsuba.interface_albedo import InterfaceAlbedo
 from urushi.mitsuba.reading.kept import KeptParameters
+from urushi.mitsuba.recording import signature_of
 from urushi.openpbr_surface import formulas
 from urushi.openpbr_surface.inputs import EMISSION, Inputs
 
@@ -60,10 +63,12 @@ def define() -> type:
         Andersson et al., OpenPBR Surface 1.1.1, Emission.
         """
 
+        UNRECORDED: ClassVar = ("_kept", "_signature")
+
         def __init__(self, props):
             self._inputs = Inputs(props, emits=True)
             self._configure()
-            self._kept, self._signature = KeptParameters(), signature_of(self._inputs)
+            self._kept, self._signature = KeptParameters(), signature_of(self)
             mi.Emitter.__init__(self, props)  # which other threads may evaluate from here on
             self.m_flags = mi.EmitterFlags.Surface | mi.EmitterFlags.SpatiallyVarying
             self._kept.keep(self)
@@ -77,6 +82,32 @@ def define() -> type:
 
         def eval(self, si, active=True):
             return self._radiance(mi.Frame3f.cos_theta(si.wi), si, active)
+
+        def sample_position(self, time, sample, active=True):
+            ps = self.get_shape().sample_position(time, sample, active)
+            return ps, dr.select(ps.pdf > 0, 1 / ps.pdf, 0)
+
+        def pdf_position(self, ps, active=True):
+            return self.get_shape().pdf_position(ps, active)
+
+        def sample_wavelengths(self, si, sample, active=True):
+            """The weight includes the radiance towards si.wi, in world space as in ``ptracer``."""
+            at, weight = mi.SurfaceInteraction3f(si), mi.Spectrum(1)
+            if mi.is_spectral:
+                at.wavelengths, weight = mi.sample_rgb_spectrum(mi.sample_shifted(sample))
+            return at.wavelengths, weight * self._radiance(dr.dot(si.wi, si.n), at, active)
+
+        def sample_ray(self, time, sample1, sample2, sample3, active=True):
+            ps, weight = self.sample_position(time, sample2, active)
+            si = mi.SurfaceInteraction3f(ps, dr.zeros(mi.Interaction3f).wavelengths)
+            si.time, below, u = time, mi.Bool(False), mi.Point2f(sample3)
+            if self._inputs.thin:  # half of the samples leave on the back
+                below, weight = u.x < 0.5, 2 * weight
+                u.x = 2 * u.x - dr.select(below, 0, 1)
+            local = mi.warp.square_to_cosine_hemisphere(u)
+            si.wi = si.to_world(mi.Vector3f(local.x, local.y, dr.select(below, -1, 1) * local.z))
+            si.wavelengths, radiance = self.sample_wavelengths(si, sample1, active)
+            return si.spawn_ray(si.wi), radiance * (weight * dr.pi)
 
         def sample_direction(self, it, sample, active=True):
             ds = self.get_shape().sample_direction(it, sample, active)
@@ -127,6 +158,7 @@ def define() -> type:
             with self._kept.restored_on_error(self):
                 if self._inputs.refresh():
                     self._configure()
+            self._signature = signature_of(self)
 
         def to_string(self):
             return "OpenPBREmission[]"
