@@ -6,6 +6,8 @@ is nearly linear. And the option `energy_compensation` gives back the light that
 loses, by a lobe of the colour of this albedo, which `walk.simulate` defines.
 """
 
+import math
+from functools import partial
 from typing import Any, ClassVar
 
 import drjit as dr
@@ -18,10 +20,13 @@ from urushi.core.namespace import DRJIT
 from urushi.mitsuba import spectrum
 from urushi.mitsuba.interface_albedo import InterfaceLoss
 from urushi.mitsuba.reading import probing
+from urushi.mitsuba.reading.grid import varying_textures
 from urushi.mitsuba.reading.parameters import CoatTextures
+from urushi.mitsuba.recording import compiled_once
 
-#: Samples from which the albedo of a bottom is estimated.
-SAMPLES = 1 << 14
+#: Directions from which the light that a bottom mirrors is estimated, the least tangent of their
+#: half vectors, and the repetitions where the bottom is the same everywhere.
+NODES, LEAST_TANGENT, SAMPLES = 12, 0.001, 1 << 12
 
 
 def estimates(coat: CoatTextures, bottom: "mi.BSDF", si, active) -> tuple[Any, list]:
@@ -42,24 +47,46 @@ def reflectance(bottom: "mi.BSDF", si, active):
     return dr.clip(bottom.eval(mi.BSDFContext(), seen, wo, active) * (dr.pi / WO[2]), 0, 1)
 
 
+def mirrored(bottom: "mi.BSDF", si, active, offset=0.5, turn=0.25):
+    """The albedo of a bottom at normal incidence without `reflectance`: light that it mirrors.
+
+    The tangent t of the half vector's angle has `NODES` values of equal ratios, and azimuths in
+    steps of 45 degrees. The solid angle of wo is 8 pi t^2 / (1 + t^2)^2 dln(t).
+
+    offset, turn: of the nodes in ln(t) and in the azimuth, in steps.
+    """
+    seen, step = mi.SurfaceInteraction3f(si), -math.log(LEAST_TANGENT) / NODES
+    seen.wi, diffuse = mi.Vector3f(0, 0, 1), reflectance(bottom, si, active) * dr.inv_pi
+    total = mi.Spectrum(0)
+    for node in range(NODES):
+        t = dr.exp(mi.Float(-step) * (node + offset))
+        sin, cos = dr.sincos(mi.Float(dr.pi / 4) * (3 * node % 4 + turn))
+        t2, c = t * t, 1 / (1 + t * t)
+        wo = mi.Vector3f(2 * t * c * cos, 2 * t * c * sin, (1 - t2) * c)
+        f_cos = bottom.eval(mi.BSDFContext(), seen, wo, active) - diffuse * wo.z
+        total += f_cos * (8 * dr.pi * step * t2 * c * c)
+    return dr.maximum(total, 0)
+
+
 class Compensation:
     """The lobe of the light that the surface of a coat over a bottom loses."""
 
     DRJIT_STRUCT: ClassVar = {"_gloss": object, "_loss": object}  # for frozen functions
 
     def __init__(self, coat: CoatTextures, bottom: "mi.BSDF"):
-        """Estimate what the bottom mirrors, a constant: light beyond `reflectance`."""
+        """Estimate what the bottom mirrors, unless it varies."""
         self._coat, self._bottom = coat, bottom
         constant = not coat.has_textured_eta and coat.above is None
         self._loss = InterfaceLoss(coat.eta if constant else None)
-        up, uv = np.tile([0.0, 0.0, 1.0], (SAMPLES, 1)), np.full((SAMPLES, 2), 0.5)
-        si = probing.interaction(up, uv)
-        rng = mi.PCG32(size=SAMPLES)
-        u = rng.next_float32(), mi.Point2f(rng.next_float32(), rng.next_float32())
-        _, weight = bottom.sample(mi.BSDFContext(), si, *u)
-        beyond = dr.mean(weight - reflectance(bottom, si, mi.Bool(True)), axis=1)
-        self._gloss = mi.Spectrum(dr.mean(beyond)) if mi.is_spectral else mi.Spectrum(beyond)
-        dr.make_opaque(self._gloss)
+        self._gloss: Any = None  # what the bottom mirrors, if it is the same everywhere
+        if not varying_textures(bottom):
+            up, places = np.tile([0.0, 0.0, 1.0], (SAMPLES, 1)), np.zeros((SAMPLES, 2))
+            si = probing.interaction(up, places, np.arange(SAMPLES))
+            rng = mi.PCG32(size=SAMPLES)
+            gloss = mirrored(bottom, si, mi.Bool(True), rng.next_float32(), 4 * rng.next_float32())
+            gloss = dr.mean(gloss, axis=1)
+            self._gloss = mi.Spectrum(dr.mean(gloss) if mi.is_spectral else gloss)
+            dr.make_opaque(self._gloss)
 
     def completed(self, f, si, wo, active):
         """f [1/sr] with the light that the surface loses."""
@@ -67,8 +94,11 @@ class Compensation:
         alpha, eta = coat.alpha, coat.eta
         if isinstance(alpha, Widths):
             alpha = dr.sqrt(0.5 * (dr.square(alpha.u) + dr.square(alpha.v)))
-        below = dr.clip(reflectance(self._bottom, si, active) + self._gloss, 0, 1)
-        mirrored = dr.clip(dr.mean(self._gloss) / dr.maximum(dr.mean(below), 1e-6), 0, 1)
+        gloss = self._gloss
+        if gloss is None:
+            gloss = compiled_once(partial(mirrored, self._bottom), si, active)
+        below = dr.clip(reflectance(self._bottom, si, active) + gloss, 0, 1)
+        share = dr.clip(dr.mean(gloss) / dr.maximum(dr.mean(below), 1e-6), 0, 1)
         color = coated_color(coat, below, DRJIT)
-        vertex = self._loss.seen(self._loss.at(alpha, eta, mirrored), si.wi.z)
+        vertex = self._loss.seen(self._loss.at(alpha, eta, share), si.wi.z)
         return f + mi.Spectrum(color * self._loss.lobe(vertex, wo))
