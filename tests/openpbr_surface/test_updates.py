@@ -78,6 +78,17 @@ def test_a_coat_appears_and_follows_its_parameters(reference):
     np.testing.assert_allclose(values(bsdf, walks), expected, rtol=0.02)
 
 
+@pytest.mark.slow
+def test_a_base_without_darkening_follows_the_colour_of_its_coat():
+    """The base's factor depends on it: 1.3 at a colour of 0.8, 1.5 at 0.4."""
+    shared = dict(coat_weight=1.0, coat_darkening=0.0, base_color=0.5, coat_roughness=0.4)
+    bsdf = loaded(**shared, coat_color=0.8)
+    for color in (0.7, 0.4):  # after the first change it is no constant
+        update(bsdf, coat_color=color)
+        expected = values(loaded(**shared, coat_color=color))
+        np.testing.assert_allclose(values(bsdf), expected, rtol=0.02)
+
+
 @pytest.mark.research
 def test_an_old_list_of_parameters_reaches_a_coat_that_was_made_later():
     bsdf = loaded(coat_weight=0.0)

@@ -135,6 +135,11 @@ def define(proposal_bsdf: type) -> tuple[type, type]:
                 share = dr.clip(share, MIN_SHARE, 1 - MIN_SHARE)
             return Mixture([share, 1 - share], [vertex.widths])
 
+        @property
+        def follows_coat(self) -> bool:
+            """Whether it depends on the coat's medium."""
+            return self._model.names != model.NAMES
+
         def offer(self):
             bare = self._bare
             lobes = partial(encoding.lobe, self._model, bare=bare, compensated=self._compensated)
@@ -149,7 +154,7 @@ def define(proposal_bsdf: type) -> tuple[type, type]:
         def _exact(self):
             """The base without the limits of networks, for tables; None: coats take codes."""
             least = encoding.FILM_TABULATED_FROM if self._model.film else 0
-            if not (self._encoded and encoding.is_rough(self._inputs, encoding.NAMES, least)):
+            if not (self._encoded and encoding.is_rough(self._inputs, self._model.names, least)):
                 return None
             return type(self)(self._inputs, self._under_coat, False, self._compensated)
 
@@ -164,7 +169,7 @@ def define(proposal_bsdf: type) -> tuple[type, type]:
 
         def traverse(self, callback):
             film = film_parameters if self._model.film else ()
-            self._inputs.traverse(callback, (*encoding.NAMES, *film))
+            self._inputs.traverse(callback, (*self._model.names, *film))
 
         def _update(self, keys):
             self.update()
@@ -275,6 +280,7 @@ def define(proposal_bsdf: type) -> tuple[type, type]:
                     self._former.append(former.coated)
             # Mitsuba has already updated a coat that it lists if only its own parameters changed.
             seen = set(keys) == {"coated"} and not (renewed or self._former)
+            seen &= not (self._coated and self._layers.below.follows_coat)
             if self._coated is former.coated is not None and not seen:
                 self._coated.parameters_changed(["bottom"])
 

@@ -26,6 +26,7 @@ from urushi.openpbr_surface import encoding, formulas
 from urushi.openpbr_surface.film import NAMES as film_parameters
 from urushi.openpbr_surface.inputs import Inputs
 from urushi.openpbr_surface.lookups import MirrorAlbedo
+from urushi.openpbr_surface.model import NAMES
 from urushi.textures.store import TexelGrid
 
 #: A function from parameters to the coated base without compensation.
@@ -250,7 +251,7 @@ class Furnace:
 
     def _is_constant(self) -> bool:
         film = () if self._inputs.is_constant("thin_film_weight", 0) else film_parameters
-        return self._inputs.is_uniform((*encoding.NAMES, *_OF_COATS, *film))
+        return self._inputs.is_uniform((*NAMES, *_OF_COATS, *film))
 
     def vertex(self, si, active) -> "FurnaceVertex":
         at = [self._inputs.number(name, si, active) for name in reversed(self._varying)]

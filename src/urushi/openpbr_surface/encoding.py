@@ -34,13 +34,6 @@ FILM_TABULATED_FROM = NARROW**0.5
 #: The parameters of an isotropic metal besides its specular_roughness.
 OF_METALS = ("base_weight", "base_color", "specular_weight", "specular_color")
 
-#: The parameters that the base reads.
-NAMES = (
-    *("base_weight", "base_color", "base_diffuse_roughness", "base_metalness"),
-    *("specular_weight", "specular_color", "specular_roughness", "specular_ior"),
-    *("specular_roughness_anisotropy", "coat_weight", "coat_ior", "coat_darkening"),
-)
-
 
 def is_rough(inputs: Inputs, names: Iterable[str], least: float) -> bool:
     """Whether parameters are constant, the base isotropic and its roughness at least `least`."""

@@ -23,13 +23,14 @@ from typing import Any
 import numpy as np
 
 from urushi.checks import ETA_RANGE, MIN_ALPHA, MIN_INDEX_STEP
+from urushi.core.appearance import DIFFUSE, REFRACTED
 from urushi.core.namespace import NUMPY, Namespace
 from urushi.material import adding
 
 #: Least index of refraction of a medium.
 LEAST_INDEX = 0.1
 
-#: Least transmission_color of a medium.
+#: Least colour of a medium.
 LEAST_COLOR = 1e-6
 
 #: Optical depth of the medium that stands for the half-space of a subsurface_color, over 1 - g.
@@ -299,21 +300,25 @@ def internal(coat_eta: Any, roughness: Any, metalness: Any, reflectance: Any) ->
     return root * root + (diffuse - root * root) * rough
 
 
-def boost(darkening: Any, k: Any, albedo: Any) -> Any:
+def boost(darkening: Any, k: Any, albedo: Any, color: Any = 1.0, xp: Namespace = NUMPY) -> Any:
     """The factor B of the base's BRDF under the coat for a coat_darkening in [0, 1] (3.4.1).
 
     The darkening results from the light transport between the layers. B cancels it: 1 for a
-    darkening of one. For zero the coated albedo at normal incidence is F0 + (1 - F0) E_b, which
-    needs a base of albedo E_b / (1 - K + K E_b): the specification's Delta = (1 - K) /
-    (1 - B E_b K) with B Delta = 1.
+    darkening of one. For zero the coated albedo at normal incidence is F0 + (1 - F0) C E_b, which
+    needs a base of albedo E_b / ((1 - K) P + K Q E_b): the specification's Delta = (1 - K) /
+    (1 - B E_b K) with B Delta = 1, and a medium. P is the share that the medium passes of light
+    that leaves obliquely, over light along the normal; Q, of light from the base to itself.
 
     k: K of `internal`. albedo: E_b, the base's directional albedo at normal incidence.
+    color: C, coat_color.
 
     Returns:
-        At least one.
+        At least one. Times P and the albedo it is at most one: white bases cannot be brightened.
     """
-    undarkened = 1 / (1 - k + k * albedo)
-    return 1 + (undarkened - 1) * (1 - darkening)
+    color = xp.clip(color, LEAST_COLOR, 1)
+    oblique, inside = color ** (0.5 * (REFRACTED - 1)), color**DIFFUSE
+    base = xp.maximum((1 - k) * oblique + k * inside * albedo, oblique * albedo)
+    return 1 + (xp.maximum(1 / base, 1) - 1) * (1 - darkening)
 
 
 # 3.5 Fuzz: a layer of fibres, whose reflection is a linearly transformed cosine (Zeltner, Burley

@@ -39,6 +39,13 @@ INVERTED_BELOW = 0.3
 #: backscattering, and darken it by up to 25 %; a coat hides most of the difference.
 ENCODED_DIFFUSE_ROUGHNESS = 0.5
 
+#: The parameters that the base reads, besides the film's; see `Base.names`.
+NAMES = (
+    *("base_weight", "base_color", "base_diffuse_roughness", "base_metalness"),
+    *("specular_weight", "specular_color", "specular_roughness", "specular_ior"),
+    *("specular_roughness_anisotropy", "coat_weight", "coat_ior", "coat_darkening"),
+)
+
 #: The parameters on which the base's relative index depends.
 INDICES = ("specular_ior", "coat_ior", "coat_weight", "specular_weight")
 
@@ -186,7 +193,15 @@ class Base:
         coat_eta = dr.maximum(inputs.number("coat_ior", si, active), 1.001)
         rough = inputs.number("specular_roughness", si, active)
         internal = formulas.internal(coat_eta, rough, vertex.share, f0)
-        return formulas.boost(inputs.number("coat_darkening", si, active), internal, albedo)
+        darkening = inputs.number("coat_darkening", si, active)
+        tint = inputs.color("coat_color", si, active)
+        return formulas.boost(darkening, internal, albedo, tint, DRJIT)
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The parameters that it reads, without the film's."""
+        tinted = self._boosted and not self.inputs.is_constant("coat_color", 1)
+        return (*NAMES, "coat_color") if tinted else NAMES
 
     def relative_index(self, si, active):
         """The dielectric's index relative to the medium above, without networks' limits."""
