@@ -1,8 +1,9 @@
 """What a BSDF tells the coat above it, besides its values.
 
 Of Mitsuba's own, `roughconductor` with the GGX distribution is a lobe and nothing else,
-`roughplastic` and an isotropic `pplastic` have one, and `diffuse` has none. All are read from their
-parameters. Others are known by their values alone.
+`roughplastic` and an isotropic `pplastic` have one, and `diffuse` has none; so has a `blendbsdf` of
+`diffuse` and one of them. All are read from their parameters. Others are known by their values
+alone.
 """
 
 from collections.abc import Callable, Mapping
@@ -98,7 +99,27 @@ def offer_of(bsdf: "mi.BSDF") -> Offer:
     plastic = bsdf.class_name() in PLASTICS and "alpha_u" not in nested_objects(bsdf)
     if plastic and GGX in str(bsdf):
         return Offer(lobes=partial(_plastic_lobes, bsdf), exact=lambda: bsdf)
+    if bsdf.class_name() == "BlendBSDF":
+        return _blend_offer(bsdf)
     return conductor_offer(bsdf)
+
+
+def _blend_offer(blend: "mi.BSDF") -> Offer:
+    """The lobe of a `blendbsdf` of a Lambertian BSDF and one of a known lobe; else nothing."""
+    parts = nested_objects(blend)
+    offers = [offer_of(parts[name]) for name in ("bsdf_0", "bsdf_1")]
+    glossy = [index for index, offer in enumerate(offers) if offer.reflectance is None]
+    if len(glossy) != 1 or not (offers[glossy[0]].bare or offers[glossy[0]].exact()):
+        return Offer()
+    lobes_of_part = offers[glossy[0]].lobes
+
+    def lobes(si) -> list[list] | None:
+        weight = dr.clip(parts["weight"].eval_1(si), 0, 1)
+        share = weight if glossy[0] else 1 - weight
+        found = lobes_of_part(si)
+        return found and [[x[0], *(share * y for y in x[1:4]), *x[4:]] for x in found]
+
+    return Offer(lobes=lobes, exact=lambda: blend)
 
 
 def conductor_offer(bsdf: "mi.BSDF", coat: Any = None) -> Offer:
