@@ -1,20 +1,71 @@
 """The console script `urushi`: an interrupt is one sentence, also while Python still imports.
 
 It is no part of the package, because importing any part of that imports Mitsuba first.
+
+Python raises KeyboardInterrupt between two of its own instructions. A call of Mitsuba, Dr.Jit, JAX
+or NumPy may take minutes. A thread therefore waits for the signal too, and ends the process if the
+exception has not done so.
 """
 
+import os
+import signal
+import socket
 import sys
+import threading
+from typing import NoReturn
+
+INTERRUPTED = 130  # 128 + SIGINT, as shells report it
+
+#: How long the exception may take to end the command [s].
+GRACE = 0.5
 
 
 def main() -> int:
-    """`urushi.app.cli.main`, with its exit code for an interrupt."""
-    try:
-        from urushi.app import cli
+    """`urushi.app.cli.main`, with its exit code for an interrupt, which ends the process."""
+    finished = threading.Event()
+    _watch(finished)
+    handler = signal.getsignal(signal.SIGINT)
+    if callable(handler):  # no exception while packages start: some abort the process by it
+        signal.signal(signal.SIGINT, lambda *_: _interrupt())
+    from urushi.app import cli
 
-        return cli.main()
-    except KeyboardInterrupt:
-        print("urushi: interrupted; nothing half-written was left behind", file=sys.stderr)
-        return 130
+    signal.signal(signal.SIGINT, handler)
+    code = cli.main()
+    finished.set()
+    if code == INTERRUPTED:
+        _end()  # at the end of the interpreter, Dr.Jit would wait for kernels that still run
+    return code
+
+
+def _watch(finished: threading.Event) -> None:
+    """Start the thread that ends an unfinished process soon after an interrupt."""
+    receiver, sender = socket.socketpair()
+    sender.setblocking(False)
+    signal.set_wakeup_fd(sender.fileno(), warn_on_full_buffer=False)
+
+    def wait() -> None:
+        with sender:  # must not be closed
+            while receiver.recv(1) != bytes([signal.SIGINT]):
+                pass
+            if not finished.wait(GRACE):
+                _interrupt()
+
+    threading.Thread(target=wait, daemon=True).start()
+
+
+def _interrupt() -> NoReturn:
+    newline = "\n" if sys.stderr.isatty() else ""  # after a progress bar
+    print(f"{newline}urushi: interrupted; nothing half-written was left behind", file=sys.stderr)
+    _end()
+
+
+def _end() -> NoReturn:
+    """End the process at once, without temporary files and half-printed lines."""
+    if "urushi.files" in sys.modules:
+        sys.modules["urushi.files"].remove_temporary_files()
+    for stream in (sys.stdout, sys.stderr):
+        stream.flush()
+    os._exit(INTERRUPTED)
 
 
 if __name__ == "__main__":

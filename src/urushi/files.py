@@ -22,6 +22,15 @@ from urushi.errors import FileError
 #: The only metadata key. Several keys would be written in a different order from run to run.
 METADATA_KEY = "urushi"
 
+#: Temporary files of writers at work.
+_temporary_files: set[Path] = set()
+
+
+def remove_temporary_files() -> None:
+    """Remove what writers have begun, before the process ends without their doing."""
+    for path in tuple(_temporary_files):
+        path.unlink(missing_ok=True)
+
 
 @contextlib.contextmanager
 def atomic_write(path: str | os.PathLike) -> Iterator[Path]:
@@ -51,6 +60,7 @@ def atomic_write(path: str | os.PathLike) -> Iterator[Path]:
             "choose a folder that exists and is writable"
         ) from error
     temporary = Path(name)
+    _temporary_files.add(temporary)
     try:
         yield temporary
         os.umask(mask := os.umask(0))  # the mask can be read only by setting it
@@ -70,6 +80,7 @@ def atomic_write(path: str | os.PathLike) -> Iterator[Path]:
         ) from error
     finally:
         temporary.unlink(missing_ok=True)
+        _temporary_files.discard(temporary)
 
 
 def new_folder(path: str | os.PathLike) -> Path:

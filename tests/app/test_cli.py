@@ -5,6 +5,7 @@ import shlex
 import signal
 import subprocess
 import sys
+import time
 
 import pytest
 
@@ -97,6 +98,36 @@ def test_ctrl_c_in_a_real_process():
         process.kill()
     assert process.returncode == 130
     assert errors.count("\n") == 1
+
+
+def test_ctrl_c_ends_a_command_that_does_not_return_to_python(tmp_path):
+    """At once, and without the temporary file of a writer. The exception has no effect here."""
+    code = (
+        "import signal, sys, time, urushi_command\n"
+        "signal.signal(signal.SIGINT, signal.default_int_handler)\n"
+        "from urushi.app.doctor import Doctor\n"
+        "from urushi.files import atomic_write\n"
+        "path, sys.argv[1:] = sys.argv[1], ['doctor']\n"
+        "def wait(self):\n"
+        "    with atomic_write(path):\n"
+        "        print('ready', flush=True)\n"
+        "        while True:\n"
+        "            try: time.sleep(60)\n"
+        "            except KeyboardInterrupt: pass\n"
+        "Doctor.run = wait\n"
+        "sys.exit(urushi_command.main())"
+    )
+    command = [sys.executable, "-c", code, str(tmp_path / "file.txt")]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as p:
+        assert p.stdout.readline() == "ready\n"
+        assert len(list(tmp_path.iterdir())) == 1
+        begin = time.monotonic()
+        p.send_signal(signal.SIGINT)
+        _, errors = p.communicate(timeout=120)
+    assert p.returncode == 130
+    assert time.monotonic() - begin < 5  # half a second, on a machine that has other work too
+    assert errors == "urushi: interrupted; nothing half-written was left behind\n"
+    assert not list(tmp_path.iterdir())
 
 
 def test_ctrl_c_while_python_imports():

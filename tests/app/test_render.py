@@ -1,6 +1,8 @@
 """`urushi render` works like Mitsuba's executable, and errors are one sentence."""
 
+import io
 import re
+import sys
 from pathlib import Path
 
 import drjit as dr
@@ -11,7 +13,7 @@ from gallery import export
 from gallery.globe import globe
 from gallery.options import Options
 
-from urushi.app import cli
+from urushi.app import cli, passes
 from urushi.app.render import DEMO_SCENE, load_scene, write_picture
 from urushi.nets import weights
 from urushi.nets.architecture import Architecture, init
@@ -79,6 +81,45 @@ def test_one_thread_reads_and_writes_exr_files(flags, scene, tmp_path):
     assert cli.main(["render", str(scene), *flags]) == 0
     assert dr.thread_count() == max(threads, 2)
     np.testing.assert_allclose(read(scene.with_suffix(".exr")), 0.5, rtol=1e-3)
+
+
+#: A plate whose direct light is sampled by its emitter as well, so that pictures have noise.
+PLATE = SCENE.replace(
+    "</scene>",
+    '<shape type="rectangle"><bsdf type="twosided"><bsdf type="diffuse"/></bsdf></shape></scene>',
+)
+
+
+def test_a_picture_is_the_mean_of_independent_passes(tmp_path, monkeypatch, capsys):
+    """The same for a seed but for rounding, and of 16 passes a quarter of the noise of one."""
+    path = tmp_path / "plate.xml"
+    path.write_text(PLATE)
+    monkeypatch.setattr(passes, "RAYS", 4 * 32 * 32)
+
+    def picture(spp, seed):
+        flags = ["--spp", str(spp), "--seed", str(seed), "--width", "32", "--height", "32"]
+        assert cli.main(["render", str(path), *flags]) == 0
+        return read(path.with_suffix(".exr"))[..., 0]
+
+    one, many = picture(4, 0), picture(64, 0)
+    np.testing.assert_allclose(picture(64, 0), many, rtol=1e-3)  # half floats
+    assert np.abs(picture(64, 1) - many).mean() > 0.5 * many.std()
+    # 1,024 pixels, neighbours correlated by the filter: a standard deviation is known to 5 %.
+    assert one.std() / many.std() == pytest.approx(4, rel=0.2)
+    assert many.mean() == pytest.approx(0.25, rel=0.02)  # half of the light of 0.5
+    assert capsys.readouterr().err == ""  # no bar off a terminal
+    unequal = picture(6, 0)  # a pass of 4 samples and one of 2
+    assert one.std() / unequal.std() == pytest.approx(1.5**0.5, rel=0.2)
+
+
+def test_a_terminal_shows_the_progress(scene, monkeypatch):
+    class Terminal(io.StringIO):
+        def isatty(self):
+            return True
+
+    monkeypatch.setattr(sys, "stderr", Terminal())
+    assert cli.main(["render", str(scene)]) == 0
+    assert "4/4" in sys.stderr.getvalue()
 
 
 @pytest.mark.parametrize("suffix", [".png", ".jpg"])

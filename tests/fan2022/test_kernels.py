@@ -5,7 +5,7 @@ import pytest
 
 import urushi
 from urushi import fan2022
-from urushi.errors import ParameterError
+from urushi.errors import ParameterError, UrushiWarning
 from urushi.fan2022 import Material, PaperNetworks, architecture, load
 from urushi.fan2022.architecture import AdamProjection, PaperArchitecture, init
 from urushi.fan2022.inference import proxy
@@ -101,13 +101,64 @@ def test_a_plate_in_white_light_shows_the_albedo(rgb, paper, tmp_path):
     np.testing.assert_array_less(np.abs(image.mean(axis=(0, 1)) - f.mean(axis=0)), 5 * error)
 
 
+SCENE = """<scene version="3.0.0">
+    <integrator type="path"/>
+    <sensor type="orthographic"><film type="hdrfilm">
+        <integer name="width" value="8"/><integer name="height" value="8"/>
+    </film></sensor>
+    <shape type="sphere"><bsdf type="twosided"><bsdf type="fan2022_brdf">
+        <string name="filename" value="{}"/><string name="weights" value="{}"/>
+    </bsdf></bsdf></shape>
+</scene>"""
+
+
+def test_the_command_renders_in_separate_kernels(rgb, paper, tmp_path, monkeypatch):
+    """A kernel of a whole path takes minutes to compile."""
+    import drjit as dr
+
+    from urushi.app import cli, passes
+
+    own, path = paper
+    Material(np.ones((3, 32)), own).save(tmp_path / "material.safetensors")
+    (tmp_path / "a.xml").write_text(SCENE.format(tmp_path / "material.safetensors", path))
+    rays = []
+
+    def render(scene, spp, **_):
+        assert not dr.flag(dr.JitFlag.SymbolicLoops)
+        assert not dr.flag(dr.JitFlag.SymbolicCalls)
+        rays.append(64 * spp)
+        return rgb.TensorXf(np.ones((8, 8, 3), np.float32))
+
+    monkeypatch.setattr(rgb, "render", render)
+    assert cli.main(["render", str(tmp_path / "a.xml"), "--spp", "3000"]) == 0
+    assert sum(rays) == 64 * 3000 and max(rays) <= passes.SEPARATE_RAYS
+    assert dr.flag(dr.JitFlag.SymbolicLoops)
+
+
+def test_a_warning_names_the_cure_if_a_path_is_recorded(rgb, paper, tmp_path):
+    import drjit as dr
+
+    own, path = paper
+    Material(np.ones((1, 32)), own).save(tmp_path / "material.safetensors")
+    files = {"filename": str(tmp_path / "material.safetensors"), "weights": str(path)}
+    bsdf = rgb.load_dict({"type": "fan2022_brdf", **files})
+    assert str(bsdf) == f"PaperBRDF[filename = {files['filename']}]"
+    si = dr.zeros(rgb.SurfaceInteraction3f)
+    si.wi = rgb.Vector3f(0, 0, 1)
+
+    def body(i, total):  # recorded, never computed
+        return i + 1, total + bsdf.eval(rgb.BSDFContext(), si, rgb.Vector3f(0, 0, 1)).x
+
+    start = rgb.UInt32(0, 1), rgb.Float(0, 0)
+    with pytest.warns(UrushiWarning, match=r"render within `urushi.fan2022.separate_kernels"):
+        dr.while_loop(start, lambda i, _: i < 2, body)
+
+
 def values(mi, bsdf, uv, wi, wo):
-    """f (N, 3) of a BSDF at points uv, without its kernels' long compilation."""
-    from urushi.fan2022.kernels import separate_kernels
+    """f (N, 3) of a BSDF at points uv."""
     from urushi.mitsuba.reading import probing
 
-    with separate_kernels():
-        return probing.bsdf_values(bsdf, wi, wo, uv)
+    return probing.bsdf_values(bsdf, wi, wo, uv)
 
 
 @pytest.fixture

@@ -9,8 +9,8 @@ from typing import Annotated, NamedTuple
 
 import numpy as np
 import tyro
-from tqdm import tqdm
 
+from urushi.app.passes import passes
 from urushi.app.render import copy_demo_scene, load_scene, set_variant
 from urushi.core import error_metrics as metrics
 from urushi.core.error_metrics import srgb
@@ -93,15 +93,12 @@ def render(scene: Path, coat: str, size: tuple[int, int], spp: int, seed: int) -
 
     size: width and height [pixels]. spp: samples per pixel, a multiple of twice `PASS_SPP`.
     """
-    import mitsuba as mi
-
-    begin, (width, height) = time.perf_counter(), size
+    begin, (width, height), start = time.perf_counter(), size, 0.0
     loaded = load_scene(scene, {"coat": coat, "width": str(width), "height": str(height)})
     halves = np.zeros((2, height, width, 3))
-    passes, start = spp // PASS_SPP, 0.0
-    for index in tqdm(range(passes), desc=f"{coat:>14}", unit="pass", disable=None):
-        image = mi.render(loaded, spp=PASS_SPP, seed=seed * passes + index)
-        halves[index % 2] += np.array(image, dtype=np.float64) / (passes // 2)
+    parts = passes(loaded, spp, seed, PASS_SPP, title=f"{coat:>14}")
+    for index, (image, samples) in enumerate(parts):
+        halves[index % 2] += image * samples / (spp // 2)
         start = start or time.perf_counter() - begin
     seconds = time.perf_counter() - begin - start
     return Render(halves.mean(axis=0), metrics.halves_variance(*halves), seconds, start)

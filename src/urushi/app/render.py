@@ -7,9 +7,11 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any
 
+import numpy as np
 import tyro
 
 from urushi import platform
+from urushi.app.passes import rendered
 from urushi.errors import FileError, ParameterError, PlatformError
 from urushi.files import atomic_write, new_folder
 from urushi.ranges import Index, Pixels, Samples, Seed, Threads
@@ -25,8 +27,9 @@ class Render:
     """Render a Mitsuba scene file that may use Urushi's plugins, or the demo's scene, caddy.
 
     The flags -m, -o, -s, -D, -a and -t mean what they mean to Mitsuba's own executable, which
-    cannot load plugins written in Python. The parameters of caddy are $coat, $spp, $width and
-    $height: -D coat=layered renders the reference.
+    cannot load plugins written in Python. The picture is the mean of passes, whose progress is
+    shown on a terminal. The parameters of caddy are $coat, $spp, $width and $height: -D
+    coat=layered renders the reference.
 
     Example: urushi render caddy --width 320 --height 240 --spp 64 -o caddy.exr
     """
@@ -93,16 +96,15 @@ class Render:
         # Not while files are read and written: see `set_variant`.
         dr.set_thread_count(self.threads or before)
         try:
-            image = mi.render(scene, sensor=self.sensor, spp=self.spp or 0, seed=self.seed)
-            dr.eval(image)
-            dr.sync_thread()
+            spp = self.spp or scene.sensors()[self.sensor].sampler().sample_count()
+            image = rendered(scene, self.sensor, spp, self.seed)
         except RuntimeError as error:
             raise_interrupt(error)
             raise PlatformError(f"cannot render '{self.scene}': {one_line(error)}") from error
         finally:
             dr.set_thread_count(before)
         target = self.output or Path(self.scene).with_suffix(".exr")
-        write_picture(image, target)
+        write_picture(mi.TensorXf(image.astype(np.float32)), target)
         print(target)
         return 0
 

@@ -6,10 +6,11 @@ plugins `fan2022_brdf` and `fan2022_layered`.
 """
 
 from urushi.fan2022 import plugins
+from urushi.fan2022.kernels import separate_kernels
 from urushi.fan2022.material import Material, encode, layer, load
 from urushi.fan2022.networks import PaperNetworks
 from urushi.mitsuba import register
 
-__all__ = ["Material", "PaperNetworks", "encode", "layer", "load"]
+__all__ = ["Material", "PaperNetworks", "encode", "layer", "load", "separate_kernels"]
 
 register.register(plugins.ROOM)

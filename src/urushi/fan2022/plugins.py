@@ -1,8 +1,10 @@
 """The Mitsuba plugins `fan2022_brdf` and `fan2022_layered`.
 
-Render them within `kernels.separate_kernels`.
+Render them within `kernels.separate_kernels`. Outside `mi.render`, they enter it themselves.
 """
 
+import contextlib
+import warnings
 from functools import partial
 from typing import Any, ClassVar
 
@@ -10,9 +12,9 @@ import drjit as dr
 import mitsuba as mi
 import numpy as np
 
-from urushi.errors import ParameterError, PlatformError
+from urushi.errors import ParameterError, PlatformError, UrushiWarning
 from urushi.fan2022.architecture import LATENT
-from urushi.fan2022.kernels import PaperDecoder, PaperSampler
+from urushi.fan2022.kernels import PaperDecoder, PaperSampler, separate_kernels
 from urushi.fan2022.material import Material, encode, load
 from urushi.fan2022.networks import PaperNetworks, projection_pairs
 from urushi.mitsuba import spectrum
@@ -29,6 +31,11 @@ from urushi.textures.store import MIDDLE, TexelGrid
 
 #: Texels whose bottom is evaluated at once: bounds memory.
 TEXELS = 1 << 10
+
+RECORDED = (
+    "networks of Fan et al. 2022 are recorded in one kernel with the whole path, which takes "
+    "minutes to compile; render within `urushi.fan2022.separate_kernels()`"
+)
 
 
 class TexelCodes:
@@ -57,7 +64,11 @@ class TexelCodes:
         ]
 
     def f(self, vertex: list[list], si, wo, active) -> "mi.Spectrum":
-        channels = only_where(active, self._decoder.f, vertex, si.wi, wo)
+        recorded = dr.flag(dr.JitFlag.SymbolicScope)
+        if recorded:
+            warnings.warn(RECORDED, UrushiWarning, stacklevel=2)
+        with contextlib.nullcontext() if recorded else separate_kernels():
+            channels = only_where(active, self._decoder.f, vertex, si.wi, wo)
         return spectrum.from_channels(channels, si.wavelengths)
 
     def proposal(self, vertex: list[list]) -> Any:
@@ -76,6 +87,9 @@ def define(base: type) -> dict[str, type]:
         """A BRDF by codes of the paper's networks; subclasses set `codes`."""
 
         codes: TexelCodes
+
+        #: Commands render scenes with such a BSDF within `separate_kernels`.
+        separate_kernels = True
 
         def _load(self, props):
             if dr.backend_v(mi.Float) == dr.JitBackend.CUDA:
@@ -111,6 +125,10 @@ def define(base: type) -> dict[str, type]:
                 raise ParameterError(f"{self._where} has no filename; give a file of Material.save")
             material = load(resolve(props["filename"]), self.networks)
             self.codes = TexelCodes(self.networks, material.latents[None])
+            self._file = props["filename"]
+
+        def to_string(self):
+            return f"PaperBRDF[filename = {self._file}]"
 
     class PaperLayered(PaperBSDF):
         """A coat over any BSDF by the system of Fan et al. 2022 (``fan2022_layered``).
