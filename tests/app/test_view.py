@@ -115,6 +115,15 @@ def test_the_policy_of_the_page_is_that_of_the_server():
     assert f"{carried[1]}; frame-ancestors 'none'" == POLICY
 
 
+def test_a_page_that_is_opened_from_a_folder_says_that_it_needs_a_server():
+    """Browsers refuse scripts and styles of a folder there; the style hides the sentence."""
+    text = (page_files.BUILT / "index.html").read_text()
+    (sentence,) = re.findall(r'<p class="unserved">(.*?)</p>', text, re.DOTALL)
+    assert "only from a web server" in sentence and "urushi view" in sentence
+    style = (page_files.BUILT / "assets" / "index.css").read_text()
+    assert re.search(r"\.unserved\s*{\s*display:\s*none", style)
+
+
 @pytest.mark.skipif(not VIEWER.is_dir(), reason="the page's sources are not here")
 def test_the_built_page_is_that_of_the_sources():
     """After a change in `viewer`, `make viewer` builds the page anew. See `viewer/sources.ts`."""

@@ -91,3 +91,16 @@ def test_docstrings_and_comments_name_what_exists(floor):
             if first in FLOORS and rest and not exists(f"urushi.{first}.{'.'.join(rest)}"):
                 wrong.append(f"{path.relative_to(SOURCE)}: {name}")
     assert wrong == []
+
+
+def test_tables_of_parameters_fit_their_page():
+    """A column is at least as wide as its longest word, and 2 characters of margin. The text is as
+    wide as 92 characters of code, on the widest screen too."""
+    page = (ROOT / "docs" / "reference" / "parameters.md").read_text()
+    tables = re.findall(r"(?:^\|.*\n)+", page, re.MULTILINE)
+    assert len(tables) == 4
+    for table in tables:
+        rows = [line.strip()[1:-1].split("|") for line in table.splitlines()]
+        words = [[max(map(len, cell.split()), default=0) + 2 for cell in row] for row in rows]
+        widths = [max(column) for column in zip(*words, strict=True)]
+        assert sum(widths) <= 92, rows[0]

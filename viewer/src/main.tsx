@@ -44,5 +44,7 @@ window.addEventListener("unhandledrejection", (event) => complain(event.reason))
 
 acceptDrops(document.documentElement);
 keepFocus();
-render(<App />, document.getElementById("page")!);
+const page = document.getElementById("page")!;
+page.replaceChildren(); // the sentence for browsers that refuse this script
+render(<App />, page);
 void begin(addressed);
