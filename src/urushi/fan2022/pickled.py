@@ -68,6 +68,10 @@ def _tensor(storage: Any, offset: Any, shape: Any, strides: Any, *_: Any) -> Ten
     return Tensor(_of(storage, Storage), _of(offset, int), _integers(shape), _integers(strides))
 
 
+def _empty_dictionary() -> dict[str, Any]:
+    return {}  # `dict` would take entries, whose keys could be anything
+
+
 def _state_dict(network: Any, method: Any) -> dict[str, Tensor]:
     """The tensors of a module and of all modules within, by name, as PyTorch's method does.
 
@@ -94,7 +98,7 @@ def _state_dict(network: Any, method: Any) -> dict[str, Tensor]:
 
 #: Stand-ins of all that a pickle may name, besides classes of `CLASS_MODULES`.
 STANDINS: dict[tuple[str, str], Callable | str] = {
-    ("collections", "OrderedDict"): lambda: {},
+    ("collections", "OrderedDict"): _empty_dictionary,
     ("__builtin__", "getattr"): _state_dict,
     ("builtins", "getattr"): _state_dict,
     ("__builtin__", "set"): lambda _: None,  # of names, in modules of newer versions

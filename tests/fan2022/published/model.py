@@ -1,4 +1,4 @@
-"""Networks with the classes and attributes of the authors' `model.py`, and values that need little room.
+"""Networks with the classes and attributes of the authors' `model.py`, and few values.
 
 `python save.py` with Python 3.7 and PyTorch 1.2 (`pip install torch==1.2.0 numpy`) writes the files
 of this folder. All parameters are views of one storage.
