@@ -90,12 +90,14 @@ measured-pictures: $(READY)
 	cp out/materials/report/car-paint.png docs/images/encode_report.png
 	.venv/bin/python -m figures.sheet $(MATERIALS:%=out/materials/%.safetensors) -o docs/images/sheet.jpg
 
-# Results and pictures of all folders of figures/; finished parts in out/figures are kept.
+# Results and pictures of all folders of figures/, and their tables in the documentation; finished
+# parts in out/figures are kept.
 figures: $(READY)
 	for file in figures/*/compute.py; do \
 	    name=$$(basename $$(dirname $$file)); \
 	    .venv/bin/python -m figures.$$name.compute && .venv/bin/python -m figures.$$name.plot || exit; \
 	done
+	.venv/bin/python -m figures.page
 
 # Builds the page of `urushi view` into the package; using it needs no Node, building it does.
 viewer: $(READY) viewer/node_modules/.ready

@@ -7,7 +7,6 @@ same scene.
 """
 
 import hashlib
-import platform
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -83,13 +82,6 @@ def describe(
         scene["light"] = _light(light, scene["sensor"])
     scene["integrator"] = {"type": "path", "max_depth": depth}
     return _with_method(scene, method)
-
-
-def processor() -> str:
-    """The name of this machine's processor."""
-    lines = Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines()
-    names = [line.split(":", 1)[1].strip() for line in lines if line.startswith("model name")]
-    return names[0] if names else platform.machine()
 
 
 def digest(scene: dict[str, Any]) -> str:

@@ -2,17 +2,25 @@
 
 import json
 from collections.abc import Callable
+from datetime import date
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+from benchmarks.machine import processor
 from tqdm import tqdm
 
 from urushi.core import error_metrics as metrics
 from urushi.files import atomic_write
+from urushi.nets.weights import default_model
 
 #: Resamples of a bootstrap interval, and its coverage.
 RESAMPLES, COVERAGE = 10_000, 0.95
+
+
+def parts_folder(name: str) -> Path:
+    """The folder of a figure's finished parts, which are of the shipped weights."""
+    return Path("out/figures") / default_model().fingerprint / name
 
 
 def collect(folder: Path, parts: dict[str, Callable[[], Any]]) -> dict[str, Any]:
@@ -36,9 +44,10 @@ def collect(folder: Path, parts: dict[str, Callable[[], Any]]) -> dict[str, Any]
     return results
 
 
-def write(path: Path, results: Any) -> None:
-    """Write a figure's results as JSON."""
-    text = json.dumps(results, indent=1)
+def write(path: Path, results: dict[str, Any]) -> None:
+    """Write a figure's results as JSON, with the date and the processor."""
+    stamped = {"date": date.today().isoformat(), "processor": processor(), **results}
+    text = json.dumps(stamped, indent=1)
     with atomic_write(path) as temporary:
         temporary.write_text(text + "\n")
 

@@ -151,11 +151,10 @@ def stored_results() -> Callable[..., dict]:
 
 
 def _stored_results(compute, **networks) -> dict:
-    """The results of a figure; an expected failure if they are not by these networks."""
+    """The results of a figure, which are by these networks."""
     found = json.loads((compute.FOLDER / "results.json").read_text())
     stale = [key for key, model in networks.items() if found[key] != model.fingerprint]
-    if stale:
-        pytest.xfail(f"stale {', '.join(stale)}: run `python -m {compute.__name__}`")
+    assert not stale, f"stale {', '.join(stale)}: run `make figures`"
     return found
 
 

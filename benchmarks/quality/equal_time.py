@@ -41,6 +41,7 @@ from typing import Any
 
 import mitsuba as mi
 import numpy as np
+from benchmarks.machine import processor
 from benchmarks.quality.converged import (
     PASS_SPP,
     REFERENCE,
@@ -49,7 +50,7 @@ from benchmarks.quality.converged import (
     converged,
     load,
 )
-from benchmarks.scenes import LIGHTS, PRINCIPLED, processor
+from benchmarks.scenes import LIGHTS, PRINCIPLED
 from benchmarks.speed.render import PAPER
 
 from urushi.core import error_metrics as metrics

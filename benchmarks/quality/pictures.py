@@ -8,6 +8,7 @@ import numpy.typing as npt
 from urushi import checks
 from urushi.core.error_metrics import mse, psnr, shown
 from urushi.errors import ParameterError, PlatformError
+from urushi.platform import install_command
 
 #: PSNR of equal pictures [dB], finite so that means are finite. It is higher than that of any two
 #: different pictures of 16 bits per channel.
@@ -92,7 +93,7 @@ def ssim_map(image: np.ndarray, reference: np.ndarray) -> np.ndarray:
         from skimage.metrics import structural_similarity  # lazily: an extra
     except ImportError as error:
         raise PlatformError(
-            "SSIM needs the package scikit-image; install it with: pip install 'urushi[eval]'"
+            f"SSIM needs the package scikit-image; install it: {install_command('eval')}"
         ) from error
     _, result = structural_similarity(
         reference,

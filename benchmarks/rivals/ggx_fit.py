@@ -19,6 +19,7 @@ from urushi.core.directions import directions_at
 from urushi.errors import ParameterError, PlatformError
 from urushi.measured.tabulated import evaluate
 from urushi.nets import lobe as analytic
+from urushi.platform import install_command
 
 
 @dataclass(frozen=True)
@@ -170,7 +171,7 @@ def fit(f: Brdf, lobes: int = 1, loss: str = "log", measure: float = 1.0) -> Ggx
         from scipy.optimize import least_squares  # lazily: an extra
     except ImportError as error:
         raise PlatformError(
-            "fits need the package scipy; install it with: pip install 'urushi[eval]'"
+            f"fits need the package scipy; install it: {install_command('eval')}"
         ) from error
     wi, wo = pairs()
     values = np.broadcast_to(np.asarray(f(wi, wo), np.float64), (len(wi), 3))

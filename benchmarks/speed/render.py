@@ -202,7 +202,8 @@ def whole_scenes(given: argparse.Namespace) -> None:
 
 def main() -> None:
     """Print the tables."""
-    from benchmarks.scenes import SCENES, processor
+    from benchmarks.machine import processor
+    from benchmarks.scenes import SCENES
 
     parser = argparse.ArgumentParser(
         prog="python -m benchmarks.speed.render",

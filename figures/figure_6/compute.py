@@ -23,7 +23,7 @@ from urushi.files import atomic_write
 from urushi.nets.weights import default_model
 
 FOLDER = Path(__file__).parent
-PARTS = Path("out/figures/figure_6")
+PARTS = results.parts_folder("figure_6")
 #: The grid of roughness: GGX widths of the coat (rows) and of the gold (columns).
 TOPS, BOTTOMS = (0.05, 0.1, 0.2, 0.4), (0.1, 0.2, 0.35, 0.6)
 #: The grid of media: optical depths (rows) and albedos (columns).

@@ -14,9 +14,9 @@ import time
 from pathlib import Path
 from typing import Any, NamedTuple
 
+import benchmarks.scenes  # noqa: F401 (registers the rivals' plugins)
 import mitsuba as mi
 import numpy as np
-from benchmarks.scenes import processor  # registers the rivals' plugins
 from gallery import stage
 
 from figures import results, sphere
@@ -24,7 +24,7 @@ from urushi.core import error_metrics as metrics
 from urushi.nets.weights import default_model
 
 FOLDER = Path(__file__).parent
-PARTS = Path("out/figures/figure_7")
+PARTS = results.parts_folder("figure_7")
 #: Methods and their plugins, in the order of the figure's rows; the walk is also the reference.
 PLUGINS = {
     "Belcour 2018": "layered_belcour",
@@ -91,7 +91,7 @@ def main() -> None:
             for m, layers in materials().items()
         },
     )
-    head = {"weights": default_model().fingerprint, "processor": processor()}
+    head = {"weights": default_model().fingerprint}
     by_material = {m: found[file_name(m)] for m in materials()}
     results.write(FOLDER / "results.json", {**head, "materials": by_material})
 

@@ -22,7 +22,7 @@ from urushi.nets.weights import default_model
 from urushi.train.distribution import Table2
 
 FOLDER = Path(__file__).parent
-PARTS = Path("out/figures/figure_8")
+PARTS = results.parts_folder("figure_8")
 #: Numbers of interfaces, and stacks of each.
 INTERFACES, STACKS = (2, 3, 4, 5, 6), 32
 #: Seed of the stacks and walks.

@@ -29,7 +29,7 @@ from urushi.measured.tabulated import MeasuredSurface
 from urushi.nets.weights import default_model
 
 FOLDER = Path(__file__).parent
-PARTS = Path("out/figures/figure_9")
+PARTS = results.parts_folder("figure_9")
 #: Every eighth stand-in, from the fifth on; all RGL files.
 FIRST, EVERY = 4, 8
 #: Coats, from the lowest to the topmost.

@@ -14,7 +14,6 @@ from typing import Any, NamedTuple
 
 import mitsuba as mi
 import numpy as np
-from benchmarks.scenes import processor
 
 import urushi
 from figures import results
@@ -24,7 +23,7 @@ from urushi.core.error_metrics import stack_error
 from urushi.nets.weights import default_model
 
 FOLDER = Path(__file__).parent
-PARTS = Path("out/figures/interpolation")
+PARTS = results.parts_folder("interpolation")
 SHARES = (0.0, 0.25, 0.5, 0.75, 1.0)
 #: Pixels of a sphere, samples of a pixel, and pairs and walks for E.
 SIZE, SAMPLES, PAIRS, WALKS = 96, 192, 300, 1 << 14
@@ -67,7 +66,7 @@ def main() -> None:
     """Compute what is missing and write results.json."""
     mi.set_variant("llvm_ad_rgb")
     found = results.collect(PARTS, {name: functools.partial(part, name) for name in ENDS})
-    head = {"weights": default_model().fingerprint, "processor": processor()}
+    head = {"weights": default_model().fingerprint}
     results.write(FOLDER / "results.json", {**head, "ways": found})
 
 

@@ -14,13 +14,13 @@ from pathlib import Path
 import mitsuba as mi
 from benchmarks.quality import equal_time
 from benchmarks.quality.converged import REFERENCE
-from benchmarks.scenes import LIGHTS, PRINCIPLED, processor
+from benchmarks.scenes import LIGHTS, PRINCIPLED
 
 from figures import results
 from urushi.nets.weights import DEFAULT, default_model
 
 FOLDER = Path(__file__).parent
-PARTS = Path("out/figures/light")
+PARTS = results.parts_folder("light")
 SCENES = ("still-life", "globe", "teapot")
 #: Samples per pixel of the walk that give the time of the comparison.
 COUNT = 64
@@ -36,7 +36,7 @@ def main() -> None:
     mi.set_variant("llvm_ad_rgb")
     parts = {f"{s}, {light}": functools.partial(part, s, light) for s in SCENES for light in LIGHTS}
     found = results.collect(PARTS, parts)
-    head = {"weights": default_model().fingerprint, "processor": processor()}
+    head = {"weights": default_model().fingerprint}
     results.write(FOLDER / "results.json", {**head, "parts": found})
 
 

@@ -23,7 +23,6 @@ import drjit as dr
 import mitsuba as mi
 import numpy as np
 from benchmarks.quality import mipmap
-from benchmarks.scenes import processor
 from gallery import stage
 
 import urushi  # noqa: F401  (registers the plugins)
@@ -33,7 +32,7 @@ from urushi.nets.weights import default_model
 from urushi.textures import cache, mip_pyramid
 
 FOLDER = Path(__file__).parent
-PARTS = Path("out/figures/mipmaps")
+PARTS = results.parts_folder("mipmaps")
 KINDS = ("alpha, smooth", "albedo, smooth", "all, smooth", "all, noise")
 METHODS = ("no filter", "averages of codes", "Urushi")
 #: Picture, samples along a side of a pixel of the reference, and texels of the pattern's side.
@@ -53,7 +52,7 @@ def main() -> None:
     mi.set_variant("llvm_ad_rgb")
     parts: dict[str, Any] = {kind: functools.partial(levels, kind) for kind in KINDS}
     found = results.collect(PARTS, parts | {"plane": plane})
-    head = {"weights": default_model().fingerprint, "processor": processor()}
+    head = {"weights": default_model().fingerprint}
     text = {"levels": {kind: found[kind] for kind in KINDS}, "plane": found["plane"]}
     results.write(FOLDER / "results.json", {**head, **json.loads(json.dumps(text))})
 

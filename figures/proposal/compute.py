@@ -24,7 +24,7 @@ from urushi.material import Material
 from urushi.nets.weights import default_model
 
 FOLDER = Path(__file__).parent
-PARTS = Path("out/figures/proposal")
+PARTS = results.parts_folder("proposal")
 #: The file of the spheres.
 PICTURE = PARTS / "spheres.npz"
 #: Names of the proposals in the figure, by that in the benchmark.

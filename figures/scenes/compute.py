@@ -16,14 +16,14 @@ import mitsuba as mi
 import numpy as np
 from benchmarks.quality import equal_time, pictures
 from benchmarks.quality.converged import REFERENCE, Picture, converged
-from benchmarks.scenes import BOTH, OWN, POINT, TEXTURED, processor
+from benchmarks.scenes import BOTH, OWN, POINT, TEXTURED
 
 from figures import results
 from urushi.core import error_metrics as metrics
 from urushi.nets.weights import DEFAULT, default_model
 
 FOLDER = Path(__file__).parent
-PARTS = Path("out/figures/scenes")
+PARTS = results.parts_folder("scenes")
 #: Samples per pixel of the walk at equal time.
 COUNT = 16
 #: Width of pictures, scale of textures, samples of the reference, and seconds of each method.
@@ -68,7 +68,7 @@ def main() -> None:
     mi.set_variant("llvm_ad_rgb")
     parts = {name: functools.partial(part, name) for name in CASES}
     found = results.collect(PARTS, parts)
-    head = {"weights": default_model().fingerprint, "processor": processor()}
+    head = {"weights": default_model().fingerprint}
     results.write(FOLDER / "results.json", {**head, "scenes": found})
 
 

@@ -21,7 +21,7 @@ from figures.simulator_biases.variants import VARIANTS
 from urushi.walk.simulate import albedo
 
 FOLDER = Path(__file__).parent
-PARTS = Path("out/figures/simulator_biases")
+PARTS = results.parts_folder("simulator_biases")
 #: GGX widths and relative indices of the furnaces, and the index and width that stay.
 ALPHAS = (0.01, 0.02, 0.03, 0.05, 0.07, 0.1, 0.14, 0.2, 0.3, 0.4, 0.5, 0.7, 1.0)
 ETAS = (1.05, 1.1, 1.2, 1.3, 1.4, 1.5, 1.7, 2.0, 2.5, 3.0)

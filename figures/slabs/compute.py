@@ -19,7 +19,7 @@ from urushi.nets.weights import default_model
 from urushi.walk.simulate import albedo
 
 FOLDER = Path(__file__).parent
-PARTS = Path("out/figures/slabs")
+PARTS = results.parts_folder("slabs")
 #: Angles of incidence [degrees], and those of the table.
 ANGLES = (0, 10, 20, 30, 40, 50, 60, 70, 75, 80, 85)
 SHOWN = (0, 40, 70)

@@ -21,7 +21,6 @@ from typing import Any
 import mitsuba as mi
 import numpy as np
 from benchmarks.rivals import metalayer, nbrdf, rainer
-from benchmarks.scenes import processor
 
 import urushi
 from figures import results
@@ -32,7 +31,7 @@ from urushi.material.source import Source
 from urushi.nets.weights import default_model
 
 FOLDER = Path(__file__).parent
-PARTS = Path("out/figures/table_1")
+PARTS = results.parts_folder("table_1")
 METHODS = ("Rainer 2019", "Rainer 2020", "NBRDF", "BSDFNet", "Urushi, encoded", "Urushi, refined")
 #: Drawn samples of the trainings of one material (about three quarters are above the horizon), and
 #: passes over them.
@@ -60,7 +59,7 @@ def main() -> None:
     path = FOLDER / "results.json"
     if tuple(chosen) == METHODS:
         found = results.collect(PARTS, parts)
-        head = {"weights": default_model().fingerprint, "processor": processor()}
+        head = {"weights": default_model().fingerprint}
         head |= {name: found.pop(name) for name in ("shared", "evaluation")}
         groups = {subject.name: subject.group for subject in subjects()}
         names = dict.fromkeys(groups.values())

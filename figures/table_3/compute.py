@@ -16,14 +16,13 @@ from typing import Any
 import mitsuba as mi
 import numpy as np
 from benchmarks.quality.converged import REFERENCE, Picture, converged, load
-from benchmarks.scenes import processor
 
 from figures import results
 from urushi.core import error_metrics as metrics
 from urushi.nets.weights import DEFAULT, default_model
 
 FOLDER = Path(__file__).parent
-PARTS = Path("out/figures/table_3")
+PARTS = results.parts_folder("table_3")
 #: Samples per pixel of the walk, those of Guo et al. (2018) in the paper's table.
 SAMPLES = {"still-life": 64, "globe": 24, "teapot": 12}
 METHODS = {"networks": DEFAULT, "walk": REFERENCE}
@@ -38,7 +37,7 @@ def main() -> None:
     mi.set_variant("llvm_ad_rgb")
     parts = {scene: functools.partial(part, scene) for scene in SAMPLES}
     found = results.collect(PARTS, parts)
-    head = {"weights": default_model().fingerprint, "processor": processor()}
+    head = {"weights": default_model().fingerprint}
     results.write(FOLDER / "results.json", {**head, "scenes": found})
 
 

@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import Any
 
 import mitsuba as mi
-from benchmarks.scenes import LIGHTS, processor
+from benchmarks.scenes import LIGHTS
 
 from figures import results
 from figures.light.compute import SCENES
@@ -25,7 +25,7 @@ from urushi.nets.weights import anisotropic_model, default_model
 FOLDER = Path(__file__).parent
 #: The system of Fan et al. (2022), trained here; see the README.
 PAPER = FOLDER / "fan2022.safetensors"
-PARTS = Path("out/figures/verdict")
+PARTS = results.parts_folder("verdict")
 #: Numbers of interfaces.
 INTERFACES = (1, 2, 3, 4, 5, 6)
 
@@ -46,7 +46,6 @@ def main() -> None:
         "weights": default_model().fingerprint,
         "anisotropic weights": anisotropic_model().fingerprint,
         "paper weights": PaperNetworks.read(weights).fingerprint,
-        "processor": processor(),
     }
     results.write(FOLDER / "results.json", {**head, **found})
 

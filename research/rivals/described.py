@@ -110,8 +110,7 @@ def define_described(base: type, plugin: str, label: str) -> type:
     class DescribedBSDF(base):
         """A BSDF of coats over a described bottom; directly nested ones form one stack."""
 
-        def __init__(self, props):
-            super().__init__(props)
+        def _load(self, props):
             self._nested = nested_bsdf(props)
             self._coat = CoatTextures(props)
             if self._coat.is_anisotropic or self._coat.has_rotation:

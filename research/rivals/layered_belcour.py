@@ -86,8 +86,8 @@ def define(base: type) -> type:
         Statistical Operators, SIGGRAPH 2018.
         """
 
-        def __init__(self, props):
-            super().__init__(props)
+        def _load(self, props):
+            super()._load(props)
             self._tables = belcour_tables.data(mi.Float, with_facets=True)
 
         def _vertex(self, si, active):

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from urushi.walk import Stack, coat, conductor, dielectric, diffuse, slab
     from urushi.walk.simulate import simulate
 
-__version__ = "0.1.0"
+__version__ = "0.2.0.dev0"
 
 __all__ = [
     "Material",
@@ -48,26 +48,28 @@ __all__ = [
 ]
 
 
-def __getattr__(name: str) -> Any:
-    """Load the public names when one of them is first used: they start Dr.Jit."""
-    if not (name in __all__ and name != "__version__") and not _is_bottom(name):
-        raise AttributeError(f"module 'urushi' has no attribute '{name}'")
-    platform.require_drjit()
-    from urushi.app.notebook import show
-    from urushi.material import Material, encode, layer, lerp, load
-    from urushi.measured import load_measured, pigment
-    from urushi.openpbr_surface.description import OpenPBR, openpbr, save_materialx
-    from urushi.openpbr_surface.plugins.materialx import load_materialx
-    from urushi.walk import Stack, bottoms, coat, simulate, slab
+if not TYPE_CHECKING:  # to a type checker, a module with __getattr__ has every name
 
-    Material._repr_png_ = _picture  # type: ignore[attr-defined]
-    public = (Material, encode, layer, lerp, load, load_measured, pigment, simulate)
-    described = (Stack, coat, slab, *bottoms.MAKERS.values())
-    documents = (load_materialx, save_materialx, OpenPBR, openpbr, show)
-    globals().update({value.__name__: value for value in (*public, *described, *documents)})
-    if name not in globals():
-        raise AttributeError(f"module 'urushi' has no attribute '{name}'")
-    return globals()[name]
+    def __getattr__(name: str) -> Any:
+        """Load the public names when one of them is first used: they start Dr.Jit."""
+        if not (name in __all__ and name != "__version__") and not _is_bottom(name):
+            raise AttributeError(f"module 'urushi' has no attribute '{name}'")
+        platform.require_drjit()
+        from urushi.app.notebook import show
+        from urushi.material import Material, encode, layer, lerp, load
+        from urushi.measured import load_measured, pigment
+        from urushi.openpbr_surface.description import OpenPBR, openpbr, save_materialx
+        from urushi.openpbr_surface.plugins.materialx import load_materialx
+        from urushi.walk import Stack, bottoms, coat, simulate, slab
+
+        Material._repr_png_ = _picture  # type: ignore[attr-defined]
+        public = (Material, encode, layer, lerp, load, load_measured, pigment, simulate)
+        described = (Stack, coat, slab, *bottoms.MAKERS.values())
+        documents = (load_materialx, save_materialx, OpenPBR, openpbr, show)
+        globals().update({value.__name__: value for value in (*public, *described, *documents)})
+        if name not in globals():
+            raise AttributeError(f"module 'urushi' has no attribute '{name}'")
+        return globals()[name]
 
 
 def _is_bottom(name: str) -> bool:

@@ -10,6 +10,7 @@ library, chooses one of version 17 or newer before Dr.Jit loads any, and refuses
 import ctypes
 import glob
 import importlib
+import importlib.metadata
 import math
 import os
 import re
@@ -247,7 +248,7 @@ class Package(NamedTuple):
     purpose: str
 
 
-#: The package's extras, `pip install 'urushi[EXTRA]'`.
+#: Packages by the extra of this package that asks for them.
 EXTRAS = {
     "train": (
         Package("jax", "jax", "gradients of training"),
@@ -265,5 +266,13 @@ def require_extra(extra: str) -> None:
         except ImportError as error:
             raise PlatformError(
                 f"{package.purpose} need the package '{package.name}', which is missing; install "
-                f"it: pip install 'urushi[{extra}]'"
+                f"it: {install_command(extra)}"
             ) from error
+
+
+def install_command(extra: str) -> str:
+    """The command that installs the packages of an extra, in the versions that this one needs."""
+    mark = f"extra == '{extra}'"
+    wanted = [line.partition(";") for line in importlib.metadata.requires("urushi") or ()]
+    names = [f"'{name.strip()}'" for name, _, condition in wanted if mark in condition]
+    return f"pip install {' '.join(names)}"

@@ -85,4 +85,4 @@ def test_errors(arguments, sentence, capsys):
 def test_a_missing_extra_is_named(monkeypatch, capsys):
     monkeypatch.setitem(sys.modules, "optax", None)
     assert cli.main(["train"]) == 2
-    assert "pip install 'urushi[train]'" in capsys.readouterr().err
+    assert "pip install 'jax<1,>=0.6' 'optax<1,>=0.2.4'" in capsys.readouterr().err

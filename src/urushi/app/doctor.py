@@ -14,7 +14,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 from urushi.errors import UrushiError
-from urushi.platform import EXTRAS, llvm_status, require_drjit
+from urushi.platform import EXTRAS, install_command, llvm_status, require_drjit
 
 VARIANTS = ("scalar_rgb", "llvm_ad_rgb", "llvm_ad_mono", "llvm_ad_spectral", "cuda_ad_rgb")
 _PROBE = """
@@ -154,7 +154,7 @@ def _extras() -> Iterator[Finding]:
     for extra, packages in EXTRAS.items():
         for package in packages:
             version, name = _version(package.name), f"extra {extra}: {package.name}"
-            cure = f"needed for {package.purpose}: pip install 'urushi[{extra}]'"
+            cure = f"needed for {package.purpose}: {install_command(extra)}"
             found = f"{version or 'missing'} ({package.purpose})"
             yield Finding(name, found, None if version else cure)
 
