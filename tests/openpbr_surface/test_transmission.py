@@ -11,6 +11,7 @@ from urushi.core.namespace import NUMPY
 from urushi.errors import ParameterError
 from urushi.mitsuba.reading import probing
 from urushi.openpbr_surface.formulas import subsurface_albedo
+from urushi.openpbr_surface.parameters import PARAMETERS
 from urushi.walk.simulate import albedo
 
 pytestmark = pytest.mark.usefixtures("rgb")
@@ -19,6 +20,7 @@ GLASS = {"transmission_weight": 1.0, "specular_ior": 1.5}
 LEAF = {"geometry_thin_walled": True, "subsurface_weight": 1.0}
 PANE = {"geometry_thin_walled": True, "transmission_weight": 1.0}
 COAT = {"coat_weight": 1.0, "coat_roughness": 0.5, "specular_roughness": 0.4}
+WALKS = {"reference": True}
 WHITE = (1.0, 1.0, 1.0)
 
 #: Two-sided surfaces in closed form, and their indices below relative to above.
@@ -356,6 +358,53 @@ def test_what_changes_by_traverse_is_followed():
     assert not np.allclose(before, evaluated(bsdf, wi, wo))
     assert mi.has_flag(bsdf.flags(), mi.BSDFFlags.Transmission)
     assert not mi.has_flag(load({}).flags(), mi.BSDFFlags.Transmission)
+
+
+EDITED = {
+    "pane": (PANE | {"transmission_color": (0.5,) * 3}, "transmission_color", (0.3, 0.8)),
+    "coated pane": (PANE | COAT | {"coat_color": (0.5,) * 3}, "coat_color", (0.3, 0.8)),
+    "coated body": (GLASS | COAT | {"coat_color": (0.5,) * 3}, "coat_color", (0.3, 0.8)),
+    "coated body of another index": (GLASS | COAT, "specular_ior", (1.3, 1.8)),
+    "leaf": (LEAF, "subsurface_color", (0.3, 0.8)),
+    "half": (GLASS | {"transmission_weight": 0.5}, "base_color", (0.3, 0.8)),
+}
+
+
+@pytest.mark.parametrize("name", EDITED)
+@pytest.mark.parametrize("reference", [False, True])
+def test_every_edit_of_a_parameter_is_followed(name, reference):
+    """The surface is the one that is loaded with the last value."""
+    values, parameter, edits = EDITED[name]
+    options = dict(specular_roughness=0.4, reference=reference, energy_compensation=False)
+    bsdf, kind = load(values | options), mi.Color3f if "color" in parameter else mi.Float
+    wi, wo = directions(400, 1)[:80], directions(400, 2)[:80]
+    params, results = mi.traverse(bsdf), []
+    for value in edits:
+        params[f"{parameter}.value"] = kind(value)
+        params.update()
+        given = (value,) * 3 if "color" in parameter else value
+        expected = evaluated(load(values | options | {parameter: given}), wi, wo)
+        results.append(evaluated(bsdf, wi, wo))
+        np.testing.assert_allclose(results[-1], expected, rtol=2e-3, atol=1e-6)
+    assert not np.allclose(*results, rtol=0.01)
+
+
+@pytest.mark.parametrize(
+    ("values", "names"),
+    [
+        ({}, {"base_color", "coat_color", "thin_film_weight", "fuzz_weight"}),
+        (COAT | WALKS, {"base_color", "coat_color", "coat_ior", "specular_color"}),
+        (GLASS, {"transmission_color", "specular_ior", "coat_weight", "thin_film_weight"}),
+        (PANE | COAT | WALKS, {"transmission_color", "coat_color", "specular_ior"}),
+        (LEAF | {"subsurface_weight": 0.5}, {"subsurface_color", "base_color"}),
+    ],
+    ids=["opaque", "coat", "glass", "coated pane", "half a leaf"],
+)
+def test_traverse_lists_parameters_by_their_names(values, names):
+    keys = {*mi.traverse(load(values)).keys()} - {"latents", "table"}
+    assert all(key.endswith(".value") for key in keys)
+    found = {key.removesuffix(".value") for key in keys}
+    assert names <= found <= PARAMETERS.keys()
 
 
 @pytest.mark.parametrize(

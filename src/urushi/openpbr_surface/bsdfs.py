@@ -12,6 +12,7 @@ import drjit as dr
 import mitsuba as mi
 
 from urushi.core.mixture import Mixture
+from urushi.mitsuba.plugins.base import GradientTensors
 from urushi.mitsuba.plugins.coats import Turn, TurnedMixture
 from urushi.mitsuba.reading.offers import Offer, offer_of, tabulated
 from urushi.openpbr_surface import encoding, model
@@ -26,13 +27,13 @@ MIN_SHARE = 0.1
 DIFFUSE_SHARE = 0.1
 
 
-#: The parameters that the surface reads itself.
-OWN = ("coat_weight", "fuzz_weight", "fuzz_color", "fuzz_roughness")
+#: The parameters of the coat.
+OF_COAT = ("coat_color", "coat_roughness", "coat_roughness_anisotropy", "coat_ior")
 
-#: The parameters of layers, which are left out while the parameters have their defaults.
-OF_LAYERS = (
-    *("coat_color", "coat_roughness", "coat_roughness_anisotropy", "coat_ior", "coat_darkening"),
-    *film_parameters,
+#: The parameters of the surface.
+NAMES = (
+    *(*model.NAMES, *OF_COAT, *film_parameters),
+    *("fuzz_weight", "fuzz_color", "fuzz_roughness"),
 )
 
 
@@ -135,11 +136,6 @@ def define(proposal_bsdf: type) -> tuple[type, type]:
                 share = dr.clip(share, MIN_SHARE, 1 - MIN_SHARE)
             return Mixture([share, 1 - share], [vertex.widths])
 
-        @property
-        def follows_coat(self) -> bool:
-            """Whether it depends on the coat's medium."""
-            return self._model.names != model.NAMES
-
         def offer(self):
             bare = self._bare
             lobes = partial(encoding.lobe, self._model, bare=bare, compensated=self._compensated)
@@ -167,9 +163,13 @@ def define(proposal_bsdf: type) -> tuple[type, type]:
             eta = self._model.relative_index(si, active)
             return film.below_coat(f, vertex, eta, si, wo, active)
 
+        @property
+        def names(self) -> tuple[str, ...]:
+            """The parameters that it reads."""
+            return (*self._model.names, *(film_parameters if self._model.film else ()))
+
         def traverse(self, callback):
-            film = film_parameters if self._model.film else ()
-            self._inputs.traverse(callback, (*self._model.names, *film))
+            self._inputs.traverse(callback, self.names)
 
         def _update(self, keys):
             self.update()
@@ -188,8 +188,7 @@ def define(proposal_bsdf: type) -> tuple[type, type]:
             """
             self._inputs, self._make = inputs, make
             self._turned = "geometry_tangent" in inputs.maps
-            # Coats that `mi.traverse` may have listed. Frozen functions must find them.
-            self._former: list[Any] = []
+            self.gradient_tensors = GradientTensors()
             self._configure(make(None))
             super().__init__(mi.Properties("openpbr"), inputs.where)
 
@@ -259,30 +258,26 @@ def define(proposal_bsdf: type) -> tuple[type, type]:
                 return Offer()
             return replace(offer_of(base), exact=lambda: self)
 
+        names = NAMES
+
         def traverse(self, callback):
-            self._inputs.traverse(callback, OWN)
-            for name, part in (("base", self._base), ("coated", self._coated)):
-                if part is not None:
-                    callback.put(name, part, mi.ParamFlags.Differentiable)
-            # Mitsuba lists a texture once. These are the ones that no layer has listed.
-            self._inputs.traverse(callback, OF_LAYERS)
+            self._inputs.traverse(callback, self.names)
+            self.gradient_tensors.traverse(callback)
 
         def _update(self, keys):
             self._inputs.refresh()
+            renewed = self._version != self._inputs.version
             if keys and all(key.startswith("fuzz") for key in keys):
-                if self._version != self._inputs.version:
+                if renewed:
                     self._configure(self._layers)
                 return
-            former, renewed = self._layers, self._version != self._inputs.version
+            former = self._coated
             if renewed or (self._compensation and not self._compensation.is_current):
-                self._configure(self._make(former))
-                if former.coated is not self._coated:
-                    self._former.append(former.coated)
-            # Mitsuba has already updated a coat that it lists if only its own parameters changed.
-            seen = set(keys) == {"coated"} and not (renewed or self._former)
-            seen &= not (self._coated and self._layers.below.follows_coat)
-            if self._coated is former.coated is not None and not seen:
-                self._coated.parameters_changed(["bottom"])
+                self._configure(self._make(self._layers))
+            if self._coated is former is not None:
+                base = not keys or not {*keys}.isdisjoint(self._layers.below.names)
+                self._coated.parameters_changed(["bottom"] if base else list(OF_COAT))
+            self.gradient_tensors.follow(self._coated)
 
         def to_string(self):
             parts = "\n".join(f"{part}," for part in (self._base, self._coated) if part)

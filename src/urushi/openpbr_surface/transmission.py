@@ -14,6 +14,7 @@ from typing import Any
 import drjit as dr
 import mitsuba as mi
 
+from urushi.mitsuba.plugins.base import GradientTensors
 from urushi.mitsuba.plugins.coats import (
     Turn,
     TurnedMixture,
@@ -22,9 +23,9 @@ from urushi.mitsuba.plugins.coats import (
     with_far_side,
 )
 from urushi.openpbr_surface import two_sided
-from urushi.openpbr_surface.bsdfs import Part, SurfaceProposal
+from urushi.openpbr_surface.bsdfs import OF_COAT, Part, SurfaceProposal
 from urushi.openpbr_surface.inputs import Inputs
-from urushi.openpbr_surface.shares import SHARES, index_of, opaque_share, shares
+from urushi.openpbr_surface.shares import INDICES, SHARES, index_of, opaque_share, shares
 from urushi.openpbr_surface.slabs import Finish, slab_of
 
 #: Colours that are white where losses are measured.
@@ -32,6 +33,12 @@ COLORS = ("coat_color", "transmission_color", "specular_color")
 
 #: Parameters that the tables of slabs hold as constants.
 TABULATED = ("specular_roughness", "transmission_color", "coat_roughness", "coat_ior", "coat_color")
+
+#: The parameters of panes.
+OF_PANES = ("specular_roughness", "specular_roughness_anisotropy", "transmission_color", *INDICES)
+
+#: Parameters on which the light that slabs lose does not depend.
+LOSSLESS = (*COLORS, *SHARES, "coat_weight")
 
 
 def define(proposal_bsdf: type) -> Callable[..., "mi.BSDF"]:
@@ -47,13 +54,14 @@ def define(proposal_bsdf: type) -> Callable[..., "mi.BSDF"]:
             takes former ones, whose BSDFs are reused, or an empty list."""
             self._inputs, self._make = inputs, make
             self._parts: list = []
-            self._former: list = []  # parts that `mi.traverse` may have listed, see `_update`
+            self.gradient_tensors = GradientTensors()
             self._configure()
             super().__init__(mi.Properties("openpbr"), inputs.where)
 
         def _configure(self):
             self._parts = self._make([])
-            self._transmit(None if self._inputs.thin else index_of(self._inputs))
+            self._ior = index_of(self._inputs)
+            self._transmit(None if self._inputs.thin else self._ior)
 
         def _vertex(self, si, active):
             turn = None
@@ -103,20 +111,25 @@ def define(proposal_bsdf: type) -> Callable[..., "mi.BSDF"]:
             return SurfaceProposal(proposals, 0.0)
 
         def traverse(self, callback):
-            self._inputs.traverse(callback, (*SHARES, "coat_weight"))
-            for i, (bsdf, _, _) in enumerate(self._parts):
-                callback.put(f"part_{i}", bsdf, mi.ParamFlags.Differentiable)
+            names = [*SHARES]
+            for bsdf, _, _ in self._parts:
+                names += bsdf.names
+            if "transmission_color" in names:  # a coat may appear
+                names += ("coat_weight", *OF_COAT)
+            self._inputs.traverse(callback, dict.fromkeys(names))
+            self.gradient_tensors.traverse(callback)
 
         def _update(self, keys):
-            if self._inputs.refresh():
-                # Frozen functions must find what the user's parameters keep alive.
-                self._former.append(self._parts)
+            changed = {*keys}
+            if self._inputs.refresh() or index_of(self._inputs) != self._ior:
                 self._configure()
-            elif any(finish for _, _, finish in self._parts):
-                for i, (bsdf, _, _) in enumerate(self._parts):
-                    if f"part_{i}" not in keys:  # another part may list its textures
-                        bsdf.parameters_changed()
-                self._parts = self._make(self._parts)
+            else:
+                for bsdf, _, _ in self._parts:
+                    if not changed or not changed.isdisjoint(bsdf.names):
+                        bsdf.parameters_changed(list(keys))
+                if not changed or not changed <= {*LOSSLESS}:
+                    self._parts = self._make(self._parts)
+            self.gradient_tensors.follow(self._parts[0][0])  # the opaque part, if there is one
 
         def to_string(self):
             parts = ",\n".join(str(bsdf) for bsdf, _, _ in self._parts)
@@ -152,7 +165,9 @@ def define(proposal_bsdf: type) -> Callable[..., "mi.BSDF"]:
             given = [inputs.textures[x] for x in (TABULATED if coated else TABULATED[:2])]
             numbers = not any(x.is_spatially_varying() for x in given)  # nor bitmaps of one value
             plugin = "neural_layered" if tables and one and numbers else "layered"
-            return mi.load_dict(described | {"type": plugin})
+            made = mi.load_dict(described | {"type": plugin})
+            made.names = (*OF_PANES, *(OF_COAT if coated else ()))
+            return made
 
         def parts(former: list) -> list:
             found: list[tuple[Any, Callable[..., Any], Any]] = []

@@ -140,10 +140,16 @@ def define(proposal_bsdf: type) -> tuple[Any, type]:
         def _proposal(self, vertex, si, active):
             return GlassProposal(vertex.widths, vertex.eta, dr.clip(vertex.lost, LEAST_LOST, 0.9))
 
-        def traverse(self, callback):
+        @property
+        def names(self) -> tuple[str, ...]:
+            """The parameters that it reads."""
             names = "specular_color", "specular_roughness", "specular_roughness_anisotropy"
-            film = film_parameters if self._film else ()
-            self._inputs.traverse(callback, (*names, *INDICES, "transmission_color", *film))
+            bare = self._film or self._inputs.is_constant("coat_weight", 0)  # a film may appear
+            film = film_parameters if bare else ()
+            return (*names, *INDICES, "transmission_color", *film)
+
+        def traverse(self, callback):
+            self._inputs.traverse(callback, self.names)
 
         def _update(self, keys):
             self._configure()
@@ -181,10 +187,14 @@ def define(proposal_bsdf: type) -> tuple[Any, type]:
             share = dr.clip(reflected / (1 - through), MIN_SHARE, 1 - MIN_SHARE)
             return with_far_side(Mixture([share, 1 - share], [near.widths]), through)
 
+        #: The parameters that it reads.
+        names = (
+            *("subsurface_color", "subsurface_scatter_anisotropy", "base_diffuse_roughness"),
+            *("specular_roughness", "specular_roughness_anisotropy", "specular_color", *INDICES),
+        )
+
         def traverse(self, callback):
-            names = "subsurface_color", "subsurface_scatter_anisotropy", "base_diffuse_roughness"
-            more = "specular_roughness", "specular_ior", "specular_color"
-            self._inputs.traverse(callback, (*names, *more))
+            self._inputs.traverse(callback, self.names)
 
         def to_string(self):
             return "OpenPBRSheet[]"

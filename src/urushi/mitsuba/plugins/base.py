@@ -259,6 +259,34 @@ def inside(vertex: PlacedVertex, si: Any, wo: Any) -> tuple[Any, Any]:
     return (si, wo) if turn is None else (turn.interaction(si), turn.inside(wo))
 
 
+class GradientTensors:
+    """Codes and table that have gradients, empty if they have none: read-only parameters.
+
+    Integrators differentiate by the parameters that they are given. They find these, whose owner
+    keeps them for as long as it lives.
+    """
+
+    DRJIT_STRUCT: ClassVar = {"_latents": object, "_table": object}  # for frozen functions
+
+    def __init__(self):
+        self._latents, self._table = mi.TensorXf(), mi.TensorXf()
+
+    def set(self, latents=None, table=None):
+        """Put other tensors in the place of both; None: an empty one."""
+        mi.set_property(self._latents, mi.TensorXf() if latents is None else latents)
+        mi.set_property(self._table, mi.TensorXf() if table is None else table)
+
+    def follow(self, bsdf: "mi.BSDF | None") -> None:
+        """Take those of a BSDF that may have any."""
+        given = getattr(bsdf, "gradient_tensors", None)
+        self.set(given and given._latents, given and given._table)
+
+    def traverse(self, callback) -> None:
+        """List them for `mi.traverse`."""
+        callback.put("latents", self._latents, mi.ParamFlags.ReadOnly)
+        callback.put("table", self._table, mi.ParamFlags.ReadOnly)
+
+
 def ignore(props: "mi.Properties", *names: str) -> None:
     """Mark parameters of another plugin as used: Mitsuba refuses a scene with unused ones."""
     for name in names:

@@ -11,7 +11,7 @@ from urushi.mitsuba.latents import gradients
 from urushi.mitsuba.latents.baking import Baker
 from urushi.mitsuba.latents.gradients import DifferentiableLatents
 from urushi.mitsuba.latents.holders import ConstantLatents, TexturedLatents
-from urushi.mitsuba.plugins.base import inside, read_weights
+from urushi.mitsuba.plugins.base import GradientTensors, inside, read_weights
 from urushi.mitsuba.plugins.coats import Turn
 from urushi.mitsuba.plugins.estimates import Compensation, estimates
 from urushi.mitsuba.reading.below import below, is_rebuilt
@@ -100,15 +100,14 @@ def define(base: type) -> type:
             self._mipmaps = bool(props.get("mipmaps", False))
             self._baker, self._compensation = None, None
             self._below = below(self._bottom, self._coat)
-            # Codes and table with gradients, for integrators
-            self._differentiable = {"latents": mi.TensorXf(), "table": mi.TensorXf()}
+            self.gradient_tensors = GradientTensors()
             self._bake()
 
         def under(self, coat):
             """See `reading.below.Coatable`."""
             under = self._copy()
             under._coat, under._baker = self._coat.under(coat), None
-            under._differentiable = {"latents": mi.TensorXf(), "table": mi.TensorXf()}
+            under.gradient_tensors = GradientTensors()
             under._bake()
             return under
 
@@ -136,12 +135,10 @@ def define(base: type) -> type:
                 self._absorbs = self._baker.absorbs
                 if self._coat.compensated:
                     self._compensation = Compensation(self._coat, self._below)
-            codes, table = mi.TensorXf(), mi.TensorXf()
+            self.gradient_tensors.set()
             if gradients.wanted(self):
                 self.latents = gradients.bake(self._baker, self._coat, self._below, self.latents)
-                codes, table = self.latents.tensor, self.latents.table
-            mi.set_property(self._differentiable["latents"], codes)
-            mi.set_property(self._differentiable["table"], table)
+                self.gradient_tensors.set(self.latents.tensor, self.latents.table)
 
         def save(self, path):
             """Write the codes to a file that ``neural_brdf`` loads, textured or not.
@@ -194,8 +191,7 @@ def define(base: type) -> type:
         def traverse(self, callback):
             self._coat.traverse(callback, mi.ParamFlags.Differentiable)
             callback.put("bottom", self._bottom, mi.ParamFlags.Differentiable)
-            for name, tensor in self._differentiable.items():
-                callback.put(name, tensor, mi.ParamFlags.ReadOnly)
+            self.gradient_tensors.traverse(callback)
 
         def _update(self, keys):
             if set(keys) <= {"latents", "table"} and keys:
