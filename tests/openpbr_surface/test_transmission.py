@@ -17,6 +17,7 @@ from urushi.walk.simulate import albedo
 pytestmark = pytest.mark.usefixtures("rgb")
 
 GLASS = {"transmission_weight": 1.0, "specular_ior": 1.5}
+BRUSHED = GLASS | {"specular_roughness": 0.6, "specular_roughness_anisotropy": 0.8}
 LEAF = {"geometry_thin_walled": True, "subsurface_weight": 1.0}
 PANE = {"geometry_thin_walled": True, "transmission_weight": 1.0}
 COAT = {"coat_weight": 1.0, "coat_roughness": 0.5, "specular_roughness": 0.4}
@@ -27,6 +28,7 @@ WHITE = (1.0, 1.0, 1.0)
 CLOSED = {
     "glass": (GLASS | {"specular_roughness": 0.3}, 1.5),
     "roughest": (GLASS | {"specular_roughness": 1.0}, 1.5),
+    "brushed": (BRUSHED, 1.5),
     "thinner": ({"transmission_weight": 1.0, "specular_ior": 0.8, "specular_roughness": 0.4}, 0.8),
     "film": (GLASS | {"thin_film_weight": 1.0, "specular_roughness": 0.5}, 1.5),
     "skin": ({"subsurface_weight": 1.0, "specular_ior": 1.4, "specular_roughness": 0.5}, 1.4),
@@ -42,12 +44,12 @@ def load(values, **options):
     return mi.load_dict(surface | {"interior": True})
 
 
-def sampled(bsdf, degrees, count=1 << 16, radiance=False):
+def sampled(bsdf, degrees, count=1 << 16, radiance=False, azimuth=36.87, uv=(0.5, 0.5)):
     """Weights (C, N) and directions (N, 3) of samples for light of an angle to the upper normal."""
-    theta = np.radians(degrees)
-    wi = np.array([0.8 * np.sin(theta), 0.6 * np.sin(theta), np.cos(theta)])
+    theta, phi = np.radians(degrees), np.radians(azimuth)
+    wi = np.array([np.cos(phi) * np.sin(theta), np.sin(phi) * np.sin(theta), np.cos(theta)])
     index = np.arange(count)
-    si = probing.interaction(np.tile(wi, (count, 1)), np.full((count, 2), 0.5), index)
+    si = probing.interaction(np.tile(wi, (count, 1)), np.tile(uv, (count, 1)), index)
     u = [((index + 0.5) * 1.2207440846057596**-k % 1).astype(np.float32) for k in (1, 2, 3)]
     mode = mi.TransportMode.Radiance if radiance else mi.TransportMode.Importance
     bs, weight = bsdf.sample(mi.BSDFContext(mode), si, mi.Float(u[0]), mi.Point2f(u[1], u[2]))
@@ -77,6 +79,14 @@ def test_white_surfaces_lose_no_light_on_either_side(name, degrees):
     values, _ = CLOSED[name]
     weight, _ = sampled(load(values), degrees)
     assert weight.mean(1) == pytest.approx(1, abs=0.006)
+
+
+@pytest.mark.parametrize("azimuth", [0.0, 45.0, 90.0])
+@pytest.mark.parametrize("degrees", [30, 72, 108])
+def test_brushed_glass_loses_no_light_at_any_azimuth(azimuth, degrees):
+    """Within 1 %: interpolation between the tables' nodes, most about total reflection."""
+    weight, _ = sampled(load(BRUSHED), degrees, azimuth=azimuth)
+    assert weight.mean(1) == pytest.approx(1, abs=0.01)
 
 
 @pytest.mark.parametrize("name", CLOSED)

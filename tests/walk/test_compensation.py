@@ -21,6 +21,20 @@ def test_white_coats_reflect_all_light(alpha, medium):
     assert (np.abs(found - 1) < 0.005 + 5 * error).all()
 
 
+@pytest.mark.parametrize("widths", ((0.8, 0.1), (0.05, 0.2)))
+def test_white_coats_of_two_widths_reflect_all_light_at_every_azimuth(widths):
+    """Within 0.5 %, and five standard errors."""
+    azimuth = np.radians([0.0, 20.0, 70.0, 90.0, 0.0, 90.0])
+    cosine = np.array([0.1, 0.1, 0.1, 0.1, 0.6, 0.6])
+    sine = np.sqrt(1 - cosine**2)
+    wi = np.stack([sine * np.cos(azimuth), sine * np.sin(azimuth), cosine], axis=-1)
+    u, v = widths
+    coat = {"alpha_u": u, "alpha_v": v, "ior": 1.5, "energy_compensation": True}
+    stack = urushi.coat(urushi.diffuse(1.0), **coat)
+    found, error = albedo(stack, wi, walks=1 << 14, seed=0)
+    assert (np.abs(found - 1) < 0.005 + 5 * error).all()
+
+
 @pytest.mark.parametrize("alpha", (0.1, 0.3, 0.6, 1.0))
 @pytest.mark.parametrize("width", (0.02, 0.1, 0.3))
 def test_coats_over_white_metals_return_lost_light_and_gain_none(alpha, width):

@@ -169,7 +169,7 @@ class Tables(NamedTuple):
     # returns.
     reflected_entered: np.ndarray
     passed_entered: np.ndarray
-    inside: np.ndarray  # the mean cosine of the transmitted light
+    inside: np.ndarray  # the mean cosine of the transmitted light; empty for two widths
 
 
 @functools.cache
@@ -216,6 +216,20 @@ def surface_loss(
     def at(table: np.ndarray) -> np.ndarray:
         return table[0, first] + (place - first) * (table[0, first + 1] - table[0, first])
 
+    inside = leaving_share(below, mirrored, at)
+    lost = np.clip(1 - at(above.reflected) - inside * at(above.passed), 0, 1)
+    grid = np.linspace(0, 1, COSINES)
+    mean = 1 - at(above.reflected_mean) - inside * at(above.passed_mean)
+    return lambda cosine: np.interp(cosine_coordinate(cosine, eta), grid, lost), float(mean)
+
+
+def leaving_share(
+    below: Tables, mirrored: float, at: Callable[[np.ndarray], np.ndarray | float]
+) -> np.ndarray | float:
+    """Share of the light from a white base that leaves at last, over the mean that enters.
+
+    below: seen from the base. at: the value of a table of means.
+    """
     passed, reflected = (
         (1 - mirrored) * at(diffuse) + mirrored * at(entered)
         for diffuse, entered in (
@@ -223,11 +237,7 @@ def surface_loss(
             (below.reflected_mean, below.reflected_entered),
         )
     )
-    inside = passed / (1 - reflected)
-    lost = np.clip(1 - at(above.reflected) - inside * at(above.passed), 0, 1)
-    grid = np.linspace(0, 1, COSINES)
-    mean = 1 - at(above.reflected_mean) - inside * at(above.passed_mean)
-    return lambda cosine: np.interp(cosine_coordinate(cosine, eta), grid, lost), float(mean)
+    return passed / (1 - reflected)
 
 
 @functools.cache

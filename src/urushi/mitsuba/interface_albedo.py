@@ -6,7 +6,7 @@ import drjit as dr
 import mitsuba as mi
 import numpy as np
 
-from urushi.core import albedos
+from urushi.core import albedos, anisotropic_albedos
 from urushi.core.namespace import DRJIT
 from urushi.mitsuba.recording import owned
 
@@ -14,29 +14,33 @@ from urushi.mitsuba.recording import owned
 class InterfaceAlbedo:
     """Directional albedos of a rough dielectric interface, from above.
 
-    eta: its index if it is constant; None: any between 1/3 and 3.
+    Directions are unit vectors above the horizon, or cosines if the interface has one width.
+
+    eta: its index if it is constant; None: any between 1/3 and 3. two_widths: whether its widths
+        are `Widths`.
     """
 
     DRJIT_STRUCT: ClassVar = dict.fromkeys(
         ("_reflected", "_reflected_mean", "_both", "_both_mean", "_both_entered"), object
     )  # for frozen functions
 
-    def __init__(self, eta: float | None):
+    def __init__(self, eta: float | None, two_widths: bool = False):
         self._constant = None if eta is None else float(np.clip(eta, 1 / 3, 3))
-        known = albedos.tables(self._constant)
+        self._two = two_widths
+        known = (anisotropic_albedos if two_widths else albedos).tables(self._constant)
         self._reflected = self._tables(known.reflected)
         self._reflected_mean = self._tables(known.reflected_mean)
         self._both = self._tables(known.reflected, known.passed)
         self._both_mean = self._tables(known.reflected_mean, known.passed_mean)
         self._both_entered = self._tables(known.reflected_entered, known.passed_entered)
 
-    def reflected(self, cosine, alpha, eta):
+    def reflected(self, w, alpha, eta):
         """Share of the light from a direction that is reflected."""
-        return self._reflected(self._at(cosine, alpha, eta))[0]
+        return self._reflected(self._at(w, alpha, eta))[0]
 
-    def both(self, cosine, alpha, eta) -> list:
+    def both(self, w, alpha, eta) -> list:
         """Shares that are reflected and transmitted; the rest would meet a second facet."""
-        return self._both(self._at(cosine, alpha, eta))
+        return self._both(self._at(w, alpha, eta))
 
     def reflected_mean(self, alpha, eta):
         """Share of diffuse light that is reflected."""
@@ -59,15 +63,24 @@ class InterfaceAlbedo:
         table = np.stack(values, axis=-1)
         return Interpolated(table if self._constant is None else table[0])
 
-    def _at(self, cosine, alpha, eta) -> list:
-        return coordinates(cosine, alpha, eta if self._constant is None else self._constant)
+    def _at(self, w, alpha, eta) -> list:
+        eta = eta if self._constant is None else self._constant
+        cosine = w.z if isinstance(w, mi.Vector3f) else w
+        if not self._two:
+            return coordinates(cosine, alpha, eta)
+        at = anisotropic_albedos.coordinates(w, alpha, DRJIT)
+        if w is not None:
+            at = [albedos.cosine_coordinate(cosine, eta, DRJIT), *at]
+        if self._constant is None:
+            at.append(anisotropic_albedos.index_coordinate(eta, DRJIT))
+        return at
 
 
 class LossVertex(NamedTuple):
     """An interface of `InterfaceLoss` at a vertex."""
 
     eta: Any  # its index
-    alpha: Any  # its width
+    alpha: Any  # its width, or two
     inside: Any  # the share of light from the base that leaves, over the mean that enters
     lost: Any  # the share lost at wi, over pi times the mean share
 
@@ -77,14 +90,14 @@ class InterfaceLoss:
 
     A loss 1 - A(w) returns as (1 - A(wi)) (1 - A(wo)) / (pi (1 - A_mean)) (Kulla and Conty 2017).
 
-    eta: its index if it is constant; None: any between 1/3 and 3.
+    eta, two_widths: see `InterfaceAlbedo`.
     """
 
     DRJIT_STRUCT: ClassVar = {"_above": object, "_below": object}  # for frozen functions
 
-    def __init__(self, eta: float | None):
-        self._above = InterfaceAlbedo(eta)
-        self._below = InterfaceAlbedo(None if eta is None else 1 / eta)
+    def __init__(self, eta: float | None, two_widths: bool = False):
+        self._above = InterfaceAlbedo(eta, two_widths)
+        self._below = InterfaceAlbedo(None if eta is None else 1 / eta, two_widths)
 
     def at(self, alpha, eta, mirrored=None) -> LossVertex:
         """An interface, without a direction; mirrored: share that the base mirrors, else none."""
@@ -92,21 +105,21 @@ class InterfaceLoss:
         reflected, passed = self._below.both_mean(alpha, 1 / eta, mirrored)
         return LossVertex(eta, alpha, passed / (1 - reflected), ())
 
-    def lost(self, at: LossVertex, cosine):
+    def lost(self, at: LossVertex, w):
         """Share of the light from a direction that is lost."""
-        reflected, passed = self._above.both(cosine, at.alpha, at.eta)
+        reflected, passed = self._above.both(w, at.alpha, at.eta)
         lost = dr.clip(1 - reflected - at.inside * passed, 0, 1)
         return dr.select(at.eta == 1, 0, lost)  # there is no interface
 
-    def seen(self, at: LossVertex, cosine) -> LossVertex:
+    def seen(self, at: LossVertex, wi) -> LossVertex:
         """The interface with what is lost of light from a direction."""
         reflected, passed = self._above.both_mean(at.alpha, at.eta)
         mean = 1 - reflected - at.inside * passed
-        return at._replace(lost=self.lost(at, cosine) / dr.maximum(dr.pi * mean, 1e-5))
+        return at._replace(lost=self.lost(at, wi) / dr.maximum(dr.pi * mean, 1e-5))
 
     def lobe(self, vertex: LossVertex, wo):
         """The lobe [1/sr] of the light that is given back."""
-        return vertex.lost * self.lost(vertex, wo.z)
+        return vertex.lost * self.lost(vertex, wo)
 
 
 def coordinates(cosine, alpha, eta) -> list:
@@ -126,13 +139,16 @@ class Interpolated:
     """A table of channels, the last axis, as a function of coordinates in [0, 1].
 
     The coordinate of the last axis but the channels comes first. The table is linear between its
-    nodes, which are from 0 to 1 on each axis.
+    nodes, which are from 0 to 1 on each axis. Textures have three axes: the first axes of larger
+    tables form one of them.
     """
 
     DRJIT_STRUCT: ClassVar = {"_texture": object}  # for frozen functions
 
     def __init__(self, table: np.ndarray):
         kinds = {2: mi.Texture1f, 3: mi.Texture2f, 4: mi.Texture3f}
+        self._sizes = table.shape[-2::-1]
+        table = table.reshape(-1, *table.shape[-3:]) if table.ndim > 4 else table
         self._texture = kinds[table.ndim](
             mi.TensorXf(owned(mi.Float, table), table.shape),
             use_accel=False,
@@ -142,7 +158,29 @@ class Interpolated:
 
     def __call__(self, at: list) -> list:
         """The channels."""
+        places = [x * (size - 1) for x, size in zip(at, self._sizes, strict=True)]
+        inner, rows = places[:3], self._sizes[2] if len(at) > 2 else 1
+        corners: list[tuple[Any, Any]] = [(1.0, 0.0)]  # of the axes that are rows: weights, rows
+        for place, size in zip(places[3:], self._sizes[3:], strict=True):
+            low = dr.clip(dr.floor(place), 0, size - 2)
+            share = dr.clip(place - low, 0, 1)
+            corners = [
+                (weight * part, row + rows * (low + step))
+                for weight, row in corners
+                for step, part in ((0, 1 - share), (1, share))
+            ]
+            rows *= size
+        if len(corners) == 1:
+            return self._at(inner)
+        inner[2] = dr.clip(inner[2], 0, self._sizes[2] - 1)
+        found = [
+            [weight * x for x in self._at([*inner[:2], inner[2] + row])] for weight, row in corners
+        ]
+        return [sum(channel) for channel in zip(*found, strict=True)]
+
+    def _at(self, places: list) -> list:
+        """The channels of the texture, at places in steps of its nodes."""
         sizes = reversed(self._texture.shape[:-1])
-        position = [(x * (size - 1) + 0.5) / size for x, size in zip(at, sizes, strict=True)]
+        position = [(place + 0.5) / size for place, size in zip(places, sizes, strict=True)]
         kinds = {1: mi.Point1f, 2: mi.Point2f, 3: mi.Point3f}
-        return list(self._texture.eval(kinds[len(at)](*position)))
+        return list(self._texture.eval(kinds[len(position)](*position)))

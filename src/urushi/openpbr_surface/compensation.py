@@ -116,7 +116,7 @@ class Compensation:
         internal = formulas.internal_reflectance(1 - formulas.mean_fresnel(eta), eta)
         loss: Any = ()
         if not (self._only_metal and self._metal):
-            loss = self._loss.seen(interface_at(self._loss, inputs, si, active), si.wi.z)
+            loss = self._loss.seen(interface_at(self._loss, inputs, si, active), si.wi)
         tint, below, metal_below = [], (), ()
         if self._tinted:
             tint = [-optical_depth(inputs.color("coat_color", si, active), DRJIT)]
@@ -171,13 +171,14 @@ def _path(w, eta):
 def interface_loss(inputs: Inputs) -> InterfaceLoss:
     """Light that the coat's interface loses over a white Lambertian base."""
     ior = inputs.known("coat_ior")
-    return InterfaceLoss(None if ior is None else float(formulas.interface_index(ior)))
+    two_widths = not inputs.is_constant("coat_roughness_anisotropy", 0)
+    return InterfaceLoss(None if ior is None else float(formulas.interface_index(ior)), two_widths)
 
 
 def interface_at(loss: InterfaceLoss, inputs: Inputs, si, active) -> LossVertex:
     """The coat's interface at a surface interaction."""
     eta = formulas.interface_index(inputs.number("coat_ior", si, active), DRJIT)
-    return loss.at(formulas.lobe_width(inputs.number("coat_roughness", si, active), DRJIT), eta)
+    return loss.at(inputs.widths("coat", si, active), eta)
 
 
 class FurnaceVertex(NamedTuple):
@@ -357,8 +358,9 @@ def sampled_losses(
 
 def _interface_losses(inputs: Inputs, uv: np.ndarray) -> np.ndarray:
     """The losses (N, COSINES) of the coat's interface at points of uv (N, 2)."""
-    cosine = np.tile(np.linspace(0, 1, COSINES, dtype=np.float32) ** 2, len(uv))
-    si = probing.interaction(np.tile([0.0, 0.0, 1.0], (len(cosine), 1)), np.repeat(uv, COSINES, 0))
+    cosine = np.tile(np.linspace(0, 1, COSINES) ** 2, len(uv))
+    sine = np.sqrt((1 - cosine**2) / 2)  # at an azimuth of 45 degrees, as samples
+    si = probing.interaction(np.stack([sine, sine, cosine], -1), np.repeat(uv, COSINES, 0))
     loss = interface_loss(inputs)
-    lost = loss.lost(interface_at(loss, inputs, si, mi.Bool(True)), mi.Float(cosine)).numpy()
+    lost = loss.lost(interface_at(loss, inputs, si, mi.Bool(True)), si.wi).numpy()
     return np.broadcast_to(lost, len(cosine)).reshape(len(uv), COSINES)

@@ -8,14 +8,13 @@ import functools
 from typing import ClassVar
 
 import drjit as dr
-import mitsuba as mi
 import numpy as np
 
 from urushi.checks import Widths
 from urushi.core import albedos
 from urushi.core.albedos import between_nodes, hemisphere_mean, indexnodes, nodes, visible_facets
 from urushi.core.namespace import DRJIT
-from urushi.mitsuba.interface_albedo import InterfaceAlbedo, Interpolated, coordinates
+from urushi.mitsuba.interface_albedo import Interpolated, coordinates
 from urushi.openpbr_surface import formulas
 
 #: Lower bound of the share of light that leaves the slab at once; an index of 10 gives more.
@@ -171,45 +170,6 @@ class AnisotropicMirror(MirrorAlbedo):
         ratio = (widths.u - widths.v) / (widths.u + widths.v)
         mean = 0.5 * (widths.u + widths.v)
         return [albedos.roughness_coordinate(mean, DRJIT), ratio / MOST]
-
-
-class AnisotropicInterface:
-    """`InterfaceAlbedo.reflected` of two widths.
-
-    The albedo of a direction is the albedo of an isotropic interface with the width along the
-    direction, times the ratio of mirror albedos of both widths and of this width.
-    """
-
-    DRJIT_STRUCT: ClassVar = dict.fromkeys(("_interface", "_mirror", "_one"), object)
-
-    def __init__(self, interface: InterfaceAlbedo, mirror: AnisotropicMirror):
-        self._interface, self._mirror, self._one = interface, mirror, MirrorAlbedo()
-
-    def reflected(self, w, widths, eta):
-        """Share of the light from a direction that is reflected."""
-        x2, y2 = w.x * w.x, w.y * w.y
-        along = _width_along(widths, x2 / dr.maximum(x2 + y2, 1e-12))
-        share = self._mirror.seen(w, widths) / self._one.seen(w, along)
-        return dr.clip(self._interface.reflected(w.z, along, eta) * share, 0, 1)
-
-    def reflected_mean(self, widths, eta):
-        """Share of diffuse light that is reflected."""
-        reflected, seen = mi.Float(0), mi.Float(0)
-        for cosine2 in _AZIMUTHS:
-            along = _width_along(widths, cosine2)
-            reflected += self._interface.reflected_mean(along, eta)
-            seen += self._one.seen_mean(along)
-        return reflected / seen * self._mirror.seen_mean(widths)
-
-
-#: Squares of the cosines of azimuths for a mean over them.
-_AZIMUTHS = tuple(np.cos((np.arange(4) + 0.5) * np.pi / 8) ** 2)
-
-
-def _width_along(widths, cosine2):
-    """The width along a direction whose azimuth has a cosine of a given square."""
-    along, across = dr.square(widths.u), dr.square(widths.v)
-    return dr.sqrt(across + (along - across) * cosine2)
 
 
 class RoughSlab:

@@ -23,12 +23,7 @@ from urushi.mitsuba.interface_albedo import InterfaceAlbedo
 from urushi.openpbr_surface import formulas, thin_film
 from urushi.openpbr_surface.film import FilmFresnel
 from urushi.openpbr_surface.inputs import Inputs
-from urushi.openpbr_surface.lookups import (
-    AnisotropicInterface,
-    AnisotropicMirror,
-    MirrorAlbedo,
-    RoughSlab,
-)
+from urushi.openpbr_surface.lookups import AnisotropicMirror, MirrorAlbedo, RoughSlab
 
 #: specular_roughness below which networks are given 1 / eta for an index eta < 1, which reflects as
 #: much at normal incidence. Networks cannot represent the sharp edge of total reflection over a
@@ -74,7 +69,7 @@ class Base:
     """
 
     DRJIT_STRUCT: ClassVar = dict.fromkeys(
-        ("film", "mirror", "_albedo", "_slab", "_turning"), object
+        ("film", "mirror", "_albedo", "_slab"), object
     )  # for frozen functions
 
     def __init__(self, inputs: Inputs, under_coat: bool, encoded: bool):
@@ -88,16 +83,15 @@ class Base:
         self._boosted = under_coat and not inputs.is_constant("coat_darkening", 1)
         self.only_metal = inputs.is_constant("base_metalness", 1)
         self._only_dielectric = inputs.is_constant("base_metalness", 0)
-        self.film = self._slab = self._turning = None
+        self.film = self._slab = None
         if not inputs.is_constant("thin_film_weight", 0):
             self.film = FilmFresnel(inputs)
         eta = self._constant_eta()
-        self._albedo, self.mirror = InterfaceAlbedo(eta), MirrorAlbedo()
+        two_widths = not inputs.is_constant("specular_roughness_anisotropy", 0)
+        self._albedo = InterfaceAlbedo(eta, two_widths)
+        self.mirror = AnisotropicMirror() if two_widths else MirrorAlbedo()
         if not inputs.is_constant("base_diffuse_roughness", 0):
             self._slab = RoughSlab(eta)
-        if not inputs.is_constant("specular_roughness_anisotropy", 0):
-            self.mirror = AnisotropicMirror()
-            self._turning = AnisotropicInterface(self._albedo, self.mirror)
 
     def vertex(self, si, active) -> BaseVertex:
         """The parameters at a surface interaction."""
@@ -157,10 +151,7 @@ class Base:
         """The interface passes light, the diffuse slab reflects it [1/sr]."""
         color, alpha, eta = vertex.color, vertex.alpha, vertex.eta
         reflected = [self.reflected(w, vertex) for w in (si.wi, wo)]
-        if self._turning:
-            mean = self._turning.reflected_mean(vertex.widths, eta)
-        else:
-            mean = self._albedo.reflected_mean(alpha, eta)
+        mean = self._albedo.reflected_mean(vertex.widths, eta)
         if self.film and not self.encoded:
             for i, w in enumerate((si.wi, wo)):
                 more = self.film.excess(w.z, alpha, eta, si, active)
@@ -178,9 +169,7 @@ class Base:
 
     def reflected(self, w, vertex: BaseVertex):
         """Share of the light from a direction that the dielectric's interface reflects."""
-        if self._turning:
-            return self._turning.reflected(w, vertex.widths, vertex.eta)
-        return self._albedo.reflected(w.z, vertex.alpha, vertex.eta)
+        return self._albedo.reflected(w, vertex.widths, vertex.eta)
 
     def boost(self, vertex: BaseVertex, si, active):
         """The factor that cancels darkening by the coat (3.4.1), see `formulas.boost`; 1: none."""

@@ -190,7 +190,7 @@ def define(proposal_bsdf: type) -> Callable[..., "mi.BSDF"]:
                     continue
                 make = partial(slab, coated=coated) if coated or inputs.thin else Glass
                 bsdf, finish = part(make, inputs), None
-                if not isinstance(bsdf, Glass) or not bsdf.returns_lost:
+                if not isinstance(bsdf, Glass):
                     white = bsdf
                     if not all(inputs.is_constant(name, 1) for name in COLORS):
                         white = make(inputs.replaced(dict.fromkeys(COLORS, 1.0)))

@@ -80,19 +80,17 @@ def define(proposal_bsdf: type) -> tuple[Any, type]:
                     "1; give another specular_ior, or Mitsuba's BSDF 'null'"
                 )
             self._transmit(index)
-            # Tables have one width.
-            self.returns_lost = self._inputs.is_constant("specular_roughness_anisotropy", 0)
-            self._albedos = InterfaceAlbedo(index), InterfaceAlbedo(1 / index)
+            two_widths = not self._inputs.is_constant("specular_roughness_anisotropy", 0)
+            self._albedos = [InterfaceAlbedo(eta, two_widths) for eta in (index, 1 / index)]
             film = not self._inputs.is_constant("thin_film_weight", 0)
             self._film: Any = FilmFresnel(self._inputs) if film else None
 
         def _vertex(self, si, active):
-            inputs, scale = self._inputs, 0.0
-            widths, lost = inputs.widths("specular", si, active), mi.Float(0)
-            if self.returns_lost:
-                means = self._sides(lambda table, eta: 1 - sum(table.both_mean(widths, eta)))
-                scale = 1 / dr.maximum(dr.pi * (means[0] + self._index**2 * means[1]), 1e-5)
-                lost = self._lost(widths, si.wi)
+            inputs = self._inputs
+            widths = inputs.widths("specular", si, active)
+            means = self._sides(lambda table, eta: 1 - sum(table.both_mean(widths, eta)))
+            scale = 1 / dr.maximum(dr.pi * (means[0] + self._index**2 * means[1]), 1e-5)
+            lost = self._lost(widths, si.wi)
             tint, specular = tint_of(inputs, si, active), inputs.color("specular_color", si, active)
             return GlassVertex(widths, self._index_across(si.wi), tint, specular, lost, scale)
 
@@ -103,9 +101,7 @@ def define(proposal_bsdf: type) -> tuple[Any, type]:
 
         def _lost(self, widths, w):
             """Share of the light from a direction that meets a second facet."""
-            if not self.returns_lost:
-                return mi.Float(0)
-            passed = self._sides(lambda table, eta: sum(table.both(dr.abs(w.z), widths, eta)))
+            passed = self._sides(lambda table, eta: sum(table.both(raised(w), widths, eta)))
             return dr.clip(1 - dr.select(w.z > 0, *passed), 0, 1)
 
         def _f(self, vertex, ctx, si, wo, active):

@@ -1,16 +1,13 @@
 """Monte Carlo means over random walks, with standard errors, in kernel launches of bounded size."""
 
-import functools
-import importlib
 from collections.abc import Callable, Sequence
-from types import ModuleType
 from typing import Any
 
 import drjit as dr
 import numpy as np
 from tqdm import tqdm
 
-from urushi import platform
+from urushi.core.backend import backend
 from urushi.core.random import stream
 from urushi.errors import ParameterError
 from urushi.walk.stack import Stack
@@ -21,15 +18,6 @@ LANES = 1 << 22
 
 #: One walk per lane: walk(layers, bottom, *directions, rng) returns a Dr.Jit float.
 Walk = Callable[..., Any]
-
-
-@functools.cache
-def backend() -> ModuleType:
-    """The module of Dr.Jit's array types: `drjit.cuda` if there is a GPU, else `drjit.llvm`."""
-    if dr.has_backend(dr.JitBackend.CUDA):
-        return importlib.import_module("drjit.cuda")
-    platform.require_llvm()
-    return importlib.import_module("drjit.llvm")
 
 
 def per_channel(

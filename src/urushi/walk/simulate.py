@@ -18,9 +18,9 @@ import numpy.typing as npt
 
 from urushi import checks
 from urushi.checks import CoatParameters, Widths
-from urushi.core import albedos, appearance
+from urushi.core import anisotropic_albedos, appearance
 from urushi.core.appearance import coated_color
-from urushi.core.microfacet import of_widths
+from urushi.core.microfacet import of_widths, pair
 from urushi.core.mixture import Mixture
 from urushi.core.namespace import NUMPY
 from urushi.errors import ParameterError
@@ -178,7 +178,7 @@ def albedo(
         lambda table, row, wi: average(table, row, (wi,), walk_one, walks=walks, seed=seed),
     )
     if stack.coats[0].energy_compensation:
-        found += np.where(wi[:, 2:] > 0, Compensation(stack).albedo(wi[:, 2]), 0)
+        found += np.where(wi[:, 2:] > 0, Compensation(stack).albedo(wi), 0)
     return found, se
 
 
@@ -221,24 +221,21 @@ class Compensation:
         f, _ = simulate(rest, [appearance.WI], [appearance.WO], walks=1 << 14, progress=False)
         mirrored = float(np.clip(1 - np.pi * f.mean() / max(below.mean(), 1e-6), 0, 1))
         top = stack.coats[0]
-        alpha, eta = top.alpha, np.broadcast_to(top.eta, 3)
-        if isinstance(alpha, Widths):
-            alpha = np.sqrt(0.5 * (np.square(alpha.u) + np.square(alpha.v)))
+        eta = np.broadcast_to(top.eta, 3)
         medium = (np.asarray(x) for x in (top.albedo, top.sigma_t, top.g))
-        self._color = coated_color(CoatParameters(alpha, eta, *medium), below, NUMPY)
+        self._color = coated_color(CoatParameters(top.alpha, eta, *medium), below, NUMPY)
+        u, v = (np.broadcast_to(width, 3) for width in pair(top.alpha))
         self._losses = [
-            albedos.surface_loss(float(a), float(e), mirrored)
-            for a, e in zip(np.broadcast_to(alpha, 3), eta, strict=True)
+            anisotropic_albedos.surface_loss(Widths(*map(float, widths)), float(index), mirrored)
+            for *widths, index in zip(u, v, eta, strict=True)
         ]
 
-    def albedo(self, cosine: np.ndarray) -> np.ndarray:
-        """What the lobe adds to the directional albedo at cosines (N,), (N, 3)."""
-        return self._color * np.stack([lost(cosine) for lost, _ in self._losses], axis=-1)
+    def albedo(self, wi: np.ndarray) -> np.ndarray:
+        """What the lobe adds to the directional albedo at unit vectors (N, 3), (N, 3)."""
+        return self._color * np.stack([lost(wi) for lost, _ in self._losses], axis=-1)
 
     def f(self, wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
         """The lobe [1/sr] (N, 3) for unit vectors (N, 3); 0 below the horizon."""
-        lobes = [
-            lost(wi[:, 2]) * lost(wo[:, 2]) / max(np.pi * mean, 1e-5) for lost, mean in self._losses
-        ]
+        lobes = [lost(wi) * lost(wo) / max(np.pi * mean, 1e-5) for lost, mean in self._losses]
         above = (wi[:, 2:] > 0) & (wo[:, 2:] > 0)
         return np.where(above, self._color * np.stack(lobes, axis=-1), 0)

@@ -84,6 +84,16 @@ def test_no_light_appears_over_white_metal(rgb, alpha):
     assert (found < 1.03 + 5 * error).all()
 
 
+@pytest.mark.parametrize("turned", (False, True))
+def test_white_coats_of_two_widths_reflect_all_light(rgb, turned):
+    """Along and across the brushing, within 1 %, the interpolation between the tables' nodes, and
+    five standard errors."""
+    properties = {"alpha_u": 0.1, "alpha_v": 0.6} | ({"rotation": 90.0} if turned else {})
+    for azimuth in (0.0, math.pi / 2):
+        found, error = furnace(rgb, coat("layered", **properties), azimuth=azimuth)
+        assert (np.abs(found - 1) < 0.01 + 5 * error).all()
+
+
 @pytest.mark.parametrize("middle", (0.0, 1.0))
 def test_texels_are_as_they_are_alone(rgb, middle):
     """A mask of metal and black. The middle of uv is in one of both. Within 1 %, the quadrature of

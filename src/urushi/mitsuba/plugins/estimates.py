@@ -14,11 +14,11 @@ import drjit as dr
 import mitsuba as mi
 import numpy as np
 
-from urushi.checks import Widths
 from urushi.core.appearance import WI, WO, coated_albedo, coated_color
 from urushi.core.namespace import DRJIT
 from urushi.mitsuba import spectrum
 from urushi.mitsuba.interface_albedo import InterfaceLoss
+from urushi.mitsuba.plugins.coats import Turn
 from urushi.mitsuba.reading import probing
 from urushi.mitsuba.reading.grid import varying_textures
 from urushi.mitsuba.reading.parameters import CoatTextures
@@ -77,7 +77,7 @@ class Compensation:
         """Estimate what the bottom mirrors, unless it varies."""
         self._coat, self._bottom = coat, bottom
         constant = not coat.has_textured_eta and coat.above is None
-        self._loss = InterfaceLoss(coat.eta if constant else None)
+        self._loss = InterfaceLoss(coat.eta if constant else None, coat.is_anisotropic)
         self._gloss: Any = None  # what the bottom mirrors, if it is the same everywhere
         if not varying_textures(bottom):
             up, places = np.tile([0.0, 0.0, 1.0], (SAMPLES, 1)), np.zeros((SAMPLES, 2))
@@ -90,15 +90,15 @@ class Compensation:
 
     def completed(self, f, si, wo, active):
         """f [1/sr] with the light that the surface loses."""
+        if self._coat.has_rotation:
+            turn = Turn.of(self._coat.textures["rotation"].eval_1(si, active))
+            si, wo = turn.interaction(si), turn.inside(wo)
         coat = self._coat.evaluate(si, active)
-        alpha, eta = coat.alpha, coat.eta
-        if isinstance(alpha, Widths):
-            alpha = dr.sqrt(0.5 * (dr.square(alpha.u) + dr.square(alpha.v)))
         gloss = self._gloss
         if gloss is None:
             gloss = compiled_once(partial(mirrored, self._bottom), si, active)
         below = dr.clip(reflectance(self._bottom, si, active) + gloss, 0, 1)
         share = dr.clip(dr.mean(gloss) / dr.maximum(dr.mean(below), 1e-6), 0, 1)
         color = coated_color(coat, below, DRJIT)
-        vertex = self._loss.seen(self._loss.at(alpha, eta, share), si.wi.z)
+        vertex = self._loss.seen(self._loss.at(coat.alpha, coat.eta, share), si.wi)
         return f + mi.Spectrum(color * self._loss.lobe(vertex, wo))

@@ -1,0 +1,178 @@
+"""Directional albedos of rough interfaces of two GGX widths, as `albedos` has those of one.
+
+The axes of the tables are the index, the quotient of the larger to the smaller width, the larger
+width, the azimuth and the cosine. The coordinate of the azimuth is linear in the logarithm of the
+width along it, on which masking depends: the albedos of a brushed surface change most near the
+direction of the narrow width.
+"""
+
+import functools
+import math
+from collections.abc import Callable
+from typing import Any
+
+import drjit as dr
+import numpy as np
+
+from urushi.checks import MIN_ALPHA, Widths
+from urushi.core import albedos, fresnel, microfacet
+from urushi.core.albedos import AZIMUTHS, BELOW, COSINES, FINE, HEIGHTS
+from urushi.core.backend import backend
+from urushi.core.microfacet import pair
+from urushi.core.namespace import DRJIT, NUMPY, Namespace
+
+#: Nodes of the quotient and of the azimuth.
+QUOTIENTS, TURNS = 12, 9
+
+#: Every how many nodes of the index below one and from one have tables of two widths.
+STEPS = 4, 3
+
+#: Directions at a time: bounds memory.
+CHUNK = 1 << 16
+
+
+def indexnodes() -> np.ndarray:
+    """The relative indices of the nodes."""
+    etas = albedos.indexnodes()
+    return np.concatenate([etas[: BELOW : STEPS[0]], etas[BELOW :: STEPS[1]]])
+
+
+def index_coordinate(eta: Any, xp: Namespace = NUMPY) -> Any:
+    """Coordinate of an index in [0, 1]; see `albedos.index_coordinate`."""
+    place = albedos.index_coordinate(eta, xp) * (albedos.INDICES - 1)
+    below = xp.minimum(place, BELOW - 1) / STEPS[0]
+    above = xp.maximum(place - BELOW, 0) / STEPS[1]
+    return xp.where(eta < 1, below, (BELOW - 1) // STEPS[0] + 1 + above) / (len(indexnodes()) - 1)
+
+
+def coordinates(w: Any, widths: Any, xp: Namespace = NUMPY) -> list:
+    """Coordinates in [0, 1] of the azimuth of a direction, the larger width, and the quotient.
+
+    w: None in tables without its axes.
+    """
+    u, v = pair(widths)
+    large, small = xp.maximum(u, v), xp.minimum(u, v)
+    quotient = xp.log(large / small)
+    place = [albedos.roughness_coordinate(large, xp), quotient / math.log(1 / MIN_ALPHA)]
+    if w is None:
+        return place
+    x2, y2 = w.x * w.x, w.y * w.y
+    least = 1e-12 * (small * small)  # the normal has no azimuth
+    along2 = (u * u * x2 + v * v * y2 + least) / (x2 + y2 + 1e-12)
+    turn = 0.5 * xp.log(along2 / (small * small)) / xp.maximum(quotient, 1e-6)
+    return [xp.clip(turn, 0, 1), *place]
+
+
+@functools.cache
+def tables(eta: float | None = None) -> albedos.Tables:
+    """The tables, see `albedos.tables`.
+
+    eta: the only index; None: all of `indexnodes`, which takes seconds the first time.
+
+    Returns:
+        (I, QUOTIENTS, ROUGHNESSES, TURNS, COSINES); means have neither cosine nor azimuth.
+    """
+    etas = indexnodes() if eta is None else np.array([eta])
+    quotients = (1 / MIN_ALPHA) ** np.linspace(0, 1, QUOTIENTS)
+    return _tables(etas, quotients, albedos.nodes()[0])
+
+
+def _tables(etas: np.ndarray, quotients: np.ndarray, alphas: np.ndarray) -> albedos.Tables:
+    """`tables` at indices, quotients of the widths, and larger widths."""
+    # The squared cosines of the azimuths to the larger width.
+    narrow2 = 1 / np.maximum(quotients[:, None], 1.001) ** 2
+    cos2 = (narrow2 ** (1 - np.linspace(0, 1, TURNS)) - narrow2) / (1 - narrow2)
+    grid = np.meshgrid(quotients, alphas, np.zeros(TURNS), indexing="ij")
+    cos2 = np.broadcast_to(np.clip(cos2, 0, 1)[:, None], grid[0].shape)
+    found = []
+    for index in map(float, etas):
+        cosine = albedos.nodes(index)[1]
+        sine = np.sqrt(1 - cosine**2)
+        q, large, x2, z = np.broadcast_arrays(*(x[..., None] for x in (*grid[:2], cos2)), cosine)
+        w = np.stack([sine * np.sqrt(x2), sine * np.sqrt(1 - x2), z], -1).reshape(-1, 3)
+        both = shares(w, Widths(large.ravel(), (large / q).ravel()), index)
+        found.append([x.reshape(q.shape) for x in both])
+    reflected, passed = np.moveaxis(np.array(found), 1, 0)
+    means = (
+        _hemisphere_mean(table, etas, quotients, entered)
+        for entered in (False, True)
+        for table in (reflected, passed)
+    )
+    values = reflected, passed, *means, np.empty(0)
+    return albedos.Tables(*(x.astype(np.float32) for x in values))
+
+
+def _hemisphere_mean(
+    table: np.ndarray, etas: np.ndarray, quotients: np.ndarray, entered: bool
+) -> np.ndarray:
+    """Mean over diffuse light (I, QUOTIENTS, ROUGHNESSES); see `albedos.hemisphere_mean`."""
+    angle = (np.arange(1024) + 0.5) * (np.pi / 2048)
+    weights = []
+    for quotient in quotients:
+        w = albedos.Components(np.cos(angle), np.sin(angle), 0 * angle)
+        turn = coordinates(w, Widths(np.float64(quotient), np.float64(1.0)))[0] * (TURNS - 1)
+        weights.append(np.maximum(1 - np.abs(turn - np.arange(TURNS)[:, None]), 0).mean(1))
+    over = np.einsum("iqrtc,qt->iqrc", table, np.array(weights))
+    rows = over.reshape(len(over), -1, COSINES)
+    return albedos.hemisphere_mean(rows, etas, entered=entered).reshape(over.shape[:-1])
+
+
+@functools.cache
+def surface_loss(
+    widths: Widths, eta: float, mirrored: float = 0.0
+) -> tuple[Callable[[np.ndarray], np.ndarray], float]:
+    """`albedos.surface_loss` of any widths: its function takes directions (N, 3)."""
+    if widths.u == widths.v:
+        loss, mean = albedos.surface_loss(widths.u, eta, mirrored)
+        return lambda w: loss(w[:, 2]), mean
+    if eta == 1:
+        return lambda w: np.zeros(len(w)), 0.0
+    large, small = max(pair(widths)), min(pair(widths))
+    above, below = (
+        _tables(np.array([index]), np.array([large / small]), np.array([large]))
+        for index in (eta, 1 / eta)
+    )
+    inside = albedos.leaving_share(below, mirrored, lambda table: float(table[0, 0, 0]))
+    mean = 1 - above.reflected_mean.item() - inside * above.passed_mean.item()
+
+    def lost(w: np.ndarray) -> np.ndarray:
+        reflected, passed = shares(w, widths, eta)
+        return np.clip(1 - reflected - inside * passed, 0, 1)
+
+    return lost, mean
+
+
+def shares(w: np.ndarray, widths: Widths, eta: float) -> np.ndarray:
+    """Shares (2, N) of the light from directions w (N, 3) that one facet reflects and passes.
+
+    widths: numbers or arrays (N,).
+    """
+    kinds = backend()
+    azimuths, heights = FINE if eta < 1 else (AZIMUTHS, HEIGHTS)
+    nodes = [x.astype(np.float32) for x in albedos.facet_nodes(azimuths * 5 // 8, heights * 5 // 8)]
+    count, found = len(nodes[0]), []
+    rows = np.column_stack([w, *(np.broadcast_to(x, len(w)) for x in pair(widths))])
+    for start in range(0, len(w), CHUNK):
+        part = rows[start : start + CHUNK].astype(np.float32).T
+        x, y, z, u, v = (dr.repeat(kinds.Float(np.ascontiguousarray(row)), count) for row in part)
+        turn, height, weight = (dr.tile(kinds.Float(node), part.shape[1]) for node in nodes)
+        wi, alpha = kinds.Array3f(x, y, z), Widths(u, v)
+        cap = microfacet.stretched(wi, alpha)
+        m = microfacet.cap_normal(cap, alpha, height * (1 + cap.z) - cap.z, turn / (2 * math.pi))
+        m = dr.normalize(m)
+        facing = dr.clip(dr.dot(wi, m), 0, 1)
+        reflectance, inside = fresnel.dielectric(facing, eta, DRJIT)
+        below = wi / eta - (facing / eta - dr.maximum(inside, 0)) * m  # the refracted, turned up
+        leaving = (2 * facing * m - wi, reflectance), (below, 1 - reflectance)
+        sums = [
+            dr.block_sum(weight * share * _masking(out, alpha), count) for out, share in leaving
+        ]
+        dr.eval(sums)
+        found.append([x.numpy() for x in sums])
+    return np.concatenate(found, axis=1)
+
+
+def _masking(w: Any, alpha: Widths) -> Any:
+    """Smith masking of directions; zero below the horizon."""
+    above = type(w)(w.x, w.y, dr.maximum(w.z, 1e-6))
+    return dr.select(w.z > 0, microfacet.smith_g1(above, alpha), 0)
