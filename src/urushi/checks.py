@@ -285,6 +285,21 @@ def finite(**arrays: npt.ArrayLike) -> list[np.ndarray]:
     return list(result.values())
 
 
+def uniform(u: npt.ArrayLike, count: int) -> np.ndarray:
+    """Check random numbers of samples; returns float32 (count, 3), which is below one too."""
+    try:
+        array = np.asarray(u, dtype=np.float64)
+    except (TypeError, ValueError) as error:
+        raise ParameterError("u must be an (N, 3) array of numbers in [0, 1)") from error
+    if array.shape != (count, 3):
+        raise ParameterError(
+            f"u has shape {array.shape}; give three numbers per direction, shape ({count}, 3)"
+        )
+    if not ((array >= 0) & (array < 1)).all():
+        raise ParameterError("u holds a number outside [0, 1); give uniform random numbers")
+    return np.minimum(array.astype(np.float32), np.float32(1 - 2**-24))  # rounding may give 1
+
+
 def outside_training(parameters: CoatParameters) -> set[str]:
     """Sentences about the trained ranges that coats (arrays of any shape) leave."""
     low, high = TRAINED_G

@@ -124,7 +124,14 @@ def test_bad_directions_are_refused(bad, material):
             call()
 
 
-@pytest.mark.parametrize("u", [np.zeros((2, 3)), np.zeros((1, 2)), [[0, 0, 1.1]], [[0, 0, np.nan]]])
+@pytest.mark.parametrize(
+    "u", [np.zeros((2, 3)), np.zeros((1, 2)), [[0, 0, 1.1]], [[0, 1, 0]], [[0, 0, np.nan]]]
+)
 def test_bad_random_numbers_are_refused(u, material):
     with pytest.raises(ParameterError, match="^u "):
         material.sample(UP, u)
+
+
+def test_numbers_that_single_precision_rounds_to_one_are_below_it(material):
+    wo, pdf = material.sample(UP, np.full((1, 3), 1 - 2.0**-40))
+    assert np.isfinite(wo).all() and pdf[0] > 0

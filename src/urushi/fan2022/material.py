@@ -66,7 +66,8 @@ class Material:
         wi: unit vectors (N, 3) above the horizon.
         """
         wi = checks.direction(wi, "wi")
-        wo = self.networks.proposal(self.latents.mean(axis=0)).sample(wi, np.asarray(u, np.float32))
+        u = checks.uniform(u, len(wi))
+        wo = self.networks.proposal(self.latents.mean(axis=0)).sample(wi, u)
         return wo, self.pdf(wi, wo)
 
     def save(self, path: str | os.PathLike) -> None:

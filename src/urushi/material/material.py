@@ -195,7 +195,7 @@ class Material:
             ParameterError: wrong shapes, directions that are not unit vectors, u out of range.
         """
         wi = self._inside(checks.direction(wi, "wi"))
-        u = _uniform(u, len(wi))
+        u = checks.uniform(u, len(wi))
         rows = np.empty((len(wi), 4), np.float32)
         fill_blocks(rows, self._sample, wi, u)
         wo = rows[:, :3] if self.rotation == 0 else rotated(rows[:, :3], self.rotation / 360.0)
@@ -388,17 +388,3 @@ def _checked_table(table: npt.ArrayLike, model: Model, channels: int) -> np.ndar
         raise ParameterError("a material's table holds a number that is not finite")
     array.flags.writeable = False
     return array
-
-
-def _uniform(u: npt.ArrayLike, count: int) -> np.ndarray:
-    try:
-        array = np.asarray(u, dtype=np.float32)
-    except (TypeError, ValueError) as error:
-        raise ParameterError("u must be an (N, 3) array of numbers in [0, 1)") from error
-    if array.shape != (count, 3):
-        raise ParameterError(
-            f"u has shape {array.shape}; give three numbers per direction, shape ({count}, 3)"
-        )
-    if not ((array >= 0.0) & (array <= 1.0)).all():
-        raise ParameterError("u holds a number outside [0, 1); give uniform random numbers")
-    return np.minimum(array, np.float32(1.0 - 2.0**-24))  # float64 numbers may round up to 1

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from urushi.material import Material
-from urushi.material.table import SHAPE
+from urushi.material.table import SHAPE, rest_table
 from urushi.nets.architecture import Architecture, init
 from urushi.nets.weights import Model
 
@@ -105,13 +105,24 @@ def test_edited_codes_replace_them(rgb, small, random_directions, tmp_path):
     np.testing.assert_allclose(evaluated(rgb, bsdf, wi, wo), of_codes, rtol=5e-2)
 
 
-def test_coats_lie_over_the_anchors(rgb, small):
-    from urushi.mitsuba.latents.holders import ConstantLatents
+def test_a_coat_over_a_refined_material_has_its_table_once(rgb, small, tmp_path, monkeypatch):
+    """The coat lies over anchors, whose own table nobody needs."""
+    from urushi.mitsuba.latents import holders
 
-    material = materials(small)[0]
-    bottom = ConstantLatents(Material(material.latents, small, table=material.table)).anchors
-    again = bottom.anchors
-    assert again is bottom and str(bottom) == "3 x 24"
+    anchors, tables = materials(small)[0].latents, []
+    refined = anchors + np.float32(0.1) * (np.arange(24) > small.arch.lobe)
+    bsdf = loaded(rgb, Material(refined, small, anchors), tmp_path)
+
+    def table(networks, latents):
+        tables.append(latents)
+        return rest_table(networks, latents)
+
+    monkeypatch.setattr(holders, "rest_table", table)
+    weights = {"weights": str(tmp_path / "weights")}
+    coated = rgb.load_dict({"type": "neural_layered", **weights, "bottom": bsdf})
+    np.testing.assert_array_equal(bsdf.latents.anchors_at(np.full((1, 2), 0.5))[0], anchors)
+    assert len(tables) == 1
+    np.testing.assert_array_equal(tables[0], coated.latents.material.latents)
 
 
 def test_frozen_functions_tell_materials_apart(rgb, small, random_directions, tmp_path):

@@ -20,11 +20,12 @@ from urushi.mitsuba import spectrum
 from urushi.mitsuba.latents.bottoms import BottomCodes, nested_latents
 from urushi.mitsuba.latents.holders import ConstantLatents, TexturedLatents
 from urushi.mitsuba.reading import grid as grids
+from urushi.mitsuba.reading.offers import tabulated
 from urushi.mitsuba.reading.parameters import CoatTextures
 from urushi.nets.weights import Model
 from urushi.textures import cache
 from urushi.textures.bake import TEXEL_BLOCK, BakedTexture, coat_source
-from urushi.textures.store import TexelGrid
+from urushi.textures.store import MIDDLE, TexelGrid
 
 #: Seconds of baking before progress is shown, and between two reports.
 PROGRESS_DELAY = 3.0
@@ -51,7 +52,6 @@ class Baker:
         self.bottom = BottomCodes(model, bottom, coat.where)
         self._grid: TexelGrid | None = None
         self._texture: BakedTexture | None = None
-        self._left: set[str] = set()  # trained ranges that the coat leaves
         self.absorbs = False  # whether the coat has no interface and does not scatter, anywhere
 
     def update(self, bottom_changed: bool = True) -> ConstantLatents | TexturedLatents:
@@ -62,7 +62,6 @@ class Baker:
         Warns:
             UrushiWarning: codes of a coat outside the networks' training data are rendered.
         """
-        self._left, self.absorbs = set(), True
         grid = choose_grid(self._coat, self._bottom, self.model, self._resolution)
         with spectrum.bands_of(grid):
             if grid != self._grid:
@@ -70,8 +69,10 @@ class Baker:
             if bottom_changed or grid != self._grid or (grid and not self._texture):
                 self.bottom.open(grid)
             self._grid = grid
+            left, self.absorbs = self._survey(grid or MIDDLE)
             latents = self._constant() if grid is None else self._textured(grid)
-        checks.warn_of_training(self._left, f"{self._coat.where}:")
+        if tabulated(latents) is None:
+            checks.warn_of_training(left, f"{self._coat.where}:")
         return latents
 
     def _constant(self) -> ConstantLatents:
@@ -80,10 +81,7 @@ class Baker:
         bottom = self.bottom.material
         assert bottom is not None  # for the type checker
         columns = [column[0] for column in coat.columns()]
-        material = layer_material(CoatParameters.of_columns(columns), bottom)
-        self._note(coat)
-        self._left = self._left if material.table is None else set()
-        return ConstantLatents(material)
+        return ConstantLatents(layer_material(CoatParameters.of_columns(columns), bottom))
 
     def _textured(self, grid: TexelGrid) -> TexturedLatents:
         """The codes of all texels, from the disk or layered."""
@@ -105,22 +103,23 @@ class Baker:
     def _parameters(self, grid: TexelGrid, start: int, stop: int) -> CoatParameters:
         """The coats at a range of texels, or at one if they do not vary."""
         varies = any(map(grids.varying_textures, self._coat.textures.values()))
-        coats = self._coat.layering(grid.uv(start, stop if varies else start + 1))
-        self._note(coats)
-        return coats
+        return self._coat.layering(grid.uv(start, stop if varies else start + 1))
 
-    def _note(self, coat: CoatParameters) -> None:
-        """Note what is known of coats."""
-        self._left |= checks.outside_training(coat)
-        self.absorbs &= bool(((coat.eta == 1) & (coat.albedo == 0)).all())
+    def _survey(self, grid: TexelGrid) -> tuple[set[str], bool]:
+        """The trained ranges that the coat leaves, and whether it absorbs alone, at all texels."""
+        left, absorbs = set(), True
+        for start, stop in _blocks(grid):
+            coat = self._parameters(grid, start, stop)
+            left |= checks.outside_training(coat)
+            absorbs &= bool(((coat.eta == 1) & (coat.albedo == 0)).all())
+        return left, absorbs
 
     def _key(self, grid: TexelGrid) -> str:
         """The key of the texture in the cache."""
         settings = mi.__version__, mi.variant(), self.model.fingerprint, grid, self._mipmaps
 
         def contents() -> Iterator[np.ndarray]:
-            for start in range(0, grid.texels, TEXEL_BLOCK):
-                stop = min(start + TEXEL_BLOCK, grid.texels)
+            for start, stop in _blocks(grid):
                 yield from self._parameters(grid, start, stop).columns()
                 yield from self.bottom.contents(start, stop)
 
@@ -160,5 +159,11 @@ def check(coat: CoatTextures) -> None:
     if grid is None:
         coat.table(np.full((1, 2), 0.5), elsewhere)
         return
+    for start, stop in _blocks(grid):
+        coat.table(grid.uv(start, stop), elsewhere)
+
+
+def _blocks(grid: TexelGrid) -> Iterator[tuple[int, int]]:
+    """Ranges of texels that are read at once."""
     for start in range(0, grid.texels, TEXEL_BLOCK):
-        coat.table(grid.uv(start, min(start + TEXEL_BLOCK, grid.texels)), elsewhere)
+        yield start, min(start + TEXEL_BLOCK, grid.texels)

@@ -62,7 +62,7 @@ class BottomCodes:
         self.material, self._probed = None, None
         self.stored, self._stale = False, True
         if nested is not None and nested.grid is None:
-            codes = nested.at(np.full((1, 2), 0.5))[0]
+            codes = nested.anchors_at(np.full((1, 2), 0.5))[0]
             self._opened = _uniform(
                 codes[list(spectrum.FINE_AT_RGB)] if is_finer(nested) else codes
             )
@@ -148,7 +148,6 @@ def nested_latents(bottom: "mi.BSDF", model: Model) -> Latents | None:
     nested = offer_of(bottom).latents
     if nested is None or nested.model.fingerprint != model.fingerprint:
         return None
-    nested = nested.anchors
     same = nested.channels == spectrum.channel_count()
     return nested if same or is_finer(nested) else None
 
@@ -162,7 +161,7 @@ def _nested(latents: Latents, grid: TexelGrid) -> Source:
     """The source of a bottom that consists of codes itself."""
 
     def read(start: int, stop: int) -> tuple[np.ndarray, CodesAt]:
-        codes = latents.at(grid.uv(start, stop))
+        codes = latents.anchors_at(grid.uv(start, stop))
         return code_hashes(codes), lambda texel, channel: codes[texel, channel]
 
     return read

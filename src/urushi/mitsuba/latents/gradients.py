@@ -68,7 +68,7 @@ class DifferentiableLatents:
         self.model, self.plain, self.logs = model, plain, logs
         self.vertex, self.at, self.save = plain.vertex, plain.at, plain.save
         self.channels, self.grid = plain.channels, plain.grid
-        self.material, self.anchors = plain.material, plain.anchors
+        self.material, self.anchors_at = plain.material, plain.anchors_at
         self.table = mi.TensorXf() if logs is None else table_gradients.interleaved(logs)
         self._tables = [] if logs is None else [self.table.array]
         dr.make_opaque(self._tables)

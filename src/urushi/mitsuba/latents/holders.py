@@ -144,13 +144,9 @@ class ConstantLatents(_Held):
         latents = self.material.latents
         return np.broadcast_to(latents, (len(uv), *latents.shape))
 
-    @property
-    def anchors(self) -> "ConstantLatents":
-        """The codes that coats are layered over."""
-        material = self.material
-        if material.anchors is material.latents and material.table is None:
-            return self
-        return ConstantLatents(Material(material.anchors, material.model))
+    def anchors_at(self, uv: np.ndarray) -> np.ndarray:
+        """Codes (M, C, size) at points uv (M, 2) that coats are layered over."""
+        return np.broadcast_to(self.material.anchors, (len(uv), *self.material.anchors.shape))
 
     def save(self, path: str | os.PathLike) -> None:
         """Write a file that `neural_brdf` and `urushi.load` read."""
@@ -199,10 +195,7 @@ class TexturedLatents(_Held):
         """Latent codes (M, C, size) at points uv (M, 2)."""
         return looked_up(self._texture.look_up, uv)
 
-    @property
-    def anchors(self) -> "TexturedLatents":
-        """The codes that coats are layered over."""
-        return self
+    anchors_at = at  # coats are layered over the same codes
 
     def save(self, path: str | os.PathLike) -> None:
         """Write a file that `neural_brdf` reads."""

@@ -96,9 +96,12 @@ def define(base: type) -> type:
             constant."""
             if self._tensor is None or coat.has_textured_eta:
                 return self
-            under = self._copy()
             index = float(coat.inside(dr.zeros(mi.SurfaceInteraction3f)).numpy()[0])
-            under._material = below_medium(self._material, index)
+            material = below_medium(self._material, index)
+            if material is self._material:
+                return self
+            under = self._copy()
+            under._material = material
             under.latents = ConstantLatents(under._material)
             return under
 

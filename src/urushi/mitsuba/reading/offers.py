@@ -51,12 +51,11 @@ class Latents(Protocol):
     def material(self) -> Material | None:
         """The material of codes that are the same everywhere; None: they are a texture."""
 
-    @property
-    def anchors(self) -> "Latents":
-        """The codes that coats are layered over."""
-
     def at(self, uv: np.ndarray) -> np.ndarray:
         """Codes (M, C, size) at points uv (M, 2)."""
+
+    def anchors_at(self, uv: np.ndarray) -> np.ndarray:
+        """Those that coats are layered over."""
 
 
 @dataclass(frozen=True)
