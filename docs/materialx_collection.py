@@ -17,7 +17,7 @@ import mitsuba as mi
 from urushi.errors import UrushiError, UrushiWarning
 from urushi.openpbr_surface.materialx.document import materials, read_document
 from urushi.openpbr_surface.materialx.surface import read_surface
-from urushi.openpbr_surface.plugins.materialx import check_supported, decode
+from urushi.openpbr_surface.plugins.materialx import check_supported
 
 
 def outcomes(path: Path, uv_plane: bool) -> list[tuple[str, str]]:
@@ -30,7 +30,7 @@ def outcomes(path: Path, uv_plane: bool) -> list[tuple[str, str]]:
     for name in names:
         state = "refused"
         try:
-            surface = read_surface(path, decode, name, 8, uv_plane)
+            surface = read_surface(path, name, 8, uv_plane)
             state = "read"
             check_supported(surface)
             found.append(("rendered", ""))

@@ -254,7 +254,10 @@ EXTRAS = {
         Package("jax", "jax", "gradients of training"),
         Package("optax", "optax", "optimisers of training"),
     ),
-    "materialx": (Package("materialx", "MaterialX", "MaterialX documents"),),
+    "materialx": (
+        Package("materialx", "MaterialX", "MaterialX documents"),
+        Package("openimageio", "OpenImageIO", "images and colours of MaterialX documents"),
+    ),
 }
 
 

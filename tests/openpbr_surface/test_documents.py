@@ -10,7 +10,8 @@ import pytest
 import urushi
 from urushi.mitsuba.reading import probing
 
-pytest.importorskip("MaterialX", reason="the extra 'materialx' is not installed")
+for package in ("MaterialX", "OpenImageIO"):
+    pytest.importorskip(package, reason="the extra 'materialx' is not installed")
 pytestmark = pytest.mark.usefixtures("rgb")
 
 DOCUMENT = """<materialx version="1.39" colorspace="lin_rec709">

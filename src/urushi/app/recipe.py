@@ -9,7 +9,6 @@ import tyro
 
 from urushi.core import error_metrics as metrics
 from urushi.errors import ParameterError
-from urushi.openpbr_surface.materialx.colour_spaces import to_linear_srgb
 from urushi.ranges import Walks
 
 #: Parts of a paint in a mixture, and thicknesses of its film (1 is 40 um of dry paint).
@@ -121,7 +120,8 @@ def linear(text: str) -> np.ndarray:
         digits = b""
     if len(digits) != 3:
         raise ParameterError(f"the colour is '{text}'; give an sRGB code such as '#7a2f1e'")
-    return to_linear_srgb(np.array(list(digits)) / 255, "srgb_texture", "the colour")
+    encoded = np.array(list(digits)) / 255  # IEC 61966-2-1
+    return np.where(encoded <= 0.04045, encoded / 12.92, ((encoded + 0.055) / 1.055) ** 2.4)
 
 
 def code(color: np.ndarray) -> str:

@@ -1,3 +1,4 @@
+import numpy as np
 import pytest
 
 HEAD = '<?xml version="1.0"?>\n<materialx version="1.39" colorspace="{space}">{body}</materialx>'
@@ -5,8 +6,16 @@ HEAD = '<?xml version="1.0"?>\n<materialx version="1.39" colorspace="{space}">{b
 
 @pytest.fixture(autouse=True)
 def package():
-    """MaterialX; tests are skipped where it is not installed."""
+    """MaterialX; tests are skipped where it or OpenImageIO is not installed."""
+    pytest.importorskip("OpenImageIO")
     return pytest.importorskip("MaterialX")
+
+
+def write_image(path, pixels):
+    """Write values (height, width, channels) as OpenEXR in single precision, or as TIFF."""
+    import OpenImageIO
+
+    assert OpenImageIO.ImageBuf(np.ascontiguousarray(pixels, np.float32)).write(str(path))
 
 
 @pytest.fixture

@@ -9,9 +9,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from tests.openpbr_surface.materialx.conftest import write_image
 
 from urushi.errors import FileError, ParameterError
-from urushi.openpbr_surface.materialx.images import MAX_PIXELS, image_size
+from urushi.openpbr_surface.materialx import images
 from urushi.openpbr_surface.materialx.surface import read_surface
 
 BOMB = """<?xml version="1.0"?><!DOCTYPE m [<!ENTITY a "aaaaaaaaaa">
@@ -22,13 +23,9 @@ SURFACE = '<open_pbr_surface name="s" type="surfaceshader">{}</open_pbr_surface>
 COLOUR = SURFACE.format('<input name="base_color" type="color3" nodename="{}"/>')
 
 
-def no_images(path):
-    raise AssertionError("no image should be decoded")
-
-
 def refused(path, message, error=FileError):
     with pytest.raises(error, match=message) as caught:
-        read_surface(path, no_images)
+        read_surface(path)
     assert "\n" not in str(caught.value)
     return str(caught.value)
 
@@ -157,6 +154,15 @@ def test_definitions_that_inherit_in_a_circle(document):
     refused(document(body + COLOUR.format("n")), "inherits from itself")
 
 
+def test_characters_that_materialx_reads_unescaped(document):
+    """Its parser takes < and & in attributes as they are; comments stay."""
+    text = """<!-- it's <a> & "b -->
+        <open_pbr_surface name="s" type="surfaceshader" doc='a < "b" & c'>
+        <input name="base_color" type="color3" value="1, 0, 0" doc="&lt;UDIM&gt; or <UDIM>"/>
+        </open_pbr_surface>"""
+    assert read_surface(document(text)).values["base_color"] == (1, 0, 0)
+
+
 def test_values_that_are_no_numbers(document):
     for text in (
         "1",
@@ -194,37 +200,46 @@ def test_what_does_not_exist(document):
 IMAGE = """<image name="n" type="color3"><input name="file" type="filename" value="{}"/></image>"""
 
 
-@pytest.mark.parametrize("name", ["none.png", "[T].png", "a<UDIM>.png", "bad.png", "\u00e4" * 3000])
+@pytest.mark.parametrize(
+    "name", ["none.png", "[T].png", "a<UDIM>.png", "a<Part>.png", "bad.png", "\u00e4" * 3000]
+)
 def test_images_that_cannot_be_read(tmp_path, document, name):
     (tmp_path / "bad.png").write_bytes(b"\x89PNG")
     text = name.replace("<", "&lt;")
-    refused(document(IMAGE.format(text) + COLOUR.format("n")), "image|is a pattern for|cannot read")
+    refused(
+        document(IMAGE.format(text) + COLOUR.format("n")),
+        "image|depends on the geometry by <Part>|cannot read",
+    )
 
 
 def test_paths_of_other_systems(tmp_path, document):
     """Backslashes part folders; a name that differs in case only is named."""
     (tmp_path / "maps").mkdir()
-    (tmp_path / "maps" / "a.exr").write_bytes(
-        b"\x76\x2f\x31\x01\x02\x00\x00\x00dataWindow\x00box2i\x00\x10\x00\x00\x00" + bytes(16)
-    )
+    write_image(tmp_path / "maps" / "a.exr", np.full((1, 1, 3), 0.5))
     refused(
         document(IMAGE.format("Maps\\A.exr") + COLOUR.format("n")), "maps/a.exr' differs in case"
     )
     path = document(IMAGE.format("maps\\a.exr") + COLOUR.format("n"))
-    assert read_surface(path, lambda _: np.full((1, 1, 3), 0.5)).values["base_color"] == (0.5,) * 3
+    assert read_surface(path).values["base_color"] == (0.5,) * 3
+    write_image(tmp_path / "maps" / "a.exr", np.full((1, 1, 3), np.nan))
     with pytest.raises(FileError, match="image 'maps.a.exr' has pixels that are not finite"):
-        read_surface(path, lambda _: np.full((1, 1, 3), np.nan))
+        read_surface(path)
 
 
-def test_a_picture_is_measured_before_it_is_decoded(tmp_path, document):
-    """A PNG of 100,000 x 100,000 pixels of one colour has 30 MB of zeros, compressed to 30 kB."""
+def test_a_picture_is_measured_before_it_is_decoded(tmp_path, document, monkeypatch):
+    """All images together; OpenImageIO itself refuses a size that its file cannot have."""
+    path = document(IMAGE.format("a.exr") + COLOUR.format("n"))
+    write_image(tmp_path / "a.exr", np.zeros((6, 10, 3)))
+    monkeypatch.setattr(images, "MAX_PIXELS", 59)
+    monkeypatch.setattr(images, "_decoded", None)
+    refused(path, "'a.exr' has 10 x 6 pixels; all images")
     header = struct.pack(">IIBBBBB", 100_000, 100_000, 8, 2, 0, 0, 0)
-    chunk = struct.pack(">I", 13) + b"IHDR" + header
-    chunk += struct.pack(">I", zlib.crc32(b"IHDR" + header))
-    (tmp_path / "bomb.png").write_bytes(b"\x89PNG\r\n\x1a\n" + chunk)
-    assert image_size(tmp_path / "bomb.png") == (100_000, 100_000)
-    assert MAX_PIXELS < 100_000**2
-    refused(document(IMAGE.format("bomb.png") + COLOUR.format("n")), "100000 x 100000 pixels")
+    content = b"".join(
+        struct.pack(">I", len(x)) + name + x + struct.pack(">I", zlib.crc32(name + x))
+        for name, x in ((b"IHDR", header), (b"IDAT", b""))
+    )
+    (tmp_path / "bomb.png").write_bytes(b"\x89PNG\r\n\x1a\n" + content)
+    refused(document(IMAGE.format("bomb.png") + COLOUR.format("n")), "cannot read the image")
 
 
 def test_fuzzing(tmp_path):

@@ -26,18 +26,18 @@ TWO = """<open_pbr_surface name="a" type="surfaceshader">
 
 def test_a_material_is_found_by_its_name(document):
     path = document(TWO)
-    surface = read_surface(path, None, "A")
+    surface = read_surface(path, "A")
     assert surface.name == "A"
     assert surface.values == {
         "base_metalness": 0.25,
         "base_color": (0.5, 0.25, 0.125),
         "geometry_thin_walled": False,
     }
-    assert read_surface(path, None, "B").values == {}
+    assert read_surface(path, "B").values == {}
     with pytest.raises(ParameterError, match="has several materials; choose one of A, B"):
-        read_surface(path, None)
+        read_surface(path)
     with pytest.raises(ParameterError, match="has no material 'C'; choose one of A, B"):
-        read_surface(path, None, "C")
+        read_surface(path, "C")
 
 
 def test_a_shader_may_be_in_a_graph_and_in_an_included_file(document):
@@ -53,7 +53,7 @@ def test_a_shader_may_be_in_a_graph_and_in_an_included_file(document):
         """<xi:include href="part.mtlx"/><surfacematerial name="M" type="material">
         <input name="surfaceshader" type="surfaceshader" nodegraph="g"/></surfacematerial>"""
     )
-    values = read_surface(path, None).values
+    values = read_surface(path).values
     assert values["coat_weight"] == 0.5
     assert values["base_color"] == pytest.approx((1, 1, 1))
 
@@ -62,9 +62,9 @@ def test_a_shader_may_be_in_a_graph_and_in_an_included_file(document):
 def test_an_input_takes_the_nearest_colour_space(document, space, same):
     shader = """<open_pbr_surface name="s" type="surfaceshader">
         <input name="base_color" type="color3" value="0.3, 0.2, 0.1"{}/></open_pbr_surface>"""
-    inherited = read_surface(document(shader.format(""), space), None).values["base_color"]
+    inherited = read_surface(document(shader.format(""), space)).values["base_color"]
     own = shader.format(' colorspace="lin_rec709"')
-    given = read_surface(document(own, space), None).values["base_color"]
+    given = read_surface(document(own, space)).values["base_color"]
     assert given == (0.3, 0.2, 0.1)
     assert (inherited == given) is same
 
@@ -76,7 +76,7 @@ def test_a_colour_outside_of_srgb_is_limited_with_a_warning(document):
         "acescg",
     )
     with pytest.warns(UrushiWarning, match=r"base_color leaves \[0, 1\] in linear sRGB"):
-        values = read_surface(path, None).values
+        values = read_surface(path).values
     assert values["base_color"] == (0, 1, 0)
 
 
@@ -85,7 +85,7 @@ def test_bright_emission_keeps_its_radiance(document):
     shader = """<open_pbr_surface name="s" type="surfaceshader">
         <input name="emission_color" type="color3" value="4, 2, 1"/>
         <input name="emission_luminance" type="float" value="10"/></open_pbr_surface>"""
-    values = read_surface(document(shader), None).values
+    values = read_surface(document(shader)).values
     assert max(values["emission_color"]) == 1
     product = np.array(values["emission_color"]) * values["emission_luminance"]
     assert product == pytest.approx([40, 20, 10])
@@ -95,14 +95,14 @@ def test_an_abbe_number_as_a_scale_is_limited(document):
     shader = """<open_pbr_surface name="s"><input name="transmission_dispersion_scale" type="float"
         value="55.3"/></open_pbr_surface>"""
     with pytest.warns(UrushiWarning, match=r"dispersion_scale leaves \[0, 1\] and is clipped"):
-        assert read_surface(document(shader), None).values == {"transmission_dispersion_scale": 1}
+        assert read_surface(document(shader)).values == {"transmission_dispersion_scale": 1}
 
 
 def test_values_out_of_range_are_refused(document):
     shader = """<open_pbr_surface name="s" type="surfaceshader">
         <input name="coat_weight" type="float" value="1.5"/></open_pbr_surface>"""
     with pytest.raises(ParameterError, match=r"coat_weight is 1.5; it must be in \[0, 1\]"):
-        read_surface(document(shader), None)
+        read_surface(document(shader))
 
 
 def inputs(**values):
@@ -126,7 +126,7 @@ def translated(document):
         path = document(f'<{tag} name="s" type="surfaceshader">{inputs(**given)}</{tag}>')
         with warnings.catch_warnings():
             warnings.simplefilter("error")
-            return read_surface(path, None).values
+            return read_surface(path).values
 
     return values
 
@@ -285,7 +285,7 @@ def test_maps_of_transmission_and_thickness(document, given, thin):
         for name, _, x in (pair.partition("=") for pair in given.split())
     )
     path = document(f'{mask}<gltf_pbr name="s" type="surfaceshader">{text}</gltf_pbr>')
-    assert read_surface(path, None, resolution=8).values["geometry_thin_walled"] is thin
+    assert read_surface(path, resolution=8).values["geometry_thin_walled"] is thin
 
 
 @pytest.mark.parametrize(
@@ -330,7 +330,7 @@ def test_transmitted_light_has_its_own_roughness(document):
     text = inputs(opacity=0.5, metallic=0.4, roughness=0.6)
     path = document(f'<UsdPreviewSurface name="s" type="surfaceshader">{text}</UsdPreviewSurface>')
     with pytest.warns(UrushiWarning, match="both get that of transmitted light"):
-        mix = read_surface(path, None)
+        mix = read_surface(path)
     assert mix.weight == pytest.approx(0.3)
     clear, opaque = mix.fg.values, mix.bg.values
     assert (clear["specular_roughness"], clear["transmission_weight"]) == (0, 1)
@@ -339,7 +339,7 @@ def test_transmitted_light_has_its_own_roughness(document):
     text = inputs(transmission=1.0, transmission_extra_roughness=0.2, specular_roughness=0.3)
     path = document(f'<standard_surface name="s" type="surfaceshader">{text}</standard_surface>')
     with pytest.warns(UrushiWarning, match="both get that of transmitted light"):
-        assert read_surface(path, None).values["specular_roughness"] == pytest.approx(0.5)
+        assert read_surface(path).values["specular_roughness"] == pytest.approx(0.5)
 
 
 def test_usd_preview_surface(translated):
@@ -394,9 +394,9 @@ def test_shaders_of_other_sides_are_named(document):
         (("backsurfaceshader", "surfaceshader", "s"), "back's shader"),
     ):
         with pytest.warns(UrushiWarning, match=f"its {part} is left out"):
-            read_surface(document(displaced.format(*given)), None)
+            read_surface(document(displaced.format(*given)))
     flat = displaced.format("displacementshader", "displacementshader", "d").replace("0.1", "0")
-    read_surface(document(flat), None)
+    read_surface(document(flat))
 
 
 SHADER = """<open_pbr_surface name="s" type="surfaceshader">
@@ -438,7 +438,7 @@ INTERFACE = SHADER.format('interfacename="c"')
 )
 def test_names_belong_to_their_graph(document, body):
     """The shader's colour is green; a node of the same name in another scope is red."""
-    assert read_surface(document(body), None).values["base_color"] == (0, 1, 0)
+    assert read_surface(document(body)).values["base_color"] == (0, 1, 0)
 
 
 @pytest.mark.parametrize(
@@ -453,19 +453,19 @@ def test_the_thickness_of_a_film_has_a_unit(document, tag, name, value, unit):
     number = f'type="float" value="{value}" unit="{unit}" unittype="distance"'
     shader = f'<{tag} name="s" type="surfaceshader"><input name="{name}" {{}}/></{tag}>'
     direct = document(shader.format(number))
-    assert read_surface(direct, None).values["thin_film_thickness"] == pytest.approx(0.5)
+    assert read_surface(direct).values["thin_film_thickness"] == pytest.approx(0.5)
     node = f'<constant name="c" type="float"><input name="value" {number}/></constant>'
     linked = document(node + shader.format('type="float" nodename="c"'))
-    assert read_surface(linked, None).values["thin_film_thickness"] == pytest.approx(0.5)
+    assert read_surface(linked).values["thin_film_thickness"] == pytest.approx(0.5)
 
 
 def test_unknown_shaders_are_refused(document):
     with pytest.raises(FileError, match="of kind simple_hair, which is not read; translate it to"):
-        read_surface(document('<simple_hair name="s" type="surfaceshader"/>'), None)
+        read_surface(document('<simple_hair name="s" type="surfaceshader"/>'))
     mix = """<mix name="m" type="surfaceshader"/><surfacematerial name="x" type="material">
         <input name="surfaceshader" type="surfaceshader" nodename="m"/></surfacematerial>"""
     with pytest.raises(FileError, match=r"node 'm' \(mix\): its bg is connected to no surface"):
-        read_surface(document(mix), None)
+        read_surface(document(mix))
     chain = "".join(
         f"""<mix name="m{k}" type="surfaceshader"><input name="mix" type="float" value="0.5"/>
         <input name="bg" type="surfaceshader" nodename="m{k - 1}"/>
@@ -474,7 +474,7 @@ def test_unknown_shaders_are_refused(document):
     )
     shader = '<open_pbr_surface name="m0" type="surfaceshader"/>'
     with pytest.raises(FileError, match="mixes more than 16 surface shaders"):
-        read_surface(document(shader + chain), None, "m39")
+        read_surface(document(shader + chain), "m39")
 
 
 def test_directions_that_are_not_set(document):
@@ -484,7 +484,7 @@ def test_directions_that_are_not_set(document):
         for name in ("normal", "coat_normal", "tangent")
     )
     path = document(f'<standard_surface name="s">{directions}</standard_surface>')
-    assert not [name for name in read_surface(path, None).values if name.endswith("al")]
+    assert not [name for name in read_surface(path).values if name.endswith("al")]
 
 
 def test_a_document_may_bring_its_own_translation(document):
@@ -500,7 +500,7 @@ def test_a_document_may_bring_its_own_translation(document):
         <gltf_pbr name="s" type="surfaceshader">
         <input name="metallic" type="float" value="0.75"/></gltf_pbr>"""
     )
-    assert read_surface(path, None).values == {"base_metalness": 0.75, "coat_weight": 0.5}
+    assert read_surface(path).values == {"base_metalness": 0.75, "coat_weight": 0.5}
 
 
 def test_an_old_document_is_upgraded(tmp_path):
@@ -519,7 +519,7 @@ def test_an_old_document_is_upgraded(tmp_path):
         <input name="base_color" type="color3" nodegraph="g" output="o"/></standard_surface>
         </materialx>"""
     )
-    assert read_surface(path, None).values["base_color"] == pytest.approx((0.3, 0.2, 0.1))
+    assert read_surface(path).values["base_color"] == pytest.approx((0.3, 0.2, 0.1))
 
 
 def test_every_example_of_openpbr_is_read(openpbr_examples):

@@ -39,7 +39,7 @@ def test_a_stack_becomes_the_same_material(tmp_path, bottom, coat):
     stack = urushi.coat(bottom, **coat)
     path = tmp_path / "stack.mtlx"
     save_materialx(stack, path, "Lacquer")
-    surface = read_surface(path, None)
+    surface = read_surface(path)
     assert surface.name == "Lacquer"
     values, described = complete(surface.values), stack.coats[0]
     assert values["coat_weight"] == 1

@@ -1,6 +1,6 @@
 """Parameters that vary over the surface, as textures: an image's own texels, or a grid in uv."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -52,7 +52,8 @@ def bake(graph: Graph, value: Value, resolution: int, where: str) -> np.ndarray 
 
     A value that depends on one image, with an affine map of its coordinates, and on nothing else
     of the position, has that image's texels. All others are computed at the centres of a grid over
-    [0, 1]^2 with `resolution` rows and columns, or as many as the largest image has.
+    [0, 1]^2, or over the tiles of images, with `resolution` rows and columns for each tile, or as
+    many as the largest image has.
     """
     few = _few(graph)
     first = _finite(value(few), where)
@@ -66,9 +67,13 @@ def bake(graph: Graph, value: Value, resolution: int, where: str) -> np.ndarray 
             return _from_texels(graph, value, simple[0], points, where)
         except NeedsPosition:
             pass
-    sizes = [max(graph.images.read(use.file, where).shape[:2]) for use in few.uses]
-    side = min(max([resolution, *sizes]), MAX_RESOLUTION)
-    return _on_grid(graph, value, side, points, where)
+    images = [graph.images.read(use.file, where) for use in few.uses]
+    tiled = [x for x in images if x.tiles != (1, 1)]
+    corner = np.min([x.corner for x in tiled] or [(0, 0)], axis=0)
+    tiles = np.max([np.add(x.corner, x.tiles) for x in tiled] or [(1, 1)], axis=0) - corner
+    sizes = [max(x.pixels.shape[:2]) for x in images]
+    side = min(max([resolution * tiles.max(), *sizes]), MAX_RESOLUTION)
+    return _on_grid(graph, value, side, points, corner, tiles, where)
 
 
 def _few(graph: Graph) -> Evaluation:
@@ -86,7 +91,7 @@ def changes(graph: Graph, value: Value) -> bool:
 
 
 def _from_texels(graph: Graph, value: Value, use: ImageUse, points: int, where: str) -> Texture:
-    pixels = image_values(graph.images.read(use.file, where), use, where)
+    pixels = image_values(graph.images.read(use.file, where).pixels, use, where)
     height, width = pixels.shape[:2]
     flat = pixels.reshape(-1, pixels.shape[-1])
     parts = []
@@ -94,24 +99,38 @@ def _from_texels(graph: Graph, value: Value, use: ImageUse, points: int, where: 
         texels = flat[begin : begin + points].astype(np.float64)
         part = _finite(value(Evaluation(graph, None, texels)), where)
         parts.append(np.broadcast_to(part, (len(texels), part.shape[-1])).astype(np.float32))
-    matrix = np.eye(3)
-    matrix[:2] = use.matrix
-    flip = np.array([[1, 0, 0], [0, -1, 1], [0, 0, 1.0]])  # v runs upwards in MaterialX
+    assert use.matrix is not None
     values = np.concatenate(parts).reshape(height, width, -1)
     look = use.look
-    return Texture(values, flip @ matrix @ flip, _WRAPS[look.u_mode], look.blend)
+    return Texture(values, _from_above(use.matrix), _WRAPS[look.u_mode], look.blend)
 
 
-def _on_grid(graph: Graph, value: Value, side: int, points: int, where: str) -> Texture:
+def _from_above(matrix: Sequence[Sequence[float]]) -> np.ndarray:
+    """The map (3, 3) of Mitsuba's uv for the rows (2, 3) of MaterialX's, whose v runs upwards."""
+    flip = np.array([[1, 0, 0], [0, -1, 1], [0, 0, 1.0]])
+    return flip @ np.array([*matrix, (0, 0, 1)]) @ flip
+
+
+def _on_grid(
+    graph: Graph,
+    value: Value,
+    side: int,
+    points: int,
+    corner: np.ndarray,
+    tiles: np.ndarray,
+    where: str,
+) -> Texture:
+    """corner, tiles: (2,), the lower left corner of the grid in uv, and its size."""
     u = (np.arange(side) + 0.5) / side
     rows = max(1, points // side)
     parts = []
     for begin in range(0, side, rows):
         v = 1 - u[begin : begin + rows]
         uv = np.stack(np.broadcast_arrays(u[None, :], v[:, None]), axis=-1).reshape(-1, 2)
-        part = _finite(value(Evaluation(graph, uv)), where)
+        part = _finite(value(Evaluation(graph, corner + tiles * uv)), where)
         parts.append(np.broadcast_to(part, (len(uv), part.shape[-1])).astype(np.float32))
-    return Texture(np.concatenate(parts).reshape(side, side, -1), np.eye(3))
+    matrix = np.c_[np.diag(1 / tiles), -corner / tiles]
+    return Texture(np.concatenate(parts).reshape(side, side, -1), _from_above(matrix))
 
 
 def _finite(value: np.ndarray, where: str) -> np.ndarray:

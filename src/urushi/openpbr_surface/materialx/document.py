@@ -1,6 +1,7 @@
 """MaterialX documents: reading with includes, finding a material, and writing one."""
 
 import os
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -28,6 +29,12 @@ MAX_DEPTH = 32
 
 #: Bytes that are given to the parser at once.
 CHUNK = 1 << 16
+
+#: A comment, or a tag with its attributes; either may lack its end.
+_MARKUP = re.compile(rb"""<!--.*?(?:-->|\Z)|<(?:[^"'<>]|"[^"]*"?|'[^']*'?)*+>?""", re.DOTALL)
+
+#: An ampersand that begins no character of XML.
+_AMPERSAND = re.compile(rb"&(?!(?:lt|gt|amp|quot|apos|#\d+|#x[0-9A-Fa-f]+);)")
 
 
 @dataclass(frozen=True)
@@ -60,7 +67,7 @@ class _Reader:
     def read(self, file: Path, around: tuple[Path, ...]) -> Any:
         """The package's document; around: the files that include this one."""
         where = f"'{file}'"
-        content = self._content(file)
+        content = escaped(self._content(file))
         outline = Outline(content, where)
         _check_version(outline.version, where)
         self._elements += outline.elements
@@ -123,6 +130,21 @@ class _Reader:
                 "material"
             )
         return content
+
+
+def escaped(content: bytes) -> bytes:
+    """A document with < and & in attributes escaped, as XML wants and MaterialX's parser does not.
+
+    They are in hand-written patterns of files (<UDIM>).
+    """
+
+    def tag(match: re.Match[bytes]) -> bytes:
+        text = match[0]
+        if text.startswith((b"<!", b"<?")):
+            return text
+        return text[:1] + _AMPERSAND.sub(rb"&amp;", text[1:]).replace(b"<", b"&lt;")
+
+    return _MARKUP.sub(tag, content, count=4 * MAX_ELEMENTS)  # more are refused
 
 
 class Outline:

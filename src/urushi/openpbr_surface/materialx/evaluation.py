@@ -239,15 +239,15 @@ class Evaluation:
         default = self.input(node, "default", frame)
         if default.ndim > 1 or uv.shape[-1] != 2:
             raise FileError(f"{where}: its default must be a constant, and its texcoord a vector2")
-        pixels = self._graph.images.read(name, where)
+        image = self._graph.images.read(name, where)
         assert self._uv is not None
-        uv = np.broadcast_to(uv, (len(self._uv), 2))
+        uv = (np.broadcast_to(uv, (len(self._uv), 2)) - image.corner) / image.tiles
         tiled = node.getCategory() == "hextiledimage"
         matrix = None if tiled else _affine(self._uv, uv)
         use = ImageUse(name, space, channels, look, matrix)
         if use not in self.uses:
             self.uses.append(use)
-        values = image_values(pixels, use, where)
+        values = image_values(image.pixels, use, where)
         if tiled:
             return hextiles(values, uv, self._call(node, frame, where))
         return sample(values, uv, look, default)

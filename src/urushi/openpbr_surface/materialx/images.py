@@ -1,14 +1,13 @@
-"""Image files of a document: checks of their size before they are decoded, and look-ups.
+"""Images of a document: files and tiles of files, read by OpenImageIO, and look-ups.
 
 MaterialX's node `hextiledimage` puts images on hexagonal tiles that are turned, scaled and moved at
 random (Mikkelsen, Practical Real-Time Hex-Tiling, JCGT 11(2), 2022).
 """
 
 import re
-import struct
-from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -19,12 +18,8 @@ from urushi.openpbr_surface.materialx.nodes import Call
 #: Largest number of pixels of all images of a document together.
 MAX_PIXELS = 1 << 26
 
-#: Number of bytes of a file in which its size is looked for.
-HEADER = 1 << 18
-
-#: A function from a file to its stored values, float32 (height, width, channels); the numbers of
-#: 8- and 16-bit files are divided by 255 and 65,535.
-Decode = Callable[[Path], np.ndarray]
+#: What stands for the tile (u, v) in the name of a file: 1001 + u + 10 v, or u + 1 and v + 1.
+TOKENS = {"<UDIM>": r"1(\d\d\d)", "<UVTILE>": r"u(\d{1,3})_v(\d{1,3})"}
 
 #: Size of the texture in tiles.
 _TILES = 2 * np.sqrt(3.0)
@@ -36,50 +31,116 @@ _SKEW = np.array([[1, -np.tan(np.pi / 6)], [0, 2 * np.tan(np.pi / 6)]])
 ADDRESS_MODES = ("periodic", "clamp", "mirror", "constant", "repeat", "black")
 
 
-class Images:
-    """Reads image files once each."""
+@dataclass(frozen=True, eq=False)
+class Image:
+    """The stored values of a file, or of the tiles that a pattern of files names."""
 
-    def __init__(self, folder: Path, decode: Decode):
+    pixels: np.ndarray  # float32 (height, width, channels); integers of files are at most 1
+    corner: tuple[int, int] = (0, 0)  # texture coordinates of the lower left corner
+    tiles: tuple[int, int] = (1, 1)  # the number of tiles along u and v
+
+
+class Images:
+    """Reads images once each."""
+
+    def __init__(self, folder: Path):
         """folder: that names are relative to."""
         self._folder = folder
-        self._decode = decode
-        self._read: dict[Path, np.ndarray] = {}
+        self._read: dict[str, Image] = {}
         self._pixels = 0
 
-    def read(self, name: str, where: str) -> np.ndarray:
-        """The stored values (height, width, channels) of a file."""
-        if re.search(r"<[A-Za-z]+>", name):
+    def read(self, name: str, where: str) -> Image:
+        """The image of a name; see `TOKENS`."""
+        if name not in self._read:
+            try:
+                self._read[name] = self._image(name, where)
+            except UrushiError:
+                raise
+            except (OSError, ValueError, RuntimeError) as error:
+                reason = " ".join(str(error).split())[:160]
+                raise FileError(
+                    f"{where}: cannot read the image '{name[:80]}': {reason}"
+                ) from error
+        return self._read[name]
+
+    def _image(self, name: str, where: str) -> Image:
+        shown = f"{where}: '{name[:80]}'"
+        path = (self._folder / name.replace("\\", "/")).resolve()
+        files = _tiles(path, shown)
+        if not name or not files:
+            other = other_case(path) if name else None
+            cure = "check its path" if other is None else f"'{other}' differs in case only"
+            raise FileError(f"{where}: there is no image '{name[:80]}'; {cure}")
+        readers = {tile: _opened(file) for tile, file in files.items()}
+        low, high = (tuple(map(f, zip(*readers, strict=True))) for f in (min, max))
+        columns, rows = high[0] - low[0] + 1, high[1] - low[1] + 1
+        height, width, channels = (
+            max(getattr(reader.spec(), name) for reader in readers.values())
+            for name in ("height", "width", "nchannels")
+        )
+        self._pixels += width * columns * height * rows
+        if self._pixels > MAX_PIXELS:
             raise FileError(
-                f"{where}: '{name[:80]}' is a pattern for several files, which is not supported; "
-                "name one file"
+                f"{shown} has {width * columns} x {height * rows} pixels; all images of a document "
+                f"may have {MAX_PIXELS >> 20} Mi in total; use smaller ones"
             )
-        try:
-            path = (self._folder / name.replace("\\", "/")).resolve()
-            if not name or not path.is_file():
-                other = other_case(path) if name else None
-                cure = "check its path" if other is None else f"'{other}' differs in case only"
-                raise FileError(f"{where}: there is no image '{name[:80]}'; {cure}")
-            if path not in self._read:
-                width, height = image_size(path)
-                self._pixels += width * height
-                if self._pixels > MAX_PIXELS:
-                    raise FileError(
-                        f"{where}: '{name[:80]}' has {width} x {height} pixels; all images of a "
-                        f"document may have {MAX_PIXELS >> 20} Mi in total; use smaller ones"
-                    )
-                pixels = self._decode(path)
-                if not np.isfinite(pixels).all():
-                    raise FileError(
-                        f"{where}: the image '{name[:80]}' has pixels that are not finite; repair "
-                        "them, or export it again"
-                    )
-                self._read[path] = pixels
-        except UrushiError:
-            raise
-        except (OSError, ValueError, RuntimeError) as error:
-            reason = " ".join(str(error).split())[:160]
-            raise FileError(f"{where}: cannot read the image '{name[:80]}': {reason}") from error
-        return self._read[path]
+        whole = np.zeros((rows, height, columns, width, channels), np.float32)
+        for (u, v), reader in readers.items():
+            pixels = _decoded(reader, files[u, v])
+            if not np.isfinite(pixels).all():
+                raise FileError(
+                    f"{where}: the image '{name[:80]}' has pixels that are not finite; repair "
+                    "them, or export it again"
+                )
+            times = height // pixels.shape[0], width // pixels.shape[1]
+            if pixels.shape[0] * times[0] != height or pixels.shape[1] * times[1] != width:
+                raise FileError(f"{shown} has tiles whose sizes are no multiples; make them equal")
+            whole[high[1] - v, :, u - low[0]] = pixels.repeat(times[0], 0).repeat(times[1], 1)
+        return Image(whole.reshape(rows * height, columns * width, -1), low, (columns, rows))
+
+
+def _tiles(path: Path, where: str) -> dict[tuple[int, int], Path]:
+    """The files of a name by their tiles; a name without a token is the tile (0, 0)."""
+    token = re.search(r"<\w*>", path.name)
+    if token is None:
+        return {(0, 0): path} if path.is_file() else {}
+    expression = TOKENS.get(token[0].upper())
+    if expression is None:
+        raise FileError(
+            f"{where} depends on the geometry by {token[0]}, which is not known here; name one file"
+        )
+    before, after = (re.escape(x) for x in (path.name[: token.start()], path.name[token.end() :]))
+    found = {}
+    for file in sorted(path.parent.iterdir()) if path.parent.is_dir() else ():
+        if match := re.fullmatch(before + expression + after, file.name):
+            u, v = (int(x) - 1 for x in (match.groups() * 2)[:2])
+            found[(u % 10, v // 10) if match.lastindex == 1 else (u, v)] = file
+    return found
+
+
+def _opened(path: Path) -> Any:
+    """A reader of a file, which knows its size."""
+    import OpenImageIO as oiio
+
+    wanted = oiio.ImageSpec()
+    wanted.attribute("oiio:UnassociatedAlpha", 1)  # keeps what is stored
+    reader = oiio.ImageInput.open(str(path), wanted)
+    if reader is None:
+        raise FileError(
+            f"cannot read the image '{path}': {' '.join(oiio.geterror().split())[:160]}"
+        )
+    return reader
+
+
+def _decoded(reader: Any, path: Path) -> np.ndarray:
+    channels = reader.spec().nchannels
+    if channels > 4:
+        raise FileError(f"'{path}' has {channels} channels; convert it to grey or RGB")
+    pixels = reader.read_image("float")
+    if pixels is None:
+        reason = " ".join(reader.geterror().split())[:160]
+        raise FileError(f"cannot read the image '{path}': {reason}")
+    return pixels.reshape(*pixels.shape[:2], -1)
 
 
 def other_case(path: Path) -> Path | None:
@@ -88,41 +149,6 @@ def other_case(path: Path) -> Path | None:
     if parent is None or not parent.is_dir():
         return None
     return next((p for p in parent.iterdir() if p.name.casefold() == path.name.casefold()), None)
-
-
-def image_size(path: Path) -> tuple[int, int]:
-    """Width and height of a PNG, JPEG, OpenEXR or Radiance file, from its header."""
-    with path.open("rb") as file:
-        header = file.read(HEADER)
-    size = None
-    if header.startswith(b"\x89PNG\r\n\x1a\n") and len(header) >= 24:
-        size = struct.unpack(">II", header[16:24])
-    elif header.startswith(b"\xff\xd8"):
-        size = _jpeg_size(header)
-    elif header.startswith(b"\x76\x2f\x31\x01"):
-        at = header.find(b"dataWindow\0box2i\0")
-        if at >= 0 and len(header) >= at + 37:
-            x0, y0, x1, y1 = struct.unpack("<4i", header[at + 21 : at + 37])
-            size = (x1 - x0 + 1, y1 - y0 + 1)
-    elif header.startswith(b"#?"):
-        found = re.search(rb"[-+]Y (\d{1,9}) [-+]X (\d{1,9})\n", header)
-        size = None if found is None else (int(found[2]), int(found[1]))
-    if size is None or size[0] < 1 or size[1] < 1:
-        raise FileError(
-            f"'{path}' is not a PNG, JPEG, OpenEXR or Radiance image, or is truncated; convert it"
-        )
-    return int(size[0]), int(size[1])
-
-
-def _jpeg_size(header: bytes) -> tuple[int, int] | None:
-    at = 2
-    while at + 9 <= len(header) and header[at] == 0xFF:
-        marker = header[at + 1]
-        if 0xC0 <= marker <= 0xCF and marker not in (0xC4, 0xC8, 0xCC):
-            height, width = struct.unpack(">HH", header[at + 5 : at + 9])
-            return width, height
-        at += 2 + struct.unpack(">H", header[at + 2 : at + 4])[0] if marker != 0xFF else 1
-    return None
 
 
 @dataclass(frozen=True)

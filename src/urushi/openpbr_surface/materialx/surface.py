@@ -17,7 +17,7 @@ from urushi.openpbr_surface.materialx.baking import Texture, Value, bake, change
 from urushi.openpbr_surface.materialx.document import find_material, read_document
 from urushi.openpbr_surface.materialx.evaluation import Evaluation
 from urushi.openpbr_surface.materialx.graph import Frame, Graph, Source
-from urushi.openpbr_surface.materialx.images import Decode, Images
+from urushi.openpbr_surface.materialx.images import Images
 from urushi.openpbr_surface.materialx.shaders import (
     LOST,
     SHADERS,
@@ -76,7 +76,6 @@ class Mix:
 
 def read_surface(
     path: str | os.PathLike,
-    decode: Decode,
     name: str | None = None,
     resolution: int = RESOLUTION,
     uv_plane: bool = False,
@@ -86,9 +85,8 @@ def read_surface(
     material = find_material(document, name)
     name = material.getName()
     where = f"{document.where}: '{name[:60]}'"
-    graph = Graph(
-        document.root, Images(document.path.parent, decode), document.where, uv_plane=uv_plane
-    )
+    images = Images(document.path.parent)
+    graph = Graph(document.root, images, document.where, uv_plane=uv_plane)
     try:
         shader = _find_shader(graph, material, where)
         return _read(graph, shader, resolution, name, iter(range(MAX_MIXED)))

@@ -2,13 +2,12 @@
 
 import os
 from collections.abc import Callable, Mapping
-from pathlib import Path
 from typing import Any
 
 import mitsuba as mi
 import numpy as np
 
-from urushi.errors import FileError, ParameterError
+from urushi.errors import ParameterError
 from urushi.mitsuba.plugins.base import resolve
 from urushi.mitsuba.reading.parameters import describe
 from urushi.openpbr_surface.inputs import EMISSION, Inputs
@@ -21,8 +20,6 @@ from urushi.openpbr_surface.materialx.surface import (
     read_surface,
 )
 from urushi.openpbr_surface.parameters import PARAMETERS
-
-_FORMATS = ("Y", "YA", "RGB", "RGBA")
 
 
 def load_materialx(
@@ -62,7 +59,7 @@ def load_materialx(
 
 def read(path: str | os.PathLike, name: str | None, resolution: int, uv: bool) -> Surface | Mix:
     """A material of a document; arguments as of `load_materialx`."""
-    return read_surface(path, decode, name, checked_resolution(resolution), uv)
+    return read_surface(path, name, checked_resolution(resolution), uv)
 
 
 def description(
@@ -107,21 +104,6 @@ def checked_resolution(resolution: int, name: str = "resolution") -> int:
     if not 1 <= resolution <= 4096:
         raise ParameterError(f"{name} is {resolution}; it must be in [1, 4096]")
     return int(resolution)
-
-
-def decode(path: Path) -> np.ndarray:
-    """The stored values of an image, float32 (height, width, channels), not linearised."""
-    try:
-        bitmap = mi.Bitmap(str(path))
-        layout = str(bitmap.pixel_format()).rpartition(".")[2]
-        if layout not in _FORMATS:
-            raise FileError(f"'{path}' has the channels {layout}; convert it to grey or RGB")
-        bitmap.set_srgb_gamma(False)  # keeps what is stored
-        pixels = np.array(bitmap.convert(component_format=mi.Struct.Type.Float32))
-    except RuntimeError as error:
-        reason = " ".join(str(error).split())[:160]
-        raise FileError(f"cannot read the image '{path}': {reason}") from error
-    return pixels.reshape(*pixels.shape[:2], -1)
 
 
 def mitsuba_value(
