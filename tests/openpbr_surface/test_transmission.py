@@ -12,6 +12,7 @@ from urushi.errors import ParameterError
 from urushi.mitsuba.reading import probing
 from urushi.openpbr_surface.formulas import subsurface_albedo
 from urushi.openpbr_surface.parameters import PARAMETERS
+from urushi.textures.store import MIDDLE
 from urushi.walk.simulate import albedo
 
 pytestmark = pytest.mark.usefixtures("rgb")
@@ -443,12 +444,76 @@ def test_bodies_need_one_index_that_bends_light():
         RuntimeError, match="specular_weight is a texture, but what transmits light"
     ):
         load(GLASS | {"specular_weight": texture})
-    with pytest.raises(RuntimeError, match="no interface bends light into the body"):
-        load(GLASS | {"specular_ior": 1.0})
+    with pytest.raises(RuntimeError, match="openpbr: thin_film_weight needs a film on a body of"):
+        load(GLASS | {"specular_ior": 1.0, "thin_film_weight": 0.5})
     with pytest.raises(RuntimeError, match="without a transmission component"):
         mi.load_dict({"type": "twosided", "b": urushi.openpbr(**GLASS).description()})
     # A metal does not transmit.
     assert not mi.has_flag(load(GLASS | {"base_metalness": 1.0}).flags(), mi.BSDFFlags.Transmission)
+
+
+#: Two-sided surfaces of which a share is unseen; the share, and its transmittance along the normal
+#: by the surface and by media that light crosses at an angle.
+INDEX_ONE = {"coat_weight": 1.0, "coat_ior": 1.0, "coat_color": (0.6,) * 3}
+TINTED = {"transmission_color": (0.5,) * 3}
+UNSEEN = {
+    "pane": (PANE | TINTED | {"specular_ior": 1.0}, 1.0, 1.0, 0.5),
+    "pane without weight": (PANE | {"specular_weight": 0.0}, 1.0, 1.0, 1.0),
+    "coated pane": (PANE | TINTED | INDEX_ONE | {"specular_ior": 1.0}, 1.0, 1.0, 0.5 * 0.6),
+    "body": (GLASS | TINTED | {"specular_weight": 0.0}, 1.0, 0.5, 1.0),
+    "coated body": (GLASS | TINTED | INDEX_ONE | {"specular_ior": 1.0}, 1.0, 0.5, 0.6**0.5),
+    "half": (
+        PANE | TINTED | {"specular_ior": 1.0, "transmission_weight": 0.5, "base_weight": 0.0},
+        *(0.5, 1.0, 0.5),
+    ),
+}
+
+
+@pytest.mark.parametrize("name", UNSEEN)
+@pytest.mark.parametrize("degrees", [0, 50, 130])
+def test_light_goes_straight_through_an_index_of_one(name, degrees):
+    """By Beer's law (OpenPBR Surface 1.1.1: transmission_color is seen along the normal)."""
+    values, share, surface, medium = UNSEEN[name]
+    bsdf, cosine = load(values), abs(np.cos(np.radians(degrees)))
+    passed = share * surface * medium ** (1 / cosine)
+    weight, wo = sampled(bsdf, degrees, 1 << 12)
+    straight = np.abs(wo[:, 2] + np.cos(np.radians(degrees))) < 1e-4
+    assert np.mean(straight) == pytest.approx(share, abs=0.01)
+    assert np.mean(weight * straight) == pytest.approx(passed, rel=0.01)
+    si = probing.interaction(np.float32([[(1 - cosine**2) ** 0.5, 0, cosine]]), MIDDLE.uv())
+    assert bsdf.eval_null_transmission(si).numpy() == pytest.approx(passed, rel=1e-4)
+    if share == 1:
+        other = directions(100, 1)
+        assert not evaluated(bsdf, np.tile([0.6, 0, 0.8], (len(other), 1)), other).any()
+
+
+def test_a_pane_appears_and_disappears_with_its_index():
+    bsdf = load(PANE | {"reference": True})
+    params = mi.traverse(bsdf)
+    for index in (1.0, 1.5):
+        params["specular_ior.value"] = index
+        params.update()
+        assert mi.has_flag(bsdf.flags(), mi.BSDFFlags.Null) == (index == 1)
+        assert sampled(bsdf, 30, 1 << 13)[0].mean() == pytest.approx(1, abs=0.03)
+
+
+def test_a_coat_of_index_one_on_a_pane_is_its_medium():
+    """Two coats dim what goes through by Beer's law; the surfaces of the pane alone bend light."""
+    shared = PANE | {"specular_roughness": 0.3, "reference": True, "energy_compensation": False}
+    bare, coated = load(shared), load(shared | INDEX_ONE)
+    wi, wo = np.float32([[0.3, 0, 0.954]]), np.float32([[-0.3, 0, -0.954]])
+    many = [np.tile(w, (1 << 12, 1)) for w in (wi, wo)]
+    first, second = (evaluated(bsdf, *many).mean() for bsdf in (bare, coated))
+    assert second / first == pytest.approx(0.6 ** (1 / 0.954), rel=0.05)
+
+
+@pytest.mark.parametrize("name", ["specular_roughness", "specular_ior"])
+def test_derivatives_of_slabs_are_refused_by_the_parameter(name):
+    bsdf = load(PANE | {"reference": True})
+    params = mi.traverse(bsdf)
+    dr.enable_grad(params[f"{name}.value"])
+    with pytest.raises(ParameterError, match=f"openpbr: {name} carries gradients"):
+        params.update()
 
 
 @pytest.mark.parametrize(

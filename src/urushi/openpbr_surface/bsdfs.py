@@ -261,7 +261,9 @@ def define(proposal_bsdf: type) -> tuple[type, type]:
         names = NAMES
 
         def traverse(self, callback):
-            self._inputs.traverse(callback, self.names)
+            # Walks have no derivatives.
+            walks = self._coated is not None and not hasattr(self._coated, "gradient_tensors")
+            self._inputs.traverse(callback, self.names, self.names if walks else ())
             self.gradient_tensors.traverse(callback)
 
         def _update(self, keys):

@@ -1,7 +1,7 @@
 """The parameters of the plugin `openpbr`, as textures, and textures that are computed from them."""
 
 import copy
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Container, Iterable, Iterator, Mapping, Sequence
 from functools import cache
 from typing import Any, ClassVar
 
@@ -268,10 +268,16 @@ class Inputs:
         given = name in self.textures or name in self.constants
         return not given or self.is_constant(name, 0)
 
-    def traverse(self, callback, names: Iterable[str]) -> None:
-        """List parameters for `mi.traverse`."""
+    def traverse(self, callback, names: Iterable[str], fixed: Container[str] = ()) -> None:
+        """List parameters for `mi.traverse`; fixed: those without derivatives."""
         for name in names:
-            callback.put(name, self.textures[name], mi.ParamFlags.Differentiable)
+            differentiable = mi.ParamFlags.Differentiable
+            flags = mi.ParamFlags.NonDifferentiable if name in fixed else differentiable
+            callback.put(name, self.textures[name], flags)
+
+    def has_gradients(self, name: str) -> bool:
+        """Whether a parameter has gradients enabled."""
+        return any(dr.grad_enabled(value) for _, value in mi.traverse(self.textures[name]))
 
     def tangent(self, si, active) -> tuple["mi.Float", "mi.Float"]:
         """Sine and cosine of the angle from the shape's tangent to the map's."""

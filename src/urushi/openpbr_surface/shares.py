@@ -83,6 +83,8 @@ def index_of(inputs: Inputs) -> float:
             )
     ior, weight = (inputs.middle(name) for name in INDICES)
     ior = float(formulas.modulated_index(max(ior, formulas.LEAST_INDEX), weight))
+    if inputs.thin:  # a slab
+        return float(formulas.interface_index(ior))
     return min(max(ior, 1 / 3), 3.0)
 
 

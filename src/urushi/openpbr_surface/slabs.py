@@ -117,8 +117,11 @@ def slab_of(inputs: Inputs, coat: dict[str, Any] | None) -> dict[str, Any]:
         )
     if coat is None:
         return pane | {"ext_ior": 1.0}
-    below = {name: value for name, value in coat.items() if name != "ext_ior"}
+    # The coat below lies between the pane's lower surface and its own.
+    outer = width_properties(inputs, "coat")
+    below = {name: x for name, x in coat.items() if name not in ("ext_ior", *outer)} | rough
     # Mitsuba refuses equal indices.
-    far = glass | width_properties(inputs, "coat") | {"int_ior": AIR * (1 + 1e-5)}
-    pane |= {"type": "layered", "base": below | {"type": "layered", "base": far}}
+    far = glass | outer | {"int_ior": AIR * (1 + 1e-5)}
+    inner = {"type": "layered", "inner": True}
+    pane |= inner | {"base": below | inner | {"base": far}}
     return coat | {"base": pane}

@@ -3,6 +3,7 @@
 A `Body` mixes two-sided BSDFs by the shares of the base: opaque, an interface with a
 medium below it (`Glass`), a thin wall that scatters light (`Sheet`), and slabs of the plugins
 `layered` and `neural_layered` (`slabs`): coats on glass, panes, and panes with coats on both sides.
+What has the index of what lies outside lets light pass straight on (`Unseen`).
 Departures from the specification: a share that is opaque looks the same from inside; both sides of
 a thin wall have the coat; specular_weight changes the index of the body, whatever lies above it.
 """
@@ -14,6 +15,7 @@ from typing import Any
 import drjit as dr
 import mitsuba as mi
 
+from urushi.errors import ParameterError
 from urushi.mitsuba.plugins.base import GradientTensors
 from urushi.mitsuba.plugins.coats import (
     Turn,
@@ -27,6 +29,7 @@ from urushi.openpbr_surface.bsdfs import OF_COAT, Part, SurfaceProposal
 from urushi.openpbr_surface.inputs import Inputs
 from urushi.openpbr_surface.shares import INDICES, SHARES, index_of, opaque_share, shares
 from urushi.openpbr_surface.slabs import Finish, slab_of
+from urushi.openpbr_surface.two_sided import Unseen
 
 #: Colours that are white where losses are measured.
 COLORS = ("coat_color", "transmission_color", "specular_color")
@@ -54,14 +57,53 @@ def define(proposal_bsdf: type) -> Callable[..., "mi.BSDF"]:
             takes former ones, whose BSDFs are reused, or an empty list."""
             self._inputs, self._make = inputs, make
             self._parts: list = []
+            self._unseen: list = []  # `Unseen` and its weight at an interaction
             self.gradient_tensors = GradientTensors()
             self._configure()
             super().__init__(mi.Properties("openpbr"), inputs.where)
 
         def _configure(self):
-            self._parts = self._make([])
             self._ior = index_of(self._inputs)
             self._transmit(None if self._inputs.thin else self._ior)
+            self._take(self._make([]))
+
+        def _take(self, made: list) -> None:
+            self._parts = [part for part in made if not isinstance(part[0], Unseen)]
+            self._unseen = [part[:2] for part in made if isinstance(part[0], Unseen)]
+
+        def _flags(self):
+            flags = mi.BSDFFlags
+            straight = [flags.Null | flags.FrontSide | flags.BackSide] if self._unseen else []
+            return [*super()._flags(), *straight]
+
+        def _straight(self, ctx, si, active):
+            """Probability that light goes straight on, and the mean transmittance there."""
+            share, total = mi.Float(0), mi.Spectrum(0)
+            for unseen, weight in self._unseen:
+                own = weight(si, active)
+                share += own
+                total += own * unseen.passed(si, active)
+            seen = mi.Bool(active) & (si.wi.z != 0) & ctx.is_enabled(mi.BSDFFlags.Null, 2)
+            return share, dr.select(seen, total, 0)
+
+        def sample(self, ctx, si, sample1, sample2, active=True):
+            bs, weight = super().sample(ctx, si, sample1, sample2, active)
+            if not self._unseen:
+                return bs, weight
+            share, total = self._straight(ctx, si, active)
+            straight = sample1 >= 1 - share  # the other parts have the shares below it
+            passes = straight & dr.any(total > 0)
+            bs.wo = dr.select(straight, -si.wi, bs.wo)
+            bs.pdf = dr.select(straight, dr.select(passes, share, 0), bs.pdf)
+            bs.eta = dr.select(straight, 1, bs.eta)
+            bs.sampled_type = dr.select(straight, mi.UInt32(+mi.BSDFFlags.Null), bs.sampled_type)
+            bs.sampled_component = dr.select(straight, mi.UInt32(2), bs.sampled_component)
+            return bs, dr.select(
+                passes, total / dr.maximum(share, 1e-6), dr.select(straight, 0, weight)
+            )
+
+        def eval_null_transmission(self, si, active=True):
+            return self._straight(mi.BSDFContext(), si, active)[1]
 
         def _vertex(self, si, active):
             turn = None
@@ -112,24 +154,36 @@ def define(proposal_bsdf: type) -> Callable[..., "mi.BSDF"]:
 
         def traverse(self, callback):
             names = [*SHARES]
-            for bsdf, _, _ in self._parts:
-                names += bsdf.names
+            for part in (*self._parts, *self._unseen):
+                names += part[0].names
             if "transmission_color" in names:  # a coat may appear
                 names += ("coat_weight", *OF_COAT)
-            self._inputs.traverse(callback, dict.fromkeys(names))
+            self._inputs.traverse(callback, dict.fromkeys(names), self._fixed())
             self.gradient_tensors.traverse(callback)
+
+        def _fixed(self) -> set[str]:
+            """The parameters by which a part has no derivatives."""
+            return {name for part in self._parts for name in getattr(part[0], "fixed", ())}
 
         def _update(self, keys):
             changed = {*keys}
+            for name in sorted(filter(self._inputs.has_gradients, self._fixed())):
+                raise ParameterError(
+                    f"{self._inputs.where}: {name} carries gradients, but panes and coats on what "
+                    "transmits light have derivatives by transmission_color and coat_color alone, "
+                    "and by walks or of spectra none; disable them"
+                )
             if self._inputs.refresh() or index_of(self._inputs) != self._ior:
                 self._configure()
+                self._set_flags()
             else:
                 for bsdf, _, _ in self._parts:
                     if not changed or not changed.isdisjoint(bsdf.names):
                         bsdf.parameters_changed(list(keys))
                 if not changed or not changed <= {*LOSSLESS}:
-                    self._parts = self._make(self._parts)
-            self.gradient_tensors.follow(self._parts[0][0])  # the opaque part, if there is one
+                    self._take(self._make(self._parts))
+            # The opaque part comes first, if there is one.
+            self.gradient_tensors.follow(self._parts[0][0] if self._parts else None)
 
         def to_string(self):
             parts = ",\n".join(str(bsdf) for bsdf, _, _ in self._parts)
@@ -167,10 +221,13 @@ def define(proposal_bsdf: type) -> Callable[..., "mi.BSDF"]:
             plugin = "neural_layered" if tables and one and numbers else "layered"
             made = mi.load_dict(described | {"type": plugin})
             made.names = (*OF_PANES, *(OF_COAT if coated else ()))
+            differentiable = COLORS if plugin == "neural_layered" and not mi.is_spectral else ()
+            made.fixed = {*made.names} - {*differentiable}
             return made
 
         def parts(former: list) -> list:
             found: list[tuple[Any, Callable[..., Any], Any]] = []
+            unseen: list[tuple[Any, Callable[..., Any], Any]] = []
 
             def part(make: Callable[[Inputs], Any], given: Inputs) -> Any:
                 return former[len(found)][0] if former else make(given)
@@ -188,6 +245,9 @@ def define(proposal_bsdf: type) -> Callable[..., "mi.BSDF"]:
             for coated, absent in ((False, 1), (True, 0)):
                 if inputs.is_constant("coat_weight", absent):
                     continue
+                if Unseen.is_right(inputs, coated):
+                    unseen.append((Unseen(inputs, coated), weight(of, coated), None))
+                    continue
                 make = partial(slab, coated=coated) if coated or inputs.thin else Glass
                 bsdf, finish = part(make, inputs), None
                 if not isinstance(bsdf, Glass):
@@ -196,7 +256,7 @@ def define(proposal_bsdf: type) -> Callable[..., "mi.BSDF"]:
                         white = make(inputs.replaced(dict.fromkeys(COLORS, 1.0)))
                     finish = Finish(inputs, coated, white if compensated else None)
                 found.append((bsdf, weight(of, coated), finish))
-            return found
+            return [*found, *unseen]
 
         return Body(inputs, parts)
 

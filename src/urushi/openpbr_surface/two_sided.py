@@ -61,6 +61,34 @@ class GlassVertex(NamedTuple):
     scale: Any  # of the product of lost shares, a lobe [1/sr]
 
 
+class Unseen:
+    """What has no interface that bends light: light goes straight on through a coloured medium."""
+
+    names = ("transmission_color", "coat_color", "coat_ior", *INDICES)
+
+    def __init__(self, inputs: Inputs, coated: bool):
+        self._inputs, self._coated = inputs, coated
+
+    @staticmethod
+    def is_right(inputs: Inputs, coated: bool) -> bool:
+        """Whether a body or a pane, and the coat on it, have the index of what lies outside."""
+        indices = [index_of(inputs), *([inputs.known("coat_ior")] if coated else ())]
+        return not any(x is None or abs(x - 1) >= MIN_INDEX_STEP for x in indices) and (
+            inputs.thin or inputs.is_constant("thin_film_weight", 0)
+        )
+
+    def passed(self, si, active) -> Any:
+        """Transmittance along si.wi: the colours are those of light along the normal."""
+        inputs, slab = self._inputs, mi.Spectrum(1)
+        tint = inputs.color("transmission_color", si, active)
+        coat = inputs.color("coat_color", si, active) if self._coated else mi.Spectrum(1)
+        if inputs.thin:  # the medium of the pane and two coats, each of the root of its colour
+            tint, slab = mi.Spectrum(1), tint * coat
+        else:
+            tint, slab = tint_of(inputs, si, active), dr.sqrt(coat)
+        return tint * dr.power(slab, 1 / dr.maximum(dr.abs(si.wi.z), 1e-6))
+
+
 def define(proposal_bsdf: type) -> tuple[Any, type]:
     """Make the classes in the current variant; see `define_proposal_bsdf`."""
 
@@ -76,8 +104,8 @@ def define(proposal_bsdf: type) -> tuple[Any, type]:
             index = index_of(self._inputs)
             if abs(index - 1) < MIN_INDEX_STEP:
                 raise ParameterError(
-                    f"{self._inputs.where}: no interface bends light into the body, whose index is "
-                    "1; give another specular_ior, or Mitsuba's BSDF 'null'"
+                    f"{self._inputs.where}: thin_film_weight needs a film on a body of index 1, "
+                    "which the plugin does not support; leave it out or give another specular_ior"
                 )
             self._transmit(index)
             two_widths = not self._inputs.is_constant("specular_roughness_anisotropy", 0)

@@ -45,8 +45,7 @@ def define_proposal_bsdf() -> type:
             self._vertex_cache, self._kept = VertexCache(), KeptParameters()
             self._signature = signature_of(self)
             mi.BSDF.__init__(self, props)
-            self.m_components = self._flags()
-            self.m_flags = reduce(or_, self.m_components)
+            self._set_flags()
             self._kept.keep(self)
 
         def _load(self, props):
@@ -55,6 +54,11 @@ def define_proposal_bsdf() -> type:
         def _transmit(self, index=None):
             """Scatter light from both sides to both; index: below relative to above, if not 1."""
             self._transmits, self._index = True, 1.0 if index is None else opaque(index)
+
+        def _set_flags(self):
+            """Tell Mitsuba the components."""
+            self.m_components = self._flags()
+            self.m_flags = reduce(or_, self.m_components)
 
         def _flags(self):
             """Mitsuba's flags of the components."""

@@ -58,6 +58,7 @@ def define_coated(base: type, label: str) -> type:
 
         def _load(self, props):
             self._nested = nested_bsdf(props, optional=True)
+            self._inner = bool(props.get("inner", False))  # whether a slab is a part of another
             self._coat = CoatTextures(props)
             if is_dielectric(self._nested):
                 check_dielectric(self._nested, self._coat.where)
@@ -114,7 +115,7 @@ def define_coated(base: type, label: str) -> type:
                     f"{self._where}: int_ior is a texture, but a slab with air on both sides "
                     "needs one number"
                 )
-            if textured:
+            if textured or self._inner:
                 return
             beyond = 1.0 if index is None else float(index.numpy()[0])
             etas = [coat.eta for coat in self.coats]
