@@ -42,12 +42,14 @@ def drawn(names, seed):
     }
 
 
-def albedos(bsdf, cosine, uv, samples):
-    """Shares (N,) of the light that is reflected at points of uv (N, 2), seen at 50 degrees of
-    azimuth, by quasi-random samples."""
-    count = len(uv) * samples
+def albedos(bsdf, cosine, uv, samples, azimuth=50.0):
+    """Shares (N,) of the light that is reflected at points of uv (N, 2), by quasi-random samples.
+
+    azimuth: [degrees].
+    """
+    count, phi = len(uv) * samples, np.radians(azimuth)
     sine = (1 - cosine**2) ** 0.5
-    wi = np.array([sine * np.cos(0.87), sine * np.sin(0.87), cosine])
+    wi = np.array([sine * np.cos(phi), sine * np.sin(phi), cosine])
     si = probing.interaction(np.tile(wi, (count, 1)), np.repeat(uv, samples, 0), np.arange(count))
     index = np.tile(np.arange(samples), len(uv))
     u = [((index + 0.5) * 1.2207440846057596**-k % 1).astype(np.float32) for k in (1, 2, 3)]
@@ -86,6 +88,16 @@ def test_a_white_base_reflects_all_light(names, constants, tolerance):
     uv = np.stack(np.meshgrid(axis, axis), -1).reshape(-1, 2)
     for cosine in (1.0, 0.6, 0.3, 0.2):
         assert np.abs(albedos(bsdf, cosine, uv, SAMPLES) - 1).max() < tolerance
+
+
+@pytest.mark.parametrize("reference", [pytest.param(False, marks=pytest.mark.slow), True])
+def test_a_white_base_under_a_brushed_coat_reflects_all_light_at_any_azimuth(reference):
+    """Within 1.5 %: interpolation of the loss, and noise of the reference."""
+    brushed = {"coat_roughness": 0.6, "coat_roughness_anisotropy": 0.7, "coat_weight": 1.0}
+    bsdf = mi.load_dict({"type": "openpbr", "base_color": WHITE, "reference": reference, **brushed})
+    for azimuth in (0.0, 45.0, 90.0):
+        found = albedos(bsdf, 0.3, np.float32([[0.5, 0.5]]), SAMPLES, azimuth)
+        assert abs(found - 1).max() < 0.015
 
 
 @pytest.mark.parametrize("ior", [0.6, 1.0, 1.5])

@@ -90,6 +90,36 @@ def test_brushed_glass_loses_no_light_at_any_azimuth(azimuth, degrees):
     assert weight.mean(1) == pytest.approx(1, abs=0.01)
 
 
+@pytest.mark.parametrize(
+    ("surface", "name"),
+    [
+        (PANE, "specular_roughness"),
+        pytest.param(GLASS | COAT, "specular_roughness", marks=pytest.mark.slow),
+        pytest.param(GLASS | COAT, "coat_roughness", marks=pytest.mark.slow),
+    ],
+)
+def test_clear_and_etched_texels_lose_no_light(surface, name):
+    """Within 2 %, as the loss is linear between nine roughnesses, and four standard errors: narrow
+    coats are noisy from inside. The middle of uv is rough."""
+    texels = np.float32([[0.05, 0.9]])[..., None]
+    etched = {"type": "bitmap", "raw": True, "filter_type": "nearest", "bitmap": mi.Bitmap(texels)}
+    bsdf = load(surface | {name: mi.load_dict(etched)})
+    for u in (0.25, 0.75):
+        for degrees in (30, 70, 110):
+            weight = sampled(bsdf, degrees, 1 << 14, uv=(u, 0.5))[0][0]
+            assert abs(weight.mean() - 1) < 0.02 + 4 * weight.std() / len(weight) ** 0.5
+
+
+@pytest.mark.slow
+def test_brushed_panes_lose_no_light_at_any_azimuth():
+    """Within 2 %: the loss is linear between five azimuths."""
+    brushed = {"specular_roughness": 0.6, "specular_roughness_anisotropy": 0.9}
+    bsdf = load(PANE | brushed)
+    for azimuth in (0.0, 45.0, 90.0):
+        weight, _ = sampled(bsdf, 72, 1 << 15, azimuth=azimuth)
+        assert weight.mean(1) == pytest.approx(1, abs=0.02)
+
+
 @pytest.mark.parametrize("name", CLOSED)
 def test_light_paths_may_be_reversed(name):
     """f of radiance times the square of the index on wo's side is the same the other way."""

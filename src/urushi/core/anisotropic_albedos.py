@@ -19,7 +19,7 @@ from urushi.core import albedos, fresnel, microfacet
 from urushi.core.albedos import AZIMUTHS, BELOW, COSINES, FINE, HEIGHTS
 from urushi.core.backend import backend
 from urushi.core.microfacet import pair
-from urushi.core.namespace import DRJIT, NUMPY, Namespace
+from urushi.core.namespace import DRJIT, NUMPY, Components, Namespace
 
 #: Nodes of the quotient and of the azimuth.
 QUOTIENTS, TURNS = 12, 9
@@ -63,6 +63,26 @@ def coordinates(w: Any, widths: Any, xp: Namespace = NUMPY) -> list:
     return [xp.clip(turn, 0, 1), *place]
 
 
+def cos2_at(turn: np.ndarray, quotients: np.ndarray) -> np.ndarray:
+    """Squared cosines (Q, T), to the larger width, of azimuths of coordinates (T,).
+
+    quotients: (Q,) of the larger to the smaller width.
+    """
+    narrow2 = 1 / np.maximum(quotients[:, None], 1.001) ** 2
+    return np.clip((narrow2 ** (1 - turn) - narrow2) / (1 - narrow2), 0, 1)
+
+
+def turn_weights(count: int, quotients: np.ndarray) -> np.ndarray:
+    """Weights (Q, count) of nodes of the azimuth in the mean over it of a table linear between."""
+    angle = (np.arange(1024) + 0.5) * (np.pi / 2048)
+    w = Components(np.cos(angle), np.sin(angle), 0 * angle)
+    place = [
+        coordinates(w, Widths(np.float64(quotient), np.float64(1.0)))[0] * (count - 1)
+        for quotient in quotients
+    ]
+    return np.maximum(1 - np.abs(np.stack(place)[:, None] - np.arange(count)[:, None]), 0).mean(2)
+
+
 @functools.cache
 def tables(eta: float | None = None) -> albedos.Tables:
     """The tables, see `albedos.tables`.
@@ -79,11 +99,9 @@ def tables(eta: float | None = None) -> albedos.Tables:
 
 def _tables(etas: np.ndarray, quotients: np.ndarray, alphas: np.ndarray) -> albedos.Tables:
     """`tables` at indices, quotients of the widths, and larger widths."""
-    # The squared cosines of the azimuths to the larger width.
-    narrow2 = 1 / np.maximum(quotients[:, None], 1.001) ** 2
-    cos2 = (narrow2 ** (1 - np.linspace(0, 1, TURNS)) - narrow2) / (1 - narrow2)
+    cos2 = cos2_at(np.linspace(0, 1, TURNS), quotients)
     grid = np.meshgrid(quotients, alphas, np.zeros(TURNS), indexing="ij")
-    cos2 = np.broadcast_to(np.clip(cos2, 0, 1)[:, None], grid[0].shape)
+    cos2 = np.broadcast_to(cos2[:, None], grid[0].shape)
     found = []
     for index in map(float, etas):
         cosine = albedos.nodes(index)[1]
@@ -106,13 +124,7 @@ def _hemisphere_mean(
     table: np.ndarray, etas: np.ndarray, quotients: np.ndarray, entered: bool
 ) -> np.ndarray:
     """Mean over diffuse light (I, QUOTIENTS, ROUGHNESSES); see `albedos.hemisphere_mean`."""
-    angle = (np.arange(1024) + 0.5) * (np.pi / 2048)
-    weights = []
-    for quotient in quotients:
-        w = albedos.Components(np.cos(angle), np.sin(angle), 0 * angle)
-        turn = coordinates(w, Widths(np.float64(quotient), np.float64(1.0)))[0] * (TURNS - 1)
-        weights.append(np.maximum(1 - np.abs(turn - np.arange(TURNS)[:, None]), 0).mean(1))
-    over = np.einsum("iqrtc,qt->iqrc", table, np.array(weights))
+    over = np.einsum("iqrtc,qt->iqrc", table, turn_weights(TURNS, quotients))
     rows = over.reshape(len(over), -1, COSINES)
     return albedos.hemisphere_mean(rows, etas, entered=entered).reshape(over.shape[:-1])
 

@@ -7,6 +7,7 @@ and added as a lobe.
 """
 
 from collections.abc import Callable
+from functools import partial
 from typing import Any, ClassVar, NamedTuple
 
 import drjit as dr
@@ -17,8 +18,8 @@ from urushi.core import fresnel
 from urushi.core.appearance import optical_depth
 from urushi.core.namespace import DRJIT
 from urushi.material import adding, energy
-from urushi.material.albedo_rule import albedo_rule
-from urushi.mitsuba.interface_albedo import InterfaceLoss, Interpolated, LossVertex
+from urushi.material.albedo_rule import AZIMUTHS, albedo_rule
+from urushi.mitsuba.interface_albedo import InterfaceLoss, LossVertex
 from urushi.mitsuba.reading import probing
 from urushi.mitsuba.reading.offers import offer_of, tabulated
 from urushi.mitsuba.reading.parameters import opaque
@@ -26,8 +27,16 @@ from urushi.openpbr_surface import encoding, formulas
 from urushi.openpbr_surface.film import NAMES as film_parameters
 from urushi.openpbr_surface.inputs import Inputs
 from urushi.openpbr_surface.lookups import MirrorAlbedo
+from urushi.openpbr_surface.loss_table import (
+    AXES,
+    COSINES,
+    LossAxes,
+    along,
+    sampled_losses,
+    table_of,
+    texture,
+)
 from urushi.openpbr_surface.model import NAMES
-from urushi.textures.store import TexelGrid
 
 #: A function from parameters to the coated base without compensation.
 Coated = Callable[[Inputs], "mi.BSDF"]
@@ -35,22 +44,14 @@ Coated = Callable[[Inputs], "mi.BSDF"]
 #: Exponent of the base's albedo in the weight of the networks' deviation over a white base.
 WHITENESS = 4
 
-#: Parameters that are axes of the table where they are textures, and the nodes of each axis.
-ROUGHNESSES, NODES = ("coat_roughness", "specular_roughness"), 5
-
-#: Nodes of the table in the root of the cosine; samples of a walk at each node, and degree of the
-#: polynomial that is fitted to walks against noise.
-COSINES, SAMPLES, DEGREE = 17, 1 << 14, 5
+#: Nodes of an axis of the table, and samples of a walk for each cosine.
+NODES, SAMPLES = 5, 1 << 14
 
 #: Least cosine at which the albedo of a table is measured.
 LEAST_COSINE = 0.02
 
-#: Parameters that the white twin takes from the material; of textures, the value in the middle of
-#: uv.
-_SHARED = (
-    *("base_diffuse_roughness", "specular_ior", "specular_roughness_anisotropy", "coat_ior"),
-    *("coat_roughness_anisotropy", *ROUGHNESSES),
-)
+#: Parameters that the white twin takes from the material.
+_SHARED = AXES
 
 #: The parameters of the coat.
 _OF_COATS = ("coat_color", "coat_roughness", "coat_roughness_anisotropy")
@@ -187,7 +188,8 @@ class FurnaceVertex(NamedTuple):
     If a part of the loss is known, losses are without it, and their mean is subtracted.
     """
 
-    at: list  # coordinates in the table besides the cosine, its last axis first
+    widths: Any  # to which the azimuth is relative
+    at: list  # coordinates in the table besides the direction, its last axis first
     lost: Any  # the loss at wi; divided by pi and by its mean if no part is known
     excess: Any  # one plus the gain at wi; () if a part of the loss is known
 
@@ -210,20 +212,17 @@ class Furnace:
         metalness: of the twin, 0 or 1. coated: makes the twin of its parameters.
         """
         self._inputs = inputs
-        self._varying = [name for name in ROUGHNESSES if inputs.known(name) is None]
         names = _SHARED if metalness else (*_SHARED, "specular_weight")  # it changes the index
-        self._shared = _values(inputs, [name for name in names if name not in self._varying])
+        self._axes = axes = LossAxes(inputs, NODES, names, ("coat", "specular"))
+        self._shared = _values(inputs, [name for name in names if name not in axes.varying])
         # A constant material may be evaluated by a table, a texture by codes; and so its twin. Only
         # codes of constant metals contain multiple scattering, see `encoding.MULTIPLE_FROM`.
         self._constant = self._is_constant()
         twin: dict[str, Any] = {**self._shared, "base_color": (1.0, 1.0, 1.0)}
         twin |= {"base_metalness": metalness, "coat_weight": 1.0}
-        twin["coat_ior"] = float(formulas.interface_index(twin["coat_ior"]))
-        nodes = [np.linspace(0, 1, NODES, dtype=np.float32)] * len(self._varying)
-        grid = [np.atleast_2d(x) for x in np.meshgrid(*nodes, indexing="ij")]
-        for name, values in zip(self._varying, grid, strict=True):
-            twin[name] = _texture(values[..., None])
-        uv = TexelGrid(*(grid[0].shape[::-1] if grid else (1, 1))).uv()  # of the nodes, by rows
+        if "coat_ior" in twin:
+            twin["coat_ior"] = float(formulas.interface_index(twin["coat_ior"]))
+        twin |= axes.textures
         if not self._constant and metalness and inputs.is_uniform(encoding.OF_METALS):
             if isinstance(rough := twin["coat_roughness"], float):
                 twin["coat_roughness"] = _hardly_varying(rough)
@@ -231,17 +230,15 @@ class Furnace:
             twin["base_color"] = _hardly_varying(1.0)
         parameters = Inputs.of(twin, inputs.where)
         with dr.suspend_grad():
-            losses = _losses(coated(parameters), uv)
+            bsdf = coated(parameters)
+            losses = axes.measured(partial(_losses, bsdf))
             if not metalness:
-                losses = losses - _interface_losses(parameters, uv)
-        losses = losses.reshape(*([NODES] * len(self._varying)), COSINES)
+                losses -= axes.measured(partial(_interface_losses, parameters))
         parts = np.maximum(losses, 0), np.maximum(-losses, 0)
-        self._deviations = Interpolated(np.stack(parts, axis=-1).astype(np.float32))
-        weight = hemisphere_weights()
+        self._deviations = table_of(parts)
         self._signed = not metalness
-        given = losses if self._signed else parts[0]
-        mean = (given @ weight)[..., None].astype(np.float32)
-        self._mean = Interpolated(mean) if self._varying else None
+        mean = axes.means(losses if self._signed else parts[0])
+        self._mean = table_of([mean]) if axes.varying else None
         self._constant_mean = opaque(float(mean.mean()))
 
     @property
@@ -255,12 +252,12 @@ class Furnace:
         return self._inputs.is_uniform((*NAMES, *_OF_COATS, *film))
 
     def vertex(self, si, active) -> "FurnaceVertex":
-        at = [self._inputs.number(name, si, active) for name in reversed(self._varying)]
-        lost, excess = self._deviations([dr.safe_sqrt(si.wi.z), *at])
+        widths, at = self._axes.widths(si, active), self._axes.at(si, active)
+        lost, excess = self._deviations([*along(si.wi, widths), *at])
         mean = self._constant_mean if self._mean is None else self._mean(at)[0]
         if self._signed:
-            return FurnaceVertex(at, lost - excess - mean, ())
-        return FurnaceVertex(at, lost / dr.maximum(dr.pi * mean, 1e-5), 1 + excess)
+            return FurnaceVertex(widths, at, lost - excess - mean, ())
+        return FurnaceVertex(widths, at, lost / dr.maximum(dr.pi * mean, 1e-5), 1 + excess)
 
     def beyond_known(self, vertex: "FurnaceVertex", wo):
         """The lobe [1/sr] of the loss beyond the known part; negative where too much light returns.
@@ -268,20 +265,13 @@ class Furnace:
         (L(wi) + L(wo) - mean L) / pi, whose integral over wo is L(wi). Small beside f, which a
         dielectric base has in all directions.
         """
-        lost, excess = self._deviations([dr.safe_sqrt(wo.z), *vertex.at])
+        lost, excess = self._deviations([*along(wo, vertex.widths), *vertex.at])
         return dr.inv_pi * (vertex.lost + lost - excess)
 
     def lobe_and_factor(self, vertex: "FurnaceVertex", wo) -> tuple:
         """The compensating lobe [1/sr], and a factor on f, below one where the twin gains light."""
-        lost, excess = self._deviations([dr.safe_sqrt(wo.z), *vertex.at])
+        lost, excess = self._deviations([*along(wo, vertex.widths), *vertex.at])
         return vertex.lost * lost, dr.rsqrt(vertex.excess * (1 + excess))
-
-
-def hemisphere_weights() -> np.ndarray:
-    """Weights (COSINES,) of a cosine-weighted mean of values at the table's nodes."""
-    weight = 4 * np.linspace(0, 1, COSINES) ** 3 / (COSINES - 1)  # of 2 cos dcos
-    weight[-1] /= 2
-    return weight
 
 
 def _values(inputs: Inputs, names: list[str]) -> dict[str, float]:
@@ -291,76 +281,42 @@ def _values(inputs: Inputs, names: list[str]) -> dict[str, float]:
 
 def _hardly_varying(value: float) -> dict[str, Any]:
     """A texture about a value. One of a single value would be a constant, and its coat a table."""
-    return _texture(np.array([[[value], [value + 1e-6]]]))
+    return texture(np.array([[[value], [value + 1e-6]]]))
 
 
-def _texture(texels: np.ndarray) -> dict[str, Any]:
-    """A texture of texels (H, W, 1 or 3)."""
-    return {
-        "type": "bitmap",
-        "bitmap": mi.Bitmap(np.ascontiguousarray(texels, np.float32)),
-        "raw": True,
-        "filter_type": "nearest",
-        "wrap_mode": "clamp",
-    }
-
-
-def _losses(coat: "mi.BSDF", uv: np.ndarray) -> np.ndarray:
-    """Losses (N, COSINES) at points of uv: of a random walk, of a table, or of codes by the rule of
-    `urushi.material.energy`."""
+def _losses(coat: "mi.BSDF", uv: np.ndarray, cos2: np.ndarray) -> np.ndarray:
+    """Losses (N, COSINES) at points of uv (N, 2) and squared cosines of azimuths (N,): of a random
+    walk, of a table, or of codes by the rule of `urushi.material.energy`."""
     offer = offer_of(coat)
     if offer.latents is None:
-        return sampled_losses(coat, uv)
+        return sampled_losses(coat, uv, cos2, samples=SAMPLES)
     nodes = np.linspace(0, 1, COSINES) ** 2
     material = tabulated(offer.latents)
     if material is not None:
         albedos = adding.albedos(material.f, np.maximum(nodes, LEAST_COSINE))[:, 0]
         return np.tile(1 - albedos, (len(uv), 1))
     codes = np.ascontiguousarray(offer.latents.at(uv)[:, 0])
-    cosines = albedo_rule(offer.latents.model.widths).cosines
-    albedos = energy.directional_albedos(offer.latents.model, codes)
-    return np.stack([1 - np.interp(nodes, cosines[::-1], row[::-1]) for row in albedos])
+    widths = offer.latents.model.widths
+    found = energy.directional_albedos(offer.latents.model, codes)
+    found = found.reshape(len(uv), 1 if widths == 1 else len(AZIMUTHS), -1)
+    cosines = albedo_rule(widths).cosines[: found.shape[-1]]
+    # At the rule's azimuths, which are linear in the angle.
+    rows = [[np.interp(nodes, cosines[::-1], row[::-1]) for row in turns] for turns in found]
+    turned = np.stack(rows, axis=1)  # (azimuths, N, COSINES)
+    if widths == 1:
+        return 1 - turned[0]
+    place = np.arccos(np.sqrt(cos2)) / (np.pi / 2) * (len(turned) - 1)
+    low = np.minimum(place.astype(int), len(turned) - 2)
+    share, each = (place - low)[:, None], np.arange(len(uv))
+    return 1 - (1 - share) * turned[low, each] - share * turned[low + 1, each]
 
 
-def sampled_losses(
-    coat: "mi.BSDF", uv: np.ndarray, samples: int = SAMPLES, below: bool | None = None
-) -> np.ndarray:
-    """Losses (N, COSINES) of a random walk, by its samples at an azimuth of 45 degrees.
-
-    samples: for each cosine, over all points.
-    below: of a slab: whether of light from below. There, total reflection has an edge, and the
-        samples are as they are; losses of coats are a polynomial.
-    """
-    context = mi.BSDFContext(mi.TransportMode.Importance)  # shares of power
-    roots = np.linspace(0, 1, COSINES)[1:]
-    samples = max(samples // len(uv), 1 << 11)
-    index = np.arange(samples * len(roots))
-    losses = np.empty((len(uv), COSINES))
-    for row, point in enumerate(uv):
-        cosine = np.repeat(roots**2, samples)
-        sine = np.sqrt((1 - cosine**2) / 2)
-        si = probing.interaction(
-            np.stack([sine, sine, -cosine if below else cosine], -1),
-            np.tile(point, (len(index), 1)),
-            index * 1.0,
-        )
-        u = [((index + 0.5) * 1.2207440846057596**-k % 1).astype(np.float32) for k in (1, 2, 3)]
-        _, weight = coat.sample(context, si, mi.Float(u[0]), mi.Point2f(u[1], u[2]))
-        reflected = np.broadcast_to(weight[0].numpy(), len(index)).reshape(len(roots), -1)
-        lost = 1 - reflected.mean(axis=1)
-        if below is None:
-            fit = np.polynomial.Polynomial.fit(roots, lost, DEGREE)
-            losses[row] = fit(np.linspace(0, 1, COSINES))
-        else:
-            losses[row] = np.append(lost[0], lost)
-    return losses
-
-
-def _interface_losses(inputs: Inputs, uv: np.ndarray) -> np.ndarray:
-    """The losses (N, COSINES) of the coat's interface at points of uv (N, 2)."""
+def _interface_losses(inputs: Inputs, uv: np.ndarray, cos2: np.ndarray) -> np.ndarray:
+    """The losses of the coat's interface, as `_losses`."""
     cosine = np.tile(np.linspace(0, 1, COSINES) ** 2, len(uv))
-    sine = np.sqrt((1 - cosine**2) / 2)  # at an azimuth of 45 degrees, as samples
-    si = probing.interaction(np.stack([sine, sine, cosine], -1), np.repeat(uv, COSINES, 0))
+    sine, cos2 = np.sqrt(1 - cosine**2), np.repeat(cos2, COSINES)
+    wi = np.stack([sine * np.sqrt(cos2), sine * np.sqrt(1 - cos2), cosine], -1)
+    si = probing.interaction(wi, np.repeat(uv, COSINES, 0))
     loss = interface_loss(inputs)
     lost = loss.lost(interface_at(loss, inputs, si, mi.Bool(True)), si.wi).numpy()
     return np.broadcast_to(lost, len(cosine)).reshape(len(uv), COSINES)

@@ -133,7 +133,7 @@ def define(proposal_bsdf: type) -> Callable[..., "mi.BSDF"]:
                     value, density = (dr.select(near, x, 0) for x in found)
                 if finish is not None:
                     value = finish.f(value, ctx, own, towards, active)
-                    density = finish.density(density, own.wi, towards)
+                    density = finish.density(density, own, towards, active)
                 f += part.weight * value
                 pdf += part.weight * density
             return f, pdf
@@ -147,7 +147,7 @@ def define(proposal_bsdf: type) -> Callable[..., "mi.BSDF"]:
                 if not part.bsdf._transmits:
                     proposal = with_far_side(proposal, 0.0)
                 else:
-                    proposal = finish.proposal(proposal, own.wi) if finish else proposal
+                    proposal = finish.proposal(proposal, own, active) if finish else proposal
                     proposal = proposal if turn is None else TurnedMixture(proposal, turn)
                 proposals.append((proposal, part.weight))
             return SurfaceProposal(proposals, 0.0)
@@ -225,6 +225,11 @@ def define(proposal_bsdf: type) -> Callable[..., "mi.BSDF"]:
             made.fixed = {*made.names} - {*differentiable}
             return made
 
+        def whitened(bsdf: Any, make: Callable[[Inputs], Any], values: dict[str, Any]) -> Any:
+            if not values and all(inputs.is_constant(name, 1) for name in COLORS):
+                return bsdf
+            return make(inputs.replaced(dict.fromkeys(COLORS, 1.0) | values))
+
         def parts(former: list) -> list:
             found: list[tuple[Any, Callable[..., Any], Any]] = []
             unseen: list[tuple[Any, Callable[..., Any], Any]] = []
@@ -251,10 +256,8 @@ def define(proposal_bsdf: type) -> Callable[..., "mi.BSDF"]:
                 make = partial(slab, coated=coated) if coated or inputs.thin else Glass
                 bsdf, finish = part(make, inputs), None
                 if not isinstance(bsdf, Glass):
-                    white = bsdf
-                    if not all(inputs.is_constant(name, 1) for name in COLORS):
-                        white = make(inputs.replaced(dict.fromkeys(COLORS, 1.0)))
-                    finish = Finish(inputs, coated, white if compensated else None)
+                    white = partial(whitened, bsdf, make) if compensated else None
+                    finish = Finish(inputs, coated, white)
                 found.append((bsdf, weight(of, coated), finish))
             return [*found, *unseen]
 
