@@ -90,12 +90,13 @@ def test_brushed_glass_loses_no_light_at_any_azimuth(azimuth, degrees):
     assert weight.mean(1) == pytest.approx(1, abs=0.01)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("surface", "name"),
     [
         (PANE, "specular_roughness"),
-        pytest.param(GLASS | COAT, "specular_roughness", marks=pytest.mark.slow),
-        pytest.param(GLASS | COAT, "coat_roughness", marks=pytest.mark.slow),
+        (GLASS | COAT, "specular_roughness"),
+        (GLASS | COAT, "coat_roughness"),
     ],
 )
 def test_clear_and_etched_texels_lose_no_light(surface, name):
