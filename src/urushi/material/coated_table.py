@@ -9,7 +9,8 @@ material, without the lobe of its interface, is
 where wi' and wo' are wi and wo after refraction at random facets of the interface, w_i and w_o the
 transmitted fractions (`urushi.material.crossing`), and S is the BRDF of everything below, seen from
 just below the interface: the bottom through the medium, and all light that the medium scatters or
-that the interface reflects back (`urushi.material.adding`).
+that the interface reflects back (`urushi.material.adding`). Light that smooth surfaces mirror to and
+fro stays in the narrow lobe of the bottom.
 
 An index of 1 is no interface, and f is S itself.
 
@@ -19,6 +20,7 @@ vector of the bottom's lobe, and the balance heuristic combines all (Veach and G
 of the nodes is computed; between them, logarithms are cubic (`table.completed`).
 """
 
+import math
 from collections.abc import Callable
 from typing import NamedTuple
 
@@ -77,7 +79,7 @@ ROUNDS = 4
 
 
 class Inside(NamedTuple):
-    """A coat of a slab."""
+    """The medium of a coat."""
 
     edges: adding.Edges  # of its medium
     modes: np.ndarray  # (C, H, N, N) of what lies below the medium
@@ -111,8 +113,8 @@ class Below(NamedTuple):
     table: np.ndarray  # float32 (U, V, W, C), ln f without the bottom's lobes
     lobe: np.ndarray | None  # float32 (C, N) of the bottom, (1, N) if the channels share it
     depth: np.ndarray  # float32 (C,) the optical depth that attenuates light from the lobe
-    # Of slabs: factor of each direction of light from the lobe, the root of `adding.to_and_fro`.
-    times: Callable[[np.ndarray], np.ndarray] | None
+    # Factor of each direction of light from the lobe, the root of `adding.to_and_fro`.
+    times: Callable[[np.ndarray], np.ndarray]
     peak: HalfVectors  # of the bottom
     knots: Knots  # of the table
 
@@ -131,7 +133,6 @@ def coated_rest(bottom: Material, coat: CoatParameters, slab: Inside | None = No
     points = facet_pair_points(64 if slab else 256)
     parameters = np.stack([*np.broadcast_arrays(*coat, np.zeros(bottom.channels))][:5])
     result = np.empty((len(every[0]), parameters.shape[1]), np.float32)
-    modes = slab.modes if slab else adding.bottom_modes(bottom.f)
     values = bottom.f(*node_pairs(1, bottom.knots)).reshape(*SHAPE, -1)
     peak = half_vectors(values, SLAB_POWER if slab else PEAK_POWER)
     for interface in np.unique(parameters[:2], axis=1).T:
@@ -139,7 +140,8 @@ def coated_rest(bottom: Material, coat: CoatParameters, slab: Inside | None = No
         own = np.minimum(chosen, bottom.channels - 1)
         first, which = _distinct(bottom, own, parameters[2:, chosen])
         media = parameters[2:, chosen[first]]
-        under = _below(bottom, modes, own[first], interface, media, peak, slab)
+        inside = slab or _opaque(bottom, float(interface[1]))
+        under = _below(bottom, own[first], interface, media, peak, inside)
         below, weights = _spanning(under)
         pairs = every if interface[1] == 1 else known  # without an interface, a pair costs little
         values = np.empty((len(pairs[0]), len(weights)), np.float32)
@@ -157,6 +159,14 @@ def coated_rest(bottom: Material, coat: CoatParameters, slab: Inside | None = No
         values = values @ weights
         result[:, chosen] = values[:, which]
     return result
+
+
+def _opaque(bottom: Material, eta: float) -> Inside:
+    """A coat of an index over an opaque bottom."""
+    edges = (math.asin(1 / eta),) if eta > 1 else ()
+    own, modes = adding.grid(edges), adding.bottom_modes(bottom.f, edges)
+    mirrored = own.at_cosines(np.stack([own.mirror_shares(m) for m in modes], axis=-1))
+    return Inside(edges, modes, mirrored, ())
 
 
 def _distinct(
@@ -246,31 +256,29 @@ def half_vectors(f: np.ndarray, power: float) -> HalfVectors:
 
 def _below(
     bottom: Material,
-    modes: np.ndarray,
     channels: np.ndarray,
     interface: np.ndarray,
     media: np.ndarray,
     peak: HalfVectors,
-    slab: Inside | None,
+    inside: Inside,
 ) -> Below:
     """The BRDF below for channels (C,) of the bottom under media (3, C), all different."""
     assert bottom.table is not None  # for the type checker
     wi, wo = node_pairs(1, bottom.knots)
-    edges = slab.edges if slab else ()
+    edges, modes = inside.edges, inside.modes
     own, back = adding.grid(edges), adding.interface_modes(*interface, edges=edges)
     inverse = (1 / wi[:, 2] + 1 / wo[:, 2]).reshape(SHAPE)
-    direct, more, depths, times = [], [], [], None
+    direct, more, depths = [], [], []
     for channel, medium in zip(channels, media.T, strict=True):
-        again, depth = adding.seen_inside(modes[channel], back, medium, slab and edges)
+        again, depth = adding.seen_inside(modes[channel], back, medium, edges)
         more.append(own.interpolated(again[..., None], wi, wo).reshape(SHAPE))
         logs = bottom.table[..., channel].astype(np.float32) - depth * inverse
         direct.append(np.exp(logs))
         depths.append(depth)
     values = np.stack(direct, axis=-1)
-    if slab:
-        upper = adding.mirror(float(interface[0]), float(interface[1]), edges)
-        times = adding.to_and_fro(depths, upper, slab.mirrored[:, channels])[1]
-        values *= (times(wi[:, 2]) * times(wo[:, 2])).reshape(values.shape)
+    upper = adding.mirror(float(interface[0]), float(interface[1]), edges)
+    times = adding.to_and_fro(depths, upper, inside.mirrored[:, channels])[1]
+    values *= (times(wi[:, 2]) * times(wo[:, 2])).reshape(values.shape)
     table = np.log(np.maximum(values + np.stack(more, axis=-1), 1e-30)).astype(np.float32)
     lobe = None
     if bottom.beside_lobe:
@@ -292,7 +300,8 @@ def _spanning(below: Below) -> tuple[Below, np.ndarray]:
     s = np.exp(below.table.reshape(-1, channels))
     if below.lobe is not None:
         inverse = (1 / wi[:, 2] + 1 / wo[:, 2])[:, None]
-        s = s + lobes.f(below.lobe, wi[:, None], wo[:, None]) * np.exp(-below.depth * inverse)
+        left = np.exp(-below.depth * inverse) * below.times(wi[:, 2]) * below.times(wo[:, 2])
+        s = s + lobes.f(below.lobe, wi[:, None], wo[:, None]) * left
     relative = s / s.mean(axis=1, keepdims=True)
     sizes = np.linalg.norm(relative, axis=0)
     relative /= sizes
@@ -308,7 +317,12 @@ def _spanning(below: Below) -> tuple[Below, np.ndarray]:
     weights = np.linalg.lstsq(relative[:, chosen], relative, rcond=None)[0]
     weights *= sizes / sizes[chosen, None]
     lobe = below.lobe if below.lobe is None or len(below.lobe) == 1 else below.lobe[chosen]
-    part = below._replace(table=below.table[..., chosen], lobe=lobe, depth=below.depth[chosen])
+    part = below._replace(
+        table=below.table[..., chosen],
+        lobe=lobe,
+        depth=below.depth[chosen],
+        times=lambda cosine: below.times(cosine)[..., chosen],
+    )
     return part, weights.astype(np.float32)
 
 
@@ -380,9 +394,7 @@ def _seen(
     own = lobes.f(below.lobe, wi[..., None, :], wo[..., None, :])
     if below.depth.any():
         own = own * np.exp(-below.depth * (1 / wi[..., 2, None] + 1 / wo[..., 2, None]))
-    if below.times:
-        own = own * below.times(wi[..., 2]) * below.times(wo[..., 2])
-    return values + own
+    return values + own * below.times(wi[..., 2]) * below.times(wo[..., 2])
 
 
 def _turned(w: Vector, turn: np.ndarray) -> Vector:

@@ -18,7 +18,7 @@ from urushi.material.energy import as_rendered, limit_albedo
 from urushi.material.material import Coating, Material
 from urushi.material.table import SHAPE, node_pairs, rest_table, table_of_values
 from urushi.nets import lobe as lobes
-from urushi.nets.decoder import MIN_LOG
+from urushi.nets.decoder import EMPTY_GAIN, MIN_LOG
 from urushi.nets.weights import Model, Weights, anisotropic_model, default_model
 from urushi.parallel import fill_blocks
 from urushi.walk import Dielectric
@@ -27,6 +27,11 @@ from urushi.walk.stack import under as described_under
 #: Optical depth to which deeper media are cut: up to here the networks are closest to a medium at
 #: its own depth.
 DEEPEST = 12.0
+
+#: Width below which light reflected by a bare surface is too narrow for the networks. At a width of
+#: 0.1 albedos of coated gold err by up to 4 %, at 0.04 by 7 % and at 0.01 by 11 %, and by light
+#: transport by up to 3 %.
+SMOOTH = 0.1
 
 #: Largest ratio of two widths that is layered: OpenPBR's anisotropy of 0.9 has it. Errors up to
 #: here are as small as at the trained ratios.
@@ -55,8 +60,8 @@ def layer(
         bottom: a Material, or anything that `encode` accepts; coats nest, and keep the indices that
             they were given as `ior` (see `under`). All layers share one tangent: a bottom that was
             `rotated` cannot get an anisotropic coat. If the bottom has a table, such as a measured
-            BRDF, or the medium is outside the networks' training data, or the relative index is at
-            most 1, light transport is computed without networks (see
+            BRDF, or it is a bare metal of alpha below `SMOOTH`, or the medium is outside the
+            networks' training data, or the relative index is at most 1, light transport is computed without networks (see
             `urushi.material.coated_table`), and the result has a table too; this takes a second.
             Anisotropic materials have no tables.
         albedo, sigma_t, g, color, body, body_color, thickness: of the medium, as in `urushi.coat`;
@@ -155,8 +160,8 @@ def under(bottom: Any, index: npt.ArrayLike) -> Any:
 def layer_material(coat: CoatParameters, bottom: Material) -> Material:
     """`layer` for checked parameters: arrays (C,), (1,) or ().
 
-    If the bottom has a table, or the coat is outside the networks' training data or of an index of
-    at most 1, the result has a table of the rest beside the coat's lobe. The bottom under no
+    If the bottom has a table or is smooth and bare, or the coat is outside the networks' training
+    data or of an index of at most 1, the result has a table of the rest beside the coat's lobe. The bottom under no
     interface and no medium is returned as it is.
     """
     model = bottom.model
@@ -184,10 +189,13 @@ def _tabulated(bottom: Material, coat: CoatParameters) -> Material | None:
     """The bottom with a table, under a coat that needs one; None: networks layer it."""
     if bottom.table is not None:
         return bottom
+    model = bottom.model
     low = bool((coat.eta <= 1).any())  # the networks blur total reflection, and never saw one
-    if bottom.model.widths != 1 or not (low or checks.outside_training(coat)):
+    bare = bool((model.networks.gains(bottom.latents) <= EMPTY_GAIN).all())
+    smooth = bare and bool((bottom.latents[:, 0] < SMOOTH).any())
+    if model.widths != 1 or not (low or smooth or checks.outside_training(coat)):
         return None
-    table = rest_table(bottom.model.networks, bottom.latents)
+    table = rest_table(model.networks, bottom.latents)
     if table is None:
         table = np.full((*SHAPE, bottom.channels), MIN_LOG)
     return replace(bottom, table=table, beside_lobe=True)

@@ -63,8 +63,9 @@ def define(base: type) -> type:
         When the scene is loaded, the bottom is evaluated at the encoder's probe pairs, averaged if
         it lacks the symmetries of materials (see ``urushi.encode``), encoded, and layered by the
         network. A constant coat over a constant bottom that is known by its values alone, such as
-        ``measured_brdf``, ``roughplastic`` or ``principled``, a file with a table, or another such
-        coat is computed from a table instead, as in ``urushi.layer``. Textures are baked in their
+        ``measured_brdf``, ``roughplastic`` or ``principled``, a file with a table, another such
+        coat, or a metal of ``alpha`` below 0.1 is computed from a table instead, as in
+        ``urushi.layer``. Textures are baked in their
         own space if they share one ``to_uv``, otherwise over the unit square of uv, which repeats.
         A change through ``mi.traverse`` recomputes the codes that depend on it. The method ``save``
         writes the codes to a file for ``neural_brdf``. In spectral variants, a constant coat has
