@@ -9,8 +9,8 @@ material, without the lobe of its interface, is
 where wi' and wo' are wi and wo after refraction at random facets of the interface, w_i and w_o the
 transmitted fractions (`urushi.material.crossing`), and S is the BRDF of everything below, seen from
 just below the interface: the bottom through the medium, and all light that the medium scatters or
-that the interface reflects back (`urushi.material.adding`). Light that smooth surfaces mirror to and
-fro stays in the narrow lobe of the bottom.
+that the interface reflects back (`urushi.material.adding`). Light that smooth surfaces mirror to
+and fro stays in the narrow lobe of the bottom.
 
 An index of 1 is no interface, and f is S itself.
 

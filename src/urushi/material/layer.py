@@ -61,9 +61,9 @@ def layer(
             they were given as `ior` (see `under`). All layers share one tangent: a bottom that was
             `rotated` cannot get an anisotropic coat. If the bottom has a table, such as a measured
             BRDF, or it is a bare metal of alpha below `SMOOTH`, or the medium is outside the
-            networks' training data, or the relative index is at most 1, light transport is computed without networks (see
-            `urushi.material.coated_table`), and the result has a table too; this takes a second.
-            Anisotropic materials have no tables.
+            networks' training data, or the relative index is at most 1, light transport is computed
+            without networks (see `urushi.material.coated_table`), and the result has a table too;
+            this takes a second. Anisotropic materials have no tables.
         albedo, sigma_t, g, color, body, body_color, thickness: of the medium, as in `urushi.coat`;
             in tables, a g of less than -0.95 is -0.95.
         weights, refine: as in `encode`, for a bottom that is not a Material.
@@ -161,8 +161,8 @@ def layer_material(coat: CoatParameters, bottom: Material) -> Material:
     """`layer` for checked parameters: arrays (C,), (1,) or ().
 
     If the bottom has a table or is smooth and bare, or the coat is outside the networks' training
-    data or of an index of at most 1, the result has a table of the rest beside the coat's lobe. The bottom under no
-    interface and no medium is returned as it is.
+    data or of an index of at most 1, the result has a table of the rest beside the coat's lobe. The
+    bottom under no interface and no medium is returned as it is.
     """
     model = bottom.model
     coat = _for_networks(model, coat)
