@@ -1,16 +1,21 @@
 """`openpbr` in the variants: the same material in RGB, monochromatic and spectral."""
 
+import drjit as dr
 import mitsuba as mi
 import numpy as np
 import pytest
 
-import urushi  # noqa: F401  (registers the plugins)
+import urushi
+from urushi.measured.rgl import srgb_weights
 from urushi.mitsuba.reading import probing
+from urushi.openpbr_surface.inputs import Inputs
+from urushi.openpbr_surface.shares import tint_of
 
 VARIANTS = ("llvm_ad_rgb", "llvm_ad_mono", "llvm_ad_spectral")
 
 GREY = {"type": "rgb", "value": [0.5, 0.5, 0.5]}
 COLOR = {"type": "rgb", "value": [0.7, 0.5, 0.3]}
+GREEN = {"type": "rgb", "value": [0.2, 0.8, 0.3]}
 
 MATERIALS = {
     "mixture": {
@@ -49,9 +54,17 @@ def test_grey_is_the_same_in_all_variants(name, pairs):
         np.testing.assert_allclose(f, found["llvm_ad_rgb"][:, : f.shape[1]], rtol=2e-3, atol=1e-5)
 
 
-def test_a_colour_has_the_same_picture_in_all_variants():
-    """A plane under even light, whose spectra Mitsuba makes of colours. Coated ones are compared
-    with the walk by `tests.mitsuba.plugins.test_spectral`."""
+@pytest.mark.parametrize(
+    "material",
+    [
+        {"base_color": COLOR},
+        {"transmission_weight": 1.0, "transmission_color": GREEN, "geometry_thin_walled": True},
+    ],
+    ids=["base", "pane"],
+)
+def test_a_colour_has_the_same_picture_in_all_variants(material):
+    """A plane under even light. Coated ones are compared with the walk by
+    `tests.mitsuba.plugins.test_spectral`."""
 
     def picture():
         scene = {
@@ -64,7 +77,7 @@ def test_a_colour_has_the_same_picture_in_all_variants():
                 "film": {"type": "hdrfilm", "width": 8, "height": 8, "rfilter": {"type": "box"}},
             },
             "light": {"type": "constant"},
-            "shape": {"type": "rectangle", "bsdf": {"type": "openpbr", "base_color": COLOR}},
+            "shape": {"type": "rectangle", "bsdf": {"type": "openpbr", **material}},
         }
         image = np.array(mi.render(mi.load_dict(scene), spp=1024))
         return image.mean(axis=(0, 1))[:3]
@@ -74,3 +87,26 @@ def test_a_colour_has_the_same_picture_in_all_variants():
     luminance = rgb @ [0.2126, 0.7152, 0.0722]
     assert found["llvm_ad_mono"][0] == pytest.approx(luminance, rel=0.01)
     np.testing.assert_allclose(found["llvm_ad_spectral"], rgb, rtol=0.02)
+
+
+@pytest.mark.parametrize("depth", [0.0, 0.7])
+def test_light_through_tinted_glass_has_the_same_colour_in_spectral_variants(depth):
+    """Light crosses the surface of a body twice, or transmission_depth of its medium; the spectra
+    have nodes every 2 nm."""
+    color, nm = (0.2, 0.8, 0.3), np.arange(360, 832, 1.0)
+    mi.set_variant("llvm_ad_spectral")
+    glass = {"transmission_weight": 1.0, "transmission_color": color, "transmission_depth": depth}
+    si = dr.zeros(mi.SurfaceInteraction3f, len(nm) // 4)
+    si.wavelengths = mi.Spectrum(nm.reshape(-1, 4).T)
+    si.wi = mi.Vector3f(0, 0, 1)
+    if depth:
+        medium = mi.load_dict(urushi.openpbr(**glass).on({"type": "sphere"})).interior_medium()
+        mei = dr.zeros(mi.MediumInteraction3f, len(nm) // 4)
+        mei.wavelengths = si.wavelengths
+        _, _, sigma_t = medium.get_scattering_coefficients(mei)
+        found, expected = np.exp(-depth * sigma_t.numpy()), np.array(color)
+    else:
+        tint = tint_of(Inputs.of(glass, "openpbr"), si, mi.Bool(True))
+        found, expected = tint.numpy() ** 2, np.array(color) ** 2
+    mi.set_variant("llvm_ad_rgb")
+    np.testing.assert_allclose(found.T.ravel() @ srgb_weights(nm), expected, atol=1e-3)

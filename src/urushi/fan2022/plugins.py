@@ -69,7 +69,7 @@ class TexelCodes:
             warnings.warn(RECORDED, UrushiWarning, stacklevel=2)
         with contextlib.nullcontext() if recorded else separate_kernels():
             channels = only_where(active, self._decoder.f, vertex, si.wi, wo)
-        return spectrum.from_channels(channels, si.wavelengths)
+        return spectrum.from_channels(channels, si.wavelengths, colors=True)
 
     def proposal(self, vertex: list[list]) -> Any:
         return self._sampler.proposal([sum(z) / self.channels for z in zip(*vertex, strict=True)])

@@ -16,6 +16,7 @@ cover a half or a quarter of a turn: f is then the same after a turn of both dir
 degrees, or under mirroring at the xz and at the yz plane.
 """
 
+from functools import cached_property, partial
 from importlib.resources import files
 
 import numpy as np
@@ -46,6 +47,9 @@ MIN_COSINE = 0.01
 #: Bins of the table for the random walk. Its error E against the reciprocal mean of `Rgl.f` is
 #: about 1 %, most of it from the resolution of theta_h.
 TABLE_SHAPE = (256, 64, 64)
+
+#: Components of spectra: at most so many, or as many as leave this relative error (RMS).
+MOST_COMPONENTS, COMPONENTS_ERROR = 16, 1e-3
 
 #: CIE XYZ to linear sRGB (IEC 61966-2-1).
 XYZ_TO_SRGB = np.array(
@@ -133,15 +137,47 @@ class Rgl(MeasuredSurface):
         Raises:
             ParameterError: the material is anisotropic, which such a table cannot hold.
         """
+        self._check_isotropic()
+        return tabulated(self.f, TABLE_SHAPE)
+
+    @cached_property
+    def components(self) -> tuple[np.ndarray, np.ndarray]:
+        """f of a spectral file: a table float32 (256, 64, 64, K) times spectra (K, W) [1/sr].
+
+        The spectra are principal components of the measured ones, each scaled to a mean of one. The
+        table has the mean of f over the exchange of wi and wo.
+
+        Raises:
+            ParameterError: the material is anisotropic, which such a table cannot hold.
+        """
+        self._check_isotropic()
+        rows = self._measured.values.reshape(-1, self._channels)
+        mean = np.abs(rows).mean(axis=1, keepdims=True)
+        rows = rows / np.where(mean > 0, mean, 1)
+        power, vectors = np.linalg.eigh(rows.T @ rows)  # the weakest first
+        needed = int((power.cumsum() > COMPONENTS_ERROR**2 * power.sum()).sum())
+        spectra = vectors[:, -min(max(needed, 1), MOST_COMPONENTS) :].T
+        few = BilinearGrid(self._measured.values @ spectra.T)
+
+        def f(wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
+            return evaluate(partial(self._lookup, measured=few), len(spectra), wi, wo)
+
+        return tabulated(f, TABLE_SHAPE), spectra
+
+    def _check_isotropic(self) -> None:
         if not self.isotropic:
             raise ParameterError(
                 "the measured material is anisotropic, but the random walk supports isotropic "
                 "ones only; in a scene, put Mitsuba's 'measured' under the coat"
             )
-        return tabulated(self.f, TABLE_SHAPE)
 
-    def _lookup(self, wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
-        """The formula of this module for float64 (N, 3) directions above the horizon."""
+    def _lookup(
+        self, wi: np.ndarray, wo: np.ndarray, measured: BilinearGrid | None = None
+    ) -> np.ndarray:
+        """The formula of this module for float64 (N, 3) directions above the horizon.
+
+        measured: other values in place of those of the file.
+        """
         wi, wo = _folded(wi, wo, self._symmetry)
         m = wi + wo
         theta_i, theta_m = _elevation(wi), _elevation(m)
@@ -159,7 +195,8 @@ class Rgl(MeasuredSurface):
             for theta, phi in ((theta_i, phi_i), (theta_m, azimuth))
         )
         slices = slices_at(self._nodes, theta_i, phi_i)
-        result = self._measured.evaluate(self._vndf.invert(u_m, slices), slices)
+        measured = measured or self._measured
+        result = measured.evaluate(self._vndf.invert(u_m, slices), slices)
         scale = 1 / np.maximum(wo[:, 2:], MIN_COSINE)
         if self._jacobian:
             once = [(np.zeros(len(wi), np.intp), np.ones(len(wi)))]

@@ -39,17 +39,17 @@ class BilinearGrid:
 
     def __init__(self, values: np.ndarray) -> None:
         """values: (T, rows, columns, channels); u = (x along columns, y along rows)."""
-        self._values = values
+        self.values = values
 
     def evaluate(self, u: np.ndarray, slices: list[tuple[np.ndarray, np.ndarray]]) -> np.ndarray:
         """Return (N, channels) at u (N, 2) in [0, 1], between the given slices."""
-        rows, columns = self._values.shape[1:3]
+        rows, columns = self.values.shape[1:3]
         (column, row), (x, y) = _cell(u, rows, columns)
-        result = np.zeros((len(u), self._values.shape[3]))
+        result = np.zeros((len(u), self.values.shape[3]))
         for s, weight in slices:
             for j, weight_j in ((row, 1 - y), (row + 1, y)):
                 for i, weight_i in ((column, 1 - x), (column + 1, x)):
-                    result += (weight * weight_j * weight_i)[:, None] * self._values[s, j, i]
+                    result += (weight * weight_j * weight_i)[:, None] * self.values[s, j, i]
         return result
 
 

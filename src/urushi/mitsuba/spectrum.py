@@ -6,20 +6,22 @@ bands, each a channel:
 - Constant coats have `COUNT` bands, spaced by the density of Mitsuba's wavelengths, as many in each
   band. A wavelength has the value of the band that it lies in. f of a coat is not linear in the
   colour of its bottom: bands that are wider desaturate.
-- Textures, files and tables have three bands at fixed wavelengths (`RGB`). Between them values are
-  linear in wavelength; textured coats follow an estimate (`plugins.estimates`).
+- Textures, files and tables have three bands, which are read at fixed wavelengths (`RGB`). They are
+  linear sRGB: their spectrum is `of_rgb`. Textured coats follow an estimate (`plugins.estimates`).
 
-Values are constant beyond the outermost bands, so that grey stays grey.
+Grey is the same at all wavelengths.
 """
 
 import contextlib
 import contextvars
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from typing import Any
 
 import drjit as dr
 import mitsuba as mi
 import numpy as np
+
+from urushi.core.namespace import DRJIT, NUMPY, Namespace
 
 #: Dominant wavelengths of the sRGB primaries, red, green, blue [nm].
 RGB = (611.0, 549.0, 464.0)
@@ -36,6 +38,16 @@ _LOWEST, _HIGHEST = np.tanh(STEEPNESS * (np.array(ENDS) - CENTRE)).tolist()
 #: Middles of the bands of constant coats [nm].
 _places = _LOWEST + (np.arange(COUNT) + 0.5) / COUNT * (_HIGHEST - _LOWEST)
 FINE: tuple[float, ...] = tuple((CENTRE + np.arctanh(_places) / STEEPNESS).tolist())
+
+#: Spectra of red and blue under `of_rgb`: the middle of the step [nm], its slope [1/nm], and the
+#: least value. They solve the equations that red, and blue, is that colour under D65.
+RED, BLUE = (591.638151, 0.691987131, 0.0175948803), (489.161910, -0.116379780, 0.0145232678)
+
+#: Wavelengths [nm] at which spectra of colours are given to Mitsuba.
+NODES = np.array([100.0, *range(400, 702, 2), 2000.0])
+
+#: Least share of light that is taken to cross a medium twice.
+LEAST_PASSED = 1e-12
 
 #: The bands nearest to `RGB`.
 FINE_AT_RGB = tuple(int(np.argmin(np.abs(np.array(FINE) - wavelength))) for wavelength in RGB)
@@ -109,15 +121,43 @@ def band_at(wavelengths) -> list:
     return [mi.UInt32(dr.clip(x, 0, COUNT - 1)) for x in place]
 
 
+def of_rgb(channels: Iterable, wavelengths, xp: Namespace = DRJIT) -> Any:
+    """A spectrum of a linear sRGB colour under D65, linear in its channels, at `wavelengths` [nm].
+
+    The spectra of red, green and blue are not negative and add up to one, so that grey stays grey
+    and the spectrum lies between the channels, as those of Mallett and Yuksel 2019. They are nearly
+    steps: where one of them is about one, the others are about zero. Powers and exponentials of a
+    spectrum have therefore nearly the colour of that function of the channels.
+    """
+    scale = 1 - RED[2] - BLUE[2]
+    reddish, bluish = (
+        least + scale * xp.falling_logistic(slope * (middle - wavelengths))
+        for middle, slope, least in (RED, BLUE)
+    )
+    red, green, blue = channels
+    return green + reddish * (red - green) + bluish * (blue - green)
+
+
+#: From the values of `of_rgb` at `RGB` to the colour.
+_TO_COLOR = np.linalg.inv(
+    np.stack([of_rgb(color, np.array(RGB), NUMPY) for color in np.eye(3)], axis=1)
+).tolist()
+
+
 def from_channels(
-    values: Sequence, wavelengths, estimates: tuple[Any, Sequence] | None = None
+    values: Sequence,
+    wavelengths,
+    estimates: tuple[Any, Sequence] | None = None,
+    *,
+    colors: bool = False,
 ) -> "mi.Spectrum":
     """The variant's spectrum at `wavelengths` [nm].
 
     Args:
         values: one, three, red first, or in spectral variants one for each wavelength.
         estimates: of three values' spectrum at the wavelengths and at `RGB`, up to a factor and a
-            constant; what is left is linear in wavelength. None: all is.
+            constant; what is left is `of_rgb`. None: all is.
+        colors: whether three values are linear sRGB, as in files; else they were read at `RGB`.
     """
     if len(values) == 1:
         return mi.Spectrum(values[0])
@@ -127,28 +167,44 @@ def from_channels(
         return mi.Color3f(*values)
     if len(values) > len(RGB):
         return mi.Spectrum(*values)
-    long, middle, short = RGB
-    above = dr.clip((wavelengths - middle) / (long - middle), 0, 1)
-    below = dr.clip((middle - wavelengths) / (middle - short), 0, 1)
-
-    def linear(red, green, blue):
-        return green + above * (red - green) + below * (blue - green)
-
-    if estimates is None:
-        return linear(*values)
-    at_wavelengths, at_bands = estimates
-    mean, center = sum(values) / len(RGB), sum(at_bands) / len(RGB)
-    covariance = sum((x - mean) * (y - center) for x, y in zip(values, at_bands, strict=True))
-    slope = covariance / dr.maximum(sum(dr.square(y - center) for y in at_bands), 1e-9)
-    return dr.maximum(linear(*values) + slope * (at_wavelengths - linear(*at_bands)), 0)
+    followed: Any = 0
+    if estimates is not None:
+        at_wavelengths, at_bands = estimates
+        mean, center = sum(values) / len(RGB), sum(at_bands) / len(RGB)
+        covariance = sum((x - mean) * (y - center) for x, y in zip(values, at_bands, strict=True))
+        slope = covariance / dr.maximum(sum(dr.square(y - center) for y in at_bands), 1e-9)
+        values = [x - slope * y for x, y in zip(values, at_bands, strict=True)]
+        followed = slope * at_wavelengths
+    if not colors:
+        values = [sum(a * x for a, x in zip(row, values, strict=True)) for row in _TO_COLOR]
+    return mi.Spectrum(dr.maximum(of_rgb(values, wavelengths) + followed, 0))
 
 
-def from_color(color: Sequence[float]) -> dict:
-    """A Mitsuba spectrum, as a dictionary, of a colour's channels as bands (spectral variants)."""
-    nodes = [(100.0, color[2]), *zip(reversed(RGB), reversed(color), strict=True)]
-    nodes.append((2000.0, color[0]))
+def from_color(color: Sequence[float] | np.ndarray, *, power: float = 1.0) -> dict:
+    """A Mitsuba spectrum, as a dictionary, of a colour of channels of zero or more: `of_rgb`.
+
+    power: of the spectrum, which has the colour of that power of the channels.
+    """
+    if min(color) == max(color):
+        return {"type": "uniform", "value": float(color[0])}
+    values = np.maximum(of_rgb(np.asarray(color) ** power, NODES, NUMPY), 0) ** (1 / power)
+    return _irregular(values)
+
+
+def from_depth(depth: Sequence[float] | np.ndarray) -> dict:
+    """As `from_color`, of the optical depth of a medium that absorbs.
+
+    Light that has crossed the medium twice has the colour of the channels.
+    """
+    if min(depth) == max(depth):
+        return from_color(depth)
+    passed = of_rgb(np.exp(-2 * np.asarray(depth)), NODES, NUMPY)
+    return _irregular(-np.log(np.maximum(passed, LEAST_PASSED)) / 2)
+
+
+def _irregular(values: np.ndarray) -> dict:
     return {
         "type": "irregular",
-        "wavelengths": ", ".join(str(wavelength) for wavelength, _ in nodes),
-        "values": ", ".join(repr(float(value)) for _, value in nodes),
+        "wavelengths": ", ".join(map(str, NODES)),
+        "values": ", ".join(map(repr, values.tolist())),
     }

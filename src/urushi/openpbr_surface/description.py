@@ -16,6 +16,7 @@ import numpy as np
 from urushi.checks import Widths
 from urushi.errors import ParameterError, PlatformError
 from urushi.material.source import Source, as_source
+from urushi.mitsuba import spectrum
 from urushi.mitsuba.reading import probing
 from urushi.mitsuba.reading.bsdf import bsdf_source
 from urushi.openpbr_surface.formulas import modulated_index, subsurface_albedo, translucent_medium
@@ -126,14 +127,16 @@ class OpenPBR:
         if not extinction.any():
             return None
         g = float(np.clip(forward / max(scattering.mean(), 1e-12), -0.99, 0.99))
+        scale, tinted = float(extinction.max()), not scattering.any()
+        sigma_t = _color(extinction / scale)
+        if tinted and mi.variant() is not None and mi.is_spectral:  # exact at transmission_depth
+            scale = 2 / values["transmission_depth"]
+            sigma_t = spectrum.from_depth(extinction / scale)
         return {
             "type": "homogeneous",
-            "sigma_t": {"type": "rgb", "value": (extinction / extinction.max()).tolist()},
-            "scale": float(extinction.max()),
-            "albedo": {
-                "type": "rgb",
-                "value": (scattering / np.maximum(extinction, 1e-12)).tolist(),
-            },
+            "sigma_t": sigma_t,
+            "scale": scale,
+            "albedo": _color(scattering / np.maximum(extinction, 1e-12)),
             "phase": {"type": "hg", "g": g},
         }
 
@@ -230,6 +233,13 @@ def openpbr(
     if parameters.get("type") == "openpbr":  # as `urushi.load_materialx` gives them
         parameters = {name: value for name, value in parameters.items() if name != "type"}
     return OpenPBR({name: _value(name, value) for name, value in parameters.items()}, options)
+
+
+def _color(value: np.ndarray) -> dict[str, Any]:
+    """A colour of a medium for `mi.load_dict`."""
+    if mi.variant() is not None and mi.is_spectral:
+        return spectrum.from_color(value)
+    return {"type": "rgb", "value": value.tolist()}
 
 
 def _value(name: str, value: Any) -> Any:

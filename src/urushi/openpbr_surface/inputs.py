@@ -12,6 +12,7 @@ import numpy as np
 from urushi.checks import Widths
 from urushi.core.namespace import DRJIT
 from urushi.errors import ParameterError
+from urushi.mitsuba import spectrum
 from urushi.mitsuba.reading.grid import varies
 from urushi.mitsuba.reading.parameters import describe
 from urushi.openpbr_surface import formulas
@@ -25,6 +26,10 @@ OPTIONS = (
 
 #: The parameters of emission, which a BSDF does not have.
 EMISSION = ("emission_luminance", "emission_color")
+
+#: Colours of light that has crossed a medium or a surface, and how often it does, where it is seen:
+#: twice through the surface of a body. Their spectra are exact for this number of crossings.
+CROSSINGS = {"coat_color": 1, "transmission_color": 2}
 
 #: Direction parameters of base and coat, with the anisotropies that depend on tangents.
 DIRECTIONS = (
@@ -65,10 +70,11 @@ class Inputs:
         self.version = 0  # how often `refresh` has found changes
         self._numbers: list[str] = []  # parameters that are given as numbers
         self._relied: dict[str, np.ndarray] = {}  # values of textures when `known` returned them
-        for name in list(props.keys()):
+        # First, because colours depend on it.
+        for name in sorted(props.keys(), key=lambda name: name != "geometry_thin_walled"):
             if name not in OPTIONS:
-                spectrum = props.type(name) == mi.Properties.Type.Spectrum
-                self._read(name, props.get_unbounded_texture(name) if spectrum else props[name])
+                unbounded = props.type(name) == mi.Properties.Type.Spectrum
+                self._read(name, props.get_unbounded_texture(name) if unbounded else props[name])
         if not emits:
             for sentence, cure, instead in (*self._unsupported(), *self._own_directions()):
                 if unsupported == "error":
@@ -208,8 +214,10 @@ class Inputs:
         if kind == "float":
             self.textures[name] = mi.load_dict({"type": "uniform", "value": value})
         elif kind == "color":
-            color = mi.ScalarColor3f(value.tolist())
-            self.textures[name] = mi.load_dict({"type": "srgb", "color": color, "unbounded": True})
+            color = {"type": "srgb", "color": mi.ScalarColor3f(value.tolist()), "unbounded": True}
+            if mi.is_spectral and name in CROSSINGS:
+                color = spectrum.from_color(value, power=1 if self.thin else CROSSINGS[name])
+            self.textures[name] = mi.load_dict(color)
 
     def _unsupported(self) -> Iterator[tuple[str, str, str]]:
         """Features that the BSDF lacks: sentence, cure, and the consequence of ignoring them."""
@@ -291,7 +299,7 @@ class Inputs:
 def _texture_value(texture: "mi.Texture") -> tuple[np.ndarray, bool]:
     """The parameter of a texture of one value, and whether it has gradients enabled."""
     parameters = mi.traverse(texture)
-    value = parameters["value" if "value" in parameters else "data"]
+    value = next(parameters[x] for x in ("value", "values", "data") if x in parameters)
     return np.array(dr.detach(value)), bool(dr.grad_enabled(value))
 
 

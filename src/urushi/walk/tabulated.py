@@ -36,6 +36,10 @@ TRIAL_STEPS, STEPS = 15, 100
 MIN_SHARE, MIN_COSINE_SHARE = 0.02, 0.1
 
 
+#: Numbers that one load reads.
+LANES = 4
+
+
 class Lobes(NamedTuple):
     """A proposal for each elevation of wi, whose cosines are (i + 0.5) / ELEVATIONS."""
 
@@ -44,7 +48,7 @@ class Lobes(NamedTuple):
 
 
 def fit_lobes(f: Callable[[Any, Any], Any], device: ModuleType) -> Lobes:
-    """Fit lobes to a BRDF f(wi, wo) of three channels, evaluated in the types of `device`."""
+    """Fit lobes to a BRDF f(wi, wo) of one channel, evaluated in the types of `device`."""
     # `SAMPLES` directions for each elevation, from all lobes with equal shares.
     lane = dr.arange(device.UInt32, ELEVATIONS * SAMPLES)
     cos_i = (device.Float(lane // SAMPLES) + 0.5) / ELEVATIONS
@@ -54,7 +58,7 @@ def fit_lobes(f: Callable[[Any, Any], Any], device: ModuleType) -> Lobes:
     uniform = Mixture([device.Float(1 / (len(alphas) + 1))] * (len(alphas) + 1), alphas)
     u = rng.next_float32(), rng.next_float32(), rng.next_float32()
     wo = uniform.sample(wi, u[0], u[1:])
-    f_cos = (dr.mean(f(wi, wo)) * wo.z).numpy().astype(np.float64)
+    f_cos = (f(wi, wo) * wo.z).numpy().astype(np.float64)
     lobes = [Mixture([1.0, 0.0], [alpha]).pdf(wi, wo).numpy() for alpha in alphas]
     lobes.append((wo.z * dr.inv_pi).numpy())
     densities = np.stack(lobes, axis=-1).reshape(ELEVATIONS, SAMPLES, -1)
@@ -92,11 +96,22 @@ def _best_shares(cost: np.ndarray, densities: np.ndarray, steps: int) -> tuple[n
 class Tabulated:
     """A tabulated BRDF on any backend: a `urushi.walk.bottoms.bottom.Bottom`."""
 
-    def __init__(self, table: np.ndarray):
-        """table: float32 (theta_h, theta_d, phi_d, 3) [1/sr], finite and not negative."""
+    def __init__(self, table: np.ndarray, weights: np.ndarray | None = None):
+        """Fit the proposal.
+
+        table: float32 (theta_h, theta_d, phi_d, C) [1/sr], finite. C is 3 for walks.
+        weights: (C,) of the channels in the mean that the lobes are fitted to; None: equal ones.
+        """
         self._table = table
         device = backend()
-        self._lobes = fit_lobes(Lookup(device, table), device)
+        count = table.shape[3]
+        lookup = Lookup(device, table)
+        mean = [1 / count] * count if weights is None else weights.tolist()
+
+        def f(wi: Any, wo: Any) -> Any:
+            return sum(x * weight for x, weight in zip(lookup(wi, wo), mean, strict=True))
+
+        self._lobes = fit_lobes(f, device)
         self._on: dict[ModuleType, Reflector] = {}
 
     def on(self, scalar: type) -> "Reflector":
@@ -133,9 +148,14 @@ class Reflector:
         self._alphas = [device.Float(float(alpha)) for alpha in lobes.alphas]
         dr.make_opaque(self._shares, self._alphas)
 
+    def channels(self, wi: Any, wo: Any) -> list:
+        """BRDF [1/sr] of each channel, zero where a direction is below the horizon."""
+        above = (wi.z > 0) & (wo.z > 0)
+        return [dr.select(above, x, 0) for x in self._lookup(wi, wo)]
+
     def f(self, wi: Any, wo: Any) -> Any:
-        """BRDF [1/sr], three channels, zero where a direction is below the horizon."""
-        return dr.select((wi.z > 0) & (wo.z > 0), self._lookup(wi, wo), 0)
+        """`channels` of three, as a colour."""
+        return self._device.Array3f(*self.channels(wi, wo))
 
     def mixture(self, cos_i: Any) -> Mixture:
         """The proposal for wi of cosine cos_i."""
@@ -146,7 +166,7 @@ class Reflector:
 
 
 class Lookup:
-    """Interpolation in the table: f(wi, wo) of three channels for directions above the horizon.
+    """Interpolation in the table: f(wi, wo), a list of channels, for directions above the horizon.
 
     The Dr.Jit counterpart of `measured.tabulated.interpolated`.
     """
@@ -155,11 +175,11 @@ class Lookup:
 
     def __init__(self, device: ModuleType, table: np.ndarray):
         self._device = device
-        self._shape = table.shape[:3]
+        self._shape, self._channels = table.shape[:3], table.shape[3]
         self._bins = device.Float(_padded(table))
         dr.eval(self._bins)
 
-    def __call__(self, wi: Any, wo: Any) -> Any:
+    def __call__(self, wi: Any, wo: Any) -> list:
         half, difference, turn = self._shape
         theta_h, theta_d, phi_d = half_difference(wi, wo, DRJIT)
         i, x = _between_centres(dr.sqrt(theta_h * (2 * dr.inv_pi)) * half, half)
@@ -169,14 +189,17 @@ class Lookup:
         z = k - before
         before = type(i)(dr.select(before < 0, turn - 1, before))
         after = dr.select(before + 1 >= turn, 0, before + 1)
-        result: Any = 0
+        loads = -(-self._channels // LANES)
+        result: list[Any] = [0] * loads
         for a, weight_i in ((i, 1 - x), (i + 1, x)):
             for b, weight_j in ((j, 1 - y), (j + 1, y)):
                 row = (a * difference + b) * turn
                 for c, weight_k in ((before, 1 - z), (after, z)):
-                    bins = dr.gather(self._device.Array4f, self._bins, row + c)
-                    result += bins * (weight_i * weight_j * weight_k)
-        return self._device.Array3f(result[0], result[1], result[2])
+                    weight = weight_i * weight_j * weight_k
+                    for load in range(loads):
+                        at = (row + c) * loads + load
+                        result[load] += dr.gather(self._device.Array4f, self._bins, at) * weight
+        return [x for load in result for x in load][: self._channels]
 
 
 def _between_centres(position: Any, bins: int) -> tuple[Any, Any]:
@@ -187,6 +210,6 @@ def _between_centres(position: Any, bins: int) -> tuple[Any, Any]:
 
 
 def _padded(rows: np.ndarray) -> np.ndarray:
-    """Rows (..., 3) as flat float32 with four numbers per row, so that one load reads a row."""
-    padding = [(0, 0)] * (rows.ndim - 1) + [(0, 1)]
+    """Rows (..., C) as flat float32, padded to a multiple of the numbers that a load reads."""
+    padding = [(0, 0)] * (rows.ndim - 1) + [(0, -rows.shape[-1] % LANES)]
     return np.pad(rows.astype(np.float32), padding).ravel()

@@ -1,9 +1,14 @@
 """The plugin `measured_brdf`: alone, and under the walk's and the networks' coats."""
 
+import runpy
+from pathlib import Path
+
 import numpy as np
 import pytest
 
 import urushi
+from urushi.measured import rgl
+from urushi.measured.rgl import srgb_weights
 
 COAT = {"alpha": 0.2, "albedo": 0.8, "sigma_t": 0.7, "g": 0.3}
 
@@ -47,6 +52,81 @@ def test_under_layered_values_agree_with_the_simulation(rgb, merl_file):
     z = (every.mean(1) - f) / np.hypot(se, every.std(1) / walks**0.5)
     assert np.abs(z).max() < 4.5  # of 36
     assert np.mean(z**2) < 2
+
+
+@pytest.fixture
+def spectral():
+    import mitsuba as mi
+
+    mi.set_variant("llvm_ad_spectral")
+    yield mi
+    mi.set_variant("llvm_ad_rgb")
+
+
+@pytest.fixture
+def ggx_file(tmp_path, monkeypatch):
+    """Writes an RGL file of a rough GGX conductor of Schlick's reflectances (channels,)."""
+    writers = runpy.run_path(str(Path(__file__).parents[2] / "measured" / "writers.py"))
+    monkeypatch.setattr(rgl, "TABLE_SHAPE", (64, 64, 16))  # enough for a wide lobe
+
+    def write(r0, **options):
+        fields = writers["rgl_ggx_fields"](0.5, r0, size=32, elevations=12, **options)
+        for name in ("vndf", "luminance"):  # Mitsuba wants the size of the measured values
+            fields[name] = np.ones((1, 12, 32, 32), np.float32)
+        path = tmp_path / "ggx.bsdf"
+        path.write_bytes(writers["tensor_file"](fields))
+        return str(path)
+
+    return write
+
+
+def f_at(mi, bsdf, wi, wo, nm):
+    """f (N, W) [1/sr] at wavelengths, a multiple of four."""
+    pairs, groups = len(wi), len(nm) // 4
+    si = mi.SurfaceInteraction3f()
+    si.wi = mi.Vector3f(np.repeat(wi, groups, axis=0).T)
+    si.wavelengths = mi.Spectrum(np.tile(np.reshape(nm, (groups, 4)).T, (1, pairs)))
+    out = np.repeat(wo, groups, axis=0)
+    f_cos = bsdf.eval(mi.BSDFContext(), si, mi.Vector3f(out.T)).numpy()
+    return (f_cos / out[:, 2]).T.reshape(pairs, -1)
+
+
+def test_a_spectral_file_has_its_own_spectra(spectral, ggx_file):
+    """Those of Mitsuba's plugin `measured`, averaged over the exchange of wi and wo.
+
+    1 %: the table of 64 x 64 x 16 bins, away from grazing angles.
+    """
+    nm, (wi, wo) = np.linspace(380, 780, 41), pairs(600, 2)
+    wi, wo = (w[(wi[:, 2] > 0.3) & (wo[:, 2] > 0.3)] for w in (wi, wo))
+    narrow = 0.1 + 0.6 * np.exp(-(((nm - 560) / 25) ** 2))  # as of no colour of three channels
+    path = ggx_file(narrow, wavelengths=nm)
+    ours, theirs = (
+        spectral.load_dict({"type": x, "filename": path}) for x in ("measured_brdf", "measured")
+    )
+    ours = f_at(spectral, ours, wi, wo, nm[:40])
+    theirs = sum(f_at(spectral, theirs, *w, nm[:40]) for w in ((wi, wo), (wo, wi))) / 2
+    np.testing.assert_allclose(ours.sum(axis=0), theirs.sum(axis=0), rtol=0.01)
+    assert np.abs(ours - theirs).sum() < 0.03 * theirs.sum()
+
+
+@pytest.mark.parametrize("plugin", ["measured_brdf", "neural_brdf"])
+def test_colours_of_a_file_are_the_same_in_spectral_variants(spectral, ggx_file, tmp_path, plugin):
+    """The colour of the spectra under D65 is the file's; 0.2 %: the sum over 2 nm."""
+    wi, wo = pairs(100, 3)
+    if plugin == "measured_brdf":
+        path = ggx_file((0.9, 0.1, 0.02))
+        expected = urushi.load_measured(path).tabulated.f_pdf
+        channels, _ = expected(spectral.Vector3f(wi.T), spectral.Vector3f(wo.T))
+        expected = channels.numpy().T
+    else:
+        material = urushi.encode(urushi.conductor(alpha=0.5, r0=(0.9, 0.1, 0.02)))
+        path = str(tmp_path / "red.safetensors")
+        material.save(path)
+        expected = material.f(wi, wo)
+    nm = np.arange(362, 830, 2.0)[:232]
+    f = f_at(spectral, spectral.load_dict({"type": plugin, "filename": path}), wi, wo, nm)
+    found = f @ srgb_weights(nm)
+    np.testing.assert_allclose(found.mean(axis=0), expected.mean(axis=0), rtol=2e-3, atol=1e-4)
 
 
 def test_errors_name_mistakes(rgb, tmp_path):

@@ -217,6 +217,7 @@ def define_neural_bsdf(base: type) -> type:
 
         model: Model
         latents: ConstantLatents | TexturedLatents
+        _colors = False  # whether three channels are colours, see `spectrum.from_channels`
 
         def save(self, path):
             """Write the codes to a file that ``neural_brdf`` loads, textured or not.
@@ -243,7 +244,7 @@ def define_neural_bsdf(base: type) -> type:
         def _f(self, vertex, ctx, si, wo, active):
             si, wo = inside(vertex, si, wo)
             channels = self.latents.f(vertex.vertex, si, wo, active)
-            return spectrum.from_channels(channels, si.wavelengths, vertex.estimates)
+            return self._spectrum(vertex, channels, si)
 
         def _proposal(self, vertex, si, active):
             proposal = vertex.vertex.proposal
@@ -252,7 +253,11 @@ def define_neural_bsdf(base: type) -> type:
         def _f_and_pdf(self, vertex, ctx, si, wo, active):
             si, wo = inside(vertex, si, wo)
             channels, pdf = self.latents.f_and_pdf(vertex.vertex, si, wo, active)
-            return spectrum.from_channels(channels, si.wavelengths, vertex.estimates), pdf
+            return self._spectrum(vertex, channels, si), pdf
+
+        def _spectrum(self, vertex, channels, si):
+            at, estimates = si.wavelengths, vertex.estimates
+            return spectrum.from_channels(channels, at, estimates, colors=self._colors)
 
     return NeuralBSDF
 

@@ -1,12 +1,48 @@
 """The plugin `measured_brdf`: a measured BRDF from its file."""
 
+from typing import Any, ClassVar
+
+import drjit as dr
 import mitsuba as mi
+import numpy as np
 
 from urushi.errors import ParameterError
-from urushi.measured import load_measured
+from urushi.measured import Rgl, load_measured
 from urushi.mitsuba import spectrum
 from urushi.mitsuba.plugins.base import resolve
 from urushi.mitsuba.reading.offers import Offer
+from urushi.mitsuba.recording import owned
+from urushi.walk.tabulated import Tabulated
+
+#: Wavelengths [nm] at which the spectra of a file are tabulated: the first, and their number.
+FIRST, COUNT = 360, 471
+
+
+class Components:
+    """A measured BRDF as a sum of a few spectra."""
+
+    DRJIT_STRUCT: ClassVar = {"_spectra": list, "reflector": object}  # for frozen functions
+
+    def __init__(self, source: Rgl, wavelengths: np.ndarray):
+        """wavelengths: of the source [nm]."""
+        table, spectra = source.components
+        nm = np.arange(FIRST, FIRST + COUNT)
+        rows = [np.interp(nm, wavelengths, row) for row in spectra]
+        self._spectra = [owned(mi.Float, row.astype(np.float32)) for row in rows]
+        self.reflector = Tabulated(table, np.mean(rows, axis=1)).on(mi.Float)
+
+    def f(self, wi, wo, wavelengths) -> Any:
+        """f [1/sr] at wavelengths [nm]; the last ones of the file hold beyond them."""
+        channels, lanes = self.reflector.channels(wi, wo), []
+        for wavelength in wavelengths:
+            place = dr.clip(wavelength - FIRST, 0, COUNT - 1.001)
+            low = mi.UInt32(place)
+            total: Any = 0
+            for value, row in zip(channels, self._spectra, strict=True):
+                ends = (dr.gather(mi.Float, row, low + i) for i in (0, 1))
+                total += value * dr.lerp(*ends, place - low)
+            lanes.append(dr.maximum(total, 0))
+        return mi.Spectrum(*lanes)
 
 
 def define(base: type) -> type:
@@ -26,7 +62,9 @@ def define(base: type) -> type:
         half and difference angles, as by ``urushi.load_measured``. An RGL material is not exactly
         reciprocal: it is averaged over the exchange of its directions and tabulated on
         256 x 64 x 64 bins (Mitsuba's own ``measured`` does not average). Directions are drawn from
-        two GGX lobes and a cosine lobe that are fitted to the table.
+        two GGX lobes and a cosine lobe that are fitted to the table. In spectral variants, a
+        spectral file has its own spectra, by up to 16 principal components; the RGB values of
+        others become spectra of the same colour.
 
         .. tabs::
             .. code-tab:: xml
@@ -49,9 +87,14 @@ def define(base: type) -> type:
             if "filename" not in props:
                 raise ParameterError(f"{self._where} has no filename; give a MERL or RGL file")
             self._filename = props["filename"]
-            self.source = load_measured(resolve(self._filename))
+            self.source = source = load_measured(resolve(self._filename))
+            self._components = None
             try:
-                self._reflector = self.source.tabulated.on(mi.Float)
+                if mi.is_spectral and isinstance(source, Rgl) and source.wavelengths is not None:
+                    self._components = Components(source, source.wavelengths)
+                    self._reflector = self._components.reflector
+                else:
+                    self._reflector = source.tabulated.on(mi.Float)
             except ParameterError as error:
                 raise ParameterError(f"{self._where}: {error}") from error
 
@@ -59,8 +102,10 @@ def define(base: type) -> type:
             return Offer(measured=self.source)
 
         def _f(self, vertex, ctx, si, wo, active):
-            channels = self._reflector.f(si.wi, wo)
-            return spectrum.from_channels(list(channels), si.wavelengths)
+            if self._components:
+                return self._components.f(si.wi, wo, si.wavelengths)
+            channels = self._reflector.channels(si.wi, wo)
+            return spectrum.from_channels(channels, si.wavelengths, colors=True)
 
         def _proposal(self, vertex, si, active):
             return self._reflector.mixture(si.wi.z)

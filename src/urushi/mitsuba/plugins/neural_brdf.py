@@ -61,6 +61,7 @@ def define(base: type) -> type:
         """
 
         latents: ConstantLatents | TexturedLatents | DifferentiableLatents
+        _colors = True
 
         def _load(self, props):
             if "filename" not in props:

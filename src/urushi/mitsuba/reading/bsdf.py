@@ -46,7 +46,7 @@ def bsdf_source(bsdf: "mi.BSDF") -> Source:
 def reflection_source(bsdf: "mi.BSDF") -> Source:
     """`bsdf_source` of a BSDF that is known to be opaque and rough, and not to be textured."""
     offer = offer_of(bsdf)
-    if offer.measured is not None and spectrum.channel_count() == 3:
+    if offer.measured is not None and mi.is_rgb:
         return as_source(offer.measured)  # what `urushi.load_measured` gives, to the bit
 
     lobes = probing.known_lobes(bsdf, np.full((1, 2), 0.5))

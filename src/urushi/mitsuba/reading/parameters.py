@@ -267,7 +267,9 @@ class CoatTextures:
                     f"{self.where}: {name} has a negative channel, which spectral variants cannot "
                     "represent; give one number"
                 )
-            texture = mi.load_dict(spectrum.from_color(color))
+            absorbs = name == "sigma_t" and "albedo" not in props
+            read = spectrum.from_depth if absorbs else spectrum.from_color
+            texture = mi.load_dict(read(color))
         else:
             try:
                 texture = props.get_unbounded_texture(name, default)
