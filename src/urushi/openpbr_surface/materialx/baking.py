@@ -6,12 +6,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from urushi.errors import FileError
-from urushi.openpbr_surface.materialx.evaluation import Evaluation, NeedsPosition
+from urushi.openpbr_surface.materialx.evaluation import PROBES, Evaluation, NeedsPosition
 from urushi.openpbr_surface.materialx.graph import Graph
-from urushi.openpbr_surface.materialx.images import ImageUse, image_values
-
-#: Number of points at which a graph is evaluated first, to find the images that it depends on.
-PROBES = 64
+from urushi.openpbr_surface.materialx.images import ImageUse
 
 #: Bytes that the values of all nodes may take at once.
 MEMORY = 1 << 27
@@ -91,7 +88,7 @@ def changes(graph: Graph, value: Value) -> bool:
 
 
 def _from_texels(graph: Graph, value: Value, use: ImageUse, points: int, where: str) -> Texture:
-    pixels = image_values(graph.images.read(use.file, where).pixels, use, where)
+    pixels = graph.images.values(use.file, use.space, use.channels, where)
     height, width = pixels.shape[:2]
     flat = pixels.reshape(-1, pixels.shape[-1])
     parts = []

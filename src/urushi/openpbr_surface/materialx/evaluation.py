@@ -23,11 +23,13 @@ from urushi.openpbr_surface.materialx.images import (
     ImageUse,
     Look,
     hextiles,
-    image_values,
     sample,
 )
 from urushi.openpbr_surface.materialx.nodes import BAKE, CHANNELS, NODES, Call
 from urushi.openpbr_surface.materialx.shaders import FILM_UNITS
+
+#: Number of points at which a graph is evaluated first, to find the images that it depends on.
+PROBES = 64
 
 #: Largest number of nodes that are evaluated for one parameter, with the nodes inside of others.
 MAX_NODES = 2048
@@ -243,11 +245,11 @@ class Evaluation:
         assert self._uv is not None
         uv = (np.broadcast_to(uv, (len(self._uv), 2)) - image.corner) / image.tiles
         tiled = node.getCategory() == "hextiledimage"
-        matrix = None if tiled else _affine(self._uv, uv)
+        matrix = None if tiled else _affine(self._uv[:PROBES], uv[:PROBES])
         use = ImageUse(name, space, channels, look, matrix)
         if use not in self.uses:
             self.uses.append(use)
-        values = image_values(image.pixels, use, where)
+        values = self._graph.images.values(name, space, channels, where)
         if tiled:
             return hextiles(values, uv, self._call(node, frame, where))
         return sample(values, uv, look, default)

@@ -48,6 +48,7 @@ class Images:
         self._folder = folder
         self._read: dict[str, Image] = {}
         self._pixels = 0
+        self._values: dict[tuple[str, str, int], np.ndarray] = {}  # see `values`
 
     def read(self, name: str, where: str) -> Image:
         """The image of a name; see `TOKENS`."""
@@ -62,6 +63,26 @@ class Images:
                     f"{where}: cannot read the image '{name[:80]}': {reason}"
                 ) from error
         return self._read[name]
+
+    def values(self, name: str, space: str, channels: int, where: str) -> np.ndarray:
+        """Values (height, width, channels) of an image; see `ImageUse`.
+
+        Colours are in linear sRGB. A grey image has equal channels; a missing alpha is 1.
+        """
+        key = name, space, channels
+        if key not in self._values:
+            self._values[key] = self._converted(*key, where)
+        return self._values[key]
+
+    def _converted(self, name: str, space: str, channels: int, where: str) -> np.ndarray:
+        pixels = self.read(name, where).pixels
+        have = pixels.shape[-1]
+        if have < 3 and channels >= 3:
+            pixels = pixels[..., [0, 0, 0, *range(1, have)]]
+        if pixels.shape[-1] < channels:
+            pixels = np.pad(pixels, ((0, 0), (0, 0), (0, 1)), constant_values=1)
+        values = pixels[..., :channels]
+        return to_linear_srgb(values, space, where).astype(np.float32) if space else values
 
     def _image(self, name: str, where: str) -> Image:
         shown = f"{where}: '{name[:80]}'"
@@ -170,25 +191,6 @@ class ImageUse:
     look: Look
     # Rows (2, 3) of the affine map from the surface's uv to the image's; None: it is not affine.
     matrix: tuple[tuple[float, ...], ...] | None
-
-
-def image_values(pixels: np.ndarray, use: ImageUse, where: str) -> np.ndarray:
-    """The values (height, width, channels) of a use of an image, colours in linear sRGB.
-
-    A grey image has equal channels; a missing alpha is 1.
-    """
-    have = pixels.shape[-1]
-    if have < 3 and use.channels >= 3:
-        grey, alpha = pixels[..., :1], pixels[..., 1:]
-        pixels = np.concatenate([grey, grey, grey, alpha], axis=-1)
-    if pixels.shape[-1] < use.channels:
-        missing = use.channels - pixels.shape[-1]
-        ones = np.ones((*pixels.shape[:2], missing), pixels.dtype)
-        pixels = np.concatenate([pixels, ones], axis=-1)
-    values = pixels[..., : use.channels]
-    if use.space:
-        return to_linear_srgb(values, use.space, where).astype(np.float32)
-    return values
 
 
 def sample(pixels: np.ndarray, uv: np.ndarray, look: Look, default: np.ndarray) -> np.ndarray:

@@ -212,16 +212,17 @@ class _Reader:
         formulas, roughness = TRANSLATIONS[tag], TRANSMITTED_ROUGHNESS.get(tag)
         if roughness is None:
             return self._surface(name, self._values(formulas))
-        weight, *parts = separated(formulas, roughness)
-        share = bake(self._graph, self._value(weight), self._resolution, f"{self._where}: opacity")
-        present = (share.pixels if isinstance(share, Texture) else share).any()
+        values = self._values(formulas)
         difference = self._value(lambda i: roughness(i) - formulas["specular_roughness"](i))
-        if not present or not changes(self._graph, difference):
-            return self._surface(name, self._values(formulas))
+        clear = self._pixels("transmission_weight", values["transmission_weight"]).any()
+        if not clear or not changes(self._graph, difference):
+            return self._surface(name, values)
         _warn(
             f"{self._where}: OpenPBR has one roughness of light that is reflected and transmitted; "
             "where the surface transmits, both get that of transmitted light"
         )
+        weight, *parts = separated(formulas, roughness)
+        share = self._baked("transmission_weight", self._value(weight))
         return _mixed(
             name,
             share,
@@ -233,7 +234,7 @@ class _Reader:
         found: dict[str, ParameterValue] = {}
         for key, value in values.items():
             entry = parameter(key, self._where)
-            baked = bake(self._graph, value, self._resolution, f"{self._where}: {key}")
+            baked = self._baked(key, value)
             if entry.kind != "vector":
                 found[key] = self._final(entry, baked)
             elif (normals := self._direction(entry, baked)) is not None:
@@ -274,12 +275,18 @@ class _Reader:
     def ends(self, name: str) -> tuple[np.ndarray, np.ndarray]:
         """The least and the largest value (channels,) of an input on the surface."""
         if name not in self._ends:
-            where = f"{self._where}: {name}"
-            baked = bake(self._graph, self.read(name), self._resolution, where)
-            pixels = baked.pixels if isinstance(baked, Texture) else baked
-            pixels = pixels.reshape(-1, pixels.shape[-1])
+            pixels = self._pixels(name, self.read(name))
             self._ends[name] = pixels.min(axis=0), pixels.max(axis=0)
         return self._ends[name]
+
+    def _baked(self, name: str, value: Value) -> np.ndarray | Texture:
+        return bake(self._graph, value, self._resolution, f"{self._where}: {name}")
+
+    def _pixels(self, name: str, value: Value) -> np.ndarray:
+        """The values (N, channels) of a baked value."""
+        baked = self._baked(name, value)
+        pixels = baked.pixels if isinstance(baked, Texture) else baked
+        return pixels.reshape(-1, pixels.shape[-1])
 
     def _warn_of_losses(self, tag: str) -> None:
         """Warn of inputs without a parameter, where they would change something."""
