@@ -540,3 +540,12 @@ def test_aces_gold_is_gold(openpbr_examples):
     r, g, b = gold["base_color"]["value"]
     assert r == 1
     assert r > g > b > 0.25
+
+
+def test_translations_of_materialx_are_nodes(document):
+    """A document may use the library's translation of one shader to another as a node."""
+    node = """<standard_surface_to_gltf_pbr name="t" type="multioutput">
+        <input name="metalness" type="float" value="0.25"/></standard_surface_to_gltf_pbr>
+        <gltf_pbr name="s" type="surfaceshader"><input name="metallic" type="float" nodename="t"
+        output="metallic_out"/></gltf_pbr>"""
+    assert read_surface(document(node)).values["base_metalness"] == 0.25

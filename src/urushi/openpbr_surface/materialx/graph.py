@@ -25,6 +25,8 @@ LIBRARY = (
     "bxdf/standard_surface.mtlx",
     "bxdf/gltf_pbr.mtlx",
     "bxdf/disney_principled.mtlx",
+    "bxdf/translation/standard_surface_to_gltf_pbr.mtlx",
+    "bxdf/translation/standard_surface_to_usd.mtlx",
 )
 
 #: Largest number of nodes that are connected in a row.
