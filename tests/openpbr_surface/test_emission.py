@@ -121,6 +121,23 @@ def test_particles_light_as_much_as_paths(thin):
     assert (np.abs(paths - particles) < 5 * np.hypot(error, other) + 0.01 * paths.max()).all()
 
 
+@pytest.mark.parametrize("light", [1.0, {"type": "blackbody", "temperature": 2700}])
+def test_white_light_is_that_of_mitsubas_emitters_in_spectral_variants(light):
+    """Numbers and colours are relative to D65; a spectrum is the light's own."""
+    mi.set_variant("llvm_ad_spectral")
+    lamp = urushi.openpbr(emission_luminance=3.0, emission_color=light)
+    theirs = {"type": "area", "radiance": light if isinstance(light, dict) else 3.0}
+    si = dr.zeros(mi.SurfaceInteraction3f, 1)
+    si.wi, si.wavelengths = mi.Vector3f(0.6, 0, 0.8), mi.Spectrum(420, 500, 560, 640)
+    ours, theirs = (
+        mi.load_dict(shape).emitter().eval(si).numpy()
+        for shape in (lamp.on(SQUARE), SQUARE | {"emitter": theirs})
+    )
+    mi.set_variant("llvm_ad_rgb")
+    factor = 3.0 if isinstance(light, dict) else 1.0
+    np.testing.assert_allclose(ours, factor * theirs, rtol=1e-5)
+
+
 def test_a_material_without_light_has_no_emitter():
     assert urushi.openpbr().emitter() is None
     assert "emitter" not in urushi.openpbr(emission_luminance=0.0).on(SQUARE)

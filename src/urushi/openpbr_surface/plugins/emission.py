@@ -66,7 +66,12 @@ def define() -> type:
         UNRECORDED: ClassVar = ("_kept", "_signature")
 
         def __init__(self, props):
-            self._inputs = Inputs(props, emits=True)
+            self._inputs = inputs = Inputs(props, emits=True)
+            # Colours are relative to the white of sRGB, as those of Mitsuba's emitters; a spectrum
+            # is the light's own.
+            color = inputs.textures["emission_color"]
+            of_white = "emission_color" in inputs.constants or color.is_spatially_varying()
+            self._white = mi.load_dict({"type": "d65"}) if mi.is_spectral and of_white else None
             self._configure()
             self._kept, self._signature = KeptParameters(), signature_of(self)
             mi.Emitter.__init__(self, props)  # which other threads may evaluate from here on
@@ -136,6 +141,8 @@ def define() -> type:
             value = inputs.number("emission_luminance", si, active) * inputs.color(
                 "emission_color", si, active
             )
+            if self._white is not None:
+                value *= self._white.eval(si, active)
             if self._interface:
                 eta = dr.clip(inputs.number("coat_ior", si, active), 1 / 3, 3)
                 alpha = formulas.lobe_width(inputs.number("coat_roughness", si, active), DRJIT)
