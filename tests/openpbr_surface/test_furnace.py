@@ -90,6 +90,21 @@ def test_a_white_base_reflects_all_light(names, constants, tolerance):
         assert np.abs(albedos(bsdf, cosine, uv, SAMPLES) - 1).max() < tolerance
 
 
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("name", "texels"), [("coat_ior", (1.2, 2.2)), ("coat_roughness_anisotropy", (0.0, 0.8))]
+)
+def test_each_texel_of_a_white_coated_base_reflects_all_light(name, texels):
+    """Within 1 %: the loss is linear between nine nodes. A texel of each is beside the middle."""
+    values = np.float32([texels])[..., None]
+    varying = {"type": "bitmap", "raw": True, "filter_type": "nearest", "bitmap": mi.Bitmap(values)}
+    shared = {"base_color": WHITE, "coat_weight": 1.0, "coat_roughness": 0.5}
+    bsdf = mi.load_dict({"type": "openpbr", **shared, name: varying})
+    for cosine in (0.9, 0.3):
+        found = albedos(bsdf, cosine, np.float32([[0.25, 0.5], [0.75, 0.5]]), 1 << 14)
+        assert np.abs(found - 1).max() < 0.01
+
+
 @pytest.mark.parametrize("reference", [pytest.param(False, marks=pytest.mark.slow), True])
 def test_a_white_base_under_a_brushed_coat_reflects_all_light_at_any_azimuth(reference):
     """Within 1.5 %: interpolation of the loss, and noise of the reference."""

@@ -44,8 +44,8 @@ Coated = Callable[[Inputs], "mi.BSDF"]
 #: Exponent of the base's albedo in the weight of the networks' deviation over a white base.
 WHITENESS = 4
 
-#: Nodes of an axis of the table, and samples of a walk for each cosine.
-NODES, SAMPLES = 5, 1 << 14
+#: Samples of a walk for each cosine.
+SAMPLES = 1 << 14
 
 #: Least cosine at which the albedo of a table is measured.
 LEAST_COSINE = 0.02
@@ -213,7 +213,7 @@ class Furnace:
         """
         self._inputs = inputs
         names = _SHARED if metalness else (*_SHARED, "specular_weight")  # it changes the index
-        self._axes = axes = LossAxes(inputs, NODES, names, ("coat", "specular"))
+        self._axes = axes = LossAxes(inputs, names, ("coat", "specular"))
         self._shared = _values(inputs, [name for name in names if name not in axes.varying])
         # A constant material may be evaluated by a table, a texture by codes; and so its twin. Only
         # codes of constant metals contain multiple scattering, see `encoding.MULTIPLE_FROM`.

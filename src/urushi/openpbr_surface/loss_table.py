@@ -19,8 +19,11 @@ AXES = (
     *("coat_roughness_anisotropy", "specular_ior", "base_diffuse_roughness"),
 )
 
-#: Greatest number of axes of parameters. Others that vary count as in the middle of uv.
-MOST_AXES = 3
+#: Nodes of each axis by the number of axes. Parameters beyond them count as in the middle of uv.
+NODES = (1, 9, 9, 5)
+
+#: Greatest anisotropy of an axis: networks layer no wider quotients.
+MOST_ANISOTROPY = 0.89
 
 #: Nodes of the azimuth of materials of two widths, and of the cosine, in its root.
 TURNS, COSINES = 5, 17
@@ -35,24 +38,24 @@ LEAST_SAMPLES, MANY = 1 << 11, 3
 class LossAxes:
     """The parameters on which a loss depends, and the azimuth, as axes of a table."""
 
-    def __init__(self, inputs: Inputs, nodes: int, names: Sequence[str], layers: Sequence[str]):
+    def __init__(self, inputs: Inputs, names: Sequence[str], layers: Sequence[str]):
         """Choose the axes.
 
-        nodes: of each axis. names: the parameters, of `AXES`. layers: "coat" or "specular", whose
-            widths may be two.
+        names: the parameters, of `AXES`. layers: "coat" or "specular", whose widths may be two.
         """
         self._inputs = inputs
-        self.varying = [name for name in AXES if name in names and self._varies(name)][:MOST_AXES]
+        varying = [name for name in AXES if name in names and self._varies(name)]
+        self.varying = varying[: len(NODES) - 1]
+        self._nodes = nodes = NODES[len(self.varying)]
         self.turning = next(
             (x for x in layers if not inputs.is_constant(f"{x}_roughness_anisotropy", 0)), None
         )
         axis = np.linspace(0, 1, nodes)
         grid = np.meshgrid(*[axis] * len(self.varying), indexing="ij")
         self.values = {
-            name: _index_at(x.ravel()) if name.endswith("ior") else x.ravel()
-            for name, x in zip(self.varying, grid, strict=True)
+            name: _value_at(name, x.ravel()) for name, x in zip(self.varying, grid, strict=True)
         }
-        self._nodes, self.turns = nodes, TURNS if self.turning else 1
+        self.turns = TURNS if self.turning else 1
         count = nodes ** len(self.varying)
         self.uv = np.column_stack([(np.arange(count) + 0.5) / count, np.full(count, 0.5)])
         self.cos2 = np.full((count, 1), 0.5)  # the squared cosines of azimuths
@@ -95,11 +98,10 @@ class LossAxes:
 
     def at(self, si, active) -> list:
         """Coordinates of the parameters at a surface interaction, the last axis first."""
-        found = []
-        for name in reversed(self.varying):
-            value = self._inputs.number(name, si, active)
-            found.append(_index_coordinate(value) if name.endswith("ior") else value)
-        return found
+        return [
+            _coordinate(name, self._inputs.number(name, si, active))
+            for name in reversed(self.varying)
+        ]
 
 
 def along(w, widths: Any) -> list:
@@ -108,14 +110,19 @@ def along(w, widths: Any) -> list:
     return [root, anisotropic_albedos.coordinates(w, widths, DRJIT)[0]] if widths else [root]
 
 
-def _index_at(x: np.ndarray) -> np.ndarray:
-    """The index of a coordinate in [0, 1]: 1 to 3."""
+def _value_at(name: str, x: np.ndarray) -> np.ndarray:
+    """The parameter of a coordinate in [0, 1]. Indices are from 1 to 3."""
+    if not name.endswith("ior"):
+        return MOST_ANISOTROPY * x if name.endswith("anisotropy") else x
     amplitude = albedos.LARGEST_AMPLITUDE * x * x
     return (1 + amplitude) / (1 - amplitude)
 
 
-def _index_coordinate(index):
-    amplitude = (index - 1) / (index + 1) / albedos.LARGEST_AMPLITUDE
+def _coordinate(name: str, value):
+    """The inverse of `_value_at`."""
+    if not name.endswith("ior"):
+        return value / MOST_ANISOTROPY if name.endswith("anisotropy") else value
+    amplitude = (value - 1) / (value + 1) / albedos.LARGEST_AMPLITUDE
     return DRJIT.sqrt(DRJIT.clip(amplitude, 1e-6, 1))
 
 

@@ -22,9 +22,8 @@ from urushi.openpbr_surface.loss_table import AXES, LossAxes, along, sampled_los
 from urushi.openpbr_surface.shares import index2, index_of, tint_of
 from urushi.walk import interface
 
-#: Samples from which the light that a slab loses is measured, for each cosine, and nodes of an axis
-#: of parameters that vary.
-SAMPLES, NODES = 1 << 16, 9
+#: Samples from which the light that a slab loses is measured, for each cosine.
+SAMPLES = 1 << 16
 
 
 class Finish:
@@ -48,7 +47,7 @@ class Finish:
             return
         layers = ("specular", "coat") if coated else ("specular",)
         names = [name for name in AXES if name.split("_")[0] in layers]
-        self._axes = LossAxes(inputs, NODES, names, layers)
+        self._axes = LossAxes(inputs, names, layers)
         with dr.suspend_grad():
             bsdf = white({name: mi.load_dict(x) for name, x in self._axes.textures.items()})
             measure = partial(sampled_losses, bsdf, samples=SAMPLES)
