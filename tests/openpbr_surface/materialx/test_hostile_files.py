@@ -154,13 +154,16 @@ def test_definitions_that_inherit_in_a_circle(document):
     refused(document(body + COLOUR.format("n")), "inherits from itself")
 
 
-def test_characters_that_materialx_reads_unescaped(document):
-    """Its parser takes < and & in attributes as they are; comments stay."""
-    text = """<!-- it's <a> & "b -->
+def test_a_document_that_materialx_reads_need_not_be_xml(document):
+    """Its parser takes < and & in attributes as they are, and dashes in comments."""
+    text = """<!-- it's <a> & "b -- c -->
         <open_pbr_surface name="s" type="surfaceshader" doc='a < "b" & c'>
         <input name="base_color" type="color3" value="1, 0, 0" doc="&lt;UDIM&gt; or <UDIM>"/>
         </open_pbr_surface>"""
-    assert read_surface(document(text)).values["base_color"] == (1, 0, 0)
+    path = document(text)
+    assert read_surface(path).values["base_color"] == (1, 0, 0)
+    path.write_text("\n<!-- above -->" + path.read_text())
+    assert read_surface(path).values["base_color"] == (1, 0, 0)
 
 
 def test_values_that_are_no_numbers(document):

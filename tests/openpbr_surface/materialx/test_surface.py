@@ -336,6 +336,10 @@ def test_transmitted_light_has_its_own_roughness(document):
     assert (clear["specular_roughness"], clear["transmission_weight"]) == (0, 1)
     assert (opaque["specular_roughness"], opaque["transmission_weight"]) == (0.6, 0)
     assert (clear["base_metalness"], opaque["base_metalness"]) == (0, pytest.approx(0.4 / 0.7))
+    text = inputs(opacity=0.5, emissiveColor=(1.0, 0.5, 0.0))
+    path = document(f'<UsdPreviewSurface name="s" type="surfaceshader">{text}</UsdPreviewSurface>')
+    with pytest.warns(UrushiWarning, match="both get that of reflected light"):
+        assert read_surface(path).values["emission_color"] == (1, 0.5, 0)  # mixtures have none
     text = inputs(transmission=1.0, transmission_extra_roughness=0.2, specular_roughness=0.3)
     path = document(f'<standard_surface name="s" type="surfaceshader">{text}</standard_surface>')
     with pytest.warns(UrushiWarning, match="both get that of transmitted light"):

@@ -133,18 +133,20 @@ class _Reader:
 
 
 def escaped(content: bytes) -> bytes:
-    """A document with < and & in attributes escaped, as XML wants and MaterialX's parser does not.
+    """A document that MaterialX's parser reads, as XML.
 
-    They are in hand-written patterns of files (<UDIM>).
+    < and & in attributes are escaped, as of <UDIM>. Comments and what is above the declaration go.
     """
 
     def tag(match: re.Match[bytes]) -> bytes:
         text = match[0]
+        if text.startswith(b"<!--"):
+            return b"\n" * text.count(b"\n")
         if text.startswith((b"<!", b"<?")):
             return text
         return text[:1] + _AMPERSAND.sub(rb"&amp;", text[1:]).replace(b"<", b"&lt;")
 
-    return _MARKUP.sub(tag, content, count=4 * MAX_ELEMENTS)  # more are refused
+    return _MARKUP.sub(tag, content, count=4 * MAX_ELEMENTS).lstrip()  # more are refused
 
 
 class Outline:

@@ -217,17 +217,22 @@ class _Reader:
         clear = self._pixels("transmission_weight", values["transmission_weight"]).any()
         if not clear or not changes(self._graph, difference):
             return self._surface(name, values)
+        parts = [x for x in ("emission_luminance", "emission_color") if x in values]
+        emits = parts and all(self._pixels(x, values[x]).any() for x in parts)
+        which = "reflected" if emits else "transmitted"
         _warn(
             f"{self._where}: OpenPBR has one roughness of light that is reflected and transmitted; "
-            "where the surface transmits, both get that of transmitted light"
+            f"where the surface transmits, both get that of {which} light"
         )
-        weight, *parts = separated(formulas, roughness)
+        if emits:  # mixtures do not
+            return self._surface(name, values)
+        weight, opaque, through = separated(formulas, roughness)
         share = self._baked("transmission_weight", self._value(weight))
         return _mixed(
             name,
             share,
             self._where,
-            lambda side: self._surface(name, self._values(parts[side == "fg"])),
+            lambda side: self._surface(name, self._values(through if side == "fg" else opaque)),
         )
 
     def _surface(self, name: str, values: Mapping[str, Value]) -> Surface:
