@@ -20,7 +20,6 @@ vector of the bottom's lobe, and the balance heuristic combines all (Veach and G
 of the nodes is computed; between them, logarithms are cubic (`table.completed`).
 """
 
-import math
 from collections.abc import Callable
 from typing import NamedTuple
 
@@ -134,13 +133,13 @@ def coated_rest(bottom: Material, coat: CoatParameters, slab: Inside | None = No
     parameters = np.stack([*np.broadcast_arrays(*coat, np.zeros(bottom.channels))][:5])
     result = np.empty((len(every[0]), parameters.shape[1]), np.float32)
     values = bottom.f(*node_pairs(1, bottom.knots)).reshape(*SHAPE, -1)
+    inside = slab or _opaque(bottom)
     peak = half_vectors(values, SLAB_POWER if slab else PEAK_POWER)
     for interface in np.unique(parameters[:2], axis=1).T:
         chosen = np.flatnonzero((parameters[:2] == interface[:, None]).all(axis=0))
         own = np.minimum(chosen, bottom.channels - 1)
         first, which = _distinct(bottom, own, parameters[2:, chosen])
         media = parameters[2:, chosen[first]]
-        inside = slab or _opaque(bottom, float(interface[1]))
         under = _below(bottom, own[first], interface, media, peak, inside)
         below, weights = _spanning(under)
         pairs = every if interface[1] == 1 else known  # without an interface, a pair costs little
@@ -161,12 +160,11 @@ def coated_rest(bottom: Material, coat: CoatParameters, slab: Inside | None = No
     return result
 
 
-def _opaque(bottom: Material, eta: float) -> Inside:
-    """A coat of an index over an opaque bottom."""
-    edges = (math.asin(1 / eta),) if eta > 1 else ()
-    own, modes = adding.grid(edges), adding.bottom_modes(bottom.f, edges)
+def _opaque(bottom: Material) -> Inside:
+    """A coat over an opaque bottom."""
+    own, modes = adding.grid(), adding.bottom_modes(bottom.f)
     mirrored = own.at_cosines(np.stack([own.mirror_shares(m) for m in modes], axis=-1))
-    return Inside(edges, modes, mirrored, ())
+    return Inside((), modes, mirrored, ())
 
 
 def _distinct(

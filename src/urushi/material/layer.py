@@ -29,8 +29,8 @@ from urushi.walk.stack import under as described_under
 DEEPEST = 12.0
 
 #: Width below which light reflected by a bare surface is too narrow for the networks. At a width of
-#: 0.1 albedos of coated gold err by up to 4 %, at 0.04 by 7 % and at 0.01 by 11 %, and by light
-#: transport by up to 3 %.
+#: 0.1 albedos of coated gold err by up to 4 %, at 0.04 by 7 % and at 0.01 by 11 %; by light
+#: transport, under indices up to 1.8, by 2 %.
 SMOOTH = 0.1
 
 #: Largest ratio of two widths that is layered: OpenPBR's anisotropy of 0.9 has it. Errors up to
