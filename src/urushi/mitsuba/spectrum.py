@@ -180,15 +180,28 @@ def from_channels(
     return mi.Spectrum(dr.maximum(of_rgb(values, wavelengths) + followed, 0))
 
 
+def at_nodes(color: Sequence[float] | np.ndarray) -> np.ndarray:
+    """`of_rgb` of channels of zero or more at `NODES`."""
+    return np.maximum(of_rgb(np.asarray(color), NODES, NUMPY), 0)  # rounding
+
+
+def from_nodes(values: np.ndarray) -> dict:
+    """A Mitsuba spectrum, as a dictionary, of values at `NODES`."""
+    if np.ptp(values) <= 1e-9 * values.max():
+        return {"type": "uniform", "value": float(values[0])}
+    return {
+        "type": "irregular",
+        "wavelengths": ", ".join(map(str, NODES)),
+        "values": ", ".join(map(repr, values.tolist())),
+    }
+
+
 def from_color(color: Sequence[float] | np.ndarray, *, power: float = 1.0) -> dict:
-    """A Mitsuba spectrum, as a dictionary, of a colour of channels of zero or more: `of_rgb`.
+    """A Mitsuba spectrum of a colour of channels of zero or more, as a dictionary.
 
     power: of the spectrum, which has the colour of that power of the channels.
     """
-    if min(color) == max(color):
-        return {"type": "uniform", "value": float(color[0])}
-    values = np.maximum(of_rgb(np.asarray(color) ** power, NODES, NUMPY), 0) ** (1 / power)
-    return _irregular(values)
+    return from_nodes(at_nodes(np.asarray(color) ** power) ** (1 / power))
 
 
 def from_depth(depth: Sequence[float] | np.ndarray) -> dict:
@@ -196,15 +209,5 @@ def from_depth(depth: Sequence[float] | np.ndarray) -> dict:
 
     Light that has crossed the medium twice has the colour of the channels.
     """
-    if min(depth) == max(depth):
-        return from_color(depth)
-    passed = of_rgb(np.exp(-2 * np.asarray(depth)), NODES, NUMPY)
-    return _irregular(-np.log(np.maximum(passed, LEAST_PASSED)) / 2)
-
-
-def _irregular(values: np.ndarray) -> dict:
-    return {
-        "type": "irregular",
-        "wavelengths": ", ".join(map(str, NODES)),
-        "values": ", ".join(map(repr, values.tolist())),
-    }
+    passed = at_nodes(np.exp(-2 * np.asarray(depth)))
+    return from_nodes(-np.log(np.maximum(passed, LEAST_PASSED)) / 2)

@@ -109,8 +109,11 @@ class OpenPBR:
                 )
         given = self.parameters.items()
         values = complete({name: x for name, x in given if name not in self.textures})
+        if mi.variant() is not None and mi.is_spectral:  # the formulas, wavelength by wavelength
+            values |= {x: spectrum.at_nodes(y) for x, y in values.items() if np.ndim(y)}
         share = (1 - clear) * scatters
-        extinction, scattering, forward = np.zeros(3), np.zeros(3), 0.0
+        extinction = scattering = np.zeros_like(values["transmission_color"])
+        forward = 0.0
         if deep:
             names = "color", "depth", "scatter"
             found = translucent_medium(*(values[f"transmission_{name}"] for name in names))
@@ -127,15 +130,10 @@ class OpenPBR:
         if not extinction.any():
             return None
         g = float(np.clip(forward / max(scattering.mean(), 1e-12), -0.99, 0.99))
-        scale, tinted = float(extinction.max()), not scattering.any()
-        sigma_t = _color(extinction / scale)
-        if tinted and mi.variant() is not None and mi.is_spectral:  # exact at transmission_depth
-            scale = 2 / values["transmission_depth"]
-            sigma_t = spectrum.from_depth(extinction / scale)
         return {
             "type": "homogeneous",
-            "sigma_t": sigma_t,
-            "scale": scale,
+            "sigma_t": _color(extinction / extinction.max()),
+            "scale": float(extinction.max()),
             "albedo": _color(scattering / np.maximum(extinction, 1e-12)),
             "phase": {"type": "hg", "g": g},
         }
@@ -236,9 +234,9 @@ def openpbr(
 
 
 def _color(value: np.ndarray) -> dict[str, Any]:
-    """A colour of a medium for `mi.load_dict`."""
-    if mi.variant() is not None and mi.is_spectral:
-        return spectrum.from_color(value)
+    """A colour (3,), or a spectrum of `spectrum.at_nodes`, for `mi.load_dict`."""
+    if len(value) > len(spectrum.RGB):
+        return spectrum.from_nodes(value)
     return {"type": "rgb", "value": value.tolist()}
 
 
