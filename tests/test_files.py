@@ -6,8 +6,8 @@ import stat
 
 import pytest
 
-from urushi.errors import FileError
-from urushi.files import atomic_write
+from urushi.errors import FileError, ParameterError
+from urushi.files import atomic_write, read_tensors, write_tensors
 
 
 def test_writes_the_whole_file(tmp_path):
@@ -112,3 +112,21 @@ def test_links_are_followed(tmp_path):
 def test_file_errors_are_os_errors(tmp_path):
     with pytest.raises(OSError, match="cannot write"), atomic_write(tmp_path / "no" / "file"):
         pass
+
+
+@pytest.mark.parametrize("path", [None, 3])
+def test_what_is_no_path_is_refused(path):
+    for use in (
+        lambda: read_tensors(path, "material"),
+        lambda: write_tensors(path, "material", {}, {}),
+    ):
+        with pytest.raises(ParameterError, match=f"path must be the path of a file, not {path}"):
+            use()
+
+
+def test_folders_and_other_suffixes_are_refused(tmp_path):
+    with pytest.raises(FileError, match="is a folder; give a material file"):
+        read_tensors(tmp_path, "material")
+    with pytest.raises(ParameterError, match=r"x.txt' does not end in .safetensors"):
+        write_tensors(tmp_path / "x.txt", "material", {}, {})
+    assert not list(tmp_path.iterdir())

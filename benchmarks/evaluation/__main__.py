@@ -12,6 +12,7 @@ from pathlib import Path
 
 from benchmarks.evaluation import fan2022, report
 
+from urushi.errors import UrushiError
 from urushi.fan2022 import PaperNetworks
 
 
@@ -26,10 +27,15 @@ def main() -> None:
         "whose indices are all above one; takes minutes to hours",
     )
     options = parser.parse_args()
-    if options.fan2022:
-        print(fan2022.evaluate(PaperNetworks.read(options.weights)))
-    else:
-        print(report.report(options.weights, options.output))
+    if options.fan2022 and not options.weights:
+        parser.error("--fan2022 needs --weights, a file of its networks (docs/published.md)")
+    try:
+        if options.fan2022:
+            print(fan2022.evaluate(PaperNetworks.read(options.weights)))
+        else:
+            print(report.report(options.weights, options.output))
+    except UrushiError as error:
+        parser.error(str(error))
 
 
 if __name__ == "__main__":

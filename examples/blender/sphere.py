@@ -72,4 +72,6 @@ def main(source: Path, image: Path) -> None:
 
 
 if __name__ == "__main__":
+    if len(sys.argv) != 3 or not Path(sys.argv[1]).is_file():
+        sys.exit("give an exported material and a picture: python sphere.py MATERIAL.osl IMAGE.exr")
     main(Path(sys.argv[1]), Path(sys.argv[2]))

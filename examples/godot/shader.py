@@ -43,4 +43,6 @@ def _without_exponent(number: re.Match) -> str:
 
 if __name__ == "__main__":
     folder = Path(sys.argv[1]) if len(sys.argv) > 1 else Path(__file__).parent
+    if not folder.is_dir():
+        sys.exit(f"there is no folder '{folder}'; give one that exists")
     (folder / "material.shader").write_text(godot(lacquer().shader("glsl")), encoding="utf-8")

@@ -17,10 +17,13 @@ import numpy as np
 import safetensors
 import safetensors.numpy
 
-from urushi.errors import FileError
+from urushi.errors import FileError, ParameterError
 
 #: The only metadata key. Several keys would be written in a different order from run to run.
 METADATA_KEY = "urushi"
+
+#: The suffix of the files. They may have none.
+SUFFIX = ".safetensors"
 
 #: Temporary files of writers at work.
 _temporary_files: set[Path] = set()
@@ -30,6 +33,14 @@ def remove_temporary_files() -> None:
     """Remove what writers have begun, before the process ends without their doing."""
     for path in tuple(_temporary_files):
         path.unlink(missing_ok=True)
+
+
+def as_path(path: Any) -> Path:
+    """The path of a file; a ParameterError if it is neither text nor a path."""
+    try:
+        return Path(path)
+    except TypeError as error:
+        raise ParameterError(f"path must be the path of a file, not {path!r}") from error
 
 
 @contextlib.contextmanager
@@ -43,7 +54,7 @@ def atomic_write(path: str | os.PathLike) -> Iterator[Path]:
         FileError: the folder is missing or cannot be written, the disk is full, or `path` is a
             folder or a device.
     """
-    target = Path(path)
+    target = as_path(path)
     try:
         place = target.resolve()
         if place.exists() and not place.is_file():  # renaming would replace a device
@@ -89,7 +100,7 @@ def new_folder(path: str | os.PathLike) -> Path:
     Raises:
         FileError: it cannot be made, or is a file.
     """
-    folder = Path(path)
+    folder = as_path(path)
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
@@ -100,14 +111,22 @@ def new_folder(path: str | os.PathLike) -> Path:
     return folder
 
 
+def check_name(path: str | os.PathLike) -> None:
+    """Refuse a name for `write_tensors` that ends in another suffix than `SUFFIX`."""
+    if as_path(path).suffix not in ("", SUFFIX):
+        raise ParameterError(f"'{path}' does not end in {SUFFIX}; give a file's name that does")
+
+
 def write_tensors(
     path: str | os.PathLike, kind: str, description: Mapping[str, Any], arrays: Mapping[str, Any]
 ) -> None:
     """Write arrays and a description (JSON values) as a file of a kind, for example "weights".
 
     Raises:
+        ParameterError: `path` is no path, or ends in another suffix than `SUFFIX`.
         FileError: the file cannot be written.
     """
+    check_name(path)
     text = json.dumps({"kind": kind, **description}, sort_keys=True)
     content = safetensors.numpy.save(
         {name: np.ascontiguousarray(array) for name, array in arrays.items()}, {METADATA_KEY: text}
@@ -131,9 +150,11 @@ def read_tensors(
         FileError: the file is missing, unreadable, truncated, foreign, or of another kind or
             version.
     """
-    source = Path(path)
+    source = as_path(path)
     try:
         size = source.stat().st_size
+        if source.is_dir():
+            raise FileError(f"'{source}' is a folder; give a {kind} file")
         with safetensors.safe_open(source, framework="numpy") as file:
             metadata = file.metadata() or {}
             stored = list(file.keys())
@@ -141,6 +162,8 @@ def read_tensors(
             arrays = {name: file.get_tensor(name) for name in wanted}
     except FileNotFoundError as error:
         raise FileError(f"there is no {kind} file '{source}'; check the path") from error
+    except FileError:
+        raise
     except OSError as error:
         reason = error.strerror or error
         raise FileError(f"cannot read the {kind} file '{source}': {reason}") from error
@@ -151,7 +174,9 @@ def read_tensors(
         ) from error
     description = _description(metadata.get(METADATA_KEY, ""))
     if description.get("kind") != kind:
-        raise FileError(f"'{source}' is a safetensors file, but not one of Urushi's {kind}s")
+        raise FileError(
+            f"'{source}' is a safetensors file, but not one of Urushi's {kind.removesuffix('s')}s"
+        )
     if version is not None and description.get("version") != version:
         raise FileError(
             f"'{source}' has version {description.get('version')!r} of the {kind} format, "
@@ -166,7 +191,7 @@ def read_npz(path: str | os.PathLike, *names: str) -> list[np.ndarray]:
     Raises:
         FileError: the file is missing, damaged, of another kind or without one of the arrays.
     """
-    source = Path(path)
+    source = as_path(path)
     try:
         # opened here, because numpy does not close a file that it cannot read
         with source.open("rb") as file, np.load(file, allow_pickle=False) as archive:

@@ -111,3 +111,29 @@ def test_too_many_interfaces_at_once_are_refused(paper):
 def test_coats_that_the_networks_do_not_cover_are_refused(paper, top, sentence):
     with pytest.raises(ParameterError, match=sentence):
         fan2022.layer(top, Material(np.ones((1, 32)), paper))
+
+
+def test_networks_may_be_given_by_their_file(paper, tmp_path):
+    file = tmp_path / "paper.safetensors"
+    paper.save(file)
+    material = Material(np.ones((1, 32)), paper)
+    material.save(tmp_path / "material.safetensors")
+    for given in (paper, file, str(file)):
+        loaded = fan2022.load(tmp_path / "material.safetensors", given)
+        np.testing.assert_array_equal(loaded.latents, material.latents)
+
+
+@pytest.mark.parametrize(
+    ("use", "sentence"),
+    [
+        (lambda m: fan2022.load("x", None), "path must be the path of a file, not None"),
+        (lambda m: fan2022.layer(urushi.dielectric(0.1, 1.5), urushi.diffuse(0.5)), "not Dielec"),
+        (lambda m: fan2022.layer(m, m), "layer needs a urushi.dielectric over a"),
+        (lambda m: m.sample([[0, 0, 1]], [[0.1]]), "u has shape"),
+        (lambda m: m.save("x.txt"), "does not end in .safetensors"),
+        (lambda m: Material("x", m.networks), "latents must be an array of numbers"),
+    ],
+)
+def test_wrong_arguments_are_one_sentence(paper, use, sentence):
+    with pytest.raises(ParameterError, match=sentence):
+        use(Material(np.ones((1, 32)), paper))

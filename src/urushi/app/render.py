@@ -71,6 +71,8 @@ class Render:
             key, equals, definitions[key] = pair.partition("=")
             if not (key and equals):
                 raise ParameterError(f"-D '{pair}' is not of the form key=value")
+        target = self.output or Path(self.scene).with_suffix(".exr")
+        check_picture(target)
         set_variant(self.mode)
         import drjit as dr
         import mitsuba as mi
@@ -107,6 +109,17 @@ class Render:
         write_picture(mi.TensorXf(image.astype(np.float32)), target)
         print(target)
         return 0
+
+
+def check_picture(path: Path) -> None:
+    """Refuse a picture's file that cannot be written, before it is rendered."""
+    if path.suffix.lower() not in SUFFIXES:
+        raise ParameterError(
+            f"'{path}' does not end in a picture format; use {', '.join(SUFFIXES)}"
+        )
+    if path.is_dir() or not path.parent.is_dir():
+        reason = "it is a folder" if path.is_dir() else f"there is no folder '{path.parent}'"
+        raise FileError(f"cannot write '{path}': {reason}; choose another name")
 
 
 def write_picture(image: Any, path: Path) -> None:

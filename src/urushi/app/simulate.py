@@ -50,6 +50,8 @@ class Simulate:
     """NPZ file to write the numbers to. Default: print them."""
 
     def run(self) -> int:
+        if self.output is not None and self.output.suffix != ".npz":
+            raise ParameterError(f"--output is '{self.output}'; give a name that ends in .npz")
         import urushi
         from urushi.app.describe import describe
         from urushi.walk import analytic

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import tyro
 
-from urushi import platform
-from urushi.errors import ParameterError
+from urushi import files, platform
+from urushi.errors import ParameterError, choice
 from urushi.ranges import Pairs, Share
 
 if TYPE_CHECKING:
@@ -29,6 +29,9 @@ def find_preset(
         raise ParameterError(
             f"the preset '{name}' takes neither --scale nor --projection-pairs; only 'paper' does"
         )
+    if name not in presets.NAMES:
+        names = *presets.NAMES, "paper"
+        raise ParameterError(f"there is no preset '{name}'; {choice(name, names)}")
     return presets.get(name)
 
 
@@ -125,6 +128,7 @@ class Paper:
     """Train a sampling network, a few minutes. Default: directions are drawn by the cosine."""
 
     def run(self) -> int:
+        files.check_name(self.output)
         if self.fit_sampler:
             platform.require_extra("train")
         from urushi.fan2022 import PaperNetworks, published
@@ -140,11 +144,11 @@ class Paper:
             print(f"proxy divergence  {divergence:.4g}")
         else:
             params |= published.cosine_proxy()
-        files = {"representation": self.representation, "layering": self.layering}
+        paths = {"representation": self.representation, "layering": self.layering}
         header = {
             "published": {
                 name: {"file": path.name, "sha256": hashlib.sha256(path.read_bytes()).hexdigest()}
-                for name, path in files.items()
+                for name, path in paths.items()
             },
             "sampler": "fitted" if self.fit_sampler else "cosine",
         }

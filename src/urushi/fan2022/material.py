@@ -20,6 +20,9 @@ from urushi.nets.weights import check_made_with
 from urushi.parallel import fill_blocks
 from urushi.walk import Dielectric
 
+#: Networks, or their file.
+Networks = PaperNetworks | str | os.PathLike
+
 
 @dataclass(frozen=True, eq=False)
 class Material:
@@ -35,7 +38,10 @@ class Material:
     networks: PaperNetworks
 
     def __post_init__(self) -> None:
-        latents = np.array(self.latents, np.float32)
+        try:
+            latents = np.array(self.latents, np.float32)
+        except (TypeError, ValueError) as error:
+            raise ParameterError("a material's latents must be an array of numbers") from error
         if latents.ndim != 2 or latents.shape[1] != LATENT or not np.isfinite(latents).all():
             raise ParameterError(
                 f"a material's latents have shape {latents.shape}; give finite (channels, {LATENT})"
@@ -80,12 +86,13 @@ class Material:
         files.write_tensors(path, "material", description, {"latents": self.latents})
 
 
-def load(path: str | os.PathLike, networks: PaperNetworks) -> Material:
-    """Read a material that `Material.save` wrote.
+def load(path: str | os.PathLike, networks: Networks) -> Material:
+    """Read a material that `Material.save` wrote; networks: those of the material, or their file.
 
     Raises:
         FileError: missing, truncated, foreign, damaged, or made with other networks.
     """
+    networks = _read(networks)
     description, arrays = files.read_tensors(path, "material", FORMAT_VERSION)
     check_made_with(path, description.get("weights"), networks.fingerprint)
     try:
@@ -94,10 +101,16 @@ def load(path: str | os.PathLike, networks: PaperNetworks) -> Material:
         raise FileError(f"the material file '{path}' is damaged: {error}") from error
 
 
-def encode(source: Any, networks: PaperNetworks) -> Material:
+def _read(networks: Networks) -> PaperNetworks:
+    """Networks that a user gave, or those of the file."""
+    return networks if isinstance(networks, PaperNetworks) else PaperNetworks.read(networks)
+
+
+def encode(source: Any, networks: Networks) -> Material:
     """Project a BRDF into codes, one per channel; see `PaperNetworks.encode` for the time.
 
-    source: as of `urushi.encode`; it is averaged to be isotropic and reciprocal.
+    source: as of `urushi.encode`; it is averaged to be isotropic and reciprocal. networks: the
+        networks, or their file.
 
     Raises:
         ParameterError: the source cannot be encoded, or its values are negative or not finite.
@@ -106,6 +119,7 @@ def encode(source: Any, networks: PaperNetworks) -> Material:
         UrushiWarning: averaging changes the source by more than 10 %, or transmitted or specular
             light is left out.
     """
+    networks = _read(networks)
     if isinstance(source, Material) and source.networks.fingerprint == networks.fingerprint:
         return source
     found = evaluate_source(source, *projection_pairs())
@@ -128,5 +142,10 @@ def layer(
         ParameterError: a parameter is out of range or of a wrong shape, the coat has two widths, or
             its index is below one.
     """
+    if not (isinstance(top, Dielectric) and isinstance(bottom, Material)):
+        raise ParameterError(
+            f"layer needs a urushi.dielectric over a urushi.fan2022.Material, not "
+            f"{type(top).__name__} over {type(bottom).__name__}; make the bottom by fan2022.encode"
+        )
     coat = checks.coat(CoatParameters(top.alpha, top.eta, albedo, sigma_t, g), "the coat's")
     return Material(bottom.networks.layer(bottom.latents, coat), bottom.networks)

@@ -23,7 +23,12 @@ from urushi.mitsuba.latents.lookup import drawn_texel, texel_draw
 from urushi.mitsuba.plugins.base import ignore, resolve
 from urushi.mitsuba.reading import grid as grids
 from urushi.mitsuba.reading import probing
-from urushi.mitsuba.reading.parameters import CoatTextures, check_bottom, nested_bsdf
+from urushi.mitsuba.reading.parameters import (
+    COAT_PROPERTIES,
+    CoatTextures,
+    check_bottom,
+    nested_bsdf,
+)
 from urushi.mitsuba.recording import only_where, owned
 from urushi.mitsuba.register import Room
 from urushi.textures.bake import code_hashes
@@ -119,6 +124,8 @@ def define(base: type) -> dict[str, type]:
         ============== ===================== ====================================================
         """
 
+        PROPERTIES = ("filename", "weights")
+
         def _load(self, props):
             super()._load(props)
             if "filename" not in props:
@@ -144,6 +151,8 @@ def define(base: type) -> dict[str, type]:
         which takes seconds or minutes; a texture has at most 256 of these pairs. Codes are kept in
         memory.
         """
+
+        PROPERTIES = COAT_PROPERTIES
 
         def _load(self, props):
             self._bottom = nested_bsdf(props)

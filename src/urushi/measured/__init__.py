@@ -4,7 +4,8 @@ import os
 from pathlib import Path
 from typing import Any
 
-from urushi.errors import FileError, ParameterError
+from urushi.errors import FileError
+from urushi.files import as_path
 from urushi.measured import merl, rgl_file
 from urushi.measured.merl import Merl
 from urushi.measured.pigments import pigment
@@ -27,10 +28,7 @@ def load_measured(path: str | os.PathLike) -> Merl | Rgl:
         FileError: the file is missing, unreadable, damaged or of another format.
         ParameterError: `path` is not a path.
     """
-    try:
-        source = Path(path)
-    except TypeError as error:
-        raise ParameterError(f"path must be the path of a file, not {path!r}") from error
+    source = as_path(path)
     surface: Any
     content: Any
     try:

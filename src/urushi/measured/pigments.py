@@ -17,11 +17,12 @@ coloured paint have one depth per channel where the paint has a spectrum.
 from collections.abc import Iterable, Mapping
 from functools import cache
 from importlib.resources import files
+from numbers import Real
 from typing import Any
 
 import numpy as np
 
-from urushi.errors import ParameterError
+from urushi.errors import ParameterError, choice
 from urushi.measured.rgl import srgb_weights
 
 #: Scattering S of titanium white at thickness 1: an optical depth of 8.
@@ -55,11 +56,14 @@ def pigment(paint: str | Mapping[str, float]) -> dict[str, Any]:
     Raises:
         ParameterError: a name is unknown, or no part is above 0, or one is negative.
     """
+    if not isinstance(paint, str | Mapping):
+        raise ParameterError(f"paint is {paint!r}; give a name, or a dictionary of parts by name")
     parts = {paint: 1.0} if isinstance(paint, str) else dict(paint)
     names = list(paints())
     if unknown := [name for name in parts if name not in names]:
-        raise ParameterError(f"no paint is named '{unknown[0]}'; the paints are {', '.join(names)}")
-    if not parts or min(parts.values()) < 0 or not 0 < sum(parts.values()) < np.inf:
+        raise ParameterError(f"no paint is named '{unknown[0]}'; {choice(str(unknown[0]), names)}")
+    numbers = all(isinstance(part, Real) for part in parts.values())
+    if not numbers or not parts or min(parts.values()) < 0 or not 0 < sum(parts.values()) < np.inf:
         raise ParameterError(f"the parts of a mixture are {parts}; give numbers above 0")
     k, s = mixed(parts, np.array([list(parts.values())]))
     scattering, absorption = 4 / 3 * s[0], k[0] / 2

@@ -227,12 +227,13 @@ def find(given: Weights | None) -> Model:
         return given
     if given is None or str(given) in (DEFAULT, ANISOTROPIC):
         return shipped(DEFAULT if given is None else str(given))
-    if not Path(given).exists():
+    path = files.as_path(given)
+    if not path.exists():
         raise FileError(
             f"there are no weights '{given}'; give a file, or '{DEFAULT}' for the shipped ones"
         )
-    state = Path(given).stat()
-    return _read_once(str(Path(given).absolute()), state.st_mtime_ns, state.st_size)
+    state = path.stat()
+    return _read_once(str(path.absolute()), state.st_mtime_ns, state.st_size)
 
 
 @functools.lru_cache(maxsize=8)

@@ -189,7 +189,7 @@ class Inputs:
         return Widths(*formulas.lobe_widths(rough, bias, DRJIT))
 
     def _read(self, name: str, value: Any) -> None:
-        entry = parameter(name, self.where)
+        entry = parameter(name, self.where, OPTIONS)
         if entry.kind == "vector":
             if not isinstance(value, mi.Texture):
                 checked(name, value, self.where)  # the error says what to give

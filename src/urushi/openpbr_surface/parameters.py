@@ -4,15 +4,14 @@ From the specification's tables (Andersson et al., OpenPBR Surface 1.1.1) and it
 `open_pbr_surface.mtlx`. The order is the reference graph's.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from difflib import get_close_matches
 from typing import Any, Literal
 
 import numpy as np
 
 from urushi.checks import Check
-from urushi.errors import ParameterError
+from urushi.errors import ParameterError, choice
 
 #: A number; a linear colour; a truth value; a direction, which a map or the geometry gives.
 Kind = Literal["float", "color", "boolean", "vector"]
@@ -83,13 +82,12 @@ PARAMETERS: dict[str, Parameter] = {
 }
 
 
-def parameter(name: str, where: str = "openpbr") -> Parameter:
-    """The parameter of a name."""
+def parameter(name: str, where: str = "openpbr", others: Sequence[str] = ()) -> Parameter:
+    """The parameter of a name; others: names that an error may suggest as well."""
     if name in PARAMETERS:
         return PARAMETERS[name]
-    near = get_close_matches(name, PARAMETERS, 1)
-    cure = f"did you mean {near[0]}?" if near else "its names are those of OpenPBR Surface 1.1.1"
-    raise ParameterError(f"{where}: there is no parameter '{name}'; {cure}")
+    names = (*PARAMETERS, *others)
+    raise ParameterError(f"{where}: there is no parameter '{name}'; {choice(name, names)}")
 
 
 def checked(name: str, value: Any, where: str = "openpbr") -> Any:

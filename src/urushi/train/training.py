@@ -17,7 +17,7 @@ from tqdm import tqdm
 from urushi.checks import CoatParameters
 from urushi.core import error_metrics
 from urushi.errors import FileError
-from urushi.files import new_folder
+from urushi.files import check_name, new_folder
 from urushi.nets import weights
 from urushi.nets.architecture import Architecture, init
 from urushi.nets.decoder import decode
@@ -139,6 +139,7 @@ def prepare(
     """
     folder = Path(run) if run is not None else RUNS / preset.name
     out = Path(out) if out is not None else folder / "weights.safetensors"
+    check_name(out)
     if not resume and Journal(folder, {}).begun():
         raise FileError(
             f"'{folder}' contains an unfinished training; give --resume to continue it, "

@@ -67,6 +67,9 @@ def average(
     Returns:
         (mean, se): float64 (M,).
     """
+    for name, value in (("walks", walks), ("seed", seed)):
+        if not isinstance(value, int | np.integer):
+            raise ParameterError(f"{name} is {value!r}; give a whole number")
     if walks < 2:
         raise ParameterError(f"walks is {walks}; a standard error needs at least 2")
     device = backend()

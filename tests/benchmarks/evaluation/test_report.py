@@ -1,10 +1,11 @@
 """The table has every row and the same figures as the JSON file, and bad input is refused."""
 
 import json
+import sys
 
 import numpy as np
 import pytest
-from benchmarks.evaluation import benchmark, physical_laws, report
+from benchmarks.evaluation import __main__, benchmark, physical_laws, report
 from benchmarks.evaluation import samples as sampling
 from benchmarks.evaluation.samples import Row
 from benchmarks.quality import benchmark_set
@@ -98,3 +99,19 @@ def test_bad_input(sets, groups, tmp_path):
     (tmp_path / "file").write_text("in the way")
     with pytest.raises(FileError, match="cannot create the folder"):
         report.report(output=tmp_path / "file")
+
+
+@pytest.mark.parametrize(
+    ("arguments", "sentence"),
+    [
+        (["--fan2022"], "--fan2022 needs --weights, a file of its networks"),
+        (["--fan2022", "--weights", "nothing"], "there is no weights file 'nothing'"),
+        (["--weights", "nothing"], "there are no weights 'nothing'"),
+    ],
+)
+def test_errors_of_the_command_are_one_sentence(arguments, sentence, monkeypatch, capsys):
+    monkeypatch.setattr(sys, "argv", ["evaluation", *arguments])
+    with pytest.raises(SystemExit) as caught:
+        __main__.main()
+    assert caught.value.code == 2
+    assert sentence in capsys.readouterr().err

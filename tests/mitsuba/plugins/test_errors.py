@@ -47,7 +47,7 @@ def load(mi, networks, name: str, **properties):
             {"albedo": {"type": "rgb", "value": [0.1, 2, 0.3]}},
             "albedo is 2; it must be a single-scattering albedo in [0, 1]",
         ),
-        ({"height": 2.0}, 'float "height": 2'),
+        ({"height": 2.0}, "there is no parameter 'height'"),
         ({"other": bottom()}, "has 2 nested BSDFs ('base', 'other'); nest exactly one"),
         ({"base": bottom("conductor")}, "the nested BSDF is perfectly smooth"),
         ({"base": bottom("mask", nested=bottom())}, "the nested BSDF transmits light"),
@@ -198,3 +198,28 @@ def test_variants_that_cannot_work_say_which_can(name, variant):
         mi.load_dict({"type": name})
     sentence = f"'{name}' does not work in the variant {variant}; choose llvm_ad_rgb"
     assert sentence in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("plugin", "name", "sentence"),
+    [
+        ("layered", "alhpa", "layered: there is no parameter 'alhpa'; did you mean alpha?"),
+        ("neural_layered", "intior", "no parameter 'intior'; did you mean int_ior?"),
+        ("neural_layered", "roughness", "no parameter 'roughness'; choose one of alpha, albedo"),
+        ("neural_brdf", "filenam", "no parameter 'filenam'; did you mean filename?"),
+        ("measured_brdf", "Filename", "no parameter 'Filename'; did you mean filename?"),
+        ("openpbr", "base_colour", "no parameter 'base_colour'; did you mean base_color?"),
+        ("openpbr", "resoluton", "no parameter 'resoluton'; did you mean resolution?"),
+        ("materialx", "matrial", "no parameter 'matrial'; did you mean material?"),
+        ("fan2022_brdf", "weight", "no parameter 'weight'; did you mean weights?"),
+    ],
+)
+def test_a_misspelt_parameter_is_named_with_the_nearest_one(rgb, plugin, name, sentence):
+    """A texture under such a name too; nested BSDFs have any name."""
+    import urushi.fan2022  # noqa: F401  (registers its plugins)
+
+    nested = {"base": bottom()} if plugin.endswith("layered") else {}
+    for value in (0.5, {"type": "checkerboard"}):
+        with pytest.raises(RuntimeError) as caught:
+            rgb.load_dict({"type": plugin, **nested, name: value})
+        assert sentence in str(caught.value)

@@ -13,7 +13,7 @@ from urushi.mitsuba.latents.holders import ConstantLatents, TexturedLatents, Ver
 from urushi.mitsuba.plugins.coats import Turn, TurnedMixture
 from urushi.mitsuba.reading.kept import KeptParameters
 from urushi.mitsuba.reading.offers import Offer
-from urushi.mitsuba.reading.parameters import describe, opaque
+from urushi.mitsuba.reading.parameters import check_names, describe, opaque
 from urushi.mitsuba.recording import VertexCache, signature_of
 from urushi.nets import weights
 from urushi.nets.weights import Model
@@ -35,12 +35,15 @@ def define_proposal_bsdf() -> type:
 
         UNRECORDED: ClassVar = ("_vertex_cache", "_kept", "_signature")
 
+        PROPERTIES: ClassVar[tuple[str, ...]] = ()  # names; none: the maker has checked them
         _transmits = False
         _index = 1.0  # below the surface, relative to that above it
 
         def __init__(self, props, where=None):
             """where: begins errors; None: the plugin's name."""
             self._where = where or describe(props)
+            if self.PROPERTIES:
+                check_names(props, self.PROPERTIES, self._where)
             self._load(props)
             self._vertex_cache, self._kept = VertexCache(), KeptParameters()
             self._signature = signature_of(self)

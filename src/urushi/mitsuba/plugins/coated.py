@@ -29,6 +29,7 @@ from urushi.mitsuba.reading.below import (
 )
 from urushi.mitsuba.reading.offers import Offer
 from urushi.mitsuba.reading.parameters import (
+    COAT_PROPERTIES,
     CoatTextures,
     check_bottom,
     check_rotation,
@@ -55,6 +56,8 @@ def define_coated(base: type, label: str) -> type:
 
     class CoatedBSDF(base):
         """Coats over a BSDF; directly nested ones of the same plugin form one stack."""
+
+        PROPERTIES = COAT_PROPERTIES
 
         def _load(self, props):
             self._nested = nested_bsdf(props, optional=True)

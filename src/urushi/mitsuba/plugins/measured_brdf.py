@@ -83,6 +83,8 @@ def define(base: type) -> type:
         SIGGRAPH Asia 2018.
         """
 
+        PROPERTIES = ("filename",)
+
         def _load(self, props):
             if "filename" not in props:
                 raise ParameterError(f"{self._where} has no filename; give a MERL or RGL file")

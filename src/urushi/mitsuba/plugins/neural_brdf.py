@@ -60,6 +60,8 @@ def define(base: type) -> type:
         After Fan, Wang, Hašan, Yang and Yan, Neural Layered BRDFs, SIGGRAPH 2022.
         """
 
+        PROPERTIES = ("filename", "weights", "rotation")
+
         latents: ConstantLatents | TexturedLatents | DifferentiableLatents
         _colors = True
 

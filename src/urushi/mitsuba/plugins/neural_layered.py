@@ -17,6 +17,7 @@ from urushi.mitsuba.plugins.estimates import Compensation, estimates
 from urushi.mitsuba.reading.below import below, is_rebuilt
 from urushi.mitsuba.reading.bsdf import has_two_widths
 from urushi.mitsuba.reading.parameters import (
+    COAT_PROPERTIES,
     CoatTextures,
     check_bottom,
     check_rotation,
@@ -81,6 +82,7 @@ def define(base: type) -> type:
         """
 
         UNRECORDED: ClassVar = ("_baker",)
+        PROPERTIES = COAT_PROPERTIES
 
         model: Model
         latents: ConstantLatents | TexturedLatents | DifferentiableLatents

@@ -13,7 +13,7 @@ from urushi.checks import AIR, DEFAULT_COAT, MIN_ALPHA, CoatParameters, Widths
 from urushi.core import appearance
 from urushi.core.appearance import LOOK, PHYSICAL, look_of
 from urushi.core.namespace import DRJIT
-from urushi.errors import ParameterError
+from urushi.errors import ParameterError, choice
 from urushi.mitsuba import spectrum
 from urushi.mitsuba.reading.grid import varies
 from urushi.mitsuba.reading.offers import offer_of
@@ -29,6 +29,12 @@ NUMBERS = ("thickness", "rotation")
 
 #: The properties of an anisotropic coat's widths, in place of `alpha`.
 TWO_WIDTHS = ("alpha_u", "alpha_v")
+
+#: All properties of a coat, and those of `neural_layered`, which the others ignore.
+COAT_PROPERTIES = (
+    *(*DEFAULTS, *TWO_WIDTHS, *LOOK, "rotation", "int_ior", "ext_ior", "energy_compensation"),
+    *("resolution", "weights", "mipmaps"),
+)
 
 #: The check of each parameter.
 CHECKS = {
@@ -320,6 +326,17 @@ def describe(props: "mi.Properties") -> str:
     """The plugin's name, and its id if the user gave one; begins errors."""
     name = props.id()
     return props.plugin_name() + (f" '{name}'" if name and not name.startswith("__") else "")
+
+
+def check_names(props: "mi.Properties", names: Collection[str], where: str) -> None:
+    """Refuse a property that is none of `names` and no nested BSDF. Call this before reading any.
+
+    Listing the objects resets Mitsuba's record of which properties were read.
+    """
+    objects = dict(props.objects(mark_queried=False))
+    for name in props.keys():  # noqa: SIM118  (no mapping)
+        if name not in names and not isinstance(objects.get(name), mi.BSDF):
+            raise ParameterError(f"{where}: there is no parameter '{name}'; {choice(name, names)}")
 
 
 def nested_bsdf(props: "mi.Properties", *, optional: bool = False) -> Any:

@@ -9,7 +9,7 @@ from typing import Any
 from xml.parsers import expat
 
 from urushi.errors import FileError, ParameterError
-from urushi.files import atomic_write
+from urushi.files import as_path, atomic_write
 from urushi.openpbr_surface.materialx.graph import package
 from urushi.openpbr_surface.materialx.images import other_case
 from urushi.openpbr_surface.materialx.shaders import SHADERS, TARGET
@@ -51,7 +51,7 @@ class Document:
 
 def read_document(path: str | os.PathLike) -> Document:
     """Read a document and the files that it includes."""
-    file = Path(path)
+    file = as_path(path)
     return Document(file, _Reader(file).read(file, ()))
 
 

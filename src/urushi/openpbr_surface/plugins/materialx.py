@@ -9,8 +9,8 @@ import numpy as np
 
 from urushi.errors import ParameterError
 from urushi.mitsuba.plugins.base import resolve
-from urushi.mitsuba.reading.parameters import describe
-from urushi.openpbr_surface.inputs import EMISSION, Inputs
+from urushi.mitsuba.reading.parameters import check_names, describe
+from urushi.openpbr_surface.inputs import EMISSION, OPTIONS, Inputs
 from urushi.openpbr_surface.materialx.baking import Texture
 from urushi.openpbr_surface.materialx.surface import (
     RESOLUTION,
@@ -172,13 +172,13 @@ def define():
                 'filename': 'paints.mtlx',
                 'material': 'Red'
         """
-        where = describe(props)
+        where, own = describe(props), ("filename", "material", "bake", "uv_plane")
+        check_names(props, (*own, *OPTIONS, *PARAMETERS), where)
         if "filename" not in props:
             raise ParameterError(f"{where} has no filename; give a MaterialX document")
         path, name = resolve(props["filename"]), props.get("material", None)
         resolution = checked_resolution(int(props.get("bake", RESOLUTION)), f"{where}: bake")
         plane = bool(props.get("uv_plane", False))
-        own = ("filename", "material", "bake", "uv_plane")
         extra = {key: props[key] for key in list(props.keys()) if key not in own}
         bsdf = description(read(path, name, resolution, plane), extra, where)
         if props.id():
