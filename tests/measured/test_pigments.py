@@ -64,6 +64,8 @@ def test_a_mixture_does_not_depend_on_the_unit_of_its_parts():
         ({WHITE: 0}, "the parts of a mixture are {'titanium white': 0}; give numbers above 0"),
         ({WHITE: 1, "bone black": -1}, "give numbers above 0"),
         ({}, "give numbers above 0"),
+        ({WHITE: "x"}, "give numbers above 0"),
+        (None, "paint is None; give a name, or a dictionary of parts by name"),
     ],
 )
 def test_bad_input_is_named(paint, sentence):

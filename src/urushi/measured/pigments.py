@@ -22,7 +22,7 @@ from typing import Any
 
 import numpy as np
 
-from urushi.errors import ParameterError, choice
+from urushi.errors import ParameterError
 from urushi.measured.rgl import srgb_weights
 
 #: Scattering S of titanium white at thickness 1: an optical depth of 8.
@@ -61,7 +61,7 @@ def pigment(paint: str | Mapping[str, float]) -> dict[str, Any]:
     parts = {paint: 1.0} if isinstance(paint, str) else dict(paint)
     names = list(paints())
     if unknown := [name for name in parts if name not in names]:
-        raise ParameterError(f"no paint is named '{unknown[0]}'; {choice(str(unknown[0]), names)}")
+        raise ParameterError(f"no paint is named '{unknown[0]}'; the paints are {', '.join(names)}")
     numbers = all(isinstance(part, Real) for part in parts.values())
     if not numbers or not parts or min(parts.values()) < 0 or not 0 < sum(parts.values()) < np.inf:
         raise ParameterError(f"the parts of a mixture are {parts}; give numbers above 0")
