@@ -267,21 +267,6 @@ def directions(wi: npt.ArrayLike, wo: npt.ArrayLike) -> tuple[np.ndarray, np.nda
     return wi, wo
 
 
-def uniform(u: npt.ArrayLike, count: int) -> np.ndarray:
-    """Uniform random numbers (count, 3) in [0, 1) as float32, checked."""
-    try:
-        array = np.asarray(u, dtype=np.float64)
-    except (TypeError, ValueError) as error:
-        raise ParameterError("u must be an (N, 3) array of numbers in [0, 1)") from error
-    if array.shape != (count, 3):
-        raise ParameterError(
-            f"u has shape {array.shape}; give three numbers per direction, shape ({count}, 3)"
-        )
-    if not ((array >= 0.0) & (array < 1.0)).all():
-        raise ParameterError("u holds a number outside [0, 1); give uniform random numbers")
-    return np.minimum(array.astype(np.float32), np.float32(1.0 - 2.0**-24))  # may round up to 1
-
-
 def finite(**arrays: npt.ArrayLike) -> list[np.ndarray]:
     """Check that arrays are finite and broadcast together; errors name the keyword.
 
