@@ -84,6 +84,13 @@ def test_no_light_appears_over_white_metal(rgb, alpha):
     assert (found < 1.03 + 5 * error).all()
 
 
+def test_white_coats_of_coloured_widths_reflect_all_light(rgb):
+    """Within 0.5 %, and five standard errors."""
+    widths = {"alpha": {"type": "rgb", "value": [0.1, 0.4, 0.8]}}
+    found, error = furnace(rgb, coat("layered", **widths), 1 << 14)
+    assert (np.abs(found - 1) < 0.005 + 5 * error).all()
+
+
 @pytest.mark.parametrize("turned", (False, True))
 def test_white_coats_of_two_widths_reflect_all_light(rgb, turned):
     """Along and across the brushing, within 1 %, the interpolation between the tables' nodes, and

@@ -83,7 +83,7 @@ class CoatStack:
         alphas, shares = [], []
         for coat, eta in zip(self._coats, self._etas, strict=True):
             reflectance, cos_t = fresnel.dielectric(cos_i, eta)
-            widths = _channel_widths(coat.alpha)
+            widths = channel_widths(coat.alpha)
             share = reached * reflectance + MIN_SHARE
             for alpha in widths:
                 alphas.append(_width_outside(alpha, stretch, blur))
@@ -157,7 +157,7 @@ class CoatStack:
         narrow = dr.clip(dr.sqrt(spread) / dr.select(wi.z > 0, index, 1), MIN_ALPHA / 4, 1)
         wide = dr.minimum(4 * narrow, 1)
         passed = Mixture([scale * straight, scale, 0.75 * scale], [narrow, wide])
-        mixture = facing.proposal(SlabLobes(_channel_widths(far)), cosine)
+        mixture = facing.proposal(SlabLobes(channel_widths(far)), cosine)
         return SlabMixture(mixture, passed, 0.25 + 0.5 * dr.maximum(first, reflectance), across)
 
     def _at(self, index, values):
@@ -393,7 +393,7 @@ def _at_channel(value: Any, channel: int) -> Any:
     return of_widths(lambda x: x[channel] if dr.depth_v(x) > 1 else x, value)
 
 
-def _channel_widths(alpha: Any) -> list[Any]:
+def channel_widths(alpha: Any) -> list[Any]:
     """The widths of a surface: one, or one for every channel if the widths are coloured."""
     if all(dr.depth_v(width) == 1 for width in microfacet.pair(alpha)):
         return [alpha]

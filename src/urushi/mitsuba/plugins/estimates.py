@@ -18,7 +18,7 @@ from urushi.core.appearance import WI, WO, coated_albedo, coated_color
 from urushi.core.namespace import DRJIT
 from urushi.mitsuba import spectrum
 from urushi.mitsuba.interface_albedo import InterfaceLoss
-from urushi.mitsuba.plugins.coats import Turn
+from urushi.mitsuba.plugins.coats import Turn, channel_widths
 from urushi.mitsuba.reading import probing
 from urushi.mitsuba.reading.grid import varying_textures
 from urushi.mitsuba.reading.parameters import CoatTextures
@@ -100,5 +100,8 @@ class Compensation:
         below = dr.clip(reflectance(self._bottom, si, active) + gloss, 0, 1)
         share = dr.clip(dr.mean(gloss) / dr.maximum(dr.mean(below), 1e-6), 0, 1)
         color = coated_color(coat, below, DRJIT)
-        vertex = self._loss.seen(self._loss.at(coat.alpha, coat.eta, share), si.wi)
-        return f + mi.Spectrum(color * self._loss.lobe(vertex, wo))
+        lobes = []
+        for alpha in channel_widths(coat.alpha):
+            vertex = self._loss.seen(self._loss.at(alpha, coat.eta, share), si.wi)
+            lobes.append(self._loss.lobe(vertex, wo))
+        return f + color * mi.Spectrum(*lobes)
