@@ -314,6 +314,19 @@ def test_the_strength_of_reflections_does_not_bend_light(translated, tag, given)
     assert values["specular_color"] == pytest.approx((0.2, 0.1, 0.02))
 
 
+@pytest.mark.parametrize("varying", ["specular", "metalness"])
+def test_a_body_has_one_index(document, varying):
+    """What lets light inside needs one index: a map of the strength of reflections tints them."""
+    ramp = """<ramplr name="map" type="float"><input name="valuel" type="float" value="0.2"/>
+        <input name="valuer" type="float" value="0.4"/></ramplr>"""
+    text = inputs(subsurface=1.0, **({"specular": 0.2} if varying == "metalness" else {}))
+    text += f'<input name="{varying}" type="float" nodename="map"/>'
+    path = document(f'{ramp}<standard_surface name="s">{text}</standard_surface>')
+    values = read_surface(path, resolution=8).values
+    assert values["specular_weight"] == 1
+    assert 0.2 <= values["specular_color"].pixels.min() < values["specular_color"].pixels.max() < 1
+
+
 def test_the_leaf_of_standard_surface_transmits_all(translated):
     """Its translucent_bsdf reflects nothing; OpenPBR's wall transmits (1 + g) / 2."""
     leaf = translated("standard_surface", subsurface=1.0, subsurface_anisotropy=0.5)

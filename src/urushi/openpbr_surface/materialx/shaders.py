@@ -113,14 +113,22 @@ def renamed(pairs: str) -> dict[str, Formula]:
     return {x: methodcaller("__call__", name or x) for x, _, name in names}
 
 
-def _gloss(i: Inputs, clear: str, weight: str, color: str) -> tuple[np.ndarray, np.ndarray]:
-    """OpenPBR's specular_weight and specular_color of a dielectric, from inputs of these names.
+def _has_one_index(i: Inputs, clear: str, *strengths: str) -> bool:
+    """Whether the strength of reflections must not change the index, but be in their colour.
 
-    clear: the weight of transmission. In the shaders' graphs the weight of reflections does not
-    change the direction of refraction, which OpenPBR's specular_weight does. It is a factor of the
-    colour where something transmits light.
+    In the shaders' graphs it does not change the direction of refraction, as OpenPBR's
+    specular_weight does; and what lets light inside needs one index.
+
+    clear: the weight of transmission. strengths: inputs that the index would vary with.
     """
-    if _anywhere(i, clear):
+    varies = any((low != high).any() for low, high in map(i.ends, strengths))
+    return _anywhere(i, clear) or (varies and _anywhere(i, "subsurface"))
+
+
+def _gloss(i: Inputs, metalness: str) -> tuple[np.ndarray, np.ndarray]:
+    """OpenPBR's specular_weight and specular_color of a dielectric."""
+    weight, color = "specular", "specular_color"
+    if _has_one_index(i, "transmission", weight, metalness):
         return np.ones(1), i(weight) * i(color)
     peak = np.maximum(_peak(i(color)), 1)
     return i(weight) * peak, i(color) / peak
@@ -130,10 +138,6 @@ def _under_coat(i: Inputs, color: str, share: np.ndarray | float = 1.0) -> np.nd
     """A colour of standard_surface, raised to the power of coat_affect_color."""
     gamma = 1 + np.clip(i("coat"), 0, 1) * i("coat_affect_color") * share
     return np.maximum(i(color), 0) ** gamma
-
-
-def _standard_gloss(i: Inputs) -> tuple[np.ndarray, np.ndarray]:
-    return _gloss(i, "transmission", "specular", "specular_color")
 
 
 _STANDARD_SURFACE = renamed(
@@ -146,9 +150,9 @@ _STANDARD_SURFACE = renamed(
     "geometry_tangent=tangent geometry_coat_normal=coat_normal"
 ) | {
     "base_color": lambda i: _under_coat(i, "base_color", 1 - i("metalness")),
-    "specular_weight": lambda i: _mix(_standard_gloss(i)[0], 1, i("metalness")),
+    "specular_weight": lambda i: _mix(_gloss(i, "metalness")[0], 1, i("metalness")),
     "specular_color": lambda i: _mix(
-        _standard_gloss(i)[1],
+        _gloss(i, "metalness")[1],
         edge_tint(i("base") * i("base_color"), i("specular") * i("specular_color")),
         i("metalness"),
     ),
@@ -182,10 +186,6 @@ def _gltf_widths(i: Inputs) -> tuple[np.ndarray, np.ndarray]:
     return _mix(width, 1, i("anisotropy_strength") ** 2), width
 
 
-def _gltf_gloss(i: Inputs) -> tuple[np.ndarray, np.ndarray]:
-    return _gloss(i, "transmission", "specular", "specular_color")
-
-
 def _gltf_medium(i: Inputs) -> bool:
     """Whether a volume absorbs light inside (KHR_materials_volume)."""
     absorbs = (i("attenuation_color") < 1).any() and _anywhere(i, "transmission")
@@ -209,8 +209,8 @@ _GLTF_PBR = renamed(
     "thin_film_ior=iridescence_ior emission_luminance=emissive_strength emission_color=emissive "
     "geometry_normal=normal geometry_tangent=tangent geometry_coat_normal=clearcoat_normal"
 ) | {
-    "specular_weight": lambda i: _mix(_gltf_gloss(i)[0], 1, i("metallic")),
-    "specular_color": lambda i: _mix(_gltf_gloss(i)[1], 1, i("metallic")),
+    "specular_weight": lambda i: _mix(_gloss(i, "metallic")[0], 1, i("metallic")),
+    "specular_color": lambda i: _mix(_gloss(i, "metallic")[1], 1, i("metallic")),
     "specular_roughness": lambda i: _roughness(*_gltf_widths(i)),
     "specular_roughness_anisotropy": lambda i: 1 - np.divide(*_gltf_widths(i)[::-1]),
     "transmission_color": lambda i: i("attenuation_color" if _gltf_deep(i) else "base_color"),
@@ -279,7 +279,7 @@ _USD_PREVIEW_SURFACE = renamed(
 def _disney_gloss(i: Inputs) -> tuple[np.ndarray, np.ndarray]:
     """Index and specular_color of the dielectric; light is refracted by the input ior."""
     f0, tint = 0.08 * i("specular"), i("specularTint") * (1 - i("metallic"))
-    if _anywhere(i, "specTrans"):
+    if _has_one_index(i, "specTrans", "specular"):
         return i("ior"), _mix(1, i("baseColor"), tint) * f0 / _f0(i("ior"))
     return _ior(f0), _mix(1, i("baseColor"), tint)
 

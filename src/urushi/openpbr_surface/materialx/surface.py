@@ -210,9 +210,9 @@ class _Reader:
             return self._surface(name, given)
         self._warn_of_losses(tag)
         formulas, roughness = TRANSLATIONS[tag], TRANSMITTED_ROUGHNESS.get(tag)
-        if roughness is None:
-            return self._surface(name, self._values(formulas))
         values = self._values(formulas)
+        if roughness is None:
+            return self._surface(name, values)
         difference = self._value(lambda i: roughness(i) - formulas["specular_roughness"](i))
         clear = self._pixels("transmission_weight", values["transmission_weight"]).any()
         if not clear or not changes(self._graph, difference):
@@ -224,7 +224,7 @@ class _Reader:
             f"{self._where}: OpenPBR has one roughness of light that is reflected and transmitted; "
             f"where the surface transmits, both get that of {which} light"
         )
-        if emits:  # mixtures do not
+        if emits:  # a mixture would not
             return self._surface(name, values)
         weight, opaque, through = separated(formulas, roughness)
         share = self._baked("transmission_weight", self._value(weight))
