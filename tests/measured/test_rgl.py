@@ -38,7 +38,7 @@ def mitsuba_f_cos(path, wi, wo, wavelengths=None):
 
 def in_channels(brdf, wi, wo):
     """f in the channels of the file, before they become a colour."""
-    return evaluate(brdf._lookup, brdf._channels, wi, wo, width=brdf._channels)
+    return evaluate(brdf._lookup, brdf._channels, wi, wo)
 
 
 def assert_close(f, wo, expected):

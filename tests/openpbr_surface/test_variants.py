@@ -58,7 +58,10 @@ def test_grey_is_the_same_in_all_variants(name, pairs):
     "material",
     [
         {"base_color": COLOR},
-        {"transmission_weight": 1.0, "transmission_color": GREEN, "geometry_thin_walled": True},
+        pytest.param(
+            {"transmission_weight": 1.0, "transmission_color": GREEN, "geometry_thin_walled": True},
+            marks=pytest.mark.slow,
+        ),
     ],
     ids=["base", "pane"],
 )

@@ -104,11 +104,10 @@ class Rgl(MeasuredSurface):
         self._measured = BilinearGrid(_joined(np.moveaxis(measured[used], 2, -1)))
         self._jacobian = bool(tensors["jacobian"][0])
         self._channels = measured.shape[2]
-        self._to_rgb = np.eye(3)
-        self.wavelengths = None
+        self._rgb, self.wavelengths = self._measured, None
         if SPECTRA in tensors:
             self.wavelengths = tensors["wavelengths"].astype(np.float64)
-            self._to_rgb = srgb_weights(self.wavelengths)
+            self._rgb = BilinearGrid(self._measured.values @ srgb_weights(self.wavelengths))
 
     def f(self, wi: npt.ArrayLike, wo: npt.ArrayLike) -> np.ndarray:
         """Evaluate in linear sRGB.
@@ -127,9 +126,9 @@ class Rgl(MeasuredSurface):
         """
 
         def lookup(wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
-            return np.maximum(self._lookup(wi, wo) @ self._to_rgb, 0)
+            return np.maximum(self._lookup(wi, wo, self._rgb), 0)
 
-        return evaluate(lookup, 3, wi, wo, width=self._channels)
+        return evaluate(lookup, 3, wi, wo)
 
     def table(self) -> np.ndarray:
         """The mean of f over the exchange of wi and wo, float32 (256, 64, 64, 3) [1/sr].

@@ -61,8 +61,6 @@ def evaluate(
     channels: int,
     wi: npt.ArrayLike,
     wo: npt.ArrayLike,
-    *,
-    width: int = 3,
 ) -> np.ndarray:
     """Evaluate a BRDF at pairs, a chunk at a time; zero where a direction is not above the horizon.
 
@@ -70,7 +68,6 @@ def evaluate(
         lookup: maps exact unit vectors wi, wo, float64 (M, 3), to finite values (M, channels).
         channels: number of values per pair.
         wi, wo: (N, 3) unit vectors.
-        width: numbers per pair that `lookup` holds in memory.
 
     Returns:
         float32 (N, channels).
@@ -78,7 +75,7 @@ def evaluate(
     wi, wo = checks.directions(wi, wo)
     result = np.zeros((len(wi), channels), np.float32)
     above = np.flatnonzero((wi[:, 2] > 0) & (wo[:, 2] > 0))
-    step = max(1, CHUNK // width)
+    step = max(1, CHUNK // channels)
     for start in range(0, len(above), step):
         rows = above[start : start + step]
         values = lookup(_unit(wi[rows]), _unit(wo[rows]))
