@@ -170,6 +170,25 @@ def test_a_refused_update_leaves_all_as_it_was(name, value):
     )
 
 
+def test_a_part_is_refused_in_the_words_of_the_material():
+    """The coat is a plugin of its own, which the user has not written."""
+    texels = [np.full((2, 2, 1), x, np.float32) for x in (0.3, np.nan)]
+
+    def textured(texels):
+        rough = {"type": "bitmap", "raw": True, "bitmap": mi.Bitmap(texels)}
+        return {"type": "openpbr", "id": "paint", **PLAIN, "coat_roughness": rough}
+
+    bsdf = mi.load_dict(textured(texels[0]) | {"reference": True})
+    sentence = "openpbr 'paint': alpha, which follows from coat_roughness, is nan"
+    parameters = mi.traverse(bsdf)
+    parameters["coat_roughness.data"] = mi.TensorXf(texels[1])
+    with pytest.raises(ParameterError, match=sentence):
+        parameters.update()
+    assert np.array_equal(np.array(parameters["coat_roughness.data"]), texels[0])
+    with pytest.raises(RuntimeError, match=sentence):
+        mi.load_dict(textured(texels[1]) | {"reference": True})
+
+
 @pytest.mark.parametrize("reference", [False, pytest.param(True, marks=pytest.mark.slow)])
 def test_a_coat_of_index_one_is_its_medium_alone(reference):
     """coat_color is the square of the transmittance along the normal, without refraction."""

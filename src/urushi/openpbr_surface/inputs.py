@@ -54,7 +54,7 @@ class Inputs:
         emits: whether they are an emitter's, which refuses no unsupported features.
         """
         # Begins errors: the plugin's name, or the document that `materialx` read.
-        self.where = props.get("origin", describe(props))
+        self.where = describe(props)
         unsupported = props.get("unsupported", "error")
         if unsupported not in ("error", "ignore"):
             raise ParameterError(
@@ -321,6 +321,18 @@ def _clipped(name: str, value: Any) -> Any:
     return kind(value if entry.high == np.inf else dr.select(value > entry.high, entry.high, value))
 
 
+def load_part(inputs: Inputs, description: dict[str, Any]) -> "mi.BSDF":
+    """Load a part of a material, whose errors begin with the plugin that the user wrote."""
+    try:
+        return mi.load_dict(description | {"origin": inputs.where})
+    except RuntimeError as error:
+        _, where, cause = str(error).strip().splitlines()[-1].partition(inputs.where + ": ")
+        if not where:
+            raise
+        walk = ", which openpbr takes by the option 'reference'" if "'layered'" in cause else ""
+        raise ParameterError(f"{where}{cause}{walk}") from error
+
+
 def derived(
     inputs: Inputs, names: Sequence[str], function: Callable[..., Any], *, color: bool = False
 ) -> "mi.Texture":
@@ -350,16 +362,16 @@ def _derived_class(variant: str) -> type:
         """A function of the plugin's parameters."""
 
         def __init__(self, inputs, names, function, color):
-            self._inputs, self._names = inputs, names
+            self._inputs, self.sources = inputs, names
             self._function, self._color = function, color
             mi.Texture.__init__(self, mi.Properties("derived"))
 
         def eval(self, si, active=True):
             read = self._inputs.color if self._color else self._inputs.number
-            return mi.Spectrum(self._function(*(read(name, si, active) for name in self._names)))
+            return mi.Spectrum(self._function(*(read(name, si, active) for name in self.sources)))
 
         def eval_1(self, si, active=True):
-            return self._function(*(self._inputs.number(name, si, active) for name in self._names))
+            return self._function(*(self._inputs.number(name, si, active) for name in self.sources))
 
         def mean(self):
             return self.eval_1(mi.SurfaceInteraction3f())
@@ -369,9 +381,9 @@ def _derived_class(variant: str) -> type:
             return False
 
         def traverse(self, callback):
-            self._inputs.traverse(callback, self._names)
+            self._inputs.traverse(callback, self.sources)
 
         def to_string(self):
-            return f"Derived[{', '.join(self._names)}]"
+            return f"Derived[{', '.join(self.sources)}]"
 
     return Derived

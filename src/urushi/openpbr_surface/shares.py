@@ -97,7 +97,7 @@ def tint_of(inputs: Inputs, si, active) -> Any:
     """The factor of light that crosses the base's interface, without a transmission_depth."""
     clear, scattering = inputs.transmits(SHARES[1]), inputs.transmits(SHARES[2])
     color = inputs.color("transmission_color", si, active)
-    if not clear or inputs.middle("transmission_depth") > 0:
+    if not clear or not inputs.is_constant("transmission_depth", 0):
         return mi.Spectrum(1)
     if not scattering:
         return color

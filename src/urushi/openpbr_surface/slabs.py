@@ -142,6 +142,6 @@ def slab_of(inputs: Inputs, coat: dict[str, Any] | None) -> dict[str, Any]:
     below = {name: x for name, x in coat.items() if name not in ("ext_ior", *outer)} | rough
     # Mitsuba refuses equal indices.
     far = glass | outer | {"int_ior": AIR * (1 + 1e-5)}
-    inner = {"type": "layered", "inner": True}
+    inner = {"type": "layered", "inner": True, "origin": inputs.where}
     pane |= inner | {"base": below | inner | {"base": far}}
     return coat | {"base": pane}

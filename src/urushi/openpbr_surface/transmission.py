@@ -26,7 +26,7 @@ from urushi.mitsuba.plugins.coats import (
 )
 from urushi.openpbr_surface import two_sided
 from urushi.openpbr_surface.bsdfs import OF_COAT, Part, SurfaceProposal
-from urushi.openpbr_surface.inputs import Inputs
+from urushi.openpbr_surface.inputs import Inputs, load_part
 from urushi.openpbr_surface.shares import INDICES, SHARES, index_of, opaque_share, shares
 from urushi.openpbr_surface.slabs import Finish, slab_of
 from urushi.openpbr_surface.two_sided import Unseen
@@ -219,7 +219,7 @@ def define(proposal_bsdf: type) -> Callable[..., "mi.BSDF"]:
             given = [inputs.textures[x] for x in (TABULATED if coated else TABULATED[:2])]
             numbers = not any(x.is_spatially_varying() for x in given)  # nor bitmaps of one value
             plugin = "neural_layered" if tables and one and numbers else "layered"
-            made = mi.load_dict(described | {"type": plugin})
+            made = load_part(inputs, described | {"type": plugin})
             made.names = (*OF_PANES, *(OF_COAT if coated else ()))
             differentiable = COLORS if plugin == "neural_layered" and not mi.is_spectral else ()
             made.fixed = {*made.names} - {*differentiable}

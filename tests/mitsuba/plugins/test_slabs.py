@@ -1,5 +1,6 @@
 """`layered` without a nested BSDF is a slab: its f, sampling and flags, from both sides."""
 
+import drjit as dr
 import numpy as np
 import pytest
 
@@ -391,3 +392,23 @@ def test_balls_of_coated_glass_are_lossless_and_hold_media(rgb):
     bare = picture(glass, **medium)
     assert bare < 0.6
     assert picture(coated, **medium) == pytest.approx(bare, rel=0.04)
+
+
+def test_a_context_asks_for_one_component(rgb):
+    """As Mitsuba's rough glass does, by the kind of light or by the number of the component."""
+    slab, si = rgb.load_dict({"type": "layered", "alpha": 0.3}), dr.zeros(rgb.SurfaceInteraction3f)
+    si.wi = [0.6, 0, 0.8]
+    sides, flags = [rgb.Vector3f(-0.6, 0, z) for z in (0.8, -0.8)], rgb.BSDFFlags
+
+    def seen(kind=None, component=None):
+        context = rgb.BSDFContext()
+        context.type_mask = context.type_mask if kind is None else +kind
+        context.component = context.component if component is None else component
+        found = [slab.eval_pdf(context, si, wo) for wo in sides]
+        assert [float(f[0][0] > 0) for f, _ in found] == [float(pdf[0] > 0) for _, pdf in found]
+        return [bool(pdf[0] > 0) for _, pdf in found]
+
+    assert seen() == [True, True]
+    assert seen(flags.GlossyReflection) == seen(component=0) == [True, False]
+    assert seen(flags.GlossyTransmission) == seen(component=1) == [False, True]
+    assert seen(flags.Null) == [False, False]

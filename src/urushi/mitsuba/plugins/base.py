@@ -113,7 +113,7 @@ def define_proposal_bsdf() -> type:
 
         def eval(self, ctx, si, wo, active=True):
             active, vertex = self._active_vertex(ctx, si, active)
-            lit = active & self._faces(wo)
+            lit = active & self._asked(ctx, si, wo)
             f = self._f(vertex, ctx, si, wo, lit)
             self._vertex_cache.extend()
             return dr.select(lit, f * dr.abs(wo.z), 0)
@@ -121,7 +121,7 @@ def define_proposal_bsdf() -> type:
         def pdf(self, ctx, si, wo, active=True):
             active, vertex = self._active_vertex(ctx, si, active)
             density = self._proposal(vertex, si, active).pdf(si.wi, wo)
-            return dr.select(active & self._faces(wo), density, 0)
+            return dr.select(active & self._asked(ctx, si, wo), density, 0)
 
         def eval_pdf(self, ctx, si, wo, active=True):
             active, vertex = self._active_vertex(ctx, si, active)
@@ -189,17 +189,28 @@ def define_proposal_bsdf() -> type:
             return self._vertex_cache.get(context, si, active, compute)
 
         def _f_cos_and_pdf(self, vertex, ctx, si, wo, active):
-            lit = active & self._faces(wo)
+            lit = active & self._asked(ctx, si, wo)
             f, pdf = self._f_and_pdf(vertex, ctx, si, wo, lit)
             self._vertex_cache.extend()
             return dr.select(lit, f * dr.abs(wo.z), 0), dr.select(lit, pdf, 0)
 
-        def _enabled(self, ctx, si, active):
-            flags = [mi.BSDFFlags.GlossyReflection, mi.BSDFFlags.DiffuseReflection]
+        def _components(self, ctx) -> list[bool]:
+            """Whether a context asks for light that is reflected, and that is transmitted."""
+            flags = mi.BSDFFlags
+            kinds = [(flags.GlossyReflection, flags.DiffuseReflection)]
             if self._transmits:
-                flags += [mi.BSDFFlags.GlossyTransmission, mi.BSDFFlags.DiffuseTransmission]
-            enabled = any(ctx.is_enabled(flag) for flag in flags)
-            return mi.Bool(active) & self._faces(si.wi) & enabled
+                kinds.append((flags.GlossyTransmission, flags.DiffuseTransmission))
+            return [any(ctx.is_enabled(x, i) for x in kind) for i, kind in enumerate(kinds)]
+
+        def _enabled(self, ctx, si, active):
+            return mi.Bool(active) & self._faces(si.wi) & any(self._components(ctx))
+
+        def _asked(self, ctx, si, wo):
+            """Whether light along wo can be seen, and the context asks for it."""
+            components = self._components(ctx)
+            if all(components):
+                return self._faces(wo)
+            return self._faces(wo) & ((si.wi.z * wo.z > 0) == components[0])
 
     return ProposalBSDF
 

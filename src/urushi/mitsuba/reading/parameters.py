@@ -203,6 +203,8 @@ class CoatTextures:
             array = np.stack(rows, axis=-1).astype(np.float64).round(6)
             label = "int_ior / ext_ior" if name == "eta" else name
             texture = self.textures.get("int_ior" if name == "eta" else name)
+            if sources := getattr(texture, "sources", ()):
+                label += f", which follows from {', '.join(sources)},"
             if texture is not None and texture.is_spatially_varying():
                 label = f"a texel of {label}"
                 if CHECKS[name] is checks.alpha:  # dark texels of a map, as in the walk
@@ -323,7 +325,12 @@ def opaque(value: float) -> "mi.Float":
 
 
 def describe(props: "mi.Properties") -> str:
-    """The plugin's name, and its id if the user gave one; begins errors."""
+    """The plugin's name, and its id if the user gave one; begins errors.
+
+    Plugins that make others give them their own text as the property "origin".
+    """
+    if "origin" in props:
+        return props["origin"]
     name = props.id()
     return props.plugin_name() + (f" '{name}'" if name and not name.startswith("__") else "")
 

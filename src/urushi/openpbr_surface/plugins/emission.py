@@ -88,6 +88,9 @@ def define() -> type:
         def eval(self, si, active=True):
             return self._radiance(mi.Frame3f.cos_theta(si.wi), si, active)
 
+        def bbox(self):
+            return self.get_shape().bbox()
+
         def sample_position(self, time, sample, active=True):
             ps = self.get_shape().sample_position(time, sample, active)
             return ps, dr.select(ps.pdf > 0, 1 / ps.pdf, 0)

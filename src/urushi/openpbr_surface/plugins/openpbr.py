@@ -10,7 +10,7 @@ from urushi.errors import ParameterError
 from urushi.openpbr_surface import bsdfs, formulas, transmission
 from urushi.openpbr_surface.bsdfs import Layers
 from urushi.openpbr_surface.compensation import Compensation
-from urushi.openpbr_surface.inputs import Inputs, derived, width_properties
+from urushi.openpbr_surface.inputs import Inputs, derived, load_part, width_properties
 from urushi.openpbr_surface.shares import transmits, without_medium
 
 #: Plugins of the coat: by networks, and by walks.
@@ -178,17 +178,8 @@ class _Maker:
         return self._coat(inputs, below, options)
 
     def _coat(self, inputs: Inputs, below: "mi.BSDF", options: dict[str, Any]) -> "mi.BSDF":
-        """The coat over a base; its errors begin with the plugin that the user wrote."""
-        try:
-            return mi.load_dict({"type": self._plugin, **_coat(inputs), "bottom": below, **options})
-        except RuntimeError as error:
-            sentence = str(error).strip().splitlines()[-1]
-            name = self._plugin + ": "
-            if name not in sentence:
-                raise
-            cause = sentence.partition(name)[2]
-            walk = ", which openpbr takes by the option 'reference'" if "'layered'" in cause else ""
-            raise ParameterError(f"{inputs.where}: {cause}{walk}") from error
+        coat = {"type": self._plugin, **_coat(inputs), "bottom": below, **options}
+        return load_part(inputs, coat)
 
 
 def _coat(inputs: Inputs) -> dict[str, Any]:
