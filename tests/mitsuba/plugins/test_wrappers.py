@@ -167,3 +167,20 @@ def test_sampling_in_a_wrapper_has_the_mean_of_its_values(rgb, coat, wrapper):
     error = np.hypot(sampled.std(), uniform.std()) / count**0.5
     # four standard deviations: one run in 16,000 would fail by chance, and the seed is fixed
     assert abs(sampled.mean() - uniform.mean()) <= 4 * error + 1e-3 * uniform.mean()
+
+
+@pytest.mark.parametrize("plugin", ["layered", "neural_layered"])
+def test_an_opaque_mask_under_a_coat_is_none(rgb, plugin):
+    """f is that of the coat over the BSDF in the mask, and other masks transmit light."""
+    from urushi.mitsuba.reading import probing
+
+    metal = {"type": "roughconductor", "alpha": 0.3, "distribution": "ggx"}
+    masked = {"type": "mask", "inner": metal}
+    wi, wo = directions(1), directions(2)
+    found, expected = (
+        probing.bsdf_values(rgb.load_dict({"type": plugin, "base": base}), wi, wo, wi[:, :2])
+        for base in (masked | {"opacity": 1.0}, metal)
+    )
+    np.testing.assert_allclose(found, expected, rtol=1e-6)
+    with pytest.raises(RuntimeError, match="the nested BSDF transmits light"):
+        rgb.load_dict({"type": plugin, "base": masked | {"opacity": 0.9}})

@@ -15,7 +15,7 @@ from urushi.core.appearance import LOOK, PHYSICAL, look_of
 from urushi.core.namespace import DRJIT
 from urushi.errors import ParameterError, choice
 from urushi.mitsuba import spectrum
-from urushi.mitsuba.reading.grid import varies
+from urushi.mitsuba.reading.grid import nested_objects, varies
 from urushi.mitsuba.reading.offers import offer_of
 
 #: Parameters of a coat that may be textures, and their defaults. The index of refraction is given
@@ -367,7 +367,19 @@ def nested_bsdf(props: "mi.Properties", *, optional: bool = False) -> Any:
             f"{describe(props)} has {amount}; nest exactly one, the bottom under the coat"
         )
     props.mark_queried(found[0][0])
-    return found[0][1]
+    return _unmasked(found[0][1])
+
+
+def _unmasked(bsdf: "mi.BSDF") -> "mi.BSDF":
+    """The BSDF within a `mask` that is opaque everywhere, which exporters write."""
+    while bsdf.class_name() == "MaskBSDF":
+        parts = nested_objects(bsdf)
+        opacity = parts["opacity"]
+        point = dr.zeros(mi.SurfaceInteraction3f)
+        if varies(opacity) or opacity.eval_1(point).numpy()[0] < 1:
+            break
+        bsdf = parts["nested_bsdf"]
+    return bsdf
 
 
 def check_bottom(bsdf: "mi.BSDF", where: str) -> None:
