@@ -36,6 +36,10 @@ COAT_PROPERTIES = (
     *("resolution", "weights", "mipmaps"),
 )
 
+#: Properties by which a plugin makes another: how its errors begin, and whether it is a part of a
+#: slab.
+INTERNAL = ("origin", "inner")
+
 #: The check of each parameter.
 CHECKS = {
     **{name: getattr(checks, name) for name in CoatParameters._fields},
@@ -342,7 +346,7 @@ def check_names(props: "mi.Properties", names: Collection[str], where: str) -> N
     """
     objects = dict(props.objects(mark_queried=False))
     for name in props.keys():  # noqa: SIM118  (no mapping)
-        if name not in names and not isinstance(objects.get(name), mi.BSDF):
+        if name not in (*names, *INTERNAL) and not isinstance(objects.get(name), mi.BSDF):
             raise ParameterError(f"{where}: there is no parameter '{name}'; {choice(name, names)}")
 
 
