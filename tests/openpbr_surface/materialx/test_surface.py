@@ -9,7 +9,7 @@ import pytest
 import urushi
 from urushi.core.fresnel import EDGE_COSINE
 from urushi.errors import FileError, ParameterError, UrushiWarning
-from urushi.openpbr_surface.materialx.shaders import edge_tint
+from urushi.openpbr_surface.materialx.conversions import edge_tint
 from urushi.openpbr_surface.materialx.surface import read_surface
 
 TWO = """<open_pbr_surface name="a" type="surfaceshader">

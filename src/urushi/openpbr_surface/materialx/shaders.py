@@ -11,8 +11,16 @@ from typing import Protocol
 
 import numpy as np
 
-from urushi.core import fresnel
-from urushi.core.namespace import NUMPY
+from urushi.openpbr_surface.materialx.conversions import (
+    edge_tint,
+    f0_of,
+    ior_of,
+    mix,
+    peak,
+    roughness_of,
+    stretched,
+    unit,
+)
 
 #: The shader whose inputs are the parameters.
 TARGET = "open_pbr_surface"
@@ -37,61 +45,6 @@ Formulas = Mapping[str, Formula]
 
 #: Weights of MaterialX's node `luminance`, which the opacity of standard_surface goes through.
 _LUMA = np.array([0.2722287, 0.6740818, 0.0536895])
-
-
-def _mix(bg: np.ndarray | float, fg: np.ndarray | float, t: np.ndarray) -> np.ndarray:
-    return bg * (1 - t) + fg * t
-
-
-def _peak(colour: np.ndarray) -> np.ndarray:
-    """The largest channel (..., 1)."""
-    return colour.max(-1, keepdims=True)
-
-
-def _unit(colour: np.ndarray) -> np.ndarray:
-    """A colour with a largest channel of 1; black stays."""
-    peak = _peak(colour)
-    return colour / np.where(peak > 0, peak, 1)
-
-
-def _roughness(tangent: np.ndarray, bitangent: np.ndarray) -> np.ndarray:
-    """OpenPBR's roughness of two GGX widths: r^4 is the mean of their squares."""
-    return np.minimum(((tangent**2 + bitangent**2) / 2) ** 0.25, 1)
-
-
-def _stretched(roughness: np.ndarray, anisotropy: np.ndarray) -> np.ndarray:
-    """OpenPBR's roughness for MaterialX's node `roughness_anisotropy`.
-
-    It has the widths r^2 / s and r^2 s with s^2 = 1 - a; OpenPBR's have the same ratio.
-    """
-    aspect = np.sqrt(1 - np.clip(anisotropy, 0, 0.98))
-    return _roughness(roughness**2 / aspect, roughness**2 * aspect)
-
-
-def edge_tint(reflectivity: np.ndarray, edge_color: np.ndarray) -> np.ndarray:
-    """The specular_color with which OpenPBR's metal has the reflectance of `artistic_ior` at F82.
-
-    Gulbrandsen, Artist Friendly Metallic Fresnel, JCGT 3(4), 2014, equations 6 to 8.
-
-    Args:
-        reflectivity, edge_color: (..., 3) in [0, 1].
-    """
-    r, g = np.clip(reflectivity, 0, 0.99), np.clip(edge_color, 0, 1)
-    n = _mix((1 + np.sqrt(r)) / (1 - np.sqrt(r)), (1 - r) / (1 + r), g)
-    k = np.sqrt(np.maximum(((n + 1) ** 2 * r - (n - 1) ** 2) / (1 - r), 0))
-    c = fresnel.EDGE_COSINE
-    return np.minimum(fresnel.exact(c, n, k, NUMPY) / fresnel.schlick(c, r, NUMPY), 1)
-
-
-def _ior(f0: np.ndarray) -> np.ndarray:
-    """The index of refraction of a reflectance at normal incidence."""
-    root = np.sqrt(np.clip(f0, 0, 0.9))
-    return (1 + root) / (1 - root)
-
-
-def _f0(ior: np.ndarray) -> np.ndarray:
-    """The reflectance of an index of refraction at normal incidence, above 0."""
-    return np.maximum(((ior - 1) / (ior + 1)) ** 2, 1e-6)
 
 
 def _anywhere(i: Inputs, name: str) -> bool:
@@ -130,8 +83,8 @@ def _gloss(i: Inputs, metalness: str) -> tuple[np.ndarray, np.ndarray]:
     weight, color = "specular", "specular_color"
     if _has_one_index(i, "transmission", weight, metalness):
         return np.ones(1), i(weight) * i(color)
-    peak = np.maximum(_peak(i(color)), 1)
-    return i(weight) * peak, i(color) / peak
+    largest = np.maximum(peak(i(color)), 1)
+    return i(weight) * largest, i(color) / largest
 
 
 def _under_coat(i: Inputs, color: str, share: np.ndarray | float = 1.0) -> np.ndarray:
@@ -150,28 +103,28 @@ _STANDARD_SURFACE = renamed(
     "geometry_tangent=tangent geometry_coat_normal=coat_normal"
 ) | {
     "base_color": lambda i: _under_coat(i, "base_color", 1 - i("metalness")),
-    "specular_weight": lambda i: _mix(_gloss(i, "metalness")[0], 1, i("metalness")),
-    "specular_color": lambda i: _mix(
+    "specular_weight": lambda i: mix(_gloss(i, "metalness")[0], 1, i("metalness")),
+    "specular_color": lambda i: mix(
         _gloss(i, "metalness")[1],
         edge_tint(i("base") * i("base_color"), i("specular") * i("specular_color")),
         i("metalness"),
     ),
-    "specular_roughness": lambda i: _stretched(i("specular_roughness"), i("specular_anisotropy")),
+    "specular_roughness": lambda i: stretched(i("specular_roughness"), i("specular_anisotropy")),
     "specular_roughness_anisotropy": lambda i: np.clip(i("specular_anisotropy"), 0, 0.98),
     "transmission_dispersion_scale": lambda i: np.where(i("transmission_dispersion") > 0, 1, 0),
     "transmission_dispersion_abbe_number": lambda i: np.where(
         i("transmission_dispersion") > 0, i("transmission_dispersion"), 20
     ),
     "subsurface_color": lambda i: _under_coat(i, "subsurface_color"),
-    "subsurface_radius": lambda i: i("subsurface_scale") * _peak(i("subsurface_radius")),
-    "subsurface_radius_scale": lambda i: _unit(i("subsurface_radius")),
+    "subsurface_radius": lambda i: i("subsurface_scale") * peak(i("subsurface_radius")),
+    "subsurface_radius_scale": lambda i: unit(i("subsurface_radius")),
     # A thin wall transmits all of it.
     "subsurface_scatter_anisotropy": lambda i: np.where(
         i("thin_walled"), 1, i("subsurface_anisotropy")
     ),
     "fuzz_weight": lambda i: i("sheen") * (1 - i("metalness")) * (1 - i("transmission")),
     "fuzz_roughness": lambda i: i("sheen_roughness") ** 0.4,  # as MaterialX translates it
-    "coat_roughness": lambda i: _stretched(i("coat_roughness"), i("coat_anisotropy")),
+    "coat_roughness": lambda i: stretched(i("coat_roughness"), i("coat_anisotropy")),
     "coat_roughness_anisotropy": lambda i: np.clip(i("coat_anisotropy"), 0, 0.98),
     "coat_darkening": _zero,
     "thin_film_weight": lambda i: np.where(i("thin_film_thickness") > 0, 1, 0),
@@ -183,7 +136,7 @@ _STANDARD_SURFACE = renamed(
 def _gltf_widths(i: Inputs) -> tuple[np.ndarray, np.ndarray]:
     """GGX widths of KHR_materials_anisotropy."""
     width = np.clip(i("roughness") ** 2, 1e-5, 1)
-    return _mix(width, 1, i("anisotropy_strength") ** 2), width
+    return mix(width, 1, i("anisotropy_strength") ** 2), width
 
 
 def _gltf_medium(i: Inputs) -> bool:
@@ -209,9 +162,9 @@ _GLTF_PBR = renamed(
     "thin_film_ior=iridescence_ior emission_luminance=emissive_strength emission_color=emissive "
     "geometry_normal=normal geometry_tangent=tangent geometry_coat_normal=clearcoat_normal"
 ) | {
-    "specular_weight": lambda i: _mix(_gloss(i, "metallic")[0], 1, i("metallic")),
-    "specular_color": lambda i: _mix(_gloss(i, "metallic")[1], 1, i("metallic")),
-    "specular_roughness": lambda i: _roughness(*_gltf_widths(i)),
+    "specular_weight": lambda i: mix(_gloss(i, "metallic")[0], 1, i("metallic")),
+    "specular_color": lambda i: mix(_gloss(i, "metallic")[1], 1, i("metallic")),
+    "specular_roughness": lambda i: roughness_of(*_gltf_widths(i)),
     "specular_roughness_anisotropy": lambda i: 1 - np.divide(*_gltf_widths(i)[::-1]),
     "transmission_color": lambda i: i("attenuation_color" if _gltf_deep(i) else "base_color"),
     "transmission_depth": lambda i: i("attenuation_distance") * _gltf_deep(i),
@@ -223,8 +176,8 @@ _GLTF_PBR = renamed(
     "transmission_dispersion_abbe_number": lambda i: (
         20 / np.where(i("dispersion") > 0, i("dispersion"), 1)
     ),
-    "fuzz_weight": lambda i: _peak(i("sheen_color")),
-    "fuzz_color": lambda i: _unit(i("sheen_color")),
+    "fuzz_weight": lambda i: peak(i("sheen_color")),
+    "fuzz_color": lambda i: unit(i("sheen_color")),
     "fuzz_roughness": lambda i: i("sheen_roughness") ** 0.8,  # its square in standard_surface
     "coat_ior": lambda i: np.full(1, 1.5),
     "coat_darkening": _zero,
@@ -250,9 +203,9 @@ def _usd_gloss(i: Inputs) -> tuple[np.ndarray, np.ndarray]:
     """Index and specular_color of the dielectric; light is refracted by the input ior."""
     with_color = i("useSpecularWorkflow") == 1
     if _usd_transparent(i).all() and (i.ends("opacity")[0] < 1).any():
-        return i("ior"), np.where(with_color, i("specularColor") / _f0(i("ior")), 1)
-    index = np.where(with_color, _ior(_peak(i("specularColor"))), i("ior"))
-    return index, np.where(with_color, _unit(i("specularColor")), 1)
+        return i("ior"), np.where(with_color, i("specularColor") / f0_of(i("ior")), 1)
+    index = np.where(with_color, ior_of(peak(i("specularColor"))), i("ior"))
+    return index, np.where(with_color, unit(i("specularColor")), 1)
 
 
 _USD_PREVIEW_SURFACE = renamed(
@@ -261,7 +214,7 @@ _USD_PREVIEW_SURFACE = renamed(
     "geometry_normal=normal"
 ) | {
     "base_metalness": _usd_metalness,
-    "specular_color": lambda i: _mix(
+    "specular_color": lambda i: mix(
         _usd_gloss(i)[1], edge_tint(i("diffuseColor"), i("diffuseColor")), _usd_metalness(i)
     ),
     "specular_ior": lambda i: _usd_gloss(i)[0],
@@ -280,8 +233,8 @@ def _disney_gloss(i: Inputs) -> tuple[np.ndarray, np.ndarray]:
     """Index and specular_color of the dielectric; light is refracted by the input ior."""
     f0, tint = 0.08 * i("specular"), i("specularTint") * (1 - i("metallic"))
     if _has_one_index(i, "specTrans", "specular"):
-        return i("ior"), _mix(1, i("baseColor"), tint) * f0 / _f0(i("ior"))
-    return _ior(f0), _mix(1, i("baseColor"), tint)
+        return i("ior"), mix(1, i("baseColor"), tint) * f0 / f0_of(i("ior"))
+    return ior_of(f0), mix(1, i("baseColor"), tint)
 
 
 _DISNEY_PRINCIPLED = renamed(
@@ -290,13 +243,13 @@ _DISNEY_PRINCIPLED = renamed(
     "coat_weight=clearcoat"
 ) | {
     "specular_color": lambda i: _disney_gloss(i)[1],
-    "specular_roughness": lambda i: _stretched(i("roughness"), i("anisotropic")),
+    "specular_roughness": lambda i: stretched(i("roughness"), i("anisotropic")),
     "specular_roughness_anisotropy": lambda i: np.clip(i("anisotropic"), 0, 0.98),
     "specular_ior": lambda i: _disney_gloss(i)[0],
-    "subsurface_radius": lambda i: _peak(i("subsurfaceDistance")),
-    "subsurface_radius_scale": lambda i: _unit(i("subsurfaceDistance")),
+    "subsurface_radius": lambda i: peak(i("subsurfaceDistance")),
+    "subsurface_radius_scale": lambda i: unit(i("subsurfaceDistance")),
     "fuzz_weight": lambda i: i("sheen") * (1 - i("metallic")) * (1 - i("specTrans")),
-    "fuzz_color": lambda i: _mix(1, i("baseColor"), i("sheenTint")),
+    "fuzz_color": lambda i: mix(1, i("baseColor"), i("sheenTint")),
     "fuzz_roughness": lambda i: np.full(1, 0.3**0.4),
     "coat_roughness": lambda i: 1 - i("clearcoatGloss"),
     "coat_ior": lambda i: np.full(1, 1.5),
@@ -322,7 +275,7 @@ TRANSLATIONS: dict[str, Formulas] = {
 
 #: The roughness of transmitted light, of shaders in which it is not that of reflected light.
 TRANSMITTED_ROUGHNESS: dict[str, Formula] = {
-    "standard_surface": lambda i: _stretched(
+    "standard_surface": lambda i: stretched(
         np.clip(i("specular_roughness") + i("transmission_extra_roughness"), 0, 1),
         i("specular_anisotropy"),
     ),

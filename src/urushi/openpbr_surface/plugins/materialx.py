@@ -12,13 +12,8 @@ from urushi.mitsuba.plugins.base import resolve
 from urushi.mitsuba.reading.parameters import check_names, describe
 from urushi.openpbr_surface.inputs import EMISSION, OPTIONS, Inputs
 from urushi.openpbr_surface.materialx.baking import Texture
-from urushi.openpbr_surface.materialx.surface import (
-    RESOLUTION,
-    Mix,
-    ParameterValue,
-    Surface,
-    read_surface,
-)
+from urushi.openpbr_surface.materialx.reader import Mix, ParameterValue, Surface
+from urushi.openpbr_surface.materialx.surface import RESOLUTION, read_surface
 from urushi.openpbr_surface.parameters import PARAMETERS
 
 

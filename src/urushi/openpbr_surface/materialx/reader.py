@@ -1,0 +1,280 @@
+"""Parameters of OpenPBR of one surface shader.
+
+`open_pbr_surface` is read directly; others by the formulas of `shaders`, or by a node graph of the
+document that translates them.
+"""
+
+import warnings
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from urushi.errors import FileError, UrushiWarning
+from urushi.openpbr_surface.materialx.baking import Texture, Value, bake, changes
+from urushi.openpbr_surface.materialx.evaluation import Evaluation
+from urushi.openpbr_surface.materialx.graph import Frame, Graph, Source
+from urushi.openpbr_surface.materialx.shaders import (
+    LOST,
+    SHADERS,
+    TARGET,
+    TRANSLATIONS,
+    TRANSMITTED_ROUGHNESS,
+    Formula,
+    Formulas,
+    renamed,
+    separated,
+)
+from urushi.openpbr_surface.parameters import PARAMETERS, Parameter, checked, parameter
+
+#: Largest amount by which a colour may leave [0, 1] without a warning.
+GAMUT_TOLERANCE = 0.01
+
+#: The geometry's own directions in the tangent frame.
+_OWN = {"normal": (0.0, 0.0, 1.0), "tangent": (1.0, 0.0, 0.0)}
+
+#: A number, a truth value, a colour in linear sRGB, or a texture.
+ParameterValue = float | bool | tuple[float, float, float] | Texture
+
+
+@dataclass(frozen=True)
+class Surface:
+    """A material of a document."""
+
+    name: str
+    where: str  # the document and the shader's node; begins errors
+    # Its parameters that the document gives, by OpenPBR's names. Normals are textures of
+    # 0.5 n + 0.5 in the tangent frame.
+    values: Mapping[str, ParameterValue]
+
+
+@dataclass(frozen=True)
+class Mix:
+    """Two materials that MaterialX's node `mix` mixes: (1 - weight) bg + weight fg.
+
+    weight: a number in (0, 1), or a texture.
+    """
+
+    name: str
+    weight: float | Texture
+    bg: "Surface | Mix"
+    fg: "Surface | Mix"
+
+
+def mixed(
+    name: str,
+    weight: np.ndarray | Texture,
+    where: str,
+    part: Callable[[str], Surface | Mix],
+) -> Surface | Mix:
+    """The mixture of the parts "bg" and "fg", or the only one of them that has a weight."""
+    if isinstance(weight, Texture):
+        weight = weight.map(lambda x: np.clip(x, 0, 1))
+        constant = weight.constant
+        weight = weight if constant is None else constant
+    if isinstance(weight, np.ndarray) and weight.shape != (1,):
+        raise FileError(f"{where} has {weight.shape[-1]} channels instead of 1")
+    share = weight if isinstance(weight, Texture) else float(np.clip(weight[0], 0, 1))
+    if share in (0.0, 1.0):
+        return part("fg" if share else "bg")
+    return Mix(name, share, part("bg"), part("fg"))
+
+
+def warn(message: str) -> None:
+    warnings.warn(message, UrushiWarning, stacklevel=3)
+
+
+@dataclass(frozen=True)
+class _Inputs:
+    """`shaders.Inputs` of a shader at the points of an evaluation."""
+
+    reader: "Reader"
+    evaluation: Evaluation
+
+    def __call__(self, name: str) -> np.ndarray:
+        return self.reader.read(name)(self.evaluation)
+
+    def ends(self, name: str) -> tuple[np.ndarray, np.ndarray]:
+        return self.reader.ends(name)
+
+
+class Reader:
+    """Reads the parameters of one shader."""
+
+    def __init__(self, graph: Graph, shader: Source, resolution: int, where: str):
+        self._graph, self._shader, self._frame = graph, shader.element, shader.frame
+        self._resolution, self._where = resolution, where
+        self._ends: dict[str, tuple[np.ndarray, np.ndarray]] = {}  # by input
+
+    def material(self, name: str) -> Surface | Mix:
+        """The material of a name."""
+        tag, given = self._shader.getCategory(), self._given()
+        if given is not None:
+            return self._surface(name, given)
+        self._warn_of_losses(tag)
+        formulas, roughness = TRANSLATIONS[tag], TRANSMITTED_ROUGHNESS.get(tag)
+        values = self._values(formulas)
+        if roughness is None:
+            return self._surface(name, values)
+        difference = self._value(lambda i: roughness(i) - formulas["specular_roughness"](i))
+        clear = self._pixels("transmission_weight", values["transmission_weight"]).any()
+        if not clear or not changes(self._graph, difference):
+            return self._surface(name, values)
+        parts = [x for x in ("emission_luminance", "emission_color") if x in values]
+        emits = parts and all(self._pixels(x, values[x]).any() for x in parts)
+        which = "reflected" if emits else "transmitted"
+        warn(
+            f"{self._where}: OpenPBR has one roughness of light that is reflected and transmitted; "
+            f"where the surface transmits, both get that of {which} light"
+        )
+        if emits:  # a mixture would not
+            return self._surface(name, values)
+        weight, opaque, through = separated(formulas, roughness)
+        share = self._baked("transmission_weight", self._value(weight))
+        return mixed(
+            name,
+            share,
+            self._where,
+            lambda side: self._surface(name, self._values(through if side == "fg" else opaque)),
+        )
+
+    def _surface(self, name: str, values: Mapping[str, Value]) -> Surface:
+        found: dict[str, ParameterValue] = {}
+        for key, value in values.items():
+            entry = parameter(key, self._where)
+            baked = self._baked(key, value)
+            if entry.kind != "vector":
+                found[key] = self._final(entry, baked)
+            elif (normals := self._direction(entry, baked)) is not None:
+                found[key] = normals
+        return Surface(name, self._graph.named(self._shader), _bright(found))
+
+    def _given(self) -> dict[str, Value] | None:
+        """The parameters that the shader itself, or a graph of the document, gives; else None."""
+        tag, inputs = self._shader.getCategory(), self._shader.getInputs()
+        if tag == TARGET:
+            for element in inputs:
+                parameter(element.getName(), self._where)
+            follow = self._graph.follow
+            given = [e for e in inputs if follow(e, self._frame, self._shader).is_given]
+            return self._values(renamed(" ".join(element.getName() for element in given)))
+        frame = self._graph.translation(self._shader, self._frame, f"{tag}_to_{TARGET}")
+        if frame is not None:
+            outputs = frame.scope.getOutputs()
+            named = {child.getName().removesuffix("_out"): child for child in outputs}
+            return {n: self._output(e, frame) for n, e in named.items() if n in PARAMETERS}
+        if tag not in TRANSLATIONS:
+            raise FileError(
+                f"{self._where} has a shader of kind {tag[:40]}, which is not read; translate it "
+                f"to one of {', '.join(SHADERS)}"
+            )
+        return None
+
+    def _values(self, formulas: Formulas) -> dict[str, Value]:
+        return {name: self._value(formula) for name, formula in formulas.items()}
+
+    def _value(self, formula: Formula) -> Value:
+        return lambda evaluation: formula(_Inputs(self, evaluation))
+
+    def read(self, name: str) -> Value:
+        """The value of an input of the shader."""
+        return lambda evaluation: evaluation.input(self._shader, name, self._frame)
+
+    def ends(self, name: str) -> tuple[np.ndarray, np.ndarray]:
+        """The least and the largest value (channels,) of an input on the surface."""
+        if name not in self._ends:
+            pixels = self._pixels(name, self.read(name))
+            self._ends[name] = pixels.min(axis=0), pixels.max(axis=0)
+        return self._ends[name]
+
+    def _baked(self, name: str, value: Value) -> np.ndarray | Texture:
+        return bake(self._graph, value, self._resolution, f"{self._where}: {name}")
+
+    def _pixels(self, name: str, value: Value) -> np.ndarray:
+        """The values (N, channels) of a baked value."""
+        baked = self._baked(name, value)
+        pixels = baked.pixels if isinstance(baked, Texture) else baked
+        return pixels.reshape(-1, pixels.shape[-1])
+
+    def _warn_of_losses(self, tag: str) -> None:
+        """Warn of inputs without a parameter, where they would change something."""
+        known = self._graph.inputs(self._shader, self._frame)
+        given = [element.getName() for element in self._shader.getInputs()]
+        lost = [name for name in given if name not in known]
+        for name, formula in LOST.get(tag, {}).items():
+            if name in given and changes(self._graph, self._value(formula)):
+                lost.append(name)
+        if lost:
+            warn(f"{self._where}: OpenPBR has no counterpart of {', '.join(lost)[:200]} of {tag}")
+
+    def _output(self, output: Any, frame: Frame) -> Value:
+        return lambda evaluation: evaluation.value(
+            self._graph.follow(output, frame, self._shader), self._shader
+        )
+
+    def _direction(self, entry: Parameter, value: np.ndarray | Texture) -> Texture | None:
+        """A normal map of directions; None if they are the geometry's own."""
+        own = np.array(_OWN[entry.name.rsplit("_", 1)[-1]])
+        if isinstance(value, np.ndarray):
+            length = np.linalg.norm(value)  # 0: editors write directions that are not set so
+            if value.shape == (3,) and np.allclose(value, length * own, atol=1e-6):
+                return None
+            raise FileError(
+                f"{self._where}: {entry.name} is a constant direction in space, which is not "
+                "supported; leave it out, or give a normal map"
+            )
+        if own[2] == 0 or value.pixels.shape[-1] != 3:
+            raise FileError(
+                f"{self._where}: {entry.name} varies over the surface, which is only supported for "
+                "normals"
+            )
+        return value.map(lambda n: 0.5 * n + 0.5)
+
+    def _final(self, entry: Parameter, value: np.ndarray | Texture) -> ParameterValue:
+        """A value after checks; colours are limited to the parameter's range."""
+        where = self._where
+        channels = 3 if entry.kind == "color" else 1
+        have = (value.pixels if isinstance(value, Texture) else value).shape[-1]
+        if have != channels:
+            raise FileError(f"{where}: {entry.name} has {have} channels instead of {channels}")
+        if isinstance(value, Texture):
+            if entry.kind == "boolean":
+                raise FileError(f"{where}: {entry.name} must not vary over the surface")
+            texture = value.map(lambda x: self._limited(entry, x).astype(np.float32))
+            if (constant := texture.constant) is None:
+                return texture
+            value = constant
+        if entry.kind == "color":
+            if entry.name != "emission_color":
+                value = self._limited(entry, value)
+            r, g, b = (float(x) for x in np.broadcast_to(np.maximum(value, 0.0), 3))
+            return r, g, b
+        if entry.name.startswith(
+            "transmission_"
+        ):  # not rendered; exporters write Abbe numbers as scales
+            value = self._limited(entry, value)
+        return checked(entry.name, float(value[0]), where)
+
+    def _limited(self, entry: Parameter, value: np.ndarray) -> np.ndarray:
+        """Values limited to the range of a parameter, with a warning if that changes them much."""
+        limited = np.clip(value, entry.low, entry.high)
+        if np.abs(limited - value).max(initial=0) > GAMUT_TOLERANCE:
+            space = " in linear sRGB" if entry.kind == "color" else ""
+            ends = f"[{entry.low:g}, {entry.high:g}]{space}"
+            warn(f"{self._where}: {entry.name} leaves {ends} and is clipped to it")
+        return limited
+
+
+def _bright(values: dict[str, ParameterValue]) -> dict[str, ParameterValue]:
+    """The values, with an emission_color of at most 1 and no luminance of black."""
+    color = values.get("emission_color")
+    if color == (0.0, 0.0, 0.0) and "emission_luminance" in values:
+        values["emission_luminance"] = 0.0
+    luminance = values.get("emission_luminance", 0.0)
+    if isinstance(color, tuple) and max(color) > 1 and isinstance(luminance, float):
+        peak = max(color)
+        r, g, b = (x / peak for x in color)
+        values["emission_color"] = (r, g, b)
+        values["emission_luminance"] = luminance * peak
+    return values
