@@ -23,7 +23,7 @@ from urushi.fan2022.architecture import init
 from urushi.fan2022.inference import LIGHT_COSINE, direction_inputs, evaluate, layer
 from urushi.fan2022.preset import Palette, PaperPreset
 from urushi.fan2022.projection import compressed
-from urushi.fan2022.training import project_part
+from urushi.fan2022.training import project_shard
 from urushi.nets.mlp import Params
 from urushi.train.store import DataSpec, Part, Store, generate
 
@@ -117,7 +117,12 @@ def main() -> None:
     with tempfile.TemporaryDirectory() as folder:
         store = generate(training.data, Path(folder) / "data")
         codes = {
-            part.name: project_part(model.params, store, index, training.arch.adam)[0]
+            part.name: np.concatenate(
+                [
+                    project_shard(model.params, store, index, shard, training.arch.adam)[0]
+                    for shard in range(store.spec.shard_count(part))
+                ]
+            )
             for index, part in enumerate(training.data.parts)
         }
         sets = layering.examples(training, codes)

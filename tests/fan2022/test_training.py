@@ -66,13 +66,13 @@ def test_the_pairs_of_the_projection_change_the_architecture_alone():
     assert preset.to_dict()["arch"] == {"kind": "paper", "adam": {"steps": 1000, "pairs": 4096}}
 
 
-def test_a_part_is_projected_as_numpy_does(tmp_path):
+def test_a_shard_is_projected_as_numpy_does(tmp_path):
     """At a random fifth of its stratified pairs in each step, and the same again."""
     preset, options = paper(TINY), AdamProjection(steps=4, pairs=16)
     store, params = generate(preset.data, tmp_path / "data"), init(0)
-    codes, errors = training.project_part(params, store, 0, options)
+    codes, errors = training.project_shard(params, store, 0, 0, options)
     assert codes.shape == (preset.data.parts[0].stacks, 32) and np.isfinite(errors).all()
-    again, _ = training.project_part(params, store, 0, options)
+    again, _ = training.project_shard(params, store, 0, 0, options)
     np.testing.assert_array_equal(codes, again)
     arrays = store.read_shard(0, 0, ("wi", "wo", "f"))
     directions = direction_inputs(arrays["wi"][:1], arrays["wo"][:1])
@@ -216,13 +216,14 @@ def test_from_data_to_weights_and_the_same_bits_after_an_interruption(tmp_path, 
     def interrupted(self, point, *figures):
         save(self, point, *figures)
         count.append(point)
-        if len(count) == 2:  # the projections are done
+        if len(count) == 4:  # after an epoch, and two shards of four
             raise KeyboardInterrupt
 
     monkeypatch.setattr(Journal, "save", interrupted)
     with pytest.raises(KeyboardInterrupt):
         train(preset, data=tmp_path / "data", run=tmp_path / "cut")
     monkeypatch.undo()
+    assert count[-1].stage == "projection"
     resumed = train(preset, data=tmp_path / "data", run=tmp_path / "cut", resume=True)
     assert resumed.fingerprint == model.fingerprint
     assert resumed.header["metrics"] == model.header["metrics"]

@@ -104,6 +104,18 @@ def test_a_lost_shard_is_simulated_again(fingerprints, finished, tmp_path):
     assert fingerprints(path) == fingerprints(finished)
 
 
+def test_a_truncated_shard_is_simulated_again(fingerprints, finished, tmp_path):
+    """As a copy that was interrupted leaves it."""
+    path = tmp_path / "short"
+    generate(SPEC, path)
+    shard = path / "coated" / "00001.safetensors"
+    for size in (shard.stat().st_size - 1, 20, 0):
+        shard.write_bytes(shard.read_bytes()[:size])
+        assert Store(path, SPEC).missing() == [(0, 1)]
+    generate(SPEC, path)
+    assert fingerprints(path) == fingerprints(finished)
+
+
 def test_a_killed_process_resumes_to_the_same_bytes(fingerprints, tmp_path):
     spec = DataSpec(
         parts=(Part("coated", Table2(), stacks=64, pairs=64, walks=64),), seed=1, shard=2

@@ -19,8 +19,8 @@ from urushi.fan2022.material import Material, encode, load
 from urushi.fan2022.networks import PaperNetworks, projection_pairs
 from urushi.mitsuba import spectrum
 from urushi.mitsuba.latents.bottoms import KEY_BITS
-from urushi.mitsuba.latents.lookup import drawn_texel, texel_draw
-from urushi.mitsuba.plugins.base import ignore, resolve
+from urushi.mitsuba.latents.lookup import are_constant, drawn_texel, texel_draw
+from urushi.mitsuba.plugins.base import resolve
 from urushi.mitsuba.reading import grid as grids
 from urushi.mitsuba.reading import probing
 from urushi.mitsuba.reading.parameters import (
@@ -32,6 +32,7 @@ from urushi.mitsuba.reading.parameters import (
 from urushi.mitsuba.recording import only_where, owned
 from urushi.mitsuba.register import Room
 from urushi.textures.bake import code_hashes
+from urushi.textures.mip_pyramid import half_resolution
 from urushi.textures.store import MIDDLE, TexelGrid
 
 #: Texels whose bottom is evaluated at once: bounds memory.
@@ -44,25 +45,58 @@ RECORDED = (
 
 
 class TexelCodes:
-    """Codes on a grid of texels, in single precision, in Dr.Jit."""
+    """Codes on a grid of texels, in single precision, in Dr.Jit.
 
-    DRJIT_STRUCT: ClassVar = {"_numbers": object}  # for frozen functions
+    Mip levels are means of codes: the networks' latent space is linear (Fan et al. 2022).
+    """
 
-    def __init__(self, networks: PaperNetworks, codes: np.ndarray, grid: TexelGrid = MIDDLE):
+    DRJIT_STRUCT: ClassVar = {"_numbers": object, "_levels": list}  # for frozen functions
+
+    def __init__(
+        self,
+        networks: PaperNetworks,
+        codes: np.ndarray,
+        grid: TexelGrid = MIDDLE,
+        mipmaps: bool = False,
+    ):
         """codes: (T, C, 32) of the grid's texels, or (1, C, 32)."""
         self.codes = np.broadcast_to(codes, (grid.texels, *codes.shape[1:]))
-        self.grid, self._numbers = grid, owned(mi.Float, self.codes)
+        levels = [self.codes.reshape(grid.height, grid.width, *codes.shape[1:])]
+        while mipmaps and levels[-1].shape[:2] != (1, 1):
+            levels.append(half_resolution(levels[-1], 0, len(levels[-1])))
+        numbers = np.concatenate([level.reshape(-1, *codes.shape[1:]) for level in levels])
+        self.grid, self._numbers = grid, owned(mi.Float, numbers)
+        # Of each level the number of texels before it, and its width and height.
+        sizes = np.array(
+            [(h * w, w, h) for h, w, *_ in (level.shape for level in levels)], np.uint32
+        )
+        sizes[:, 0] = np.cumsum(sizes[:, 0]) - sizes[:, 0]
+        self._levels = [owned(mi.UInt32, column) for column in sizes.T]
         self._decoder, self._sampler = PaperDecoder(networks.params), PaperSampler(networks.params)
 
     def vertex(self, si) -> list[list]:
         """The codes at a surface interaction: a list (32) of Dr.Jit floats for each channel.
 
-        One texel is drawn, as in `mitsuba.latents.lookup`.
+        One texel is drawn, as in `mitsuba.latents.lookup`, of a level whose texels have the size of
+        a pixel where the integrator computes derivatives of uv.
         """
         (a, b, c), (d, e, f) = self.grid.to_texture
         point = a * si.uv.x + b * si.uv.y + c, d * si.uv.x + e * si.uv.y + f
-        sizes, channels = (mi.Int32(self.grid.width), mi.Int32(self.grid.height)), self.channels
-        first = drawn_texel(point, sizes, self.grid, texel_draw(si.uv, si.wi)) * channels
+        draw, count = texel_draw(si.uv, si.wi), dr.width(self._levels[0])
+        offset, width, height = (
+            mi.UInt32(0),
+            mi.UInt32(self.grid.width),
+            mi.UInt32(self.grid.height),
+        )
+        if count > 1 and not are_constant(si.duv_dx, si.duv_dy):
+            squared = mi.Float(1)
+            for change in (si.duv_dx, si.duv_dy):
+                x, y = a * change.x + b * change.y, d * change.x + e * change.y
+                squared = dr.maximum(squared, dr.square(x * width) + dr.square(y * height))
+            level = dr.minimum(mi.UInt32(0.5 * dr.log2(squared) + draw[2]), count - 1)
+            offset, width, height = (dr.gather(mi.UInt32, x, level) for x in self._levels)
+        sizes, channels = (mi.Int32(width), mi.Int32(height)), self.channels
+        first = (offset + drawn_texel(point, sizes, self.grid, draw)) * channels
         return [
             [dr.gather(mi.Float, self._numbers, (first + c) * LATENT + i) for i in range(LATENT)]
             for c in range(channels)
@@ -144,6 +178,8 @@ def define(base: type) -> dict[str, type]:
         weights        string                File of the networks. (Required)
         resolution     integer               Texels per side if anything is textured. (Default: that
                                              of the largest texture; 384 bytes for an RGB texel)
+        mipmaps        boolean               Whether to average codes to mip levels, as for
+                                             ``neural_layered``. (Default: false)
         ============== ===================== ====================================================
 
         The coat and the nested BSDF are given as for ``neural_layered``, isotropic and with indices
@@ -157,7 +193,7 @@ def define(base: type) -> dict[str, type]:
         def _load(self, props):
             self._bottom = nested_bsdf(props)
             super()._load(props)
-            ignore(props, "mipmaps")
+            self._mipmaps = bool(props.get("mipmaps", False))
             self._coat = CoatTextures(props)
             check_bottom(self._bottom, self._coat.where)
             if self._coat.is_anisotropic or self._coat.has_rotation:
@@ -177,7 +213,7 @@ def define(base: type) -> dict[str, type]:
             chosen = grids.choose(parts, inner, self._resolution, self._coat.where) or MIDDLE
             coat = self._coat.layering(chosen.uv())
             codes = self.networks.layer(self._bottom_codes(below, chosen), coat)
-            self.codes = TexelCodes(self.networks, codes, chosen)
+            self.codes = TexelCodes(self.networks, codes, chosen, self._mipmaps)
 
         def _bottom_codes(self, below, grid):
             """Codes (T or 1, C, 32) of the bottom on a grid; below: its own codes, or False."""

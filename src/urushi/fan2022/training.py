@@ -39,8 +39,8 @@ def train(
 
     The evaluation network is trained together with its latents. Then all BRDFs are projected, and
     the layering network is trained on their codes. The sampling proxy is trained last. A checkpoint
-    is written after every epoch of the evaluation network, after every twentieth epoch of the
-    layering network, and between the stages.
+    is written after every epoch of the evaluation network, after every projected shard, after every
+    twentieth epoch of the layering network, and between the stages.
     """
     store, journal, out = training.prepare(preset, data, out, run, resume)
     starts = beginnings(preset)
@@ -51,7 +51,13 @@ def train(
     began = time.monotonic() - point.seconds  # as if earlier runs had been a part of this one
     if point.stage == "representation":
         point = represent(point, preset, store, journal, began)
-        networks = {**point.state.params, **projected(point.state.params, preset, store)}
+        networks = dict(point.state.params)
+        seconds = time.monotonic() - began
+        point = replace(starts["projection"], seconds=seconds, networks=networks)
+        journal.save(point)
+    if point.stage == "projection":
+        point = project_all(point, preset, store, journal, began)
+        networks = {**point.networks, **point.state}
         point = replace(starts["layering"], seconds=time.monotonic() - began, networks=networks)
         journal.save(point)
     if point.stage == "layering":
@@ -76,12 +82,14 @@ def beginnings(preset: PaperPreset) -> dict[str, Checkpoint]:
     params = init(preset.seed)
     first = representation.start(params, representation.trained(preset))
     second = layering.start(params)
-    arrays: dict[str, Any] = dict(first.params)
+    found: dict[str, Any] = {}
     for part in preset.data.parts:
-        arrays[f"codes.{part.name}"] = np.zeros((part.stacks, LATENT), np.float32)
-        arrays[f"error.{part.name}"] = np.zeros(part.stacks, np.float32)
+        found[f"codes.{part.name}"] = np.zeros((part.stacks, LATENT), np.float32)
+        found[f"error.{part.name}"] = np.zeros(part.stacks, np.float32)
+    arrays = {**first.params, **found}
     return {
         "representation": Checkpoint("representation", 0, 0.0, first, {}),
+        "projection": Checkpoint("projection", 0, 0.0, found, dict(first.params)),
         "layering": Checkpoint("layering", 0, 0.0, second, arrays),
         "proxy": Checkpoint("proxy", 0, 0.0, {}, {**arrays, **second.params}),
     }
@@ -107,35 +115,45 @@ def represent(
     return point
 
 
-def projected(params: Mapping[str, Any], preset: PaperPreset, store: Store) -> dict[str, Any]:
-    """Codes and errors of all parts, by name."""
-    arrays: dict[str, Any] = {}
-    for index, part in enumerate(preset.data.parts):
-        codes, errors = project_part(params, store, index, preset.arch.adam, preset.seed)
-        arrays |= {f"codes.{part.name}": codes, f"error.{part.name}": errors}
-    return arrays
+def project_all(
+    point: Checkpoint, preset: PaperPreset, store: Store, journal: Journal, began: float
+) -> Checkpoint:
+    """Project the remaining shards of all parts: codes and errors by name, in the state."""
+    shards = list(store.spec.shards())
+    arrays = {name: np.array(values) for name, values in point.state.items()}
+    progress = tqdm(shards[point.step :], desc="project", unit="shard", disable=None)
+    for done, (part, shard) in enumerate(progress, point.step + 1):
+        name, rows = store.spec.parts[part].name, store.spec.rows(part, shard)
+        options = preset.arch.adam
+        found = project_shard(point.networks, store, part, shard, options, preset.seed)
+        arrays[f"codes.{name}"][rows], arrays[f"error.{name}"][rows] = found
+        point = replace(point, step=done, seconds=time.monotonic() - began, state=arrays)
+        journal.save(point)
+    return point
 
 
-def project_part(
-    params: Mapping[str, Any], store: Store, part: int, options: AdamProjection, seed: int = 0
+def project_shard(
+    params: Mapping[str, Any],
+    store: Store,
+    part: int,
+    shard: int,
+    options: AdamProjection,
+    seed: int = 0,
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Codes (S, 32) of a part's BRDFs and their mean absolute errors (S,) [1/sr]."""
-    described = store.spec.parts[part]
-    together = max(1, min(TOGETHER, ROWS // min(options.pairs, described.pairs)))
-    at = projection.draws(options, described.pairs, seed)
+    """Codes (S, 32) of a shard's BRDFs and their mean absolute errors (S,) [1/sr]."""
+    pairs = store.spec.parts[part].pairs
+    together = max(1, min(TOGETHER, ROWS // min(options.pairs, pairs)))
+    at = projection.draws(options, pairs, seed)
+    arrays = store.read_shard(part, shard, ("wi", "wo", "f"))
     found = []
-    with tqdm(total=described.stacks, desc=f"project {described.name}", disable=None) as progress:
-        for shard in range(store.spec.shard_count(described)):
-            arrays = store.read_shard(part, shard, ("wi", "wo", "f"))
-            for start in range(0, len(arrays["f"]), together):
-                wi, wo, f = (arrays[name][start : start + together] for name in ("wi", "wo", "f"))
-                count, missing = len(f), ((0, together - len(f)), (0, 0))
-                # All blocks have one shape, for the compiler.
-                f = np.pad(f, missing, "edge")
-                directions = np.pad(direction_inputs(wi, wo), (*missing, (0, 0)), "edge")
-                results = project(params, directions, f, at, options.steps)
-                found.append([np.asarray(result)[:count] for result in results])
-                progress.update(count)
+    for start in range(0, len(arrays["f"]), together):
+        wi, wo, f = (arrays[name][start : start + together] for name in ("wi", "wo", "f"))
+        count, missing = len(f), ((0, together - len(f)), (0, 0))
+        # All blocks have one shape, for the compiler.
+        f = np.pad(f, missing, "edge")
+        directions = np.pad(direction_inputs(wi, wo), (*missing, (0, 0)), "edge")
+        results = project(params, directions, f, at, options.steps)
+        found.append([np.asarray(result)[:count] for result in results])
     codes, errors = map(np.concatenate, zip(*found, strict=True))
     return codes, errors
 

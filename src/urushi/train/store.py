@@ -133,8 +133,16 @@ class Store:
         return cls(folder, spec)
 
     def missing(self) -> list[tuple[int, int]]:
-        """The (part, shard) indices that are not yet complete, in order."""
-        return [index for index in self.spec.shards() if not self._file(*index).exists()]
+        """The (part, shard) indices whose files are missing or cut short, in order."""
+        return [index for index in self.spec.shards() if not self._is_whole(*index)]
+
+    def _is_whole(self, part: int, shard: int) -> bool:
+        """Whether a shard's file has the length that it states, as an interrupted copy has not."""
+        try:
+            files.read_tensors(self._file(part, shard), "data", names=())
+        except FileError:
+            return False
+        return True
 
     def write(self, part: int, shard: int, arrays: Shard) -> None:
         """Write one shard."""
