@@ -98,7 +98,7 @@ def test_a_lambertian_bottom_below_a_smooth_interface():
     own, rho, eta = adding.grid(), 0.7, 1.5
     bottom = adding.bottom_modes(lambda wi, wo: np.full((len(wi), 1), rho / np.pi))[0]
     interface = adding.interface_modes(0.01, eta)
-    more, depth = adding.seen_inside(bottom, interface, (0.0, 0.0, 0.0))
+    more, depth = adding.seen_inside(bottom, interface, [(0.0, 0.0, 0.0)])
     inner = 2 * (interface[0] @ own.weights) @ own.weights
     expected = rho / np.pi / (1 - rho * inner) - rho / np.pi
     np.testing.assert_allclose(more, expected, rtol=1e-4)

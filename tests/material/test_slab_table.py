@@ -184,3 +184,25 @@ def test_windows_reflect_and_transmit_their_light_near_the_horizon() -> None:
     for part, found in enumerate(tables(window).shares(wi)):
         kept, _ = analog_albedo(described(window), wi, walks=1 << 15, transmitted=bool(part))
         assert np.abs(found - kept)[:, 0].max() < 0.025
+
+
+@pytest.mark.parametrize(
+    "layers",
+    [
+        ([(0.2, 1.0, *CLEAR)], (0.01, 1 / 1.5)),  # a coat of the glass's own index, from inside
+        ([(0.01, 1.6 / 1.5, *CLEAR)], (0.01, 1 / 1.6)),  # of about its index
+        ([(0.01, 1.3, *CLEAR), (0.01, 1.0, *CLEAR)], (0.01, 1 / 1.3)),  # on a pane
+        pytest.param(([(0.04, 1 / 1.02, *CLEAR)], (0.1, 1 / 1.96)), marks=pytest.mark.slow),
+        pytest.param(
+            ([(0.03, 1.7, *CLEAR), (0.01, 0.88, *CLEAR), (0.01, 0.8, *CLEAR)], (0.02, 0.833)),
+            marks=pytest.mark.slow,
+        ),
+    ],
+)
+def test_clear_slabs_with_interfaces_of_little_refraction_keep_their_light(layers: Layers) -> None:
+    """At the angle of total reflection, cells of the table of transmission hold 0.025 too much."""
+    cosines = np.array([0.98, 0.8, 0.735, 0.7, 0.6, 0.4, 0.25, 0.12])
+    wi = np.stack([np.sqrt(1 - cosines**2), 0 * cosines, cosines], axis=1).astype(np.float32)
+    for part, found in enumerate(tables(layers).shares(wi)):
+        kept, se = analog_albedo(described(layers), wi, walks=1 << 15, transmitted=bool(part))
+        assert np.all(np.abs(found - kept)[:, 0] < 0.01 + 3 * se[:, 0])

@@ -69,7 +69,14 @@ class Grid:
     Each part of the angles between `edges`, where light is totally reflected, has its own nodes.
     """
 
-    def __init__(self, elevations: int = ELEVATIONS, azimuths: int = AZIMUTHS, edges: Edges = ()):
+    def __init__(
+        self,
+        elevations: int = ELEVATIONS,
+        azimuths: int = AZIMUTHS,
+        edges: Edges = (),
+        orders: int | None = None,
+    ):
+        """orders: number of modes that are kept; all by default."""
         parts, self._edges = [], edges
         for start, end in itertools.pairwise((0.0, *edges, 0.5 * np.pi)):
             size = end - start
@@ -86,7 +93,7 @@ class Grid:
         self.weights = weights * np.sin(self.angles) * self.cosines
         self.azimuths = np.linspace(0, np.pi, azimuths // 2 + 1)  # (H,)
         self.mirror = (-1.0) ** np.arange(len(self.azimuths))  # the modes of a mirror reflection
-        self._count = azimuths
+        self._count, self._orders = azimuths, orders or len(self.azimuths)
         self._upper = np.triu_indices(len(self.angles))
 
     def pairs(self, dense: int = 1) -> tuple[np.ndarray, np.ndarray]:
@@ -118,7 +125,7 @@ class Grid:
         """Modes (H, N, N) of values (N, N, K)."""
         around = np.concatenate([values, values[..., -2:0:-1]], axis=-1)
         modes = np.fft.rfft(around, axis=-1).real * (2 * np.pi / around.shape[-1])
-        return np.moveaxis(modes, -1, 0)[: len(self.azimuths)]
+        return np.moveaxis(modes, -1, 0)[: self._orders]
 
     def values_of_modes(self, modes: np.ndarray) -> np.ndarray:
         """Values (N, N, H) of modes (H, N, N)."""
@@ -176,6 +183,17 @@ class Grid:
         lower, upper = nodes == index[..., None], nodes == index[..., None] + 1
         return np.where(lower, 1 - part[..., None], 0) + np.where(upper, part[..., None], 0)
 
+    def deposited(self, angles: np.ndarray, weights: np.ndarray) -> np.ndarray:
+        """Sums (M, N) at the nodes of weights (M, K) at angles (M, K), each as by `shares`."""
+        index, part = self._place(angles, self.angles)
+        size = len(self.angles)
+        places = index + size * np.arange(len(angles))[:, None]
+        lower, upper = (
+            np.bincount((places + step).ravel(), (weights * x).ravel(), size * len(angles))
+            for step, x in ((0, 1 - part), (1, part))
+        )
+        return (lower + upper).reshape(-1, size)
+
     def mean(self, function: Callable[[np.ndarray], np.ndarray]) -> np.ndarray:
         """Means (N,) of a function of the cosine (M,) about each node, as by linear interpolation.
 
@@ -209,7 +227,7 @@ class Grid:
         return index, place - index
 
 
-@functools.lru_cache(maxsize=16)
+@functools.lru_cache(maxsize=64)
 def grid(edges: Edges = ()) -> Grid:
     """The grid of coats; edges: of the medium of a slab."""
     return Grid(edges=edges)
@@ -275,11 +293,11 @@ def to_and_fro(
 
 
 class Lit(NamedTuple):
-    """Light in a medium over a bottom, below nothing else.
+    """Light in media over a bottom, below nothing else.
 
     Attributes:
         grid: its directions.
-        through: (N,) the share of light that crosses the medium unscattered.
+        through: (N,) the share of light that crosses the media unscattered.
         down, up: modes (H, N, N): shares of light from the top that arrive at the bottom, and that
             leave the top.
         depth: the optical depth that attenuates unscattered light.
@@ -292,38 +310,43 @@ class Lit(NamedTuple):
     depth: float
 
 
-def lit(bottom: np.ndarray, layer: Iterable[float], edges: Edges) -> Lit:
-    """Light in a medium (albedo, sigma_t, g) over a bottom of modes (H, N, N)."""
-    own, (albedo, sigma_t, g) = grid(edges), resolved(*layer)
-    through, mirrored = np.exp(-sigma_t / own.cosines), bottom * own.weights
-    if albedo * sigma_t <= LEAST_SCATTERING:
-        down = np.broadcast_to(np.diag(through), bottom.shape)
-        return Lit(own, through, down, through[:, None] * mirrored * through, sigma_t)
-    reflected, passed = (x * own.weights for x in medium(albedo, sigma_t, g, edges))
-    once = np.diag(through) + passed
-    down = np.linalg.solve(np.eye(len(through)) - reflected @ mirrored, once)
-    return Lit(own, through, down, once @ mirrored @ down + reflected, sigma_t)
+def lit(bottom: np.ndarray, layers: Iterable[Sequence[float]], edges: Edges) -> Lit:
+    """Light in media, top to bottom, over a bottom of modes (H, N, N); see `seen_inside`."""
+    own = grid(edges)
+    one = np.eye(len(own.cosines))
+    up, down, depth = bottom * own.weights, np.broadcast_to(one, bottom.shape), 0.0
+    for layer in reversed(list(layers)):
+        albedo, sigma_t, g = resolved(*layer)
+        depth, through = depth + sigma_t, np.exp(-sigma_t / own.cosines)
+        if albedo * sigma_t <= LEAST_SCATTERING:
+            up, down = through[:, None] * up * through, down * through
+            continue
+        reflected, passed = (x * own.weights for x in medium(albedo, sigma_t, g, own))
+        once = np.diag(through) + passed
+        field = np.linalg.solve(one - reflected @ up, once)
+        up, down = once @ up @ field + reflected, down @ field
+    return Lit(own, np.exp(-depth / own.cosines), down, up, depth)
 
 
 def seen_inside(
     bottom: np.ndarray,
     interface: np.ndarray,
-    layer: Iterable[float],
+    layers: Iterable[Sequence[float]],
     edges: Edges | None = None,
 ) -> tuple[np.ndarray, float]:
-    """BRDF of a bottom and a medium below an interface that reflects from below.
+    """BRDF of a bottom and media below an interface that reflects from below.
 
     Args:
         bottom, interface: modes (H, N, N).
-        layer: albedo, sigma_t and g of the medium.
+        layers: albedo, sigma_t and g of the media, top to bottom.
         edges: of slabs.
 
     Returns:
         Values (N, N, H) [1/sr] of all light except that reflected once by the bottom and not
-        scattered by the medium; and the optical depth that attenuates the excepted light. In slabs,
+        scattered by the media; and the optical depth that attenuates the excepted light. In slabs,
         the excepted light counts as often as both surfaces mirror it (`to_and_fro`).
     """
-    own, through, _, up, depth = lit(bottom, layer, edges or ())
+    own, through, _, up, depth = lit(bottom, layers, edges or ())
     every = up / own.weights
     every = np.linalg.solve(np.eye(len(through)) - up @ (interface * own.weights), every)
     mirrored = own.mirror_shares(interface) * own.mirror_shares(bottom) if edges is not None else 0
@@ -332,19 +355,22 @@ def seen_inside(
 
 
 def passed_inside(
-    bottom: np.ndarray, interface: np.ndarray, layer: Iterable[float], edges: Edges
+    bottom: np.ndarray,
+    interface: np.ndarray,
+    layers: Iterable[Sequence[float]],
+    edges: Edges,
 ) -> tuple[np.ndarray, np.ndarray, float]:
-    """Transmission of a medium over a bottom, below an interface that reflects from below.
+    """Transmission of media over a bottom, below an interface that reflects from below.
 
     Args:
-        bottom, interface, layer, edges: as of `seen_inside`.
+        bottom, interface, layers, edges: as of `seen_inside`.
 
     Returns:
-        Modes (H, N, N): shares of light that crosses the medium, in either direction, from the
+        Modes (H, N, N): shares of light that crosses the media, in either direction, from the
         first nodes to the second; of it (N,) what goes straight, not scattered and at most mirrored
         (`Grid.mirror_shares`); and the optical depth that attenuates straight light.
     """
-    own, through, down, up, depth = lit(bottom, layer, edges)
+    own, through, down, up, depth = lit(bottom, layers, edges)
     every = down @ np.linalg.inv(np.eye(len(through)) - (interface * own.weights) @ up)
     mirrored = own.mirror_shares(interface) * own.mirror_shares(bottom)
     return every, through / (1 - mirrored * through**2), depth
@@ -362,15 +388,15 @@ def resolved(albedo: float, sigma_t: float, g: float) -> tuple[float, float, flo
     return albedo, sigma_t, max(g, RESOLVED_G)
 
 
-@functools.lru_cache(maxsize=16)
+@functools.lru_cache(maxsize=32)
 def medium(
-    albedo: float, sigma_t: float, g: float, edges: Edges = ()
+    albedo: float, sigma_t: float, g: float, own: Grid | None = None
 ) -> tuple[np.ndarray, np.ndarray]:
     """Reflection and transmission of the light that a medium scatters: modes (H, N, N) each.
 
     By doubling a thin layer that scatters once; its sums over directions are made exact.
     """
-    own = grid(edges)
+    own = own or grid()
     cosines, weights, one = own.cosines, own.weights, np.eye(len(own.cosines))
     count = max(int(np.ceil(np.log2(sigma_t / FIRST_DEPTH))), 0)
     depth = sigma_t / 2**count

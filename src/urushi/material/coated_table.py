@@ -84,6 +84,10 @@ class Inside(NamedTuple):
     modes: np.ndarray  # (C, H, N, N) of what lies below the medium
     mirrored: np.ndarray  # (M, C) shares of light at `adding.COSINES` that it mirrors
     knots: Knots  # of the table of the coated material
+    media: np.ndarray  # (k, 3, C) albedo, sigma_t and g
+    factor: (
+        np.ndarray
+    )  # float32 (U, V, W) of f at the table's nodes, between which the rest is smooth
 
 
 class HalfVectors(NamedTuple):
@@ -124,7 +128,7 @@ def coated_rest(bottom: Material, coat: CoatParameters, slab: Inside | None = No
     Args:
         bottom: a material with a table, of C or one channel.
         coat: numbers or arrays (C,), with one width.
-        slab: of a coat of a slab.
+        slab: of a coat of a slab, which has the media instead.
     """
     knots = slab.knots if slab else ()
     every, rows = node_pairs(1, knots), np.ix_(*known_nodes(knots))
@@ -133,7 +137,8 @@ def coated_rest(bottom: Material, coat: CoatParameters, slab: Inside | None = No
     parameters = np.stack([*np.broadcast_arrays(*coat, np.zeros(bottom.channels))][:5])
     result = np.empty((len(every[0]), parameters.shape[1]), np.float32)
     values = bottom.f(*node_pairs(1, bottom.knots)).reshape(*SHAPE, -1)
-    inside = slab or _opaque(bottom)
+    inside = slab or _opaque(bottom, parameters[2:])
+    parameters = np.concatenate([parameters[:2], inside.media.reshape(-1, parameters.shape[1])])
     peak = half_vectors(values, SLAB_POWER if slab else PEAK_POWER)
     for interface in np.unique(parameters[:2], axis=1).T:
         chosen = np.flatnonzero((parameters[:2] == interface[:, None]).all(axis=0))
@@ -154,23 +159,24 @@ def coated_rest(bottom: Material, coat: CoatParameters, slab: Inside | None = No
         )
         if pairs is known:
             shape = *(row.size for row in rows), *SHAPE[2:], -1
-            values = completed(values.reshape(shape), knots).reshape(len(result), -1)
+            values = completed(values.reshape(shape) / inside.factor[rows][..., None], knots)
+            values = (values * inside.factor[..., None]).reshape(len(result), -1)
         values = values @ weights
         result[:, chosen] = values[:, which]
     return result
 
 
-def _opaque(bottom: Material) -> Inside:
-    """A coat over an opaque bottom."""
+def _opaque(bottom: Material, medium: np.ndarray) -> Inside:
+    """A coat over an opaque bottom; medium: (3, C)."""
     own, modes = adding.grid(), adding.bottom_modes(bottom.f)
     mirrored = own.at_cosines(np.stack([own.mirror_shares(m) for m in modes], axis=-1))
-    return Inside((), modes, mirrored, ())
+    return Inside((), modes, mirrored, (), medium[None], np.ones(SHAPE, np.float32))
 
 
 def _distinct(
     bottom: Material, channels: np.ndarray, media: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Indices (D,) of channels (C,) under media (3, C) that differ, and the place (C,) of each
+    """Indices (D,) of channels (C,) under media (3 k, C) that differ, and the place (C,) of each
     channel among them. A grey material is computed once."""
     assert bottom.table is not None  # for the type checker
     known: dict[tuple[bytes, ...], int] = {}
@@ -186,26 +192,23 @@ def _distinct(
     return np.array(first), np.array(which)
 
 
-def coated_table(
-    bottom: Material, coat: CoatParameters, lobe: np.ndarray, slab: Inside | None = None
-) -> np.ndarray:
+def coated_table(bottom: Material, coat: CoatParameters, lobe: np.ndarray) -> np.ndarray:
     """The table float16 (U, V, W, C) of a coated material, without the lobe of its interface.
 
     Table and lobe have a directional albedo of at most 1, or of at most the bottom's if the bottom
     gains energy.
 
     Args:
-        bottom, coat, slab: as of `coated_rest`.
+        bottom, coat: as of `coated_rest`.
         lobe: (C, N) of the interface. No table has it: near the horizon it changes too fast.
     """
-    rest = coated_rest(bottom, coat, slab)
+    rest = coated_rest(bottom, coat)
     own = lobe.astype(np.float64)
 
     def top(wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
         return lobes.f(own, wi[:, None].astype(np.float64), wo[:, None].astype(np.float64))
 
-    knots = slab.knots if slab else ()
-    of_rest = _albedos_of_values(rest, knots)
+    of_rest = _albedos_of_values(rest)
     of_top = adding.albedos(top, COSINES)
     ceiling = np.full(rest.shape[1], 1 - energy.MARGIN)
     if (of_rest + of_top > ceiling).any():
@@ -216,27 +219,27 @@ def coated_table(
         factors = np.minimum(allowed / np.maximum(of_rest, energy.LEAST_ALBEDO), 1)
         if (factors == 1).all():
             break
-        rest *= least_factors(factors, knots)
-        of_rest = _albedos_of_values(rest, knots)
+        rest *= _least_factors(factors)
+        of_rest = _albedos_of_values(rest)
     return table_of_values(rest)
 
 
-def least_factors(factors: np.ndarray, knots: Knots) -> np.ndarray:
+def _least_factors(factors: np.ndarray) -> np.ndarray:
     """The lesser (N, C) of both factors at `node_pairs`, of factors (M, C) at `COSINES`.
 
     It keeps f reciprocal.
     """
     columns = [
-        np.minimum(*(np.interp(w[:, 2], COSINES[::-1], column[::-1]) for w in node_pairs(1, knots)))
+        np.minimum(*(np.interp(w[:, 2], COSINES[::-1], column[::-1]) for w in node_pairs()))
         for column in factors.T
     ]
     return np.stack(columns, axis=1).astype(np.float32)
 
 
-def _albedos_of_values(f: np.ndarray, knots: Knots) -> np.ndarray:
+def _albedos_of_values(f: np.ndarray) -> np.ndarray:
     """Albedos (N, C) at `COSINES` of the table of values f (M, C) at `node_pairs`."""
     table = table_of_values(f).astype(np.float32)
-    return adding.albedos(lambda wi, wo: interpolated(table, wi, wo, knots), COSINES)
+    return adding.albedos(lambda wi, wo: interpolated(table, wi, wo), COSINES)
 
 
 def half_vectors(f: np.ndarray, power: float) -> HalfVectors:
@@ -260,7 +263,7 @@ def _below(
     peak: HalfVectors,
     inside: Inside,
 ) -> Below:
-    """The BRDF below for channels (C,) of the bottom under media (3, C), all different."""
+    """The BRDF below for channels (C,) of the bottom under media (3 k, C), all different."""
     assert bottom.table is not None  # for the type checker
     wi, wo = node_pairs(1, bottom.knots)
     edges, modes = inside.edges, inside.modes
@@ -268,7 +271,8 @@ def _below(
     inverse = (1 / wi[:, 2] + 1 / wo[:, 2]).reshape(SHAPE)
     direct, more, depths = [], [], []
     for channel, medium in zip(channels, media.T, strict=True):
-        again, depth = adding.seen_inside(modes[channel], back, medium, edges)
+        layers = medium.reshape(-1, 3)
+        again, depth = adding.seen_inside(modes[channel], back, layers, edges)
         more.append(own.interpolated(again[..., None], wi, wo).reshape(SHAPE))
         logs = bottom.table[..., channel].astype(np.float32) - depth * inverse
         direct.append(np.exp(logs))

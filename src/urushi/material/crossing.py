@@ -105,16 +105,26 @@ def crossing_at(outside: Vector, inside: Vector, alpha: float, eta: float) -> Cr
     return Crossing(inside, np.where(present, weight, 0), np.where(present, density, 0))
 
 
-def inner_albedo(cosine: np.ndarray, alpha: float, eta: float) -> np.ndarray:
-    """The share (N,) of light of cosines (N,) inside that the interface reflects back inside."""
-    cosine = cosine.astype(np.float32)[:, None]
+def mirrored(
+    cosine: np.ndarray, alpha: float, eta: float, u: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Light that an interface mirrors: cosines (N, K), and fractions (N, K) over the density.
+
+    The arguments are those of `cross`.
+    """
     sine = np.sqrt(np.maximum(1 - cosine * cosine, 0))
-    facet = visible_facets(cosine, sine, alpha, facet_points(256))
+    facet = visible_facets(cosine, sine, alpha, u)
     cos_m = np.clip(sine * facet[0] + cosine * facet[2], TINY, 1)
     z = 2 * cos_m * facet[2] - cosine
-    reflectance = fresnel.dielectric(cos_m, np.float32(1 / eta), NUMPY)[0]
-    reflected = reflectance * masking(np.maximum(z, LEAST_COSINE), alpha)
-    return np.where(z > LEAST_COSINE, reflected, 0).mean(axis=1, dtype=np.float64)
+    reflectance = fresnel.dielectric(cos_m, np.float32(eta), NUMPY)[0]
+    weight = reflectance * masking(np.maximum(z, LEAST_COSINE), alpha)
+    return z, np.where(z > LEAST_COSINE, weight, 0)
+
+
+def inner_albedo(cosine: np.ndarray, alpha: float, eta: float) -> np.ndarray:
+    """The share (N,) of light of cosines (N,) inside that the interface reflects back inside."""
+    column = cosine.astype(np.float32)[:, None]
+    return mirrored(column, alpha, 1 / eta, facet_points(256))[1].mean(axis=1, dtype=np.float64)
 
 
 def visible_facets(cosine: np.ndarray, sine: np.ndarray, alpha: float, u: np.ndarray) -> Vector:

@@ -261,6 +261,39 @@ def test_samples_of_tables_follow_their_density(rgb, sampling, name):
         assert test.histogram_sum[0] == 1  # no sample fails
 
 
+@pytest.mark.parametrize("sigma_t", [0.0, 0.3])
+def test_a_coat_of_the_glass_s_own_index_is_its_surface(rgb, sigma_t):
+    """Tables against Mitsuba's plugin, of which a tint attenuates what is inside."""
+    import drjit as dr
+
+    glass = GLASS | {"int_ior": 1.5, "alpha": 0.3}
+    surface = {"alpha": 0.02, "int_ior": 1.5}
+    coated = rgb.load_dict({"type": "neural_layered", "sigma_t": sigma_t, "base": glass, **surface})
+    bare = rgb.load_dict(GLASS | surface)
+    wi, wo = (w.astype(np.float32) for w in cosine_pairs(np.random.default_rng(4), 512))
+    for lower in (False, True):
+        a, b = (w * np.float32([1, 1, -1 if lower else 1]) for w in (wi, wo))
+        si = dr.zeros(rgb.SurfaceInteraction3f, len(a))
+        si.wi, to = rgb.Vector3f(a.T), rgb.Vector3f(b.T)
+        f, expected = (x.eval(rgb.BSDFContext(), si, to).numpy()[0] for x in (coated, bare))
+        left = np.exp(-sigma_t * lower * (1 / wi[:, 2] + 1 / wo[:, 2]))
+        np.testing.assert_allclose(f, expected * left, rtol=2e-3, atol=1e-5)
+    if sigma_t == 0:
+        count, rng = 1 << 14, rgb.PCG32(size=1 << 14)
+        for degrees in (0, 60, 85, 100, 130, 137, 180):
+            direction = np.sin(np.radians(degrees)), 0, np.cos(np.radians(degrees))
+            si = dr.zeros(rgb.SurfaceInteraction3f, count)
+            si.wi = rgb.Vector3f([float(x) for x in direction])
+            u = rng.next_float32(), rgb.Point2f(rng.next_float32(), rng.next_float32())
+            shares = []
+            for bsdf in (coated, bare):
+                bs, weight = bsdf.sample(rgb.BSDFContext(rgb.TransportMode.Importance), si, *u)
+                same = bs.wo.z.numpy() * direction[2] > 0
+                shares.append([(weight.numpy()[0] * x).mean() for x in (same, ~same)])
+            # 0.006 is the noise of the samples
+            np.testing.assert_allclose(*shares, atol=0.012)
+
+
 def test_tables_follow_changes_and_refuse_what_they_cannot_hold(rgb):
     import drjit as dr
 

@@ -8,13 +8,13 @@ from urushi.checks import MIN_ALPHA
 from urushi.core.mixture import Mixture
 from urushi.core.namespace import DRJIT
 from urushi.errors import ParameterError
-from urushi.material.slab_table import (
+from urushi.material.slab_coordinates import (
     PASSED_SHAPE,
-    SlabTables,
     entering,
+    mirrored_inside,
     passed_coordinates,
-    slab_tables,
 )
+from urushi.material.slab_table import SlabTables, slab_tables
 from urushi.mitsuba import spectrum
 from urushi.mitsuba.interface_albedo import Interpolated
 from urushi.mitsuba.latents import gradients
@@ -24,9 +24,11 @@ from urushi.mitsuba.plugins.base import ignore
 from urushi.mitsuba.plugins.coated import define_coated
 from urushi.mitsuba.plugins.coats import CoatStack, SlabMixture, above_surface, raised, width
 from urushi.mitsuba.reading.grid import varies
+from urushi.mitsuba.reading.parameters import opaque
 from urushi.mitsuba.recording import only_where, owned
 from urushi.nets.features import MIN_COSINE
 from urushi.nets.weights import default_model
+from urushi.walk import interface
 
 #: Quantiles of the half angles at which lobes are sampled, and the weights of these lobes and of a
 #: cosine lobe. The first is for a narrow lobe that has a small part of the light.
@@ -110,6 +112,8 @@ def define(base: type) -> type:
             self._reflected = [ConstantLatents(side, not wanted) for side in sides]
             self._passed = stored(tables.passed, not wanted)
             self._ratio, self._surfaces = tables.eta, tables.faces
+            self._depths = [[opaque(x) for x in side] for side in tables.depths.tolist()]
+            self._inner = tables.inner
             self._lobes = Interpolated(_lobes(tables))
             self._attach(np.array(interfaces), np.array(columns))
 
@@ -136,23 +140,49 @@ def define(base: type) -> type:
                 low, high = (slab_tables(default_model(), interfaces, end) for end in ends)
                 step = (ends[1] - ends[0])[level, row]
 
-                def change(a, b, step=step, numbers=numbers):
+                changes = [number - dr.detach(number) for number in numbers]
+                changes *= len(step) // len(numbers)
+
+                def change(a, b, step=step, changes=changes):
                     slopes = padded((b.astype(np.float32) - a) / step)
                     channel = dr.arange(mi.UInt32, slopes.size) % slopes.shape[-1]
                     total = mi.Float(0)
-                    for c, number in enumerate(numbers * (len(step) // len(numbers))):
-                        total += dr.select(channel == c, number - dr.detach(number), 0)
+                    for c, number in enumerate(changes):
+                        total += dr.select(channel == c, number, 0)
                     return total * owned(mi.Float, slopes)
 
                 for side, a, b in zip(self._reflected, low.reflected, high.reflected, strict=False):
                     side._tables = [side._tables[0] + change(a.table, b.table)]
                 self._passed = self._passed + change(low.passed, high.passed)
+                slopes = (high.depths - low.depths) / step
+                self._depths = [
+                    [x + slope * y for x, slope, y in zip(*side, changes, strict=True)]
+                    for side in zip(self._depths, slopes.tolist(), strict=True)
+                ]
 
         def _f(self, vertex, ctx, si, wo, active):
             inside, up = above_surface(si), raised(wo)
             upper = si.wi.z > 0
             sides = [side.f(side.bare_vertex(si), inside, up, active) for side in self._reflected]
-            channels = [dr.select(upper, x[0], x[-1]) for x in zip(*sides, strict=True)]
+
+            def of_side(pairs):
+                return [dr.select(upper, *pair) for pair in zip(*pairs, strict=True)]
+
+            def reflected(a, b, rests, face, inner, depths):
+                factor, inverse = mirrored_inside(a, b, inner, DRJIT), dr.rcp(a.z) + dr.rcp(b.z)
+                lobe = interface.reflection(a, b, *face)
+                return [
+                    rest * factor + lobe * dr.exp(-depth * inverse)
+                    for rest, depth in zip(rests, depths, strict=True)
+                ]
+
+            numbers = (
+                [dr.select(upper, x[0], x[-1]) for x in zip(*sides, strict=True)],
+                of_side(self._surfaces),
+                [of_side(pairs) for pairs in zip(*self._inner, strict=True)],
+                of_side(self._depths),
+            )
+            channels = only_where(active, reflected, inside.wi, up, *numbers)
 
             def passed(a, b):
                 places = passed_coordinates(a, b, self._ratio, DRJIT)

@@ -1,0 +1,268 @@
+"""Light that slabs transmit, as a function of directions above and below.
+
+Light of the directions wi', after refraction at random facets of the topmost interface, meets
+
+    1 / eta^2 E[w_i w_o S(wi', wo')] + E[w_i a(wi') t(wi', wo)],
+
+S being light that the media scatter or rough interfaces reflect, by adding and doubling
+(`urushi.material.adding`), w the transmitted fractions (`urushi.material.crossing`), t the straight
+light of all lower layers, a table too, and a the attenuation of the media, which counts light that
+smooth interfaces mirror to and fro. Below the last medium, t is the lowest interface itself: its
+directions are drawn from both sides. Light straight through a single interface is known.
+"""
+
+import functools
+from collections.abc import Callable
+
+import numpy as np
+
+from urushi.checks import MIN_ALPHA
+from urushi.core.namespace import NUMPY, Components
+from urushi.material import adding
+from urushi.material.coated_table import HalfVectors, Inside, half_vectors, sums
+from urushi.material.crossing import LEAST_COSINE, Vector, cross, crossing_at, facet_points
+from urushi.material.slab_coordinates import (
+    Faces,
+    denser_coordinates,
+    entering,
+    refracted,
+    tabulated,
+)
+from urushi.material.slab_shares import Layers
+from urushi.material.table import interpolated_at
+
+#: Directions inside for each node, drawn from either side.
+STRAIGHT = 34
+
+#: The same where one of the sides is a table.
+THROUGH_TABLE = 64
+
+#: Facets at which light of a direction is refracted, and elevations outside.
+FACETS, ELEVATIONS = 256, 48
+
+#: Least width of straight light, as a mirror of this width reflects: a table holds no narrower one.
+LEAST_SPREAD = MIN_ALPHA / 8
+
+#: The share (..., C) of light that is left of cosines (...).
+Attenuation = Callable[[np.ndarray], np.ndarray]
+
+
+def transmitted(
+    layers: Layers, insides: list[Inside], faces: Faces, channels: int
+) -> Callable[[np.ndarray, np.ndarray], np.ndarray]:
+    """f / index^2 [1/sr] of transmission over `entering`: a function of directions above and below.
+
+    Args:
+        layers: the slab.
+        insides: what there is between its interfaces.
+        faces: of `entering`.
+    """
+    scattered, attenuations = _scattered(layers, insides, channels)
+    straight = _straight(layers, attenuations, channels)
+
+    def whole(wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
+        every = straight(wi, wo) + np.maximum(scattered(wi, wo), 0)
+        return every / entering(Components(*wi.T), Components(*wo.T), faces, NUMPY)[:, None]
+
+    return whole
+
+
+def _scattered(
+    layers: Layers, insides: list[Inside], channels: int
+) -> tuple[Callable[[np.ndarray, np.ndarray], np.ndarray | float], list[Attenuation]]:
+    """f / index^2 [1/sr] of all but straight light, and the attenuations of the media."""
+    if not insides:
+        return lambda wi, wo: 0.0, []
+    indices, interfaces = layers.indices(), layers.interfaces
+    grids = [adding.grid(inside.edges) for inside in insides]
+    outside = adding.Grid(ELEVATIONS, edges=layers.edges(-1 if indices[-1] > 1 else 0))
+    alpha, eta = interfaces[-1]
+    # Light from below that arrives above the interfaces that have been passed, all and straight
+    every = [_crossing_modes(outside, grids[-1], alpha, 1 / eta)] * channels
+    direct, attenuations = every, list[Attenuation]()
+    for level, (inside, own) in reversed(list(enumerate(zip(insides, grids, strict=True)))):
+        alpha, eta = interfaces[level]
+        back = adding.interface_modes(alpha, eta, inside.edges)
+        fields, straights, depths = zip(
+            *(
+                adding.passed_inside(modes, back, media, inside.edges)
+                for modes, media in zip(inside.modes, np.moveaxis(inside.media, 2, 0), strict=True)
+            ),
+            strict=True,
+        )
+        every = [a @ b for a, b in zip(every, fields, strict=True)]
+        direct = [a * b for a, b in zip(direct, straights, strict=True)]
+        upper = adding.mirror(alpha, eta, inside.edges)
+        attenuations.insert(0, adding.to_and_fro(depths, upper, inside.mirrored)[0])
+        if level:
+            above = grids[level - 1]
+            inner = own.averaged(
+                functools.partial(_crossing_modes, own=above, alpha=alpha, eta=1 / eta)
+            )
+            every, direct = ([modes @ inner for modes in x] for x in (every, direct))
+    inwards = _crossing_modes(outside, own, alpha, eta)
+    scattered = [
+        own.mirror[:, None, None] * (inwards @ ((a - b) / own.weights).swapaxes(1, 2))
+        for a, b in zip(every, direct, strict=True)
+    ]
+    values = np.stack([outside.values_of_modes(modes) for modes in scattered], axis=-1)
+    values /= indices[1] ** 2
+    return functools.partial(outside.interpolated, values), attenuations
+
+
+def _straight(
+    layers: Layers, attenuations: list[Attenuation], channels: int
+) -> Callable[[np.ndarray, np.ndarray], np.ndarray]:
+    """f / index^2 [1/sr] of straight light; attenuations: of the media between interfaces."""
+    first, last = np.flatnonzero(layers.interfaces[:, 1] != 1)[[0, -1]]
+    indices, facets = layers.indices(), _facets(layers)
+    straight = _single_interface(facets[last], indices[-1], channels)
+    for level in reversed(range(first, last)):
+        index, attenuation = indices[level + 1], attenuations[level]
+        if level == last - 1:
+            straight = _two_interfaces(facets[level], facets[last], index, attenuation)
+            continue
+        ratio = indices[-1] / index
+        logs = np.log(np.maximum(tabulated(straight, ratio, channels), 1e-30))
+        straight = _one_interface(facets[level], logs, ratio, attenuation)
+
+    def whole(above: np.ndarray, below: np.ndarray) -> np.ndarray:
+        value = straight(above, below)
+        if first > 0:  # media outside the interfaces
+            value = value * attenuations[0](above[:, 2])
+        if last < len(facets) - 1:
+            value = value * attenuations[-1](below[:, 2])
+        return value
+
+    return whole
+
+
+def _facets(layers: Layers) -> list[tuple[float, float]]:
+    """Width and index of each interface, for straight light.
+
+    Widths are multiplied so that straight light has at least `LEAST_SPREAD`.
+    """
+    indices, (alphas, etas) = layers.indices(), layers.interfaces.T
+    spread = np.sqrt(np.sum((0.5 * indices[:-1] * (etas - 1) * alphas) ** 2))
+    factor = max(1.0, LEAST_SPREAD * max(indices[-1], 1) / spread)
+    return [(float(min(alpha * factor, 1)), float(eta)) for alpha, eta in layers.interfaces]
+
+
+def _single_interface(
+    facets: tuple[float, float], index: float, channels: int
+) -> Callable[[np.ndarray, np.ndarray], np.ndarray]:
+    """Straight light through one interface: a function as of `_two_interfaces`."""
+
+    def straight(above: np.ndarray, below: np.ndarray) -> np.ndarray:
+        outside = tuple(above.T)
+        inside = -below[:, 0], -below[:, 1], below[:, 2]  # mirrored
+        crossing = crossing_at(outside, inside, *facets)
+        f = crossing.weight * crossing.density / (below[:, 2] * np.float32(index * index))
+        return np.repeat(f[:, None], channels, axis=1)
+
+    return straight
+
+
+def _crossing_modes(outside: adding.Grid, own: adding.Grid, alpha: float, eta: float) -> np.ndarray:
+    """Modes (H, M, N): shares of light of M directions outside that arrive at N nodes inside.
+
+    eta: inside over outside; 1: light goes on.
+    """
+    if eta == 1:
+        return np.stack([own.shares(outside.angles)] * len(own.azimuths))
+    u = facet_points(FACETS)
+    inside = cross(outside.cosines.astype(np.float32)[:, None], alpha, eta, u)
+    x, y, z = inside.inside
+    shares = own.shares(np.arccos(np.clip(z, 0, 1)))
+    turn = np.arctan2(y, x)
+    modes = []
+    for order in range(len(own.azimuths)):
+        weight = inside.weight * np.cos(order * turn) / FACETS
+        modes.append(np.einsum("mk,mkn->mn", weight, shares))
+    return np.stack(modes)
+
+
+def _turn(w: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Cosine and sine (N, 1) of the azimuth of directions (N, 3)."""
+    turn = np.arctan2(w[:, 1], w[:, 0])[:, None]
+    return np.cos(turn), np.sin(turn)
+
+
+def _two_interfaces(
+    upper: tuple[float, float], lower: tuple[float, float], index: float, attenuation: Attenuation
+) -> Callable[[np.ndarray, np.ndarray], np.ndarray]:
+    """Straight light through two interfaces: a function of directions (N, 3), f (N, C).
+
+    Args:
+        upper, lower: alpha, and eta relative to the medium above.
+        index: of the medium between them.
+        attenuation: of that medium.
+
+    Half of the directions inside are drawn from either side, weighted by the balance heuristic.
+    """
+    u = facet_points(STRAIGHT)
+    lower = lower[0], 1 / lower[1]
+
+    def straight(above: np.ndarray, below: np.ndarray) -> np.ndarray:
+        total: np.ndarray | float = 0.0
+        for one, other, own, far in ((above, below, upper, lower), (below, above, lower, upper)):
+            a = cross(one[:, 2, None], *own, u)
+            (cos, sin), (x, y, z) = _turn(one), a.inside
+            inside: Vector = (sin * y - cos * x, -cos * y - sin * x, z)  # mirrored
+            b = crossing_at(tuple(other[:, i, None] for i in range(3)), inside, *far)
+            chances = a.density * b.density / np.maximum(a.density + b.density, np.float32(1e-30))
+            weight = (a.weight * b.weight * chances / (z * STRAIGHT)).ravel()
+            present = np.flatnonzero(weight)
+            values = attenuation(z.take(present)) * weight.take(present)[:, None]
+            total = total + sums(values, present // STRAIGHT, len(above))
+        return np.asarray(total) / np.float32(index * index)
+
+    return straight
+
+
+def _one_interface(
+    facets: tuple[float, float], logs: np.ndarray, index: float, attenuation: Attenuation
+) -> Callable[[np.ndarray, np.ndarray], np.ndarray]:
+    """Straight light through an interface and the layers below: a function as of `_two_interfaces`.
+
+    Args:
+        facets: alpha and eta of the interface.
+        logs: float32 (*`PASSED_SHAPE`, C) of the straight light of the layers.
+        index: below the layers relative to the medium between.
+        attenuation: of that medium.
+
+    Half of the directions inside are drawn by the interface, half by half vectors of the layers.
+    """
+    u = facet_points(THROUGH_TABLE)
+    peak: HalfVectors = half_vectors(np.exp(logs), 1.0)
+    half = peak.draw(u[:, ::-1].astype(np.float64))
+    index = float(index)  # in single precision
+    ratio = max(index, 1 / index)
+
+    def straight(above: np.ndarray, below: np.ndarray) -> np.ndarray:
+        (cos, sin), columns = _turn(above), [below[:, i, None] for i in range(3)]
+        (x, y, z), weight, _ = cross(above[:, 2, None], *facets, u)
+        drawn = Components(cos * x - sin * y, sin * x + cos * y, z)
+        _, far = refracted(drawn, Components(*columns), index, ratio, NUMPY)
+        dot = sum(w * h for w, h in zip(far, half, strict=True))
+        mirrored = Components(*(2 * dot * h - w for w, h in zip(far, half, strict=True)))
+        seen, _ = refracted(mirrored, far, index, 1 / ratio, NUMPY)
+        reached = (dot > 0) & (mirrored.z > 0) & (index * np.hypot(mirrored.x, mirrored.y) < 1)
+        present = np.concatenate([weight > 0, reached], axis=1)
+        inside = tuple(np.concatenate(w, axis=1) for w in zip(drawn, seen, strict=True))
+        chosen = np.flatnonzero(present & (inside[2] > LEAST_COSINE))
+        rows = chosen // present.shape[1]
+        inside = tuple(w.take(chosen) for w in inside)
+        far = Components(*(w.take(rows) for w in far))
+        b = crossing_at(tuple(above[:, i].take(rows) for i in range(3)), inside, *facets)
+        denser, _ = refracted(Components(*inside), far, index, ratio, NUMPY)
+        places = denser_coordinates(denser, far, ratio, NUMPY)
+        both = [p + q for p, q in zip(denser, far, strict=True)]
+        chance = peak.density_at(places[0]) / (2 * np.sqrt(sum(w * w for w in both)))
+        if index > 1:  # solid angles of refracted directions
+            chance = chance * inside[2] / (index * index * denser.z)
+        share = b.weight * b.density / np.maximum(b.density + chance, np.float32(1e-30))
+        values = interpolated_at(logs, *places) * attenuation(inside[2])
+        return sums(values * share[:, None], rows, len(above)) / THROUGH_TABLE
+
+    return straight
