@@ -85,9 +85,7 @@ class Inside(NamedTuple):
     mirrored: np.ndarray  # (M, C) shares of light at `adding.COSINES` that it mirrors
     knots: Knots  # of the table of the coated material
     media: np.ndarray  # (k, 3, C) albedo, sigma_t and g
-    factor: (
-        np.ndarray
-    )  # float32 (U, V, W) of f at the table's nodes, between which the rest is smooth
+    factor: np.ndarray  # float32 (U, V, W) of f at the nodes; f over it is smooth between them
 
 
 class HalfVectors(NamedTuple):
