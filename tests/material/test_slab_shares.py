@@ -52,7 +52,9 @@ def test_an_interface_of_index_one_is_none(whole, cut):
     [
         [(0.01, 1.6), (0.01, 1.5 / 1.6)],
         [(0.283, 1.59), (0.047, 1.0757)],
-        [(0.025, 1.18), (0.023, 1.66), (0.023, 0.687), (0.044, 0.743)],
+        pytest.param(
+            [(0.025, 1.18), (0.023, 1.66), (0.023, 0.687), (0.044, 0.743)], marks=pytest.mark.slow
+        ),
     ],
 )
 def test_clear_slabs_have_the_shares_of_the_analog_walk(interfaces):
