@@ -90,11 +90,11 @@ def define(base: type) -> type:
                 raise ParameterError(f"{self._where} has no filename; give a MERL or RGL file")
             self._filename = props["filename"]
             self.source = source = load_measured(resolve(self._filename))
-            self._components = None
+            self._spectral = None
             try:
                 if mi.is_spectral and isinstance(source, Rgl) and source.wavelengths is not None:
-                    self._components = Components(source, source.wavelengths)
-                    self._reflector = self._components.reflector
+                    self._spectral = Components(source, source.wavelengths)
+                    self._reflector = self._spectral.reflector
                 else:
                     self._reflector = source.tabulated.on(mi.Float)
             except ParameterError as error:
@@ -104,8 +104,8 @@ def define(base: type) -> type:
             return Offer(measured=self.source)
 
         def _f(self, vertex, ctx, si, wo, active):
-            if self._components:
-                return self._components.f(si.wi, wo, si.wavelengths)
+            if self._spectral:
+                return self._spectral.f(si.wi, wo, si.wavelengths)
             channels = self._reflector.channels(si.wi, wo)
             return spectrum.from_channels(channels, si.wavelengths, colors=True)
 
