@@ -8,6 +8,7 @@ from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
+from tqdm import tqdm
 
 from urushi.checks import CoatParameters, one_width
 from urushi.core.direction_sets import stratified_pairs
@@ -137,8 +138,12 @@ class PaperNetworks:
             f = np.stack([rows[key] for key in part])
             codes, _ = project(self.params, directions, f, self.arch.adam)
             found.update(zip(part, codes, strict=True))
+            progress.update(len(part))
 
-        run_all_cores(task, [new[i : i + TOGETHER] for i in range(0, len(new), TOGETHER)])
+        parts = [new[i : i + TOGETHER] for i in range(0, len(new), TOGETHER)]
+        # A projection takes seconds to minutes.
+        with tqdm(total=len(new), desc="project", unit="BRDF", delay=2, disable=None) as progress:
+            run_all_cores(task, parts)
         with self._lock:
             self._kept |= found
             for key in list(self._kept)[:-KEPT]:
