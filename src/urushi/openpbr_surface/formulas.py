@@ -313,12 +313,14 @@ def boost(darkening: Any, k: Any, albedo: Any, color: Any = 1.0, xp: Namespace =
     color: C, coat_color.
 
     Returns:
-        At least one. Times P and the albedo it is at most one: white bases cannot be brightened.
+        At least one. No base gets more than a white one that is not brightened, whose coated albedo
+        is F0 + (1 - F0) C (1 - K) / (1 - K C) where the medium absorbs along the normal.
     """
     color = xp.clip(color, LEAST_COLOR, 1)
     oblique, inside = color ** (0.5 * (REFRACTED - 1)), color**DIFFUSE
-    base = xp.maximum((1 - k) * oblique + k * inside * albedo, oblique * albedo)
-    return 1 + (xp.maximum(1 / base, 1) - 1) * (1 - darkening)
+    limit = xp.minimum(1, (1 - k) / (1 - k * color) / xp.maximum(albedo, 1e-6))
+    undarkened = limit / ((1 - k) * oblique + k * inside * limit * albedo)
+    return 1 + (xp.maximum(undarkened, 1) - 1) * (1 - darkening)
 
 
 # 3.5 Fuzz: a layer of fibres, whose reflection is a linearly transformed cosine (Zeltner, Burley
