@@ -111,10 +111,12 @@ class HalfVectors(NamedTuple):
 class Below(NamedTuple):
     """The BRDF of everything below an interface, for channels C that share the interface."""
 
-    table: np.ndarray  # float32 (U, V, W, C), ln f without the bottom's lobes
+    # float32 (U, V, W, 2 C), ln f of the bottom without its lobes, and of light that medium or
+    # interface turn back
+    table: np.ndarray
     lobe: np.ndarray | None  # float32 (C, N) of the bottom, (1, N) if the channels share it
     depth: np.ndarray  # float32 (C,) the optical depth that attenuates light from the lobe
-    # Factor of each direction of light from the lobe, the root of `adding.to_and_fro`.
+    # Factor of each direction of light from the bottom, the root of `adding.to_and_fro`.
     times: Callable[[np.ndarray], np.ndarray]
     peak: HalfVectors  # of the bottom
     knots: Knots  # of the table
@@ -273,13 +275,12 @@ def _below(
         again, depth = adding.seen_inside(modes[channel], back, layers, edges)
         more.append(own.interpolated(again[..., None], wi, wo).reshape(SHAPE))
         logs = bottom.table[..., channel].astype(np.float32) - depth * inverse
-        direct.append(np.exp(logs))
+        direct.append(logs)
         depths.append(depth)
-    values = np.stack(direct, axis=-1)
     upper = adding.mirror(float(interface[0]), float(interface[1]), edges)
     times = adding.to_and_fro(depths, upper, inside.mirrored[:, channels])[1]
-    values *= (times(wi[:, 2]) * times(wo[:, 2])).reshape(values.shape)
-    table = np.log(np.maximum(values + np.stack(more, axis=-1), 1e-30)).astype(np.float32)
+    logs = np.log(np.maximum(np.stack(more, axis=-1), 1e-30))
+    table = np.concatenate([np.stack(direct, axis=-1), logs], axis=-1, dtype=np.float32)
     lobe = None
     if bottom.beside_lobe:
         lobe = bottom.latents[channels, : bottom.model.arch.lobe]
@@ -293,15 +294,11 @@ def _spanning(below: Below) -> tuple[Below, np.ndarray]:
     f of the coated material is linear in the BRDF below, so that fewer channels suffice for the
     bands of a spectrum. The next channel is always the farthest from sums of the chosen ones.
     """
-    channels = below.table.shape[-1]
+    channels = len(below.depth)
     if channels <= 3:
         return below, np.eye(channels, dtype=np.float32)
     wi, wo = node_pairs(1, below.knots)
-    s = np.exp(below.table.reshape(-1, channels))
-    if below.lobe is not None:
-        inverse = (1 / wi[:, 2] + 1 / wo[:, 2])[:, None]
-        left = np.exp(-below.depth * inverse) * below.times(wi[:, 2]) * below.times(wo[:, 2])
-        s = s + lobes.f(below.lobe, wi[:, None], wo[:, None]) * left
+    s = _seen(below, wi, wo, pair_coordinates(wi, wo, 1, below.knots))
     relative = s / s.mean(axis=1, keepdims=True)
     sizes = np.linalg.norm(relative, axis=0)
     relative /= sizes
@@ -318,7 +315,7 @@ def _spanning(below: Below) -> tuple[Below, np.ndarray]:
     weights *= sizes / sizes[chosen, None]
     lobe = below.lobe if below.lobe is None or len(below.lobe) == 1 else below.lobe[chosen]
     part = below._replace(
-        table=below.table[..., chosen],
+        table=below.table[..., [*chosen, *(channels + np.array(chosen))]],
         lobe=lobe,
         depth=below.depth[chosen],
         times=lambda cosine: below.times(cosine)[..., chosen],
@@ -388,13 +385,13 @@ def _seen(
 ) -> np.ndarray:
     """The BRDF below (..., C) for pairs (..., 3) with table coordinates `places` (...)."""
     values = interpolated_at(below.table, *(p.ravel() for p in places))
-    values = values.reshape(*places[0].shape, below.table.shape[-1])
-    if below.lobe is None:
-        return values
-    own = lobes.f(below.lobe, wi[..., None, :], wo[..., None, :])
-    if below.depth.any():
-        own = own * np.exp(-below.depth * (1 / wi[..., 2, None] + 1 / wo[..., 2, None]))
-    return values + own * below.times(wi[..., 2]) * below.times(wo[..., 2])
+    direct, more = np.split(values.reshape(*places[0].shape, below.table.shape[-1]), 2, axis=-1)
+    if below.lobe is not None:
+        own = lobes.f(below.lobe, wi[..., None, :], wo[..., None, :])
+        if below.depth.any():
+            own = own * np.exp(-below.depth * (1 / wi[..., 2, None] + 1 / wo[..., 2, None]))
+        direct = direct + own
+    return direct * below.times(wi[..., 2]) * below.times(wo[..., 2]) + more
 
 
 def _turned(w: Vector, turn: np.ndarray) -> Vector:
