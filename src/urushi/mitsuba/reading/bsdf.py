@@ -106,6 +106,9 @@ def excluded_shares(bsdf: "mi.BSDF") -> tuple[float, float]:
 
     Means over the channels, by the BSDF's own `sample`, whose weights are trusted.
     """
+    excluded = mi.BSDFFlags.Transmission, mi.BSDFFlags.Null, mi.BSDFFlags.DeltaReflection
+    if not any(mi.has_flag(bsdf.flags(), kind) for kind in excluded):
+        return 0.0, 0.0
     rng = np.random.default_rng(0)
     u = rng.random((5, SAMPLES))
     cosine, sine = np.sqrt(u[0]), np.sqrt(1 - u[0])
