@@ -3,6 +3,7 @@
 import mitsuba as mi
 import numpy as np
 import pytest
+from tests.oracles.analog import analog_albedo
 
 import urushi
 from urushi.core import fresnel
@@ -69,23 +70,22 @@ def albedo(bsdf, cosine, samples=1 << 17):
 
 
 @pytest.mark.parametrize("index", [1.002, 1.1, 1.5])
-def test_a_smooth_coat_over_a_polished_metal_reflects_as_much_as_plane_surfaces(index):
-    """Saunderson (1942): light between two plane surfaces, with the metal's reflectance inside."""
-    metal, cosines = 0.8, np.array([0.95, 0.6, 0.3])
+def test_a_smooth_coat_over_a_polished_metal_reflects_as_many_photons(index):
+    """Coat and metal have an alpha of 0.01. Photons err by 0.1 %, tables by up to 2.5 % there."""
     coated = openpbr(
         base_metalness=1.0,
-        base_color={"type": "rgb", "value": [metal] * 3},
+        base_color={"type": "rgb", "value": [0.8] * 3},
         specular_roughness=0.1,
         coat_weight=1.0,
         coat_ior=index,
         coat_roughness=0.0,
     )
+    cosines = np.array([0.95, 0.6, 0.3])
     found = adding.albedos(lambda wi, wo: values(coated, wi, wo), cosines)
-    top, below = fresnel.dielectric(cosines, index / 1.000277, NUMPY)
-    inside = metal + (1 - metal) * (1 - below) ** 5
-    expected = top + (1 - top) ** 2 * inside / (1 - top * inside)
-    # The surfaces have an alpha of 0.01. Towards the horizon, tables hardly resolve such lobes.
-    np.testing.assert_allclose(found, np.tile(expected[:, None], 3), rtol=0.03)
+    wi = np.stack([np.sqrt(1 - cosines**2), 0 * cosines, cosines], axis=1).astype(np.float32)
+    stack = urushi.coat(urushi.conductor(0.01, r0=0.8), 0.01, ior=index)
+    photons, _ = analog_albedo(stack, wi, walks=1 << 17)
+    np.testing.assert_allclose(found, photons, rtol=0.03)
 
 
 @pytest.mark.parametrize(("metalness", "rough"), [(0.0, 0.1), (0.0, 1.0), (1.0, 0.7)])

@@ -75,7 +75,7 @@ def test_f_has_the_gradients_of_all_numbers(rgb, model, name, textured):
             dr.gather(rgb.Float, tensor.array, dr.arange(rgb.UInt32, 144) % 36), (2, 2, 3, 12)
         )
         grid = TexelGrid(2, 2, IDENTITY, "repeat", False)
-        unused = dict.fromkeys(("vertex", "at", "save", "material", "anchors"))
+        unused = dict.fromkeys(("vertex", "at", "save", "material", "anchors_at"))
         black = SimpleNamespace(grid=grid, channels=3, f=lambda *_: [rgb.Float(0)] * 3, **unused)
         held = DifferentiableLatents(model, black, repeated)
     else:
