@@ -71,7 +71,7 @@ class BsdfNet:
         Raises:
             ParameterError: wrong shapes, or directions that are not unit vectors.
         """
-        return evaluate(self._f, 3, wi, wo, width=INPUTS)
+        return evaluate(self._f, 3, wi, wo)
 
     def _f(self, wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
         x = encoded(nbrdf.inputs(wi, wo))

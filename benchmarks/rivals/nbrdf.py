@@ -56,7 +56,7 @@ class Nbrdf:
         Raises:
             ParameterError: wrong shapes, or directions that are not unit vectors.
         """
-        return evaluate(self._f, 3, wi, wo, width=21)
+        return evaluate(self._f, 3, wi, wo)
 
     def _f(self, wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
         return np.maximum(np.expm1(logits(self.weights, inputs(wi, wo))), 0)

@@ -69,7 +69,7 @@ class NeuralBtf:
         Raises:
             ParameterError: wrong shapes, or directions that are not unit vectors.
         """
-        return evaluate(self._f, 3, wi, wo, width=WIDTH)
+        return evaluate(self._f, 3, wi, wo)
 
     def _f(self, wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
         x = np.concatenate([wi[:, :2], wo[:, :2]], axis=1).astype(np.float32)

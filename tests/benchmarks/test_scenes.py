@@ -39,7 +39,7 @@ def types(node):
             yield from types(value)
 
 
-@pytest.mark.parametrize("name", SCENES)
+@pytest.mark.parametrize("name", sorted({*SCENES} - {"library"}))  # saved materials, no coats
 def test_methods_replace_every_coat_and_leave_the_rest(name, tmp_path):
     found = {
         method: list(types(describe(name, method, tmp_path, **SMALL)))
