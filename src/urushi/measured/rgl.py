@@ -48,7 +48,7 @@ MIN_COSINE = 0.01
 #: about 1 %, most of it from the resolution of theta_h.
 TABLE_SHAPE = (256, 64, 64)
 
-#: Components of spectra: at most so many, or as many as leave this relative error (RMS).
+#: Largest number of components of spectra, and their relative error (RMS) if fewer suffice.
 MOST_COMPONENTS, COMPONENTS_ERROR = 16, 1e-3
 
 #: CIE XYZ to linear sRGB (IEC 61966-2-1).

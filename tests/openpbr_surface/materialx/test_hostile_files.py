@@ -155,7 +155,7 @@ def test_definitions_that_inherit_in_a_circle(document):
 
 
 def test_a_document_that_materialx_reads_need_not_be_xml(document):
-    """Its parser takes < and & in attributes as they are, and dashes in comments."""
+    """Its parser accepts the characters < and & in attributes, and dashes in comments."""
     text = """<!-- it's <a> & "b -- c -->
         <open_pbr_surface name="s" type="surfaceshader" doc='a < "b" & c'>
         <input name="base_color" type="color3" value="1, 0, 0" doc="&lt;UDIM&gt; or <UDIM>"/>
