@@ -185,8 +185,8 @@ DIELECTRICS = {
     "ThinDielectric": "thindielectric",
 }
 
-#: Mitsuba keeps only the ratio of the indices of a dielectric. Indices of materials have at most this
-#: number of decimals. If the ratio times the index of air has more, `ext_ior` was not air.
+#: Mitsuba keeps only the ratio of the indices of a dielectric. Indices of materials have at most
+#: this number of decimals. If the ratio times the index of air has more, `ext_ior` was not air.
 DECIMALS = 4
 #: A ratio is taken for one to vacuum from here: no solid or liquid reflects less.
 LEAST_IN_VACUUM = 1.3
