@@ -4,7 +4,7 @@
     python -m research.linear_basis fit out/basis --functions 24     a basis and its errors
 
 The logarithm of f without the topmost lobe is b + sum_k c_k U_k over the nodes of
-`urushi.material.table`. The functions U are shared by all materials, and c is the code of one. U is
+`urushi.core.table`. The functions U are shared by all materials, and c is the code of one. U is
 fitted to tables by alternating weighted least squares; a code is a weighted least-squares solution
 from the values at some pairs. A weight is the share of energy of a pair, plus a floor.
 
@@ -26,9 +26,7 @@ from research import next_networks
 from urushi.checks import CoatParameters
 from urushi.core import error_metrics
 from urushi.core.directions import directions_at
-from urushi.material.coated_table import coated_table
-from urushi.material.material import Material
-from urushi.material.table import (
+from urushi.core.table import (
     HIGHEST,
     LOWEST,
     SHAPE,
@@ -38,6 +36,8 @@ from urushi.material.table import (
     pair_coordinates,
     table_of_values,
 )
+from urushi.material.coated_table import coated_table
+from urushi.material.material import Material
 from urushi.nets import lobe as lobes
 from urushi.nets.weights import default_model
 from urushi.train.distribution import Extended, Practical

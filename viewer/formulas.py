@@ -28,7 +28,7 @@ from urushi.core.namespace import Components
 from urushi.export.expressions import BOOL, FLOAT, INT, VECTOR, Expression, call, name, vector
 from urushi.export.printer import PRIMARY, Printer, broken
 from urushi.export.statements import Function, Variable, element, namespace, offset_index
-from urushi.material import table
+from urushi.core import table
 from urushi.nets import features, lobe, sampler
 
 FILE = Path(__file__).parent / "src/core/formulas.ts"

@@ -19,8 +19,8 @@ from figures.verdict import methods as known
 from figures.verdict.methods import Values
 from urushi import fan2022
 from urushi.core import direction_sets, error_metrics
+from urushi.core import table as nodes
 from urushi.fan2022 import PaperNetworks
-from urushi.material import table as nodes
 from urushi.nets.weights import default_model
 from urushi.train.distribution import Table2
 from urushi.walk import Stack, walk_pairs

@@ -13,8 +13,8 @@ from research.rivals import belcour, weidlich, weier
 
 import urushi.walk
 from figures.verdict import fits
+from urushi.core import table as nodes
 from urushi.fan2022 import PaperNetworks
-from urushi.material import table as nodes
 from urushi.nets.weights import DEFAULT, Model
 from urushi.walk import StackTable, walk_pairs
 

@@ -21,9 +21,9 @@ import safetensors.numpy
 import urushi
 from urushi.app import cli, page_files, view
 from urushi.app.view import HOST, POLICY, PageServer
+from urushi.core.table import SHAPE
 from urushi.errors import FileError, ParameterError
 from urushi.export.languages import LANGUAGES
-from urushi.material.table import SHAPE
 from urushi.nets import weights
 from urushi.nets.architecture import init
 

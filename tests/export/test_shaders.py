@@ -11,11 +11,11 @@ import pytest
 from tests.export import gpu
 
 from urushi.app.cli import main
+from urushi.core.table import SHAPE
 from urushi.errors import ParameterError, UrushiWarning
 from urushi.export import networks
 from urushi.export.program import codes_text, template_text
 from urushi.material import Material
-from urushi.material.table import SHAPE
 
 #: Relative difference of f and pdf: some roundings of single precision, in ln f up to 25.
 TOLERANCE = 1e-5

@@ -9,9 +9,9 @@ import pytest
 from tests.export import gpu
 
 from urushi.app.cli import main
+from urushi.core.table import SHAPE
 from urushi.errors import ParameterError
 from urushi.material import Material
-from urushi.material.table import SHAPE
 from urushi.nets import weights
 from urushi.textures import gpu as texture_files
 

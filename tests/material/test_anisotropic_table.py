@@ -5,14 +5,9 @@ import pytest
 
 from urushi.core.direction_sets import cosine_pairs, slope_pairs
 from urushi.core.error_metrics import stack_error
+from urushi.core.table import SHAPES, anisotropic_node_directions, interpolated, pair_coordinates
 from urushi.material import Material, encode, layer
-from urushi.material.table import (
-    SHAPES,
-    anisotropic_node_directions,
-    interpolated,
-    pair_coordinates,
-    rest_table,
-)
+from urushi.nets.networks import rest_table
 from urushi.walk import conductor, dielectric, diffuse
 
 BRUSHED = {"alpha_u": 0.08, "alpha_v": 0.4}

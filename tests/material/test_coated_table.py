@@ -9,11 +9,11 @@ import urushi
 from urushi.checks import CoatParameters
 from urushi.core import direction_sets
 from urushi.core.error_metrics import stack_error
+from urushi.core.table import SHAPE, interpolated, node_pairs, table_of_values
 from urushi.errors import UrushiWarning
 from urushi.material import Material, encode, layer, lerp, load
 from urushi.material.coated_table import coated_rest
 from urushi.material.layer import layer_material
-from urushi.material.table import SHAPE, interpolated, node_pairs, table_of_values
 from urushi.measured.tabulated import MeasuredSurface, bin_centres
 from urushi.nets.lobe import f as lobe_f
 from urushi.nets.lobe import fresnel, of_coat

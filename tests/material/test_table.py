@@ -6,8 +6,7 @@ import pytest
 from urushi.core.direction_sets import cosine_pairs, half_angle_pairs
 from urushi.core.error_metrics import stack_error
 from urushi.core.namespace import NUMPY
-from urushi.material import Material, encode, layer
-from urushi.material.table import (
+from urushi.core.table import (
     HIGHEST,
     LOWEST,
     SHAPE,
@@ -19,9 +18,10 @@ from urushi.material.table import (
     known_nodes,
     node_directions,
     pair_coordinates,
-    rest_table,
     unknotted,
 )
+from urushi.material import Material, encode, layer
+from urushi.nets.networks import rest_table
 from urushi.walk import conductor, dielectric, diffuse
 
 

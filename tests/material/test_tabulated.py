@@ -4,12 +4,12 @@ import numpy as np
 import pytest
 
 from urushi import files
+from urushi.core.table import SHAPE
 from urushi.errors import FileError, ParameterError
 from urushi.material import Material, encode, layer, lerp, load
 from urushi.material.albedo_rule import albedo_rule
 from urushi.material.encode import encode_all, required_pairs
 from urushi.material.material import FORMAT_VERSION
-from urushi.material.table import SHAPE
 from urushi.nets.weights import anisotropic_model
 from urushi.walk import conductor, dielectric
 

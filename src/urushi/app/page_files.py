@@ -21,12 +21,12 @@ import numpy as np
 import safetensors.numpy
 
 from urushi.checks import AIR, Widths
+from urushi.core.table import node_pairs, table_of_values
 from urushi.errors import FileError, ParameterError
 from urushi.export.languages import LANGUAGES
 from urushi.export.program import template_text
 from urushi.files import METADATA_KEY
 from urushi.material import Material, encode
-from urushi.material.table import node_pairs, table_of_values
 from urushi.nets.weights import FORMAT_VERSION, Model, anisotropic_model
 from urushi.openpbr_surface.thin_film import MEAN_COSINE, FilmedMetal
 from urushi.walk import Stack, conductor

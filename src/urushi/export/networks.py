@@ -12,6 +12,7 @@ import numpy as np
 from urushi.checks import Widths
 from urushi.core import microfacet
 from urushi.core.namespace import Components
+from urushi.core.table import MAX_LOG, MIN_LOG
 from urushi.export.expressions import (
     COLOUR,
     FLOAT,
@@ -27,7 +28,6 @@ from urushi.export.expressions import (
 )
 from urushi.export.statements import Function, Variable, element, integer, namespace, offset_index
 from urushi.nets.architecture import SCALE
-from urushi.nets.decoder import MAX_LOG, MIN_LOG
 from urushi.nets.features import DIRECTIONS, direction_columns
 from urushi.nets.lobe import COSINES, FEATURES, WIDTH_PLACES, feature_columns, reflectance_of
 from urushi.nets.mlp import POLYNOMIALS

@@ -27,17 +27,7 @@ import numpy as np
 
 from urushi.checks import CoatParameters
 from urushi.core.namespace import NUMPY, Components
-from urushi.material import adding, energy
-from urushi.material.crossing import (
-    LEAST_COSINE,
-    Crossing,
-    Vector,
-    cross,
-    crossing_at,
-    facet_pair_points,
-)
-from urushi.material.material import Material
-from urushi.material.table import (
+from urushi.core.table import (
     HIGHEST,
     LOWEST,
     SHAPE,
@@ -52,6 +42,16 @@ from urushi.material.table import (
     pair_coordinates,
     table_of_values,
 )
+from urushi.material import adding, energy
+from urushi.material.crossing import (
+    LEAST_COSINE,
+    Crossing,
+    Vector,
+    cross,
+    crossing_at,
+    facet_pair_points,
+)
+from urushi.material.material import Material
 from urushi.nets import lobe as lobes
 from urushi.parallel import fill_blocks
 

@@ -16,6 +16,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from urushi.core.error_metrics import DARK_OFFSET, energy_weight
+from urushi.core.table import node_pairs, table_of_values
 from urushi.errors import ParameterError, UrushiError, UrushiWarning
 from urushi.material import energy
 from urushi.material.albedo_rule import AlbedoRule, albedo_rule
@@ -25,7 +26,6 @@ from urushi.material.material import Material
 from urushi.material.simulated import FIT_WALKS, fit_to_walks
 from urushi.material.source import Source, as_source, source_name
 from urushi.material.symmetry import Deviations, deviations_of, is_anisotropic, symmetrise
-from urushi.material.table import node_pairs, table_of_values
 from urushi.measured import load_measured
 from urushi.nets import lobe as lobes
 from urushi.nets.interface_fit import find_lobes
@@ -85,7 +85,7 @@ def encode(
             2.6 M for each channel (see `urushi.material.simulated`); in the mean it is closer than
             the code of `layer`.
         table: whether the material also gets a table of f over directions (see
-            `urushi.material.table`), which is used to evaluate and render it. It costs as much as
+            `urushi.core.table`), which is used to evaluate and render it. It costs as much as
             the codes and is far more accurate for unusual BRDFs. Textures use the codes. The source
             is evaluated at 25,000 more pairs, which takes minutes for a Stack; a file is 150 kB
             larger. None: for measured BRDFs, and for Mitsuba BSDFs but conductors, Lambertians and

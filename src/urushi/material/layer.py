@@ -11,14 +11,15 @@ from urushi import checks
 from urushi.checks import CoatParameters, Widths
 from urushi.core.appearance import described
 from urushi.core.microfacet import of_widths
+from urushi.core.table import MIN_LOG, SHAPE, node_pairs, table_of_values
 from urushi.errors import ParameterError
 from urushi.material.coated_table import coated_table
 from urushi.material.encode import encode
 from urushi.material.energy import as_rendered, limit_albedo
 from urushi.material.material import Coating, Material
-from urushi.material.table import SHAPE, node_pairs, rest_table, table_of_values
 from urushi.nets import lobe as lobes
-from urushi.nets.decoder import EMPTY_GAIN, MIN_LOG
+from urushi.nets.decoder import EMPTY_GAIN
+from urushi.nets.networks import rest_table
 from urushi.nets.weights import Model, Weights, anisotropic_model, default_model
 from urushi.parallel import fill_blocks
 from urushi.walk import Dielectric

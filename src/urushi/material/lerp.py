@@ -12,11 +12,11 @@ from dataclasses import replace
 import numpy as np
 import numpy.typing as npt
 
+from urushi.core.table import SHAPE, node_pairs, table_of_values
 from urushi.errors import ParameterError
 from urushi.material import energy
 from urushi.material.encode import encode
 from urushi.material.material import Material
-from urushi.material.table import SHAPE, node_pairs, table_of_values
 from urushi.nets import lobe as lobes
 from urushi.nets.weights import Model, anisotropic_model, default_model
 

@@ -12,10 +12,10 @@ from urushi import checks, files
 from urushi.checks import CoatParameters
 from urushi.core.directions import rotated
 from urushi.core.quadrature import half_vector_rule
+from urushi.core.table import SHAPE, Knots, coordinates, interpolated
 from urushi.errors import FileError, ParameterError, UrushiWarning
 from urushi.export.networks import FTable
 from urushi.export.program import material_text
-from urushi.material.table import SHAPE, Knots, coordinates, interpolated
 from urushi.nets import lobe as lobes
 from urushi.nets.sampler import mixture_pdf, sample_mixture
 from urushi.nets.weights import Model, Weights, find, model_of_file
@@ -50,7 +50,7 @@ class Material:
             Coats are layered over them, and directions are sampled by them. In encoded materials
             they differ from the latents, which are fitted to values (see `urushi.material.fit`);
             in coated materials they are equal. Default: the latents.
-        table: read-only float16 (U, V, W, C), ln f over directions (see `urushi.material.table`),
+        table: read-only float16 (U, V, W, C), ln f over directions (see `urushi.core.table`),
             by which f is evaluated instead of by the latents, as of measured BRDFs. Default: None.
         beside_lobe: whether the table is of the rest alone, and f is the lobe of the latents plus
             the table, as of coats over measured BRDFs; otherwise it is of all of f. False without a

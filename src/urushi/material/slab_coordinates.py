@@ -2,7 +2,7 @@
 
 A pair is wi above the slab and the mirror image of wo below it, both as they would be in the denser
 of the two outer media (`slabs.straight`). Light that goes straight through is then a narrow lobe at
-small half angles. In the coordinates of `urushi.material.table`, a sign of w says which of both
+small half angles. In the coordinates of `urushi.core.table`, a sign of w says which of both
 cosines is the larger. f of importance is the table times the square of the index on wo's side, and
 exchanging wi and wo leaves the table's value the same.
 """
@@ -16,8 +16,8 @@ import numpy as np
 from urushi.checks import MIN_INDEX_STEP
 from urushi.core import fresnel, microfacet
 from urushi.core.namespace import NUMPY, Components, Namespace
-from urushi.material.coated_table import ROWS
-from urushi.material.table import (
+from urushi.core.table import (
+    MIN_COSINE,
     SHAPE,
     Knots,
     completed,
@@ -28,7 +28,7 @@ from urushi.material.table import (
     node_directions,
     unknotted,
 )
-from urushi.nets.features import MIN_COSINE
+from urushi.material.coated_table import ROWS
 from urushi.parallel import fill_blocks
 from urushi.walk import slabs
 

@@ -18,6 +18,7 @@ import numpy as np
 
 from urushi.checks import MIN_ALPHA
 from urushi.core.namespace import NUMPY, Components
+from urushi.core.table import interpolated_at
 from urushi.material import adding
 from urushi.material.coated_table import HalfVectors, Inside, half_vectors, sums
 from urushi.material.crossing import LEAST_COSINE, Vector, cross, crossing_at, facet_points
@@ -29,7 +30,6 @@ from urushi.material.slab_coordinates import (
     tabulated,
 )
 from urushi.material.slab_shares import Layers
-from urushi.material.table import interpolated_at
 
 #: Directions inside for each node, drawn from either side.
 STRAIGHT = 34

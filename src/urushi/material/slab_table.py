@@ -18,6 +18,16 @@ import numpy as np
 from urushi.checks import CoatParameters
 from urushi.core.namespace import NUMPY, Components
 from urushi.core.quadrature import half_vector_rule
+from urushi.core.table import (
+    MAX_LOG,
+    MIN_LOG,
+    SHAPE,
+    Knots,
+    interpolated_at,
+    knots_of,
+    node_pairs,
+    pair_coordinates,
+)
 from urushi.material import adding
 from urushi.material.coated_table import Inside, coated_rest
 from urushi.material.material import Material
@@ -32,16 +42,7 @@ from urushi.material.slab_coordinates import (
 )
 from urushi.material.slab_light import transmitted
 from urushi.material.slab_shares import Layers, Shares, shares
-from urushi.material.table import (
-    SHAPE,
-    Knots,
-    interpolated_at,
-    knots_of,
-    node_pairs,
-    pair_coordinates,
-)
 from urushi.nets import lobe as lobes
-from urushi.nets.decoder import MAX_LOG, MIN_LOG
 from urushi.nets.weights import Model
 from urushi.walk import slabs
 

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from urushi.core.table import MAX_LOG, MIN_LOG
 from urushi.nets.architecture import SCALE, Architecture
 from urushi.nets.mlp import (
     Params,
@@ -16,9 +17,6 @@ from urushi.nets.mlp import (
     hidden_with_slopes,
     product,
 )
-
-#: Range to which ln f is clamped, so that f is positive and finite for any weights.
-MIN_LOG, MAX_LOG = -25.0, 20.0
 
 #: Gain with which any code decodes to exp(`MIN_LOG`).
 EMPTY_GAIN = -100.0

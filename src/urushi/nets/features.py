@@ -7,6 +7,7 @@ import numpy as np
 
 from urushi.checks import Widths
 from urushi.core.namespace import Namespace, arrays, components
+from urushi.core.table import MIN_COSINE
 
 
 def stacked(columns: Sequence[Any]) -> Any:
@@ -47,9 +48,6 @@ class Normalisation:
         constants = zip(columns, self._means.tolist(), self._factors.tolist(), strict=True)
         return [(column - mean) * factor for column, mean, factor in constants]
 
-
-#: Smallest cosine to the normal. Smaller ones are clamped to it, so f is constant near the horizon.
-MIN_COSINE = 5e-3
 
 #: Features of a pair of directions: formula, mean, scale. Normalisation by mean and scale gives
 #: about mean 0 and variance 1 over pairs that are spread half in the logarithm of the half angle

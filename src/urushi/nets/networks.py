@@ -6,6 +6,7 @@ import numpy as np
 
 from urushi.checks import CoatParameters
 from urushi.core.probe_pairs import probe_pairs
+from urushi.core.table import SHAPES, node_pairs
 from urushi.nets import decoder, encoder, layerer, sampler
 from urushi.nets import lobe as lobes
 from urushi.nets.architecture import Architecture
@@ -102,3 +103,20 @@ class UrushiNetworks(NamedTuple):
     def proposal(self, z: Any, wi: Any) -> tuple[Any, Any]:
         """`sampler.mixture` of codes z (..., L) for wi (..., 3) above the horizon."""
         return sampler.mixture(self.params, self.arch, z, wi)
+
+
+#: Pairs that are decoded at once.
+BLOCK = 4096
+
+
+def rest_table(networks: UrushiNetworks, latents: np.ndarray) -> np.ndarray | None:
+    """ln f of the rests of codes (C, L): float32 (*`SHAPES[widths]`, C); None if there are none."""
+    if (latents[:, networks.arch.lobe] <= decoder.EMPTY_GAIN).all():
+        return None
+    widths = networks.arch.widths
+    features = direction_features(*node_pairs(widths), widths)
+    logs = [
+        np.log(networks.rest(latents, features[start : start + BLOCK, None]))
+        for start in range(0, len(features), BLOCK)
+    ]
+    return np.concatenate(logs).reshape(*SHAPES[widths], len(latents))

@@ -22,8 +22,9 @@ from urushi.core.namespace import (
     components,
     stacked_components,
 )
+from urushi.core.table import MIN_COSINE
 from urushi.nets.architecture import Architecture
-from urushi.nets.features import MIN_COSINE, stacked
+from urushi.nets.features import stacked
 from urushi.nets.lobe import WIDTH_PLACES, lobe_features
 from urushi.nets.mlp import Params, hidden_to_output, split_linear
 

@@ -4,12 +4,12 @@ import drjit as dr
 import numpy as np
 import pytest
 
+from urushi.core.table import interpolated
 from urushi.material.material import Material
-from urushi.material.table import interpolated, rest_table
 from urushi.nets import lobe as numpy_lobe
 from urushi.nets import weights
 from urushi.nets.architecture import SCALE, Architecture, init
-from urushi.nets.networks import UrushiNetworks
+from urushi.nets.networks import UrushiNetworks, rest_table
 from urushi.textures import packing
 from urushi.textures.store import IDENTITY, TexelGrid, TextureStore
 

@@ -7,7 +7,8 @@ import urushi
 from urushi.core.direction_sets import cosine_pairs
 from urushi.core.directions import rotated
 from urushi.core.error_metrics import stack_error
-from urushi.material.table import interpolated, rest_table
+from urushi.core.table import interpolated
+from urushi.nets.networks import rest_table
 from urushi.nets.weights import anisotropic_model, default_model
 
 BRUSHED = {"type": "roughconductor", "distribution": "ggx", "material": "Cu"}

@@ -4,9 +4,10 @@ import drjit as dr
 import numpy as np
 import pytest
 
+from urushi.core.table import SHAPE
 from urushi.material import Material
-from urushi.material.table import SHAPE, rest_table
 from urushi.nets.architecture import Architecture, init
+from urushi.nets.networks import rest_table
 from urushi.nets.weights import Model
 
 

@@ -108,7 +108,7 @@ export const LOBE_ALBEDO = {
   TURNS: 20,
 } as const;
 
-/** Of `urushi.material.table` of Python. */
+/** Of `urushi.core.table` of Python. */
 export const TABLE = {
   SHAPE: [96, 32, 8],
 } as const;

@@ -10,6 +10,7 @@ from typing import Any
 import mitsuba as mi
 import numpy as np
 
+from urushi.core.table import node_pairs, table_of_values
 from urushi.material.encode import (
     bare_anchors,
     encode_source,
@@ -19,7 +20,6 @@ from urushi.material.encode import (
 )
 from urushi.material.energy import limit_albedo
 from urushi.material.material import Material
-from urushi.material.table import node_pairs, table_of_values
 from urushi.mitsuba import spectrum
 from urushi.mitsuba.reading import probing
 from urushi.mitsuba.reading.bsdf import reflection_source

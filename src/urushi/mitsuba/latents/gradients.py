@@ -23,7 +23,7 @@ import mitsuba as mi
 import numpy as np
 
 from urushi import checks
-from urushi.material.table import node_pairs
+from urushi.core.table import node_pairs
 from urushi.mitsuba import spectrum
 from urushi.mitsuba.latents import coding, table_gradients
 from urushi.mitsuba.latents.baking import Baker

@@ -16,7 +16,6 @@ import numpy as np
 
 from urushi.core.mixture import Mixture
 from urushi.material.material import Material
-from urushi.material.table import rest_table
 from urushi.mitsuba import spectrum
 from urushi.mitsuba.latents.lookup import LatentTexture, are_constant
 from urushi.mitsuba.networks.decoder import UrushiDecoder
@@ -24,6 +23,7 @@ from urushi.mitsuba.networks.lobe import NO_LOBE, LobeKind, kind_of
 from urushi.mitsuba.networks.sampler import UrushiSampler
 from urushi.mitsuba.networks.table import TabulatedDecoder, stored
 from urushi.mitsuba.recording import only_where, owned
+from urushi.nets.networks import rest_table
 from urushi.nets.weights import Model
 from urushi.textures.store import TexelGrid, TextureStore, write_texture
 

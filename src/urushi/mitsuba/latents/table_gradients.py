@@ -17,9 +17,9 @@ import mitsuba as mi
 import numpy as np
 
 from urushi.checks import ETA_RANGE, MIN_ALPHA, MIN_INDEX_STEP, CoatParameters
+from urushi.core.table import table_of_values
 from urushi.material.layer import layer_material
 from urushi.material.material import Material
-from urushi.material.table import table_of_values
 from urushi.mitsuba import spectrum
 from urushi.mitsuba.latents.coding import stacked
 from urushi.mitsuba.reading import probing

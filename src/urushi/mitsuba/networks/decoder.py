@@ -7,10 +7,10 @@ import drjit as dr
 import numpy as np
 
 from urushi.core.namespace import DRJIT
+from urushi.core.table import MAX_LOG, MIN_LOG
 from urushi.mitsuba.networks import lobe, mlp
 from urushi.mitsuba.networks.lobe import LobeKind
 from urushi.nets.architecture import SCALE
-from urushi.nets.decoder import MAX_LOG, MIN_LOG
 from urushi.nets.features import DIRECTIONS, direction_columns
 from urushi.nets.weights import Model
 

@@ -1,4 +1,4 @@
-"""f of constant materials in Dr.Jit, by tables over directions (`material.table`)."""
+"""f of constant materials in Dr.Jit, by tables over directions (`core.table`)."""
 
 from collections.abc import Sequence
 from typing import Any
@@ -8,7 +8,7 @@ import mitsuba as mi
 import numpy as np
 
 from urushi.core.namespace import DRJIT
-from urushi.material.table import SHAPES, Knots, coordinates, corner_steps
+from urushi.core.table import SHAPES, Knots, coordinates, corner_steps
 from urushi.mitsuba.networks import lobe
 from urushi.mitsuba.networks.lobe import LobeKind
 from urushi.mitsuba.recording import owned
@@ -96,7 +96,7 @@ def interpolated(table, shape: Sequence[int], coordinates: Sequence, band=None) 
 
 
 def _looked_up(table, channels: int, places: Sequence, bands: Sequence | None) -> list:
-    """f of each channel [1/sr] at a table's coordinates, see `material.table.interpolated_at`."""
+    """f of each channel [1/sr] at a table's coordinates, see `core.table.interpolated_at`."""
     shape = SHAPES[1 if len(places) == 3 else 2]
     clipped = [dr.clip(place, 0, 1) for place in places]
     if bands is None:

@@ -31,7 +31,7 @@ import json, sys
 import numpy as np
 import urushi
 from safetensors.numpy import load_file
-from urushi.material.table import node_pairs, table_of_values
+from urushi.core.table import node_pairs, table_of_values
 from urushi.nets.weights import find
 pairs = np.array(json.load(sys.stdin), np.float32).reshape(2, -1, 3)
 brdf, saved = urushi.load_measured(sys.argv[1]), load_file(sys.argv[2])

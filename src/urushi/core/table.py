@@ -37,9 +37,6 @@ from typing import Any
 import numpy as np
 
 from urushi.core.namespace import NUMPY, Components, Namespace, stacked_components
-from urushi.nets.decoder import EMPTY_GAIN, MAX_LOG, MIN_LOG
-from urushi.nets.features import MIN_COSINE, direction_features
-from urushi.nets.networks import UrushiNetworks
 
 #: Nodes in the coordinates, by the number of GGX widths; `SHAPE` is for one width.
 SHAPES: dict[int, tuple[int, ...]] = {1: (96, 32, 8), 2: (40, 40, 16, 20)}
@@ -55,21 +52,11 @@ STRIDES = 3, 2
 #: Coordinates v of angles of total reflection, ascending, and the nodes there.
 Knots = tuple[tuple[float, int], ...]
 
-#: Pairs that are evaluated at once.
-BLOCK = 4096
+#: Range to which ln f is clamped, so that f is positive and finite for any numbers.
+MIN_LOG, MAX_LOG = -25.0, 20.0
 
-
-def rest_table(networks: UrushiNetworks, latents: np.ndarray) -> np.ndarray | None:
-    """ln f of the rests of codes (C, L): float32 (*`SHAPES[widths]`, C); None if there are none."""
-    if (latents[:, networks.arch.lobe] <= EMPTY_GAIN).all():
-        return None
-    widths = networks.arch.widths
-    features = direction_features(*node_pairs(widths), widths)
-    logs = [
-        np.log(networks.rest(latents, features[start : start + BLOCK, None]))
-        for start in range(0, len(features), BLOCK)
-    ]
-    return np.concatenate(logs).reshape(*SHAPES[widths], len(latents))
+#: Smallest cosine to the normal. Smaller ones are clamped to it, so f is constant near the horizon.
+MIN_COSINE = 5e-3
 
 
 def table_of_values(f: np.ndarray) -> np.ndarray:
