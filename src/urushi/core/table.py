@@ -101,6 +101,24 @@ def interpolated_at(table: np.ndarray, *places: np.ndarray) -> np.ndarray:
     return np.exp(values[0])
 
 
+def corners(shape: Sequence[int], *places: np.ndarray) -> list[tuple[np.ndarray, np.ndarray]]:
+    """The nodes (N,) around places (N,) in a table, each with its share (N,)."""
+    index, share = [], []
+    for place, count in zip(places, shape, strict=True):
+        scaled = np.clip(place, 0, 1) * (count - 1)
+        index.append(np.minimum(scaled.astype(np.intp), count - 2))
+        share.append((scaled - index[-1]).astype(np.float32))
+    return [
+        (
+            np.ravel_multi_index(
+                tuple(i + c for i, c in zip(index, corner, strict=True)), tuple(shape)
+            ),
+            math.prod(s if c else 1 - s for s, c in zip(share, corner, strict=True)),
+        )
+        for corner in np.ndindex(*[2] * len(shape))
+    ]
+
+
 def corner_steps(shape: Sequence[int]) -> list[int]:
     """Steps from the first corner of a cell of a table to all corners, the last axis fastest."""
     return [int(np.ravel_multi_index(corner, shape)) for corner in np.ndindex(*[2] * len(shape))]

@@ -2,13 +2,12 @@
 
 from typing import Any
 
-from urushi.nets.architecture import Architecture
 from urushi.nets.features import coat_features
 from urushi.nets.lobe import lobe_features, of_coat
 from urushi.nets.mlp import Params, hidden_to_output, split_linear
 
 
-def layer(params: Params, arch: Architecture, z_bottom: Any, coat: tuple[Any, ...]) -> Any:
+def layer(params: Params, arch: Any, z_bottom: Any, coat: tuple[Any, ...]) -> Any:
     """Return the latent codes (..., L) of bottoms z_bottom (..., L) under coats.
 
     coat: alpha, eta, albedo, sigma_t, g, arrays that broadcast against each other and against the

@@ -1,5 +1,6 @@
 """Multilayer perceptrons, which all four networks are: layers, activations and their slopes."""
 
+import itertools
 from collections.abc import Mapping, Sequence
 from typing import Any
 
@@ -136,3 +137,12 @@ def _horner(coefficients: Sequence[float], u: Any) -> Any:
     for coefficient in reversed(others):
         total = coefficient + u * total
     return total
+
+
+def shapes_of(prefix: str, sizes: Sequence[int]) -> dict[str, tuple[int, ...]]:
+    """Shapes by name of the parameters of the network `prefix` with layers of these sizes."""
+    shapes: dict[str, tuple[int, ...]] = {}
+    for index, (rows, columns) in enumerate(itertools.pairwise(sizes)):
+        shapes[f"{prefix}.{index}.weight"] = (rows, columns)
+        shapes[f"{prefix}.{index}.bias"] = (columns,)
+    return shapes

@@ -23,7 +23,6 @@ from urushi.core.namespace import (
     stacked_components,
 )
 from urushi.core.table import MIN_COSINE
-from urushi.nets.architecture import Architecture
 from urushi.nets.features import stacked
 from urushi.nets.lobe import WIDTH_PLACES, lobe_features
 from urushi.nets.mlp import Params, hidden_to_output, split_linear
@@ -50,13 +49,13 @@ def sampler_columns(wi: Any, widths: int, xp: Namespace) -> list[Any]:
     return columns
 
 
-def sampler_inputs(arch: Architecture, z: Any) -> Any:
+def sampler_inputs(arch: Any, z: Any) -> Any:
     """Return the sampler's inputs for codes z (..., L): the features of their lobe, the rest."""
     xp = z.__array_namespace__()
     return xp.concat([lobe_features(z[..., : arch.lobe]), z[..., arch.lobe :]], axis=-1)
 
 
-def mixture(params: Params, arch: Architecture, z: Any, wi: Any) -> tuple[Any, Any]:
+def mixture(params: Params, arch: Any, z: Any, wi: Any) -> tuple[Any, Any]:
     """Return the proposal's weights (..., K+1), the last the cosine lobe's, and widths (..., K).
 
     z (..., L) and wi (..., 3) broadcast against each other. Weights are positive and add up to 1;

@@ -13,12 +13,17 @@ import numpy as np
 
 from urushi import files
 from urushi.errors import FileError, ParameterError
-from urushi.nets.architecture import Architecture, parameter_shapes
+from urushi.nets.architecture import Architecture as PerceptronArchitecture
+from urushi.nets.architecture import parameter_shapes
+from urushi.nets.linear import LinearArchitecture, LinearNetworks
 from urushi.nets.mlp import Params
 from urushi.nets.networks import UrushiNetworks
 
 #: Version of the file format.
 FORMAT_VERSION = 1
+
+#: Sizes of a basis, or of the networks that are still to be replaced by one.
+Architecture = LinearArchitecture | PerceptronArchitecture
 
 #: Names of the shipped networks: files in the folder `weights`. The second are for anisotropic
 #: materials, which are made with them unless a user names others.
@@ -61,7 +66,9 @@ class Model:
         Raises:
             ParameterError: a parameter is missing, unknown, of a wrong shape or not finite.
         """
-        checked = checked_parameters(params, parameter_shapes(arch))
+        linear = isinstance(arch, LinearArchitecture)
+        shapes = arch.parameter_shapes() if linear else parameter_shapes(arch)
+        checked = checked_parameters(params, shapes)
         return cls(arch, checked, dict(header), fingerprint(arch, checked))
 
     @property
@@ -70,8 +77,10 @@ class Model:
         return self.arch.widths
 
     @functools.cached_property
-    def networks(self) -> UrushiNetworks:
-        """The networks: encoder, layerer, evaluation and proposals."""
+    def networks(self) -> LinearNetworks | UrushiNetworks:
+        """Codes, layering, evaluation and proposals."""
+        if isinstance(self.arch, LinearArchitecture):
+            return LinearNetworks.of(self.params, self.arch)
         return UrushiNetworks(self.params, self.arch)
 
 
@@ -131,12 +140,21 @@ def write_file(
         "architecture": json.loads(arch.to_json()),
         "header": dict(header),
     }
-    files.write_tensors(path, "weights", description, params)
+    halves = {  # the basis is rounded to half precision where it is made
+        name: array.astype(np.float16) if name == "basis.rows" else array
+        for name, array in params.items()
+    }
+    files.write_tensors(path, "weights", description, halves)
 
 
 def read(path: str | os.PathLike) -> Model:
     """Read a weights file that `save` wrote."""
-    return read_file(path, KIND, lambda arch, *rest: Model.of(Architecture.from_json(arch), *rest))
+    return read_file(path, KIND, lambda arch, *rest: Model.of(_architecture(arch), *rest))
+
+
+def _architecture(text: str) -> Architecture:
+    kind = LinearArchitecture if "functions" in json.loads(text) else PerceptronArchitecture
+    return kind.from_json(text)
 
 
 def read_file(

@@ -1,0 +1,85 @@
+"""The linear basis: f of a code without its lobe, by functions over directions.
+
+The logarithm of f without the topmost lobe is
+
+    ln f(wi, wo) = b(x) + sum_k c_k U_k(x),
+
+where x are the coordinates of `urushi.core.table`. The mean b and the functions U_k are tables that
+all materials share. They were fitted to thousands of materials, computed by light transport. The
+numbers c_k are the code of a material. They are found by least squares and are unique. The first
+function is one, so that c_0 is a logarithmic gain.
+
+The functions of a pair are one row (..., 1 + K): b, then the U_k. All that depends on the code is
+the product of such rows with codes.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from urushi.core.table import MAX_LOG, MIN_LOG, SHAPES, corners, node_pairs, pair_coordinates
+from urushi.parallel import fill_blocks
+
+#: Gain with which any code has f = exp(`MIN_LOG`).
+EMPTY_GAIN = -100.0
+
+
+class Basis(NamedTuple):
+    """Mean and functions as tables, and what codes are solved with."""
+
+    rows: np.ndarray  # float32 (P, 1 + K), at the nodes of `core.table`
+    probes: np.ndarray  # (N,) nodes at which f must be known for a code
+    measure: np.ndarray  # float32 (N,) share of each probe in integrals over pairs; the sum is 1
+    prior: np.ndarray  # (K, K) inverse covariance of the codes of the training materials
+    widths: int = 1  # GGX widths of a surface
+
+    @property
+    def count(self) -> int:
+        """The number of functions, K."""
+        return self.rows.shape[1] - 1
+
+    @property
+    def probe_rows(self) -> np.ndarray:
+        """The functions (N, 1 + K) at the probes."""
+        return self.rows[self.probes]
+
+    def pairs(self) -> tuple[np.ndarray, np.ndarray]:
+        """The probe pairs wi, wo: float32 (N, 3)."""
+        wi, wo = node_pairs(self.widths)
+        return wi[self.probes], wo[self.probes]
+
+    def at(self, wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
+        """The functions float32 (..., 1 + K) at pairs (..., 3) above the horizon."""
+        wi, wo = np.broadcast_arrays(wi, wo)
+        result = np.empty((wi[..., 0].size, self.count + 1), np.float32)
+        fill_blocks(result, self._at, wi.reshape(-1, 3), wo.reshape(-1, 3))
+        return result.reshape(*wi.shape[:-1], -1)
+
+    def _at(self, wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
+        places = pair_coordinates(wi, wo, self.widths)
+        total = np.zeros((len(wi), self.count + 1), np.float32)
+        for nodes, share in corners(SHAPES[self.widths], *places):
+            total += self.rows.take(nodes, axis=0) * share[:, None]
+        return total
+
+
+def decode(z: np.ndarray, rows: np.ndarray) -> np.ndarray:
+    """f (...) [1/sr] of codes z (..., K) at the functions (..., 1 + K) of pairs; they broadcast."""
+    return np.exp(decode_log(z, rows))
+
+
+def decode_log(z: np.ndarray, rows: np.ndarray) -> np.ndarray:
+    """ln f (...) of codes z (..., K) at the functions (..., 1 + K) of pairs; they broadcast."""
+    if rows.ndim == 2 and z.ndim >= 2 and z.shape[-2] == 1:  # all codes at all pairs
+        logs = z[..., 0, :] @ rows[:, 1:].T
+    else:
+        logs = np.einsum("...k,...k->...", z, rows[..., 1:])
+    return np.clip(rows[..., 0] + logs, MIN_LOG, MAX_LOG)
+
+
+def scaled(z: np.ndarray, factor: np.ndarray) -> np.ndarray:
+    """The codes (..., K) of `factor` (...) > 0 times the f of codes z (..., K)."""
+    gain = z[..., :1] + np.log(factor)[..., None]
+    return np.concatenate(
+        [gain, np.broadcast_to(z[..., 1:], (*gain.shape[:-1], z.shape[-1] - 1))], -1
+    )
