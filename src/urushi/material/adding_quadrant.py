@@ -14,6 +14,7 @@ import numpy as np
 from urushi.checks import Widths
 from urushi.core.microfacet import of_widths
 from urushi.core.quadrature import half_vector_rule
+from urushi.core.table import corner_steps
 from urushi.material import adding
 from urushi.material.crossing import facet_points, mirrored_from
 from urushi.nets import lobe as lobes
@@ -180,7 +181,7 @@ class Table:
             index = np.minimum(scaled.astype(np.intp), count - 2)
             first = first * count + index
             shares.append((scaled - index).astype(np.float32)[:, None])
-        steps = np.ravel_multi_index(tuple(np.indices((2,) * 4).reshape(4, -1)), self._shape)
+        steps = corner_steps(self._shape)
         values = [self._rows.take(first + step, axis=0) for step in steps]
         for share in reversed(shares):
             pairs = zip(values[::2], values[1::2], strict=True)

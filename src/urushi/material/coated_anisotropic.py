@@ -183,8 +183,8 @@ def coated_f(
         wi, wo: float32 (N, 3), above the horizon.
     """
     parts, peak = adding_quadrant.bottom_parts(bottom), half_vectors(bottom)
-    columns = np.broadcast_arrays(*pair(coat.alpha), *coat[1:], np.zeros(len(parts)))[:-1]
-    columns = np.stack(columns).astype(float)
+    every = np.broadcast_arrays(*pair(coat.alpha), *coat[1:], np.zeros(len(parts)))
+    columns = np.stack(every[:-1]).astype(float)
     result = np.empty((len(wi), columns.shape[1]), np.float32)
     for interface in np.unique(columns[:3], axis=1).T:
         chosen = np.flatnonzero((columns[:3] == interface[:, None]).all(axis=0))
