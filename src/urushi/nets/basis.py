@@ -17,7 +17,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from urushi.core.table import MAX_LOG, MIN_LOG, SHAPES, corners, node_pairs, pair_coordinates
+from urushi.core.probe_pairs import probe_pairs
+from urushi.core.table import MAX_LOG, MIN_LOG, SHAPES, corners, pair_coordinates
 from urushi.parallel import fill_blocks
 
 #: Gain with which any code has f = exp(`MIN_LOG`).
@@ -28,10 +29,18 @@ class Basis(NamedTuple):
     """Mean and functions as tables, and what codes are solved with."""
 
     rows: np.ndarray  # float32 (P, 1 + K), at the nodes of `core.table`
-    probes: np.ndarray  # (N,) nodes at which f must be known for a code
-    measure: np.ndarray  # float32 (N,) share of each probe in integrals over pairs; the sum is 1
+    measure: np.ndarray  # float32 (N,) share of each probe pair in integrals over pairs
     prior: np.ndarray  # (K, K) inverse covariance of the codes of the training materials
+    probe_rows: np.ndarray  # float32 (N, 1 + K), at the probe pairs
     widths: int = 1  # GGX widths of a surface
+
+    @classmethod
+    def of(
+        cls, rows: np.ndarray, measure: np.ndarray, prior: np.ndarray, widths: int = 1
+    ) -> "Basis":
+        """The basis whose functions have these rows at the nodes."""
+        own = cls(rows, measure, prior.astype(np.float64), rows[:0], widths)
+        return own._replace(probe_rows=own.at(*own.pairs()))
 
     @property
     def count(self) -> int:

@@ -81,7 +81,6 @@ class LinearArchitecture:
         nodes, k = int(np.prod(SHAPES[self.widths])), self.functions
         shapes: dict[str, tuple[int, ...]] = {
             "basis.rows": (nodes, 1 + k),
-            "basis.probes": (self.probes,),
             "basis.measure": (self.probes,),
             "basis.prior": (k, k),
         }
@@ -105,10 +104,8 @@ class LinearNetworks(NamedTuple):
     @classmethod
     def of(cls, params: Params, arch: LinearArchitecture) -> "LinearNetworks":
         """The networks of checked parameters."""
-        parts = (np.asarray(params[f"basis.{name}"]) for name in Basis._fields[:4])
-        rows, probes, measure, prior = parts
-        own = Basis(rows, probes.astype(np.intp), measure, prior.astype(np.float64), arch.widths)
-        return cls(params, arch, own)
+        parts = (np.asarray(params[f"basis.{name}"]) for name in ("rows", "measure", "prior"))
+        return cls(params, arch, Basis.of(*parts, arch.widths))
 
     def pairs(self) -> tuple[np.ndarray, np.ndarray]:
         """The probe pairs wi, wo: float32 (P, 3)."""
