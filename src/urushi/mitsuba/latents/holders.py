@@ -18,7 +18,8 @@ from urushi.core.mixture import Mixture
 from urushi.material.material import Material
 from urushi.mitsuba import spectrum
 from urushi.mitsuba.latents.lookup import LatentTexture, are_constant
-from urushi.mitsuba.networks.decoder import UrushiDecoder
+from urushi.mitsuba.networks.basis import BasisDecoder
+from urushi.mitsuba.networks.decoder import UrushiDecoder, decoder_of
 from urushi.mitsuba.networks.lobe import NO_LOBE, LobeKind, kind_of
 from urushi.mitsuba.networks.sampler import UrushiSampler
 from urushi.mitsuba.networks.table import TabulatedDecoder, stored
@@ -87,10 +88,10 @@ class ConstantLatents(_Held):
         whole = table is not None and not material.beside_lobe
         kind = NO_LOBE if whole else kind_of_codes(model, latents[None])
         self._sampler = UrushiSampler(model, kind)
-        self._decoder: UrushiDecoder | TabulatedDecoder
+        self._decoder: BasisDecoder | UrushiDecoder | TabulatedDecoder
         self._tables = []
         if self._fine and model.widths == 2:
-            self._decoder = UrushiDecoder(model, kind)
+            self._decoder = decoder_of(model, kind)
         else:
             self._decoder = TabulatedDecoder(kind, material.knots)
             table = rest_table(model.networks, latents) if table is None else table
@@ -163,14 +164,14 @@ class TexturedLatents(_Held):
 
     material = None
 
-    DRJIT_STRUCT: ClassVar = {"_texture": object}  # for frozen functions
+    DRJIT_STRUCT: ClassVar = {"_texture": object, "_decoder": object}  # for frozen functions
 
     def __init__(self, model: Model, store: TextureStore, grid: TexelGrid):
         self._store, self.model = store, model
         self.grid, self.channels = grid, store.layout.channels
         self._size, self._bytes = store.layout.size, store.layout.texel_bytes
         self._kind = kind_of_store(model, store)
-        self._decoder = UrushiDecoder(model, self._kind)
+        self._decoder = decoder_of(model, self._kind)
         self._sampler = UrushiSampler(model, self._kind)
         # Channels of the same code are evaluated once.
         self._kept = 1 if (store.layout.constant | store.layout.same).all() else self.channels

@@ -9,9 +9,11 @@ import numpy as np
 from urushi.core.namespace import DRJIT
 from urushi.core.table import MAX_LOG, MIN_LOG
 from urushi.mitsuba.networks import lobe, mlp
+from urushi.mitsuba.networks.basis import BasisDecoder
 from urushi.mitsuba.networks.lobe import LobeKind
 from urushi.nets.architecture import SCALE
 from urushi.nets.features import DIRECTIONS, direction_columns
+from urushi.nets.linear import LinearArchitecture
 from urushi.nets.weights import Model
 
 
@@ -75,3 +77,9 @@ class UrushiDecoder:
     def f(self, latents: Sequence[Sequence], wi, wo) -> list:
         """f of each channel, from a list (size) of Dr.Jit floats for each."""
         return self.f_of_terms(self.code_terms_drjit(latents), wi, wo)
+
+
+def decoder_of(model: Model, kind: LobeKind) -> BasisDecoder | UrushiDecoder:
+    """The decoder of codes of a model; kind: common properties of their lobes."""
+    linear = isinstance(model.arch, LinearArchitecture)
+    return BasisDecoder(model, kind) if linear else UrushiDecoder(model, kind)

@@ -1,0 +1,157 @@
+"""The linear basis in Dr.Jit: the counterpart of `nets.basis`, for channels that share directions.
+
+The functions are looked up once for all channels. A table holds the mean and the functions but the
+first, which is one, as numbers of 16 bits, two to a word. Such words take a third less time than
+numbers of half precision, and are more exact.
+"""
+
+import weakref
+from collections.abc import Sequence
+from typing import Any, ClassVar
+
+import drjit as dr
+import mitsuba as mi
+import numpy as np
+
+from urushi.core.namespace import DRJIT
+from urushi.core.table import MAX_LOG, MIN_LOG, SHAPES, coordinates, corner_steps
+from urushi.mitsuba.networks import lobe
+from urushi.mitsuba.networks.lobe import LobeKind
+from urushi.mitsuba.recording import owned
+from urushi.nets.linear import LinearNetworks
+from urushi.nets.weights import Model
+
+#: The value one of a scaled function; zero is `ONE` + 1.
+ONE = (1 << 15) - 1
+
+#: Most words of a packet: more are slower.
+PACKET = 8
+
+
+class BasisTable:
+    """Mean and functions at the nodes of `core.table`, in Dr.Jit's memory."""
+
+    DRJIT_STRUCT: ClassVar = {"_packets": list}  # for frozen functions
+
+    def __init__(self, rows: np.ndarray, widths: int):
+        """rows: (P, N) mean and functions, without the constant one."""
+        self._shape, self._widths, self._count = SHAPES[widths], widths, rows.shape[1]
+        scale = np.maximum(np.abs(rows).max(axis=0), 1e-9)
+        self.scale = (scale / ONE).astype(np.float32)  # (N,) by which looked up numbers count
+        words = fixed_point(rows / scale)
+        self._packets: list[Any] = []
+        while words.shape[1]:
+            size = min(1 << (words.shape[1].bit_length() - 1), PACKET)
+            self._packets.append(owned(mi.UInt32, words[:, :size]))
+            words = words[:, size:]
+
+    def at(self, wi, wo) -> list:
+        """Mean and functions (N) of a pair above the horizon, over `scale`."""
+        places = coordinates(wi + wo, wi - wo, self._widths, DRJIT)
+        first, shares = mi.UInt32(0), []
+        for coordinate, count in zip(places, self._shape, strict=True):
+            place = dr.clip(coordinate, 0, 1) * (count - 1)
+            index = dr.minimum(mi.UInt32(place), count - 2)
+            first = first * count + index
+            shares.append(place - mi.Float(index))
+        total = [mi.Float(-ONE - 1)] * self._count  # shares of all corners add up to one
+        corners = np.ndindex(*[2] * len(shares))
+        for corner, step in zip(corners, corner_steps(self._shape), strict=True):
+            dr.detail.new_scope(dr.backend_v(mi.Float))  # one corner after the other, as in `mlp`
+            weight: Any = 1
+            for share, end in zip(shares, corner, strict=True):
+                weight = weight * (share if end else 1 - share)
+            levels = self._levels(first + step)
+            total = [dr.fma(weight, *pair) for pair in zip(levels, total, strict=True)]
+        return total
+
+    def _levels(self, node) -> list:
+        """The numbers (N) of a node, from 1 to 2 `ONE` + 1."""
+        nodes, words = int(np.prod(self._shape)), list[Any]()
+        for packet in self._packets:
+            shape = len(packet) // nodes, dr.width(node)
+            if shape[0] == 1:
+                words.append(dr.gather(mi.UInt32, packet, node))
+            else:
+                words.extend(dr.gather(mi.ArrayXu, packet, node, shape=shape))
+        levels = [mi.Float(half) for word in words for half in (word & 0xFFFF, word >> 16)]
+        return levels[: self._count]
+
+
+def fixed_point(values: np.ndarray) -> np.ndarray:
+    """Values (P, N) in [-1, 1] as words uint32 (P, ceil(N / 2)) of two levels each."""
+    levels = np.rint(values * ONE).astype(np.int32) + (ONE + 1)
+    levels = np.pad(levels, [(0, 0), (0, levels.shape[1] % 2)])
+    return (levels[:, ::2] + (levels[:, 1::2] << 16)).astype(np.uint32)
+
+
+#: The tables of networks by fingerprint and variant, while any plugin uses them.
+_tables: weakref.WeakValueDictionary[tuple[str, str], BasisTable] = weakref.WeakValueDictionary()
+
+
+def table_of(model: Model) -> BasisTable:
+    """The table of a model, which plugins share."""
+    key = model.fingerprint, mi.variant()
+    table = _tables.get(key)
+    if table is None:
+        networks = model.networks
+        assert isinstance(networks, LinearNetworks)  # for the type checker
+        basis = networks.basis
+        table = BasisTable(np.delete(basis.rows, 1, axis=1), basis.widths)
+        _tables[key] = table
+    return table
+
+
+class BasisDecoder:
+    """f [1/sr] of latent codes: the lobe plus the rest by the basis.
+
+    The terms of a channel's code are the numbers of its lobe that `LobeKind.numbers` names, its
+    gain, and its other numbers, scaled as the table's functions require.
+    """
+
+    DRJIT_STRUCT: ClassVar = {"_table": object}  # for frozen functions
+
+    def __init__(self, model: Model, kind: LobeKind):
+        """kind: common properties of the codes' lobes."""
+        self._kind, self._lobe, self._table = kind, model.arch.lobe, table_of(model)
+        self._scale = [float(factor) for factor in self._table.scale]
+
+    def code_terms(self, latents: np.ndarray) -> list[np.ndarray]:
+        """Terms (N,) of the code of each channel, from codes (C, size)."""
+        factors = np.array([1.0, *self._scale[1:]], np.float32)
+        return [
+            np.concatenate([z[self._kind.numbers(c)], z[self._lobe :] * factors])
+            for c, z in enumerate(latents)
+        ]
+
+    def code_terms_drjit(self, latents: Sequence[Sequence]) -> list[list]:
+        """`code_terms` of codes given as lists (size) of Dr.Jit floats, one for each channel."""
+        terms = []
+        for c, z in enumerate(latents):
+            gain, *others = z[self._lobe :]
+            scaled = [x * factor for x, factor in zip(others, self._scale[1:], strict=True)]
+            terms.append([*(z[i] for i in self._kind.numbers(c)), gain, *scaled])
+        return terms
+
+    def f_of_terms(self, terms: Sequence[Sequence], wi, wo) -> list:
+        """f of each channel, from a list of Dr.Jit floats, its terms, for each.
+
+        Exchanging wi and wo gives the same bits.
+        """
+        mean, *functions = self._table.at(wi, wo)  # the same for all channels
+        mean, count, rests = mean * self._scale[0], len(functions) + 1, []
+        for channel in terms:
+            gain, *numbers = channel[-count:]
+            log = mean + gain
+            for number, function in zip(numbers, functions, strict=True):
+                log = dr.fma(number, function, log)
+            rests.append(dr.exp(dr.clip(log, MIN_LOG, MAX_LOG)))
+        if not self._kind.present:
+            return rests
+        lobes = self._kind.complete([channel[:-count] for channel in terms])
+        values = lobe.f(lobes, wi, wo, self._kind)
+        return [a + b for a, b in zip(values, rests, strict=True)]
+
+    def f(self, latents: Sequence[Sequence], wi, wo) -> list:
+        """f of each channel, from a list (size) of Dr.Jit floats for each."""
+        return self.f_of_terms(self.code_terms_drjit(latents), wi, wo)
