@@ -47,15 +47,9 @@ class Basis(NamedTuple):
         """The number of functions, K."""
         return self.rows.shape[1] - 1
 
-    @property
-    def probe_rows(self) -> np.ndarray:
-        """The functions (N, 1 + K) at the probes."""
-        return self.rows[self.probes]
-
     def pairs(self) -> tuple[np.ndarray, np.ndarray]:
         """The probe pairs wi, wo: float32 (N, 3)."""
-        wi, wo = node_pairs(self.widths)
-        return wi[self.probes], wo[self.probes]
+        return probe_pairs(len(self.measure), self.widths)
 
     def at(self, wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
         """The functions float32 (..., 1 + K) at pairs (..., 3) above the horizon."""
