@@ -60,39 +60,73 @@ def fitted(
     rounds: int = ROUNDS,
 ) -> np.ndarray:
     """`solve_codes` at nodes with the functions (N, 1 + K) and this measure (N,)."""
-    mean = rest @ measure
-    f = np.maximum(rest, LEAST_SHARE * mean[:, None] + 1e-12)
-    light = np.maximum(mean + top @ measure, 1e-12)[:, None]
+    f, light = _bounded(rest, measure), _light(rest, top, measure)
     functions, logs = rows[:, 1:], np.log(f) - rows[:, 0]
-    shares = measure / light
-    codes = _solved(functions, logs, shares * f + FIRST_FLOOR * measure, prior)
+    codes = _solved(functions, logs, measure * (f / light + FIRST_FLOOR), prior)
     best, least = codes, np.full(len(f), np.inf)
-    for turn in range(rounds + 1):
-        off = np.minimum(codes @ functions.T + rows[:, 0], MAX_LOG)
-        found = np.exp(off)
-        off -= rows[:, 0] + logs
-        difference = found - f
-        error = np.abs(difference) @ measure / light[:, 0]
+    for _ in range(rounds):
+        error, weights = _weighed(rows, measure, f, light, codes)
         better = error < least
         least = np.where(better, error, least)
         best = np.where(better[:, None], codes, best)
-        if turn == rounds:
-            break
-        near = np.abs(off) < 1e-3
-        slope = np.where(near, f, difference / np.where(near, 1, off))
-        size = np.abs(difference) + KNEE * (f + DARK * light)
-        codes = _solved(functions, logs, shares * slope * slope / size + FLOOR * measure, prior)
-    best[mean < LEAST_REST] = 0
-    best[mean < LEAST_REST, 0] = EMPTY_GAIN
+        codes = _solved(functions, logs, weights, prior)
+    error, _ = _weighed(rows, measure, f, light, codes)
+    best = np.where((error < least)[:, None], codes, best)
+    dark = rest @ measure < LEAST_REST
+    best[dark], best[dark, 0] = 0, EMPTY_GAIN
     return best.astype(np.float32)
+
+
+def slopes(basis: Basis, rest: np.ndarray, top: np.ndarray, codes: np.ndarray) -> np.ndarray:
+    """Derivatives float32 (S, N, K) of `solve_codes` by the rests (S, N) that have these codes.
+
+    The weights of the least squares are constant at the codes. They do not matter to changes of
+    ln f that the functions span.
+    """
+    rows, measure = basis.probe_rows, basis.measure
+    f, mean = _bounded(rest, measure), np.maximum(rest @ measure, 1e-12)[:, None, None]
+    _, weights = _weighed(rows, measure, f, _light(rest, top, measure), codes)
+    by_logs = np.linalg.solve(_normal(rows[:, 1:], weights, basis.prior), rows[:, 1:].T)
+    by_logs = np.swapaxes(by_logs, 1, 2) * weights[..., None]
+    seen = (rest == f)[..., None]  # the others change with the mean
+    by_mean = np.where(seen, 0, by_logs).sum(axis=1, keepdims=True) / mean
+    result = np.where(seen, by_logs / f[..., None], 0) + measure[:, None] * by_mean
+    return result.astype(np.float32)
+
+
+def _bounded(rest: np.ndarray, measure: np.ndarray) -> np.ndarray:
+    """Rests (S, N), of which no value is far below the mean."""
+    return np.maximum(rest, LEAST_SHARE * (rest @ measure)[:, None] + 1e-12)
+
+
+def _light(rest: np.ndarray, top: np.ndarray, measure: np.ndarray) -> np.ndarray:
+    """Light (S, 1) of rests and lobes (S, N)."""
+    return np.maximum(rest @ measure + top @ measure, 1e-12)[:, None]
+
+
+def _weighed(
+    rows: np.ndarray, measure: np.ndarray, f: np.ndarray, light: np.ndarray, codes: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Errors (S,) of codes (S, K), and the weights (S, N) of the next least squares."""
+    logs = np.minimum(codes @ rows[:, 1:].T + rows[:, 0], MAX_LOG)
+    difference, off = np.exp(logs) - f, logs - np.log(f)
+    near = np.abs(off) < 1e-3
+    slope = np.where(near, f, difference / np.where(near, 1, off))
+    size = np.abs(difference)
+    weights = slope * slope / (light * (size + KNEE * (f + DARK * light))) + FLOOR
+    return size @ measure / light[:, 0], measure * weights
 
 
 def _solved(
     functions: np.ndarray, logs: np.ndarray, weights: np.ndarray, prior: np.ndarray
 ) -> np.ndarray:
     """Codes (S, K) of least squares for logarithms and weights (S, N)."""
+    right = ((weights * logs) @ functions).astype(np.float64)
+    return np.linalg.solve(_normal(functions, weights, prior), right[..., None])[..., 0]
+
+
+def _normal(functions: np.ndarray, weights: np.ndarray, prior: np.ndarray) -> np.ndarray:
+    """The matrices (S, K, K) of the normal equations for weights (S, N)."""
     count = functions.shape[1]
     products = (functions[:, :, None] * functions[:, None]).reshape(len(functions), -1)
-    normal = (weights @ products).reshape(-1, count, count).astype(np.float64)
-    right = ((weights * logs) @ functions).astype(np.float64)
-    return np.linalg.solve(normal + PRIOR * prior, right[..., None])[..., 0]
+    return (weights @ products).reshape(-1, count, count).astype(np.float64) + PRIOR * prior
