@@ -21,7 +21,7 @@ from urushi.core.table import (
     unknotted,
 )
 from urushi.material import Material, encode, layer
-from urushi.nets.networks import rest_table
+from urushi.nets.networks import UrushiNetworks
 from urushi.walk import conductor, dielectric, diffuse
 
 

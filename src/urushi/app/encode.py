@@ -36,11 +36,6 @@ class Encode:
     SCENE.xml#ID."""
     output: Annotated[Path, tyro.conf.arg(aliases=["-o"])]
     """Material file to write (.safetensors), or a folder that gets one file per source."""
-    refine: bool = False
-    """Refine every latent code by optimisation. Default: automatic, which refines
-    measured and unusual BRDFs."""
-    no_refine: bool = False
-    """Refine no latent code."""
     table: bool = False
     """Store a table of f with every material, by which it is evaluated. Default: automatic, with
     the materials of measured files."""
@@ -54,10 +49,6 @@ class Encode:
     def run(self) -> int:
         from urushi.material.encode import encode_all
 
-        if self.refine and self.no_refine:
-            raise ParameterError(
-                "--refine and --no-refine exclude each other; give only one of them"
-            )
         targets, sources = self.targets(), self.opened()
         failures = 0
 
@@ -76,7 +67,6 @@ class Encode:
             for position, result in encode_all(
                 [sources[k] for k in readable],
                 weights=self.weights,
-                refine=True if self.refine else False if self.no_refine else None,
                 table=True if self.table else False if self.no_table else None,
             ):
                 progress.update()

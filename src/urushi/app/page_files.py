@@ -175,7 +175,7 @@ def first_of(material: Material, name: str) -> First:
         "bottom": {
             "kind": "codes",
             "latents": _three(material.latents).ravel().tolist(),
-            "anchors": _three(material.anchors).ravel().tolist(),
+            "anchors": _three(material.latents).ravel().tolist(),
         },
         "coats": [],
     }

@@ -1,6 +1,12 @@
-"""Layering: coats over materials in the latent space, one material or many texels at once."""
+"""Layering: coats over materials, by light transport or in the latent space by the network.
+
+Light transport through a coat gives the table of a coated material (`urushi.material.coated_table`)
+and, from its values at the probe pairs, the code. The layering network maps codes to codes, for
+many texels at once.
+"""
 
 import functools
+import warnings
 from dataclasses import replace
 from typing import Any
 
@@ -12,27 +18,23 @@ from urushi.checks import CoatParameters, Widths
 from urushi.core.appearance import described
 from urushi.core.microfacet import of_widths
 from urushi.core.table import MIN_LOG, SHAPE, node_pairs, table_of_values
-from urushi.errors import ParameterError
+from urushi.errors import ParameterError, UrushiWarning
+from urushi.material.coated_anisotropic import coated_f as anisotropic_coated_f
 from urushi.material.coated_table import coated_table
-from urushi.material.encode import encode
-from urushi.material.energy import as_rendered, limit_albedo
+from urushi.material.energy import limit_albedo
 from urushi.material.material import Coating, Material
+from urushi.material.source import source_name
+from urushi.material.values import codes_of, encode_source, model_for
 from urushi.nets import lobe as lobes
-from urushi.nets.decoder import EMPTY_GAIN
-from urushi.nets.networks import rest_table
 from urushi.nets.weights import Model, Weights, anisotropic_model, default_model
 from urushi.parallel import fill_blocks
-from urushi.walk import Dielectric
+from urushi.walk import Dielectric, Stack
+from urushi.walk.bottoms import Description
 from urushi.walk.stack import under as described_under
 
 #: Optical depth to which deeper media are cut: up to here the networks are closest to a medium at
 #: its own depth.
 DEEPEST = 12.0
-
-#: Width below which light reflected by a bare surface is too narrow for the networks. At a width of
-#: 0.1 albedos of coated gold err by up to 4 %, at 0.04 by 7 % and at 0.01 by 11 %; by light
-#: transport, under indices up to 1.8, by 2 %.
-SMOOTH = 0.1
 
 #: Largest ratio of two widths that is layered: OpenPBR's anisotropy of 0.9 has it. Errors up to
 #: here are as small as at the trained ratios.
@@ -51,7 +53,7 @@ def layer(
     body_color: npt.ArrayLike | None = None,
     thickness: float = 1.0,
     weights: Weights | None = None,
-    refine: bool | None = None,
+    fast: bool = False,
 ) -> Material:
     """Coat a material with a rough dielectric over a homogeneous medium of unit thickness.
 
@@ -60,14 +62,13 @@ def layer(
             anisotropic. A relative index of 1 is no interface: the coat is its medium.
         bottom: a Material, or anything that `encode` accepts; coats nest, and keep the indices that
             they were given as `ior` (see `under`). All layers share one tangent: a bottom that was
-            `rotated` cannot get an anisotropic coat. If the bottom has a table, such as a measured
-            BRDF, or it is a bare metal of alpha below `SMOOTH`, or the medium is outside the
-            networks' training data, or the relative index is at most 1, light transport is computed
-            without networks (see `urushi.material.coated_table`), and the result has a table too;
-            this takes a second. Anisotropic materials have no tables.
+            `rotated` cannot get an anisotropic coat.
         albedo, sigma_t, g, color, body, body_color, thickness: of the medium, as in `urushi.coat`;
-            in tables, a g of less than -0.95 is -0.95.
-        weights, refine: as in `encode`, for a bottom that is not a Material.
+            a g of less than -0.95 is -0.95.
+        weights: as in `encode`, for a bottom that is not a Material.
+        fast: whether the layering network computes the code, in milliseconds, with an error of
+            about 1 %. Otherwise light transport is computed, which takes some tenths of a second,
+            and isotropic results have a table.
 
     Every parameter but the thickness is a scalar or one value per RGB channel.
 
@@ -82,15 +83,15 @@ def layer(
             that are not the shipped ones; or the two widths of a surface have a ratio above 10.
 
     Warns:
-        UrushiWarning: the medium is outside the networks' training data, and the result has no
-            table: its codes have the medium of `within_training`.
+        UrushiWarning: the medium is outside the network's training data, and the code is that of a
+            similar medium (`within_training`).
     """
     if not isinstance(top, Dielectric):
         raise ParameterError(
             f"the top of a layering is a {type(top).__name__}; give the coat's interface, "
             "urushi.dielectric(alpha, ior=...)"
         )
-    bottom = _below(under(bottom, top.eta), weights, refine, isinstance(top.alpha, Widths))
+    bottom = _below(under(bottom, top.eta), weights, isinstance(top.alpha, Widths))
     coat = CoatParameters(
         of_widths(np.asarray, top.alpha),
         checks.eta(top.eta, "the coat's eta"),
@@ -115,8 +116,8 @@ def layer(
                 f"the coat's {name} has three values, but the bottom has {bottom.channels} "
                 "channels; give a scalar"
             )
-    coated = layer_material(coat, bottom)
-    if coated.table is None:
+    coated = layer_material(coat, bottom, fast=fast)
+    if fast:
         checks.warn_of_training(checks.outside_training(coat), "layer: the coat's")
     return replace(coated, coating=Coating(coat, top.ior is not None, bottom))
 
@@ -146,65 +147,89 @@ def under(bottom: Any, index: npt.ArrayLike) -> Any:
     index = index.astype(np.float32)
     if not (bottom.latents[:, 5] > 0).any() or (index == 1).all():
         return bottom
-    latents, anchors = (
-        np.concatenate([lobes.under(z[:, :size], index), z[:, size:]], axis=1)
-        for z in (bottom.latents, bottom.anchors)
-    )
+    rest = bottom.latents[:, size:]
+    latents = np.concatenate([lobes.under(bottom.latents[:, :size], index), rest], axis=1)
     table = bottom.table
     if table is not None and not bottom.beside_lobe:
         wi, wo = (w[:, None] for w in node_pairs())
         old, new = (lobes.f(z[:, :size], wi, wo) for z in (bottom.latents, latents))
         table = table_of_values(np.exp(table.reshape(old.shape).astype(np.float32)) + new - old)
-    return replace(bottom, latents=latents, anchors=anchors, table=table)
+    return replace(bottom, latents=latents, table=table)
 
 
-def layer_material(coat: CoatParameters, bottom: Material) -> Material:
+def stacked(stack: Stack, model: Model) -> Material | None:
+    """The material of a stack, coat by coat by light transport.
+
+    None if only random walks know it: the bottom has no f, or a coat has energy compensation.
+    """
+    if not isinstance(stack.bottom, Description) or any(c.energy_compensation for c in stack.coats):
+        return None
+    material = encode_source(stack.bottom, model)[0]
+    for coat in reversed(stack.coats):
+        values = (np.asarray(getattr(coat, name)) for name in CoatParameters._fields[1:])
+        columns = CoatParameters(of_widths(np.asarray, coat.alpha), *values)
+        coating = Coating(columns, coat.ior is not None, material)
+        material = replace(layer_material(columns, material), coating=coating)
+    return material
+
+
+def layer_material(coat: CoatParameters, bottom: Material, fast: bool = False) -> Material:
     """`layer` for checked parameters: arrays (C,), (1,) or ().
 
-    If the bottom has a table or is smooth and bare, or the coat is outside the networks' training
-    data or of an index of at most 1, the result has a table of the rest beside the coat's lobe. The
-    bottom under no interface and no medium is returned as it is.
+    The bottom under no interface and no medium is returned as it is.
     """
     model = bottom.model
     coat = _for_networks(model, coat)
     none = absent(coat)
     if none.all():
         return bottom
-    latents = anchors = codes = _layered(model, bottom.anchors, coat)
-    if none.any():
-        latents, anchors = (
-            np.where(none[..., None], below, codes) for below in (bottom.latents, bottom.anchors)
-        )
-    below = _tabulated(bottom, coat)
-    if below is None:
-        return Material(latents, model, anchors, rotation=bottom.rotation)
+    if fast:
+        codes = np.where(none[..., None], bottom.latents, _layered(model, bottom.latents, coat))
+        return Material(codes, model, rotation=bottom.rotation)
+    if model.widths == 2:
+        return _transported(coat, bottom)
+    below = tabulated(bottom)
     assert below.table is not None  # for the type checker
-    table = coated_table(below, coat, codes[:, : model.arch.lobe])
-    table = np.where(none, below.table, table)
-    return Material(
-        latents if below.beside_lobe else codes, model, anchors, table, beside_lobe=True
+    channels = np.broadcast_shapes((bottom.channels,), *(np.shape(x) for x in coat.columns()))
+    shape = *channels, model.arch.lobe
+    lobe = np.broadcast_to(lobes.of_coat(coat.alpha, coat.eta), shape).astype(np.float32)
+    table = np.where(none, below.table, coated_table(below, coat, lobe))
+    lobe = np.where(none[..., None], below.latents[:, : model.arch.lobe], lobe)
+    empty = np.broadcast_to(
+        model.networks.empty_rest(), (*channels, model.arch.latent - model.arch.lobe)
     )
+    exact = Material(
+        np.concatenate([lobe, empty], axis=1), model, table, bottom.rotation, beside_lobe=True
+    )
+    codes = codes_of(model, exact.f(*model.networks.pairs()).T, lobe)
+    return replace(exact, latents=limit_albedo(model, codes))
 
 
-def _tabulated(bottom: Material, coat: CoatParameters) -> Material | None:
-    """The bottom with a table, under a coat that needs one; None: networks layer it."""
-    if bottom.table is not None:
-        return bottom
-    model = bottom.model
-    low = bool((coat.eta <= 1).any())  # the networks blur total reflection, and never saw one
-    bare = bool((model.networks.gains(bottom.latents) <= EMPTY_GAIN).all())
-    smooth = bare and bool((bottom.latents[:, 0] < SMOOTH).any())
-    if model.widths != 1 or not (low or smooth or checks.outside_training(coat)):
-        return None
-    table = rest_table(model.networks, bottom.latents)
+def _transported(coat: CoatParameters, bottom: Material) -> Material:
+    """`layer_material` of two widths: codes from light transport at the probe pairs."""
+    model, none = bottom.model, absent(coat)
+    check_ratios(model, bottom.latents, coat)
+    channels = np.broadcast_shapes((bottom.channels,), *(np.shape(x) for x in coat.columns()))
+    lobe = np.broadcast_to(lobes.of_coat(coat.alpha, coat.eta), (*channels, model.arch.lobe))
+    pairs = model.networks.pairs()
+    rest = anisotropic_coated_f(replace(bottom, rotation=0.0).f, coat, *pairs)
+    f = rest.T + lobes.f(lobe[:, None].astype(np.float32), *pairs)
+    codes = limit_albedo(model, codes_of(model, f, lobe.astype(np.float32)))
+    codes = np.where(none[..., None], bottom.latents, codes)
+    return Material(codes, model, rotation=bottom.rotation)
+
+
+def tabulated(material: Material) -> Material:
+    """The material with a table beside its lobe, of its code if it has none."""
+    if material.table is not None:
+        return material
+    table = material.model.networks.table(material.latents)
     if table is None:
-        table = np.full((*SHAPE, bottom.channels), MIN_LOG)
-    return replace(bottom, table=table, beside_lobe=True)
+        table = np.full((*SHAPE, material.channels), MIN_LOG)
+    return replace(material, table=table, beside_lobe=True)
 
 
-def _below(
-    bottom: Any, weights: Weights | None, refine: bool | None, anisotropic: bool
-) -> Material:
+def _below(bottom: Any, weights: Weights | None, anisotropic: bool) -> Material:
     """The bottom of a coat as a material; its networks are anisotropic if the coat is."""
     if anisotropic and weights is None:
         own = bottom.model if isinstance(bottom, Material) else default_model()
@@ -216,7 +241,7 @@ def _below(
                 )
             weights = anisotropic_model()
     if not isinstance(bottom, Material) or weights is not None:
-        bottom = encode(bottom, weights, refine=refine)
+        bottom = _encoded(bottom, weights)
     if anisotropic and bottom.rotation % 180 != 0:
         raise ParameterError(
             f"the bottom is rotated by {bottom.rotation:g} degrees, and the coat's alpha_u and "
@@ -224,6 +249,19 @@ def _below(
             "the result"
         )
     return bottom
+
+
+def _encoded(source: Any, weights: Weights | None) -> Material:
+    model = model_for(source, weights)
+    if isinstance(source, Material) and source.model.fingerprint == model.fingerprint:
+        return source
+    material = stacked(source, model) if isinstance(source, Stack) else None
+    if material is not None:
+        return material
+    material, deviations = encode_source(source, model)
+    for sentence in deviations.warnings():
+        warnings.warn(f"encode {source_name(source)}: {sentence}", UrushiWarning, stacklevel=3)
+    return material
 
 
 def _for_networks(model: Model, coat: CoatParameters) -> CoatParameters:
@@ -256,7 +294,7 @@ def layer_texels(model: Model, z_bottom: np.ndarray, coat: CoatParameters) -> np
     coat = checks.coat(_for_networks(model, coat), "the coat's", any_shape=True)
     z = np.asarray(z_bottom, np.float32)
     codes, none = _layered(model, z, coat), absent(coat)
-    return np.where(none[..., None], as_rendered(model, z), codes) if none.any() else codes
+    return np.where(none[..., None], z, codes) if none.any() else codes
 
 
 def _layered(model: Model, z: np.ndarray, coat: CoatParameters) -> np.ndarray:

@@ -1,10 +1,10 @@
 """Blends of two materials, whose reflected light is linear in the blend weight.
 
-The Fresnel factors of the lobes (`urushi.nets.lobe`) are blended linearly. Their widths are
+f of a blend is the weighted mean of both f: a table of it, or a code of its values at the probe
+pairs. The Fresnel factors of the lobes (`urushi.nets.lobe`) are blended linearly. Their widths are
 weighted by the light that each lobe reflects, because the width of a lobe that reflects nothing is
 meaningless. Indices are weighted by the light of the exact Fresnel term; its factor is then set so
-that its light is the linear blend of the two. The numbers of the rests are weighted by the light of
-each rest; the gain is then set in the same way, from the mean albedo of the rest over the angles.
+that its light is the linear blend of the two.
 """
 
 from dataclasses import replace
@@ -72,25 +72,21 @@ def lerp(a: Material, b: Material, t: npt.ArrayLike) -> Material:
         raise ParameterError("lerp's t must be in [0, 1], a number or one per channel")
     share = np.broadcast_to(share, channels)
     latents = _blend(a.model, a.latents, b.latents, share)
-    anchors = latents
-    if a.anchors is not a.latents or b.anchors is not b.latents:
-        anchors = _blend(a.model, a.anchors, b.anchors, share)
     table, beside_lobe = _blended_table(a, b, share)
-    return Material(latents, a.model, anchors, table, a.rotation, beside_lobe)
+    return Material(latents, a.model, table, a.rotation, beside_lobe)
 
 
 def _blended_table(a: Material, b: Material, share: np.ndarray) -> tuple[np.ndarray | None, bool]:
     """The table of the blend with shares (C,) of b, and whether it leaves the lobe out.
 
-    None if neither a nor b with a share above 0 has a table. A sum of two lobes is not one lobe, so
-    that the table contains both.
+    None for two widths. A sum of two lobes is not one lobe, so that the table contains both.
     """
     if (share == 0).all() or (share == 1).all():
         end = b if share.any() else a
         if end.table is None:
             return None, False
         return np.broadcast_to(end.table, (*SHAPE, len(share))), end.beside_lobe
-    if a.table is None and b.table is None:
+    if a.model.widths == 2:
         return None, False
     of_a, of_b = (material.f(*node_pairs()) for material in (a, b))
     return table_of_values((1 - share) * of_a + share * of_b), False
@@ -112,16 +108,10 @@ def _blend(model: Model, a: np.ndarray, b: np.ndarray, share: np.ndarray) -> np.
 
 def blend_codes(model: Model, a: np.ndarray, b: np.ndarray, share: np.ndarray) -> np.ndarray:
     """Codes (C, L) between a and b (C, L); share: (C,) of b, in [0, 1]."""
-    networks, size = model.networks, model.arch.latent
-    count = networks.arch.lobe
-    codes = np.empty((len(share), size), np.float32)
-    codes[:, :count] = blend_lobes(a[:, :count], b[:, :count], share)
-    light = [energy.rest_albedos(model, z).mean(axis=-1) for z in (a, b)]
-    wanted = (1.0 - share) * light[0] + share * light[1]
-    part = (share * light[1] / wanted)[:, None]
-    codes[:, count:] = (1.0 - part) * a[:, count:] + part * b[:, count:]
-    found = energy.rest_albedos(model, codes).mean(axis=-1)
-    return networks.rest_scaled(codes, wanted / found)
+    networks, count = model.networks, model.arch.lobe
+    pairs, weight = networks.pairs(), share[:, None]
+    f = (1 - weight) * networks.f(a[:, None], *pairs) + weight * networks.f(b[:, None], *pairs)
+    return networks.encode(f, blend_lobes(a[:, :count], b[:, :count], share))
 
 
 def blend_lobes(a: np.ndarray, b: np.ndarray, share: np.ndarray) -> np.ndarray:

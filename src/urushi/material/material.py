@@ -22,7 +22,7 @@ from urushi.nets.weights import Model, Weights, find, model_of_file
 from urushi.parallel import fill_blocks
 
 #: Version of the files of materials.
-FORMAT_VERSION = 2
+FORMAT_VERSION = 3
 
 #: Directions whose albedo is integrated at once, over 1536 others each.
 ALBEDO_BLOCK = 16
@@ -46,10 +46,6 @@ class Material:
     Attributes:
         latents: read-only float32 (C, L), one code per channel (C = 3 for RGB, 1 for grey).
         model: the networks.
-        anchors: read-only float32 (C, L), codes near the latents that the encoder could have made.
-            Coats are layered over them, and directions are sampled by them. In encoded materials
-            they differ from the latents, which are fitted to values (see `urushi.material.fit`);
-            in coated materials they are equal. Default: the latents.
         table: read-only float16 (U, V, W, C), ln f over directions (see `urushi.core.table`),
             by which f is evaluated instead of by the latents, as of measured BRDFs. Default: None.
         beside_lobe: whether the table is of the rest alone, and f is the lobe of the latents plus
@@ -65,7 +61,6 @@ class Material:
 
     latents: np.ndarray
     model: Model
-    anchors: np.ndarray = None  # type: ignore[assignment]  # __post_init__ puts the latents there
     table: np.ndarray | None = None
     rotation: float = 0.0
     beside_lobe: bool = False
@@ -74,20 +69,11 @@ class Material:
 
     def __post_init__(self) -> None:
         latents = _checked(self.latents, self.model, "latents")
-        anchors = latents
-        if self.anchors is not None and self.anchors is not self.latents:
-            anchors = _checked(self.anchors, self.model, "anchors")
-        if anchors.shape != latents.shape:
-            raise ParameterError(
-                f"a material has {len(latents)} latents, but {len(anchors)} anchors; give one "
-                "anchor per latent code"
-            )
         if self.table is not None:
             object.__setattr__(self, "table", _checked_table(self.table, self.model, len(latents)))
         beside_lobe = bool(self.beside_lobe) and self.table is not None
         object.__setattr__(self, "beside_lobe", beside_lobe)
         object.__setattr__(self, "latents", latents)
-        object.__setattr__(self, "anchors", anchors)
         turn = _checked_rotation(self.rotation) if self.model.widths == 2 else 0.0
         object.__setattr__(self, "rotation", turn)
 
@@ -99,7 +85,7 @@ class Material:
 
     def _key(self) -> tuple:
         """What equal materials share."""
-        arrays = self.latents, self.anchors, self.table
+        arrays = self.latents, self.table
         contents = (x is not None and (x.shape, (x + 0).tobytes()) for x in arrays)  # -0.0 is 0.0
         return (self.model.fingerprint, *contents, self.beside_lobe, self.rotation)
 
@@ -212,7 +198,7 @@ class Material:
         return np.concatenate([wo, pdf[:, None]], axis=1)
 
     def _proposal(self, wi: np.ndarray) -> tuple[Any, Any]:
-        return self.model.networks.proposal(self.anchors.mean(axis=0)[None], wi)
+        return self.model.networks.proposal(self.latents.mean(axis=0)[None], wi)
 
     def directional_albedo(self, wi: npt.ArrayLike) -> np.ndarray:
         """Integrate f times wo's cosine over the hemisphere: the directional albedo.
@@ -270,9 +256,7 @@ class Material:
                 UrushiWarning,
                 stacklevel=2,
             )
-        return material_text(
-            language, self.model, self.latents, self.anchors, prefix, self.rotation, read
-        )
+        return material_text(language, self.model, self.latents, prefix, self.rotation, read)
 
     def save(self, path: str | os.PathLike) -> None:
         """Write the material to a safetensors file; `urushi.load` reads it.
@@ -313,8 +297,6 @@ def _contents(material: Material) -> tuple[dict[str, Any], dict[str, np.ndarray]
     """The description and the arrays by which a file holds a material and those under its coats."""
     description: dict[str, Any] = {"rotation": material.rotation} if material.rotation else {}
     arrays = {"latents": material.latents}
-    if not np.array_equal(material.latents, material.anchors):
-        arrays["anchors"] = material.anchors
     if material.table is not None:
         arrays["table"] = material.table
         description["beside_lobe"] = material.beside_lobe
@@ -342,7 +324,6 @@ def _material(description: dict[str, Any], arrays: dict[str, np.ndarray], model:
     return Material(
         arrays["latents"],
         model,
-        arrays.get("anchors"),  # type: ignore[arg-type]  # None: the latents
         arrays.get("table"),
         description.get("rotation", 0.0),
         bool(description.get("beside_lobe")),

@@ -150,6 +150,13 @@ class LinearNetworks(NamedTuple):
         """`rest` (S, P) of all codes z (S, L) at all of the same pairs' features (P, 1 + K)."""
         return basis.decode(z[:, None, self.arch.lobe :], features)
 
+    def table(self, z: np.ndarray) -> np.ndarray | None:
+        """ln f of the rests of codes (C, L): float32 (*`SHAPES[widths]`, C); None without rests."""
+        if (self.gains(z) <= basis.EMPTY_GAIN).all():
+            return None
+        logs = basis.decode_log(z[:, None, self.arch.lobe :], self.basis.rows)
+        return logs.T.reshape(*SHAPES[self.arch.widths], len(z))
+
     def gains(self, z: np.ndarray) -> np.ndarray:
         """The logarithmic gains (...) of the rests of codes z (..., L), a view."""
         return z[..., self.arch.lobe]

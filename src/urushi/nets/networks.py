@@ -14,6 +14,9 @@ from urushi.nets.features import direction_features
 from urushi.nets.lobe_fit import fit_lobes
 from urushi.nets.mlp import Params
 
+#: Pairs that are decoded at once.
+BLOCK = 4096
+
 
 class UrushiNetworks(NamedTuple):
     """Encoder, layerer, decoder and sampler of an `Architecture`.
@@ -28,6 +31,10 @@ class UrushiNetworks(NamedTuple):
     def pairs(self) -> tuple[np.ndarray, np.ndarray]:
         """The probe pairs wi, wo: float32 (P, 3)."""
         return probe_pairs(self.arch.probes, self.arch.widths)
+
+    def features(self, wi: Any, wo: Any) -> Any:
+        """What `rest` needs of pairs (..., 3) above the horizon."""
+        return direction_features(wi, wo, self.arch.widths)
 
     def encode(self, f: Any, lobe: Any = None) -> Any:
         """Codes (..., L) of values f (..., P) [1/sr] at the probe pairs.
@@ -104,19 +111,13 @@ class UrushiNetworks(NamedTuple):
         """`sampler.mixture` of codes z (..., L) for wi (..., 3) above the horizon."""
         return sampler.mixture(self.params, self.arch, z, wi)
 
-
-#: Pairs that are decoded at once.
-BLOCK = 4096
-
-
-def rest_table(networks: UrushiNetworks, latents: np.ndarray) -> np.ndarray | None:
-    """ln f of the rests of codes (C, L): float32 (*`SHAPES[widths]`, C); None if there are none."""
-    if (latents[:, networks.arch.lobe] <= decoder.EMPTY_GAIN).all():
-        return None
-    widths = networks.arch.widths
-    features = direction_features(*node_pairs(widths), widths)
-    logs = [
-        np.log(networks.rest(latents, features[start : start + BLOCK, None]))
-        for start in range(0, len(features), BLOCK)
-    ]
-    return np.concatenate(logs).reshape(*SHAPES[widths], len(latents))
+    def table(self, z: np.ndarray) -> np.ndarray | None:
+        """ln f of the rests of codes (C, L): float32 (*`SHAPES[widths]`, C); None without rests."""
+        if (self.gains(z) <= decoder.EMPTY_GAIN).all():
+            return None
+        features = self.features(*node_pairs(self.arch.widths))
+        logs = [
+            np.log(self.rest(z, features[start : start + BLOCK, None]))
+            for start in range(0, len(features), BLOCK)
+        ]
+        return np.concatenate(logs).reshape(*SHAPES[self.arch.widths], len(z))

@@ -11,15 +11,9 @@ import mitsuba as mi
 import numpy as np
 
 from urushi.core.table import node_pairs, table_of_values
-from urushi.material.encode import (
-    bare_anchors,
-    encode_source,
-    encoder_codes,
-    with_dielectrics_in_rests,
-    without_useless_rests,
-)
 from urushi.material.energy import limit_albedo
 from urushi.material.material import Material
+from urushi.material.values import codes_of, encode_source
 from urushi.mitsuba import spectrum
 from urushi.mitsuba.reading import probing
 from urushi.mitsuba.reading.bsdf import reflection_source
@@ -62,7 +56,7 @@ class BottomCodes:
         self.material, self._probed = None, None
         self.stored, self._stale = False, True
         if nested is not None and nested.grid is None:
-            codes = nested.anchors_at(np.full((1, 2), 0.5))[0]
+            codes = nested.at(np.full((1, 2), 0.5))[0]
             self._opened = _uniform(
                 codes[list(spectrum.FINE_AT_RGB)] if is_finer(nested) else codes
             )
@@ -134,7 +128,7 @@ class BottomCodes:
                 f = np.maximum(f - lobe_f(lobe, wi[:, None], wo[:, None]), 0)
             material = replace(material, table=table_of_values(f), beside_lobe=narrow)
         self.material = material
-        return material.anchors
+        return material.latents
 
 
 def _uniform(codes: np.ndarray) -> Source:
@@ -161,7 +155,7 @@ def _nested(latents: Latents, grid: TexelGrid) -> Source:
     """The source of a bottom that consists of codes itself."""
 
     def read(start: int, stop: int) -> tuple[np.ndarray, CodesAt]:
-        codes = latents.anchors_at(grid.uv(start, stop))
+        codes = latents.at(grid.uv(start, stop))
         return code_hashes(codes), lambda texel, channel: codes[texel, channel]
 
     return read
@@ -187,7 +181,13 @@ def _bare(model: Model, bottom: "mi.BSDF", where: str, grid: TexelGrid) -> Sourc
         assert lobe is not None  # for the type checker
         for reach in (lobe[..., :4], lobe[..., 6:]):  # all but the index
             np.minimum(reach, 1, out=reach)
-        return code_hashes(lobe), lambda texel, channel: bare_anchors(model, lobe[texel, channel])
+        rest = model.networks.empty_rest()
+
+        def codes_at(texel: np.ndarray, channel: np.ndarray) -> np.ndarray:
+            own = lobe[texel, channel]
+            return np.concatenate([own, np.broadcast_to(rest, (len(own), len(rest)))], axis=1)
+
+        return code_hashes(lobe), codes_at
 
     return read
 
@@ -208,7 +208,7 @@ def _diffuse(
         def codes_at(texel: np.ndarray, channel: np.ndarray) -> np.ndarray:
             pairs = len(model.networks.pairs()[0])
             f = np.repeat(reflectance[texel, channel, None] / np.float32(np.pi), pairs, axis=1)
-            return limit_albedo(model, encoder_codes(model, f, lobe))
+            return limit_albedo(model, codes_of(model, f, lobe))
 
         return row_hashes([reflectance]), codes_at
 
@@ -265,8 +265,5 @@ class _ProbedBottom:
                 lobes = lobes[own]
             f = probing.texel_values(self._bottom, *self._pairs, points, self._average)
             f = probing.check_values(f, self._where)[own]
-            anchors = encoder_codes(self._model, f, lobes)
-            if lobes is None:
-                anchors = with_dielectrics_in_rests(self._model, anchors, f)
-            parts.append(without_useless_rests(self._model, anchors, f))
+            parts.append(codes_of(self._model, f, lobes))
         return np.concatenate(parts)

@@ -18,9 +18,8 @@ import numpy as np
 from urushi.checks import CoatParameters, Widths
 from urushi.core.namespace import DRJIT
 from urushi.material import energy
-from urushi.material.encode import encoder_codes
-from urushi.material.fit import refined_slopes
 from urushi.material.layer import absent, layer_texels, within_training
+from urushi.material.values import codes_of
 from urushi.mitsuba.networks import lobe as lobes
 from urushi.mitsuba.networks.mlp import activate
 from urushi.mitsuba.recording import owned
@@ -187,7 +186,7 @@ def _rests(model: Model, f: np.ndarray, z: np.ndarray) -> tuple[np.ndarray, ...]
     np.maximum(rest, 0, out=rest)
     dark = (rest.mean(axis=-1) < least) | energy.are_bare(model, z)
     rest[dark], seen[dark] = least, True
-    codes = encoder_codes(model, rest, np.array(no_lobe(model.widths), np.float32))
+    codes = codes_of(model, rest, np.array(no_lobe(model.widths), np.float32))
     return rest, seen, np.concatenate([z[:, :size], codes[:, size:]], axis=-1), dark
 
 

@@ -24,7 +24,6 @@ from urushi.mitsuba.networks.lobe import NO_LOBE, LobeKind, kind_of
 from urushi.mitsuba.networks.sampler import UrushiSampler
 from urushi.mitsuba.networks.table import TabulatedDecoder, stored
 from urushi.mitsuba.recording import only_where, owned
-from urushi.nets.networks import rest_table
 from urushi.nets.weights import Model
 from urushi.textures.store import TexelGrid, TextureStore, write_texture
 
@@ -94,7 +93,7 @@ class ConstantLatents(_Held):
             self._decoder = decoder_of(model, kind)
         else:
             self._decoder = TabulatedDecoder(kind, material.knots)
-            table = rest_table(model.networks, latents) if table is None else table
+            table = model.networks.table(latents) if table is None else table
             if table is not None:
                 table = np.moveaxis(table, -1, 0)[..., None] if self._fine else table
                 self._tables = [stored(table, half)]
@@ -103,7 +102,7 @@ class ConstantLatents(_Held):
             self._decoder_terms, self._kind = [owned(mi.Float, rows)], kind
         else:
             self._decoder_terms = [_opaque(terms) for terms in self._decoder.code_terms(latents)]
-        mean = material.anchors.mean(axis=0)
+        mean = material.latents.mean(axis=0)
         self._proposals = [owned(mi.Float, x) for x in self._sampler.tabulated(mean)]
 
     def vertex(self, si, active) -> Vertex:
@@ -147,7 +146,7 @@ class ConstantLatents(_Held):
 
     def anchors_at(self, uv: np.ndarray) -> np.ndarray:
         """Codes (M, C, size) at points uv (M, 2) that coats are layered over."""
-        return np.broadcast_to(self.material.anchors, (len(uv), *self.material.anchors.shape))
+        return np.broadcast_to(self.material.latents, (len(uv), *self.material.latents.shape))
 
     def save(self, path: str | os.PathLike) -> None:
         """Write a file that `neural_brdf` and `urushi.load` read."""
