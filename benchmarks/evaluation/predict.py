@@ -7,9 +7,9 @@ from benchmarks.evaluation.samples import Samples
 from urushi.checks import CoatParameters, one_width
 from urushi.core.probe_pairs import PROBES, probe_pairs
 from urushi.material import Material
-from urushi.material.encode import material_from_values, material_of_lobes, required_pairs
 from urushi.material.layer import layer_texels
 from urushi.material.source import STACK_WALKS
+from urushi.material.values import material_from_values, material_of_lobes, required_pairs
 from urushi.nets.architecture import Architecture
 from urushi.nets.lobe import of_coat
 from urushi.nets.weights import Model

@@ -14,16 +14,16 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
+from urushi.material.simulated import FIT_WALKS, fit_to_walks
 
 import urushi
 from urushi.checks import CoatParameters, Widths
 from urushi.core import error_metrics
 from urushi.core.direction_sets import cosine_pairs, slope_pairs
 from urushi.material import Material
-from urushi.material.encode import material_from_values, material_of_lobes
 from urushi.material.layer import layer_texels
-from urushi.material.simulated import FIT_WALKS, fit_to_walks
 from urushi.material.source import STACK_WALKS
+from urushi.material.values import material_from_values, material_of_lobes
 from urushi.nets import lobe as lobes
 from urushi.nets.weights import anisotropic_model
 from urushi.train.distribution import Anisotropic

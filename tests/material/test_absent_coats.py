@@ -107,7 +107,7 @@ def test_texels_and_materials_agree(trained):
     bare = encode(conductor(0.2, r0=(0.8, 0.5, 0.3)), trained)
     eta = np.array([1.002, 1.002, 1.4])
     together = layer_texels(
-        trained, bare.anchors, CoatParameters(alpha=0.1, eta=eta, albedo=0.5, sigma_t=0.01, g=0.0)
+        trained, bare.latents, CoatParameters(alpha=0.1, eta=eta, albedo=0.5, sigma_t=0.01, g=0.0)
     )
     alone = layer(dielectric(0.1, eta), bare, albedo=0.5, sigma_t=0.01)
-    np.testing.assert_array_equal(together, alone.anchors)
+    np.testing.assert_array_equal(together, alone.latents)

@@ -7,7 +7,6 @@ from urushi.core.direction_sets import cosine_pairs, slope_pairs
 from urushi.core.error_metrics import stack_error
 from urushi.core.table import SHAPES, anisotropic_node_directions, interpolated, pair_coordinates
 from urushi.material import Material, encode, layer
-from urushi.nets.networks import rest_table
 from urushi.walk import conductor, dielectric, diffuse
 
 BRUSHED = {"alpha_u": 0.08, "alpha_v": 0.4}
@@ -24,7 +23,7 @@ def materials() -> list[Material]:
 
 @pytest.fixture(scope="module")
 def tables(materials) -> list[np.ndarray]:
-    return [rest_table(m.model.networks, m.latents) for m in materials]
+    return [m.model.networks.table(m.latents) for m in materials]
 
 
 def pairs(count: int = 4000) -> tuple[np.ndarray, np.ndarray]:
@@ -89,4 +88,4 @@ def test_interpolation_keeps_f(materials, tables):
 
 def test_a_bare_lobe_needs_no_table():
     metal = encode(conductor(r0=0.9, **BRUSHED))
-    assert rest_table(metal.model.networks, metal.latents) is None
+    assert metal.model.networks.table(metal.latents) is None

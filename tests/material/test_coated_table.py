@@ -55,7 +55,7 @@ class Sheen(MeasuredSurface):
 
 @pytest.fixture(scope="module")
 def bottom(trained) -> Material:
-    return encode(sheen, trained, refine=False, table=True)
+    return encode(sheen, trained, table=True)
 
 
 def coated(bottom, coat) -> Material:
@@ -126,7 +126,7 @@ def test_closer_to_the_walk_than_the_codes(name, bottom):
     wi, wo = direction_sets.cosine_pairs(np.random.default_rng(1), 200)
     stack = urushi.coat(Sheen(), **COATS[name])
     walk, _ = urushi.simulate(stack, wi, wo, walks=2048, progress=False)
-    codes = Material(bottom.latents, bottom.model, bottom.anchors)
+    codes = Material(bottom.latents, bottom.model, bottom.latents)
     ours, theirs = (error(coated(b, COATS[name]).f(wi, wo), walk, wi, wo) for b in (bottom, codes))
     assert ours < 0.03 and ours < theirs
 
@@ -232,7 +232,7 @@ def test_files_keep_the_kind_of_table(bottom, trained, tmp_path):
 
 def test_codes_are_those_of_the_layerer(bottom):
     """Textures, shaders and further systems use them, and directions are sampled by them."""
-    codes = Material(bottom.latents, bottom.model, bottom.anchors)
+    codes = Material(bottom.latents, bottom.model, bottom.latents)
     material = coated(bottom, COATS["tinted"])
     np.testing.assert_array_equal(material.latents, coated(codes, COATS["tinted"]).latents)
     with pytest.warns(UrushiWarning, match="leaves out the table"):
@@ -252,7 +252,7 @@ def test_blends_of_coated_materials(bottom, random_directions):
 def test_a_measured_source_needs_no_encoding_first(trained):
     """Sources other than measured ones have codes alone."""
     assert layer(dielectric(0.1, 1.5), conductor(0.2, 0.8)).table is None
-    assert layer(dielectric(0.1, 1.5), sheen, refine=False).table is None
+    assert layer(dielectric(0.1, 1.5), sheen).table is None
 
 
 def test_each_of_many_channels_is_as_it_is_alone():

@@ -8,13 +8,8 @@ from urushi.checks import CoatParameters
 from urushi.core.quadrature import half_vector_rule
 from urushi.material import Material, encode, energy, layer, lerp
 from urushi.material.albedo_rule import albedo_rule
-from urushi.material.encode import (
-    encoder_codes,
-    evaluate_source,
-    material_from_values,
-    required_pairs,
-)
 from urushi.material.layer import layer_texels
+from urushi.material.values import codes_of, evaluate_source, material_from_values, required_pairs
 from urushi.nets.weights import Model
 from urushi.walk import analytic
 
@@ -123,7 +118,7 @@ def test_what_the_encoder_makes_of_nothing_is_no_gain(trained):
     bright = brighter(trained, 100.0)
     mirror = encode(urushi.conductor(0.1, 1.0), bright)
     assert mirror.directional_albedo(WI).max() <= 1
-    assert energy.directional_albedos(bright, mirror.anchors).max() > 1 + energy.TOLERANCE
+    assert energy.directional_albedos(bright, mirror.latents).max() > 1 + energy.TOLERANCE
     blend = lerp(mirror, encode(urushi.conductor(0.2, 1.0), bright), 0.5)
     for bottom in (mirror, blend):
         coated = layer(urushi.dielectric(0.3, 1.5), bottom, albedo=1, sigma_t=0.5)
@@ -133,7 +128,7 @@ def test_what_the_encoder_makes_of_nothing_is_no_gain(trained):
 def test_a_gaining_network_is_brought_back_to_the_source(gaining):
     bright = urushi.diffuse((0.98, 0.77, 0.34))
     free = Material(
-        encoder_codes(gaining, evaluate_source(bright, *gaining.networks.pairs()).values.T), gaining
+        codes_of(gaining, evaluate_source(bright, *gaining.networks.pairs()).values.T), gaining
     )
     assert (free.directional_albedo(WI) > 1.2 * true_albedo(bright, WI)).all()
     lawful = COSINES > energy.GRAZING
@@ -156,7 +151,7 @@ def test_a_gaining_network_layers_at_most_everything(gaining):
 def test_one_factor_for_all_directions(gaining, directions):
     """So that reciprocity is untouched: the same bits with wi and wo exchanged."""
     source = urushi.diffuse((0.98, 0.77, 0.34))
-    codes = encoder_codes(gaining, evaluate_source(source, *gaining.networks.pairs()).values.T)
+    codes = codes_of(gaining, evaluate_source(source, *gaining.networks.pairs()).values.T)
     nodes = albedo_rule()
     own = nodes.albedo(evaluate_source(source, nodes.wi, nodes.wo).values.T)
     limited = Material(
@@ -171,7 +166,7 @@ def test_one_factor_for_all_directions(gaining, directions):
 
 
 def test_codes_far_below_the_ceiling_keep_their_bits(trained):
-    dark = encoder_codes(
+    dark = codes_of(
         trained, evaluate_source(urushi.diffuse(0.3), *trained.networks.pairs()).values.T
     )
     assert energy.limit_albedo(trained, dark) is dark
@@ -194,13 +189,13 @@ def test_channels_are_limited_apart(gaining):
     pairs = len(gaining.networks.pairs()[0])
     f = np.repeat(values[:, None], pairs, axis=1)
     limited, free = (
-        energy.limit_albedo(gaining, encoder_codes(gaining, f)),
-        encoder_codes(gaining, f),
+        energy.limit_albedo(gaining, codes_of(gaining, f)),
+        codes_of(gaining, f),
     )
     assert np.array_equal(limited[0], free[0])
     assert limited[2, 6] < free[2, 6]
     for channel in range(3):
-        alone = energy.limit_albedo(gaining, encoder_codes(gaining, f[channel : channel + 1]))
+        alone = energy.limit_albedo(gaining, codes_of(gaining, f[channel : channel + 1]))
         # float32 sums; a lobe that reflects nothing has any width
         np.testing.assert_allclose(alone[0, 1:], limited[channel, 1:], atol=1e-5)
 
@@ -219,7 +214,7 @@ def test_a_source_that_gains_energy_keeps_its_own_albedo(trained):
     blind = material_from_values(evaluate_source(bright, *trained.networks.pairs()).values, trained)
     assert blind.directional_albedo(WI).max() < 1 + BETWEEN
     coated = layer_texels(
-        trained, own.anchors, CoatParameters(alpha=0.1, eta=1.3, albedo=0, sigma_t=0, g=0)
+        trained, own.latents, CoatParameters(alpha=0.1, eta=1.3, albedo=0, sigma_t=0, g=0)
     )
     assert Material(coated, trained).directional_albedo(WI).max() < 1 + BETWEEN
 
@@ -233,7 +228,7 @@ def test_of_many_texels_the_bright_ones_are_limited(trained):
     """A texture too large to be measured whole: the same codes as measured one by one."""
     rng = np.random.default_rng(3)
     bottoms = np.concatenate([
-        encode(urushi.diffuse(rho), trained).anchors[:1] for rho in (0.2, 0.6, 1.0)
+        encode(urushi.diffuse(rho), trained).latents[:1] for rho in (0.2, 0.6, 1.0)
     ])  # fmt: skip
     shape = 60, 40, 3
     coats = {

@@ -26,7 +26,7 @@ def test_anchors_come_back(material, model, tmp_path):
     held.save(tmp_path / "held.safetensors")
     again = load(tmp_path / "held.safetensors", model)
     assert again == held != material
-    np.testing.assert_array_equal(again.anchors, held.anchors)
+    np.testing.assert_array_equal(again.latents, held.latents)
 
 
 def test_other_weights_are_refused_by_name(material, model, other_model, tmp_path):

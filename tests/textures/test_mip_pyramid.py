@@ -8,7 +8,7 @@ from urushi.core.direction_sets import cosine_pairs
 from urushi.core.error_metrics import stack_error
 from urushi.material import energy
 from urushi.material.albedo_rule import albedo_rule
-from urushi.material.encode import encoder_codes
+from urushi.material.values import codes_of
 from urushi.material.energy import limit_albedo
 from urushi.material.layer import layer_texels
 from urushi.textures import mip_pyramid, packing
@@ -19,9 +19,7 @@ from urushi.textures.store import TextureStore
 def coats(model, height: int, width: int) -> np.ndarray:
     """Codes (height, width, 3, size) of coats that differ in everything from texel to texel."""
     rng = np.random.default_rng(0)
-    bottom = limit_albedo(
-        model, encoder_codes(model, np.full((1, len(model.networks.pairs()[0])), 0.2))
-    )
+    bottom = limit_albedo(model, codes_of(model, np.full((1, len(model.networks.pairs()[0])), 0.2)))
     shape = height, width, 3
     return layer_texels(
         model,
@@ -98,7 +96,7 @@ def test_every_level_keeps_the_light(trained):
 @pytest.mark.parametrize("side", (4, 64))
 def test_levels_of_a_constant_texture_are_constant(trained, side):
     bottom = limit_albedo(
-        trained, encoder_codes(trained, np.full((1, len(trained.networks.pairs()[0])), 0.2))
+        trained, codes_of(trained, np.full((1, len(trained.networks.pairs()[0])), 0.2))
     )
     whole = pyramid_levels(trained, np.broadcast_to(bottom, (side, side, *bottom.shape)))
     for level in whole[1:]:

@@ -11,7 +11,7 @@ from benchmarks.evaluation.samples import Group, Samples
 import urushi
 from urushi.material import Material, energy
 from urushi.material.albedo_rule import albedo_rule
-from urushi.material.encode import material_from_values
+from urushi.material.values import material_from_values
 from urushi.nets.lobe import of_coat
 from urushi.train.distribution import Extended
 

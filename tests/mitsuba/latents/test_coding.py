@@ -6,7 +6,7 @@ import pytest
 
 from urushi.checks import CoatParameters, Widths
 from urushi.material import energy
-from urushi.material.encode import encoder_codes
+from urushi.material.values import codes_of
 from urushi.material.energy import limit_albedo
 from urushi.nets import layerer
 from urushi.nets import lobe as lobes
@@ -200,7 +200,7 @@ def test_encoding_against_differences(rgb, widths, fitted):
     known = None if fitted else lobe.astype(np.float32)
 
     def codes(share: float) -> np.ndarray:
-        return encoder_codes(model, (f + share / np.pi).astype(np.float32), known)
+        return codes_of(model, (f + share / np.pi).astype(np.float32), known)
 
     step = 0.01
     expected = (codes(step) - codes(-step)) / (2 * step)
@@ -230,7 +230,7 @@ def test_black_brdfs_have_finite_derivatives(rgb, gaining):
     black = rgb.Float(np.zeros(192, np.float32))
     dr.enable_grad(black)
     none = np.array(lobes.NO_LOBE, np.float32)
-    anchors = encoder_codes(gaining, np.zeros((1, 192), np.float32), none)[None]
+    anchors = codes_of(gaining, np.zeros((1, 192), np.float32), none)[None]
     result = coding.encoded(gaining, [black], rgb.TensorXf(none[None, None]), anchors)
     dr.backward(dr.sum(result.array))
     gradient = dr.grad(black).numpy()

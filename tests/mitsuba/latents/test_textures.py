@@ -9,7 +9,7 @@ from urushi.checks import CoatParameters
 from urushi.core.appearance import LOOK
 from urushi.core.directions import rotated
 from urushi.errors import UrushiWarning
-from urushi.material.encode import encoder_codes
+from urushi.material.values import codes_of
 from urushi.material.energy import limit_albedo
 from urushi.material.layer import layer_texels
 from urushi.textures import mip_pyramid
@@ -152,7 +152,7 @@ def test_isotropic_networks_take_the_mean_of_a_brushed_bottom(rgb, textured):
     coat = {"type": "neural_layered", "weights": "default", **COAT}
     found = rgb.load_dict(coat | {"bottom": brushed}).latents.at(np.full((1, 2), 0.5))
     eta = np.full((1, 1), 1.5046 / 1.000277)
-    under = limit_albedo(model, encoder_codes(model, f.T.astype(np.float32)))
+    under = limit_albedo(model, codes_of(model, f.T.astype(np.float32)))
     expected = layer_texels(model, under, CoatParameters(eta=eta, **COAT_ARRAYS))
     # 2,048 random azimuths are an error of about 3 %; a texture's codes have 8 bits
     assert np.abs(found - expected).max() < 0.05

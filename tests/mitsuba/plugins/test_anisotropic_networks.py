@@ -8,7 +8,6 @@ from urushi.core.direction_sets import cosine_pairs
 from urushi.core.directions import rotated
 from urushi.core.error_metrics import stack_error
 from urushi.core.table import interpolated
-from urushi.nets.networks import rest_table
 from urushi.nets.weights import anisotropic_model, default_model
 
 BRUSHED = {"type": "roughconductor", "distribution": "ggx", "material": "Cu"}
@@ -53,7 +52,7 @@ def test_plugins_are_materials(rgb, pairs, base, widths, degrees, tmp_path):
     material = expected(rgb, base, **widths)
     f, pdf = values(rgb, bsdf, *pairs)
     turned = [w.astype(np.float32) for w in (rotated(w, -degrees / 360) for w in pairs)]
-    rest = interpolated(rest_table(material.model.networks, material.latents), *turned)
+    rest = interpolated(material.model.networks.table(material.latents), *turned)
     top = material.model.networks.top(material.latents[:, None], *turned).T
     np.testing.assert_allclose(f, top + rest, rtol=1e-3, atol=1e-6)
     expected_f = material.f(*turned)  # by the decoder itself: the table's error is below 0.5 %

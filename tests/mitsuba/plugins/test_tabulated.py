@@ -7,7 +7,6 @@ import pytest
 from urushi.core.table import SHAPE
 from urushi.material import Material
 from urushi.nets.architecture import Architecture, init
-from urushi.nets.networks import rest_table
 from urushi.nets.weights import Model
 
 
@@ -116,7 +115,7 @@ def test_a_coat_over_a_refined_material_has_its_table_once(rgb, small, tmp_path,
 
     def table(networks, latents):
         tables.append(latents)
-        return rest_table(networks, latents)
+        return networks.table(latents)
 
     monkeypatch.setattr(holders, "rest_table", table)
     weights = {"weights": str(tmp_path / "weights")}

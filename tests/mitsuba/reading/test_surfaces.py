@@ -6,7 +6,8 @@ import pytest
 from urushi.checks import CoatParameters
 from urushi.core.probe_pairs import probe_pairs
 from urushi.errors import ParameterError
-from urushi.material.encode import bare_anchors, encode, encoder_codes
+from urushi.material.encode import bare_anchors, encode
+from urushi.material.values import codes_of
 from urushi.material.energy import limit_albedo
 from urushi.material.layer import layer_texels
 from urushi.nets import lobe as lobes
@@ -111,7 +112,7 @@ def test_every_texel_of_a_surface_is_that_surface(rgb, model, file, name):
     }
     if name == "diffuse":
         f = np.broadcast_to(pixels[..., None] / np.pi, (*pixels.shape, ARCH.probes))
-        codes = encoder_codes(model, f, np.float32(lobes.NO_LOBE))
+        codes = codes_of(model, f, np.float32(lobes.NO_LOBE))
         bottom = limit_albedo(model, codes)
     else:
         base["alpha"] = bitmap(rgb, widths)
