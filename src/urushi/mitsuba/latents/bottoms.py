@@ -34,6 +34,9 @@ PROBED_TEXELS = 1 << 13
 #: values are rounded: texels that differ by less than 0.2 % share a code.
 KEY_STRIDE, KEY_BITS = 24, 9
 
+#: Reflectance of a black surface in logarithms.
+BLACK = 1e-9
+
 #: Width below which a lobe stays beside the table of a bottom, which is too coarse for it.
 NARROW = 0.0225
 
@@ -192,11 +195,16 @@ def _bare(model: Model, bottom: "mi.BSDF", where: str, grid: TexelGrid) -> Sourc
     return read
 
 
+def white_code(model: Model) -> np.ndarray:
+    """The code (size,) of a Lambertian surface that reflects all light."""
+    white = np.full(len(model.networks.pairs()[0]), 1 / np.pi, np.float32)
+    return codes_of(model, white, np.array(no_lobe(model.widths), np.float32))
+
+
 def _diffuse(
     model: Model, reflectance_at: Callable[[Any], list], where: str, grid: TexelGrid
 ) -> Source:
     """The source of a Lambertian bottom."""
-    lobe = np.array(no_lobe(model.widths), np.float32)
 
     def read(start: int, stop: int) -> tuple[np.ndarray, CodesAt]:
         uv = grid.uv(start, stop)
@@ -206,9 +214,9 @@ def _diffuse(
         probing.check_values(reflectance, where)
 
         def codes_at(texel: np.ndarray, channel: np.ndarray) -> np.ndarray:
-            pairs = len(model.networks.pairs()[0])
-            f = np.repeat(reflectance[texel, channel, None] / np.float32(np.pi), pairs, axis=1)
-            return limit_albedo(model, codes_of(model, f, lobe))
+            codes = np.tile(white_code(model), (len(texel), 1))
+            factors = np.maximum(reflectance[texel, channel], BLACK)
+            return limit_albedo(model, model.networks.rest_scaled(codes, factors))
 
         return row_hashes([reflectance]), codes_at
 
@@ -261,9 +269,7 @@ class _ProbedBottom:
             own = place[rows] - start, channel[rows]
             points = uv[texels[start : start + PROBED_TEXELS]]
             lobes = _lobes(self._model, self._bottom, points, self._where)
-            if lobes is not None:
-                lobes = lobes[own]
             f = probing.texel_values(self._bottom, *self._pairs, points, self._average)
             f = probing.check_values(f, self._where)[own]
-            parts.append(codes_of(self._model, f, lobes))
+            parts.append(codes_of(self._model, f, None if lobes is None else lobes[own]))
         return np.concatenate(parts)

@@ -68,7 +68,7 @@ class DifferentiableLatents:
         self.model, self.plain, self.logs = model, plain, logs
         self.vertex, self.at, self.save = plain.vertex, plain.at, plain.save
         self.channels, self.grid = plain.channels, plain.grid
-        self.material, self.anchors_at = plain.material, plain.anchors_at
+        self.material = plain.material
         self.table = mi.TensorXf() if logs is None else table_gradients.interleaved(logs)
         self._tables = [] if logs is None else [self.table.array]
         dr.make_opaque(self._tables)
@@ -236,6 +236,9 @@ def _bottom_codes(
     if lobes and len(lobes[0]) > model.arch.lobe:
         lobes = []  # the average over the azimuth is fitted
     lobes = [[*lobe, *lobe[: model.arch.lobe - len(lobe)]] for lobe in lobes]
+    if offer.reflectance is not None:
+        reflectance = partial(offer.reflectance, si)
+        return _tensor(coding.diffuse(model, spectrum.at_bands(si, reflectance)))
     if lobes and offer.bare:
         rest = [mi.Float(float(value)) for value in model.networks.empty_rest()]
         return _tensor([[*lobe, *rest] for lobe in lobes])

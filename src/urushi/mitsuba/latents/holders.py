@@ -144,10 +144,6 @@ class ConstantLatents(_Held):
         latents = self.material.latents
         return np.broadcast_to(latents, (len(uv), *latents.shape))
 
-    def anchors_at(self, uv: np.ndarray) -> np.ndarray:
-        """Codes (M, C, size) at points uv (M, 2) that coats are layered over."""
-        return np.broadcast_to(self.material.latents, (len(uv), *self.material.latents.shape))
-
     def save(self, path: str | os.PathLike) -> None:
         """Write a file that `neural_brdf` and `urushi.load` read."""
         self.material.save(path)
@@ -194,8 +190,6 @@ class TexturedLatents(_Held):
     def at(self, uv: np.ndarray) -> np.ndarray:
         """Latent codes (M, C, size) at points uv (M, 2)."""
         return looked_up(self._texture.look_up, uv)
-
-    anchors_at = at  # coats are layered over the same codes
 
     def save(self, path: str | os.PathLike) -> None:
         """Write a file that `neural_brdf` reads."""

@@ -65,7 +65,7 @@ def table_slopes(coat: CoatParameters, bottom: Material, slopes: Sequence[Slope]
                 f *= 1 + np.clip(step * slope.values / f, -MOST, MOST)
             values.append(f)
     table = None if bottom.table is None else table_of_values(np.stack(values, axis=-1))
-    below = replace(bottom, latents=np.stack(codes), anchors=np.stack(codes), table=table)
+    below = replace(bottom, latents=np.stack(codes), table=table)
     coated = layer_material(CoatParameters.of_columns(np.array(columns).T), below).table
     assert coated is not None  # for the type checker
     high, low = np.split(coated.reshape(-1, len(changed)).T.astype(np.float32), 2)

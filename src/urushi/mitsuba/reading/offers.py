@@ -54,9 +54,6 @@ class Latents(Protocol):
     def at(self, uv: np.ndarray) -> np.ndarray:
         """Codes (M, C, size) at points uv (M, 2)."""
 
-    def anchors_at(self, uv: np.ndarray) -> np.ndarray:
-        """Those that coats are layered over."""
-
 
 @dataclass(frozen=True)
 class Offer:
