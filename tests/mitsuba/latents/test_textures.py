@@ -9,9 +9,9 @@ from urushi.checks import CoatParameters
 from urushi.core.appearance import LOOK
 from urushi.core.directions import rotated
 from urushi.errors import UrushiWarning
-from urushi.material.values import codes_of
 from urushi.material.energy import limit_albedo
 from urushi.material.layer import layer_texels
+from urushi.material.values import codes_of
 from urushi.textures import mip_pyramid
 
 COAT = {"alpha": 0.2, "albedo": 0.7, "sigma_t": 0.8, "g": 0.3}
