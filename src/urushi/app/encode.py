@@ -74,7 +74,7 @@ class Encode:
                     failed(result)
                     continue
                 index, (material, deviations) = readable[position], result
-                for sentence in deviations.warnings():
+                for sentence in deviations.warnings() if deviations else ():
                     _print_to_stderr(f"{self.sources[index]}: {sentence}")
                 material.save(targets[index])
                 tqdm.write(str(targets[index]))

@@ -1,19 +1,16 @@
 """`urushi.encode`: materials of descriptions, stacks, measured and other BRDFs."""
 
-import warnings
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
-from urushi.errors import UrushiError, UrushiWarning
-from urushi.material.layer import stacked
+from urushi.errors import UrushiError
+from urushi.material.layer import encoded, warn_of
 from urushi.material.material import Material
-from urushi.material.source import as_source, source_name
-from urushi.material.symmetry import Deviations, deviations_of
-from urushi.material.values import encode_source, model_for
+from urushi.material.source import source_name
+from urushi.material.symmetry import Deviations
 from urushi.measured import load_measured
-from urushi.nets.weights import Model, Weights, find
-from urushi.walk import Stack
+from urushi.nets.weights import Weights, find
 
 
 def encode(
@@ -53,21 +50,9 @@ def encode(
         UrushiWarning: averaging changes the source by more than 10 %, or transmitted or specular
             light is left out.
     """
-    model = model_for(source, weights)
-    if isinstance(source, Material) and source.model.fingerprint == model.fingerprint:
-        return source
-    material, deviations = encoded(source, model, table)
-    for sentence in deviations.warnings():
-        warnings.warn(f"encode {source_name(source)}: {sentence}", UrushiWarning, stacklevel=2)
+    material, deviations = encoded(source, weights, table)
+    warn_of(deviations, f"encode {source_name(source)}")
     return material
-
-
-def encoded(source: Any, model: Model, table: bool | None) -> tuple[Material, Deviations]:
-    """`encode` without its warnings: the material, and the source's deviations."""
-    material = stacked(source, model) if isinstance(source, Stack) else None
-    if material is not None:
-        return material, deviations_of(as_source(source), widths=model.widths)
-    return encode_source(source, model, table=table)
 
 
 def encode_all(
@@ -75,7 +60,7 @@ def encode_all(
     *,
     weights: Weights | None = None,
     table: bool | None = None,
-) -> Iterator[tuple[int, tuple[Material, Deviations] | UrushiError]]:
+) -> Iterator[tuple[int, tuple[Material, Deviations | None] | UrushiError]]:
     """Encode many BRDFs, one after the other.
 
     sources: each a Path of a measured BRDF, or else what `encode` takes, as the other arguments.
@@ -88,7 +73,6 @@ def encode_all(
     for index, source in enumerate(sources):
         try:
             opened = load_measured(source) if isinstance(source, Path) else source
-            model = model_for(opened, weights)
-            yield index, encoded(opened, model, table)
+            yield index, encoded(opened, weights, table)
         except UrushiError as error:
             yield index, error

@@ -23,7 +23,8 @@ from urushi.material.coated_anisotropic import coated_f as anisotropic_coated_f
 from urushi.material.coated_table import coated_table
 from urushi.material.energy import limit_albedo
 from urushi.material.material import Coating, Material
-from urushi.material.source import source_name
+from urushi.material.source import as_source
+from urushi.material.symmetry import Deviations, deviations_of
 from urushi.material.values import codes_of, encode_source, model_for
 from urushi.nets import lobe as lobes
 from urushi.nets.weights import Model, Weights, anisotropic_model, default_model
@@ -219,6 +220,12 @@ def _transported(coat: CoatParameters, bottom: Material) -> Material:
     return Material(codes, model, rotation=bottom.rotation)
 
 
+def warn_of(deviations: Deviations | None, name: str) -> None:
+    """Warn of what a material cannot represent; name: of the source."""
+    for sentence in deviations.warnings() if deviations else ():
+        warnings.warn(f"{name}: {sentence}", UrushiWarning, stacklevel=3)
+
+
 def tabulated(material: Material) -> Material:
     """The material with a table beside its lobe, of its code if it has none."""
     if material.table is not None:
@@ -241,7 +248,8 @@ def _below(bottom: Any, weights: Weights | None, anisotropic: bool) -> Material:
                 )
             weights = anisotropic_model()
     if not isinstance(bottom, Material) or weights is not None:
-        bottom = _encoded(bottom, weights)
+        bottom, deviations = encoded(bottom, weights)
+        warn_of(deviations, "layer: the bottom")
     if anisotropic and bottom.rotation % 180 != 0:
         raise ParameterError(
             f"the bottom is rotated by {bottom.rotation:g} degrees, and the coat's alpha_u and "
@@ -251,17 +259,21 @@ def _below(bottom: Any, weights: Weights | None, anisotropic: bool) -> Material:
     return bottom
 
 
-def _encoded(source: Any, weights: Weights | None) -> Material:
+def encoded(
+    source: Any, weights: Weights | None = None, table: bool | None = None
+) -> tuple[Material, Deviations | None]:
+    """`encode` without its warnings.
+
+    Returns:
+        The material, and the deviations of the source, if it is not a Material of these weights.
+    """
     model = model_for(source, weights)
     if isinstance(source, Material) and source.model.fingerprint == model.fingerprint:
-        return source
+        return source, None
     material = stacked(source, model) if isinstance(source, Stack) else None
-    if material is not None:
-        return material
-    material, deviations = encode_source(source, model)
-    for sentence in deviations.warnings():
-        warnings.warn(f"encode {source_name(source)}: {sentence}", UrushiWarning, stacklevel=3)
-    return material
+    if material is None:
+        return encode_source(source, model, table=table)
+    return material, deviations_of(as_source(source), widths=model.widths)
 
 
 def _for_networks(model: Model, coat: CoatParameters) -> CoatParameters:
