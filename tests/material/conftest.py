@@ -1,9 +1,8 @@
 """Materials of an untrained layering network, for properties that hold for any weights."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
+from tests.untrained import untrained
 
 from urushi.material import Material
 from urushi.nets.lobe import NO_LOBE
@@ -14,20 +13,8 @@ LOBES = [[0.2, 0, 0, 1, 1.5, 0], [0.1, 0.8, 1, 0, 1.5, 0], NO_LOBE]
 
 
 def random_rests(shape: tuple[int, ...], rng: np.random.Generator) -> np.ndarray:
-    """Rests (*shape, K) of codes as spread as those of the training materials."""
-    covariance = np.linalg.inv(default_model().params["basis.prior"].astype(np.float64))
-    return 0.3 * rng.multivariate_normal(np.zeros(len(covariance)), covariance, size=shape)
-
-
-def make_model(seed: int, layerer: tuple[int, ...] = (64, 64)) -> Model:
-    """The shipped basis with a random layering network."""
-    shipped, rng = default_model(), np.random.default_rng(seed)
-    arch = replace(shipped.arch, layerer=layerer)
-    params = dict(shipped.params)
-    for name, shape in arch.parameter_shapes().items():
-        if not name.startswith("basis."):
-            params[name] = rng.normal(size=shape) * (shape[0] ** -0.5 if len(shape) == 2 else 0.1)
-    return Model.of(arch, params, {})
+    """Rests (*shape, K) of codes of untrained models."""
+    return rng.normal(size=(*shape, 8))
 
 
 @pytest.fixture(scope="session")
@@ -43,12 +30,12 @@ def draw_codes():
 
 @pytest.fixture(scope="session")
 def model() -> Model:
-    return make_model(0)
+    return untrained(0)
 
 
 @pytest.fixture(scope="session")
 def other_model() -> Model:
-    return make_model(1)
+    return untrained(1)
 
 
 @pytest.fixture(scope="session")
@@ -59,12 +46,12 @@ def material(model) -> Material:
 
 @pytest.fixture(scope="session")
 def small() -> Model:
-    return make_model(3)
+    return untrained(3)
 
 
 @pytest.fixture(scope="session")
 def other_small() -> Model:
-    return make_model(4)
+    return untrained(4)
 
 
 @pytest.fixture(scope="session")
