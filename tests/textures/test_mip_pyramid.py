@@ -120,7 +120,7 @@ def test_a_store_has_levels_within_what_it_can_store(trained):
     codes = (
         coats(trained, 8, 8).astype(np.float16).astype(np.float32)
     )  # the precision in which codes are written
-    store = TextureStore(trained, packing.texel_layout(trained, 3), 8, 8, mipmaps=True)
+    store = TextureStore(trained, 3, 8, 8, mipmaps=True)
     store.write(slice(None), codes.reshape(64, 3, -1))
     expected = np.concatenate(
         [z.reshape(-1, 3, z.shape[-1]) for z in pyramid_levels(trained, codes)]

@@ -14,7 +14,6 @@ from urushi.checks import CoatParameters
 from urushi.core.random import INCREMENT, mix64
 from urushi.material.layer import layer_texels
 from urushi.nets.weights import Model
-from urushi.textures import packing
 from urushi.textures.store import TexelGrid, TextureStore
 
 #: Bits of the mantissa that numbers are rounded to, a relative step of 1e-4: texture filters return
@@ -42,8 +41,7 @@ class BakedTexture:
         """mipmaps: whether to hold all levels of the mip pyramid; else the first one only."""
         self.grid = grid
         self._hashes = np.zeros((grid.texels, channels), np.uint64)
-        layout = packing.texel_layout(model, channels)
-        self.store = TextureStore(model, layout, grid.width, grid.height, mipmaps=mipmaps)
+        self.store = TextureStore(model, channels, grid.width, grid.height, mipmaps=mipmaps)
 
     def update(self, source: Source, advance: Callable[[int], Any] = lambda texels: None) -> None:
         """Compute the texels with a changed hash.

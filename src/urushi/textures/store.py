@@ -70,16 +70,25 @@ class TextureStore:
     """
 
     def __init__(
-        self, model: Model, layout: TexelLayout, width: int, height: int, *, mipmaps=False
+        self, model: Model, channels: int, width: int, height: int, *, mipmaps: bool = False
     ):
-        """mipmaps: whether to hold all levels of the mip pyramid; else the first one only."""
-        self.layout, self._model = layout, model
+        """Make an empty texture.
+
+        Args:
+            model: of the codes.
+            channels: codes in a texel.
+            width, height: of the first level.
+            mipmaps: whether to hold all levels of the mip pyramid; else the first one only.
+        """
+        self._model = model
+        self.layout = packing.texel_layout(channels, np.zeros(model.arch.latent))
         # Channels often share numbers of their lobes, which are compared one by one.
         self._compared = model.arch.lobe
         # Width and height of every level.
         self.levels = level_sizes(width, height) if mipmaps else [(width, height)]
-        nothing = np.zeros(layout.size, np.float32)
-        self.packed = PackedTexels(np.zeros((0, layout.texel_bytes), np.uint8), nothing, nothing)
+        nothing = np.zeros(self.layout.size, np.float32)
+        empty = np.zeros((0, self.layout.texel_bytes), np.uint8)
+        self.packed = PackedTexels(empty, nothing, nothing)
 
     def read(self, rows: slice | np.ndarray) -> np.ndarray:
         """Codes float32 (n, channels, size) of rows."""
@@ -97,9 +106,10 @@ class TextureStore:
             chooses the codes of each texel among them.
         """
         codes, first = codes.astype(np.float16, copy=False), self.levels[0][0] * self.levels[0][1]
-        former = []
+        former, fine = [], list[int]()
         if len(codes if index is None else index) < first:  # other texels keep their bits
             packed = self.packed
+            fine = [number for number, low in enumerate(self.layout.low) if low >= 0]
             former = [(packed.lowest, packed.lowest + self.layout.levels * packed.step)]
             starts = range(0, first, PACKED_BLOCK)
             blocks = [slice(start, min(start + PACKED_BLOCK, first)) for start in starts]
@@ -119,8 +129,9 @@ class TextureStore:
         lowest, highest = (np.stack(end) for end in zip(*ends, strict=True))
         lowest, highest = lowest.min(axis=0), highest.max(axis=0)
         same = _same_in_channels(codes, index, self._compared) & _equal_channels(coarse)
+        errors = packing.rounding_errors(self._model, codes, lowest, highest)
         self.layout = packing.texel_layout(
-            self._model, self.layout.channels, lowest == highest, same
+            self.layout.channels, errors, lowest == highest, same, fine
         )
         self.packed = packing.pack(self.layout, codes, index, coarse, lowest, highest)
 
@@ -195,8 +206,8 @@ def read_texture(
         place, size = description["place"], (description["width"], description["height"])
         place["to_texture"] = tuple(map(tuple, place["to_texture"]))
         mipmaps, grid = description["levels"] > 1, TexelGrid(*size, **place)
-        store = TextureStore(model, TexelLayout(**entries), *size, mipmaps=mipmaps)
-        store.packed = packed
+        store = TextureStore(model, entries["channels"], *size, mipmaps=mipmaps)
+        store.layout, store.packed = TexelLayout(**entries), packed
     except (KeyError, TypeError, ValueError) as error:
         raise FileError(f"the texture file '{path}' is damaged ({error}); save it again") from error
     return store, grid, model

@@ -14,7 +14,6 @@ SIDE = 16
 @pytest.fixture
 def rows(monkeypatch, model):
     """A function that returns the number of rows that encoder and layerer have evaluated."""
-    packing.importance_order(model)  # measured once per model, which evaluates rows too
     counts = {"encode": 0, "layer": 0}
     encode, layer = UrushiNetworks.encode, UrushiNetworks.layer
 
