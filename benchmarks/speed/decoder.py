@@ -33,7 +33,6 @@ def evaluations(weights: str) -> dict[str, Callable[[], object]]:
     """For each row of the table, a function that evaluates the decoder."""
     from urushi.mitsuba.latents.holders import ConstantLatents, TexturedLatents
     from urushi.nets.weights import find
-    from urushi.textures import packing
     from urushi.textures.store import IDENTITY, TexelGrid, TextureStore
 
     model = find(weights)

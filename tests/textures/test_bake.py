@@ -27,7 +27,7 @@ def layered_rows(monkeypatch):
 
 def test_only_distinct_and_changed_rows_are_layered(model, layered_rows):
     rng = np.random.default_rng(0)
-    codes = rng.normal(size=(1, 3, 32)).astype(np.float32)
+    codes = 0.2 * rng.normal(size=(1, 3, model.arch.latent)).astype(np.float32)
     codes[..., :6] = [0.2, 0, 0, 1, 1.5, 0]
     hashes = bake.code_hashes(codes)
     coat = {"alpha": 0.1, "eta": 1.5, "albedo": 0.5, "sigma_t": 1.0, "g": 0.0}
@@ -56,7 +56,7 @@ def test_only_distinct_and_changed_rows_are_layered(model, layered_rows):
 
 def test_texels_that_share_nothing_equal_those_that_share(model, layered_rows, monkeypatch):
     rng = np.random.default_rng(1)
-    codes = rng.normal(size=(24, 3, 32)).astype(np.float32)
+    codes = 0.2 * rng.normal(size=(24, 3, model.arch.latent)).astype(np.float32)
     codes[..., :6] = [0.2, 0, 0, 1, 1.5, 0]
     codes[1] = codes[0]
     hashes = bake.code_hashes(codes)

@@ -3,10 +3,10 @@
 Fan et al. (2022) keep the numbers of a latent texture in floating point. Here each number of a code
 is a fixed-point number between its least and its greatest value in the texture. A texel takes a
 power of two of bytes. The numbers with the greatest effect on f have 16 bits, so that the others
-change it by less than `LIMIT`, and as many more as fit; the others have 8. Sixteen bits are two separate bytes, high and
-low: interpolation is linear, so that a renderer may interpolate all bytes in the same way and add
-them afterwards. Numbers that are equal in the whole texture take no bytes; numbers that are equal
-in all channels are stored once.
+change it by less than `LIMIT`, and as many more as fit; the others have 8. Sixteen bits are two
+separate bytes, high and low: interpolation is linear, so that a renderer may interpolate all bytes
+in the same way and add them afterwards. Numbers that are equal in the whole texture take no bytes;
+numbers that are equal in all channels are stored once.
 """
 
 from collections.abc import Iterable
@@ -18,7 +18,7 @@ from urushi.nets.weights import Model
 from urushi.parallel import fill_blocks
 
 #: Error of f by all numbers of 8 bits together, at most.
-LIMIT = 5e-4
+LIMIT = 7e-4
 
 #: Texels of shared codes that a core packs at once.
 SHARED_ROWS = 1 << 14
