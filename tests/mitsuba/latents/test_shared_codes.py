@@ -9,7 +9,6 @@ from urushi.material.material import Material
 from urushi.nets import sampler
 from urushi.nets.architecture import SCALE, Architecture, init
 from urushi.nets.weights import Model
-from urushi.textures import packing
 from urushi.textures.store import IDENTITY, TexelGrid, TextureStore
 
 COUNT = 500

@@ -6,7 +6,7 @@ import pytest
 
 from urushi.errors import ParameterError
 from urushi.nets.networks import UrushiNetworks
-from urushi.textures import cache, packing
+from urushi.textures import cache
 
 SIDE = 16
 

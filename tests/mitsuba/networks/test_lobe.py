@@ -9,8 +9,7 @@ from urushi.material.material import Material
 from urushi.nets import lobe as numpy_lobe
 from urushi.nets import weights
 from urushi.nets.architecture import SCALE, Architecture, init
-from urushi.nets.networks import UrushiNetworks, rest_table
-from urushi.textures import packing
+from urushi.nets.networks import UrushiNetworks
 from urushi.textures.store import IDENTITY, TexelGrid, TextureStore
 
 ARCH = Architecture(
