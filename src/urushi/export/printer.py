@@ -6,13 +6,13 @@ from typing import ClassVar
 
 import numpy as np
 
-from urushi.export.expressions import BOOL, COLOUR, FLOAT, INT, VECTOR, VOLUME, Expression
+from urushi.export.expressions import BOOL, COLOUR, FLOAT, INT, TEXEL, TEXTURE, VECTOR, Expression
+from urushi.export.rest import TextureForm
 from urushi.export.statements import (
     Function,
     Program,
     Statement,
     Structure,
-    Table,
     Texels,
     Variable,
 )
@@ -32,21 +32,19 @@ class Printer:
     comment: ClassVar[str] = "//"  # begins a comment
     kinds: ClassVar[Mapping[str, str]]  # the language's names of the kinds of values
     calls: ClassVar[Mapping[str, str]] = {}  # names of functions that differ from `expressions`
-    components: ClassVar[Sequence[str]] = (".x", ".y", ".z")  # of a vector and of a colour
+    components: ClassVar[Sequence[str]] = (".x", ".y", ".z", ".w")  # of a vector, colour or texel
     field_end: ClassVar[str] = ";"  # ends a field of a structure
     structure_end: ClassVar[str] = "};"
-    table_form: ClassVar[tuple[str, str]]  # lines before and after the numbers of a table
-    tables_inside: ClassVar[bool] = False  # whether tables stand in the functions that read them
     end: ClassVar[str] = ";"  # ends a statement
-    loop_end: ClassVar[Sequence[str]] = ("}",)  # the lines that end a loop
     two: ClassVar[str] = "vec2"  # the name of two floats
     fetch_head: ClassVar[str]  # the first line of a function that reads a texture
     level: ClassVar[str] = ", float level"  # further argument of a function for a given level
     place: ClassVar[str] = "vec2 place"  # declares the texture's coordinates
     sample: ClassVar[str]  # declares four bytes, by the footprint
     sample_level: ClassVar[str]  # and of a given level
-    volume: ClassVar[str]  # the argument that is a texture of three coordinates
-    texel: ClassVar[str]  # and its colour at a place
+    form: ClassVar[TextureForm] = TextureForm()
+    texture: ClassVar[str]  # the argument that is a texture of `form`
+    texel: ClassVar[str]  # and its filtered texel at a place
 
     def __init__(self, prefix: str):
         """prefix: begins the names of all functions, structures and tables."""
@@ -57,8 +55,6 @@ class Printer:
         for structure in program.structures:
             lines += [*self.structure(structure), ""]
         for function in program.functions:
-            for table in () if self.tables_inside else function.tables:
-                lines += [*self.table(table), ""]
             lines += [*self.function(function), ""]
         if program.texels:
             lines += self.lookup(program.texels, program.functions[-1])
@@ -83,9 +79,6 @@ class Printer:
     def structure_name(self, label: str) -> str:
         return self.prefix.replace("_", " ").title().replace(" ", "") + label
 
-    def table_name(self, label: str) -> str:
-        return f"{self.prefix}_{label}"
-
     def kind(self, kind: str) -> str:
         return self.kinds.get(kind) or self.structure_name(kind)
 
@@ -93,8 +86,8 @@ class Printer:
 
     def declared(self, variable: Variable) -> str:
         """A type and a name, as in C."""
-        if variable.kind == VOLUME:
-            return self.volume.format(name=variable.name)
+        if variable.kind == TEXTURE:
+            return self.texture.format(name=variable.name)
         count = "" if variable.count is None else f"[{variable.count}]"
         return f"{self.kind(variable.kind)} {variable.name}{count}"
 
@@ -106,17 +99,9 @@ class Printer:
             lines.append(f"    {self.declared(variable)}{self.field_end}{note}")
         return [*lines, self.structure_end]
 
-    def table(self, table: Table, indent: str = "") -> list[str]:
-        name, count, inner = self.table_name(table.name), len(table.values), indent + "    "
-        first, last = (indent + line.format(name=name, count=count) for line in self.table_form)
-        text = ", ".join(self.number(float(value)) for value in table.values)
-        return [first, *broken(text, inner, inner), last]
-
     def function(self, function: Function) -> list[str]:
-        tables = function.tables if self.tables_inside else ()
-        inside = [line for table in tables for line in self.table(table, "    ")]
         head = [*self.comments(function.note), self.signature(function)]
-        return [*head, *inside, *self.body(function.body, "    "), "}"]
+        return [*head, *self.body(function.body, "    "), "}"]
 
     def signature(self, function: Function) -> str:
         arguments = ", ".join(map(self.declared, function.arguments))
@@ -157,16 +142,11 @@ class Printer:
     def body(self, statements: Iterable[Statement], indent: str) -> list[str]:
         lines: list[str] = []
         for statement in statements:
-            if statement.operation == "loop":
-                lines.append(indent + self.loop_head(str(statement.target), statement.count))
-                lines += self.body(statement.body, indent + "    ")
-                lines += [indent + line for line in self.loop_end]
-            else:
-                lines += self.wrapped(indent + self.statement(statement))
+            lines += self.wrapped(indent + self.statement(statement))
         return lines
 
     def statement(self, statement: Statement) -> str:
-        """A statement, except a loop, in one line."""
+        """A statement in one line."""
         target, value = statement.target, statement.value
         match statement.operation:
             case "note":
@@ -220,8 +200,6 @@ class Printer:
                     return text, _UNARY
             case "name" | "integer":
                 text = str(detail)
-            case "table":
-                text = self.table_name(detail)
             case "call":
                 text = f"{self.calls.get(detail, detail)}({', '.join(texts)})"
             case "texel":
@@ -276,9 +254,11 @@ class Printer:
         return f"({condition} ? {yes} : {no})"
 
 
-def kinds(three: str, number: str = "float", whole: str = "int", truth: str = "bool") -> dict:
-    """The kinds of a language by its names of three floats, a float, an integer and a bool."""
-    return {FLOAT: number, COLOUR: three, VECTOR: three, BOOL: truth, INT: whole}
+def kinds(
+    three: str, four: str, number: str = "float", whole: str = "int", truth: str = "bool"
+) -> dict:
+    """The kinds of a language by its names of 3 floats, 4, a float, an integer and a bool."""
+    return {FLOAT: number, COLOUR: three, VECTOR: three, TEXEL: four, BOOL: truth, INT: whole}
 
 
 def broken(text: str, first: str, further: str) -> list[str]:

@@ -6,11 +6,11 @@ from typing import NamedTuple
 import numpy as np
 
 from urushi.errors import ParameterError
-from urushi.export import networks, proposal
+from urushi.export import proposal, rest
 from urushi.export.expressions import (
     COLOUR,
     FLOAT,
-    VOLUME,
+    TEXTURE,
     Expression,
     call,
     colour,
@@ -21,8 +21,9 @@ from urushi.export.expressions import (
     vector,
 )
 from urushi.export.languages import LANGUAGES
-from urushi.export.networks import FIELDS, X_AXIS, CodeTerms, FTable, Tangent, activation, dense
-from urushi.export.proposal import LABELS, SAMPLE, WI, WO, U, argument
+from urushi.export.lobe import FIELDS, X_AXIS, Tangent, lobe_f, lobe_features
+from urushi.export.proposal import LABELS, SAMPLE, WI, WO, U, activation, argument, dense
+from urushi.export.rest import RestTable, TextureForm
 from urushi.export.statements import (
     Function,
     Program,
@@ -61,11 +62,17 @@ TURNED = (
 #: Beginning of the names in templates.
 PREFIX = "urushi"
 
-#: Languages that read textures.
+#: Languages that read codes from textures.
 TEXTURED = ("glsl", "wgsl", "hlsl", "slang")
 
-#: The texture of a table of f.
-TABLE = Variable("table", VOLUME)
+#: The texture of ln f or of the basis.
+TABLE = Variable("table", TEXTURE)
+
+#: How its texture is used.
+FILTERING = (
+    "Its sampler filters linearly. Where the language separates samplers from textures, the "
+    "sampler follows the texture."
+)
 
 #: The material of a file for all materials.
 MATERIAL = "Material"
@@ -75,71 +82,69 @@ def material_text(
     language: str,
     model: Model,
     latents: np.ndarray,
-    anchors: np.ndarray,
     prefix: str,
     rotation: float = 0.0,
-    table: FTable | None = None,
+    table: RestTable | None = None,
 ) -> str:
     """The file of one material.
 
     Args:
         language: one of `LANGUAGES`.
-        latents, anchors: (C, size), C being 1 or 3: codes by which f is evaluated and sampled.
+        latents: (C, size), C being 1 or 3: codes, whose lobe is evaluated, and which are sampled.
         prefix: begins the names in the file.
         rotation: [degrees] by which the material's tangent is turned.
-        table: by which f is evaluated; None: it is by the codes.
+        table: of ln f beside the lobe, in the texture `rest.own_texture`; None: there is only the
+            lobe.
     """
-    check(language, model, prefix)
-    if table:
-        check_textured(language)
+    check(language, prefix)
     if len(latents) not in (1, 3):
         raise ParameterError(
             f"the material has {len(latents)} channels; only materials of one or three can be "
             "exported"
         )
-    activations = [activation(FLOAT, model.arch.activation, "unit")]
-    if len(latents) > 1 and not table:
-        activations.append(activation(COLOUR, model.arch.activation, "units"))
-    mean = anchors.mean(axis=0)
-    has_lobe = table is None or table.beside_lobe
-    lobe = latents[:, : model.arch.lobe] if has_lobe else np.zeros((1, model.arch.lobe))
+    mean = latents.mean(axis=0)
     code = _Code(
-        [colour(column) for column in lobe.T],
-        networks.known_terms(model, latents),
+        [colour(column) for column in latents[:, : model.arch.lobe].T],
+        None,
         proposal.known_first(model, mean),
         [expression(float(mean[place])) for place in WIDTH_PLACES[model.widths]],
         Tangent.of(rotation),
     )
-    reads = ", table" if table else ""
+    printer = LANGUAGES[language](prefix)
     note: tuple[str, ...] = (
         f"A material of Urushi as code, of the networks {model.fingerprint}.",
-        f"Functions: {{f}}(wi, wo{reads}), {{pdf}}(wi, wo) and {{sample}}(wi, u).",
+        f"Functions: {{f}}(wi, wo{', table' if table else ''}), {{pdf}}(wi, wo) and "
+        "{sample}(wi, u).",
         *_conventions(model),
     )
     if table:
-        depth, height, width = table.shape
-        note = (
-            *note,
-            f"The table belongs to this file: a 3D texture of {width} x {height} x {depth} texels "
-            "of the format RGBA16F. Its sampler has the wrap mode clamp to edge and linear "
-            "filtering. Where the language separates samplers from textures, the sampler follows "
-            "the texture.",
-        )
-    functions = _functions(model, code, (), activations[0], activations[-1], table)
-    structures = (proposal.structure(model), SAMPLE)
-    program = Program(note, structures, [*activations, *functions])
-    return LANGUAGES[language](prefix).printed(program)
+        note = *note, f"The table is a texture of this material: {_size(table, printer.form)}"
+    unit = activation(model.arch.activation)
+    functions = [unit, *_functions(model, code, (), unit, table, printer.form)]
+    return printer.printed(Program(note, (proposal.structure(model), SAMPLE), functions))
+
+
+def _size(table: RestTable, form: TextureForm) -> str:
+    """What a texture is, in sentences."""
+    size = " x ".join(map(str, reversed(rest.texture_shape(table, form))))
+    return f"{size} texels of half floats, {form.numbers} each. {FILTERING}"
 
 
 def codes_text(language: str, model: Model, prefix: str, texels: Texels | None = None) -> str:
     """The file of all materials of networks; their codes are arguments.
 
-    texels: of a texture that the file also reads.
+    It reads the texture `rest.basis_texture`.
+
+    texels: of a texture of codes that the file also reads.
     """
-    check(language, model, prefix)
-    if texels:
-        check_textured(language)
-    return LANGUAGES[language](prefix).printed(codes_program(model, texels))
+    check(language, prefix)
+    if texels and language not in TEXTURED:
+        raise ParameterError(
+            f"exported {LANGUAGES[language].title} code reads no latent textures; choose one of "
+            + ", ".join(TEXTURED)
+        )
+    printer = LANGUAGES[language](prefix)
+    return printer.printed(codes_program(model, printer.form, texels))
 
 
 def template_text(language: str, model: Model) -> str:
@@ -149,8 +154,8 @@ def template_text(language: str, model: Model) -> str:
     of a code and a channel is written as a name, `code_0_red` for the first. If the networks are
     anisotropic, `code_tangent_x` and `code_tangent_y` are the cosine and the sine of the rotation.
     """
-    check(language, model, PREFIX)
-    program = codes_program(model)
+    printer = LANGUAGES[language](PREFIX)
+    program = codes_program(model, printer.form)
     prepare = next(function for function in program.functions if function.name == "prepare")
     made = Function("material", (), MATERIAL, "This material; make it once.", public=True)
     codes = made.array("codes", COLOUR, model.arch.latent)
@@ -167,25 +172,16 @@ def template_text(language: str, model: Model) -> str:
         made.returns(prepared)
     note = (
         f"A material of Urushi as code, of the networks {model.fingerprint}.",
-        "Functions: {material}(), once; then {f}(material, wi, wo), {pdf}(material, wi, wo) and "
-        "{sample}(material, wi, u). {prepare}(codes) makes other materials.",
+        "Functions: {material}(), once; then {f}(material, wi, wo, table), {pdf}(material, wi, wo) "
+        "and {sample}(material, wi, u). {prepare}(codes) makes other materials.",
         *_conventions(model),
+        _basis_note(model, printer.form),
     )
-    program = Program(note, program.structures, [*program.functions, made])
-    return LANGUAGES[language](PREFIX).printed(program)
+    return printer.printed(Program(note, program.structures, [*program.functions, made]))
 
 
-def check_textured(language: str) -> None:
-    """Raise a ParameterError if files of a language read no textures."""
-    if language not in TEXTURED:
-        raise ParameterError(
-            f"exported {LANGUAGES[language].title} code reads no textures; choose one of "
-            + ", ".join(TEXTURED)
-        )
-
-
-def check(language: str, model: Model, prefix: str) -> None:
-    """Raise a ParameterError if networks cannot be written in a language with a prefix."""
+def check(language: str, prefix: str) -> None:
+    """Raise a ParameterError if there is no such language, or names cannot begin with a prefix."""
     if language not in LANGUAGES:
         raise ParameterError(
             f"there is no language '{language}'; choose one of {', '.join(LANGUAGES)}"
@@ -201,7 +197,7 @@ class _Code(NamedTuple):
     """The terms of a material's codes that its functions use."""
 
     lobe: Sequence[Expression]  # the numbers of its lobe
-    terms: CodeTerms  # of the decoder
+    rest: Sequence[Expression] | None  # the numbers of the basis; None: the table is its own
     first: Sequence[Expression]  # the code's part of the sampler's first layer
     alphas: Sequence[Expression]  # the widths of its lobe
     tangent: Tangent
@@ -212,13 +208,13 @@ def _functions(
     code: _Code,
     given: tuple[Variable, ...],
     unit: Function,
-    units: Function,
-    table: FTable | None = None,
+    table: RestTable | None,
+    form: TextureForm,
 ) -> list[Function]:
     """f, pdf and sample of a material, each after the functions that it calls.
 
-    given: arguments before the directions. unit, units: the activations of floats and colours.
-    table: by which f is evaluated; None: it is by the codes.
+    given: arguments before the directions. unit: the sampler's activation. table: of ln f or of the
+    basis; None: f is the lobe.
     """
     own, tangent = [argument(variable) for variable in given], code.tangent
 
@@ -230,13 +226,14 @@ def _functions(
     arguments = (*given, WI, WO, TABLE) if table else (*given, WI, WO)
     f = Function("f", arguments, COLOUR, "The BRDF [1/sr] without the cosine.", public=True)
     wi, wo = inside(f)
-    value = networks.lobe_f(f, code.lobe, wi, wo)
+    value = lobe_f(f, code.lobe, wi, wo)
     if table:
-        rest = networks.tabulated(f, table, argument(TABLE), wi, wo)
-    else:
-        inputs = networks.features(f, wi, wo, model.widths)
-        rest = networks.rest(f, model, code.terms, inputs, units)
-    f.returns(select(call("min", wi.z, wo.z) > 0.0, value + rest, 0.0))
+        numbers = rest.looked_up(f, table, form, argument(TABLE), wi, wo)
+        own = code.rest is None
+        value = value + (
+            rest.own_rest(f, numbers) if own else rest.basis_rest(f, code.rest, numbers)
+        )
+    f.returns(select(call("min", wi.z, wo.z) > 0.0, value, 0.0))
 
     made = Function("proposal", (*given, WI), "Proposal", "The proposal for wi.")
     made.returns(proposal.fill(made, model, code.first, code.alphas, argument(WI), unit))
@@ -268,48 +265,49 @@ def _conventions(model: Model) -> tuple[str, ...]:
     return CONVENTIONS if model.widths == 1 else (*CONVENTIONS, ANISOTROPIC)
 
 
-def codes_program(model: Model, texels: Texels | None = None) -> Program:
-    """The program of all materials; their codes are arguments, or read from a texture."""
+def codes_program(model: Model, form: TextureForm, texels: Texels | None = None) -> Program:
+    """The program of all materials; their codes are arguments, or read from a texture.
+
+    form: of the textures of its language.
+    """
     arch = model.arch
-    count, widths = 2 * arch.decoder[0], [f"alpha{label}" for label in LABELS[arch.widths]]
+    widths = [f"alpha{label}" for label in LABELS[arch.widths]]
     structure = Structure(
         MATERIAL,
         (
-            Variable("lobe", COLOUR, arch.lobe, "width, Fresnel factors and index of the lobe"),
-            Variable("gain", COLOUR, note="added to the logarithm of the rest"),
-            Variable("terms", COLOUR, count, "scales and offsets of the units"),
+            Variable("codes", COLOUR, arch.latent, "the lobe, and factors of the basis"),
             Variable("first", FLOAT, arch.sampler[0], "of the sampler's first layer"),
             *(Variable(label, FLOAT, None, "width of the proposal's own lobe") for label in widths),
             *(FIELDS if arch.widths == 2 else ()),
         ),
-        "A material: what the networks need of its codes. `prepare` makes it.",
+        "A material. `prepare` makes it.",
     )
-    unit = activation(FLOAT, arch.activation, "unit")
-    units = activation(COLOUR, arch.activation, "units")
+    unit = activation(arch.activation)
     prepare = _prepare(model, structure)
 
     material = Variable("material", MATERIAL)
-    lobes, gain, terms, first, *others = (
-        member(argument(material), variable) for variable in structure.fields
-    )
+    codes, first, *others = (member(argument(material), field) for field in structure.fields)
+    numbers = [element(codes, i) for i in range(arch.latent)]
     code = _Code(
-        [element(lobes, i) for i in range(arch.lobe)],
-        networks.split_terms(model, gain, [element(terms, i) for i in range(count)]),
+        numbers[: arch.lobe],
+        numbers[arch.lobe :],
         [element(first, i) for i in range(arch.sampler[0])],
         others[: arch.widths],
         Tangent(*others[arch.widths :] or X_AXIS),
     )
-    note = (
+    note: tuple[str, ...] = (
         f"All materials of Urushi's networks {model.fingerprint} as code; the latent codes of a "
         "material are arguments.",
         f"Functions: {{prepare}}(codes), once for the {arch.latent} numbers of a material's codes, "
-        "each for red, green and blue; then {f}(material, wi, wo), {pdf}(material, wi, wo) and "
-        "{sample}(material, wi, u).",
+        "each for red, green and blue; then {f}(material, wi, wo, table), {pdf}(material, wi, wo) "
+        "and {sample}(material, wi, u).",
         *_conventions(model),
         *((TURNED,) if arch.widths == 2 else ()),
+        _basis_note(model, form),
     )
     structures = (structure, proposal.structure(model), SAMPLE)
-    functions = [unit, units, prepare, *_functions(model, code, (material,), unit, units)]
+    table = RestTable(model.widths, arch.functions)
+    functions = [unit, prepare, *_functions(model, code, (material,), unit, table, form)]
     if texels is None:
         return Program(note, structures, functions)
     texel = texel_function(texels, prepare)
@@ -323,8 +321,13 @@ def codes_program(model: Model, texels: Texels | None = None) -> Program:
     return Program(note, structures, [*functions, texel], texels)
 
 
+def _basis_note(model: Model, form: TextureForm) -> str:
+    table = RestTable(model.widths, model.arch.functions)
+    return f"The table is the texture of the basis, for all materials: {_size(table, form)}"
+
+
 def _prepare(model: Model, structure: Structure) -> Function:
-    """The function that computes from codes the terms that f and the proposal need."""
+    """The function that computes from codes what f and the proposal need."""
     arch = model.arch
     codes = Variable("codes", COLOUR, arch.latent)
     function = Function(
@@ -336,21 +339,15 @@ def _prepare(model: Model, structure: Structure) -> Function:
     )
     numbers = [element(argument(codes), i) for i in range(arch.latent)]
     made = function.structure("made", MATERIAL)
-    lobes, gain, terms, first, *others = (member(made, variable) for variable in structure.fields)
-    for i in range(arch.lobe):
-        function.assign(element(lobes, i), numbers[i])
-    function.assign(gain, numbers[arch.lobe])
-    function.note_line("Scales and offsets of the decoder's units.")
-    weight, bias = networks.of_code(model)
-    outputs = dense(function, "term", weight, numbers[arch.lobe + 1 :], bias.tolist())
-    for i, output in enumerate(outputs):
-        function.assign(element(terms, i), output)
+    stored, first, *others = (member(made, variable) for variable in structure.fields)
+    for i, number in enumerate(numbers):
+        function.assign(element(stored, i), number)
     function.note_line("Directions are drawn by the mean code of the channels.")
     mean = [
         function.let(f"mean{i}", (number.x + number.y + number.z) * (1.0 / 3.0))
         for i, number in enumerate(numbers)
     ]
-    inputs = [*networks.lobe_features(function, mean[: arch.lobe]), *mean[arch.lobe :]]
+    inputs = [*lobe_features(function, mean[: arch.lobe]), *mean[arch.lobe :]]
     weight, bias = model.params["sampler.0.weight"][: len(inputs)], model.params["sampler.0.bias"]
     outputs = dense(function, "first", weight, inputs, bias.tolist())
     for i, output in enumerate(outputs):

@@ -14,13 +14,14 @@ from urushi.export.expressions import (
     VECTOR,
     Expression,
     call,
+    dot,
     expression,
     name,
     select,
     vector,
 )
-from urushi.export.networks import dense
 from urushi.export.statements import Function, Structure, Variable, member, namespace
+from urushi.nets.mlp import POLYNOMIALS
 from urushi.nets.sampler import sampler_columns, sampler_inputs, weights_and_widths
 from urushi.nets.weights import Model
 
@@ -42,6 +43,38 @@ SAMPLE = Structure(
 def argument(variable: Variable) -> Expression:
     """An argument inside its function."""
     return name(variable.name, variable.kind)
+
+
+def dense(
+    body: Function,
+    label: str,
+    weight: np.ndarray,
+    inputs: Sequence[Expression],
+    bias: Sequence[Expression] | Sequence[float],
+) -> list[Expression]:
+    """Outputs (out) of a layer of a network with a weight (in, out).
+
+    label: begins the names of the outputs.
+    """
+    columns = weight.astype(np.float64).T
+    return [
+        body.let(f"{label}{k}", offset + dot([float(w) for w in column], inputs))
+        for k, (column, offset) in enumerate(zip(columns, map(expression, bias), strict=True))
+    ]
+
+
+def activation(which: str) -> Function:
+    """The function of an activation of `nets.mlp`."""
+    function = Function("unit", (Variable("x", FLOAT),), FLOAT, f"The activation {which}.")
+    x, (bound, coefficients) = name("x", FLOAT), POLYNOMIALS[which]
+    t = function.let("t", call("clamp", x, -bound, bound))
+    t2 = function.let("t2", t * t)
+    *others, last = coefficients
+    polynomial = expression(last)
+    for coefficient in reversed(others):
+        polynomial = polynomial * t2 + coefficient
+    function.returns(x * (t * polynomial + 0.5))
+    return function
 
 
 def structure(model: Model) -> Structure:

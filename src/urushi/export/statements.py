@@ -1,18 +1,16 @@
-"""Statements of shader code: functions, structures and tables, and a builder for their bodies."""
+"""Statements of shader code: functions and structures, and a builder for their bodies."""
 
-import contextlib
 import functools
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple
-
-import numpy as np
 
 from urushi.core.namespace import Components, Namespace
 from urushi.export.expressions import (
     COLOUR,
     FLOAT,
     INT,
+    TEXTURE,
     Expression,
     Value,
     call,
@@ -44,23 +42,13 @@ class Structure:
 
 
 @dataclass(frozen=True)
-class Table:
-    """A constant array of floats."""
-
-    name: str
-    values: np.ndarray
-
-
-@dataclass(frozen=True)
 class Statement:
     """A line of a body."""
 
-    # "note", "let" (a constant), "array", "structure" (without values), "assign", "loop", "return".
+    # "note", "let" (a constant), "array", "structure" (without values), "assign", "return".
     operation: str
-    target: Any = None  # the `Variable` declared, assigned to or counted; the text of a note
+    target: Any = None  # the `Variable` declared or assigned to; the text of a note
     value: Any = None
-    count: int = 0  # turns of a loop
-    body: tuple["Statement", ...] = ()  # of a loop
 
 
 @dataclass
@@ -72,7 +60,6 @@ class Function:
     kind: str  # of the result
     note: str  # a comment in the file
     public: bool = False  # whether the user of the file calls it
-    tables: list[Table] = field(default_factory=list)  # which it reads
     body: list[Statement] = field(default_factory=list)
 
     def note_line(self, text: str) -> None:
@@ -99,19 +86,6 @@ class Function:
     def assign(self, target: Expression, value: Value) -> None:
         """Assign a value to an element or a member."""
         self.body.append(Statement("assign", target, converted(expression(value), target.kind)))
-
-    @contextlib.contextmanager
-    def loop(self, label: str, count: int) -> Iterator[Expression]:
-        """Add the statements of this context as a loop; its counter runs from 0 to count - 1."""
-        outside, self.body = self.body, []
-        yield name(label, INT)
-        outside.append(Statement("loop", label, None, count, tuple(self.body)))
-        self.body = outside
-
-    def table(self, label: str, values: np.ndarray) -> Expression:
-        """A constant array of floats, for `element`."""
-        self.tables.append(Table(label, np.ravel(values)))
-        return Expression("table", FLOAT, detail=label)
 
     def returns(self, value: Value) -> None:
         self.body.append(Statement("return", None, converted(expression(value), self.kind)))
@@ -154,9 +128,15 @@ class Program:
         labels = [function.name for function in self.functions if function.public]
         return [*labels, "fetch", "fetch_level"] if self.texels else labels
 
+    @property
+    def textured(self) -> bool:
+        """Whether functions read a texture of `rest`."""
+        arguments = (a for function in self.functions for a in function.arguments)
+        return any(argument.kind == TEXTURE for argument in arguments)
+
 
 def element(array: Expression, index: int | Expression) -> Expression:
-    """An element of an array, an array argument or member, or a table."""
+    """An element of an array, or of an argument or a member that is one."""
     place = index if isinstance(index, Expression) else integer(index)
     return Expression("element", array.kind, (array, place))
 
