@@ -40,4 +40,4 @@ def _functions(arch: LinearArchitecture, rng: np.random.Generator, spread: float
     waves = np.stack(columns, axis=-1)[:, 1:]
     mixed = spread * waves @ np.linalg.qr(rng.standard_normal((waves.shape[1],) * 2))[0]
     mean = -2.3 + 0.5 * waves @ rng.standard_normal(waves.shape[1])
-    return np.column_stack([mean, np.ones(len(waves)), mixed])
+    return np.column_stack([mean, np.ones(len(waves)), mixed]).astype(np.float16)  # as files

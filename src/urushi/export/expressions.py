@@ -45,7 +45,8 @@ class Expression:
 
     Attributes:
         operation: "constant", "name", an arithmetic sign, "call", "select", "component", "field",
-            "element", "texel" (filtered, of a texture at a vector), or a conversion.
+            "element", "texel" (filtered, of a texture at a vector), "colour" (of a texel), or a
+            conversion.
         arguments: its operands.
         kind: the type of the value: one of the kinds above, or the name of a structure.
         detail: a further operand: the number of a constant, the name of a variable, a
@@ -102,6 +103,9 @@ class Expression:
     def __gt__(self, other: Value) -> "Expression":
         return Expression(">", BOOL, (self, expression(other)))
 
+    def __lt__(self, other: Value) -> "Expression":
+        return expression(other) > self
+
     def __ge__(self, other: Value) -> "Expression":
         return Expression(">=", BOOL, (self, expression(other)))
 
@@ -120,6 +124,11 @@ class Expression:
     @property
     def z(self) -> "Expression":
         return self.component(2)
+
+    @property
+    def colour(self) -> "Expression":
+        """The first three numbers of a texel."""
+        return Expression("colour", COLOUR, (self,))
 
 
 def expression(value: Value) -> Expression:

@@ -57,10 +57,10 @@ class Osl(Printer):
         "functions: they serve where a shader knows both directions."
     )
     kinds = kinds("vector", "color", truth="int") | {COLOUR: "color"}
-    components = ("[0]", "[1]", "[2]")
+    components, rgb = ("[0]", "[1]", "[2]"), ""
     form = TextureForm(axes=2, numbers=3)
     texture = "string {name}"
-    texel = 'texture({0}, ({1})[0], ({1})[1], "width", 0.0, "wrap", "clamp", "interp", "bilinear")'
+    texel = 'texture({0}, {1}[0], {1}[1], "width", 0.0, "wrap", "clamp", "interp", "linear")'
 
 
 class Wgsl(Printer):
@@ -139,7 +139,7 @@ class Python(Printer):
         "max": "np.maximum",
         "clamp": "np.clip",
     }
-    components = tuple(f"[..., {i}:{i + 1}]" for i in range(4))
+    components, rgb = tuple(f"[..., {i}:{i + 1}]" for i in range(4)), "[..., :3]"
     end = ""
     texture, texel = "{name}", "_texel({0}, {1})"
 

@@ -33,6 +33,7 @@ class Printer:
     kinds: ClassVar[Mapping[str, str]]  # the language's names of the kinds of values
     calls: ClassVar[Mapping[str, str]] = {}  # names of functions that differ from `expressions`
     components: ClassVar[Sequence[str]] = (".x", ".y", ".z", ".w")  # of a vector, colour or texel
+    rgb: ClassVar[str] = ".rgb"  # the first three of a texel
     field_end: ClassVar[str] = ";"  # ends a field of a structure
     structure_end: ClassVar[str] = "};"
     end: ClassVar[str] = ";"  # ends a statement
@@ -210,6 +211,8 @@ class Printer:
                 text = self.selected(*texts)
             case "component":
                 text = self._primary(arguments[0]) + self.components[detail]
+            case "colour":
+                text = self._primary(arguments[0]) + self.rgb
             case "field":
                 text = f"{self._primary(arguments[0])}.{detail}"
             case "element":

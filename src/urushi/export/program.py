@@ -90,11 +90,11 @@ def material_text(
 
     Args:
         language: one of `LANGUAGES`.
-        latents: (C, size), C being 1 or 3: codes, whose lobe is evaluated, and which are sampled.
+        latents: (C, size), C being 1 or 3: codes, by whose lobes f is evaluated and which are
+            sampled.
         prefix: begins the names in the file.
         rotation: [degrees] by which the material's tangent is turned.
-        table: of ln f beside the lobe, in the texture `rest.own_texture`; None: there is only the
-            lobe.
+        table: of ln f, in the texture `rest.own_texture`; None: f is the lobe.
     """
     check(language, prefix)
     if len(latents) not in (1, 3):
@@ -102,9 +102,9 @@ def material_text(
             f"the material has {len(latents)} channels; only materials of one or three can be "
             "exported"
         )
-    mean = latents.mean(axis=0)
+    mean, has_lobe = latents.mean(axis=0), table is None or table.beside_lobe
     code = _Code(
-        [colour(column) for column in latents[:, : model.arch.lobe].T],
+        [colour(column) for column in latents[:, : model.arch.lobe].T] if has_lobe else (),
         None,
         proposal.known_first(model, mean),
         [expression(float(mean[place])) for place in WIDTH_PLACES[model.widths]],
@@ -180,6 +180,12 @@ def template_text(language: str, model: Model) -> str:
     return printer.printed(Program(note, program.structures, [*program.functions, made]))
 
 
+def texture_form(language: str) -> TextureForm:
+    """What a language's textures of ln f are."""
+    check(language, PREFIX)
+    return LANGUAGES[language].form
+
+
 def check(language: str, prefix: str) -> None:
     """Raise a ParameterError if there is no such language, or names cannot begin with a prefix."""
     if language not in LANGUAGES:
@@ -196,7 +202,7 @@ def check(language: str, prefix: str) -> None:
 class _Code(NamedTuple):
     """The terms of a material's codes that its functions use."""
 
-    lobe: Sequence[Expression]  # the numbers of its lobe
+    lobe: Sequence[Expression]  # the numbers of its lobe; empty without one
     rest: Sequence[Expression] | None  # the numbers of the basis; None: the table is its own
     first: Sequence[Expression]  # the code's part of the sampler's first layer
     alphas: Sequence[Expression]  # the widths of its lobe
@@ -226,13 +232,9 @@ def _functions(
     arguments = (*given, WI, WO, TABLE) if table else (*given, WI, WO)
     f = Function("f", arguments, COLOUR, "The BRDF [1/sr] without the cosine.", public=True)
     wi, wo = inside(f)
-    value = lobe_f(f, code.lobe, wi, wo)
+    value = lobe_f(f, code.lobe, wi, wo) if code.lobe else expression(0.0)
     if table:
-        numbers = rest.looked_up(f, table, form, argument(TABLE), wi, wo)
-        own = code.rest is None
-        value = value + (
-            rest.own_rest(f, numbers) if own else rest.basis_rest(f, code.rest, numbers)
-        )
+        value = value + rest.rest_f(f, table, form, argument(TABLE), code.rest, wi, wo)
     f.returns(select(call("min", wi.z, wo.z) > 0.0, value, 0.0))
 
     made = Function("proposal", (*given, WI), "Proposal", "The proposal for wi.")

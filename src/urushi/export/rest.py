@@ -8,15 +8,14 @@ for the nodes in the coordinates that are left, between which the shader interpo
 Coordinates are between the centres of texels, so that no filter mixes blocks.
 """
 
-import itertools
 import math
 from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
 
-from urushi.core.table import MAX_LOG, MIN_LOG, SHAPES, Knots, coordinates
-from urushi.export.expressions import TEXEL, Expression, call, colour_of, vector
+from urushi.core.table import MAX_LOG, MIN_LOG, SHAPES, Knots, coordinates, corner_steps
+from urushi.export.expressions import TEXEL, Expression, call, vector
 from urushi.export.statements import Function, namespace
 from urushi.nets.basis import Basis
 
@@ -34,6 +33,7 @@ class RestTable(NamedTuple):
     widths: int  # GGX widths of the material: of three coordinates, or of four
     numbers: int = 3  # ln f of each channel, or the functions of a basis
     knots: Knots = ()
+    beside_lobe: bool = True  # whether f is the lobe and the table, or the table alone
 
     @property
     def shape(self) -> Sequence[int]:
@@ -79,22 +79,27 @@ def _texels(numbers: int, form: TextureForm) -> int:
     return -(-numbers // form.numbers)
 
 
-def own_rest(body: Function, values: Sequence[Expression]) -> Expression:
-    """f [1/sr] of a colour's logarithms, the numbers of `looked_up`."""
-    return body.let("rest", call("exp", colour_of(*values[:3])))
-
-
-def basis_rest(
-    body: Function, code: Sequence[Expression], functions: Sequence[Expression]
+def rest_f(
+    body: Function,
+    table: RestTable,
+    form: TextureForm,
+    texture: Expression,
+    code: Sequence[Expression] | None,
+    wi: Expression,
+    wo: Expression,
 ) -> Expression:
-    """f [1/sr] of a code (K,) of colours, see `nets.basis.decode`.
+    """f [1/sr] of the rest.
 
-    functions: b, and U_1 to U_(K-1).
+    code: colours (K,), factors of the functions of a basis; None: the table is ln f.
     """
-    total = code[0] + functions[0]
-    for number, function in zip(code[1:], functions[1:], strict=True):
-        total = total + number * function
-    return body.let("rest", call("exp", call("clamp", total, MIN_LOG, MAX_LOG)))
+    texels = looked_up(body, table, form, texture, wi, wo)
+    if code is None:
+        return body.let("rest", call("exp", texels[0].colour))
+    numbers = [texel.component(i) for texel in texels for i in range(form.numbers)]
+    logarithm = code[0] + numbers[0]  # the gain, and b
+    for number, function in zip(code[1:], numbers[1:], strict=False):
+        logarithm = logarithm + number * function
+    return body.let("rest", call("exp", call("clamp", logarithm, MIN_LOG, MAX_LOG)))
 
 
 def looked_up(
@@ -105,58 +110,37 @@ def looked_up(
     wi: Expression,
     wo: Expression,
 ) -> list[Expression]:
-    """The numbers of a table for a pair of directions, linear between the nodes."""
+    """The texels of a table for a pair of directions, linear between the nodes."""
     body.note_line("The table's coordinates, from the first node to the last.")
     both, apart = body.let("both", wi + wo), body.let("apart", wi - wo)
-    xp = namespace(body)
-    found = coordinates(both, apart, table.widths, xp, table.knots)
+    found = coordinates(both, apart, table.widths, namespace(body), table.knots)
     at = [
         body.let(f"node{i}", call("clamp", place, 0.0, 1.0) * (count - 1.0))
         for i, (place, count) in enumerate(zip(found, table.shape, strict=True))
     ]
-    filtered = [
-        (place + 0.5) * (1.0 / count) for place, count in zip(at, table.shape, strict=True)
-    ][: form.axes - 1]
-    blocks = _texels(table.numbers, form)
-    inner = table.shape[form.axes - 1]
-    others = table.shape[form.axes :]
-    width = inner * blocks * math.prod(others)
-    low, shares = [], []
+    inner, others = table.shape[form.axes - 1], table.shape[form.axes :]
+    blocks, width = math.prod(others), texture_shape(table, form)[-1]
+    outer = [
+        body.let(f"place{i}", (at[i] + 0.5) * (1.0 / table.shape[i])) for i in range(form.axes - 1)
+    ]
+    first, shares = at[form.axes - 1] + 0.5, []
     for i, count in enumerate(others, start=form.axes):
-        low.append(body.let(f"low{i}", call("min", call("floor", at[i]), count - 2.0)))
-        shares.append(body.let(f"share{i}", at[i] - low[-1]))
-    body.note_line("Texels, each of which holds some of the numbers.")
-    first = at[form.axes - 1] + 0.5
-    step = inner
-    for place, count in zip(reversed(low), reversed(others), strict=True):
-        first, step = first + place * float(step), step * count
+        low = body.let(f"low{i}", call("min", call("floor", at[i]), count - 2.0))
+        shares.append(body.let(f"share{i}", at[i] - low))
+        first = first + low * float(inner * math.prod(table.shape[i + 1 :]))
     first = body.let("first", first)
 
-    def texel(start: int) -> Expression:
-        along = (first + float(start)) * (1.0 / width)
-        return Expression("texel", TEXEL, (texture, _position(along, filtered)))
+    def texel(label: str, block: int) -> Expression:
+        along = (first + float(inner * block)) * (1.0 / width)
+        place = body.let(f"{label}_place", vector(*[along, *reversed(outer), 0.0][:3]))
+        return body.let(label, Expression("texel", TEXEL, (texture, place)))
 
-    numbers = []
-    for block in range(blocks):
-        corners = [texel(inner * int(offset)) for offset in _corner_offsets(others, block)]
+    texels = []
+    for k in range(_texels(table.numbers, form)):
+        steps = corner_steps(others)
+        corners = [texel(f"texel{k}_{i}", k * blocks + step) for i, step in enumerate(steps)]
         for share in reversed(shares):
-            corners = [
-                a + (b - a) * share for a, b in zip(corners[::2], corners[1::2], strict=True)
-            ]
-        value = body.let(f"texel{block}", corners[0])
-        numbers += [value.component(i) for i in range(form.numbers)]
-    return numbers[: table.numbers]
-
-
-def _corner_offsets(others: Sequence[int], block: int) -> list[int]:
-    """Blocks from the first to those of the corners of a cell, the last coordinate fastest."""
-    start = block * math.prod(others)
-    return [
-        start + sum(c * math.prod(others[i + 1 :]) for i, c in enumerate(corner))
-        for corner in itertools.product((0, 1), repeat=len(others))
-    ]
-
-
-def _position(along: Expression, filtered: Sequence[Expression]) -> Expression:
-    """A place in a texture: x, then the other coordinates, from the last to the first."""
-    return vector(*[along, *reversed(filtered), 0.0][:3])
+            pairs = zip(corners[::2], corners[1::2], strict=True)
+            corners = [low + (high - low) * share for low, high in pairs]
+        texels.append(body.let(f"texel{k}", corners[0]))
+    return texels

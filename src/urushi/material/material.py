@@ -1,7 +1,6 @@
 """A material: one latent code per channel, with the networks that decode it."""
 
 import os
-import warnings
 from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
@@ -12,10 +11,10 @@ from urushi import checks, files
 from urushi.checks import CoatParameters
 from urushi.core.directions import rotated
 from urushi.core.quadrature import half_vector_rule
-from urushi.core.table import SHAPE, Knots, coordinates, interpolated
-from urushi.errors import FileError, ParameterError, UrushiWarning
-from urushi.export.networks import FTable
-from urushi.export.program import material_text
+from urushi.core.table import SHAPE, Knots, interpolated
+from urushi.errors import FileError, ParameterError
+from urushi.export.program import material_text, texture_form
+from urushi.export.rest import RestTable, own_texture
 from urushi.nets import lobe as lobes
 from urushi.nets.sampler import mixture_pdf, sample_mixture
 from urushi.nets.weights import Model, Weights, find, model_of_file
@@ -225,38 +224,40 @@ class Material:
         f_cos = f.reshape(*weights.shape, -1) * wo[..., 2, None]
         return np.sum(f_cos * weights[..., None], axis=1)
 
-    def shader(self, language: str, prefix: str = "urushi", *, table: bool = False) -> str:
+    def shader(self, language: str, prefix: str = "urushi") -> str:
         """Return the material as source code: functions f, pdf and sample in one file.
 
-        The weights of the networks are literals in it; see `urushi export`.
+        f reads the rest beside its lobe from the texture `shader_texture`. See `urushi export`.
 
         Args:
             language: "glsl", "wgsl", "hlsl", "slang", "osl" or "python".
             prefix: begins the names of functions and structures; names in Python have none.
-            table: whether f reads the material's table, which is too large for source code, from
-                the texture that `urushi export --texture` writes; otherwise f is computed from the
-                codes. Languages with textures only.
 
         Raises:
-            ParameterError: the language is unknown, the prefix is not a name, the material has
-                neither one nor three channels, or there is no table or texture to read.
-
-        Warns:
-            UrushiWarning: the material has a table that is left out.
+            ParameterError: the language is unknown, the prefix is not a name, or the material has
+                neither one nor three channels.
         """
-        read = None
-        if table and self.table is None:
-            raise ParameterError("the material has no table; leave out table=True")
-        if table:
-            read = FTable(SHAPE, coordinates, self.beside_lobe)
-        elif self.table is not None:
-            warnings.warn(
-                f"shader: the {language} code leaves out the table of the material and computes f "
-                "from its codes; urushi export --texture writes the table",
-                UrushiWarning,
-                stacklevel=2,
-            )
-        return material_text(language, self.model, self.latents, prefix, self.rotation, read)
+        form = None
+        if self._table() is not None:
+            beside_lobe = self.table is None or self.beside_lobe
+            form = RestTable(self.model.widths, knots=self.knots, beside_lobe=beside_lobe)
+        return material_text(language, self.model, self.latents, prefix, self.rotation, form)
+
+    def shader_texture(self, language: str = "glsl") -> np.ndarray | None:
+        """Return the texture of ln f that `shader`'s code reads; None if f is the lobe alone.
+
+        Returns:
+            float16 (depth, height, width, 4), or (height, width, 3) for "osl".
+
+        Raises:
+            ParameterError: the language is unknown.
+        """
+        table = self._table()
+        return None if table is None else own_texture(table, texture_form(language))
+
+    def _table(self) -> np.ndarray | None:
+        """The table, or that of the codes' rests (..., C); None without rests."""
+        return self.model.networks.table(self.latents) if self.table is None else self.table
 
     def save(self, path: str | os.PathLike) -> None:
         """Write the material to a safetensors file; `urushi.load` reads it.
