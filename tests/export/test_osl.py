@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from tests.export.test_shaders import TABLE_TOLERANCE, basis_of
 
-from urushi.app.export import _write_table
+from urushi.app.export import write_table
 from urushi.export.program import codes_text
 
 SIZE = 64
@@ -47,7 +47,7 @@ def test_osl_in_cycles(model, materials, tmp_path, kind):
     material, table = materials["three lobes"], tmp_path / "f.exr"
     if kind == "material":
         text, call = material.shader("osl"), f'f = urushi_f(wi, wo, "{table}");'
-        _write_table(table, material.shader_texture("osl"))
+        write_table(table, material.shader_texture("osl"))
     else:
         numbers = ", ".join(
             f"color({r!r}, {g!r}, {b!r})" for r, g, b in material.latents.T.tolist()
@@ -57,7 +57,7 @@ def test_osl_in_cycles(model, materials, tmp_path, kind):
             f"color codes[{model.arch.latent}] = {{{numbers}}}; "
             f'f = urushi_f(urushi_prepare(codes), wi, wo, "{table}");'
         )
-        _write_table(table, basis_of(model, "osl"))
+        write_table(table, basis_of(model, "osl"))
     source, image = tmp_path / "f.osl", tmp_path / "f.npy"
     source.write_text(text + MAIN % call)
     script = Path(__file__).with_name("cycles_osl.py")

@@ -62,11 +62,14 @@ class Export:
         text, table, codes = self._exported()
         with atomic_write(self.output) as temporary:
             temporary.write_text(text, encoding="utf-8")
-        print(self.output)
+        written = [self.output]
         if table is not None:
-            _write_table(path, table)
+            write_table(path, table)
+            written.append(path)
         if codes is not None:
-            _write_image(path.with_stem(f"{path.stem}-codes"), codes)
+            written.append(path.with_stem(f"{path.stem}-codes"))
+            _write_image(written[-1], codes)
+        print(*written, sep="\n")
         return 0
 
     def _texture_path(self) -> Path:
@@ -83,7 +86,7 @@ class Export:
         """The source code, the texture of the table or of the basis, and that of codes."""
         from urushi.app.encode import read_material
         from urushi.export.program import codes_text, texture_form
-        from urushi.export.rest import basis_texture
+        from urushi.export.rest import basis_of, basis_texture
         from urushi.nets.weights import find
         from urushi.textures import gpu
         from urushi.textures.store import read_texture
@@ -100,11 +103,11 @@ class Export:
             texture = material.shader_texture(self.language)
             return material.shader(self.language, self.prefix), texture, None
         text = codes_text(self.language, model, self.prefix, texels)
-        return text, basis_texture(model.networks.basis, texture_form(self.language)), codes
+        return text, basis_texture(basis_of(model), texture_form(self.language)), codes
 
 
-def _write_table(path: Path, table: np.ndarray) -> None:
-    """Write a texture of `urushi.export.rest` in the format of the file's name."""
+def write_table(path: Path, table: np.ndarray) -> None:
+    """Write a texture as of `Material.shader_texture` in the format of the file's name."""
     from urushi.textures.gpu import Image
 
     if path.suffix in GPU_SUFFIXES:
@@ -118,7 +121,6 @@ def _write_table(path: Path, table: np.ndarray) -> None:
             np.save(temporary, table)
         else:
             mi.Bitmap(table).write(str(temporary))
-    print(path)
 
 
 def _write_image(path: Path, image: "Image") -> None:
@@ -127,7 +129,6 @@ def _write_image(path: Path, image: "Image") -> None:
     content = {".dds": gpu.dds, ".ktx2": gpu.ktx2}[path.suffix](image)
     with atomic_write(path) as temporary:
         temporary.write_bytes(content)
-    print(path)
 
 
 @dataclass(frozen=True)

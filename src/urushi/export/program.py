@@ -23,7 +23,7 @@ from urushi.export.expressions import (
 from urushi.export.languages import LANGUAGES
 from urushi.export.lobe import FIELDS, X_AXIS, Tangent, lobe_f, lobe_features
 from urushi.export.proposal import LABELS, SAMPLE, WI, WO, U, activation, argument, dense
-from urushi.export.rest import RestTable, TextureForm
+from urushi.export.rest import RestTable, TextureForm, basis_of
 from urushi.export.statements import (
     Function,
     Program,
@@ -308,7 +308,7 @@ def codes_program(model: Model, form: TextureForm, texels: Texels | None = None)
         _basis_note(model, form),
     )
     structures = (structure, proposal.structure(model), SAMPLE)
-    table = RestTable(model.widths, arch.functions)
+    table = _basis_table(model)
     functions = [unit, prepare, *_functions(model, code, (material,), unit, table, form)]
     if texels is None:
         return Program(note, structures, functions)
@@ -324,8 +324,13 @@ def codes_program(model: Model, form: TextureForm, texels: Texels | None = None)
 
 
 def _basis_note(model: Model, form: TextureForm) -> str:
-    table = RestTable(model.widths, model.arch.functions)
-    return f"The table is the texture of the basis, for all materials: {_size(table, form)}"
+    size = _size(_basis_table(model), form)
+    return f"The table is the texture of the basis, for all materials: {size}"
+
+
+def _basis_table(model: Model) -> RestTable:
+    basis = basis_of(model)
+    return RestTable(basis.widths, basis.count)
 
 
 def _prepare(model: Model, structure: Structure) -> Function:

@@ -15,9 +15,12 @@ from typing import NamedTuple
 import numpy as np
 
 from urushi.core.table import MAX_LOG, MIN_LOG, SHAPES, Knots, coordinates, corner_steps
-from urushi.export.expressions import TEXEL, Expression, call, vector
+from urushi.errors import ParameterError
+from urushi.export.expressions import TEXEL, Expression, Value, call, vector
 from urushi.export.statements import Function, namespace
 from urushi.nets.basis import Basis
+from urushi.nets.linear import LinearNetworks
+from urushi.nets.weights import Model
 
 
 class TextureForm(NamedTuple):
@@ -54,6 +57,13 @@ def own_texture(table: np.ndarray, form: TextureForm) -> np.ndarray:
         float16 (depth, height, width, numbers), without a depth for two axes.
     """
     return _stacked(np.broadcast_to(table, (*table.shape[:-1], 3)), form)
+
+
+def basis_of(model: Model) -> Basis:
+    """The basis of networks."""
+    if not isinstance(model.networks, LinearNetworks):
+        raise ParameterError(f"the networks {model.fingerprint} have no basis; export a material")
+    return model.networks.basis
 
 
 def basis_texture(basis: Basis, form: TextureForm) -> np.ndarray:
@@ -132,7 +142,8 @@ def looked_up(
 
     def texel(label: str, block: int) -> Expression:
         along = (first + float(inner * block)) * (1.0 / width)
-        place = body.let(f"{label}_place", vector(*[along, *reversed(outer), 0.0][:3]))
+        across: list[Value] = [*reversed(outer), 0.0]
+        place = body.let(f"{label}_place", vector(along, *across[:2]))
         return body.let(label, Expression("texel", TEXEL, (texture, place)))
 
     texels = []
