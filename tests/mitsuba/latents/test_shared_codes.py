@@ -4,10 +4,10 @@ import drjit as dr
 import numpy as np
 import pytest
 
+from tests.untrained import untrained
 from urushi.core.direction_sets import cosine_pairs
 from urushi.material.material import Material
 from urushi.nets import sampler
-from urushi.nets.architecture import SCALE, Architecture, init
 from urushi.nets.weights import Model
 from urushi.textures.store import IDENTITY, TexelGrid, TextureStore
 
@@ -19,13 +19,7 @@ SAME, OTHER = [0, 0, 0], [0, 0, 1]
 
 @pytest.fixture(scope="module", params=[1, 2], ids=["one width", "two widths"])
 def model(request) -> Model:
-    """Random networks whose codes scale the decoder's units."""
-    small = {"encoder": (8,), "layerer": (8,), "lobes": 2, "probes": 48}
-    arch = Architecture(latent=14, decoder=(8, 8), sampler=(8,), widths=request.param, **small)
-    params = init(arch, seed=3)
-    rng = np.random.default_rng(5)
-    params[SCALE] = 0.3 * rng.normal(size=params[SCALE].shape).astype(np.float32)
-    return Model.of(arch, params, {})
+    return untrained(3, functions=8, sampler=(8,), lobes=2, widths=request.param)
 
 
 @pytest.fixture

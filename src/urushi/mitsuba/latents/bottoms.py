@@ -3,6 +3,7 @@
 A textured bottom that is known by its values is compared by a few probes of each texel and channel.
 """
 
+import functools
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 from typing import Any
@@ -195,6 +196,7 @@ def _bare(model: Model, bottom: "mi.BSDF", where: str, grid: TexelGrid) -> Sourc
     return read
 
 
+@functools.lru_cache(maxsize=8)
 def white_code(model: Model) -> np.ndarray:
     """The code (size,) of a Lambertian surface that reflects all light."""
     white = np.full(len(model.networks.pairs()[0]), 1 / np.pi, np.float32)
