@@ -4,8 +4,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-
 from tests.untrained import untrained
+
 from urushi.measured import merl, tabulated
 from urushi.nets import weights
 from urushi.nets.lobe import NO_LOBE

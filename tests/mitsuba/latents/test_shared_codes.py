@@ -3,8 +3,8 @@
 import drjit as dr
 import numpy as np
 import pytest
-
 from tests.untrained import untrained
+
 from urushi.core.direction_sets import cosine_pairs
 from urushi.material.material import Material
 from urushi.nets import sampler

@@ -2,8 +2,8 @@
 
 import numpy as np
 import pytest
-
 from tests.untrained import untrained
+
 from urushi.checks import CoatParameters
 from urushi.core.probe_pairs import probe_pairs
 from urushi.errors import ParameterError
