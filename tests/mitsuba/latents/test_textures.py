@@ -10,7 +10,8 @@ from urushi.core.appearance import LOOK
 from urushi.core.directions import rotated
 from urushi.errors import UrushiWarning
 from urushi.material.energy import limit_albedo
-from urushi.material.layer import layer_texels
+from urushi.material.layer import layer_material, layer_texels
+from urushi.material.material import Material
 from urushi.material.values import codes_of
 from urushi.textures import mip_pyramid
 
@@ -32,6 +33,11 @@ def nearly_uniform(shape, value) -> np.ndarray:
     pixels = np.full(shape, value)
     pixels[0, 0] *= 1 + 1e-6
     return pixels
+
+
+def uniform(mi, name: str, value: float):
+    """A parameter that is the same everywhere; a texture for networks: they layer textures alone."""
+    return value if name == "layered" else bitmap(mi, nearly_uniform((2, 2, 1), value))
 
 
 def load(mi, name, networks, **properties):
@@ -72,7 +78,7 @@ def test_every_texel_is_layered_with_its_own_parameters(rgb, networks, name, par
             si.uv = rgb.Point2f(*uv)
             texture = rgb.load_dict(bitmap(rgb, values[..., None], filter_type="nearest"))
             value = float(texture.eval_1(si)[0])
-            constant = load(rgb, name, networks, **{parameter: value})
+            constant = load(rgb, name, networks, **{parameter: uniform(rgb, name, value)})
             (a, error_a), (b, error_b) = (
                 mean_and_error(rgb, bsdf, uv, 1 << 12) for bsdf in (constant, textured)
             )
@@ -111,7 +117,7 @@ def test_a_textured_bottom(rgb):
             mean_and_error(rgb, bsdf, ((column + 0.5) / 2, 0.5), 4096)
             for bsdf in (constant, textured)
         )
-        np.testing.assert_allclose(a, b, rtol=1e-2)
+        np.testing.assert_allclose(a, b, rtol=4e-2)  # by light transport and by the network
 
 
 def test_a_coat_over_a_textured_plastic_is_the_walk(rgb):
@@ -150,12 +156,18 @@ def test_isotropic_networks_take_the_mean_of_a_brushed_bottom(rgb, textured):
         values = probing.bsdf_values(brushed, a, b, np.full((len(a), 2), 0.5))
         f += values.reshape(len(turns), *f.shape).mean(axis=0) / 2
     coat = {"type": "neural_layered", "weights": "default", **COAT}
-    found = rgb.load_dict(coat | {"bottom": brushed}).latents.at(np.full((1, 2), 0.5))
-    eta = np.full((1, 1), 1.5046 / 1.000277)
+    latents = rgb.load_dict(coat | {"bottom": brushed}).latents
+    parameters = CoatParameters(eta=np.full((1, 1), 1.5046 / 1.000277), **COAT_ARRAYS)
     under = limit_albedo(model, codes_of(model, f.T.astype(np.float32)))
-    expected = layer_texels(model, under, CoatParameters(eta=eta, **COAT_ARRAYS))
-    # 2,048 random azimuths are an error of about 3 %; a texture's codes have 8 bits
-    assert np.abs(found - expected).max() < 0.05
+    expected = Material(layer_texels(model, under, parameters)[0], model)
+    found = Material(latents.at(np.full((1, 2), 0.5))[0], model)
+    if not textured:
+        columns = [column[0] for column in parameters.columns()]
+        expected = layer_material(CoatParameters.of_columns(columns), Material(under, model))
+        found = latents.material
+    a, b = (material.f(wi, wo) * (wi[:, 2:] * wo[:, 2:]) for material in (found, expected))
+    # 2,048 random azimuths are an error of about 3 %, and the constant bottom has a table.
+    assert np.abs(a - b).sum() < 0.05 * b.sum()
 
 
 @pytest.mark.slow
@@ -308,7 +320,7 @@ def test_f_is_filtered_not_the_code(rgb, parameters, texels, differentiable):
 
     count = 1 << 14
     wi, wo, u = rgb.Vector3f(0.6, 0, 0.8), rgb.Vector3f(0, 0.28, 0.96), 0.01
-    ends = [coat(value) for value in texels]
+    ends = [coat(uniform(rgb, "neural_layered", value)) for value in texels]
     textured = coat(bitmap(rgb, np.float32(texels)[None, :, None]))
     if differentiable:
         parameters = rgb.traverse(textured)
@@ -348,7 +360,10 @@ def test_a_checkerboard_stays_sharp(rgb, networks):
         found = codes[np.isclose(values, value)]
         assert len(found) > 1000
         assert (found == np.median(found, axis=0)).all()
-        constant = load(rgb, "neural_layered", networks, albedo=value).latents.at(np.zeros((1, 2)))
+        texture = uniform(rgb, "neural_layered", value)
+        constant = load(rgb, "neural_layered", networks, albedo=texture).latents.at(
+            np.zeros((1, 2))
+        )
         step = 1e-2 * np.ptp(codes, axis=0) + 1e-3  # of storing 8 bits
         assert (np.abs(np.median(found, axis=0) - constant[0]) <= step).all()
 

@@ -6,6 +6,7 @@ import pytest
 
 from urushi.errors import ParameterError
 from urushi.mitsuba.latents.bottoms import white_code
+from urushi.nets import weights
 from urushi.nets.linear import LinearNetworks
 from urushi.textures import cache
 
@@ -13,9 +14,9 @@ SIDE = 16
 
 
 @pytest.fixture
-def rows(monkeypatch, model):
+def rows(monkeypatch, networks):
     """A function that returns the number of rows that were encoded and layered."""
-    white_code(model)  # once per model
+    white_code(weights.find(networks))  # once per model
     counts = {"encode": 0, "layer": 0}
     encode, scaled, layer = (getattr(LinearNetworks, x) for x in ("encode", "rest_scaled", "layer"))
 
