@@ -104,11 +104,6 @@ def test_faulty_functions_are_refused(values, words, model):
         encode(lambda wi, wo: values(len(wi)), model)
 
 
-@pytest.mark.parametrize(
-    "source",
-    [conductor(0.05, (0.98, 0.77, 0.34)), dielectric(0.3, 1.5), diffuse((0.1, 0.5, 0.9))],
-    ids=lambda source: type(source).__name__,
-)
 def test_slabs_are_opaque_as_codes(model):
     """A clear slab transmits 1 - 2 F / (1 + F) = 92 % of the light; the standard error is 2.7 %."""
     with pytest.warns(UrushiWarning, match=r"lets (8[5-9]|9\d)% of the light through: only what"):
