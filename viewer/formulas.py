@@ -209,17 +209,6 @@ def functions() -> list[Function]:
             ),
         ),
         filling(
-            "table_coordinates",
-            "Coordinates of a pair of directions in a table of f.",
-            (WI, WO),
-            lambda wi, wo, xp: table.coordinates(
-                Components(*(a + b for a, b in zip(wi, wo, strict=True))),
-                Components(*(a - b for a, b in zip(wi, wo, strict=True))),
-                1,
-                xp,
-            ),
-        ),
-        filling(
             "node_directions",
             "Directions wi and wo of the coordinates of a table of f.",
             floats("u", "v", "w"),
@@ -234,6 +223,16 @@ def functions() -> list[Function]:
             ),
         ),
     ]
+    found.append(
+        filling(
+            "direction_features2",
+            "The decoder's inputs of a pair of directions.",
+            (WI, WO),
+            lambda wi, wo, xp: features.DIRECTIONS[2].each(
+                features.direction_columns(wi, wo, 2, xp)
+            ),
+        )
+    )
     for widths in (1, 2):
         end = "" if widths == 1 else "2"
         alphas = floats("alpha") if widths == 1 else floats("alpha_u", "alpha_v")
@@ -268,11 +267,14 @@ def _of_widths(widths: int, end: str, alphas: Sequence[Variable]) -> list[Functi
 
     return [
         filling(
-            f"direction_features{end}",
-            "The decoder's inputs of a pair of directions.",
+            f"table_coordinates{end}",
+            "Coordinates of a pair of directions in a table of f.",
             (WI, WO),
-            lambda wi, wo, xp: features.DIRECTIONS[widths].each(
-                features.direction_columns(wi, wo, widths, xp)
+            lambda wi, wo, xp: table.coordinates(
+                Components(*(a + b for a, b in zip(wi, wo, strict=True))),
+                Components(*(a - b for a, b in zip(wi, wo, strict=True))),
+                widths,
+                xp,
             ),
         ),
         filling(f"coat_features{end}", "The layerer's inputs of a coat.", (*alphas, *medium), coat),
@@ -307,32 +309,26 @@ def _of_widths(widths: int, end: str, alphas: Sequence[Variable]) -> list[Functi
     ]
 
 
-#: Constants of the file, by their modules; `nets.decoder` is the object DECODER.
+#: Constants of the file, by their modules; `core.table` is the object TABLE.
 CONSTANTS: dict[str, str] = {
     "checks": "AIR ETA_RANGE MIN_ALPHA MIN_INDEX_STEP TRAINED_G",
     "core.appearance": "WI WO",
-    "core.error_metrics": "COSINE_FLOOR DARK_OFFSET",
     "core.probe_pairs": "HALF_ANGLE_SHARE MIN_TANGENT MAX_TANGENT MAX_DIFFERENCE MIN_COSINE",
     "core.quadrature": "POLAR_NODES AZIMUTH_NODES MIN_TANGENT",
+    "core.table": "SHAPES MIN_LOG MAX_LOG MIN_COSINE",
     "material.albedo_rule": (
         "COSINE_OFFSET INTERPOLATED_COSINES OVERSHOOT AZIMUTHS ANISOTROPIC_COSINES "
         "POLAR_NODES QUADRANT_NODES CROWDING LEAST_TANGENT"
     ),
-    "material.encode": "HELPFUL_REST NEAR_LOBE DIELECTRIC DIFFUSE_QUANTILE",
     "material.energy": (
         "MARGIN SLACK TOLERANCE GRAZING LEAST_ALBEDO LEAST_REST TINY_FACTOR TINY_FACTOR_ROUNDS"
     ),
-    "material.fit": (
-        "INITIAL_ALPHAS INITIAL_WHITE_SHARES REFINEMENT_STEPS ANCHOR_HOLD CODE_HOLD "
-        "NODES_SHARE NODES_POWER CEILING_ROUNDS CEILING_STEPS HUBER_KNEE DAMPING "
-        "LEAST_VARIANCE"
-    ),
     "material.layer": "DEEPEST",
     "material.lobe_albedo": "NODES EDGE_NODES WIDTHS FINE HEIGHTS TURNS",
-    "material.table": "SHAPE",
-    "nets.decoder": "MIN_LOG MAX_LOG EMPTY_GAIN",
+    "nets.basis": "EMPTY_GAIN",
+    "nets.code_fit": "FIRST_FLOOR FLOOR KNEE DARK PRIOR ROUNDS LEAST_SHARE LEAST_REST",
     "nets.encoder": "OFFSET",
-    "nets.features": "MIN_COSINE DIRECTION_FEATURES COAT_FEATURES",
+    "nets.features": "DIRECTION_FEATURES COAT_FEATURES",
     "nets.interface_fit": ("LEAST_ERROR GREATEST_ERROR TOLERANCE STEPS DAMPING LOWER UPPER METALS"),
     "nets.lobe": "NO_LOBE LOBE_FEATURES NUMBERS COSINES VISIBLE",
     "nets.lobe_fit": ("DARK OVERSHOOT_WEIGHT KNEE STEPS CONVERGED LONGEST_STEP LAST_STEPS"),

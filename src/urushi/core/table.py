@@ -149,8 +149,8 @@ def coordinates(
         u_x, u_y = (_log_tangent(c / z2, ANISOTROPIC_HIGHEST, xp) for c in (x2, y2))
         size_x, size_y = xp.absolute(apart.x), xp.absolute(apart.y)
         turned = 0.5 * size_y / xp.maximum(size_x + size_y, 1e-12)
-        crossed = (both.x * both.y) * (apart.x * apart.y) < 0
-        return u_x, u_y, v, xp.where(crossed, 1 - turned, turned)
+        parallel = (both.x * both.y) * (apart.x * apart.y) >= 0
+        return u_x, u_y, v, xp.where(parallel, turned, 1 - turned)
     across = xp.named("across", x2 + y2)
     sin2 = (1 - cos_d) * (1 + cos_d)
     reach = xp.minimum(0.5 * both.z, xp.safe_sqrt(across / squared * sin2))

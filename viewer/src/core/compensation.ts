@@ -11,6 +11,7 @@
 
 import type { Coat, Compensation, Core, Material } from "./api";
 import { CHANNELS } from "./channels";
+import { clampedLog, nodePairs } from "./f_table";
 import { APPEARANCE, coatedColor } from "./formulas";
 import { ofChannel } from "./surfaces";
 
@@ -73,6 +74,18 @@ export class Compensations {
     }
     return this.latest.lost;
   }
+}
+
+/** The material whose table has the lobe too; one without a table keeps it beside. */
+export function withLobe(material: Material, lobe: Compensation): Material {
+  const { table } = material;
+  if (table === undefined) return { ...material, compensation: lobe };
+  const { wi, wo } = nodePairs();
+  const logs = table.logs.map((log, at) => {
+    const z = 3 * Math.floor(at / CHANNELS) + 2;
+    return clampedLog(Math.log(Math.exp(log) + lobeOf(lobe, at % CHANNELS, wi[z], wo[z])));
+  });
+  return { ...material, table: { ...table, logs } };
 }
 
 /** The lobe [1/sr] of a channel at two cosines. */

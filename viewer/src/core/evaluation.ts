@@ -1,16 +1,18 @@
 /** Evaluation of materials: f, the proposal, albedo, and tables of directions. */
 
 import type { Material, TableOptions } from "./api";
+import { Basis } from "./basis";
 import { CHANNELS, firstSame, rows, sameNumbers } from "./channels";
 import { lobeOf } from "./compensation";
-import type { Decoder } from "./decoder";
 import { tableValues } from "./f_table";
 import { Pairs, type Widths } from "./features";
 import type { Vector } from "./formulas";
 import { lobeValue } from "./lobe";
 import { sequenceSteps } from "./probe_pairs";
 import { halfVectorRule } from "./quadrature";
+import type { Rests } from "./rests";
 import { mixtureDensity, type Sampler, sampleMixture } from "./sampler";
+import type { Architecture } from "./weights";
 
 /** The largest number below one of single precision, for uniform numbers. */
 const BELOW_ONE = 1 - 2 ** -24;
@@ -18,17 +20,22 @@ const BELOW_ONE = 1 - 2 ** -24;
 /** The methods are those of `api.ts`. */
 export class Evaluation {
   readonly latentSize: number;
-  private readonly lobe: number;
   readonly widths: Widths;
 
   constructor(
-    private readonly decoder: Decoder,
+    { latent, widths }: Architecture,
+    private readonly rests: Rests,
     private readonly sampler: Sampler,
   ) {
-    const { latent, lobe, widths } = decoder.weights.arch;
     this.latentSize = latent;
-    this.lobe = lobe;
     this.widths = widths;
+  }
+
+  /** The material of codes (3, L), with its table. */
+  protected material(latents: Float32Array): Material {
+    const { rests } = this;
+    if (!(rests instanceof Basis)) return { latents };
+    return { latents, table: rests.table(rows(latents, this.latentSize)) };
   }
 
   f(material: Material, wi: Float32Array, wo: Float32Array): Float32Array {
@@ -68,7 +75,7 @@ export class Evaluation {
 
   table(material: Material, { azimuths = 1, cosines, samples, shift }: TableOptions): Float32Array {
     const result = new Float32Array(azimuths * cosines * samples * 8);
-    const proposal = this.sampler.proposals(this.meanAnchor(material));
+    const proposal = this.sampler.proposals(this.meanCode(material));
     const uniform = shiftedSequence(samples, shift);
     const pairs = new Pairs(samples, this.widths);
     const densities = new Float64Array(samples);
@@ -104,46 +111,44 @@ export class Evaluation {
     const { table } = material;
     const codes = rows(material.latents, this.latentSize);
     const result = new Float64Array(CHANNELS * count);
-    if (table !== undefined) {
-      for (let i = 0; i < count; i++) {
-        tableValues(table, pairs.directions, 6 * i, result, CHANNELS * i);
-        if (table.besideLobe)
-          codes.forEach((code, channel) => {
-            result[CHANNELS * i + channel] += lobeValue(code, 0, pairs, i);
-          });
-      }
-      return result;
-    }
-    const responses = this.decoder.respond(pairs, count);
-    for (let channel = 0; channel < CHANNELS; channel++) {
-      const own = firstSame(channel, (a, b) => sameNumbers(codes[a], codes[b]));
-      if (own < channel) {
-        for (let i = 0; i < count; i++) {
-          result[CHANNELS * i + channel] = result[CHANNELS * i + own];
-        }
-      } else {
-        const rest = this.decoder.rest(this.decoder.prepare(codes[channel], this.lobe), responses);
-        for (let i = 0; i < count; i++) {
-          result[CHANNELS * i + channel] = lobeValue(codes[channel], 0, pairs, i) + rest[i];
-        }
-      }
-    }
-    const { compensation } = material;
-    if (compensation !== undefined)
-      for (let at = 0; at < result.length; at++) {
-        const place = 6 * Math.floor(at / CHANNELS);
-        const [cosI, cosO] = [pairs.directions[place + 2], pairs.directions[place + 5]];
-        result[at] += lobeOf(compensation, at % CHANNELS, cosI, cosO);
-      }
+    if (table === undefined) this.addRests(material, pairs, count, result);
+    else tableValues(table, pairs, count, result);
+    if (table === undefined || table.besideLobe)
+      codes.forEach((code, channel) => {
+        for (let i = 0; i < count; i++)
+          result[CHANNELS * i + channel] += lobeValue(code, 0, pairs, i);
+      });
     return result;
   }
 
-  /** The mean of the channels' anchors, whose proposal all share. */
-  private meanAnchor(material: Material): Float32Array {
-    const anchors = rows(material.anchors, this.latentSize);
+  /** Add the rests of codes and the compensation, which other materials have in their table. */
+  private addRests(
+    { latents, compensation }: Material,
+    pairs: Pairs,
+    count: number,
+    result: Float64Array,
+  ): void {
+    const codes = rows(latents, this.latentSize);
+    const at = this.rests.at(pairs, count);
+    const rests: Float64Array[] = [];
+    codes.forEach((code, channel) => {
+      const own = firstSame(channel, (a, b) => sameNumbers(codes[a], codes[b]));
+      rests.push(own < channel ? rests[own] : this.rests.values(code, at));
+      for (let i = 0; i < count; i++) {
+        const lobe = compensation
+          ? lobeOf(compensation, channel, pairs.directions[6 * i + 2], pairs.directions[6 * i + 5])
+          : 0;
+        result[CHANNELS * i + channel] += rests[channel][i] + lobe;
+      }
+    });
+  }
+
+  /** The mean of the channels' codes, whose proposal all share. */
+  private meanCode({ latents }: Material): Float32Array {
+    const codes = rows(latents, this.latentSize);
     return Float32Array.from(
       { length: this.latentSize },
-      (_, k) => anchors.reduce((sum, code) => sum + code[k], 0) / anchors.length,
+      (_, k) => codes.reduce((sum, code) => sum + code[k], 0) / codes.length,
     );
   }
 }

@@ -22,12 +22,6 @@ export const APPEARANCE = {
   WO: [0, 0.6, 0.8],
 } as const;
 
-/** Of `urushi.core.error_metrics` of Python. */
-export const ERROR_METRICS = {
-  COSINE_FLOOR: 0.02,
-  DARK_OFFSET: 0.001,
-} as const;
-
 /** Of `urushi.core.probe_pairs` of Python. */
 export const PROBE_PAIRS = {
   HALF_ANGLE_SHARE: 0.6666666666666666,
@@ -44,6 +38,14 @@ export const QUADRATURE = {
   MIN_TANGENT: 1e-05,
 } as const;
 
+/** Of `urushi.core.table` of Python. */
+export const TABLE = {
+  SHAPES: { 1: [96, 32, 8], 2: [40, 40, 16, 20] },
+  MIN_LOG: -25,
+  MAX_LOG: 20,
+  MIN_COSINE: 0.005,
+} as const;
+
 /** Of `urushi.material.albedo_rule` of Python. */
 export const ALBEDO_RULE = {
   COSINE_OFFSET: 0.1,
@@ -57,14 +59,6 @@ export const ALBEDO_RULE = {
   LEAST_TANGENT: 0.001,
 } as const;
 
-/** Of `urushi.material.encode` of Python. */
-export const ENCODE = {
-  HELPFUL_REST: [1, 1.1],
-  NEAR_LOBE: 0.3,
-  DIELECTRIC: 0.1111111111111111,
-  DIFFUSE_QUANTILE: 0.2,
-} as const;
-
 /** Of `urushi.material.energy` of Python. */
 export const ENERGY = {
   MARGIN: 0.002,
@@ -75,22 +69,6 @@ export const ENERGY = {
   LEAST_REST: 0.005,
   TINY_FACTOR: 0.001,
   TINY_FACTOR_ROUNDS: 3,
-} as const;
-
-/** Of `urushi.material.fit` of Python. */
-export const FIT = {
-  INITIAL_ALPHAS: [0.05, 0.1, 0.2, 0.3, 0.45, 0.6, 0.8, 1],
-  INITIAL_WHITE_SHARES: [0, 0.02, 0.2],
-  REFINEMENT_STEPS: 20,
-  ANCHOR_HOLD: 4,
-  CODE_HOLD: 0.0005,
-  NODES_SHARE: 0.5,
-  NODES_POWER: 0.5,
-  CEILING_ROUNDS: 2,
-  CEILING_STEPS: 6,
-  HUBER_KNEE: 0.5,
-  DAMPING: [0.001, 0.25, 8],
-  LEAST_VARIANCE: 1e-06,
 } as const;
 
 /** Of `urushi.material.layer` of Python. */
@@ -108,16 +86,21 @@ export const LOBE_ALBEDO = {
   TURNS: 20,
 } as const;
 
-/** Of `urushi.core.table` of Python. */
-export const TABLE = {
-  SHAPE: [96, 32, 8],
+/** Of `urushi.nets.basis` of Python. */
+export const BASIS = {
+  EMPTY_GAIN: -100,
 } as const;
 
-/** Of `urushi.nets.decoder` of Python. */
-export const DECODER = {
-  MIN_LOG: -25,
-  MAX_LOG: 20,
-  EMPTY_GAIN: -100,
+/** Of `urushi.nets.code_fit` of Python. */
+export const CODE_FIT = {
+  FIRST_FLOOR: 0.05,
+  FLOOR: 0.02,
+  KNEE: 0.003,
+  DARK: 0.02,
+  PRIOR: 1e-06,
+  ROUNDS: 5,
+  LEAST_SHARE: 0.001,
+  LEAST_REST: 1e-09,
 } as const;
 
 /** Of `urushi.nets.encoder` of Python. */
@@ -127,7 +110,6 @@ export const ENCODER = {
 
 /** Of `urushi.nets.features` of Python. */
 export const FEATURES = {
-  MIN_COSINE: 0.005,
   DIRECTION_FEATURES: { 1: 8, 2: 14 },
   COAT_FEATURES: { 1: 18, 2: 20 },
 } as const;
@@ -225,19 +207,6 @@ export function medium(color: number, body: number, bodyColor: number, g: number
     out[1 + at] = depth;
 }
 
-/** Coordinates of a pair of directions in a table of f. */
-export function tableCoordinates(wiX: number, wiY: number, wiZ: number, woX: number, woY: number,
-    woZ: number, out: Float64Array, at: number): void {
-    const z2 = Math.max((wiZ + woZ) * (wiZ + woZ), 1e-18);
-    const squared = (wiX + woX) * (wiX + woX) + (wiY + woY) * (wiY + woY) + z2;
-    const cosD = Math.min(0.5 * Math.sqrt(squared), 1);
-    const across = (wiX + woX) * (wiX + woX) + (wiY + woY) * (wiY + woY);
-    out[at] = (Math.log(across / z2 + 1e-05) - (-11.512925464970229)) * 0.05428681023790647;
-    out[1 + at] = Math.sqrt(1 - cosD);
-    out[2 + at] = 1 - Math.sqrt(1 - Math.min(0.5 * Math.abs(wiZ - woZ) / Math.max(Math.min(0.5 *
-        (wiZ + woZ), Math.sqrt(across / squared * ((1 - cosD) * (1 + cosD)))), 1e-09), 1));
-}
-
 /** Directions wi and wo of the coordinates of a table of f. */
 export function nodeDirections(u: number, v: number, w: number, out: Float64Array, at: number): void
     {
@@ -287,7 +256,7 @@ export function coatedColor(eta: number, albedo: number, sigmaT: number, g: numb
 }
 
 /** The decoder's inputs of a pair of directions. */
-export function directionFeatures(wiX: number, wiY: number, wiZ: number, woX: number, woY: number,
+export function directionFeatures2(wiX: number, wiY: number, wiZ: number, woX: number, woY: number,
     woZ: number, out: Float64Array, at: number): void {
     const cosI = Math.max(wiZ, 0.005);
     const cosO = Math.max(woZ, 0.005);
@@ -309,6 +278,25 @@ export function directionFeatures(wiX: number, wiY: number, wiZ: number, woX: nu
     out[5 + at] = (0.5 * Math.log(cosI * cosO) - (-0.78)) * 1.5384615384615383;
     out[6 + at] = Math.log(sumZ) * 1.7857142857142856;
     out[7 + at] = (Math.min(cosI, cosO) - 0.47) * 3.3333333333333335;
+    out[8 + at] = (Math.log(sumX * sumX / sumZ2 + 1e-06) - (-5)) * 0.23255813953488372;
+    out[9 + at] = (Math.log(sumY * sumY / sumZ2 + 1e-06) - (-5)) * 0.23255813953488372;
+    out[10 + at] = (Math.log(wiX * wiX + woX * woX + 0.001) - (-0.9)) * 0.7692307692307692;
+    out[11 + at] = (Math.log(wiY * wiY + woY * woY + 0.001) - (-0.9)) * 0.7692307692307692;
+    out[12 + at] = (wiX * woX - (-0.1)) * 3.3333333333333335;
+    out[13 + at] = (wiY * woY - (-0.1)) * 3.3333333333333335;
+}
+
+/** Coordinates of a pair of directions in a table of f. */
+export function tableCoordinates(wiX: number, wiY: number, wiZ: number, woX: number, woY: number,
+    woZ: number, out: Float64Array, at: number): void {
+    const z2 = Math.max((wiZ + woZ) * (wiZ + woZ), 1e-18);
+    const squared = (wiX + woX) * (wiX + woX) + (wiY + woY) * (wiY + woY) + z2;
+    const cosD = Math.min(0.5 * Math.sqrt(squared), 1);
+    const across = (wiX + woX) * (wiX + woX) + (wiY + woY) * (wiY + woY);
+    out[at] = (Math.log(across / z2 + 1e-05) - (-11.512925464970229)) * 0.05428681023790647;
+    out[1 + at] = Math.sqrt(1 - cosD);
+    out[2 + at] = 1 - Math.sqrt(1 - Math.min(0.5 * Math.abs(wiZ - woZ) / Math.max(Math.min(0.5 *
+        (wiZ + woZ), Math.sqrt(across / squared * ((1 - cosD) * (1 + cosD)))), 1e-09), 1));
 }
 
 /** The layerer's inputs of a coat. */
@@ -417,35 +405,20 @@ export function sampleReflection(alpha: number, wiX: number, wiY: number, wiZ: n
         facetZ - wiZ) };
 }
 
-/** The decoder's inputs of a pair of directions. */
-export function directionFeatures2(wiX: number, wiY: number, wiZ: number, woX: number, woY: number,
+/** Coordinates of a pair of directions in a table of f. */
+export function tableCoordinates2(wiX: number, wiY: number, wiZ: number, woX: number, woY: number,
     woZ: number, out: Float64Array, at: number): void {
-    const cosI = Math.max(wiZ, 0.005);
-    const cosO = Math.max(woZ, 0.005);
-    const sumX = wiX + woX;
-    const sumY = wiY + woY;
-    const sumZ = cosI + cosO;
-    const sumZ2 = sumZ * sumZ;
-    const sumXy2 = sumX * sumX + sumY * sumY;
-    const sum2 = sumXy2 + sumZ2;
-    const sumSize = Math.sqrt(sum2);
-    const cosD = Math.min(0.5 * sumSize, 1);
-    const opposite = 1 - cosD;
-    const opposite2 = opposite * opposite;
-    out[at] = (Math.log(sumXy2 / sumZ2 + 1e-06) - (-3.2)) * 0.2173913043478261;
-    out[1 + at] = (Math.sqrt(Math.sqrt(sumXy2 / sum2)) - 0.55) * 2.941176470588235;
-    out[2 + at] = (sumZ / sumSize - 0.8) * 4.166666666666667;
-    out[3 + at] = (cosD - 0.73) * 4.166666666666667;
-    out[4 + at] = (opposite2 * opposite2 * opposite - 0.04) * 5;
-    out[5 + at] = (0.5 * Math.log(cosI * cosO) - (-0.78)) * 1.5384615384615383;
-    out[6 + at] = Math.log(sumZ) * 1.7857142857142856;
-    out[7 + at] = (Math.min(cosI, cosO) - 0.47) * 3.3333333333333335;
-    out[8 + at] = (Math.log(sumX * sumX / sumZ2 + 1e-06) - (-5)) * 0.23255813953488372;
-    out[9 + at] = (Math.log(sumY * sumY / sumZ2 + 1e-06) - (-5)) * 0.23255813953488372;
-    out[10 + at] = (Math.log(wiX * wiX + woX * woX + 0.001) - (-0.9)) * 0.7692307692307692;
-    out[11 + at] = (Math.log(wiY * wiY + woY * woY + 0.001) - (-0.9)) * 0.7692307692307692;
-    out[12 + at] = (wiX * woX - (-0.1)) * 3.3333333333333335;
-    out[13 + at] = (wiY * woY - (-0.1)) * 3.3333333333333335;
+    const z2 = Math.max((wiZ + woZ) * (wiZ + woZ), 1e-18);
+    const squared = (wiX + woX) * (wiX + woX) + (wiY + woY) * (wiY + woY) + z2;
+    const cosD = Math.min(0.5 * Math.sqrt(squared), 1);
+    out[at] = (Math.log((wiX + woX) * (wiX + woX) / z2 + 1e-05) - (-11.512925464970229)) *
+        0.06204206884332169;
+    out[1 + at] = (Math.log((wiY + woY) * (wiY + woY) / z2 + 1e-05) - (-11.512925464970229)) *
+        0.06204206884332169;
+    out[2 + at] = Math.sqrt(1 - cosD);
+    out[3 + at] = ((wiX + woX) * (wiY + woY) * ((wiX - woX) * (wiY - woY)) >= 0 ? 0.5 * Math.abs(wiY
+        - woY) / Math.max(Math.abs(wiX - woX) + Math.abs(wiY - woY), 1e-12) : 1 - 0.5 * Math.abs(wiY
+        - woY) / Math.max(Math.abs(wiX - woX) + Math.abs(wiY - woY), 1e-12));
 }
 
 /** The layerer's inputs of a coat. */

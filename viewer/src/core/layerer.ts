@@ -9,21 +9,22 @@ import type { CoatOfChannel } from "./features";
 import { CHECKS, coatFeatures, coatFeatures2, FEATURES, LAYER, LOBE } from "./formulas";
 import { lobeFeatures } from "./lobe";
 import { type Activation, Mlp } from "./mlp";
-import type { Weights } from "./weights";
+import type { Architecture, Layer } from "./weights";
 
 export class Layerer {
   private readonly network: Mlp;
 
   constructor(
-    private readonly weights: Weights,
+    private readonly arch: Architecture,
+    layers: readonly Layer[],
     activation: Activation,
   ) {
-    this.network = new Mlp(weights.layerer, activation);
+    this.network = new Mlp(layers, activation);
   }
 
   /** The codes of bottoms under coats, the same number of both. */
   layer(bottoms: readonly Float32Array[], coats: readonly CoatOfChannel[]): Float32Array[] {
-    const { rest, lobe, widths } = this.weights.arch;
+    const { rest, lobe, widths } = this.arch;
     const ofLobe = LOBE.LOBE_FEATURES[widths];
     const width = rest + ofLobe + FEATURES.COAT_FEATURES[widths];
     const inputs = new Float64Array(bottoms.length * width);

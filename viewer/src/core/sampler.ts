@@ -19,7 +19,7 @@ import {
 } from "./formulas";
 import { lobeFeatures } from "./lobe";
 import { type Activation, Mlp } from "./mlp";
-import type { Weights } from "./weights";
+import type { Architecture, Layer } from "./weights";
 
 /** Weights (K + 1), the last the cosine lobe's, and GGX widths (K), also those across the tangent. */
 export interface Mixture {
@@ -32,15 +32,16 @@ export class Sampler {
   private readonly network: Mlp;
 
   constructor(
-    private readonly weights: Weights,
+    private readonly arch: Architecture,
+    layers: readonly Layer[],
     activation: Activation,
   ) {
-    this.network = new Mlp(weights.sampler, activation);
+    this.network = new Mlp(layers, activation);
   }
 
   /** The proposals of a code for directions wi, of which each is computed when it is asked for. */
   proposals(code: Float32Array): (wi: Vector) => Mixture {
-    const { rest, lobes, lobe, widths } = this.weights.arch;
+    const { rest, lobes, lobe, widths } = this.arch;
     const ofLobe = LOBE.LOBE_FEATURES[widths];
     const ofCode = ofLobe + rest;
     const inputs = new Float64Array(ofCode + 2 * widths);

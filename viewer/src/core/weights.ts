@@ -1,18 +1,17 @@
-/** The networks' sizes and parameters from a weights file of `urushi train`. */
+/** Basis and networks from a weights file of `urushi train`, or from the page's own. */
 
+import type { BasisWeights } from "./basis";
+import { nodeCount } from "./f_table";
 import type { Widths } from "./features";
-import { FEATURES, LOBE } from "./formulas";
+import { FEATURES, LOBE, TABLE } from "./formulas";
+import { type PerceptronWeights, readPerceptrons } from "./perceptrons/weights";
 import { FileError, isRecord, readTensors, type Tensor } from "./safetensors";
 
 /** Version of the file format. */
 const FORMAT_VERSION = 1;
 
-/** Names of parameters. */
-const KNOWN =
-  /^((decoder|encoder|layerer|sampler)\.\d+\.(weight|bias)|decoder\.scale|encoder\.input_(mean|scale))$/;
-
-/** Sizes of the networks; see Python's `nets.architecture`. */
-interface Architecture {
+/** Sizes of codes and networks; see Python's `nets.linear`. */
+export interface Architecture {
   /** Numbers of one channel's code. */
   readonly latent: number;
   /** GGX widths of a surface. */
@@ -21,11 +20,9 @@ interface Architecture {
   readonly lobe: number;
   /** Numbers of the rest, which follow those of the lobe and begin with a gain. */
   readonly rest: number;
-  /** Inputs of the decoder's network: the numbers of the rest after its gain. */
-  readonly codes: number;
   /** Lobes of the proposal beside the code's own. */
   readonly lobes: number;
-  /** Probe pairs of the encoder. */
+  /** Number of probe pairs. */
   readonly probes: number;
   readonly activation: string;
 }
@@ -38,20 +35,15 @@ export interface Layer {
   readonly bias: Float64Array;
 }
 
-/** Sizes and parameters of all networks. */
+/** Sizes and parameters of all. */
 export interface Weights {
   readonly arch: Architecture;
-  /** Identifies the networks: materials belong to them. */
+  /** Identifies basis and networks: materials belong to them. */
   readonly fingerprint: string;
-  readonly encoder: readonly Layer[];
+  /** By which codes are evaluated and found. */
+  readonly rests: BasisWeights | PerceptronWeights;
   readonly layerer: readonly Layer[];
-  readonly decoder: readonly Layer[];
   readonly sampler: readonly Layer[];
-  /** (neurons, codes): how a code scales the responses of the decoder's first layer. */
-  readonly scale: Float64Array;
-  /** Statistics (probes) that normalise the encoder's input. */
-  readonly inputMean: Float64Array;
-  readonly inputScale: Float64Array;
 }
 
 /**
@@ -64,33 +56,21 @@ export function readWeights(file: ArrayBuffer): Weights {
   if (description.kind !== "weights" || description.version !== FORMAT_VERSION) {
     throw new FileError("the file holds no weights of Urushi's networks in a version known here");
   }
-  const arch = readArchitecture(description.architecture);
-  const unknown = [...tensors.keys()].find((name) => !KNOWN.test(name));
-  if (unknown) {
-    throw new FileError(
-      `the parameter '${unknown}' is unknown here; the networks are of another kind`,
-    );
-  }
-  const part = (name: string, inputs: number, outputs: number) =>
-    readLayers(tensors, name, inputs, outputs);
-  const { widths, rest } = arch;
-  const decoder = part("decoder", arch.codes + FEATURES.DIRECTION_FEATURES[widths], 1);
+  const sizes = isRecord(description.architecture) ? description.architecture : {};
+  const arch = readArchitecture(sizes);
+  const { widths, rest, lobes } = arch;
   const ofLobe = LOBE.LOBE_FEATURES[widths];
+  const ofCoat = FEATURES.COAT_FEATURES[widths];
   return {
     arch,
     fingerprint: String(description.fingerprint ?? ""),
-    decoder,
-    encoder: part("encoder", arch.probes, rest),
-    layerer: part("layerer", rest + ofLobe + FEATURES.COAT_FEATURES[widths], rest),
-    sampler: part("sampler", ofLobe + rest + 2 * widths, (1 + widths) * arch.lobes + 2),
-    scale: transposed(tensorOf(tensors, "decoder.scale", [arch.codes, first(decoder).outputs])),
-    inputMean: tensorOf(tensors, "encoder.input_mean", [arch.probes]).values,
-    inputScale: tensorOf(tensors, "encoder.input_scale", [arch.probes]).values,
+    rests: "functions" in sizes ? readBasis(tensors, arch) : readPerceptrons(tensors, arch),
+    layerer: readLayers(tensors, "layerer", rest + ofLobe + ofCoat, rest),
+    sampler: readLayers(tensors, "sampler", ofLobe + rest + 2 * widths, (1 + widths) * lobes + 2),
   };
 }
 
-function readArchitecture(value: unknown): Architecture {
-  const sizes = isRecord(value) ? value : {};
+function readArchitecture(sizes: Record<string, unknown>): Architecture {
   const size = (name: string): number => {
     const found = sizes[name];
     if (typeof found !== "number" || !Number.isSafeInteger(found) || found < 1) {
@@ -105,29 +85,74 @@ function readArchitecture(value: unknown): Architecture {
     );
   }
   const lobe = LOBE.NUMBERS[widths].length;
-  if (size("lobe") !== lobe) {
-    throw new FileError(`the codes' lobes have ${size("lobe")} numbers; this page reads ${lobe}`);
-  }
-  const latent = size("latent");
-  const rest = latent - lobe;
-  if (rest < 2) {
-    throw new FileError(
-      `the architecture's latent is ${latent}; a code has at least ${lobe + 2} numbers`,
-    );
-  }
+  const rest = "functions" in sizes ? size("functions") : size("latent") - lobe;
   return {
-    latent,
+    latent: lobe + rest,
     widths,
     lobe,
     rest,
-    codes: rest - 1,
     lobes: size("lobes"),
     probes: size("probes"),
     activation: String(sizes.activation),
   };
 }
 
-function readLayers(
+function readBasis(
+  tensors: ReadonlyMap<string, Tensor>,
+  { widths, rest, probes }: Architecture,
+): BasisWeights {
+  const nodes = nodeCount(widths);
+  const rows = tensors.has("basis.bytes")
+    ? unpackedRows(tensors, TABLE.SHAPES[widths], rest)
+    : Float32Array.from(tensorOf(tensors, "basis.rows", [nodes, 1 + rest]).values);
+  return {
+    widths,
+    rows,
+    measure: tensorOf(tensors, "basis.measure", [probes]).values,
+    prior: tensorOf(tensors, "basis.prior", [rest, rest]).values,
+  };
+}
+
+/**
+ * The rows (nodes, 1 + K) of the page's own file.
+ *
+ * "basis.bytes" has the low bytes, then the high bytes of numbers (K, nodes): of b, then of the
+ * functions without the first, which is one. Half a number, rounded, is the difference from the node
+ * before along all axes in turn, of steps of "basis.ranges"; odd ones are negative.
+ */
+function unpackedRows(
+  tensors: ReadonlyMap<string, Tensor>,
+  shape: readonly number[],
+  count: number,
+): Float32Array {
+  const nodes = shape.reduce((product, size) => product * size, 1);
+  const bytes = tensorOf(tensors, "basis.bytes", [2, count, nodes]).values;
+  const ranges = tensorOf(tensors, "basis.ranges", [count, 2]).values;
+  const rows = new Float32Array(nodes * (1 + count));
+  const steps = new Int32Array(nodes);
+  for (let k = 0; k < count; k++) {
+    for (let node = 0; node < nodes; node++) {
+      const at = k * nodes + node;
+      const number = bytes[at] + 256 * bytes[count * nodes + at];
+      steps[node] = (number >> 1) ^ -(number & 1);
+    }
+    let stride = nodes;
+    for (const size of shape) {
+      const whole = stride;
+      stride /= size;
+      for (let node = 0; node < nodes; node++)
+        if (node % whole >= stride) steps[node] += steps[node - stride];
+    }
+    const [lowest, step] = [ranges[2 * k], ranges[2 * k + 1]];
+    const column = k === 0 ? 0 : k + 1;
+    for (let node = 0; node < nodes; node++)
+      rows[node * (1 + count) + column] = lowest + step * steps[node];
+  }
+  for (let at = 1; at < rows.length; at += 1 + count) rows[at] = 1;
+  return rows;
+}
+
+export function readLayers(
   tensors: ReadonlyMap<string, Tensor>,
   part: string,
   inputs: number,
@@ -159,7 +184,7 @@ export function last<T>(list: readonly T[]): T {
   return list[list.length - 1] as T;
 }
 
-function tensorOf(
+export function tensorOf(
   tensors: ReadonlyMap<string, Tensor>,
   name: string,
   shape: readonly number[],
@@ -175,7 +200,7 @@ function tensorOf(
   return tensor;
 }
 
-function transposed(tensor: Tensor): Float64Array {
+export function transposed(tensor: Tensor): Float64Array {
   const [rows = 0, columns = 0] = tensor.shape;
   const result = new Float64Array(rows * columns);
   for (let i = 0; i < rows; i++) {

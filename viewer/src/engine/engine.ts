@@ -177,7 +177,8 @@ export class Slot {
         this.abort.abort();
         this.walk.value = null;
         const core = await this.cores.of(stack);
-        const material = { ...(await core.layer(stack)), table };
+        const layered = await core.layer(stack);
+        const material = { ...layered, table: table ?? layered.table };
         const first = await this.table(core, material, 0);
         this.core = core;
         this.widths = core.widths;
@@ -225,7 +226,7 @@ export class Slot {
     const { material, stack } = this;
     const described = stack !== null && stack.bottom.kind !== "codes" && stack.coats.length > 0;
     const walkable = described && this.widths === 1; // the walk knows isotropic surfaces
-    if (material === null || !walkable || material.compensation || signal.aborted) return;
+    if (material === null || !walkable || stack.energyCompensation || signal.aborted) return;
     const pairs = planePairs(WALK_ANGLES, this.page.incidence(), 0);
     const networks = await this.core.f(material, ...pairs);
     const show = (estimate: Estimate) => {

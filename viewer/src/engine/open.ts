@@ -120,8 +120,8 @@ async function encodeMeasured(
   encoding.value = true;
   announcement.value = "The measured BRDF is being encoded.";
   try {
-    const { latents, anchors, table } = await core.encodeMeasured(bytes.buffer);
-    return { kind: "codes", latents, anchors, table: keepTable(table!.logs) };
+    const { latents, table } = await core.encodeMeasured(bytes.buffer);
+    return { kind: "codes", latents, table: keepTable(table!.logs) };
   } finally {
     encoding.value = false;
   }

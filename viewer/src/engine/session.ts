@@ -330,8 +330,7 @@ export function shownOf(material: MaterialCards): Shown | null {
     complain(new Refusal(lost(`texture of “${material.name}”`)));
     return null;
   }
-  const latents = meanCodes(texture.texture);
-  const mean = { kind: "codes", latents, anchors: latents } as const;
+  const mean = { kind: "codes", latents: meanCodes(texture.texture) } as const;
   return { stack: { bottom: mean, coats: [] }, rotation: 0, texture };
 }
 

@@ -107,10 +107,7 @@ export function stackOf(material: MaterialCards): Stack {
 
 /** A bottom below a medium of an index relative to air, as it would be in air. */
 export function bottomUnder(bottom: BottomInAir, index: Channels): BottomInAir {
-  if (bottom.kind === "codes") {
-    const { latents, anchors } = bottom;
-    return { ...bottom, latents: codesUnder(latents, index), anchors: codesUnder(anchors, index) };
-  }
+  if (bottom.kind === "codes") return { ...bottom, latents: codesUnder(bottom.latents, index) };
   if (bottom.kind === "dielectric") return { ...bottom, ior: quotient(bottom.ior, index) };
   if (!("k" in bottom)) return bottom; // Schlick's and diffuse ones are the same everywhere
   return { ...bottom, eta: quotient(bottom.eta, index), k: quotient(bottom.k, index) };

@@ -23,8 +23,8 @@ export function pythonText(material: MaterialCards): string {
     ...(isWalked
       ? []
       : [
-          "# The layers one by one, as on the page. urushi.encode of a description by urushi.coat",
-          "# takes longer and is closer to the random walk.",
+          "# The layers one by one by the layering network, as on the page. Without fast=True, light",
+          "# transport is computed, which takes longer and is closer to the random walk.",
         ]),
     `material = ${bottomText(stack.bottom)}`,
   ];
@@ -37,11 +37,11 @@ export function pythonText(material: MaterialCards): string {
       continue;
     }
     const top = call("urushi.dielectric", surface);
-    const others = [...mediumParameters(coat), ["refine", "False"] as const];
+    const others = [...mediumParameters(coat), ["fast", "True"] as const];
     lines.push(`material = ${call("urushi.layer", others, `${top}, material`)}`);
   }
   if (isWalked || stack.coats.length === 0)
-    lines.push("material = urushi.encode(material, refine=False)");
+    lines.push("material = urushi.encode(material)");
   const turned = rotation !== 0 && isAnisotropic(stack) ? `material.rotated(${rotation})` : "";
   const direction = "np.array([[0.5, 0.0, np.sqrt(0.75)]])";
   lines.push(

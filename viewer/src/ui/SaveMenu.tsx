@@ -37,12 +37,13 @@ function presentSession(): Session {
 async function encoded(): Promise<{ core: PageCore; codes: Material }> {
   const stack = stackOf(material.value);
   const table = shownOf(material.value)?.table;
-  if (stack.energyCompensation && stack.coats.length > 0)
-    throw new Refusal(
-      "The codes of a material have no energy compensation; switch it off, or save Python or a Mitsuba BSDF.",
-    );
   const core = await presentSession().cores.of(stack);
-  return { core, codes: { ...(await core.layer(stack)), table } };
+  const codes = await core.layer(stack);
+  if (codes.compensation !== undefined)
+    throw new Refusal(
+      "The codes of an anisotropic material have no energy compensation; switch it off, or save Python or a Mitsuba BSDF.",
+    );
+  return { core, codes: { ...codes, table: table ?? codes.table } };
 }
 
 /** Angle by which the tangent is turned [degrees]. */

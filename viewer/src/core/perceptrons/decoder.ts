@@ -1,11 +1,12 @@
 /** The decoder: from a code and pairs of directions to the BRDF without its topmost lobe. */
 
-import type { Pairs } from "./features";
-import { DECODER } from "./formulas";
-import { type Activation, activate } from "./mlp";
-import { first, type Layer, last, type Weights } from "./weights";
-
-const { MIN_LOG, MAX_LOG, EMPTY_GAIN } = DECODER;
+import { clampedLog } from "../f_table";
+import type { Pairs } from "../features";
+import { directionFeatures2, FEATURES } from "../formulas";
+import { type Activation, activate } from "../mlp";
+import type { AtPairs } from "../rests";
+import { first, type Layer, last } from "../weights";
+import type { PerceptronWeights } from "./weights";
 
 /** What the decoder needs of one code: how it shifts and scales the first layer, and its gain. */
 export interface PreparedCode {
@@ -15,15 +16,7 @@ export interface PreparedCode {
 }
 
 /** Number of pairs that are evaluated at once, so that each weight is read once for them. */
-export const LANES = 4;
-
-/** The first layer's responses to pairs of directions, the same for all codes. */
-export interface Responses {
-  /** Number of pairs. */
-  readonly count: number;
-  /** (blocks, width, `LANES`): the pairs of a block lie side by side; the last block is filled up. */
-  readonly values: Float64Array;
-}
+const LANES = 4;
 
 export class Decoder {
   /** Neurons of the first layer. */
@@ -40,13 +33,13 @@ export class Decoder {
   private readonly states: readonly Float64Array[];
 
   constructor(
-    readonly weights: Weights,
-    readonly activation: Activation,
+    private readonly weights: PerceptronWeights,
+    private readonly activation: Activation,
   ) {
     this.entry = first(weights.decoder);
     this.output = last(weights.decoder);
     this.hidden = weights.decoder.slice(1, -1);
-    this.codes = weights.arch.codes;
+    this.codes = weights.arch.rest - 1;
     this.width = this.entry.outputs;
     const layers = weights.decoder.slice(0, -1);
     this.states = layers.map(({ outputs }) => new Float64Array(outputs * LANES));
@@ -78,10 +71,15 @@ export class Decoder {
     return { offset, factor, gain: code[rest] };
   }
 
-  /** The first layer's responses to the first `count` pairs. */
-  respond(pairs: Pairs, count = pairs.capacity): Responses {
+  /**
+   * The first layer's responses to the first `count` pairs, the same for all codes: (blocks, width,
+   * `LANES`), where the pairs of a block lie side by side. The last block is filled up.
+   */
+  respond({ directions: w }: Pairs, count: number): AtPairs {
     const { width, ofDirections, features: stride } = this;
-    const { features } = pairs;
+    const features = new Float64Array(count * FEATURES.DIRECTION_FEATURES[2]);
+    for (let i = 0, k = 0; i < count; i++, k += 6)
+      directionFeatures2(w[k], w[k + 1], w[k + 2], w[k + 3], w[k + 4], w[k + 5], features, i * stride);
     const values = new Float64Array(Math.ceil(count / LANES) * LANES * width);
     for (let i = 0; i < count; i++) {
       const at = i * stride;
@@ -114,7 +112,7 @@ export class Decoder {
   }
 
   /** The rest [1/sr] at all pairs. */
-  rest(code: PreparedCode, responses: Responses): Float64Array {
+  rest(code: PreparedCode, responses: AtPairs): Float64Array {
     const result = new Float64Array(responses.count);
     const lanes = new Float64Array(LANES);
     for (let start = 0; start < result.length; start += LANES) {
@@ -152,11 +150,6 @@ export class Decoder {
     }
     linearOfBlock(this.output, state, output);
   }
-}
-
-/** A logarithm within its range. */
-export function clampedLog(logarithm: number): number {
-  return Math.min(Math.max(logarithm, MIN_LOG), MAX_LOG);
 }
 
 /** One layer for inputs (inputs, `LANES`), two outputs at a time. */
@@ -202,14 +195,4 @@ function linearOfBlock(layer: Layer, x: Float64Array, y: Float64Array): void {
       y[place + 7] = b3;
     }
   }
-}
-
-/** Multiply the rest at a place by a factor > 0, exactly for all directions. */
-export function scaleRest(code: Float32Array, rest: number, factor: number): void {
-  code[rest] += Math.log(factor);
-}
-
-/** Make the rest at a place nothing. */
-export function emptyRest(code: Float32Array, rest: number): void {
-  code[rest] = EMPTY_GAIN;
 }
