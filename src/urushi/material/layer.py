@@ -120,7 +120,7 @@ def layer(
     coated = layer_material(coat, bottom, fast=fast)
     if fast:
         checks.warn_of_training(checks.outside_training(coat), "layer: the coat's")
-    return replace(coated, coating=Coating(coat, top.ior is not None, bottom))
+    return replace(coated, coating=Coating(coat, top.ior is not None, bottom, fast))
 
 
 def under(bottom: Any, index: npt.ArrayLike) -> Any:
@@ -136,14 +136,15 @@ def under(bottom: Any, index: npt.ArrayLike) -> Any:
         return described_under(bottom, index)
     index = np.asarray(index, np.float64)
     if bottom.coating is not None:
-        coat, absolute, below = bottom.coating
+        coat, absolute, below, fast = bottom.coating
         if absolute:
             ratio = checks.eta(coat.eta / index, "the lower coat's relative index", any_shape=True)
             coat = coat._replace(eta=ratio)
         else:
             below = under(below, index)
-        coating = Coating(coat, absolute, below)
-        return replace(layer_material(coat, below), coating=coating, rotation=bottom.rotation)
+        coated = layer_material(coat, below, fast)
+        coating = Coating(coat, absolute, below, fast)
+        return replace(coated, coating=coating, rotation=bottom.rotation)
     size = bottom.model.arch.lobe
     index = index.astype(np.float32)
     if not (bottom.latents[:, 5] > 0).any() or (index == 1).all():

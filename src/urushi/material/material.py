@@ -33,6 +33,7 @@ class Coating(NamedTuple):
     coat: CoatParameters  # checked; `eta` is relative to the medium above
     absolute: bool  # whether the coat keeps its index below another medium; otherwise `eta`
     bottom: "Material"  # under the coat
+    fast: bool = False  # whether the layering network computed it
 
 
 @dataclass(frozen=True, eq=False)
@@ -302,10 +303,10 @@ def _contents(material: Material) -> tuple[dict[str, Any], dict[str, np.ndarray]
         arrays["table"] = material.table
         description["beside_lobe"] = material.beside_lobe
     if material.coating is not None:
-        coat, absolute, bottom = material.coating
+        coat, absolute, bottom, fast = material.coating
         arrays["coat"] = np.stack(np.broadcast_arrays(*map(np.atleast_1d, coat.columns())))
         below, others = _contents(bottom)
-        description |= {"absolute": absolute, "bottom": below}
+        description |= {"absolute": absolute, "fast": fast, "bottom": below}
         arrays |= {f"bottom.{name}": array for name, array in others.items()}
     return description, arrays
 
@@ -321,7 +322,8 @@ def _material(description: dict[str, Any], arrays: dict[str, np.ndarray], model:
         prefix = "bottom."
         below = {n.removeprefix(prefix): x for n, x in arrays.items() if n.startswith(prefix)}
         bottom = _material(description["bottom"], below, model)
-        coating = Coating(coat, bool(description["absolute"]), bottom)
+        absolute, fast = bool(description["absolute"]), bool(description.get("fast"))
+        coating = Coating(coat, absolute, bottom, fast)
     return Material(
         arrays["latents"],
         model,

@@ -10,7 +10,7 @@
 import { CHANNELS } from "./channels";
 import { fittedCode } from "./code_fit";
 import { Cell, clampedLog, type FTable, nodeCount } from "./f_table";
-import { Pairs, type Widths } from "./features";
+import type { Pairs, Widths } from "./features";
 import { BASIS } from "./formulas";
 import { lobeValues } from "./lobe";
 import { probePairs } from "./probe_pairs";
@@ -103,6 +103,6 @@ export class Basis implements Rests {
       logs[to + 1] = clampedLog(g);
       logs[to + 2] = clampedLog(b);
     }
-    return { logs, besideLobe: true };
+    return { logs, besideLobe: true, isOfCodes: true };
   }
 }

@@ -29,7 +29,8 @@ export function fittedCode(
   const count = Math.sqrt(prior.length);
   const width = 1 + count;
   const mean = dot(measure, rest);
-  if (mean < LEAST_REST) return Float64Array.from({ length: count }, (_, k) => (k ? 0 : BASIS.EMPTY_GAIN));
+  if (mean < LEAST_REST)
+    return Float64Array.from({ length: count }, (_, k) => (k ? 0 : BASIS.EMPTY_GAIN));
   const light = Math.max(mean + dot(measure, top), 1e-12);
   const f = rest.map((value) => Math.max(value, LEAST_SHARE * mean + 1e-12));
   const logs = f.map(Math.log);

@@ -85,7 +85,7 @@ export function withLobe(material: Material, lobe: Compensation): Material {
     const z = 3 * Math.floor(at / CHANNELS) + 2;
     return clampedLog(Math.log(Math.exp(log) + lobeOf(lobe, at % CHANNELS, wi[z], wo[z])));
   });
-  return { ...material, table: { ...table, logs } };
+  return { ...material, table: { logs, besideLobe: table.besideLobe } };
 }
 
 /** The lobe [1/sr] of a channel at two cosines. */

@@ -7,12 +7,12 @@ import { lobeOf } from "./compensation";
 import { tableValues } from "./f_table";
 import { Pairs, type Widths } from "./features";
 import type { Vector } from "./formulas";
+import type { Architecture } from "./layers";
 import { lobeValue } from "./lobe";
 import { sequenceSteps } from "./probe_pairs";
 import { halfVectorRule } from "./quadrature";
 import type { Rests } from "./rests";
 import { mixtureDensity, type Sampler, sampleMixture } from "./sampler";
-import type { Architecture } from "./weights";
 
 /** The largest number below one of single precision, for uniform numbers. */
 const BELOW_ONE = 1 - 2 ** -24;

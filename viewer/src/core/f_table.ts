@@ -11,6 +11,8 @@ export interface FTable {
   readonly logs: Float32Array;
   /** Whether f is the lobe of the codes plus the table. */
   readonly besideLobe: boolean;
+  /** Whether the codes give the same f, so that files leave it out; false if left out. */
+  readonly isOfCodes?: boolean;
 }
 
 /** Number of nodes of a table of one GGX width or two. */
@@ -96,7 +98,12 @@ export class Cell {
 }
 
 /** Put the values (count, 3) [1/sr] of a table at the first pairs into an array. */
-export function tableValues({ logs }: FTable, pairs: Pairs, count: number, out: Float64Array): void {
+export function tableValues(
+  { logs }: FTable,
+  pairs: Pairs,
+  count: number,
+  out: Float64Array,
+): void {
   const cell = new Cell(pairs.widths);
   const { nodes, shares } = cell;
   for (let i = 0; i < count; i++) {

@@ -7,9 +7,9 @@
 
 import type { CoatOfChannel } from "./features";
 import { CHECKS, coatFeatures, coatFeatures2, FEATURES, LAYER, LOBE } from "./formulas";
+import type { Architecture, Layer } from "./layers";
 import { lobeFeatures } from "./lobe";
 import { type Activation, Mlp } from "./mlp";
-import type { Architecture, Layer } from "./weights";
 
 export class Layerer {
   private readonly network: Mlp;

@@ -1,8 +1,8 @@
 /** Multilayer perceptrons and their activation; see Python's `nets.mlp`. */
 
 import { MLP } from "./formulas";
+import type { Layer } from "./layers";
 import { FileError } from "./safetensors";
-import type { Layer } from "./weights";
 
 /** An activation: its bound and its polynomial, see `POLYNOMIALS` of Python's `nets.mlp`. */
 export interface Activation {

@@ -82,7 +82,9 @@ function readTensor(data: DataView, name: string, entry: unknown): Tensor {
   const { dtype, shape, data_offsets: offsets } = isRecord(entry) ? entry : {};
   const reader = typeof dtype === "string" ? READERS[dtype] : undefined;
   if (!reader) {
-    throw new FileError(`the array '${name}' is of type ${String(dtype)}; give U8, F16, F32 or F64`);
+    throw new FileError(
+      `the array '${name}' is of type ${String(dtype)}; give U8, F16, F32 or F64`,
+    );
   }
   if (!isCounts(shape) || !isCounts(offsets)) {
     throw new FileError(`the array '${name}' has no valid shape and place in the file`);

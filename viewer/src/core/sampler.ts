@@ -17,9 +17,9 @@ import {
   samplerFeatures2,
   type Vector,
 } from "./formulas";
+import type { Architecture, Layer } from "./layers";
 import { lobeFeatures } from "./lobe";
 import { type Activation, Mlp } from "./mlp";
-import type { Architecture, Layer } from "./weights";
 
 /** Weights (K + 1), the last the cosine lobe's, and GGX widths (K), also those across the tangent. */
 export interface Mixture {

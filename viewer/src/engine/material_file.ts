@@ -70,10 +70,11 @@ function wrapped(angle: number): number {
 
 /** The bytes of a material file; rotation: of the tangent [degrees]. */
 export function materialFile(
-  { latents, table }: Material,
+  { latents, table: own }: Material,
   { latentSize, widths, fingerprint }: Networks,
   rotation = 0,
 ): Uint8Array<ArrayBuffer> {
+  const table = own?.isOfCodes ? undefined : own;
   const turn = widths === 2 && rotation !== 0 ? { rotation } : {};
   const kind = table === undefined ? {} : { beside_lobe: table.besideLobe };
   const description = {

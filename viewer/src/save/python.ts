@@ -40,8 +40,7 @@ export function pythonText(material: MaterialCards): string {
     const others = [...mediumParameters(coat), ["fast", "True"] as const];
     lines.push(`material = ${call("urushi.layer", others, `${top}, material`)}`);
   }
-  if (isWalked || stack.coats.length === 0)
-    lines.push("material = urushi.encode(material)");
+  if (isWalked || stack.coats.length === 0) lines.push("material = urushi.encode(material)");
   const turned = rotation !== 0 && isAnisotropic(stack) ? `material.rotated(${rotation})` : "";
   const direction = "np.array([[0.5, 0.0, np.sqrt(0.75)]])";
   lines.push(

@@ -17,7 +17,7 @@ function lateCore(): { core: PageCore; layered: number[]; shifts: number[] } {
       const width = stack.coats[0]!.alpha as number;
       layered.push(width);
       await late();
-      return { latents: new Float32Array([width]), anchors: new Float32Array([width]) };
+      return { latents: new Float32Array([width]) };
     },
     f: async (material, wi) => new Float32Array(wi.length).fill(material.latents[0]!),
     albedo: async (_material, cosines) => new Float32Array(3 * cosines.length),

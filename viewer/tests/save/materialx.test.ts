@@ -62,7 +62,7 @@ test("what OpenPBR does not have is named, and a loaded material is refused", ()
   expect(lost).toBe(
     "The document leaves out what OpenPBR does not have: all coats but the topmost, the coat's body.",
   );
-  const codes = { kind: "codes", latents: [1, 2, 3], anchors: [1, 2, 3] };
+  const codes = { kind: "codes", latents: [1, 2, 3] };
   expect(() => materialxText(readMaterial({ bottom: codes }))).toThrow("cannot be written as");
 });
 

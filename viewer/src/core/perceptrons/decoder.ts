@@ -3,9 +3,9 @@
 import { clampedLog } from "../f_table";
 import type { Pairs } from "../features";
 import { directionFeatures2, FEATURES } from "../formulas";
+import { first, type Layer, last } from "../layers";
 import { type Activation, activate } from "../mlp";
 import type { AtPairs } from "../rests";
-import { first, type Layer, last } from "../weights";
 import type { PerceptronWeights } from "./weights";
 
 /** What the decoder needs of one code: how it shifts and scales the first layer, and its gain. */
@@ -79,7 +79,16 @@ export class Decoder {
     const { width, ofDirections, features: stride } = this;
     const features = new Float64Array(count * FEATURES.DIRECTION_FEATURES[2]);
     for (let i = 0, k = 0; i < count; i++, k += 6)
-      directionFeatures2(w[k], w[k + 1], w[k + 2], w[k + 3], w[k + 4], w[k + 5], features, i * stride);
+      directionFeatures2(
+        w[k],
+        w[k + 1],
+        w[k + 2],
+        w[k + 3],
+        w[k + 4],
+        w[k + 5],
+        features,
+        i * stride,
+      );
     const values = new Float64Array(Math.ceil(count / LANES) * LANES * width);
     for (let i = 0; i < count; i++) {
       const at = i * stride;

@@ -1,8 +1,8 @@
 /** The parameters of decoder and encoder from a weights file. */
 
 import { FEATURES } from "../formulas";
+import { type Architecture, first, type Layer, readLayers, tensorOf, transposed } from "../layers";
 import type { Tensor } from "../safetensors";
-import { type Architecture, first, type Layer, readLayers, tensorOf, transposed } from "../weights";
 
 export interface PerceptronWeights {
   readonly arch: Architecture;
