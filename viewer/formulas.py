@@ -2,7 +2,7 @@
 
     python viewer/formulas.py
 
-writes `src/core/formulas.ts` and `src/material/library.ts`. The formulas are those of `urushi.core`
+writes `src/core/formulas.ts`, `src/picture/shaders/material.glsl` and `src/material/library.ts`. The formulas are those of `urushi.core`
 and `urushi.nets`, by the expressions of which `urushi export` prints shaders; what has a fast form
 of its own in the page, the networks' layers, is not among them. Functions take numbers, a direction
 as three of them, and put features into an array. `make viewer` runs this script.
@@ -25,13 +25,18 @@ from urushi.app.page_files import cards_of
 from urushi.checks import CoatParameters, Widths
 from urushi.core import appearance, fresnel, microfacet, mixture
 from urushi.core.namespace import Components
-from urushi.export.expressions import BOOL, FLOAT, INT, VECTOR, Expression, call, name, vector
+from urushi.export import rest
+from urushi.export.expressions import BOOL, COLOUR, FLOAT, INT, VECTOR, Expression, call, name, vector
+from urushi.export.languages import Glsl
+from urushi.export.lobe import lobe_f
+from urushi.export.program import TABLE
 from urushi.export.printer import PRIMARY, Printer, broken
 from urushi.export.statements import Function, Variable, element, namespace, offset_index
 from urushi.core import table
 from urushi.nets import features, lobe, sampler
 
 FILE = Path(__file__).parent / "src/core/formulas.ts"
+SHADER_FILE = Path(__file__).parent / "src/picture/shaders/material.glsl"
 LIBRARY_FILE = Path(__file__).parent / "src/material/library.ts"
 
 LIBRARY_HEAD = """\
@@ -50,6 +55,10 @@ interface Described {
 export const LIBRARY: readonly Described[] = ["""
 
 HEAD = """\
+// Written by `python viewer/formulas.py` from the formulas of Python. Do not edit it.
+"""
+
+SHADER_HEAD = """\
 // Written by `python viewer/formulas.py` from the formulas of Python. Do not edit it.
 """
 
@@ -372,6 +381,20 @@ def text() -> str:
     return "\n".join(lines)
 
 
+def shader_text() -> str:
+    """The file of shader code."""
+    lobe_numbers = Variable("numbers", COLOUR, len(lobe.NUMBERS[1]))
+    arguments = lobe_numbers, TABLE, WI, WO
+    note = "f [1/sr] of a material by its lobe and the table of its rest."
+    function = Function("f", arguments, COLOUR, note)
+    own = [element(argument(lobe_numbers), i) for i in range(lobe_numbers.count)]
+    top = lobe_f(function, own, argument(WI), argument(WO))
+    places = argument(TABLE), None, argument(WI), argument(WO)
+    below = rest.rest_f(function, rest.RestTable(1), Glsl.form, *places)
+    function.returns(top + below)
+    return "\n".join([SHADER_HEAD, *Glsl("material").function(function), ""])
+
+
 def library_text() -> str:
     """The file of the library of materials, as cards of the page."""
     lines = [LIBRARY_HEAD]
@@ -424,6 +447,7 @@ def _short(layer: dict[str, Any]) -> dict[str, Any]:
 def main() -> None:
     """Write the files."""
     FILE.write_text(text(), encoding="utf-8")
+    SHADER_FILE.write_text(shader_text(), encoding="utf-8")
     LIBRARY_FILE.write_text(library_text(), encoding="utf-8")
 
 

@@ -9,10 +9,9 @@ import type { Estimate } from "../core/walk/reference";
 import {
   ANISOTROPIC_COARSE,
   ANISOTROPIC_FINE,
+  type AnisotropicSize,
   anisotropicPairs,
 } from "../picture/anisotropic_table";
-import { brightPairs, COARSE, FINE } from "../picture/bright_table";
-import type { BrightSize } from "../picture/renderer";
 import type { Cores, PageCore } from "./remote";
 import type { ShownTexture } from "./textures";
 
@@ -55,10 +54,10 @@ export interface Comparison {
   noise: number;
 }
 
-/** Values of f for the bright lights, and the table's size. */
+/** Values of f of two widths for the bright lights, and the table's size. */
 export interface Bright {
   f: Float32Array;
-  size: BrightSize;
+  size: AnisotropicSize;
 }
 
 /** What a slot shows: a stack, whose f may be a table's, or a texture of codes whose mean it is. */
@@ -100,7 +99,7 @@ export class Slot {
   widths: 1 | 2 = 1;
   rotation = 0;
   private core: PageCore;
-  private material: Material | null = null;
+  material: Material | null = null;
   private stack: Stack | null = null;
   private albedoIsOld = true;
   private timer = 0;
@@ -153,15 +152,13 @@ export class Slot {
     return true;
   }
 
-  /** Compute f for the bright lights, at rest with more directions. */
+  /** Compute f of two widths for the bright lights, at rest with more directions. */
   async light(fine: boolean): Promise<void> {
     const { material, generation } = this;
-    const [coarse, most] =
-      this.widths === 1 ? [COARSE, FINE] : [ANISOTROPIC_COARSE, ANISOTROPIC_FINE];
-    const size = fine ? most : coarse;
-    const isEnough = this.bright !== null && (!fine || this.bright.size === most);
-    if (material === null || this.texture !== null || isEnough) return;
-    const pairs = "turns" in size ? anisotropicPairs(size) : brightPairs(size);
+    const size = fine ? ANISOTROPIC_FINE : ANISOTROPIC_COARSE;
+    const isEnough = this.bright !== null && (!fine || this.bright.size === size);
+    if (material === null || material.table !== undefined || isEnough) return;
+    const pairs = anisotropicPairs(size);
     const f = await this.core.f(material, pairs.wi, pairs.wo);
     if (generation !== this.generation || this.busy) return;
     this.bright = { f, size };

@@ -1,67 +1,10 @@
-/** The pairs of directions at which f is tabulated for bright lights, and the table's axes. */
+/** The texture of a table of directions. */
 
 /** Numbers of azimuths, cosines and directions of a table; one azimuth if it is isotropic. */
 export interface DirectionSizes {
   azimuths: number;
   cosines: number;
   samples: number;
-}
-
-/** Numbers of half angles, difference angles, and differences of the cosines. */
-export interface TableSize {
-  halves: number;
-  differences: number;
-  slants: number;
-}
-
-export const COARSE: TableSize = { halves: 64, differences: 16, slants: 8 };
-export const FINE: TableSize = { halves: 160, differences: 24, slants: 12 };
-
-/** The tangent of the half angle is logarithmic above NEAR, and ends at FAR. */
-export const NEAR = 0.004;
-export const FAR = 12;
-
-/** Least cosine to the normal: below it, the table continues the last value. */
-export const LEAST = 0.015;
-
-/** Directions wi, wo (N, 3), the half angle fastest. */
-export function brightPairs(size: TableSize): { wi: Float32Array; wo: Float32Array } {
-  const count = size.halves * size.differences * size.slants;
-  const wi = new Float32Array(3 * count);
-  const wo = new Float32Array(3 * count);
-  let at = 0;
-  for (let k = 0; k < size.slants; k++)
-    for (let j = 0; j < size.differences; j++)
-      for (let i = 0; i < size.halves; i++) {
-        const tangent = NEAR * ((1 + FAR / NEAR) ** (i / (size.halves - 1)) - 1);
-        const cosHalf = 1 / Math.hypot(1, tangent);
-        const sinHalf = tangent * cosHalf;
-        const difference = (Math.PI / 2) * (j / (size.differences - 1));
-        // `slant` is the cosine of the azimuth about the half vector.
-        const slant = k / (size.slants - 1);
-        const across = Math.sqrt(Math.max(1 - slant * slant, 0));
-        for (const [target, sign] of [
-          [wi, 1],
-          [wo, -1],
-        ] as const) {
-          const along = Math.sin(difference) * slant * sign;
-          const x = sinHalf * Math.cos(difference) - cosHalf * along;
-          const y = Math.sin(difference) * across * sign;
-          const z = Math.max(cosHalf * Math.cos(difference) + sinHalf * along, LEAST);
-          const length = Math.hypot(x, y, z);
-          target.set([x / length, y / length, z / length], at);
-        }
-        at += 3;
-      }
-  return { wi, wo };
-}
-
-/** (N, 4): the logarithm of f (N, 3), and a zero. */
-export function brightTexels(f: Float32Array): Float32Array {
-  const texels = new Float32Array((f.length / 3) * 4);
-  for (let from = 0, to = 0; from < f.length; from += 3, to += 4)
-    for (let k = 0; k < 3; k++) texels[to + k] = Math.log(Math.max(f[from + k]!, 1e-8));
-  return texels;
 }
 
 /**
