@@ -104,6 +104,9 @@ export interface Core {
   /** The BRDF [1/sr], without cosine: (N, 3) for directions (N, 3). */
   f(material: Material, wi: Float32Array, wo: Float32Array): Float32Array;
 
+  /** The texels of the basis that shader code reads, four numbers each; none for two widths. */
+  basisTexels(): Float32Array<ArrayBuffer>;
+
   /** Directional albedo: (N, 3) for N cosines of the incident direction, in the plane y = 0. */
   albedo(material: Material, cosines: Float32Array): Float32Array;
 

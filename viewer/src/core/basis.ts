@@ -11,7 +11,7 @@ import { CHANNELS } from "./channels";
 import { fittedCode } from "./code_fit";
 import { Cell, clampedLog, type FTable, nodeCount } from "./f_table";
 import type { Pairs, Widths } from "./features";
-import { BASIS } from "./formulas";
+import { BASIS, TABLE } from "./formulas";
 import { lobeValues } from "./lobe";
 import { probePairs } from "./probe_pairs";
 import { type AtPairs, difference, type Rests } from "./rests";
@@ -83,6 +83,27 @@ export class Basis implements Rests {
     code.set(lobe);
     code[lobe.length] = BASIS.EMPTY_GAIN;
     return code;
+  }
+
+  /**
+   * The texels of the texture of shader code, four numbers each; see `basis_texture` of Python's
+   * `export.rest`. Along its x axis, w is repeated for blocks of numbers: b, then the functions
+   * without the first, which is one.
+   */
+  texels(): Float32Array<ArrayBuffer> {
+    const { width } = this;
+    const { rows } = this.weights;
+    const [inner] = TABLE.SHAPES[this.widths].slice(-1) as [number];
+    const blocks = Math.ceil((width - 1) / 4);
+    const texels = new Float32Array((rows.length / width) * blocks * 4);
+    for (let node = 0; node * width < rows.length; node++) {
+      const [outer, w] = [Math.floor(node / inner), node % inner];
+      for (let n = 0; n < width - 1; n++) {
+        const texel = (outer * blocks + Math.floor(n / 4)) * inner + w;
+        texels[4 * texel + (n % 4)] = rows[node * width + (n === 0 ? 0 : n + 1)];
+      }
+    }
+    return texels;
   }
 
   /** The table of the rests of three codes. */

@@ -34,6 +34,7 @@ export class RemoteCore {
   readonly f = this.remote("f");
   readonly albedo = this.remote("albedo");
   readonly table = this.remote("table");
+  readonly basisTexels = this.remote("basisTexels");
   readonly occlusion = this.remote("occlusion");
   readonly readExr = this.remote("readExr");
 

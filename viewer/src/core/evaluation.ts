@@ -31,6 +31,10 @@ export class Evaluation {
     this.widths = widths;
   }
 
+  basisTexels(): Float32Array<ArrayBuffer> {
+    return this.rests instanceof Basis ? this.rests.texels() : new Float32Array();
+  }
+
   /** The material of codes (3, L), with its table. */
   protected material(latents: Float32Array): Material {
     const { rests } = this;

@@ -14,7 +14,8 @@ export interface WalkOptions {
 }
 
 /** What the worker does, by name. */
-export interface Calls extends Pick<Core, "encodeMeasured" | "layer" | "f" | "albedo" | "table"> {
+export interface Calls
+  extends Pick<Core, "encodeMeasured" | "layer" | "f" | "albedo" | "table" | "basisTexels"> {
   /** Load the networks, which other calls but `walk`, `occlusion` and `readExr` need. */
   load(weights: ArrayBuffer): Pick<Core, "latentSize" | "widths" | "fingerprint">;
   /** `occlusion` of a mesh, which needs no networks. */

@@ -17,6 +17,7 @@ export type PageCore = Pick<
   | "f"
   | "albedo"
   | "table"
+  | "basisTexels"
   | "walk"
 >;
 

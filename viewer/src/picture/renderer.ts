@@ -3,7 +3,6 @@
 import type { Material } from "../core/api";
 import { CHANNELS, rows } from "../core/channels";
 import type { FTable } from "../core/f_table";
-import { TABLE } from "../core/formulas";
 import { sequenceSteps } from "../core/probe_pairs";
 import type { ShownTexture } from "../engine/textures";
 import type { Radiance } from "../save/exr";
@@ -27,7 +26,7 @@ import objectVertex from "./shaders/object.vert?raw";
 import paintSource from "./shaders/paint.frag?raw";
 import surfaceSource from "./shaders/surface.frag?raw";
 import { Targets } from "./targets";
-import { type TexelProgram, texelProgram } from "./texel_program";
+import { type TexelProgram, texelProgram, uploadVolume, volume } from "./texel_program";
 
 /** What a frame shows. */
 export interface Shot {
@@ -224,8 +223,7 @@ export class Renderer {
     table.logs.forEach((log, at) => {
       texels[4 * Math.floor(at / CHANNELS) + (at % CHANNELS)] = log;
     });
-    const [depth, height, width] = TABLE.SHAPES[1];
-    this.upload(textures.rest, [width, height, depth], texels);
+    volume(this.gl, textures.rest, texels);
   }
 
   /** Take over f (N, 3) at `anisotropicPairs` of a size. */
@@ -233,32 +231,7 @@ export class Renderer {
     const textures = this.slotTextures(slot);
     textures.turns = size.turns;
     const depth = size.differences * size.turns;
-    this.upload(textures.bright, [size.along, size.across, depth], brightTexels(f));
-  }
-
-  /** Put texels into a texture of three dimensions. */
-  private upload(
-    texture: WebGLTexture,
-    [width, height, depth]: readonly [number, number, number],
-    texels: Float32Array,
-  ): void {
-    const { gl } = this;
-    gl.activeTexture(gl.TEXTURE0);
-    gl.bindTexture(gl.TEXTURE_3D, texture);
-    const linear = gl.getExtension("OES_texture_float_linear") !== null;
-    gl.texImage3D(
-      gl.TEXTURE_3D,
-      0,
-      linear ? gl.RGBA32F : gl.RGBA16F,
-      width,
-      height,
-      depth,
-      0,
-      gl.RGBA,
-      gl.FLOAT,
-      texels,
-    );
-    filters(gl, gl.TEXTURE_3D, gl.LINEAR, gl.LINEAR, gl.CLAMP_TO_EDGE);
+    uploadVolume(this.gl, textures.bright, [size.along, size.across, depth], brightTexels(f));
   }
 
   /**
@@ -270,9 +243,10 @@ export class Renderer {
     const textures = this.slotTextures(slot);
     if (textures.texels !== null) {
       this.gl.deleteTexture(textures.texels.texture);
+      this.gl.deleteTexture(textures.texels.basis);
       textures.texels.program.delete();
     }
-    textures.texels = codes && texelProgram(this.gl, codes.texture, codes.shader);
+    textures.texels = codes && texelProgram(this.gl, codes);
   }
 
   /** Whether the processor draws, which is hundreds of times slower. */
@@ -528,6 +502,7 @@ export class Renderer {
     if (texels) {
       object.set("start", ...sequence(count * TEXEL_SAMPLES));
       object.setTexture("codes", 0, gl.TEXTURE_2D_ARRAY, texels.texture);
+      object.setTexture("functions", 7, gl.TEXTURE_3D, texels.basis);
       object.setTexture("places", 2, gl.TEXTURE_2D, targets.places);
     } else {
       object.setTexture("table", 0, gl.TEXTURE_2D, textures.table);

@@ -13,6 +13,7 @@ function lateCore(): { core: PageCore; layered: number[]; shifts: number[] } {
     widths: 1,
     fingerprint: "",
     encodeMeasured: () => new Promise(() => {}),
+    basisTexels: async () => new Float32Array(),
     layer: async (stack) => {
       const width = stack.coats[0]!.alpha as number;
       layered.push(width);
