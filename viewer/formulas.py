@@ -2,10 +2,11 @@
 
     python viewer/formulas.py
 
-writes `src/core/formulas.ts`, `src/picture/shaders/material.glsl` and `src/material/library.ts`. The formulas are those of `urushi.core`
-and `urushi.nets`, by the expressions of which `urushi export` prints shaders; what has a fast form
-of its own in the page, the networks' layers, is not among them. Functions take numbers, a direction
-as three of them, and put features into an array. `make viewer` runs this script.
+writes `src/core/formulas.ts`, `src/picture/shaders/material.glsl` and `src/material/library.ts`.
+The formulas are those of `urushi.core` and `urushi.nets`, by the expressions of which `urushi export`
+prints shaders; what has a fast form of its own in the page, the networks' layers, is not among
+them. Functions take numbers, a direction as three of them, and put features into an array.
+`make viewer` runs this script.
 """
 
 import ast
@@ -23,16 +24,25 @@ import numpy as np
 from urushi.app.describe import describe, library
 from urushi.app.page_files import cards_of
 from urushi.checks import CoatParameters, Widths
-from urushi.core import appearance, fresnel, microfacet, mixture
+from urushi.core import appearance, fresnel, microfacet, mixture, table
 from urushi.core.namespace import Components
 from urushi.export import rest
-from urushi.export.expressions import BOOL, COLOUR, FLOAT, INT, VECTOR, Expression, call, name, vector
+from urushi.export.expressions import (
+    BOOL,
+    COLOUR,
+    FLOAT,
+    INT,
+    VECTOR,
+    Expression,
+    call,
+    name,
+    vector,
+)
 from urushi.export.languages import Glsl
 from urushi.export.lobe import lobe_f
-from urushi.export.program import TABLE
 from urushi.export.printer import PRIMARY, Printer, broken
+from urushi.export.program import TABLE
 from urushi.export.statements import Function, Variable, element, namespace, offset_index
-from urushi.core import table
 from urushi.nets import features, lobe, sampler
 
 FILE = Path(__file__).parent / "src/core/formulas.ts"

@@ -1,7 +1,8 @@
 """The files of the page: the built page, the networks, shader code, films, what it shows first.
 
 The page is built from the folder `viewer` of the repository by `make viewer`. The networks are in
-half precision, the functions of the basis in fixed point. The page inserts the codes of its materials into shader code of `urushi export`.
+half precision, the functions of the basis in fixed point. The page inserts the codes of its
+materials into shader code of `urushi export`.
 `page_document` puts all files into one HTML document, for notebooks.
 """
 
@@ -41,9 +42,9 @@ ANISOTROPIC_FILE = "anisotropic.safetensors"
 STORED_FOLDER = "stored"
 TEXTURE_FILE, TABLE_FILE = "texture.safetensors", "table.f16"
 
-#: Bits of a function of the basis at a node: rounding adds an error E of less than 0.02 %, and the
+#: Bits of a function of the basis at a node: rounding adds an error E of about 0.03 %, and the
 #: differences of neighbours are compressed to a third of half precision.
-FUNCTION_BITS = 13
+FUNCTION_BITS = 12
 
 #: Complex index of niobium as Mitsuba has it in its RGB variants.
 _NIOBIUM = (3.42, 2.79, 2.396), (3.441, 2.738, 2.58)

@@ -61,6 +61,7 @@ test.skipIf(!existsSync(PYTHON) || vectors === undefined)(
       writeFileSync(join(own, "pairs.json"), JSON.stringify([...wi, ...wo]));
       writeFileSync(join(own, "material.safetensors"), file);
       writeFileSync(join(own, "material-numpy.py"), shaderText(template, codes));
+      writeFileSync(join(own, "basis.f32"), core.basisTexels());
       writeFileSync(join(own, "program.py"), pythonText(material));
       return core.f(codes, wi, wo);
     });
@@ -69,10 +70,10 @@ test.skipIf(!existsSync(PYTHON) || vectors === undefined)(
     expect(values.length).toBe(cards.length);
     for (const [place, f] of expected.entries()) {
       const found = values[place];
-      // Python computes in single precision: some roundings of logarithms up to 25.
-      expect(relativeError(found.loaded, f)).toBeLessThan(1e-5);
-      expect(relativeError(found.code, f)).toBeLessThan(1e-5);
-      expect(relativeError(found.program, f)).toBeLessThan(1e-5);
+      // Python computes in single precision: roundings of sums of many terms, and of least squares.
+      expect(relativeError(found.loaded, f)).toBeLessThan(2e-4);
+      expect(relativeError(found.code, f)).toBeLessThan(2e-4);
+      expect(relativeError(found.program, f)).toBeLessThan(5e-4);
     }
   },
 );
