@@ -1,6 +1,7 @@
 """Fixtures of the commands' tests."""
 
 import pytest
+from tests.untrained import untrained as untrained_model
 
 from urushi.nets import weights
 from urushi.nets.architecture import Architecture, init
@@ -13,8 +14,9 @@ def untrained(monkeypatch, tmp_path):
     """Untrained networks: for what does not depend on how good they are."""
     folder = tmp_path / "weights"
     folder.mkdir()
-    for name, arch in {"default": Architecture(), "anisotropic": ANISOTROPIC}.items():
-        weights.save(folder / f"{name}.safetensors", arch, init(arch, 0), {})
+    model = untrained_model()
+    weights.save(folder / "default.safetensors", model.arch, model.params, {})
+    weights.save(folder / "anisotropic.safetensors", ANISOTROPIC, init(ANISOTROPIC, 0), {})
     monkeypatch.setattr(weights, "SHIPPED", folder)
     weights.shipped.cache_clear()
     yield
