@@ -14,7 +14,7 @@ def untrained(seed: int = 0, *, spread: float = 0.3, **sizes) -> Model:
 
     spread: standard deviation of the functions about zero. f is about 0.1 for a code of zeros.
     """
-    small = {"functions": 8, "probes": 96, "layerer": (24, 24), "sampler": (12,), "lobes": 1}
+    small = {"functions": 8, "probes": 96, "layerer": (24, 24)}
     arch = LinearArchitecture(**small | sizes)
     rng, params = np.random.default_rng(seed), {}
     for name, shape in arch.parameter_shapes().items():
@@ -23,6 +23,7 @@ def untrained(seed: int = 0, *, spread: float = 0.3, **sizes) -> Model:
     params["basis.rows"] = _functions(arch, rng, spread)
     params["basis.measure"] = np.full(arch.probes, 1 / arch.probes)
     params["basis.prior"] = np.eye(arch.functions)
+    params["proposal.overlap"] = np.full(3, 0.5)
     return Model.of(arch, params, {"preset": "untrained"})
 
 

@@ -14,7 +14,7 @@ from urushi.app.cli import main
 from urushi.errors import ParameterError
 from urushi.export.program import codes_text
 from urushi.nets import weights
-from urushi.nets.sampler import mixture_pdf
+from urushi.nets.proposal import mixture_pdf
 from urushi.nets.weights import Model
 from urushi.textures import gpu as texture_files
 from urushi.textures import packing

@@ -16,12 +16,11 @@ from urushi.nets.weights import Model
 def networks(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A file of untrained networks with very different materials; codes have 32 numbers.
 
-    The proposal's output is scaled up, so that its mixtures have widths from 0.01 to 1, and from
-    one lobe to all lobes.
+    The proposal's terms are scaled up, so that its mixtures have from one lobe to all lobes.
     """
-    model = untrained(3, functions=26, layerer=(24,), lobes=2)
+    model = untrained(3, functions=26, layerer=(24,))
     params = dict(model.params)
-    params["sampler.1.weight"] = 10 * params["sampler.1.weight"]
+    params["proposal.weight"] = 3 * params["proposal.weight"]
     path = tmp_path_factory.mktemp("weights") / "small.safetensors"
     weights.save(path, model.arch, params, {})
     return path

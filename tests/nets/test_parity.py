@@ -5,7 +5,7 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from urushi.nets import decoder, encoder, features, layerer, sampler
+from urushi.nets import decoder, encoder, features, layerer, proposal, sampler
 from urushi.nets.architecture import ACTIVATIONS
 from urushi.nets.mlp import with_slope
 
@@ -96,14 +96,14 @@ def test_lobes_pdf(pairs):
     alphas = np.array([0.05, 0.6], np.float32)
     # Rounding of wi + wo (1e-7) against the lobe's width of 0.05 in h at grazing angles (|h| of
     # 1e-3): 2e-3 relative at worst.
-    _close(_both(sampler.mixture_pdf, weights, alphas, *pairs), atol=1e-5, rtol=5e-3)
+    _close(_both(proposal.mixture_pdf, weights, alphas, *pairs), atol=1e-5, rtol=5e-3)
 
 
 def test_lobes_sample(vectors, pairs):
     weights = np.array([0.5, 0.3, 0.2], np.float32)
     alphas = np.array([0.05, 0.6], np.float32)
     # sqrt(1 - z^2) near z = 1 magnifies rounding: sqrt(1e-7) = 3e-4, times alpha.
-    _close(_both(sampler.sample_mixture, weights, alphas, pairs[0], vectors["u"]), atol=1e-3)
+    _close(_both(proposal.sample_mixture, weights, alphas, pairs[0], vectors["u"]), atol=1e-3)
 
 
 def test_gradients_are_finite(networks, vectors, pairs):
@@ -115,7 +115,9 @@ def test_gradients_are_finite(networks, vectors, pairs):
         bottom = jnp.concatenate([jnp.asarray(vectors["z"][:, :6]), rest], axis=-1)
         z = layerer.layer(p, arch, bottom, tuple(coat))
         weights, alphas = sampler.mixture(p, arch, z[:, None], jnp.asarray(pairs[0][:, 2]))
-        density = sampler.mixture_pdf(weights, alphas, jnp.asarray(pairs[0]), jnp.asarray(pairs[1]))
+        density = proposal.mixture_pdf(
+            weights, alphas, jnp.asarray(pairs[0]), jnp.asarray(pairs[1])
+        )
         return jnp.mean(decoder.decode(p, arch, z[:, None, 6:], inputs)) + jnp.mean(density)
 
     trained = {name: jnp.asarray(value) for name, value in params.items()}

@@ -6,7 +6,7 @@ import pytest
 from urushi.checks import Widths
 from urushi.core.direction_sets import cosine_pairs, slope_pairs
 from urushi.core.probe_pairs import ANISOTROPIC_PROBES, probe_pairs
-from urushi.nets import lobe, sampler
+from urushi.nets import lobe, proposal
 from urushi.nets.architecture import Architecture, init
 from urushi.nets.features import direction_features
 from urushi.nets.interface_fit import find_lobes
@@ -86,8 +86,8 @@ def test_two_equal_widths_are_one():
     alphas = np.random.default_rng(3).uniform(0.05, 1, (len(wi), 3))
     weights = np.full((len(wi), 4), 0.25)
     np.testing.assert_allclose(
-        sampler.mixture_pdf(weights, Widths(alphas, alphas), wi, wo),
-        sampler.mixture_pdf(weights, alphas, wi, wo),
+        proposal.mixture_pdf(weights, Widths(alphas, alphas), wi, wo),
+        proposal.mixture_pdf(weights, alphas, wi, wo),
         rtol=1e-6,
     )
 
@@ -98,16 +98,16 @@ def test_the_proposals_density_is_that_of_its_samples(networks, wi):
     wi = np.array([*wi, np.sqrt(max(1 - wi[0] ** 2 - wi[1] ** 2, 1e-4))], np.float32)
     wi /= np.linalg.norm(wi)
     rng = np.random.default_rng(4)
-    proposal = networks.proposal(codes(1), wi)
+    mixture = networks.proposal(codes(1), wi)
     count = 1 << 18
-    wo = sampler.sample_mixture(*proposal, wi, rng.random((count, 3)).astype(np.float32))
+    wo = proposal.sample_mixture(*mixture, wi, rng.random((count, 3)).astype(np.float32))
     assert (wo[:, 2] >= 0).all()
     # Midpoints in both angles: cells of 2 by 4 milliradians, for lobes of at least 30.
     theta = 0.5 * np.pi * (np.arange(800) + 0.5) / 800
     theta, phi = np.meshgrid(theta, 2 * np.pi * (np.arange(1600) + 0.5) / 1600)
     sin = np.sin(theta)
     grid = np.stack([sin * np.cos(phi), sin * np.sin(phi), np.cos(theta)], axis=-1).reshape(-1, 3)
-    density = sampler.mixture_pdf(*proposal, wi, grid) * (sin.ravel() * np.pi**2 / len(grid))
+    density = proposal.mixture_pdf(*mixture, wi, grid) * (sin.ravel() * np.pi**2 / len(grid))
     assert density.sum() == pytest.approx(1, abs=0.01)
     for moment in (lambda w: w[:, 0] ** 2, lambda w: w[:, 1] ** 2, lambda w: w[:, 0] * w[:, 1]):
         samples = moment(wo)

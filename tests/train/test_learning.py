@@ -11,7 +11,7 @@ from urushi.nets.architecture import Architecture, init
 from urushi.nets.encoder import input_statistics
 from urushi.nets.features import direction_features
 from urushi.nets.lobe import NO_LOBE
-from urushi.nets.sampler import mixture_pdf, sample_mixture
+from urushi.nets.proposal import mixture_pdf, sample_mixture
 from urushi.train.batches import Batch
 from urushi.train.losses import compose
 from urushi.train.optimiser import Schedule, compile_steps, start

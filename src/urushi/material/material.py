@@ -16,7 +16,7 @@ from urushi.errors import FileError, ParameterError
 from urushi.export.program import material_text, texture_form
 from urushi.export.rest import RestTable, own_texture
 from urushi.nets import lobe as lobes
-from urushi.nets.sampler import mixture_pdf, sample_mixture
+from urushi.nets.proposal import mixture_pdf, sample_mixture
 from urushi.nets.weights import Model, Weights, find, model_of_file
 from urushi.parallel import fill_blocks
 

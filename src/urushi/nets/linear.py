@@ -9,7 +9,7 @@ import numpy as np
 from urushi.checks import CoatParameters
 from urushi.core.table import SHAPES
 from urushi.errors import ParameterError
-from urushi.nets import basis, layerer, sampler
+from urushi.nets import basis, layerer, proposal
 from urushi.nets import lobe as lobes
 from urushi.nets.basis import Basis
 from urushi.nets.code_fit import solve_codes
@@ -26,8 +26,7 @@ class LinearArchitecture:
     Attributes:
         functions: K, of the basis, with the constant one.
         probes: number of pairs at which f must be known for a code.
-        layerer, sampler: widths of the hidden layers, at least one each.
-        lobes: number of microfacet lobes in the proposal beside the code's own.
+        layerer: widths of its hidden layers, at least one.
         activation: one of `mlp.POLYNOMIALS`, for all hidden layers.
         widths: GGX widths of a surface.
     """
@@ -35,15 +34,13 @@ class LinearArchitecture:
     functions: int = 24
     probes: int = 256
     layerer: tuple[int, ...] = (224, 224, 224)
-    sampler: tuple[int, ...] = (16, 16)
-    lobes: int = 2
     activation: str = "silu7"
     widths: int = 1
 
     def __post_init__(self) -> None:
         if self.widths not in NUMBERS:
             raise ParameterError(f"architecture's widths is {self.widths!r}; it must be 1 or 2")
-        for name in ("functions", "probes", "lobes"):
+        for name in ("functions", "probes"):
             if getattr(self, name) not in range(1, 1 << 16):
                 raise ParameterError(
                     f"architecture's {name} is {getattr(self, name)!r}; it must be a positive "
@@ -51,8 +48,7 @@ class LinearArchitecture:
                 )
         if self.activation not in POLYNOMIALS:
             raise ParameterError(f"architecture's activation is unknown: {self.activation!r}")
-        for name in ("layerer", "sampler"):
-            object.__setattr__(self, name, tuple(getattr(self, name)))
+        object.__setattr__(self, "layerer", tuple(self.layerer))
 
     @property
     def lobe(self) -> int:
@@ -83,12 +79,12 @@ class LinearArchitecture:
             "basis.rows": (nodes, 1 + k),
             "basis.measure": (self.probes,),
             "basis.prior": (k, k),
+            "proposal.weight": (k, proposal.TERMS),
+            "proposal.bias": (proposal.TERMS,),
+            "proposal.overlap": (len(proposal.ALPHAS),),
         }
-        own = k + LOBE_FEATURES[self.widths]
-        angles = {1: 2, 2: 4}[self.widths]
-        outputs = (1 + self.widths) * self.lobes + 2
-        shapes |= shapes_of("layerer", (own + COAT_FEATURES[self.widths], *self.layerer, k))
-        return shapes | shapes_of("sampler", (own + angles, *self.sampler, outputs))
+        inputs = k + LOBE_FEATURES[self.widths] + COAT_FEATURES[self.widths]
+        return shapes | shapes_of("layerer", (inputs, *self.layerer, k))
 
 
 class LinearNetworks(NamedTuple):
@@ -179,5 +175,5 @@ class LinearNetworks(NamedTuple):
         return rest
 
     def proposal(self, z: Any, wi: Any) -> tuple[Any, Any]:
-        """`sampler.mixture` of codes z (..., L) for wi (..., 3) above the horizon."""
-        return sampler.mixture(self.params, self.arch, z, wi)
+        """`proposal.mixture` of codes z (..., L) for wi (..., 3) above the horizon."""
+        return proposal.mixture(self.params, self.arch.widths, z, wi)

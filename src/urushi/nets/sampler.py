@@ -14,13 +14,10 @@ from collections.abc import Sequence
 from typing import Any
 
 from urushi.checks import MIN_ALPHA, Widths
-from urushi.core.mixture import reflection_pdf, sample_reflection
 from urushi.core.namespace import (
-    Components,
     Namespace,
     arrays,
     components,
-    stacked_components,
 )
 from urushi.core.table import MIN_COSINE
 from urushi.nets.features import stacked
@@ -92,41 +89,3 @@ def weights_and_widths(
     widths = [xp.exp(math.log(MIN_ALPHA) * xp.falling_logistic(x)) for x in others]
     sides = [[first, *widths[i * lobes :][:lobes]] for i, first in enumerate(own)]
     return weights, [[xp.clip(x, MIN_ALPHA, 1.0) for x in side] for side in sides]
-
-
-def mixture_pdf(weights: Any, alphas: Any, wi: Any, wo: Any) -> Any:
-    """Return the density (...) of `sample_mixture` at wo [1/sr]; 0 below the horizon.
-
-    weights (..., K+1): positive, of sum 1, the last the cosine lobe's; alphas (..., K): GGX widths,
-    or `Widths` of two such arrays.
-    """
-    xp = wi.__array_namespace__()
-    cos_i, cos_o = wi[..., 2], wo[..., 2]
-    pair = components(wi[..., None, :]), components(wo[..., None, :])
-    lobes = reflection_pdf(alphas, *pair, arrays(wi))
-    density = xp.sum(weights[..., :-1] * lobes, axis=-1) + weights[..., -1] * (cos_o / math.pi)
-    return xp.where((cos_i > 0.0) & (cos_o > 0.0), density, 0.0)
-
-
-def sample_mixture(weights: Any, alphas: Any, wi: Any, u: Any) -> Any:
-    """Return directions wo (..., 3) of density `mixture_pdf` from uniform u (..., 3) in [0, 1).
-
-    u[..., 0] selects the lobe, the other two numbers the direction.
-    """
-    xp = wi.__array_namespace__()
-    choice, u1, u2 = u[..., 0], u[..., 1], u[..., 2]
-    alpha = Widths(alphas, alphas) if not isinstance(alphas, Widths) else alphas
-    chosen, edge = alpha.map(lambda x: x[..., 0]), weights[..., 0]
-    for k in range(1, weights.shape[-1] - 1):
-        beyond = choice >= edge
-        chosen = Widths(
-            xp.where(beyond, alpha.u[..., k], chosen.u), xp.where(beyond, alpha.v[..., k], chosen.v)
-        )
-        edge = edge + weights[..., k]
-    reflected = stacked_components(
-        sample_reflection(chosen, components(wi), u1, u2, arrays(wi)), xp
-    )
-    radius, phi = xp.sqrt(u1), (2.0 * math.pi) * u2
-    axes = Components(radius * xp.cos(phi), radius * xp.sin(phi), xp.sqrt(1.0 - u1))
-    cosine = stacked_components(axes, xp)
-    return xp.where((choice >= edge)[..., None], cosine, reflected)

@@ -6,7 +6,7 @@ import pytest
 
 from urushi.material import Material
 from urushi.nets import features as numpy_features
-from urushi.nets import sampler as numpy_lobes
+from urushi.nets import proposal as numpy_lobes
 from urushi.nets import sampler as numpy_sampler
 
 

@@ -21,7 +21,7 @@ from urushi.mitsuba.latents.lookup import LatentTexture, are_constant
 from urushi.mitsuba.networks.basis import BasisDecoder
 from urushi.mitsuba.networks.decoder import UrushiDecoder, decoder_of
 from urushi.mitsuba.networks.lobe import NO_LOBE, LobeKind, kind_of
-from urushi.mitsuba.networks.sampler import UrushiSampler
+from urushi.mitsuba.networks.proposal import proposals_of
 from urushi.mitsuba.networks.table import TabulatedDecoder, stored
 from urushi.mitsuba.recording import only_where, owned
 from urushi.nets.weights import Model
@@ -86,7 +86,7 @@ class ConstantLatents(_Held):
         self._fine = len(latents) == spectrum.COUNT
         whole = table is not None and not material.beside_lobe
         kind = NO_LOBE if whole else kind_of_codes(model, latents[None])
-        self._sampler = UrushiSampler(model, kind)
+        self._sampler = proposals_of(model, kind)
         self._decoder: BasisDecoder | UrushiDecoder | TabulatedDecoder
         self._tables = []
         if self._fine and model.widths == 2:
@@ -167,7 +167,7 @@ class TexturedLatents(_Held):
         self._size, self._bytes = store.layout.size, store.layout.texel_bytes
         self._kind = kind_of_store(model, store)
         self._decoder = decoder_of(model, self._kind)
-        self._sampler = UrushiSampler(model, self._kind)
+        self._sampler = proposals_of(model, self._kind)
         # Channels of the same code are evaluated once.
         self._kept = 1 if (store.layout.constant | store.layout.same).all() else self.channels
         self._texture = LatentTexture(store, grid)

@@ -12,7 +12,7 @@ import numpy as np
 
 from urushi.checks import Widths
 from urushi.nets import lobe as lobes
-from urushi.nets import sampler
+from urushi.nets import proposal
 from urushi.nets.architecture import Architecture
 from urushi.nets.features import direction_features
 from urushi.nets.mlp import Params
@@ -93,13 +93,13 @@ def sampler_loss(
 
     half = (MATERIALS, DIRECTIONS // 2, 3)
     drawn = (
-        sampler.sample_mixture(*mixture, wi, jax.random.uniform(random, half))
+        proposal.sample_mixture(*mixture, wi, jax.random.uniform(random, half))
         for mixture, random in ((current, own), (defensive, fixed))
     )
     wo = constant(jnp.concatenate(list(drawn), axis=1))
-    q = 0.5 * (sampler.mixture_pdf(*current, wi, wo) + sampler.mixture_pdf(*defensive, wi, wo))
+    q = 0.5 * (proposal.mixture_pdf(*current, wi, wo) + proposal.mixture_pdf(*defensive, wi, wo))
     f_cos = mean_f_cos(params, arch, z, wi, wo)
-    p = sampler.mixture_pdf(weights, alphas, wi, wo)
+    p = proposal.mixture_pdf(weights, alphas, wi, wo)
 
     valid = q > 0
     ratio = jnp.where(valid, f_cos / jnp.where(valid, q, 1), 0)

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from urushi.nets import sampler
+from urushi.nets import proposal
 
 
 def _incident(cos_i):
@@ -47,7 +47,7 @@ def test_pdf_integrates_to_one():
         span = np.log(np.tan(end)) - np.log(1e-6)
         t = np.log(1e-6) + span * (np.arange(400) + 0.5)[:, None] / 400
         wo, jacobian = _reflect(wi, t, phi)
-        density = sampler.mixture_pdf(weights, alphas, wi, wo)
+        density = proposal.mixture_pdf(weights, alphas, wi, wo)
         total = 2 * np.sum(density * jacobian * span) / 400 * np.pi / 160
         assert abs(total - 1) < 5e-3, (weights, alphas, cos_i)
 
@@ -62,9 +62,9 @@ def test_float32_density_is_the_float64_density():
         wi = np.stack([np.sqrt(1 - cos_i**2), 0 * cos_i, cos_i], axis=-1).astype(np.float32)
         weights = np.array([0.8, 0.2], np.float32)
         alphas = np.array([alpha], np.float32)
-        wo = sampler.sample_mixture(weights, alphas, wi, rng.random((5000, 3), np.float32))
-        single = sampler.mixture_pdf(weights, alphas, wi, wo)
-        double = sampler.mixture_pdf(*(x.astype(np.float64) for x in (weights, alphas, wi, wo)))
+        wo = proposal.sample_mixture(weights, alphas, wi, rng.random((5000, 3), np.float32))
+        single = proposal.mixture_pdf(weights, alphas, wi, wo)
+        double = proposal.mixture_pdf(*(x.astype(np.float64) for x in (weights, alphas, wi, wo)))
         assert single.dtype == np.float32
         np.testing.assert_allclose(single, double, rtol=1e-2)
 
@@ -88,7 +88,7 @@ def test_samples_follow_the_density(weights, alphas, cos_i):
     rng = np.random.default_rng(31)
     weights, alphas, wi = np.array(weights), np.array(alphas), _incident(cos_i)
     count, cells, inner = 100_000, (24, 16), 48
-    wo = sampler.sample_mixture(weights, alphas, np.tile(wi, (count, 1)), rng.random((count, 3)))
+    wo = proposal.sample_mixture(weights, alphas, np.tile(wi, (count, 1)), rng.random((count, 3)))
     np.testing.assert_allclose(np.linalg.norm(wo, axis=1), 1, atol=1e-9)
     assert (wo[:, 2] >= 0).all()
     h = wi + wo
@@ -102,7 +102,7 @@ def test_samples_follow_the_density(weights, alphas, cos_i):
         for e, n in ((edges_t, cells[0]), (edges_phi, cells[1]))
     )
     wo, jacobian = _reflect(wi, fine_t[:, None], fine_phi[None])
-    density = sampler.mixture_pdf(weights, alphas, wi, wo) * jacobian
+    density = proposal.mixture_pdf(weights, alphas, wi, wo) * jacobian
     expected = density.reshape(cells[0], inner, cells[1], inner).sum(axis=(1, 3)) * count
     expected *= (fine_t[1] - fine_t[0]) * (fine_phi[1] - fine_phi[0])
 
@@ -118,13 +118,13 @@ def test_below_the_horizon_is_no_density():
     up, down = np.array([0.6, 0.0, 0.8]), np.array([0.6, 0.0, -0.8])
     flat = np.array([1.0, 0.0, 0.0])
     for wi, wo in ((up, down), (down, up), (down, down), (up, flat), (flat, up)):
-        assert sampler.mixture_pdf(weights, alphas, wi, wo) == 0
+        assert proposal.mixture_pdf(weights, alphas, wi, wo) == 0
 
 
 def test_one_lobe_of_a_smooth_surface_reflects_like_a_mirror():
     wi = np.array([[0.6, 0.0, 0.8]])
     u = np.random.default_rng(37).random((2000, 3)) * [0, 1, 1]
-    wo = sampler.sample_mixture(np.array([0.9, 0.1]), np.array([1e-5]), wi, u)
+    wo = proposal.sample_mixture(np.array([0.9, 0.1]), np.array([1e-5]), wi, u)
     # Half vectors are Cauchy-like in width alpha: nearly all within 30 alpha of the normal.
     assert np.quantile(np.abs(wo - [-0.6, 0.0, 0.8]), 0.95) < 1e-3
 
@@ -135,6 +135,6 @@ def test_extreme_random_numbers_give_unit_directions():
     weights, alphas = np.array([0.5, 0.5], np.float32), np.array([0.01], np.float32)
     for cos_i in (1.0, 0.5, 1e-4):
         wi = np.tile(_incident(cos_i).astype(np.float32), (len(u), 1))
-        wo = sampler.sample_mixture(weights, alphas, wi, u)
+        wo = proposal.sample_mixture(weights, alphas, wi, u)
         np.testing.assert_allclose(np.linalg.norm(wo, axis=1), 1, atol=1e-5)
-        assert np.isfinite(sampler.mixture_pdf(weights, alphas, wi, wo)).all()
+        assert np.isfinite(proposal.mixture_pdf(weights, alphas, wi, wo)).all()

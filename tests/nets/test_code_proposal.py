@@ -1,0 +1,83 @@
+"""Proposals of codes: valid for any code, and close to f cos where f is known."""
+
+import numpy as np
+import pytest
+from tests.untrained import untrained
+
+from urushi.checks import Widths
+from urushi.core.direction_sets import cosine_pairs
+from urushi.core.quadrature import half_vector_rule
+from urushi.nets import lobe as lobes
+from urushi.nets import proposal
+from urushi.nets.weights import default_model
+
+
+def directions(degrees) -> np.ndarray:
+    theta = np.radians(degrees)
+    return np.stack([np.sin(theta), 0 * theta, np.cos(theta)], axis=-1).astype(np.float32)
+
+
+@pytest.mark.parametrize("widths", [1, 2])
+def test_weights_are_a_mixture_for_any_code(widths):
+    model = untrained(widths=widths)
+    rng = np.random.default_rng(1)
+    z = rng.normal(0, 5, (200, model.arch.latent)).astype(np.float32)
+    z[:, model.arch.lobe] = rng.choice([-100, -3, 0, 30], 200)  # no rest, and unlike materials
+    z[:, : model.arch.lobe] = [(0.2, 0.1, 0.4, 0.5, 1.5, 1.0, 0.05)[: model.arch.lobe]] * 200
+    wi, _ = cosine_pairs(rng, 200, lowest_cosine=1e-4)
+    weights, alphas = model.networks.proposal(z, wi.astype(np.float32))
+    assert weights.shape == (200, len(proposal.ALPHAS) + 2)
+    np.testing.assert_allclose(weights.sum(axis=-1), 1, atol=1e-6)
+    assert (weights >= 0).all()
+    assert (weights[:, -1] > proposal.MIN_COSINE_SHARE - 1e-6).all()
+    for side in (alphas.u, alphas.v) if isinstance(alphas, Widths) else (alphas,):
+        np.testing.assert_allclose(side[:, 1:], [proposal.ALPHAS] * 200, rtol=1e-6)
+
+
+def test_the_gain_scales_the_rest_alone():
+    """Without a lobe, weights do not depend on the gain; with one, it gets what the rest loses."""
+    networks = default_model().networks
+    none = np.array(lobes.no_lobe(), np.float32)
+    f = 0.02 + lobes.f(np.array((0.2, 0.9, 1, 0, 1.5, 0), np.float32), *networks.pairs())
+    z = np.repeat(networks.encode(f[None].astype(np.float32), none[None]), 2, axis=0)
+    z[1, len(none)] -= 2
+    wi = directions(np.array([0.0, 50.0, 85.0]))
+    weights, _ = networks.proposal(z[:, None], wi)
+    np.testing.assert_allclose(weights[0], weights[1], atol=1e-5)
+    z[:, : len(none)] = (0.1, 0, 0, 1, 1.5, 0)
+    weights, _ = networks.proposal(z[:, None], wi)
+    assert (weights[1, :, 0] > weights[0, :, 0]).all()
+
+
+def test_a_smooth_metal_is_its_own_lobe():
+    model = default_model()
+    z = np.zeros((1, model.arch.latent), np.float32)
+    z[0, : model.arch.lobe] = (0.05, 1, 1, 0, 1.5, 0)
+    z = model.networks.without_rest(z)
+    weights, _ = model.networks.proposal(z, directions(np.array([0.0, 45.0, 80.0])))
+    np.testing.assert_allclose(weights[:, 0], 1 - proposal.MIN_COSINE_SHARE, atol=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("lobe", "rest", "most"),
+    [
+        ((0.1, 0, 0, 1, 1.5, 0), 0.1, 0.5),  # plastic: a coat over a Lambertian
+        ((0.02, 0, 0, 1, 1.5, 0), 0.25, 0.5),
+        ((0.3, 0.9, 1, 0, 1.5, 0), 0.0, 0.5),  # bare metals
+        ((0.7, 0.9, 1, 0, 1.5, 0), 0.0, 0.8),
+        (lobes.no_lobe(), 0.2, 0.25),  # a Lambertian
+    ],
+)
+def test_the_variance_of_samples_is_small(lobe, rest, most):
+    """Coefficient of variation of f cos / pdf, by quadrature; a cosine lobe has up to 25."""
+    networks = default_model().networks
+    lobe = np.array(lobe, np.float32)
+    wi, wo = networks.pairs()
+    z = networks.encode((lobes.f(lobe, wi, wo) + rest)[None].astype(np.float32), lobe[None])[0]
+    wi = directions(np.arange(0, 86, 5.0))
+    wo, share = half_vector_rule(wi)
+    f_cos = (lobes.f(lobe, wi[:, None], wo) + rest) * wo[..., 2]
+    weights, alphas = networks.proposal(z, wi)
+    pdf = proposal.mixture_pdf(weights[:, None], alphas, wi[:, None].astype(float), wo)
+    second = np.sum(f_cos**2 / pdf * share, axis=-1) / np.sum(f_cos * share, axis=-1) ** 2
+    assert np.sqrt(np.mean(second - 1)) < most
