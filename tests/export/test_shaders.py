@@ -106,7 +106,7 @@ def check(
 
 def basis_of(model, language: str = "glsl") -> np.ndarray:
     """The texture of all codes."""
-    return basis_texture(model.networks.basis, texture_form(language))
+    return basis_texture(model, texture_form(language))
 
 
 @pytest.mark.parametrize("kind", KINDS)

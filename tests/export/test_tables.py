@@ -26,7 +26,7 @@ def test_a_texture_has_the_table_in_the_opposite_order(materials):
 def test_blocks_of_a_texture_hold_the_functions_of_the_basis(model, form):
     """At each node b and the functions but the first, which is one."""
     basis = model.networks.basis
-    texture = basis_texture(basis, form)
+    texture = basis_texture(model, form)
     numbers = texture.reshape(*SHAPE[: form.axes - 1], -1, SHAPE[form.axes - 1], form.numbers)
     numbers = np.moveaxis(numbers, form.axes - 1, -2)  # ..., blocks, numbers
     if form.axes == 2:

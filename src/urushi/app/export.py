@@ -86,7 +86,7 @@ class Export:
         """The source code, the texture of the table or of the basis, and that of codes."""
         from urushi.app.encode import read_material
         from urushi.export.program import codes_text, texture_form
-        from urushi.export.rest import basis_of, basis_texture
+        from urushi.export.rest import basis_texture
         from urushi.nets.weights import find
         from urushi.textures import gpu
         from urushi.textures.store import read_texture
@@ -103,7 +103,7 @@ class Export:
             texture = material.shader_texture(self.language)
             return material.shader(self.language, self.prefix), texture, None
         text = codes_text(self.language, model, self.prefix, texels)
-        return text, basis_texture(basis_of(model), texture_form(self.language)), codes
+        return text, basis_texture(model, texture_form(self.language)), codes
 
 
 def write_table(path: Path, table: np.ndarray) -> None:

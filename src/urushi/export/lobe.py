@@ -13,7 +13,7 @@ from urushi.core import microfacet
 from urushi.core.namespace import Components
 from urushi.export.expressions import FLOAT, Expression, Value, call, expression, is_zero, vector
 from urushi.export.statements import Function, Variable, namespace
-from urushi.nets.lobe import COSINES, FEATURES, WIDTH_PLACES, feature_columns, reflectance_of
+from urushi.nets.lobe import WIDTH_PLACES, reflectance_of
 
 #: Fields of an anisotropic material: components of its tangent, of length one.
 FIELDS = (
@@ -64,7 +64,7 @@ def lobe_f(body: Function, lobe: Sequence[Value], wi: Expression, wo: Expression
         return expression(0.0)
     body.note_line("The lobe: D G / (4 cos_i cos_o) of GGX with the separable Smith term, where")
     body.note_line("wi + wo stands for the half vector.")
-    xp, alphas = namespace(body), _alphas(numbers)
+    xp, alphas = namespace(body), alphas_of(numbers)
     above_i, above_o = (
         Components(w.x, w.y, body.let(f"above_{label}", call("max", w.z, 0.0)))
         for label, w in (("i", wi), ("o", wo))
@@ -74,24 +74,16 @@ def lobe_f(body: Function, lobe: Sequence[Value], wi: Expression, wo: Expression
     shape = microfacet.lobe_shape(alpha, above_i, above_o, h, xp)
     cosine = microfacet.facet_cosine(h, xp)
     body.note_line("Its Fresnel term at the cosine to the facet.")
-    return body.let("lobe", shape * _reflectance(body, numbers, cosine, "_facet"))
+    return body.let("lobe", shape * reflectance(body, numbers, cosine, "_facet"))
 
 
-def lobe_features(body: Function, lobe: Sequence[Expression]) -> list[Expression]:
-    """The features of a lobe of floats, see `nets.lobe.lobe_features`."""
-    at = [_reflectance(body, lobe, cosine, f"_at{i}") for i, cosine in enumerate(COSINES)]
-    alphas = _alphas(lobe)
-    columns = FEATURES[len(alphas)].each(feature_columns(alphas, at, namespace(body)))
-    return [body.let(f"lobe_feature{i}", column) for i, column in enumerate(columns)]
-
-
-def _alphas(lobe: Sequence[Expression]) -> list[Expression]:
+def alphas_of(lobe: Sequence[Expression]) -> list[Expression]:
     """The width of a lobe, or its two."""
     places = next(places for places in WIDTH_PLACES.values() if len(lobe) == 5 + len(places))
     return [lobe[place] for place in places]
 
 
-def _reflectance(
+def reflectance(
     body: Function, lobe: Sequence[Expression], cosine: Value, suffix: str
 ) -> Expression:
     """The Fresnel term of lobes at a cosine, see `nets.lobe.reflectance_of`.

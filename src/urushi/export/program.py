@@ -5,8 +5,10 @@ from typing import NamedTuple
 
 import numpy as np
 
+from urushi.core.stretched import FACTORS
+from urushi.core.table import Knots
 from urushi.errors import ParameterError
-from urushi.export import proposal, rest
+from urushi.export import proposal
 from urushi.export.expressions import (
     COLOUR,
     FLOAT,
@@ -21,9 +23,9 @@ from urushi.export.expressions import (
     vector,
 )
 from urushi.export.languages import LANGUAGES
-from urushi.export.lobe import FIELDS, X_AXIS, Tangent, lobe_f, lobe_features
-from urushi.export.proposal import LABELS, SAMPLE, WI, WO, U, activation, argument, dense
-from urushi.export.rest import RestTable, TextureForm, basis_of
+from urushi.export.lobe import FIELDS, X_AXIS, Tangent, alphas_of, lobe_f
+from urushi.export.proposal import SAMPLE, WI, WO, Terms, U, argument
+from urushi.export.rest import Rest, TextureForm, basis_of, factors_of, rest_f, texture_shape
 from urushi.export.statements import (
     Function,
     Program,
@@ -34,7 +36,7 @@ from urushi.export.statements import (
     member,
     texel_function,
 )
-from urushi.nets.lobe import WIDTH_PLACES
+from urushi.nets.proposal import TERMS
 from urushi.nets.weights import Model
 
 #: How directions and values are meant, in every file.
@@ -74,8 +76,8 @@ FILTERING = (
     "sampler follows the texture."
 )
 
-#: The material of a file for all materials.
-MATERIAL = "Material"
+#: The material of a file for all materials, and its field of two GGX widths.
+MATERIAL, STRETCH = "Material", Variable("stretch2", FLOAT, note="of the table's half vectors")
 
 
 def material_text(
@@ -84,7 +86,10 @@ def material_text(
     latents: np.ndarray,
     prefix: str,
     rotation: float = 0.0,
-    table: RestTable | None = None,
+    *,
+    knots: Knots = (),
+    has_lobe: bool = True,
+    has_rest: bool = True,
 ) -> str:
     """The file of one material.
 
@@ -94,7 +99,8 @@ def material_text(
             sampled.
         prefix: begins the names in the file.
         rotation: [degrees] by which the material's tangent is turned.
-        table: of ln f, in the texture `rest.own_texture`; None: f is the lobe.
+        knots: of the table of ln f, which the texture `rest.own_texture` holds.
+        has_lobe, has_rest: whether f has the lobe, and what the texture holds.
     """
     check(language, prefix)
     if len(latents) not in (1, 3):
@@ -102,31 +108,33 @@ def material_text(
             f"the material has {len(latents)} channels; only materials of one or three can be "
             "exported"
         )
-    mean, has_lobe = latents.mean(axis=0), table is None or table.beside_lobe
+    rest = None
+    if has_rest and model.widths == 1:
+        rest = Rest(1, knots)
+    elif has_rest:
+        rest = Rest(1 + FACTORS, (), expression(float(np.exp(2 * latents[0, -1]))))
     code = _Code(
         [colour(column) for column in latents[:, : model.arch.lobe].T] if has_lobe else (),
-        None,
-        proposal.known_first(model, mean),
-        [expression(float(mean[place])) for place in WIDTH_PLACES[model.widths]],
+        rest,
+        proposal.known_terms(model, latents.mean(axis=0)),
         Tangent.of(rotation),
     )
     printer = LANGUAGES[language](prefix)
     note: tuple[str, ...] = (
         f"A material of Urushi as code, of the networks {model.fingerprint}.",
-        f"Functions: {{f}}(wi, wo{', table' if table else ''}), {{pdf}}(wi, wo) and "
+        f"Functions: {{f}}(wi, wo{', table' if rest else ''}), {{pdf}}(wi, wo) and "
         "{sample}(wi, u).",
         *_conventions(model),
     )
-    if table:
-        note = *note, f"The table is a texture of this material: {_size(table, printer.form)}"
-    unit = activation(model.arch.activation)
-    functions = [unit, *_functions(model, code, (), unit, table, printer.form)]
-    return printer.printed(Program(note, (proposal.structure(model), SAMPLE), functions))
+    if rest:
+        note = *note, f"The table is a texture of this material: {_size(rest, printer.form)}"
+    structures = (proposal.structure(model.widths), SAMPLE)
+    return printer.printed(Program(note, structures, _functions(code, (), printer.form)))
 
 
-def _size(table: RestTable, form: TextureForm) -> str:
+def _size(rest: Rest, form: TextureForm) -> str:
     """What a texture is, in sentences."""
-    size = " x ".join(map(str, reversed(rest.texture_shape(table, form))))
+    size = " x ".join(map(str, reversed(texture_shape(rest.texels, form))))
     return f"{size} texels of half floats, {form.numbers} each. {FILTERING}"
 
 
@@ -175,7 +183,7 @@ def template_text(language: str, model: Model) -> str:
         "Functions: {material}(), once; then {f}(material, wi, wo, table), {pdf}(material, wi, wo) "
         "and {sample}(material, wi, u). {prepare}(codes) makes other materials.",
         *_conventions(model),
-        _basis_note(model, printer.form),
+        program.note[-1],
     )
     return printer.printed(Program(note, program.structures, [*program.functions, made]))
 
@@ -200,27 +208,18 @@ def check(language: str, prefix: str) -> None:
 
 
 class _Code(NamedTuple):
-    """The terms of a material's codes that its functions use."""
+    """What a material's functions need of its codes."""
 
     lobe: Sequence[Expression]  # the numbers of its lobe; empty without one
-    rest: Sequence[Expression] | None  # the numbers of the basis; None: the table is its own
-    first: Sequence[Expression]  # the code's part of the sampler's first layer
-    alphas: Sequence[Expression]  # the widths of its lobe
+    rest: Rest | None
+    terms: Terms  # of the proposal
     tangent: Tangent
 
 
-def _functions(
-    model: Model,
-    code: _Code,
-    given: tuple[Variable, ...],
-    unit: Function,
-    table: RestTable | None,
-    form: TextureForm,
-) -> list[Function]:
+def _functions(code: _Code, given: tuple[Variable, ...], form: TextureForm) -> list[Function]:
     """f, pdf and sample of a material, each after the functions that it calls.
 
-    given: arguments before the directions. unit: the sampler's activation. table: of ln f or of the
-    basis; None: f is the lobe.
+    given: arguments before the directions.
     """
     own, tangent = [argument(variable) for variable in given], code.tangent
 
@@ -229,17 +228,17 @@ def _functions(
         wi = tangent.inside(body, argument(WI), "turned_i")
         return wi, tangent.inside(body, argument(WO), "turned_o")
 
-    arguments = (*given, WI, WO, TABLE) if table else (*given, WI, WO)
+    arguments = (*given, WI, WO, TABLE) if code.rest else (*given, WI, WO)
     f = Function("f", arguments, COLOUR, "The BRDF [1/sr] without the cosine.", public=True)
     wi, wo = inside(f)
     value = lobe_f(f, code.lobe, wi, wo) if code.lobe else expression(0.0)
-    if table:
-        value = value + rest.rest_f(f, table, form, argument(TABLE), code.rest, wi, wo)
+    if code.rest:
+        value = value + rest_f(f, code.rest, form, argument(TABLE), wi, wo)
     f.returns(select(call("min", wi.z, wo.z) > 0.0, value, 0.0))
 
     made = Function("proposal", (*given, WI), "Proposal", "The proposal for wi.")
-    made.returns(proposal.fill(made, model, code.first, code.alphas, argument(WI), unit))
-    sampling = _, density_of, _, draw = proposal.functions(model)
+    made.returns(proposal.fill(made, code.terms, argument(WI)))
+    sampling = _, density_of, _, draw = proposal.functions(len(alphas_of(code.terms.lobe)))
     note = "The density [1/sr] of `sample` at wo."
     pdf = Function("pdf", (*given, WI, WO), FLOAT, note, public=True)
     wi, wo = inside(pdf)
@@ -272,30 +271,36 @@ def codes_program(model: Model, form: TextureForm, texels: Texels | None = None)
 
     form: of the textures of its language.
     """
-    arch = model.arch
-    widths = [f"alpha{label}" for label in LABELS[arch.widths]]
+    arch, networks = model.arch, basis_of(model)
     structure = Structure(
         MATERIAL,
         (
             Variable("codes", COLOUR, arch.latent, "the lobe, and factors of the basis"),
-            Variable("first", FLOAT, arch.sampler[0], "of the sampler's first layer"),
-            *(Variable(label, FLOAT, None, "width of the proposal's own lobe") for label in widths),
-            *(FIELDS if arch.widths == 2 else ()),
+            Variable("mean_lobe", FLOAT, arch.lobe, "that directions are drawn by"),
+            Variable("terms", FLOAT, TERMS, "of the energies of the proposal's lobes"),
+            *((STRETCH, *FIELDS) if arch.widths == 2 else ()),
         ),
         "A material. `prepare` makes it.",
     )
-    unit = activation(arch.activation)
     prepare = _prepare(model, structure)
 
     material = Variable("material", MATERIAL)
-    codes, first, *others = (member(argument(material), field) for field in structure.fields)
+    codes, lobe, terms, *others = (member(argument(material), x) for x in structure.fields)
     numbers = [element(codes, i) for i in range(arch.latent)]
+    count = networks.basis.count
+    rest = Rest(
+        -(-count // form.numbers),
+        stretch2=others[0] if others else None,
+        code=numbers[arch.lobe : arch.lobe + count],
+        factors=factors_of(networks),
+    )
     code = _Code(
         numbers[: arch.lobe],
-        numbers[arch.lobe :],
-        [element(first, i) for i in range(arch.sampler[0])],
-        others[: arch.widths],
-        Tangent(*others[arch.widths :] or X_AXIS),
+        rest,
+        Terms(
+            [element(lobe, i) for i in range(arch.lobe)], [element(terms, i) for i in range(TERMS)]
+        ),
+        Tangent(*others[1:] or X_AXIS),
     )
     note: tuple[str, ...] = (
         f"All materials of Urushi's networks {model.fingerprint} as code; the latent codes of a "
@@ -305,11 +310,10 @@ def codes_program(model: Model, form: TextureForm, texels: Texels | None = None)
         "and {sample}(material, wi, u).",
         *_conventions(model),
         *((TURNED,) if arch.widths == 2 else ()),
-        _basis_note(model, form),
+        f"The table is the texture of the basis, for all materials: {_size(rest, form)}",
     )
-    structures = (structure, proposal.structure(model), SAMPLE)
-    table = _basis_table(model)
-    functions = [unit, prepare, *_functions(model, code, (material,), unit, table, form)]
+    structures = (structure, proposal.structure(arch.widths), SAMPLE)
+    functions = [prepare, *_functions(code, (material,), form)]
     if texels is None:
         return Program(note, structures, functions)
     texel = texel_function(texels, prepare)
@@ -321,16 +325,6 @@ def codes_program(model: Model, form: TextureForm, texels: Texels | None = None)
         "follows the texture. {fetch_level} takes the level as a last argument.",
     )
     return Program(note, structures, [*functions, texel], texels)
-
-
-def _basis_note(model: Model, form: TextureForm) -> str:
-    size = _size(_basis_table(model), form)
-    return f"The table is the texture of the basis, for all materials: {size}"
-
-
-def _basis_table(model: Model) -> RestTable:
-    basis = basis_of(model)
-    return RestTable(basis.widths, basis.count)
 
 
 def _prepare(model: Model, structure: Structure) -> Function:
@@ -346,7 +340,7 @@ def _prepare(model: Model, structure: Structure) -> Function:
     )
     numbers = [element(argument(codes), i) for i in range(arch.latent)]
     made = function.structure("made", MATERIAL)
-    stored, first, *others = (member(made, variable) for variable in structure.fields)
+    stored, lobe, terms, *others = (member(made, variable) for variable in structure.fields)
     for i, number in enumerate(numbers):
         function.assign(element(stored, i), number)
     function.note_line("Directions are drawn by the mean code of the channels.")
@@ -354,15 +348,13 @@ def _prepare(model: Model, structure: Structure) -> Function:
         function.let(f"mean{i}", (number.x + number.y + number.z) * (1.0 / 3.0))
         for i, number in enumerate(numbers)
     ]
-    inputs = [*lobe_features(function, mean[: arch.lobe]), *mean[arch.lobe :]]
-    weight, bias = model.params["sampler.0.weight"][: len(inputs)], model.params["sampler.0.bias"]
-    outputs = dense(function, "first", weight, inputs, bias.tolist())
-    for i, output in enumerate(outputs):
-        function.assign(element(first, i), output)
-    places = WIDTH_PLACES[arch.widths]
-    for alpha, place in zip(others[: arch.widths], places, strict=True):
-        function.assign(alpha, mean[place])
-    for component, value in zip(others[arch.widths :], X_AXIS, strict=False):
-        function.assign(component, value)
+    found = proposal.terms_of(model, mean)
+    for target, values in (lobe, found.lobe), (terms, found.rest):
+        for i, value in enumerate(values):
+            function.assign(element(target, i), value)
+    if others:
+        values = call("exp", 2.0 * mean[-1]), *X_AXIS
+        for target, value in zip(others, values, strict=True):
+            function.assign(target, value)
     function.returns(made)
     return function

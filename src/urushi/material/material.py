@@ -14,7 +14,7 @@ from urushi.core.quadrature import half_vector_rule
 from urushi.core.table import SHAPE, Knots, interpolated
 from urushi.errors import FileError, ParameterError
 from urushi.export.program import material_text, texture_form
-from urushi.export.rest import RestTable, own_texture
+from urushi.export.rest import own_texture
 from urushi.nets import lobe as lobes
 from urushi.nets.proposal import mixture_pdf, sample_mixture
 from urushi.nets.weights import Model, Weights, find, model_of_file
@@ -238,11 +238,16 @@ class Material:
             ParameterError: the language is unknown, the prefix is not a name, or the material has
                 neither one nor three channels.
         """
-        form = None
-        if self._table() is not None:
-            beside_lobe = self.table is None or self.beside_lobe
-            form = RestTable(self.model.widths, knots=self.knots, beside_lobe=beside_lobe)
-        return material_text(language, self.model, self.latents, prefix, self.rotation, form)
+        return material_text(
+            language,
+            self.model,
+            self.latents,
+            prefix,
+            self.rotation,
+            knots=self.knots,
+            has_lobe=self.table is None or self.beside_lobe,
+            has_rest=self._table() is not None,
+        )
 
     def shader_texture(self, language: str = "glsl") -> np.ndarray | None:
         """Return the texture of ln f that `shader`'s code reads; None if f is the lobe alone.
