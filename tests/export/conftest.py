@@ -19,7 +19,7 @@ def model() -> Model:
 
 @pytest.fixture(scope="session")
 def anisotropic_model() -> Model:
-    return untrained(3, widths=2)
+    return untrained(3, widths=2, azimuthal=(1, 1, 1, 1, 1))
 
 
 @pytest.fixture(scope="session")
@@ -55,6 +55,7 @@ def anisotropic_materials(anisotropic_model) -> dict[str, Material]:
     rng = np.random.default_rng(6)
     codes = rng.normal(size=(3, anisotropic_model.arch.latent)).astype(np.float32)
     codes[:, 0], codes[:, 6] = (0.15, 0.3, 0.4), (0.4, 0.2, 0.1)
+    codes[:, -1] = 0.25  # channels share the stretch
     codes[:, 1:4] = rng.uniform(0, 0.5, (3, 3))
     codes[:, 4:6] = (1.5, 0), (0.8, 2), (0.3, 3)
     coat = codes.copy()

@@ -51,6 +51,7 @@ def store_of(model: Model) -> TextureStore:
     codes[..., 1:6] = 0, 0, 1, 1.5, 0
     if model.widths == 2:
         codes[..., 6] = rng.uniform(0.1, 0.4, (len(codes), 1))
+        codes[..., -1] = 0.25  # the stretch
     store = TextureStore(model, 3, WIDTH, HEIGHT, mipmaps=True)
     store.write(np.arange(len(codes)), codes)
     return store

@@ -298,7 +298,9 @@ def codes_program(model: Model, form: TextureForm, texels: Texels | None = None)
         numbers[: arch.lobe],
         rest,
         Terms(
-            [element(lobe, i) for i in range(arch.lobe)], [element(terms, i) for i in range(TERMS)]
+            [element(lobe, i) for i in range(arch.lobe)],
+            [element(terms, i) for i in range(TERMS)],
+            proposal.overlaps_of(model),
         ),
         Tangent(*others[1:] or X_AXIS),
     )

@@ -48,6 +48,7 @@ class Terms(NamedTuple):
 
     lobe: Sequence[Expression]  # its numbers
     rest: Sequence[Expression]  # of `nets.proposal.code_terms`
+    overlaps: Sequence[float]  # the same for all codes
 
 
 def argument(variable: Variable) -> Expression:
@@ -67,7 +68,7 @@ def known_terms(model: Model, code: np.ndarray) -> Terms:
     size = model.arch.lobe
     numbers = [*code[:size], *code_terms(model.params, code[size:])]
     known = [expression(float(number)) for number in numbers]
-    return Terms(known[:size], known[size:])
+    return Terms(known[:size], known[size:], overlaps_of(model))
 
 
 def terms_of(model: Model, code: Sequence[Expression]) -> Terms:
@@ -75,7 +76,12 @@ def terms_of(model: Model, code: Sequence[Expression]) -> Terms:
     size = model.arch.lobe
     matrix, bias = (model.params[f"proposal.{part}"].T.tolist() for part in ("weight", "bias"))
     sums = (offset + dot(row, code[size:]) for row, offset in zip(matrix, bias, strict=True))
-    return Terms(code[:size], list(sums))
+    return Terms(code[:size], list(sums), overlaps_of(model))
+
+
+def overlaps_of(model: Model) -> Sequence[float]:
+    """The overlaps of neighbouring lobes."""
+    return model.params["proposal.overlap"].tolist()
 
 
 def fill(body: Function, terms: Terms, wi: Expression) -> Expression:
@@ -84,6 +90,7 @@ def fill(body: Function, terms: Terms, wi: Expression) -> Expression:
     own = Widths(*alphas) if len(alphas) == 2 else alphas[0]
     found = weights(
         terms.rest,
+        terms.overlaps,
         own,
         lambda cosine: reflectance(body, terms.lobe, cosine, "_own"),
         wi.z,
