@@ -13,8 +13,9 @@ import numpy as np
 
 FLOAT, COLOUR, VECTOR, BOOL, INT = "float", "colour", "vector", "bool", "int"
 
-#: The kinds of a texture, with its sampler where languages separate them, and of its texels.
-TEXTURE, TEXEL = "texture", "texel"
+#: The kinds of a texture and of an array of 2D textures, with their samplers where languages
+#: separate them, of their texels, and of a place in 2D.
+TEXTURE, LAYERS, TEXEL, PLACE = "texture", "layers", "texel", "place"
 
 #: An operand of arithmetic: an expression or a Python number.
 Value = Union["Expression", float]
@@ -45,7 +46,8 @@ class Expression:
 
     Attributes:
         operation: "constant", "name", an arithmetic sign, "call", "select", "component", "field",
-            "element", "texel" (filtered, of a texture at a vector), "colour" (of a texel), or a
+            "element", "texel" (filtered, of a texture at a vector), "layer" and "level" (of layers, at
+            x and y in a layer, by the footprint or of a level), "colour" (of a texel), or a
             conversion.
         arguments: its operands.
         kind: the type of the value: one of the kinds above, or the name of a structure.

@@ -2,8 +2,8 @@
 
 from collections.abc import Sequence
 
-from urushi.export.expressions import COLOUR, FLOAT, TEXTURE, VECTOR
-from urushi.export.printer import Printer, broken, kinds
+from urushi.export.expressions import COLOUR, FLOAT, LAYERS, TEXTURE, VECTOR
+from urushi.export.printer import Printer, Textures, broken, kinds
 from urushi.export.proposal import SAMPLE
 from urushi.export.rest import TextureForm
 from urushi.export.statements import Function, Program, Statement, Structure, Variable
@@ -17,11 +17,14 @@ class Glsl(Printer):
         "Include this file after the line with the version (GLSL 3.30 or GLSL ES 3.00 and later) "
         "and, in GLSL ES, after `precision highp float;`."
     )
-    kinds = kinds("vec3", "vec4")
-    fetch_head = "{kind} {label}(sampler2DArray texels, vec2 uv{level}) {{"
-    sample = "vec4 four = texture(texels, vec3(place, float(layer)))"
-    sample_level = "vec4 four = textureLod(texels, vec3(place, float(layer)), level)"
-    texture, texel = "highp sampler3D {name}", "textureLod({0}, {1}, 0.0)"
+    kinds = kinds("vec2", "vec3", "vec4")
+    textures = Textures(
+        texture="highp sampler3D {}",
+        texel="textureLod({}, {}, 0.0)",
+        layers="sampler2DArray {}",
+        layer="texture({}, vec3({}, {}, {}.0))",
+        level="textureLod({}, vec3({}, {}, {}.0), {})",
+    )
 
 
 class Hlsl(Printer):
@@ -29,15 +32,14 @@ class Hlsl(Printer):
 
     title = "HLSL"
     usage = "Include this file in a shader of shader model 5.0 or later."
-    kinds = kinds("float3", "float4")
-    two, place = "float2", "float2 place"
-    fetch_head = (
-        "{kind} {label}(Texture2DArray<float4> texels, SamplerState filtering, float2 uv{level}) {{"
+    kinds = kinds("float2", "float3", "float4")
+    textures = Textures(
+        texture="Texture3D<float4> {}, SamplerState filtering",
+        texel="{}.SampleLevel(filtering, {}, 0.0)",
+        layers="Texture2DArray<float4> {}, SamplerState filtering",
+        layer="{}.Sample(filtering, float3({}, {}, {}.0))",
+        level="{}.SampleLevel(filtering, float3({}, {}, {}.0), {})",
     )
-    sample = "float4 four = texels.Sample(filtering, float3(place, float(layer)))"
-    sample_level = "float4 four = texels.SampleLevel(filtering, float3(place, float(layer)), level)"
-    texture = "Texture3D<float4> {name}, SamplerState filtering"
-    texel = "{0}.SampleLevel(filtering, {1}, 0.0)"
 
     def splat(self, value: str) -> str:
         return f"({value}).xxx"
@@ -56,11 +58,13 @@ class Osl(Printer):
         "Include this file in a shader. OSL renderers integrate closures and have none for these "
         "functions: they serve where a shader knows both directions."
     )
-    kinds = kinds("vector", "color", truth="int") | {COLOUR: "color"}
+    kinds = kinds("vector", "vector", "color", truth="int") | {COLOUR: "color"}
     components, rgb = ("[0]", "[1]", "[2]"), ""
     form = TextureForm(axes=2, numbers=3)
-    texture = "string {name}"
-    texel = 'texture({0}, {1}[0], {1}[1], "width", 0.0, "wrap", "clamp", "interp", "linear")'
+    textures = Textures(
+        "string {}",
+        'texture({0}, {1}[0], {1}[1], "width", 0.0, "wrap", "clamp", "interp", "linear")',
+    )
 
 
 class Wgsl(Printer):
@@ -68,20 +72,18 @@ class Wgsl(Printer):
 
     title = "WGSL"
     usage = "Put this file before the code that uses it: WGSL has no includes."
-    kinds = kinds("vec3f", "vec4f", "f32", "i32")
+    kinds = kinds("vec2f", "vec3f", "vec4f", "f32", "i32")
     field_end, structure_end = ",", "}"
-    two, place, level = "vec2f", "let place", ", level: f32"
-    fetch_head = (
-        "fn {label}(texels: texture_2d_array<f32>, filtering: sampler, uv: vec2f{level}) -> {kind} "
-        "{{"
+    textures = Textures(
+        texture="{}: texture_3d<f32>, filtering: sampler",
+        texel="textureSampleLevel({}, filtering, {}, 0.0)",
+        layers="{}: texture_2d_array<f32>, filtering: sampler",
+        layer="textureSample({}, filtering, vec2f({}, {}), {})",
+        level="textureSampleLevel({}, filtering, vec2f({}, {}), {}, {})",
     )
-    sample = "let four = textureSample(texels, filtering, place, layer)"
-    sample_level = "let four = textureSampleLevel(texels, filtering, place, layer, level)"
-    texture = "{name}: texture_3d<f32>, filtering: sampler"
-    texel = "textureSampleLevel({0}, filtering, {1}, 0.0)"
 
     def declared(self, variable: Variable) -> str:
-        if variable.kind == TEXTURE:
+        if variable.kind in (TEXTURE, LAYERS):
             return super().declared(variable)
         kind = self.kind(variable.kind)
         if variable.count is not None:
@@ -92,9 +94,6 @@ class Wgsl(Printer):
         arguments = ", ".join(map(self.declared, function.arguments))
         name = self.function_name(function.name)
         return f"fn {name}({arguments}) -> {self.kind(function.kind)} {{"
-
-    def loop_head(self, counter: str, count: int) -> str:
-        return f"for (var {counter} = 0; {counter} < {count}; {counter}++) {{"
 
     def let(self, variable: Variable, value: str) -> str:
         return f"let {variable.name} = {value};"
@@ -141,7 +140,7 @@ class Python(Printer):
     }
     components, rgb = tuple(f"[..., {i}:{i + 1}]" for i in range(4)), "[..., :3]"
     end = ""
-    texture, texel = "{name}", "_texel({0}, {1})"
+    textures = Textures("{}", "_texel({}, {})")
 
     def printed(self, program: Program) -> str:
         self._public = program.public

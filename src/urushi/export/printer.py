@@ -2,18 +2,28 @@
 
 import textwrap
 from collections.abc import Iterable, Mapping, Sequence
-from typing import ClassVar
+from typing import ClassVar, NamedTuple
 
 import numpy as np
 
-from urushi.export.expressions import BOOL, COLOUR, FLOAT, INT, TEXEL, TEXTURE, VECTOR, Expression
+from urushi.export.expressions import (
+    BOOL,
+    COLOUR,
+    FLOAT,
+    INT,
+    LAYERS,
+    PLACE,
+    TEXEL,
+    TEXTURE,
+    VECTOR,
+    Expression,
+)
 from urushi.export.rest import TextureForm
 from urushi.export.statements import (
     Function,
     Program,
     Statement,
     Structure,
-    Texels,
     Variable,
 )
 
@@ -22,6 +32,19 @@ WIDTH = 100
 
 _PRECEDENCE = {">": 1, ">=": 1, "+": 2, "-": 2, "*": 3, "/": 3}
 _UNARY, PRIMARY = 4, 5
+
+
+class Textures(NamedTuple):
+    """How a language declares textures, and reads them, by kinds and operations of `expressions`.
+
+    Without layers, it reads none.
+    """
+
+    texture: str
+    texel: str
+    layers: str = ""
+    layer: str = ""
+    level: str = ""
 
 
 class Printer:
@@ -37,15 +60,8 @@ class Printer:
     field_end: ClassVar[str] = ";"  # ends a field of a structure
     structure_end: ClassVar[str] = "};"
     end: ClassVar[str] = ";"  # ends a statement
-    two: ClassVar[str] = "vec2"  # the name of two floats
-    fetch_head: ClassVar[str]  # the first line of a function that reads a texture
-    level: ClassVar[str] = ", float level"  # further argument of a function for a given level
-    place: ClassVar[str] = "vec2 place"  # declares the texture's coordinates
-    sample: ClassVar[str]  # declares four bytes, by the footprint
-    sample_level: ClassVar[str]  # and of a given level
     form: ClassVar[TextureForm] = TextureForm()
-    texture: ClassVar[str]  # the argument that is a texture of `form`
-    texel: ClassVar[str]  # and its filtered texel at a place
+    textures: ClassVar[Textures]
 
     def __init__(self, prefix: str):
         """prefix: begins the names of all functions, structures and tables."""
@@ -57,8 +73,6 @@ class Printer:
             lines += [*self.structure(structure), ""]
         for function in program.functions:
             lines += [*self.function(function), ""]
-        if program.texels:
-            lines += self.lookup(program.texels, program.functions[-1])
         return "\n".join(lines).rstrip("\n") + "\n"
 
     def head(self, program: Program) -> list[str]:
@@ -87,8 +101,8 @@ class Printer:
 
     def declared(self, variable: Variable) -> str:
         """A type and a name, as in C."""
-        if variable.kind == TEXTURE:
-            return self.texture.format(name=variable.name)
+        if variable.kind in (TEXTURE, LAYERS):
+            return getattr(self.textures, variable.kind).format(variable.name)
         count = "" if variable.count is None else f"[{variable.count}]"
         return f"{self.kind(variable.kind)} {variable.name}{count}"
 
@@ -107,36 +121,6 @@ class Printer:
     def signature(self, function: Function) -> str:
         arguments = ", ".join(map(self.declared, function.arguments))
         return f"{self.kind(function.kind)} {self.function_name(function.name)}({arguments}) {{"
-
-    def lookup(self, texels: Texels, function: Function) -> list[str]:
-        """The functions that read a texture: with the level of the footprint, and a given one."""
-        kind, name = self.kind(function.kind), self.function_name(function.name)
-        place = "uv"
-        if not np.array_equal(texels.to_texture, np.eye(2, 3)):
-            rows = (map(self.number, row) for row in texels.to_texture)
-            texts = (f"{u} * uv.x + {v} * uv.y + {offset}" for u, v, offset in rows)
-            place = f"{self.two}({', '.join(texts)})"
-        forms = (
-            ("fetch", "", self.sample, "The material at uv; the footprint chooses the level."),
-            ("fetch_level", self.level, self.sample_level, "The material at uv, of a given level."),
-        )
-        lines: list[str] = []
-        for label, level, sample, note in forms:
-            label = self.function_name(label)
-            lines += [
-                *self.comments(note),
-                self.fetch_head.format(kind=kind, label=label, level=level),
-                f"    {self.empty(Variable('stored', FLOAT, 4 * texels.layers))}",
-                f"    {self.place} = {place};",
-                f"    {self.loop_head('layer', texels.layers)}",
-                f"        {sample};",
-                *(f"        stored[4 * layer + {i}] = four.{c};" for i, c in enumerate("xyzw")),
-                "    }",
-                f"    return {name}(stored);",
-                "}",
-                "",
-            ]
-        return lines
 
     # Statements
 
@@ -159,9 +143,6 @@ class Printer:
             case "assign":
                 return f"{self.text(target)} = {self.text(value)}{self.end}"
         return f"return {self.text(value)}{self.end}"
-
-    def loop_head(self, counter: str, count: int) -> str:
-        return f"for (int {counter} = 0; {counter} < {count}; ++{counter}) {{"
 
     def wrapped(self, line: str) -> list[str]:
         """A line of code, broken at spaces if it is too long; comments stay as they are."""
@@ -203,8 +184,8 @@ class Printer:
                 text = str(detail)
             case "call":
                 text = f"{self.calls.get(detail, detail)}({', '.join(texts)})"
-            case "texel":
-                text = self.texel.format(*texts)
+            case "texel" | "layer" | "level":
+                text = getattr(self.textures, value.operation).format(*texts)
             case "invoke":
                 text = f"{self.function_name(detail)}({', '.join(texts)})"
             case "select":
@@ -258,10 +239,11 @@ class Printer:
 
 
 def kinds(
-    three: str, four: str, number: str = "float", whole: str = "int", truth: str = "bool"
+    two: str, three: str, four: str, number: str = "float", whole: str = "int", truth: str = "bool"
 ) -> dict:
-    """The kinds of a language by its names of 3 floats, 4, a float, an integer and a bool."""
-    return {FLOAT: number, COLOUR: three, VECTOR: three, TEXEL: four, BOOL: truth, INT: whole}
+    """The kinds of a language by its names of two to four floats, a float, an int and a bool."""
+    several = {PLACE: two, COLOUR: three, VECTOR: three, TEXEL: four}
+    return {FLOAT: number, **several, BOOL: truth, INT: whole}
 
 
 def broken(text: str, first: str, further: str) -> list[str]:

@@ -33,8 +33,8 @@ from urushi.export.statements import (
     Texels,
     Variable,
     element,
+    fetch_functions,
     member,
-    texel_function,
 )
 from urushi.nets.proposal import TERMS
 from urushi.nets.weights import Model
@@ -63,9 +63,6 @@ TURNED = (
 
 #: Beginning of the names in templates.
 PREFIX = "urushi"
-
-#: Languages that read codes from textures.
-TEXTURED = ("glsl", "wgsl", "hlsl", "slang")
 
 #: The texture of ln f or of the basis.
 TABLE = Variable("table", TEXTURE)
@@ -146,12 +143,13 @@ def codes_text(language: str, model: Model, prefix: str, texels: Texels | None =
     texels: of a texture of codes that the file also reads.
     """
     check(language, prefix)
-    if texels and language not in TEXTURED:
-        raise ParameterError(
-            f"exported {LANGUAGES[language].title} code reads no latent textures; choose one of "
-            + ", ".join(TEXTURED)
-        )
     printer = LANGUAGES[language](prefix)
+    if texels and not printer.textures.layers:
+        able = [name for name, printer in LANGUAGES.items() if printer.textures.layers]
+        raise ParameterError(
+            f"exported {printer.title} code reads no latent textures; choose one of "
+            + ", ".join(able)
+        )
     return printer.printed(codes_program(model, printer.form, texels))
 
 
@@ -318,7 +316,6 @@ def codes_program(model: Model, form: TextureForm, texels: Texels | None = None)
     functions = [prepare, *_functions(code, (material,), form)]
     if texels is None:
         return Program(note, structures, functions)
-    texel = texel_function(texels, prepare)
     note = (
         *note,
         "{fetch}(texels, uv) reads a material from the texture that belongs to this file: an array "
@@ -326,7 +323,7 @@ def codes_program(model: Model, form: TextureForm, texels: Texels | None = None)
         f"{texels.filtering} Where the language separates samplers from textures, the sampler "
         "follows the texture. {fetch_level} takes the level as a last argument.",
     )
-    return Program(note, structures, [*functions, texel], texels)
+    return Program(note, structures, [*functions, *fetch_functions(texels, prepare)])
 
 
 def _prepare(model: Model, structure: Structure) -> Function:

@@ -10,6 +10,9 @@ from urushi.export.expressions import (
     COLOUR,
     FLOAT,
     INT,
+    LAYERS,
+    PLACE,
+    TEXEL,
     TEXTURE,
     Expression,
     Value,
@@ -120,13 +123,11 @@ class Program:
     note: Sequence[str]
     structures: Sequence[Structure]
     functions: Sequence[Function]
-    texels: Texels | None = None  # of the texture whose filtered bytes the last function takes
 
     @property
     def public(self) -> list[str]:
         """The functions that the user calls."""
-        labels = [function.name for function in self.functions if function.public]
-        return [*labels, "fetch", "fetch_level"] if self.texels else labels
+        return [function.name for function in self.functions if function.public]
 
     @property
     def textured(self) -> bool:
@@ -180,21 +181,42 @@ def namespace(body: Function, suffix: str = "") -> Namespace:
     return Namespace(*functions)
 
 
-def texel_function(texels: Texels, prepare: Function) -> Function:
-    """The function that unpacks a texel's filtered bytes into a material."""
-    stored = Variable("stored", FLOAT, 4 * texels.layers)
-    function = Function(
-        "texel", (stored,), prepare.kind, "A material of filtered bytes, each in [0, 1]."
-    )
-    values = name(stored.name, FLOAT)
-    codes = function.array("codes", COLOUR, len(texels.numbers))
+def fetch_functions(texels: Texels, prepare: Function) -> list[Function]:
+    """The functions that read a material from a texture: of filtered bytes, fetch, fetch_level."""
+    stored = Variable("stored", TEXEL, texels.layers)
+    note = "A material of filtered bytes, each in [0, 1]."
+    unpack = Function("texel", (stored,), prepare.kind, note)
+    values = name(stored.name, TEXEL)
+    codes = unpack.array("codes", COLOUR, len(texels.numbers))
     for i, channels in enumerate(texels.numbers):
         numbers = []
         for offset, factors in channels[:1] if len(set(channels)) == 1 else channels:
             number = expression(offset)
             for place, factor in factors:
-                number = number + element(values, place) * factor
+                number = number + element(values, place // 4).component(place % 4) * factor
             numbers.append(number)
-        function.assign(element(codes, i), numbers[0] if len(numbers) == 1 else colour_of(*numbers))
-    function.returns(prepare(codes))
+        unpack.assign(element(codes, i), numbers[0] if len(numbers) == 1 else colour_of(*numbers))
+    unpack.returns(prepare(codes))
+    return [unpack, _fetch(texels, unpack, by_level=False), _fetch(texels, unpack, by_level=True)]
+
+
+def _fetch(texels: Texels, unpack: Function, *, by_level: bool) -> Function:
+    arguments: tuple[Variable, ...] = Variable("texels", LAYERS), Variable("uv", PLACE)
+    label, note = "fetch", "The material at uv; the footprint chooses the level."
+    if by_level:
+        label, note = "fetch_level", "The material at uv, of a given level."
+        arguments = *arguments, Variable("level", FLOAT)
+    function = Function(label, arguments, unpack.kind, note, public=True)
+    texture, uv, *level = (name(argument.name, argument.kind) for argument in arguments)
+    place = [
+        function.let(axis, u * uv.x + v * uv.y + offset)
+        for axis, (u, v, offset) in zip("xy", texels.to_texture, strict=True)
+    ]
+    stored = function.array("stored", TEXEL, texels.layers)
+    for k in range(texels.layers):
+        operands = (texture, *place, integer(k), *level)
+        function.assign(
+            element(stored, k), Expression("level" if by_level else "layer", TEXEL, operands)
+        )
+    function.returns(unpack(stored))
     return function
