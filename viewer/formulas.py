@@ -399,8 +399,9 @@ def shader_text() -> str:
     function = Function("f", arguments, COLOUR, note)
     own = [element(argument(lobe_numbers), i) for i in range(lobe_numbers.count)]
     top = lobe_f(function, own, argument(WI), argument(WO))
-    places = argument(TABLE), None, argument(WI), argument(WO)
-    below = rest.rest_f(function, rest.RestTable(1), Glsl.form, *places)
+    below = rest.rest_f(
+        function, rest.Rest(1), Glsl.form, argument(TABLE), argument(WI), argument(WO)
+    )
     function.returns(top + below)
     return "\n".join([SHADER_HEAD, *Glsl("material").function(function), ""])
 

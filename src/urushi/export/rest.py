@@ -107,11 +107,11 @@ def rest_f(
         logarithm = texels[0].colour
         for factor, texel in zip(around, texels[1:], strict=True):
             logarithm = logarithm + factor * texel.colour
-    else:
-        numbers = [texel.component(i) for texel in texels for i in range(form.numbers)]
-        logarithm = rest.code[0] + numbers[0]  # the gain, and b
-        for number, function, k in zip(rest.code[1:], numbers[1:], rest.factors[1:], strict=False):
-            logarithm = logarithm + number * (around[k - 1] * function if k else function)
+        return body.let("rest", call("exp", logarithm))
+    numbers = [texel.component(i) for texel in texels for i in range(form.numbers)]
+    logarithm = rest.code[0] + numbers[0]  # the gain, and b
+    for number, function, k in zip(rest.code[1:], numbers[1:], rest.factors[1:], strict=False):
+        logarithm = logarithm + number * (around[k - 1] * function if k else function)
     return body.let("rest", call("exp", call("clamp", logarithm, MIN_LOG, MAX_LOG)))
 
 
