@@ -5,7 +5,6 @@ from typing import NamedTuple
 
 import numpy as np
 
-from urushi.core.stretched import FACTORS
 from urushi.core.table import Knots
 from urushi.errors import ParameterError
 from urushi.export import proposal
@@ -109,6 +108,8 @@ def material_text(
     if has_rest and model.widths == 1:
         rest = Rest(1, knots)
     elif has_rest:
+        from urushi.core.stretched import FACTORS
+
         rest = Rest(1 + FACTORS, (), expression(float(np.exp(2 * latents[0, -1]))))
     code = _Code(
         [colour(column) for column in latents[:, : model.arch.lobe].T] if has_lobe else (),

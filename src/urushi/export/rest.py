@@ -14,7 +14,6 @@ from typing import NamedTuple
 
 import numpy as np
 
-from urushi.core.stretched import stretched
 from urushi.core.table import MAX_LOG, MIN_LOG, SHAPE, Knots, coordinates, corner_steps
 from urushi.errors import ParameterError
 from urushi.export.expressions import TEXEL, Expression, Value, call, vector
@@ -100,6 +99,8 @@ def rest_f(
     if rest.stretch2 is None:
         places = coordinates(both, apart, 1, xp, rest.knots)
     else:
+        from urushi.core.stretched import stretched
+
         places, factors = stretched(both, apart, rest.stretch2, xp)
         around = [body.let(f"factor{k}", factor) for k, factor in enumerate(factors)]
     texels = _looked_up(body, rest.texels, form, texture, places)
