@@ -66,6 +66,27 @@ class Basis(NamedTuple):
         return total
 
 
+def grid_of(rows: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """The fixed-point grid of 16 bits of each column of rows (P, 1 + K): lowest values and steps.
+
+    Steps are powers of two, so that numbers of the grid are exact in single precision.
+    """
+    rows = np.asarray(rows, np.float64)
+    low, high = rows.min(axis=0), rows.max(axis=0)
+    step = np.exp2(np.ceil(np.log2(np.maximum(high - low, 1e-12) / 65534)))
+    return np.rint(low / step) * step, step
+
+
+def on_grid(rows: np.ndarray) -> np.ndarray:
+    """Rows float32 (P, 1 + K), rounded to their grid, where they stay the same."""
+    while True:  # rounded rows may have a wider range, and so a coarser grid
+        step = grid_of(rows)[1]
+        rounded = (np.rint(rows / step) * step).astype(np.float32)
+        if np.array_equal(rounded, rows):
+            return rounded
+        rows = rounded
+
+
 def decode(z: np.ndarray, rows: np.ndarray) -> np.ndarray:
     """f (...) [1/sr] of codes z (..., K) at the functions (..., 1 + K) of pairs; they broadcast."""
     return np.exp(decode_log(z, rows))

@@ -15,6 +15,7 @@ from urushi import files
 from urushi.errors import FileError, ParameterError
 from urushi.nets.architecture import Architecture as PerceptronArchitecture
 from urushi.nets.architecture import parameter_shapes
+from urushi.nets.basis import grid_of, on_grid
 from urushi.nets.linear import LinearArchitecture, LinearNetworks
 from urushi.nets.mlp import Params
 from urushi.nets.networks import UrushiNetworks
@@ -68,6 +69,8 @@ class Model:
         """
         linear = isinstance(arch, LinearArchitecture)
         shapes = arch.parameter_shapes() if linear else parameter_shapes(arch)
+        if linear and "basis.rows" in params:
+            params = dict(params) | {"basis.rows": on_grid(np.asarray(params["basis.rows"]))}
         checked = checked_parameters(params, shapes)
         return cls(arch, checked, dict(header), fingerprint(arch, checked))
 
@@ -140,11 +143,27 @@ def write_file(
         "architecture": json.loads(arch.to_json()),
         "header": dict(header),
     }
-    halves = {  # the basis is rounded to half precision where it is made
-        name: array.astype(np.float16) if name == "basis.rows" else array
-        for name, array in params.items()
-    }
-    files.write_tensors(path, "weights", description, halves)
+    files.write_tensors(path, "weights", description, _stored(params))
+
+
+def _stored(params: Params) -> dict[str, np.ndarray]:
+    """Parameters as files hold them: the rows of a basis in 16 bits."""
+    arrays = {name: np.asarray(array) for name, array in params.items()}
+    if "basis.rows" in arrays:
+        low, step = grid_of(arrays["basis.rows"])
+        numbers = np.rint((arrays["basis.rows"] - low) / step).astype(np.uint16)
+        arrays |= {"basis.rows": numbers, "basis.grid": np.stack([low, step])}
+    return arrays
+
+
+def _restored(arrays: Params) -> Params:
+    """The parameters of `_stored`."""
+    if "basis.grid" not in arrays:
+        return arrays
+    low, step = arrays["basis.grid"]
+    rows = (arrays["basis.rows"] * step + low).astype(np.float32)
+    others = {name: array for name, array in arrays.items() if name != "basis.grid"}
+    return others | {"basis.rows": rows}
 
 
 def read(path: str | os.PathLike) -> Model:
@@ -182,7 +201,7 @@ def read_file(
             f"use the functions, plugins and commands of the system '{found}' for this file"
         )
     try:
-        return make(json.dumps(arch), arrays, description.get("header") or {})
+        return make(json.dumps(arch), _restored(arrays), description.get("header") or {})
     except (ParameterError, TypeError, ValueError) as error:
         raise FileError(f"the weights file '{path}' is damaged: {error}") from error
 
