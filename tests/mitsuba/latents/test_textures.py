@@ -36,7 +36,7 @@ def nearly_uniform(shape, value) -> np.ndarray:
 
 
 def uniform(mi, name: str, value: float):
-    """A parameter that is the same everywhere; a texture for networks: they layer textures alone."""
+    """A parameter that is the same everywhere; a texture where the network shall layer it."""
     return value if name == "layered" else bitmap(mi, nearly_uniform((2, 2, 1), value))
 
 
