@@ -23,22 +23,15 @@ def check(sampling, bsdfs) -> None:
 
 
 def test_neural_brdf(rgb, sampling, networks, model, codes, tmp_path):
-    from urushi.core.mixture import Mixture
-
-    bsdfs, widths = [], []
+    bsdfs = []
     for index in range(MATERIALS):
         z = codes(index, 2)
+        z[:, 0] = (0.01, 0.1, 0.6)[index % 3]  # from the narrowest lobe on
         path = tmp_path / f"{index}.safetensors"
         Material(z, model).save(path)
         bsdfs.append(
             rgb.load_dict({"type": "neural_brdf", "filename": str(path), "weights": str(networks)})
         )
-        si = rgb.SurfaceInteraction3f()
-        si.wi = rgb.Vector3f(0, 0, 1)
-        mixture = bsdfs[-1].latents.vertex(si, rgb.Bool(True)).proposal
-        assert isinstance(mixture, Mixture)
-        widths += [alpha[0] for alpha in mixture.alphas]
-    assert min(widths) < 0.011  # the narrowest lobe is among them
     check(sampling, bsdfs)
 
 
