@@ -66,7 +66,7 @@ def test_samples_have_the_density(rgb, model, code):
     count, rng = 1 << 18, np.random.default_rng(3)
     wi = rgb.Vector3f(0.6, 0.3, float(np.sqrt(1 - 0.45)))
     mixture = CodeProposals(model, kind_of(model, code)).proposal(latent, wi)
-    assert isinstance(mixture.alphas[0], Widths) == (model.widths == 2)
+    assert isinstance(mixture.own, Widths) == (model.widths == 2)
     u = rng.random((3, count), np.float32)
     wo = mixture.sample(wi, rgb.Float(u[0]), rgb.Point2f(u[1:]))
     weight = 1 / mixture.pdf(wi, wo).numpy()

@@ -14,7 +14,6 @@ import drjit as dr
 import mitsuba as mi
 import numpy as np
 
-from urushi.core.mixture import Mixture
 from urushi.material.material import Material
 from urushi.mitsuba import spectrum
 from urushi.mitsuba.latents.lookup import LatentTexture, are_constant
@@ -33,7 +32,7 @@ class Vertex(NamedTuple):
 
     # Per channel the decoder's terms, Dr.Jit floats; one list if all channels have the same code.
     decoder_terms: list[list]
-    proposal: Mixture | None  # of the mean code over the channels; None if it is not needed
+    proposal: Any  # a mixture, of the mean code over the channels; None if it is not needed
 
 
 class _Held:

@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from functools import partial
+from typing import Any, NamedTuple
 
 import drjit as dr
 import mitsuba as mi
@@ -22,6 +23,33 @@ from urushi.nets.weights import Model
 #: Roots of the cosines at which the weights of one code are tabulated: most at grazing angles,
 #: where they change most.
 ROOTS = np.linspace(0.0, 1.0, 129)
+
+
+class CodeMixture(NamedTuple):
+    """The proposal of a code for one wi; see `core.mixture.Mixture`.
+
+    The widths that all codes share are constants in kernels, not values of a vertex.
+    """
+
+    weights: Sequence  # of the own lobe, of `ALPHAS` and of the cosine lobe
+    own: Any  # the width of the own lobe, or its `Widths`
+
+    @property
+    def mixture(self) -> Mixture:
+        """The mixture with all widths."""
+        if isinstance(self.own, Widths):
+            fixed: list[Any] = [Widths(a, a) for a in map(mi.Float, ALPHAS)]
+        else:
+            fixed = list(ALPHAS)
+        return Mixture(self.weights, [self.own, *fixed])
+
+    def pdf(self, wi, wo):
+        """Density of `sample` at wo [1/sr]."""
+        return self.mixture.pdf(wi, wo)
+
+    def sample(self, wi, choice, u):
+        """Draw wo; see `Mixture.sample`."""
+        return self.mixture.sample(wi, choice, u)
 
 
 class CodeProposals:
@@ -45,27 +73,25 @@ class CodeProposals:
         rows, _ = mixture(self._params, self._kind.widths, code, wi)
         return [padded(rows), latent[list(WIDTH_PLACES[self._kind.widths])].astype(np.float32)]
 
-    def proposal_of_table(self, table: Sequence, wi) -> Mixture:
+    def proposal_of_table(self, table: Sequence, wi) -> CodeMixture:
         """The mixture for wi, linear in the cosine's root between nodes."""
         rows, own = table
         place = dr.sqrt(dr.select(wi.z > 0, wi.z, 0))
         numbers = interpolated(rows, [len(ROOTS)], [place])[: len(ALPHAS) + 2]
         sides = [dr.gather(mi.Float, own, side) for side in range(self._kind.widths)]
-        return self._mixture(numbers, sides)
+        return CodeMixture(numbers, of_sides(sides))
 
-    def proposal(self, latent: Sequence, wi) -> Mixture:
+    def proposal(self, latent: Sequence, wi) -> CodeMixture:
         """The mixture of a latent code, a list (size) of Dr.Jit floats."""
         terms = mlp.dense(latent[self._lobe :], self._weight, self._bias)
-        sides = [latent[place] for place in WIDTH_PLACES[self._kind.widths]]
-        own = sides[0] if len(sides) == 1 else Widths(*sides)
+        own = of_sides([latent[place] for place in WIDTH_PLACES[self._kind.widths]])
         fresnel = partial(reflectance, latent[: self._lobe], kind=self._kind)
-        return self._mixture(weights(terms, self._overlaps, own, fresnel, wi.z, DRJIT), sides)
+        return CodeMixture(weights(terms, self._overlaps, own, fresnel, wi.z, DRJIT), own)
 
-    def _mixture(self, numbers: Sequence, sides: Sequence) -> Mixture:
-        """The mixture of weights, and of lobes with the code's own widths and `ALPHAS`."""
-        if len(sides) == 1:
-            return Mixture(numbers, [*sides, *ALPHAS])
-        return Mixture(numbers, [Widths(*sides), *(Widths(a, a) for a in map(mi.Float, ALPHAS))])
+
+def of_sides(sides: Sequence) -> Any:
+    """The width, or the `Widths` of two."""
+    return sides[0] if len(sides) == 1 else Widths(*sides)
 
 
 def proposals_of(model: Model, kind: LobeKind) -> CodeProposals | UrushiSampler:
