@@ -17,7 +17,7 @@ from urushi.nets.weights import Model
 from urushi.parallel import fill_blocks
 
 #: Error of the quadrature and of the interpolation in the albedo: the ceiling is 1 less this.
-MARGIN = 0.002
+MARGIN = 0.0005
 
 #: Excess of a code's albedo over its source's albedo that is allowed; with `MARGIN`, 0.5 %.
 SLACK = 0.003
@@ -100,16 +100,20 @@ def limit_albedo(
         float32 (..., L); the same bits where a code is not above its ceiling.
     """
     rows, over = np.ascontiguousarray(z).reshape(-1, z.shape[-1]), np.arange(z[..., 0].size)
-    varies = not isinstance(ceiling, float)
-    if varies:
-        count = len(albedo_rule(model.arch.widths).cosines)
-        ceiling = np.broadcast_to(ceiling, (*z.shape[:-1], count)).reshape(-1, count)
+    count = len(albedo_rule(model.arch.widths).cosines)
+    ceiling = np.broadcast_to(np.float32(ceiling), (*z.shape[:-1], count)).reshape(-1, count)
     unchanged = True
     for _ in range(1 + TINY_FACTOR_ROUNDS):
         if not len(over):
             break
-        own = ceiling[over] if varies else ceiling  # type: ignore[index]
-        factors = (1 / excesses(model, rows[over], own)).astype(np.float32)
+        found = np.empty((len(over), 1), np.float32)
+        fill_blocks(
+            found,
+            lambda at, rows=rows: 1 / excesses(model, rows[at], ceiling[at])[:, None],
+            over,
+            rows=BLOCK,
+        )
+        factors = found[:, 0]
         if (factors < 1).any():
             rows, unchanged = rows if not unchanged else np.array(rows), False
             gains = model.networks.gains(rows)

@@ -121,7 +121,8 @@ class LinearNetworks(NamedTuple):
         top = lobes.f(lobe[..., None, :], *self.pairs())
         rest, count = np.maximum(f - top, 0), f.shape[-1]
         codes = solve_codes(self.basis, rest.reshape(-1, count), top.reshape(-1, count))
-        return np.concatenate([lobe, codes.reshape(*f.shape[:-1], -1)], axis=-1, dtype=np.float32)
+        codes = codes.reshape(*f.shape[:-1], self.arch.functions)
+        return np.concatenate([lobe, codes], axis=-1, dtype=np.float32)
 
     def layer(self, z_bottom: Any, coat: CoatParameters) -> Any:
         """Codes (..., L) of bottoms under coats."""
