@@ -65,7 +65,7 @@ def test_every_level_keeps_the_light(model, lacquers):
 
     whole = light(codes).reshape(64, 3).mean(axis=0)
     # Averages of different lobes are unlike the training data: E is about a percent.
-    np.testing.assert_allclose(light(pyramid_levels(model, codes)[-1]), whole, rtol=0.01)
+    np.testing.assert_allclose(light(pyramid_levels(model, codes)[-1]), whole, rtol=0.02)
     assert (
         light(codes.mean(axis=(0, 1))) < 0.97 * whole
     ).all()  # plain averages of codes lose more light

@@ -9,7 +9,7 @@ in the same way and add them afterwards. Numbers that are equal in the whole tex
 numbers that are equal in all channels are stored once.
 """
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from typing import NamedTuple
 
 import numpy as np
@@ -125,19 +125,20 @@ def texel_layout(
 
 
 def rounding_errors(
-    model: Model, codes: np.ndarray, lowest: np.ndarray, highest: np.ndarray
+    log_f: Callable[[np.ndarray], np.ndarray],
+    codes: np.ndarray,
+    lowest: np.ndarray,
+    highest: np.ndarray,
 ) -> np.ndarray:
-    """Mean relative error (size,) of f at the probe pairs by 8 bits of each number.
+    """Mean relative error (size,) of f by 8 bits of each number.
 
     Args:
-        model: of the codes.
+        log_f: from codes (S, size) to ln f (S, P) at some pairs, as `log_values`.
         codes: (k, size), of which a few are tried.
         lowest, highest: (size,) the ranges.
     """
     some = codes[:: -(-len(codes) // SAMPLE)].astype(np.float32)
-    networks = model.networks
-    wi, wo = (w[::PAIR_STRIDE] for w in networks.pairs())
-    before = np.log(networks.f(some[:, None], wi, wo))
+    before = log_f(some)
     shift = (highest - lowest).astype(np.float32) / (4 * 255)  # mean distance to the nearest level
     errors = np.zeros(len(shift), np.float32)
     for number in np.flatnonzero(shift):
@@ -145,9 +146,14 @@ def rounding_errors(
         # towards the middle, where numbers of the lobe remain valid
         middle = 0.5 * (lowest[number] + highest[number])
         moved[:, number] += np.where(some[:, number] < middle, shift[number], -shift[number])
-        after = np.log(networks.f(moved[:, None], wi, wo))
-        errors[number] = np.abs(after - before).mean()
+        errors[number] = np.abs(log_f(moved) - before).mean()
     return errors
+
+
+def log_values(model: Model, codes: np.ndarray) -> np.ndarray:
+    """ln f (S, P) of codes (S, size) at some of the probe pairs."""
+    wi, wo = (w[::PAIR_STRIDE] for w in model.networks.pairs())
+    return np.log(model.networks.f(codes[:, None], wi, wo))
 
 
 def pack(
@@ -181,6 +187,17 @@ def pack(
 
     fill_blocks(empty[: len(index), : layout.used_bytes], texels, index, rows=SHARED_ROWS)
     fill_blocks(empty[len(index) :], lambda z: _bytes(layout, packed, z), others)
+    return packed
+
+
+def pack_texels(
+    layout: TexelLayout, codes: np.ndarray, lowest: np.ndarray, highest: np.ndarray
+) -> PackedTexels:
+    """Pack texels of codes (m, channels, size), see `pack`."""
+    bottom = lowest.astype(np.float32)
+    step = ((highest - bottom) / layout.levels).astype(np.float32)
+    packed = PackedTexels(np.zeros((len(codes), layout.texel_bytes), np.uint8), bottom, step)
+    fill_blocks(packed.bytes, lambda z: _bytes(layout, packed, z), codes)
     return packed
 
 

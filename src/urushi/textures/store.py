@@ -7,6 +7,7 @@ import json
 import os
 import zlib
 from collections.abc import Mapping
+from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -129,7 +130,9 @@ class TextureStore:
         lowest, highest = (np.stack(end) for end in zip(*ends, strict=True))
         lowest, highest = lowest.min(axis=0), highest.max(axis=0)
         same = _same_in_channels(codes, index, self._compared) & _equal_channels(coarse)
-        errors = packing.rounding_errors(self._model, codes, lowest, highest)
+        errors = packing.rounding_errors(
+            partial(packing.log_values, self._model), codes, lowest, highest
+        )
         self.layout = packing.texel_layout(
             self.layout.channels, errors, lowest == highest, same, fine
         )

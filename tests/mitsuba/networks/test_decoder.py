@@ -7,7 +7,6 @@ import pytest
 from urushi.material import Material
 from urushi.nets import features as numpy_features
 from urushi.nets import proposal as numpy_lobes
-from urushi.nets import sampler as numpy_sampler
 
 
 def hemisphere(count: int, seed: int) -> np.ndarray:
@@ -70,19 +69,6 @@ def test_features_agree_with_numpy(rgb):
     np.testing.assert_allclose(ours, numpy_features.direction_features(wi, wo), atol=2e-5)
 
 
-def test_mixture_agrees_with_numpy(rgb, model, parts):
-    drjit, numpy = parts
-    wi, _ = pairs()
-    mixture = drjit.vertex(interaction(rgb, wi), rgb.Bool(True)).proposal
-    mean = numpy.latents.mean(axis=0)
-    weights, alphas = numpy_sampler.mixture(model.params, model.arch, mean[None], wi)
-    # a table that is linear between 129 cosines
-    for ours, theirs in ((mixture.weights, weights), (mixture.alphas, alphas)):
-        values = np.stack([np.broadcast_to(x.numpy(), len(wi)) for x in ours], -1)
-        np.testing.assert_allclose(values, theirs, atol=5e-3)
-    np.testing.assert_allclose(sum(mixture.weights).numpy(), 1, atol=1e-6)
-
-
 def test_density_and_samples_of_a_mixture_agree_with_numpy(rgb):
     from urushi.core.mixture import Mixture
 
@@ -115,18 +101,3 @@ def test_layers_of_several_inputs_agree_with_numpy(rgb, count):
     found = mlp.dense_each(lists, weight, bias.tolist())
     expected = np.einsum("lip,io->lop", x, weight) + bias[:, None]
     np.testing.assert_allclose([[y.numpy() for y in one] for one in found], expected, atol=1e-5)
-
-
-def test_the_decoder_agrees_with_numpy(variant, model):
-    import mitsuba as mi
-
-    from urushi.mitsuba.networks.decoder import UrushiDecoder
-    from urushi.mitsuba.networks.lobe import ANY_LOBE
-
-    z, (wi, wo) = latents(3), pairs()
-    decoder = UrushiDecoder(model, ANY_LOBE)
-    terms = [[mi.Float(float(x)) for x in channel] for channel in decoder.code_terms(z)]
-    f = decoder.f_of_terms(terms, vector(mi, wi), vector(mi, wo))
-    expected = model.networks.f(z[:, None], wi, wo)
-    # rounding of activations, multiplied by the random weights of three layers
-    np.testing.assert_allclose([x.numpy() for x in f], expected, rtol=2e-3)

@@ -17,13 +17,14 @@ import numpy as np
 from urushi.material.material import Material
 from urushi.mitsuba import spectrum
 from urushi.mitsuba.latents.lookup import LatentTexture, are_constant
-from urushi.mitsuba.networks.basis import BasisDecoder
+from urushi.mitsuba.networks.basis import FUNCTION_SCALE, BasisDecoder
 from urushi.mitsuba.networks.decoder import UrushiDecoder, decoder_of
 from urushi.mitsuba.networks.lobe import NO_LOBE, LobeKind, kind_of
-from urushi.mitsuba.networks.proposal import proposals_of
+from urushi.mitsuba.networks.proposal import CodeProposals, proposals_of
 from urushi.mitsuba.networks.table import TabulatedDecoder, stored
 from urushi.mitsuba.recording import only_where, owned
 from urushi.nets.weights import Model
+from urushi.textures.principal import principal_texture
 from urushi.textures.store import TexelGrid, TextureStore, write_texture
 
 
@@ -154,7 +155,10 @@ class ConstantLatents(_Held):
 
 
 class TexturedLatents(_Held):
-    """A packed texture of latent codes, see `textures.packing`."""
+    """A packed texture of latent codes, see `textures.packing`.
+
+    They are rendered by principal numbers where these are fewer (`textures.principal`).
+    """
 
     material = None
 
@@ -165,11 +169,16 @@ class TexturedLatents(_Held):
         self.grid, self.channels = grid, store.layout.channels
         self._size, self._bytes = store.layout.size, store.layout.texel_bytes
         self._kind = kind_of_store(model, store)
-        self._decoder = decoder_of(model, self._kind)
+        self._principal = principal_texture(model, store)
         self._sampler = proposals_of(model, self._kind)
         # Channels of the same code are evaluated once.
         self._kept = 1 if (store.layout.constant | store.layout.same).all() else self.channels
-        self._texture = LatentTexture(store, grid)
+        if self._principal is None:
+            self._decoder = decoder_of(model, self._kind)
+            self._texture = LatentTexture(store, grid)
+        else:
+            self._decoder = BasisDecoder(model, self._kind, self._principal.functions)
+            self._texture = LatentTexture(self._principal.scaled(FUNCTION_SCALE), grid)
 
     def vertex(self, si, active) -> Vertex:
         """The vertex at a surface interaction."""
@@ -183,12 +192,24 @@ class TexturedLatents(_Held):
 
     def _vertex(self, wi, uv, *footprint) -> Vertex:
         latents = self._texture.look_up(uv, wi, *footprint)[: self._kept]
-        proposal = self._sampler.proposal(self._kind.mean(latents), wi)
+        if self._principal is None:
+            proposal = self._sampler.proposal(self._kind.mean(latents), wi)
+        else:
+            assert isinstance(self._sampler, CodeProposals)  # for the type checker
+            lobe, first = self.model.arch.lobe, self._principal.first
+            mean = self._kind.mean([z[:lobe] for z in latents])
+            proposal = self._sampler.proposal_of_terms(mean, latents[0][lobe:first], wi)
+            latents = [z[:lobe] + z[first:] for z in latents]
         return Vertex(self._decoder.code_terms_drjit(latents), proposal)
 
     def at(self, uv: np.ndarray) -> np.ndarray:
         """Latent codes (M, C, size) at points uv (M, 2)."""
-        return looked_up(self._texture.look_up, uv)
+        numbers = looked_up(self._texture.look_up, uv)
+        principal = self._principal
+        if principal is None:
+            return numbers
+        numbers[..., principal.first + 1 :] /= FUNCTION_SCALE
+        return principal.codes(numbers)
 
     def save(self, path: str | os.PathLike) -> None:
         """Write a file that `neural_brdf` reads."""

@@ -15,6 +15,7 @@ import mitsuba as mi
 import numpy as np
 
 from urushi.mitsuba.recording import owned
+from urushi.textures.principal import PrincipalTexture
 from urushi.textures.store import IDENTITY, TexelGrid, TextureStore
 
 #: Number of steps of a texel's weight along an axis. A point within half a step of the centre of a
@@ -30,7 +31,7 @@ class LatentTexture:
         ("_words", "_offsets", "_widths", "_heights"), object
     ) | dict.fromkeys(("_base", "_affine", "_lowest", "_steps"), list)
 
-    def __init__(self, store: TextureStore, grid: TexelGrid):
+    def __init__(self, store: TextureStore | PrincipalTexture, grid: TexelGrid):
         """grid: the place of the first level's texels."""
         self._layout, self._grid = store.layout, grid
         levels, packed = store.levels, store.packed

@@ -24,6 +24,9 @@ from urushi.nets.weights import Model
 #: The value one of a scaled function; zero is `ONE` + 1.
 ONE = (1 << 15) - 1
 
+#: Factor of numbers whose functions are tables of values up to one.
+FUNCTION_SCALE = 1 / ONE
+
 #: Most words of a packet: more are slower.
 PACKET = 8
 
@@ -33,10 +36,17 @@ class BasisTable:
 
     DRJIT_STRUCT: ClassVar = {"_packets": list}  # for frozen functions
 
-    def __init__(self, rows: np.ndarray, widths: int):
-        """rows: (P, N) mean and functions, without the constant one."""
+    def __init__(self, rows: np.ndarray, widths: int, scale: np.ndarray | None = None):
+        """Store functions.
+
+        Args:
+            rows: (P, N) mean and functions, without the constant one.
+            widths: GGX widths of a surface.
+            scale: (N,) largest absolute value of each column that can be stored; None: it is found.
+        """
         self._shape, self._widths, self._count = SHAPES[widths], widths, rows.shape[1]
-        scale = np.maximum(np.abs(rows).max(axis=0), 1e-9)
+        if scale is None:
+            scale = np.maximum(np.abs(rows).max(axis=0), 1e-9)
         self.scale = (scale / ONE).astype(np.float32)  # (N,) by which looked up numbers count
         words = fixed_point(rows / scale)
         self._packets: list[Any] = []
@@ -111,10 +121,25 @@ class BasisDecoder:
 
     DRJIT_STRUCT: ClassVar = {"_table": object}  # for frozen functions
 
-    def __init__(self, model: Model, kind: LobeKind):
-        """kind: common properties of the codes' lobes."""
-        self._kind, self._lobe, self._table = kind, model.arch.lobe, table_of(model)
-        self._scale = [float(factor) for factor in self._table.scale]
+    def __init__(self, model: Model, kind: LobeKind, functions: np.ndarray | None = None):
+        """Decode codes of a model.
+
+        Args:
+            model: of the codes.
+            kind: common properties of their lobes.
+            functions: (P, N) mean and functions of other numbers in the place of the code's, at
+                the nodes; the numbers have been multiplied by `FUNCTION_SCALE`.
+        """
+        self._kind, self._lobe = kind, model.arch.lobe
+        if functions is None:
+            self._table = table_of(model)
+            self._scale = [float(factor) for factor in self._table.scale]
+            return
+        # A power of two: textures share compiled code.
+        mean = 2.0 ** np.ceil(np.log2(np.abs(functions[:, 0]).max()))
+        scale = np.append(mean, np.ones(functions.shape[1] - 1))
+        self._table = BasisTable(functions, model.widths, scale)
+        self._scale = [mean / ONE, *[1.0] * (functions.shape[1] - 1)]
 
     def code_terms(self, latents: np.ndarray) -> list[np.ndarray]:
         """Terms (N,) of the code of each channel, from codes (C, size)."""

@@ -84,6 +84,10 @@ class CodeProposals:
     def proposal(self, latent: Sequence, wi) -> CodeMixture:
         """The mixture of a latent code, a list (size) of Dr.Jit floats."""
         terms = mlp.dense(latent[self._lobe :], self._weight, self._bias)
+        return self.proposal_of_terms(latent[: self._lobe], terms, wi)
+
+    def proposal_of_terms(self, latent: Sequence, terms: Sequence, wi) -> CodeMixture:
+        """The mixture of the lobe of a code, and of its terms, see `nets.proposal.code_terms`."""
         own = of_sides([latent[place] for place in WIDTH_PLACES[self._kind.widths]])
         fresnel = partial(reflectance, latent[: self._lobe], kind=self._kind)
         return CodeMixture(weights(terms, self._overlaps, own, fresnel, wi.z, DRJIT), own)
