@@ -6,13 +6,13 @@ import pytest
 from urushi import files
 from urushi.core.table import SHAPE
 from urushi.errors import FileError, ParameterError
-from urushi.material import Material, encode, layer, lerp, load
+from urushi.material import Material, encode, lerp, load
 from urushi.material.albedo_rule import albedo_rule
 from urushi.material.encode import encode_all
 from urushi.material.material import FORMAT_VERSION
 from urushi.material.values import required_pairs
 from urushi.nets.weights import anisotropic_model
-from urushi.walk import conductor, dielectric
+from urushi.walk import conductor
 
 
 def velvet(wi, wo):
@@ -54,8 +54,8 @@ def test_about_as_much_light_as_the_source(small):
 
 
 def test_sampling_is_that_of_the_codes(own, random_directions):
-    """The proposal comes from the anchors, so that its density stays normalised."""
-    plain = Material(own.latents, own.model, own.latents)
+    """The proposal comes from the codes, so that its density stays normalised."""
+    plain = Material(own.latents, own.model)
     wi, u = random_directions(50, 1), np.random.default_rng(2).random((50, 3)).astype(np.float32)
     wo, pdf = own.sample(wi, u)
     np.testing.assert_array_equal(wo, plain.sample(wi, u)[0])
@@ -67,7 +67,7 @@ def test_files_keep_them(own, small, tmp_path):
     own.save(path)
     again = load(path, small)
     assert again == own and hash(again) == hash(own)
-    plain = Material(own.latents, small, own.latents)
+    plain = Material(own.latents, small)
     assert plain != own and own != plain
     again.save(tmp_path / "again.safetensors")
     assert (tmp_path / "again.safetensors").read_bytes() == path.read_bytes()
@@ -92,14 +92,7 @@ def test_damaged_files_are_refused(stored, own, small, tmp_path):
 @pytest.mark.parametrize("wrong", [np.zeros((3, 7)), np.full((*SHAPE, 3), np.inf)])
 def test_wrong_tables_are_refused(wrong, own, small):
     with pytest.raises(ParameterError, match="table"):
-        Material(own.latents, small, own.latents, wrong)
-
-
-def test_the_codes_of_coats_lie_over_the_codes(own):
-    coat = dielectric(0.1, 1.5)
-    plain = Material(own.latents, own.model, own.latents)
-    np.testing.assert_array_equal(layer(coat, own).latents, layer(coat, plain).latents)
-    assert layer(coat, own).table is not None and layer(coat, plain).table is None
+        Material(own.latents, small, wrong)
 
 
 def test_blends_are_linear_in_f(own, small, random_directions):
@@ -113,7 +106,6 @@ def test_blends_are_linear_in_f(own, small, random_directions):
     ratio = lerp(own, other, share).f(wi, wo) / expected
     assert np.median(np.abs(ratio - 1)) < 0.005
     assert np.quantile(np.abs(ratio - 1), 0.95) < 0.03
-    assert lerp(other, other, 0.5).table is None
 
 
 def test_the_same_alone_and_among_many(own, small):
@@ -128,4 +120,4 @@ def test_networks_of_two_widths_have_none():
         required_pairs(velvet, other, True)
     latents = np.zeros((1, other.arch.latent), np.float32)
     with pytest.raises(ParameterError, match="cannot have tables"):
-        Material(latents, other, latents, np.zeros((*SHAPE, 1)))
+        Material(latents, other, np.zeros((*SHAPE, 1)))
