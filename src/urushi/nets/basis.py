@@ -81,7 +81,7 @@ def on_grid(rows: np.ndarray) -> np.ndarray:
     """Rows float32 (P, 1 + K), rounded to their grid, where they stay the same."""
     while True:  # rounded rows may have a wider range, and so a coarser grid
         step = grid_of(rows)[1]
-        rounded = (np.rint(rows / step) * step).astype(np.float32)
+        rounded = (np.rint(rows / step) * step + 0.0).astype(np.float32)  # zeros are positive
         if np.array_equal(rounded, rows):
             return rounded
         rows = rounded
