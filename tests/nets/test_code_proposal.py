@@ -6,6 +6,7 @@ from tests.untrained import untrained
 
 from urushi.checks import Widths
 from urushi.core.direction_sets import cosine_pairs
+from urushi.core.namespace import NUMPY
 from urushi.core.quadrature import half_vector_rule
 from urushi.nets import lobe as lobes
 from urushi.nets import proposal
@@ -30,8 +31,9 @@ def test_weights_are_a_mixture_for_any_code(widths):
     np.testing.assert_allclose(weights.sum(axis=-1), 1, atol=1e-6)
     assert (weights >= 0).all()
     assert (weights[:, -1] > proposal.MIN_COSINE_SHARE - 1e-6).all()
-    for side in (alphas.u, alphas.v) if isinstance(alphas, Widths) else (alphas,):
-        np.testing.assert_allclose(side[:, 1:], [proposal.ALPHAS] * 200, rtol=1e-6)
+    if isinstance(alphas, Widths):
+        alphas = np.sqrt(alphas.u * alphas.v)
+    np.testing.assert_allclose(alphas[:, 1:], [proposal.ALPHAS] * 200, rtol=1e-5)
 
 
 def test_the_gain_scales_the_rest_alone():
@@ -47,6 +49,15 @@ def test_the_gain_scales_the_rest_alone():
     z[:, : len(none)] = (0.1, 0, 0, 1, 1.5, 0)
     weights, _ = networks.proposal(z[:, None], wi)
     assert (weights[1, :, 0] > weights[0, :, 0]).all()
+
+
+def test_the_lobes_of_two_widths_are_stretched():
+    """GGX of the widths a / s and a s is round to half vectors (h_x s, h_y / s, h_z)."""
+    lobes_of_code = proposal.widths_of(Widths(0.1, 0.2), np.log(2.0), NUMPY)
+    for alpha, width in zip(proposal.ALPHAS, lobes_of_code[1:], strict=True):
+        assert width.v == pytest.approx(4 * width.u)
+        assert width.u * width.v == pytest.approx(alpha**2)
+    assert proposal.widths_of(0.1, 0.0, NUMPY) == [0.1, *proposal.ALPHAS]
 
 
 def test_a_smooth_metal_is_its_own_lobe():

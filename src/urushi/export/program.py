@@ -300,6 +300,7 @@ def codes_program(model: Model, form: TextureForm, texels: Texels | None = None)
             [element(lobe, i) for i in range(arch.lobe)],
             [element(terms, i) for i in range(TERMS)],
             proposal.overlaps_of(model),
+            call("sqrt", others[0]) if others else None,
         ),
         Tangent(*others[1:] or X_AXIS),
     )

@@ -22,7 +22,13 @@ from urushi.export.expressions import (
 )
 from urushi.export.lobe import alphas_of, reflectance
 from urushi.export.statements import Function, Structure, Variable, member, namespace
-from urushi.nets.proposal import ALPHAS, code_terms, weights
+from urushi.nets.proposal import (
+    ALPHAS,
+    LARGEST_STRETCH,
+    code_terms,
+    stretched_widths,
+    weights,
+)
 from urushi.nets.weights import Model
 
 WI, WO, U = (Variable(label, VECTOR) for label in ("wi", "wo", "u"))
@@ -49,6 +55,7 @@ class Terms(NamedTuple):
     lobe: Sequence[Expression]  # its numbers
     rest: Sequence[Expression]  # of `nets.proposal.code_terms`
     overlaps: Sequence[float]  # the same for all codes
+    stretch: Expression | None = None  # s of two widths
 
 
 def argument(variable: Variable) -> Expression:
@@ -58,7 +65,8 @@ def argument(variable: Variable) -> Expression:
 
 def structure(widths: int) -> Structure:
     """The proposal for one wi; widths: of a lobe, one or two."""
-    own = (Variable(label, FLOAT, note="of the first lobe") for label in WIDTHS[widths])
+    own = [Variable(label, FLOAT, note="of the first lobe") for label in WIDTHS[widths]]
+    own += [Variable("stretch", FLOAT, note="of the other lobes")] * (widths - 1)
     note = "A mixture of GGX reflection lobes, and a cosine lobe, the last."
     return Structure("Proposal", (*WEIGHTS, *own), note)
 
@@ -68,7 +76,11 @@ def known_terms(model: Model, code: np.ndarray) -> Terms:
     size = model.arch.lobe
     numbers = [*code[:size], *code_terms(model.params, code[size:])]
     known = [expression(float(number)) for number in numbers]
-    return Terms(known[:size], known[size:], overlaps_of(model))
+    stretch = None
+    if model.widths == 2:
+        limit = LARGEST_STRETCH
+        stretch = expression(math.exp(min(max(float(code[-1]), -limit), limit)))
+    return Terms(known[:size], known[size:], overlaps_of(model), stretch)
 
 
 def terms_of(model: Model, code: Sequence[Expression]) -> Terms:
@@ -98,7 +110,8 @@ def fill(body: Function, terms: Terms, wi: Expression) -> Expression:
     )
     made = structure(len(alphas))
     result = body.structure("result", made.name)
-    for variable, number in zip(made.fields, [*found, *alphas], strict=True):
+    stretch = [] if terms.stretch is None else [terms.stretch]
+    for variable, number in zip(made.fields, [*found, *alphas, *stretch], strict=True):
         body.assign(member(result, variable), number)
     return result
 
@@ -111,8 +124,10 @@ def functions(count: int) -> tuple[Function, ...]:
     """
     mixture = Variable("mixture", "Proposal")
     parts = [member(argument(mixture), part) for part in structure(count).fields]
-    shares, cosine_weight, own = parts[: len(ALPHAS) + 1], parts[len(ALPHAS) + 1], parts[-count:]
-    alphas = [own, *([expression(alpha)] * count for alpha in ALPHAS)]
+    shares, cosine_weight, *own = parts[: len(ALPHAS) + 1], *parts[len(ALPHAS) + 1 :]
+    alphas = [own[:count], *([expression(alpha)] for alpha in ALPHAS)]
+    if count == 2:
+        alphas[1:] = ([alpha.u, alpha.v] for alpha in stretched_widths(own[-1]))
     wi, wo, u = map(argument, (WI, WO, U))
     labels = WIDTHS[count]
     widths = [Variable(label, FLOAT) for label in labels]

@@ -6,7 +6,8 @@ density of a direction is therefore the sum of the reflection densities at the d
 mirror image, and integrates to one over the upper hemisphere. Directions are (..., 3), z is the
 normal, wi is above the horizon.
 
-The first lobe has the width of the code's own lobe, the others have `ALPHAS`. The weights are
+The first lobe has the width of the code's own lobe, the others have `ALPHAS`; codes of two GGX
+widths stretch them by their last number, ln s, to alpha / s and alpha s. The weights are
 estimates of what each lobe reflects. With mu the cosine of wi and c the code without its lobe,
 
     own lobe   A = F(mu + FACET alpha (1 - mu)) (1 - 0.4 alpha^2) / (1 + alpha^2),
@@ -38,6 +39,9 @@ ALPHAS = (0.04, 0.12, 0.3)
 
 #: Numbers of a code from which the weights follow: t and s of `ALPHAS` and of the cosine lobe.
 TERMS = 2 * (len(ALPHAS) + 1)
+
+#: Largest |ln s| of codes of two GGX widths.
+LARGEST_STRETCH = 1.25
 
 #: Logarithm of the largest energy of a lobe of the rest, for codes unlike those of materials.
 MOST_LOG = math.log(4.0)
@@ -128,14 +132,27 @@ def mixture(params: Params, widths: int, z: Any, wi: Any) -> tuple[Any, Any]:
         wi[..., 2],
         arrays(wi),
     )
+    alphas = widths_of(own, z[..., -1], arrays(wi))
     if isinstance(own, Widths):
-        return stacked(numbers), own.map(_with_fixed)
-    return stacked(numbers), _with_fixed(own)
+        sides = zip(*((alpha.u, alpha.v) for alpha in alphas), strict=True)
+        return stacked(numbers), Widths(*map(stacked, sides))
+    return stacked(numbers), stacked([own, *map(own.dtype.type, ALPHAS)])
 
 
-def _with_fixed(own: Any) -> Any:
-    """Widths (...) with `ALPHAS` behind them, (..., K)."""
-    return stacked([own, *map(own.dtype.type, ALPHAS)])
+def widths_of(own: Any, log_stretch: Any, xp: Namespace) -> list[Any]:
+    """The widths of all lobes: the own one's, and `ALPHAS` or their stretched `Widths`.
+
+    log_stretch: ln s; it counts where own is `Widths`.
+    """
+    if not isinstance(own, Widths):
+        return [own, *ALPHAS]
+    stretch = xp.exp(xp.clip(log_stretch, -LARGEST_STRETCH, LARGEST_STRETCH))
+    return [own, *stretched_widths(xp.named("stretch", stretch))]
+
+
+def stretched_widths(stretch: Any) -> list[Widths]:
+    """`ALPHAS` stretched by s."""
+    return [Widths((1.0 / stretch) * alpha, stretch * alpha) for alpha in ALPHAS]
 
 
 def mixture_pdf(weights: Any, alphas: Any, wi: Any, wo: Any) -> Any:

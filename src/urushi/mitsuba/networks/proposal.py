@@ -17,7 +17,7 @@ from urushi.mitsuba.networks.sampler import UrushiSampler
 from urushi.mitsuba.networks.table import interpolated, padded
 from urushi.nets.linear import LinearArchitecture
 from urushi.nets.lobe import WIDTH_PLACES
-from urushi.nets.proposal import ALPHAS, mixture, weights
+from urushi.nets.proposal import ALPHAS, LARGEST_STRETCH, mixture, stretched_widths, weights
 from urushi.nets.weights import Model
 
 #: Roots of the cosines at which the weights of one code are tabulated: most at grazing angles,
@@ -33,14 +33,12 @@ class CodeMixture(NamedTuple):
 
     weights: Sequence  # of the own lobe, of `ALPHAS` and of the cosine lobe
     own: Any  # the width of the own lobe, or its `Widths`
+    stretch: Sequence  # s of two widths, nothing for one
 
     @property
     def mixture(self) -> Mixture:
         """The mixture with all widths."""
-        if isinstance(self.own, Widths):
-            fixed: list[Any] = [Widths(a, a) for a in map(mi.Float, ALPHAS)]
-        else:
-            fixed = list(ALPHAS)
+        fixed = stretched_widths(self.stretch[0]) if self.stretch else ALPHAS
         return Mixture(self.weights, [self.own, *fixed])
 
     def pdf(self, wi, wo):
@@ -71,15 +69,16 @@ class CodeProposals:
         wi = np.stack([np.sqrt(1 - cosine**2), 0 * cosine, cosine], axis=-1).astype(np.float32)
         code = latent[None].astype(np.float32)
         rows, _ = mixture(self._params, self._kind.widths, code, wi)
-        return [padded(rows), latent[list(WIDTH_PLACES[self._kind.widths])].astype(np.float32)]
+        places = [*WIDTH_PLACES[self._kind.widths], -1]  # the last: ln s of two widths
+        return [padded(rows), latent[places].astype(np.float32)]
 
     def proposal_of_table(self, table: Sequence, wi) -> CodeMixture:
         """The mixture for wi, linear in the cosine's root between nodes."""
         rows, own = table
         place = dr.sqrt(dr.select(wi.z > 0, wi.z, 0))
         numbers = interpolated(rows, [len(ROOTS)], [place])[: len(ALPHAS) + 2]
-        sides = [dr.gather(mi.Float, own, side) for side in range(self._kind.widths)]
-        return CodeMixture(numbers, of_sides(sides))
+        *sides, stretch = (dr.gather(mi.Float, own, i) for i in range(self._kind.widths + 1))
+        return CodeMixture(numbers, of_sides(sides), stretch_of(sides, stretch))
 
     def proposal(self, latent: Sequence, wi) -> CodeMixture:
         """The mixture of a latent code, a list (size) of Dr.Jit floats."""
@@ -88,14 +87,22 @@ class CodeProposals:
 
     def proposal_of_terms(self, latent: Sequence, terms: Sequence, wi) -> CodeMixture:
         """The mixture of the lobe of a code, and of its terms, see `nets.proposal.code_terms`."""
-        own = of_sides([latent[place] for place in WIDTH_PLACES[self._kind.widths]])
+        sides = [latent[place] for place in WIDTH_PLACES[self._kind.widths]]
+        own = of_sides(sides)
         fresnel = partial(reflectance, latent[: self._lobe], kind=self._kind)
-        return CodeMixture(weights(terms, self._overlaps, own, fresnel, wi.z, DRJIT), own)
+        numbers = weights(terms, self._overlaps, own, fresnel, wi.z, DRJIT)
+        return CodeMixture(numbers, own, stretch_of(sides, latent[-1]))
 
 
 def of_sides(sides: Sequence) -> Any:
     """The width, or the `Widths` of two."""
     return sides[0] if len(sides) == 1 else Widths(*sides)
+
+
+def stretch_of(sides: Sequence, log_stretch: Any) -> list:
+    """s of a code of two widths, from ln s; nothing for one width."""
+    limit = LARGEST_STRETCH
+    return [dr.exp(dr.clip(log_stretch, -limit, limit))] if len(sides) == 2 else []
 
 
 def proposals_of(model: Model, kind: LobeKind) -> CodeProposals | UrushiSampler:
