@@ -83,15 +83,19 @@ class CodeProposals:
     def proposal(self, latent: Sequence, wi) -> CodeMixture:
         """The mixture of a latent code, a list (size) of Dr.Jit floats."""
         terms = mlp.dense(latent[self._lobe :], self._weight, self._bias)
-        return self.proposal_of_terms(latent[: self._lobe], terms, wi)
+        return self.proposal_of_terms(latent[: self._lobe], terms, wi, latent[-1])
 
-    def proposal_of_terms(self, latent: Sequence, terms: Sequence, wi) -> CodeMixture:
-        """The mixture of the lobe of a code, and of its terms, see `nets.proposal.code_terms`."""
-        sides = [latent[place] for place in WIDTH_PLACES[self._kind.widths]]
-        own = of_sides(sides)
-        fresnel = partial(reflectance, latent[: self._lobe], kind=self._kind)
+    def proposal_of_terms(
+        self, lobe: Sequence, terms: Sequence, wi, log_stretch: Any = 0.0
+    ) -> CodeMixture:
+        """The mixture of the lobe of a code, and of its terms, see `nets.proposal.code_terms`.
+
+        log_stretch: the last number of a code of two widths.
+        """
+        sides = [lobe[place] for place in WIDTH_PLACES[self._kind.widths]]
+        own, fresnel = of_sides(sides), partial(reflectance, lobe, kind=self._kind)
         numbers = weights(terms, self._overlaps, own, fresnel, wi.z, DRJIT)
-        return CodeMixture(numbers, own, stretch_of(sides, latent[-1]))
+        return CodeMixture(numbers, own, stretch_of(sides, log_stretch))
 
 
 def of_sides(sides: Sequence) -> Any:
