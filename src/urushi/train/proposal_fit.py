@@ -21,7 +21,7 @@ from urushi.nets.linear import LinearNetworks
 #: Polar angles and azimuths of wi [degrees] by the number of GGX widths, and materials at most.
 ANGLES = {1: (0, 15, 30, 45, 55, 65, 75, 82, 87), 2: (5, 30, 55, 70, 83)}
 AZIMUTHS = {1: (0,), 2: (0, 45, 90)}
-MATERIALS = {1: 1200, 2: 600}
+MATERIALS = {1: 1200, 2: 400}
 
 #: Variance below which noise does not matter.
 NOISE = 0.02
@@ -39,7 +39,8 @@ class Problem(NamedTuple):
     codes: np.ndarray  # (S, K) without lobes
     factor: np.ndarray  # (K - 1, K - 1) decorrelates codes without gains
     squares: np.ndarray  # (S, A, M) (f cos / albedo)^2 and the weight of the node
-    fixed: np.ndarray  # (4, A, M) densities of the lobes of `proposal.ALPHAS` and of cosines
+    # Densities of the lobes of `proposal.ALPHAS` and of cosines: (A, M), or (S, A, M) if stretched.
+    fixed: list[np.ndarray]
     own: np.ndarray  # (S, A, M) density of the code's lobe
     top: np.ndarray  # (S, A, 5) energies of the code's lobe by `proposal.weights`
     logs: np.ndarray  # (A,) logarithms of the cosines
@@ -74,20 +75,22 @@ def _problem(networks: LinearNetworks, z: np.ndarray) -> Problem:
     theta, phi = (x.ravel() for x in angles)
     wi = np.stack([np.sin(theta) * np.cos(phi), np.sin(theta) * np.sin(phi), np.cos(theta)], -1)
     wo, share = half_vector_rule(wi, anisotropic=widths == 2, azimuths=AZIMUTH_NODES // 4)
-    wi = np.broadcast_to(wi[:, None], wo.shape)
-    rows = networks.features(wi.astype(np.float32), wo.astype(np.float32))  # (A, M, 1 + K)
+    wi, wo = np.broadcast_to(wi[:, None], wo.shape).astype(np.float32), wo.astype(np.float32)
+    features = networks.features(wi, wo)
     lobe, rest = z[:, :size], z[:, size:].astype(np.float64)
-    shape = (len(z), *share.shape)
-    f_cos = networks.rest_at_all(z, rows.reshape(-1, rows.shape[-1])).reshape(shape)
-    f_cos = np.stack([x + lobes.f(own, wi, wo) for x, own in zip(f_cos, lobe, strict=True)])
-    f_cos = f_cos * wo[..., 2]
+    f_cos = networks.rest_at_all(z, features.reshape(-1, features.shape[-1]))
+    f_cos = f_cos.reshape(len(z), *share.shape)
+    f_cos += np.stack([lobes.f(own, wi, wo) for own in lobe])
+    f_cos *= wo[..., 2]
     albedo = np.sum(f_cos * share, axis=-1, keepdims=True)
     squares = ((f_cos / albedo) ** 2 * share).astype(np.float32)
+    width, log_stretch = lobes.width(lobe[:, None, None]), z[:, None, None, -1]
     pair = components(wi), components(wo)
-    fixed = [reflection_pdf(alpha, *pair, NUMPY) for alpha in proposal.ALPHAS]
-    fixed.append(wo[..., 2] / np.pi)
-    width = lobes.width(lobe[:, None, None].astype(np.float64))
-    own = reflection_pdf(width, *pair, NUMPY)
+    own, *fixed = (
+        reflection_pdf(alpha, *pair, NUMPY).astype(np.float32)
+        for alpha in proposal.widths_of(width, log_stretch, NUMPY)
+    )
+    fixed.append(wo[..., 2] / np.float32(np.pi))
     cov = np.cov(np.clip(rest[:, 1:], *np.quantile(rest[:, 1:], (0.01, 0.99), axis=0)).T)
     values, vectors = np.linalg.eigh(cov)
     factor = vectors / np.sqrt(np.maximum(values, 1e-6 * values[-1]))
@@ -99,8 +102,7 @@ def _problem(networks: LinearNetworks, z: np.ndarray) -> Problem:
     )
     top = np.stack(np.broadcast_arrays(top[0], 0 * top[0], 0 * top[0], *top[1:]), axis=-1)
     logs = np.log(np.maximum(wi[:, 0, 2], proposal.MIN_COSINE))
-    fixed32, own32 = np.stack(fixed).astype(np.float32), own.astype(np.float32)
-    return Problem(rest, factor, squares, fixed32, own32, top, logs)
+    return Problem(rest, factor, squares, fixed, own, top, logs)
 
 
 def _value_and_slope(problem: Problem, x: np.ndarray) -> tuple[float, np.ndarray]:
@@ -145,13 +147,14 @@ def _variance(problem: Problem, parts: np.ndarray) -> tuple[float, np.ndarray]:
     weight = (share * parts / total).astype(np.float32)
     weight[..., -1] += proposal.MIN_COSINE_SHARE
     density = weight[..., :1] * problem.own
-    density += np.einsum("sak,kam->sam", weight[..., 1:], problem.fixed, optimize=True)
+    for k, lobe in enumerate(problem.fixed, 1):
+        density += weight[..., k, None] * lobe
     np.maximum(density, 1e-9, out=density)
     ratio = problem.squares / density
     excess = np.maximum(ratio.sum(axis=-1) - 1, 0) + NOISE
     ratio /= density
-    by_own = np.sum(ratio * problem.own, axis=-1)[..., None]
-    by_fixed = np.einsum("sam,kam->sak", ratio, problem.fixed, optimize=True)
-    slopes = np.concatenate([by_own, by_fixed], axis=-1) * -share / excess[..., None] / excess.size
+    densities = problem.own, *problem.fixed
+    slopes = np.stack([np.sum(ratio * lobe, axis=-1) for lobe in densities], axis=-1)
+    slopes *= -share / excess[..., None] / excess.size
     slopes -= np.sum(slopes * parts, axis=-1, keepdims=True) / total
     return float(np.mean(np.log(excess))), slopes / total
