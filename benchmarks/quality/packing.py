@@ -32,7 +32,7 @@ def row(model: Model, low: float, high: float) -> str:
     """The figures for coats of indices between two."""
     rng = np.random.default_rng(0)
     metals = [conductor(rng.uniform(0.05, 0.6), rng.random(3)) for _ in range(BOTTOMS)]
-    bottoms = np.concatenate([encode(metal, model).anchors for metal in metals])
+    bottoms = np.concatenate([encode(metal, model).latents for metal in metals])
     count = 3 * TEXELS
     along = np.repeat(0.01 * 100 ** rng.random(TEXELS), 3)
     ratios = np.repeat(TRAINED_WIDTH_RATIO ** rng.uniform(-1, 1, TEXELS), 3)

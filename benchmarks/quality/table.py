@@ -60,7 +60,7 @@ def rendered(material: Material, wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
     """f (N, C) by the plugins' table."""
     from urushi.mitsuba.latents.holders import ConstantLatents  # after the variant is chosen
 
-    latents = ConstantLatents(Material(material.latents, material.model, material.anchors))
+    latents = ConstantLatents(Material(material.latents, material.model))
     si = dr.zeros(mi.SurfaceInteraction3f, len(wi))
     si.wi = mi.Vector3f(np.ascontiguousarray(wi.T))
     active = dr.full(mi.Bool, True, len(wi))

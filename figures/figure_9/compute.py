@@ -113,8 +113,8 @@ def layered(material: Material, coats: list[dict[str, Any]]) -> Material:
 
 
 def encoded(surface: MeasuredSurface) -> dict[str, Material]:
-    """The surface's material in each of `FORMS`, refined."""
-    return {form: urushi.encode(surface, refine=True, table=table) for form, table in FORMS.items()}
+    """The surface's material in each of `FORMS`."""
+    return {form: urushi.encode(surface, table=table) for form, table in FORMS.items()}
 
 
 def errors(measured: Measured, walks: int = WALKS) -> dict[str, Any]:

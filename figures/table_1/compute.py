@@ -127,7 +127,7 @@ def represent(method: str, source: Any) -> Any:
         wi, wo = wi[:MEASURED], wo[:MEASURED]
         return networks().encode(wi, wo, source.f(wi, wo))
     function = Source(source.f, symmetric=True, noisy=isinstance(source, Walked))
-    return urushi.encode(function, refine=method == "Urushi, refined", table=False)
+    return urushi.encode(function, table=False)
 
 
 def measure(subject: Subject, methods: Sequence[str]) -> dict[str, Any]:

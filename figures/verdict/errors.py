@@ -144,8 +144,8 @@ def measured(folder: Path, paper: PaperNetworks | None) -> dict[str, Any]:
     for name in chosen:
         surface = Measured(name, folder / ARCHIVE).load()
         forms = {
-            known.NETWORKS: urushi.encode(surface, refine=True, table=False),
-            known.TABLES: urushi.encode(surface, refine=True),
+            known.NETWORKS: urushi.encode(surface, table=False),
+            known.TABLES: urushi.encode(surface),
         }
         if paper is not None:
             projected = fan2022.encode(surface, paper)
