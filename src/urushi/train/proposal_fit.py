@@ -94,13 +94,14 @@ def _problem(networks: LinearNetworks, z: np.ndarray) -> Problem:
     cov = np.cov(np.clip(rest[:, 1:], *np.quantile(rest[:, 1:], (0.01, 0.99), axis=0)).T)
     values, vectors = np.linalg.eigh(cov)
     factor = vectors / np.sqrt(np.maximum(values, 1e-6 * values[-1]))
-    top = proposal.own_energies(
+    found = proposal.own_energies(
         lobes.width(lobe[:, None].astype(np.float64)),
         lambda cosine: lobes.reflectance(lobe[:, None].astype(np.float64), cosine),
         wi[None, :, 0, 2],
         NUMPY,
     )
-    top = np.stack(np.broadcast_arrays(top[0], 0 * top[0], 0 * top[0], *top[1:]), axis=-1)
+    none = 0 * found[0]
+    top = np.stack(np.broadcast_arrays(found[0], none, none, *found[1:]), axis=-1)
     logs = np.log(np.maximum(wi[:, 0, 2], proposal.MIN_COSINE))
     return Problem(rest, factor, squares, fixed, own, top, logs)
 
