@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from urushi.core.error_metrics import stack_error
 from urushi.material import Material, encode, energy, lerp
 from urushi.material.values import material_from_values
 from urushi.nets import lobe as lobes
@@ -84,7 +85,7 @@ def material_with(small, lobe, gain) -> Material:
     z = encode(conductor(0.1, 0.8), small).latents[:1].copy()
     z[:, :6] = lobe
     z[:, 6] = gain
-    z[:, 7:] += np.random.default_rng(abs(int(10 * gain))).normal(size=z[:, 7:].shape)
+    z[:, 7:] += np.random.default_rng(abs(int(10 * gain))).normal(size=z[:, 7:].shape) * 0.3
     z = energy.limit_albedo(small, z)
     return Material(z, small)
 
@@ -102,32 +103,19 @@ def materials(small) -> list[Material]:
 
 @pytest.mark.parametrize("first", range(5))
 @pytest.mark.parametrize("second", range(5))
-def test_blends_are_smooth_and_conserve_energy(small, pairs, first, second):
-    a, b = materials(small)[first], materials(small)[second]
-    at = np.linspace(0, 1, 9)
-    blends = [lerp(a, b, t) for t in at]
-    for end, blend in ((a, blends[0]), (b, blends[-1])):
-        np.testing.assert_array_equal(
-            blend.latents, np.broadcast_to(end.latents, blend.latents.shape)
-        )
-    peaks = [energy.directional_albedos(small, m.latents).max() for m in blends]
-    assert max(peaks) <= max(1.0, peaks[0], peaks[-1]) + energy.LEAST_REST
-    for end, near in ((a, 1e-6), (b, 1 - 1e-6)):
-        found = lerp(a, b, near).f(*pairs)
-        expected = np.broadcast_to(end.f(*pairs), found.shape)
-        np.testing.assert_allclose(found, expected, rtol=1e-3, atol=1e-4)
+def test_blends_are_linear_in_f(trained, pairs, first, second):
+    """Within the error of a table."""
+    a, b = materials(trained)[first], materials(trained)[second]
+    for share in (0.0, 0.3, 1.0):
+        found = lerp(a, b, share).f(*pairs)
+        expected = (1 - share) * a.f(*pairs) + share * b.f(*pairs)
+        error = stack_error(found.T, expected.T, pairs[0][:, 2], pairs[1][:, 2])
+        assert error.max() < 0.01
 
 
-def test_the_width_of_a_lobe_that_reflects_nothing_does_not_count(small):
-    sharp, none = materials(small)[0], materials(small)[2]
-    half = lerp(sharp, none, 0.5)
-    np.testing.assert_allclose(half.latents[:, 0], 0.05, rtol=1e-5)
-    np.testing.assert_allclose(half.latents[:, 4:6], [[0.2, 3.9]] * len(half.latents), rtol=1e-5)
-
-
-def test_light_changes_evenly_between_bare_and_diffuse(small):
+def test_light_changes_evenly_between_bare_and_diffuse(trained):
     """The rest of bare metal is empty, and its code has no meaning."""
-    a, b = encode(conductor(0.3, 0.8), small), materials(small)[2]
+    a, b = encode(conductor(0.3, 0.8), trained), materials(trained)[2]
     wi = np.array([[0.6, 0.0, 0.8]])
     ends = [m.directional_albedo(wi)[0, 0] for m in (a, b)]
     for t in (0.25, 0.5, 0.75):

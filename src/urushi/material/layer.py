@@ -166,6 +166,8 @@ def stacked(stack: Stack, model: Model) -> Material | None:
     """
     if not isinstance(stack.bottom, Description) or any(c.energy_compensation for c in stack.coats):
         return None
+    if stack.is_anisotropic and model.widths == 1:
+        return None
     material = encode_source(stack.bottom, model)[0]
     for coat in reversed(stack.coats):
         values = (np.asarray(getattr(coat, name)) for name in CoatParameters._fields[1:])
