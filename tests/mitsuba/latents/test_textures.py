@@ -202,6 +202,8 @@ def looked_up(mi, bsdf, uv, duv=(0.0, 0.0), draws: int = 1) -> np.ndarray:
     """Codes (M, C, size) at points (M, 2), the mean of draws, with pixels that lie duv apart."""
     import drjit as dr
 
+    from urushi.mitsuba.networks.basis import FUNCTION_SCALE
+
     wi = np.random.default_rng(0).random((3, len(uv) * draws), np.float32)
     point = mi.Point2f(np.repeat(np.float32(uv), draws, axis=0).T)
     steps = [mi.Vector2f(duv[0], 0), mi.Vector2f(0, duv[1])]
@@ -209,7 +211,12 @@ def looked_up(mi, bsdf, uv, duv=(0.0, 0.0), draws: int = 1) -> np.ndarray:
     codes = bsdf.latents._texture.look_up(point, mi.Vector3f(wi), *steps)
     # numbers that are the same everywhere have one entry
     rows = [[np.broadcast_to(value.numpy(), len(uv) * draws) for value in z] for z in codes]
-    return np.array(rows).reshape(*np.shape(rows)[:2], len(uv), draws).mean(-1).transpose(2, 0, 1)
+    means = np.array(rows).reshape(*np.shape(rows)[:2], len(uv), draws).mean(-1).transpose(2, 0, 1)
+    principal = bsdf.latents._principal
+    if principal is None:
+        return means
+    means[..., principal.first + 1 :] /= FUNCTION_SCALE
+    return principal.codes(means)
 
 
 def grid_of_points(width: int, height: int) -> np.ndarray:

@@ -204,12 +204,7 @@ class TexturedLatents(_Held):
 
     def at(self, uv: np.ndarray) -> np.ndarray:
         """Latent codes (M, C, size) at points uv (M, 2)."""
-        numbers = looked_up(self._texture.look_up, uv)
-        principal = self._principal
-        if principal is None:
-            return numbers
-        numbers[..., principal.first + 1 :] /= FUNCTION_SCALE
-        return principal.codes(numbers)
+        return self._store.read(self._texture.texels(uv))
 
     def save(self, path: str | os.PathLike) -> None:
         """Write a file that `neural_brdf` reads."""
@@ -234,17 +229,6 @@ def kind_of_store(model: Model, store: TextureStore) -> LobeKind:
     layout, packed = store.layout, store.packed
     highest, lobe = packed.lowest + layout.levels * packed.step, slice(model.arch.lobe)
     return kind_of(packed.lowest[lobe], highest[lobe], (layout.constant | layout.same)[lobe])
-
-
-def looked_up(look_up: Callable[..., list[list]], uv: np.ndarray) -> np.ndarray:
-    """Codes (M, C, size) at points uv (M, 2), seen along the normal, of lists of floats."""
-    latents = look_up(mi.Point2f(np.ascontiguousarray(uv.T, np.float32)), mi.Vector3f(0, 0, 1))
-    dr.eval(latents)
-    result = np.empty((len(uv), len(latents), len(latents[0])), np.float32)
-    for channel, z in enumerate(latents):
-        for number, value in enumerate(z):  # those that are the same everywhere have one entry
-            result[:, channel, number] = value.numpy()
-    return result
 
 
 def _opaque(values: np.ndarray) -> list:

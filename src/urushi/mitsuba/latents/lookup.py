@@ -70,6 +70,11 @@ class LatentTexture:
             level = dr.minimum(level, self._levels - 1)
         return self._codes(self._gather(self._texel(uv, level, draw)))
 
+    def texels(self, uv: np.ndarray) -> np.ndarray:
+        """Indices (M,) of the texels of the first level at points uv (M, 2), seen from above."""
+        point, normal = mi.Point2f(np.ascontiguousarray(uv.T, np.float32)), mi.Vector3f(0, 0, 1)
+        return self._texel(point, None, texel_draw(point, normal)).numpy()
+
     def _to_texture(self, x, y, point: bool) -> tuple:
         if not self._affine:
             return x, y
