@@ -73,7 +73,7 @@ def test_a_texture_of_one_code_a_texel(rgb, model, codes):
     store = TextureStore(model, 3, 2, 2)
     store.write(np.arange(4), codes[[SAME, [1, 1, 1], SAME, [1, 1, 1]]])
     latents = TexturedLatents(model, store, TexelGrid(2, 2, IDENTITY, "repeat", False))
-    wi, wo, uv = points()
+    wi, wo, _ = points()
     texels = store.read(np.arange(2))[:, 0]
     expected = model.networks.f(texels[:, None], wi, wo)
     for found in f_and_pdf(rgb, latents)[:2]:
