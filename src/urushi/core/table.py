@@ -146,7 +146,7 @@ def coordinates(
     cos_d = xp.named("cos_d", xp.minimum(0.5 * xp.sqrt(squared), 1))
     v = xp.safe_sqrt(1 - cos_d)  # roots that reach zero have finite derivatives if they are safe
     if widths == 2:
-        u_x, u_y = (_log_tangent(c / z2, ANISOTROPIC_HIGHEST, xp) for c in (x2, y2))
+        u_x, u_y = (log_tangent(c / z2, ANISOTROPIC_HIGHEST, xp) for c in (x2, y2))
         size_x, size_y = xp.absolute(apart.x), xp.absolute(apart.y)
         turned = 0.5 * size_y / xp.maximum(size_x + size_y, 1e-12)
         parallel = (both.x * both.y) * (apart.x * apart.y) >= 0
@@ -156,10 +156,10 @@ def coordinates(
     reach = xp.minimum(0.5 * both.z, xp.safe_sqrt(across / squared * sin2))
     size = xp.minimum(0.5 * xp.absolute(apart.z) / xp.maximum(reach, 1e-9), 1)
     v = knotted(v, knots, xp) if knots else v
-    return _log_tangent(across / z2, HIGHEST, xp), v, 1 - xp.safe_sqrt(1 - size)
+    return log_tangent(across / z2, HIGHEST, xp), v, 1 - xp.safe_sqrt(1 - size)
 
 
-def _log_tangent(tan2: Any, highest: float, xp: Namespace) -> Any:
+def log_tangent(tan2: Any, highest: float, xp: Namespace) -> Any:
     """The coordinate u of a squared tangent."""
     return (xp.log(tan2 + TAN2_OFFSET) - LOWEST) * (1 / (highest - LOWEST))
 

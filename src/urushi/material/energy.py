@@ -148,7 +148,9 @@ def factor_slopes(model: Model, z: np.ndarray) -> np.ndarray:
     """
     rule, size = albedo_rule(model.arch.widths), model.arch.lobe
     features = node_features(model)
-    f, top, slopes = model.networks.rest(z, features), top_albedos(model, z), features[:, 1:]
+    f, top = model.networks.rest(z, features), top_albedos(model, z)
+    slopes = model.networks.functions(z, features)[:, 1:]
+    slopes = np.pad(slopes, [(0, 0), (0, model.arch.rest - slopes.shape[1])])  # of the stretch: 0
     at_angles, allowed = rule.at_angles(f), np.maximum(1 - MARGIN - top, LEAST_REST)
     rest = rule.interpolated(at_angles)
     at = int((rest / allowed).argmax())

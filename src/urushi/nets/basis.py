@@ -18,7 +18,7 @@ from typing import NamedTuple
 import numpy as np
 
 from urushi.core.probe_pairs import probe_pairs
-from urushi.core.table import MAX_LOG, MIN_LOG, SHAPES, corners, pair_coordinates
+from urushi.core.table import MAX_LOG, MIN_LOG, SHAPE, corners, pair_coordinates
 from urushi.parallel import fill_blocks
 
 #: Gain with which any code has f = exp(`MIN_LOG`).
@@ -32,14 +32,11 @@ class Basis(NamedTuple):
     measure: np.ndarray  # float32 (N,) share of each probe pair in integrals over pairs
     prior: np.ndarray  # (K, K) inverse covariance of the codes of the training materials
     probe_rows: np.ndarray  # float32 (N, 1 + K), at the probe pairs
-    widths: int = 1  # GGX widths of a surface
 
     @classmethod
-    def of(
-        cls, rows: np.ndarray, measure: np.ndarray, prior: np.ndarray, widths: int = 1
-    ) -> "Basis":
+    def of(cls, rows: np.ndarray, measure: np.ndarray, prior: np.ndarray) -> "Basis":
         """The basis whose functions have these rows at the nodes."""
-        own = cls(rows, measure, prior.astype(np.float64), rows[:0], widths)
+        own = cls(rows, measure, prior.astype(np.float64), rows[:0])
         return own._replace(probe_rows=own.at(*own.pairs()))
 
     @property
@@ -49,7 +46,7 @@ class Basis(NamedTuple):
 
     def pairs(self) -> tuple[np.ndarray, np.ndarray]:
         """The probe pairs wi, wo: float32 (N, 3)."""
-        return probe_pairs(len(self.measure), self.widths)
+        return probe_pairs(len(self.measure))
 
     def at(self, wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
         """The functions float32 (..., 1 + K) at pairs (..., 3) above the horizon."""
@@ -59,9 +56,9 @@ class Basis(NamedTuple):
         return result.reshape(*wi.shape[:-1], -1)
 
     def _at(self, wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
-        places = pair_coordinates(wi, wo, self.widths)
+        places = pair_coordinates(wi, wo)
         total = np.zeros((len(wi), self.count + 1), np.float32)
-        for nodes, share in corners(SHAPES[self.widths], *places):
+        for nodes, share in corners(SHAPE, *places):
             total += self.rows.take(nodes, axis=0) * share[:, None]
         return total
 

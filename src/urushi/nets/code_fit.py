@@ -15,6 +15,7 @@ import numpy as np
 
 from urushi.core.table import MAX_LOG
 from urushi.nets.basis import EMPTY_GAIN, Basis
+from urushi.nets.stretched_basis import StretchedBasis
 
 #: Weight of the measure beside the light, in the first round and in the others.
 FIRST_FLOOR, FLOOR = 0.05, 0.02
@@ -42,12 +43,28 @@ BLOCK = 256
 def solve_codes(basis: Basis, rest: np.ndarray, top: np.ndarray) -> np.ndarray:
     """Codes float32 (S, K) of materials whose rests and lobes have the values rest, top (S, N)
     [1/sr] at the probe pairs."""
+    return _solved_at(basis.probe_rows, basis, rest, top)
+
+
+def solve_stretched(
+    basis: StretchedBasis, rest: np.ndarray, top: np.ndarray, stretch: np.ndarray
+) -> np.ndarray:
+    """`solve_codes` (S, K + 1) of two widths for known ln s (S,), the last numbers of the codes."""
+    codes = np.empty((len(rest), basis.count + 1), np.float32)
+    codes[:, -1] = stretch
+    for own in np.unique(codes[:, -1]):
+        rows = codes[:, -1] == own
+        codes[rows, :-1] = _solved_at(basis.probe_rows(own), basis, rest[rows], top[rows])
+    return codes
+
+
+def _solved_at(
+    functions: np.ndarray, basis: Basis | StretchedBasis, rest: np.ndarray, top: np.ndarray
+) -> np.ndarray:
     codes = np.empty((len(rest), basis.count), np.float32)
     for start in range(0, len(rest), BLOCK):
         rows = slice(start, start + BLOCK)
-        codes[rows] = fitted(
-            basis.probe_rows, basis.measure, basis.prior, rest[rows], top[rows], rounds=ROUNDS
-        )
+        codes[rows] = fitted(functions, basis.measure, basis.prior, rest[rows], top[rows])
     return codes
 
 
@@ -77,13 +94,33 @@ def fitted(
     return best.astype(np.float32)
 
 
-def slopes(basis: Basis, rest: np.ndarray, top: np.ndarray, codes: np.ndarray) -> np.ndarray:
-    """Derivatives float32 (S, N, K) of `solve_codes` by the rests (S, N) that have these codes.
+def slopes(
+    basis: Basis | StretchedBasis, rest: np.ndarray, top: np.ndarray, codes: np.ndarray
+) -> np.ndarray:
+    """Derivatives float32 (S, N, K) of the codes (S, K) by the rests (S, N) that have these codes.
 
     The weights of the least squares are constant at the codes. They do not matter to changes of
-    ln f that the functions span.
+    ln f that the functions span. The stretch of two widths is constant.
     """
-    rows, measure = basis.probe_rows, basis.measure
+    if isinstance(basis, Basis):
+        return _slopes_at(basis.probe_rows, basis, rest, top, codes)
+    result = np.zeros((*rest.shape, codes.shape[-1]), np.float32)
+    for own in np.unique(codes[:, -1]):
+        at = codes[:, -1] == own
+        result[at, :, :-1] = _slopes_at(
+            basis.probe_rows(own), basis, rest[at], top[at], codes[at, :-1]
+        )
+    return result
+
+
+def _slopes_at(
+    rows: np.ndarray,
+    basis: Basis | StretchedBasis,
+    rest: np.ndarray,
+    top: np.ndarray,
+    codes: np.ndarray,
+) -> np.ndarray:
+    measure = basis.measure
     f, mean = _bounded(rest, measure), np.maximum(rest @ measure, 1e-12)[:, None, None]
     _, weights = _weighed(rows, measure, f, _light(rest, top, measure), codes)
     by_logs = np.linalg.solve(_normal(rows[:, 1:], weights, basis.prior), rows[:, 1:].T)

@@ -7,16 +7,18 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from urushi.checks import CoatParameters
-from urushi.core.table import SHAPES
+from urushi.core.stretched import features_of
+from urushi.core.table import SHAPE
 from urushi.errors import ParameterError
 from urushi.nets import basis, layerer, proposal
 from urushi.nets import lobe as lobes
 from urushi.nets.basis import Basis
-from urushi.nets.code_fit import solve_codes
+from urushi.nets.code_fit import solve_codes, solve_stretched
 from urushi.nets.features import COAT_FEATURES
 from urushi.nets.lobe import LOBE_FEATURES, NUMBERS
 from urushi.nets.lobe_fit import fit_lobes
 from urushi.nets.mlp import POLYNOMIALS, Params, shapes_of
+from urushi.nets.stretched_basis import StretchedBasis
 
 
 @dataclass(frozen=True)
@@ -29,6 +31,8 @@ class LinearArchitecture:
         layerer: widths of its hidden layers, at least one.
         activation: one of `mlp.POLYNOMIALS`, for all hidden layers.
         widths: GGX widths of a surface.
+        azimuthal: of two widths, the numbers of functions, the last ones, that are multiplied by
+            each of the factors of `core.stretched`.
     """
 
     functions: int = 24
@@ -36,6 +40,7 @@ class LinearArchitecture:
     layerer: tuple[int, ...] = (224, 224, 224)
     activation: str = "silu7"
     widths: int = 1
+    azimuthal: tuple[int, ...] = ()
 
     def __post_init__(self) -> None:
         if self.widths not in NUMBERS:
@@ -48,7 +53,8 @@ class LinearArchitecture:
                 )
         if self.activation not in POLYNOMIALS:
             raise ParameterError(f"architecture's activation is unknown: {self.activation!r}")
-        object.__setattr__(self, "layerer", tuple(self.layerer))
+        for name in ("layerer", "azimuthal"):
+            object.__setattr__(self, name, tuple(getattr(self, name)))
 
     @property
     def lobe(self) -> int:
@@ -58,7 +64,18 @@ class LinearArchitecture:
     @property
     def latent(self) -> int:
         """Number of numbers of a code."""
-        return self.lobe + self.functions
+        return self.lobe + self.rest
+
+    @property
+    def rest(self) -> int:
+        """Number of numbers of a code beside its lobe: those of the functions, and the stretch."""
+        return self.functions + (self.widths == 2)
+
+    @property
+    def factors(self) -> np.ndarray:
+        """The factor (1 + K,) of mean and functions, see `StretchedBasis`."""
+        counts = [1 + self.functions - sum(self.azimuthal), *self.azimuthal]
+        return np.repeat(np.arange(len(counts)), counts)
 
     def to_json(self) -> str:
         """The sizes as a JSON object."""
@@ -74,17 +91,17 @@ class LinearArchitecture:
 
     def parameter_shapes(self) -> dict[str, tuple[int, ...]]:
         """Every parameter's shape by name."""
-        nodes, k = int(np.prod(SHAPES[self.widths])), self.functions
+        nodes, k = int(np.prod(SHAPE)), self.functions
         shapes: dict[str, tuple[int, ...]] = {
             "basis.rows": (nodes, 1 + k),
             "basis.measure": (self.probes,),
             "basis.prior": (k, k),
-            "proposal.weight": (k, proposal.TERMS),
+            "proposal.weight": (self.rest, proposal.TERMS),
             "proposal.bias": (proposal.TERMS,),
             "proposal.overlap": (len(proposal.ALPHAS),),
         }
-        inputs = k + LOBE_FEATURES[self.widths] + COAT_FEATURES[self.widths]
-        return shapes | shapes_of("layerer", (inputs, *self.layerer, k))
+        inputs = self.rest + LOBE_FEATURES[self.widths] + COAT_FEATURES[self.widths]
+        return shapes | shapes_of("layerer", (inputs, *self.layerer, self.rest))
 
 
 class LinearNetworks(NamedTuple):
@@ -95,24 +112,41 @@ class LinearNetworks(NamedTuple):
 
     params: Params
     arch: LinearArchitecture
-    basis: Basis
+    basis: Basis | StretchedBasis
 
     @classmethod
     def of(cls, params: Params, arch: LinearArchitecture) -> "LinearNetworks":
         """The networks of checked parameters."""
-        parts = (np.asarray(params[f"basis.{name}"]) for name in ("rows", "measure", "prior"))
-        return cls(params, arch, Basis.of(*parts, arch.widths))
+        rows, *parts = (
+            np.asarray(params[f"basis.{name}"]) for name in ("rows", "measure", "prior")
+        )
+        if arch.widths == 2:
+            return cls(params, arch, StretchedBasis(rows, arch.factors, *parts))
+        return cls(params, arch, Basis.of(rows, *parts))
 
     def pairs(self) -> tuple[np.ndarray, np.ndarray]:
         """The probe pairs wi, wo: float32 (P, 3)."""
         return self.basis.pairs()
 
     def features(self, wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
-        """The functions (..., 1 + K) of pairs (..., 3) above the horizon, for `rest`."""
+        """What `rest` needs of pairs (..., 3) above the horizon, (..., D).
+
+        The functions for one width, the `core.stretched.features_of` for two.
+        """
+        if isinstance(self.basis, StretchedBasis):
+            return features_of(*np.broadcast_arrays(wi, wo))
         return self.basis.at(wi, wo)
+
+    def functions(self, z: np.ndarray, features: np.ndarray) -> np.ndarray:
+        """The functions (P, 1 + K) of a code z (L,), from `features` (P, D)."""
+        if isinstance(self.basis, StretchedBasis):
+            return self.basis.at(features, z[-1])
+        return features
 
     def encode(self, f: Any, lobe: Any = None) -> Any:
         """Codes (..., L) of values f (..., P) [1/sr] at the probe pairs.
+
+        With two widths, channels, the last axis but one, share the stretch.
 
         lobe: (..., N) the lobes of these BRDFs, if known; None: `fit_lobes` fits them.
         """
@@ -120,8 +154,15 @@ class LinearNetworks(NamedTuple):
         lobe = np.broadcast_to(lobe, (*f.shape[:-1], self.arch.lobe))
         top = lobes.f(lobe[..., None, :], *self.pairs())
         rest, count = np.maximum(f - top, 0), f.shape[-1]
-        codes = solve_codes(self.basis, rest.reshape(-1, count), top.reshape(-1, count))
-        codes = codes.reshape(*f.shape[:-1], self.arch.functions)
+        flat = rest.reshape(-1, count), top.reshape(-1, count)
+        if isinstance(self.basis, StretchedBasis):
+            mean = rest.mean(axis=-2, keepdims=True) if rest.ndim > 1 else rest
+            stretch = self.basis.stretch(mean.reshape(-1, count)).reshape(mean.shape[:-1])
+            stretch = np.broadcast_to(stretch, rest.shape[:-1]).ravel()
+            codes = solve_stretched(self.basis, *flat, stretch)
+        else:
+            codes = solve_codes(self.basis, *flat)
+        codes = codes.reshape(*f.shape[:-1], self.arch.rest)
         return np.concatenate([lobe, codes], axis=-1, dtype=np.float32)
 
     def layer(self, z_bottom: Any, coat: CoatParameters) -> Any:
@@ -141,18 +182,43 @@ class LinearNetworks(NamedTuple):
 
     def rest(self, z: Any, features: Any) -> Any:
         """The rest of f (...) [1/sr], from `features`."""
-        return basis.decode(z[..., self.arch.lobe :], features)
+        rest = z[..., self.arch.lobe :]
+        if isinstance(self.basis, Basis):
+            return basis.decode(rest, features)
+        numbers, stretch = rest[..., :-1], rest[..., -1]
+        if (stretch == stretch.flat[0]).all():
+            rows = self.basis.at(features.reshape(-1, features.shape[-1]), stretch.flat[0])
+            return basis.decode(numbers, rows.reshape(*features.shape[:-1], -1))
+        shape = np.broadcast_shapes(stretch.shape, features.shape[:-1])
+        stretch, result = np.broadcast_to(stretch, shape), np.empty(shape, np.float32)
+        numbers, features = (np.broadcast_to(x, (*shape, x.shape[-1])) for x in (numbers, features))
+        for own in np.unique(stretch):
+            at = stretch == own
+            result[at] = basis.decode(numbers[at], self.basis.at(features[at], own))
+        return result
 
     def rest_at_all(self, z: np.ndarray, features: np.ndarray) -> np.ndarray:
-        """`rest` (S, P) of all codes z (S, L) at all of the same pairs' features (P, 1 + K)."""
-        return basis.decode(z[:, None, self.arch.lobe :], features)
+        """`rest` (S, P) of all codes z (S, L) at all of the same pairs' features (P, D)."""
+        if isinstance(self.basis, Basis):
+            return basis.decode(z[:, None, self.arch.lobe :], features)
+        result = np.empty((len(z), len(features)), np.float32)
+        for own in np.unique(z[:, -1]):
+            at = z[:, -1] == own
+            numbers = z[at, None, self.arch.lobe : -1]
+            result[at] = basis.decode(numbers, self.basis.at(features, own))
+        return result
 
     def table(self, z: np.ndarray) -> np.ndarray | None:
-        """ln f of the rests of codes (C, L): float32 (*`SHAPES[widths]`, C); None without rests."""
+        """ln f of the rests of codes (C, L): float32 (*`SHAPE`, C); None without rests.
+
+        With two widths, it has one more axis of `1 + core.stretched.FACTORS` terms.
+        """
         if (self.gains(z) <= basis.EMPTY_GAIN).all():
             return None
+        if isinstance(self.basis, StretchedBasis):
+            return self.basis.contracted(z[:, self.arch.lobe :])
         logs = basis.decode_log(z[:, None, self.arch.lobe :], self.basis.rows)
-        return logs.T.reshape(*SHAPES[self.arch.widths], len(z))
+        return logs.T.reshape(*SHAPE, len(z))
 
     def gains(self, z: np.ndarray) -> np.ndarray:
         """The logarithmic gains (...) of the rests of codes z (..., L), a view."""
@@ -170,8 +236,8 @@ class LinearNetworks(NamedTuple):
         return codes
 
     def empty_rest(self) -> np.ndarray:
-        """The code (K,) of a rest that is zero."""
-        rest = np.zeros(self.arch.functions, np.float32)
+        """The numbers (K,) of a rest that is zero; of two widths (K + 1,)."""
+        rest = np.zeros(self.arch.rest, np.float32)
         rest[0] = basis.EMPTY_GAIN
         return rest
 
