@@ -25,6 +25,9 @@ from urushi.parallel import fill_blocks
 #: sizes. `probe_pairs` begins with them.
 SLOPED = 2 / 3
 
+#: Widths of round lobes, whose stretch is one.
+ROUND = 0.02, 0.04, 0.08, 0.15, 0.3, 0.6, 1.2
+
 #: Least slope.
 LEAST_SLOPE = 1e-4
 
@@ -75,18 +78,34 @@ class StretchedBasis(NamedTuple):
     def stretch(self, rest: np.ndarray) -> np.ndarray:
         """ln s (S,) of rests with values (S, N) [1/sr] at the probe pairs.
 
-        For a lobe of the widths a_u, a_v, ln(t_u / t_v) of the slopes t of half vectors has the
-        mean ln(a_u / a_v) in any measure that is a function of f. It is that of f^2, to which
-        diffuse light hardly contributes.
+        For a lobe of the widths a_u, a_v, the slopes t of half vectors have the mean
+        ln(t_v / t_u) = ln(a_v / a_u) in any measure that is a function of f. It is the mean of f^2,
+        to which diffuse light hardly contributes.
         """
-        wi, wo = self.pairs()
-        sloped = round(len(wi) * SLOPED)
-        half = np.abs((wi + wo)[:sloped].astype(np.float64))
-        x, y = (half[:, k] / half[:, 2] + LEAST_SLOPE for k in (0, 1))
-        weight = self.measure[:sloped] * np.square(rest[:, :sloped], dtype=np.float64)
-        mean = weight @ np.log(y / x) / np.maximum(weight.sum(axis=1), 1e-30)
+        measure, contrast = slopes_of(len(self.measure), self.measure.tobytes())
+        f2 = np.square(rest[:, : len(measure)], dtype=np.float64)
+        mean = (f2 @ (measure * contrast)) / np.maximum(f2 @ measure, 1e-30)
         return rounded(0.5 * mean).astype(np.float32)
 
     def probe_rows(self, log_stretch: float) -> np.ndarray:
         """The functions (N, 1 + K) at the probe pairs."""
         return self.at(features_of(*self.pairs()), log_stretch)
+
+
+@functools.lru_cache(maxsize=4)
+def slopes_of(count: int, measure: bytes) -> tuple[np.ndarray, np.ndarray]:
+    """Shares (M,) of the first probe pairs, and ln(t_v / t_u) (M,) of their half vectors.
+
+    measure: float32 (count,) of all of them. It is changed as little as possible so that round
+    lobes (`ROUND`) have a mean of zero.
+    """
+    wi, wo = (w[: round(count * SLOPED)].astype(np.float64) for w in probe_pairs(count, 2))
+    shares = np.frombuffer(measure, np.float32)[: len(wi)].astype(np.float64)
+    half = np.abs(wi + wo)
+    x, y = (half[:, k] / half[:, 2] + LEAST_SLOPE for k in (0, 1))
+    contrast, difference = np.log(y / x), 2 - np.linalg.norm(wi + wo, axis=1)
+    lobes = [(1 + (x * x + y * y) / a**2) ** -4 * difference**k for a in ROUND for k in (0, 1, 2)]
+    means = np.stack(lobes) * shares
+    means /= np.linalg.norm(means, axis=1, keepdims=True)
+    change = np.linalg.lstsq(means * contrast, -means @ contrast, rcond=1e-3)[0]
+    return shares * np.maximum(1 + change, 0), contrast

@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
-from scipy.interpolate import CubicSpline
+from scipy.interpolate import CubicSpline  # type: ignore[import-untyped]
 
 from urushi.checks import CoatParameters, Widths
 from urushi.core import probe_pairs as probing
@@ -174,7 +174,9 @@ def data(folder: Path, stacks: int) -> None:
         if path.exists():
             continue
         parts = [transported(seed) for seed in range(first, first + SHARD)]
-        arrays = {n: np.concatenate([getattr(p, n) for p in parts]) for n in Values._fields}
+        arrays: dict[str, Any] = {
+            n: np.concatenate([getattr(p, n) for p in parts]) for n in Values._fields
+        }
         np.savez(path.with_suffix(".part.npz"), **arrays)
         path.with_suffix(".part.npz").rename(path)
         print(path.name, f"{time.perf_counter() - began:.0f} s", flush=True)
