@@ -4,7 +4,7 @@ import itertools
 
 import numpy as np
 
-from urushi.core.table import SHAPES
+from urushi.core.table import SHAPE
 from urushi.nets.linear import LinearArchitecture
 from urushi.nets.weights import Model
 
@@ -29,11 +29,10 @@ def untrained(seed: int = 0, *, spread: float = 0.3, **sizes) -> Model:
 
 def _functions(arch: LinearArchitecture, rng: np.random.Generator, spread: float) -> np.ndarray:
     """Mean, one, and cosines of the coordinates with random amplitudes, (P, 1 + K)."""
-    shape = SHAPES[arch.widths]
-    orders = sorted(itertools.product(range(4), repeat=len(shape)), key=sum)
+    orders = sorted(itertools.product(range(4), repeat=len(SHAPE)), key=sum)
     columns = []
     for order in orders[: arch.functions]:
-        axes = (np.cos(np.pi * n * np.linspace(0, 1, c)) for n, c in zip(order, shape, strict=True))
+        axes = (np.cos(np.pi * n * np.linspace(0, 1, c)) for n, c in zip(order, SHAPE, strict=True))
         grid = np.ones(1)
         for axis in axes:
             grid = np.multiply.outer(grid, axis)

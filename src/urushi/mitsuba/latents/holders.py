@@ -23,6 +23,7 @@ from urushi.mitsuba.networks.lobe import NO_LOBE, LobeKind, kind_of
 from urushi.mitsuba.networks.proposal import CodeProposals, proposals_of
 from urushi.mitsuba.networks.table import TabulatedDecoder, stored
 from urushi.mitsuba.recording import only_where, owned
+from urushi.nets.linear import LinearArchitecture
 from urushi.nets.weights import Model
 from urushi.textures.principal import principal_texture
 from urushi.textures.store import TexelGrid, TextureStore, write_texture
@@ -89,7 +90,8 @@ class ConstantLatents(_Held):
         self._sampler = proposals_of(model, kind)
         self._decoder: BasisDecoder | UrushiDecoder | TabulatedDecoder
         self._tables = []
-        if self._fine and model.widths == 2:
+        stretched = model.widths == 2 and isinstance(model.arch, LinearArchitecture)
+        if stretched or (self._fine and model.widths == 2):
             self._decoder = decoder_of(model, kind)
         else:
             self._decoder = TabulatedDecoder(kind, material.knots)
