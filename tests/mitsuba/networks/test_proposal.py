@@ -19,7 +19,7 @@ def model(request) -> Model:
 def code(model) -> np.ndarray:
     """The code (size,) of a dielectric and a rest."""
     lobe = (0.2, 0, 0, 1, 1.5, 0, 0.1)[: model.arch.lobe]
-    rest = 0.2 * np.random.default_rng(0).normal(size=model.arch.functions)
+    rest = 0.2 * np.random.default_rng(0).normal(size=model.arch.rest)
     return np.array([*lobe, *rest], np.float32)
 
 
