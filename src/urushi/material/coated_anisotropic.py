@@ -27,7 +27,6 @@ from urushi.core.table import (
     anisotropic_node_directions,
 )
 from urushi.material import adding, adding_quadrant
-from urushi.material.coated_table import PEAK_POWER, sums
 from urushi.material.crossing import (
     LEAST_COSINE,
     TINY,
@@ -36,11 +35,16 @@ from urushi.material.crossing import (
     cross_from,
     crossing_at,
     facet_pair_points,
+    sums,
 )
 from urushi.parallel import fill_blocks
 
 #: Pairs of refracted directions; every how many of them smooth light needs.
 POINTS, SMOOTH_STRIDE = 256, 4
+
+#: Half vectors are drawn in proportion to this power of the bottom's mean f: the mean itself would
+#: spend most of them on wide lobes, which the interface's pairs sample as well.
+PEAK_POWER = 2.0
 
 #: Pairs of directions that are computed at once: their numbers stay in a core's cache.
 ROWS = 256

@@ -28,12 +28,14 @@ from urushi.core.table import (
     node_directions,
     unknotted,
 )
-from urushi.material.coated_table import ROWS
 from urushi.parallel import fill_blocks
 from urushi.walk import slabs
 
 #: Nodes of a table of transmitted light: w has a sign.
 PASSED_SHAPE = (*SHAPE[:2], 2 * SHAPE[2] - 1)
+
+#: Pairs that are computed at once: their numbers stay in a core's cache.
+ROWS = 256
 
 #: The node in v from which on light in the denser medium does not leave it.
 CONE = 22
