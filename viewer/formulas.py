@@ -24,7 +24,7 @@ import numpy as np
 from urushi.app.describe import describe, library
 from urushi.app.page_files import cards_of
 from urushi.checks import CoatParameters, Widths
-from urushi.core import appearance, fresnel, microfacet, mixture, table
+from urushi.core import appearance, fresnel, microfacet, mixture, stretched, table
 from urushi.core.namespace import Components
 from urushi.export import rest
 from urushi.export.expressions import (
@@ -242,7 +242,21 @@ def functions() -> list[Function]:
             ),
         ),
     ]
-    found.append(
+    found += [
+        filling(
+            "table_coordinates",
+            "Coordinates of a pair of directions in a table of f.",
+            (WI, WO),
+            lambda wi, wo, xp: table.coordinates(*_both_and_apart(wi, wo), 1, xp),
+        ),
+        filling(
+            "stretched_coordinates",
+            "Coordinates in a table of f of two widths by s^2, and factors of the azimuth.",
+            (*floats("stretch2"), WI, WO),
+            lambda stretch2, wi, wo, xp: itertools.chain(
+                *stretched.stretched(*_both_and_apart(wi, wo), stretch2, xp)
+            ),
+        ),
         filling(
             "direction_features2",
             "The decoder's inputs of a pair of directions.",
@@ -250,13 +264,19 @@ def functions() -> list[Function]:
             lambda wi, wo, xp: features.DIRECTIONS[2].each(
                 features.direction_columns(wi, wo, 2, xp)
             ),
-        )
-    )
+        ),
+    ]
     for widths in (1, 2):
         end = "" if widths == 1 else "2"
         alphas = floats("alpha") if widths == 1 else floats("alpha_u", "alpha_v")
         found += _of_widths(widths, end, alphas)
     return found
+
+
+def _both_and_apart(wi: Components, wo: Components) -> tuple[Components, Components]:
+    """wi + wo and wi - wo."""
+    pairs = list(zip(wi, wo, strict=True))
+    return Components(*(a + b for a, b in pairs)), Components(*(a - b for a, b in pairs))
 
 
 def _of_widths(widths: int, end: str, alphas: Sequence[Variable]) -> list[Function]:
@@ -285,17 +305,6 @@ def _of_widths(widths: int, end: str, alphas: Sequence[Variable]) -> list[Functi
         return lobe.FEATURES[widths].each(columns)
 
     return [
-        filling(
-            f"table_coordinates{end}",
-            "Coordinates of a pair of directions in a table of f.",
-            (WI, WO),
-            lambda wi, wo, xp: table.coordinates(
-                Components(*(a + b for a, b in zip(wi, wo, strict=True))),
-                Components(*(a - b for a, b in zip(wi, wo, strict=True))),
-                widths,
-                xp,
-            ),
-        ),
         filling(f"coat_features{end}", "The layerer's inputs of a coat.", (*alphas, *medium), coat),
         filling(
             f"lobe_features{end}",
@@ -334,6 +343,7 @@ CONSTANTS: dict[str, str] = {
     "core.appearance": "WI WO",
     "core.probe_pairs": "HALF_ANGLE_SHARE MIN_TANGENT MAX_TANGENT MAX_DIFFERENCE MIN_COSINE",
     "core.quadrature": "POLAR_NODES AZIMUTH_NODES MIN_TANGENT",
+    "core.stretched": "FACTORS STEP LARGEST",
     "core.table": "SHAPES MIN_LOG MAX_LOG MIN_COSINE",
     "material.albedo_rule": (
         "COSINE_OFFSET INTERPOLATED_COSINES OVERSHOOT AZIMUTHS ANISOTROPIC_COSINES "
@@ -352,6 +362,7 @@ CONSTANTS: dict[str, str] = {
     "nets.lobe": "NO_LOBE LOBE_FEATURES NUMBERS COSINES VISIBLE",
     "nets.lobe_fit": ("DARK OVERSHOOT_WEIGHT KNEE STEPS CONVERGED LONGEST_STEP LAST_STEPS"),
     "nets.mlp": "POLYNOMIALS",
+    "nets.stretched_basis": "SLOPED LEAST_SLOPE",
     "nets.sampler": "MIN_COSINE_SHARE",
 }
 

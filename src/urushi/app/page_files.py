@@ -22,7 +22,7 @@ import numpy as np
 import safetensors.numpy
 
 from urushi.checks import AIR, Widths
-from urushi.core.table import SHAPES, node_pairs, table_of_values
+from urushi.core.table import SHAPE, node_pairs, table_of_values
 from urushi.errors import FileError, ParameterError
 from urushi.export.languages import LANGUAGES
 from urushi.export.program import template_text
@@ -171,7 +171,7 @@ def packed_weights(model: Model) -> bytes:
         for name, array in model.params.items()
     }
     if "basis.rows" in arrays:
-        arrays |= packed_rows(arrays.pop("basis.rows"), SHAPES[model.widths])
+        arrays |= packed_rows(arrays.pop("basis.rows"), SHAPE)
     description = {
         "kind": "weights",
         "version": FORMAT_VERSION,

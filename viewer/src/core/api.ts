@@ -62,9 +62,9 @@ export interface Compensation {
 export interface Material {
   /** Codes (3, latentSize): coats lie over them, directions are drawn by them. */
   latents: Float32Array;
-  /** By which f is evaluated; materials of two widths have none, and are evaluated by their codes. */
+  /** By which f is evaluated. */
   table?: FTable | undefined;
-  /** Light that is added to what codes without a table reflect. */
+  /** Light that is added, if it is not in the table. */
   compensation?: Compensation | undefined;
 }
 

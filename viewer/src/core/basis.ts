@@ -4,14 +4,15 @@
  *     ln f(wi, wo) = b(x) + sum_k c_k U_k(x)
  *
  * x are the coordinates of tables, and the numbers c_k follow those of the lobe in a code. The first
- * function is one; see Python's `nets.basis`.
+ * function is one; see Python's `nets.basis`. For two GGX widths, the coordinates are stretched, and
+ * the last functions are multiplied by factors of the azimuth. The logarithm of the stretch is the
+ * last number of the code; see `nets.stretched_basis`.
  */
 
-import { CHANNELS } from "./channels";
 import { fittedCode } from "./code_fit";
-import { Cell, clampedLog, type FTable, nodeCount } from "./f_table";
+import { Cell, clampedLog, type FTable, NODES, tableValues } from "./f_table";
 import type { Pairs, Widths } from "./features";
-import { BASIS, TABLE } from "./formulas";
+import { BASIS, STRETCHED, STRETCHED_BASIS, TABLE } from "./formulas";
 import { lobeValues } from "./lobe";
 import { probePairs } from "./probe_pairs";
 import { type AtPairs, difference, type Rests } from "./rests";
@@ -21,6 +22,8 @@ export interface BasisWeights {
   readonly widths: Widths;
   /** (nodes, 1 + K): b, then the functions. */
   readonly rows: Float32Array;
+  /** The first number of a row that each of `Cell.factors` multiplies, and 1 + K. */
+  readonly bounds: readonly number[];
   /** (N) share of each probe pair in integrals over pairs. */
   readonly measure: Float64Array;
   /** (K, K) inverse covariance of the codes of the training materials. */
@@ -32,37 +35,29 @@ export class Basis implements Rests {
   readonly probes: Pairs;
   /** Numbers of a row, 1 + K. */
   private readonly width: number;
-  private readonly atProbes: AtPairs;
+  private atProbes: Float64Array | undefined;
 
   constructor(
     private readonly weights: BasisWeights,
     private readonly lobe: number,
   ) {
     this.widths = weights.widths;
-    this.width = weights.rows.length / nodeCount(weights.widths);
+    this.width = weights.bounds[weights.bounds.length - 1];
     this.probes = probePairs(weights.measure.length, weights.widths);
-    this.atProbes = this.at(this.probes);
   }
 
-  /** The functions (count, 1 + K). */
   at(pairs: Pairs, count = pairs.capacity): AtPairs {
-    const { width } = this;
-    const { rows } = this.weights;
-    const values = new Float64Array(count * width);
-    const cell = new Cell(this.widths);
-    for (let i = 0; i < count; i++) {
-      cell.set(pairs, i);
-      cell.nodes.forEach((node, corner) => {
-        const [share, from, to] = [cell.shares[corner], node * width, i * width];
-        for (let k = 0; k < width; k++) values[to + k] += share * rows[from + k];
-      });
-    }
-    return { count, values };
+    const values = this.widths === 1 ? this.functions(pairs, count) : new Float64Array();
+    return { count, values, pairs };
   }
 
-  values(code: ArrayLike<number>, { count, values }: AtPairs): Float64Array {
+  values(code: Float32Array, { count, values, pairs }: AtPairs): Float64Array {
     const { width, lobe } = this;
     const result = new Float64Array(count);
+    if (this.widths === 2) {
+      tableValues(this.table([code]), pairs, count, result);
+      return result;
+    }
     for (let i = 0, at = 0; i < count; i++, at += width) {
       let log = values[at];
       for (let k = 1; k < width; k++) log += values[at + k] * code[lobe + k - 1];
@@ -74,15 +69,42 @@ export class Basis implements Rests {
   encode(lobe: Float32Array, f: Float64Array): Float32Array {
     const { measure, prior } = this.weights;
     const top = lobeValues(lobe, this.probes);
-    const numbers = fittedCode(this.atProbes.values, measure, prior, difference(f, top), top);
-    return Float32Array.of(...lobe, ...numbers);
+    const rest = difference(f, top);
+    if (this.widths === 2) {
+      const stretch = this.stretchOf(rest);
+      const rows = this.functions(this.probes, measure.length, Math.exp(2 * stretch));
+      return Float32Array.of(...lobe, ...fittedCode(rows, measure, prior, rest, top), stretch);
+    }
+    this.atProbes ??= this.functions(this.probes, measure.length);
+    return Float32Array.of(...lobe, ...fittedCode(this.atProbes, measure, prior, rest, top));
   }
 
   without(lobe: Float32Array): Float32Array {
-    const code = new Float32Array(lobe.length + this.width - 1);
+    const code = new Float32Array(lobe.length + this.width - 1 + Number(this.widths === 2));
     code.set(lobe);
     code[lobe.length] = BASIS.EMPTY_GAIN;
     return code;
+  }
+
+  /** The table of the rests of codes, one for each channel. */
+  table(codes: readonly Float32Array[]): FTable {
+    const { width, lobe } = this;
+    const { rows, bounds } = this.weights;
+    const terms = bounds.length - 1;
+    const stride = codes.length * terms;
+    const logs = new Float32Array(NODES * stride);
+    codes.forEach((code, channel) => {
+      const numbers = Float64Array.of(1, ...code.subarray(lobe));
+      for (let node = 0, at = 0; node < NODES; node++, at += width)
+        for (let term = 0; term < terms; term++) {
+          const end = bounds[term + 1];
+          let sum = 0;
+          for (let k = bounds[term]; k < end; k++) sum += rows[at + k] * numbers[k];
+          logs[node * stride + channel * terms + term] = terms === 1 ? clampedLog(sum) : sum;
+        }
+    });
+    const table = { logs, besideLobe: true, isOfCodes: true };
+    return terms === 1 ? table : { ...table, stretches: codes.map((code) => code[code.length - 1]) };
   }
 
   /**
@@ -93,10 +115,10 @@ export class Basis implements Rests {
   texels(): Float32Array<ArrayBuffer> {
     const { width } = this;
     const { rows } = this.weights;
-    const [inner] = TABLE.SHAPES[this.widths].slice(-1) as [number];
+    const inner = TABLE.SHAPES[1][2];
     const blocks = Math.ceil((width - 1) / 4);
-    const texels = new Float32Array((rows.length / width) * blocks * 4);
-    for (let node = 0; node * width < rows.length; node++) {
+    const texels = new Float32Array(NODES * blocks * 4);
+    for (let node = 0; node < NODES; node++) {
       const [outer, w] = [Math.floor(node / inner), node % inner];
       for (let n = 0; n < width - 1; n++) {
         const texel = (outer * blocks + Math.floor(n / 4)) * inner + w;
@@ -106,24 +128,41 @@ export class Basis implements Rests {
     return texels;
   }
 
-  /** The table of the rests of three codes. */
-  table(codes: readonly Float32Array[]): FTable {
+  /** The functions (count, 1 + K) at pairs, times their factors. */
+  private functions(pairs: Pairs, count: number, stretch2 = 1): Float64Array {
     const { width } = this;
-    const { rows } = this.weights;
-    const [red, green, blue] = codes.map((code) => Float64Array.of(1, ...code.subarray(this.lobe)));
-    const logs = new Float32Array((rows.length / width) * CHANNELS);
-    for (let at = 0, to = 0; at < rows.length; at += width, to += CHANNELS) {
-      let [r, g, b] = [0, 0, 0];
-      for (let k = 0; k < width; k++) {
-        const value = rows[at + k];
-        r += value * red[k];
-        g += value * green[k];
-        b += value * blue[k];
+    const { rows, bounds } = this.weights;
+    const values = new Float64Array(count * width);
+    const cell = new Cell(this.widths);
+    for (let i = 0; i < count; i++) {
+      cell.set(pairs, i, stretch2);
+      const to = i * width;
+      for (let corner = 0; corner < 8; corner++) {
+        const [share, from] = [cell.shares[corner], cell.nodes[corner] * width];
+        for (let k = 0; k < width; k++) values[to + k] += share * rows[from + k];
       }
-      logs[to] = clampedLog(r);
-      logs[to + 1] = clampedLog(g);
-      logs[to + 2] = clampedLog(b);
+      cell.factors.forEach((factor, term) => {
+        for (let k = bounds[term]; k < bounds[term + 1]; k++) values[to + k] *= factor;
+      });
     }
-    return { logs, besideLobe: true, isOfCodes: true };
+    return values;
+  }
+
+  /** The logarithm of the stretch of a rest (N) [1/sr] at the probe pairs. */
+  private stretchOf(rest: Float64Array): number {
+    const { SLOPED, LEAST_SLOPE } = STRETCHED_BASIS;
+    const { directions } = this.probes;
+    let [sum, total] = [0, 0];
+    for (let i = 0; i < Math.round(rest.length * SLOPED); i++) {
+      const [x, y, z] = [0, 1, 2].map((k) =>
+        Math.abs(directions[6 * i + k] + directions[6 * i + 3 + k]),
+      );
+      const weight = this.weights.measure[i] * rest[i] ** 2;
+      sum += weight * Math.log((y / z + LEAST_SLOPE) / (x / z + LEAST_SLOPE));
+      total += weight;
+    }
+    const { STEP, LARGEST } = STRETCHED;
+    const stretch = Math.round((0.5 * sum) / Math.max(total, 1e-30) / STEP) * STEP;
+    return Math.min(Math.max(stretch, -LARGEST), LARGEST);
   }
 }

@@ -50,7 +50,7 @@ export class EnergyLimit {
   }
 
   /** Directional albedos (D) of what the code's lobe does not reflect. */
-  private restAlbedos(code: ArrayLike<number>): Float64Array {
+  private restAlbedos(code: Float32Array): Float64Array {
     const albedos = new Float64Array(this.rule.cosines.length);
     addAlbedos(this.rule, this.rests.values(code, this.nodes), albedos);
     return albedos;
@@ -79,7 +79,7 @@ export class EnergyLimit {
     return code[3] <= 0 || code[4] >= 1;
   }
 
-  private measuredFactor(code: ArrayLike<number>, ceiling: Ceiling): number {
+  private measuredFactor(code: Float32Array, ceiling: Ceiling): number {
     if (!this.isLimited(code)) {
       return 1;
     }

@@ -2,7 +2,7 @@
 
 import type { Material, TableOptions } from "./api";
 import { Basis } from "./basis";
-import { CHANNELS, firstSame, rows, sameNumbers } from "./channels";
+import { CHANNELS, rows } from "./channels";
 import { lobeOf } from "./compensation";
 import { tableValues } from "./f_table";
 import { Pairs, type Widths } from "./features";
@@ -112,39 +112,24 @@ export class Evaluation {
 
   /** f (count, 3) of the first pairs. */
   private values(material: Material, pairs: Pairs, count: number): Float64Array {
-    const { table } = material;
+    const { table, compensation } = material;
     const codes = rows(material.latents, this.latentSize);
     const result = new Float64Array(CHANNELS * count);
-    if (table === undefined) this.addRests(material, pairs, count, result);
-    else tableValues(table, pairs, count, result);
-    if (table === undefined || table.besideLobe)
-      codes.forEach((code, channel) => {
-        for (let i = 0; i < count; i++)
-          result[CHANNELS * i + channel] += lobeValue(code, 0, pairs, i);
-      });
-    return result;
-  }
-
-  /** Add the rests of codes and the compensation, which other materials have in their table. */
-  private addRests(
-    { latents, compensation }: Material,
-    pairs: Pairs,
-    count: number,
-    result: Float64Array,
-  ): void {
-    const codes = rows(latents, this.latentSize);
-    const at = this.rests.at(pairs, count);
-    const rests: Float64Array[] = [];
+    if (table !== undefined) tableValues(table, pairs, count, result);
+    const at = table === undefined ? this.rests.at(pairs, count) : undefined;
     codes.forEach((code, channel) => {
-      const own = firstSame(channel, (a, b) => sameNumbers(codes[a], codes[b]));
-      rests.push(own < channel ? rests[own] : this.rests.values(code, at));
+      const rest = at && this.rests.values(code, at);
       for (let i = 0; i < count; i++) {
-        const lobe = compensation
-          ? lobeOf(compensation, channel, pairs.directions[6 * i + 2], pairs.directions[6 * i + 5])
-          : 0;
-        result[CHANNELS * i + channel] += rests[channel][i] + lobe;
+        const place = CHANNELS * i + channel;
+        if (rest) result[place] += rest[i];
+        if (table?.besideLobe !== false) result[place] += lobeValue(code, 0, pairs, i);
+        if (compensation) {
+          const [cosI, cosO] = [pairs.directions[6 * i + 2], pairs.directions[6 * i + 5]];
+          result[place] += lobeOf(compensation, channel, cosI, cosO);
+        }
       }
     });
+    return result;
   }
 
   /** The mean of the channels' codes, whose proposal all share. */

@@ -2,34 +2,44 @@
 
 import { CHANNELS } from "./channels";
 import type { Pairs, Widths } from "./features";
-import { nodeDirections, TABLE, tableCoordinates, tableCoordinates2 } from "./formulas";
+import {
+  nodeDirections,
+  STRETCHED,
+  stretchedCoordinates,
+  TABLE,
+  tableCoordinates,
+} from "./formulas";
 import { fromHalf, toHalf } from "./half";
 
 /** A material's table, by which f is evaluated. */
 export interface FTable {
-  /** ln f (nodes, 3). */
+  /** ln f (nodes, 3); of two widths the terms (nodes, 3, 6), see `Cell.factors`. */
   readonly logs: Float32Array;
   /** Whether f is the lobe of the codes plus the table. */
   readonly besideLobe: boolean;
+  /** Of two widths: the logarithms (3) of the stretches of the channels. */
+  readonly stretches?: readonly number[];
   /** Whether the codes give the same f, so that files leave it out; false if left out. */
   readonly isOfCodes?: boolean;
 }
 
-/** Number of nodes of a table of one GGX width or two. */
-export function nodeCount(widths: Widths): number {
-  return TABLE.SHAPES[widths].reduce<number>((product, count) => product * count, 1);
-}
+const SHAPE = TABLE.SHAPES[1];
+
+/** Number of nodes of a table. */
+export const NODES = SHAPE.reduce<number>((product, count) => product * count, 1);
 
 /** Numbers of a table of three channels and one width. */
-export const TABLE_SIZE = nodeCount(1) * CHANNELS;
+export const TABLE_SIZE = NODES * CHANNELS;
+
+/** Terms of ln f of two widths: one, and as many as there are factors of the azimuth. */
+export const TERMS = 1 + STRETCHED.FACTORS;
 
 /** Pairs of directions (N, 3) of the nodes of one width, the last axis fastest. */
 export function nodePairs(): { wi: Float32Array; wo: Float32Array } {
-  const [U, V, W] = TABLE.SHAPES[1];
-  const count = U * V * W;
-  const [wi, wo] = [new Float32Array(3 * count), new Float32Array(3 * count)];
+  const [U, V, W] = SHAPE;
+  const [wi, wo] = [new Float32Array(3 * NODES), new Float32Array(3 * NODES)];
   const pair = new Float64Array(6);
-  for (let i = 0; i < count; i++) {
+  for (let i = 0; i < NODES; i++) {
     const [u, v, w] = [Math.floor(i / (V * W)), Math.floor(i / W) % V, i % W];
     nodeDirections(u / (U - 1), v / (V - 1), w / (W - 1), pair, 0);
     for (const [target, at] of [
@@ -59,29 +69,34 @@ export function logsOf(values: readonly Float64Array[]): Float32Array {
 
 /** The cell of a table around a pair of directions: its corners, and their shares. */
 export class Cell {
-  readonly nodes: Int32Array;
-  readonly shares: Float64Array;
-  private readonly shape: readonly number[];
-  private readonly coordinates: typeof tableCoordinates;
-  private readonly place: Float64Array;
+  readonly nodes = new Int32Array(8);
+  readonly shares = new Float64Array(8);
+  /** Of two widths: one, and the factors of the azimuth by which terms are multiplied. */
+  readonly factors: Float64Array;
+  /** Coordinates, and the factors behind them. */
+  private readonly place = new Float64Array(3 + STRETCHED.FACTORS);
 
-  constructor(widths: Widths) {
-    this.shape = TABLE.SHAPES[widths];
-    this.coordinates = widths === 1 ? tableCoordinates : tableCoordinates2;
-    this.place = new Float64Array(this.shape.length);
-    this.nodes = new Int32Array(2 ** this.shape.length);
-    this.shares = new Float64Array(this.nodes.length);
+  constructor(private readonly widths: Widths) {
+    this.factors = new Float64Array(widths === 1 ? 1 : TERMS).fill(1);
   }
 
-  /** Set the cell to that of pair `i`. */
-  set({ directions: w }: Pairs, i: number): void {
-    const { shape, place, nodes, shares } = this;
+  /** Set the cell to that of pair `i`; stretch2: of two widths, the square of the stretch. */
+  set({ directions: w }: Pairs, i: number, stretch2 = 1): void {
+    const { place, nodes, shares, factors } = this;
     const k = 6 * i;
-    this.coordinates(w[k], w[k + 1], w[k + 2], w[k + 3], w[k + 4], w[k + 5], place, 0);
+    if (this.widths === 1)
+      tableCoordinates(w[k], w[k + 1], w[k + 2], w[k + 3], w[k + 4], w[k + 5], place, 0);
+    else
+      stretchedCoordinates(
+        ...[stretch2, w[k], w[k + 1], w[k + 2], w[k + 3], w[k + 4], w[k + 5]] as const,
+        place,
+        0,
+      );
+    for (let term = 1; term < factors.length; term++) factors[term] = place[2 + term];
     nodes[0] = 0;
     shares[0] = 1;
-    for (let axis = 0, known = 1; axis < shape.length; axis++, known *= 2) {
-      const count = shape[axis];
+    for (let axis = 0, known = 1; axis < 3; axis++, known *= 2) {
+      const count = SHAPE[axis];
       const at = Math.min(Math.max(place[axis], 0), 1) * (count - 1);
       const first = Math.min(Math.floor(at), count - 2);
       const share = at - first;
@@ -95,30 +110,37 @@ export class Cell {
       }
     }
   }
+
+  /** ln f of a channel, by numbers that have `stride` a node. */
+  log(logs: Float32Array, channel: number, stride: number): number {
+    const { nodes, shares, factors } = this;
+    const first = channel * factors.length;
+    let log = 0;
+    for (let corner = 0; corner < 8; corner++) {
+      const at = nodes[corner] * stride + first;
+      let sum = logs[at];
+      for (let term = 1; term < factors.length; term++) sum += factors[term] * logs[at + term];
+      log += shares[corner] * sum;
+    }
+    return clampedLog(log);
+  }
 }
 
-/** Put the values (count, 3) [1/sr] of a table at the first pairs into an array. */
+/** Put the values (count, channels) [1/sr] of a table at the first pairs into an array. */
 export function tableValues(
-  { logs }: FTable,
+  { logs, stretches }: Pick<FTable, "logs" | "stretches">,
   pairs: Pairs,
   count: number,
   out: Float64Array,
 ): void {
-  const cell = new Cell(pairs.widths);
-  const { nodes, shares } = cell;
-  for (let i = 0; i < count; i++) {
-    cell.set(pairs, i);
-    let [red, green, blue] = [0, 0, 0];
-    for (let corner = 0; corner < nodes.length; corner++) {
-      const at = CHANNELS * nodes[corner];
-      const share = shares[corner];
-      red += share * logs[at];
-      green += share * logs[at + 1];
-      blue += share * logs[at + 2];
+  const cell = new Cell(stretches === undefined ? 1 : 2);
+  const channels = out.length / count;
+  const stride = logs.length / NODES;
+  const squares = stretches?.map((stretch) => Math.exp(2 * stretch));
+  for (let i = 0; i < count; i++)
+    for (let channel = 0; channel < channels; channel++) {
+      const isNew = channel === 0 || (squares && squares[channel] !== squares[channel - 1]);
+      if (isNew) cell.set(pairs, i, squares?.[channel]);
+      out[channels * i + channel] = Math.exp(cell.log(logs, channel, stride));
     }
-    const to = CHANNELS * i;
-    out[to] = Math.exp(red);
-    out[to + 1] = Math.exp(green);
-    out[to + 2] = Math.exp(blue);
-  }
 }

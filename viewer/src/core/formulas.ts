@@ -38,6 +38,13 @@ export const QUADRATURE = {
   MIN_TANGENT: 1e-05,
 } as const;
 
+/** Of `urushi.core.stretched` of Python. */
+export const STRETCHED = {
+  FACTORS: 5,
+  STEP: 0.03125,
+  LARGEST: 1.25,
+} as const;
+
 /** Of `urushi.core.table` of Python. */
 export const TABLE = {
   SHAPES: { 1: [96, 32, 8], 2: [40, 40, 16, 20] },
@@ -153,6 +160,12 @@ export const MLP = {
     0.0002924521977775268, -3.1043713096403e-06]] },
 } as const;
 
+/** Of `urushi.nets.stretched_basis` of Python. */
+export const STRETCHED_BASIS = {
+  SLOPED: 0.6666666666666666,
+  LEAST_SLOPE: 0.0001,
+} as const;
+
 /** Of `urushi.nets.sampler` of Python. */
 export const SAMPLER = {
   MIN_COSINE_SHARE: 0.02,
@@ -255,6 +268,45 @@ export function coatedColor(eta: number, albedo: number, sigmaT: number, g: numb
         diffuseScattering - reflectance * diffuseScattering + diffuseDecay))));
 }
 
+/** Coordinates of a pair of directions in a table of f. */
+export function tableCoordinates(wiX: number, wiY: number, wiZ: number, woX: number, woY: number,
+    woZ: number, out: Float64Array, at: number): void {
+    const z2 = Math.max((wiZ + woZ) * (wiZ + woZ), 1e-18);
+    const squared = (wiX + woX) * (wiX + woX) + (wiY + woY) * (wiY + woY) + z2;
+    const cosD = Math.min(0.5 * Math.sqrt(squared), 1);
+    const across = (wiX + woX) * (wiX + woX) + (wiY + woY) * (wiY + woY);
+    out[at] = (Math.log(across / z2 + 1e-05) - (-11.512925464970229)) * 0.05428681023790647;
+    out[1 + at] = Math.sqrt(1 - cosD);
+    out[2 + at] = 1 - Math.sqrt(1 - Math.min(0.5 * Math.abs(wiZ - woZ) / Math.max(Math.min(0.5 *
+        (wiZ + woZ), Math.sqrt(across / squared * ((1 - cosD) * (1 + cosD)))), 1e-09), 1));
+}
+
+/** Coordinates in a table of f of two widths by s^2, and factors of the azimuth. */
+export function stretchedCoordinates(stretch2: number, wiX: number, wiY: number, wiZ: number, woX:
+    number, woY: number, woZ: number, out: Float64Array, at: number): void {
+    const stretchedZ2 = Math.max((wiZ + woZ) * (wiZ + woZ), 1e-18);
+    const stretchedAcross = (wiX + woX) * (wiX + woX) * stretch2 + (wiY + woY) * (wiY + woY) /
+        stretch2;
+    const cos2Psi = ((wiX + woX) * (wiX + woX) * stretch2 - (wiY + woY) * (wiY + woY) / stretch2) /
+        Math.max(stretchedAcross, 1e-12);
+    const cos2P = ((wiX - woX) * (wiX - woX) - (wiY - woY) * (wiY - woY)) / Math.max((wiX - woX) *
+        (wiX - woX) + (wiY - woY) * (wiY - woY), 1e-12);
+    const z2 = Math.max((wiZ + woZ) * (wiZ + woZ), 1e-18);
+    const squared = (wiX + woX) * (wiX + woX) + (wiY + woY) * (wiY + woY) + z2;
+    const cosD = Math.min(0.5 * Math.sqrt(squared), 1);
+    const across = (wiX + woX) * (wiX + woX) + (wiY + woY) * (wiY + woY);
+    out[at] = (Math.log(stretchedAcross / stretchedZ2 + 1e-05) - (-11.512925464970229)) *
+        0.05428681023790647;
+    out[1 + at] = Math.sqrt(1 - cosD);
+    out[2 + at] = 1 - Math.sqrt(1 - Math.min(0.5 * Math.abs(wiZ - woZ) / Math.max(Math.min(0.5 *
+        (wiZ + woZ), Math.sqrt(across / squared * ((1 - cosD) * (1 + cosD)))), 1e-09), 1));
+    out[3 + at] = cos2Psi;
+    out[4 + at] = cos2P;
+    out[5 + at] = 2 * cos2Psi * cos2Psi - 1;
+    out[6 + at] = 2 * cos2P * cos2P - 1;
+    out[7 + at] = cos2Psi * cos2P;
+}
+
 /** The decoder's inputs of a pair of directions. */
 export function directionFeatures2(wiX: number, wiY: number, wiZ: number, woX: number, woY: number,
     woZ: number, out: Float64Array, at: number): void {
@@ -284,19 +336,6 @@ export function directionFeatures2(wiX: number, wiY: number, wiZ: number, woX: n
     out[11 + at] = (Math.log(wiY * wiY + woY * woY + 0.001) - (-0.9)) * 0.7692307692307692;
     out[12 + at] = (wiX * woX - (-0.1)) * 3.3333333333333335;
     out[13 + at] = (wiY * woY - (-0.1)) * 3.3333333333333335;
-}
-
-/** Coordinates of a pair of directions in a table of f. */
-export function tableCoordinates(wiX: number, wiY: number, wiZ: number, woX: number, woY: number,
-    woZ: number, out: Float64Array, at: number): void {
-    const z2 = Math.max((wiZ + woZ) * (wiZ + woZ), 1e-18);
-    const squared = (wiX + woX) * (wiX + woX) + (wiY + woY) * (wiY + woY) + z2;
-    const cosD = Math.min(0.5 * Math.sqrt(squared), 1);
-    const across = (wiX + woX) * (wiX + woX) + (wiY + woY) * (wiY + woY);
-    out[at] = (Math.log(across / z2 + 1e-05) - (-11.512925464970229)) * 0.05428681023790647;
-    out[1 + at] = Math.sqrt(1 - cosD);
-    out[2 + at] = 1 - Math.sqrt(1 - Math.min(0.5 * Math.abs(wiZ - woZ) / Math.max(Math.min(0.5 *
-        (wiZ + woZ), Math.sqrt(across / squared * ((1 - cosD) * (1 + cosD)))), 1e-09), 1));
 }
 
 /** The layerer's inputs of a coat. */
@@ -403,22 +442,6 @@ export function sampleReflection(alpha: number, wiX: number, wiY: number, wiZ: n
         + facetY * facetY + facetZ * facetZ, 1e-18);
     return { x: twiceCosine * facetX - wiX, y: twiceCosine * facetY - wiY, z: Math.abs(twiceCosine *
         facetZ - wiZ) };
-}
-
-/** Coordinates of a pair of directions in a table of f. */
-export function tableCoordinates2(wiX: number, wiY: number, wiZ: number, woX: number, woY: number,
-    woZ: number, out: Float64Array, at: number): void {
-    const z2 = Math.max((wiZ + woZ) * (wiZ + woZ), 1e-18);
-    const squared = (wiX + woX) * (wiX + woX) + (wiY + woY) * (wiY + woY) + z2;
-    const cosD = Math.min(0.5 * Math.sqrt(squared), 1);
-    out[at] = (Math.log((wiX + woX) * (wiX + woX) / z2 + 1e-05) - (-11.512925464970229)) *
-        0.06204206884332169;
-    out[1 + at] = (Math.log((wiY + woY) * (wiY + woY) / z2 + 1e-05) - (-11.512925464970229)) *
-        0.06204206884332169;
-    out[2 + at] = Math.sqrt(1 - cosD);
-    out[3 + at] = ((wiX + woX) * (wiY + woY) * ((wiX - woX) * (wiY - woY)) >= 0 ? 0.5 * Math.abs(wiY
-        - woY) / Math.max(Math.abs(wiX - woX) + Math.abs(wiY - woY), 1e-12) : 1 - 0.5 * Math.abs(wiY
-        - woY) / Math.max(Math.abs(wiX - woX) + Math.abs(wiY - woY), 1e-12));
 }
 
 /** The layerer's inputs of a coat. */

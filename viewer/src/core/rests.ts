@@ -4,7 +4,8 @@ import type { Pairs, Widths } from "./features";
 
 /** What is known of pairs of directions whatever the code; see `Rests.at`. */
 export interface AtPairs {
-  /** Number of pairs. */
+  readonly pairs: Pairs;
+  /** Number of the pairs, the first of all. */
   readonly count: number;
   readonly values: Float64Array;
 }
@@ -17,7 +18,7 @@ export interface Rests {
   /** What `values` needs of the first `count` pairs. */
   at(pairs: Pairs, count?: number): AtPairs;
   /** f (count) [1/sr] of a code without its lobe. */
-  values(code: ArrayLike<number>, at: AtPairs): Float64Array;
+  values(code: Float32Array, at: AtPairs): Float64Array;
   /** The code of a lobe and of f [1/sr], of which the lobe is a part, at the probe pairs. */
   encode(lobe: Float32Array, f: Float64Array): Float32Array;
   /** The code of a lobe alone. */

@@ -1,7 +1,7 @@
 /** Basis and networks from a weights file of `urushi train`, or from the page's own. */
 
 import type { BasisWeights } from "./basis";
-import { nodeCount } from "./f_table";
+import { NODES } from "./f_table";
 import { FEATURES, LOBE, TABLE } from "./formulas";
 import { type Architecture, type Layer, readLayers, tensorOf } from "./layers";
 import { type PerceptronWeights, readPerceptrons } from "./perceptrons/weights";
@@ -39,7 +39,7 @@ export function readWeights(file: ArrayBuffer): Weights {
   return {
     arch,
     fingerprint: String(description.fingerprint ?? ""),
-    rests: "functions" in sizes ? readBasis(tensors, arch) : readPerceptrons(tensors, arch),
+    rests: "functions" in sizes ? readBasis(tensors, arch, sizes.azimuthal) : readPerceptrons(tensors, arch),
     layerer: readLayers(tensors, "layerer", rest + ofLobe + ofCoat, rest),
     sampler: readLayers(tensors, "sampler", ofLobe + rest + 2 * widths, (1 + widths) * lobes + 2),
   };
@@ -60,7 +60,8 @@ function readArchitecture(sizes: Record<string, unknown>): Architecture {
     );
   }
   const lobe = LOBE.NUMBERS[widths].length;
-  const rest = "functions" in sizes ? size("functions") : size("latent") - lobe;
+  const stretches = Number(widths === 2); // the last number of a code of a basis
+  const rest = "functions" in sizes ? size("functions") + stretches : size("latent") - lobe;
   return {
     latent: lobe + rest,
     widths,
@@ -75,16 +76,21 @@ function readArchitecture(sizes: Record<string, unknown>): Architecture {
 function readBasis(
   tensors: ReadonlyMap<string, Tensor>,
   { widths, rest, probes }: Architecture,
+  azimuthal: unknown,
 ): BasisWeights {
-  const nodes = nodeCount(widths);
+  const count = widths === 1 ? rest : rest - 1;
+  const bounds = [1 + count];
+  for (const size of Array.isArray(azimuthal) ? azimuthal.map(Number).reverse() : [])
+    bounds.unshift(bounds[0] - size);
   const rows = tensors.has("basis.bytes")
-    ? unpackedRows(tensors, TABLE.SHAPES[widths], rest)
-    : Float32Array.from(tensorOf(tensors, "basis.rows", [nodes, 1 + rest]).values);
+    ? unpackedRows(tensors, count)
+    : Float32Array.from(tensorOf(tensors, "basis.rows", [NODES, 1 + count]).values);
   return {
     widths,
     rows,
+    bounds: [0, ...bounds],
     measure: tensorOf(tensors, "basis.measure", [probes]).values,
-    prior: tensorOf(tensors, "basis.prior", [rest, rest]).values,
+    prior: tensorOf(tensors, "basis.prior", [count, count]).values,
   };
 }
 
@@ -95,12 +101,8 @@ function readBasis(
  * functions without the first, which is one. Half a number, rounded, is the difference from the node
  * before along all axes in turn, of steps of "basis.ranges"; odd ones are negative.
  */
-function unpackedRows(
-  tensors: ReadonlyMap<string, Tensor>,
-  shape: readonly number[],
-  count: number,
-): Float32Array {
-  const nodes = shape.reduce((product, size) => product * size, 1);
+function unpackedRows(tensors: ReadonlyMap<string, Tensor>, count: number): Float32Array {
+  const nodes = NODES;
   const bytes = tensorOf(tensors, "basis.bytes", [2, count, nodes]).values;
   const ranges = tensorOf(tensors, "basis.ranges", [count, 2]).values;
   const rows = new Float32Array(nodes * (1 + count));
@@ -112,7 +114,7 @@ function unpackedRows(
       steps[node] = (number >> 1) ^ -(number & 1);
     }
     let stride = nodes;
-    for (const size of shape) {
+    for (const size of TABLE.SHAPES[1]) {
       const whole = stride;
       stride /= size;
       for (let node = 0; node < nodes; node++)

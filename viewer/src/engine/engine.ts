@@ -157,7 +157,7 @@ export class Slot {
     const { material, generation } = this;
     const size = fine ? ANISOTROPIC_FINE : ANISOTROPIC_COARSE;
     const isEnough = this.bright !== null && (!fine || this.bright.size === size);
-    if (material === null || material.table !== undefined || isEnough) return;
+    if (material === null || this.widths === 1 || isEnough) return;
     const pairs = anisotropicPairs(size);
     const f = await this.core.f(material, pairs.wi, pairs.wo);
     if (generation !== this.generation || this.busy) return;

@@ -232,11 +232,11 @@ export class Painter {
 
   /** Give a renderer what a frame needs; count: of those that precede it at rest, null: it moves. */
   private upload(renderer: Renderer, slot: 0 | 1, count: number | null): void {
-    const { tables, generation, material, bright, texture } = this.slots[slot];
+    const { tables, generation, material, bright, texture, widths } = this.slots[slot];
     const table = tables[count ?? 0] ?? tables[0];
     const key = `${generation}.${count}`;
     if (table !== undefined && this.uploaded[slot] !== key) {
-      const { widths, rotation } = this.slots[slot];
+      const { rotation } = this.slots[slot];
       const sizes = { ...TABLE_ROWS[widths], samples: SAMPLES };
       renderer.setTable(slot, table, sizes, rotation, count === null);
       this.uploaded[slot] = key;
@@ -245,7 +245,7 @@ export class Painter {
       this.textureOf[slot] = texture;
       renderer.setTexels(slot, texture);
     }
-    if (material?.table && this.materialOf[slot] !== material) {
+    if (widths === 1 && material?.table && this.materialOf[slot] !== material) {
       this.materialOf[slot] = material;
       renderer.setMaterial(slot, { ...material, table: material.table });
     }

@@ -75,7 +75,8 @@ export class Decoder {
    * The first layer's responses to the first `count` pairs, the same for all codes: (blocks, width,
    * `LANES`), where the pairs of a block lie side by side. The last block is filled up.
    */
-  respond({ directions: w }: Pairs, count: number): AtPairs {
+  respond(pairs: Pairs, count: number): AtPairs {
+    const { directions: w } = pairs;
     const { width, ofDirections, features: stride } = this;
     const features = new Float64Array(count * FEATURES.DIRECTION_FEATURES[2]);
     for (let i = 0, k = 0; i < count; i++, k += 6)
@@ -117,7 +118,7 @@ export class Decoder {
         }
       }
     }
-    return { count, values };
+    return { pairs, count, values };
   }
 
   /** The rest [1/sr] at all pairs. */

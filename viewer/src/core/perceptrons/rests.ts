@@ -28,7 +28,7 @@ export class PerceptronRests implements Rests {
     return this.decoder.respond(pairs, count);
   }
 
-  values(code: ArrayLike<number>, at: AtPairs): Float64Array {
+  values(code: Float32Array, at: AtPairs): Float64Array {
     return this.decoder.rest(this.decoder.prepare(code, this.weights.arch.lobe), at);
   }
 
