@@ -9,6 +9,7 @@ import { type Session, session, shownOf } from "../engine/session";
 import { textures } from "../engine/textures";
 import { stackOf } from "../material/material";
 import { Refusal } from "../refusal";
+import { basisFile, FORMATS, type Format } from "../save/basis_texture";
 import { exrFile } from "../save/exr";
 import { materialxText } from "../save/materialx";
 import { mitsubaDict, mitsubaXml } from "../save/mitsuba";
@@ -157,10 +158,15 @@ async function saveShader(language: Language, name: string): Promise<void> {
   const { core, codes } = await encoded();
   const text = shaderText(await readTemplate(language, core.widths), codes, rotation());
   download(`${name}${LANGUAGES[language].suffix}`, textBlob(text));
-  if (codes.table !== undefined)
+  if (codes.table !== undefined && !codes.table.isOfCodes)
     tell(
-      "The shader code has the codes of the material; for its table, save the material and run urushi export --texture.",
+      "The shader code has the codes of the material; for its table, save the material and run urushi export.",
     );
+}
+
+async function saveBasis(format: Format): Promise<void> {
+  const texels = await presentSession().cores.isotropic.basisTexels();
+  download(`urushi-basis.${format}`, basisFile(texels, format));
 }
 
 /** Offer a file for download. */
@@ -227,6 +233,18 @@ export function SaveMenu({ onDone }: { onDone: () => void }) {
                   onClick={() => void run((name) => saveShader(language, name))}
                 >
                   {LANGUAGES[language].title}
+                </button>
+              ))}
+            </div>
+            <small>The texture that their f reads: GPU, NumPy, OSL</small>
+            <div role="group" aria-label="Texture of the basis">
+              {(Object.keys(FORMATS) as Format[]).map((format) => (
+                <button
+                  key={format}
+                  type="button"
+                  onClick={() => void run(() => saveBasis(format))}
+                >
+                  {FORMATS[format]}
                 </button>
               ))}
             </div>

@@ -268,7 +268,8 @@ test("saved shader code compiles", async ({ page }) => {
 
 /** What WebGL2 says of functions in GLSL; "" if they compile. */
 function compileLog(page: Page, functions: string): Promise<string> {
-  const main = "void main() { colour = vec4(urushi_f(urushi_material(), wi, wo), 1.0); }";
+  const f = "urushi_f(urushi_material(), wi, wo, functions)";
+  const main = `uniform highp sampler3D functions; void main() { colour = vec4(${f}, 1.0); }`;
   const head = "#version 300 es\nprecision highp float; in vec3 wi, wo; out vec4 colour;\n";
   return page.evaluate(
     (source) => {
