@@ -27,6 +27,7 @@ const METADATA_KEY = "urushi";
 
 const READERS: Readonly<Record<string, { bytes: number; read: Reader }>> = {
   U8: { bytes: 1, read: (view, at) => view.getUint8(at) },
+  U16: { bytes: 2, read: (view, at) => view.getUint16(at, true) },
   F16: { bytes: 2, read: (view, at) => fromHalf(view.getUint16(at, true)) },
   F32: { bytes: 4, read: (view, at) => view.getFloat32(at, true) },
   F64: { bytes: 8, read: (view, at) => view.getFloat64(at, true) },
@@ -62,7 +63,7 @@ export function headerOf(
 }
 
 /**
- * Read a file of arrays of bytes, or of half, single or double precision.
+ * Read a file of arrays of one or two bytes, or of half, single or double precision.
  *
  * @throws FileError if it is truncated, no safetensors file, or has arrays of other types.
  */
@@ -83,7 +84,7 @@ function readTensor(data: DataView, name: string, entry: unknown): Tensor {
   const reader = typeof dtype === "string" ? READERS[dtype] : undefined;
   if (!reader) {
     throw new FileError(
-      `the array '${name}' is of type ${String(dtype)}; give U8, F16, F32 or F64`,
+      `the array '${name}' is of type ${String(dtype)}; give U8, U16, F16, F32 or F64`,
     );
   }
   if (!isCounts(shape) || !isCounts(offsets)) {

@@ -82,9 +82,7 @@ function readBasis(
   const bounds = [1 + count];
   for (const size of Array.isArray(azimuthal) ? azimuthal.map(Number).reverse() : [])
     bounds.unshift(bounds[0] - size);
-  const rows = tensors.has("basis.bytes")
-    ? unpackedRows(tensors, count)
-    : Float32Array.from(tensorOf(tensors, "basis.rows", [NODES, 1 + count]).values);
+  const rows = (tensors.has("basis.bytes") ? unpackedRows : gridRows)(tensors, count);
   return {
     widths,
     rows,
@@ -92,6 +90,16 @@ function readBasis(
     measure: tensorOf(tensors, "basis.measure", [probes]).values,
     prior: tensorOf(tensors, "basis.prior", [count, count]).values,
   };
+}
+
+/** The rows (nodes, 1 + K): numbers of sixteen bits, by the lowest values and the steps of columns. */
+function gridRows(tensors: ReadonlyMap<string, Tensor>, count: number): Float32Array {
+  const grid = tensorOf(tensors, "basis.grid", [2, 1 + count]).values;
+  const { values } = tensorOf(tensors, "basis.rows", [NODES, 1 + count]);
+  return Float32Array.from(values, (number, at) => {
+    const column = at % (1 + count);
+    return grid[column] + grid[1 + count + column] * number;
+  });
 }
 
 /**
