@@ -43,7 +43,7 @@ from urushi.export.lobe import lobe_f
 from urushi.export.printer import PRIMARY, Printer, broken
 from urushi.export.program import TABLE
 from urushi.export.statements import Function, Variable, element, namespace, offset_index
-from urushi.nets import features, lobe, sampler
+from urushi.nets import features, lobe, proposal, sampler
 
 FILE = Path(__file__).parent / "src/core/formulas.ts"
 SHADER_FILE = Path(__file__).parent / "src/picture/shaders/material.glsl"
@@ -258,6 +258,12 @@ def functions() -> list[Function]:
             ),
         ),
         filling(
+            "sampler_features2",
+            "The sampler's inputs of a direction.",
+            (WI,),
+            lambda wi, xp: sampler.sampler_columns(wi, 2, xp),
+        ),
+        filling(
             "direction_features2",
             "The decoder's inputs of a pair of directions.",
             (WI, WO),
@@ -313,10 +319,22 @@ def _of_widths(widths: int, end: str, alphas: Sequence[Variable]) -> list[Functi
             lobe_columns,
         ),
         filling(
-            f"sampler_features{end}",
-            "The sampler's inputs of a direction.",
-            (WI,),
-            lambda wi, xp: sampler.sampler_columns(wi, widths, xp),
+            f"proposal_weights{end}",
+            "Weights of a proposal by `TERMS` of the code, its overlaps and its lobe's numbers.",
+            (
+                Variable("terms", FLOAT, proposal.TERMS),
+                Variable("overlaps", FLOAT, len(proposal.ALPHAS)),
+                Variable("numbers", FLOAT, len(lobe.NUMBERS[widths])),
+                *floats("cosine"),
+            ),
+            lambda terms, overlaps, numbers, cosine, xp: proposal.weights(
+                [element(terms, i) for i in range(proposal.TERMS)],
+                [element(overlaps, i) for i in range(len(proposal.ALPHAS))],
+                of_widths([element(numbers, i) for i in lobe.WIDTH_PLACES[widths]]),
+                lambda c: lobe.reflectance_of([element(numbers, i) for i in range(1, 6)], c, xp),
+                cosine,
+                xp,
+            ),
         ),
         returning(
             f"lobe_shape{end}", "The lobe [1/sr] of reflectance 1.", (*alphas, WI, WO), shape
@@ -363,6 +381,7 @@ CONSTANTS: dict[str, str] = {
     "nets.lobe_fit": ("DARK OVERSHOOT_WEIGHT KNEE STEPS CONVERGED LONGEST_STEP LAST_STEPS"),
     "nets.mlp": "POLYNOMIALS",
     "nets.stretched_basis": "SLOPED LEAST_SLOPE",
+    "nets.proposal": "ALPHAS TERMS",
     "nets.sampler": "MIN_COSINE_SHARE",
 }
 

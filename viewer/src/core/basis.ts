@@ -104,7 +104,9 @@ export class Basis implements Rests {
         }
     });
     const table = { logs, besideLobe: true, isOfCodes: true };
-    return terms === 1 ? table : { ...table, stretches: codes.map((code) => code[code.length - 1]) };
+    return terms === 1
+      ? table
+      : { ...table, stretches: codes.map((code) => code[code.length - 1]) };
   }
 
   /**

@@ -9,9 +9,10 @@ import { Evaluation } from "./evaluation";
 import { ENERGY } from "./formulas";
 import { Layerer, withinTraining } from "./layerer";
 import { MeasuredEncoder } from "./measured_encoder";
+import { Proposals } from "./mixture";
 import { activationOf } from "./mlp";
 import { PerceptronRests } from "./perceptrons/rests";
-import { Sampler } from "./sampler";
+import { Sampler } from "./perceptrons/sampler";
 import { SurfaceEncoder } from "./surface_encoder";
 import { coatOfChannel } from "./surfaces";
 import { readWeights, type Weights } from "./weights";
@@ -33,13 +34,13 @@ export class NetworkCore extends Evaluation implements Core {
   private readonly energy: EnergyLimit;
   private readonly compensations = new Compensations(this);
 
-  constructor({ arch, rests: parameters, fingerprint, layerer, sampler }: Weights) {
+  constructor({ arch, rests: parameters, fingerprint, layerer, proposal }: Weights) {
     const activation = activationOf(arch.activation);
-    const rests =
+    const [rests, proposer] =
       "rows" in parameters
-        ? new Basis(parameters, arch.lobe)
-        : new PerceptronRests(parameters, activation);
-    super(arch, rests, new Sampler(arch, sampler, activation));
+        ? [new Basis(parameters, arch.lobe), new Proposals(proposal!, arch.lobe)]
+        : [new PerceptronRests(parameters, activation), new Sampler(parameters, activation)];
+    super(arch, rests, proposer);
     this.fingerprint = fingerprint;
     this.layerer = new Layerer(arch, layerer, activation);
     this.energy = new EnergyLimit(rests, arch.lobe);

@@ -9,10 +9,10 @@ import { Pairs, type Widths } from "./features";
 import type { Vector } from "./formulas";
 import type { Architecture } from "./layers";
 import { lobeValue } from "./lobe";
+import { mixtureDensity, type Proposer, sampleMixture } from "./mixture";
 import { sequenceSteps } from "./probe_pairs";
 import { halfVectorRule } from "./quadrature";
 import type { Rests } from "./rests";
-import { mixtureDensity, type Sampler, sampleMixture } from "./sampler";
 
 /** The largest number below one of single precision, for uniform numbers. */
 const BELOW_ONE = 1 - 2 ** -24;
@@ -25,7 +25,7 @@ export class Evaluation {
   constructor(
     { latent, widths }: Architecture,
     private readonly rests: Rests,
-    private readonly sampler: Sampler,
+    private readonly proposer: Proposer,
   ) {
     this.latentSize = latent;
     this.widths = widths;
@@ -79,7 +79,7 @@ export class Evaluation {
 
   table(material: Material, { azimuths = 1, cosines, samples, shift }: TableOptions): Float32Array {
     const result = new Float32Array(azimuths * cosines * samples * 8);
-    const proposal = this.sampler.proposals(this.meanCode(material));
+    const proposal = this.proposer.proposals(this.meanCode(material));
     const uniform = shiftedSequence(samples, shift);
     const pairs = new Pairs(samples, this.widths);
     const densities = new Float64Array(samples);

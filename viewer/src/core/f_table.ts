@@ -88,7 +88,7 @@ export class Cell {
       tableCoordinates(w[k], w[k + 1], w[k + 2], w[k + 3], w[k + 4], w[k + 5], place, 0);
     else
       stretchedCoordinates(
-        ...[stretch2, w[k], w[k + 1], w[k + 2], w[k + 3], w[k + 4], w[k + 5]] as const,
+        ...([stretch2, w[k], w[k + 1], w[k + 2], w[k + 3], w[k + 4], w[k + 5]] as const),
         place,
         0,
       );

@@ -166,6 +166,12 @@ export const STRETCHED_BASIS = {
   LEAST_SLOPE: 0.0001,
 } as const;
 
+/** Of `urushi.nets.proposal` of Python. */
+export const PROPOSAL = {
+  ALPHAS: [0.04, 0.12, 0.3],
+  TERMS: 8,
+} as const;
+
 /** Of `urushi.nets.sampler` of Python. */
 export const SAMPLER = {
   MIN_COSINE_SHARE: 0.02,
@@ -307,6 +313,16 @@ export function stretchedCoordinates(stretch2: number, wiX: number, wiY: number,
     out[7 + at] = cos2Psi * cos2P;
 }
 
+/** The sampler's inputs of a direction. */
+export function samplerFeatures2(wiX: number, wiY: number, wiZ: number, out: Float64Array, at:
+    number): void {
+    const raised = Math.max(wiZ, 0.005);
+    out[at] = (raised - 0.5) * 3;
+    out[1 + at] = Math.log(raised) + 1;
+    out[2 + at] = (wiX * wiX - 0.33) * 3;
+    out[3 + at] = (wiY * wiY - 0.33) * 3;
+}
+
 /** The decoder's inputs of a pair of directions. */
 export function directionFeatures2(wiX: number, wiY: number, wiZ: number, woX: number, woY: number,
     woZ: number, out: Float64Array, at: number): void {
@@ -377,12 +393,57 @@ export function lobeFeatures(alpha: number, first: number, second: number, third
     out[5 + at] = (Math.log(meanFresnel + 0.01) - (-1.5)) * 0.6666666666666666;
 }
 
-/** The sampler's inputs of a direction. */
-export function samplerFeatures(_wiX: number, _wiY: number, wiZ: number, out: Float64Array, at:
-    number): void {
-    const raised = Math.max(wiZ, 0.005);
-    out[at] = (raised - 0.5) * 3;
-    out[1 + at] = Math.log(raised) + 1;
+/** Weights of a proposal by `TERMS` of the code, its overlaps and its lobe's numbers. */
+export function proposalWeights(terms: ArrayLike<number>, overlaps: ArrayLike<number>, numbers:
+    ArrayLike<number>, cosine: number, out: Float64Array, at: number): void {
+    const raised = Math.max(cosine, 0.005);
+    const width2 = numbers[0] * numbers[0];
+    const logWidth = Math.log(numbers[0]);
+    const toFacet = raised + 0.5 * numbers[0] * (1 - raised);
+    const away = 1 - toFacet;
+    const away2 = away * away;
+    const fifth = away2 * away2 * away;
+    const cos2 = toFacet * toFacet;
+    const sin2 = 1 - cos2;
+    const difference = (numbers[4] - 1) * (numbers[4] + 1) - numbers[5] * numbers[5] + cos2;
+    const size = Math.sqrt(difference * difference + 4 * (numbers[4] * numbers[4]) * (numbers[5] *
+        numbers[5]));
+    const root = Math.sqrt(0.5 * Math.max(size + difference, 0));
+    const first = size + cos2;
+    const second = 2 * root * toFacet;
+    const across = (first - second) / (first + second);
+    const third = cos2 * size + sin2 * sin2;
+    const fourth = second * sin2;
+    const parallel = (third - fourth + 1e-12) / (third + fourth + 1e-12);
+    const fresnel = numbers[1] * (1 - fifth) + numbers[2] * fifth + numbers[3] * (0.5 * across * (1
+        + parallel));
+    const away0 = (logWidth - (-0.629)) * 2.4937655860349124;
+    const spread0 = Math.exp(1.305 - away0 * away0);
+    const away1 = (logWidth - (-0.28)) * 2.6246719160104988;
+    const spread1 = Math.exp(1.762 - away1 * away1);
+    const top = fresnel * (1 - 0.4 * width2) / ((1 + width2) * (1 + spread0 + spread1));
+    const logCosine = Math.log(Math.max(cosine, 0.005));
+    const energy0 = Math.exp(Math.min(terms[0] + terms[4] * logCosine, 1.3862943611198906));
+    const energy1 = Math.exp(Math.min(terms[1] + terms[5] * logCosine, 1.3862943611198906));
+    const energy2 = Math.exp(Math.min(terms[2] + terms[6] * logCosine, 1.3862943611198906));
+    const energy3 = Math.exp(Math.min(terms[3] + terms[7] * logCosine, 1.3862943611198906));
+    const alone0 = energy0 - overlaps[0] * energy1;
+    const part0 = 0.5 * (alone0 + Math.sqrt(alone0 * alone0 + 0.001 * energy0 * energy0 + 1e-12));
+    const alone1 = energy1 - overlaps[1] * energy2;
+    const part1 = 0.5 * (alone1 + Math.sqrt(alone1 * alone1 + 0.001 * energy1 * energy1 + 1e-12));
+    const alone2 = energy2 - overlaps[2] * energy3;
+    const part2 = 0.5 * (alone2 + Math.sqrt(alone2 * alone2 + 0.001 * energy2 * energy2 + 1e-12));
+    const unitSum = 0.98 / (top + part0 + part1 + (part2 + top * spread0) + (energy3 + top *
+        spread1) + 1e-12);
+    const weight0 = top * unitSum;
+    const weight1 = part0 * unitSum;
+    const weight2 = part1 * unitSum;
+    const weight3 = (part2 + top * spread0) * unitSum;
+    out[at] = weight0;
+    out[1 + at] = weight1;
+    out[2 + at] = weight2;
+    out[3 + at] = weight3;
+    out[4 + at] = 1 - (weight0 + weight1 + weight2 + weight3);
 }
 
 /** The lobe [1/sr] of reflectance 1. */
@@ -487,14 +548,58 @@ export function lobeFeatures2(alphaU: number, alphaV: number, first: number, sec
     out[7 + at] = (seen * alphaV - 0.22) * 3.3333333333333335;
 }
 
-/** The sampler's inputs of a direction. */
-export function samplerFeatures2(wiX: number, wiY: number, wiZ: number, out: Float64Array, at:
-    number): void {
-    const raised = Math.max(wiZ, 0.005);
-    out[at] = (raised - 0.5) * 3;
-    out[1 + at] = Math.log(raised) + 1;
-    out[2 + at] = (wiX * wiX - 0.33) * 3;
-    out[3 + at] = (wiY * wiY - 0.33) * 3;
+/** Weights of a proposal by `TERMS` of the code, its overlaps and its lobe's numbers. */
+export function proposalWeights2(terms: ArrayLike<number>, overlaps: ArrayLike<number>, numbers:
+    ArrayLike<number>, cosine: number, out: Float64Array, at: number): void {
+    const raised = Math.max(cosine, 0.005);
+    const width = Math.sqrt(numbers[0] * numbers[6]);
+    const width2 = width * width;
+    const logWidth = Math.log(width);
+    const toFacet = raised + 0.5 * width * (1 - raised);
+    const away = 1 - toFacet;
+    const away2 = away * away;
+    const fifth = away2 * away2 * away;
+    const cos2 = toFacet * toFacet;
+    const sin2 = 1 - cos2;
+    const difference = (numbers[4] - 1) * (numbers[4] + 1) - numbers[5] * numbers[5] + cos2;
+    const size = Math.sqrt(difference * difference + 4 * (numbers[4] * numbers[4]) * (numbers[5] *
+        numbers[5]));
+    const root = Math.sqrt(0.5 * Math.max(size + difference, 0));
+    const first = size + cos2;
+    const second = 2 * root * toFacet;
+    const across = (first - second) / (first + second);
+    const third = cos2 * size + sin2 * sin2;
+    const fourth = second * sin2;
+    const parallel = (third - fourth + 1e-12) / (third + fourth + 1e-12);
+    const fresnel = numbers[1] * (1 - fifth) + numbers[2] * fifth + numbers[3] * (0.5 * across * (1
+        + parallel));
+    const away0 = (logWidth - (-0.629)) * 2.4937655860349124;
+    const spread0 = Math.exp(1.305 - away0 * away0);
+    const away1 = (logWidth - (-0.28)) * 2.6246719160104988;
+    const spread1 = Math.exp(1.762 - away1 * away1);
+    const top = fresnel * (1 - 0.4 * width2) / ((1 + width2) * (1 + spread0 + spread1));
+    const logCosine = Math.log(Math.max(cosine, 0.005));
+    const energy0 = Math.exp(Math.min(terms[0] + terms[4] * logCosine, 1.3862943611198906));
+    const energy1 = Math.exp(Math.min(terms[1] + terms[5] * logCosine, 1.3862943611198906));
+    const energy2 = Math.exp(Math.min(terms[2] + terms[6] * logCosine, 1.3862943611198906));
+    const energy3 = Math.exp(Math.min(terms[3] + terms[7] * logCosine, 1.3862943611198906));
+    const alone0 = energy0 - overlaps[0] * energy1;
+    const part0 = 0.5 * (alone0 + Math.sqrt(alone0 * alone0 + 0.001 * energy0 * energy0 + 1e-12));
+    const alone1 = energy1 - overlaps[1] * energy2;
+    const part1 = 0.5 * (alone1 + Math.sqrt(alone1 * alone1 + 0.001 * energy1 * energy1 + 1e-12));
+    const alone2 = energy2 - overlaps[2] * energy3;
+    const part2 = 0.5 * (alone2 + Math.sqrt(alone2 * alone2 + 0.001 * energy2 * energy2 + 1e-12));
+    const unitSum = 0.98 / (top + part0 + part1 + (part2 + top * spread0) + (energy3 + top *
+        spread1) + 1e-12);
+    const weight0 = top * unitSum;
+    const weight1 = part0 * unitSum;
+    const weight2 = part1 * unitSum;
+    const weight3 = (part2 + top * spread0) * unitSum;
+    out[at] = weight0;
+    out[1 + at] = weight1;
+    out[2 + at] = weight2;
+    out[3 + at] = weight3;
+    out[4 + at] = 1 - (weight0 + weight1 + weight2 + weight3);
 }
 
 /** The lobe [1/sr] of reflectance 1. */

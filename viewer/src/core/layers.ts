@@ -13,8 +13,6 @@ export interface Architecture {
   readonly lobe: number;
   /** Numbers of the rest, which follow those of the lobe and begin with a gain. */
   readonly rest: number;
-  /** Lobes of the proposal beside the code's own. */
-  readonly lobes: number;
   /** Number of probe pairs. */
   readonly probes: number;
   readonly activation: string;

@@ -2,8 +2,9 @@
 
 import type { BasisWeights } from "./basis";
 import { NODES } from "./f_table";
-import { FEATURES, LOBE, TABLE } from "./formulas";
+import { FEATURES, LOBE, PROPOSAL, TABLE } from "./formulas";
 import { type Architecture, type Layer, readLayers, tensorOf } from "./layers";
+import type { ProposalWeights } from "./mixture";
 import { type PerceptronWeights, readPerceptrons } from "./perceptrons/weights";
 import { FileError, isRecord, readTensors, type Tensor } from "./safetensors";
 
@@ -18,7 +19,8 @@ export interface Weights {
   /** By which codes are evaluated and found. */
   readonly rests: BasisWeights | PerceptronWeights;
   readonly layerer: readonly Layer[];
-  readonly sampler: readonly Layer[];
+  /** Of a basis. */
+  readonly proposal: ProposalWeights | undefined;
 }
 
 /**
@@ -33,15 +35,18 @@ export function readWeights(file: ArrayBuffer): Weights {
   }
   const sizes = isRecord(description.architecture) ? description.architecture : {};
   const arch = readArchitecture(sizes);
-  const { widths, rest, lobes } = arch;
+  const { widths, rest } = arch;
+  const isBasis = "functions" in sizes;
   const ofLobe = LOBE.LOBE_FEATURES[widths];
   const ofCoat = FEATURES.COAT_FEATURES[widths];
   return {
     arch,
     fingerprint: String(description.fingerprint ?? ""),
-    rests: "functions" in sizes ? readBasis(tensors, arch, sizes.azimuthal) : readPerceptrons(tensors, arch),
+    rests: isBasis
+      ? readBasis(tensors, arch, sizes.azimuthal)
+      : readPerceptrons(tensors, arch, Number(sizes.lobes)),
     layerer: readLayers(tensors, "layerer", rest + ofLobe + ofCoat, rest),
-    sampler: readLayers(tensors, "sampler", ofLobe + rest + 2 * widths, (1 + widths) * lobes + 2),
+    proposal: isBasis ? readProposal(tensors, rest) : undefined,
   };
 }
 
@@ -67,9 +72,17 @@ function readArchitecture(sizes: Record<string, unknown>): Architecture {
     widths,
     lobe,
     rest,
-    lobes: size("lobes"),
     probes: size("probes"),
     activation: String(sizes.activation),
+  };
+}
+
+function readProposal(tensors: ReadonlyMap<string, Tensor>, rest: number): ProposalWeights {
+  const { ALPHAS, TERMS } = PROPOSAL;
+  return {
+    weight: tensorOf(tensors, "proposal.weight", [rest, TERMS]).values,
+    bias: tensorOf(tensors, "proposal.bias", [TERMS]).values,
+    overlap: tensorOf(tensors, "proposal.overlap", [ALPHAS.length]).values,
   };
 }
 

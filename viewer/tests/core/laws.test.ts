@@ -3,9 +3,8 @@
 import { beforeAll, describe, expect, test } from "vitest";
 import type { Bottom, Coat, Material, Stack } from "../../src/core/api";
 import { loadCore, type NetworkCore } from "../../src/core/core";
-import { activationOf } from "../../src/core/mlp";
+import { mixtureDensity, Proposals } from "../../src/core/mixture";
 import { halfVectorRule } from "../../src/core/quadrature";
-import { mixtureDensity, Sampler } from "../../src/core/sampler";
 import { readWeights } from "../../src/core/weights";
 import { type MaterialCards, stackOf, withCoat } from "../../src/material/material";
 import { preset } from "../../src/material/presets";
@@ -121,10 +120,10 @@ describe("layering", () => {
 describe("the proposal", () => {
   test.each([0.95, 0.5, 0.1])("integrates to one at the cosine %f", (cosine) => {
     const { wo, weights } = halfVectorRule(cosine, false);
-    const { arch, sampler: layers } = readWeights(bytesOf(SHIPPED));
-    const sampler = new Sampler(arch, layers, activationOf(arch.activation));
+    const { arch, proposal } = readWeights(bytesOf(SHIPPED));
+    const proposer = new Proposals(proposal!, arch.lobe);
     const wi = { x: Math.sqrt(1 - cosine * cosine), y: 0, z: cosine };
-    const mixture = sampler.proposals(material.latents.slice(0, core.latentSize))(wi);
+    const mixture = proposer.proposals(material.latents.slice(0, core.latentSize))(wi);
     const total = weights.reduce((sum, weight, i) => {
       const [x, y, z] = wo.slice(3 * i, 3 * i + 3);
       return sum + mixtureDensity(mixture, wi, { x, y, z }) * weight;
