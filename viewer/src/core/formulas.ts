@@ -68,7 +68,7 @@ export const ALBEDO_RULE = {
 
 /** Of `urushi.material.energy` of Python. */
 export const ENERGY = {
-  MARGIN: 0.002,
+  MARGIN: 0.0005,
   SLACK: 0.003,
   TOLERANCE: 0.005,
   GRAZING: 0.1,
