@@ -3,10 +3,10 @@
     python viewer/formulas.py
 
 writes `src/core/formulas.ts`, `src/picture/shaders/material.glsl` and `src/material/library.ts`.
-The formulas are those of `urushi.core` and `urushi.nets`, by the expressions of which `urushi export`
-prints shaders; what has a fast form of its own in the page, the networks' layers, is not among
-them. Functions take numbers, a direction as three of them, and put features into an array.
-`make viewer` runs this script.
+The formulas are those of `urushi.core` and `urushi.nets`, by the expressions of which
+`urushi export` prints shaders; what has a fast form of its own in the page, the networks' layers,
+is not among them. Functions take numbers, a direction as three of them, and put features into an
+array. `make viewer` runs this script.
 """
 
 import ast
@@ -381,7 +381,7 @@ CONSTANTS: dict[str, str] = {
     "nets.lobe_fit": ("DARK OVERSHOOT_WEIGHT KNEE STEPS CONVERGED LONGEST_STEP LAST_STEPS"),
     "nets.mlp": "POLYNOMIALS",
     "nets.stretched_basis": "SLOPED LEAST_SLOPE",
-    "nets.proposal": "ALPHAS TERMS",
+    "nets.proposal": "ALPHAS TERMS LARGEST_STRETCH",
     "nets.sampler": "MIN_COSINE_SHARE",
 }
 

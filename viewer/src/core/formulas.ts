@@ -170,6 +170,7 @@ export const STRETCHED_BASIS = {
 export const PROPOSAL = {
   ALPHAS: [0.04, 0.12, 0.3],
   TERMS: 8,
+  LARGEST_STRETCH: 1.25,
 } as const;
 
 /** Of `urushi.nets.sampler` of Python. */

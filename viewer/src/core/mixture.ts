@@ -52,9 +52,15 @@ export class Proposals implements Proposer {
       );
     });
     const { length } = LOBE.NUMBERS[1];
-    const alphas = Float64Array.of(code[0], ...PROPOSAL.ALPHAS);
     const isIsotropic = this.lobe === length;
-    const alphasV = isIsotropic ? undefined : Float64Array.of(code[length], ...PROPOSAL.ALPHAS);
+    const most = PROPOSAL.LARGEST_STRETCH;
+    const stretch = isIsotropic
+      ? 1
+      : Math.exp(Math.min(Math.max(code[code.length - 1], -most), most));
+    const alphas = Float64Array.of(code[0], ...PROPOSAL.ALPHAS.map((alpha) => alpha / stretch));
+    const alphasV = isIsotropic
+      ? undefined
+      : Float64Array.of(code[length], ...PROPOSAL.ALPHAS.map((alpha) => alpha * stretch));
     const fill = isIsotropic ? proposalWeights : proposalWeights2;
     return ({ z }) => {
       const weights = new Float64Array(alphas.length + 1);
