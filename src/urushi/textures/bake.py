@@ -84,7 +84,7 @@ class SharedCodes:
     def __init__(self, size: int):
         """size: numbers of a code."""
         self._keys, self._numbers = np.zeros(0, np.uint64), np.zeros(0, np.uint32)
-        self._parts = [np.zeros((0, size), np.float16)]
+        self._parts = [np.zeros((0, size), np.float32)]
 
     def index(self, hashes: np.ndarray, texels: np.ndarray, codes_at: CodesAt) -> np.ndarray:
         """Which code each row (n, C) of hashes (n, C) has; new ones are computed.
@@ -103,7 +103,7 @@ class SharedCodes:
             number[fresh] = len(self._keys) + np.arange(len(fresh), dtype=np.uint32)
             place_in_hashes, channel = np.divmod(first[fresh], hashes.shape[1])
             codes = codes_at(texels[place_in_hashes], channel)
-            self._parts.append(codes.astype(np.float16))
+            self._parts.append(codes.astype(np.float32))
             fresh = np.sort(fresh)  # ascending keys
             self._keys = np.insert(self._keys, place[fresh], keys[fresh])
             self._numbers = np.insert(self._numbers, place[fresh], number[fresh])
@@ -111,7 +111,7 @@ class SharedCodes:
 
     @property
     def codes(self) -> np.ndarray:
-        """The codes float16 (k, size) that `index` refers to."""
+        """The codes float32 (k, size) that `index` refers to."""
         return np.concatenate(self._parts)
 
 

@@ -106,7 +106,7 @@ class TextureStore:
         codes: (n, channels, size); or (k, size) codes that texels share, and index (n, channels)
             chooses the codes of each texel among them.
         """
-        codes, first = codes.astype(np.float16, copy=False), self.levels[0][0] * self.levels[0][1]
+        codes, first = codes.astype(np.float32, copy=False), self.levels[0][0] * self.levels[0][1]
         former, fine = [], list[int]()
         if len(codes if index is None else index) < first:  # other texels keep their bits
             packed = self.packed
@@ -114,18 +114,17 @@ class TextureStore:
             former = [(packed.lowest, packed.lowest + self.layout.levels * packed.step)]
             starts = range(0, first, PACKED_BLOCK)
             blocks = [slice(start, min(start + PACKED_BLOCK, first)) for start in starts]
-            whole = np.concatenate([self.read(block).astype(np.float16) for block in blocks])
+            whole = np.concatenate([self.read(block) for block in blocks])
             whole[rows] = codes if index is None else codes[index]
             codes, index = whole, None
         if index is None:
             texels, channels, size = codes.shape
             index = np.arange(texels * channels, dtype=np.uint32).reshape(texels, channels)
             codes = codes.reshape(-1, size)
-        coarse = np.zeros((0, index.shape[1], codes.shape[-1]), np.float16)
+        coarse = np.zeros((0, index.shape[1], codes.shape[-1]), np.float32)
         if len(self.levels) > 1:
             size = self.levels[0]
-            found = coarse_levels(self._model, *size, lambda texels: codes[index[texels]])
-            coarse = found.astype(np.float16)
+            coarse = coarse_levels(self._model, *size, lambda texels: codes[index[texels]])
         ends = [*former, *(_value_range(part) for part in (codes, coarse) if len(part))]
         lowest, highest = (np.stack(end) for end in zip(*ends, strict=True))
         lowest, highest = lowest.min(axis=0), highest.max(axis=0)
