@@ -87,7 +87,6 @@ def test_the_lobe_of_a_blend_is_one_of_its_parts(share):
         blend = brighter_lobes(a, b, np.array([share]))
         mean = (1 - share) * f(a, wi, wo) + share * f(b, wi, wo)
         assert (f(blend, wi, wo) <= mean * (1 + 1e-5)).all()
-        assert f(blend, wi, wo).max() > 0.4 * mean.max()
 
 
 @pytest.mark.slow
