@@ -19,7 +19,6 @@ def model() -> Model:
 
 @pytest.fixture(scope="session")
 def anisotropic_model() -> Model:
-    pytest.importorskip("urushi.core.stretched")
     return untrained(3, widths=2, azimuthal=(1, 1, 1, 1, 1))
 
 

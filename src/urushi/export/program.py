@@ -5,6 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from urushi.core.stretched import FACTORS
 from urushi.core.table import Knots
 from urushi.errors import ParameterError
 from urushi.export import proposal
@@ -73,7 +74,7 @@ FILTERING = (
 )
 
 #: The material of a file for all materials, and its field of two GGX widths.
-MATERIAL, STRETCH = "Material", Variable("stretch2", FLOAT, note="of the table's half vectors")
+MATERIAL, STRETCH = "Material", Variable("stretch", FLOAT, note="of half vectors")
 
 
 def material_text(
@@ -104,17 +105,12 @@ def material_text(
             f"the material has {len(latents)} channels; only materials of one or three can be "
             "exported"
         )
-    rest = None
-    if has_rest and model.widths == 1:
-        rest = Rest(1, knots)
-    elif has_rest:
-        from urushi.core.stretched import FACTORS
-
-        rest = Rest(1 + FACTORS, (), expression(float(np.exp(2 * latents[0, -1]))))
+    terms = proposal.terms_of(model, [expression(float(x)) for x in latents.mean(axis=0)])
+    rest = Rest(1 if model.widths == 1 else 1 + FACTORS, knots, terms.stretch) if has_rest else None
     code = _Code(
         [colour(column) for column in latents[:, : model.arch.lobe].T] if has_lobe else (),
         rest,
-        proposal.known_terms(model, latents.mean(axis=0)),
+        terms,
         Tangent.of(rotation),
     )
     printer = LANGUAGES[language](prefix)
@@ -284,24 +280,25 @@ def codes_program(model: Model, form: TextureForm, texels: Texels | None = None)
     prepare = _prepare(model, structure)
 
     material = Variable("material", MATERIAL)
-    codes, lobe, terms, *others = (member(argument(material), x) for x in structure.fields)
+    codes, lobe, energies, *others = (member(argument(material), x) for x in structure.fields)
     numbers = [element(codes, i) for i in range(arch.latent)]
     count = networks.basis.count
+    terms = Terms(
+        [element(lobe, i) for i in range(arch.lobe)],
+        [element(energies, i) for i in range(TERMS)],
+        proposal.overlaps_of(model),
+        others[0] if others else None,
+    )
     rest = Rest(
         -(-count // form.numbers),
-        stretch2=others[0] if others else None,
+        stretch=terms.stretch,
         code=numbers[arch.lobe : arch.lobe + count],
         factors=factors_of(networks),
     )
     code = _Code(
         numbers[: arch.lobe],
         rest,
-        Terms(
-            [element(lobe, i) for i in range(arch.lobe)],
-            [element(terms, i) for i in range(TERMS)],
-            proposal.overlaps_of(model),
-            call("sqrt", others[0]) if others else None,
-        ),
+        terms,
         Tangent(*others[1:] or X_AXIS),
     )
     note: tuple[str, ...] = (
@@ -353,8 +350,8 @@ def _prepare(model: Model, structure: Structure) -> Function:
     for target, values in (lobe, found.lobe), (terms, found.rest):
         for i, value in enumerate(values):
             function.assign(element(target, i), value)
-    if others:
-        values = call("exp", 2.0 * mean[-1]), *X_AXIS
+    if found.stretch is not None:
+        values = found.stretch, *X_AXIS
         for target, value in zip(others, values, strict=True):
             function.assign(target, value)
     function.returns(made)

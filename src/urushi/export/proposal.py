@@ -4,8 +4,6 @@ import math
 from collections.abc import Sequence
 from typing import NamedTuple
 
-import numpy as np
-
 from urushi.checks import Widths
 from urushi.core.mixture import reflection_pdf, sample_reflection
 from urushi.core.namespace import Components
@@ -22,13 +20,7 @@ from urushi.export.expressions import (
 )
 from urushi.export.lobe import alphas_of, reflectance
 from urushi.export.statements import Function, Structure, Variable, member, namespace
-from urushi.nets.proposal import (
-    ALPHAS,
-    LARGEST_STRETCH,
-    code_terms,
-    stretched_widths,
-    weights,
-)
+from urushi.nets.proposal import ALPHAS, LARGEST_STRETCH, stretched_widths, weights
 from urushi.nets.weights import Model
 
 WI, WO, U = (Variable(label, VECTOR) for label in ("wi", "wo", "u"))
@@ -71,24 +63,15 @@ def structure(widths: int) -> Structure:
     return Structure("Proposal", (*WEIGHTS, *own), note)
 
 
-def known_terms(model: Model, code: np.ndarray) -> Terms:
-    """The terms of a known code (L,)."""
-    size = model.arch.lobe
-    numbers = [*code[:size], *code_terms(model.params, code[size:])]
-    known = [expression(float(number)) for number in numbers]
-    stretch = None
-    if model.widths == 2:
-        limit = LARGEST_STRETCH
-        stretch = expression(math.exp(min(max(float(code[-1]), -limit), limit)))
-    return Terms(known[:size], known[size:], overlaps_of(model), stretch)
-
-
 def terms_of(model: Model, code: Sequence[Expression]) -> Terms:
     """The terms of a code (L,) of floats."""
-    size = model.arch.lobe
+    size, limit = model.arch.lobe, LARGEST_STRETCH
     matrix, bias = (model.params[f"proposal.{part}"].T.tolist() for part in ("weight", "bias"))
-    sums = (offset + dot(row, code[size:]) for row, offset in zip(matrix, bias, strict=True))
-    return Terms(code[:size], list(sums), overlaps_of(model))
+    sums = [offset + dot(row, code[size:]) for row, offset in zip(matrix, bias, strict=True)]
+    stretch = None
+    if model.widths == 2:
+        stretch = call("exp", call("clamp", code[-1], -limit, limit))
+    return Terms(code[:size], list(map(expression, sums)), overlaps_of(model), stretch)
 
 
 def overlaps_of(model: Model) -> Sequence[float]:

@@ -14,6 +14,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from urushi.core.stretched import stretched
 from urushi.core.table import MAX_LOG, MIN_LOG, SHAPE, Knots, coordinates, corner_steps
 from urushi.errors import ParameterError
 from urushi.export.expressions import TEXEL, Expression, Value, call, vector
@@ -34,7 +35,7 @@ class Rest(NamedTuple):
 
     texels: int  # of a node
     knots: Knots = ()
-    stretch2: Expression | None = None  # with two GGX widths: s^2 of `core.stretched`
+    stretch: Expression | None = None  # with two GGX widths: s of `core.stretched`
     code: Sequence[Expression] = ()  # (K,) colours, for a basis; otherwise the texture is ln f
     factors: Sequence[int] = ()  # (K,) of b and the functions but the first; 0: none
 
@@ -96,12 +97,10 @@ def rest_f(
     body.note_line("The table's coordinates, from the first node to the last.")
     both, apart = body.let("both", wi + wo), body.let("apart", wi - wo)
     xp, around = namespace(body), []
-    if rest.stretch2 is None:
+    if rest.stretch is None:
         places = coordinates(both, apart, 1, xp, rest.knots)
     else:
-        from urushi.core.stretched import stretched
-
-        places, factors = stretched(both, apart, rest.stretch2, xp)
+        places, factors = stretched(both, apart, rest.stretch * rest.stretch, xp)
         around = [body.let(f"factor{k}", factor) for k, factor in enumerate(factors)]
     texels = _looked_up(body, rest.texels, form, texture, places)
     if not rest.code:
