@@ -178,7 +178,7 @@ def template_text(language: str, model: Model) -> str:
         "Functions: {material}(), once; then {f}(material, wi, wo, table), {pdf}(material, wi, wo) "
         "and {sample}(material, wi, u). {prepare}(codes) makes other materials.",
         *_conventions(model),
-        program.note[-1],
+        f"{program.note[-1]} `urushi export` without a material writes it.",
     )
     return printer.printed(Program(note, program.structures, [*program.functions, made]))
 
