@@ -25,7 +25,7 @@ from urushi.textures.store import PACKED_BLOCK, TextureStore
 COUNTS = 3, 7, 11, 15
 
 #: Errors of f at the probe pairs: their mean over a texture, and the largest one.
-MEAN_ERROR, LARGEST_ERROR = 1e-3, 1e-2
+MEAN_ERROR, LARGEST_ERROR = 7e-4, 1e-2
 
 #: Texels by which the errors are measured, evenly spaced, and those that are represented worst.
 SAMPLE, WORST = 256, 64
