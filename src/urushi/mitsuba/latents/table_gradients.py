@@ -1,11 +1,10 @@
 """Tables by light transport with gradients: of the coat, and of what lies below it.
 
-The codes of a coated material decode to another f than its table by light transport, so that their
-derivatives do not serve the table. ln f at the nodes of a table is linear in every number that
-carries a gradient. The slopes are differences of light transport, which is linear in what lies
-below the interface, so that many channels cost little more than one (`material.coated_table`):
-every change of a number, up and down, is a channel of one table. How the bottom changes with a
-number is found by Dr.Jit's forward mode.
+ln f at the nodes of a table is linear in every number that carries a gradient. The slopes are
+differences of light transport at the probe pairs: every change of a number, up and down, is a
+channel under a coat of its own (`material.coated_values`). A change of f at the probe pairs is a
+change of the code, which is a change of ln f at all nodes. How the bottom changes with a number is
+found by Dr.Jit's forward mode.
 """
 
 from collections.abc import Iterator, Sequence
@@ -18,12 +17,15 @@ import numpy as np
 
 from urushi.checks import ETA_RANGE, MIN_ALPHA, MIN_INDEX_STEP, CoatParameters
 from urushi.core.table import table_of_values
-from urushi.material.layer import layer_material
+from urushi.material.coated_values import coated_f
+from urushi.material.layer import tabulated
 from urushi.material.material import Material
 from urushi.mitsuba import spectrum
 from urushi.mitsuba.latents.coding import stacked
 from urushi.mitsuba.reading import probing
 from urushi.mitsuba.reading.parameters import CoatTextures
+from urushi.nets import code_fit
+from urushi.nets import lobe as lobes
 
 #: Relative change of f by a step of the bottom, at all but a tenth of the nodes, and at most.
 CHANGE, QUANTILE, MOST = 0.1, 0.9, 0.5
@@ -43,11 +45,14 @@ class Slope(NamedTuple):
     code: np.ndarray | None = None  # (L,) derivative of the bottom's code; None: it vanishes
 
 
-def table_slopes(coat: CoatParameters, bottom: Material, slopes: Sequence[Slope]) -> np.ndarray:
-    """Derivatives float32 (K, N), by K numbers, of ln f at the nodes of `layer_material`'s table.
+def table_slopes(
+    material: Material, coat: CoatParameters, bottom: Material, slopes: Sequence[Slope]
+) -> np.ndarray:
+    """Derivatives float32 (K, N), by K numbers, of ln f at the nodes of the table of a material.
 
-    coat, bottom: as of `layer_material`, which gives a table; the coat has one width.
+    material: of `layer_material` by coat and bottom. The coat has one width.
     """
+    basis, pairs = material.model.networks.basis, material.model.networks.pairs()
     steps = [_step(coat, bottom, slope) for slope in slopes]
     up, down = np.array(steps).T
     changed = [*zip(up.tolist(), slopes, strict=True), *zip(down.tolist(), slopes, strict=True)]
@@ -65,11 +70,16 @@ def table_slopes(coat: CoatParameters, bottom: Material, slopes: Sequence[Slope]
                 f *= 1 + np.clip(step * slope.values / f, -MOST, MOST)
             values.append(f)
     table = None if bottom.table is None else table_of_values(np.stack(values, axis=-1))
-    below = replace(bottom, latents=np.stack(codes), table=table)
-    coated = layer_material(CoatParameters.of_columns(np.array(columns).T), below).table
-    assert coated is not None  # for the type checker
-    high, low = np.split(coated.reshape(-1, len(changed)).T.astype(np.float32), 2)
-    return (high - low) / (up - down).astype(np.float32)[:, None]
+    below = tabulated(replace(bottom, latents=np.stack(codes), table=table))
+    f = coated_f(below, CoatParameters.of_columns(np.array(columns).T), *pairs).T
+    high, low = np.split(f, 2)
+    changes = (high - low) / (up - down)[:, None]
+    size = material.model.arch.lobe
+    top = lobes.f(material.latents[:, None, :size], *pairs)
+    rest = np.maximum(material.f(*pairs).T - top, 0)
+    by_rests = code_fit.slopes(basis, rest, top, material.latents[:, size:])
+    of_codes = [x @ by_rests[slope.channel] for x, slope in zip(changes, slopes, strict=True)]
+    return (np.array(of_codes) @ basis.rows[:, 1:].T).astype(np.float32)
 
 
 def _step(coat: CoatParameters, bottom: Material, slope: Slope) -> tuple[float, float]:
@@ -88,9 +98,10 @@ def _step(coat: CoatParameters, bottom: Material, slope: Slope) -> tuple[float, 
         f = np.exp(bottom.table[..., slope.channel].astype(np.float64).ravel())
         largest = max(largest, np.quantile(np.abs(slope.values) / f, QUANTILE))
     if slope.code is not None:
-        relative = np.array(slope.code)
-        relative[0] /= bottom.latents[slope.channel, 0]  # the lobe's width
-        largest = max(largest, np.abs(relative).max())
+        size, probe_rows = bottom.model.arch.lobe, bottom.model.networks.basis.probe_rows
+        of_lobe, of_logs = slope.code[:size].copy(), probe_rows[:, 1:] @ slope.code[size:]
+        of_lobe[0] /= bottom.latents[slope.channel, 0]  # its width
+        largest = max(largest, np.abs(of_lobe).max(), np.quantile(np.abs(of_logs), QUANTILE))
     size = CHANGE / float(largest)
     return size, -size
 
@@ -133,7 +144,7 @@ def attached(
     flat = [slope for _, slopes in changes for slope in slopes]
     if flat:
         columns = [column[0] for column in coat.layering(uv).columns()]
-        found = iter(table_slopes(CoatParameters.of_columns(columns), below, flat))
+        found = iter(table_slopes(material, CoatParameters.of_columns(columns), below, flat))
         for number, slopes in changes:
             for slope, by_number in zip(slopes, found, strict=False):
                 change = number - dr.detach(number)
