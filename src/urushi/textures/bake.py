@@ -10,9 +10,16 @@ from typing import Any
 
 import numpy as np
 
+from urushi import checks
 from urushi.checks import CoatParameters
 from urushi.core.random import INCREMENT, mix64
-from urushi.material.layer import layer_texels
+from urushi.material.coated_values import coated_values
+from urushi.material.energy import limit_albedo
+from urushi.material.layer import absent, layer_texels
+from urushi.material.material import Material
+from urushi.material.substrate import Substrate
+from urushi.material.values import codes_of
+from urushi.nets import lobe as lobes
 from urushi.nets.weights import Model
 from urushi.textures.store import TexelGrid, TextureStore
 
@@ -22,6 +29,9 @@ MANTISSA_BITS = 12
 
 #: Texels whose inputs are read and compared at once: bounds memory.
 TEXEL_BLOCK = 1 << 18
+
+#: Different rows up to which light transport layers them: those of a parameter of 8 bits.
+FEW = 3 << 8
 
 #: Codes (k, size) of rows, by the indices (k,) of texels, in ascending order, and of channels.
 CodesAt = Callable[[np.ndarray, np.ndarray], np.ndarray]
@@ -124,7 +134,7 @@ def coat_source(model: Model, coats: Coats, bottom: Source) -> Source:
 
         def codes_at(texel: np.ndarray, channel: np.ndarray) -> np.ndarray:
             below = bottom_at(texel, channel)
-            if len(texel) == present.size:  # every row: channels share what depends on texels
+            if len(texel) == present.size and not is_few(model, len(texel)):  # every row: channels share what depends on texels
                 grid = below.reshape(*present.shape, -1)
                 return layer_texels(model, grid, parameters).reshape(below.shape)
 
@@ -133,12 +143,31 @@ def coat_source(model: Model, coats: Coats, bottom: Source) -> Source:
                 return array[texel if count > 1 else 0, channel if width > 1 else 0]
 
             rows = [np.broadcast_to(at_rows(column), len(texel)) for column in parameters.columns()]
-            return layer_texels(model, below, CoatParameters.of_columns(rows))
+            coat = CoatParameters.of_columns(rows)
+            few = is_few(model, len(texel))
+            return transported(model, below, coat) if few else layer_texels(model, below, coat)
 
         present = row_hashes([hashes, *parameters.columns()])
         return present, codes_at
 
     return source
+
+
+def is_few(model: Model, rows: int) -> bool:
+    """Whether so many different rows are layered by light transport and not by the network."""
+    return model.widths == 1 and rows <= FEW
+
+
+def transported(model: Model, z: np.ndarray, coat: CoatParameters) -> np.ndarray:
+    """`layer_texels` of rows z (k, L) under coats (k,), by light transport at the probe pairs."""
+    coat = checks.coat(coat, "the coat's", any_shape=True)
+    bottoms, which = np.unique(z.astype(np.float32), axis=0, return_inverse=True)
+    below, pairs = Substrate.of(Material(bottoms, model)), model.networks.pairs()
+    columns = np.stack(coat.columns()).astype(np.float64)
+    lobe = lobes.of_coat(*columns[:2]).astype(np.float32)
+    rest = coated_values(below, which.ravel(), columns[:2], columns[2:], *pairs).T
+    codes = codes_of(model, rest + lobes.f(lobe[:, None], *pairs), lobe)
+    return np.where(absent(coat)[:, None], z, limit_albedo(model, codes))
 
 
 def row_hashes(columns: Sequence[np.ndarray], bits: int = MANTISSA_BITS) -> np.ndarray:
