@@ -134,7 +134,9 @@ def coat_source(model: Model, coats: Coats, bottom: Source) -> Source:
 
         def codes_at(texel: np.ndarray, channel: np.ndarray) -> np.ndarray:
             below = bottom_at(texel, channel)
-            if len(texel) == present.size and not is_few(model, len(texel)):  # every row: channels share what depends on texels
+            if len(texel) == present.size and not is_few(
+                model, len(texel)
+            ):  # every row: channels share what depends on texels
                 grid = below.reshape(*present.shape, -1)
                 return layer_texels(model, grid, parameters).reshape(below.shape)
 
