@@ -133,10 +133,8 @@ def coat_source(model: Model, coats: Coats, bottom: Source) -> Source:
         hashes, bottom_at = bottom(start, stop)
 
         def codes_at(texel: np.ndarray, channel: np.ndarray) -> np.ndarray:
-            below = bottom_at(texel, channel)
-            if len(texel) == present.size and not is_few(
-                model, len(texel)
-            ):  # every row: channels share what depends on texels
+            below, few = bottom_at(texel, channel), is_few(model, len(texel))
+            if len(texel) == present.size and not few:  # channels share what depends on texels
                 grid = below.reshape(*present.shape, -1)
                 return layer_texels(model, grid, parameters).reshape(below.shape)
 
@@ -145,9 +143,8 @@ def coat_source(model: Model, coats: Coats, bottom: Source) -> Source:
                 return array[texel if count > 1 else 0, channel if width > 1 else 0]
 
             rows = [np.broadcast_to(at_rows(column), len(texel)) for column in parameters.columns()]
-            coat = CoatParameters.of_columns(rows)
-            few = is_few(model, len(texel))
-            return transported(model, below, coat) if few else layer_texels(model, below, coat)
+            layered = transported if few else layer_texels
+            return layered(model, below, CoatParameters.of_columns(rows))
 
         present = row_hashes([hashes, *parameters.columns()])
         return present, codes_at
