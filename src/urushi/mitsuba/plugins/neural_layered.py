@@ -33,7 +33,7 @@ def define(base: type) -> type:
     """Make the plugin's class in the current variant; base: of `define_neural_bsdf`."""
 
     class NeuralLayered(base):
-        """A coated BSDF by neural networks, evaluated without noise (``neural_layered``).
+        """A coated BSDF by latent codes and tables, without noise (``neural_layered``).
 
         Takes the parameters of ``layered``, its reference, and these:
 
@@ -50,10 +50,9 @@ def define(base: type) -> type:
                                              Mitsuba do not. (Default: false)
         ============== ===================== ====================================================
 
-        The networks know sigma_t from 0 to 8 and g from -0.8 to 0.9. Outside these ranges, constant
-        coats are computed from a table; textures and anisotropic coats layer a similar medium, with
-        a warning. Two widths of a ratio above 10 are refused. The bottom must have no normals of
-        its own.
+        The layering network knows sigma_t from 0 to 8 and g from -0.8 to 0.9. Outside these ranges,
+        it layers textures under a similar medium, with a warning. Two widths of a ratio above 10
+        are refused. The bottom must have no normals of its own.
 
         Without a nested BSDF, over dielectrics and over slabs, it is a *slab* as ``layered``, which
         scatters light from both sides to both. Tables of what it reflects and transmits are
@@ -61,12 +60,11 @@ def define(base: type) -> type:
         each interface, and have derivatives by albedo and sigma_t, but not in
         spectral variants.
 
-        When the scene is loaded, the bottom is evaluated at the encoder's probe pairs, averaged if
-        it lacks the symmetries of materials (see ``urushi.encode``), encoded, and layered by the
-        network. A constant coat over a constant bottom that is known by its values alone, such as
-        ``measured_brdf``, ``roughplastic`` or ``principled``, a file with a table, another such
-        coat, or a metal of ``alpha`` below 0.1 is computed from a table instead, as in
-        ``urushi.layer``. Textures are baked in their
+        When the scene is loaded, the bottom is evaluated at the probe pairs, averaged if it lacks
+        the symmetries of materials (see ``urushi.encode``), and encoded. Constant coats over
+        constant bottoms are computed by light transport, as in ``urushi.layer``: a table for one
+        width, codes for two. So are the codes of textures of one width with at most 768 different
+        texels and channels. The network layers all others. Textures are baked in their
         own space if they share one ``to_uv``, otherwise over the unit square of uv, which repeats.
         A change through ``mi.traverse`` recomputes the codes that depend on it. The method ``save``
         writes the codes to a file for ``neural_brdf``. In spectral variants, a constant coat has

@@ -1,4 +1,4 @@
-"""Evaluation of Mitsuba BSDFs at pairs of directions, for the encoder."""
+"""Evaluation of Mitsuba BSDFs at pairs of directions."""
 
 from typing import NamedTuple
 
