@@ -5,17 +5,17 @@ import itertools
 import numpy as np
 
 from urushi.core.table import SHAPE
-from urushi.nets.linear import LinearArchitecture
+from urushi.nets.networks import Architecture
 from urushi.nets.weights import Model
 
 
 def untrained(seed: int = 0, *, spread: float = 0.3, **sizes) -> Model:
-    """A model with sizes as of `LinearArchitecture`, small by default.
+    """A model with sizes as of `Architecture`, small by default.
 
     spread: standard deviation of the functions about zero. f is about 0.1 for a code of zeros.
     """
     small = {"functions": 8, "probes": 96, "layerer": (24, 24)}
-    arch = LinearArchitecture(**small | sizes)
+    arch = Architecture(**small | sizes)
     rng, params = np.random.default_rng(seed), {}
     for name, shape in arch.parameter_shapes().items():
         scale = 0.1 if name.endswith(".bias") else shape[0] ** -0.5
@@ -27,7 +27,7 @@ def untrained(seed: int = 0, *, spread: float = 0.3, **sizes) -> Model:
     return Model.of(arch, params, {"preset": "untrained"})
 
 
-def _functions(arch: LinearArchitecture, rng: np.random.Generator, spread: float) -> np.ndarray:
+def _functions(arch: Architecture, rng: np.random.Generator, spread: float) -> np.ndarray:
     """Mean, one, and cosines of the coordinates with random amplitudes, (P, 1 + K)."""
     orders = sorted(itertools.product(range(4), repeat=len(SHAPE)), key=sum)
     columns = []

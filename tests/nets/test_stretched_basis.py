@@ -10,7 +10,7 @@ from urushi.core.table import SHAPE, node_pairs, pair_coordinates
 from urushi.nets import lobe as lobes
 from urushi.nets.basis import decode
 from urushi.nets.code_fit import solve_stretched
-from urushi.nets.linear import LinearArchitecture
+from urushi.nets.networks import Architecture
 from urushi.nets.weights import Model, default_model
 from urushi.train.stretched_fit import probe_measure
 
@@ -22,7 +22,7 @@ def model() -> Model:
     """The shipped functions of one width, and smooth further ones."""
     rows = default_model().params["basis.rows"]
     count = rows.shape[1] - 1 + sum(AZIMUTHAL)
-    arch = LinearArchitecture(count, 384, (8,), widths=2, azimuthal=AZIMUTHAL)
+    arch = Architecture(count, 384, (8,), widths=2, azimuthal=AZIMUTHAL)
     params = {name: np.zeros(shape) for name, shape in arch.parameter_shapes().items()}
     axes = np.meshgrid(*(np.linspace(0, 1, n) for n in SHAPE), indexing="ij")
     u, v, w = (x.ravel() for x in axes)

@@ -28,7 +28,6 @@ from urushi.export.languages import LANGUAGES
 from urushi.export.program import template_text
 from urushi.files import METADATA_KEY
 from urushi.material import Material, encode
-from urushi.nets.linear import LinearArchitecture
 from urushi.nets.weights import FORMAT_VERSION, Model, anisotropic_model
 from urushi.openpbr_surface.thin_film import MEAN_COSINE, FilmedMetal
 from urushi.walk import Stack, conductor
@@ -150,10 +149,8 @@ def version(content: bytes) -> str:
 def shader_files(model: Model) -> dict[str, bytes]:
     """The templates of `export.program.template_text`, "shaders/glsl.txt" and so on.
 
-    Those of anisotropic networks are in "shaders/anisotropic"; there are none without a basis.
+    Those of two widths are in "shaders/anisotropic".
     """
-    if not isinstance(model.arch, LinearArchitecture):
-        return {}
     folder = SHADERS_FOLDER if model.widths == 1 else f"{SHADERS_FOLDER}/anisotropic"
     return {
         f"{folder}/{language}.txt": template_text(language, model).encode()

@@ -19,7 +19,7 @@ from urushi.core.table import MAX_LOG, MIN_LOG, SHAPE, Knots, coordinates, corne
 from urushi.errors import ParameterError
 from urushi.export.expressions import TEXEL, Expression, Value, call, vector
 from urushi.export.statements import Function, namespace
-from urushi.nets.linear import LinearNetworks
+from urushi.nets.networks import Networks
 from urushi.nets.weights import Model
 
 
@@ -71,14 +71,14 @@ def _stacked(nodes: np.ndarray, form: TextureForm) -> np.ndarray:
     return nodes.reshape(*SHAPE[: axes - 1], -1, form.numbers).astype(np.float16)
 
 
-def basis_of(model: Model) -> LinearNetworks:
+def basis_of(model: Model) -> Networks:
     """Networks that have a basis."""
-    if not isinstance(model.networks, LinearNetworks):
+    if not isinstance(model.networks, Networks):
         raise ParameterError(f"the networks {model.fingerprint} have no basis; export a material")
     return model.networks
 
 
-def factors_of(networks: LinearNetworks) -> list[int]:
+def factors_of(networks: Networks) -> list[int]:
     """The factor of b and of each function of a basis but the first, as in `Rest`."""
     if networks.arch.widths == 1:
         return [0] * networks.basis.count

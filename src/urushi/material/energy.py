@@ -12,8 +12,8 @@ import numpy as np
 from urushi.checks import MIN_ALPHA
 from urushi.material.albedo_rule import AlbedoRule, albedo_rule
 from urushi.material.lobe_albedo import lobe_albedos
-from urushi.nets.linear import LinearNetworks
 from urushi.nets.lobe import WIDTH_PLACES
+from urushi.nets.networks import Networks
 from urushi.nets.weights import Model
 from urushi.parallel import fill_blocks
 
@@ -150,7 +150,7 @@ def factor_slopes(model: Model, z: np.ndarray) -> np.ndarray:
     rule, size = albedo_rule(model.arch.widths), model.arch.lobe
     features = node_features(model)
     f, top = model.networks.rest(z, features), top_albedos(model, z)
-    assert isinstance(model.networks, LinearNetworks)  # for the type checker
+    assert isinstance(model.networks, Networks)  # for the type checker
     slopes = model.networks.functions(z, features)[:, 1:]
     slopes = np.pad(slopes, [(0, 0), (0, len(z) - size - slopes.shape[1])])  # of the stretch: 0
     at_angles, allowed = rule.at_angles(f), np.maximum(1 - MARGIN - top, LEAST_REST)

@@ -13,18 +13,12 @@ import numpy as np
 
 from urushi import files
 from urushi.errors import FileError, ParameterError
-from urushi.nets.architecture import Architecture as PerceptronArchitecture
-from urushi.nets.architecture import parameter_shapes
 from urushi.nets.basis import grid_of, on_grid
-from urushi.nets.linear import LinearArchitecture, LinearNetworks
 from urushi.nets.mlp import Params
-from urushi.nets.networks import UrushiNetworks
+from urushi.nets.networks import Architecture, Networks
 
 #: Version of the file format.
 FORMAT_VERSION = 1
-
-#: Sizes of a basis, or of the networks that are still to be replaced by one.
-Architecture = LinearArchitecture | PerceptronArchitecture
 
 #: Names of the shipped networks: files in the folder `weights`. The second are for anisotropic
 #: materials, which are made with them unless a user names others.
@@ -34,7 +28,7 @@ DEFAULT, ANISOTROPIC = "default", "anisotropic"
 #: The system that files name as `kind`. Files without the entry hold Urushi's own networks.
 KIND = "urushi"
 
-Networks = TypeVar("Networks")
+Read = TypeVar("Read")
 
 
 class Described(Protocol):
@@ -67,11 +61,9 @@ class Model:
         Raises:
             ParameterError: a parameter is missing, unknown, of a wrong shape or not finite.
         """
-        linear = isinstance(arch, LinearArchitecture)
-        shapes = arch.parameter_shapes() if linear else parameter_shapes(arch)
-        if linear and "basis.rows" in params:
+        if "basis.rows" in params:
             params = dict(params) | {"basis.rows": on_grid(np.asarray(params["basis.rows"]))}
-        checked = checked_parameters(params, shapes)
+        checked = checked_parameters(params, arch.parameter_shapes())
         return cls(arch, checked, dict(header), fingerprint(arch, checked))
 
     @property
@@ -80,11 +72,9 @@ class Model:
         return self.arch.widths
 
     @functools.cached_property
-    def networks(self) -> LinearNetworks | UrushiNetworks:
+    def networks(self) -> Networks:
         """Codes, layering, evaluation and proposals."""
-        if isinstance(self.arch, LinearArchitecture):
-            return LinearNetworks.of(self.params, self.arch)
-        return UrushiNetworks(self.params, self.arch)
+        return Networks.of(self.params, self.arch)
 
 
 def checked_parameters(
@@ -168,19 +158,14 @@ def _restored(arrays: Params) -> Params:
 
 def read(path: str | os.PathLike) -> Model:
     """Read a weights file that `save` wrote."""
-    return read_file(path, KIND, lambda arch, *rest: Model.of(_architecture(arch), *rest))
-
-
-def _architecture(text: str) -> Architecture:
-    kind = LinearArchitecture if "functions" in json.loads(text) else PerceptronArchitecture
-    return kind.from_json(text)
+    return read_file(path, KIND, lambda arch, *rest: Model.of(Architecture.from_json(arch), *rest))
 
 
 def read_file(
     path: str | os.PathLike,
     kind: str,
-    make: Callable[[str, Params, Mapping[str, Any]], Networks],
-) -> Networks:
+    make: Callable[[str, Params, Mapping[str, Any]], Read],
+) -> Read:
     """Read a weights file that `write_file` wrote.
 
     Args:

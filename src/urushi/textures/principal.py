@@ -15,7 +15,7 @@ import numpy as np
 from urushi.nets import basis, proposal
 from urushi.nets import lobe as lobes
 from urushi.nets.basis import Basis
-from urushi.nets.linear import LinearNetworks
+from urushi.nets.networks import Networks
 from urushi.nets.weights import Model
 from urushi.textures import packing
 from urushi.textures.packing import PackedTexels, TexelLayout
@@ -109,7 +109,7 @@ def principal_texture(model: Model, store: TextureStore) -> PrincipalTexture | N
     The components are scaled to functions of which the largest value is one.
     """
     networks, lobe, texels = model.networks, model.arch.lobe, len(store.packed.bytes)
-    if not isinstance(networks, LinearNetworks) or model.widths == 2 or not texels:
+    if not isinstance(networks, Networks) or model.widths == 2 or not texels:
         return None  # a table of two widths would take as many bytes as a large texture
     some = store.read(slice(None, None, -(-texels // SAMPLE))).reshape(-1, store.layout.size)
     whole = _projection(networks.basis, store, some, lobe)
@@ -166,7 +166,7 @@ def _left(rests: np.ndarray, whole: Projection) -> np.ndarray:
     return np.square(left).sum(axis=-1).max(axis=-1)
 
 
-def _errors(networks: LinearNetworks, codes: np.ndarray, projection: Projection) -> np.ndarray:
+def _errors(networks: Networks, codes: np.ndarray, projection: Projection) -> np.ndarray:
     """Errors E (n,) of the f of codes (n, size) at the probe pairs by a projection."""
     lobe, own = networks.arch.lobe, networks.basis
     f = basis.decode(codes[:, None, lobe:], own.probe_rows)

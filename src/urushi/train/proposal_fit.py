@@ -16,7 +16,7 @@ from urushi.core.namespace import NUMPY, components
 from urushi.core.quadrature import AZIMUTH_NODES, half_vector_rule
 from urushi.nets import lobe as lobes
 from urushi.nets import proposal
-from urushi.nets.linear import LinearNetworks
+from urushi.nets.networks import Networks
 
 #: Polar angles and azimuths of wi [degrees] by the number of GGX widths, and materials at most.
 ANGLES = {1: (0, 15, 30, 45, 55, 65, 75, 82, 87), 2: (5, 30, 55, 70, 83)}
@@ -46,7 +46,7 @@ class Problem(NamedTuple):
     logs: np.ndarray  # (A,) logarithms of the cosines
 
 
-def fit_proposal(networks: LinearNetworks, codes: np.ndarray) -> dict[str, np.ndarray]:
+def fit_proposal(networks: Networks, codes: np.ndarray) -> dict[str, np.ndarray]:
     """The parameters ``proposal.weight``, ``.bias`` and ``.overlap`` for codes (N, L) of materials.
 
     networks: only their basis is used. It takes 20 s, ten times as long with two widths.
@@ -69,7 +69,7 @@ def fit_proposal(networks: LinearNetworks, codes: np.ndarray) -> dict[str, np.nd
     return {f"proposal.{name}": x.astype(np.float32) for name, x in parameters.items()}
 
 
-def _problem(networks: LinearNetworks, z: np.ndarray) -> Problem:
+def _problem(networks: Networks, z: np.ndarray) -> Problem:
     widths, size = networks.arch.widths, networks.arch.lobe
     angles = np.meshgrid(np.radians(ANGLES[widths]), np.radians(AZIMUTHS[widths]), indexing="ij")
     theta, phi = (x.ravel() for x in angles)

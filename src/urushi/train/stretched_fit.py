@@ -28,7 +28,7 @@ from urushi.material.coated_anisotropic import coated_f
 from urushi.nets import lobe as lobes
 from urushi.nets import weights as files
 from urushi.nets.code_fit import FIRST_FLOOR, LEAST_SHARE, PRIOR
-from urushi.nets.linear import LinearArchitecture
+from urushi.nets.networks import Architecture
 from urushi.nets.stretched_basis import StretchedBasis
 
 #: Coarse nodes of u, v and w, and azimuths of the stretched half vector at each.
@@ -376,7 +376,7 @@ def write(folder: Path, given: Path, out: Path) -> None:
     e = 100 * errors(fit, prior, values.taken(np.flatnonzero(seen & held)))
     found = e.mean(), *np.percentile(e, (50, 95)), e.max()
     print(f"{seen.sum()} stacks, {time.process_time() - began:.0f} s; E of held-out ones:", *found)
-    arch = LinearArchitecture(fit.shape[1] - 1, PROBES, widths=2, azimuthal=AZIMUTHAL)
+    arch = Architecture(fit.shape[1] - 1, PROBES, widths=2, azimuthal=AZIMUTHAL)
     params = {name: np.zeros(shape) for name, shape in arch.parameter_shapes().items()}
     params |= {
         "basis.rows": fit.astype(np.float16).astype(np.float32),

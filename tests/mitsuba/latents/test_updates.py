@@ -7,7 +7,7 @@ import pytest
 from urushi.errors import ParameterError
 from urushi.mitsuba.latents.bottoms import white_code
 from urushi.nets import weights
-from urushi.nets.linear import LinearNetworks
+from urushi.nets.networks import Networks
 from urushi.textures import bake, cache
 
 SIDE = 16
@@ -19,7 +19,7 @@ def rows(monkeypatch, networks):
     white_code(weights.find(networks))  # once per model
     monkeypatch.setattr(bake, "FEW", 0)  # light transport layers no texels
     counts = {"encode": 0, "layer": 0}
-    encode, scaled, layer = (getattr(LinearNetworks, x) for x in ("encode", "rest_scaled", "layer"))
+    encode, scaled, layer = (getattr(Networks, x) for x in ("encode", "rest_scaled", "layer"))
 
     def counted_encode(self, f, lobe=None):
         counts["encode"] += f[..., 0].size
@@ -34,9 +34,9 @@ def rows(monkeypatch, networks):
         counts["layer"] += result[..., 0].size
         return result
 
-    monkeypatch.setattr(LinearNetworks, "encode", counted_encode)
-    monkeypatch.setattr(LinearNetworks, "rest_scaled", counted_scaled)
-    monkeypatch.setattr(LinearNetworks, "layer", counted_layer)
+    monkeypatch.setattr(Networks, "encode", counted_encode)
+    monkeypatch.setattr(Networks, "rest_scaled", counted_scaled)
+    monkeypatch.setattr(Networks, "layer", counted_layer)
 
     def since() -> tuple[int, int]:
         """Rows encoded and layered since the last call."""

@@ -30,7 +30,6 @@ from urushi.mitsuba.latents.baking import Baker
 from urushi.mitsuba.latents.bottoms import PROBED_TEXELS, is_finer
 from urushi.mitsuba.latents.holders import ConstantLatents, TexturedLatents
 from urushi.mitsuba.latents.lookup import drawn_texel, texel_draw
-from urushi.mitsuba.networks.decoder import decoder_of
 from urushi.mitsuba.networks.lobe import ANY_LOBE
 from urushi.mitsuba.networks.lobe import f as lobe_f
 from urushi.mitsuba.networks.table import TabulatedDecoder
@@ -74,7 +73,7 @@ class DifferentiableLatents:
         dr.make_opaque(self._tables)
         # Numbers that vanish or that channels share have gradients of their own.
         kind = ANY_LOBE._replace(widths=model.widths)
-        self._decoder = decoder_of(model, kind)
+        self._decoder = BasisDecoder(model, kind)
         self._tabulated, self._lobe = TabulatedDecoder(kind), kind.size
         self._size = tensor.shape[-1]
         if plain.grid is None:

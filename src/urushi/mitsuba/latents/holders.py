@@ -18,12 +18,10 @@ from urushi.material.material import Material
 from urushi.mitsuba import spectrum
 from urushi.mitsuba.latents.lookup import LatentTexture, are_constant
 from urushi.mitsuba.networks.basis import FUNCTION_SCALE, BasisDecoder
-from urushi.mitsuba.networks.decoder import UrushiDecoder, decoder_of
 from urushi.mitsuba.networks.lobe import NO_LOBE, LobeKind, kind_of
-from urushi.mitsuba.networks.proposal import CodeProposals, proposals_of
+from urushi.mitsuba.networks.proposal import CodeProposals
 from urushi.mitsuba.networks.table import TabulatedDecoder, stored
 from urushi.mitsuba.recording import only_where, owned
-from urushi.nets.linear import LinearArchitecture
 from urushi.nets.weights import Model
 from urushi.textures.principal import principal_texture
 from urushi.textures.store import TexelGrid, TextureStore, write_texture
@@ -87,12 +85,11 @@ class ConstantLatents(_Held):
         self._fine = len(latents) == spectrum.COUNT
         whole = table is not None and not material.beside_lobe
         kind = NO_LOBE if whole else kind_of_codes(model, latents[None])
-        self._sampler = proposals_of(model, kind)
-        self._decoder: BasisDecoder | UrushiDecoder | TabulatedDecoder
+        self._sampler = CodeProposals(model, kind)
+        self._decoder: BasisDecoder | TabulatedDecoder
         self._tables = []
-        stretched = model.widths == 2 and isinstance(model.arch, LinearArchitecture)
-        if stretched or (self._fine and model.widths == 2):
-            self._decoder = decoder_of(model, kind)
+        if model.widths == 2:
+            self._decoder = BasisDecoder(model, kind)
         else:
             self._decoder = TabulatedDecoder(kind, material.knots)
             table = model.networks.table(latents) if table is None else table
@@ -172,11 +169,11 @@ class TexturedLatents(_Held):
         self._size, self._bytes = store.layout.size, store.layout.texel_bytes
         self._kind = kind_of_store(model, store)
         self._principal = principal_texture(model, store)
-        self._sampler = proposals_of(model, self._kind)
+        self._sampler = CodeProposals(model, self._kind)
         # Channels of the same code are evaluated once.
         self._kept = 1 if (store.layout.constant | store.layout.same).all() else self.channels
         if self._principal is None:
-            self._decoder = decoder_of(model, self._kind)
+            self._decoder = BasisDecoder(model, self._kind)
             self._texture = LatentTexture(store, grid)
         else:
             self._decoder = BasisDecoder(model, self._kind, self._principal.functions)

@@ -22,7 +22,7 @@ from urushi.core.table import MAX_LOG, MIN_LOG, SHAPE, coordinates, corner_steps
 from urushi.mitsuba.networks import lobe
 from urushi.mitsuba.networks.lobe import LobeKind
 from urushi.mitsuba.recording import owned
-from urushi.nets.linear import LinearNetworks
+from urushi.nets.networks import Networks
 from urushi.nets.stretched_basis import StretchedBasis
 from urushi.nets.weights import Model
 
@@ -122,7 +122,7 @@ def table_of(model: Model) -> BasisTable:
     table = _tables.get(key)
     if table is None:
         networks = model.networks
-        assert isinstance(networks, LinearNetworks)  # for the type checker
+        assert isinstance(networks, Networks)  # for the type checker
         basis, factors = networks.basis, list[int]()
         if isinstance(basis, StretchedBasis):
             factors = np.delete(basis.factors, 1).tolist()

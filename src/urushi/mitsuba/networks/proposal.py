@@ -13,9 +13,7 @@ from urushi.core.mixture import Mixture
 from urushi.core.namespace import DRJIT
 from urushi.mitsuba.networks import mlp
 from urushi.mitsuba.networks.lobe import LobeKind, reflectance
-from urushi.mitsuba.networks.sampler import UrushiSampler
 from urushi.mitsuba.networks.table import interpolated, padded
-from urushi.nets.linear import LinearArchitecture
 from urushi.nets.lobe import WIDTH_PLACES
 from urushi.nets.proposal import ALPHAS, LARGEST_STRETCH, mixture, stretched_widths, weights
 from urushi.nets.weights import Model
@@ -107,9 +105,3 @@ def stretch_of(sides: Sequence, log_stretch: Any) -> list:
     """s of a code of two widths, from ln s; nothing for one width."""
     limit = LARGEST_STRETCH
     return [dr.exp(dr.clip(log_stretch, -limit, limit))] if len(sides) == 2 else []
-
-
-def proposals_of(model: Model, kind: LobeKind) -> CodeProposals | UrushiSampler:
-    """Proposals of codes of a basis, or of networks that are still to be replaced by one."""
-    linear = isinstance(model.arch, LinearArchitecture)
-    return CodeProposals(model, kind) if linear else UrushiSampler(model, kind)
