@@ -377,6 +377,7 @@ CONSTANTS: dict[str, str] = {
     "nets.encoder": "OFFSET",
     "nets.features": "DIRECTION_FEATURES COAT_FEATURES",
     "nets.interface_fit": ("LEAST_ERROR GREATEST_ERROR TOLERANCE STEPS DAMPING LOWER UPPER METALS"),
+    "nets.layerer": "LEAST_GAIN",
     "nets.lobe": "NO_LOBE LOBE_FEATURES NUMBERS COSINES VISIBLE",
     "nets.lobe_fit": ("DARK OVERSHOOT_WEIGHT KNEE STEPS CONVERGED LONGEST_STEP LAST_STEPS"),
     "nets.mlp": "POLYNOMIALS",

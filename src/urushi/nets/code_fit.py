@@ -77,17 +77,17 @@ def fitted(
     rounds: int = ROUNDS,
 ) -> np.ndarray:
     """`solve_codes` at nodes with the functions (N, 1 + K) and this measure (N,)."""
-    f, light = _bounded(rest, measure), _light(rest, top, measure)
+    f, light = bounded(rest, measure), light_of(rest, top, measure)
     functions, logs = rows[:, 1:], np.log(f) - rows[:, 0]
-    codes = _solved(functions, logs, measure * (f / light + FIRST_FLOOR), prior)
+    codes = solved(functions, logs, measure * (f / light + FIRST_FLOOR), prior)
     best, least = codes, np.full(len(f), np.inf)
     for _ in range(rounds):
-        error, weights = _weighed(rows, measure, f, light, codes)
+        error, weights = weighed(rows, measure, f, light, codes)
         better = error < least
         least = np.where(better, error, least)
         best = np.where(better[:, None], codes, best)
-        codes = _solved(functions, logs, weights, prior)
-    error, _ = _weighed(rows, measure, f, light, codes)
+        codes = solved(functions, logs, weights, prior)
+    error, _ = weighed(rows, measure, f, light, codes)
     best = np.where((error < least)[:, None], codes, best)
     dark = rest @ measure < LEAST_REST
     best[dark], best[dark, 0] = 0, EMPTY_GAIN
@@ -121,9 +121,9 @@ def _slopes_at(
     codes: np.ndarray,
 ) -> np.ndarray:
     measure = basis.measure
-    f, mean = _bounded(rest, measure), np.maximum(rest @ measure, 1e-12)[:, None, None]
-    _, weights = _weighed(rows, measure, f, _light(rest, top, measure), codes)
-    by_logs = np.linalg.solve(_normal(rows[:, 1:], weights, basis.prior), rows[:, 1:].T)
+    f, mean = bounded(rest, measure), np.maximum(rest @ measure, 1e-12)[:, None, None]
+    _, weights = weighed(rows, measure, f, light_of(rest, top, measure), codes)
+    by_logs = np.linalg.solve(normal(rows[:, 1:], weights, basis.prior), rows[:, 1:].T)
     by_logs = np.swapaxes(by_logs, 1, 2) * weights[..., None]
     seen = (rest == f)[..., None]  # the others change with the mean
     by_mean = np.where(seen, 0, by_logs).sum(axis=1, keepdims=True) / mean
@@ -131,17 +131,17 @@ def _slopes_at(
     return result.astype(np.float32)
 
 
-def _bounded(rest: np.ndarray, measure: np.ndarray) -> np.ndarray:
+def bounded(rest: np.ndarray, measure: np.ndarray) -> np.ndarray:
     """Rests (S, N), of which no value is far below the mean."""
     return np.maximum(rest, LEAST_SHARE * (rest @ measure)[:, None] + 1e-12)
 
 
-def _light(rest: np.ndarray, top: np.ndarray, measure: np.ndarray) -> np.ndarray:
+def light_of(rest: np.ndarray, top: np.ndarray, measure: np.ndarray) -> np.ndarray:
     """Light (S, 1) of rests and lobes (S, N)."""
     return np.maximum(rest @ measure + top @ measure, 1e-12)[:, None]
 
 
-def _weighed(
+def weighed(
     rows: np.ndarray, measure: np.ndarray, f: np.ndarray, light: np.ndarray, codes: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
     """Errors (S,) of codes (S, K), and the weights (S, N) of the next least squares."""
@@ -154,16 +154,24 @@ def _weighed(
     return size @ measure / light[:, 0], measure * weights
 
 
-def _solved(
+def solved(
     functions: np.ndarray, logs: np.ndarray, weights: np.ndarray, prior: np.ndarray
 ) -> np.ndarray:
     """Codes (S, K) of least squares for logarithms and weights (S, N)."""
     right = ((weights * logs) @ functions).astype(np.float64)
-    return np.linalg.solve(_normal(functions, weights, prior), right[..., None])[..., 0]
+    return np.linalg.solve(normal(functions, weights, prior), right[..., None])[..., 0]
 
 
-def _normal(functions: np.ndarray, weights: np.ndarray, prior: np.ndarray) -> np.ndarray:
+def normal(functions: np.ndarray, weights: np.ndarray, prior: np.ndarray) -> np.ndarray:
     """The matrices (S, K, K) of the normal equations for weights (S, N)."""
-    count = functions.shape[1]
-    products = (functions[:, :, None] * functions[:, None]).reshape(len(functions), -1)
-    return (weights @ products).reshape(-1, count, count).astype(np.float64) + PRIOR * prior
+    return weighted_products(functions, weights) + PRIOR * prior
+
+
+def weighted_products(x: np.ndarray, weights: np.ndarray) -> np.ndarray:
+    """Sums float64 (S, K, K) over n of the products x_nk x_nl of x (N, K) by weights (S, N)."""
+    count = x.shape[1]
+    rows, columns = np.triu_indices(count)  # half of all products
+    half = weights @ (x[:, rows] * x[:, columns])
+    result = np.empty((len(half), count, count))
+    result[:, rows, columns] = result[:, columns, rows] = half
+    return result

@@ -6,6 +6,9 @@ from urushi.nets.features import coat_features
 from urushi.nets.lobe import lobe_features, of_coat
 from urushi.nets.mlp import Params, hidden_to_output, split_linear
 
+#: Logarithmic gain of a bottom's rest below which the network takes it as this one: of no rest.
+LEAST_GAIN = -12.0
+
 
 def layer(params: Params, arch: Any, z_bottom: Any, coat: tuple[Any, ...]) -> Any:
     """Return the latent codes (..., L) of bottoms z_bottom (..., L) under coats.
@@ -16,7 +19,10 @@ def layer(params: Params, arch: Any, z_bottom: Any, coat: tuple[Any, ...]) -> An
     bottom's lobe and the coat.
     """
     xp = z_bottom.__array_namespace__()
-    rest = z_bottom[..., arch.lobe :]
+    gain = xp.maximum(
+        z_bottom[..., arch.lobe : arch.lobe + 1], xp.asarray(LEAST_GAIN, dtype=z_bottom.dtype)
+    )
+    rest = xp.concat([gain, z_bottom[..., arch.lobe + 1 :]], axis=-1)
     own = xp.concat([rest, lobe_features(z_bottom[..., : arch.lobe])], axis=-1)
     first = split_linear(params, "layerer.0", own, coat_features(*coat))
     rest = rest + hidden_to_output(params, "layerer", first, arch.activation)

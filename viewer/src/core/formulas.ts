@@ -133,6 +133,11 @@ export const INTERFACE_FIT = {
   METALS: [0.2, 1, 2.5],
 } as const;
 
+/** Of `urushi.nets.layerer` of Python. */
+export const LAYERER = {
+  LEAST_GAIN: -12,
+} as const;
+
 /** Of `urushi.nets.lobe` of Python. */
 export const LOBE = {
   NO_LOBE: [1, 0, 0, 0, 1.5, 0],

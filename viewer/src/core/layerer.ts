@@ -6,7 +6,7 @@
  */
 
 import type { CoatOfChannel } from "./features";
-import { CHECKS, coatFeatures, coatFeatures2, FEATURES, LAYER, LOBE } from "./formulas";
+import { CHECKS, coatFeatures, coatFeatures2, FEATURES, LAYER, LAYERER, LOBE } from "./formulas";
 import type { Architecture, Layer } from "./layers";
 import { lobeFeatures } from "./lobe";
 import { type Activation, Mlp } from "./mlp";
@@ -31,6 +31,7 @@ export class Layerer {
     bottoms.forEach((bottom, row) => {
       const at = row * width;
       inputs.set(bottom.subarray(lobe), at);
+      inputs[at] = Math.max(inputs[at], LAYERER.LEAST_GAIN);
       lobeFeatures(bottom, inputs, at + rest, widths);
       const { alpha, alphaV, eta, albedo, sigmaT, g } = coats[row];
       const place = at + rest + ofLobe;
@@ -42,9 +43,8 @@ export class Layerer {
       const code = bottom.slice();
       const across = widths === 2 ? [coats[row].alphaV] : [];
       code.set([coats[row].alpha, 0, 0, 1, coats[row].eta, 0, ...across]);
-      for (let k = 0; k < rest; k++) {
-        code[lobe + k] = bottom[lobe + k] + changes[row * rest + k];
-      }
+      code[lobe] = Math.max(code[lobe], LAYERER.LEAST_GAIN);
+      for (let k = 0; k < rest; k++) code[lobe + k] += changes[row * rest + k];
       return code;
     });
   }

@@ -25,6 +25,7 @@ from urushi.mitsuba.networks.mlp import activate
 from urushi.mitsuba.recording import owned
 from urushi.nets import code_fit
 from urushi.nets.features import COATS, coat_columns
+from urushi.nets.layerer import LEAST_GAIN
 from urushi.nets.lobe_fit_slopes import FITTED, fit_slopes
 from urushi.nets.mlp import linear
 from urushi.nets.weights import Model
@@ -73,6 +74,7 @@ def layered(
     row = dr.arange(mi.UInt32, len(z))
     places = row % (len(below) * channels) * size
     own = [dr.gather(mi.Float, bottom.array, places + i) for i in range(size)]
+    own[lobe] = dr.maximum(own[lobe], LEAST_GAIN)
     below = np.broadcast_to(below, codes.shape).reshape(z.shape)
     at = np.stack([np.broadcast_to(x, (points, channels)).ravel() for x in chosen.columns()])
     at = at.astype(np.float32)
