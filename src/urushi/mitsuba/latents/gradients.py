@@ -30,6 +30,7 @@ from urushi.mitsuba.latents.baking import Baker
 from urushi.mitsuba.latents.bottoms import PROBED_TEXELS, is_finer
 from urushi.mitsuba.latents.holders import ConstantLatents, TexturedLatents
 from urushi.mitsuba.latents.lookup import drawn_texel, texel_draw
+from urushi.mitsuba.networks.basis import BasisDecoder
 from urushi.mitsuba.networks.lobe import ANY_LOBE
 from urushi.mitsuba.networks.lobe import f as lobe_f
 from urushi.mitsuba.networks.table import TabulatedDecoder
