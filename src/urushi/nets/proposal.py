@@ -27,8 +27,9 @@ from typing import Any
 from urushi.checks import Widths
 from urushi.core.mixture import reflection_pdf, sample_reflection
 from urushi.core.namespace import Components, Namespace, arrays, components, stacked_components
+from urushi.core.table import MIN_COSINE
 from urushi.nets import lobe as lobes
-from urushi.nets.features import MIN_COSINE, stacked
+from urushi.nets.features import stacked
 from urushi.nets.mlp import Params, product
 
 #: Least weight of the cosine lobe. It bounds f cos / pdf where the weights are wrong.
