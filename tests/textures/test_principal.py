@@ -75,3 +75,13 @@ def test_rare_texels_are_represented_too(model, lacquers):
     wi, wo = cosine_pairs(np.random.default_rng(1), 500)
     f, ours = (model.networks.f(z[..., None, :], wi, wo) for z in (store.read([123]), found))
     assert stack_error(ours, f, wi[:, 2], wo[:, 2]).max() < 1e-2
+
+
+def test_a_texture_of_one_material_and_of_none(model, lacquers):
+    """Nothing varies, and the numbers of codes may be zero."""
+    for codes in (lacquers(1), model.networks.without_rest(lacquers(1))):
+        store = stored(model, np.repeat(codes, 8, axis=0))
+        principal = principal_texture(model, store)
+        found = principal.codes(packing.unpack(principal.layout, principal.packed))
+        np.testing.assert_allclose(found, store.read(slice(None)), atol=1e-4)
+        assert np.isfinite(principal.functions).all()

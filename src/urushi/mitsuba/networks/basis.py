@@ -156,7 +156,7 @@ class BasisDecoder:
             self._table = table_of(model)
             self._scale = [float(factor) for factor in self._table.scale]
         else:  # a power of two: textures share compiled code
-            mean = 2.0 ** np.ceil(np.log2(np.abs(functions[:, 0]).max()))
+            mean = 2.0 ** np.ceil(np.log2(max(np.abs(functions[:, 0]).max(), 1)))
             scale = np.append(mean, np.ones(functions.shape[1] - 1))
             self._table = BasisTable(functions, scale=scale)
             self._scale = [mean / ONE, *[1.0] * (functions.shape[1] - 1)]
