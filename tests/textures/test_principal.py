@@ -83,5 +83,5 @@ def test_a_texture_of_one_material_and_of_none(model, lacquers):
         store = stored(model, np.repeat(codes, 8, axis=0))
         principal = principal_texture(model, store)
         found = principal.codes(packing.unpack(principal.layout, principal.packed))
-        np.testing.assert_allclose(found, store.read(slice(None)), atol=1e-4)
+        np.testing.assert_allclose(found, store.read(slice(None)), atol=2e-3)
         assert np.isfinite(principal.functions).all()

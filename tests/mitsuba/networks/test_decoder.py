@@ -1,11 +1,8 @@
-"""The networks in Dr.Jit agree with those in NumPy, and f is reciprocal in both."""
+"""Mixtures and layers of networks in Dr.Jit agree with NumPy; pairs for other tests."""
 
-import drjit as dr
 import numpy as np
 import pytest
 
-from urushi.material import Material
-from urushi.nets import features as numpy_features
 from urushi.nets import proposal as numpy_lobes
 
 
@@ -28,45 +25,8 @@ def pairs(count: int = 4096) -> tuple[np.ndarray, np.ndarray]:
     return wi, wo
 
 
-def latents(count: int, seed: int = 0) -> np.ndarray:
-    codes = np.random.default_rng(seed).normal(size=(count, 32))
-    codes[:, :6] = [0.2, 0, 0, 1, 1.5, 0]
-    return codes.astype(np.float32)
-
-
-@pytest.fixture
-def parts(rgb, model):
-    """Constant latents in Dr.Jit and the same material in NumPy."""
-    from urushi.mitsuba.latents.holders import ConstantLatents
-
-    z = latents(3)
-    return ConstantLatents(Material(z, model)), Material(z, model)
-
-
 def vector(mi, w):
     return mi.Vector3f(np.ascontiguousarray(w.T))
-
-
-def interaction(mi, wi):
-    si = dr.zeros(mi.SurfaceInteraction3f, len(wi))
-    si.wi = vector(mi, wi)
-    return si
-
-
-def evaluated(latents, si, wo) -> list:
-    """f of every channel."""
-    active = dr.full(dr.mask_t(si.t), True, dr.width(wo))
-    return latents.f(latents.vertex(si, active), si, wo, active)
-
-
-def test_features_agree_with_numpy(rgb):
-    from urushi.core.namespace import DRJIT
-
-    wi, wo = pairs()
-    columns = numpy_features.direction_columns(vector(rgb, wi), vector(rgb, wo), 1, DRJIT)
-    ours = np.stack([x.numpy() for x in numpy_features.DIRECTIONS[1].each(columns)], -1)
-    # rounding of logarithms of small half angles, in units of their spread
-    np.testing.assert_allclose(ours, numpy_features.direction_features(wi, wo), atol=2e-5)
 
 
 def test_density_and_samples_of_a_mixture_agree_with_numpy(rgb):
