@@ -2,7 +2,8 @@
 
 A code is too coarse for a measured BRDF, and a coat over the code inherits its error. Light
 transport (`urushi.material.coated_values`) is therefore computed for a sixth of a table's nodes.
-Between them, logarithms are cubic (`core.table.completed`).
+Between them, logarithms are cubic (`core.table.completed`). Under indices below one, all nodes are
+computed.
 """
 
 from collections.abc import Sequence
@@ -72,14 +73,16 @@ def coated_rest(bottom: Material, coat: CoatParameters, slab: Inside | None = No
         parts = channels[chosen], interfaces[:, chosen], media[:, chosen], pairs[0], pairs[1]
         return coated_values(below, *parts, points=points)
 
-    matched = interfaces[1] == 1
-    if matched.any():  # without an interface, a pair costs little
-        result[:, matched] = at(every, matched)
-    if not matched.all():
+    # Without an interface, a pair costs little. Edges of total reflection are too steep for cubics;
+    # tables of slabs have knots there.
+    whole = interfaces[1] == 1 if slab else interfaces[1] <= 1
+    if whole.any():
+        result[:, whole] = at(every, whole)
+    if not whole.all():
         factor = slab.factor if slab else np.ones(SHAPE, np.float32)
-        values = at(known, ~matched).reshape(*(row.size for row in rows), SHAPE[2], -1)
+        values = at(known, ~whole).reshape(*(row.size for row in rows), SHAPE[2], -1)
         values = completed(values / factor[rows][..., None], knots) * factor[..., None]
-        result[:, ~matched] = values.reshape(len(result), -1)
+        result[:, ~whole] = values.reshape(len(result), -1)
     return result
 
 
