@@ -43,7 +43,7 @@ from urushi.export.lobe import lobe_f
 from urushi.export.printer import PRIMARY, Printer, broken
 from urushi.export.program import TABLE
 from urushi.export.statements import Function, Variable, element, namespace, offset_index
-from urushi.nets import features, lobe, proposal, sampler
+from urushi.nets import features, lobe, proposal
 
 FILE = Path(__file__).parent / "src/core/formulas.ts"
 SHADER_FILE = Path(__file__).parent / "src/picture/shaders/material.glsl"
@@ -257,20 +257,6 @@ def functions() -> list[Function]:
                 *stretched.stretched(*_both_and_apart(wi, wo), stretch2, xp)
             ),
         ),
-        filling(
-            "sampler_features2",
-            "The sampler's inputs of a direction.",
-            (WI,),
-            lambda wi, xp: sampler.sampler_columns(wi, 2, xp),
-        ),
-        filling(
-            "direction_features2",
-            "The decoder's inputs of a pair of directions.",
-            (WI, WO),
-            lambda wi, wo, xp: features.DIRECTIONS[2].each(
-                features.direction_columns(wi, wo, 2, xp)
-            ),
-        ),
     ]
     for widths in (1, 2):
         end = "" if widths == 1 else "2"
@@ -374,8 +360,7 @@ CONSTANTS: dict[str, str] = {
     "material.lobe_albedo": "NODES EDGE_NODES WIDTHS FINE HEIGHTS TURNS",
     "nets.basis": "EMPTY_GAIN",
     "nets.code_fit": "FIRST_FLOOR FLOOR KNEE DARK PRIOR ROUNDS LEAST_SHARE LEAST_REST",
-    "nets.encoder": "OFFSET",
-    "nets.features": "DIRECTION_FEATURES COAT_FEATURES",
+    "nets.features": "COAT_FEATURES",
     "nets.interface_fit": ("LEAST_ERROR GREATEST_ERROR TOLERANCE STEPS DAMPING LOWER UPPER METALS"),
     "nets.layerer": "LEAST_GAIN",
     "nets.lobe": "NO_LOBE LOBE_FEATURES NUMBERS COSINES VISIBLE",
@@ -383,7 +368,6 @@ CONSTANTS: dict[str, str] = {
     "nets.mlp": "POLYNOMIALS",
     "nets.stretched_basis": "SLOPED LEAST_SLOPE",
     "nets.proposal": "ALPHAS TERMS LARGEST_STRETCH",
-    "nets.sampler": "MIN_COSINE_SHARE",
 }
 
 

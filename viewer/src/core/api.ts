@@ -63,7 +63,7 @@ export interface Material {
   /** Codes (3, latentSize): coats lie over them, directions are drawn by them. */
   latents: Float32Array;
   /** By which f is evaluated. */
-  table?: FTable | undefined;
+  table: FTable;
   /** Light that is added, if it is not in the table. */
   compensation?: Compensation | undefined;
 }
@@ -104,7 +104,7 @@ export interface Core {
   /** The BRDF [1/sr], without cosine: (N, 3) for directions (N, 3). */
   f(material: Material, wi: Float32Array, wo: Float32Array): Float32Array;
 
-  /** The texels of the basis that shader code reads, four numbers each; none for two widths. */
+  /** The texels of the basis that shader code reads, four numbers each. */
   basisTexels(): Float32Array<ArrayBuffer>;
 
   /** Directional albedo: (N, 3) for N cosines of the incident direction, in the plane y = 0. */

@@ -15,7 +15,6 @@ import type { Pairs, Widths } from "./features";
 import { BASIS, STRETCHED, STRETCHED_BASIS, TABLE } from "./formulas";
 import { lobeValues } from "./lobe";
 import { probePairs } from "./probe_pairs";
-import { type AtPairs, difference, type Rests } from "./rests";
 
 /** The parameters of a basis of K functions. */
 export interface BasisWeights {
@@ -30,8 +29,18 @@ export interface BasisWeights {
   readonly prior: Float64Array;
 }
 
-export class Basis implements Rests {
+/** What is known of pairs of directions whatever the code; see `Basis.at`. */
+export interface AtPairs {
+  readonly pairs: Pairs;
+  /** Number of the pairs, the first of all. */
+  readonly count: number;
+  /** Of one width: the functions (count, 1 + K). */
+  readonly values: Float64Array;
+}
+
+export class Basis {
   readonly widths: Widths;
+  /** Pairs at which f must be known for a code. */
   readonly probes: Pairs;
   /** Numbers of a row, 1 + K. */
   private readonly width: number;
@@ -46,11 +55,14 @@ export class Basis implements Rests {
     this.probes = probePairs(weights.measure.length, weights.widths);
   }
 
-  at(pairs: Pairs, count = pairs.capacity): AtPairs {
+  /** What `values` needs of pairs. */
+  at(pairs: Pairs): AtPairs {
+    const count = pairs.capacity;
     const values = this.widths === 1 ? this.functions(pairs, count) : new Float64Array();
     return { count, values, pairs };
   }
 
+  /** f (count) [1/sr] of a code without its lobe. */
   values(code: Float32Array, { count, values, pairs }: AtPairs): Float64Array {
     const { width, lobe } = this;
     const result = new Float64Array(count);
@@ -66,6 +78,7 @@ export class Basis implements Rests {
     return result;
   }
 
+  /** The code of a lobe and of f [1/sr], of which the lobe is a part, at the probe pairs. */
   encode(lobe: Float32Array, f: Float64Array): Float32Array {
     const { measure, prior } = this.weights;
     const top = lobeValues(lobe, this.probes);
@@ -79,6 +92,7 @@ export class Basis implements Rests {
     return Float32Array.of(...lobe, ...fittedCode(this.atProbes, measure, prior, rest, top));
   }
 
+  /** The code of a lobe alone. */
   without(lobe: Float32Array): Float32Array {
     const code = new Float32Array(lobe.length + this.width - 1 + Number(this.widths === 2));
     code.set(lobe);
@@ -167,4 +181,9 @@ export class Basis implements Rests {
     const stretch = Math.round((0.5 * sum) / Math.max(total, 1e-30) / STEP) * STEP;
     return Math.min(Math.max(stretch, -LARGEST), LARGEST);
   }
+}
+
+/** What a lobe leaves of f, at least zero. */
+export function difference(f: Float64Array, top: Float64Array): Float64Array {
+  return f.map((value, i) => Math.max(value - top[i], 0));
 }

@@ -79,7 +79,7 @@ export class Compensations {
 /** The material whose table has the lobe too; one of two widths keeps it beside. */
 export function withLobe(material: Material, lobe: Compensation): Material {
   const { table } = material;
-  if (table === undefined || table.stretches) return { ...material, compensation: lobe };
+  if (table.stretches) return { ...material, compensation: lobe };
   const { wi, wo } = nodePairs();
   const logs = table.logs.map((log, at) => {
     const z = 3 * Math.floor(at / CHANNELS) + 2;

@@ -11,8 +11,6 @@ import { Layerer, withinTraining } from "./layerer";
 import { MeasuredEncoder } from "./measured_encoder";
 import { Proposals } from "./mixture";
 import { activationOf } from "./mlp";
-import { PerceptronRests } from "./perceptrons/rests";
-import { Sampler } from "./perceptrons/sampler";
 import { SurfaceEncoder } from "./surface_encoder";
 import { coatOfChannel } from "./surfaces";
 import { readWeights, type Weights } from "./weights";
@@ -34,18 +32,14 @@ export class NetworkCore extends Evaluation implements Core {
   private readonly energy: EnergyLimit;
   private readonly compensations = new Compensations(this);
 
-  constructor({ arch, rests: parameters, fingerprint, layerer, proposal }: Weights) {
-    const activation = activationOf(arch.activation);
-    const [rests, proposer] =
-      "rows" in parameters
-        ? [new Basis(parameters, arch.lobe), new Proposals(proposal!, arch.lobe)]
-        : [new PerceptronRests(parameters, activation), new Sampler(parameters, activation)];
-    super(arch, rests, proposer);
+  constructor({ arch, basis: parameters, fingerprint, layerer, proposal }: Weights) {
+    const basis = new Basis(parameters, arch.lobe);
+    super(arch, basis, new Proposals(proposal, arch.lobe));
     this.fingerprint = fingerprint;
-    this.layerer = new Layerer(arch, layerer, activation);
-    this.energy = new EnergyLimit(rests, arch.lobe);
-    this.surfaces = new SurfaceEncoder(rests, this.energy);
-    this.measured = new MeasuredEncoder(rests, this.energy);
+    this.layerer = new Layerer(arch, layerer, activationOf(arch.activation));
+    this.energy = new EnergyLimit(basis, arch.lobe);
+    this.surfaces = new SurfaceEncoder(basis, this.energy);
+    this.measured = new MeasuredEncoder(basis, this.energy);
   }
 
   /** The codes of a bottom without coats. */

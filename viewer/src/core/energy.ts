@@ -7,9 +7,9 @@
 
 import { type AlbedoRule, addAlbedos, albedoRule } from "./albedo_rule";
 import { AnisotropicLobeAlbedo } from "./anisotropic_lobe_albedo";
+import type { AtPairs, Basis } from "./basis";
 import { ENERGY } from "./formulas";
 import { LobeAlbedo, type LobeAlbedos } from "./lobe_albedo";
-import { type AtPairs, type Rests, scaleRest } from "./rests";
 
 const { MARGIN, SLACK, TOLERANCE, GRAZING, LEAST_ALBEDO, LEAST_REST } = ENERGY;
 const { TINY_FACTOR, TINY_FACTOR_ROUNDS } = ENERGY;
@@ -24,14 +24,14 @@ export class EnergyLimit {
 
   /** @param lobe numbers of a code's lobe. */
   constructor(
-    private readonly rests: Rests,
+    private readonly basis: Basis,
     private readonly lobe: number,
   ) {
-    const { widths } = rests;
+    const { widths } = basis;
     this.rule = albedoRule(widths);
     this.lobeAlbedo =
       widths === 1 ? new LobeAlbedo(this.rule.cosines) : new AnisotropicLobeAlbedo(this.rule);
-    this.nodes = rests.at(this.rule.pairs);
+    this.nodes = basis.at(this.rule.pairs);
   }
 
   /** Scale a code down in place so that its albedo is nowhere above a ceiling. */
@@ -52,7 +52,7 @@ export class EnergyLimit {
   /** Directional albedos (D) of what the code's lobe does not reflect. */
   private restAlbedos(code: Float32Array): Float64Array {
     const albedos = new Float64Array(this.rule.cosines.length);
-    addAlbedos(this.rule, this.rests.values(code, this.nodes), albedos);
+    addAlbedos(this.rule, this.basis.values(code, this.nodes), albedos);
     return albedos;
   }
 
@@ -98,4 +98,9 @@ export class EnergyLimit {
 
 function greatest(numbers: Float64Array): number {
   return numbers.reduce((a, b) => Math.max(a, b), Number.NEGATIVE_INFINITY);
+}
+
+/** Multiply the rest of a code, whose gain is at a place, by a factor > 0. */
+function scaleRest(code: Float32Array, gain: number, factor: number): void {
+  code[gain] += Math.log(factor);
 }

@@ -1,7 +1,7 @@
 /** Evaluation of materials: f, the proposal, albedo, and tables of directions. */
 
 import type { Material, TableOptions } from "./api";
-import { Basis } from "./basis";
+import type { Basis } from "./basis";
 import { CHANNELS, rows } from "./channels";
 import { lobeOf } from "./compensation";
 import { tableValues } from "./f_table";
@@ -9,10 +9,9 @@ import { Pairs, type Widths } from "./features";
 import type { Vector } from "./formulas";
 import type { Architecture } from "./layers";
 import { lobeValue } from "./lobe";
-import { mixtureDensity, type Proposer, sampleMixture } from "./mixture";
+import { mixtureDensity, type Proposals, sampleMixture } from "./mixture";
 import { sequenceSteps } from "./probe_pairs";
 import { halfVectorRule } from "./quadrature";
-import type { Rests } from "./rests";
 
 /** The largest number below one of single precision, for uniform numbers. */
 const BELOW_ONE = 1 - 2 ** -24;
@@ -24,22 +23,20 @@ export class Evaluation {
 
   constructor(
     { latent, widths }: Architecture,
-    private readonly rests: Rests,
-    private readonly proposer: Proposer,
+    private readonly basis: Basis,
+    private readonly proposer: Proposals,
   ) {
     this.latentSize = latent;
     this.widths = widths;
   }
 
   basisTexels(): Float32Array<ArrayBuffer> {
-    return this.rests instanceof Basis ? this.rests.texels() : new Float32Array();
+    return this.basis.texels();
   }
 
   /** The material of codes (3, L), with its table. */
   protected material(latents: Float32Array): Material {
-    const { rests } = this;
-    if (!(rests instanceof Basis)) return { latents };
-    return { latents, table: rests.table(rows(latents, this.latentSize)) };
+    return { latents, table: this.basis.table(rows(latents, this.latentSize)) };
   }
 
   f(material: Material, wi: Float32Array, wo: Float32Array): Float32Array {
@@ -115,14 +112,11 @@ export class Evaluation {
     const { table, compensation } = material;
     const codes = rows(material.latents, this.latentSize);
     const result = new Float64Array(CHANNELS * count);
-    if (table !== undefined) tableValues(table, pairs, count, result);
-    const at = table === undefined ? this.rests.at(pairs, count) : undefined;
+    tableValues(table, pairs, count, result);
     codes.forEach((code, channel) => {
-      const rest = at && this.rests.values(code, at);
       for (let i = 0; i < count; i++) {
         const place = CHANNELS * i + channel;
-        if (rest) result[place] += rest[i];
-        if (table?.besideLobe !== false) result[place] += lobeValue(code, 0, pairs, i);
+        if (table.besideLobe) result[place] += lobeValue(code, 0, pairs, i);
         if (compensation) {
           const [cosI, cosO] = [pairs.directions[6 * i + 2], pairs.directions[6 * i + 5]];
           result[place] += lobeOf(compensation, channel, cosI, cosO);

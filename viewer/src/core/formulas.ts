@@ -110,14 +110,8 @@ export const CODE_FIT = {
   LEAST_REST: 1e-09,
 } as const;
 
-/** Of `urushi.nets.encoder` of Python. */
-export const ENCODER = {
-  OFFSET: 0.0001,
-} as const;
-
 /** Of `urushi.nets.features` of Python. */
 export const FEATURES = {
-  DIRECTION_FEATURES: { 1: 8, 2: 14 },
   COAT_FEATURES: { 1: 18, 2: 20 },
 } as const;
 
@@ -176,11 +170,6 @@ export const PROPOSAL = {
   ALPHAS: [0.04, 0.12, 0.3],
   TERMS: 8,
   LARGEST_STRETCH: 1.25,
-} as const;
-
-/** Of `urushi.nets.sampler` of Python. */
-export const SAMPLER = {
-  MIN_COSINE_SHARE: 0.02,
 } as const;
 
 /** Schlick's term of factors at normal and at grazing incidence (Schlick 1994). */
@@ -317,47 +306,6 @@ export function stretchedCoordinates(stretch2: number, wiX: number, wiY: number,
     out[5 + at] = 2 * cos2Psi * cos2Psi - 1;
     out[6 + at] = 2 * cos2P * cos2P - 1;
     out[7 + at] = cos2Psi * cos2P;
-}
-
-/** The sampler's inputs of a direction. */
-export function samplerFeatures2(wiX: number, wiY: number, wiZ: number, out: Float64Array, at:
-    number): void {
-    const raised = Math.max(wiZ, 0.005);
-    out[at] = (raised - 0.5) * 3;
-    out[1 + at] = Math.log(raised) + 1;
-    out[2 + at] = (wiX * wiX - 0.33) * 3;
-    out[3 + at] = (wiY * wiY - 0.33) * 3;
-}
-
-/** The decoder's inputs of a pair of directions. */
-export function directionFeatures2(wiX: number, wiY: number, wiZ: number, woX: number, woY: number,
-    woZ: number, out: Float64Array, at: number): void {
-    const cosI = Math.max(wiZ, 0.005);
-    const cosO = Math.max(woZ, 0.005);
-    const sumX = wiX + woX;
-    const sumY = wiY + woY;
-    const sumZ = cosI + cosO;
-    const sumZ2 = sumZ * sumZ;
-    const sumXy2 = sumX * sumX + sumY * sumY;
-    const sum2 = sumXy2 + sumZ2;
-    const sumSize = Math.sqrt(sum2);
-    const cosD = Math.min(0.5 * sumSize, 1);
-    const opposite = 1 - cosD;
-    const opposite2 = opposite * opposite;
-    out[at] = (Math.log(sumXy2 / sumZ2 + 1e-06) - (-3.2)) * 0.2173913043478261;
-    out[1 + at] = (Math.sqrt(Math.sqrt(sumXy2 / sum2)) - 0.55) * 2.941176470588235;
-    out[2 + at] = (sumZ / sumSize - 0.8) * 4.166666666666667;
-    out[3 + at] = (cosD - 0.73) * 4.166666666666667;
-    out[4 + at] = (opposite2 * opposite2 * opposite - 0.04) * 5;
-    out[5 + at] = (0.5 * Math.log(cosI * cosO) - (-0.78)) * 1.5384615384615383;
-    out[6 + at] = Math.log(sumZ) * 1.7857142857142856;
-    out[7 + at] = (Math.min(cosI, cosO) - 0.47) * 3.3333333333333335;
-    out[8 + at] = (Math.log(sumX * sumX / sumZ2 + 1e-06) - (-5)) * 0.23255813953488372;
-    out[9 + at] = (Math.log(sumY * sumY / sumZ2 + 1e-06) - (-5)) * 0.23255813953488372;
-    out[10 + at] = (Math.log(wiX * wiX + woX * woX + 0.001) - (-0.9)) * 0.7692307692307692;
-    out[11 + at] = (Math.log(wiY * wiY + woY * woY + 0.001) - (-0.9)) * 0.7692307692307692;
-    out[12 + at] = (wiX * woX - (-0.1)) * 3.3333333333333335;
-    out[13 + at] = (wiY * woY - (-0.1)) * 3.3333333333333335;
 }
 
 /** The layerer's inputs of a coat. */

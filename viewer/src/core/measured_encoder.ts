@@ -2,6 +2,7 @@
 
 import { addAlbedos } from "./albedo_rule";
 import type { Material } from "./api";
+import { type Basis, difference } from "./basis";
 import { joined } from "./channels";
 import type { EnergyLimit } from "./energy";
 import { logsOf, nodePairs } from "./f_table";
@@ -9,11 +10,10 @@ import { findLobe } from "./interface_fit";
 import { lobeValues } from "./lobe";
 import { readMeasured, valuesAt } from "./measured/read";
 import { probeDirections } from "./probe_pairs";
-import { difference, type Rests } from "./rests";
 
 export class MeasuredEncoder {
   constructor(
-    private readonly rests: Rests,
+    private readonly basis: Basis,
     private readonly energy: EnergyLimit,
   ) {}
 
@@ -25,7 +25,7 @@ export class MeasuredEncoder {
    */
   encode(file: ArrayBuffer): Material {
     const measured = readMeasured(file);
-    const { wi, wo } = probeDirections(this.rests.probes.capacity, 1);
+    const { wi, wo } = probeDirections(this.basis.probes.capacity, 1);
     const { rule } = this.energy;
     const nodes = valuesAt(measured, rule.wi, rule.wo);
     const codes = valuesAt(measured, wi, wo).map((values, channel) =>
@@ -38,12 +38,12 @@ export class MeasuredEncoder {
 
   /** The code of values [1/sr] at the probe pairs and the albedo nodes. */
   private encodeChannel(probed: Float64Array, nodes: Float64Array): Float32Array {
-    const { energy, rests } = this;
-    const lobe = findLobe(rests.probes, probed);
+    const { energy, basis } = this;
+    const lobe = findLobe(basis.probes, probed);
     const own = new Float64Array(energy.rule.cosines.length);
     addAlbedos(energy.rule, difference(nodes, lobeValues(lobe, energy.rule.pairs)), own);
     energy.lobeAlbedo.add(lobe, 0, own);
-    const code = rests.encode(lobe, probed);
+    const code = basis.encode(lobe, probed);
     energy.limit(code, energy.ceilingOf(own));
     return code;
   }

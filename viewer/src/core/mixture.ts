@@ -22,11 +22,6 @@ export interface Mixture {
   readonly alphasV: Float64Array | undefined;
 }
 
-/** What makes the proposals of a code for directions wi. */
-export interface Proposer {
-  proposals(code: Float32Array): (wi: Vector) => Mixture;
-}
-
 /** The parameters of proposals: a linear map from a code without its lobe, and overlaps of lobes. */
 export interface ProposalWeights {
   /** (numbers of a code, `TERMS`) */
@@ -35,7 +30,8 @@ export interface ProposalWeights {
   readonly overlap: Float64Array;
 }
 
-export class Proposals implements Proposer {
+/** Proposals of codes for directions wi. */
+export class Proposals {
   /** @param lobe numbers of a code's lobe. */
   constructor(
     private readonly parameters: ProposalWeights,

@@ -1,10 +1,10 @@
 /** Encoding of described surfaces without coats; see Python's `material.values`. */
 
 import { addAlbedos } from "./albedo_rule";
+import type { Basis } from "./basis";
 import { CHANNELS, firstSame, joined, sameNumbers } from "./channels";
 import type { EnergyLimit } from "./energy";
 import type { Widths } from "./features";
-import type { Rests } from "./rests";
 import { lobeOfSurface, ofChannel, type Surface } from "./surfaces";
 
 export class SurfaceEncoder {
@@ -12,7 +12,7 @@ export class SurfaceEncoder {
   private latest: { readonly name: string; readonly codes: Float32Array } | undefined;
 
   constructor(
-    private readonly rests: Rests,
+    private readonly basis: Basis,
     private readonly energy: EnergyLimit,
   ) {}
 
@@ -26,7 +26,7 @@ export class SurfaceEncoder {
   }
 
   private encodeChannels(surface: Surface): Float32Array {
-    const { widths } = this.rests;
+    const { widths } = this.basis;
     const numbers = [0, 1, 2].map((channel) => surfaceNumbers(surface, channel, widths));
     const codes: Float32Array[] = [];
     for (let channel = 0; channel < CHANNELS; channel++) {
@@ -37,11 +37,11 @@ export class SurfaceEncoder {
   }
 
   private encodeChannel(surface: Surface, channel: number): Float32Array {
-    const { energy, rests } = this;
-    const lobe = lobeOfSurface(surface, channel, rests.widths);
-    if (surface.kind !== "diffuse") return rests.without(lobe); // it is its lobe alone
+    const { energy, basis } = this;
+    const lobe = lobeOfSurface(surface, channel, basis.widths);
+    if (surface.kind !== "diffuse") return basis.without(lobe); // it is its lobe alone
     const value = ofChannel(surface.reflectance, channel) / Math.PI;
-    const code = rests.encode(lobe, new Float64Array(rests.probes.capacity).fill(value));
+    const code = basis.encode(lobe, new Float64Array(basis.probes.capacity).fill(value));
     const own = new Float64Array(energy.rule.cosines.length);
     addAlbedos(energy.rule, new Float64Array(energy.rule.weights.length).fill(value), own);
     energy.limit(code, energy.ceilingOf(own));

@@ -5,7 +5,6 @@ import { NODES } from "./f_table";
 import { FEATURES, LOBE, PROPOSAL, TABLE } from "./formulas";
 import { type Architecture, type Layer, readLayers, tensorOf } from "./layers";
 import type { ProposalWeights } from "./mixture";
-import { type PerceptronWeights, readPerceptrons } from "./perceptrons/weights";
 import { FileError, isRecord, readTensors, type Tensor } from "./safetensors";
 
 /** Version of the file format. */
@@ -16,11 +15,9 @@ export interface Weights {
   readonly arch: Architecture;
   /** Identifies basis and networks: materials belong to them. */
   readonly fingerprint: string;
-  /** By which codes are evaluated and found. */
-  readonly rests: BasisWeights | PerceptronWeights;
+  readonly basis: BasisWeights;
   readonly layerer: readonly Layer[];
-  /** Of a basis. */
-  readonly proposal: ProposalWeights | undefined;
+  readonly proposal: ProposalWeights;
 }
 
 /**
@@ -36,17 +33,14 @@ export function readWeights(file: ArrayBuffer): Weights {
   const sizes = isRecord(description.architecture) ? description.architecture : {};
   const arch = readArchitecture(sizes);
   const { widths, rest } = arch;
-  const isBasis = "functions" in sizes;
   const ofLobe = LOBE.LOBE_FEATURES[widths];
   const ofCoat = FEATURES.COAT_FEATURES[widths];
   return {
     arch,
     fingerprint: String(description.fingerprint ?? ""),
-    rests: isBasis
-      ? readBasis(tensors, arch, sizes.azimuthal)
-      : readPerceptrons(tensors, arch, Number(sizes.lobes)),
+    basis: readBasis(tensors, arch, sizes.azimuthal),
     layerer: readLayers(tensors, "layerer", rest + ofLobe + ofCoat, rest),
-    proposal: isBasis ? readProposal(tensors, rest) : undefined,
+    proposal: readProposal(tensors, rest),
   };
 }
 
@@ -66,7 +60,7 @@ function readArchitecture(sizes: Record<string, unknown>): Architecture {
   }
   const lobe = LOBE.NUMBERS[widths].length;
   const stretches = Number(widths === 2); // the last number of a code of a basis
-  const rest = "functions" in sizes ? size("functions") + stretches : size("latent") - lobe;
+  const rest = size("functions") + stretches;
   return {
     latent: lobe + rest,
     widths,

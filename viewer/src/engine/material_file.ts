@@ -70,7 +70,7 @@ function wrapped(angle: number): number {
 
 /** The bytes of a material file; rotation: of the tangent [degrees]. */
 export function materialFile(
-  { latents, table: own }: Material,
+  { latents, table: own }: Pick<Material, "latents"> & Partial<Material>,
   { latentSize, widths, fingerprint }: Networks,
   rotation = 0,
 ): Uint8Array<ArrayBuffer> {

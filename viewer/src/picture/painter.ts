@@ -245,9 +245,9 @@ export class Painter {
       this.textureOf[slot] = texture;
       renderer.setTexels(slot, texture);
     }
-    if (widths === 1 && material?.table && this.materialOf[slot] !== material) {
+    if (widths === 1 && material !== null && this.materialOf[slot] !== material) {
       this.materialOf[slot] = material;
-      renderer.setMaterial(slot, { ...material, table: material.table });
+      renderer.setMaterial(slot, material);
     }
     if (bright !== null && this.brightOf[slot] !== bright.f) {
       renderer.setBright(slot, bright.f, bright.size);

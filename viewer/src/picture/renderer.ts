@@ -2,7 +2,6 @@
 
 import type { Material } from "../core/api";
 import { CHANNELS, rows } from "../core/channels";
-import type { FTable } from "../core/f_table";
 import { sequenceSteps } from "../core/probe_pairs";
 import type { ShownTexture } from "../engine/textures";
 import type { Radiance } from "../save/exr";
@@ -211,7 +210,7 @@ export class Renderer {
   }
 
   /** Take over a material's codes and table, by which it reflects bright lights. */
-  setMaterial(slot: 0 | 1, { latents, table }: Material & { table: FTable }): void {
+  setMaterial(slot: 0 | 1, { latents, table }: Material): void {
     const textures = this.slotTextures(slot);
     const codes = rows(latents, latents.length / CHANNELS);
     textures.lobe = Float32Array.from({ length: 6 * CHANNELS }, (_, at) => {

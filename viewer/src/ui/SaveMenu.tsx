@@ -158,14 +158,15 @@ async function saveShader(language: Language, name: string): Promise<void> {
   const { core, codes } = await encoded();
   const text = shaderText(await readTemplate(language, core.widths), codes, rotation());
   download(`${name}${LANGUAGES[language].suffix}`, textBlob(text));
-  if (codes.table !== undefined && !codes.table.isOfCodes)
+  if (!codes.table.isOfCodes)
     tell(
       "The shader code has the codes of the material; for its table, save the material and run urushi export.",
     );
 }
 
 async function saveBasis(format: Format): Promise<void> {
-  const texels = await presentSession().cores.isotropic.basisTexels();
+  const { core } = await encoded();
+  const texels = await core.basisTexels();
   download(`urushi-basis.${format}`, basisFile(texels, format));
 }
 

@@ -4,6 +4,8 @@ import { MOST_TABLES, type Shown, Slot, shiftOf } from "../../src/engine/engine"
 import { Cores, type PageCore } from "../../src/engine/remote";
 
 /** A core that answers late, with the stack's first width in every number. */
+const table = { logs: new Float32Array(), besideLobe: true };
+
 function lateCore(): { core: PageCore; layered: number[]; shifts: number[] } {
   const layered: number[] = [];
   const shifts: number[] = [];
@@ -18,7 +20,7 @@ function lateCore(): { core: PageCore; layered: number[]; shifts: number[] } {
       const width = stack.coats[0]!.alpha as number;
       layered.push(width);
       await late();
-      return { latents: new Float32Array([width]) };
+      return { latents: new Float32Array([width]), table };
     },
     f: async (material, wi) => new Float32Array(wi.length).fill(material.latents[0]!),
     albedo: async (_material, cosines) => new Float32Array(3 * cosines.length),
