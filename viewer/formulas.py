@@ -347,7 +347,7 @@ CONSTANTS: dict[str, str] = {
     "core.appearance": "WI WO",
     "core.probe_pairs": "HALF_ANGLE_SHARE MIN_TANGENT MAX_TANGENT MAX_DIFFERENCE MIN_COSINE",
     "core.quadrature": "POLAR_NODES AZIMUTH_NODES MIN_TANGENT",
-    "core.stretched": "FACTORS STEP LARGEST",
+    "core.stretched": "FACTORS",
     "core.table": "SHAPES MIN_LOG MAX_LOG MIN_COSINE",
     "material.albedo_rule": (
         "COSINE_OFFSET INTERPOLATED_COSINES OVERSHOOT AZIMUTHS ANISOTROPIC_COSINES "
@@ -366,7 +366,6 @@ CONSTANTS: dict[str, str] = {
     "nets.lobe": "NO_LOBE LOBE_FEATURES NUMBERS COSINES VISIBLE",
     "nets.lobe_fit": ("DARK OVERSHOOT_WEIGHT KNEE STEPS CONVERGED LONGEST_STEP LAST_STEPS"),
     "nets.mlp": "POLYNOMIALS",
-    "nets.stretched_basis": "SLOPED LEAST_SLOPE",
     "nets.proposal": "ALPHAS TERMS LARGEST_STRETCH",
 }
 

@@ -25,8 +25,8 @@ from urushi.parallel import fill_blocks
 #: sizes. `probe_pairs` begins with them.
 SLOPED = 2 / 3
 
-#: Widths of round lobes, whose stretch is one.
-ROUND = 0.02, 0.04, 0.08, 0.15, 0.3, 0.6, 1.2
+#: Widths of round lobes, whose stretch is one; the last is a Lambertian.
+ROUND = 0.02, 0.04, 0.08, 0.15, 0.3, 0.6, 1.2, 1e3
 
 #: Least slope.
 LEAST_SLOPE = 1e-4
@@ -82,7 +82,7 @@ class StretchedBasis(NamedTuple):
         ln(t_v / t_u) = ln(a_v / a_u) in any measure that is a function of f. It is the mean of f^2,
         to which diffuse light hardly contributes.
         """
-        measure, contrast = slopes_of(len(self.measure), self.measure.tobytes())
+        measure, contrast = slopes_of(len(self.measure), self.measure.astype(np.float32).tobytes())
         f2 = np.square(rest[:, : len(measure)], dtype=np.float64)
         mean = (f2 @ (measure * contrast)) / np.maximum(f2 @ measure, 1e-30)
         return rounded(0.5 * mean).astype(np.float32)

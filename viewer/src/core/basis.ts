@@ -12,7 +12,7 @@
 import { fittedCode } from "./code_fit";
 import { Cell, clampedLog, type FTable, NODES, tableValues } from "./f_table";
 import type { Pairs, Widths } from "./features";
-import { BASIS, STRETCHED, STRETCHED_BASIS, TABLE } from "./formulas";
+import { BASIS, TABLE } from "./formulas";
 import { lobeValues } from "./lobe";
 import { probePairs } from "./probe_pairs";
 
@@ -78,18 +78,17 @@ export class Basis {
     return result;
   }
 
-  /** The code of a lobe and of f [1/sr], of which the lobe is a part, at the probe pairs. */
+  /**
+   * The code of a lobe and of f [1/sr], of which the lobe is a part, at the probe pairs. Of two widths,
+   * the rest must be the same for turned directions, as of diffuse surfaces: it has no stretch.
+   */
   encode(lobe: Float32Array, f: Float64Array): Float32Array {
     const { measure, prior } = this.weights;
     const top = lobeValues(lobe, this.probes);
     const rest = difference(f, top);
-    if (this.widths === 2) {
-      const stretch = this.stretchOf(rest);
-      const rows = this.functions(this.probes, measure.length, Math.exp(2 * stretch));
-      return Float32Array.of(...lobe, ...fittedCode(rows, measure, prior, rest, top), stretch);
-    }
     this.atProbes ??= this.functions(this.probes, measure.length);
-    return Float32Array.of(...lobe, ...fittedCode(this.atProbes, measure, prior, rest, top));
+    const numbers = fittedCode(this.atProbes, measure, prior, rest, top);
+    return Float32Array.of(...lobe, ...numbers, ...(this.widths === 2 ? [0] : []));
   }
 
   /** The code of a lobe alone. */
@@ -144,14 +143,14 @@ export class Basis {
     return texels;
   }
 
-  /** The functions (count, 1 + K) at pairs, times their factors. */
-  private functions(pairs: Pairs, count: number, stretch2 = 1): Float64Array {
+  /** The functions (count, 1 + K) at pairs, times their factors, without a stretch. */
+  private functions(pairs: Pairs, count: number): Float64Array {
     const { width } = this;
     const { rows, bounds } = this.weights;
     const values = new Float64Array(count * width);
     const cell = new Cell(this.widths);
     for (let i = 0; i < count; i++) {
-      cell.set(pairs, i, stretch2);
+      cell.set(pairs, i);
       const to = i * width;
       for (let corner = 0; corner < 8; corner++) {
         const [share, from] = [cell.shares[corner], cell.nodes[corner] * width];
@@ -162,24 +161,6 @@ export class Basis {
       });
     }
     return values;
-  }
-
-  /** The logarithm of the stretch of a rest (N) [1/sr] at the probe pairs. */
-  private stretchOf(rest: Float64Array): number {
-    const { SLOPED, LEAST_SLOPE } = STRETCHED_BASIS;
-    const { directions } = this.probes;
-    let [sum, total] = [0, 0];
-    for (let i = 0; i < Math.round(rest.length * SLOPED); i++) {
-      const [x, y, z] = [0, 1, 2].map((k) =>
-        Math.abs(directions[6 * i + k] + directions[6 * i + 3 + k]),
-      );
-      const weight = this.weights.measure[i] * rest[i] ** 2;
-      sum += weight * Math.log((y / z + LEAST_SLOPE) / (x / z + LEAST_SLOPE));
-      total += weight;
-    }
-    const { STEP, LARGEST } = STRETCHED;
-    const stretch = Math.round((0.5 * sum) / Math.max(total, 1e-30) / STEP) * STEP;
-    return Math.min(Math.max(stretch, -LARGEST), LARGEST);
   }
 }
 

@@ -41,8 +41,6 @@ export const QUADRATURE = {
 /** Of `urushi.core.stretched` of Python. */
 export const STRETCHED = {
   FACTORS: 5,
-  STEP: 0.03125,
-  LARGEST: 1.25,
 } as const;
 
 /** Of `urushi.core.table` of Python. */
@@ -157,12 +155,6 @@ export const LOBE_FIT = {
 export const MLP = {
   POLYNOMIALS: { smoothstep: [2, [0.375, -0.03125]], silu7: [5.75, [0.225729, -0.010473,
     0.0002924521977775268, -3.1043713096403e-06]] },
-} as const;
-
-/** Of `urushi.nets.stretched_basis` of Python. */
-export const STRETCHED_BASIS = {
-  SLOPED: 0.6666666666666666,
-  LEAST_SLOPE: 0.0001,
 } as const;
 
 /** Of `urushi.nets.proposal` of Python. */
