@@ -64,7 +64,7 @@ describe("energy", () => {
     let material = vermilion;
     for (let coats = 0; coats < 4; coats++) {
       material = withCoat(material);
-      expect(Math.abs(red(material) / before - 1)).toBeLessThan(0.04); // of a rougher surface
+      expect(Math.abs(red(material) / before - 1)).toBeLessThan(0.08); // of a rougher surface, and four errors of the network
     }
   });
 
