@@ -186,7 +186,7 @@ def test_isotropic_networks_take_the_mean_of_a_textured_openpbr_base_of_two_widt
         )
     ]
     # Azimuths of all averages are random, and a texture's codes have 8 bits.
-    np.testing.assert_allclose(*values, rtol=0.03)
+    np.testing.assert_allclose(*values, rtol=0.04)
 
 
 #: Look-ups of a point from random directions. Each draws a texel; the standard error of the mean is
@@ -302,7 +302,7 @@ def test_look_ups_wrap_and_filter_like_the_texture(rgb, networks, wrap, filter_t
     ("parameters", "texels"),
     [
         ({"base": "reflectance"}, (0.02, 0.9)),
-        pytest.param({"sigma_t": "sigma_t", "albedo": 0.0}, (0.0, 8.0), marks=pytest.mark.slow),
+        pytest.param({"sigma_t": "sigma_t", "albedo": 0.0}, (0.0, 7.9), marks=pytest.mark.slow),
     ],
 )
 def test_f_is_filtered_not_the_code(rgb, parameters, texels, differentiable):
