@@ -26,14 +26,21 @@ class Lane:
         self._device, count = backend(), len(pairs[0])
         lane = dr.arange(self._device.UInt32, jobs * count * points)
         row = lane // points
-        self._point, self._job = lane - row * points, row // count
-        self._pair, self._pairs = row - self._job * count, pairs
+        self._point, self._pairs = lane - row * points, pairs
+        # From arrays, so that one kernel serves any number of pairs
+        self._job, self._pair = (
+            dr.gather(self._device.UInt32, self._device.UInt32(_aligned(places)), row)
+            for places in np.divmod(np.arange(jobs * count, dtype=np.uint32), np.uint32(count))
+        )
 
     def directions(self) -> list[Any]:
         """Both directions of the pair, vectors of Dr.Jit."""
-        kind = self._device.Array3f
-        columns = (kind(np.ascontiguousarray(w.T, np.float32)) for w in self._pairs)
-        return [dr.gather(kind, column, self._pair) for column in columns]
+        return [
+            self._device.Array3f(
+                *(dr.gather(self._device.Float, self._floats(x), self._pair) for x in w.T)
+            )
+            for w in self._pairs
+        ]
 
     def number(self, values: np.ndarray) -> Any:
         """The job's number of values (D,)."""
@@ -73,7 +80,16 @@ class Lane:
         return lambda x: dr.gather(self._device.Float, flat, first + index_kind(x * last))
 
     def _floats(self, values: np.ndarray) -> Any:
-        return self._device.Float(np.ascontiguousarray(values, np.float32).ravel())
+        return self._device.Float(_aligned(values.astype(np.float32, copy=False)))
+
+
+def _aligned(values: np.ndarray) -> np.ndarray:
+    """Flat values that start at a multiple of 64 bytes: other kernels read other alignments."""
+    room = np.empty(values.size + 16, values.dtype)
+    start = (-room.ctypes.data % 64) // values.itemsize
+    result = room[start : start + values.size]
+    result[:] = values.ravel()
+    return result
 
 
 def sums(
