@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
-from scipy.interpolate import CubicSpline  # type: ignore[import-untyped]
+from scipy.interpolate import CubicSpline
 
 from urushi.checks import CoatParameters, Widths
 from urushi.core import probe_pairs as probing
@@ -30,6 +30,7 @@ from urushi.nets import weights as files
 from urushi.nets.code_fit import FIRST_FLOOR, LEAST_SHARE, PRIOR
 from urushi.nets.networks import Architecture
 from urushi.nets.stretched_basis import StretchedBasis
+from urushi.train.proposal_fit import fit_proposal
 
 #: Coarse nodes of u, v and w, and azimuths of the stretched half vector at each.
 NODES, TURNS = (33, 17, 8), 2
@@ -39,6 +40,9 @@ AZIMUTHAL, PROBES = (8, 8, 4, 4, 4), 384
 
 #: Rounds by light, and rounds by the error that follow.
 ROUNDS, LATE_ROUNDS = 3, 3
+
+#: Rounds in which the codes of known values are solved.
+SOLVING = 6
 
 #: Share of a node's mean weight that every stack has there beside its own weight.
 EVEN = 0.1
@@ -54,6 +58,8 @@ class Values(NamedTuple):
     top: np.ndarray  # float32 (S, P, T) [1/sr] f of the lobe
     measure: np.ndarray  # float32 (S, P, T) shares in integrals over pairs
     factors: np.ndarray  # float32 (S, P, T, 1 + `FACTORS`) with the factor one
+    lobe: np.ndarray  # float32 (S, 7) of the interface
+    stretch: np.ndarray  # float32 (S,) ln s
 
     def taken(self, rows: np.ndarray) -> "Values":
         """The values of some stacks."""
@@ -163,7 +169,13 @@ def transported(seed: int) -> Values:
     both, apart = (Components(*np.moveaxis(w.astype(float), -1, 0)) for w in (wi + wo, wi - wo))
     around = stretched(both, apart, np.exp(2 * stretch), NUMPY)[1]
     factors = np.stack([np.ones_like(measure), *around], axis=-1)
-    return Values(*(x.astype(np.float32)[None] for x in (rest, top, measure, factors)))
+    parts = rest, top, measure, factors, lobe_of(lobe), np.array(stretch)
+    return Values(*(x.astype(np.float32)[None] for x in parts))
+
+
+def lobe_of(lobe: np.ndarray) -> np.ndarray:
+    """A lobe (7,) of two widths from one (6,) or (7,)."""
+    return lobe if len(lobe) == 7 else lobes.with_two_widths(lobe)
 
 
 def data(folder: Path, stacks: int) -> None:
@@ -348,24 +360,26 @@ def at_all_nodes(functions: np.ndarray) -> np.ndarray:
     return result.reshape(-1, functions.shape[1])
 
 
-def errors(fit_rows: np.ndarray, prior: np.ndarray, values: Values) -> np.ndarray:
-    """E (S,) of codes that know all values, at the coarse nodes."""
-    coarse, own = at_coarse_nodes(fit_rows), fit_rows.shape[1] - 1 - sum(AZIMUTHAL)
+def solved(rows: np.ndarray, prior: np.ndarray, values: Values) -> tuple[np.ndarray, np.ndarray]:
+    """Codes (S, K) that know all values, and their errors E (S,), at the coarse nodes."""
+    coarse, own = at_coarse_nodes(rows), rows.shape[1] - 1 - sum(AZIMUTHAL)
     factors = np.repeat(np.arange(1 + FACTORS), [own, *AZIMUTHAL])
     fit, weights = Fit(coarse[:, 0], coarse[:, 1:], factors), by_light(values)
-    best = np.full(len(values.rest), np.inf)
-    for _ in range(6):
-        logs = fit.logs(values, fit.codes(values, weights, PRIOR * prior))
+    best, least = np.zeros((len(values.rest), rows.shape[1] - 1)), np.full(len(values.rest), np.inf)
+    for _ in range(SOLVING):
+        codes = fit.codes(values, weights, PRIOR * prior)
+        logs = fit.logs(values, codes)
         off = np.abs(np.exp(np.minimum(logs, 12)) - values.rest) * values.measure
-        best = np.minimum(best, off.sum((1, 2)) / light(values)[:, 0, 0])
-        weights = by_error(values, logs)
-    return best
+        error = off.sum((1, 2)) / light(values)[:, 0, 0]
+        best = np.where((error < least)[:, None], codes, best)
+        least, weights = np.minimum(error, least), by_error(values, logs)
+    return best, least
 
 
 def write(folder: Path, given: Path, out: Path) -> None:
     """Fit the functions on top of those of a weights file, and write a weights file.
 
-    The networks of layering and proposals are not trained.
+    The layering network is not trained.
     """
     values, model = read(folder), files.read(given)
     rows = np.asarray(model.params["basis.rows"])
@@ -373,17 +387,21 @@ def write(folder: Path, given: Path, out: Path) -> None:
     held = np.arange(len(values.rest)) % 6 == 0
     began = time.process_time()
     fit, prior = fitted(rows, values.taken(np.flatnonzero(seen & ~held)))
-    e = 100 * errors(fit, prior, values.taken(np.flatnonzero(seen & held)))
-    found = e.mean(), *np.percentile(e, (50, 95)), e.max()
+    tested = values.taken(np.flatnonzero(seen & held))
+    codes, e = solved(fit, prior, tested)
+    found = [round(100 * float(x), 2) for x in (e.mean(), *np.percentile(e, (50, 95)), e.max())]
     print(f"{seen.sum()} stacks, {time.process_time() - began:.0f} s; E of held-out ones:", *found)
     arch = Architecture(fit.shape[1] - 1, PROBES, widths=2, azimuthal=AZIMUTHAL)
     params = {name: np.zeros(shape) for name, shape in arch.parameter_shapes().items()}
     params |= {
-        "basis.rows": fit.astype(np.float16).astype(np.float32),
+        "basis.rows": fit,
         "basis.measure": probe_measure(PROBES),
         "basis.prior": prior,
     }
-    files.save(out, arch, params, {"preset": "two widths", "E": [round(x, 3) for x in found]})
+    networks = files.Model.of(arch, params, {}).networks
+    z = np.concatenate([tested.lobe, codes, tested.stretch[:, None]], axis=1, dtype=np.float32)
+    params |= fit_proposal(networks, z)
+    files.save(out, arch, params, {"preset": "two widths", "E": found})
 
 
 def main() -> None:
