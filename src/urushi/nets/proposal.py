@@ -11,11 +11,12 @@ widths stretch them by their last number, ln s, to alpha / s and alpha s. The we
 estimates of what each lobe reflects. With mu the cosine of wi and c the code without its lobe,
 
     own lobe   A = F(mu + FACET alpha (1 - mu)) (1 - 0.4 alpha^2) / (1 + alpha^2),
-    the rest   e_k = exp(t_k + s_k ln mu), without the part o_k e_(k+1) that the next wider lobe has
+    the rest   e_k = exp(t_k + s_k ln mu), less o_k e_(k+1), smoothly limited to positive numbers
 
-where t and s are linear in c, and e_k is proportional to the gain of c. A wide lobe gives shares of
-A to the widest of `ALPHAS` and to the cosine lobe, which cover it better than its own visible
-normals. `urushi.train.proposal_fit` fits t, s and o to the variance of f cos / pdf.
+where o_k e_(k+1) is the part that the next wider lobe covers, t and s are linear in c, and e_k is
+proportional to the gain of c. A wide lobe gives shares of A to the widest of `ALPHAS` and to the
+cosine lobe, which cover it better than its own visible normals. `urushi.train.proposal_fit` fits t,
+s and o to the variance of f cos / pdf.
 """
 
 import functools
@@ -27,6 +28,7 @@ from typing import Any
 from urushi.checks import Widths
 from urushi.core.mixture import reflection_pdf, sample_reflection
 from urushi.core.namespace import Components, Namespace, arrays, components, stacked_components
+from urushi.core.stretched import LARGEST as LARGEST_STRETCH
 from urushi.core.table import MIN_COSINE
 from urushi.nets import lobe as lobes
 from urushi.nets.features import stacked
@@ -40,9 +42,6 @@ ALPHAS = (0.04, 0.12, 0.3)
 
 #: Numbers of a code from which the weights follow: t and s of `ALPHAS` and of the cosine lobe.
 TERMS = 2 * (len(ALPHAS) + 1)
-
-#: Largest |ln s| of codes of two GGX widths.
-LARGEST_STRETCH = 1.25
 
 #: Logarithm of the largest energy of a lobe of the rest, for codes unlike those of materials.
 MOST_LOG = math.log(4.0)
