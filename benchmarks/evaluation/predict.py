@@ -10,10 +10,9 @@ from urushi.material import Material
 from urushi.material.layer import layer_texels
 from urushi.material.source import STACK_WALKS
 from urushi.material.values import material_from_values, material_of_lobes, required_pairs
-from urushi.nets.architecture import Architecture
 from urushi.nets.lobe import of_coat
 from urushi.nets.weights import Model
-from urushi.train.examples import bottom_lobes
+from urushi.train.bottoms import bottom_lobes
 from urushi.walk import StackTable
 from urushi.walk.bottoms import KINDS
 
@@ -62,7 +61,7 @@ def _lobes(samples: Samples, encoded: int) -> np.ndarray:
         return of_coat(alpha[:, -encoded], table.eta[:, -encoded])
     names = KINDS[table.kind].parameters
     bottom = np.stack([table.bottom[name] for name in names], axis=-1)
-    return bottom_lobes(table.kind, bottom, Architecture())
+    return bottom_lobes(table.kind, bottom)
 
 
 def split(material: Material) -> list[Material]:

@@ -26,8 +26,8 @@ from urushi.material.source import STACK_WALKS
 from urushi.material.values import material_from_values, material_of_lobes
 from urushi.nets import lobe as lobes
 from urushi.nets.weights import anisotropic_model
+from urushi.train.bottoms import bottom_lobes
 from urushi.train.distribution import Anisotropic
-from urushi.train.examples import bottom_lobes
 from urushi.walk import StackTable, analytic, bottoms, walk_pairs
 
 SEED = 90210
@@ -158,7 +158,7 @@ def _bottom(table: StackTable, row: int) -> Material:
     model = anisotropic_model()
     columns = {name: values[row : row + 1] for name, values in table.bottom.items()}
     if bottoms.KINDS[table.kind].family.bare:
-        lobe = bottom_lobes(table.kind, np.stack(list(columns.values()), axis=-1), model.arch)
+        lobe = bottom_lobes(table.kind, np.stack(list(columns.values()), axis=-1), 2)
         return material_of_lobes(lobe, model, channels=1)
 
     def f(wi: np.ndarray, wo: np.ndarray) -> np.ndarray:

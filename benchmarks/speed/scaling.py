@@ -1,32 +1,20 @@
-"""Cost of data by size: `python -m benchmarks.speed.scaling data`, or `train`.
+"""Cost of simulated data by size: `python -m benchmarks.speed.scaling`.
 
-Takes about a minute each on two cores; the figures of docs/scaling.md come from here. Stores are
-written to a temporary folder (TMPDIR) and take some hundred MB.
-
-data     time, files and bytes of a shard in the sizes of the preset `quick`: simulate, write, read
-train    samples per second and peak memory of training: from a store, and from one four times as
-         large. Each in a process of its own
+Takes about a minute on two cores; the figures of docs/scaling.md come from here: time, files and
+bytes of a shard in the sizes of the preset `quick`, to simulate, write and read. Stores are written
+to a temporary folder (TMPDIR) and take some hundred MB.
 """
 
 import argparse
-import json
-import resource
-import subprocess
-import sys
 import tempfile
 import time
 from pathlib import Path
-
-import numpy as np
 
 from urushi.train.distribution import Extended, Table2
 from urushi.train.store import DataSpec, Part, Store, generate, make_shard
 
 #: Direction pairs per stack and walks per pair, as in `quick`, an earlier preset for experiments.
 PAIRS, WALKS = 512, 32
-
-#: Number of timed calls of the compiled loop, after one that compiles.
-CALLS = 12
 
 
 def quick_like(stacks: int) -> DataSpec:
@@ -79,67 +67,16 @@ def data(folder: Path) -> None:
     print(f"what is missing of 4,096 shards: {time.perf_counter() - began:.2f} s")
 
 
-def train(folder: Path) -> None:
-    """Run `measure` in a process of its own for each case."""
-    for label, stacks in (("1.6 M pairs", 2048), ("6.3 M pairs", 8192)):
-        store = generate(quick_like(stacks), folder / f"{stacks}").path
-        arguments = json.dumps([str(store), stacks])
-        run = [sys.executable, "-m", "benchmarks.speed.scaling", "train", "--measure", arguments]
-        printed = subprocess.run(run, check=True, capture_output=True, text=True).stdout
-        print(f"{label}: {printed.strip()}")
-
-
-def measure(store: str, stacks: int) -> None:
-    """Print speed and peak memory of the joint stage of `quick`."""
-    from urushi.nets.architecture import Architecture
-    from urushi.train import examples, training
-    from urushi.train.optimiser import Schedule, compile_steps
-    from urushi.train.presets import Preset
-    from urushi.train.stages.joint import Joint
-
-    joint = Joint(Schedule(steps=20_480, warmup=256, learning_rate=0.02), (36, 160, 44))
-    arch = Architecture(latent=24, decoder=(24, 24), lobes=1, sampler=(16,))
-    preset = Preset("quick", quick_like(stacks), (joint,), pairs=128, arch=arch)
-    depths = examples.load(Store(Path(store), preset.data), preset.arch, preset.pairs)
-    params = training.initial(preset, depths)
-    task = joint.task(params, preset.architectures()[1], depths, preset.seed)
-    take = compile_steps(task.loss, joint.schedule)
-    state = training.begin(preset, 0, params).state
-    steps, waiting = joint.schedule.steps_per_call, 0.0
-    times = []
-    for call in range(CALLS + 1):
-        began = time.perf_counter()
-        batches = task.batches(call * steps, steps)
-        drawn = time.perf_counter()
-        state, terms = take(state, batches)
-        terms["loss"].block_until_ready()
-        if call:
-            times.append(time.perf_counter() - began)
-            waiting += drawn - began
-    samples = steps * sum(joint.stacks) * preset.pairs / 1e6
-    peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 2**10
-    print(
-        f"best {samples / min(times):.2f}, mean {samples / np.mean(times):.2f} M samples/s; "
-        f"{waiting / sum(times):.1%} of it waits for batches; peak {peak:.0f} MB"
-    )
-
-
 def main() -> None:
-    """Run one of the parts."""
+    """Print the figures."""
     parser = argparse.ArgumentParser(
         prog="python -m benchmarks.speed.scaling",
         description=__doc__,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
-    parts = {"data": data, "train": train}
-    parser.add_argument("part", choices=parts)
-    parser.add_argument("--measure", help=argparse.SUPPRESS)  # of a process of its own
-    arguments = parser.parse_args()
-    if arguments.measure:
-        measure(*json.loads(arguments.measure))
-        return
-    with tempfile.TemporaryDirectory() as temporary:
-        parts[arguments.part](Path(temporary))
+    parser.parse_args()
+    with tempfile.TemporaryDirectory() as folder:
+        data(Path(folder))
 
 
 if __name__ == "__main__":
