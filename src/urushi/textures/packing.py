@@ -77,6 +77,7 @@ def texel_layout(
     constant: np.ndarray | None = None,
     same: np.ndarray | None = None,
     fine: Iterable[int] = (),
+    order: Iterable[int] | None = None,
 ) -> TexelLayout:
     """The layout of texels of codes (channels, size).
 
@@ -86,13 +87,15 @@ def texel_layout(
         constant, same: (size,) which numbers are the same in the whole texture, and in all channels
             of a texel. None: none are.
         fine: numbers that have 16 bits in any case.
+        order: of all numbers; the first ones have 16 bits. None: those of the largest errors.
     """
     size = len(errors)
     constant = np.zeros(size, bool) if constant is None else constant
     same = np.zeros(size, bool) if same is None else same
     kept = [number for number in range(size) if not constant[number]]
     price = {number: 1 if same[number] else channels for number in kept}
-    order = sorted(price, key=lambda number: (number not in fine, -errors[number]))
+    by_error = sorted(price, key=lambda number: (number not in fine, -errors[number]))
+    order = by_error if order is None else [number for number in order if number in price]
     left = sum(price.values())
     # Rounding errors are independent: their squares add up.
     squares = np.cumsum(np.square([errors[number] for number in order[::-1]]))

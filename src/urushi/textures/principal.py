@@ -15,6 +15,7 @@ import numpy as np
 from urushi.nets import basis, proposal
 from urushi.nets import lobe as lobes
 from urushi.nets.basis import Basis
+from urushi.nets.lobe import WIDTH_PLACES
 from urushi.nets.networks import Networks
 from urushi.nets.weights import Model
 from urushi.textures import packing
@@ -206,7 +207,10 @@ def _packed(
     same = np.concatenate(
         [own[:lobe], np.ones(proposal.TERMS, bool), np.full(len(functions[0]), own[lobe:].all())]
     )
-    result.layout = packing.texel_layout(channels, errors, lowest == highest, same)
+    # An order that does not depend on the texture, so that textures share compiled code
+    first = [*WIDTH_PLACES[model.widths], *range(result.first, len(same))]
+    order = [*first, *(i for i in range(len(same)) if i not in first)]
+    result.layout = packing.texel_layout(channels, errors, lowest == highest, same, order=order)
     parts = [
         packing.pack_texels(result.layout, numbers(x), lowest, highest) for x in _blocks(store)
     ]

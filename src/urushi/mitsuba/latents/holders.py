@@ -162,6 +162,7 @@ class TexturedLatents(_Held):
     material = None
 
     DRJIT_STRUCT: ClassVar = {"_texture": object, "_decoder": object}  # for frozen functions
+    UNRECORDED: ClassVar = ("_store", "_principal")  # kernels read `_texture` and `_decoder`
 
     def __init__(self, model: Model, store: TextureStore, grid: TexelGrid):
         self._store, self.model = store, model
