@@ -16,7 +16,6 @@ from urushi.nets import basis, proposal
 from urushi.nets import lobe as lobes
 from urushi.nets.basis import Basis
 from urushi.nets.lobe import WIDTH_PLACES
-from urushi.nets.networks import Networks
 from urushi.nets.weights import Model
 from urushi.textures import packing
 from urushi.textures.packing import PackedTexels, TexelLayout
@@ -109,24 +108,24 @@ def principal_texture(model: Model, store: TextureStore) -> PrincipalTexture | N
 
     The components are scaled to functions of which the largest value is one.
     """
-    networks, lobe, texels = model.networks, model.arch.lobe, len(store.packed.bytes)
-    if not isinstance(networks, Networks) or model.widths == 2 or not texels:
-        return None  # a table of two widths would take as many bytes as a large texture
+    own, lobe, texels = model.networks.basis, model.arch.lobe, len(store.packed.bytes)
+    if not isinstance(own, Basis) or not texels:
+        return None  # codes of two widths stretch the directions
     some = store.read(slice(None, None, -(-texels // SAMPLE))).reshape(-1, store.layout.size)
-    whole = _projection(networks.basis, store, some, lobe)
+    whole = _projection(own, store, some, lobe)
     off = np.concatenate([_left(part[..., lobe:], whole) for part in _blocks(store)])
     worst = np.sort(np.argpartition(off, -min(WORST, texels))[-WORST:])
     tried = np.concatenate([some, store.read(worst).reshape(-1, store.layout.size)])
     for count in COUNTS:
-        if count + 1 >= networks.arch.functions:
+        if count + 1 >= model.arch.functions:
             return None
         projection = whole.first(count)
-        errors = _errors(networks, tried, projection)
+        errors = _errors(own, tried[:, :lobe], tried[:, lobe:], projection)
         if errors[: len(some)].mean() < MEAN_ERROR and errors.max() < LARGEST_ERROR:
             break
     else:
         return None
-    functions = projection.functions(networks.basis.rows)
+    functions = projection.functions(own.rows)
     size = np.maximum(np.abs(functions[:, 1:]).max(axis=0), 1e-9)
     functions[:, 1:] /= size
     return _packed(model, store, projection.scaled(size), functions.astype(np.float32), some)
@@ -167,13 +166,12 @@ def _left(rests: np.ndarray, whole: Projection) -> np.ndarray:
     return np.square(left).sum(axis=-1).max(axis=-1)
 
 
-def _errors(networks: Networks, codes: np.ndarray, projection: Projection) -> np.ndarray:
-    """Errors E (n,) of the f of codes (n, size) at the probe pairs by a projection."""
-    lobe, own = networks.arch.lobe, networks.basis
-    f = basis.decode(codes[:, None, lobe:], own.probe_rows)
-    rests = projection.rests(projection.numbers(codes[:, lobe:]))
-    found = basis.decode(rests[:, None], own.probe_rows)
-    light = f + lobes.f(codes[:, None, :lobe], *own.pairs())
+def _errors(own: Basis, lobe: np.ndarray, rests: np.ndarray, projection: Projection) -> np.ndarray:
+    """Errors E (n,) of f at the probe pairs by a projection; codes: lobes (n, N), rests (n, K)."""
+    f = basis.decode(rests[:, None], own.probe_rows)
+    projected = projection.rests(projection.numbers(rests))
+    found = basis.decode(projected[:, None], own.probe_rows)
+    light = f + lobes.f(lobe[:, None], *own.pairs())
     return (np.abs(found - f) @ own.measure) / np.maximum(light @ own.measure, 1e-12)
 
 

@@ -191,7 +191,7 @@ class BasisDecoder:
         for channel in terms:
             gain, *numbers = channel[-count:]
             stretch2 = numbers.pop() if two else None
-            key = stretch2.index if two else None  # of the variable
+            key = None if stretch2 is None else stretch2.index  # of the variable
             if key not in looked_up:
                 looked_up[key] = self._table.at(wi, wo, stretch2)
             mean, *functions = looked_up[key]
