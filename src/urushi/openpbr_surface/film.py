@@ -111,9 +111,9 @@ class FilmFresnel:
         return total / len(_COAT_COSINES)
 
     def below_coat(self, f, base, eta, si, wo, active):
-        """f [1/sr] of networks for a coat over a base, with its film.
+        """f [1/sr] by codes of a coat over a base, with its film.
 
-        The networks encode a dielectric without its film, and a filmed metal by its mean
+        Codes are those of a dielectric without its film, and of a filmed metal by its mean
         reflectance `metal_in_coat`. The light from the base is multiplied by f of the base with
         film over f of the encoded base, both at the directions refracted by a smooth coat. The
         factor is symmetric in si.wi and wo.
