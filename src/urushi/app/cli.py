@@ -36,7 +36,7 @@ help with an example: `urushi render --help`.
 
 #: Every subcommand by name, with its line in the list of commands.
 COMMANDS: dict[str, tuple[type, str]] = {
-    "demo": (Demo, "Render a lacquered object by networks and by the reference, and compare."),
+    "demo": (Demo, "Render a lacquered object by codes and by the reference, and compare."),
     "render": (Render, "Render a Mitsuba scene file or the demo's scene."),
     "scene": (Scene, "Write the demo's scene into a folder."),
     "simulate": (Simulate, "Simulate the BRDF of a layered material without bias."),
@@ -47,8 +47,8 @@ COMMANDS: dict[str, tuple[type, str]] = {
     "export": (Export, "Write a material as code: GLSL, WGSL, HLSL, Slang, OSL, Python."),
     "convert": (Convert, "Write a material of a MaterialX document as a Mitsuba scene."),
     "view": (View, "Coat a material by hand, on a page in the browser."),
-    "data": (Data, "Simulate training data."),
-    "train": (Train, "Train networks."),
+    "data": (Data, "Compute training data."),
+    "train": (Train, "Make a basis and its layering network."),
     "paper": (Paper, "Read the published networks of Fan et al. 2022."),
     "doctor": (Doctor, "Check this machine and say what is missing."),
 }

@@ -44,7 +44,7 @@ class Encode:
     mode: Annotated[str, tyro.conf.arg(aliases=["-m"])] = "llvm_ad_rgb"
     """Mitsuba variant for reading scene files."""
     weights: str | None = None
-    """Weights file of the networks. Default: the shipped ones."""
+    """Weights file. Default: the shipped ones."""
 
     def run(self) -> int:
         from urushi.material.encode import encode_all
@@ -220,7 +220,7 @@ class Layer:
     g: tuple[float, ...] = (DEFAULT_COAT.g,)
     """Henyey-Greenstein asymmetry of the medium, in (-1, 1): above 0 it scatters forwards."""
     weights: str | None = None
-    """Weights file of the networks. Default: the shipped ones."""
+    """Weights file. Default: the shipped ones."""
 
     def run(self) -> int:
         import urushi

@@ -55,7 +55,7 @@ class Export:
     prefix: str = "urushi"
     """Beginning of the names of all functions and structures; Python's have none."""
     weights: str | None = None
-    """Weights file of the networks. Default: the shipped ones."""
+    """Weights file. Default: the shipped ones."""
 
     def run(self) -> int:
         path = self._texture_path()

@@ -1,7 +1,7 @@
-"""The files of the page: the built page, the networks, shader code, films, what it shows first.
+"""The files of the page: the built page, the weights, shader code, films, what it shows first.
 
-The page is built from the folder `viewer` of the repository by `make viewer`. The networks are in
-half precision, the functions of the basis in fixed point. The page inserts the codes of its
+The page is built from the folder `viewer` of the repository by `make viewer`. The layering network
+is in half precision, the functions of the basis in fixed point. The page inserts the codes of its
 materials into shader code of `urushi export`.
 `page_document` puts all files into one HTML document, for notebooks.
 """
@@ -73,7 +73,7 @@ class First(NamedTuple):
 def page_files(model: Model, first: First | None) -> dict[str, bytes]:
     """The page's files by their paths relative to it, with "/" between folders.
 
-    model: the networks of isotropic materials; anisotropic ones have the shipped networks.
+    model: the weights of isotropic materials; anisotropic ones have the shipped weights.
     first: None: the page's own first material.
     """
     if model.widths == 2:
@@ -124,7 +124,7 @@ def addressed(files: Mapping[str, bytes]) -> dict[str, bytes]:
 
     A browser may keep such a file without asking again, since changed content has a new address.
     Any server can serve the files, because the version is a query, "assets/index.js?3f9c…". The
-    browser loads the networks together with the script, instead of after it.
+    browser loads the weights together with the script, instead of after it.
     """
     versions = {path: version(content) for path, content in files.items() if path != "index.html"}
     text = re.sub(
@@ -159,7 +159,7 @@ def shader_files(model: Model) -> dict[str, bytes]:
 
 
 def packed_weights(model: Model) -> bytes:
-    """A weights file (safetensors) with networks in half precision, and the rows of a basis packed.
+    """A weights file (safetensors): the network in half precision, and the basis packed.
 
     What codes are solved with is in single precision.
     """
@@ -180,7 +180,7 @@ def packed_weights(model: Model) -> bytes:
 
 def _half_precision(array: np.ndarray) -> np.ndarray:
     if np.abs(array).max() > float(np.finfo(np.float16).max):
-        raise ParameterError("a parameter of the networks is too large for half precision")
+        raise ParameterError("a parameter is too large for half precision")
     return array.astype(np.float16)
 
 

@@ -125,7 +125,7 @@ def training_pairs(
     `first`, cosine, `first`, `last`.
 
     Of the pairs that are log-uniform in the half angle, `MIRROR_SHARE` are at the exact mirror
-    direction or within `MIRROR_TANGENT` of it. Without them a decoder extrapolates below the range
+    direction or within `MIRROR_TANGENT` of it. Without them a network extrapolates below the range
     of tan(theta_h), and f of the sharpest lobes was wrong by 6 to 14 % at their peaks. Exact
     mirror directions fix the value there, and the pairs beside them join it to the range.
 
@@ -176,7 +176,7 @@ def stratified_pairs(rng: np.random.Generator, n: int) -> Pairs:
 
 
 def probed_pairs(rng: np.random.Generator, n: int) -> Pairs:
-    """The encoder's `PROBES` fixed pairs, then training pairs."""
+    """The `PROBES` probe pairs, then training pairs."""
     return _joined([probe_pairs(PROBES), training_pairs(rng, n - PROBES)])
 
 
@@ -193,7 +193,7 @@ def check_set(name: str, pairs: int, where: str) -> None:
         raise ParameterError(f"{where} has {pairs} {name} pairs; give a fourth power, such as 625")
     if name == "probed" and pairs <= PROBES:
         raise ParameterError(
-            f"{where} has {pairs} {name} pairs; give more than the encoder's {PROBES}"
+            f"{where} has {pairs} {name} pairs; give more than the {PROBES} probe pairs"
         )
 
 

@@ -6,7 +6,7 @@ import numpy as np
 
 from urushi.core.directions import directions_at_tangent, turned
 
-#: Number of probe pairs of the shipped encoders of isotropic BRDFs.
+#: Number of probe pairs of isotropic BRDFs.
 PROBES = 256
 
 #: The same for anisotropic BRDFs, which depend on the azimuth too.

@@ -1,8 +1,8 @@
 """Tables of ln f over directions, for the rest of constant materials and for measured BRDFs.
 
-A renderer looks up the rest of a constant material, because the decoder takes four times as long.
-The numbers of a code are too few for a measured BRDF, so its material has a table of f itself. f is
-interpolated linearly in three coordinates in [0, 1]:
+A renderer looks up the rest of a constant material. The numbers of a code are too few for a
+measured BRDF, so its material has a table of f itself. f is interpolated linearly in three
+coordinates in [0, 1]:
 
     u = (ln(tan^2 theta_h + `TAN2_OFFSET`) - `LOWEST`) / (`HIGHEST` - `LOWEST`)
     v = sqrt(1 - cos theta_d)
@@ -23,9 +23,6 @@ with the half vector h. The signs of x and y are chosen so that h_x and h_y are 
 angle is measured around a square: |y| / (|x| + |y|) in the first quadrant costs one division.
 
 Exchanging wi and wo, and mirroring both for two widths, leave the coordinates the same to the bit.
-
-The table of a rest adds an error E of less than 0.05 % to most materials, and 0.15 % where a sharp
-coat covers a sharp lobe; with two widths 0.1 to 0.5 % (`python -m benchmarks.quality.table`).
 """
 
 import functools

@@ -1,4 +1,4 @@
-"""Programs: a material with known codes, and all materials of given networks."""
+"""Programs: a material with known codes, and all materials of given weights."""
 
 from collections.abc import Sequence
 from typing import NamedTuple
@@ -51,7 +51,7 @@ CONVENTIONS = (
     "wo.",
 )
 
-#: Further conventions of anisotropic networks, and how a file for all materials turns one.
+#: Further conventions of two widths, and how a file for all materials turns one.
 ANISOTROPIC = (
     "The x axis of the frame is the tangent of the shape. f is the same for the mirror images of "
     "wi and wo at the plane of the normal and the material's tangent, and at the plane across."
@@ -115,7 +115,7 @@ def material_text(
     )
     printer = LANGUAGES[language](prefix)
     note: tuple[str, ...] = (
-        f"A material of Urushi as code, of the networks {model.fingerprint}.",
+        f"A material of Urushi as code, of the weights {model.fingerprint}.",
         f"Functions: {{f}}(wi, wo{', table' if rest else ''}), {{pdf}}(wi, wo) and "
         "{sample}(wi, u).",
         *_conventions(model),
@@ -133,7 +133,7 @@ def _size(rest: Rest, form: TextureForm) -> str:
 
 
 def codes_text(language: str, model: Model, prefix: str, texels: Texels | None = None) -> str:
-    """The file of all materials of networks; their codes are arguments.
+    """The file of all materials of weights; their codes are arguments.
 
     It reads the texture `rest.basis_texture`.
 
@@ -154,7 +154,7 @@ def template_text(language: str, model: Model) -> str:
     """The file of a material whose codes are still to be filled in, for writers without Python.
 
     It is the file of `codes_text` with a function `material` that prepares the codes. The number
-    of a code and a channel is written as a name, `code_0_red` for the first. If the networks are
+    of a code and a channel is written as a name, `code_0_red` for the first. If the weights are
     anisotropic, `code_tangent_x` and `code_tangent_y` are the cosine and the sine of the rotation.
     """
     printer = LANGUAGES[language](PREFIX)
@@ -174,7 +174,7 @@ def template_text(language: str, model: Model) -> str:
             made.assign(member(prepared, variable), name(f"code_{variable.name}", FLOAT))
         made.returns(prepared)
     note = (
-        f"A material of Urushi as code, of the networks {model.fingerprint}.",
+        f"A material of Urushi as code, of the weights {model.fingerprint}.",
         "Functions: {material}(), once; then {f}(material, wi, wo, table), {pdf}(material, wi, wo) "
         "and {sample}(material, wi, u). {prepare}(codes) makes other materials.",
         *_conventions(model),
@@ -302,7 +302,7 @@ def codes_program(model: Model, form: TextureForm, texels: Texels | None = None)
         Tangent(*others[1:] or X_AXIS),
     )
     note: tuple[str, ...] = (
-        f"All materials of Urushi's networks {model.fingerprint} as code; the latent codes of a "
+        f"All materials of Urushi's weights {model.fingerprint} as code; the latent codes of a "
         "material are arguments.",
         f"Functions: {{prepare}}(codes), once for the {arch.latent} numbers of a material's codes, "
         "each for red, green and blue; then {f}(material, wi, wo, table), {pdf}(material, wi, wo) "

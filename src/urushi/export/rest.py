@@ -72,9 +72,9 @@ def _stacked(nodes: np.ndarray, form: TextureForm) -> np.ndarray:
 
 
 def basis_of(model: Model) -> Networks:
-    """Networks that have a basis."""
+    """The networks of weights that have a basis."""
     if not isinstance(model.networks, Networks):
-        raise ParameterError(f"the networks {model.fingerprint} have no basis; export a material")
+        raise ParameterError(f"the weights {model.fingerprint} have no basis; export a material")
     return model.networks
 
 

@@ -29,8 +29,8 @@ def encode(
             tangent, the x axis. A source that is not reciprocal, or not symmetric about the
             tangent, is averaged to have these symmetries (see `urushi.material.symmetry`). Of a
             BSDF that transmits, only the reflection is encoded.
-        weights: the networks, a Model or a weights file. None: the shipped ones, "anisotropic" for
-            anisotropic sources. Networks for isotropic materials encode the average of an
+        weights: a Model or a weights file. None: the shipped ones, "anisotropic" for
+            anisotropic sources. Those of isotropic materials encode the average of an
             anisotropic source over the azimuth.
         table: whether the material also gets a table of f over directions (see
             `urushi.core.table`), which is used to evaluate and render it. It costs as much as
@@ -38,13 +38,13 @@ def encode(
             is evaluated at 25,000 more pairs, which takes minutes for a Stack; a file is 150 kB
             larger. None: for measured BRDFs, and for Mitsuba BSDFs but conductors, Lambertians and
             those that draw random numbers. A bare conductor or dielectric, whose lobe is exact, and
-            a Material of the same networks get none.
+            a Material of the same weights get none.
 
     Raises:
-        ParameterError: the source is none of these; it is an anisotropic Stack, but the networks
+        ParameterError: the source is none of these; it is an anisotropic Stack, but the weights
             are isotropic; its values have a wrong shape, are negative or not finite; or it is a
             BSDF without rough reflection.
-        FileError: the shipped networks are missing.
+        FileError: the shipped weights are missing.
 
     Warns:
         UrushiWarning: averaging changes the source by more than 10 %, or transmitted or specular

@@ -2,7 +2,7 @@
 
 A code's lobe (`urushi.nets.lobe`) conserves energy and is exact. So only the rest is scaled, until
 lobe and rest together meet the ceiling of the albedo. One factor for all pairs of directions keeps
-f exactly reciprocal. Codes of networks without a gain are not changed.
+f exactly reciprocal.
 """
 
 import functools
@@ -26,7 +26,7 @@ SLACK = 0.003
 #: Excess over an albedo of 1 that counts as a numerical error of a source that conserves energy.
 TOLERANCE = 0.005
 
-#: Cosine of wi (84 degrees) below which the source's albedo is no ceiling: the networks' errors in
+#: Cosine of wi (84 degrees) below which the source's albedo is no ceiling: errors of codes in
 #: the last few degrees would darken all other directions.
 GRAZING = 0.1
 
@@ -38,7 +38,7 @@ LEAST_ALBEDO = 1e-6
 LEAST_REST = 0.005
 
 #: A code with a factor below `TINY_FACTOR` is measured again, at most `TINY_FACTOR_ROUNDS` times:
-#: codes far from the training data may decode to the greatest f of the decoder.
+#: codes far from the training data may have the greatest f of the basis.
 TINY_FACTOR, TINY_FACTOR_ROUNDS = 1e-3, 3
 
 #: Codes that are measured at once: their values stay in a core's cache.
@@ -93,7 +93,7 @@ def limit_albedo(
     """Scale codes down so that their directional albedo is nowhere above a ceiling.
 
     Args:
-        model: the networks.
+        model: the weights.
         z: float32 (..., L).
         ceiling: a number, or an array that broadcasts to (..., D), at the cosines of `albedo_rule`.
 
@@ -134,7 +134,7 @@ def is_limited(lobe: np.ndarray) -> np.ndarray:
     """Whether codes of lobes (..., N) are limited; bool (...).
 
     An interface of an index below one lies below another coat. It reflects all light beyond the
-    critical angle, and the rest ends there, with an edge that the decoder cannot draw where the
+    critical angle, and the rest ends there, with an edge that the basis cannot draw where the
     interface is smooth. The codes of coats above meet the ceiling themselves.
     """
     return (lobe[..., 3] <= 0) | (lobe[..., 4] >= 1)

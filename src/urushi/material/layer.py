@@ -33,7 +33,7 @@ from urushi.walk import Dielectric, Stack
 from urushi.walk.bottoms import Description
 from urushi.walk.stack import under as described_under
 
-#: Optical depth to which deeper media are cut: up to here the networks are closest to a medium at
+#: Optical depth to which deeper media are cut: up to here the network is closest to a medium at
 #: its own depth.
 DEEPEST = 12.0
 
@@ -80,7 +80,7 @@ def layer(
 
     Raises:
         ParameterError: top is not a dielectric, or a parameter is out of range or of a wrong shape;
-            or top is anisotropic and the bottom is rotated, or has networks for isotropic materials
+            or top is anisotropic and the bottom is rotated, or has weights for isotropic materials
             that are not the shipped ones; or the two widths of a surface have a ratio above 10.
 
     Warns:
@@ -183,7 +183,7 @@ def layer_material(coat: CoatParameters, bottom: Material, fast: bool = False) -
     The bottom under no interface and no medium is returned as it is.
     """
     model = bottom.model
-    coat = _for_networks(model, coat)
+    coat = _with_widths(model, coat)
     none = absent(coat)
     if none.all():
         return bottom
@@ -240,7 +240,7 @@ def tabulated(material: Material) -> Material:
 
 
 def _below(bottom: Any, weights: Weights | None, anisotropic: bool) -> Material:
-    """The bottom of a coat as a material; its networks are anisotropic if the coat is."""
+    """The bottom of a coat as a material; its weights are anisotropic if the coat is."""
     if anisotropic and weights is None:
         own = bottom.model if isinstance(bottom, Material) else default_model()
         if own.widths == 1:
@@ -279,8 +279,8 @@ def encoded(
     return material, deviations_of(as_source(source), widths=model.widths)
 
 
-def _for_networks(model: Model, coat: CoatParameters) -> CoatParameters:
-    """The coat with as many widths as the networks have; two may be equal."""
+def _with_widths(model: Model, coat: CoatParameters) -> CoatParameters:
+    """The coat with as many widths as codes have; two may be equal."""
     if model.widths == 1:
         return coat._replace(alpha=checks.one_width(coat.alpha, "the coat's"))
     if isinstance(coat.alpha, Widths):
@@ -292,10 +292,10 @@ def layer_texels(model: Model, z_bottom: np.ndarray, coat: CoatParameters) -> np
     """Coat many texels by the layering network.
 
     Args:
-        model: the networks.
+        model: the weights.
         z_bottom: codes (..., L) of the bottoms.
         coat: arrays that broadcast against each other and against z_bottom's leading shape, e.g.
-            (H, W, 3). Anisotropic networks take one width, too.
+            (H, W, 3). Anisotropic weights take one width, too.
 
     Returns:
         float32 (..., L), of the shape that all of them broadcast to; the bottom's where a coat has
@@ -304,9 +304,9 @@ def layer_texels(model: Model, z_bottom: np.ndarray, coat: CoatParameters) -> np
 
     Raises:
         ParameterError: a parameter is out of range, or the shapes do not broadcast, or there are
-            two widths and the networks are for isotropic materials.
+            two widths and the weights are for isotropic materials.
     """
-    coat = checks.coat(_for_networks(model, coat), "the coat's", any_shape=True)
+    coat = checks.coat(_with_widths(model, coat), "the coat's", any_shape=True)
     z = np.asarray(z_bottom, np.float32)
     codes, none = _layered(model, z, coat), absent(coat)
     return np.where(none[..., None], z, codes) if none.any() else codes
@@ -338,7 +338,7 @@ def _layered(model: Model, z: np.ndarray, coat: CoatParameters) -> np.ndarray:
 
 
 def within_training(coat: CoatParameters) -> CoatParameters:
-    """Coats with similar media, in or near the range of the networks' training data.
+    """Coats with similar media, in or near the range of the network's training data.
 
     Media of equal absorption and equal scattering times 1 - g transport light alike (van de Hulst
     1980). So g is moved into its range, and in media that are too deep further towards 0. Depths
@@ -371,8 +371,8 @@ def check_ratios(model: Model, z: np.ndarray, coat: CoatParameters) -> None:
         ratio = float(np.max(larger / np.maximum(smaller, checks.MIN_ALPHA)))
         if ratio > WIDEST * (1 + 1e-4):  # widths may be of single precision
             raise ParameterError(
-                f"the {owner}'s alpha_u and alpha_v have a ratio of {ratio:.3g}, but the networks "
-                f"can layer ratios up to {WIDEST:g}; give closer widths, or use the random walk "
+                f"the {owner}'s alpha_u and alpha_v have a ratio of {ratio:.3g}, but codes "
+                f"have ratios up to {WIDEST:g}; give closer widths, or use the random walk "
                 "('layered', urushi.simulate)"
             )
 

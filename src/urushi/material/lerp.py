@@ -27,10 +27,10 @@ def lerp(a: Material, b: Material, t: npt.ArrayLike) -> Material:
     of three. t = 0 gives exactly a's codes, t = 1 exactly b's. If a or b has a table, the result
     has one too, of (1 - t) a's f + t b's.
 
-    An isotropic material of the shipped networks is encoded again to blend with an anisotropic one.
+    An isotropic material of the shipped weights is encoded again to blend with an anisotropic one.
 
     Raises:
-        ParameterError: a and b belong to different networks, have different numbers of channels, or
+        ParameterError: a and b belong to different weights, have different numbers of channels, or
             are rotated by different angles, or t is out of range or of a wrong shape.
     """
     for name, material in (("a", a), ("b", b)):

@@ -1,4 +1,4 @@
-"""A material: one latent code per channel, with the networks that decode it."""
+"""A material: one latent code per channel, with its basis."""
 
 import os
 from dataclasses import dataclass, replace
@@ -40,23 +40,23 @@ class Coating(NamedTuple):
 class Material:
     """A BRDF as latent codes. Make it with `encode`, `layer`, `lerp` or `load`.
 
-    Codes of anisotropic networks (`model.widths` is 2) are symmetric about the tangent, the x axis,
+    Codes of two widths (`model.widths` is 2) are symmetric about the tangent, the x axis,
     and about the y axis.
 
     Attributes:
         latents: read-only float32 (C, L), one code per channel (C = 3 for RGB, 1 for grey).
-        model: the networks.
+        model: the weights.
         table: read-only float16 (U, V, W, C), ln f over directions (see `urushi.core.table`),
             by which f is evaluated instead of by the latents, as of measured BRDFs. Default: None.
         beside_lobe: whether the table is of the rest alone, and f is the lobe of the latents plus
             the table, as of coats over measured BRDFs; otherwise it is of all of f. False without a
             table. Default: False.
         rotation: angle [degrees] by which the tangent is turned about the normal,
-            counter-clockwise, see `rotated`; 0 for isotropic networks. Default: 0.
+            counter-clockwise, see `rotated`; 0 for one width. Default: 0.
         coating: its topmost coat, if `layer` made it. Default: None.
         knots: of the table, where it is of a slab; files do not hold them. Default: ().
 
-    Materials equal each other if codes, tables, rotations and networks do.
+    Materials equal each other if codes, tables, rotations and weights do.
     """
 
     latents: np.ndarray
@@ -268,8 +268,8 @@ class Material:
     def save(self, path: str | os.PathLike) -> None:
         """Write the material to a safetensors file; `urushi.load` reads it.
 
-        The file holds the codes, the table if there is one, and the fingerprint of the networks,
-        not the networks.
+        The file holds the codes, the table if there is one, and the fingerprint of the weights,
+        not the weights.
 
         Raises:
             FileError: the file cannot be written.
@@ -282,11 +282,11 @@ class Material:
 def load(path: str | os.PathLike, weights: Weights | None = None) -> Material:
     """Read a material that `Material.save` wrote.
 
-    weights: the networks with which it was encoded, a Model or a file; by default, the shipped
-        networks of its fingerprint.
+    weights: those with which it was encoded, a Model or a file; by default, the shipped
+        ones of its fingerprint.
 
     Raises:
-        FileError: missing, truncated, foreign, damaged, or made with other networks.
+        FileError: missing, truncated, foreign, damaged, or made with other weights.
     """
     description, arrays = files.read_tensors(path, "material", FORMAT_VERSION)
     given = None if weights is None else find(weights)
@@ -366,7 +366,7 @@ def _above(wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
 def _checked_table(table: npt.ArrayLike, model: Model, channels: int) -> np.ndarray:
     """A read-only copy float16 (U, V, W, C) of a material's table."""
     if model.widths == 2:
-        raise ParameterError("materials of these networks cannot have tables")
+        raise ParameterError("materials of these weights cannot have tables")
     with np.errstate(over="ignore"):
         array = np.array(table, dtype=np.float16)
     if array.shape != (*SHAPE, channels):

@@ -135,7 +135,7 @@ def slab_tables(model: Model, interfaces: np.ndarray, media: np.ndarray) -> Slab
     """The tables of a slab.
 
     Args:
-        model: isotropic networks, of which nothing is used but the form of the codes.
+        model: isotropic weights, of which nothing is used but the form of the codes.
         interfaces: (n + 1, 2) alpha and eta, top to bottom, each relative to the medium above. The
             index of one of them at least is not 1.
         media: (n, 3, C) albedo, sigma_t and g between them.

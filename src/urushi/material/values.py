@@ -35,7 +35,7 @@ class SourceValues(NamedTuple):
 
 
 def model_for(source: Any, weights: Weights | None = None) -> Model:
-    """The networks by which `encode` encodes a source."""
+    """The weights by which `encode` encodes a source."""
     if weights is not None:
         return find(weights)
     if isinstance(source, Material):
@@ -89,7 +89,7 @@ def required_pairs(
 ) -> tuple[np.ndarray, np.ndarray]:
     """Pairs of directions (N, 3) at which a source has to be known to be encoded.
 
-    These are the networks' own pairs, and the nodes of `albedo_rule`, for the albedo of the
+    These are the probe pairs, and the nodes of `albedo_rule`, for the albedo of the
     source, which limits the material's albedo. A Stack is not simulated at the nodes: its albedo is
     at most 1. For a table, `table.node_pairs` follow, and a Stack has the nodes too.
 
@@ -100,7 +100,7 @@ def required_pairs(
         table = model.widths == 1 and as_source(source).tabulated
     if table and model.widths != 1:
         raise ParameterError(
-            "materials of these networks cannot have tables; give table=False or other networks"
+            "materials of these weights cannot have tables; give table=False or other weights"
         )
     if table or not isinstance(source, Stack):
         parts.append(albedo_rule(model.widths)[:2])
@@ -116,12 +116,12 @@ def evaluate_source(
     """Values of a source of `encode` for float32 unit vectors (N, 3) above the horizon.
 
     name: begins errors; by default the name of the source's type.
-    widths: of the material's networks.
+    widths: of the material's codes.
     """
     opened, name = _with_widths(as_source(source), widths), name or source_name(source)
     if isinstance(source, Stack) and not opened.symmetric:
         raise ParameterError(  # an average over the azimuth would take a hundred simulations
-            f"encode {name}: its alpha_u and alpha_v differ, but these networks are for isotropic "
+            f"encode {name}: its alpha_u and alpha_v differ, but these weights are for isotropic "
             "materials; give one alpha, or the weights 'anisotropic'"
         )
     values, deviations = symmetrise(

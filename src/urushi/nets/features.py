@@ -72,12 +72,12 @@ COAT_TABLE = (
     ("ln(1 + sigma_t (1 - albedo g))", 1.15, 0.69),
 )
 
-#: Number of features of a coat, for networks of one GGX width or two; the second width has the
+#: Number of features of a coat, of one GGX width or two; the second width has the
 #: first two features once more.
 COAT_FEATURES = {1: len(COAT_TABLE), 2: len(COAT_TABLE) + 2}
 
 
-#: Normalisations of the features, for networks of one GGX width or two.
+#: Normalisations of the features, of one GGX width or two.
 COATS = {1: Normalisation(COAT_TABLE), 2: Normalisation(COAT_TABLE + COAT_TABLE[:2])}
 
 

@@ -14,7 +14,7 @@ def layer(params: Params, arch: Any, z_bottom: Any, coat: tuple[Any, ...]) -> An
     """Return the latent codes (..., L) of bottoms z_bottom (..., L) under coats.
 
     coat: alpha, eta, albedo, sigma_t, g, arrays that broadcast against each other and against the
-    bottoms; alpha is two `Widths` if the networks are anisotropic. The coat's interface becomes the
+    bottoms; alpha is two `Widths` if codes have two widths. The coat's interface becomes the
     lobe of the result. The network computes the change of the other numbers, from these, the
     bottom's lobe and the coat.
     """

@@ -5,7 +5,7 @@ A BRDF is approximated by a diffuse term and one GGX lobe with Schlick's Fresnel
     f ~ diffuse / pi + (normal (1 - m) + grazing m) S(alpha),    m = (1 - c)^5,
 
 where S is `lobe.shape` and c the cosine to the facet. Errors are relative to f. The rest of the
-BRDF, f minus the lobe, is learned by the networks and should not be negative. Errors where the sum
+BRDF, f minus the lobe, should not be negative. Errors where the sum
 is above f therefore have a much larger weight than errors below f. Large errors below f, which one
 lobe cannot represent, enter linearly (Huber 1964).
 

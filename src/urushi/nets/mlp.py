@@ -1,10 +1,10 @@
-"""Multilayer perceptrons, which all four networks are: layers, activations and their slopes."""
+"""Multilayer perceptrons: layers, activations and their slopes."""
 
 import itertools
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-#: Parameters by name, such as "decoder.0.weight"; arrays of NumPy or of JAX.
+#: Parameters by name, such as "layerer.0.weight"; arrays of NumPy or of JAX.
 Params = Mapping[str, Any]
 
 #: Activations x (1/2 + t q(t^2)) by name: (bound, coefficients of the polynomial q, lowest power

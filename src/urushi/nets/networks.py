@@ -105,7 +105,7 @@ class Architecture:
 
 
 class Networks(NamedTuple):
-    """Codes, layering and proposals of a `Architecture`.
+    """Codes, layering and proposals of an `Architecture`.
 
     A code z (..., L) represents one monochrome BRDF. Leading dimensions broadcast.
     """
@@ -116,7 +116,7 @@ class Networks(NamedTuple):
 
     @classmethod
     def of(cls, params: Params, arch: Architecture) -> "Networks":
-        """The networks of checked parameters."""
+        """From checked parameters."""
         rows, *parts = (
             np.asarray(params[f"basis.{name}"]) for name in ("rows", "measure", "prior")
         )

@@ -1,4 +1,4 @@
-"""Trained networks as one value, their file format, and the networks that Urushi ships."""
+"""Weights as one value, their file format, and the weights that Urushi ships."""
 
 import functools
 import hashlib
@@ -20,12 +20,12 @@ from urushi.nets.networks import Architecture, Networks
 #: Version of the file format.
 FORMAT_VERSION = 1
 
-#: Names of the shipped networks: files in the folder `weights`. The second are for anisotropic
+#: Names of the shipped weights: files in the folder `weights`. The second are for anisotropic
 #: materials, which are made with them unless a user names others.
 DEFAULT, ANISOTROPIC = "default", "anisotropic"
 
 
-#: The system that files name as `kind`. Files without the entry hold Urushi's own networks.
+#: The system that files name as `kind`. Files without the entry are Urushi's own.
 KIND = "urushi"
 
 Read = TypeVar("Read")
@@ -40,7 +40,7 @@ class Described(Protocol):
 
 @dataclass(frozen=True, eq=False)
 class Model:
-    """Trained networks: architecture, parameters and origin. Make one by `Model.of` or `read`.
+    """Weights: architecture, parameters and origin. Make one by `Model.of` or `read`.
 
     Attributes:
         arch: the architecture.
@@ -68,7 +68,7 @@ class Model:
 
     @property
     def widths(self) -> int:
-        """GGX widths of a surface: 2 if the networks are for anisotropic materials, otherwise 1."""
+        """GGX widths of a surface: 2 for anisotropic materials, otherwise 1."""
         return self.arch.widths
 
     @functools.cached_property
@@ -84,7 +84,7 @@ def checked_parameters(
     unmatched = sorted(set(shapes) ^ set(params))
     if unmatched:
         state = "missing" if unmatched[0] in shapes else "unknown"
-        raise ParameterError(f"the parameter '{unmatched[0]}' is {state} in these networks")
+        raise ParameterError(f"the parameter '{unmatched[0]}' is {state} in these weights")
     checked = {}
     for name, shape in shapes.items():
         array = checked[name] = np.array(params[name], dtype=np.float32, order="C")
@@ -111,7 +111,7 @@ def fingerprint(arch: Described, params: Params) -> str:
 def save(
     path: str | os.PathLike, arch: Architecture, params: Params, header: Mapping[str, Any]
 ) -> Model:
-    """Write networks to a safetensors file and return them as a model.
+    """Write weights to a safetensors file and return them as a model.
 
     header: JSON values that describe their origin.
 
@@ -127,7 +127,7 @@ def save(
 def write_file(
     path: str | os.PathLike, arch: Described, params: Params, header: Mapping[str, Any]
 ) -> None:
-    """Write the networks of any system to a weights file."""
+    """Write the weights of any system to a file."""
     description = {
         "version": FORMAT_VERSION,
         "architecture": json.loads(arch.to_json()),
@@ -170,8 +170,8 @@ def read_file(
 
     Args:
         path: the file.
-        kind: the system of the networks.
-        make: from the architecture's JSON text, the parameters and the header to the networks.
+        kind: the system of the weights.
+        make: from the architecture's JSON text, the parameters and the header to the result.
 
     Raises:
         FileError: the file is missing, truncated, foreign, of another version or of another system,
@@ -191,7 +191,7 @@ def read_file(
         raise FileError(f"the weights file '{path}' is damaged: {error}") from error
 
 
-#: Networks as a user may give them: a Model, a name of shipped ones, or a weights file.
+#: Weights as a user may give them: a Model, a name of shipped ones, or a weights file.
 Weights = Model | str | os.PathLike
 
 
@@ -201,7 +201,7 @@ SHIPPED = Path(__file__).with_name("weights")
 
 @functools.cache
 def shipped(name: str) -> Model:
-    """The shipped networks `DEFAULT` or `ANISOTROPIC`, loaded once per process."""
+    """The shipped weights `DEFAULT` or `ANISOTROPIC`, loaded once per process."""
     path = SHIPPED / f"{name}.safetensors"
     if not path.exists():
         raise FileError(f"Urushi's trained weights '{path}' are missing; install the package again")
@@ -209,17 +209,17 @@ def shipped(name: str) -> Model:
 
 
 def default_model() -> Model:
-    """The shipped networks of isotropic materials."""
+    """The shipped weights of isotropic materials."""
     return shipped(DEFAULT)
 
 
 def anisotropic_model() -> Model:
-    """The shipped networks of anisotropic materials."""
+    """The shipped weights of anisotropic materials."""
     return shipped(ANISOTROPIC)
 
 
 def check_made_with(path: str | os.PathLike, made_with: object, fingerprint: str) -> None:
-    """Refuse a file of codes unless the networks of `fingerprint` made it.
+    """Refuse a file of codes unless the weights of `fingerprint` made it.
 
     made_with: the fingerprint in the file.
     """
@@ -231,7 +231,7 @@ def check_made_with(path: str | os.PathLike, made_with: object, fingerprint: str
 
 
 def model_of_file(path: str | os.PathLike, made_with: object, model: Model | None) -> Model:
-    """The networks of a file of codes: `model`, or for None the shipped ones that made it."""
+    """The weights of a file of codes: `model`, or for None the shipped ones that made it."""
     if model is None:
         other = anisotropic_model()
         model = other if other.fingerprint == made_with else default_model()
@@ -240,7 +240,7 @@ def model_of_file(path: str | os.PathLike, made_with: object, model: Model | Non
 
 
 def find(given: Weights | None) -> Model:
-    """The networks that a user gave; the shipped ones for None.
+    """The weights that a user gave; the shipped ones for None.
 
     Raises:
         FileError: there is no such file, or it is damaged.
@@ -260,5 +260,5 @@ def find(given: Weights | None) -> Model:
 
 @functools.lru_cache(maxsize=8)
 def _read_once(path: str, changed: int, size: int) -> Model:
-    """A file's networks; the materials of a scene share them, with what the networks keep."""
+    """A file's weights; the materials of a scene share them, with what they keep."""
     return read(path)

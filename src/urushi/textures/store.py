@@ -168,7 +168,7 @@ def _value_range(whole: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 def write_texture(
     path: str | os.PathLike, store: TextureStore, grid: TexelGrid, fingerprint: str
 ) -> None:
-    """Write a texture over `grid` that the networks with this fingerprint have made."""
+    """Write a texture over `grid` that the weights with this fingerprint have made."""
     packed = store.packed
     description = {
         "version": FORMAT_VERSION,
@@ -187,12 +187,12 @@ def write_texture(
 def read_texture(
     path: str | os.PathLike, model: Model | None = None
 ) -> tuple[TextureStore, TexelGrid, Model]:
-    """Return a file's texture, its grid, and the networks that it was made with.
+    """Return a file's texture, its grid, and the weights that it was made with.
 
-    model: the networks; None: the shipped ones by which it was made.
+    model: the weights; None: the shipped ones by which it was made.
 
     Raises:
-        FileError: missing, truncated, foreign, damaged, or made with other networks.
+        FileError: missing, truncated, foreign, damaged, or made with other weights.
     """
     description, arrays = files.read_tensors(path, KIND, FORMAT_VERSION)
     model = model_of_file(path, description.get("weights"), model)

@@ -60,7 +60,7 @@ class Baker:
         bottom_changed: whether the bottom may have changed since the last call.
 
         Warns:
-            UrushiWarning: codes of a coat outside the networks' training data are rendered.
+            UrushiWarning: codes of a coat outside the network's training data are rendered.
         """
         grid = choose_grid(self._coat, self._bottom, self.model, self._resolution)
         with spectrum.bands_of(grid):

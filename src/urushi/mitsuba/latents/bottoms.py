@@ -142,7 +142,7 @@ def _uniform(codes: np.ndarray) -> Source:
 
 
 def nested_latents(bottom: "mi.BSDF", model: Model) -> Latents | None:
-    """The codes below a coat of a bottom that has codes of the same networks, or None."""
+    """The codes below a coat of a bottom that has codes of the same weights, or None."""
     nested = offer_of(bottom).latents
     if nested is None or nested.model.fingerprint != model.fingerprint:
         return None
@@ -166,14 +166,14 @@ def _nested(latents: Latents, grid: TexelGrid) -> Source:
 
 
 def _lobes(model: Model, bottom: "mi.BSDF", uv: np.ndarray, where: str) -> np.ndarray | None:
-    """Lobes (M, C, N) at points uv (M, 2) as the networks take them; None: they are fitted."""
+    """Lobes (M, C, N) at points uv (M, 2) as codes have them; None: they are fitted."""
     lobes = probing.known_lobes(bottom, uv)
     if lobes is None:
         return None
     lobes = probing.check_values(lobes, where)
     if lobes.shape[-1] < model.arch.lobe:
         lobes = with_two_widths(lobes)
-    # Networks of one width fit a lobe of two.
+    # Codes of one width fit a lobe of two.
     return lobes if lobes.shape[-1] == model.arch.lobe else None
 
 

@@ -35,7 +35,7 @@ from urushi.parallel import fill_blocks
 LEAST_REFLECTANCE = 0.02
 
 #: Least 1 - albedo and least sigma_t at which the derivatives by the medium of a coat are taken: at
-#: the ends of both ranges, the networks' slopes are farther from the slopes of light transport.
+#: the ends of both ranges, the network's slopes are farther from the slopes of light transport.
 MIN_ABSORPTION, MIN_DEPTH = 1e-3, 0.02
 
 #: Codes whose gains differ by more were scaled down by the energy limit.

@@ -30,7 +30,7 @@ from urushi.textures.store import TexelGrid, TextureStore, write_texture
 class Vertex(NamedTuple):
     """Quantities that depend on the position and on wi alone."""
 
-    # Per channel the decoder's terms, Dr.Jit floats; one list if all channels have the same code.
+    # Per channel the terms of f, Dr.Jit floats; one list if all channels have the same code.
     decoder_terms: list[list]
     proposal: Any  # a mixture, of the mean code over the channels; None if it is not needed
 

@@ -318,7 +318,7 @@ def ignore(props: "mi.Properties", *names: str) -> None:
 
 
 def read_weights(props: "mi.Properties") -> Model | None:
-    """The networks that the property `weights` names; None without it: shipped ones that fit."""
+    """The weights that the property `weights` names; None without it: shipped ones that fit."""
     name = props.get("weights", "")
     if not name:
         return None

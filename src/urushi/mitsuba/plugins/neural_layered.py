@@ -1,4 +1,4 @@
-"""The plugin `neural_layered`: a coat over any BSDF, layered in the latent space."""
+"""The plugin `neural_layered`: a coat over any BSDF, by tables and latent codes."""
 
 from dataclasses import replace
 from typing import ClassVar
@@ -41,7 +41,7 @@ def define(base: type) -> type:
         resolution     integer               Texels per side of the latent texture if anything is
                                              textured, at most 8192. (Default: that of the largest
                                              texture, at most 2048; 256 for procedural ones)
-        weights        string                File of the networks. (Default: the shipped
+        weights        string                File of the weights. (Default: the shipped
                                              ones, ``anisotropic`` where the coat or the bottom is
                                              anisotropic, otherwise ``default``)
         mipmaps        boolean               Whether to build the mip pyramid of the latent texture:
@@ -115,8 +115,8 @@ def define(base: type) -> type:
         def offer(self):
             return replace(super().offer(), rotated=self._coat.has_rotation)
 
-        def _choose_networks(self):
-            """Choose the networks for the present coat and bottom."""
+        def _choose_weights(self):
+            """Choose the weights for the present coat and bottom."""
             check_rotation(self._bottom, self._coat.where)
             model = self._weights
             if model is None:
@@ -129,7 +129,7 @@ def define(base: type) -> type:
 
         def _bake(self, bottom_changed=True):
             if bottom_changed:
-                self._choose_networks()
+                self._choose_weights()
             assert self._baker is not None  # for the type checker
             with dr.suspend_grad():
                 self.latents = self._baker.update(bottom_changed)

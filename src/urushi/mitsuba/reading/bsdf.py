@@ -76,7 +76,7 @@ def reflection_source(bsdf: "mi.BSDF") -> Source:
 
 
 def has_two_widths(bsdf: "mi.BSDF") -> bool:
-    """Whether a BSDF is anisotropic, so that its codes need networks of two widths.
+    """Whether a BSDF is anisotropic, so that its codes need two widths.
 
     A texture counts by its value in the middle of uv; a random BSDF counts as isotropic.
     """

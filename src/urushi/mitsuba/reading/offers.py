@@ -37,7 +37,7 @@ class Latents(Protocol):
 
     @property
     def model(self) -> Model:
-        """The networks that they belong to."""
+        """The weights that they belong to."""
 
     @property
     def channels(self) -> int:
