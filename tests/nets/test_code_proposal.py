@@ -10,7 +10,7 @@ from urushi.core.namespace import NUMPY
 from urushi.core.quadrature import half_vector_rule
 from urushi.nets import lobe as lobes
 from urushi.nets import proposal
-from urushi.nets.weights import default_model
+from urushi.nets.weights import anisotropic_model, default_model
 
 
 def directions(degrees) -> np.ndarray:
@@ -92,3 +92,25 @@ def test_the_variance_of_samples_is_small(lobe, rest, most):
     pdf = proposal.mixture_pdf(weights[:, None], alphas, wi[:, None].astype(float), wo)
     second = np.sum(f_cos**2 / pdf * share, axis=-1) / np.sum(f_cos * share, axis=-1) ** 2
     assert np.sqrt(np.mean(second - 1)) < most
+
+
+@pytest.mark.parametrize("widths", [(0.1, 0.1), (0.08, 0.3), (0.3, 0.08)])
+def test_a_brushed_rest_is_sampled_by_stretched_lobes(widths):
+    """A metal that is a rest, under the lobe of a coat; round lobes would have one and more."""
+    networks = anisotropic_model().networks
+    coat = np.array([0.1, 0, 0, 1, 1.5, 0, 0.1], np.float32)
+    metal = np.array([widths[0], 0.8, 1, 0, 1.5, 0, widths[1]], np.float32)
+
+    def f(wi, wo):
+        return lobes.f(coat, wi, wo) + lobes.f(metal, wi, wo) + 0.01
+
+    z = networks.encode(f(*networks.pairs())[None].astype(np.float32), coat[None])[0]
+    theta, phi = np.radians([[10, 40, 70], [0, 45, 90]])
+    wi = np.stack([np.sin(theta) * np.cos(phi), np.sin(theta) * np.sin(phi), np.cos(theta)], -1)
+    wo, share = half_vector_rule(wi, anisotropic=True)
+    f_cos = f(wi[:, None], wo) * wo[..., 2]
+    weights, alphas = networks.proposal(z, wi.astype(np.float32))
+    alphas = alphas.map(lambda x: x[..., None, :].astype(float))
+    pdf = proposal.mixture_pdf(weights[:, None], alphas, wi[:, None], wo)
+    second = np.sum(f_cos**2 / pdf * share, axis=-1) / np.sum(f_cos * share, axis=-1) ** 2
+    assert np.sqrt(np.mean(second - 1)) < 0.5

@@ -60,6 +60,7 @@ class Values(NamedTuple):
     factors: np.ndarray  # float32 (S, P, T, 1 + `FACTORS`) with the factor one
     lobe: np.ndarray  # float32 (S, 7) of the interface
     stretch: np.ndarray  # float32 (S,) ln s
+    probes: np.ndarray  # float32 (S, N) [1/sr] f at the probe pairs
 
     def taken(self, rows: np.ndarray) -> "Values":
         """The values of some stacks."""
@@ -157,7 +158,8 @@ def transported(seed: int) -> Values:
     """The values of one random stack."""
     rng = np.random.default_rng([seed, 20261128])
     bottom, coat = draw(rng)
-    probes = coated_f(bottom, coat, *probing.probe_pairs(PROBES, 2))
+    probe_pairs = probing.probe_pairs(PROBES, 2)
+    probes = coated_f(bottom, coat, *probe_pairs)
     empty = np.zeros((1, 1), np.float32)
     basis = StretchedBasis(empty, np.zeros(1, int), probe_measure(PROBES), empty)
     stretch = float(basis.stretch(probes.T)[0])
@@ -169,7 +171,8 @@ def transported(seed: int) -> Values:
     both, apart = (Components(*np.moveaxis(w.astype(float), -1, 0)) for w in (wi + wo, wi - wo))
     around = stretched(both, apart, np.exp(2 * stretch), NUMPY)[1]
     factors = np.stack([np.ones_like(measure), *around], axis=-1)
-    parts = rest, top, measure, factors, lobe_of(lobe), np.array(stretch)
+    whole = probes[:, 0] + lobes.f(lobe, *probe_pairs)
+    parts = rest, top, measure, factors, lobe_of(lobe), np.array(stretch), whole
     return Values(*(x.astype(np.float32)[None] for x in parts))
 
 
@@ -388,7 +391,7 @@ def write(folder: Path, given: Path, out: Path) -> None:
     began = time.process_time()
     fit, prior = fitted(rows, values.taken(np.flatnonzero(seen & ~held)))
     tested = values.taken(np.flatnonzero(seen & held))
-    codes, e = solved(fit, prior, tested)
+    e = solved(fit, prior, tested)[1]
     found = [round(100 * float(x), 2) for x in (e.mean(), *np.percentile(e, (50, 95)), e.max())]
     print(f"{seen.sum()} stacks, {time.process_time() - began:.0f} s; E of held-out ones:", *found)
     arch = Architecture(fit.shape[1] - 1, PROBES, widths=2, azimuthal=AZIMUTHAL)
@@ -399,8 +402,7 @@ def write(folder: Path, given: Path, out: Path) -> None:
         "basis.prior": prior,
     }
     networks = files.Model.of(arch, params, {}).networks
-    z = np.concatenate([tested.lobe, codes, tested.stretch[:, None]], axis=1, dtype=np.float32)
-    params |= fit_proposal(networks, z)
+    params |= fit_proposal(networks, networks.encode(values.probes, values.lobe))
     files.save(out, arch, params, {"preset": "two widths", "E": found})
 
 
