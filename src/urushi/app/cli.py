@@ -27,7 +27,7 @@ FAILURE = 2
 INTERRUPTED = 130  # 128 + SIGINT, as shells report it
 OUTPUT_CLOSED = 141  # 128 + SIGPIPE
 
-DESCRIPTION = """Layered materials in a neural latent space, for Mitsuba 3.
+DESCRIPTION = """Layered materials by light transport and latent codes, for Mitsuba 3.
 
 Start with `urushi demo`. If something does not work, `urushi doctor` says why. Every command has
 help with an example: `urushi render --help`.
@@ -41,7 +41,7 @@ COMMANDS: dict[str, tuple[type, str]] = {
     "scene": (Scene, "Write the demo's scene into a folder."),
     "simulate": (Simulate, "Simulate the BRDF of a layered material without bias."),
     "encode": (Encode, "Encode a BRDF into a material file."),
-    "layer": (Layer, "Coat a material in the latent space."),
+    "layer": (Layer, "Coat a material."),
     "materials": (Materials, "List the library of described materials."),
     "recipe": (Recipe, "Find measured paints that give a colour over a ground."),
     "export": (Export, "Write a material as code: GLSL, WGSL, HLSL, Slang, OSL, Python."),

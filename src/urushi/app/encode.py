@@ -178,7 +178,7 @@ def _print_to_stderr(sentence: str) -> None:
 
 @dataclass(frozen=True)
 class Layer:
-    """Coat a material with a rough dielectric interface and a medium, in the latent space.
+    """Coat a material with a rough dielectric interface and a medium.
 
     Every parameter of the coat is one value, or three for red, green and blue. The defaults make a
     clear coat of glass in air.

@@ -35,10 +35,10 @@ def encode(
         table: whether the material also gets a table of f over directions (see
             `urushi.core.table`), which is used to evaluate and render it. It costs as much as
             the codes and is far more accurate for unusual BRDFs. Textures use the codes. The source
-            is evaluated at 25,000 more pairs, which takes minutes for a Stack; a file is 150 kB
-            larger. None: for measured BRDFs, and for Mitsuba BSDFs but conductors, Lambertians and
-            those that draw random numbers. A bare conductor or dielectric, whose lobe is exact, and
-            a Material of the same weights get none.
+            is evaluated at 25,000 more pairs; a file is 150 kB larger. None: for measured BRDFs,
+            Stacks of one width, and Mitsuba BSDFs but conductors, Lambertians and those that draw
+            random numbers. A bare conductor or dielectric, whose lobe is exact, and a Material of
+            the same weights get none.
 
     Raises:
         ParameterError: the source is none of these; it is an anisotropic Stack, but the weights

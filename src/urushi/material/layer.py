@@ -1,4 +1,4 @@
-"""Layering: coats over materials, by light transport or in the latent space by the network.
+"""Layering: coats over materials, by light transport or by the layering network.
 
 Light transport through a coat gives the table of a coated material (`urushi.material.coated_table`)
 and, from its values at the probe pairs, the code. The layering network maps codes to codes, for
@@ -67,9 +67,9 @@ def layer(
         albedo, sigma_t, g, color, body, body_color, thickness: of the medium, as in `urushi.coat`;
             a g of less than -0.95 is -0.95.
         weights: as in `encode`, for a bottom that is not a Material.
-        fast: whether the layering network computes the code, in milliseconds, with an error of
-            about 1 %. Otherwise light transport is computed, which takes some tenths of a second,
-            and isotropic results have a table.
+        fast: whether the layering network computes the code, in milliseconds and less accurately.
+            Otherwise light transport is computed, which takes some tenths of a second, and
+            isotropic results have a table.
 
     Every parameter but the thickness is a scalar or one value per RGB channel.
 
