@@ -1,4 +1,4 @@
-"""The layerer: maps the latent code of a bottom and a coat to the code of the coated BRDF."""
+"""The layering network: from the code of a bottom and a coat to the code of the coated BRDF."""
 
 from typing import Any
 

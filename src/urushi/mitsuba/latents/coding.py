@@ -212,7 +212,7 @@ def _inside(coat: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _layerer(model: Model, below: Sequence, values: np.ndarray, moves: Sequence) -> "mi.TensorXf":
-    """The layerer's change (N, R) of the rests of codes `below`, at coats (K, N) that move."""
+    """The network's change (N, R) of the rests of codes `below`, at coats (K, N) that move."""
     kind, size = lobes.ANY_LOBE._replace(widths=model.widths), model.arch.lobe
     columns = [value + move for value, move in zip(_rows(values), moves, strict=True)]
     coat = coat_columns(*CoatParameters.of_columns(columns), DRJIT)

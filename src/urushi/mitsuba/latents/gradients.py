@@ -5,10 +5,10 @@ to the plain codes (`coding`). Dr.Jit also differentiates the bottom's values at
 the parameters of a surface that is known by them.
 
 f has the same bits as without gradients. Its derivatives come from codes that the network layers,
-within the ranges of the parameters, so that they may decode to another f. Integrators evaluate a
-picture without derivatives first; no code is decoded then. A table by light transport has slopes of
-its own by every number that carries a gradient (`table_gradients`), and codes give the derivatives
-of the lobe beside it.
+within the ranges of the parameters, so that they may give another f. Integrators evaluate a picture
+without derivatives first; these codes are not evaluated then. A table by light transport has slopes
+of its own by every number that carries a gradient (`table_gradients`), and codes give the
+derivatives of the lobe beside it.
 
 Only f is differentiated with respect to codes. Proposals depend on detached codes: as in all of
 Mitsuba's differentiable integrators, samples are fixed while the integrand changes.
