@@ -1,9 +1,10 @@
 """Training data: random stacks by light transport, at the nodes of `core.table`.
 
 Every stack is computed coat by coat, and all levels are kept: the bare bottom, and what lies below
-each of its coats. Some further random coats are computed over every level, at the probe pairs only:
-the layering network learns from them. The data lie in shards. Each is written once and as a whole,
-so that an interrupted run continues where it stopped, with the same result.
+each of its coats. Further random coats are computed over every level, at the probe pairs only: the
+layering network learns from them. Levels of several stacks share interfaces and media of these
+coats, so that a coat costs a third. The data lie in shards. Each is written once and as a whole, so
+that an interrupted run continues where it stopped, with the same result.
 """
 
 import hashlib
@@ -52,6 +53,9 @@ COATS = 0.1, 0.5, 0.3, 0.1
 #: Share of the stacks and coats that are `Practical`; the others are spread over the whole domain.
 PRACTICAL = 0.75
 
+#: Levels under the same further coats, coats over them, and coats of the same interface.
+BOTTOMS, TOGETHER, SHARED = 8, 16, 2
+
 #: Difference of an absolute index from 1 that is rounding.
 ROUNDING = 1e-4
 
@@ -61,7 +65,7 @@ class TableSpec:
     """What a folder of tables holds."""
 
     stacks: int
-    coats: int  # further random coats over every level of a stack
+    coats: int  # further random coats over every level of a stack, a multiple of 16 is cheapest
     probes: int  # number of probe pairs
     seed: int = 0
     shard: int = 25  # stacks of a file
@@ -157,38 +161,45 @@ def make_shard(spec: TableSpec, shard: int) -> dict[str, np.ndarray]:
     """The arrays of a shard; they depend on the arguments alone."""
     first = shard * spec.shard
     numbers = range(first, min(first + spec.shard, spec.stacks))
-    rows = [row for number in numbers for row in levels(spec, number)]
-    return {name: np.stack([row[name] for row in rows]) for name in rows[0]}
+    rows = [row for number in numbers for row in levels(spec.seed, number)]
+    arrays = {name: np.stack([row[name] for row in rows]) for name in rows[0]}
+    rng = np.random.default_rng([spec.seed, shard, len(rows)])
+    arrays["over"] = np.empty((len(rows), spec.coats, 5), np.float32)
+    arrays["coated"] = np.empty((len(rows), spec.coats, spec.probes), np.float32)
+    for start in range(0, spec.coats, TOGETHER):
+        place = slice(start, min(start + TOGETHER, spec.coats))
+        groups = np.array_split(rng.permutation(len(rows)), -(-len(rows) // BOTTOMS))
+        for group in groups:
+            over = draw_coats(rng, place.stop - place.start)
+            below = _substrate(arrays["table"][group], arrays["lobe"][group])
+            arrays["over"][group, place] = over
+            arrays["coated"][group, place] = _at_probes(below, over, spec.probes)
+    return arrays
 
 
-def levels(spec: TableSpec, number: int) -> list[dict[str, Any]]:
-    """The rows of one stack, see `TableStore`."""
-    rng = np.random.default_rng([spec.seed, number])
-    stack = draw_stack(rng)
+def levels(seed: int, number: int) -> list[dict[str, Any]]:
+    """The rows of one stack without further coats, see `TableStore`."""
+    stack = draw_stack(np.random.default_rng([seed, number]))
     bottom = np.stack([stack.bottom[name] for name in KINDS[stack.kind].parameters], axis=-1)
     lobe = bottom_lobes(stack.kind, bottom)
     rest = bottom_rest(stack.kind, bottom, lobe, *node_pairs())
-    logs, coats = table_of_values(rest.T), _coats(stack)
-    below, rows, low = Substrate.of_logs(logs, lobe), [], 1.0
+    logs, coats = table_of_values(rest.T).reshape(1, -1), _coats(stack)
+    rows, low = [], 1.0
     for level in range(stack.coats + 1):
         coat = np.zeros(5)
         if level:
             coat = coats[-level]
-            lobe, logs = coated(below, coat)
+            lobe, logs = coated(_substrate(logs, lobe), coat)
             low = min(coat[1], coat[1] * low)
-            below = Substrate.of_logs(logs, lobe)
-        over = draw_coats(rng, spec.coats)
         rows.append(
             {
-                "table": logs.ravel(),
+                "table": logs[0],
                 "lobe": lobe[0],
                 "stack": np.int32(number),
                 "kind": np.int32(list(SHARES).index(stack.kind)),
                 "level": np.int32(level),
                 "low": np.float32(low if level else 1),
                 "coat": coat.astype(np.float32),
-                "over": over.astype(np.float32),
-                "coated": _at_probes(below, over, spec.probes),
             }
         )
     return rows
@@ -206,13 +217,13 @@ def draw_stack(rng: np.random.Generator) -> StackTable:
 
 
 def draw_coats(rng: np.random.Generator, count: int) -> np.ndarray:
-    """Random coats (count, 5), with any index."""
-    practical = rng.binomial(count, PRACTICAL)
-    parts = (
-        Practical(1).sample(rng, practical),
-        _whole(1, "conductor").sample(rng, count - practical),
-    )
-    return np.concatenate([_coats(part) for part in parts])
+    """Random coats (count, 5) with any index, `SHARED` after another with the same interface."""
+    often = rng.binomial(count, PRACTICAL)
+    parts = (Practical(1), often), (_whole(1, "conductor"), count - often)
+    coats = np.concatenate([_coats(drawn.sample(rng, number)) for drawn, number in parts])
+    coats = rng.permutation(coats)
+    coats[:, :2] = coats[np.arange(count) // SHARED * SHARED, :2]
+    return coats
 
 
 def _whole(coats: int, kind: str) -> Extended:
@@ -226,17 +237,21 @@ def _coats(stack: StackTable) -> np.ndarray:
 
 
 def coated(below: Substrate, coat: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Lobe (1, L) and table (U, V, W, 1) of a material under a coat (5,)."""
+    """Lobe (1, L) and table (1, P) of a material under a coat (5,)."""
     rows = np.ix_(*known_nodes(()))
     pairs = (w.reshape(*SHAPE, 3)[rows].reshape(-1, 3) for w in node_pairs())
     f = coated_f(below, CoatParameters(*coat[:, None]), *pairs)
     values = completed(f.reshape(*(row.size for row in rows), SHAPE[2], 1), ())
     own = lobes.of_coat(*coat[:2, None]).astype(np.float32)
-    return own, table_of_values(values.reshape(-1, 1))
+    return own, table_of_values(values.reshape(-1, 1)).reshape(1, -1)
+
+
+def _substrate(tables: np.ndarray, lobe: np.ndarray) -> Substrate:
+    """Materials with tables (B, P) beside lobes (B, L)."""
+    return Substrate.of_logs(np.moveaxis(tables.reshape(-1, *SHAPE), 0, -1), lobe)
 
 
 def _at_probes(below: Substrate, coats: np.ndarray, count: int) -> np.ndarray:
-    """ln f float32 (C, N) of the rests of a material under coats (C, 5) at the probe pairs."""
-    columns = CoatParameters(*coats.T[..., None])
-    f = coated_f(below, columns, *probe_pairs(count))  # (N, C, 1)
-    return np.log(np.maximum(f[..., 0].T, np.exp(MIN_LOG))).astype(np.float32)
+    """ln f float32 (B, C, N) of the rests of materials B under coats (C, 5) at the probe pairs."""
+    f = coated_f(below, CoatParameters(*coats.T[..., None]), *probe_pairs(count))  # (N, C, B)
+    return np.log(np.maximum(f.T, np.exp(MIN_LOG))).astype(np.float32)
