@@ -183,7 +183,7 @@ def layer_material(coat: CoatParameters, bottom: Material, fast: bool = False) -
     The bottom under no interface and no medium is returned as it is.
     """
     model = bottom.model
-    coat = _with_widths(model, coat)
+    coat = with_widths(model, coat)
     none = absent(coat)
     if none.all():
         return bottom
@@ -279,7 +279,7 @@ def encoded(
     return material, deviations_of(as_source(source), widths=model.widths)
 
 
-def _with_widths(model: Model, coat: CoatParameters) -> CoatParameters:
+def with_widths(model: Model, coat: CoatParameters) -> CoatParameters:
     """The coat with as many widths as codes have; two may be equal."""
     if model.widths == 1:
         return coat._replace(alpha=checks.one_width(coat.alpha, "the coat's"))
@@ -306,7 +306,7 @@ def layer_texels(model: Model, z_bottom: np.ndarray, coat: CoatParameters) -> np
         ParameterError: a parameter is out of range, or the shapes do not broadcast, or there are
             two widths and the weights are for isotropic materials.
     """
-    coat = checks.coat(_with_widths(model, coat), "the coat's", any_shape=True)
+    coat = checks.coat(with_widths(model, coat), "the coat's", any_shape=True)
     z = np.asarray(z_bottom, np.float32)
     codes, none = _layered(model, z, coat), absent(coat)
     return np.where(none[..., None], z, codes) if none.any() else codes

@@ -13,9 +13,10 @@ import numpy as np
 from urushi import checks
 from urushi.checks import CoatParameters
 from urushi.core.random import INCREMENT, mix64
+from urushi.material.coated_anisotropic import coated_f as anisotropic_coated_f
 from urushi.material.coated_values import coated_values
 from urushi.material.energy import limit_albedo
-from urushi.material.layer import absent, layer_texels
+from urushi.material.layer import absent, check_ratios, with_widths, layer_texels
 from urushi.material.material import Material
 from urushi.material.substrate import Substrate
 from urushi.material.values import codes_of
@@ -30,8 +31,9 @@ MANTISSA_BITS = 12
 #: Texels whose inputs are read and compared at once: bounds memory.
 TEXEL_BLOCK = 1 << 18
 
-#: Different rows up to which light transport layers them: those of a parameter of 8 bits.
-FEW = 3 << 8
+#: Different rows up to which light transport layers them, by the number of GGX widths: those of a
+#: parameter of 8 bits, and a few seconds.
+FEW = {1: 3 << 8, 2: 12}
 
 #: Codes (k, size) of rows, by the indices (k,) of texels, in ascending order, and of channels.
 CodesAt = Callable[[np.ndarray, np.ndarray], np.ndarray]
@@ -154,18 +156,28 @@ def coat_source(model: Model, coats: Coats, bottom: Source) -> Source:
 
 def is_few(model: Model, rows: int) -> bool:
     """Whether so many different rows are layered by light transport and not by the network."""
-    return model.widths == 1 and rows <= FEW
+    return rows <= FEW[model.widths]
 
 
 def transported(model: Model, z: np.ndarray, coat: CoatParameters) -> np.ndarray:
     """`layer_texels` of rows z (k, L) under coats (k,), by light transport at the probe pairs."""
-    coat = checks.coat(coat, "the coat's", any_shape=True)
+    coat = checks.coat(with_widths(model, coat), "the coat's", any_shape=True)
+    check_ratios(model, z, coat)
     bottoms, which = np.unique(z.astype(np.float32), axis=0, return_inverse=True)
-    below, pairs = Substrate.of(Material(bottoms, model)), model.networks.pairs()
-    columns = np.stack(coat.columns()).astype(np.float64)
-    lobe = lobes.of_coat(*columns[:2]).astype(np.float32)
-    rest = coated_values(below, which.ravel(), columns[:2], columns[2:], *pairs).T
-    codes = codes_of(model, rest + lobes.f(lobe[:, None], *pairs), lobe)
+    columns, which, pairs = np.stack(coat.columns()), which.ravel(), model.networks.pairs()
+    if model.widths == 1:
+        below = Substrate.of(Material(bottoms, model))
+        rest = coated_values(below, which, columns[:2], columns[2:], *pairs).T
+    else:
+        rest = np.empty((len(z), len(pairs[0])), np.float32)
+        for index, bottom in enumerate(bottoms):
+            own = which == index
+            under = CoatParameters.of_columns(columns[:, own])
+            rest[own] = anisotropic_coated_f(Material(bottom[None], model).f, under, *pairs).T
+    lobe = np.broadcast_to(lobes.of_coat(coat.alpha, coat.eta), (len(z), model.arch.lobe))
+    lobe = lobe.astype(np.float32)[:, None]
+    # Each row is a material of its own.
+    codes = codes_of(model, rest[:, None] + lobes.f(lobe[:, :, None], *pairs), lobe)[:, 0]
     return np.where(absent(coat)[:, None], z, limit_albedo(model, codes))
 
 

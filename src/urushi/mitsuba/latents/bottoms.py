@@ -273,5 +273,7 @@ class _ProbedBottom:
             lobes = _lobes(self._model, self._bottom, points, self._where)
             f = probing.texel_values(self._bottom, *self._pairs, points, self._average)
             f = probing.check_values(f, self._where)[own]
-            parts.append(codes_of(self._model, f, None if lobes is None else lobes[own]))
+            own_lobes = None if lobes is None else lobes[own][:, None]
+            # Each row is a material of its own.
+            parts.append(codes_of(self._model, f[:, None], own_lobes)[:, 0])
         return np.concatenate(parts)
