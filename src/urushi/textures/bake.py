@@ -163,22 +163,30 @@ def transported(model: Model, z: np.ndarray, coat: CoatParameters) -> np.ndarray
     """`layer_texels` of rows z (k, L) under coats (k,), by light transport at the probe pairs."""
     coat = checks.coat(with_widths(model, coat), "the coat's", any_shape=True)
     check_ratios(model, z, coat)
-    bottoms, which = np.unique(z.astype(np.float32), axis=0, return_inverse=True)
-    columns, which, pairs = np.stack(coat.columns()), which.ravel(), model.networks.pairs()
-    if model.widths == 1:
-        below = Substrate.of(Material(bottoms, model))
-        rest = coated_values(below, which, columns[:2], columns[2:], *pairs).T
-    else:
-        rest = np.empty((len(z), len(pairs[0])), np.float32)
-        for index, bottom in enumerate(bottoms):
-            own = which == index
-            under = CoatParameters.of_columns(columns[:, own])
-            rest[own] = anisotropic_coated_f(Material(bottom[None], model).f, under, *pairs).T
     lobe = np.broadcast_to(lobes.of_coat(coat.alpha, coat.eta), (len(z), model.arch.lobe))
     lobe = lobe.astype(np.float32)[:, None]
+    top = lobes.f(lobe[:, :, None], *model.networks.pairs())
     # Each row is a material of its own.
-    codes = codes_of(model, rest[:, None] + lobes.f(lobe[:, :, None], *pairs), lobe)[:, 0]
+    codes = codes_of(model, transported_rests(model, z, coat)[:, None] + top, lobe)[:, 0]
     return np.where(absent(coat)[:, None], z, limit_albedo(model, codes))
+
+
+def transported_rests(model: Model, z: np.ndarray, coat: CoatParameters) -> np.ndarray:
+    """f float32 (k, P) [1/sr] of rows z (k, L) under coats (k,) at the probe pairs, without the
+    lobes of the coats."""
+    columns, pairs = np.stack(coat.columns()).astype(np.float64), model.networks.pairs()
+    if model.widths == 1:
+        bottoms, which = np.unique(z.astype(np.float32), axis=0, return_inverse=True)
+        below = Substrate.of(Material(bottoms, model))
+        return coated_values(below, which.ravel(), columns[:2], columns[2:], *pairs).T
+    # Rows of one interface and of bottoms of like shapes share the directions inside.
+    shapes = [*columns[[0, 1, 5]], *z.T[[*lobes.WIDTH_PLACES[2], -1]]]
+    _, group = np.unique(np.stack(shapes), axis=1, return_inverse=True)
+    rest = np.empty((len(z), len(pairs[0])), np.float32)
+    for own in (group.ravel() == index for index in range(group.max() + 1)):
+        under = CoatParameters.of_columns(columns[:, own])
+        rest[own] = anisotropic_coated_f(Material(z[own], model).f, under, *pairs).T
+    return rest
 
 
 def row_hashes(columns: Sequence[np.ndarray], bits: int = MANTISSA_BITS) -> np.ndarray:

@@ -165,8 +165,18 @@ def bake(
     """Add codes that are differentiable in the parameters to the latents of `baker.update`."""
     model, grid = baker.model, plain.grid
     with spectrum.bands_of(grid):
-        tensor = _codes(baker, coat, bottom, grid)
-        return DifferentiableLatents(model, plain, tensor, _table(baker, coat, bottom, plain))
+        tensor, numbers = (
+            _codes(baker, coat, bottom, grid),
+            _transported(baker, coat, bottom, plain),
+        )
+        if model.widths == 1 or numbers is None:
+            return DifferentiableLatents(model, plain, tensor, numbers)
+        place, size = dr.arange(mi.UInt32, model.arch.lobe), model.arch.latent
+        of_lobes = [
+            dr.gather(mi.Float, tensor.array, place + c * size) for c in range(len(numbers))
+        ]
+        codes = dr.concat([x for pair in zip(of_lobes, numbers, strict=True) for x in pair])
+        return DifferentiableLatents(model, plain, mi.TensorXf(codes, (len(numbers), size)))
 
 
 def _codes(
@@ -187,11 +197,14 @@ def _codes(
     return codes
 
 
-def _table(baker: Baker, coat: CoatTextures, bottom: "mi.BSDF", plain: Any) -> list | None:
-    """ln f of each channel at the nodes of the latents' table; None: they have none."""
-    material, below = tabulated(plain), baker.bottom.material
+def _transported(baker: Baker, coat: CoatTextures, bottom: "mi.BSDF", plain: Any) -> list | None:
+    """`table_gradients.attached` of constant coats by light transport; None: they are others."""
+    below = baker.bottom.material
+    material = tabulated(plain) if baker.model.widths == 1 else plain.material
     if material is None or below is None:
         return None
+    if material.table is None and np.array_equal(material.latents, below.latents):
+        return None  # the coat is absent
     offer, values, codes = offer_of(bottom), [], None
     if wanted(bottom):
         nested = offer.latents
