@@ -16,7 +16,7 @@ from urushi.core.random import INCREMENT, mix64
 from urushi.material.coated_anisotropic import coated_f as anisotropic_coated_f
 from urushi.material.coated_values import coated_values
 from urushi.material.energy import limit_albedo
-from urushi.material.layer import absent, check_ratios, with_widths, layer_texels
+from urushi.material.layer import absent, check_ratios, layer_texels, with_widths
 from urushi.material.material import Material
 from urushi.material.substrate import Substrate
 from urushi.material.values import codes_of
