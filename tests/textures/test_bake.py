@@ -15,7 +15,7 @@ GRID = TexelGrid(6, 4)
 @pytest.fixture
 def layered_rows(monkeypatch):
     """The number of rows of each call of `layer_texels`; the network layers few rows too."""
-    monkeypatch.setattr(bake, "FEW", 0)
+    monkeypatch.setattr(bake, "FEW", {1: 0, 2: 0})
     counts = []
 
     def counted(model, z, coat):
