@@ -11,7 +11,6 @@ from benchmarks.evaluation.samples import Group, Samples
 from urushi.checks import CoatParameters
 from urushi.core import error_metrics
 from urushi.material import Material
-from urushi.material.layer import layer_material
 from urushi.nets.weights import Model
 from urushi.train.distribution import Extended
 
@@ -127,7 +126,7 @@ def vanishing_coat(model: Model, sets: Mapping[str, Samples]) -> Figure:
         if samples.table.coats:
             continue
         bottoms = predict.material(model, samples)
-        coated = predict.split(layer_material(VANISHING, bottoms))
+        coated = predict.split(predict.coated(VANISHING, bottoms))
         f_hat = predict.evaluate(coated, samples.wi, samples.wo)
         errors.append(sampling.stack_errors(f_hat, samples))
     mean = float(np.concatenate(errors).mean()) if errors else 0.0
@@ -155,7 +154,7 @@ def absorption(model: Model, stacks: int = 16) -> list[Figure]:
         for sigma_a in ABSORPTION:
             coat["sigma_t"] = scattering + sigma_a
             coat["albedo"] = scattering / np.maximum(coat["sigma_t"], 1e-9)
-            materials = predict.split(layer_material(CoatParameters(**coat), bottoms))
+            materials = predict.split(predict.coated(CoatParameters(**coat), bottoms))
             values.append(predict.evaluate(materials, wi, wo).astype(np.float64))
             albedos.append(_albedo(materials))
         f = np.stack(values)

@@ -7,7 +7,6 @@ from scipy import stats
 from urushi.core import direction_sets
 from urushi.core.probe_pairs import PROBES, probe_pairs
 from urushi.errors import ParameterError
-from urushi.nets.features import DIRECTION_FEATURES, direction_features
 
 N = 20_000
 
@@ -124,13 +123,6 @@ def test_training_pairs_reach_the_exact_mirror_direction(name):
     assert stats.kstest(near, "uniform", args=(3e-5, 4.7e-4)).pvalue > 1e-3
 
 
-def test_metric_sets_have_features_within_the_networks_normalisation():
-    for name in direction_sets.DIRECTION_SETS:
-        features = direction_features(*draw(name))
-        assert features.shape == (N, DIRECTION_FEATURES[1])
-        assert np.abs(features).max() < 12
-
-
 def test_probed_stacks_each_begin_with_the_encoders_probe_pairs():
     pairs = PROBES + 16
     wi, wo = direction_sets.draw_pairs("probed", np.random.default_rng(7), 3, pairs)
@@ -139,5 +131,5 @@ def test_probed_stacks_each_begin_with_the_encoders_probe_pairs():
         known, others = stack[:PROBES], stack[PROBES:]
         assert np.array_equal(wi[known], probes[0]) and np.array_equal(wo[known], probes[1])
         assert not np.isin(wi[others], probes[0]).all(axis=1).any()
-    with pytest.raises(ParameterError, match="part 'x' has 192 probed pairs; give more"):
+    with pytest.raises(ParameterError, match=f"part 'x' has {PROBES} probed pairs; give more"):
         direction_sets.check_set("probed", PROBES, "part 'x'")
