@@ -12,7 +12,7 @@ FIRST = (
     "layer two interfaces, Table 2",
     "layer three interfaces",
     "layer six interfaces",
-    "simulated stacks, refined",
+    "encode simulated stacks",
 )
 
 

@@ -1,6 +1,7 @@
 """Errors E of all methods, their reciprocity, and the energy that they reflect."""
 
 import time
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -152,6 +153,7 @@ def measured(folder: Path, paper: PaperNetworks | None) -> dict[str, Any]:
         for coat in OVER:
             stack = urushi.coat(surface, **COATS[coat])
             materials = {form: coated(material, COATS[coat]) for form, material in forms.items()}
+            materials[known.NETWORKS] = replace(materials[known.NETWORKS], table=None)
             if paper is not None:
                 materials[known.PAPER] = coated(projected, COATS[coat], fan2022.layer)
             for method, e in _over_measured(stack, materials).items():

@@ -191,7 +191,10 @@ class TexturedLatents(_Held):
         return self._decoder.f_of_terms
 
     def _vertex(self, wi, uv, *footprint) -> Vertex:
-        latents = self._texture.look_up(uv, wi, *footprint)[: self._kept]
+        return self._vertex_of(self._texture.look_up(uv, wi, *footprint)[: self._kept], wi)
+
+    def _vertex_of(self, latents: list[list], wi) -> Vertex:
+        """The vertex of the numbers that the texture holds for each channel."""
         if self._principal is None:
             proposal = self._sampler.proposal(self._kind.mean(latents), wi)
         else:
