@@ -3,7 +3,8 @@
     python -m figures.figure_8.compute
 
 Each number of interfaces has `STACKS` stacks of the paper's Table 2, which no training has seen.
-Coats are layered one by one; figures are of the codes. The reference is the walk, to an error of 0.3 %.
+Coats are layered one by one; figures are of the codes. The reference is the walk, to an error of
+0.3 %.
 """
 
 import functools

@@ -32,7 +32,7 @@ def test_blocks_of_a_texture_hold_the_functions_of_the_basis(model, form):
     if form.axes == 2:
         blocks = numbers.reshape(*SHAPE[:2], -1, SHAPE[2], form.numbers)
         numbers = blocks.swapaxes(2, 3)
-    rows = numbers.reshape(len(basis.rows), -1)[:, : basis.count]
+    rows = numbers.reshape(len(basis.rows), -1)[:, : basis.size]
     assert (basis.rows[:, 1] == 1).all()
     assert np.array_equal(rows, np.delete(basis.rows, 1, axis=1))
 

@@ -32,7 +32,7 @@ def test_the_functions_themselves(basis):
     found = np.swapaxes(slopes(basis, f, 0 * f, codes), 1, 2) @ changes
     deviations = 1 / np.sqrt(np.diag(basis.prior))  # of the codes of the training materials
     found *= deviations / deviations[:, None]
-    np.testing.assert_allclose(found, np.broadcast_to(np.eye(basis.count), found.shape), atol=0.02)
+    np.testing.assert_allclose(found, np.broadcast_to(np.eye(basis.size), found.shape), atol=0.02)
 
 
 def test_brighter_surfaces_have_a_higher_gain(basis):
@@ -40,7 +40,7 @@ def test_brighter_surfaces_have_a_higher_gain(basis):
     f = glossy(basis, np.full(COUNT, 1e-4), np.full(COUNT, 0.4))
     codes = solve_codes(basis, f, 0 * f)
     by_factor = (f[..., None] * slopes(basis, f, 0 * f, codes)).sum(axis=1)
-    expected = np.eye(basis.count)[[0] * COUNT]
+    expected = np.eye(basis.size)[[0] * COUNT]
     np.testing.assert_allclose(by_factor, expected, atol=0.01)
 
 

@@ -282,7 +282,7 @@ def codes_program(model: Model, form: TextureForm, texels: Texels | None = None)
     material = Variable("material", MATERIAL)
     codes, lobe, energies, *others = (member(argument(material), x) for x in structure.fields)
     numbers = [element(codes, i) for i in range(arch.latent)]
-    count = networks.basis.count
+    count = networks.basis.size
     terms = Terms(
         [element(lobe, i) for i in range(arch.lobe)],
         [element(energies, i) for i in range(TERMS)],

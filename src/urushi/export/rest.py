@@ -81,7 +81,7 @@ def basis_of(model: Model) -> Networks:
 def factors_of(networks: Networks) -> list[int]:
     """The factor of b and of each function of a basis but the first, as in `Rest`."""
     if networks.arch.widths == 1:
-        return [0] * networks.basis.count
+        return [0] * networks.basis.size
     return np.delete(networks.arch.factors, 1).tolist()
 
 

@@ -75,9 +75,10 @@ def _blend(a: Material, b: Material, share: np.ndarray) -> Material:
     """The blend with shares (C,) of b."""
     model, size = a.model, a.model.arch.lobe
     none = np.tile(np.array(lobes.no_lobe(model.widths), np.float32), (len(share), 1))
-    lobe = brighter_lobes(
-        *(m.latents[:, :size] if m.table is None or m.beside_lobe else none for m in (a, b)), share
+    first, second = (
+        m.latents[:, :size] if m.table is None or m.beside_lobe else none for m in (a, b)
     )
+    lobe = brighter_lobes(first, second, share)
 
     def f(wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
         return (1 - share) * a.f(wi, wo) + share * b.f(wi, wo)

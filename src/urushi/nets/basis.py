@@ -40,7 +40,7 @@ class Basis(NamedTuple):
         return own._replace(probe_rows=own.at(*own.pairs()))
 
     @property
-    def count(self) -> int:
+    def size(self) -> int:
         """The number of functions, K."""
         return self.rows.shape[1] - 1
 
@@ -51,13 +51,13 @@ class Basis(NamedTuple):
     def at(self, wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
         """The functions float32 (..., 1 + K) at pairs (..., 3) above the horizon."""
         wi, wo = np.broadcast_arrays(wi, wo)
-        result = np.empty((wi[..., 0].size, self.count + 1), np.float32)
+        result = np.empty((wi[..., 0].size, self.size + 1), np.float32)
         fill_blocks(result, self._at, wi.reshape(-1, 3), wo.reshape(-1, 3))
         return result.reshape(*wi.shape[:-1], -1)
 
     def _at(self, wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
         places = pair_coordinates(wi, wo)
-        total = np.zeros((len(wi), self.count + 1), np.float32)
+        total = np.zeros((len(wi), self.size + 1), np.float32)
         for nodes, share in corners(SHAPE, *places):
             total += self.rows.take(nodes, axis=0) * share[:, None]
         return total

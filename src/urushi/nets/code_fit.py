@@ -50,7 +50,7 @@ def solve_stretched(
     basis: StretchedBasis, rest: np.ndarray, top: np.ndarray, stretch: np.ndarray
 ) -> np.ndarray:
     """`solve_codes` (S, K + 1) of two widths for known ln s (S,), the last numbers of the codes."""
-    codes = np.empty((len(rest), basis.count + 1), np.float32)
+    codes = np.empty((len(rest), basis.size + 1), np.float32)
     codes[:, -1] = stretch
     for own in np.unique(codes[:, -1]):
         rows = codes[:, -1] == own
@@ -61,7 +61,7 @@ def solve_stretched(
 def _solved_at(
     functions: np.ndarray, basis: Basis | StretchedBasis, rest: np.ndarray, top: np.ndarray
 ) -> np.ndarray:
-    codes = np.empty((len(rest), basis.count), np.float32)
+    codes = np.empty((len(rest), basis.size), np.float32)
     for start in range(0, len(rest), BLOCK):
         rows = slice(start, start + BLOCK)
         codes[rows] = fitted(functions, basis.measure, basis.prior, rest[rows], top[rows])

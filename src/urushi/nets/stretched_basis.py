@@ -41,7 +41,7 @@ class StretchedBasis(NamedTuple):
     prior: np.ndarray  # (K, K) inverse covariance of the codes of the training materials
 
     @property
-    def count(self) -> int:
+    def size(self) -> int:
         """The number of functions, K."""
         return self.rows.shape[1] - 1
 
@@ -51,14 +51,14 @@ class StretchedBasis(NamedTuple):
 
     def at(self, features: np.ndarray, log_stretch: float) -> np.ndarray:
         """The functions float32 (N, 1 + K) times their factors at `features_of` pairs (N, 6)."""
-        result = np.empty((len(features), self.count + 1), np.float32)
+        result = np.empty((len(features), self.size + 1), np.float32)
         fill_blocks(result, functools.partial(self._at, float(np.exp(2 * log_stretch))), features)
         return result
 
     def _at(self, stretch2: float, features: np.ndarray) -> np.ndarray:
         both, apart = components_of(features.astype(np.float64))
         places, around = stretched(both, apart, stretch2, NUMPY)
-        total = np.zeros((len(features), self.count + 1), np.float32)
+        total = np.zeros((len(features), self.size + 1), np.float32)
         for nodes, share in corners(SHAPE, *places):
             total += self.rows.take(nodes, axis=0) * share[:, None]
         every = np.stack([np.ones(len(features)), *around], axis=-1).astype(np.float32)
@@ -72,7 +72,7 @@ class StretchedBasis(NamedTuple):
         numbers = np.concatenate([np.ones((len(codes), 1)), codes[:, :-1]], axis=1)
         of_factor = self.factors == np.arange(1 + FACTORS)[:, None]
         weights = numbers[:, None] * of_factor  # (C, 1 + FACTORS, 1 + K)
-        table = self.rows @ weights.reshape(-1, self.count + 1).T
+        table = self.rows @ weights.reshape(-1, self.size + 1).T
         return table.reshape(*SHAPE, len(codes), -1).astype(np.float32)
 
     def stretch(self, rest: np.ndarray) -> np.ndarray:
