@@ -2,13 +2,13 @@
 
 import numpy as np
 import pytest
+from tests.untrained import untrained
 
 import urushi
 from urushi.app import cli
 from urushi.app.encode import scalar_or_rgb
 from urushi.checks import DEFAULT_COAT
 from urushi.nets import weights
-from urushi.nets.architecture import Architecture, init
 
 pytestmark = pytest.mark.usefixtures("untrained")
 
@@ -184,7 +184,8 @@ def test_layer_takes_two_widths(tmp_path):
 def test_layer_has_the_coat_of_python_by_default(tmp_path):
     """The defaults are those of `urushi.coat`; the networks are those of --weights."""
     file, other = tmp_path / "coated.safetensors", tmp_path / "other.safetensors"
-    weights.save(other, Architecture(), init(Architecture(), 1), {})
+    own = untrained(1)
+    weights.save(other, own.arch, own.params, {})
     assert cli.main(["layer", GOLD, "--weights", str(other), "-o", str(file)]) == 0
     gold = urushi.encode(urushi.conductor(alpha=0.2, r0=(0.98, 0.77, 0.34)), other)
     top = urushi.dielectric(DEFAULT_COAT.alpha, DEFAULT_COAT.eta)
