@@ -172,7 +172,7 @@ def test_blends(lacquered, pairs):
 def test_bad_input_is_named(lacquered):
     with pytest.raises(ParameterError, match="rotation"):
         lacquered[0].rotated(float("nan"))
-    with pytest.raises(ParameterError, match="networks are for isotropic materials"):
+    with pytest.raises(ParameterError, match="weights are for isotropic materials"):
         urushi.layer(SATIN, urushi.diffuse(0.5), weights="default")
     with pytest.raises(ParameterError, match="Stack.*isotropic"):
         urushi.encode(urushi.coat(BRUSHED, 0.1, 1.5), "default")

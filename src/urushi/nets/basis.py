@@ -53,7 +53,7 @@ class Basis(NamedTuple):
         wi, wo = np.broadcast_arrays(wi, wo)
         result = np.empty((wi[..., 0].size, self.size + 1), np.float32)
         fill_blocks(result, self._at, wi.reshape(-1, 3), wo.reshape(-1, 3))
-        return result.reshape(*wi.shape[:-1], -1)
+        return result.reshape(*wi.shape[:-1], self.size + 1)
 
     def _at(self, wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
         places = pair_coordinates(wi, wo)

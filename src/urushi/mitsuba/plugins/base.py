@@ -19,7 +19,7 @@ from urushi.nets import weights
 from urushi.nets.weights import Model
 
 #: Samples of the directional albedo for denoisers, at fixed points.
-ALBEDO_SAMPLES = 16
+ALBEDO_SAMPLES = 256
 
 
 def define_proposal_bsdf() -> type:
