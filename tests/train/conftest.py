@@ -1,5 +1,7 @@
 """The shared fixtures of this folder: a training of a few steps, and its data without transport."""
 
+import hashlib
+
 import numpy as np
 import pytest
 
@@ -73,3 +75,17 @@ def tiny_data(tmp_path_factory):
 def store(tiny_data) -> TableStore:
     """The data."""
     return TableStore(tiny_data, TINY.data)
+
+
+@pytest.fixture(scope="session")
+def fingerprints():
+    """A function of a store's path: the hash of each of its files, by name."""
+
+    def of(path):
+        return {
+            str(file.relative_to(path)): hashlib.sha256(file.read_bytes()).hexdigest()
+            for file in path.rglob("*")
+            if file.is_file()
+        }
+
+    return of

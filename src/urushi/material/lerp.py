@@ -68,7 +68,8 @@ def lerp(a: Material, b: Material, t: npt.ArrayLike) -> Material:
     a, b = (_grown(material, len(share)) for material in (a, b))
     if (share == 0).all() or (share == 1).all():
         return b if share.any() else a
-    return _blend(replace(a, rotation=0.0), replace(b, rotation=0.0), share).rotated(a.rotation)
+    blend = _blend(replace(a, rotation=0.0), replace(b, rotation=0.0), share)
+    return replace(blend, rotation=a.rotation)
 
 
 def _blend(a: Material, b: Material, share: np.ndarray) -> Material:
