@@ -289,9 +289,9 @@ def fit(folder: Path, count: int, held: str | None) -> None:
     began = time.process_time()
     basis = fitted(logs[learn], top[learn], measure, count)
     print(f"K {count}, without {held}: {learn.sum()} tables, {time.process_time() - began:.0f} s")
-    chosen = probes(basis, weights(logs[learn], top[learn], measure).mean(axis=0), 192)
-    few = Basis(basis.mean[chosen], basis.functions[chosen], basis.prior)
     mean_weight = weights(logs[learn], top[learn], measure).mean(axis=0)
+    chosen = probes(basis, mean_weight, 192)
+    few = Basis(basis.mean[chosen], basis.functions[chosen], basis.prior)
     quadrature = measure[chosen] / np.maximum(mean_weight[chosen], 1e-12)  # of random nodes
 
     low, high = logs[learn].min(axis=0), logs[learn].max(axis=0)  # codes say nothing beyond
