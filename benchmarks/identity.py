@@ -7,7 +7,7 @@ differ and then exits with status 1.
 
 weights    fingerprints of the shipped weights                                              seconds
 textures   texels of the finest level, by `neural_layered` with mipmaps                     20 s
-codes      latent codes of constant coats, encoded, refined, layered and blended materials  10 s
+codes      latent codes of constant coats, encoded, layered and blended materials  10 s
 values     `simulate`, and f, pdf, samples and albedo of a material                         10 s
 openpbr    f, pdf and samples of `openpbr`, bare and under a coat, with film and fuzz          1 min
 eval       every figure of `benchmarks.evaluation`                                          2 min
@@ -149,7 +149,7 @@ def _texels(bsdf: dict) -> str:
 
 
 def codes() -> Entries:
-    """Latent codes and anchors."""
+    """Latent codes."""
     plastic = {
         "type": "roughplastic",
         "diffuse_reflectance": {"type": "rgb", "value": [0.1, 0.3, 0.5]},
@@ -171,12 +171,11 @@ def codes() -> Entries:
         **{name: _saved(bsdf) for name, bsdf in bsdfs.items()},
         "encoded description": urushi.encode(gold),
         "encoded stack": urushi.encode(_stack()),
-        "encoded function": urushi.encode(_lobe, refine=False),
-        "refined function": urushi.encode(_lobe, refine=True),
+        "encoded function": urushi.encode(_lobe),
         "layered": layered,
         "blended": urushi.lerp(urushi.encode(gold), layered, 0.3),
     }
-    return {name: hashed(m.latents, m.anchors) for name, m in materials.items()}
+    return {name: hashed(m.latents) for name, m in materials.items()}
 
 
 def _gold() -> Any:

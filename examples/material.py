@@ -1,12 +1,14 @@
 """Export the material of the examples: a translucent red lacquer on rough gold.
 
-python examples/material.py FOLDER writes material.glsl and material.osl there.
+python examples/material.py FOLDER writes material.glsl and material.osl there, with the textures
+material.dds and material.exr.
 """
 
 import sys
 from pathlib import Path
 
 import urushi
+from urushi.app.export import write_table
 
 
 def lacquer() -> urushi.Material:
@@ -17,10 +19,11 @@ def lacquer() -> urushi.Material:
 
 
 def main(folder: Path) -> None:
-    """Write the shaders into a folder."""
+    """Write the shaders and their textures into a folder."""
     material = lacquer()
-    for language in "glsl", "osl":
+    for language, suffix in ("glsl", "dds"), ("osl", "exr"):
         (folder / f"material.{language}").write_text(material.shader(language), encoding="utf-8")
+        write_table(folder / f"material.{suffix}", material.shader_texture(language))
 
 
 if __name__ == "__main__":

@@ -2,10 +2,11 @@
 
     python viewer/formulas.py
 
-writes `src/core/formulas.ts` and `src/material/library.ts`. The formulas are those of `urushi.core`
-and `urushi.nets`, by the expressions of which `urushi export` prints shaders; what has a fast form
-of its own in the page, the networks' layers, is not among them. Functions take numbers, a direction
-as three of them, and put features into an array. `make viewer` runs this script.
+writes `src/core/formulas.ts`, `src/picture/shaders/material.glsl` and `src/material/library.ts`.
+The formulas are those of `urushi.core` and `urushi.nets`, by the expressions of which
+`urushi export` prints shaders; what has a fast form of its own in the page, the networks' layers,
+is not among them. Functions take numbers, a direction as three of them, and put features into an
+array. `make viewer` runs this script.
 """
 
 import ast
@@ -23,15 +24,29 @@ import numpy as np
 from urushi.app.describe import describe, library
 from urushi.app.page_files import cards_of
 from urushi.checks import CoatParameters, Widths
-from urushi.core import appearance, fresnel, microfacet, mixture
+from urushi.core import appearance, fresnel, microfacet, mixture, stretched, table
 from urushi.core.namespace import Components
-from urushi.export.expressions import BOOL, FLOAT, INT, VECTOR, Expression, call, name, vector
+from urushi.export import rest
+from urushi.export.expressions import (
+    BOOL,
+    COLOUR,
+    FLOAT,
+    INT,
+    VECTOR,
+    Expression,
+    call,
+    name,
+    vector,
+)
+from urushi.export.languages import Glsl
+from urushi.export.lobe import lobe_f
 from urushi.export.printer import PRIMARY, Printer, broken
-from urushi.export.statements import Function, Variable, element, namespace, offset_index
-from urushi.material import table
-from urushi.nets import features, lobe, sampler
+from urushi.export.program import TABLE
+from urushi.export.statements import Function, Variable, element, integer, namespace
+from urushi.nets import features, lobe, proposal
 
 FILE = Path(__file__).parent / "src/core/formulas.ts"
+SHADER_FILE = Path(__file__).parent / "src/picture/shaders/material.glsl"
 LIBRARY_FILE = Path(__file__).parent / "src/material/library.ts"
 
 LIBRARY_HEAD = """\
@@ -50,6 +65,10 @@ interface Described {
 export const LIBRARY: readonly Described[] = ["""
 
 HEAD = """\
+// Written by `python viewer/formulas.py` from the formulas of Python. Do not edit it.
+"""
+
+SHADER_HEAD = """\
 // Written by `python viewer/formulas.py` from the formulas of Python. Do not edit it.
 """
 
@@ -159,8 +178,11 @@ def filling(
 ) -> Function:
     """The function that puts the numbers of a formula into `out`, from the place `at` on."""
     function = Function(label, (*arguments, OUT, AT), NOTHING, note)
-    for place, value in enumerate(formula(*map(_value, arguments), namespace(function))):
-        function.assign(element(argument(OUT), offset_index(place, argument(AT))), value)
+    for step, value in enumerate(formula(*map(_value, arguments), namespace(function))):
+        place = argument(AT)
+        if step:
+            place = Expression("+", INT, (integer(step), place))
+        function.assign(element(argument(OUT), place), value)
     return function
 
 
@@ -209,17 +231,6 @@ def functions() -> list[Function]:
             ),
         ),
         filling(
-            "table_coordinates",
-            "Coordinates of a pair of directions in a table of f.",
-            (WI, WO),
-            lambda wi, wo, xp: table.coordinates(
-                Components(*(a + b for a, b in zip(wi, wo, strict=True))),
-                Components(*(a - b for a, b in zip(wi, wo, strict=True))),
-                1,
-                xp,
-            ),
-        ),
-        filling(
             "node_directions",
             "Directions wi and wo of the coordinates of a table of f.",
             floats("u", "v", "w"),
@@ -234,11 +245,33 @@ def functions() -> list[Function]:
             ),
         ),
     ]
+    found += [
+        filling(
+            "table_coordinates",
+            "Coordinates of a pair of directions in a table of f.",
+            (WI, WO),
+            lambda wi, wo, xp: table.coordinates(*_both_and_apart(wi, wo), xp),
+        ),
+        filling(
+            "stretched_coordinates",
+            "Coordinates in a table of f of two widths by s^2, and factors of the azimuth.",
+            (*floats("stretch2"), WI, WO),
+            lambda stretch2, wi, wo, xp: itertools.chain(
+                *stretched.stretched(*_both_and_apart(wi, wo), stretch2, xp)
+            ),
+        ),
+    ]
     for widths in (1, 2):
         end = "" if widths == 1 else "2"
         alphas = floats("alpha") if widths == 1 else floats("alpha_u", "alpha_v")
         found += _of_widths(widths, end, alphas)
     return found
+
+
+def _both_and_apart(wi: Components, wo: Components) -> tuple[Components, Components]:
+    """wi + wo and wi - wo."""
+    pairs = list(zip(wi, wo, strict=True))
+    return Components(*(a + b for a, b in pairs)), Components(*(a - b for a, b in pairs))
 
 
 def _of_widths(widths: int, end: str, alphas: Sequence[Variable]) -> list[Function]:
@@ -267,14 +300,6 @@ def _of_widths(widths: int, end: str, alphas: Sequence[Variable]) -> list[Functi
         return lobe.FEATURES[widths].each(columns)
 
     return [
-        filling(
-            f"direction_features{end}",
-            "The decoder's inputs of a pair of directions.",
-            (WI, WO),
-            lambda wi, wo, xp: features.DIRECTIONS[widths].each(
-                features.direction_columns(wi, wo, widths, xp)
-            ),
-        ),
         filling(f"coat_features{end}", "The layerer's inputs of a coat.", (*alphas, *medium), coat),
         filling(
             f"lobe_features{end}",
@@ -283,10 +308,22 @@ def _of_widths(widths: int, end: str, alphas: Sequence[Variable]) -> list[Functi
             lobe_columns,
         ),
         filling(
-            f"sampler_features{end}",
-            "The sampler's inputs of a direction.",
-            (WI,),
-            lambda wi, xp: sampler.sampler_columns(wi, widths, xp),
+            f"proposal_weights{end}",
+            "Weights of a proposal by `TERMS` of the code, its overlaps and its lobe's numbers.",
+            (
+                Variable("terms", FLOAT, proposal.TERMS),
+                Variable("overlaps", FLOAT, len(proposal.ALPHAS)),
+                Variable("numbers", FLOAT, len(lobe.NUMBERS[widths])),
+                *floats("cosine"),
+            ),
+            lambda terms, overlaps, numbers, cosine, xp: proposal.weights(
+                [element(terms, i) for i in range(proposal.TERMS)],
+                [element(overlaps, i) for i in range(len(proposal.ALPHAS))],
+                of_widths([element(numbers, i) for i in lobe.WIDTH_PLACES[widths]]),
+                lambda c: lobe.reflectance_of([element(numbers, i) for i in range(1, 6)], c, xp),
+                cosine,
+                xp,
+            ),
         ),
         returning(
             f"lobe_shape{end}", "The lobe [1/sr] of reflectance 1.", (*alphas, WI, WO), shape
@@ -307,37 +344,34 @@ def _of_widths(widths: int, end: str, alphas: Sequence[Variable]) -> list[Functi
     ]
 
 
-#: Constants of the file, by their modules; `nets.decoder` is the object DECODER.
+#: Constants of the file, by their modules; `core.table` is the object TABLE.
 CONSTANTS: dict[str, str] = {
     "checks": "AIR ETA_RANGE MIN_ALPHA MIN_INDEX_STEP TRAINED_G",
     "core.appearance": "WI WO",
-    "core.error_metrics": "COSINE_FLOOR DARK_OFFSET",
     "core.probe_pairs": "HALF_ANGLE_SHARE MIN_TANGENT MAX_TANGENT MAX_DIFFERENCE MIN_COSINE",
     "core.quadrature": "POLAR_NODES AZIMUTH_NODES MIN_TANGENT",
+    "core.stretched": "FACTORS",
+    "core.table": "SHAPE MIN_LOG MAX_LOG MIN_COSINE",
     "material.albedo_rule": (
         "COSINE_OFFSET INTERPOLATED_COSINES OVERSHOOT AZIMUTHS ANISOTROPIC_COSINES "
         "POLAR_NODES QUADRANT_NODES CROWDING LEAST_TANGENT"
     ),
-    "material.encode": "HELPFUL_REST NEAR_LOBE DIELECTRIC DIFFUSE_QUANTILE",
     "material.energy": (
         "MARGIN SLACK TOLERANCE GRAZING LEAST_ALBEDO LEAST_REST TINY_FACTOR TINY_FACTOR_ROUNDS"
     ),
-    "material.fit": (
-        "INITIAL_ALPHAS INITIAL_WHITE_SHARES REFINEMENT_STEPS ANCHOR_HOLD CODE_HOLD "
-        "NODES_SHARE NODES_POWER CEILING_ROUNDS CEILING_STEPS HUBER_KNEE DAMPING "
-        "LEAST_VARIANCE"
-    ),
     "material.layer": "DEEPEST",
     "material.lobe_albedo": "NODES EDGE_NODES WIDTHS FINE HEIGHTS TURNS",
-    "material.table": "SHAPE",
-    "nets.decoder": "MIN_LOG MAX_LOG EMPTY_GAIN",
-    "nets.encoder": "OFFSET",
-    "nets.features": "MIN_COSINE DIRECTION_FEATURES COAT_FEATURES",
-    "nets.interface_fit": ("LEAST_ERROR GREATEST_ERROR TOLERANCE STEPS DAMPING LOWER UPPER METALS"),
+    "nets.basis": "EMPTY_GAIN",
+    "nets.code_fit": "FIRST_FLOOR FLOOR KNEE DARK PRIOR ROUNDS LEAST_SHARE LEAST_REST",
+    "nets.features": "COAT_FEATURES",
+    "nets.interface_fit": (
+        "LEAST_ERROR GREATEST_ERROR TOLERANCE STEPS DAMPING DECREASE INCREASE LOWER UPPER METALS"
+    ),
+    "nets.layerer": "LEAST_GAIN",
     "nets.lobe": "NO_LOBE LOBE_FEATURES NUMBERS COSINES VISIBLE",
     "nets.lobe_fit": ("DARK OVERSHOOT_WEIGHT KNEE STEPS CONVERGED LONGEST_STEP LAST_STEPS"),
     "nets.mlp": "POLYNOMIALS",
-    "nets.sampler": "MIN_COSINE_SHARE",
+    "nets.proposal": "ALPHAS TERMS LARGEST_STRETCH",
 }
 
 
@@ -374,6 +408,21 @@ def text() -> str:
     for function in functions():
         lines += [*printer.function(function), ""]
     return "\n".join(lines)
+
+
+def shader_text() -> str:
+    """The file of shader code."""
+    lobe_numbers = Variable("numbers", COLOUR, len(lobe.NUMBERS[1]))
+    arguments = lobe_numbers, TABLE, WI, WO
+    note = "f [1/sr] of a material by its lobe and the table of its rest."
+    function = Function("f", arguments, COLOUR, note)
+    own = [element(argument(lobe_numbers), i) for i in range(lobe_numbers.count)]
+    top = lobe_f(function, own, argument(WI), argument(WO))
+    below = rest.rest_f(
+        function, rest.Rest(1), Glsl.form, argument(TABLE), argument(WI), argument(WO)
+    )
+    function.returns(top + below)
+    return "\n".join([SHADER_HEAD, *Glsl("material").function(function), ""])
 
 
 def library_text() -> str:
@@ -428,6 +477,7 @@ def _short(layer: dict[str, Any]) -> dict[str, Any]:
 def main() -> None:
     """Write the files."""
     FILE.write_text(text(), encoding="utf-8")
+    SHADER_FILE.write_text(shader_text(), encoding="utf-8")
     LIBRARY_FILE.write_text(library_text(), encoding="utf-8")
 
 

@@ -19,9 +19,9 @@ def covered(table: StackTable) -> bool:
 
 
 def materials(
-    networks: PaperNetworks, samples: Samples, encoded: int = 0, *, refined: bool = False
+    networks: PaperNetworks, samples: Samples, encoded: int = 0, *, how: str = "code"
 ) -> list[Material]:
-    """The stacks as `predict.materials` makes them; a projection leaves nothing to refine."""
+    """The stacks as `predict.materials` makes them; `how` changes nothing."""
     table = samples.table
     codes = networks.encode(predict.lower_values(samples, encoded, *projection_pairs()))
     for index in reversed(range(table.coats - encoded)):

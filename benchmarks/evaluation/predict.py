@@ -1,57 +1,72 @@
 """Materials of held-out stacks, encoded and layered by the public operations."""
 
+from dataclasses import replace
+
 import numpy as np
 from benchmarks.evaluation import samples as sampling
 from benchmarks.evaluation.samples import Samples
 
 from urushi.checks import CoatParameters, one_width
 from urushi.core.probe_pairs import PROBES, probe_pairs
+from urushi.core.table import node_pairs, table_of_values
 from urushi.material import Material
-from urushi.material.encode import material_from_values, material_of_lobes, required_pairs
-from urushi.material.layer import layer_texels
+from urushi.material.layer import layer_material, transported_codes
 from urushi.material.source import STACK_WALKS
-from urushi.nets.architecture import Architecture
-from urushi.nets.lobe import of_coat
+from urushi.material.values import material_from_values, material_of_lobes, required_pairs
+from urushi.nets import lobe as lobes
 from urushi.nets.weights import Model
-from urushi.train.examples import bottom_lobes
+from urushi.train.bottoms import bottom_lobes
 from urushi.walk import StackTable
 from urushi.walk.bottoms import KINDS
 
-#: Seed of the walks for networks whose probe pairs differ from the stored ones.
+#: Seed of the walks for probe pairs that differ from the stored ones.
 _PROBE_SEED = 1
 
 
 def materials(
-    model: Model, samples: Samples, encoded: int = 0, *, refined: bool = False
+    model: Model, samples: Samples, encoded: int = 0, *, how: str = "code"
 ) -> list[Material]:
+    """S materials of one channel, see `material`."""
+    return split(material(model, samples, encoded, how=how))
+
+
+def material(model: Model, samples: Samples, encoded: int = 0, *, how: str = "code") -> Material:
     """Encode the bottoms, or lower parts of stacks, and layer the coats above them.
 
     Args:
-        model: the networks.
+        model: the weights.
         samples: S stacks.
         encoded: number of lowest coats that are encoded with the bottom, from simulated values.
-        refined: whether codes are refined before coats are layered over them.
+        how: as of `samples.Row`.
 
     Returns:
-        S materials of one channel.
+        A material of S channels.
     """
+    found = _lower(model, samples, encoded, exact=how != "network")
+    for index in reversed(range(samples.table.coats - encoded)):
+        coat = coats_at(samples.table, index)
+        if how == "code" and index == 0:
+            return Material(transported_codes(coat, found), model)
+        found = layer_material(coat, found, fast=how == "network")
+    return found if how == "table" else replace(found, table=None)
 
+
+def _lower(model: Model, samples: Samples, encoded: int, exact: bool) -> Material:
+    """The encoded bottoms or lower parts; exact: whether bottoms have tables of their values."""
     # Without coats the values are exact and cheap, so the bottoms' albedo is computed as well.
     pairs = model.networks.pairs() if encoded else required_pairs(None, model, table=False)
-    values = lower_values(samples, encoded, *pairs)
-    table = samples.table
+    values, table = lower_values(samples, encoded, *pairs), samples.table
     if encoded == 0 and KINDS[table.kind].family.bare:
-        material = material_of_lobes(_lobes(samples, encoded), model, len(values))
-    else:
-        known = encoded or KINDS[table.kind].family.fresnel_numbers(table.bottom) is not None
-        lobe = _lobes(samples, encoded) if known else None
-        material = material_from_values(values.T, model, refine=refined or None, lobe=lobe)
-    if table.coats == encoded:
-        return split(material)
-    latents = material.anchors
-    for index in reversed(range(table.coats - encoded)):
-        latents = layer_texels(model, latents, coats_at(table, index))
-    return split(Material(latents, model))
+        return material_of_lobes(_lobes(samples, encoded), model, len(values))
+    known = encoded or KINDS[table.kind].family.fresnel_numbers(table.bottom) is not None
+    lobe = _lobes(samples, encoded) if known else None
+    found = material_from_values(values.T, model, lobe=lobe)
+    if encoded or not exact:
+        return found
+    wi, wo = node_pairs()
+    own = lobes.f(found.latents[:, None, : model.arch.lobe], wi, wo)
+    rest = np.maximum(lower_values(samples, 0, wi, wo) - own, 0)
+    return replace(found, table=table_of_values(rest.T), beside_lobe=True)
 
 
 def _lobes(samples: Samples, encoded: int) -> np.ndarray:
@@ -59,16 +74,21 @@ def _lobes(samples: Samples, encoded: int) -> np.ndarray:
     table = samples.table
     if encoded:
         alpha = one_width(table.alpha, "the table's")
-        return of_coat(alpha[:, -encoded], table.eta[:, -encoded])
+        return lobes.of_coat(alpha[:, -encoded], table.eta[:, -encoded])
     names = KINDS[table.kind].parameters
     bottom = np.stack([table.bottom[name] for name in names], axis=-1)
-    return bottom_lobes(table.kind, bottom, Architecture())
+    return bottom_lobes(table.kind, bottom)
 
 
-def split(material: Material) -> list[Material]:
+def split(whole: Material) -> list[Material]:
     """Each channel of a material as a material with one channel."""
-    codes = zip(material.latents, material.anchors, strict=True)
-    return [Material(code[None], material.model, anchor[None]) for code, anchor in codes]
+    tables = [None] * whole.channels
+    if whole.table is not None:
+        tables = [whole.table[..., c : c + 1] for c in range(whole.channels)]
+    return [
+        replace(whole, latents=code[None], table=table, coating=None)
+        for code, table in zip(whole.latents, tables, strict=True)
+    ]
 
 
 def evaluate(materials: list, wi: np.ndarray, wo: np.ndarray) -> np.ndarray:

@@ -17,7 +17,6 @@ from benchmarks.evaluation.samples import GROUPS, ROWS, Group, Row, Samples
 from urushi import checks
 from urushi.errors import ParameterError
 from urushi.files import atomic_write, new_folder
-from urushi.nets.architecture import FIXED
 from urushi.nets.weights import Model, Weights, find
 
 #: Columns of the errors. The mean of P is left out: a few pairs in dark tails dominate it.
@@ -75,7 +74,7 @@ class Way(NamedTuple):
 
     group: str
     encoded: int = 0
-    refined: bool = False
+    how: str = "code"
 
 
 class Errors(NamedTuple):
@@ -101,7 +100,7 @@ def measure_errors(
 ) -> Errors:
     """Errors E and P of networks on the groups' sets, row by row.
 
-    predicted: from samples, the number of encoded coats and `refined` to their materials, as
+    predicted: from samples, the number of encoded coats and `how` to their materials, as
         `predict.materials` for a model.
     """
     materials: dict[Way, list] = {}
@@ -109,12 +108,12 @@ def measure_errors(
     by_name = {group.name: group for group in groups}
 
     def ways(row: Row) -> list[Way]:
-        return [Way(name, row.coats(by_name[name]), row.refined) for name in row.groups]
+        return [Way(name, row.coats(by_name[name]), row.how) for name in row.groups]
 
     for way in (way for row in rows for way in ways(row)):
         if way not in materials:
             samples = sets[way.group]
-            materials[way] = predicted(samples, way.encoded, refined=way.refined)
+            materials[way] = predicted(samples, way.encoded, how=way.how)
             values[way] = predict.evaluate(materials[way], samples.wi, samples.wo)
     layered = [way for way in materials if way == Way(way.group)]
     return Errors(
@@ -134,23 +133,24 @@ def measure(
     rows: tuple[Row, ...] = ROWS,
 ) -> Result:
     """All figures of networks on the groups' sets."""
-    errors = measure_errors(partial(predict.materials, model), sets, groups=groups, rows=rows)
+    predicted = partial(predict.materials, model)
+    errors = measure_errors(predicted, sets, groups=groups, rows=rows)
+    exact = {name: predicted(sets[name], how="table") for name in errors.materials}
     return Result(
         fingerprint=model.fingerprint,
         rows=errors.rows,
-        laws=physical_laws.measure(model, sets, errors.materials),
+        laws=physical_laws.measure(model, sets, exact),
         parameters=parameters(model),
         errors=errors.stacks,
     )
 
 
 def parameters(model: Model) -> dict[str, int]:
-    """Number of trained parameters by network."""
+    """Number of parameters by part."""
     counts: dict[str, int] = {}
     for name, array in model.params.items():
-        if name not in FIXED:
-            part = name.split(".", 1)[0]
-            counts[part] = counts.get(part, 0) + array.size
+        part = name.split(".", 1)[0]
+        counts[part] = counts.get(part, 0) + array.size
     return counts
 
 

@@ -8,10 +8,11 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
+from benchmarks.evaluation.distributions import Clear, Table2
 
 from urushi.core import direction_sets, error_metrics
 from urushi.errors import ParameterError
-from urushi.train.distribution import Clear, Distribution, Extended, Table2
+from urushi.train.distribution import Extended
 from urushi.walk import StackTable, analytic, walk_pairs
 
 
@@ -24,11 +25,11 @@ class Group:
         distribution: of the stacks' parameters.
         stacks: number of stacks.
         probed: numbers of coats, each at least one. For each number the lowest coats over the
-            bottom are simulated at the probe pairs too, as input of the encoder.
+            bottom are simulated at the probe pairs too, for codes of them.
     """
 
     name: str
-    distribution: Distribution
+    distribution: Table2 | Extended
     stacks: int
     probed: tuple[int, ...] = ()
 
@@ -53,13 +54,13 @@ class Row:
         groups: the names of the groups.
         encoded: number of each stack's lowest coats that are encoded with the bottom, from values
             at the probe pairs; the others are layered. -1: all.
-        refined: whether the codes are refined before they are layered, see `material.fit`.
+        how: "code" or "table" by light transport, or "network" by the layering network.
     """
 
     name: str
     groups: tuple[str, ...]
     encoded: int = 0
-    refined: bool = False
+    how: str = "code"
 
     def coats(self, group: Group) -> int:
         """Number of coats of a group's stacks that are encoded."""
@@ -105,15 +106,18 @@ GROUPS = (*_BARE, *_TWO, *_THREE, *_SIX, *_CLEAR, *_LOW_TWO, *_LOW_THREE)
 ROWS = (
     *(Row(f"encode {BOTTOMS[kind]}", (f"bare {kind}",)) for kind in _KINDS),
     Row("encode simulated stacks", _names((*_TWO, *_THREE)), encoded=-1),
-    Row("bare surfaces, all, refined", _names(_BARE), refined=True),
-    Row("simulated stacks, refined", _names((*_TWO, *_THREE)), encoded=-1, refined=True),
     Row("layer two interfaces, Table 2", _names(_TWO[:1])),
+    Row("  by tables", _names(_TWO[:1]), how="table"),
+    Row("  by the network", _names(_TWO[:1]), how="network"),
     Row("layer two interfaces, extended", _names(_TWO[1:])),
+    Row("  by tables, extended", _names(_TWO[1:]), how="table"),
+    Row("  by the network, extended", _names(_TWO[1:]), how="network"),
     *(Row(f"  over {BOTTOMS[kind]}", (f"two, {kind}",)) for kind in _KINDS),
     Row("layer three interfaces", _names(_THREE)),
     Row("  upper over encoded lower", _names(_THREE), encoded=1),
-    Row("  upper over refined lower", _names(_THREE), encoded=1, refined=True),
+    Row("  three, by the network", _names(_THREE), how="network"),
     Row("layer six interfaces", _names(_SIX)),
+    Row("  six, by the network", _names(_SIX), how="network"),
     Row("layer clear coats", _names(_CLEAR)),
     *(Row(f"  over {BOTTOMS[kind]}, clear", (f"clear, {kind}",)) for kind in _KINDS),
     Row("indices below one, two interfaces", _names(_LOW_TWO)),

@@ -3,31 +3,32 @@
     python -m benchmarks.quality.anisotropy --out DIR [--stacks 32]
 
 Stacks of width quotients up to 8 along either axis, with Henyey-Greenstein media, of a seed that no
-training data have. The reference is kept in DIR and simulated to an error E of about 0.4 %. Two
-rows a group: stacks that the networks layer, and simulated stacks that are encoded.
+training data have. The reference is kept in DIR and simulated to an error E of about 0.4 %. Three
+rows a group: coats by light transport, coats by the layering network, and simulated stacks that are
+encoded.
 """
 
 import argparse
-import functools
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 
 import numpy as np
+from benchmarks.evaluation import predict
+from benchmarks.evaluation.distributions import anisotropic
 
 import urushi
 from urushi.checks import CoatParameters, Widths
 from urushi.core import error_metrics
 from urushi.core.direction_sets import cosine_pairs, slope_pairs
 from urushi.material import Material
-from urushi.material.encode import material_from_values, material_of_lobes
-from urushi.material.layer import layer_texels
-from urushi.material.simulated import FIT_WALKS, fit_to_walks
+from urushi.material.layer import layer_material
 from urushi.material.source import STACK_WALKS
+from urushi.material.values import material_from_values, material_of_lobes
 from urushi.nets import lobe as lobes
 from urushi.nets.weights import anisotropic_model
-from urushi.train.distribution import Anisotropic
-from urushi.train.examples import bottom_lobes
+from urushi.train.bottoms import bottom_lobes
 from urushi.walk import StackTable, analytic, bottoms, walk_pairs
 
 SEED = 90210
@@ -70,7 +71,7 @@ class Group:
         return [self._table(kind, rng, share) for kind in kinds]
 
     def _table(self, kind: str, rng: np.random.Generator, stacks: int) -> StackTable:
-        table = Anisotropic(self.coats, kind).sample(rng, stacks)
+        table = anisotropic(rng, stacks, self.coats, kind)
         assert isinstance(table.alpha, Widths)
         alpha, bottom = table.alpha, dict(table.bottom)
         if not self.coat:
@@ -109,11 +110,10 @@ def reference(group: Group, stacks: int, folder: Path) -> list[dict[str, np.ndar
     return parts
 
 
-def predicted(table: StackTable) -> list[Material]:
-    """One material of one channel for each stack."""
-    model = anisotropic_model()
-    bottoms = [_bottom(table, row) for row in range(len(table))]
-    codes = np.stack([bottom.anchors[0] for bottom in bottoms])
+def predicted(table: StackTable, *, fast: bool = False) -> list[Material]:
+    """One material of one channel for each stack; fast: by the layering network."""
+    codes = np.concatenate([_bottom(table, row).latents for row in range(len(table))])
+    whole = Material(codes, anisotropic_model())
     for coat in reversed(range(table.coats)):
         columns = {
             name: value.map(lambda x, coat=coat: x[:, coat])
@@ -123,27 +123,19 @@ def predicted(table: StackTable) -> list[Material]:
             for value in [getattr(table, name)]
         }
         columns["alpha"] = columns["alpha"].map(lambda x: np.maximum(x.astype(np.float64), 0.01))
-        codes = layer_texels(model, codes, CoatParameters(**columns))
-    return [Material(code[None], model) for code in codes]
+        whole = layer_material(CoatParameters(**columns), whole, fast)
+    return predict.split(whole)
 
 
 def encoded(table: StackTable) -> list[Material]:
-    """The simulated stacks, encoded as `urushi.encode` encodes a Stack."""
+    """The stacks, encoded from simulated values at the probe pairs."""
     model = anisotropic_model()
     wi, wo = model.networks.pairs()
     materials = []
     for row in range(len(table)):
-
-        def walked(
-            wi: np.ndarray, wo: np.ndarray, walks: int, seed: int, row: int = row
-        ) -> list[np.ndarray]:
-            rows = np.full(len(wi), row, np.uint32)
-            return [x[:, None] for x in walk_pairs(table, rows, wi, wo, walks=walks, seed=seed)]
-
-        values = walked(wi, wo, STACK_WALKS, 0)[0]
-        material = material_from_values(values, model, refine=None, lobe=_top(table, row))
-        more = functools.partial(walked, walks=FIT_WALKS, seed=1)
-        materials.append(fit_to_walks(material, more))
+        rows = np.full(len(wi), row, np.uint32)
+        values = walk_pairs(table, rows, wi, wo, walks=STACK_WALKS, seed=0)[0]
+        materials.append(material_from_values(values[:, None], model, lobe=_top(table, row)))
     return materials
 
 
@@ -158,7 +150,7 @@ def _bottom(table: StackTable, row: int) -> Material:
     model = anisotropic_model()
     columns = {name: values[row : row + 1] for name, values in table.bottom.items()}
     if bottoms.KINDS[table.kind].family.bare:
-        lobe = bottom_lobes(table.kind, np.stack(list(columns.values()), axis=-1), model.arch)
+        lobe = bottom_lobes(table.kind, np.stack(list(columns.values()), axis=-1), 2)
         return material_of_lobes(lobe, model, channels=1)
 
     def f(wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
@@ -252,9 +244,10 @@ def main() -> None:
         tables = group.tables(arguments.stacks)
         held = reference(group, arguments.stacks, arguments.out)
         above = 100 * max(map(excess, tables))
-        for way, make, lossless in (("layered", predicted, above), ("encoded", encoded, None)):
+        ways = {"layered": predicted, "network": partial(predicted, fast=True), "encoded": encoded}
+        for way, make in ways.items():
             row = figures(tables, held, make)
-            row.insert(5, lossless)
+            row.insert(5, above if way == "layered" else None)
             cells = " | ".join("" if x is None else f"{x:.2f}" for x in row)
             print(f"| {group.name} | {way} | {cells} |", flush=True)
 

@@ -172,7 +172,7 @@ def of_codes(coat: dict[str, Any], bottom: dict[str, Any]) -> "mi.BSDF":
         name: coat[name]["value"] if isinstance(coat.get(name), dict) else coat.get(name, 0.0)
         for name in ("albedo", "sigma_t", "g")
     }
-    z = encoded.material.anchors
+    z = encoded.material.latents
     codes = layer_texels(model, z, CoatParameters(coat["alpha"], index, **medium))
     with TemporaryDirectory() as folder:
         file = str(Path(folder) / "material.safetensors")

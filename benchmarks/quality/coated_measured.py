@@ -4,7 +4,7 @@ FILEs are MERL tables, RGL materials, folders of these, or archives of stand-ins
 `benchmarks.quality.measured`. For each material and coat, prints the error E (docs/conventions.md),
 in per cent and as a mean over channels, between the random walk through a coat over the measured
 BRDF and the coat over its encoded material, which has a table,
-`urushi.layer(coat, urushi.encode(measured, refine=True))`. Also prints E of the bare encoded
+`urushi.layer(coat, urushi.encode(measured))`. Also prints E of the bare encoded
 material, the walk's own noise, the means, and the five largest errors. `--picture FILE.png` draws
 spheres of the five materials with the largest mean, walk and network side by side. Takes about 12
 seconds of CPU time for a material, and 20 for one whose spheres are drawn.
@@ -143,7 +143,7 @@ def main() -> None:
     rows: list[Row] = []
     for material in materials:
         surface = load(material)
-        row = measured(surface, urushi.encode(surface, options.weights, refine=True))
+        row = measured(surface, urushi.encode(surface, options.weights))
         rows.append(row)
         show(material.name, row.bare, row.coated, float(np.mean(row.noise)))
     every = np.array([row.coated for row in rows])
@@ -161,7 +161,7 @@ def main() -> None:
         draw(
             options.picture,
             {
-                name: (surface, urushi.encode(surface, options.weights, refine=True))
+                name: (surface, urushi.encode(surface, options.weights))
                 for name, surface in surfaces.items()
             },
         )

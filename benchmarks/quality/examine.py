@@ -28,9 +28,9 @@ from urushi.core.quadrature import half_vector_rule
 from urushi.errors import ParameterError, UrushiError
 from urushi.files import atomic_write, new_folder
 from urushi.material import Material
-from urushi.material.encode import evaluate_source
 from urushi.material.source import Source, as_source
 from urushi.material.symmetry import AZIMUTHS, RELATIVE_TOLERANCE, rotated_pairs
+from urushi.material.values import evaluate_source
 from urushi.measured import load_measured
 from urushi.walk import Stack
 from urushi.walk.simulate import simulate

@@ -61,8 +61,7 @@ class InterpolatedCodes(FourTexels):
             [sum(map(operator.mul, weights, number)) for number in zip(*channel, strict=True)]
             for channel in zip(*codes, strict=True)
         ]
-        proposal = self._sampler.proposal(self._kind.mean(mean), wi)
-        return Vertex(self._decoder.code_terms_drjit(mean), proposal)
+        return self._vertex_of(mean, wi)
 
 
 class InterpolatedValues(FourTexels):
@@ -74,7 +73,7 @@ class InterpolatedValues(FourTexels):
 
     def _vertex(self, wi, uv, *footprint) -> Vertex:
         codes, weights = self._texels(uv)
-        terms = [self._decoder.decoder.code_terms_drjit(z) for z in codes]
+        terms = [self._drawn._vertex_of(z, wi).decoder_terms for z in codes]
         joined = [channel for texel in terms for channel in texel]
         return Vertex([*joined, weights], self._drawn._vertex(wi, uv).proposal)
 

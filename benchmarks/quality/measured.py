@@ -4,7 +4,7 @@ Takes FILEs: MERL tables (.binary), RGL materials (.bsdf), folders of these, or 
 published neural fits of 675 weights each, whose tables in MERL's bins stand in for MERL files. Each
 folder or archive is a set, single files together are one, and each set gets a table:
 
-- columns: Urushi's materials by their `encoded` and `refined` codes, and by their `table`; fits of
+- columns: Urushi's materials by their `code` and by their `table`; fits of
   one and two GGX lobes and a Lambertian part (`benchmarks.rivals.ggx_fit`), for each material the
   best of several losses by PSNR; a network trained for each material
   (`benchmarks.rivals.nbrdf`); and Mitsuba's `measured`. RGL files are made reciprocal first,
@@ -18,7 +18,7 @@ there are two environments of Urushi; `--envmaps` replaces them (HDR or EXR).
 
 A material takes about a minute of one core, and all cores are used. Results are stored in
 `--folder`, so that a stopped run resumes and new weights do not repeat the other methods. SET.json
-there has all figures, and SET-worst.png shows original, refined and ten times their difference.
+there has all figures, and SET-worst.png shows original, code and ten times their difference.
 Stand-ins favour NBRDF, because such networks made them.
 """
 
@@ -122,18 +122,20 @@ def show(results: Results, names: list[str]) -> None:
             f"{look.flip:8.4f}{100 * mean.error:8.2f}{mean.seconds:8.2f}"
         )
     for rival in ("GGX", "two GGX", "NBRDF"):
-        if {"refined", rival} <= set(names):
-            higher = sum(r["refined"].look.psnr > r[rival].look.psnr for r in results.values())
-            print(f"refined has a higher PSNR than {rival} on {higher} of {len(results)} materials")
+        if {"code", rival} <= set(names):
+            higher = sum(r["code"].look.psnr > r[rival].look.psnr for r in results.values())
+            print(
+                f"the code has a higher PSNR than {rival} on {higher} of {len(results)} materials"
+            )
 
 
 def worst(results: Results) -> list[str]:
-    """The materials whose refined encoding has the lowest PSNR."""
-    return sorted(results, key=lambda name: results[name]["refined"].look.psnr)[:WORST]
+    """The materials whose code has the lowest PSNR."""
+    return sorted(results, key=lambda name: results[name]["code"].look.psnr)[:WORST]
 
 
 def draw(path: Path, comparisons: Comparisons, materials: list[Measured], results: Results) -> None:
-    """Spheres of materials: original, refined and their difference in every environment."""
+    """Spheres of materials: original, code and their difference in every environment."""
     from matplotlib import pyplot as plt
 
     count = 3 * len(comparisons.environments)
@@ -142,9 +144,9 @@ def draw(path: Path, comparisons: Comparisons, materials: list[Measured], result
     )
     for row, material in zip(axes, materials, strict=True):
         truth = material.load()
-        refined = urushi.encode(truth, comparisons.weights, refine=True)
+        coded = urushi.encode(truth, comparisons.weights, table=False)
         pairs = zip(
-            *(sphere.render(f, comparisons.environments) for f in (truth.f, refined.f)), strict=True
+            *(sphere.render(f, comparisons.environments) for f in (truth.f, coded.f)), strict=True
         )
         for i, (light, pair) in enumerate(zip(comparisons.environments, pairs, strict=True)):
             original, encoded = (metrics.shown(picture) for picture in pair)
@@ -152,7 +154,7 @@ def draw(path: Path, comparisons: Comparisons, materials: list[Measured], result
             psnr = pictures.compare(*pair[::-1], sphere.mask(), flip=False).psnr
             titles = (
                 f"original, {light.name}",
-                f"refined, {psnr:.1f} dB",
+                f"code, {psnr:.1f} dB",
                 f"difference x {BRIGHTER}",
             )
             for place, picture, title in zip(
@@ -163,7 +165,7 @@ def draw(path: Path, comparisons: Comparisons, materials: list[Measured], result
                 place.set_xticks([])
                 place.set_yticks([])
         row[0].set_ylabel(
-            f"{material.name}\n{results[material.name]['refined'].look.psnr:.1f} dB", fontsize=6
+            f"{material.name}\n{results[material.name]['code'].look.psnr:.1f} dB", fontsize=6
         )
     figure.tight_layout(pad=0.4)
     with atomic_write(path) as temporary:
@@ -234,9 +236,9 @@ def main() -> None:
         print(f"\n{name}: {len(materials)} materials, {len(lights)} environments")
         show(results, columns)
         write_json(folder / f"{name}.json", comparisons, results)
-        if "refined" in columns:
+        if "code" in columns:
             names = worst(results)
-            print(f"worst by refined: {', '.join(names)}")
+            print(f"worst by code: {', '.join(names)}")
             chosen = [next(m for m in materials if m.name == n) for n in names]
             draw(folder / f"{name}-worst.png", comparisons, chosen, results)
 

@@ -64,7 +64,7 @@ def textured(model: Model, kind: str) -> np.ndarray:
     }
     for name in names.split():
         coat[name] = ranges[name](pattern(rng, smooth))[..., None]
-    return layer_texels(model, encode(GOLD, model).anchors, CoatParameters(eta=1.5, g=0.0, **coat))
+    return layer_texels(model, encode(GOLD, model).latents, CoatParameters(eta=1.5, g=0.0, **coat))
 
 
 def cosine_pairs(rng: np.random.Generator) -> tuple[np.ndarray, np.ndarray]:

@@ -14,7 +14,7 @@ from urushi.core.error_metrics import stack_error
 from urushi.material import encode
 from urushi.material.layer import layer_texels
 from urushi.nets.weights import Model, anisotropic_model, default_model
-from urushi.textures import packing
+from urushi.textures.store import TextureStore
 from urushi.walk import conductor
 
 TEXELS, BOTTOMS = 1024, 16
@@ -32,7 +32,7 @@ def row(model: Model, low: float, high: float) -> str:
     """The figures for coats of indices between two."""
     rng = np.random.default_rng(0)
     metals = [conductor(rng.uniform(0.05, 0.6), rng.random(3)) for _ in range(BOTTOMS)]
-    bottoms = np.concatenate([encode(metal, model).anchors for metal in metals])
+    bottoms = np.concatenate([encode(metal, model).latents for metal in metals])
     count = 3 * TEXELS
     along = np.repeat(0.01 * 100 ** rng.random(TEXELS), 3)
     ratios = np.repeat(TRAINED_WIDTH_RATIO ** rng.uniform(-1, 1, TEXELS), 3)
@@ -49,20 +49,17 @@ def row(model: Model, low: float, high: float) -> str:
         ),
     )
     texels = codes.reshape(TEXELS, 3, -1)
-    lowest, highest = codes.min(axis=0), codes.max(axis=0)
-    same = (texels == texels[:, :1]).all(axis=(0, 1))
-    layout = packing.texel_layout(model, 3, lowest == highest, same)
-    index = np.arange(count).reshape(TEXELS, 3)
-    packed = packing.pack(layout, codes, index, texels[:0], lowest, highest)
+    store = TextureStore(model, 3, TEXELS, 1)
+    store.write(slice(None), texels)
     wi, wo = cosine_pairs(rng)
     f = model.networks.f(codes[:, None], wi, wo)
-    stored = packing.unpack(layout, packed).reshape(codes.shape), codes.astype(np.float16)
+    stored = store.read(slice(None)).reshape(codes.shape), codes.astype(np.float16)
     ours, half = (
         stack_error(model.networks.f(np.float32(z)[:, None], wi, wo), f, wi[:, 2], wo[:, 2])
         for z in stored
     )
     return (
-        f"{layout.texel_bytes:8}{ours.mean():10.3%}{np.quantile(ours, 0.95):10.3%}"
+        f"{store.layout.texel_bytes:8}{ours.mean():10.3%}{np.quantile(ours, 0.95):10.3%}"
         f"{2 * texels[0].size:14}{half.mean():10.3%}"
     )
 

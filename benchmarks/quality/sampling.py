@@ -6,13 +6,13 @@ coefficient of variation is the relative noise of a picture under a uniform sky 
 pixel. There are
 three proposals:
 
-- the networks' own;
+- the codes' own;
 - the one of Fan et al. 2022 (`urushi.fan2022.inference`), a Gaussian on the projected half vector
   and a cosine lobe, both independent of wi; its width and share are the best for each material, in
   place of a network's;
 - a cosine lobe.
 
-All figures use the same directions, drawn from the networks' proposal: the second moment of
+All figures use the same directions, drawn from the codes' proposal: the second moment of
 f cos / q is the integral of (f cos)^2 / q.
 """
 

@@ -16,17 +16,18 @@ from benchmarks.quality.sphere import Environment
 from benchmarks.rivals import ggx_fit, nbrdf
 
 import urushi
-from urushi.core import direction_sets, error_metrics
+from urushi.core import direction_sets, error_metrics, table
 from urushi.core import error_metrics as metrics
 from urushi.files import atomic_write
-from urushi.material import energy, fit, table
+from urushi.material import energy
 from urushi.measured import Merl, load_measured
 from urushi.measured.merl import SHAPE
 from urushi.measured.tabulated import bin_centres
+from urushi.nets import code_fit
 from urushi.nets.weights import find
 
 #: The methods, in the order of the columns.
-METHODS = ("encoded", "refined", "table", "GGX", "two GGX", "NBRDF", "Mitsuba")
+METHODS = ("code", "table", "GGX", "two GGX", "NBRDF", "Mitsuba")
 
 #: Pairs of directions of E.
 PAIRS = 4096
@@ -146,10 +147,8 @@ class Comparisons:
 
     def _run(self, material: Measured, name: str, reference: "Reference") -> Result:
         start = time.process_time()
-        if name == "encoded":
-            f = urushi.encode(reference.truth, self.weights, refine=False, table=False).f
-        elif name == "refined":
-            f = urushi.encode(reference.truth, self.weights, refine=True, table=False).f
+        if name == "code":
+            f = urushi.encode(reference.truth, self.weights, table=False).f
         elif name == "table":
             f = urushi.encode(reference.truth, self.weights, table=True).f
         elif name == "NBRDF":
@@ -198,9 +197,8 @@ class Reference:
 def code_hashes(names: list[str], weights: str | None) -> dict[str, str]:
     """For each method, a hash of the modules that its results depend on most, and of networks."""
     modules: dict[str, list[ModuleType]] = {
-        "encoded": [energy, fit],
-        "refined": [energy, fit],
-        "table": [energy, fit, table],
+        "code": [energy, code_fit],
+        "table": [energy, code_fit, table],
         "GGX": [ggx_fit],
         "two GGX": [ggx_fit],
         "NBRDF": [nbrdf],
@@ -211,7 +209,7 @@ def code_hashes(names: list[str], weights: str | None) -> dict[str, str]:
         digest = hashlib.sha256()
         for module in (sphere, metrics, *modules[name]):
             digest.update(inspect.getsource(module).encode())
-        if name in ("encoded", "refined", "table"):
+        if name in ("code", "table"):
             digest.update(find(weights).fingerprint.encode())
         result[name] = digest.hexdigest()
     return result

@@ -33,13 +33,12 @@ def evaluations(weights: str) -> dict[str, Callable[[], object]]:
     """For each row of the table, a function that evaluates the decoder."""
     from urushi.mitsuba.latents.holders import ConstantLatents, TexturedLatents
     from urushi.nets.weights import find
-    from urushi.textures import packing
     from urushi.textures.store import IDENTITY, TexelGrid, TextureStore
 
     model = find(weights)
     rng = np.random.default_rng(0)
     codes = rng.normal(size=(64 * 64, 3, model.arch.latent)).astype(np.float32)
-    store = TextureStore(model, packing.texel_layout(model, 3), 64, 64)
+    store = TextureStore(model, 3, 64, 64)
     store.write(np.arange(len(codes)), codes)
     grid = TexelGrid(64, 64, IDENTITY, "repeat", False)
     si = dr.zeros(mi.SurfaceInteraction3f, COUNT)

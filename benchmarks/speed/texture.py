@@ -47,7 +47,7 @@ def texture_operations(model: Model, side: int) -> dict[str, Callable[[], object
         "g": rng.uniform(-0.5, 0.5, shape),
     }
     grey = {name: values[..., :1] for name, values in coat.items()}
-    one = encode(GOLD, model).anchors
+    one = encode(GOLD, model).latents
     many = np.broadcast_to(one, (side, side, *one.shape)).copy()
     return {
         "all varying": lambda: layer_texels(model, many, CoatParameters(**coat)),

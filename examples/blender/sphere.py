@@ -43,6 +43,7 @@ def material(source: Path) -> bpy.types.Material:
     script, emission = nodes.new("ShaderNodeScript"), nodes.new("ShaderNodeEmission")
     script.mode, script.filepath = "EXTERNAL", str(source.resolve())
     cycles.osl.update_script_node(script, print)
+    script.inputs["Table"].default_value = str(source.with_name("material.exr").resolve())
     script.inputs["Sun"].default_value = SUN
     script.inputs["Irradiance"].default_value = (*IRRADIANCE, 1)
     links.new(script.outputs["Radiance"], emission.inputs["Color"])

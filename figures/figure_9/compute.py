@@ -10,6 +10,7 @@ is computed. E is that of all materials; spheres show `SHOWN` of them, by their 
 import functools
 import os
 import warnings
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -40,8 +41,8 @@ COATS: dict[str, list[dict[str, Any]]] = {
     "clear coat": [CLEAR],
     "milky and clear coat": [MILK, CLEAR],
 }
-#: Representations, and the argument `table` of `urushi.encode`; None is the default. Codes are
-#: layered by the networks, tables without them.
+#: Representations, and the argument `table` of `urushi.encode`; None is the default. Both are
+#: layered by light transport.
 FORMS: dict[str, bool | None] = {"code": False, "table": None}
 #: Materials that are drawn, as shares of the order by the codes' mean E under coats, from best to
 #: worst.
@@ -105,16 +106,18 @@ def stack(surface: MeasuredSurface, coats: list[dict[str, Any]]) -> Any:
 
 
 def layered(material: Material, coats: list[dict[str, Any]]) -> Material:
-    """The encoded surface under coats."""
+    """The encoded surface under coats; a code if it is one."""
+    coded = material.table is None
     for coat in coats:
         medium = {name: value for name, value in coat.items() if name not in ("alpha", "eta")}
         material = urushi.layer(urushi.dielectric(coat["alpha"], coat["eta"]), material, **medium)
+        material = replace(material, table=None) if coded else material
     return material
 
 
 def encoded(surface: MeasuredSurface) -> dict[str, Material]:
-    """The surface's material in each of `FORMS`, refined."""
-    return {form: urushi.encode(surface, refine=True, table=table) for form, table in FORMS.items()}
+    """The surface's material in each of `FORMS`."""
+    return {form: urushi.encode(surface, table=table) for form, table in FORMS.items()}
 
 
 def errors(measured: Measured, walks: int = WALKS) -> dict[str, Any]:

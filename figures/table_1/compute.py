@@ -32,7 +32,7 @@ from urushi.nets.weights import default_model
 
 FOLDER = Path(__file__).parent
 PARTS = results.parts_folder("table_1")
-METHODS = ("Rainer 2019", "Rainer 2020", "NBRDF", "BSDFNet", "Urushi, encoded", "Urushi, refined")
+METHODS = ("Rainer 2019", "Rainer 2020", "NBRDF", "BSDFNet", "Urushi, encoded")
 #: Drawn samples of the trainings of one material (about three quarters are above the horizon), and
 #: passes over them.
 SAMPLES, PASSES = 1 << 16, {"NBRDF": 30, "BSDFNet": 12, "Rainer 2019": 12}
@@ -78,8 +78,7 @@ def merged(stored: dict[str, Any], found: dict[str, Any]) -> dict[str, Any]:
     head["evaluation"] = stored["evaluation"] | found["evaluation"]
     materials = {}
     for name, old in stored["materials"].items():
-        both = old | found.get(name, {})
-        materials[name] = {key: both[key] for key in ("reference", *METHODS) if key in both}
+        materials[name] = old | found.get(name, {})
     return {**head, "materials": materials}
 
 
@@ -127,7 +126,7 @@ def represent(method: str, source: Any) -> Any:
         wi, wo = wi[:MEASURED], wo[:MEASURED]
         return networks().encode(wi, wo, source.f(wi, wo))
     function = Source(source.f, symmetric=True, noisy=isinstance(source, Walked))
-    return urushi.encode(function, refine=method == "Urushi, refined", table=False)
+    return urushi.encode(function, table=False)
 
 
 def measure(subject: Subject, methods: Sequence[str]) -> dict[str, Any]:

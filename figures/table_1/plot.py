@@ -48,9 +48,7 @@ def draw(axis, name: str, found) -> None:
     """Means of one error with their intervals, by group and method."""
     colours = ("#d55e00", "#e69f00", "#009e73", "#cc79a7", "#56b4e9", "#0072b2")
     groups = list(found["groups"])
-    for place, (method, colour) in enumerate(zip(METHODS, colours, strict=True)):
-        if method not in measured(found):
-            continue
+    for place, (method, colour) in enumerate(zip(measured(found), colours, strict=False)):
         values = [errors(found, group, method, name) for group in groups]
         means = np.array([v.mean() for v in values])
         spread = np.abs(np.array([results.interval(v) for v in values]).T - means)
@@ -65,7 +63,8 @@ def draw(axis, name: str, found) -> None:
 
 def measured(found: dict[str, Any]) -> list[str]:
     """The methods that all materials have results of."""
-    return [m for m in METHODS if all(m in one for one in found["materials"].values())]
+    first, *others = found["materials"].values()
+    return [m for m in first if m != "reference" and all(m in one for one in others)]
 
 
 def errors(found: dict[str, Any], group: str, method: str, name: str) -> np.ndarray:
@@ -82,7 +81,6 @@ def storage() -> dict[str, tuple[int, int, str]]:
     }
     common, own_numbers = metalayer.size(metalayer.initial(np.random.default_rng(0)))
     own = default_model()
-    decoder = sum(array.size for name, array in own.params.items() if name.startswith("decoder"))
     evaluation = sum(map(math.prod, paper.shapes(paper.EVALUATION).values()))
     return {
         "Rainer 2019": (rainer.LATENT_2019, decoders[rainer.LATENT_2019], "a texture"),
@@ -90,7 +88,7 @@ def storage() -> dict[str, tuple[int, int, str]]:
         "NBRDF": (nbrdf.SIZE, 0, "a BRDF"),
         "BSDFNet": (own_numbers, common, "all; here a BRDF"),
         "Fan 2022": (3 * paper.LATENT, evaluation, "all"),
-        "Urushi": (3 * own.arch.latent, decoder, "all"),
+        "Urushi": (3 * own.arch.latent, own.params["basis.rows"].size, "all"),
     }
 
 
@@ -123,8 +121,7 @@ def _costs(found: dict[str, Any]) -> str:
         if method == "Fan 2022":
             cells += ["", ""]
         elif method == "Urushi":
-            both = [seconds(found, f"Urushi, {name}") for name in ("encoded", "refined")]
-            cells += [f"{both[0]}, refined {both[1]}", f"{found['evaluation'][method]:.2g} µs"]
+            cells += [seconds(found, "Urushi, encoded"), f"{found['evaluation'][method]:.2g} µs"]
         else:
             cells += [seconds(found, method), f"{found['evaluation'][method]:.2g} µs"]
         rows.append([*cells, *PAPER.get(method, ("", ""))])

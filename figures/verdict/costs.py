@@ -208,7 +208,7 @@ def texel_bytes() -> int:
     model, rng = default_model(), np.random.default_rng(0)
     codes = layer_texels(
         model,
-        urushi.encode(urushi.conductor(0.2, (0.98, 0.77, 0.34)), model).anchors,
+        urushi.encode(urushi.conductor(0.2, (0.98, 0.77, 0.34)), model).latents,
         CoatParameters(
             alpha=rng.uniform(0.02, 0.3, (TEXELS, 1)),
             eta=np.full((TEXELS, 1), 1.5),

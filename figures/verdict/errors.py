@@ -1,11 +1,13 @@
 """Errors E of all methods, their reciprocity, and the energy that they reflect."""
 
 import time
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from benchmarks.evaluation import predict, samples
+from benchmarks.evaluation.distributions import Table2
 from benchmarks.evaluation.samples import Group
 from benchmarks.quality import anisotropy, benchmark_set
 from benchmarks.quality.coated_measured import COATS, coated, error
@@ -19,10 +21,9 @@ from figures.verdict import methods as known
 from figures.verdict.methods import Values
 from urushi import fan2022
 from urushi.core import direction_sets, error_metrics
+from urushi.core import table as nodes
 from urushi.fan2022 import PaperNetworks
-from urushi.material import table as nodes
 from urushi.nets.weights import default_model
-from urushi.train.distribution import Table2
 from urushi.walk import Stack, walk_pairs
 from urushi.walk.simulate import albedo as walked_albedo
 
@@ -144,14 +145,15 @@ def measured(folder: Path, paper: PaperNetworks | None) -> dict[str, Any]:
     for name in chosen:
         surface = Measured(name, folder / ARCHIVE).load()
         forms = {
-            known.NETWORKS: urushi.encode(surface, refine=True, table=False),
-            known.TABLES: urushi.encode(surface, refine=True),
+            known.NETWORKS: urushi.encode(surface, table=False),
+            known.TABLES: urushi.encode(surface),
         }
         if paper is not None:
             projected = fan2022.encode(surface, paper)
         for coat in OVER:
             stack = urushi.coat(surface, **COATS[coat])
             materials = {form: coated(material, COATS[coat]) for form, material in forms.items()}
+            materials[known.NETWORKS] = replace(materials[known.NETWORKS], table=None)
             if paper is not None:
                 materials[known.PAPER] = coated(projected, COATS[coat], fan2022.layer)
             for method, e in _over_measured(stack, materials).items():

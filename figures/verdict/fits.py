@@ -16,8 +16,8 @@ from benchmarks.rivals import ggx_fit, nbrdf
 from research.rivals import openpbr_recipe as recipe
 from scipy.optimize import least_squares
 
+from urushi.core import table
 from urushi.core.directions import turned
-from urushi.material import table
 from urushi.mitsuba.reading import probing
 
 #: f(wi, wo) -> (N, C) [1/sr].

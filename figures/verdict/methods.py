@@ -13,8 +13,8 @@ from research.rivals import belcour, weidlich, weier
 
 import urushi.walk
 from figures.verdict import fits
+from urushi.core import table as nodes
 from urushi.fan2022 import PaperNetworks
-from urushi.material import table as nodes
 from urushi.nets.weights import DEFAULT, Model
 from urushi.walk import StackTable, walk_pairs
 
@@ -22,7 +22,7 @@ NETWORKS, PAPER = "networks", "Fan et al. 2022"
 WALK, BOTH_WAYS = "walk", "walk, bidirectional"
 BELCOUR, WEIER = "Belcour 2018", "Weier and Belcour 2020"
 WEIDLICH = "Weidlich and Wilkie 2007"
-#: What `urushi.layer` makes over measured materials; it has no networks and no other bottoms.
+#: What `urushi.layer` makes over measured materials that have tables; `NETWORKS` are codes.
 TABLES = "tables"
 #: Plugins of the methods that Mitsuba renders.
 PLUGINS = {
@@ -58,7 +58,7 @@ class Values(NamedTuple):
 
 
 def of_networks(model: Model, held_out: Samples) -> Values:
-    """Networks that encode the bottoms and layer the coats."""
+    """Codes of the bottoms under coats by light transport."""
     materials = predict.materials(model, held_out)
     return Values(len(materials), lambda wi, wo: predict.evaluate(materials, wi, wo))
 

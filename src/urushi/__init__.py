@@ -1,4 +1,4 @@
-"""Urushi: layered materials in a neural latent space, for Mitsuba 3.
+"""Urushi: layered materials by light transport and latent codes, for Mitsuba 3.
 
 Importing this package chooses a libLLVM that Dr.Jit can use and registers the Mitsuba plugins
 `layered`, `neural_layered`, `neural_brdf`, `measured_brdf`, `openpbr` and `materialx`; everything

@@ -183,7 +183,7 @@ def one_width(value: Any, where: str) -> Any:
     """
     if isinstance(value, Widths):
         raise ParameterError(
-            f"{where} alpha_u and alpha_v differ, but these networks are for isotropic materials; "
+            f"{where} alpha_u and alpha_v differ, but these weights are for isotropic materials; "
             "give one alpha, or the weights 'anisotropic'"
         )
     return value
@@ -319,7 +319,7 @@ def warn_of_training(left: set[str], where: str) -> None:
     """
     if left:
         message = (
-            f"{where} {' and '.join(sorted(left))}, outside the networks' training data: a similar "
+            f"{where} {' and '.join(sorted(left))}, outside the network's training data: a similar "
             "medium is layered; the random walk ('layered', urushi.simulate) has no such limit"
         )
         warnings.warn(message, UrushiWarning, stacklevel=3)

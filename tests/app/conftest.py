@@ -1,11 +1,9 @@
 """Fixtures of the commands' tests."""
 
 import pytest
+from tests.untrained import untrained as untrained_model
 
 from urushi.nets import weights
-from urushi.nets.architecture import Architecture, init
-
-ANISOTROPIC = Architecture(latent=30, widths=2)
 
 
 @pytest.fixture
@@ -13,8 +11,9 @@ def untrained(monkeypatch, tmp_path):
     """Untrained networks: for what does not depend on how good they are."""
     folder = tmp_path / "weights"
     folder.mkdir()
-    for name, arch in {"default": Architecture(), "anisotropic": ANISOTROPIC}.items():
-        weights.save(folder / f"{name}.safetensors", arch, init(arch, 0), {})
+    two = untrained_model(widths=2, functions=13, azimuthal=(1, 1, 1, 1, 1))
+    for name, model in {"default": untrained_model(), "anisotropic": two}.items():
+        weights.save(folder / f"{name}.safetensors", model.arch, model.params, {})
     monkeypatch.setattr(weights, "SHIPPED", folder)
     weights.shipped.cache_clear()
     yield

@@ -64,7 +64,7 @@ def test_the_demo_says_what_a_picture_of_equal_noise_costs(tmp_path):
     }
     text = " ".join(demo.describe({"relative_mse": 1.0} | figures, tmp_path).split())
     assert "takes 75% of the walk's time and has 50% of its noise" in text
-    assert "the networks take 38% of the walk's time" in text  # three quarters of a half
+    assert "codes take 38% of the walk's time" in text  # three quarters of a half
 
 
 @pytest.mark.parametrize("command", [command for command, _ in demo.NEXT_COMMANDS])

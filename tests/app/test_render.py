@@ -12,11 +12,11 @@ import pytest
 from gallery import export
 from gallery.globe import globe
 from gallery.options import Options
+from tests.untrained import untrained
 
 from urushi.app import cli, passes
 from urushi.app.render import DEMO_SCENE, load_scene, write_picture
 from urushi.nets import weights
-from urushi.nets.architecture import Architecture, init
 
 SCENE = """<scene version="3.0.0">
     <default name="grey" value="0.5"/>
@@ -282,8 +282,8 @@ def test_an_interrupt_inside_a_plugin_is_an_interrupt(stage, tmp_path, monkeypat
 def test_render_replaces_weights_and_size_of_a_scene_file(variant, tmp_path, monkeypatch):
     """Weights only where a coat names none itself, from the working folder; the size always."""
     mi.set_variant(variant)
-    arch = Architecture(decoder=(8,), encoder=(8,), layerer=(8,), sampler=(8,))
-    other = weights.save(tmp_path / "other", arch, init(arch, 0), {})
+    own = untrained()
+    other = weights.save(tmp_path / "other", own.arch, own.params, {})
     monkeypatch.chdir(tmp_path)
     folder = tmp_path / "scene"
     path = export.export(globe, folder, Options(detail=0.05))

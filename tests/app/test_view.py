@@ -21,11 +21,10 @@ import safetensors.numpy
 import urushi
 from urushi.app import cli, page_files, view
 from urushi.app.view import HOST, POLICY, PageServer
+from urushi.core.table import SHAPE
 from urushi.errors import FileError, ParameterError
 from urushi.export.languages import LANGUAGES
-from urushi.material.table import SHAPE
 from urushi.nets import weights
-from urushi.nets.architecture import init
 
 #: The page's sources, in a checkout.
 VIEWER = Path(__file__).parents[2] / "viewer"
@@ -147,34 +146,46 @@ def test_the_formulas_of_the_page_are_those_of_python():
 
 
 def test_the_whole_page_is_small():
-    """At most a megabyte, compressed, and 1.1 more for anisotropic materials when they are needed.
+    """At most a megabyte, compressed, and 1.2 more for anisotropic materials when they are needed.
 
-    These are the sizes of the shipped networks. The layerer of two widths has 384 neurons a layer.
+    These are the sizes of the shipped weights. A basis of two widths has 52 functions.
     """
     files = page_files.page_files(weights.default_model(), None)
     sizes = {name: len(zlib.compress(content)) for name, content in files.items()}
     later = sum(size for name, size in sizes.items() if "anisotropic" in name)
     assert sum(sizes.values()) - later < 1_000_000
-    assert later < 1_100_000
+    assert later < 1_200_000
 
 
 def test_networks_are_those_of_the_model_in_half_precision(untrained):
     model = weights.default_model()
-    content = page_files.half_precision(model)
-    halves = safetensors.numpy.load(content)
-    assert halves.keys() == model.params.keys()
-    for name, array in halves.items():
-        assert array.dtype == np.float16
-        assert np.allclose(array, model.params[name], rtol=2**-11, atol=2**-24)
+    content = page_files.packed_weights(model)
+    arrays = safetensors.numpy.load(content)
+    for name, array in model.params.items():
+        if name != "basis.rows":
+            assert np.allclose(arrays[name], array, rtol=2**-11, atol=2**-24)
     assert model.fingerprint.encode() in content
+
+
+def test_the_rows_of_a_basis_are_rounded_to_steps_of_their_ranges():
+    """`viewer/src/core/weights.ts` undoes it in the same way."""
+    rng, shape = np.random.default_rng(1), (3, 4, 2)
+    rows = rng.normal(size=(24, 5)) * [1, 0, 9, 0.1, 3] + [0, 1, 0, 0, 0]
+    packed = page_files.packed_rows(rows, shape)
+    low, high = packed["basis.bytes"].astype(np.int32)
+    number = low + 256 * high
+    steps = ((number >> 1) ^ -(number & 1)).reshape(4, *shape)
+    for axis in (1, 2, 3):
+        steps = steps.cumsum(axis=axis)
+    lowest, step = packed["basis.ranges"].T[..., None]
+    found = lowest + step * steps.reshape(4, -1)
+    assert (np.abs(found - np.delete(rows, 1, axis=1).T) < 0.51 * step).all()
 
 
 def test_shader_code_of_every_language_is_beside_the_page(untrained):
     model = weights.default_model()
     files = page_files.shader_files(model)
     assert sorted(files) == [f"shaders/{language}.txt" for language in sorted(LANGUAGES)]
-    others = page_files.shader_files(weights.anisotropic_model())
-    assert sorted(others) == [f"shaders/anisotropic/{name}.txt" for name in sorted(LANGUAGES)]
     for content in files.values():
         text = content.decode()
         assert model.fingerprint in text
@@ -232,8 +243,7 @@ def test_a_file_becomes_codes(untrained, tmp_path):
     material.save(tmp_path / "gold.safetensors")
     shown = view.first_material(str(tmp_path / "gold.safetensors"), None).material
     assert (shown["name"], shown["coats"], shown["bottom"]["kind"]) == ("gold", [], "codes")
-    for name in ("latents", "anchors"):
-        assert np.array_equal(shown["bottom"][name], getattr(material, name).ravel())
+    assert np.array_equal(shown["bottom"]["latents"], material.latents.ravel())
 
 
 SCENE = """<scene version="3.0.0">
@@ -249,7 +259,7 @@ def test_a_table_lies_beside_the_page(tmp_path):
     model = weights.find(None)
     codes = np.zeros((1, model.arch.latent), np.float32)
     logs = np.random.default_rng(0).uniform(-3, 3, (*SHAPE, 1)).astype(np.float16)
-    urushi.Material(codes, model, None, logs).save(tmp_path / "paint.safetensors")
+    urushi.Material(codes, model, logs).save(tmp_path / "paint.safetensors")
     first = view.first_material(str(tmp_path / "paint.safetensors"), None)
     files = page_files.page_files(model, first)
     start = json.loads(files["start.json"])
@@ -296,8 +306,8 @@ def test_a_textured_bsdf_of_a_scene_becomes_a_texture(tmp_path, rgb):
     files = page_files.page_files(weights.default_model(), again)
     assert files[json.loads(files["start.json"])["texture"]] == first.texture
     other = tmp_path / "other.safetensors"
-    arch = weights.default_model().arch
-    weights.save(other, arch, init(arch, 1), {})
+    model = weights.default_model()
+    weights.save(other, model.arch, {k: 0.5 * x for k, x in model.params.items()}, {})
     with pytest.raises(FileError, match="does not match the weights"):
         view.first_material(str(saved), str(other))
 
@@ -308,7 +318,7 @@ def test_what_the_page_cannot_show(untrained, monkeypatch, tmp_path):
     model = weights.default_model()
     large = {name: array * np.float32(1e6) for name, array in model.params.items()}
     with pytest.raises(ParameterError, match="too large for half precision"):
-        page_files.half_precision(weights.Model.of(model.arch, large, {}))
+        page_files.packed_weights(weights.Model.of(model.arch, large, {}))
     monkeypatch.setattr(page_files, "BUILT", tmp_path)
     with pytest.raises(FileError, match="make viewer"):
         page_files.page_files(model, None)

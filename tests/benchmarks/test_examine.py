@@ -9,26 +9,26 @@ pytest.importorskip("matplotlib", reason="the extra 'eval' is not installed")
 from benchmarks.quality import examine
 from benchmarks.quality.examine import ALBEDO_ANGLES, INCIDENT, OUTGOING
 from benchmarks.quality.pictures import BEST_PSNR
+from tests.untrained import untrained
 
 from urushi.core.direction_sets import cosine_pairs
 from urushi.core.error_metrics import stack_error
 from urushi.errors import ParameterError
 from urushi.material import Material, encode
-from urushi.nets.architecture import Architecture, init
-from urushi.nets.weights import Model
+from urushi.nets import lobe
 from urushi.walk import coat, conductor, diffuse, simulate
 from urushi.walk.simulate import albedo
 
 pytestmark = pytest.mark.usefixtures("small_spheres")
-ARCH = Architecture(decoder=(8,), encoder=(16,), layerer=(16,), sampler=(8,), probes=48)
 
 
 @pytest.fixture(scope="module")
 def material():
-    """Of three unlike channels, by untrained networks."""
-    model = Model.of(ARCH, init(ARCH, 2), {})
-    codes = np.random.default_rng(0).normal(size=(3, 32)).astype(np.float32)
-    return Material(codes, model)
+    """Of three unlike channels, by smooth random functions."""
+    model = untrained(2)
+    rng, top = np.random.default_rng(0), lobe.of_coat(np.array([0.1, 0.2, 0.4]), np.full(3, 1.5))
+    rest = rng.normal(size=(3, model.arch.rest))
+    return Material(np.concatenate([top, rest], axis=1, dtype=np.float32), model)
 
 
 @pytest.fixture(scope="module")

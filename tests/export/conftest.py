@@ -2,9 +2,11 @@
 
 import numpy as np
 import pytest
+from tests.untrained import untrained
 
+from urushi.core.table import SHAPE, knots_of
 from urushi.material import Material
-from urushi.nets.architecture import SCALE, Architecture, init
+from urushi.nets.basis import EMPTY_GAIN
 from urushi.nets.weights import Model
 
 COUNT = 4096
@@ -12,57 +14,38 @@ COUNT = 4096
 
 @pytest.fixture(scope="session")
 def model() -> Model:
-    arch = Architecture(
-        latent=24,
-        decoder=(16, 16),
-        layerer=(16,),
-        encoder=(16,),
-        sampler=(16,),
-        activation="silu7",
-    )
-    return _untrained(arch)
+    return untrained(3)
 
 
 @pytest.fixture(scope="session")
 def anisotropic_model() -> Model:
-    arch = Architecture(
-        latent=24,
-        decoder=(16, 16),
-        layerer=(16,),
-        encoder=(16,),
-        sampler=(16,),
-        activation="silu7",
-        widths=2,
-    )
-    return _untrained(arch)
-
-
-def _untrained(arch: Architecture) -> Model:
-    """Random parameters of a size at which f and the proposal vary much."""
-    params = init(arch, 3)
-    rng = np.random.default_rng(3)
-    params[SCALE] = rng.normal(size=params[SCALE].shape).astype(np.float32) * 0.2
-    params["decoder.2.weight"] = params["decoder.2.weight"] * 3
-    params["sampler.1.weight"] = params["sampler.1.weight"] * 10
-    return Model.of(arch, params, {})
+    return untrained(3, widths=2, azimuthal=(1, 1, 1, 1, 1))
 
 
 @pytest.fixture(scope="session")
 def materials(model) -> dict[str, Material]:
     """Materials by what is special in them."""
     rng = np.random.default_rng(5)
-    codes = rng.normal(size=(3, 24)).astype(np.float32)
+    codes = rng.normal(size=(3, model.arch.latent)).astype(np.float32)
     codes[:, 0] = 0.15, 0.2, 0.3
     codes[:, 1:4] = rng.uniform(0, 0.5, (3, 3))
     codes[:, 4:6] = (1.5, 0), (0.8, 2), (0.3, 3)
-    coat, bare = codes.copy(), codes.copy()
+    coat, bare, smooth = codes.copy(), codes.copy(), codes.copy()
     coat[:, :6] = 0.1, 0, 0, 1, 1.5, 0  # the same in all channels
     bare[:, :6] = 1, 0, 0, 0, 1.5, 0
+    smooth[:, 6] = EMPTY_GAIN
+    places = np.meshgrid(*(np.linspace(0, 9, count) for count in SHAPE), indexing="ij")
+    logs = -1 + np.sin(np.stack(places, axis=-1) + np.sum(places, axis=0)[..., None])
     return {
         "three lobes": Material(codes, model),
-        "one lobe": Material(coat, model, coat + np.float32(0.1)),
+        "one lobe": Material(coat, model),
         "no lobe": Material(bare, model),
+        "no rest": Material(smooth, model),
         "grey": Material(codes[:1], model),
+        "table": Material(codes, model, logs),
+        "table beside lobe": Material(
+            codes[:1], model, logs[..., :1], beside_lobe=True, knots=knots_of([0.5, 0.8])
+        ),
     }
 
 
@@ -70,16 +53,17 @@ def materials(model) -> dict[str, Material]:
 def anisotropic_materials(anisotropic_model) -> dict[str, Material]:
     """Anisotropic materials by what is special in them."""
     rng = np.random.default_rng(6)
-    codes = rng.normal(size=(3, 24)).astype(np.float32)
+    codes = rng.normal(size=(3, anisotropic_model.arch.latent)).astype(np.float32)
     codes[:, 0], codes[:, 6] = (0.15, 0.3, 0.4), (0.4, 0.2, 0.1)
+    codes[:, -1] = 0.25  # channels share the stretch
     codes[:, 1:4] = rng.uniform(0, 0.5, (3, 3))
     codes[:, 4:6] = (1.5, 0), (0.8, 2), (0.3, 3)
     coat = codes.copy()
     coat[:, :7] = 0.12, 0, 0, 1, 1.5, 0, 0.4  # the same in all channels
     return {
         "three lobes": Material(codes, anisotropic_model),
-        "one lobe": Material(coat, anisotropic_model, coat + np.float32(0.1)),
-        "turned": Material(codes, anisotropic_model, codes - np.float32(0.1), rotation=40.0),
+        "one lobe": Material(coat, anisotropic_model),
+        "turned": Material(codes, anisotropic_model, rotation=40.0),
         "grey": Material(codes[:1], anisotropic_model),
     }
 

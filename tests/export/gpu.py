@@ -15,11 +15,12 @@ import pytest
 INPUTS, OUTPUTS = 12, 8
 
 GLSL_MAIN = """
+uniform highp sampler3D texels;
 in vec3 wi; in vec3 wo; in vec3 u;
 out vec3 f; out float pdf; out vec3 direction; out float density;
 void main() {{
     {prepare}
-    f = urushi_f({first}wi, wo);
+    f = urushi_f({first}wi, wo{last});
     pdf = urushi_pdf({first}wi, wo);
     UrushiSample drawn = urushi_sample({first}wi, u);
     direction = drawn.direction;
@@ -30,11 +31,13 @@ void main() {{
 WGSL_MAIN = """
 @group(0) @binding(0) var<storage, read> rows: array<vec4f>;
 @group(0) @binding(1) var<storage, read_write> results: array<vec4f>;
+@group(0) @binding(2) var texels: texture_3d<f32>;
+@group(0) @binding(3) var nearby: sampler;
 @compute @workgroup_size(64) fn main(@builtin(global_invocation_id) id: vec3u) {{
     let wi = rows[3 * id.x].xyz; let wo = rows[3 * id.x + 1].xyz; let u = rows[3 * id.x + 2].xyz;
     {prepare}
     let drawn = urushi_sample({first}wi, u);
-    results[2 * id.x] = vec4f(urushi_f({first}wi, wo), urushi_pdf({first}wi, wo));
+    results[2 * id.x] = vec4f(urushi_f({first}wi, wo{last}), urushi_pdf({first}wi, wo));
     results[2 * id.x + 1] = vec4f(drawn.direction, drawn.density);
 }}
 """
@@ -42,43 +45,79 @@ WGSL_MAIN = """
 HLSL_MAIN = """
 StructuredBuffer<float4> rows : register(t0);
 RWStructuredBuffer<float4> results : register(u1);
+Texture3D<float4> texels : register(t2);
+SamplerState nearby : register(s3);
 [shader("compute")] [numthreads(64, 1, 1)] void main(uint3 id : SV_DispatchThreadID) {{
     float3 wi = rows[3 * id.x].xyz, wo = rows[3 * id.x + 1].xyz, u = rows[3 * id.x + 2].xyz;
     {prepare}
     UrushiSample drawn = urushi_sample({first}wi, u);
-    results[2 * id.x] = float4(urushi_f({first}wi, wo), urushi_pdf({first}wi, wo));
+    results[2 * id.x] = float4(urushi_f({first}wi, wo{last}), urushi_pdf({first}wi, wo));
     results[2 * id.x + 1] = float4(drawn.direction, drawn.density);
 }}
 """
 
+#: Of a language: the entry point, the texture's arguments, and the material of codes.
+MAINS = {
+    "glsl": (
+        GLSL_MAIN,
+        ", texels",
+        "UrushiMaterial material = urushi_prepare(vec3[]({}));",
+        "vec3",
+    ),
+    "wgsl": (
+        WGSL_MAIN,
+        ", texels, nearby",
+        "let material = urushi_prepare(array({}));",
+        "vec3f",
+    ),
+    "hlsl": (
+        HLSL_MAIN,
+        ", texels, nearby",
+        "float3 codes[] = {{ {} }}; UrushiMaterial material = urushi_prepare(codes);",
+        "float3",
+    ),
+}
+MAINS["slang"] = MAINS["hlsl"]
 
-def run(language: str, text: str, rows: np.ndarray, codes: np.ndarray | None = None) -> np.ndarray:
-    """The `OUTPUTS` of a shader at rows (N, `INPUTS`); codes (size, 3): for a file of all."""
-    runner = {"glsl": _run_glsl, "wgsl": _run_wgsl}.get(language, _run_slang)
-    return runner(language, text, rows, codes)
 
+def run(
+    language: str,
+    text: str,
+    rows: np.ndarray,
+    texture: np.ndarray | None,
+    codes: np.ndarray | None = None,
+) -> np.ndarray:
+    """The `OUTPUTS` of a shader at rows (N, `INPUTS`).
 
-def _main(template: str, text: str, codes: np.ndarray | None, three: str, kind: str, end: str):
-    """The file with its entry point; the codes are literals in it."""
-    if codes is None and "urushi_material()" in text:  # a filled template
-        declared = "let" if three == "vec3f" else "UrushiMaterial"
+    texture: that f reads. codes: (size, 3), literals for a file of all materials.
+    """
+    template, last, prepared, three = MAINS[language]
+    first, prepare = "material, ", ""
+    if codes is not None:
+        prepare = prepared.format(
+            ", ".join(f"{three}({r!r}, {g!r}, {b!r})" for r, g, b in codes.tolist())
+        )
+    elif "urushi_material()" in text:  # a filled template
+        declared = "let" if language == "wgsl" else "UrushiMaterial"
         prepare = f"{declared} material = urushi_material();"
-        return text + template.format(prepare=prepare, first="material, ")
-    if codes is None:
-        return text + template.format(prepare="", first="")
-    numbers = ", ".join(f"{three}({r!r}, {g!r}, {b!r})" for r, g, b in codes.tolist())
-    prepare = f"{kind}{numbers}{end}"
-    return text + template.format(prepare=prepare, first="material, ")
+    else:
+        first = ""
+    last = "" if texture is None else last
+    source = text + template.format(prepare=prepare, first=first, last=last)
+    if language == "glsl":
+        return _in_opengl(source, rows, texture)
+    if language != "wgsl":
+        source = translated(language, source, "compute")
+    return _in_webgpu(source, rows, texture)
 
 
-def _run_glsl(language: str, text: str, rows: np.ndarray, codes: np.ndarray | None) -> np.ndarray:
+def _in_opengl(source: str, rows: np.ndarray, texture: np.ndarray | None) -> np.ndarray:
     context = gl_context()
-    count = 0 if codes is None else len(codes)
-    start = f"UrushiMaterial material = urushi_prepare(vec3[{count}]("
-    source = "#version 330\n" + _main(GLSL_MAIN, text, codes, "vec3", start, "));")
     varyings = ["f", "pdf", "direction", "density"]
     with context:  # WebGPU has contexts of its own
-        program = context.program(vertex_shader=source, varyings=varyings)
+        program = context.program(vertex_shader="#version 330\n" + source, varyings=varyings)
+        if texture is not None:
+            gl_texture(context, texture).use(0)
         inputs = context.buffer(np.ascontiguousarray(rows, np.float32))
         outputs = context.buffer(reserve=4 * OUTPUTS * len(rows))
         layout = [(inputs, "3f 1x4 3f 1x4 3f 1x4", "wi", "wo", "u")]
@@ -86,44 +125,65 @@ def _run_glsl(language: str, text: str, rows: np.ndarray, codes: np.ndarray | No
         return np.frombuffer(outputs.read(), np.float32).reshape(-1, OUTPUTS)
 
 
-def _run_wgsl(language: str, text: str, rows: np.ndarray, codes: np.ndarray | None) -> np.ndarray:
-    count = 0 if codes is None else len(codes)
-    start = f"let material = urushi_prepare(array<vec3f, {count}>("
-    return _computed(_main(WGSL_MAIN, text, codes, "vec3f", start, "));"), rows)
+def gl_texture(context, texture: np.ndarray):
+    """A 3D texture of half floats."""
+    made = context.texture3d(texture.shape[2::-1], 4, texture.tobytes(), dtype="f2")
+    made.filter = context.LINEAR, context.LINEAR
+    return made
 
 
-def _run_slang(language: str, text: str, rows: np.ndarray, codes: np.ndarray | None) -> np.ndarray:
-    compiler = slangc()
-    wgpu_device()
-    count = 0 if codes is None else len(codes)
-    start = f"float3 codes[{count}] = {{"
-    end = "}; UrushiMaterial material = urushi_prepare(codes);"
-    source = _main(HLSL_MAIN, text, codes, "float3", start, end)
-    options = ["-lang", language, "-target", "wgsl", "-entry", "main", "-stage", "compute"]
+def _in_webgpu(source: str, rows: np.ndarray, texture: np.ndarray | None) -> np.ndarray:
+    """The results of a compute shader in WGSL."""
+    device = wgpu_device()
+    import wgpu
+
+    padded = np.zeros((-(-len(rows) // 64) * 64, INPUTS), np.float32)
+    padded[:, 2] = 1.0
+    padded[: len(rows)] = rows
+    storage = wgpu.BufferUsage.STORAGE
+    size, usage = 4 * OUTPUTS * len(padded), storage | wgpu.BufferUsage.COPY_SRC
+    inputs = device.create_buffer_with_data(data=padded.tobytes(), usage=storage)
+    outputs = device.create_buffer(size=size, usage=usage)
+    resources = [{"buffer": inputs}, {"buffer": outputs}]
+    if texture is not None:
+        resources += [_wgpu_texture(device, texture).create_view()]
+        resources += [device.create_sampler(mag_filter="linear", min_filter="linear")]
+    pipeline = device.create_compute_pipeline(
+        layout="auto", compute={"module": device.create_shader_module(code=source)}
+    )
+    entries = [{"binding": i, "resource": resource} for i, resource in enumerate(resources)]
+    group = device.create_bind_group(layout=pipeline.get_bind_group_layout(0), entries=entries)
+    encoder = device.create_command_encoder()
+    run = encoder.begin_compute_pass()
+    run.set_pipeline(pipeline)
+    run.set_bind_group(0, group)
+    run.dispatch_workgroups(len(padded) // 64)
+    run.end()
+    device.queue.submit([encoder.finish()])
+    results = np.frombuffer(device.queue.read_buffer(outputs), np.float32)
+    return results.reshape(-1, OUTPUTS)[: len(rows)]
+
+
+def _wgpu_texture(device, texture: np.ndarray):
+    import wgpu
+
+    size = texture.shape[2::-1]
+    use = wgpu.TextureUsage.TEXTURE_BINDING | wgpu.TextureUsage.COPY_DST
+    made = device.create_texture(size=size, dimension="3d", format="rgba16float", usage=use)
+    layout = {"bytes_per_row": 8 * size[0], "rows_per_image": size[1]}
+    device.queue.write_texture({"texture": made}, texture.tobytes(), layout, size)
+    return made
+
+
+def translated(language: str, source: str, stage: str) -> str:
+    """HLSL or Slang with an entry point `main` as WGSL."""
+    options = ["-lang", language, "-target", "wgsl", "-entry", "main", "-stage", stage]
     with tempfile.TemporaryDirectory() as folder:
         path, result = Path(folder) / f"main.{language}", Path(folder) / "main.wgsl"
         path.write_text(source)
-        done = subprocess.run([compiler, path, *options, "-o", result], capture_output=True)
+        done = subprocess.run([slangc(), path, *options, "-o", result], capture_output=True)
         assert done.returncode == 0, done.stderr.decode()
-        return _computed(result.read_text(), rows)
-
-
-def _computed(source: str, rows: np.ndarray) -> np.ndarray:
-    """The results of a compute shader in WGSL."""
-    import wgpu
-    from wgpu.utils.compute import compute_with_buffers
-
-    del wgpu
-    wgpu_device()
-    groups = -(-len(rows) // 64)
-    padded = np.zeros((64 * groups, INPUTS), np.float32)
-    padded[:, 2] = 1.0
-    padded[: len(rows)] = rows
-    size = 4 * OUTPUTS * len(padded)
-    out = compute_with_buffers(
-        input_arrays={0: padded}, output_arrays={1: size}, shader=source, n=groups
-    )
-    return np.frombuffer(out[1], np.float32).reshape(-1, OUTPUTS)[: len(rows)]
+        return result.read_text()
 
 
 @cache

@@ -1,16 +1,20 @@
 """Exported files of anisotropic networks agree with `Material`; their tangent turns."""
 
-import re
-
 import numpy as np
 import pytest
-from tests.export.test_shaders import SHADERS, check, close, module, run
+from tests.export.test_shaders import (
+    SHADERS,
+    TABLE_TOLERANCE,
+    TURNED_TOLERANCE,
+    basis_of,
+    check,
+    close,
+    filled,
+    module,
+    run,
+)
 
-from urushi.export.program import codes_text, template_text
-
-#: f and pdf of turned materials: turned directions are rounded to 1e-7, and slopes of the half
-#: vector of 0.01 are then good to 1e-5. `Material.f` itself is no better.
-TURNED_TOLERANCE = 1e-4
+from urushi.export.program import codes_text
 
 #: Mirror images at the planes of the tangent and of the bitangent, and half a turn.
 MIRRORS = ((1, -1, 1), (-1, 1, 1), (-1, -1, 1))
@@ -25,7 +29,7 @@ def test_material_in_python(anisotropic_materials, rows, kind):
 @pytest.mark.parametrize("language", ["python", *SHADERS])
 def test_turned_material(anisotropic_materials, rows, language):
     material = anisotropic_materials["turned"]
-    check(language, material.shader(language), material, rows, tolerance=TURNED_TOLERANCE)
+    check(language, material.shader(language), material, rows)
 
 
 @pytest.mark.parametrize("language", ["python", *SHADERS])
@@ -33,29 +37,19 @@ def test_templates_with_codes_and_tangent_filled_in(
     anisotropic_model, anisotropic_materials, rows, language
 ):
     material = anisotropic_materials["three lobes"].rotated(40)
-    text = template_text(language, anisotropic_model)
-    names = {
-        f"code_{i}_{channel}": number
-        for i, numbers in enumerate(material.latents.T)
-        for channel, number in zip(("red", "green", "blue"), numbers, strict=True)
-    }
-    turn = np.radians(material.rotation)
-    names |= {"code_tangent_x": np.cos(turn), "code_tangent_y": np.sin(turn)}
-    for label, number in names.items():
-        text, count = re.subn(rf"\b{label}\b", f"{float(number)!r}", text)
-        assert count == 1
-    check(language, text, material, rows, tolerance=TURNED_TOLERANCE)
+    check(language, filled(language, material), material, rows, basis_of(anisotropic_model))
 
 
 @pytest.mark.parametrize("language", ["python", *SHADERS])
 def test_mirror_images_have_the_same_values(anisotropic_materials, rows, language):
     """Every operation on a component of one sign is the same on that of the other."""
-    text = anisotropic_materials["one lobe"].shader(language)
+    material = anisotropic_materials["one lobe"]
+    text, texture = material.shader(language), material.shader_texture(language)
     images = np.tile(rows, (1 + len(MIRRORS), 1, 1))
     for image, mirror in zip(images[1:], MIRRORS, strict=True):
         image[:, :3] *= mirror
         image[:, 4:7] *= mirror
-    values = run(language, text, images.reshape(-1, rows.shape[1]))[:, :4]
+    values = run(language, text, images.reshape(-1, rows.shape[1]), texture)[:, :4]
     values = values.reshape(len(images), len(rows), 4)
     np.testing.assert_array_equal(values, np.broadcast_to(values[0], values.shape))
 
@@ -68,7 +62,8 @@ def test_the_tangent_of_a_prepared_material_turns(anisotropic_model, anisotropic
     prepared.tangent_x, prepared.tangent_y = np.float32(np.cos(turn)), np.float32(np.sin(turn))
     wi, wo = rows[:, :3], rows[:, 4:7]
     turned = material.rotated(75)
-    assert close(exported.f(prepared, wi, wo), turned.f(wi, wo), TURNED_TOLERANCE)
+    f = exported.f(prepared, wi, wo, basis_of(anisotropic_model))
+    assert close(f, turned.f(wi, wo), TABLE_TOLERANCE)
     assert close(exported.pdf(prepared, wi, wo), turned.pdf(wi, wo), TURNED_TOLERANCE)
 
 

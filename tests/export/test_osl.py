@@ -9,13 +9,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from tests.export.test_shaders import TABLE_TOLERANCE, basis_of
 
+from urushi.app.export import write_table
 from urushi.export.program import codes_text
 
 SIZE = 64
-
-#: OSL computes logarithms and exponentials by approximations that are good to about 1e-5.
-TOLERANCE = 1e-4
 
 MAIN = """
 vector spiral(float i, float turn) {
@@ -45,15 +44,20 @@ def test_osl_in_cycles(model, materials, tmp_path, kind):
     python = os.environ.get("BPY_PYTHON")
     if not python:
         pytest.skip("BPY_PYTHON names no Python with Blender's module bpy")
-    material = materials["three lobes"]
+    material, table = materials["three lobes"], tmp_path / "f.exr"
     if kind == "material":
-        text, call = material.shader("osl"), "f = urushi_f(wi, wo);"
+        text, call = material.shader("osl"), f'f = urushi_f(wi, wo, "{table}");'
+        write_table(table, material.shader_texture("osl"))
     else:
         numbers = ", ".join(
             f"color({r!r}, {g!r}, {b!r})" for r, g, b in material.latents.T.tolist()
         )
         text = codes_text("osl", model, "urushi")
-        call = f"color codes[24] = {{{numbers}}}; f = urushi_f(urushi_prepare(codes), wi, wo);"
+        call = (
+            f"color codes[{model.arch.latent}] = {{{numbers}}}; "
+            f'f = urushi_f(urushi_prepare(codes), wi, wo, "{table}");'
+        )
+        write_table(table, basis_of(model, "osl"))
     source, image = tmp_path / "f.osl", tmp_path / "f.npy"
     source.write_text(text + MAIN % call)
     script = Path(__file__).with_name("cycles_osl.py")
@@ -64,4 +68,4 @@ def test_osl_in_cycles(model, materials, tmp_path, kind):
     assert done.returncode == 0, done.stdout + done.stderr
     wi, wo = np.tile(spiral(0.3), (SIZE, 1)), np.repeat(spiral(0.17), SIZE, axis=0)
     expected = material.f(wi, wo)
-    np.testing.assert_allclose(np.load(image).reshape(-1, 3), expected, rtol=TOLERANCE)
+    np.testing.assert_allclose(np.load(image).reshape(-1, 3), expected, rtol=TABLE_TOLERANCE)

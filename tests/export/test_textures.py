@@ -8,12 +8,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 from tests.export import gpu
+from tests.export.test_shaders import TABLE_TOLERANCE, basis_of
 
 from urushi.app.cli import main
 from urushi.errors import ParameterError
 from urushi.export.program import codes_text
 from urushi.nets import weights
-from urushi.nets.sampler import mixture_pdf
+from urushi.nets.proposal import mixture_pdf
 from urushi.nets.weights import Model
 from urushi.textures import gpu as texture_files
 from urushi.textures import packing
@@ -26,11 +27,12 @@ PLACE = ((0.5, 0.0, 0.1), (0.0, 1.0, 0.0))
 
 MAIN = """
 uniform sampler2DArray texels;
+uniform highp sampler3D table;
 in vec3 wi; in vec3 wo; in vec2 uv;
 out vec3 f; out float pdf;
 void main() {
     UrushiMaterial material = urushi_fetch_level(texels, uv, 0.0);
-    f = urushi_f(material, wi, wo);
+    f = urushi_f(material, wi, wo, table);
     pdf = urushi_pdf(material, wi, wo);
 }
 """
@@ -44,13 +46,13 @@ def store(model) -> TextureStore:
 def store_of(model: Model) -> TextureStore:
     """A texture with all levels; some numbers are constant, or the same in all channels."""
     rng = np.random.default_rng(2)
-    codes = rng.normal(size=(WIDTH * HEIGHT, 3, 24)).astype(np.float32)
+    codes = rng.normal(size=(WIDTH * HEIGHT, 3, model.arch.latent)).astype(np.float32)
     codes[..., 0] = rng.uniform(0.1, 0.4, (len(codes), 1))
     codes[..., 1:6] = 0, 0, 1, 1.5, 0
     if model.widths == 2:
         codes[..., 6] = rng.uniform(0.1, 0.4, (len(codes), 1))
-    layout = packing.texel_layout(model, 3)
-    store = TextureStore(model, layout, WIDTH, HEIGHT, mipmaps=True)
+        codes[..., -1] = 0.25  # the stretch
+    store = TextureStore(model, 3, WIDTH, HEIGHT, mipmaps=True)
     store.write(np.arange(len(codes)), codes)
     return store
 
@@ -137,6 +139,9 @@ def test_look_up_in_opengl(networks_of, request):
     with context:
         source = "#version 330\n" + text + MAIN
         program = context.program(vertex_shader=source, varyings=["f", "pdf"])
+        table = gpu.gl_texture(context, basis_of(model))
+        table.use(1)
+        program["table"] = 1
         for level in read_ktx2(texture_files.ktx2(texture_files.texture_image(store))):
             layers, height, width, _ = level.shape
             texture = context.texture_array((width, height, layers), 4, level.tobytes())
@@ -152,54 +157,47 @@ def test_look_up_in_opengl(networks_of, request):
             result = np.frombuffer(outputs.read(), np.float32).reshape(-1, 4)
             part = codes[start : start + len(uv)]
             start += len(uv)
-            np.testing.assert_allclose(result[:, :3], networks.f(part, wi, wo), rtol=1e-4)
+            expected = networks.f(part, wi, wo)
+            np.testing.assert_allclose(result[:, :3], expected, rtol=TABLE_TOLERANCE)
             proposal = networks.proposal(part.mean(axis=1), wi[None])
             pdf = mixture_pdf(*proposal, wi[None], wo[None])
             np.testing.assert_allclose(result[:, 3], pdf, rtol=1e-4)
     assert start == len(codes)
 
 
-@pytest.mark.parametrize("compiler", ["tint", "naga", "slangc"])
-def test_look_up_compiles(model, store, tmp_path, compiler):
-    path = gpu.slangc() if compiler == "slangc" else shutil.which(compiler)
-    if path is None:
+@pytest.mark.parametrize(
+    "language, compiler", [("wgsl", "tint"), ("wgsl", "naga"), ("hlsl", ""), ("slang", "")]
+)
+def test_look_up_compiles(model, store, tmp_path, language, compiler):
+    path = shutil.which(compiler)
+    if language == "wgsl" and path is None:
         pytest.skip(f"{compiler} is not installed")
     texels = texture_files.texels(store, TexelGrid(WIDTH, HEIGHT, PLACE))
     wgsl = """
 @group(0) @binding(0) var texels: texture_2d_array<f32>;
 @group(0) @binding(1) var filtering: sampler;
+@group(0) @binding(2) var table: texture_3d<f32>;
 @fragment fn main(@location(0) uv: vec2f) -> @location(0) vec4f {
     let up = vec3f(0.0, 0.0, 1.0);
-    return vec4f(urushi_f(urushi_fetch(texels, filtering, uv), up, up), 1.0);
+    return vec4f(urushi_f(urushi_fetch(texels, filtering, uv), up, up, table, filtering), 1.0);
 }
 """
     hlsl = """
-Texture2DArray<float4> texels; SamplerState filtering;
+Texture2DArray<float4> texels; Texture3D<float4> table; SamplerState filtering;
 [shader("fragment")] float4 main(float2 uv : TEXCOORD0) : SV_Target {
     float3 up = float3(0.0, 0.0, 1.0);
-    return float4(urushi_f(urushi_fetch(texels, filtering, uv), up, up), 1.0);
+    return float4(urushi_f(urushi_fetch(texels, filtering, uv), up, up, table, filtering), 1.0);
 }
 """
-    for language in ("hlsl", "slang") if compiler == "slangc" else ("wgsl",):
-        source = tmp_path / f"texture.{language}"
-        text = codes_text(language, model, "urushi", texels)
-        source.write_text(text + (wgsl if language == "wgsl" else hlsl))
-        options = {
-            "tint": ["--format", "wgsl"],
-            "naga": [],
-            "slangc": [
-                "-lang",
-                language,
-                "-target",
-                "wgsl",
-                "-entry",
-                "main",
-                "-stage",
-                "fragment",
-            ],
-        }[compiler]
-        done = subprocess.run([path, *options, source], capture_output=True, text=True)
-        assert done.returncode == 0, done.stderr
+    text = codes_text(language, model, "urushi", texels) + (wgsl if language == "wgsl" else hlsl)
+    if language != "wgsl":
+        gpu.translated(language, text, "fragment")
+        return
+    source = tmp_path / "texture.wgsl"
+    source.write_text(text)
+    options = ["--format", "wgsl"] if compiler == "tint" else []
+    done = subprocess.run([path, *options, source], capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
 
 
 def test_command_writes_shader_and_texture(model, store, tmp_path, capsys):
@@ -210,17 +208,17 @@ def test_command_writes_shader_and_texture(model, store, tmp_path, capsys):
     given = ["-l", "hlsl", "--weights", str(networks), "-o", str(tmp_path / "texture.hlsl")]
     given = ["export", str(stored), *given]
     assert main([*given, "--texture", str(tmp_path / "texture.ktx2")]) == 0
-    texture, text = (Path(line) for line in capsys.readouterr().out.split())
+    text, table, texture = (Path(line) for line in capsys.readouterr().out.split())
     assert texture.read_bytes() == texture_files.ktx2(texture_files.texture_image(store))
+    basis = texture_files.Image([basis_of(model)], is_volume=True)
+    assert table.read_bytes() == texture_files.ktx2(basis)
     shader = codes_text("hlsl", model, "urushi", texture_files.texels(store, grid))
     assert text.read_text() == shader and "mirrored repeat" in shader
-    assert main(given) == 2
-    assert "name the texture file to write, .dds or .ktx2" in capsys.readouterr().err
 
 
 def test_textures_need_array_textures(model, store):
     texels = texture_files.texels(store, TexelGrid(WIDTH, HEIGHT))
     with pytest.raises(
-        ParameterError, match="exported OSL code reads no textures; choose one of glsl, wgsl"
+        ParameterError, match="exported OSL code reads no latent textures; choose one of glsl, wgsl"
     ):
         codes_text("osl", model, "urushi", texels)

@@ -2,12 +2,12 @@
 
 import numpy as np
 import pytest
+from tests.untrained import untrained
 
 import urushi
 from urushi.errors import FileError, ParameterError
 from urushi.material.encode import encode, encode_all
 from urushi.nets import weights
-from urushi.nets.architecture import Architecture, init
 
 GOLD = urushi.conductor(alpha=0.2, r0=(0.98, 0.77, 0.34))
 SOURCES = [GOLD, urushi.diffuse(0.5), urushi.dielectric(alpha=0.1, eta=1.5)] * 4
@@ -15,8 +15,9 @@ SOURCES = [GOLD, urushi.diffuse(0.5), urushi.dielectric(alpha=0.1, eta=1.5)] * 4
 
 @pytest.fixture(scope="module")
 def model(tmp_path_factory):
+    own = untrained()
     path = tmp_path_factory.mktemp("weights") / "untrained.safetensors"
-    return weights.save(path, Architecture(), init(Architecture(), 0), {})
+    return weights.save(path, own.arch, own.params, {})
 
 
 def same(found, model):

@@ -4,20 +4,20 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from tests.untrained import untrained
 
 import urushi
 from urushi.checks import CoatParameters
 from urushi.core import direction_sets
 from urushi.core.error_metrics import stack_error
-from urushi.errors import UrushiWarning
+from urushi.core.table import SHAPE, interpolated, node_pairs, table_of_values
 from urushi.material import Material, encode, layer, lerp, load
 from urushi.material.coated_table import coated_rest
 from urushi.material.layer import layer_material
-from urushi.material.table import SHAPE, interpolated, node_pairs, table_of_values
 from urushi.measured.tabulated import MeasuredSurface, bin_centres
 from urushi.nets.lobe import f as lobe_f
 from urushi.nets.lobe import fresnel, of_coat
-from urushi.walk import conductor, dielectric, diffuse
+from urushi.walk import dielectric, diffuse
 
 COATS = {
     "smooth": {"alpha": 0.03, "eta": 1.5},
@@ -54,8 +54,14 @@ class Sheen(MeasuredSurface):
 
 
 @pytest.fixture(scope="module")
+def trained():
+    """Any networks: tables are computed without them."""
+    return untrained(0)
+
+
+@pytest.fixture(scope="module")
 def bottom(trained) -> Material:
-    return encode(sheen, trained, refine=False, table=True)
+    return encode(sheen, trained, table=True)
 
 
 def coated(bottom, coat) -> Material:
@@ -75,7 +81,7 @@ def with_table(f, model, channels: int = 1) -> Material:
     """A material with the table of f (N,) and codes that mean nothing."""
     plain = encode(diffuse(0.5), model)
     table = table_of_values(np.repeat(f(*node_pairs())[:, None], channels, axis=1))
-    return Material(plain.latents[:channels], model, None, table)
+    return Material(plain.latents[:channels], model, table=table)
 
 
 def test_a_smooth_coat_over_black_velvet_dims_it_twice(trained):
@@ -122,13 +128,11 @@ def test_as_the_walk_over_a_lambertian_bottom(coat, most, trained, random_direct
 
 
 @pytest.mark.parametrize("name", ["smooth", pytest.param("scattering", marks=pytest.mark.slow)])
-def test_closer_to_the_walk_than_the_codes(name, bottom):
+def test_as_the_walk_over_a_measured_bottom(name, bottom):
     wi, wo = direction_sets.cosine_pairs(np.random.default_rng(1), 200)
     stack = urushi.coat(Sheen(), **COATS[name])
     walk, _ = urushi.simulate(stack, wi, wo, walks=2048, progress=False)
-    codes = Material(bottom.latents, bottom.model, bottom.anchors)
-    ours, theirs = (error(coated(b, COATS[name]).f(wi, wo), walk, wi, wo) for b in (bottom, codes))
-    assert ours < 0.03 and ours < theirs
+    assert error(coated(bottom, COATS[name]).f(wi, wo), walk, wi, wo) < 0.03
 
 
 def test_a_narrow_lobe_below_a_rough_coat(trained):
@@ -224,44 +228,29 @@ def test_files_keep_the_kind_of_table(bottom, trained, tmp_path):
     material.save(tmp_path / "a")
     again = load(tmp_path / "a", trained)
     assert again == material and hash(again) == hash(material) and again.beside_lobe
-    whole = Material(material.latents, trained, None, material.table)
+    whole = Material(material.latents, trained, table=material.table)
     assert whole != material
     bottom.save(tmp_path / "b")
     assert not load(tmp_path / "b", trained).beside_lobe
-
-
-def test_codes_are_those_of_the_layerer(bottom):
-    """Textures, shaders and further systems use them, and directions are sampled by them."""
-    codes = Material(bottom.latents, bottom.model, bottom.anchors)
-    material = coated(bottom, COATS["tinted"])
-    np.testing.assert_array_equal(material.latents, coated(codes, COATS["tinted"]).latents)
-    with pytest.warns(UrushiWarning, match="leaves out the table"):
-        material.shader("glsl")
 
 
 def test_blends_of_coated_materials(bottom, random_directions):
     ends = [coated(bottom, COATS[name]) for name in ("smooth", "rough")]
     assert lerp(*ends, 0) == ends[0] and lerp(*ends, 1) == ends[1]
     between = lerp(*ends, 0.25)
-    assert between.table.shape == (*SHAPE, 3) and not between.beside_lobe
+    assert between.table.shape == (*SHAPE, 3)
     wi, wo = random_directions(400, 1, 0.1), random_directions(400, 2, 0.1)
     expected = 0.75 * ends[0].f(wi, wo) + 0.25 * ends[1].f(wi, wo)
     assert np.median(np.abs(between.f(wi, wo) / expected - 1)) < 0.01
 
 
-def test_a_measured_source_needs_no_encoding_first(trained):
-    """Sources other than measured ones have codes alone."""
-    assert layer(dielectric(0.1, 1.5), conductor(0.2, 0.8)).table is None
-    assert layer(dielectric(0.1, 1.5), sheen, refine=False).table is None
-
-
-def test_each_of_many_channels_is_as_it_is_alone():
+def test_each_of_many_channels_is_as_it_is_alone(trained):
     """Four media, none a sum of the others: albedo and depth of the coat, up and down."""
-    bottom = encode(lambda wi, wo: sheen(wi, wo)[:, :1])
+    bottom = encode(lambda wi, wo: sheen(wi, wo)[:, :1], trained)
     bottom = replace(bottom, table=table_of_values(sheen(*node_pairs())[:, :1]))
     media = [(0.02, 0.18), (0.0, 0.23), (0.0, 0.18), (0.0, 0.13)]
     latents, table = np.repeat(bottom.latents, 4, axis=0), np.repeat(bottom.table, 4, axis=-1)
-    four = replace(bottom, latents=latents, anchors=latents, table=table)
+    four = replace(bottom, latents=latents, table=table)
 
     def layered(below, media):
         columns = [(0.2, 1.5, albedo, depth, 0.0) for albedo, depth in media]

@@ -3,8 +3,9 @@
 import numpy as np
 import pytest
 
+from urushi.checks import Widths
 from urushi.core.probe_pairs import even_points
-from urushi.material.crossing import cross, crossing_at, inner_albedo
+from urushi.material.crossing import cross, cross_from, crossing_at, inner_albedo
 from urushi.nets.lobe import fresnel
 
 COSINES = np.float32([[1.0], [0.8], [0.4], [0.1]])
@@ -26,6 +27,22 @@ def test_drawn_and_given_directions_agree(alpha, eta):
     np.testing.assert_allclose(given.density[present], drawn.density[present], rtol=2e-3)
     norm = sum(x * x for x in drawn.inside)
     np.testing.assert_allclose(norm, 1, rtol=1e-5)
+
+
+@pytest.mark.parametrize("turn", [0.0, 1.0])
+def test_two_widths_agree_too(turn):
+    """Seen along x, y, or between them: equal widths are one, and others a lobe of their own."""
+    alpha, u = Widths(0.1, 0.4), even_points(64, 2).astype(np.float32)
+    sine, _, cosine = outside(COSINES)
+    seen = (sine * np.float32(np.cos(turn)), sine * np.float32(np.sin(turn)), cosine)
+    drawn = cross_from(seen, alpha, 1.5, u)
+    given = crossing_at(seen, drawn.inside, alpha, 1.5)
+    present = drawn.weight > 0
+    np.testing.assert_allclose(given.weight[present], drawn.weight[present], rtol=1e-3)
+    np.testing.assert_allclose(given.density[present], drawn.density[present], rtol=2e-3)
+    one, two = (cross_from(seen, w, 1.5, u) for w in (0.2, Widths(0.2, 0.2)))
+    for a, b in zip((*one.inside, *one[1:]), (*two.inside, *two[1:]), strict=True):
+        np.testing.assert_allclose(a, b, rtol=1e-3, atol=1e-5)
 
 
 @pytest.mark.parametrize("eta", [1.5, 0.7])

@@ -18,8 +18,10 @@ def test_channels_are_independent(material):
     for channel, (albedo, sigma_t, g) in enumerate([(0.1, 0, -0.5), (0.5, 1, 0), (0.9, 2, 0.5)]):
         single = Material(material.latents[channel : channel + 1], material.model)
         alone = layer(TOP, single, albedo=albedo, sigma_t=sigma_t, g=g)
-        # One row or three in a matrix product: float32 sums in another order.
-        np.testing.assert_allclose(coated.latents[channel], alone.latents[0], atol=1e-5)
+        # All channels share the half vectors that are drawn: sums over other points.
+        pairs = material.model.networks.pairs()
+        found, expected = coated.f(*pairs)[:, channel], alone.f(*pairs)[:, 0]
+        np.testing.assert_allclose(found, expected, rtol=0.1, atol=0.01 * expected.mean())
 
 
 def test_an_empty_medium_has_no_albedo_and_no_g(material):
@@ -35,16 +37,8 @@ def test_coats_nest_and_encodable_bottoms_are_encoded(model):
     assert layer(TOP, once).channels == 3
 
 
-def test_coats_are_layered_over_anchors(material, model):
-    held = Material(material.latents + np.float32(0.5), model, material.latents)
-    coats = {"albedo": 0.8, "sigma_t": 1}
-    assert layer(TOP, held, **coats) == layer(TOP, material, **coats)
-    coated = layer(TOP, held, **coats)
-    assert coated.anchors is coated.latents
-
-
 def test_one_channel_grows_to_three(model):
-    grey = Material(np.ones((1, 32)), model)
+    grey = Material(np.ones((1, 14)), model)
     assert layer(TOP, grey, albedo=0.5, sigma_t=1).channels == 1
     assert layer(TOP, grey, albedo=(0.1, 0.5, 0.9), sigma_t=1).channels == 3
 
@@ -67,7 +61,7 @@ def test_only_a_dielectric_coats(material):
 
 
 def test_three_values_do_not_fit_five_channels(model):
-    wide = Material(np.ones((5, 32)), model)
+    wide = Material(np.ones((5, 14)), model)
     assert layer(TOP, wide, albedo=0.5, sigma_t=1).channels == 5
     with pytest.raises(ParameterError, match="albedo has three values, but the bottom has 5"):
         layer(TOP, wide, albedo=(0.1, 0.2, 0.3), sigma_t=1)
@@ -82,16 +76,8 @@ def test_lerp_is_exact_at_its_ends(material):
     assert np.array_equal(mixed[1], lerp(material, other, 0.5).latents[1])
 
 
-def test_lerp_blends_anchors_as_well(material, model):
-    held = Material(material.latents, model, layer(TOP, material, sigma_t=1).latents)
-    blend = lerp(material, held, 0.25)
-    plain = Material(held.anchors, model)
-    np.testing.assert_array_equal(blend.anchors, lerp(material, plain, 0.25).latents)
-    np.testing.assert_allclose(blend.latents, lerp(material, material, 0.25).latents)
-
-
 def test_lerp_of_one_and_three_channels(material, model):
-    assert lerp(material, Material(np.ones((1, 32)), model), 0.5).channels == 3
+    assert lerp(material, Material(np.ones((1, 14)), model), 0.5).channels == 3
 
 
 def test_lerp_refuses_strangers(material, model, other_model):
@@ -100,7 +86,7 @@ def test_lerp_refuses_strangers(material, model, other_model):
     with pytest.raises(ParameterError, match="encode it into a Material"):
         lerp(material, conductor(0.1, 0.9), 0.5)
     with pytest.raises(ParameterError, match="does not fit"):
-        lerp(material, Material(np.ones((2, 32)), model), 0.5)
+        lerp(material, Material(np.ones((2, 14)), model), 0.5)
 
 
 @pytest.mark.parametrize("t", [-0.1, 1.1, np.nan, (0.1, 0.2), np.zeros((2, 3)), "half"])
@@ -118,8 +104,10 @@ def test_texels_are_coated_like_materials(material, model):
         material.latents,
         CoatParameters(alpha=alpha, eta=1.5, albedo=albedo, sigma_t=1, g=0.2),
     )
-    assert coated.shape == (5, 4, 3, 32) and coated.dtype == np.float32
-    single = layer(dielectric(alpha[3, 2, 0], 1.5), material, albedo=albedo[3, 2], sigma_t=1, g=0.2)
+    assert coated.shape == (5, 4, 3, 14) and coated.dtype == np.float32
+    single = layer(
+        dielectric(alpha[3, 2, 0], 1.5), material, albedo=albedo[3, 2], sigma_t=1, g=0.2, fast=True
+    )
     np.testing.assert_allclose(coated[3, 2], single.latents, atol=1e-5)
 
 
@@ -137,7 +125,7 @@ def test_large_textures_pass_in_chunks(model, draw_codes):
 
 
 def test_textures_refuse_bad_texels_and_shapes(model):
-    z = np.zeros((2, 2, 3, 32), np.float32)
+    z = np.zeros((2, 2, 3, 14), np.float32)
     good = {"alpha": 0.1, "eta": 1.5, "albedo": 0.5, "sigma_t": 1, "g": 0}
     with pytest.raises(ParameterError, match="the coat's alpha is 0.005"):
         layer_texels(model, z, CoatParameters(**good | {"alpha": [[[0.1]], [[0.005]]]}))
@@ -185,9 +173,8 @@ def test_media_outside_the_training_data_are_near_the_walk(trained, bottom, medi
 
 
 def test_codes_outside_the_training_data_are_warned_of():
-    """Anisotropic materials have no table."""
     with pytest.warns(UrushiWarning, match=r"g is outside \[-0.8, 0.9\] and sigma_t is above 8"):
-        layer(dielectric(alpha_u=0.1, alpha_v=0.2, eta=1.5), diffuse(0.5), sigma_t=9.0, g=-0.9)
+        layer(TOP, diffuse(0.5), sigma_t=9.0, g=-0.9, fast=True)
 
 
 def test_media_of_the_training_data_are_not_changed():

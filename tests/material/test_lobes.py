@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
+from urushi.core.error_metrics import stack_error
 from urushi.material import Material, encode, energy, lerp
-from urushi.material.encode import material_from_values
-from urushi.material.fit import fit_target, initial_code, levenberg_marquardt
+from urushi.material.values import material_from_values
 from urushi.nets import lobe as lobes
 from urushi.walk import analytic, coat, conductor, dielectric, diffuse
 
@@ -33,12 +33,11 @@ def test_bare_interfaces_are_exact(surface, small, pairs):
     np.testing.assert_allclose(
         material.f(*pairs), analytic.f(surface, *pairs), rtol=2e-3, atol=1e-6
     )
-    np.testing.assert_array_equal(material.anchors[:, :6], material.latents[:, :6])
 
 
 def test_the_topmost_interface_of_a_stack_is_the_lobe(small):
     stack = coat(conductor(0.3, 0.5), alpha=(0.1, 0.2, 0.3), eta=1.7, sigma_t=1.0)
-    found = encode(stack, small, refine=False).latents[:, :6]
+    found = encode(stack, small).latents[:, :6]
     np.testing.assert_allclose(found[:, 0], (0.1, 0.2, 0.3), rtol=1e-6)
     np.testing.assert_allclose(found[:, 3:], [[1, 1.7, 0]] * 3, rtol=1e-6)
 
@@ -57,31 +56,14 @@ def plastic(small):
     return lobe + analytic.f(diffuse((0.2, 0.6, 0.0)), *pairs)[:, :2]
 
 
-@pytest.mark.parametrize("refine", [False, True])
-def test_fits_keep_the_lobe(small, plastic, refine):
+def test_codes_keep_the_lobe(small, plastic):
     lobe = np.array([0.1, 0, 0, 1, 1.5, 0], np.float32)
-    material = material_from_values(plastic, small, refine=refine, lobe=lobe)
+    material = material_from_values(plastic, small, lobe=lobe)
     np.testing.assert_array_equal(material.latents[:, :6], np.tile(lobe, (2, 1)))
-    np.testing.assert_array_equal(material.anchors[:, :6], material.latents[:, :6])
-
-
-def test_fits_come_closer(small, plastic):
-    """They lower the error of the whole f."""
-    networks, f = small.networks, np.ascontiguousarray(plastic.T)
-    lobe = np.array([0.1, 0, 0, 1, 1.5, 0], np.float32)
-    z = networks.encode(f, np.tile(lobe, (2, 1)))
-
-    def miss(codes):
-        f_hat = networks.f(codes[:, None], *networks.pairs())
-        return np.abs(np.log((f_hat + 1e-3) / (f + 1e-3))).mean(axis=1)
-
-    aim = fit_target(networks, f[0], None, lobe)
-    refined = levenberg_marquardt(networks, initial_code(networks, f[0], lobe), aim, 0.0005)
-    assert miss(refined[None])[0] < 0.5 * miss(z)[0]
 
 
 def test_only_the_rest_is_limited(small):
-    z = encode(conductor(0.1, (0.9, 0.5, 0.1)), small).anchors.copy()
+    z = encode(conductor(0.1, (0.9, 0.5, 0.1)), small).latents.copy()
     z[:, 6] = 3.0  # much too bright
     limited = energy.limit_albedo(small, z)
     np.testing.assert_array_equal(limited[:, :6], z[:, :6])
@@ -91,7 +73,7 @@ def test_only_the_rest_is_limited(small):
 
 
 def test_a_lobe_that_reflects_everything_does_not_black_out_the_rest(small):
-    z = encode(conductor(0.01, 1.0), small).anchors.copy()
+    z = encode(conductor(0.01, 1.0), small).latents.copy()
     z[:, 6] = -3.0
     limited = energy.limit_albedo(small, z)
     rest = energy.rest_albedos(small, limited).max(axis=1)
@@ -100,10 +82,10 @@ def test_a_lobe_that_reflects_everything_does_not_black_out_the_rest(small):
 
 
 def material_with(small, lobe, gain) -> Material:
-    z = encode(conductor(0.1, 0.8), small).anchors[:1].copy()
+    z = encode(conductor(0.1, 0.8), small).latents[:1].copy()
     z[:, :6] = lobe
     z[:, 6] = gain
-    z[:, 7:] += np.random.default_rng(abs(int(10 * gain))).normal(size=z[:, 7:].shape)
+    z[:, 7:] += np.random.default_rng(abs(int(10 * gain))).normal(size=z[:, 7:].shape) * 0.3
     z = energy.limit_albedo(small, z)
     return Material(z, small)
 
@@ -121,32 +103,19 @@ def materials(small) -> list[Material]:
 
 @pytest.mark.parametrize("first", range(5))
 @pytest.mark.parametrize("second", range(5))
-def test_blends_are_smooth_and_conserve_energy(small, pairs, first, second):
-    a, b = materials(small)[first], materials(small)[second]
-    at = np.linspace(0, 1, 9)
-    blends = [lerp(a, b, t) for t in at]
-    for end, blend in ((a, blends[0]), (b, blends[-1])):
-        np.testing.assert_array_equal(
-            blend.latents, np.broadcast_to(end.latents, blend.latents.shape)
-        )
-    peaks = [energy.directional_albedos(small, m.latents).max() for m in blends]
-    assert max(peaks) <= max(1.0, peaks[0], peaks[-1]) + energy.LEAST_REST
-    for end, near in ((a, 1e-6), (b, 1 - 1e-6)):
-        found = lerp(a, b, near).f(*pairs)
-        expected = np.broadcast_to(end.f(*pairs), found.shape)
-        np.testing.assert_allclose(found, expected, rtol=1e-3, atol=1e-4)
+def test_blends_are_linear_in_f(trained, pairs, first, second):
+    """Within the error of a table."""
+    a, b = materials(trained)[first], materials(trained)[second]
+    for share in (0.0, 0.3, 1.0):
+        found = lerp(a, b, share).f(*pairs)
+        expected = (1 - share) * a.f(*pairs) + share * b.f(*pairs)
+        error = stack_error(found.T, expected.T, pairs[0][:, 2], pairs[1][:, 2])
+        assert error.max() < 0.01
 
 
-def test_the_width_of_a_lobe_that_reflects_nothing_does_not_count(small):
-    sharp, none = materials(small)[0], materials(small)[2]
-    half = lerp(sharp, none, 0.5)
-    np.testing.assert_allclose(half.latents[:, 0], 0.05, rtol=1e-5)
-    np.testing.assert_allclose(half.latents[:, 4:6], [[0.2, 3.9]] * len(half.latents), rtol=1e-5)
-
-
-def test_light_changes_evenly_between_bare_and_diffuse(small):
+def test_light_changes_evenly_between_bare_and_diffuse(trained):
     """The rest of bare metal is empty, and its code has no meaning."""
-    a, b = encode(conductor(0.3, 0.8), small), materials(small)[2]
+    a, b = encode(conductor(0.3, 0.8), trained), materials(trained)[2]
     wi = np.array([[0.6, 0.0, 0.8]])
     ends = [m.directional_albedo(wi)[0, 0] for m in (a, b)]
     for t in (0.25, 0.5, 0.75):

@@ -86,7 +86,7 @@ def test_no_directions_are_no_error(material):
 
 
 def test_one_channel(model):
-    grey = Material(np.ones((1, 32)), model)
+    grey = Material(np.ones((1, 14)), model)
     assert grey.f(UP, UP).shape == (1, 1) and grey.directional_albedo(UP).shape == (1, 1)
 
 
@@ -94,15 +94,13 @@ def test_a_material_is_a_value(material, model, other_model):
     same = Material(material.latents.copy(), model)
     assert same == material and hash(same) == hash(material)
     assert material != Material(material.latents + 1, model)
-    assert material != Material(material.latents, model, material.latents + 1)
-    assert same.anchors is same.latents
     assert material != Material(material.latents, other_model)
     with pytest.raises(ValueError, match="read-only"):
         material.latents[0, 0] = 1
 
 
 @pytest.mark.parametrize(
-    "latents", [np.ones(32), np.ones((3, 31)), np.ones((0, 32)), np.full((3, 32), np.nan)]
+    "latents", [np.ones(14), np.ones((3, 13)), np.ones((0, 14)), np.full((3, 14), np.nan)]
 )
 def test_bad_latents_are_refused(latents, model):
     with pytest.raises(ParameterError, match="latents"):

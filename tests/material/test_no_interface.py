@@ -34,7 +34,7 @@ def test_no_interface_and_no_medium_is_the_bottom(trained, pairs, bottom):
         tinted.f(*pairs)[:, ::2], bare.f(*pairs)[:, ::2], rtol=0.02, atol=1e-4
     )
     z = layer_texels(
-        trained, bare.anchors, CoatParameters(alpha=0.4, eta=1, albedo=0, sigma_t=0, g=0)
+        trained, bare.latents, CoatParameters(alpha=0.4, eta=1, albedo=0, sigma_t=0, g=0)
     )
     assert (error(Material(z, trained).f(*pairs), bare.f(*pairs), pairs) < 0.02).all()
 
@@ -44,7 +44,7 @@ def test_an_absorbing_medium_is_beers_law(trained, pairs):
     expected = 0.5 / np.pi * np.exp(-inverse[:, None] * depth)
     tinted = layer(NONE, diffuse(0.5), sigma_t=depth)
     assert (error(tinted.f(*pairs), expected, pairs) < 0.01).all()
-    codes = Material(tinted.anchors, trained)  # of textures; as accurate as for other indices
+    codes = Material(tinted.latents, trained)  # of textures; as accurate as for other indices
     assert (error(codes.f(*pairs), expected, pairs) < 0.1).all()
 
 

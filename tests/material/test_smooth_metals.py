@@ -55,7 +55,7 @@ def test_codes_of_smooth_gold_under_a_clear_coat():
     stack = urushi.coat(SMOOTH, 0.01, eta=1.5)
     bottom = urushi.encode(stack.bottom)
     coat = CoatParameters(*map(np.array, (0.01, 1.5, 0.0, 0.0, 0.0)))
-    material = Material(layer_texels(bottom.model, bottom.anchors, coat), bottom.model)
+    material = Material(layer_texels(bottom.model, bottom.latents, coat), bottom.model)
     photons, _ = analog_albedo(stack, directions(ANGLES), walks=1 << 15)
     np.testing.assert_allclose(albedo(material, directions(ANGLES)), photons, rtol=0.04)
 

@@ -10,9 +10,10 @@ from urushi.core.directions import rotated
 from urushi.core.error_metrics import stack_error
 from urushi.core.probe_pairs import probe_pairs
 from urushi.errors import ParameterError, UrushiWarning
-from urushi.material.encode import encode, evaluate_source
+from urushi.material.encode import encode
 from urushi.material.layer import layer
 from urushi.material.symmetry import AZIMUTHS, Deviations, asymmetry_pairs
+from urushi.material.values import evaluate_source
 from urushi.walk import coat, conductor, dielectric
 
 WI, WO = probe_pairs(192)
@@ -140,7 +141,7 @@ def test_a_material_of_an_averaged_source_is_that_of_the_mean(model):
 
     with pytest.warns(UrushiWarning):
         averaged = encode(one_way, model)
-    np.testing.assert_allclose(averaged.anchors, encode(mean, model).anchors, rtol=1e-3, atol=1e-4)
+    np.testing.assert_allclose(averaged.latents, encode(mean, model).latents, rtol=1e-3, atol=1e-4)
 
 
 def test_functions_are_evaluated_only_above_the_horizon():

@@ -4,14 +4,18 @@ import numpy as np
 import pytest
 
 from urushi import files
+from urushi.core.direction_sets import cosine_pairs
+from urushi.core.error_metrics import stack_error
+from urushi.core.table import SHAPE
 from urushi.errors import FileError, ParameterError
-from urushi.material import Material, encode, layer, lerp, load
+from urushi.material import Material, encode, lerp, load
 from urushi.material.albedo_rule import albedo_rule
-from urushi.material.encode import encode_all, required_pairs
+from urushi.material.encode import encode_all
 from urushi.material.material import FORMAT_VERSION
-from urushi.material.table import SHAPE
+from urushi.material.values import required_pairs
+from urushi.nets import lobe as lobes
 from urushi.nets.weights import anisotropic_model
-from urushi.walk import conductor, dielectric
+from urushi.walk import conductor, dielectric, diffuse
 
 
 def velvet(wi, wo):
@@ -27,7 +31,33 @@ def velvet(wi, wo):
 @pytest.fixture(scope="module")
 def own(small) -> Material:
     """A material with a table, of untrained networks."""
-    return encode(velvet, small, refine=False, table=True)
+    return encode(velvet, small, table=True)
+
+
+def two_lobes(wi, wo):
+    """A narrow and a wide lobe of metals over a diffuse term."""
+    lobe = np.float32([[0.02, 0.2, 1, 0, 1.5, 0], [0.15, 0.5, 1, 0, 1.5, 0]])
+    return lobes.f(lobe, wi[:, None], wo[:, None]).sum(axis=1) + 0.05
+
+
+def test_functions_have_one_unless_their_code_is_exact(small, other_small):
+    for exact in (conductor(0.2, 0.9), dielectric(0.1, 1.5), diffuse(0.5)):
+        assert encode(exact, small).table is None
+    for weights in (small, other_small):  # of any weights
+        material = encode(two_lobes, weights)
+        wi, wo = cosine_pairs(np.random.default_rng(3), 4000, lowest_cosine=0.02)
+        found = stack_error(material.f(wi, wo).T, two_lobes(wi, wo)[None], wi[:, 2], wo[:, 2])
+        assert found < 0.005  # linear interpolation of the narrow lobe
+        assert encode(two_lobes, weights, table=False).table is None
+
+
+def test_the_known_lobe_of_other_weights_lies_beside_it(material, small, random_directions):
+    """It is not interpolated, however narrow it is."""
+    again, wi = encode(material, small), random_directions(50, 1, 0.1)
+    assert again.beside_lobe
+    np.testing.assert_array_equal(again.latents[:, :6], material.latents[:, :6])
+    mirrored = wi * np.float32([-1, -1, 1])
+    np.testing.assert_allclose(again.f(wi, mirrored), material.f(wi, mirrored), rtol=0.01)
 
 
 def test_reciprocal_to_the_bit_and_zero_below_the_horizon(own, directions):
@@ -45,7 +75,7 @@ def test_about_as_much_light_as_the_source(small):
     assert white.table is not None
     assert white.directional_albedo(wi).max() <= 1 + 1e-3
     assert white.directional_albedo(wi).min() > 0.95
-    shiny = encode(lambda *w: velvet(*w)[:, 1], small, refine=False, table=True)
+    shiny = encode(lambda *w: velvet(*w)[:, 1], small, table=True)
     rule = albedo_rule()
     source = rule.albedo(velvet(rule.wi, rule.wo)[:, 1])
     at = np.interp(cosines, rule.cosines[::-1], source[::-1])
@@ -53,8 +83,8 @@ def test_about_as_much_light_as_the_source(small):
 
 
 def test_sampling_is_that_of_the_codes(own, random_directions):
-    """The proposal comes from the anchors, so that its density stays normalised."""
-    plain = Material(own.latents, own.model, own.anchors)
+    """The proposal comes from the codes, so that its density stays normalised."""
+    plain = Material(own.latents, own.model)
     wi, u = random_directions(50, 1), np.random.default_rng(2).random((50, 3)).astype(np.float32)
     wo, pdf = own.sample(wi, u)
     np.testing.assert_array_equal(wo, plain.sample(wi, u)[0])
@@ -66,7 +96,7 @@ def test_files_keep_them(own, small, tmp_path):
     own.save(path)
     again = load(path, small)
     assert again == own and hash(again) == hash(own)
-    plain = Material(own.latents, small, own.anchors)
+    plain = Material(own.latents, small)
     assert plain != own and own != plain
     again.save(tmp_path / "again.safetensors")
     assert (tmp_path / "again.safetensors").read_bytes() == path.read_bytes()
@@ -91,14 +121,7 @@ def test_damaged_files_are_refused(stored, own, small, tmp_path):
 @pytest.mark.parametrize("wrong", [np.zeros((3, 7)), np.full((*SHAPE, 3), np.inf)])
 def test_wrong_tables_are_refused(wrong, own, small):
     with pytest.raises(ParameterError, match="table"):
-        Material(own.latents, small, own.anchors, wrong)
-
-
-def test_the_codes_of_coats_lie_over_the_codes(own):
-    coat = dielectric(0.1, 1.5)
-    plain = Material(own.latents, own.model, own.anchors)
-    np.testing.assert_array_equal(layer(coat, own).latents, layer(coat, plain).latents)
-    assert layer(coat, own).table is not None and layer(coat, plain).table is None
+        Material(own.latents, small, wrong)
 
 
 def test_blends_are_linear_in_f(own, small, random_directions):
@@ -112,12 +135,11 @@ def test_blends_are_linear_in_f(own, small, random_directions):
     ratio = lerp(own, other, share).f(wi, wo) / expected
     assert np.median(np.abs(ratio - 1)) < 0.005
     assert np.quantile(np.abs(ratio - 1), 0.95) < 0.03
-    assert lerp(other, other, 0.5).table is None
 
 
 def test_the_same_alone_and_among_many(own, small):
     channels = [lambda *w, c=channel: velvet(*w)[:, c] for channel in (0, 2)]
-    for index, (material, _) in encode_all(channels, weights=small, refine=False, table=True):
+    for index, (material, _) in encode_all(channels, weights=small, table=True):
         np.testing.assert_array_equal(material.table, own.table[..., [0, 2][index], None])
 
 
@@ -127,4 +149,4 @@ def test_networks_of_two_widths_have_none():
         required_pairs(velvet, other, True)
     latents = np.zeros((1, other.arch.latent), np.float32)
     with pytest.raises(ParameterError, match="cannot have tables"):
-        Material(latents, other, latents, np.zeros((*SHAPE, 1)))
+        Material(latents, other, np.zeros((*SHAPE, 1)))

@@ -4,31 +4,25 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from tests.untrained import untrained
 
 from urushi.measured import merl, tabulated
 from urushi.nets import weights
-from urushi.nets.architecture import Architecture, init
 from urushi.nets.lobe import NO_LOBE
 from urushi.nets.weights import Model
-
-ARCH = Architecture(decoder=(16, 16), encoder=(24,), layerer=(24,), sampler=(12,), probes=48)
 
 
 @pytest.fixture(scope="session")
 def networks(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A file of small networks with very different materials; their kernels compile fast.
+    """A file of untrained networks with very different materials; codes have 32 numbers.
 
-    The proposal's output is scaled up, so that its mixtures have widths from 0.01 to 1, and from
-    one lobe to all lobes.
+    The proposal's terms are scaled up, so that its mixtures have from one lobe to all lobes.
     """
-    params = init(ARCH, seed=3)
-    rng = np.random.default_rng(5)
-    params["sampler.1.weight"] = 40 * params["sampler.1.weight"]
-    params["decoder.2.weight"] = 3 * params["decoder.2.weight"]
-    params["layerer.1.weight"] = 5 * params["layerer.1.weight"]
-    params["layerer.1.bias"] = rng.normal(size=26).astype(np.float32)
+    model = untrained(3, functions=26, layerer=(24,))
+    params = dict(model.params)
+    params["proposal.weight"] = 3 * params["proposal.weight"]
     path = tmp_path_factory.mktemp("weights") / "small.safetensors"
-    weights.save(path, ARCH, params, {})
+    weights.save(path, model.arch, params, {})
     return path
 
 

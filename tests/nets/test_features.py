@@ -1,77 +1,14 @@
-"""Features: exactly symmetric, finite, precise for small half angles; coats without medium."""
+"""Features of coats: finite, the documented functions; coats without medium."""
 
-import math
 import re
 
 import numpy as np
 
-from urushi.core.directions import directions_at_tangent
-from urushi.core.probe_pairs import probe_pairs
-from urushi.nets.features import (
-    COAT_FEATURES,
-    COAT_TABLE,
-    DIRECTION_FEATURES,
-    DIRECTION_TABLE,
-    coat_features,
-    direction_features,
-)
+from urushi.nets.features import COAT_FEATURES, COAT_TABLE, coat_features
 
 
 def _raw(features, table):
     return [features[..., i] * scale + mean for i, (_, mean, scale) in enumerate(table)]
-
-
-def test_direction_features_are_symmetric_bit_for_bit(pairs):
-    wi, wo = pairs
-    assert np.array_equal(direction_features(wi, wo), direction_features(wo, wi))
-
-
-def test_direction_features_are_finite_float32(pairs):
-    features = direction_features(*pairs)
-    assert features.shape == (len(pairs[0]), DIRECTION_FEATURES[1])
-    assert features.dtype == np.float32
-    assert np.isfinite(features).all()
-    assert np.abs(features).max() < 10  # normalised: nothing overwhelms the first layer
-
-
-def test_direction_features_are_isotropic(pairs):
-    wi, wo = (w.astype(np.float64) for w in pairs)
-    angle = 0.7
-    turn = np.array([
-        [math.cos(angle), -math.sin(angle), 0], [math.sin(angle), math.cos(angle), 0], [0, 0, 1]
-    ])  # fmt: skip
-    turned = direction_features(wi @ turn.T, wo @ turn.T)
-    # float64 rounding, magnified where ln(tan^2 + 1e-6) is steepest.
-    np.testing.assert_allclose(turned, direction_features(wi, wo), atol=1e-6)
-
-
-def test_features_are_the_documented_functions_of_the_angles():
-    # Independent of the un-normalised form in the code: trigonometry on given angles, down to
-    # tan theta_h = 0.001, in float32. The absolute rounding of wi + wo is 1e-7, hence 1e-3 in
-    # the logarithm of the smallest tangent's square plus 1e-6.
-    tan_h, theta_d = np.meshgrid(np.geomspace(1e-3, 1, 20), np.linspace(0, 1.2, 13))
-    wi, wo = directions_at_tangent(tan_h.ravel(), theta_d.ravel(), np.full(tan_h.size, 0.9))
-    keep = (wi[:, 2] > 0.01) & (wo[:, 2] > 0.01)
-    wi, wo, tan_h, d = wi[keep], wo[keep], tan_h.ravel()[keep], theta_d.ravel()[keep]
-    h = np.arctan(tan_h)
-    raw = _raw(
-        direction_features(wi.astype(np.float32), wo.astype(np.float32)).astype(np.float64),
-        DIRECTION_TABLE,
-    )
-    expected = [
-        np.log(tan_h**2 + 1e-6), np.sin(h) ** 0.5, np.cos(h), np.cos(d), (1 - np.cos(d)) ** 5,
-        0.5 * np.log(wi[:, 2] * wo[:, 2]), np.log(wi[:, 2] + wo[:, 2]),
-        np.minimum(wi[:, 2], wo[:, 2]),
-    ]  # fmt: skip
-    for value, truth, (name, _, _) in zip(raw, expected, DIRECTION_TABLE, strict=True):
-        np.testing.assert_allclose(value, truth, atol=2e-3, err_msg=name)
-
-
-def test_normalisation_suits_the_probes():
-    # The probes are spread like the training pairs: mean about 0, deviation about 1.
-    features = direction_features(*probe_pairs(4096))
-    assert np.abs(features.mean(axis=0)).max() < 0.5
-    assert features.std(axis=0).min() > 0.3 and features.std(axis=0).max() < 1.5
 
 
 def test_coat_without_medium_does_not_depend_on_albedo_and_g():

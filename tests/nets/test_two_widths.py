@@ -1,34 +1,25 @@
-"""Networks of two GGX widths: symmetries to the bit, the proposal's density, fits."""
+"""Codes of two GGX widths: symmetries to the bit, the proposal's density, fits of lobes."""
 
 import numpy as np
 import pytest
+from tests.untrained import untrained
 
 from urushi.checks import Widths
 from urushi.core.direction_sets import cosine_pairs, slope_pairs
 from urushi.core.probe_pairs import ANISOTROPIC_PROBES, probe_pairs
-from urushi.nets import lobe, sampler
-from urushi.nets.architecture import Architecture, init
-from urushi.nets.features import direction_features
+from urushi.nets import lobe, proposal
 from urushi.nets.interface_fit import find_lobes
 from urushi.nets.lobe_fit import fit_lobes
 from urushi.nets.lobe_fit_slopes import fit_slopes
-from urushi.nets.networks import UrushiNetworks
-
-ARCH = Architecture(
-    latent=30, decoder=(20, 20), layerer=(32, 32), encoder=(32,), sampler=(16,), lobes=1,
-    probes=ANISOTROPIC_PROBES, widths=2,
-)  # fmt: skip
+from urushi.nets.networks import Networks
 
 #: Mirror images at the xz plane and at the yz plane, and half a turn.
 MIRRORS = np.array([[1, -1, 1], [-1, 1, 1], [-1, -1, 1]], np.float32)
 
 
 @pytest.fixture(scope="module")
-def networks() -> UrushiNetworks:
-    params = init(ARCH, seed=5)
-    params["decoder.2.weight"] = params["decoder.2.weight"] * 5
-    params["sampler.1.weight"] = params["sampler.1.weight"] * 10
-    return UrushiNetworks(params, ARCH)
+def networks() -> Networks:
+    return untrained(widths=2, probes=ANISOTROPIC_PROBES).networks
 
 
 def lobes(count: int, rng: np.random.Generator) -> np.ndarray:
@@ -40,10 +31,10 @@ def lobes(count: int, rng: np.random.Generator) -> np.ndarray:
     return np.where((np.arange(count) % 2 == 0)[:, None], exact, metal)
 
 
-def codes(count: int, seed: int = 1) -> np.ndarray:
-    """Codes float32 (N, 30)."""
+def codes(networks: Networks, count: int, seed: int = 1) -> np.ndarray:
+    """Codes float32 (N, L)."""
     rng = np.random.default_rng(seed)
-    rest = rng.normal(size=(count, ARCH.latent - ARCH.lobe))
+    rest = rng.normal(size=(count, networks.arch.latent - networks.arch.lobe))
     return np.concatenate([lobes(count, rng), rest], axis=-1).astype(np.float32)
 
 
@@ -56,7 +47,7 @@ def pairs(count: int = 3000) -> tuple[np.ndarray, np.ndarray]:
 
 def test_mirror_images_exchange_and_half_turns_give_the_same_bits(networks):
     wi, wo = pairs()
-    z = codes(len(wi))
+    z = codes(networks, len(wi))
     f = networks.f(z, wi, wo)
     np.testing.assert_array_equal(f, networks.f(z, wo, wi))
     for mirror in MIRRORS:
@@ -86,8 +77,8 @@ def test_two_equal_widths_are_one():
     alphas = np.random.default_rng(3).uniform(0.05, 1, (len(wi), 3))
     weights = np.full((len(wi), 4), 0.25)
     np.testing.assert_allclose(
-        sampler.mixture_pdf(weights, Widths(alphas, alphas), wi, wo),
-        sampler.mixture_pdf(weights, alphas, wi, wo),
+        proposal.mixture_pdf(weights, Widths(alphas, alphas), wi, wo),
+        proposal.mixture_pdf(weights, alphas, wi, wo),
         rtol=1e-6,
     )
 
@@ -98,16 +89,16 @@ def test_the_proposals_density_is_that_of_its_samples(networks, wi):
     wi = np.array([*wi, np.sqrt(max(1 - wi[0] ** 2 - wi[1] ** 2, 1e-4))], np.float32)
     wi /= np.linalg.norm(wi)
     rng = np.random.default_rng(4)
-    proposal = networks.proposal(codes(1), wi)
+    mixture = networks.proposal(codes(networks, 1), wi)
     count = 1 << 18
-    wo = sampler.sample_mixture(*proposal, wi, rng.random((count, 3)).astype(np.float32))
+    wo = proposal.sample_mixture(*mixture, wi, rng.random((count, 3)).astype(np.float32))
     assert (wo[:, 2] >= 0).all()
     # Midpoints in both angles: cells of 2 by 4 milliradians, for lobes of at least 30.
     theta = 0.5 * np.pi * (np.arange(800) + 0.5) / 800
     theta, phi = np.meshgrid(theta, 2 * np.pi * (np.arange(1600) + 0.5) / 1600)
     sin = np.sin(theta)
     grid = np.stack([sin * np.cos(phi), sin * np.sin(phi), np.cos(theta)], axis=-1).reshape(-1, 3)
-    density = sampler.mixture_pdf(*proposal, wi, grid) * (sin.ravel() * np.pi**2 / len(grid))
+    density = proposal.mixture_pdf(*mixture, wi, grid) * (sin.ravel() * np.pi**2 / len(grid))
     assert density.sum() == pytest.approx(1, abs=0.01)
     for moment in (lambda w: w[:, 0] ** 2, lambda w: w[:, 1] ** 2, lambda w: w[:, 0] * w[:, 1]):
         samples = moment(wo)
@@ -162,19 +153,3 @@ def test_fitted_lobes_follow_the_values():
     np.testing.assert_allclose(found, rate, rtol=2e-3, atol=2e-3)
     fitted = fit_lobes(f(0.0), 2)
     np.testing.assert_allclose(fitted[:, [0, 1, 2, 6]], numbers(0.0)[:, [0, 1, 2, 6]], rtol=0.02)
-
-
-def test_features_have_about_unit_size():
-    for draw in (cosine_pairs, slope_pairs):
-        wi, wo = draw(np.random.default_rng(1), 20_000)
-        features = direction_features(wi, wo, 2)
-        assert features.shape == (20_000, 14)
-        assert np.abs(features).max() < 12
-        assert features[:, 8:].std(axis=0).min() > 0.3  # those of the azimuth
-        assert features.std(axis=0).max() < 2.5
-
-
-def test_files_tell_their_widths():
-    assert Architecture.from_json(ARCH.to_json()) == ARCH
-    assert "widths" not in Architecture().to_json()  # files of isotropic networks stay as they are
-    assert Architecture.from_json(Architecture().to_json()).widths == 1

@@ -9,9 +9,16 @@ import safetensors.numpy
 
 from urushi.errors import FileError, ParameterError
 from urushi.nets import weights
-from urushi.nets.architecture import Architecture, init
+from urushi.nets.networks import Architecture
 
-ARCH = Architecture(latent=10, decoder=(8,), encoder=(8,), layerer=(8,), sampler=(8,), probes=16)
+ARCH = Architecture(functions=3, layerer=(8,), probes=16)
+
+
+def init(arch: Architecture, seed: int) -> dict[str, np.ndarray]:
+    """Random parameters."""
+    rng = np.random.default_rng(seed)
+    shapes = arch.parameter_shapes().items()
+    return {name: rng.normal(size=shape).astype(np.float32) for name, shape in shapes}
 
 
 @pytest.fixture
@@ -48,21 +55,21 @@ def test_fingerprint_sees_every_parameter_but_not_the_header(saved):
 def test_a_model_does_not_change_with_what_it_was_made_from():
     params = init(ARCH, 0)
     model = weights.Model.of(ARCH, params, {})
-    params["decoder.0.weight"][:] = 7
-    assert not (model.params["decoder.0.weight"] == 7).any()
+    params["layerer.0.weight"][:] = 7
+    assert not (model.params["layerer.0.weight"] == 7).any()
     with pytest.raises(ValueError, match="read-only"):
-        model.params["decoder.0.weight"][0, 0] = 1
+        model.params["layerer.0.weight"][0, 0] = 1
 
 
 def _broken_parameters():
     good = init(ARCH, 0)
     missing = {name: value for name, value in good.items() if name != "layerer.1.bias"}
-    not_finite = good | {"decoder.0.bias": np.full(8, np.nan, np.float32)}
+    not_finite = good | {"layerer.0.bias": np.full(8, np.nan, np.float32)}
     return {
         "'layerer.1.bias' is missing": missing,
         "'extra' is unknown": good | {"extra": np.zeros(1, np.float32)},
-        "'decoder.0.bias' has shape": good | {"decoder.0.bias": np.zeros(9, np.float32)},
-        "'decoder.0.bias' holds a number that is not finite": not_finite,
+        "'layerer.0.bias' has shape": good | {"layerer.0.bias": np.zeros(9, np.float32)},
+        "'layerer.0.bias' holds a number that is not finite": not_finite,
     }
 
 

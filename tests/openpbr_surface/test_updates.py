@@ -231,7 +231,7 @@ def test_a_refused_texture_is_put_back(name):
     ],
 )  # fmt: skip
 def test_denoisers_get_the_directional_albedo(bsdf):
-    """Mitsuba's default, pi f along the normal, is 35 for gold. 16 samples have an error of some
+    """Mitsuba's default, pi f along the normal, is 35 for gold. Fixed samples have an error of some
     per cent; the albedo is by 65,536."""
     bsdf = mi.load_dict(bsdf)
     for cosine in (1.0, 0.3):

@@ -6,19 +6,18 @@ import numpy as np
 import pytest
 from benchmarks.quality import pictures
 from research import direction_tables
+from tests.untrained import untrained
 
 import urushi
 from urushi.errors import FileError, ParameterError
 from urushi.nets import weights
-from urushi.nets.architecture import Architecture, init
 from urushi.walk import simulate
 
 
 @pytest.fixture
 def tiny() -> weights.Model:
-    """Networks that were never trained."""
-    arch = Architecture(decoder=(16,), encoder=(16,), layerer=(16,), sampler=(8,))
-    return weights.Model.of(arch, init(arch, 3), {})
+    """Smooth random functions and random networks."""
+    return untrained(3)
 
 
 TINY = direction_tables.Protocol(stacks=2, polar=3, azimuth=4, walks=64)

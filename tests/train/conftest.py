@@ -1,57 +1,54 @@
-"""The shared fixtures of this folder: a training of a few steps and its data."""
+"""The shared fixtures of this folder: a training of a few steps, and its data without transport."""
 
-import hashlib
-
+import numpy as np
 import pytest
 
-from urushi.nets.architecture import Architecture
-from urushi.train.distribution import Extended, Table2
+from urushi import files
+from urushi.core.probe_pairs import probe_pairs
+from urushi.core.table import node_pairs
+from urushi.nets import lobe as lobes
+from urushi.nets.networks import Architecture
+from urushi.train import tables
 from urushi.train.optimiser import Schedule
-from urushi.train.presets import Preset, validation
-from urushi.train.stages.decoding import Decoding
-from urushi.train.stages.joint import Joint
-from urushi.train.stages.layering import Layering
-from urushi.train.stages.sampling import Sampling
-from urushi.train.store import DataSpec, Part, generate
-
-ARCH = Architecture(
-    latent=12,
-    decoder=(16,),
-    encoder=(16,),
-    layerer=(24,),
-    sampler=(8,),
-    lobes=1,
-    probes=24,
-)
-
-#: Numbers of stacks of 0, 1 and 2 coats in a step.
-STACKS = (3, 9, 4)
-
-SOAP = Schedule(8, 4, 1e-3, average=0.9, steps_per_call=4, checkpoint_every=4, rule="soap")
+from urushi.train.presets import Preset
+from urushi.train.tables import TableSpec, TableStore
 
 TINY = Preset(
     name="tiny",
-    data=DataSpec(
-        parts=(
-            Part("bare", Extended(0, "diffuse"), 12, 16, 1),
-            Part("coated", Table2(1), 20, 16, 8),
-            Part("coated-diffuse", Extended(1, "diffuse"), 12, 16, 8),
-            Part("twice", Table2(2), 8, 16, 8),
-            *validation(stacks=8, walks=16),
-        ),
-        seed=5,
-        shard=16,
-    ),
-    stages=(
-        Joint(Schedule(8, 4, 3e-3, average=0.9, steps_per_call=4, checkpoint_every=4), STACKS),
-        Layering(SOAP, stacks=(10, 2), widen_from=(16,)),
-        Decoding(SOAP, STACKS),
-        Layering(SOAP, stacks=(10, 2), seed_offset=2, name="relayering"),
-        Sampling(Schedule(8, 4, 3e-3, average=0.9, steps_per_call=4, checkpoint_every=4)),
-    ),
-    pairs=8,
-    arch=ARCH,
+    data=TableSpec(stacks=60, coats=2, probes=64, seed=5, shard=20),
+    schedule=Schedule(8, 4, 1e-3, average=0.9, steps_per_call=4, checkpoint_every=4),
+    batch=16,
+    arch=Architecture(functions=4, probes=64, layerer=(8, 8)),
 )
+
+
+def log_f(wi: np.ndarray, wo: np.ndarray, c: np.ndarray) -> np.ndarray:
+    """ln f (N, P) of a family with three functions, for numbers c (N, 3)."""
+    functions = np.stack([np.ones(len(wi)), wi[:, 2] * wo[:, 2], (wi * wo).sum(axis=1)])
+    return c @ functions - 2
+
+
+def made_shard(spec: TableSpec, shard: int) -> dict[str, np.ndarray]:
+    """A shard whose rests are of the family, under coats that change their numbers linearly."""
+    rng = np.random.default_rng([spec.seed, shard])
+    count = spec.shard
+    c, over = 0.5 * rng.standard_normal((count, 3)), tables.draw_coats(rng, count * spec.coats)
+    change = over[:, :3] @ np.array([[0.1, 0, 0.2], [-0.2, 0.1, 0], [0.1, 0.1, 0.1]])
+    coated = np.repeat(c, spec.coats, axis=0) + change
+    lobe = lobes.of_coat(rng.uniform(0.1, 0.5, count), np.full(count, 1.5))
+    return {
+        "table": log_f(*node_pairs(), c).astype(np.float16),
+        "lobe": lobe.astype(np.float32),
+        "stack": np.arange(shard * count, (shard + 1) * count, dtype=np.int32),
+        "kind": np.zeros(count, np.int32),
+        "level": np.ones(count, np.int32),
+        "low": np.full(count, 1.5, np.float32),
+        "coat": np.zeros((count, 5), np.float32),
+        "over": over.reshape(count, spec.coats, 5).astype(np.float32),
+        "coated": log_f(*probe_pairs(spec.probes), coated)
+        .reshape(count, spec.coats, -1)
+        .astype(np.float32),
+    }
 
 
 @pytest.fixture(scope="session")
@@ -62,21 +59,17 @@ def tiny() -> Preset:
 
 @pytest.fixture(scope="session")
 def tiny_data(tmp_path_factory):
-    """Its data store, generated once."""
-    path = tmp_path_factory.mktemp("tiny") / "data"
-    generate(TINY.data, path)
+    """The folder of its data."""
+    path = tmp_path_factory.mktemp("data") / "tiny"
+    store = tables.opened(TINY.data, path)
+    for shard in range(TINY.data.shards()):
+        arrays = made_shard(TINY.data, shard)
+        description = {"version": tables.FORMAT_VERSION}
+        files.write_tensors(store.file(shard), "tables", description, arrays)
     return path
 
 
 @pytest.fixture(scope="session")
-def fingerprints():
-    """A function of a store's path: the hash of each of its files, by name."""
-
-    def of(path):
-        return {
-            str(file.relative_to(path)): hashlib.sha256(file.read_bytes()).hexdigest()
-            for file in path.rglob("*")
-            if file.is_file()
-        }
-
-    return of
+def store(tiny_data) -> TableStore:
+    """The data."""
+    return TableStore(tiny_data, TINY.data)

@@ -1,20 +1,17 @@
 """Golden vectors: values of Urushi in Python, with which those of the page's core are compared.
 
-    python viewer/tests/golden.py random default random_anisotropic anisotropic reference
+    python viewer/tests/golden.py default anisotropic reference
 
 writes these, or those that are named:
 
-- `random.safetensors`, `random_vectors.safetensors`: small networks of random parameters, which
-  decode to nothing sensible but exercise every term, and their values;
-- `default_vectors.safetensors`: values of the shipped networks;
-- `random_anisotropic.safetensors`, `random_anisotropic_vectors.safetensors`,
-  `anisotropic_vectors.safetensors`: the same for networks of two GGX widths;
+- `default_vectors.safetensors`: values by the shipped basis and its networks;
+- `anisotropic_vectors.safetensors`: the same for two GGX widths;
 - `reference_values.safetensors`: some of the values of independent simulators with which the random
   walk of Python is tested, from the folder that `URUSHI_TEST_DATA` names.
 
-The networks compute in double precision here, as the core does: in single precision, codes and f
-differ by some 1e-6, which would hide errors of that size. The files lie beside the tests of the
-core. Run the script again when the networks or their definition change.
+Parameters are of double precision here, as in the core: in single precision, codes and f differ by
+some 1e-6, which would hide errors of that size. The files lie beside the tests of the core. Run the
+script again when the weights or their definition change.
 """
 
 import dataclasses
@@ -28,28 +25,13 @@ import numpy as np
 
 import urushi
 from urushi import files
-from urushi.core.direction_sets import training_pairs
+from urushi.core.direction_sets import cosine_pairs, half_angle_pairs
 from urushi.core.directions import turned
 from urushi.material.energy import limit_albedo
 from urushi.material.material import Material
 from urushi.nets import weights
-from urushi.nets.architecture import Architecture, init
 
 FOLDER = Path(__file__).parent / "core" / "golden"
-
-#: Sizes of the random networks: small, because their file is part of the repository.
-SMALL = Architecture(
-    latent=20,
-    decoder=(8, 12),
-    encoder=(10,),
-    layerer=(14, 9),
-    sampler=(6,),
-    lobes=2,
-    activation="silu7",
-    probes=48,
-)
-
-SMALL_ANISOTROPIC = dataclasses.replace(SMALL, latent=21, widths=2)
 
 CLEAR = {"alpha": 0.05, "ior": 1.5, "albedo": 0.0, "sigmaT": 0.0, "g": 0.0}
 RED = {"alpha": 0.2, "ior": 1.45, "albedo": [0.9, 0.4, 0.2], "sigmaT": [0.8, 2.0, 3.0], "g": 0.3}
@@ -120,20 +102,15 @@ REFERENCE_PAIRS = 24
 
 
 def material_of(stack: dict[str, Any], model: weights.Model) -> Material:
-    """The codes of a stack, without the tables that light transport gives, as the page has them.
-
-    A diffuse surface is not refined: the page does not refine.
-    """
+    """The codes of a stack by the layering network."""
     numbers = stack["bottom"]
     others = {key: value for key, value in numbers.items() if "alpha" not in key and key != "kind"}
     material = getattr(urushi, numbers["kind"])(**widths_of(numbers), **others)
     for coat in reversed(stack["coats"]):
         top = urushi.dielectric(ior=coat["ior"], **widths_of(coat))
         medium = {"albedo": coat["albedo"], "sigma_t": coat["sigmaT"], "g": coat["g"]}
-        material = urushi.layer(top, material, **medium, weights=model, refine=False)
-    material = urushi.encode(material, model, refine=False)
-    latents = material.anchors if material.beside_lobe else material.latents
-    return dataclasses.replace(material, latents=latents, table=None, beside_lobe=False)
+        material = urushi.layer(top, material, **medium, weights=model, fast=True)
+    return urushi.encode(material, model)
 
 
 def widths_of(numbers: dict[str, Any]) -> dict[str, Any]:
@@ -141,17 +118,6 @@ def widths_of(numbers: dict[str, Any]) -> dict[str, Any]:
     if "alphaV" in numbers:
         return {"alpha_u": numbers["alpha"], "alpha_v": numbers["alphaV"]}
     return {"alpha": numbers["alpha"]} if "alpha" in numbers else {}
-
-
-def random_model(name: str, arch: Architecture) -> weights.Model:
-    """Networks of random parameters, biases and scales included; written to a file."""
-    rng = np.random.default_rng(11)
-    params = init(arch, 7)
-    for key, values in params.items():
-        if key.endswith((".bias", ".scale")):
-            params[key] = values + 0.1 * rng.standard_normal(values.shape).astype(np.float32)
-    params["encoder.input_mean"] += rng.standard_normal(arch.probes).astype(np.float32)
-    return weights.save(FOLDER / f"{name}.safetensors", arch, params, {})
 
 
 def write_vectors(name: str, model: weights.Model) -> None:
@@ -170,7 +136,6 @@ def write_vectors(name: str, model: weights.Model) -> None:
         "wo": wo,
         "cosines": cosines,
         "latents": np.stack([material.latents for material in materials]),
-        "anchors": np.stack([material.anchors for material in materials]),
         "f": np.stack([values_of(material, wi, wo) for material in materials]).astype(np.float32),
         "albedo": np.stack([m.directional_albedo(incident) for m in materials]),
         "bright": bright,
@@ -184,7 +149,8 @@ def write_vectors(name: str, model: weights.Model) -> None:
 def pairs_of(widths: int) -> tuple[np.ndarray, np.ndarray]:
     """Pairs of directions (`PAIRS`, 3); for anisotropic networks at all azimuths."""
     rng = np.random.default_rng(3)
-    wi, wo = training_pairs(rng, PAIRS)
+    sets = (draw(rng, PAIRS // 2, lowest_cosine=0.004) for draw in (half_angle_pairs, cosine_pairs))
+    wi, wo = (np.concatenate(sides) for sides in zip(*sets, strict=True))
     if widths == 2:
         azimuths = rng.uniform(0, 2 * np.pi, PAIRS)
         wi, wo = (turned(w.astype(np.float64), azimuths).astype(np.float32) for w in (wi, wo))
@@ -282,11 +248,7 @@ def _of_rows(rows: np.ndarray) -> dict[str, Any]:
 
 #: What the script writes, by name.
 WRITERS = {
-    "random": lambda: write_vectors("random", random_model("random", SMALL)),
     "default": lambda: write_vectors("default", weights.default_model()),
-    "random_anisotropic": lambda: write_vectors(
-        "random_anisotropic", random_model("random_anisotropic", SMALL_ANISOTROPIC)
-    ),
     "anisotropic": lambda: write_vectors("anisotropic", weights.anisotropic_model()),
     "reference": write_reference,
 }

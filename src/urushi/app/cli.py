@@ -27,7 +27,7 @@ FAILURE = 2
 INTERRUPTED = 130  # 128 + SIGINT, as shells report it
 OUTPUT_CLOSED = 141  # 128 + SIGPIPE
 
-DESCRIPTION = """Layered materials in a neural latent space, for Mitsuba 3.
+DESCRIPTION = """Layered materials by light transport and latent codes, for Mitsuba 3.
 
 Start with `urushi demo`. If something does not work, `urushi doctor` says why. Every command has
 help with an example: `urushi render --help`.
@@ -36,19 +36,19 @@ help with an example: `urushi render --help`.
 
 #: Every subcommand by name, with its line in the list of commands.
 COMMANDS: dict[str, tuple[type, str]] = {
-    "demo": (Demo, "Render a lacquered object by networks and by the reference, and compare."),
+    "demo": (Demo, "Render a lacquered object by codes and by the reference, and compare."),
     "render": (Render, "Render a Mitsuba scene file or the demo's scene."),
     "scene": (Scene, "Write the demo's scene into a folder."),
     "simulate": (Simulate, "Simulate the BRDF of a layered material without bias."),
     "encode": (Encode, "Encode a BRDF into a material file."),
-    "layer": (Layer, "Coat a material in the latent space."),
+    "layer": (Layer, "Coat a material."),
     "materials": (Materials, "List the library of described materials."),
     "recipe": (Recipe, "Find measured paints that give a colour over a ground."),
     "export": (Export, "Write a material as code: GLSL, WGSL, HLSL, Slang, OSL, Python."),
     "convert": (Convert, "Write a material of a MaterialX document as a Mitsuba scene."),
     "view": (View, "Coat a material by hand, on a page in the browser."),
-    "data": (Data, "Simulate training data."),
-    "train": (Train, "Train networks."),
+    "data": (Data, "Compute training data."),
+    "train": (Train, "Make a basis and its layering network."),
     "paper": (Paper, "Read the published networks of Fan et al. 2022."),
     "doctor": (Doctor, "Check this machine and say what is missing."),
 }

@@ -1,4 +1,4 @@
-"""`urushi demo`: a lacquered tea caddy, by the networks and by the reference walk, compared."""
+"""`urushi demo`: a lacquered tea caddy, by codes and by the reference walk, compared."""
 
 import json
 import os
@@ -20,7 +20,7 @@ from urushi.ranges import Pixels, Range
 #: Samples per pixel in one pass: bounds the memory, and is the step of the progress bar.
 PASS_SPP = 8
 
-#: The compared plugins: the networks, and the random walk, which is the reference.
+#: The compared plugins: by codes, and the random walk, which is the reference.
 COATS = NEURAL, REFERENCE = "neural_layered", "layered"
 
 #: Relative differences of luminance of this size and above are shown in full colour.
@@ -28,7 +28,7 @@ DIFFERENCE_SCALE = 0.25
 
 #: Commands to try after the demo, with their purpose.
 NEXT_COMMANDS = (
-    ("urushi render caddy -o out/caddy.png", "the scene alone, by the networks"),
+    ("urushi render caddy -o out/caddy.png", "the scene alone, by codes"),
     ("urushi render caddy -D coat=layered -o out/caddy-reference.png", "the same, by the walk"),
     ("urushi scene out/caddy", "a scene file to change and render"),
     ('urushi simulate "coat(diffuse(0.5), alpha=0.1, eta=1.5)"', "values of a coated BRDF"),
@@ -37,7 +37,7 @@ NEXT_COMMANDS = (
 
 @dataclass(frozen=True)
 class Demo:
-    """Render a lacquered tea caddy by the reference walk and by the networks, and compare.
+    """Render a lacquered tea caddy by the reference walk and by codes, and compare.
 
     Writes both pictures (.exr), `comparison.png` and `report.json` into a folder, and the scene's
     files into its folder `scene`. Then prints what each method cost, what to look at and what to
@@ -105,7 +105,7 @@ def render(scene: Path, coat: str, size: tuple[int, int], spp: int, seed: int) -
 
 
 def compare(neural: Render, reference: Render) -> dict[str, float]:
-    """Figures of the networks' image against the walk's.
+    """Figures of the image by codes against the walk's.
 
     Returns:
         relative_mse: relative mean squared error, less the noise of the reference;
@@ -130,7 +130,7 @@ def describe(figures: dict[str, float], out: Path) -> str:
     rows = "\n".join(
         f"{name:<14} {figures[f'{name}_start_seconds']:7.1f} s {figures[f'{name}_seconds']:7.1f} s"
         f"   {figures[f'{name}_noise']:.4f}   {what}"
-        for name, what in ((REFERENCE, "random walks: the reference"), (NEURAL, "the networks"))
+        for name, what in ((REFERENCE, "random walks: the reference"), (NEURAL, "latent codes"))
     )
     commands = "\n".join(f"  {command}\n      {purpose}" for command, purpose in NEXT_COMMANDS)
     time, noise = (
@@ -144,15 +144,15 @@ method             start    render    noise
 Compiled code is kept on disk: the next start is shorter. "noise" is the relative mean squared
 error that more samples would remove.
 
-A render by the networks takes {time:.0%} of the walk's time and has {noise:.0%} of its noise. For a
-picture of the same noise, the networks take {time * noise:.0%} of the walk's time.
+A render by codes takes {time:.0%} of the walk's time and has {noise:.0%} of its noise. For a
+picture of the same noise, codes take {time * noise:.0%} of the walk's time.
 
-Error of the networks: {figures["relative_mse"]:.4f}
+Error of the codes: {figures["relative_mse"]:.4f}
   Relative mean squared error, without the noise of '{REFERENCE}'.
 
 Look at {out / "comparison.png"}
   Left: {REFERENCE}. Middle: {NEURAL}. Right: their difference in luminance; black is equal,
-  orange means that the networks are brighter, blue that they are darker, and the full colour is a
+  orange means that codes are brighter, blue that they are darker, and the full colour is a
   difference of {DIFFERENCE_SCALE:.0%} or more. All figures are in {out / "report.json"}.
 
 Try next

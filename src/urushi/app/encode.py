@@ -36,28 +36,19 @@ class Encode:
     SCENE.xml#ID."""
     output: Annotated[Path, tyro.conf.arg(aliases=["-o"])]
     """Material file to write (.safetensors), or a folder that gets one file per source."""
-    refine: bool = False
-    """Refine every latent code by optimisation. Default: automatic, which refines
-    measured and unusual BRDFs."""
-    no_refine: bool = False
-    """Refine no latent code."""
     table: bool = False
     """Store a table of f with every material, by which it is evaluated. Default: automatic, with
-    the materials of measured files."""
+    all materials of one width but those whose codes are exact."""
     no_table: bool = False
     """Store no table."""
     mode: Annotated[str, tyro.conf.arg(aliases=["-m"])] = "llvm_ad_rgb"
     """Mitsuba variant for reading scene files."""
     weights: str | None = None
-    """Weights file of the networks. Default: the shipped ones."""
+    """Weights file. Default: the shipped ones."""
 
     def run(self) -> int:
         from urushi.material.encode import encode_all
 
-        if self.refine and self.no_refine:
-            raise ParameterError(
-                "--refine and --no-refine exclude each other; give only one of them"
-            )
         targets, sources = self.targets(), self.opened()
         failures = 0
 
@@ -76,7 +67,6 @@ class Encode:
             for position, result in encode_all(
                 [sources[k] for k in readable],
                 weights=self.weights,
-                refine=True if self.refine else False if self.no_refine else None,
                 table=True if self.table else False if self.no_table else None,
             ):
                 progress.update()
@@ -84,7 +74,7 @@ class Encode:
                     failed(result)
                     continue
                 index, (material, deviations) = readable[position], result
-                for sentence in deviations.warnings():
+                for sentence in deviations.warnings() if deviations else ():
                     _print_to_stderr(f"{self.sources[index]}: {sentence}")
                 material.save(targets[index])
                 tqdm.write(str(targets[index]))
@@ -188,7 +178,7 @@ def _print_to_stderr(sentence: str) -> None:
 
 @dataclass(frozen=True)
 class Layer:
-    """Coat a material with a rough dielectric interface and a medium, in the latent space.
+    """Coat a material with a rough dielectric interface and a medium.
 
     Every parameter of the coat is one value, or three for red, green and blue. The defaults make a
     clear coat of glass in air.
@@ -230,7 +220,7 @@ class Layer:
     g: tuple[float, ...] = (DEFAULT_COAT.g,)
     """Henyey-Greenstein asymmetry of the medium, in (-1, 1): above 0 it scatters forwards."""
     weights: str | None = None
-    """Weights file of the networks. Default: the shipped ones."""
+    """Weights file. Default: the shipped ones."""
 
     def run(self) -> int:
         import urushi
@@ -254,11 +244,10 @@ def read_material(text: str, weights: str | None) -> "Material":
     """The material of a file of `urushi encode`, or an encoded description or measured file."""
     import urushi
 
-    if is_description(text):
-        return urushi.encode(describe(text), weights, table=False)
     if Path(text).suffix == ".safetensors":
         return urushi.load(text, weights)
-    return urushi.encode(urushi.load_measured(text), weights)
+    source = describe(text) if is_description(text) else urushi.load_measured(text)
+    return urushi.encode(source, weights)
 
 
 def scalar_or_rgb(values: tuple[float, ...]) -> Any:

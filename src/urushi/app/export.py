@@ -19,26 +19,29 @@ if TYPE_CHECKING:
     from urushi.textures.gpu import Image
 
 
+#: Formats of the texture files that a language reads, the default first.
+SUFFIXES = {"osl": (".exr",), "python": (".npy",)}
+GPU_SUFFIXES = (".dds", ".ktx2")
+
+
 @dataclass(frozen=True)
 class Export:
-    """Write a material as one file of source code: functions f, pdf and sample.
+    """Write a material as source code, functions f, pdf and sample, and the texture that f reads.
 
-    The weights of the networks are literals in the file, which needs nothing else. Without a
-    material, the file is for all materials: their latent codes are arguments of its functions.
-
-    A latent texture, as written by the method `save` of a plugin, becomes a file with a texture
-    look-up, and a texture file for graphics hardware. So does a material with a table, as
-    of a measured BRDF; without --texture, its f is computed from its codes.
+    The texture holds the BRDF without its topmost lobe: a 3D texture for graphics hardware, an
+    image for OSL, an array for NumPy. Without a material, the files are for all materials: their
+    latent codes are arguments of the functions. So are the files of a latent texture, as
+    written by the method `save` of a plugin; its codes are a further texture.
 
     Example: urushi export lacquer.safetensors --language glsl -o lacquer.glsl
 
-    Example: urushi export shoe.safetensors -l hlsl -o shoe.hlsl --texture shoe.dds
+    Example: urushi export shoe.safetensors -l hlsl -o shoe.hlsl --texture shoe.ktx2
 
     Example: urushi export --language wgsl -o all.wgsl
     """
 
     output: Annotated[Path, tyro.conf.arg(aliases=["-o"])]
-    """File to write."""
+    """File of source code to write."""
     language: Annotated[
         Literal["glsl", "wgsl", "hlsl", "slang", "osl", "python"], tyro.conf.arg(aliases=["-l"])
     ]
@@ -47,69 +50,85 @@ class Export:
     """Material: a material file, a latent texture, a measured BRDF (MERL or RGL), or a
     description as in Python, such as "conductor(alpha=0.2, r0=0.9)"."""
     texture: Path | None = None
-    """Texture file to write (.dds or .ktx2): a latent texture with its mip levels, or the
-    table of a material."""
+    """Texture file to write: .dds or .ktx2, .exr for OSL, .npy for Python. The codes of a
+    latent texture are in the same place with "-codes" in the name. Default: as the output."""
     prefix: str = "urushi"
     """Beginning of the names of all functions and structures; Python's have none."""
     weights: str | None = None
-    """Weights file of the networks. Default: the shipped ones."""
+    """Weights file. Default: the shipped ones."""
 
     def run(self) -> int:
-        text = self._text()
+        path = self._texture_path()
+        text, table, codes = self._exported()
         with atomic_write(self.output) as temporary:
             temporary.write_text(text, encoding="utf-8")
-        print(self.output)
+        written = [self.output]
+        if table is not None:
+            write_table(path, table)
+            written.append(path)
+        if codes is not None:
+            written.append(path.with_stem(f"{path.stem}-codes"))
+            _write_image(written[-1], codes)
+        print(*written, sep="\n")
         return 0
 
-    def _text(self) -> str:
-        from urushi.app.encode import read_material
-        from urushi.export.program import codes_text
-        from urushi.nets.weights import find
-
-        if self.material is not None and tensor_file_kind(self.material) == "texture":
-            return self._textured_text()
-        material = None if self.material is None else read_material(self.material, self.weights)
-        table = None if material is None else material.table
-        if self.texture is not None and table is None:
+    def _texture_path(self) -> Path:
+        suffixes = SUFFIXES.get(self.language, GPU_SUFFIXES)
+        path = self.output.with_suffix(suffixes[0]) if self.texture is None else self.texture
+        if path.suffix not in suffixes:
             raise ParameterError(
-                "only latent textures and tables of materials become texture files; give one, or "
-                "leave out --texture"
+                f"exported {self.language} code reads no texture files '{path.suffix}'; give a "
+                f"name with {' or '.join(suffixes)}"
             )
-        if material is None:
-            return codes_text(self.language, find(self.weights), self.prefix)
-        if table is None or self.texture is None:
-            return material.shader(self.language, self.prefix)
-        from urushi.textures import gpu
+        return path
 
-        text = material.shader(self.language, self.prefix, table=True)
-        self._write_texture(gpu.table_image(table))
-        return text
-
-    def _textured_text(self) -> str:
-        """The text for a texture, which is written."""
-        from urushi.export.program import codes_text
+    def _exported(self) -> "tuple[str, np.ndarray | None, Image | None]":
+        """The source code, the texture of the table or of the basis, and that of codes."""
+        from urushi.app.encode import read_material
+        from urushi.export.program import codes_text, texture_form
+        from urushi.export.rest import basis_texture
         from urushi.nets.weights import find
         from urushi.textures import gpu
         from urushi.textures.store import read_texture
 
-        given = None if self.weights is None else find(self.weights)
-        store, grid, model = read_texture(str(self.material), given)
-        text = codes_text(self.language, model, self.prefix, gpu.texels(store, grid))
-        self._write_texture(gpu.texture_image(store))
-        return text
+        texels = codes = None
+        if self.material is None:
+            model = find(self.weights)
+        elif tensor_file_kind(self.material) == "texture":
+            given = None if self.weights is None else find(self.weights)
+            store, grid, model = read_texture(self.material, given)
+            texels, codes = gpu.texels(store, grid), gpu.texture_image(store)
+        else:
+            material = read_material(self.material, self.weights)
+            texture = material.shader_texture(self.language)
+            return material.shader(self.language, self.prefix), texture, None
+        text = codes_text(self.language, model, self.prefix, texels)
+        return text, basis_texture(model, texture_form(self.language)), codes
 
-    def _write_texture(self, image: "Image") -> None:
-        from urushi.textures import gpu
 
-        writers = {".dds": gpu.dds, ".ktx2": gpu.ktx2}
-        if self.texture is None or self.texture.suffix not in writers:
-            raise ParameterError(
-                f"'{self.material}' has a texture; name the texture file to write, .dds or .ktx2, "
-                "by --texture"
-            )
-        with atomic_write(self.texture) as temporary:
-            temporary.write_bytes(writers[self.texture.suffix](image))
-        print(self.texture)
+def write_table(path: Path, table: np.ndarray) -> None:
+    """Write a texture as of `Material.shader_texture` in the format of the file's name."""
+    from urushi.textures.gpu import Image
+
+    if path.suffix in GPU_SUFFIXES:
+        _write_image(path, Image([table], is_volume=True))
+        return
+    set_variant("scalar_rgb")  # enough for images, and needs no LLVM
+    import mitsuba as mi
+
+    with atomic_write(path) as temporary:
+        if path.suffix == ".npy":
+            np.save(temporary, table)
+        else:
+            mi.Bitmap(table).write(str(temporary))
+
+
+def _write_image(path: Path, image: "Image") -> None:
+    from urushi.textures import gpu
+
+    content = {".dds": gpu.dds, ".ktx2": gpu.ktx2}[path.suffix](image)
+    with atomic_write(path) as temporary:
+        temporary.write_bytes(content)
 
 
 @dataclass(frozen=True)

@@ -1,7 +1,8 @@
-"""The files of the page: the built page, the networks, shader code, films, what it shows first.
+"""The files of the page: the built page, the weights, shader code, films, what it shows first.
 
-The page is built from the folder `viewer` of the repository by `make viewer`. The networks are in
-half precision. The page inserts the codes of its materials into shader code of `urushi export`.
+The page is built from the folder `viewer` of the repository by `make viewer`. The layering network
+is in half precision, the functions of the basis in fixed point. The page inserts the codes of its
+materials into shader code of `urushi export`.
 `page_document` puts all files into one HTML document, for notebooks.
 """
 
@@ -12,7 +13,7 @@ import json
 import re
 import tempfile
 import zlib
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -21,12 +22,12 @@ import numpy as np
 import safetensors.numpy
 
 from urushi.checks import AIR, Widths
+from urushi.core.table import SHAPE, node_pairs, table_of_values
 from urushi.errors import FileError, ParameterError
 from urushi.export.languages import LANGUAGES
 from urushi.export.program import template_text
 from urushi.files import METADATA_KEY
 from urushi.material import Material, encode
-from urushi.material.table import node_pairs, table_of_values
 from urushi.nets.weights import FORMAT_VERSION, Model, anisotropic_model
 from urushi.openpbr_surface.thin_film import MEAN_COSINE, FilmedMetal
 from urushi.walk import Stack, conductor
@@ -39,6 +40,10 @@ WEIGHTS_FILE, START_FILE, SHADERS_FOLDER = "weights.safetensors", "start.json", 
 ANISOTROPIC_FILE = "anisotropic.safetensors"
 STORED_FOLDER = "stored"
 TEXTURE_FILE, TABLE_FILE = "texture.safetensors", "table.f16"
+
+#: Bits of a function of the basis at a node: rounding adds an error E of about 0.03 %, and the
+#: differences of neighbours are compressed to a third of half precision.
+FUNCTION_BITS = 12
 
 #: Complex index of niobium as Mitsuba has it in its RGB variants.
 _NIOBIUM = (3.42, 2.79, 2.396), (3.441, 2.738, 2.58)
@@ -68,7 +73,7 @@ class First(NamedTuple):
 def page_files(model: Model, first: First | None) -> dict[str, bytes]:
     """The page's files by their paths relative to it, with "/" between folders.
 
-    model: the networks of isotropic materials; anisotropic ones have the shipped networks.
+    model: the weights of isotropic materials; anisotropic ones have the shipped weights.
     first: None: the page's own first material.
     """
     if model.widths == 2:
@@ -85,7 +90,7 @@ def page_files(model: Model, first: First | None) -> dict[str, bytes]:
         raise FileError(f"the page is missing in '{BUILT}'; run `make viewer` in the repository")
     start: dict[str, Any] = {} if first is None else {"materials": [first.material]}
     other = anisotropic_model()
-    made = {WEIGHTS_FILE: half_precision(model), ANISOTROPIC_FILE: half_precision(other)}
+    made = {WEIGHTS_FILE: packed_weights(model), ANISOTROPIC_FILE: packed_weights(other)}
     for kind, file in (("texture", TEXTURE_FILE), ("table", TABLE_FILE)):
         content = getattr(first, kind, None)
         if content is not None:
@@ -119,7 +124,7 @@ def addressed(files: Mapping[str, bytes]) -> dict[str, bytes]:
 
     A browser may keep such a file without asking again, since changed content has a new address.
     Any server can serve the files, because the version is a query, "assets/index.js?3f9c…". The
-    browser loads the networks together with the script, instead of after it.
+    browser loads the weights together with the script, instead of after it.
     """
     versions = {path: version(content) for path, content in files.items() if path != "index.html"}
     text = re.sub(
@@ -144,7 +149,7 @@ def version(content: bytes) -> str:
 def shader_files(model: Model) -> dict[str, bytes]:
     """The templates of `export.program.template_text`, "shaders/glsl.txt" and so on.
 
-    Those of anisotropic networks are in "shaders/anisotropic".
+    Those of two widths are in "shaders/anisotropic".
     """
     folder = SHADERS_FOLDER if model.widths == 1 else f"{SHADERS_FOLDER}/anisotropic"
     return {
@@ -153,19 +158,53 @@ def shader_files(model: Model) -> dict[str, bytes]:
     }
 
 
-def half_precision(model: Model) -> bytes:
-    """A weights file (safetensors) with the networks' parameters as half floats."""
-    largest = float(np.finfo(np.float16).max)
-    if any(np.abs(array).max() > largest for array in model.params.values()):
-        raise ParameterError("a parameter of the networks is too large for half precision")
-    halves = {name: array.astype(np.float16) for name, array in model.params.items()}
+def packed_weights(model: Model) -> bytes:
+    """A weights file (safetensors): the network in half precision, and the basis packed.
+
+    What codes are solved with is in single precision.
+    """
+    arrays = {
+        name: array if name.startswith("basis.") else _half_precision(array)
+        for name, array in model.params.items()
+    }
+    if "basis.rows" in arrays:
+        arrays |= packed_rows(arrays.pop("basis.rows"), SHAPE)
     description = {
         "kind": "weights",
         "version": FORMAT_VERSION,
         "architecture": json.loads(model.arch.to_json()),
         "fingerprint": model.fingerprint,
     }
-    return safetensors.numpy.save(halves, {METADATA_KEY: json.dumps(description, sort_keys=True)})
+    return safetensors.numpy.save(arrays, {METADATA_KEY: json.dumps(description, sort_keys=True)})
+
+
+def _half_precision(array: np.ndarray) -> np.ndarray:
+    if np.abs(array).max() > float(np.finfo(np.float16).max):
+        raise ParameterError("a parameter is too large for half precision")
+    return array.astype(np.float16)
+
+
+def packed_rows(rows: np.ndarray, shape: Sequence[int]) -> dict[str, np.ndarray]:
+    """The rows (P, 1 + K) of a basis as bytes that compress well, and their ranges.
+
+    Returns:
+        basis.bytes: uint8 (2, K, P), low and high bytes of numbers: twice the differences, along
+            all axes in turn, of fixed-point numbers of `FUNCTION_BITS` bits; for those below zero,
+            -1 minus this. They are of b, then of the functions without the first, which is one.
+        basis.ranges: float32 (K, 2), lowest values and steps.
+    """
+    columns = np.delete(rows, 1, axis=1).T.astype(np.float64)
+    lowest = columns.min(axis=1)
+    step = np.maximum(np.ptp(columns, axis=1), 1e-6) / (2**FUNCTION_BITS - 1)
+    steps = np.rint((columns - lowest[:, None]) / step[:, None]).astype(np.int32)
+    steps = steps.reshape(-1, *shape)
+    for axis in range(1, steps.ndim):
+        steps = np.diff(steps, axis=axis, prepend=0)
+    numbers = np.where(steps < 0, -1 - 2 * steps, 2 * steps).reshape(len(columns), -1)
+    return {
+        "basis.bytes": np.stack([numbers & 255, numbers >> 8]).astype(np.uint8),
+        "basis.ranges": np.stack([lowest, step], axis=1).astype(np.float32),
+    }
 
 
 def first_of(material: Material, name: str) -> First:
@@ -175,7 +214,6 @@ def first_of(material: Material, name: str) -> First:
         "bottom": {
             "kind": "codes",
             "latents": _three(material.latents).ravel().tolist(),
-            "anchors": _three(material.anchors).ravel().tolist(),
         },
         "coats": [],
     }

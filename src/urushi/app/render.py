@@ -152,7 +152,7 @@ def load_scene(
         path: the XML file.
         definitions: values of the file's parameters by name.
         folders: where its meshes and textures are looked for, after the file's own folder.
-        weights: networks of every coat that names none itself: "default" or a weights file,
+        weights: those of every coat that names none itself: "default" or a weights file,
             relative to the working folder; None: the default.
         size: "width" and "height" of the film of every sensor [pixels]; None: the file's own.
         name: of the scene in messages; default: the file.

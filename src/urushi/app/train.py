@@ -37,7 +37,7 @@ def find_preset(
 
 @dataclass(frozen=True)
 class Train:
-    """Train networks by a preset. Training data that are missing are simulated first.
+    """Train by a preset: basis and layering network. Missing training data are computed first.
 
     A run that was interrupted continues with --resume and ends in the same weights.
 
@@ -45,8 +45,8 @@ class Train:
     """
 
     preset: str = "default"
-    """Name of the preset: default, anisotropic (two GGX widths), smoke (half a
-    minute, a check that training runs), or paper (the system of Fan et al. 2022)."""
+    """Name of the preset: default, smoke (half a minute, a check that training runs), or paper (the
+    system of Fan et al. 2022)."""
     scale: Share | None = None
     """Only for the preset "paper": fraction of its training samples to use, in (0, 1]. 4e-5 takes
     about half an hour on two cores."""
@@ -81,7 +81,7 @@ class Train:
 
 @dataclass(frozen=True)
 class Data:
-    """Simulate the training data of a preset.
+    """Compute the training data of a preset.
 
     An interrupted run continues where it stopped and ends in the same store.
 
@@ -91,16 +91,18 @@ class Data:
     output: Annotated[Path, tyro.conf.arg(aliases=["-o"])]
     """Folder to write."""
     preset: str = "default"
-    """Training preset whose data are simulated: default, anisotropic, smoke or paper."""
+    """Training preset whose data are computed: default, smoke or paper."""
     scale: Share | None = None
     """Only for the preset "paper": fraction of its training samples, as for `urushi train`."""
 
     def run(self) -> int:
         platform.require_extra("train")
-        from urushi.train.store import generate
+        from urushi.fan2022 import store as walks
+        from urushi.train import tables
 
-        preset = find_preset(self.preset, self.scale)
-        store = generate(preset.data, self.output)
+        spec: Any = find_preset(self.preset, self.scale).data
+        made: Any = tables if isinstance(spec, tables.TableSpec) else walks
+        store = made.generate(spec, self.output)
         print(f"{self.output}  {store.hash()}")
         return 0
 

@@ -58,7 +58,7 @@ class View:
     no_browser: bool = False
     """Print the address only, and open no browser."""
     weights: str | None = None
-    """Weights file of the networks. Default: the shipped ones."""
+    """Weights file. Default: the shipped ones."""
 
     def run(self) -> int:
         from urushi.app.page_files import addressed, page_document, page_files
@@ -120,7 +120,7 @@ def _first_of_scene(path: Path, bsdf: str | None, weights: str | None) -> "First
 
 
 def _first_texture(path: Path, name: str, weights: str | None) -> "First":
-    """The texture of codes of a file, of the networks that the page has."""
+    """The texture of codes of a file, of the weights that the page has."""
     from urushi.app.page_files import texels_of
     from urushi.nets.weights import find
     from urushi.textures.store import read_texture

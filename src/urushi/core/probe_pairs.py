@@ -1,4 +1,4 @@
-"""The probe pairs: fixed pairs of directions at which the encoder needs a BRDF's values."""
+"""The probe pairs: fixed pairs of directions at which a BRDF's values give its code."""
 
 import functools
 
@@ -6,8 +6,8 @@ import numpy as np
 
 from urushi.core.directions import directions_at_tangent, turned
 
-#: Number of probe pairs of the shipped encoders of isotropic BRDFs.
-PROBES = 192
+#: Number of probe pairs of isotropic BRDFs.
+PROBES = 256
 
 #: The same for anisotropic BRDFs, which depend on the azimuth too.
 ANISOTROPIC_PROBES = 384

@@ -13,8 +13,9 @@ import numpy as np
 
 FLOAT, COLOUR, VECTOR, BOOL, INT = "float", "colour", "vector", "bool", "int"
 
-#: The kind of a texture of three coordinates, with its sampler where languages separate them.
-VOLUME = "volume"
+#: The kinds of a texture and of an array of 2D textures, with their samplers where languages
+#: separate them, of their texels, and of a place in 2D.
+TEXTURE, LAYERS, TEXEL, PLACE = "texture", "layers", "texel", "place"
 
 #: An operand of arithmetic: an expression or a Python number.
 Value = Union["Expression", float]
@@ -45,7 +46,9 @@ class Expression:
 
     Attributes:
         operation: "constant", "name", an arithmetic sign, "call", "select", "component", "field",
-            "element", "texel" (the colour of a volume at a vector), or a conversion.
+            "element", "texel" (filtered, of a texture at a vector), "layer" and "level" (of layers,
+            at x and y in a layer, by the footprint or of a level), "colour" (of a texel), or a
+            conversion.
         arguments: its operands.
         kind: the type of the value: one of the kinds above, or the name of a structure.
         detail: a further operand: the number of a constant, the name of a variable, a
@@ -102,20 +105,32 @@ class Expression:
     def __gt__(self, other: Value) -> "Expression":
         return Expression(">", BOOL, (self, expression(other)))
 
+    def __lt__(self, other: Value) -> "Expression":
+        return expression(other) > self
+
     def __ge__(self, other: Value) -> "Expression":
         return Expression(">=", BOOL, (self, expression(other)))
 
+    def component(self, place: int) -> "Expression":
+        """A number of a vector, a colour or a texel."""
+        return Expression("component", FLOAT, (self,), place)
+
     @property
     def x(self) -> "Expression":
-        return Expression("component", FLOAT, (self,), 0)
+        return self.component(0)
 
     @property
     def y(self) -> "Expression":
-        return Expression("component", FLOAT, (self,), 1)
+        return self.component(1)
 
     @property
     def z(self) -> "Expression":
-        return Expression("component", FLOAT, (self,), 2)
+        return self.component(2)
+
+    @property
+    def colour(self) -> "Expression":
+        """The first three numbers of a texel."""
+        return Expression("colour", COLOUR, (self,))
 
 
 def expression(value: Value) -> Expression:
@@ -145,8 +160,8 @@ def _is_one(value: Expression) -> bool:
 
 
 def _wider(*values: Expression) -> str:
-    """The kind of a function of floats and colours."""
-    return COLOUR if any(value.kind == COLOUR for value in values) else values[0].kind
+    """The kind of a function of floats, and of colours or texels."""
+    return next((v.kind for v in values if v.kind in (COLOUR, TEXEL)), values[0].kind)
 
 
 def _folded(value: np.ndarray) -> Expression:

@@ -2,9 +2,10 @@
 
 from collections.abc import Sequence
 
-from urushi.export.expressions import COLOUR, FLOAT, VECTOR, VOLUME
-from urushi.export.printer import Printer, broken, kinds
+from urushi.export.expressions import COLOUR, FLOAT, LAYERS, TEXTURE, VECTOR
+from urushi.export.printer import Printer, Textures, broken, kinds
 from urushi.export.proposal import SAMPLE
+from urushi.export.rest import TextureForm
 from urushi.export.statements import Function, Program, Statement, Structure, Variable
 
 
@@ -16,12 +17,14 @@ class Glsl(Printer):
         "Include this file after the line with the version (GLSL 3.30 or GLSL ES 3.00 and later) "
         "and, in GLSL ES, after `precision highp float;`."
     )
-    kinds = kinds("vec3")
-    table_form = "const float {name}[{count}] = float[{count}](", ");"
-    fetch_head = "{kind} {label}(sampler2DArray texels, vec2 uv{level}) {{"
-    sample = "vec4 four = texture(texels, vec3(place, float(layer)))"
-    sample_level = "vec4 four = textureLod(texels, vec3(place, float(layer)), level)"
-    volume, texel = "highp sampler3D {name}", "textureLod({0}, {1}, 0.0).rgb"
+    kinds = kinds("vec2", "vec3", "vec4")
+    textures = Textures(
+        texture="highp sampler3D {}",
+        texel="textureLod({}, {}, 0.0)",
+        layers="sampler2DArray {}",
+        layer="texture({}, vec3({}, {}, {}.0))",
+        level="textureLod({}, vec3({}, {}, {}.0), {})",
+    )
 
 
 class Hlsl(Printer):
@@ -29,16 +32,14 @@ class Hlsl(Printer):
 
     title = "HLSL"
     usage = "Include this file in a shader of shader model 5.0 or later."
-    kinds = kinds("float3")
-    table_form = "static const float {name}[{count}] = {{", "}};"
-    two, place = "float2", "float2 place"
-    fetch_head = (
-        "{kind} {label}(Texture2DArray<float4> texels, SamplerState filtering, float2 uv{level}) {{"
+    kinds = kinds("float2", "float3", "float4")
+    textures = Textures(
+        texture="Texture3D<float4> {}, SamplerState filtering",
+        texel="{}.SampleLevel(filtering, {}, 0.0)",
+        layers="Texture2DArray<float4> {}, SamplerState filtering",
+        layer="{}.Sample(filtering, float3({}, {}, {}.0))",
+        level="{}.SampleLevel(filtering, float3({}, {}, {}.0), {})",
     )
-    sample = "float4 four = texels.Sample(filtering, float3(place, float(layer)))"
-    sample_level = "float4 four = texels.SampleLevel(filtering, float3(place, float(layer)), level)"
-    volume = "Texture3D<float4> {name}, SamplerState filtering"
-    texel = "{0}.SampleLevel(filtering, {1}, 0.0).rgb"
 
     def splat(self, value: str) -> str:
         return f"({value}).xxx"
@@ -50,17 +51,20 @@ class Slang(Hlsl):
 
 
 class Osl(Printer):
-    """OSL, the Open Shading Language, which has no constants outside functions."""
+    """OSL, the Open Shading Language. Few renderers have its 3D textures."""
 
     title = "OSL"
     usage = (
         "Include this file in a shader. OSL renderers integrate closures and have none for these "
         "functions: they serve where a shader knows both directions."
     )
-    kinds = kinds("vector", truth="int") | {COLOUR: "color"}
-    components = ("[0]", "[1]", "[2]")
-    table_form = "float {name}[{count}] = {{", "}};"
-    tables_inside = True
+    kinds = kinds("vector", "vector", "color", truth="int") | {COLOUR: "color"}
+    components, rgb = ("[0]", "[1]", "[2]"), ""
+    form = TextureForm(axes=2, numbers=3)
+    textures = Textures(
+        "string {}",
+        'texture({0}, {1}[0], {1}[1], "width", 0.0, "wrap", "clamp", "interp", "linear")',
+    )
 
 
 class Wgsl(Printer):
@@ -68,21 +72,18 @@ class Wgsl(Printer):
 
     title = "WGSL"
     usage = "Put this file before the code that uses it: WGSL has no includes."
-    kinds = kinds("vec3f", "f32", "i32")
+    kinds = kinds("vec2f", "vec3f", "vec4f", "f32", "i32")
     field_end, structure_end = ",", "}"
-    table_form = "const {name} = array<f32, {count}>(", ");"
-    two, place, level = "vec2f", "let place", ", level: f32"
-    fetch_head = (
-        "fn {label}(texels: texture_2d_array<f32>, filtering: sampler, uv: vec2f{level}) -> {kind} "
-        "{{"
+    textures = Textures(
+        texture="{}: texture_3d<f32>, filtering: sampler",
+        texel="textureSampleLevel({}, filtering, {}, 0.0)",
+        layers="{}: texture_2d_array<f32>, filtering: sampler",
+        layer="textureSample({}, filtering, vec2f({}, {}), {})",
+        level="textureSampleLevel({}, filtering, vec2f({}, {}), {}, {})",
     )
-    sample = "let four = textureSample(texels, filtering, place, layer)"
-    sample_level = "let four = textureSampleLevel(texels, filtering, place, layer, level)"
-    volume = "{name}: texture_3d<f32>, filtering: sampler"
-    texel = "textureSampleLevel({0}, filtering, {1}, 0.0).rgb"
 
     def declared(self, variable: Variable) -> str:
-        if variable.kind == VOLUME:
+        if variable.kind in (TEXTURE, LAYERS):
             return super().declared(variable)
         kind = self.kind(variable.kind)
         if variable.count is not None:
@@ -94,9 +95,6 @@ class Wgsl(Printer):
         name = self.function_name(function.name)
         return f"fn {name}({arguments}) -> {self.kind(function.kind)} {{"
 
-    def loop_head(self, counter: str, count: int) -> str:
-        return f"for (var {counter} = 0; {counter} < {count}; {counter}++) {{"
-
     def let(self, variable: Variable, value: str) -> str:
         return f"let {variable.name} = {value};"
 
@@ -105,6 +103,25 @@ class Wgsl(Printer):
 
     def selected(self, condition: str, yes: str, no: str) -> str:
         return f"select({no}, {yes}, {condition})"
+
+
+#: Functions that have the same names in NumPy.
+PLAIN = ("sqrt", "log", "exp", "tanh", "abs", "cos", "sin", "floor")
+
+#: A 3D texture's hardware, in Python.
+TEXEL_FUNCTION = '''
+
+def _texel(texture, place):
+    """Numbers (..., 4) of a texture (depth, height, width, 4), linear between its texels."""
+    size = np.array(texture.shape[2::-1])
+    at = np.clip(place * size.astype(np.float32) - np.float32(0.5), 0, size - 1)
+    low = np.minimum(at.astype(int), size - 2)
+    share, total = (at - low).astype(np.float32), 0
+    for corner in np.ndindex(2, 2, 2):
+        x, y, z = np.moveaxis(low + corner, -1, 0)
+        weight = np.where(corner, share, 1 - share).prod(axis=-1, keepdims=True)
+        total = total + weight * texture[z, y, x]
+    return total'''
 
 
 class Python(Printer):
@@ -116,30 +133,28 @@ class Python(Printer):
         "{sample} returns the pair (wo, density)."
     )
     comment = "#"
-    calls = {name: f"np.{name}" for name in ("sqrt", "log", "exp", "tanh", "abs", "cos", "sin")} | {
+    calls = {name: f"np.{name}" for name in PLAIN} | {
         "min": "np.minimum",
         "max": "np.maximum",
         "clamp": "np.clip",
     }
-    components = ("[..., 0:1]", "[..., 1:2]", "[..., 2:3]")
-    end, loop_end = "", ()
-    table_form = "{name} = np.array([", "], np.float32)"
+    components, rgb = tuple(f"[..., {i}:{i + 1}]" for i in range(4)), "[..., :3]"
+    end = ""
+    textures = Textures("{}", "_texel({}, {})")
 
     def printed(self, program: Program) -> str:
         self._public = program.public
         return super().printed(program)
 
     def head(self, program: Program) -> list[str]:
-        return [*super().head(program), "", "import numpy as np"]
+        lines = [*super().head(program), "", "import numpy as np"]
+        return [*lines, *TEXEL_FUNCTION.splitlines()] if program.textured else lines
 
     def function_name(self, label: str) -> str:
         return label if label in self._public else f"_{label}"
 
     def structure_name(self, label: str) -> str:
         return label
-
-    def table_name(self, label: str) -> str:
-        return f"_{label.upper()}"
 
     def structure(self, structure: Structure) -> list[str]:
         lines = ["", f"class {structure.name}:", f'    """{structure.note}"""']
@@ -175,9 +190,6 @@ class Python(Printer):
         head, _, value = code.partition(mark)
         inner = indent + "    "
         return [f"{indent}{head}{mark}(", *broken(value, inner, inner), f"{indent})"]
-
-    def loop_head(self, counter: str, count: int) -> str:
-        return f"for {counter} in range({count}):"
 
     def let(self, variable: Variable, value: str) -> str:
         return f"{variable.name} = {value}"

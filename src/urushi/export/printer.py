@@ -2,18 +2,28 @@
 
 import textwrap
 from collections.abc import Iterable, Mapping, Sequence
-from typing import ClassVar
+from typing import ClassVar, NamedTuple
 
 import numpy as np
 
-from urushi.export.expressions import BOOL, COLOUR, FLOAT, INT, VECTOR, VOLUME, Expression
+from urushi.export.expressions import (
+    BOOL,
+    COLOUR,
+    FLOAT,
+    INT,
+    LAYERS,
+    PLACE,
+    TEXEL,
+    TEXTURE,
+    VECTOR,
+    Expression,
+)
+from urushi.export.rest import TextureForm
 from urushi.export.statements import (
     Function,
     Program,
     Statement,
     Structure,
-    Table,
-    Texels,
     Variable,
 )
 
@@ -24,6 +34,19 @@ _PRECEDENCE = {">": 1, ">=": 1, "+": 2, "-": 2, "*": 3, "/": 3}
 _UNARY, PRIMARY = 4, 5
 
 
+class Textures(NamedTuple):
+    """How a language declares textures, and reads them, by kinds and operations of `expressions`.
+
+    Without layers, it reads none.
+    """
+
+    texture: str
+    texel: str
+    layers: str = ""
+    layer: str = ""
+    level: str = ""
+
+
 class Printer:
     """A language. Subclasses say what differs from C."""
 
@@ -32,21 +55,13 @@ class Printer:
     comment: ClassVar[str] = "//"  # begins a comment
     kinds: ClassVar[Mapping[str, str]]  # the language's names of the kinds of values
     calls: ClassVar[Mapping[str, str]] = {}  # names of functions that differ from `expressions`
-    components: ClassVar[Sequence[str]] = (".x", ".y", ".z")  # of a vector and of a colour
+    components: ClassVar[Sequence[str]] = (".x", ".y", ".z", ".w")  # of a vector, colour or texel
+    rgb: ClassVar[str] = ".rgb"  # the first three of a texel
     field_end: ClassVar[str] = ";"  # ends a field of a structure
     structure_end: ClassVar[str] = "};"
-    table_form: ClassVar[tuple[str, str]]  # lines before and after the numbers of a table
-    tables_inside: ClassVar[bool] = False  # whether tables stand in the functions that read them
     end: ClassVar[str] = ";"  # ends a statement
-    loop_end: ClassVar[Sequence[str]] = ("}",)  # the lines that end a loop
-    two: ClassVar[str] = "vec2"  # the name of two floats
-    fetch_head: ClassVar[str]  # the first line of a function that reads a texture
-    level: ClassVar[str] = ", float level"  # further argument of a function for a given level
-    place: ClassVar[str] = "vec2 place"  # declares the texture's coordinates
-    sample: ClassVar[str]  # declares four bytes, by the footprint
-    sample_level: ClassVar[str]  # and of a given level
-    volume: ClassVar[str]  # the argument that is a texture of three coordinates
-    texel: ClassVar[str]  # and its colour at a place
+    form: ClassVar[TextureForm] = TextureForm()
+    textures: ClassVar[Textures]
 
     def __init__(self, prefix: str):
         """prefix: begins the names of all functions, structures and tables."""
@@ -57,11 +72,7 @@ class Printer:
         for structure in program.structures:
             lines += [*self.structure(structure), ""]
         for function in program.functions:
-            for table in () if self.tables_inside else function.tables:
-                lines += [*self.table(table), ""]
             lines += [*self.function(function), ""]
-        if program.texels:
-            lines += self.lookup(program.texels, program.functions[-1])
         return "\n".join(lines).rstrip("\n") + "\n"
 
     def head(self, program: Program) -> list[str]:
@@ -83,9 +94,6 @@ class Printer:
     def structure_name(self, label: str) -> str:
         return self.prefix.replace("_", " ").title().replace(" ", "") + label
 
-    def table_name(self, label: str) -> str:
-        return f"{self.prefix}_{label}"
-
     def kind(self, kind: str) -> str:
         return self.kinds.get(kind) or self.structure_name(kind)
 
@@ -93,8 +101,8 @@ class Printer:
 
     def declared(self, variable: Variable) -> str:
         """A type and a name, as in C."""
-        if variable.kind == VOLUME:
-            return self.volume.format(name=variable.name)
+        if variable.kind in (TEXTURE, LAYERS):
+            return getattr(self.textures, variable.kind).format(variable.name)
         count = "" if variable.count is None else f"[{variable.count}]"
         return f"{self.kind(variable.kind)} {variable.name}{count}"
 
@@ -106,67 +114,24 @@ class Printer:
             lines.append(f"    {self.declared(variable)}{self.field_end}{note}")
         return [*lines, self.structure_end]
 
-    def table(self, table: Table, indent: str = "") -> list[str]:
-        name, count, inner = self.table_name(table.name), len(table.values), indent + "    "
-        first, last = (indent + line.format(name=name, count=count) for line in self.table_form)
-        text = ", ".join(self.number(float(value)) for value in table.values)
-        return [first, *broken(text, inner, inner), last]
-
     def function(self, function: Function) -> list[str]:
-        tables = function.tables if self.tables_inside else ()
-        inside = [line for table in tables for line in self.table(table, "    ")]
         head = [*self.comments(function.note), self.signature(function)]
-        return [*head, *inside, *self.body(function.body, "    "), "}"]
+        return [*head, *self.body(function.body, "    "), "}"]
 
     def signature(self, function: Function) -> str:
         arguments = ", ".join(map(self.declared, function.arguments))
         return f"{self.kind(function.kind)} {self.function_name(function.name)}({arguments}) {{"
-
-    def lookup(self, texels: Texels, function: Function) -> list[str]:
-        """The functions that read a texture: with the level of the footprint, and a given one."""
-        kind, name = self.kind(function.kind), self.function_name(function.name)
-        place = "uv"
-        if not np.array_equal(texels.to_texture, np.eye(2, 3)):
-            rows = (map(self.number, row) for row in texels.to_texture)
-            texts = (f"{u} * uv.x + {v} * uv.y + {offset}" for u, v, offset in rows)
-            place = f"{self.two}({', '.join(texts)})"
-        forms = (
-            ("fetch", "", self.sample, "The material at uv; the footprint chooses the level."),
-            ("fetch_level", self.level, self.sample_level, "The material at uv, of a given level."),
-        )
-        lines: list[str] = []
-        for label, level, sample, note in forms:
-            label = self.function_name(label)
-            lines += [
-                *self.comments(note),
-                self.fetch_head.format(kind=kind, label=label, level=level),
-                f"    {self.empty(Variable('stored', FLOAT, 4 * texels.layers))}",
-                f"    {self.place} = {place};",
-                f"    {self.loop_head('layer', texels.layers)}",
-                f"        {sample};",
-                *(f"        stored[4 * layer + {i}] = four.{c};" for i, c in enumerate("xyzw")),
-                "    }",
-                f"    return {name}(stored);",
-                "}",
-                "",
-            ]
-        return lines
 
     # Statements
 
     def body(self, statements: Iterable[Statement], indent: str) -> list[str]:
         lines: list[str] = []
         for statement in statements:
-            if statement.operation == "loop":
-                lines.append(indent + self.loop_head(str(statement.target), statement.count))
-                lines += self.body(statement.body, indent + "    ")
-                lines += [indent + line for line in self.loop_end]
-            else:
-                lines += self.wrapped(indent + self.statement(statement))
+            lines += self.wrapped(indent + self.statement(statement))
         return lines
 
     def statement(self, statement: Statement) -> str:
-        """A statement, except a loop, in one line."""
+        """A statement in one line."""
         target, value = statement.target, statement.value
         match statement.operation:
             case "note":
@@ -178,9 +143,6 @@ class Printer:
             case "assign":
                 return f"{self.text(target)} = {self.text(value)}{self.end}"
         return f"return {self.text(value)}{self.end}"
-
-    def loop_head(self, counter: str, count: int) -> str:
-        return f"for (int {counter} = 0; {counter} < {count}; ++{counter}) {{"
 
     def wrapped(self, line: str) -> list[str]:
         """A line of code, broken at spaces if it is too long; comments stay as they are."""
@@ -220,18 +182,18 @@ class Printer:
                     return text, _UNARY
             case "name" | "integer":
                 text = str(detail)
-            case "table":
-                text = self.table_name(detail)
             case "call":
                 text = f"{self.calls.get(detail, detail)}({', '.join(texts)})"
-            case "texel":
-                text = self.texel.format(*texts)
+            case "texel" | "layer" | "level":
+                text = getattr(self.textures, value.operation).format(*texts)
             case "invoke":
                 text = f"{self.function_name(detail)}({', '.join(texts)})"
             case "select":
                 text = self.selected(*texts)
             case "component":
                 text = self._primary(arguments[0]) + self.components[detail]
+            case "colour":
+                text = self._primary(arguments[0]) + self.rgb
             case "field":
                 text = f"{self._primary(arguments[0])}.{detail}"
             case "element":
@@ -276,9 +238,12 @@ class Printer:
         return f"({condition} ? {yes} : {no})"
 
 
-def kinds(three: str, number: str = "float", whole: str = "int", truth: str = "bool") -> dict:
-    """The kinds of a language by its names of three floats, a float, an integer and a bool."""
-    return {FLOAT: number, COLOUR: three, VECTOR: three, BOOL: truth, INT: whole}
+def kinds(
+    two: str, three: str, four: str, number: str = "float", whole: str = "int", truth: str = "bool"
+) -> dict:
+    """The kinds of a language by its names of two to four floats, a float, an int and a bool."""
+    several = {PLACE: two, COLOUR: three, VECTOR: three, TEXEL: four}
+    return {FLOAT: number, **several, BOOL: truth, INT: whole}
 
 
 def broken(text: str, first: str, further: str) -> list[str]:

@@ -1,16 +1,18 @@
-"""Programs: a material with known codes, and all materials of given networks."""
+"""Programs: a material with known codes, and all materials of given weights."""
 
 from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
 
+from urushi.core.stretched import FACTORS
+from urushi.core.table import Knots
 from urushi.errors import ParameterError
-from urushi.export import networks, proposal
+from urushi.export import proposal
 from urushi.export.expressions import (
     COLOUR,
     FLOAT,
-    VOLUME,
+    TEXTURE,
     Expression,
     call,
     colour,
@@ -21,8 +23,9 @@ from urushi.export.expressions import (
     vector,
 )
 from urushi.export.languages import LANGUAGES
-from urushi.export.networks import FIELDS, X_AXIS, CodeTerms, FTable, Tangent, activation, dense
-from urushi.export.proposal import LABELS, SAMPLE, WI, WO, U, argument
+from urushi.export.lobe import FIELDS, X_AXIS, Tangent, alphas_of, lobe_f
+from urushi.export.proposal import SAMPLE, WI, WO, Terms, U, argument
+from urushi.export.rest import Rest, TextureForm, basis_of, factors_of, rest_f, texture_shape
 from urushi.export.statements import (
     Function,
     Program,
@@ -30,10 +33,10 @@ from urushi.export.statements import (
     Texels,
     Variable,
     element,
+    fetch_functions,
     member,
-    texel_function,
 )
-from urushi.nets.lobe import WIDTH_PLACES
+from urushi.nets.proposal import TERMS
 from urushi.nets.weights import Model
 
 #: How directions and values are meant, in every file.
@@ -48,7 +51,7 @@ CONVENTIONS = (
     "wo.",
 )
 
-#: Further conventions of anisotropic networks, and how a file for all materials turns one.
+#: Further conventions of two widths, and how a file for all materials turns one.
 ANISOTROPIC = (
     "The x axis of the frame is the tangent of the shape. f is the same for the mirror images of "
     "wi and wo at the plane of the normal and the material's tangent, and at the plane across."
@@ -61,96 +64,101 @@ TURNED = (
 #: Beginning of the names in templates.
 PREFIX = "urushi"
 
-#: Languages that read textures.
-TEXTURED = ("glsl", "wgsl", "hlsl", "slang")
+#: The texture of ln f or of the basis.
+TABLE = Variable("table", TEXTURE)
 
-#: The texture of a table of f.
-TABLE = Variable("table", VOLUME)
+#: How its texture is used.
+FILTERING = (
+    "Its sampler filters linearly. Where the language separates samplers from textures, the "
+    "sampler follows the texture."
+)
 
-#: The material of a file for all materials.
-MATERIAL = "Material"
+#: The material of a file for all materials, and its field of two GGX widths.
+MATERIAL, STRETCH = "Material", Variable("stretch", FLOAT, note="of half vectors")
 
 
 def material_text(
     language: str,
     model: Model,
     latents: np.ndarray,
-    anchors: np.ndarray,
     prefix: str,
     rotation: float = 0.0,
-    table: FTable | None = None,
+    *,
+    knots: Knots = (),
+    has_lobe: bool = True,
+    has_rest: bool = True,
 ) -> str:
     """The file of one material.
 
     Args:
         language: one of `LANGUAGES`.
-        latents, anchors: (C, size), C being 1 or 3: codes by which f is evaluated and sampled.
+        latents: (C, size), C being 1 or 3: codes, by whose lobes f is evaluated and which are
+            sampled.
         prefix: begins the names in the file.
         rotation: [degrees] by which the material's tangent is turned.
-        table: by which f is evaluated; None: it is by the codes.
+        knots: of the table of ln f, which the texture `rest.own_texture` holds.
+        has_lobe, has_rest: whether f has the lobe, and what the texture holds.
     """
-    check(language, model, prefix)
-    if table:
-        check_textured(language)
+    check(language, prefix)
     if len(latents) not in (1, 3):
         raise ParameterError(
             f"the material has {len(latents)} channels; only materials of one or three can be "
             "exported"
         )
-    activations = [activation(FLOAT, model.arch.activation, "unit")]
-    if len(latents) > 1 and not table:
-        activations.append(activation(COLOUR, model.arch.activation, "units"))
-    mean = anchors.mean(axis=0)
-    has_lobe = table is None or table.beside_lobe
-    lobe = latents[:, : model.arch.lobe] if has_lobe else np.zeros((1, model.arch.lobe))
+    terms = proposal.terms_of(model, [expression(float(x)) for x in latents.mean(axis=0)])
+    rest = Rest(1 if model.widths == 1 else 1 + FACTORS, knots, terms.stretch) if has_rest else None
     code = _Code(
-        [colour(column) for column in lobe.T],
-        networks.known_terms(model, latents),
-        proposal.known_first(model, mean),
-        [expression(float(mean[place])) for place in WIDTH_PLACES[model.widths]],
+        [colour(column) for column in latents[:, : model.arch.lobe].T] if has_lobe else (),
+        rest,
+        terms,
         Tangent.of(rotation),
     )
-    reads = ", table" if table else ""
+    printer = LANGUAGES[language](prefix)
     note: tuple[str, ...] = (
-        f"A material of Urushi as code, of the networks {model.fingerprint}.",
-        f"Functions: {{f}}(wi, wo{reads}), {{pdf}}(wi, wo) and {{sample}}(wi, u).",
+        f"A material of Urushi as code, of the weights {model.fingerprint}.",
+        f"Functions: {{f}}(wi, wo{', table' if rest else ''}), {{pdf}}(wi, wo) and "
+        "{sample}(wi, u).",
         *_conventions(model),
     )
-    if table:
-        depth, height, width = table.shape
-        note = (
-            *note,
-            f"The table belongs to this file: a 3D texture of {width} x {height} x {depth} texels "
-            "of the format RGBA16F. Its sampler has the wrap mode clamp to edge and linear "
-            "filtering. Where the language separates samplers from textures, the sampler follows "
-            "the texture.",
-        )
-    functions = _functions(model, code, (), activations[0], activations[-1], table)
-    structures = (proposal.structure(model), SAMPLE)
-    program = Program(note, structures, [*activations, *functions])
-    return LANGUAGES[language](prefix).printed(program)
+    if rest:
+        note = *note, f"The table is a texture of this material: {_size(rest, printer.form)}"
+    structures = (proposal.structure(model.widths), SAMPLE)
+    return printer.printed(Program(note, structures, _functions(code, (), printer.form)))
+
+
+def _size(rest: Rest, form: TextureForm) -> str:
+    """What a texture is, in sentences."""
+    size = " x ".join(map(str, reversed(texture_shape(rest.texels, form))))
+    return f"{size} texels of half floats, {form.numbers} each. {FILTERING}"
 
 
 def codes_text(language: str, model: Model, prefix: str, texels: Texels | None = None) -> str:
-    """The file of all materials of networks; their codes are arguments.
+    """The file of all materials of weights; their codes are arguments.
 
-    texels: of a texture that the file also reads.
+    It reads the texture `rest.basis_texture`.
+
+    texels: of a texture of codes that the file also reads.
     """
-    check(language, model, prefix)
-    if texels:
-        check_textured(language)
-    return LANGUAGES[language](prefix).printed(codes_program(model, texels))
+    check(language, prefix)
+    printer = LANGUAGES[language](prefix)
+    if texels and not printer.textures.layers:
+        able = [name for name, printer in LANGUAGES.items() if printer.textures.layers]
+        raise ParameterError(
+            f"exported {printer.title} code reads no latent textures; choose one of "
+            + ", ".join(able)
+        )
+    return printer.printed(codes_program(model, printer.form, texels))
 
 
 def template_text(language: str, model: Model) -> str:
     """The file of a material whose codes are still to be filled in, for writers without Python.
 
     It is the file of `codes_text` with a function `material` that prepares the codes. The number
-    of a code and a channel is written as a name, `code_0_red` for the first. If the networks are
+    of a code and a channel is written as a name, `code_0_red` for the first. If the weights are
     anisotropic, `code_tangent_x` and `code_tangent_y` are the cosine and the sine of the rotation.
     """
-    check(language, model, PREFIX)
-    program = codes_program(model)
+    printer = LANGUAGES[language](PREFIX)
+    program = codes_program(model, printer.form)
     prepare = next(function for function in program.functions if function.name == "prepare")
     made = Function("material", (), MATERIAL, "This material; make it once.", public=True)
     codes = made.array("codes", COLOUR, model.arch.latent)
@@ -166,26 +174,23 @@ def template_text(language: str, model: Model) -> str:
             made.assign(member(prepared, variable), name(f"code_{variable.name}", FLOAT))
         made.returns(prepared)
     note = (
-        f"A material of Urushi as code, of the networks {model.fingerprint}.",
-        "Functions: {material}(), once; then {f}(material, wi, wo), {pdf}(material, wi, wo) and "
-        "{sample}(material, wi, u). {prepare}(codes) makes other materials.",
+        f"A material of Urushi as code, of the weights {model.fingerprint}.",
+        "Functions: {material}(), once; then {f}(material, wi, wo, table), {pdf}(material, wi, wo) "
+        "and {sample}(material, wi, u). {prepare}(codes) makes other materials.",
         *_conventions(model),
+        f"{program.note[-1]} `urushi export` without a material writes it.",
     )
-    program = Program(note, program.structures, [*program.functions, made])
-    return LANGUAGES[language](PREFIX).printed(program)
+    return printer.printed(Program(note, program.structures, [*program.functions, made]))
 
 
-def check_textured(language: str) -> None:
-    """Raise a ParameterError if files of a language read no textures."""
-    if language not in TEXTURED:
-        raise ParameterError(
-            f"exported {LANGUAGES[language].title} code reads no textures; choose one of "
-            + ", ".join(TEXTURED)
-        )
+def texture_form(language: str) -> TextureForm:
+    """What a language's textures of ln f are."""
+    check(language, PREFIX)
+    return LANGUAGES[language].form
 
 
-def check(language: str, model: Model, prefix: str) -> None:
-    """Raise a ParameterError if networks cannot be written in a language with a prefix."""
+def check(language: str, prefix: str) -> None:
+    """Raise a ParameterError if there is no such language, or names cannot begin with a prefix."""
     if language not in LANGUAGES:
         raise ParameterError(
             f"there is no language '{language}'; choose one of {', '.join(LANGUAGES)}"
@@ -198,27 +203,18 @@ def check(language: str, model: Model, prefix: str) -> None:
 
 
 class _Code(NamedTuple):
-    """The terms of a material's codes that its functions use."""
+    """What a material's functions need of its codes."""
 
-    lobe: Sequence[Expression]  # the numbers of its lobe
-    terms: CodeTerms  # of the decoder
-    first: Sequence[Expression]  # the code's part of the sampler's first layer
-    alphas: Sequence[Expression]  # the widths of its lobe
+    lobe: Sequence[Expression]  # the numbers of its lobe; empty without one
+    rest: Rest | None
+    terms: Terms  # of the proposal
     tangent: Tangent
 
 
-def _functions(
-    model: Model,
-    code: _Code,
-    given: tuple[Variable, ...],
-    unit: Function,
-    units: Function,
-    table: FTable | None = None,
-) -> list[Function]:
+def _functions(code: _Code, given: tuple[Variable, ...], form: TextureForm) -> list[Function]:
     """f, pdf and sample of a material, each after the functions that it calls.
 
-    given: arguments before the directions. unit, units: the activations of floats and colours.
-    table: by which f is evaluated; None: it is by the codes.
+    given: arguments before the directions.
     """
     own, tangent = [argument(variable) for variable in given], code.tangent
 
@@ -227,20 +223,17 @@ def _functions(
         wi = tangent.inside(body, argument(WI), "turned_i")
         return wi, tangent.inside(body, argument(WO), "turned_o")
 
-    arguments = (*given, WI, WO, TABLE) if table else (*given, WI, WO)
+    arguments = (*given, WI, WO, TABLE) if code.rest else (*given, WI, WO)
     f = Function("f", arguments, COLOUR, "The BRDF [1/sr] without the cosine.", public=True)
     wi, wo = inside(f)
-    value = networks.lobe_f(f, code.lobe, wi, wo)
-    if table:
-        rest = networks.tabulated(f, table, argument(TABLE), wi, wo)
-    else:
-        inputs = networks.features(f, wi, wo, model.widths)
-        rest = networks.rest(f, model, code.terms, inputs, units)
-    f.returns(select(call("min", wi.z, wo.z) > 0.0, value + rest, 0.0))
+    value = lobe_f(f, code.lobe, wi, wo) if code.lobe else expression(0.0)
+    if code.rest:
+        value = value + rest_f(f, code.rest, form, argument(TABLE), wi, wo)
+    f.returns(select(call("min", wi.z, wo.z) > 0.0, value, 0.0))
 
     made = Function("proposal", (*given, WI), "Proposal", "The proposal for wi.")
-    made.returns(proposal.fill(made, model, code.first, code.alphas, argument(WI), unit))
-    sampling = _, density_of, _, draw = proposal.functions(model)
+    made.returns(proposal.fill(made, code.terms, argument(WI)))
+    sampling = _, density_of, _, draw = proposal.functions(len(alphas_of(code.terms.lobe)))
     note = "The density [1/sr] of `sample` at wo."
     pdf = Function("pdf", (*given, WI, WO), FLOAT, note, public=True)
     wi, wo = inside(pdf)
@@ -268,51 +261,60 @@ def _conventions(model: Model) -> tuple[str, ...]:
     return CONVENTIONS if model.widths == 1 else (*CONVENTIONS, ANISOTROPIC)
 
 
-def codes_program(model: Model, texels: Texels | None = None) -> Program:
-    """The program of all materials; their codes are arguments, or read from a texture."""
-    arch = model.arch
-    count, widths = 2 * arch.decoder[0], [f"alpha{label}" for label in LABELS[arch.widths]]
+def codes_program(model: Model, form: TextureForm, texels: Texels | None = None) -> Program:
+    """The program of all materials; their codes are arguments, or read from a texture.
+
+    form: of the textures of its language.
+    """
+    arch, networks = model.arch, basis_of(model)
     structure = Structure(
         MATERIAL,
         (
-            Variable("lobe", COLOUR, arch.lobe, "width, Fresnel factors and index of the lobe"),
-            Variable("gain", COLOUR, note="added to the logarithm of the rest"),
-            Variable("terms", COLOUR, count, "scales and offsets of the units"),
-            Variable("first", FLOAT, arch.sampler[0], "of the sampler's first layer"),
-            *(Variable(label, FLOAT, None, "width of the proposal's own lobe") for label in widths),
-            *(FIELDS if arch.widths == 2 else ()),
+            Variable("codes", COLOUR, arch.latent, "the lobe, and factors of the basis"),
+            Variable("mean_lobe", FLOAT, arch.lobe, "that directions are drawn by"),
+            Variable("terms", FLOAT, TERMS, "of the energies of the proposal's lobes"),
+            *((STRETCH, *FIELDS) if arch.widths == 2 else ()),
         ),
-        "A material: what the networks need of its codes. `prepare` makes it.",
+        "A material. `prepare` makes it.",
     )
-    unit = activation(FLOAT, arch.activation, "unit")
-    units = activation(COLOUR, arch.activation, "units")
     prepare = _prepare(model, structure)
 
     material = Variable("material", MATERIAL)
-    lobes, gain, terms, first, *others = (
-        member(argument(material), variable) for variable in structure.fields
+    codes, lobe, energies, *others = (member(argument(material), x) for x in structure.fields)
+    numbers = [element(codes, i) for i in range(arch.latent)]
+    count = networks.basis.size
+    terms = Terms(
+        [element(lobe, i) for i in range(arch.lobe)],
+        [element(energies, i) for i in range(TERMS)],
+        proposal.overlaps_of(model),
+        others[0] if others else None,
+    )
+    rest = Rest(
+        -(-count // form.numbers),
+        stretch=terms.stretch,
+        code=numbers[arch.lobe : arch.lobe + count],
+        factors=factors_of(networks),
     )
     code = _Code(
-        [element(lobes, i) for i in range(arch.lobe)],
-        networks.split_terms(model, gain, [element(terms, i) for i in range(count)]),
-        [element(first, i) for i in range(arch.sampler[0])],
-        others[: arch.widths],
-        Tangent(*others[arch.widths :] or X_AXIS),
+        numbers[: arch.lobe],
+        rest,
+        terms,
+        Tangent(*others[1:] or X_AXIS),
     )
-    note = (
-        f"All materials of Urushi's networks {model.fingerprint} as code; the latent codes of a "
+    note: tuple[str, ...] = (
+        f"All materials of Urushi's weights {model.fingerprint} as code; the latent codes of a "
         "material are arguments.",
         f"Functions: {{prepare}}(codes), once for the {arch.latent} numbers of a material's codes, "
-        "each for red, green and blue; then {f}(material, wi, wo), {pdf}(material, wi, wo) and "
-        "{sample}(material, wi, u).",
+        "each for red, green and blue; then {f}(material, wi, wo, table), {pdf}(material, wi, wo) "
+        "and {sample}(material, wi, u).",
         *_conventions(model),
         *((TURNED,) if arch.widths == 2 else ()),
+        f"The table is the texture of the basis, for all materials: {_size(rest, form)}",
     )
-    structures = (structure, proposal.structure(model), SAMPLE)
-    functions = [unit, units, prepare, *_functions(model, code, (material,), unit, units)]
+    structures = (structure, proposal.structure(arch.widths), SAMPLE)
+    functions = [prepare, *_functions(code, (material,), form)]
     if texels is None:
         return Program(note, structures, functions)
-    texel = texel_function(texels, prepare)
     note = (
         *note,
         "{fetch}(texels, uv) reads a material from the texture that belongs to this file: an array "
@@ -320,11 +322,11 @@ def codes_program(model: Model, texels: Texels | None = None) -> Program:
         f"{texels.filtering} Where the language separates samplers from textures, the sampler "
         "follows the texture. {fetch_level} takes the level as a last argument.",
     )
-    return Program(note, structures, [*functions, texel], texels)
+    return Program(note, structures, [*functions, *fetch_functions(texels, prepare)])
 
 
 def _prepare(model: Model, structure: Structure) -> Function:
-    """The function that computes from codes the terms that f and the proposal need."""
+    """The function that computes from codes what f and the proposal need."""
     arch = model.arch
     codes = Variable("codes", COLOUR, arch.latent)
     function = Function(
@@ -336,29 +338,21 @@ def _prepare(model: Model, structure: Structure) -> Function:
     )
     numbers = [element(argument(codes), i) for i in range(arch.latent)]
     made = function.structure("made", MATERIAL)
-    lobes, gain, terms, first, *others = (member(made, variable) for variable in structure.fields)
-    for i in range(arch.lobe):
-        function.assign(element(lobes, i), numbers[i])
-    function.assign(gain, numbers[arch.lobe])
-    function.note_line("Scales and offsets of the decoder's units.")
-    weight, bias = networks.of_code(model)
-    outputs = dense(function, "term", weight, numbers[arch.lobe + 1 :], bias.tolist())
-    for i, output in enumerate(outputs):
-        function.assign(element(terms, i), output)
+    stored, lobe, terms, *others = (member(made, variable) for variable in structure.fields)
+    for i, number in enumerate(numbers):
+        function.assign(element(stored, i), number)
     function.note_line("Directions are drawn by the mean code of the channels.")
     mean = [
         function.let(f"mean{i}", (number.x + number.y + number.z) * (1.0 / 3.0))
         for i, number in enumerate(numbers)
     ]
-    inputs = [*networks.lobe_features(function, mean[: arch.lobe]), *mean[arch.lobe :]]
-    weight, bias = model.params["sampler.0.weight"][: len(inputs)], model.params["sampler.0.bias"]
-    outputs = dense(function, "first", weight, inputs, bias.tolist())
-    for i, output in enumerate(outputs):
-        function.assign(element(first, i), output)
-    places = WIDTH_PLACES[arch.widths]
-    for alpha, place in zip(others[: arch.widths], places, strict=True):
-        function.assign(alpha, mean[place])
-    for component, value in zip(others[arch.widths :], X_AXIS, strict=False):
-        function.assign(component, value)
+    found = proposal.terms_of(model, mean)
+    for target, values in (lobe, found.lobe), (terms, found.rest):
+        for i, value in enumerate(values):
+            function.assign(element(target, i), value)
+    if found.stretch is not None:
+        values = found.stretch, *X_AXIS
+        for target, value in zip(others, values, strict=True):
+            function.assign(target, value)
     function.returns(made)
     return function

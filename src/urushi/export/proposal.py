@@ -1,10 +1,8 @@
-"""The sampler and its proposal as shader code: the counterpart of `nets.sampler`."""
+"""The proposal as shader code: the counterpart of `nets.proposal`."""
 
-import itertools
 import math
 from collections.abc import Sequence
-
-import numpy as np
+from typing import NamedTuple
 
 from urushi.checks import Widths
 from urushi.core.mixture import reflection_pdf, sample_reflection
@@ -14,20 +12,21 @@ from urushi.export.expressions import (
     VECTOR,
     Expression,
     call,
+    dot,
     expression,
     name,
     select,
     vector,
 )
-from urushi.export.networks import dense
+from urushi.export.lobe import alphas_of, reflectance
 from urushi.export.statements import Function, Structure, Variable, member, namespace
-from urushi.nets.sampler import sampler_columns, sampler_inputs, weights_and_widths
+from urushi.nets.proposal import ALPHAS, LARGEST_STRETCH, stretched_widths, weights
 from urushi.nets.weights import Model
 
 WI, WO, U = (Variable(label, VECTOR) for label in ("wi", "wo", "u"))
 
-#: Ends of the names of a lobe's widths, one or two.
-LABELS = {1: ("",), 2: ("_u", "_v")}
+#: Names of the widths of a GGX lobe, one or two.
+WIDTHS = {1: ("alpha",), 2: ("alpha_u", "alpha_v")}
 
 SAMPLE = Structure(
     "Sample",
@@ -38,76 +37,84 @@ SAMPLE = Structure(
     "A direction drawn by `sample`.",
 )
 
+#: The weights of a proposal: of the code's own lobe, of `ALPHAS` and of the cosine lobe.
+WEIGHTS = tuple(Variable(f"weight{k}", FLOAT) for k in range(len(ALPHAS) + 2))
+
+
+class Terms(NamedTuple):
+    """What the proposal needs of a code, the mean of the channels."""
+
+    lobe: Sequence[Expression]  # its numbers
+    rest: Sequence[Expression]  # of `nets.proposal.code_terms`
+    overlaps: Sequence[float]  # the same for all codes
+    stretch: Expression | None = None  # s of two widths
+
 
 def argument(variable: Variable) -> Expression:
     """An argument inside its function."""
     return name(variable.name, variable.kind)
 
 
-def structure(model: Model) -> Structure:
-    """The proposal for one wi: weights and widths of its lobes, first along the tangent."""
-    count = _lobes(model)
-    weights = [Variable(f"weight{k}", FLOAT) for k in range(count)]
-    names = [f"alpha{label}" for label in LABELS[model.widths]]
-    widths = [Variable(f"{name}{k}", FLOAT) for name in names for k in range(count)]
-    return Structure(
-        "Proposal",
-        (*weights, Variable("cosine_weight", FLOAT), *widths),
-        "A mixture of GGX reflection lobes and a cosine lobe.",
+def structure(widths: int) -> Structure:
+    """The proposal for one wi; widths: of a lobe, one or two."""
+    own = [Variable(label, FLOAT, note="of the first lobe") for label in WIDTHS[widths]]
+    own += [Variable("stretch", FLOAT, note="of the other lobes")] * (widths - 1)
+    note = "A mixture of GGX reflection lobes, and a cosine lobe, the last."
+    return Structure("Proposal", (*WEIGHTS, *own), note)
+
+
+def terms_of(model: Model, code: Sequence[Expression]) -> Terms:
+    """The terms of a code (L,) of floats."""
+    size, limit = model.arch.lobe, LARGEST_STRETCH
+    matrix, bias = (model.params[f"proposal.{part}"].T.tolist() for part in ("weight", "bias"))
+    sums = [offset + dot(row, code[size:]) for row, offset in zip(matrix, bias, strict=True)]
+    stretch = None
+    if model.widths == 2:
+        stretch = call("exp", call("clamp", code[-1], -limit, limit))
+    return Terms(code[:size], list(map(expression, sums)), overlaps_of(model), stretch)
+
+
+def overlaps_of(model: Model) -> Sequence[float]:
+    """The overlaps of neighbouring lobes."""
+    return model.params["proposal.overlap"].tolist()
+
+
+def fill(body: Function, terms: Terms, wi: Expression) -> Expression:
+    """The proposal of a code for wi."""
+    alphas = alphas_of(terms.lobe)
+    own = Widths(*alphas) if len(alphas) == 2 else alphas[0]
+    found = weights(
+        terms.rest,
+        terms.overlaps,
+        own,
+        lambda cosine: reflectance(body, terms.lobe, cosine, "_own"),
+        wi.z,
+        namespace(body),
     )
-
-
-def _lobes(model: Model) -> int:
-    """The number of GGX lobes: the sampler's and the code's own."""
-    return model.arch.lobes + 1
-
-
-def fill(
-    body: Function,
-    model: Model,
-    first: Sequence[Expression],
-    own_alphas: Sequence[Expression],
-    wi: Expression,
-    activated: Function,
-) -> Expression:
-    """The proposal of a code for wi.
-
-    first: the code's part of the sampler's first layer, its bias included. own_alphas: the
-    widths of the code's lobe.
-    """
-    params = model.params
-    columns = sampler_columns(wi, model.widths, namespace(body))
-    inputs = [body.let(f"direction{k}", column) for k, column in enumerate(columns)]
-    weight = params["sampler.0.weight"][-len(inputs) :]
-    values = dense(body, "first", weight, inputs, first)
-    layer = 1
-    while f"sampler.{layer}.weight" in params:
-        units = [body.let(f"unit{layer}_{k}", activated(value)) for k, value in enumerate(values)]
-        bias = params[f"sampler.{layer}.bias"].tolist()
-        values = dense(body, f"output{layer}_", params[f"sampler.{layer}.weight"], units, bias)
-        layer += 1
-    weights, sides = weights_and_widths(values, own_alphas, namespace(body))
-    result, numbers = body.structure("result", "Proposal"), itertools.chain(weights, *sides)
-    for variable, number in zip(structure(model).fields, numbers, strict=True):
+    made = structure(len(alphas))
+    result = body.structure("result", made.name)
+    stretch = [] if terms.stretch is None else [terms.stretch]
+    for variable, number in zip(made.fields, [*found, *alphas, *stretch], strict=True):
         body.assign(member(result, variable), number)
     return result
 
 
-def functions(model: Model) -> tuple[Function, ...]:
+def functions(count: int) -> tuple[Function, ...]:
     """The functions reflection_density, density, sample_reflection and draw, in this order.
 
-    density takes a proposal (`structure`), wi and wo; draw takes a proposal, wi and u.
+    count: widths of a lobe, one or two. density takes a proposal, wi and wo; draw takes a proposal,
+    wi and u.
     """
-    fields, count = structure(model).fields, _lobes(model)
     mixture = Variable("mixture", "Proposal")
-    parts = [member(argument(mixture), variable) for variable in fields]
-    weights, cosine_weight = parts[:count], parts[count]
-    # The widths of each lobe, one or two.
-    alphas = [parts[count + 1 :][k::count] for k in range(count)]
+    parts = [member(argument(mixture), part) for part in structure(count).fields]
+    shares, cosine_weight, *own = parts[: len(ALPHAS) + 1], *parts[len(ALPHAS) + 1 :]
+    alphas = [own[:count], *([expression(alpha)] for alpha in ALPHAS)]
+    if count == 2:
+        alphas[1:] = ([alpha.u, alpha.v] for alpha in stretched_widths(own[-1]))
     wi, wo, u = map(argument, (WI, WO, U))
-    widths = [Variable(f"alpha{label}", FLOAT) for label in LABELS[model.widths]]
-    own = tuple(map(argument, widths))
-    width = own[0] if model.widths == 1 else Widths(*own)
+    labels = WIDTHS[count]
+    widths = [Variable(label, FLOAT) for label in labels]
+    width = Widths(*map(argument, widths)) if count == 2 else argument(widths[0])
     reflection = Function(
         "reflection_density",
         (*widths, WI, WO),
@@ -123,35 +130,25 @@ def functions(model: Model) -> tuple[Function, ...]:
     )
     drawn = sample_reflection(width, Components(wi.x, wi.y, wi.z), u.y, u.z, namespace(reflected))
     reflected.returns(vector(*drawn))
-    density = Function(
-        "density", (mixture, WI, WO), FLOAT, "The density [1/sr] of the proposal at wo."
-    )
+    note = "The density [1/sr] of the proposal at wo."
+    density = Function("density", (mixture, WI, WO), FLOAT, note)
     total = cosine_weight * (wo.z * (1.0 / math.pi))
-    for weight, alpha in zip(weights, alphas, strict=True):
-        total = total + weight * reflection(*alpha, wi, wo)
+    for share, alpha in zip(shares, alphas, strict=True):
+        total = total + share * reflection(*alpha, wi, wo)
     density.returns(select(call("min", wi.z, wo.z) > 0.0, total, 0.0))
-    draw = Function(
-        "draw", (mixture, WI, U), VECTOR, "A direction of the proposal from uniform numbers."
-    )
+    note = "A direction of the proposal from uniform numbers."
+    draw = Function("draw", (mixture, WI, U), VECTOR, note)
     draw.note_line("u.x chooses the lobe.")
-    edge, alpha = weights[0], alphas[0]
-    for k in range(1, count):
-        alpha = [
-            draw.let(f"width{label}{k}", select(u.x >= edge, own, other))
-            for label, own, other in zip(LABELS[model.widths], alphas[k], alpha, strict=True)
+    edge, chosen = shares[0], alphas[0]
+    for k, (share, alpha) in enumerate(zip(shares[1:], alphas[1:], strict=True)):
+        chosen = [
+            draw.let(f"{label}{k}", select(u.x >= edge, further, other))
+            for label, further, other in zip(labels, alpha, chosen, strict=True)
         ]
-        edge = draw.let(f"edge{k}", edge + weights[k])
+        edge = draw.let(f"edge{k}", edge + share)
     radius = draw.let("radius", call("sqrt", u.y))
     phi = draw.let("phi", (2.0 * math.pi) * u.z)
     height = draw.let("height", call("sqrt", call("max", 1.0 - u.y, 0.0)))
     cosine = vector(radius * call("cos", phi), radius * call("sin", phi), height)
-    draw.returns(select(u.x >= edge, cosine, reflected(*alpha, wi, u)))
+    draw.returns(select(u.x >= edge, cosine, reflected(*chosen, wi, u)))
     return reflection, density, reflected, draw
-
-
-def known_first(model: Model, code: np.ndarray) -> list[Expression]:
-    """The code's part of the sampler's first layer, for a known code (size,)."""
-    inputs = sampler_inputs(model.arch, code[None])
-    weight = model.params["sampler.0.weight"][: inputs.shape[-1]]
-    row = (inputs @ weight + model.params["sampler.0.bias"])[0]
-    return [expression(float(value)) for value in row]

@@ -1,18 +1,19 @@
-"""Statements of shader code: functions, structures and tables, and a builder for their bodies."""
+"""Statements of shader code: functions and structures, and a builder for their bodies."""
 
-import contextlib
 import functools
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple
-
-import numpy as np
 
 from urushi.core.namespace import Components, Namespace
 from urushi.export.expressions import (
     COLOUR,
     FLOAT,
     INT,
+    LAYERS,
+    PLACE,
+    TEXEL,
+    TEXTURE,
     Expression,
     Value,
     call,
@@ -44,23 +45,13 @@ class Structure:
 
 
 @dataclass(frozen=True)
-class Table:
-    """A constant array of floats."""
-
-    name: str
-    values: np.ndarray
-
-
-@dataclass(frozen=True)
 class Statement:
     """A line of a body."""
 
-    # "note", "let" (a constant), "array", "structure" (without values), "assign", "loop", "return".
+    # "note", "let" (a constant), "array", "structure" (without values), "assign", "return".
     operation: str
-    target: Any = None  # the `Variable` declared, assigned to or counted; the text of a note
+    target: Any = None  # the `Variable` declared or assigned to; the text of a note
     value: Any = None
-    count: int = 0  # turns of a loop
-    body: tuple["Statement", ...] = ()  # of a loop
 
 
 @dataclass
@@ -72,7 +63,6 @@ class Function:
     kind: str  # of the result
     note: str  # a comment in the file
     public: bool = False  # whether the user of the file calls it
-    tables: list[Table] = field(default_factory=list)  # which it reads
     body: list[Statement] = field(default_factory=list)
 
     def note_line(self, text: str) -> None:
@@ -99,19 +89,6 @@ class Function:
     def assign(self, target: Expression, value: Value) -> None:
         """Assign a value to an element or a member."""
         self.body.append(Statement("assign", target, converted(expression(value), target.kind)))
-
-    @contextlib.contextmanager
-    def loop(self, label: str, count: int) -> Iterator[Expression]:
-        """Add the statements of this context as a loop; its counter runs from 0 to count - 1."""
-        outside, self.body = self.body, []
-        yield name(label, INT)
-        outside.append(Statement("loop", label, None, count, tuple(self.body)))
-        self.body = outside
-
-    def table(self, label: str, values: np.ndarray) -> Expression:
-        """A constant array of floats, for `element`."""
-        self.tables.append(Table(label, np.ravel(values)))
-        return Expression("table", FLOAT, detail=label)
 
     def returns(self, value: Value) -> None:
         self.body.append(Statement("return", None, converted(expression(value), self.kind)))
@@ -146,28 +123,27 @@ class Program:
     note: Sequence[str]
     structures: Sequence[Structure]
     functions: Sequence[Function]
-    texels: Texels | None = None  # of the texture whose filtered bytes the last function takes
 
     @property
     def public(self) -> list[str]:
         """The functions that the user calls."""
-        labels = [function.name for function in self.functions if function.public]
-        return [*labels, "fetch", "fetch_level"] if self.texels else labels
+        return [function.name for function in self.functions if function.public]
+
+    @property
+    def textured(self) -> bool:
+        """Whether functions read a texture of `rest`."""
+        arguments = (a for function in self.functions for a in function.arguments)
+        return any(argument.kind == TEXTURE for argument in arguments)
 
 
 def element(array: Expression, index: int | Expression) -> Expression:
-    """An element of an array, an array argument or member, or a table."""
+    """An element of an array, or of an argument or a member that is one."""
     place = index if isinstance(index, Expression) else integer(index)
     return Expression("element", array.kind, (array, place))
 
 
 def integer(value: int) -> Expression:
     return Expression("integer", INT, detail=value)
-
-
-def offset_index(start: int, index: Expression) -> Expression:
-    """The index `start` places after another."""
-    return Expression("+", INT, (integer(start), index)) if start else index
 
 
 def member(structure: Expression, which: Variable) -> Expression:
@@ -200,21 +176,42 @@ def namespace(body: Function, suffix: str = "") -> Namespace:
     return Namespace(*functions)
 
 
-def texel_function(texels: Texels, prepare: Function) -> Function:
-    """The function that unpacks a texel's filtered bytes into a material."""
-    stored = Variable("stored", FLOAT, 4 * texels.layers)
-    function = Function(
-        "texel", (stored,), prepare.kind, "A material of filtered bytes, each in [0, 1]."
-    )
-    values = name(stored.name, FLOAT)
-    codes = function.array("codes", COLOUR, len(texels.numbers))
+def fetch_functions(texels: Texels, prepare: Function) -> list[Function]:
+    """The functions that read a material from a texture: of filtered bytes, fetch, fetch_level."""
+    stored = Variable("stored", TEXEL, texels.layers)
+    note = "A material of filtered bytes, each in [0, 1]."
+    unpack = Function("texel", (stored,), prepare.kind, note)
+    values = name(stored.name, TEXEL)
+    codes = unpack.array("codes", COLOUR, len(texels.numbers))
     for i, channels in enumerate(texels.numbers):
         numbers = []
         for offset, factors in channels[:1] if len(set(channels)) == 1 else channels:
             number = expression(offset)
             for place, factor in factors:
-                number = number + element(values, place) * factor
+                number = number + element(values, place // 4).component(place % 4) * factor
             numbers.append(number)
-        function.assign(element(codes, i), numbers[0] if len(numbers) == 1 else colour_of(*numbers))
-    function.returns(prepare(codes))
+        unpack.assign(element(codes, i), numbers[0] if len(numbers) == 1 else colour_of(*numbers))
+    unpack.returns(prepare(codes))
+    return [unpack, _fetch(texels, unpack, by_level=False), _fetch(texels, unpack, by_level=True)]
+
+
+def _fetch(texels: Texels, unpack: Function, *, by_level: bool) -> Function:
+    arguments: tuple[Variable, ...] = Variable("texels", LAYERS), Variable("uv", PLACE)
+    label, note = "fetch", "The material at uv; the footprint chooses the level."
+    if by_level:
+        label, note = "fetch_level", "The material at uv, of a given level."
+        arguments = *arguments, Variable("level", FLOAT)
+    function = Function(label, arguments, unpack.kind, note, public=True)
+    texture, uv, *level = (name(argument.name, argument.kind) for argument in arguments)
+    place = [
+        function.let(axis, u * uv.x + v * uv.y + offset)
+        for axis, (u, v, offset) in zip("xy", texels.to_texture, strict=True)
+    ]
+    stored = function.array("stored", TEXEL, texels.layers)
+    for k in range(texels.layers):
+        operands = (texture, *place, integer(k), *level)
+        function.assign(
+            element(stored, k), Expression("level" if by_level else "layer", TEXEL, operands)
+        )
+    function.returns(unpack(stored))
     return function

@@ -13,9 +13,9 @@ from urushi.checks import CoatParameters
 from urushi.errors import FileError, ParameterError, UrushiWarning
 from urushi.fan2022.architecture import LATENT
 from urushi.fan2022.networks import PaperNetworks, projection_pairs
-from urushi.material.encode import evaluate_source
 from urushi.material.material import FORMAT_VERSION
 from urushi.material.source import source_name
+from urushi.material.values import evaluate_source
 from urushi.nets.weights import check_made_with
 from urushi.parallel import fill_blocks
 from urushi.walk import Dielectric

@@ -16,10 +16,10 @@ from urushi.fan2022.architecture import LATENT, AdamProjection, init
 from urushi.fan2022.inference import direction_inputs
 from urushi.fan2022.networks import PaperNetworks
 from urushi.fan2022.preset import PaperPreset
+from urushi.fan2022.store import Store, generate
 from urushi.nets.mlp import Params
 from urushi.train import training
 from urushi.train.checkpoint import Checkpoint, Journal
-from urushi.train.store import Store
 
 #: BRDFs that are projected together, and their pairs in one step, at most: bounds memory.
 TOGETHER, ROWS = 16, 1 << 13
@@ -42,7 +42,7 @@ def train(
     is written after every epoch of the evaluation network, after every projected shard, after every
     twentieth epoch of the layering network, and between the stages.
     """
-    store, journal, out = training.prepare(preset, data, out, run, resume)
+    store, journal, out = training.prepare(preset, data, out, run, resume, generate)
     starts = beginnings(preset)
     point = journal.restore(starts) if resume else None
     if point is None:

@@ -17,16 +17,17 @@ is added as a mirror reflection.
 
 import functools
 import itertools
+import math
 from collections.abc import Callable, Iterable, Sequence
 from typing import NamedTuple
 
 import numpy as np
 
-from urushi.core import fresnel
-from urushi.core.namespace import NUMPY
+from urushi.core import fresnel, microfacet
+from urushi.core.namespace import NUMPY, Components
 from urushi.core.quadrature import gauss, half_vector_rule
+from urushi.core.table import SHAPE, Knots, node_pairs
 from urushi.material.crossing import inner_albedo
-from urushi.nets import lobe as lobes
 from urushi.walk.medium import hg
 
 #: Directions of the grid in elevation, and around.
@@ -49,6 +50,9 @@ RESOLVED_G = -0.95
 
 #: Optical depth at which doubling begins, and the least depth of scattering that counts.
 FIRST_DEPTH, LEAST_SCATTERING = 1e-4, 1e-6
+
+#: Least mode of a phase function, of the first one, that counts.
+LEAST_MODE = 1e-6
 
 #: Rounds of the scalings that give rows their sums.
 ROUNDS = 20
@@ -152,18 +156,22 @@ class Grid:
 
     def interpolated(self, values: np.ndarray, wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
         """Values (M, C) for pairs (M, 3), from values on the grid (N, N, H, C)."""
+        rows = values.reshape(-1, values.shape[-1])
+        return sum(share[:, None] * rows[index] for index, share in self.corners(wi, wo))
+
+    def corners(self, wi: np.ndarray, wo: np.ndarray) -> list[tuple[np.ndarray, np.ndarray]]:
+        """The nodes (M,) of values on the grid around pairs (M, 3), and their shares float32."""
         axes = [self._place(np.arccos(np.clip(w[:, 2], -1, 1)), self.angles) for w in (wi, wo)]
         cross = wi[:, 0] * wo[:, 1] - wi[:, 1] * wo[:, 0]
         dot = wi[:, 0] * wo[:, 0] + wi[:, 1] * wo[:, 1]
         axes.append(self._place(np.abs(np.arctan2(cross, dot)), self.azimuths))
-        result = np.zeros((len(wi), values.shape[-1]))
+        shape, found = (len(self.angles), len(self.angles), len(self.azimuths)), []
         for corner in np.ndindex(2, 2, 2):
-            share = np.ones(len(wi))
-            for (_, part), side in zip(axes, corner, strict=True):
-                share = share * (part if side else 1 - part)
-            index = tuple(first + side for (first, _), side in zip(axes, corner, strict=True))
-            result += share[:, None] * values[index]
-        return result
+            sides = list(zip(axes, corner, strict=True))
+            parts = [part if side else 1 - part for (_, part), side in sides]
+            index = np.ravel_multi_index(tuple(first + side for (first, _), side in sides), shape)
+            found.append((index, np.prod(parts, axis=0).astype(np.float32)))
+        return found
 
     def at_cosines(self, values: np.ndarray) -> np.ndarray:
         """Values (M, C) at `COSINES`, float32, of values (N, C) at the nodes."""
@@ -199,7 +207,7 @@ class Grid:
 
         The values at the nodes alone would miss the edge of total reflection.
         """
-        fine = Grid(FINE * len(self.angles), edges=self._edges)
+        fine = _fine_grid(FINE * len(self.angles), self._edges)
         index, part = self._place(fine.angles, self.angles)
         values = fine.weights * function(fine.cosines)
 
@@ -227,10 +235,28 @@ class Grid:
         return index, place - index
 
 
+@functools.lru_cache(maxsize=8)
+def _fine_grid(elevations: int, edges: Edges) -> Grid:
+    return Grid(elevations, edges=edges)
+
+
 @functools.lru_cache(maxsize=64)
 def grid(edges: Edges = ()) -> Grid:
     """The grid of coats; edges: of the medium of a slab."""
     return Grid(edges=edges)
+
+
+def at_nodes(values: np.ndarray, edges: Edges, knots: Knots) -> np.ndarray:
+    """Values float32 (U, V, W) at the nodes of `core.table` of values (N, N, H) on the grid."""
+    rows, total = values.ravel().astype(np.float32), np.zeros(math.prod(SHAPE), np.float32)
+    for index, share in _node_corners(edges, knots):
+        total += rows.take(index) * share
+    return total.reshape(SHAPE)
+
+
+@functools.lru_cache(maxsize=16)
+def _node_corners(edges: Edges, knots: Knots) -> list[tuple[np.ndarray, np.ndarray]]:
+    return grid(edges).corners(*node_pairs(knots))
 
 
 def albedos(f: Brdf, cosines: np.ndarray) -> np.ndarray:
@@ -245,8 +271,12 @@ def albedos(f: Brdf, cosines: np.ndarray) -> np.ndarray:
 def bottom_modes(f: Brdf, edges: Edges = ()) -> np.ndarray:
     """Modes (C, H, N, N) of a BRDF. Albedos above 1 count as 1."""
     own = grid(edges)
-    values = f(*own.pairs()).astype(np.float64)
-    columns = zip(values.T, np.minimum(albedos(f, own.cosines), 1).T, strict=True)
+    return modes_of_values(f(*own.pairs()).astype(np.float64), albedos(f, own.cosines), edges)
+
+
+def modes_of_values(f: np.ndarray, albedo: np.ndarray, edges: Edges = ()) -> np.ndarray:
+    """Modes (C, H, N, N) of a BRDF of values f (M, C) at `Grid.pairs` and albedos (N, C)."""
+    own, columns = grid(edges), zip(f.T, np.minimum(albedo, 1).T, strict=True)
     return np.stack([own.brdf_modes(*column) for column in columns])
 
 
@@ -254,11 +284,17 @@ def bottom_modes(f: Brdf, edges: Edges = ()) -> np.ndarray:
 def interface_modes(alpha: float, eta: float, edges: Edges = ()) -> np.ndarray:
     """Modes (H, N, N) of the reflection of an interface from below; eta: below over above."""
     own = grid(edges)
-    wi, wo = (w.astype(np.float64) for w in own.pairs(DENSE))
-    lobe = lobes.of_coat(np.float64(alpha), np.float64(1 / eta))
-    return own.brdf_modes(
-        lobes.f(lobe, wi, wo), own.mean(lambda cosine: inner_albedo(cosine, alpha, eta))
-    )
+    wi, wo = _dense_pairs(edges)
+    h = microfacet.half_vector(wi, wo, NUMPY)
+    lobe = microfacet.lobe_shape(np.float32(alpha), wi, wo, h, NUMPY)
+    lobe *= fresnel.exact(microfacet.facet_cosine(h, NUMPY), np.float32(1 / eta), None, NUMPY)
+    return own.brdf_modes(lobe, own.mean(lambda cosine: inner_albedo(cosine, alpha, eta)))
+
+
+@functools.lru_cache(maxsize=4)
+def _dense_pairs(edges: Edges) -> tuple[Components, Components]:
+    wi, wo = grid(edges).pairs(DENSE)
+    return Components(*wi.T.copy()), Components(*wo.T.copy())
 
 
 def mirror(alpha: float, eta: float, edges: Edges) -> np.ndarray:
@@ -271,8 +307,8 @@ def mirror(alpha: float, eta: float, edges: Edges) -> np.ndarray:
 
 def to_and_fro(
     depths: Sequence[float], upper: np.ndarray, lower: np.ndarray
-) -> tuple[Callable[[np.ndarray], np.ndarray], Callable[[np.ndarray], np.ndarray]]:
-    """Functions of cosines (...) that sum light (..., C) over all its reflections by two surfaces.
+) -> tuple[np.ndarray, np.ndarray]:
+    """Sums of light over all its reflections by two surfaces: float32 (M, C) at `COSINES`.
 
     Args:
         depths: (C,) optical depths of the medium between the surfaces.
@@ -284,12 +320,13 @@ def to_and_fro(
     """
     left = np.exp(-np.asarray(depths, np.float32) / COSINES[:, None])
     times = 1 / (1 - upper * lower * left * left)
+    return left * times, np.sqrt(times)
 
-    def lookup(table: np.ndarray) -> Callable[[np.ndarray], np.ndarray]:
-        last = len(COSINES) - 1
-        return lambda cosine: table.take((cosine * last).astype(np.intp), axis=0)
 
-    return lookup(left * times), lookup(np.sqrt(times))
+def nearest(table: np.ndarray) -> Callable[[np.ndarray], np.ndarray]:
+    """Values (..., C) of a table (M, C) at `COSINES`, as a function of cosines (...)."""
+    last = len(COSINES) - 1
+    return lambda cosine: table.take((cosine * last).astype(np.intp), axis=0)
 
 
 class Lit(NamedTuple):
@@ -404,6 +441,10 @@ def medium(
     sines = np.sin(own.angles)
     ahead = (a * b)[..., None] + (sines[:, None] * sines)[..., None] * np.cos(own.azimuths)
     back, forth = (own.modes(hg(sign * ahead, g, NUMPY)) for sign in (-1, 1))
+    sizes = np.abs(np.stack([back, forth])).max(axis=(0, 2, 3))  # they vanish from some order on
+    orders = int(np.flatnonzero(sizes > LEAST_MODE * sizes[0])[-1]) + 1
+    vanishing = np.zeros_like(back[orders:])
+    back, forth = back[:orders], forth[:orders]
     same = np.isclose(a, b, rtol=0, atol=1e-9)
     between = (np.exp(-depth / a) - np.exp(-depth / b)) / np.where(same, 1, a - b)
     reflected = back * (-np.expm1(-depth * (1 / a + 1 / b)) / (a + b))
@@ -423,4 +464,4 @@ def medium(
         reflected = reflected + twice @ reflected @ down
         through = through * through
         passed = (twice @ up - np.diag(through)) / weights
-    return reflected, passed
+    return np.concatenate([reflected, vanishing]), np.concatenate([passed, vanishing])

@@ -16,7 +16,6 @@ from typing import NamedTuple
 import numpy as np
 
 from urushi.core.quadrature import gauss, half_vector_nodes
-from urushi.nets.features import direction_features
 
 #: The variable of the interpolating polynomial is ln(cos + this).
 COSINE_OFFSET = 0.1
@@ -47,7 +46,6 @@ class AlbedoRule(NamedTuple):
 
     wi: np.ndarray  # read-only float32 (M, 3)
     wo: np.ndarray  # read-only float32 (M, 3)
-    features: np.ndarray  # float32 (M, F), the decoder's input features of wi and wo
     weights: np.ndarray  # (M,), wo's cosine included; the nodes of an angle are contiguous
     first: np.ndarray  # (K,) index of the first node of each angle
     cosines: np.ndarray  # (D,) of the wi at which albedos are interpolated
@@ -97,14 +95,13 @@ def _anisotropic_rule() -> AlbedoRule:
     wo, as in `core.quadrature.half_vector_rule`.
     """
     nodes = [_half_vector_nodes(phi, cosine) for phi in AZIMUTHS for cosine in ANISOTROPIC_COSINES]
-    return _rule(AZIMUTHS, np.array(ANISOTROPIC_COSINES), nodes, 2)
+    return _rule(AZIMUTHS, np.array(ANISOTROPIC_COSINES), nodes)
 
 
 def _rule(
     azimuths: tuple[float, ...],
     cosines: np.ndarray,
     parts: list[tuple[np.ndarray, np.ndarray]],
-    widths: int = 1,
 ) -> AlbedoRule:
     """The rule of angles whose cosines (A,) fall; parts: wo (M, 3) and weights (M,) for each wi."""
     phi, cosine = (x.ravel() for x in np.meshgrid(azimuths, cosines, indexing="ij"))
@@ -120,7 +117,6 @@ def _rule(
     return AlbedoRule(
         wi,
         wo,
-        direction_features(wi, wo, widths),
         np.concatenate([weights for _, weights in parts]),
         np.cumsum([0, *counts[:-1]]),
         np.tile(np.exp(between) - COSINE_OFFSET, len(azimuths)),

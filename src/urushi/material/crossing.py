@@ -8,24 +8,32 @@ w' of the refracted light inside, reversed to point upwards:
 (Walter et al. 2007, eq. 40). Facets are drawn among those visible from w (Dupuy and Benyoub 2023,
 listing 1). The transmitted fraction of the light is the weight (1 - F) G1(w').
 
-All arrays are float32 of NumPy. A `Vector` is three arrays that broadcast: x, y and z.
+A `Vector` is three arrays that broadcast: x, y and z. A width `alpha` is one number or two `Widths`
+along x and y (Heitz 2014, section 5.4). All arrays are float32 of NumPy; those functions that take
+a `Namespace`, `xp`, serve Dr.Jit too, whose vectors are `Array3f`.
 """
 
-from typing import NamedTuple
+from collections.abc import Sequence
+from typing import Any, NamedTuple
 
 import numpy as np
 
+from urushi.checks import Widths
 from urushi.core import fresnel, microfacet
-from urushi.core.namespace import NUMPY, Components
+from urushi.core.namespace import NUMPY, Components, Namespace
 
 #: Components x, y and z of unit vectors.
 Vector = tuple[np.ndarray, ...]
 
 #: Least cosine of a direction inside. Light closer to the horizon does not cross.
-LEAST_COSINE = np.float32(1e-4)
+LEAST_COSINE = 1e-4
+
+#: Generators of lattices by their number of points: they keep the points far apart, and of those of
+#: 512 points the best one for narrow lobes.
+GENERATORS = {64: 19, 256: 9, 512: 229}
 
 #: Least number in a division.
-TINY = np.float32(1e-12)
+TINY = 1e-12
 
 
 class Crossing(NamedTuple):
@@ -41,33 +49,43 @@ class Crossing(NamedTuple):
         return Crossing((x, y, z), weight, density)
 
 
-def cross(cosine: np.ndarray, alpha: float, eta: float, u: np.ndarray) -> Crossing:
-    """Let light of directions (sqrt(1 - cosine^2), 0, cosine) cross.
+def cross(cosine: np.ndarray, alpha: float | Widths, eta: float, u: np.ndarray) -> Crossing:
+    """`cross_from` of directions (sqrt(1 - cosine^2), 0, cosine), with cosine (N, 1)."""
+    return cross_from(in_plane(cosine), alpha, eta, u)
+
+
+def cross_from(
+    outside: Any, alpha: Any, eta: Any, u: np.ndarray | Sequence, xp: Namespace = NUMPY
+) -> Crossing:
+    """Let light of directions cross.
 
     Args:
-        cosine: (N, 1).
-        alpha: GGX width.
+        outside: (N, 1), above the horizon.
+        alpha: GGX width or widths.
         eta: index inside over that outside.
-        u: (K, 2) numbers in [0, 1) that choose the facets.
+        u: (K, 2) or (N, K, 2) numbers in [0, 1) that choose the facets, or a list of both columns.
 
     Returns:
         Arrays (N, K).
     """
-    sine = np.sqrt(np.maximum(1 - cosine * cosine, 0))
-    facet = visible_facets(cosine, sine, alpha, u)
-    cos_m = np.clip(sine * facet[0] + cosine * facet[2], TINY, 1)
-    reflectance, cos_t = fresnel.dielectric(cos_m, np.float32(eta), NUMPY)
-    along = cos_t - cos_m / np.float32(eta)
-    x = sine / np.float32(eta) + along * facet[0]
-    y = along * facet[1]
-    z = cosine / np.float32(eta) + along * facet[2]
-    size = 1 / np.sqrt(x * x + y * y + z * z)
+    eta, facet = _single(eta), visible_facets(outside, alpha, u, xp)
+    cos_m = xp.clip(_dot(outside, facet), TINY, 1)
+    reflectance, cos_t = fresnel.dielectric(cos_m, eta, xp)
+    along = cos_t - cos_m / eta
+    x, y, z = (w / eta + along * m for w, m in zip(outside, facet, strict=True))
+    size = 1 / xp.sqrt(x * x + y * y + z * z)
     x, y, z = x * size, y * size, z * size
     present = (cos_t > 0) & (z > LEAST_COSINE)
-    inside = tuple(np.where(present, w, n) for w, n in zip((x, y, z), (0, 0, 1), strict=True))
-    weight = (1 - reflectance) * masking(inside[2], alpha)
-    density = _density(cosine, facet, cos_m, cos_t, alpha, eta)
-    return Crossing(inside, np.where(present, weight, 0), density)
+    inside = tuple(xp.where(present, w, n) for w, n in zip((x, y, z), (0, 0, 1), strict=True))
+    weight = (1 - reflectance) * masking(inside, alpha, xp)
+    density = _density(outside, facet, cos_m, cos_t, alpha, eta, xp)
+    return Crossing(inside, xp.where(present, weight, 0), density)
+
+
+def in_plane(cosine: np.ndarray) -> Vector:
+    """Directions of cosines (...) in the xz plane."""
+    sine = np.sqrt(np.maximum(1 - cosine * cosine, 0))
+    return sine, np.zeros_like(sine), cosine
 
 
 def facet_points(count: int) -> np.ndarray:
@@ -80,45 +98,55 @@ def facet_points(count: int) -> np.ndarray:
 
 
 def facet_pair_points(count: int) -> np.ndarray:
-    """Numbers (K, 4) for two crossings: a lattice of Korobov (1959), of 64 or 256 points.
+    """Numbers (K, 4) for two crossings: a lattice of Korobov (1959), see `GENERATORS`.
 
-    Each column is evenly spaced, and no other generator keeps the points as far apart. 64 of them
-    serve better than 256 `even_points`.
+    Each column is evenly spaced. 64 of them serve better than 256 `even_points`.
     """
-    index, generator = np.arange(count)[:, None], {64: 19, 256: 9}[count]
+    index, generator = np.arange(count)[:, None], GENERATORS[count]
     return (((index * generator ** np.arange(4)) % count + 0.5) / count).astype(np.float32)
 
 
-def crossing_at(outside: Vector, inside: Vector, alpha: float, eta: float) -> Crossing:
+def crossing_at(outside: Any, inside: Any, alpha: Any, eta: Any, xp: Namespace = NUMPY) -> Crossing:
     """The weight and the density of given pairs of directions outside and inside."""
-    sign = np.float32(1 if eta > 1 else -1)
+    eta = _single(eta)
+    sign = (eta - 1) / xp.absolute(eta - 1)
     facet = tuple(sign * (eta * b - a) for a, b in zip(outside, inside, strict=True))
-    size = np.sqrt(sum(x * x for x in facet))
-    facet = tuple(x / np.maximum(size, TINY) for x in facet)
-    cos_m = sum(a * m for a, m in zip(outside, facet, strict=True))
-    cos_t = sum(b * m for b, m in zip(inside, facet, strict=True))
+    size = xp.sqrt(sum(x * x for x in facet))
+    facet = tuple(x / xp.maximum(size, TINY) for x in facet)
+    cos_m, cos_t = _dot(outside, facet), _dot(inside, facet)
     present = (cos_m > 0) & (cos_t > 0) & (facet[2] > 0) & (inside[2] > LEAST_COSINE)
-    cos_m, cos_t = np.clip(cos_m, TINY, 1), np.clip(cos_t, TINY, 1)
-    reflectance = fresnel.dielectric(cos_m, np.float32(eta), NUMPY)[0]
-    weight = (1 - reflectance) * masking(np.maximum(inside[2], LEAST_COSINE), alpha)
-    density = _density(outside[2], facet, cos_m, cos_t, alpha, eta)
-    return Crossing(inside, np.where(present, weight, 0), np.where(present, density, 0))
+    cos_m, cos_t = xp.clip(cos_m, TINY, 1), xp.clip(cos_t, TINY, 1)
+    reflectance = fresnel.dielectric(cos_m, eta, xp)[0]
+    x, y, z = inside
+    weight = (1 - reflectance) * masking((x, y, xp.maximum(z, LEAST_COSINE)), alpha, xp)
+    density = _density(outside, facet, cos_m, cos_t, alpha, eta, xp)
+    return Crossing(inside, xp.where(present, weight, 0), xp.where(present, density, 0))
 
 
 def mirrored(
-    cosine: np.ndarray, alpha: float, eta: float, u: np.ndarray
+    cosine: np.ndarray, alpha: float | Widths, eta: float, u: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
     """Light that an interface mirrors: cosines (N, K), and fractions (N, K) over the density.
 
     The arguments are those of `cross`.
     """
-    sine = np.sqrt(np.maximum(1 - cosine * cosine, 0))
-    facet = visible_facets(cosine, sine, alpha, u)
-    cos_m = np.clip(sine * facet[0] + cosine * facet[2], TINY, 1)
-    z = 2 * cos_m * facet[2] - cosine
+    (_, _, z), weight = mirrored_from(in_plane(cosine), alpha, eta, u)
+    return z, weight
+
+
+def mirrored_from(
+    outside: Vector, alpha: float | Widths, eta: float, u: np.ndarray
+) -> tuple[Vector, np.ndarray]:
+    """Light that an interface mirrors: directions (N, K), and fractions (N, K) over the density.
+
+    The arguments are those of `cross_from`.
+    """
+    facet = visible_facets(outside, alpha, u)
+    cos_m = np.clip(_dot(outside, facet), TINY, 1)
+    x, y, z = (2 * cos_m * m - w for w, m in zip(outside, facet, strict=True))
     reflectance = fresnel.dielectric(cos_m, np.float32(eta), NUMPY)[0]
-    weight = reflectance * masking(np.maximum(z, LEAST_COSINE), alpha)
-    return z, np.where(z > LEAST_COSINE, weight, 0)
+    weight = reflectance * masking((x, y, np.maximum(z, LEAST_COSINE)), alpha)
+    return (x, y, z), np.where(z > LEAST_COSINE, weight, 0)
 
 
 def inner_albedo(cosine: np.ndarray, alpha: float, eta: float) -> np.ndarray:
@@ -127,34 +155,51 @@ def inner_albedo(cosine: np.ndarray, alpha: float, eta: float) -> np.ndarray:
     return mirrored(column, alpha, 1 / eta, facet_points(256))[1].mean(axis=1, dtype=np.float64)
 
 
-def visible_facets(cosine: np.ndarray, sine: np.ndarray, alpha: float, u: np.ndarray) -> Vector:
-    """Facet normals (N, K) that are visible from directions (sine, 0, cosine) (N, 1); u: (K, 2)."""
-    width = np.float32(alpha)
-    w = microfacet.stretched(Components(sine, 0.0, cosine), width, NUMPY)
-    m = microfacet.cap_normal(w, width, (1 - u[:, 1]) * (1 + w.z) - w.z, u[:, 0], NUMPY)
-    z = np.maximum(m.z, 0)
-    size = 1 / np.sqrt(np.maximum(m.x * m.x + m.y * m.y + z * z, TINY))
+def sums(values: np.ndarray, rows: np.ndarray, count: int) -> np.ndarray:
+    """Sums (N, C) of the values (M, C) of each row (M,), below `count`."""
+    return np.stack([np.bincount(rows, column, count) for column in values.T], axis=-1)
+
+
+def visible_facets(outside: Any, alpha: Any, u: Any, xp: Namespace = NUMPY) -> Vector:
+    """Facet normals (N, K) that are visible from directions (N, 1); u: as of `cross_from`."""
+    width = microfacet.of_widths(_single, alpha)
+    u1, u2 = (u[..., 0], u[..., 1]) if isinstance(u, np.ndarray) else u
+    w = Components(*outside) if isinstance(outside, tuple) else outside
+    w = microfacet.stretched(w, width, xp)
+    m = microfacet.cap_normal(w, width, (1 - u2) * (1 + w.z) - w.z, u1, xp)
+    z = xp.maximum(m.z, 0)
+    size = 1 / xp.sqrt(xp.maximum(m.x * m.x + m.y * m.y + z * z, TINY))
     return m.x * size, m.y * size, z * size
 
 
-def masking(cosine: np.ndarray, alpha: float) -> np.ndarray:
-    """Smith's G1 of GGX (Walter et al. 2007, eq. 34)."""
-    square = cosine * cosine
-    return 2 * cosine / (cosine + np.sqrt(square + np.float32(alpha * alpha) * (1 - square)))
+def masking(w: Any, alpha: Any, xp: Namespace = NUMPY) -> Any:
+    """Smith's G1 of GGX (Walter et al. 2007, eq. 34; Heitz 2014, eq. 80)."""
+    x, y, z = w
+    if isinstance(alpha, Widths):
+        along, across = _single(alpha.u) * x, _single(alpha.v) * y
+        stretched2 = along * along + across * across
+    else:
+        stretched2 = _single(alpha * alpha) * (1 - z * z)
+    return 2 * z / (z + xp.sqrt(z * z + stretched2))
 
 
 def _density(
-    cosine: np.ndarray,
-    facet: Vector,
-    cos_m: np.ndarray,
-    cos_t: np.ndarray,
-    alpha: float,
-    eta: float,
-) -> np.ndarray:
+    outside: Any, facet: Any, cos_m: Any, cos_t: Any, alpha: Any, eta: Any, xp: Namespace
+) -> Any:
     """The density of directions inside [1/sr] (Walter et al. 2007, eqs. 17 and 33)."""
-    square = np.float32(alpha * alpha)
-    spread = facet[0] * facet[0] + facet[1] * facet[1] + square * (facet[2] * facet[2])
-    normals = square / (np.float32(np.pi) * spread * spread)
-    visible = masking(cosine, alpha) * normals * cos_m / cosine
+    width = microfacet.of_widths(_single, alpha)
+    square = microfacet.product(width)
+    spread = microfacet.squeezed_sine2(Components(*facet), width) + square * (facet[2] * facet[2])
+    normals = square / (np.pi * (spread * spread))
+    visible = masking(outside, alpha, xp) * normals * cos_m / outside[2]
     change = eta * cos_t - cos_m
-    return visible * np.float32(eta * eta) * cos_t / np.maximum(change * change, TINY)
+    return visible * (eta * eta) * cos_t / xp.maximum(change * change, TINY)
+
+
+def _single(x: Any) -> Any:
+    """A number in single precision, as arrays are."""
+    return np.float32(x) if isinstance(x, (int, float, np.floating)) else x
+
+
+def _dot(a: Any, b: Any) -> Any:
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]

@@ -1,6 +1,12 @@
-"""Layering: coats over materials in the latent space, one material or many texels at once."""
+"""Layering: coats over materials, by light transport or by the layering network.
+
+Light transport through a coat at the probe pairs gives the code of a coated material, and at the
+nodes its table (`urushi.material.coated_table`). The layering network maps codes to codes, for many
+texels at once.
+"""
 
 import functools
+import warnings
 from dataclasses import replace
 from typing import Any
 
@@ -9,29 +15,30 @@ import numpy.typing as npt
 
 from urushi import checks
 from urushi.checks import CoatParameters, Widths
+from urushi.core import appearance
 from urushi.core.appearance import described
 from urushi.core.microfacet import of_widths
-from urushi.errors import ParameterError
+from urushi.core.table import MIN_LOG, SHAPE, node_pairs, table_of_values
+from urushi.errors import ParameterError, UrushiWarning
+from urushi.material.coated_anisotropic import coated_f as anisotropic_coated_f
 from urushi.material.coated_table import coated_table
-from urushi.material.encode import encode
-from urushi.material.energy import as_rendered, limit_albedo
+from urushi.material.coated_values import coated_f
+from urushi.material.energy import limit_albedo
 from urushi.material.material import Coating, Material
-from urushi.material.table import SHAPE, node_pairs, rest_table, table_of_values
+from urushi.material.source import as_source
+from urushi.material.symmetry import Deviations, deviations_of
+from urushi.material.values import codes_of, encode_source, model_for
 from urushi.nets import lobe as lobes
-from urushi.nets.decoder import EMPTY_GAIN, MIN_LOG
 from urushi.nets.weights import Model, Weights, anisotropic_model, default_model
 from urushi.parallel import fill_blocks
-from urushi.walk import Dielectric
+from urushi.walk import Dielectric, Stack
+from urushi.walk.bottoms import Description
+from urushi.walk.simulate import Compensation
 from urushi.walk.stack import under as described_under
 
-#: Optical depth to which deeper media are cut: up to here the networks are closest to a medium at
+#: Optical depth to which deeper media are cut: up to here the network is closest to a medium at
 #: its own depth.
 DEEPEST = 12.0
-
-#: Width below which light reflected by a bare surface is too narrow for the networks. At a width of
-#: 0.1 albedos of coated gold err by up to 4 %, at 0.04 by 7 % and at 0.01 by 11 %; by light
-#: transport, under indices up to 1.8, by 2 %.
-SMOOTH = 0.1
 
 #: Largest ratio of two widths that is layered: OpenPBR's anisotropy of 0.9 has it. Errors up to
 #: here are as small as at the trained ratios.
@@ -49,8 +56,9 @@ def layer(
     body: npt.ArrayLike | None = None,
     body_color: npt.ArrayLike | None = None,
     thickness: float = 1.0,
+    energy_compensation: bool = False,
     weights: Weights | None = None,
-    refine: bool | None = None,
+    fast: bool = False,
 ) -> Material:
     """Coat a material with a rough dielectric over a homogeneous medium of unit thickness.
 
@@ -59,14 +67,15 @@ def layer(
             anisotropic. A relative index of 1 is no interface: the coat is its medium.
         bottom: a Material, or anything that `encode` accepts; coats nest, and keep the indices that
             they were given as `ior` (see `under`). All layers share one tangent: a bottom that was
-            `rotated` cannot get an anisotropic coat. If the bottom has a table, such as a measured
-            BRDF, or it is a bare metal of alpha below `SMOOTH`, or the medium is outside the
-            networks' training data, or the relative index is at most 1, light transport is computed
-            without networks (see `urushi.material.coated_table`), and the result has a table too;
-            this takes a second. Anisotropic materials have no tables.
+            `rotated` cannot get an anisotropic coat.
         albedo, sigma_t, g, color, body, body_color, thickness: of the medium, as in `urushi.coat`;
-            in tables, a g of less than -0.95 is -0.95.
-        weights, refine: as in `encode`, for a bottom that is not a Material.
+            a g of less than -0.95 is -0.95.
+        energy_compensation: as in `urushi.coat`. The result has a table, which it is part of; coats
+            over the code of the result do not see it.
+        weights: as in `encode`, for a bottom that is not a Material.
+        fast: whether the layering network computes the code, in milliseconds and less accurately.
+            Otherwise light transport is computed, which takes some tenths of a second, and
+            isotropic results have a table.
 
     Every parameter but the thickness is a scalar or one value per RGB channel.
 
@@ -77,19 +86,20 @@ def layer(
 
     Raises:
         ParameterError: top is not a dielectric, or a parameter is out of range or of a wrong shape;
-            or top is anisotropic and the bottom is rotated, or has networks for isotropic materials
-            that are not the shipped ones; or the two widths of a surface have a ratio above 10.
+            or top is anisotropic and the bottom is rotated, or has weights for isotropic materials
+            that are not the shipped ones; or the two widths of a surface have a ratio above 10; or
+            anisotropic weights get energy_compensation.
 
     Warns:
-        UrushiWarning: the medium is outside the networks' training data, and the result has no
-            table: its codes have the medium of `within_training`.
+        UrushiWarning: the medium is outside the network's training data, and the code is that of a
+            similar medium (`within_training`).
     """
     if not isinstance(top, Dielectric):
         raise ParameterError(
             f"the top of a layering is a {type(top).__name__}; give the coat's interface, "
             "urushi.dielectric(alpha, ior=...)"
         )
-    bottom = _below(under(bottom, top.eta), weights, refine, isinstance(top.alpha, Widths))
+    bottom = _below(under(bottom, top.eta), weights, isinstance(top.alpha, Widths))
     coat = CoatParameters(
         of_widths(np.asarray, top.alpha),
         checks.eta(top.eta, "the coat's eta"),
@@ -114,10 +124,16 @@ def layer(
                 f"the coat's {name} has three values, but the bottom has {bottom.channels} "
                 "channels; give a scalar"
             )
-    coated = layer_material(coat, bottom)
-    if coated.table is None:
+    if energy_compensation and bottom.model.widths == 2:
+        raise ParameterError(
+            "layer: energy_compensation needs a table, and anisotropic materials have none; give "
+            "it to urushi.coat, and encode that"
+        )
+    coating = Coating(coat, top.ior is not None, bottom, fast, energy_compensation)
+    coated = _layered_again(coating)
+    if fast:
         checks.warn_of_training(checks.outside_training(coat), "layer: the coat's")
-    return replace(coated, coating=Coating(coat, top.ior is not None, bottom))
+    return coated
 
 
 def under(bottom: Any, index: npt.ArrayLike) -> Any:
@@ -133,78 +149,138 @@ def under(bottom: Any, index: npt.ArrayLike) -> Any:
         return described_under(bottom, index)
     index = np.asarray(index, np.float64)
     if bottom.coating is not None:
-        coat, absolute, below = bottom.coating
-        if absolute:
-            ratio = checks.eta(coat.eta / index, "the lower coat's relative index", any_shape=True)
-            coat = coat._replace(eta=ratio)
+        coating = bottom.coating
+        if coating.absolute:
+            ratio = coating.coat.eta / index
+            ratio = checks.eta(ratio, "the lower coat's relative index", any_shape=True)
+            coating = coating._replace(coat=coating.coat._replace(eta=ratio))
         else:
-            below = under(below, index)
-        coating = Coating(coat, absolute, below)
-        return replace(layer_material(coat, below), coating=coating, rotation=bottom.rotation)
+            coating = coating._replace(bottom=under(coating.bottom, index))
+        return replace(_layered_again(coating), rotation=bottom.rotation)
     size = bottom.model.arch.lobe
     index = index.astype(np.float32)
     if not (bottom.latents[:, 5] > 0).any() or (index == 1).all():
         return bottom
-    latents, anchors = (
-        np.concatenate([lobes.under(z[:, :size], index), z[:, size:]], axis=1)
-        for z in (bottom.latents, bottom.anchors)
-    )
+    rest = bottom.latents[:, size:]
+    latents = np.concatenate([lobes.under(bottom.latents[:, :size], index), rest], axis=1)
     table = bottom.table
     if table is not None and not bottom.beside_lobe:
         wi, wo = (w[:, None] for w in node_pairs())
         old, new = (lobes.f(z[:, :size], wi, wo) for z in (bottom.latents, latents))
         table = table_of_values(np.exp(table.reshape(old.shape).astype(np.float32)) + new - old)
-    return replace(bottom, latents=latents, anchors=anchors, table=table)
+    return replace(bottom, latents=latents, table=table)
 
 
-def layer_material(coat: CoatParameters, bottom: Material) -> Material:
+def stacked(stack: Stack, model: Model) -> Material | None:
+    """The material of a stack, coat by coat by light transport.
+
+    None if only random walks know it: the bottom has no f, or a coat has energy compensation and
+    two widths.
+    """
+    if not isinstance(stack.bottom, Description):
+        return None
+    if stack.is_anisotropic and model.widths == 1:
+        return None
+    compensated = stack.coats[0].energy_compensation
+    if compensated and model.widths == 2:
+        return None
+    material = encode_source(stack.bottom, model)[0]
+    for coat in reversed(stack.coats):
+        values = (np.asarray(getattr(coat, name)) for name in CoatParameters._fields[1:])
+        columns = CoatParameters(of_widths(np.asarray, coat.alpha), *values)
+        compensates = compensated and coat is stack.coats[0]
+        coating = Coating(columns, coat.ior is not None, material, compensated=compensates)
+        material = _layered_again(coating)
+    return material
+
+
+def _layered_again(coating: Coating) -> Material:
+    """The material of a coating."""
+    coat, _, bottom, fast, compensated = coating
+    material = layer_material(coat, bottom, fast)
+    if compensated:
+        f, wi = bottom.f([appearance.WI], [appearance.WO])[0], [[0.0, 0.0, 1.0]]
+        lobe = Compensation(coat, bottom.directional_albedo(wi)[0], f).f(*node_pairs())
+        below = tabulated(material)
+        assert below.table is not None  # for the type checker
+        values = np.exp(below.table.astype(np.float32)).reshape(len(lobe), -1) + lobe
+        material = replace(below, table=table_of_values(values))
+    return replace(material, coating=coating)
+
+
+def layer_material(coat: CoatParameters, bottom: Material, fast: bool = False) -> Material:
     """`layer` for checked parameters: arrays (C,), (1,) or ().
 
-    If the bottom has a table or is smooth and bare, or the coat is outside the networks' training
-    data or of an index of at most 1, the result has a table of the rest beside the coat's lobe. The
-    bottom under no interface and no medium is returned as it is.
+    The bottom under no interface and no medium is returned as it is.
     """
     model = bottom.model
-    coat = _for_networks(model, coat)
+    coat = with_widths(model, coat)
     none = absent(coat)
     if none.all():
         return bottom
-    latents = anchors = codes = _layered(model, bottom.anchors, coat)
+    if fast:
+        codes = np.where(none[..., None], bottom.latents, _layered(model, bottom.latents, coat))
+        return Material(codes, model, rotation=bottom.rotation)
+    codes = transported_codes(coat, bottom)
+    if model.widths == 2:
+        return Material(codes, model, rotation=bottom.rotation)
+    table = coated_table(bottom, coat, codes[:, : model.arch.lobe])
     if none.any():
-        latents, anchors = (
-            np.where(none[..., None], below, codes) for below in (bottom.latents, bottom.anchors)
-        )
-    below = _tabulated(bottom, coat)
-    if below is None:
-        return Material(latents, model, anchors, rotation=bottom.rotation)
-    assert below.table is not None  # for the type checker
-    table = coated_table(below, coat, codes[:, : model.arch.lobe])
-    table = np.where(none, below.table, table)
-    return Material(
-        latents if below.beside_lobe else codes, model, anchors, table, beside_lobe=True
-    )
+        own = tabulated(bottom).table
+        assert own is not None  # for the type checker
+        table = np.where(none, own, table)
+    return Material(codes, model, table, beside_lobe=True)
 
 
-def _tabulated(bottom: Material, coat: CoatParameters) -> Material | None:
-    """The bottom with a table, under a coat that needs one; None: networks layer it."""
-    if bottom.table is not None:
-        return bottom
-    model = bottom.model
-    low = bool((coat.eta <= 1).any())  # the networks blur total reflection, and never saw one
-    bare = bool((model.networks.gains(bottom.latents) <= EMPTY_GAIN).all())
-    smooth = bare and bool((bottom.latents[:, 0] < SMOOTH).any())
-    if model.widths != 1 or not (low or smooth or checks.outside_training(coat)):
-        return None
-    table = rest_table(model.networks, bottom.latents)
-    if table is None:
-        table = np.full((*SHAPE, bottom.channels), MIN_LOG)
-    return replace(bottom, table=table, beside_lobe=True)
+def transported_codes(coat: CoatParameters, bottom: Material) -> np.ndarray:
+    """Codes float32 (C, L) of a material under checked coats, by light transport at the probe
+    pairs. A table takes ten times as long."""
+    model, pairs = bottom.model, bottom.model.networks.pairs()
+    check_ratios(model, bottom.latents, coat)
+    if model.widths == 1:
+        rest = coated_f(bottom, coat, *pairs).T
+    else:
+        rest = anisotropic_coated_f(replace(bottom, rotation=0.0), coat, *pairs).T
+    return codes_of_rests(model, rest, coat, bottom.latents)
 
 
-def _below(
-    bottom: Any, weights: Weights | None, refine: bool | None, anisotropic: bool
-) -> Material:
-    """The bottom of a coat as a material; its networks are anisotropic if the coat is."""
+def codes_of_rests(
+    model: Model, rest: np.ndarray, coat: CoatParameters, z: np.ndarray
+) -> np.ndarray:
+    """Codes (..., L) of bottoms z (..., L) under coats (...).
+
+    rest: (..., P) f [1/sr] at the probe pairs without the lobes of the coats.
+    """
+    lobe = lobes.of_coat(coat.alpha, coat.eta).astype(np.float32)
+    lobe = np.broadcast_to(lobe, (*rest.shape[:-1], model.arch.lobe))
+    f = rest + lobes.f(lobe[..., None, :], *model.networks.pairs())
+    codes = limit_albedo(model, codes_of(model, f, lobe))
+    return np.where(absent(coat)[..., None], z, codes)
+
+
+def warn_of(deviations: Deviations | None, name: str) -> None:
+    """Warn of what a material cannot represent; name: of the source."""
+    for sentence in deviations.warnings() if deviations else ():
+        warnings.warn(f"{name}: {sentence}", UrushiWarning, stacklevel=3)
+
+
+def tabulated(material: Material) -> Material:
+    """The material with a table beside its lobe."""
+    if material.beside_lobe:
+        return material
+    if material.table is None:
+        table = material.model.networks.table(material.latents)
+        if table is None:
+            table = np.full((*SHAPE, material.channels), MIN_LOG)
+    else:
+        wi, wo = node_pairs()
+        own = lobes.f(material.latents[:, : material.model.arch.lobe], wi[:, None], wo[:, None])
+        table = table_of_values(material.f(wi, wo) - own)
+    return replace(material, table=table, beside_lobe=True)
+
+
+def _below(bottom: Any, weights: Weights | None, anisotropic: bool) -> Material:
+    """The bottom of a coat as a material; its weights are anisotropic if the coat is."""
     if anisotropic and weights is None:
         own = bottom.model if isinstance(bottom, Material) else default_model()
         if own.widths == 1:
@@ -215,7 +291,8 @@ def _below(
                 )
             weights = anisotropic_model()
     if not isinstance(bottom, Material) or weights is not None:
-        bottom = encode(bottom, weights, refine=refine)
+        bottom, deviations = encoded(bottom, weights)
+        warn_of(deviations, "layer: the bottom")
     if anisotropic and bottom.rotation % 180 != 0:
         raise ParameterError(
             f"the bottom is rotated by {bottom.rotation:g} degrees, and the coat's alpha_u and "
@@ -225,8 +302,25 @@ def _below(
     return bottom
 
 
-def _for_networks(model: Model, coat: CoatParameters) -> CoatParameters:
-    """The coat with as many widths as the networks have; two may be equal."""
+def encoded(
+    source: Any, weights: Weights | None = None, table: bool | None = None
+) -> tuple[Material, Deviations | None]:
+    """`encode` without its warnings.
+
+    Returns:
+        The material, and the deviations of the source, if it is not a Material of these weights.
+    """
+    model = model_for(source, weights)
+    if isinstance(source, Material) and source.model.fingerprint == model.fingerprint:
+        return source, None
+    material = stacked(source, model) if isinstance(source, Stack) else None
+    if material is None:
+        return encode_source(source, model, table=table)
+    return material, deviations_of(as_source(source), widths=model.widths)
+
+
+def with_widths(model: Model, coat: CoatParameters) -> CoatParameters:
+    """The coat with as many widths as codes have; two may be equal."""
     if model.widths == 1:
         return coat._replace(alpha=checks.one_width(coat.alpha, "the coat's"))
     if isinstance(coat.alpha, Widths):
@@ -238,10 +332,10 @@ def layer_texels(model: Model, z_bottom: np.ndarray, coat: CoatParameters) -> np
     """Coat many texels by the layering network.
 
     Args:
-        model: the networks.
+        model: the weights.
         z_bottom: codes (..., L) of the bottoms.
         coat: arrays that broadcast against each other and against z_bottom's leading shape, e.g.
-            (H, W, 3). Anisotropic networks take one width, too.
+            (H, W, 3). Anisotropic weights take one width, too.
 
     Returns:
         float32 (..., L), of the shape that all of them broadcast to; the bottom's where a coat has
@@ -250,12 +344,12 @@ def layer_texels(model: Model, z_bottom: np.ndarray, coat: CoatParameters) -> np
 
     Raises:
         ParameterError: a parameter is out of range, or the shapes do not broadcast, or there are
-            two widths and the networks are for isotropic materials.
+            two widths and the weights are for isotropic materials.
     """
-    coat = checks.coat(_for_networks(model, coat), "the coat's", any_shape=True)
+    coat = checks.coat(with_widths(model, coat), "the coat's", any_shape=True)
     z = np.asarray(z_bottom, np.float32)
     codes, none = _layered(model, z, coat), absent(coat)
-    return np.where(none[..., None], as_rendered(model, z), codes) if none.any() else codes
+    return np.where(none[..., None], z, codes) if none.any() else codes
 
 
 def _layered(model: Model, z: np.ndarray, coat: CoatParameters) -> np.ndarray:
@@ -284,7 +378,7 @@ def _layered(model: Model, z: np.ndarray, coat: CoatParameters) -> np.ndarray:
 
 
 def within_training(coat: CoatParameters) -> CoatParameters:
-    """Coats with similar media, in or near the range of the networks' training data.
+    """Coats with similar media, in or near the range of the network's training data.
 
     Media of equal absorption and equal scattering times 1 - g transport light alike (van de Hulst
     1980). So g is moved into its range, and in media that are too deep further towards 0. Depths
@@ -317,8 +411,8 @@ def check_ratios(model: Model, z: np.ndarray, coat: CoatParameters) -> None:
         ratio = float(np.max(larger / np.maximum(smaller, checks.MIN_ALPHA)))
         if ratio > WIDEST * (1 + 1e-4):  # widths may be of single precision
             raise ParameterError(
-                f"the {owner}'s alpha_u and alpha_v have a ratio of {ratio:.3g}, but the networks "
-                f"can layer ratios up to {WIDEST:g}; give closer widths, or use the random walk "
+                f"the {owner}'s alpha_u and alpha_v have a ratio of {ratio:.3g}, but codes "
+                f"have ratios up to {WIDEST:g}; give closer widths, or use the random walk "
                 "('layered', urushi.simulate)"
             )
 

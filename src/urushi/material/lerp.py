@@ -1,10 +1,7 @@
-"""Blends of two materials, whose reflected light is linear in the blend weight.
+"""Blends of two materials: f of a blend is the weighted mean of both f.
 
-The Fresnel factors of the lobes (`urushi.nets.lobe`) are blended linearly. Their widths are
-weighted by the light that each lobe reflects, because the width of a lobe that reflects nothing is
-meaningless. Indices are weighted by the light of the exact Fresnel term; its factor is then set so
-that its light is the linear blend of the two. The numbers of the rests are weighted by the light of
-each rest; the gain is then set in the same way, from the mean albedo of the rest over the angles.
+One lobe of each channel remains analytic, the one with the brighter peak. All else, the other lobe
+too, is the rest of the blend: a table, or a code for two widths.
 """
 
 from dataclasses import replace
@@ -12,31 +9,28 @@ from dataclasses import replace
 import numpy as np
 import numpy.typing as npt
 
+from urushi.checks import Widths
+from urushi.core.table import node_pairs, table_of_values
 from urushi.errors import ParameterError
-from urushi.material import energy
 from urushi.material.encode import encode
 from urushi.material.material import Material
-from urushi.material.table import SHAPE, node_pairs, table_of_values
 from urushi.nets import lobe as lobes
-from urushi.nets.weights import Model, anisotropic_model, default_model
-
-#: Cosines over which the reflectance of a lobe is averaged.
-COSINES = np.array([1.0, 0.8, 0.6, 0.4, 0.2])
+from urushi.nets.weights import anisotropic_model, default_model
 
 
 def lerp(a: Material, b: Material, t: npt.ArrayLike) -> Material:
     """Return the material between a and b.
 
-    The albedo is about linear in t, see the module; energy is conserved.
+    f is linear in t, up to the error of a table or of a code.
 
     t: in [0, 1], a scalar or one number per RGB channel. A material of one channel blends with one
     of three. t = 0 gives exactly a's codes, t = 1 exactly b's. If a or b has a table, the result
     has one too, of (1 - t) a's f + t b's.
 
-    An isotropic material of the shipped networks is encoded again to blend with an anisotropic one.
+    An isotropic material of the shipped weights is encoded again to blend with an anisotropic one.
 
     Raises:
-        ParameterError: a and b belong to different networks, have different numbers of channels, or
+        ParameterError: a and b belong to different weights, have different numbers of channels, or
             are rotated by different angles, or t is out of range or of a wrong shape.
     """
     for name, material in (("a", a), ("b", b)):
@@ -71,81 +65,65 @@ def lerp(a: Material, b: Material, t: npt.ArrayLike) -> Material:
     if share.ndim > 1 or not ((share >= 0.0) & (share <= 1.0)).all():
         raise ParameterError("lerp's t must be in [0, 1], a number or one per channel")
     share = np.broadcast_to(share, channels)
-    latents = _blend(a.model, a.latents, b.latents, share)
-    anchors = latents
-    if a.anchors is not a.latents or b.anchors is not b.latents:
-        anchors = _blend(a.model, a.anchors, b.anchors, share)
-    table, beside_lobe = _blended_table(a, b, share)
-    return Material(latents, a.model, anchors, table, a.rotation, beside_lobe)
-
-
-def _blended_table(a: Material, b: Material, share: np.ndarray) -> tuple[np.ndarray | None, bool]:
-    """The table of the blend with shares (C,) of b, and whether it leaves the lobe out.
-
-    None if neither a nor b with a share above 0 has a table. A sum of two lobes is not one lobe, so
-    that the table contains both.
-    """
+    a, b = (_grown(material, len(share)) for material in (a, b))
     if (share == 0).all() or (share == 1).all():
-        end = b if share.any() else a
-        if end.table is None:
-            return None, False
-        return np.broadcast_to(end.table, (*SHAPE, len(share))), end.beside_lobe
-    if a.table is None and b.table is None:
-        return None, False
-    of_a, of_b = (material.f(*node_pairs()) for material in (a, b))
-    return table_of_values((1 - share) * of_a + share * of_b), False
+        return b if share.any() else a
+    blend = _blend(replace(a, rotation=0.0), replace(b, rotation=0.0), share)
+    return replace(blend, rotation=a.rotation)
 
 
-def _blend(model: Model, a: np.ndarray, b: np.ndarray, share: np.ndarray) -> np.ndarray:
-    """Codes (C, L) between a and b, exactly these for shares (C,) of 0 and 1.
+def _blend(a: Material, b: Material, share: np.ndarray) -> Material:
+    """The blend with shares (C,) of b."""
+    model, size = a.model, a.model.arch.lobe
+    none = np.tile(np.array(lobes.no_lobe(model.widths), np.float32), (len(share), 1))
+    first, second = (
+        m.latents[:, :size] if m.table is None or m.beside_lobe else none for m in (a, b)
+    )
+    lobe = brighter_lobes(first, second, share)
 
-    Their directional albedo is at most 1, or the brighter one's albedo if this gains energy.
+    def f(wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
+        return (1 - share) * a.f(wi, wo) + share * b.f(wi, wo)
+
+    codes = model.networks.encode(f(*model.networks.pairs()).T, lobe)
+    at = share[:, None]
+    codes = np.where(at == 0, a.latents, np.where(at == 1, b.latents, codes))
+    if model.widths == 2:
+        return Material(codes, model)
+    wi, wo = node_pairs()
+    rest = f(wi, wo) - lobes.f(codes[:, :size], wi[:, None], wo[:, None])
+    return Material(codes, model, table_of_values(rest), beside_lobe=True)
+
+
+def _grown(material: Material, channels: int) -> Material:
+    """A material of one channel as one of several."""
+    if material.channels == channels:
+        return material
+    latents, table = np.repeat(material.latents, channels, axis=0), material.table
+    table = None if table is None else np.repeat(table, channels, axis=-1)
+    return replace(material, latents=latents, table=table, coating=None)
+
+
+def brighter_lobes(a: np.ndarray, b: np.ndarray, share: np.ndarray) -> np.ndarray:
+    """The parts of blends that remain analytic: lobes (C, N) of a or b (C, N), scaled.
+
+    share: (C,) of b. Where both have the same shape and index, their sum remains.
     """
-    shape = (len(share), a.shape[1])
-    a, b = np.broadcast_to(a, shape), np.broadcast_to(b, shape)
-    codes = blend_codes(model, a, b, share)
-    peaks = [energy.directional_albedos(model, z).max(axis=-1) for z in (a, b)]
-    ceiling = np.maximum(np.maximum(*peaks), 1 - energy.MARGIN)
-    codes = energy.limit_albedo(model, codes, ceiling[:, None])
-    return np.where((share == 0)[:, None], a, np.where((share == 1)[:, None], b, codes))
+    columns = share[:, None].astype(np.float32)
+    scaled = [_scaled(a, 1 - columns), _scaled(b, columns)]
+    peaks = [lobes.reflectance(x, 1.0) / np.square(_area(lobes.width(x))) for x in scaled]
+    shape = np.delete(np.arange(a.shape[1]), [1, 2, 3])
+    same = (a[:, shape] == b[:, shape]).all(axis=1)
+    total = np.array(a)
+    total[:, 1:4] = scaled[0][:, 1:4] + scaled[1][:, 1:4]
+    brighter = np.where((peaks[0] >= peaks[1])[:, None], *scaled)
+    return np.where(same[:, None], total, brighter)
 
 
-def blend_codes(model: Model, a: np.ndarray, b: np.ndarray, share: np.ndarray) -> np.ndarray:
-    """Codes (C, L) between a and b (C, L); share: (C,) of b, in [0, 1]."""
-    networks, size = model.networks, model.arch.latent
-    count = networks.arch.lobe
-    codes = np.empty((len(share), size), np.float32)
-    codes[:, :count] = blend_lobes(a[:, :count], b[:, :count], share)
-    light = [energy.rest_albedos(model, z).mean(axis=-1) for z in (a, b)]
-    wanted = (1.0 - share) * light[0] + share * light[1]
-    part = (share * light[1] / wanted)[:, None]
-    codes[:, count:] = (1.0 - part) * a[:, count:] + part * b[:, count:]
-    found = energy.rest_albedos(model, codes).mean(axis=-1)
-    return networks.rest_scaled(codes, wanted / found)
+def _scaled(lobe: np.ndarray, factor: np.ndarray) -> np.ndarray:
+    result = np.array(lobe)
+    result[:, 1:4] *= factor
+    return result
 
 
-def blend_lobes(a: np.ndarray, b: np.ndarray, share: np.ndarray) -> np.ndarray:
-    """Lobes (C, N) between a and b (C, N); share: (C,) of b, in [0, 1]."""
-    light = [lobes.reflectance(lobe[:, None], COSINES).mean(axis=-1) for lobe in (a, b)]
-    exact = [_exact_reflectance(lobe) for lobe in (a, b)]
-    of_width = _share_of_b(light[0], light[1], share)
-    of_index = _share_of_b(a[:, 3] * exact[0], b[:, 3] * exact[1], share)
-    others = [of_width] * (a.shape[-1] - len(lobes.LOBE_NUMBERS))
-    shares = np.stack([of_width, *[share] * 3, of_index, of_index, *others], axis=-1)
-    blend = (1.0 - shares) * a + shares * b
-    own = np.maximum(_exact_reflectance(blend), 1e-30)
-    factor = (1.0 - share) * a[:, 3] * (exact[0] / own) + share * b[:, 3] * (exact[1] / own)
-    # Never more than the linear blend, so that no light is gained at grazing angles.
-    blend[:, 3] = np.minimum(blend[:, 3], factor)
-    return blend
-
-
-def _exact_reflectance(lobe: np.ndarray) -> np.ndarray:
-    """Mean (C,) over the cosines of the exact Fresnel term of lobes (C, N), for a factor of one."""
-    return lobes.fresnel(COSINES, lobe[:, None, 4], lobe[:, None, 5]).mean(axis=-1)
-
-
-def _share_of_b(size_a: np.ndarray, size_b: np.ndarray, share: np.ndarray) -> np.ndarray:
-    """Shares (C,) of b in proportion to sizes (C,); `share` itself where both sizes are zero."""
-    total = (1.0 - share) * size_a + share * size_b
-    return np.where(total > 0, share * size_b / np.maximum(total, 1e-30), share)
+def _area(width: np.ndarray | Widths) -> np.ndarray:
+    return np.sqrt(width.u * width.v) if isinstance(width, Widths) else width

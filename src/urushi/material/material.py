@@ -1,7 +1,6 @@
-"""A material: one latent code per channel, with the networks that decode it."""
+"""A material: one latent code per channel, with its basis."""
 
 import os
-import warnings
 from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
@@ -12,17 +11,17 @@ from urushi import checks, files
 from urushi.checks import CoatParameters
 from urushi.core.directions import rotated
 from urushi.core.quadrature import half_vector_rule
-from urushi.errors import FileError, ParameterError, UrushiWarning
-from urushi.export.networks import FTable
-from urushi.export.program import material_text
-from urushi.material.table import SHAPE, Knots, coordinates, interpolated
+from urushi.core.table import SHAPE, Knots, interpolated
+from urushi.errors import FileError, ParameterError
+from urushi.export.program import material_text, texture_form
+from urushi.export.rest import own_texture
 from urushi.nets import lobe as lobes
-from urushi.nets.sampler import mixture_pdf, sample_mixture
+from urushi.nets.proposal import mixture_pdf, sample_mixture
 from urushi.nets.weights import Model, Weights, find, model_of_file
 from urushi.parallel import fill_blocks
 
 #: Version of the files of materials.
-FORMAT_VERSION = 2
+FORMAT_VERSION = 3
 
 #: Directions whose albedo is integrated at once, over 1536 others each.
 ALBEDO_BLOCK = 16
@@ -34,38 +33,35 @@ class Coating(NamedTuple):
     coat: CoatParameters  # checked; `eta` is relative to the medium above
     absolute: bool  # whether the coat keeps its index below another medium; otherwise `eta`
     bottom: "Material"  # under the coat
+    fast: bool = False  # whether the layering network computed it
+    compensated: bool = False  # whether it gives back the light that the surface loses
 
 
 @dataclass(frozen=True, eq=False)
 class Material:
     """A BRDF as latent codes. Make it with `encode`, `layer`, `lerp` or `load`.
 
-    Codes of anisotropic networks (`model.widths` is 2) are symmetric about the tangent, the x axis,
+    Codes of two widths (`model.widths` is 2) are symmetric about the tangent, the x axis,
     and about the y axis.
 
     Attributes:
         latents: read-only float32 (C, L), one code per channel (C = 3 for RGB, 1 for grey).
-        model: the networks.
-        anchors: read-only float32 (C, L), codes near the latents that the encoder could have made.
-            Coats are layered over them, and directions are sampled by them. In encoded materials
-            they differ from the latents, which are fitted to values (see `urushi.material.fit`);
-            in coated materials they are equal. Default: the latents.
-        table: read-only float16 (U, V, W, C), ln f over directions (see `urushi.material.table`),
+        model: the weights.
+        table: read-only float16 (U, V, W, C), ln f over directions (see `urushi.core.table`),
             by which f is evaluated instead of by the latents, as of measured BRDFs. Default: None.
         beside_lobe: whether the table is of the rest alone, and f is the lobe of the latents plus
             the table, as of coats over measured BRDFs; otherwise it is of all of f. False without a
             table. Default: False.
         rotation: angle [degrees] by which the tangent is turned about the normal,
-            counter-clockwise, see `rotated`; 0 for isotropic networks. Default: 0.
+            counter-clockwise, see `rotated`; 0 for one width. Default: 0.
         coating: its topmost coat, if `layer` made it. Default: None.
         knots: of the table, where it is of a slab; files do not hold them. Default: ().
 
-    Materials equal each other if codes, tables, rotations and networks do.
+    Materials equal each other if codes, tables, rotations and weights do.
     """
 
     latents: np.ndarray
     model: Model
-    anchors: np.ndarray = None  # type: ignore[assignment]  # __post_init__ puts the latents there
     table: np.ndarray | None = None
     rotation: float = 0.0
     beside_lobe: bool = False
@@ -74,20 +70,11 @@ class Material:
 
     def __post_init__(self) -> None:
         latents = _checked(self.latents, self.model, "latents")
-        anchors = latents
-        if self.anchors is not None and self.anchors is not self.latents:
-            anchors = _checked(self.anchors, self.model, "anchors")
-        if anchors.shape != latents.shape:
-            raise ParameterError(
-                f"a material has {len(latents)} latents, but {len(anchors)} anchors; give one "
-                "anchor per latent code"
-            )
         if self.table is not None:
             object.__setattr__(self, "table", _checked_table(self.table, self.model, len(latents)))
         beside_lobe = bool(self.beside_lobe) and self.table is not None
         object.__setattr__(self, "beside_lobe", beside_lobe)
         object.__setattr__(self, "latents", latents)
-        object.__setattr__(self, "anchors", anchors)
         turn = _checked_rotation(self.rotation) if self.model.widths == 2 else 0.0
         object.__setattr__(self, "rotation", turn)
 
@@ -99,7 +86,7 @@ class Material:
 
     def _key(self) -> tuple:
         """What equal materials share."""
-        arrays = self.latents, self.anchors, self.table
+        arrays = self.latents, self.table
         contents = (x is not None and (x.shape, (x + 0).tobytes()) for x in arrays)  # -0.0 is 0.0
         return (self.model.fingerprint, *contents, self.beside_lobe, self.rotation)
 
@@ -212,7 +199,7 @@ class Material:
         return np.concatenate([wo, pdf[:, None]], axis=1)
 
     def _proposal(self, wi: np.ndarray) -> tuple[Any, Any]:
-        return self.model.networks.proposal(self.anchors.mean(axis=0)[None], wi)
+        return self.model.networks.proposal(self.latents.mean(axis=0)[None], wi)
 
     def directional_albedo(self, wi: npt.ArrayLike) -> np.ndarray:
         """Integrate f times wo's cosine over the hemisphere: the directional albedo.
@@ -239,46 +226,51 @@ class Material:
         f_cos = f.reshape(*weights.shape, -1) * wo[..., 2, None]
         return np.sum(f_cos * weights[..., None], axis=1)
 
-    def shader(self, language: str, prefix: str = "urushi", *, table: bool = False) -> str:
+    def shader(self, language: str, prefix: str = "urushi") -> str:
         """Return the material as source code: functions f, pdf and sample in one file.
 
-        The weights of the networks are literals in it; see `urushi export`.
+        f reads the rest beside its lobe from the texture `shader_texture`. See `urushi export`.
 
         Args:
             language: "glsl", "wgsl", "hlsl", "slang", "osl" or "python".
             prefix: begins the names of functions and structures; names in Python have none.
-            table: whether f reads the material's table, which is too large for source code, from
-                the texture that `urushi export --texture` writes; otherwise f is computed from the
-                codes. Languages with textures only.
 
         Raises:
-            ParameterError: the language is unknown, the prefix is not a name, the material has
-                neither one nor three channels, or there is no table or texture to read.
-
-        Warns:
-            UrushiWarning: the material has a table that is left out.
+            ParameterError: the language is unknown, the prefix is not a name, or the material has
+                neither one nor three channels.
         """
-        read = None
-        if table and self.table is None:
-            raise ParameterError("the material has no table; leave out table=True")
-        if table:
-            read = FTable(SHAPE, coordinates, self.beside_lobe)
-        elif self.table is not None:
-            warnings.warn(
-                f"shader: the {language} code leaves out the table of the material and computes f "
-                "from its codes; urushi export --texture writes the table",
-                UrushiWarning,
-                stacklevel=2,
-            )
         return material_text(
-            language, self.model, self.latents, self.anchors, prefix, self.rotation, read
+            language,
+            self.model,
+            self.latents,
+            prefix,
+            self.rotation,
+            knots=self.knots,
+            has_lobe=self.table is None or self.beside_lobe,
+            has_rest=self._table() is not None,
         )
+
+    def shader_texture(self, language: str = "glsl") -> np.ndarray | None:
+        """Return the texture of ln f that `shader`'s code reads; None if f is the lobe alone.
+
+        Returns:
+            float16 (depth, height, width, 4), or (height, width, 3) for "osl".
+
+        Raises:
+            ParameterError: the language is unknown.
+        """
+        table = self._table()
+        return None if table is None else own_texture(table, texture_form(language))
+
+    def _table(self) -> np.ndarray | None:
+        """The table, or that of the codes' rests (..., C); None without rests."""
+        return self.model.networks.table(self.latents) if self.table is None else self.table
 
     def save(self, path: str | os.PathLike) -> None:
         """Write the material to a safetensors file; `urushi.load` reads it.
 
-        The file holds the codes, the table if there is one, and the fingerprint of the networks,
-        not the networks.
+        The file holds the codes, the table if there is one, and the fingerprint of the weights,
+        not the weights.
 
         Raises:
             FileError: the file cannot be written.
@@ -291,11 +283,11 @@ class Material:
 def load(path: str | os.PathLike, weights: Weights | None = None) -> Material:
     """Read a material that `Material.save` wrote.
 
-    weights: the networks with which it was encoded, a Model or a file; by default, the shipped
-        networks of its fingerprint.
+    weights: those with which it was encoded, a Model or a file; by default, the shipped
+        ones of its fingerprint.
 
     Raises:
-        FileError: missing, truncated, foreign, damaged, or made with other networks.
+        FileError: missing, truncated, foreign, damaged, or made with other weights.
     """
     description, arrays = files.read_tensors(path, "material", FORMAT_VERSION)
     given = None if weights is None else find(weights)
@@ -313,16 +305,15 @@ def _contents(material: Material) -> tuple[dict[str, Any], dict[str, np.ndarray]
     """The description and the arrays by which a file holds a material and those under its coats."""
     description: dict[str, Any] = {"rotation": material.rotation} if material.rotation else {}
     arrays = {"latents": material.latents}
-    if not np.array_equal(material.latents, material.anchors):
-        arrays["anchors"] = material.anchors
     if material.table is not None:
         arrays["table"] = material.table
         description["beside_lobe"] = material.beside_lobe
     if material.coating is not None:
-        coat, absolute, bottom = material.coating
+        coat, absolute, bottom, fast, compensated = material.coating
         arrays["coat"] = np.stack(np.broadcast_arrays(*map(np.atleast_1d, coat.columns())))
         below, others = _contents(bottom)
-        description |= {"absolute": absolute, "bottom": below}
+        description |= {"absolute": absolute, "fast": fast, "bottom": below}
+        description |= {"compensated": True} if compensated else {}
         arrays |= {f"bottom.{name}": array for name, array in others.items()}
     return description, arrays
 
@@ -338,11 +329,12 @@ def _material(description: dict[str, Any], arrays: dict[str, np.ndarray], model:
         prefix = "bottom."
         below = {n.removeprefix(prefix): x for n, x in arrays.items() if n.startswith(prefix)}
         bottom = _material(description["bottom"], below, model)
-        coating = Coating(coat, bool(description["absolute"]), bottom)
+        absolute, fast = bool(description["absolute"]), bool(description.get("fast"))
+        compensated = bool(description.get("compensated"))
+        coating = Coating(coat, absolute, bottom, fast, compensated)
     return Material(
         arrays["latents"],
         model,
-        arrays.get("anchors"),  # type: ignore[arg-type]  # None: the latents
         arrays.get("table"),
         description.get("rotation", 0.0),
         bool(description.get("beside_lobe")),
@@ -377,7 +369,7 @@ def _above(wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
 def _checked_table(table: npt.ArrayLike, model: Model, channels: int) -> np.ndarray:
     """A read-only copy float16 (U, V, W, C) of a material's table."""
     if model.widths == 2:
-        raise ParameterError("materials of these networks cannot have tables")
+        raise ParameterError("materials of these weights cannot have tables")
     with np.errstate(over="ignore"):
         array = np.array(table, dtype=np.float16)
     if array.shape != (*SHAPE, channels):

@@ -2,7 +2,7 @@
 
 A pair is wi above the slab and the mirror image of wo below it, both as they would be in the denser
 of the two outer media (`slabs.straight`). Light that goes straight through is then a narrow lobe at
-small half angles. In the coordinates of `urushi.material.table`, a sign of w says which of both
+small half angles. In the coordinates of `urushi.core.table`, a sign of w says which of both
 cosines is the larger. f of importance is the table times the square of the index on wo's side, and
 exchanging wi and wo leaves the table's value the same.
 """
@@ -16,8 +16,8 @@ import numpy as np
 from urushi.checks import MIN_INDEX_STEP
 from urushi.core import fresnel, microfacet
 from urushi.core.namespace import NUMPY, Components, Namespace
-from urushi.material.coated_table import ROWS
-from urushi.material.table import (
+from urushi.core.table import (
+    MIN_COSINE,
     SHAPE,
     Knots,
     completed,
@@ -28,12 +28,14 @@ from urushi.material.table import (
     node_directions,
     unknotted,
 )
-from urushi.nets.features import MIN_COSINE
 from urushi.parallel import fill_blocks
 from urushi.walk import slabs
 
 #: Nodes of a table of transmitted light: w has a sign.
 PASSED_SHAPE = (*SHAPE[:2], 2 * SHAPE[2] - 1)
+
+#: Pairs that are computed at once: their numbers stay in a core's cache.
+ROWS = 256
 
 #: The node in v from which on light in the denser medium does not leave it.
 CONE = 22
@@ -99,7 +101,7 @@ def denser_coordinates(a: Any, b: Any, ratio: float, xp: Namespace) -> tuple[Any
     Within the cone of light that leaves that medium, v is in proportion to v outside.
     """
     both, apart = Components(a.x + b.x, a.y + b.y, a.z + b.z), Components(None, None, a.z - b.z)
-    u, v, w = coordinates(both, apart, 1, xp)
+    u, v, w = coordinates(both, apart, xp)
     if knots := _passed_knots(ratio):
         edge = knots[0][0]
         v = knotted(xp.where(v < edge, edge * _refracted_v(v, ratio, xp), v), knots, xp)

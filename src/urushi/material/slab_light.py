@@ -13,14 +13,16 @@ directions are drawn from both sides. Light straight through a single interface 
 
 import functools
 from collections.abc import Callable
+from typing import NamedTuple
 
 import numpy as np
 
 from urushi.checks import MIN_ALPHA
 from urushi.core.namespace import NUMPY, Components
+from urushi.core.table import HIGHEST, LOWEST, SHAPE, TAN2_OFFSET, interpolated_at
 from urushi.material import adding
-from urushi.material.coated_table import HalfVectors, Inside, half_vectors, sums
-from urushi.material.crossing import LEAST_COSINE, Vector, cross, crossing_at, facet_points
+from urushi.material.coated_table import Inside
+from urushi.material.crossing import LEAST_COSINE, Vector, cross, crossing_at, facet_points, sums
 from urushi.material.slab_coordinates import (
     Faces,
     denser_coordinates,
@@ -29,7 +31,6 @@ from urushi.material.slab_coordinates import (
     tabulated,
 )
 from urushi.material.slab_shares import Layers
-from urushi.material.table import interpolated_at
 
 #: Directions inside for each node, drawn from either side.
 STRAIGHT = 34
@@ -43,8 +44,31 @@ FACETS, ELEVATIONS = 256, 48
 #: Least width of straight light, as a mirror of this width reflects: a table holds no narrower one.
 LEAST_SPREAD = MIN_ALPHA / 8
 
+#: Nodes in a table's v of the mean over half vectors: difference angles up to 45 degrees.
+PEAK_NODES = 17
+
 #: The share (..., C) of light that is left of cosines (...).
 Attenuation = Callable[[np.ndarray], np.ndarray]
+
+
+class HalfVectors(NamedTuple):
+    """The distribution of half vectors of a bottom, constant in solid angle between nodes in u."""
+
+    cosines: np.ndarray  # (U,) of the half angle at the nodes
+    cumulated: np.ndarray  # (U,) shares of the half vectors up to each node
+    density: np.ndarray  # float32 (U - 1,) [1/sr] between nodes
+
+    def draw(self, u: np.ndarray) -> Vector:
+        """Half vectors (K,) from numbers u (K, 2) in [0, 1)."""
+        cosine = np.interp(u[:, 0], self.cumulated, self.cosines)
+        sine, phi = np.sqrt(np.maximum(1 - cosine * cosine, 0)), 2 * np.pi * u[:, 1]
+        x, y, z = (w.astype(np.float32) for w in (sine * np.cos(phi), sine * np.sin(phi), cosine))
+        return x, y, z
+
+    def density_at(self, u: np.ndarray) -> np.ndarray:
+        """Density [1/sr] at the table's coordinate u."""
+        last = len(self.density) - 1
+        return self.density[np.clip(u * (last + 1), 0, last).astype(np.intp)]
 
 
 def transmitted(
@@ -93,7 +117,8 @@ def _scattered(
         every = [a @ b for a, b in zip(every, fields, strict=True)]
         direct = [a * b for a, b in zip(direct, straights, strict=True)]
         upper = adding.mirror(alpha, eta, inside.edges)
-        attenuations.insert(0, adding.to_and_fro(depths, upper, inside.mirrored)[0])
+        crossing = adding.to_and_fro(depths, upper, inside.mirrored)[0]
+        attenuations.insert(0, adding.nearest(crossing))
         if level:
             above = grids[level - 1]
             inner = own.averaged(
@@ -220,6 +245,19 @@ def _two_interfaces(
     return straight
 
 
+def _half_vectors(f: np.ndarray) -> HalfVectors:
+    """The distribution of half vectors at which values f (U, ...) at a table's nodes are bright."""
+    nodes = np.linspace(0, 1, SHAPE[0])
+    tan2 = np.maximum(np.exp(LOWEST + nodes * (HIGHEST - LOWEST)) - TAN2_OFFSET, 0)
+    cosines = 1 / np.sqrt(1 + tan2)
+    size = f[:, :PEAK_NODES].mean(axis=(1, 2, 3), dtype=np.float64)
+    angles = 2 * np.pi * (cosines[:-1] - cosines[1:])
+    shares = (size[:-1] + size[1:]) * (cosines[:-1] + cosines[1:]) * angles
+    shares /= shares.sum()
+    cumulated = np.concatenate([[0], np.cumsum(shares)])
+    return HalfVectors(cosines, cumulated, (shares / angles).astype(np.float32))
+
+
 def _one_interface(
     facets: tuple[float, float], logs: np.ndarray, index: float, attenuation: Attenuation
 ) -> Callable[[np.ndarray, np.ndarray], np.ndarray]:
@@ -234,7 +272,7 @@ def _one_interface(
     Half of the directions inside are drawn by the interface, half by half vectors of the layers.
     """
     u = facet_points(THROUGH_TABLE)
-    peak: HalfVectors = half_vectors(np.exp(logs), 1.0)
+    peak = _half_vectors(np.exp(logs))
     half = peak.draw(u[:, ::-1].astype(np.float64))
     index = float(index)  # in single precision
     ratio = max(index, 1 / index)

@@ -1,7 +1,7 @@
 """Averages that give a BRDF the symmetry of materials, and what they change.
 
-Materials are reciprocal. With isotropic networks they do not change if both directions are rotated
-about the normal. With anisotropic networks they are symmetric about the xz and the yz plane.
+Materials are reciprocal. With one width they do not change if both directions are rotated
+about the normal. With two they are symmetric about the xz and the yz plane.
 """
 
 import functools
@@ -17,14 +17,14 @@ from urushi.material.source import Source
 
 #: Number of common rotations of a pair about the normal over which a BRDF is averaged: twice an odd
 #: number, see `rotated_pairs`. With fewer, the narrow lobe of a brushed metal leaves separate
-#: peaks, unlike any BRDF that the encoder was trained on.
+#: peaks, unlike any material.
 AZIMUTHS = 62
 
 #: The rotation, as a fraction of a full turn, by which isotropy is tested. It is no simple
 #: fraction, because some BRDFs are invariant under such rotations.
 TEST_ROTATION = 0.155
 
-#: Anisotropy E above which a source gets networks of two widths.
+#: Anisotropy E above which a source gets codes of two widths.
 KEPT_ANISOTROPY = 0.02
 
 #: Differences up to which two values are equal: relative, for single precision in steep lobes, and
@@ -61,7 +61,7 @@ class Deviations(NamedTuple):
         elif (self.anisotropy or 0.0) > WARNED_ASYMMETRY:
             sentences.append(
                 f"the BRDF is anisotropic: it differs by {self.anisotropy:.0%} from its mean over "
-                "the azimuth, which is encoded, because these networks are for isotropic materials"
+                "the azimuth, which is encoded, because these weights are for isotropic materials"
             )
         if (self.reciprocity or 0.0) > WARNED_ASYMMETRY:
             sentences.append(
@@ -100,7 +100,7 @@ def symmetrise(
         source: the BRDF.
         wi, wo: float32 (N, 3), above the horizon.
         check: turns the result of `source.f` for a number of pairs into float32 (N, C).
-        widths: of the material's networks.
+        widths: of the material's codes.
 
     Returns:
         float32 (N, C), and the deviations.

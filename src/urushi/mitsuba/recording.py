@@ -68,7 +68,7 @@ def signature_of(plugin: Any) -> list:
 
     They encode a hash of all attributes, and of the attributes of all objects in them. Left out are
     the contents of arrays, which code reads from memory, and attributes that a class lists in
-    `UNRECORDED`. Networks, whose weights are literals, are known by their fingerprint.
+    `UNRECORDED`. Weights are known by their fingerprint.
     """
     digits = np.base_repr(zlib.crc32(repr([*_described(plugin, {})]).encode()), 5).zfill(14)
     kinds = (mi.Float, mi.UInt32, mi.Int32, mi.UInt64, mi.Int64)

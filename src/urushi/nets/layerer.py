@@ -1,23 +1,28 @@
-"""The layerer: maps the latent code of a bottom and a coat to the code of the coated BRDF."""
+"""The layering network: from the code of a bottom and a coat to the code of the coated BRDF."""
 
 from typing import Any
 
-from urushi.nets.architecture import Architecture
 from urushi.nets.features import coat_features
 from urushi.nets.lobe import lobe_features, of_coat
 from urushi.nets.mlp import Params, hidden_to_output, split_linear
 
+#: Logarithmic gain of a bottom's rest below which the network takes it as this one: of no rest.
+LEAST_GAIN = -12.0
 
-def layer(params: Params, arch: Architecture, z_bottom: Any, coat: tuple[Any, ...]) -> Any:
+
+def layer(params: Params, arch: Any, z_bottom: Any, coat: tuple[Any, ...]) -> Any:
     """Return the latent codes (..., L) of bottoms z_bottom (..., L) under coats.
 
     coat: alpha, eta, albedo, sigma_t, g, arrays that broadcast against each other and against the
-    bottoms; alpha is two `Widths` if the networks are anisotropic. The coat's interface becomes the
+    bottoms; alpha is two `Widths` if codes have two widths. The coat's interface becomes the
     lobe of the result. The network computes the change of the other numbers, from these, the
     bottom's lobe and the coat.
     """
     xp = z_bottom.__array_namespace__()
-    rest = z_bottom[..., arch.lobe :]
+    gain = xp.maximum(
+        z_bottom[..., arch.lobe : arch.lobe + 1], xp.asarray(LEAST_GAIN, dtype=z_bottom.dtype)
+    )
+    rest = xp.concat([gain, z_bottom[..., arch.lobe + 1 :]], axis=-1)
     own = xp.concat([rest, lobe_features(z_bottom[..., : arch.lobe])], axis=-1)
     first = split_linear(params, "layerer.0", own, coat_features(*coat))
     rest = rest + hidden_to_output(params, "layerer", first, arch.activation)

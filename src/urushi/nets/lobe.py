@@ -8,9 +8,9 @@ Its Fresnel term is a sum of Schlick's (1994) and of the exact one of an index e
 A dielectric interface has exact = 1 and k = 0 (total reflection for eta < 1 included), a conductor
 exact = 1, or normal = R0 and grazing = 1. All three factors are 0 for a surface without a lobe. The
 BRDF is linear in the factors, so that blends of codes are blends of BRDFs if widths and indices
-agree. The decoder evaluates the rest of the BRDF.
+agree. The basis evaluates the rest of the BRDF.
 
-A lobe of anisotropic networks has a seventh number, the width across the tangent (the y axis); its
+A lobe of two widths has a seventh number, the width across the tangent (the y axis); its
 first number is the width along it (the x axis).
 
 Functions take arrays of NumPy or JAX. An argument `xp` lets them serve Dr.Jit and shaders, too.

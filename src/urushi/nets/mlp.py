@@ -1,9 +1,10 @@
-"""Multilayer perceptrons, which all four networks are: layers, activations and their slopes."""
+"""Multilayer perceptrons: layers and activations."""
 
+import itertools
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-#: Parameters by name, such as "decoder.0.weight"; arrays of NumPy or of JAX.
+#: Parameters by name, such as "layerer.0.weight"; arrays of NumPy or of JAX.
 Params = Mapping[str, Any]
 
 #: Activations x (1/2 + t q(t^2)) by name: (bound, coefficients of the polynomial q, lowest power
@@ -90,49 +91,10 @@ def activate(x: Any, activation: str) -> Any:
     return x.__array_namespace__().maximum(x, 0.0)
 
 
-def with_slope(x: Any, activation: str) -> tuple[Any, Any]:
-    """Return `activate` and its derivative."""
-    xp = x.__array_namespace__()
-    if activation in POLYNOMIALS:
-        bound, coefficients = POLYNOMIALS[activation]
-        t = x.clip(-bound, bound)
-        u = t * t
-        logistic = 0.5 + t * _horner(coefficients, u)
-        # Beyond the bound t is constant; the polynomial's slope is 0 there as well.
-        slopes = [(2 * k + 1) * coefficient for k, coefficient in enumerate(coefficients)]
-        return x * logistic, logistic + t * _horner(slopes, u)
-    return xp.maximum(x, 0.0), xp.astype(x > 0.0, x.dtype)
-
-
-def hidden_with_slopes(
-    params: Params, prefix: str, first: Any, activation: str
-) -> tuple[Any, list[Any]]:
-    """Return `hidden_to_output` (..., out) of `first`, and the activation's slopes by layer."""
-    x, slopes = first, list[Any]()
-    while f"{prefix}.{len(slopes) + 1}.weight" in params:
-        x, slope = with_slope(x, activation)
-        slopes.append(slope)
-        x = linear(params, f"{prefix}.{len(slopes)}", x)
-    return x, slopes
-
-
-def gradient_of_first(params: Params, prefix: str, slopes: list[Any], last: Any) -> Any:
-    """Return the gradient (..., width) with respect to the first layer's pre-activation.
-
-    last: (..., width) the gradient with respect to the last hidden layer.
-    """
-    gradient = last
-    for index in reversed(range(len(slopes))):
-        gradient = gradient * slopes[index]
-        if index > 0:
-            gradient = product(gradient, params[f"{prefix}.{index}.weight"].T)
-    return gradient
-
-
-def _horner(coefficients: Sequence[float], u: Any) -> Any:
-    """The polynomial of u with two or more coefficients, lowest power first."""
-    *others, second, first = coefficients
-    total = second + u * first
-    for coefficient in reversed(others):
-        total = coefficient + u * total
-    return total
+def shapes_of(prefix: str, sizes: Sequence[int]) -> dict[str, tuple[int, ...]]:
+    """Shapes by name of the parameters of the network `prefix` with layers of these sizes."""
+    shapes: dict[str, tuple[int, ...]] = {}
+    for index, (rows, columns) in enumerate(itertools.pairwise(sizes)):
+        shapes[f"{prefix}.{index}.weight"] = (rows, columns)
+        shapes[f"{prefix}.{index}.bias"] = (columns,)
+    return shapes

@@ -1,4 +1,4 @@
-"""Trained networks as one value, their file format, and the networks that Urushi ships."""
+"""Weights as one value, their file format, and the weights that Urushi ships."""
 
 import functools
 import hashlib
@@ -13,22 +13,22 @@ import numpy as np
 
 from urushi import files
 from urushi.errors import FileError, ParameterError
-from urushi.nets.architecture import Architecture, parameter_shapes
+from urushi.nets.basis import grid_of, on_grid
 from urushi.nets.mlp import Params
-from urushi.nets.networks import UrushiNetworks
+from urushi.nets.networks import Architecture, Networks
 
 #: Version of the file format.
 FORMAT_VERSION = 1
 
-#: Names of the shipped networks: files in the folder `weights`. The second are for anisotropic
+#: Names of the shipped weights: files in the folder `weights`. The second are for anisotropic
 #: materials, which are made with them unless a user names others.
 DEFAULT, ANISOTROPIC = "default", "anisotropic"
 
 
-#: The system that files name as `kind`. Files without the entry hold Urushi's own networks.
+#: The system that files name as `kind`. Files without the entry are Urushi's own.
 KIND = "urushi"
 
-Networks = TypeVar("Networks")
+Read = TypeVar("Read")
 
 
 class Described(Protocol):
@@ -40,7 +40,7 @@ class Described(Protocol):
 
 @dataclass(frozen=True, eq=False)
 class Model:
-    """Trained networks: architecture, parameters and origin. Make one by `Model.of` or `read`.
+    """Weights: architecture, parameters and origin. Make one by `Model.of` or `read`.
 
     Attributes:
         arch: the architecture.
@@ -61,18 +61,20 @@ class Model:
         Raises:
             ParameterError: a parameter is missing, unknown, of a wrong shape or not finite.
         """
-        checked = checked_parameters(params, parameter_shapes(arch))
+        if "basis.rows" in params:
+            params = dict(params) | {"basis.rows": on_grid(np.asarray(params["basis.rows"]))}
+        checked = checked_parameters(params, arch.parameter_shapes())
         return cls(arch, checked, dict(header), fingerprint(arch, checked))
 
     @property
     def widths(self) -> int:
-        """GGX widths of a surface: 2 if the networks are for anisotropic materials, otherwise 1."""
+        """GGX widths of a surface: 2 for anisotropic materials, otherwise 1."""
         return self.arch.widths
 
     @functools.cached_property
-    def networks(self) -> UrushiNetworks:
-        """The networks: encoder, layerer, evaluation and proposals."""
-        return UrushiNetworks(self.params, self.arch)
+    def networks(self) -> Networks:
+        """Codes, layering, evaluation and proposals."""
+        return Networks.of(self.params, self.arch)
 
 
 def checked_parameters(
@@ -82,7 +84,7 @@ def checked_parameters(
     unmatched = sorted(set(shapes) ^ set(params))
     if unmatched:
         state = "missing" if unmatched[0] in shapes else "unknown"
-        raise ParameterError(f"the parameter '{unmatched[0]}' is {state} in these networks")
+        raise ParameterError(f"the parameter '{unmatched[0]}' is {state} in these weights")
     checked = {}
     for name, shape in shapes.items():
         array = checked[name] = np.array(params[name], dtype=np.float32, order="C")
@@ -109,7 +111,7 @@ def fingerprint(arch: Described, params: Params) -> str:
 def save(
     path: str | os.PathLike, arch: Architecture, params: Params, header: Mapping[str, Any]
 ) -> Model:
-    """Write networks to a safetensors file and return them as a model.
+    """Write weights to a safetensors file and return them as a model.
 
     header: JSON values that describe their origin.
 
@@ -125,13 +127,33 @@ def save(
 def write_file(
     path: str | os.PathLike, arch: Described, params: Params, header: Mapping[str, Any]
 ) -> None:
-    """Write the networks of any system to a weights file."""
+    """Write the weights of any system to a file."""
     description = {
         "version": FORMAT_VERSION,
         "architecture": json.loads(arch.to_json()),
         "header": dict(header),
     }
-    files.write_tensors(path, "weights", description, params)
+    files.write_tensors(path, "weights", description, _stored(params))
+
+
+def _stored(params: Params) -> dict[str, np.ndarray]:
+    """Parameters as files hold them: the rows of a basis in 16 bits."""
+    arrays = {name: np.asarray(array) for name, array in params.items()}
+    if "basis.rows" in arrays:
+        low, step = grid_of(arrays["basis.rows"])
+        numbers = np.rint((arrays["basis.rows"] - low) / step).astype(np.uint16)
+        arrays |= {"basis.rows": numbers, "basis.grid": np.stack([low, step])}
+    return arrays
+
+
+def _restored(arrays: Params) -> Params:
+    """The parameters of `_stored`."""
+    if "basis.grid" not in arrays:
+        return arrays
+    low, step = arrays["basis.grid"]
+    rows = (arrays["basis.rows"] * step + low).astype(np.float32)
+    others = {name: array for name, array in arrays.items() if name != "basis.grid"}
+    return others | {"basis.rows": rows}
 
 
 def read(path: str | os.PathLike) -> Model:
@@ -142,14 +164,14 @@ def read(path: str | os.PathLike) -> Model:
 def read_file(
     path: str | os.PathLike,
     kind: str,
-    make: Callable[[str, Params, Mapping[str, Any]], Networks],
-) -> Networks:
+    make: Callable[[str, Params, Mapping[str, Any]], Read],
+) -> Read:
     """Read a weights file that `write_file` wrote.
 
     Args:
         path: the file.
-        kind: the system of the networks.
-        make: from the architecture's JSON text, the parameters and the header to the networks.
+        kind: the system of the weights.
+        make: from the architecture's JSON text, the parameters and the header to the result.
 
     Raises:
         FileError: the file is missing, truncated, foreign, of another version or of another system,
@@ -164,12 +186,12 @@ def read_file(
             f"use the functions, plugins and commands of the system '{found}' for this file"
         )
     try:
-        return make(json.dumps(arch), arrays, description.get("header") or {})
+        return make(json.dumps(arch), _restored(arrays), description.get("header") or {})
     except (ParameterError, TypeError, ValueError) as error:
         raise FileError(f"the weights file '{path}' is damaged: {error}") from error
 
 
-#: Networks as a user may give them: a Model, a name of shipped ones, or a weights file.
+#: Weights as a user may give them: a Model, a name of shipped ones, or a weights file.
 Weights = Model | str | os.PathLike
 
 
@@ -179,7 +201,7 @@ SHIPPED = Path(__file__).with_name("weights")
 
 @functools.cache
 def shipped(name: str) -> Model:
-    """The shipped networks `DEFAULT` or `ANISOTROPIC`, loaded once per process."""
+    """The shipped weights `DEFAULT` or `ANISOTROPIC`, loaded once per process."""
     path = SHIPPED / f"{name}.safetensors"
     if not path.exists():
         raise FileError(f"Urushi's trained weights '{path}' are missing; install the package again")
@@ -187,17 +209,17 @@ def shipped(name: str) -> Model:
 
 
 def default_model() -> Model:
-    """The shipped networks of isotropic materials."""
+    """The shipped weights of isotropic materials."""
     return shipped(DEFAULT)
 
 
 def anisotropic_model() -> Model:
-    """The shipped networks of anisotropic materials."""
+    """The shipped weights of anisotropic materials."""
     return shipped(ANISOTROPIC)
 
 
 def check_made_with(path: str | os.PathLike, made_with: object, fingerprint: str) -> None:
-    """Refuse a file of codes unless the networks of `fingerprint` made it.
+    """Refuse a file of codes unless the weights of `fingerprint` made it.
 
     made_with: the fingerprint in the file.
     """
@@ -209,7 +231,7 @@ def check_made_with(path: str | os.PathLike, made_with: object, fingerprint: str
 
 
 def model_of_file(path: str | os.PathLike, made_with: object, model: Model | None) -> Model:
-    """The networks of a file of codes: `model`, or for None the shipped ones that made it."""
+    """The weights of a file of codes: `model`, or for None the shipped ones that made it."""
     if model is None:
         other = anisotropic_model()
         model = other if other.fingerprint == made_with else default_model()
@@ -218,7 +240,7 @@ def model_of_file(path: str | os.PathLike, made_with: object, model: Model | Non
 
 
 def find(given: Weights | None) -> Model:
-    """The networks that a user gave; the shipped ones for None.
+    """The weights that a user gave; the shipped ones for None.
 
     Raises:
         FileError: there is no such file, or it is damaged.
@@ -238,5 +260,5 @@ def find(given: Weights | None) -> Model:
 
 @functools.lru_cache(maxsize=8)
 def _read_once(path: str, changed: int, size: int) -> Model:
-    """A file's networks; the materials of a scene share them, with what the networks keep."""
+    """A file's weights; the materials of a scene share them, with what they keep."""
     return read(path)

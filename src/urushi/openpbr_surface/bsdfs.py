@@ -148,14 +148,14 @@ def define(proposal_bsdf: type) -> tuple[type, type]:
             return self._model.only_metal and not encoding.is_rough(self._inputs, names, least)
 
         def _exact(self):
-            """The base without the limits of networks, for tables; None: coats take codes."""
+            """The base without the limits of codes, for tables; None: coats take codes."""
             least = encoding.FILM_TABULATED_FROM if self._model.film else 0
             if not (self._encoded and encoding.is_rough(self._inputs, self._model.names, least)):
                 return None
             return type(self)(self._inputs, self._under_coat, False, self._compensated)
 
         def below_coat(self, f, si, wo, active):
-            """f [1/sr] of networks for a coat over this base, with the film's change of colour."""
+            """f [1/sr] by codes of a coat over this base, with the film's change of colour."""
             film = self._model.film
             if not film or not self._encoded:
                 return f

@@ -1,6 +1,6 @@
 """Compensation of the energy that a coated base of OpenPBR loses: the white furnace reflects one.
 
-The model loses energy because facets of a rough coat scatter once, and because networks have errors
+The model loses energy because facets of a rough coat scatter once, and because codes have errors
 over bright bases. The loss is measured on the white twin: the same material with all colours set to
 one. It is read from tables (`interface_loss`) or computed when the material is loaded (`Furnace`),
 and added as a lobe.
@@ -41,7 +41,7 @@ from urushi.openpbr_surface.model import NAMES
 #: A function from parameters to the coated base without compensation.
 Coated = Callable[[Inputs], "mi.BSDF"]
 
-#: Exponent of the base's albedo in the weight of the networks' deviation over a white base.
+#: Exponent of the base's albedo in the weight of the codes' deviation over a white base.
 WHITENESS = 4
 
 #: Samples of a walk for each cosine.
@@ -78,7 +78,7 @@ class Compensation:
 
     The lobe of a directional loss 1 - A(w) is (1 - A(wi)) (1 - A(wo)) / (pi (1 - A_mean)), after
     Kulla and Conty 2017, times the colour of the coated base. The loss of the coat's interface over
-    a Lambertian base is a table. The loss over a metal, and the networks' deviation from an albedo
+    a Lambertian base is a table. The loss over a metal, and the codes' deviation from an albedo
     of one, are measured on white twins. Over a dielectric, the deviation is a lobe of either sign.
     Over a metal, f is divided by an albedo above one.
     """
@@ -88,7 +88,7 @@ class Compensation:
     def __init__(self, inputs: Inputs, encoded: bool, coated: Coated):
         """Measure white twins.
 
-        encoded: whether networks layer the coat. coated: makes the twins.
+        encoded: whether the coat has codes. coated: makes the twins.
         """
         self._inputs = inputs
         self._only_metal = inputs.is_constant("base_metalness", 1)

@@ -207,7 +207,7 @@ def openpbr(
     """Describe a material of OpenPBR Surface 1.1.1.
 
     Args:
-        reference: whether the coat is computed by random walks instead of networks.
+        reference: whether the coat is computed by random walks instead of tables or codes.
         energy_compensation: whether the energy that rough interfaces lose is compensated.
         unsupported: "error", or "ignore" to leave out unsupported features, with a warning.
         parameters: of the specification, by name. Numbers and colours (three numbers, linear sRGB)

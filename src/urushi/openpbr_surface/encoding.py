@@ -1,4 +1,4 @@
-"""The lobe of OpenPBR's base for the networks, and when a coat takes a table instead."""
+"""The lobe of OpenPBR's base for codes, and when a coat takes a table instead."""
 
 from collections.abc import Iterable
 
@@ -48,7 +48,7 @@ def lobe(base: Base, si, bare: bool, compensated: bool) -> list[list]:
     """The base's lobe, six floats for each channel; seven of an anisotropic base.
 
     Metal and dielectric share one width, so that their mixture is one lobe. Its Fresnel term is the
-    largest Schlick term that does not exceed the mixture's: the networks return nonsense for some
+    largest Schlick term that does not exceed the mixture's: the layering network fails for some
     sums of a Schlick and an exact term. The rest contains the dip of a metal's Fresnel term at 82
     degrees, and multiple scattering between the facets of a rough metal.
 

@@ -22,7 +22,7 @@ AXES = (
 #: Nodes of each axis by the number of axes. Parameters beyond them count as in the middle of uv.
 NODES = (1, 9, 9, 5)
 
-#: Greatest anisotropy of an axis: networks layer no wider quotients.
+#: Greatest anisotropy of an axis: codes have no wider quotients.
 MOST_ANISOTROPY = 0.89
 
 #: Nodes of the azimuth of materials of two widths, and of the cosine, in its root.

@@ -25,13 +25,13 @@ from urushi.openpbr_surface.film import FilmFresnel
 from urushi.openpbr_surface.inputs import Inputs
 from urushi.openpbr_surface.lookups import AnisotropicMirror, MirrorAlbedo, RoughSlab
 
-#: specular_roughness below which networks are given 1 / eta for an index eta < 1, which reflects as
-#: much at normal incidence. Networks cannot represent the sharp edge of total reflection over a
+#: specular_roughness below which codes have 1 / eta for an index eta < 1, which reflects as
+#: much at normal incidence. Codes cannot represent the sharp edge of total reflection over a
 #: bright slab.
 INVERTED_BELOW = 0.3
 
-#: Largest base_diffuse_roughness that networks are given. They were not trained on stronger
-#: backscattering, and darken it by up to 25 %; a coat hides most of the difference.
+#: Largest base_diffuse_roughness of codes. The layering network was not trained on stronger
+#: backscattering, and darkens it by up to 25 %; a coat hides most of the difference.
 ENCODED_DIFFUSE_ROUGHNESS = 0.5
 
 #: The parameters that the base reads, besides the film's; see `Base.names`.
@@ -76,7 +76,7 @@ class Base:
         """Leave out parts that parameters given as numbers do not need.
 
         under_coat: whether `coat_darkening` has an effect.
-        encoded: whether networks encode it. They take the dielectric without its film; see
+        encoded: whether it is encoded, the dielectric then without its film; see
             `INVERTED_BELOW` and `ENCODED_DIFFUSE_ROUGHNESS`.
         """
         self.inputs, self.encoded = inputs, encoded
@@ -193,7 +193,7 @@ class Base:
         return (*NAMES, "coat_color") if tinted else NAMES
 
     def relative_index(self, si, active):
-        """The dielectric's index relative to the medium above, without networks' limits."""
+        """The dielectric's index relative to the medium above, without the limits of codes."""
         ior, coat_ior, coat, weight = (self.inputs.number(name, si, active) for name in INDICES)
         return dr.clip(formulas.base_index(ior, coat_ior, coat, weight, DRJIT), 1 / 3, 3)
 

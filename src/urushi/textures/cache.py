@@ -1,6 +1,6 @@
 """Baked textures on disk, so that a scene that was loaded before is not baked again.
 
-A texture is found by a digest of all that its codes depend on: the networks, the program, and the
+A texture is found by a digest of all that its codes depend on: the weights, the program, and the
 values of its inputs at every texel. `textures.store` reads and writes the files. A damaged file is
 ignored and written anew, and a folder that cannot be written is not used.
 """
@@ -57,7 +57,7 @@ def _program() -> str:
 
 
 def read(name: str, model: Model) -> tuple[TextureStore, TexelGrid] | None:
-    """The texture of a key that these networks have made; None: there is no intact file of it."""
+    """The texture of a key that these weights have made; None: there is no intact file of it."""
     place = folder()
     if place is None:
         return None

@@ -1,10 +1,10 @@
-"""Textures as files for graphics hardware, DDS and KTX2: packed latent textures and tables of f.
+"""Textures as files for graphics hardware, DDS and KTX2: packed latent textures and tables of ln f.
 
 Four bytes of a texel of a latent texture are a layer of an array texture of the format RGBA8,
 without gamma. Hardware interpolates bytes one by one, as packed textures allow
-(`textures.packing`). A table of f is a 3D texture of the format RGBA16F. Sources: Microsoft's
-Programming Guide for DDS; KTX File Format Specification 2.0 and Data Format Specification 1.3
-(Khronos).
+(`textures.packing`). A table of ln f is a 3D texture of the format RGBA16F (`export.rest`).
+Sources: Microsoft's Programming Guide for DDS; KTX File Format Specification 2.0 and Data Format
+Specification 1.3 (Khronos).
 """
 
 import struct
@@ -36,13 +36,6 @@ def texture_image(store: TextureStore) -> Image:
         start += width * height
         levels.append(rows.reshape(height, width, layers, 4).transpose(2, 0, 1, 3))
     return Image(levels, is_volume=False)
-
-
-def table_image(table: np.ndarray) -> Image:
-    """The image of a table float16 (U, V, W, C) of one channel or three; see `material.table`."""
-    texels = np.zeros((*table.shape[:3], 4), np.float16)
-    texels[..., :3] = table
-    return Image([texels], is_volume=True)
 
 
 def texels(store: TextureStore, grid: TexelGrid) -> Texels:

@@ -21,8 +21,6 @@ import numpy as np
 
 from urushi import parallel
 from urushi.core.probe_pairs import even_points
-from urushi.nets import decoder
-from urushi.nets.features import direction_features
 from urushi.nets.lobe import LOBE_NUMBERS, fresnel, reflectance
 from urushi.nets.weights import Model
 
@@ -119,7 +117,7 @@ def _half(values: np.ndarray, first: int, count: int) -> np.ndarray:
 
 
 #: Number of pairs whose mean f is the light of a rest, and the least light in a division.
-LIGHT_PAIRS, LEAST_LIGHT = 8, 1e-12
+LIGHT_PAIRS, LEAST_LIGHT = 32, 1e-12
 
 #: Numbers of `lifted_lobes`, and the cosines over which a lobe's reflectance is averaged.
 LIFTED_LOBE, COSINES = 9, np.array([1.0, 0.8, 0.6, 0.4, 0.2], np.float32)
@@ -149,19 +147,20 @@ def dropped(model: Model, means: np.ndarray) -> np.ndarray:
 
 def _light(model: Model, rest: np.ndarray) -> np.ndarray:
     """Mean f (n,) of the rests (n, R) of codes at the pairs of cosine density."""
-    f = decoder.decode(model.params, model.arch, rest[:, None], _features(model.widths))
+    whole = np.pad(rest[:, None], [(0, 0), (0, 0), (model.arch.lobe, 0)])
+    f = model.networks.rest(whole, _features(model))
     return np.maximum(f.mean(axis=-1), LEAST_LIGHT)
 
 
-@functools.cache
-def _features(widths: int) -> np.ndarray:
-    """The decoder's features (N, F) of `LIGHT_PAIRS` even pairs of directions of cosine density."""
+@functools.lru_cache(maxsize=4)
+def _features(model: Model) -> np.ndarray:
+    """What rests need of `LIGHT_PAIRS` even pairs of directions of cosine density."""
     u, v = np.split(even_points(LIGHT_PAIRS, 4), 2, axis=1)
     wi, wo = (
         np.stack([r * np.cos(phi), r * np.sin(phi), np.sqrt(1 - r * r)], axis=-1)
         for r, phi in ((np.sqrt(w[:, 0]), 2 * np.pi * w[:, 1]) for w in (u, v))
     )
-    return direction_features(wi.astype(np.float32), wo.astype(np.float32), widths)
+    return model.networks.features(wi.astype(np.float32), wo.astype(np.float32))
 
 
 def lifted_lobes(lobe: np.ndarray) -> np.ndarray:

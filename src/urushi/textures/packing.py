@@ -2,31 +2,32 @@
 
 Fan et al. (2022) keep the numbers of a latent texture in floating point. Here each number of a code
 is a fixed-point number between its least and its greatest value in the texture. A texel takes a
-power of two of bytes. The numbers with the greatest effect on f have 16 bits, as many as fit, the
-lobe's width and the gain first; the others have 8. Sixteen bits are two separate bytes, high and
-low: interpolation is linear, so that a renderer may interpolate all bytes in the same way and add
-them afterwards. Numbers that are equal in the whole texture take no bytes; numbers that are equal
-in all channels are stored once.
+power of two of bytes. The numbers with the greatest effect on f have 16 bits, so that the others
+change it by less than `LIMIT`, and as many more as fit; the others have 8. Sixteen bits are two
+separate bytes, high and low: interpolation is linear, so that a renderer may interpolate all bytes
+in the same way and add them afterwards. Numbers that are equal in the whole texture take no bytes;
+numbers that are equal in all channels are stored once.
 """
 
+from collections.abc import Callable, Iterable
 from typing import NamedTuple
 
 import numpy as np
 
-from urushi.checks import MIN_ALPHA, CoatParameters, Widths
-from urushi.nets.lobe import WIDTH_PLACES
 from urushi.nets.weights import Model
 from urushi.parallel import fill_blocks
 
-#: Least number of 16-bit numbers in a channel: the lobe's width and the gain, or its two widths.
-LEAST_FINE_NUMBERS = 2
+#: Error of f by all numbers of 8 bits together, at most.
+LIMIT = 7e-4
 
 #: Texels of shared codes that a core packs at once.
 SHARED_ROWS = 1 << 14
 
-#: The measurement of importance: number of random coats, maximum number of direction pairs, seed of
-#: its random numbers, and change of a number, as the share of its range that 8 bits resolve.
-COATS, PAIRS, SEED, STEP = 256, 64, 0, 1 / 255
+#: [1/sr] Values of f below it count as it.
+LEAST_F = 1e-8
+
+#: Codes by which the errors are measured, and stride of the probe pairs.
+SAMPLE, PAIR_STRIDE = 32, 3
 
 
 class TexelLayout(NamedTuple):
@@ -74,35 +75,46 @@ class PackedTexels(NamedTuple):
 
 
 def texel_layout(
-    model: Model,
     channels: int,
+    errors: np.ndarray,
     constant: np.ndarray | None = None,
     same: np.ndarray | None = None,
+    fine: Iterable[int] = (),
+    order: Iterable[int] | None = None,
 ) -> TexelLayout:
-    """The layout of texels of codes (channels, size) of a model.
+    """The layout of texels of codes (channels, size).
 
-    constant, same: (size,) which numbers are the same in the whole texture, and in all channels of
-    a texel. None: none are.
+    Args:
+        channels: codes in a texel.
+        errors: (size,) error of f by 8 bits of each number, see `rounding_errors`.
+        constant, same: (size,) which numbers are the same in the whole texture, and in all channels
+            of a texel. None: none are.
+        fine: numbers that have 16 bits in any case.
+        order: of all numbers; the first ones have 16 bits. None: those of the largest errors.
     """
-    size = model.arch.latent
+    size = len(errors)
     constant = np.zeros(size, bool) if constant is None else constant
     same = np.zeros(size, bool) if same is None else same
     kept = [number for number in range(size) if not constant[number]]
     price = {number: 1 if same[number] else channels for number in kept}
-    order = [number for number in importance_order(model) if number in price]
+    by_error = sorted(price, key=lambda number: (number not in fine, -errors[number]))
+    order = by_error if order is None else [number for number in order if number in price]
     left = sum(price.values())
-    count, least = 4, left + sum(price[number] for number in order[:LEAST_FINE_NUMBERS])
+    # Rounding errors are independent: their squares add up.
+    squares = np.cumsum(np.square([errors[number] for number in order[::-1]]))
+    needed = sum(squares > LIMIT**2), sum(number in price for number in fine)
+    count, least = 4, left + sum(price[number] for number in order[: max(needed)])
     while count < least:
         count *= 2
     left = count - left
-    fine = []
+    chosen = []
     for number in order:
         if price[number] <= left:
             left -= price[number]
-            fine.append(number)
+            chosen.append(number)
     parts: dict[bool, int] = {True: 0, False: 0}
     high, low = [-1] * size, [-1] * size
-    for places, numbers in ((high, kept), (low, sorted(fine))):
+    for places, numbers in ((high, kept), (low, sorted(chosen))):
         for number in numbers:
             places[number] = parts[bool(same[number])]
             parts[bool(same[number])] += 1
@@ -118,55 +130,37 @@ def texel_layout(
     )
 
 
-def importance_order(model: Model) -> list[int]:
-    """The numbers of a code by their effect on f, the greatest first."""
-    if model.fingerprint not in _importance:
-        first = (*WIDTH_PLACES[model.widths], model.arch.lobe)  # the lobe's widths, and the gain
-        order = measure_importance(model)
-        _importance[model.fingerprint] = [*first, *(i for i in order if i not in first)]
-    return _importance[model.fingerprint]
+def rounding_errors(
+    log_f: Callable[[np.ndarray], np.ndarray],
+    codes: np.ndarray,
+    lowest: np.ndarray,
+    highest: np.ndarray,
+) -> np.ndarray:
+    """Mean relative error (size,) of f by 8 bits of each number.
+
+    Args:
+        log_f: from codes (S, size) to ln f (S, P) at some pairs, as `log_values`.
+        codes: (k, size), of which a few are tried.
+        lowest, highest: (size,) the ranges.
+    """
+    some = codes[:: -(-len(codes) // SAMPLE)].astype(np.float32)
+    before = log_f(some)
+    shift = (highest - lowest).astype(np.float32) / (4 * 255)  # mean distance to the nearest level
+    errors = np.zeros(len(shift), np.float32)
+    for number in np.flatnonzero(shift):
+        moved = some.copy()
+        # towards the middle, where numbers of the lobe remain valid
+        middle = 0.5 * (lowest[number] + highest[number])
+        moved[:, number] += np.where(some[:, number] < middle, shift[number], -shift[number])
+        errors[number] = np.abs(log_f(moved) - before).mean()
+    return errors
 
 
-#: By fingerprint. Those of the shipped networks are stored, because measuring takes a second.
-_importance: dict[str, list[int]] = {
-    "b7e9657aa0a4": [
-        0, 6, 4, 18, 23, 15, 10, 8, 7, 22, 16, 9, 19, 13, 14, 12, 11, 21, 20, 17, 5, 3, 2, 1,
-    ],
-    "ac5fbe8d97db": [
-        0, 6, 7, 4, 17, 15, 11, 22, 12, 25, 13, 21, 19, 24, 16, 9, 20, 14, 8, 18, 23,
-        26, 10, 5, 3, 2, 1,
-    ],
-}  # fmt: skip
-
-
-def measure_importance(model: Model) -> list[int]:
-    """`importance_order` by the change of ln f, in codes of random coats over diffuse bottoms."""
-    rng = np.random.default_rng(SEED)
-    wi, wo = model.networks.pairs()
-    f = np.repeat(rng.uniform(0, 1 / np.pi, (COATS, 1)), len(wi), axis=1).astype(np.float32)
-    columns = (
-        np.exp(rng.uniform(np.log(MIN_ALPHA), 0, COATS)),
-        rng.uniform(1.2, 2, COATS),
-        rng.random(COATS),
-        rng.exponential(1, COATS),
-        rng.uniform(-0.8, 0.8, COATS),
-    )
-    coat = CoatParameters(*(column.astype(np.float32) for column in columns))
-    if model.widths == 2:
-        across = np.exp(rng.uniform(np.log(MIN_ALPHA), 0, COATS)).astype(np.float32)
-        coat = coat._replace(alpha=Widths(coat.alpha, across))
-    networks = model.networks
-    z = networks.layer(networks.encode(f), coat)
-    chosen = slice(None, None, len(wi) // PAIRS + 1)
-    wi, wo = wi[chosen], wo[chosen]
-    before = np.log(networks.f(z[:, None], wi, wo))
-    shift = STEP * np.ptp(z, axis=0)
-    change = []
-    for number in range(z.shape[1]):
-        moved = z.copy()
-        moved[:, number] += shift[number]
-        change.append(np.abs(np.log(networks.f(moved[:, None], wi, wo)) - before).mean())
-    return [int(number) for number in np.argsort(change)[::-1]]
+def log_values(model: Model, codes: np.ndarray) -> np.ndarray:
+    """ln f (S, P) of codes (S, size) at some of the probe pairs."""
+    wi, wo = (w[::PAIR_STRIDE] for w in model.networks.pairs())
+    # The reflectance of an index of 1 is rounding, of either sign.
+    return np.log(np.maximum(model.networks.f(codes[:, None], wi, wo), LEAST_F))
 
 
 def pack(
@@ -200,6 +194,17 @@ def pack(
 
     fill_blocks(empty[: len(index), : layout.used_bytes], texels, index, rows=SHARED_ROWS)
     fill_blocks(empty[len(index) :], lambda z: _bytes(layout, packed, z), others)
+    return packed
+
+
+def pack_texels(
+    layout: TexelLayout, codes: np.ndarray, lowest: np.ndarray, highest: np.ndarray
+) -> PackedTexels:
+    """Pack texels of codes (m, channels, size), see `pack`."""
+    bottom = lowest.astype(np.float32)
+    step = ((highest - bottom) / layout.levels).astype(np.float32)
+    packed = PackedTexels(np.zeros((len(codes), layout.texel_bytes), np.uint8), bottom, step)
+    fill_blocks(packed.bytes, lambda z: _bytes(layout, packed, z), codes)
     return packed
 
 

@@ -7,6 +7,7 @@ import json
 import os
 import zlib
 from collections.abc import Mapping
+from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -70,16 +71,25 @@ class TextureStore:
     """
 
     def __init__(
-        self, model: Model, layout: TexelLayout, width: int, height: int, *, mipmaps=False
+        self, model: Model, channels: int, width: int, height: int, *, mipmaps: bool = False
     ):
-        """mipmaps: whether to hold all levels of the mip pyramid; else the first one only."""
-        self.layout, self._model = layout, model
+        """Make an empty texture.
+
+        Args:
+            model: of the codes.
+            channels: codes in a texel.
+            width, height: of the first level.
+            mipmaps: whether to hold all levels of the mip pyramid; else the first one only.
+        """
+        self._model = model
+        self.layout = packing.texel_layout(channels, np.zeros(model.arch.latent))
         # Channels often share numbers of their lobes, which are compared one by one.
         self._compared = model.arch.lobe
         # Width and height of every level.
         self.levels = level_sizes(width, height) if mipmaps else [(width, height)]
-        nothing = np.zeros(layout.size, np.float32)
-        self.packed = PackedTexels(np.zeros((0, layout.texel_bytes), np.uint8), nothing, nothing)
+        nothing = np.zeros(self.layout.size, np.float32)
+        empty = np.zeros((0, self.layout.texel_bytes), np.uint8)
+        self.packed = PackedTexels(empty, nothing, nothing)
 
     def read(self, rows: slice | np.ndarray) -> np.ndarray:
         """Codes float32 (n, channels, size) of rows."""
@@ -96,31 +106,34 @@ class TextureStore:
         codes: (n, channels, size); or (k, size) codes that texels share, and index (n, channels)
             chooses the codes of each texel among them.
         """
-        codes, first = codes.astype(np.float16, copy=False), self.levels[0][0] * self.levels[0][1]
-        former = []
+        codes, first = codes.astype(np.float32, copy=False), self.levels[0][0] * self.levels[0][1]
+        former, fine = [], list[int]()
         if len(codes if index is None else index) < first:  # other texels keep their bits
             packed = self.packed
+            fine = [number for number, low in enumerate(self.layout.low) if low >= 0]
             former = [(packed.lowest, packed.lowest + self.layout.levels * packed.step)]
             starts = range(0, first, PACKED_BLOCK)
             blocks = [slice(start, min(start + PACKED_BLOCK, first)) for start in starts]
-            whole = np.concatenate([self.read(block).astype(np.float16) for block in blocks])
+            whole = np.concatenate([self.read(block) for block in blocks])
             whole[rows] = codes if index is None else codes[index]
             codes, index = whole, None
         if index is None:
             texels, channels, size = codes.shape
             index = np.arange(texels * channels, dtype=np.uint32).reshape(texels, channels)
             codes = codes.reshape(-1, size)
-        coarse = np.zeros((0, index.shape[1], codes.shape[-1]), np.float16)
+        coarse = np.zeros((0, index.shape[1], codes.shape[-1]), np.float32)
         if len(self.levels) > 1:
             size = self.levels[0]
-            found = coarse_levels(self._model, *size, lambda texels: codes[index[texels]])
-            coarse = found.astype(np.float16)
+            coarse = coarse_levels(self._model, *size, lambda texels: codes[index[texels]])
         ends = [*former, *(_value_range(part) for part in (codes, coarse) if len(part))]
         lowest, highest = (np.stack(end) for end in zip(*ends, strict=True))
         lowest, highest = lowest.min(axis=0), highest.max(axis=0)
         same = _same_in_channels(codes, index, self._compared) & _equal_channels(coarse)
+        errors = packing.rounding_errors(
+            partial(packing.log_values, self._model), codes, lowest, highest
+        )
         self.layout = packing.texel_layout(
-            self._model, self.layout.channels, lowest == highest, same
+            self.layout.channels, errors, lowest == highest, same, fine
         )
         self.packed = packing.pack(self.layout, codes, index, coarse, lowest, highest)
 
@@ -155,7 +168,7 @@ def _value_range(whole: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 def write_texture(
     path: str | os.PathLike, store: TextureStore, grid: TexelGrid, fingerprint: str
 ) -> None:
-    """Write a texture over `grid` that the networks with this fingerprint have made."""
+    """Write a texture over `grid` that the weights with this fingerprint have made."""
     packed = store.packed
     description = {
         "version": FORMAT_VERSION,
@@ -174,12 +187,12 @@ def write_texture(
 def read_texture(
     path: str | os.PathLike, model: Model | None = None
 ) -> tuple[TextureStore, TexelGrid, Model]:
-    """Return a file's texture, its grid, and the networks that it was made with.
+    """Return a file's texture, its grid, and the weights that it was made with.
 
-    model: the networks; None: the shipped ones by which it was made.
+    model: the weights; None: the shipped ones by which it was made.
 
     Raises:
-        FileError: missing, truncated, foreign, damaged, or made with other networks.
+        FileError: missing, truncated, foreign, damaged, or made with other weights.
     """
     description, arrays = files.read_tensors(path, KIND, FORMAT_VERSION)
     model = model_of_file(path, description.get("weights"), model)
@@ -195,8 +208,8 @@ def read_texture(
         place, size = description["place"], (description["width"], description["height"])
         place["to_texture"] = tuple(map(tuple, place["to_texture"]))
         mipmaps, grid = description["levels"] > 1, TexelGrid(*size, **place)
-        store = TextureStore(model, TexelLayout(**entries), *size, mipmaps=mipmaps)
-        store.packed = packed
+        store = TextureStore(model, entries["channels"], *size, mipmaps=mipmaps)
+        store.layout, store.packed = TexelLayout(**entries), packed
     except (KeyError, TypeError, ValueError) as error:
         raise FileError(f"the texture file '{path}' is damaged ({error}); save it again") from error
     return store, grid, model

@@ -1,1 +1,1 @@
-"""Training of the networks with JAX and optax (the optional extra `train`)."""
+"""Basis, proposals and layering network, with JAX and optax (the optional extra `train`)."""

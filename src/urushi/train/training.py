@@ -1,4 +1,4 @@
-"""A whole training: simulate the data, run stage after stage, write the weights."""
+"""A whole training: tables, basis, layering network, proposals, and the weights file."""
 
 import json
 import os
@@ -6,44 +6,44 @@ import platform
 import time
 from collections.abc import Callable
 from dataclasses import replace
-from functools import partial
 from importlib.metadata import version
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any, Protocol, TypeVar
 
 import numpy as np
 from tqdm import tqdm
 
-from urushi.checks import CoatParameters
-from urushi.core import error_metrics
+from urushi.core.table import node_pairs
 from urushi.errors import FileError
 from urushi.files import check_name, new_folder
+from urushi.nets import lobe as lobes
 from urushi.nets import weights
-from urushi.nets.architecture import Architecture, init
-from urushi.nets.decoder import decode
-from urushi.nets.encoder import encode, input_statistics
-from urushi.nets.layerer import layer
-from urushi.nets.mlp import Params
+from urushi.nets.basis import Basis
+from urushi.nets.networks import Networks
 from urushi.platform import available_cores
-from urushi.train import examples, presets
+from urushi.train import basis_fit, layering, presets, tables
 from urushi.train.checkpoint import Checkpoint, Journal
-from urushi.train.examples import METRICS, Depth, Examples
+from urushi.train.layering import Layerings
 from urushi.train.optimiser import compile_steps, start
 from urushi.train.presets import Preset
-from urushi.train.stages import Stage, Task, parameters_of
-from urushi.train.store import Store, generate
+from urushi.train.proposal_fit import fit_proposal
+from urushi.train.tables import TableStore
 
 #: Default folder of data, checkpoints, logs and weights.
 RUNS = Path("runs")
 
+#: Every how many of the stacks is held out, for the metrics.
+HELD_OUT = 10
 
-class Check(NamedTuple):
-    """One validation part in memory, and the cosines (S, P) of its pairs."""
 
-    metric: str
-    examples: Examples
-    cos_i: np.ndarray
-    cos_o: np.ndarray
+class Store(Protocol):
+    """Training data in a folder."""
+
+    def hash(self) -> str:
+        """SHA-256 of specification and data."""
+
+
+AnyStore = TypeVar("AnyStore", bound=Store)
 
 
 def train(
@@ -54,11 +54,11 @@ def train(
     run: str | os.PathLike | None = None,
     resume: bool = False,
 ) -> weights.Model:
-    """Train all networks and write the weights.
+    """Make basis and layering network, and write the weights.
 
     Args:
         preset: a name of `presets.NAMES`, or a preset.
-        data: the data store, which is completed if necessary; default `runs/NAME/data`.
+        data: the folder of tables, which is completed if necessary; default `runs/NAME/data`.
         out: the weights file; default `runs/NAME/weights.safetensors`.
         run: folder of the checkpoint and of `log.jsonl`; default `runs/NAME`.
         resume: continue from the run folder's checkpoint. The weights are bit for bit the same as
@@ -68,62 +68,68 @@ def train(
         The trained model, as written to `out`.
 
     Raises:
-        ParameterError: there is no such preset, or it does not fit its data.
+        ParameterError: there is no such preset.
         FileError: a file is foreign, damaged or cannot be written, or the run folder has a
             checkpoint and `resume` is not set.
     """
     preset = presets.get(preset) if isinstance(preset, str) else preset
-    store, journal, out = prepare(preset, data, out, run, resume)
-    stages, sizes = preset.stages, preset.architectures()
-    names = [stage.name for stage in stages]
-    depths = examples.load(store, preset.arch, preset.pairs)
-    checks = load_checks(store, preset.arch)
-
-    params = initial(preset, depths)
-    point = journal.restore(beginnings(preset, params)) if resume else None
+    store, journal, out = prepare(preset, data, out, run, resume, tables.generate)
+    began = time.monotonic()
+    params, codes, metrics = fitted_basis(preset, store)
+    basis = Basis.of(*(params[f"basis.{name}"] for name in ("rows", "measure", "prior")))
+    found, stacks = layering.layerings(basis, store)
+    hidden = stacks % HELD_OUT == 0
+    first = Checkpoint(
+        "layering", 0, 0.0, start(layering.fresh(preset.arch, preset.seed), preset.schedule), {}
+    )
+    point = journal.restore({"layering": first}) if resume else None
     if point is None:
         journal.clear()
-        point = begin(preset, 0, params)
-
-    for index in range(names.index(point.stage), len(stages)):
-        stage, arch = stages[index], sizes[index + 1]
-        params |= point.networks
-        clock = time.monotonic()
-        task = stage.task(params, arch, depths, preset.seed)
-        point = replace(point, seconds=point.seconds + time.monotonic() - clock)
-        report = partial(measure, {**params}, arch, checks)
-        point = advance(point, stage, task, report, journal)
-        params |= parameters_of(point.state.average, stage.trains)
-        if index + 1 < len(stages):
-            point = begin(preset, index + 1, params, point.seconds)
-            journal.save(point)
-
-    metrics = measure(params, preset.arch, checks)
-    return weights.save(out, preset.arch, params, header(journal, metrics, point.seconds))
+        point = replace(first, seconds=time.monotonic() - began)
+    point = advance(point, preset, found.taken(~hidden), found.taken(hidden), journal)
+    params |= {name: np.asarray(value) for name, value in point.state.average.items()}
+    began = time.monotonic()
+    params |= fit_proposal(Networks(params, preset.arch, basis), codes)
+    metrics |= measure(point.state.average, preset, found.taken(hidden))
+    seconds = point.seconds + time.monotonic() - began
+    return weights.save(out, preset.arch, params, header(journal, metrics, seconds))
 
 
-def begin(preset: Preset, index: int, params: Params, seconds: float = 0.0) -> Checkpoint:
-    """The checkpoint before the first step of the preset's stage `index`.
+def fitted_basis(
+    preset: Preset, store: TableStore
+) -> tuple[dict[str, np.ndarray], np.ndarray, dict[str, float]]:
+    """The parameters "basis.*", codes (N, L) of the fitted materials, and the errors E of others.
 
-    params: all parameters, as the stage before has left them; fresh ones for the first stage.
-    seconds: time spent so far.
+    E is that of codes from the probe pairs, over all nodes, for coated materials that are held out.
     """
-    stage, arch = preset.stages[index], preset.architectures()[index + 1]
-    state = start(stage.begin(params, arch, preset.seed), stage.schedule)
-    earlier = {network for before in preset.stages[:index] for network in before.trains}
-    return Checkpoint(stage.name, 0, seconds, state, parameters_of(params, earlier))
+    held = store.read(("table", "lobe", "level", "stack", "low"))
+    seen = np.flatnonzero(held["low"] > 1 - tables.ROUNDING)  # from above, nothing mirrors totally
+    measure, pairs = basis_fit.node_measure(), node_pairs()
+    top = np.stack([lobes.f(lobe, *pairs) for lobe in held["lobe"][seen]])
+    materials, rows = basis_fit.prepared(held["table"][seen], top, measure)
+    level, stack, lobe = (held[name][seen][rows] for name in ("level", "stack", "lobe"))
+    hidden = stack % HELD_OUT == 0
+    arch = preset.arch
+    known = materials.taken(~hidden)
+    basis = basis_fit.fit_basis(known, measure, arch.functions, arch.probes)
+    codes = np.concatenate([lobe[~hidden], basis_fit.codes_at_probes(basis, known)], axis=1)
+    others = materials.taken(hidden & (level > 0))
+    errors = basis_fit.errors(basis, others, measure, basis_fit.codes_at_probes(basis, others))
+    parts = {"rows": basis.rows, "measure": basis.measure, "prior": basis.prior}
+    params = {f"basis.{name}": x.astype(np.float32) for name, x in parts.items()}
+    return params, codes.astype(np.float32), _figures("E of codes", errors)
 
 
-def beginnings(preset: Preset, params: Params) -> dict[str, Checkpoint]:
-    """The first checkpoint of every stage by its name, from fresh parameters.
+def _figures(name: str, errors: np.ndarray) -> dict[str, float]:
+    """Mean and 95th percentile by name."""
+    return {f"{name}, mean": float(errors.mean()), f"{name}, p95": float(np.percentile(errors, 95))}
 
-    Structure and shapes are right, the values that earlier stages learn are not.
-    """
-    points, params = {}, {**params}
-    for index, stage in enumerate(preset.stages):
-        points[stage.name] = begin(preset, index, params)
-        params |= parameters_of(points[stage.name].state.params, stage.trains)
-    return points
+
+def measure(params: Any, preset: Preset, found: Layerings) -> dict[str, float]:
+    """Errors of the layering network: roots of q (see `layering`), about E."""
+    host = {name: np.asarray(value) for name, value in params.items()}
+    errors = np.sqrt(layering.squares(host, preset.arch, found))
+    return _figures("layering network", errors)
 
 
 def prepare(
@@ -132,8 +138,11 @@ def prepare(
     out: str | os.PathLike | None,
     run: str | os.PathLike | None,
     resume: bool,
-) -> tuple[Store, Journal, Path]:
+    generate: Callable[[Any, Path], AnyStore],
+) -> tuple[AnyStore, Journal, Path]:
     """The data, the journal and the weights file of a training; the arguments are of `train`.
+
+    generate: makes or completes the data of `preset.data` in a folder.
 
     Refuses unwritable places, and an earlier training that would be lost.
     """
@@ -152,7 +161,7 @@ def prepare(
     if out.is_dir():
         raise FileError(f"cannot write '{out}': it is a folder; give the name of a file")
     began = time.monotonic()
-    store = generate(preset.data, data if data is not None else folder / "data")
+    store = generate(preset.data, Path(data) if data is not None else folder / "data")
     generated = time.monotonic() - began
     origin = {"preset": json.loads(json.dumps(preset.to_dict())), "data": store.hash()}
     return store, Journal(folder, origin, generated), out
@@ -175,71 +184,28 @@ def header(journal: Journal, metrics: dict[str, float], seconds: float) -> dict[
     }
 
 
-def initial(preset: Preset, depths: list[Depth]) -> dict[str, Any]:
-    """Fresh parameters, with the statistics of the bottoms' values at the probe pairs."""
-    bottoms = np.concatenate([depth.examples().probes for depth in depths])
-    return {**init(preset.architectures()[0], preset.seed), **input_statistics(bottoms)}
-
-
 def advance(
-    point: Checkpoint,
-    stage: Stage,
-    task: Task,
-    report: Callable[[Params], dict[str, float]],
-    journal: Journal,
+    point: Checkpoint, preset: Preset, known: Layerings, hidden: Layerings, journal: Journal
 ) -> Checkpoint:
-    """Take the remaining steps of a stage, with log lines and checkpoints by its schedule.
+    """Take the remaining steps of the layering network, with log lines and checkpoints.
 
-    report: validation errors by the averages of the parameters that learn.
+    known: examples to learn from. hidden: others, whose errors are logged.
     """
-    schedule = stage.schedule
-    steps = compile_steps(task.loss, schedule)
+    schedule, arch = preset.schedule, preset.arch
+    steps = compile_steps(lambda params, batch: layering.loss(params, arch, batch), schedule)
+    draw = layering.batches(known, preset.batch, preset.seed)
     state, clock, spent = point.state, time.monotonic(), point.seconds
     bar = tqdm(total=schedule.steps, initial=point.step, desc=point.stage, disable=None)
     with bar:
         for step in range(point.step, schedule.steps, schedule.steps_per_call):
-            state, terms = steps(state, task.batches(step, schedule.steps_per_call))
+            state, terms = steps(state, draw(step, schedule.steps_per_call))
             done = step + schedule.steps_per_call
             bar.update(schedule.steps_per_call)
             if done % schedule.checkpoint_every == 0 or done == schedule.steps:
-                logged = {name: float(x) for name, x in terms.items()} | report(state.average)
+                figures = {name: float(x) for name, x in terms.items()}
+                figures |= measure(state.average, preset, hidden)
                 seconds = spent + time.monotonic() - clock
                 point = replace(point, step=done, seconds=seconds, state=state)
-                bar.set_postfix({name: f"{value:.4f}" for name, value in logged.items()})
-                journal.save(point, logged)
+                bar.set_postfix({name: f"{value:.4f}" for name, value in figures.items()})
+                journal.save(point, figures)
     return replace(point, seconds=spent + time.monotonic() - clock)
-
-
-def load_checks(store: Store, arch: Architecture) -> list[Check]:
-    """Read the validation parts of a store."""
-    checks = []
-    for index, part in enumerate(store.spec.parts):
-        if part.directions in METRICS:
-            held = Depth(store, [index], arch, part.pairs).examples()
-            cos_i, cos_o = (store.read(part)[name][..., 2] for name in ("wi", "wo"))
-            checks.append(Check(METRICS[part.directions], held, cos_i, cos_o))
-    return checks
-
-
-def measure(
-    params: Params, arch: Architecture, checks: list[Check], learnt: Params | None = None
-) -> dict[str, float]:
-    """E mean and P median, as fractions; they include the noise of the reference.
-
-    learnt: replace some of the parameters.
-    """
-    params = {**params, **(learnt or {})}
-    host: dict[str, Any] = {name: np.asarray(value) for name, value in params.items()}
-    figures = {}
-    for check in checks:
-        held = check.examples
-        z = np.concatenate([held.lobes, encode(host, arch, held.probes)], axis=-1)
-        for coat in np.moveaxis(held.coats, 1, 0)[::-1]:  # the lowest first
-            z = layer(host, arch, z, CoatParameters.of_columns(coat.T))
-        f_hat = held.top + decode(host, arch, z[:, None, arch.lobe :], held.features)
-        if check.metric == "E mean":
-            errors = error_metrics.stack_error(f_hat, held.f, check.cos_i, check.cos_o)
-            figures[check.metric] = float(errors.mean())
-        else:
-            figures[check.metric] = float(np.median(error_metrics.pair_error(f_hat, held.f)))
-    return figures

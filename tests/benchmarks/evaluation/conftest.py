@@ -1,12 +1,15 @@
-"""Groups of a few stacks, their reference at a coarse aim, and untrained networks."""
+"""Groups of a few stacks, their reference at a coarse aim, and untrained models."""
 
+import numpy as np
 import pytest
+from benchmarks.evaluation.distributions import Table2
 from benchmarks.evaluation.samples import Group, Samples
 from benchmarks.quality import benchmark_set
+from tests.untrained import untrained
 
-from urushi.nets import weights
-from urushi.nets.architecture import Architecture, init
-from urushi.train.distribution import Extended, Table2
+from urushi.nets.networks import Networks
+from urushi.nets.weights import Model
+from urushi.train.distribution import Extended
 
 #: Small ones: one with everything that a group may have, and one that is analytic.
 GROUPS = (
@@ -37,15 +40,22 @@ def sets(groups, aim) -> dict[str, Samples]:
 
 
 @pytest.fixture(scope="session")
-def tiny() -> weights.Model:
-    """Networks that were never trained."""
-    arch = Architecture(decoder=(16,), encoder=(16,), layerer=(16,), sampler=(8,))
-    return weights.Model.of(arch, init(arch, 3), {})
+def tiny() -> Model:
+    """Smooth random functions and random networks."""
+    return untrained(3)
 
 
-@pytest.fixture(scope="session")
-def lax(tiny) -> weights.Model:
-    """Networks of the same sizes that return f = exp(0) for any input."""
-    params = {name: value * 0 for name, value in tiny.params.items()}
-    params["encoder.input_scale"] = params["encoder.input_scale"] + 1
-    return weights.Model.of(tiny.arch, params, {})
+@pytest.fixture
+def lax(tiny, monkeypatch) -> Model:
+    """A model by which the rest of any BRDF is f = 1."""
+    rows = np.zeros_like(tiny.params["basis.rows"])
+    rows[:, 1] = 1
+    encode = Networks.encode
+
+    def without_shape(self, f, lobe=None):
+        codes = encode(self, f, lobe)
+        codes[..., self.arch.lobe :] = 0
+        return codes
+
+    monkeypatch.setattr(Networks, "encode", without_shape)
+    return Model.of(tiny.arch, dict(tiny.params) | {"basis.rows": rows}, {})

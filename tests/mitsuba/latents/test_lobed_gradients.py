@@ -1,20 +1,15 @@
-"""Gradients through the analytic lobe in Dr.Jit, against complex steps of the NumPy networks."""
+"""Gradients through the analytic lobe in Dr.Jit, against complex steps in NumPy."""
 
 from types import SimpleNamespace
 
 import drjit as dr
 import numpy as np
 import pytest
+from tests.untrained import untrained
 
 from urushi.material.material import Material
-from urushi.nets import decoder, lobe
-from urushi.nets.architecture import SCALE, Architecture, init
-from urushi.nets.features import direction_features
+from urushi.nets import lobe
 from urushi.nets.weights import Model
-
-ARCH = Architecture(
-    latent=12, decoder=(8, 8), encoder=(8,), layerer=(8,), sampler=(8,), lobes=1, probes=48
-)
 
 #: alpha, normal, grazing, exact, eta, k of three channels.
 LOBES = {
@@ -29,10 +24,7 @@ LOBES = {
 
 @pytest.fixture(scope="module")
 def model() -> Model:
-    params = init(ARCH, seed=3)
-    rng = np.random.default_rng(5)
-    params[SCALE] = 0.3 * rng.normal(size=params[SCALE].shape).astype(np.float32)
-    return Model.of(ARCH, params, {})
+    return untrained(3)
 
 
 def directions(count: int = 400) -> tuple[np.ndarray, np.ndarray]:
@@ -45,12 +37,9 @@ def directions(count: int = 400) -> tuple[np.ndarray, np.ndarray]:
 
 def slopes(model, codes, wi, wo):
     """Derivatives (C, N, size) of f by the codes (C, size), in double precision."""
-    params = {name: value.astype(np.float64) for name, value in model.params.items()}
     top = [lobe.f(codes[:, None, :6] + 1e-20j * step, wi, wo).imag / 1e-20 for step in np.eye(6)]
-    log_f, of_rest = decoder.decode_log(
-        params, ARCH, codes[:, None, 6:], direction_features(wi, wo)
-    )
-    of_rest = np.exp(log_f)[..., None] * of_rest
+    features = model.networks.features(wi, wo)
+    of_rest = model.networks.rest(codes[:, None], features)[..., None] * features[:, 1:]
     return np.concatenate([np.stack(top, axis=-1), of_rest], axis=-1)
 
 
@@ -62,7 +51,7 @@ def test_f_has_the_gradients_of_all_numbers(rgb, model, name, textured):
     from urushi.mitsuba.latents.holders import ConstantLatents
     from urushi.textures.store import IDENTITY, TexelGrid
 
-    rest = np.random.default_rng(1).normal(size=(3, ARCH.latent - 6))
+    rest = np.random.default_rng(1).normal(size=(3, model.arch.latent - 6))
     codes = np.concatenate([LOBES[name], rest], axis=1)
     wi, wo = directions()
     # At the critical angle the slope is infinite.
@@ -72,10 +61,11 @@ def test_f_has_the_gradients_of_all_numbers(rgb, model, name, textured):
     dr.enable_grad(tensor)
     if textured:
         repeated = rgb.TensorXf(
-            dr.gather(rgb.Float, tensor.array, dr.arange(rgb.UInt32, 144) % 36), (2, 2, 3, 12)
+            dr.gather(rgb.Float, tensor.array, dr.arange(rgb.UInt32, 4 * codes.size) % codes.size),
+            (2, 2, *codes.shape),
         )
         grid = TexelGrid(2, 2, IDENTITY, "repeat", False)
-        unused = dict.fromkeys(("vertex", "at", "save", "material", "anchors_at"))
+        unused = dict.fromkeys(("vertex", "at", "save", "material"))
         black = SimpleNamespace(grid=grid, channels=3, f=lambda *_: [rgb.Float(0)] * 3, **unused)
         held = DifferentiableLatents(model, black, repeated)
     else:

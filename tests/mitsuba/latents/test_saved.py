@@ -5,7 +5,6 @@ import pytest
 
 from urushi import files
 from urushi.nets import weights
-from urushi.nets.architecture import init
 from urushi.textures import mip_pyramid
 
 PIXELS = np.random.default_rng(0).uniform(0.1, 0.9, (5, 6, 3)).astype(np.float32)
@@ -141,6 +140,6 @@ def test_a_file_of_another_version_is_refused(rgb, networks, saved):
 def test_a_file_of_other_networks_is_refused(rgb, model, saved, tmp_path):
     _, path = saved
     other = tmp_path / "other.safetensors"
-    weights.save(other, model.arch, init(model.arch, seed=99), {})
+    weights.save(other, model.arch, {k: 2 * x for k, x in model.params.items()}, {})
     with pytest.raises(RuntimeError, match="FileError: .* does not match the weights"):
         loaded(rgb, path, other)

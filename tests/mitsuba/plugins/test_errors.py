@@ -6,7 +6,6 @@ import pytest
 from urushi.material import Material
 from urushi.mitsuba import register
 from urushi.nets import weights
-from urushi.nets.architecture import init
 from urushi.openpbr_surface.plugins import ROOM
 
 COATS = ("layered", "neural_layered")
@@ -117,7 +116,7 @@ def test_missing_files(rgb, networks):
 def test_a_material_of_other_networks(rgb, networks, model, tmp_path):
     Material(np.zeros((3, 32)), model).save(tmp_path / "material.safetensors")
     other = tmp_path / "other.safetensors"
-    weights.save(other, model.arch, init(model.arch, seed=99), {})
+    weights.save(other, model.arch, {key: 2 * value for key, value in model.params.items()}, {})
     with pytest.raises(RuntimeError, match="does not match the weights"):
         rgb.load_dict(
             {

@@ -176,7 +176,7 @@ def test_files_remember_their_coats(tmp_path, rgb):
     inner = {"type": "neural_brdf", "filename": str(tmp_path / "lower.safetensors")}
     plugin = rgb.load_dict({"type": "neural_layered", "alpha": 0.1, "int_ior": 1.5, "base": inner})
     codes = plugin.latents.at(np.zeros((1, 2)))[0]
-    np.testing.assert_allclose(codes[0], once.latents[0], atol=1e-5)
+    np.testing.assert_allclose(codes[0], once.latents[0], atol=1e-3)
 
 
 def test_gold_under_varnish_is_the_closed_form(rgb):

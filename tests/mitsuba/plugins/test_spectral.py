@@ -154,7 +154,7 @@ def test_grey_is_grey_and_white_returns_no_more_than_one():
     wo = np.stack([radius * np.cos(azimuth), radius * np.sin(azimuth), np.sqrt(1 - radius**2)])
     f_cos = bsdf.eval(mi.BSDFContext(), si, mi.Vector3f(wo)).numpy()
     albedo = np.pi * (f_cos / wo[2]).mean(axis=-1)
-    np.testing.assert_allclose(albedo, albedo[0], rtol=1e-6)
+    np.testing.assert_allclose(albedo, albedo[0], rtol=1e-5)
     assert albedo.max() <= 1.001  # the rule at the coat's peak
 
 

@@ -7,9 +7,9 @@ import pytest
 
 from urushi.core.probe_pairs import probe_pairs
 from urushi.errors import ParameterError, PlatformError, UrushiWarning
-from urushi.material.encode import evaluate_source
 from urushi.material.layer import layer
 from urushi.material.source import as_source
+from urushi.material.values import evaluate_source
 from urushi.walk import analytic, conductor, dielectric
 
 WI, WO = probe_pairs(64)

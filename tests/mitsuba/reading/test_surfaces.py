@@ -2,21 +2,19 @@
 
 import numpy as np
 import pytest
+from tests.untrained import untrained
 
 from urushi.checks import CoatParameters
 from urushi.core.probe_pairs import probe_pairs
 from urushi.errors import ParameterError
-from urushi.material.encode import bare_anchors, encode, encoder_codes
+from urushi.material.encode import encode
 from urushi.material.energy import limit_albedo
-from urushi.material.layer import layer_texels
+from urushi.material.values import codes_of
 from urushi.nets import lobe as lobes
 from urushi.nets import weights
-from urushi.nets.architecture import Architecture, init
 from urushi.nets.weights import Model
+from urushi.textures.layering import transported
 
-ARCH = Architecture(
-    latent=12, decoder=(8, 8), encoder=(8,), layerer=(8,), sampler=(8,), lobes=1, probes=48
-)
 WI, WO = probe_pairs(192)
 COLOUR = {"type": "rgb", "value": (0.9, 0.5, 0.2)}
 GGX = {"type": "roughconductor", "distribution": "ggx", "alpha": 0.2}
@@ -38,13 +36,13 @@ UNKNOWN = {
 
 @pytest.fixture(scope="module")
 def model() -> Model:
-    return Model.of(ARCH, init(ARCH, seed=3), {})
+    return untrained(3)
 
 
 @pytest.fixture(scope="module")
 def file(model, tmp_path_factory):
     path = tmp_path_factory.mktemp("weights") / "lobed.safetensors"
-    weights.save(path, ARCH, model.params, {})
+    weights.save(path, model.arch, model.params, {})
     return path
 
 
@@ -100,7 +98,7 @@ def test_a_bare_bsdf_is_encoded_exactly(rgb, model):
 
 @pytest.mark.parametrize("name", ("reflectance", "diffuse"))
 def test_every_texel_of_a_surface_is_that_surface(rgb, model, file, name):
-    """The codes under a coat are those of each texel's own surface; a texture's codes have 8 bits.
+    """The codes under a coat are those of each texel's own surface.
 
     The reflectance is 8 x 6 texels, so that several texels and channels are equal.
     """
@@ -110,14 +108,15 @@ def test_every_texel_of_a_surface_is_that_surface(rgb, model, file, name):
         "reflectance" if name == "diffuse" else "specular_reflectance": bitmap(rgb, pixels)
     }
     if name == "diffuse":
-        f = np.broadcast_to(pixels[..., None] / np.pi, (*pixels.shape, ARCH.probes))
-        codes = encoder_codes(model, f, np.float32(lobes.NO_LOBE))
+        f = np.broadcast_to(pixels[..., None] / np.pi, (*pixels.shape, model.arch.probes))
+        codes = codes_of(model, f, np.float32(lobes.NO_LOBE))
         bottom = limit_albedo(model, codes)
     else:
         base["alpha"] = bitmap(rgb, widths)
         none, one = np.zeros_like(pixels), np.ones_like(pixels)
         numbers = widths * one, pixels, pixels, none, 1.5 * one, none
-        bottom = bare_anchors(model, np.stack(numbers, axis=-1).astype(np.float32))
+        rest = np.tile(model.networks.empty_rest(), (*pixels.shape, 1))
+        bottom = np.concatenate([np.stack(numbers, axis=-1), rest], axis=-1)
     coat = {"sigma_t": 0.5, "albedo": 0.5, "g": 0.0, "alpha": 0.1}
     bsdf = rgb.load_dict(
         {"type": "neural_layered", "weights": str(file), "int_ior": 1.5, "ext_ior": 1.0}
@@ -126,18 +125,13 @@ def test_every_texel_of_a_surface_is_that_surface(rgb, model, file, name):
     )
     x, y = np.meshgrid((np.arange(8) + 0.5) / 8, (np.arange(6) + 0.5) / 6)
     found = bsdf.latents.at(np.float32([x.ravel(), y.ravel()]).T).reshape(6, 8, 3, -1)
-    expected = layer_texels(model, bottom, CoatParameters(eta=1.5, **coat))
-    # 8 bits of a number's range in the bottom and in the coat, and half precision
-    tolerance = 0.01 * np.ptp(expected, axis=(0, 1, 2)) + 5e-4 * np.abs(expected) + 1e-6
-    assert (np.abs(found - expected) <= tolerance).all()
-
-
-def test_the_rest_of_bare_surfaces_is_what_the_layerer_has_learned(rgb, model):
-    """The encoder's code of nothing, unscaled: in training no limit of energy scales bottoms."""
-    lobe = np.float32([lobes.NO_LOBE, (0.3, 1, 1, 0, 1.5, 0), (0.05, 0, 0, 0.9, 0.2, 3.9)])
-    anchors = bare_anchors(model, lobe)
-    nothing = model.networks.encode(np.zeros((3, ARCH.probes), np.float32), lobe)
-    np.testing.assert_allclose(anchors, nothing, rtol=1e-5, atol=1e-6)
+    flat = bottom.reshape(-1, bottom.shape[-1]).astype(np.float32)
+    columns = (({"eta": 1.5} | coat)[name] for name in CoatParameters._fields)
+    under = CoatParameters.of_columns([np.full(len(flat), x, np.float32) for x in columns])
+    expected = transported(model, flat, under).reshape(bottom.shape)
+    f, of_layer = (model.networks.f(z[..., None, :], WI, WO) for z in (found, expected))
+    # The bits of textures leave an error of 0.07 % in the bottom and in the coat.
+    assert (np.abs(f - of_layer).mean(axis=-1) < 3e-3 * of_layer.mean(axis=-1)).all()
 
 
 @pytest.mark.parametrize("value", (-0.5, np.nan))
@@ -151,14 +145,14 @@ def test_textures_without_a_meaning_are_refused(rgb, file, name, value):
         rgb.load_dict({"type": "neural_layered", "weights": str(file), "base": base})
 
 
-def test_codes_are_looked_up_where_numbers_are_the_same_everywhere(rgb, file):
+def test_codes_are_looked_up_where_numbers_are_the_same_everywhere(rgb, model, file):
     """A coat over a textured coat: the numbers of its lobe that do not vary have no bytes."""
     albedo = bitmap(rgb, np.random.default_rng(0).random((2, 2, 3)))
     inner = {"type": "neural_layered", "weights": str(file), "albedo": albedo, "sigma_t": 1.0}
     inner["base"] = KNOWN["diffuse"]
     bsdf = rgb.load_dict(inner)
     codes = bsdf.latents.at(np.float32([[0.25, 0.25], [0.75, 0.25]]))
-    assert codes.shape == (2, 3, ARCH.latent)
+    assert codes.shape == (2, 3, model.arch.latent)
     np.testing.assert_allclose(codes[..., 1:4], np.broadcast_to([0, 0, 1], (2, 3, 3)))
     outer = {"type": "neural_layered", "weights": str(file), "alpha": 0.3, "base": inner}
     assert rgb.load_dict(outer).latents.grid[:2] == (2, 2)

@@ -9,8 +9,8 @@
 import table from "../../../src/urushi/material/albedo_rule.csv?raw";
 import { Pairs, type Widths } from "./features";
 import { ALBEDO_RULE } from "./formulas";
+import { last } from "./layers";
 import { addHalfVectors, emptyRule, gaussLegendre } from "./quadrature";
-import { last } from "./weights";
 
 const { COSINE_OFFSET, INTERPOLATED_COSINES, OVERSHOOT, AZIMUTHS, ANISOTROPIC_COSINES } =
   ALBEDO_RULE;

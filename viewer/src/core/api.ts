@@ -38,7 +38,6 @@ export type Bottom =
   | {
       kind: "codes";
       latents: Float32Array;
-      anchors: Float32Array;
       /** Of the networks; 1 if left out. */
       widths?: Widths;
     };
@@ -59,16 +58,14 @@ export interface Compensation {
   readonly lost: Float32Array;
 }
 
-/** Codes (3, latentSize) of one material. */
+/** One material. */
 export interface Material {
-  /** The codes that are evaluated. */
+  /** Codes (3, latentSize): coats lie over them, directions are drawn by them. */
   latents: Float32Array;
-  /** The codes over which coats lie. */
-  anchors: Float32Array;
-  /** Light that is added to what the codes reflect. */
+  /** By which f is evaluated. */
+  table: FTable;
+  /** Light that is added, if it is not in the table. */
   compensation?: Compensation | undefined;
-  /** By which f is evaluated. Coats lie over the codes, directions are drawn by them. */
-  table?: FTable | undefined;
 }
 
 /** Sizes of a table of directions, and the shift of its sequence. */
@@ -83,7 +80,7 @@ export interface TableOptions {
   shift: readonly [number, number, number];
 }
 
-/** Urushi's networks and the energy limit. */
+/** Urushi's basis and networks, and the energy limit. */
 export interface Core {
   /** Numbers of one channel's code. */
   readonly latentSize: number;
@@ -106,6 +103,9 @@ export interface Core {
 
   /** The BRDF [1/sr], without cosine: (N, 3) for directions (N, 3). */
   f(material: Material, wi: Float32Array, wo: Float32Array): Float32Array;
+
+  /** The texels of the basis that shader code reads, four numbers each. */
+  basisTexels(): Float32Array<ArrayBuffer>;
 
   /** Directional albedo: (N, 3) for N cosines of the incident direction, in the plane y = 0. */
   albedo(material: Material, cosines: Float32Array): Float32Array;

@@ -1,25 +1,22 @@
-/** The core: networks and energy limit behind the interface of `api.ts`. */
+/** The core: basis, networks and energy limit behind the interface of `api.ts`. */
 
 import type { Bottom, Coat, Core, Material, Stack } from "./api";
+import { Basis } from "./basis";
 import { CHANNELS, firstSame, joined, rows, sameNumbers } from "./channels";
-import { Compensations } from "./compensation";
-import { Decoder } from "./decoder";
-import { Encoder } from "./encoder";
+import { compensationOf, withLobe } from "./compensation";
 import { EnergyLimit } from "./energy";
 import { Evaluation } from "./evaluation";
 import { ENERGY } from "./formulas";
 import { Layerer, withinTraining } from "./layerer";
-import { noLobe } from "./lobe";
 import { MeasuredEncoder } from "./measured_encoder";
+import { Proposals } from "./mixture";
 import { activationOf } from "./mlp";
-import { Refinement } from "./refinement";
-import { Sampler } from "./sampler";
 import { SurfaceEncoder } from "./surface_encoder";
 import { coatOfChannel } from "./surfaces";
 import { readWeights, type Weights } from "./weights";
 
 /**
- * Read the networks' weights.
+ * Read the weights.
  *
  * @throws FileError if the file is damaged, or of networks that this core does not know.
  */
@@ -33,29 +30,20 @@ export class NetworkCore extends Evaluation implements Core {
   private readonly measured: MeasuredEncoder;
   private readonly layerer: Layerer;
   private readonly energy: EnergyLimit;
-  private readonly compensations = new Compensations(this);
 
-  constructor(weights: Weights) {
-    const activation = activationOf(weights.arch.activation);
-    const decoder = new Decoder(weights, activation);
-    super(decoder, new Sampler(weights, activation));
-    const encoder = new Encoder(weights, activation);
-    const dark = new Float64Array(weights.arch.probes);
-    const { lobe, widths } = weights.arch;
-    const nothing = encoder.encode(noLobe(widths), dark).slice(lobe);
-    this.fingerprint = weights.fingerprint;
-    this.layerer = new Layerer(weights, activation);
-    this.energy = new EnergyLimit(decoder);
-    this.surfaces = new SurfaceEncoder(encoder, this.energy, nothing);
-    const refinement = new Refinement(weights, activation, decoder, encoder, this.energy);
-    this.measured = new MeasuredEncoder(encoder, this.energy, refinement, nothing);
+  constructor({ arch, basis: parameters, fingerprint, layerer, proposal }: Weights) {
+    const basis = new Basis(parameters, arch.lobe);
+    super(arch, basis, new Proposals(proposal, arch.lobe));
+    this.fingerprint = fingerprint;
+    this.layerer = new Layerer(arch, layerer, activationOf(arch.activation));
+    this.energy = new EnergyLimit(basis, arch.lobe);
+    this.surfaces = new SurfaceEncoder(basis, this.energy);
+    this.measured = new MeasuredEncoder(basis, this.energy);
   }
 
-  /** Encode a bottom without coats. */
-  encode(bottom: Bottom): Material {
-    return bottom.kind === "codes"
-      ? { latents: this.checked(bottom.latents), anchors: this.checked(bottom.anchors) }
-      : this.surfaces.encode(bottom);
+  /** The codes of a bottom without coats. */
+  encode(bottom: Bottom): Float32Array {
+    return bottom.kind === "codes" ? this.checked(bottom.latents) : this.surfaces.encode(bottom);
   }
 
   encodeMeasured(file: ArrayBuffer): Material {
@@ -63,15 +51,16 @@ export class NetworkCore extends Evaluation implements Core {
   }
 
   layer(stack: Stack): Material {
-    let material = this.encode(stack.bottom);
-    let below = material;
+    let latents = this.encode(stack.bottom);
+    let below = latents;
     for (const coat of [...stack.coats].reverse()) {
-      below = material;
-      material = this.coated(material, coat);
+      below = latents;
+      latents = this.coated(latents, coat);
     }
+    const material = this.material(latents);
     const [top] = stack.coats;
     if (!stack.energyCompensation || top === undefined) return material;
-    return { ...material, compensation: this.compensations.of(top, below) };
+    return withLobe(material, compensationOf(top, this.material(below), this));
   }
 
   /** Codes (3, L) scaled down, each as a whole, so that they reflect at most all light. */
@@ -88,28 +77,28 @@ export class NetworkCore extends Evaluation implements Core {
     this.energy.lobeAlbedo.prepare(index);
   }
 
-  /** A bottom under a coat, which leaves it as it is without an interface and a medium. */
-  private coated(bottom: Material, coat: Coat): Material {
-    const anchors = rows(bottom.anchors, this.latentSize);
-    const latents = rows(bottom.latents, this.latentSize);
-    const coats = anchors.map((_, channel) => coatOfChannel(coat, channel));
+  /** The codes of a bottom under a coat, which changes nothing without an interface and a medium. */
+  private coated(bottom: Float32Array, coat: Coat): Float32Array {
+    const below = rows(bottom, this.latentSize);
+    const coats = below.map((_, channel) => coatOfChannel(coat, channel));
     const isSame = (a: number, b: number) =>
-      sameNumbers(anchors[a], anchors[b]) &&
+      sameNumbers(below[a], below[b]) &&
       sameNumbers(Object.values(coats[a]), Object.values(coats[b]));
-    const own = anchors.map((_, channel) => firstSame(channel, isSame));
+    const own = below.map((_, channel) => firstSame(channel, isSame));
     const kept = own.filter((channel, place) => channel === place);
     const layered = this.layerer.layer(
-      kept.map((channel) => anchors[channel]),
+      kept.map((channel) => below[channel]),
       kept.map((channel) => withinTraining(coats[channel])),
     );
     for (const code of layered) {
       this.energy.limit(code, 1 - ENERGY.MARGIN);
     }
-    const codes = own.map((channel) => layered[kept.indexOf(channel)]);
-    const absent = coats.map(({ eta, sigmaT }) => eta === 1 && sigmaT === 0);
-    const chosen = (below: Float32Array[]) =>
-      joined(codes.map((code, channel) => (absent[channel] ? below[channel] : code)));
-    return { latents: chosen(latents), anchors: chosen(anchors) };
+    return joined(
+      own.map((channel) => {
+        const { eta, sigmaT } = coats[channel];
+        return eta === 1 && sigmaT === 0 ? below[channel] : layered[kept.indexOf(channel)];
+      }),
+    );
   }
 
   private checked(codes: Float32Array): Float32Array {

@@ -7,7 +7,7 @@
 
 import { type AlbedoRule, addAlbedos, albedoRule } from "./albedo_rule";
 import { AnisotropicLobeAlbedo } from "./anisotropic_lobe_albedo";
-import { type Decoder, type Responses, scaleRest } from "./decoder";
+import type { AtPairs, Basis } from "./basis";
 import { ENERGY } from "./formulas";
 import { LobeAlbedo, type LobeAlbedos } from "./lobe_albedo";
 
@@ -20,29 +20,24 @@ export type Ceiling = number | Float64Array;
 export class EnergyLimit {
   readonly rule: AlbedoRule;
   readonly lobeAlbedo: LobeAlbedos;
-  private readonly responses: Responses;
-  /** Numbers of a code's lobe. */
-  readonly lobe: number;
+  private readonly nodes: AtPairs;
 
-  constructor(private readonly decoder: Decoder) {
-    const { widths, lobe } = decoder.weights.arch;
-    this.lobe = lobe;
+  /** @param lobe numbers of a code's lobe. */
+  constructor(
+    private readonly basis: Basis,
+    private readonly lobe: number,
+  ) {
+    const { widths } = basis;
     this.rule = albedoRule(widths);
     this.lobeAlbedo =
       widths === 1 ? new LobeAlbedo(this.rule.cosines) : new AnisotropicLobeAlbedo(this.rule);
-    this.responses = decoder.respond(this.rule.pairs);
+    this.nodes = basis.at(this.rule.pairs);
   }
 
   /** Scale a code down in place so that its albedo is nowhere above a ceiling. */
   limit(code: Float32Array, ceiling: Ceiling): void {
-    this.scaleBy(code, this.factor(code, ceiling));
-  }
-
-  /** Directional albedos (D) of a code at the rule's cosines. */
-  albedos(code: ArrayLike<number>): Float64Array {
-    const albedos = this.restAlbedos(code);
-    this.lobeAlbedo.add(code, 0, albedos);
-    return albedos;
+    const factor = this.factor(code, ceiling);
+    if (factor < 1) scaleRest(code, this.lobe, factor);
   }
 
   /** Ceiling (D) of a code's albedos, from those of its source. */
@@ -54,24 +49,10 @@ export class EnergyLimit {
     );
   }
 
-  /**
-   * Ceiling (D) of the albedos of a code's rest, from those `own` of the rest of its source.
-   *
-   * Infinite for a code that is not limited.
-   */
-  restCeiling(code: ArrayLike<number>, own: Float64Array): Float64Array {
-    const top = new Float64Array(own.length);
-    this.lobeAlbedo.add(code, 0, top);
-    return this.ceilingOf(own.map((albedo, d) => albedo + top[d])).map((allowed, d) =>
-      this.isLimited(code) ? Math.max(allowed - top[d], LEAST_REST) : Number.POSITIVE_INFINITY,
-    );
-  }
-
-  /** The part (D) of `albedos` that the code's lobe does not reflect. */
-  restAlbedos(code: ArrayLike<number>): Float64Array {
-    const prepared = this.decoder.prepare(code, this.lobe);
+  /** Directional albedos (D) of what the code's lobe does not reflect. */
+  private restAlbedos(code: Float32Array): Float64Array {
     const albedos = new Float64Array(this.rule.cosines.length);
-    addAlbedos(this.rule, this.decoder.rest(prepared, this.responses), albedos);
+    addAlbedos(this.rule, this.basis.values(code, this.nodes), albedos);
     return albedos;
   }
 
@@ -98,13 +79,7 @@ export class EnergyLimit {
     return code[3] <= 0 || code[4] >= 1;
   }
 
-  private scaleBy(code: Float32Array, factor: number): void {
-    if (factor < 1) {
-      scaleRest(code, this.lobe, factor);
-    }
-  }
-
-  private measuredFactor(code: ArrayLike<number>, ceiling: Ceiling): number {
+  private measuredFactor(code: Float32Array, ceiling: Ceiling): number {
     if (!this.isLimited(code)) {
       return 1;
     }
@@ -123,4 +98,9 @@ export class EnergyLimit {
 
 function greatest(numbers: Float64Array): number {
   return numbers.reduce((a, b) => Math.max(a, b), Number.NEGATIVE_INFINITY);
+}
+
+/** Multiply the rest of a code, whose gain is at a place, by a factor > 0. */
+function scaleRest(code: Float32Array, gain: number, factor: number): void {
+  code[gain] += Math.log(factor);
 }

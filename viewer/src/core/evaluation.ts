@@ -1,16 +1,17 @@
 /** Evaluation of materials: f, the proposal, albedo, and tables of directions. */
 
 import type { Material, TableOptions } from "./api";
-import { CHANNELS, firstSame, rows, sameNumbers } from "./channels";
+import type { Basis } from "./basis";
+import { CHANNELS, rows } from "./channels";
 import { lobeOf } from "./compensation";
-import type { Decoder } from "./decoder";
 import { tableValues } from "./f_table";
 import { Pairs, type Widths } from "./features";
 import type { Vector } from "./formulas";
+import type { Architecture } from "./layers";
 import { lobeValue } from "./lobe";
+import { mixtureDensity, type Proposals, sampleMixture } from "./mixture";
 import { sequenceSteps } from "./probe_pairs";
 import { halfVectorRule } from "./quadrature";
-import { mixtureDensity, type Sampler, sampleMixture } from "./sampler";
 
 /** The largest number below one of single precision, for uniform numbers. */
 const BELOW_ONE = 1 - 2 ** -24;
@@ -18,17 +19,24 @@ const BELOW_ONE = 1 - 2 ** -24;
 /** The methods are those of `api.ts`. */
 export class Evaluation {
   readonly latentSize: number;
-  private readonly lobe: number;
   readonly widths: Widths;
 
   constructor(
-    private readonly decoder: Decoder,
-    private readonly sampler: Sampler,
+    { latent, widths }: Architecture,
+    private readonly basis: Basis,
+    private readonly proposer: Proposals,
   ) {
-    const { latent, lobe, widths } = decoder.weights.arch;
     this.latentSize = latent;
-    this.lobe = lobe;
     this.widths = widths;
+  }
+
+  basisTexels(): Float32Array<ArrayBuffer> {
+    return this.basis.texels();
+  }
+
+  /** The material of codes (3, L), with its table. */
+  protected material(latents: Float32Array): Material {
+    return { latents, table: this.basis.table(rows(latents, this.latentSize)) };
   }
 
   f(material: Material, wi: Float32Array, wo: Float32Array): Float32Array {
@@ -68,7 +76,7 @@ export class Evaluation {
 
   table(material: Material, { azimuths = 1, cosines, samples, shift }: TableOptions): Float32Array {
     const result = new Float32Array(azimuths * cosines * samples * 8);
-    const proposal = this.sampler.proposals(this.meanAnchor(material));
+    const proposal = this.proposer.proposals(this.meanCode(material));
     const uniform = shiftedSequence(samples, shift);
     const pairs = new Pairs(samples, this.widths);
     const densities = new Float64Array(samples);
@@ -101,49 +109,29 @@ export class Evaluation {
 
   /** f (count, 3) of the first pairs. */
   private values(material: Material, pairs: Pairs, count: number): Float64Array {
-    const { table } = material;
+    const { table, compensation } = material;
     const codes = rows(material.latents, this.latentSize);
     const result = new Float64Array(CHANNELS * count);
-    if (table !== undefined) {
+    tableValues(table, pairs, count, result);
+    codes.forEach((code, channel) => {
       for (let i = 0; i < count; i++) {
-        tableValues(table, pairs.directions, 6 * i, result, CHANNELS * i);
-        if (table.besideLobe)
-          codes.forEach((code, channel) => {
-            result[CHANNELS * i + channel] += lobeValue(code, 0, pairs, i);
-          });
-      }
-      return result;
-    }
-    const responses = this.decoder.respond(pairs, count);
-    for (let channel = 0; channel < CHANNELS; channel++) {
-      const own = firstSame(channel, (a, b) => sameNumbers(codes[a], codes[b]));
-      if (own < channel) {
-        for (let i = 0; i < count; i++) {
-          result[CHANNELS * i + channel] = result[CHANNELS * i + own];
-        }
-      } else {
-        const rest = this.decoder.rest(this.decoder.prepare(codes[channel], this.lobe), responses);
-        for (let i = 0; i < count; i++) {
-          result[CHANNELS * i + channel] = lobeValue(codes[channel], 0, pairs, i) + rest[i];
+        const place = CHANNELS * i + channel;
+        if (table.besideLobe) result[place] += lobeValue(code, 0, pairs, i);
+        if (compensation) {
+          const [cosI, cosO] = [pairs.directions[6 * i + 2], pairs.directions[6 * i + 5]];
+          result[place] += lobeOf(compensation, channel, cosI, cosO);
         }
       }
-    }
-    const { compensation } = material;
-    if (compensation !== undefined)
-      for (let at = 0; at < result.length; at++) {
-        const place = 6 * Math.floor(at / CHANNELS);
-        const [cosI, cosO] = [pairs.directions[place + 2], pairs.directions[place + 5]];
-        result[at] += lobeOf(compensation, at % CHANNELS, cosI, cosO);
-      }
+    });
     return result;
   }
 
-  /** The mean of the channels' anchors, whose proposal all share. */
-  private meanAnchor(material: Material): Float32Array {
-    const anchors = rows(material.anchors, this.latentSize);
+  /** The mean of the channels' codes, whose proposal all share. */
+  private meanCode({ latents }: Material): Float32Array {
+    const codes = rows(latents, this.latentSize);
     return Float32Array.from(
       { length: this.latentSize },
-      (_, k) => anchors.reduce((sum, code) => sum + code[k], 0) / anchors.length,
+      (_, k) => codes.reduce((sum, code) => sum + code[k], 0) / codes.length,
     );
   }
 }

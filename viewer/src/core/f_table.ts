@@ -1,35 +1,52 @@
-/** Tables of ln f over directions; see Python's `material.table`. */
+/** Tables over directions: their cells, and materials by tables of ln f; see Python's `core.table`. */
 
 import { CHANNELS } from "./channels";
-import { DECODER, FEATURES, nodeDirections, TABLE, tableCoordinates } from "./formulas";
+import type { Pairs, Widths } from "./features";
+import {
+  nodeDirections,
+  STRETCHED,
+  stretchedCoordinates,
+  TABLE,
+  tableCoordinates,
+} from "./formulas";
 import { fromHalf, toHalf } from "./half";
 
-/** A material's table, by which f is evaluated in place of its codes. */
+/** A material's table, by which f is evaluated. */
 export interface FTable {
-  /** ln f (U, V, W, 3), numbers of half precision. */
+  /** ln f (nodes, 3); of two widths the terms (nodes, 3, 6), see `Cell.factors`. */
   readonly logs: Float32Array;
   /** Whether f is the lobe of the codes plus the table. */
   readonly besideLobe: boolean;
+  /** Of two widths: the logarithms (3) of the stretches of the channels. */
+  readonly stretches?: readonly number[];
+  /** Whether the codes give the same f, so that files leave it out; false if left out. */
+  readonly isOfCodes?: boolean;
 }
 
-const [U, V, W] = TABLE.SHAPE;
+const SHAPE = TABLE.SHAPE;
 
-/** Numbers of a table of three channels. */
-export const TABLE_SIZE = U * V * W * CHANNELS;
+/** Number of nodes of a table. */
+export const NODES = SHAPE.reduce<number>((product, count) => product * count, 1);
 
-/** Pairs of directions (N, 3) of the nodes, the last axis fastest. */
+/** Numbers of a table of three channels and one width. */
+export const TABLE_SIZE = NODES * CHANNELS;
+
+/** Terms of ln f of two widths: one, and as many as there are factors of the azimuth. */
+export const TERMS = 1 + STRETCHED.FACTORS;
+
+/** Pairs of directions (N, 3) of the nodes of one width, the last axis fastest. */
 export function nodePairs(): { wi: Float32Array; wo: Float32Array } {
-  const count = U * V * W;
-  const [wi, wo] = [new Float32Array(3 * count), new Float32Array(3 * count)];
+  const [U, V, W] = SHAPE;
+  const [wi, wo] = [new Float32Array(3 * NODES), new Float32Array(3 * NODES)];
   const pair = new Float64Array(6);
-  for (let i = 0; i < count; i++) {
+  for (let i = 0; i < NODES; i++) {
     const [u, v, w] = [Math.floor(i / (V * W)), Math.floor(i / W) % V, i % W];
     nodeDirections(u / (U - 1), v / (V - 1), w / (W - 1), pair, 0);
     for (const [target, at] of [
       [wi, 0],
       [wo, 3],
     ] as const) {
-      const [x, y, z] = [pair[at], pair[at + 1], Math.max(pair[at + 2], FEATURES.MIN_COSINE)];
+      const [x, y, z] = [pair[at], pair[at + 1], Math.max(pair[at + 2], TABLE.MIN_COSINE)];
       const size = Math.hypot(x, y, z);
       target.set([x / size, y / size, z / size], 3 * i);
     }
@@ -37,39 +54,93 @@ export function nodePairs(): { wi: Float32Array; wo: Float32Array } {
   return { wi, wo };
 }
 
-/** The logarithms of the values [1/sr] of three channels at `nodePairs`. */
+/** A logarithm within the range of tables. */
+export function clampedLog(logarithm: number): number {
+  return Math.min(Math.max(logarithm, TABLE.MIN_LOG), TABLE.MAX_LOG);
+}
+
+/** The logarithms, in half precision, of values [1/sr] of three channels at `nodePairs`. */
 export function logsOf(values: readonly Float64Array[]): Float32Array {
   return Float32Array.from({ length: TABLE_SIZE }, (_, at) => {
     const log = Math.log(values[at % CHANNELS][Math.floor(at / CHANNELS)]);
-    return fromHalf(toHalf(Math.min(Math.max(log, DECODER.MIN_LOG), DECODER.MAX_LOG)));
+    return fromHalf(toHalf(clampedLog(log)));
   });
 }
 
-const at = new Float64Array(3);
+/** The cell of a table around a pair of directions: its corners, and their shares. */
+export class Cell {
+  readonly nodes = new Int32Array(8);
+  readonly shares = new Float64Array(8);
+  /** Of two widths: one, and the factors of the azimuth by which terms are multiplied. */
+  readonly factors: Float64Array;
+  /** Coordinates, and the factors behind them. */
+  private readonly place = new Float64Array(3 + STRETCHED.FACTORS);
 
-/** Put the values [1/sr] of a table for a pair of directions into three places of an array. */
-export function tableValues(
-  { logs }: FTable,
-  directions: ArrayLike<number>,
-  from: number,
-  out: Float64Array,
-  to: number,
-): void {
-  const d = directions;
-  const [x, y, z] = [d[from], d[from + 1], d[from + 2]];
-  tableCoordinates(x, y, z, d[from + 3], d[from + 4], d[from + 5], at, 0);
-  out.fill(0, to, to + CHANNELS);
-  for (let corner = 0; corner < 8; corner++) {
-    let [row, weight] = [0, 1];
-    for (let axis = 0; axis < 3; axis++) {
-      const count = TABLE.SHAPE[axis];
-      const place = Math.min(Math.max(at[axis], 0), 1) * (count - 1);
-      const index = Math.min(Math.floor(place), count - 2);
-      const isUpper = (corner >> axis) & 1;
-      row = row * count + index + isUpper;
-      weight *= isUpper ? place - index : 1 - place + index;
-    }
-    for (let k = 0; k < CHANNELS; k++) out[to + k] += weight * logs[row * CHANNELS + k];
+  constructor(private readonly widths: Widths) {
+    this.factors = new Float64Array(widths === 1 ? 1 : TERMS).fill(1);
   }
-  for (let k = 0; k < CHANNELS; k++) out[to + k] = Math.exp(out[to + k]);
+
+  /** Set the cell to that of pair `i`; stretch2: of two widths, the square of the stretch. */
+  set({ directions: w }: Pairs, i: number, stretch2 = 1): void {
+    const { place, nodes, shares, factors } = this;
+    const k = 6 * i;
+    if (this.widths === 1)
+      tableCoordinates(w[k], w[k + 1], w[k + 2], w[k + 3], w[k + 4], w[k + 5], place, 0);
+    else
+      stretchedCoordinates(
+        ...([stretch2, w[k], w[k + 1], w[k + 2], w[k + 3], w[k + 4], w[k + 5]] as const),
+        place,
+        0,
+      );
+    for (let term = 1; term < factors.length; term++) factors[term] = place[2 + term];
+    nodes[0] = 0;
+    shares[0] = 1;
+    for (let axis = 0, known = 1; axis < 3; axis++, known *= 2) {
+      const count = SHAPE[axis];
+      const at = Math.min(Math.max(place[axis], 0), 1) * (count - 1);
+      const first = Math.min(Math.floor(at), count - 2);
+      const share = at - first;
+      for (let corner = 0; corner < known; corner++) {
+        const node = nodes[corner] * count + first;
+        const whole = shares[corner];
+        nodes[corner] = node;
+        nodes[corner + known] = node + 1;
+        shares[corner] = whole * (1 - share);
+        shares[corner + known] = whole * share;
+      }
+    }
+  }
+
+  /** ln f of a channel, by numbers that have `stride` a node. */
+  log(logs: Float32Array, channel: number, stride: number): number {
+    const { nodes, shares, factors } = this;
+    const first = channel * factors.length;
+    let log = 0;
+    for (let corner = 0; corner < 8; corner++) {
+      const at = nodes[corner] * stride + first;
+      let sum = logs[at];
+      for (let term = 1; term < factors.length; term++) sum += factors[term] * logs[at + term];
+      log += shares[corner] * sum;
+    }
+    return clampedLog(log);
+  }
+}
+
+/** Put the values (count, channels) [1/sr] of a table at the first pairs into an array. */
+export function tableValues(
+  { logs, stretches }: Pick<FTable, "logs" | "stretches">,
+  pairs: Pairs,
+  count: number,
+  out: Float64Array,
+): void {
+  const cell = new Cell(stretches === undefined ? 1 : 2);
+  const channels = out.length / count;
+  const stride = logs.length / NODES;
+  const squares = stretches?.map((stretch) => Math.exp(2 * stretch));
+  for (let i = 0; i < count; i++)
+    for (let channel = 0; channel < channels; channel++) {
+      const isNew = channel === 0 || (squares && squares[channel] !== squares[channel - 1]);
+      if (isNew) cell.set(pairs, i, squares?.[channel]);
+      out[channels * i + channel] = Math.exp(cell.log(logs, channel, stride));
+    }
 }

@@ -1,6 +1,6 @@
-/** Pairs of directions with their inputs of the decoder, and the parameters of coats. */
+/** Pairs of directions, and the parameters of coats. */
 
-import { directionFeatures, directionFeatures2, FEATURES, facetCosine } from "./formulas";
+import { facetCosine } from "./formulas";
 
 /** GGX widths of a surface: one, or two along and across its tangent. */
 export type Widths = 1 | 2;
@@ -16,10 +16,8 @@ export interface CoatOfChannel {
   g: number;
 }
 
-/** What decoder and lobe need of pairs of directions. */
+/** What is evaluated at pairs of directions needs these. */
 export class Pairs {
-  /** (capacity, features) the decoder's inputs. */
-  readonly features: Float64Array;
   /** (capacity, 6) wi, then wo. */
   readonly directions: Float64Array;
   /** (capacity) cosine between either direction and the half vector. */
@@ -30,7 +28,6 @@ export class Pairs {
     readonly capacity: number,
     readonly widths: Widths = 1,
   ) {
-    this.features = new Float64Array(capacity * FEATURES.DIRECTION_FEATURES[widths]);
     this.directions = new Float64Array(6 * capacity);
     this.cosD = new Float64Array(capacity);
   }
@@ -47,7 +44,7 @@ export class Pairs {
 
   /** Set pair `i` to unit vectors. */
   set(i: number, ix: number, iy: number, iz: number, ox: number, oy: number, oz: number): void {
-    const { directions, features, widths } = this;
+    const { directions } = this;
     const at = 6 * i;
     directions[at] = ix;
     directions[at + 1] = iy;
@@ -56,7 +53,5 @@ export class Pairs {
     directions[at + 4] = oy;
     directions[at + 5] = oz;
     this.cosD[i] = facetCosine(ix, iy, iz, ox, oy, oz);
-    const fill = widths === 1 ? directionFeatures : directionFeatures2;
-    fill(ix, iy, iz, ox, oy, oz, features, i * FEATURES.DIRECTION_FEATURES[widths]);
   }
 }

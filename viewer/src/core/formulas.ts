@@ -22,12 +22,6 @@ export const APPEARANCE = {
   WO: [0, 0.6, 0.8],
 } as const;
 
-/** Of `urushi.core.error_metrics` of Python. */
-export const ERROR_METRICS = {
-  COSINE_FLOOR: 0.02,
-  DARK_OFFSET: 0.001,
-} as const;
-
 /** Of `urushi.core.probe_pairs` of Python. */
 export const PROBE_PAIRS = {
   HALF_ANGLE_SHARE: 0.6666666666666666,
@@ -44,6 +38,19 @@ export const QUADRATURE = {
   MIN_TANGENT: 1e-05,
 } as const;
 
+/** Of `urushi.core.stretched` of Python. */
+export const STRETCHED = {
+  FACTORS: 5,
+} as const;
+
+/** Of `urushi.core.table` of Python. */
+export const TABLE = {
+  SHAPE: [96, 32, 8],
+  MIN_LOG: -25,
+  MAX_LOG: 20,
+  MIN_COSINE: 0.005,
+} as const;
+
 /** Of `urushi.material.albedo_rule` of Python. */
 export const ALBEDO_RULE = {
   COSINE_OFFSET: 0.1,
@@ -57,17 +64,9 @@ export const ALBEDO_RULE = {
   LEAST_TANGENT: 0.001,
 } as const;
 
-/** Of `urushi.material.encode` of Python. */
-export const ENCODE = {
-  HELPFUL_REST: [1, 1.1],
-  NEAR_LOBE: 0.3,
-  DIELECTRIC: 0.1111111111111111,
-  DIFFUSE_QUANTILE: 0.2,
-} as const;
-
 /** Of `urushi.material.energy` of Python. */
 export const ENERGY = {
-  MARGIN: 0.002,
+  MARGIN: 0.0005,
   SLACK: 0.003,
   TOLERANCE: 0.005,
   GRAZING: 0.1,
@@ -75,22 +74,6 @@ export const ENERGY = {
   LEAST_REST: 0.005,
   TINY_FACTOR: 0.001,
   TINY_FACTOR_ROUNDS: 3,
-} as const;
-
-/** Of `urushi.material.fit` of Python. */
-export const FIT = {
-  INITIAL_ALPHAS: [0.05, 0.1, 0.2, 0.3, 0.45, 0.6, 0.8, 1],
-  INITIAL_WHITE_SHARES: [0, 0.02, 0.2],
-  REFINEMENT_STEPS: 20,
-  ANCHOR_HOLD: 4,
-  CODE_HOLD: 0.0005,
-  NODES_SHARE: 0.5,
-  NODES_POWER: 0.5,
-  CEILING_ROUNDS: 2,
-  CEILING_STEPS: 6,
-  HUBER_KNEE: 0.5,
-  DAMPING: [0.001, 0.25, 8],
-  LEAST_VARIANCE: 1e-06,
 } as const;
 
 /** Of `urushi.material.layer` of Python. */
@@ -108,27 +91,25 @@ export const LOBE_ALBEDO = {
   TURNS: 20,
 } as const;
 
-/** Of `urushi.material.table` of Python. */
-export const TABLE = {
-  SHAPE: [96, 32, 8],
-} as const;
-
-/** Of `urushi.nets.decoder` of Python. */
-export const DECODER = {
-  MIN_LOG: -25,
-  MAX_LOG: 20,
+/** Of `urushi.nets.basis` of Python. */
+export const BASIS = {
   EMPTY_GAIN: -100,
 } as const;
 
-/** Of `urushi.nets.encoder` of Python. */
-export const ENCODER = {
-  OFFSET: 0.0001,
+/** Of `urushi.nets.code_fit` of Python. */
+export const CODE_FIT = {
+  FIRST_FLOOR: 0.05,
+  FLOOR: 0.02,
+  KNEE: 0.003,
+  DARK: 0.02,
+  PRIOR: 1e-06,
+  ROUNDS: 5,
+  LEAST_SHARE: 0.001,
+  LEAST_REST: 1e-09,
 } as const;
 
 /** Of `urushi.nets.features` of Python. */
 export const FEATURES = {
-  MIN_COSINE: 0.005,
-  DIRECTION_FEATURES: { 1: 8, 2: 14 },
   COAT_FEATURES: { 1: 18, 2: 20 },
 } as const;
 
@@ -138,10 +119,17 @@ export const INTERFACE_FIT = {
   GREATEST_ERROR: 0.15,
   TOLERANCE: 0.005,
   STEPS: 20,
-  DAMPING: [0.001, 0.2, 10],
+  DAMPING: 0.001,
+  DECREASE: 0.2,
+  INCREASE: 10,
   LOWER: [0.02, 0],
   UPPER: [8, 12],
   METALS: [0.2, 1, 2.5],
+} as const;
+
+/** Of `urushi.nets.layerer` of Python. */
+export const LAYERER = {
+  LEAST_GAIN: -12,
 } as const;
 
 /** Of `urushi.nets.lobe` of Python. */
@@ -171,9 +159,11 @@ export const MLP = {
     0.0002924521977775268, -3.1043713096403e-06]] },
 } as const;
 
-/** Of `urushi.nets.sampler` of Python. */
-export const SAMPLER = {
-  MIN_COSINE_SHARE: 0.02,
+/** Of `urushi.nets.proposal` of Python. */
+export const PROPOSAL = {
+  ALPHAS: [0.04, 0.12, 0.3],
+  TERMS: 8,
+  LARGEST_STRETCH: 1.25,
 } as const;
 
 /** Schlick's term of factors at normal and at grazing incidence (Schlick 1994). */
@@ -225,19 +215,6 @@ export function medium(color: number, body: number, bodyColor: number, g: number
     out[1 + at] = depth;
 }
 
-/** Coordinates of a pair of directions in a table of f. */
-export function tableCoordinates(wiX: number, wiY: number, wiZ: number, woX: number, woY: number,
-    woZ: number, out: Float64Array, at: number): void {
-    const z2 = Math.max((wiZ + woZ) * (wiZ + woZ), 1e-18);
-    const squared = (wiX + woX) * (wiX + woX) + (wiY + woY) * (wiY + woY) + z2;
-    const cosD = Math.min(0.5 * Math.sqrt(squared), 1);
-    const across = (wiX + woX) * (wiX + woX) + (wiY + woY) * (wiY + woY);
-    out[at] = (Math.log(across / z2 + 1e-05) - (-11.512925464970229)) * 0.05428681023790647;
-    out[1 + at] = Math.sqrt(1 - cosD);
-    out[2 + at] = 1 - Math.sqrt(1 - Math.min(0.5 * Math.abs(wiZ - woZ) / Math.max(Math.min(0.5 *
-        (wiZ + woZ), Math.sqrt(across / squared * ((1 - cosD) * (1 + cosD)))), 1e-09), 1));
-}
-
 /** Directions wi and wo of the coordinates of a table of f. */
 export function nodeDirections(u: number, v: number, w: number, out: Float64Array, at: number): void
     {
@@ -286,29 +263,43 @@ export function coatedColor(eta: number, albedo: number, sigmaT: number, g: numb
         diffuseScattering - reflectance * diffuseScattering + diffuseDecay))));
 }
 
-/** The decoder's inputs of a pair of directions. */
-export function directionFeatures(wiX: number, wiY: number, wiZ: number, woX: number, woY: number,
+/** Coordinates of a pair of directions in a table of f. */
+export function tableCoordinates(wiX: number, wiY: number, wiZ: number, woX: number, woY: number,
     woZ: number, out: Float64Array, at: number): void {
-    const cosI = Math.max(wiZ, 0.005);
-    const cosO = Math.max(woZ, 0.005);
-    const sumX = wiX + woX;
-    const sumY = wiY + woY;
-    const sumZ = cosI + cosO;
-    const sumZ2 = sumZ * sumZ;
-    const sumXy2 = sumX * sumX + sumY * sumY;
-    const sum2 = sumXy2 + sumZ2;
-    const sumSize = Math.sqrt(sum2);
-    const cosD = Math.min(0.5 * sumSize, 1);
-    const opposite = 1 - cosD;
-    const opposite2 = opposite * opposite;
-    out[at] = (Math.log(sumXy2 / sumZ2 + 1e-06) - (-3.2)) * 0.2173913043478261;
-    out[1 + at] = (Math.sqrt(Math.sqrt(sumXy2 / sum2)) - 0.55) * 2.941176470588235;
-    out[2 + at] = (sumZ / sumSize - 0.8) * 4.166666666666667;
-    out[3 + at] = (cosD - 0.73) * 4.166666666666667;
-    out[4 + at] = (opposite2 * opposite2 * opposite - 0.04) * 5;
-    out[5 + at] = (0.5 * Math.log(cosI * cosO) - (-0.78)) * 1.5384615384615383;
-    out[6 + at] = Math.log(sumZ) * 1.7857142857142856;
-    out[7 + at] = (Math.min(cosI, cosO) - 0.47) * 3.3333333333333335;
+    const z2 = Math.max((wiZ + woZ) * (wiZ + woZ), 1e-18);
+    const squared = (wiX + woX) * (wiX + woX) + (wiY + woY) * (wiY + woY) + z2;
+    const cosD = Math.min(0.5 * Math.sqrt(squared), 1);
+    const across = (wiX + woX) * (wiX + woX) + (wiY + woY) * (wiY + woY);
+    out[at] = (Math.log(across / z2 + 1e-05) - (-11.512925464970229)) * 0.05428681023790647;
+    out[1 + at] = Math.sqrt(1 - cosD);
+    out[2 + at] = 1 - Math.sqrt(1 - Math.min(0.5 * Math.abs(wiZ - woZ) / Math.max(Math.min(0.5 *
+        (wiZ + woZ), Math.sqrt(across / squared * ((1 - cosD) * (1 + cosD)))), 1e-09), 1));
+}
+
+/** Coordinates in a table of f of two widths by s^2, and factors of the azimuth. */
+export function stretchedCoordinates(stretch2: number, wiX: number, wiY: number, wiZ: number, woX:
+    number, woY: number, woZ: number, out: Float64Array, at: number): void {
+    const stretchedZ2 = Math.max((wiZ + woZ) * (wiZ + woZ), 1e-18);
+    const stretchedAcross = (wiX + woX) * (wiX + woX) * stretch2 + (wiY + woY) * (wiY + woY) /
+        stretch2;
+    const cos2Psi = ((wiX + woX) * (wiX + woX) * stretch2 - (wiY + woY) * (wiY + woY) / stretch2) /
+        Math.max(stretchedAcross, 1e-12);
+    const cos2P = ((wiX - woX) * (wiX - woX) - (wiY - woY) * (wiY - woY)) / Math.max((wiX - woX) *
+        (wiX - woX) + (wiY - woY) * (wiY - woY), 1e-12);
+    const z2 = Math.max((wiZ + woZ) * (wiZ + woZ), 1e-18);
+    const squared = (wiX + woX) * (wiX + woX) + (wiY + woY) * (wiY + woY) + z2;
+    const cosD = Math.min(0.5 * Math.sqrt(squared), 1);
+    const across = (wiX + woX) * (wiX + woX) + (wiY + woY) * (wiY + woY);
+    out[at] = (Math.log(stretchedAcross / stretchedZ2 + 1e-05) - (-11.512925464970229)) *
+        0.05428681023790647;
+    out[1 + at] = Math.sqrt(1 - cosD);
+    out[2 + at] = 1 - Math.sqrt(1 - Math.min(0.5 * Math.abs(wiZ - woZ) / Math.max(Math.min(0.5 *
+        (wiZ + woZ), Math.sqrt(across / squared * ((1 - cosD) * (1 + cosD)))), 1e-09), 1));
+    out[3 + at] = cos2Psi;
+    out[4 + at] = cos2P;
+    out[5 + at] = 2 * cos2Psi * cos2Psi - 1;
+    out[6 + at] = 2 * cos2P * cos2P - 1;
+    out[7 + at] = cos2Psi * cos2P;
 }
 
 /** The layerer's inputs of a coat. */
@@ -350,12 +341,57 @@ export function lobeFeatures(alpha: number, first: number, second: number, third
     out[5 + at] = (Math.log(meanFresnel + 0.01) - (-1.5)) * 0.6666666666666666;
 }
 
-/** The sampler's inputs of a direction. */
-export function samplerFeatures(_wiX: number, _wiY: number, wiZ: number, out: Float64Array, at:
-    number): void {
-    const raised = Math.max(wiZ, 0.005);
-    out[at] = (raised - 0.5) * 3;
-    out[1 + at] = Math.log(raised) + 1;
+/** Weights of a proposal by `TERMS` of the code, its overlaps and its lobe's numbers. */
+export function proposalWeights(terms: ArrayLike<number>, overlaps: ArrayLike<number>, numbers:
+    ArrayLike<number>, cosine: number, out: Float64Array, at: number): void {
+    const raised = Math.max(cosine, 0.005);
+    const width2 = numbers[0] * numbers[0];
+    const logWidth = Math.log(numbers[0]);
+    const toFacet = raised + 0.5 * numbers[0] * (1 - raised);
+    const away = 1 - toFacet;
+    const away2 = away * away;
+    const fifth = away2 * away2 * away;
+    const cos2 = toFacet * toFacet;
+    const sin2 = 1 - cos2;
+    const difference = (numbers[4] - 1) * (numbers[4] + 1) - numbers[5] * numbers[5] + cos2;
+    const size = Math.sqrt(difference * difference + 4 * (numbers[4] * numbers[4]) * (numbers[5] *
+        numbers[5]));
+    const root = Math.sqrt(0.5 * Math.max(size + difference, 0));
+    const first = size + cos2;
+    const second = 2 * root * toFacet;
+    const across = (first - second) / (first + second);
+    const third = cos2 * size + sin2 * sin2;
+    const fourth = second * sin2;
+    const parallel = (third - fourth + 1e-12) / (third + fourth + 1e-12);
+    const fresnel = numbers[1] * (1 - fifth) + numbers[2] * fifth + numbers[3] * (0.5 * across * (1
+        + parallel));
+    const away0 = (logWidth - (-0.629)) * 2.4937655860349124;
+    const spread0 = Math.exp(1.305 - away0 * away0);
+    const away1 = (logWidth - (-0.28)) * 2.6246719160104988;
+    const spread1 = Math.exp(1.762 - away1 * away1);
+    const top = fresnel * (1 - 0.4 * width2) / ((1 + width2) * (1 + spread0 + spread1));
+    const logCosine = Math.log(Math.max(cosine, 0.005));
+    const energy0 = Math.exp(Math.min(terms[0] + terms[4] * logCosine, 1.3862943611198906));
+    const energy1 = Math.exp(Math.min(terms[1] + terms[5] * logCosine, 1.3862943611198906));
+    const energy2 = Math.exp(Math.min(terms[2] + terms[6] * logCosine, 1.3862943611198906));
+    const energy3 = Math.exp(Math.min(terms[3] + terms[7] * logCosine, 1.3862943611198906));
+    const alone0 = energy0 - overlaps[0] * energy1;
+    const part0 = 0.5 * (alone0 + Math.sqrt(alone0 * alone0 + 0.001 * energy0 * energy0 + 1e-12));
+    const alone1 = energy1 - overlaps[1] * energy2;
+    const part1 = 0.5 * (alone1 + Math.sqrt(alone1 * alone1 + 0.001 * energy1 * energy1 + 1e-12));
+    const alone2 = energy2 - overlaps[2] * energy3;
+    const part2 = 0.5 * (alone2 + Math.sqrt(alone2 * alone2 + 0.001 * energy2 * energy2 + 1e-12));
+    const unitSum = 0.98 / (top + part0 + part1 + (part2 + top * spread0) + (energy3 + top *
+        spread1) + 1e-12);
+    const weight0 = top * unitSum;
+    const weight1 = part0 * unitSum;
+    const weight2 = part1 * unitSum;
+    const weight3 = (part2 + top * spread0) * unitSum;
+    out[at] = weight0;
+    out[1 + at] = weight1;
+    out[2 + at] = weight2;
+    out[3 + at] = weight3;
+    out[4 + at] = 1 - (weight0 + weight1 + weight2 + weight3);
 }
 
 /** The lobe [1/sr] of reflectance 1. */
@@ -417,37 +453,6 @@ export function sampleReflection(alpha: number, wiX: number, wiY: number, wiZ: n
         facetZ - wiZ) };
 }
 
-/** The decoder's inputs of a pair of directions. */
-export function directionFeatures2(wiX: number, wiY: number, wiZ: number, woX: number, woY: number,
-    woZ: number, out: Float64Array, at: number): void {
-    const cosI = Math.max(wiZ, 0.005);
-    const cosO = Math.max(woZ, 0.005);
-    const sumX = wiX + woX;
-    const sumY = wiY + woY;
-    const sumZ = cosI + cosO;
-    const sumZ2 = sumZ * sumZ;
-    const sumXy2 = sumX * sumX + sumY * sumY;
-    const sum2 = sumXy2 + sumZ2;
-    const sumSize = Math.sqrt(sum2);
-    const cosD = Math.min(0.5 * sumSize, 1);
-    const opposite = 1 - cosD;
-    const opposite2 = opposite * opposite;
-    out[at] = (Math.log(sumXy2 / sumZ2 + 1e-06) - (-3.2)) * 0.2173913043478261;
-    out[1 + at] = (Math.sqrt(Math.sqrt(sumXy2 / sum2)) - 0.55) * 2.941176470588235;
-    out[2 + at] = (sumZ / sumSize - 0.8) * 4.166666666666667;
-    out[3 + at] = (cosD - 0.73) * 4.166666666666667;
-    out[4 + at] = (opposite2 * opposite2 * opposite - 0.04) * 5;
-    out[5 + at] = (0.5 * Math.log(cosI * cosO) - (-0.78)) * 1.5384615384615383;
-    out[6 + at] = Math.log(sumZ) * 1.7857142857142856;
-    out[7 + at] = (Math.min(cosI, cosO) - 0.47) * 3.3333333333333335;
-    out[8 + at] = (Math.log(sumX * sumX / sumZ2 + 1e-06) - (-5)) * 0.23255813953488372;
-    out[9 + at] = (Math.log(sumY * sumY / sumZ2 + 1e-06) - (-5)) * 0.23255813953488372;
-    out[10 + at] = (Math.log(wiX * wiX + woX * woX + 0.001) - (-0.9)) * 0.7692307692307692;
-    out[11 + at] = (Math.log(wiY * wiY + woY * woY + 0.001) - (-0.9)) * 0.7692307692307692;
-    out[12 + at] = (wiX * woX - (-0.1)) * 3.3333333333333335;
-    out[13 + at] = (wiY * woY - (-0.1)) * 3.3333333333333335;
-}
-
 /** The layerer's inputs of a coat. */
 export function coatFeatures2(alphaU: number, alphaV: number, eta: number, albedo: number, sigmaT:
     number, g: number, out: Float64Array, at: number): void {
@@ -491,14 +496,58 @@ export function lobeFeatures2(alphaU: number, alphaV: number, first: number, sec
     out[7 + at] = (seen * alphaV - 0.22) * 3.3333333333333335;
 }
 
-/** The sampler's inputs of a direction. */
-export function samplerFeatures2(wiX: number, wiY: number, wiZ: number, out: Float64Array, at:
-    number): void {
-    const raised = Math.max(wiZ, 0.005);
-    out[at] = (raised - 0.5) * 3;
-    out[1 + at] = Math.log(raised) + 1;
-    out[2 + at] = (wiX * wiX - 0.33) * 3;
-    out[3 + at] = (wiY * wiY - 0.33) * 3;
+/** Weights of a proposal by `TERMS` of the code, its overlaps and its lobe's numbers. */
+export function proposalWeights2(terms: ArrayLike<number>, overlaps: ArrayLike<number>, numbers:
+    ArrayLike<number>, cosine: number, out: Float64Array, at: number): void {
+    const raised = Math.max(cosine, 0.005);
+    const width = Math.sqrt(numbers[0] * numbers[6]);
+    const width2 = width * width;
+    const logWidth = Math.log(width);
+    const toFacet = raised + 0.5 * width * (1 - raised);
+    const away = 1 - toFacet;
+    const away2 = away * away;
+    const fifth = away2 * away2 * away;
+    const cos2 = toFacet * toFacet;
+    const sin2 = 1 - cos2;
+    const difference = (numbers[4] - 1) * (numbers[4] + 1) - numbers[5] * numbers[5] + cos2;
+    const size = Math.sqrt(difference * difference + 4 * (numbers[4] * numbers[4]) * (numbers[5] *
+        numbers[5]));
+    const root = Math.sqrt(0.5 * Math.max(size + difference, 0));
+    const first = size + cos2;
+    const second = 2 * root * toFacet;
+    const across = (first - second) / (first + second);
+    const third = cos2 * size + sin2 * sin2;
+    const fourth = second * sin2;
+    const parallel = (third - fourth + 1e-12) / (third + fourth + 1e-12);
+    const fresnel = numbers[1] * (1 - fifth) + numbers[2] * fifth + numbers[3] * (0.5 * across * (1
+        + parallel));
+    const away0 = (logWidth - (-0.629)) * 2.4937655860349124;
+    const spread0 = Math.exp(1.305 - away0 * away0);
+    const away1 = (logWidth - (-0.28)) * 2.6246719160104988;
+    const spread1 = Math.exp(1.762 - away1 * away1);
+    const top = fresnel * (1 - 0.4 * width2) / ((1 + width2) * (1 + spread0 + spread1));
+    const logCosine = Math.log(Math.max(cosine, 0.005));
+    const energy0 = Math.exp(Math.min(terms[0] + terms[4] * logCosine, 1.3862943611198906));
+    const energy1 = Math.exp(Math.min(terms[1] + terms[5] * logCosine, 1.3862943611198906));
+    const energy2 = Math.exp(Math.min(terms[2] + terms[6] * logCosine, 1.3862943611198906));
+    const energy3 = Math.exp(Math.min(terms[3] + terms[7] * logCosine, 1.3862943611198906));
+    const alone0 = energy0 - overlaps[0] * energy1;
+    const part0 = 0.5 * (alone0 + Math.sqrt(alone0 * alone0 + 0.001 * energy0 * energy0 + 1e-12));
+    const alone1 = energy1 - overlaps[1] * energy2;
+    const part1 = 0.5 * (alone1 + Math.sqrt(alone1 * alone1 + 0.001 * energy1 * energy1 + 1e-12));
+    const alone2 = energy2 - overlaps[2] * energy3;
+    const part2 = 0.5 * (alone2 + Math.sqrt(alone2 * alone2 + 0.001 * energy2 * energy2 + 1e-12));
+    const unitSum = 0.98 / (top + part0 + part1 + (part2 + top * spread0) + (energy3 + top *
+        spread1) + 1e-12);
+    const weight0 = top * unitSum;
+    const weight1 = part0 * unitSum;
+    const weight2 = part1 * unitSum;
+    const weight3 = (part2 + top * spread0) * unitSum;
+    out[at] = weight0;
+    out[1 + at] = weight1;
+    out[2 + at] = weight2;
+    out[3 + at] = weight3;
+    out[4 + at] = 1 - (weight0 + weight1 + weight2 + weight3);
 }
 
 /** The lobe [1/sr] of reflectance 1. */

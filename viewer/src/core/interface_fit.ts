@@ -9,7 +9,8 @@ import { dampedSteps, type FitState } from "./least_squares";
 import { lobeValue } from "./lobe";
 import { fitLobe, lobeShape } from "./lobe_fit";
 
-const { LEAST_ERROR, GREATEST_ERROR, TOLERANCE, STEPS, METALS } = INTERFACE_FIT;
+const { LEAST_ERROR, GREATEST_ERROR, TOLERANCE, STEPS, METALS, DAMPING, DECREASE, INCREASE } =
+  INTERFACE_FIT;
 const { DARK } = LOBE_FIT;
 
 /** Bounds of ln alpha, eta and k. */
@@ -57,7 +58,7 @@ function fitted(pairs: Pairs, f: Float64Array, schlick: Float64Array): Fit {
 
 function descend(pairs: Pairs, f: Float64Array, start: readonly number[]): Fit {
   const stateAt = (x: readonly number[]) => fitAt(pairs, f, x);
-  return dampedSteps(stateAt, clipped(start), STEPS, INTERFACE_FIT.DAMPING, (x, step) =>
+  return dampedSteps(stateAt, clipped(start), STEPS, [DAMPING, DECREASE, INCREASE], (x, step) =>
     clipped(x.map((number, k) => number - step[k])),
   ) as Fit;
 }

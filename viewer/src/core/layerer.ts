@@ -6,30 +6,32 @@
  */
 
 import type { CoatOfChannel } from "./features";
-import { CHECKS, coatFeatures, coatFeatures2, FEATURES, LAYER, LOBE } from "./formulas";
+import { CHECKS, coatFeatures, coatFeatures2, FEATURES, LAYER, LAYERER, LOBE } from "./formulas";
+import type { Architecture, Layer } from "./layers";
 import { lobeFeatures } from "./lobe";
 import { type Activation, Mlp } from "./mlp";
-import type { Weights } from "./weights";
 
 export class Layerer {
   private readonly network: Mlp;
 
   constructor(
-    private readonly weights: Weights,
+    private readonly arch: Architecture,
+    layers: readonly Layer[],
     activation: Activation,
   ) {
-    this.network = new Mlp(weights.layerer, activation);
+    this.network = new Mlp(layers, activation);
   }
 
   /** The codes of bottoms under coats, the same number of both. */
   layer(bottoms: readonly Float32Array[], coats: readonly CoatOfChannel[]): Float32Array[] {
-    const { rest, lobe, widths } = this.weights.arch;
+    const { rest, lobe, widths } = this.arch;
     const ofLobe = LOBE.LOBE_FEATURES[widths];
     const width = rest + ofLobe + FEATURES.COAT_FEATURES[widths];
     const inputs = new Float64Array(bottoms.length * width);
     bottoms.forEach((bottom, row) => {
       const at = row * width;
       inputs.set(bottom.subarray(lobe), at);
+      inputs[at] = Math.max(inputs[at], LAYERER.LEAST_GAIN);
       lobeFeatures(bottom, inputs, at + rest, widths);
       const { alpha, alphaV, eta, albedo, sigmaT, g } = coats[row];
       const place = at + rest + ofLobe;
@@ -41,9 +43,8 @@ export class Layerer {
       const code = bottom.slice();
       const across = widths === 2 ? [coats[row].alphaV] : [];
       code.set([coats[row].alpha, 0, 0, 1, coats[row].eta, 0, ...across]);
-      for (let k = 0; k < rest; k++) {
-        code[lobe + k] = bottom[lobe + k] + changes[row * rest + k];
-      }
+      code[lobe] = Math.max(code[lobe], LAYERER.LEAST_GAIN);
+      for (let k = 0; k < rest; k++) code[lobe + k] += changes[row * rest + k];
       return code;
     });
   }

@@ -1,8 +1,8 @@
 /** Multilayer perceptrons and their activation; see Python's `nets.mlp`. */
 
 import { MLP } from "./formulas";
+import type { Layer } from "./layers";
 import { FileError } from "./safetensors";
-import type { Layer } from "./weights";
 
 /** An activation: its bound and its polynomial, see `POLYNOMIALS` of Python's `nets.mlp`. */
 export interface Activation {
@@ -32,26 +32,6 @@ export function activate(x: Float64Array, count: number, activation: Activation)
     const t = Math.min(Math.max(value, -bound), bound);
     const u = t * t;
     x[i] = value * (0.5 + t * (q0 + u * (q1 + u * (q2 + u * q3))));
-  }
-}
-
-/** Apply an activation to (count) numbers in place, and put its derivative into `slopes`. */
-export function activateWithSlope(
-  x: Float64Array,
-  slopes: Float64Array,
-  count: number,
-  activation: Activation,
-): void {
-  const { bound } = activation;
-  const [q0, q1, q2, q3] = activation.q;
-  for (let i = 0; i < count; i++) {
-    const value = x[i];
-    const t = Math.min(Math.max(value, -bound), bound);
-    const u = t * t;
-    const logistic = 0.5 + t * (q0 + u * (q1 + u * (q2 + u * q3)));
-    // Beyond the bound t is constant; the polynomial's slope is 0 there as well.
-    slopes[i] = logistic + t * (q0 + u * (3 * q1 + u * (5 * q2 + u * 7 * q3)));
-    x[i] = value * logistic;
   }
 }
 

@@ -26,6 +26,8 @@ export class FileError extends Refusal {
 const METADATA_KEY = "urushi";
 
 const READERS: Readonly<Record<string, { bytes: number; read: Reader }>> = {
+  U8: { bytes: 1, read: (view, at) => view.getUint8(at) },
+  U16: { bytes: 2, read: (view, at) => view.getUint16(at, true) },
   F16: { bytes: 2, read: (view, at) => fromHalf(view.getUint16(at, true)) },
   F32: { bytes: 4, read: (view, at) => view.getFloat32(at, true) },
   F64: { bytes: 8, read: (view, at) => view.getFloat64(at, true) },
@@ -61,7 +63,7 @@ export function headerOf(
 }
 
 /**
- * Read a file of half, single or double precision arrays.
+ * Read a file of arrays of one or two bytes, or of half, single or double precision.
  *
  * @throws FileError if it is truncated, no safetensors file, or has arrays of other types.
  */
@@ -81,7 +83,9 @@ function readTensor(data: DataView, name: string, entry: unknown): Tensor {
   const { dtype, shape, data_offsets: offsets } = isRecord(entry) ? entry : {};
   const reader = typeof dtype === "string" ? READERS[dtype] : undefined;
   if (!reader) {
-    throw new FileError(`the array '${name}' is of type ${String(dtype)}; give F16, F32 or F64`);
+    throw new FileError(
+      `the array '${name}' is of type ${String(dtype)}; give U8, U16, F16, F32 or F64`,
+    );
   }
   if (!isCounts(shape) || !isCounts(offsets)) {
     throw new FileError(`the array '${name}' has no valid shape and place in the file`);

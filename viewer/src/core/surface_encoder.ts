@@ -1,79 +1,51 @@
-/** Encoding of described surfaces without coats; see Python's `material.encode`. */
+/** Encoding of described surfaces without coats; see Python's `material.values`. */
 
 import { addAlbedos } from "./albedo_rule";
-import type { Material } from "./api";
+import type { Basis } from "./basis";
 import { CHANNELS, firstSame, joined, sameNumbers } from "./channels";
-import { emptyRest } from "./decoder";
-import type { Encoder } from "./encoder";
 import type { EnergyLimit } from "./energy";
 import type { Widths } from "./features";
 import { lobeOfSurface, ofChannel, type Surface } from "./surfaces";
 
-/** The code of one channel, and its anchor. */
-interface ChannelCodes {
-  readonly code: Float32Array;
-  readonly anchor: Float32Array;
-}
-
 export class SurfaceEncoder {
   /** The latest surface, which stays the same while its coats are changed. */
-  private latest: { readonly name: string; readonly material: Material } | undefined;
+  private latest: { readonly name: string; readonly codes: Float32Array } | undefined;
 
-  /** @param nothing the rest that the encoder makes of none. */
   constructor(
-    private readonly encoder: Encoder,
+    private readonly basis: Basis,
     private readonly energy: EnergyLimit,
-    private readonly nothing: Float32Array,
   ) {}
 
-  /** The codes of a surface. */
-  encode(surface: Surface): Material {
+  /** The codes (3, L) of a surface. */
+  encode(surface: Surface): Float32Array {
     const name = JSON.stringify(surface);
     if (this.latest?.name !== name) {
-      this.latest = { name, material: this.encodeChannels(surface) };
+      this.latest = { name, codes: this.encodeChannels(surface) };
     }
-    const { latents, anchors } = this.latest.material;
-    return { latents: latents.slice(), anchors: anchors.slice() };
+    return this.latest.codes.slice();
   }
 
-  private encodeChannels(surface: Surface): Material {
-    const { widths } = this.encoder;
+  private encodeChannels(surface: Surface): Float32Array {
+    const { widths } = this.basis;
     const numbers = [0, 1, 2].map((channel) => surfaceNumbers(surface, channel, widths));
-    const codes: ChannelCodes[] = [];
+    const codes: Float32Array[] = [];
     for (let channel = 0; channel < CHANNELS; channel++) {
       const own = firstSame(channel, (a, b) => sameNumbers(numbers[a], numbers[b]));
       codes.push(own < channel ? codes[own] : this.encodeChannel(surface, channel));
     }
-    return {
-      latents: joined(codes.map(({ code }) => code)),
-      anchors: joined(codes.map(({ anchor }) => anchor)),
-    };
+    return joined(codes);
   }
 
-  /** The code of one channel of a described surface, and its anchor. */
-  private encodeChannel(surface: Surface, channel: number): ChannelCodes {
-    const lobe = lobeOfSurface(surface, channel, this.encoder.widths);
-    if (surface.kind === "diffuse") {
-      return this.encodeDiffuse(lobe, ofChannel(surface.reflectance, channel));
-    }
-    // It is its lobe alone. The anchor is what the encoder makes of it.
-    const anchor = joined([lobe, this.nothing]);
-    const code = anchor.slice();
-    emptyRest(code, lobe.length);
-    return { code, anchor };
-  }
-
-  private encodeDiffuse(lobe: Float32Array, reflectance: number): ChannelCodes {
-    const { energy, encoder } = this;
-    const value = reflectance / Math.PI;
-    const values = new Float64Array(encoder.pairs.capacity).fill(value);
-    const anchor = encoder.encode(lobe, values);
-    const nodes = new Float64Array(energy.rule.weights.length).fill(value);
-    const code = anchor.slice();
+  private encodeChannel(surface: Surface, channel: number): Float32Array {
+    const { energy, basis } = this;
+    const lobe = lobeOfSurface(surface, channel, basis.widths);
+    if (surface.kind !== "diffuse") return basis.without(lobe); // it is its lobe alone
+    const value = ofChannel(surface.reflectance, channel) / Math.PI;
+    const code = basis.encode(lobe, new Float64Array(basis.probes.capacity).fill(value));
     const own = new Float64Array(energy.rule.cosines.length);
-    addAlbedos(energy.rule, nodes, own);
+    addAlbedos(energy.rule, new Float64Array(energy.rule.weights.length).fill(value), own);
     energy.limit(code, energy.ceilingOf(own));
-    return { code, anchor };
+    return code;
   }
 }
 

@@ -1,57 +1,23 @@
-/** The networks' sizes and parameters from a weights file of `urushi train`. */
+/** Basis and networks from a weights file of `urushi train`, or from the page's own. */
 
-import type { Widths } from "./features";
-import { FEATURES, LOBE } from "./formulas";
+import type { BasisWeights } from "./basis";
+import { NODES } from "./f_table";
+import { FEATURES, LOBE, PROPOSAL, TABLE } from "./formulas";
+import { type Architecture, type Layer, readLayers, tensorOf } from "./layers";
+import type { ProposalWeights } from "./mixture";
 import { FileError, isRecord, readTensors, type Tensor } from "./safetensors";
 
 /** Version of the file format. */
 const FORMAT_VERSION = 1;
 
-/** Names of parameters. */
-const KNOWN =
-  /^((decoder|encoder|layerer|sampler)\.\d+\.(weight|bias)|decoder\.scale|encoder\.input_(mean|scale))$/;
-
-/** Sizes of the networks; see Python's `nets.architecture`. */
-interface Architecture {
-  /** Numbers of one channel's code. */
-  readonly latent: number;
-  /** GGX widths of a surface. */
-  readonly widths: Widths;
-  /** Numbers of a code that describe its lobe. */
-  readonly lobe: number;
-  /** Numbers of the rest, which follow those of the lobe and begin with a gain. */
-  readonly rest: number;
-  /** Inputs of the decoder's network: the numbers of the rest after its gain. */
-  readonly codes: number;
-  /** Lobes of the proposal beside the code's own. */
-  readonly lobes: number;
-  /** Probe pairs of the encoder. */
-  readonly probes: number;
-  readonly activation: string;
-}
-
-/** One layer: weight (outputs, inputs) by rows, transposed from the file, and bias. */
-export interface Layer {
-  readonly inputs: number;
-  readonly outputs: number;
-  readonly weight: Float64Array;
-  readonly bias: Float64Array;
-}
-
-/** Sizes and parameters of all networks. */
+/** Sizes and parameters of all. */
 export interface Weights {
   readonly arch: Architecture;
-  /** Identifies the networks: materials belong to them. */
+  /** Identifies basis and networks: materials belong to them. */
   readonly fingerprint: string;
-  readonly encoder: readonly Layer[];
+  readonly basis: BasisWeights;
   readonly layerer: readonly Layer[];
-  readonly decoder: readonly Layer[];
-  readonly sampler: readonly Layer[];
-  /** (neurons, codes): how a code scales the responses of the decoder's first layer. */
-  readonly scale: Float64Array;
-  /** Statistics (probes) that normalise the encoder's input. */
-  readonly inputMean: Float64Array;
-  readonly inputScale: Float64Array;
+  readonly proposal: ProposalWeights;
 }
 
 /**
@@ -64,33 +30,21 @@ export function readWeights(file: ArrayBuffer): Weights {
   if (description.kind !== "weights" || description.version !== FORMAT_VERSION) {
     throw new FileError("the file holds no weights of Urushi's networks in a version known here");
   }
-  const arch = readArchitecture(description.architecture);
-  const unknown = [...tensors.keys()].find((name) => !KNOWN.test(name));
-  if (unknown) {
-    throw new FileError(
-      `the parameter '${unknown}' is unknown here; the networks are of another kind`,
-    );
-  }
-  const part = (name: string, inputs: number, outputs: number) =>
-    readLayers(tensors, name, inputs, outputs);
+  const sizes = isRecord(description.architecture) ? description.architecture : {};
+  const arch = readArchitecture(sizes);
   const { widths, rest } = arch;
-  const decoder = part("decoder", arch.codes + FEATURES.DIRECTION_FEATURES[widths], 1);
   const ofLobe = LOBE.LOBE_FEATURES[widths];
+  const ofCoat = FEATURES.COAT_FEATURES[widths];
   return {
     arch,
     fingerprint: String(description.fingerprint ?? ""),
-    decoder,
-    encoder: part("encoder", arch.probes, rest),
-    layerer: part("layerer", rest + ofLobe + FEATURES.COAT_FEATURES[widths], rest),
-    sampler: part("sampler", ofLobe + rest + 2 * widths, (1 + widths) * arch.lobes + 2),
-    scale: transposed(tensorOf(tensors, "decoder.scale", [arch.codes, first(decoder).outputs])),
-    inputMean: tensorOf(tensors, "encoder.input_mean", [arch.probes]).values,
-    inputScale: tensorOf(tensors, "encoder.input_scale", [arch.probes]).values,
+    basis: readBasis(tensors, arch, sizes.azimuthal),
+    layerer: readLayers(tensors, "layerer", rest + ofLobe + ofCoat, rest),
+    proposal: readProposal(tensors, rest),
   };
 }
 
-function readArchitecture(value: unknown): Architecture {
-  const sizes = isRecord(value) ? value : {};
+function readArchitecture(sizes: Record<string, unknown>): Architecture {
   const size = (name: string): number => {
     const found = sizes[name];
     if (typeof found !== "number" || !Number.isSafeInteger(found) || found < 1) {
@@ -105,83 +59,87 @@ function readArchitecture(value: unknown): Architecture {
     );
   }
   const lobe = LOBE.NUMBERS[widths].length;
-  if (size("lobe") !== lobe) {
-    throw new FileError(`the codes' lobes have ${size("lobe")} numbers; this page reads ${lobe}`);
-  }
-  const latent = size("latent");
-  const rest = latent - lobe;
-  if (rest < 2) {
-    throw new FileError(
-      `the architecture's latent is ${latent}; a code has at least ${lobe + 2} numbers`,
-    );
-  }
+  const stretches = Number(widths === 2); // the last number of a code of a basis
+  const rest = size("functions") + stretches;
   return {
-    latent,
+    latent: lobe + rest,
     widths,
     lobe,
     rest,
-    codes: rest - 1,
-    lobes: size("lobes"),
     probes: size("probes"),
     activation: String(sizes.activation),
   };
 }
 
-function readLayers(
+function readProposal(tensors: ReadonlyMap<string, Tensor>, rest: number): ProposalWeights {
+  const { ALPHAS, TERMS } = PROPOSAL;
+  return {
+    weight: tensorOf(tensors, "proposal.weight", [rest, TERMS]).values,
+    bias: tensorOf(tensors, "proposal.bias", [TERMS]).values,
+    overlap: tensorOf(tensors, "proposal.overlap", [ALPHAS.length]).values,
+  };
+}
+
+function readBasis(
   tensors: ReadonlyMap<string, Tensor>,
-  part: string,
-  inputs: number,
-  outputs: number,
-): Layer[] {
-  const layers: Layer[] = [];
-  let width = inputs;
-  for (let index = 0; tensors.has(`${part}.${index}.weight`); index++) {
-    const bias = tensors.get(`${part}.${index}.bias`);
-    const next = bias?.shape[0] ?? 0;
-    const weight = tensorOf(tensors, `${part}.${index}.weight`, [width, next]);
-    const values = tensorOf(tensors, `${part}.${index}.bias`, [next]).values;
-    layers.push({ inputs: width, outputs: next, weight: transposed(weight), bias: values });
-    width = next;
-  }
-  if (layers.length < 2 || width !== outputs) {
-    throw new FileError(`the ${part} has ${layers.length} layers and gives ${width} numbers`);
-  }
-  return layers;
+  { widths, rest, probes }: Architecture,
+  azimuthal: unknown,
+): BasisWeights {
+  const count = widths === 1 ? rest : rest - 1;
+  const bounds = [1 + count];
+  for (const size of Array.isArray(azimuthal) ? azimuthal.map(Number).reverse() : [])
+    bounds.unshift(bounds[0] - size);
+  const rows = (tensors.has("basis.bytes") ? unpackedRows : gridRows)(tensors, count);
+  return {
+    widths,
+    rows,
+    bounds: [0, ...bounds],
+    measure: tensorOf(tensors, "basis.measure", [probes]).values,
+    prior: tensorOf(tensors, "basis.prior", [count, count]).values,
+  };
 }
 
-/** The first of a list that is not empty. */
-export function first<T>(list: readonly T[]): T {
-  return list[0] as T;
+/** The rows (nodes, 1 + K): numbers of sixteen bits, by the lowest values and the steps of columns. */
+function gridRows(tensors: ReadonlyMap<string, Tensor>, count: number): Float32Array {
+  const grid = tensorOf(tensors, "basis.grid", [2, 1 + count]).values;
+  const { values } = tensorOf(tensors, "basis.rows", [NODES, 1 + count]);
+  return Float32Array.from(values, (number, at) => {
+    const column = at % (1 + count);
+    return grid[column] + grid[1 + count + column] * number;
+  });
 }
 
-/** The last of a list that is not empty. */
-export function last<T>(list: readonly T[]): T {
-  return list[list.length - 1] as T;
-}
-
-function tensorOf(
-  tensors: ReadonlyMap<string, Tensor>,
-  name: string,
-  shape: readonly number[],
-): Tensor {
-  const tensor = tensors.get(name);
-  if (!tensor || tensor.shape.join() !== shape.join()) {
-    const found = tensor ? `has the shape (${tensor.shape.join(", ")})` : "is missing";
-    throw new FileError(`the parameter '${name}' ${found}; this page needs (${shape.join(", ")})`);
-  }
-  if (!tensor.values.every(Number.isFinite)) {
-    throw new FileError(`the parameter '${name}' holds a number that is not finite`);
-  }
-  return tensor;
-}
-
-function transposed(tensor: Tensor): Float64Array {
-  const [rows = 0, columns = 0] = tensor.shape;
-  const result = new Float64Array(rows * columns);
-  for (let i = 0; i < rows; i++) {
-    for (let j = 0; j < columns; j++) {
-      result[j * rows + i] = tensor.values[i * columns + j] as number;
+/**
+ * The rows (nodes, 1 + K) of the page's own file.
+ *
+ * "basis.bytes" has the low bytes, then the high bytes of numbers (K, nodes): of b, then of the
+ * functions without the first, which is one. Half a number, rounded, is the difference from the node
+ * before along all axes in turn, of steps of "basis.ranges"; odd ones are negative.
+ */
+function unpackedRows(tensors: ReadonlyMap<string, Tensor>, count: number): Float32Array {
+  const nodes = NODES;
+  const bytes = tensorOf(tensors, "basis.bytes", [2, count, nodes]).values;
+  const ranges = tensorOf(tensors, "basis.ranges", [count, 2]).values;
+  const rows = new Float32Array(nodes * (1 + count));
+  const steps = new Int32Array(nodes);
+  for (let k = 0; k < count; k++) {
+    for (let node = 0; node < nodes; node++) {
+      const at = k * nodes + node;
+      const number = bytes[at] + 256 * bytes[count * nodes + at];
+      steps[node] = (number >> 1) ^ -(number & 1);
     }
+    let stride = nodes;
+    for (const size of TABLE.SHAPE) {
+      const whole = stride;
+      stride /= size;
+      for (let node = 0; node < nodes; node++)
+        if (node % whole >= stride) steps[node] += steps[node - stride];
+    }
+    const [lowest, step] = [ranges[2 * k], ranges[2 * k + 1]];
+    const column = k === 0 ? 0 : k + 1;
+    for (let node = 0; node < nodes; node++)
+      rows[node * (1 + count) + column] = lowest + step * steps[node];
   }
-  return result;
+  for (let at = 1; at < rows.length; at += 1 + count) rows[at] = 1;
+  return rows;
 }

@@ -4,15 +4,16 @@ import { signal } from "@preact/signals";
 import type { Material, Stack } from "../core/api";
 import { Superseded } from "../core/client";
 import type { FTable } from "../core/f_table";
+import { Pairs } from "../core/features";
+import { lobeValues } from "../core/lobe";
 import { sequenceSteps } from "../core/probe_pairs";
 import type { Estimate } from "../core/walk/reference";
 import {
   ANISOTROPIC_COARSE,
   ANISOTROPIC_FINE,
+  type AnisotropicSize,
   anisotropicPairs,
 } from "../picture/anisotropic_table";
-import { brightPairs, COARSE, FINE } from "../picture/bright_table";
-import type { BrightSize } from "../picture/renderer";
 import type { Cores, PageCore } from "./remote";
 import type { ShownTexture } from "./textures";
 
@@ -50,15 +51,22 @@ export interface Comparison {
   /** (N, 3) at `WALK_ANGLES`. */
   f: Float32Array;
   error: Float32Array;
-  /** The networks' deviation, and the walk's standard error, relative to the sum of f cos. */
+  /** The networks' deviation, and the walk's standard error. */
+  whole: Difference;
+  /** The same of what the topmost surface does not reflect, whose highlight is exact. */
+  rest: Difference;
+}
+
+/** A deviation and a standard error, relative to the sum of f cos. */
+export interface Difference {
   deviation: number;
   noise: number;
 }
 
-/** Values of f for the bright lights, and the table's size. */
+/** Values of f of two widths for the bright lights, and the table's size. */
 export interface Bright {
   f: Float32Array;
-  size: BrightSize;
+  size: AnisotropicSize;
 }
 
 /** What a slot shows: a stack, whose f may be a table's, or a texture of codes whose mean it is. */
@@ -100,7 +108,7 @@ export class Slot {
   widths: 1 | 2 = 1;
   rotation = 0;
   private core: PageCore;
-  private material: Material | null = null;
+  material: Material | null = null;
   private stack: Stack | null = null;
   private albedoIsOld = true;
   private timer = 0;
@@ -153,15 +161,13 @@ export class Slot {
     return true;
   }
 
-  /** Compute f for the bright lights, at rest with more directions. */
+  /** Compute f of two widths for the bright lights, at rest with more directions. */
   async light(fine: boolean): Promise<void> {
     const { material, generation } = this;
-    const [coarse, most] =
-      this.widths === 1 ? [COARSE, FINE] : [ANISOTROPIC_COARSE, ANISOTROPIC_FINE];
-    const size = fine ? most : coarse;
-    const isEnough = this.bright !== null && (!fine || this.bright.size === most);
-    if (material === null || this.texture !== null || isEnough) return;
-    const pairs = "turns" in size ? anisotropicPairs(size) : brightPairs(size);
+    const size = fine ? ANISOTROPIC_FINE : ANISOTROPIC_COARSE;
+    const isEnough = this.bright !== null && (!fine || this.bright.size === size);
+    if (material === null || this.widths === 1 || isEnough) return;
+    const pairs = anisotropicPairs(size);
     const f = await this.core.f(material, pairs.wi, pairs.wo);
     if (generation !== this.generation || this.busy) return;
     this.bright = { f, size };
@@ -177,7 +183,8 @@ export class Slot {
         this.abort.abort();
         this.walk.value = null;
         const core = await this.cores.of(stack);
-        const material = { ...(await core.layer(stack)), table };
+        const layered = await core.layer(stack);
+        const material = { ...layered, table: table ?? layered.table };
         const first = await this.table(core, material, 0);
         this.core = core;
         this.widths = core.widths;
@@ -225,11 +232,15 @@ export class Slot {
     const { material, stack } = this;
     const described = stack !== null && stack.bottom.kind !== "codes" && stack.coats.length > 0;
     const walkable = described && this.widths === 1; // the walk knows isotropic surfaces
-    if (material === null || !walkable || material.compensation || signal.aborted) return;
+    if (material === null || !walkable || stack.energyCompensation || signal.aborted) return;
     const pairs = planePairs(WALK_ANGLES, this.page.incidence(), 0);
     const networks = await this.core.f(material, ...pairs);
+    const size = this.core.latentSize;
+    const lobes = [0, 1, 2].map((channel) =>
+      lobeValues(material.latents.subarray(channel * size), Pairs.of(...pairs)),
+    );
     const show = (estimate: Estimate) => {
-      if (!signal.aborted) this.walk.value = compared(estimate, networks);
+      if (!signal.aborted) this.walk.value = compared(estimate, networks, lobes);
     };
     try {
       const options = { seed: 1, walks: MOST_WALKS };
@@ -274,15 +285,22 @@ function planePairs(
   return [wi, wo];
 }
 
-function compared({ walks, f, error }: Estimate, networks: Float32Array): Comparison {
-  let [deviation, noise, sum] = [0, 0, 0];
+function compared(
+  { walks, f, error }: Estimate,
+  networks: Float32Array,
+  lobes: readonly Float64Array[],
+): Comparison {
+  let [deviation, noise, sum, lobe] = [0, 0, 0, 0];
   f.forEach((value, at) => {
-    const cosine = Math.cos((WALK_ANGLES[Math.floor(at / 3)]! * Math.PI) / 180);
+    const place = Math.floor(at / 3);
+    const cosine = Math.cos((WALK_ANGLES[place]! * Math.PI) / 180);
     deviation += Math.abs(networks[at]! - value) * cosine;
     noise += error[at]! * cosine;
     sum += value * cosine;
+    lobe += lobes[at % 3]![place]! * cosine;
   });
-  return { walks, f, error, deviation: deviation / sum, noise: noise / sum };
+  const over = (whole: number) => ({ deviation: deviation / whole, noise: noise / whole });
+  return { walks, f, error, whole: over(sum), rest: over(Math.max(sum - lobe, 0)) };
 }
 
 function keyOf(stack: Stack): string {

@@ -9,7 +9,7 @@ import { Refusal } from "../refusal";
 import { halfBits, keepTable, logsOfBits } from "./textures";
 
 /** Version of the format. */
-const VERSION = 2;
+const VERSION = 3;
 
 /** The networks that a material belongs to. */
 type Networks = Pick<Core, "latentSize" | "widths" | "fingerprint">;
@@ -30,9 +30,9 @@ export function readMaterialFile(
 ): { bottom: CodesBottom; rotation?: number } {
   const { description, tensors, start: first } = materialHeader(bytes);
   if (description.weights !== fingerprint) throw foreign();
-  const codes = (name: string): Float32Array | null => {
-    const tensor = tensors[name];
-    if (tensor === undefined) return null;
+  const latentsOf = (): Float32Array => {
+    const tensor = tensors.latents;
+    if (tensor === undefined) throw damaged();
     const [start, end] = tensor.data_offsets ?? [0, 0];
     const [rows, columns] = tensor.shape ?? [];
     if (tensor.dtype !== "F32" || (rows !== 3 && rows !== 1) || first + end > bytes.length)
@@ -42,9 +42,7 @@ export function readMaterialFile(
     if (!values.every(Number.isFinite)) throw damaged();
     return rows === 3 ? values : new Float32Array([...values, ...values, ...values]);
   };
-  const latents = codes("latents");
-  if (latents === null) throw damaged();
-  const bottom = { kind: "codes", latents, anchors: codes("anchors") ?? latents } as const;
+  const bottom = { kind: "codes", latents: latentsOf() } as const;
   if (widths === 1) {
     const { data_offsets: [start, end] = [0, 0], dtype } = tensors.table ?? {};
     if (start === end) return { bottom };
@@ -72,12 +70,11 @@ function wrapped(angle: number): number {
 
 /** The bytes of a material file; rotation: of the tangent [degrees]. */
 export function materialFile(
-  { latents, anchors, table }: Material,
+  { latents, table: own }: Pick<Material, "latents"> & Partial<Material>,
   { latentSize, widths, fingerprint }: Networks,
   rotation = 0,
 ): Uint8Array<ArrayBuffer> {
-  const isAnchored = latents.some((number, k) => number !== anchors[k]);
-  const arrays = { latents, ...(isAnchored ? { anchors } : {}) };
+  const table = own?.isOfCodes ? undefined : own;
   const turn = widths === 2 && rotation !== 0 ? { rotation } : {};
   const kind = table === undefined ? {} : { beside_lobe: table.besideLobe };
   const description = {
@@ -87,18 +84,13 @@ export function materialFile(
     ...turn,
     ...kind,
   };
+  const codesEnd = latents.byteLength;
+  const end = codesEnd + 2 * (table?.logs.length ?? 0);
   const header: Record<string, unknown> = {
     __metadata__: { urushi: JSON.stringify(description) },
+    latents: { dtype: "F32", shape: [CHANNELS, latentSize], data_offsets: [0, codesEnd] },
   };
-  let end = 0;
-  for (const [name, values] of Object.entries(arrays)) {
-    const offsets = [end, end + values.byteLength];
-    header[name] = { dtype: "F32", shape: [CHANNELS, latentSize], data_offsets: offsets };
-    end += values.byteLength;
-  }
-  const codesEnd = end;
   if (table !== undefined) {
-    end += 2 * table.logs.length;
     const shape = [...TABLE.SHAPE, CHANNELS];
     header.table = { dtype: "F16", shape, data_offsets: [codesEnd, end] };
   }
@@ -109,11 +101,8 @@ export function materialFile(
   const view = new DataView(bytes.buffer);
   view.setBigUint64(0, BigInt(text.length), true);
   bytes.set(text, 8);
-  Object.values(arrays).forEach((values, place) => {
-    const start = 8 + text.length + place * latents.byteLength;
-    values.forEach((number, k) => {
-      view.setFloat32(start + 4 * k, number, true);
-    });
+  latents.forEach((number, k) => {
+    view.setFloat32(8 + text.length + 4 * k, number, true);
   });
   if (table !== undefined)
     bytes.set(new Uint8Array(halfBits(table.logs).buffer), 8 + text.length + codesEnd);

@@ -14,6 +14,8 @@ import type { PageCore } from "./remote";
 export interface ShownTexture {
   texture: CodeTexture;
   shader: string;
+  /** The texels of the basis, which the shader code reads. */
+  basis: Float32Array;
 }
 
 export const textures = signal<ReadonlyMap<string, ShownTexture>>(new Map());
@@ -25,11 +27,12 @@ export const textures = signal<ReadonlyMap<string, ShownTexture>>(new Map());
  */
 export async function keepTexture(
   file: Uint8Array<ArrayBuffer>,
-  networks: Pick<PageCore, "latentSize" | "fingerprint">,
+  core: Pick<PageCore, "latentSize" | "fingerprint" | "basisTexels">,
 ): Promise<string> {
-  const texture = readTexture(file, networks);
+  const texture = readTexture(file, core);
   const shader = texelShaderText(await readTemplate("glsl"), texture);
-  textures.value = new Map(textures.value).set(texture.id, { texture, shader });
+  const shown = { texture, shader, basis: await core.basisTexels() };
+  textures.value = new Map(textures.value).set(texture.id, shown);
   return texture.id;
 }
 

@@ -45,7 +45,8 @@ async function draw(material: MaterialCards): Promise<ImageBitmap | null> {
   const shown = shownOf(material);
   if (shown === null) return null;
   const core = await session.peek()!.cores.of(shown.stack);
-  const codes = { ...(await core.layer(shown.stack)), table: shown.table };
+  const layered = await core.layer(shown.stack);
+  const codes = { ...layered, table: shown.table ?? layered.table };
   const sizes = { ...TABLE_ROWS[core.widths], samples: SAMPLES };
   const table = await core.table(codes, { ...sizes, shift: [0, 0, 0] });
   if (renderer === null) {

@@ -6,7 +6,12 @@
  * azimuth counts in the frame that the shortest rotation brings from the normal to the half vector.
  */
 
-import { FAR, LEAST, NEAR } from "./bright_table";
+/** Slopes of the half vector are logarithmic above NEAR, and end at FAR. */
+export const NEAR = 0.004;
+export const FAR = 12;
+
+/** Least cosine to the normal: below it, the table continues the last value. */
+const LEAST = 0.015;
 
 /** Numbers of slopes along and across, of difference angles, and of azimuths of the difference. */
 export interface AnisotropicSize {
@@ -81,4 +86,12 @@ function lifted(
   const raised = Math.max(z, LEAST);
   const length = Math.hypot(x, y, raised);
   return [x / length, y / length, raised / length];
+}
+
+/** (N, 4): the logarithm of f (N, 3), and a zero. */
+export function brightTexels(f: Float32Array): Float32Array {
+  const texels = new Float32Array((f.length / 3) * 4);
+  for (let from = 0, to = 0; from < f.length; from += 3, to += 4)
+    for (let k = 0; k < 3; k++) texels[to + k] = Math.log(Math.max(f[from + k]!, 1e-8));
+  return texels;
 }

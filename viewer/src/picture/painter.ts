@@ -1,6 +1,7 @@
 /** When the picture is drawn, how large, and with which tables: at once, then ever better. */
 
 import { signal } from "@preact/signals";
+import type { Material } from "../core/api";
 import { MOST_TABLES, SAMPLES, type Slot, TABLE_ROWS } from "../engine/engine";
 import type { ShownTexture } from "../engine/textures";
 import { Refusal } from "../refusal";
@@ -59,6 +60,7 @@ export class Painter {
   private count = 0;
   private resting = false;
   private readonly uploaded: [string, string] = ["", ""];
+  private readonly materialOf: (Material | null)[] = [null, null];
   private readonly brightOf: (Float32Array | null)[] = [null, null];
   private readonly textureOf: (ShownTexture | null)[] = [null, null];
 
@@ -71,6 +73,7 @@ export class Painter {
   setRenderer(renderer: Renderer | null): void {
     this.renderer = renderer;
     this.uploaded.fill("");
+    this.materialOf.fill(null);
     this.brightOf.fill(null);
     this.textureOf.fill(null);
     this.slow = renderer?.isSoftware ?? false;
@@ -229,11 +232,11 @@ export class Painter {
 
   /** Give a renderer what a frame needs; count: of those that precede it at rest, null: it moves. */
   private upload(renderer: Renderer, slot: 0 | 1, count: number | null): void {
-    const { tables, generation, bright, texture } = this.slots[slot];
+    const { tables, generation, material, bright, texture, widths } = this.slots[slot];
     const table = tables[count ?? 0] ?? tables[0];
     const key = `${generation}.${count}`;
     if (table !== undefined && this.uploaded[slot] !== key) {
-      const { widths, rotation } = this.slots[slot];
+      const { rotation } = this.slots[slot];
       const sizes = { ...TABLE_ROWS[widths], samples: SAMPLES };
       renderer.setTable(slot, table, sizes, rotation, count === null);
       this.uploaded[slot] = key;
@@ -241,6 +244,10 @@ export class Painter {
     if (this.textureOf[slot] !== texture) {
       this.textureOf[slot] = texture;
       renderer.setTexels(slot, texture);
+    }
+    if (widths === 1 && material !== null && this.materialOf[slot] !== material) {
+      this.materialOf[slot] = material;
+      renderer.setMaterial(slot, material);
     }
     if (bright !== null && this.brightOf[slot] !== bright.f) {
       renderer.setBright(slot, bright.f, bright.size);

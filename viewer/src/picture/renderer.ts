@@ -1,19 +1,14 @@
 /** Draws the object with one or two materials, and gathers frames until the picture is smooth. */
 
+import type { Material } from "../core/api";
+import { CHANNELS, rows } from "../core/channels";
 import { sequenceSteps } from "../core/probe_pairs";
 import type { ShownTexture } from "../engine/textures";
 import type { Radiance } from "../save/exr";
 import { type Comparison, type EnvironmentName, TONES, type Tone, type View } from "../state/state";
-import type { AnisotropicSize } from "./anisotropic_table";
-import {
-  brightTexels,
-  type DirectionSizes,
-  directionTexels,
-  FAR,
-  NEAR,
-  type TableSize,
-} from "./bright_table";
+import { type AnisotropicSize, brightTexels, FAR, NEAR } from "./anisotropic_table";
 import { type Camera, cameraOf, mirrored } from "./camera";
+import { type DirectionSizes, directionTexels } from "./direction_table";
 import { EnvironmentMap, type Key, keyOf, lightsOf, SIDE } from "./environment";
 import { contextOf, cover, coverProgram, filters, type Gl, included, Program, readRgb } from "./gl";
 import { type Mesh, meshOf, VERTEX_NUMBERS } from "./meshes";
@@ -24,12 +19,13 @@ import basisSource from "./shaders/basis.glsl?raw";
 import blendSource from "./shaders/blend.frag?raw";
 import displaySource from "./shaders/display.frag?raw";
 import frameSource from "./shaders/frame.glsl?raw";
+import materialSource from "./shaders/material.glsl?raw";
 import objectFragment from "./shaders/object.frag?raw";
 import objectVertex from "./shaders/object.vert?raw";
 import paintSource from "./shaders/paint.frag?raw";
 import surfaceSource from "./shaders/surface.frag?raw";
 import { Targets } from "./targets";
-import { type TexelProgram, texelProgram } from "./texel_program";
+import { type TexelProgram, texelProgram, uploadVolume, volume } from "./texel_program";
 
 /** What a frame shows. */
 export interface Shot {
@@ -73,6 +69,7 @@ const BACKDROP_WIDTH = 3;
 
 const OBJECT_SOURCE = included(objectFragment, {
   "frame.glsl": frameSource,
+  "material.glsl": materialSource,
   "anisotropic.glsl": included(anisotropicSource, { "basis.glsl": basisSource }),
 });
 
@@ -82,18 +79,18 @@ const MIRROR_SHARE = 0.25;
 /** Directions of a frame where a texture of codes is decoded at each pixel. */
 const TEXEL_SAMPLES = 32;
 
-/** Sizes of a table of f for bright lights. */
-export type BrightSize = TableSize | AnisotropicSize;
-
 interface SlotTextures {
   table: WebGLTexture;
   samples: number;
   /** Azimuths of the table, and the angle by which the tangent is turned [radians]. */
   azimuths: number;
   rotation: number;
-  /** Azimuths of the difference in `bright`. */
-  turns: number;
+  /** By which the bright lights are reflected: the lobe and the table of the rest. */
+  lobe: Float32Array;
+  rest: WebGLTexture;
+  /** In place of them for two widths: f, and the azimuths of the difference in it. */
   bright: WebGLTexture;
+  turns: number;
   /** What is drawn in place of the table; null: the material is the same everywhere. */
   texels: TexelProgram | null;
 }
@@ -122,7 +119,7 @@ export class Renderer {
   constructor(private readonly canvas: HTMLCanvasElement) {
     const gl = contextOf(canvas);
     this.gl = gl;
-    this.object = coverProgram(gl, OBJECT_SOURCE, { NEAR, FAR });
+    this.object = coverProgram(gl, OBJECT_SOURCE);
     const surfaceOfBasis = included(surfaceSource, { "basis.glsl": basisSource });
     this.surface = new Program(gl, objectVertex, surfaceOfBasis);
     this.paint = new Program(gl, objectVertex, paintSource);
@@ -200,7 +197,6 @@ export class Renderer {
     const { azimuths, cosines, samples } = sizes;
     const textures = this.slotTextures(slot);
     const texels = directionTexels(table, sizes, isFirst);
-    if (textures.azimuths > 1 !== azimuths > 1) textures.bright = this.dark();
     textures.samples = samples;
     textures.azimuths = azimuths;
     textures.rotation = (rotation * Math.PI) / 180;
@@ -213,31 +209,28 @@ export class Renderer {
     filters(gl, target, gl.NEAREST, gl.NEAREST, gl.CLAMP_TO_EDGE);
   }
 
-  /** Take over a material's f (N, 3) at `brightPairs` or `anisotropicPairs` of a size. */
-  setBright(slot: 0 | 1, f: Float32Array, size: BrightSize): void {
-    const { gl } = this;
-    const [width, height, depth] =
-      "turns" in size
-        ? [size.along, size.across, size.differences * size.turns]
-        : [size.halves, size.differences, size.slants];
+  /** Take over a material's codes and table, by which it reflects bright lights. */
+  setMaterial(slot: 0 | 1, { latents, table }: Material): void {
     const textures = this.slotTextures(slot);
-    textures.turns = "turns" in size ? size.turns : 1;
-    gl.activeTexture(gl.TEXTURE0);
-    gl.bindTexture(gl.TEXTURE_3D, textures.bright);
-    const linear = gl.getExtension("OES_texture_float_linear") !== null;
-    gl.texImage3D(
-      gl.TEXTURE_3D,
-      0,
-      linear ? gl.RGBA32F : gl.RGBA16F,
-      width,
-      height,
-      depth,
-      0,
-      gl.RGBA,
-      gl.FLOAT,
-      brightTexels(f),
-    );
-    filters(gl, gl.TEXTURE_3D, gl.LINEAR, gl.LINEAR, gl.CLAMP_TO_EDGE);
+    const codes = rows(latents, latents.length / CHANNELS);
+    textures.lobe = Float32Array.from({ length: 6 * CHANNELS }, (_, at) => {
+      const [number, channel] = [Math.floor(at / CHANNELS), at % CHANNELS];
+      const isFactor = number >= 1 && number <= 3; // those of a lobe that reflects nothing are zero
+      return isFactor && !table.besideLobe ? 0 : codes[channel]![number]!;
+    });
+    const texels = new Float32Array((table.logs.length / CHANNELS) * 4);
+    table.logs.forEach((log, at) => {
+      texels[4 * Math.floor(at / CHANNELS) + (at % CHANNELS)] = log;
+    });
+    volume(this.gl, textures.rest, texels);
+  }
+
+  /** Take over f (N, 3) at `anisotropicPairs` of a size. */
+  setBright(slot: 0 | 1, f: Float32Array, size: AnisotropicSize): void {
+    const textures = this.slotTextures(slot);
+    textures.turns = size.turns;
+    const depth = size.differences * size.turns;
+    uploadVolume(this.gl, textures.bright, [size.along, size.across, depth], brightTexels(f));
   }
 
   /**
@@ -249,9 +242,10 @@ export class Renderer {
     const textures = this.slotTextures(slot);
     if (textures.texels !== null) {
       this.gl.deleteTexture(textures.texels.texture);
+      this.gl.deleteTexture(textures.texels.basis);
       textures.texels.program.delete();
     }
-    textures.texels = codes && texelProgram(this.gl, codes.texture, codes.shader);
+    textures.texels = codes && texelProgram(this.gl, codes);
   }
 
   /** Whether the processor draws, which is hundreds of times slower. */
@@ -507,11 +501,15 @@ export class Renderer {
     if (texels) {
       object.set("start", ...sequence(count * TEXEL_SAMPLES));
       object.setTexture("codes", 0, gl.TEXTURE_2D_ARRAY, texels.texture);
+      object.setTexture("functions", 7, gl.TEXTURE_3D, texels.basis);
       object.setTexture("places", 2, gl.TEXTURE_2D, targets.places);
     } else {
       object.setTexture("table", 0, gl.TEXTURE_2D, textures.table);
-      object.setTexture("bright", 2, gl.TEXTURE_3D, textures.bright);
-      if (textures.azimuths > 1) {
+      if (textures.azimuths === 1) {
+        object.setTexture("rest", 2, gl.TEXTURE_3D, textures.rest);
+        object.setVectors("lobe", textures.lobe);
+      } else {
+        object.setTexture("bright", 2, gl.TEXTURE_3D, textures.bright);
         object.setInteger("azimuths", textures.azimuths);
         object.setInteger("turns", textures.turns);
         object.set("rotation", textures.rotation);
@@ -537,8 +535,10 @@ export class Renderer {
       samples: 0,
       azimuths: 1,
       rotation: 0,
-      turns: 1,
+      lobe: new Float32Array(6 * CHANNELS).fill(0).fill(1, 0, CHANNELS),
+      rest: this.dark(),
       bright: this.dark(),
+      turns: 1,
       texels: null,
     };
     return this.slots[slot];

@@ -1,5 +1,7 @@
 /** A texture of codes on the graphics card, and the program that decodes it. */
 
+import { TABLE } from "../core/formulas";
+import type { ShownTexture } from "../engine/textures";
 import type { CodeTexture, Wrap } from "../material/texture";
 import { Refusal } from "../refusal";
 import { coverProgram, filters, type Gl, included, type Program } from "./gl";
@@ -10,6 +12,7 @@ import texelsSource from "./shaders/texels.frag?raw";
 export interface TexelProgram {
   program: Program;
   texture: WebGLTexture;
+  basis: WebGLTexture;
   /** The affine map from uv, column by column. */
   toTexture: readonly number[];
   size: readonly [number, number];
@@ -19,10 +22,10 @@ export interface TexelProgram {
 /**
  * Compile and upload.
  *
- * @param shader what `texelShaderText` returns for the texture.
  * @throws Refusal if the texture is too large for the graphics driver.
  */
-export function texelProgram(gl: Gl, codes: CodeTexture, shader: string): TexelProgram {
+export function texelProgram(gl: Gl, shown: ShownTexture): TexelProgram {
+  const { texture: codes, shader, basis } = shown;
   const layers = Math.max(Math.ceil(codes.usedBytes / 4), 1);
   const source = included(texelsSource, { "frame.glsl": frameSource, "material.glsl": shader });
   const program = coverProgram(gl, source.replaceAll("LAYERS", String(layers)), {
@@ -33,10 +36,38 @@ export function texelProgram(gl: Gl, codes: CodeTexture, shader: string): TexelP
   return {
     program,
     texture,
+    basis: volume(gl, gl.createTexture()!, basis),
     toTexture: [a, d, b, e, c, f],
     size: codes.levels[0]!,
     coarsest: codes.levels.length - 1,
   };
+}
+
+/**
+ * Put texels into a texture of three dimensions, whose two outer ones are the coordinates u and v of
+ * tables of one width; of half floats, where the graphics card filters no others.
+ */
+export function volume(gl: Gl, texture: WebGLTexture, texels: Float32Array): WebGLTexture {
+  const [depth, height] = TABLE.SHAPE;
+  const size = [texels.length / (4 * depth * height), height, depth] as const;
+  uploadVolume(gl, texture, size, texels);
+  return texture;
+}
+
+/** Put texels into a texture of a width, a height and a depth. */
+export function uploadVolume(
+  gl: Gl,
+  texture: WebGLTexture,
+  [width, height, depth]: readonly [number, number, number],
+  texels: Float32Array,
+): void {
+  gl.activeTexture(gl.TEXTURE0);
+  const target = gl.TEXTURE_3D;
+  gl.bindTexture(target, texture);
+  const linear = gl.getExtension("OES_texture_float_linear") !== null;
+  const format = linear ? gl.RGBA32F : gl.RGBA16F;
+  gl.texImage3D(target, 0, format, width, height, depth, 0, gl.RGBA, gl.FLOAT, texels);
+  filters(gl, target, gl.LINEAR, gl.LINEAR, gl.CLAMP_TO_EDGE);
 }
 
 /** An array texture: four bytes of the texels a layer, as Python's `textures.gpu` has it. */

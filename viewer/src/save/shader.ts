@@ -39,7 +39,11 @@ export async function readTemplate(language: Language, widths: Widths = 1): Prom
  *
  * @param rotation of the material's tangent [degrees].
  */
-export function shaderText(template: string, { latents }: Material, rotation = 0): string {
+export function shaderText(
+  template: string,
+  { latents }: Pick<Material, "latents">,
+  rotation = 0,
+): string {
   const size = latents.length / CHANNELS;
   const angle = (rotation * Math.PI) / 180;
   return filled(template, (number, channel) => shaderNumber(latents[channel * size + number]!))

@@ -164,7 +164,6 @@ function readBottom(value: unknown): BottomInAir | TexelBottom {
       return {
         kind: "codes",
         latents: codes(fields.latents),
-        anchors: codes(fields.anchors),
         ...(fields.widths === 2 ? { widths: 2 } : {}),
         ...(fields.table === undefined ? {} : { table: checkSum(fields.table, "table") }),
         ...(fields.besideLobe === true ? { besideLobe: true } : {}),

@@ -9,6 +9,7 @@ import { type Session, session, shownOf } from "../engine/session";
 import { textures } from "../engine/textures";
 import { stackOf } from "../material/material";
 import { Refusal } from "../refusal";
+import { basisFile, FORMATS, type Format } from "../save/basis_texture";
 import { exrFile } from "../save/exr";
 import { materialxText } from "../save/materialx";
 import { mitsubaDict, mitsubaXml } from "../save/mitsuba";
@@ -16,7 +17,7 @@ import { fileName, pythonText } from "../save/python";
 import { sceneFile } from "../save/scene";
 import { LANGUAGES, type Language, readTemplate, shaderText } from "../save/shader";
 import { toAddress, toJson } from "../state/address";
-import { announcement, complain, material, state, tell } from "../state/store";
+import { announce, complain, material, state, tell } from "../state/store";
 
 const GROUPS = ["Picture", "Material", "Code", "Share"] as const;
 
@@ -37,12 +38,13 @@ function presentSession(): Session {
 async function encoded(): Promise<{ core: PageCore; codes: Material }> {
   const stack = stackOf(material.value);
   const table = shownOf(material.value)?.table;
-  if (stack.energyCompensation && stack.coats.length > 0)
-    throw new Refusal(
-      "The codes of a material have no energy compensation; switch it off, or save Python or a Mitsuba BSDF.",
-    );
   const core = await presentSession().cores.of(stack);
-  return { core, codes: { ...(await core.layer(stack)), table } };
+  const codes = await core.layer(stack);
+  if (codes.compensation !== undefined)
+    throw new Refusal(
+      "The codes of an anisotropic material have no energy compensation; switch it off, or save Python or a Mitsuba BSDF.",
+    );
+  return { core, codes: { ...codes, table: table ?? codes.table } };
 }
 
 /** Angle by which the tangent is turned [degrees]. */
@@ -65,14 +67,19 @@ const KINDS: readonly Kind[] = [
     group: "Picture",
     label: "Picture",
     hint: "PNG, as it is seen",
-    save: async (name) => download(`${name}.png`, await presentSession().picture()),
+    save: async (name) => {
+      download(`${name}.png`, await presentSession().picture());
+      tellOfRefining();
+    },
   },
   {
     group: "Picture",
     label: "Radiance",
     hint: "EXR, the picture in linear light",
-    save: async (name) =>
-      download(`${name}.exr`, new Blob([exrFile(await presentSession().radiance())])),
+    save: async (name) => {
+      download(`${name}.exr`, new Blob([exrFile(await presentSession().radiance())]));
+      tellOfRefining();
+    },
   },
   {
     group: "Material",
@@ -125,12 +132,21 @@ const KINDS: readonly Kind[] = [
   },
 ];
 
+/** Tell that a picture was saved before it was finished. */
+function tellOfRefining(): void {
+  const { converged, gathered } = presentSession().painter;
+  if (converged.value) return;
+  const share = Math.round(100 * gathered.value);
+  tell(
+    `The picture was saved while refining, with ${share} % of its frames; wait until it has converged, or save 2 × or 4K, which are drawn to the end.`,
+  );
+}
+
 /** The sizes of larger pictures, in words. */
 const SIZES: Record<LargeSize, string> = { "2x": "2 ×", "4K": "4K" };
 
 async function saveLarge(size: LargeSize, name: string): Promise<void> {
-  announcement.value = "The picture is being drawn.";
-  download(`${name}-${size}.png`, await presentSession().picture(size));
+  download(`${name}-${size}.png`, await presentSession().largePicture(size));
 }
 
 const ADDRESS: Kind = {
@@ -146,7 +162,7 @@ const ADDRESS: Kind = {
         "The browser gives the page no clipboard; copy the address from the address bar.",
       );
     }
-    announcement.value = "The address was copied.";
+    announce("The address was copied.");
   },
 };
 
@@ -156,10 +172,16 @@ async function saveShader(language: Language, name: string): Promise<void> {
   const { core, codes } = await encoded();
   const text = shaderText(await readTemplate(language, core.widths), codes, rotation());
   download(`${name}${LANGUAGES[language].suffix}`, textBlob(text));
-  if (codes.table !== undefined)
+  if (!codes.table.isOfCodes)
     tell(
-      "The shader code has the codes of the material; for its table, save the material and run urushi export --texture.",
+      "The shader code has the codes of the material; for its table, save the material and run urushi export.",
     );
+}
+
+async function saveBasis(format: Format): Promise<void> {
+  const { core } = await encoded();
+  const texels = await core.basisTexels();
+  download(`urushi-basis.${format}`, basisFile(texels, format));
 }
 
 /** Offer a file for download. */
@@ -226,6 +248,18 @@ export function SaveMenu({ onDone }: { onDone: () => void }) {
                   onClick={() => void run((name) => saveShader(language, name))}
                 >
                   {LANGUAGES[language].title}
+                </button>
+              ))}
+            </div>
+            <small>The texture that their f reads: GPU, NumPy, OSL</small>
+            <div role="group" aria-label="Texture of the basis">
+              {(Object.keys(FORMATS) as Format[]).map((format) => (
+                <button
+                  key={format}
+                  type="button"
+                  onClick={() => void run(() => saveBasis(format))}
+                >
+                  {FORMATS[format]}
                 </button>
               ))}
             </div>

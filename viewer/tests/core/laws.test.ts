@@ -3,13 +3,12 @@
 import { beforeAll, describe, expect, test } from "vitest";
 import type { Bottom, Coat, Material, Stack } from "../../src/core/api";
 import { loadCore, type NetworkCore } from "../../src/core/core";
-import { activationOf } from "../../src/core/mlp";
+import { mixtureDensity, Proposals } from "../../src/core/mixture";
 import { halfVectorRule } from "../../src/core/quadrature";
-import { mixtureDensity, Sampler } from "../../src/core/sampler";
 import { readWeights } from "../../src/core/weights";
 import { type MaterialCards, stackOf, withCoat } from "../../src/material/material";
 import { preset } from "../../src/material/presets";
-import { bytesOf, goldenFile, readVectors, SHIPPED } from "./vectors";
+import { bytesOf, readVectors, SHIPPED } from "./vectors";
 
 const STACK: Stack = {
   bottom: { kind: "diffuse", reflectance: [0.8, 0.5, 0.1] },
@@ -23,13 +22,13 @@ let core: NetworkCore;
 let material: Material;
 
 beforeAll(() => {
-  core = loadCore(bytesOf(goldenFile("random.safetensors")));
+  core = loadCore(bytesOf(SHIPPED));
   material = core.layer(STACK);
 });
 
 describe("f", () => {
   test("is reciprocal to the last bit", () => {
-    const vectors = readVectors("random");
+    const vectors = readVectors("default");
     const [wi, wo] = [vectors?.of("wi"), vectors?.of("wo")] as [Float32Array, Float32Array];
     expect(core.f(material, wi, wo)).toEqual(core.f(material, wo, wi));
   });
@@ -49,8 +48,9 @@ describe("energy", () => {
     );
     const limited = core.limited(bright);
     const cosines = Float32Array.from({ length: 12 }, (_, i) => (i + 0.5) / 12);
-    const before = core.albedo({ latents: bright, anchors: bright }, cosines);
-    const after = core.albedo({ latents: limited, anchors: limited }, cosines);
+    const albedoOf = (latents: Float32Array) =>
+      core.albedo(core.layer({ bottom: { kind: "codes", latents }, coats: [] }), cosines);
+    const [before, after] = [albedoOf(bright), albedoOf(limited)];
     expect(Math.max(...before)).toBeGreaterThan(1.2);
     expect(Math.max(...after)).toBeLessThan(1.001); // the quadrature's own error is 0.001
   });
@@ -64,7 +64,7 @@ describe("energy", () => {
     let material = vermilion;
     for (let coats = 0; coats < 4; coats++) {
       material = withCoat(material);
-      expect(Math.abs(red(material) / before - 1)).toBeLessThan(0.04); // of a rougher surface
+      expect(Math.abs(red(material) / before - 1)).toBeLessThan(0.08); // of a rougher surface, and four errors of the network
     }
   });
 
@@ -83,7 +83,7 @@ describe("energy", () => {
 
 describe("layering", () => {
   test("over the codes of a surface is layering over the surface", () => {
-    const codes = { kind: "codes", ...core.encode(STACK.bottom) } as const;
+    const codes = { kind: "codes", latents: core.encode(STACK.bottom) } as const;
     expect(core.layer({ bottom: codes, coats: STACK.coats })).toEqual(core.layer(STACK));
   });
 
@@ -120,10 +120,10 @@ describe("layering", () => {
 describe("the proposal", () => {
   test.each([0.95, 0.5, 0.1])("integrates to one at the cosine %f", (cosine) => {
     const { wo, weights } = halfVectorRule(cosine, false);
-    const networks = readWeights(bytesOf(goldenFile("random.safetensors")));
-    const sampler = new Sampler(networks, activationOf(networks.arch.activation));
+    const { arch, proposal } = readWeights(bytesOf(SHIPPED));
+    const proposer = new Proposals(proposal!, arch.lobe);
     const wi = { x: Math.sqrt(1 - cosine * cosine), y: 0, z: cosine };
-    const mixture = sampler.proposals(material.anchors.slice(0, core.latentSize))(wi);
+    const mixture = proposer.proposals(material.latents.slice(0, core.latentSize))(wi);
     const total = weights.reduce((sum, weight, i) => {
       const [x, y, z] = wo.slice(3 * i, 3 * i + 3);
       return sum + mixtureDensity(mixture, wi, { x, y, z }) * weight;
@@ -160,6 +160,6 @@ describe("the proposal", () => {
 
 test("codes of other networks are refused in a sentence", () => {
   const codes = new Float32Array(5);
-  const stack: Stack = { bottom: { kind: "codes", latents: codes, anchors: codes }, coats: [] };
+  const stack: Stack = { bottom: { kind: "codes", latents: codes }, coats: [] };
   expect(() => core.layer(stack)).toThrow(/a material has 5 numbers/);
 });

@@ -149,7 +149,7 @@ describe("laws", () => {
 
   test("a loaded material is refused in a sentence", () => {
     const codes = new Float32Array(72);
-    const stack: Stack = { bottom: { kind: "codes", latents: codes, anchors: codes }, coats: [] };
+    const stack: Stack = { bottom: { kind: "codes", latents: codes }, coats: [] };
     expect(() => new Reference(stack, wi, wo, 0)).toThrow(/a loaded material has no reference/);
   });
 });

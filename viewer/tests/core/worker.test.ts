@@ -8,14 +8,14 @@ import type { Response } from "../../src/core/protocol";
 import { FileError } from "../../src/core/safetensors";
 import { Server } from "../../src/core/server";
 import type { Estimate } from "../../src/core/walk/reference";
-import { bytesOf, goldenFile, readVectors } from "./vectors";
+import { bytesOf, readVectors, SHIPPED } from "./vectors";
 
-const vectors = readVectors("random");
+const vectors = readVectors("default");
 const stacks = vectors?.stacks ?? [];
 const stack = stacks[8] as Stack;
 const wi = vectors?.of("wi") ?? new Float32Array();
 const wo = vectors?.of("wo") ?? new Float32Array();
-const weights = () => bytesOf(goldenFile("random.safetensors"));
+const weights = () => bytesOf(SHIPPED);
 
 /** A server and a port to it, between which messages are copied and arrive later. */
 function connected(): Port {

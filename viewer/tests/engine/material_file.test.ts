@@ -29,18 +29,11 @@ function file(
 
 const SIX = { shape: [3, 2], values: [1, 2, 3, 4, 5, 6] };
 
-test("codes and anchors are read", () => {
-  const anchors = { shape: [3, 2], values: [7, 8, 9, 10, 11, 12] };
-  expect(readMaterialFile(file({ latents: SIX, anchors }), NETWORKS).bottom).toEqual({
+test("codes are read", () => {
+  expect(readMaterialFile(file({ latents: SIX }), NETWORKS).bottom).toEqual({
     kind: "codes",
     latents: new Float32Array(SIX.values),
-    anchors: new Float32Array(anchors.values),
   });
-});
-
-test("anchors that are left out are the codes", () => {
-  const { bottom } = readMaterialFile(file({ latents: SIX }), NETWORKS);
-  expect(bottom).toMatchObject({ anchors: new Float32Array(SIX.values) });
 });
 
 test("a grey material has three equal codes", () => {
@@ -73,19 +66,11 @@ test.each(BAD)("%s: refused", (_name, bytes) => {
 
 test("what is written is read again", () => {
   const latents = new Float32Array([0.1, -2, 3e-7, 4, 5, 6]);
-  const anchors = new Float32Array([0.1, -2, 3e-7, 4, 5, 7]);
-  for (const material of [
-    { latents, anchors },
-    { latents, anchors: latents },
-  ])
-    expect(readMaterialFile(materialFile(material, NETWORKS), NETWORKS).bottom).toEqual({
-      kind: "codes",
-      ...material,
-    });
+  const written = materialFile({ latents }, NETWORKS);
+  expect(readMaterialFile(written, NETWORKS).bottom).toEqual({ kind: "codes", latents });
   const two = { ...NETWORKS, widths: 2 } as const;
-  const written = materialFile({ latents, anchors }, two, -35);
-  expect(readMaterialFile(written, two)).toEqual({
-    bottom: { kind: "codes", latents, anchors, widths: 2 },
+  expect(readMaterialFile(materialFile({ latents }, two, -35), two)).toEqual({
+    bottom: { kind: "codes", latents, widths: 2 },
     rotation: -35,
   });
 });

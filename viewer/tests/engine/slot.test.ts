@@ -4,6 +4,8 @@ import { MOST_TABLES, type Shown, Slot, shiftOf } from "../../src/engine/engine"
 import { Cores, type PageCore } from "../../src/engine/remote";
 
 /** A core that answers late, with the stack's first width in every number. */
+const table = { logs: new Float32Array(), besideLobe: true };
+
 function lateCore(): { core: PageCore; layered: number[]; shifts: number[] } {
   const layered: number[] = [];
   const shifts: number[] = [];
@@ -13,11 +15,12 @@ function lateCore(): { core: PageCore; layered: number[]; shifts: number[] } {
     widths: 1,
     fingerprint: "",
     encodeMeasured: () => new Promise(() => {}),
+    basisTexels: async () => new Float32Array(),
     layer: async (stack) => {
       const width = stack.coats[0]!.alpha as number;
       layered.push(width);
       await late();
-      return { latents: new Float32Array([width]), anchors: new Float32Array([width]) };
+      return { latents: new Float32Array([width]), table };
     },
     f: async (material, wi) => new Float32Array(wi.length).fill(material.latents[0]!),
     albedo: async (_material, cosines) => new Float32Array(3 * cosines.length),
@@ -48,7 +51,7 @@ function slotOf(core: PageCore): Slot {
   });
 }
 
-const settled = () => new Promise((resolve) => setTimeout(resolve, 60));
+const settled = () => new Promise((resolve) => setTimeout(resolve, 500)); // on a busy machine, too
 
 test("of many changes the latest is shown, and those between are left out", async () => {
   const { core, layered } = lateCore();

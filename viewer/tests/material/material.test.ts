@@ -108,7 +108,7 @@ describe("indices are absolute", () => {
   test("of loaded metals too", () => {
     const code = (eta: number, k: number) => [0.1, 0, 0, 1, eta, k, 0.25];
     const codes = Float32Array.from([code(0.5, 3), code(2, 0), code(0.25, 6)].flat());
-    const { latents } = under({ kind: "codes", latents: codes, anchors: codes }, 2.000554) as {
+    const { latents } = under({ kind: "codes", latents: codes }, 2.000554) as {
       latents: Float32Array;
     };
     expect(latents).toEqual(

@@ -14,7 +14,7 @@ import numpy as np
 EXAMPLES = Path(__file__).resolve().parents[3] / "examples"
 sys.path.insert(0, str(EXAMPLES))
 
-from material import lacquer  # noqa: E402
+from material import lacquer, main  # noqa: E402
 
 LIGHTS = np.array([[1, 2, 2], [-3, 1, 1], [2, -1, 0.5]])
 IRRADIANCES = np.array([[1.2, 1.2, 1.2], [0.3, 0.4, 0.7], [0.8, 0.5, 0.3]])
@@ -92,6 +92,5 @@ def pixels(size: int) -> list[dict[str, list[float]]]:
 
 
 if __name__ == "__main__":
-    code = lacquer().shader("glsl")
-    (Path(sys.argv[1]) / "material.glsl").write_text(code, encoding="utf-8")
+    main(Path(sys.argv[1]))
     print(json.dumps(pixels(int(sys.argv[2]))))

@@ -38,7 +38,7 @@ async function show(page: Page, baseURL: string, samples: number): Promise<void>
     const path = new URL(route.request().url()).pathname.split("/threejs/")[1]!;
     const [first, ...rest] = path.split("/");
     if (first === "node_modules") return route.fulfill({ path: join(MODULES, ...rest) });
-    if (first === "material.glsl") return route.fulfill({ path: join(folder, first) });
+    if (first!.startsWith("material.")) return route.fulfill({ path: join(folder, first) });
     return route.fulfill({ path: join(EXAMPLE, path) });
   });
   await page.setViewportSize({ width: SIZE, height: SIZE });

@@ -1,6 +1,11 @@
 import { expect, test } from "vitest";
-import { ANISOTROPIC_COARSE, anisotropicPairs } from "../../src/picture/anisotropic_table";
-import { FAR, NEAR } from "../../src/picture/bright_table";
+import {
+  ANISOTROPIC_COARSE,
+  anisotropicPairs,
+  brightTexels,
+  FAR,
+  NEAR,
+} from "../../src/picture/anisotropic_table";
 
 const { along, across, differences, turns } = ANISOTROPIC_COARSE;
 
@@ -41,4 +46,24 @@ test("the shader finds each pair at its place", () => {
         }
   expect(checked).toBeGreaterThan(1000);
   expect(farthest).toBeLessThan(0.05);
+});
+
+test("all directions are unit vectors above the horizon", () => {
+  const lengths: number[] = [];
+  const heights: number[] = [];
+  for (const vectors of Object.values(anisotropicPairs(ANISOTROPIC_COARSE)))
+    for (let at = 0; at < vectors.length; at += 3) {
+      lengths.push(Math.hypot(...vectors.subarray(at, at + 3)));
+      heights.push(vectors[at + 2]!);
+    }
+  expect(Math.min(...lengths)).toBeCloseTo(1, 5);
+  expect(Math.max(...lengths)).toBeCloseTo(1, 5);
+  expect(Math.min(...heights)).toBeGreaterThan(0.01);
+});
+
+test("texels hold the logarithm, and black is finite", () => {
+  const texels = brightTexels(new Float32Array([Math.E, 1, 0]));
+  expect(texels[0]).toBeCloseTo(1, 6);
+  expect(texels[1]).toBe(0);
+  expect(Number.isFinite(texels[2]!)).toBe(true);
 });

@@ -8,7 +8,7 @@ import { afterAll, expect, test } from "vitest";
 import { loadCore } from "../../src/core/core";
 import { materialFile } from "../../src/engine/material_file";
 import { stackOf } from "../../src/material/material";
-import { METALS } from "../../src/material/presets";
+import { METALS, preset } from "../../src/material/presets";
 import { pythonText } from "../../src/save/python";
 import { shaderText } from "../../src/save/shader";
 import { readMaterial } from "../../src/state/read";
@@ -28,6 +28,11 @@ const vectors = readVectors("default");
 
 /** Bottoms and coats whose ratios of indices depend on what lies above them. */
 const VARNISH = { alpha: 0.05, ior: 1.5, sigmaT: [0.1, 0.3, 0.9] };
+const MATT = { alpha: 0.8, color: [0.9, 0.6, 0.3] };
+const COMPENSATED = [
+  { kind: "conductor", alpha: 0.3, r0: [0.2, 0.1, 0.05] },
+  { kind: "diffuse", reflectance: 0.8 },
+].map((bottom) => ({ bottom, coats: [MATT], energyCompensation: true }));
 const UNDER_VARNISH = [
   { bottom: { kind: "conductor", alpha: 0.2, ...METALS.Gold }, coats: [VARNISH] },
   { bottom: { kind: "dielectric", alpha: 0.2, ior: 1.9 }, coats: [VARNISH] },
@@ -35,6 +40,7 @@ const UNDER_VARNISH = [
   { bottom: { kind: "diffuse" }, coats: [VARNISH, { alpha: 0.1, ior: 1.7, sigmaT: 1 }] },
   { bottom: { kind: "diffuse" }, coats: [{ color: [0.9, 0.6, 0.3], thickness: 2 }] },
   { bottom: { kind: "diffuse" }, coats: [{ body: 0.4, bodyColor: [0.8, 0.3, 0.1], g: 0.3 }] },
+  ...COMPENSATED,
 ].map((material) => readMaterial(material));
 const folder = mkdtempSync(join(tmpdir(), "urushi-"));
 afterAll(() => rmSync(folder, { recursive: true }));
@@ -52,16 +58,18 @@ test.skipIf(!existsSync(PYTHON) || vectors === undefined)(
     const { latentSize } = core;
     const [wi, wo] = [vectors!.of("wi"), vectors!.of("wo")];
     const { template, fingerprint } = JSON.parse(python("-c", NETWORKS));
-    const cards = [vectors!.materials[3]!, vectors!.materials[8]!, ...UNDER_VARNISH];
+    const own = ["Vermilion urushi", "Candy blue car paint", "White enamel"].map(preset);
+    const cards = [vectors!.materials[3]!, vectors!.materials[8]!, ...own, ...UNDER_VARNISH];
     const expected = cards.map((material, place) => {
-      const own = join(folder, String(place));
-      mkdirSync(own);
+      const files = join(folder, String(place));
+      mkdirSync(files);
       const codes = core.layer(stackOf(material));
       const file = materialFile(codes, { latentSize, widths: 1, fingerprint });
-      writeFileSync(join(own, "pairs.json"), JSON.stringify([...wi, ...wo]));
-      writeFileSync(join(own, "material.safetensors"), file);
-      writeFileSync(join(own, "material-numpy.py"), shaderText(template, codes));
-      writeFileSync(join(own, "program.py"), pythonText(material));
+      writeFileSync(join(files, "pairs.json"), JSON.stringify([...wi, ...wo]));
+      writeFileSync(join(files, "material.safetensors"), file);
+      writeFileSync(join(files, "material-numpy.py"), shaderText(template, codes));
+      writeFileSync(join(files, "basis.f32"), core.basisTexels());
+      writeFileSync(join(files, "program.py"), pythonText(material));
       return core.f(codes, wi, wo);
     });
     const folders = cards.map((_, place) => join(folder, String(place)));
@@ -69,10 +77,12 @@ test.skipIf(!existsSync(PYTHON) || vectors === undefined)(
     expect(values.length).toBe(cards.length);
     for (const [place, f] of expected.entries()) {
       const found = values[place];
-      // Python computes in single precision: some roundings of logarithms up to 25.
-      expect(relativeError(found.loaded, f)).toBeLessThan(1e-5);
-      expect(relativeError(found.code, f)).toBeLessThan(1e-5);
-      expect(relativeError(found.program, f)).toBeLessThan(1e-5);
+      // Python computes in single precision: roundings of sums of many terms, and of least squares.
+      // Tables of materials with energy compensation are of half precision in files and in Python.
+      const { energyCompensation: hasTable = false } = cards[place]!;
+      expect(relativeError(found.loaded, f)).toBeLessThan(hasTable ? 2e-3 : 2e-4);
+      if (!hasTable) expect(relativeError(found.code, f)).toBeLessThan(2e-4);
+      expect(relativeError(found.program, f)).toBeLessThan(hasTable ? 2e-3 : 5e-4);
     }
   },
 );

@@ -18,8 +18,8 @@ test("Python: coats are put on from the bottom up", () => {
   const lines = pythonText(STACK).split("\n");
   expect(lines.filter((line) => line.startsWith("material ="))).toEqual([
     "material = urushi.conductor(alpha=0.2, eta=(0.2, 0.5, 1.3), k=3)",
-    "material = urushi.layer(urushi.dielectric(alpha=0.4, ior=1.7), material, albedo=0.5, sigma_t=2, g=0.3, refine=False)",
-    "material = urushi.layer(urushi.dielectric(alpha=0.03, ior=1.53), material, albedo=0, sigma_t=(0.1, 0.2, 0.3), g=0, refine=False)",
+    "material = urushi.layer(urushi.dielectric(alpha=0.4, ior=1.7), material, albedo=0.5, sigma_t=2, g=0.3, fast=True)",
+    "material = urushi.layer(urushi.dielectric(alpha=0.03, ior=1.53), material, albedo=0, sigma_t=(0.1, 0.2, 0.3), g=0, fast=True)",
   ]);
   expect(lines).toContain('material.save("my-lacquer.safetensors")');
 });
@@ -30,7 +30,7 @@ test("Appearance, thickness and energy compensation are written as they were giv
   const coats = [{ ...top, ...look }];
   const material = { ...STACK, coats, energyCompensation: true };
   expect(pythonText(material)).toContain(
-    "urushi.coat(material, alpha=0.03, ior=1.53, color=(0.9, 0.6, 0.3), body=0.1, body_color=0.8, g=0, thickness=2, energy_compensation=True)",
+    "urushi.layer(urushi.dielectric(alpha=0.03, ior=1.53), material, color=(0.9, 0.6, 0.3), body=0.1, body_color=0.8, g=0, thickness=2, energy_compensation=True, fast=True)",
   );
   const xml = mitsubaXml(material);
   expect(xml).toContain('<rgb name="color" value="0.9, 0.6, 0.3"/>');
@@ -63,7 +63,7 @@ test("Mitsuba's dictionary: the same nodes", () => {
 describe("what has no such description", () => {
   const codes: MaterialCards = {
     ...STACK,
-    bottom: { kind: "codes", latents: new Float32Array(3), anchors: new Float32Array(3) },
+    bottom: { kind: "codes", latents: new Float32Array(3) },
     coats: [],
   };
   test.each([mitsubaXml, mitsubaDict, pythonText])("is refused in one sentence", (write) => {

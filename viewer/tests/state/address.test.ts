@@ -8,7 +8,6 @@ const CODES: State = withMaterial(INITIAL, {
   bottom: {
     kind: "codes",
     latents: new Float32Array([1.5, -2.25, 1e-3]),
-    anchors: new Float32Array([0.1, 0.2, 0.3]),
   },
   coats: [{ id: 1, on: false, alpha: 0.1, ior: 1.5, albedo: [0.1, 0.2, 0.3], sigmaT: 1, g: -0.5 }],
   solo: 1,

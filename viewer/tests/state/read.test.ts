@@ -67,7 +67,7 @@ test.each([
   { materials: [{ bottom: { kind: "wood" } }] },
   { materials: [{ bottom: { kind: "diffuse", reflectance: "red" } }] },
   { materials: [{ bottom: { kind: "diffuse", reflectance: [0.1, 0.2] } }] },
-  { materials: [{ bottom: { kind: "codes", latents: [1, 2], anchors: [1, 2] } }] },
+  { materials: [{ bottom: { kind: "codes", latents: [1, 2] } }] },
   { materials: [{ bottom: BOTTOM, coats: Array(7).fill({}) }] },
   { materials: [{ bottom: BOTTOM, coats: [{ alpha: null }] }] },
 ])("%j is refused in one sentence", (value) => {
@@ -86,7 +86,7 @@ test("widths across the tangent, the angle and codes of anisotropic networks are
   const bottom = { kind: "dielectric", alpha: 0.2, alphaV: [0.1, 0.2, 0.3], ior: 1.5 } as const;
   const material = { name: "satin", bottom, coats: [coat], rotation: -30, solo: null };
   expect(readMaterial(material)).toEqual(material);
-  const codes = { kind: "codes", latents: [1, 2, 3], anchors: [1, 2, 3], widths: 2 };
+  const codes = { kind: "codes", latents: [1, 2, 3], widths: 2 };
   expect(readMaterial({ bottom: codes }).bottom).toMatchObject({ widths: 2 });
   expect(readMaterial({ bottom, rotation: 500 }).rotation).toBe(180);
   expect(readMaterial({ bottom: { ...bottom, alphaV: 7 } }).bottom).toMatchObject({ alphaV: 1 });

@@ -3,6 +3,7 @@
 A textured bottom that is known by its values is compared by a few probes of each texel and channel.
 """
 
+import functools
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 from typing import Any
@@ -10,16 +11,10 @@ from typing import Any
 import mitsuba as mi
 import numpy as np
 
-from urushi.material.encode import (
-    bare_anchors,
-    encode_source,
-    encoder_codes,
-    with_dielectrics_in_rests,
-    without_useless_rests,
-)
+from urushi.core.table import node_pairs, table_of_values
 from urushi.material.energy import limit_albedo
 from urushi.material.material import Material
-from urushi.material.table import node_pairs, table_of_values
+from urushi.material.values import codes_of, encode_source
 from urushi.mitsuba import spectrum
 from urushi.mitsuba.reading import probing
 from urushi.mitsuba.reading.bsdf import reflection_source
@@ -30,7 +25,7 @@ from urushi.mitsuba.reading.parameters import check_bottom
 from urushi.nets.lobe import f as lobe_f
 from urushi.nets.lobe import no_lobe, with_two_widths
 from urushi.nets.weights import Model
-from urushi.textures.bake import BakedTexture, CodesAt, Source, code_hashes, row_hashes
+from urushi.textures.bake import BakedTexture, RowsAt, Source, code_hashes, row_hashes
 from urushi.textures.store import MIDDLE, TexelGrid
 
 #: Texels that are probed at once: bounds memory.
@@ -39,6 +34,9 @@ PROBED_TEXELS = 1 << 13
 #: Stride of the probe pairs by which texels are compared, and bits of the mantissa to which their
 #: values are rounded: texels that differ by less than 0.2 % share a code.
 KEY_STRIDE, KEY_BITS = 24, 9
+
+#: Reflectance of a black surface in logarithms.
+BLACK = 1e-9
 
 #: Width below which a lobe stays beside the table of a bottom, which is too coarse for it.
 NARROW = 0.0225
@@ -62,7 +60,7 @@ class BottomCodes:
         self.material, self._probed = None, None
         self.stored, self._stale = False, True
         if nested is not None and nested.grid is None:
-            codes = nested.anchors_at(np.full((1, 2), 0.5))[0]
+            codes = nested.at(np.full((1, 2), 0.5))[0]
             self._opened = _uniform(
                 codes[list(spectrum.FINE_AT_RGB)] if is_finer(nested) else codes
             )
@@ -103,7 +101,7 @@ class BottomCodes:
         else:
             yield from self._probed.contents(start, stop)
 
-    def source(self, start: int, stop: int) -> tuple[np.ndarray, CodesAt]:
+    def source(self, start: int, stop: int) -> tuple[np.ndarray, RowsAt]:
         """The bottom as a `Source`, after `bake`."""
         source = self._opened if self._baked is None else self._baked.read
         assert source is not None  # for the type checker
@@ -134,7 +132,7 @@ class BottomCodes:
                 f = np.maximum(f - lobe_f(lobe, wi[:, None], wo[:, None]), 0)
             material = replace(material, table=table_of_values(f), beside_lobe=narrow)
         self.material = material
-        return material.anchors
+        return material.latents
 
 
 def _uniform(codes: np.ndarray) -> Source:
@@ -144,7 +142,7 @@ def _uniform(codes: np.ndarray) -> Source:
 
 
 def nested_latents(bottom: "mi.BSDF", model: Model) -> Latents | None:
-    """The codes below a coat of a bottom that has codes of the same networks, or None."""
+    """The codes below a coat of a bottom that has codes of the same weights, or None."""
     nested = offer_of(bottom).latents
     if nested is None or nested.model.fingerprint != model.fingerprint:
         return None
@@ -160,45 +158,57 @@ def is_finer(latents: Latents) -> bool:
 def _nested(latents: Latents, grid: TexelGrid) -> Source:
     """The source of a bottom that consists of codes itself."""
 
-    def read(start: int, stop: int) -> tuple[np.ndarray, CodesAt]:
-        codes = latents.anchors_at(grid.uv(start, stop))
+    def read(start: int, stop: int) -> tuple[np.ndarray, RowsAt]:
+        codes = latents.at(grid.uv(start, stop))
         return code_hashes(codes), lambda texel, channel: codes[texel, channel]
 
     return read
 
 
 def _lobes(model: Model, bottom: "mi.BSDF", uv: np.ndarray, where: str) -> np.ndarray | None:
-    """Lobes (M, C, N) at points uv (M, 2) as the networks take them; None: they are fitted."""
+    """Lobes (M, C, N) at points uv (M, 2) as codes have them; None: they are fitted."""
     lobes = probing.known_lobes(bottom, uv)
     if lobes is None:
         return None
     lobes = probing.check_values(lobes, where)
     if lobes.shape[-1] < model.arch.lobe:
         lobes = with_two_widths(lobes)
-    # Networks of one width fit a lobe of two.
+    # Codes of one width fit a lobe of two.
     return lobes if lobes.shape[-1] == model.arch.lobe else None
 
 
 def _bare(model: Model, bottom: "mi.BSDF", where: str, grid: TexelGrid) -> Source:
     """The source of a bottom that is a lobe and nothing else."""
 
-    def read(start: int, stop: int) -> tuple[np.ndarray, CodesAt]:
+    def read(start: int, stop: int) -> tuple[np.ndarray, RowsAt]:
         lobe = _lobes(model, bottom, grid.uv(start, stop), where)
         assert lobe is not None  # for the type checker
         for reach in (lobe[..., :4], lobe[..., 6:]):  # all but the index
             np.minimum(reach, 1, out=reach)
-        return code_hashes(lobe), lambda texel, channel: bare_anchors(model, lobe[texel, channel])
+        rest = model.networks.empty_rest()
+
+        def codes_at(texel: np.ndarray, channel: np.ndarray) -> np.ndarray:
+            own = lobe[texel, channel]
+            return np.concatenate([own, np.broadcast_to(rest, (len(own), len(rest)))], axis=1)
+
+        return code_hashes(lobe), codes_at
 
     return read
+
+
+@functools.lru_cache(maxsize=8)
+def white_code(model: Model) -> np.ndarray:
+    """The code (size,) of a Lambertian surface that reflects all light."""
+    white = np.full(len(model.networks.pairs()[0]), 1 / np.pi, np.float32)
+    return codes_of(model, white, np.array(no_lobe(model.widths), np.float32))
 
 
 def _diffuse(
     model: Model, reflectance_at: Callable[[Any], list], where: str, grid: TexelGrid
 ) -> Source:
     """The source of a Lambertian bottom."""
-    lobe = np.array(no_lobe(model.widths), np.float32)
 
-    def read(start: int, stop: int) -> tuple[np.ndarray, CodesAt]:
+    def read(start: int, stop: int) -> tuple[np.ndarray, RowsAt]:
         uv = grid.uv(start, stop)
         si = spectrum.points(uv)
         channels = spectrum.at_bands(si, lambda: reflectance_at(si))
@@ -206,9 +216,9 @@ def _diffuse(
         probing.check_values(reflectance, where)
 
         def codes_at(texel: np.ndarray, channel: np.ndarray) -> np.ndarray:
-            pairs = len(model.networks.pairs()[0])
-            f = np.repeat(reflectance[texel, channel, None] / np.float32(np.pi), pairs, axis=1)
-            return limit_albedo(model, encoder_codes(model, f, lobe))
+            codes = np.tile(white_code(model), (len(texel), 1))
+            factors = np.maximum(reflectance[texel, channel], BLACK)
+            return limit_albedo(model, model.networks.rest_scaled(codes, factors))
 
         return row_hashes([reflectance]), codes_at
 
@@ -223,7 +233,7 @@ class _ProbedBottom:
         self._pairs = model.networks.pairs()
         self._average = probing.needed_averaging(bottom, *self._pairs, grid, where, model.widths)
 
-    def read(self, start: int, stop: int) -> tuple[np.ndarray, CodesAt]:
+    def read(self, start: int, stop: int) -> tuple[np.ndarray, RowsAt]:
         uv = self._grid.uv(start, stop)
         return self._hashes(uv), lambda texel, channel: self._codes(uv, texel, channel)
 
@@ -261,12 +271,9 @@ class _ProbedBottom:
             own = place[rows] - start, channel[rows]
             points = uv[texels[start : start + PROBED_TEXELS]]
             lobes = _lobes(self._model, self._bottom, points, self._where)
-            if lobes is not None:
-                lobes = lobes[own]
             f = probing.texel_values(self._bottom, *self._pairs, points, self._average)
             f = probing.check_values(f, self._where)[own]
-            anchors = encoder_codes(self._model, f, lobes)
-            if lobes is None:
-                anchors = with_dielectrics_in_rests(self._model, anchors, f)
-            parts.append(without_useless_rests(self._model, anchors, f))
+            own_lobes = None if lobes is None else lobes[own][:, None]
+            # Each row is a material of its own.
+            parts.append(codes_of(self._model, f[:, None], own_lobes)[:, 0])
         return np.concatenate(parts)

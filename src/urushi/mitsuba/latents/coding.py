@@ -1,14 +1,14 @@
-"""Encoder and layerer with derivatives by Dr.Jit.
+"""Codes of values and of coats with derivatives by Dr.Jit.
 
 Codes have the values that NumPy computes. Dr.Jit differentiates the formulas of `core` and `nets`
-at these values. NumPy multiplies by matrices: the networks' weights, and the derivatives of fitted
-lobes, of refined codes and of the energy limit.
+at these values. NumPy multiplies by matrices: the network's weights, and the derivatives of least
+squares, of fitted lobes and of the energy limit.
 
 Codes are tensors (M, C, L) of M points, or one for all points, and C channels. Functions of codes
 have N = M C rows.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 import drjit as dr
@@ -18,29 +18,31 @@ import numpy as np
 from urushi.checks import CoatParameters, Widths
 from urushi.core.namespace import DRJIT
 from urushi.material import energy
-from urushi.material.encode import encoder_codes
-from urushi.material.fit import refined_slopes
 from urushi.material.layer import absent, layer_texels, within_training
+from urushi.mitsuba.latents.bottoms import white_code
 from urushi.mitsuba.networks import lobe as lobes
 from urushi.mitsuba.networks.mlp import activate
 from urushi.mitsuba.recording import owned
-from urushi.nets.encoder import OFFSET
+from urushi.nets import code_fit
 from urushi.nets.features import COATS, coat_columns
-from urushi.nets.lobe import no_lobe
+from urushi.nets.layerer import LEAST_GAIN
 from urushi.nets.lobe_fit_slopes import FITTED, fit_slopes
 from urushi.nets.mlp import linear
 from urushi.nets.weights import Model
 from urushi.parallel import fill_blocks
 
-#: Least reflectance of the diffuse surface at whose code the encoder is differentiated.
+#: Reflectance of the diffuse surface at whose code darker rests are differentiated.
 LEAST_REFLECTANCE = 0.02
 
 #: Least 1 - albedo and least sigma_t at which the derivatives by the medium of a coat are taken: at
-#: the ends of both ranges, the networks' slopes are farther from the slopes of light transport.
+#: the ends of both ranges, the network's slopes are farther from the slopes of light transport.
 MIN_ABSORPTION, MIN_DEPTH = 1e-3, 0.02
 
-#: Codes that differ by more were scaled down by the energy limit, or are not the encoder's.
+#: Codes whose gains differ by more were scaled down by the energy limit.
 _ROUNDING = 1e-5
+
+#: Codes whose matrices of derivatives by the values are in memory at once.
+_MATRICES = 64
 
 #: Places of widths and index among the columns of a coat, and among the numbers of its lobe.
 _OF_COAT = {1: ((0, 1), (0, 4)), 2: ((0, 1, 5), (0, 4, 6))}
@@ -72,6 +74,7 @@ def layered(
     row = dr.arange(mi.UInt32, len(z))
     places = row % (len(below) * channels) * size
     own = [dr.gather(mi.Float, bottom.array, places + i) for i in range(size)]
+    own[lobe] = dr.maximum(own[lobe], LEAST_GAIN)
     below = np.broadcast_to(below, codes.shape).reshape(z.shape)
     at = np.stack([np.broadcast_to(x, (points, channels)).ravel() for x in chosen.columns()])
     at = at.astype(np.float32)
@@ -103,26 +106,37 @@ def layered(
         slopes[:, limited] = np.stack([energy.factor_slopes(model, x) for x in z[limited]], axis=1)
         changes[lobe] += sum(x * y for x, y in zip(_rows(slopes), changes, strict=True))
     if none.any():
-        rendered = none & ~energy.are_bare(model, below)  # bare surfaces have no rest
-        of_layer, of_lobe, of_rest = _rows(np.stack([~none, none, rendered]))
-        kept = [of_lobe] * lobe + [of_rest] * (size - lobe)
-        parts = zip(kept, own, changes, strict=True)
-        changes = [share * _change(x) + of_layer * y for share, x, y in parts]
+        of_layer, of_bottom = _rows(np.stack([~none, none]))
+        parts = zip(own, changes, strict=True)
+        changes = [of_bottom * _change(x) + of_layer * y for x, y in parts]
     return _tensor(codes, changes)
 
 
-def encoded(
-    model: Model, f: Sequence, lobe: "mi.TensorXf | None", anchors: np.ndarray
-) -> "mi.TensorXf":
-    """Anchors of a bottom (M, C, L), differentiable in its values and its lobes.
+def diffuse(model: Model, reflectances: Sequence) -> list[list]:
+    """Codes (size) of Lambertian surfaces, one for each reflectance, all Dr.Jit floats.
 
-    The limit of a bottom's albedo is ignored, so that an optimiser can leave white. A rest
-    darker than a diffuse surface of `LEAST_REFLECTANCE` has the code of this surface: networks see
-    logarithms, whose derivatives mean nothing there.
+    Their logarithmic gains are differentiated as in `encoded`.
+    """
+    code, codes = [mi.Float(float(x)) for x in white_code(model)], []
+    for reflectance in reflectances:
+        at = dr.maximum(dr.detach(reflectance), LEAST_REFLECTANCE)
+        gain = code[model.arch.lobe] + dr.log(at) + _change(reflectance) / at
+        codes.append([*code[: model.arch.lobe], gain, *code[model.arch.lobe + 1 :]])
+    return codes
+
+
+def encoded(
+    model: Model, f: Sequence, lobe: "mi.TensorXf | None", codes: np.ndarray
+) -> "mi.TensorXf":
+    """Codes of a bottom (M, C, L), differentiable in its values and its lobes.
+
+    The limit of a bottom's albedo is ignored, so that an optimiser can leave white. A rest darker
+    than a diffuse surface of `LEAST_REFLECTANCE` has the code of this surface: codes follow
+    logarithms, whose derivatives have no bound there.
 
     f: of each channel (M * P) [1/sr] at the probe pairs of M points.
     lobe: (M or 1, C, K) if it is known; None: it is fitted to the values.
-    anchors: (M or 1, C, L) as they are without gradients.
+    codes: (M or 1, C, L) as they are without gradients.
     """
     wi, wo = (mi.Vector3f(np.ascontiguousarray(w.T)) for w in model.networks.pairs())
     pairs, channels, size = dr.width(wi), len(f), model.arch.lobe
@@ -131,11 +145,9 @@ def encoded(
     row, pair = lane // pairs, lane % pairs
     place = (row // channels * pairs + pair) * channels + row % channels
     values = dr.gather(mi.Float, stacked(f, points * pairs).array, place)
-    z = np.broadcast_to(anchors, (points, *anchors.shape[1:])).reshape(count, -1)
+    z = np.broadcast_to(codes, (points, *codes.shape[1:])).reshape(count, -1)
     plain = values.numpy().reshape(count, pairs)
-    rest, seen, own, dark = _rests(model, plain, z)
-    refined = ~dark & (np.abs(own - z)[:, size + 1 :].max(axis=-1) > _ROUNDING)
-    z = np.where(dark[:, None], own, z)
+    rest, seen, z = _rests(model, plain, z)
     numbers = _rows(z[:, :size].T)
     if lobe is not None:
         first = dr.arange(mi.UInt32, count) % (lobe.shape[0] * channels) * size
@@ -156,51 +168,34 @@ def encoded(
     wi, wo = (dr.gather(mi.Vector3f, w, pair) for w in (wi, wo))
     top = lobes.f([at], wi, wo, kind)[0]
     plain_rest, visible = _rows(np.stack([rest.ravel(), seen.ravel()]))
-    rests = plain_rest + visible * _change(values - top)
-    mean, scale = (mi.TensorXf(model.params[f"encoder.input_{x}"][None]) for x in ("mean", "scale"))
-    logs = mi.TensorXf(dr.log(rests + OFFSET), plain.shape)
-    codes = _columns(_network(model, "encoder", (logs - mean) / scale))
-    if refined.any():
-        found = dr.custom(
-            _Linear,
-            mi.TensorXf(rests, plain.shape),
-            z[:, size:],
-            _refined(model),
-            (plain, z, refined),
-        )
-        of_fit, of_network = _rows(np.stack([refined, ~refined]))
-        parts = zip(_columns(found), codes, strict=True)
-        codes = [of_fit * x + of_network * y for x, y in parts]
-    return _tensor(z.reshape(points, channels, -1), [_change(x) for x in (*numbers, *codes)])
+    rests = mi.TensorXf(plain_rest + visible * _change(values - top), plain.shape)
+
+    def by_rests(rest: np.ndarray, z: np.ndarray) -> np.ndarray:
+        top = model.networks.top(z[:, None], *model.networks.pairs())
+        return code_fit.slopes(model.networks.basis, rest, top, z[:, size:])
+
+    found = dr.custom(_Linear, rests, z[:, size:], by_rests, (rest, z))
+    changes = [_change(x) for x in (*numbers, *_columns(found))]
+    return _tensor(z.reshape(points, channels, -1), changes)
 
 
 def _rests(model: Model, f: np.ndarray, z: np.ndarray) -> tuple[np.ndarray, ...]:
-    """Values f (N, P) without the lobes of codes z (N, L), as the encoder takes them.
+    """Values f (N, P) without the lobes of codes z (N, L).
 
     Returns:
-        The rest (N, P) [1/sr], whether f changes it (N, P), its codes (N, L) with the same lobes,
-        and whether it stands for a darker one (N,), see `encoded`.
+        The rest (N, P) [1/sr], whether f changes it (N, P), and the codes (N, L) of both: those of
+        darker rests have changed, see `encoded`.
     """
     networks, size, rest = model.networks, model.arch.lobe, np.empty_like(f)
     fill_blocks(rest, lambda f, z: f - networks.top(z[:, None], *networks.pairs()), f, z)
     seen, least = rest >= 0, np.float32(LEAST_REFLECTANCE / np.pi)
     np.maximum(rest, 0, out=rest)
-    dark = (rest.mean(axis=-1) < least) | energy.are_bare(model, z)
-    rest[dark], seen[dark] = least, True
-    codes = encoder_codes(model, rest, np.array(no_lobe(model.widths), np.float32))
-    return rest, seen, np.concatenate([z[:, :size], codes[:, size:]], axis=-1), dark
-
-
-def _refined(model: Model) -> Callable[..., np.ndarray]:
-    """The function from f (n, P), codes and whether they are refined to derivatives (n, P, R)."""
-
-    def by_rests(f: np.ndarray, z: np.ndarray, refined: np.ndarray) -> np.ndarray:
-        result = np.zeros((*f.shape, z.shape[1] - model.arch.lobe), np.float32)
-        for i in np.flatnonzero(refined):
-            result[i] = refined_slopes(model.networks, f[i], z[i]).T
-        return result
-
-    return by_rests
+    dark = rest @ networks.basis.measure < least
+    if dark.any():
+        rest[dark], seen[dark], z = least, True, np.array(z)
+        white = white_code(model)
+        z[dark, size:] = networks.rest_scaled(white, np.float32(LEAST_REFLECTANCE))[size:]
+    return rest, seen, z
 
 
 def _inside(coat: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -217,20 +212,14 @@ def _inside(coat: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _layerer(model: Model, below: Sequence, values: np.ndarray, moves: Sequence) -> "mi.TensorXf":
-    """The layerer's change (N, R) of the rests of codes `below`, at coats (K, N) that move."""
+    """The network's change (N, R) of the rests of codes `below`, at coats (K, N) that move."""
     kind, size = lobes.ANY_LOBE._replace(widths=model.widths), model.arch.lobe
     columns = [value + move for value, move in zip(_rows(values), moves, strict=True)]
     coat = coat_columns(*CoatParameters.of_columns(columns), DRJIT)
     inputs = *below[size:], *lobes.lobe_features(below[:size], kind)
-    return _network(
-        model, "layerer", stacked([*inputs, *COATS[model.widths].each(coat)], values.shape[1])
-    )
-
-
-def _network(model: Model, prefix: str, x: "mi.TensorXf") -> "mi.TensorXf":
-    """`nets.mlp.mlp` of a tensor (N, in)."""
+    x = stacked([*inputs, *COATS[model.widths].each(coat)], values.shape[1])
     index, params = 0, model.params
-    while (name := f"{prefix}.{index}") + ".weight" in params:
+    while (name := f"layerer.{index}") + ".weight" in params:
         if index:
             x = mi.TensorXf(activate(x.array, model.arch.activation), x.shape)
         values = linear(params, name, x.numpy())
@@ -304,7 +293,7 @@ class _Linear(dr.CustomOp):
 
         rows = change.numpy()
         result = np.empty((len(rows), size), np.float32)
-        fill_blocks(result, block, rows, *self._arrays)
+        fill_blocks(result, block, rows, *self._arrays, rows=_MATRICES if self._arrays else None)
         return mi.TensorXf(owned(mi.Float, result), result.shape)
 
     def name(self):

@@ -4,11 +4,11 @@ Where a parameter of a coat or of its bottom carries a gradient, `bake` adds cod
 to the plain codes (`coding`). Dr.Jit also differentiates the bottom's values at the probe pairs, or
 the parameters of a surface that is known by them.
 
-f has the same bits as without gradients. Its derivatives come from the decoded codes, which are
-computed within the ranges of the parameters, so that they may decode to another f. Integrators
-evaluate a picture without derivatives first; no code is decoded then. A table by light transport
-has slopes of its own by every number that carries a gradient (`table_gradients`), and codes give
-the derivatives of the lobe beside it.
+f has the same bits as without gradients. Its derivatives come from codes that the network layers,
+within the ranges of the parameters, so that they may give another f. Integrators evaluate a picture
+without derivatives first; these codes are not evaluated then. A table by light transport has slopes
+of its own by every number that carries a gradient (`table_gradients`), and codes give the
+derivatives of the lobe beside it.
 
 Only f is differentiated with respect to codes. Proposals depend on detached codes: as in all of
 Mitsuba's differentiable integrators, samples are fixed while the integrand changes.
@@ -23,14 +23,14 @@ import mitsuba as mi
 import numpy as np
 
 from urushi import checks
-from urushi.material.table import node_pairs
+from urushi.core.table import node_pairs
 from urushi.mitsuba import spectrum
 from urushi.mitsuba.latents import coding, table_gradients
 from urushi.mitsuba.latents.baking import Baker
 from urushi.mitsuba.latents.bottoms import PROBED_TEXELS, is_finer
 from urushi.mitsuba.latents.holders import ConstantLatents, TexturedLatents
 from urushi.mitsuba.latents.lookup import drawn_texel, texel_draw
-from urushi.mitsuba.networks.decoder import UrushiDecoder
+from urushi.mitsuba.networks.basis import BasisDecoder
 from urushi.mitsuba.networks.lobe import ANY_LOBE
 from urushi.mitsuba.networks.lobe import f as lobe_f
 from urushi.mitsuba.networks.table import TabulatedDecoder
@@ -68,13 +68,13 @@ class DifferentiableLatents:
         self.model, self.plain, self.logs = model, plain, logs
         self.vertex, self.at, self.save = plain.vertex, plain.at, plain.save
         self.channels, self.grid = plain.channels, plain.grid
-        self.material, self.anchors_at = plain.material, plain.anchors_at
+        self.material = plain.material
         self.table = mi.TensorXf() if logs is None else table_gradients.interleaved(logs)
         self._tables = [] if logs is None else [self.table.array]
         dr.make_opaque(self._tables)
         # Numbers that vanish or that channels share have gradients of their own.
         kind = ANY_LOBE._replace(widths=model.widths)
-        self._decoder = UrushiDecoder(model, kind)
+        self._decoder = BasisDecoder(model, kind)
         self._tabulated, self._lobe = TabulatedDecoder(kind), kind.size
         self._size = tensor.shape[-1]
         if plain.grid is None:
@@ -165,8 +165,18 @@ def bake(
     """Add codes that are differentiable in the parameters to the latents of `baker.update`."""
     model, grid = baker.model, plain.grid
     with spectrum.bands_of(grid):
-        tensor = _codes(baker, coat, bottom, grid)
-        return DifferentiableLatents(model, plain, tensor, _table(baker, coat, bottom, plain))
+        tensor, numbers = (
+            _codes(baker, coat, bottom, grid),
+            _transported(baker, coat, bottom, plain),
+        )
+        if model.widths == 1 or numbers is None:
+            return DifferentiableLatents(model, plain, tensor, numbers)
+        place, size = dr.arange(mi.UInt32, model.arch.lobe), model.arch.latent
+        of_lobes = [
+            dr.gather(mi.Float, tensor.array, place + c * size) for c in range(len(numbers))
+        ]
+        codes = dr.concat([x for pair in zip(of_lobes, numbers, strict=True) for x in pair])
+        return DifferentiableLatents(model, plain, mi.TensorXf(codes, (len(numbers), size)))
 
 
 def _codes(
@@ -187,11 +197,14 @@ def _codes(
     return codes
 
 
-def _table(baker: Baker, coat: CoatTextures, bottom: "mi.BSDF", plain: Any) -> list | None:
-    """ln f of each channel at the nodes of the latents' table; None: they have none."""
-    material, below = tabulated(plain), baker.bottom.material
+def _transported(baker: Baker, coat: CoatTextures, bottom: "mi.BSDF", plain: Any) -> list | None:
+    """`table_gradients.attached` of constant coats by light transport; None: they are others."""
+    below = baker.bottom.material
+    material = tabulated(plain) if baker.model.widths == 1 else plain.material
     if material is None or below is None:
         return None
+    if material.table is None and np.array_equal(material.latents, below.latents):
+        return None  # the coat is absent
     offer, values, codes = offer_of(bottom), [], None
     if wanted(bottom):
         nested = offer.latents
@@ -236,6 +249,9 @@ def _bottom_codes(
     if lobes and len(lobes[0]) > model.arch.lobe:
         lobes = []  # the average over the azimuth is fitted
     lobes = [[*lobe, *lobe[: model.arch.lobe - len(lobe)]] for lobe in lobes]
+    if offer.reflectance is not None:
+        reflectance = partial(offer.reflectance, si)
+        return _tensor(coding.diffuse(model, spectrum.at_bands(si, reflectance)))
     if lobes and offer.bare:
         rest = [mi.Float(float(value)) for value in model.networks.empty_rest()]
         return _tensor([[*lobe, *rest] for lobe in lobes])

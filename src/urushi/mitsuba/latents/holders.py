@@ -14,26 +14,25 @@ import drjit as dr
 import mitsuba as mi
 import numpy as np
 
-from urushi.core.mixture import Mixture
 from urushi.material.material import Material
-from urushi.material.table import rest_table
 from urushi.mitsuba import spectrum
 from urushi.mitsuba.latents.lookup import LatentTexture, are_constant
-from urushi.mitsuba.networks.decoder import UrushiDecoder
+from urushi.mitsuba.networks.basis import FUNCTION_SCALE, BasisDecoder
 from urushi.mitsuba.networks.lobe import NO_LOBE, LobeKind, kind_of
-from urushi.mitsuba.networks.sampler import UrushiSampler
+from urushi.mitsuba.networks.proposal import CodeProposals
 from urushi.mitsuba.networks.table import TabulatedDecoder, stored
 from urushi.mitsuba.recording import only_where, owned
 from urushi.nets.weights import Model
+from urushi.textures.principal import principal_texture
 from urushi.textures.store import TexelGrid, TextureStore, write_texture
 
 
 class Vertex(NamedTuple):
     """Quantities that depend on the position and on wi alone."""
 
-    # Per channel the decoder's terms, Dr.Jit floats; one list if all channels have the same code.
+    # Per channel the terms of f, Dr.Jit floats; one list if all channels have the same code.
     decoder_terms: list[list]
-    proposal: Mixture | None  # of the mean code over the channels; None if it is not needed
+    proposal: Any  # a mixture, of the mean code over the channels; None if it is not needed
 
 
 class _Held:
@@ -86,14 +85,14 @@ class ConstantLatents(_Held):
         self._fine = len(latents) == spectrum.COUNT
         whole = table is not None and not material.beside_lobe
         kind = NO_LOBE if whole else kind_of_codes(model, latents[None])
-        self._sampler = UrushiSampler(model, kind)
-        self._decoder: UrushiDecoder | TabulatedDecoder
+        self._sampler = CodeProposals(model, kind)
+        self._decoder: BasisDecoder | TabulatedDecoder
         self._tables = []
-        if self._fine and model.widths == 2:
-            self._decoder = UrushiDecoder(model, kind)
+        if model.widths == 2:
+            self._decoder = BasisDecoder(model, kind)
         else:
             self._decoder = TabulatedDecoder(kind, material.knots)
-            table = rest_table(model.networks, latents) if table is None else table
+            table = model.networks.table(latents) if table is None else table
             if table is not None:
                 table = np.moveaxis(table, -1, 0)[..., None] if self._fine else table
                 self._tables = [stored(table, half)]
@@ -102,7 +101,7 @@ class ConstantLatents(_Held):
             self._decoder_terms, self._kind = [owned(mi.Float, rows)], kind
         else:
             self._decoder_terms = [_opaque(terms) for terms in self._decoder.code_terms(latents)]
-        mean = material.anchors.mean(axis=0)
+        mean = material.latents.mean(axis=0)
         self._proposals = [owned(mi.Float, x) for x in self._sampler.tabulated(mean)]
 
     def vertex(self, si, active) -> Vertex:
@@ -144,10 +143,6 @@ class ConstantLatents(_Held):
         latents = self.material.latents
         return np.broadcast_to(latents, (len(uv), *latents.shape))
 
-    def anchors_at(self, uv: np.ndarray) -> np.ndarray:
-        """Codes (M, C, size) at points uv (M, 2) that coats are layered over."""
-        return np.broadcast_to(self.material.anchors, (len(uv), *self.material.anchors.shape))
-
     def save(self, path: str | os.PathLike) -> None:
         """Write a file that `neural_brdf` and `urushi.load` read."""
         self.material.save(path)
@@ -159,22 +154,31 @@ class ConstantLatents(_Held):
 
 
 class TexturedLatents(_Held):
-    """A packed texture of latent codes, see `textures.packing`."""
+    """A packed texture of latent codes, see `textures.packing`.
+
+    They are rendered by principal numbers where these are fewer (`textures.principal`).
+    """
 
     material = None
 
-    DRJIT_STRUCT: ClassVar = {"_texture": object}  # for frozen functions
+    DRJIT_STRUCT: ClassVar = {"_texture": object, "_decoder": object}  # for frozen functions
+    UNRECORDED: ClassVar = ("_store", "_principal")  # kernels read `_texture` and `_decoder`
 
     def __init__(self, model: Model, store: TextureStore, grid: TexelGrid):
         self._store, self.model = store, model
         self.grid, self.channels = grid, store.layout.channels
         self._size, self._bytes = store.layout.size, store.layout.texel_bytes
         self._kind = kind_of_store(model, store)
-        self._decoder = UrushiDecoder(model, self._kind)
-        self._sampler = UrushiSampler(model, self._kind)
+        self._principal = principal_texture(model, store)
+        self._sampler = CodeProposals(model, self._kind)
         # Channels of the same code are evaluated once.
         self._kept = 1 if (store.layout.constant | store.layout.same).all() else self.channels
-        self._texture = LatentTexture(store, grid)
+        if self._principal is None:
+            self._decoder = BasisDecoder(model, self._kind)
+            self._texture = LatentTexture(store, grid)
+        else:
+            self._decoder = BasisDecoder(model, self._kind, self._principal.functions)
+            self._texture = LatentTexture(self._principal.scaled(FUNCTION_SCALE), grid)
 
     def vertex(self, si, active) -> Vertex:
         """The vertex at a surface interaction."""
@@ -187,15 +191,23 @@ class TexturedLatents(_Held):
         return self._decoder.f_of_terms
 
     def _vertex(self, wi, uv, *footprint) -> Vertex:
-        latents = self._texture.look_up(uv, wi, *footprint)[: self._kept]
-        proposal = self._sampler.proposal(self._kind.mean(latents), wi)
+        return self._vertex_of(self._texture.look_up(uv, wi, *footprint)[: self._kept], wi)
+
+    def _vertex_of(self, latents: list[list], wi) -> Vertex:
+        """The vertex of the numbers that the texture holds for each channel."""
+        if self._principal is None:
+            proposal = self._sampler.proposal(self._kind.mean(latents), wi)
+        else:
+            assert isinstance(self._sampler, CodeProposals)  # for the type checker
+            lobe, first = self.model.arch.lobe, self._principal.first
+            mean = self._kind.mean([z[:lobe] for z in latents])
+            proposal = self._sampler.proposal_of_terms(mean, latents[0][lobe:first], wi)
+            latents = [z[:lobe] + z[first:] for z in latents]
         return Vertex(self._decoder.code_terms_drjit(latents), proposal)
 
     def at(self, uv: np.ndarray) -> np.ndarray:
         """Latent codes (M, C, size) at points uv (M, 2)."""
-        return looked_up(self._texture.look_up, uv)
-
-    anchors_at = at  # coats are layered over the same codes
+        return self._store.read(self._texture.texels(uv))
 
     def save(self, path: str | os.PathLike) -> None:
         """Write a file that `neural_brdf` reads."""
@@ -220,17 +232,6 @@ def kind_of_store(model: Model, store: TextureStore) -> LobeKind:
     layout, packed = store.layout, store.packed
     highest, lobe = packed.lowest + layout.levels * packed.step, slice(model.arch.lobe)
     return kind_of(packed.lowest[lobe], highest[lobe], (layout.constant | layout.same)[lobe])
-
-
-def looked_up(look_up: Callable[..., list[list]], uv: np.ndarray) -> np.ndarray:
-    """Codes (M, C, size) at points uv (M, 2), seen along the normal, of lists of floats."""
-    latents = look_up(mi.Point2f(np.ascontiguousarray(uv.T, np.float32)), mi.Vector3f(0, 0, 1))
-    dr.eval(latents)
-    result = np.empty((len(uv), len(latents), len(latents[0])), np.float32)
-    for channel, z in enumerate(latents):
-        for number, value in enumerate(z):  # those that are the same everywhere have one entry
-            result[:, channel, number] = value.numpy()
-    return result
 
 
 def _opaque(values: np.ndarray) -> list:

@@ -15,6 +15,7 @@ import mitsuba as mi
 import numpy as np
 
 from urushi.mitsuba.recording import owned
+from urushi.textures.principal import PrincipalTexture
 from urushi.textures.store import IDENTITY, TexelGrid, TextureStore
 
 #: Number of steps of a texel's weight along an axis. A point within half a step of the centre of a
@@ -30,7 +31,7 @@ class LatentTexture:
         ("_words", "_offsets", "_widths", "_heights"), object
     ) | dict.fromkeys(("_base", "_affine", "_lowest", "_steps"), list)
 
-    def __init__(self, store: TextureStore, grid: TexelGrid):
+    def __init__(self, store: TextureStore | PrincipalTexture, grid: TexelGrid):
         """grid: the place of the first level's texels."""
         self._layout, self._grid = store.layout, grid
         levels, packed = store.levels, store.packed
@@ -68,6 +69,11 @@ class LatentTexture:
             level = mi.UInt32(self._level(duv_dx, duv_dy) + draw[2])
             level = dr.minimum(level, self._levels - 1)
         return self._codes(self._gather(self._texel(uv, level, draw)))
+
+    def texels(self, uv: np.ndarray) -> np.ndarray:
+        """Indices (M,) of the texels of the first level at points uv (M, 2), seen from above."""
+        point, normal = mi.Point2f(np.ascontiguousarray(uv.T, np.float32)), mi.Vector3f(0, 0, 1)
+        return self._texel(point, None, texel_draw(point, normal)).numpy()
 
     def _to_texture(self, x, y, point: bool) -> tuple:
         if not self._affine:

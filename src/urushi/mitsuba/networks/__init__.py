@@ -1,1 +1,1 @@
-"""The networks of `urushi.nets` as Dr.Jit code inside kernels."""
+"""Basis, lobe, proposal and tables as Dr.Jit code inside kernels."""

@@ -19,7 +19,7 @@ from urushi.nets import weights
 from urushi.nets.weights import Model
 
 #: Samples of the directional albedo for denoisers, at fixed points.
-ALBEDO_SAMPLES = 16
+ALBEDO_SAMPLES = 256
 
 
 def define_proposal_bsdf() -> type:
@@ -318,7 +318,7 @@ def ignore(props: "mi.Properties", *names: str) -> None:
 
 
 def read_weights(props: "mi.Properties") -> Model | None:
-    """The networks that the property `weights` names; None without it: shipped ones that fit."""
+    """The weights that the property `weights` names; None without it: shipped ones that fit."""
     name = props.get("weights", "")
     if not name:
         return None

@@ -64,7 +64,7 @@ def define(base: type) -> type:
         ============== ===================== ====================================================
 
         The parameters ``resolution``, ``weights`` and ``mipmaps`` of ``neural_layered`` are
-        ignored, so that one word changes a scene from networks to walks.
+        ignored, so that one word changes a scene from codes to walks.
 
         Every evaluation is one random walk of unbounded depth between the coat's surface and the
         bottom. Images are noisy but unbiased, up to 0.1 % in lossless media deeper than 12 (see

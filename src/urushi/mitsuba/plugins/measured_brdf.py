@@ -58,7 +58,7 @@ def define(base: type) -> type:
         ============== ===================== ====================================================
 
         Can be used alone or under a coat: ``layered`` walks through the coat to the measured BRDF,
-        and ``neural_layered`` encodes it with refinement. Evaluation is trilinear in a table over
+        and ``neural_layered`` encodes it. Evaluation is trilinear in a table over
         half and difference angles, as by ``urushi.load_measured``. An RGL material is not exactly
         reciprocal: it is averaged over the exchange of its directions and tabulated on
         256 x 64 x 64 bins (Mitsuba's own ``measured`` does not average). Directions are drawn from

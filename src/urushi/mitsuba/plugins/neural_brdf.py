@@ -28,17 +28,16 @@ def define(base: type) -> type:
         filename       string                File that ``urushi.Material.save`` wrote, or the
                                              method ``save`` of a ``neural_layered``, textures
                                              included; relative to the scene file. (Required)
-        weights        string                File of the networks that the material was encoded
-                                             with. (Default: the shipped networks)
+        weights        string                File of the basis that the material was encoded
+                                             with. (Default: the shipped one)
         rotation       float, texture        Angle by which the tangent of an anisotropic material
                                              is turned about the normal, counter-clockwise from
                                              dp/du of the shape, in degrees; it is added to that of
                                              the file. (Default: 0)
         latents        tensor                The latent codes (channels, L), differentiable;
                                              exposed by ``mi.traverse``, not a property, and not
-                                             for textures. A coat around a refined material lies
-                                             over its anchors, or over these codes once they were
-                                             edited. Edited codes also replace the material's table.
+                                             for textures. Edited codes also replace the material's
+                                             table.
         ============== ===================== ====================================================
 
         The material may come from a description, a simulation, a measurement or a function, and

@@ -1,4 +1,4 @@
-"""The plugin `neural_layered`: a coat over any BSDF, layered in the latent space."""
+"""The plugin `neural_layered`: a coat over any BSDF, by tables and latent codes."""
 
 from dataclasses import replace
 from typing import ClassVar
@@ -33,7 +33,7 @@ def define(base: type) -> type:
     """Make the plugin's class in the current variant; base: of `define_neural_bsdf`."""
 
     class NeuralLayered(base):
-        """A coated BSDF by neural networks, evaluated without noise (``neural_layered``).
+        """A coated BSDF by latent codes and tables, without noise (``neural_layered``).
 
         Takes the parameters of ``layered``, its reference, and these:
 
@@ -41,7 +41,7 @@ def define(base: type) -> type:
         resolution     integer               Texels per side of the latent texture if anything is
                                              textured, at most 8192. (Default: that of the largest
                                              texture, at most 2048; 256 for procedural ones)
-        weights        string                File of the networks. (Default: the shipped
+        weights        string                File of the weights. (Default: the shipped
                                              ones, ``anisotropic`` where the coat or the bottom is
                                              anisotropic, otherwise ``default``)
         mipmaps        boolean               Whether to build the mip pyramid of the latent texture:
@@ -50,10 +50,9 @@ def define(base: type) -> type:
                                              Mitsuba do not. (Default: false)
         ============== ===================== ====================================================
 
-        The networks know sigma_t from 0 to 8 and g from -0.8 to 0.9. Outside these ranges, constant
-        coats are computed from a table; textures and anisotropic coats layer a similar medium, with
-        a warning. Two widths of a ratio above 10 are refused. The bottom must have no normals of
-        its own.
+        The layering network knows sigma_t from 0 to 8 and g from -0.8 to 0.9. Outside these ranges,
+        it layers textures under a similar medium, with a warning. Two widths of a ratio above 10
+        are refused. The bottom must have no normals of its own.
 
         Without a nested BSDF, over dielectrics and over slabs, it is a *slab* as ``layered``, which
         scatters light from both sides to both. Tables of what it reflects and transmits are
@@ -61,13 +60,12 @@ def define(base: type) -> type:
         each interface, and have derivatives by albedo and sigma_t, but not in
         spectral variants.
 
-        When the scene is loaded, the bottom is evaluated at the encoder's probe pairs, averaged if
-        it lacks the symmetries of materials (see ``urushi.encode``), encoded, and layered by the
-        network. A constant coat over a constant bottom that is known by its values alone, such as
-        ``measured_brdf``, ``roughplastic`` or ``principled``, a file with a table, another such
-        coat, or a metal of ``alpha`` below 0.1 is computed from a table instead, as in
-        ``urushi.layer``. Textures are baked in their
-        own space if they share one ``to_uv``, otherwise over the unit square of uv, which repeats.
+        When the scene is loaded, the bottom is evaluated at the probe pairs, averaged if it lacks
+        the symmetries of materials (see ``urushi.encode``), and encoded. Constant coats over
+        constant bottoms are computed by light transport, as in ``urushi.layer``: a table for one
+        width, codes for two. So are 384 different texels and channels of a texture, or 12 of two
+        widths; the network, corrected by these, layers all others. Textures are baked in their own
+        space if they share one ``to_uv``, otherwise over the unit square of uv, which repeats.
         A change through ``mi.traverse`` recomputes the codes that depend on it. The method ``save``
         writes the codes to a file for ``neural_brdf``. In spectral variants, a constant coat has
         one code for each of 56 bands from 380 to 720 nm, and a wavelength takes that of its band;
@@ -117,8 +115,8 @@ def define(base: type) -> type:
         def offer(self):
             return replace(super().offer(), rotated=self._coat.has_rotation)
 
-        def _choose_networks(self):
-            """Choose the networks for the present coat and bottom."""
+        def _choose_weights(self):
+            """Choose the weights for the present coat and bottom."""
             check_rotation(self._bottom, self._coat.where)
             model = self._weights
             if model is None:
@@ -131,7 +129,7 @@ def define(base: type) -> type:
 
         def _bake(self, bottom_changed=True):
             if bottom_changed:
-                self._choose_networks()
+                self._choose_weights()
             assert self._baker is not None  # for the type checker
             with dr.suspend_grad():
                 self.latents = self._baker.update(bottom_changed)

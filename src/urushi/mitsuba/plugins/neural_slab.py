@@ -7,6 +7,7 @@ import numpy as np
 from urushi.checks import MIN_ALPHA
 from urushi.core.mixture import Mixture
 from urushi.core.namespace import DRJIT
+from urushi.core.table import MIN_COSINE
 from urushi.errors import ParameterError
 from urushi.material.slab_coordinates import (
     PASSED_SHAPE,
@@ -26,7 +27,6 @@ from urushi.mitsuba.plugins.coats import CoatStack, SlabMixture, above_surface, 
 from urushi.mitsuba.reading.grid import varies
 from urushi.mitsuba.reading.parameters import opaque
 from urushi.mitsuba.recording import only_where, owned
-from urushi.nets.features import MIN_COSINE
 from urushi.nets.weights import default_model
 from urushi.walk import interface
 

@@ -57,6 +57,7 @@ def reflection_source(bsdf: "mi.BSDF") -> Source:
             return Source(
                 lambda wi, wo: _mean_values(bsdf, wi, wo, 1),
                 symmetric=True,
+                tabulated=False,  # a lobe alone, a Lambertian, or `bsdf_source` knows more
                 lobe=lobes[0],
                 bare=offer.bare,
                 widths=1 if lobes.shape[-1] == len(LOBE_NUMBERS) else 2,
@@ -76,7 +77,7 @@ def reflection_source(bsdf: "mi.BSDF") -> Source:
 
 
 def has_two_widths(bsdf: "mi.BSDF") -> bool:
-    """Whether a BSDF is anisotropic, so that its codes need networks of two widths.
+    """Whether a BSDF is anisotropic, so that its codes need two widths.
 
     A texture counts by its value in the middle of uv; a random BSDF counts as isotropic.
     """

@@ -37,7 +37,7 @@ class Latents(Protocol):
 
     @property
     def model(self) -> Model:
-        """The networks that they belong to."""
+        """The weights that they belong to."""
 
     @property
     def channels(self) -> int:
@@ -53,9 +53,6 @@ class Latents(Protocol):
 
     def at(self, uv: np.ndarray) -> np.ndarray:
         """Codes (M, C, size) at points uv (M, 2)."""
-
-    def anchors_at(self, uv: np.ndarray) -> np.ndarray:
-        """Those that coats are layered over."""
 
 
 @dataclass(frozen=True)

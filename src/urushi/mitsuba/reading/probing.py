@@ -1,4 +1,4 @@
-"""Evaluation of Mitsuba BSDFs at pairs of directions, for the encoder."""
+"""Evaluation of Mitsuba BSDFs at pairs of directions."""
 
 from typing import NamedTuple
 
@@ -158,7 +158,7 @@ def needed_averaging(
 
     A BSDF that has it at `TESTED_TEXELS` texels is taken to have it everywhere.
 
-    where: begins warnings. widths: of the material's networks.
+    where: begins warnings. widths: of the material's codes.
     """
     count = needed_repeats(bsdf, wi, wo, grid.texels)
     if count > 1:

@@ -1,4 +1,4 @@
-"""The plugin `openpbr`: OpenPBR Surface, its coat by a table, networks or random walks."""
+"""The plugin `openpbr`: OpenPBR Surface, its coat by a table, codes or random walks."""
 
 from typing import Any
 
@@ -13,7 +13,7 @@ from urushi.openpbr_surface.compensation import Compensation
 from urushi.openpbr_surface.inputs import Inputs, derived, load_part, width_properties
 from urushi.openpbr_surface.shares import transmits, without_medium
 
-#: Plugins of the coat: by networks, and by walks.
+#: Plugins of the coat: by tables or codes, and by walks.
 COATS = ("neural_layered", "layered")
 
 
@@ -49,7 +49,7 @@ def define(proposal_bsdf: type):
 
         The base is a closed form. A dielectric reflects by single scattering and transmits the rest
         to the diffuse slab, and the fraction base_color leaves it again; a metal has the F82-tint
-        term. The coat's light transport is computed by a table, networks or walks; coat_weight
+        term. The coat's light transport is computed by a table, codes or walks; coat_weight
         mixes the BRDFs of the bare and the coated base. Fuzz lies above both. Not supported, and
         refused or left out with a warning, are dispersion, separate directions for the coat, and
         over a base that transmits light fuzz and some thin films and coats. Light is emitted by
@@ -74,10 +74,10 @@ def define(proposal_bsdf: type):
         uncoated base.
 
         Where all parameters are constant and isotropic and the base is not smooth, the coat is
-        computed as a table when the material is loaded. Networks layer all others.
+        computed as a table when the material is loaded. All others have codes.
 
         If the coat's index exceeds the base's, total internal reflection occurs at the base. For a
-        specular_roughness below 0.3, networks use the inverse ratio of indices; they clamp
+        specular_roughness below 0.3, codes use the inverse ratio of indices; they clamp
         base_diffuse_roughness to 0.5.
 
         .. tabs::

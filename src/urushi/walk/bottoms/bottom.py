@@ -73,7 +73,7 @@ class Family:
 
         Returns:
             (normal, grazing, exact, eta, k) of F(c) = normal (1 - (1 - c)^5) + grazing (1 - c)^5 +
-            exact F(c; eta, k); all factors are 0 if there is no lobe. None: the encoder fits a lobe
+            exact F(c; eta, k); all factors are 0 if there is no lobe. None: `encode` fits a lobe
             to values.
         """
 

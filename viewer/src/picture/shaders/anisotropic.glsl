@@ -1,6 +1,7 @@
 // The parts of object.frag for anisotropic materials: tables by the cosine and the azimuth of the view,
 // in the frame of the material's tangent.
 uniform int azimuths; // the table's columns are the cosines of one azimuth after the other
+uniform sampler3D bright; // ln f by half vector and difference
 uniform int turns; // azimuths of the difference in `bright`, one slab after the other
 uniform float rotation; // of the material's tangent [radians]
 

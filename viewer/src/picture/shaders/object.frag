@@ -7,8 +7,7 @@ precision highp sampler3D;
 
 #include frame.glsl
 
-uniform sampler2D table; // columns: cosines; rows as in bright_table.ts
-uniform sampler3D bright; // ln f by half vector and difference angle
+uniform sampler2D table; // columns: cosines; rows as in direction_table.ts
 
 out vec4 colour;
 
@@ -21,23 +20,10 @@ vec3 mirrored(Frame frame, vec4 facet) {
 #ifdef ANISOTROPIC
 #include anisotropic.glsl
 #else
-// f for directions whose half vector and difference angle lie in the table.
-vec3 f(vec3 normal, vec3 view, vec3 light) {
-    float cosView = dot(normal, view), cosLight = dot(normal, light);
-    vec3 half_ = view + light;
-    float halfLength = length(half_);
-    float cosDifference = min(0.5 * halfLength, 1.0);
-    float sinDifference = sqrt(max(1.0 - cosDifference * cosDifference, 0.0));
-    float cosHalf = clamp((cosView + cosLight) / halfLength, 1e-3, 1.0);
-    float sinHalf = length(cross(normal, half_)) / halfLength;
-    float tangent = sinHalf / cosHalf;
-    float x = log2(1.0 + tangent / NEAR) / log2(1.0 + FAR / NEAR);
-    float y = acos(cosDifference) * (2.0 / 3.14159265);
-    float z = abs(cosView - cosLight) / (2.0 * sinHalf * sinDifference + 1e-6);
-    vec3 size = vec3(textureSize(bright, 0));
-    vec3 at = (clamp(vec3(x, y, z), 0.0, 1.0) * (size - 1.0) + 0.5) / size;
-    return exp(texture(bright, at).rgb);
-}
+#include material.glsl
+
+uniform vec3 lobe[6]; // numbers of the material's lobe
+uniform sampler3D rest; // ln f without it, by the coordinates of tables
 
 // The mean light of the diffuse part and of the table's directions by their weights, times the albedo:
 // a few directions thus reflect as much as all.
@@ -73,7 +59,8 @@ vec3 reflected(Frame frame) {
 }
 
 vec3 f(Frame frame, vec3 light) {
-    return f(frame.z, frame.view.x * frame.x + frame.view.z * frame.z, light);
+    vec3 local = vec3(dot(light, frame.x), dot(light, frame.y), dot(light, frame.z));
+    return material_f(lobe, rest, frame.view, local);
 }
 #endif
 

@@ -12,6 +12,7 @@ float stored[4 * LAYERS]; // bytes of the texel, in [0, 1]
 #include material.glsl
 
 uniform sampler2DArray codes; // of the texture
+uniform highp sampler3D functions; // of the basis
 uniform sampler2D places; // in the texture, see surface.frag
 uniform vec3 start; // of the sequence of directions
 
@@ -64,7 +65,7 @@ void main() {
         vec3 direction = urushi_draw(proposal, frame.view, fract(start + float(i) * STEPS));
         float pdf = urushi_density(proposal, frame.view, direction);
         if (pdf > 0.0) {
-            vec3 weight = urushi_f(material, frame.view, direction) * (direction.z / pdf);
+            vec3 weight = urushi_f(material, frame.view, direction, functions) * (direction.z / pdf);
             sum += weight * incoming(frame, direction, log2(pdf));
         }
     }
@@ -74,7 +75,7 @@ void main() {
         vec3 light = lightDirections[i];
         vec3 local = vec3(dot(light, frame.x), dot(light, frame.y), dot(light, frame.z));
         if (local.z > 0.0) {
-            sum += urushi_f(material, frame.view, local) * local.z * open(light) * lightPowers[i];
+            sum += urushi_f(material, frame.view, local, functions) * local.z * open(light) * lightPowers[i];
         }
     }
     colour = vec4(sum, 1.0);

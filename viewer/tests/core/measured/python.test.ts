@@ -22,8 +22,8 @@ import urushi
 warnings.simplefilter("ignore")
 pairs = np.array(json.load(sys.stdin), np.float32).reshape(2, -1, 3)
 whole = urushi.encode(urushi.load_measured(sys.argv[1]))
-codes, anchor = (urushi.Material(z, whole.model) for z in (whole.latents, whole.anchors))
-print(json.dumps([m.f(*pairs).ravel().tolist() for m in (whole, codes, anchor)]))
+codes = urushi.Material(whole.latents, whole.model)
+print(json.dumps([m.f(*pairs).ravel().tolist() for m in (whole, codes)]))
 `;
 
 const VALUES = `
@@ -31,12 +31,12 @@ import json, sys
 import numpy as np
 import urushi
 from safetensors.numpy import load_file
-from urushi.material.table import node_pairs, table_of_values
+from urushi.core.table import node_pairs, table_of_values
 from urushi.nets.weights import find
 pairs = np.array(json.load(sys.stdin), np.float32).reshape(2, -1, 3)
 brdf, saved = urushi.load_measured(sys.argv[1]), load_file(sys.argv[2])
 model = find(None)  # of a file of networks without a fingerprint
-saved = urushi.Material(saved["latents"], model, None, saved["table"], beside_lobe=True)
+saved = urushi.Material(saved["latents"], model, saved["table"], beside_lobe=True)
 table = table_of_values(brdf.f(*node_pairs())).astype(float)
 print(json.dumps({
     "values": brdf.f(*pairs).T.tolist(),
@@ -61,17 +61,17 @@ test.skipIf(!existsSync(PYTHON) || !existsSync(FILE) || vectors === undefined)(
     const core = loadCore(bytesOf(SHIPPED));
     const [wi, wo] = [vectors!.of("wi"), vectors!.of("wo")];
     const input = JSON.stringify([...wi, ...wo]);
-    const [tabulated, f, anchored] = JSON.parse(
+    const [tabulated, f] = JSON.parse(
       execFileSync(PYTHON, ["-c", ENCODE, FILE], { input, encoding: "utf-8" }),
     );
-    const { latents, anchors, table } = core.encodeMeasured(bytesOf(FILE));
+    const { latents, table } = core.encodeMeasured(bytesOf(FILE));
     // Half numbers of logarithms up to 8 are rounded to 0.4 %, most of them less.
-    expect(deviation(core.f({ latents, anchors, table }, wi, wo), tabulated)).toBeLessThan(1e-3);
-    const reread = readMaterialFile(materialFile({ latents, anchors, table }, core), core);
+    expect(deviation(core.f({ latents, table }, wi, wo), tabulated)).toBeLessThan(1e-3);
+    const reread = readMaterialFile(materialFile({ latents, table }, core), core);
     expect(tables.value.get(reread.bottom.table!)).toEqual(table!.logs);
     // Python computes in single precision, the page in double.
-    expect(deviation(core.f({ latents, anchors }, wi, wo), f)).toBeLessThan(0.01);
-    expect(deviation(core.f({ latents: anchors, anchors }, wi, wo), anchored)).toBeLessThan(0.01);
+    const coded = core.layer({ bottom: { kind: "codes", latents }, coats: [] });
+    expect(deviation(core.f(coded, wi, wo), f)).toBeLessThan(0.001);
   },
 );
 
@@ -94,7 +94,7 @@ test.skipIf(!existsSync(PYTHON) || vectors === undefined)(
       const nodes = nodePairs();
       const logs = logsOf(valuesAt(readMeasured(file), nodes.wi, nodes.wo));
       const codes = new Float32Array(3 * core.latentSize).fill(0.3);
-      const material = { latents: codes, anchors: codes, table: { logs, besideLobe: true } };
+      const material = { latents: codes, table: { logs, besideLobe: true } };
       writeFileSync(`${path}.safetensors`, materialFile(material, core));
       const files = [path, `${path}.safetensors`];
       const {

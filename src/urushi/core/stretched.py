@@ -1,0 +1,62 @@
+"""Coordinates of pairs of directions for materials of two GGX widths.
+
+A lobe of the widths a_u, a_v is round to the stretched half vector (h_x s, h_y / s, h_z) with
+s = sqrt(a_v / a_u). The coordinates are therefore those of one width (`urushi.core.table`), with
+the half angle of the stretched half vector. What is left of the azimuth is a sum over `FACTORS`:
+
+    cos 2 psi, cos 2 p, cos 4 psi, cos 4 p, cos 2 psi cos 2 p
+
+with psi the azimuth of the stretched half vector, and p that of wi - wo. All of them are the same
+to the bit if wi and wo are exchanged, or both mirrored at the xz or the yz plane.
+"""
+
+from typing import Any
+
+import numpy as np
+
+from urushi.core.namespace import Components, Namespace
+from urushi.core.table import coordinates, log_tangent
+
+#: Number of factors of the azimuth.
+FACTORS = 5
+
+#: ln s is a multiple of this, so that codes share what depends on it alone; an error of s of ten
+#: per cent does not matter. The largest |ln s| that is used.
+STEP, LARGEST = 1 / 32, 1.25
+
+#: Least squares of slopes and of components in divisions.
+TINY = 1e-12
+
+
+def stretched(
+    both: Any, apart: Any, stretch2: Any, xp: Namespace
+) -> tuple[tuple[Any, ...], tuple[Any, ...]]:
+    """The coordinates (3) in [0, 1] up to rounding, and the factors (`FACTORS`).
+
+    both, apart: components of wi + wo and of wi - wo. stretch2: s^2.
+    """
+    x2, y2 = both.x * both.x * stretch2, both.y * both.y / stretch2
+    z2 = xp.named("stretched_z2", xp.maximum(both.z * both.z, 1e-18))
+    across = xp.named("stretched_across", x2 + y2)
+    dx2, dy2 = apart.x * apart.x, apart.y * apart.y
+    psi = xp.named("cos_2_psi", (x2 - y2) / xp.maximum(across, TINY))
+    p = xp.named("cos_2_p", (dx2 - dy2) / xp.maximum(dx2 + dy2, TINY))
+    _, v, w = coordinates(both, apart, xp)
+    u = log_tangent(across / z2, xp)
+    return (u, v, w), (psi, p, 2 * psi * psi - 1, 2 * p * p - 1, psi * p)
+
+
+def components_of(features: np.ndarray) -> tuple[Components, Components]:
+    """wi + wo and wi - wo from their components (..., 6)."""
+    both, apart = features[..., :3], features[..., 3:]
+    return Components(*np.moveaxis(both, -1, 0)), Components(*np.moveaxis(apart, -1, 0))
+
+
+def features_of(wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
+    """The components (..., 6) of wi + wo and wi - wo, of pairs (..., 3)."""
+    return np.concatenate([wi + wo, wi - wo], axis=-1)
+
+
+def rounded(log_stretch: Any) -> np.ndarray:
+    """ln s as a multiple of `STEP`, at most `LARGEST`."""
+    return np.clip(np.rint(np.asarray(log_stretch) / STEP) * STEP, -LARGEST, LARGEST)

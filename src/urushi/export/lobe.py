@@ -1,0 +1,102 @@
+"""The lobe of a material as shader code, as in `nets.lobe`, and the tangent of a turned material.
+
+Formulas take directions in a frame whose x axis is the material's tangent.
+"""
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from urushi.checks import Widths
+from urushi.core import microfacet
+from urushi.core.namespace import Components
+from urushi.export.expressions import FLOAT, Expression, Value, call, expression, is_zero, vector
+from urushi.export.statements import Function, Variable, namespace
+from urushi.nets.lobe import WIDTH_PLACES, reflectance_of
+
+#: Fields of an anisotropic material: components of its tangent, of length one.
+FIELDS = (
+    Variable("tangent_x", FLOAT, note="the tangent in the frame of wi and wo, a unit vector:"),
+    Variable("tangent_y", FLOAT, note="the cosine and the sine of the material's rotation"),
+)
+
+
+class Tangent(NamedTuple):
+    """The tangent (x, y, 0) of a material, of length one."""
+
+    x: Expression
+    y: Expression
+
+    @classmethod
+    def of(cls, rotation: float) -> "Tangent":
+        """The tangent of a material with a known rotation [degrees]."""
+        angle = np.radians(rotation)
+        return cls(expression(float(np.cos(angle))), expression(float(np.sin(angle))))
+
+    @property
+    def _is_x_axis(self) -> bool:
+        return self.x.constant is not None and self.x.constant == 1.0
+
+    def inside(self, body: Function, w: Expression, label: str) -> Expression:
+        """A direction of the caller's frame in the frame of the tangent."""
+        if self._is_x_axis:
+            return w
+        turned = vector(w.x * self.x + w.y * self.y, w.y * self.x - w.x * self.y, w.z)
+        return body.let(label, turned)
+
+    def outside(self, body: Function, w: Expression, label: str) -> Expression:
+        """A direction of the tangent's frame in the caller's frame."""
+        if self._is_x_axis:
+            return w
+        turned = vector(w.x * self.x - w.y * self.y, w.x * self.y + w.y * self.x, w.z)
+        return body.let(label, turned)
+
+
+#: The tangent of a material that is not turned.
+X_AXIS = Tangent.of(0.0)
+
+
+def lobe_f(body: Function, lobe: Sequence[Value], wi: Expression, wo: Expression) -> Expression:
+    """f [1/sr] of lobes, whose numbers are floats or colours; zero if none reflects."""
+    numbers = [expression(number) for number in lobe]
+    if all(is_zero(factor) for factor in numbers[1:4]):
+        return expression(0.0)
+    body.note_line("The lobe: D G / (4 cos_i cos_o) of GGX with the separable Smith term, where")
+    body.note_line("wi + wo stands for the half vector.")
+    xp, alphas = namespace(body), alphas_of(numbers)
+    above_i, above_o = (
+        Components(w.x, w.y, body.let(f"above_{label}", call("max", w.z, 0.0)))
+        for label, w in (("i", wi), ("o", wo))
+    )
+    h = microfacet.half_vector(above_i, above_o, xp)
+    alpha = alphas[0] if len(alphas) == 1 else Widths(*alphas)
+    shape = microfacet.lobe_shape(alpha, above_i, above_o, h, xp)
+    cosine = microfacet.facet_cosine(h, xp)
+    body.note_line("Its Fresnel term at the cosine to the facet.")
+    return body.let("lobe", shape * reflectance(body, numbers, cosine, "_facet"))
+
+
+def alphas_of(lobe: Sequence[Expression]) -> list[Expression]:
+    """The width of a lobe, or its two."""
+    places = next(places for places in WIDTH_PLACES.values() if len(lobe) == 5 + len(places))
+    return [lobe[place] for place in places]
+
+
+def reflectance(
+    body: Function, lobe: Sequence[Expression], cosine: Value, suffix: str
+) -> Expression:
+    """The Fresnel term of lobes at a cosine, see `nets.lobe.reflectance_of`.
+
+    suffix: of the names of its variables.
+    """
+    normal, grazing, exact, eta, k = lobe[1:6]
+    schlick = not (is_zero(normal) and is_zero(grazing))
+    numbers = (
+        normal if schlick else None,
+        grazing,
+        exact,
+        None if is_zero(exact) else eta,
+        None if is_zero(k) else k,
+    )
+    return expression(reflectance_of(numbers, expression(cosine), namespace(body, suffix)))

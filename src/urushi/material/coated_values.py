@@ -1,0 +1,316 @@
+"""f of coated materials at pairs of directions, by light transport through the coat.
+
+f of the coated material, without the lobe of its interface, is
+
+    1 / eta^2 E[w_i w_o S(wi', wo')],
+
+where wi' and wo' are wi and wo after refraction at random facets of the interface, w_i and w_o the
+transmitted fractions (`urushi.material.crossing`), and S is the BRDF of everything below, seen from
+just below the interface: the bottom through the medium, and all light that the medium scatters or
+that the interface reflects back (`urushi.material.adding`). Light that smooth surfaces mirror to
+and fro stays in the narrow lobe of the bottom. An index of 1 is no interface, and f is S itself.
+
+The mean is a sum over fixed pairs wi', wo'. Facets of width alpha tilt half vectors inside by about
+|1 - 1 / eta| alpha. Where that is not far below the width of the bottom's lobe, few pairs hit the
+lobe. Directions are then drawn from one of wi', wo' and a half vector of the lobe too, and the
+balance heuristic combines all (Veach and Guibas 1995). It counts half vectors by a small share:
+next to wide lobes, their weights are noisier than the pairs.
+
+A pair costs 5 us over wide lobes and 20 us over narrow ones.
+"""
+
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from urushi.checks import CoatParameters
+from urushi.core import lanes, microfacet
+from urushi.core.lanes import Lane
+from urushi.core.namespace import DRJIT
+from urushi.core.table import SHAPE, Knots, coordinates, known_nodes, node_pairs
+from urushi.material import adding
+from urushi.material.crossing import (
+    GENERATORS,
+    LEAST_COSINE,
+    cross_from,
+    crossing_at,
+)
+from urushi.material.material import Material
+from urushi.material.substrate import Substrate
+from urushi.nets import lobe as lobes
+
+#: Pairs of refracted directions over wide lobes, over narrow ones, and half vectors for each side.
+WIDE, NARROW, HALF = 256, 512, 256
+
+#: Share by which the balance heuristic counts half vectors.
+HALF_SHARE = 0.2
+
+#: Root mean square of the relative deviation of a channel from a sum of others that stands for it,
+#: about the rounding of a table in half precision.
+SPANNED = 2e-3
+
+#: Jobs that are computed at once: they bound the memory of their tables.
+JOBS = 64
+
+
+def coated_f(
+    bottom: Material | Substrate, coat: CoatParameters, wi: np.ndarray, wo: np.ndarray
+) -> np.ndarray:
+    """f float32 (N, ..., C) [1/sr] of coated materials, without the lobes of their interfaces.
+
+    Args:
+        bottom: of C channels, or of one.
+        coat: numbers or arrays (..., C) of coats with one width.
+        wi, wo: float32 (N, 3), above the horizon.
+    """
+    below = bottom if isinstance(bottom, Substrate) else Substrate.of(bottom)
+    *columns, channels = np.broadcast_arrays(*coat, np.arange(below.channels))
+    flat = np.stack([x.ravel() for x in columns]).astype(np.float64)
+    f = coated_values(below, channels.ravel(), flat[:2], flat[2:], wi, wo)
+    return f.reshape(len(wi), *channels.shape)
+
+
+def coated_values(
+    below: Substrate,
+    channels: np.ndarray,
+    interfaces: np.ndarray,
+    media: np.ndarray,
+    wi: np.ndarray,
+    wo: np.ndarray,
+    points: tuple[int, int, int] = (WIDE, NARROW, HALF),
+) -> np.ndarray:
+    """f float32 (N, D) [1/sr] of channels (D,) of a substrate under coats.
+
+    Args:
+        interfaces: (2, D), widths and relative indices.
+        media: (3 k, D), albedo, sigma_t and g of k media, top to bottom.
+        points: numbers of `WIDE`, `NARROW` and `HALF`.
+    """
+    first, which = _distinct(below, channels, np.concatenate([interfaces, media]))
+    result = np.empty((len(wi), len(first)), np.float32)
+    for start in range(0, len(first), JOBS):
+        some = first[start : start + JOBS]
+        jobs = _jobs(below, channels[some], interfaces[:, some], media[:, some])
+        chosen, weights = _spanning(jobs)
+        result[:, start : start + JOBS] = _f(jobs.taken(chosen), (wi, wo), points) @ weights
+    return result[:, which]
+
+
+def _distinct(
+    below: Substrate, channels: np.ndarray, coats: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Indices (E,) of channels (D,) under coats (P, D) that differ, and the place (D,) of each
+    channel among them. A grey material is computed once."""
+    names: dict[int, bytes] = {}
+    for channel in set(channels.tolist()):
+        lobe = b"" if below.lobe is None else below.lobe[channel].tobytes()
+        alone = below.channels == 1
+        names[channel] = b"" if alone else below.logs[..., channel].tobytes() + lobe
+    known: dict[tuple[bytes, ...], int] = {}
+    first: list[int] = []
+    which: list[int] = []
+    for index, (channel, coat) in enumerate(zip(channels.tolist(), coats.T, strict=True)):
+        key = names[channel], coat.tobytes()
+        if key not in known:
+            known[key] = len(first)
+            first.append(index)
+        which.append(known[key])
+    return np.array(first), np.array(which)
+
+
+class Jobs(NamedTuple):
+    """D interfaces, and the BRDFs below them."""
+
+    alpha: np.ndarray  # (D,)
+    eta: np.ndarray  # (D,)
+    width: np.ndarray  # (D,) of half vectors that are drawn; 0: none
+    direct: np.ndarray  # float32 (D, U, V, W), ln f of the bottom without its lobes
+    more: np.ndarray  # float32 (D, U, V, W), ln f of light that medium or interface turn back
+    lobe: np.ndarray | None  # float32 (D, N) of the bottom
+    depth: np.ndarray  # (D,) the optical depth that attenuates light from the bottom
+    times: np.ndarray | None  # (D, M) factor of light from the bottom at `adding.COSINES`
+    knots: Knots  # of the tables
+
+    def taken(self, chosen: Sequence[int] | np.ndarray) -> "Jobs":
+        """Some of the jobs."""
+        parts = [None if x is None else x[np.asarray(chosen)] for x in self[:-1]]
+        return Jobs._make([*parts, self.knots])
+
+
+def _jobs(
+    below: Substrate, channels: np.ndarray, interfaces: np.ndarray, media: np.ndarray
+) -> Jobs:
+    """The jobs of channels (D,), see `coated_values`."""
+    edges, (alpha, eta) = below.edges, interfaces
+    more, depths, times = [], [], []
+    mirrored = below.mirrored.any(axis=0)
+    for channel, a, n, medium in zip(channels, alpha, eta, media.T, strict=True):
+        back, layers = adding.interface_modes(a, n, edges), medium.reshape(-1, 3)
+        again, depth = adding.seen_inside(below.modes[channel], back, layers, edges)
+        more.append(adding.at_nodes(again, edges, below.knots))
+        depths.append(depth)
+        if mirrored.any():
+            upper, lower = adding.mirror(a, n, edges), below.mirrored[:, [channel]]
+            times.append(adding.to_and_fro([depth], upper, lower)[1][:, 0])
+    narrow = below.narrow(alpha, eta, channels) & (eta != 1)
+    return Jobs(
+        alpha,
+        eta,
+        np.where(narrow, below.width[channels], 0),
+        np.moveaxis(below.logs[..., channels], -1, 0),
+        np.log(np.maximum(np.stack(more), 1e-30)),
+        None if below.lobe is None else below.lobe[channels],
+        np.array(depths),
+        np.stack(times) if times else None,
+        below.knots,
+    )
+
+
+def _spanning(jobs: Jobs) -> tuple[list[int], np.ndarray]:
+    """Indices of jobs (E,), and weights (E, D) by which sums of their f are those of all jobs.
+
+    f of the coated material is linear in the BRDF below, so that fewer channels suffice for the
+    bands of a spectrum, up to `SPANNED`. The next channel is always the farthest from sums of the
+    chosen ones.
+    """
+    chosen, weights = list[int](), np.zeros((len(jobs.alpha), len(jobs.alpha)), np.float32)
+    _, groups = np.unique(np.stack([jobs.alpha, jobs.eta]), axis=1, return_inverse=True)
+    for group in range(groups.max() + 1):
+        members = np.flatnonzero(groups.ravel() == group)
+        if len(members) <= 3:
+            own, shares = list(range(len(members))), np.eye(len(members), dtype=np.float32)
+        else:
+            own, shares = _basis(_seen(jobs.taken(members)))
+        rows = len(chosen) + np.arange(len(own))
+        weights[np.ix_(rows, members)] = shares
+        chosen += members[own].tolist()
+    return chosen, weights[: len(chosen)]
+
+
+def _basis(s: np.ndarray) -> tuple[list[int], np.ndarray]:
+    """Columns (E,) of values (P, D), and weights (E, D), see `_spanning`."""
+    relative = s / s.mean(axis=1, keepdims=True)
+    sizes = np.linalg.norm(relative, axis=0)
+    relative /= sizes
+    left, chosen = relative.copy(), list[int]()
+    while len(chosen) < s.shape[1]:
+        away = np.linalg.norm(left, axis=0)
+        farthest = int(np.argmax(away))
+        if away[farthest] < SPANNED:
+            break
+        chosen.append(farthest)
+        axis = left[:, farthest] / away[farthest]
+        left -= axis[:, None] * (axis @ left)
+    weights = np.linalg.lstsq(relative[:, chosen], relative, rcond=None)[0]
+    return chosen, weights * (sizes / sizes[chosen, None])
+
+
+def _seen(jobs: Jobs) -> np.ndarray:
+    """The BRDFs below (P, D) at some nodes of the table."""
+    some = np.ix_(*known_nodes(jobs.knots))
+    pairs = [w.reshape(*SHAPE, 3)[some].reshape(-1, 3) for w in node_pairs(jobs.knots)]
+    return _f(jobs._replace(eta=np.ones(len(jobs.eta))), pairs, (1, 1, 1))
+
+
+def _f(jobs: Jobs, pairs: Sequence[np.ndarray], points: tuple[int, int, int]) -> np.ndarray:
+    """f (N, D) of jobs, without the interfaces' lobes (see the module)."""
+    result = np.empty((len(pairs[0]), len(jobs.alpha)), np.float32)
+    wide, narrow, half = points
+    matched = jobs.eta == 1
+    for chosen, count, own in (
+        (matched, 1, 0),
+        (~matched & (jobs.width == 0), wide, wide),
+        (~matched & (jobs.width > 0), half, narrow),
+    ):
+        if chosen.any():
+            some = jobs.taken(np.flatnonzero(chosen))
+            kernel = _Kernel(some, own, half if own == narrow and some.width.all() else 0)
+            result[:, chosen] = lanes.sums(kernel, int(chosen.sum()), pairs, count)
+    return result
+
+
+class _Kernel:
+    """Summands of f at the points of pairs, for `lanes.sums`."""
+
+    def __init__(self, jobs: Jobs, refracted: int, half: int) -> None:
+        """refracted, half: numbers of points of each pair, 0 without an interface and for none."""
+        self._jobs, self._refracted, self._half = jobs, refracted, half
+
+    def __call__(self, lane: Lane) -> Any:
+        jobs, (wi, wo) = self._jobs, lane.directions()
+        self._direct, self._more = lane.table(jobs.direct), lane.table(jobs.more)
+        self._times = None if jobs.times is None else lane.nearest(jobs.times)
+        self._lobe = None if jobs.lobe is None else [lane.number(x) for x in jobs.lobe.T]
+        self._depth = lane.number(jobs.depth) if jobs.depth.any() else None
+        if not self._refracted:
+            places = self._places(wi, wo)
+            return self._once(wi, wo, places) + DRJIT.exp(self._more(places))
+        alpha, eta = lane.number(jobs.alpha), lane.number(jobs.eta)
+        self._width: Any = lane.number(jobs.width) if self._half else None
+        total: Any = 0.0
+        step = self._half or self._refracted
+        for first in range(0, self._refracted, step):
+            u = lane.lattice(self._refracted, GENERATORS[self._refracted], first)
+            a, b = self._crossed(wi, alpha, eta, u[:2]), self._crossed(wo, alpha, eta, u[2:])
+            places = self._places(a.inside, b.inside)
+            once = self._once(a.inside, b.inside, places) * self._weight(a, b)
+            more = DRJIT.exp(self._more(places)) * (a.weight * b.weight)
+            total = total + (once + more) / self._refracted
+        if self._half:
+            u = lane.lattice(self._half, GENERATORS[self._half])
+            for near, far, own, others in ((wi, wo, u[:2], u[2:]), (wo, wi, u[2:], u[:2])):
+                a = self._crossed(near, alpha, eta, own)
+                once = self._by_half_vectors(a, far, alpha, eta, others)
+                total = total + once * (HALF_SHARE / self._half)
+        return total / (eta * eta)
+
+    def _places(self, wi: Any, wo: Any) -> tuple[Any, ...]:
+        """Coordinates of a pair in the tables."""
+        return coordinates(wi + wo, wi - wo, DRJIT, self._jobs.knots)
+
+    def _once(self, wi: Any, wo: Any, places: tuple[Any, ...]) -> Any:
+        """Light that the bottom reflects."""
+        value = DRJIT.exp(self._direct(places))
+        if self._lobe is not None:
+            h, (alpha, *numbers) = wi + wo, self._lobe
+            fresnel = lobes.reflectance_of(numbers, microfacet.facet_cosine(h, DRJIT), DRJIT)
+            value = value + microfacet.lobe_shape(alpha, wi, wo, h, DRJIT) * fresnel
+        if self._depth is not None:
+            value = value * DRJIT.exp(-self._depth * (1 / wi.z + 1 / wo.z))
+        if self._times is not None:
+            value = value * (self._times(wi.z) * self._times(wo.z))
+        return value
+
+    @staticmethod
+    def _crossed(outside: Any, alpha: Any, eta: Any, u: Sequence[Any]) -> Any:
+        crossing = cross_from(outside, alpha, eta, u, DRJIT)
+        return crossing._replace(inside=type(outside)(*crossing.inside))
+
+    def _weight(self, a: Any, b: Any) -> Any:
+        """The weight of a pair of crossings by the balance heuristic."""
+        weight = a.weight * b.weight
+        if self._width is None:
+            return weight
+        h, alpha2 = a.inside + b.inside, self._width * self._width
+        across, z2 = h.x * h.x + h.y * h.y, h.z * h.z
+        # GGX's D cos theta_h. Reflection about h stretches solid angles by 4 cos theta_d.
+        spread = across + alpha2 * z2
+        drawn = alpha2 * h.z * (across + z2) / (2 * np.pi * (spread * spread))
+        others = 1 / DRJIT.maximum(a.density, 1e-30) + 1 / DRJIT.maximum(b.density, 1e-30)
+        return weight / (1 + HALF_SHARE * drawn * others)
+
+    def _by_half_vectors(self, near: Any, far: Any, alpha: Any, eta: Any, u: Any) -> Any:
+        """Light that a half vector, drawn with numbers u by GGX's D cos theta_h, sends to `far`."""
+        w = near.inside
+        tan2 = self._width * self._width * u[0] / (1 - u[0])
+        z = 1 / DRJIT.sqrt(1 + tan2)
+        sine, (sin_phi, cos_phi) = DRJIT.sqrt(tan2) * z, DRJIT.sincos(2 * np.pi * u[1])
+        half = type(w)(sine * cos_phi, sine * sin_phi, z)
+        cosine = w.x * half.x + w.y * half.y + w.z * half.z
+        seen = 2 * cosine * half - w
+        reached = (near.weight > 0) & (cosine > 0) & (seen.z > LEAST_COSINE)
+        seen = type(w)(*(DRJIT.where(reached, x, n) for x, n in zip(seen, (0, 0, 1), strict=True)))
+        other = crossing_at(far, seen, alpha, eta, DRJIT)._replace(inside=seen)
+        once = self._once(w, seen, self._places(w, seen)) * self._weight(near, other)
+        return DRJIT.where(reached, once, 0)

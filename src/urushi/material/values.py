@@ -1,0 +1,213 @@
+"""Encoding: from any BRDF that can be evaluated at the probe pairs to a material.
+
+The topmost interface of a description is known exactly and becomes the lobe of the code
+(`urushi.nets.lobe`). The lobes of other sources are fitted to their values. The rest of the BRDF is
+a least-squares solution in the basis (`urushi.nets.code_fit`).
+"""
+
+from dataclasses import replace
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from urushi.core.table import node_pairs, table_of_values
+from urushi.errors import ParameterError
+from urushi.material import energy
+from urushi.material.albedo_rule import AlbedoRule, albedo_rule
+from urushi.material.lobe_albedo import lobe_albedos
+from urushi.material.material import Material
+from urushi.material.source import Source, as_source, source_name
+from urushi.material.symmetry import Deviations, deviations_of, is_anisotropic, symmetrise
+from urushi.nets import lobe as lobes
+from urushi.nets.interface_fit import find_lobes
+from urushi.nets.weights import Model, Weights, anisotropic_model, find
+from urushi.parallel import fill_blocks
+from urushi.walk import Stack
+
+
+class SourceValues(NamedTuple):
+    """Values of a source of `encode`."""
+
+    values: np.ndarray  # float32 (N, C) [1/sr], made isotropic and reciprocal
+    deviations: Deviations  # of the source from what a material can represent
+    measured: bool  # whether the source is a measured BRDF
+    lobe: np.ndarray | None = None  # as in `Source`
+
+
+def model_for(source: Any, weights: Weights | None = None) -> Model:
+    """The weights by which `encode` encodes a source."""
+    if weights is not None:
+        return find(weights)
+    if isinstance(source, Material):
+        return anisotropic_model() if source.model.widths == 2 else find(None)
+    name = source_name(source)
+    anisotropic = is_anisotropic(as_source(source), lambda f, count: _checked(f, name, count))
+    return anisotropic_model() if anisotropic else find(None)
+
+
+def encode_source(
+    source: Any,
+    model: Model,
+    *,
+    table: bool | None = None,
+    name: str | None = None,
+) -> tuple[Material, Deviations]:
+    """`encode` without its warnings.
+
+    name: begins errors; by default the name of the source's type.
+
+    Returns:
+        The material, and the source's deviations.
+    """
+    opened = _with_widths(as_source(source), model.widths)
+    if opened.bare and opened.lobe is not None:
+        lobe = np.atleast_2d(opened.lobe)
+        channels = 3 if len(lobe) == 1 else len(lobe)
+        material = material_of_lobes(opened.lobe, model, channels)
+        return material, deviations_of(opened, widths=model.widths)
+    pairs = required_pairs(source, model, table)
+    found = evaluate_source(source, *pairs, name, widths=model.widths)
+    count = len(required_pairs(None, model, table=False)[0])
+    values, at_table = found.values[:count], found.values[count:]
+    material = material_from_values(values, model, lobe=found.lobe)
+    if len(at_table):
+        beside = found.lobe is not None  # a known lobe is finer than any table
+        if beside:
+            wi, wo = (w[:, None] for w in node_pairs())
+            at_table = at_table - lobes.f(material.latents[:, : model.arch.lobe], wi, wo)
+        material = replace(material, table=table_of_values(at_table), beside_lobe=beside)
+    return material, found.deviations
+
+
+def material_of_lobes(lobe: np.ndarray, model: Model, channels: int = 3) -> Material:
+    """The material of a surface that is its lobes (N,) or (channels, N) alone."""
+    rest = model.networks.empty_rest()
+    codes = [
+        np.concatenate([own, rest]) for own in np.broadcast_to(lobe, (channels, lobe.shape[-1]))
+    ]
+    return Material(np.array(codes, np.float32), model)
+
+
+def required_pairs(
+    source: Any, model: Model, table: bool | None = None
+) -> tuple[np.ndarray, np.ndarray]:
+    """Pairs of directions (N, 3) at which a source has to be known to be encoded.
+
+    These are the probe pairs, and the nodes of `albedo_rule`, for the albedo of the
+    source, which limits the material's albedo. A Stack is not simulated at the nodes: its albedo is
+    at most 1. For a table, `table.node_pairs` follow, and a Stack has the nodes too.
+
+    source: as of `encode`.
+    """
+    parts = [model.networks.pairs()]
+    if table is None:
+        table = model.widths == 1 and as_source(source).tabulated
+    if table and model.widths != 1:
+        raise ParameterError(
+            "materials of these weights cannot have tables; give table=False or other weights"
+        )
+    if table or not isinstance(source, Stack):
+        parts.append(albedo_rule(model.widths)[:2])
+    if table:
+        parts.append(node_pairs())
+    wi, wo = (np.concatenate(sides) for sides in zip(*parts, strict=True))
+    return wi, wo
+
+
+def evaluate_source(
+    source: Any, wi: np.ndarray, wo: np.ndarray, name: str | None = None, *, widths: int = 1
+) -> SourceValues:
+    """Values of a source of `encode` for float32 unit vectors (N, 3) above the horizon.
+
+    name: begins errors; by default the name of the source's type.
+    widths: of the material's codes.
+    """
+    opened, name = _with_widths(as_source(source), widths), name or source_name(source)
+    if isinstance(source, Stack) and not opened.symmetric:
+        raise ParameterError(  # an average over the azimuth would take a hundred simulations
+            f"encode {name}: its alpha_u and alpha_v differ, but these weights are for isotropic "
+            "materials; give one alpha, or the weights 'anisotropic'"
+        )
+    values, deviations = symmetrise(
+        opened, wi, wo, lambda values, count: _checked(values, name, count), widths
+    )
+    return SourceValues(values, deviations, opened.measured, opened.lobe)
+
+
+def _with_widths(source: Source, widths: int) -> Source:
+    """The source with a lobe of this number of widths; without one if it has too many."""
+    if source.widths > widths:
+        return source._replace(symmetric=False, lobe=None, bare=False)
+    if source.lobe is not None and source.lobe.shape[-1] < len(lobes.NUMBERS[widths]):
+        return source._replace(lobe=lobes.with_two_widths(source.lobe))
+    return source
+
+
+def material_from_values(
+    values: np.ndarray, model: Model, *, lobe: np.ndarray | None = None
+) -> Material:
+    """The material of values (N, C) at `required_pairs`, or at `model.networks.pairs()` alone.
+
+    Its directional albedo is at most the values' albedo, or at most 1 if the values at the nodes
+    are missing (see `urushi.material.energy`).
+
+    Args:
+        values: (N, C) [1/sr].
+        model: the basis.
+        lobe: (N,) or (C, N) the channels' lobes; None: they are fitted to the values.
+    """
+    pairs = len(model.networks.pairs()[0])
+    probed, at_nodes = values[:pairs].T, values[pairs:].T
+    lobe = find_lobes(probed, model.widths) if lobe is None else np.asarray(lobe, np.float32)
+    lobe = np.broadcast_to(lobe, (len(probed), lobe.shape[-1]))
+    ceiling = np.full((len(probed), 1), 1 - energy.MARGIN)
+    if at_nodes.size:
+        rule = albedo_rule(model.widths)
+        ceiling = energy.albedo_ceiling(_source_albedos(at_nodes, lobe, rule), rule)
+    return Material(energy.limit_albedo(model, codes_of(model, probed, lobe), ceiling), model)
+
+
+def _source_albedos(f: np.ndarray, lobe: np.ndarray, rule: AlbedoRule) -> np.ndarray:
+    """Directional albedos (C, D) of values f (C, M) at the nodes of a rule.
+
+    The nodes are too few for the sharpest lobes (N,), whose albedos are computed separately.
+    """
+    rest = np.maximum(f - lobes.f(lobe[:, None], rule.wi, rule.wo), 0.0)
+    return rule.albedo(rest) + lobe_albedos(lobe, rule)
+
+
+def _checked(values: Any, name: str, count: int) -> np.ndarray:
+    """Return the values at `count` pairs as float32 (N, C); name: begins errors."""
+    try:
+        array = np.asarray(values, dtype=np.float32)
+    except (TypeError, ValueError) as error:
+        raise ParameterError(
+            f"{name} does not return an array of numbers; return f of shape (N, 3)"
+        ) from error
+    if array.ndim == 1:
+        array = array[:, None]
+    if array.ndim != 2 or array.shape[0] != count or array.shape[1] == 0:
+        raise ParameterError(
+            f"{name} returns shape {np.shape(values)} for {count} pairs of directions; "
+            f"return ({count}, 3), or ({count},) for one channel"
+        )
+    if not (np.isfinite(array) & (array >= 0.0)).all():
+        raise ParameterError(
+            f"{name} returns a negative or non-finite value; a BRDF must be finite and at least 0"
+        )
+    return array
+
+
+def codes_of(model: Model, f: np.ndarray, lobe: np.ndarray | None = None) -> np.ndarray:
+    """Codes float32 (..., L) of BRDFs with values f (..., P) [1/sr] at the probe pairs.
+
+    lobe: (N,) or (..., N) the lobes of f; None: they are fitted to the values.
+    """
+    values = np.asarray(f, np.float32)
+    pairs = len(model.networks.pairs()[0])
+    if not values.ndim or values.shape[-1] != pairs:
+        raise ParameterError(f"f has shape {values.shape}; this basis needs (..., {pairs})")
+    codes = np.empty((*values.shape[:-1], model.arch.latent), np.float32)
+    own = [] if lobe is None else [np.broadcast_to(lobe, (*values.shape[:-1], lobe.shape[-1]))]
+    fill_blocks(codes, model.networks.encode, values, *own)
+    return codes

@@ -1,0 +1,210 @@
+"""The linear basis in Dr.Jit: the counterpart of `nets.basis`, for channels that share directions.
+
+The functions are looked up once for all channels. A table holds the mean and the functions but the
+first, which is one, as numbers of 16 bits, two to a word. Such words take a third less time than
+numbers of half precision, and are more exact.
+
+Codes of two widths have a stretch, on which the functions depend (`nets.stretched_basis`). Channels
+of the same stretch share the look-up.
+"""
+
+import weakref
+from collections.abc import Sequence
+from typing import Any, ClassVar
+
+import drjit as dr
+import mitsuba as mi
+import numpy as np
+
+from urushi.core.namespace import DRJIT
+from urushi.core.stretched import stretched
+from urushi.core.table import MAX_LOG, MIN_LOG, SHAPE, coordinates, corner_steps
+from urushi.mitsuba.networks import lobe
+from urushi.mitsuba.networks.lobe import LobeKind
+from urushi.mitsuba.recording import owned
+from urushi.nets.networks import Networks
+from urushi.nets.stretched_basis import StretchedBasis
+from urushi.nets.weights import Model
+
+#: The value one of a scaled function; zero is `ONE` + 1.
+ONE = (1 << 15) - 1
+
+#: Factor of numbers whose functions are tables of values up to one.
+FUNCTION_SCALE = 1 / ONE
+
+#: Most words of a packet: more are slower.
+PACKET = 8
+
+
+class BasisTable:
+    """Mean and functions at the nodes of `core.table`, in Dr.Jit's memory."""
+
+    DRJIT_STRUCT: ClassVar = {"_packets": list}  # for frozen functions
+
+    def __init__(
+        self, rows: np.ndarray, factors: Sequence[int] = (), scale: np.ndarray | None = None
+    ):
+        """Store functions.
+
+        Args:
+            rows: (P, N) mean and functions, without the constant one.
+            factors: (N,) of `core.stretched`, for two widths; 0: none.
+            scale: (N,) largest absolute value of each column that can be stored; None: it is found.
+        """
+        self._count, self._factors = rows.shape[1], factors
+        if scale is None:
+            scale = np.maximum(np.abs(rows).max(axis=0), 1e-9)
+        self.scale = (scale / ONE).astype(np.float32)  # (N,) by which looked up numbers count
+        words = fixed_point(rows / scale)
+        self._packets: list[Any] = []
+        while words.shape[1]:
+            size = min(1 << (words.shape[1].bit_length() - 1), PACKET)
+            self._packets.append(owned(mi.UInt32, words[:, :size]))
+            words = words[:, size:]
+
+    def at(self, wi, wo, stretch2=None) -> list:
+        """Mean and functions (N) of a pair above the horizon, over `scale`.
+
+        stretch2: the squared stretch, for two widths; the functions are times their factors.
+        """
+        if stretch2 is None:
+            return self._at(coordinates(wi + wo, wi - wo, DRJIT))
+        places, around = stretched(wi + wo, wi - wo, stretch2, DRJIT)
+        pairs = zip(self._at(places), self._factors, strict=True)
+        return [value * around[factor - 1] if factor else value for value, factor in pairs]
+
+    def _at(self, places: Sequence) -> list:
+        """Mean and functions (N) at coordinates (3)."""
+        first, shares = mi.UInt32(0), []
+        for coordinate, count in zip(places, SHAPE, strict=True):
+            place = dr.clip(coordinate, 0, 1) * (count - 1)
+            index = dr.minimum(mi.UInt32(place), count - 2)
+            first = first * count + index
+            shares.append(place - mi.Float(index))
+        total = [mi.Float(-ONE - 1)] * self._count  # shares of all corners add up to one
+        corners = np.ndindex(*[2] * len(shares))
+        for corner, step in zip(corners, corner_steps(SHAPE), strict=True):
+            dr.detail.new_scope(dr.backend_v(mi.Float))  # one corner after the other, as in `mlp`
+            weight: Any = 1
+            for share, end in zip(shares, corner, strict=True):
+                weight = weight * (share if end else 1 - share)
+            levels = self._levels(first + step)
+            total = [dr.fma(weight, *pair) for pair in zip(levels, total, strict=True)]
+        return total
+
+    def _levels(self, node) -> list:
+        """The numbers (N) of a node, from 1 to 2 `ONE` + 1."""
+        nodes, words = int(np.prod(SHAPE)), list[Any]()
+        for packet in self._packets:
+            shape = len(packet) // nodes, dr.width(node)
+            if shape[0] == 1:
+                words.append(dr.gather(mi.UInt32, packet, node))
+            else:
+                words.extend(dr.gather(mi.ArrayXu, packet, node, shape=shape))
+        levels = [mi.Float(half) for word in words for half in (word & 0xFFFF, word >> 16)]
+        return levels[: self._count]
+
+
+def fixed_point(values: np.ndarray) -> np.ndarray:
+    """Values (P, N) in [-1, 1] as words uint32 (P, ceil(N / 2)) of two levels each."""
+    levels = np.rint(values * ONE).astype(np.int32) + (ONE + 1)
+    levels = np.pad(levels, [(0, 0), (0, levels.shape[1] % 2)])
+    return (levels[:, ::2] + (levels[:, 1::2] << 16)).astype(np.uint32)
+
+
+#: The tables of networks by fingerprint and variant, while any plugin uses them.
+_tables: weakref.WeakValueDictionary[tuple[str, str], BasisTable] = weakref.WeakValueDictionary()
+
+
+def table_of(model: Model) -> BasisTable:
+    """The table of a model, which plugins share."""
+    key = model.fingerprint, mi.variant()
+    table = _tables.get(key)
+    if table is None:
+        networks = model.networks
+        assert isinstance(networks, Networks)  # for the type checker
+        basis, factors = networks.basis, list[int]()
+        if isinstance(basis, StretchedBasis):
+            factors = np.delete(basis.factors, 1).tolist()
+        table = BasisTable(np.delete(basis.rows, 1, axis=1), factors)
+        _tables[key] = table
+    return table
+
+
+class BasisDecoder:
+    """f [1/sr] of latent codes: the lobe plus the rest by the basis.
+
+    The terms of a channel's code are the numbers of its lobe that `LobeKind.numbers` names, its
+    gain, and its other numbers, scaled as the table's functions require; of two widths also the
+    squared stretch.
+    """
+
+    DRJIT_STRUCT: ClassVar = {"_table": object}  # for frozen functions
+
+    def __init__(self, model: Model, kind: LobeKind, functions: np.ndarray | None = None):
+        """Decode codes of a model.
+
+        Args:
+            model: of the codes.
+            kind: common properties of their lobes.
+            functions: (P, N) mean and functions of other numbers in the place of the code's, at
+                the nodes; the numbers have been multiplied by `FUNCTION_SCALE`. None for two
+                widths.
+        """
+        self._kind, self._lobe = kind, model.arch.lobe
+        if functions is None:
+            self._table = table_of(model)
+            self._scale = [float(factor) for factor in self._table.scale]
+        else:  # a power of two: textures share compiled code
+            mean = 2.0 ** np.ceil(np.log2(max(np.abs(functions[:, 0]).max(), 1)))
+            scale = np.append(mean, np.ones(functions.shape[1] - 1))
+            self._table = BasisTable(functions, scale=scale)
+            self._scale = [mean / ONE, *[1.0] * (functions.shape[1] - 1)]
+        self._end = self._lobe + len(self._scale)  # of the numbers of functions
+
+    def code_terms(self, latents: np.ndarray) -> list[np.ndarray]:
+        """Terms (N,) of the code of each channel, from codes (C, size)."""
+        factors = np.array([1.0, *self._scale[1:]], np.float32)
+        terms = []
+        for c, z in enumerate(latents):
+            numbers = z[self._lobe : self._end] * factors
+            terms.append([z[self._kind.numbers(c)], numbers, np.exp(2 * z[self._end :])])
+        return [np.concatenate(parts) for parts in terms]
+
+    def code_terms_drjit(self, latents: Sequence[Sequence]) -> list[list]:
+        """`code_terms` of codes given as lists (size) of Dr.Jit floats, one for each channel."""
+        terms = []
+        for c, z in enumerate(latents):
+            gain, *others = z[self._lobe : self._end]
+            scaled = [x * factor for x, factor in zip(others, self._scale[1:], strict=True)]
+            stretch2 = [dr.exp(2 * x) for x in z[self._end :]]
+            terms.append([*(z[i] for i in self._kind.numbers(c)), gain, *scaled, *stretch2])
+        return terms
+
+    def f_of_terms(self, terms: Sequence[Sequence], wi, wo) -> list:
+        """f of each channel, from a list of Dr.Jit floats, its terms, for each.
+
+        Exchanging wi and wo gives the same bits.
+        """
+        two, rests = self._kind.widths == 2, list[Any]()
+        count, looked_up = len(self._scale) + two, dict[Any, list]()
+        for channel in terms:
+            gain, *numbers = channel[-count:]
+            stretch2 = numbers.pop() if two else None
+            key = None if stretch2 is None else stretch2.index  # of the variable
+            if key not in looked_up:
+                looked_up[key] = self._table.at(wi, wo, stretch2)
+            mean, *functions = looked_up[key]
+            log = mean * self._scale[0] + gain
+            for number, function in zip(numbers, functions, strict=True):
+                log = dr.fma(number, function, log)
+            rests.append(dr.exp(dr.clip(log, MIN_LOG, MAX_LOG)))
+        if not self._kind.present:
+            return rests
+        lobes = self._kind.complete([channel[:-count] for channel in terms])
+        values = lobe.f(lobes, wi, wo, self._kind)
+        return [a + b for a, b in zip(values, rests, strict=True)]
+
+    def f(self, latents: Sequence[Sequence], wi, wo) -> list:
+        """f of each channel, from a list (size) of Dr.Jit floats for each."""
+        return self.f_of_terms(self.code_terms_drjit(latents), wi, wo)

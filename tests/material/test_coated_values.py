@@ -1,0 +1,149 @@
+"""f of coats at pairs of directions: closed forms, reciprocity, and independence of channels."""
+
+import math
+
+import numpy as np
+import pytest
+
+import urushi
+from urushi.checks import CoatParameters
+from urushi.core import direction_sets
+from urushi.core.error_metrics import energy_weight
+from urushi.core.table import MIN_LOG, SHAPE, interpolated, node_pairs, table_of_values
+from urushi.material import adding
+from urushi.material.coated_values import coated_f
+from urushi.material.substrate import Substrate
+from urushi.nets import lobe as lobes
+from urushi.walk import conductor, diffuse
+
+#: Coats: alpha, eta, albedo, sigma_t and g.
+COATS = {
+    "smooth": (0.02, 1.5, 0.0, 0.0, 0.0),
+    "tinted": (0.2, 1.4, 0.0, 0.6, 0.0),
+    "scattering": (0.05, 1.6, 0.9, 1.0, 0.5),
+    "less dense": (0.1, 0.7, 0.0, 0.0, 0.0),
+    "no interface": (0.1, 1.0, 0.5, 0.7, 0.3),
+}
+
+
+def coat(*names) -> CoatParameters:
+    return CoatParameters(*np.array([COATS[name] for name in names]).T)
+
+
+def metal(alpha, r0=0.8):
+    """Numbers of a metal's lobe."""
+    return np.float32([[alpha, r0, 1, 0, 1.5, 0]])
+
+
+def bare(lobe) -> Substrate:
+    return Substrate.of_logs(np.full((*SHAPE, len(lobe)), MIN_LOG), lobe)
+
+
+def lambertian(albedo) -> Substrate:
+    return Substrate.of_logs(np.full((*SHAPE, 1), math.log(albedo / math.pi)))
+
+
+def pairs(count, seed=0):
+    return direction_sets.cosine_pairs(np.random.default_rng(seed), count)
+
+
+def walk_error(f, stack, wi, wo, walks=8192) -> float:
+    """E of the first channel against the walk, whose noise is subtracted in squares."""
+    walk, se = (x[:, 0] for x in urushi.simulate(stack, wi, wo, walks=walks, progress=False))
+    weight = energy_weight(wi[:, 2], wo[:, 2]) / (walk * energy_weight(wi[:, 2], wo[:, 2])).sum()
+    e, noise = (np.abs(f - walk) * weight).sum(), math.sqrt(2 / math.pi) * (se * weight).sum()
+    return math.sqrt(max(e * e - noise * noise, 0))
+
+
+@pytest.mark.parametrize(
+    ("name", "alpha", "most"),
+    [("smooth", 0.05, 0.01), ("tinted", 0.1, 0.01), ("less dense", 0.3, 0.02)],
+)
+def test_as_the_walk_over_metal(name, alpha, most):
+    wi, wo = pairs(200)
+    top = lobes.f(lobes.of_coat(*map(np.float64, COATS[name][:2])), wi, wo)
+    f = coated_f(bare(metal(alpha)), coat(name), wi, wo)[:, 0] + top
+    names = zip(("alpha", "eta", "albedo", "sigma_t", "g"), COATS[name], strict=True)
+    assert walk_error(f, urushi.coat(conductor(alpha, 0.8), **dict(names)), wi, wo) < most
+
+
+def test_as_the_walk_over_a_lambertian():
+    wi, wo = pairs(200)
+    top = lobes.f(lobes.of_coat(*map(np.float64, COATS["scattering"][:2])), wi, wo)
+    f = coated_f(lambertian(0.7), coat("scattering"), wi, wo)[:, 0] + top
+    names = zip(("alpha", "eta", "albedo", "sigma_t", "g"), COATS["scattering"], strict=True)
+    assert walk_error(f, urushi.coat(diffuse(0.7), **dict(names)), wi, wo) < 0.01
+
+
+@pytest.mark.parametrize("name", COATS)
+@pytest.mark.parametrize("alpha", [0.03, 0.4])
+def test_reciprocal_up_to_the_points(name, alpha):
+    """Directions of a pair have different points, which find the lobe with some per cent."""
+    wi, wo = pairs(200)
+    f, g = (
+        coated_f(bare(metal(alpha)), coat(name), *sides)[:, 0] for sides in ((wi, wo), (wo, wi))
+    )
+    weight = energy_weight(wi[:, 2], wo[:, 2])
+    assert (np.abs(f - g) * weight).sum() < 0.02 * (f * weight).sum()
+
+
+def test_a_channel_is_the_same_among_others():
+    wi, wo = pairs(50)
+    lobe = np.concatenate([metal(0.03), metal(0.2, 0.3), metal(0.03, 0.5)])
+    together = coated_f(bare(lobe), coat("smooth", "tinted", "scattering"), wi, wo)
+    for channel, name in enumerate(("smooth", "tinted", "scattering")):
+        alone = coated_f(bare(lobe[[channel]]), coat(name), wi, wo)[:, 0]
+        np.testing.assert_allclose(together[:, channel], alone, rtol=1e-5)
+
+
+def test_many_coats_over_one_bottom():
+    """Coats of any shape; more than three media below one interface are sums of a few."""
+    wi, wo = pairs(50)
+    alpha, sigma_t = np.full((5, 1), 0.1), np.linspace(0, 2, 5)[:, None]
+    below = lambertian(0.5)
+    f = coated_f(below, CoatParameters(alpha, 1.5, 0.8, sigma_t, 0.0), wi, wo)
+    assert f.shape == (50, 5, 1)
+    for row in range(5):
+        one = CoatParameters(*map(np.float64, (0.1, 1.5, 0.8, sigma_t[row, 0], 0.0)))
+        np.testing.assert_allclose(f[:, row], coated_f(below, one, wi, wo), rtol=0.01)
+
+
+def test_without_interface_and_medium_the_bottom_remains():
+    wi, wo = pairs(100)
+    clear = CoatParameters(*map(np.float64, (0.1, 1.0, 0.0, 0.0, 0.0)))
+    f = coated_f(bare(metal(0.1)), clear, wi, wo)[:, 0]
+    np.testing.assert_allclose(f, lobes.f(metal(0.1), wi, wo), rtol=1e-4, atol=1e-6)
+
+
+@pytest.mark.parametrize("alpha", [0.02, 0.3])
+def test_white_below_a_clear_coat_reflects_what_enters(alpha):
+    """With the interface's reflection, all light that falls on a smooth clear coat.
+
+    Rough interfaces lose what their facets reflect or transmit more than once.
+    """
+    cosines = np.array([1.0, 0.8, 0.6])
+    lobe = lobes.of_coat(np.float64(alpha), np.float64(1.5))
+    one = CoatParameters(*map(np.float64, (alpha, 1.5, 0.0, 0.0, 0.0)))
+    rest = adding.albedos(lambda wi, wo: coated_f(lambertian(1.0), one, wi, wo), cosines)[:, 0]
+    top = adding.albedos(lambda wi, wo: lobes.f(lobe, wi, wo)[:, None], cosines)[:, 0]
+    assert (rest + top < 1.003).all()
+    assert alpha > 0.1 or (rest + top > 0.995).all()
+
+
+def test_modes_of_a_substrate_are_those_of_its_brdf():
+    below = Substrate.of_logs(np.full((*SHAPE, 1), math.log(0.1)), metal(0.2))
+    direct = adding.bottom_modes(lambda wi, wo: 0.1 + lobes.f(metal(0.2), wi, wo)[:, None])
+    np.testing.assert_allclose(below.modes, direct, atol=2e-3)
+    assert bare(metal(0.2)).width[0] == pytest.approx(0.2, rel=0.1)
+    assert np.isinf(lambertian(0.5).width).all()
+
+
+def test_tables_are_interpolated_as_by_numpy():
+    """The kernel reads a table without interface as `core.table` does."""
+    wi, wo = pairs(100)
+    table = table_of_values((0.1 + node_pairs()[0][:, 2] * node_pairs()[1][:, 2])[:, None]).astype(
+        np.float32
+    )
+    clear = CoatParameters(*map(np.float64, (0.1, 1.0, 0.0, 0.0, 0.0)))
+    f = coated_f(Substrate.of_logs(table), clear, wi, wo)
+    np.testing.assert_allclose(f, interpolated(table, wi, wo), rtol=1e-5)

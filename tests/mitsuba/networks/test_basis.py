@@ -1,0 +1,107 @@
+"""The linear basis in Dr.Jit agrees with NumPy, is reciprocal and has exact derivatives."""
+
+import drjit as dr
+import numpy as np
+import pytest
+from tests.mitsuba.networks.test_decoder import pairs, vector
+
+from urushi.nets.lobe import NO_LOBE
+from urushi.nets.weights import Model, default_model
+
+LOBES = ([0.2, 0, 0, 1, 1.5, 0], [0.1, 0.8, 1, 0, 1.5, 0], NO_LOBE)
+
+
+@pytest.fixture(scope="module")
+def shipped() -> Model:
+    return default_model()
+
+
+@pytest.fixture(scope="module")
+def codes(shipped) -> np.ndarray:
+    """Codes (3, size) of a dielectric, a metal and no lobe."""
+    rest = np.random.default_rng(0).normal(size=(3, shipped.arch.functions)) * 0.2
+    return np.concatenate([LOBES, rest], axis=1).astype(np.float32)
+
+
+def decoded(mi, shipped, codes, wi, wo) -> np.ndarray:
+    from urushi.mitsuba.networks.basis import BasisDecoder
+    from urushi.mitsuba.networks.lobe import ANY_LOBE
+
+    terms = BasisDecoder(shipped, ANY_LOBE).code_terms(codes)
+    terms = [[mi.Float(float(x)) for x in channel] for channel in terms]
+    decoder = BasisDecoder(shipped, ANY_LOBE)
+    f = decoder.f_of_terms(terms, vector(mi, wi), vector(mi, wo))
+    return np.array([x.numpy() for x in f])
+
+
+def test_f_agrees_with_numpy(variant, shipped, codes):
+    import mitsuba as mi
+
+    wi, wo = pairs()
+    expected = shipped.networks.f(codes[:, None], wi, wo)
+    # functions of 16 bits: half a level of each, of 2.5e-4 of a logarithm at most
+    np.testing.assert_allclose(decoded(mi, shipped, codes, wi, wo), expected, rtol=1e-3)
+
+
+def test_f_is_reciprocal_to_the_bit(variant, shipped, codes):
+    import mitsuba as mi
+
+    wi, wo = pairs()
+    there, back = (decoded(mi, shipped, codes, *x) for x in ((wi, wo), (wo, wi)))
+    np.testing.assert_array_equal(there, back)
+
+
+def test_a_gain_is_an_exact_factor(rgb, shipped, codes):
+    wi, wo = pairs()
+    bare = np.array(codes)
+    bare[:, :6] = NO_LOBE
+    brighter = shipped.networks.rest_scaled(bare, np.full(3, 1.7, np.float32))
+    ratio = decoded(rgb, shipped, brighter, wi, wo) / decoded(rgb, shipped, bare, wi, wo)
+    np.testing.assert_allclose(ratio, 1.7, rtol=1e-5)
+
+
+def test_derivatives_by_codes_are_differences(rgb, shipped, codes):
+    from urushi.mitsuba.networks.basis import BasisDecoder
+    from urushi.mitsuba.networks.lobe import ANY_LOBE
+
+    wi, wo = (vector(rgb, w) for w in pairs(64))
+    decoder = BasisDecoder(shipped, ANY_LOBE)
+    for number in (6, 7, codes.shape[1] - 1):
+
+        def of(change, number=number):
+            latents = [[rgb.Float(float(x)) for x in channel] for channel in codes]
+            latents[0][number] += change
+            return decoder.f(latents, wi, wo)[0]
+
+        change = rgb.Float(0)
+        dr.enable_grad(change)
+        f = of(change)
+        dr.forward(change)
+        slope = (of(0.01) - of(-0.01)) / 0.02
+        np.testing.assert_allclose(f.grad.numpy(), slope.numpy(), rtol=2e-3, atol=2e-4)
+
+
+def test_derivatives_by_directions_are_differences(rgb, shipped, codes):
+    from urushi.mitsuba.networks.basis import BasisDecoder
+    from urushi.mitsuba.networks.lobe import ANY_LOBE
+
+    decoder = BasisDecoder(shipped, ANY_LOBE)
+    latents = [[rgb.Float(float(x)) for x in channel] for channel in codes]
+
+    def f(x):
+        wi = dr.normalize(rgb.Vector3f(0.31 + x, 0.2, 0.9))
+        return decoder.f(latents, wi, dr.normalize(rgb.Vector3f(-0.5, 0.17, 0.6)))[0]
+
+    change = rgb.Float(0)
+    dr.enable_grad(change)
+    value = f(change)
+    dr.forward(change)
+    slope = (f(1e-3) - f(-1e-3)) / 2e-3  # within one cell of the table
+    np.testing.assert_allclose(value.grad.numpy(), slope.numpy(), rtol=0.02)
+
+
+def test_plugins_of_the_same_networks_share_a_table(rgb, shipped):
+    from urushi.mitsuba.networks.basis import table_of
+
+    first = table_of(shipped)
+    assert table_of(shipped) is first

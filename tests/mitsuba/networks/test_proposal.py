@@ -1,0 +1,80 @@
+"""Proposals of codes in Dr.Jit are those of NumPy."""
+
+import numpy as np
+import pytest
+from tests.mitsuba.networks.test_decoder import pairs, vector
+from tests.untrained import untrained
+
+from urushi.checks import Widths
+from urushi.nets import proposal
+from urushi.nets.weights import Model, default_model
+
+
+@pytest.fixture(scope="module", params=[1, 2], ids=["one width", "two widths"])
+def model(request) -> Model:
+    return default_model() if request.param == 1 else untrained(widths=2)
+
+
+@pytest.fixture(scope="module")
+def code(model) -> np.ndarray:
+    """The code (size,) of a dielectric and a rest."""
+    lobe = (0.2, 0, 0, 1, 1.5, 0, 0.1)[: model.arch.lobe]
+    rest = 0.2 * np.random.default_rng(0).normal(size=model.arch.rest)
+    return np.array([*lobe, *rest], np.float32)
+
+
+def compare(mi, mixture, model, code, atol):
+    """A mixture has the weights, widths and density of NumPy's."""
+    wi, wo = pairs()
+    weights, alphas = proposal.mixture(model.params, model.widths, code[None], wi)
+    found = np.stack([np.broadcast_to(x.numpy(), len(wi)) for x in mixture.weights], -1)
+    np.testing.assert_allclose(found, weights, atol=atol)
+    density = proposal.mixture_pdf(weights, alphas, wi, wo)
+    found = mixture.pdf(vector(mi, wi), vector(mi, wo)).numpy()
+    np.testing.assert_allclose(found, density, rtol=10 * atol)
+
+
+def kind_of(model, code):
+    from urushi.mitsuba.latents.holders import kind_of_codes
+
+    return kind_of_codes(model, code[None, None])
+
+
+def test_proposals_of_codes_agree_with_numpy(rgb, model, code):
+    from urushi.mitsuba.networks.proposal import CodeProposals
+
+    latent = [rgb.Float(float(x)) for x in code]
+    wi = vector(rgb, pairs()[0])
+    mixture = CodeProposals(model, kind_of(model, code)).proposal(latent, wi)
+    compare(rgb, mixture, model, code, 1e-4)  # logarithms of small cosines are rounded
+
+
+def test_tables_of_proposals_agree_with_numpy(rgb, model, code):
+    from urushi.mitsuba.networks.proposal import CodeProposals
+
+    proposals = CodeProposals(model, kind_of(model, code))
+    table = [rgb.Float(x.ravel()) for x in proposals.tabulated(code)]
+    mixture = proposals.proposal_of_table(table, vector(rgb, pairs()[0]))
+    compare(rgb, mixture, model, code, 1e-2)  # linear between 129 cosines
+
+
+def test_samples_have_the_density(rgb, model, code):
+    """Means of functions over densities of samples are integrals over the hemisphere."""
+    from urushi.mitsuba.networks.proposal import CodeProposals
+
+    latent = [rgb.Float(float(x)) for x in code]
+    count, rng = 1 << 18, np.random.default_rng(3)
+    wi = rgb.Vector3f(0.6, 0.3, float(np.sqrt(1 - 0.45)))
+    mixture = CodeProposals(model, kind_of(model, code)).proposal(latent, wi)
+    assert isinstance(mixture.own, Widths) == (model.widths == 2)
+    u = rng.random((3, count), np.float32)
+    wo = mixture.sample(wi, rgb.Float(u[0]), rgb.Point2f(u[1:]))
+    weight = 1 / mixture.pdf(wi, wo).numpy()
+    wo = wo.numpy()
+    for moment, exact in (
+        (wo[2], np.pi),
+        (wo[2] ** 2, 2 * np.pi / 3),
+        (wo[0] ** 2 * wo[2], np.pi / 4),
+    ):
+        samples = moment * weight
+        assert abs(samples.mean() - exact) < 5 * samples.std() / count**0.5

@@ -1,0 +1,152 @@
+"""The basis of two widths: symmetries, codes of one width, stretch, and least squares."""
+
+import numpy as np
+import pytest
+
+from urushi.core.direction_sets import cosine_pairs
+from urushi.core.namespace import NUMPY
+from urushi.core.stretched import FACTORS, components_of, features_of, stretched
+from urushi.core.table import SHAPE, node_pairs, pair_coordinates
+from urushi.nets import lobe as lobes
+from urushi.nets.basis import decode
+from urushi.nets.code_fit import solve_stretched
+from urushi.nets.networks import Architecture
+from urushi.nets.weights import Model, default_model
+from urushi.train.stretched_fit import probe_measure
+
+AZIMUTHAL = (2, 2, 1, 1, 1)
+
+
+@pytest.fixture(scope="module")
+def model() -> Model:
+    """The shipped functions of one width, and smooth further ones."""
+    rows = default_model().params["basis.rows"]
+    count = rows.shape[1] - 1 + sum(AZIMUTHAL)
+    arch = Architecture(count, 384, (8,), widths=2, azimuthal=AZIMUTHAL)
+    params = {name: np.zeros(shape) for name, shape in arch.parameter_shapes().items()}
+    axes = np.meshgrid(*(np.linspace(0, 1, n) for n in SHAPE), indexing="ij")
+    u, v, w = (x.ravel() for x in axes)
+    more = np.stack([u, u * v, v, v * v, w * v, u * (1 - u), v * (1 - v)], axis=-1)
+    params["basis.rows"] = np.concatenate([rows, more], axis=1)
+    params["basis.measure"] = probe_measure(384)
+    params["basis.prior"] = 1e-3 * np.eye(count)
+    return Model.of(arch, params, {})
+
+
+@pytest.fixture(scope="module")
+def codes(model) -> np.ndarray:
+    """Codes (3, L) with stretches of their own."""
+    rng = np.random.default_rng(0)
+    rest = 0.2 * rng.normal(size=(3, model.arch.functions))
+    stretch = np.array([[-0.5], [0.0], [0.75]])
+    lobe = np.tile(lobes.no_lobe(2), (3, 1))
+    return np.concatenate([lobe, rest, stretch], axis=1).astype(np.float32)
+
+
+@pytest.fixture(scope="module")
+def pairs():
+    return cosine_pairs(np.random.default_rng(1), 400, lowest_cosine=0.02)
+
+
+def test_symmetries_to_the_bit(model, codes, pairs):
+    wi, wo = pairs
+    f = model.networks.f(codes[:, None], wi, wo)
+    np.testing.assert_array_equal(f, model.networks.f(codes[:, None], wo, wi))
+    for signs in ([1, -1, 1], [-1, 1, 1], [-1, -1, 1]):
+        mirror = np.array(signs, np.float32)
+        mirrored = model.networks.f(codes[:, None], wi * mirror, wo * mirror)
+        np.testing.assert_array_equal(f, mirrored)
+
+
+def test_codes_of_one_width_are_codes_of_two(model, pairs):
+    own = default_model()
+    z = np.concatenate([lobes.NO_LOBE, np.linspace(-0.3, 0.3, own.arch.functions)])[None]
+    z = z.astype(np.float32)
+    lobe = lobes.with_two_widths(z[:, :6])
+    zeros = np.zeros((1, sum(AZIMUTHAL) + 1), np.float32)
+    two = np.concatenate([lobe, z[:, 6:], zeros], axis=1)
+    np.testing.assert_allclose(model.networks.f(two, *pairs), own.networks.f(z, *pairs), rtol=1e-4)
+
+
+def test_coordinates_without_stretch_are_those_of_one_width(pairs):
+    both, apart = components_of(features_of(*(w.astype(float) for w in pairs)))
+    places, _ = stretched(both, apart, 1.0, NUMPY)
+    for a, b in zip(places, pair_coordinates(*pairs), strict=True):
+        np.testing.assert_allclose(a, b, atol=1e-3)  # single precision
+
+
+def test_a_stretched_lobe_is_round():
+    """The GGX distribution of two widths depends on the stretched half angle alone."""
+    rng = np.random.default_rng(2)
+    slopes = rng.uniform(-1, 1, (2, 500))
+    h = np.stack([*slopes, np.ones(500)]) / np.sqrt(1 + (slopes**2).sum(axis=0))
+    a, b = 0.1, 0.4
+    both, apart = components_of(np.concatenate([h, 0 * h]).T)
+    (u, _, _), _ = stretched(both, apart, b / a, NUMPY)
+    tan2 = (slopes[0] / a) ** 2 + (slopes[1] / b) ** 2
+    order = np.argsort(tan2)
+    assert (np.diff(u[order]) >= -1e-12).all()
+
+
+def test_a_table_is_the_sum_of_its_terms(model, codes):
+    """At the nodes, of a stretch of one; nodes where a direction grazes are moved up."""
+    z = codes[1:2]
+    wi, wo = node_pairs()
+    above = (wi[:, 2] > 0.05) & (wo[:, 2] > 0.05) & (np.arange(len(wi)) % 7 == 0)
+    both, apart = components_of(features_of(wi, wo)[above].astype(float))
+    _, factors = stretched(both, apart, 1.0, NUMPY)
+    terms = model.networks.table(z).reshape(-1, 1 + FACTORS)[above]
+    logs = (terms * np.stack([np.ones_like(factors[0]), *factors], axis=-1)).sum(axis=1)
+    expected = model.networks.f(z, wi[above], wo[above])
+    np.testing.assert_allclose(np.exp(logs), expected, rtol=0.02)
+
+
+@pytest.mark.parametrize("width", [0.05, 0.1, 0.2, 0.4])
+def test_the_stretch_is_that_of_the_lobe(model, width):
+    """Within 0.2, which f hardly shows; of round lobes within a step, with diffuse light too."""
+    pairs = model.networks.pairs()
+
+    def stretch(u, v, diffuse=0.0):
+        lobe = np.float32([u, 0.9, 1, 0, 1.5, 0, v])
+        return float(model.networks.basis.stretch(lobes.f(lobe, *pairs)[None] + diffuse)[0])
+
+    assert abs(stretch(width, width)) < 0.04 and abs(stretch(width, width, 0.1)) < 0.04
+    expected = np.log(2)
+    assert stretch(width / 2, 2 * width) == pytest.approx(expected, abs=0.2)
+    assert stretch(2 * width, width / 2) == pytest.approx(-expected, abs=0.2)
+
+
+def test_codes_are_those_of_their_values(model, codes):
+    basis, rest = model.networks.basis, codes[:, 7:]
+    values = np.stack([decode(z[:-1], basis.probe_rows(z[-1])) for z in rest])
+    found = solve_stretched(basis, values, np.zeros_like(values), rest[:, -1])
+    again = np.stack([decode(z[:-1], basis.probe_rows(z[-1])) for z in found])
+    np.testing.assert_array_equal(found[:, -1], rest[:, -1])
+    off = np.abs(again - values) @ basis.measure / (values @ basis.measure)
+    assert off.max() < 0.01
+
+
+def test_channels_share_the_stretch(model):
+    pairs, lobe = model.networks.pairs(), np.float32([0.1, 0.9, 1, 0, 1.5, 0, 0.4])
+    own = lobes.f(lobe, *pairs)
+    f = np.stack([own, 0.5 * own + 0.2, 0.1 * own + 0.3])
+    codes = model.networks.encode(f, np.float32(lobes.no_lobe(2)))
+    assert (codes[:, -1] == codes[0, -1]).all() and codes[0, -1] > 0.4
+    brighter = model.networks.rest_scaled(codes, np.full(3, 2.0, np.float32))
+    ratio = model.networks.f(brighter, *(w[:, None] for w in pairs))
+    np.testing.assert_allclose(
+        ratio, 2 * model.networks.f(codes, *(w[:, None] for w in pairs)), rtol=1e-3
+    )
+
+
+def test_a_mirror_at_the_diagonal_is_a_code_of_its_own(model, codes, pairs):
+    """x and y exchanged: the stretch is the inverse, and cos 2 psi and cos 2 p change signs."""
+    odd = np.isin(model.arch.factors[1:], (1, 2))
+    rest = codes[:, 7:] * np.append(np.where(odd, -1, 1), -1)
+    mirrored = np.concatenate([codes[:, :7], rest], axis=1).astype(np.float32)
+    turned = [w[:, [1, 0, 2]] for w in pairs]
+    np.testing.assert_allclose(
+        model.networks.f(mirrored[:, None], *turned),
+        model.networks.f(codes[:, None], *pairs),
+        rtol=1e-4,
+    )

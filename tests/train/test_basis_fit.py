@@ -1,0 +1,75 @@
+"""The fit of the basis finds functions that span the tables, and integrals are sums over probes."""
+
+import numpy as np
+import pytest
+from tests.train.conftest import log_f
+
+from urushi.core.table import node_pairs
+from urushi.nets import lobe as lobes
+from urushi.train import basis_fit
+from urushi.train.basis_fit import Tables
+
+
+@pytest.fixture(scope="module")
+def measure():
+    return basis_fit.node_measure()
+
+
+@pytest.fixture(scope="module")
+def materials(measure):
+    """Materials of a family with three functions under an interface."""
+    rng = np.random.default_rng(0)
+    logs = log_f(*node_pairs(), rng.standard_normal((60, 3)))
+    top = lobes.f(lobes.of_coat(np.full(60, 0.3), np.full(60, 1.5))[:, None], *node_pairs())
+    return basis_fit.prepared(logs, top.astype(np.float32), measure)[0]
+
+
+@pytest.fixture(scope="module")
+def basis(materials, measure):
+    return basis_fit.fit_basis(materials, measure, 3, 96)
+
+
+def test_the_measure_integrates_over_pairs_of_cosine_density(measure):
+    """The mean cosine is 2/3, and the mean product of both 4/9."""
+    assert measure.sum() == pytest.approx(1, abs=1e-4)
+    cosines = [w[:, 2] for w in node_pairs()]
+    assert measure @ np.mean(cosines, axis=0) == pytest.approx(2 / 3, abs=0.005)
+    assert measure @ np.prod(cosines, axis=0) == pytest.approx(4 / 9, abs=0.005)
+
+
+def test_tables_in_the_span_are_exact(basis, materials, measure):
+    codes = basis_fit.codes_at_probes(basis, materials)
+    assert basis_fit.errors(basis, materials, measure, codes).max() < 2e-3
+
+
+def test_a_lambertian_is_exact(basis, measure):
+    """The constant is a function and the mean is zero, so that its code is its gain."""
+    assert not basis.rows[:, 0].any()
+    assert (basis.rows[:, 1] == 1).all()
+    logs = np.full((1, len(basis.rows)), np.log(0.8 / np.pi), np.float32)
+    codes = basis_fit.codes_at_probes(basis, Tables(logs, np.zeros_like(logs)))
+    np.testing.assert_allclose(codes, [[logs[0, 0], 0, 0]], atol=1e-4)
+
+
+def test_functions_are_standardised(basis, materials, measure):
+    """Codes have the mean square 1 and mean products 0, and the first has the largest effect."""
+    codes = basis_fit.codes_at_probes(basis, materials)[:, 1:]
+    np.testing.assert_allclose(codes.T @ codes / len(codes), np.eye(2), atol=0.05)
+    effects = measure @ basis.rows[:, 2:] ** 2
+    assert effects[0] > effects[1]
+
+
+def test_sums_over_probes_are_integrals(basis, materials, measure):
+    probed = np.exp(materials.at_probes(96).logs) @ basis.measure
+    exact = np.exp(materials.logs) @ measure
+    assert np.abs(probed / exact - 1).mean() < 0.05  # the weights are tied to equal ones
+    assert (basis.measure > 0).all()
+
+
+def test_materials_without_a_rest_teach_nothing(measure):
+    logs = np.full((2, len(measure)), -3.0)
+    logs[1] = -20
+    top = np.ones_like(logs, np.float32)
+    tables, rows = basis_fit.prepared(logs, top, measure)
+    assert rows.tolist() == [0]
+    assert len(tables.logs) == 1

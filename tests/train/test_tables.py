@@ -1,0 +1,91 @@
+"""Tables of random stacks: levels from the bottom up, reproducible, completed if interrupted."""
+
+import numpy as np
+import pytest
+
+from urushi.checks import CoatParameters
+from urushi.core.probe_pairs import probe_pairs
+from urushi.core.table import MIN_LOG, SHAPE, node_pairs
+from urushi.errors import FileError
+from urushi.material.coated_values import coated_f
+from urushi.material.substrate import Substrate
+from urushi.nets import lobe as lobes
+from urushi.train import tables
+from urushi.train.tables import TableSpec
+
+SPEC = TableSpec(stacks=4, coats=2, probes=64, seed=3, shard=2)
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    path = tmp_path_factory.mktemp("tables")
+    store = tables.opened(SPEC, path)
+    for shard in store.missing():
+        tables.write_shard(store, shard)
+    return path
+
+
+def test_stacks_have_no_index_below_one():
+    rng = np.random.default_rng(0)
+    for _ in range(200):
+        stack = tables.draw_stack(rng)
+        if stack.coats:
+            assert np.cumprod(stack.eta[0]).min() > 1 - tables.ROUNDING
+
+
+def test_rows_are_the_levels_of_stacks_from_the_bottom_up(folder):
+    held = tables.opened(SPEC, folder).read(("stack", "level", "coat", "low"))
+    assert (np.unique(held["stack"]) == np.arange(SPEC.stacks)).all()
+    new = np.diff(held["stack"], prepend=-1) > 0
+    assert (held["level"][new] == 0).all()
+    assert (np.diff(held["level"])[~new[1:]] == 1).all()
+    assert not held["coat"][new].any()
+    assert (held["low"][new] == 1).all()
+    assert (held["low"][~new] <= held["coat"][~new, 1] + 1e-6).all()
+
+
+def test_further_coats_are_light_transport_over_the_level(folder):
+    held = tables.opened(SPEC, folder).read(("table", "lobe", "over", "coated"))
+    row = len(held["table"]) - 1
+    below = Substrate.of_logs(held["table"][row].reshape(96, 32, 8, 1), held["lobe"][row : row + 1])
+    f = coated_f(
+        below, CoatParameters(*held["over"][row, 0].astype(float)), *probe_pairs(SPEC.probes)
+    )
+    found = np.exp(held["coated"][row, 0])
+    np.testing.assert_allclose(found, np.maximum(f[:, 0], np.exp(MIN_LOG)), rtol=1e-3)
+
+
+def test_a_coat_of_nothing_changes_nothing():
+    """Without an interface and a medium, a Lambertian stays as it is."""
+    logs = np.full((*SHAPE, 1), np.log(0.5 / np.pi))
+    none = np.array([[0.3, 0, 0, 0, 1.5, 0]], np.float32)
+    lobe, table = tables.coated(Substrate.of_logs(logs, none), np.array([0.1, 1, 0, 0, 0]))
+    np.testing.assert_allclose(table[0].astype(float), logs.ravel(), atol=2e-3)  # half precision
+    assert not lobes.f(lobe, *node_pairs()).any()
+
+
+def test_a_stack_does_not_depend_on_the_number_of_stacks(folder):
+    held = tables.opened(SPEC, folder).read(("stack", "table"))
+    own = np.stack([row["table"] for row in tables.levels(SPEC.seed, 3)])
+    np.testing.assert_array_equal(own, held["table"][held["stack"] == 3])
+
+
+def test_further_coats_share_interfaces():
+    coats = tables.draw_coats(np.random.default_rng(0), 16)
+    assert (coats[::2, :2] == coats[1::2, :2]).all()
+    assert len(np.unique(coats[:, 0])) == 8
+    assert (coats[::2, 2:] != coats[1::2, 2:]).any()
+
+
+def test_an_interrupted_store_is_completed_to_the_same_hash(folder, tmp_path):
+    whole = tables.opened(SPEC, folder)
+    store = tables.opened(SPEC, tmp_path)
+    store.file(1).write_bytes(whole.file(1).read_bytes())
+    assert store.missing() == [0]
+    tables.write_shard(store, 0)
+    assert store.hash() == whole.hash()
+
+
+def test_a_folder_of_another_specification_is_refused(folder):
+    with pytest.raises(FileError, match="another specification"):
+        tables.opened(TableSpec(stacks=5, coats=2, probes=64), folder)

@@ -1,0 +1,107 @@
+/**
+ * Proposals, from which directions are drawn: mixtures of GGX reflection lobes, mirrored above the
+ * horizon, and a cosine lobe; see Python's `nets.proposal`.
+ */
+
+import {
+  LOBE,
+  PROPOSAL,
+  proposalWeights,
+  proposalWeights2,
+  reflectionPdf,
+  reflectionPdf2,
+  sampleReflection,
+  sampleReflection2,
+  type Vector,
+} from "./formulas";
+
+/** Weights (K + 1), the last the cosine lobe's, and GGX widths (K), also those across the tangent. */
+export interface Mixture {
+  readonly weights: Float64Array;
+  readonly alphas: Float64Array;
+  readonly alphasV: Float64Array | undefined;
+}
+
+/** The parameters of proposals: a linear map from a code without its lobe, and overlaps of lobes. */
+export interface ProposalWeights {
+  /** (numbers of a code, `TERMS`) */
+  readonly weight: Float64Array;
+  readonly bias: Float64Array;
+  readonly overlap: Float64Array;
+}
+
+/** Proposals of codes for directions wi. */
+export class Proposals {
+  /** @param lobe numbers of a code's lobe. */
+  constructor(
+    private readonly parameters: ProposalWeights,
+    private readonly lobe: number,
+  ) {}
+
+  proposals(code: Float32Array): (wi: Vector) => Mixture {
+    const { weight, bias, overlap } = this.parameters;
+    const terms = bias.map((start, term) => {
+      const rest = code.subarray(this.lobe);
+      return rest.reduce(
+        (sum, number, k) => sum + number * weight[k * PROPOSAL.TERMS + term],
+        start,
+      );
+    });
+    const { length } = LOBE.NUMBERS[1];
+    const isIsotropic = this.lobe === length;
+    const most = PROPOSAL.LARGEST_STRETCH;
+    const stretch = isIsotropic
+      ? 1
+      : Math.exp(Math.min(Math.max(code[code.length - 1], -most), most));
+    const alphas = Float64Array.of(code[0], ...PROPOSAL.ALPHAS.map((alpha) => alpha / stretch));
+    const alphasV = isIsotropic
+      ? undefined
+      : Float64Array.of(code[length], ...PROPOSAL.ALPHAS.map((alpha) => alpha * stretch));
+    const fill = isIsotropic ? proposalWeights : proposalWeights2;
+    return ({ z }) => {
+      const weights = new Float64Array(alphas.length + 1);
+      fill(terms, overlap, code, z, weights, 0);
+      return { weights, alphas, alphasV };
+    };
+  }
+}
+
+/** The density [1/sr] of `sampleMixture` at wo; 0 below the horizon. */
+export function mixtureDensity(
+  { weights, alphas, alphasV }: Mixture,
+  wi: Vector,
+  wo: Vector,
+): number {
+  if (!(wi.z > 0 && wo.z > 0)) return 0;
+  let density = (weights[alphas.length] * wo.z) / Math.PI;
+  for (let k = 0; k < alphas.length; k++) {
+    const lobe = alphasV
+      ? reflectionPdf2(alphas[k], alphasV[k], wi.x, wi.y, wi.z, wo.x, wo.y, wo.z)
+      : reflectionPdf(alphas[k], wi.x, wi.y, wi.z, wo.x, wo.y, wo.z);
+    density += weights[k] * lobe;
+  }
+  return density;
+}
+
+/** A direction drawn by three uniform numbers in [0, 1): the lobe by the first. */
+export function sampleMixture(
+  { weights, alphas, alphasV }: Mixture,
+  wi: Vector,
+  u0: number,
+  u1: number,
+  u2: number,
+): Vector {
+  let edge = weights[0];
+  let chosen = 0;
+  for (let k = 1; k < alphas.length; k++) {
+    if (u0 >= edge) chosen = k;
+    edge += weights[k];
+  }
+  if (u0 >= edge) {
+    const [radius, phi] = [Math.sqrt(u1), 2 * Math.PI * u2];
+    return { x: radius * Math.cos(phi), y: radius * Math.sin(phi), z: Math.sqrt(1 - u1) };
+  }
+  return alphasV
+    ? sampleReflection2(alphas[chosen], alphasV[chosen], wi.x, wi.y, wi.z, u1, u2)
+    : sampleReflection(alphas[chosen], wi.x, wi.y, wi.z, u1, u2);
+}

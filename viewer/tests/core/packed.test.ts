@@ -1,0 +1,34 @@
+/** The page's own file of weights, of half precision and fewer bits, as Python packs it. */
+
+import { execFileSync } from "node:child_process";
+import { existsSync } from "node:fs";
+import { join } from "node:path";
+import { expect, test } from "vitest";
+import { loadCore } from "../../src/core/core";
+import { bytesOf, readVectors, SHIPPED } from "./vectors";
+
+const PYTHON = process.env.PYTHON ?? join(import.meta.dirname, "../../../.venv/bin/python");
+const PACK = `
+import sys
+from urushi.app.page_files import packed_weights
+from urushi.nets.weights import find
+sys.stdout.buffer.write(packed_weights(find(None)))
+`;
+
+const vectors = readVectors("default");
+
+// Needs the project's Python environment.
+test.skipIf(!existsSync(PYTHON) || vectors === undefined)("it hardly changes f", () => {
+  const bytes = execFileSync(PYTHON, ["-c", PACK], { maxBuffer: 2 ** 24 });
+  const [exact, rounded] = [loadCore(bytesOf(SHIPPED)), loadCore(Uint8Array.from(bytes).buffer)];
+  const [wi, wo] = [vectors!.of("wi"), vectors!.of("wo")];
+  const errors = vectors!.stacks.flatMap((stack) => {
+    const f = exact.f(exact.layer(stack), wi, wo);
+    const near = rounded.f(rounded.layer(stack), wi, wo);
+    return [...f].map((value, i) => Math.abs((near[i] as number) / value - 1));
+  });
+  const known = errors.filter(Number.isFinite).sort((a, b) => a - b);
+  // Rounding of many numbers averages out.
+  expect(known[Math.floor(known.length / 2)]).toBeLessThan(2 ** -9);
+  expect(known[Math.floor(0.99 * known.length)]).toBeLessThan(0.05);
+});
