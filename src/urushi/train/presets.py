@@ -37,13 +37,13 @@ def default() -> Preset:
     """The basis of one GGX width, and its layering network.
 
     Command: `urushi train --preset default`
-    Time: half an hour on two cores (tables 15, basis 2, layering network 10 minutes).
+    Time: an hour on two cores.
     Expected: E of hidden coated materials, code against transport, 0.5 % on average.
     """
     schedule = Schedule(
         steps=8_192, warmup=128, learning_rate=0.002, clip=0.05, average=0.9995, rule="soap"
     )
-    return Preset("default", TableSpec(stacks=2000, coats=32, probes=256), schedule)
+    return Preset("default", TableSpec(stacks=3000, coats=32, probes=256), schedule)
 
 
 def smoke() -> Preset:
