@@ -74,6 +74,7 @@ def test_bare_surfaces_are_exact(pairs):
     wi, wo = pairs
     material = urushi.encode(BRUSHED)
     np.testing.assert_allclose(material.f(wi, wo), analytic.f(BRUSHED, wi, wo), rtol=1e-4)
+    assert material.model.networks.table(material.latents) is None
 
 
 def test_reciprocity_mirroring_and_half_turns_to_the_bit(lacquered, pairs):
@@ -84,6 +85,24 @@ def test_reciprocity_mirroring_and_half_turns_to_the_bit(lacquered, pairs):
         for mirror in ([1, -1, 1], [-1, 1, 1], [-1, -1, 1]):
             sign = np.array(mirror, np.float32)
             np.testing.assert_array_equal(f, material.f(wi * sign, wo * sign))
+
+
+@pytest.mark.parametrize("axis", [0, 1])
+def test_f_is_continuous_where_a_half_vector_crosses_an_axis(lacquered, pairs, axis):
+    """Near the horizon, 2e-5 of a direction changes its cosine by a few per cent; near the normal,
+    it changes the azimuth of the half vector by as much."""
+    wi = pairs[0].astype(np.float32)
+    for material in lacquered:
+        sides = []
+        for offset in (-1e-5, 1e-5):
+            wo = pairs[1].astype(np.float32)
+            wo[:, axis] = offset - wi[:, axis]
+            wo[:, 2] = np.sqrt(np.maximum(1 - (wo[:, :2] ** 2).sum(axis=1), 0))
+            sides.append(material.f(wi, wo / np.linalg.norm(wo, axis=1, keepdims=True)))
+        half = wi + wo
+        seen = (wi[:, 2] > 0.1) & (wo[:, 2] > 0.1) & (np.abs(half[:, 1 - axis]) > 0.02 * half[:, 2])
+        assert seen.sum() > 200
+        np.testing.assert_allclose(sides[0][seen], sides[1][seen], rtol=0.01)
 
 
 @pytest.mark.parametrize("index", [0, 1])

@@ -9,7 +9,7 @@ from urushi.core import direction_sets
 from urushi.core.error_metrics import stack_error
 from urushi.core.quadrature import half_vector_rule
 from urushi.material import adding, adding_quadrant
-from urushi.material.coated_anisotropic import coated_f, half_vectors
+from urushi.material.coated_anisotropic import coated_f, half_vectors, pairs_about
 from urushi.nets import lobe as lobes
 from urushi.walk import conductor, diffuse
 
@@ -128,6 +128,19 @@ def test_cells_are_where_their_directions_are():
     for place, coordinate in zip(adding_quadrant.places(w), expected, strict=True):
         np.testing.assert_allclose(place, coordinate.ravel(), atol=1e-5)
     assert 4 * adding_quadrant.weights().sum() == pytest.approx(np.pi, rel=2e-3)  # midpoints
+
+
+def test_pairs_have_the_half_vectors_that_are_asked_for():
+    """Larger places have larger slopes; wi + wo loses digits where it is small."""
+    place = np.random.default_rng(0).uniform(0.2, 0.9, (4, 4000))
+    wi, wo = pairs_about(*place)
+    for w in (wi, wo):
+        np.testing.assert_allclose(np.linalg.norm(w, axis=1), 1, atol=1e-6)
+    half, apart = (w.astype(np.float64) for w in (wi + wo, wi - wo))
+    for u, axis in zip(place[:2], (0, 1), strict=True):
+        assert (np.diff((half[:, axis] / half[:, 2])[np.argsort(u)]) >= -1e-4).all()
+    np.testing.assert_allclose(np.linalg.norm(half, axis=1) / 2, 1 - place[2] ** 2, atol=1e-5)
+    np.testing.assert_allclose((half * apart).sum(axis=1), 0, atol=1e-5)
 
 
 def test_half_vectors_are_drawn_by_their_density():

@@ -376,7 +376,6 @@ def textured(described: dict, material: Coated) -> dict:
         "rough on" not in name or (TABLE[name].transmits and form != "layered")
     ),
     unlike={
-        "neural_layered: rough on white": CODES,
         "openpbr: rough on white": CODES,
         "openpbr: rough on metal": CODES,
     },

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from urushi.core.namespace import Components, Namespace
-from urushi.core.table import HIGHEST, coordinates, log_tangent
+from urushi.core.table import coordinates, log_tangent
 
 #: Number of factors of the azimuth.
 FACTORS = 5
@@ -41,8 +41,8 @@ def stretched(
     dx2, dy2 = apart.x * apart.x, apart.y * apart.y
     psi = xp.named("cos_2_psi", (x2 - y2) / xp.maximum(across, TINY))
     p = xp.named("cos_2_p", (dx2 - dy2) / xp.maximum(dx2 + dy2, TINY))
-    _, v, w = coordinates(both, apart, 1, xp)
-    u = log_tangent(across / z2, HIGHEST, xp)
+    _, v, w = coordinates(both, apart, xp)
+    u = log_tangent(across / z2, xp)
     return (u, v, w), (psi, p, 2 * psi * psi - 1, 2 * p * p - 1, psi * p)
 
 

@@ -13,35 +13,25 @@ d = (cos_i - cos_o) / 2 and s = sin theta_h sin theta_d; neither c nor s is belo
 densest for small half angles, where lobes are narrow, and where a direction grazes the surface.
 Tables of slabs have nodes at the angles of total reflection (`Knots`), and v is linear in between.
 
-A rest of two GGX widths is symmetric about the xz and the yz plane, and has four coordinates:
-
-    u_x, u_y  as u, of h_x^2 / h_z^2 and h_y^2 / h_z^2, up to `ANISOTROPIC_HIGHEST`
-    v
-    p         angle in the xy plane between the x axis and wi - wo, over pi
-
-with the half vector h. The signs of x and y are chosen so that h_x and h_y are not negative. The
-angle is measured around a square: |y| / (|x| + |y|) in the first quadrant costs one division.
-
-Exchanging wi and wo, and mirroring both for two widths, leave the coordinates the same to the bit.
+Exchanging wi and wo leaves the coordinates the same to the bit.
 """
 
 import functools
 import itertools
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 
 from urushi.core.namespace import NUMPY, Components, Namespace, stacked_components
 
-#: Nodes in the coordinates, by the number of GGX widths; `SHAPE` is for one width.
-SHAPES: dict[int, tuple[int, ...]] = {1: (96, 32, 8), 2: (40, 40, 16, 20)}
-SHAPE = SHAPES[1]
+#: Nodes in the coordinates.
+SHAPE = 96, 32, 8
 
-#: Of the coordinates u, and u_x and u_y.
+#: Of the coordinate u.
 TAN2_OFFSET = 1e-5
-LOWEST, HIGHEST, ANISOTROPIC_HIGHEST = math.log(TAN2_OFFSET), math.log(1e3), math.log(1e2)
+LOWEST, HIGHEST = math.log(TAN2_OFFSET), math.log(1e3)
 
 #: Of u and v: strides of the nodes at which coats and slabs are computed by light transport.
 STRIDES = 3, 2
@@ -65,11 +55,8 @@ def table_of_values(f: np.ndarray) -> np.ndarray:
 def interpolated(
     table: np.ndarray, wi: np.ndarray, wo: np.ndarray, knots: Knots = ()
 ) -> np.ndarray:
-    """f float32 (N, C) [1/sr] of a table (U, V, W, C) for pairs (N, 3) above the horizon.
-
-    The table may be one of four coordinates.
-    """
-    return interpolated_at(table, *pair_coordinates(wi, wo, 1 if table.ndim == 4 else 2, knots))
+    """f float32 (N, C) [1/sr] of a table (U, V, W, C) for pairs (N, 3) above the horizon."""
+    return interpolated_at(table, *pair_coordinates(wi, wo, knots))
 
 
 def interpolated_at(table: np.ndarray, *places: np.ndarray) -> np.ndarray:
@@ -121,44 +108,30 @@ def corner_steps(shape: Sequence[int]) -> list[int]:
     return [int(np.ravel_multi_index(corner, shape)) for corner in np.ndindex(*[2] * len(shape))]
 
 
-def pair_coordinates(
-    wi: np.ndarray, wo: np.ndarray, widths: int = 1, knots: Knots = ()
-) -> tuple[np.ndarray, ...]:
+def pair_coordinates(wi: np.ndarray, wo: np.ndarray, knots: Knots = ()) -> tuple[np.ndarray, ...]:
     """The coordinates (N,) of pairs (N, 3), see `coordinates`."""
     both, apart = (Components(*w.T.astype(np.float64)) for w in (wi + wo, wi - wo))
-    return coordinates(both, apart, widths, NUMPY, knots)
+    return coordinates(both, apart, NUMPY, knots)
 
 
-def coordinates(
-    both: Any, apart: Any, widths: int, xp: Namespace, knots: Knots = ()
-) -> tuple[Any, ...]:
-    """The coordinates of pairs in [0, 1] up to rounding, from wi + wo and wi - wo.
-
-    One width needs the z of wi - wo only. u_x and u_y exceed one where h is less than 6 degrees
-    above the horizon.
-    """
+def coordinates(both: Any, apart: Any, xp: Namespace, knots: Knots = ()) -> tuple[Any, ...]:
+    """The coordinates of pairs in [0, 1] up to rounding, from wi + wo and the z of wi - wo."""
     x2, y2 = both.x * both.x, both.y * both.y
     z2 = xp.named("z2", xp.maximum(both.z * both.z, 1e-18))
     squared = xp.named("squared", x2 + y2 + z2)
     cos_d = xp.named("cos_d", xp.minimum(0.5 * xp.sqrt(squared), 1))
     v = xp.safe_sqrt(1 - cos_d)  # roots that reach zero have finite derivatives if they are safe
-    if widths == 2:
-        u_x, u_y = (log_tangent(c / z2, ANISOTROPIC_HIGHEST, xp) for c in (x2, y2))
-        size_x, size_y = xp.absolute(apart.x), xp.absolute(apart.y)
-        turned = 0.5 * size_y / xp.maximum(size_x + size_y, 1e-12)
-        parallel = (both.x * both.y) * (apart.x * apart.y) >= 0
-        return u_x, u_y, v, xp.where(parallel, turned, 1 - turned)
     across = xp.named("across", x2 + y2)
     sin2 = (1 - cos_d) * (1 + cos_d)
     reach = xp.minimum(0.5 * both.z, xp.safe_sqrt(across / squared * sin2))
     size = xp.minimum(0.5 * xp.absolute(apart.z) / xp.maximum(reach, 1e-9), 1)
     v = knotted(v, knots, xp) if knots else v
-    return log_tangent(across / z2, HIGHEST, xp), v, 1 - xp.safe_sqrt(1 - size)
+    return log_tangent(across / z2, xp), v, 1 - xp.safe_sqrt(1 - size)
 
 
-def log_tangent(tan2: Any, highest: float, xp: Namespace) -> Any:
+def log_tangent(tan2: Any, xp: Namespace) -> Any:
     """The coordinate u of a squared tangent."""
-    return (xp.log(tan2 + TAN2_OFFSET) - LOWEST) * (1 / (highest - LOWEST))
+    return (xp.log(tan2 + TAN2_OFFSET) - LOWEST) * (1 / (HIGHEST - LOWEST))
 
 
 def knots_of(sines: Sequence[float], first: int | None = None) -> Knots:
@@ -225,16 +198,16 @@ def completed(f: np.ndarray, knots: Knots) -> np.ndarray:
 
 
 @functools.lru_cache(maxsize=16)
-def node_pairs(widths: int = 1, knots: Knots = ()) -> tuple[np.ndarray, np.ndarray]:
+def node_pairs(knots: Knots = ()) -> tuple[np.ndarray, np.ndarray]:
     """Pairs wi, wo float32 (N, 3) of the nodes, the last axis fastest.
 
     Cosines are at least `MIN_COSINE`.
     """
-    axes = [np.linspace(0, 1, count) for count in SHAPES[widths]]
+    axes = [np.linspace(0, 1, count) for count in SHAPE]
     if knots:
         axes[1] = unknotted(axes[1], knots)
     places = (x.ravel() for x in np.meshgrid(*axes, indexing="ij"))
-    pairs = NODE_DIRECTIONS[widths](*places)
+    pairs = node_directions(*places)
     for w in pairs:
         w[:, 2] = np.maximum(w[:, 2], MIN_COSINE)
         w /= np.linalg.norm(w, axis=1, keepdims=True)
@@ -268,36 +241,3 @@ def node_components(u: Any, v: Any, w: Any, xp: Namespace) -> tuple[Components, 
     x, y, z = (xp.named(f"across_{k}", c) for k, c in zip("xyz", across, strict=True))
     along_x, along_z = sin_h * cos_d, cos_h * cos_d
     return Components(along_x + x, y, along_z + z), Components(along_x - x, -1 * y, along_z - z)
-
-
-def anisotropic_node_directions(
-    u_x: np.ndarray, u_y: np.ndarray, v: np.ndarray, p: np.ndarray
-) -> tuple[np.ndarray, np.ndarray]:
-    """A pair wi, wo float32 (N, 3) with the coordinates (N,) of two widths.
-
-    Some coordinates belong to a pair with one direction below the horizon.
-    """
-    scale = ANISOTROPIC_HIGHEST - LOWEST
-    tangents = [
-        np.sqrt(np.maximum(np.exp(LOWEST + u * scale) - TAN2_OFFSET, 0)) for u in (u_x, u_y)
-    ]
-    h = _unit(np.stack([*tangents, np.ones_like(v)], axis=-1))
-    share = np.minimum(2 * p, 2 - 2 * p)
-    dx, dy = np.where(p > 0.5, share - 1, 1 - share), share
-    dz = -(h[:, 0] * dx + h[:, 1] * dy) / h[:, 2]
-    cos_d = 1 - v * v
-    sin_d = np.sqrt(np.maximum(1 - cos_d * cos_d, 0))
-    along = h * cos_d[:, None]
-    across = _unit(np.stack([dx, dy, dz], axis=-1)) * sin_d[:, None]
-    return (along + across).astype(np.float32), (along - across).astype(np.float32)
-
-
-def _unit(vectors: np.ndarray) -> np.ndarray:
-    return vectors / np.linalg.norm(vectors, axis=-1, keepdims=True)
-
-
-#: From coordinates (N,) to pairs, by the number of GGX widths.
-NODE_DIRECTIONS: dict[int, Callable[..., tuple[np.ndarray, np.ndarray]]] = {
-    1: node_directions,
-    2: anisotropic_node_directions,
-}

@@ -98,7 +98,7 @@ def rest_f(
     both, apart = body.let("both", wi + wo), body.let("apart", wi - wo)
     xp, around = namespace(body), []
     if rest.stretch is None:
-        places = coordinates(both, apart, 1, xp, rest.knots)
+        places = coordinates(both, apart, xp, rest.knots)
     else:
         places, factors = stretched(both, apart, rest.stretch * rest.stretch, xp)
         around = [body.let(f"factor{k}", factor) for k, factor in enumerate(factors)]

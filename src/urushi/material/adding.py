@@ -256,7 +256,7 @@ def at_nodes(values: np.ndarray, edges: Edges, knots: Knots) -> np.ndarray:
 
 @functools.lru_cache(maxsize=16)
 def _node_corners(edges: Edges, knots: Knots) -> list[tuple[np.ndarray, np.ndarray]]:
-    return grid(edges).corners(*node_pairs(1, knots))
+    return grid(edges).corners(*node_pairs(knots))
 
 
 def albedos(f: Brdf, cosines: np.ndarray) -> np.ndarray:

@@ -20,12 +20,7 @@ import numpy as np
 
 from urushi.checks import CoatParameters, Widths
 from urushi.core.microfacet import pair
-from urushi.core.table import (
-    ANISOTROPIC_HIGHEST,
-    LOWEST,
-    TAN2_OFFSET,
-    anisotropic_node_directions,
-)
+from urushi.core.table import LOWEST, TAN2_OFFSET
 from urushi.material import adding, adding_quadrant
 from urushi.material.crossing import (
     LEAST_COSINE,
@@ -50,8 +45,11 @@ PEAK_POWER = 2.0
 ROWS = 256
 
 #: Intervals of either slope of the half vectors, and the difference angles and azimuths (v and p of
-#: `core.table`) at which the bottom is evaluated for each.
+#: `pairs_about`) at which the bottom is evaluated for each.
 INTERVALS, AT_V, AT_P = 40, np.linspace(0.02, 0.5, 4), (np.arange(4) + 0.5) / 4
+
+#: Range of ln(tan^2 + `TAN2_OFFSET`) of the slopes: from `LOWEST` to this.
+HIGHEST = np.log(1e2)
 
 
 class HalfVectors(NamedTuple):
@@ -84,7 +82,7 @@ class HalfVectors(NamedTuple):
 
 def _cell(tan2: np.ndarray) -> np.ndarray:
     """The interval of squared slopes."""
-    scale = np.float32(INTERVALS / (ANISOTROPIC_HIGHEST - LOWEST))
+    scale = np.float32(INTERVALS / (HIGHEST - LOWEST))
     place = (np.log(tan2 + np.float32(TAN2_OFFSET)) - np.float32(LOWEST)) * scale
     return place.astype(np.intp).clip(0, INTERVALS - 1)
 
@@ -93,13 +91,13 @@ def half_vectors(f: adding.Brdf) -> HalfVectors:
     """The distribution of half vectors at which a BRDF is bright."""
     u = (np.arange(INTERVALS) + 0.5) / INTERVALS
     places = (x.ravel() for x in np.meshgrid(u, u, AT_V, AT_P, indexing="ij"))
-    wi, wo = anisotropic_node_directions(*places)
+    wi, wo = pairs_about(*places)
     above = (wi[:, 2] > 0) & (wo[:, 2] > 0)
     values = np.zeros(len(wi))
     values[above] = f(wi[above], wo[above]).mean(axis=1)
     shape = INTERVALS, INTERVALS, -1
     size = values.reshape(shape).sum(axis=2) / np.maximum(above.reshape(shape).sum(axis=2), 1)
-    logs = np.linspace(LOWEST, ANISOTROPIC_HIGHEST, 2 * INTERVALS + 1)
+    logs = np.linspace(LOWEST, HIGHEST, 2 * INTERVALS + 1)
     slopes = np.sqrt(np.maximum(np.exp(logs) - TAN2_OFFSET, 0))
     edges, middle = slopes[::2], slopes[1::2]
     area = np.multiply.outer(np.diff(edges), np.diff(edges))
@@ -108,6 +106,33 @@ def half_vectors(f: adding.Brdf) -> HalfVectors:
     shares = np.maximum(shares / shares.sum(), 1e-12)
     cumulated = np.concatenate([[0], np.cumsum(shares)])
     return HalfVectors(edges, cumulated, (shares / (4 * area)).astype(np.float32))
+
+
+def pairs_about(
+    u_x: np.ndarray, u_y: np.ndarray, v: np.ndarray, p: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Pairs wi, wo float32 (N, 3) about half vectors; some have a direction below the horizon.
+
+    Args:
+        u_x, u_y: places of the slopes h_x / h_z and h_y / h_z in their range, in [0, 1].
+        v: sqrt(1 - cos theta_d).
+        p: angle in the xy plane between the x axis and wi - wo, around a square, over pi.
+    """
+    logs = (LOWEST + u * (HIGHEST - LOWEST) for u in (u_x, u_y))
+    slopes = [np.sqrt(np.maximum(np.exp(log) - TAN2_OFFSET, 0)) for log in logs]
+    h = _unit(np.stack([*slopes, np.ones_like(v)], axis=-1))
+    share = np.minimum(2 * p, 2 - 2 * p)
+    dx, dy = np.where(p > 0.5, share - 1, 1 - share), share
+    dz = -(h[:, 0] * dx + h[:, 1] * dy) / h[:, 2]
+    cos_d = 1 - v * v
+    sin_d = np.sqrt(np.maximum(1 - cos_d * cos_d, 0))
+    along = h * cos_d[:, None]
+    across = _unit(np.stack([dx, dy, dz], axis=-1)) * sin_d[:, None]
+    return (along + across).astype(np.float32), (along - across).astype(np.float32)
+
+
+def _unit(vectors: np.ndarray) -> np.ndarray:
+    return vectors / np.linalg.norm(vectors, axis=-1, keepdims=True)
 
 
 class Below(NamedTuple):

@@ -65,7 +65,7 @@ def coated_rest(bottom: Material, coat: CoatParameters, slab: Inside | None = No
     interfaces = parameters[:2]
     media = slab.media.reshape(-1, len(channels)) if slab else parameters[2:]
     points = SLAB_POINTS if slab else (WIDE, NARROW, HALF)
-    every, rows = node_pairs(1, knots), np.ix_(*known_nodes(knots))
+    every, rows = node_pairs(knots), np.ix_(*known_nodes(knots))
     known = [w.reshape(*SHAPE, 3)[rows].reshape(-1, 3) for w in every]
     result = np.empty((len(every[0]), len(channels)), np.float32)
 

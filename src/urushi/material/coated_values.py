@@ -209,7 +209,7 @@ def _basis(s: np.ndarray) -> tuple[list[int], np.ndarray]:
 def _seen(jobs: Jobs) -> np.ndarray:
     """The BRDFs below (P, D) at some nodes of the table."""
     some = np.ix_(*known_nodes(jobs.knots))
-    pairs = [w.reshape(*SHAPE, 3)[some].reshape(-1, 3) for w in node_pairs(1, jobs.knots)]
+    pairs = [w.reshape(*SHAPE, 3)[some].reshape(-1, 3) for w in node_pairs(jobs.knots)]
     return _f(jobs._replace(eta=np.ones(len(jobs.eta))), pairs, (1, 1, 1))
 
 
@@ -267,7 +267,7 @@ class _Kernel:
 
     def _places(self, wi: Any, wo: Any) -> tuple[Any, ...]:
         """Coordinates of a pair in the tables."""
-        return coordinates(wi + wo, wi - wo, 1, DRJIT, self._jobs.knots)
+        return coordinates(wi + wo, wi - wo, DRJIT, self._jobs.knots)
 
     def _once(self, wi: Any, wo: Any, places: tuple[Any, ...]) -> Any:
         """Light that the bottom reflects."""

@@ -101,7 +101,7 @@ def denser_coordinates(a: Any, b: Any, ratio: float, xp: Namespace) -> tuple[Any
     Within the cone of light that leaves that medium, v is in proportion to v outside.
     """
     both, apart = Components(a.x + b.x, a.y + b.y, a.z + b.z), Components(None, None, a.z - b.z)
-    u, v, w = coordinates(both, apart, 1, xp)
+    u, v, w = coordinates(both, apart, xp)
     if knots := _passed_knots(ratio):
         edge = knots[0][0]
         v = knotted(xp.where(v < edge, edge * _refracted_v(v, ratio, xp), v), knots, xp)

@@ -243,7 +243,7 @@ def _reflected(model: Model, layers: Layers, every: list[Shares]) -> tuple[Mater
             seen = below if eta[0] != 1 else replace(below, beside_lobe=False)
             rest = coated_rest(seen, CoatParameters(alpha, eta, 0, 0, 0), insides[0])
             logs = np.log(np.maximum(rest.reshape(logs.shape) / factor[..., None], 1e-30))
-            angles = [np.arccos(w[:, 2]) for w in node_pairs(1, knots)]
+            angles = [np.arccos(w[:, 2]) for w in node_pairs(knots)]
             logs = _with_light(logs, angles, [_reflected_light(every[level], knots, inner)])
             if level:
                 logs = logs + np.log(factor)[..., None]
@@ -255,7 +255,7 @@ def _reflected(model: Model, layers: Layers, every: list[Shares]) -> tuple[Mater
 
 def _at_nodes(knots: Knots, inner: InnerLobes) -> np.ndarray:
     """`mirrored_inside` at the nodes of a table of reflection, float32."""
-    a, b = (Components(*w.T) for w in node_pairs(1, knots))
+    a, b = (Components(*w.T) for w in node_pairs(knots))
     return mirrored_inside(a, b, inner, NUMPY).astype(np.float32).reshape(SHAPE)
 
 
@@ -266,7 +266,7 @@ def _reflected_light(own: Shares, knots: Knots, inner: InnerLobes) -> Light:
     wo, weights = half_vector_rule(wi, azimuths=AROUND)
     first = np.broadcast_to(wi[:, None], wo.shape).reshape(-1, 3)
     second = wo.reshape(-1, 3)
-    places = list(pair_coordinates(first, second, 1, knots))
+    places = list(pair_coordinates(first, second, knots))
     factor = mirrored_inside(Components(*first.T), Components(*second.T), inner, NUMPY)
     weights = weights * wo[..., 2] * factor.reshape(weights.shape)
     return Light(angles, own.at(angles)[0], weights, places)

@@ -139,7 +139,7 @@ def _widths(logs: np.ndarray, lobe: np.ndarray | None, knots: Knots) -> np.ndarr
     some = np.ix_(np.arange(SHAPE[0]), np.arange(0, SHAPE[1] // 2, 4), np.arange(0, SHAPE[2], 3))
     values = np.exp(logs[some]).reshape(-1, logs.shape[-1])
     if lobe is not None:
-        pairs = (w.reshape(*SHAPE, 3)[some].reshape(-1, 3) for w in node_pairs(1, knots))
+        pairs = (w.reshape(*SHAPE, 3)[some].reshape(-1, 3) for w in node_pairs(knots))
         values = values + lobes_f(lobe, *(Components(*w.T) for w in pairs))
     profiles = np.log(values.reshape(SHAPE[0], -1, logs.shape[-1]).mean(axis=1))
     result = []

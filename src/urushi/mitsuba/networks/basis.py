@@ -68,7 +68,7 @@ class BasisTable:
         stretch2: the squared stretch, for two widths; the functions are times their factors.
         """
         if stretch2 is None:
-            return self._at(coordinates(wi + wo, wi - wo, 1, DRJIT))
+            return self._at(coordinates(wi + wo, wi - wo, DRJIT))
         places, around = stretched(wi + wo, wi - wo, stretch2, DRJIT)
         pairs = zip(self._at(places), self._factors, strict=True)
         return [value * around[factor - 1] if factor else value for value, factor in pairs]

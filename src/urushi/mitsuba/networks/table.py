@@ -8,7 +8,7 @@ import mitsuba as mi
 import numpy as np
 
 from urushi.core.namespace import DRJIT
-from urushi.core.table import SHAPES, Knots, coordinates, corner_steps
+from urushi.core.table import SHAPE, Knots, coordinates, corner_steps
 from urushi.mitsuba.networks import lobe
 from urushi.mitsuba.networks.lobe import LobeKind
 from urushi.mitsuba.recording import owned
@@ -44,7 +44,7 @@ class TabulatedDecoder:
         """
         rests = [wi.z * 0] * len(terms)
         if tables:
-            places = coordinates(wi + wo, wi - wo, self._kind.widths, DRJIT, self._knots)
+            places = coordinates(wi + wo, wi - wo, DRJIT, self._knots)
             rests = _looked_up(tables[0], len(terms), places, bands)
         if not self._kind.present:
             return rests
@@ -97,10 +97,9 @@ def interpolated(table, shape: Sequence[int], coordinates: Sequence, band=None) 
 
 def _looked_up(table, channels: int, places: Sequence, bands: Sequence | None) -> list:
     """f of each channel [1/sr] at a table's coordinates, see `core.table.interpolated_at`."""
-    shape = SHAPES[1 if len(places) == 3 else 2]
     clipped = [dr.clip(place, 0, 1) for place in places]
     if bands is None:
-        logs = interpolated(table, shape, clipped)
+        logs = interpolated(table, SHAPE, clipped)
     else:
-        logs = [interpolated(table, shape, clipped, band)[0] for band in bands]
+        logs = [interpolated(table, SHAPE, clipped, band)[0] for band in bands]
     return [dr.exp(log) for log in logs[:channels]]
