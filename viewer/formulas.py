@@ -42,7 +42,7 @@ from urushi.export.languages import Glsl
 from urushi.export.lobe import lobe_f
 from urushi.export.printer import PRIMARY, Printer, broken
 from urushi.export.program import TABLE
-from urushi.export.statements import Function, Variable, element, namespace, offset_index
+from urushi.export.statements import Function, Variable, element, integer, namespace
 from urushi.nets import features, lobe, proposal
 
 FILE = Path(__file__).parent / "src/core/formulas.ts"
@@ -178,8 +178,11 @@ def filling(
 ) -> Function:
     """The function that puts the numbers of a formula into `out`, from the place `at` on."""
     function = Function(label, (*arguments, OUT, AT), NOTHING, note)
-    for place, value in enumerate(formula(*map(_value, arguments), namespace(function))):
-        function.assign(element(argument(OUT), offset_index(place, argument(AT))), value)
+    for step, value in enumerate(formula(*map(_value, arguments), namespace(function))):
+        place = argument(AT)
+        if step:
+            place = Expression("+", INT, (integer(step), place))
+        function.assign(element(argument(OUT), place), value)
     return function
 
 

@@ -34,27 +34,6 @@ def test_pair_error_by_hand():
     )
 
 
-def test_error_divisors_by_hand():
-    # The mean of f, clipped to 1, is 1/2: a brightness of pi/2, at most 1. The floor is whole.
-    np.testing.assert_allclose(
-        error_metrics.error_divisors(np.array([[0.0, 7.0]])), [[0.002, 7.002]], rtol=1e-12
-    )
-    # Black: the floor is scaled by the least brightness.
-    np.testing.assert_allclose(error_metrics.error_divisors(np.zeros(3)), np.full(3, 1e-4))
-
-
-def test_huber_loss_by_hand_and_its_slope():
-    error = np.array([-5.0, -2.0, -1.0, 0.0, 0.5, 3.0])
-    loss, far = error_metrics.huber_loss(error, 2.0)
-    np.testing.assert_allclose(loss, [16.0, 4.0, 1.0, 0.0, 0.25, 8.0], rtol=1e-12)
-    step = 1e-6
-    slope = (
-        error_metrics.huber_loss(error + step, 2.0)[0]
-        - error_metrics.huber_loss(error - step, 2.0)[0]
-    ) / (2 * step)
-    np.testing.assert_allclose(slope, 2 * error / far, rtol=1e-6, atol=1e-6)
-
-
 @pytest.mark.parametrize(
     ("call", "message"),
     [

@@ -64,7 +64,7 @@ def test_a_smooth_metal_is_its_own_lobe():
     model = default_model()
     z = np.zeros((1, model.arch.latent), np.float32)
     z[0, : model.arch.lobe] = (0.05, 1, 1, 0, 1.5, 0)
-    z = model.networks.without_rest(z)
+    z[0, model.arch.lobe :] = model.networks.empty_rest()
     weights, _ = model.networks.proposal(z, directions(np.array([0.0, 45.0, 80.0])))
     np.testing.assert_allclose(weights[:, 0], 1 - proposal.MIN_COSINE_SHARE, atol=1e-3)
 

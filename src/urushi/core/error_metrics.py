@@ -1,6 +1,4 @@
-"""Errors of BRDFs (E and P at the pairs of `direction_sets`, losses of fits) and of images."""
-
-from typing import Any
+"""Errors of BRDFs (E and P at the pairs of `direction_sets`) and of images."""
 
 import numpy as np
 import numpy.typing as npt
@@ -14,10 +12,6 @@ COSINE_FLOOR = 0.02
 #: [1/sr] Added to f in P and before logarithms are compared: values far below it look black, and
 #: measured colours outside of sRGB have channels that are zero.
 DARK_OFFSET = 1e-3
-
-#: [1/sr] Added to f in the divisors of relative errors: smaller differences are invisible. The
-#: floor of a dark BRDF is scaled by its brightness, at least by the second number.
-FLOOR, DARKEST = 2e-3, 0.05
 
 
 def energy_weight(cos_i: npt.ArrayLike, cos_o: npt.ArrayLike) -> np.ndarray:
@@ -64,28 +58,6 @@ def pair_error(f_hat: npt.ArrayLike, f: npt.ArrayLike) -> np.ndarray:
     """
     f_hat, f = checks.finite(f_hat=f_hat, f=f)
     return np.abs(f_hat - f) / (f + DARK_OFFSET)
-
-
-def error_divisors(f: Any) -> Any:
-    """Divisors (..., M) of errors that make them relative: f (..., M) [1/sr] plus a floor.
-
-    Arrays of NumPy or JAX; the last axis has the pairs of one BRDF.
-    """
-    xp = f.__array_namespace__()
-    brightness = xp.pi * xp.mean(xp.clip(f, None, 1.0), axis=-1, keepdims=True)
-    return f + FLOOR * xp.clip(brightness, DARKEST, 1.0)
-
-
-def huber_loss(error: Any, knee: float) -> tuple[Any, Any]:
-    """Losses (...) of errors (...), and the factors by which the weights of squares are reduced.
-
-    The loss is the square up to the knee and linear beyond it: twice Huber's loss (1964). Arrays
-    of NumPy or JAX.
-    """
-    xp = error.__array_namespace__()
-    size = xp.abs(error)
-    near = xp.clip(size, None, knee)
-    return near * (2.0 * size - near), xp.clip(size / knee, 1.0, None)
 
 
 def mse(image: npt.ArrayLike, reference: npt.ArrayLike) -> float:

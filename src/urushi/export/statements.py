@@ -146,11 +146,6 @@ def integer(value: int) -> Expression:
     return Expression("integer", INT, detail=value)
 
 
-def offset_index(start: int, index: Expression) -> Expression:
-    """The index `start` places after another."""
-    return Expression("+", INT, (integer(start), index)) if start else index
-
-
 def member(structure: Expression, which: Variable) -> Expression:
     return Expression("field", which.kind, (structure,), which.name)
 

@@ -1,4 +1,4 @@
-"""Multilayer perceptrons: layers, activations and their slopes."""
+"""Multilayer perceptrons: layers and activations."""
 
 import itertools
 from collections.abc import Mapping, Sequence
@@ -89,15 +89,6 @@ def activate(x: Any, activation: str) -> Any:
         q *= x
         return q
     return x.__array_namespace__().maximum(x, 0.0)
-
-
-def _horner(coefficients: Sequence[float], u: Any) -> Any:
-    """The polynomial of u with two or more coefficients, lowest power first."""
-    *others, second, first = coefficients
-    total = second + u * first
-    for coefficient in reversed(others):
-        total = coefficient + u * total
-    return total
 
 
 def shapes_of(prefix: str, sizes: Sequence[int]) -> dict[str, tuple[int, ...]]:

@@ -229,12 +229,6 @@ class Networks(NamedTuple):
         lobe = self.arch.lobe
         return np.concatenate([z[..., :lobe], basis.scaled(z[..., lobe:], factor)], axis=-1)
 
-    def without_rest(self, z: Any) -> Any:
-        """Codes (..., L) of the lobes alone: the rest has the least value."""
-        codes = np.array(z)
-        codes[..., self.arch.lobe :] = self.empty_rest()
-        return codes
-
     def empty_rest(self) -> np.ndarray:
         """The numbers (K,) of a rest that is zero; of two widths (K + 1,)."""
         rest = np.zeros(self.arch.rest, np.float32)
