@@ -26,6 +26,7 @@ import numpy.typing as npt
 import tyro
 from benchmarks.evaluation import predict
 from benchmarks.evaluation import samples as sampling
+from benchmarks.evaluation.distributions import Table2
 from benchmarks.evaluation.samples import Group, Samples
 from benchmarks.quality import pictures
 from tqdm import tqdm
@@ -35,7 +36,6 @@ from urushi.core import error_metrics as metrics
 from urushi.errors import FileError, ParameterError
 from urushi.files import atomic_write, new_folder
 from urushi.nets.weights import Model, Weights, find
-from urushi.train.distribution import Table2
 from urushi.walk import StackTable, walk_pairs
 
 _KIND = "direction table"

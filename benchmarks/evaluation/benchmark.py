@@ -15,13 +15,13 @@ from typing import Any
 
 import numpy as np
 from benchmarks.evaluation import samples as sampling
+from benchmarks.evaluation.distributions import to_dict
 from benchmarks.evaluation.samples import GROUPS, Group, Samples
 
 from urushi import files
 from urushi.checks import CoatParameters
 from urushi.core.probe_pairs import PROBES
 from urushi.errors import FileError
-from urushi.train.distribution import to_dict
 from urushi.walk import StackTable
 from urushi.walk.bottoms import KINDS
 

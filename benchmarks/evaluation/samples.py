@@ -8,10 +8,11 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
+from benchmarks.evaluation.distributions import Clear, Table2
 
 from urushi.core import direction_sets, error_metrics
 from urushi.errors import ParameterError
-from urushi.train.distribution import Clear, Distribution, Extended, Table2
+from urushi.train.distribution import Extended
 from urushi.walk import StackTable, analytic, walk_pairs
 
 
@@ -28,7 +29,7 @@ class Group:
     """
 
     name: str
-    distribution: Distribution
+    distribution: Table2 | Extended
     stacks: int
     probed: tuple[int, ...] = ()
 

@@ -16,6 +16,7 @@ from pathlib import Path
 
 import numpy as np
 from benchmarks.evaluation import predict
+from benchmarks.evaluation.distributions import anisotropic
 
 import urushi
 from urushi.checks import CoatParameters, Widths
@@ -28,7 +29,6 @@ from urushi.material.values import material_from_values, material_of_lobes
 from urushi.nets import lobe as lobes
 from urushi.nets.weights import anisotropic_model
 from urushi.train.bottoms import bottom_lobes
-from urushi.train.distribution import Anisotropic
 from urushi.walk import StackTable, analytic, bottoms, walk_pairs
 
 SEED = 90210
@@ -71,7 +71,7 @@ class Group:
         return [self._table(kind, rng, share) for kind in kinds]
 
     def _table(self, kind: str, rng: np.random.Generator, stacks: int) -> StackTable:
-        table = Anisotropic(self.coats, kind).sample(rng, stacks)
+        table = anisotropic(rng, stacks, self.coats, kind)
         assert isinstance(table.alpha, Widths)
         alpha, bottom = table.alpha, dict(table.bottom)
         if not self.coat:

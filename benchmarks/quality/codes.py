@@ -22,10 +22,10 @@ from benchmarks.evaluation.samples import Samples
 
 from urushi.checks import CoatParameters
 from urushi.core import error_metrics
+from urushi.fan2022.store import DataSpec, Part, Store, generate
 from urushi.nets import weights
 from urushi.nets.weights import Model
 from urushi.train.distribution import Extended, Practical
-from urushi.train.store import DataSpec, Part, Store, generate
 from urushi.walk import StackTable
 from urushi.walk.bottoms import KINDS
 

@@ -23,9 +23,9 @@ from urushi.fan2022.architecture import init
 from urushi.fan2022.inference import LIGHT_COSINE, direction_inputs, evaluate, layer
 from urushi.fan2022.preset import Palette, PaperPreset
 from urushi.fan2022.projection import compressed
+from urushi.fan2022.store import DataSpec, Part, Store, generate
 from urushi.fan2022.training import project_shard
 from urushi.nets.mlp import Params
-from urushi.train.store import DataSpec, Part, Store, generate
 
 #: Components of each kind, stratified pairs of each BRDF, walks for each, and epochs of training.
 COMPONENTS, PAIRS, WALKS, EPOCHS = 8, 5**4, 256, 400

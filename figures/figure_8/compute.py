@@ -14,6 +14,7 @@ from typing import Any
 
 import numpy as np
 from benchmarks.evaluation import predict, samples
+from benchmarks.evaluation.distributions import Table2
 from benchmarks.evaluation.samples import Group
 from benchmarks.quality import benchmark_set
 from research.rivals import belcour
@@ -21,7 +22,6 @@ from research.rivals import belcour
 import urushi
 from figures import results
 from urushi.nets.weights import default_model
-from urushi.train.distribution import Table2
 
 FOLDER = Path(__file__).parent
 PARTS = results.parts_folder("figure_8")

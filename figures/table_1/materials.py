@@ -9,11 +9,12 @@ from typing import Any
 
 import numpy as np
 from benchmarks.evaluation import samples
+from benchmarks.evaluation.distributions import Table2
 from benchmarks.rivals.comparisons import Measured
 from benchmarks.rivals.nbrdf import training_pairs
 
 import urushi
-from urushi.train.distribution import Distribution, Extended, Table2
+from urushi.train.distribution import Extended
 from urushi.walk import StackTable, analytic, walk_pairs
 
 STACKS, CONDUCTORS, SEED = "two interfaces", "bare conductors", 31
@@ -115,7 +116,7 @@ def rgl(folder: Path) -> list[Measured]:
     return [Measured(path.stem, path) for path in paths]
 
 
-def coloured(distribution: Distribution, rng: np.random.Generator, count: int) -> StackTable:
+def coloured(distribution: Table2 | Extended, rng: np.random.Generator, count: int) -> StackTable:
     """Stacks of three channels each, one after the other, with the same widths and indices."""
     table = distribution.sample(rng, 3 * count)
     shared = np.repeat(np.arange(count) * 3, 3)

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 from benchmarks.evaluation import predict, samples
+from benchmarks.evaluation.distributions import Table2
 from benchmarks.evaluation.samples import Group
 from benchmarks.quality import anisotropy, benchmark_set
 from benchmarks.quality.coated_measured import COATS, coated, error
@@ -23,7 +24,6 @@ from urushi.core import direction_sets, error_metrics
 from urushi.core import table as nodes
 from urushi.fan2022 import PaperNetworks
 from urushi.nets.weights import default_model
-from urushi.train.distribution import Table2
 from urushi.walk import Stack, walk_pairs
 from urushi.walk.simulate import albedo as walked_albedo
 

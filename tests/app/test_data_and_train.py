@@ -11,16 +11,16 @@ from urushi.app import cli
 pytest.importorskip("jax", reason="the extra 'train' is not installed")
 pytest.importorskip("jax", reason="the extra 'train' is not installed")
 
+from urushi.fan2022.store import DataSpec, Part, Store
 from urushi.train import presets, training
-from urushi.train.distribution import Extended, Table2
-from urushi.train.store import DataSpec, Part, Store
+from urushi.train.distribution import Extended
 
 
 @pytest.fixture
 def tiny(monkeypatch) -> DataSpec:
     """A preset's data in the size of a test."""
     spec = DataSpec(
-        (Part("coated", Table2(1), 3, 8, 2), Part("bare", Extended(0, "diffuse"), 2, 8, 1)),
+        (Part("coated", Extended(1), 3, 16, 2), Part("bare", Extended(0, "diffuse"), 2, 16, 1)),
         seed=5,
         shard=2,
     )

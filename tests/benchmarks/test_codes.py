@@ -5,9 +5,9 @@ import pytest
 from benchmarks.evaluation.samples import Samples
 from benchmarks.quality import codes
 
+from urushi.fan2022.store import DataSpec, Part, generate
 from urushi.nets.weights import default_model
 from urushi.train.distribution import Extended, Practical
-from urushi.train.store import DataSpec, Part, generate
 
 
 def test_stacks_are_of_all_classes():

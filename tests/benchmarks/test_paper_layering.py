@@ -8,7 +8,7 @@ from urushi.fan2022 import layering, projection
 from urushi.fan2022.architecture import init
 from urushi.fan2022.inference import direction_inputs, evaluate
 from urushi.fan2022.preset import paper
-from urushi.train.store import generate
+from urushi.fan2022.store import generate
 
 #: Scale of the paper's training.
 TINY = 1e-10

@@ -3,10 +3,9 @@
 import numpy as np
 import pytest
 
-from urushi.core import direction_sets
 from urushi.errors import FileError, ParameterError
 from urushi.fan2022.preset import Palette
-from urushi.train.store import DataSpec, Part, Store
+from urushi.fan2022.store import DataSpec, Part, Store
 
 ALL = slice(0, 5000)
 
@@ -54,7 +53,7 @@ def test_rows_do_not_depend_on_which_others_are_drawn():
 
 def test_a_store_is_resumed_by_the_same_palette_alone(tmp_path):
     def spec(**options):
-        return DataSpec((Part("a", Palette(0, components=7, **options), 7, 81, 1, "stratified"),))
+        return DataSpec((Part("a", Palette(0, components=7, **options), 7, 81, 1),))
 
     store = Store.create(tmp_path / "data", spec(seed=3))
     assert Store.create(tmp_path / "data", spec(seed=3)) == store
@@ -64,12 +63,13 @@ def test_a_store_is_resumed_by_the_same_palette_alone(tmp_path):
 
 def test_impossible_ones_are_refused():
     with pytest.raises(ParameterError, match="has 100 stratified pairs; give a fourth power"):
-        Part("a", Palette(1), 10, 100, 1, "stratified")
+        Part("a", Palette(1), 10, 100, 1)
 
 
 def test_every_stratum_has_one_pair_and_every_stack_its_own():
     k = 4
-    wi, wo = direction_sets.draw_pairs("stratified", np.random.default_rng(8), 2, k**4)
+    part = Part("a", Palette(1), 2, k**4, 1)
+    wi, wo = part.draw_pairs(np.random.default_rng(8), 2)
     assert wi.dtype == np.float32
     cells = []
     for w in (wi.astype(np.float64), wo.astype(np.float64)):

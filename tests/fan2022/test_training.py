@@ -22,9 +22,9 @@ from urushi.fan2022 import (
 from urushi.fan2022.architecture import AdamProjection, PaperArchitecture, init
 from urushi.fan2022.inference import direction_inputs
 from urushi.fan2022.preset import Palette, paper
+from urushi.fan2022.store import generate
 from urushi.fan2022.training import train
 from urushi.train.checkpoint import Journal
-from urushi.train.store import generate
 from urushi.walk import analytic
 
 pytestmark = pytest.mark.research

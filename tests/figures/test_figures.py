@@ -16,7 +16,6 @@ from figures.table_3 import plot as scenes_plot
 
 from urushi.core.direction_sets import cosine_pairs
 from urushi.nets.weights import default_model
-from urushi.train.distribution import Table2
 
 
 def test_finished_parts_are_read_and_not_computed_again(tmp_path):
@@ -105,7 +104,7 @@ def test_scenes_are_compared_at_equal_time_and_samples_add_up(tmp_path, monkeypa
 
 
 def test_coloured_stacks_share_widths_and_indices_and_values_are_kept():
-    table = materials.coloured(Table2(1), np.random.default_rng(1), 4)
+    table = materials.coloured(materials.Table2(1), np.random.default_rng(1), 4)
     for shared in (table.alpha, table.eta, table.bottom["alpha"]):
         assert (np.ptp(shared.reshape(4, 3), axis=1) == 0).all()
     assert (np.ptp(table.bottom["r0"].reshape(4, 3), axis=1) > 0).all()

@@ -1,7 +1,5 @@
 """The shared fixtures of this folder: a training of a few steps, and its data without transport."""
 
-import hashlib
-
 import numpy as np
 import pytest
 
@@ -18,7 +16,7 @@ from urushi.train.tables import TableSpec, TableStore
 TINY = Preset(
     name="tiny",
     data=TableSpec(stacks=60, coats=2, probes=64, seed=5, shard=20),
-    schedule=Schedule(8, 4, 1e-3, average=0.9, steps_per_call=4, checkpoint_every=4, rule="soap"),
+    schedule=Schedule(8, 4, 1e-3, average=0.9, steps_per_call=4, checkpoint_every=4),
     batch=16,
     arch=Architecture(functions=4, probes=64, layerer=(8, 8)),
 )
@@ -75,17 +73,3 @@ def tiny_data(tmp_path_factory):
 def store(tiny_data) -> TableStore:
     """The data."""
     return TableStore(tiny_data, TINY.data)
-
-
-@pytest.fixture(scope="session")
-def fingerprints():
-    """A function of a store's path: the hash of each of its files, by name."""
-
-    def of(path):
-        return {
-            str(file.relative_to(path)): hashlib.sha256(file.read_bytes()).hexdigest()
-            for file in path.rglob("*")
-            if file.is_file()
-        }
-
-    return of

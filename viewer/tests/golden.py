@@ -25,7 +25,7 @@ import numpy as np
 
 import urushi
 from urushi import files
-from urushi.core.direction_sets import training_pairs
+from urushi.core.direction_sets import cosine_pairs, half_angle_pairs
 from urushi.core.directions import turned
 from urushi.material.energy import limit_albedo
 from urushi.material.material import Material
@@ -149,7 +149,8 @@ def write_vectors(name: str, model: weights.Model) -> None:
 def pairs_of(widths: int) -> tuple[np.ndarray, np.ndarray]:
     """Pairs of directions (`PAIRS`, 3); for anisotropic networks at all azimuths."""
     rng = np.random.default_rng(3)
-    wi, wo = training_pairs(rng, PAIRS)
+    sets = (draw(rng, PAIRS // 2, lowest_cosine=0.004) for draw in (half_angle_pairs, cosine_pairs))
+    wi, wo = (np.concatenate(sides) for sides in zip(*sets, strict=True))
     if widths == 2:
         azimuths = rng.uniform(0, 2 * np.pi, PAIRS)
         wi, wo = (turned(w.astype(np.float64), azimuths).astype(np.float32) for w in (wi, wo))

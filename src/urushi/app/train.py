@@ -97,7 +97,7 @@ class Data:
 
     def run(self) -> int:
         platform.require_extra("train")
-        from urushi.train import store as walks
+        from urushi.fan2022 import store as walks
         from urushi.train import tables
 
         spec: Any = find_preset(self.preset, self.scale).data

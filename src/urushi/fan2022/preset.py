@@ -2,13 +2,13 @@
 
 import json
 from dataclasses import asdict, dataclass
-from typing import Any, ClassVar
+from typing import Any
 
 import numpy as np
 
 from urushi.errors import ParameterError
 from urushi.fan2022.architecture import AdamProjection, PaperArchitecture
-from urushi.train.store import DataSpec, Part
+from urushi.fan2022.store import DataSpec, Part
 from urushi.walk.table import StackTable
 
 #: Pairs of direction strata in memory together, at most: bounds memory to some hundred MB.
@@ -33,7 +33,6 @@ class Palette:
     components: int = 300  # number of dielectrics, and of conductors
     stacks: int = 12_720  # of one coat, from which the stacks of two coats are made
     seed: int = 0  # of all random choices and parameters
-    widths: ClassVar[int] = 1
 
     def draw(self, rng: np.random.Generator, rows: slice) -> StackTable:
         """The stacks of some rows; `rng` is not needed."""
@@ -138,7 +137,7 @@ def paper(scale: float = 1.0, pairs: int = 16) -> PaperPreset:
 
     def part(name: str, coats: int, count: int, bottom: str = "conductor") -> Part:
         source = Palette(coats, bottom, components, stacks)
-        return Part(name, source, count, stratified, 256 if coats else 1, "stratified")
+        return Part(name, source, count, stratified, 256 if coats else 1)
 
     parts = (
         part("conductor", 0, components),

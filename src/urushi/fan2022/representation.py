@@ -14,8 +14,8 @@ import optax
 from urushi.fan2022.architecture import FIRST_LATENT, LATENT
 from urushi.fan2022.inference import direction_inputs, evaluate
 from urushi.fan2022.preset import PaperPreset
+from urushi.fan2022.store import Store
 from urushi.nets.mlp import Params
-from urushi.train.store import Store
 
 #: Maximum number of direction pairs in memory at once: half a gigabyte.
 GROUP = 1 << 24

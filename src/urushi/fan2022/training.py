@@ -16,10 +16,10 @@ from urushi.fan2022.architecture import LATENT, AdamProjection, init
 from urushi.fan2022.inference import direction_inputs
 from urushi.fan2022.networks import PaperNetworks
 from urushi.fan2022.preset import PaperPreset
+from urushi.fan2022.store import Store, generate
 from urushi.nets.mlp import Params
 from urushi.train import training
 from urushi.train.checkpoint import Checkpoint, Journal
-from urushi.train.store import Store, generate
 
 #: BRDFs that are projected together, and their pairs in one step, at most: bounds memory.
 TOGETHER, ROWS = 16, 1 << 13

@@ -1,4 +1,4 @@
-"""The optimisers of all stages: schedules, update rules and averaged weights."""
+"""The optimiser of the layering network: schedule, update rule and averaged weights."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -7,31 +7,16 @@ from typing import Any, NamedTuple
 import jax
 import jax.numpy as jnp
 import optax
-import optax.contrib
 
 from urushi.errors import ParameterError
-
-#: Coefficients (a, b, c) of Muon's iterations, polynomials a x + b x^3 + c x^5 of the singular
-#: values. Together they map [0.005, 1] to within a twelfth of 1, each optimal for the range that
-#: the one before leaves (Amsel et al. 2025). Four of them do the work of five of Jordan's; they
-#: are half of a step's cost.
-ITERATIONS = (
-    (8.2987, -24.4305, 18.0903),
-    (3.9152, -2.9211, 0.5592),
-    (3.1746, -2.3804, 0.4978),
-    (2.1895, -1.5672, 0.4079),
-)
 
 #: A pytree of arrays.
 Tree = Any
 
-#: Values of a schedule's `rule`.
-RULES = ("muon", "soap")
-
 
 @dataclass(frozen=True)
 class Schedule:
-    """Length, learning rate and optimiser of one stage."""
+    """Length and learning rate of a training."""
 
     steps: int  # optimiser steps; the learning rate falls to zero at the last one (half a cosine)
     warmup: int  # steps in which the learning rate rises from zero
@@ -40,13 +25,8 @@ class Schedule:
     average: float = 0.999  # decay per step of the moving average of the weights, the result
     steps_per_call: int = 16  # steps that run in one call of the compiled loop
     checkpoint_every: int = 2048  # steps between two checkpoints, a multiple of `steps_per_call`
-    rule: str = "muon"  # update rule of the weight matrices, one of `RULES`; see `optimiser`
 
     def __post_init__(self) -> None:
-        if self.rule not in RULES:
-            raise ParameterError(
-                f"the schedule's rule is {self.rule!r}; choose one of {', '.join(RULES)}"
-            )
         for name in ("steps", "checkpoint_every"):
             if getattr(self, name) % self.steps_per_call:
                 raise ParameterError(
@@ -56,7 +36,7 @@ class Schedule:
 
 
 class TrainState(NamedTuple):
-    """The state of a stage between two steps."""
+    """The state of a training between two steps."""
 
     params: Tree  # the parameters that learn
     average: Tree  # their exponential moving average
@@ -68,24 +48,16 @@ Steps = Callable[[TrainState, Any], tuple[TrainState, dict[str, jax.Array]]]
 
 
 def optimiser(schedule: Schedule) -> optax.GradientTransformation:
-    """The schedule's rule for the weight matrices, Adam (Kingma and Ba 2015) for the biases.
+    """SOAP for the weight matrices, Adam (Kingma and Ba 2015) for the biases.
 
-    The learning rate rises linearly, then falls by half a cosine; gradients are clipped. "muon"
-    (Jordan et al. 2024) makes each matrix's step orthogonal. That costs up to as much as the
-    gradient, and it reaches the same error in less than half of Adam's steps. "soap" steps along
-    the main directions of the curvature. It still lowers the error close to a minimum, where Muon
-    raises it, because Muon's steps do not become shorter with the gradient.
+    The learning rate rises linearly, then falls by half a cosine; gradients are clipped. SOAP steps
+    along the main directions of the curvature, and lowers the error also close to a minimum.
     """
     rate = optax.warmup_cosine_decay_schedule(
         0.0, schedule.learning_rate, schedule.warmup, schedule.steps
     )
-    if schedule.rule == "muon":
-        rule = optax.contrib.muon(rate, ITERATIONS, len(ITERATIONS), adam_b2=0.99)
-    else:
-        adam = optax.adam(rate, b1=MEAN, b2=SQUARES)
-        rule = optax.partition(
-            {2: soap(rate), 1: adam}, lambda params: jax.tree.map(jnp.ndim, params)
-        )
+    rules = {2: soap(rate), 1: optax.adam(rate, b1=MEAN, b2=SQUARES)}
+    rule = optax.partition(rules, lambda params: jax.tree.map(jnp.ndim, params))
     return optax.chain(optax.clip_by_global_norm(schedule.clip), rule)
 
 

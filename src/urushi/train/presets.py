@@ -40,9 +40,7 @@ def default() -> Preset:
     Time: an hour on two cores.
     Expected: E of hidden coated materials, code against transport, 0.5 % on average.
     """
-    schedule = Schedule(
-        steps=8_192, warmup=128, learning_rate=0.002, clip=0.05, average=0.9995, rule="soap"
-    )
+    schedule = Schedule(steps=8_192, warmup=128, learning_rate=0.002, clip=0.05, average=0.9995)
     return Preset("default", TableSpec(stacks=3000, coats=32, probes=256), schedule)
 
 
@@ -53,7 +51,7 @@ def smoke() -> Preset:
     Time: half a minute on two cores.
     Expected: no useful weights.
     """
-    schedule = Schedule(steps=128, warmup=16, learning_rate=0.002, average=0.95, rule="soap")
+    schedule = Schedule(steps=128, warmup=16, learning_rate=0.002, average=0.95)
     return Preset(
         "smoke",
         TableSpec(stacks=40, coats=2, probes=256, shard=10),

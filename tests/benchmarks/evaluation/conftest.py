@@ -2,13 +2,14 @@
 
 import numpy as np
 import pytest
+from benchmarks.evaluation.distributions import Table2
 from benchmarks.evaluation.samples import Group, Samples
 from benchmarks.quality import benchmark_set
 from tests.untrained import untrained
 
 from urushi.nets.networks import Networks
 from urushi.nets.weights import Model
-from urushi.train.distribution import Extended, Table2
+from urushi.train.distribution import Extended
 
 #: Small ones: one with everything that a group may have, and one that is analytic.
 GROUPS = (

@@ -3,13 +3,14 @@
 import numpy as np
 import pytest
 from benchmarks.evaluation import samples as sampling
+from benchmarks.evaluation.distributions import Table2
 from benchmarks.evaluation.samples import GROUPS, ROWS, Group, Samples
 from benchmarks.quality import benchmark_set
 
 from urushi.core.probe_pairs import PROBES, probe_pairs
 from urushi.core.quadrature import half_vector_rule
 from urushi.errors import ParameterError
-from urushi.train.distribution import Extended, Table2
+from urushi.train.distribution import Extended
 from urushi.walk import coat, conductor
 from urushi.walk.simulate import albedo
 

@@ -19,19 +19,19 @@ from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass
 from importlib.metadata import version
 from pathlib import Path
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 from tqdm import tqdm
 
 from urushi import files
 from urushi.checks import CoatParameters
-from urushi.core import direction_sets
+from urushi.core.direction_sets import Pairs, cosine_pairs, stratified_pairs
 from urushi.errors import FileError, ParameterError
-from urushi.train.distribution import Source, to_dict
 from urushi.walk import analytic
 from urushi.walk.bottoms import KINDS
 from urushi.walk.simulate import walk_pairs
+from urushi.walk.table import StackTable
 
 FORMAT_VERSION = 2
 
@@ -39,16 +39,28 @@ FORMAT_VERSION = 2
 Shard = Mapping[str, np.ndarray]
 
 
+class Source(Protocol):
+    """A source of stacks: a frozen dataclass."""
+
+    @property
+    def coats(self) -> int: ...  # of every stack
+
+    @property
+    def bottom(self) -> str: ...  # the kind of every stack's bottom, a key of `KINDS`
+
+    def draw(self, rng: np.random.Generator, rows: slice) -> StackTable: ...
+
+
 @dataclass(frozen=True)
 class Part:
-    """Stacks of one distribution, with the direction pairs at which each is simulated."""
+    """Stacks of one source, with the direction pairs at which each is simulated."""
 
     name: str  # unique in the store
     distribution: Source
     stacks: int
     pairs: int  # direction pairs of a stack; every stack has its own
     walks: int  # random walks of a pair; bottoms without a coat are analytic and need none
-    directions: str = "training"  # name of the direction set, see `core.direction_sets`
+    directions: str = "stratified"  # of the pairs, or "cosine", see `core.direction_sets`
 
     def __post_init__(self) -> None:
         for name in ("stacks", "pairs", "walks"):
@@ -57,7 +69,28 @@ class Part:
                 raise ParameterError(
                     f"part '{self.name}' has {name} = {value!r}; give a positive integer"
                 )
-        direction_sets.check_set(self.directions, self.pairs, f"part '{self.name}'")
+        if self.directions not in ("stratified", "cosine"):
+            raise ParameterError(
+                f"part '{self.name}' has directions = {self.directions!r}; "
+                "choose stratified or cosine"
+            )
+        if self.directions == "stratified" and round(self.pairs**0.25) ** 4 != self.pairs:
+            raise ParameterError(
+                f"part '{self.name}' has {self.pairs} stratified pairs; "
+                "give a fourth power, such as 625"
+            )
+
+    def draw_pairs(self, rng: np.random.Generator, stacks: int) -> Pairs:
+        """The pairs of several stacks, one after the other: (stacks * pairs, 3) twice."""
+        if self.directions == "cosine":
+            return cosine_pairs(rng, stacks * self.pairs)
+        drawn = [stratified_pairs(rng, self.pairs) for _ in range(stacks)]
+        wi, wo = (np.concatenate(sides) for sides in zip(*drawn, strict=True))
+        return wi, wo
+
+    def to_dict(self) -> dict[str, Any]:
+        kind = type(self.distribution).__name__.lower()
+        return {**vars(self), "distribution": {"kind": kind, **vars(self.distribution)}}
 
 
 @dataclass(frozen=True)
@@ -99,7 +132,7 @@ class DataSpec:
         return (rows.stop - rows.start) * described.pairs * described.walks
 
     def to_dict(self) -> dict[str, Any]:
-        parts = [{**vars(part), "distribution": to_dict(part.distribution)} for part in self.parts]
+        parts = [part.to_dict() for part in self.parts]
         return {"parts": parts, "seed": self.seed, "shard": self.shard}
 
 
@@ -200,7 +233,7 @@ def make_shard(spec: DataSpec, part: int, shard: int) -> Shard:
     parameters, directions, walks = spec.seeds(part, shard).spawn(3)
     table = described.distribution.draw(np.random.default_rng(parameters), rows)
     rng = np.random.default_rng(directions)
-    wi, wo = direction_sets.draw_pairs(described.directions, rng, count, described.pairs)
+    wi, wo = described.draw_pairs(rng, count)
     row = np.repeat(np.arange(count, dtype=np.uint32), described.pairs)
     if described.distribution.coats == 0:
         f = analytic.rows(table.kind, table.bottom, row, wi, wo)

@@ -1,6 +1,7 @@
 """Stores: pure shards, resumption to the same bytes, and one error sentence for each mistake."""
 
 import dataclasses
+import hashlib
 import shutil
 import signal
 import subprocess
@@ -12,20 +13,31 @@ import pytest
 
 from urushi import files
 from urushi.errors import FileError, ParameterError
-from urushi.train import store as generation
-from urushi.train.distribution import Extended, Table2
-from urushi.train.store import DataSpec, Part, Store, generate, make_shard
+from urushi.fan2022 import store as generation
+from urushi.fan2022.store import DataSpec, Part, Store, generate, make_shard
+from urushi.train.distribution import Extended
 from urushi.walk import analytic
+
+pytestmark = pytest.mark.slow  # only the training of Fan et al. has stores
 
 SPEC = DataSpec(
     parts=(
-        Part("coated", Table2(), stacks=10, pairs=16, walks=4),
-        Part("twice", Extended(2, "diffuse"), stacks=3, pairs=8, walks=2),
-        Part("bare", Extended(0, "conductor_complex"), stacks=5, pairs=8, walks=1),
+        Part("coated", Extended(), stacks=10, pairs=16, walks=4),
+        Part("twice", Extended(2, "diffuse"), stacks=3, pairs=16, walks=2),
+        Part("bare", Extended(0, "conductor_complex"), stacks=5, pairs=16, walks=1),
     ),
     seed=3,
     shard=4,
 )
+
+
+def fingerprints(path):
+    """The hash of each file of a store, by name."""
+    return {
+        str(file.relative_to(path)): hashlib.sha256(file.read_bytes()).hexdigest()
+        for file in path.rglob("*")
+        if file.is_file()
+    }
 
 
 @pytest.fixture(scope="module")
@@ -71,9 +83,7 @@ def test_stacks_of_different_shards_differ(finished):
     assert len(np.unique(coats[:, 0, 0])) == 10
 
 
-def test_a_generator_that_fails_midway_resumes_to_the_same_bytes(
-    fingerprints, finished, tmp_path, monkeypatch
-):
+def test_a_generator_that_fails_midway_resumes_to_the_same_bytes(finished, tmp_path, monkeypatch):
     path = tmp_path / "resumed"
     made = []
 
@@ -94,7 +104,7 @@ def test_a_generator_that_fails_midway_resumes_to_the_same_bytes(
     assert fingerprints(path) == fingerprints(finished)
 
 
-def test_a_lost_shard_is_simulated_again(fingerprints, finished, tmp_path):
+def test_a_lost_shard_is_simulated_again(finished, tmp_path):
     path = tmp_path / "torn"
     generate(SPEC, path)
     (path / "coated" / "00001.safetensors").unlink()
@@ -104,7 +114,7 @@ def test_a_lost_shard_is_simulated_again(fingerprints, finished, tmp_path):
     assert fingerprints(path) == fingerprints(finished)
 
 
-def test_a_truncated_shard_is_simulated_again(fingerprints, finished, tmp_path):
+def test_a_truncated_shard_is_simulated_again(finished, tmp_path):
     """As a copy that was interrupted leaves it."""
     path = tmp_path / "short"
     generate(SPEC, path)
@@ -116,15 +126,15 @@ def test_a_truncated_shard_is_simulated_again(fingerprints, finished, tmp_path):
     assert fingerprints(path) == fingerprints(finished)
 
 
-def test_a_killed_process_resumes_to_the_same_bytes(fingerprints, tmp_path):
+def test_a_killed_process_resumes_to_the_same_bytes(tmp_path):
     spec = DataSpec(
-        parts=(Part("coated", Table2(), stacks=64, pairs=64, walks=64),), seed=1, shard=2
+        parts=(Part("coated", Extended(), stacks=64, pairs=81, walks=50),), seed=1, shard=2
     )
     script = (
         "import sys\n"
-        "from urushi.train.distribution import Table2\n"
-        "from urushi.train.store import DataSpec, Part, generate\n"
-        "part = Part('coated', Table2(), stacks=64, pairs=64, walks=64)\n"
+        "from urushi.train.distribution import Extended\n"
+        "from urushi.fan2022.store import DataSpec, Part, generate\n"
+        "part = Part('coated', Extended(), stacks=64, pairs=81, walks=50)\n"
         "generate(DataSpec((part,), seed=1, shard=2), sys.argv[1])\n"
     )
     path = tmp_path / "killed"
@@ -214,8 +224,12 @@ def test_an_unwritable_place_is_reported(tmp_path):
 @pytest.mark.parametrize(
     ("make", "message"),
     [
-        (lambda: Part("a", Table2(), 0, 1, 1), "part 'a' has stacks = 0; give a positive integer"),
-        (lambda: Part("a", Table2(), 1, 1, 1, "sphere"), "directions = 'sphere'; choose one of"),
+        (
+            lambda: Part("a", Extended(), 0, 1, 1),
+            "part 'a' has stacks = 0; give a positive integer",
+        ),
+        (lambda: Part("a", Extended(), 1, 1, 1, "sphere"), "directions = 'sphere'; choose"),
+        (lambda: Part("a", Extended(), 1, 8, 1), "8 stratified pairs; give a fourth power"),
         (lambda: DataSpec((SPEC.parts[0], SPEC.parts[0])), "two parts .* have the same name"),
     ],
 )
