@@ -4,20 +4,29 @@ import drjit as dr
 import numpy as np
 import pytest
 
+from urushi.checks import CoatParameters
 from urushi.errors import ParameterError
+from urushi.material.layer import layer_texels
+from urushi.mitsuba.latents import baking
 from urushi.mitsuba.latents.bottoms import white_code
 from urushi.nets import weights
 from urushi.nets.networks import Networks
-from urushi.textures import bake, cache
+from urushi.textures import cache
 
 SIDE = 16
+
+
+def by_network(model, rows):
+    """Codes of rows (see `layer_rows`), by the network alone."""
+    z, columns = rows[:, : model.arch.latent], rows[:, model.arch.latent :]
+    return layer_texels(model, z, CoatParameters.of_columns([*columns.T]))
 
 
 @pytest.fixture
 def rows(monkeypatch, networks):
     """A function that returns the number of rows that were encoded and layered."""
     white_code(weights.find(networks))  # once per model
-    monkeypatch.setattr(bake, "FEW", {1: 0, 2: 0})  # light transport layers no texels
+    monkeypatch.setattr(baking, "layer_rows", by_network)  # light transport layers no texels
     counts = {"encode": 0, "layer": 0}
     encode, scaled, layer = (getattr(Networks, x) for x in ("encode", "rest_scaled", "layer"))
 

@@ -9,12 +9,11 @@ from urushi.core.probe_pairs import probe_pairs
 from urushi.errors import ParameterError
 from urushi.material.encode import encode
 from urushi.material.energy import limit_albedo
-from urushi.material.layer import layer_texels
 from urushi.material.values import codes_of
 from urushi.nets import lobe as lobes
 from urushi.nets import weights
 from urushi.nets.weights import Model
-from urushi.textures import bake
+from urushi.textures.layering import transported
 
 WI, WO = probe_pairs(192)
 COLOUR = {"type": "rgb", "value": (0.9, 0.5, 0.2)}
@@ -98,12 +97,11 @@ def test_a_bare_bsdf_is_encoded_exactly(rgb, model):
 
 
 @pytest.mark.parametrize("name", ("reflectance", "diffuse"))
-def test_every_texel_of_a_surface_is_that_surface(rgb, model, file, name, monkeypatch):
+def test_every_texel_of_a_surface_is_that_surface(rgb, model, file, name):
     """The codes under a coat are those of each texel's own surface.
 
     The reflectance is 8 x 6 texels, so that several texels and channels are equal.
     """
-    monkeypatch.setattr(bake, "FEW", {1: 0, 2: 0})  # the network layers all texels
     rng = np.random.default_rng(0)
     pixels, widths = rng.integers(1, 5, (6, 8, 3)) / 4, rng.integers(1, 3, (6, 8, 1)) / 4
     base = KNOWN[name] | {
@@ -127,7 +125,10 @@ def test_every_texel_of_a_surface_is_that_surface(rgb, model, file, name, monkey
     )
     x, y = np.meshgrid((np.arange(8) + 0.5) / 8, (np.arange(6) + 0.5) / 6)
     found = bsdf.latents.at(np.float32([x.ravel(), y.ravel()]).T).reshape(6, 8, 3, -1)
-    expected = layer_texels(model, bottom, CoatParameters(eta=1.5, **coat))
+    flat = bottom.reshape(-1, bottom.shape[-1]).astype(np.float32)
+    columns = (({"eta": 1.5} | coat)[name] for name in CoatParameters._fields)
+    under = CoatParameters.of_columns([np.full(len(flat), x, np.float32) for x in columns])
+    expected = transported(model, flat, under).reshape(bottom.shape)
     f, of_layer = (model.networks.f(z[..., None, :], WI, WO) for z in (found, expected))
     # The bits of textures leave an error of 0.07 % in the bottom and in the coat.
     assert (np.abs(f - of_layer).mean(axis=-1) < 3e-3 * of_layer.mean(axis=-1)).all()

@@ -25,6 +25,7 @@ from urushi.mitsuba.reading.parameters import CoatTextures
 from urushi.nets.weights import Model
 from urushi.textures import cache
 from urushi.textures.bake import TEXEL_BLOCK, BakedTexture, coat_source
+from urushi.textures.layering import layer_rows
 from urushi.textures.store import MIDDLE, TexelGrid
 
 #: Seconds of baking before progress is shown, and between two reports.
@@ -93,8 +94,8 @@ class Baker:
         texture = self._texture or BakedTexture(self.model, grid, channels, self._mipmaps)
         with self._progress(grid) as bar:
             self.bottom.bake(bar.update)
-            source = coat_source(self.model, partial(self._parameters, grid), self.bottom.source)
-            texture.update(source, bar.update)
+            source = coat_source(partial(self._parameters, grid), self.bottom.source)
+            texture.update(source, bar.update, partial(layer_rows, self.model))
         if key:
             cache.write(key, texture.store, grid, self.model)
         self._texture = texture

@@ -25,7 +25,7 @@ from urushi.mitsuba.reading.parameters import check_bottom
 from urushi.nets.lobe import f as lobe_f
 from urushi.nets.lobe import no_lobe, with_two_widths
 from urushi.nets.weights import Model
-from urushi.textures.bake import BakedTexture, CodesAt, Source, code_hashes, row_hashes
+from urushi.textures.bake import BakedTexture, RowsAt, Source, code_hashes, row_hashes
 from urushi.textures.store import MIDDLE, TexelGrid
 
 #: Texels that are probed at once: bounds memory.
@@ -101,7 +101,7 @@ class BottomCodes:
         else:
             yield from self._probed.contents(start, stop)
 
-    def source(self, start: int, stop: int) -> tuple[np.ndarray, CodesAt]:
+    def source(self, start: int, stop: int) -> tuple[np.ndarray, RowsAt]:
         """The bottom as a `Source`, after `bake`."""
         source = self._opened if self._baked is None else self._baked.read
         assert source is not None  # for the type checker
@@ -158,7 +158,7 @@ def is_finer(latents: Latents) -> bool:
 def _nested(latents: Latents, grid: TexelGrid) -> Source:
     """The source of a bottom that consists of codes itself."""
 
-    def read(start: int, stop: int) -> tuple[np.ndarray, CodesAt]:
+    def read(start: int, stop: int) -> tuple[np.ndarray, RowsAt]:
         codes = latents.at(grid.uv(start, stop))
         return code_hashes(codes), lambda texel, channel: codes[texel, channel]
 
@@ -180,7 +180,7 @@ def _lobes(model: Model, bottom: "mi.BSDF", uv: np.ndarray, where: str) -> np.nd
 def _bare(model: Model, bottom: "mi.BSDF", where: str, grid: TexelGrid) -> Source:
     """The source of a bottom that is a lobe and nothing else."""
 
-    def read(start: int, stop: int) -> tuple[np.ndarray, CodesAt]:
+    def read(start: int, stop: int) -> tuple[np.ndarray, RowsAt]:
         lobe = _lobes(model, bottom, grid.uv(start, stop), where)
         assert lobe is not None  # for the type checker
         for reach in (lobe[..., :4], lobe[..., 6:]):  # all but the index
@@ -208,7 +208,7 @@ def _diffuse(
 ) -> Source:
     """The source of a Lambertian bottom."""
 
-    def read(start: int, stop: int) -> tuple[np.ndarray, CodesAt]:
+    def read(start: int, stop: int) -> tuple[np.ndarray, RowsAt]:
         uv = grid.uv(start, stop)
         si = spectrum.points(uv)
         channels = spectrum.at_bands(si, lambda: reflectance_at(si))
@@ -233,7 +233,7 @@ class _ProbedBottom:
         self._pairs = model.networks.pairs()
         self._average = probing.needed_averaging(bottom, *self._pairs, grid, where, model.widths)
 
-    def read(self, start: int, stop: int) -> tuple[np.ndarray, CodesAt]:
+    def read(self, start: int, stop: int) -> tuple[np.ndarray, RowsAt]:
         uv = self._grid.uv(start, stop)
         return self._hashes(uv), lambda texel, channel: self._codes(uv, texel, channel)
 

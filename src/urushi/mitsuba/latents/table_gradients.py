@@ -27,7 +27,7 @@ from urushi.mitsuba.reading.parameters import TWO_WIDTHS, CoatTextures
 from urushi.nets import code_fit
 from urushi.nets import lobe as lobes
 from urushi.nets.lobe import WIDTH_PLACES
-from urushi.textures.bake import transported_rests
+from urushi.textures.layering import transported_rests
 
 #: Relative change of f by a step of the bottom, at all but a tenth of the nodes, and at most.
 CHANGE, QUANTILE, MOST = 0.1, 0.9, 0.5

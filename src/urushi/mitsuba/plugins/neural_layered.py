@@ -63,9 +63,9 @@ def define(base: type) -> type:
         When the scene is loaded, the bottom is evaluated at the probe pairs, averaged if it lacks
         the symmetries of materials (see ``urushi.encode``), and encoded. Constant coats over
         constant bottoms are computed by light transport, as in ``urushi.layer``: a table for one
-        width, codes for two. So are the codes of textures with at most 768 different texels and
-        channels, or 12 of two widths. The network layers all others. Textures are baked in their
-        own space if they share one ``to_uv``, otherwise over the unit square of uv, which repeats.
+        width, codes for two. So are 384 different texels and channels of a texture, or 12 of two
+        widths; the network, corrected by these, layers all others. Textures are baked in their own
+        space if they share one ``to_uv``, otherwise over the unit square of uv, which repeats.
         A change through ``mi.traverse`` recomputes the codes that depend on it. The method ``save``
         writes the codes to a file for ``neural_brdf``. In spectral variants, a constant coat has
         one code for each of 56 bands from 380 to 720 nm, and a wavelength takes that of its band;

@@ -1,0 +1,148 @@
+"""Layering of many different rows: by light transport at a few of them, which correct the network.
+
+A texture has few parameters that vary, and codes are linear and smooth in them. Light transport is
+computed at random rows. What the layering network lacks there is interpolated by biharmonic splines
+(Duchon 1977) over features of coats and bottoms, and added to the network's codes of all rows.
+"""
+
+from collections.abc import Callable
+
+import numpy as np
+
+from urushi import checks
+from urushi.checks import MIN_ALPHA, CoatParameters
+from urushi.core.microfacet import of_widths
+from urushi.material.coated_anisotropic import coated_f as anisotropic_coated_f
+from urushi.material.coated_values import coated_values
+from urushi.material.energy import limit_albedo
+from urushi.material.layer import absent, check_ratios, layer_texels, with_widths
+from urushi.material.material import Material
+from urushi.material.substrate import Substrate
+from urushi.material.values import codes_of
+from urushi.nets import lobe as lobes
+from urushi.nets.features import coat_features
+from urushi.nets.layerer import LEAST_GAIN
+from urushi.nets.weights import Model
+from urushi.parallel import fill_blocks
+
+#: Rows by light transport, by the number of GGX widths: a second.
+TRANSPORTED = {1: 384, 2: 12}
+
+#: Rows among which rare classes are looked for.
+CANDIDATES = 8192
+
+#: Rows that are interpolated at once: bounds memory.
+BLOCK = 2048
+
+
+def layer_rows(model: Model, rows: np.ndarray) -> np.ndarray:
+    """Codes (k, L) of rows, each the code of a bottom and the parameters of a coat.
+
+    rows: float32 (k, L + 5), of two widths (k, L + 6), with columns as `CoatParameters.columns`.
+        Absent coats leave the bottom as it is.
+    """
+    z, coat = rows[:, : model.arch.latent], _coats(model, rows)
+    none = absent(coat)
+    if none.any():
+        codes = np.array(z)
+        codes[~none] = layer_rows(model, rows[~none])
+        return codes
+    count, size = TRANSPORTED[model.widths], model.arch.lobe
+    if len(z) <= count:
+        return transported(model, z, coat)
+    codes, x = layer_texels(model, z, coat), features(model, rows)
+    chosen = representatives(x, count)
+    exact = transported(model, z[chosen], _coats(model, rows[chosen]))
+    lacks = (exact - codes[chosen])[:, size:]
+    fill_blocks(codes, spline(x[chosen], lacks, size), np.array(codes), x, rows=BLOCK)
+    return limit_albedo(model, codes)
+
+
+def _coats(model: Model, rows: np.ndarray) -> CoatParameters:
+    """The coats of rows; rounding to single precision makes no width too small."""
+    coat = CoatParameters.of_columns([*rows[:, model.arch.latent :].T.astype(np.float64)])
+    return coat._replace(alpha=of_widths(lambda x: np.maximum(x, MIN_ALPHA), coat.alpha))
+
+
+def representatives(x: np.ndarray, count: int) -> np.ndarray:
+    """Indices (count,) of different points among x (k, D), without preference for any.
+
+    The last quarter are the points that are the farthest from all before (Gonzalez 1985), so that
+    rare classes have some.
+    """
+    order = np.random.default_rng(0).permutation(len(x))
+    chosen, others = [*order[: count - count // 4]], order[:CANDIDATES]
+    distance = np.full(len(others), np.inf)
+    for last in chosen:
+        distance = np.minimum(distance, np.square(x[others] - x[last]).sum(axis=1))
+    while len(chosen) < count:
+        chosen.append(others[distance.argmax()])
+        distance = np.minimum(distance, np.square(x[others] - x[chosen[-1]]).sum(axis=1))
+    return np.array(chosen)
+
+
+def transported(model: Model, z: np.ndarray, coat: CoatParameters) -> np.ndarray:
+    """`layer_texels` of rows z (k, L) under coats (k,), by light transport at the probe pairs."""
+    coat = checks.coat(with_widths(model, coat), "the coat's", any_shape=True)
+    check_ratios(model, z, coat)
+    lobe = np.broadcast_to(lobes.of_coat(coat.alpha, coat.eta), (len(z), model.arch.lobe))
+    lobe = lobe.astype(np.float32)[:, None]
+    top = lobes.f(lobe[:, :, None], *model.networks.pairs())
+    # Each row is a material of its own.
+    codes = codes_of(model, transported_rests(model, z, coat)[:, None] + top, lobe)[:, 0]
+    return np.where(absent(coat)[:, None], z, limit_albedo(model, codes))
+
+
+def transported_rests(model: Model, z: np.ndarray, coat: CoatParameters) -> np.ndarray:
+    """f float32 (k, P) [1/sr] of rows z (k, L) under coats (k,) at the probe pairs, without the
+    lobes of the coats."""
+    columns, pairs = np.stack(coat.columns()).astype(np.float64), model.networks.pairs()
+    if model.widths == 1:
+        bottoms, which = np.unique(z.astype(np.float32), axis=0, return_inverse=True)
+        below = Substrate.of(Material(bottoms, model))
+        return coated_values(below, which.ravel(), columns[:2], columns[2:], *pairs).T
+    # Rows of one interface and of bottoms of like shapes share the directions inside.
+    shapes = [*columns[[0, 1, 5]], *z.T[[*lobes.WIDTH_PLACES[2], -1]]]
+    _, group = np.unique(np.stack(shapes), axis=1, return_inverse=True)
+    rest = np.empty((len(z), len(pairs[0])), np.float32)
+    for own in (group.ravel() == index for index in range(group.max() + 1)):
+        under = CoatParameters.of_columns(columns[:, own])
+        rest[own] = anisotropic_coated_f(Material(z[own], model).f, under, *pairs).T
+    return rest
+
+
+def features(model: Model, rows: np.ndarray) -> np.ndarray:
+    """Features float32 (k, D) of rows, in the directions in which they vary."""
+    size, latent = model.arch.lobe, model.arch.latent
+    coat = _coats(model, rows)
+    rest = np.maximum(rows[:, size:latent], LEAST_GAIN)
+    found = [coat_features(*coat), lobes.lobe_features(rows[:, :size]), rest]
+    x = np.concatenate(found, axis=1, dtype=np.float32)
+    x -= x.mean(axis=0)
+    sizes, axes = np.linalg.eigh(x.T.astype(np.float64) @ x)
+    return x @ axes[:, sizes > 1e-6 * sizes[-1]].astype(np.float32)
+
+
+def spline(x: np.ndarray, values: np.ndarray, first: int) -> Callable[..., np.ndarray]:
+    """The function of codes z (n, L) and points (n, D) that adds interpolated values to z.
+
+    x: (m, D) the points of the values (m, L - first), which change the numbers from `first` on.
+    """
+    centre = x.mean(axis=0)
+    x, count = (x - centre).astype(np.float32), len(x)
+    system = np.ones((count + 1, count + 1))
+    system[:count, :count] = -np.linalg.norm(x[:, None].astype(np.float64) - x, axis=-1)
+    system[count, count] = 0
+    # Points may coincide, and their differences be rounding.
+    found = np.linalg.lstsq(system, np.append(values, values[:1] * 0, axis=0), rcond=1e-10)[0]
+    weights, mean = found[:count].astype(np.float32), found[count].astype(np.float32)
+    squares = np.square(x).sum(axis=1)
+
+    def added(z: np.ndarray, points: np.ndarray) -> np.ndarray:
+        points = points - centre
+        distance = np.square(points).sum(axis=1)[:, None] - 2 * points @ x.T + squares
+        z = np.array(z)
+        z[:, first:] += mean - np.sqrt(np.maximum(distance, 0)) @ weights
+        return z
+
+    return added
