@@ -5,8 +5,9 @@ import { render } from "preact";
 import { isDocument } from "./engine/files";
 import { acceptDrops } from "./engine/open";
 import { begin } from "./engine/session";
+import { titleOf } from "./material/presets";
 import { fromAddress, toAddress } from "./state/address";
-import { complain, redo, showRead, state, tell, undo } from "./state/store";
+import { complain, material, redo, showRead, state, tell, undo } from "./state/store";
 import { App } from "./ui/App";
 import { keepFocus } from "./ui/focus";
 import "./style.css";
@@ -26,6 +27,9 @@ effect(() => {
     written = `#${toAddress(state.peek())}`;
     history.replaceState(null, "", written);
   }, 400);
+});
+effect(() => {
+  document.title = `${titleOf(material.value)} · Urushi`;
 });
 window.addEventListener("hashchange", () => {
   if (location.hash !== written) showRead(() => fromAddress(location.hash, tell), true);

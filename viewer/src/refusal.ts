@@ -7,3 +7,10 @@ export class Unreachable extends Refusal {
     super(`The file ${path} could not be fetched; check that the server of the page still runs.`);
   }
 }
+
+/** The user has cancelled it. */
+export class Cancelled extends Refusal {
+  constructor() {
+    super("It was cancelled.");
+  }
+}

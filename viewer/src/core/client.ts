@@ -1,7 +1,15 @@
 /** The page's side of the core in its worker. */
 
 import type { Core, Stack } from "./api";
-import type { CallName, Calls, Cancellation, Request, Response, WalkOptions } from "./protocol";
+import type {
+  CallName,
+  Calls,
+  Cancellation,
+  Request,
+  Response,
+  SoFar,
+  WalkOptions,
+} from "./protocol";
 import { FileError } from "./safetensors";
 import type { Estimate } from "./walk/reference";
 
@@ -21,7 +29,7 @@ export class Superseded extends Error {
 interface Promised {
   resolve(result: ReturnType<Calls[CallName]>): void;
   reject(error: Error): void;
-  soFar: ((estimate: Estimate) => void) | undefined;
+  soFar: ((soFar: SoFar) => void) | undefined;
 }
 
 /** The core behind messages, the methods of `Core`. Calls are answered in their order. */
@@ -38,7 +46,7 @@ export class RemoteCore {
   readonly occlusion = this.remote("occlusion");
   readonly readExr = this.remote("readExr");
 
-  /** @param port a worker of `worker.ts`; without `load`, it has only the last two and `walk`. */
+  /** @param port a worker of `worker.ts`; without `load`, it reads files, walks, and knows what a mesh hides. */
   constructor(private readonly port: Port) {
     port.addEventListener("message", ({ data }) => this.receive(data));
   }
@@ -94,7 +102,17 @@ export class RemoteCore {
     if (signal?.aborted) return Promise.reject(new Superseded());
     const id = this.count;
     signal?.addEventListener("abort", () => this.port.postMessage({ cancelled: id }, []));
-    return this.call("walk", [stack, ...pairs, options], [], soFar);
+    const told = (estimate: SoFar) => soFar(estimate as Estimate);
+    return this.call("walk", [stack, ...pairs, options], [], told);
+  }
+
+  /**
+   * Read a mesh of a file, which is given away; see `readMesh`.
+   *
+   * @param told is called with shares of the file that have been read.
+   */
+  readMesh(bytes: Uint8Array<ArrayBuffer>, suffix: string, told: (share: number) => void) {
+    return this.call("readMesh", [bytes, suffix], [bytes.buffer], (soFar) => told(soFar as number));
   }
 
   /** A method of the core by its name. */

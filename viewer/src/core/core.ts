@@ -3,7 +3,7 @@
 import type { Bottom, Coat, Core, Material, Stack } from "./api";
 import { Basis } from "./basis";
 import { CHANNELS, firstSame, joined, rows, sameNumbers } from "./channels";
-import { Compensations, withLobe } from "./compensation";
+import { compensationOf, withLobe } from "./compensation";
 import { EnergyLimit } from "./energy";
 import { Evaluation } from "./evaluation";
 import { ENERGY } from "./formulas";
@@ -30,7 +30,6 @@ export class NetworkCore extends Evaluation implements Core {
   private readonly measured: MeasuredEncoder;
   private readonly layerer: Layerer;
   private readonly energy: EnergyLimit;
-  private readonly compensations = new Compensations(this);
 
   constructor({ arch, basis: parameters, fingerprint, layerer, proposal }: Weights) {
     const basis = new Basis(parameters, arch.lobe);
@@ -61,7 +60,7 @@ export class NetworkCore extends Evaluation implements Core {
     const material = this.material(latents);
     const [top] = stack.coats;
     if (!stack.energyCompensation || top === undefined) return material;
-    return withLobe(material, this.compensations.of(top, this.material(below)));
+    return withLobe(material, compensationOf(top, this.material(below), this));
   }
 
   /** Codes (3, L) scaled down, each as a whole, so that they reflect at most all light. */

@@ -1,5 +1,6 @@
 /** The worker's side: calls in their order, and walks while there is nothing else to do. */
 
+import { readMesh } from "../picture/mesh_files";
 import { loadCore, type NetworkCore } from "./core";
 import { readExr } from "./exr_file";
 import { LOBE_ALBEDO } from "./formulas";
@@ -116,6 +117,8 @@ export class Server {
     }
     if (request.call === "occlusion") return occlusion(...request.args);
     if (request.call === "readExr") return readExr(...request.args);
+    if (request.call === "readMesh")
+      return readMesh(...request.args, (soFar) => this.post({ id: request.id, soFar }));
     if (!this.core) {
       throw new Error("the networks are not loaded yet");
     }
@@ -148,9 +151,9 @@ export class Server {
 /** The buffers of a response's arrays, which are given away and not copied. */
 function buffersOf(response: Response): ArrayBuffer[] {
   const value = "result" in response ? response.result : "soFar" in response ? response.soFar : {};
-  const arrays = value instanceof Float32Array ? [value] : Object.values(value);
+  const arrays = ArrayBuffer.isView(value) ? [value] : Object.values(value);
   const buffers = arrays.flatMap((array: unknown) =>
-    array instanceof Float32Array && array.buffer instanceof ArrayBuffer ? [array.buffer] : [],
+    ArrayBuffer.isView(array) && array.buffer instanceof ArrayBuffer ? [array.buffer] : [],
   );
   return [...new Set(buffers)];
 }

@@ -4,6 +4,8 @@ import { signal } from "@preact/signals";
 import type { Material, Stack } from "../core/api";
 import { Superseded } from "../core/client";
 import type { FTable } from "../core/f_table";
+import { Pairs } from "../core/features";
+import { lobeValues } from "../core/lobe";
 import { sequenceSteps } from "../core/probe_pairs";
 import type { Estimate } from "../core/walk/reference";
 import {
@@ -49,7 +51,14 @@ export interface Comparison {
   /** (N, 3) at `WALK_ANGLES`. */
   f: Float32Array;
   error: Float32Array;
-  /** The networks' deviation, and the walk's standard error, relative to the sum of f cos. */
+  /** The networks' deviation, and the walk's standard error. */
+  whole: Difference;
+  /** The same of what the topmost surface does not reflect, whose highlight is exact. */
+  rest: Difference;
+}
+
+/** A deviation and a standard error, relative to the sum of f cos. */
+export interface Difference {
   deviation: number;
   noise: number;
 }
@@ -226,8 +235,12 @@ export class Slot {
     if (material === null || !walkable || stack.energyCompensation || signal.aborted) return;
     const pairs = planePairs(WALK_ANGLES, this.page.incidence(), 0);
     const networks = await this.core.f(material, ...pairs);
+    const size = this.core.latentSize;
+    const lobes = [0, 1, 2].map((channel) =>
+      lobeValues(material.latents.subarray(channel * size), Pairs.of(...pairs)),
+    );
     const show = (estimate: Estimate) => {
-      if (!signal.aborted) this.walk.value = compared(estimate, networks);
+      if (!signal.aborted) this.walk.value = compared(estimate, networks, lobes);
     };
     try {
       const options = { seed: 1, walks: MOST_WALKS };
@@ -272,15 +285,22 @@ function planePairs(
   return [wi, wo];
 }
 
-function compared({ walks, f, error }: Estimate, networks: Float32Array): Comparison {
-  let [deviation, noise, sum] = [0, 0, 0];
+function compared(
+  { walks, f, error }: Estimate,
+  networks: Float32Array,
+  lobes: readonly Float64Array[],
+): Comparison {
+  let [deviation, noise, sum, lobe] = [0, 0, 0, 0];
   f.forEach((value, at) => {
-    const cosine = Math.cos((WALK_ANGLES[Math.floor(at / 3)]! * Math.PI) / 180);
+    const place = Math.floor(at / 3);
+    const cosine = Math.cos((WALK_ANGLES[place]! * Math.PI) / 180);
     deviation += Math.abs(networks[at]! - value) * cosine;
     noise += error[at]! * cosine;
     sum += value * cosine;
+    lobe += lobes[at % 3]![place]! * cosine;
   });
-  return { walks, f, error, deviation: deviation / sum, noise: noise / sum };
+  const over = (whole: number) => ({ deviation: deviation / whole, noise: noise / whole });
+  return { walks, f, error, whole: over(sum), rest: over(Math.max(sum - lobe, 0)) };
 }
 
 function keyOf(stack: Stack): string {

@@ -1,9 +1,10 @@
 /** Pictures that are larger than the canvas, drawn in parts by a renderer of their own. */
 
-import { effect, signal } from "@preact/signals";
+import { effect } from "@preact/signals";
 import { Painter } from "../picture/painter";
 import { Renderer, type Shot } from "../picture/renderer";
-import { Refusal } from "../refusal";
+import { Cancelled } from "../refusal";
+import { asTask } from "../state/store";
 import type { Slot } from "./engine";
 
 /** Twice the canvas, or 3840 pixels along the longer side. */
@@ -11,47 +12,40 @@ export type LargeSize = "2x" | "4K";
 
 const LONGER_SIDE = 3840;
 
-/** How much of a large picture is drawn, from 0 to 1; null: there is none. */
-export const drawn = signal<number | null>(null);
-
 /**
  * The picture of a shot, gathered to the end, as PNG.
  *
  * @param canvas size of the page's picture [pixels].
  * @param slots nobody else may change them.
  * @param prepare gives a renderer the object and the environment.
- * @throws Refusal if another one is being drawn; NoGraphics
+ * @throws Refusal if the page does something else; Cancelled, NoGraphics
  */
-export async function drawLarge(
+export function drawLarge(
   size: LargeSize,
   canvas: { width: number; height: number },
   slots: readonly [Slot, Slot],
   shot: Shot,
   prepare: (renderer: Renderer) => void,
 ): Promise<Blob> {
-  if (drawn.value !== null) throw new Refusal("A picture is being drawn; save it first.");
-  drawn.value = 0;
   const { count, width, height } = partsOf(size, canvas);
-  const part = Object.assign(document.createElement("canvas"), { width, height });
-  const whole = document.createElement("canvas");
-  whole.width = count * width;
-  whole.height = count * height;
-  let renderer: Renderer | null = null;
-  try {
-    renderer = new Renderer(part);
-    prepare(renderer);
-    for (let at = 0; at < count ** 2; at++) {
-      const [column, row] = [at % count, Math.floor(at / count)];
-      await gathered(renderer, slots, { ...shot, part: { count, column, row } }, (share) => {
-        drawn.value = (at + share) / count ** 2;
-      });
-      whole.getContext("2d")!.drawImage(part, column * width, (count - 1 - row) * height);
+  return asTask("Drawing the large picture", async (end, told) => {
+    const part = Object.assign(document.createElement("canvas"), { width, height });
+    const whole = document.createElement("canvas");
+    [whole.width, whole.height] = [count * width, count * height];
+    const renderer = new Renderer(part);
+    try {
+      prepare(renderer);
+      for (let at = 0; at < count ** 2; at++) {
+        const [column, row] = [at % count, Math.floor(at / count)];
+        const ofPart = (share: number) => told((at + share) / count ** 2);
+        await gathered(renderer, slots, { ...shot, part: { count, column, row } }, ofPart, end);
+        whole.getContext("2d")!.drawImage(part, column * width, (count - 1 - row) * height);
+      }
+      return await blobOf(whole);
+    } finally {
+      renderer.dispose();
     }
-    return await blobOf(whole);
-  } finally {
-    renderer?.dispose();
-    drawn.value = null;
-  }
+  });
 }
 
 /** Parts along each side of a large picture, and the size of one [pixels]. */
@@ -70,11 +64,16 @@ function gathered(
   slots: readonly [Slot, Slot],
   shot: Shot,
   told: (share: number) => void,
+  end: AbortSignal,
 ): Promise<void> {
   return new Promise((resolve, reject) => {
     const painter = new Painter(slots, reject);
     painter.setRenderer(renderer);
     painter.setShot(shot);
+    end.addEventListener("abort", () => {
+      painter.setRenderer(null);
+      reject(new Cancelled());
+    });
     effect(() => {
       told(painter.gathered.value);
       if (painter.converged.value) resolve();

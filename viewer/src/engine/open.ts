@@ -3,22 +3,26 @@
 import { signal } from "@preact/signals";
 import type { BottomInAir, CodesBottom, MaterialCards, TexelBottom } from "../material/material";
 import { isTexture } from "../material/texture";
-import { readMesh } from "../picture/mesh_files";
 import { checkSize, type Panorama, readHdr, withoutLights } from "../picture/panorama";
 import { Refusal } from "../refusal";
 import { readState } from "../state/read";
-import { announcement, change, changeMaterial, complain, notice, tell } from "../state/store";
+import {
+  announce,
+  asTask,
+  change,
+  changeMaterial,
+  complain,
+  notice,
+  task,
+  tell,
+} from "../state/store";
 import { networksOf, readMaterialFile } from "./material_file";
 import { readMaterialx } from "./materialx";
 import { byOwnWorker, type Cores, type PageCore } from "./remote";
 import { session, useEnvironment, useMesh } from "./session";
 import { keepTable, keepTexture } from "./textures";
 
-/** Whether a measured file is being encoded. */
-export const encoding = signal(false);
-
-/** Whether an OpenEXR file is being read, and the time after which it counts as damaged [ms]. */
-export const reading = signal(false);
+/** Time after which an OpenEXR file counts as damaged [ms]. */
 const PATIENCE = 60_000;
 
 /** The materials of files that were opened, one of each name, the last first. */
@@ -43,7 +47,9 @@ async function openFile(file: File): Promise<void> {
     const panorama = suffix === "hdr" ? readHdr(bytes) : await exrPanorama(bytes);
     useEnvironment(file.name, { file, ...withoutLights(panorama) });
   } else if (suffix === "obj" || suffix === "glb" || suffix === "gltf") {
-    useMesh(file.name, readMesh(bytes, suffix));
+    const read = (end: AbortSignal, told: (share: number) => void) =>
+      byOwnWorker((core) => core.readMesh(bytes, suffix, told), end);
+    useMesh(file.name, await asTask("Reading the mesh", read));
   } else if (suffix === "json") {
     change(readState(parsed(bytes), tell));
   } else if (suffix === "mtlx") {
@@ -85,17 +91,14 @@ async function bytesOf(file: File): Promise<Uint8Array<ArrayBuffer>> {
 
 /** The panorama of an OpenEXR file, which takes some seconds to unpack. */
 async function exrPanorama(bytes: Uint8Array): Promise<Panorama> {
-  reading.value = true;
   const late = new Promise<never>((_resolve, reject) => {
     setTimeout(() => reject(new Refusal("This .exr file is damaged.")), PATIENCE);
   });
-  try {
-    const picture = await byOwnWorker((core) => Promise.race([core.readExr(bytes), late]));
-    checkSize(picture.width, picture.height);
-    return picture;
-  } finally {
-    reading.value = false;
-  }
+  const picture = await asTask("Reading the panorama", (end) =>
+    byOwnWorker((core) => Promise.race([core.readExr(bytes), late]), end),
+  );
+  checkSize(picture.width, picture.height);
+  return picture;
 }
 
 /** The material of a file: codes, a texture of codes, or a measured BRDF. */
@@ -117,13 +120,13 @@ async function encodeMeasured(
   core: PageCore,
   bytes: Uint8Array<ArrayBuffer>,
 ): Promise<CodesBottom> {
-  encoding.value = true;
-  announcement.value = "The measured BRDF is being encoded.";
+  task.value = { text: "Encoding the measured BRDF" };
+  announce("The measured BRDF is being encoded.");
   try {
     const { latents, table } = await core.encodeMeasured(bytes.buffer);
-    return { kind: "codes", latents, table: keepTable(table!.logs) };
+    return { kind: "codes", latents, table: keepTable(table.logs) };
   } finally {
-    encoding.value = false;
+    task.value = null;
   }
 }
 

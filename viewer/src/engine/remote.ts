@@ -3,7 +3,7 @@
 import type { Stack } from "../core/api";
 import { RemoteCore } from "../core/client";
 import { isAnisotropic, widthRatio } from "../material/material";
-import { Refusal } from "../refusal";
+import { Cancelled, Refusal } from "../refusal";
 import { readFile, startWorker } from "./files";
 
 /** What the page needs of the core. */
@@ -66,11 +66,21 @@ export class Cores {
   }
 }
 
-/** The result of a call that needs no networks, by a worker of its own. */
-export async function byOwnWorker<T>(call: (core: RemoteCore) => Promise<T>): Promise<T> {
+/**
+ * The result of a call that needs no networks, by a worker of its own.
+ *
+ * @throws Cancelled if `end` comes first.
+ */
+export async function byOwnWorker<T>(
+  call: (core: RemoteCore) => Promise<T>,
+  end?: AbortSignal,
+): Promise<T> {
   const { worker, broken } = await startWorker();
+  const ended = new Promise<never>((_resolve, reject) => {
+    end?.addEventListener("abort", () => reject(new Cancelled()));
+  });
   try {
-    return await Promise.race([call(new RemoteCore(worker)), broken]);
+    return await Promise.race([call(new RemoteCore(worker)), broken, ended]);
   } finally {
     worker.terminate();
   }

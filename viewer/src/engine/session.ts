@@ -16,7 +16,7 @@ import { exrFile, type Radiance } from "../save/exr";
 import type { Scene } from "../save/scene";
 import { readState } from "../state/read";
 import type { State } from "../state/state";
-import { announcement, change, complain, look, showRead, state, tell } from "../state/store";
+import { announce, change, complain, look, showRead, state, tell } from "../state/store";
 import { type Shown, Slot } from "./engine";
 import { readFile } from "./files";
 import { blobOf, drawLarge, type LargeSize } from "./large_picture";
@@ -176,10 +176,15 @@ export class Session {
     return this.painter.whole();
   }
 
-  /** The picture so far as it is displayed; or a larger one, as in `drawLarge`. */
-  async picture(size?: LargeSize): Promise<Blob> {
+  /** The picture so far as it is displayed. */
+  async picture(): Promise<Blob> {
+    await this.whole();
+    return blobOf(this.canvas!);
+  }
+
+  /** A larger picture, as of `drawLarge`. */
+  async largePicture(size: LargeSize): Promise<Blob> {
     const whole = await this.whole();
-    if (size === undefined) return blobOf(this.canvas!);
     const mesh = this.mesh.peek();
     const occlusion = await occlusionOf(mesh);
     const { environment } = state.peek();
@@ -261,7 +266,7 @@ export class Session {
       if (plots.value) slots[active.value].drawPlane().catch(complain);
     });
     effect(() => {
-      if (painter.converged.value) announcement.value = "The picture has converged.";
+      if (painter.converged.value) announce("The picture has converged.");
     });
   }
 }

@@ -47,15 +47,19 @@ export function lookOf(coat: Medium): Look {
   };
 }
 
-/** About the colour of a medium of a thickness over white. */
-export function colourOnWhite(coat: Medium, thickness: number): Rgb {
-  const { color, body, bodyColor } = lookOf(coat);
-  const [clear, share, pigment] = [rgb(color), rgb(body), rgb(bodyColor)];
-  const one = (k: number) => {
-    const white = 1 - share[k]!; // is 1 / (1 + depth)
-    const hidden = 1 - white / (white + thickness * (1 - white) + 1e-9);
-    return clear[k]! ** thickness * (1 - hidden + hidden * pigment[k]!);
-  };
+/** How much of what lies below a medium of a thickness hides, in each channel. */
+export function hiddenBy(coat: Medium, thickness: number): Rgb {
+  const one = (share: number) => (thickness * share) / (1 + (thickness - 1) * share + 1e-9);
+  const [red, green, blue] = rgb(lookOf(coat).body);
+  return [one(red), one(green), one(blue)];
+}
+
+/** About the colour of a medium of a thickness over a reflectance, white if left out. */
+export function colourOver(coat: Medium, thickness: number, below: Rgb = [1, 1, 1]): Rgb {
+  const { color, bodyColor } = lookOf(coat);
+  const [clear, hidden, pigment] = [rgb(color), hiddenBy(coat, thickness), rgb(bodyColor)];
+  const one = (k: number) =>
+    clear[k]! ** thickness * ((1 - hidden[k]!) * below[k]! + hidden[k]! * pigment[k]!);
   return [one(0), one(1), one(2)];
 }
 

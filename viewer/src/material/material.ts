@@ -4,7 +4,7 @@ import type { Bottom, Channels, Coat, Stack } from "../core/api";
 import { CHECKS } from "../core/formulas";
 import { Refusal } from "../refusal";
 import { type Medium, physicsOf } from "./appearance";
-import { mapped, quotient, rgb } from "./channels";
+import { mapped, quotient, type Rgb, rgb } from "./channels";
 
 /** A coat by its absolute index of refraction, and by its medium as it was given. */
 export type CoatInAir = Omit<Coat, "eta" | "albedo" | "sigmaT" | "g"> &
@@ -66,6 +66,25 @@ export const CLEAR_COAT: CoatInAir = {
   bodyColor: 0.8,
   g: 0,
 };
+
+/** Whether a coat has a surface: its index differs from that of the medium above, as it is shown. */
+export function hasSurface(material: MaterialCards, coat: CoatCard): boolean {
+  const { coats } = material;
+  const over = coats.slice(0, coats.indexOf(coat)).filter((other) => isSeen(material, other));
+  const above = over.at(-1)?.ior ?? CHECKS.AIR;
+  return rgb(interfaceRatio(coat.ior, above)).some((ratio) => ratio !== 1);
+}
+
+/** About the reflectance of a bottom at normal incidence, with three digits. */
+export function reflectanceOf(bottom: MaterialCards["bottom"]): Rgb {
+  if ("reflectance" in bottom) return rgb(bottom.reflectance);
+  if ("r0" in bottom) return rgb(bottom.r0);
+  if (bottom.kind === "codes" || bottom.kind === "texels") return [0.5, 0.5, 0.5];
+  const [eta, k] = "k" in bottom ? [rgb(bottom.eta), rgb(bottom.k)] : [rgb(bottom.ior), [0, 0, 0]];
+  const one = (at: number) =>
+    Number((1 - (4 * eta[at]!) / ((eta[at]! + 1) ** 2 + k[at]! ** 2)).toFixed(3));
+  return [one(0), one(1), one(2)];
+}
 
 /** Whether a coat is part of the picture. */
 export function isSeen(material: MaterialCards, coat: CoatCard): boolean {
@@ -174,12 +193,14 @@ export function moved(material: MaterialCards, from: number, to: number): Materi
   return { ...material, coats };
 }
 
-/** The material with a clear coat on top of all others, of the index of the topmost. */
+/** The material with a clear coat on top of all others, with the surface of the topmost. */
 export function withCoat(material: MaterialCards): MaterialCards {
   if (!takesCoat(material)) return material;
   const { coats } = material;
-  const { ior } = coats[0] ?? CLEAR_COAT;
-  return { ...material, coats: [{ ...CLEAR_COAT, ior, id: freeId(material), on: true }, ...coats] };
+  const { ior, alpha, alphaV } = coats[0] ?? CLEAR_COAT;
+  const surface = { ior, alpha, ...(alphaV === undefined ? {} : { alphaV }) };
+  const coat = { ...CLEAR_COAT, ...surface, id: freeId(material), on: true };
+  return { ...material, coats: [coat, ...coats] };
 }
 
 /** The material without a coat. */

@@ -95,7 +95,7 @@ export const COAT_PARAMETERS = {
   },
   sigmaT: {
     label: "Depth σₜ",
-    hint: "Optical depth of the medium: how often light is absorbed or scattered on its way. Above 12, a similar medium is shown.",
+    hint: "Optical depth of the medium: how often light is absorbed or scattered on its way.",
     low: 0,
     high: 1000,
     slide: 10,
@@ -110,7 +110,7 @@ export const COAT_PARAMETERS = {
   },
   g: {
     label: "Direction g",
-    hint: "Asymmetry of the scattering: above 0 forwards, below 0 backwards. Outside -0.8 to 0.9, a similar medium is shown.",
+    hint: "Asymmetry of the scattering: above 0 forwards, below 0 backwards.",
     low: -0.99,
     high: 0.99,
     power: 1,

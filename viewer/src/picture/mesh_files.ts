@@ -1,6 +1,6 @@
 /** Meshes of files: OBJ, and glTF 2.0 as .glb or with its data inside the .gltf. y is up in them. */
 
-import { Refusal } from "../refusal";
+import { FileError } from "../core/safetensors";
 import { type Mesh, meshOfPart, type Part, VERTEX_NUMBERS } from "./meshes";
 
 /** Triangles of a file, as it stores them: three numbers a position and a normal, two a uv. */
@@ -12,6 +12,9 @@ interface Triangles {
   faces: number[];
 }
 
+/** Told the share of a file that has been read. */
+type Told = (share: number) => void;
+
 const MOST_TRIANGLES = 1_000_000;
 
 /** Radius of the ball around a mesh that was opened, as that of the page's own objects. */
@@ -21,125 +24,161 @@ const RADIUS = 0.7;
  * The mesh of a file, scaled, upright and on the ground.
  *
  * @param suffix "obj", "gltf" or "glb".
- * @throws Refusal if it is damaged, has no triangles or too many, or needs an extension.
+ * @throws FileError if it is damaged, has no triangles or too many, or needs an extension.
  */
-export function readMesh(bytes: Uint8Array, suffix: string): Mesh {
-  const triangles = suffix === "obj" ? readObj(new TextDecoder().decode(bytes)) : readGltf(bytes);
+export function readMesh(bytes: Uint8Array, suffix: string, told: Told = () => {}): Mesh {
+  const triangles = suffix === "obj" ? readObj(bytes, told) : readGltf(bytes);
   const { positions, faces } = triangles;
-  if (faces.length === 0) throw new Refusal("It has no triangles.");
-  if (faces.length > 3 * MOST_TRIANGLES)
-    throw new Refusal("It has more than a million triangles; simplify it.");
+  if (faces.length === 0) throw new FileError("It has no triangles.");
   const last = positions.length / 3;
   if (!positions.every(Number.isFinite) || !faces.every((vertex) => vertex < last)) throw damaged();
   return meshOfPart(partOf(triangles));
 }
 
+function checkCount(triangles: number): void {
+  if (triangles > MOST_TRIANGLES)
+    throw new FileError("It has more than a million triangles; simplify it.");
+}
+
 /** The triangles with z up, on the ground, about the axis, with normals and tangents. */
 function partOf({ positions, normals, uvs, faces }: Triangles): Part {
   const count = positions.length / 3;
-  const low: [number, number, number] = [Infinity, Infinity, Infinity];
-  const high: [number, number, number] = [-Infinity, -Infinity, -Infinity];
+  const low = [Infinity, Infinity, Infinity];
+  const high = [-Infinity, -Infinity, -Infinity];
   for (let at = 0; at < positions.length; at++) {
-    low[at % 3] = Math.min(low[at % 3]!, positions[at]!);
-    high[at % 3] = Math.max(high[at % 3]!, positions[at]!);
+    low[at % 3] = Math.min(low[at % 3], positions[at]);
+    high[at % 3] = Math.max(high[at % 3], positions[at]);
   }
-  const size = Math.hypot(...high.map((x, k) => x - low[k]!)) / 2;
-  if (!(size > 0)) throw new Refusal("All its points are the same.");
+  const size = Math.hypot(high[0] - low[0], high[1] - low[1], high[2] - low[2]) / 2;
+  if (!(size > 0)) throw new FileError("All its points are the same.");
   const scale = RADIUS / size;
   const [x, z] = [0.5 * (low[0] + high[0]), 0.5 * (low[2] + high[2])];
   const own = normals.length === positions.length ? normals : smoothNormals(positions, faces);
-  const part: Part = { vertices: [], tangents: [], faces };
+  const vertices = new Float32Array(VERTEX_NUMBERS * count);
   for (let vertex = 0; vertex < count; vertex++) {
-    const at = 3 * vertex;
-    const place = [positions[at]! - x, z - positions[at + 2]!, positions[at + 1]! - low[1]];
-    const normal = [own[at]!, -own[at + 2]!, own[at + 1]!];
-    const length = Math.hypot(...normal) || 1;
-    part.vertices.push(place[0]! * scale, place[1]! * scale, place[2]! * scale);
-    part.vertices.push(...normal.map((part) => part / length));
-    part.vertices.push(uvs[2 * vertex] ?? 0, uvs[2 * vertex + 1] ?? 0);
+    const [from, to] = [3 * vertex, VERTEX_NUMBERS * vertex];
+    vertices[to] = (positions[from] - x) * scale;
+    vertices[to + 1] = (z - positions[from + 2]) * scale;
+    vertices[to + 2] = (positions[from + 1] - low[1]) * scale;
+    const length = Math.hypot(own[from], own[from + 1], own[from + 2]) || 1;
+    vertices[to + 3] = own[from] / length;
+    vertices[to + 4] = -own[from + 2] / length;
+    vertices[to + 5] = own[from + 1] / length;
+    vertices[to + 6] = uvs[2 * vertex] ?? 0;
+    vertices[to + 7] = uvs[2 * vertex + 1] ?? 0;
   }
-  part.tangents = tangentsOf(part.vertices, faces);
-  return part;
+  return { vertices, tangents: tangentsOf(vertices, faces), faces };
 }
 
 /** Sums of the normals of the faces at each vertex, by their areas. */
-function smoothNormals(positions: number[], faces: number[]): number[] {
-  const normals = new Array<number>(positions.length).fill(0);
+function smoothNormals(positions: ArrayLike<number>, faces: readonly number[]): Float32Array {
+  const normals = new Float32Array(positions.length);
   for (let at = 0; at < faces.length; at += 3) {
-    const corners = [faces[at]!, faces[at + 1]!, faces[at + 2]!];
-    const [a, b, c] = corners.map((corner) => positions.slice(3 * corner, 3 * corner + 3));
-    const u = b!.map((value, k) => value - a![k]!);
-    const v = c!.map((value, k) => value - a![k]!);
-    for (const corner of corners)
-      for (let k = 0; k < 3; k++) {
-        const [i, j] = [(k + 1) % 3, (k + 2) % 3];
-        normals[3 * corner + k]! += u[i]! * v[j]! - u[j]! * v[i]!;
-      }
+    const [a, b, c] = [3 * faces[at], 3 * faces[at + 1], 3 * faces[at + 2]];
+    for (let k = 0; k < 3; k++) {
+      const [i, j] = [(k + 1) % 3, (k + 2) % 3];
+      const area =
+        (positions[b + i] - positions[a + i]) * (positions[c + j] - positions[a + j]) -
+        (positions[b + j] - positions[a + j]) * (positions[c + i] - positions[a + i]);
+      normals[a + k] += area;
+      normals[b + k] += area;
+      normals[c + k] += area;
+    }
   }
   return normals;
 }
 
 /** Unit tangents along growing u; around the axis where a vertex has no uv. */
-function tangentsOf(vertices: number[], faces: number[]): number[] {
+function tangentsOf(vertices: Float32Array, faces: readonly number[]): Float32Array {
   const count = vertices.length / VERTEX_NUMBERS;
-  const sums = new Array<number>(3 * count).fill(0);
+  const sums = new Float32Array(3 * count);
   for (let at = 0; at < faces.length; at += 3) {
-    const corners = [faces[at]!, faces[at + 1]!, faces[at + 2]!];
-    const [a, b, c] = corners.map((corner) => corner * VERTEX_NUMBERS);
-    const of = (to: number, k: number) => vertices[to + k]! - vertices[a! + k]!;
-    const [bu, bv, cu, cv] = [of(b!, 6), of(b!, 7), of(c!, 6), of(c!, 7)];
+    const corners = [faces[at], faces[at + 1], faces[at + 2]] as const;
+    const [a, b, c] = [0, 1, 2].map((corner) => corners[corner] * VERTEX_NUMBERS);
+    const [bu, bv] = [vertices[b + 6] - vertices[a + 6], vertices[b + 7] - vertices[a + 7]];
+    const [cu, cv] = [vertices[c + 6] - vertices[a + 6], vertices[c + 7] - vertices[a + 7]];
     const sign = Math.sign(bu * cv - cu * bv);
-    for (const corner of corners)
-      for (let k = 0; k < 3; k++) sums[3 * corner + k]! += sign * (cv * of(b!, k) - bv * of(c!, k));
-  }
-  for (let vertex = 0; vertex < count; vertex++) {
-    const at = vertex * VERTEX_NUMBERS;
-    const normal = vertices.slice(at + 3, at + 6);
-    const candidates = [
-      sums.slice(3 * vertex, 3 * vertex + 3),
-      [-vertices[at + 1]!, vertices[at]!, 0],
-      [1, 0, 0],
-      [0, 1, 0],
-    ];
-    for (const candidate of candidates) {
-      const along = candidate.reduce((sum, part, k) => sum + part * normal[k]!, 0);
-      const flat = candidate.map((part, k) => part - along * normal[k]!);
-      const length = Math.hypot(...flat);
-      if (length <= 1e-4 * Math.hypot(...candidate)) continue;
-      for (let k = 0; k < 3; k++) sums[3 * vertex + k] = flat[k]! / length;
-      break;
+    if (sign === 0) continue;
+    for (let k = 0; k < 3; k++) {
+      const [along, across] = [
+        vertices[b + k] - vertices[a + k],
+        vertices[c + k] - vertices[a + k],
+      ];
+      for (const corner of corners) sums[3 * corner + k] += sign * (cv * along - bv * across);
     }
+  }
+  const flat = [0, 0, 0];
+  /** Whether the part of a vector in the surface of a vertex, which becomes its tangent, is not 0. */
+  const isTangent = (vertex: number, x: number, y: number, z: number): boolean => {
+    const at = vertex * VERTEX_NUMBERS + 3;
+    const along = x * vertices[at] + y * vertices[at + 1] + z * vertices[at + 2];
+    flat[0] = x - along * vertices[at];
+    flat[1] = y - along * vertices[at + 1];
+    flat[2] = z - along * vertices[at + 2];
+    const length = Math.hypot(flat[0], flat[1], flat[2]);
+    if (length <= 1e-4 * Math.hypot(x, y, z)) return false;
+    for (let k = 0; k < 3; k++) sums[3 * vertex + k] = flat[k] / length;
+    return true;
+  };
+  for (let vertex = 0; vertex < count; vertex++) {
+    const [at, to] = [vertex * VERTEX_NUMBERS, 3 * vertex];
+    isTangent(vertex, sums[to], sums[to + 1], sums[to + 2]) ||
+      isTangent(vertex, -vertices[at + 1], vertices[at], 0) ||
+      isTangent(vertex, 1, 0, 0) ||
+      isTangent(vertex, 0, 1, 0);
   }
   return sums;
 }
 
+/** Bytes of text that are decoded at a time. */
+const CHUNK = 1 << 20;
+
 /** A file of Wavefront; faces with more corners become fans. */
-function readObj(text: string): Triangles {
-  const lists: Record<string, number[][]> = { v: [], vt: [], vn: [] };
+function readObj(bytes: Uint8Array, told: Told): Triangles {
+  const lists = { v: [] as number[], vt: [] as number[], vn: [] as number[] };
   const found: Triangles = { positions: [], normals: [], uvs: [], faces: [] };
   const known = new Map<string, number>();
+  /** The place in a list of numbers of `width` that a word of a corner names; below 0: of none. */
+  const placeOf = (word: string | undefined, list: number[], width: number): number => {
+    const number = Number(word || Number.NaN);
+    const place = width * (number > 0 ? number - 1 : list.length / width + number);
+    return place < list.length ? place : -1;
+  };
   const vertex = (word: string): number => {
     const before = known.get(word);
     if (before !== undefined) return before;
-    const [v, vt, vn] = ["v", "vt", "vn"].map((name, k) => {
-      const number = Number(word.split("/")[k] || Number.NaN);
-      return lists[name]!.at(number > 0 ? number - 1 : number);
-    });
-    if (v === undefined || v.length < 3) throw damaged();
-    found.positions.push(...v.slice(0, 3));
-    found.uvs.push(vt?.[0] ?? 0, vt?.[1] ?? 0);
-    if (word.split("/")[2]) found.normals.push(...(vn ?? []).slice(0, 3));
+    const words = word.split("/");
+    const v = placeOf(words[0], lists.v, 3);
+    if (!(v >= 0)) throw damaged();
+    found.positions.push(lists.v[v], lists.v[v + 1], lists.v[v + 2]);
+    const [vt, vn] = [placeOf(words[1], lists.vt, 2), placeOf(words[2], lists.vn, 3)];
+    found.uvs.push(lists.vt[vt] ?? 0, lists.vt[vt + 1] ?? 0);
+    if (vn >= 0) found.normals.push(lists.vn[vn], lists.vn[vn + 1], lists.vn[vn + 2]);
     known.set(word, known.size);
     return known.size - 1;
   };
-  for (const line of text.split(/\r?\n/)) {
-    const [kind = "", ...words] = line.trim().split(/\s+/);
-    if (kind in lists) lists[kind]!.push(words.map(Number));
-    if (kind !== "f") continue;
+  const readLine = (line: string): void => {
+    const [kind, ...words] = line.trim().split(/\s+/);
+    if (kind === "v" || kind === "vn")
+      lists[kind].push(Number(words[0]), Number(words[1]), Number(words[2]));
+    else if (kind === "vt") lists.vt.push(Number(words[0]), Number(words[1] ?? 0));
+    if (kind !== "f") return;
     const corners = words.map(vertex);
     for (let k = 2; k < corners.length; k++)
-      found.faces.push(corners[0]!, corners[k - 1]!, corners[k]!);
+      found.faces.push(corners[0], corners[k - 1], corners[k]);
+    checkCount(found.faces.length / 3);
+  };
+  const decoder = new TextDecoder();
+  let rest = "";
+  for (let at = 0; at < bytes.length; at += CHUNK) {
+    const lines = (rest + decoder.decode(bytes.subarray(at, at + CHUNK), { stream: true })).split(
+      "\n",
+    );
+    rest = lines.pop() ?? "";
+    lines.forEach(readLine);
+    told(at / bytes.length);
   }
+  readLine(rest);
   return found;
 }
 
@@ -161,12 +200,12 @@ function readGltf(bytes: Uint8Array): Triangles {
   const { json, binary } = gltfParts(bytes);
   const list = (name: string) => (json[name] ?? []) as Json[];
   if (list("extensionsRequired").length > 0)
-    throw new Refusal(`It needs ${list("extensionsRequired").join(", ")}; export it without.`);
+    throw new FileError(`It needs ${list("extensionsRequired").join(", ")}; export it without.`);
   const buffers = list("buffers").map(({ uri }) => {
     if (uri === undefined) return binary;
     const [head, data] = String(uri).split(",");
     if (!head!.startsWith("data:") || data === undefined)
-      throw new Refusal("Its data lie in another file; export it as .glb.");
+      throw new FileError("Its data lie in another file; export it as .glb.");
     return Uint8Array.from(atob(data), (character) => character.charCodeAt(0));
   });
   const numbers = (place: unknown): number[] => {
@@ -199,22 +238,22 @@ function readGltf(bytes: Uint8Array): Triangles {
     for (const { mode = 4, attributes, indices } of (mesh?.primitives ?? []) as Json[]) {
       const { POSITION, NORMAL, TEXCOORD_0 } = attributes as Record<string, number>;
       if (mode !== 4 || POSITION === undefined) continue;
+      const count = list("accessors")[(indices ?? POSITION) as number]!.count as number;
+      checkCount((found.faces.length + count) / 3); // before its numbers are read
       const before = found.positions.length / 3;
       const positions = numbers(POSITION);
-      const order =
-        indices === undefined ? [...Array(positions.length / 3).keys()] : numbers(indices);
+      const order = indices === undefined ? [...Array(count).keys()] : numbers(indices);
       const normals = NORMAL === undefined ? smoothNormals(positions, order) : numbers(NORMAL);
-      for (const x of TEXCOORD_0 === undefined
-        ? new Array((positions.length / 3) * 2).fill(0)
-        : numbers(TEXCOORD_0))
-        found.uvs.push(x);
+      const uvs = TEXCOORD_0 === undefined ? [] : numbers(TEXCOORD_0);
+      for (let k = 0; k < (2 * positions.length) / 3; k++) found.uvs.push(uvs[k] ?? 0);
       // A mirrored node turns its triangles (glTF 2.0, 3.7.4).
       const turn = determinant(matrix) < 0 ? 1 : 0;
       const outward = cofactors(matrix).map((x) => (turn === 1 ? -x : x));
-      for (let at = 0; at < positions.length; at += 3) {
-        found.positions.push(...moved(matrix, positions.slice(at, at + 3), 1));
-        found.normals.push(...moved(outward, normals.slice(at, at + 3), 0));
-      }
+      for (let at = 0; at < positions.length; at += 3)
+        for (let row = 0; row < 3; row++) {
+          found.positions.push(movedPart(matrix, positions, at, row) + matrix[12 + row]!);
+          found.normals.push(movedPart(outward, normals, at, row));
+        }
       for (let at = 0; at < order.length; at += 3)
         for (const corner of [0, 1 + turn, 2 - turn])
           found.faces.push(before + order[at + corner]!);
@@ -226,7 +265,7 @@ function readGltf(bytes: Uint8Array): Triangles {
     const scene = list("scenes")[(json.scene as number) ?? 0];
     for (const root of (scene?.nodes ?? []) as number[]) visit(root, IDENTITY, 0);
   } catch (error) {
-    throw error instanceof Refusal ? error : damaged();
+    throw error instanceof FileError ? error : damaged();
   }
   return found;
 }
@@ -269,11 +308,9 @@ function product(a: readonly number[], b: readonly number[]): number[] {
   });
 }
 
-/** A point (w is 1) or a direction (0) by a matrix. */
-function moved(matrix: readonly number[], point: number[], w: number): number[] {
-  return [0, 1, 2].map((row) =>
-    point.reduce((sum, x, k) => sum + matrix[4 * k + row]! * x, w * matrix[12 + row]!),
-  );
+/** A component of the direction at a place by a matrix. */
+function movedPart(m: readonly number[], all: ArrayLike<number>, at: number, row: number): number {
+  return m[row] * all[at] + m[4 + row] * all[at + 1] + m[8 + row] * all[at + 2];
 }
 
 /** The matrix by which normals move: the cofactors of a matrix's directions. */
@@ -294,6 +331,6 @@ function determinant(m: readonly number[]): number {
   return m[0]! * minors[0]! + m[4]! * minors[4]! + m[8]! * minors[8]!;
 }
 
-function damaged(): Refusal {
-  return new Refusal("It is damaged or no mesh that the page can read.");
+function damaged(): FileError {
+  return new FileError("It is damaged or no mesh that the page can read.");
 }

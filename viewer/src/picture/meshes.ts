@@ -161,7 +161,7 @@ const RIM = 6;
  * it was brushed.
  */
 function pillow(steps: number): Part {
-  const part: Part = { vertices: [], tangents: [], faces: [] };
+  const part = { vertices: [] as number[], tangents: [] as number[], faces: [] as number[] };
   for (const side of [1, -1]) {
     const first = part.vertices.length / VERTEX_NUMBERS;
     for (let row = 0; row <= steps; row++)
@@ -211,9 +211,9 @@ function gradient(x: number, y: number, height: number): Vector {
 
 /** A part of a mesh, its numbers as in `Mesh`. */
 export interface Part {
-  vertices: number[];
-  tangents: number[];
-  faces: number[];
+  vertices: ArrayLike<number>;
+  tangents: ArrayLike<number>;
+  faces: ArrayLike<number>;
 }
 
 /** The mesh of one part, whose foot is not known. */
@@ -253,14 +253,16 @@ function surface(at: Surface, around: number, along: number): Part {
 
 /** Parts as one mesh. */
 function joined(parts: Part[], footprint: number): Mesh {
-  const vertices: number[] = [];
-  const tangents: number[] = [];
-  const faces: number[] = [];
+  const of = (name: keyof Part) => parts.reduce((sum, part) => sum + part[name].length, 0);
+  const vertices = new Float32Array(of("vertices"));
+  const tangents = new Float32Array(of("tangents"));
+  const faces = new Uint32Array(of("faces"));
+  let [vertex, face] = [0, 0];
   for (const part of parts) {
-    const before = vertices.length / VERTEX_NUMBERS;
-    for (const number of part.vertices) vertices.push(number);
-    for (const number of part.tangents) tangents.push(number);
-    for (const face of part.faces) faces.push(before + face);
+    vertices.set(part.vertices, VERTEX_NUMBERS * vertex);
+    tangents.set(part.tangents, 3 * vertex);
+    for (let k = 0; k < part.faces.length; k++) faces[face++] = vertex + part.faces[k];
+    vertex += part.vertices.length / VERTEX_NUMBERS;
   }
   const low = [Infinity, Infinity, Infinity];
   const high = [-Infinity, -Infinity, -Infinity];
@@ -272,18 +274,14 @@ function joined(parts: Part[], footprint: number): Mesh {
   const centre = [0, 1, 2].map((axis) => (low[axis]! + high[axis]!) / 2);
   let [radius, width] = [0, 0];
   for (let at = 0; at < vertices.length; at += VERTEX_NUMBERS) {
-    const [x, y, z] = centre.map((middle, k) => vertices[at + k]! - middle) as [
-      number,
-      number,
-      number,
-    ];
-    radius = Math.max(radius, Math.hypot(x, y, z));
+    const [x, y] = [vertices[at] - centre[0], vertices[at + 1] - centre[1]];
+    radius = Math.max(radius, Math.hypot(x, y, vertices[at + 2] - centre[2]));
     width = Math.max(width, Math.hypot(x, y));
   }
   return {
-    vertices: new Float32Array(vertices),
-    tangents: new Float32Array(tangents),
-    faces: new Uint32Array(faces),
+    vertices,
+    tangents,
+    faces,
     centre: [centre[0]!, centre[1]!, centre[2]!],
     radius,
     width,

@@ -2,14 +2,17 @@
 
 import type { Channels } from "../core/api";
 import { CHECKS, fresnel, schlick } from "../core/formulas";
-import { lookOf } from "../material/appearance";
+import { colourOver, hiddenBy, lookOf } from "../material/appearance";
 import { joined, mapped, quotient, type Rgb, rgb } from "../material/channels";
 import {
   type BottomInAir,
   bottomUnder,
+  type CoatCard,
   type CoatInAir,
+  hasSurface,
   isAnisotropic,
   type MaterialCards,
+  reflectanceOf,
   seenOf,
 } from "../material/material";
 import { Refusal } from "../refusal";
@@ -54,27 +57,43 @@ export function materialxText(material: MaterialCards): { text: string; lost: st
 function describe(material: MaterialCards): Description {
   const { bottom, coats } = seenOf(material);
   const lost: string[] = [];
-  const [top, below, ...others] = coats;
-  const isClear = (coat: CoatInAir) => mean(lookOf(coat).body) === 0;
-  const isBase =
-    below !== undefined &&
-    others.length === 0 &&
-    bottom.kind === "diffuse" &&
-    isClear(below) &&
-    rgb(lookOf(below).color).every((x) => x === 1);
-  if (below !== undefined && !isBase) lost.push("all coats but the topmost");
-  const index = quotient(top?.ior ?? CHECKS.AIR, CHECKS.AIR);
-  const inputs = {
-    ...baseOf(bottomUnder(bottom, index), lost),
-    ...(isBase ? glossOf(below, bottom.reflectance, top!.ior, lost) : {}),
-  };
+  const nameOf = (coat: CoatCard) => `coat ${material.coats.length - material.coats.indexOf(coat)}`;
+  const [top, ...inner] = coats;
+  // What lies below an opaque coat is not seen: the coat's body is the base.
+  const isHidden = coats.some((coat) => Math.min(...hiddenBy(coat, depthOf(coat))) >= 0.5);
+  const index = quotient(coats.at(-1)?.ior ?? CHECKS.AIR, CHECKS.AIR);
+  const under = bottomUnder(bottom, index);
+  const surfaces = inner.filter((coat) => hasSurface(material, coat));
+  let inputs: Description["inputs"];
+  if (under.kind === "diffuse" || (isHidden && under.kind !== "codes")) {
+    // The dye of the topmost coat is the colour of OpenPBR's; all other colours are the base's.
+    const color = coats.reduceRight<Rgb>(
+      (below, coat) =>
+        colourOver(coat === top ? { ...lookOf(coat), color: 1, g: 0 } : coat, depthOf(coat), below),
+      reflectanceOf(under),
+    );
+    const gloss = surfaces.shift();
+    inputs = gloss
+      ? glossOf(gloss, color, top!.ior, lost)
+      : baseOf({ kind: "diffuse", reflectance: color }, lost);
+  } else {
+    inputs = baseOf(under, lost);
+    const dye = inner.reduce<Rgb>(
+      (above, coat) => colourOver({ ...lookOf(coat), body: 0, g: 0 }, depthOf(coat), above),
+      [1, 1, 1],
+    );
+    const base = inputs.base_color as Rgb | undefined;
+    if (base) inputs.base_color = [0, 1, 2].map((k) => base[k]! * dye[k]!) as unknown as Rgb;
+    else if (dye.some((share) => share !== 1)) lost.push("the colour of the lower coats");
+    for (const coat of coats)
+      if (mean(lookOf(coat).body) > 0) lost.push(`the body of ${nameOf(coat)} and its colour`);
+  }
+  lost.push(...surfaces.map((coat) => `the surface of ${nameOf(coat)}`));
   if (top !== undefined) {
-    const { color } = lookOf(top);
-    if (!isClear(top)) lost.push("the coat's body");
     const own = roughness(top, "the coat's roughness of each channel", lost);
     Object.assign(inputs, {
       coat_weight: 1,
-      coat_color: rgb(mapped(color, (share) => share ** (top.thickness ?? 1))),
+      coat_color: rgb(mapped(lookOf(top).color, (share) => share ** depthOf(top))),
       coat_roughness: own.roughness,
       coat_roughness_anisotropy: own.anisotropy,
       coat_ior: one(top.ior, "the coat's index of each channel", lost),
@@ -83,6 +102,10 @@ function describe(material: MaterialCards): Description {
   if (isAnisotropic({ bottom, coats }) && (material.rotation ?? 0) !== 0)
     lost.push("the tangent's angle");
   return { inputs, lost };
+}
+
+function depthOf({ thickness = 1 }: CoatInAir): number {
+  return thickness;
 }
 
 /** The inputs of a bottom without gloss of its own. */

@@ -2,7 +2,7 @@
 
 import { computed, signal } from "@preact/signals";
 import type { MaterialCards } from "../material/material";
-import { Refusal, Unreachable } from "../refusal";
+import { Cancelled, Refusal, Unreachable } from "../refusal";
 import { History } from "./history";
 import { activeMaterial, INITIAL, type State, withMaterial } from "./state";
 
@@ -16,8 +16,54 @@ export interface Notice {
 }
 
 export const notice = signal<Notice | null>(null);
+/** What the page does beside the picture: how much is done, from 0 to 1, and what ends it. */
+export interface Task {
+  text: string;
+  share?: number | undefined;
+  cancel?: () => void;
+}
+
+export const task = signal<Task | null>(null);
+
+/**
+ * Do what takes long, and tell of it; it can be cancelled.
+ *
+ * @param run gets a signal that ends it, and a function that is told the share that is done.
+ * @throws Refusal if there is another task.
+ */
+export async function asTask<T>(
+  text: string,
+  run: (end: AbortSignal, told: (share: number) => void) => Promise<T>,
+): Promise<T> {
+  if (task.value !== null)
+    throw new Refusal("Something else is being done; wait until it has ended, or cancel it.");
+  const abort = new AbortController();
+  const tell = (share?: number) => {
+    task.value = { text, share, cancel: () => abort.abort() };
+  };
+  tell();
+  announce(text);
+  try {
+    return await run(abort.signal, (share) => {
+      if (!abort.signal.aborted) tell(share);
+    });
+  } finally {
+    task.value = null;
+  }
+}
+
 /** What a screen reader announces. */
 export const announcement = signal("");
+let silence = 0;
+
+/** Let a screen reader say a sentence, which does not stay: what is no news is not read. */
+export function announce(text: string): void {
+  announcement.value = text;
+  clearTimeout(silence);
+  silence = setTimeout(() => {
+    announcement.value = "";
+  }, 4000) as unknown as number;
+}
 
 const history = new History<State>();
 const steps = signal(0);
@@ -54,13 +100,15 @@ function restore(value: State | null, said: string): void {
   if (value === null) return;
   const { view, turntable, plots, edge, scale, incidence } = state.value;
   state.value = { ...value, view, turntable, plots, edge, scale, incidence };
-  announcement.value = said;
+  announce(said);
   steps.value++;
 }
 
 /** Tell what went wrong: `retry` tries again, and `context` is put before the sentence. */
 export function complain(error: unknown, retry?: () => void, context = ""): void {
-  if (error instanceof Refusal) {
+  if (error instanceof Cancelled) {
+    announce(context + error.message);
+  } else if (error instanceof Refusal) {
     const text = context + error.message;
     notice.value = { text, retry: error instanceof Unreachable ? retry : undefined };
   } else {

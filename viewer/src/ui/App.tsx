@@ -2,8 +2,9 @@
 
 import { titleOf } from "../material/presets";
 import type { State } from "../state/state";
-import { announcement, change, changeMaterial, material, state } from "../state/store";
+import { announce, announcement, change, changeMaterial, material, state } from "../state/store";
 import { Cards } from "./Cards";
+import { Explanation } from "./Help";
 import { Icon } from "./icons";
 import { Plots } from "./Plots";
 import { Stage } from "./Stage";
@@ -33,6 +34,7 @@ export function App() {
           <Plots />
         </div>
       </main>
+      <Explanation />
       <p class="spoken" role="status">
         {announcement.value}
       </p>
@@ -71,7 +73,7 @@ function Chooser() {
   const other = active === 0 ? "B" : "A";
   const set = (next: State["materials"], said: string) => {
     change({ ...state.value, materials: next });
-    announcement.value = said;
+    announce(said);
   };
   const copied = materials[active];
   return (

@@ -9,6 +9,7 @@ import {
   type BottomInAir,
   type CodesBottom,
   type MaterialCards,
+  reflectanceOf,
   type TexelBottom,
 } from "../material/material";
 import { BOTTOM_PARAMETERS, COAT_PARAMETERS, type Parameter } from "../material/parameters";
@@ -43,7 +44,11 @@ export function BottomCard({ material, alone }: BottomCardProps) {
   const change = (next: AnyBottom, step = "") =>
     changeMaterial({ ...material, bottom: next }, step);
   return (
-    <section class="card bottom" aria-label="Bottom" style={{ "--medium": colourOf(bottom) }}>
+    <section
+      class="card bottom"
+      aria-label="Bottom"
+      style={{ "--medium": hex(reflectanceOf(bottom)) }}
+    >
       <header>
         <span class="title">Bottom</span>
         <select
@@ -131,7 +136,7 @@ function Metals({
           key={name}
           type="button"
           aria-pressed={known?.[0] === name}
-          style={{ "--medium": hex(reflectance(eta, k)) }}
+          style={{ "--medium": hex(reflectanceOf({ kind: "conductor", alpha: 0, eta, k })) }}
           onClick={() => onChange({ kind: "conductor", ...widthsOf(bottom), eta, k })}
         >
           {name}
@@ -176,7 +181,7 @@ function widthsOf(bottom: AnyBottom): { alpha: Channels; alphaV?: Channels } {
   return alphaV === undefined ? { alpha } : { alpha, alphaV };
 }
 
-/** A bottom of another kind that looks like the present one where it can. */
+/** A bottom of another kind that looks like the present one where it can; no metal is as dark as paint. */
 function bottomOfKind(kind: Kind, bottom: AnyBottom): AnyBottom {
   const widths = widthsOf(bottom);
   const colour = reflectanceOf(bottom);
@@ -184,7 +189,7 @@ function bottomOfKind(kind: Kind, bottom: AnyBottom): AnyBottom {
     case "metal":
       return { kind: "conductor", ...widths, ...METALS.Gold! };
     case "schlick":
-      return { kind: "conductor", ...widths, r0: colour };
+      return { kind: "conductor", ...widths, r0: "k" in bottom ? colour : 0.9 };
     case "dielectric":
       return { kind: "dielectric", ...widths, ior: 1.5 };
     case "diffuse":
@@ -193,24 +198,4 @@ function bottomOfKind(kind: Kind, bottom: AnyBottom): AnyBottom {
     case "texels":
       return bottom;
   }
-}
-
-/** About the reflectance at normal incidence, with three digits. */
-function reflectanceOf(bottom: AnyBottom): Rgb {
-  if ("reflectance" in bottom) return rgb(bottom.reflectance);
-  if ("r0" in bottom) return rgb(bottom.r0);
-  if ("k" in bottom) return reflectance(rgb(bottom.eta), rgb(bottom.k));
-  if ("ior" in bottom) return reflectance(rgb(bottom.ior), [0, 0, 0]);
-  return [0.5, 0.5, 0.5];
-}
-
-/** Fresnel's reflectance at normal incidence. */
-function reflectance(eta: Rgb, k: Rgb): Rgb {
-  const one = (n: number, x: number) =>
-    Number((((n - 1) ** 2 + x * x) / ((n + 1) ** 2 + x * x)).toFixed(3));
-  return [one(eta[0], k[0]), one(eta[1], k[1]), one(eta[2], k[2])];
-}
-
-function colourOf(bottom: AnyBottom): string {
-  return hex(reflectanceOf(bottom));
 }

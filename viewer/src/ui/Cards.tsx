@@ -13,7 +13,7 @@ import {
   withCoat,
 } from "../material/material";
 import { ANGLE } from "../material/parameters";
-import { announcement, changeMaterial, material } from "../state/store";
+import { announce, changeMaterial, material } from "../state/store";
 import { BottomCard } from "./BottomCard";
 import { CoatCard } from "./CoatCard";
 import { Field } from "./Field";
@@ -29,7 +29,7 @@ export function Cards() {
   const move = (from: number, to: number) => {
     if (to < 0 || to >= coats.length || from === to) return;
     changeMaterial(moved(material.value, from, to), `move ${coats[from]!.id}`);
-    announcement.value = `Coat moved to place ${to + 1} of ${coats.length}.`;
+    announce(`Coat moved to place ${to + 1} of ${coats.length}.`);
   };
 
   const startDrag = (event: PointerEvent, card: Card) => {
@@ -76,7 +76,7 @@ export function Cards() {
           onClick={() => {
             if (!takesCoat(material.value)) return;
             changeMaterial(withCoat(material.value));
-            announcement.value = "A coat was added on top.";
+            announce("A coat was added on top.");
           }}
         >
           <Icon name="plus" /> Add coat

@@ -2,12 +2,19 @@
 
 import { signal } from "@preact/signals";
 import type { Channels } from "../core/api";
-import { colourOnWhite, type Look, lookOf, type Physics, physicsOf } from "../material/appearance";
+import { withinTraining } from "../core/layerer";
+import { coatOfChannel } from "../core/surfaces";
+import { colourOver, type Look, lookOf, type Physics, physicsOf } from "../material/appearance";
 import { mapped, type Rgb, rgb } from "../material/channels";
 import { hex } from "../material/colour";
-import { type CoatCard as Card, type CoatInAir, withoutCoat } from "../material/material";
+import {
+  type CoatCard as Card,
+  type CoatInAir,
+  hasSurface,
+  withoutCoat,
+} from "../material/material";
 import { COAT_PARAMETERS, rounded } from "../material/parameters";
-import { announcement, changeMaterial, material } from "../state/store";
+import { announce, changeMaterial, material } from "../state/store";
 import { Field } from "./Field";
 import { Icon } from "./icons";
 import { WidthFields, withWidths } from "./WidthFields";
@@ -15,8 +22,15 @@ import { WidthFields, withWidths } from "./WidthFields";
 /** Cards that show their name alone. */
 const folded = signal<ReadonlySet<number>>(new Set());
 
-/** Cards whose physical numbers are shown: all, or none. */
-const physical = signal(false);
+/** Cards whose physical numbers are shown. */
+const physical = signal<ReadonlySet<number>>(new Set());
+
+/** A set with one number more, or without it if it has it. */
+function toggled(set: ReadonlySet<number>, id: number): ReadonlySet<number> {
+  const next = new Set(set);
+  if (!next.delete(id)) next.add(id);
+  return next;
+}
 
 interface CoatCardProps {
   card: Card;
@@ -36,6 +50,7 @@ export function CoatCard({ card, name, seen, dragged, onMove, onDrag }: CoatCard
   };
   const change = (next: Partial<Card>, kind = "") => replace({ ...card, ...next }, kind);
   const look = lookOf(card);
+  const hasOwnSurface = hasSurface(material.value, card);
   const medium = { card, owner: name, onChange: replace };
   const classes = ["card", seen ? "" : "unseen", dragged ? "dragged" : ""].join(" ");
   return (
@@ -64,13 +79,11 @@ export function CoatCard({ card, name, seen, dragged, onMove, onDrag }: CoatCard
           class="title"
           aria-expanded={!isFolded}
           onClick={() => {
-            const next = new Set(folded.value);
-            if (!next.delete(card.id)) next.add(card.id);
-            folded.value = next;
+            folded.value = toggled(folded.value, card.id);
           }}
         >
           <span>{name}</span>
-          <small>{kindOf(card)}</small>
+          <small>{kindOf(card, hasOwnSurface)}</small>
         </button>
         <button
           type="button"
@@ -99,7 +112,7 @@ export function CoatCard({ card, name, seen, dragged, onMove, onDrag }: CoatCard
           title="Remove"
           onClick={() => {
             changeMaterial(withoutCoat(material.value, card.id));
-            announcement.value = `${name} was removed.`;
+            announce(`${name} was removed.`);
           }}
         >
           <Icon name="cross" />
@@ -111,16 +124,21 @@ export function CoatCard({ card, name, seen, dragged, onMove, onDrag }: CoatCard
           <MediumField name="body" {...medium} />
           {Math.max(...rgb(look.body)) > 0 && <MediumField name="bodyColor" {...medium} />}
           <MediumField name="thickness" {...medium} />
-          <WidthFields
-            owner={name}
-            parameter={COAT_PARAMETERS.alpha}
-            widths={card}
-            onChange={(next, kind) => replace(withWidths(card, next), kind)}
-          />
+          {hasOwnSurface ? (
+            <WidthFields
+              owner={name}
+              parameter={COAT_PARAMETERS.alpha}
+              widths={card}
+              onChange={(next, kind) => replace(withWidths(card, next), kind)}
+            />
+          ) : (
+            <p class="note">No surface, so no roughness: its index n is that of the coat above.</p>
+          )}
           <details
-            open={physical.value}
-            onToggle={(event) => {
-              physical.value = event.currentTarget.open;
+            open={physical.value.has(card.id)}
+            onToggle={({ currentTarget: { open } }) => {
+              if (open !== physical.value.has(card.id))
+                physical.value = toggled(physical.value, card.id);
             }}
           >
             <summary>Physical</summary>
@@ -134,11 +152,27 @@ export function CoatCard({ card, name, seen, dragged, onMove, onDrag }: CoatCard
             <MediumField name="sigmaT" {...medium} />
             <MediumField name="albedo" {...medium} />
             <MediumField name="g" {...medium} />
+            <Replaced card={card} />
           </details>
         </div>
       )}
     </li>
   );
+}
+
+/** What is said of a medium that is too deep, or too directed, to be shown as it is. */
+function Replaced({ card }: { card: Card }) {
+  const { albedo, sigmaT } = physicsOf(card);
+  const coat = { alpha: 1, eta: 1.5, albedo, g: card.g };
+  const depths = ([0, 1, 2] as const).map((channel) => {
+    const depth = rgb(sigmaT)[channel] * (card.thickness ?? 1);
+    const own = coatOfChannel({ ...coat, sigmaT: depth }, channel);
+    const shown = withinTraining(own);
+    return shown === own ? null : rounded(shown.sigmaT);
+  });
+  if (depths.every((depth) => depth === null)) return null;
+  const told = new Set(depths.filter((depth) => depth !== null));
+  return <p class="note">A medium that looks alike is shown, of depth {[...told].join(", ")}.</p>;
 }
 
 /** A parameter of the medium: of its appearance or of its physics, whichever was given. */
@@ -183,11 +217,11 @@ function withMedium(card: Card, name: MediumKey, value: Channels): Card {
 }
 
 /** What kind of coat it is, in a word or two. */
-function kindOf(coat: CoatInAir): string {
+function kindOf(coat: CoatInAir, hasOwnSurface: boolean): string {
   const { color, body } = lookOf(coat);
   const opaque = Math.max(...rgb(body));
   const widest = Math.max(...rgb(coat.alpha), ...rgb(coat.alphaV ?? coat.alpha));
-  const surface = widest > 0.2 ? "matt" : "glossy";
+  const surface = !hasOwnSurface ? "no surface" : widest > 0.2 ? "matt" : "glossy";
   if (opaque > 0.6) return `${surface}, opaque`;
   if (opaque > 0.02) return `${surface}, milky`;
   return Math.min(...rgb(color)) > 0.99 ? `${surface}, clear` : `${surface}, tinted`;
@@ -195,5 +229,5 @@ function kindOf(coat: CoatInAir): string {
 
 /** About the colour of a coat on white. */
 function shownColour(coat: CoatInAir): Rgb {
-  return colourOnWhite(coat, coat.thickness ?? 1);
+  return colourOver(coat, coat.thickness ?? 1);
 }

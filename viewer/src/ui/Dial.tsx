@@ -9,14 +9,16 @@ interface DialProps {
   low: number;
   high: number;
   step: number;
+  /** One sentence on what it does. */
+  hint: string;
   /** Value after a double click. */
   fallback?: number;
   onInput: (value: number) => void;
 }
 
-export function Dial({ label, fallback = 0, ...dial }: DialProps) {
+export function Dial({ label, hint, fallback = 0, ...dial }: DialProps) {
   return (
-    <label>
+    <label title={hint}>
       <span>{label}</span>
       <Slider {...dial} onReset={() => dial.onInput(fallback)} />
       <output>{dial.text}</output>

@@ -164,15 +164,21 @@ function Walk({ comparison, radius }: { comparison: Comparison; radius: (f: numb
 
 /** How far the networks are from the walk, in words. */
 function Difference({ comparison }: { comparison: Comparison | null }) {
-  if (comparison === null || !Number.isFinite(comparison.noise)) return null;
+  if (comparison === null || !Number.isFinite(comparison.whole.noise)) return null;
   const percent = (x: number) => `${(100 * x).toFixed(1)}\u00a0%`;
+  const { whole, rest } = comparison;
   return (
     <span
       class="difference"
-      title="The random walk is the reference. Its noise falls as it goes on, and bounds what can be said."
+      title="The random walk is the reference. Its noise falls as it goes on, and bounds what can be said. The highlight of the topmost surface is exact, and most of the light here: the second number leaves it out."
     >
       {" · "}
-      {percent(comparison.deviation)} from the walk ±&nbsp;{percent(comparison.noise)}
+      {percent(whole.deviation)} from the walk ±&nbsp;{percent(whole.noise)}
+      {Number.isFinite(rest.noise) && (
+        <>
+          , without the highlight {percent(rest.deviation)} ±&nbsp;{percent(rest.noise)}
+        </>
+      )}
     </span>
   );
 }

@@ -17,7 +17,7 @@ import { fileName, pythonText } from "../save/python";
 import { sceneFile } from "../save/scene";
 import { LANGUAGES, type Language, readTemplate, shaderText } from "../save/shader";
 import { toAddress, toJson } from "../state/address";
-import { announcement, complain, material, state, tell } from "../state/store";
+import { announce, complain, material, state, tell } from "../state/store";
 
 const GROUPS = ["Picture", "Material", "Code", "Share"] as const;
 
@@ -67,14 +67,19 @@ const KINDS: readonly Kind[] = [
     group: "Picture",
     label: "Picture",
     hint: "PNG, as it is seen",
-    save: async (name) => download(`${name}.png`, await presentSession().picture()),
+    save: async (name) => {
+      download(`${name}.png`, await presentSession().picture());
+      tellOfRefining();
+    },
   },
   {
     group: "Picture",
     label: "Radiance",
     hint: "EXR, the picture in linear light",
-    save: async (name) =>
-      download(`${name}.exr`, new Blob([exrFile(await presentSession().radiance())])),
+    save: async (name) => {
+      download(`${name}.exr`, new Blob([exrFile(await presentSession().radiance())]));
+      tellOfRefining();
+    },
   },
   {
     group: "Material",
@@ -127,12 +132,21 @@ const KINDS: readonly Kind[] = [
   },
 ];
 
+/** Tell that a picture was saved before it was finished. */
+function tellOfRefining(): void {
+  const { converged, gathered } = presentSession().painter;
+  if (converged.value) return;
+  const share = Math.round(100 * gathered.value);
+  tell(
+    `The picture was saved while refining, with ${share} % of its frames; wait until it has converged, or save 2 × or 4K, which are drawn to the end.`,
+  );
+}
+
 /** The sizes of larger pictures, in words. */
 const SIZES: Record<LargeSize, string> = { "2x": "2 ×", "4K": "4K" };
 
 async function saveLarge(size: LargeSize, name: string): Promise<void> {
-  announcement.value = "The picture is being drawn.";
-  download(`${name}-${size}.png`, await presentSession().picture(size));
+  download(`${name}-${size}.png`, await presentSession().largePicture(size));
 }
 
 const ADDRESS: Kind = {
@@ -148,7 +162,7 @@ const ADDRESS: Kind = {
         "The browser gives the page no clipboard; copy the address from the address bar.",
       );
     }
-    announcement.value = "The address was copied.";
+    announce("The address was copied.");
   },
 };
 

@@ -35,7 +35,6 @@ export function Slider({ name, text, low, high, step, value, onInput, ...props }
       class={`${props.class ?? ""} ${props.track ? "graded" : ""}`}
       aria-label={name}
       aria-valuetext={text}
-      title="Double click: reset"
       min={low}
       max={high}
       step={step}

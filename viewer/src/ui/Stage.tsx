@@ -1,12 +1,10 @@
 /** The picture, and what is laid over it. */
 
 import { useEffect, useRef } from "preact/hooks";
-import { drawn } from "../engine/large_picture";
-import { encoding, reading } from "../engine/open";
 import { loading, noPicture, occluding, session } from "../engine/session";
 import { titleOf } from "../material/presets";
 import { DIFFERENCE_SCALES, INITIAL, type View } from "../state/state";
-import { change, look, notice, state } from "../state/store";
+import { change, look, notice, state, task } from "../state/store";
 
 /** The id of the picture's place. */
 export const STAGE = "stage";
@@ -83,7 +81,11 @@ function Picture() {
     return () => element.removeEventListener("wheel", wheel);
   }, []);
 
-  const { object, mesh, environment, turntable } = state.value;
+  const { object, mesh, environment, turntable, comparison, materials, active } = state.value;
+  const named =
+    comparison === "off"
+      ? titleOf(materials[active])
+      : `${titleOf(materials[0])} beside ${titleOf(materials[1])}`;
   useEffect(() => {
     if (!turntable) return undefined;
     const timer = setInterval(() => {
@@ -97,7 +99,7 @@ function Picture() {
       ref={canvas}
       tabIndex={0}
       role="img"
-      aria-label={`${object === "own" ? mesh : `A ${object}`} of the material, lit by the environment “${environment}”. Arrow keys turn the camera, with Control they shift the picture, with Shift they turn the light; plus and minus zoom; Home or a double click resets the camera.`}
+      aria-label={`${object === "own" ? mesh : `A ${object}`} of ${named}, lit by the environment “${environment}”. Arrow keys turn the camera, with Control they shift the picture, with Shift they turn the light; plus and minus zoom; Home or a double click resets the camera.`}
       onContextMenu={(event) => event.preventDefault()}
       onPointerDown={({ button, currentTarget, pointerId, clientX, clientY }) => {
         if (button === 1) return; // it scrolls
@@ -185,15 +187,20 @@ function around(degrees: number): number {
 
 function Status() {
   const painter = session.value?.painter;
-  if (encoding.value) return <p class="status">Encoding the measured BRDF …</p>;
-  if (reading.value) return <p class="status">Reading the panorama …</p>;
-  if (drawn.value !== null)
+  if (task.value !== null) {
+    const { text, share, cancel } = task.value;
     return (
       <p class="status">
-        <progress aria-hidden="true" value={drawn.value} />
-        drawing the large picture
+        {share !== undefined && <progress aria-label={text} value={share} />}
+        {text} …
+        {cancel && (
+          <button type="button" onClick={cancel}>
+            Cancel
+          </button>
+        )}
       </p>
     );
+  }
   if (painter === undefined) {
     const text = loading.value ? "Loading the networks …" : "The networks are not loaded.";
     return <p class="status">{text}</p>;

@@ -48,6 +48,7 @@ export function Toolbar() {
       </label>
       <Dial
         label="Turn"
+        hint="Turns the light about the object. Double click: reset."
         text={`${Math.round(rotation)}°`}
         value={rotation}
         low={-180}
@@ -57,6 +58,7 @@ export function Toolbar() {
       />
       <Dial
         label="Exposure"
+        hint="Brightness of the picture in powers of two. Double click: reset."
         text={`${exposure > 0 ? "+" : ""}${exposure}`}
         value={exposure}
         low={-4}

@@ -33,6 +33,7 @@ export function ViewMenu({ onDone }: { onDone: () => void }) {
     <>
       <Dial
         label="Field of view"
+        hint="Angle of the lens; the object keeps its size. Double click: reset."
         text={`${view.fov}°`}
         value={view.fov}
         low={5}

@@ -1,7 +1,7 @@
 /** The page for everybody: axe finds nothing against WCAG 2.2 AA, and the keyboard reaches all. */
 
 import AxeBuilder from "@axe-core/playwright";
-import { expect, open, test } from "./page";
+import { expect, number, open, test } from "./page";
 
 const TAGS = ["wcag2a", "wcag2aa", "wcag21a", "wcag21aa", "wcag22aa", "best-practice"];
 
@@ -69,4 +69,77 @@ test("every control is reached by the keyboard", async ({ page }) => {
     "Angle of incidence",
   ])
     expect([...reached]).toContain(name);
+});
+
+test("the material is in the names of page and picture, and news are spoken once", async ({
+  page,
+}) => {
+  await open(page);
+  await expect(page).toHaveTitle("Vermilion urushi · Urushi");
+  await expect(page.locator(".stage canvas")).toHaveAttribute("aria-label", /goblet of Vermilion/);
+  await page.getByRole("button", { name: "Remove Coat 1" }).click();
+  await expect(page.locator(".spoken[role=status]")).toHaveText("Coat 1 was removed.");
+  await expect(page).toHaveTitle("Vermilion urushi (modified) · Urushi");
+  await expect(page.locator(".spoken[role=status]")).not.toHaveText("Coat 1 was removed.");
+});
+
+test("the menu of materials is one stop of the keyboard, with arrows and letters", async ({
+  page,
+}) => {
+  await open(page);
+  const material = (name: string) => page.getByRole("button", { name, exact: true });
+  await page.getByRole("button", { name: /choose another/ }).press("Enter");
+  await expect(material("Vermilion urushi")).toBeFocused();
+  await page.keyboard.press("ArrowLeft");
+  await expect(material("Black urushi")).toBeFocused();
+  await page.keyboard.press("End");
+  await page.keyboard.type("ce");
+  await expect(material("Celadon")).toBeFocused();
+  await page.keyboard.press("Tab");
+  await expect(page.getByRole("button", { name: "Undo" })).toBeFocused();
+  await expect(page.locator(".menu.presets .panel")).toHaveCount(0);
+});
+
+test("tooltips are read by keyboard and by touch", async ({ page }) => {
+  await open(page);
+  await page.getByRole("button", { name: "Explain the page" }).click();
+  const told = page.locator(".explanation");
+  await expect(told).toContainText("Tap, point at or focus");
+  await page.getByRole("slider", { name: "Coat 2, Thickness" }).focus();
+  await expect(told).toContainText("Factor of the medium's depth");
+  await page.locator(".field .label", { hasText: "Body" }).first().dispatchEvent("pointerdown");
+  await expect(told).toContainText("How opaque the pigment is");
+  await page.getByRole("button", { name: "Explain the page" }).click();
+  await expect(told).toBeHidden();
+});
+
+test("type grows with wide windows and with the reader's, numbers are not cut off, and toolbars tell where they go on", async ({
+  page,
+}) => {
+  await open(page);
+  const size = () =>
+    page.evaluate(() => Number.parseFloat(getComputedStyle(document.body).fontSize));
+  await page.setViewportSize({ width: 1440, height: 900 });
+  expect(await size()).toBeCloseTo(13, 1);
+  await page.setViewportSize({ width: 2560, height: 1300 });
+  expect(await size()).toBeGreaterThan(15);
+  const field = number(page, "Bottom, Reflectance, red");
+  await field.fill("0.0813");
+  await field.press("Enter");
+  for (const [width, height] of [
+    [2560, 1300],
+    [1024, 768],
+    [390, 844],
+  ] as const) {
+    await page.setViewportSize({ width, height });
+    const cut = await page
+      .locator("input.number")
+      .evaluateAll((all) => all.some((input) => input.scrollWidth > input.clientWidth));
+    expect(cut, `${width}`).toBe(false);
+  }
+  const [whole, seen, mask] = await page.locator(".toolbar").evaluate((bar) => {
+    return [bar.scrollWidth, bar.clientWidth, getComputedStyle(bar).maskImage] as const;
+  });
+  expect(whole).toBeGreaterThan(seen);
+  expect(mask).toContain("gradient");
 });

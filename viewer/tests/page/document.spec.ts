@@ -28,7 +28,7 @@ async function works(place: Page | FrameLocator, page: Page): Promise<void> {
   await expect(place.locator(".status[data-converged]")).toBeVisible();
   await expect(place.getByLabel("Coat 1, Roughness α, number")).toHaveValue("0.2");
   await place.getByRole("button", { name: "Add coat" }).click();
-  await expect(place.getByLabel("Coat 2, Roughness α, number")).toHaveValue("0.1");
+  await expect(place.getByLabel("Coat 2, Roughness α, number")).toHaveValue("0.2");
   await place.getByRole("button", { name: "Save", exact: true }).click();
   await expect(place.getByRole("button", { name: /^Copy the address/ })).toHaveCount(0);
   const download = page.waitForEvent("download");
@@ -55,5 +55,15 @@ test("a browser opens the document by itself", async ({ browser }) => {
   await page.goto(`file://${file}`);
   await works(page, page);
   expect(complaints).toEqual([]);
+  await page.close();
+});
+
+test("a page for a server, opened as a file, says what to do", async ({ browser }) => {
+  const site = join(folder, "site");
+  execFileSync(PYTHON, ["-m", "urushi.app.cli", "view", "-o", site]);
+  const page = await browser.newPage();
+  await page.goto(`file://${site}/index.html`);
+  await expect(page.getByText("Browsers run this page only from a web server")).toBeVisible();
+  await expect(page.getByText("urushi view -o page.html")).toBeVisible();
   await page.close();
 });

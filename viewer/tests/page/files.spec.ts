@@ -56,6 +56,52 @@ test("a panorama that was not opened here is told", async ({ page }) => {
   await other.close();
 });
 
+/** Drop a bumpy sheet of 2 n^2 triangles on the page, as a .obj file that is made there. */
+async function dropSheet(page: Page, name: string, n: number): Promise<void> {
+  await page.evaluate(
+    ([name, n]) => {
+      const lines: string[] = [];
+      for (let row = 0; row <= n; row++)
+        for (let column = 0; column <= n; column++)
+          lines.push(`v ${column} ${Math.sin(row + column)} ${row}`);
+      for (let row = 0; row < n; row++)
+        for (let column = 0; column < n; column++) {
+          const first = row * (n + 1) + column + 1;
+          lines.push(`f ${first} ${first + n + 1} ${first + n + 2} ${first + 1}`);
+        }
+      const dataTransfer = new DataTransfer();
+      dataTransfer.items.add(new File([lines.join("\n")], name));
+      let last = Number.POSITIVE_INFINITY;
+      Object.assign(window, { longest: 0 }); // time for which the page has no turn [ms]
+      setInterval(() => {
+        const now = performance.now();
+        Object.assign(window, { longest: Math.max(Object(window).longest, now - last) });
+        last = now;
+      }, 10);
+      setTimeout(() =>
+        document.body.dispatchEvent(new DragEvent("drop", { dataTransfer, bubbles: true })),
+      );
+    },
+    [name, n] as const,
+  );
+}
+
+test("a large mesh is read beside the page, and can be cancelled", async ({ page }) => {
+  await open(page);
+  const object = page.getByRole("combobox", { name: "Object" });
+  await dropSheet(page, "sheet.obj", 316); // 200,000 triangles
+  await expect(object).toHaveValue("own");
+  // Half a second for the transfer and for a busy computer; read by the page itself, it took ten.
+  expect(await page.evaluate(() => Object(window).longest)).toBeLessThan(500);
+  await dropSheet(page, "cancelled.obj", 500);
+  await page.getByRole("button", { name: "Cancel" }).click();
+  await expect(page.locator(".status")).not.toContainText("Reading");
+  await expect(object).toContainText("sheet.obj");
+  await expect(page.getByRole("alert")).toHaveCount(0);
+  await dropSheet(page, "huge.obj", 708);
+  await expect(page.getByRole("alert")).toContainText("more than a million triangles");
+});
+
 test("two files are opened together, and a folder is refused", async ({ page, context }) => {
   await open(page);
   const session = await context.newCDPSession(page);

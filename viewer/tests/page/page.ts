@@ -100,12 +100,17 @@ export async function refined(page: Page, share: number): Promise<void> {
   await expect.poll(gathered, { timeout: 300_000 }).toBeGreaterThanOrEqual(share);
 }
 
-/** Open the page and wait until it computes; the physical numbers are shown. */
+/** Open the page and wait until it computes; the physical numbers of all coats are shown. */
 export async function open(page: Page, address = ""): Promise<void> {
   await page.goto(`./${address}`);
   await expect(page.locator(".status")).not.toHaveText(/Loading/);
-  const physical = page.locator("summary").first();
-  if (await physical.isVisible()) await physical.click(); // of all cards
+  await showPhysical(page);
+}
+
+/** Show the physical numbers of all coats. */
+export async function showPhysical(page: Page): Promise<void> {
+  const closed = page.locator(".card details:not([open]) summary");
+  for (let left = await closed.count(); left > 0; left--) await closed.first().click();
 }
 
 /** The address of a state, of which only some is given; the rest is as at first. */

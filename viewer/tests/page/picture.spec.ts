@@ -371,6 +371,25 @@ async function pixelsOf(page: import("@playwright/test").Page, file: string) {
   }, file);
 }
 
+test.describe("a picture that refines", () => {
+  test.use({ deviceScaleFactor: 0.2, refined: 0.1 });
+
+  test("is saved as such, and a larger one can be cancelled", async ({ page }) => {
+    await open(page);
+    expect((await saved(page, "Picture")).text.slice(1, 4)).toBe("PNG");
+    await expect(page.getByRole("alert")).toContainText("saved while refining, with");
+    await page.getByRole("button", { name: "Close" }).click();
+    await page.getByRole("button", { name: "Save", exact: true }).click();
+    await page.getByRole("button", { name: "2 ×" }).click();
+    await expect(
+      page.getByRole("progressbar", { name: "Drawing the large picture" }),
+    ).toBeVisible();
+    await page.getByRole("button", { name: "Cancel" }).click();
+    await expect(page.locator(".status[data-converged]")).toBeVisible();
+    await expect(page.getByRole("alert")).toHaveCount(0);
+  });
+});
+
 test.describe("at the screen's resolution", () => {
   test.use({ deviceScaleFactor: 1, picture: false });
 

@@ -24,7 +24,7 @@ const OBJ = [
 ].join("\n");
 
 /** A .glb; node: its transformation. */
-function glb(node: object, extra: object = {}): Uint8Array {
+function glb(node: object, extra: object = {}, corners = FANS.length): Uint8Array {
   const binary = new Uint8Array(4 * 3 * POINTS.length + 2 * FANS.length);
   binary.set(new Uint8Array(Float32Array.from(POINTS.flat()).buffer));
   binary.set(new Uint8Array(Uint16Array.from(FANS).buffer), 4 * 3 * POINTS.length);
@@ -35,7 +35,7 @@ function glb(node: object, extra: object = {}): Uint8Array {
     meshes: [{ primitives: [{ attributes: { POSITION: 0 }, indices: 1 }] }],
     accessors: [
       { bufferView: 0, componentType: 5126, count: POINTS.length, type: "VEC3" },
-      { bufferView: 1, componentType: 5123, count: FANS.length, type: "SCALAR" },
+      { bufferView: 1, componentType: 5123, count: corners, type: "SCALAR" },
     ],
     bufferViews: [
       { buffer: 0, byteLength: 4 * 3 * POINTS.length },
@@ -93,11 +93,20 @@ test.each([
   expect(sorted(other)).toEqual(sorted(box));
 });
 
+test("corners may count from the end, and without normals get smooth ones", () => {
+  const triangle = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
+  const one = readMesh(text(`${triangle}f 1 2 3`), "obj");
+  expect(readMesh(text(`${triangle}f -3 -2 -1\r\n`), "obj")).toEqual(one);
+  const given = `${triangle}vn 0 0 1\nvt 0 0\nvt 1 0\nvt 0 1\nf 1//1 2//1 3//1`;
+  expect(readMesh(text(given), "obj")).toEqual(one);
+});
+
 test.each([
   ["obj", text("f 1 2 3"), /damaged/],
   ["obj", text("v 0 0 0"), /no triangles/],
   ["glb", glb({}).subarray(0, -8), /damaged/],
   ["glb", glb({}, { extensionsRequired: ["KHR_draco_mesh_compression"] }), /needs KHR_draco/],
+  ["glb", glb({}, {}, 7_500_000), /more than a million/], // its numbers are not even there
   ["gltf", text('{"buffers": [{"uri": "box.bin"}]}'), /another file.*\.glb/],
   ["gltf", text("glTF"), /damaged/],
 ])("a file that cannot be read is told: %s", (suffix, bytes, told) => {

@@ -1,0 +1,89 @@
+/**
+ * The share of light that a coat's rough surface loses over a white base: its interface scatters
+ * light once, and what would meet a second facet is lost. See `core.albedos` of Python.
+ */
+
+import { gaussLegendre } from "./quadrature";
+import { sampleReflection, sampleTransmission } from "./walk/interface";
+import { vector } from "./walk/vector";
+
+/** Nodes of the quadrature over visible facets: of their azimuth, and of their height. */
+const AZIMUTHS = 20;
+const HEIGHTS = 40;
+
+/** Nodes of means over a hemisphere, on either side of the edge of total reflection. */
+const { nodes: NODES, weights: WEIGHTS } = gaussLegendre(16);
+
+/** Azimuths and heights of facets in (0, 1), dense where facets are steep, and their weights. */
+const FACETS = Array.from({ length: AZIMUTHS * HEIGHTS }, (_, k) => {
+  const row = Math.floor(k / AZIMUTHS);
+  const root = (row + 0.5) / HEIGHTS;
+  const turn = ((k % AZIMUTHS) + ((row * 0.6180339887498949 + 0.5) % 1)) / AZIMUTHS;
+  return { turn: 0.5 * turn, height: root * root, weight: (2 * root) / (AZIMUTHS * HEIGHTS) };
+});
+
+/** Light that is reflected, and that passes, of the light from a direction. */
+type Shares = readonly [reflected: number, passed: number];
+
+function shares(alpha: number, eta: number, cosine: number): Shares {
+  const wi = vector(Math.sqrt(1 - cosine * cosine), 0, cosine);
+  let [reflected, passed] = [0, 0];
+  for (const { turn, height, weight } of FACETS) {
+    reflected += weight * sampleReflection(wi, alpha, eta, turn, 1 - height).weight;
+    passed += weight * sampleTransmission(wi, alpha, eta, turn, 1 - height).weight;
+  }
+  return [reflected, passed];
+}
+
+/** Means of the shares over diffuse light of cosines from `low` to 1, relative to its light there. */
+function means(alpha: number, eta: number, low: number): Shares {
+  let [reflected, passed] = [0, 0];
+  // The edge of total reflection, beyond which shares change with the root of the distance
+  const edge = eta < 1 ? Math.sqrt(1 - eta * eta) : 0;
+  for (const [from, to] of [
+    [0, edge],
+    [edge, 1],
+  ] as const) {
+    if (to <= low) continue;
+    NODES.forEach((node, k) => {
+      const root = 0.5 * (node + 1);
+      const cosine = from + (to - from) * root * root;
+      const weight = 2 * cosine * (to - from) * root * WEIGHTS[k];
+      const [one, other] = shares(alpha, eta, cosine);
+      reflected += weight * one;
+      passed += weight * other;
+    });
+  }
+  return [reflected / (1 - low * low), passed / (1 - low * low)];
+}
+
+/** The loss at cosines, and its mean over diffuse light. */
+export interface Loss {
+  readonly at: Float64Array;
+  readonly mean: number;
+}
+
+/**
+ * The loss of a surface of a width and an index relative to the medium above.
+ *
+ * @param mirrored share of the base's light that it mirrors; the other is Lambertian.
+ */
+export function surfaceLoss(
+  alpha: number,
+  eta: number,
+  mirrored: number,
+  cosines: Float32Array,
+): Loss {
+  const at = new Float64Array(cosines.length);
+  if (eta === 1) return { at, mean: 0 };
+  // Light that entered by a smooth interface, and that a mirror returns, is not reflected totally.
+  const edge = eta > 1 ? Math.sqrt(1 - 1 / (eta * eta)) : 0;
+  const [diffuse, entered] = [0, edge].map((low) => means(alpha, 1 / eta, low));
+  const mixed = (k: 0 | 1) => diffuse[k] + mirrored * (entered[k] - diffuse[k]);
+  const inside = mixed(1) / (1 - mixed(0));
+  const lostOf = ([reflected, passed]: Shares) => 1 - reflected - inside * passed;
+  cosines.forEach((cosine, k) => {
+    at[k] = Math.max(lostOf(shares(alpha, eta, cosine)), 0);
+  });
+  return { at, mean: lostOf(means(alpha, eta, 0)) };
+}
