@@ -250,7 +250,7 @@ def functions() -> list[Function]:
             "table_coordinates",
             "Coordinates of a pair of directions in a table of f.",
             (WI, WO),
-            lambda wi, wo, xp: table.coordinates(*_both_and_apart(wi, wo), 1, xp),
+            lambda wi, wo, xp: table.coordinates(*_both_and_apart(wi, wo), xp),
         ),
         filling(
             "stretched_coordinates",
@@ -351,7 +351,7 @@ CONSTANTS: dict[str, str] = {
     "core.probe_pairs": "HALF_ANGLE_SHARE MIN_TANGENT MAX_TANGENT MAX_DIFFERENCE MIN_COSINE",
     "core.quadrature": "POLAR_NODES AZIMUTH_NODES MIN_TANGENT",
     "core.stretched": "FACTORS",
-    "core.table": "SHAPES MIN_LOG MAX_LOG MIN_COSINE",
+    "core.table": "SHAPE MIN_LOG MAX_LOG MIN_COSINE",
     "material.albedo_rule": (
         "COSINE_OFFSET INTERPOLATED_COSINES OVERSHOOT AZIMUTHS ANISOTROPIC_COSINES "
         "POLAR_NODES QUADRANT_NODES CROWDING LEAST_TANGENT"

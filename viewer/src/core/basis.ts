@@ -130,7 +130,7 @@ export class Basis {
   texels(): Float32Array<ArrayBuffer> {
     const { width } = this;
     const { rows } = this.weights;
-    const inner = TABLE.SHAPES[1][2];
+    const inner = TABLE.SHAPE[2];
     const blocks = Math.ceil((width - 1) / 4);
     const texels = new Float32Array(NODES * blocks * 4);
     for (let node = 0; node < NODES; node++) {

@@ -23,7 +23,7 @@ export interface FTable {
   readonly isOfCodes?: boolean;
 }
 
-const SHAPE = TABLE.SHAPES[1];
+const SHAPE = TABLE.SHAPE;
 
 /** Number of nodes of a table. */
 export const NODES = SHAPE.reduce<number>((product, count) => product * count, 1);

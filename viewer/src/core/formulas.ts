@@ -45,7 +45,7 @@ export const STRETCHED = {
 
 /** Of `urushi.core.table` of Python. */
 export const TABLE = {
-  SHAPES: { 1: [96, 32, 8], 2: [40, 40, 16, 20] },
+  SHAPE: [96, 32, 8],
   MIN_LOG: -25,
   MAX_LOG: 20,
   MIN_COSINE: 0.005,

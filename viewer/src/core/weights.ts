@@ -129,7 +129,7 @@ function unpackedRows(tensors: ReadonlyMap<string, Tensor>, count: number): Floa
       steps[node] = (number >> 1) ^ -(number & 1);
     }
     let stride = nodes;
-    for (const size of TABLE.SHAPES[1]) {
+    for (const size of TABLE.SHAPE) {
       const whole = stride;
       stride /= size;
       for (let node = 0; node < nodes; node++)

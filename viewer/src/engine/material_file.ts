@@ -91,7 +91,7 @@ export function materialFile(
     latents: { dtype: "F32", shape: [CHANNELS, latentSize], data_offsets: [0, codesEnd] },
   };
   if (table !== undefined) {
-    const shape = [...TABLE.SHAPES[1], CHANNELS];
+    const shape = [...TABLE.SHAPE, CHANNELS];
     header.table = { dtype: "F16", shape, data_offsets: [codesEnd, end] };
   }
   const json = JSON.stringify(header);

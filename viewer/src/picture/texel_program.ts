@@ -48,7 +48,7 @@ export function texelProgram(gl: Gl, shown: ShownTexture): TexelProgram {
  * tables of one width; of half floats, where the graphics card filters no others.
  */
 export function volume(gl: Gl, texture: WebGLTexture, texels: Float32Array): WebGLTexture {
-  const [depth, height] = TABLE.SHAPES[1];
+  const [depth, height] = TABLE.SHAPE;
   const size = [texels.length / (4 * depth * height), height, depth] as const;
   uploadVolume(gl, texture, size, texels);
   return texture;

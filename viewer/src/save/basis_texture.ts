@@ -9,7 +9,7 @@ export const FORMATS = { dds: "DDS", npy: "NPY", exr: "EXR" } as const;
 
 export type Format = keyof typeof FORMATS;
 
-const [DEPTH, HEIGHT, INNER] = TABLE.SHAPES[1];
+const [DEPTH, HEIGHT, INNER] = TABLE.SHAPE;
 
 /** The bytes of a file. @param texels as of `Core.basisTexels`. */
 export function basisFile(texels: Float32Array<ArrayBuffer>, format: Format): Blob {
