@@ -82,3 +82,25 @@ def test_codes_have_the_lobe():
 def test_slabs_are_refused():
     with pytest.raises(ParameterError, match="energy_compensation needs an opaque bottom"):
         urushi.coat(urushi.slab(0.3), energy_compensation=True)
+
+
+@pytest.mark.parametrize("fast", (False, True))
+def test_layers_have_the_lobe_of_the_walk_and_files_hold_it(fast, tmp_path):
+    """Within 1 % by transport and 5 % by the layering network, and five standard errors."""
+    gold = urushi.conductor(0.3, (0.9, 0.7, 0.3))
+    options = {"color": (0.9, 0.6, 0.3), "energy_compensation": True}
+    wi, wo = WI, np.flip(WI, 0) * [-1, 1, 1]
+    f, error = urushi.simulate(urushi.coat(gold, 0.8, ior=1.5, **options), wi, wo, walks=1 << 14)
+    coated = urushi.layer(urushi.dielectric(0.8, ior=1.5), gold, fast=fast, **options)
+    assert (np.abs(coated.f(wi, wo) / f - 1) < (0.05 if fast else 0.01) + 5 * error / f).all()
+    coated.save(tmp_path / "coated.safetensors")
+    loaded = urushi.load(tmp_path / "coated.safetensors")
+    assert (loaded.f(wi, wo) == coated.f(wi, wo)).all()
+    top = urushi.dielectric(0.1, ior=1.5)
+    assert np.allclose(urushi.layer(top, loaded).f(wi, wo), urushi.layer(top, coated).f(wi, wo))
+
+
+def test_layers_of_two_widths_refuse_the_lobe():
+    top = urushi.dielectric(alpha_u=0.3, alpha_v=0.1, ior=1.5)
+    with pytest.raises(ParameterError, match=r"give it to urushi\.coat"):
+        urushi.layer(top, urushi.diffuse(0.5), energy_compensation=True)

@@ -15,6 +15,7 @@ import numpy.typing as npt
 
 from urushi import checks
 from urushi.checks import CoatParameters, Widths
+from urushi.core import appearance
 from urushi.core.appearance import described
 from urushi.core.microfacet import of_widths
 from urushi.core.table import MIN_LOG, SHAPE, node_pairs, table_of_values
@@ -31,6 +32,7 @@ from urushi.nets.weights import Model, Weights, anisotropic_model, default_model
 from urushi.parallel import fill_blocks
 from urushi.walk import Dielectric, Stack
 from urushi.walk.bottoms import Description
+from urushi.walk.simulate import Compensation
 from urushi.walk.stack import under as described_under
 
 #: Optical depth to which deeper media are cut: up to here the network is closest to a medium at
@@ -53,6 +55,7 @@ def layer(
     body: npt.ArrayLike | None = None,
     body_color: npt.ArrayLike | None = None,
     thickness: float = 1.0,
+    energy_compensation: bool = False,
     weights: Weights | None = None,
     fast: bool = False,
 ) -> Material:
@@ -66,6 +69,8 @@ def layer(
             `rotated` cannot get an anisotropic coat.
         albedo, sigma_t, g, color, body, body_color, thickness: of the medium, as in `urushi.coat`;
             a g of less than -0.95 is -0.95.
+        energy_compensation: as in `urushi.coat`. The result has a table, which it is part of; coats
+            over the code of the result do not see it.
         weights: as in `encode`, for a bottom that is not a Material.
         fast: whether the layering network computes the code, in milliseconds and less accurately.
             Otherwise light transport is computed, which takes some tenths of a second, and
@@ -81,7 +86,8 @@ def layer(
     Raises:
         ParameterError: top is not a dielectric, or a parameter is out of range or of a wrong shape;
             or top is anisotropic and the bottom is rotated, or has weights for isotropic materials
-            that are not the shipped ones; or the two widths of a surface have a ratio above 10.
+            that are not the shipped ones; or the two widths of a surface have a ratio above 10; or
+            anisotropic weights get energy_compensation.
 
     Warns:
         UrushiWarning: the medium is outside the network's training data, and the code is that of a
@@ -117,10 +123,16 @@ def layer(
                 f"the coat's {name} has three values, but the bottom has {bottom.channels} "
                 "channels; give a scalar"
             )
-    coated = layer_material(coat, bottom, fast=fast)
+    if energy_compensation and bottom.model.widths == 2:
+        raise ParameterError(
+            "layer: energy_compensation needs a table, and anisotropic materials have none; give "
+            "it to urushi.coat, and encode that"
+        )
+    coating = Coating(coat, top.ior is not None, bottom, fast, energy_compensation)
+    coated = _layered_again(coating)
     if fast:
         checks.warn_of_training(checks.outside_training(coat), "layer: the coat's")
-    return replace(coated, coating=Coating(coat, top.ior is not None, bottom, fast))
+    return coated
 
 
 def under(bottom: Any, index: npt.ArrayLike) -> Any:
@@ -136,15 +148,14 @@ def under(bottom: Any, index: npt.ArrayLike) -> Any:
         return described_under(bottom, index)
     index = np.asarray(index, np.float64)
     if bottom.coating is not None:
-        coat, absolute, below, fast = bottom.coating
-        if absolute:
-            ratio = checks.eta(coat.eta / index, "the lower coat's relative index", any_shape=True)
-            coat = coat._replace(eta=ratio)
+        coating = bottom.coating
+        if coating.absolute:
+            ratio = coating.coat.eta / index
+            ratio = checks.eta(ratio, "the lower coat's relative index", any_shape=True)
+            coating = coating._replace(coat=coating.coat._replace(eta=ratio))
         else:
-            below = under(below, index)
-        coated = layer_material(coat, below, fast)
-        coating = Coating(coat, absolute, below, fast)
-        return replace(coated, coating=coating, rotation=bottom.rotation)
+            coating = coating._replace(bottom=under(coating.bottom, index))
+        return replace(_layered_again(coating), rotation=bottom.rotation)
     size = bottom.model.arch.lobe
     index = index.astype(np.float32)
     if not (bottom.latents[:, 5] > 0).any() or (index == 1).all():
@@ -162,19 +173,38 @@ def under(bottom: Any, index: npt.ArrayLike) -> Any:
 def stacked(stack: Stack, model: Model) -> Material | None:
     """The material of a stack, coat by coat by light transport.
 
-    None if only random walks know it: the bottom has no f, or a coat has energy compensation.
+    None if only random walks know it: the bottom has no f, or a coat has energy compensation and
+    two widths.
     """
-    if not isinstance(stack.bottom, Description) or any(c.energy_compensation for c in stack.coats):
+    if not isinstance(stack.bottom, Description):
         return None
     if stack.is_anisotropic and model.widths == 1:
+        return None
+    compensated = stack.coats[0].energy_compensation
+    if compensated and model.widths == 2:
         return None
     material = encode_source(stack.bottom, model)[0]
     for coat in reversed(stack.coats):
         values = (np.asarray(getattr(coat, name)) for name in CoatParameters._fields[1:])
         columns = CoatParameters(of_widths(np.asarray, coat.alpha), *values)
-        coating = Coating(columns, coat.ior is not None, material)
-        material = replace(layer_material(columns, material), coating=coating)
+        compensates = compensated and coat is stack.coats[0]
+        coating = Coating(columns, coat.ior is not None, material, compensated=compensates)
+        material = _layered_again(coating)
     return material
+
+
+def _layered_again(coating: Coating) -> Material:
+    """The material of a coating."""
+    coat, _, bottom, fast, compensated = coating
+    material = layer_material(coat, bottom, fast)
+    if compensated:
+        f, wi = bottom.f([appearance.WI], [appearance.WO])[0], [[0.0, 0.0, 1.0]]
+        lobe = Compensation(coat, bottom.directional_albedo(wi)[0], f).f(*node_pairs())
+        below = tabulated(material)
+        assert below.table is not None  # for the type checker
+        values = np.exp(below.table.astype(np.float32)).reshape(len(lobe), -1) + lobe
+        material = replace(below, table=table_of_values(values))
+    return replace(material, coating=coating)
 
 
 def layer_material(coat: CoatParameters, bottom: Material, fast: bool = False) -> Material:

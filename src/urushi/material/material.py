@@ -34,6 +34,7 @@ class Coating(NamedTuple):
     absolute: bool  # whether the coat keeps its index below another medium; otherwise `eta`
     bottom: "Material"  # under the coat
     fast: bool = False  # whether the layering network computed it
+    compensated: bool = False  # whether it gives back the light that the surface loses
 
 
 @dataclass(frozen=True, eq=False)
@@ -308,10 +309,11 @@ def _contents(material: Material) -> tuple[dict[str, Any], dict[str, np.ndarray]
         arrays["table"] = material.table
         description["beside_lobe"] = material.beside_lobe
     if material.coating is not None:
-        coat, absolute, bottom, fast = material.coating
+        coat, absolute, bottom, fast, compensated = material.coating
         arrays["coat"] = np.stack(np.broadcast_arrays(*map(np.atleast_1d, coat.columns())))
         below, others = _contents(bottom)
         description |= {"absolute": absolute, "fast": fast, "bottom": below}
+        description |= {"compensated": True} if compensated else {}
         arrays |= {f"bottom.{name}": array for name, array in others.items()}
     return description, arrays
 
@@ -328,7 +330,8 @@ def _material(description: dict[str, Any], arrays: dict[str, np.ndarray], model:
         below = {n.removeprefix(prefix): x for n, x in arrays.items() if n.startswith(prefix)}
         bottom = _material(description["bottom"], below, model)
         absolute, fast = bool(description["absolute"]), bool(description.get("fast"))
-        coating = Coating(coat, absolute, bottom, fast)
+        compensated = bool(description.get("compensated"))
+        coating = Coating(coat, absolute, bottom, fast, compensated)
     return Material(
         arrays["latents"],
         model,

@@ -83,7 +83,7 @@ def simulate(
     if not isinstance(stack.bottom, Dielectric):
         f, se = per_channel(stack, (wi, wo), functools.partial(walk_pairs, **options))
         if stack.coats[0].energy_compensation:
-            f += Compensation(stack).f(wi, wo).astype(np.float32)
+            f += Compensation.of_stack(stack).f(wi, wo).astype(np.float32)
         return f, se
 
     def scattered(coats: Any, lowest: Reflector, wi: Any, wo: Any, rng: Any) -> Any:
@@ -178,7 +178,7 @@ def albedo(
         lambda table, row, wi: average(table, row, (wi,), walk_one, walks=walks, seed=seed),
     )
     if stack.coats[0].energy_compensation:
-        found += np.where(wi[:, 2:] > 0, Compensation(stack).albedo(wi), 0)
+        found += np.where(wi[:, 2:] > 0, Compensation.of_stack(stack).albedo(wi), 0)
     return found, se
 
 
@@ -212,23 +212,30 @@ def _reflected(layers: Any, bottom: Bottom, wi: Any, rng: Any, entry: Bottom | N
 class Compensation:
     """The lobe of the light that the topmost surface loses."""
 
-    def __init__(self, stack: Stack):
-        # Directional albedo, at the normal, of what lies under the coat; and the share of this
-        # light that is mirrored.
+    def __init__(self, coat: CoatParameters, below: np.ndarray, f: np.ndarray):
+        """Of a coat, whose parameters are () or (C,), over what else there is.
+
+        below: its directional albedo (C,) at the normal.
+        f: its f (C,) [1/sr] at `appearance.WI` and `WO`, whose share of the albedo is not mirrored.
+        """
+        mirrored = float(np.clip(1 - np.pi * f.mean() / max(below.mean(), 1e-6), 0, 1))
+        self._color = coated_color(coat, below, NUMPY)
+        columns = np.broadcast_arrays(*pair(coat.alpha), coat.eta, below)[:3]
+        self._losses = [
+            anisotropic_albedos.surface_loss(Widths(*map(float, widths)), float(index), mirrored)
+            for *widths, index in zip(*columns, strict=True)
+        ]
+
+    @classmethod
+    def of_stack(cls, stack: Stack) -> "Compensation":
+        """That of the topmost coat; what lies below is known by walks."""
         first, *others = stack.coats[1:] or (Coat(eta=1.0),)
         rest = Stack((replace(first, energy_compensation=False), *others), stack.bottom)
         below = albedo(rest, [[0.0, 0.0, 1.0]], walks=1 << 14)[0][0]
         f, _ = simulate(rest, [appearance.WI], [appearance.WO], walks=1 << 14, progress=False)
-        mirrored = float(np.clip(1 - np.pi * f.mean() / max(below.mean(), 1e-6), 0, 1))
         top = stack.coats[0]
-        eta = np.broadcast_to(top.eta, 3)
         medium = (np.asarray(x) for x in (top.albedo, top.sigma_t, top.g))
-        self._color = coated_color(CoatParameters(top.alpha, eta, *medium), below, NUMPY)
-        u, v = (np.broadcast_to(width, 3) for width in pair(top.alpha))
-        self._losses = [
-            anisotropic_albedos.surface_loss(Widths(*map(float, widths)), float(index), mirrored)
-            for *widths, index in zip(u, v, eta, strict=True)
-        ]
+        return cls(CoatParameters(top.alpha, np.asarray(top.eta), *medium), below, f)
 
     def albedo(self, wi: np.ndarray) -> np.ndarray:
         """What the lobe adds to the directional albedo at unit vectors (N, 3), (N, 3)."""

@@ -14,7 +14,8 @@ import { Refusal } from "../refusal";
 export function pythonText(material: MaterialCards): string {
   const { name, rotation = 0 } = material;
   const stack = seenOf(material);
-  const isWalked = material.energyCompensation === true && stack.coats.length > 0;
+  const isCompensated = material.energyCompensation === true && stack.coats.length > 0;
+  const isWalked = isCompensated && isAnisotropic(stack);
   const lines = [
     "import numpy as np",
     "",
@@ -30,14 +31,15 @@ export function pythonText(material: MaterialCards): string {
   ];
   for (const coat of stack.coats.reverse()) {
     const surface: [string, Channels][] = [...widthsOf(coat), ["ior", coat.ior]];
+    const isTop = coat === stack.coats.at(-1);
+    const given = isCompensated && isTop ? [["energy_compensation", "True"] as const] : [];
     if (isWalked) {
-      const given = coat === stack.coats.at(-1) ? [["energy_compensation", "True"] as const] : [];
       const all = [...surface, ...mediumParameters(coat), ...given];
       lines.push(`material = ${call("urushi.coat", all, "material")}`);
       continue;
     }
     const top = call("urushi.dielectric", surface);
-    const others = [...mediumParameters(coat), ["fast", "True"] as const];
+    const others = [...mediumParameters(coat), ...given, ["fast", "True"] as const];
     lines.push(`material = ${call("urushi.layer", others, `${top}, material`)}`);
   }
   if (isWalked || stack.coats.length === 0) lines.push("material = urushi.encode(material)");

@@ -28,6 +28,11 @@ const vectors = readVectors("default");
 
 /** Bottoms and coats whose ratios of indices depend on what lies above them. */
 const VARNISH = { alpha: 0.05, ior: 1.5, sigmaT: [0.1, 0.3, 0.9] };
+const MATT = { alpha: 0.8, color: [0.9, 0.6, 0.3] };
+const COMPENSATED = [
+  { kind: "conductor", alpha: 0.3, r0: [0.2, 0.1, 0.05] },
+  { kind: "diffuse", reflectance: 0.8 },
+].map((bottom) => ({ bottom, coats: [MATT], energyCompensation: true }));
 const UNDER_VARNISH = [
   { bottom: { kind: "conductor", alpha: 0.2, ...METALS.Gold }, coats: [VARNISH] },
   { bottom: { kind: "dielectric", alpha: 0.2, ior: 1.9 }, coats: [VARNISH] },
@@ -35,6 +40,7 @@ const UNDER_VARNISH = [
   { bottom: { kind: "diffuse" }, coats: [VARNISH, { alpha: 0.1, ior: 1.7, sigmaT: 1 }] },
   { bottom: { kind: "diffuse" }, coats: [{ color: [0.9, 0.6, 0.3], thickness: 2 }] },
   { bottom: { kind: "diffuse" }, coats: [{ body: 0.4, bodyColor: [0.8, 0.3, 0.1], g: 0.3 }] },
+  ...COMPENSATED,
 ].map((material) => readMaterial(material));
 const folder = mkdtempSync(join(tmpdir(), "urushi-"));
 afterAll(() => rmSync(folder, { recursive: true }));
@@ -71,9 +77,11 @@ test.skipIf(!existsSync(PYTHON) || vectors === undefined)(
     for (const [place, f] of expected.entries()) {
       const found = values[place];
       // Python computes in single precision: roundings of sums of many terms, and of least squares.
-      expect(relativeError(found.loaded, f)).toBeLessThan(2e-4);
-      expect(relativeError(found.code, f)).toBeLessThan(2e-4);
-      expect(relativeError(found.program, f)).toBeLessThan(5e-4);
+      // Tables of materials with energy compensation are of half precision in files and in Python.
+      const { energyCompensation: hasTable = false } = cards[place]!;
+      expect(relativeError(found.loaded, f)).toBeLessThan(hasTable ? 2e-3 : 2e-4);
+      if (!hasTable) expect(relativeError(found.code, f)).toBeLessThan(2e-4);
+      expect(relativeError(found.program, f)).toBeLessThan(hasTable ? 2e-3 : 5e-4);
     }
   },
 );
