@@ -185,10 +185,10 @@ def test_a_source_that_gains_energy_keeps_its_own_albedo(trained):
     def bright(wi, wo):
         return np.full(len(wi), 1.2 / np.pi)
 
-    own = encode(bright, trained)
+    own = encode(bright, trained, table=False)
     albedo = own.directional_albedo(WI)
     assert 1.15 < albedo.max() < 1.2 + BETWEEN
-    pairs = required_pairs(bright, trained)
+    pairs = required_pairs(bright, trained, table=False)
     assert material_from_values(evaluate_source(bright, *pairs).values, trained) == own
     blind = material_from_values(evaluate_source(bright, *trained.networks.pairs()).values, trained)
     assert blind.directional_albedo(WI).max() < 1 + BETWEEN
@@ -230,7 +230,7 @@ def test_of_many_texels_the_bright_ones_are_limited(trained):
 
 def test_sources_are_evaluated_at_the_nodes_of_the_albedo_rule(trained):
     """A Stack is not, because each of its pairs costs thousands of walks."""
-    wi, wo = required_pairs(urushi.diffuse(0.5), trained)
+    wi, wo = required_pairs(urushi.diffuse(0.5), trained, table=False)
     pairs = len(trained.networks.pairs()[0])
     assert np.array_equal(wi[pairs:], albedo_rule().wi) and np.array_equal(
         wo[pairs:], albedo_rule().wo

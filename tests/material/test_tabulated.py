@@ -4,6 +4,8 @@ import numpy as np
 import pytest
 
 from urushi import files
+from urushi.core.direction_sets import cosine_pairs
+from urushi.core.error_metrics import stack_error
 from urushi.core.table import SHAPE
 from urushi.errors import FileError, ParameterError
 from urushi.material import Material, encode, lerp, load
@@ -11,8 +13,9 @@ from urushi.material.albedo_rule import albedo_rule
 from urushi.material.encode import encode_all
 from urushi.material.material import FORMAT_VERSION
 from urushi.material.values import required_pairs
+from urushi.nets import lobe as lobes
 from urushi.nets.weights import anisotropic_model
-from urushi.walk import conductor
+from urushi.walk import conductor, dielectric, diffuse
 
 
 def velvet(wi, wo):
@@ -29,6 +32,32 @@ def velvet(wi, wo):
 def own(small) -> Material:
     """A material with a table, of untrained networks."""
     return encode(velvet, small, table=True)
+
+
+def two_lobes(wi, wo):
+    """A narrow and a wide lobe of metals over a diffuse term."""
+    lobe = np.float32([[0.02, 0.2, 1, 0, 1.5, 0], [0.15, 0.5, 1, 0, 1.5, 0]])
+    return lobes.f(lobe, wi[:, None], wo[:, None]).sum(axis=1) + 0.05
+
+
+def test_functions_have_one_unless_their_code_is_exact(small, other_small):
+    for exact in (conductor(0.2, 0.9), dielectric(0.1, 1.5), diffuse(0.5)):
+        assert encode(exact, small).table is None
+    for weights in (small, other_small):  # of any weights
+        material = encode(two_lobes, weights)
+        wi, wo = cosine_pairs(np.random.default_rng(3), 4000, lowest_cosine=0.02)
+        found = stack_error(material.f(wi, wo).T, two_lobes(wi, wo)[None], wi[:, 2], wo[:, 2])
+        assert found < 0.005  # linear interpolation of the narrow lobe
+        assert encode(two_lobes, weights, table=False).table is None
+
+
+def test_the_known_lobe_of_other_weights_lies_beside_it(material, small, random_directions):
+    """It is not interpolated, however narrow it is."""
+    again, wi = encode(material, small), random_directions(50, 1, 0.1)
+    assert again.beside_lobe
+    np.testing.assert_array_equal(again.latents[:, :6], material.latents[:, :6])
+    mirrored = wi * np.float32([-1, -1, 1])
+    np.testing.assert_allclose(again.f(wi, mirrored), material.f(wi, mirrored), rtol=0.01)
 
 
 def test_reciprocal_to_the_bit_and_zero_below_the_horizon(own, directions):

@@ -38,7 +38,7 @@ class Encode:
     """Material file to write (.safetensors), or a folder that gets one file per source."""
     table: bool = False
     """Store a table of f with every material, by which it is evaluated. Default: automatic, with
-    the materials of measured files."""
+    all materials of one width but those whose codes are exact."""
     no_table: bool = False
     """Store no table."""
     mode: Annotated[str, tyro.conf.arg(aliases=["-m"])] = "llvm_ad_rgb"
@@ -244,11 +244,10 @@ def read_material(text: str, weights: str | None) -> "Material":
     """The material of a file of `urushi encode`, or an encoded description or measured file."""
     import urushi
 
-    if is_description(text):
-        return urushi.encode(describe(text), weights, table=False)
     if Path(text).suffix == ".safetensors":
         return urushi.load(text, weights)
-    return urushi.encode(urushi.load_measured(text), weights)
+    source = describe(text) if is_description(text) else urushi.load_measured(text)
+    return urushi.encode(source, weights)
 
 
 def scalar_or_rgb(values: tuple[float, ...]) -> Any:

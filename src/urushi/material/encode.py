@@ -33,12 +33,14 @@ def encode(
             anisotropic sources. Those of isotropic materials encode the average of an
             anisotropic source over the azimuth.
         table: whether the material also gets a table of f over directions (see
-            `urushi.core.table`), which is used to evaluate and render it. It costs as much as
-            the codes and is far more accurate for unusual BRDFs. Textures use the codes. The source
-            is evaluated at 25,000 more pairs; a file is 150 kB larger. None: for measured BRDFs,
-            Stacks of one width, and Mitsuba BSDFs but conductors, Lambertians and those that draw
-            random numbers. A bare conductor or dielectric, whose lobe is exact, and a Material of
-            the same weights get none.
+            `urushi.core.table`), which is used to evaluate and render it. A code may differ by
+            10 % and more from f of several narrow lobes, a table by 0.2 %. Textures use the
+            codes. The source is evaluated at 25,000 more pairs and their mirror images, or at 124
+            rotations of each if it is not symmetric; a file is 150 kB larger. None: for all sources
+            of one width but conductors, dielectrics and Lambertians, whose codes are exact, and
+            Mitsuba BSDFs and Stacks that only random walks know. Give False for a slow function,
+            and for one that draws random numbers. A bare conductor or dielectric, and a Material of
+            the same weights, get none.
 
     Raises:
         ParameterError: the source is none of these; it is an anisotropic Stack, but the weights

@@ -35,8 +35,9 @@ class Source(NamedTuple):
     symmetric: bool = False  # whether f is isotropic and reciprocal by construction
     noisy: bool = False  # whether f draws random numbers, which hide its asymmetry
     measured: bool = False  # whether f is a measured BRDF
-    # Whether a material has a table by default: values are all that is known of f, and cost little.
-    tabulated: bool = False
+    # Whether a material has a table by default. Codes of lobes alone and of Lambertians are exact;
+    # random walks are too noisy and cost too much.
+    tabulated: bool = True
     # Shares of the light, in [0, 1], that f does not contain.
     transmitted: float = 0.0
     mirrored: float = 0.0  # reflected by a perfectly smooth surface
@@ -82,22 +83,24 @@ def _(source: Material) -> Source:
 
 @as_source.register
 def _(source: Merl) -> Source:
-    return Source(source.f, symmetric=True, measured=True, tabulated=True)
+    return Source(source.f, symmetric=True, measured=True)
 
 
 @as_source.register
 def _(source: Rgl) -> Source:
-    return Source(source.f, measured=True, tabulated=True, isotropic=source.isotropic)
+    return Source(source.f, measured=True, isotropic=source.isotropic)
 
 
 @as_source.register
 def _(source: Description) -> Source:
+    kind, lobe = source.as_kind(), lobe_of_surface(source)
     return Source(
         functools.partial(analytic.f, source),
         symmetric=True,
-        lobe=lobe_of_surface(source),
-        bare=source.as_kind().family.bare,
-        widths=source.as_kind().widths,
+        tabulated=lobe is None,
+        lobe=lobe,
+        bare=kind.family.bare,
+        widths=kind.widths,
     )
 
 
@@ -115,6 +118,7 @@ def _(source: Stack) -> Source:
     return Source(
         lambda wi, wo: simulate(source, wi, wo, walks=STACK_WALKS, seed=0)[0],
         symmetric=True,
+        tabulated=False,
         transmitted=float(transmitted),
         lobe=lobe,
         widths=widths,

@@ -71,7 +71,11 @@ def encode_source(
     values, at_table = found.values[:count], found.values[count:]
     material = material_from_values(values, model, lobe=found.lobe)
     if len(at_table):
-        material = replace(material, table=table_of_values(at_table))
+        beside = found.lobe is not None  # a known lobe is finer than any table
+        if beside:
+            wi, wo = (w[:, None] for w in node_pairs())
+            at_table = at_table - lobes.f(material.latents[:, : model.arch.lobe], wi, wo)
+        material = replace(material, table=table_of_values(at_table), beside_lobe=beside)
     return material, found.deviations
 
 

@@ -57,6 +57,7 @@ def reflection_source(bsdf: "mi.BSDF") -> Source:
             return Source(
                 lambda wi, wo: _mean_values(bsdf, wi, wo, 1),
                 symmetric=True,
+                tabulated=False,  # a lobe alone, a Lambertian, or `bsdf_source` knows more
                 lobe=lobes[0],
                 bare=offer.bare,
                 widths=1 if lobes.shape[-1] == len(LOBE_NUMBERS) else 2,
