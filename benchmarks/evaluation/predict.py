@@ -10,7 +10,7 @@ from urushi.checks import CoatParameters, one_width
 from urushi.core.probe_pairs import PROBES, probe_pairs
 from urushi.core.table import node_pairs, table_of_values
 from urushi.material import Material
-from urushi.material.layer import layer_material
+from urushi.material.layer import layer_material, transported_codes
 from urushi.material.source import STACK_WALKS
 from urushi.material.values import material_from_values, material_of_lobes, required_pairs
 from urushi.nets import lobe as lobes
@@ -42,15 +42,18 @@ def material(model: Model, samples: Samples, encoded: int = 0, *, how: str = "co
     Returns:
         A material of S channels.
     """
-    found = _lower(model, samples, encoded, exact=how == "table")
+    found = _lower(model, samples, encoded, exact=how != "network")
     for index in reversed(range(samples.table.coats - encoded)):
-        found = layer_material(coats_at(samples.table, index), found, fast=how == "network")
+        coat = coats_at(samples.table, index)
+        if how == "code" and index == 0:
+            return coated(coat, found)
+        found = layer_material(coat, found, fast=how == "network")
     return found if how == "table" else replace(found, table=None)
 
 
 def coated(coat: CoatParameters, bottom: Material) -> Material:
     """The codes of a material under a coat, by light transport."""
-    return replace(layer_material(coat, bottom), table=None)
+    return Material(transported_codes(coat, bottom), bottom.model)
 
 
 def _lower(model: Model, samples: Samples, encoded: int, exact: bool) -> Material:

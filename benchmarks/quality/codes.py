@@ -9,7 +9,7 @@ have. Prints E in per cent: mean, median, 95th percentile and maximum. E of the 
 subtracted in squares.
 
 table    tables by light transport, coat by coat
-code     codes by least squares from the probe pairs of what `table` gives over coded bottoms
+code     codes of the topmost coat by light transport at the probe pairs, over what `table` gives
 network  codes by the layering network
 """
 

@@ -43,6 +43,27 @@ def test_the_bottom_remains(trained, pairs, bottom):
     assert error(thin, bare, *pairs) < 0.02
 
 
+def test_the_bottom_remains_in_one_channel(trained, pairs):
+    """Also one whose table is of all of f; within interpolation and half precision."""
+
+    def lobes_over_white(wi, wo):
+        narrow = np.float32([[0.03, 0.5, 1, 0, 1.5, 0], [0.3, 0.2, 1, 0, 1.5, 0]])
+        return (f(narrow, wi[:, None], wo[:, None]) + 0.1) @ np.ones((2, 3), np.float32)
+
+    bare = encode(lobes_over_white, trained)
+    assert bare.table is not None and not bare.beside_lobe
+    coated = layer(dielectric(0.1, (1.0, 1.5, 1.5)), bare)
+    np.testing.assert_allclose(coated.f(*pairs)[:, 0], bare.f(*pairs)[:, 0], rtol=0.02)
+    np.testing.assert_array_equal(coated.latents[0], bare.latents[0])
+
+
+def test_code_and_table_agree(trained, pairs):
+    """Both are light transport, at other pairs; codes approximate."""
+    for bottom, eta in ((diffuse(0.5), 1.5), (conductor(0.2, 0.9), 1.3)):
+        table = layer(dielectric(0.1, eta), encode(bottom, trained), sigma_t=0.5, albedo=0.3)
+        assert error(Material(table.latents, trained), table, *pairs) < 0.01
+
+
 @pytest.mark.parametrize(
     ("bottom", "eta"),
     [

@@ -1,8 +1,8 @@
 """Layering: coats over materials, by light transport or by the layering network.
 
-Light transport through a coat gives the table of a coated material (`urushi.material.coated_table`)
-and, from its values at the probe pairs, the code. The layering network maps codes to codes, for
-many texels at once.
+Light transport through a coat at the probe pairs gives the code of a coated material, and at the
+nodes its table (`urushi.material.coated_table`). The layering network maps codes to codes, for many
+texels at once.
 """
 
 import functools
@@ -22,6 +22,7 @@ from urushi.core.table import MIN_LOG, SHAPE, node_pairs, table_of_values
 from urushi.errors import ParameterError, UrushiWarning
 from urushi.material.coated_anisotropic import coated_f as anisotropic_coated_f
 from urushi.material.coated_table import coated_table
+from urushi.material.coated_values import coated_f
 from urushi.material.energy import limit_albedo
 from urushi.material.material import Coating, Material
 from urushi.material.source import as_source
@@ -220,37 +221,41 @@ def layer_material(coat: CoatParameters, bottom: Material, fast: bool = False) -
     if fast:
         codes = np.where(none[..., None], bottom.latents, _layered(model, bottom.latents, coat))
         return Material(codes, model, rotation=bottom.rotation)
+    codes = transported_codes(coat, bottom)
     if model.widths == 2:
-        return _transported(coat, bottom)
-    below = tabulated(bottom)
-    assert below.table is not None  # for the type checker
-    channels = np.broadcast_shapes((bottom.channels,), *(np.shape(x) for x in coat.columns()))
-    shape = *channels, model.arch.lobe
-    lobe = np.broadcast_to(lobes.of_coat(coat.alpha, coat.eta), shape).astype(np.float32)
-    table = np.where(none, below.table, coated_table(below, coat, lobe))
-    lobe = np.where(none[..., None], below.latents[:, : model.arch.lobe], lobe)
-    empty = np.broadcast_to(
-        model.networks.empty_rest(), (*channels, model.arch.latent - model.arch.lobe)
-    )
-    exact = Material(
-        np.concatenate([lobe, empty], axis=1), model, table, bottom.rotation, beside_lobe=True
-    )
-    codes = codes_of(model, exact.f(*model.networks.pairs()).T, lobe)
-    return replace(exact, latents=limit_albedo(model, codes))
+        return Material(codes, model, rotation=bottom.rotation)
+    table = coated_table(bottom, coat, codes[:, : model.arch.lobe])
+    if none.any():
+        own = tabulated(bottom).table
+        assert own is not None  # for the type checker
+        table = np.where(none, own, table)
+    return Material(codes, model, table, beside_lobe=True)
 
 
-def _transported(coat: CoatParameters, bottom: Material) -> Material:
-    """`layer_material` of two widths: codes from light transport at the probe pairs."""
-    model, none = bottom.model, absent(coat)
+def transported_codes(coat: CoatParameters, bottom: Material) -> np.ndarray:
+    """Codes float32 (C, L) of a material under checked coats, by light transport at the probe
+    pairs. A table takes ten times as long."""
+    model, pairs = bottom.model, bottom.model.networks.pairs()
     check_ratios(model, bottom.latents, coat)
-    channels = np.broadcast_shapes((bottom.channels,), *(np.shape(x) for x in coat.columns()))
-    lobe = np.broadcast_to(lobes.of_coat(coat.alpha, coat.eta), (*channels, model.arch.lobe))
-    pairs = model.networks.pairs()
-    rest = anisotropic_coated_f(replace(bottom, rotation=0.0).f, coat, *pairs)
-    f = rest.T + lobes.f(lobe[:, None].astype(np.float32), *pairs)
-    codes = limit_albedo(model, codes_of(model, f, lobe.astype(np.float32)))
-    codes = np.where(none[..., None], bottom.latents, codes)
-    return Material(codes, model, rotation=bottom.rotation)
+    if model.widths == 1:
+        rest = coated_f(bottom, coat, *pairs).T
+    else:
+        rest = anisotropic_coated_f(replace(bottom, rotation=0.0).f, coat, *pairs).T
+    return codes_of_rests(model, rest, coat, bottom.latents)
+
+
+def codes_of_rests(
+    model: Model, rest: np.ndarray, coat: CoatParameters, z: np.ndarray
+) -> np.ndarray:
+    """Codes (..., L) of bottoms z (..., L) under coats (...).
+
+    rest: (..., P) f [1/sr] at the probe pairs without the lobes of the coats.
+    """
+    lobe = lobes.of_coat(coat.alpha, coat.eta).astype(np.float32)
+    lobe = np.broadcast_to(lobe, (*rest.shape[:-1], model.arch.lobe))
+    f = rest + lobes.f(lobe[..., None, :], *model.networks.pairs())
+    codes = limit_albedo(model, codes_of(model, f, lobe))
+    return np.where(absent(coat)[..., None], z, codes)
 
 
 def warn_of(deviations: Deviations | None, name: str) -> None:
@@ -260,12 +265,17 @@ def warn_of(deviations: Deviations | None, name: str) -> None:
 
 
 def tabulated(material: Material) -> Material:
-    """The material with a table beside its lobe, of its code if it has none."""
-    if material.table is not None:
+    """The material with a table beside its lobe."""
+    if material.beside_lobe:
         return material
-    table = material.model.networks.table(material.latents)
-    if table is None:
-        table = np.full((*SHAPE, material.channels), MIN_LOG)
+    if material.table is None:
+        table = material.model.networks.table(material.latents)
+        if table is None:
+            table = np.full((*SHAPE, material.channels), MIN_LOG)
+    else:
+        wi, wo = node_pairs()
+        own = lobes.f(material.latents[:, : material.model.arch.lobe], wi[:, None], wo[:, None])
+        table = table_of_values(material.f(wi, wo) - own)
     return replace(material, table=table, beside_lobe=True)
 
 

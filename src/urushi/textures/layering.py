@@ -15,10 +15,15 @@ from urushi.core.microfacet import of_widths
 from urushi.material.coated_anisotropic import coated_f as anisotropic_coated_f
 from urushi.material.coated_values import coated_values
 from urushi.material.energy import limit_albedo
-from urushi.material.layer import absent, check_ratios, layer_texels, with_widths
+from urushi.material.layer import (
+    absent,
+    check_ratios,
+    codes_of_rests,
+    layer_texels,
+    with_widths,
+)
 from urushi.material.material import Material
 from urushi.material.substrate import Substrate
-from urushi.material.values import codes_of
 from urushi.nets import lobe as lobes
 from urushi.nets.features import coat_features
 from urushi.nets.layerer import LEAST_GAIN
@@ -85,12 +90,10 @@ def transported(model: Model, z: np.ndarray, coat: CoatParameters) -> np.ndarray
     """`layer_texels` of rows z (k, L) under coats (k,), by light transport at the probe pairs."""
     coat = checks.coat(with_widths(model, coat), "the coat's", any_shape=True)
     check_ratios(model, z, coat)
-    lobe = np.broadcast_to(lobes.of_coat(coat.alpha, coat.eta), (len(z), model.arch.lobe))
-    lobe = lobe.astype(np.float32)[:, None]
-    top = lobes.f(lobe[:, :, None], *model.networks.pairs())
-    # Each row is a material of its own.
-    codes = codes_of(model, transported_rests(model, z, coat)[:, None] + top, lobe)[:, 0]
-    return np.where(absent(coat)[:, None], z, limit_albedo(model, codes))
+    rests = transported_rests(model, z, coat)
+    # Each row is a material of its own, with one channel.
+    coat = CoatParameters.of_columns([column[:, None] for column in coat.columns()])
+    return codes_of_rests(model, rests[:, None], coat, z[:, None])[:, 0]
 
 
 def transported_rests(model: Model, z: np.ndarray, coat: CoatParameters) -> np.ndarray:
