@@ -10,14 +10,17 @@ import functools
 from collections.abc import Sequence
 
 import numpy as np
+from scipy.linalg import lu_factor, lu_solve
 
 from urushi.checks import Widths
-from urushi.core.microfacet import of_widths
+from urushi.core.microfacet import pair
 from urushi.core.quadrature import half_vector_rule
 from urushi.core.table import corner_steps
 from urushi.material import adding
 from urushi.material.crossing import facet_points, mirrored_from
+from urushi.material.stretched_values import f_of
 from urushi.nets import lobe as lobes
+from urushi.parallel import run_all_cores
 
 #: Cells along a side of the square, and for each cell with an albedo of its own.
 CELLS, COARSE = 24, 3
@@ -28,9 +31,6 @@ PARTS = np.array([(1, 1, 1, 1), (1, -1, 1, -1), (1, 1, -1, -1), (1, -1, -1, 1)])
 
 #: Of the images: half a turn about the normal, to which a mirror reflects.
 TURNED = 3
-
-#: Pairs at which a BRDF is evaluated at once.
-BLOCK = 1 << 14
 
 #: Azimuths of the quadrature of albedos, see `half_vector_rule`.
 AZIMUTHS = 8
@@ -64,27 +64,40 @@ def weights() -> np.ndarray:
     return directions()[:, 2].astype(np.float64) * (0.5 * np.pi / CELLS**2)
 
 
+@functools.cache
+def _triangle() -> tuple[np.ndarray, np.ndarray]:
+    """The pairs i <= j of Q cells, and the place (Q, Q) of each pair of cells among them."""
+    upper = np.triu_indices(CELLS**2)
+    place = np.empty((CELLS**2, CELLS**2), np.intp)
+    place[upper] = place[upper[::-1]] = np.arange(len(upper[0]))
+    return np.stack(upper), place
+
+
 def parts(f: adding.Brdf, albedo: np.ndarray) -> np.ndarray:
-    """The parts (C, 4, Q, Q) of a BRDF of albedos (Q, C), as `adding.Grid.brdf_modes`."""
+    """The parts float32 (C, 4, Q, Q) of a BRDF of albedos (Q, C), as `adding.Grid.brdf_modes`.
+
+    f is evaluated at half of the pairs. The other half follow by reciprocity: mirroring both
+    directions of a pair leaves f as it is, so that either may have the signs of an image.
+    """
     w, own = directions(), weights()
-    count, every = len(w), []
-    wi, cells = np.repeat(w, count, axis=0), np.arange(count)
-    for sign in SIGNS:
-        wo = np.tile(w * np.append(sign, np.float32(1)), (count, 1))
-        blocks = [slice(k, k + BLOCK) for k in range(0, len(wi), BLOCK)]
-        every.append(np.concatenate([f(wi[block], wo[block]) for block in blocks]))
-    values = np.stack(every).reshape(4, count, count, -1)
-    values[TURNED, cells, cells] = 0  # lobes are narrow there
-    result = []
-    for images, known in zip(np.moveaxis(values, -1, 0), albedo.T, strict=True):
-        even = images.sum(axis=0, dtype=np.float64)
+    count, ((first, second), place) = len(w), _triangle()
+    wi = w.take(first, axis=0)
+    wo = w.take(second, axis=0)
+    images = [f(wi, wo * np.append(sign, np.float32(1))) for sign in SIGNS]
+    images[TURNED][first == second] = 0  # lobes are narrow there
+    diagonal, result = np.arange(count), []
+    for channel, known in enumerate(albedo.T):
+        columns = np.stack([image[:, channel] for image in images])
+        even = columns.sum(axis=0).take(place)
         factors = np.ones(count)
         for _ in range(3):
-            sums = factors * (even @ (own * factors))
+            sums = factors * (even @ (own * factors).astype(np.float32))
             factors *= np.sqrt(np.minimum(known / np.maximum(sums, 1e-30), 1))
-        missing = np.maximum(known - factors * (even @ (own * factors)), 0)
-        mirror = PARTS[:, TURNED, None, None] * np.diag(missing / own)
-        result.append(np.tensordot(PARTS, images * (factors[:, None] * factors), 1) + mirror)
+        missing = np.maximum(known - factors * (even @ (own * factors).astype(np.float32)), 0)
+        scaled = columns * (factors.take(first) * factors.take(second)).astype(np.float32)
+        every = (PARTS.astype(np.float32) @ scaled).take(place, axis=1)
+        every[:, diagonal, diagonal] += PARTS[:, TURNED, None] * (missing / own)
+        result.append(every)
     return np.stack(result)
 
 
@@ -104,26 +117,32 @@ def bottom_parts(f: adding.Brdf) -> np.ndarray:
 def interface_parts(alpha: float | Widths, eta: float) -> np.ndarray:
     """The parts (4, Q, Q) of the reflection of an interface from below; eta: below over above."""
     if eta == 1:
-        return np.zeros((4, CELLS**2, CELLS**2))
+        return np.zeros((4, CELLS**2, CELLS**2), np.float32)
     outside = tuple(directions()[:, k, None] for k in range(3))
     albedo = mirrored_from(outside, alpha, 1 / eta, facet_points(256))[1].mean(axis=1)
-    lobe = lobes.of_coat(of_widths(np.float32, alpha), np.float32(1 / eta))
-    return parts(lambda wi, wo: lobes.f(lobe, wi, wo)[:, None], albedo[:, None])[0]
+    widths = Widths(*(np.asarray([x], np.float32) for x in pair(alpha)))
+    lobe = lobes.of_coat(widths, np.asarray([1 / eta], np.float32))
+    return parts(functools.partial(f_of, lobe), albedo[:, None])[0]
 
 
 @functools.lru_cache(maxsize=8)
 def medium_parts(albedo: float, sigma_t: float, g: float) -> np.ndarray:
-    """Reflection and transmission (2, 4, Q, Q) of the light that a medium scatters."""
+    """Reflection and transmission float32 (2, 4, Q, Q) of the light that a medium scatters."""
     own, w = adding.grid(), directions().astype(np.float64)
     turn, shares = np.arctan2(w[:, 1], w[:, 0]), own.shares(np.arccos(w[:, 2]))
-    result = np.zeros((2, 4, len(w), len(w)))
+    result = np.zeros((2, 4, len(w), len(w)), np.float32)
     for modes, total in zip(adding.medium(albedo, sigma_t, g, own), result, strict=True):
-        last = len(modes) - 1
-        for m, mode in enumerate(modes):  # cos m (phi_i - phi_o), a sum of two products
-            between = shares @ mode @ shares.T * ((4 if m in (0, last) else 8) / (2 * np.pi))
-            odd = m % 2
-            for part, wave in ((odd, np.cos(m * turn)), (3 - odd, np.sin(m * turn))):
-                total[part] += wave[:, None] * between * wave
+        orders = np.arange(len(modes))
+        scales = np.where((orders == 0) | (orders == orders[-1]), 4, 8) / (2 * np.pi)
+        # cos m (phi_i - phi_o) is a sum of two products, and the sum over m one of matrices.
+        for part, (wave, odd) in enumerate(((np.cos, 0), (np.cos, 1), (np.sin, 1), (np.sin, 0))):
+            chosen = orders[odd::2]
+            chosen = chosen[modes[chosen].any(axis=(1, 2))]
+            waves = wave(chosen[:, None, None] * turn[:, None]) * shares
+            left = waves @ (modes[chosen] * scales[chosen, None, None])
+            sides = (x.astype(np.float32).swapaxes(0, 1) for x in (left, waves))
+            rows, columns = (x.reshape(len(w), -1) for x in sides)
+            total[part] = rows @ columns.T
     return result
 
 
@@ -135,24 +154,31 @@ def seen_inside(bottom: np.ndarray, interface: np.ndarray, medium: Sequence[floa
         medium: albedo, sigma_t and g, which the grid resolves (`adding.resolved`).
 
     Returns:
-        Values (4, Q, Q) [1/sr], at the images of the second direction, of all light except that
-        reflected once by the bottom and not scattered by the medium.
+        Values float32 (4, Q, Q) [1/sr], at the images of the second direction, of all light except
+        that reflected once by the bottom and not scattered by the medium.
     """
     albedo, sigma_t, g = medium
-    own, one = weights(), np.eye(CELLS**2)
-    through = np.exp(-sigma_t / directions()[:, 2].astype(np.float64))
-    scatters, more = albedo * sigma_t > adding.LEAST_SCATTERING, []
-    for k in range(4):
-        up = bottom[k] * own
-        if scatters:
-            reflected, passed = (part[k] * own for part in medium_parts(albedo, sigma_t, g))
-            once = np.diag(through) + passed
-            up = once @ up @ np.linalg.solve(one - reflected @ up, once) + reflected
-        else:
-            up = through[:, None] * up * through
-        every = np.linalg.solve(one - up @ (interface[k] * own), up / own)
-        more.append(every - through[:, None] * bottom[k] * through)
-    return np.tensordot(PARTS, np.stack(more), 1) / 4
+    own, one = weights().astype(np.float32), np.eye(CELLS**2, dtype=np.float32)
+    through = np.exp(-np.float32(sigma_t) / directions()[:, 2])
+    scatters = albedo * sigma_t > adding.LEAST_SCATTERING
+    scattered = medium_parts(albedo, sigma_t, g) if scatters else np.zeros((2, 4, 1, 1))
+    more = np.empty((4, *one.shape), np.float32)
+
+    def solve(k: int) -> None:
+        direct = through[:, None] * bottom[k] * through
+        up = direct * own
+        if scattered[:, k].any():  # isotropic scattering is even
+            reflected, passed = (part[k] * own for part in scattered)
+            once, bare = np.diag(through) + passed, bottom[k] * own
+            up = once @ bare @ _solved(one - reflected @ bare, once) + reflected
+        more[k] = _solved(one - up @ (interface[k] * own), up / own) - direct
+
+    run_all_cores(solve, range(4))
+    return np.tensordot(np.float32(PARTS / 4), more, 1)
+
+
+def _solved(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    return lu_solve(lu_factor(a, overwrite_a=True, check_finite=False), b, check_finite=False)
 
 
 class Table:

@@ -240,7 +240,7 @@ def transported_codes(coat: CoatParameters, bottom: Material) -> np.ndarray:
     if model.widths == 1:
         rest = coated_f(bottom, coat, *pairs).T
     else:
-        rest = anisotropic_coated_f(replace(bottom, rotation=0.0).f, coat, *pairs).T
+        rest = anisotropic_coated_f(replace(bottom, rotation=0.0), coat, *pairs).T
     return codes_of_rests(model, rest, coat, bottom.latents)
 
 

@@ -110,7 +110,7 @@ def transported_rests(model: Model, z: np.ndarray, coat: CoatParameters) -> np.n
     rest = np.empty((len(z), len(pairs[0])), np.float32)
     for own in (group.ravel() == index for index in range(group.max() + 1)):
         under = CoatParameters.of_columns(columns[:, own])
-        rest[own] = anisotropic_coated_f(Material(z[own], model).f, under, *pairs).T
+        rest[own] = anisotropic_coated_f(Material(z[own], model), under, *pairs).T
     return rest
 
 
