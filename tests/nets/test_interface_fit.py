@@ -6,7 +6,6 @@ import pytest
 from urushi.core.probe_pairs import probe_pairs
 from urushi.nets import lobe as lobes
 from urushi.nets.interface_fit import TOLERANCE, find_lobes
-from urushi.nets.least_squares import Damping, FitState, damped_steps
 from urushi.nets.lobe_fit import DARK, fit_lobes
 from urushi.train.distribution import Extended
 from urushi.walk import analytic
@@ -47,27 +46,3 @@ def test_leading_axes():
 def test_no_brdfs_have_no_lobes():
     f = np.zeros((0, 3, len(probe_pairs()[0])))
     assert find_lobes(f).shape == fit_lobes(f).shape == (0, 3, 6)
-
-
-def test_damped_steps_solve_linear_problems_each_by_itself():
-    """The minima of many problems are those of NumPy's least squares, whatever the others do."""
-    rng = np.random.default_rng(4)
-    matrices, aims = rng.normal(size=(5, 20, 3)), rng.normal(size=(5, 20))
-
-    def solved(places: slice) -> np.ndarray:
-        a, b = matrices[places], aims[places]
-        transposed = np.swapaxes(a, -1, -2)
-
-        def state_at(x: np.ndarray) -> FitState:
-            error = (a @ x[..., None])[..., 0] - b
-            slope = (transposed @ error[..., None])[..., 0]
-            return FitState(x, np.square(error).sum(axis=-1), slope, transposed @ a)
-
-        start = np.zeros((len(a), 3))
-        return damped_steps(state_at, start, 12, Damping(10.0, 0.1, 10.0), np.subtract)
-
-    found = solved(slice(None))
-    for row, (a, b) in enumerate(zip(matrices, aims, strict=True)):
-        # Rounding hides changes of the objective below 1e-16 of it, of the unknowns below 1e-8.
-        np.testing.assert_allclose(found[row], np.linalg.lstsq(a, b)[0], atol=1e-7)
-        np.testing.assert_array_equal(found[row], solved(slice(row, row + 1))[0])

@@ -11,7 +11,6 @@ import numpy as np
 from urushi.checks import MIN_ALPHA, Widths
 from urushi.core.probe_pairs import probe_pairs
 from urushi.nets import lobe as lobes
-from urushi.nets.least_squares import Damping, FitState, damped_steps
 from urushi.nets.lobe_fit import DARK, fit_lobes
 
 #: Range of the mean relative error of Schlick's term in which an exact term is tried.
@@ -20,8 +19,9 @@ LEAST_ERROR, GREATEST_ERROR = 2e-3, 0.15
 #: Greatest relative error of any value that the exact term may leave.
 TOLERANCE = 0.005
 
-#: Number of steps, and their damping.
-STEPS, DAMPING = 20, Damping(1e-3, 0.2, 10.0)
+#: Number of steps; damping of the first, relative to the mean of the curvature's diagonal, and its
+#: factors after a step that lowers the errors and after any other, which is not taken.
+STEPS, DAMPING, DECREASE, INCREASE = 20, 1e-3, 0.2, 10.0
 
 #: Bounds of eta and k, the last two unknowns.
 LOWER, UPPER = [0.02, 0.0], [8.0, 12.0]
@@ -71,15 +71,20 @@ def _fit(f: np.ndarray, schlick: np.ndarray, widths: int) -> tuple[np.ndarray, n
     lower, upper = [np.log(MIN_ALPHA)] * widths + LOWER, [0.0] * widths + UPPER
     every = np.tile(f, (len(starts), 1))
 
-    def state_at(x: np.ndarray) -> FitState:
-        error, slopes = _errors(every, x)
-        slope = (slopes @ error[..., None])[..., 0]
-        curvature = slopes @ np.swapaxes(slopes, -1, -2)
-        return FitState(x, np.square(error).sum(axis=-1), slope, curvature)
-
     x = np.clip(np.concatenate(first), lower, upper)
-    x = damped_steps(state_at, x, STEPS, DAMPING, lambda x, step: np.clip(x - step, lower, upper))
-    error = np.abs(_errors(every, x)[0]).max(axis=-1).reshape(len(starts), -1)
+    error, slopes = _errors(every, x)
+    damping = np.full((len(x), 1, 1), DAMPING)
+    for _ in range(STEPS):  # Marquardt 1963
+        curvature = slopes @ np.swapaxes(slopes, -1, -2)
+        mean = np.trace(curvature, axis1=1, axis2=2)[:, None, None] / x.shape[1]
+        damped = curvature + (damping * mean + 1e-12) * np.eye(x.shape[1])
+        step = np.linalg.solve(damped, slopes @ error[..., None])[..., 0]
+        moved = np.clip(x - step, lower, upper)
+        new, new_slopes = _errors(every, moved)
+        better = np.square(new).sum(axis=-1) < np.square(error).sum(axis=-1)  # false for NaN
+        x[better], error[better], slopes[better] = moved[better], new[better], new_slopes[better]
+        damping *= np.where(better[:, None, None], DECREASE, INCREASE)
+    error = np.abs(error).max(axis=-1).reshape(len(starts), -1)
     best = error.argmin(axis=0), np.arange(len(f))
     return x.reshape(len(starts), *first[0].shape)[best], error[best]
 

@@ -81,10 +81,7 @@ class _Grid(NamedTuple):
     products: np.ndarray  # (P, 6 A) of two columns, by `_PAIRS`
     schlick: np.ndarray  # (2, P) 1 - (1 - c)^5 and (1 - c)^5
     cos: np.ndarray  # (2, P) cosines of either direction
-    cos2: np.ndarray  # (2, P) their squares
-    across: np.ndarray  # (P,) squared length of wi + wo in the surface
-    along: np.ndarray  # (P,) squared z of wi + wo
-    half2: np.ndarray  # (2, P) squared x and y of wi + wo
+    half2: np.ndarray  # (3, P) squared components of wi + wo
     sides2: np.ndarray  # (2, 2, P) squared x and y of wi, and of wo
 
 
@@ -103,14 +100,10 @@ def _grid(probes: int, widths: int) -> _Grid:
     white = np.full_like(shapes, 1 / np.pi)
     columns = np.stack([white, shapes * (1 - fifth)[:, None], shapes * fifth[:, None]], axis=1)
     products = np.stack([columns[:, i] * columns[:, j] for i, j in _PAIRS], axis=1)
-    cos, half = np.stack([wi[:, 2], wo[:, 2]]), wi + wo
     single = (
         np.stack([1 - fifth, fifth]),
-        cos,
-        cos**2,
-        half[:, 0] ** 2 + half[:, 1] ** 2,
-        half[:, 2] ** 2,
-        half[:, :2].T ** 2,
+        np.stack([wi[:, 2], wo[:, 2]]),
+        (wi + wo).T ** 2,
         np.stack([wi[:, :2].T, wo[:, :2].T]) ** 2,
     )
     return _Grid(
@@ -172,48 +165,21 @@ def _fit(f: np.ndarray, widths: int) -> np.ndarray:
 
 def _shape(grid: _Grid, alpha: np.ndarray) -> tuple[np.ndarray, ...]:
     """`lobe.shape` (N, P) of widths (N, W), and the W derivatives of its logarithm by theirs."""
-    if alpha.shape[-1] == 2:
-        return _anisotropic_shape(grid, alpha[:, :1], alpha[:, 1:])
-    alpha2 = alpha * alpha
-    along = alpha2 * grid.along
-    width = along + grid.across
-    np.reciprocal(width, out=width)
-    shape = (grid.across + grid.along) * width
-    shape *= shape
-    shape *= alpha2 * np.float32(1 / np.pi)
-    along *= width
-    along *= -4
-    along += 2
-    for cos, cos2 in zip(grid.cos, grid.cos2, strict=True):
-        sine2 = 1 - cos2
-        root = alpha2 * sine2
-        root += cos2
-        np.sqrt(root, out=root)
-        masking = root + cos
-        shape /= masking
-        masking *= root
-        along -= alpha2 * sine2 / masking
-    return shape, along
-
-
-def _anisotropic_shape(
-    grid: _Grid, u: np.ndarray, v: np.ndarray
-) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """`_shape` for widths u and v (N, 1)."""
+    u, v = alpha[:, :1], alpha[:, -1:]
     product = u * v
-    x2, y2, z2 = (v / u) * grid.half2[0], (u / v) * grid.half2[1], product * grid.along
+    x2, y2, z2 = (v / u) * grid.half2[0], (u / v) * grid.half2[1], product * grid.half2[2]
     total = 1 / (x2 + y2 + z2)
-    shape = (product * np.float32(1 / np.pi)) * np.square((grid.across + grid.along) * total)
+    shape = (product * np.float32(1 / np.pi)) * np.square(grid.half2.sum(axis=0) * total)
     slopes = [1 - 2 * (y2 - x2 + z2) * total, 1 - 2 * (x2 - y2 + z2) * total]
-    for cos, cos2, side2 in zip(grid.cos, grid.cos2, grid.sides2, strict=True):
+    for cos, side2 in zip(grid.cos, grid.sides2, strict=True):
         ahead, aside = (u * u) * side2[0], (v * v) * side2[1]
-        root = np.sqrt(ahead + aside + cos2)
+        root = np.sqrt(ahead + aside + cos * cos)
         masking = root + cos
         shape /= masking
         masking *= root
         slopes[0] -= ahead / masking
         slopes[1] -= aside / masking
-    return shape, *slopes
+    return (shape, sum(slopes)) if alpha.shape[1] == 1 else (shape, *slopes)
 
 
 def _best_of_grid(f: np.ndarray, grid: _Grid) -> np.ndarray:
