@@ -4,12 +4,13 @@ z is the normal. Functions of Dr.Jit take unit 3-vectors of any backend, functio
 (N, 3). Half and difference angles are those of Rusinkiewicz (1998).
 """
 
+import math
 from typing import Any
 
 import drjit as dr
 import numpy as np
 
-from urushi.core.namespace import NUMPY, Components, Namespace
+from urushi.core.namespace import DRJIT, NUMPY, Components, Namespace
 
 
 def reflect(w, m):
@@ -46,11 +47,11 @@ def from_cosine(axis, cos_theta, phi):
     return dr.normalize(s * (sin_theta * cos_phi) + t * (sin_theta * sin_phi) + axis * cos_theta)
 
 
-def square_to_cosine_hemisphere(vector, u1, u2):
+def square_to_cosine_hemisphere(vector, u1, u2, xp=DRJIT):
     """Cosine-distributed direction on the upper hemisphere, of type `vector`; density cos / pi."""
-    radius, phi = dr.sqrt(u1), 2 * dr.pi * u2
-    sin_phi, cos_phi = dr.sincos(phi)
-    return vector(radius * cos_phi, radius * sin_phi, dr.safe_sqrt(1 - u1))
+    radius, phi = xp.sqrt(u1), (2 * math.pi) * u2
+    sin_phi, cos_phi = xp.sincos(phi)
+    return vector(radius * cos_phi, radius * sin_phi, xp.safe_sqrt(1 - u1))
 
 
 def rotated(w: np.ndarray, turn: float, mirrored: bool = False) -> np.ndarray:

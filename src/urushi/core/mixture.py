@@ -4,11 +4,10 @@ Directions below the horizon are mirrored up, so that the density is exactly nor
 upper hemisphere.
 """
 
+import functools
 import math
 from collections.abc import Sequence
 from typing import Any, NamedTuple
-
-import drjit as dr
 
 from urushi.checks import Widths
 from urushi.core import microfacet
@@ -22,21 +21,24 @@ class Mixture(NamedTuple):
     weights: Sequence[Any]  # K + 1 numbers of sum 1, the last the cosine lobe's
     alphas: Sequence[Any]  # the K GGX widths, all of them single numbers or all of them `Widths`
 
-    def pdf(self, wi, wo):
+    def pdf(self, wi, wo, xp=DRJIT):
         """Density of `sample` at wo [1/sr]; zero where either direction is below the horizon."""
-        density = self.weights[-1] * (wo.z * dr.inv_pi)
+        density = self.weights[-1] * (wo.z * (1 / math.pi))
         for weight, alpha in zip(self.weights[:-1], self.alphas, strict=True):
-            density += weight * reflection_pdf(alpha, wi, wo)
-        return dr.select((wi.z > 0) & (wo.z > 0), density, 0)
+            density = density + weight * reflection_pdf(alpha, wi, wo, xp)
+        return xp.where((wi.z > 0) & (wo.z > 0), density, 0)
 
-    def sample(self, wi, choice, u):
+    def sample(self, wi, choice, u, xp=DRJIT):
         """Draw wo above the horizon by uniform numbers: `choice` for the lobe, two `u` for wo."""
         edge, alpha = self.weights[0], self.alphas[0]
-        for weight, next_alpha in zip(self.weights[1:-1], self.alphas[1:], strict=True):
-            alpha = dr.select(choice >= edge, next_alpha, alpha)
+        for weight, further in zip(self.weights[1:-1], self.alphas[1:], strict=True):
+            chosen = functools.partial(xp.where, choice >= edge)
+            alpha = microfacet.of_widths(chosen, further, alpha)
             edge = edge + weight
-        cosine = square_to_cosine_hemisphere(type(wi), u[0], u[1])
-        return dr.select(choice >= edge, cosine, sample_reflection(alpha, wi, u[0], u[1]))
+        cosine = square_to_cosine_hemisphere(type(wi), u[0], u[1], xp)
+        reflected = sample_reflection(alpha, wi, u[0], u[1], xp)
+        pairs = zip(cosine, reflected, strict=True)
+        return type(wi)(*(xp.where(choice >= edge, a, b) for a, b in pairs))
 
 
 def reflection_pdf(alpha, wi, wo, xp=DRJIT):

@@ -25,9 +25,12 @@ import operator
 from collections.abc import Callable, Sequence
 from typing import Any
 
+import numpy as np
+
 from urushi.checks import Widths
-from urushi.core.mixture import reflection_pdf, sample_reflection
-from urushi.core.namespace import Components, Namespace, arrays, components, stacked_components
+from urushi.core import microfacet
+from urushi.core.mixture import Mixture
+from urushi.core.namespace import Namespace, arrays, components, stacked_components
 from urushi.core.stretched import LARGEST as LARGEST_STRETCH
 from urushi.core.table import MIN_COSINE
 from urushi.nets import lobe as lobes
@@ -161,12 +164,7 @@ def mixture_pdf(weights: Any, alphas: Any, wi: Any, wo: Any) -> Any:
     weights (..., K+1): positive, of sum 1, the last the cosine lobe's; alphas (..., K): GGX widths,
     or `Widths` of two such arrays.
     """
-    xp = wi.__array_namespace__()
-    cos_i, cos_o = wi[..., 2], wo[..., 2]
-    pair = components(wi[..., None, :]), components(wo[..., None, :])
-    lobes = reflection_pdf(alphas, *pair, arrays(wi))
-    density = xp.sum(weights[..., :-1] * lobes, axis=-1) + weights[..., -1] * (cos_o / math.pi)
-    return xp.where((cos_i > 0.0) & (cos_o > 0.0), density, 0.0)
+    return _mixture_of(weights, alphas).pdf(components(wi), components(wo), arrays(wi))
 
 
 def sample_mixture(weights: Any, alphas: Any, wi: Any, u: Any) -> Any:
@@ -174,20 +172,13 @@ def sample_mixture(weights: Any, alphas: Any, wi: Any, u: Any) -> Any:
 
     u[..., 0] selects the lobe, the other two numbers the direction.
     """
-    xp = wi.__array_namespace__()
-    choice, u1, u2 = u[..., 0], u[..., 1], u[..., 2]
-    alpha = Widths(alphas, alphas) if not isinstance(alphas, Widths) else alphas
-    chosen, edge = alpha.map(lambda x: x[..., 0]), weights[..., 0]
-    for k in range(1, weights.shape[-1] - 1):
-        beyond = choice >= edge
-        chosen = Widths(
-            xp.where(beyond, alpha.u[..., k], chosen.u), xp.where(beyond, alpha.v[..., k], chosen.v)
-        )
-        edge = edge + weights[..., k]
-    reflected = stacked_components(
-        sample_reflection(chosen, components(wi), u1, u2, arrays(wi)), xp
-    )
-    radius, phi = xp.sqrt(u1), (2.0 * math.pi) * u2
-    axes = Components(radius * xp.cos(phi), radius * xp.sin(phi), xp.sqrt(1.0 - u1))
-    cosine = stacked_components(axes, xp)
-    return xp.where((choice >= edge)[..., None], cosine, reflected)
+    choice, *others = components(u)
+    drawn = _mixture_of(weights, alphas).sample(components(wi), choice, others, arrays(wi))
+    return stacked_components(drawn, wi.__array_namespace__())
+
+
+def _mixture_of(weights: Any, alphas: Any) -> Mixture:
+    """A mixture whose lobes are the last axes of arrays."""
+    u, v = (np.moveaxis(x, -1, 0) for x in microfacet.pair(alphas))
+    own = map(Widths, u, v) if isinstance(alphas, Widths) else u
+    return Mixture(np.moveaxis(weights, -1, 0), list(own))
