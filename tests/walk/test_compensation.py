@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 import urushi
-from urushi.core import albedos
+from urushi.checks import Widths
+from urushi.core.anisotropic_albedos import surface_loss
 from urushi.errors import ParameterError
 from urushi.walk.simulate import albedo
 
@@ -67,8 +68,8 @@ def test_the_integral_of_the_lobe_is_what_it_adds():
 
 
 def test_surfaces_without_an_index_or_width_lose_nothing():
-    assert not albedos.surface_loss(0.5, 1.0)[0](COSINES).any()
-    assert albedos.surface_loss(0.01, 1.5)[0](COSINES[1:]).max() < 0.02
+    assert not surface_loss(Widths(0.5, 0.5), 1.0)[0](WI).any()
+    assert surface_loss(Widths(0.01, 0.01), 1.5)[0](WI[1:]).max() < 0.02
 
 
 def test_codes_have_the_lobe():

@@ -11,14 +11,16 @@ between their nodes have it in its place.
 
 import functools
 import math
-from collections.abc import Callable
 from typing import Any, NamedTuple
 
+import drjit as dr
 import numpy as np
 
 from urushi.checks import MIN_ALPHA, Widths
 from urushi.core import fresnel, microfacet
-from urushi.core.namespace import NUMPY, Components, Namespace
+from urushi.core.backend import backend
+from urushi.core.microfacet import pair
+from urushi.core.namespace import DRJIT, NUMPY, Namespace
 
 #: Nodes of the tables: of the index below one and from one, of the width, and of the cosine.
 BELOW, ABOVE, ROUGHNESSES, COSINES = 21, 25, 16, 48
@@ -44,8 +46,10 @@ _LEAST_COSINE = 1e-5
 
 #: Nodes of the quadrature over visible facets: of their azimuth, and of their height. Where some of
 #: them reflect totally, the share that does decides, and the nodes are `FINE`.
-AZIMUTHS, HEIGHTS = 20, 40
-FINE = 28, 57
+COARSE, FINE = (20, 40), (28, 57)
+
+#: Directions at a time: bounds memory.
+CHUNK = 1 << 16
 
 
 def indexnodes() -> np.ndarray:
@@ -178,72 +182,82 @@ def tables(eta: float | None = None) -> Tables:
 
     eta: the only index, I is 1; None: all of `indexnodes`, which takes seconds the first time.
     """
-    etas = indexnodes() if eta is None else np.array([eta])
-    reflected, passed, inside = arrays = np.empty((3, len(etas), ROUGHNESSES, COSINES))
-    facets: Facets | None = None
-    for j, alpha in enumerate(nodes()[0]):
-        for i, index in enumerate(etas):
-            if index < 1 or i == 0 or etas[i - 1] < 1:  # indices from one share their cosines
-                sizes = FINE if index < 1 else (AZIMUTHS, HEIGHTS)
-                facets = visible_facets(alpha, nodes(float(index))[1], sizes=sizes)
-            assert facets is not None
-            arrays[:, i, j] = _albedos(facets, alpha, index)
+    etas, found = indexnodes() if eta is None else np.array([eta]), []
+    for index in map(float, etas):
+        alphas, cosines = np.meshgrid(*nodes(index), indexing="ij")
+        sums = shares(_at_cosines(cosines.ravel()), alphas.ravel(), index)
+        found.append(sums.reshape(-1, *alphas.shape))
+    reflected, passed, _, along = np.moveaxis(np.array(found, np.float64), 1, 0)
     means = (
         hemisphere_mean(table, etas, entered=entered)
         for entered in (False, True)
         for table in (reflected, passed)
     )
+    inside = along / np.maximum(passed, 1e-12)
     return Tables(*(x.astype(np.float32) for x in (reflected, passed, *means, inside)))
 
 
-@functools.cache
-def surface_loss(
-    alpha: float, eta: float, mirrored: float = 0.0
-) -> tuple[Callable[[np.ndarray], np.ndarray], float]:
-    """The share of light that a coat's surface loses over a white base.
+def mirror_shares(cosines: np.ndarray, alpha: Any, azimuth: float = 0.0) -> np.ndarray:
+    """The share (N,) of light of cosines (N,) that leaves facets which reflect all light.
 
-    mirrored: share of the base's light that it mirrors; the other is Lambertian.
-
-    Returns:
-        The share, a function of cosines (N,), and its cosine-weighted mean; 0 for an index of 1.
+    alpha: their GGX width or `Widths`. azimuth: of the light.
     """
-    if eta == 1:
-        return np.zeros_like, 0.0
-    above, below = tables(eta), tables(1 / eta)
-    place = roughness_coordinate(alpha) * (ROUGHNESSES - 1)
-    first = min(int(place), ROUGHNESSES - 2)
-
-    def at(table: np.ndarray) -> np.ndarray:
-        return table[0, first] + (place - first) * (table[0, first + 1] - table[0, first])
-
-    inside = leaving_share(below, mirrored, at)
-    lost = np.clip(1 - at(above.reflected) - inside * at(above.passed), 0, 1)
-    grid = np.linspace(0, 1, COSINES)
-    mean = 1 - at(above.reflected_mean) - inside * at(above.passed_mean)
-    return lambda cosine: np.interp(cosine_coordinate(cosine, eta), grid, lost), float(mean)
+    return shares(_at_cosines(cosines, azimuth), alpha, 1.5)[2]
 
 
-def leaving_share(
-    below: Tables, mirrored: float, at: Callable[[np.ndarray], np.ndarray | float]
-) -> np.ndarray | float:
-    """Share of the light from a white base that leaves at last, over the mean that enters.
+def _at_cosines(cosines: np.ndarray, azimuth: float = 0.0) -> np.ndarray:
+    """Directions (N, 3) of cosines (N,)."""
+    sines = np.sqrt(1 - cosines**2)
+    return np.stack([sines * np.cos(azimuth), sines * np.sin(azimuth), cosines], axis=-1)
 
-    below: seen from the base. at: the value of a table of means.
+
+def shares(w: np.ndarray, alpha: Any, eta: float) -> np.ndarray:
+    """Sums float32 (4, N) over the facets visible from directions w (N, 3), of light that hits one.
+
+    Shares of the light that facets reflect, that they pass, and that they would reflect if they
+    reflected all; and the second times the cosine of the transmitted light. Light that would hit a
+    second facet is lost.
+
+    alpha: GGX width or `Widths`, numbers or arrays (N,).
     """
-    passed, reflected = (
-        (1 - mirrored) * at(diffuse) + mirrored * at(entered)
-        for diffuse, entered in (
-            (below.passed_mean, below.passed_entered),
-            (below.reflected_mean, below.reflected_entered),
-        )
-    )
-    return passed / (1 - reflected)
+    kinds, two = backend(), isinstance(alpha, Widths)
+    sizes = np.array(FINE if eta < 1 else COARSE)
+    turn, height, weight = facet_nodes(*(sizes * 5 // 8 if two else sizes))
+    if not two:  # one half of the facets mirrors the other
+        w, turn = np.stack([np.hypot(w[:, 0], w[:, 1]), 0 * w[:, 1], w[:, 2]], axis=-1), 0.5 * turn
+    count, index, found = len(weight), dr.opaque(kinds.Float, eta), []  # one kernel for all indices
+    rows = np.column_stack([w, *(np.broadcast_to(x, len(w)) for x in pair(alpha)[: 1 + two])])
+    for start in range(0, len(w), CHUNK):
+        part = rows[start : start + CHUNK].astype(np.float32).T
+        x, y, z, *own = (dr.repeat(kinds.Float(np.ascontiguousarray(row)), count) for row in part)
+        nodes = (kinds.Float(node.astype(np.float32)) for node in (turn, height, weight))
+        u, v, share = (dr.tile(node, part.shape[1]) for node in nodes)
+        wi, width = kinds.Array3f(x, y, z), Widths(*own) if two else own[0]
+        cap = microfacet.stretched(wi, width)
+        m = microfacet.cap_normal(cap, width, v * (1 + cap.z) - cap.z, u / (2 * math.pi))
+        m = dr.normalize(m)
+        facing = dr.clip(dr.dot(wi, m), 0, 1)
+        reflectance, inside = fresnel.dielectric(facing, index, DRJIT)
+        below = (
+            wi / index - (facing / index - dr.maximum(inside, 0)) * m
+        )  # the refracted, turned up
+        mirrored = share * _masking(2 * facing * m - wi, width)
+        passed = share * (1 - reflectance) * _masking(below, width)
+        terms = mirrored * reflectance, passed, mirrored, passed * below.z
+        sums = [dr.block_sum(term, count) for term in terms]
+        dr.eval(sums)
+        found.append([x.numpy() for x in sums])
+    return np.concatenate(found, axis=1)
+
+
+def _masking(w: Any, alpha: Any) -> Any:
+    """Smith masking of directions; zero below the horizon."""
+    above = type(w)(w.x, w.y, dr.maximum(w.z, 1e-6))
+    return dr.select(w.z > 0, microfacet.smith_g1(above, alpha), 0)
 
 
 @functools.cache
-def facet_nodes(
-    azimuths: int = AZIMUTHS, heights: int = HEIGHTS
-) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def facet_nodes(azimuths: int, heights: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Azimuths in [0, 2 pi) and heights in (0, 1) of the quadrature over visible facets (K,), and
     their weights (K,), of sum one.
 
@@ -256,65 +270,3 @@ def facet_nodes(
     turn = (np.tile(np.arange(azimuths), heights) + shift) * (2 * np.pi / azimuths)
     root = (row + 0.5) / heights
     return turn, root * root, root / root.sum()
-
-
-class Facets(NamedTuple):
-    """K facets that are seen from N directions."""
-
-    seen: np.ndarray  # (N, 1) cosines of the directions
-    cosine: np.ndarray  # (N, K) of facet and direction
-    z: np.ndarray  # (N, K) of the facets' normals
-    masking: np.ndarray  # (N, K) of the reflected directions
-    weight: np.ndarray  # (K,) of the facets, of sum one
-
-
-def visible_facets(
-    alpha: float | Widths,
-    cosine: np.ndarray,
-    azimuth: float | None = None,
-    sizes: tuple[int, int] = (AZIMUTHS, HEIGHTS),
-) -> Facets:
-    """The facets of a GGX surface seen from directions of given cosines (N,).
-
-    azimuth: of the directions; None: 0, where one half of the facets mirrors the other and is left
-        out. sizes: of `facet_nodes`.
-    """
-    turn, height, weight = facet_nodes(*sizes)
-    turn, angle = (0.5 * turn, 0.0) if azimuth is None else (turn, azimuth)
-    sine, cosine = np.sqrt(1 - cosine**2)[:, None], cosine[:, None]
-    wi = Components(sine * np.cos(angle), sine * np.sin(angle), cosine)
-    return Facets(cosine, *facets_at(wi, alpha, height, turn / (2 * np.pi)), weight)
-
-
-def facets_at(
-    wi: Components, alpha: Any, height: np.ndarray, turn: np.ndarray
-) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Cosines of wi and z of facet normals visible from wi, and the masking of reflected light.
-
-    height, turn: in [0, 1], places of the facets on the spherical cap of visible normals, which
-        has an equal density (Dupuy and Benyoub 2023). All arrays broadcast.
-    """
-    cap = microfacet.stretched(wi, alpha, NUMPY)
-    m = microfacet.cap_normal(cap, alpha, height * (1 + cap.z) - cap.z, turn, NUMPY)
-    m = NUMPY.normalized(m)
-    facing = np.clip(wi.x * m.x + wi.y * m.y + wi.z * m.z, 0, 1)
-    wo = Components(*(2 * facing * b - a for a, b in zip(wi, m, strict=True)))
-    return facing, m.z, _masking(wo, alpha)
-
-
-def _albedos(facets: Facets, alpha: float, eta: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Shares (N,) of light reflected and passed by facets; mean cosine of the passed light."""
-    with np.errstate(invalid="ignore", divide="ignore"):
-        reflectance, cos_t = fresnel.dielectric(facets.cosine, eta, NUMPY)
-    below = (facets.seen - facets.cosine * facets.z) / eta + cos_t * facets.z
-    sine = np.sqrt(np.maximum(1 - below * below, 0))
-    share = (1 - reflectance) * _masking(Components(sine, 0.0, below), alpha)
-    passed = share @ facets.weight
-    inside = ((share * below) @ facets.weight) / np.maximum(passed, 1e-12)
-    return (reflectance * facets.masking) @ facets.weight, passed, inside
-
-
-def _masking(w: Components, alpha: float | Widths) -> np.ndarray:
-    """Smith masking of directions; zero below the horizon."""
-    above = w._replace(z=np.maximum(w.z, 1e-9))
-    return np.where(w.z > 0, microfacet.smith_g1(above, alpha, NUMPY), 0.0)

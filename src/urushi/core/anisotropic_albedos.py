@@ -11,24 +11,19 @@ import math
 from collections.abc import Callable
 from typing import Any
 
-import drjit as dr
 import numpy as np
 
 from urushi.checks import MIN_ALPHA, Widths
-from urushi.core import albedos, fresnel, microfacet
-from urushi.core.albedos import AZIMUTHS, BELOW, COSINES, FINE, HEIGHTS
-from urushi.core.backend import backend
+from urushi.core import albedos
+from urushi.core.albedos import BELOW, COSINES
 from urushi.core.microfacet import pair
-from urushi.core.namespace import DRJIT, NUMPY, Components, Namespace
+from urushi.core.namespace import NUMPY, Components, Namespace
 
 #: Nodes of the quotient and of the azimuth.
 QUOTIENTS, TURNS = 12, 9
 
 #: Every how many nodes of the index below one and from one have tables of two widths.
 STEPS = 4, 3
-
-#: Directions at a time: bounds memory.
-CHUNK = 1 << 16
 
 
 def indexnodes() -> np.ndarray:
@@ -108,7 +103,7 @@ def _tables(etas: np.ndarray, quotients: np.ndarray, alphas: np.ndarray) -> albe
         sine = np.sqrt(1 - cosine**2)
         q, large, x2, z = np.broadcast_arrays(*(x[..., None] for x in (*grid[:2], cos2)), cosine)
         w = np.stack([sine * np.sqrt(x2), sine * np.sqrt(1 - x2), z], -1).reshape(-1, 3)
-        both = shares(w, Widths(large.ravel(), (large / q).ravel()), index)
+        both = albedos.shares(w, Widths(large.ravel(), (large / q).ravel()), index)[:2]
         found.append([x.reshape(q.shape) for x in both])
     reflected, passed = np.moveaxis(np.array(found), 1, 0)
     means = (
@@ -133,10 +128,14 @@ def _hemisphere_mean(
 def surface_loss(
     widths: Widths, eta: float, mirrored: float = 0.0
 ) -> tuple[Callable[[np.ndarray], np.ndarray], float]:
-    """`albedos.surface_loss` of any widths: its function takes directions (N, 3)."""
-    if widths.u == widths.v:
-        loss, mean = albedos.surface_loss(widths.u, eta, mirrored)
-        return lambda w: loss(w[:, 2]), mean
+    """The share of light that a coat's surface loses over a white base.
+
+    mirrored: share of the base's light that it mirrors; the other is Lambertian.
+
+    Returns:
+        The share, a function of directions (N, 3), and its cosine-weighted mean; 0 for an index of
+        1.
+    """
     if eta == 1:
         return lambda w: np.zeros(len(w)), 0.0
     large, small = max(pair(widths)), min(pair(widths))
@@ -144,47 +143,18 @@ def surface_loss(
         _tables(np.array([index]), np.array([large / small]), np.array([large]))
         for index in (eta, 1 / eta)
     )
-    inside = albedos.leaving_share(below, mirrored, lambda table: float(table[0, 0, 0]))
+    passed, reflected = (
+        (1 - mirrored) * diffuse.item() + mirrored * entered.item()
+        for diffuse, entered in (
+            (below.passed_mean, below.passed_entered),
+            (below.reflected_mean, below.reflected_entered),
+        )
+    )
+    inside = passed / (1 - reflected)  # of the light that enters, what leaves at last
     mean = 1 - above.reflected_mean.item() - inside * above.passed_mean.item()
 
     def lost(w: np.ndarray) -> np.ndarray:
-        reflected, passed = shares(w, widths, eta)
+        reflected, passed = albedos.shares(w, widths, eta)[:2]
         return np.clip(1 - reflected - inside * passed, 0, 1)
 
     return lost, mean
-
-
-def shares(w: np.ndarray, widths: Widths, eta: float) -> np.ndarray:
-    """Shares (2, N) of the light from directions w (N, 3) that one facet reflects and passes.
-
-    widths: numbers or arrays (N,).
-    """
-    kinds = backend()
-    azimuths, heights = FINE if eta < 1 else (AZIMUTHS, HEIGHTS)
-    nodes = [x.astype(np.float32) for x in albedos.facet_nodes(azimuths * 5 // 8, heights * 5 // 8)]
-    count, found = len(nodes[0]), []
-    rows = np.column_stack([w, *(np.broadcast_to(x, len(w)) for x in pair(widths))])
-    for start in range(0, len(w), CHUNK):
-        part = rows[start : start + CHUNK].astype(np.float32).T
-        x, y, z, u, v = (dr.repeat(kinds.Float(np.ascontiguousarray(row)), count) for row in part)
-        turn, height, weight = (dr.tile(kinds.Float(node), part.shape[1]) for node in nodes)
-        wi, alpha = kinds.Array3f(x, y, z), Widths(u, v)
-        cap = microfacet.stretched(wi, alpha)
-        m = microfacet.cap_normal(cap, alpha, height * (1 + cap.z) - cap.z, turn / (2 * math.pi))
-        m = dr.normalize(m)
-        facing = dr.clip(dr.dot(wi, m), 0, 1)
-        reflectance, inside = fresnel.dielectric(facing, eta, DRJIT)
-        below = wi / eta - (facing / eta - dr.maximum(inside, 0)) * m  # the refracted, turned up
-        leaving = (2 * facing * m - wi, reflectance), (below, 1 - reflectance)
-        sums = [
-            dr.block_sum(weight * share * _masking(out, alpha), count) for out, share in leaving
-        ]
-        dr.eval(sums)
-        found.append([x.numpy() for x in sums])
-    return np.concatenate(found, axis=1)
-
-
-def _masking(w: Any, alpha: Widths) -> Any:
-    """Smith masking of directions; zero below the horizon."""
-    above = type(w)(w.x, w.y, dr.maximum(w.z, 1e-6))
-    return dr.select(w.z > 0, microfacet.smith_g1(above, alpha), 0)

@@ -7,12 +7,13 @@ interpolated between widths.
 """
 
 import functools
+from typing import Any
 
 import numpy as np
 
 from urushi.checks import MIN_ALPHA
-from urushi.core.albedos import facets_at
-from urushi.core.namespace import Components
+from urushi.core import microfacet
+from urushi.core.namespace import NUMPY, Components
 from urushi.material.albedo_rule import AlbedoRule
 from urushi.nets import lobe as lobes
 
@@ -73,7 +74,7 @@ def anisotropic_albedos(lobe: np.ndarray, wi: np.ndarray) -> np.ndarray:
     for start in range(0, len(lobe), ANISOTROPIC_BLOCK):
         part = slice(start, start + ANISOTROPIC_BLOCK)
         rows = lobe[part].astype(np.float32)[:, None, None, None]
-        cosine, _, masking = facets_at(directions, lobes.width(rows), height, turn)
+        cosine, masking = _facets_at(directions, lobes.width(rows), height, turn)
         reflected = lobes.reflectance(rows, cosine)
         result[part] = (weights * masking * reflected).sum((-2, -1))
     return result
@@ -104,10 +105,10 @@ def _rule_of_width(width: int, cosines: bytes, nodes: int) -> np.ndarray:
     share = width / (WIDTHS - 1)
     alpha = (MIN_ALPHA**0.5 * (1 - share) + share) ** 2
     at = np.frombuffer(cosines)[:, None, None]
-    return gauss_rule(*_facets(alpha, at), nodes).astype(np.float32)
+    return gauss_rule(*facets_seen(alpha, at), nodes).astype(np.float32)
 
 
-def _facets(alpha: float, cosine: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def facets_seen(alpha: float, cosine: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Cosines (D, M) to facets, and weights (D, M) that integrate F(c) f cos over the hemisphere.
 
     cosine: (D, 1, 1) of the direction. The facets lie evenly on the spherical cap of visible
@@ -116,9 +117,26 @@ def _facets(alpha: float, cosine: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     nodes, shares = np.polynomial.legendre.leggauss(FINE)
     place = 0.5 * (nodes + 1)
     wi = Components(np.sqrt(1 - cosine * cosine), 0.0, cosine)
-    to_facet, _, masking = facets_at(wi, alpha, place, 0.5 * place[:, None])  # half of a turn
+    to_facet, masking = _facets_at(wi, alpha, place, 0.5 * place[:, None])  # half of a turn
     weight = 0.25 * shares[:, None] * shares * masking
     return to_facet.reshape(len(cosine), -1), weight.reshape(len(cosine), -1)
+
+
+def _facets_at(
+    wi: Components, alpha: Any, height: np.ndarray, turn: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Cosines of wi to facet normals visible from it, and the masking of reflected light.
+
+    height, turn: in [0, 1], places of the facets on the cap, which has an equal density. All arrays
+        broadcast.
+    """
+    cap = microfacet.stretched(wi, alpha, NUMPY)
+    m = microfacet.cap_normal(cap, alpha, height * (1 + cap.z) - cap.z, turn, NUMPY)
+    m = NUMPY.normalized(m)
+    facing = np.clip(wi.x * m.x + wi.y * m.y + wi.z * m.z, 0, 1)
+    x, y, z = (2 * facing * b - a for a, b in zip(wi, m, strict=True))
+    masking = microfacet.smith_g1(Components(x, y, np.maximum(z, 1e-9)), alpha, NUMPY)
+    return facing, np.where(z > 0, masking, 0.0)
 
 
 def gauss_rule(x: np.ndarray, weights: np.ndarray, nodes: int) -> np.ndarray:

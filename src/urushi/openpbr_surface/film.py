@@ -15,7 +15,7 @@ import numpy as np
 from urushi.checks import Widths
 from urushi.core import albedos, fresnel, microfacet
 from urushi.core.namespace import DRJIT
-from urushi.material.lobe_albedo import gauss_rule
+from urushi.material.lobe_albedo import facets_seen, gauss_rule
 from urushi.mitsuba.interface_albedo import InterfaceAlbedo, Interpolated, coordinates
 from urushi.openpbr_surface import formulas, thin_film
 from urushi.openpbr_surface.inputs import Inputs
@@ -190,9 +190,8 @@ def rules() -> tuple[np.ndarray, np.ndarray]:
     light = albedos.hemisphere_mean(np.eye(len(cosine)))[:, None]
     found = []
     for alpha in alphas:
-        facets = albedos.visible_facets(alpha, cosine)
-        weight = facets.masking * facets.weight
-        pairs = (facets.cosine, weight), (facets.cosine.ravel(), (weight * light).ravel())
+        facets, weight = facets_seen(alpha, cosine[:, None, None])
+        pairs = (facets, weight), (facets.ravel(), (weight * light).ravel())
         both = [
             gauss_rule(np.atleast_2d(x), np.atleast_2d(w / w.sum(-1, keepdims=True)), NODES)
             for x, w in pairs

@@ -12,7 +12,7 @@ import numpy as np
 
 from urushi.checks import Widths
 from urushi.core import albedos
-from urushi.core.albedos import between_nodes, hemisphere_mean, indexnodes, nodes, visible_facets
+from urushi.core.albedos import between_nodes, hemisphere_mean, indexnodes, mirror_shares, nodes
 from urushi.core.namespace import DRJIT
 from urushi.mitsuba.interface_albedo import Interpolated, coordinates
 from urushi.openpbr_surface import formulas
@@ -38,8 +38,7 @@ def mirror_tables() -> tuple[np.ndarray, np.ndarray]:
     The second table (ROUGHNESSES,) is their cosine-weighted mean.
     """
     alphas, cosine = nodes()
-    facets = [visible_facets(alpha, cosine) for alpha in alphas]
-    albedo = np.stack([x.masking @ x.weight for x in facets])
+    albedo = np.stack([mirror_shares(cosine, alpha) for alpha in alphas]).astype(np.float64)
     return albedo.astype(np.float32), hemisphere_mean(albedo).astype(np.float32)
 
 
@@ -56,8 +55,8 @@ def anisotropic_tables() -> tuple[np.ndarray, np.ndarray]:
     for i, ratio in enumerate(np.linspace(0, MOST, ANISOTROPIES)):
         for j, alpha in enumerate(alphas):
             widths = Widths(alpha * (1 + ratio), alpha * (1 - ratio))
-            facets = [visible_facets(widths, cosine, azimuth) for azimuth in _FITTED]
-            albedo[i, j] = (fit @ np.stack([x.masking @ x.weight for x in facets])).T
+            around = [mirror_shares(cosine, widths, azimuth) for azimuth in _FITTED]
+            albedo[i, j] = (fit @ np.stack(around)).T
     mean = hemisphere_mean(albedo[..., 0])
     return albedo.astype(np.float32), mean.astype(np.float32)
 
