@@ -25,7 +25,7 @@ class Group:
         distribution: of the stacks' parameters.
         stacks: number of stacks.
         probed: numbers of coats, each at least one. For each number the lowest coats over the
-            bottom are simulated at the probe pairs too, as input of the encoder.
+            bottom are simulated at the probe pairs too, for codes of them.
     """
 
     name: str

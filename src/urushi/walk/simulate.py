@@ -2,7 +2,7 @@
 
 The option `energy_compensation` of coats gives light back that a rough surface loses. A surface
 scatters light once; light that meets a second facet is lost. L(w) is the share that the topmost
-surface loses over a white base (`core.albedos.surface_loss`). The lobe
+surface loses over a white base (`core.anisotropic_albedos.surface_loss`). The lobe
 C L(wi) L(wo) / (pi L_mean) gives it back (Kulla and Conty 2017). C is the colour of coat and
 bottom. A mirror loses less than a Lambertian base: its light leaves the coat as steeply as it
 entered. The plugins have the same lobe (`mitsuba.plugins.estimates`).
