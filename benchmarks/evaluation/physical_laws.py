@@ -1,4 +1,7 @@
-"""Laws of physics that networks' materials should keep, each measured by one figure."""
+"""Laws of physics that materials should keep, each measured by one figure.
+
+The materials are those of constants, which have tables by light transport.
+"""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -11,6 +14,7 @@ from benchmarks.evaluation.samples import Group, Samples
 from urushi.checks import CoatParameters
 from urushi.core import error_metrics
 from urushi.material import Material
+from urushi.material.layer import layer_material
 from urushi.nets.weights import Model
 from urushi.train.distribution import Extended
 
@@ -56,7 +60,7 @@ class Figure:
 def measure(
     model: Model, sets: Mapping[str, Samples], materials: Mapping[str, list[Material]]
 ) -> list[Figure]:
-    """All laws, on the networks' `materials` of the groups and on stacks of this module."""
+    """All laws, on the `materials` of the groups and on stacks of this module."""
     return [
         *reciprocity_and_sign(sets, materials),
         *albedo_excess(sets, materials),
@@ -115,7 +119,9 @@ def white_albedo(model: Model) -> Figure:
             wi, wo = sampling.draw_pairs(group)
             nothing = np.zeros(wi.shape[:2], np.float32)
             white = Samples(table, wi, wo, nothing, nothing)
-            largest = max(largest, float(_albedo(predict.materials(model, white)).max()))
+            largest = max(
+                largest, float(_albedo(predict.materials(model, white, how="table")).max())
+            )
     return Figure("largest albedo of stacks that absorb nothing", 100 * largest, "%", 100)
 
 
@@ -125,8 +131,8 @@ def vanishing_coat(model: Model, sets: Mapping[str, Samples]) -> Figure:
     for samples in sets.values():
         if samples.table.coats:
             continue
-        bottoms = predict.material(model, samples)
-        coated = predict.split(predict.coated(VANISHING, bottoms))
+        bottoms = predict.material(model, samples, how="table")
+        coated = predict.split(layer_material(VANISHING, bottoms))
         f_hat = predict.evaluate(coated, samples.wi, samples.wo)
         errors.append(sampling.stack_errors(f_hat, samples))
     mean = float(np.concatenate(errors).mean()) if errors else 0.0
@@ -144,7 +150,7 @@ def absorption(model: Model, stacks: int = 16) -> list[Figure]:
         table, (wi, wo) = sampling.draw_stacks(group), sampling.draw_pairs(group)
         nothing = np.zeros(wi.shape[:2], np.float32)
         bare = Samples(sampling.lowest(table, 0), wi, wo, nothing, nothing)
-        bottoms = predict.material(model, bare)
+        bottoms = predict.material(model, bare, how="table")
         coat = {
             name: getattr(table, name)[:, 0].astype(np.float64) for name in CoatParameters._fields
         }
@@ -154,7 +160,7 @@ def absorption(model: Model, stacks: int = 16) -> list[Figure]:
         for sigma_a in ABSORPTION:
             coat["sigma_t"] = scattering + sigma_a
             coat["albedo"] = scattering / np.maximum(coat["sigma_t"], 1e-9)
-            materials = predict.split(predict.coated(CoatParameters(**coat), bottoms))
+            materials = predict.split(layer_material(CoatParameters(**coat), bottoms))
             values.append(predict.evaluate(materials, wi, wo).astype(np.float64))
             albedos.append(_albedo(materials))
         f = np.stack(values)

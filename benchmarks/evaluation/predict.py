@@ -46,14 +46,9 @@ def material(model: Model, samples: Samples, encoded: int = 0, *, how: str = "co
     for index in reversed(range(samples.table.coats - encoded)):
         coat = coats_at(samples.table, index)
         if how == "code" and index == 0:
-            return coated(coat, found)
+            return Material(transported_codes(coat, found), model)
         found = layer_material(coat, found, fast=how == "network")
     return found if how == "table" else replace(found, table=None)
-
-
-def coated(coat: CoatParameters, bottom: Material) -> Material:
-    """The codes of a material under a coat, by light transport."""
-    return Material(transported_codes(coat, bottom), bottom.model)
 
 
 def _lower(model: Model, samples: Samples, encoded: int, exact: bool) -> Material:

@@ -133,11 +133,13 @@ def measure(
     rows: tuple[Row, ...] = ROWS,
 ) -> Result:
     """All figures of networks on the groups' sets."""
-    errors = measure_errors(partial(predict.materials, model), sets, groups=groups, rows=rows)
+    predicted = partial(predict.materials, model)
+    errors = measure_errors(predicted, sets, groups=groups, rows=rows)
+    exact = {name: predicted(sets[name], how="table") for name in errors.materials}
     return Result(
         fingerprint=model.fingerprint,
         rows=errors.rows,
-        laws=physical_laws.measure(model, sets, errors.materials),
+        laws=physical_laws.measure(model, sets, exact),
         parameters=parameters(model),
         errors=errors.stacks,
     )

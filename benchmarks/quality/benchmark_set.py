@@ -44,7 +44,7 @@ E_ERROR, P_ERROR, ALBEDO_ERROR = 0.003, 0.003, 0.0015
 #: pairs in dark tails would take most of the time without changing the median of P.
 PILOT_WALKS, MAX_WALKS, MAX_P_WALKS = 2048, 1 << 22, 1 << 16
 
-#: Noise, as P, of the simulated values that codes are solved from; about equal to `urushi.encode`'s.
+#: Noise, as P, of the simulated values that codes are solved from; about that of `urushi.encode`.
 PROBE_ERROR = 0.005
 
 #: Number of walks of the pilot run for each of the 1536 nodes of the albedo's quadrature.

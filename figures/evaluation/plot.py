@@ -10,6 +10,8 @@ from figures.evaluation.compute import FOLDER
 #: Rows of the README's table.
 FIRST = (
     "layer two interfaces, Table 2",
+    "  by tables",
+    "  by the network",
     "layer three interfaces",
     "layer six interfaces",
     "encode simulated stacks",
@@ -30,7 +32,9 @@ def tables(found: dict[str, Any]) -> list[str]:
         [name, quantiles(row["E"]), quantiles(row["P"], ("median",))] for name, row in rows.items()
     ]
     return [
-        page.table(["networks on held-out stacks", "mean / median, or value"], first + broken),
+        page.table(
+            ["codes on held-out stacks", "mean / median, or value"], indented(first + broken)
+        ),
         page.table(["task of the networks", "E mean / median / p95", "P median"], indented(errors)),
         page.table(["law", "value", "kept"], indented([row_of(law) for law in laws])),
     ]
