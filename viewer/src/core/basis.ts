@@ -113,7 +113,7 @@ export class Basis {
           const end = bounds[term + 1];
           let sum = 0;
           for (let k = bounds[term]; k < end; k++) sum += rows[at + k] * numbers[k];
-          logs[node * stride + channel * terms + term] = terms === 1 ? clampedLog(sum) : sum;
+          logs[node * stride + channel * terms + term] = sum;
         }
     });
     const table = { logs, besideLobe: true, isOfCodes: true };

@@ -30,7 +30,7 @@ test("Appearance, thickness and energy compensation are written as they were giv
   const coats = [{ ...top, ...look }];
   const material = { ...STACK, coats, energyCompensation: true };
   expect(pythonText(material)).toContain(
-    "urushi.coat(material, alpha=0.03, ior=1.53, color=(0.9, 0.6, 0.3), body=0.1, body_color=0.8, g=0, thickness=2, energy_compensation=True)",
+    "urushi.layer(urushi.dielectric(alpha=0.03, ior=1.53), material, color=(0.9, 0.6, 0.3), body=0.1, body_color=0.8, g=0, thickness=2, energy_compensation=True, fast=True)",
   );
   const xml = mitsubaXml(material);
   expect(xml).toContain('<rgb name="color" value="0.9, 0.6, 0.3"/>');
