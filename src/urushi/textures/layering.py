@@ -50,7 +50,8 @@ def layer_rows(model: Model, rows: np.ndarray) -> np.ndarray:
     none = absent(coat)
     if none.any():
         codes = np.array(z)
-        codes[~none] = layer_rows(model, rows[~none])
+        if not none.all():
+            codes[~none] = layer_rows(model, rows[~none])
         return codes
     count, size = TRANSPORTED[model.widths], model.arch.lobe
     if len(z) <= count:
