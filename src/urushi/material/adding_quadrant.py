@@ -10,7 +10,6 @@ import functools
 from collections.abc import Sequence
 
 import numpy as np
-from scipy.linalg import lu_factor, lu_solve
 
 from urushi.checks import Widths
 from urushi.core.microfacet import pair
@@ -170,15 +169,11 @@ def seen_inside(bottom: np.ndarray, interface: np.ndarray, medium: Sequence[floa
         if scattered[:, k].any():  # isotropic scattering is even
             reflected, passed = (part[k] * own for part in scattered)
             once, bare = np.diag(through) + passed, bottom[k] * own
-            up = once @ bare @ _solved(one - reflected @ bare, once) + reflected
-        more[k] = _solved(one - up @ (interface[k] * own), up / own) - direct
+            up = once @ bare @ np.linalg.solve(one - reflected @ bare, once) + reflected
+        more[k] = np.linalg.solve(one - up @ (interface[k] * own), up / own) - direct
 
     run_all_cores(solve, range(4))
     return np.tensordot(np.float32(PARTS / 4), more, 1)
-
-
-def _solved(a: np.ndarray, b: np.ndarray) -> np.ndarray:
-    return lu_solve(lu_factor(a, overwrite_a=True, check_finite=False), b, check_finite=False)
 
 
 class Table:
