@@ -18,7 +18,7 @@ TINY = Preset(
     data=TableSpec(stacks=60, coats=2, probes=64, seed=5, shard=20),
     schedule=Schedule(8, 4, 1e-3, average=0.9, steps_per_call=4, checkpoint_every=4),
     batch=16,
-    arch=Architecture(functions=4, probes=64, layerer=(8, 8)),
+    arch=Architecture(functions=4, probes=64, layerer=(8, 8), crossing=24),
 )
 
 

@@ -9,6 +9,7 @@ from urushi.nets import basis as bases
 from urushi.nets import layerer
 from urushi.nets import lobe as lobes
 from urushi.nets.basis import Basis
+from urushi.nets.first_crossing import FirstCrossing
 from urushi.train import layering, training
 
 
@@ -19,8 +20,8 @@ def basis(tiny, store) -> Basis:
 
 
 @pytest.fixture(scope="module")
-def found(basis, store):
-    return layering.layerings(basis, store)[0]
+def found(tiny, basis, store):
+    return layering.layerings(basis, tiny.arch, store)[0]
 
 
 def test_examples_are_the_codes_of_the_data(basis, store, found):
@@ -48,19 +49,26 @@ def test_the_error_of_a_code_is_that_of_its_light(basis, found):
     np.testing.assert_allclose(size, 0.01 * np.sqrt(share + floor), rtol=1e-3)
 
 
-def test_the_untrained_network_keeps_codes(tiny, found):
+@pytest.fixture(scope="module")
+def crossing(tiny, basis) -> FirstCrossing:
+    return FirstCrossing.of(basis, tiny.arch.crossing)
+
+
+def test_the_untrained_network_keeps_the_first_crossing(tiny, found, crossing):
     params = layering.fresh(tiny.arch, 0)
-    z = layerer.layer(params, tiny.arch, found.bottom, CoatParameters(*found.coat.T))
-    np.testing.assert_allclose(z[:, 6:], found.bottom[:, 6:], atol=1e-6)
+    coat = CoatParameters(*found.coat.T)
+    z = layerer.layer(params, tiny.arch, found.bottom, coat, crossing)
+    np.testing.assert_allclose(z[:, 6:], found.start, atol=1e-5)
 
 
-def test_the_network_of_jax_is_that_of_numpy(tiny, found):
+def test_the_network_of_jax_is_that_of_numpy(tiny, found, crossing):
     rng = np.random.default_rng(0)
     params = {
         name: 0.3 * rng.standard_normal(x.shape).astype(np.float32)
         for name, x in layering.fresh(tiny.arch, 0).items()
     }
-    z = layerer.layer(params, tiny.arch, found.bottom, CoatParameters(*found.coat.T))
+    coat = CoatParameters(*found.coat.T)
+    z = layerer.layer(params, tiny.arch, found.bottom, coat, crossing)
     away = (found.root @ (z[:, 6:] - found.code)[..., None])[..., 0]
     moved = layering.Layerings(*map(jnp.asarray, found))
     squares = np.asarray(layering.squares(params, tiny.arch, moved))
@@ -69,12 +77,11 @@ def test_the_network_of_jax_is_that_of_numpy(tiny, found):
 
 def test_bottoms_without_a_rest_count_as_dark_ones(tiny, found):
     """The gain of no rest would be far outside the range of the network's inputs."""
-    params = layering.fresh(tiny.arch, 0)
-    bottom = found.bottom[:1].copy()
-    bottom[0, 6:] = 0
-    bottom[0, 6] = bases.EMPTY_GAIN
-    z = layerer.layer(params, tiny.arch, bottom, CoatParameters(*found.coat[:1].T))
-    assert z[0, 6] == layerer.LEAST_GAIN
+    bottom = np.repeat(found.bottom[:1], 2, axis=0)
+    bottom[:, 6:] = 0
+    bottom[:, 6] = bases.EMPTY_GAIN, layerer.LEAST_GAIN
+    none, dark = layerer.start(tiny.arch, bottom, CoatParameters(*found.coat[:2].T), None)
+    np.testing.assert_array_equal(none, dark)
 
 
 def test_batches_do_not_depend_on_the_division_into_steps(found):

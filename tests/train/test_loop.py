@@ -105,7 +105,7 @@ def test_metrics_are_those_of_the_written_weights(whole, tiny, store):
     """Of stacks that are held out: the network's errors, by its own parameters."""
     model = whole[0]
     basis = Basis.of(*(model.params[f"basis.{name}"] for name in ("rows", "measure", "prior")))
-    found, stacks = layering.layerings(basis, store)
+    found, stacks = layering.layerings(basis, tiny.arch, store)
     hidden = found.taken(stacks % training.HELD_OUT == 0)
     figures = training.measure(model.params, tiny, hidden)
     told = {name: model.header["metrics"][name] for name in figures}

@@ -15,6 +15,7 @@ from urushi.nets import lobe as lobes
 from urushi.nets.basis import Basis
 from urushi.nets.code_fit import solve_codes, solve_stretched
 from urushi.nets.features import COAT_FEATURES
+from urushi.nets.first_crossing import FirstCrossing
 from urushi.nets.lobe import LOBE_FEATURES, NUMBERS
 from urushi.nets.lobe_fit import fit_lobes
 from urushi.nets.mlp import POLYNOMIALS, Params, shapes_of
@@ -31,6 +32,8 @@ class Architecture:
         layerer: widths of its hidden layers, at least one.
         activation: one of `mlp.POLYNOMIALS`, for all hidden layers.
         widths: GGX widths of a surface.
+        crossing: number of the pairs of the first crossing, from which the layering network begins;
+            0, and with two widths: it begins from the bottom.
         azimuthal: of two widths, the numbers of functions, the last ones, that are multiplied by
             each of the factors of `core.stretched`.
     """
@@ -41,6 +44,7 @@ class Architecture:
     activation: str = "silu7"
     widths: int = 1
     azimuthal: tuple[int, ...] = ()
+    crossing: int = 0
 
     def __post_init__(self) -> None:
         if self.widths not in NUMBERS:
@@ -51,6 +55,11 @@ class Architecture:
                     f"architecture's {name} is {getattr(self, name)!r}; it must be a positive "
                     "integer"
                 )
+        if self.crossing not in range(1 << 16) or (self.crossing and self.widths == 2):
+            raise ParameterError(
+                f"architecture's crossing is {self.crossing!r}; it must be 0 or, with one width, "
+                "a positive integer"
+            )
         if self.activation not in POLYNOMIALS:
             raise ParameterError(f"architecture's activation is unknown: {self.activation!r}")
         for name in ("layerer", "azimuthal"):
@@ -101,6 +110,7 @@ class Architecture:
             "proposal.overlap": (len(proposal.ALPHAS),),
         }
         inputs = self.rest + LOBE_FEATURES[self.widths] + COAT_FEATURES[self.widths]
+        inputs += self.crossing > 0
         return shapes | shapes_of("layerer", (inputs, *self.layerer, self.rest))
 
 
@@ -113,6 +123,7 @@ class Networks(NamedTuple):
     params: Params
     arch: Architecture
     basis: Basis | StretchedBasis
+    crossing: FirstCrossing | None = None
 
     @classmethod
     def of(cls, params: Params, arch: Architecture) -> "Networks":
@@ -122,7 +133,9 @@ class Networks(NamedTuple):
         )
         if arch.widths == 2:
             return cls(params, arch, StretchedBasis(rows, arch.factors, *parts))
-        return cls(params, arch, Basis.of(rows, *parts))
+        own = Basis.of(rows, *parts)
+        crossing = FirstCrossing.of(own, arch.crossing) if arch.crossing else None
+        return cls(params, arch, own, crossing)
 
     def pairs(self) -> tuple[np.ndarray, np.ndarray]:
         """The probe pairs wi, wo: float32 (P, 3)."""
@@ -167,7 +180,7 @@ class Networks(NamedTuple):
 
     def layer(self, z_bottom: Any, coat: CoatParameters) -> Any:
         """Codes (..., L) of bottoms under coats."""
-        return layerer.layer(self.params, self.arch, z_bottom, coat)
+        return layerer.layer(self.params, self.arch, z_bottom, coat, self.crossing)
 
     def f(self, z: Any, wi: Any, wo: Any) -> Any:
         """Values (...) [1/sr]: positive, and the same bits with wi and wo exchanged.

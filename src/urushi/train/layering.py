@@ -23,8 +23,10 @@ from urushi.core.table import SHAPE, corners, pair_coordinates
 from urushi.nets import code_fit, layerer
 from urushi.nets import lobe as lobes
 from urushi.nets.basis import Basis
+from urushi.nets.first_crossing import FirstCrossing
 from urushi.nets.mlp import Params
 from urushi.nets.networks import Architecture
+from urushi.parallel import fill_blocks
 from urushi.train.batches import shuffled
 from urushi.train.tables import TableStore
 
@@ -43,6 +45,7 @@ class Layerings(NamedTuple):
 
     bottom: np.ndarray  # float32 (N, L) codes
     coat: np.ndarray  # float32 (N, 5), `CoatParameters`
+    start: np.ndarray  # float32 (N, K), from which the network begins, see `layerer.start`
     code: np.ndarray  # float32 (N, K) of the coated material, without its lobe
     root: np.ndarray  # float32 (N, K, K), q(d) = |root d|^2
 
@@ -51,11 +54,11 @@ class Layerings(NamedTuple):
         return Layerings(*(x[rows] for x in self))
 
 
-def layerings(basis: Basis, store: TableStore) -> tuple[Layerings, np.ndarray]:
+def layerings(basis: Basis, arch: Architecture, store: TableStore) -> tuple[Layerings, np.ndarray]:
     """All examples of a store, and the numbers (N,) of their stacks."""
     held = store.read(("table", "lobe", "over", "coated", "stack"))
     logs = at_probes(held["table"], len(basis.measure))
-    found = examples(basis, held["lobe"], np.exp(logs), held["over"], np.exp(held["coated"]))
+    found = examples(basis, arch, held["lobe"], np.exp(logs), held["over"], np.exp(held["coated"]))
     return found, np.repeat(held["stack"], held["over"].shape[1])
 
 
@@ -66,7 +69,12 @@ def at_probes(tables: np.ndarray, count: int) -> np.ndarray:
 
 
 def examples(
-    basis: Basis, lobe: np.ndarray, rest: np.ndarray, coats: np.ndarray, coated: np.ndarray
+    basis: Basis,
+    arch: Architecture,
+    lobe: np.ndarray,
+    rest: np.ndarray,
+    coats: np.ndarray,
+    coated: np.ndarray,
 ) -> Layerings:
     """Examples of bottoms with lobes (M, L) and rests (M, P) under coats (M, C, 5).
 
@@ -87,7 +95,16 @@ def examples(
         form = code_fit.weighted_products(basis.probe_rows[:, 1:], weights)
         form += 1e-9 * np.eye(len(basis.prior))
         root[rows] = np.swapaxes(np.linalg.cholesky(form), 1, 2)
-    return Layerings(np.repeat(bottom, each, axis=0), flat.astype(np.float32), code, root)
+    bottom, over = np.repeat(bottom, each, axis=0), flat.astype(np.float32)
+    crossing = FirstCrossing.of(basis, arch.crossing) if arch.crossing else None
+    start = np.empty_like(code)
+    fill_blocks(
+        start,
+        lambda z, coat: layerer.start(arch, z, CoatParameters(*coat.T), crossing),
+        bottom,
+        over,
+    )
+    return Layerings(bottom, over, start, code, root)
 
 
 def solved(basis: Basis, lobe: np.ndarray, rest: np.ndarray) -> np.ndarray:
@@ -100,7 +117,7 @@ def solved(basis: Basis, lobe: np.ndarray, rest: np.ndarray) -> np.ndarray:
 
 
 def fresh(arch: Architecture, seed: int) -> dict[str, np.ndarray]:
-    """Untrained parameters "layerer.*", which change no code (He et al. 2015)."""
+    """Untrained parameters "layerer.*", which change no start (He et al. 2015)."""
     rng, last = np.random.default_rng(seed), f"layerer.{len(arch.layerer)}.weight"
     params = {}
     for name, shape in arch.parameter_shapes().items():
@@ -120,7 +137,7 @@ def loss(
 
 def squares(params: Params, arch: Architecture, batch: Layerings) -> Any:
     """q (N,) of the predicted codes."""
-    z = layerer.layer(params, arch, batch.bottom, CoatParameters(*batch.coat.T))
+    z = layerer.finished(params, arch, batch.bottom, CoatParameters(*batch.coat.T), batch.start)
     away = (batch.root @ (z[:, arch.lobe :] - batch.code)[..., None])[..., 0]
     return (away * away).sum(axis=-1)
 

@@ -57,7 +57,7 @@ def smoke() -> Preset:
         TableSpec(stacks=40, coats=2, probes=256, shard=10),
         schedule,
         batch=32,
-        arch=Architecture(functions=8, layerer=(32, 32)),
+        arch=Architecture(functions=8, layerer=(32, 32), crossing=64),
     )
 
 

@@ -77,7 +77,7 @@ def train(
     began = time.monotonic()
     params, codes, metrics = fitted_basis(preset, store)
     basis = Basis.of(*(params[f"basis.{name}"] for name in ("rows", "measure", "prior")))
-    found, stacks = layering.layerings(basis, store)
+    found, stacks = layering.layerings(basis, preset.arch, store)
     hidden = stacks % HELD_OUT == 0
     first = Checkpoint(
         "layering", 0, 0.0, start(layering.fresh(preset.arch, preset.seed), preset.schedule), {}

@@ -20,9 +20,9 @@ LOW, HIGH = [0.1, 1.2, 0.5, 0.1, -0.3, 0.1], [0.6, 2, 0.9, 1, 0.5, 0.6]
 CHANGES = np.array([0.1, 0.1, 0.1, 0.03, 0.1, 0.1])
 
 
-def make_model(widths: int, gain: float) -> Model:
+def make_model(widths: int, gain: float, crossing: int = 0) -> Model:
     """Networks whose layerer changes gains by a number: above 0 they gain energy."""
-    model = untrained(3, widths=widths)
+    model = untrained(3, widths=widths, crossing=crossing)
     params = dict(model.params)
     last = f"layerer.{len(model.arch.layerer)}.bias"
     params[last] = params[last] + gain * (np.arange(len(params[last])) == 0)
@@ -91,15 +91,16 @@ def differences(model, z, coat, dz, dcoat, step=1e-3, limited=True) -> np.ndarra
     ends = []
     for way in (step, -step):
         parameters = CoatParameters.of_columns((coat + way * dcoat).T)
-        codes = layerer.layer(double, model.arch, z + way * dz, parameters)
+        crossing = model.networks.crossing
+        codes = layerer.layer(double, model.arch, z + way * dz, parameters, crossing)
         ends.append(limit_albedo(model, codes.astype(np.float32)) if limited else codes)
     return (ends[0] - ends[1]) / (2 * step)
 
 
-@pytest.mark.parametrize("widths", (1, 2))
-def test_layering_against_differences(rgb, widths):
+@pytest.mark.parametrize(("widths", "crossing"), ((1, 0), (1, 40), (2, 0)))
+def test_layering_against_differences(rgb, widths, crossing):
     """Where nothing is limited, to single precision."""
-    model = make_model(widths, -20.0)
+    model = make_model(widths, -20.0, crossing)
     values = tuple(x.astype(np.float64) for x in inputs(model))
     expected = differences(model, *values, 1e-6, limited=False)
     np.testing.assert_allclose(pushed(rgb, model, *values), expected, rtol=2e-3, atol=1e-4)
@@ -128,10 +129,10 @@ def test_the_limit_follows_the_lobe(gaining):
         assert of_z[6] == pytest.approx(-1, abs=1e-3)  # the gain is given back
 
 
-@pytest.mark.parametrize("widths", (1, 2))
-def test_backward_is_the_transpose_of_forward(rgb, widths):
+@pytest.mark.parametrize(("widths", "crossing"), ((1, 0), (1, 40), (2, 0)))
+def test_backward_is_the_transpose_of_forward(rgb, widths, crossing):
     """<u, J v> = <J^T u, v>, to single precision."""
-    model = make_model(widths, 1.5)
+    model = make_model(widths, 1.5, crossing)
     z, coat, dz, dcoat = inputs(model)
     u = np.random.default_rng(2).normal(size=z.shape)
     forward = u * pushed(rgb, model, z, coat, dz, dcoat)

@@ -25,6 +25,7 @@ from urushi.mitsuba.networks.mlp import activate
 from urushi.mitsuba.recording import owned
 from urushi.nets import code_fit
 from urushi.nets.features import COATS, coat_columns
+from urushi.nets.first_crossing import FirstCrossing, crossed_log
 from urushi.nets.layerer import LEAST_GAIN
 from urushi.nets.lobe_fit_slopes import FITTED, fit_slopes
 from urushi.nets.mlp import linear
@@ -92,11 +93,10 @@ def layered(
     changes = [mi.Float(0)] * lobe
     for column, number in zip(*_OF_COAT[model.widths], strict=True):
         changes[number] = first[column]
-    rests = _columns(_layerer(model, own, finite, first))
-    changes += [_change(x + y) for x, y in zip(own[lobe:], rests, strict=True)]
+    changes += [_change(x) for x in _layerer(model, own, finite, first)]
     if outside.any():
         again = [x * move for x, move in zip(_rows(share), moves, strict=True)]
-        rests = _columns(_layerer(model, [dr.detach(x) for x in own], inside, again))
+        rests = _layerer(model, [dr.detach(x) for x in own], inside, again)
         changes[lobe:] = [x + _change(y) for x, y in zip(changes[lobe:], rests, strict=True)]
     none = absent(CoatParameters.of_columns(at))
     unlimited = model.networks.layer(below, CoatParameters.of_columns(at))
@@ -211,20 +211,47 @@ def _inside(coat: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return inside, share
 
 
-def _layerer(model: Model, below: Sequence, values: np.ndarray, moves: Sequence) -> "mi.TensorXf":
-    """The network's change (N, R) of the rests of codes `below`, at coats (K, N) that move."""
+def _layerer(model: Model, below: Sequence, values: np.ndarray, moves: Sequence) -> list:
+    """The rests (R columns) of codes `below` under coats (K, N) that move."""
     kind, size = lobes.ANY_LOBE._replace(widths=model.widths), model.arch.lobe
     columns = [value + move for value, move in zip(_rows(values), moves, strict=True)]
     coat = coat_columns(*CoatParameters.of_columns(columns), DRJIT)
-    inputs = *below[size:], *lobes.lobe_features(below[:size], kind)
-    x = stacked([*inputs, *COATS[model.widths].each(coat)], values.shape[1])
+    begun, crossing = below[size:], model.networks.crossing
+    inputs = [*lobes.lobe_features(below[:size], kind), *COATS[model.widths].each(coat)]
+    if crossing is not None:
+        inputs.insert(0, begun[0])
+        begun = _first_crossing(crossing, below[:size], begun, columns)
+    x = stacked([*begun, *inputs], values.shape[1])
     index, params = 0, model.params
     while (name := f"layerer.{index}") + ".weight" in params:
         if index:
             x = mi.TensorXf(activate(x.array, model.arch.activation), x.shape)
         values = linear(params, name, x.numpy())
         x, index = dr.custom(_Linear, x, values, params[f"{name}.weight"], ()), index + 1
-    return x
+    return [first + change for first, change in zip(begun, _columns(x), strict=True)]
+
+
+def _first_crossing(
+    crossing: FirstCrossing, lobe: Sequence, rest: Sequence, coat: Sequence
+) -> list:
+    """`FirstCrossing.codes` (K columns) of numbers (N)."""
+    count, eta = max(map(dr.width, [*rest, *coat])), coat[1]
+    numbers = stacked([*rest, eta], count)
+    codes, index = numbers.numpy()[:, :-1], numbers.numpy()[:, -1]
+    logs = np.empty((count, len(crossing.mean)), np.float32)
+    fill_blocks(logs, crossing.rest_logs, codes, index)
+    logs = dr.custom(_Linear, numbers, logs, crossing.slopes, (codes, index))
+    lane = dr.arange(mi.UInt32, logs.shape[0] * logs.shape[1])
+    row, pair = lane // logs.shape[1], lane % logs.shape[1]
+    wi, wo = (
+        dr.gather(mi.Vector3f, mi.Vector3f(np.ascontiguousarray(w.T)), pair)
+        for w in (crossing.wi, crossing.wo)
+    )
+    lobe, coat = ([dr.gather(mi.Float, x, row) for x in part] for part in (lobe, coat))
+    values = crossed_log(logs.array, lobe, coat, wi, wo, DRJIT)
+    values = mi.TensorXf(values, logs.shape)
+    found = (values.numpy() - crossing.mean) @ crossing.solution
+    return _columns(dr.custom(_Linear, values, found, crossing.solution, ()))
 
 
 def _columns(tensor: "mi.TensorXf") -> list:
