@@ -364,6 +364,9 @@ CONSTANTS: dict[str, str] = {
     "nets.basis": "EMPTY_GAIN",
     "nets.code_fit": "FIRST_FLOOR FLOOR KNEE DARK PRIOR ROUNDS LEAST_SHARE LEAST_REST",
     "nets.features": "COAT_FEATURES",
+    "nets.first_crossing": (
+        "NODES LEAST_AMPLITUDE LARGEST_AMPLITUDE LEAST_COSINE WIDENING FLOOR"
+    ),
     "nets.interface_fit": ("LEAST_ERROR GREATEST_ERROR TOLERANCE STEPS DAMPING LOWER UPPER METALS"),
     "nets.layerer": "LEAST_GAIN",
     "nets.lobe": "NO_LOBE LOBE_FEATURES NUMBERS COSINES VISIBLE",

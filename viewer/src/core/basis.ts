@@ -143,8 +143,13 @@ export class Basis {
     return texels;
   }
 
+  /** (K, K) inverse covariance of the codes of the training materials. */
+  get prior(): Float64Array {
+    return this.weights.prior;
+  }
+
   /** The functions (count, 1 + K) at pairs, times their factors, without a stretch. */
-  private functions(pairs: Pairs, count: number): Float64Array {
+  functions(pairs: Pairs, count: number): Float64Array {
     const { width } = this;
     const { rows, bounds } = this.weights;
     const values = new Float64Array(count * width);

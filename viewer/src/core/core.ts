@@ -35,7 +35,7 @@ export class NetworkCore extends Evaluation implements Core {
     const basis = new Basis(parameters, arch.lobe);
     super(arch, basis, new Proposals(proposal, arch.lobe));
     this.fingerprint = fingerprint;
-    this.layerer = new Layerer(arch, layerer, activationOf(arch.activation));
+    this.layerer = new Layerer(arch, basis, layerer, activationOf(arch.activation));
     this.energy = new EnergyLimit(basis, arch.lobe);
     this.surfaces = new SurfaceEncoder(basis, this.energy);
     this.measured = new MeasuredEncoder(basis, this.energy);

@@ -113,6 +113,16 @@ export const FEATURES = {
   COAT_FEATURES: { 1: 18, 2: 20 },
 } as const;
 
+/** Of `urushi.nets.first_crossing` of Python. */
+export const FIRST_CROSSING = {
+  NODES: 16,
+  LEAST_AMPLITUDE: -0.3333333333333333,
+  LARGEST_AMPLITUDE: 0.5,
+  LEAST_COSINE: 0.02,
+  WIDENING: 0.5,
+  FLOOR: 1e-08,
+} as const;
+
 /** Of `urushi.nets.interface_fit` of Python. */
 export const INTERFACE_FIT = {
   LEAST_ERROR: 0.002,

@@ -1,11 +1,14 @@
 /**
- * The layerer: from the code of a bottom and a coat to the code of the coated BRDF.
+ * The layerer: from the code of a bottom and a coat to the code of the coated BRDF. It begins from the
+ * first crossing if its weights were trained so, otherwise from the bottom.
  *
  * Coats outside the training data are moved into it; see `within_training` of Python's
  * `material.layer`.
  */
 
+import type { Basis } from "./basis";
 import type { CoatOfChannel } from "./features";
+import { FirstCrossing } from "./first_crossing";
 import { CHECKS, coatFeatures, coatFeatures2, FEATURES, LAYER, LAYERER, LOBE } from "./formulas";
 import type { Architecture, Layer } from "./layers";
 import { lobeFeatures } from "./lobe";
@@ -13,39 +16,47 @@ import { type Activation, Mlp } from "./mlp";
 
 export class Layerer {
   private readonly network: Mlp;
+  private readonly crossing: FirstCrossing | undefined;
 
   constructor(
     private readonly arch: Architecture,
+    basis: Basis,
     layers: readonly Layer[],
     activation: Activation,
   ) {
     this.network = new Mlp(layers, activation);
+    if (arch.crossing > 0) this.crossing = new FirstCrossing(basis, arch.crossing);
   }
 
   /** The codes of bottoms under coats, the same number of both. */
   layer(bottoms: readonly Float32Array[], coats: readonly CoatOfChannel[]): Float32Array[] {
     const { rest, lobe, widths } = this.arch;
+    const { crossing } = this;
     const ofLobe = LOBE.LOBE_FEATURES[widths];
-    const width = rest + ofLobe + FEATURES.COAT_FEATURES[widths];
+    const begun = rest + Number(crossing !== undefined);
+    const width = begun + ofLobe + FEATURES.COAT_FEATURES[widths];
     const inputs = new Float64Array(bottoms.length * width);
     bottoms.forEach((bottom, row) => {
       const at = row * width;
-      inputs.set(bottom.subarray(lobe), at);
-      inputs[at] = Math.max(inputs[at], LAYERER.LEAST_GAIN);
-      lobeFeatures(bottom, inputs, at + rest, widths);
+      const own = bottom.slice(lobe);
+      own[0] = Math.max(own[0], LAYERER.LEAST_GAIN);
+      inputs.set(crossing ? crossing.code(own, bottom, coats[row]) : own, at);
+      if (crossing) inputs[at + rest] = own[0];
+      lobeFeatures(bottom, inputs, at + begun, widths);
       const { alpha, alphaV, eta, albedo, sigmaT, g } = coats[row];
-      const place = at + rest + ofLobe;
+      const place = at + begun + ofLobe;
       if (widths === 1) coatFeatures(alpha, eta, albedo, sigmaT, g, inputs, place);
       else coatFeatures2(alpha, alphaV, eta, albedo, sigmaT, g, inputs, place);
     });
     const changes = this.network.evaluate(inputs, bottoms.length);
-    return bottoms.map((bottom, row) => {
-      const code = bottom.slice();
+    return bottoms.map((_, row) => {
       const across = widths === 2 ? [coats[row].alphaV] : [];
-      code.set([coats[row].alpha, 0, 0, 1, coats[row].eta, 0, ...across]);
-      code[lobe] = Math.max(code[lobe], LAYERER.LEAST_GAIN);
-      for (let k = 0; k < rest; k++) code[lobe + k] += changes[row * rest + k];
-      return code;
+      const top = [coats[row].alpha, 0, 0, 1, coats[row].eta, 0, ...across];
+      const numbers = Array.from(
+        { length: rest },
+        (_, k) => inputs[row * width + k] + changes[row * rest + k],
+      );
+      return Float32Array.of(...top, ...numbers);
     });
   }
 }

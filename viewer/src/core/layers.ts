@@ -16,6 +16,8 @@ export interface Architecture {
   /** Number of probe pairs. */
   readonly probes: number;
   readonly activation: string;
+  /** Pairs of the first crossing, from which the layerer begins; 0: it begins from the bottom. */
+  readonly crossing: number;
 }
 
 /** One layer: weight (outputs, inputs) by rows, transposed from the file, and bias. */

@@ -35,11 +35,12 @@ export function readWeights(file: ArrayBuffer): Weights {
   const { widths, rest } = arch;
   const ofLobe = LOBE.LOBE_FEATURES[widths];
   const ofCoat = FEATURES.COAT_FEATURES[widths];
+  const begun = rest + Number(arch.crossing > 0); // the bottom's gain is beside the first crossing
   return {
     arch,
     fingerprint: String(description.fingerprint ?? ""),
     basis: readBasis(tensors, arch, sizes.azimuthal),
-    layerer: readLayers(tensors, "layerer", rest + ofLobe + ofCoat, rest),
+    layerer: readLayers(tensors, "layerer", begun + ofLobe + ofCoat, rest),
     proposal: readProposal(tensors, rest),
   };
 }
@@ -68,6 +69,7 @@ function readArchitecture(sizes: Record<string, unknown>): Architecture {
     rest,
     probes: size("probes"),
     activation: String(sizes.activation),
+    crossing: sizes.crossing ? size("crossing") : 0,
   };
 }
 
