@@ -55,16 +55,13 @@ class Lane:
     def table(self, values: np.ndarray) -> Callable[[Sequence[Any]], Any]:
         """Look-up, at coordinates in [0, 1], of the job's table of values (D, *`SHAPE`)."""
         flat = self._floats(values)
-        number, index_kind = self._device.Float, self._device.UInt32
 
         def at(places: Sequence[Any]) -> Any:
-            first, shares = self._job, []
-            for coordinate, count in zip(places, SHAPE, strict=True):
-                place = dr.clip(coordinate, 0, 1) * (count - 1)
-                index = dr.minimum(index_kind(place), count - 2)
-                first = first * count + index
-                shares.append(place - number(index))
-            found = [dr.gather(number, flat, first + step) for step in corner_steps(SHAPE)]
+            clipped = [dr.clip(place, 0, 1) for place in places]
+            first, shares = cell(SHAPE, clipped, self._job)
+            found = [
+                dr.gather(self._device.Float, flat, first + step) for step in corner_steps(SHAPE)
+            ]
             for share in reversed(shares):
                 pairs = zip(found[::2], found[1::2], strict=True)
                 found = [dr.fma(share, high - low, low) for low, high in pairs]
@@ -81,6 +78,24 @@ class Lane:
 
     def _floats(self, values: np.ndarray) -> Any:
         return self._device.Float(_aligned(values.astype(np.float32, copy=False)))
+
+
+def cell(shape: Sequence[int], places: Sequence[Any], table: Any) -> tuple[Any, list[Any]]:
+    """The cells of a table in which places are, each a number in [0, 1] along every axis.
+
+    table: index (UInt32) of the table in a sequence of tables of this shape.
+
+    Returns:
+        The index of the cell's lowest corner (`core.table.corner_steps` lead to the others), and
+        the share of the place between both ends of the cell along each axis.
+    """
+    first, shares = table, []
+    for place, count in zip(places, shape, strict=True):
+        along = place * (count - 1)
+        index = dr.minimum(type(table)(along), count - 2)
+        first = first * count + index
+        shares.append(along - type(along)(index))
+    return first, shares
 
 
 def _aligned(values: np.ndarray) -> np.ndarray:

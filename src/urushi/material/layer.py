@@ -18,7 +18,7 @@ from urushi.checks import CoatParameters, Widths
 from urushi.core import appearance
 from urushi.core.appearance import described
 from urushi.core.microfacet import of_widths
-from urushi.core.table import MIN_LOG, SHAPE, node_pairs, table_of_values
+from urushi.core.table import node_pairs, table_of_values
 from urushi.errors import ParameterError, UrushiWarning
 from urushi.material.coated_anisotropic import coated_f as anisotropic_coated_f
 from urushi.material.coated_table import coated_table
@@ -130,7 +130,7 @@ def layer(
             "it to urushi.coat, and encode that"
         )
     coating = Coating(coat, top.ior is not None, bottom, fast, energy_compensation)
-    coated = _layered_again(coating)
+    coated = _coated(coating)
     if fast:
         checks.warn_of_training(checks.outside_training(coat), "layer: the coat's")
     return coated
@@ -156,7 +156,7 @@ def under(bottom: Any, index: npt.ArrayLike) -> Any:
             coating = coating._replace(coat=coating.coat._replace(eta=ratio))
         else:
             coating = coating._replace(bottom=under(coating.bottom, index))
-        return replace(_layered_again(coating), rotation=bottom.rotation)
+        return replace(_coated(coating), rotation=bottom.rotation)
     size = bottom.model.arch.lobe
     index = index.astype(np.float32)
     if not (bottom.latents[:, 5] > 0).any() or (index == 1).all():
@@ -190,12 +190,12 @@ def stacked(stack: Stack, model: Model) -> Material | None:
         columns = CoatParameters(of_widths(np.asarray, coat.alpha), *values)
         compensates = compensated and coat is stack.coats[0]
         coating = Coating(columns, coat.ior is not None, material, compensated=compensates)
-        material = _layered_again(coating)
+        material = _coated(coating)
     return material
 
 
-def _layered_again(coating: Coating) -> Material:
-    """The material of a coating."""
+def _coated(coating: Coating) -> Material:
+    """The material that a coating describes, with its energy compensation."""
     coat, _, bottom, fast, compensated = coating
     material = layer_material(coat, bottom, fast)
     if compensated:
@@ -211,7 +211,7 @@ def _layered_again(coating: Coating) -> Material:
 def layer_material(coat: CoatParameters, bottom: Material, fast: bool = False) -> Material:
     """`layer` for checked parameters: arrays (C,), (1,) or ().
 
-    The bottom under no interface and no medium is returned as it is.
+    A coat without an interface and without a medium changes nothing: the bottom is returned.
     """
     model = bottom.model
     coat = with_widths(model, coat)
@@ -219,7 +219,8 @@ def layer_material(coat: CoatParameters, bottom: Material, fast: bool = False) -
     if none.all():
         return bottom
     if fast:
-        codes = np.where(none[..., None], bottom.latents, _layered(model, bottom.latents, coat))
+        codes = limit_albedo(model, predicted(model, bottom.latents, coat))
+        codes = np.where(none[..., None], bottom.latents, codes)
         return Material(codes, model, rotation=bottom.rotation)
     codes = transported_codes(coat, bottom)
     if model.widths == 2:
@@ -268,11 +269,8 @@ def tabulated(material: Material) -> Material:
     """The material with a table beside its lobe."""
     if material.beside_lobe:
         return material
-    if material.table is None:
-        table = material.model.networks.table(material.latents)
-        if table is None:
-            table = np.full((*SHAPE, material.channels), MIN_LOG)
-    else:
+    table = material.logs()
+    if material.table is not None:
         wi, wo = node_pairs()
         own = lobes.f(material.latents[:, : material.model.arch.lobe], wi[:, None], wo[:, None])
         table = table_of_values(material.f(wi, wo) - own)
@@ -348,12 +346,15 @@ def layer_texels(model: Model, z_bottom: np.ndarray, coat: CoatParameters) -> np
     """
     coat = checks.coat(with_widths(model, coat), "the coat's", any_shape=True)
     z = np.asarray(z_bottom, np.float32)
-    codes, none = _layered(model, z, coat), absent(coat)
+    codes, none = limit_albedo(model, predicted(model, z, coat)), absent(coat)
     return np.where(none[..., None], z, codes) if none.any() else codes
 
 
-def _layered(model: Model, z: np.ndarray, coat: CoatParameters) -> np.ndarray:
-    """`layer_texels` of codes float32 z (..., L) and checked coats, none of which is absent."""
+def predicted(model: Model, z: np.ndarray, coat: CoatParameters) -> np.ndarray:
+    """`layer_texels` of codes float32 z (..., L) and checked coats, none of which is absent.
+
+    The albedo is not limited.
+    """
     columns = coat.columns()
     try:
         shape = np.broadcast_shapes(z.shape[:-1], *(p.shape for p in columns))
@@ -374,7 +375,7 @@ def _layered(model: Model, z: np.ndarray, coat: CoatParameters) -> np.ndarray:
         _with_leading_axes(z, len(rows) + 1),
         *(_with_leading_axes(p.astype(np.float32), len(rows)) for p in columns),
     )
-    return limit_albedo(model, coated.reshape(*shape, z.shape[-1]))
+    return coated.reshape(*shape, z.shape[-1])
 
 
 def within_training(coat: CoatParameters) -> CoatParameters:

@@ -11,7 +11,7 @@ from urushi import checks, files
 from urushi.checks import CoatParameters
 from urushi.core.directions import rotated
 from urushi.core.quadrature import half_vector_rule
-from urushi.core.table import SHAPE, Knots, interpolated
+from urushi.core.table import MIN_LOG, SHAPE, Knots, interpolated
 from urushi.errors import FileError, ParameterError
 from urushi.export.program import material_text, texture_form
 from urushi.export.rest import own_texture
@@ -261,6 +261,11 @@ class Material:
         """
         table = self._table()
         return None if table is None else own_texture(table, texture_form(language))
+
+    def logs(self) -> np.ndarray:
+        """ln f (*`SHAPE`, C) of the table, or of the codes' rests, which may be dark."""
+        table = self._table()
+        return np.full((*SHAPE, self.channels), MIN_LOG) if table is None else table
 
     def _table(self) -> np.ndarray | None:
         """The table, or that of the codes' rests (..., C); None without rests."""

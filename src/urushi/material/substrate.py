@@ -11,7 +11,6 @@ from urushi.core.quadrature import half_vector_rule
 from urushi.core.table import (
     HIGHEST,
     LOWEST,
-    MIN_LOG,
     SHAPE,
     TAN2_OFFSET,
     Knots,
@@ -49,14 +48,9 @@ class Substrate(NamedTuple):
         cls, bottom: Material, modes: np.ndarray | None = None, edges: adding.Edges = ()
     ) -> "Substrate":
         """A material as a substrate; in slabs with its modes, in a medium with these edges."""
-        logs, size = bottom.table, bottom.model.arch.lobe
-        if logs is None:
-            logs = bottom.model.networks.table(bottom.latents)
-        if logs is None:
-            logs = np.full((*SHAPE, bottom.channels), MIN_LOG)
         beside = bottom.table is None or bottom.beside_lobe
-        lobe = bottom.latents[:, :size] if beside else None
-        return cls.of_logs(logs, lobe, modes, edges, bottom.knots)
+        lobe = bottom.latents[:, : bottom.model.arch.lobe] if beside else None
+        return cls.of_logs(bottom.logs(), lobe, modes, edges, bottom.knots)
 
     @classmethod
     def of_logs(

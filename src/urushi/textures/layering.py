@@ -19,7 +19,7 @@ from urushi.material.layer import (
     absent,
     check_ratios,
     codes_of_rests,
-    layer_texels,
+    predicted,
     with_widths,
 )
 from urushi.material.material import Material
@@ -56,11 +56,13 @@ def layer_rows(model: Model, rows: np.ndarray) -> np.ndarray:
     count, size = TRANSPORTED[model.widths], model.arch.lobe
     if len(z) <= count:
         return transported(model, z, coat)
-    codes, x = layer_texels(model, z, coat), features(model, rows)
+    codes, x = predicted(model, z, coat), features(model, z, coat)
     chosen = representatives(x, count)
     exact = transported(model, z[chosen], _coats(model, rows[chosen]))
-    lacks = (exact - codes[chosen])[:, size:]
-    fill_blocks(codes, spline(x[chosen], lacks, size), np.array(codes), x, rows=BLOCK)
+    added = np.empty_like(codes[:, size:])
+    lacks = exact[:, size:] - codes[chosen, size:]
+    fill_blocks(added, spline(x[chosen], lacks), x, rows=BLOCK)
+    codes[:, size:] += added
     return limit_albedo(model, codes)
 
 
@@ -115,23 +117,20 @@ def transported_rests(model: Model, z: np.ndarray, coat: CoatParameters) -> np.n
     return rest
 
 
-def features(model: Model, rows: np.ndarray) -> np.ndarray:
-    """Features float32 (k, D) of rows, in the directions in which they vary."""
-    size, latent = model.arch.lobe, model.arch.latent
-    coat = _coats(model, rows)
-    rest = np.maximum(rows[:, size:latent], LEAST_GAIN)
-    found = [coat_features(*coat), lobes.lobe_features(rows[:, :size]), rest]
+def features(model: Model, z: np.ndarray, coat: CoatParameters) -> np.ndarray:
+    """Features float32 (k, D) of bottoms z (k, L) under coats (k,), in the directions in which they
+    vary."""
+    size = model.arch.lobe
+    rest = np.maximum(z[:, size:], LEAST_GAIN)
+    found = [coat_features(*coat), lobes.lobe_features(z[:, :size]), rest]
     x = np.concatenate(found, axis=1, dtype=np.float32)
     x -= x.mean(axis=0)
     sizes, axes = np.linalg.eigh(x.T.astype(np.float64) @ x)
     return x @ axes[:, sizes > 1e-6 * sizes[-1]].astype(np.float32)
 
 
-def spline(x: np.ndarray, values: np.ndarray, first: int) -> Callable[..., np.ndarray]:
-    """The function of codes z (n, L) and points (n, D) that adds interpolated values to z.
-
-    x: (m, D) the points of the values (m, L - first), which change the numbers from `first` on.
-    """
+def spline(x: np.ndarray, values: np.ndarray) -> Callable[[np.ndarray], np.ndarray]:
+    """The function of points (n, D) that has the values (m, K) at points x (m, D)."""
     centre = x.mean(axis=0)
     x, count = (x - centre).astype(np.float32), len(x)
     system = np.ones((count + 1, count + 1))
@@ -142,11 +141,9 @@ def spline(x: np.ndarray, values: np.ndarray, first: int) -> Callable[..., np.nd
     weights, mean = found[:count].astype(np.float32), found[count].astype(np.float32)
     squares = np.square(x).sum(axis=1)
 
-    def added(z: np.ndarray, points: np.ndarray) -> np.ndarray:
+    def at(points: np.ndarray) -> np.ndarray:
         points = points - centre
-        distance = np.square(points).sum(axis=1)[:, None] - 2 * points @ x.T + squares
-        z = np.array(z)
-        z[:, first:] += mean - np.sqrt(np.maximum(distance, 0)) @ weights
-        return z
+        distance2 = np.square(points).sum(axis=1)[:, None] - 2 * points @ x.T + squares
+        return mean - np.sqrt(np.maximum(distance2, 0)) @ weights
 
-    return added
+    return at

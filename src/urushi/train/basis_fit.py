@@ -73,9 +73,14 @@ class Tables(NamedTuple):
         return Tables(self.logs[rows], self.top[rows])
 
     def at_probes(self, count: int) -> "Tables":
-        """The materials at the probe pairs, as a table has them."""
-        around = corners(SHAPE, *pair_coordinates(*probe_pairs(count)))
-        return Tables(*(sum(x[:, nodes] * share for nodes, share in around) for x in self))
+        """The materials at the probe pairs."""
+        return Tables(*(at_probes(x, count) for x in self))
+
+
+def at_probes(values: np.ndarray, count: int) -> np.ndarray:
+    """Values (N, count) at the probe pairs of values (N, P) at the nodes, linear in between."""
+    around = corners(SHAPE, *pair_coordinates(*probe_pairs(count)))
+    return sum(values[:, nodes] * share for nodes, share in around)
 
 
 def node_measure() -> np.ndarray:

@@ -19,12 +19,12 @@ import numpy as np
 
 from urushi.checks import CoatParameters
 from urushi.core.probe_pairs import probe_pairs
-from urushi.core.table import SHAPE, corners, pair_coordinates
 from urushi.nets import code_fit, layerer
 from urushi.nets import lobe as lobes
 from urushi.nets.basis import Basis
 from urushi.nets.mlp import Params
 from urushi.nets.networks import Architecture
+from urushi.train.basis_fit import at_probes
 from urushi.train.batches import shuffled
 from urushi.train.tables import TableStore
 
@@ -57,12 +57,6 @@ def layerings(basis: Basis, store: TableStore) -> tuple[Layerings, np.ndarray]:
     logs = at_probes(held["table"], len(basis.measure))
     found = examples(basis, held["lobe"], np.exp(logs), held["over"], np.exp(held["coated"]))
     return found, np.repeat(held["stack"], held["over"].shape[1])
-
-
-def at_probes(tables: np.ndarray, count: int) -> np.ndarray:
-    """ln f float32 (N, count) of tables (N, P) at the probe pairs."""
-    around = corners(SHAPE, *pair_coordinates(*probe_pairs(count)))
-    return sum(tables[:, nodes] * share for nodes, share in around)
 
 
 def examples(

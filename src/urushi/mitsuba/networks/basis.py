@@ -16,6 +16,7 @@ import drjit as dr
 import mitsuba as mi
 import numpy as np
 
+from urushi.core.lanes import cell
 from urushi.core.namespace import DRJIT
 from urushi.core.stretched import stretched
 from urushi.core.table import MAX_LOG, MIN_LOG, SHAPE, coordinates, corner_steps
@@ -75,12 +76,8 @@ class BasisTable:
 
     def _at(self, places: Sequence) -> list:
         """Mean and functions (N) at coordinates (3)."""
-        first, shares = mi.UInt32(0), []
-        for coordinate, count in zip(places, SHAPE, strict=True):
-            place = dr.clip(coordinate, 0, 1) * (count - 1)
-            index = dr.minimum(mi.UInt32(place), count - 2)
-            first = first * count + index
-            shares.append(place - mi.Float(index))
+        clipped = [dr.clip(place, 0, 1) for place in places]
+        first, shares = cell(SHAPE, clipped, mi.UInt32(0))
         total = [mi.Float(-ONE - 1)] * self._count  # shares of all corners add up to one
         corners = np.ndindex(*[2] * len(shares))
         for corner, step in zip(corners, corner_steps(SHAPE), strict=True):

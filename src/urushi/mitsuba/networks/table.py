@@ -7,6 +7,7 @@ import drjit as dr
 import mitsuba as mi
 import numpy as np
 
+from urushi.core.lanes import cell
 from urushi.core.namespace import DRJIT
 from urushi.core.table import SHAPE, Knots, coordinates, corner_steps
 from urushi.mitsuba.networks import lobe
@@ -71,12 +72,7 @@ def interpolated(table, shape: Sequence[int], coordinates: Sequence, band=None) 
     table: flattened Dr.Jit floats, `stored`; K is a power of two. coordinates: in [0, 1], one for
     each axis. band: index (UInt32) of the table in a sequence of tables with K = 1.
     """
-    first, shares = mi.UInt32(0 if band is None else band), []
-    for coordinate, count in zip(coordinates, shape, strict=True):
-        place = coordinate * (count - 1)
-        index = dr.minimum(mi.UInt32(place), count - 2)
-        first = first * count + index
-        shares.append(place - mi.Float(index))
+    first, shares = cell(shape, coordinates, mi.UInt32(0 if band is None else band))
 
     def entry(index) -> list:
         if band is not None:  # Dr.Jit 1.5 fails on packets of one number in calls
