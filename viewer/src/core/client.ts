@@ -107,9 +107,9 @@ export class RemoteCore {
   }
 
   /**
-   * Read a mesh of a file, which is given away; see `readMesh`.
+   * Read a mesh from the bytes of a file, which are moved to the worker; see `readMesh`.
    *
-   * @param told is called with shares of the file that have been read.
+   * @param told is called with the progress, from 0 to 1.
    */
   readMesh(bytes: Uint8Array<ArrayBuffer>, suffix: string, told: (share: number) => void) {
     return this.call("readMesh", [bytes, suffix], [bytes.buffer], (soFar) => told(soFar as number));

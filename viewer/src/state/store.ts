@@ -26,9 +26,9 @@ export interface Task {
 export const task = signal<Task | null>(null);
 
 /**
- * Do what takes long, and tell of it; it can be cancelled.
+ * Run a long task with a progress bar and a button to cancel it.
  *
- * @param run gets a signal that ends it, and a function that is told the share that is done.
+ * @param run gets a signal to stop, and a function by which it reports its progress from 0 to 1.
  * @throws Refusal if there is another task.
  */
 export async function asTask<T>(
