@@ -263,7 +263,7 @@ class Material:
         return None if table is None else own_texture(table, texture_form(language))
 
     def logs(self) -> np.ndarray:
-        """ln f (*`SHAPE`, C) of the table, or of the codes' rests, which may be dark."""
+        """Logarithms of f (cells of `SHAPE`, C): the table, or the codes' rests, or darkness."""
         table = self._table()
         return np.full((*SHAPE, self.channels), MIN_LOG) if table is None else table
 
