@@ -7,7 +7,7 @@ U A of the texture in place of all functions U, and reads fewer bytes. The propo
 linear in the code, and are stored too.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -112,23 +112,46 @@ def principal_texture(model: Model, store: TextureStore) -> PrincipalTexture | N
     if not isinstance(own, Basis) or not texels:
         return None  # codes of two widths stretch the directions
     some = store.read(slice(None, None, -(-texels // SAMPLE))).reshape(-1, store.layout.size)
-    whole = _projection(own, store, some, lobe)
+    whole = _projection(own, _blocks(store), some, lobe)
     off = np.concatenate([_left(part[..., lobe:], whole) for part in _blocks(store)])
     worst = np.sort(np.argpartition(off, -min(WORST, texels))[-WORST:])
     tried = np.concatenate([some, store.read(worst).reshape(-1, store.layout.size)])
-    for count in COUNTS:
-        if count + 1 >= model.arch.functions:
-            return None
-        projection = whole.first(count)
-        errors = _errors(own, tried[:, :lobe], tried[:, lobe:], projection)
-        if errors[: len(some)].mean() < MEAN_ERROR and errors.max() < LARGEST_ERROR:
-            break
-    else:
+    projection = _sufficient(own, whole, tried, len(some), lobe)
+    if len(projection.back) + 1 >= model.arch.functions:
         return None
+    functions, projection = _functions(own, projection)
+    return _packed(model, store, projection, functions, some)
+
+
+def projection_of(model: Model, codes: np.ndarray) -> tuple[np.ndarray, Projection]:
+    """The functions and the projection, as of `PrincipalTexture`, of codes (n, 1, L)."""
+    own, lobe = model.networks.basis, model.arch.lobe
+    assert isinstance(own, Basis)  # for the type checker
+    some = codes[:: -(-len(codes) // SAMPLE), 0]
+    whole = _projection(own, [codes], some, lobe)
+    off = _left(codes[..., lobe:], whole)
+    worst = np.argpartition(off, -min(WORST, len(codes)))[-WORST:]
+    tried = np.concatenate([some, codes[worst, 0]])
+    return _functions(own, _sufficient(own, whole, tried, len(some), lobe))
+
+
+def _sufficient(
+    own: Basis, whole: Projection, tried: np.ndarray, count: int, lobe: int
+) -> Projection:
+    """The projection to so few components that codes `tried`, `count` typical ones first, stay."""
+    for projection in map(whole.first, COUNTS):
+        errors = _errors(own, tried[:, :lobe], tried[:, lobe:], projection)
+        if errors[:count].mean() < MEAN_ERROR and errors.max() < LARGEST_ERROR:
+            return projection
+    return whole
+
+
+def _functions(own: Basis, projection: Projection) -> tuple[np.ndarray, Projection]:
+    """Mean and functions of a projection, scaled to largest values of one, and the projection."""
     functions = projection.functions(own.rows)
     size = np.maximum(np.abs(functions[:, 1:]).max(axis=0), 1e-9)
     functions[:, 1:] /= size
-    return _packed(model, store, projection.scaled(size), functions.astype(np.float32), some)
+    return functions.astype(np.float32), projection.scaled(size)
 
 
 def _blocks(store: TextureStore) -> Iterator[np.ndarray]:
@@ -137,8 +160,13 @@ def _blocks(store: TextureStore) -> Iterator[np.ndarray]:
         yield store.read(slice(start, start + PACKED_BLOCK))
 
 
-def _projection(own: Basis, store: TextureStore, some: np.ndarray, lobe: int) -> Projection:
-    """The projection to all components, the most important first; some: codes (S, size)."""
+def _projection(
+    own: Basis, blocks: Iterable[np.ndarray], some: np.ndarray, lobe: int
+) -> Projection:
+    """The projection to all components, the most important first, of codes in blocks.
+
+    some: codes (S, size).
+    """
     rows = own.probe_rows.astype(np.float64)
     rest = basis.decode(some[:, None, lobe:], own.probe_rows).astype(np.float64)
     light = (rest + lobes.f(some[:, None, :lobe], *own.pairs())) @ own.measure
@@ -150,7 +178,7 @@ def _projection(own: Basis, store: TextureStore, some: np.ndarray, lobe: int) ->
     metric = (others * weights[:, None]).T @ others
     metric += 1e-9 * np.trace(metric) * np.eye(len(metric))
     count, total, squares = 0, np.zeros(len(metric)), np.zeros_like(metric)
-    for part in _blocks(store):
+    for part in blocks:
         c = part[..., lobe + 1 :].reshape(-1, len(metric)).astype(np.float64)
         count, total, squares = count + len(c), total + c.sum(axis=0), squares + c.T @ c
     mean = total / count

@@ -50,7 +50,6 @@ def test_masks_of_metal_and_rust(rgb, alpha, weight):
     np.testing.assert_allclose(found, walk, rtol=0.02)
 
 
-@pytest.mark.xfail(strict=True, reason="f is interpolated between texels instead of parameters")
 @pytest.mark.parametrize("name", ["reflectance", "sigma_t", "albedo"])
 def test_half_way_between_two_texels(rgb, name):
     """Within 5 %; the walk has the mean parameter there."""

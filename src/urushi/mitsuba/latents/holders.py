@@ -35,7 +35,7 @@ class Vertex(NamedTuple):
     proposal: Any  # a mixture, of the mean code over the channels; None if it is not needed
 
 
-class _Held:
+class Held:
     """Codes whose f is a function of a vertex's terms, wi and wo."""
 
     channels: int
@@ -64,7 +64,7 @@ class _Held:
         return values * lanes if len(values) == 1 else values
 
 
-class ConstantLatents(_Held):
+class ConstantLatents(Held):
     """One latent code per channel. What depends on the codes alone is computed once, here."""
 
     # For frozen functions
@@ -153,7 +153,7 @@ class ConstantLatents(_Held):
         return f"{count} x {size}{table}"
 
 
-class TexturedLatents(_Held):
+class TexturedLatents(Held):
     """A packed texture of latent codes, see `textures.packing`.
 
     They are rendered by principal numbers where these are fewer (`textures.principal`).

@@ -8,6 +8,7 @@ import mitsuba as mi
 
 from urushi.errors import ParameterError
 from urushi.mitsuba.latents import gradients
+from urushi.mitsuba.latents.axes import bake_axes
 from urushi.mitsuba.latents.baking import Baker
 from urushi.mitsuba.latents.gradients import DifferentiableLatents
 from urushi.mitsuba.latents.holders import ConstantLatents, TexturedLatents
@@ -132,14 +133,28 @@ def define(base: type) -> type:
                 self._choose_weights()
             assert self._baker is not None  # for the type checker
             with dr.suspend_grad():
-                self.latents = self._baker.update(bottom_changed)
-                self._absorbs = self._baker.absorbs
+                self.latents, self._absorbs = self._over_axes(), False
+                if self.latents is None:
+                    self.latents = self._baker.update(bottom_changed)
+                    self._absorbs = self._baker.absorbs
                 if self._coat.compensated:
                     self._compensation = Compensation(self._coat, self._below)
             self.gradient_tensors.set()
             if gradients.wanted(self):
                 self.latents = gradients.bake(self._baker, self._coat, self._below, self.latents)
                 self.gradient_tensors.set(self.latents.tensor, self.latents.table)
+
+        def _over_axes(self):
+            """The codes along the parameters that vary, or None."""
+            baker = self._baker
+
+            def constant():
+                baker.bottom.open(None)
+                return baker.bottom.material
+
+            if gradients.wanted(self):
+                return None
+            return bake_axes(self.model, self._coat, self._bottom, constant)
 
         def save(self, path):
             """Write the codes to a file that ``neural_brdf`` loads, textured or not.
