@@ -1,9 +1,9 @@
 """Materials over axes of parameters: codes at nodes, between which renderers interpolate.
 
-A material has few parameters that vary over a surface. Each is an axis, with nodes over the range of
-the parameter. Light transport is computed at some hundred points, which a polyharmonic spline
-(Duchon 1977) interpolates to the nodes. Codes are smooth along the axes, and linear interpolation
-between nodes has the error of transport. The lobe of the coat is known at every point, and has no
+A material has few parameters that vary over a surface. Each is an axis, with nodes over the range
+of the parameter. Light transport is computed at some hundred points, which a polyharmonic spline
+(Duchon 1977) interpolates to the nodes. Codes are smooth along the axes, so that linear
+interpolation between nodes adds little. The lobe of the coat is known at every point, and has no
 nodes.
 """
 

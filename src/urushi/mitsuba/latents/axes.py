@@ -1,7 +1,7 @@
 """Codes over axes of parameters (`textures.axes`), looked up where Mitsuba's textures say.
 
-A vertex takes the values of the axes from the textures, and the code linearly between the nodes of a
-simplex around them. The lobe of the coat has the coat's own width there. Codes are stored by
+A vertex takes the values of the axes from the textures, and the code linearly between the nodes of
+a simplex around them. The lobe of the coat has the coat's own width there. Codes are stored by
 principal numbers (`textures.principal`).
 """
 
@@ -32,6 +32,7 @@ from urushi.nets import proposal
 from urushi.nets.weights import Model
 from urushi.textures.axes import Baked, bake
 from urushi.textures.principal import projection_of
+from urushi.textures.store import TexelGrid
 
 #: Largest level of a number of 16 bits.
 TOP = (1 << 16) - 1
@@ -41,16 +42,23 @@ class AxisLatents(Held):
     """The codes of a coat over a bottom whose parameters vary."""
 
     material = None
-    grid = None
 
     DRJIT_STRUCT: ClassVar = {"_words": object, "_terms": object, "_decoder": object} | (
         dict.fromkeys(("_scales", "_term_scales", "_eta"), list)
     )  # for frozen functions
-    UNRECORDED: ClassVar = ("baked", "_coat")
+    UNRECORDED: ClassVar = ("baked", "_coat", "_choose_grid")
 
-    def __init__(self, baked: Baked, coat: CoatTextures, varying: Sequence[Varying]):
+    def __init__(
+        self,
+        baked: Baked,
+        coat: CoatTextures,
+        varying: Sequence[Varying],
+        choose_grid: Callable[[], TexelGrid | None],
+    ):
+        """choose_grid: the grid of texels for coats above."""
         self.baked, self.model, self._varying = baked, baked.model, list(varying)
         self._coat, self.channels = coat, spectrum.channel_count()
+        self._choose_grid = choose_grid
         codes, size = baked.codes, self.model.arch.lobe
         functions, projection = projection_of(self.model, codes.reshape(-1, 1, codes.shape[-1]))
         numbers = projection.numbers(codes[..., size:])
@@ -74,6 +82,11 @@ class AxisLatents(Held):
         dr.make_opaque(self._scales, self._term_scales, self._eta)
         #: Whether channels differ.
         self._differ = len(codes) > 1 or any(axis.own for axis in baked.axes)
+
+    @property
+    def grid(self) -> TexelGrid | None:
+        """The grid of texels that resolves the textures, for coats above and files."""
+        return self._choose_grid()
 
     def vertex(self, si, active) -> Vertex:
         """The vertex at a surface interaction."""
@@ -210,13 +223,18 @@ def _levels(packed, count: int, node) -> list:
 
 
 def bake_axes(
-    model: Model, coat: CoatTextures, bottom: "mi.BSDF", constant: Callable[[], Material]
+    model: Model,
+    coat: CoatTextures,
+    bottom: "mi.BSDF",
+    constant: Callable[[], Material],
+    choose_grid: Callable[[], TexelGrid | None],
 ) -> AxisLatents | None:
     """The codes of a coat over a bottom along the parameters that vary; None: they are not known.
 
     Args:
         bottom: as the coat has it nested.
         constant: the bottom as the coat sees it, if none of its parameters varies.
+        choose_grid: as of `AxisLatents`.
     """
     if model.widths != 1:
         return None
@@ -228,17 +246,22 @@ def bake_axes(
         return None
     axes = [x.axis for x in varying]
     fixed = coat.layering(np.full((1, 2), 0.5))
-    channels = spectrum.channel_count()
     textured = any(axis.name.startswith("bottom.") for axis in axes)
     whole = None if textured else tabulated(constant())
     below = None if whole is None else Substrate.of(whole)
+    names = {axis.name for axis in axes}
+    grey = all(
+        name in names or (column == column[:, :1]).all()
+        for name, column in zip(CoatParameters._fields, fixed.columns(), strict=True)
+    ) and (known.is_grey() if below is None else below.channels == 1)
+    channels = 1 if grey else spectrum.channel_count()
 
     def columns(values: np.ndarray) -> list[np.ndarray]:
         """Columns (C, k) of the coats at values (k, d)."""
         own = {axis.name: column for axis, column in zip(axes, values.T, strict=True)}
         shape = channels, len(values)
         return [
-            np.broadcast_to(own[name] if name in own else column[0][:, None], shape)
+            np.broadcast_to(own[name] if name in own else column[0][:channels, None], shape)
             for name, column in zip(CoatParameters._fields, fixed.columns(), strict=True)
         ]
 
@@ -262,4 +285,4 @@ def bake_axes(
         own = columns(values)
         return lobes.of_coat(own[0][0], own[1][0]).astype(np.float32)
 
-    return AxisLatents(bake(model, axes, codes_at, lobes_at), coat, varying)
+    return AxisLatents(bake(model, axes, codes_at, lobes_at), coat, varying, choose_grid)

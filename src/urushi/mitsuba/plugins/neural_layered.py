@@ -1,6 +1,7 @@
 """The plugin `neural_layered`: a coat over any BSDF, by tables and latent codes."""
 
 from dataclasses import replace
+from functools import partial
 from typing import ClassVar
 
 import drjit as dr
@@ -8,8 +9,8 @@ import mitsuba as mi
 
 from urushi.errors import ParameterError
 from urushi.mitsuba.latents import gradients
-from urushi.mitsuba.latents.axes import bake_axes
-from urushi.mitsuba.latents.baking import Baker
+from urushi.mitsuba.latents.axes import AxisLatents, bake_axes
+from urushi.mitsuba.latents.baking import Baker, choose_grid
 from urushi.mitsuba.latents.gradients import DifferentiableLatents
 from urushi.mitsuba.latents.holders import ConstantLatents, TexturedLatents
 from urushi.mitsuba.plugins.base import GradientTensors, inside, read_weights
@@ -84,7 +85,7 @@ def define(base: type) -> type:
         PROPERTIES = COAT_PROPERTIES
 
         model: Model
-        latents: ConstantLatents | TexturedLatents | DifferentiableLatents
+        latents: ConstantLatents | TexturedLatents | AxisLatents | DifferentiableLatents
         _baker: Baker | None
 
         def _load(self, props):
@@ -154,7 +155,9 @@ def define(base: type) -> type:
 
             if gradients.wanted(self):
                 return None
-            return bake_axes(self.model, self._coat, self._bottom, constant)
+            settings = self._coat, self._below, self.model, self._resolution
+            grid = partial(choose_grid, *settings)
+            return bake_axes(self.model, self._coat, self._bottom, constant, grid)
 
         def save(self, path):
             """Write the codes to a file that ``neural_brdf`` loads, textured or not.
@@ -168,7 +171,8 @@ def define(base: type) -> type:
             if angle is not None and material is not None:
                 material.rotated(angle).save(path)
                 return
-            super().save(path)
+            over_axes = isinstance(self.latents, AxisLatents)
+            (self._baker.update() if over_axes else self.latents).save(path)
             if self._coat.has_rotation:
                 mi.Log(
                     mi.LogLevel.Warn,

@@ -182,8 +182,10 @@ class Bottom:
 
     def is_known(self) -> bool:
         """Whether rows of values reflect as the bottom does where it has these values."""
-        if not self._varying:
-            return True
+        if not self._varying or any(
+            x.texture.class_name() == "MeshAttribute" for x in self._varying
+        ):
+            return True  # a mesh is needed for others
         assert self._kind is not None  # for the type checker
         rng = np.random.default_rng(0)
         uv, (wi, wo) = rng.random((COMPARED, 2)), (x[::8] for x in self._model.networks.pairs())
@@ -194,8 +196,6 @@ class Bottom:
             name: np.stack([np.broadcast_to(x.numpy(), len(uv)) for x in channels])
             for name, channels in values.items()
         }
-        if any(x.texture.class_name() == "MeshAttribute" for x in self._varying):
-            return True
         f = probing.texel_values(self._given, wi, wo, uv, probing.Averaging())
         for switches in self._switches():
             self._fixed = switches
@@ -208,6 +208,13 @@ class Bottom:
             if same:
                 return True
         return False
+
+    def is_grey(self) -> bool:
+        """Whether rows of values reflect alike in all channels."""
+        ends = np.array(list(product(*((x.axis.least, x.axis.most) for x in self._varying))))
+        names = [x.axis.name for x in self._varying]
+        f = self._values(dict(zip(names, ends.T, strict=True)), *self._model.networks.pairs())
+        return bool(np.allclose(f, f[:, :1], rtol=1e-4))
 
     def _switches(self) -> Iterator[dict[str, Any]]:
         assert self._kind is not None  # for the type checker

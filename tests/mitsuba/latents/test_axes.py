@@ -1,0 +1,100 @@
+"""Coats over textures by axes of parameters, against the walk and against their own codes."""
+
+import numpy as np
+import pytest
+
+COUNT = 1 << 14
+
+GOLD = {"type": "roughconductor", "distribution": "ggx", "alpha": 0.2, "material": "Au"}
+
+
+def bitmap(mi, *values, channels: int = 1, **options) -> dict:
+    """A row of texels."""
+    data = np.array(values, np.float32).reshape(1, -1, channels)
+    return {"type": "bitmap", "bitmap": mi.Bitmap(data), "raw": True} | options
+
+
+def square(mi):
+    """A square whose corners have the colours `vertex_color`."""
+    mesh = mi.Mesh("square", vertex_count=4, face_count=2)
+    params = mi.traverse(mesh)
+    params["vertex_positions"] = [0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0]
+    params["faces"] = [0, 1, 2, 0, 2, 3]
+    params.update()
+    colours = [0.9, 0.1, 0.1, 0.1, 0.8, 0.2, 0.2, 0.1, 0.9, 0.7, 0.7, 0.05]
+    mesh.add_attribute("vertex_color", 3, colours)
+    return mesh
+
+
+def interactions(mi, shape=None):
+    """Surface interactions, half of them inside a shape, seen at a cosine of 0.8."""
+    rng = np.random.default_rng(0)
+    ray = mi.Ray3f(mi.Point3f(*np.float32(rng.random((2, COUNT))), 1), mi.Vector3f(0, 0, -1))
+    shape = shape or mi.load_dict({"type": "rectangle", "to_world": _unit(mi)})
+    si = mi.load_dict({"type": "scene", "shape": shape}).ray_intersect(ray)
+    phi = rng.uniform(0, 2 * np.pi, COUNT)
+    si.wi = mi.Vector3f(*np.float32([0.6 * np.cos(phi), 0.6 * np.sin(phi), 0 * phi + 0.8]))
+    return si
+
+
+def _unit(mi):
+    return mi.ScalarTransform4f().translate([0.5, 0.5, 0]).scale(0.5)
+
+
+def albedo(mi, description: dict, si) -> np.ndarray:
+    """The mean albedo over interactions by a plugin's own samples."""
+    rng = np.random.default_rng(1)
+    numbers = (
+        mi.Float(np.float32(rng.random(COUNT))),
+        mi.Point2f(*np.float32(rng.random((2, COUNT)))),
+    )
+    return mi.load_dict(description).sample(mi.BSDFContext(), si, *numbers)[1].numpy().mean(axis=1)
+
+
+def varnishes(mi) -> dict[str, dict]:
+    """Coats with textures that texels of one grid represent badly."""
+    turned = mi.ScalarTransform3f().rotate(30).scale([3, 2])
+    checkers = {"type": "checkerboard", "color0": 0.05, "color1": 0.8}
+    return {
+        "checkerboard": {"base": {"type": "diffuse", "reflectance": checkers}},
+        "two transforms": {
+            "alpha": bitmap(mi, 0.05, 0.4, to_uv=turned),
+            "base": GOLD | {"alpha": bitmap(mi, 0.1, 0.5, 0.3)},
+        },
+        "vertex colours": {
+            "base": {
+                "type": "principled",
+                "base_color": {"type": "mesh_attribute", "name": "vertex_color"},
+                "roughness": 0.4,
+            }
+        },
+    }
+
+
+@pytest.mark.parametrize("name", ["checkerboard", "two transforms", "vertex colours"])
+def test_albedos_agree_with_the_walk(rgb, name):
+    """Within 2 %: the walk's noise is half of it."""
+    coat = {"alpha": 0.1, "int_ior": 1.5} | varnishes(rgb)[name]
+    si = interactions(rgb, square(rgb) if name == "vertex colours" else None)
+    found, walk = (albedo(rgb, coat | {"type": x}, si) for x in ("neural_layered", "layered"))
+    np.testing.assert_allclose(found, walk, rtol=0.02)
+
+
+def test_kernels_and_numpy_interpolate_alike(rgb):
+    """Up to the principal numbers, which stand for the codes."""
+    from urushi.mitsuba.reading import probing
+
+    coat = rgb.load_dict(
+        {
+            "type": "neural_layered",
+            "alpha": bitmap(rgb, 0.05, 0.4),
+            "base": GOLD | {"alpha": bitmap(rgb, 0.1, 0.5, 0.3)},
+        }
+    )
+    networks = coat.model.networks
+    uv, (wi, wo) = np.random.default_rng(0).random((8, 2)), networks.pairs()
+    found = probing.texel_values(coat, wi, wo, uv, probing.Averaging())
+    codes = coat.latents.at(uv)
+    f = networks.f(codes[:, :, None], wi, wo)
+    measure = networks.basis.measure
+    assert ((np.abs(found - f) @ measure) / (f @ measure)).max() < 0.01
