@@ -52,8 +52,11 @@ LEAST_PASSED = 1e-12
 #: The bands nearest to `RGB`.
 FINE_AT_RGB = tuple(int(np.argmin(np.abs(np.array(FINE) - wavelength))) for wavelength in RGB)
 
-#: The bands that materials are read at. Mitsuba loads plugins in several threads.
-_read: contextvars.ContextVar[tuple[float, ...]] = contextvars.ContextVar("bands", default=RGB)
+#: The bands that materials are read at, or an array of one wavelength for each of as many points
+#: along u. Mitsuba loads plugins in several threads.
+_read: contextvars.ContextVar[tuple[float, ...] | np.ndarray] = contextvars.ContextVar(
+    "bands", default=RGB
+)
 
 
 @contextlib.contextmanager
@@ -66,9 +69,20 @@ def bands_of(grid: object) -> Iterator[None]:
         _read.reset(before)
 
 
+@contextlib.contextmanager
+def along_u(wavelengths: np.ndarray) -> Iterator[None]:
+    """Read materials at points uv whose u lie in the middles of as many equal parts as there are
+    wavelengths [nm], each point at its own wavelength: one channel."""
+    before = _read.set(np.asarray(wavelengths, np.float32))
+    try:
+        yield
+    finally:
+        _read.reset(before)
+
+
 def channel_count() -> int:
     """Channels that materials are read with: 1, 3, or `COUNT` within `bands_of`."""
-    if mi.is_monochromatic:
+    if mi.is_monochromatic or isinstance(_read.get(), np.ndarray):
         return 1
     return len(_read.get()) if mi.is_spectral else 3
 
@@ -87,10 +101,15 @@ def at_bands(si, evaluate: Callable[[], Sequence]) -> list:
     """
     if not mi.is_spectral:
         return list(evaluate())
+    bands = _read.get()
+    if isinstance(bands, np.ndarray):
+        own = dr.gather(mi.Float, mi.Float(bands), mi.UInt32(si.uv.x * len(bands)))
+        si.wavelengths = mi.Spectrum(own)
+        return list(evaluate())[:1]
     lanes = dr.size_v(mi.Spectrum)
     channels: list = []
-    for start in range(0, len(_read.get()), lanes):
-        group = _read.get()[start : start + lanes]
+    for start in range(0, len(bands), lanes):
+        group = bands[start : start + lanes]
         si.wavelengths = mi.Spectrum([*group, *[group[-1]] * (lanes - len(group))])
         channels += evaluate()[: len(group)]
     return channels

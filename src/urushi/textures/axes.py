@@ -1,10 +1,10 @@
 """Materials over axes of parameters: codes at nodes, between which renderers interpolate.
 
 A material has few parameters that vary over a surface. Each is an axis, with nodes over the range
-of the parameter. Light transport is computed at some hundred points, which a polyharmonic spline
-(Duchon 1977) interpolates to the nodes. Codes are smooth along the axes, so that linear
-interpolation between nodes adds little. The lobe of the coat is known at every point, and has no
-nodes.
+of the parameter. Light transport is computed at some points. What the layering network lacks there
+is interpolated by a polyharmonic spline (Duchon 1977), and added to the network's codes at the
+nodes. Codes are smooth along the axes, so that linear interpolation between nodes adds little. The
+lobe of the coat is known at every point, and has no nodes.
 """
 
 import math
@@ -12,15 +12,35 @@ from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
-from scipy.stats import qmc
 
+from urushi.checks import CoatParameters
 from urushi.core.namespace import Namespace
 from urushi.material.energy import limit_albedo
+from urushi.material.layer import predicted
+from urushi.nets import lobe as lobes
+from urushi.nets.basis import Basis
 from urushi.nets.weights import Model
+from urushi.parallel import fill_blocks
 
-#: Nodes of each axis, and points of transport, by the number of axes.
-NODES = {1: 65, 2: 33, 3: 17, 4: 11}
-POINTS = {1: 24, 2: 128, 3: 320, 4: 512}
+#: Points of transport by the number of axes, of one width and of two; a point of two widths takes a
+#: hundred times as long.
+POINTS = {1: (24, 96, 256, 384, 512, 640), 2: (6, 12, 20, 32, 40, 48)}
+
+#: Most axes.
+AXES = len(POINTS[1])
+
+#: Numbers of nodes of an axis, and the most nodes of all axes together: their codes fit into the
+#: caches of a processor.
+COUNTS, NODES = (2, 3, 5, 9, 17, 33, 65), 1 << 13
+
+#: Root mean square error of ln f between nodes from which an axis has enough of them.
+SMOOTH = 5e-4
+
+#: Lines along an axis, and steps of each, by which its nodes are chosen.
+LINES, STEPS = 32, 32
+
+#: Step of the differences by which slopes are found, in coordinates.
+DIFFERENCE = 0.01
 
 #: Offset of a reflectance in its logarithm.
 DARK = 0.05
@@ -54,6 +74,11 @@ class Axis(NamedTuple):
             x = x * x
         return np.clip(x, self.least, self.most)
 
+    def contains(self, other: "Axis") -> bool:
+        """Whether another axis is a part of this one."""
+        alike = (self.name, self.scale, self.own) == (other.name, other.scale, other.own)
+        return alike and self.least <= other.least and other.most <= self.most
+
 
 def _scaled(scale: str, value: Any, xp: Any) -> Any:
     if scale == REFLECTANCE:
@@ -61,8 +86,13 @@ def _scaled(scale: str, value: Any, xp: Any) -> Any:
     return value if scale == LINEAR else xp.sqrt(value)
 
 
-#: From values (k, d) along the axes to codes (C, k, L); C is 1 if the channels are the same there.
-CodesAt = Callable[[np.ndarray], np.ndarray]
+class Rows(NamedTuple):
+    """A material at rows of values (k, d) along axes."""
+
+    #: The coats, arrays (C, k); C is 1 if all channels are alike at the same values.
+    coats: Callable[[np.ndarray], CoatParameters]
+    #: Codes (C, k, L) of the coated material by light transport, and of what lies below.
+    codes: Callable[[np.ndarray], tuple[np.ndarray, np.ndarray]]
 
 
 class Baked(NamedTuple):
@@ -70,18 +100,16 @@ class Baked(NamedTuple):
 
     model: Model
     axes: tuple[Axis, ...]
-    codes: np.ndarray  # float32 (C, N, L), the last axis the fastest; C as of `CodesAt`
-
-    @property
-    def shape(self) -> tuple[int, ...]:
-        """The number of nodes along each axis."""
-        return (NODES[len(self.axes)],) * len(self.axes)
+    shape: tuple[int, ...]  # number of nodes along each axis
+    lobes: np.ndarray  # float32 (N, M) of the codes, the last axis the fastest
+    rests: np.ndarray  # float32 (C, N, K) the other numbers; C as of `Rows`
+    slopes: Callable[[], np.ndarray]  # of the rests by the values, float32 (C, N, d, K)
 
     def at(self, coordinates: np.ndarray, channel: int) -> np.ndarray:
-        """Codes (k, L) of a channel at coordinates (k, d), without their lobes right in between."""
-        codes, total = self.codes[min(channel, len(self.codes) - 1)], 0.0
+        """Rests (k, K) of a channel at coordinates (k, d)."""
+        rests, total = self.rests[min(channel, len(self.rests) - 1)], 0.0
         for node, weight in simplex(self.shape, coordinates):
-            total = total + weight[:, None] * codes[node]
+            total = total + weight[:, None] * rests[node]
         return np.asarray(total, np.float32)
 
 
@@ -106,31 +134,90 @@ def simplex(shape: Sequence[int], coordinates: np.ndarray) -> list[tuple[np.ndar
     return found
 
 
-def bake(model: Model, axes: Sequence[Axis], codes_at: CodesAt, lobes_at: Any) -> Baked:
-    """The codes at the nodes of the axes, at most four.
-
-    lobes_at: from values (k, d) to the lobes (k, N) of the codes.
-    """
-    own, count = tuple(axes), NODES[len(axes)]
-    lobe = model.arch.lobe
+def bake(model: Model, axes: Sequence[Axis], rows: Rows) -> Baked:
+    """The codes at nodes of the axes, at most `AXES` of them."""
+    own, size = tuple(axes), model.arch.lobe
 
     def values(x: np.ndarray) -> np.ndarray:
         return np.stack([a.values(column) for a, column in zip(own, x.T, strict=True)], axis=1)
 
-    x = points(len(own), POINTS[len(own)])
-    computed = codes_at(values(x))[..., lobe:]
-    side = np.linspace(0, 1, count)
-    nodes = np.stack(np.meshgrid(*[side] * len(own), indexing="ij"), -1).reshape(-1, len(own))
-    tops, rest = lobes_at(values(nodes)), spline(x, np.moveaxis(computed, 0, 1))(nodes)
-    codes = [np.concatenate([tops, part], 1, dtype=np.float32) for part in np.moveaxis(rest, 1, 0)]
-    return Baked(model, own, np.stack([limit_albedo(model, part) for part in codes]))
+    def network(z: np.ndarray, x: np.ndarray) -> np.ndarray:
+        return predicted(model, z.astype(np.float32), rows.coats(values(x)))[..., size:]
+
+    x = points(len(own), POINTS[model.widths][len(own) - 1])
+    computed, bottoms = rows.codes(values(x))
+    below = spline(x, np.moveaxis(bottoms, 0, 1))
+    missing = spline(x, np.moveaxis(computed[..., size:] - network(bottoms, x), 0, 1))
+
+    def rests_at(x: np.ndarray) -> np.ndarray:
+        """Rests (C, k, K) at coordinates (k, d)."""
+        z = np.moveaxis(below(x), 1, 0)
+        rests = network(z, x) + np.moveaxis(missing(x), 1, 0)
+        tops = np.broadcast_to(lobes_at(x), (*rests.shape[:2], size))
+        codes = np.concatenate([tops, rests], axis=-1, dtype=np.float32)
+        return limit_albedo(model, codes)[..., size:]
+
+    def lobes_at(x: np.ndarray) -> np.ndarray:
+        alpha, eta, *_ = rows.coats(values(x))
+        return np.asarray(lobes.of_coat(alpha, eta)[0], np.float32)
+
+    shape = node_counts(model, lambda x: np.moveaxis(rests_at(x), 0, 1), len(own))
+    sides = [np.linspace(0, 1, count) for count in shape]
+    nodes = np.stack(np.meshgrid(*sides, indexing="ij"), axis=-1).reshape(-1, len(own))
+
+    def slopes() -> np.ndarray:
+        parts = []
+        for axis, unit in zip(own, np.eye(len(own)), strict=True):
+            low, high = (np.clip(nodes + s * DIFFERENCE * unit, 0, 1) for s in (-1, 1))
+            step = axis.values(high @ unit) - axis.values(low @ unit)
+            parts.append((rests_at(high) - rests_at(low)) / step[:, None])
+        return np.stack(parts, axis=2).astype(np.float32)
+
+    return Baked(model, own, shape, lobes_at(nodes), rests_at(nodes), slopes)
+
+
+def node_counts(
+    model: Model, rests_at: Callable[[np.ndarray], np.ndarray], dimensions: int
+) -> tuple[int, ...]:
+    """Numbers of nodes, one of `COUNTS` for each axis, by the curvature of rests along it.
+
+    rests_at: (k, C, K) at coordinates (k, d).
+    """
+    basis = model.networks.basis
+    rows = basis.probe_rows if isinstance(basis, Basis) else basis.probe_rows(0.0)
+    functions = rows[:, 1:] * np.sqrt(basis.measure / basis.measure.sum())[:, None]
+    rng, curvatures = np.random.default_rng(0), []
+    for axis in range(dimensions):
+        x = np.repeat(rng.random((LINES, 1, dimensions)), STEPS + 1, axis=1)
+        x[..., axis] = np.linspace(0, 1, STEPS + 1)
+        found = rests_at(x.reshape(-1, dimensions)).reshape(LINES, STEPS + 1, -1, model.arch.rest)
+        bent = np.diff(found[..., : functions.shape[1]], n=2, axis=1) @ functions.T
+        curvatures.append(np.sqrt(np.quantile(np.square(bent).sum(axis=-1), 0.9)))
+    steps, counts = np.array(curvatures) / 8 * STEPS**2, np.zeros(dimensions, int)
+    growing = np.ones(dimensions, bool)
+    while growing.any():
+        errors = np.where(growing, steps / (np.take(COUNTS, counts) - 1) ** 2, 0)
+        axis = int(errors.argmax())
+        more = counts + (np.arange(dimensions) == axis)
+        enough = errors[axis] < SMOOTH or more[axis] == len(COUNTS)
+        if enough or np.prod(np.take(COUNTS, more)) > NODES:
+            growing[axis] = False
+        else:
+            counts = more
+    return tuple(np.take(COUNTS, counts).tolist())
 
 
 def points(dimensions: int, count: int) -> np.ndarray:
-    """Points (count, d) of the unit cube: its corners, and others that are denser near its ends."""
-    corners = np.array(list(np.ndindex(*[2] * dimensions)), float)
-    sequence = qmc.Sobol(dimensions, seed=0)
-    others = sequence.random_base2((count - 1).bit_length())[: count - len(corners)]
+    """Points (count, d) of the unit cube: its corners, and others that are denser near its ends.
+
+    The others are a sequence of Roberts (2018).
+    """
+    corners = np.array(list(np.ndindex(*[2] * dimensions)), float)[: count // 2]
+    ratio = 2.0
+    for _ in range(64):  # the root of x^(d + 1) = x + 1
+        ratio = (1 + ratio) ** (1 / (dimensions + 1))
+    steps = ratio ** -np.arange(1.0, dimensions + 1)
+    others = (0.5 + np.arange(1, count - len(corners) + 1)[:, None] * steps) % 1
     return np.concatenate([corners, 0.5 - 0.5 * np.cos(np.pi * others)])
 
 
@@ -142,17 +229,18 @@ def spline(x: np.ndarray, values: np.ndarray) -> Callable[[np.ndarray], np.ndarr
 
     def parts(y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         distance2 = sum(np.square(a[:, None] - b) for a, b in zip(y.T, x.T, strict=True))
-        return np.asarray(distance2) ** 1.5, np.concatenate([np.ones((len(y), 1)), y], axis=1)
+        distance2 = np.asarray(distance2)
+        return distance2 * np.sqrt(distance2), np.concatenate([np.ones((len(y), 1)), y], axis=1)
 
     cubes, linear = parts(x)
     corner = np.zeros((linear.shape[1],) * 2)
     system = np.block([[cubes, linear], [linear.T, corner]])
     given = np.pad(values.reshape(len(x), -1).astype(np.float64), [(0, len(corner)), (0, 0)])
-    weights = np.linalg.solve(system, given)
+    weights = np.linalg.lstsq(system, given, rcond=1e-12)[0]
 
     def found(y: np.ndarray) -> np.ndarray:
-        blocks = [y[start : start + 4096] for start in range(0, len(y), 4096)]
-        rows = [np.concatenate(parts(block), axis=1) @ weights for block in blocks]
-        return np.concatenate(rows).reshape(len(y), *values.shape[1:])
+        result = np.empty((len(y), weights.shape[1]))
+        fill_blocks(result, lambda y: np.concatenate(parts(y), axis=1) @ weights, y, rows=2048)
+        return result.reshape(len(y), *values.shape[1:])
 
     return found

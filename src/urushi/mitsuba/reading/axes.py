@@ -1,35 +1,30 @@
 """The parameters of a coat and its bottom that vary over a surface, as axes.
 
 Their values come from Mitsuba's own textures at the shading point, and so does every filter, wrap,
-transform, mesh attribute and volume. Between the values, a bottom is known by a plugin of the same
-properties whose textures are rows of values.
+transform, mesh attribute and volume. A parameter that carries a gradient is an axis too, over all
+the values that it may take.
 """
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
-from itertools import product
-from typing import Any, NamedTuple
+from typing import Any
 
 import drjit as dr
 import mitsuba as mi
 import numpy as np
 
-from urushi.checks import MIN_ALPHA
-from urushi.core.table import node_pairs, table_of_values
+from urushi.checks import MIN_ALPHA, MIN_INDEX_STEP
+from urushi.core.appearance import LOOK, PHYSICAL
+from urushi.errors import ParameterError
 from urushi.material.layer import DEEPEST
-from urushi.material.material import Material
-from urushi.material.substrate import Substrate
 from urushi.mitsuba import spectrum
-from urushi.mitsuba.reading import probing
-from urushi.mitsuba.reading.below import below
-from urushi.mitsuba.reading.grid import nested_objects, varies, varying_textures
-from urushi.mitsuba.reading.offers import GGX, offer_of
-from urushi.mitsuba.reading.parameters import CHECKS, CoatTextures
-from urushi.nets import lobe as lobes
-from urushi.nets.weights import Model
-from urushi.textures.axes import DEPTH, LINEAR, NODES, REFLECTANCE, WIDTH, Axis
+from urushi.mitsuba.reading.grid import ELSEWHERE, nested_objects, varying_textures
+from urushi.mitsuba.reading.parameters import CHECKS, TWO_WIDTHS, CoatTextures
+from urushi.mitsuba.reading.replaced import parts
+from urushi.textures.axes import AXES, DEPTH, LINEAR, REFLECTANCE, WIDTH, Axis
+from urushi.textures.store import from_texture
 
-#: Range of a parameter by its scale, where the range of its texture is not known.
+#: All values of a parameter, by its scale.
 RANGES = {
     WIDTH: (MIN_ALPHA, 1.0),
     DEPTH: (0.0, DEEPEST),
@@ -37,55 +32,25 @@ RANGES = {
     LINEAR: (0.0, 1.0),
 }
 
-#: Scales of a coat's parameters. Those of the appearance and the index are none.
-COAT = {"alpha": WIDTH, "albedo": LINEAR, "sigma_t": DEPTH, "g": LINEAR}
+#: Scales of a coat's parameters, and the textures on which each depends.
+COAT: dict[str, tuple[str, tuple[str, ...]]] = {
+    "alpha": (WIDTH, ("alpha",)),
+    "alpha_u": (WIDTH, ("alpha_u",)),
+    "alpha_v": (WIDTH, ("alpha_v",)),
+    "eta": (LINEAR, ("int_ior", "ext_ior")),
+    "albedo": (LINEAR, ("albedo", *LOOK, "g")),
+    "sigma_t": (DEPTH, ("sigma_t", *LOOK, "g", "thickness")),
+    "g": (LINEAR, ("g",)),
+}
 
-#: Range of g in which light transport is accurate.
-ASYMMETRIES = (-0.95, 0.95)
+#: Range of g in which light transport is accurate, and relative indices on both sides of one.
+ASYMMETRIES, ABOVE, BELOW = (-0.95, 0.95), (1 + 2 * MIN_INDEX_STEP, 3.0), (0.4, 0.995)
 
-#: Width below which a lobe stays beside the table of a bottom, which is too coarse for it.
-NARROW = 0.0225
+#: Points of uv of what is no bitmap, along each side; and wavelengths of a band [nm].
+SIDE, WAVELENGTHS = 256, (spectrum.ENDS[0], spectrum.ENDS[1])
 
-#: Bottoms whose tables are computed at once: bounds memory.
-BLOCK = 48
-
-#: Points of uv at which a bottom of values is compared, and its greatest relative error there.
-COMPARED, TOLERANCE = 256, 2e-3
-
-
-class Kind(NamedTuple):
-    """A BSDF of Mitsuba whose parameters are known."""
-
-    plugin: str
-    scales: Mapping[str, str]  # of textures by name
-    colours: tuple[str, ...] = ()  # names of textures that have a value for each channel
-    numbers: Mapping[str, str] = {}  # names of properties by those of `mi.traverse`
-    switches: Mapping[str, tuple] = {}  # values of properties that it does not list
-
-
-#: By class. `distribution` is read from the description.
-KINDS = {
-    "SmoothDiffuse": Kind("diffuse", {"reflectance": REFLECTANCE}, ("reflectance",)),
-    "RoughConductor": Kind(
-        "roughconductor",
-        {"alpha": WIDTH, "specular_reflectance": LINEAR},
-        ("specular_reflectance",),
-    ),
-    "RoughPlastic": Kind(
-        "roughplastic",
-        {"diffuse_reflectance": REFLECTANCE, "specular_reflectance": LINEAR},
-        ("diffuse_reflectance", "specular_reflectance"),
-        {"alpha": "alpha", "eta": "int_ior"},
-        {"nonlinear": (False, True)},
-    ),
-    "Principled": Kind(
-        "principled",
-        {"base_color": REFLECTANCE, "roughness": LINEAR, "metallic": LINEAR, "specular": LINEAR,
-         "clearcoat": LINEAR, "clearcoat_gloss": LINEAR, "sheen": LINEAR, "flatness": LINEAR},
-        ("base_color",),
-        {"eta": "eta"},
-    ),
-}  # fmt: skip
+#: Name of the axis of wavelengths, and start of the names of a bottom's parameters.
+WAVELENGTH, BOTTOM = "wavelength", "bottom."
 
 
 @dataclass(frozen=True)
@@ -93,214 +58,186 @@ class Varying:
     """A parameter that varies."""
 
     axis: Axis
-    texture: "mi.Texture"
-
-    def read(self, si, active) -> list:
-        """Its value at a surface interaction: one Dr.Jit float, or one of each channel."""
-        if not self.axis.own:
-            return [self.texture.eval_1(si, active)]
-        return spectrum.to_channels(self.texture.eval(si, active))
+    #: From a surface interaction and active lanes to its Dr.Jit floats: one, or one a channel.
+    read: Callable[[Any, Any], list]
+    texture: Any = None  # of the bottom, or None
 
 
-def varying_parameters(coat: CoatTextures, bottom: "mi.BSDF") -> list[Varying] | None:
-    """The parameters of a coat and a bottom that vary; None: axes are not known, or too many.
+def varying_parameters(
+    coat: CoatTextures, bottom: "mi.BSDF", known: Sequence[Varying] | None
+) -> list[Varying]:
+    """The parameters of a coat and a bottom that vary or carry gradients.
 
-    Names of the bottom's begin with "bottom.".
+    known: those of a bottom that consists of codes; None: it is another.
     """
-    if mi.is_spectral or coat.is_anisotropic or coat.above is not None or coat.coloured:
-        return None
+    below = _of_bottom(bottom, coat.where) if known is None else known
+    return [*_of_coat(coat), *below]
+
+
+def _of_coat(coat: CoatTextures) -> list[Varying]:
     found = []
-    for name, texture in coat.textures.items():
-        if name == "rotation" or not varies(texture):
+    for name, (scale, sources) in COAT.items():
+        own = [coat.textures[x] for x in sources if x in coat.textures]
+        gradient = any(map(has_gradients, own)) or (name == "eta" and _attached(coat.opaque_eta))
+        if name not in coat.names or not (gradient or any(map(varying_textures, own))):
             continue
-        if name not in COAT or "thickness" in coat.textures:
-            return None
-        least, most = range_of(texture, COAT[name])
-        if name == "g":
-            least, most = range_of(texture, LINEAR, ASYMMETRIES)
-        own = name != "alpha" and _is_coloured(texture)
-        ends = np.array([least, most])
-        if name == "alpha":
+
+        def read(si, active, name=name) -> list:
+            return coat.at(si, active)[name]
+
+        whole = _whole(coat, name, scale)
+        ends = range_of(lambda si, read=read: read(si, True), own, whole, own == _named(coat, name))
+        if scale == WIDTH:
+            ends = max(ends[0], MIN_ALPHA), max(ends[1], MIN_ALPHA)
+        coloured = name in ("albedo", "sigma_t", "g", *coat.coloured) and any(map(_coloured, own))
+        found += _varying(Axis(name, scale, *ends, coloured), whole if gradient else None, read)
+    return found
+
+
+def _named(coat: CoatTextures, name: str) -> list:
+    """The texture that is a parameter of a coat by itself."""
+    return [coat.textures[name]] if name in coat.textures else []
+
+
+def _varying(
+    axis: Axis, whole: tuple[float, float] | None, read: Callable, texture: Any = None
+) -> list[Varying]:
+    """A parameter if it varies, or carries gradients and may take all values (`whole`)."""
+    if whole is not None:
+        axis = axis._replace(least=min(axis.least, whole[0]), most=max(axis.most, whole[1]))
+    return [Varying(axis, read, texture)] if axis.least < axis.most else []
+
+
+def check_coat(coat: CoatTextures) -> None:
+    """Check all values of a coat's textures; the walk clips those on meshes and in space."""
+    varying = {name for name, texture in coat.textures.items() if varying_textures(texture)}
+    coat.table(np.full((1, 2), 0.5), varying)
+    for name in varying:
+        texture, label, key = coat.textures[name], name, name
+        if name in ("int_ior", "ext_ior"):
+            label, key = "int_ior / ext_ior", "eta"
+        if sources := getattr(texture, "sources", ()):
+            label += f", which follows from {', '.join(sources)},"
+
+        def read(si, name=name, key=key, texture=texture) -> list:
+            if key == "eta" or name in COAT and name not in PHYSICAL:
+                return coat.at(si, True)[key]
+            coloured = name in (*LOOK, *PHYSICAL, "g")
+            return spectrum.to_channels(texture.eval(si)) if coloured else [texture.eval_1(si)]
+
+        own = [texture]
+        low, high = range_of(read, own, (np.nan, np.nan), key != "eta")
+        if np.isnan([low, high]).all() and any(
+            x.class_name() in ELSEWHERE for x in varying_textures(texture)
+        ):
+            continue
+        ends = np.array([low, high], np.float64).round(6)
+        if CHECKS[key] is CHECKS["alpha"]:  # dark texels of a map, as in the walk
             ends = np.where((ends >= 0) & (ends < MIN_ALPHA), MIN_ALPHA, ends)
-        CHECKS[name](ends, f"{coat.where}: a texel of {name}", any_shape=True)
-        found.append(Varying(Axis(name, COAT[name], *ends.tolist(), own), texture))
-    surface = _unwrapped(bottom)
-    kind = KINDS.get(surface.class_name())
-    textures = nested_objects(surface) if varying_textures(surface) else {}
-    for name, texture in textures.items():
-        if not isinstance(texture, mi.Texture):
-            return None
-        if not varies(texture):
+        CHECKS[key](ends, f"{coat.where}: a texel of {label}", any_shape=True)
+
+
+def _whole(coat: CoatTextures, name: str, scale: str) -> tuple[float, float]:
+    """All values of a parameter of a coat."""
+    if name == "g":
+        return ASYMMETRIES
+    if name != "eta":
+        return RANGES[scale]
+    with dr.suspend_grad():
+        si = dr.zeros(mi.SurfaceInteraction3f)
+        si.uv = mi.Point2f(0.5)
+        return ABOVE if coat.at(si, True)["eta"][0].numpy()[0] >= 1 else BELOW
+
+
+def _of_bottom(bottom: "mi.BSDF", where: str) -> list[Varying]:
+    found, seen = [], set[int]()
+    for name, texture in parts(bottom).items():
+        if not isinstance(texture, mi.Texture) or id(texture) in seen:
             continue
-        if kind is None or name not in kind.scales:
-            return None
-        own = name in kind.colours and _is_coloured(texture)
-        ends = range_of(texture, kind.scales[name])
-        found.append(Varying(Axis(f"bottom.{name}", kind.scales[name], *ends, own), texture))
-    found = [x for x in found if x.axis.least < x.axis.most]
-    return found if len(found) in NODES else None
+        seen.add(id(texture))
+        gradient = has_gradients(texture)
+        if not (gradient or varying_textures(texture)):
+            continue
+        last = name.rpartition(".")[2]
+        coloured = "reflectance" in last or "color" in last or last in ("eta", "k")
+        scale = WIDTH if last.startswith("alpha") else REFLECTANCE if coloured else LINEAR
+        whole = RANGES[scale]
+
+        def read(si, active, texture=texture, coloured=coloured) -> list:
+            if not coloured:
+                return [texture.eval_1(si, active)]
+            return spectrum.to_channels(texture.eval(si, active))
+
+        ends = range_of(lambda si, read=read: read(si, True), [texture], whole, True)
+        if not np.isfinite(ends).all():
+            raise ParameterError(f"{where}: a texel of the nested BSDF's {name} is not finite")
+        axis = Axis(BOTTOM + name, scale, *ends, coloured and _coloured(texture))
+        found += _varying(axis, whole if gradient else None, read, texture)
+    return found
 
 
-def _unwrapped(bsdf: "mi.BSDF") -> "mi.BSDF":
-    while bsdf.class_name() == "TwoSidedBRDF":
-        bsdf = nested_objects(bsdf)["brdf_0"]
-    return bsdf
+def has_gradients(texture: "mi.Texture") -> bool:
+    """Whether a parameter of a texture carries a gradient, also where gradients are suspended."""
+    return any(_attached(value) for _, value in mi.traverse(texture))
 
 
-def _is_coloured(texture: "mi.Texture") -> bool:
+def _attached(value: Any) -> bool:
+    if dr.is_tensor_v(value):
+        return bool(value.array.index_ad)
+    if not dr.is_array_v(value) or not dr.is_diff_v(value):
+        return False
+    return bool(value.index_ad) if dr.depth_v(value) == 1 else any(map(_attached, value))
+
+
+def _coloured(texture: "mi.Texture") -> bool:
     """Whether a texture may have another value in each channel."""
-    if mi.is_monochromatic:
+    if mi.is_monochromatic or texture.class_name() == "UniformSpectrum":
         return False
     if not texture.class_name().startswith("BitmapTexture"):
         return True
-    data = mi.traverse(texture)["data"]
-    return data.shape[-1] != 1
+    return mi.traverse(texture)["data"].shape[-1] != 1
 
 
 def range_of(
-    texture: "mi.Texture", scale: str, whole: tuple[float, float] | None = None
+    read: Callable[[Any], list],
+    textures: Iterable["mi.Texture"],
+    whole: tuple[float, float],
+    plain: bool,
 ) -> tuple[float, float]:
-    """The least and the largest value of a texture, or all that are allowed if it is no bitmap."""
-    if not texture.class_name().startswith("BitmapTexture"):
-        return RANGES[scale] if whole is None else whole
-    data = mi.traverse(texture)["data"].numpy()
-    return float(data.min()), float(data.max())
+    """The least and the largest value that a parameter has on a surface.
+
+    It is known at the texels of bitmaps. What is given on a mesh or in space has all values.
+
+    Args:
+        read: from surface interactions to the values.
+        textures: on which it depends.
+        whole: all values.
+        plain: whether it is the value of the only texture.
+    """
+    low, high = np.inf, -np.inf
+    varying = [x for texture in textures for x in varying_textures(texture) or [texture]]
+    for texture in varying:
+        if texture.class_name() in ELSEWHERE:
+            return whole
+        bitmap = texture.class_name().startswith("BitmapTexture")
+        if bitmap and plain and len(varying) == 1 and not mi.is_spectral:
+            data = mi.traverse(texture)["data"].numpy()
+            return float(data.min()), float(data.max())
+        si = spectrum.points(texel_centres(texture))
+        for x in spectrum.at_bands(si, lambda si=si: read(si)):
+            values = x.numpy()
+            low, high = np.minimum(low, values.min()), np.maximum(high, values.max())
+    return float(low), float(high)
 
 
-class Bottom:
-    """A bottom at rows of values of its varying parameters."""
-
-    def __init__(
-        self, model: Model, bottom: "mi.BSDF", coat: CoatTextures, varying: Sequence[Varying]
-    ):
-        """bottom: as the coat has it nested."""
-        self._model, self._coat, self._given = model, coat, below(bottom, coat)
-        self._surface = _unwrapped(bottom)
-        self._kind = KINDS.get(self._surface.class_name())
-        self._varying = [x for x in varying if x.axis.name.startswith("bottom.")]
-        self._fixed: dict[str, Any] = {}
-
-    def is_known(self) -> bool:
-        """Whether rows of values reflect as the bottom does where it has these values."""
-        if not self._varying or any(
-            x.texture.class_name() == "MeshAttribute" for x in self._varying
-        ):
-            return True  # a mesh is needed for others
-        assert self._kind is not None  # for the type checker
-        rng = np.random.default_rng(0)
-        uv, (wi, wo) = rng.random((COMPARED, 2)), (x[::8] for x in self._model.networks.pairs())
-        si = spectrum.points(uv)
-        values = {x.axis.name: x.read(si, True) for x in self._varying}
-        dr.eval(values)
-        rows = {
-            name: np.stack([np.broadcast_to(x.numpy(), len(uv)) for x in channels])
-            for name, channels in values.items()
-        }
-        f = probing.texel_values(self._given, wi, wo, uv, probing.Averaging())
-        for switches in self._switches():
-            self._fixed = switches
-            same = True
-            for channel in range(f.shape[1]):
-                own = {n: x[min(channel, len(x) - 1)] for n, x in rows.items()}
-                found = self._values(own, wi, wo)[:, channel]
-                error = np.abs(found - f[:, channel]).sum() / max(f[:, channel].sum(), 1e-9)
-                same &= bool(error < TOLERANCE)
-            if same:
-                return True
-        return False
-
-    def is_grey(self) -> bool:
-        """Whether rows of values reflect alike in all channels."""
-        ends = np.array(list(product(*((x.axis.least, x.axis.most) for x in self._varying))))
-        names = [x.axis.name for x in self._varying]
-        f = self._values(dict(zip(names, ends.T, strict=True)), *self._model.networks.pairs())
-        return bool(np.allclose(f, f[:, :1], rtol=1e-4))
-
-    def _switches(self) -> Iterator[dict[str, Any]]:
-        assert self._kind is not None  # for the type checker
-        names = list(self._kind.switches)
-        for values in product(*self._kind.switches.values()):
-            yield dict(zip(names, values, strict=True))
-
-    def rebuilt(self, rows: Mapping[str, np.ndarray]) -> "mi.BSDF":
-        """The BSDF whose varying parameters have rows (k,) of values along u, by their names."""
-        kind = self._kind
-        assert kind is not None  # for the type checker
-        parameters, given = mi.traverse(self._surface), {"type": kind.plugin, **self._fixed}
-        given |= nested_objects(self._surface)
-        given |= {
-            name: float(np.ravel(parameters[key])[0])
-            for key, name in kind.numbers.items()
-            if key in parameters and key not in given and "specular" not in given
-        }
-        if kind.plugin == "roughplastic":
-            given["ext_ior"] = 1.0
-        if "distribution = " in str(self._surface):
-            given["distribution"] = "ggx" if GGX in str(self._surface) else "beckmann"
-        for name, values in rows.items():
-            data = np.asarray(values, np.float32).reshape(1, -1, 1)
-            given[name.removeprefix("bottom.")] = {
-                "type": "bitmap",
-                "bitmap": mi.Bitmap(data),
-                "raw": True,
-                "filter_type": "nearest",
-                "wrap_mode": "clamp",
-            }
-        return below(mi.load_dict(given), self._coat)
-
-    def _values(self, rows: Mapping[str, np.ndarray], wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
-        """f (k, C, P) of rows at pairs (P, 3)."""
-        bsdf, uv = self.rebuilt(rows), along_u(len(next(iter(rows.values()))))
-        return probing.texel_values(bsdf, wi, wo, uv, probing.Averaging())
-
-    def substrate(
-        self, rows: Mapping[str, np.ndarray], channels: int
-    ) -> tuple[Substrate, np.ndarray]:
-        """The bottoms of rows (k,) of values, and the place (channels, k) of each among them."""
-        own = np.stack([rows[x.axis.name] for x in self._varying])
-        different, which = np.unique(own, axis=1, return_inverse=True)
-        count = different.shape[1]
-        parts = []
-        for start in range(0, count, BLOCK):
-            some = different[:, start : start + BLOCK]
-            names = (x.axis.name for x in self._varying)
-            parts.append(self._part(dict(zip(names, some, strict=True)), channels))
-        logs, tops = ([*side] for side in zip(*parts, strict=True))
-        top = None if tops[0] is None else np.concatenate(tops, axis=1)
-        places = np.arange(channels)[:, None] * count + which.ravel()
-        if top is not None:
-            top = top.reshape(-1, top.shape[-1])
-        if logs[0] is None:
-            assert top is not None  # for the type checker
-            rest = np.tile(self._model.networks.empty_rest(), (len(top), 1))
-            codes = np.concatenate([top, rest], axis=1, dtype=np.float32)
-            return Substrate.of(Material(codes, self._model)), places
-        table = np.concatenate(logs, axis=-1)
-        return Substrate.of_logs(table.reshape(*table.shape[:3], -1), top), places
-
-    def _part(
-        self, rows: Mapping[str, np.ndarray], channels: int
-    ) -> tuple[np.ndarray | None, np.ndarray | None]:
-        """Tables (U, V, W, channels, k), and lobes (channels, k, N) beside them.
-
-        No table: they are their lobes; no lobes: they are their tables.
-        """
-        bsdf, uv = self.rebuilt(rows), along_u(len(next(iter(rows.values()))))
-        known, bare = probing.known_lobes(bsdf, uv), offer_of(bsdf).bare
-        if known is not None:
-            known = np.moveaxis(known[:, :channels], 1, 0)
-            if bare:
-                known[..., :4] = np.minimum(known[..., :4], 1)
-                return None, known
-        wi, wo = (w.reshape(-1, 3) for w in node_pairs())
-        f = probing.texel_values(bsdf, wi, wo, uv, probing.Averaging())[:, :channels]
-        values = np.moveaxis(probing.check_values(f, "the nested BSDF"), 1, 0)
-        if known is not None:
-            values = np.maximum(values - lobes.f(known[..., None, :], wi, wo), 0)
-        table = table_of_values(values.reshape(-1, len(wi)).T)
-        return table.reshape(*table.shape[:3], channels, -1), known
-
-
-def along_u(count: int) -> np.ndarray:
-    """Points uv (count, 2) in the middles of a row of texels."""
-    return np.stack([(np.arange(count) + 0.5) / count, np.full(count, 0.5)], axis=-1)
+def texel_centres(texture: "mi.Texture") -> np.ndarray:
+    """The uv (M, 2) of the centres of a texture's texels, or of a grid."""
+    parameters, (width, height) = mi.traverse(texture), texture.resolution()
+    if width * height <= 1:
+        width = height = SIDE
+    index = np.arange(width * height)
+    x = np.stack([index % width + 0.5, index // width + 0.5], axis=-1) / (width, height)
+    if "to_uv" not in parameters:
+        return x
+    matrix = np.asarray(parameters["to_uv"].matrix.numpy(), np.float64).reshape(3, 3)
+    return from_texture(tuple(map(tuple, matrix[:2].tolist())), x)

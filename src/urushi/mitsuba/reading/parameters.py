@@ -10,7 +10,7 @@ import numpy as np
 
 from urushi import checks
 from urushi.checks import AIR, DEFAULT_COAT, MIN_ALPHA, CoatParameters, Widths
-from urushi.core import appearance
+from urushi.core import appearance, microfacet
 from urushi.core.appearance import LOOK, PHYSICAL, look_of
 from urushi.core.namespace import DRJIT
 from urushi.errors import ParameterError, choice
@@ -142,29 +142,33 @@ class CoatTextures:
             sigma_t *= textures["thickness"].eval_1(si, active)
         return CoatParameters(alpha, eta, albedo, sigma_t, g)
 
-    def channels(self, si) -> dict[str, list]:
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The parameters of `at`."""
+        widths = TWO_WIDTHS if self.is_anisotropic else ("alpha",)
+        return (*widths, *CoatParameters._fields[1:])
+
+    def at(self, si, active=True) -> dict[str, list]:
         """The coat at a surface interaction by name; if anisotropic, `TWO_WIDTHS` for alpha.
 
         Lists of Dr.Jit floats: one for each channel, or one that all channels share.
         """
-
-        def rows() -> list[dict]:
-            named = self.evaluate(si, mi.Bool(True))._asdict()
-            if self.is_anisotropic:
-                alpha = named.pop("alpha")
-                named.update(zip(TWO_WIDTHS, (alpha.u, alpha.v), strict=True))
-            lanes = range(len(spectrum.to_channels(named["albedo"])))
-            return [
-                {name: x[lane] if dr.depth_v(x) > 1 else x for name, x in named.items()}
-                for lane in lanes
-            ]
-
-        channels = spectrum.at_bands(si, rows)
-        coloured = ("albedo", "sigma_t", "g", *self.coloured)
+        alpha, *others = self.evaluate(si, mi.Bool(active))
+        values = [*microfacet.pair(alpha)] if self.is_anisotropic else [alpha]
         return {
-            name: [row[name] for row in (channels if name in coloured else channels[:1])]
-            for name in channels[0]
+            name: spectrum.to_channels(x) if dr.depth_v(x) > 1 else [x]
+            for name, x in zip(self.names, [*values, *others], strict=True)
         }
+
+    def channels(self, si) -> dict[str, list]:
+        """`at` for the bands that materials are read at."""
+        found = {}
+        for name in self.names:
+            if name in ("albedo", "sigma_t", "g", *self.coloured):
+                found[name] = spectrum.at_bands(si, lambda name=name: self.at(si)[name])
+            else:
+                found[name] = self.at(si)[name]
+        return found
 
     def layering(self, uv: np.ndarray) -> CoatParameters:
         """The coat at points uv (M, 2): arrays of `table`, alpha maybe `Widths`."""
