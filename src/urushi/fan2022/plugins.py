@@ -6,7 +6,7 @@ Render them within `kernels.separate_kernels`. Outside `mi.render`, they enter i
 import contextlib
 import warnings
 from functools import partial
-from typing import Any, ClassVar
+from typing import Any
 
 import drjit as dr
 import mitsuba as mi
@@ -17,9 +17,8 @@ from urushi.fan2022.architecture import LATENT
 from urushi.fan2022.kernels import PaperDecoder, PaperSampler, separate_kernels
 from urushi.fan2022.material import Material, encode, load
 from urushi.fan2022.networks import PaperNetworks, projection_pairs
+from urushi.fan2022.texels import CodeTexture, different_rows
 from urushi.mitsuba import spectrum
-from urushi.mitsuba.latents.bottoms import KEY_BITS
-from urushi.mitsuba.latents.lookup import are_constant, drawn_texel, texel_draw
 from urushi.mitsuba.plugins.base import resolve
 from urushi.mitsuba.reading import grid as grids
 from urushi.mitsuba.reading import probing
@@ -29,10 +28,8 @@ from urushi.mitsuba.reading.parameters import (
     check_bottom,
     nested_bsdf,
 )
-from urushi.mitsuba.recording import only_where, owned
+from urushi.mitsuba.recording import only_where
 from urushi.mitsuba.register import Room
-from urushi.textures.bake import code_hashes
-from urushi.textures.mip_pyramid import half_resolution
 from urushi.textures.store import MIDDLE, TexelGrid
 
 #: Texels whose bottom is evaluated at once: bounds memory.
@@ -44,13 +41,8 @@ RECORDED = (
 )
 
 
-class TexelCodes:
-    """Codes on a grid of texels, in single precision, in Dr.Jit.
-
-    Mip levels are means of codes: the networks' latent space is linear (Fan et al. 2022).
-    """
-
-    DRJIT_STRUCT: ClassVar = {"_numbers": object, "_levels": list}  # for frozen functions
+class TexelCodes(CodeTexture):
+    """A texture of codes, and f and proposals of its vertices."""
 
     def __init__(
         self,
@@ -59,48 +51,9 @@ class TexelCodes:
         grid: TexelGrid = MIDDLE,
         mipmaps: bool = False,
     ):
-        """codes: (T, C, 32) of the grid's texels, or (1, C, 32)."""
-        self.codes = np.broadcast_to(codes, (grid.texels, *codes.shape[1:]))
-        levels = [self.codes.reshape(grid.height, grid.width, *codes.shape[1:])]
-        while mipmaps and levels[-1].shape[:2] != (1, 1):
-            levels.append(half_resolution(levels[-1], 0, len(levels[-1])))
-        numbers = np.concatenate([level.reshape(-1, *codes.shape[1:]) for level in levels])
-        self.grid, self._numbers = grid, owned(mi.Float, numbers)
-        # Of each level the number of texels before it, and its width and height.
-        sizes = np.array(
-            [(h * w, w, h) for h, w, *_ in (level.shape for level in levels)], np.uint32
-        )
-        sizes[:, 0] = np.cumsum(sizes[:, 0]) - sizes[:, 0]
-        self._levels = [owned(mi.UInt32, column) for column in sizes.T]
+        """codes: see `CodeTexture`."""
+        super().__init__(codes, grid, mipmaps)
         self._decoder, self._sampler = PaperDecoder(networks.params), PaperSampler(networks.params)
-
-    def vertex(self, si) -> list[list]:
-        """The codes at a surface interaction: a list (32) of Dr.Jit floats for each channel.
-
-        One texel is drawn, as in `mitsuba.latents.lookup`, of a level whose texels have the size of
-        a pixel where the integrator computes derivatives of uv.
-        """
-        (a, b, c), (d, e, f) = self.grid.to_texture
-        point = a * si.uv.x + b * si.uv.y + c, d * si.uv.x + e * si.uv.y + f
-        draw, count = texel_draw(si.uv, si.wi), dr.width(self._levels[0])
-        offset, width, height = (
-            mi.UInt32(0),
-            mi.UInt32(self.grid.width),
-            mi.UInt32(self.grid.height),
-        )
-        if count > 1 and not are_constant(si.duv_dx, si.duv_dy):
-            squared = mi.Float(1)
-            for change in (si.duv_dx, si.duv_dy):
-                x, y = a * change.x + b * change.y, d * change.x + e * change.y
-                squared = dr.maximum(squared, dr.square(x * width) + dr.square(y * height))
-            level = dr.minimum(mi.UInt32(0.5 * dr.log2(squared) + draw[2]), count - 1)
-            offset, width, height = (dr.gather(mi.UInt32, x, level) for x in self._levels)
-        sizes, channels = (mi.Int32(width), mi.Int32(height)), self.channels
-        first = (offset + drawn_texel(point, sizes, self.grid, draw)) * channels
-        return [
-            [dr.gather(mi.Float, self._numbers, (first + c) * LATENT + i) for i in range(LATENT)]
-            for c in range(channels)
-        ]
 
     def f(self, vertex: list[list], si, wo, active) -> "mi.Spectrum":
         recorded = dr.flag(dr.JitFlag.SymbolicScope)
@@ -112,11 +65,6 @@ class TexelCodes:
 
     def proposal(self, vertex: list[list]) -> Any:
         return self._sampler.proposal([sum(z) / self.channels for z in zip(*vertex, strict=True)])
-
-    @property
-    def channels(self) -> int:
-        """Number of codes of a texel, one per channel."""
-        return self.codes.shape[1]
 
 
 def define(base: type) -> dict[str, type]:
@@ -178,8 +126,9 @@ def define(base: type) -> dict[str, type]:
         weights        string                File of the networks. (Required)
         resolution     integer               Texels per side if anything is textured. (Default: that
                                              of the largest texture; 384 bytes for an RGB texel)
-        mipmaps        boolean               Whether to average codes to mip levels, as for
-                                             ``neural_layered``. (Default: false)
+        mipmaps        boolean               Whether to average codes to mip levels, for
+                                             integrators that compute derivatives of uv. Those that
+                                             ship with Mitsuba do not. (Default: false)
         ============== ===================== ====================================================
 
         The coat and the nested BSDF are given as for ``neural_layered``, isotropic and with indices
@@ -228,10 +177,10 @@ def define(base: type) -> dict[str, type]:
             for start in range(0, grid.texels, TEXELS):
                 uv = grid.uv(start, min(start + TEXELS, grid.texels))
                 f = probing.check_values(values(uv), self._coat.where)
-                keys = code_hashes(f, KEY_BITS).ravel()
-                _, first, label = np.unique(keys, return_index=True, return_inverse=True)
-                codes = self.networks.encode(f.reshape(-1, f.shape[-1])[first])
-                parts.append(codes[label].reshape(*f.shape[:2], LATENT))
+                rows = f.reshape(-1, f.shape[-1])
+                first, place = different_rows(rows)
+                codes = self.networks.encode(rows[first])
+                parts.append(codes[place].reshape(*f.shape[:2], LATENT))
             return np.concatenate(parts)
 
         def save(self, path):
