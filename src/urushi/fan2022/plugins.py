@@ -171,7 +171,7 @@ def define(base: type) -> dict[str, type]:
             if grid == MIDDLE or not grids.varying_textures(self._bottom):
                 return encode(self._bottom, self.networks).latents[None]
             pairs = projection_pairs()
-            average = probing.needed_averaging(self._bottom, *pairs, grid, self._coat.where)
+            average = probing.needed_averaging(self._bottom, *pairs, grid.uv(), self._coat.where)
             values = partial(probing.texel_values, self._bottom, *pairs, average=average)
             parts = []
             for start in range(0, grid.texels, TEXELS):

@@ -166,7 +166,6 @@ _TO_COLOR = np.linalg.inv(
 def from_channels(
     values: Sequence,
     wavelengths,
-    estimates: tuple[Any, Sequence] | None = None,
     *,
     colors: bool = False,
 ) -> "mi.Spectrum":
@@ -174,8 +173,6 @@ def from_channels(
 
     Args:
         values: one, three, red first, or in spectral variants one for each wavelength.
-        estimates: of three values' spectrum at the wavelengths and at `RGB`, up to a factor and a
-            constant; what is left is `of_rgb`. None: all is.
         colors: whether three values are linear sRGB, as in files; else they were read at `RGB`.
     """
     if len(values) == 1:
@@ -186,17 +183,9 @@ def from_channels(
         return mi.Color3f(*values)
     if len(values) > len(RGB):
         return mi.Spectrum(*values)
-    followed: Any = 0
-    if estimates is not None:
-        at_wavelengths, at_bands = estimates
-        mean, center = sum(values) / len(RGB), sum(at_bands) / len(RGB)
-        covariance = sum((x - mean) * (y - center) for x, y in zip(values, at_bands, strict=True))
-        slope = covariance / dr.maximum(sum(dr.square(y - center) for y in at_bands), 1e-9)
-        values = [x - slope * y for x, y in zip(values, at_bands, strict=True)]
-        followed = slope * at_wavelengths
     if not colors:
         values = [sum(a * x for a, x in zip(row, values, strict=True)) for row in _TO_COLOR]
-    return mi.Spectrum(dr.maximum(of_rgb(values, wavelengths) + followed, 0))
+    return mi.Spectrum(dr.maximum(of_rgb(values, wavelengths), 0))
 
 
 def at_nodes(color: Sequence[float] | np.ndarray) -> np.ndarray:

@@ -12,7 +12,6 @@ import drjit as dr
 import mitsuba as mi
 
 from urushi.core.mixture import Mixture
-from urushi.mitsuba.plugins.base import GradientTensors
 from urushi.mitsuba.plugins.coats import Turn, TurnedMixture
 from urushi.mitsuba.reading.offers import Offer, offer_of, tabulated
 from urushi.openpbr_surface import encoding, model
@@ -150,9 +149,16 @@ def define(proposal_bsdf: type) -> tuple[type, type]:
         def _exact(self):
             """The base without the limits of codes, for tables; None: coats take codes."""
             least = encoding.FILM_TABULATED_FROM if self._model.film else 0
-            if not (self._encoded and encoding.is_rough(self._inputs, self._model.names, least)):
+            names = self._model.names
+            varies = not self._model.film and not self._inputs.is_uniform(names)
+            if not self._encoded or not (varies or encoding.is_rough(self._inputs, names, least)):
                 return None
             return type(self)(self._inputs, self._under_coat, False, self._compensated)
+
+        def replaced(self, replacement):
+            """See `reading.replaced.Replaceable`."""
+            inputs = self._inputs.with_textures(replacement)
+            return type(self)(inputs, self._under_coat, self._encoded, self._compensated)
 
         def below_coat(self, f, si, wo, active):
             """f [1/sr] by codes of a coat over this base, with the film's change of colour."""
@@ -180,16 +186,14 @@ def define(proposal_bsdf: type) -> tuple[type, type]:
     class OpenPBRSurface(proposal_bsdf):
         """Mixes BRDFs: (1 - coat_weight) base + coat_weight coated, and fuzz above both."""
 
-        def __init__(self, inputs: Inputs, make: Callable[[Layers | None], Layers]):
+        def __init__(self, inputs: Inputs, make: Callable[[Inputs, Layers | None], Layers]):
             """Make the layers.
 
-            make: returns the layers that the parameters need, and reuses previous ones that still
-                fit.
+            make: returns the layers that parameters need, and reuses previous ones that still fit.
             """
             self._inputs, self._make = inputs, make
             self._turned = "geometry_tangent" in inputs.maps
-            self.gradient_tensors = GradientTensors()
-            self._configure(make(None))
+            self._configure(make(inputs, None))
             super().__init__(mi.Properties("openpbr"), inputs.where)
 
         def _configure(self, layers: Layers):
@@ -258,13 +262,16 @@ def define(proposal_bsdf: type) -> tuple[type, type]:
                 return Offer()
             return replace(offer_of(base), exact=lambda: self)
 
+        def replaced(self, replacement):
+            """See `reading.replaced.Replaceable`."""
+            return type(self)(self._inputs.with_textures(replacement), self._make)
+
         names = NAMES
 
         def traverse(self, callback):
             # Walks have no derivatives.
-            walks = self._coated is not None and not hasattr(self._coated, "gradient_tensors")
+            walks = self._coated is not None and offer_of(self._coated).latents is None
             self._inputs.traverse(callback, self.names, self.names if walks else ())
-            self.gradient_tensors.traverse(callback)
 
         def _update(self, keys):
             self._inputs.refresh()
@@ -275,11 +282,10 @@ def define(proposal_bsdf: type) -> tuple[type, type]:
                 return
             former = self._coated
             if renewed or (self._compensation and not self._compensation.is_current):
-                self._configure(self._make(self._layers))
+                self._configure(self._make(self._inputs, self._layers))
             if self._coated is former is not None:
                 base = not keys or not {*keys}.isdisjoint(self._layers.below.names)
                 self._coated.parameters_changed(["bottom"] if base else list(OF_COAT))
-            self.gradient_tensors.follow(self._coated)
 
         def to_string(self):
             parts = "\n".join(f"{part}," for part in (self._base, self._coated) if part)

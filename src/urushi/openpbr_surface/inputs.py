@@ -124,6 +124,11 @@ class Inputs:
                 other._constant(name, checked(name, value))
         return other
 
+    def with_textures(self, replacement: Callable[["mi.Texture"], "mi.Texture"]) -> "Inputs":
+        """The same with other textures; replacement: from each to the new one, maybe itself."""
+        found = {name: replacement(texture) for name, texture in self.textures.items()}
+        return self.replaced({n: x for n, x in found.items() if x is not self.textures[n]})
+
     def is_constant(self, name: str, value: float) -> bool:
         """Whether a parameter is given as this number, and not as a texture."""
         known = self.known(name)

@@ -16,7 +16,6 @@ import drjit as dr
 import mitsuba as mi
 
 from urushi.errors import ParameterError
-from urushi.mitsuba.plugins.base import GradientTensors
 from urushi.mitsuba.plugins.coats import (
     Turn,
     TurnedMixture,
@@ -58,7 +57,6 @@ def define(proposal_bsdf: type) -> Callable[..., "mi.BSDF"]:
             self._inputs, self._make = inputs, make
             self._parts: list = []
             self._unseen: list = []  # `Unseen` and its weight at an interaction
-            self.gradient_tensors = GradientTensors()
             self._configure()
             super().__init__(mi.Properties("openpbr"), inputs.where)
 
@@ -159,7 +157,6 @@ def define(proposal_bsdf: type) -> Callable[..., "mi.BSDF"]:
             if "transmission_color" in names:  # a coat may appear
                 names += ("coat_weight", *OF_COAT)
             self._inputs.traverse(callback, dict.fromkeys(names), self._fixed())
-            self.gradient_tensors.traverse(callback)
 
         def _fixed(self) -> set[str]:
             """The parameters by which a part has no derivatives."""
@@ -182,8 +179,6 @@ def define(proposal_bsdf: type) -> Callable[..., "mi.BSDF"]:
                         bsdf.parameters_changed(list(keys))
                 if not changed or not changed <= {*LOSSLESS}:
                     self._take(self._make(self._parts))
-            # The opaque part comes first, if there is one.
-            self.gradient_tensors.follow(self._parts[0][0] if self._parts else None)
 
         def to_string(self):
             parts = ",\n".join(str(bsdf) for bsdf, _, _ in self._parts)

@@ -1,10 +1,10 @@
 """Materials over axes of parameters: codes at nodes, between which renderers interpolate.
 
 A material has few parameters that vary over a surface. Each is an axis, with nodes over the range
-of the parameter. Light transport is computed at some points. What the layering network lacks there
-is interpolated by a polyharmonic spline (Duchon 1977), and added to the network's codes at the
-nodes. Codes are smooth along the axes, so that linear interpolation between nodes adds little. The
-lobe of the coat is known at every point, and has no nodes.
+of the parameter. Light transport is computed at some hundred points, which a polyharmonic spline
+(Duchon 1977) interpolates to the nodes. Codes are smooth along the axes, so that linear
+interpolation between nodes adds little. The lobe of the coat is known at every point, and has no
+nodes.
 """
 
 import math
@@ -16,7 +16,6 @@ import numpy as np
 from urushi.checks import CoatParameters
 from urushi.core.namespace import Namespace
 from urushi.material.energy import limit_albedo
-from urushi.material.layer import predicted
 from urushi.nets import lobe as lobes
 from urushi.nets.basis import Basis
 from urushi.nets.weights import Model
@@ -24,10 +23,13 @@ from urushi.parallel import fill_blocks
 
 #: Points of transport by the number of axes, of one width and of two; a point of two widths takes a
 #: hundred times as long.
-POINTS = {1: (24, 96, 256, 384, 512, 640), 2: (6, 12, 20, 32, 40, 48)}
+POINTS = {1: (16, 40, 96, 192, 320, 448), 2: (6, 12, 20, 32, 40, 48)}
 
 #: Most axes.
 AXES = len(POINTS[1])
+
+#: Steps between the values of a coordinate at these points.
+LEVELS = 16
 
 #: Numbers of nodes of an axis, and the most nodes of all axes together: their codes fit into the
 #: caches of a processor.
@@ -91,8 +93,8 @@ class Rows(NamedTuple):
 
     #: The coats, arrays (C, k); C is 1 if all channels are alike at the same values.
     coats: Callable[[np.ndarray], CoatParameters]
-    #: Codes (C, k, L) of the coated material by light transport, and of what lies below.
-    codes: Callable[[np.ndarray], tuple[np.ndarray, np.ndarray]]
+    #: Codes (C, k, L) of the coated material by light transport.
+    codes: Callable[[np.ndarray], np.ndarray]
 
 
 class Baked(NamedTuple):
@@ -141,18 +143,13 @@ def bake(model: Model, axes: Sequence[Axis], rows: Rows) -> Baked:
     def values(x: np.ndarray) -> np.ndarray:
         return np.stack([a.values(column) for a, column in zip(own, x.T, strict=True)], axis=1)
 
-    def network(z: np.ndarray, x: np.ndarray) -> np.ndarray:
-        return predicted(model, z.astype(np.float32), rows.coats(values(x)))[..., size:]
-
     x = points(len(own), POINTS[model.widths][len(own) - 1])
-    computed, bottoms = rows.codes(values(x))
-    below = spline(x, np.moveaxis(bottoms, 0, 1))
-    missing = spline(x, np.moveaxis(computed[..., size:] - network(bottoms, x), 0, 1))
+    computed = np.moveaxis(rows.codes(values(x))[..., size:], 0, 1)
+    smooth = spline(x, computed)
 
     def rests_at(x: np.ndarray) -> np.ndarray:
         """Rests (C, k, K) at coordinates (k, d)."""
-        z = np.moveaxis(below(x), 1, 0)
-        rests = network(z, x) + np.moveaxis(missing(x), 1, 0)
+        rests = np.moveaxis(smooth(x), 1, 0)
         tops = np.broadcast_to(lobes_at(x), (*rests.shape[:2], size))
         codes = np.concatenate([tops, rests], axis=-1, dtype=np.float32)
         return limit_albedo(model, codes)[..., size:]
@@ -208,9 +205,11 @@ def node_counts(
 
 
 def points(dimensions: int, count: int) -> np.ndarray:
-    """Points (count, d) of the unit cube: its corners, and others that are denser near its ends.
+    """At most `count` points (n, d) of the unit cube: its corners, and others that are denser near
+    its ends.
 
-    The others are a sequence of Roberts (2018).
+    The others are a sequence of Roberts (2018), at `LEVELS` + 1 values of each coordinate: what
+    depends on one parameter alone is computed once for each value.
     """
     corners = np.array(list(np.ndindex(*[2] * dimensions)), float)[: count // 2]
     ratio = 2.0
@@ -218,7 +217,8 @@ def points(dimensions: int, count: int) -> np.ndarray:
         ratio = (1 + ratio) ** (1 / (dimensions + 1))
     steps = ratio ** -np.arange(1.0, dimensions + 1)
     others = (0.5 + np.arange(1, count - len(corners) + 1)[:, None] * steps) % 1
-    return np.concatenate([corners, 0.5 - 0.5 * np.cos(np.pi * others)])
+    others = np.rint(others * LEVELS) / LEVELS
+    return np.unique(np.concatenate([corners, 0.5 - 0.5 * np.cos(np.pi * others)]), axis=0)
 
 
 def spline(x: np.ndarray, values: np.ndarray) -> Callable[[np.ndarray], np.ndarray]:

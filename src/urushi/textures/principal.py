@@ -88,6 +88,11 @@ class Projection:
         gain = numbers[..., :1] - (off @ self.levels)[..., None]
         return np.concatenate([gain, off + self.mean], axis=-1)
 
+    def changes(self, slopes: np.ndarray) -> np.ndarray:
+        """Slopes (..., 1 + N) of `numbers` for slopes (..., K) of rests."""
+        gain = slopes[..., :1] + (slopes[..., 1:] @ self.levels)[..., None]
+        return np.concatenate([gain, slopes[..., 1:] @ self.into], axis=-1)
+
     def functions(self, rows: np.ndarray) -> np.ndarray:
         """Mean and functions (P, 1 + N) of principal numbers, from rows (P, 1 + K) of a basis."""
         others = rows[:, 2:]
@@ -123,10 +128,17 @@ def principal_texture(model: Model, store: TextureStore) -> PrincipalTexture | N
     return _packed(model, store, projection, functions, some)
 
 
-def projection_of(model: Model, codes: np.ndarray) -> tuple[np.ndarray, Projection]:
-    """The functions and the projection, as of `PrincipalTexture`, of codes (n, 1, L)."""
+def projection_of(
+    model: Model, tops: np.ndarray, rests: np.ndarray
+) -> tuple[np.ndarray, Projection]:
+    """The functions and the projection, as of `PrincipalTexture`, of codes.
+
+    tops: lobes (N, M). rests: (C, N, K).
+    """
     own, lobe = model.networks.basis, model.arch.lobe
     assert isinstance(own, Basis)  # for the type checker
+    codes = np.concatenate([np.broadcast_to(tops, (*rests.shape[:2], lobe)), rests], axis=-1)
+    codes = codes.reshape(-1, 1, codes.shape[-1])
     some = codes[:: -(-len(codes) // SAMPLE), 0]
     whole = _projection(own, [codes], some, lobe)
     off = _left(codes[..., lobe:], whole)

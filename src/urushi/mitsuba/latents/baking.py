@@ -1,170 +1,292 @@
-"""Latent codes of a coat over a Mitsuba BSDF, constant or a texture.
+"""Codes of a coat over a Mitsuba BSDF: constant, over axes of parameters, or at texels.
 
-`Baker.update` is the whole journey: choose the grid of texels, read the bottom (`bottoms`), read
-the coat's parameters at every texel, and layer (`textures.bake`). Each stage remembers its inputs
-and repeats only the work for inputs that have changed. Textures that were baked before, even by
-another process, are read from the disk (`textures.cache`).
+Parameters that vary or carry gradients are axes. A bottom of an unknown kind that varies has a code
+for each texel of uv. An update bakes again what has changed.
 """
 
-from collections.abc import Iterator
-from functools import partial
+from collections.abc import Mapping, Sequence
 
+import drjit as dr
 import mitsuba as mi
 import numpy as np
 from tqdm import tqdm
 
 from urushi import checks
 from urushi.checks import CoatParameters
-from urushi.material.layer import layer_material
+from urushi.core.microfacet import pair
+from urushi.errors import ParameterError
+from urushi.material.coated_values import coated_values
+from urushi.material.layer import check_ratios, layer_material
+from urushi.material.values import codes_of
 from urushi.mitsuba import spectrum
-from urushi.mitsuba.latents.bottoms import BottomCodes, nested_latents
+from urushi.mitsuba.latents.axes import AxisLatents
+from urushi.mitsuba.latents.bottoms import (
+    BottomRows,
+    along_u,
+    nested_latents,
+    probed_codes,
+    wavelengths_of,
+)
 from urushi.mitsuba.latents.holders import ConstantLatents, TexturedLatents
-from urushi.mitsuba.reading import grid as grids
+from urushi.mitsuba.reading.axes import (
+    WAVELENGTH,
+    Varying,
+    check_coat,
+    varying_parameters,
+)
+from urushi.mitsuba.reading.grid import (
+    ELSEWHERE,
+    check_normals,
+    not_over_uv,
+    varying_textures,
+)
+from urushi.mitsuba.reading.kept import writable
 from urushi.mitsuba.reading.offers import tabulated
-from urushi.mitsuba.reading.parameters import CoatTextures
+from urushi.mitsuba.reading.parameters import TWO_WIDTHS, CoatTextures
+from urushi.nets import lobe as lobes
 from urushi.nets.weights import Model
-from urushi.textures import cache
-from urushi.textures.bake import TEXEL_BLOCK, BakedTexture, coat_source
-from urushi.textures.layering import layer_rows
-from urushi.textures.store import MIDDLE, TexelGrid
+from urushi.textures.axes import AXES, LINEAR, Axis, Rows, bake
+from urushi.textures.layering import layer_rows, transported_rests
+from urushi.textures.store import MIDDLE, TexelGrid, TextureStore
 
-#: Seconds of baking before progress is shown, and between two reports.
+#: Texels per side of what is no bitmap, the largest side that is chosen, and texels that are read
+#: at once.
+PROCEDURAL, LARGEST, BLOCK = 256, 512, 1 << 13
+
+#: Seconds before progress is shown, and between two reports.
 PROGRESS_DELAY = 3.0
+
+#: Points that are tested for the wavelengths on which a coat depends.
+POINT = np.full((1, 2), 0.5)
+
+Latents = ConstantLatents | AxisLatents | TexturedLatents
 
 
 class Baker:
     """The codes of a coat over a bottom; `update` computes them, and again after a change."""
 
-    def __init__(
-        self,
-        model: Model,
-        coat: CoatTextures,
-        bottom: "mi.BSDF",
-        resolution: int,
-        mipmaps: bool = False,
-    ):
+    def __init__(self, model: Model, coat: CoatTextures, bottom: "mi.BSDF", resolution: int):
         """Prepare a coat; nothing is evaluated before `update`.
 
-        resolution: texels per side of a latent texture, 0 to choose.
-        mipmaps: whether a latent texture has a mip pyramid.
+        bottom: as the coat has it nested. resolution: texels per side, 0 to choose.
         """
         self.model, self._coat, self._bottom = model, coat, bottom
-        self._resolution, self._mipmaps = resolution, mipmaps
-        self.bottom = BottomCodes(model, bottom, coat.where)
-        self._grid: TexelGrid | None = None
-        self._texture: BakedTexture | None = None
+        self._resolution = resolution
+        self._last: AxisLatents | None = None
+        self._fixed: list[np.ndarray] = []  # numbers on which the last one depends
         self.absorbs = False  # whether the coat has no interface and does not scatter, anywhere
 
-    def update(self, bottom_changed: bool = True) -> ConstantLatents | TexturedLatents:
-        """The codes for the current parameters; in a texture, only changed rows are layered.
+    def update(self) -> Latents:
+        """The codes for the current parameters."""
+        check_normals(self._bottom, self._coat.where)
+        check_coat(self._coat)
+        rows = BottomRows(self.model, self._bottom, self._coat)
+        own = rows.nested.varying if isinstance(rows.nested, AxisLatents) else None
+        varying = varying_parameters(self._coat, self._bottom, own, rows.has_texels)
+        names = {x.axis.name for x in varying}
+        with dr.suspend_grad():
+            si = spectrum.points(POINT)
+            coat = self._coat.at(si)
+            clear = not names & {"eta", "albedo"} and (coat["eta"][0].numpy() == 1).all()
+            self.absorbs = clear and all((x.numpy() == 0).all() for x in coat["albedo"])
+            if not varying and not rows.has_texels:
+                return self._constant(rows)
+            found = None
+            if not (rows.has_texels or self._coat.coloured):
+                found = self._over_axes(rows, varying)
+            return self._at_texels() if found is None else found
 
-        bottom_changed: whether the bottom may have changed since the last call.
+    def _constant(self, rows: BottomRows) -> ConstantLatents:
+        with spectrum.bands_of(None):
+            coat, bottom = self._coat.layering(POINT), rows.material()
+            columns = [column[0] for column in coat.columns()]
+            return ConstantLatents(layer_material(CoatParameters.of_columns(columns), bottom))
 
-        Warns:
-            UrushiWarning: codes of a coat outside the network's training data are rendered.
-        """
-        grid = choose_grid(self._coat, self._bottom, self.model, self._resolution)
-        with spectrum.bands_of(grid):
-            if grid != self._grid:
-                self._texture = None
-            if bottom_changed or grid != self._grid or (grid and not self._texture):
-                self.bottom.open(grid)
-            self._grid = grid
-            left, self.absorbs = self._survey(grid or MIDDLE)
-            latents = self._constant() if grid is None else self._textured(grid)
-        if tabulated(latents) is None:
-            checks.warn_of_training(left, f"{self._coat.where}:")
-        return latents
+    def _over_axes(self, rows: BottomRows, varying: list[Varying]) -> AxisLatents | None:
+        """The codes along the parameters that vary; None: the bottom is unknown, or too many
+        vary."""
+        if len(varying) > AXES:
+            return None
+        gradients = any(x.differentiable for x in varying)
+        axes, fixed = [x.axis for x in varying], self._numbers(varying, rows)
+        last = self._last
+        if last is not None and self._are_known(axes, fixed, last):
+            if gradients == last.differentiable and [x.texture for x in last.varying] == [
+                x.texture for x in varying
+            ]:
+                return last
+            parts = zip(varying, last.baked.axes, strict=False)
+            kept = [x._replace(axis=axis) for x, axis in parts] + last.varying[len(varying) :]
+            self._last = AxisLatents(last.baked, kept, gradients)
+            return self._last
+        rows.follow(varying)
+        if not rows.is_known():
+            return None
+        coated = _Coated(self.model, self._coat, rows, varying)
+        if coated.needs_wavelengths:
+            varying = [*varying, _wavelengths()]
+            if len(varying) > AXES:
+                return None
+        baked = bake(self.model, [x.axis for x in varying], Rows(coated.coats, coated.codes))
+        self._last, self._fixed = AxisLatents(baked, varying, gradients), fixed
+        return self._last
 
-    def _constant(self) -> ConstantLatents:
-        """The codes of a coat and a bottom without textures."""
-        coat = self._coat.layering(np.full((1, 2), 0.5))
-        bottom = self.bottom.material
-        assert bottom is not None  # for the type checker
-        columns = [column[0] for column in coat.columns()]
-        return ConstantLatents(layer_material(CoatParameters.of_columns(columns), bottom))
-
-    def _textured(self, grid: TexelGrid) -> TexturedLatents:
-        """The codes of all texels, from the disk or layered."""
-        key = self._key(grid) if self._texture is None and cache.folder() else None
-        kept = cache.read(key, self.model) if key else None
-        if kept is not None:
-            return TexturedLatents(self.model, kept[0], grid)
-        channels = spectrum.channel_count()
-        texture = self._texture or BakedTexture(self.model, grid, channels, self._mipmaps)
-        with self._progress(grid) as bar:
-            self.bottom.bake(bar.update)
-            source = coat_source(partial(self._parameters, grid), self.bottom.source)
-            texture.update(source, bar.update, partial(layer_rows, self.model))
-        if key:
-            cache.write(key, texture.store, grid, self.model)
-        self._texture = texture
-        return TexturedLatents(self.model, texture.store, grid)
-
-    def _parameters(self, grid: TexelGrid, start: int, stop: int) -> CoatParameters:
-        """The coats at a range of texels, or at one if they do not vary."""
-        varies = any(map(grids.varying_textures, self._coat.textures.values()))
-        return self._coat.layering(grid.uv(start, stop if varies else start + 1))
-
-    def _survey(self, grid: TexelGrid) -> tuple[set[str], bool]:
-        """The trained ranges that the coat leaves, and whether it absorbs alone, at all texels."""
-        left, absorbs = set(), True
-        for start, stop in _blocks(grid):
-            coat = self._parameters(grid, start, stop)
-            left |= checks.outside_training(coat)
-            absorbs &= bool(((coat.eta == 1) & (coat.albedo == 0)).all())
-        return left, absorbs
-
-    def _key(self, grid: TexelGrid) -> str:
-        """The key of the texture in the cache."""
-        settings = mi.__version__, mi.variant(), self.model.fingerprint, grid, self._mipmaps
-
-        def contents() -> Iterator[np.ndarray]:
-            for start, stop in _blocks(grid):
-                yield from self._parameters(grid, start, stop).columns()
-                yield from self.bottom.contents(start, stop)
-
-        return cache.key(str(settings), contents())
-
-    def _progress(self, grid: TexelGrid) -> tqdm:
-        """A progress bar on stderr, in files too, of a baking that takes longer than a moment."""
-        return tqdm(
-            total=grid.texels * (1 + self.bottom.stored),
-            desc=f"{self._coat.where}: {grid.width} x {grid.height} texels are baked (a lower "
-            "'resolution' is faster)",
-            unit=" texels",
-            unit_scale=True,
-            delay=PROGRESS_DELAY,
-            mininterval=PROGRESS_DELAY,
+    def _are_known(
+        self, axes: Sequence[Axis], fixed: list[np.ndarray], last: AxisLatents
+    ) -> bool:
+        """Whether axes lie within the last ones, and nothing else has changed."""
+        names = {axis.name for axis in axes}
+        former = [axis for axis in last.baked.axes if axis.name in names | {WAVELENGTH}]
+        return (
+            len(former) == len(last.baked.axes)
+            and [x.name for x in axes] == [x.name for x in former][: len(axes)]
+            and all(old.contains(new) for old, new in zip(former, axes, strict=False))
+            and len(fixed) == len(self._fixed)
+            and all(map(np.array_equal, fixed, self._fixed))
         )
 
+    def _numbers(self, varying: Sequence[Varying], rows: BottomRows) -> list[np.ndarray]:
+        """What codes along the axes depend on beside them."""
+        names = {x.axis.name for x in varying}
+        with spectrum.bands_of(None):
+            coat = self._coat.channels(spectrum.points(POINT))
+            numbers = [x.numpy() for name in coat if name not in names for x in coat[name]]
+        if isinstance(rows.nested, AxisLatents):
+            return [*numbers, np.array([id(rows.nested.baked)])]
+        left_out = {id(x.texture) for x in varying}
+        parameters = mi.traverse(self._bottom)
+        for key, value in writable(self._bottom):
+            owner = parameters.properties[key][2]
+            if id(owner) not in left_out:
+                numbers.append(np.array(getattr(value, "matrix", value)))
+        return numbers
 
-def choose_grid(
-    coat: CoatTextures, bottom: "mi.BSDF", model: Model, resolution: int
-) -> TexelGrid | None:
-    """The grid of a coat's codes over a bottom; None: they are the same everywhere."""
-    grids.check_normals(bottom, coat.where)
-    nested = nested_latents(bottom, model)
-    below = {} if nested is not None else {"the nested BSDF": bottom}
-    inner = nested.grid if nested is not None else None
-    return grids.choose({**coat.textures, **below}, inner, resolution, coat.where)
+    def _at_texels(self) -> TexturedLatents:
+        """The codes at texels over the unit square of uv, which repeats."""
+        coat, bottom = self._coat, BottomRows(self.model, self._bottom, self._coat).bsdf
+        parts = [*coat.textures.values(), bottom]
+        for part in parts:
+            if dependence := not_over_uv(part):
+                raise ParameterError(
+                    f"{coat.where}: a parameter depends on {dependence}, but the nested "
+                    f"'{bottom.class_name()}' is evaluated over uv; give textures over uv, or use "
+                    "the plugin 'layered', which evaluates every point"
+                )
+        grid = grid_of([x for part in parts for x in varying_textures(part)], self._resolution)
+        rows, left = [], set[str]()
+        with _progress(grid, coat.where) as bar:
+            for start in range(0, grid.texels, BLOCK):
+                uv = grid.uv(start, min(start + BLOCK, grid.texels))
+                z = probed_codes(self.model, bottom, uv, coat.where)
+                own = coat.layering(uv)
+                left |= checks.outside_training(own)
+                columns = [np.broadcast_to(x, z.shape[:2])[..., None] for x in own.columns()]
+                rows.append(np.concatenate([z, *columns], axis=-1, dtype=np.float32))
+                bar.update(len(uv))
+        checks.warn_of_training(left, f"{coat.where}:")
+        texels = np.concatenate(rows)
+        flat = texels.reshape(-1, texels.shape[-1])
+        different, index = np.unique(flat, axis=0, return_inverse=True)
+        store = TextureStore(self.model, texels.shape[1], grid.width, grid.height)
+        codes = layer_rows(self.model, different)
+        store.write(slice(grid.texels), codes, index.reshape(texels.shape[:2]).astype(np.uint32))
+        return TexturedLatents(self.model, store, grid)
 
 
-def check(coat: CoatTextures) -> None:
-    """Check the coat's parameters over uv; the walk clips the others at each point."""
-    over_uv = {
-        name: texture for name, texture in coat.textures.items() if not grids.not_over_uv(texture)
-    }
-    elsewhere = coat.textures.keys() - over_uv.keys()
-    grid = grids.choose(over_uv, None, 0, coat.where)
-    if grid is None:
-        coat.table(np.full((1, 2), 0.5), elsewhere)
-        return
-    for start, stop in _blocks(grid):
-        coat.table(grid.uv(start, stop), elsewhere)
+class _Coated:
+    """A coat over a bottom at rows of values."""
+
+    def __init__(
+        self, model: Model, coat: CoatTextures, rows: BottomRows, varying: Sequence[Varying]
+    ):
+        self._model, self._coat, self._rows = model, coat, rows
+        self._names = [x.axis.name for x in varying]
+        with spectrum.bands_of(None):
+            own = coat.channels(spectrum.points(POINT))
+            parts = [[x.numpy() for x in part] for name, part in own.items() if name not in self._names]
+        same = all(np.array_equal(x, part[0]) for part in parts for x in part)
+        grey = same and rows.is_grey()
+        self.needs_wavelengths = bool(mi.is_spectral) and not grey and WAVELENGTH not in self._names
+        self._channels = 1 if grey or mi.is_spectral else spectrum.channel_count()
+        if self.needs_wavelengths:
+            self._names.append(WAVELENGTH)
+
+    def _named(self, values: np.ndarray) -> dict[str, np.ndarray]:
+        return dict(zip(self._names, values.T, strict=True))
+
+    def coats(self, values: np.ndarray) -> CoatParameters:
+        """See `Rows`."""
+        named, uv = self._named(values), along_u(len(values))
+        with wavelengths_of(named, len(values)):
+            found = self._coat.channels(spectrum.points(uv))
+            dr.eval(found)
+        columns = []
+        for name in self._coat.names:
+            rows = [named[name]] if name in named else [x.numpy() for x in found[name]]
+            rows = [np.broadcast_to(x, len(values)) for x in rows][: self._channels]
+            shape = self._channels, len(values)
+            columns.append(np.broadcast_to(np.asarray(rows, np.float64), shape))
+        alpha, *others = columns
+        if self._coat.is_anisotropic:
+            return CoatParameters(checks.Widths(alpha, others[0]), *others[1:])
+        wide = checks.Widths(alpha, alpha) if self._model.widths == 2 else alpha
+        return CoatParameters(wide, *others)
+
+    def codes(self, values: np.ndarray) -> np.ndarray:
+        """See `Rows`."""
+        model, named, coat = self._model, self._named(values), self.coats(values)
+        flat = np.stack([x.ravel() for x in coat.columns()]).astype(np.float64)
+        if model.widths == 1:
+            below, places = self._rows.substrate(named, self._channels)
+            pairs = model.networks.pairs()
+            rest = coated_values(below, places.ravel(), flat[:2], flat[2:], *pairs).T
+        else:
+            z = self._rows.codes(named, self._channels)
+            bottoms = np.broadcast_to(z, (self._channels, *z.shape[1:])).reshape(-1, z.shape[-1])
+            check_ratios(model, bottoms, coat)
+            rest = transported_rests(model, bottoms, CoatParameters.of_columns(flat))
+        top = lobes.of_coat(coat.alpha, coat.eta).reshape(-1, 1, model.arch.lobe)
+        f = rest[:, None] + lobes.f(top[:, :, None], *model.networks.pairs())
+        # Each row is a material of its own.
+        codes = codes_of(model, f, top.astype(np.float32))
+        return codes.reshape(self._channels, len(values), -1)
 
 
-def _blocks(grid: TexelGrid) -> Iterator[tuple[int, int]]:
-    """Ranges of texels that are read at once."""
-    for start in range(0, grid.texels, TEXEL_BLOCK):
-        yield start, min(start + TEXEL_BLOCK, grid.texels)
+def _wavelengths() -> Varying:
+    """The wavelength as a parameter that varies."""
+    axis = Axis(WAVELENGTH, LINEAR, *spectrum.ENDS, own=True)
+    return Varying(axis, lambda si, active: list(si.wavelengths))
+
+
+def grid_of(textures: Sequence["mi.Texture"], resolution: int) -> TexelGrid:
+    """Texels over the unit square of uv; resolution: of each side, 0 for that of the textures."""
+    if resolution:
+        return TexelGrid(resolution, resolution)
+    sizes = [texture.resolution() for texture in textures if texture.class_name() not in ELSEWHERE]
+    sides = [x if x[0] * x[1] > 1 else (PROCEDURAL, PROCEDURAL) for x in map(tuple, sizes)]
+    width, height = np.max([*sides, (1, 1)], axis=0)
+    return TexelGrid(min(int(width), LARGEST), min(int(height), LARGEST))
+
+
+def at_texels(latents: AxisLatents, resolution: int) -> tuple[TextureStore, TexelGrid]:
+    """Codes over axes as a texture over the unit square of uv, for files."""
+    textures = [x for part in latents.varying for x in part.sources]
+    grid = grid_of(textures, resolution)
+    store = TextureStore(latents.model, spectrum.channel_count(), grid.width, grid.height)
+    starts = range(0, grid.texels, 1 << 16)
+    parts = [latents.at(grid.uv(i, min(i + (1 << 16), grid.texels))) for i in starts]
+    store.write(slice(grid.texels), np.concatenate(parts))
+    return store, grid
+
+
+def _progress(grid: TexelGrid, where: str) -> tqdm:
+    """A progress bar on stderr, in files too, of what takes longer than a moment."""
+    return tqdm(
+        total=grid.texels,
+        desc=f"{where}: {grid.width} x {grid.height} texels are baked (a lower 'resolution' is "
+        "faster)",
+        unit=" texels",
+        unit_scale=True,
+        delay=PROGRESS_DELAY,
+        mininterval=PROGRESS_DELAY,
+    )

@@ -1,279 +1,319 @@
-"""Latent codes of the bottom of a coat, a Mitsuba BSDF that is constant or textured.
+"""What lies below a coat, a Mitsuba BSDF: as a material, at rows of values of its parameters, and at
+points of uv."""
 
-A textured bottom that is known by its values is compared by a few probes of each texel and channel.
-"""
-
-import functools
-from collections.abc import Callable, Iterator
+import contextlib
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from itertools import product
 from typing import Any
 
+import drjit as dr
 import mitsuba as mi
 import numpy as np
 
 from urushi.core.table import node_pairs, table_of_values
-from urushi.material.energy import limit_albedo
 from urushi.material.material import Material
+from urushi.material.substrate import Substrate
 from urushi.material.values import codes_of, encode_source
 from urushi.mitsuba import spectrum
+from urushi.mitsuba.latents.axes import AxisLatents
+from urushi.mitsuba.latents.holders import TexturedLatents
 from urushi.mitsuba.reading import probing
+from urushi.mitsuba.reading.axes import BOTTOM, WAVELENGTH, Varying
+from urushi.mitsuba.reading.below import below
 from urushi.mitsuba.reading.bsdf import reflection_source
-from urushi.mitsuba.reading.grid import varying_textures
-from urushi.mitsuba.reading.kept import parameter_arrays
+from urushi.mitsuba.reading.grid import not_over_uv
 from urushi.mitsuba.reading.offers import Latents, offer_of
-from urushi.mitsuba.reading.parameters import check_bottom
-from urushi.nets.lobe import f as lobe_f
-from urushi.nets.lobe import no_lobe, with_two_widths
+from urushi.mitsuba.reading.parameters import CoatTextures, check_bottom
+from urushi.mitsuba.reading.replaced import SWITCHES, replaced
+from urushi.nets import lobe as lobes
+from urushi.nets.lobe import with_two_widths
 from urushi.nets.weights import Model
-from urushi.textures.bake import BakedTexture, RowsAt, Source, code_hashes, row_hashes
-from urushi.textures.store import MIDDLE, TexelGrid
-
-#: Texels that are probed at once: bounds memory.
-PROBED_TEXELS = 1 << 13
-
-#: Stride of the probe pairs by which texels are compared, and bits of the mantissa to which their
-#: values are rounded: texels that differ by less than 0.2 % share a code.
-KEY_STRIDE, KEY_BITS = 24, 9
-
-#: Reflectance of a black surface in logarithms.
-BLACK = 1e-9
 
 #: Width below which a lobe stays beside the table of a bottom, which is too coarse for it.
 NARROW = 0.0225
 
+#: Bottoms whose tables are computed at once: bounds memory.
+BLOCK = 48
 
-class BottomCodes:
-    """The codes of a bottom: `open` prepares them, `bake` computes those that are stored."""
+#: Points of uv at which a bottom of values is compared, and its greatest relative error there.
+COMPARED, TOLERANCE = 256, 2e-3
 
-    def __init__(self, model: Model, bottom: "mi.BSDF", where: str):
-        self._model, self._bottom, self._where = model, bottom, where
-        self._baked: BakedTexture | None = None
-        self._opened: Source | None = None
-        self._probed: _ProbedBottom | None = None
-        self.material: Material | None = None  # of a constant bottom; None: it varies over uv
-        self.stored = self._stale = False  # whether codes of texels are stored; have to be computed
+#: Relative change of f with the wavelength up to which a bottom is grey.
+GREY = 1e-4
 
-    def open(self, grid: TexelGrid | None) -> None:
-        """Read the bottom, after each of its changes. If it is constant, it is encoded."""
-        offer = offer_of(self._bottom)
-        nested = nested_latents(self._bottom, self._model)
-        self.material, self._probed = None, None
-        self.stored, self._stale = False, True
-        if nested is not None and nested.grid is None:
-            codes = nested.at(np.full((1, 2), 0.5))[0]
-            self._opened = _uniform(
-                codes[list(spectrum.FINE_AT_RGB)] if is_finer(nested) else codes
-            )
-            assert offer.latents is not None  # for the type checker
-            self.material = offer.latents.material
-        elif grid is None or (nested is None and not varying_textures(self._bottom)):
-            self._opened = _uniform(self._encoded())
-        elif nested is not None:
-            self._opened = _nested(nested, grid)
-        elif offer.bare and _lobes(self._model, self._bottom, MIDDLE.uv(), self._where) is not None:
-            self._opened = _bare(self._model, self._bottom, self._where, grid)
-        else:
-            self.stored = True
-            if offer.reflectance is None:
-                self._probed = _ProbedBottom(self._model, self._bottom, self._where, grid)
-                self._opened = self._probed.read
-            else:
-                self._opened = _diffuse(self._model, offer.reflectance, self._where, grid)
-            if self._baked is None or self._baked.grid != grid:
-                self._baked = BakedTexture(self._model, grid, spectrum.channel_count())
-            return
-        self._baked = None
-
-    def bake(self, advance: Callable[[int], Any] = lambda texels: None) -> None:
-        """Compute the codes that are stored, where texels have changed before the last `open`.
-
-        advance: as of `BakedTexture.update`.
-        """
-        if self._stale and self._baked is not None and self._opened is not None:
-            self._baked.update(self._opened, advance)
-        self._stale = False
-
-    def contents(self, start: int, stop: int) -> Iterator[np.ndarray]:
-        """Numbers that differ for different bottoms at a range of texels, after `open`."""
-        assert self._opened is not None  # for the type checker
-        if self._probed is None:
-            yield self._opened(start, stop)[0]
-        else:
-            yield from self._probed.contents(start, stop)
-
-    def source(self, start: int, stop: int) -> tuple[np.ndarray, RowsAt]:
-        """The bottom as a `Source`, after `bake`."""
-        source = self._opened if self._baked is None else self._baked.read
-        assert source is not None  # for the type checker
-        return source(start, stop)
-
-    def read(self, start: int, stop: int) -> np.ndarray:
-        """Codes (n, C, size) of a range of texels."""
-        shape = stop - start, spectrum.channel_count()
-        rows = np.divmod(np.arange(shape[0] * shape[1]), shape[1])
-        return self.source(start, stop)[1](*rows).reshape(*shape, -1)
-
-    def _encoded(self) -> np.ndarray:
-        """Codes (C, size) of a constant bottom."""
-        check_bottom(self._bottom, self._where)
-        source = reflection_source(self._bottom)
-        tables = self._model.widths == 1
-        name = f"{self._where}: the nested BSDF"
-        material, deviations = encode_source(source, self._model, name=name)
-        for sentence in deviations.warnings():
-            mi.Log(mi.LogLevel.Warn, f"{self._where}: {sentence}")
-        exact = offer_of(self._bottom).exact() if tables else None
-        if exact is not None:
-            wi, wo = node_pairs()
-            f = probing.check_values(reflection_source(exact).f(wi, wo), self._where)
-            lobe = material.latents[:, : self._model.arch.lobe]
-            narrow = source.lobe is not None and bool((lobe[:, 0] < NARROW).any())
-            if narrow:
-                f = np.maximum(f - lobe_f(lobe, wi[:, None], wo[:, None]), 0)
-            material = replace(material, table=table_of_values(f), beside_lobe=narrow)
-        self.material = material
-        return material.latents
-
-
-def _uniform(codes: np.ndarray) -> Source:
-    """The source of a bottom that has the same codes (C, size) everywhere."""
-    hashes = code_hashes(codes[None])
-    return lambda start, stop: (hashes, lambda texel, channel: codes[channel])
+#: Index of a coat to which the numbers of a bottom's parameters are relative.
+INDEX = "eta"
 
 
 def nested_latents(bottom: "mi.BSDF", model: Model) -> Latents | None:
-    """The codes below a coat of a bottom that has codes of the same weights, or None."""
+    """The codes of a bottom that has codes of the same weights, or None."""
     nested = offer_of(bottom).latents
-    if nested is None or nested.model.fingerprint != model.fingerprint:
-        return None
-    same = nested.channels == spectrum.channel_count()
-    return nested if same or is_finer(nested) else None
+    same = nested is not None and nested.model.fingerprint == model.fingerprint
+    return nested if same else None
 
 
-def is_finer(latents: Latents) -> bool:
-    """Whether codes have the bands `spectrum.FINE`, but materials are read at three bands."""
-    return latents.channels == spectrum.COUNT > spectrum.channel_count()
+def bottom_material(model: Model, bottom: "mi.BSDF", where: str) -> Material:
+    """The material of a bottom that is the same everywhere, at the bands that are read."""
+    nested = nested_latents(bottom, model)
+    if nested is not None and nested.material is not None:
+        own, count = nested.material, spectrum.channel_count()
+        if own.channels != count and own.channels == spectrum.COUNT:
+            bands = list(spectrum.FINE_AT_RGB)
+            table = None if own.table is None else own.table[..., bands]
+            own = replace(own, latents=own.latents[bands], table=table)
+        return own
+    check_bottom(bottom, where)
+    source = reflection_source(bottom)
+    material, deviations = encode_source(source, model, name=f"{where}: the nested BSDF")
+    for sentence in deviations.warnings():
+        mi.Log(mi.LogLevel.Warn, f"{where}: {sentence}")
+    exact = offer_of(bottom).exact() if model.widths == 1 else None
+    if exact is not None:
+        wi, wo = node_pairs()
+        f = probing.check_values(reflection_source(exact).f(wi, wo), where)
+        lobe = material.latents[:, : model.arch.lobe]
+        narrow = source.lobe is not None and bool((lobe[:, 0] < NARROW).any())
+        if narrow:
+            f = np.maximum(f - lobes.f(lobe, wi[:, None], wo[:, None]), 0)
+        material = replace(material, table=table_of_values(f), beside_lobe=narrow)
+    return material
 
 
-def _nested(latents: Latents, grid: TexelGrid) -> Source:
-    """The source of a bottom that consists of codes itself."""
+class BottomRows:
+    """A bottom at rows of values of its varying parameters."""
 
-    def read(start: int, stop: int) -> tuple[np.ndarray, RowsAt]:
-        codes = latents.at(grid.uv(start, stop))
-        return code_hashes(codes), lambda texel, channel: codes[texel, channel]
+    def __init__(self, model: Model, bottom: "mi.BSDF", coat: CoatTextures):
+        """bottom: as the coat has it nested."""
+        self._model, self._coat, self._nested = model, coat, bottom
+        self.bsdf = below(bottom, coat)  # as it reflects there
+        self.nested = nested_latents(self.bsdf, model)
+        #: Whether it has codes of texels.
+        self.has_texels = isinstance(self.nested, TexturedLatents)
+        self._varying: list[Varying] = []
+        self._switches: Mapping[str, Any] = {}
+        self._material: Material | None = None
 
-    return read
+    def follow(self, varying: Sequence[Varying]) -> None:
+        """Take the parameters that vary."""
+        self._varying = [x for x in varying if self._is_own(x)]
+
+    @property
+    def _names(self) -> list[str]:
+        return [x.axis.name for x in self._varying]
+
+    @property
+    def _is_constant(self) -> bool:
+        return not self._varying and not isinstance(self.nested, AxisLatents)
+
+    def _is_own(self, varying: Varying) -> bool:
+        if varying.axis.name == INDEX:  # the index of conductors is relative to the coat's
+            return self.nested is None and self.bsdf is not self._nested
+        return varying.axis.name.startswith(BOTTOM)
+
+    def is_known(self) -> bool:
+        """Whether rows of values reflect as the bottom does where it has these values."""
+        if isinstance(self.nested, AxisLatents) or self._is_constant:
+            return True
+        if any(not_over_uv(x.texture) for x in self._varying if x.texture):
+            return self._at({x.axis.name: np.array([x.axis.least]) for x in self._varying}) is not None
+        rng = np.random.default_rng(0)
+        uv, (wi, wo) = rng.random((COMPARED, 2)), (x[::8] for x in self._model.networks.pairs())
+        si = spectrum.points(uv)
+        values = {
+            x.axis.name: spectrum.at_bands(si, lambda x=x: x.read(si, True)) for x in self._varying
+        }
+        dr.eval(values)
+        rows = {
+            name: [np.broadcast_to(x.numpy(), len(uv)) for x in channels]
+            for name, channels in values.items()
+        }
+        f = probing.texel_values(self.bsdf, wi, wo, uv, probing.Averaging())
+        for self._switches in SWITCHES:
+            same = True
+            for channel in range(f.shape[1]):
+                own = {n: x[min(channel, len(x) - 1)] for n, x in rows.items()}
+                at = self._at(own)
+                if at is None:
+                    return False
+                found = probing.texel_values(at, wi, wo, along_u(len(uv)), probing.Averaging())
+                error = np.abs(found[:, channel] - f[:, channel]).sum()
+                same &= bool(error < TOLERANCE * max(f[:, channel].sum(), 1e-9))
+            if same:
+                return True
+        return False
+
+    def is_grey(self) -> bool:
+        """Whether rows of values reflect alike in all channels, or at all wavelengths."""
+        if isinstance(self.nested, AxisLatents):
+            return len(self.nested.baked.rests) == 1
+        if self._material is not None and not mi.is_spectral:
+            return bool((self._material.latents == self._material.latents[:1]).all())
+        ends = list(product(*((x.axis.least, x.axis.most) for x in self._varying)))[:16]
+        columns = dict(zip(self._names, np.array(ends).T, strict=True)) if self._names else {}
+        bsdf = self._at(columns)
+        assert bsdf is not None  # for the type checker
+        uv = along_u(len(ends))
+        f = probing.texel_values(bsdf, *self._model.networks.pairs(), uv, probing.Averaging())
+        return bool(np.allclose(f, f[:, :1], rtol=GREY, atol=1e-9))
+
+    def material(self) -> Material:
+        """The material of a bottom that is the same everywhere."""
+        if self._material is None:
+            self._material = bottom_material(self._model, self.bsdf, self._coat.where)
+        return self._material
+
+    def _at(self, rows: Mapping[str, np.ndarray]) -> "mi.BSDF | None":
+        """The BSDF whose varying parameters have rows (k,) of values along u, by their names."""
+        textures = {id(x.texture): _row(rows[x.axis.name]) for x in self._varying if x.texture}
+        coat = self._coat
+        if INDEX in rows and INDEX in self._names:
+            coat = coat.of_index(_row(rows[INDEX]))
+        if not textures:
+            return below(self._nested, coat)
+        found = replaced(
+            self._nested, lambda x: textures.get(id(x), x), switches=self._switches
+        )
+        return None if found is None else below(found, coat)
+
+    def codes(self, values: Mapping[str, np.ndarray], channels: int) -> np.ndarray:
+        """Codes (C, k, L) of rows (k,) of values, C one or `channels`."""
+        count = len(next(iter(values.values())))
+        if isinstance(self.nested, AxisLatents):
+            return self.nested.codes(_inside(values))
+        if self._is_constant and not mi.is_spectral:
+            codes = self.material().latents[:channels]
+            return np.repeat(codes[:, None], count, axis=1)
+        rows, which = self._distinct(values)
+        bsdf, uv = self._of_rows(rows), along_u(len(next(iter(rows.values()))))
+        with wavelengths_of(rows, len(uv)):
+            codes = probed_codes(self._model, bsdf, uv, self._coat.where)
+        return np.moveaxis(codes[:, :channels], 1, 0)[:, which]
+
+    def substrate(
+        self, values: Mapping[str, np.ndarray], channels: int
+    ) -> tuple[Substrate, np.ndarray]:
+        """The bottoms of rows (k,) of values, and the place (channels, k) of each among them."""
+        count = len(next(iter(values.values())))
+        if self._is_constant and not mi.is_spectral:
+            whole = Substrate.of(self.material())
+            places = np.repeat(np.arange(channels)[:, None], count, axis=1)
+            return whole, places % whole.channels
+        if isinstance(self.nested, AxisLatents):
+            codes = self.nested.codes(_inside(values))
+            places = np.arange(codes[..., 0].size).reshape(codes.shape[:2])
+            flat = Material(codes.reshape(-1, codes.shape[-1]), self._model)
+            return Substrate.of(flat), np.broadcast_to(places, (channels, count))
+        rows, which = self._distinct(values)
+        different, parts = len(next(iter(rows.values()))), []
+        for start in range(0, different, BLOCK):
+            some = {name: x[start : start + BLOCK] for name, x in rows.items()}
+            with wavelengths_of(some, len(next(iter(some.values())))):
+                parts.append(self._part(some, channels))
+        logs, tops = ([*side] for side in zip(*parts, strict=True))
+        top = None if tops[0] is None else np.concatenate(tops, axis=1)
+        places = np.arange(channels)[:, None] * different + which
+        if top is not None:
+            top = top.reshape(-1, top.shape[-1])
+        if logs[0] is None:
+            assert top is not None  # for the type checker
+            rest = np.tile(self._model.networks.empty_rest(), (len(top), 1))
+            codes = np.concatenate([top, rest], axis=1, dtype=np.float32)
+            return Substrate.of(Material(codes, self._model)), places
+        table = np.concatenate(logs, axis=-1)
+        return Substrate.of_logs(table.reshape(*table.shape[:3], -1), top), places
+
+    def _distinct(self, values: Mapping[str, np.ndarray]) -> tuple[dict[str, np.ndarray], np.ndarray]:
+        """Different rows, and the place (k,) of each row among them."""
+        names = [*self._names, *([WAVELENGTH] if mi.is_spectral else [])]
+        default = np.full(len(next(iter(values.values()))), spectrum.RGB[1])
+        own = np.stack([values.get(name, default) for name in names or [WAVELENGTH]])
+        different, which = np.unique(own, axis=1, return_inverse=True)
+        return dict(zip(names or [WAVELENGTH], different, strict=True)), which.ravel()
+
+    def _of_rows(self, rows: Mapping[str, np.ndarray]) -> "mi.BSDF":
+        found = self._at(rows)
+        assert found is not None  # `is_known`
+        return found
+
+    def _part(
+        self, rows: Mapping[str, np.ndarray], channels: int
+    ) -> tuple[np.ndarray | None, np.ndarray | None]:
+        """Tables (U, V, W, channels, k), and lobes (channels, k, N) beside them.
+
+        No table: they are their lobes; no lobes: they are their tables.
+        """
+        bsdf, uv = self._of_rows(rows), along_u(len(next(iter(rows.values()))))
+        known, bare = probing.known_lobes(bsdf, uv), offer_of(bsdf).bare
+        if known is not None:
+            known = np.moveaxis(known[:, :channels], 1, 0)
+            if bare:
+                known[..., :4] = np.minimum(known[..., :4], 1)
+                return None, known
+        exact = offer_of(bsdf).exact() or bsdf
+        wi, wo = (w.reshape(-1, 3) for w in node_pairs())
+        average = probing.needed_averaging(exact, *self._model.networks.pairs(), uv, self._coat.where)
+        f = probing.texel_values(exact, wi, wo, uv, average)[:, :channels]
+        values = np.moveaxis(probing.check_values(f, self._coat.where), 1, 0)
+        if known is not None:
+            values = np.maximum(values - lobes.f(known[..., None, :], wi, wo), 0)
+        table = table_of_values(values.reshape(-1, len(wi)).T)
+        return table.reshape(*table.shape[:3], channels, -1), known
 
 
-def _lobes(model: Model, bottom: "mi.BSDF", uv: np.ndarray, where: str) -> np.ndarray | None:
-    """Lobes (M, C, N) at points uv (M, 2) as codes have them; None: they are fitted."""
-    lobes = probing.known_lobes(bottom, uv)
-    if lobes is None:
-        return None
-    lobes = probing.check_values(lobes, where)
-    if lobes.shape[-1] < model.arch.lobe:
-        lobes = with_two_widths(lobes)
-    # Codes of one width fit a lobe of two.
-    return lobes if lobes.shape[-1] == model.arch.lobe else None
+def _inside(values: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
+    """Values by the names that parameters have in a nested coat."""
+    return {name.removeprefix(BOTTOM): x for name, x in values.items() if name.startswith(BOTTOM)} | {
+        name: x for name, x in values.items() if name == WAVELENGTH
+    }
 
 
-def _bare(model: Model, bottom: "mi.BSDF", where: str, grid: TexelGrid) -> Source:
-    """The source of a bottom that is a lobe and nothing else."""
+def along_u(count: int) -> np.ndarray:
+    """Points uv (count, 2) in the middles of a row of texels."""
+    return np.stack([(np.arange(count) + 0.5) / count, np.full(count, 0.5)], axis=-1)
 
-    def read(start: int, stop: int) -> tuple[np.ndarray, RowsAt]:
-        lobe = _lobes(model, bottom, grid.uv(start, stop), where)
-        assert lobe is not None  # for the type checker
+
+def _row(values: np.ndarray) -> "mi.Texture":
+    """A texture of values along u."""
+    data = mi.Bitmap(np.array(values, np.float32).reshape(1, -1, 1))
+    options = {"raw": True, "filter_type": "nearest", "wrap_mode": "clamp"}
+    return mi.load_dict({"type": "bitmap", "bitmap": data, **options})
+
+
+def wavelengths_of(rows: Mapping[str, np.ndarray], count: int) -> Any:
+    """The context in which rows (count,) along u are read at their wavelengths."""
+    if not mi.is_spectral:
+        return contextlib.nullcontext()
+    return spectrum.along_u(rows.get(WAVELENGTH, np.full(count, spectrum.RGB[1])))
+
+
+def probed_codes(model: Model, bottom: "mi.BSDF", uv: np.ndarray, where: str) -> np.ndarray:
+    """Codes (M, C, L) of a bottom at points uv (M, 2)."""
+    nested = nested_latents(bottom, model)
+    if nested is not None:
+        return nested.at(uv)
+    lobe = known_lobes(model, bottom, uv, where)
+    if lobe is not None and offer_of(bottom).bare:
         for reach in (lobe[..., :4], lobe[..., 6:]):  # all but the index
             np.minimum(reach, 1, out=reach)
-        rest = model.networks.empty_rest()
-
-        def codes_at(texel: np.ndarray, channel: np.ndarray) -> np.ndarray:
-            own = lobe[texel, channel]
-            return np.concatenate([own, np.broadcast_to(rest, (len(own), len(rest)))], axis=1)
-
-        return code_hashes(lobe), codes_at
-
-    return read
+        rest = np.broadcast_to(model.networks.empty_rest(), (*lobe.shape[:2], model.arch.rest))
+        return np.concatenate([lobe, rest], axis=-1)
+    pairs = model.networks.pairs()
+    average = probing.needed_averaging(bottom, *pairs, uv, where, model.widths)
+    f = probing.check_values(probing.texel_values(bottom, *pairs, uv, average), where)
+    # Each row is a material of its own.
+    return codes_of(model, f[:, :, None], None if lobe is None else lobe[:, :, None])[:, :, 0]
 
 
-@functools.lru_cache(maxsize=8)
-def white_code(model: Model) -> np.ndarray:
-    """The code (size,) of a Lambertian surface that reflects all light."""
-    white = np.full(len(model.networks.pairs()[0]), 1 / np.pi, np.float32)
-    return codes_of(model, white, np.array(no_lobe(model.widths), np.float32))
-
-
-def _diffuse(
-    model: Model, reflectance_at: Callable[[Any], list], where: str, grid: TexelGrid
-) -> Source:
-    """The source of a Lambertian bottom."""
-
-    def read(start: int, stop: int) -> tuple[np.ndarray, RowsAt]:
-        uv = grid.uv(start, stop)
-        si = spectrum.points(uv)
-        channels = spectrum.at_bands(si, lambda: reflectance_at(si))
-        reflectance = spectrum.stacked([[x] for x in channels], len(uv))[..., 0]
-        probing.check_values(reflectance, where)
-
-        def codes_at(texel: np.ndarray, channel: np.ndarray) -> np.ndarray:
-            codes = np.tile(white_code(model), (len(texel), 1))
-            factors = np.maximum(reflectance[texel, channel], BLACK)
-            return limit_albedo(model, model.networks.rest_scaled(codes, factors))
-
-        return row_hashes([reflectance]), codes_at
-
-    return read
-
-
-class _ProbedBottom:
-    """Codes of a bottom that is evaluated at the probe pairs, a `Source`."""
-
-    def __init__(self, model: Model, bottom: "mi.BSDF", where: str, grid: TexelGrid):
-        self._model, self._bottom, self._where, self._grid = model, bottom, where, grid
-        self._pairs = model.networks.pairs()
-        self._average = probing.needed_averaging(bottom, *self._pairs, grid, where, model.widths)
-
-    def read(self, start: int, stop: int) -> tuple[np.ndarray, RowsAt]:
-        uv = self._grid.uv(start, stop)
-        return self._hashes(uv), lambda texel, channel: self._codes(uv, texel, channel)
-
-    def contents(self, start: int, stop: int) -> Iterator[np.ndarray]:
-        """Numbers that differ for different bottoms at a range of texels.
-
-        They are f at two pairs, one near the mirror direction; and at the first range the bottom's
-        parameters, and f at all pairs of a few texels for what is no parameter of `mi.traverse`.
-        """
-        wi, wo = self._pairs
-        half = np.linalg.norm(np.cross(wi + wo, [0, 0, 1]), axis=-1) / (wi + wo)[:, 2]
-        pairs = np.argsort(half)[[len(half) // 8, len(half) // 2]]
-        uv, once = self._grid.uv(start, stop), probing.Averaging()
-        yield probing.texel_values(self._bottom, wi[pairs], wo[pairs], uv, once)
-        if start == 0:
-            yield from parameter_arrays(self._bottom)
-            some = uv[:: max(len(uv) // probing.TESTED_TEXELS, 1)]
-            yield probing.texel_values(self._bottom, wi, wo, some, once)
-
-    def _hashes(self, uv: np.ndarray) -> np.ndarray:
-        """Hashes (M, C) at points uv (M, 2): equal where the bottom is, within `KEY_BITS`."""
-        wi, wo = (w[::KEY_STRIDE] for w in self._pairs)
-        if self._average.repeats > 1:  # values of a random BSDF cannot be compared
-            shape = len(uv), spectrum.channel_count()
-            return np.random.default_rng().integers(1 << 63, size=shape).astype(np.uint64)
-        f = probing.texel_values(self._bottom, wi, wo, uv, probing.Averaging())
-        return code_hashes(f, KEY_BITS)
-
-    def _codes(self, uv: np.ndarray, texel: np.ndarray, channel: np.ndarray) -> np.ndarray:
-        """Codes (k, size) of rows: texels (k,), which ascend, at points uv (M, 2), and channels."""
-        texels, place = np.unique(texel, return_inverse=True)
-        parts = []
-        for start in range(0, len(texels), PROBED_TEXELS):
-            rows = slice(*np.searchsorted(place, [start, start + PROBED_TEXELS]))
-            own = place[rows] - start, channel[rows]
-            points = uv[texels[start : start + PROBED_TEXELS]]
-            lobes = _lobes(self._model, self._bottom, points, self._where)
-            f = probing.texel_values(self._bottom, *self._pairs, points, self._average)
-            f = probing.check_values(f, self._where)[own]
-            own_lobes = None if lobes is None else lobes[own][:, None]
-            # Each row is a material of its own.
-            parts.append(codes_of(self._model, f[:, None], own_lobes)[:, 0])
-        return np.concatenate(parts)
+def known_lobes(
+    model: Model, bottom: "mi.BSDF", uv: np.ndarray, where: str
+) -> np.ndarray | None:
+    """Lobes (M, C, N) at points uv (M, 2) as codes have them; None: they are fitted."""
+    found = probing.known_lobes(bottom, uv)
+    if found is None:
+        return None
+    found = probing.check_values(found, where)
+    if found.shape[-1] < model.arch.lobe:
+        found = with_two_widths(found)
+    # Codes of one width fit a lobe of two.
+    return found if found.shape[-1] == model.arch.lobe else None

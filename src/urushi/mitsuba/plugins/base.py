@@ -220,7 +220,6 @@ class PlacedVertex(NamedTuple):
 
     turn: Turn | None  # of the tangent about the normal, if there is one
     vertex: Vertex  # of the codes, in the turned frame
-    estimates: tuple[Any, list] | None  # of f, see `spectrum.from_channels`
 
 
 def define_neural_bsdf(base: type) -> type:
@@ -247,18 +246,15 @@ def define_neural_bsdf(base: type) -> type:
         def _turn(self, si, active) -> Turn | None:
             """The turn of the tangent, if there is one."""
 
-        def _estimates(self, si, active) -> tuple[Any, list] | None:
-            """Estimates of f at si's wavelengths and at its bands; None: f is linear in between."""
-
         def _vertex(self, si, active):
-            turn, estimates = self._turn(si, active), self._estimates(si, active)
+            turn = self._turn(si, active)
             inside = si if turn is None else turn.interaction(si)
-            return PlacedVertex(turn, self.latents.vertex(inside, active), estimates)
+            return PlacedVertex(turn, self.latents.vertex(inside, active))
 
         def _f(self, vertex, ctx, si, wo, active):
             si, wo = inside(vertex, si, wo)
             channels = self.latents.f(vertex.vertex, si, wo, active)
-            return self._spectrum(vertex, channels, si)
+            return self._spectrum(channels, si)
 
         def _proposal(self, vertex, si, active):
             proposal = vertex.vertex.proposal
@@ -267,11 +263,10 @@ def define_neural_bsdf(base: type) -> type:
         def _f_and_pdf(self, vertex, ctx, si, wo, active):
             si, wo = inside(vertex, si, wo)
             channels, pdf = self.latents.f_and_pdf(vertex.vertex, si, wo, active)
-            return self._spectrum(vertex, channels, si), pdf
+            return self._spectrum(channels, si), pdf
 
-        def _spectrum(self, vertex, channels, si):
-            at, estimates = si.wavelengths, vertex.estimates
-            return spectrum.from_channels(channels, at, estimates, colors=self._colors)
+        def _spectrum(self, channels, si):
+            return spectrum.from_channels(channels, si.wavelengths, colors=self._colors)
 
     return NeuralBSDF
 
@@ -280,34 +275,6 @@ def inside(vertex: PlacedVertex, si: Any, wo: Any) -> tuple[Any, Any]:
     """The interaction and wo in the turned frame, if there is a turn."""
     turn = vertex.turn
     return (si, wo) if turn is None else (turn.interaction(si), turn.inside(wo))
-
-
-class GradientTensors:
-    """Codes and table that have gradients, empty if they have none: read-only parameters.
-
-    Integrators differentiate by the parameters that they are given. They find these, whose owner
-    keeps them for as long as it lives.
-    """
-
-    DRJIT_STRUCT: ClassVar = {"_latents": object, "_table": object}  # for frozen functions
-
-    def __init__(self):
-        self._latents, self._table = mi.TensorXf(), mi.TensorXf()
-
-    def set(self, latents=None, table=None):
-        """Put other tensors in the place of both; None: an empty one."""
-        mi.set_property(self._latents, mi.TensorXf() if latents is None else latents)
-        mi.set_property(self._table, mi.TensorXf() if table is None else table)
-
-    def follow(self, bsdf: "mi.BSDF | None") -> None:
-        """Take those of a BSDF that may have any."""
-        given = getattr(bsdf, "gradient_tensors", None)
-        self.set(given and given._latents, given and given._table)
-
-    def traverse(self, callback) -> None:
-        """List them for `mi.traverse`."""
-        callback.put("latents", self._latents, mi.ParamFlags.ReadOnly)
-        callback.put("table", self._table, mi.ParamFlags.ReadOnly)
 
 
 def ignore(props: "mi.Properties", *names: str) -> None:

@@ -9,7 +9,6 @@ import mitsuba as mi
 from urushi import checks
 from urushi.core.mixture import Mixture
 from urushi.errors import ParameterError
-from urushi.mitsuba.latents import baking
 from urushi.mitsuba.plugins.coats import (
     BottomLobes,
     CoatStack,
@@ -20,6 +19,7 @@ from urushi.mitsuba.plugins.coats import (
     walk_color,
 )
 from urushi.mitsuba.plugins.estimates import Compensation
+from urushi.mitsuba.reading.axes import check_coat
 from urushi.mitsuba.reading.below import (
     DIELECTRICS,
     LowestInterface,
@@ -81,7 +81,7 @@ def define_coated(base: type, label: str) -> type:
 
         def _prepare(self):
             """Check the parameters, flatten nested coats, and estimate the bottom's lobes."""
-            baking.check(self._coat)
+            check_coat(self._coat)
             nested: Any = None if self._nested is None else below(self._nested, self._coat)
             self.lowest: LowestInterface | None = None
             if is_dielectric(self._nested):

@@ -29,17 +29,6 @@ from urushi.mitsuba.recording import compiled_once
 NODES, LEAST_TANGENT, SAMPLES = 12, 0.001, 1 << 12
 
 
-def estimates(coat: CoatTextures, bottom: "mi.BSDF", si, active) -> tuple[Any, list]:
-    """Albedos of a coat over a bottom, up to a factor: at si's wavelengths, and at three bands."""
-    at_bands = mi.SurfaceInteraction3f(si)
-    spectrum.set_bands(at_bands)
-    own, bands = (
-        coated_albedo(coat.evaluate(x, active), reflectance(bottom, x, active), DRJIT)
-        for x in (si, at_bands)
-    )
-    return own, list(bands)[: len(spectrum.RGB)]
-
-
 def reflectance(bottom: "mi.BSDF", si, active):
     """pi f of a bottom away from its mirror direction, in [0, 1]."""
     seen, wo = mi.SurfaceInteraction3f(si), mi.Vector3f(*WO)

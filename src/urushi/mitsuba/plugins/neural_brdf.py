@@ -127,7 +127,7 @@ def define(base: type) -> type:
                 self._material = Material(codes, self.model)
             self.latents = ConstantLatents(self._material)
             if dr.grad_enabled(self._tensor):
-                self.latents = DifferentiableLatents(self.model, self.latents, self._tensor)
+                self.latents = DifferentiableLatents(self.latents, self._tensor)
 
         def to_string(self):
             return (

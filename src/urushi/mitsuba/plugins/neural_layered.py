@@ -1,22 +1,19 @@
 """The plugin `neural_layered`: a coat over any BSDF, by tables and latent codes."""
 
 from dataclasses import replace
-from functools import partial
 from typing import ClassVar
 
 import drjit as dr
 import mitsuba as mi
 
 from urushi.errors import ParameterError
-from urushi.mitsuba.latents import gradients
-from urushi.mitsuba.latents.axes import AxisLatents, bake_axes
-from urushi.mitsuba.latents.baking import Baker, choose_grid
-from urushi.mitsuba.latents.gradients import DifferentiableLatents
+from urushi.mitsuba.latents.axes import AxisLatents
+from urushi.mitsuba.latents.baking import Baker, at_texels
 from urushi.mitsuba.latents.holders import ConstantLatents, TexturedLatents
-from urushi.mitsuba.plugins.base import GradientTensors, inside, read_weights
+from urushi.mitsuba.plugins.base import inside, read_weights
 from urushi.mitsuba.plugins.coats import Turn
-from urushi.mitsuba.plugins.estimates import Compensation, estimates
-from urushi.mitsuba.reading.below import below, is_rebuilt
+from urushi.mitsuba.plugins.estimates import Compensation
+from urushi.mitsuba.reading.below import below
 from urushi.mitsuba.reading.bsdf import has_two_widths
 from urushi.mitsuba.reading.parameters import (
     COAT_PROPERTIES,
@@ -26,6 +23,7 @@ from urushi.mitsuba.reading.parameters import (
     nested_bsdf,
 )
 from urushi.nets.weights import Model, anisotropic_model, default_model
+from urushi.textures.store import write_texture
 
 #: Greatest number of texels per side: the words of larger textures cannot be indexed by 32 bits.
 LARGEST_RESOLUTION = 8192
@@ -85,7 +83,7 @@ def define(base: type) -> type:
         PROPERTIES = COAT_PROPERTIES
 
         model: Model
-        latents: ConstantLatents | TexturedLatents | AxisLatents | DifferentiableLatents
+        latents: ConstantLatents | TexturedLatents | AxisLatents
         _baker: Baker | None
 
         def _load(self, props):
@@ -103,14 +101,12 @@ def define(base: type) -> type:
             self._mipmaps = bool(props.get("mipmaps", False))
             self._baker, self._compensation = None, None
             self._below = below(self._bottom, self._coat)
-            self.gradient_tensors = GradientTensors()
             self._bake()
 
         def under(self, coat):
             """See `reading.below.Coatable`."""
             under = self._copy()
             under._coat, under._baker = self._coat.under(coat), None
-            under.gradient_tensors = GradientTensors()
             under._bake()
             return under
 
@@ -126,38 +122,15 @@ def define(base: type) -> type:
                 model = anisotropic_model() if anisotropic else default_model()
             if self._baker is None or self.model.fingerprint != model.fingerprint:
                 self.model = model
-                settings = self._resolution, self._mipmaps
-                self._baker = Baker(self.model, self._coat, self._below, *settings)
+                self._baker = Baker(model, self._coat, self._bottom, self._resolution)
 
-        def _bake(self, bottom_changed=True):
-            if bottom_changed:
-                self._choose_weights()
+        def _bake(self):
+            self._choose_weights()
             assert self._baker is not None  # for the type checker
-            with dr.suspend_grad():
-                self.latents, self._absorbs = self._over_axes(), False
-                if self.latents is None:
-                    self.latents = self._baker.update(bottom_changed)
-                    self._absorbs = self._baker.absorbs
-                if self._coat.compensated:
+            self.latents, self._absorbs = self._baker.update(), self._baker.absorbs
+            if self._coat.compensated:
+                with dr.suspend_grad():
                     self._compensation = Compensation(self._coat, self._below)
-            self.gradient_tensors.set()
-            if gradients.wanted(self):
-                self.latents = gradients.bake(self._baker, self._coat, self._below, self.latents)
-                self.gradient_tensors.set(self.latents.tensor, self.latents.table)
-
-        def _over_axes(self):
-            """The codes along the parameters that vary, or None."""
-            baker = self._baker
-
-            def constant():
-                baker.bottom.open(None)
-                return baker.bottom.material
-
-            if gradients.wanted(self):
-                return None
-            settings = self._coat, self._below, self.model, self._resolution
-            grid = partial(choose_grid, *settings)
-            return bake_axes(self.model, self._coat, self._bottom, constant, grid)
 
         def save(self, path):
             """Write the codes to a file that ``neural_brdf`` loads, textured or not.
@@ -171,8 +144,11 @@ def define(base: type) -> type:
             if angle is not None and material is not None:
                 material.rotated(angle).save(path)
                 return
-            over_axes = isinstance(self.latents, AxisLatents)
-            (self._baker.update() if over_axes else self.latents).save(path)
+            if isinstance(self.latents, AxisLatents):
+                store, grid = at_texels(self.latents, self._resolution)
+                write_texture(path, store, grid, self.model.fingerprint)
+            else:
+                self.latents.save(path)
             if self._coat.has_rotation:
                 mi.Log(
                     mi.LogLevel.Warn,
@@ -203,28 +179,17 @@ def define(base: type) -> type:
                 else None
             )
 
-        def _estimates(self, si, active):
-            if not mi.is_spectral or self.latents.grid is None:
-                return None
-            return estimates(self._coat, self._below, si, active)
-
         def traverse(self, callback):
             self._coat.traverse(callback, mi.ParamFlags.Differentiable)
             callback.put("bottom", self._bottom, mi.ParamFlags.Differentiable)
-            self.gradient_tensors.traverse(callback)
 
         def _update(self, keys):
-            if set(keys) <= {"latents", "table"} and keys:
-                return  # read-only: they are computed from the others
             self._coat.parameters_changed()
-            changed = not keys or "bottom" in keys
-            if self._below is not self._bottom and {"eta", "int_ior"} & {*keys}:
-                changed = True
-            if changed and isinstance(self._below, NeuralLayered):
+            if isinstance(self._below, NeuralLayered) and self._below is not self._bottom:
                 self._below._update([])  # it has the bottom's textures
-            elif changed and is_rebuilt(self._below):
-                self._below, self._baker = below(self._bottom, self._coat), None
-            self._bake(changed)
+            else:
+                self._below = below(self._bottom, self._coat)
+            self._bake()
 
         def to_string(self):
             bottom = str(self._bottom).replace("\n", "\n  ")

@@ -18,13 +18,13 @@ from urushi.material.slab_coordinates import (
 from urushi.material.slab_table import SlabTables, slab_tables
 from urushi.mitsuba import spectrum
 from urushi.mitsuba.interface_albedo import Interpolated
-from urushi.mitsuba.latents import gradients
 from urushi.mitsuba.latents.holders import ConstantLatents
 from urushi.mitsuba.networks.table import interpolated, padded, stored
 from urushi.mitsuba.plugins.base import ignore
 from urushi.mitsuba.plugins.coated import define_coated
 from urushi.mitsuba.plugins.coats import CoatStack, SlabMixture, above_surface, raised, width
 from urushi.mitsuba.reading.grid import varies
+from urushi.mitsuba.reading.kept import has_gradients
 from urushi.mitsuba.reading.parameters import opaque
 from urushi.mitsuba.recording import only_where, owned
 from urushi.nets.weights import default_model
@@ -107,7 +107,7 @@ def define(base: type) -> type:
             columns = [[np.broadcast_to(x.ravel(), channels) for x in medium] for medium in media]
             tables = slab_tables(default_model(), np.array(interfaces), np.array(columns))
             above, below = tables.reflected
-            wanted = gradients.wanted(self)
+            wanted = has_gradients(self)
             sides = (above, below) if wanted or above is not below else (above,)
             self._reflected = [ConstantLatents(side, not wanted) for side in sides]
             self._passed = stored(tables.passed, not wanted)
@@ -127,7 +127,7 @@ def define(base: type) -> type:
                 for name, numbers in coat.channels(si).items():
                     if dr.grad_enabled(numbers):
                         found.append((level, name, numbers))
-            wrong = gradients.wanted(self) and not found
+            wrong = has_gradients(self) and not found
             if wrong or (mi.is_spectral and found) or any(x[1] not in LARGEST for x in found):
                 raise ParameterError(
                     f"{self._where}: a parameter carries gradients, but tables of slabs have "

@@ -6,8 +6,7 @@ the values that it may take.
 """
 
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import drjit as dr
 import mitsuba as mi
@@ -18,7 +17,8 @@ from urushi.core.appearance import LOOK, PHYSICAL
 from urushi.errors import ParameterError
 from urushi.material.layer import DEEPEST
 from urushi.mitsuba import spectrum
-from urushi.mitsuba.reading.grid import ELSEWHERE, nested_objects, varying_textures
+from urushi.mitsuba.reading.grid import ELSEWHERE, varying_textures
+from urushi.mitsuba.reading.kept import has_gradients, is_attached
 from urushi.mitsuba.reading.parameters import CHECKS, TWO_WIDTHS, CoatTextures
 from urushi.mitsuba.reading.replaced import parts
 from urushi.textures.axes import AXES, DEPTH, LINEAR, REFLECTANCE, WIDTH, Axis
@@ -53,32 +53,46 @@ SIDE, WAVELENGTHS = 256, (spectrum.ENDS[0], spectrum.ENDS[1])
 WAVELENGTH, BOTTOM = "wavelength", "bottom."
 
 
-@dataclass(frozen=True)
-class Varying:
+class Varying(NamedTuple):
     """A parameter that varies."""
 
     axis: Axis
     #: From a surface interaction and active lanes to its Dr.Jit floats: one, or one a channel.
     read: Callable[[Any, Any], list]
-    texture: Any = None  # of the bottom, or None
+    sources: Sequence[Any] = ()  # the textures on which it depends
+    texture: Any = None  # which it is, of a bottom
+    differentiable: bool = False  # whether it carries a gradient
 
 
 def varying_parameters(
-    coat: CoatTextures, bottom: "mi.BSDF", known: Sequence[Varying] | None
+    coat: CoatTextures,
+    bottom: "mi.BSDF",
+    known: Sequence[Varying] | None = None,
+    has_texels: bool = False,
 ) -> list[Varying]:
     """The parameters of a coat and a bottom that vary or carry gradients.
 
-    known: those of a bottom that consists of codes; None: it is another.
+    Args:
+        known: those of a bottom that has codes over axes.
+        has_texels: whether the bottom has codes at texels, and no parameters.
     """
-    below = _of_bottom(bottom, coat.where) if known is None else known
-    return [*_of_coat(coat), *below]
+    below = [x._replace(axis=x.axis._replace(name=_below(x.axis.name))) for x in known or ()]
+    if known is None and not has_texels:
+        below = _of_bottom(bottom, coat.where)
+    found = [*_of_coat(coat), *below]
+    return list({x.axis.name: x for x in found}.values())
+
+
+def _below(name: str) -> str:
+    """The name of a parameter of a nested coat."""
+    return name if name == WAVELENGTH else BOTTOM + name
 
 
 def _of_coat(coat: CoatTextures) -> list[Varying]:
     found = []
     for name, (scale, sources) in COAT.items():
         own = [coat.textures[x] for x in sources if x in coat.textures]
-        gradient = any(map(has_gradients, own)) or (name == "eta" and _attached(coat.opaque_eta))
+        gradient = any(map(has_gradients, own)) or (name == "eta" and is_attached(coat.opaque_eta))
         if name not in coat.names or not (gradient or any(map(varying_textures, own))):
             continue
 
@@ -90,7 +104,7 @@ def _of_coat(coat: CoatTextures) -> list[Varying]:
         if scale == WIDTH:
             ends = max(ends[0], MIN_ALPHA), max(ends[1], MIN_ALPHA)
         coloured = name in ("albedo", "sigma_t", "g", *coat.coloured) and any(map(_coloured, own))
-        found += _varying(Axis(name, scale, *ends, coloured), whole if gradient else None, read)
+        found += _varying(Axis(name, scale, *ends, coloured), whole if gradient else None, read, own)
     return found
 
 
@@ -100,12 +114,17 @@ def _named(coat: CoatTextures, name: str) -> list:
 
 
 def _varying(
-    axis: Axis, whole: tuple[float, float] | None, read: Callable, texture: Any = None
+    axis: Axis,
+    whole: tuple[float, float] | None,
+    read: Callable,
+    sources: Sequence[Any],
+    texture: Any = None,
 ) -> list[Varying]:
     """A parameter if it varies, or carries gradients and may take all values (`whole`)."""
     if whole is not None:
         axis = axis._replace(least=min(axis.least, whole[0]), most=max(axis.most, whole[1]))
-    return [Varying(axis, read, texture)] if axis.least < axis.most else []
+    found = Varying(axis, read, sources, texture, whole is not None)
+    return [found] if axis.least < axis.most else []
 
 
 def check_coat(coat: CoatTextures) -> None:
@@ -172,21 +191,8 @@ def _of_bottom(bottom: "mi.BSDF", where: str) -> list[Varying]:
         if not np.isfinite(ends).all():
             raise ParameterError(f"{where}: a texel of the nested BSDF's {name} is not finite")
         axis = Axis(BOTTOM + name, scale, *ends, coloured and _coloured(texture))
-        found += _varying(axis, whole if gradient else None, read, texture)
+        found += _varying(axis, whole if gradient else None, read, [texture], texture)
     return found
-
-
-def has_gradients(texture: "mi.Texture") -> bool:
-    """Whether a parameter of a texture carries a gradient, also where gradients are suspended."""
-    return any(_attached(value) for _, value in mi.traverse(texture))
-
-
-def _attached(value: Any) -> bool:
-    if dr.is_tensor_v(value):
-        return bool(value.array.index_ad)
-    if not dr.is_array_v(value) or not dr.is_diff_v(value):
-        return False
-    return bool(value.index_ad) if dr.depth_v(value) == 1 else any(map(_attached, value))
 
 
 def _coloured(texture: "mi.Texture") -> bool:

@@ -4,8 +4,8 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Any
 
+import drjit as dr
 import mitsuba as mi
-import numpy as np
 
 from urushi.errors import ParameterError
 
@@ -40,11 +40,18 @@ class KeptParameters:
             self.keep(plugin)
 
 
-def parameter_arrays(plugin: "mi.Object") -> Iterator[np.ndarray]:
-    """All values that `mi.traverse` lists below a plugin, as arrays without names."""
-    for _, value in writable(plugin):
-        array = np.array(getattr(value, "matrix", value))
-        yield array if array.dtype != object else np.frombuffer(str(value).encode(), np.uint8)
+def has_gradients(plugin: "mi.Object") -> bool:
+    """Whether a parameter below a plugin carries a gradient, also where gradients are suspended."""
+    return any(is_attached(value) for _, value in writable(plugin))
+
+
+def is_attached(value: Any) -> bool:
+    """Whether a value carries a gradient, also where gradients are suspended."""
+    if dr.is_tensor_v(value):
+        return bool(value.array.index_ad)
+    if not dr.is_array_v(value) or not dr.is_diff_v(value):
+        return False
+    return bool(value.index_ad) if dr.depth_v(value) == 1 else any(map(is_attached, value))
 
 
 def writable(plugin: "mi.Object") -> list[tuple[str, Any]]:

@@ -22,7 +22,6 @@ from urushi.mitsuba import spectrum
 from urushi.mitsuba.reading.grid import nested_objects
 from urushi.nets.lobe import NO_LOBE
 from urushi.nets.weights import Model
-from urushi.textures.store import TexelGrid
 
 #: The line of a BSDF's description that names its distribution, which it does not list
 #: among its parameters.
@@ -44,12 +43,8 @@ class Latents(Protocol):
         """Number of codes, one per channel."""
 
     @property
-    def grid(self) -> TexelGrid | None:
-        """The texture's grid; None: the same everywhere."""
-
-    @property
     def material(self) -> Material | None:
-        """The material of codes that are the same everywhere; None: they are a texture."""
+        """The material of codes that are the same everywhere; None: they vary."""
 
     def at(self, uv: np.ndarray) -> np.ndarray:
         """Codes (M, C, size) at points uv (M, 2)."""

@@ -107,6 +107,13 @@ class CoatTextures:
             below.textures = self.textures | {"ext_ior": coat.textures["int_ior"]}
         return below
 
+    def of_index(self, texture: "mi.Texture") -> "CoatTextures":
+        """The coat whose index relative to `ext_ior` is a texture."""
+        other = copy.copy(self)
+        other.textures = self.textures | {"int_ior": texture}
+        other.opaque_eta, other.above = opaque(1.0), None
+        return other
+
     def inside(self, si, active=True) -> "mi.Float":
         """The index of refraction of the coat, relative to air."""
         return self._eta_given(si, active) * self.outside

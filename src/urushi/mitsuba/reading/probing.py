@@ -18,7 +18,6 @@ from urushi.material.symmetry import (
 )
 from urushi.mitsuba import spectrum
 from urushi.mitsuba.reading.offers import offer_of
-from urushi.textures.store import TexelGrid
 
 #: Greatest number of evaluations in one launch: bounds memory.
 CHUNK = 1 << 21
@@ -27,8 +26,8 @@ CHUNK = 1 << 21
 #: texels together.
 REPEATS, BUDGET = 4096, 1 << 26
 
-#: Texels at which a textured BSDF is tested for asymmetry.
-TESTED_TEXELS = 64
+#: Points at which a textured BSDF is tested for asymmetry.
+TESTED = 64
 
 #: Least number of rotations about the normal over which an anisotropic textured BSDF is averaged;
 #: twice an odd number, see `symmetry.rotated_pairs`.
@@ -152,19 +151,19 @@ def averaged_channels(
 
 
 def needed_averaging(
-    bsdf: "mi.BSDF", wi: np.ndarray, wo: np.ndarray, grid: TexelGrid, where: str, widths: int = 1
+    bsdf: "mi.BSDF", wi: np.ndarray, wo: np.ndarray, uv: np.ndarray, where: str, widths: int = 1
 ) -> Averaging:
-    """The averaging that gives a textured BSDF the symmetry of a material at pairs (P, 3).
+    """The averaging that gives a BSDF the symmetry of a material at uv (M, 2) and pairs (P, 3).
 
-    A BSDF that has it at `TESTED_TEXELS` texels is taken to have it everywhere.
+    A BSDF that has it at `TESTED` of the points is taken to have it everywhere.
 
     where: begins warnings. widths: of the material's codes.
     """
-    count = needed_repeats(bsdf, wi, wo, grid.texels)
+    points = len(uv)
+    count = needed_repeats(bsdf, wi, wo, points)
     if count > 1:
         return Averaging(2 if widths == 1 else 0, True, count)
-    texels = np.random.default_rng(0).integers(grid.texels, size=TESTED_TEXELS)
-    uv = np.concatenate([grid.uv(texel, texel + 1) for texel in texels])
+    uv = uv[np.random.default_rng(0).integers(points, size=TESTED)]
     tests = [isotropy_test_pairs(wi, wo)] if widths == 1 else mirrored_pairs(wi, wo)[1:3]
     once, exchanged, *others = (
         texel_values(bsdf, *pair, uv, Averaging()) for pair in ((wi, wo), (wo, wi), *tests)
@@ -178,7 +177,7 @@ def needed_averaging(
     spread = np.abs(once - mean).sum() / max(mean.sum(), 1e-30)
     if spread > WARNED_ASYMMETRY:
         mi.Log(mi.LogLevel.Warn, f"{where}: " + Deviations(anisotropy=spread).warnings()[0])
-    most = ANISOTROPIC_BUDGET // (grid.texels * len(wi) * (1 if reciprocal else 2))
+    most = ANISOTROPIC_BUDGET // (points * len(wi) * (1 if reciprocal else 2))
     odd = (min(max(most, LEAST_AZIMUTHS), AZIMUTHS) // 2 - 1) // 2 * 2 + 1
     return Averaging(2 * odd, not reciprocal)
 

@@ -114,8 +114,11 @@ def define(proposal_bsdf: type):
             props.mark_queried(name)
 
         def opaque(inputs: Inputs) -> "mi.BSDF":
+            return surface_class(inputs, made)
+
+        def made(inputs: Inputs, former: Layers | None) -> Layers:
             maker = _Maker(inputs, base_class, COATS[bool(reference)], {} if reference else options)
-            return surface_class(inputs, lambda former: maker.layers(former, compensated))
+            return maker.layers(former, compensated)
 
         if transmits(inputs):
             bsdf = body(inputs, opaque, _coat, not reference, compensated)
