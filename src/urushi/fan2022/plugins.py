@@ -137,7 +137,7 @@ def define(base: type) -> dict[str, type]:
         memory.
         """
 
-        PROPERTIES = COAT_PROPERTIES
+        PROPERTIES = (*COAT_PROPERTIES, "mipmaps")
 
         def _load(self, props):
             self._bottom = nested_bsdf(props)

@@ -35,21 +35,13 @@ PROGRESS_DELAY = 3.0
 class Baker:
     """The codes of a coat over a bottom; `update` computes them, and again after a change."""
 
-    def __init__(
-        self,
-        model: Model,
-        coat: CoatTextures,
-        bottom: "mi.BSDF",
-        resolution: int,
-        mipmaps: bool = False,
-    ):
+    def __init__(self, model: Model, coat: CoatTextures, bottom: "mi.BSDF", resolution: int):
         """Prepare a coat; nothing is evaluated before `update`.
 
         resolution: texels per side of a latent texture, 0 to choose.
-        mipmaps: whether a latent texture has a mip pyramid.
         """
         self.model, self._coat, self._bottom = model, coat, bottom
-        self._resolution, self._mipmaps = resolution, mipmaps
+        self._resolution = resolution
         self.bottom = BottomCodes(model, bottom, coat.where)
         self._grid: TexelGrid | None = None
         self._texture: BakedTexture | None = None
@@ -91,7 +83,7 @@ class Baker:
         if kept is not None:
             return TexturedLatents(self.model, kept[0], grid)
         channels = spectrum.channel_count()
-        texture = self._texture or BakedTexture(self.model, grid, channels, self._mipmaps)
+        texture = self._texture or BakedTexture(self.model, grid, channels)
         with self._progress(grid) as bar:
             self.bottom.bake(bar.update)
             source = coat_source(partial(self._parameters, grid), self.bottom.source)
@@ -117,7 +109,7 @@ class Baker:
 
     def _key(self, grid: TexelGrid) -> str:
         """The key of the texture in the cache."""
-        settings = mi.__version__, mi.variant(), self.model.fingerprint, grid, self._mipmaps
+        settings = mi.__version__, mi.variant(), self.model.fingerprint, grid
 
         def contents() -> Iterator[np.ndarray]:
             for start, stop in _blocks(grid):

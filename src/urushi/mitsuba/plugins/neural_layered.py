@@ -46,10 +46,6 @@ def define(base: type) -> type:
         weights        string                File of the weights. (Default: the shipped
                                              ones, ``anisotropic`` where the coat or the bottom is
                                              anisotropic, otherwise ``default``)
-        mipmaps        boolean               Whether to build the mip pyramid of the latent texture:
-                                             averages of it at lower resolutions, for integrators
-                                             that compute derivatives of uv. Those that ship with
-                                             Mitsuba do not. (Default: false)
         ============== ===================== ====================================================
 
         The layering network knows sigma_t from 0 to 8 and g from -0.8 to 0.9. Outside these ranges,
@@ -100,7 +96,6 @@ def define(base: type) -> type:
                 )
             self._weights = read_weights(props)
             self._resolution = int(resolution)
-            self._mipmaps = bool(props.get("mipmaps", False))
             self._baker, self._compensation = None, None
             self._below = below(self._bottom, self._coat)
             self.gradient_tensors = GradientTensors()
@@ -126,8 +121,7 @@ def define(base: type) -> type:
                 model = anisotropic_model() if anisotropic else default_model()
             if self._baker is None or self.model.fingerprint != model.fingerprint:
                 self.model = model
-                settings = self._resolution, self._mipmaps
-                self._baker = Baker(self.model, self._coat, self._below, *settings)
+                self._baker = Baker(self.model, self._coat, self._below, self._resolution)
 
         def _bake(self, bottom_changed=True):
             if bottom_changed:
