@@ -2,8 +2,7 @@
 
 `Baker.update` is the whole journey: choose the grid of texels, read the bottom (`bottoms`), read
 the coat's parameters at every texel, and layer (`textures.bake`). Each stage remembers its inputs
-and repeats only the work for inputs that have changed. Textures that were baked before, even by
-another process, are read from the disk (`textures.cache`).
+and repeats only the work for inputs that have changed.
 """
 
 from collections.abc import Iterator
@@ -23,7 +22,6 @@ from urushi.mitsuba.reading import grid as grids
 from urushi.mitsuba.reading.offers import tabulated
 from urushi.mitsuba.reading.parameters import CoatTextures
 from urushi.nets.weights import Model
-from urushi.textures import cache
 from urushi.textures.bake import TEXEL_BLOCK, BakedTexture, coat_source
 from urushi.textures.layering import layer_rows
 from urushi.textures.store import MIDDLE, TexelGrid
@@ -77,19 +75,13 @@ class Baker:
         return ConstantLatents(layer_material(CoatParameters.of_columns(columns), bottom))
 
     def _textured(self, grid: TexelGrid) -> TexturedLatents:
-        """The codes of all texels, from the disk or layered."""
-        key = self._key(grid) if self._texture is None and cache.folder() else None
-        kept = cache.read(key, self.model) if key else None
-        if kept is not None:
-            return TexturedLatents(self.model, kept[0], grid)
+        """The codes of all texels."""
         channels = spectrum.channel_count()
         texture = self._texture or BakedTexture(self.model, grid, channels)
         with self._progress(grid) as bar:
             self.bottom.bake(bar.update)
             source = coat_source(partial(self._parameters, grid), self.bottom.source)
             texture.update(source, bar.update, partial(layer_rows, self.model))
-        if key:
-            cache.write(key, texture.store, grid, self.model)
         self._texture = texture
         return TexturedLatents(self.model, texture.store, grid)
 
@@ -106,17 +98,6 @@ class Baker:
             left |= checks.outside_training(coat)
             absorbs &= bool(((coat.eta == 1) & (coat.albedo == 0)).all())
         return left, absorbs
-
-    def _key(self, grid: TexelGrid) -> str:
-        """The key of the texture in the cache."""
-        settings = mi.__version__, mi.variant(), self.model.fingerprint, grid
-
-        def contents() -> Iterator[np.ndarray]:
-            for start, stop in _blocks(grid):
-                yield from self._parameters(grid, start, stop).columns()
-                yield from self.bottom.contents(start, stop)
-
-        return cache.key(str(settings), contents())
 
     def _progress(self, grid: TexelGrid) -> tqdm:
         """A progress bar on stderr, in files too, of a baking that takes longer than a moment."""

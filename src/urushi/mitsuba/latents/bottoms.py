@@ -4,7 +4,7 @@ A textured bottom that is known by its values is compared by a few probes of eac
 """
 
 import functools
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
@@ -19,7 +19,6 @@ from urushi.mitsuba import spectrum
 from urushi.mitsuba.reading import probing
 from urushi.mitsuba.reading.bsdf import reflection_source
 from urushi.mitsuba.reading.grid import varying_textures
-from urushi.mitsuba.reading.kept import parameter_arrays
 from urushi.mitsuba.reading.offers import Latents, offer_of
 from urushi.mitsuba.reading.parameters import check_bottom
 from urushi.nets.lobe import f as lobe_f
@@ -49,7 +48,6 @@ class BottomCodes:
         self._model, self._bottom, self._where = model, bottom, where
         self._baked: BakedTexture | None = None
         self._opened: Source | None = None
-        self._probed: _ProbedBottom | None = None
         self.material: Material | None = None  # of a constant bottom; None: it varies over uv
         self.stored = self._stale = False  # whether codes of texels are stored; have to be computed
 
@@ -57,8 +55,7 @@ class BottomCodes:
         """Read the bottom, after each of its changes. If it is constant, it is encoded."""
         offer = offer_of(self._bottom)
         nested = nested_latents(self._bottom, self._model)
-        self.material, self._probed = None, None
-        self.stored, self._stale = False, True
+        self.material, self.stored, self._stale = None, False, True
         if nested is not None and nested.grid is None:
             codes = nested.at(np.full((1, 2), 0.5))[0]
             self._opened = _uniform(
@@ -75,8 +72,8 @@ class BottomCodes:
         else:
             self.stored = True
             if offer.reflectance is None:
-                self._probed = _ProbedBottom(self._model, self._bottom, self._where, grid)
-                self._opened = self._probed.read
+                probed = _ProbedBottom(self._model, self._bottom, self._where, grid)
+                self._opened = probed.read
             else:
                 self._opened = _diffuse(self._model, offer.reflectance, self._where, grid)
             if self._baked is None or self._baked.grid != grid:
@@ -92,14 +89,6 @@ class BottomCodes:
         if self._stale and self._baked is not None and self._opened is not None:
             self._baked.update(self._opened, advance)
         self._stale = False
-
-    def contents(self, start: int, stop: int) -> Iterator[np.ndarray]:
-        """Numbers that differ for different bottoms at a range of texels, after `open`."""
-        assert self._opened is not None  # for the type checker
-        if self._probed is None:
-            yield self._opened(start, stop)[0]
-        else:
-            yield from self._probed.contents(start, stop)
 
     def source(self, start: int, stop: int) -> tuple[np.ndarray, RowsAt]:
         """The bottom as a `Source`, after `bake`."""
@@ -236,22 +225,6 @@ class _ProbedBottom:
     def read(self, start: int, stop: int) -> tuple[np.ndarray, RowsAt]:
         uv = self._grid.uv(start, stop)
         return self._hashes(uv), lambda texel, channel: self._codes(uv, texel, channel)
-
-    def contents(self, start: int, stop: int) -> Iterator[np.ndarray]:
-        """Numbers that differ for different bottoms at a range of texels.
-
-        They are f at two pairs, one near the mirror direction; and at the first range the bottom's
-        parameters, and f at all pairs of a few texels for what is no parameter of `mi.traverse`.
-        """
-        wi, wo = self._pairs
-        half = np.linalg.norm(np.cross(wi + wo, [0, 0, 1]), axis=-1) / (wi + wo)[:, 2]
-        pairs = np.argsort(half)[[len(half) // 8, len(half) // 2]]
-        uv, once = self._grid.uv(start, stop), probing.Averaging()
-        yield probing.texel_values(self._bottom, wi[pairs], wo[pairs], uv, once)
-        if start == 0:
-            yield from parameter_arrays(self._bottom)
-            some = uv[:: max(len(uv) // probing.TESTED_TEXELS, 1)]
-            yield probing.texel_values(self._bottom, wi, wo, some, once)
 
     def _hashes(self, uv: np.ndarray) -> np.ndarray:
         """Hashes (M, C) at points uv (M, 2): equal where the bottom is, within `KEY_BITS`."""

@@ -5,7 +5,6 @@ from contextlib import contextmanager
 from typing import Any
 
 import mitsuba as mi
-import numpy as np
 
 from urushi.errors import ParameterError
 
@@ -38,13 +37,6 @@ class KeptParameters:
             raise
         if not self._restoring:
             self.keep(plugin)
-
-
-def parameter_arrays(plugin: "mi.Object") -> Iterator[np.ndarray]:
-    """All values that `mi.traverse` lists below a plugin, as arrays without names."""
-    for _, value in writable(plugin):
-        array = np.array(getattr(value, "matrix", value))
-        yield array if array.dtype != object else np.frombuffer(str(value).encode(), np.uint8)
 
 
 def writable(plugin: "mi.Object") -> list[tuple[str, Any]]:
