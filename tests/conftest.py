@@ -21,8 +21,6 @@ from urushi.platform import available_cores
 
 ROOT = Path(__file__).resolve().parents[1]
 
-os.environ["URUSHI_CACHE"] = "off"  # textures are baked anew in every test
-
 # JAX reads these when it is imported, which the conftest of a folder may do before
 # `pytest_configure`. It compiles each training step once, though many tests and workers use it.
 if "PYTEST_XDIST_WORKER" not in os.environ:

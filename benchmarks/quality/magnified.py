@@ -36,8 +36,7 @@ class FourTexels(TexturedLatents):
     def _texels(self, uv) -> tuple[list, list]:
         """Codes of the four texels, and their weights."""
         texture = self._texture
-        sizes = [mi.Int32(count) for count in texture._base[:2]]
-        point = texture._to_texture(uv.x, uv.y, True)
+        sizes, point = texture._size, texture._to_texture(uv.x, uv.y)
         sides = []
         for x, count in zip(point, sizes, strict=True):
             place = x * mi.Float(count) - 0.5
@@ -55,7 +54,7 @@ class FourTexels(TexturedLatents):
 class InterpolatedCodes(FourTexels):
     """Codes interpolated linearly."""
 
-    def _vertex(self, wi, uv, *footprint) -> Vertex:
+    def _vertex(self, wi, uv) -> Vertex:
         codes, weights = self._texels(uv)
         mean = [
             [sum(map(operator.mul, weights, number)) for number in zip(*channel, strict=True)]
@@ -71,7 +70,7 @@ class InterpolatedValues(FourTexels):
         super().__init__(latents)
         self._drawn, self._decoder = latents, Sum(latents._decoder, self._kept)
 
-    def _vertex(self, wi, uv, *footprint) -> Vertex:
+    def _vertex(self, wi, uv) -> Vertex:
         codes, weights = self._texels(uv)
         terms = [self._drawn._vertex_of(z, wi).decoder_terms for z in codes]
         joined = [channel for texel in terms for channel in texel]

@@ -7,9 +7,9 @@ of the last rows have two GGX widths.
 """
 
 import numpy as np
-from benchmarks.quality.mipmap import cosine_pairs
 
 from urushi.checks import TRAINED_WIDTH_RATIO, CoatParameters, Widths
+from urushi.core.direction_sets import cosine_pairs
 from urushi.core.error_metrics import stack_error
 from urushi.material import encode
 from urushi.material.layer import layer_texels
@@ -17,7 +17,7 @@ from urushi.nets.weights import Model, anisotropic_model, default_model
 from urushi.textures.store import TextureStore
 from urushi.walk import conductor
 
-TEXELS, BOTTOMS = 1024, 16
+TEXELS, BOTTOMS, PAIRS = 1024, 16, 128
 
 
 def main() -> None:
@@ -49,9 +49,9 @@ def row(model: Model, low: float, high: float) -> str:
         ),
     )
     texels = codes.reshape(TEXELS, 3, -1)
-    store = TextureStore(model, 3, TEXELS, 1)
+    store = TextureStore(model, 3, TEXELS)
     store.write(slice(None), texels)
-    wi, wo = cosine_pairs(rng)
+    wi, wo = cosine_pairs(rng, PAIRS)
     f = model.networks.f(codes[:, None], wi, wo)
     stored = store.read(slice(None)).reshape(codes.shape), codes.astype(np.float16)
     ours, half = (

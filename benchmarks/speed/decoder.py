@@ -38,7 +38,7 @@ def evaluations(weights: str) -> dict[str, Callable[[], object]]:
     model = find(weights)
     rng = np.random.default_rng(0)
     codes = rng.normal(size=(64 * 64, 3, model.arch.latent)).astype(np.float32)
-    store = TextureStore(model, 3, 64, 64)
+    store = TextureStore(model, 3, len(codes))
     store.write(np.arange(len(codes)), codes)
     grid = TexelGrid(64, 64, IDENTITY, "repeat", False)
     si = dr.zeros(mi.SurfaceInteraction3f, COUNT)

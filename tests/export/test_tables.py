@@ -39,7 +39,7 @@ def test_blocks_of_a_texture_hold_the_functions_of_the_basis(model, form):
 
 def test_files_hold_the_table(materials):
     texture = materials["table"].shader_texture()
-    image = gpu.Image([texture], is_volume=True)
+    image = gpu.Image(texture, is_volume=True)
     dds, ktx2 = gpu.dds(image), gpu.ktx2(image)
     size, _, height, width, pitch, depth, count = struct.unpack_from("<7I", dds, 4)
     assert (size, pitch, count) == (124, 8 * width, 1)

@@ -24,6 +24,7 @@ WIDTH, HEIGHT = 8, 4
 
 #: The place of the texture in uv: its coordinates are (0.5 u + 0.1, v).
 PLACE = ((0.5, 0.0, 0.1), (0.0, 1.0, 0.0))
+GRID = TexelGrid(WIDTH, HEIGHT, PLACE, "clamp")
 
 MAIN = """
 uniform sampler2DArray texels;
@@ -31,7 +32,7 @@ uniform highp sampler3D table;
 in vec3 wi; in vec3 wo; in vec2 uv;
 out vec3 f; out float pdf;
 void main() {
-    UrushiMaterial material = urushi_fetch_level(texels, uv, 0.0);
+    UrushiMaterial material = urushi_fetch(texels, uv);
     f = urushi_f(material, wi, wo, table);
     pdf = urushi_pdf(material, wi, wo);
 }
@@ -44,7 +45,7 @@ def store(model) -> TextureStore:
 
 
 def store_of(model: Model) -> TextureStore:
-    """A texture with all levels; some numbers are constant, or the same in all channels."""
+    """A texture; some numbers are constant, or the same in all channels."""
     rng = np.random.default_rng(2)
     codes = rng.normal(size=(WIDTH * HEIGHT, 3, model.arch.latent)).astype(np.float32)
     codes[..., 0] = rng.uniform(0.1, 0.4, (len(codes), 1))
@@ -52,117 +53,93 @@ def store_of(model: Model) -> TextureStore:
     if model.widths == 2:
         codes[..., 6] = rng.uniform(0.1, 0.4, (len(codes), 1))
         codes[..., -1] = 0.25  # the stretch
-    store = TextureStore(model, 3, WIDTH, HEIGHT, mipmaps=True)
+    store = TextureStore(model, 3, len(codes))
     store.write(np.arange(len(codes)), codes)
     return store
 
 
-def levels_of_store(store: TextureStore, layers: int) -> list[np.ndarray]:
-    """Bytes (layers, height, width, 4) of each level."""
-    texels = store.packed.bytes[:, : 4 * layers].reshape(-1, layers, 4)
-    ends = np.cumsum([w * h for w, h in store.levels])[:-1]
-    parts = np.split(texels, ends)
-    return [
-        part.reshape(h, w, layers, 4).transpose(2, 0, 1, 3)
-        for part, (w, h) in zip(parts, store.levels, strict=True)
-    ]
+def image_of_store(store: TextureStore, layers: int) -> np.ndarray:
+    """Bytes (layers, height, width, 4)."""
+    texels = store.packed.bytes[:, : 4 * layers].reshape(HEIGHT, WIDTH, layers, 4)
+    return texels.transpose(2, 0, 1, 3)
 
 
-def read_dds(content: bytes) -> list[np.ndarray]:
-    """The levels of a DDS file with the extended header: layer by layer, level by level."""
+def read_dds(content: bytes) -> np.ndarray:
+    """The texels of a DDS file with the extended header: layer by layer."""
     assert content[:4] == b"DDS " and content[84:88] == b"DX10"
     size, _, height, width, _, _, count = struct.unpack_from("<7I", content, 4)
     kind, dimension, _, layers, _ = struct.unpack_from("<5I", content, 128)
-    assert (size, kind, dimension) == (124, 28, 3)
-    position, levels = 148, [[] for _ in range(count)]
-    for _ in range(layers):
-        for level in range(count):
-            w, h = max(width >> level, 1), max(height >> level, 1)
-            levels[level].append(np.frombuffer(content, np.uint8, 4 * w * h, position))
-            levels[level][-1] = levels[level][-1].reshape(h, w, 4)
-            position += 4 * w * h
-    assert position == len(content)
-    return [np.stack(level) for level in levels]
+    assert (size, kind, dimension, count) == (124, 28, 3, 1)
+    return np.frombuffer(content, np.uint8, offset=148).reshape(layers, height, width, 4)
 
 
-def read_ktx2(content: bytes) -> list[np.ndarray]:
-    """The levels of a KTX2 file; their index gives the place of each."""
+def read_ktx2(content: bytes) -> np.ndarray:
+    """The texels of a KTX2 file; its index gives their place."""
     assert content[:12] == b"\xabKTX 20\xbb\r\n\x1a\n"
     numbers = struct.unpack_from("<9I", content, 12)
     kind, _, width, height, _, layers, faces, count, compression = numbers
-    assert (kind, faces, compression) == (37, 1, 0)
+    assert (kind, faces, count, compression) == (37, 1, 1, 0)
     start, length = struct.unpack_from("<2I", content, 48)
-    assert start == 80 + 24 * count and struct.unpack_from("<I", content, start) == (length,)
-    levels = []
-    for level in range(count):
-        offset, size, _ = struct.unpack_from("<3Q", content, 80 + 24 * level)
-        assert offset % 4 == 0
-        shape = layers, max(height >> level, 1), max(width >> level, 1), 4
-        assert size == np.prod(shape)
-        levels.append(np.frombuffer(content, np.uint8, size, offset).reshape(shape))
-    return levels
+    assert start == 104 and struct.unpack_from("<I", content, start) == (length,)
+    offset, size, _ = struct.unpack_from("<3Q", content, 80)
+    assert offset % 4 == 0 and offset >= start + length and offset + size == len(content)
+    return np.frombuffer(content, np.uint8, size, offset).reshape(layers, height, width, 4)
 
 
 @pytest.mark.parametrize("kind", ["dds", "ktx2"])
-def test_files_hold_all_levels(store, kind):
+def test_files_hold_all_texels(store, kind):
     writer, reader = {
         "dds": (texture_files.dds, read_dds),
         "ktx2": (texture_files.ktx2, read_ktx2),
     }[kind]
-    read = reader(writer(texture_files.texture_image(store)))
-    expected = levels_of_store(store, read[0].shape[0])
-    assert len(read) == 4
-    assert all(np.array_equal(a, b) for a, b in zip(read, expected, strict=True))
+    read = reader(writer(texture_files.texture_image(store, GRID)))
+    assert np.array_equal(read, image_of_store(store, len(read)))
 
 
 def test_dds_is_read_by_another_program(store, tmp_path):
     """Pillow reads the first layer."""
     image = pytest.importorskip("PIL.Image", reason="Pillow is not installed")
     path = tmp_path / "texture.dds"
-    path.write_bytes(texture_files.dds(texture_files.texture_image(store)))
+    path.write_bytes(texture_files.dds(texture_files.texture_image(store, GRID)))
     with image.open(path) as opened:
-        assert np.array_equal(np.asarray(opened), levels_of_store(store, 1)[0][0])
+        assert np.array_equal(np.asarray(opened), image_of_store(store, 1)[0])
 
 
 @pytest.mark.parametrize("networks_of", ["model", "anisotropic_model"])
 def test_look_up_in_opengl(networks_of, request):
-    """At the centre of each texel of each level, f and pdf are those of the texel's code."""
+    """At the centre of each texel, f and pdf are those of the texel's code."""
     context, model = gpu.gl_context(), request.getfixturevalue(networks_of)
     store = store_of(model)
-    grid = TexelGrid(WIDTH, HEIGHT, PLACE, "clamp")
-    text = codes_text("glsl", model, "urushi", texture_files.texels(store, grid))
+    text = codes_text("glsl", model, "urushi", texture_files.texels(store, GRID))
     codes = packing.unpack(store.layout, store.packed)
     wi = np.array([0.6, 0.0, 0.8], np.float32)
     wo = np.array([-0.5, 0.1, 0.86], np.float32)
     wo /= np.linalg.norm(wo)
-    networks, start = model.networks, 0
+    networks = model.networks
     with context:
         source = "#version 330\n" + text + MAIN
         program = context.program(vertex_shader=source, varyings=["f", "pdf"])
         table = gpu.gl_texture(context, basis_of(model))
         table.use(1)
         program["table"] = 1
-        for level in read_ktx2(texture_files.ktx2(texture_files.texture_image(store))):
-            layers, height, width, _ = level.shape
-            texture = context.texture_array((width, height, layers), 4, level.tobytes())
-            texture.repeat_x = texture.repeat_y = False
-            texture.use(0)
-            y, x = np.divmod(np.arange(width * height), width)
-            uv = np.stack([((x + 0.5) / width - 0.1) / 0.5, (y + 0.5) / height], axis=-1)
-            rows = np.hstack([np.tile(wi, (len(uv), 1)), np.tile(wo, (len(uv), 1)), uv])
-            inputs = context.buffer(rows.astype(np.float32))
-            outputs = context.buffer(reserve=16 * len(rows))
-            layout = [(inputs, "3f 3f 2f", "wi", "wo", "uv")]
-            context.vertex_array(program, layout).transform(outputs, mode=context.POINTS)
-            result = np.frombuffer(outputs.read(), np.float32).reshape(-1, 4)
-            part = codes[start : start + len(uv)]
-            start += len(uv)
-            expected = networks.f(part, wi, wo)
-            np.testing.assert_allclose(result[:, :3], expected, rtol=TABLE_TOLERANCE)
-            proposal = networks.proposal(part.mean(axis=1), wi[None])
-            pdf = mixture_pdf(*proposal, wi[None], wo[None])
-            np.testing.assert_allclose(result[:, 3], pdf, rtol=1e-4)
-    assert start == len(codes)
+        image = read_ktx2(texture_files.ktx2(texture_files.texture_image(store, GRID)))
+        layers, height, width, _ = image.shape
+        texture = context.texture_array((width, height, layers), 4, image.tobytes())
+        texture.repeat_x = texture.repeat_y = False
+        texture.use(0)
+        y, x = np.divmod(np.arange(width * height), width)
+        uv = np.stack([((x + 0.5) / width - 0.1) / 0.5, (y + 0.5) / height], axis=-1)
+        rows = np.hstack([np.tile(wi, (len(uv), 1)), np.tile(wo, (len(uv), 1)), uv])
+        inputs = context.buffer(rows.astype(np.float32))
+        outputs = context.buffer(reserve=16 * len(rows))
+        layout = [(inputs, "3f 3f 2f", "wi", "wo", "uv")]
+        context.vertex_array(program, layout).transform(outputs, mode=context.POINTS)
+        result = np.frombuffer(outputs.read(), np.float32).reshape(-1, 4)
+        expected = networks.f(codes, wi, wo)
+        np.testing.assert_allclose(result[:, :3], expected, rtol=TABLE_TOLERANCE)
+        proposal = networks.proposal(codes.mean(axis=1), wi[None])
+        pdf = mixture_pdf(*proposal, wi[None], wo[None])
+        np.testing.assert_allclose(result[:, 3], pdf, rtol=1e-4)
 
 
 @pytest.mark.parametrize(
@@ -209,8 +186,8 @@ def test_command_writes_shader_and_texture(model, store, tmp_path, capsys):
     given = ["export", str(stored), *given]
     assert main([*given, "--texture", str(tmp_path / "texture.ktx2")]) == 0
     text, table, texture = (Path(line) for line in capsys.readouterr().out.split())
-    assert texture.read_bytes() == texture_files.ktx2(texture_files.texture_image(store))
-    basis = texture_files.Image([basis_of(model)], is_volume=True)
+    assert texture.read_bytes() == texture_files.ktx2(texture_files.texture_image(store, GRID))
+    basis = texture_files.Image(basis_of(model), is_volume=True)
     assert table.read_bytes() == texture_files.ktx2(basis)
     shader = codes_text("hlsl", model, "urushi", texture_files.texels(store, grid))
     assert text.read_text() == shader and "mirrored repeat" in shader

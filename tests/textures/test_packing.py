@@ -1,11 +1,11 @@
-"""Packed latent textures and their mip maps."""
+"""Packed latent textures."""
 
 import numpy as np
 import pytest
 
 from urushi.core.direction_sets import cosine_pairs
 from urushi.core.error_metrics import stack_error
-from urushi.textures import mip_pyramid, packing
+from urushi.textures import packing
 from urushi.textures.store import TextureStore
 
 
@@ -19,8 +19,8 @@ def codes(model):
     return np.concatenate([lobe, rest], axis=-1).astype(np.float32)
 
 
-def stored(model, codes, width: int, height: int, **options) -> TextureStore:
-    store = TextureStore(model, codes.shape[1], width, height, **options)
+def stored(model, codes) -> TextureStore:
+    store = TextureStore(model, codes.shape[1], len(codes))
     store.write(slice(None), codes)
     return store
 
@@ -53,14 +53,14 @@ def test_numbers_of_8_bits_change_f_by_less_than_the_limit(scale):
 
 def test_packed_codes_give_the_same_f(model, lacquers):
     codes = lacquers(64)
-    read = stored(model, codes, 64, 1).read(slice(None))
+    read = stored(model, codes).read(slice(None))
     wi, wo = cosine_pairs(np.random.default_rng(1), 500)
     f, found = (model.networks.f(z[..., None, :], wi, wo) for z in (codes, read))
     assert stack_error(found, f, wi[:, 2], wo[:, 2]).mean() < 1e-3
 
 
 def test_packing_is_as_fine_as_its_steps(model, codes):
-    store = stored(model, codes, 7, 5)
+    store = stored(model, codes)
     error = np.abs(store.read(slice(None)) - codes)
     half = 0.5 * store.packed.step + 1e-3 * np.abs(codes)  # and half precision on the way
     assert (error <= half).all()
@@ -70,17 +70,17 @@ def test_packing_is_as_fine_as_its_steps(model, codes):
 
 def test_a_constant_number_is_exact(model, codes):
     codes[..., 4] = 0.5
-    np.testing.assert_array_equal(stored(model, codes, 7, 5).read(slice(None))[..., 4], 0.5)
+    np.testing.assert_array_equal(stored(model, codes).read(slice(None))[..., 4], 0.5)
 
 
 def test_numbers_that_are_known_take_fewer_bytes(model, codes):
     size, before = model.arch.latent, codes.copy()
     codes[..., : size // 2] = codes[:, :1, : size // 2]
     codes[..., -4:] = [1, 0, 2, -3]
-    store = stored(model, codes, 7, 5)
+    store = stored(model, codes)
     layout = store.layout
     assert layout.constant[-4:].all() and not layout.constant[:-4].any()
-    general = stored(model, before, 7, 5).layout
+    general = stored(model, before).layout
     smaller = layout.texel_bytes < general.texel_bytes
     assert smaller or layout.levels.sum() > general.levels.sum()
     read = store.read(slice(None))
@@ -94,14 +94,14 @@ def test_known_numbers_may_change(model, codes):
     before[...] = codes[:, :1]
     before[..., 0] = 0.5
     for again in (codes, before):
-        store = stored(model, before, 7, 5)
+        store = stored(model, before)
         store.write(np.arange(35), again)
         error = np.abs(store.read(slice(None)) - again)
         assert (error <= store.packed.step + 1e-3 * np.abs(again)).all()
 
 
 def test_overwritten_rows_are_the_new_ones_and_others_stay(model, codes):
-    store = stored(model, codes, 7, 5)
+    store = stored(model, codes)
     before = store.read(slice(None))
     rows = np.array([3, 9])
     store.write(rows, codes[[20, 21]])
@@ -112,28 +112,8 @@ def test_overwritten_rows_are_the_new_ones_and_others_stay(model, codes):
 
 
 def test_codes_out_of_range_widen_it(model, codes):
-    store = stored(model, codes, 7, 5)
+    store = stored(model, codes)
     beyond = 2 * codes[:1] + 3 * np.sign(codes[:1])
     store.write(np.array([0]), beyond)
     expected = np.concatenate([beyond, codes[1:]])
     assert (np.abs(store.read(slice(None)) - expected) <= 1.01 * store.packed.step + 1e-2).all()
-
-
-@pytest.mark.parametrize(("width", "height"), [(8, 4), (7, 5), (5, 1), (1, 6)])
-def test_every_level_keeps_the_average(width, height):
-    values = np.random.default_rng(1).random((height, width, 2)).astype(np.float32)
-    mean = values.mean(axis=(0, 1))
-    for w, h in mip_pyramid.level_sizes(width, height)[:-1]:
-        assert values.shape == (h, w, 2)
-        values = mip_pyramid.half_resolution(values, 0, h)
-        np.testing.assert_allclose(values.mean(axis=(0, 1)), mean, rtol=1e-5)
-    assert values.shape == (1, 1, 2)
-
-
-def test_bands_of_rows_are_halved_as_the_whole():
-    values = np.random.default_rng(1).random((11, 6, 2)).astype(np.float32)
-    whole = mip_pyramid.half_resolution(values, 0, 11)
-    for top in range(5):
-        rows = mip_pyramid.source_rows(top, top + 1, 11)
-        part = mip_pyramid.half_resolution(values[rows.start : rows.stop], top, 11)
-        np.testing.assert_array_equal(part, whole[top : top + 1])

@@ -11,7 +11,7 @@ from urushi.textures.store import TextureStore
 
 
 def stored(model, codes) -> TextureStore:
-    store = TextureStore(model, codes.shape[1], len(codes), 1)
+    store = TextureStore(model, codes.shape[1], len(codes))
     store.write(slice(None), codes)
     return store
 

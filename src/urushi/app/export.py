@@ -97,7 +97,7 @@ class Export:
         elif tensor_file_kind(self.material) == "texture":
             given = None if self.weights is None else find(self.weights)
             store, grid, model = read_texture(self.material, given)
-            texels, codes = gpu.texels(store, grid), gpu.texture_image(store)
+            texels, codes = gpu.texels(store, grid), gpu.texture_image(store, grid)
         else:
             material = read_material(self.material, self.weights)
             texture = material.shader_texture(self.language)
@@ -111,7 +111,7 @@ def write_table(path: Path, table: np.ndarray) -> None:
     from urushi.textures.gpu import Image
 
     if path.suffix in GPU_SUFFIXES:
-        _write_image(path, Image([table], is_volume=True))
+        _write_image(path, Image(table, is_volume=True))
         return
     set_variant("scalar_rgb")  # enough for images, and needs no LLVM
     import mitsuba as mi

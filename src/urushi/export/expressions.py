@@ -46,9 +46,8 @@ class Expression:
 
     Attributes:
         operation: "constant", "name", an arithmetic sign, "call", "select", "component", "field",
-            "element", "texel" (filtered, of a texture at a vector), "layer" and "level" (of layers,
-            at x and y in a layer, by the footprint or of a level), "colour" (of a texel), or a
-            conversion.
+            "element", "texel" (filtered, of a texture at a vector), "layer" (the same, of layers
+            at x, y and a number), "colour" (of a texel), or a conversion.
         arguments: its operands.
         kind: the type of the value: one of the kinds above, or the name of a structure.
         detail: a further operand: the number of a constant, the name of a variable, a

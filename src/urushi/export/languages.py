@@ -22,8 +22,7 @@ class Glsl(Printer):
         texture="highp sampler3D {}",
         texel="textureLod({}, {}, 0.0)",
         layers="sampler2DArray {}",
-        layer="texture({}, vec3({}, {}, {}.0))",
-        level="textureLod({}, vec3({}, {}, {}.0), {})",
+        layer="textureLod({}, vec3({}, {}, {}.0), 0.0)",
     )
 
 
@@ -37,8 +36,7 @@ class Hlsl(Printer):
         texture="Texture3D<float4> {}, SamplerState filtering",
         texel="{}.SampleLevel(filtering, {}, 0.0)",
         layers="Texture2DArray<float4> {}, SamplerState filtering",
-        layer="{}.Sample(filtering, float3({}, {}, {}.0))",
-        level="{}.SampleLevel(filtering, float3({}, {}, {}.0), {})",
+        layer="{}.SampleLevel(filtering, float3({}, {}, {}.0), 0.0)",
     )
 
     def splat(self, value: str) -> str:
@@ -78,8 +76,7 @@ class Wgsl(Printer):
         texture="{}: texture_3d<f32>, filtering: sampler",
         texel="textureSampleLevel({}, filtering, {}, 0.0)",
         layers="{}: texture_2d_array<f32>, filtering: sampler",
-        layer="textureSample({}, filtering, vec2f({}, {}), {})",
-        level="textureSampleLevel({}, filtering, vec2f({}, {}), {}, {})",
+        layer="textureSampleLevel({}, filtering, vec2f({}, {}), {}, 0.0)",
     )
 
     def declared(self, variable: Variable) -> str:

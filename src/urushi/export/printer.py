@@ -44,7 +44,6 @@ class Textures(NamedTuple):
     texel: str
     layers: str = ""
     layer: str = ""
-    level: str = ""
 
 
 class Printer:
@@ -184,7 +183,7 @@ class Printer:
                 text = str(detail)
             case "call":
                 text = f"{self.calls.get(detail, detail)}({', '.join(texts)})"
-            case "texel" | "layer" | "level":
+            case "texel" | "layer":
                 text = getattr(self.textures, value.operation).format(*texts)
             case "invoke":
                 text = f"{self.function_name(detail)}({', '.join(texts)})"

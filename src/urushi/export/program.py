@@ -320,7 +320,7 @@ def codes_program(model: Model, form: TextureForm, texels: Texels | None = None)
         "{fetch}(texels, uv) reads a material from the texture that belongs to this file: an array "
         f"of {texels.layers} layers, RGBA8 without gamma, whose first row is at v = 0. "
         f"{texels.filtering} Where the language separates samplers from textures, the sampler "
-        "follows the texture. {fetch_level} takes the level as a last argument.",
+        "follows the texture.",
     )
     return Program(note, structures, [*functions, *fetch_functions(texels, prepare)])
 

@@ -8,7 +8,6 @@ from typing import Any, NamedTuple
 from urushi.core.namespace import Components, Namespace
 from urushi.export.expressions import (
     COLOUR,
-    FLOAT,
     INT,
     LAYERS,
     PLACE,
@@ -177,7 +176,7 @@ def namespace(body: Function, suffix: str = "") -> Namespace:
 
 
 def fetch_functions(texels: Texels, prepare: Function) -> list[Function]:
-    """The functions that read a material from a texture: of filtered bytes, fetch, fetch_level."""
+    """The functions that read a material from a texture: of filtered bytes, and fetch."""
     stored = Variable("stored", TEXEL, texels.layers)
     note = "A material of filtered bytes, each in [0, 1]."
     unpack = Function("texel", (stored,), prepare.kind, note)
@@ -192,26 +191,16 @@ def fetch_functions(texels: Texels, prepare: Function) -> list[Function]:
             numbers.append(number)
         unpack.assign(element(codes, i), numbers[0] if len(numbers) == 1 else colour_of(*numbers))
     unpack.returns(prepare(codes))
-    return [unpack, _fetch(texels, unpack, by_level=False), _fetch(texels, unpack, by_level=True)]
-
-
-def _fetch(texels: Texels, unpack: Function, *, by_level: bool) -> Function:
-    arguments: tuple[Variable, ...] = Variable("texels", LAYERS), Variable("uv", PLACE)
-    label, note = "fetch", "The material at uv; the footprint chooses the level."
-    if by_level:
-        label, note = "fetch_level", "The material at uv, of a given level."
-        arguments = *arguments, Variable("level", FLOAT)
-    function = Function(label, arguments, unpack.kind, note, public=True)
-    texture, uv, *level = (name(argument.name, argument.kind) for argument in arguments)
-    place = [
+    arguments = Variable("texels", LAYERS), Variable("uv", PLACE)
+    function = Function("fetch", arguments, unpack.kind, "The material at uv.", public=True)
+    texture, uv = (name(argument.name, argument.kind) for argument in arguments)
+    at = [
         function.let(axis, u * uv.x + v * uv.y + offset)
         for axis, (u, v, offset) in zip("xy", texels.to_texture, strict=True)
     ]
-    stored = function.array("stored", TEXEL, texels.layers)
+    four = function.array("stored", TEXEL, texels.layers)
     for k in range(texels.layers):
-        operands = (texture, *place, integer(k), *level)
-        function.assign(
-            element(stored, k), Expression("level" if by_level else "layer", TEXEL, operands)
-        )
-    function.returns(unpack(stored))
-    return function
+        operands = (texture, *at, integer(k))
+        function.assign(element(four, k), Expression("layer", TEXEL, operands))
+    function.returns(unpack(four))
+    return [unpack, function]

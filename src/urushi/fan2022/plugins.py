@@ -14,14 +14,15 @@ import numpy as np
 
 from urushi.errors import ParameterError, PlatformError, UrushiWarning
 from urushi.fan2022.architecture import LATENT
+from urushi.fan2022.grid import choose
 from urushi.fan2022.kernels import PaperDecoder, PaperSampler, separate_kernels
 from urushi.fan2022.material import Material, encode, load
 from urushi.fan2022.networks import PaperNetworks, projection_pairs
 from urushi.fan2022.texels import CodeTexture, different_rows
 from urushi.mitsuba import spectrum
 from urushi.mitsuba.plugins.base import resolve
-from urushi.mitsuba.reading import grid as grids
 from urushi.mitsuba.reading import probing
+from urushi.mitsuba.reading.grid import check_normals, varying_textures
 from urushi.mitsuba.reading.parameters import (
     COAT_PROPERTIES,
     CoatTextures,
@@ -137,7 +138,7 @@ def define(base: type) -> dict[str, type]:
         memory.
         """
 
-        PROPERTIES = COAT_PROPERTIES
+        PROPERTIES = (*COAT_PROPERTIES, "mipmaps")
 
         def _load(self, props):
             self._bottom = nested_bsdf(props)
@@ -155,11 +156,11 @@ def define(base: type) -> dict[str, type]:
 
         def _update(self, keys):
             self._coat.parameters_changed()
-            grids.check_normals(self._bottom, self._coat.where)
+            check_normals(self._bottom, self._coat.where)
             below = isinstance(self._bottom, PaperBSDF) and self._bottom.codes
             inner = below.grid if below and below.grid != MIDDLE else None
             parts = self._coat.textures | ({} if below else {"the nested BSDF": self._bottom})
-            chosen = grids.choose(parts, inner, self._resolution, self._coat.where) or MIDDLE
+            chosen = choose(parts, inner, self._resolution, self._coat.where) or MIDDLE
             coat = self._coat.layering(chosen.uv())
             codes = self.networks.layer(self._bottom_codes(below, chosen), coat)
             self.codes = TexelCodes(self.networks, codes, chosen, self._mipmaps)
@@ -168,7 +169,7 @@ def define(base: type) -> dict[str, type]:
             """Codes (T or 1, C, 32) of the bottom on a grid; below: its own codes, or False."""
             if below and self._bottom.networks.fingerprint == self.networks.fingerprint:
                 return below.codes if below.grid == MIDDLE else _read(below, grid)
-            if grid == MIDDLE or not grids.varying_textures(self._bottom):
+            if grid == MIDDLE or not varying_textures(self._bottom):
                 return encode(self._bottom, self.networks).latents[None]
             pairs = projection_pairs()
             average = probing.needed_averaging(self._bottom, *pairs, grid.uv(), self._coat.where)

@@ -37,11 +37,10 @@ Coats = Callable[[int, int], CoatParameters]
 class BakedTexture:
     """The packed codes of a source on a grid of texels, none before the first `update`."""
 
-    def __init__(self, model: Model, grid: TexelGrid, channels: int, mipmaps: bool = False):
-        """mipmaps: whether to hold all levels of the mip pyramid; else the first one only."""
+    def __init__(self, model: Model, grid: TexelGrid, channels: int):
         self.grid = grid
         self._hashes = np.zeros((grid.texels, channels), np.uint64)
-        self.store = TextureStore(model, channels, grid.width, grid.height, mipmaps=mipmaps)
+        self.store = TextureStore(model, channels, grid.texels)
 
     def update(
         self,

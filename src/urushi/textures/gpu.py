@@ -20,22 +20,19 @@ from urushi.textures.store import TexelGrid, TextureStore
 class Image(NamedTuple):
     """The content of a file."""
 
-    levels: list[np.ndarray]  # uint8 or float16 (layers or depth, height, width, 4), finest first
+    texels: np.ndarray  # uint8 or float16 (layers or depth, height, width, 4)
     is_volume: bool  # whether it is a 3D texture, not an array texture
 
     @property
     def is_half(self) -> bool:
-        return self.levels[0].dtype == np.float16
+        return self.texels.dtype == np.float16
 
 
-def texture_image(store: TextureStore) -> Image:
-    """The image of a latent texture: uint8 (layers, height, width, 4) for each level."""
-    levels, start, layers = [], 0, _layers(store)
-    for width, height in store.levels:
-        rows = store.packed.bytes[start : start + width * height, : 4 * layers]
-        start += width * height
-        levels.append(rows.reshape(height, width, layers, 4).transpose(2, 0, 1, 3))
-    return Image(levels, is_volume=False)
+def texture_image(store: TextureStore, grid: TexelGrid) -> Image:
+    """The image of a latent texture: uint8 (layers, height, width, 4)."""
+    layers = _layers(store)
+    rows = store.packed.bytes[:, : 4 * layers].reshape(grid.height, grid.width, layers, 4)
+    return Image(rows.transpose(2, 0, 1, 3), is_volume=False)
 
 
 def texels(store: TextureStore, grid: TexelGrid) -> Texels:
@@ -72,42 +69,33 @@ def _layers(store: TextureStore) -> int:
 
 def dds(image: Image) -> bytes:
     """The content of a DDS file."""
-    depth, height, width, _ = image.levels[0].shape
-    count = len(image.levels)
-    flags = 0x1 | 0x2 | 0x4 | 0x8 | 0x1000 | (0x20000 if count > 1 else 0)
-    flags |= 0x800000 if image.is_volume else 0
-    caps = 0x1000 | (0x400008 if count > 1 else 0)
-    pitch, slices = width * image.levels[0][0, 0, 0].nbytes, depth if image.is_volume else 0
-    header = struct.pack("<4s7I44x", b"DDS ", 124, flags, height, width, pitch, slices, count)
+    depth, height, width, _ = image.texels.shape
+    flags = 0x1 | 0x2 | 0x4 | 0x8 | 0x1000 | (0x800000 if image.is_volume else 0)
+    pitch, slices = width * image.texels[0, 0, 0].nbytes, depth if image.is_volume else 0
+    header = struct.pack("<4s7I44x", b"DDS ", 124, flags, height, width, pitch, slices, 1)
     header += struct.pack(
-        "<2I4s20x5I", 32, 0x4, b"DX10", caps, 0x200000 if image.is_volume else 0, 0, 0, 0
+        "<2I4s20x5I", 32, 0x4, b"DX10", 0x1000, 0x200000 if image.is_volume else 0, 0, 0, 0
     )
     kind = 10 if image.is_half else 28  # DXGI_FORMAT_R16G16B16A16_FLOAT, R8G8B8A8_UNORM
     dimension, layers = (4, 1) if image.is_volume else (3, depth)
     header += struct.pack("<5I", kind, dimension, 0, layers, 0)
-    parts = [level[layer].tobytes() for layer in range(depth) for level in image.levels]
-    return header + b"".join(parts)
+    return header + image.texels.tobytes()
 
 
 def ktx2(image: Image) -> bytes:
     """The content of a KTX2 file."""
-    depth, height, width, _ = image.levels[0].shape
-    levels = [level.tobytes() for level in image.levels]
-    description = _data_format(image.is_half)
-    start = 80 + 24 * len(levels)
-    offset, places = -(-(start + len(description)) // 8) * 8, []
+    depth, height, width, _ = image.texels.shape
+    description, start = _data_format(image.is_half), 104
+    offset = -(-(start + len(description)) // 8) * 8
     padding = bytes(offset - start - len(description))
-    for level in reversed(levels):  # the smallest first
-        places.append((offset, len(level), len(level)))
-        offset += len(level)
     kind, size = (97, 2) if image.is_half else (37, 1)  # VK_FORMAT_R16G16B16A16_SFLOAT, R8…_UNORM
     slices, layers = (depth, 0) if image.is_volume else (0, depth)
     header = b"\xabKTX 20\xbb\r\n\x1a\n" + struct.pack(
-        "<9I", kind, size, width, height, slices, layers, 1, len(levels), 0
+        "<9I", kind, size, width, height, slices, layers, 1, 1, 0
     )
     header += struct.pack("<4I2Q", start, len(description), 0, 0, 0, 0)
-    index = b"".join(struct.pack("<3Q", *place) for place in reversed(places))
-    return header + index + description + padding + b"".join(reversed(levels))
+    index = struct.pack("<3Q", offset, image.texels.nbytes, image.texels.nbytes)
+    return header + index + description + padding + image.texels.tobytes()
 
 
 def _data_format(is_half: bool) -> bytes:

@@ -167,21 +167,19 @@ def pack(
     layout: TexelLayout,
     codes: np.ndarray,
     index: np.ndarray,
-    others: np.ndarray,
     lowest: np.ndarray,
     highest: np.ndarray,
 ) -> PackedTexels:
-    """Pack texels of shared codes, and other texels after them.
+    """Pack texels of shared codes.
 
     Args:
         codes: (k, size); index (n, channels) chooses one for each texel and channel. Every code is
             packed once.
-        others: (m, channels, size).
         lowest, highest: (size,) ranges of all codes.
     """
     bottom = lowest.astype(np.float32)
     step = ((highest - bottom) / layout.levels).astype(np.float32)
-    empty = np.zeros((len(index) + len(others), layout.texel_bytes), np.uint8)
+    empty = np.zeros((len(index), layout.texel_bytes), np.uint8)
     packed = PackedTexels(empty, bottom, step)
     width = layout.shared + layout.stride
     one = layout._replace(channels=1, texel_bytes=width)
@@ -192,8 +190,7 @@ def pack(
         own = parts[:, layout.shared :][index].reshape(len(index), -1)
         return np.concatenate([parts[index[:, 0], : layout.shared], own], axis=1)
 
-    fill_blocks(empty[: len(index), : layout.used_bytes], texels, index, rows=SHARED_ROWS)
-    fill_blocks(empty[len(index) :], lambda z: _bytes(layout, packed, z), others)
+    fill_blocks(empty[:, : layout.used_bytes], texels, index, rows=SHARED_ROWS)
     return packed
 
 

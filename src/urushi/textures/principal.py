@@ -44,7 +44,6 @@ class PrincipalTexture:
 
     layout: TexelLayout
     packed: PackedTexels
-    levels: list[tuple[int, int]]
     projection: "Projection"
     functions: np.ndarray  # float32 (P, 1 + N), mean and functions, at the nodes of `core.table`
     lobe: int  # numbers of a lobe
@@ -235,7 +234,7 @@ def _packed(
     ends = [(x.min(axis=(0, 1)), x.max(axis=(0, 1))) for x in map(numbers, _blocks(store))]
     lowest = np.min([low for low, _ in ends], axis=0)
     highest = np.max([high for _, high in ends], axis=0)
-    result = PrincipalTexture(store.layout, store.packed, store.levels, projection, functions, lobe)
+    result = PrincipalTexture(store.layout, store.packed, projection, functions, lobe)
 
     tried = numbers(some.reshape(-1, channels, some.shape[-1])).reshape(-1, len(lowest))
     errors = packing.rounding_errors(

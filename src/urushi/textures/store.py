@@ -1,6 +1,6 @@
 """A latent texture: its grid of texels over uv, its packed codes, and its file.
 
-The codes are read and changed by rows, with or without a mip pyramid.
+The codes are read and changed by rows, one for each texel.
 """
 
 import json
@@ -16,11 +16,10 @@ from urushi import files
 from urushi.errors import FileError
 from urushi.nets.weights import Model, model_of_file
 from urushi.textures import packing
-from urushi.textures.mip_pyramid import coarse_levels, level_sizes
 from urushi.textures.packing import PackedTexels, TexelLayout
 
 #: Kind of the files of textures, and its version.
-KIND, FORMAT_VERSION = "texture", 3
+KIND, FORMAT_VERSION = "texture", 4
 
 #: Texels that are packed at once: bounds memory.
 PACKED_BLOCK = 1 << 17
@@ -65,28 +64,17 @@ def from_texture(to_texture: tuple, points: np.ndarray) -> np.ndarray:
 
 
 class TextureStore:
-    """Codes of a texture's texels, row by row; the rows of its levels follow each other.
+    """Codes of a texture's texels, row by row.
 
     There are none before the first writing, which chooses their layout.
     """
 
-    def __init__(
-        self, model: Model, channels: int, width: int, height: int, *, mipmaps: bool = False
-    ):
-        """Make an empty texture.
-
-        Args:
-            model: of the codes.
-            channels: codes in a texel.
-            width, height: of the first level.
-            mipmaps: whether to hold all levels of the mip pyramid; else the first one only.
-        """
-        self._model = model
+    def __init__(self, model: Model, channels: int, texels: int):
+        """Make an empty texture of a number of texels, with so many codes of the model in each."""
+        self._model, self._texels = model, texels
         self.layout = packing.texel_layout(channels, np.zeros(model.arch.latent))
         # Channels often share numbers of their lobes, which are compared one by one.
         self._compared = model.arch.lobe
-        # Width and height of every level.
-        self.levels = level_sizes(width, height) if mipmaps else [(width, height)]
         nothing = np.zeros(self.layout.size, np.float32)
         empty = np.zeros((0, self.layout.texel_bytes), np.uint8)
         self.packed = PackedTexels(empty, nothing, nothing)
@@ -99,43 +87,38 @@ class TextureStore:
     def write(
         self, rows: slice | np.ndarray, codes: np.ndarray, index: np.ndarray | None = None
     ) -> None:
-        """Set rows (n,) of the first level, and compute the other levels, layout and ranges.
+        """Set rows (n,), and compute layout and ranges.
 
         The first writing must set all rows.
 
         codes: (n, channels, size); or (k, size) codes that texels share, and index (n, channels)
             chooses the codes of each texel among them.
         """
-        codes, first = codes.astype(np.float32, copy=False), self.levels[0][0] * self.levels[0][1]
+        codes = codes.astype(np.float32, copy=False)
         former, fine = [], list[int]()
-        if len(codes if index is None else index) < first:  # other texels keep their bits
+        if len(codes if index is None else index) < self._texels:  # the others keep their bits
             packed = self.packed
             fine = [number for number, low in enumerate(self.layout.low) if low >= 0]
             former = [(packed.lowest, packed.lowest + self.layout.levels * packed.step)]
-            starts = range(0, first, PACKED_BLOCK)
-            blocks = [slice(start, min(start + PACKED_BLOCK, first)) for start in starts]
-            whole = np.concatenate([self.read(block) for block in blocks])
+            starts = range(0, self._texels, PACKED_BLOCK)
+            whole = np.concatenate([self.read(slice(k, k + PACKED_BLOCK)) for k in starts])
             whole[rows] = codes if index is None else codes[index]
             codes, index = whole, None
         if index is None:
             texels, channels, size = codes.shape
             index = np.arange(texels * channels, dtype=np.uint32).reshape(texels, channels)
             codes = codes.reshape(-1, size)
-        coarse = np.zeros((0, index.shape[1], codes.shape[-1]), np.float32)
-        if len(self.levels) > 1:
-            size = self.levels[0]
-            coarse = coarse_levels(self._model, *size, lambda texels: codes[index[texels]])
-        ends = [*former, *(_value_range(part) for part in (codes, coarse) if len(part))]
+        ends = [*former, _value_range(codes)]
         lowest, highest = (np.stack(end) for end in zip(*ends, strict=True))
         lowest, highest = lowest.min(axis=0), highest.max(axis=0)
-        same = _same_in_channels(codes, index, self._compared) & _equal_channels(coarse)
+        same = _same_in_channels(codes, index, self._compared)
         errors = packing.rounding_errors(
             partial(packing.log_values, self._model), codes, lowest, highest
         )
         self.layout = packing.texel_layout(
             self.layout.channels, errors, lowest == highest, same, fine
         )
-        self.packed = packing.pack(self.layout, codes, index, coarse, lowest, highest)
+        self.packed = packing.pack(self.layout, codes, index, lowest, highest)
 
 
 def _same_in_channels(codes: np.ndarray, index: np.ndarray, compared: int) -> np.ndarray:
@@ -150,11 +133,6 @@ def _same_in_channels(codes: np.ndarray, index: np.ndarray, compared: int) -> np
             number = np.ascontiguousarray(codes[:, i])[index]
             same[i] = (number == number[:, :1]).all()
     return same
-
-
-def _equal_channels(codes: np.ndarray) -> np.ndarray:
-    """Whether numbers (K,) of codes (n, channels, K) are the same in all channels."""
-    return (codes == codes[:, :1]).all(axis=(0, 1))
 
 
 def _value_range(whole: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -175,7 +153,6 @@ def write_texture(
         "weights": fingerprint,
         "width": grid.width,
         "height": grid.height,
-        "levels": len(store.levels),
         "layout": store.layout._asdict(),
         "place": {"to_texture": grid.to_texture, "wrap": grid.wrap, "nearest": grid.nearest},
     }
@@ -205,10 +182,10 @@ def read_texture(
         entries: dict[str, Any] = {
             n: tuple(x) if isinstance(x, list) else x for n, x in description["layout"].items()
         }
-        place, size = description["place"], (description["width"], description["height"])
+        place = description["place"]
         place["to_texture"] = tuple(map(tuple, place["to_texture"]))
-        mipmaps, grid = description["levels"] > 1, TexelGrid(*size, **place)
-        store = TextureStore(model, entries["channels"], *size, mipmaps=mipmaps)
+        grid = TexelGrid(description["width"], description["height"], **place)
+        store = TextureStore(model, entries["channels"], grid.texels)
         store.layout, store.packed = TexelLayout(**entries), packed
     except (KeyError, TypeError, ValueError) as error:
         raise FileError(f"the texture file '{path}' is damaged ({error}); save it again") from error

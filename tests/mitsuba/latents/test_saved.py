@@ -5,7 +5,6 @@ import pytest
 
 from urushi import files
 from urushi.nets import weights
-from urushi.textures import mip_pyramid
 
 PIXELS = np.random.default_rng(0).uniform(0.1, 0.9, (5, 6, 3)).astype(np.float32)
 
@@ -24,20 +23,14 @@ def loaded(mi, path, networks):
     return mi.load_dict({"type": "neural_brdf", "filename": str(path), "weights": str(networks)})
 
 
-@pytest.fixture(params=(False, True), ids=("one level", "mipmaps"))
-def mipmaps(request) -> bool:
-    """Whether a coat is baked with a mip pyramid."""
-    return request.param
-
-
 @pytest.fixture
-def saved(rgb, networks, tmp_path, mipmaps):
+def saved(rgb, networks, tmp_path):
     """A baked texture and its file."""
     path = tmp_path / "coat.safetensors"
     shear = rgb.ScalarTransform3f(np.float32([[1.5, 0.25, 0.1], [-0.5, 2.2, 0.3], [0, 0, 1]]))
     coat = described(rgb, networks, to_uv=shear, wrap_mode="mirror")
     # A file keeps its ratios: a coat of the plugin does, too, where `ext_ior` is given.
-    bsdf = rgb.load_dict(coat | {"mipmaps": mipmaps, "ext_ior": "air"})
+    bsdf = rgb.load_dict(coat | {"ext_ior": "air"})
     bsdf.save(path)
     return bsdf, path
 
@@ -56,13 +49,6 @@ def test_a_saved_texture_is_written_the_same_again(rgb, networks, saved, tmp_pat
     assert (tmp_path / "again.safetensors").read_bytes() == path.read_bytes()
 
 
-def test_a_file_holds_the_levels_that_were_baked(saved, mipmaps):
-    description, arrays = files.read_tensors(saved[1], "texture")
-    sizes = mip_pyramid.level_sizes(6, 5) if mipmaps else [(6, 5)]
-    assert description["levels"] == len(sizes)
-    assert len(arrays["texels"]) == sum(width * height for width, height in sizes)
-
-
 def test_a_constant_coat_is_saved_as_a_material(rgb, networks, tmp_path):
     import urushi
 
@@ -74,7 +60,6 @@ def test_a_constant_coat_is_saved_as_a_material(rgb, networks, tmp_path):
     assert str(loaded(rgb, tmp_path / "coat.safetensors", networks))
 
 
-@pytest.mark.parametrize("mipmaps", [False], indirect=True)
 def test_a_saved_texture_can_be_coated(rgb, networks, saved):
     bsdf, path = saved
     coat = {"type": "neural_layered", "weights": str(networks), "alpha": 0.05}
@@ -94,7 +79,6 @@ def rewritten(path, change) -> None:
     files.write_tensors(path, "texture", description, arrays)
 
 
-@pytest.mark.parametrize("mipmaps", [True], indirect=True)
 @pytest.mark.parametrize(
     "change",
     [
@@ -109,8 +93,7 @@ def rewritten(path, change) -> None:
         lambda description, arrays: description["place"].update(wrap="around"),
         lambda description, arrays: description["place"].update(to_texture=[1, 2]),
         lambda description, arrays: description.pop("place"),
-        lambda description, arrays: description.pop("levels"),
-        lambda description, arrays: description.update(levels=2),
+        lambda description, arrays: description.pop("width"),
     ],
 )
 def test_a_damaged_file_is_refused(rgb, networks, saved, change):
@@ -120,7 +103,6 @@ def test_a_damaged_file_is_refused(rgb, networks, saved, change):
         loaded(rgb, path, networks)
 
 
-@pytest.mark.parametrize("mipmaps", [False], indirect=True)
 def test_a_truncated_file_is_refused(rgb, networks, saved):
     _, path = saved
     path.write_bytes(path.read_bytes()[:-100])
@@ -128,7 +110,6 @@ def test_a_truncated_file_is_refused(rgb, networks, saved):
         loaded(rgb, path, networks)
 
 
-@pytest.mark.parametrize("mipmaps", [False], indirect=True)
 def test_a_file_of_another_version_is_refused(rgb, networks, saved):
     _, path = saved
     rewritten(path, lambda description, arrays: description.update(version=99))
@@ -136,7 +117,6 @@ def test_a_file_of_another_version_is_refused(rgb, networks, saved):
         loaded(rgb, path, networks)
 
 
-@pytest.mark.parametrize("mipmaps", [False], indirect=True)
 def test_a_file_of_other_networks_is_refused(rgb, model, saved, tmp_path):
     _, path = saved
     other = tmp_path / "other.safetensors"

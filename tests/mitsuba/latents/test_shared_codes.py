@@ -70,7 +70,7 @@ def test_a_texture_of_one_code_a_texel(rgb, model, codes):
     """The values are those of the codes that are looked up."""
     from urushi.mitsuba.latents.holders import TexturedLatents
 
-    store = TextureStore(model, 3, 2, 2)
+    store = TextureStore(model, 3, 4)
     store.write(np.arange(4), codes[[SAME, [1, 1, 1], SAME, [1, 1, 1]]])
     latents = TexturedLatents(model, store, TexelGrid(2, 2, IDENTITY, "repeat", False))
     wi, wo, _ = points()

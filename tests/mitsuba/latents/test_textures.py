@@ -13,7 +13,6 @@ from urushi.material.energy import limit_albedo
 from urushi.material.layer import layer_material
 from urushi.material.material import Material
 from urushi.material.values import codes_of
-from urushi.textures import mip_pyramid
 
 COAT = {"alpha": 0.2, "albedo": 0.7, "sigma_t": 0.8, "g": 0.3}
 COAT_ARRAYS = {key: np.full((1, 1), value) for key, value in COAT.items()}
@@ -194,17 +193,14 @@ def test_isotropic_networks_take_the_mean_of_a_textured_openpbr_base_of_two_widt
 DRAWS = 1024
 
 
-def looked_up(mi, bsdf, uv, duv=(0.0, 0.0), draws: int = 1) -> np.ndarray:
-    """Codes (M, C, size) at points (M, 2), the mean of draws, with pixels that lie duv apart."""
-    import drjit as dr
+def looked_up(mi, bsdf, uv, draws: int = 1) -> np.ndarray:
+    """Codes (M, C, size) at points (M, 2), the mean of draws."""
 
     from urushi.mitsuba.networks.basis import FUNCTION_SCALE
 
     wi = np.random.default_rng(0).random((3, len(uv) * draws), np.float32)
     point = mi.Point2f(np.repeat(np.float32(uv), draws, axis=0).T)
-    steps = [mi.Vector2f(duv[0], 0), mi.Vector2f(0, duv[1])]
-    dr.make_opaque(steps)
-    codes = bsdf.latents._texture.look_up(point, mi.Vector3f(wi), *steps)
+    codes = bsdf.latents._texture.look_up(point, mi.Vector3f(wi))
     # numbers that are the same everywhere have one entry
     rows = [[np.broadcast_to(value.numpy(), len(uv) * draws) for value in z] for z in codes]
     means = np.array(rows).reshape(*np.shape(rows)[:2], len(uv), draws).mean(-1).transpose(2, 0, 1)
@@ -218,49 +214,6 @@ def looked_up(mi, bsdf, uv, duv=(0.0, 0.0), draws: int = 1) -> np.ndarray:
 def grid_of_points(width: int, height: int) -> np.ndarray:
     x, y = (np.arange(width) + 0.5) / width, (np.arange(height) + 0.5) / height
     return np.stack(np.meshgrid(x, y), -1).reshape(-1, 2)
-
-
-def test_the_level_of_the_footprint_is_taken(networks, monkeypatch):
-    """Levels are plain averages here, with known values; one channel compiles faster."""
-    import mitsuba as mi
-
-    mi.set_variant("llvm_ad_mono")
-    for name in ("lifted", "dropped"):
-        monkeypatch.setattr(mip_pyramid, name, lambda model, numbers: numbers)
-    rng = np.random.default_rng(0)
-    bsdf = load(
-        mi, "neural_layered", networks, albedo=bitmap(mi, rng.random((8, 16, 1))), mipmaps=True
-    )
-    fine = looked_up(mi, bsdf, grid_of_points(16, 8))
-    np.testing.assert_array_equal(looked_up(mi, bsdf, grid_of_points(16, 8), (0.01, 0.01)), fine)
-    # two texels along one axis or along both: the next level, averages of four
-    mean = fine.reshape(4, 2, 8, 2, *fine.shape[1:]).mean(axis=(1, 3)).reshape(32, *fine.shape[1:])
-    # Texels and averages are each rounded by half a step of 8 bits; averages were rounded to half
-    # precision before.
-    step = 1.5 * np.ptp(fine, axis=(0, 1)) / 255 + 1e-3
-    for duv in ((2 / 16, 2 / 8), (2 / 16, 0), (0, 2 / 8)):
-        assert (np.abs(looked_up(mi, bsdf, grid_of_points(8, 4), duv) - mean) <= step).all()
-    # between two levels, half of each
-    between, coarse = (
-        looked_up(mi, bsdf, grid_of_points(8, 4), (width / 16, 0), DRAWS) for width in (2**1.5, 4)
-    )
-    noise = 4 * 0.5 * np.ptp(fine, axis=(0, 1)) / DRAWS**0.5
-    assert (np.abs(between - 0.5 * (mean + coarse)) <= step + 2 * noise).all()
-    # farther away than the last level
-    last = looked_up(mi, bsdf, rng.random((5, 2)), (100.0, 100.0))
-    assert (np.abs(last - fine.mean(axis=0)) <= 3 * step).all()
-
-
-def test_the_first_level_is_the_same_without_the_others(rgb, networks):
-    albedo = bitmap(rgb, np.random.default_rng(0).random((8, 16, 3)))
-    points = grid_of_points(16, 8)
-    one, all_levels = (
-        load(rgb, "neural_layered", networks, albedo=albedo, mipmaps=mipmaps).latents.at(points)
-        for mipmaps in (False, True)
-    )
-    # Bytes resolve the range of the numbers of all levels, whose averages have half precision.
-    tolerance = 0.01 * np.ptp(one, axis=(0, 1)) + 2**-11 * np.abs(one) + 1e-5
-    assert (np.abs(one - all_levels) <= tolerance).all()
 
 
 @pytest.mark.parametrize(

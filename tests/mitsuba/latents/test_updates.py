@@ -1,6 +1,5 @@
 """After a change through `mi.traverse`, only rows that changed are encoded and layered."""
 
-import drjit as dr
 import numpy as np
 import pytest
 
@@ -11,7 +10,6 @@ from urushi.mitsuba.latents import baking
 from urushi.mitsuba.latents.bottoms import white_code
 from urushi.nets import weights
 from urushi.nets.networks import Networks
-from urushi.textures import cache
 
 SIDE = 16
 
@@ -215,83 +213,3 @@ def test_a_texture_that_becomes_larger_is_baked_larger(rgb, networks):
     assert bsdf.latents.grid[:2] == (2 * SIDE, 2 * SIDE)
     fresh = rgb.load_dict(described(rgb, networks, albedo=bitmap(rgb, pixels)))
     np.testing.assert_allclose(codes(bsdf), codes(fresh), rtol=1e-3, atol=1e-3)
-
-
-@pytest.mark.parametrize("kind", ["diffuse", pytest.param("probed", marks=pytest.mark.slow)])
-def test_a_texture_that_was_baked_before_is_read_from_the_disk(
-    rgb, networks, rows, tmp_path, monkeypatch, kind
-):
-    monkeypatch.setenv("URUSHI_CACHE", str(tmp_path / "cache"))
-    base = {"type": "diffuse", "reflectance": bitmap(rgb, noise(3, 1))}
-    if kind == "probed":
-        base = {
-            "type": "roughconductor",
-            "alpha": bitmap(rgb, noise(1)),
-            "distribution": "beckmann",
-        }
-    properties = described(rgb, networks, base=base)
-    baked = codes(rgb.load_dict(properties))
-    assert min(rows()) > 0
-    again = rgb.load_dict(properties)
-    assert rows() == (0, 0)
-    np.testing.assert_array_equal(codes(again), baked)
-    # One texel of the coat or of the bottom, or another property, is another texture.
-    pixels = noise(3).astype(np.float32)
-    pixels[2, 3, 1] += 0.01
-    parameters = rgb.traverse(again)
-    parameters["albedo.data"] = rgb.TensorXf(pixels)
-    parameters.update()
-    edited = rgb.load_dict(properties | {"albedo": bitmap(rgb, pixels)})
-    assert rows()[1] >= 3 * SIDE**2
-    assert close(codes(again), codes(edited))
-    below = noise(1 if kind == "probed" else 3, 1).astype(np.float32)
-    below[7, 7] *= 0.99
-    changed = {**base, "alpha" if kind == "probed" else "reflectance": bitmap(rgb, below)}
-    for other in ({"base": changed}, {"alpha": 0.21}):
-        rgb.load_dict(properties | other)
-        assert rows()[1] >= 3 * SIDE**2
-    # A damaged file is baked again and replaced.
-    files = sorted((tmp_path / "cache").iterdir(), key=lambda path: path.stat().st_mtime_ns)
-    for damage in (lambda content: content[:200], lambda content: content[:-9] + b"x" * 9):
-        for path in files:
-            path.write_bytes(damage(path.read_bytes()))
-        np.testing.assert_array_equal(codes(rgb.load_dict(properties)), baked)
-        assert rows()[1] > 0
-        rgb.load_dict(properties)
-        assert rows() == (0, 0)
-    # Files beyond the limit are removed, the oldest first.
-    monkeypatch.setattr(cache, "LIMIT", 1)
-    rgb.load_dict(properties | {"alpha": 0.22})
-    assert not list((tmp_path / "cache").iterdir())
-    # A folder that cannot be written is not used.
-    (tmp_path / "file").touch()
-    monkeypatch.setenv("URUSHI_CACHE", str(tmp_path / "file"))
-    rgb.load_dict(properties | {"alpha": 0.22})
-
-
-def test_the_key_of_a_texture_knows_what_the_probes_read(
-    rgb, networks, rows, tmp_path, monkeypatch
-):
-    """A change of a bottom at grazing angles alone, which `mi.traverse` does not list, is seen."""
-    monkeypatch.setenv("URUSHI_CACHE", str(tmp_path))
-
-    class Grazing(rgb.BSDF):
-        def __init__(self, props):
-            super().__init__(props)
-            self._color, self._shine = props["color"], props["shine"]
-            self.m_flags = rgb.BSDFFlags.GlossyReflection | rgb.BSDFFlags.FrontSide
-            self.m_components = [self.m_flags]
-
-        def eval(self, ctx, si, wo, active=True):
-            shine = dr.select(si.wi.z * wo.z < 0.02, self._shine, 0.0)
-            return (self._color.eval(si) / dr.pi + shine) * wo.z
-
-        def traverse(self, callback):
-            callback.put("color", self._color, rgb.ParamFlags.Differentiable)
-
-    rgb.register_bsdf("grazing", Grazing)
-    color = bitmap(rgb, noise(3))
-    for shine, baked in ((0.1, True), (0.1, False), (0.2, True)):
-        base = {"type": "grazing", "color": color, "shine": shine}
-        rgb.load_dict(described(rgb, networks, base=base))
-        assert (rows()[1] > 0) == baked

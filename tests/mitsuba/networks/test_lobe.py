@@ -69,7 +69,7 @@ def textured(model, z):
     """A texture of 4 x 2 equal texels."""
     from urushi.mitsuba.latents.holders import TexturedLatents
 
-    store = TextureStore(model, 3, 4, 2)
+    store = TextureStore(model, 3, 8)
     store.write(np.arange(8), np.broadcast_to(z, (8, *z.shape)))
     return TexturedLatents(model, store, TexelGrid(4, 2, IDENTITY, "repeat", False))
 

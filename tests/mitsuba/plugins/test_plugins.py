@@ -102,7 +102,7 @@ def test_nested_in_mitsubas_bsdfs(rgb, describe, name):
 
 def test_one_word_changes_networks_to_walks(rgb, describe):
     """`layered` ignores what `neural_layered` adds."""
-    extra = {"resolution": 64, "weights": "default", "mipmaps": True}
+    extra = {"resolution": 64, "weights": "default"}
     plain = describe("layered")
     np.testing.assert_array_equal(
         evaluate(rgb.load_dict(plain | extra)), evaluate(rgb.load_dict(plain))

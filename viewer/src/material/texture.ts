@@ -25,9 +25,9 @@ export interface CodeTexture {
   id: string;
   /** The file. */
   file: Uint8Array<ArrayBuffer>;
-  /** Width and height of the levels, the finest first. */
-  levels: readonly (readonly [number, number])[];
-  /** Bytes of the texels, level by level, `texelBytes` each, of which `usedBytes` hold numbers. */
+  /** Width and height. */
+  size: readonly [number, number];
+  /** Bytes of the texels, `texelBytes` each, of which `usedBytes` hold numbers. */
   texels: Uint8Array;
   texelBytes: number;
   usedBytes: number;
@@ -47,7 +47,7 @@ interface Networks {
 }
 
 /** Version of the format that Python writes. */
-const VERSION = 3;
+const VERSION = 4;
 
 /** Whether a file is a texture of codes. */
 export function isTexture(file: Uint8Array): boolean {
@@ -78,9 +78,9 @@ export function readTexture(
     if (!fits || to - from !== count || start + to > file.length) throw damaged();
     return file.slice(start + from, start + to);
   };
-  const levels = levelsOf(description);
+  const { width, height } = description;
+  if (!isCount(width) || !isCount(height) || width * height === 0) throw damaged();
   const layout = layoutOf(description, latentSize);
-  const count = levels.reduce((sum, [width, height]) => sum + width * height, 0);
   const range = (name: string) => {
     const values = new Float32Array(bytesOf(name, "F32", [latentSize], 4).buffer);
     if (!values.every(Number.isFinite)) throw damaged();
@@ -102,8 +102,8 @@ export function readTexture(
   return {
     id: crc32(file).toString(16).padStart(8, "0"),
     file,
-    levels,
-    texels: bytesOf("texels", "U8", [count, layout.texelBytes], 1),
+    size: [width, height],
+    texels: bytesOf("texels", "U8", [width * height, layout.texelBytes], 1),
     texelBytes: layout.texelBytes,
     usedBytes,
     numbers,
@@ -113,15 +113,10 @@ export function readTexture(
 
 /** The mean codes (3, L) of a texture, for what has no place on the surface. */
 export function meanCodes(texture: CodeTexture): Float32Array {
-  const { levels, texels, texelBytes, numbers } = texture;
-  // The last level of a whole pyramid is an average that keeps the energy.
-  const [width, height] = levels[0]!;
-  const whole = levels.length > 1;
-  const last = texels.length - texelBytes;
-  const used = whole ? texels.subarray(last) : texels.subarray(0, width * height * texelBytes);
+  const { texels, texelBytes, numbers } = texture;
   const sums = new Float64Array(texelBytes);
-  for (let at = 0; at < used.length; at++) sums[at % texelBytes]! += used[at]!;
-  const mean = sums.map((sum) => (sum * texelBytes) / used.length);
+  for (let at = 0; at < texels.length; at++) sums[at % texelBytes]! += texels[at]!;
+  const mean = sums.map((sum) => (sum * texelBytes) / texels.length);
   const codes = new Float32Array(CHANNELS * numbers.length);
   numbers.forEach((channels, number) => {
     channels.forEach(({ lowest, step, high, low }, channel) => {
@@ -130,17 +125,6 @@ export function meanCodes(texture: CodeTexture): Float32Array {
     });
   });
   return codes;
-}
-
-function levelsOf({ width, height, levels }: Fields): [number, number][] {
-  if (!isCount(width) || !isCount(height) || width * height === 0) throw damaged();
-  const all: [number, number][] = [[width, height]];
-  for (let [w, h] = [width, height]; w > 1 || h > 1; ) {
-    [w, h] = [Math.max(w >> 1, 1), Math.max(h >> 1, 1)];
-    all.push([w, h]);
-  }
-  if (levels !== 1 && levels !== all.length) throw damaged();
-  return all.slice(0, levels);
 }
 
 function layoutOf(description: Fields, size: number) {

@@ -301,7 +301,7 @@ export class Renderer {
       ]);
       const draw = (seen: Camera, directions: number) => {
         targets.bindSurface();
-        this.placeTexels(textures.texels, count);
+        this.placeTexels(textures.texels);
         this.drawMesh(this.surface, seen);
         targets.bindShaded();
         this.shade(seen, shot, textures, count, directions);
@@ -425,14 +425,9 @@ export class Renderer {
   }
 
   /** Let the surface's pixels have their places in a texture. */
-  private placeTexels(texels: TexelProgram | null, count: number): void {
-    // Frames are shifted by parts of a pixel, so that their mean is filtered too.
-    const narrower = 1 / Math.sqrt(count + 1);
-    const [width, height] = texels?.size ?? [1, 1];
+  private placeTexels(texels: TexelProgram | null): void {
     this.surface.use();
     this.surface.setMatrix("toTexture", texels?.toTexture ?? [0, 0, 0, 0, 0, 0]);
-    this.surface.set("texels", narrower * width, narrower * height);
-    this.surface.set("coarsest", texels?.coarsest ?? 0);
   }
 
   private drawBackdrop(camera: Camera, shot: Shot): void {

@@ -15,8 +15,6 @@ export interface TexelProgram {
   basis: WebGLTexture;
   /** The affine map from uv, column by column. */
   toTexture: readonly number[];
-  size: readonly [number, number];
-  coarsest: number;
 }
 
 /**
@@ -38,8 +36,6 @@ export function texelProgram(gl: Gl, shown: ShownTexture): TexelProgram {
     texture,
     basis: volume(gl, gl.createTexture()!, basis),
     toTexture: [a, d, b, e, c, f],
-    size: codes.levels[0]!,
-    coarsest: codes.levels.length - 1,
   };
 }
 
@@ -72,9 +68,9 @@ export function uploadVolume(
 
 /** An array texture: four bytes of the texels a layer, as Python's `textures.gpu` has it. */
 function uploaded(gl: Gl, codes: CodeTexture, layers: number): WebGLTexture {
-  const { levels, texels, texelBytes } = codes;
+  const { size, texels, texelBytes } = codes;
   const most = gl.getParameter(gl.MAX_TEXTURE_SIZE) as number;
-  const [width, height] = levels[0]!;
+  const [width, height] = size;
   if (Math.max(width, height) > most)
     throw new Refusal(
       `The texture has ${width} by ${height} texels; the graphics driver takes ${most} a side.`,
@@ -83,21 +79,17 @@ function uploaded(gl: Gl, codes: CodeTexture, layers: number): WebGLTexture {
   const texture = gl.createTexture()!;
   gl.activeTexture(gl.TEXTURE0);
   gl.bindTexture(target, texture);
-  gl.texStorage3D(target, levels.length, gl.RGBA8, width, height, layers);
+  gl.texStorage3D(target, 1, gl.RGBA8, width, height, layers);
   gl.pixelStorei(gl.UNPACK_ALIGNMENT, 4);
-  let first = 0;
-  levels.forEach(([w, h], level) => {
-    const four = new Uint8Array(4 * w * h);
-    for (let layer = 0; layer < layers; layer++) {
-      for (let texel = 0; texel < w * h; texel++) {
-        const from = (first + texel) * texelBytes + 4 * layer;
-        for (let byte = 0; byte < 4; byte++) four[4 * texel + byte] = texels[from + byte]!;
-      }
-      gl.texSubImage3D(target, level, 0, 0, layer, w, h, 1, gl.RGBA, gl.UNSIGNED_BYTE, four);
+  const four = new Uint8Array(4 * width * height);
+  for (let layer = 0; layer < layers; layer++) {
+    for (let texel = 0; texel < width * height; texel++) {
+      const from = texel * texelBytes + 4 * layer;
+      for (let byte = 0; byte < 4; byte++) four[4 * texel + byte] = texels[from + byte]!;
     }
-    first += w * h;
-  });
-  filters(gl, target, gl.NEAREST_MIPMAP_NEAREST, gl.NEAREST, wrapOf(gl, codes.wrap));
+    gl.texSubImage3D(target, 0, 0, 0, layer, width, height, 1, gl.RGBA, gl.UNSIGNED_BYTE, four);
+  }
+  filters(gl, target, gl.NEAREST, gl.NEAREST, wrapOf(gl, codes.wrap));
   return texture;
 }
 

@@ -1,4 +1,4 @@
-"""Writes a texture of codes with all its levels: `texture.py FILE`.
+"""Writes a texture of codes: `texture.py FILE`.
 
 Blue and clear stripes of lacquer with spots on gold, over the whole of uv.
 """
@@ -25,7 +25,6 @@ spot = (np.sin(24 * np.pi * u) * np.sin(12 * np.pi * v) > 0.6)[..., None]
 lacquer = mi.load_dict(
     {
         "type": "neural_layered",
-        "mipmaps": True,
         "alpha": bitmap(0.04 + 0.1 * stripe),
         "sigma_t": bitmap(np.where(spot, 0.05, 0.2 + 1.5 * stripe * (1.0, 0.6, 0.2))),
         "albedo": bitmap(np.where(spot, 0.0, (0.1, 0.25, 0.7) * np.ones_like(stripe))),

@@ -13,14 +13,13 @@ import drjit as dr
 import mitsuba as mi
 import numpy as np
 
-from urushi.checks import MIN_ALPHA
 from urushi.core.namespace import DRJIT, NUMPY
 from urushi.mitsuba import spectrum
 from urushi.mitsuba.latents.holders import Held, Vertex
 from urushi.mitsuba.networks.basis import ONE, BasisDecoder
 from urushi.mitsuba.networks.lobe import kind_of
 from urushi.mitsuba.networks.proposal import CodeProposals
-from urushi.mitsuba.reading.axes import WAVELENGTH, Varying
+from urushi.mitsuba.reading.axes import Varying
 from urushi.mitsuba.recording import only_where, owned
 from urushi.nets import proposal
 from urushi.nets.basis import Basis
@@ -71,7 +70,8 @@ class AxisLatents(Held):
         least = terms.min(axis=0)
         spread = np.maximum(terms.max(axis=0) - least, 1e-9) / TOP
         self._terms = owned(mi.UInt32, _packed((terms - least) / spread))
-        self._term_steps, self._term_lows = ([mi.Float(x) for x in part] for part in (spread, least))
+        parts = (spread, least)
+        self._term_steps, self._term_lows = ([mi.Float(x) for x in part] for part in parts)
         self._fixed = [mi.Float(float(x)) for x in baked.lobes[0]]
         dr.make_opaque(self._steps, self._lows, self._term_steps, self._term_lows, self._fixed)
         self._slopes = []

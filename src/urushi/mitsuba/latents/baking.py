@@ -4,7 +4,7 @@ Parameters that vary or carry gradients are axes. A bottom of an unknown kind th
 for each texel of uv. An update bakes again what has changed.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 
 import drjit as dr
 import mitsuba as mi
@@ -13,7 +13,6 @@ from tqdm import tqdm
 
 from urushi import checks
 from urushi.checks import CoatParameters
-from urushi.core.microfacet import pair
 from urushi.errors import ParameterError
 from urushi.material.coated_values import coated_values
 from urushi.material.layer import check_ratios, layer_material
@@ -23,7 +22,6 @@ from urushi.mitsuba.latents.axes import AxisLatents
 from urushi.mitsuba.latents.bottoms import (
     BottomRows,
     along_u,
-    nested_latents,
     probed_codes,
     wavelengths_of,
 )
@@ -41,17 +39,16 @@ from urushi.mitsuba.reading.grid import (
     varying_textures,
 )
 from urushi.mitsuba.reading.kept import writable
-from urushi.mitsuba.reading.offers import tabulated
-from urushi.mitsuba.reading.parameters import TWO_WIDTHS, CoatTextures
+from urushi.mitsuba.reading.parameters import CoatTextures
 from urushi.nets import lobe as lobes
 from urushi.nets.weights import Model
 from urushi.textures.axes import AXES, LINEAR, Axis, Rows, bake
 from urushi.textures.layering import layer_rows, transported_rests
-from urushi.textures.store import MIDDLE, TexelGrid, TextureStore
+from urushi.textures.store import TexelGrid, TextureStore
 
-#: Texels per side of what is no bitmap, the largest side that is chosen, and texels that are read
-#: at once.
-PROCEDURAL, LARGEST, BLOCK = 256, 512, 1 << 13
+#: Texels per side of what is no bitmap, the least and the largest side that is chosen, and texels
+#: that are read at once.
+PROCEDURAL, LEAST, LARGEST, BLOCK = 256, 64, 512, 1 << 13
 
 #: Seconds before progress is shown, and between two reports.
 PROGRESS_DELAY = 3.0
@@ -131,9 +128,7 @@ class Baker:
         self._last, self._fixed = AxisLatents(baked, varying, gradients), fixed
         return self._last
 
-    def _are_known(
-        self, axes: Sequence[Axis], fixed: list[np.ndarray], last: AxisLatents
-    ) -> bool:
+    def _are_known(self, axes: Sequence[Axis], fixed: list[np.ndarray], last: AxisLatents) -> bool:
         """Whether axes lie within the last ones, and nothing else has changed."""
         names = {axis.name for axis in axes}
         former = [axis for axis in last.baked.axes if axis.name in names | {WAVELENGTH}]
@@ -203,7 +198,8 @@ class _Coated:
         self._names = [x.axis.name for x in varying]
         with spectrum.bands_of(None):
             own = coat.channels(spectrum.points(POINT))
-            parts = [[x.numpy() for x in part] for name, part in own.items() if name not in self._names]
+            fixed = [own[name] for name in own if name not in self._names]
+            parts = [[x.numpy() for x in part] for part in fixed]
         same = all(np.array_equal(x, part[0]) for part in parts for x in part)
         grey = same and rows.is_grey()
         self.needs_wavelengths = bool(mi.is_spectral) and not grey and WAVELENGTH not in self._names
@@ -264,8 +260,10 @@ def grid_of(textures: Sequence["mi.Texture"], resolution: int) -> TexelGrid:
         return TexelGrid(resolution, resolution)
     sizes = [texture.resolution() for texture in textures if texture.class_name() not in ELSEWHERE]
     sides = [x if x[0] * x[1] > 1 else (PROCEDURAL, PROCEDURAL) for x in map(tuple, sizes)]
-    width, height = np.max([*sides, (1, 1)], axis=0)
-    return TexelGrid(min(int(width), LARGEST), min(int(height), LARGEST))
+    found = np.max([*sides, (1, 1)], axis=0)
+    # Small bitmaps are magnified: each of their texels has several.
+    width, height = (min(side * -(-LEAST // side), LARGEST) for side in found.tolist())
+    return TexelGrid(width, height)
 
 
 def at_texels(latents: AxisLatents, resolution: int) -> tuple[TextureStore, TexelGrid]:

@@ -1,5 +1,4 @@
-"""What lies below a coat, a Mitsuba BSDF: as a material, at rows of values of its parameters, and at
-points of uv."""
+"""What lies below a coat: as a material, at rows of values of its parameters, at points of uv."""
 
 import contextlib
 from collections.abc import Mapping, Sequence
@@ -116,7 +115,8 @@ class BottomRows:
         if isinstance(self.nested, AxisLatents) or self._is_constant:
             return True
         if any(not_over_uv(x.texture) for x in self._varying if x.texture):
-            return self._at({x.axis.name: np.array([x.axis.least]) for x in self._varying}) is not None
+            some = {x.axis.name: np.array([x.axis.least]) for x in self._varying}
+            return self._at(some) is not None
         rng = np.random.default_rng(0)
         uv, (wi, wo) = rng.random((COMPARED, 2)), (x[::8] for x in self._model.networks.pairs())
         si = spectrum.points(uv)
@@ -171,9 +171,7 @@ class BottomRows:
             coat = coat.of_index(_row(rows[INDEX]))
         if not textures:
             return below(self._nested, coat)
-        found = replaced(
-            self._nested, lambda x: textures.get(id(x), x), switches=self._switches
-        )
+        found = replaced(self._nested, lambda x: textures.get(id(x), x), switches=self._switches)
         return None if found is None else below(found, coat)
 
     def codes(self, values: Mapping[str, np.ndarray], channels: int) -> np.ndarray:
@@ -223,7 +221,9 @@ class BottomRows:
         table = np.concatenate(logs, axis=-1)
         return Substrate.of_logs(table.reshape(*table.shape[:3], -1), top), places
 
-    def _distinct(self, values: Mapping[str, np.ndarray]) -> tuple[dict[str, np.ndarray], np.ndarray]:
+    def _distinct(
+        self, values: Mapping[str, np.ndarray]
+    ) -> tuple[dict[str, np.ndarray], np.ndarray]:
         """Different rows, and the place (k,) of each row among them."""
         names = [*self._names, *([WAVELENGTH] if mi.is_spectral else [])]
         default = np.full(len(next(iter(values.values()))), spectrum.RGB[1])
@@ -252,7 +252,8 @@ class BottomRows:
                 return None, known
         exact = offer_of(bsdf).exact() or bsdf
         wi, wo = (w.reshape(-1, 3) for w in node_pairs())
-        average = probing.needed_averaging(exact, *self._model.networks.pairs(), uv, self._coat.where)
+        pairs, where = self._model.networks.pairs(), self._coat.where
+        average = probing.needed_averaging(exact, *pairs, uv, where)
         f = probing.texel_values(exact, wi, wo, uv, average)[:, :channels]
         values = np.moveaxis(probing.check_values(f, self._coat.where), 1, 0)
         if known is not None:
@@ -263,9 +264,8 @@ class BottomRows:
 
 def _inside(values: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
     """Values by the names that parameters have in a nested coat."""
-    return {name.removeprefix(BOTTOM): x for name, x in values.items() if name.startswith(BOTTOM)} | {
-        name: x for name, x in values.items() if name == WAVELENGTH
-    }
+    own = [name for name in values if name.startswith(BOTTOM) or name == WAVELENGTH]
+    return {name.removeprefix(BOTTOM): values[name] for name in own}
 
 
 def along_u(count: int) -> np.ndarray:
@@ -305,9 +305,7 @@ def probed_codes(model: Model, bottom: "mi.BSDF", uv: np.ndarray, where: str) ->
     return codes_of(model, f[:, :, None], None if lobe is None else lobe[:, :, None])[:, :, 0]
 
 
-def known_lobes(
-    model: Model, bottom: "mi.BSDF", uv: np.ndarray, where: str
-) -> np.ndarray | None:
+def known_lobes(model: Model, bottom: "mi.BSDF", uv: np.ndarray, where: str) -> np.ndarray | None:
     """Lobes (M, C, N) at points uv (M, 2) as codes have them; None: they are fitted."""
     found = probing.known_lobes(bottom, uv)
     if found is None:

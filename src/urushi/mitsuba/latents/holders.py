@@ -16,7 +16,7 @@ import numpy as np
 
 from urushi.material.material import Material
 from urushi.mitsuba import spectrum
-from urushi.mitsuba.latents.lookup import LatentTexture, are_constant
+from urushi.mitsuba.latents.lookup import LatentTexture
 from urushi.mitsuba.networks.basis import FUNCTION_SCALE, BasisDecoder
 from urushi.mitsuba.networks.lobe import NO_LOBE, LobeKind, kind_of
 from urushi.mitsuba.networks.proposal import CodeProposals
@@ -182,16 +182,13 @@ class TexturedLatents(Held):
 
     def vertex(self, si, active) -> Vertex:
         """The vertex at a surface interaction."""
-        footprint = [si.duv_dx, si.duv_dy]
-        if are_constant(*footprint):
-            footprint = []
-        return only_where(active, self._vertex, si.wi, si.uv, *footprint)
+        return only_where(active, self._vertex, si.wi, si.uv)
 
     def _evaluated(self) -> Callable[..., list]:
         return self._decoder.f_of_terms
 
-    def _vertex(self, wi, uv, *footprint) -> Vertex:
-        return self._vertex_of(self._texture.look_up(uv, wi, *footprint)[: self._kept], wi)
+    def _vertex(self, wi, uv) -> Vertex:
+        return self._vertex_of(self._texture.look_up(uv, wi)[: self._kept], wi)
 
     def _vertex_of(self, latents: list[list], wi) -> Vertex:
         """The vertex of the numbers that the texture holds for each channel."""

@@ -1,4 +1,4 @@
-"""Look-up of packed latent textures (`textures.packing`) in Dr.Jit, with mip levels.
+"""Look-up of packed latent textures (`textures.packing`) in Dr.Jit.
 
 f is filtered, not the code: f of the code halfway between two codes is far from the mean of both f
 where the two differ much. A look-up returns the code of one texel, drawn in proportion to its
@@ -24,84 +24,47 @@ WEIGHT_STEPS = 256
 
 
 class LatentTexture:
-    """Codes at points of uv by bilinear filtering of f, trilinear where the footprint is known."""
+    """Codes at points of uv by bilinear filtering of f."""
 
     # For frozen functions
-    DRJIT_STRUCT: ClassVar = dict.fromkeys(
-        ("_words", "_offsets", "_widths", "_heights"), object
-    ) | dict.fromkeys(("_base", "_affine", "_lowest", "_steps"), list)
+    DRJIT_STRUCT: ClassVar = {"_words": object} | dict.fromkeys(
+        ("_size", "_affine", "_lowest", "_steps"), list
+    )
 
     def __init__(self, store: TextureStore | PrincipalTexture, grid: TexelGrid):
-        """grid: the place of the first level's texels."""
-        self._layout, self._grid = store.layout, grid
-        levels, packed = store.levels, store.packed
+        """grid: the place of the texels."""
+        self._layout, self._grid, packed = store.layout, grid, store.packed
         self._words = owned(mi.UInt32, packed.bytes.reshape(-1).view(np.uint32))
         if dr.backend_v(mi.Float) == dr.JitBackend.LLVM:  # the store shares Dr.Jit's memory
             own = self._words.numpy().view(np.uint8).reshape(packed.bytes.shape)
             store.packed = packed._replace(bytes=own)
-        widths, heights = (np.array(sizes, np.uint32) for sizes in zip(*levels, strict=True))
-        texels = widths.astype(np.int64) * heights
-        self._offsets, self._widths, self._heights = (
-            owned(mi.UInt32, numbers.astype(np.uint32))
-            for numbers in (np.cumsum(texels) - texels, widths, heights)
-        )
-        self._levels = len(levels)
-        self._base = [
-            mi.Int32(int(widths[0])),
-            mi.Int32(int(heights[0])),
-            mi.Float(self._levels - 1),
-        ]
+        self._size = [mi.Int32(grid.width), mi.Int32(grid.height)]
         affine = [] if grid.to_texture == IDENTITY else np.ravel(grid.to_texture).tolist()
         self._affine = [*map(mi.Float, affine)]  # a new length: frozen functions record again
         self._lowest = [mi.Float(float(value)) for value in packed.lowest]
         self._steps = [mi.Float(float(value)) for value in packed.step]
         # Read from memory, so that all textures of a model share compiled code.
-        dr.make_opaque(self._base, self._affine, self._lowest, self._steps)
+        dr.make_opaque(self._size, self._affine, self._lowest, self._steps)
 
-    def look_up(self, uv, wi, duv_dx=None, duv_dy=None) -> list[list]:
-        """Codes at uv (Point2f) seen from wi: of each channel a list (size) of Dr.Jit floats.
-
-        duv_dx, duv_dy: change of uv from one pixel to the next, if known. The level with texels of
-        that size is used, or one of the two nearest levels.
-        """
-        draw, level = texel_draw(uv, wi), None
-        if duv_dx is not None and self._levels > 1:
-            level = mi.UInt32(self._level(duv_dx, duv_dy) + draw[2])
-            level = dr.minimum(level, self._levels - 1)
-        return self._codes(self._gather(self._texel(uv, level, draw)))
+    def look_up(self, uv, wi) -> list[list]:
+        """Codes at uv (Point2f) seen from wi: of each channel a list (size) of Dr.Jit floats."""
+        return self._codes(self._gather(self._texel(uv, wi)))
 
     def texels(self, uv: np.ndarray) -> np.ndarray:
-        """Indices (M,) of the texels of the first level at points uv (M, 2), seen from above."""
+        """Indices (M,) of the texels at points uv (M, 2), seen from above."""
         point, normal = mi.Point2f(np.ascontiguousarray(uv.T, np.float32)), mi.Vector3f(0, 0, 1)
-        return self._texel(point, None, texel_draw(point, normal)).numpy()
+        return self._texel(point, normal).numpy()
 
-    def _to_texture(self, x, y, point: bool) -> tuple:
+    def _texel(self, uv, wi):
+        """Index of the texel at uv seen from wi."""
+        point = self._to_texture(uv.x, uv.y)
+        return drawn_texel(point, self._size, self._grid, texel_draw(uv, wi))
+
+    def _to_texture(self, x, y) -> tuple:
         if not self._affine:
             return x, y
         a, b, c, d, e, f = self._affine
-        if not point:
-            return dr.fma(a, x, b * y), dr.fma(d, x, e * y)
         return dr.fma(a, x, dr.fma(b, y, c)), dr.fma(d, x, dr.fma(e, y, f))
-
-    def _level(self, duv_dx, duv_dy):
-        """The level, a float, whose texels have the size of a pixel along the longer axis."""
-        width, height, last = self._base
-        squared = mi.Float(1)
-        for change in (duv_dx, duv_dy):
-            x, y = self._to_texture(change.x, change.y, False)
-            squared = dr.maximum(squared, dr.square(x * width) + dr.square(y * height))
-        return dr.minimum(0.5 * dr.log2(squared), last)
-
-    def _texel(self, uv, level, draw: Sequence):
-        """Index of the texel at uv, of the first level if `level` is None."""
-        offset, (width, height) = 0, self._base[:2]
-        if level is not None:
-            offset, width, height = (
-                dr.gather(mi.UInt32, array, level)
-                for array in (self._offsets, self._widths, self._heights)
-            )
-        point = self._to_texture(uv.x, uv.y, True)
-        return offset + drawn_texel(point, (mi.Int32(width), mi.Int32(height)), self._grid, draw)
 
     @property
     def _used(self) -> int:
@@ -146,7 +109,7 @@ def _number(words: list, high: int, low: int):
 
 
 def texel_draw(uv, wi) -> list:
-    """Three numbers in (0, 1) that draw a texel at uv seen from wi: along x, y, and the levels.
+    """Three numbers in (0, 1) that draw a texel at uv seen from wi: along x, along y, and a level.
 
     They are a hash of uv and wi, multiples of 1 / `WEIGHT_STEPS` plus half of it.
     """
@@ -186,8 +149,3 @@ def _drawn_along(x, count, grid: TexelGrid, u):
     if grid.wrap == "repeat":
         texel = dr.select(texel >= count, 0, dr.select(texel < 0, count - 1, texel))
     return dr.clip(texel, 0, count - 1)  # NaN too
-
-
-def are_constant(*vectors) -> bool:
-    """Whether vectors are literals: integrators without footprints leave literal zeros."""
-    return all(value.state == dr.VarState.Literal for vector in vectors for value in vector)

@@ -14,9 +14,8 @@ import drjit as dr
 import mitsuba as mi
 import numpy as np
 
-from urushi.core.appearance import WI, WO, coated_albedo, coated_color
+from urushi.core.appearance import WI, WO, coated_color
 from urushi.core.namespace import DRJIT
-from urushi.mitsuba import spectrum
 from urushi.mitsuba.interface_albedo import InterfaceLoss
 from urushi.mitsuba.plugins.coats import Turn, channel_widths
 from urushi.mitsuba.reading import probing

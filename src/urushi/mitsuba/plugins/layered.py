@@ -63,7 +63,7 @@ def define(base: type) -> type:
                                              exposed by ``mi.traverse``, not a property.
         ============== ===================== ====================================================
 
-        The parameters ``resolution``, ``weights`` and ``mipmaps`` of ``neural_layered`` are
+        The parameters ``resolution`` and ``weights`` of ``neural_layered`` are
         ignored, so that one word changes a scene from codes to walks.
 
         Every evaluation is one random walk of unbounded depth between the coat's surface and the
@@ -118,7 +118,7 @@ def define(base: type) -> type:
 
         def _load(self, props):
             super()._load(props)
-            ignore(props, "resolution", "weights", "mipmaps")
+            ignore(props, "resolution", "weights")
 
         def _model(self, coats, bottom, si, wo, color, active):
             # Mitsuba gives `eval` no random numbers: hash all that distinguishes the call.

@@ -44,10 +44,6 @@ def define(base: type) -> type:
         weights        string                File of the weights. (Default: the shipped
                                              ones, ``anisotropic`` where the coat or the bottom is
                                              anisotropic, otherwise ``default``)
-        mipmaps        boolean               Whether to build the mip pyramid of the latent texture:
-                                             averages of it at lower resolutions, for integrators
-                                             that compute derivatives of uv. Those that ship with
-                                             Mitsuba do not. (Default: false)
         ============== ===================== ====================================================
 
         The layering network knows sigma_t from 0 to 8 and g from -0.8 to 0.9. Outside these ranges,
@@ -98,7 +94,6 @@ def define(base: type) -> type:
                 )
             self._weights = read_weights(props)
             self._resolution = int(resolution)
-            self._mipmaps = bool(props.get("mipmaps", False))
             self._baker, self._compensation = None, None
             self._below = below(self._bottom, self._coat)
             self._bake()

@@ -74,7 +74,7 @@ def define(base: type) -> type:
 
         def _load(self, props):
             super()._load(props)
-            ignore(props, "resolution", "weights", "mipmaps")
+            ignore(props, "resolution", "weights")
             self._tabulate()
 
         def _update(self, keys):

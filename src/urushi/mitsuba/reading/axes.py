@@ -19,9 +19,9 @@ from urushi.material.layer import DEEPEST
 from urushi.mitsuba import spectrum
 from urushi.mitsuba.reading.grid import ELSEWHERE, varying_textures
 from urushi.mitsuba.reading.kept import has_gradients, is_attached
-from urushi.mitsuba.reading.parameters import CHECKS, TWO_WIDTHS, CoatTextures
+from urushi.mitsuba.reading.parameters import CHECKS, CoatTextures
 from urushi.mitsuba.reading.replaced import parts
-from urushi.textures.axes import AXES, DEPTH, LINEAR, REFLECTANCE, WIDTH, Axis
+from urushi.textures.axes import DEPTH, LINEAR, REFLECTANCE, WIDTH, Axis
 from urushi.textures.store import from_texture
 
 #: All values of a parameter, by its scale.
@@ -104,7 +104,8 @@ def _of_coat(coat: CoatTextures) -> list[Varying]:
         if scale == WIDTH:
             ends = max(ends[0], MIN_ALPHA), max(ends[1], MIN_ALPHA)
         coloured = name in ("albedo", "sigma_t", "g", *coat.coloured) and any(map(_coloured, own))
-        found += _varying(Axis(name, scale, *ends, coloured), whole if gradient else None, read, own)
+        axis = Axis(name, scale, *ends, coloured)
+        found += _varying(axis, whole if gradient else None, read, own)
     return found
 
 
@@ -139,7 +140,7 @@ def check_coat(coat: CoatTextures) -> None:
             label += f", which follows from {', '.join(sources)},"
 
         def read(si, name=name, key=key, texture=texture) -> list:
-            if key == "eta" or name in COAT and name not in PHYSICAL:
+            if key == "eta" or (name in COAT and name not in PHYSICAL):
                 return coat.at(si, True)[key]
             coloured = name in (*LOOK, *PHYSICAL, "g")
             return spectrum.to_channels(texture.eval(si)) if coloured else [texture.eval_1(si)]

@@ -33,7 +33,7 @@ TWO_WIDTHS = ("alpha_u", "alpha_v")
 #: All properties of a coat, and those of `neural_layered`, which the others ignore.
 COAT_PROPERTIES = (
     *(*DEFAULTS, *TWO_WIDTHS, *LOOK, "rotation", "int_ior", "ext_ior", "energy_compensation"),
-    *("resolution", "weights", "mipmaps"),
+    *("resolution", "weights"),
 )
 
 #: Properties by which a plugin makes another: how its errors begin, and whether it is a part of a

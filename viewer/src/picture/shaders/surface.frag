@@ -4,8 +4,6 @@
 precision highp float;
 
 uniform mat3x2 toTexture; // from uv, where a texture of codes is shown
-uniform vec2 texels; // along the texture's sides
-uniform float coarsest; // the texture's last level
 
 in vec3 worldPosition;
 in vec3 worldNormal;
@@ -14,7 +12,7 @@ in vec2 uv;
 in vec4 opening;
 layout(location = 0) out vec4 position; // and 1; -1 for a back, 0 where there is no surface
 layout(location = 1) out vec4 normal; // and the tangent's angle in its `basis`
-layout(location = 2) out vec4 at; // in the texture, and the level whose texels are as large as pixels
+layout(location = 2) out vec4 at; // in the texture
 layout(location = 3) out vec4 open; // bent normal and openness
 
 #include basis.glsl
@@ -24,8 +22,5 @@ void main() {
     open = vec4(normalize(opening.xyz), opening.w);
     mat3 frame = basis(normalize(worldNormal));
     normal = vec4(worldNormal, atan(dot(worldTangent, frame[1]), dot(worldTangent, frame[0])));
-    vec2 place = toTexture * vec3(uv, 1.0);
-    vec2 x = dFdx(place) * texels, y = dFdy(place) * texels;
-    float squared = max(max(dot(x, x), dot(y, y)), 1.0);
-    at = vec4(place, min(0.5 * log2(squared), coarsest), 0.0);
+    at = vec4(toTexture * vec3(uv, 1.0), 0.0, 0.0);
 }

@@ -44,12 +44,11 @@ void main() {
     }
     // One texel is drawn in proportion to its weight, so that the mean of the frames filters f and
     // not the code.
-    vec3 at = texelFetch(places, pixel, 0).xyz;
-    vec3 random = fract(hash(uvec3(pixel, 0)) + start.zxy);
-    float level = floor(at.z + random.z);
-    at.xy += SPREAD * (random.xy - 0.5) / vec2(textureSize(codes, int(level)).xy);
+    vec2 at = texelFetch(places, pixel, 0).xy;
+    vec2 random = fract(hash(uvec3(pixel, 0)).xy + start.zx);
+    at += SPREAD * (random - 0.5) / vec2(textureSize(codes, 0).xy);
     for (int layer = 0; layer < LAYERS; layer++) {
-        vec4 four = textureLod(codes, vec3(at.xy, float(layer)), level);
+        vec4 four = textureLod(codes, vec3(at, float(layer)), 0.0);
         stored[4 * layer] = four.r;
         stored[4 * layer + 1] = four.g;
         stored[4 * layer + 2] = four.b;
