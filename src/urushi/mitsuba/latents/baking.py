@@ -4,7 +4,7 @@ Parameters that vary or carry gradients are axes. A bottom of an unknown kind th
 for each texel of uv. An update bakes again what has changed.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import drjit as dr
 import mitsuba as mi
@@ -27,10 +27,12 @@ from urushi.mitsuba.latents.bottoms import (
 )
 from urushi.mitsuba.latents.holders import ConstantLatents, TexturedLatents
 from urushi.mitsuba.reading.axes import (
+    NANOMETRES,
     WAVELENGTH,
     Varying,
     check_coat,
     varying_parameters,
+    wavelengths_varying,
 )
 from urushi.mitsuba.reading.grid import (
     ELSEWHERE,
@@ -42,13 +44,16 @@ from urushi.mitsuba.reading.kept import writable
 from urushi.mitsuba.reading.parameters import CoatTextures
 from urushi.nets import lobe as lobes
 from urushi.nets.weights import Model
-from urushi.textures.axes import AXES, LINEAR, Axis, Rows, bake
+from urushi.textures.axes import AXES, Axis, Rows, bake
 from urushi.textures.layering import layer_rows, transported_rests
 from urushi.textures.store import TexelGrid, TextureStore
 
 #: Texels per side of what is no bitmap, the least and the largest side that is chosen, and texels
 #: that are read at once.
 PROCEDURAL, LEAST, LARGEST, BLOCK = 256, 64, 512, 1 << 13
+
+#: Parts of the spectrum in which a material's changes with the wavelength are found.
+WAVELENGTHS = 128
 
 #: Seconds before progress is shown, and between two reports.
 PROGRESS_DELAY = 3.0
@@ -121,7 +126,7 @@ class Baker:
             return None
         coated = _Coated(self.model, self._coat, rows, varying)
         if coated.needs_wavelengths:
-            varying = [*varying, _wavelengths()]
+            varying = [*varying, coated.with_wavelengths()]
             if len(varying) > AXES:
                 return None
         baked = bake(self.model, [x.axis for x in varying], Rows(coated.coats, coated.codes))
@@ -195,7 +200,8 @@ class _Coated:
         self, model: Model, coat: CoatTextures, rows: BottomRows, varying: Sequence[Varying]
     ):
         self._model, self._coat, self._rows = model, coat, rows
-        self._names = [x.axis.name for x in varying]
+        self._names, self._varying = [x.axis.name for x in varying], varying
+        self._places = next((x.places for x in varying if x.places is not None), None)
         with spectrum.bands_of(None):
             own = coat.channels(spectrum.points(POINT))
             fixed = [own[name] for name in own if name not in self._names]
@@ -204,29 +210,47 @@ class _Coated:
         grey = same and rows.is_grey()
         self.needs_wavelengths = bool(mi.is_spectral) and not grey and WAVELENGTH not in self._names
         self._channels = 1 if grey or mi.is_spectral else spectrum.channel_count()
-        if self.needs_wavelengths:
-            self._names.append(WAVELENGTH)
+
+    def with_wavelengths(self) -> Varying:
+        """Follow the wavelength as one more parameter."""
+        count = WAVELENGTHS
+        middle = np.array([[x.axis.values(np.array(0.5)) for x in self._varying]])
+        named = self._named(np.repeat(middle, count + 1, axis=0))
+        named[NANOMETRES] = np.linspace(*spectrum.ENDS, count + 1)
+        changes = self._rows.spectral_changes(count, named)
+        for column in self._columns(named, count + 1):
+            changes = changes + np.abs(np.diff(column[0]))
+        found = wavelengths_varying(changes)
+        self._places = found.places
+        self._names.append(WAVELENGTH)
+        return found
 
     def _named(self, values: np.ndarray) -> dict[str, np.ndarray]:
-        return dict(zip(self._names, values.T, strict=True))
+        named = dict(zip(self._names, values.T, strict=True))
+        if self._places is not None:
+            even = np.linspace(*spectrum.ENDS, len(self._places))
+            named[NANOMETRES] = np.interp(named[WAVELENGTH], self._places, even)
+        return named
 
     def coats(self, values: np.ndarray) -> CoatParameters:
         """See `Rows`."""
-        named, uv = self._named(values), along_u(len(values))
-        with wavelengths_of(named, len(values)):
-            found = self._coat.channels(spectrum.points(uv))
-            dr.eval(found)
-        columns = []
-        for name in self._coat.names:
-            rows = [named[name]] if name in named else [x.numpy() for x in found[name]]
-            rows = [np.broadcast_to(x, len(values)) for x in rows][: self._channels]
-            shape = self._channels, len(values)
-            columns.append(np.broadcast_to(np.asarray(rows, np.float64), shape))
-        alpha, *others = columns
+        alpha, *others = self._columns(self._named(values), len(values))
         if self._coat.is_anisotropic:
             return CoatParameters(checks.Widths(alpha, others[0]), *others[1:])
         wide = checks.Widths(alpha, alpha) if self._model.widths == 2 else alpha
         return CoatParameters(wide, *others)
+
+    def _columns(self, named: Mapping[str, np.ndarray], count: int) -> list[np.ndarray]:
+        """The coats' parameters (C, count)."""
+        with wavelengths_of(named, count):
+            found = self._coat.channels(spectrum.points(along_u(count)))
+            dr.eval(found)
+        columns = []
+        for name in self._coat.names:
+            rows = [named[name]] if name in named else [x.numpy() for x in found[name]]
+            rows = [np.broadcast_to(x, count) for x in rows][: self._channels]
+            columns.append(np.broadcast_to(np.asarray(rows, np.float64), (self._channels, count)))
+        return columns
 
     def codes(self, values: np.ndarray) -> np.ndarray:
         """See `Rows`."""
@@ -246,12 +270,6 @@ class _Coated:
         # Each row is a material of its own.
         codes = codes_of(model, f, top.astype(np.float32))
         return codes.reshape(self._channels, len(values), -1)
-
-
-def _wavelengths() -> Varying:
-    """The wavelength as a parameter that varies."""
-    axis = Axis(WAVELENGTH, LINEAR, *spectrum.ENDS, own=True)
-    return Varying(axis, lambda si, active: list(si.wavelengths))
 
 
 def grid_of(textures: Sequence["mi.Texture"], resolution: int) -> TexelGrid:

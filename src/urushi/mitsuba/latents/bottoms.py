@@ -18,7 +18,7 @@ from urushi.mitsuba import spectrum
 from urushi.mitsuba.latents.axes import AxisLatents
 from urushi.mitsuba.latents.holders import TexturedLatents
 from urushi.mitsuba.reading import probing
-from urushi.mitsuba.reading.axes import BOTTOM, WAVELENGTH, Varying
+from urushi.mitsuba.reading.axes import BOTTOM, NANOMETRES, WAVELENGTH, Varying
 from urushi.mitsuba.reading.below import below
 from urushi.mitsuba.reading.bsdf import reflection_source
 from urushi.mitsuba.reading.grid import not_over_uv
@@ -157,6 +157,19 @@ class BottomRows:
         f = probing.texel_values(bsdf, *self._model.networks.pairs(), uv, probing.Averaging())
         return bool(np.allclose(f, f[:, :1], rtol=GREY, atol=1e-9))
 
+    def spectral_changes(self, count: int, values: Mapping[str, np.ndarray]) -> np.ndarray:
+        """Amounts (count,) by which ln f changes in equal parts of `spectrum.ENDS`.
+
+        values: (count + 1,) of the parameters by name, all the same, and the wavelengths.
+        """
+        if isinstance(self.nested, AxisLatents):
+            return np.zeros(count)
+        with wavelengths_of(values, count + 1):
+            pairs, uv = self._model.networks.pairs(), along_u(count + 1)
+            f = probing.texel_values(self._of_rows(values), *pairs, uv, probing.Averaging())[:, 0]
+        logs = np.log(np.maximum(f, 1e-6))
+        return np.abs(np.diff(logs, axis=0)).mean(axis=1)
+
     def material(self) -> Material:
         """The material of a bottom that is the same everywhere."""
         if self._material is None:
@@ -225,11 +238,11 @@ class BottomRows:
         self, values: Mapping[str, np.ndarray]
     ) -> tuple[dict[str, np.ndarray], np.ndarray]:
         """Different rows, and the place (k,) of each row among them."""
-        names = [*self._names, *([WAVELENGTH] if mi.is_spectral else [])]
+        names = [*self._names, *([NANOMETRES] if mi.is_spectral else [])]
         default = np.full(len(next(iter(values.values()))), spectrum.RGB[1])
-        own = np.stack([values.get(name, default) for name in names or [WAVELENGTH]])
+        own = np.stack([values.get(name, default) for name in names or [NANOMETRES]])
         different, which = np.unique(own, axis=1, return_inverse=True)
-        return dict(zip(names or [WAVELENGTH], different, strict=True)), which.ravel()
+        return dict(zip(names or [NANOMETRES], different, strict=True)), which.ravel()
 
     def _of_rows(self, rows: Mapping[str, np.ndarray]) -> "mi.BSDF":
         found = self._at(rows)
@@ -284,7 +297,7 @@ def wavelengths_of(rows: Mapping[str, np.ndarray], count: int) -> Any:
     """The context in which rows (count,) along u are read at their wavelengths."""
     if not mi.is_spectral:
         return contextlib.nullcontext()
-    return spectrum.along_u(rows.get(WAVELENGTH, np.full(count, spectrum.RGB[1])))
+    return spectrum.along_u(rows.get(NANOMETRES, np.full(count, spectrum.RGB[1])))
 
 
 def probed_codes(model: Model, bottom: "mi.BSDF", uv: np.ndarray, where: str) -> np.ndarray:

@@ -21,6 +21,7 @@ from urushi.mitsuba.reading.grid import ELSEWHERE, varying_textures
 from urushi.mitsuba.reading.kept import has_gradients, is_attached
 from urushi.mitsuba.reading.parameters import CHECKS, CoatTextures
 from urushi.mitsuba.reading.replaced import parts
+from urushi.mitsuba.recording import owned
 from urushi.textures.axes import DEPTH, LINEAR, REFLECTANCE, WIDTH, Axis
 from urushi.textures.store import from_texture
 
@@ -46,11 +47,12 @@ COAT: dict[str, tuple[str, tuple[str, ...]]] = {
 #: Range of g in which light transport is accurate, and relative indices on both sides of one.
 ASYMMETRIES, ABOVE, BELOW = (-0.95, 0.95), (1 + 2 * MIN_INDEX_STEP, 3.0), (0.4, 0.995)
 
-#: Points of uv of what is no bitmap, along each side; and wavelengths of a band [nm].
-SIDE, WAVELENGTHS = 256, (spectrum.ENDS[0], spectrum.ENDS[1])
+#: Points of uv of what is no bitmap, along each side.
+SIDE = 256
 
-#: Name of the axis of wavelengths, and start of the names of a bottom's parameters.
-WAVELENGTH, BOTTOM = "wavelength", "bottom."
+#: Name of the axis of wavelengths, of the wavelengths on it [nm], and start of the names of a
+#: bottom's parameters.
+WAVELENGTH, NANOMETRES, BOTTOM = "wavelength", "nm", "bottom."
 
 
 class Varying(NamedTuple):
@@ -62,6 +64,7 @@ class Varying(NamedTuple):
     sources: Sequence[Any] = ()  # the textures on which it depends
     texture: Any = None  # which it is, of a bottom
     differentiable: bool = False  # whether it carries a gradient
+    places: np.ndarray | None = None  # of the axis of wavelengths, see `wavelengths_varying`
 
 
 def varying_parameters(
@@ -81,6 +84,28 @@ def varying_parameters(
         below = _of_bottom(bottom, coat.where)
     found = [*_of_coat(coat), *below]
     return list({x.axis.name: x for x in found}.values())
+
+
+def wavelengths_varying(changes: np.ndarray) -> Varying:
+    """The wavelength as a parameter, on an axis along which the material changes evenly.
+
+    changes: (N,) amounts by which it changes in N equal parts of `spectrum.ENDS`.
+    """
+    places = np.append(0, np.cumsum(changes + changes.sum() / len(changes) * 0.2 + 1e-9))
+    places /= places[-1]
+    table, (first, last) = owned(mi.Float, places.astype(np.float32)), spectrum.ENDS
+    count = len(changes)
+
+    def read(si, active) -> list:
+        at = [dr.clip((x - first) * (count / (last - first)), 0, count) for x in si.wavelengths]
+        found = []
+        for x in at:
+            i = dr.minimum(mi.UInt32(x), count - 1)
+            low, high = dr.gather(mi.Float, table, i), dr.gather(mi.Float, table, i + 1)
+            found.append(dr.lerp(low, high, x - i))
+        return found
+
+    return Varying(Axis(WAVELENGTH, LINEAR, 0.0, 1.0, own=True), read, places=places)
 
 
 def _below(name: str) -> str:
