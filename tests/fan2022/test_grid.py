@@ -43,7 +43,8 @@ def test_textures_of_different_spaces_are_resolved_over_uv(rgb):
 def test_constants_have_no_grid_and_mesh_attributes_are_refused(rgb):
     from urushi.fan2022.grid import choose
 
-    assert choose({"alpha": rgb.load_dict({"type": "uniform"})}, None, 0, "test") is None
+    constant = rgb.load_dict({"type": "uniform", "value": 0.5})
+    assert choose({"alpha": constant}, None, 0, "test") is None
     attribute = rgb.load_dict({"type": "mesh_attribute", "name": "vertex_color"})
     with pytest.raises(ParameterError, match="depends on a mesh attribute"):
         choose({"albedo": attribute}, None, 0, "test")

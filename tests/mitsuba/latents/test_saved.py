@@ -5,6 +5,7 @@ import pytest
 
 from urushi import files
 from urushi.nets import weights
+from urushi.textures.store import TexelGrid
 
 PIXELS = np.random.default_rng(0).uniform(0.1, 0.9, (5, 6, 3)).astype(np.float32)
 
@@ -30,17 +31,19 @@ def saved(rgb, networks, tmp_path):
     shear = rgb.ScalarTransform3f(np.float32([[1.5, 0.25, 0.1], [-0.5, 2.2, 0.3], [0, 0, 1]]))
     coat = described(rgb, networks, to_uv=shear, wrap_mode="mirror")
     # A file keeps its ratios: a coat of the plugin does, too, where `ext_ior` is given.
-    bsdf = rgb.load_dict(coat | {"ext_ior": "air"})
+    bsdf = rgb.load_dict(coat | {"ext_ior": "air", "resolution": 8})
     bsdf.save(path)
     return bsdf, path
 
 
-def test_a_texture_loads_as_it_was_saved(rgb, networks, saved):
+def test_texels_have_the_codes_of_the_places(rgb, networks, saved):
     bsdf, path = saved
-    again = loaded(rgb, path, networks)
-    uv = np.random.default_rng(1).uniform(-2, 2, (256, 2))
-    np.testing.assert_array_equal(again.latents.at(uv), bsdf.latents.at(uv))
-    assert again.latents.grid == bsdf.latents.grid
+    again = loaded(rgb, path, networks).latents
+    assert again.grid == TexelGrid(8, 8)
+    expected = bsdf.latents.at(again.grid.uv())
+    # 8 bits of a number's range
+    tolerance = 0.01 * np.ptp(expected, axis=(0, 1)) + 1e-4
+    assert (np.abs(again.at(again.grid.uv()) - expected) <= tolerance).all()
 
 
 def test_a_saved_texture_is_written_the_same_again(rgb, networks, saved, tmp_path):
@@ -61,14 +64,18 @@ def test_a_constant_coat_is_saved_as_a_material(rgb, networks, tmp_path):
 
 
 def test_a_saved_texture_can_be_coated(rgb, networks, saved):
+    """At the centres of texels, f is that of the coat over the plugin that was saved."""
+    from urushi.mitsuba.reading import probing
+
     bsdf, path = saved
-    coat = {"type": "neural_layered", "weights": str(networks), "alpha": 0.05}
-    uv = np.random.default_rng(1).random((64, 2))
-    codes = [
-        rgb.load_dict(coat | {"base": base}).latents.at(uv)
-        for base in (bsdf, loaded(rgb, path, networks))
-    ]
-    np.testing.assert_array_equal(*codes)
+    grid = loaded(rgb, path, networks).latents.grid
+    coat = {"type": "neural_layered", "weights": str(networks), "alpha": 0.05, "resolution": 8}
+    wi, wo = (np.tile(w, (grid.texels, 1)) for w in ([0.6, 0, 0.8], [0, 0.28, 0.96]))
+    found, expected = (
+        probing.bsdf_values(rgb.load_dict(coat | {"base": base}), wi, wo, grid.uv())
+        for base in (loaded(rgb, path, networks), bsdf)
+    )
+    np.testing.assert_allclose(found, expected, rtol=0.02)
 
 
 def rewritten(path, change) -> None:

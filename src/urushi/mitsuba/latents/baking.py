@@ -187,7 +187,7 @@ class Baker:
         texels = np.concatenate(rows)
         flat = texels.reshape(-1, texels.shape[-1])
         different, index = np.unique(flat, axis=0, return_inverse=True)
-        store = TextureStore(self.model, texels.shape[1], grid.width, grid.height)
+        store = TextureStore(self.model, texels.shape[1], grid.texels)
         codes = layer_rows(self.model, different)
         store.write(slice(grid.texels), codes, index.reshape(texels.shape[:2]).astype(np.uint32))
         return TexturedLatents(self.model, store, grid)
@@ -288,7 +288,7 @@ def at_texels(latents: AxisLatents, resolution: int) -> tuple[TextureStore, Texe
     """Codes over axes as a texture over the unit square of uv, for files."""
     textures = [x for part in latents.varying for x in part.sources]
     grid = grid_of(textures, resolution)
-    store = TextureStore(latents.model, spectrum.channel_count(), grid.width, grid.height)
+    store = TextureStore(latents.model, spectrum.channel_count(), grid.texels)
     starts = range(0, grid.texels, 1 << 16)
     parts = [latents.at(grid.uv(i, min(i + (1 << 16), grid.texels))) for i in starts]
     store.write(slice(grid.texels), np.concatenate(parts))
