@@ -46,6 +46,7 @@ class AxisLatents(Held):
     def __init__(self, baked: Baked, varying: Sequence[Varying], differentiable: bool):
         """differentiable: whether a parameter carries a gradient."""
         self.baked, self.model, self.varying = baked, baked.model, list(varying)
+        self.differentiable = differentiable
         self.channels, size = spectrum.channel_count(), baked.model.arch.lobe
         rests, functions, projection = baked.rests, None, None
         if isinstance(self.model.networks.basis, Basis):

@@ -198,7 +198,7 @@ def define(base: type) -> type:
             found = [
                 dr.select(crosses, t * scale, r) for t, r in zip(through, channels, strict=True)
             ]
-            return spectrum.from_channels(found, si.wavelengths, None)
+            return spectrum.from_channels(found, si.wavelengths)
 
         def _proposal(self, vertex, si, active):
             sides = [self._lobes([dr.sqrt(dr.abs(si.wi.z)), side]) for side in (0.0, 1.0)]
