@@ -123,6 +123,7 @@ class Slopes(NamedTuple):
     """Slopes of the mean of f cos: the derivative, and differences of the plugin and of the walk.
 
     size: the mean size of the slope of f cos by the walk. error: standard error of the walk's.
+    away: mean difference of f with gradients from f without, relative to the mean of f.
     """
 
     derivative: float
@@ -130,20 +131,16 @@ class Slopes(NamedTuple):
     walk: float
     size: float
     error: float
+    away: float
 
 
 def slopes(case: str) -> Slopes:
-    """The slopes of an entry of `SLOPES`.
-
-    Raises:
-        ValueError: f has other bits with gradients than without.
-    """
+    """The slopes of an entry of `SLOPES`."""
     make, value, name, (below, above), _ = SLOPES[case]
     ends = value - below, value + above
     bsdf, parameter = attached(make(value), name)
     found, plain = f_cos(bsdf), f_cos(mi.load_dict(make(value)))
-    if not np.array_equal(found.numpy(), plain.numpy()):
-        raise ValueError(f"{case}: f differs with gradients")
+    away = float(np.abs(found.numpy() - plain.numpy()).mean() / plain.numpy().mean())
     dr.backward(dr.mean(found))
     walk = {"reference": True} if make is openpbr else {"type": "layered"}
     by_plugin, by_walk = (
@@ -158,20 +155,21 @@ def slopes(case: str) -> Slopes:
         float(of_walk.mean()),
         float(np.abs(of_walk.mean(axis=0)).mean()),
         float(of_walk.mean(axis=1).std() / WALKS**0.5),
+        away,
     )
 
 
 def main() -> None:
     """Print the table."""
     mi.set_variant("llvm_ad_rgb")
-    print("| material | parameter | derivative | plugin | walk | its standard error | error |")
-    print("|---|---|---|---|---|---|---|")
+    print("| material | parameter | derivative | plugin | walk | its standard error | error | f |")
+    print("|---|---|---|---|---|---|---|---|")
     for case, (_, value, name, *_) in SLOPES.items():
         of = slopes(case)
         error = (of.derivative - of.walk) / of.size
         print(
             f"| {case} | `{name.split('.')[-2]}` {value:g} | {of.derivative:.4f} | "
-            f"{of.plugin:.4f} | {of.walk:.4f} | {of.error:.4f} | {error:+.1%} |"
+            f"{of.plugin:.4f} | {of.walk:.4f} | {of.error:.4f} | {error:+.1%} | {of.away:.2%} |"
         )
 
 

@@ -15,7 +15,7 @@ import numpy as np
 
 from urushi.checks import CoatParameters
 from urushi.core.namespace import Namespace
-from urushi.material.energy import limit_albedo
+from urushi.material.energy import MARGIN, limit_albedo
 from urushi.nets import lobe as lobes
 from urushi.nets.basis import Basis
 from urushi.nets.weights import Model
@@ -45,7 +45,12 @@ LINES, STEPS = 32, 32
 DIFFERENCE = 0.01
 
 #: Offset of a reflectance in its logarithm.
-DARK = 0.05
+DARK = 0.01
+
+#: [1/sr] Added to the rest of f in codes along axes, and subtracted again where they are evaluated:
+#: the logarithm of a rest that becomes black would have no bound. A Lambertian surface of `DARK`
+#: under a coat has about as much, so that codes are linear in its coordinate.
+FAINT = 1e-3
 
 #: Scales of axes: along which coordinate of a parameter codes are closest to linear.
 WIDTH, DEPTH, REFLECTANCE, LINEAR = "width", "depth", "reflectance", "linear"
@@ -93,7 +98,7 @@ class Rows(NamedTuple):
 
     #: The coats, arrays (C, k); C is 1 if all channels are alike at the same values.
     coats: Callable[[np.ndarray], CoatParameters]
-    #: Codes (C, k, L) of the coated material by light transport.
+    #: Codes (C, k, L) of the coated material by light transport; the rest has `FAINT` more.
     codes: Callable[[np.ndarray], np.ndarray]
 
 
@@ -104,7 +109,7 @@ class Baked(NamedTuple):
     axes: tuple[Axis, ...]
     shape: tuple[int, ...]  # number of nodes along each axis
     lobes: np.ndarray  # float32 (N, M) of the codes, the last axis the fastest
-    rests: np.ndarray  # float32 (C, N, K) the other numbers; C as of `Rows`
+    rests: np.ndarray  # float32 (C, N, K) the other numbers, with `FAINT`; C as of `Rows`
     slopes: Callable[[], np.ndarray]  # of the rests by the values, float32 (C, N, d, K)
 
     def at(self, coordinates: np.ndarray, channel: int) -> np.ndarray:
@@ -152,7 +157,7 @@ def bake(model: Model, axes: Sequence[Axis], rows: Rows) -> Baked:
         rests = np.moveaxis(smooth(x), 1, 0)
         tops = np.broadcast_to(lobes_at(x), (*rests.shape[:2], size))
         codes = np.concatenate([tops, rests], axis=-1, dtype=np.float32)
-        return limit_albedo(model, codes)[..., size:]
+        return limit_albedo(model, codes, 1 - MARGIN + np.pi * FAINT)[..., size:]
 
     def lobes_at(x: np.ndarray) -> np.ndarray:
         alpha, eta, *_ = rows.coats(values(x))

@@ -14,6 +14,7 @@ import mitsuba as mi
 import numpy as np
 
 from urushi.core.namespace import DRJIT, NUMPY
+from urushi.material.values import codes_of
 from urushi.mitsuba import spectrum
 from urushi.mitsuba.latents.holders import Held, Vertex
 from urushi.mitsuba.networks.basis import ONE, BasisDecoder
@@ -21,9 +22,11 @@ from urushi.mitsuba.networks.lobe import kind_of
 from urushi.mitsuba.networks.proposal import CodeProposals
 from urushi.mitsuba.reading.axes import Varying
 from urushi.mitsuba.recording import only_where, owned
+from urushi.nets import lobe as lobes
 from urushi.nets import proposal
 from urushi.nets.basis import Basis
-from urushi.textures.axes import Baked
+from urushi.nets.weights import Model
+from urushi.textures.axes import FAINT, Baked
 from urushi.textures.principal import projection_of
 
 #: Largest level of a number of 16 bits.
@@ -63,7 +66,7 @@ class AxisLatents(Held):
         self._steps, self._lows = ([mi.Float(x) for x in part] for part in (step * scale, low))
         same = np.ones(size, bool)
         self._kind = kind_of(baked.lobes.min(axis=0), baked.lobes.max(axis=0), same)
-        self._decoder = BasisDecoder(self.model, self._kind, functions)
+        self._decoder = BasisDecoder(self.model, self._kind, functions, FAINT)
         self._sampler = CodeProposals(self.model, self._kind)
         terms = proposal.code_terms(self.model.params, baked.rests.mean(axis=0))
         if self.model.widths == 2:
@@ -158,17 +161,20 @@ class AxisLatents(Held):
         return [x + y for x, y in zip(found, moved, strict=True)] if changes else found
 
     def codes(self, values: Mapping[str, np.ndarray]) -> np.ndarray:
-        """Codes (C, k, L) at values (k,) of the parameters by name, C as of `Baked.rests`."""
+        """Codes (C, k, L) at values (k,) of the parameters by name, C as of `Baked.rests`.
+
+        Their rests have `FAINT` more than the material.
+        """
         baked = self.baked
         columns = [axis.coordinate(values[axis.name], NUMPY) for axis in baked.axes]
         x = np.stack(columns, axis=-1)
         rests = np.stack([baked.at(x, c) for c in range(len(baked.rests))])
-        lobes = np.tile(baked.lobes[0], (*rests.shape[:2], 1))
+        tops = np.tile(baked.lobes[0], (*rests.shape[:2], 1))
         for axis in baked.axes:
             if axis.name in LOBE:
                 own = np.clip(values[axis.name], axis.least, axis.most)
-                lobes[..., LOBE[axis.name]] = own
-        return np.concatenate([lobes, rests], axis=-1, dtype=np.float32)
+                tops[..., LOBE[axis.name]] = own
+        return np.concatenate([tops, rests], axis=-1, dtype=np.float32)
 
     def at(self, uv: np.ndarray) -> np.ndarray:
         """Codes (M, C, L) at points uv (M, 2)."""
@@ -184,12 +190,23 @@ class AxisLatents(Held):
             }
             codes = self.codes(own)
             channels.append(codes[min(c, len(codes) - 1)])
-        return np.stack(channels, axis=1)
+        return without_faint(self.model, np.stack(channels, axis=1))
 
     def __str__(self) -> str:
         sides = " x ".join(map(str, self.baked.shape))
         names = ", ".join(axis.name for axis in self.baked.axes)
         return f"{sides} nodes over {names}, of {len(self.baked.rests)} x {self._count} numbers"
+
+
+def without_faint(model: Model, codes: np.ndarray) -> np.ndarray:
+    """Codes (..., L) of rests that have `FAINT` less."""
+    rests = model.networks.rest_at_all(
+        codes.reshape(-1, codes.shape[-1]), model.networks.features(*model.networks.pairs())
+    )
+    lobe = codes[..., : model.arch.lobe]
+    rest = np.maximum(rests - FAINT, 0).reshape(*codes.shape[:-1], -1)
+    top = lobes.f(lobe[..., None, :], *model.networks.pairs())
+    return codes_of(model, (rest + top)[..., None, :], lobe[..., None, :])[..., 0, :]
 
 
 def _simplex(shape: Sequence[int], coordinates: Sequence, channel: int) -> list[tuple[Any, Any]]:

@@ -44,7 +44,7 @@ from urushi.mitsuba.reading.kept import writable
 from urushi.mitsuba.reading.parameters import CoatTextures
 from urushi.nets import lobe as lobes
 from urushi.nets.weights import Model
-from urushi.textures.axes import AXES, Axis, Rows, bake
+from urushi.textures.axes import AXES, FAINT, Axis, Rows, bake
 from urushi.textures.layering import layer_rows, transported_rests
 from urushi.textures.store import TexelGrid, TextureStore
 
@@ -265,6 +265,7 @@ class _Coated:
             bottoms = np.broadcast_to(z, (self._channels, *z.shape[1:])).reshape(-1, z.shape[-1])
             check_ratios(model, bottoms, coat)
             rest = transported_rests(model, bottoms, CoatParameters.of_columns(flat))
+        rest = rest + np.float32(FAINT)
         top = lobes.of_coat(coat.alpha, coat.eta).reshape(-1, 1, model.arch.lobe)
         f = rest[:, None] + lobes.f(top[:, :, None], *model.networks.pairs())
         # Each row is a material of its own.

@@ -15,7 +15,7 @@ from urushi.material.material import Material
 from urushi.material.substrate import Substrate
 from urushi.material.values import codes_of, encode_source
 from urushi.mitsuba import spectrum
-from urushi.mitsuba.latents.axes import AxisLatents
+from urushi.mitsuba.latents.axes import AxisLatents, without_faint
 from urushi.mitsuba.latents.holders import TexturedLatents
 from urushi.mitsuba.reading import probing
 from urushi.mitsuba.reading.axes import BOTTOM, NANOMETRES, WAVELENGTH, Varying
@@ -28,6 +28,7 @@ from urushi.mitsuba.reading.replaced import SWITCHES, replaced
 from urushi.nets import lobe as lobes
 from urushi.nets.lobe import with_two_widths
 from urushi.nets.weights import Model
+from urushi.textures.axes import FAINT
 
 #: Width below which a lobe stays beside the table of a bottom, which is too coarse for it.
 NARROW = 0.0225
@@ -40,6 +41,9 @@ COMPARED, TOLERANCE = 256, 2e-3
 
 #: Relative change of f with the wavelength up to which a bottom is grey.
 GREY = 1e-4
+
+#: [1/sr] Least rest of a nested coat.
+BLACK = 1e-8
 
 #: Index of a coat to which the numbers of a bottom's parameters are relative.
 INDEX = "eta"
@@ -191,7 +195,7 @@ class BottomRows:
         """Codes (C, k, L) of rows (k,) of values, C one or `channels`."""
         count = len(next(iter(values.values())))
         if isinstance(self.nested, AxisLatents):
-            return self.nested.codes(_inside(values))
+            return without_faint(self._model, self.nested.codes(_inside(values)))
         if self._is_constant and not mi.is_spectral:
             codes = self.material().latents[:channels]
             return np.repeat(codes[:, None], count, axis=1)
@@ -213,8 +217,12 @@ class BottomRows:
         if isinstance(self.nested, AxisLatents):
             codes = self.nested.codes(_inside(values))
             places = np.arange(codes[..., 0].size).reshape(codes.shape[:2])
-            flat = Material(codes.reshape(-1, codes.shape[-1]), self._model)
-            return Substrate.of(flat), np.broadcast_to(places, (channels, count))
+            flat = codes.reshape(-1, codes.shape[-1])
+            logs = self._model.networks.table(flat)
+            assert logs is not None  # a rest has at least `FAINT`
+            logs = np.log(np.maximum(np.exp(logs) - FAINT, BLACK))
+            below = Substrate.of_logs(logs, flat[:, : self._model.arch.lobe])
+            return below, np.broadcast_to(places, (channels, count))
         rows, which = self._distinct(values)
         different, parts = len(next(iter(rows.values()))), []
         for start in range(0, different, BLOCK):

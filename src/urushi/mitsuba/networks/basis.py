@@ -138,7 +138,13 @@ class BasisDecoder:
 
     DRJIT_STRUCT: ClassVar = {"_table": object}  # for frozen functions
 
-    def __init__(self, model: Model, kind: LobeKind, functions: np.ndarray | None = None):
+    def __init__(
+        self,
+        model: Model,
+        kind: LobeKind,
+        functions: np.ndarray | None = None,
+        faint: float = 0.0,
+    ):
         """Decode codes of a model.
 
         Args:
@@ -147,8 +153,9 @@ class BasisDecoder:
             functions: (P, N) mean and functions of other numbers in the place of the code's, at
                 the nodes; the numbers have been multiplied by `FUNCTION_SCALE`. None for two
                 widths.
+            faint: [1/sr] by which the rests of the codes are too large.
         """
-        self._kind, self._lobe = kind, model.arch.lobe
+        self._kind, self._lobe, self._faint = kind, model.arch.lobe, faint
         if functions is None:
             self._table = table_of(model)
             self._scale = [float(factor) for factor in self._table.scale]
@@ -195,7 +202,11 @@ class BasisDecoder:
             log = mean * self._scale[0] + gain
             for number, function in zip(numbers, functions, strict=True):
                 log = dr.fma(number, function, log)
-            rests.append(dr.exp(dr.clip(log, MIN_LOG, MAX_LOG)))
+            rest = dr.exp(dr.clip(log, MIN_LOG, MAX_LOG))
+            if self._faint:  # the derivative passes the bound, so that an optimiser can leave black
+                rest = rest - self._faint
+                rest = dr.replace_grad(dr.maximum(rest, 0), rest)
+            rests.append(rest)
         if not self._kind.present:
             return rests
         lobes = self._kind.complete([channel[:-count] for channel in terms])
