@@ -23,7 +23,7 @@ from urushi.parallel import fill_blocks
 
 #: Points of transport by the number of axes, of one width and of two; a point of two widths takes a
 #: hundred times as long.
-POINTS = {1: (16, 40, 96, 192, 320, 448), 2: (6, 12, 20, 32, 40, 48)}
+POINTS = {1: (24, 64, 128, 192, 320, 448), 2: (6, 12, 20, 32, 40, 48)}
 
 #: Most axes.
 AXES = len(POINTS[1])

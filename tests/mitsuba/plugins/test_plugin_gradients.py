@@ -24,5 +24,5 @@ def test_slopes_are_those_of_the_walk(rgb, case):
     """With nearly the same f as without gradients: by codes in place of a table."""
     found = slopes(case)
     tolerance = SLOPES[case][-1] * found.size
-    assert found.away < 0.02
+    assert found.away < 0.04
     assert found.derivative == pytest.approx(found.walk, abs=tolerance)

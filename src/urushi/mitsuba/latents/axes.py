@@ -89,7 +89,10 @@ class AxisLatents(Held):
 
     def vertex(self, si, active) -> Vertex:
         """The vertex at a surface interaction."""
-        values = [[x + mi.Float(0) for x in part.read(si, active)] for part in self.varying]
+        # As wide as the directions: of single numbers, Dr.Jit 1.5 counts gradients several times.
+        seen = si.wi.z > 0
+        read = (part.read(si, active) for part in self.varying)
+        values = [[dr.select(seen, x, 0) for x in part] for part in read]
         return only_where(active, self._vertex, si.wi, values)
 
     def bare_vertex(self, si) -> Vertex:
