@@ -54,6 +54,7 @@ FAINT = 1e-3
 
 #: Scales of axes: along which coordinate of a parameter codes are closest to linear.
 WIDTH, DEPTH, REFLECTANCE, LINEAR = "width", "depth", "reflectance", "linear"
+ALBEDO = "albedo"  # of single scattering
 
 
 class Axis(NamedTuple):
@@ -65,11 +66,20 @@ class Axis(NamedTuple):
     most: float
     own: bool = False  # whether each channel has a value of its own
 
-    def coordinate(self, value: Any, xp: Namespace) -> Any:
-        """The coordinate of a value, from 0 to 1; values outside the range are its ends."""
+    @property
+    def numbers(self) -> tuple[float, float, float, float]:
+        """Numbers by which `coordinate` maps values: the range, and an offset and a factor."""
         first, last = (_scaled(self.scale, x, math) for x in (self.least, self.most))
-        value = xp.minimum(xp.maximum(value, self.least), self.most)
-        return (_scaled(self.scale, value, xp) - first) * (1 / (last - first))
+        return self.least, self.most, first, 1 / (last - first)
+
+    def coordinate(self, value: Any, xp: Namespace, numbers: Sequence[Any] = ()) -> Any:
+        """The coordinate of a value, from 0 to 1; values outside the range are its ends.
+
+        numbers: of the axis, by default its own.
+        """
+        least, most, first, factor = numbers or self.numbers
+        value = xp.minimum(xp.maximum(value, least), most)
+        return (_scaled(self.scale, value, xp) - first) * factor
 
     def values(self, coordinates: np.ndarray) -> np.ndarray:
         """The values at coordinates."""
@@ -77,6 +87,8 @@ class Axis(NamedTuple):
         x = first + (last - first) * coordinates
         if self.scale == REFLECTANCE:
             x = np.exp(x) - DARK
+        elif self.scale == ALBEDO:
+            x = 1 - x * x
         elif self.scale != LINEAR:
             x = x * x
         return np.clip(x, self.least, self.most)
@@ -90,6 +102,8 @@ class Axis(NamedTuple):
 def _scaled(scale: str, value: Any, xp: Any) -> Any:
     if scale == REFLECTANCE:
         return xp.log(value + DARK)
+    if scale == ALBEDO:
+        return -xp.sqrt(1 - value)
     return value if scale == LINEAR else xp.sqrt(value)
 
 

@@ -33,7 +33,7 @@ from urushi.textures.principal import projection_of
 TOP = (1 << 16) - 1
 
 #: Places of the widths and the index among the numbers of a lobe, by the parameters' names.
-LOBE = {"alpha": 0, "alpha_u": 0, "alpha_v": 6, "eta": 4}
+LOBE = {"alpha": (0, 6), "alpha_u": (0,), "alpha_v": (6,), "eta": (4,)}
 
 
 class AxisLatents(Held):
@@ -42,9 +42,11 @@ class AxisLatents(Held):
     material = None
 
     DRJIT_STRUCT: ClassVar = {"_words": object, "_terms": object, "_decoder": object} | (
-        dict.fromkeys(("_steps", "_lows", "_term_steps", "_term_lows", "_fixed", "_slopes"), list)
+        dict.fromkeys(
+            ("_steps", "_lows", "_term_steps", "_term_lows", "_fixed", "_slopes", "_ranges"), list
+        )
     )  # for frozen functions
-    UNRECORDED: ClassVar = ("baked",)
+    UNRECORDED: ClassVar = ("baked", "varying")
 
     def __init__(self, baked: Baked, varying: Sequence[Varying], differentiable: bool):
         """differentiable: whether a parameter carries a gradient."""
@@ -77,23 +79,48 @@ class AxisLatents(Held):
         parts = (spread, least)
         self._term_steps, self._term_lows = ([mi.Float(x) for x in part] for part in parts)
         self._fixed = [mi.Float(float(x)) for x in baked.lobes[0]]
-        dr.make_opaque(self._steps, self._lows, self._term_steps, self._term_lows, self._fixed)
+        # Numbers in memory, so that all materials of the same axes share compiled code
+        self._ranges = [[mi.Float(x) for x in axis.numbers] for axis in baked.axes]
+        self._axes = [(axis.name, axis.scale, axis.own) for axis in baked.axes], baked.shape
+        numbers = self._steps, self._lows, self._term_steps, self._term_lows, self._ranges
+        dr.make_opaque(*numbers, self._fixed)
         self._slopes = []
         if differentiable:
             slopes = baked.slopes()
             if projection is not None:
                 slopes = projection.changes(slopes)
-            self._slopes = [owned(mi.Float, slopes * scale)]
+            self._slopes = [owned(mi.Float, slopes * scale * self._decoder.factors)]
         #: Whether channels differ.
         self._differ = len(baked.rests) > 1 or any(axis.own for axis in baked.axes)
 
     def vertex(self, si, active) -> Vertex:
         """The vertex at a surface interaction."""
-        # As wide as the directions: of single numbers, Dr.Jit 1.5 counts gradients several times.
-        seen = si.wi.z > 0
-        read = (part.read(si, active) for part in self.varying)
-        values = [[dr.select(seen, x, 0) for x in part] for part in read]
-        return only_where(active, self._vertex, si.wi, values)
+        values = [part.read(si, active) for part in self.varying]
+        fixed = [[dr.detach(x) for x in part] for part in values]
+        vertex, slopes = only_where(active, self._vertex, si.wi, fixed)
+        if not (self._slopes and dr.grad_enabled(values)):
+            return vertex
+        # Outside of the call: inside, Dr.Jit 1.5 counts gradients of single numbers several times.
+        pairs = zip(values, fixed, strict=True)
+        changes = [[x - y for x, y in zip(*both, strict=True)] for both in pairs]
+        return vertex._replace(decoder_terms=self._moved(vertex.decoder_terms, slopes, changes))
+
+    def _moved(self, terms: list[list], slopes: list[list[list]], changes: list[list]) -> list:
+        """The terms of a vertex, which change as values do."""
+        found = []
+        for c, channel in enumerate(terms):
+            places, moved = self._kind.numbers(c), list(channel)
+            for axis, own, slope in zip(self.baked.axes, changes, slopes[c], strict=True):
+                change, start = own[min(c, len(own) - 1)], len(places)
+                for place in self._lobe_places(axis.name):
+                    if place in places:
+                        moved[places.index(place)] += change
+                if self.model.widths == 2:  # the last number is the squared stretch
+                    slope = [*slope[:-1], 2 * channel[-1] * slope[-1]]
+                for i, number in enumerate(slope):
+                    moved[start + i] = dr.fma(number, change, moved[start + i])
+            found.append(moved)
+        return found
 
     def bare_vertex(self, si) -> Vertex:
         """The vertex, from which `f` follows."""
@@ -102,36 +129,37 @@ class AxisLatents(Held):
     def _evaluated(self) -> Callable[..., list]:
         return self._decoder.f_of_terms
 
-    def _vertex(self, wi, values: list[list]) -> Vertex:
-        lobe = self._lobe(values)
-        axes = self.baked.axes
-        coordinates = [
-            [axis.coordinate(dr.detach(x), DRJIT) for x in part]
-            for axis, part in zip(axes, values, strict=True)
-        ]
-        codes = []
+    def _vertex(self, wi, values: list[list]) -> tuple[Vertex, list]:
+        """The vertex, and for each channel and axis the slopes of the numbers of the rest."""
+        lobe, coordinates = self._lobe(values), []
+        for axis, part, numbers in zip(self.baked.axes, values, self._ranges, strict=True):
+            coordinates.append([axis.coordinate(x, DRJIT, numbers) for x in part])
+        codes, slopes = [], []
         for c in range(len(spectrum.to_channels(mi.Spectrum(0))) if self._differ else 1):
             own = [x[min(c, len(x) - 1)] for x in coordinates]
-            changes = [x[min(c, len(x) - 1)] for x in values]
-            codes.append([*lobe, *self._numbers(own, min(c, len(self.baked.rests) - 1), changes)])
+            rest, slope = self._numbers(own, min(c, len(self.baked.rests) - 1))
+            codes.append([*lobe, *rest])
+            slopes.append(slope)
         terms = self._decoder.code_terms_drjit(codes)
         node = self._nearest([sum(x) * (1 / len(x)) for x in coordinates])
         levels = _levels(self._terms, len(self._term_steps), node)
         drawn = _scaled(levels, self._term_steps, self._term_lows)
         stretch = drawn[proposal.TERMS :]
-        own_lobe = [dr.detach(x) for x in lobe]
-        mixture = self._sampler.proposal_of_terms(own_lobe, drawn[: proposal.TERMS], wi, *stretch)
-        return Vertex(terms, mixture)
+        mixture = self._sampler.proposal_of_terms(lobe, drawn[: proposal.TERMS], wi, *stretch)
+        return Vertex(terms, mixture), slopes
 
     def _lobe(self, values: Sequence[Sequence]) -> list:
         """The numbers of the lobe; its width and index are those of the coat there."""
         lobe = list(self._fixed)
-        for axis, (value, *_) in zip(self.baked.axes, values, strict=True):
-            if axis.name in LOBE:
-                bounded = dr.clip(value, axis.least, axis.most)
-                # The derivative passes the bound, so that an optimiser can leave it.
-                lobe[LOBE[axis.name]] = dr.replace_grad(bounded, value)
+        parts = zip(self.baked.axes, values, self._ranges, strict=True)
+        for axis, (value, *_), (least, most, *_) in parts:
+            for place in self._lobe_places(axis.name):
+                lobe[place] = dr.clip(value, least, most)
         return lobe
+
+    def _lobe_places(self, name: str) -> tuple[int, ...]:
+        """The places of a parameter among the numbers of the lobe."""
+        return LOBE.get(name, ())[: self.model.widths]
 
     def _nearest(self, coordinates: Sequence) -> Any:
         """The index of the node nearest to coordinates."""
@@ -140,12 +168,10 @@ class AxisLatents(Held):
             node = node * count + mi.UInt32(dr.clip(x, 0, 1) * (count - 1) + 0.5)
         return node
 
-    def _numbers(self, coordinates: Sequence, channel: int, values: Sequence) -> list:
-        """The numbers of a code by `textures.axes.simplex`, which change with attached values."""
+    def _numbers(self, coordinates: Sequence, channel: int) -> tuple[list, list[list]]:
+        """The numbers of a code by `textures.axes.simplex`, and their slopes along each axis."""
         shape, total = self.baked.shape, list[Any]()
-        changes = [x - dr.detach(x) for x in values] if self._slopes else []
-        changes = [(k, x) for k, x in enumerate(changes) if dr.grad_enabled(x)]
-        moved: list[Any] = [mi.Float(0)] * self._count
+        slopes = [[mi.Float(0)] * self._count for _ in shape if self._slopes]
         for corner, (node, weight) in enumerate(_simplex(shape, coordinates, channel)):
             dr.detail.new_scope(dr.backend_v(mi.Float))  # one corner after the other, as in `mlp`
             levels = _levels(self._words, self._count, node)
@@ -153,15 +179,13 @@ class AxisLatents(Held):
                 total = [dr.fma(weight, x, y) for x, y in zip(levels, total, strict=True)]
             else:
                 total = [weight * x for x in levels]
-            for k, change in changes:
+            for k, slope in enumerate(slopes):
                 first = (node * len(shape) + k) * self._count
-                share = weight * change
-                moved = [
-                    dr.fma(dr.gather(mi.Float, self._slopes[0], first + i), share, x)
-                    for i, x in enumerate(moved)
+                slopes[k] = [
+                    dr.fma(dr.gather(mi.Float, self._slopes[0], first + i), weight, x)
+                    for i, x in enumerate(slope)
                 ]
-        found = _scaled(total, self._steps, self._lows)
-        return [x + y for x, y in zip(found, moved, strict=True)] if changes else found
+        return _scaled(total, self._steps, self._lows), slopes
 
     def codes(self, values: Mapping[str, np.ndarray]) -> np.ndarray:
         """Codes (C, k, L) at values (k,) of the parameters by name, C as of `Baked.rests`.
@@ -174,9 +198,8 @@ class AxisLatents(Held):
         rests = np.stack([baked.at(x, c) for c in range(len(baked.rests))])
         tops = np.tile(baked.lobes[0], (*rests.shape[:2], 1))
         for axis in baked.axes:
-            if axis.name in LOBE:
-                own = np.clip(values[axis.name], axis.least, axis.most)
-                tops[..., LOBE[axis.name]] = own
+            for place in self._lobe_places(axis.name):
+                tops[..., place] = np.clip(values[axis.name], axis.least, axis.most)
         return np.concatenate([tops, rests], axis=-1, dtype=np.float32)
 
     def at(self, uv: np.ndarray) -> np.ndarray:

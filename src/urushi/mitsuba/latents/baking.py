@@ -12,7 +12,7 @@ import numpy as np
 from tqdm import tqdm
 
 from urushi import checks
-from urushi.checks import CoatParameters
+from urushi.checks import MIN_INDEX_STEP, CoatParameters
 from urushi.errors import ParameterError
 from urushi.material.coated_values import coated_values
 from urushi.material.layer import check_ratios, layer_material
@@ -89,7 +89,8 @@ class Baker:
         with dr.suspend_grad():
             si = spectrum.points(POINT)
             coat = self._coat.at(si)
-            clear = not names & {"eta", "albedo"} and (coat["eta"][0].numpy() == 1).all()
+            same = np.abs(coat["eta"][0].numpy() - 1) < MIN_INDEX_STEP
+            clear = not names & {"eta", "albedo"} and bool(same.all())
             self.absorbs = clear and all((x.numpy() == 0).all() for x in coat["albedo"])
             if not varying and not rows.has_texels:
                 return self._constant(rows)
@@ -249,7 +250,10 @@ class _Coated:
         for name in self._coat.names:
             rows = [named[name]] if name in named else [x.numpy() for x in found[name]]
             rows = [np.broadcast_to(x, count) for x in rows][: self._channels]
-            columns.append(np.broadcast_to(np.asarray(rows, np.float64), (self._channels, count)))
+            column = np.asarray(rows, np.float64)
+            if name == "eta":
+                column = np.where(np.abs(column - 1) < MIN_INDEX_STEP, 1, column)
+            columns.append(np.broadcast_to(column, (self._channels, count)))
         return columns
 
     def codes(self, values: np.ndarray) -> np.ndarray:

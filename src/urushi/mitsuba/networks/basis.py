@@ -166,6 +166,12 @@ class BasisDecoder:
             self._scale = [mean / ONE, *[1.0] * (functions.shape[1] - 1)]
         self._end = self._lobe + len(self._scale)  # of the numbers of functions
 
+    @property
+    def factors(self) -> np.ndarray:
+        """Factors of the numbers of a code after its lobe in its terms, without the stretch."""
+        own = [1.0, *self._scale[1:]]
+        return np.array([*own, 1.0] if self._kind.widths == 2 else own)
+
     def code_terms(self, latents: np.ndarray) -> list[np.ndarray]:
         """Terms (N,) of the code of each channel, from codes (C, size)."""
         factors = np.array([1.0, *self._scale[1:]], np.float32)

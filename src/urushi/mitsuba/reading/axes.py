@@ -19,17 +19,18 @@ from urushi.material.layer import DEEPEST
 from urushi.mitsuba import spectrum
 from urushi.mitsuba.reading.grid import ELSEWHERE, varying_textures
 from urushi.mitsuba.reading.kept import has_gradients, is_attached
-from urushi.mitsuba.reading.parameters import CHECKS, CoatTextures
+from urushi.mitsuba.reading.parameters import CHECKS, TWO_WIDTHS, CoatTextures
 from urushi.mitsuba.reading.replaced import parts
 from urushi.mitsuba.recording import owned
-from urushi.textures.axes import DEPTH, LINEAR, REFLECTANCE, WIDTH, Axis
-from urushi.textures.store import from_texture
+from urushi.textures.axes import ALBEDO, DEPTH, LINEAR, REFLECTANCE, WIDTH, Axis
+from urushi.textures.store import MIDDLE, from_texture
 
 #: All values of a parameter, by its scale.
 RANGES = {
     WIDTH: (MIN_ALPHA, 1.0),
     DEPTH: (0.0, DEEPEST),
     REFLECTANCE: (0.0, 1.0),
+    ALBEDO: (0.0, 1.0),
     LINEAR: (0.0, 1.0),
 }
 
@@ -39,13 +40,16 @@ COAT: dict[str, tuple[str, tuple[str, ...]]] = {
     "alpha_u": (WIDTH, ("alpha_u",)),
     "alpha_v": (WIDTH, ("alpha_v",)),
     "eta": (LINEAR, ("int_ior", "ext_ior")),
-    "albedo": (LINEAR, ("albedo", *LOOK, "g")),
+    "albedo": (ALBEDO, ("albedo", *LOOK, "g")),
     "sigma_t": (DEPTH, ("sigma_t", *LOOK, "g", "thickness")),
     "g": (LINEAR, ("g",)),
 }
 
 #: Range of g in which light transport is accurate, and relative indices on both sides of one.
 ASYMMETRIES, ABOVE, BELOW = (-0.95, 0.95), (1 + 2 * MIN_INDEX_STEP, 3.0), (0.4, 0.995)
+
+#: Largest change of one of two widths that carries a gradient, until codes are baked again.
+NEAR = 1.3
 
 #: Points of uv of what is no bitmap, along each side.
 SIDE = 256
@@ -183,15 +187,21 @@ def check_coat(coat: CoatTextures) -> None:
 
 
 def _whole(coat: CoatTextures, name: str, scale: str) -> tuple[float, float]:
-    """All values of a parameter of a coat."""
+    """All values of a parameter of a coat, as far as its codes reach."""
     if name == "g":
         return ASYMMETRIES
-    if name != "eta":
-        return RANGES[scale]
     with dr.suspend_grad():
         si = dr.zeros(mi.SurfaceInteraction3f)
         si.uv = mi.Point2f(0.5)
-        return ABOVE if coat.at(si, True)["eta"][0].numpy()[0] >= 1 else BELOW
+        now = float(coat.at(si, True)[name][0].numpy()[0])
+    if name == "eta":
+        return ABOVE if now >= 1 else BELOW
+    return _near(now) if name in TWO_WIDTHS else RANGES[scale]
+
+
+def _near(width: float) -> tuple[float, float]:
+    """Values about one of two widths, whose ratio is bounded."""
+    return max(width / NEAR, MIN_ALPHA), min(width * NEAR, 1.0)
 
 
 def _of_bottom(bottom: "mi.BSDF", where: str) -> list[Varying]:
@@ -207,6 +217,9 @@ def _of_bottom(bottom: "mi.BSDF", where: str) -> list[Varying]:
         coloured = "reflectance" in last or "color" in last or last in ("eta", "k")
         scale = WIDTH if last.startswith("alpha") else REFLECTANCE if coloured else LINEAR
         whole = RANGES[scale]
+        if last in TWO_WIDTHS:
+            with dr.suspend_grad():
+                whole = _near(float(texture.eval_1(spectrum.points(MIDDLE.uv())).numpy()[0]))
 
         def read(si, active, texture=texture, coloured=coloured) -> list:
             if not coloured:
@@ -256,9 +269,10 @@ def range_of(
             data = mi.traverse(texture)["data"].numpy()
             return float(data.min()), float(data.max())
         si = spectrum.points(texel_centres(texture))
-        for x in spectrum.at_bands(si, lambda si=si: read(si)):
-            values = x.numpy()
-            low, high = np.minimum(low, values.min()), np.maximum(high, values.max())
+        with spectrum.bands_of(None):
+            for x in spectrum.at_bands(si, lambda si=si: read(si)):
+                values = x.numpy()
+                low, high = np.minimum(low, values.min()), np.maximum(high, values.max())
     return float(low), float(high)
 
 
