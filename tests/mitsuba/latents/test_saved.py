@@ -1,9 +1,12 @@
 """Baked materials and textures that are saved and loaded again."""
 
+import re
+
 import numpy as np
 import pytest
 
 from urushi import files
+from urushi.errors import UrushiWarning
 from urushi.nets import weights
 from urushi.textures.store import TexelGrid
 
@@ -31,7 +34,7 @@ def saved(rgb, networks, tmp_path):
     shear = rgb.ScalarTransform3f(np.float32([[1.5, 0.25, 0.1], [-0.5, 2.2, 0.3], [0, 0, 1]]))
     coat = described(rgb, networks, to_uv=shear, wrap_mode="mirror")
     # A file keeps its ratios: a coat of the plugin does, too, where `ext_ior` is given.
-    bsdf = rgb.load_dict(coat | {"ext_ior": "air", "resolution": 8})
+    bsdf = rgb.load_dict(coat | {"ext_ior": "air", "resolution": 9})
     bsdf.save(path)
     return bsdf, path
 
@@ -39,7 +42,7 @@ def saved(rgb, networks, tmp_path):
 def test_texels_have_the_codes_of_the_places(rgb, networks, saved):
     bsdf, path = saved
     again = loaded(rgb, path, networks).latents
-    assert again.grid == TexelGrid(8, 8)
+    assert again.grid == TexelGrid(9, 9)
     expected = bsdf.latents.at(again.grid.uv())
     # 8 bits of a number's range
     tolerance = 0.01 * np.ptp(expected, axis=(0, 1)) + 1e-4
@@ -64,18 +67,34 @@ def test_a_constant_coat_is_saved_as_a_material(rgb, networks, tmp_path):
 
 
 def test_a_saved_texture_can_be_coated(rgb, networks, saved):
-    """At the centres of texels, f is that of the coat over the plugin that was saved."""
+    """At the centres of texels, f is that of the coat over the plugin that was saved.
+
+    The coat has a whole number of texels in each.
+    """
     from urushi.mitsuba.reading import probing
 
     bsdf, path = saved
     grid = loaded(rgb, path, networks).latents.grid
-    coat = {"type": "neural_layered", "weights": str(networks), "alpha": 0.05, "resolution": 8}
+    coat = {"type": "neural_layered", "weights": str(networks), "alpha": 0.05}
     wi, wo = (np.tile(w, (grid.texels, 1)) for w in ([0.6, 0, 0.8], [0, 0.28, 0.96]))
     found, expected = (
         probing.bsdf_values(rgb.load_dict(coat | {"base": base}), wi, wo, grid.uv())
         for base in (loaded(rgb, path, networks), bsdf)
     )
     np.testing.assert_allclose(found, expected, rtol=0.02)
+
+
+@pytest.mark.slow
+def test_a_saved_texture_under_unusual_coats_warns_once(rgb, networks, saved):
+    """Not for every texel."""
+    depth = np.linspace(1, 20, 16, dtype=np.float32).reshape(4, 4, 1)
+    texture = {"type": "bitmap", "bitmap": rgb.Bitmap(depth), "raw": True}
+    coat = {"type": "neural_layered", "weights": str(networks), "albedo": 1.0, "g": 0.95}
+    with pytest.warns(UrushiWarning) as caught:
+        rgb.load_dict(coat | {"sigma_t": texture, "base": loaded(rgb, saved[1], networks)})
+    (warning,) = caught
+    sentence = r"^neural_layered: g is outside \[-0.8, 0.9\] and sigma_t is above 8"
+    assert re.match(sentence, str(warning.message))
 
 
 def rewritten(path, change) -> None:

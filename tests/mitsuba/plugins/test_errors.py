@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from urushi.errors import ParameterError
 from urushi.material import Material
 from urushi.mitsuba import register
 from urushi.nets import weights
@@ -141,28 +142,21 @@ def strangers(mi) -> dict[str, dict]:
     }
 
 
-@pytest.mark.parametrize("parameter", ("alpha", "albedo", "sigma_t", "g", "int_ior"))
-def test_textures_that_are_not_over_uv_cannot_be_baked(rgb, networks, parameter):
-    for kind, texture in strangers(rgb).items():
-        with pytest.raises(RuntimeError, match=f"neural_layered: {parameter} depends on {kind}"):
-            load(rgb, networks, "neural_layered", **{parameter: texture})
-
-
-@pytest.mark.parametrize(
-    ("kind", "parameter"),
-    [
-        ("diffuse", "reflectance"),
-        ("roughconductor", "alpha"),
-        ("principled", "roughness"),
-        ("layered", "sigma_t"),
-    ],
-)
-def test_bottoms_with_textures_not_over_uv_cannot_be_baked(rgb, networks, kind, parameter):
+def test_over_unknown_bottoms_textures_are_over_uv(rgb, networks):
+    """Other bottoms take values of their parameters, wherever these are given."""
+    over_uv = {"type": "checkerboard"}
     for what, texture in strangers(rgb).items():
-        inside = {"inside": bottom()} if kind == "layered" else {}
-        base = bottom(kind, **inside, **{parameter: texture})
-        with pytest.raises(RuntimeError, match=f"the nested BSDF depends on {what}"):
-            load(rgb, networks, "neural_layered", base=base)
+        for below, coat in ((texture, {}), (over_uv, {"alpha": texture})):
+            base = bottom("layered", inside=bottom(), sigma_t=below)
+            with pytest.raises(RuntimeError, match=f"depends on {what}.*, but the nested 'Layer"):
+                load(rgb, networks, "neural_layered", base=base, **coat)
+
+
+def test_files_are_over_uv(rgb, networks, tmp_path):
+    attribute = {"type": "mesh_attribute", "name": "vertex_value"}
+    bsdf = load(rgb, networks, "neural_layered", alpha=attribute)
+    with pytest.raises(ParameterError, match="depends on a mesh attribute.*, but a file has texel"):
+        bsdf.save(tmp_path / "coat.safetensors")
 
 
 @pytest.mark.parametrize("kind", ("normalmap", "bumpmap"))

@@ -141,18 +141,16 @@ def test_textures_without_a_meaning_are_refused(rgb, file, name, value):
     pixels[1, 1, 2] = value
     own = "reflectance" if name == "diffuse" else "specular_reflectance"
     base = KNOWN[name] | {own: bitmap(rgb, pixels)}
-    with pytest.raises((ParameterError, RuntimeError), match="negative or non-finite value"):
+    with pytest.raises((ParameterError, RuntimeError), match="is negative or not finite"):
         rgb.load_dict({"type": "neural_layered", "weights": str(file), "base": base})
 
 
-def test_codes_are_looked_up_where_numbers_are_the_same_everywhere(rgb, model, file):
-    """A coat over a textured coat: the numbers of its lobe that do not vary have no bytes."""
+def test_codes_of_textures_have_the_lobes_of_their_coats(rgb, model, file):
     albedo = bitmap(rgb, np.random.default_rng(0).random((2, 2, 3)))
     inner = {"type": "neural_layered", "weights": str(file), "albedo": albedo, "sigma_t": 1.0}
     inner["base"] = KNOWN["diffuse"]
-    bsdf = rgb.load_dict(inner)
-    codes = bsdf.latents.at(np.float32([[0.25, 0.25], [0.75, 0.25]]))
-    assert codes.shape == (2, 3, model.arch.latent)
-    np.testing.assert_allclose(codes[..., 1:4], np.broadcast_to([0, 0, 1], (2, 3, 3)))
     outer = {"type": "neural_layered", "weights": str(file), "alpha": 0.3, "base": inner}
-    assert rgb.load_dict(outer).latents.grid[:2] == (2, 2)
+    for coat, width in ((inner, 0.1), (outer, 0.3)):
+        codes = rgb.load_dict(coat).latents.at(np.float32([[0.25, 0.25], [0.75, 0.25]]))
+        assert codes.shape == (2, 3, model.arch.latent)
+        np.testing.assert_allclose(codes[..., :4], np.broadcast_to([width, 0, 0, 1], (2, 3, 4)))

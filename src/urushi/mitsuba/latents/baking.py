@@ -34,19 +34,14 @@ from urushi.mitsuba.reading.axes import (
     varying_parameters,
     wavelengths_varying,
 )
-from urushi.mitsuba.reading.grid import (
-    ELSEWHERE,
-    check_normals,
-    not_over_uv,
-    varying_textures,
-)
+from urushi.mitsuba.reading.grid import check_normals, not_over_uv, varying_textures
 from urushi.mitsuba.reading.kept import writable
 from urushi.mitsuba.reading.parameters import CoatTextures
 from urushi.nets import lobe as lobes
 from urushi.nets.weights import Model
 from urushi.textures.axes import AXES, FAINT, Axis, Rows, bake
 from urushi.textures.layering import layer_rows, transported_rests
-from urushi.textures.store import TexelGrid, TextureStore
+from urushi.textures.store import MIDDLE, TexelGrid, TextureStore
 
 #: Texels per side of what is no bitmap, the least and the largest side that is chosen, and texels
 #: that are read at once.
@@ -164,16 +159,16 @@ class Baker:
 
     def _at_texels(self) -> TexturedLatents:
         """The codes at texels over the unit square of uv, which repeats."""
-        coat, bottom = self._coat, BottomRows(self.model, self._bottom, self._coat).bsdf
-        parts = [*coat.textures.values(), bottom]
-        for part in parts:
-            if dependence := not_over_uv(part):
-                raise ParameterError(
-                    f"{coat.where}: a parameter depends on {dependence}, but the nested "
-                    f"'{bottom.class_name()}' is evaluated over uv; give textures over uv, or use "
-                    "the plugin 'layered', which evaluates every point"
-                )
-        grid = grid_of([x for part in parts for x in varying_textures(part)], self._resolution)
+        coat, below = self._coat, BottomRows(self.model, self._bottom, self._coat)
+        bottom, parts = below.bsdf, [*self._coat.textures.values(), below.bsdf]
+        _check_over_uv(
+            parts,
+            coat.where,
+            f"the nested '{bottom.class_name()}' is evaluated over uv; give textures over uv, or "
+            "use the plugin 'layered', which evaluates every point",
+        )
+        own = below.nested.grid if isinstance(below.nested, TexturedLatents) else MIDDLE
+        grid = grid_of(parts, self._resolution, own)
         rows, left = [], set[str]()
         with _progress(grid, coat.where) as bar:
             for start in range(0, grid.texels, BLOCK):
@@ -277,27 +272,40 @@ class _Coated:
         return codes.reshape(self._channels, len(values), -1)
 
 
-def grid_of(textures: Sequence["mi.Texture"], resolution: int) -> TexelGrid:
-    """Texels over the unit square of uv; resolution: of each side, 0 for that of the textures."""
+def grid_of(parts: Sequence["mi.Object"], resolution: int, least: TexelGrid = MIDDLE) -> TexelGrid:
+    """Texels over the unit square of uv.
+
+    Args:
+        parts: scene objects with textures.
+        resolution: texels of each side, 0 for those of the textures.
+        least: it has at least as many texels as this.
+    """
     if resolution:
         return TexelGrid(resolution, resolution)
-    sizes = [texture.resolution() for texture in textures if texture.class_name() not in ELSEWHERE]
-    sides = [x if x[0] * x[1] > 1 else (PROCEDURAL, PROCEDURAL) for x in map(tuple, sizes)]
-    found = np.max([*sides, (1, 1)], axis=0)
+    sizes = [tuple(x.resolution()) for part in parts for x in varying_textures(part)]
+    sides = [x if x[0] * x[1] > 1 else (PROCEDURAL, PROCEDURAL) for x in sizes]
+    found = np.max([*sides, least[:2]], axis=0)
     # Small bitmaps are magnified: each of their texels has several.
     width, height = (min(side * -(-LEAST // side), LARGEST) for side in found.tolist())
     return TexelGrid(width, height)
 
 
-def at_texels(latents: AxisLatents, resolution: int) -> tuple[TextureStore, TexelGrid]:
+def at_texels(latents: AxisLatents, resolution: int, where: str) -> tuple[TextureStore, TexelGrid]:
     """Codes over axes as a texture over the unit square of uv, for files."""
-    textures = [x for part in latents.varying for x in part.sources]
-    grid = grid_of(textures, resolution)
+    parts = [x for part in latents.varying for x in part.sources]
+    _check_over_uv(parts, where, "a file has texels over uv")
+    grid = grid_of(parts, resolution)
     store = TextureStore(latents.model, spectrum.channel_count(), grid.texels)
     starts = range(0, grid.texels, 1 << 16)
     parts = [latents.at(grid.uv(i, min(i + (1 << 16), grid.texels))) for i in starts]
     store.write(slice(grid.texels), np.concatenate(parts))
     return store, grid
+
+
+def _check_over_uv(parts: Sequence["mi.Object"], where: str, reason: str) -> None:
+    for part in parts:
+        if dependence := not_over_uv(part):
+            raise ParameterError(f"{where}: a parameter depends on {dependence}, but {reason}")
 
 
 def _progress(grid: TexelGrid, where: str) -> tqdm:

@@ -265,7 +265,8 @@ class BottomRows:
         No table: they are their lobes; no lobes: they are their tables.
         """
         bsdf, uv = self._of_rows(rows), along_u(len(next(iter(rows.values()))))
-        known, bare = probing.known_lobes(bsdf, uv), offer_of(bsdf).bare
+        known = known_lobes(self._model, bsdf, uv, self._coat.where)
+        bare = known is not None and offer_of(bsdf).bare
         if known is not None:
             known = np.moveaxis(known[:, :channels], 1, 0)
             if bare:

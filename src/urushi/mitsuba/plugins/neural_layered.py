@@ -38,17 +38,16 @@ def define(base: type) -> type:
         Takes the parameters of ``layered``, its reference, and these:
 
         ============== ===================== ====================================================
-        resolution     integer               Texels per side of the latent texture if anything is
-                                             textured, at most 8192. (Default: that of the largest
-                                             texture, at most 2048; 256 for procedural ones)
+        resolution     integer               Texels per side of saved files, and where the bottom is of
+                                             an unknown kind and varies; at most 8192. (Default:
+                                             that of the largest texture, at most 512; 256 for
+                                             procedural ones)
         weights        string                File of the weights. (Default: the shipped
                                              ones, ``anisotropic`` where the coat or the bottom is
                                              anisotropic, otherwise ``default``)
         ============== ===================== ====================================================
 
-        The layering network knows sigma_t from 0 to 8 and g from -0.8 to 0.9. Outside these ranges,
-        it layers textures under a similar medium, with a warning. Two widths of a ratio above 10
-        are refused. The bottom must have no normals of its own.
+        Two widths of a ratio above 10 are refused. The bottom must have no normals of its own.
 
         Without a nested BSDF, over dielectrics and over slabs, it is a *slab* as ``layered``, which
         scatters light from both sides to both. Tables of what it reflects and transmits are
@@ -59,18 +58,24 @@ def define(base: type) -> type:
         When the scene is loaded, the bottom is evaluated at the probe pairs, averaged if it lacks
         the symmetries of materials (see ``urushi.encode``), and encoded. Constant coats over
         constant bottoms are computed by light transport, as in ``urushi.layer``: a table for one
-        width, codes for two. So are 384 different texels and channels of a texture, or 12 of two
-        widths; the network, corrected by these, layers all others. Textures are baked in their own
-        space if they share one ``to_uv``, otherwise over the unit square of uv, which repeats.
-        A change through ``mi.traverse`` recomputes the codes that depend on it. The method ``save``
-        writes the codes to a file for ``neural_brdf``. In spectral variants, a constant coat has
-        one code for each of 56 bands from 380 to 720 nm, and a wavelength takes that of its band;
-        textures have codes at the three bands of colours, and f at other wavelengths follows an
-        estimate of the albedo by the spectra of coat and bottom there.
+        width, codes for two. Parameters of the coat and of the bottom that vary are axes, from one
+        to six. Light transport gives codes along them, and Mitsuba's own textures the place on
+        them, with their filter and transform; mesh attributes and volumes are textures, too. In
+        spectral variants, a constant coat has one code for each of 56 bands from 380 to 720 nm,
+        and the wavelength is an axis of others.
+
+        Where a bottom of an unknown kind varies, or more than six parameters do, codes are computed
+        for each texel of the unit square of uv, which repeats, by light transport and the layering
+        network. The network knows sigma_t from 0 to 8 and g from -0.8 to 0.9, and takes a similar
+        medium outside, with a warning.
+
+        A change through ``mi.traverse`` recomputes codes, but not where textures stay within their
+        former ranges. The method ``save`` writes the codes to a file for ``neural_brdf``.
 
         Pictures can be differentiated with respect to all parameters, including the bottom's, by
         Mitsuba's differentiable integrators such as ``prb``: enable gradients of the parameters
-        that ``mi.traverse`` lists, and update.
+        that ``mi.traverse`` lists, and update. A parameter with gradients is an axis over all
+        values that it may take; its derivative is the slope along it.
 
         After Fan, Wang, Hašan, Yang and Yan, Neural Layered BRDFs, SIGGRAPH 2022.
         """
@@ -140,7 +145,7 @@ def define(base: type) -> type:
                 material.rotated(angle).save(path)
                 return
             if isinstance(self.latents, AxisLatents):
-                store, grid = at_texels(self.latents, self._resolution)
+                store, grid = at_texels(self.latents, self._resolution, self._coat.where)
                 write_texture(path, store, grid, self.model.fingerprint)
             else:
                 self.latents.save(path)

@@ -227,8 +227,10 @@ def _of_bottom(bottom: "mi.BSDF", where: str) -> list[Varying]:
             return spectrum.to_channels(texture.eval(si, active))
 
         ends = range_of(lambda si, read=read: read(si, True), [texture], whole, True)
-        if not np.isfinite(ends).all():
-            raise ParameterError(f"{where}: a texel of the nested BSDF's {name} is not finite")
+        if not np.isfinite(ends).all() or (scale != LINEAR and ends[0] < 0):
+            raise ParameterError(
+                f"{where}: a texel of the nested BSDF's {name} is negative or not finite"
+            )
         axis = Axis(BOTTOM + name, scale, *ends, coloured and _coloured(texture))
         found += _varying(axis, whole if gradient else None, read, [texture], texture)
     return found
