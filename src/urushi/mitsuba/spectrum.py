@@ -93,7 +93,7 @@ def set_bands(si) -> None:
         si.wavelengths = mi.Spectrum([*RGB, RGB[-1]])
 
 
-def at_bands(si, evaluate: Callable[[], Sequence]) -> list:
+def at_bands(si, evaluate: Callable[..., Sequence]) -> list:
     """The channels of evaluate() at a surface interaction.
 
     evaluate: returns the channels, of `to_channels`, at the interaction's wavelengths; spectral

@@ -148,7 +148,7 @@ def test_over_unknown_bottoms_textures_are_over_uv(rgb, networks):
     for what, texture in strangers(rgb).items():
         for below, coat in ((texture, {}), (over_uv, {"alpha": texture})):
             base = bottom("layered", inside=bottom(), sigma_t=below)
-            with pytest.raises(RuntimeError, match=f"depends on {what}.*, but the nested 'Layer"):
+            with pytest.raises(RuntimeError, match=f"depends on {what}.*, but the nested '"):
                 load(rgb, networks, "neural_layered", base=base, **coat)
 
 

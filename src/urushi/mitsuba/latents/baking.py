@@ -167,8 +167,8 @@ class Baker:
             f"the nested '{bottom.class_name()}' is evaluated over uv; give textures over uv, or "
             "use the plugin 'layered', which evaluates every point",
         )
-        own = below.nested.grid if isinstance(below.nested, TexturedLatents) else MIDDLE
-        grid = grid_of(parts, self._resolution, own)
+        least = below.nested.grid if isinstance(below.nested, TexturedLatents) else MIDDLE
+        grid = grid_of(parts, self._resolution, least)
         rows, left = [], set[str]()
         with _progress(grid, coat.where) as bar:
             for start in range(0, grid.texels, BLOCK):

@@ -229,17 +229,17 @@ class BottomRows:
             some = {name: x[start : start + BLOCK] for name, x in rows.items()}
             with wavelengths_of(some, len(next(iter(some.values())))):
                 parts.append(self._part(some, channels))
-        logs, tops = ([*side] for side in zip(*parts, strict=True))
+        tables, tops = ([*side] for side in zip(*parts, strict=True))
         top = None if tops[0] is None else np.concatenate(tops, axis=1)
         places = np.arange(channels)[:, None] * different + which
         if top is not None:
             top = top.reshape(-1, top.shape[-1])
-        if logs[0] is None:
+        if tables[0] is None:
             assert top is not None  # for the type checker
             rest = np.tile(self._model.networks.empty_rest(), (len(top), 1))
             codes = np.concatenate([top, rest], axis=1, dtype=np.float32)
             return Substrate.of(Material(codes, self._model)), places
-        table = np.concatenate(logs, axis=-1)
+        table = np.concatenate(tables, axis=-1)
         return Substrate.of_logs(table.reshape(*table.shape[:3], -1), top), places
 
     def _distinct(

@@ -246,7 +246,7 @@ def _coloured(texture: "mi.Texture") -> bool:
 
 
 def range_of(
-    read: Callable[[Any], list],
+    read: Callable[..., list],
     textures: Iterable["mi.Texture"],
     whole: tuple[float, float],
     plain: bool,
