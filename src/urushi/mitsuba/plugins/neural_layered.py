@@ -38,10 +38,10 @@ def define(base: type) -> type:
         Takes the parameters of ``layered``, its reference, and these:
 
         ============== ===================== ====================================================
-        resolution     integer               Texels per side of saved files, and where the bottom is of
-                                             an unknown kind and varies; at most 8192. (Default:
-                                             that of the largest texture, at most 512; 256 for
-                                             procedural ones)
+        resolution     integer               Texels per side of saved files, and where the bottom
+                                             is of an unknown kind and varies; at most 8192.
+                                             (Default: that of the largest texture, at most 512;
+                                             256 for procedural ones)
         weights        string                File of the weights. (Default: the shipped
                                              ones, ``anisotropic`` where the coat or the bottom is
                                              anisotropic, otherwise ``default``)
