@@ -8,7 +8,7 @@ nodes.
 """
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -108,7 +108,7 @@ def _scaled(scale: str, value: Any, xp: Any) -> Any:
 
 
 class Rows(NamedTuple):
-    """A material at rows of values (k, d) along axes."""
+    """A material at rows of values (k, d) along axes, followed by changes of constants."""
 
     #: The coats, arrays (C, k); C is 1 if all channels are alike at the same values.
     coats: Callable[[np.ndarray], CoatParameters]
@@ -121,10 +121,12 @@ class Baked(NamedTuple):
 
     model: Model
     axes: tuple[Axis, ...]
+    constants: tuple[str, ...]  # names of the constants of which `slopes` are known, too
     shape: tuple[int, ...]  # number of nodes along each axis
     lobes: np.ndarray  # float32 (N, M) of the codes, the last axis the fastest
     rests: np.ndarray  # float32 (C, N, K) the other numbers, with `FAINT`; C as of `Rows`
-    slopes: Callable[[], np.ndarray]  # of the rests by the values, float32 (C, N, d, K)
+    #: Of the rests by the values of axes and constants, float32 (C, N, d + constants, K).
+    slopes: Callable[[], np.ndarray]
 
     def at(self, coordinates: np.ndarray, channel: int) -> np.ndarray:
         """Rests (k, K) of a channel at coordinates (k, d)."""
@@ -139,6 +141,8 @@ def simplex(shape: Sequence[int], coordinates: np.ndarray) -> list[tuple[np.ndar
 
     The cell is cut into the simplices along which coordinates ascend (Kuhn 1960).
     """
+    if not shape:
+        return [(np.zeros(len(coordinates), int), np.ones(len(coordinates)))]
     counts = np.array(shape)
     place = np.clip(coordinates, 0, 1) * (counts - 1)
     first = np.minimum(place.astype(int), counts - 2)
@@ -155,14 +159,31 @@ def simplex(shape: Sequence[int], coordinates: np.ndarray) -> list[tuple[np.ndar
     return found
 
 
-def bake(model: Model, axes: Sequence[Axis], rows: Rows) -> Baked:
-    """The codes at nodes of the axes, at most `AXES` of them."""
-    own, size = tuple(axes), model.arch.lobe
+class Steps(NamedTuple):
+    """A negative and a positive change of a constant, one of which may be zero."""
 
-    def values(x: np.ndarray) -> np.ndarray:
-        return np.stack([a.values(column) for a, column in zip(own, x.T, strict=True)], axis=1)
+    low: float
+    high: float
 
-    x = points(len(own), POINTS[model.widths][len(own) - 1])
+
+def bake(
+    model: Model,
+    axes: Sequence[Axis],
+    rows: Rows,
+    constants: Mapping[str, Steps] | None = None,
+) -> Baked:
+    """The codes at nodes of the axes, at most `AXES` of them.
+
+    constants: changes of each constant whose slopes are wanted, too.
+    """
+    own, size, ends = tuple(axes), model.arch.lobe, list((constants or {}).values())
+
+    def values(x: np.ndarray, changes: Sequence[float] = ()) -> np.ndarray:
+        columns = [a.values(column) for a, column in zip(own, x.T, strict=True)]
+        columns += [np.full(len(x), change) for change in changes or np.zeros(len(ends))]
+        return np.stack(columns, axis=1)
+
+    x = points(len(own), POINTS[model.widths][len(own) - 1]) if own else np.zeros((1, 0))
     computed = np.moveaxis(rows.codes(values(x))[..., size:], 0, 1)
     smooth = spline(x, computed)
 
@@ -179,7 +200,9 @@ def bake(model: Model, axes: Sequence[Axis], rows: Rows) -> Baked:
 
     shape = node_counts(model, lambda x: np.moveaxis(rests_at(x), 0, 1), len(own))
     sides = [np.linspace(0, 1, count) for count in shape]
-    nodes = np.stack(np.meshgrid(*sides, indexing="ij"), axis=-1).reshape(-1, len(own))
+    nodes = np.zeros((1, 0))
+    if own:
+        nodes = np.stack(np.meshgrid(*sides, indexing="ij"), axis=-1).reshape(-1, len(own))
 
     def slopes() -> np.ndarray:
         parts = []
@@ -187,9 +210,16 @@ def bake(model: Model, axes: Sequence[Axis], rows: Rows) -> Baked:
             low, high = (np.clip(nodes + s * DIFFERENCE * unit, 0, 1) for s in (-1, 1))
             step = axis.values(high @ unit) - axis.values(low @ unit)
             parts.append((rests_at(high) - rests_at(low)) / step[:, None])
+        for end, unit in zip(ends, np.eye(len(ends)), strict=True):
+            ways = [*(unit * end.low)], [*(unit * end.high)]
+            low, high = (rows.codes(values(x, way))[..., size:] for way in ways)
+            change = np.moveaxis(high - low, 0, 1) / (end.high - end.low)
+            parts.append(np.moveaxis(spline(x, change)(nodes), 1, 0))
         return np.stack(parts, axis=2).astype(np.float32)
 
-    return Baked(model, own, shape, lobes_at(nodes), rests_at(nodes), slopes)
+    return Baked(
+        model, own, tuple(constants or ()), shape, lobes_at(nodes), rests_at(nodes), slopes
+    )
 
 
 def node_counts(
@@ -243,8 +273,10 @@ def points(dimensions: int, count: int) -> np.ndarray:
 def spline(x: np.ndarray, values: np.ndarray) -> Callable[[np.ndarray], np.ndarray]:
     """The function of points (n, d) that takes values (m, ...) at x (m, d).
 
-    It is sums of cubed distances, and linear far away.
+    It is sums of cubed distances, and linear far away; of points without coordinates, a constant.
     """
+    if not x.shape[1]:
+        return lambda y: np.repeat(values, len(y), axis=0)
 
     def parts(y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         distance2 = sum(np.square(a[:, None] - b) for a, b in zip(y.T, x.T, strict=True))

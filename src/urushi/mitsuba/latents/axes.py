@@ -26,7 +26,7 @@ from urushi.nets import lobe as lobes
 from urushi.nets import proposal
 from urushi.nets.basis import Basis
 from urushi.nets.weights import Model
-from urushi.textures.axes import FAINT, Baked
+from urushi.textures.axes import FAINT, Baked, simplex
 from urushi.textures.principal import projection_of
 
 #: Largest level of a number of 16 bits.
@@ -46,7 +46,7 @@ class AxisLatents(Held):
             ("_steps", "_lows", "_term_steps", "_term_lows", "_fixed", "_slopes", "_ranges"), list
         )
     )  # for frozen functions
-    UNRECORDED: ClassVar = ("baked", "varying")
+    UNRECORDED: ClassVar = ("baked", "varying", "_changes")
 
     def __init__(self, baked: Baked, varying: Sequence[Varying], differentiable: bool):
         """differentiable: whether a parameter carries a gradient."""
@@ -82,11 +82,12 @@ class AxisLatents(Held):
         # Numbers in memory, so that all materials of the same axes share compiled code
         self._ranges = [[mi.Float(x) for x in axis.numbers] for axis in baked.axes]
         self._axes = [(axis.name, axis.scale, axis.own) for axis in baked.axes], baked.shape
+        self._all = [x.axis.name for x in varying]
         numbers = self._steps, self._lows, self._term_steps, self._term_lows, self._ranges
         dr.make_opaque(*numbers, self._fixed)
         self._slopes = []
         if differentiable:
-            slopes = baked.slopes()
+            self._changes = slopes = baked.slopes()
             if projection is not None:
                 slopes = projection.changes(slopes)
             self._slopes = [owned(mi.Float, slopes * scale * self._decoder.factors)]
@@ -97,7 +98,7 @@ class AxisLatents(Held):
         """The vertex at a surface interaction."""
         values = [part.read(si, active) for part in self.varying]
         fixed = [[dr.detach(x) for x in part] for part in values]
-        vertex, slopes = only_where(active, self._vertex, si.wi, fixed)
+        vertex, slopes = only_where(active, self._vertex, si.wi, fixed[: len(self.baked.axes)])
         if not (self._slopes and dr.grad_enabled(values)):
             return vertex
         # Outside of the call: inside, Dr.Jit 1.5 counts gradients of single numbers several times.
@@ -110,9 +111,9 @@ class AxisLatents(Held):
         found = []
         for c, channel in enumerate(terms):
             places, moved = self._kind.numbers(c), list(channel)
-            for axis, own, slope in zip(self.baked.axes, changes, slopes[c], strict=True):
+            for name, own, slope in zip(self._all, changes, slopes[c], strict=True):
                 change, start = own[min(c, len(own) - 1)], len(places)
-                for place in self._lobe_places(axis.name):
+                for place in self._lobe_places(name):
                     if place in places:
                         moved[places.index(place)] += change
                 if self.model.widths == 2:  # the last number is the squared stretch
@@ -171,7 +172,7 @@ class AxisLatents(Held):
     def _numbers(self, coordinates: Sequence, channel: int) -> tuple[list, list[list]]:
         """The numbers of a code by `textures.axes.simplex`, and their slopes along each axis."""
         shape, total = self.baked.shape, list[Any]()
-        slopes = [[mi.Float(0)] * self._count for _ in shape if self._slopes]
+        slopes = [[mi.Float(0)] * self._count for _ in self._all if self._slopes]
         for corner, (node, weight) in enumerate(_simplex(shape, coordinates, channel)):
             dr.detail.new_scope(dr.backend_v(mi.Float))  # one corner after the other, as in `mlp`
             levels = _levels(self._words, self._count, node)
@@ -180,7 +181,7 @@ class AxisLatents(Held):
             else:
                 total = [weight * x for x in levels]
             for k, slope in enumerate(slopes):
-                first = (node * len(shape) + k) * self._count
+                first = (node * len(slopes) + k) * self._count
                 slopes[k] = [
                     dr.fma(dr.gather(mi.Float, self._slopes[0], first + i), weight, x)
                     for i, x in enumerate(slope)
@@ -194,12 +195,22 @@ class AxisLatents(Held):
         """
         baked = self.baked
         columns = [axis.coordinate(values[axis.name], NUMPY) for axis in baked.axes]
-        x = np.stack(columns, axis=-1)
+        x = (
+            np.stack(columns, axis=-1)
+            if columns
+            else np.zeros((len(next(iter(values.values()))), 0))
+        )
         rests = np.stack([baked.at(x, c) for c in range(len(baked.rests))])
         tops = np.tile(baked.lobes[0], (*rests.shape[:2], 1))
         for axis in baked.axes:
             for place in self._lobe_places(axis.name):
                 tops[..., place] = np.clip(values[axis.name], axis.least, axis.most)
+        for k, name in enumerate(baked.constants, len(baked.axes)):
+            change = values.get(name, np.zeros(len(x)))[:, None]
+            for node, weight in simplex(baked.shape, x):
+                rests = rests + self._changes[:, node, k] * (weight[:, None] * change)
+            for place in self._lobe_places(name):
+                tops[..., place] += change[:, 0]
         return np.concatenate([tops, rests], axis=-1, dtype=np.float32)
 
     def at(self, uv: np.ndarray) -> np.ndarray:

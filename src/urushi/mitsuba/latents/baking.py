@@ -103,30 +103,38 @@ class Baker:
     def _over_axes(self, rows: BottomRows, varying: list[Varying]) -> AxisLatents | None:
         """The codes along the parameters that vary; None: the bottom is unknown, or too many
         vary."""
+        constants, varying = (
+            [x for x in varying if (x.steps is not None) == chosen] for chosen in (True, False)
+        )
         if len(varying) > AXES:
             return None
-        gradients = any(x.differentiable for x in varying)
+        gradients = bool(constants) or any(x.differentiable for x in varying)
         axes, fixed = [x.axis for x in varying], self._numbers(varying, rows)
+        fixed += [np.array([ord(c) for x in constants for c in x.axis.name])]
         last = self._last
         if last is not None and self._are_known(axes, fixed, last):
-            if gradients == last.differentiable and [x.texture for x in last.varying] == [
-                x.texture for x in varying
-            ]:
+            count, every = len(last.baked.axes), [*varying, *constants]
+            former = [x.texture for x in (*last.varying[: len(axes)], *last.varying[count:])]
+            if gradients == last.differentiable and former == [x.texture for x in every]:
                 return last
             parts = zip(varying, last.baked.axes, strict=False)
-            kept = [x._replace(axis=axis) for x, axis in parts] + last.varying[len(varying) :]
+            kept = [x._replace(axis=axis) for x, axis in parts]
+            kept += [*last.varying[len(varying) : count], *constants]
             self._last = AxisLatents(last.baked, kept, gradients)
             return self._last
-        rows.follow(varying)
+        rows.follow([*varying, *constants])
         if not rows.is_known():
             return None
-        coated = _Coated(self.model, self._coat, rows, varying)
+        coated = _Coated(self.model, self._coat, rows, varying, constants)
         if coated.needs_wavelengths:
             varying = [*varying, coated.with_wavelengths()]
             if len(varying) > AXES:
                 return None
-        baked = bake(self.model, [x.axis for x in varying], Rows(coated.coats, coated.codes))
-        self._last, self._fixed = AxisLatents(baked, varying, gradients), fixed
+        steps = {x.axis.name: x.steps for x in constants if x.steps is not None}
+        material = Rows(coated.coats, coated.codes)
+        baked = bake(self.model, [x.axis for x in varying], material, steps)
+        self._last = AxisLatents(baked, [*varying, *constants], gradients)
+        self._fixed = fixed
         return self._last
 
     def _are_known(self, axes: Sequence[Axis], fixed: list[np.ndarray], last: AxisLatents) -> bool:
@@ -193,10 +201,17 @@ class _Coated:
     """A coat over a bottom at rows of values."""
 
     def __init__(
-        self, model: Model, coat: CoatTextures, rows: BottomRows, varying: Sequence[Varying]
+        self,
+        model: Model,
+        coat: CoatTextures,
+        rows: BottomRows,
+        varying: Sequence[Varying],
+        constants: Sequence[Varying],
     ):
+        """constants: those that change."""
         self._model, self._coat, self._rows = model, coat, rows
         self._names, self._varying = [x.axis.name for x in varying], varying
+        self._changing = [x.axis.name for x in constants]
         self._places = next((x.places for x in varying if x.places is not None), None)
         with spectrum.bands_of(None):
             own = coat.channels(spectrum.points(POINT))
@@ -211,6 +226,7 @@ class _Coated:
         """Follow the wavelength as one more parameter."""
         count = WAVELENGTHS
         middle = np.array([[x.axis.values(np.array(0.5)) for x in self._varying]])
+        middle = np.append(middle, np.zeros((1, len(self._changing))), axis=1)
         named = self._named(np.repeat(middle, count + 1, axis=0))
         named[NANOMETRES] = np.linspace(*spectrum.ENDS, count + 1)
         changes = self._rows.spectral_changes(count, named)
@@ -222,7 +238,7 @@ class _Coated:
         return found
 
     def _named(self, values: np.ndarray) -> dict[str, np.ndarray]:
-        named = dict(zip(self._names, values.T, strict=True))
+        named = dict(zip([*self._names, *self._changing], values.T, strict=True))
         if self._places is not None:
             even = np.linspace(*spectrum.ENDS, len(self._places))
             named[NANOMETRES] = np.interp(named[WAVELENGTH], self._places, even)
@@ -243,9 +259,11 @@ class _Coated:
             dr.eval(found)
         columns = []
         for name in self._coat.names:
-            rows = [named[name]] if name in named else [x.numpy() for x in found[name]]
+            rows = [named[name]] if name in self._names else [x.numpy() for x in found[name]]
             rows = [np.broadcast_to(x, count) for x in rows][: self._channels]
             column = np.asarray(rows, np.float64)
+            if name in self._changing:
+                column = column + named[name]
             if name == "eta":
                 column = np.where(np.abs(column - 1) < MIN_INDEX_STEP, 1, column)
             columns.append(np.broadcast_to(column, (self._channels, count)))

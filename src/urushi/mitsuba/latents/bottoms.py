@@ -1,6 +1,7 @@
 """What lies below a coat: as a material, at rows of values of its parameters, at points of uv."""
 
 import contextlib
+import functools
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from itertools import product
@@ -125,7 +126,10 @@ class BottomRows:
         uv, (wi, wo) = rng.random((COMPARED, 2)), (x[::8] for x in self._model.networks.pairs())
         si = spectrum.points(uv)
         values = {
-            x.axis.name: spectrum.at_bands(si, lambda x=x: x.read(si, True)) for x in self._varying
+            x.axis.name: [mi.Float(0)]
+            if x.steps
+            else spectrum.at_bands(si, lambda x=x: x.read(si, True))
+            for x in self._varying
         }
         dr.eval(values)
         rows = {
@@ -153,7 +157,8 @@ class BottomRows:
             return len(self.nested.baked.rests) == 1
         if self._material is not None and not mi.is_spectral:
             return bool((self._material.latents == self._material.latents[:1]).all())
-        ends = list(product(*((x.axis.least, x.axis.most) for x in self._varying)))[:16]
+        ends = [(0.0,) if x.steps else (x.axis.least, x.axis.most) for x in self._varying]
+        ends = list(product(*ends))[:16]
         columns = dict(zip(self._names, np.array(ends).T, strict=True)) if self._names else {}
         bsdf = self._at(columns)
         assert bsdf is not None  # for the type checker
@@ -182,7 +187,11 @@ class BottomRows:
 
     def _at(self, rows: Mapping[str, np.ndarray]) -> "mi.BSDF | None":
         """The BSDF whose varying parameters have rows (k,) of values along u, by their names."""
-        textures = {id(x.texture): _row(rows[x.axis.name]) for x in self._varying if x.texture}
+        textures = {}
+        for x in self._varying:
+            if x.texture:
+                row = _row(rows[x.axis.name])
+                textures[id(x.texture)] = _shifted(x.texture, row) if x.steps else row
         coat = self._coat
         if INDEX in rows and INDEX in self._names:
             coat = coat.of_index(_row(rows[INDEX]))
@@ -300,6 +309,38 @@ def _row(values: np.ndarray) -> "mi.Texture":
     data = mi.Bitmap(np.array(values, np.float32).reshape(1, -1, 1))
     options = {"raw": True, "filter_type": "nearest", "wrap_mode": "clamp"}
     return mi.load_dict({"type": "bitmap", "bitmap": data, **options})
+
+
+def _shifted(texture: "mi.Texture", row: "mi.Texture") -> "mi.Texture":
+    """A texture to which another is added."""
+    return _shifted_class(mi.variant())(texture, row)
+
+
+@functools.cache
+def _shifted_class(variant: str) -> type:
+    """The class of the textures of `_shifted`, in a variant."""
+
+    class Shifted(mi.Texture):
+        def __init__(self, texture, row):
+            self._texture, self._row = texture, row
+            mi.Texture.__init__(self, mi.Properties("shifted"))
+
+        def eval(self, si, active=True):
+            return self._texture.eval(si, active) + mi.Spectrum(self._row.eval_1(si, active))
+
+        def eval_1(self, si, active=True):
+            return self._texture.eval_1(si, active) + self._row.eval_1(si, active)
+
+        def mean(self):
+            return self._texture.mean()
+
+        def is_spatially_varying(self):
+            return True
+
+        def to_string(self):
+            return f"Shifted[{self._texture}]"
+
+    return Shifted
 
 
 def wavelengths_of(rows: Mapping[str, np.ndarray], count: int) -> Any:

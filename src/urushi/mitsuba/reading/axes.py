@@ -22,7 +22,7 @@ from urushi.mitsuba.reading.kept import has_gradients, is_attached
 from urushi.mitsuba.reading.parameters import CHECKS, TWO_WIDTHS, CoatTextures
 from urushi.mitsuba.reading.replaced import parts
 from urushi.mitsuba.recording import owned
-from urushi.textures.axes import ALBEDO, DEPTH, LINEAR, REFLECTANCE, WIDTH, Axis
+from urushi.textures.axes import ALBEDO, DEPTH, LINEAR, REFLECTANCE, WIDTH, Axis, Steps
 from urushi.textures.store import MIDDLE, from_texture
 
 #: All values of a parameter, by its scale.
@@ -48,6 +48,16 @@ COAT: dict[str, tuple[str, tuple[str, ...]]] = {
 #: Range of g in which light transport is accurate, and relative indices on both sides of one.
 ASYMMETRIES, ABOVE, BELOW = (-0.95, 0.95), (1 + 2 * MIN_INDEX_STEP, 3.0), (0.4, 0.995)
 
+#: Changes of constants by which slopes are found: a share of the value, and a number.
+STEPS = {
+    WIDTH: (0.05, 0.0),
+    DEPTH: (0.05, 0.02),
+    REFLECTANCE: (0.04, 0.0005),
+    ALBEDO: (0.0, 0.01),
+    LINEAR: (0.0, 0.02),
+    "eta": (0.0, 0.005),
+}
+
 #: Largest change of one of two widths that carries a gradient, until codes are baked again.
 NEAR = 1.3
 
@@ -69,6 +79,8 @@ class Varying(NamedTuple):
     texture: Any = None  # which it is, of a bottom
     differentiable: bool = False  # whether it carries a gradient
     places: np.ndarray | None = None  # of the axis of wavelengths, see `wavelengths_varying`
+    #: Changes of a constant that carries a gradient, by which its slopes are found; else None.
+    steps: Steps | None = None
 
 
 def varying_parameters(
@@ -150,11 +162,24 @@ def _varying(
     sources: Sequence[Any],
     texture: Any = None,
 ) -> list[Varying]:
-    """A parameter if it varies, or carries gradients and may take all values (`whole`)."""
+    """A parameter if it varies or carries gradients.
+
+    whole: all the values that it may take, if it carries gradients.
+    """
+    if whole is not None and not any(map(varying_textures, sources)):
+        return [Varying(axis, read, sources, texture, True, steps=_steps(axis, whole))]
     if whole is not None:
         axis = axis._replace(least=min(axis.least, whole[0]), most=max(axis.most, whole[1]))
     found = Varying(axis, read, sources, texture, whole is not None)
     return [found] if axis.least < axis.most else []
+
+
+def _steps(axis: Axis, whole: tuple[float, float]) -> Steps:
+    """The changes of a constant by which its slopes are found."""
+    part, least = STEPS.get(axis.name, STEPS[axis.scale])
+    size = part * axis.most + least
+    low, high = axis.least - size >= whole[0], axis.most + size <= whole[1]
+    return Steps(-size if low else 0.0, size if high or not low else 0.0)
 
 
 def check_coat(coat: CoatTextures) -> None:
@@ -216,7 +241,7 @@ def _of_bottom(bottom: "mi.BSDF", where: str) -> list[Varying]:
         last = name.rpartition(".")[2]
         coloured = "reflectance" in last or "color" in last or last in ("eta", "k")
         scale = WIDTH if last.startswith("alpha") else REFLECTANCE if coloured else LINEAR
-        whole = RANGES[scale]
+        whole = (0.0, np.inf) if last in ("eta", "k") else RANGES[scale]
         if last in TWO_WIDTHS:
             with dr.suspend_grad():
                 whole = _near(float(texture.eval_1(spectrum.points(MIDDLE.uv())).numpy()[0]))
@@ -262,7 +287,11 @@ def range_of(
         plain: whether it is the value of the only texture.
     """
     low, high = np.inf, -np.inf
-    varying = [x for texture in textures for x in varying_textures(texture) or [texture]]
+    varying = [x for texture in textures for x in varying_textures(texture)]
+    if not varying:
+        si = spectrum.points(MIDDLE.uv())
+        values = [x.numpy() for x in spectrum.at_bands(si, lambda: read(si))]
+        return float(np.min(values)), float(np.max(values))
     for texture in varying:
         if texture.class_name() in ELSEWHERE:
             return whole
