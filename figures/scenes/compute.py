@@ -56,7 +56,6 @@ CASES = {
     "globe": Case("globe", OWN, True, 6, "globe"),
     "teapot": Case("teapot", OWN, True, 6, "teapot"),
     "brushed": Case("brushed", OWN, True, 6, "brushed"),
-    "bells": Case("bells", OWN, True, 6, "bells"),
     "shoe": Case("shoe", BOTH, True, 6, "shoe, point light and studio"),
     "shoe-1": Case("shoe", BOTH, False, 6, "shoe, point light and studio"),
     "shoe-point": Case("shoe", POINT, False, 2, "shoe, point light alone"),

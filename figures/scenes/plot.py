@@ -16,7 +16,6 @@ INSETS = {
     "globe": ((85, 40), (95, 132)),
     "teapot": ((85, 70), (140, 60)),
     "brushed": ((60, 45), (140, 95)),
-    "bells": ((60, 75), (130, 110)),
     "shoe": ((140, 70), (70, 60)),
     "shoe-1": ((140, 70), (70, 60)),
     "shoe-point": ((140, 70), (70, 60)),
@@ -30,7 +29,8 @@ def main() -> None:
     """Draw the figure and print the tables."""
     found = json.loads((FOLDER / "results.json").read_text())
     picture = style.figure(9, 8.8)
-    for part, name in zip(picture.subfigures(len(CASES) // 2, 2).ravel(), CASES, strict=True):
+    panels = picture.subfigures((len(CASES) + 1) // 2, 2).ravel()
+    for part, name in zip(panels, CASES, strict=False):
         draw(part, name, found["scenes"][name])
     style.save(picture, FOLDER / "figure.png")
     print("\n\n".join(tables(found)))
