@@ -62,10 +62,10 @@ function lossOf(alpha: number, eta: number, mirrored: number): Loss {
 export function withLobe(material: Material, lobe: Compensation): Material {
   const { table } = material;
   if (table.stretches) return { ...material, compensation: lobe };
-  const { wi, wo } = nodePairs();
+  const { directions: w } = nodePairs();
   const logs = table.logs.map((log, at) => {
-    const z = 3 * Math.floor(at / CHANNELS) + 2;
-    return clampedLog(Math.log(Math.exp(log) + lobeOf(lobe, at % CHANNELS, wi[z], wo[z])));
+    const z = 6 * Math.floor(at / CHANNELS) + 2;
+    return clampedLog(Math.log(Math.exp(log) + lobeOf(lobe, at % CHANNELS, w[z], w[z + 3])));
   });
   return { ...material, table: { logs, besideLobe: table.besideLobe } };
 }

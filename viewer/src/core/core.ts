@@ -6,7 +6,6 @@ import { CHANNELS, firstSame, joined, rows, sameNumbers } from "./channels";
 import { compensationOf, withLobe } from "./compensation";
 import { EnergyLimit } from "./energy";
 import { Evaluation } from "./evaluation";
-import { ENERGY } from "./formulas";
 import { Layerer, withinTraining } from "./layerer";
 import { MeasuredEncoder } from "./measured_encoder";
 import { Proposals } from "./mixture";
@@ -67,14 +66,9 @@ export class NetworkCore extends Evaluation implements Core {
   limited(codes: Float32Array): Float32Array {
     const own = rows(this.checked(codes).slice(), this.latentSize);
     for (const code of own) {
-      this.energy.limit(code, 1 - ENERGY.MARGIN);
+      this.energy.limit(code);
     }
     return joined(own);
-  }
-
-  /** Make tables ahead that are otherwise made when a width is first needed; see `LobeAlbedo`. */
-  prepareWidth(index: number): void {
-    this.energy.lobeAlbedo.prepare(index);
   }
 
   /** The codes of a bottom under a coat, which changes nothing without an interface and a medium. */
@@ -91,7 +85,7 @@ export class NetworkCore extends Evaluation implements Core {
       kept.map((channel) => withinTraining(coats[channel])),
     );
     for (const code of layered) {
-      this.energy.limit(code, 1 - ENERGY.MARGIN);
+      this.energy.limit(code);
     }
     return joined(
       own.map((channel) => {

@@ -6,15 +6,19 @@ import { CHANNELS, rows } from "./channels";
 import { lobeOf } from "./compensation";
 import { tableValues } from "./f_table";
 import { Pairs, type Widths } from "./features";
-import type { Vector } from "./formulas";
+import { QUADRATURE, type Vector } from "./formulas";
 import type { Architecture } from "./layers";
 import { lobeValue } from "./lobe";
 import { mixtureDensity, type Proposals, sampleMixture } from "./mixture";
 import { sequenceSteps } from "./probe_pairs";
-import { halfVectorRule } from "./quadrature";
+import { directionRule } from "./quadrature";
 
 /** The largest number below one of single precision, for uniform numbers. */
 const BELOW_ONE = 1 - 2 ** -24;
+
+/** Sizes of the rules for albedos of one width and of two. */
+const [slopes, azimuths] = [QUADRATURE.POLAR_NODES, QUADRATURE.AZIMUTH_NODES];
+const SIZES = { 1: { azimuths, slopes }, 2: { azimuths: 2 * azimuths, slopes } };
 
 /** The methods are those of `api.ts`. */
 export class Evaluation {
@@ -56,8 +60,9 @@ export class Evaluation {
       if (!(cosine > 0)) {
         return;
       }
-      const { wo, weights } = halfVectorRule(cosine, this.widths === 2);
       const sine = Math.sqrt(Math.max(1 - cosine * cosine, 0));
+      const wi = { x: sine, y: 0, z: cosine };
+      const { wo, weights } = directionRule(wi, 1, SIZES[this.widths]);
       const pairs = new Pairs(weights.length, this.widths);
       weights.forEach((_, i) => {
         pairs.set(i, sine, 0, cosine, wo[3 * i], wo[3 * i + 1], wo[3 * i + 2]);
@@ -66,7 +71,7 @@ export class Evaluation {
       for (let channel = 0; channel < CHANNELS; channel++) {
         let sum = 0;
         weights.forEach((weight, i) => {
-          sum += values[CHANNELS * i + channel] * wo[3 * i + 2] * weight;
+          sum += values[CHANNELS * i + channel] * weight;
         });
         result[CHANNELS * row + channel] = sum;
       }

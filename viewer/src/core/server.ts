@@ -3,7 +3,6 @@
 import { readMesh } from "../picture/mesh_files";
 import { loadCore, type NetworkCore } from "./core";
 import { readExr } from "./exr_file";
-import { LOBE_ALBEDO } from "./formulas";
 import { occlusion } from "./occlusion";
 import type { CallName, Calls, Cancellation, Request, Response } from "./protocol";
 import { Reference } from "./walk/reference";
@@ -33,8 +32,6 @@ export class Server {
   private core: NetworkCore | undefined;
   private waiting: Request[] = [];
   private walker: Walker | undefined;
-  /** Widths of lobes whose tables are made ahead, so that no slider waits for them. */
-  private prepared = 0;
   private isDeferred = false;
 
   constructor(private readonly surroundings: Surroundings) {}
@@ -81,8 +78,6 @@ export class Server {
     } else if (this.walker) {
       const { walker } = this;
       this.guarded(walker.request.id, () => this.walk(walker));
-    } else if (this.core && this.prepared < LOBE_ALBEDO.WIDTHS) {
-      this.core.prepareWidth(this.prepared++);
     } else {
       return false;
     }

@@ -1,6 +1,5 @@
 /** Encoding of described surfaces without coats; see Python's `material.values`. */
 
-import { addAlbedos } from "./albedo_rule";
 import type { Basis } from "./basis";
 import { CHANNELS, firstSame, joined, sameNumbers } from "./channels";
 import type { EnergyLimit } from "./energy";
@@ -42,9 +41,7 @@ export class SurfaceEncoder {
     if (surface.kind !== "diffuse") return basis.without(lobe); // it is its lobe alone
     const value = ofChannel(surface.reflectance, channel) / Math.PI;
     const code = basis.encode(lobe, new Float64Array(basis.probes.capacity).fill(value));
-    const own = new Float64Array(energy.rule.cosines.length);
-    addAlbedos(energy.rule, new Float64Array(energy.rule.weights.length).fill(value), own);
-    energy.limit(code, energy.ceilingOf(own));
+    energy.limit(code, energy.ceilingOf(energy.albedos(energy.pairs.cosD.map(() => value))));
     return code;
   }
 }
