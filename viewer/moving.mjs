@@ -47,7 +47,9 @@ async function pictures([place, isMeanKnown, environment, width, height, frames]
     const mesh = meshes.meshOf("goblet");
     window.renderer.setMesh(mesh);
     const { vertices, faces } = mesh;
-    window.renderer.setOcclusion(hiding.occlusion(vertices, meshes.VERTEX_NUMBERS, faces));
+    window.renderer.setOcclusion(
+      hiding.occlusion(vertices, meshes.VERTEX_NUMBERS, faces, meshes.groundSize(mesh)),
+    );
     window.renderer.setEnvironment(environment, null);
     window.shown = canvas;
   }

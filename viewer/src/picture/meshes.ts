@@ -33,6 +33,11 @@ export interface Mesh {
   footprint: number;
 }
 
+/** Half the side of the square on the ground that can lie in a mesh's shadow. */
+export function groundSize({ radius }: Mesh): number {
+  return 3 * radius;
+}
+
 /** Numbers of a vertex. */
 export const VERTEX_NUMBERS = 8;
 

@@ -17,9 +17,9 @@ const PATIENCE = 160;
 /** What a frame costs at first [ms for a million pixels], by the graphics card and by software. */
 const FIRST_COST = { card: 60, software: 3000 };
 
-/** Least frames of a picture at rest where each takes long, and the pixels of all its frames. */
-const SLOW_FRAMES = 10;
-const SLOW_PIXELS = 3e6;
+/** Least frames of a picture at rest where each takes long, and the shaded pixels of all its frames. */
+const SLOW_FRAMES = 8;
+const SLOW_PIXELS = 1.5e6;
 
 /** Frames for one of a table, where a texture of codes is decoded: they have fewer directions. */
 const TEXTURE_FRAMES = 3;
@@ -30,14 +30,14 @@ const STRIP_PIXELS = 16384;
 /** From so many strips on, one has hardly a pixel of the object. */
 const MANY_STRIPS = 4;
 
-/** Ever cheaper frames: size relative to the canvas, and share of the directions. */
+/** Ever cheaper frames: width of the shading relative to the canvas, and share of the directions. */
 const SAVINGS = [
   [1, 1],
   [0.75, 1],
-  [0.75, 0.5],
+  [0.5, 1],
   [0.5, 0.5],
-  [0.5, 0.25],
-  [0.35, 0.25],
+  [0.25, 0.5],
+  [0.25, 0.25],
 ] as const;
 
 export class Painter {
@@ -191,6 +191,12 @@ export class Painter {
     return Math.min(Math.max(many, SLOW_FRAMES), most);
   }
 
+  /** Width of the shading at rest relative to the canvas. */
+  private restingScale(renderer: Renderer, shot: Shot): number {
+    if (!this.slow || shot.part !== undefined) return 1;
+    return Math.min(Math.sqrt(SLOW_PIXELS / (this.frames * renderer.pixels(shot))), 1);
+  }
+
   /** Draw a frame at once, as large and with as many directions as time allows. */
   private async preview(renderer: Renderer, shot: Shot, slots: (0 | 1)[]): Promise<void> {
     const pixels = renderer.pixels(shot) / 1e6;
@@ -207,11 +213,12 @@ export class Painter {
 
   /** Gather a whole frame, strip by strip; false if something has changed meanwhile. */
   private async improve(renderer: Renderer, shot: Shot, slots: (0 | 1)[]): Promise<boolean> {
-    const pixels = renderer.pixels(shot) / 1e6;
+    const scale = this.restingScale(renderer, shot);
+    const pixels = (renderer.pixels(shot) / 1e6) * scale ** 2;
     for (const slot of slots) this.upload(renderer, slot, this.count);
     const most = Math.min(Math.ceil((1e6 * pixels) / STRIP_PIXELS), 32);
     const strips = Math.min(Math.max(Math.ceil((this.cost * pixels) / RESTING), 1), most);
-    renderer.beginFrame(shot, 1);
+    renderer.beginFrame(shot, scale);
     const times: number[] = [];
     for (let strip = 0; strip < strips; strip++) {
       renderer.drawStrip(shot, this.count, 1, strip / strips, (strip + 1) / strips);

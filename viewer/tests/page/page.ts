@@ -83,7 +83,8 @@ function answerAtOnce(wanted: Options): void {
     else if (message.call === "occlusion" && !wanted.occlusion) {
       const [vertices, stride] = message.args;
       const numbers = (4 * vertices.length) / stride;
-      answer({ result: new Float32Array(numbers).map((_, at) => +(at % 4 === 3)) });
+      const openings = new Float32Array(numbers).map((_, at) => +(at % 4 === 3));
+      answer({ result: { openings, shadows: new Uint8Array(0) } });
     } else {
       if (message.call === "table")
         this.addEventListener("message", ({ data }) => {
