@@ -146,11 +146,26 @@ def test_one_factor_for_all_directions(trained, gaining, directions):
     assert np.array_equal(limited.f(wi, wo), limited.f(wo, wi))
 
 
+def test_codes_that_are_too_bright_at_grazing_angles_change_only_there(trained):
+    """A ceiling there moves f at the probes by less than a third of what one factor would."""
+    f = np.full((1, len(trained.networks.pairs()[0])), 0.6 / np.pi, np.float32)
+    code, cosines = codes_of(trained, f), albedo_rule().cosines
+    ceiling = np.where(cosines < 0.03, 0.4, 0.9)
+    nearest, scaled = (
+        limit(trained, code, ceiling) for limit in (energy.nearest_below, energy.limit_albedo)
+    )
+    assert (energy.directional_albedos(trained, nearest) < ceiling + 1e-4).all()
+    at_probes = trained.networks.features(*trained.networks.pairs())
+    apart = [np.abs(trained.networks.rest(z, at_probes) - f[0]).mean() for z in (nearest, scaled)]
+    assert apart[0] < 0.3 * apart[1]
+
+
 def test_codes_far_below_the_ceiling_keep_their_bits(trained):
     dark = codes_of(
         trained, evaluate_source(urushi.diffuse(0.3), *trained.networks.pairs()).values.T
     )
     assert energy.limit_albedo(trained, dark) is dark
+    assert energy.nearest_below(trained, dark) is dark
     again = energy.limit_albedo(trained, dark, energy.directional_albedos(trained, dark) + 0.01)
     assert again is dark
 

@@ -79,12 +79,15 @@ export function fresnel(cosine: number, eta: number, k: number): number {
     const difference = (eta - 1) * (eta + 1) - k * k + cos2;
     const size = Math.sqrt(difference * difference + 4 * (eta * eta) * (k * k));
     const root = Math.sqrt(0.5 * Math.max(size + difference, 0));
-    const first = size + cos2;
-    const second = 2 * root * cosine;
-    const across = (first - second) / (first + second);
-    const third = cos2 * size + sin2 * sin2;
-    const fourth = second * sin2;
-    const parallel = (third - fourth + 1e-12) / (third + fourth + 1e-12);
+    const imaginary2 = 0.5 * Math.max(size - difference, 0);
+    const less = root - cosine;
+    const more = root + cosine;
+    const across = (less * less + imaginary2) / (more * more + imaginary2);
+    const product = root * cosine;
+    const far = imaginary2 * cos2 + 1e-12;
+    const third = product - sin2;
+    const fourth = product + sin2;
+    const parallel = (third * third + far) / (fourth * fourth + far);
     return 0.5 * across * (1 + parallel);
 }
 
@@ -298,12 +301,15 @@ export function proposalWeights(terms: ArrayLike<number>, overlaps: ArrayLike<nu
     const size = Math.sqrt(difference * difference + 4 * (numbers[4] * numbers[4]) * (numbers[5] *
         numbers[5]));
     const root = Math.sqrt(0.5 * Math.max(size + difference, 0));
-    const first = size + cos2;
-    const second = 2 * root * toFacet;
-    const across = (first - second) / (first + second);
-    const third = cos2 * size + sin2 * sin2;
-    const fourth = second * sin2;
-    const parallel = (third - fourth + 1e-12) / (third + fourth + 1e-12);
+    const imaginary2 = 0.5 * Math.max(size - difference, 0);
+    const less = root - toFacet;
+    const more = root + toFacet;
+    const across = (less * less + imaginary2) / (more * more + imaginary2);
+    const product = root * toFacet;
+    const far = imaginary2 * cos2 + 1e-12;
+    const third = product - sin2;
+    const fourth = product + sin2;
+    const parallel = (third * third + far) / (fourth * fourth + far);
     const fresnel = numbers[1] * (1 - fifth) + numbers[2] * fifth + numbers[3] * (0.5 * across * (1
         + parallel));
     const away0 = (logWidth - (-0.629)) * 2.4937655860349124;

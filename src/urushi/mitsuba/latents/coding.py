@@ -171,8 +171,7 @@ def encoded(
     rests = mi.TensorXf(plain_rest + visible * _change(values - top), plain.shape)
 
     def by_rests(rest: np.ndarray, z: np.ndarray) -> np.ndarray:
-        top = model.networks.top(z[:, None], *model.networks.pairs())
-        return code_fit.slopes(model.networks.basis, rest, top, z[:, size:])
+        return code_fit.slopes(model.networks.basis, rest, z[:, size:])
 
     found = dr.custom(_Linear, rests, z[:, size:], by_rests, (rest, z))
     changes = [_change(x) for x in (*numbers, *_columns(found))]

@@ -87,7 +87,7 @@ def code_slopes(
     size = model.arch.lobe
     top = lobes.f(material.latents[:, None, :size], *pairs)
     rest = np.maximum(material.f(*pairs).T - top, 0)
-    by_rests = code_fit.slopes(model.networks.basis, rest, top, material.latents[:, size:])
+    by_rests = code_fit.slopes(model.networks.basis, rest, material.latents[:, size:])
     pieces = zip(changes, slopes, strict=True)
     return np.array([change @ by_rests[slope.channel] for change, slope in pieces])
 
