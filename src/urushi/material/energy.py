@@ -46,6 +46,10 @@ TINY_FACTOR, TINY_FACTOR_ROUNDS = 1e-3, 3
 #: Codes that are measured at once: their values stay in a core's cache.
 BLOCK = 128
 
+#: Weight of the prior of codes in the change of a code: directions of codes that the probes hardly
+#: see would change without bound.
+PLAUSIBLE = 0.3
+
 #: Weights of the excess of ln albedo beside the error of the code, one round after the other.
 EXCESS_WEIGHTS = 0.25, 1.0, 4.0, 16.0, 64.0, 256.0
 
@@ -127,17 +131,22 @@ def _fitted_below(model: Model, z: np.ndarray, allowed: np.ndarray) -> np.ndarra
     numbers = slice(first, first + nodes.shape[1] - 1)  # without the stretch
     start = code = z[numbers].astype(float)
     form = code_fit.form_about(at_probes, networks.basis, start[None])[0]
-    for weight in EXCESS_WEIGHTS:
+    form += PLAUSIBLE * networks.basis.prior
+    best, least = code, np.inf
+    for weight in (*EXCESS_WEIGHTS, 0.0):
         f = basis.decode(code, nodes)
-        by_code = rule.polynomial @ rule.at_angles(f * nodes[:, 1:].T).T
         albedo = np.maximum(rule.albedo(f), LEAST_ALBEDO)
         above = albedo > allowed
-        slopes = by_code[above] / albedo[above, None]
         excess = np.log(albedo[above] / allowed[above])
+        error = (code - start) @ form @ (code - start) + EXCESS_WEIGHTS[-1] * excess @ excess
+        if error < least:
+            best, least = code, error
+        by_code = rule.polynomial[above] @ rule.at_angles(f * nodes[:, 1:].T).T
+        slopes = by_code / albedo[above, None]
         right = weight * slopes.T @ (slopes @ (code - start) - excess)
         code = start + np.linalg.solve(form + weight * slopes.T @ slopes, right)
     result = z.copy()
-    result[numbers] = code
+    result[numbers] = best
     return result
 
 
