@@ -2,17 +2,17 @@
 
 import type { Bottom, Coat, Core, Material, Stack } from "./api";
 import { Basis } from "./basis";
-import { CHANNELS, firstSame, joined, rows, sameNumbers } from "./channels";
+import { CHANNELS, joined, perChannel, rows } from "./channels";
 import { compensationOf, withLobe } from "./compensation";
 import { EnergyLimit } from "./energy";
 import { Evaluation } from "./evaluation";
-import { Layerer, withinTraining } from "./layerer";
+import { layered, withinTraining } from "./layerer";
 import { MeasuredEncoder } from "./measured_encoder";
 import { Proposals } from "./mixture";
-import { activationOf } from "./mlp";
+import type { Network } from "./network";
 import { SurfaceEncoder } from "./surface_encoder";
 import { coatOfChannel } from "./surfaces";
-import { readWeights, type Weights } from "./weights";
+import { type Architecture, readWeights, type Weights } from "./weights";
 
 /**
  * Read the weights.
@@ -27,14 +27,15 @@ export class NetworkCore extends Evaluation implements Core {
   readonly fingerprint: string;
   private readonly surfaces: SurfaceEncoder;
   private readonly measured: MeasuredEncoder;
-  private readonly layerer: Layerer;
+  private readonly arch: Architecture;
+  private readonly layerer: Network;
   private readonly energy: EnergyLimit;
 
   constructor({ arch, basis: parameters, fingerprint, layerer, proposal }: Weights) {
     const basis = new Basis(parameters, arch.lobe);
     super(arch, basis, new Proposals(proposal, arch.lobe));
     this.fingerprint = fingerprint;
-    this.layerer = new Layerer(arch, layerer, activationOf(arch.activation));
+    [this.arch, this.layerer] = [arch, layerer];
     this.energy = new EnergyLimit(basis, arch.lobe);
     this.surfaces = new SurfaceEncoder(basis, this.energy);
     this.measured = new MeasuredEncoder(basis, this.energy);
@@ -75,23 +76,16 @@ export class NetworkCore extends Evaluation implements Core {
   private coated(bottom: Float32Array, coat: Coat): Float32Array {
     const below = rows(bottom, this.latentSize);
     const coats = below.map((_, channel) => coatOfChannel(coat, channel));
-    const isSame = (a: number, b: number) =>
-      sameNumbers(below[a], below[b]) &&
-      sameNumbers(Object.values(coats[a]), Object.values(coats[b]));
-    const own = below.map((_, channel) => firstSame(channel, isSame));
-    const kept = own.filter((channel, place) => channel === place);
-    const layered = this.layerer.layer(
-      kept.map((channel) => below[channel]),
-      kept.map((channel) => withinTraining(coats[channel])),
-    );
-    for (const code of layered) {
-      this.energy.limit(code);
-    }
-    return joined(
-      own.map((channel) => {
+    return perChannel(
+      (channel) => [...below[channel], ...Object.values(coats[channel])],
+      (channel) => {
         const { eta, sigmaT } = coats[channel];
-        return eta === 1 && sigmaT === 0 ? below[channel] : layered[kept.indexOf(channel)];
-      }),
+        if (eta === 1 && sigmaT === 0) return below[channel];
+        const own = withinTraining(coats[channel]);
+        const code = layered(this.arch, this.layerer, below[channel], own);
+        this.energy.limit(code);
+        return code;
+      },
     );
   }
 

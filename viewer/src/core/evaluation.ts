@@ -7,11 +7,11 @@ import { lobeOf } from "./compensation";
 import { tableValues } from "./f_table";
 import { Pairs, type Widths } from "./features";
 import { QUADRATURE, type Vector } from "./formulas";
-import type { Architecture } from "./layers";
 import { lobeValue } from "./lobe";
 import { mixtureDensity, type Proposals, sampleMixture } from "./mixture";
 import { sequenceSteps } from "./probe_pairs";
 import { directionRule } from "./quadrature";
+import type { Architecture } from "./weights";
 
 /** The largest number below one of single precision, for uniform numbers. */
 const BELOW_ONE = 1 - 2 ** -24;

@@ -1,9 +1,8 @@
 /** Encoding of described surfaces without coats; see Python's `material.values`. */
 
 import type { Basis } from "./basis";
-import { CHANNELS, firstSame, joined, sameNumbers } from "./channels";
+import { perChannel } from "./channels";
 import type { EnergyLimit } from "./energy";
-import type { Widths } from "./features";
 import { lobeOfSurface, ofChannel, type Surface } from "./surfaces";
 
 export class SurfaceEncoder {
@@ -19,20 +18,18 @@ export class SurfaceEncoder {
   encode(surface: Surface): Float32Array {
     const name = JSON.stringify(surface);
     if (this.latest?.name !== name) {
-      this.latest = { name, codes: this.encodeChannels(surface) };
+      this.latest = { name, codes: this.encodeAll(surface) };
     }
     return this.latest.codes.slice();
   }
 
-  private encodeChannels(surface: Surface): Float32Array {
+  private encodeAll(surface: Surface): Float32Array {
     const { widths } = this.basis;
-    const numbers = [0, 1, 2].map((channel) => surfaceNumbers(surface, channel, widths));
-    const codes: Float32Array[] = [];
-    for (let channel = 0; channel < CHANNELS; channel++) {
-      const own = firstSame(channel, (a, b) => sameNumbers(numbers[a], numbers[b]));
-      codes.push(own < channel ? codes[own] : this.encodeChannel(surface, channel));
-    }
-    return joined(codes);
+    const reflectance = surface.kind === "diffuse" ? surface.reflectance : 0;
+    return perChannel(
+      (channel) => [...lobeOfSurface(surface, channel, widths), ofChannel(reflectance, channel)],
+      (channel) => this.encodeChannel(surface, channel),
+    );
   }
 
   private encodeChannel(surface: Surface, channel: number): Float32Array {
@@ -44,9 +41,4 @@ export class SurfaceEncoder {
     energy.limit(code, energy.ceilingOf(energy.albedos(energy.pairs.cosD.map(() => value))));
     return code;
   }
-}
-
-function surfaceNumbers(surface: Surface, channel: number, widths: Widths): number[] {
-  const diffuse = surface.kind === "diffuse" ? [ofChannel(surface.reflectance, channel)] : [];
-  return [...lobeOfSurface(surface, channel, widths), ...diffuse];
 }

@@ -48,8 +48,8 @@ const occlusions = new WeakMap<Mesh, Promise<Occlusion>>();
 function occlusionOf(mesh: Mesh): Promise<Occlusion> {
   let known = occlusions.get(mesh);
   if (known === undefined) {
-    known = byOwnWorker((core) =>
-      core.occlusion(mesh.vertices, VERTEX_NUMBERS, mesh.faces, groundSize(mesh)),
+    known = byOwnWorker((files) =>
+      files.call("occlusion", [mesh.vertices, VERTEX_NUMBERS, mesh.faces, groundSize(mesh)]),
     );
     occlusions.set(mesh, known);
   }

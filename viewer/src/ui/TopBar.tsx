@@ -64,7 +64,7 @@ export function TopBar() {
         type="file"
         hidden
         multiple
-        accept=".hdr,.exr,.obj,.glb,.gltf,.json,.safetensors,.mtlx,.binary,.bsdf"
+        accept=".hdr,.exr,.obj,.glb,.gltf,.ply,.json,.safetensors,.mtlx,.binary,.bsdf"
         onChange={(event) => {
           void openFiles([...(event.currentTarget.files ?? [])]);
           event.currentTarget.value = "";

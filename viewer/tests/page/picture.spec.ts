@@ -1,10 +1,10 @@
 /** The picture: it is there, follows the cards, and its absence is told. */
 
-import { readExr } from "../../src/core/exr_file";
 import { lookOf } from "../../src/material/appearance";
 import { rgb } from "../../src/material/channels";
 import { decoded, encoded } from "../../src/material/colour";
 import { METALS, preset } from "../../src/material/presets";
+import { readExr } from "../../src/picture/exr_file";
 import { INITIAL } from "../../src/state/state";
 import {
   addressOf,

@@ -3,8 +3,8 @@ import { existsSync, mkdtempSync, readFileSync, rmSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { describe, expect, test } from "vitest";
-import { readExr } from "../../src/core/exr_file";
 import { FileError } from "../../src/core/safetensors";
+import { readExr } from "../../src/picture/exr_file";
 import { exrFile } from "../../src/save/exr";
 
 const PYTHON = process.env.PYTHON ?? join(import.meta.dirname, "../../../.venv/bin/python");

@@ -1,43 +1,36 @@
 /** OpenEXR files, which others have written. */
 
-import parseExr from "parse-exr";
-import { FileError } from "./safetensors";
-
-/** The number by which `parseExr` knows single precision. */
-const FLOAT = 1015;
-
-/** A picture (height, width, 3) of linear values, the first row at the top. */
-export interface ExrPicture {
-  width: number;
-  height: number;
-  pixels: Float32Array;
-}
+import { FloatType, RGBAFormat } from "three";
+import { EXRLoader } from "three/addons/loaders/EXRLoader.js";
+import { FileError } from "../core/safetensors";
+import type { Panorama } from "./panorama";
 
 /**
- * Read an OpenEXR file of one part with the channels R, G and B, or Y. Values below 0 become 0.
+ * Read an OpenEXR file with the channels R, G and B, or Y. Values below 0 become 0.
  *
  * The library may run for ever where the compressed numbers are damaged.
  *
  * @throws FileError if it is another file, damaged, or of a kind that the library does not know.
  */
-export function readExr(bytes: Uint8Array): ExrPicture {
-  let read: ReturnType<typeof parseExr>;
+export function readExr(bytes: Uint8Array): Panorama {
+  const loader = new EXRLoader().setDataType(FloatType).setOutputFormat(RGBAFormat);
+  let read: { width: number; height: number; data: ArrayLike<number> };
   try {
     checkHeader(bytes);
-    read = parseExr(bytes.slice().buffer, FLOAT);
+    read = loader.parse(bytes.slice().buffer) as typeof read;
   } catch {
     throw new FileError(
       "This .exr file is damaged, or has several parts or a compression that the page cannot read.",
     );
   }
   const { width, height, data } = read;
-  const channels = data.length / (width * height);
   const pixels = new Float32Array(3 * width * height);
-  for (let at = 0; at < pixels.length; at++) {
-    const [place, channel] = [Math.floor(at / 3), channels === 1 ? 0 : at % 3];
+  for (let place = 0; place < width * height; place++) {
     const row = height - 1 - Math.floor(place / width); // the library's lowest comes first
-    const value = data[(row * width + (place % width)) * channels + channel]!;
-    pixels[at] = Number.isFinite(value) ? Math.max(value, 0) : 0;
+    for (let k = 0; k < 3; k++) {
+      const value = data[4 * (row * width + (place % width)) + k]!;
+      pixels[3 * place + k] = Number.isFinite(value) ? Math.max(value, 0) : 0;
+    }
   }
   return { width, height, pixels };
 }
