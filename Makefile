@@ -86,18 +86,14 @@ thumbnails: $(READY)
 MATERIALS := velvet car-paint brushed
 measured-pictures: $(READY)
 	.venv/bin/urushi encode $(MATERIALS:%=docs/materials.xml#%) -o out/materials
-	.venv/bin/python -m benchmarks.quality.examine docs/materials.xml#car-paint -o out/materials/report
+	.venv/bin/python -m benchmarks.examine docs/materials.xml#car-paint -o out/materials/report
 	cp out/materials/report/car-paint.png docs/images/encode_report.png
-	.venv/bin/python -m figures.sheet $(MATERIALS:%=out/materials/%.safetensors) -o docs/images/sheet.jpg
+	.venv/bin/python -m benchmarks.sheet $(MATERIALS:%=out/materials/%.safetensors) -o docs/images/sheet.jpg
 
-# Results and pictures of all folders of figures/, and their tables in the documentation; finished
-# parts in out/figures are kept.
+# Results that are stale, their figures and their tables in the documentation, in a night; finished
+# cases in out/figures are kept.
 figures: $(READY)
-	for file in figures/*/compute.py; do \
-	    name=$$(basename $$(dirname $$file)); \
-	    .venv/bin/python -m figures.$$name.compute && .venv/bin/python -m figures.$$name.plot || exit; \
-	done
-	.venv/bin/python -m figures.page
+	.venv/bin/python -m benchmarks stale
 
 # Builds the page of `urushi view` into the package; using it needs no Node, building it does.
 viewer: $(READY) viewer/node_modules/.ready

@@ -1,1 +1,0 @@
-"""Mip levels of latent textures against averages of BRDFs and supersampled pictures."""
