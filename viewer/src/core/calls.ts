@@ -1,6 +1,6 @@
 /** What the core's worker does, by name. */
 
-import type { Core, Stack } from "./api";
+import type { Stack } from "./api";
 import { loadCore, type NetworkCore } from "./core";
 import type { Context } from "./rpc";
 import { type Estimate, Reference } from "./walk/reference";
@@ -20,9 +20,9 @@ export interface WalkOptions {
 /** Methods of the core that a worker has. */
 const METHODS = ["encodeMeasured", "layer", "f", "albedo", "table", "basisTexels"] as const;
 
-export interface CoreCalls extends Pick<Core, (typeof METHODS)[number]> {
+export interface CoreCalls extends Pick<NetworkCore, (typeof METHODS)[number]> {
   /** Load the networks, which the methods of the core need. */
-  load(weights: ArrayBuffer): Pick<Core, "latentSize" | "widths" | "fingerprint">;
+  load(weights: ArrayBuffer): Pick<NetworkCore, "latentSize" | "widths" | "fingerprint">;
   /**
    * Estimate f of a stack by random walks in the time that other calls leave; another walk ends it.
    */
@@ -47,7 +47,7 @@ export function coreCalls(pause: () => Promise<void>): CoreCalls {
   };
   const methods = Object.fromEntries(METHODS.map((name) => [name, method(name)]));
   return {
-    ...(methods as unknown as Pick<Core, (typeof METHODS)[number]>),
+    ...(methods as unknown as Pick<NetworkCore, (typeof METHODS)[number]>),
     load(weights) {
       core = loadCore(weights);
       const { latentSize, widths, fingerprint } = core;

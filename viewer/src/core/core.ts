@@ -1,16 +1,15 @@
-/** The core: basis, networks and energy limit behind the interface of `api.ts`. */
+/** The core: basis, networks and energy limit. */
 
-import type { Bottom, Coat, Core, Material, Stack } from "./api";
+import type { Bottom, Coat, Material, Stack } from "./api";
 import { Basis } from "./basis";
 import { CHANNELS, joined, perChannel, rows } from "./channels";
 import { compensationOf, withLobe } from "./compensation";
+import { Encoder } from "./encoder";
 import { EnergyLimit } from "./energy";
 import { Evaluation } from "./evaluation";
 import { layered, withinTraining } from "./layerer";
-import { MeasuredEncoder } from "./measured_encoder";
 import { Proposals } from "./mixture";
 import type { Network } from "./network";
-import { SurfaceEncoder } from "./surface_encoder";
 import { coatOfChannel } from "./surfaces";
 import { type Architecture, readWeights, type Weights } from "./weights";
 
@@ -23,10 +22,11 @@ export function loadCore(safetensors: ArrayBuffer): NetworkCore {
   return new NetworkCore(readWeights(safetensors));
 }
 
-export class NetworkCore extends Evaluation implements Core {
+/** Urushi's basis and networks, and the energy limit. */
+export class NetworkCore extends Evaluation {
+  /** Identifies the networks: a saved material names those it belongs to. */
   readonly fingerprint: string;
-  private readonly surfaces: SurfaceEncoder;
-  private readonly measured: MeasuredEncoder;
+  private readonly encoder: Encoder;
   private readonly arch: Architecture;
   private readonly layerer: Network;
   private readonly energy: EnergyLimit;
@@ -37,19 +37,24 @@ export class NetworkCore extends Evaluation implements Core {
     this.fingerprint = fingerprint;
     [this.arch, this.layerer] = [arch, layerer];
     this.energy = new EnergyLimit(basis, arch.lobe);
-    this.surfaces = new SurfaceEncoder(basis, this.energy);
-    this.measured = new MeasuredEncoder(basis, this.energy);
+    this.encoder = new Encoder(basis, this.energy);
   }
 
   /** The codes of a bottom without coats. */
   encode(bottom: Bottom): Float32Array {
-    return bottom.kind === "codes" ? this.checked(bottom.latents) : this.surfaces.encode(bottom);
+    return bottom.kind === "codes" ? this.checked(bottom.latents) : this.encoder.encode(bottom);
   }
 
+  /**
+   * Encode a measured BRDF, a MERL table or an isotropic RGL material: its codes and its table.
+   *
+   * @throws FileError if the file is damaged, anisotropic or of another format.
+   */
   encodeMeasured(file: ArrayBuffer): Material {
-    return this.measured.encode(file);
+    return this.encoder.encodeMeasured(file);
   }
 
+  /** Encode a stack: the bottom under all its coats, the energy limit included. */
   layer(stack: Stack): Material {
     let latents = this.encode(stack.bottom);
     let below = latents;

@@ -20,9 +20,10 @@ const BELOW_ONE = 1 - 2 ** -24;
 const [slopes, azimuths] = [QUADRATURE.POLAR_NODES, QUADRATURE.AZIMUTH_NODES];
 const SIZES = { 1: { azimuths, slopes }, 2: { azimuths: 2 * azimuths, slopes } };
 
-/** The methods are those of `api.ts`. */
 export class Evaluation {
+  /** Numbers of one channel's code. */
   readonly latentSize: number;
+  /** GGX widths of a surface: networks of two are for anisotropic materials. */
   readonly widths: Widths;
 
   constructor(
@@ -34,6 +35,7 @@ export class Evaluation {
     this.widths = widths;
   }
 
+  /** The texels of the basis that shader code reads, four numbers each. */
   basisTexels(): Float32Array<ArrayBuffer> {
     return this.basis.texels();
   }
@@ -43,6 +45,7 @@ export class Evaluation {
     return { latents, table: this.basis.table(rows(latents, this.latentSize)) };
   }
 
+  /** The BRDF [1/sr], without cosine: (N, 3) for directions (N, 3). */
   f(material: Material, wi: Float32Array, wo: Float32Array): Float32Array {
     const pairs = Pairs.of(wi, wo, this.widths);
     const values = this.values(material, pairs, pairs.capacity);
@@ -54,6 +57,7 @@ export class Evaluation {
     return Float32Array.from(values);
   }
 
+  /** Directional albedo: (N, 3) for N cosines of the incident direction, in the plane y = 0. */
   albedo(material: Material, cosines: Float32Array): Float32Array {
     const result = new Float32Array(CHANNELS * cosines.length);
     cosines.forEach((cosine, row) => {
@@ -79,6 +83,14 @@ export class Evaluation {
     return result;
   }
 
+  /**
+   * Directions by the proposal from one low-discrepancy sequence, the same for all rows.
+   *
+   * The row of azimuth a and cosine c is for the incident direction of cosine (c + 1/2) / cosines
+   * at the azimuth a / (azimuths - 1) of a quarter turn.
+   *
+   * @returns (azimuths, cosines, samples, 8): the direction wo (3), f cos / pdf (3), pdf (1), and a zero.
+   */
   table(material: Material, { azimuths = 1, cosines, samples, shift }: TableOptions): Float32Array {
     const result = new Float32Array(azimuths * cosines * samples * 8);
     const proposal = this.proposer.proposals(this.meanCode(material));

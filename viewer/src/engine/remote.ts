@@ -1,7 +1,8 @@
 /** The numeric core in its worker, with the networks, and a worker for files. */
 
-import type { Core, Stack } from "../core/api";
+import type { Stack } from "../core/api";
 import type { CoreCalls, WalkOptions } from "../core/calls";
+import type { NetworkCore } from "../core/core";
 import { Remote } from "../core/rpc";
 import type { Estimate } from "../core/walk/reference";
 import { isAnisotropic, widthRatio } from "../material/material";
@@ -10,10 +11,10 @@ import { Refusal } from "../refusal";
 import { readFile, startWorker } from "./files";
 
 /** The core behind messages: its methods are asynchronous. */
-export type PageCore = Pick<Core, "latentSize" | "widths" | "fingerprint"> & {
+export type PageCore = Pick<NetworkCore, "latentSize" | "widths" | "fingerprint"> & {
   [Name in "encodeMeasured" | "layer" | "f" | "albedo" | "table" | "basisTexels"]: (
-    ...args: Parameters<Core[Name]>
-  ) => Promise<ReturnType<Core[Name]>>;
+    ...args: Parameters<NetworkCore[Name]>
+  ) => Promise<ReturnType<NetworkCore[Name]>>;
 } & {
   /** Estimates precede the result; `signal` ends the walk, which then fails with `Cancelled`. */
   walk(

@@ -1,11 +1,15 @@
-/** Encoding of described surfaces without coats; see Python's `material.values`. */
+/** Codes of described surfaces without coats and of measured BRDFs; see Python's `material.values`. */
 
+import type { Material } from "./api";
 import type { Basis } from "./basis";
-import { perChannel } from "./channels";
+import { joined, perChannel } from "./channels";
 import type { EnergyLimit } from "./energy";
+import { logsOf, nodePairs } from "./f_table";
+import { fitLobe } from "./lobe_fit";
+import { readMeasured, valuesAt } from "./measured/read";
 import { lobeOfSurface, ofChannel, type Surface } from "./surfaces";
 
-export class SurfaceEncoder {
+export class Encoder {
   /** The latest surface, which stays the same while its coats are changed. */
   private latest: { readonly name: string; readonly codes: Float32Array } | undefined;
 
@@ -40,5 +44,24 @@ export class SurfaceEncoder {
     const code = basis.encode(lobe, new Float64Array(basis.probes.capacity).fill(value));
     energy.limit(code, energy.ceilingOf(energy.albedos(energy.pairs.cosD.map(() => value))));
     return code;
+  }
+
+  /**
+   * The codes and the table of a MERL table or an RGL material, which are isotropic, by a basis of
+   * one width.
+   *
+   * @throws FileError if the file is damaged or of another format.
+   */
+  encodeMeasured(file: ArrayBuffer): Material {
+    const measured = readMeasured(file);
+    const { basis, energy } = this;
+    const nodes = valuesAt(measured, energy.pairs);
+    const codes = valuesAt(measured, basis.probes).map((values, channel) => {
+      const code = basis.encode(fitLobe(basis.probes, values), values);
+      energy.limit(code, energy.ceilingOf(energy.albedos(nodes[channel as 0 | 1 | 2])));
+      return code;
+    });
+    const logs = logsOf(valuesAt(measured, nodePairs()));
+    return { latents: joined(codes), table: { logs, besideLobe: false } };
   }
 }
