@@ -319,6 +319,7 @@ export function readStored(): Promise<void> {
 }
 
 async function readAll(): Promise<void> {
+  while (session.peek() === null) await new Promise((resolve) => setTimeout(resolve, 100));
   const { stored: files = {} } = (await readStart()) as { stored?: Record<string, string> };
   for (const [name, path] of Object.entries(files).slice(stored.value.length)) {
     const { bottom } = readMaterialFile(await readBytes(path), session.value!.cores.isotropic);

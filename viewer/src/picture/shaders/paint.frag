@@ -37,7 +37,7 @@ void main() {
                 vec3 light = texelFetch(shaded, texel, 0).rgb;
                 float aside = dot(other.xyz - worldPosition, normal) / near;
                 float facing = max(dot(normal, normalize(texelFetch(normals, texel, 0).xyz)), 0.0);
-                any += vec4(light, 1.0) * weight;
+                any += vec4(light, 1.0) * weight * (pow(facing, 4.0) + 1e-4);
                 sum += vec4(light, 1.0) * weight * pow(facing, 24.0) * exp(-aside * aside);
             }
         }
