@@ -4,7 +4,8 @@
 const SIDE = 192;
 
 /** Axes, each of two opposite directions: fewer if the mesh has many triangles. */
-const [LEAST_AXES, MOST_AXES] = [64, 256];
+const LEAST_AXES = 64;
+export const MOST_AXES = 256;
 const MOST_DRAWN = 2e7;
 
 /** Distance to the surface at which light is looked for [texels]: a flat surface does not hide itself. */

@@ -1,17 +1,20 @@
 /** The shadow of the object on the ground: how much of its light each place has. */
 
-import { axesOf, GROUND_SIDE } from "../core/occlusion";
+import { axesOf, GROUND_SIDE, MOST_AXES } from "../core/occlusion";
 import type { EnvironmentMap } from "./environment";
 import { cover, coverProgram, filters, type Gl, type Program } from "./gl";
 import type { Light } from "./panorama";
 import groundSource from "./shaders/ground.frag?raw";
+import hemisphereSource from "./shaders/hemisphere.frag?raw";
 import softenSource from "./shaders/soften.frag?raw";
 
 export class Ground {
   /** Share of the light, in each channel, in the square of `GROUND_SIZE`. */
   readonly texture: WebGLTexture;
   private readonly program: Program;
+  private readonly hemisphere: Program;
   private readonly soften: Program;
+  private readonly lit: WebGLTexture;
   private readonly sharp: WebGLTexture;
   private readonly frame: WebGLFramebuffer;
   private readonly shadows: WebGLTexture;
@@ -23,14 +26,16 @@ export class Ground {
     this.program = coverProgram(gl, groundSource);
     this.frame = gl.createFramebuffer()!;
     this.shadows = gl.createTexture()!;
+    this.hemisphere = coverProgram(gl, hemisphereSource);
     this.soften = coverProgram(gl, softenSource);
-    const texture = () => {
+    const texture = (width = GROUND_SIDE, height = GROUND_SIDE) => {
       const made = gl.createTexture()!;
       gl.bindTexture(gl.TEXTURE_2D, made);
-      gl.texStorage2D(gl.TEXTURE_2D, 1, gl.RGBA16F, GROUND_SIDE, GROUND_SIDE);
+      gl.texStorage2D(gl.TEXTURE_2D, 1, gl.RGBA16F, width, height);
       filters(gl, gl.TEXTURE_2D, gl.LINEAR, gl.LINEAR, gl.CLAMP_TO_EDGE);
       return made;
     };
+    this.lit = texture(MOST_AXES, 1);
     this.sharp = texture();
     this.texture = texture();
     this.setShadows(new Uint8Array(0));
@@ -71,16 +76,19 @@ export class Ground {
     const key = String(turn);
     if (key === this.key) return;
     this.key = key;
-    const { gl, program, soften } = this;
-    gl.viewport(0, 0, GROUND_SIDE, GROUND_SIDE);
+    const { gl, program, soften, hemisphere } = this;
     gl.disable(gl.DEPTH_TEST);
     gl.disable(gl.SCISSOR_TEST);
+    hemisphere.use();
+    hemisphere.setTexture("environment", 0, gl.TEXTURE_CUBE_MAP, map.texture);
+    hemisphere.setInteger("axes", this.axes);
+    hemisphere.set("turn", ...turn);
+    hemisphere.setLights(lights);
+    this.into(this.lit, MOST_AXES, 1);
     program.use();
-    program.setTexture("environment", 0, gl.TEXTURE_CUBE_MAP, map.texture);
+    program.setTexture("lit", 0, gl.TEXTURE_2D, this.lit);
     program.setTexture("shadows", 1, gl.TEXTURE_2D_ARRAY, this.shadows);
     program.setInteger("axes", this.axes);
-    program.set("turn", ...turn);
-    program.setLights(lights);
     this.into(this.sharp);
     soften.use();
     soften.setTexture("sharp", 0, gl.TEXTURE_2D, this.sharp);
@@ -89,8 +97,9 @@ export class Ground {
     gl.bindFramebuffer(gl.FRAMEBUFFER, null);
   }
 
-  private into(texture: WebGLTexture): void {
+  private into(texture: WebGLTexture, width = GROUND_SIDE, height = GROUND_SIDE): void {
     const { gl } = this;
+    gl.viewport(0, 0, width, height);
     gl.bindFramebuffer(gl.FRAMEBUFFER, this.frame);
     const target = gl.TEXTURE_2D;
     gl.framebufferTexture2D(gl.FRAMEBUFFER, gl.COLOR_ATTACHMENT0, target, texture, 0);

@@ -52,7 +52,7 @@ export function meshOf(name: (typeof OBJECTS)[number]): Mesh {
   switch (name) {
     case "goblet":
       return joined(
-        GOBLET.map((part) => turned(bezierOutline(part), 128, (part.length - 1) * 8)),
+        GOBLET.map((part) => turned(bezierOutline(part), 112, (part.length - 1) * 5)),
         0.41,
       );
     case "ball":

@@ -24,11 +24,7 @@ const SLOW_PIXELS = 1.5e6;
 /** Frames for one of a table, where a texture of codes is decoded: they have fewer directions. */
 const TEXTURE_FRAMES = 3;
 
-/** Least pixels of a strip: each moves all vertices again, which small strips would mostly do. */
-const STRIP_PIXELS = 16384;
-
-/** From so many strips on, one has hardly a pixel of the object. */
-const MANY_STRIPS = 4;
+const MOST_STRIPS = 32;
 
 /** Ever cheaper frames: width of the shading relative to the canvas, and share of the directions. */
 const SAVINGS = [
@@ -48,9 +44,8 @@ export class Painter {
   readonly difference = signal<{ mean: number; largest: number } | null>(null);
   private renderer: Renderer | null = null;
   private shot: Shot | null = null;
-  /** Milliseconds for a million pixels, and for a strip without any, whose vertices are moved. */
+  /** Milliseconds for a million shaded pixels. */
   private cost = FIRST_COST.card;
-  private stripCost = 0;
   private slow = false;
   private changedAt = Number.NEGATIVE_INFINITY;
   private dirty = true;
@@ -77,7 +72,6 @@ export class Painter {
     this.brightOf.fill(null);
     this.textureOf.fill(null);
     this.slow = renderer?.isSoftware ?? false;
-    this.stripCost = 0;
     this.cost = this.slow ? FIRST_COST.software : FIRST_COST.card;
     this.refresh();
   }
@@ -205,10 +199,8 @@ export class Painter {
     );
     const [scale, share] = cheap ?? SAVINGS.at(-1)!;
     for (const slot of slots) this.upload(renderer, slot, null);
-    renderer.beginFrame(shot, scale);
-    renderer.drawStrip(shot, 0, share, 0, 1);
-    renderer.endFrame(shot, 0);
-    this.learn((await renderer.finished()) - this.stripCost, pixels * scale ** 2 * share);
+    renderer.draw(shot, scale, share);
+    this.learn(await renderer.finished(), pixels * scale ** 2 * share);
   }
 
   /** Gather a whole frame, strip by strip; false if something has changed meanwhile. */
@@ -216,21 +208,16 @@ export class Painter {
     const scale = this.restingScale(renderer, shot);
     const pixels = (renderer.pixels(shot) / 1e6) * scale ** 2;
     for (const slot of slots) this.upload(renderer, slot, this.count);
-    const most = Math.min(Math.ceil((1e6 * pixels) / STRIP_PIXELS), 32);
-    const strips = Math.min(Math.max(Math.ceil((this.cost * pixels) / RESTING), 1), most);
-    renderer.beginFrame(shot, scale);
-    const times: number[] = [];
-    for (let strip = 0; strip < strips; strip++) {
-      renderer.drawStrip(shot, this.count, 1, strip / strips, (strip + 1) / strips);
-      times.push(await renderer.finished());
+    const strips = Math.min(Math.max(Math.ceil((this.cost * pixels) / RESTING), 1), MOST_STRIPS);
+    let time = 0;
+    for (const _ of renderer.drawFrame(shot, this.count, scale, 1, strips)) {
+      time += await renderer.finished();
       if (!this.resting) return false;
     }
-    renderer.endFrame(shot, this.count);
+    time += await renderer.finished();
     this.measure(renderer, shot);
-    if (strips >= MANY_STRIPS) this.stripCost = Math.min(...times);
-    const time = times.reduce((sum, one) => sum + one);
-    this.learn(time - strips * this.stripCost, pixels);
-    return true;
+    this.learn(time, pixels);
+    return this.resting;
   }
 
   private learn(time: number, megapixels: number): void {

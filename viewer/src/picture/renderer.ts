@@ -263,28 +263,27 @@ export class Renderer {
     return this.canvas.width * this.canvas.height * (comparison === "difference" ? 2 : 1);
   }
 
-  /** Begin a frame whose shading has a width relative to the canvas's; draw it by `drawStrip`. */
-  beginFrame(shot: Shot, scale: number): void {
-    const { width, height } = this.canvas;
-    this.targets.resize(shot.comparison === "difference" ? 2 * width : width, height, scale);
-    const contact = this.mesh.width / groundSize(this.mesh);
-    this.ground.light(this.map, this.lights, turnOf(shot), contact);
-  }
-
   /**
-   * Draw a part of the frame.
+   * Draw a frame; it pauses wherever a part that takes long has been drawn.
    *
    * @param count frames gathered so far.
+   * @param scale width of the shading relative to the canvas.
    * @param share share of the directions that is taken, in (0, 1].
-   * @param from, to the part of the frame's height, in [0, 1].
+   * @param strips parts of the shading.
    */
-  drawStrip(shot: Shot, count: number, share: number, from: number, to: number): void {
-    const { gl, targets } = this;
-    const { width, height, scale } = targets;
-    const [low, high] = [Math.round(from * height), Math.round(to * height)];
+  *drawFrame(
+    shot: Shot,
+    count: number,
+    scale: number,
+    share: number,
+    strips: number,
+  ): Generator<void> {
+    const { gl, targets, mesh } = this;
+    const { height } = this.canvas;
+    const partWidth = this.canvas.width;
+    targets.resize(shot.comparison === "difference" ? 2 * partWidth : partWidth, height, scale);
+    this.ground.light(this.map, this.lights, turnOf(shot), mesh.width / groundSize(mesh));
     const { count: parts, column, row } = shot.part ?? WHOLE;
-    const partWidth = shot.comparison === "difference" ? width / 2 : width;
-    gl.enable(gl.SCISSOR_TEST);
     for (const pane of panes(shot, parts * partWidth, partWidth)) {
       const textures = this.slots[pane.slot];
       const inPart = (x: number) => Math.min(Math.max(x - column * partWidth, 0), partWidth);
@@ -292,48 +291,64 @@ export class Renderer {
       if (!textures || left === right) continue;
       const begin = pane.offset + pane.x - column * partWidth;
       const place: Box = [begin, -row * height, pane.width, parts * height];
-      const clip: Box = [pane.offset + left, low, right - left, high - low];
+      const clip: Box = [pane.offset + left, 0, right - left, height];
       // Frames are shifted by parts of a pixel, of the frame as of the shading, for smooth edges.
       const shift = count === 0 ? [0, 0] : [halton(count, 2) - 0.5, halton(count, 3) - 0.5];
       const seenFrom = ([, , wide, tall]: Box) =>
-        cameraOf(this.mesh, shot.view, pane.width / (parts * height), [
+        cameraOf(mesh, shot.view, pane.width / (parts * height), [
           (2 * shift[0]!) / wide,
           (2 * shift[1]!) / tall,
         ]);
-      const shade = (size: number, isMirrored: boolean) => {
+      const within = (box: Box, part: Box) => {
+        gl.enable(gl.SCISSOR_TEST);
+        gl.viewport(...box);
+        gl.scissor(...part);
+      };
+      const camera = seenFrom(place);
+      const images = [MIRROR_SCALE * scale, scale].map((size) => {
         const coarse = place.map((x) => Math.round(x * size)) as Box;
-        const from = seenFrom(coarse);
-        const camera = isMirrored ? mirrored(from) : from;
-        const margin = isMirrored ? MIRROR_MARGIN : 2;
-        gl.viewport(...coarse);
-        gl.scissor(...around(clip, size, margin));
+        const ratio = [coarse[2] / place[2], coarse[3] / place[3]] as const;
+        const from = [0, 1].map(
+          (k) => coarse[k]! + shift[k]! - (place[k]! + shift[k]!) * ratio[k]!,
+        );
+        const margin = size === scale ? 2 : MIRROR_MARGIN;
+        return { coarse, part: around(clip, size, margin), map: [...from, ...ratio] };
+      });
+      const isAbove = camera.eye[2] > 0;
+      for (const [isMirrored, { coarse, part }] of [true, false].map(
+        (x, k) => [x, images[k]!] as const,
+      )) {
+        if (isMirrored && !isAbove) continue;
+        const from = isMirrored ? mirrored(seenFrom(coarse)) : seenFrom(coarse);
+        within(coarse, part);
         gl.frontFace(isMirrored ? gl.CW : gl.CCW);
         targets.bindSurface();
         this.placeTexels(textures.texels, count);
-        this.drawMesh(this.surface, camera);
-        targets.bindShaded(isMirrored);
-        const fade = isMirrored ? 0.7 * this.mesh.halfHeight : 0;
-        this.shade(camera, shot, textures, count, isMirrored ? MIRROR_SHARE * share : share, fade);
+        this.drawMesh(this.surface, from);
         gl.frontFace(gl.CCW);
-        const ratio = [coarse[2] / place[2], coarse[3] / place[3]];
-        return [0, 1]
-          .map((k) => coarse[k]! + shift[k]! - (place[k]! + shift[k]!) * ratio[k]!)
-          .concat(ratio);
-      };
-      const camera = seenFrom(place);
-      const toMirror = camera.eye[2] > 0 ? shade(MIRROR_SCALE * scale, true) : null;
-      const toShaded = shade(scale, false);
-      gl.viewport(...place);
-      gl.scissor(...clip);
+        const [x, y, wide, tall] = part;
+        const many = isMirrored ? Math.ceil(strips / 4) : strips;
+        for (let strip = 0; strip < many; strip++) {
+          const [low, high] = [strip, strip + 1].map((k) => Math.round((tall * k) / many));
+          within(coarse, [x, y + low!, wide, high! - low!]);
+          targets.bindShaded(isMirrored);
+          const fade = isMirrored ? 0.7 * mesh.halfHeight : 0;
+          this.shade(from, shot, textures, count, isMirrored ? MIRROR_SHARE * share : share, fade);
+          gl.disable(gl.SCISSOR_TEST);
+          if (strips > 1) yield;
+        }
+      }
+      within(place, clip);
       targets.bind();
-      this.drawBackdrop(camera, shot, toMirror);
-      this.drawPaint(camera, toShaded);
+      this.drawBackdrop(camera, shot, isAbove ? images[0]!.map : null);
+      this.drawPaint(camera, images[1]!.map);
+      gl.disable(gl.SCISSOR_TEST);
     }
-    gl.disable(gl.SCISSOR_TEST);
+    this.gather(shot, count);
   }
 
   /** Gather the frame, of which `count` precede it, and show the mean. */
-  endFrame(shot: Shot, count: number): void {
+  private gather(shot: Shot, count: number): void {
     const { gl, targets } = this;
     targets.resolve();
     targets.bindMean();
@@ -349,10 +364,8 @@ export class Renderer {
   }
 
   /** Draw and show one frame at once. */
-  draw(shot: Shot): void {
-    this.beginFrame(shot, 1);
-    this.drawStrip(shot, 0, 1, 0, 1);
-    this.endFrame(shot, 0);
+  draw(shot: Shot, scale = 1, share = 1): void {
+    this.drawFrame(shot, 0, scale, share, 1).next();
   }
 
   /** Show what has been gathered. */
