@@ -155,7 +155,7 @@ export class Session {
     this.painter.refresh();
     occluding.value = true;
     const isShown = () => mesh === this.mesh.peek();
-    occlusionOf(mesh)
+    this.painter.ready = occlusionOf(mesh)
       .then((occlusion) => {
         if (!isShown()) return;
         this.renderer?.setOcclusion(occlusion);

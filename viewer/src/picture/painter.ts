@@ -42,6 +42,8 @@ export class Painter {
   readonly converged = signal(false);
   /** Colour differences (CIELAB) of two pictures; null: none are compared so. */
   readonly difference = signal<{ mean: number; largest: number } | null>(null);
+  /** What the picture at rest waits for, since it would have to be drawn anew. */
+  ready: Promise<unknown> = Promise.resolve();
   private renderer: Renderer | null = null;
   private shot: Shot | null = null;
   /** Milliseconds for a million shaded pixels. */
@@ -153,6 +155,7 @@ export class Painter {
   /** Draw the next frame at rest. */
   private async rest(renderer: Renderer, shot: Shot, slots: (0 | 1)[]): Promise<boolean> {
     if (!this.resting) {
+      await this.ready;
       if (renderer.hasLights) await Promise.all(slots.map((slot) => this.slots[slot].light(true)));
       if (this.dirty) return true;
       this.resting = true;

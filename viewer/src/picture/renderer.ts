@@ -305,13 +305,13 @@ export class Renderer {
         gl.scissor(...part);
       };
       const camera = seenFrom(place);
-      const images = [MIRROR_SCALE * scale, scale].map((size) => {
+      const images = [MIRROR_SCALE * Math.max(scale, 0.5), scale].map((size, k) => {
         const coarse = place.map((x) => Math.round(x * size)) as Box;
         const ratio = [coarse[2] / place[2], coarse[3] / place[3]] as const;
         const from = [0, 1].map(
           (k) => coarse[k]! + shift[k]! - (place[k]! + shift[k]!) * ratio[k]!,
         );
-        const margin = size === scale ? 2 : MIRROR_MARGIN;
+        const margin = k === 1 ? 2 : MIRROR_MARGIN;
         return { coarse, part: around(clip, size, margin), map: [...from, ...ratio] };
       });
       const isAbove = camera.eye[2] > 0;

@@ -23,37 +23,36 @@ out vec4 colour;
 
 const float BLUR = 4.0; // level of a panorama
 const float WIDER = 3.0; // its width relative to the picture's, to show the horizon from above
-const float REFLECTANCE = 0.12; // of the ground
+const vec2 GREY = vec2(0.24, 0.08); // ground and wall, a little in the light's colour
 
 vec3 inEnvironment(vec3 v) {
     return vec3(turn.x * v.x + turn.y * v.y, turn.x * v.y - turn.y * v.x, v.z);
 }
 
-// What the ground reflects, times opacity, with more blur away from the contact.
+// What the ground reflects, times opacity.
 vec4 reflection(vec3 direction) {
     vec2 texel = 1.0 / vec2(textureSize(mirror, 0));
     vec2 at = (gl_FragCoord.xy * toMirror.zw + toMirror.xy) * texel;
-    vec4 sum = 2.0 * textureLod(mirror, at, 0.0);
-    for (int k = 0; k < 4; k++) {
-        float angle = 1.5707963 * float(k) + 0.6;
-        sum += textureLod(mirror, at + 1.3 * texel * vec2(cos(angle), sin(angle)), 0.0);
+    vec4 sum = vec4(0.0);
+    for (int k = 0; k < 9; k++) {
+        vec2 shift = vec2(float(k % 3 - 1), float(k / 3 - 1));
+        sum += (2.0 - abs(shift.x)) * (2.0 - abs(shift.y)) * textureLod(mirror, at + shift * texel, 0.0);
     }
     float share = 0.1 + 0.9 * pow(1.0 - abs(direction.z), 5.0); // of a polished floor, as of Schlick (1994)
-    return share * sum / 6.0;
+    return share * sum / 16.0;
 }
 
 void main() {
     vec3 direction = normalize(forward + place.x * right + place.y * up);
-    vec3 back = normalize(vec3(-forward.xy, 0.0));
-    vec3 light = 0.4 * REFLECTANCE * textureLod(irradiance, inEnvironment(back), 0.0).rgb;
+    vec3 above = textureLod(irradiance, vec3(0.0, 0.0, 1.0), 0.0).rgb;
+    vec3 tint = mix(vec3(1.0), above / max(dot(above, vec3(0.2126, 0.7152, 0.0722)), 1e-4), 0.15);
+    vec3 light = GREY.y * tint;
     vec3 shade = vec3(1.0);
     vec4 seen = vec4(0.0);
     if (direction.z < -1e-3 && eye.z > 0.0) {
         vec2 at = (eye - direction * (eye.z / direction.z)).xy;
         float away = length(at) / size.x;
-        // A pool of light that fades into the wall
-        vec3 pool = REFLECTANCE * textureLod(irradiance, vec3(0.0, 0.0, 1.0), 0.0).rgb;
-        light = mix(light, pool, 1.0 / (1.0 + 0.05 * away * away));
+        light = mix(light, GREY.x * tint, 1.0 / (1.0 + 0.05 * away * away)); // a pool of light
         vec2 inside = abs(at) / size.y;
         float border = smoothstep(1.0, 0.8, max(inside.x, inside.y));
         shade = mix(vec3(1.0), textureLod(ground, 0.5 * at / size.y + 0.5, 0.0).rgb, border);

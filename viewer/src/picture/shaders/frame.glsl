@@ -82,8 +82,7 @@ vec3 incoming(Frame frame, vec3 local, float logPdf) {
     return mix(own, textureLod(environment, light, level(light, logPdf)).rgb, open(light));
 }
 
-// Light of a surface at a height, times its opacity.
+// Light of a surface at a height, times its opacity. Coarse images have no highlights.
 vec4 faded(vec3 light, float height) {
-    float opacity = fade > 0.0 ? exp(-height / fade) : 1.0;
-    return vec4(light * opacity, opacity);
+    return fade > 0.0 ? vec4(min(light, 2.0), 1.0) * exp(-height / fade) : vec4(light, 1.0);
 }
