@@ -59,7 +59,7 @@ notebook: $(READY)
 	PYTHONPATH=$(CURDIR) .venv/bin/jupyter execute --inplace --NotebookClient.record_timing=False docs/notebooks/*.ipynb
 
 # The README's pictures of the gallery, by the present weights
-GALLERY := still-life globe teapot shoe brushed bells violin car lantern leaf glass
+GALLERY := still-life globe teapot shoe brushed car leaf glass
 thumbnails: $(READY)
 	for scene in $(GALLERY); do \
 	    .venv/bin/python -m gallery $$scene out/gallery/$$scene || exit; \
@@ -68,13 +68,13 @@ thumbnails: $(READY)
 	    .venv/bin/urushi render out/gallery/$$scene/scene.xml --width 320 --height 240 --spp 128 \
 	        -o docs/images/$$scene.png || exit; \
 	done
-	for scene in bells violin car lantern leaf glass; do \
+	for scene in car leaf glass; do \
 	    spp=160; if [ $$scene = glass ]; then spp=1024; fi; \
 	    .venv/bin/urushi render out/gallery/$$scene/scene.xml --width 320 --height 240 --spp $$spp \
 	        -o out/$$scene.png || exit; \
 	    .venv/bin/python docs/small_jpg.py out/$$scene.png docs/images || exit; \
 	done
-	for scene in car lantern leaf; do \
+	for scene in car leaf; do \
 	    .venv/bin/urushi render out/gallery/$$scene/scene.xml -D coat=layered --width 320 \
 	        --height 240 --spp 160 -o out/$$scene-walk.png || exit; \
 	    .venv/bin/python docs/small_jpg.py out/$$scene-walk.png docs/images || exit; \
@@ -86,18 +86,14 @@ thumbnails: $(READY)
 MATERIALS := velvet car-paint brushed
 measured-pictures: $(READY)
 	.venv/bin/urushi encode $(MATERIALS:%=docs/materials.xml#%) -o out/materials
-	.venv/bin/python -m benchmarks.quality.examine docs/materials.xml#car-paint -o out/materials/report
+	.venv/bin/python -m benchmarks.examine docs/materials.xml#car-paint -o out/materials/report
 	cp out/materials/report/car-paint.png docs/images/encode_report.png
-	.venv/bin/python -m figures.sheet $(MATERIALS:%=out/materials/%.safetensors) -o docs/images/sheet.jpg
+	.venv/bin/python -m benchmarks.sheet $(MATERIALS:%=out/materials/%.safetensors) -o docs/images/sheet.jpg
 
-# Results and pictures of all folders of figures/, and their tables in the documentation; finished
-# parts in out/figures are kept.
+# Results that are stale, their figures and their tables in the documentation, in a night; finished
+# cases in out/figures are kept.
 figures: $(READY)
-	for file in figures/*/compute.py; do \
-	    name=$$(basename $$(dirname $$file)); \
-	    .venv/bin/python -m figures.$$name.compute && .venv/bin/python -m figures.$$name.plot || exit; \
-	done
-	.venv/bin/python -m figures.page
+	.venv/bin/python -m benchmarks stale
 
 # Builds the page of `urushi view` into the package; using it needs no Node, building it does.
 viewer: $(READY) viewer/node_modules/.ready

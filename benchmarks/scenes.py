@@ -1,6 +1,6 @@
 """The scenes of benchmarks: the demo's, the gallery's and one variation, by methods and lights.
 
-Methods are weights of `neural_layered` (a name or a file) or of Fan et al. (`render.PAPER`),
+Methods are weights of `neural_layered` (a name or a file) or of Fan et al. (`PAPER`),
 `WALK`, the plugins of `RIVALS`, and `PRINCIPLED`: Mitsuba's principled BSDF in the place of every
 coat, with as many textures. It looks different, and shows what an ordinary material costs in the
 same scene.
@@ -13,22 +13,22 @@ from typing import Any
 
 import mitsuba as mi
 import numpy as np
-from benchmarks import textured_coats
-from benchmarks.speed.render import coat
-from gallery import export
+from gallery import export, noise
 from gallery.options import COATS, Options
 from gallery.scenes import SCENES as GALLERY
+from gallery.stage import Folder, smoothstep
 from research.rivals import plugins
 
 import urushi.fan2022  # noqa: F401  (registers the plugins)
 from urushi.nets import weights as networks
 
-#: The demo's scene goes by this name.
-DEMO = "demo"
-_MAKERS = {DEMO if name == "caddy" else name: make for name, make in GALLERY.items()}
-SCENES = tuple(_MAKERS)
-#: The still life with textures of the coats' alpha and index; not among those measured by default.
+SCENES = tuple(GALLERY)
+#: Before the file of weights of the system of Fan et al. (2022), where others are a name or a file.
+PAPER = "fan2022:"
+#: The still life with textures of the coats' alpha and index, as in Figure 1 of Fan et al. (2022);
+#: their ranges, and texels along a side.
 TEXTURED = "textured-still-life"
+ALPHAS, INDICES, TEXELS = (0.03, 0.45), (1.3, 1.9), 512
 WALK, PRINCIPLED = "layered", "principled"
 #: Models of other authors, which take the parameters of `WALK`.
 RIVALS = ("layered_belcour", "layered_weidlich")
@@ -71,10 +71,9 @@ def describe(
     height = width * 3 // 4
     kind = WALK if method == WALK or method in RIVALS else COATS[0]
     options = Options(coat=kind, width=width, height=height, detail=detail)
-    make = _MAKERS["still-life" if name == TEXTURED else name]
-    scene = export.build(make, folder, options)
+    scene = export.build(GALLERY["still-life" if name == TEXTURED else name], folder, options)
     if name == TEXTURED:
-        scene = textured_coats.applied(scene, folder, options)
+        scene = _textured(scene, folder, options)
     if light == BOTH:
         scene["point"] = _light(POINT, scene["sensor"])
     elif light != OWN:
@@ -145,6 +144,54 @@ def _with_method(node: dict[str, Any], method: str) -> dict[str, Any]:
         key: _with_method(value, method) if isinstance(value, dict) else value
         for key, value in node.items()
     }
+
+
+def coat(plugin: str) -> dict[str, str]:
+    """The type and the weights of a coat by "layered", or by weights."""
+    if plugin == WALK:
+        return {"type": plugin}
+    if plugin.startswith(PAPER):
+        return {"type": "fan2022_layered", "weights": plugin.removeprefix(PAPER)}
+    return {"type": COATS[0], "weights": plugin}
+
+
+def _textured(scene: dict[str, Any], folder: Path, options: Options) -> dict[str, Any]:
+    """The scene "still-life" with textures of alpha and index on vase, plate, bowl, table, beads.
+
+    Crystals in the glaze, bands on the plate, stripes on the beads, wear on bowl and table.
+    """
+    files, side = Folder(folder), options.texels(TEXELS)
+    v, u = np.meshgrid(*[(np.arange(side) + 0.5) / side] * 2, indexing="ij")
+    around = np.stack([np.cos(2 * np.pi * u), np.sin(2 * np.pi * u), 3 * v], axis=-1)
+    spots = smoothstep(-0.1, 0.15, noise.fractal(2 * around, 3, seed=31))
+    wear = smoothstep(-0.3, 0.5, noise.fractal(around * 4, 4, seed=32))
+    bands = smoothstep(-0.25, 0.25, np.sin(2 * np.pi * 10 * v))
+    stripes = smoothstep(-0.25, 0.25, np.sin(2 * np.pi * 4 * u))
+    patterns = {
+        "vase": (spots, 1 - spots),
+        "plate": (wear, bands),
+        "bowl": (wear, spots),
+        "table": (wear, wear),
+        **{f"bead-{index}": (stripes, spots) for index in range(3)},
+    }
+
+    def with_textures(node: dict[str, Any], textures: dict[str, Any]) -> dict[str, Any]:
+        if node.get("type") == options.coat:
+            return {**node, **textures}
+        return {
+            k: with_textures(v, textures) if isinstance(v, dict) else v for k, v in node.items()
+        }
+
+    result = dict(scene)
+    for name, shares in patterns.items():
+        textures = {
+            parameter: files.texture(f"{name}-{parameter}", low * (high / low) ** share)
+            for parameter, (low, high), share in zip(
+                ("alpha", "int_ior"), (ALPHAS, INDICES), shares, strict=True
+            )
+        }
+        result[name] = with_textures(scene[name], textures)
+    return result
 
 
 def _principled(node: dict[str, Any]) -> dict[str, Any]:

@@ -5,18 +5,14 @@ from typing import Any
 import mitsuba as mi
 import numpy as np
 
-from gallery import caddy_pattern, stage
+from gallery import stage
 from gallery.mesh import Profile, lathe
 from gallery.options import Options
 from gallery.stage import Folder, conductor, diffuse, rgb
+from urushi.app.render import DEMO_SCENE
 
 #: Rows of the pattern's texture.
 TEXTURE_HEIGHT = 384
-
-#: Optical depth and albedo of the black lacquer, of the red, and of the thin coat over the gold.
-BLACK = np.array([4.0, 5.0, 6.0]), np.array([0.30, 0.05, 0.03])
-RED = np.array([3.0, 6.0, 6.0]), np.array([0.85, 0.14, 0.05])
-GOLD = np.array([0.02, 0.05, 0.15]), np.array([0.9, 0.8, 0.6])
 
 #: Rotation of the caddy about its axis, which turns the blossoms to the camera [degrees].
 TURN = 105.0
@@ -49,29 +45,18 @@ def caddy(folder: Folder, options: Options) -> dict[str, Any]:
 
 
 def coat(folder: Folder, options: Options) -> dict[str, Any]:
-    """The lacquer: dark and thick, thin over the pattern so that the gold below shines through."""
-    depth, albedo = lacquer(options.texels(TEXTURE_HEIGHT))
-    medium = {"albedo": folder.texture("albedo", albedo), "sigma_t": folder.texture("depth", depth)}
-    for texture in medium.values():  # between gold and lacquer f is far from linear in sigma_t
-        texture["filter_type"] = "nearest"
-    return options.coated(conductor("Au", 0.22), alpha=0.05, int_ior=1.5, g=0.0, **medium)
+    """The lacquer: dark and thick, thin over the pattern so that the gold below shines through.
 
-
-def lacquer(rows: int) -> tuple[np.ndarray, np.ndarray]:
-    """Optical depth and albedo of the coat, (H, W, 3) each: black to red to black, then gold.
-
-    Depths are interpolated in their logarithms. rows: H; W is twice as many.
+    Albedo and optical depth are those of the package: maki-e of cherry blossoms over a stream.
     """
-    profile = natsume()
-    gold = caddy_pattern.gold(profile, rows)[..., None]
-    height = profile((np.arange(rows) + 0.5) / rows)[0][:, 1]
-    red = np.exp(-(((height - 0.42) / 0.30) ** 2))[:, None, None]  # a red band between black ones
-    depth = np.exp(_blend(gold, _blend(red, *np.log([BLACK[0], RED[0]])), np.log(GOLD[0])))
-    return depth, _blend(gold, _blend(red, BLACK[1], RED[1]), GOLD[1])
-
-
-def _blend(amount: np.ndarray, first: np.ndarray, second: np.ndarray) -> np.ndarray:
-    return first + (second - first) * amount
+    rows = options.texels(TEXTURE_HEIGHT)
+    medium = {}
+    for name, parameter in (("albedo", "albedo"), ("depth", "sigma_t")):
+        shipped = mi.Bitmap(str(DEMO_SCENE.with_name(f"{name}.exr")))
+        values = shipped if rows == TEXTURE_HEIGHT else shipped.resample([2 * rows, rows])
+        # Between gold and lacquer f is far from linear in sigma_t.
+        medium[parameter] = folder.texture(name, np.array(values)) | {"filter_type": "nearest"}
+    return options.coated(conductor("Au", 0.22), alpha=0.05, int_ior=1.5, g=0.0, **medium)
 
 
 def _camera(options: Options) -> dict[str, Any]:
@@ -116,29 +101,9 @@ def natsume() -> Profile:
 
 # The lid's rim is the fine groove a third of the way down. Points close together bend sharply.
 NATSUME = [
-    (0.00, 0.035),
-    (0.15, 0.035),
-    (0.270, 0.032),
-    (0.300, 0.010),
-    (0.330, 0.000),
-    (0.375, 0.030),
-    (0.425, 0.120),
-    (0.470, 0.260),
-    (0.497, 0.420),
-    (0.503, 0.560),
-    (0.502, 0.640),
-    (0.501, 0.672),
-    (0.498, 0.684),
-    (0.491, 0.690),
-    (0.491, 0.692),
-    (0.498, 0.698),
-    (0.501, 0.710),
-    (0.500, 0.760),
-    (0.492, 0.850),
-    (0.470, 0.930),
-    (0.420, 0.990),
-    (0.330, 1.028),
-    (0.200, 1.050),
-    (0.100, 1.056),
-    (0.000, 1.058),
-]
+    (0.00, 0.035), (0.15, 0.035), (0.270, 0.032), (0.300, 0.010), (0.330, 0.000), (0.375, 0.030),
+    (0.425, 0.120), (0.470, 0.260), (0.497, 0.420), (0.503, 0.560), (0.502, 0.640),
+    (0.501, 0.672), (0.498, 0.684), (0.491, 0.690), (0.491, 0.692), (0.498, 0.698),
+    (0.501, 0.710), (0.500, 0.760), (0.492, 0.850), (0.470, 0.930), (0.420, 0.990),
+    (0.330, 1.028), (0.200, 1.050), (0.100, 1.056), (0.000, 1.058),
+]  # fmt: skip

@@ -10,11 +10,10 @@ from typing import Any
 import numpy as np
 
 from gallery import car_fittings, car_shape, stage
-from gallery.mesh import Mesh, Profile, lathe
+from gallery.isosurface import Field, mesh, projected
+from gallery.mesh import Mesh, Profile, lathe, merged
 from gallery.options import Options
-from gallery.solids import merged
 from gallery.stage import Folder, Light, rgb
-from gallery.surface_nets import Field, mesh, projected
 
 #: Texels of the paint along a side of its pattern, which covers `TILE` [m] and repeats; and the
 #: number of flakes along it.

@@ -5,8 +5,7 @@ import numpy as np
 from gallery.car_shape import AXLES, LAMP, LAMP_AXIS, WHEEL, skin, windows
 from gallery.grids import grid
 from gallery.implicit import common, ellipsoid, segment, superellipsoid, tube, union
-from gallery.mesh import Mesh
-from gallery.solids import merged, moved
+from gallery.mesh import Mesh, merged, moved
 
 #: The middle of the tyres along y, and the radii of the white ring on their outer side.
 TRACK, WHITE_WALL = 0.665, (0.235, 0.290)

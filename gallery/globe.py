@@ -1,11 +1,12 @@
 """The scene "globe": a lacquered globe on gold, with the map in the medium, in a brass ring."""
 
+from pathlib import Path
 from typing import Any
 
 import mitsuba as mi
 import numpy as np
 
-from gallery import continents, noise, stage
+from gallery import noise, stage
 from gallery.grids import grid
 from gallery.mesh import Mesh, Profile, lathe
 from gallery.options import Options
@@ -81,11 +82,15 @@ def chart(rows: int) -> tuple[np.ndarray, np.ndarray]:
     The medium is thin and warm over land, so that the gold shines through, and deep over seas. The
     lines of the graticule and the coasts are bare gold.
     """
-    longitude, latitude = continents.grid(rows)
-    points = continents.sphere(longitude, latitude)
-    land = continents.land(rows)[..., None]
+    longitude = 180 / rows * (np.arange(2 * rows) + 0.5)
+    latitude = 90 - 180 / rows * (np.arange(rows) + 0.5)
+    longitude, latitude = np.meshgrid(longitude, latitude)
+    east, across = np.radians(longitude), np.cos(np.radians(latitude))
+    north = np.sin(np.radians(latitude))
+    points = np.stack([across * np.cos(east), across * np.sin(east), north], axis=-1)
+    land = _land(rows)[..., None]
     relief = noise.fractal(points * 5, 5, seed=7, gain=0.6)[..., None]
-    north = np.abs(points[..., 2:])
+    north = np.abs(north[..., None])
     ice = stage.smoothstep(0.90, 0.97, north + 0.03 * relief)
     dry = stage.smoothstep(0.15, -0.15, np.abs(north - 0.42) - 0.12 + 0.10 * relief)
 
@@ -102,6 +107,13 @@ def chart(rows: int) -> tuple[np.ndarray, np.ndarray]:
     depth = deep + (np.maximum(shallow, 0.1) - deep) * land
     gold_share = np.maximum(0.85 * _graticule(longitude, latitude), _coast(land))
     return albedo, depth * (1 - gold_share) + 0.08 * gold_share
+
+
+def _land(rows: int) -> np.ndarray:
+    """The fraction of land (rows, 2 rows) of a map of the Earth from longitude 0 to the east."""
+    drawn = mi.Bitmap(str(Path(__file__).with_name("land.png")))
+    grey = drawn.convert(mi.Bitmap.PixelFormat.Y, mi.Struct.Type.Float32, srgb_gamma=False)
+    return np.clip(np.array(grey.resample([2 * rows, rows])), 0, 1).reshape(rows, -1)
 
 
 def _graticule(longitude: np.ndarray, latitude: np.ndarray) -> np.ndarray:
@@ -148,25 +160,8 @@ def ring(radius: float, thick: float, wide: float) -> Mesh:
 
 # The foot's outline (radius and height), from the middle of the underside to the top.
 FOOT = [
-    (0.00, 0.00),
-    (0.40, 0.00),
-    (0.74, 0.00),
-    (0.80, 0.00),
-    (0.82, 0.03),
-    (0.80, 0.08),
-    (0.74, 0.11),
-    (0.62, 0.12),
-    (0.58, 0.14),
-    (0.60, 0.17),
-    (0.56, 0.21),
-    (0.36, 0.26),
-    (0.18, 0.33),
-    (0.13, 0.40),
-    (0.17, 0.44),
-    (0.17, 0.47),
-    (0.11, 0.50),
-    (0.10, 0.54),
-    (0.14, 0.60),
-    (0.10, 0.64),
-    (0.00, 0.65),
-]
+    (0.00, 0.00), (0.40, 0.00), (0.74, 0.00), (0.80, 0.00), (0.82, 0.03), (0.80, 0.08),
+    (0.74, 0.11), (0.62, 0.12), (0.58, 0.14), (0.60, 0.17), (0.56, 0.21), (0.36, 0.26),
+    (0.18, 0.33), (0.13, 0.40), (0.17, 0.44), (0.17, 0.47), (0.11, 0.50), (0.10, 0.54),
+    (0.14, 0.60), (0.10, 0.64), (0.00, 0.65),
+]  # fmt: skip

@@ -1,4 +1,4 @@
-"""Triangle meshes: shapes turned on a lathe, and PLY files."""
+"""Triangle meshes: shapes turned on a lathe, unions, and PLY files."""
 
 import os
 from collections.abc import Callable
@@ -25,6 +25,27 @@ class Mesh:
     normals: np.ndarray
     uv: np.ndarray
     faces: np.ndarray
+
+
+def merged(meshes: list[Mesh]) -> Mesh:
+    """One mesh of several."""
+    first = np.cumsum([0] + [len(mesh.positions) for mesh in meshes[:-1]])
+    faces = [mesh.faces + n for mesh, n in zip(meshes, first, strict=True)]
+    parts = [[getattr(mesh, name) for mesh in meshes] for name in ("positions", "normals", "uv")]
+    return Mesh(*map(np.concatenate, parts), np.concatenate(faces).astype(np.int32))
+
+
+def moved(mesh: Mesh, axes: npt.ArrayLike, origin: npt.ArrayLike = (0, 0, 0)) -> Mesh:
+    """The mesh with its x, y and z along the rows of `axes` (3, 3), which are orthogonal.
+
+    Axes of different lengths scale; those of a left-handed frame mirror.
+    """
+    axes = np.asarray(axes, np.float32)
+    normals = mesh.normals @ np.linalg.inv(axes).T
+    normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-12)
+    faces = mesh.faces if np.linalg.det(axes) > 0 else mesh.faces[:, ::-1]
+    positions = mesh.positions @ axes + np.asarray(origin, np.float32)
+    return Mesh(positions, normals, mesh.uv, faces)
 
 
 def write_ply(mesh: Mesh, path: str | os.PathLike) -> None:

@@ -1,7 +1,6 @@
 """Settings of the test run, and fixtures that tests of several floors share."""
 
 import importlib.util
-import json
 import os
 import shutil
 import signal
@@ -51,7 +50,7 @@ def pytest_configure(config: pytest.Config) -> None:
 #: Folders of tests by their tier: a marker, and the subjects that no user's machine needs to prove.
 TIERS = {
     "slow": ("train",),  # each loss and stage compiles for seconds
-    "research": ("benchmarks", "figures", "gallery", "research"),  # not in the wheel
+    "research": ("benchmarks", "gallery", "research"),  # not in the wheel
 }
 
 
@@ -142,20 +141,6 @@ def _archive(path: Path) -> Mapping[str, np.ndarray]:
         return dict(archive)
 
 
-@pytest.fixture(scope="session")
-def stored_results() -> Callable[..., dict]:
-    """A function (module of figures.NAME.compute, networks by key) -> its stored results."""
-    return _stored_results
-
-
-def _stored_results(compute, **networks) -> dict:
-    """The results of a figure, which are by these networks."""
-    found = json.loads((compute.FOLDER / "results.json").read_text())
-    stale = [key for key, model in networks.items() if found[key] != model.fingerprint]
-    assert not stale, f"stale {', '.join(stale)}: run `make figures`"
-    return found
-
-
 Sphere = Callable[[np.ndarray], np.ndarray]
 
 
@@ -221,21 +206,6 @@ def variant(request: pytest.FixtureRequest) -> str:
 
     mi.set_variant(name)
     return name
-
-
-@pytest.fixture(scope="module")
-def small_spheres():
-    """Pictures of spheres of 24 x 24 pixels, whose nodes take a fraction of the time."""
-    from benchmarks.quality import sphere
-
-    caches = sphere.nodes, sphere._white
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(sphere, "RINGS", 12)
-        for cached in caches:
-            cached.cache_clear()
-        yield
-    for cached in caches:
-        cached.cache_clear()
 
 
 @pytest.fixture

@@ -148,6 +148,9 @@ def floats(*names: str) -> tuple[Variable, ...]:
     return tuple(Variable(label, FLOAT) for label in names)
 
 
+ALPHAS = floats("alpha_u", "alpha_v")
+
+
 def argument(variable: Variable) -> Expression:
     """An argument inside its function."""
     return name(variable.name, variable.kind)
@@ -200,7 +203,7 @@ def of_widths(alphas: Sequence[Any]) -> Any:
 
 
 def functions() -> list[Function]:
-    """The functions of the file; those of two widths end in 2."""
+    """The functions of the file; those of networks of two widths end in 2."""
     found = [
         returning(
             "schlick",
@@ -261,11 +264,7 @@ def functions() -> list[Function]:
             ),
         ),
     ]
-    for widths in (1, 2):
-        end = "" if widths == 1 else "2"
-        alphas = floats("alpha") if widths == 1 else floats("alpha_u", "alpha_v")
-        found += _of_widths(widths, end, alphas)
-    return found
+    return [*found, *_of_networks(1, ""), *_of_networks(2, "2"), *_of_surfaces()]
 
 
 def _both_and_apart(wi: Components, wo: Components) -> tuple[Components, Components]:
@@ -274,20 +273,9 @@ def _both_and_apart(wi: Components, wo: Components) -> tuple[Components, Compone
     return Components(*(a + b for a, b in pairs)), Components(*(a - b for a, b in pairs))
 
 
-def _of_widths(widths: int, end: str, alphas: Sequence[Variable]) -> list[Function]:
-    """The functions for surfaces of one GGX width or two."""
-    u1, u2 = floats("u1", "u2")
-    medium = floats("eta", "albedo", "sigma_t", "g")
-
-    def shape(*values: Any) -> Any:
-        *given, wi, wo, xp = values
-        above = (
-            Components(w.x, w.y, xp.named(f"above_{label}", xp.positive(w.z)))
-            for label, w in (("i", wi), ("o", wo))
-        )
-        wi, wo = above
-        h = microfacet.half_vector(wi, wo, xp)
-        return microfacet.lobe_shape(of_widths(given), wi, wo, h, xp)
+def _of_networks(widths: int, end: str) -> list[Function]:
+    """The functions for networks of one GGX width or two."""
+    alphas = floats("alpha") if widths == 1 else ALPHAS
 
     def coat(*values: Any) -> Any:
         *given, eta, albedo, sigma_t, g, xp = values
@@ -299,6 +287,7 @@ def _of_widths(widths: int, end: str, alphas: Sequence[Variable]) -> list[Functi
         columns = lobe.feature_columns(given, (first, second, third), xp)
         return lobe.FEATURES[widths].each(columns)
 
+    medium = floats("eta", "albedo", "sigma_t", "g")
     return [
         filling(f"coat_features{end}", "The layerer's inputs of a coat.", (*alphas, *medium), coat),
         filling(
@@ -307,37 +296,52 @@ def _of_widths(widths: int, end: str, alphas: Sequence[Variable]) -> list[Functi
             (*alphas, *floats("first", "second", "third")),
             lobe_columns,
         ),
+    ]
+
+
+def _of_surfaces() -> list[Function]:
+    """The functions for a surface of two GGX widths, which may be equal."""
+
+    def shape(*values: Any) -> Any:
+        *given, wi, wo, xp = values
+        above = (
+            Components(w.x, w.y, xp.named(f"above_{label}", xp.positive(w.z)))
+            for label, w in (("i", wi), ("o", wo))
+        )
+        wi, wo = above
+        h = microfacet.half_vector(wi, wo, xp)
+        return microfacet.lobe_shape(of_widths(given), wi, wo, h, xp)
+
+    return [
         filling(
-            f"proposal_weights{end}",
+            "proposal_weights",
             "Weights of a proposal by `TERMS` of the code, its overlaps and its lobe's numbers.",
             (
                 Variable("terms", FLOAT, proposal.TERMS),
                 Variable("overlaps", FLOAT, len(proposal.ALPHAS)),
-                Variable("numbers", FLOAT, len(lobe.NUMBERS[widths])),
+                Variable("numbers", FLOAT, len(lobe.NUMBERS[2])),
                 *floats("cosine"),
             ),
             lambda terms, overlaps, numbers, cosine, xp: proposal.weights(
                 [element(terms, i) for i in range(proposal.TERMS)],
                 [element(overlaps, i) for i in range(len(proposal.ALPHAS))],
-                of_widths([element(numbers, i) for i in lobe.WIDTH_PLACES[widths]]),
+                of_widths([element(numbers, i) for i in lobe.WIDTH_PLACES[2]]),
                 lambda c: lobe.reflectance_of([element(numbers, i) for i in range(1, 6)], c, xp),
                 cosine,
                 xp,
             ),
         ),
+        returning("lobe_shape", "The lobe [1/sr] of reflectance 1.", (*ALPHAS, WI, WO), shape),
         returning(
-            f"lobe_shape{end}", "The lobe [1/sr] of reflectance 1.", (*alphas, WI, WO), shape
-        ),
-        returning(
-            f"reflection_pdf{end}",
+            "reflection_pdf",
             "Density [1/sr] of `sampleReflection`, its mirrored part included.",
-            (*alphas, WI, WO),
+            (*ALPHAS, WI, WO),
             lambda *values: mixture.reflection_pdf(of_widths(values[:-3]), *values[-3:]),
         ),
         returning(
-            f"sample_reflection{end}",
+            "sample_reflection",
             "Reflect wi about a visible normal and mirror it up (Dupuy and Benyoub 2023).",
-            (*alphas, WI, u1, u2),
+            (*ALPHAS, WI, *floats("u1", "u2")),
             lambda *values: mixture.sample_reflection(of_widths(values[:-4]), *values[-4:]),
             VECTOR,
         ),
@@ -352,21 +356,13 @@ CONSTANTS: dict[str, str] = {
     "core.quadrature": "POLAR_NODES AZIMUTH_NODES MIN_TANGENT",
     "core.stretched": "FACTORS",
     "core.table": "SHAPE MIN_LOG MAX_LOG MIN_COSINE",
-    "material.albedo_rule": (
-        "COSINE_OFFSET INTERPOLATED_COSINES OVERSHOOT AZIMUTHS ANISOTROPIC_COSINES "
-        "POLAR_NODES QUADRANT_NODES CROWDING LEAST_TANGENT"
-    ),
     "material.energy": (
         "MARGIN SLACK TOLERANCE GRAZING LEAST_ALBEDO LEAST_REST TINY_FACTOR TINY_FACTOR_ROUNDS"
     ),
     "material.layer": "DEEPEST",
-    "material.lobe_albedo": "NODES EDGE_NODES WIDTHS FINE HEIGHTS TURNS",
     "nets.basis": "EMPTY_GAIN",
     "nets.code_fit": "FIRST_FLOOR FLOOR KNEE DARK PRIOR ROUNDS LEAST_SHARE LEAST_REST",
     "nets.features": "COAT_FEATURES",
-    "nets.interface_fit": (
-        "LEAST_ERROR GREATEST_ERROR TOLERANCE STEPS DAMPING DECREASE INCREASE LOWER UPPER METALS"
-    ),
     "nets.layerer": "LEAST_GAIN",
     "nets.lobe": "NO_LOBE LOBE_FEATURES NUMBERS COSINES VISIBLE",
     "nets.lobe_fit": ("DARK OVERSHOOT_WEIGHT KNEE STEPS CONVERGED LONGEST_STEP LAST_STEPS"),
@@ -378,11 +374,10 @@ CONSTANTS: dict[str, str] = {
 def constants(path: str, names: str) -> list[str]:
     """The object of a module's constants."""
     module = importlib.import_module(f"urushi.{path}")
-    lines = [f"/** Of `urushi.{path}` of Python. */"]
-    lines.append(f"export const {path.rpartition('.')[2].upper()} = {{")
-    for label in names.split():
-        lines += broken(f"{label}: {_literal(getattr(module, label))},", "  ", "    ")
-    return [*lines, "} as const;", ""]
+    values = ", ".join(f"{label}: {_literal(getattr(module, label))}" for label in names.split())
+    label = path.rpartition(".")[2].upper()
+    lines = broken(f"export const {label} = {{ {values} }} as const;", "", "  ")
+    return [f"/** Of `urushi.{path}` of Python. */", *lines, ""]
 
 
 def _literal(value: Any) -> str:

@@ -3,7 +3,7 @@
 import { readdirSync, readFileSync } from "node:fs";
 import type { Plugin } from "vite";
 
-const PACKAGES = ["preact", "@preact/signals", "@preact/signals-core", "parse-exr", "fflate"];
+const PACKAGES = ["preact", "@preact/signals", "@preact/signals-core", "three", "fflate"];
 
 /** A package's name and the text of its licence. */
 function licenceOf(name: string): string {
@@ -13,11 +13,11 @@ function licenceOf(name: string): string {
   return `${name}\n\n${readFileSync(`${folder}/${file}`, "utf8").trim()}`;
 }
 
-/** The notices of TinyEXR and OpenEXR, from which parse-exr's code comes. */
+/** The notices of TinyEXR and OpenEXR, from which code of three.js comes. */
 function exrNotices(): string {
-  const code = readFileSync("node_modules/parse-exr/index.js", "utf8");
+  const code = readFileSync("node_modules/three/examples/jsm/loaders/EXRLoader.js", "utf8");
   const notices = /^\/\/ \/\*[\s\S]*?^(?=\/\/ \/\/ End of OpenEXR license)/m.exec(code);
-  if (notices === null) throw new Error("parse-exr has no notices of OpenEXR");
+  if (notices === null) throw new Error("three.js has no notices of OpenEXR");
   return notices[0].replace(/^\/[/ *]*/gm, "").trim();
 }
 

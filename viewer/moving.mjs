@@ -47,7 +47,9 @@ async function pictures([place, isMeanKnown, environment, width, height, frames]
     const mesh = meshes.meshOf("goblet");
     window.renderer.setMesh(mesh);
     const { vertices, faces } = mesh;
-    window.renderer.setOcclusion(hiding.occlusion(vertices, meshes.VERTEX_NUMBERS, faces));
+    window.renderer.setOcclusion(
+      hiding.occlusion(vertices, meshes.VERTEX_NUMBERS, faces, meshes.groundSize(mesh)),
+    );
     window.renderer.setEnvironment(environment, null);
     window.shown = canvas;
   }
@@ -62,9 +64,7 @@ async function pictures([place, isMeanKnown, environment, width, height, frames]
   const draw = async (count, isFirst) => {
     const table = await core.table(material, { ...sizes, shift: shiftOf(count) });
     renderer.setTable(0, table, sizes, preset.rotation, isFirst);
-    renderer.beginFrame(shot, 1);
-    renderer.drawStrip(shot, count, 1, 0, 1);
-    renderer.endFrame(shot, count);
+    renderer.drawFrame(shot, count, 1, 1, 1).next();
   };
   await draw(0, true);
   const first = shown.toDataURL();

@@ -25,5 +25,5 @@ export default defineConfig({
   // The core reads tables of the Python package, which lies beside this folder.
   server: { fs: { allow: [".."] } },
   worker: { format: "es", rollupOptions: { output: plainNames } },
-  test: { include: ["tests/**/*.test.ts"], testTimeout: 30_000 },
+  test: { include: ["tests/**/*.test.ts"], testTimeout: 60_000, hookTimeout: 60_000 },
 });

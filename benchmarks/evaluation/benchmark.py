@@ -1,6 +1,6 @@
 """The stored benchmark set: reference values that networks are compared with by default.
 
-One safetensors file of about 1 MB, made by `benchmarks/quality/benchmark_set.py`. It holds, for
+One safetensors file of about 1 MB, made by `benchmarks/evaluation/benchmark_set.py`. It holds, for
 every group that must be simulated, the stacks' parameters, f in single and its standard error in
 half precision, the values at the probe pairs and the directional albedo. The pairs of directions
 are drawn again from the seed; the last pair of every stack is stored to detect if other pairs are
@@ -39,7 +39,7 @@ def default_path() -> Path:
 def read(
     path: str | os.PathLike | None = None, groups: tuple[Group, ...] = GROUPS
 ) -> dict[str, Samples]:
-    """Read a set that `benchmarks.quality.benchmark_set` wrote; groups without coats are evaluated.
+    """Read a set that `benchmark_set` wrote; groups without coats are evaluated.
 
     Args:
         path: the file; default: the stored set.

@@ -3,23 +3,26 @@
 In a plain fit, the peak of the highlight outweighs everything else. Therefore cosine-weighted
 values are compared after a compressive map, and pairs may be weighted by their solid angle. The
 best choice depends on the material (Fores et al. 2012; Bieron and Peers 2020): a comparison should
-take the best of `candidates` for each. Every fit starts from several initial widths.
+take the best for each. Every fit starts from several initial widths.
 """
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache
+from itertools import product
 from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
+from scipy.optimize import least_squares, nnls
 from threadpoolctl import threadpool_limits
 
+from urushi.core import direction_sets
 from urushi.core.directions import directions_at
-from urushi.errors import ParameterError, PlatformError
+from urushi.core.error_metrics import energy_weight
+from urushi.errors import ParameterError
 from urushi.measured.tabulated import evaluate
 from urushi.nets import lobe as analytic
-from urushi.platform import install_command
 
 
 @dataclass(frozen=True)
@@ -100,13 +103,13 @@ def schlick(g: Geometry, f0: float) -> np.ndarray:
     return f0 + (1 - f0) * g.edge
 
 
-#: The compared quantity: a map of x = f cos theta_i, with its derivative.
-#: "linear": Ngan et al. 2005. "log": Löw et al. 2012, ln(1 + x). "root": the cube root of Fores et
-#: al. 2012, with an offset that keeps its slope finite.
-LOSSES: dict[str, Callable[[np.ndarray], tuple[np.ndarray, np.ndarray]]] = {
-    "linear": lambda x: (x, np.ones_like(x)),
-    "log": lambda x: (np.log1p(x), 1 / (1 + x)),
-    "root": lambda x: (np.cbrt(x + 1e-3), np.cbrt(x + 1e-3) ** -2 / 3),
+#: The compared quantity, a map of x = f cos theta_i. "linear": Ngan et al. 2005. "log": Löw et al.
+#: 2012, ln(1 + x). "root": the cube root of Fores et al. 2012, with an offset that keeps its slope
+#: finite.
+LOSSES: dict[str, Callable[[np.ndarray], np.ndarray]] = {
+    "linear": lambda x: x,
+    "log": np.log1p,
+    "root": lambda x: np.cbrt(x + 1e-3),
 }
 
 #: Exponents of the pair's weight, which is its solid angle times both cosines. 1 weights squared
@@ -141,12 +144,18 @@ ANGLES = 64, 16, 8
 Brdf = Callable[[np.ndarray, np.ndarray], np.ndarray]
 
 
-def candidates(f: Brdf, lobes: int) -> Iterator[GgxFit]:
-    """Fits of up to `lobes` lobes by every loss and measure; arguments as in `fit`."""
-    for count in range(1, lobes + 1):
-        for loss in LOSSES:
-            for measure in MEASURES:
-                yield fit(f, count, loss, measure)
+def best(f: Brdf, lobes: int) -> GgxFit:
+    """The fit of up to `lobes` lobes, by any loss and measure, of the least E; as of `fit`.
+
+    E is that of pairs of cosine density, which no fit has seen.
+    """
+    wi, wo = direction_sets.cosine_pairs(np.random.default_rng(2), 2048)
+    truth, cosines = np.asarray(f(wi, wo), np.float64), (wi[:, 2], wo[:, 2])
+    fits = [fit(f, n, *how) for n in range(1, lobes + 1) for how in product(LOSSES, MEASURES)]
+    errors = [
+        np.abs(found.f(wi, wo) - truth).sum(axis=1) @ energy_weight(*cosines) for found in fits
+    ]
+    return fits[int(np.argmin(errors))]
 
 
 def fit(f: Brdf, lobes: int = 1, loss: str = "log", measure: float = 1.0) -> GgxFit:
@@ -160,19 +169,12 @@ def fit(f: Brdf, lobes: int = 1, loss: str = "log", measure: float = 1.0) -> Ggx
 
     Raises:
         ParameterError: another number of lobes or another loss.
-        PlatformError: SciPy is missing.
     """
     if lobes not in INITIAL_WIDTHS or loss not in LOSSES:
         raise ParameterError(
             f"cannot fit {lobes} lobes by the loss '{loss}'; "
             f"fit {' or '.join(map(str, INITIAL_WIDTHS))} by one of {', '.join(LOSSES)}"
         )
-    try:
-        from scipy.optimize import least_squares  # lazily: an extra
-    except ImportError as error:
-        raise PlatformError(
-            f"fits need the package scipy; install it: {install_command('eval')}"
-        ) from error
     wi, wo = pairs()
     values = np.broadcast_to(np.asarray(f(wi, wo), np.float64), (len(wi), 3))
     weight = solid_angles() ** (measure / 2)
@@ -182,7 +184,7 @@ def fit(f: Brdf, lobes: int = 1, loss: str = "log", measure: float = 1.0) -> Ggx
             least_squares(
                 problem.residuals,
                 problem.initial(alphas),
-                problem.jacobian,
+                "2-point",
                 problem.bounds(lobes),
                 max_nfev=60,
                 x_scale="jac",
@@ -217,7 +219,7 @@ def _grid() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
 
 
 class _Problem:
-    """Residuals and their derivatives with respect to a vector of parameters.
+    """Residuals of a vector of parameters.
 
     They are ln kd (3), then for every lobe ln alpha, logit f0, ln ks (3).
     """
@@ -229,7 +231,7 @@ class _Problem:
         self._weight = weight[:, None]
         self._map = LOSSES[loss]
         self._cosine = geometry.wi[:, 2:]
-        self._target = self._map(values * self._cosine)[0]
+        self._target = self._map(values * self._cosine)
         self._values = values
 
     def bounds(self, lobes: int) -> tuple[np.ndarray, np.ndarray]:
@@ -239,8 +241,6 @@ class _Problem:
 
     def initial(self, alphas: tuple[float, ...]) -> np.ndarray:
         """Parameters of the given widths, f0 = 0.2, and the weights of least relative error."""
-        from scipy.optimize import nnls
-
         f0 = 0.2
         grey = [shape(self._geometry, alpha) * schlick(self._geometry, f0) for alpha in alphas]
         columns = np.stack([np.full(len(self._values), 1 / np.pi), *grey], axis=1)
@@ -270,27 +270,4 @@ class _Problem:
         for lobe in model.lobes:
             grey = shape(self._geometry, lobe.alpha) * schlick(self._geometry, lobe.f0)
             value = value + grey[:, None] * lobe.weight
-        return ((self._map(value * self._cosine)[0] - self._target) * self._weight).ravel()
-
-    def jacobian(self, x: np.ndarray) -> np.ndarray:
-        """Derivatives (3 N, parameters); by alpha as central differences of the lobe's shape."""
-        model = self.model(x)
-        value = np.broadcast_to(model.diffuse / np.pi, self._values.shape)
-        columns = np.zeros((len(x), *self._values.shape))
-        columns[:3] = np.eye(3)[:, None] * (model.diffuse / np.pi)
-        for i, lobe in enumerate(model.lobes):
-            lobe_shape, fresnel = (
-                shape(self._geometry, lobe.alpha),
-                schlick(self._geometry, lobe.f0),
-            )
-            own = columns[3 + 5 * i : 8 + 5 * i]
-            step = 1e-4
-            wider, narrower = (shape(self._geometry, lobe.alpha * np.exp(s)) for s in (step, -step))
-            own[0] = ((wider - narrower) / (2 * step) * fresnel)[:, None] * lobe.weight
-            slope = lobe.f0 * (1 - lobe.f0) * (1 - self._geometry.edge)
-            own[1] = (lobe_shape * slope)[:, None] * lobe.weight
-            each = (lobe_shape * fresnel)[:, None] * lobe.weight
-            own[2:] = np.eye(3)[:, None] * each
-            value = value + each
-        slope = self._map(value * self._cosine)[1] * self._cosine * self._weight
-        return (columns * slope).reshape(len(x), -1).T
+        return ((self._map(value * self._cosine) - self._target) * self._weight).ravel()

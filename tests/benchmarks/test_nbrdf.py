@@ -5,7 +5,6 @@ import pytest
 from benchmarks.rivals import nbrdf
 from benchmarks.rivals.nbrdf import Nbrdf
 
-from urushi.core.directions import directions_at, half_difference_angles
 from urushi.errors import ParameterError
 
 
@@ -43,13 +42,3 @@ def test_agrees_with_the_published_fits(tool, random_directions):
         weights = fits[name].astype(np.float64)
         values = np.maximum(np.expm1(nbrdf.logits(weights, x)), 0)
         np.testing.assert_allclose(values, tool.network(weights, x), rtol=1e-6, atol=1e-9)
-
-
-def test_directions_have_the_angles_they_are_made_of():
-    rng = np.random.default_rng(3)
-    angles = rng.uniform(0.05, 0.7, 200), rng.uniform(0.05, 0.7, 200), rng.uniform(0, np.pi, 200)
-    wi, wo = directions_at(*angles)
-    np.testing.assert_allclose(np.linalg.norm(wi, axis=1), 1)
-    np.testing.assert_allclose(np.linalg.norm(wo, axis=1), 1)
-    for found, wanted in zip(half_difference_angles(wi, wo), angles, strict=True):
-        np.testing.assert_allclose(found, wanted, atol=1e-9)

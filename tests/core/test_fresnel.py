@@ -78,6 +78,17 @@ def test_conductors_reflect_by_fresnels_amplitudes() -> None:
         np.testing.assert_allclose(found, expected, atol=1e-10)
 
 
+@pytest.mark.parametrize("eta", (1 - 1e-6, 1, 1 + 1e-6, 1.001))
+@pytest.mark.parametrize("k", (0, 1e-4))
+def test_indices_near_one_reflect_no_negative_light(eta, k) -> None:
+    """And in single precision what they reflect in double, to its rounding."""
+    cosines = np.random.default_rng(4).random(2000)
+    single = fresnel.exact(*map(np.float32, (cosines, eta, k)), NUMPY)
+    assert (single >= 0).all()
+    double = fresnel.exact(*(np.float64(np.float32(x)) for x in (cosines, eta, k)), NUMPY)
+    np.testing.assert_allclose(single, double, atol=2e-6)
+
+
 def test_schlick_spans_r0_to_one_for_colours(jit: ModuleType) -> None:
     r0 = jit.Array3f(0.04, 0.5, 1.0)
     np.testing.assert_allclose(fresnel.schlick(jit.Float(1), r0).numpy()[:, 0], [0.04, 0.5, 1.0])

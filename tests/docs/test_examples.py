@@ -93,7 +93,7 @@ wi, wo = np.array([[0.0, 0.6, 0.8]]), np.array([[0.36, -0.48, 0.8]])
 
 def test_measured(tmp_path):
     """Every Python block of the page runs, on an RGB table in MERL's format."""
-    from benchmarks.speed.encode import synthetic_merl
+    from benchmarks.experiments.speed import synthetic_merl
 
     synthetic_merl(tmp_path / "gold-paint.binary")
     blocks = PYTHON_BLOCK.findall((DOCS / "measured.md").read_text())

@@ -2,9 +2,9 @@
 
 import numpy as np
 import pytest
+from benchmarks.evaluation import benchmark_set
 from benchmarks.evaluation import fan2022 as evaluation
 from benchmarks.evaluation.samples import Group
-from benchmarks.quality import benchmark_set
 
 import urushi
 from urushi import fan2022

@@ -9,7 +9,7 @@ from urushi.core import direction_sets
 from urushi.core.error_metrics import stack_error
 from urushi.core.quadrature import half_vector_rule
 from urushi.material import adding, adding_quadrant
-from urushi.material.coated_anisotropic import coated_f, half_vectors, pairs_about
+from urushi.material.coated_anisotropic import HalfVectors, coated_f
 from urushi.nets import lobe as lobes
 from urushi.walk import conductor, diffuse
 
@@ -130,22 +130,9 @@ def test_cells_are_where_their_directions_are():
     assert 4 * adding_quadrant.weights().sum() == pytest.approx(np.pi, rel=2e-3)  # midpoints
 
 
-def test_pairs_have_the_half_vectors_that_are_asked_for():
-    """Larger places have larger slopes; wi + wo loses digits where it is small."""
-    place = np.random.default_rng(0).uniform(0.2, 0.9, (4, 4000))
-    wi, wo = pairs_about(*place)
-    for w in (wi, wo):
-        np.testing.assert_allclose(np.linalg.norm(w, axis=1), 1, atol=1e-6)
-    half, apart = (w.astype(np.float64) for w in (wi + wo, wi - wo))
-    for u, axis in zip(place[:2], (0, 1), strict=True):
-        assert (np.diff((half[:, axis] / half[:, 2])[np.argsort(u)]) >= -1e-4).all()
-    np.testing.assert_allclose(np.linalg.norm(half, axis=1) / 2, 1 - place[2] ** 2, atol=1e-5)
-    np.testing.assert_allclose((half * apart).sum(axis=1), 0, atol=1e-5)
-
-
 def test_half_vectors_are_drawn_by_their_density():
     """The mean of 1 / density over half vectors of a region is its solid angle."""
-    peak = half_vectors(metal)
+    peak = HalfVectors.of(metal)
     u = np.random.default_rng(4).random((1 << 16, 2))
     x, y, z = peak.draw(u)
     inside = (np.abs(x / z) < 0.2) & (np.abs(y / z) < 0.5)

@@ -5,11 +5,13 @@ import pytest
 
 import urushi
 from urushi.checks import CoatParameters
+from urushi.core.direction_sets import cosine_pairs
 from urushi.core.quadrature import half_vector_rule
 from urushi.material import Material, encode, energy, layer
 from urushi.material.albedo_rule import albedo_rule
 from urushi.material.layer import layer_texels
 from urushi.material.values import codes_of, evaluate_source, material_from_values, required_pairs
+from urushi.nets.lobe_fit import fit_lobes
 from urushi.nets.weights import Model
 from urushi.walk import analytic
 
@@ -146,11 +148,45 @@ def test_one_factor_for_all_directions(trained, gaining, directions):
     assert np.array_equal(limited.f(wi, wo), limited.f(wo, wi))
 
 
+def test_codes_that_are_too_bright_at_grazing_angles_change_only_there(trained):
+    """A ceiling there moves f at the probes by less than a third of what one factor would."""
+    f = np.full((1, len(trained.networks.pairs()[0])), 0.6 / np.pi, np.float32)
+    code, cosines = codes_of(trained, f), albedo_rule().cosines
+    ceiling = np.where(cosines < 0.03, 0.4, 0.9)
+    nearest, scaled = (
+        limit(trained, code, ceiling) for limit in (energy.nearest_below, energy.limit_albedo)
+    )
+    assert (energy.directional_albedos(trained, nearest) < ceiling + 1e-4).all()
+    at_probes = trained.networks.features(*trained.networks.pairs())
+    apart = [np.abs(trained.networks.rest(z, at_probes) - f[0]).mean() for z in (nearest, scaled)]
+    assert apart[0] < 0.3 * apart[1]
+
+
+def test_codes_below_a_ceiling_are_right_between_the_probes(trained):
+    """Metals by an approximate lobe: darkening their codes at grazing angles costs no other f."""
+    wi, wo = cosine_pairs(np.random.default_rng(5), 2000)
+    for eta, k in ((0.15, 4.0), (0.6, 0.9), (1.5, 7.0), (3.0, 3.3)):
+        for alpha in (0.02, 0.1, 0.4):
+            source = urushi.conductor(alpha, eta=eta, k=k)
+            at_nodes = analytic.f(source, *albedo_rule()[:2]).T[:1]
+            f = analytic.f(source, *trained.networks.pairs()).T[:1]
+            lobe = fit_lobes(f)
+            ceiling = energy.albedo_ceiling(albedo_rule().albedo(at_nodes), albedo_rule())
+            codes = codes_of(trained, f, lobe)
+            expected, cosines = analytic.f(source, wi, wo)[:, 0], wi[:, 2] * wo[:, 2]
+            errors = [
+                np.abs(Material(z, trained).f(wi, wo)[:, 0] - expected).mean(where=cosines > 1e-3)
+                for z in (energy.nearest_below(trained, codes, ceiling), codes)
+            ]
+            assert errors[0] < 1.5 * errors[1] + 0.02 * expected.mean()
+
+
 def test_codes_far_below_the_ceiling_keep_their_bits(trained):
     dark = codes_of(
         trained, evaluate_source(urushi.diffuse(0.3), *trained.networks.pairs()).values.T
     )
     assert energy.limit_albedo(trained, dark) is dark
+    assert energy.nearest_below(trained, dark) is dark
     again = energy.limit_albedo(trained, dark, energy.directional_albedos(trained, dark) + 0.01)
     assert again is dark
 

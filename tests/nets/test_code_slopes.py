@@ -26,10 +26,10 @@ def glossy(basis: Basis, diffuse: np.ndarray, normal: np.ndarray) -> np.ndarray:
 def test_the_functions_themselves(basis):
     """f U_k is the change of f by c_k."""
     source = glossy(basis, np.full(COUNT, 0.3), np.full(COUNT, 0.4))
-    codes = solve_codes(basis, source, 0 * source)
+    codes = solve_codes(basis, source)
     f = decode(codes[:, None], basis.probe_rows).astype(np.float64)
     changes = f[..., None] * basis.probe_rows[:, 1:]
-    found = np.swapaxes(slopes(basis, f, 0 * f, codes), 1, 2) @ changes
+    found = np.swapaxes(slopes(basis, f, codes), 1, 2) @ changes
     deviations = 1 / np.sqrt(np.diag(basis.prior))  # of the codes of the training materials
     found *= deviations / deviations[:, None]
     np.testing.assert_allclose(found, np.broadcast_to(np.eye(basis.size), found.shape), atol=0.02)
@@ -38,8 +38,8 @@ def test_the_functions_themselves(basis):
 def test_brighter_surfaces_have_a_higher_gain(basis):
     """Whether a value is far below the mean or not."""
     f = glossy(basis, np.full(COUNT, 1e-4), np.full(COUNT, 0.4))
-    codes = solve_codes(basis, f, 0 * f)
-    by_factor = (f[..., None] * slopes(basis, f, 0 * f, codes)).sum(axis=1)
+    codes = solve_codes(basis, f)
+    by_factor = (f[..., None] * slopes(basis, f, codes)).sum(axis=1)
     expected = np.eye(basis.size)[[0] * COUNT]
     np.testing.assert_allclose(by_factor, expected, atol=0.01)
 
@@ -54,9 +54,9 @@ def test_against_differences(basis, changed):
         glossy(basis, *(x + way * s for x, s in zip(values, step, strict=True)))
         for way in (-1, 0, 1)
     )
-    ends = [solve_codes(basis, f, 0 * f) for f in (low, high)]
-    codes = solve_codes(basis, middle, 0 * middle)
-    found = np.einsum("npk,np->nk", slopes(basis, middle, 0 * middle, codes), high - low)
+    ends = [solve_codes(basis, f) for f in (low, high)]
+    codes = solve_codes(basis, middle)
+    found = np.einsum("npk,np->nk", slopes(basis, middle, codes), high - low)
     rows = basis.probe_rows
     of_slopes, of_ends = (
         decode(codes[:, None], rows) * (change @ rows[:, 1:].T)

@@ -1,15 +1,10 @@
 """The bidirectional estimator: the walk's means, whatever the number of light vertices."""
 
-import functools
-
 import numpy as np
 import pytest
 from research import bidirectional
-from tests.oracles import adding_doubling
 
 from urushi.walk import coat, conductor, diffuse, simulate
-from urushi.walk.monte_carlo import average
-from urushi.walk.table import from_stack
 
 WALKS = 1 << 14
 METAL = conductor(alpha=0.4, r0=0.9)
@@ -62,54 +57,11 @@ def test_both_estimators_have_the_same_mean(name):
     assert_equal_means(walked(STACKS[name], wi, wo, 2), walked(STACKS[name], wi, wo, 3, simulate))
 
 
-@pytest.mark.parametrize("count", [1, 2, 6])
-def test_the_mean_does_not_depend_on_the_number_of_light_vertices(count):
-    wi, wo = (w.astype(np.float32) for w in pairs(24, seed=4))
-    row = np.zeros(len(wi), np.uint32)
-    found = [
-        average(
-            from_stack(STACKS["milky"]),
-            row,
-            (wi, wo),
-            functools.partial(estimate, count=vertices),
-            walks=WALKS,
-            seed=vertices,
-        )
-        for vertices in (count, bidirectional.LIGHT_VERTICES)
-    ]
-    assert_equal_means(*found)
-
-
 def estimate(layers, bottom, wi, wo, rng, count):
     return bidirectional.estimate(layers, bottom, wi, wo, rng, type(wi.z), count=count)
-
-
-@pytest.mark.parametrize("name", ["milky", "three"])
-def test_it_agrees_with_adding_and_doubling(name):
-    wi, wo = pairs(24, seed=5)
-    f, se = walked(STACKS[name], wi, wo, 6)
-    expected = adding_doubling.solve(STACKS[name], wi, wo)[:, 0]
-    # Adding and doubling has an error of its nodes, 0.5 % here.
-    assert_equal_means((f, np.hypot(se, 0.005 * f)), (expected, 0 * f))
 
 
 @pytest.mark.parametrize("name", ["forward", "three", "low"])
 def test_reciprocity(name):
     wi, wo = pairs(24, seed=7)
     assert_equal_means(walked(STACKS[name], wi, wo, 8), walked(STACKS[name], wo, wi, 9))
-
-
-def test_forward_scattering_has_less_noise_than_one_walk():
-    wi, wo = pairs(24, seed=10)
-    both, one = (
-        walked(STACKS["forward"], wi, wo, 11, estimate)[1]
-        for estimate in (bidirectional.simulate, simulate)
-    )
-    assert (both**2).mean() < 0.5 * (one**2).mean()
-
-
-def test_directions_below_the_horizon_give_zero():
-    wi, wo = pairs(4, seed=12)
-    wo[:, 2] *= -1
-    f, se = walked(STACKS["milky"], wi, wo, 13)
-    assert not f.any() and not se.any()

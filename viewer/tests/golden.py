@@ -27,7 +27,6 @@ import urushi
 from urushi import files
 from urushi.core.direction_sets import cosine_pairs, half_angle_pairs
 from urushi.core.directions import turned
-from urushi.material.energy import limit_albedo
 from urushi.material.material import Material
 from urushi.nets import weights
 
@@ -130,7 +129,6 @@ def write_vectors(name: str, model: weights.Model) -> None:
     wo[-1, 2] *= -1  # below the horizon
     cosines = np.array(COSINES, np.float32)
     incident = np.stack([np.sqrt(1 - cosines**2), 0 * cosines, cosines], axis=-1)
-    bright = np.stack([_brightened(material) for material in materials])
     arrays = {
         "wi": wi,
         "wo": wo,
@@ -138,8 +136,6 @@ def write_vectors(name: str, model: weights.Model) -> None:
         "latents": np.stack([material.latents for material in materials]),
         "f": np.stack([values_of(material, wi, wo) for material in materials]).astype(np.float32),
         "albedo": np.stack([m.directional_albedo(incident) for m in materials]),
-        "bright": bright,
-        "limited": np.stack([limit_albedo(model, codes) for codes in bright]),
         "drawn": np.stack([_drawn(material) for material in materials]),
     }
     description = {"stacks": stacks, "weights": model.fingerprint}
@@ -162,13 +158,6 @@ def values_of(material: Material, wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
     codes, wi, wo = (array.astype(np.float64) for array in (material.latents, wi, wo))
     f = material.model.networks.f(codes[None], wi[:, None], wo[:, None])
     return np.where((wi[:, 2:] > 0) & (wo[:, 2:] > 0), f, 0.0)
-
-
-def _brightened(material: Material) -> np.ndarray:
-    """Codes (3, L) that gain energy: those of a material with two units more gain."""
-    codes = np.array(material.latents)
-    codes[:, material.model.arch.lobe] += 2.0
-    return codes
 
 
 def _drawn(material: Material) -> np.ndarray:

@@ -83,7 +83,8 @@ def exact(cosine: Any, eta: Any, k: Any, xp: Namespace = DRJIT) -> Any:
     """Reflectance of a smooth surface of complex index eta - i k, without loss of digits.
 
     k None is a dielectric, whose formula is shorter and keeps its digits for eta near 1; eta < 1
-    reflects totally beyond the critical angle. Terms of 1e-12 replace the branches for 0 / 0.
+    reflects totally beyond the critical angle. Terms of 1e-12 replace the branches for 0 / 0. All
+    terms are squares, so that no rounding makes the reflectance negative.
 
     Source: PBRT v3, 8.2.1 (from Lagarde 2013); exact for a non-absorbing incident medium.
     """
@@ -100,8 +101,10 @@ def exact(cosine: Any, eta: Any, k: Any, xp: Namespace = DRJIT) -> Any:
     difference = named("difference", ((eta - 1.0) * (eta + 1.0) - k * k) + cos2)
     size = named("size", xp.safe_sqrt(difference * difference + 4.0 * (eta * eta) * (k * k)))
     a = named("root", xp.safe_sqrt(0.5 * xp.positive(size + difference)))
-    first, second = named("first", size + cos2), named("second", 2.0 * a * cosine)
-    perpendicular = named("across", (first - second) / (first + second))
-    third, fourth = named("third", cos2 * size + sin2 * sin2), named("fourth", second * sin2)
-    ratio = named("parallel", (third - fourth + 1e-12) / (third + fourth + 1e-12))
+    b2 = named("imaginary2", 0.5 * xp.positive(size - difference))
+    less, more = named("less", a - cosine), named("more", a + cosine)
+    perpendicular = named("across", (less * less + b2) / (more * more + b2))
+    product, far = named("product", a * cosine), named("far", b2 * cos2 + 1e-12)
+    n, d = named("third", product - sin2), named("fourth", product + sin2)
+    ratio = named("parallel", (n * n + far) / (d * d + far))
     return 0.5 * perpendicular * (1.0 + ratio)

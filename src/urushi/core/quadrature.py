@@ -4,6 +4,7 @@ The energy limit has a rule of its own with far fewer nodes, `urushi.material.al
 """
 
 import functools
+from collections.abc import Callable
 
 import numpy as np
 
@@ -41,6 +42,23 @@ def half_vector_rule(
     weight = weight * phi_weight
     azimuth = np.arctan2(wi[:, 1], wi[:, 0])[:, None]
     return turned(wo.reshape(len(wi), -1, 3), azimuth), weight.reshape(len(wi), -1)
+
+
+def directional_albedos(
+    f: Callable[[np.ndarray, np.ndarray], np.ndarray],
+    wi: np.ndarray,
+    *,
+    anisotropic: bool = False,
+    azimuths: int = AZIMUTH_NODES,
+) -> np.ndarray:
+    """Directional albedos (N, C) of a BRDF for unit vectors wi (N, 3) above the horizon.
+
+    f: values (M, C) [1/sr] of float32 pairs (M, 3). The other arguments are of `half_vector_rule`.
+    """
+    wo, weights = half_vector_rule(wi, anisotropic=anisotropic, azimuths=azimuths)
+    pairs = np.repeat(wi, weights.shape[1], axis=0), wo.reshape(-1, 3)
+    values = f(*(w.astype(np.float32) for w in pairs)).reshape(*weights.shape, -1)
+    return np.einsum("nmc,nm->nc", values.astype(np.float64), weights * wo[..., 2])
 
 
 def half_vector_nodes(

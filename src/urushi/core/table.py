@@ -61,6 +61,11 @@ def interpolated(
 
 def interpolated_at(table: np.ndarray, *places: np.ndarray) -> np.ndarray:
     """f float32 (N, C) [1/sr] of a table (..., C) at its coordinates, arrays (N,)."""
+    return np.exp(linear_at(table, *places))
+
+
+def linear_at(table: np.ndarray, *places: np.ndarray) -> np.ndarray:
+    """Values float32 (N, C) of a table (..., C) at places (N,) in [0, 1] of its axes."""
     *shape, channels = table.shape
     rows = table.reshape(-1, channels)
     first: np.ndarray | int = 0
@@ -82,7 +87,7 @@ def interpolated_at(table: np.ndarray, *places: np.ndarray) -> np.ndarray:
             high *= share
             low += high
         values = values[::2]
-    return np.exp(values[0])
+    return values[0]
 
 
 def corners(shape: Sequence[int], *places: np.ndarray) -> list[tuple[np.ndarray, np.ndarray]]:

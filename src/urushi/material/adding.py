@@ -25,9 +25,9 @@ import numpy as np
 
 from urushi.core import fresnel, microfacet
 from urushi.core.namespace import NUMPY, Components
-from urushi.core.quadrature import gauss, half_vector_rule
-from urushi.core.table import SHAPE, Knots, node_pairs
-from urushi.material.crossing import inner_albedo
+from urushi.core.quadrature import directional_albedos, gauss
+from urushi.core.table import SHAPE, Knots, corners, node_pairs
+from urushi.material.crossing import in_plane, inner_albedo
 from urushi.walk.medium import hg
 
 #: Directions of the grid in elevation, and around.
@@ -146,12 +146,8 @@ class Grid:
         dense = (values.shape[-1] - 1) // (len(self.azimuths) - 1)
         values[places, places, -1 - dense // 2 :] = 0
         modes = self.modes(values)
-        factors = np.ones(len(places))
-        for _ in range(3):
-            sums = factors * (modes[0] @ (self.weights * factors))
-            factors *= np.sqrt(np.minimum(albedo / np.maximum(sums, 1e-30), 1))
+        factors, missing = albedo_factors(modes[0], self.weights, albedo)
         modes = modes * (factors[:, None] * factors)
-        missing = np.maximum(albedo - modes[0] @ self.weights, 0)
         return modes + self.mirror[:, None, None] * np.diag(missing / self.weights)
 
     def interpolated(self, values: np.ndarray, wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
@@ -161,17 +157,15 @@ class Grid:
 
     def corners(self, wi: np.ndarray, wo: np.ndarray) -> list[tuple[np.ndarray, np.ndarray]]:
         """The nodes (M,) of values on the grid around pairs (M, 3), and their shares float32."""
-        axes = [self._place(np.arccos(np.clip(w[:, 2], -1, 1)), self.angles) for w in (wi, wo)]
         cross = wi[:, 0] * wo[:, 1] - wi[:, 1] * wo[:, 0]
         dot = wi[:, 0] * wo[:, 0] + wi[:, 1] * wo[:, 1]
-        axes.append(self._place(np.abs(np.arctan2(cross, dot)), self.azimuths))
-        shape, found = (len(self.angles), len(self.angles), len(self.azimuths)), []
-        for corner in np.ndindex(2, 2, 2):
-            sides = list(zip(axes, corner, strict=True))
-            parts = [part if side else 1 - part for (_, part), side in sides]
-            index = np.ravel_multi_index(tuple(first + side for (first, _), side in sides), shape)
-            found.append((index, np.prod(parts, axis=0).astype(np.float32)))
-        return found
+        angles = [np.arccos(np.clip(w[:, 2], -1, 1)) for w in (wi, wo)]
+        axes = self.angles, self.angles, self.azimuths
+        places = [
+            np.interp(x, axis, np.linspace(0, 1, len(axis)))
+            for x, axis in zip((*angles, np.abs(np.arctan2(cross, dot))), axes, strict=True)
+        ]
+        return corners([len(axis) for axis in axes], *places)
 
     def at_cosines(self, values: np.ndarray) -> np.ndarray:
         """Values (M, C) at `COSINES`, float32, of values (N, C) at the nodes."""
@@ -261,11 +255,29 @@ def _node_corners(edges: Edges, knots: Knots) -> list[tuple[np.ndarray, np.ndarr
 
 def albedos(f: Brdf, cosines: np.ndarray) -> np.ndarray:
     """Directional albedos (N, C) of a BRDF at cosines (N,), by 1536 directions for each."""
-    incident = np.stack([np.sqrt(1 - cosines * cosines), 0 * cosines, cosines], axis=-1)
-    wo, weights = half_vector_rule(incident)
-    wi = np.repeat(incident, weights.shape[1], axis=0).astype(np.float32)
-    values = f(wi, wo.reshape(-1, 3).astype(np.float32)).reshape(*weights.shape, -1)
-    return np.einsum("nmc,nm->nc", values.astype(np.float64), weights * wo[..., 2])
+    return directional_albedos(f, np.stack(in_plane(cosines), axis=-1))
+
+
+def albedo_factors(
+    even: np.ndarray, weights: np.ndarray, albedo: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Factors (N,) of both directions that keep the albedos of a BRDF below known ones (N,).
+
+    Args:
+        even: (N, N) the BRDF's mean over the azimuth, or its even part.
+        weights: (N,) of the directions, by which its sums are albedos.
+
+    Returns:
+        The factors, and the parts (N,) of the known albedos that are then missing.
+    """
+    factors = np.ones(len(albedo))
+
+    def sums() -> np.ndarray:
+        return factors * (even @ (weights * factors).astype(even.dtype))
+
+    for _ in range(3):
+        factors *= np.sqrt(np.minimum(albedo / np.maximum(sums(), 1e-30), 1))
+    return factors, np.maximum(albedo - sums(), 0)
 
 
 def bottom_modes(f: Brdf, edges: Edges = ()) -> np.ndarray:
@@ -358,11 +370,31 @@ def lit(bottom: np.ndarray, layers: Iterable[Sequence[float]], edges: Edges) -> 
         if albedo * sigma_t <= LEAST_SCATTERING:
             up, down = through[:, None] * up * through, down * through
             continue
-        reflected, passed = (x * own.weights for x in medium(albedo, sigma_t, g, own))
-        once = np.diag(through) + passed
-        field = np.linalg.solve(one - reflected @ up, once)
-        up, down = once @ up @ field + reflected, down @ field
+        up, field = covered(up, through, [x * own.weights for x in medium(albedo, sigma_t, g, own)])
+        down = down @ field
     return Lit(own, np.exp(-depth / own.cosines), down, up, depth)
+
+
+def covered(
+    up: np.ndarray, through: np.ndarray, scattered: Sequence[np.ndarray]
+) -> tuple[np.ndarray, np.ndarray]:
+    """Light that leaves a medium over a bottom, and that arrives at the bottom: (..., N, N).
+
+    Args:
+        up: (..., N, N) shares of light that the bottom reflects.
+        through: (N,) shares that cross the medium unscattered.
+        scattered: what the medium reflects and passes, as `up`.
+    """
+    reflected, passed = scattered
+    once = np.diag(through) + passed
+    field = np.linalg.solve(np.eye(len(through), dtype=up.dtype) - reflected @ up, once)
+    return once @ up @ field + reflected, field
+
+
+def enclosed(up: np.ndarray, interface: np.ndarray, weights: np.ndarray) -> np.ndarray:
+    """BRDF (..., N, N) of a bottom, of `covered`, below an interface that reflects from below."""
+    once = up @ (interface * weights)
+    return np.linalg.solve(np.eye(len(weights), dtype=up.dtype) - once, up / weights)
 
 
 def seen_inside(
@@ -384,8 +416,7 @@ def seen_inside(
         the excepted light counts as often as both surfaces mirror it (`to_and_fro`).
     """
     own, through, _, up, depth = lit(bottom, layers, edges or ())
-    every = up / own.weights
-    every = np.linalg.solve(np.eye(len(through)) - up @ (interface * own.weights), every)
+    every = enclosed(up, interface, own.weights)
     mirrored = own.mirror_shares(interface) * own.mirror_shares(bottom) if edges is not None else 0
     left = through * np.sqrt(1 / (1 - mirrored * through**2))
     return own.values_of_modes(every - left[:, None] * bottom * left), depth

@@ -13,8 +13,8 @@ import numpy as np
 
 from urushi.checks import Widths
 from urushi.core.microfacet import pair
-from urushi.core.quadrature import half_vector_rule
-from urushi.core.table import corner_steps
+from urushi.core.quadrature import directional_albedos
+from urushi.core.table import linear_at
 from urushi.material import adding
 from urushi.material.crossing import facet_points, mirrored_from
 from urushi.material.stretched_values import f_of
@@ -88,11 +88,7 @@ def parts(f: adding.Brdf, albedo: np.ndarray) -> np.ndarray:
     for channel, known in enumerate(albedo.T):
         columns = np.stack([image[:, channel] for image in images])
         even = columns.sum(axis=0).take(place)
-        factors = np.ones(count)
-        for _ in range(3):
-            sums = factors * (even @ (own * factors).astype(np.float32))
-            factors *= np.sqrt(np.minimum(known / np.maximum(sums, 1e-30), 1))
-        missing = np.maximum(known - factors * (even @ (own * factors).astype(np.float32)), 0)
+        factors, missing = adding.albedo_factors(even, own, known)
         scaled = columns * (factors.take(first) * factors.take(second)).astype(np.float32)
         every = (PARTS.astype(np.float32) @ scaled).take(place, axis=1)
         every[:, diagonal, diagonal] += PARTS[:, TURNED, None] * (missing / own)
@@ -104,10 +100,7 @@ def bottom_parts(f: adding.Brdf) -> np.ndarray:
     """The parts (C, 4, Q, Q) of a BRDF. Albedos above 1 count as 1."""
     w, side = directions(), CELLS // COARSE
     some = w.reshape(side, COARSE, side, COARSE, 3)[:, COARSE // 2, :, COARSE // 2].reshape(-1, 3)
-    wo, weight = half_vector_rule(some, anisotropic=True, azimuths=AZIMUTHS)
-    wi = np.repeat(some, weight.shape[1], axis=0)
-    values = f(wi, wo.reshape(-1, 3).astype(np.float32)).reshape(*weight.shape, -1)
-    albedo = np.einsum("nmc,nm->nc", values.astype(np.float64), weight * wo[..., 2])
+    albedo = directional_albedos(f, some, anisotropic=True, azimuths=AZIMUTHS)
     albedo = albedo.reshape(side, side, -1).repeat(COARSE, axis=0).repeat(COARSE, axis=1)
     return parts(f, np.minimum(albedo, 1).reshape(len(w), -1))
 
@@ -157,20 +150,18 @@ def seen_inside(bottom: np.ndarray, interface: np.ndarray, medium: Sequence[floa
         that reflected once by the bottom and not scattered by the medium.
     """
     albedo, sigma_t, g = medium
-    own, one = weights().astype(np.float32), np.eye(CELLS**2, dtype=np.float32)
+    own = weights().astype(np.float32)
     through = np.exp(-np.float32(sigma_t) / directions()[:, 2])
     scatters = albedo * sigma_t > adding.LEAST_SCATTERING
     scattered = medium_parts(albedo, sigma_t, g) if scatters else np.zeros((2, 4, 1, 1))
-    more = np.empty((4, *one.shape), np.float32)
+    more = np.empty_like(bottom)
 
     def solve(k: int) -> None:
         direct = through[:, None] * bottom[k] * through
         up = direct * own
         if scattered[:, k].any():  # isotropic scattering is even
-            reflected, passed = (part[k] * own for part in scattered)
-            once, bare = np.diag(through) + passed, bottom[k] * own
-            up = once @ bare @ np.linalg.solve(one - reflected @ bare, once) + reflected
-        more[k] = np.linalg.solve(one - up @ (interface[k] * own), up / own) - direct
+            up, _ = adding.covered(bottom[k] * own, through, [x[k] * own for x in scattered])
+        more[k] = adding.enclosed(up, interface[k], own) - direct
 
     run_all_cores(solve, range(4))
     return np.tensordot(np.float32(PARTS / 4), more, 1)
@@ -188,23 +179,12 @@ class Table:
             whole[:, :, n * (x > 0) :, n * (y > 0) :][:, :, :n, :n] = part
         # Cells beyond the axes are those of the mirrored pair.
         whole = np.concatenate([whole[:1, :, ::-1], whole])
-        whole = np.concatenate([whole[:, :1, :, ::-1], whole], axis=1)
-        self._shape, self._rows = whole.shape[:4], whole.reshape(-1, whole.shape[-1])
+        self._values = np.concatenate([whole[:, :1, :, ::-1], whole], axis=1)
 
     def at(self, wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
         """Values float32 (M, C) of pairs float32 (M, 3)."""
         (a, b), (c, d) = places(wi), places(wo)
         c, d = np.copysign(np.float32(1), a) * c, np.copysign(np.float32(1), b) * d
-        first, shares = np.zeros(len(wi), np.intp), []
-        at = np.abs(a), np.abs(b), c + np.float32(1), d + np.float32(1)
-        for place, offset, count in zip(at, (0.5, 0.5, -0.5, -0.5), self._shape, strict=True):
-            scaled = np.clip(place * np.float32(CELLS) + np.float32(offset), 0, count - 1)
-            index = np.minimum(scaled.astype(np.intp), count - 2)
-            first = first * count + index
-            shares.append((scaled - index).astype(np.float32)[:, None])
-        steps = corner_steps(self._shape)
-        values = [self._rows.take(first + step, axis=0) for step in steps]
-        for share in reversed(shares):
-            pairs = zip(values[::2], values[1::2], strict=True)
-            values = [low + (high - low) * share for low, high in pairs]
-        return values[0]
+        half, scale = np.float32(0.5 / CELLS), np.float32(CELLS / (2 * CELLS - 1))
+        near, far = (np.abs(x) + half for x in (a, b)), ((1 + x - half) * scale for x in (c, d))
+        return linear_at(self._values, *near, *far)

@@ -74,7 +74,7 @@ class AlbedoRule(NamedTuple):
 def albedo_rule(widths: int = 1) -> AlbedoRule:
     """The rule of codes of one GGX width or two.
 
-    `albedo_rule.csv` holds the rule of one width; `benchmarks/quality/albedo_rule.py` makes it.
+    `albedo_rule.csv` holds the rule of one width; `benchmarks/albedo_rule.py` makes it.
     """
     return _isotropic_rule() if widths == 1 else _anisotropic_rule()
 

@@ -6,7 +6,7 @@ f of the coated material, without the lobe of its interface, is as in `coated_ta
 
 The bottom is any BRDF that is reciprocal and symmetric about the xz and the yz plane. The mean is a
 sum over 256 fixed pairs of refracted directions and twice as many of one of them and a half vector
-at which the bottom is bright, combined by the balance heuristic. Light that the medium scatters or
+of the bottom's brightest lobe, combined by the balance heuristic. Light that the medium scatters or
 that the interface reflects back is known on a grid (`adding_quadrant`). It is smooth, and a quarter
 of the pairs of refracted directions serve it.
 
@@ -21,11 +21,10 @@ import numpy as np
 
 from urushi.checks import CoatParameters, Widths
 from urushi.core.microfacet import pair
-from urushi.core.table import LOWEST, TAN2_OFFSET
+from urushi.core.probe_pairs import ANISOTROPIC_PROBES, probe_pairs
 from urushi.material import adding, adding_quadrant, stretched_values
 from urushi.material.crossing import (
     LEAST_COSINE,
-    TINY,
     Crossing,
     Vector,
     cross_from,
@@ -34,106 +33,40 @@ from urushi.material.crossing import (
     sums,
 )
 from urushi.material.material import Material
+from urushi.nets.lobe_fit import fit_lobes
 
 #: Pairs of refracted directions; every how many of them smooth light needs.
 POINTS, SMOOTH_STRIDE = 256, 4
 
-#: Half vectors are drawn in proportion to this power of the bottom's mean f: the mean itself would
-#: spend most of them on wide lobes, which the interface's pairs sample as well.
-PEAK_POWER = 2.0
-
 #: Pairs of directions that are computed at once: bounds memory.
 ROWS = 256
 
-#: Intervals of either slope of the half vectors, and the difference angles and azimuths (v and p of
-#: `pairs_about`) at which the bottom is evaluated for each.
-INTERVALS, AT_V, AT_P = 40, np.linspace(0.02, 0.5, 4), (np.arange(4) + 0.5) / 4
-
-#: Range of ln(tan^2 + `TAN2_OFFSET`) of the slopes: from `LOWEST` to this.
-HIGHEST = np.log(1e2)
-
 
 class HalfVectors(NamedTuple):
-    """A distribution of half vectors, the same in all quadrants, constant in cells of slopes."""
+    """Half vectors of GGX's density D cos theta_h."""
 
-    slopes: np.ndarray  # (`INTERVALS` + 1,) the edges of cells in |h_x / h_z| and in |h_y / h_z|
-    cumulated: np.ndarray  # (`INTERVALS`^2 + 1,) shares of the half vectors in the cells before
-    density: np.ndarray  # float32 (`INTERVALS`, `INTERVALS`) of slopes
+    u: float  # widths along x and y
+    v: float
+
+    @classmethod
+    def of(cls, f: adding.Brdf) -> "HalfVectors":
+        """Those of the brightest lobe of a BRDF."""
+        values = f(*probe_pairs(ANISOTROPIC_PROBES, 2)).mean(axis=1)
+        lobe = fit_lobes(values[None], 2)[0]
+        return cls(float(lobe[0]), float(lobe[-1]))
 
     def draw(self, u: np.ndarray) -> Vector:
         """Half vectors (K,) from numbers u (K, 2) in [0, 1)."""
-        cell = np.searchsorted(self.cumulated, u[:, 0], "right").clip(1, INTERVALS**2) - 1
-        part = (u[:, 0] - self.cumulated[cell]) / np.diff(self.cumulated)[cell]
-        quadrant, across = np.divmod(4 * u[:, 1], 1)
-        x, y = (
-            self.slopes[k] + share * np.diff(self.slopes)[k]
-            for k, share in zip(np.divmod(cell, INTERVALS), (part, across), strict=True)
-        )
-        x, y = np.where(quadrant % 2 == 1, -x, x), np.where(quadrant >= 2, -y, y)
+        tangent, phi = np.sqrt(u[:, 0] / (1 - u[:, 0])), 2 * np.pi * u[:, 1]
+        x, y = self.u * tangent * np.cos(phi), self.v * tangent * np.sin(phi)
         z = 1 / np.sqrt(1 + x * x + y * y)
         return tuple(w.astype(np.float32) for w in (x * z, y * z, z))
 
     def density_at(self, x: np.ndarray, y: np.ndarray, z: np.ndarray) -> np.ndarray:
         """Density [1/sr] at half vectors of any length."""
-        x2, y2, z2 = x * x, y * y, np.maximum(z * z, TINY)
-        rows, columns = (_cell(w / z2) for w in (x2, y2))
-        stretch = np.sqrt((x2 + y2 + z2) / z2)  # 1 / cos theta_h
-        return self.density[rows, columns] * (stretch * stretch * stretch)
-
-
-def _cell(tan2: np.ndarray) -> np.ndarray:
-    """The interval of squared slopes."""
-    scale = np.float32(INTERVALS / (HIGHEST - LOWEST))
-    place = (np.log(tan2 + np.float32(TAN2_OFFSET)) - np.float32(LOWEST)) * scale
-    return place.astype(np.intp).clip(0, INTERVALS - 1)
-
-
-def half_vectors(f: adding.Brdf) -> HalfVectors:
-    """The distribution of half vectors at which a BRDF is bright."""
-    u = (np.arange(INTERVALS) + 0.5) / INTERVALS
-    places = (x.ravel() for x in np.meshgrid(u, u, AT_V, AT_P, indexing="ij"))
-    wi, wo = pairs_about(*places)
-    above = (wi[:, 2] > 0) & (wo[:, 2] > 0)
-    values = np.zeros(len(wi))
-    values[above] = f(wi[above], wo[above]).mean(axis=1)
-    shape = INTERVALS, INTERVALS, -1
-    size = values.reshape(shape).sum(axis=2) / np.maximum(above.reshape(shape).sum(axis=2), 1)
-    logs = np.linspace(LOWEST, HIGHEST, 2 * INTERVALS + 1)
-    slopes = np.sqrt(np.maximum(np.exp(logs) - TAN2_OFFSET, 0))
-    edges, middle = slopes[::2], slopes[1::2]
-    area = np.multiply.outer(np.diff(edges), np.diff(edges))
-    cos2 = 1 / (1 + middle[:, None] ** 2 + middle**2)
-    shares = size**PEAK_POWER * cos2**2 * area  # a solid angle has cos^3, seen from above cos^4
-    shares = np.maximum(shares / shares.sum(), 1e-12)
-    cumulated = np.concatenate([[0], np.cumsum(shares)])
-    return HalfVectors(edges, cumulated, (shares / (4 * area)).astype(np.float32))
-
-
-def pairs_about(
-    u_x: np.ndarray, u_y: np.ndarray, v: np.ndarray, p: np.ndarray
-) -> tuple[np.ndarray, np.ndarray]:
-    """Pairs wi, wo float32 (N, 3) about half vectors; some have a direction below the horizon.
-
-    Args:
-        u_x, u_y: places of the slopes h_x / h_z and h_y / h_z in their range, in [0, 1].
-        v: sqrt(1 - cos theta_d).
-        p: angle in the xy plane between the x axis and wi - wo, around a square, over pi.
-    """
-    logs = (LOWEST + u * (HIGHEST - LOWEST) for u in (u_x, u_y))
-    slopes = [np.sqrt(np.maximum(np.exp(log) - TAN2_OFFSET, 0)) for log in logs]
-    h = _unit(np.stack([*slopes, np.ones_like(v)], axis=-1))
-    share = np.minimum(2 * p, 2 - 2 * p)
-    dx, dy = np.where(p > 0.5, share - 1, 1 - share), share
-    dz = -(h[:, 0] * dx + h[:, 1] * dy) / h[:, 2]
-    cos_d = 1 - v * v
-    sin_d = np.sqrt(np.maximum(1 - cos_d * cos_d, 0))
-    along = h * cos_d[:, None]
-    across = _unit(np.stack([dx, dy, dz], axis=-1)) * sin_d[:, None]
-    return (along + across).astype(np.float32), (along - across).astype(np.float32)
-
-
-def _unit(vectors: np.ndarray) -> np.ndarray:
-    return vectors / np.linalg.norm(vectors, axis=-1, keepdims=True)
+        along, across, size2 = x / self.u, y / self.v, x * x + y * y + z * z
+        spread = along * along + across * across + z * z
+        return size2 * np.sqrt(size2) * z / (np.pi * self.u * self.v * (spread * spread))
 
 
 class Below(NamedTuple):
@@ -206,7 +139,7 @@ class Below(NamedTuple):
 def _of_material(bottom: Material) -> tuple[adding.Brdf, np.ndarray, HalfVectors]:
     """f, parts and half vectors of a material; they do not depend on its coat."""
     f = stretched_values.of_material(bottom)
-    return f, adding_quadrant.bottom_parts(f), half_vectors(f)
+    return f, adding_quadrant.bottom_parts(f), HalfVectors.of(f)
 
 
 def coated_f(
@@ -223,7 +156,7 @@ def coated_f(
         codes, which = np.unique(bottom.latents, axis=0, return_inverse=True)
         f, parts, peak = _of_material(Material(codes, bottom.model))
     else:
-        f, parts, peak = bottom, adding_quadrant.bottom_parts(bottom), half_vectors(bottom)
+        f, parts, peak = bottom, adding_quadrant.bottom_parts(bottom), HalfVectors.of(bottom)
         which = np.arange(len(parts))
     every = np.broadcast_arrays(*pair(coat.alpha), *coat[1:], which.ravel())
     # Equal channels are computed once.

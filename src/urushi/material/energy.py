@@ -1,8 +1,9 @@
-"""Conservation of energy: codes whose directional albedo is too high are scaled down.
+"""Conservation of energy: codes whose directional albedo is too high are made darker.
 
-A code's lobe (`urushi.nets.lobe`) conserves energy and is exact. So only the rest is scaled, until
-lobe and rest together meet the ceiling of the albedo. One factor for all pairs of directions keeps
-f exactly reciprocal.
+A code's lobe (`urushi.nets.lobe`) conserves energy and is exact. So only the rest is changed, until
+lobe and rest together meet the ceiling of the albedo. Codes of values become the nearest codes
+below the ceiling: at grazing angles, where no probe is, a code may be far too bright although it is
+right elsewhere. What then remains too bright, as do codes of the layering network, is scaled.
 """
 
 import functools
@@ -12,6 +13,7 @@ import numpy as np
 from urushi.checks import MIN_ALPHA
 from urushi.material.albedo_rule import AlbedoRule, albedo_rule
 from urushi.material.lobe_albedo import lobe_albedos
+from urushi.nets import basis, code_fit
 from urushi.nets.lobe import WIDTH_PLACES
 from urushi.nets.networks import Networks
 from urushi.nets.weights import Model
@@ -43,6 +45,13 @@ TINY_FACTOR, TINY_FACTOR_ROUNDS = 1e-3, 3
 
 #: Codes that are measured at once: their values stay in a core's cache.
 BLOCK = 128
+
+#: Weight of the prior of codes in the change of a code: directions of codes that the probes hardly
+#: see would change without bound.
+PLAUSIBLE = 0.3
+
+#: Weights of the excess of ln albedo beside the error of the code, one round after the other.
+EXCESS_WEIGHTS = 0.25, 1.0, 4.0, 16.0, 64.0, 256.0
 
 #: Step of central differences of albedos: tables of lobes' albedos are in single precision.
 SLOPE_STEP = 1e-3
@@ -85,6 +94,60 @@ def albedo_ceiling(own: np.ndarray, rule: AlbedoRule) -> np.ndarray:
     peak = own.max(axis=-1, keepdims=True)
     top = np.where(peak > 1 + TOLERANCE, peak, 1 - MARGIN)
     return np.where(rule.cosines < GRAZING, top, np.minimum(own + SLACK, top))
+
+
+def nearest_below(
+    model: Model, z: np.ndarray, ceiling: np.ndarray | float = 1 - MARGIN
+) -> np.ndarray:
+    """The nearest codes whose directional albedo is nowhere above a ceiling.
+
+    Nearest is by the least squares of `nets.code_fit`. The arguments and the result are as of
+    `limit_albedo`, which scales down what remains above the ceiling.
+    """
+    rows = np.ascontiguousarray(z).reshape(-1, z.shape[-1])
+    count = len(albedo_rule(model.arch.widths).cosines)
+    ceiling = np.broadcast_to(np.float32(ceiling), (*z.shape[:-1], count)).reshape(-1, count)
+    over = np.flatnonzero(excesses(model, rows, ceiling) > 1)
+    if not len(over):
+        return z
+    allowed = np.maximum(ceiling[over] - top_albedos(model, rows[over]), LEAST_REST)
+    rows = np.array(rows)
+    for row, own in zip(over, allowed, strict=True):
+        rows[row] = _fitted_below(model, rows[row], own)
+    return limit_albedo(model, rows, ceiling).reshape(z.shape)
+
+
+def _fitted_below(model: Model, z: np.ndarray, allowed: np.ndarray) -> np.ndarray:
+    """The code (L,) near z (L,) whose rest has about the allowed albedos (D,) at most.
+
+    Least squares of the change at the probe pairs, and of the logarithm of the albedo where it is
+    above the allowed one, by Gauss and Newton's method.
+    """
+    rule, networks, first = albedo_rule(model.arch.widths), model.networks, model.arch.lobe
+    at_probes, nodes = (
+        networks.functions(z, x).astype(float)
+        for x in (networks.features(*networks.pairs()), node_features(model))
+    )
+    numbers = slice(first, first + nodes.shape[1] - 1)  # without the stretch
+    start = code = z[numbers].astype(float)
+    form = code_fit.form_about(at_probes, networks.basis, start[None])[0]
+    form += PLAUSIBLE * networks.basis.prior
+    best, least = code, np.inf
+    for weight in (*EXCESS_WEIGHTS, 0.0):
+        f = basis.decode(code, nodes)
+        albedo = np.maximum(rule.albedo(f), LEAST_ALBEDO)
+        above = albedo > allowed
+        excess = np.log(albedo[above] / allowed[above])
+        error = (code - start) @ form @ (code - start) + EXCESS_WEIGHTS[-1] * excess @ excess
+        if error < least:
+            best, least = code, error
+        by_code = rule.polynomial[above] @ rule.at_angles(f * nodes[:, 1:].T).T
+        slopes = by_code / albedo[above, None]
+        right = weight * slopes.T @ (slopes @ (code - start) - excess)
+        code = start + np.linalg.solve(form + weight * slopes.T @ slopes, right)
+    result = z.copy()
+    result[numbers] = best
+    return result
 
 
 def limit_albedo(

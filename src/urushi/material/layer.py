@@ -23,7 +23,7 @@ from urushi.errors import ParameterError, UrushiWarning
 from urushi.material.coated_anisotropic import coated_f as anisotropic_coated_f
 from urushi.material.coated_table import coated_table
 from urushi.material.coated_values import coated_f
-from urushi.material.energy import limit_albedo
+from urushi.material.energy import limit_albedo, nearest_below
 from urushi.material.material import Coating, Material
 from urushi.material.source import as_source
 from urushi.material.symmetry import Deviations, deviations_of
@@ -255,7 +255,7 @@ def codes_of_rests(
     lobe = lobes.of_coat(coat.alpha, coat.eta).astype(np.float32)
     lobe = np.broadcast_to(lobe, (*rest.shape[:-1], model.arch.lobe))
     f = rest + lobes.f(lobe[..., None, :], *model.networks.pairs())
-    codes = limit_albedo(model, codes_of(model, f, lobe))
+    codes = nearest_below(model, codes_of(model, f, lobe))
     return np.where(absent(coat)[..., None], z, codes)
 
 

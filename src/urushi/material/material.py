@@ -10,7 +10,7 @@ import numpy.typing as npt
 from urushi import checks, files
 from urushi.checks import CoatParameters
 from urushi.core.directions import rotated
-from urushi.core.quadrature import half_vector_rule
+from urushi.core.quadrature import directional_albedos
 from urushi.core.table import MIN_LOG, SHAPE, Knots, interpolated
 from urushi.errors import FileError, ParameterError
 from urushi.export.program import material_text, texture_form
@@ -216,15 +216,10 @@ class Material:
         above = np.flatnonzero(wi[:, 2] > 0.0)
         for start in range(0, len(above), ALBEDO_BLOCK):
             rows = above[start : start + ALBEDO_BLOCK]
-            albedo[rows] = self._albedo(wi[rows])
+            albedo[rows] = directional_albedos(
+                self._filled, wi[rows], anisotropic=self.model.widths == 2
+            )
         return albedo
-
-    def _albedo(self, wi: np.ndarray) -> np.ndarray:
-        wo, weights = half_vector_rule(wi, anisotropic=self.model.widths == 2)
-        nodes = weights.shape[1]
-        f = self._filled(np.repeat(wi, nodes, axis=0), wo.reshape(-1, 3).astype(np.float32))
-        f_cos = f.reshape(*weights.shape, -1) * wo[..., 2, None]
-        return np.sum(f_cos * weights[..., None], axis=1)
 
     def shader(self, language: str, prefix: str = "urushi") -> str:
         """Return the material as source code: functions f, pdf and sample in one file.

@@ -164,7 +164,7 @@ def material_from_values(
     if at_nodes.size:
         rule = albedo_rule(model.widths)
         ceiling = energy.albedo_ceiling(_source_albedos(at_nodes, lobe, rule), rule)
-    return Material(energy.limit_albedo(model, codes_of(model, probed, lobe), ceiling), model)
+    return Material(energy.nearest_below(model, codes_of(model, probed, lobe), ceiling), model)
 
 
 def _source_albedos(f: np.ndarray, lobe: np.ndarray, rule: AlbedoRule) -> np.ndarray:

@@ -1,10 +1,11 @@
 """Codes of known values: weighted least squares in the linear basis.
 
-The error of a code is its error E, the light that it gets wrong at the probes over all light:
+The error of a code is the light that it gets wrong at the probes over the light of the rest:
 
-    sum_p m_p |f_p(c) - f_p| / sum_p m_p F_p,
+    sum_p m_p |f_p(c) - f_p| / sum_p m_p f_p,
 
-where m_p is the measure of a probe pair, f the light of the rest and F all light, with the lobe. It
+where m_p is the measure of a probe pair. The lobe does not count: under a smooth interface of an
+index below one it has nearly all light, and the rest would hardly matter. The error
 is minimised by reweighted least squares (Lawson 1961): each round solves a quadratic problem in the
 logarithm whose weights make it equal to the error at the last code. A weight so grows where the
 exponential would explode. The best code of all rounds is kept. Where a material has little light,
@@ -40,31 +41,29 @@ LEAST_REST = 1e-9
 BLOCK = 256
 
 
-def solve_codes(basis: Basis, rest: np.ndarray, top: np.ndarray) -> np.ndarray:
-    """Codes float32 (S, K) of materials whose rests and lobes have the values rest, top (S, N)
-    [1/sr] at the probe pairs."""
-    return _solved_at(basis.probe_rows, basis, rest, top)
+def solve_codes(basis: Basis, rest: np.ndarray) -> np.ndarray:
+    """Codes float32 (S, K) of materials whose rests have the values (S, N) [1/sr] at the probe
+    pairs."""
+    return _solved_at(basis.probe_rows, basis, rest)
 
 
-def solve_stretched(
-    basis: StretchedBasis, rest: np.ndarray, top: np.ndarray, stretch: np.ndarray
-) -> np.ndarray:
+def solve_stretched(basis: StretchedBasis, rest: np.ndarray, stretch: np.ndarray) -> np.ndarray:
     """`solve_codes` (S, K + 1) of two widths for known ln s (S,), the last numbers of the codes."""
     codes = np.empty((len(rest), basis.size + 1), np.float32)
     codes[:, -1] = stretch
     for own in np.unique(codes[:, -1]):
         rows = codes[:, -1] == own
-        codes[rows, :-1] = _solved_at(basis.probe_rows(own), basis, rest[rows], top[rows])
+        codes[rows, :-1] = _solved_at(basis.probe_rows(own), basis, rest[rows])
     return codes
 
 
 def _solved_at(
-    functions: np.ndarray, basis: Basis | StretchedBasis, rest: np.ndarray, top: np.ndarray
+    functions: np.ndarray, basis: Basis | StretchedBasis, rest: np.ndarray
 ) -> np.ndarray:
     codes = np.empty((len(rest), basis.size), np.float32)
     for start in range(0, len(rest), BLOCK):
         rows = slice(start, start + BLOCK)
-        codes[rows] = fitted(functions, basis.measure, basis.prior, rest[rows], top[rows])
+        codes[rows] = fitted(functions, basis.measure, basis.prior, rest[rows])
     return codes
 
 
@@ -73,11 +72,10 @@ def fitted(
     measure: np.ndarray,
     prior: np.ndarray,
     rest: np.ndarray,
-    top: np.ndarray,
     rounds: int = ROUNDS,
 ) -> np.ndarray:
     """`solve_codes` at nodes with the functions (N, 1 + K) and this measure (N,)."""
-    f, light = bounded(rest, measure), light_of(rest, top, measure)
+    f, light = bounded(rest, measure), _light(rest, measure)
     functions, logs = rows[:, 1:], np.log(f) - rows[:, 0]
     codes = solved(functions, logs, measure * (f / light + FIRST_FLOOR), prior)
     best, least = codes, np.full(len(f), np.inf)
@@ -94,39 +92,31 @@ def fitted(
     return best.astype(np.float32)
 
 
-def slopes(
-    basis: Basis | StretchedBasis, rest: np.ndarray, top: np.ndarray, codes: np.ndarray
-) -> np.ndarray:
+def slopes(basis: Basis | StretchedBasis, rest: np.ndarray, codes: np.ndarray) -> np.ndarray:
     """Derivatives float32 (S, N, K) of the codes (S, K) by the rests (S, N) that have these codes.
 
     The weights of the least squares are constant at the codes. They do not matter to changes of
     ln f that the functions span. The stretch of two widths is constant.
     """
     if isinstance(basis, Basis):
-        return _slopes_at(basis.probe_rows, basis, rest, top, codes)
+        return _slopes_at(basis.probe_rows, basis, rest, codes)
     result = np.zeros((*rest.shape, codes.shape[-1]), np.float32)
     for own in np.unique(codes[:, -1]):
         at = codes[:, -1] == own
-        result[at, :, :-1] = _slopes_at(
-            basis.probe_rows(own), basis, rest[at], top[at], codes[at, :-1]
-        )
+        result[at, :, :-1] = _slopes_at(basis.probe_rows(own), basis, rest[at], codes[at, :-1])
     return result
 
 
 def _slopes_at(
-    rows: np.ndarray,
-    basis: Basis | StretchedBasis,
-    rest: np.ndarray,
-    top: np.ndarray,
-    codes: np.ndarray,
+    rows: np.ndarray, basis: Basis | StretchedBasis, rest: np.ndarray, codes: np.ndarray
 ) -> np.ndarray:
     measure = basis.measure
-    f, mean = bounded(rest, measure), np.maximum(rest @ measure, 1e-12)[:, None, None]
-    _, weights = weighed(rows, measure, f, light_of(rest, top, measure), codes)
+    f, light = bounded(rest, measure), _light(rest, measure)
+    _, weights = weighed(rows, measure, f, light, codes)
     by_logs = np.linalg.solve(normal(rows[:, 1:], weights, basis.prior), rows[:, 1:].T)
     by_logs = np.swapaxes(by_logs, 1, 2) * weights[..., None]
     seen = (rest == f)[..., None]  # the others change with the mean
-    by_mean = np.where(seen, 0, by_logs).sum(axis=1, keepdims=True) / mean
+    by_mean = np.where(seen, 0, by_logs).sum(axis=1, keepdims=True) / light[..., None]
     result = np.where(seen, by_logs / f[..., None], 0) + measure[:, None] * by_mean
     return result.astype(np.float32)
 
@@ -136,9 +126,19 @@ def bounded(rest: np.ndarray, measure: np.ndarray) -> np.ndarray:
     return np.maximum(rest, LEAST_SHARE * (rest @ measure)[:, None] + 1e-12)
 
 
-def light_of(rest: np.ndarray, top: np.ndarray, measure: np.ndarray) -> np.ndarray:
-    """Light (S, 1) of rests and lobes (S, N)."""
-    return np.maximum(rest @ measure + top @ measure, 1e-12)[:, None]
+def _light(rest: np.ndarray, measure: np.ndarray) -> np.ndarray:
+    """Light (S, 1) of rests (S, N)."""
+    return np.maximum(rest @ measure, 1e-12)[:, None]
+
+
+def form_about(rows: np.ndarray, basis: Basis | StretchedBasis, codes: np.ndarray) -> np.ndarray:
+    """Matrices (S, K, K) of the least squares whose solutions are codes (S, K).
+
+    rows: (N, 1 + K) the functions at the probe pairs.
+    """
+    f = np.exp(np.minimum(codes @ rows[:, 1:].T + rows[:, 0], MAX_LOG))
+    weights = weighed(rows, basis.measure, f, _light(f, basis.measure), codes)[1]
+    return normal(rows[:, 1:], weights, basis.prior)
 
 
 def weighed(

@@ -154,14 +154,14 @@ class Networks(NamedTuple):
         lobe = np.broadcast_to(lobe, (*f.shape[:-1], self.arch.lobe))
         top = lobes.f(lobe[..., None, :], *self.pairs())
         rest, count = np.maximum(f - top, 0), f.shape[-1]
-        flat = rest.reshape(-1, count), top.reshape(-1, count)
+        flat = rest.reshape(-1, count)
         if isinstance(self.basis, StretchedBasis):
             mean = rest.mean(axis=-2, keepdims=True) if rest.ndim > 1 else rest
             stretch = self.basis.stretch(mean.reshape(-1, count)).reshape(mean.shape[:-1])
             stretch = np.broadcast_to(stretch, rest.shape[:-1]).ravel()
-            codes = solve_stretched(self.basis, *flat, stretch)
+            codes = solve_stretched(self.basis, flat, stretch)
         else:
-            codes = solve_codes(self.basis, *flat)
+            codes = solve_codes(self.basis, flat)
         codes = codes.reshape(*f.shape[:-1], self.arch.rest)
         return np.concatenate([lobe, codes], axis=-1, dtype=np.float32)
 

@@ -23,9 +23,6 @@ LIMIT = 7e-4
 #: Texels of shared codes that a core packs at once.
 SHARED_ROWS = 1 << 14
 
-#: [1/sr] Values of f below it count as it.
-LEAST_F = 1e-8
-
 #: Codes by which the errors are measured, and stride of the probe pairs.
 SAMPLE, PAIR_STRIDE = 32, 3
 
@@ -159,8 +156,7 @@ def rounding_errors(
 def log_values(model: Model, codes: np.ndarray) -> np.ndarray:
     """ln f (S, P) of codes (S, size) at some of the probe pairs."""
     wi, wo = (w[::PAIR_STRIDE] for w in model.networks.pairs())
-    # The reflectance of an index of 1 is rounding, of either sign.
-    return np.log(np.maximum(model.networks.f(codes[:, None], wi, wo), LEAST_F))
+    return np.log(model.networks.f(codes[:, None], wi, wo))
 
 
 def pack(

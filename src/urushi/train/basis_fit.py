@@ -72,10 +72,6 @@ class Tables(NamedTuple):
         """The materials of some rows."""
         return Tables(self.logs[rows], self.top[rows])
 
-    def at_probes(self, count: int) -> "Tables":
-        """The materials at the probe pairs."""
-        return Tables(*(at_probes(x, count) for x in self))
-
 
 def at_probes(values: np.ndarray, count: int) -> np.ndarray:
     """Values (N, count) at the probe pairs of values (N, P) at the nodes, linear in between."""
@@ -168,7 +164,7 @@ def probe_measure(tables: Tables, measure: np.ndarray, count: int) -> np.ndarray
 
     Nonnegative least squares of relative errors, about equal weights.
     """
-    f = np.exp(tables.at_probes(count).logs)
+    f = np.exp(at_probes(tables.logs, count))
     shares = f / (np.exp(tables.logs) @ measure)[:, None] / count
     tie = np.sqrt(EQUAL * len(f) / count)
     system = np.concatenate([shares, tie * np.eye(count)])
@@ -190,8 +186,7 @@ def errors(basis: Basis, tables: Tables, measure: np.ndarray, codes: np.ndarray)
 
 def codes_at_probes(basis: Basis, tables: Tables) -> np.ndarray:
     """Codes float32 (N, K) of materials from their values at the probe pairs."""
-    probed = tables.at_probes(len(basis.measure))
-    return code_fit.solve_codes(basis, np.exp(probed.logs), probed.top)
+    return code_fit.solve_codes(basis, np.exp(at_probes(tables.logs, len(basis.measure))))
 
 
 def _light_weights(tables: Tables, measure: np.ndarray) -> np.ndarray:

@@ -67,11 +67,11 @@ def examples(
     coated: (M, C, P) the rests of the coated materials. Values are at the probe pairs.
     """
     pairs, each = probe_pairs(len(basis.measure)), coats.shape[1]
-    bottom = np.concatenate([lobe, solved(basis, lobe, rest)], axis=1, dtype=np.float32)
+    bottom = np.concatenate([lobe, code_fit.solve_codes(basis, rest)], axis=1, dtype=np.float32)
     flat = coats.reshape(-1, 5)
     top = lobes.of_coat(flat[:, 0], flat[:, 1]).astype(np.float32)
     coated = coated.reshape(len(flat), -1)
-    code = solved(basis, top, coated)
+    code = code_fit.solve_codes(basis, coated)
     root = np.empty((len(code), *basis.prior.shape), np.float32)
     for first in range(0, len(code), BLOCK):
         rows = slice(first, first + BLOCK)
@@ -82,15 +82,6 @@ def examples(
         form += 1e-9 * np.eye(len(basis.prior))
         root[rows] = np.swapaxes(np.linalg.cholesky(form), 1, 2)
     return Layerings(np.repeat(bottom, each, axis=0), flat.astype(np.float32), code, root)
-
-
-def solved(basis: Basis, lobe: np.ndarray, rest: np.ndarray) -> np.ndarray:
-    """Codes float32 (N, K) of materials with lobes (N, L) and rests (N, P) at the probe pairs."""
-    top, pairs = np.empty_like(rest), probe_pairs(len(basis.measure))
-    for first in range(0, len(rest), BLOCK):
-        rows = slice(first, first + BLOCK)
-        top[rows] = lobes.f(lobe[rows, None], *pairs)
-    return code_fit.solve_codes(basis, rest, top)
 
 
 def fresh(arch: Architecture, seed: int) -> dict[str, np.ndarray]:

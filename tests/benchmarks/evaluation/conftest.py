@@ -2,9 +2,9 @@
 
 import numpy as np
 import pytest
+from benchmarks.evaluation import benchmark_set
 from benchmarks.evaluation.distributions import Table2
 from benchmarks.evaluation.samples import Group, Samples
-from benchmarks.quality import benchmark_set
 from tests.untrained import untrained
 
 from urushi.nets.networks import Networks

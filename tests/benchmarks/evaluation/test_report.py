@@ -1,17 +1,12 @@
 """The table has every row and the same figures as the JSON file, and bad input is refused."""
 
-import json
 import sys
 
 import numpy as np
 import pytest
-from benchmarks.evaluation import __main__, benchmark, physical_laws, report
+from benchmarks.evaluation import __main__, physical_laws, report
 from benchmarks.evaluation import samples as sampling
 from benchmarks.evaluation.samples import Row
-from benchmarks.quality import benchmark_set
-
-from urushi.errors import FileError
-from urushi.nets import weights
 
 ROWS = (
     Row("encode bare ones", ("bare",)),
@@ -43,61 +38,6 @@ def test_rows_are_the_figures_of_the_networks(result, tiny, sets):
         assert {k: row[metric][k] for k in expected} == pytest.approx(expected, rel=1e-9)
     assert row["E"]["reference"] < 0.01 and result.rows["encode bare ones"]["E"]["reference"] == 0
     assert set(result.errors) == {"bare", "few"}
-
-
-def test_the_text_has_every_line(result):
-    text = report.table(result)
-    lines = {line.strip()[:22].strip(): line for line in text.splitlines()}
-    for name in ("encode bare ones", "encode simulated ones", "all together", "layerer"):
-        assert name in lines
-    for law in result.laws:
-        assert law.name in text
-    mean = 100 * result.rows["all together"]["E"]["mean"]
-    assert f"{mean:.2f}" in lines["all together"]
-
-
-def test_parameters_are_counted(result, tiny):
-    """Of all arrays in the file, by part."""
-    counted = dict.fromkeys(("basis", "layerer", "proposal"), 0)
-    for name, value in tiny.params.items():
-        counted[name.split(".")[0]] += value.size
-    assert result.parameters == counted
-
-
-def test_json_has_the_same_figures(result, tmp_path):
-    report.write_json(tmp_path / "f.json", result)
-    written = json.loads((tmp_path / "f.json").read_text())
-    assert written["rows"] == result.rows
-    assert [law["kept"] for law in written["laws"]] == [law.kept for law in result.laws]
-    assert written["errors"]["few"] == result.errors["few"].tolist()
-
-
-def test_report_reads_the_weights_and_writes_the_folder(result, sets, tiny, tmp_path, monkeypatch):
-    seen = {}
-
-    def measure(model, used):
-        seen.update(model=model, used=used)
-        return result
-
-    monkeypatch.setattr(report, "measure", measure)
-    monkeypatch.setattr(benchmark, "read", lambda: sets)
-    weights.save(tmp_path / "w.safetensors", tiny.arch, tiny.params, {})
-    text = report.report(tmp_path / "w.safetensors", tmp_path / "new" / "figures")
-    assert seen["model"].fingerprint == tiny.fingerprint and seen["used"] is sets
-    names = {path.name for path in (tmp_path / "new" / "figures").iterdir()}
-    assert names == {"figures.json"} and text == report.table(result)
-
-
-def test_bad_input(sets, groups, tmp_path):
-    with pytest.raises(FileError, match=r"missing\.safetensors"):
-        report.report(tmp_path / "missing.safetensors")
-    foreign = tmp_path / "foreign.safetensors"
-    benchmark_set.write(foreign, sets, groups)
-    with pytest.raises(FileError, match="is a safetensors file, but not one of Urushi's weights"):
-        report.report(foreign)
-    (tmp_path / "file").write_text("in the way")
-    with pytest.raises(FileError, match="cannot create the folder"):
-        report.report(output=tmp_path / "file")
 
 
 @pytest.mark.parametrize(

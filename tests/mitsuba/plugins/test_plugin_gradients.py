@@ -1,7 +1,7 @@
 """Derivatives of the plugins: equal values, and slopes of the walk."""
 
 import pytest
-from benchmarks.quality.gradients import SLOPES, slopes
+from benchmarks.experiments.gradients import SLOPES, slopes
 
 #: Cases of the first tier and of the second; the others are for the third, at the ends of ranges.
 FIRST = ("black diffuse", "rough gold")

@@ -1,9 +1,8 @@
 /**
- * The numeric core of the page: what it computes and for which values.
+ * The values of the numeric core.
  *
  * Directions are unit vectors in the local frame, the normal along z and the tangent along x, three
- * numbers each. A
- * parameter is one number for all colour channels or three. Codes are those of Urushi's networks,
+ * numbers each. A parameter is one number for all colour channels or three. Codes are those of Urushi's networks,
  * one of `latentSize` numbers for every channel, row by row.
  */
 
@@ -78,45 +77,4 @@ export interface TableOptions {
   samples: number;
   /** Shift in [0, 1)^3 of the low-discrepancy sequence. */
   shift: readonly [number, number, number];
-}
-
-/** Urushi's basis and networks, and the energy limit. */
-export interface Core {
-  /** Numbers of one channel's code. */
-  readonly latentSize: number;
-
-  /** GGX widths of a surface: networks of two are for anisotropic materials. */
-  readonly widths: Widths;
-
-  /** Identifies the networks: a saved material names those it belongs to. */
-  readonly fingerprint: string;
-
-  /**
-   * Encode a measured BRDF, a MERL table or an isotropic RGL material: its codes and its table.
-   *
-   * @throws FileError if the file is damaged, anisotropic or of another format.
-   */
-  encodeMeasured(file: ArrayBuffer): Material;
-
-  /** Encode a stack: the bottom under all its coats, the energy limit included. */
-  layer(stack: Stack): Material;
-
-  /** The BRDF [1/sr], without cosine: (N, 3) for directions (N, 3). */
-  f(material: Material, wi: Float32Array, wo: Float32Array): Float32Array;
-
-  /** The texels of the basis that shader code reads, four numbers each. */
-  basisTexels(): Float32Array<ArrayBuffer>;
-
-  /** Directional albedo: (N, 3) for N cosines of the incident direction, in the plane y = 0. */
-  albedo(material: Material, cosines: Float32Array): Float32Array;
-
-  /**
-   * Directions by the proposal from one low-discrepancy sequence, the same for all rows.
-   *
-   * The row of azimuth a and cosine c is for the incident direction of cosine (c + 1/2) / cosines
-   * at the azimuth a / (azimuths - 1) of a quarter turn.
-   *
-   * @returns (azimuths, cosines, samples, 8): the direction wo (3), f cos / pdf (3), pdf (1), and a zero.
-   */
-  table(material: Material, options: TableOptions): Float32Array;
 }

@@ -84,10 +84,9 @@ export class Basis {
    */
   encode(lobe: Float32Array, f: Float64Array): Float32Array {
     const { measure, prior } = this.weights;
-    const top = lobeValues(lobe, this.probes);
-    const rest = difference(f, top);
+    const rest = difference(f, lobeValues(lobe, this.probes));
     this.atProbes ??= this.functions(this.probes, measure.length);
-    const numbers = fittedCode(this.atProbes, measure, prior, rest, top);
+    const numbers = fittedCode(this.atProbes, measure, prior, rest);
     return Float32Array.of(...lobe, ...numbers, ...(this.widths === 2 ? [0] : []));
   }
 

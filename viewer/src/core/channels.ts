@@ -19,22 +19,17 @@ export function joined(codes: readonly Float32Array[]): Float32Array {
   return result;
 }
 
-/** The first channel that is the same as the given one. */
-export function firstSame(channel: number, isSame: (a: number, b: number) => boolean): number {
-  for (let other = 0; other < channel; other++) {
-    if (isSame(other, channel)) {
-      return other;
-    }
-  }
-  return channel;
-}
-
-/** Whether two arrays hold the same numbers. */
-export function sameNumbers(a: ArrayLike<number>, b: ArrayLike<number>): boolean {
-  for (let i = 0; i < a.length; i++) {
-    if (a[i] !== b[i]) {
-      return false;
-    }
-  }
-  return a.length === b.length;
+/** Codes (3, L) by a function of the channel, called once for channels of the same numbers. */
+export function perChannel(
+  numbersOf: (channel: number) => ArrayLike<number>,
+  codeOf: (channel: number) => Float32Array,
+): Float32Array {
+  const known = new Map<string, Float32Array>();
+  const codes = Array.from({ length: CHANNELS }, (_, channel) => {
+    const key = Array.from(numbersOf(channel)).join();
+    const code = known.get(key) ?? codeOf(channel);
+    known.set(key, code);
+    return code;
+  });
+  return joined(codes);
 }

@@ -1,9 +1,9 @@
 /**
  * Codes of known values: reweighted least squares in the linear basis (Lawson 1961).
  *
- * The error of a code is the light that it gets wrong at the probes over all light. Each round solves
- * a quadratic problem in the logarithm whose weights make it equal to the error at the last code. The
- * best code of all rounds is kept; see Python's `nets.code_fit`.
+ * The error of a code is the light that it gets wrong at the probes over the light of the rest. Each
+ * round solves a quadratic problem in the logarithm whose weights make it equal to the error at the
+ * last code. The best code of all rounds is kept; see Python's `nets.code_fit`.
  */
 
 import { BASIS, CODE_FIT, TABLE } from "./formulas";
@@ -17,21 +17,20 @@ const { FIRST_FLOOR, FLOOR, KNEE, DARK, PRIOR, ROUNDS, LEAST_SHARE, LEAST_REST }
  * @param rows (N, 1 + K) the mean and the functions at the probe pairs.
  * @param measure (N) shares of the pairs in integrals.
  * @param prior (K, K) inverse covariance of codes.
- * @param rest, top values (N) [1/sr] of the rest and of the lobe.
+ * @param rest values (N) [1/sr] of the rest.
  */
 export function fittedCode(
   rows: Float64Array,
   measure: Float64Array,
   prior: Float64Array,
   rest: Float64Array,
-  top: Float64Array,
 ): Float64Array {
   const count = Math.sqrt(prior.length);
   const width = 1 + count;
   const mean = dot(measure, rest);
   if (mean < LEAST_REST)
     return Float64Array.from({ length: count }, (_, k) => (k ? 0 : BASIS.EMPTY_GAIN));
-  const light = Math.max(mean + dot(measure, top), 1e-12);
+  const light = Math.max(mean, 1e-12);
   const f = rest.map((value) => Math.max(value, LEAST_SHARE * mean + 1e-12));
   const logs = f.map(Math.log);
 

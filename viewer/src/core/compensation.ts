@@ -7,7 +7,7 @@
  * bottom. See `material.layer` of Python. A surface of two widths has the loss of their mean square.
  */
 
-import type { Coat, Compensation, Core, Material } from "./api";
+import type { Coat, Compensation, Material } from "./api";
 import { CHANNELS } from "./channels";
 import { clampedLog, nodePairs } from "./f_table";
 import { APPEARANCE, coatedColor } from "./formulas";
@@ -23,7 +23,10 @@ const { WI, WO } = APPEARANCE;
 export function compensationOf(
   coat: Coat,
   below: Material,
-  core: Pick<Core, "albedo" | "f">,
+  core: {
+    albedo(material: Material, cosines: Float32Array): Float32Array;
+    f(material: Material, wi: Float32Array, wo: Float32Array): Float32Array;
+  },
 ): Compensation {
   const reflected = core.albedo(below, Float32Array.of(1));
   const seen = core.f(below, Float32Array.from(WI), Float32Array.from(WO));
@@ -62,10 +65,10 @@ function lossOf(alpha: number, eta: number, mirrored: number): Loss {
 export function withLobe(material: Material, lobe: Compensation): Material {
   const { table } = material;
   if (table.stretches) return { ...material, compensation: lobe };
-  const { wi, wo } = nodePairs();
+  const { directions: w } = nodePairs();
   const logs = table.logs.map((log, at) => {
-    const z = 3 * Math.floor(at / CHANNELS) + 2;
-    return clampedLog(Math.log(Math.exp(log) + lobeOf(lobe, at % CHANNELS, wi[z], wo[z])));
+    const z = 6 * Math.floor(at / CHANNELS) + 2;
+    return clampedLog(Math.log(Math.exp(log) + lobeOf(lobe, at % CHANNELS, w[z], w[z + 3])));
   });
   return { ...material, table: { logs, besideLobe: table.besideLobe } };
 }

@@ -1,19 +1,17 @@
-/** The core: basis, networks and energy limit behind the interface of `api.ts`. */
+/** The core: basis, networks and energy limit. */
 
-import type { Bottom, Coat, Core, Material, Stack } from "./api";
+import type { Bottom, Coat, Material, Stack } from "./api";
 import { Basis } from "./basis";
-import { CHANNELS, firstSame, joined, rows, sameNumbers } from "./channels";
+import { CHANNELS, joined, perChannel, rows } from "./channels";
 import { compensationOf, withLobe } from "./compensation";
+import { Encoder } from "./encoder";
 import { EnergyLimit } from "./energy";
 import { Evaluation } from "./evaluation";
-import { ENERGY } from "./formulas";
-import { Layerer, withinTraining } from "./layerer";
-import { MeasuredEncoder } from "./measured_encoder";
+import { layered, withinTraining } from "./layerer";
 import { Proposals } from "./mixture";
-import { activationOf } from "./mlp";
-import { SurfaceEncoder } from "./surface_encoder";
+import type { Network } from "./network";
 import { coatOfChannel } from "./surfaces";
-import { readWeights, type Weights } from "./weights";
+import { type Architecture, readWeights, type Weights } from "./weights";
 
 /**
  * Read the weights.
@@ -24,32 +22,39 @@ export function loadCore(safetensors: ArrayBuffer): NetworkCore {
   return new NetworkCore(readWeights(safetensors));
 }
 
-export class NetworkCore extends Evaluation implements Core {
+/** Urushi's basis and networks, and the energy limit. */
+export class NetworkCore extends Evaluation {
+  /** Identifies the networks: a saved material names those it belongs to. */
   readonly fingerprint: string;
-  private readonly surfaces: SurfaceEncoder;
-  private readonly measured: MeasuredEncoder;
-  private readonly layerer: Layerer;
+  private readonly encoder: Encoder;
+  private readonly arch: Architecture;
+  private readonly layerer: Network;
   private readonly energy: EnergyLimit;
 
   constructor({ arch, basis: parameters, fingerprint, layerer, proposal }: Weights) {
     const basis = new Basis(parameters, arch.lobe);
     super(arch, basis, new Proposals(proposal, arch.lobe));
     this.fingerprint = fingerprint;
-    this.layerer = new Layerer(arch, layerer, activationOf(arch.activation));
+    [this.arch, this.layerer] = [arch, layerer];
     this.energy = new EnergyLimit(basis, arch.lobe);
-    this.surfaces = new SurfaceEncoder(basis, this.energy);
-    this.measured = new MeasuredEncoder(basis, this.energy);
+    this.encoder = new Encoder(basis, this.energy);
   }
 
   /** The codes of a bottom without coats. */
   encode(bottom: Bottom): Float32Array {
-    return bottom.kind === "codes" ? this.checked(bottom.latents) : this.surfaces.encode(bottom);
+    return bottom.kind === "codes" ? this.checked(bottom.latents) : this.encoder.encode(bottom);
   }
 
+  /**
+   * Encode a measured BRDF, a MERL table or an isotropic RGL material: its codes and its table.
+   *
+   * @throws FileError if the file is damaged, anisotropic or of another format.
+   */
   encodeMeasured(file: ArrayBuffer): Material {
-    return this.measured.encode(file);
+    return this.encoder.encodeMeasured(file);
   }
 
+  /** Encode a stack: the bottom under all its coats, the energy limit included. */
   layer(stack: Stack): Material {
     let latents = this.encode(stack.bottom);
     let below = latents;
@@ -67,37 +72,25 @@ export class NetworkCore extends Evaluation implements Core {
   limited(codes: Float32Array): Float32Array {
     const own = rows(this.checked(codes).slice(), this.latentSize);
     for (const code of own) {
-      this.energy.limit(code, 1 - ENERGY.MARGIN);
+      this.energy.limit(code);
     }
     return joined(own);
-  }
-
-  /** Make tables ahead that are otherwise made when a width is first needed; see `LobeAlbedo`. */
-  prepareWidth(index: number): void {
-    this.energy.lobeAlbedo.prepare(index);
   }
 
   /** The codes of a bottom under a coat, which changes nothing without an interface and a medium. */
   private coated(bottom: Float32Array, coat: Coat): Float32Array {
     const below = rows(bottom, this.latentSize);
     const coats = below.map((_, channel) => coatOfChannel(coat, channel));
-    const isSame = (a: number, b: number) =>
-      sameNumbers(below[a], below[b]) &&
-      sameNumbers(Object.values(coats[a]), Object.values(coats[b]));
-    const own = below.map((_, channel) => firstSame(channel, isSame));
-    const kept = own.filter((channel, place) => channel === place);
-    const layered = this.layerer.layer(
-      kept.map((channel) => below[channel]),
-      kept.map((channel) => withinTraining(coats[channel])),
-    );
-    for (const code of layered) {
-      this.energy.limit(code, 1 - ENERGY.MARGIN);
-    }
-    return joined(
-      own.map((channel) => {
+    return perChannel(
+      (channel) => [...below[channel], ...Object.values(coats[channel])],
+      (channel) => {
         const { eta, sigmaT } = coats[channel];
-        return eta === 1 && sigmaT === 0 ? below[channel] : layered[kept.indexOf(channel)];
-      }),
+        if (eta === 1 && sigmaT === 0) return below[channel];
+        const own = withinTraining(coats[channel]);
+        const code = layered(this.arch, this.layerer, below[channel], own);
+        this.energy.limit(code);
+        return code;
+      },
     );
   }
 

@@ -5,102 +5,96 @@
  * Python's `material.energy`. A code is an array of all its numbers.
  */
 
-import { type AlbedoRule, addAlbedos, albedoRule } from "./albedo_rule";
-import { AnisotropicLobeAlbedo } from "./anisotropic_lobe_albedo";
 import type { AtPairs, Basis } from "./basis";
+import { Pairs } from "./features";
 import { ENERGY } from "./formulas";
-import { LobeAlbedo, type LobeAlbedos } from "./lobe_albedo";
+import { lobeValues } from "./lobe";
+import { directionRule } from "./quadrature";
 
 const { MARGIN, SLACK, TOLERANCE, GRAZING, LEAST_ALBEDO, LEAST_REST } = ENERGY;
 const { TINY_FACTOR, TINY_FACTOR_ROUNDS } = ENERGY;
 
-/** A ceiling at all angles, or one for each of the rule's cosines. */
-export type Ceiling = number | Float64Array;
+/** Cosines at which albedos are measured, of two widths at several azimuths. */
+const COSINES = {
+  1: [1, 0.98, 0.925, 0.84, 0.735, 0.62, 0.51, 0.4, 0.315, 0.24, 0.175, 0.13, 0.09, 0.04, 0.013],
+  2: [1, 0.95, 0.84, 0.7, 0.51, 0.36, 0.24, 0.15, 0.09],
+};
+const AZIMUTHS = { 1: [0], 2: [0, 0.25 * Math.PI, 0.5 * Math.PI] };
+const SIZES = { 1: { azimuths: 8, slopes: 32 }, 2: { azimuths: 8, slopes: 18 } };
 
 export class EnergyLimit {
-  readonly rule: AlbedoRule;
-  readonly lobeAlbedo: LobeAlbedos;
+  /** Pairs of directions at which f must be known for albedos. */
+  readonly pairs: Pairs;
+  private readonly weights: readonly number[];
+  /** The first pair of each direction wi, and the number of pairs. */
+  private readonly bounds: readonly number[];
+  private readonly cosines: readonly number[];
   private readonly nodes: AtPairs;
 
-  /** @param lobe numbers of a code's lobe. */
+  /** @param gain place in a code of the logarithm of the rest's factor. */
   constructor(
     private readonly basis: Basis,
-    private readonly lobe: number,
+    private readonly gain: number,
   ) {
     const { widths } = basis;
-    this.rule = albedoRule(widths);
-    this.lobeAlbedo =
-      widths === 1 ? new LobeAlbedo(this.rule.cosines) : new AnisotropicLobeAlbedo(this.rule);
-    this.nodes = basis.at(this.rule.pairs);
+    const directions = AZIMUTHS[widths].flatMap((azimuth) =>
+      COSINES[widths].map((z) => {
+        const sine = Math.sqrt(1 - z * z);
+        return { x: sine * Math.cos(azimuth), y: sine * Math.sin(azimuth), z };
+      }),
+    );
+    const rules = directions.map((wi) => directionRule(wi, widths, SIZES[widths]));
+    this.cosines = directions.map(({ z }) => z);
+    this.weights = rules.flatMap(({ weights }) => weights);
+    const counts = rules.map(({ weights }) => weights.length);
+    const before = (k: number) => counts.slice(0, k).reduce((sum, count) => sum + count, 0);
+    this.bounds = [...counts.keys(), counts.length].map(before);
+    const wi = rules.flatMap(({ weights }, k) => {
+      const { x, y, z } = directions[k];
+      return weights.flatMap(() => [x, y, z]);
+    });
+    const wo = rules.flatMap((rule) => rule.wo);
+    this.pairs = Pairs.of(wi, wo, widths);
+    this.nodes = basis.at(this.pairs);
   }
 
-  /** Scale a code down in place so that its albedo is nowhere above a ceiling. */
-  limit(code: Float32Array, ceiling: Ceiling): void {
-    const factor = this.factor(code, ceiling);
-    if (factor < 1) scaleRest(code, this.lobe, factor);
+  /** The directional albedos of values f [1/sr] at the pairs. */
+  albedos(f: Float64Array): Float64Array {
+    return Float64Array.from(this.cosines, (_, k) => {
+      let sum = 0;
+      for (let i = this.bounds[k]; i < this.bounds[k + 1]; i++) sum += f[i] * this.weights[i];
+      return sum;
+    });
   }
 
-  /** Ceiling (D) of a code's albedos, from those of its source. */
+  /** Ceiling of a code's albedos, from those of its source. */
   ceilingOf(own: Float64Array): Float64Array {
-    const peak = greatest(own);
+    const peak = Math.max(...own);
     const top = peak > 1 + TOLERANCE ? peak : 1 - MARGIN;
-    return own.map((albedo, d) =>
-      this.rule.cosines[d] < GRAZING ? top : Math.min(albedo + SLACK, top),
+    return own.map((albedo, k) =>
+      this.cosines[k] < GRAZING ? top : Math.min(albedo + SLACK, top),
     );
   }
 
-  /** Directional albedos (D) of what the code's lobe does not reflect. */
-  private restAlbedos(code: Float32Array): Float64Array {
-    const albedos = new Float64Array(this.rule.cosines.length);
-    addAlbedos(this.rule, this.basis.values(code, this.nodes), albedos);
-    return albedos;
-  }
-
   /**
-   * The factor in (0, 1] that brings a code below a ceiling.
+   * Scale a code down in place so that its albedo is nowhere above a ceiling.
    *
-   * A code far from the training data may decode to the greatest f that the decoder represents.
-   * Then the factor is found by scaling and measuring repeatedly.
+   * A code far from the training data may have the greatest f that tables represent. It is scaled
+   * and measured repeatedly. An interface of an index below one lies below another coat: it has no
+   * limit.
    */
-  private factor(code: Float32Array, ceiling: Ceiling): number {
-    let factor = this.measuredFactor(code, ceiling);
-    let latest = factor;
-    for (let round = 0; round < TINY_FACTOR_ROUNDS && latest < TINY_FACTOR; round++) {
-      const scaled = code.slice();
-      scaleRest(scaled, this.lobe, factor);
-      latest = this.measuredFactor(scaled, ceiling);
-      factor *= latest;
+  limit(code: Float32Array, ceiling?: Float64Array): void {
+    if (code[3] > 0 && code[4] < 1) return;
+    const top = this.albedos(lobeValues(code, this.pairs));
+    for (let round = 0; round <= TINY_FACTOR_ROUNDS; round++) {
+      const rest = this.albedos(this.basis.values(code, this.nodes));
+      const factors = rest.map((albedo, k) => {
+        const allowed = Math.max((ceiling?.[k] ?? 1 - MARGIN) - top[k], LEAST_REST);
+        return allowed / Math.max(albedo, LEAST_ALBEDO);
+      });
+      const factor = Math.min(...factors);
+      if (factor < 1) code[this.gain] += Math.log(factor);
+      if (factor >= TINY_FACTOR) return;
     }
-    return factor;
   }
-
-  /** Whether a code is limited: an interface of an index below one lies below another coat. */
-  private isLimited(code: ArrayLike<number>): boolean {
-    return code[3] <= 0 || code[4] >= 1;
-  }
-
-  private measuredFactor(code: Float32Array, ceiling: Ceiling): number {
-    if (!this.isLimited(code)) {
-      return 1;
-    }
-    const rest = this.restAlbedos(code);
-    const top = new Float64Array(rest.length);
-    this.lobeAlbedo.add(code, 0, top);
-    let excess = 0;
-    for (let d = 0; d < rest.length; d++) {
-      const permitted = typeof ceiling === "number" ? ceiling : ceiling[d];
-      const allowed = Math.max(permitted - top[d], LEAST_REST);
-      excess = Math.max(excess, Math.max(rest[d], LEAST_ALBEDO) / allowed);
-    }
-    return Math.min(1 / excess, 1);
-  }
-}
-
-function greatest(numbers: Float64Array): number {
-  return numbers.reduce((a, b) => Math.max(a, b), Number.NEGATIVE_INFINITY);
-}
-
-/** Multiply the rest of a code, whose gain is at a place, by a factor > 0. */
-function scaleRest(code: Float32Array, gain: number, factor: number): void {
-  code[gain] += Math.log(factor);
 }

@@ -6,19 +6,24 @@ import { CHANNELS, rows } from "./channels";
 import { lobeOf } from "./compensation";
 import { tableValues } from "./f_table";
 import { Pairs, type Widths } from "./features";
-import type { Vector } from "./formulas";
-import type { Architecture } from "./layers";
+import { QUADRATURE, type Vector } from "./formulas";
 import { lobeValue } from "./lobe";
 import { mixtureDensity, type Proposals, sampleMixture } from "./mixture";
 import { sequenceSteps } from "./probe_pairs";
-import { halfVectorRule } from "./quadrature";
+import { directionRule } from "./quadrature";
+import type { Architecture } from "./weights";
 
 /** The largest number below one of single precision, for uniform numbers. */
 const BELOW_ONE = 1 - 2 ** -24;
 
-/** The methods are those of `api.ts`. */
+/** Sizes of the rules for albedos of one width and of two. */
+const [slopes, azimuths] = [QUADRATURE.POLAR_NODES, QUADRATURE.AZIMUTH_NODES];
+const SIZES = { 1: { azimuths, slopes }, 2: { azimuths: 2 * azimuths, slopes } };
+
 export class Evaluation {
+  /** Numbers of one channel's code. */
   readonly latentSize: number;
+  /** GGX widths of a surface: networks of two are for anisotropic materials. */
   readonly widths: Widths;
 
   constructor(
@@ -30,6 +35,7 @@ export class Evaluation {
     this.widths = widths;
   }
 
+  /** The texels of the basis that shader code reads, four numbers each. */
   basisTexels(): Float32Array<ArrayBuffer> {
     return this.basis.texels();
   }
@@ -39,6 +45,7 @@ export class Evaluation {
     return { latents, table: this.basis.table(rows(latents, this.latentSize)) };
   }
 
+  /** The BRDF [1/sr], without cosine: (N, 3) for directions (N, 3). */
   f(material: Material, wi: Float32Array, wo: Float32Array): Float32Array {
     const pairs = Pairs.of(wi, wo, this.widths);
     const values = this.values(material, pairs, pairs.capacity);
@@ -50,14 +57,16 @@ export class Evaluation {
     return Float32Array.from(values);
   }
 
+  /** Directional albedo: (N, 3) for N cosines of the incident direction, in the plane y = 0. */
   albedo(material: Material, cosines: Float32Array): Float32Array {
     const result = new Float32Array(CHANNELS * cosines.length);
     cosines.forEach((cosine, row) => {
       if (!(cosine > 0)) {
         return;
       }
-      const { wo, weights } = halfVectorRule(cosine, this.widths === 2);
       const sine = Math.sqrt(Math.max(1 - cosine * cosine, 0));
+      const wi = { x: sine, y: 0, z: cosine };
+      const { wo, weights } = directionRule(wi, 1, SIZES[this.widths]);
       const pairs = new Pairs(weights.length, this.widths);
       weights.forEach((_, i) => {
         pairs.set(i, sine, 0, cosine, wo[3 * i], wo[3 * i + 1], wo[3 * i + 2]);
@@ -66,7 +75,7 @@ export class Evaluation {
       for (let channel = 0; channel < CHANNELS; channel++) {
         let sum = 0;
         weights.forEach((weight, i) => {
-          sum += values[CHANNELS * i + channel] * wo[3 * i + 2] * weight;
+          sum += values[CHANNELS * i + channel] * weight;
         });
         result[CHANNELS * row + channel] = sum;
       }
@@ -74,6 +83,14 @@ export class Evaluation {
     return result;
   }
 
+  /**
+   * Directions by the proposal from one low-discrepancy sequence, the same for all rows.
+   *
+   * The row of azimuth a and cosine c is for the incident direction of cosine (c + 1/2) / cosines
+   * at the azimuth a / (azimuths - 1) of a quarter turn.
+   *
+   * @returns (azimuths, cosines, samples, 8): the direction wo (3), f cos / pdf (3), pdf (1), and a zero.
+   */
   table(material: Material, { azimuths = 1, cosines, samples, shift }: TableOptions): Float32Array {
     const result = new Float32Array(azimuths * cosines * samples * 8);
     const proposal = this.proposer.proposals(this.meanCode(material));

@@ -1,7 +1,7 @@
 /** Tables over directions: their cells, and materials by tables of ln f; see Python's `core.table`. */
 
 import { CHANNELS } from "./channels";
-import type { Pairs, Widths } from "./features";
+import { Pairs, type Widths } from "./features";
 import {
   nodeDirections,
   STRETCHED,
@@ -34,8 +34,8 @@ export const TABLE_SIZE = NODES * CHANNELS;
 /** Terms of ln f of two widths: one, and as many as there are factors of the azimuth. */
 export const TERMS = 1 + STRETCHED.FACTORS;
 
-/** Pairs of directions (N, 3) of the nodes of one width, the last axis fastest. */
-export function nodePairs(): { wi: Float32Array; wo: Float32Array } {
+/** Pairs of directions of the nodes of one width, the last axis fastest. */
+export function nodePairs(): Pairs {
   const [U, V, W] = SHAPE;
   const [wi, wo] = [new Float32Array(3 * NODES), new Float32Array(3 * NODES)];
   const pair = new Float64Array(6);
@@ -51,7 +51,7 @@ export function nodePairs(): { wi: Float32Array; wo: Float32Array } {
       target.set([x / size, y / size, z / size], 3 * i);
     }
   }
-  return { wi, wo };
+  return Pairs.of(wi, wo);
 }
 
 /** A logarithm within the range of tables. */

@@ -8,163 +8,60 @@ export interface Vector {
 }
 
 /** Of `urushi.checks` of Python. */
-export const CHECKS = {
-  AIR: 1.000277,
-  ETA_RANGE: [0.5, 3],
-  MIN_ALPHA: 0.01,
-  MIN_INDEX_STEP: 0.0009999,
-  TRAINED_G: [-0.8, 0.9],
-} as const;
+export const CHECKS = { AIR: 1.000277, ETA_RANGE: [0.5, 3], MIN_ALPHA: 0.01, MIN_INDEX_STEP:
+  0.0009999, TRAINED_G: [-0.8, 0.9] } as const;
 
 /** Of `urushi.core.appearance` of Python. */
-export const APPEARANCE = {
-  WI: [0.6, 0, 0.8],
-  WO: [0, 0.6, 0.8],
-} as const;
+export const APPEARANCE = { WI: [0.6, 0, 0.8], WO: [0, 0.6, 0.8] } as const;
 
 /** Of `urushi.core.probe_pairs` of Python. */
-export const PROBE_PAIRS = {
-  HALF_ANGLE_SHARE: 0.6666666666666666,
-  MIN_TANGENT: 0.001,
-  MAX_TANGENT: 4,
-  MAX_DIFFERENCE: 1.5009831567151235,
-  MIN_COSINE: 0.02,
-} as const;
+export const PROBE_PAIRS = { HALF_ANGLE_SHARE: 0.6666666666666666, MIN_TANGENT: 0.001, MAX_TANGENT:
+  4, MAX_DIFFERENCE: 1.5009831567151235, MIN_COSINE: 0.02 } as const;
 
 /** Of `urushi.core.quadrature` of Python. */
-export const QUADRATURE = {
-  POLAR_NODES: 48,
-  AZIMUTH_NODES: 16,
-  MIN_TANGENT: 1e-05,
-} as const;
+export const QUADRATURE = { POLAR_NODES: 48, AZIMUTH_NODES: 16, MIN_TANGENT: 1e-05 } as const;
 
 /** Of `urushi.core.stretched` of Python. */
-export const STRETCHED = {
-  FACTORS: 5,
-} as const;
+export const STRETCHED = { FACTORS: 5 } as const;
 
 /** Of `urushi.core.table` of Python. */
-export const TABLE = {
-  SHAPE: [96, 32, 8],
-  MIN_LOG: -25,
-  MAX_LOG: 20,
-  MIN_COSINE: 0.005,
-} as const;
-
-/** Of `urushi.material.albedo_rule` of Python. */
-export const ALBEDO_RULE = {
-  COSINE_OFFSET: 0.1,
-  INTERPOLATED_COSINES: 41,
-  OVERSHOOT: 0.05,
-  AZIMUTHS: [0, 0.7853981633974483, 1.5707963267948966],
-  ANISOTROPIC_COSINES: [1, 0.925, 0.735, 0.51, 0.315, 0.175, 0.09],
-  POLAR_NODES: 14,
-  QUADRANT_NODES: 8,
-  CROWDING: 1.5,
-  LEAST_TANGENT: 0.001,
-} as const;
+export const TABLE = { SHAPE: [96, 32, 8], MIN_LOG: -25, MAX_LOG: 20, MIN_COSINE: 0.005 } as const;
 
 /** Of `urushi.material.energy` of Python. */
-export const ENERGY = {
-  MARGIN: 0.0005,
-  SLACK: 0.003,
-  TOLERANCE: 0.005,
-  GRAZING: 0.1,
-  LEAST_ALBEDO: 1e-06,
-  LEAST_REST: 0.005,
-  TINY_FACTOR: 0.001,
-  TINY_FACTOR_ROUNDS: 3,
-} as const;
+export const ENERGY = { MARGIN: 0.0005, SLACK: 0.003, TOLERANCE: 0.005, GRAZING: 0.1, LEAST_ALBEDO:
+  1e-06, LEAST_REST: 0.005, TINY_FACTOR: 0.001, TINY_FACTOR_ROUNDS: 3 } as const;
 
 /** Of `urushi.material.layer` of Python. */
-export const LAYER = {
-  DEEPEST: 12,
-} as const;
-
-/** Of `urushi.material.lobe_albedo` of Python. */
-export const LOBE_ALBEDO = {
-  NODES: 6,
-  EDGE_NODES: 16,
-  WIDTHS: 24,
-  FINE: 40,
-  HEIGHTS: 16,
-  TURNS: 20,
-} as const;
+export const LAYER = { DEEPEST: 12 } as const;
 
 /** Of `urushi.nets.basis` of Python. */
-export const BASIS = {
-  EMPTY_GAIN: -100,
-} as const;
+export const BASIS = { EMPTY_GAIN: -100 } as const;
 
 /** Of `urushi.nets.code_fit` of Python. */
-export const CODE_FIT = {
-  FIRST_FLOOR: 0.05,
-  FLOOR: 0.02,
-  KNEE: 0.003,
-  DARK: 0.02,
-  PRIOR: 1e-06,
-  ROUNDS: 5,
-  LEAST_SHARE: 0.001,
-  LEAST_REST: 1e-09,
-} as const;
+export const CODE_FIT = { FIRST_FLOOR: 0.05, FLOOR: 0.02, KNEE: 0.003, DARK: 0.02, PRIOR: 1e-06,
+  ROUNDS: 5, LEAST_SHARE: 0.001, LEAST_REST: 1e-09 } as const;
 
 /** Of `urushi.nets.features` of Python. */
-export const FEATURES = {
-  COAT_FEATURES: { 1: 18, 2: 20 },
-} as const;
-
-/** Of `urushi.nets.interface_fit` of Python. */
-export const INTERFACE_FIT = {
-  LEAST_ERROR: 0.002,
-  GREATEST_ERROR: 0.15,
-  TOLERANCE: 0.005,
-  STEPS: 20,
-  DAMPING: 0.001,
-  DECREASE: 0.2,
-  INCREASE: 10,
-  LOWER: [0.02, 0],
-  UPPER: [8, 12],
-  METALS: [0.2, 1, 2.5],
-} as const;
+export const FEATURES = { COAT_FEATURES: { 1: 18, 2: 20 } } as const;
 
 /** Of `urushi.nets.layerer` of Python. */
-export const LAYERER = {
-  LEAST_GAIN: -12,
-} as const;
+export const LAYERER = { LEAST_GAIN: -12 } as const;
 
 /** Of `urushi.nets.lobe` of Python. */
-export const LOBE = {
-  NO_LOBE: [1, 0, 0, 0, 1.5, 0],
-  LOBE_FEATURES: { 1: 6, 2: 8 },
-  NUMBERS: { 1: ["alpha", "normal", "grazing", "exact", "eta", "k"], 2: ["alpha_u", "normal",
-    "grazing", "exact", "eta", "k", "alpha_v"] },
-  COSINES: [1, 0.5, 0.2],
-  VISIBLE: 0.01,
-} as const;
+export const LOBE = { NO_LOBE: [1, 0, 0, 0, 1.5, 0], LOBE_FEATURES: { 1: 6, 2: 8 }, NUMBERS: { 1:
+  ["alpha", "normal", "grazing", "exact", "eta", "k"], 2: ["alpha_u", "normal", "grazing", "exact",
+  "eta", "k", "alpha_v"] }, COSINES: [1, 0.5, 0.2], VISIBLE: 0.01 } as const;
 
 /** Of `urushi.nets.lobe_fit` of Python. */
-export const LOBE_FIT = {
-  DARK: 0.001,
-  OVERSHOOT_WEIGHT: 30,
-  KNEE: 0.05,
-  STEPS: 14,
-  CONVERGED: 0.0001,
-  LONGEST_STEP: 0.3,
-  LAST_STEPS: 3,
-} as const;
+export const LOBE_FIT = { DARK: 0.001, OVERSHOOT_WEIGHT: 30, KNEE: 0.05, STEPS: 14, CONVERGED:
+  0.0001, LONGEST_STEP: 0.3, LAST_STEPS: 3 } as const;
 
 /** Of `urushi.nets.mlp` of Python. */
-export const MLP = {
-  POLYNOMIALS: { smoothstep: [2, [0.375, -0.03125]], silu7: [5.75, [0.225729, -0.010473,
-    0.0002924521977775268, -3.1043713096403e-06]] },
-} as const;
+export const MLP = { POLYNOMIALS: { smoothstep: [2, [0.375, -0.03125]], silu7: [5.75, [0.225729,
+  -0.010473, 0.0002924521977775268, -3.1043713096403e-06]] } } as const;
 
 /** Of `urushi.nets.proposal` of Python. */
-export const PROPOSAL = {
-  ALPHAS: [0.04, 0.12, 0.3],
-  TERMS: 8,
-  LARGEST_STRETCH: 1.25,
-} as const;
+export const PROPOSAL = { ALPHAS: [0.04, 0.12, 0.3], TERMS: 8, LARGEST_STRETCH: 1.25 } as const;
 
 /** Schlick's term of factors at normal and at grazing incidence (Schlick 1994). */
 export function schlick(normal: number, grazing: number, cosine: number): number {
@@ -182,12 +79,15 @@ export function fresnel(cosine: number, eta: number, k: number): number {
     const difference = (eta - 1) * (eta + 1) - k * k + cos2;
     const size = Math.sqrt(difference * difference + 4 * (eta * eta) * (k * k));
     const root = Math.sqrt(0.5 * Math.max(size + difference, 0));
-    const first = size + cos2;
-    const second = 2 * root * cosine;
-    const across = (first - second) / (first + second);
-    const third = cos2 * size + sin2 * sin2;
-    const fourth = second * sin2;
-    const parallel = (third - fourth + 1e-12) / (third + fourth + 1e-12);
+    const imaginary2 = 0.5 * Math.max(size - difference, 0);
+    const less = root - cosine;
+    const more = root + cosine;
+    const across = (less * less + imaginary2) / (more * more + imaginary2);
+    const product = root * cosine;
+    const far = imaginary2 * cos2 + 1e-12;
+    const third = product - sin2;
+    const fourth = product + sin2;
+    const parallel = (third * third + far) / (fourth * fourth + far);
     return 0.5 * across * (1 + parallel);
 }
 
@@ -341,118 +241,6 @@ export function lobeFeatures(alpha: number, first: number, second: number, third
     out[5 + at] = (Math.log(meanFresnel + 0.01) - (-1.5)) * 0.6666666666666666;
 }
 
-/** Weights of a proposal by `TERMS` of the code, its overlaps and its lobe's numbers. */
-export function proposalWeights(terms: ArrayLike<number>, overlaps: ArrayLike<number>, numbers:
-    ArrayLike<number>, cosine: number, out: Float64Array, at: number): void {
-    const raised = Math.max(cosine, 0.005);
-    const width2 = numbers[0] * numbers[0];
-    const logWidth = Math.log(numbers[0]);
-    const toFacet = raised + 0.5 * numbers[0] * (1 - raised);
-    const away = 1 - toFacet;
-    const away2 = away * away;
-    const fifth = away2 * away2 * away;
-    const cos2 = toFacet * toFacet;
-    const sin2 = 1 - cos2;
-    const difference = (numbers[4] - 1) * (numbers[4] + 1) - numbers[5] * numbers[5] + cos2;
-    const size = Math.sqrt(difference * difference + 4 * (numbers[4] * numbers[4]) * (numbers[5] *
-        numbers[5]));
-    const root = Math.sqrt(0.5 * Math.max(size + difference, 0));
-    const first = size + cos2;
-    const second = 2 * root * toFacet;
-    const across = (first - second) / (first + second);
-    const third = cos2 * size + sin2 * sin2;
-    const fourth = second * sin2;
-    const parallel = (third - fourth + 1e-12) / (third + fourth + 1e-12);
-    const fresnel = numbers[1] * (1 - fifth) + numbers[2] * fifth + numbers[3] * (0.5 * across * (1
-        + parallel));
-    const away0 = (logWidth - (-0.629)) * 2.4937655860349124;
-    const spread0 = Math.exp(1.305 - away0 * away0);
-    const away1 = (logWidth - (-0.28)) * 2.6246719160104988;
-    const spread1 = Math.exp(1.762 - away1 * away1);
-    const top = fresnel * (1 - 0.4 * width2) / ((1 + width2) * (1 + spread0 + spread1));
-    const logCosine = Math.log(Math.max(cosine, 0.005));
-    const energy0 = Math.exp(Math.min(terms[0] + terms[4] * logCosine, 1.3862943611198906));
-    const energy1 = Math.exp(Math.min(terms[1] + terms[5] * logCosine, 1.3862943611198906));
-    const energy2 = Math.exp(Math.min(terms[2] + terms[6] * logCosine, 1.3862943611198906));
-    const energy3 = Math.exp(Math.min(terms[3] + terms[7] * logCosine, 1.3862943611198906));
-    const alone0 = energy0 - overlaps[0] * energy1;
-    const part0 = 0.5 * (alone0 + Math.sqrt(alone0 * alone0 + 0.001 * energy0 * energy0 + 1e-12));
-    const alone1 = energy1 - overlaps[1] * energy2;
-    const part1 = 0.5 * (alone1 + Math.sqrt(alone1 * alone1 + 0.001 * energy1 * energy1 + 1e-12));
-    const alone2 = energy2 - overlaps[2] * energy3;
-    const part2 = 0.5 * (alone2 + Math.sqrt(alone2 * alone2 + 0.001 * energy2 * energy2 + 1e-12));
-    const unitSum = 0.98 / (top + part0 + part1 + (part2 + top * spread0) + (energy3 + top *
-        spread1) + 1e-12);
-    const weight0 = top * unitSum;
-    const weight1 = part0 * unitSum;
-    const weight2 = part1 * unitSum;
-    const weight3 = (part2 + top * spread0) * unitSum;
-    out[at] = weight0;
-    out[1 + at] = weight1;
-    out[2 + at] = weight2;
-    out[3 + at] = weight3;
-    out[4 + at] = 1 - (weight0 + weight1 + weight2 + weight3);
-}
-
-/** The lobe [1/sr] of reflectance 1. */
-export function lobeShape(alpha: number, wiX: number, wiY: number, wiZ: number, woX: number, woY:
-    number, woZ: number): number {
-    const aboveI = Math.max(wiZ, 0);
-    const aboveO = Math.max(woZ, 0);
-    const halfX = wiX + woX;
-    const halfY = wiY + woY;
-    const halfZ = aboveI + aboveO;
-    const halfXy2 = halfX * halfX + halfY * halfY;
-    const halfZ2 = halfZ * halfZ;
-    const alpha2 = alpha * alpha;
-    const remaining = 1 - alpha2;
-    const ratio = (halfXy2 + halfZ2) / (halfXy2 + alpha2 * halfZ2 + 1e-18);
-    const maskingI = aboveI + Math.sqrt(alpha2 + remaining * (aboveI * aboveI));
-    const maskingO = aboveO + Math.sqrt(alpha2 + remaining * (aboveO * aboveO));
-    const lobeShape = alpha2 / 3.141592653589793 * (ratio * ratio) / (maskingI * maskingO);
-    return lobeShape;
-}
-
-/** Density [1/sr] of `sampleReflection`, its mirrored part included. */
-export function reflectionPdf(alpha: number, wiX: number, wiY: number, wiZ: number, woX: number,
-    woY: number, woZ: number): number {
-    const halfX = wiX + woX;
-    const halfY = wiY + woY;
-    const halfXy2 = halfX * halfX + halfY * halfY;
-    const alpha2 = alpha * alpha;
-    const up = wiZ + woZ;
-    const down = wiZ - woZ;
-    const up2 = up * up;
-    const ratioUp = (halfXy2 + up2) / Math.max(halfXy2 + alpha2 * up2, 1e-18);
-    const down2 = down * down;
-    const ratioDown = (halfXy2 + down2) / Math.max(halfXy2 + alpha2 * down2, 1e-18);
-    const below = Math.max(wiZ, 0) + Math.sqrt(alpha2 + (1 - alpha2) * (wiZ * wiZ));
-    return (ratioUp * ratioUp + (down > 0 ? ratioDown * ratioDown : 0)) * (alpha2 /
-        6.283185307179586) / below;
-}
-
-/** Reflect wi about a visible normal and mirror it up (Dupuy and Benyoub 2023). */
-export function sampleReflection(alpha: number, wiX: number, wiY: number, wiZ: number, u1: number,
-    u2: number): Vector {
-    const wideX = alpha * wiX;
-    const wideY = alpha * wiY;
-    const wideZ = wiZ;
-    const wideSize = Math.sqrt(wideX * wideX + wideY * wideY + wideZ * wideZ);
-    const capX = wideX / wideSize;
-    const capY = wideY / wideSize;
-    const capZ = wideZ / wideSize;
-    const height = (1 - u2) * (1 + capZ) - capZ;
-    const phi = 6.283185307179586 * u1;
-    const radius = Math.sqrt(Math.max(1 - height * height, 0));
-    const facetX = alpha * (radius * Math.cos(phi) + capX);
-    const facetY = alpha * (radius * Math.sin(phi) + capY);
-    const facetZ = height + capZ;
-    const twiceCosine = 2 * (wiX * facetX + wiY * facetY + wiZ * facetZ) / Math.max(facetX * facetX
-        + facetY * facetY + facetZ * facetZ, 1e-18);
-    return { x: twiceCosine * facetX - wiX, y: twiceCosine * facetY - wiY, z: Math.abs(twiceCosine *
-        facetZ - wiZ) };
-}
-
 /** The layerer's inputs of a coat. */
 export function coatFeatures2(alphaU: number, alphaV: number, eta: number, albedo: number, sigmaT:
     number, g: number, out: Float64Array, at: number): void {
@@ -497,7 +285,7 @@ export function lobeFeatures2(alphaU: number, alphaV: number, first: number, sec
 }
 
 /** Weights of a proposal by `TERMS` of the code, its overlaps and its lobe's numbers. */
-export function proposalWeights2(terms: ArrayLike<number>, overlaps: ArrayLike<number>, numbers:
+export function proposalWeights(terms: ArrayLike<number>, overlaps: ArrayLike<number>, numbers:
     ArrayLike<number>, cosine: number, out: Float64Array, at: number): void {
     const raised = Math.max(cosine, 0.005);
     const width = Math.sqrt(numbers[0] * numbers[6]);
@@ -513,12 +301,15 @@ export function proposalWeights2(terms: ArrayLike<number>, overlaps: ArrayLike<n
     const size = Math.sqrt(difference * difference + 4 * (numbers[4] * numbers[4]) * (numbers[5] *
         numbers[5]));
     const root = Math.sqrt(0.5 * Math.max(size + difference, 0));
-    const first = size + cos2;
-    const second = 2 * root * toFacet;
-    const across = (first - second) / (first + second);
-    const third = cos2 * size + sin2 * sin2;
-    const fourth = second * sin2;
-    const parallel = (third - fourth + 1e-12) / (third + fourth + 1e-12);
+    const imaginary2 = 0.5 * Math.max(size - difference, 0);
+    const less = root - toFacet;
+    const more = root + toFacet;
+    const across = (less * less + imaginary2) / (more * more + imaginary2);
+    const product = root * toFacet;
+    const far = imaginary2 * cos2 + 1e-12;
+    const third = product - sin2;
+    const fourth = product + sin2;
+    const parallel = (third * third + far) / (fourth * fourth + far);
     const fresnel = numbers[1] * (1 - fifth) + numbers[2] * fifth + numbers[3] * (0.5 * across * (1
         + parallel));
     const away0 = (logWidth - (-0.629)) * 2.4937655860349124;
@@ -551,7 +342,7 @@ export function proposalWeights2(terms: ArrayLike<number>, overlaps: ArrayLike<n
 }
 
 /** The lobe [1/sr] of reflectance 1. */
-export function lobeShape2(alphaU: number, alphaV: number, wiX: number, wiY: number, wiZ: number,
+export function lobeShape(alphaU: number, alphaV: number, wiX: number, wiY: number, wiZ: number,
     woX: number, woY: number, woZ: number): number {
     const aboveI = Math.max(wiZ, 0);
     const aboveO = Math.max(woZ, 0);
@@ -574,8 +365,8 @@ export function lobeShape2(alphaU: number, alphaV: number, wiX: number, wiY: num
 }
 
 /** Density [1/sr] of `sampleReflection`, its mirrored part included. */
-export function reflectionPdf2(alphaU: number, alphaV: number, wiX: number, wiY: number, wiZ:
-    number, woX: number, woY: number, woZ: number): number {
+export function reflectionPdf(alphaU: number, alphaV: number, wiX: number, wiY: number, wiZ: number,
+    woX: number, woY: number, woZ: number): number {
     const halfX = wiX + woX;
     const halfY = wiY + woY;
     const halfXy2 = halfX * halfX + halfY * halfY;
@@ -596,7 +387,7 @@ export function reflectionPdf2(alphaU: number, alphaV: number, wiX: number, wiY:
 }
 
 /** Reflect wi about a visible normal and mirror it up (Dupuy and Benyoub 2023). */
-export function sampleReflection2(alphaU: number, alphaV: number, wiX: number, wiY: number, wiZ:
+export function sampleReflection(alphaU: number, alphaV: number, wiX: number, wiY: number, wiZ:
     number, u1: number, u2: number): Vector {
     const wideX = alphaU * wiX;
     const wideY = alphaV * wiY;

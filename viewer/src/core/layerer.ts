@@ -7,47 +7,31 @@
 
 import type { CoatOfChannel } from "./features";
 import { CHECKS, coatFeatures, coatFeatures2, FEATURES, LAYER, LAYERER, LOBE } from "./formulas";
-import type { Architecture, Layer } from "./layers";
 import { lobeFeatures } from "./lobe";
-import { type Activation, Mlp } from "./mlp";
+import type { Network } from "./network";
+import type { Architecture } from "./weights";
 
-export class Layerer {
-  private readonly network: Mlp;
-
-  constructor(
-    private readonly arch: Architecture,
-    layers: readonly Layer[],
-    activation: Activation,
-  ) {
-    this.network = new Mlp(layers, activation);
-  }
-
-  /** The codes of bottoms under coats, the same number of both. */
-  layer(bottoms: readonly Float32Array[], coats: readonly CoatOfChannel[]): Float32Array[] {
-    const { rest, lobe, widths } = this.arch;
-    const ofLobe = LOBE.LOBE_FEATURES[widths];
-    const width = rest + ofLobe + FEATURES.COAT_FEATURES[widths];
-    const inputs = new Float64Array(bottoms.length * width);
-    bottoms.forEach((bottom, row) => {
-      const at = row * width;
-      inputs.set(bottom.subarray(lobe), at);
-      inputs[at] = Math.max(inputs[at], LAYERER.LEAST_GAIN);
-      lobeFeatures(bottom, inputs, at + rest, widths);
-      const { alpha, alphaV, eta, albedo, sigmaT, g } = coats[row];
-      const place = at + rest + ofLobe;
-      if (widths === 1) coatFeatures(alpha, eta, albedo, sigmaT, g, inputs, place);
-      else coatFeatures2(alpha, alphaV, eta, albedo, sigmaT, g, inputs, place);
-    });
-    const changes = this.network.evaluate(inputs, bottoms.length);
-    return bottoms.map((bottom, row) => {
-      const code = bottom.slice();
-      const across = widths === 2 ? [coats[row].alphaV] : [];
-      code.set([coats[row].alpha, 0, 0, 1, coats[row].eta, 0, ...across]);
-      code[lobe] = Math.max(code[lobe], LAYERER.LEAST_GAIN);
-      for (let k = 0; k < rest; k++) code[lobe + k] += changes[row * rest + k];
-      return code;
-    });
-  }
+/** The code of a bottom under a coat. */
+export function layered(
+  { rest, lobe, widths }: Architecture,
+  network: Network,
+  bottom: Float32Array,
+  { alpha, alphaV, eta, albedo, sigmaT, g }: CoatOfChannel,
+): Float32Array {
+  const ofLobe = LOBE.LOBE_FEATURES[widths];
+  const input = new Float64Array(rest + ofLobe + FEATURES.COAT_FEATURES[widths]);
+  input.set(bottom.subarray(lobe));
+  input[0] = Math.max(input[0], LAYERER.LEAST_GAIN);
+  lobeFeatures(bottom, input, rest, widths);
+  if (widths === 1) coatFeatures(alpha, eta, albedo, sigmaT, g, input, rest + ofLobe);
+  else coatFeatures2(alpha, alphaV, eta, albedo, sigmaT, g, input, rest + ofLobe);
+  const code = bottom.slice();
+  code.set([alpha, 0, 0, 1, eta, 0, ...(widths === 2 ? [alphaV] : [])]);
+  code[lobe] = Math.max(code[lobe], LAYERER.LEAST_GAIN);
+  network.evaluate(input).forEach((change, k) => {
+    code[lobe + k] += change;
+  });
+  return code;
 }
 
 const [LEAST_G, MOST_G] = CHECKS.TRAINED_G;

@@ -1,4 +1,4 @@
-/** Small linear systems, and the damped step of Gauss and Newton; see Python's `nets.least_squares`. */
+/** Small linear systems; see Python's `nets.least_squares`. */
 
 /**
  * Solve a positive definite system by Gauss's elimination, which needs no exchange of rows here.
@@ -51,49 +51,4 @@ export function addRow(
     slope[a] += pull * own;
     for (let b = 0; b < size; b++) curvature[a * size + b] += weight * own * slopes[at + b];
   }
-}
-
-/** The state of a fit at x: what is minimised, half its gradient and half its Hessian. */
-export interface FitState<X> {
-  readonly x: X;
-  readonly objective: number;
-  readonly slope: Float64Array;
-  readonly curvature: Float64Array;
-}
-
-/** The last state of damped steps, each accepted only if it lowers the objective. */
-export function dampedSteps<X>(
-  stateAt: (x: X) => FitState<X>,
-  start: X,
-  steps: number,
-  [first, decrease, increase]: readonly [number, number, number],
-  moved: (x: X, step: Float64Array) => X,
-): FitState<X> {
-  let state = stateAt(start);
-  let damping: number = first;
-  for (let k = 0; k < steps; k++) {
-    const step = dampedStep(state.curvature.slice(), state.slope.slice(), damping);
-    const found = stateAt(moved(state.x, step));
-    const isBetter = found.objective < state.objective;
-    if (isBetter) state = found;
-    damping *= isBetter ? decrease : increase;
-  }
-  return state;
-}
-
-/** Solve (curvature + damping) x = slope (Marquardt 1963); both arrays are overwritten. */
-export function dampedStep(
-  curvature: Float64Array,
-  slope: Float64Array,
-  damping: number,
-): Float64Array {
-  const size = slope.length;
-  let trace = 0;
-  for (let i = 0; i < size; i++) {
-    trace += curvature[i * size + i];
-  }
-  for (let i = 0; i < size; i++) {
-    curvature[i * size + i] += (damping * trace) / size + 1e-12;
-  }
-  return solve(curvature, slope, size);
 }

@@ -7,7 +7,6 @@ import {
   lobeFeatures as lobeColumns,
   lobeFeatures2 as lobeColumns2,
   lobeShape,
-  lobeShape2,
   schlick,
 } from "./formulas";
 
@@ -32,10 +31,8 @@ export function reflectance(lobe: ArrayLike<number>, at: number, cosine: number)
 export function lobeValue(lobe: ArrayLike<number>, at: number, pairs: Pairs, i: number): number {
   if (isDark(lobe, at)) return 0;
   const [w, k, u] = [pairs.directions, 6 * i, lobe[at]];
-  const shape =
-    pairs.widths === 1
-      ? lobeShape(u, w[k], w[k + 1], w[k + 2], w[k + 3], w[k + 4], w[k + 5])
-      : lobeShape2(u, lobe[at + 6], w[k], w[k + 1], w[k + 2], w[k + 3], w[k + 4], w[k + 5]);
+  const v = pairs.widths === 1 ? u : lobe[at + 6];
+  const shape = lobeShape(u, v, w[k], w[k + 1], w[k + 2], w[k + 3], w[k + 4], w[k + 5]);
   return shape * reflectance(lobe, at, pairs.cosD[i]);
 }
 

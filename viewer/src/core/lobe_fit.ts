@@ -21,7 +21,7 @@ const LOWER = [0, 0, 0, LEAST_LOG];
 const UPPER = [Number.POSITIVE_INFINITY, 1, 1, 0];
 
 /** The lobe (6) with Schlick's term of a BRDF with values f [1/sr] at the probe pairs. */
-export function fitLobe(pairs: Pairs, f: Float64Array): Float64Array {
+export function fitLobe(pairs: Pairs, f: Float64Array): Float32Array {
   let x = bestWidth(pairs, f);
   for (let step = 0; step < STEPS; step++) {
     const change = stepFrom(pairs, f, x, step < STEPS - LAST_STEPS ? LONGEST_STEP : 0);
@@ -30,13 +30,11 @@ export function fitLobe(pairs: Pairs, f: Float64Array): Float64Array {
       break;
     }
   }
-  const lobe = Float64Array.from(LOBE.NO_LOBE);
-  lobe.set([Math.exp(x[3]), x[1], x[2]]);
-  return Float64Array.from(Float32Array.from(lobe));
+  return Float32Array.of(Math.exp(x[3]), x[1], x[2], ...LOBE.NO_LOBE.slice(3));
 }
 
 /** The lobe (count) [1/sr] of a width for a reflectance of one. */
-export function lobeShape(pairs: Pairs, alpha: number): Float64Array {
+function lobeShape(pairs: Pairs, alpha: number): Float64Array {
   return lobeValues([alpha, 1, 1, 0, 1.5, 0], pairs);
 }
 

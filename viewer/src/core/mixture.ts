@@ -7,11 +7,8 @@ import {
   LOBE,
   PROPOSAL,
   proposalWeights,
-  proposalWeights2,
   reflectionPdf,
-  reflectionPdf2,
   sampleReflection,
-  sampleReflection2,
   type Vector,
 } from "./formulas";
 
@@ -19,7 +16,7 @@ import {
 export interface Mixture {
   readonly weights: Float64Array;
   readonly alphas: Float64Array;
-  readonly alphasV: Float64Array | undefined;
+  readonly alphasV: Float64Array;
 }
 
 /** The parameters of proposals: a linear map from a code without its lobe, and overlaps of lobes. */
@@ -47,20 +44,19 @@ export class Proposals {
         start,
       );
     });
-    const { length } = LOBE.NUMBERS[1];
-    const isIsotropic = this.lobe === length;
-    const most = PROPOSAL.LARGEST_STRETCH;
-    const stretch = isIsotropic
-      ? 1
-      : Math.exp(Math.min(Math.max(code[code.length - 1], -most), most));
+    const across = LOBE.NUMBERS[1].length;
+    const isIsotropic = this.lobe === across;
+    const numbers = Float64Array.of(...code.subarray(0, across), code[isIsotropic ? 0 : across]);
+    const most = isIsotropic ? 0 : PROPOSAL.LARGEST_STRETCH;
+    const stretch = Math.exp(Math.min(Math.max(code[code.length - 1], -most), most));
     const alphas = Float64Array.of(code[0], ...PROPOSAL.ALPHAS.map((alpha) => alpha / stretch));
-    const alphasV = isIsotropic
-      ? undefined
-      : Float64Array.of(code[length], ...PROPOSAL.ALPHAS.map((alpha) => alpha * stretch));
-    const fill = isIsotropic ? proposalWeights : proposalWeights2;
+    const alphasV = Float64Array.of(
+      numbers[across],
+      ...PROPOSAL.ALPHAS.map((alpha) => alpha * stretch),
+    );
     return ({ z }) => {
       const weights = new Float64Array(alphas.length + 1);
-      fill(terms, overlap, code, z, weights, 0);
+      proposalWeights(terms, overlap, numbers, z, weights, 0);
       return { weights, alphas, alphasV };
     };
   }
@@ -75,9 +71,7 @@ export function mixtureDensity(
   if (!(wi.z > 0 && wo.z > 0)) return 0;
   let density = (weights[alphas.length] * wo.z) / Math.PI;
   for (let k = 0; k < alphas.length; k++) {
-    const lobe = alphasV
-      ? reflectionPdf2(alphas[k], alphasV[k], wi.x, wi.y, wi.z, wo.x, wo.y, wo.z)
-      : reflectionPdf(alphas[k], wi.x, wi.y, wi.z, wo.x, wo.y, wo.z);
+    const lobe = reflectionPdf(alphas[k], alphasV[k], wi.x, wi.y, wi.z, wo.x, wo.y, wo.z);
     density += weights[k] * lobe;
   }
   return density;
@@ -101,7 +95,5 @@ export function sampleMixture(
     const [radius, phi] = [Math.sqrt(u1), 2 * Math.PI * u2];
     return { x: radius * Math.cos(phi), y: radius * Math.sin(phi), z: Math.sqrt(1 - u1) };
   }
-  return alphasV
-    ? sampleReflection2(alphas[chosen], alphasV[chosen], wi.x, wi.y, wi.z, u1, u2)
-    : sampleReflection(alphas[chosen], wi.x, wi.y, wi.z, u1, u2);
+  return sampleReflection(alphas[chosen], alphasV[chosen], wi.x, wi.y, wi.z, u1, u2);
 }

@@ -1,39 +1,69 @@
-/** Ambient occlusion and bent normals of a mesh, by depth maps along many axes. */
+/** Ambient occlusion and bent normals of a mesh, and its shadows, by depth maps along many axes. */
 
 /** Texels along a side of a depth map. */
 const SIDE = 192;
 
 /** Axes, each of two opposite directions: fewer if the mesh has many triangles. */
-const [LEAST_AXES, MOST_AXES] = [64, 256];
+const LEAST_AXES = 64;
+export const MOST_AXES = 256;
 const MOST_DRAWN = 2e7;
 
 /** Distance to the surface at which light is looked for [texels]: a flat surface does not hide itself. */
 const BIAS = 1.5;
 
+/** Texels along a side of the shadows on the ground. */
+export const GROUND_SIDE = 128;
+
+/** What a mesh hides of the light. */
+export interface Occlusion {
+  /**
+   * The bent normal and the openness of each vertex, four numbers: the unit mean of the directions that
+   * are not hidden, by their cosines, and the share of an even light that arrives (Landis 2002).
+   */
+  openings: Float32Array<ArrayBuffer>;
+  /** (axes, `GROUND_SIDE`, `GROUND_SIDE`) 255 where the ground does not see an upward direction of `axisAt`. */
+  shadows: Uint8Array<ArrayBuffer>;
+}
+
+/** Axes of shadows. */
+export function axesOf(shadows: Uint8Array): number {
+  return shadows.length / GROUND_SIDE ** 2;
+}
+
+/** An axis of many: points of a spiral, evenly on the upper hemisphere. */
+function axisAt(axis: number, axes: number): { direction: Vector; right: Vector } {
+  const z = (axis + 0.5) / axes;
+  const phi = axis * Math.PI * (3 - Math.sqrt(5));
+  const sine = Math.sqrt(1 - z * z);
+  return {
+    direction: [sine * Math.cos(phi), sine * Math.sin(phi), z],
+    right: [-Math.sin(phi), Math.cos(phi), 0],
+  };
+}
+
 /**
- * The bent normal and the openness of each vertex, four numbers: the unit mean of the directions that
- * are not hidden, by their cosines, and the share of an even light that arrives (Landis 2002).
+ * What a mesh hides of the light.
  *
  * @param vertices positions and unit normals, the first six of `stride` numbers a vertex.
+ * @param ground half the side of the square of shadows about the origin, at height 0.
  */
 export function occlusion(
   vertices: Float32Array,
   stride: number,
   faces: Uint32Array,
-): Float32Array<ArrayBuffer> {
+  ground: number,
+): Occlusion {
   const count = vertices.length / stride;
   const map = new DepthMap(vertices, stride, count);
   const hidden = new Float32Array(4 * count);
   const cosines = new Float32Array(count);
   const fitting = Math.round((3 * MOST_DRAWN) / faces.length);
   const axes = Math.min(Math.max(fitting, LEAST_AXES), MOST_AXES);
+  const shadows = new Uint8Array(axes * GROUND_SIDE ** 2);
   for (let axis = 0; axis < axes; axis++) {
-    // Points of a spiral, evenly on the hemisphere
-    const z = (axis + 0.5) / axes;
-    const phi = axis * Math.PI * (3 - Math.sqrt(5));
-    const sine = Math.sqrt(1 - z * z);
-    const direction = [sine * Math.cos(phi), sine * Math.sin(phi), z] as const;
-    map.draw(direction, [-Math.sin(phi), Math.cos(phi), 0], faces);
+    const { direction, right } = axisAt(axis, axes);
+    map.draw(direction, right, faces);
+    map.shade(shadows.subarray(axis * GROUND_SIDE ** 2), ground);
     for (let i = 0; i < count; i++) {
       const at = stride * i;
       const cosine =
@@ -48,16 +78,19 @@ export function occlusion(
       hidden[4 * i + 3]! += lost;
     }
   }
-  const result = new Float32Array(4 * count);
+  const openings = new Float32Array(4 * count);
   for (let i = 0; i < count; i++) {
     // All directions by their cosines sum up to two thirds of the cosines' sum, along the normal.
     const bent = [0, 1, 2].map(
       (k) => (2 / 3) * cosines[i]! * vertices[stride * i + 3 + k]! - hidden[4 * i + k]!,
     );
     const length = Math.hypot(...bent) || 1;
-    result.set([...bent.map((part) => part / length), 1 - hidden[4 * i + 3]! / cosines[i]!], 4 * i);
+    openings.set(
+      [...bent.map((part) => part / length), 1 - hidden[4 * i + 3]! / cosines[i]!],
+      4 * i,
+    );
   }
-  return result;
+  return { openings, shadows };
 }
 
 type Vector = readonly [number, number, number];
@@ -70,6 +103,8 @@ class DepthMap {
   private readonly places: Float32Array;
   private readonly centre: number[];
   private readonly scale: number;
+  /** Rows (a, b, shift) from (x, y) on the ground to the map. */
+  private readonly fromGround: Vector[] = [];
 
   constructor(
     private readonly vertices: Float32Array,
@@ -99,6 +134,7 @@ class DepthMap {
     ];
     [right, up, axis].forEach(([a, b, c], k) => {
       const middle = (a * centre[0]! + b * centre[1]! + c * centre[2]!) * scale - SIDE / 2;
+      this.fromGround[k] = [a * scale, b * scale, -middle];
       for (let i = 0; i < this.count; i++) {
         const at = stride * i;
         const along = a * vertices[at]! + b * vertices[at + 1]! + c * vertices[at + 2]!;
@@ -111,6 +147,21 @@ class DepthMap {
     this.lowest.fill(Infinity);
     for (let at = 0; at < faces.length; at += 3)
       this.cover(6 * faces[at]!, 6 * faces[at + 1]!, 6 * faces[at + 2]!);
+  }
+
+  /** Set the texels of a square on the ground that the mesh hides from the axis' upper end. */
+  shade(shadow: Uint8Array, half: number): void {
+    const { highest, fromGround } = this;
+    const [[ax, bx, cx], [ay, by, cy]] = fromGround as [Vector, Vector];
+    const step = (2 * half) / GROUND_SIDE;
+    for (let at = 0; at < GROUND_SIDE ** 2; at++) {
+      const x = ((at % GROUND_SIDE) + 0.5) * step - half;
+      const y = (Math.floor(at / GROUND_SIDE) + 0.5) * step - half;
+      const column = Math.floor(ax * x + bx * y + cx);
+      const row = Math.floor(ay * x + by * y + cy);
+      if (column < 0 || row < 0 || column >= SIDE || row >= SIDE) continue;
+      if (highest[SIDE * row + column]! > -Infinity) shadow[at] = 255;
+    }
   }
 
   /** Keep the depths of a triangle at the middles of texels. */

@@ -20,19 +20,13 @@ export function sequenceSteps(dimensions: number): number[] {
   return Array.from({ length: dimensions }, (_, k) => base ** -(k + 1));
 }
 
-/** The n probe pairs. */
+/** The n probe pairs, whose directions are float32 unit vectors. */
 export function probePairs(n: number, widths: Widths): Pairs {
-  const { wi, wo } = probeDirections(n, widths);
-  return Pairs.of(wi, wo, widths);
-}
-
-/** The directions (n, 3) of the probe pairs, which are float32 unit vectors. */
-export function probeDirections(n: number, widths: Widths): { wi: Float32Array; wo: Float32Array } {
   const first = Math.round(n * HALF_ANGLE_SHARE);
   const chosen = [...halfVectorPairs(first, widths), ...hemispherePairs(n - first, widths)];
   const wi = Float32Array.from(chosen.flatMap(([w]) => w));
   const wo = Float32Array.from(chosen.flatMap(([, w]) => w));
-  return { wi, wo };
+  return Pairs.of(wi, wo, widths);
 }
 
 /** Points of the sequence; those of two widths have a fourth number. */

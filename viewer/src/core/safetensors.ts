@@ -9,11 +9,13 @@ export interface Tensor {
   readonly values: Float64Array;
 }
 
+export type Tensors = ReadonlyMap<string, Tensor>;
+
 /** What a file holds. */
 export interface TensorFile {
   /** The JSON object that Urushi writes into the metadata; empty in foreign files. */
   readonly description: Readonly<Record<string, unknown>>;
-  readonly tensors: ReadonlyMap<string, Tensor>;
+  readonly tensors: Tensors;
 }
 
 /** A file that is damaged or of another kind. Its message is one sentence. */
@@ -100,6 +102,18 @@ function readTensor(data: DataView, name: string, entry: unknown): Tensor {
     values[i] = reader.read(data, first + i * reader.bytes);
   }
   return { shape, values };
+}
+
+/** An array of a file of a shape, whose numbers are finite. */
+export function tensorOf(tensors: Tensors, name: string, shape: readonly number[]): Tensor {
+  const tensor = tensors.get(name);
+  if (!tensor || tensor.shape.join() !== shape.join()) {
+    const found = tensor ? `has the shape (${tensor.shape.join(", ")})` : "is missing";
+    throw new FileError(`the parameter '${name}' ${found}; this page needs (${shape.join(", ")})`);
+  }
+  if (!tensor.values.every(Number.isFinite))
+    throw new FileError(`the parameter '${name}' holds a number that is not finite`);
+  return tensor;
 }
 
 /** Whether a value is a JSON object. */

@@ -2,13 +2,28 @@
 
 import type { BasisWeights } from "./basis";
 import { NODES } from "./f_table";
+import type { Widths } from "./features";
 import { FEATURES, LOBE, PROPOSAL, TABLE } from "./formulas";
-import { type Architecture, type Layer, readLayers, tensorOf } from "./layers";
 import type { ProposalWeights } from "./mixture";
-import { FileError, isRecord, readTensors, type Tensor } from "./safetensors";
+import { Network } from "./network";
+import { FileError, isRecord, readTensors, type Tensors, tensorOf } from "./safetensors";
 
 /** Version of the file format. */
 const FORMAT_VERSION = 1;
+
+/** Sizes of codes and networks; see Python's `nets.linear`. */
+export interface Architecture {
+  /** Numbers of one channel's code. */
+  readonly latent: number;
+  /** GGX widths of a surface. */
+  readonly widths: Widths;
+  /** Numbers of a code that describe its lobe. */
+  readonly lobe: number;
+  /** Numbers of the rest, which follow those of the lobe and begin with a gain. */
+  readonly rest: number;
+  /** Number of probe pairs. */
+  readonly probes: number;
+}
 
 /** Sizes and parameters of all. */
 export interface Weights {
@@ -16,7 +31,7 @@ export interface Weights {
   /** Identifies basis and networks: materials belong to them. */
   readonly fingerprint: string;
   readonly basis: BasisWeights;
-  readonly layerer: readonly Layer[];
+  readonly layerer: Network;
   readonly proposal: ProposalWeights;
 }
 
@@ -33,13 +48,14 @@ export function readWeights(file: ArrayBuffer): Weights {
   const sizes = isRecord(description.architecture) ? description.architecture : {};
   const arch = readArchitecture(sizes);
   const { widths, rest } = arch;
+  const activation = String(sizes.activation);
   const ofLobe = LOBE.LOBE_FEATURES[widths];
   const ofCoat = FEATURES.COAT_FEATURES[widths];
   return {
     arch,
     fingerprint: String(description.fingerprint ?? ""),
     basis: readBasis(tensors, arch, sizes.azimuthal),
-    layerer: readLayers(tensors, "layerer", rest + ofLobe + ofCoat, rest),
+    layerer: new Network(tensors, "layerer", rest + ofLobe + ofCoat, rest, activation),
     proposal: readProposal(tensors, rest),
   };
 }
@@ -67,11 +83,10 @@ function readArchitecture(sizes: Record<string, unknown>): Architecture {
     lobe,
     rest,
     probes: size("probes"),
-    activation: String(sizes.activation),
   };
 }
 
-function readProposal(tensors: ReadonlyMap<string, Tensor>, rest: number): ProposalWeights {
+function readProposal(tensors: Tensors, rest: number): ProposalWeights {
   const { ALPHAS, TERMS } = PROPOSAL;
   return {
     weight: tensorOf(tensors, "proposal.weight", [rest, TERMS]).values,
@@ -81,7 +96,7 @@ function readProposal(tensors: ReadonlyMap<string, Tensor>, rest: number): Propo
 }
 
 function readBasis(
-  tensors: ReadonlyMap<string, Tensor>,
+  tensors: Tensors,
   { widths, rest, probes }: Architecture,
   azimuthal: unknown,
 ): BasisWeights {
@@ -100,7 +115,7 @@ function readBasis(
 }
 
 /** The rows (nodes, 1 + K): numbers of sixteen bits, by the lowest values and the steps of columns. */
-function gridRows(tensors: ReadonlyMap<string, Tensor>, count: number): Float32Array {
+function gridRows(tensors: Tensors, count: number): Float32Array {
   const grid = tensorOf(tensors, "basis.grid", [2, 1 + count]).values;
   const { values } = tensorOf(tensors, "basis.rows", [NODES, 1 + count]);
   return Float32Array.from(values, (number, at) => {
@@ -116,7 +131,7 @@ function gridRows(tensors: ReadonlyMap<string, Tensor>, count: number): Float32A
  * functions without the first, which is one. Half a number, rounded, is the difference from the node
  * before along all axes in turn, of steps of "basis.ranges"; odd ones are negative.
  */
-function unpackedRows(tensors: ReadonlyMap<string, Tensor>, count: number): Float32Array {
+function unpackedRows(tensors: Tensors, count: number): Float32Array {
   const nodes = NODES;
   const bytes = tensorOf(tensors, "basis.bytes", [2, count, nodes]).values;
   const ranges = tensorOf(tensors, "basis.ranges", [count, 2]).values;

@@ -1,18 +1,16 @@
-/** The core in a worker: `new Worker(new URL("../core/worker.ts", import.meta.url))`, of a module. */
+/** The core in a worker. */
 
-import { Server } from "./server";
+import { coreCalls } from "./calls";
+import { serve } from "./rpc";
 
-const tasks: (() => void)[] = [];
+// A message to itself is not delayed as repeated timers are.
 const channel = new MessageChannel();
-channel.port1.onmessage = () => tasks.shift()?.();
-
-const server = new Server({
-  post: (response, transfer) => postMessage(response, { transfer }),
-  // A message to itself is not delayed as repeated timers are.
-  defer: (task) => {
-    tasks.push(task);
+const waiting: (() => void)[] = [];
+channel.port1.onmessage = () => waiting.shift()?.();
+const pause = () =>
+  new Promise<void>((resolve) => {
+    waiting.push(resolve);
     channel.port2.postMessage(null);
-  },
-});
+  });
 
-addEventListener("message", (event: MessageEvent) => server.receive(event.data));
+serve({ ...coreCalls(pause) });

@@ -2,7 +2,6 @@
 
 import { signal } from "@preact/signals";
 import type { Material, Stack } from "../core/api";
-import { Superseded } from "../core/client";
 import type { FTable } from "../core/f_table";
 import { Pairs } from "../core/features";
 import { lobeValues } from "../core/lobe";
@@ -14,6 +13,7 @@ import {
   type AnisotropicSize,
   anisotropicPairs,
 } from "../picture/anisotropic_table";
+import { Cancelled } from "../refusal";
 import type { Cores, PageCore } from "./remote";
 import type { ShownTexture } from "./textures";
 
@@ -246,7 +246,7 @@ export class Slot {
       const options = { seed: 1, walks: MOST_WALKS };
       show(await this.core.walk(stack, pairs, options, show, signal));
     } catch (error) {
-      if (!(error instanceof Superseded)) throw error;
+      if (!(error instanceof Cancelled)) throw error;
     }
   }
 

@@ -1,9 +1,14 @@
 /** Files of the page: they lie beside it, or inside it where the page is a single document. */
 
-import workerAddress from "../core/worker.ts?worker&url";
+import coreAddress from "../core/worker.ts?worker&url";
+import filesAddress from "../picture/files.ts?worker&url";
 import { Unreachable } from "../refusal";
 
-const WORKER = "assets/worker.js";
+/** Workers: where they lie, and their files in the page. */
+const WORKERS = {
+  core: { address: coreAddress, path: "assets/worker.js" },
+  files: { address: filesAddress, path: "assets/files.js" },
+};
 
 const read = new Map<string, Record<string, string> | null>();
 
@@ -49,18 +54,21 @@ export async function readFile(path: string): Promise<Uint8Array<ArrayBuffer> | 
   return new Uint8Array(await new Response(whole).arrayBuffer());
 }
 
-/** The worker with the numeric core, and a promise that fails if it does not start. */
-export async function startWorker(): Promise<{ worker: Worker; broken: Promise<never> }> {
+/** A worker, and a promise that fails if it does not start. */
+export async function startWorker(
+  name: keyof typeof WORKERS,
+): Promise<{ worker: Worker; broken: Promise<never> }> {
+  const { address, path } = WORKERS[name];
   let worker: Worker;
   if (isDocument()) {
-    const code = await readFile(WORKER);
+    const code = await readFile(path);
     // A document that is opened as a file may start no module from inside; the code is one file.
     worker = new Worker(URL.createObjectURL(new Blob([code!], { type: "text/javascript" })));
   } else {
-    worker = new Worker(workerAddress + versionOf(WORKER), { type: "module" });
+    worker = new Worker(address + versionOf(path), { type: "module" });
   }
   const broken = new Promise<never>((_resolve, reject) => {
-    worker.addEventListener("error", () => reject(new Unreachable(WORKER)));
+    worker.addEventListener("error", () => reject(new Unreachable(path)));
   });
   return { worker, broken };
 }

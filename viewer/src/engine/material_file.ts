@@ -1,7 +1,8 @@
 /** Material files: those that `Material.save` of Python writes and `urushi.load` reads. */
 
-import type { Core, Material } from "../core/api";
+import type { Material } from "../core/api";
 import { CHANNELS } from "../core/channels";
+import type { NetworkCore } from "../core/core";
 import { TABLE } from "../core/formulas";
 import { headerOf } from "../core/safetensors";
 import type { CodesBottom } from "../material/material";
@@ -12,7 +13,7 @@ import { halfBits, keepTable, logsOfBits } from "./textures";
 const VERSION = 3;
 
 /** The networks that a material belongs to. */
-type Networks = Pick<Core, "latentSize" | "widths" | "fingerprint">;
+type Networks = Pick<NetworkCore, "latentSize" | "widths" | "fingerprint">;
 
 /** The fingerprint of the networks that a material file names. */
 export function networksOf(bytes: Uint8Array): unknown {

@@ -22,6 +22,9 @@ import { byOwnWorker, type Cores, type PageCore } from "./remote";
 import { session, useEnvironment, useMesh } from "./session";
 import { keepTable, keepTexture } from "./textures";
 
+/** Suffixes of meshes. */
+const MESHES = ["obj", "glb", "gltf", "ply"];
+
 /** Time after which an OpenEXR file counts as damaged [ms]. */
 const PATIENCE = 60_000;
 
@@ -46,10 +49,13 @@ async function openFile(file: File): Promise<void> {
   if (suffix === "hdr" || suffix === "exr") {
     const panorama = suffix === "hdr" ? readHdr(bytes) : await exrPanorama(bytes);
     useEnvironment(file.name, { file, ...withoutLights(panorama) });
-  } else if (suffix === "obj" || suffix === "glb" || suffix === "gltf") {
-    const read = (end: AbortSignal, told: (share: number) => void) =>
-      byOwnWorker((core) => core.readMesh(bytes, suffix, told), end);
-    useMesh(file.name, await asTask("Reading the mesh", read));
+  } else if (MESHES.includes(suffix!)) {
+    const mesh = await asTask("Reading the mesh", (signal, told) =>
+      byOwnWorker((files) =>
+        files.call("readMesh", [bytes, suffix!], { transfer: [bytes.buffer], told, signal }),
+      ),
+    );
+    useMesh(file.name, mesh);
   } else if (suffix === "json") {
     change(readState(parsed(bytes), tell));
   } else if (suffix === "mtlx") {
@@ -66,7 +72,7 @@ async function openFile(file: File): Promise<void> {
     showOpened({ name: stem(file), ...found, coats: [], solo: null });
   } else {
     throw new Refusal(
-      "The page opens materials (.safetensors, .mtlx), measured BRDFs (.binary of MERL, .bsdf of RGL), panoramas (.hdr, .exr), meshes (.obj, .glb, .gltf) and saved states (.json).",
+      "The page opens materials (.safetensors, .mtlx), measured BRDFs (.binary of MERL, .bsdf of RGL), panoramas (.hdr, .exr), meshes (.obj, .glb, .gltf, .ply) and saved states (.json).",
     );
   }
 }
@@ -94,8 +100,8 @@ async function exrPanorama(bytes: Uint8Array): Promise<Panorama> {
   const late = new Promise<never>((_resolve, reject) => {
     setTimeout(() => reject(new Refusal("This .exr file is damaged.")), PATIENCE);
   });
-  const picture = await asTask("Reading the panorama", (end) =>
-    byOwnWorker((core) => Promise.race([core.readExr(bytes), late]), end),
+  const picture = await asTask("Reading the panorama", (signal) =>
+    byOwnWorker((files) => Promise.race([files.call("readExr", [bytes], { signal }), late])),
   );
   checkSize(picture.width, picture.height);
   return picture;

@@ -1,25 +1,30 @@
-/** The numeric core in its worker, with the networks. */
+/** The numeric core in its worker, with the networks, and a worker for files. */
 
 import type { Stack } from "../core/api";
-import { RemoteCore } from "../core/client";
+import type { CoreCalls, WalkOptions } from "../core/calls";
+import type { NetworkCore } from "../core/core";
+import { Remote } from "../core/rpc";
+import type { Estimate } from "../core/walk/reference";
 import { isAnisotropic, widthRatio } from "../material/material";
-import { Cancelled, Refusal } from "../refusal";
+import type { FileCalls } from "../picture/files";
+import { Refusal } from "../refusal";
 import { readFile, startWorker } from "./files";
 
-/** What the page needs of the core. */
-export type PageCore = Pick<
-  RemoteCore,
-  | "latentSize"
-  | "widths"
-  | "fingerprint"
-  | "encodeMeasured"
-  | "layer"
-  | "f"
-  | "albedo"
-  | "table"
-  | "basisTexels"
-  | "walk"
->;
+/** The core behind messages: its methods are asynchronous. */
+export type PageCore = Pick<NetworkCore, "latentSize" | "widths" | "fingerprint"> & {
+  [Name in "encodeMeasured" | "layer" | "f" | "albedo" | "table" | "basisTexels"]: (
+    ...args: Parameters<NetworkCore[Name]>
+  ) => Promise<ReturnType<NetworkCore[Name]>>;
+} & {
+  /** Estimates precede the result; `signal` ends the walk, which then fails with `Cancelled`. */
+  walk(
+    stack: Stack,
+    pairs: readonly [wi: Float32Array, wo: Float32Array],
+    options: WalkOptions,
+    told: (estimate: Estimate) => void,
+    signal?: AbortSignal,
+  ): Promise<Estimate>;
+};
 
 const WEIGHTS = "weights.safetensors";
 const ANISOTROPIC_WEIGHTS = "anisotropic.safetensors";
@@ -66,21 +71,13 @@ export class Cores {
   }
 }
 
-/**
- * The result of a call that needs no networks, by a worker of its own.
- *
- * @throws Cancelled if `end` comes first.
- */
-export async function byOwnWorker<T>(
-  call: (core: RemoteCore) => Promise<T>,
-  end?: AbortSignal,
-): Promise<T> {
-  const { worker, broken } = await startWorker();
-  const ended = new Promise<never>((_resolve, reject) => {
-    end?.addEventListener("abort", () => reject(new Cancelled()));
-  });
+/** The result of a call that needs no networks, by a worker of its own. */
+export async function byOwnWorker<Result>(
+  call: (files: Remote<FileCalls>) => Promise<Result>,
+): Promise<Result> {
+  const { worker, broken } = await startWorker("files");
   try {
-    return await Promise.race([call(new RemoteCore(worker)), broken, ended]);
+    return await Promise.race([call(new Remote(worker)), broken]);
   } finally {
     worker.terminate();
   }
@@ -93,13 +90,27 @@ export async function byOwnWorker<T>(
  */
 export async function connect(path = WEIGHTS): Promise<PageCore> {
   const weights = readFile(path); // while the worker starts
-  const { worker, broken } = await startWorker();
-  const core = new RemoteCore(worker);
+  const { worker, broken } = await startWorker("core");
+  const remote = new Remote<CoreCalls>(worker);
   const load = async () => {
     const bytes = await weights;
     if (bytes === null) throw new Refusal(`The networks are missing beside the page (${path}).`);
-    await core.load(bytes.buffer);
+    return coreOf(remote, bytes.buffer);
   };
-  await Promise.race([load(), broken]);
-  return core;
+  return Promise.race([load(), broken]);
+}
+
+/** The core of a worker, with the networks of a file, which is given away. */
+export async function coreOf(remote: Remote<CoreCalls>, weights: ArrayBuffer): Promise<PageCore> {
+  return {
+    ...(await remote.call("load", [weights], { transfer: [weights] })),
+    encodeMeasured: (file) => remote.call("encodeMeasured", [file], { transfer: [file] }),
+    layer: (...args) => remote.call("layer", args),
+    f: (...args) => remote.call("f", args),
+    albedo: (...args) => remote.call("albedo", args),
+    table: (...args) => remote.call("table", args),
+    basisTexels: () => remote.call("basisTexels", []),
+    walk: (stack, [wi, wo], options, told, signal) =>
+      remote.call("walk", [stack, wi, wo, options], { told, signal }),
+  };
 }

@@ -3,11 +3,12 @@
 import { computed, effect, type ReadonlySignal, signal } from "@preact/signals";
 import type { Stack } from "../core/api";
 import type { FTable } from "../core/f_table";
+import type { Occlusion } from "../core/occlusion";
 import { type MaterialCards, stackOf } from "../material/material";
 import { meanCodes } from "../material/texture";
 import { lightsOf } from "../picture/environment";
 import { NoGraphics } from "../picture/gl";
-import { type Mesh, meshOf, VERTEX_NUMBERS } from "../picture/meshes";
+import { groundSize, type Mesh, meshOf, VERTEX_NUMBERS } from "../picture/meshes";
 import { noPictureYet, Painter } from "../picture/painter";
 import type { Light, Panorama } from "../picture/panorama";
 import { Renderer, type Shot } from "../picture/renderer";
@@ -42,12 +43,14 @@ const meshes = signal<ReadonlyMap<string, Mesh>>(new Map());
 export const occluding = signal(false);
 
 /** What is known of each mesh's occlusion; its worker has no networks. */
-const occlusions = new WeakMap<Mesh, Promise<Float32Array>>();
+const occlusions = new WeakMap<Mesh, Promise<Occlusion>>();
 
-function occlusionOf(mesh: Mesh): Promise<Float32Array> {
+function occlusionOf(mesh: Mesh): Promise<Occlusion> {
   let known = occlusions.get(mesh);
   if (known === undefined) {
-    known = byOwnWorker((core) => core.occlusion(mesh.vertices, VERTEX_NUMBERS, mesh.faces));
+    known = byOwnWorker((files) =>
+      files.call("occlusion", [mesh.vertices, VERTEX_NUMBERS, mesh.faces, groundSize(mesh)]),
+    );
     occlusions.set(mesh, known);
   }
   return known;
@@ -152,7 +155,7 @@ export class Session {
     this.painter.refresh();
     occluding.value = true;
     const isShown = () => mesh === this.mesh.peek();
-    occlusionOf(mesh)
+    this.painter.ready = occlusionOf(mesh)
       .then((occlusion) => {
         if (!isShown()) return;
         this.renderer?.setOcclusion(occlusion);
@@ -316,6 +319,7 @@ export function readStored(): Promise<void> {
 }
 
 async function readAll(): Promise<void> {
+  while (session.peek() === null) await new Promise((resolve) => setTimeout(resolve, 100));
   const { stored: files = {} } = (await readStart()) as { stored?: Record<string, string> };
   for (const [name, path] of Object.entries(files).slice(stored.value.length)) {
     const { bottom } = readMaterialFile(await readBytes(path), session.value!.cores.isotropic);

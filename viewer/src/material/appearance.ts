@@ -47,6 +47,42 @@ export function lookOf(coat: Medium): Look {
   };
 }
 
+/** Dye and pigment of one colour: the dye is the paler the more the pigment hides. */
+function dyed(colour: Channels, body: Channels): Look {
+  const [c, hidden] = [rgb(colour), rgb(body)];
+  const color = [0, 1, 2].map((k) => Number((c[k]! ** (1 - hidden[k]!)).toFixed(4)));
+  return { color: joined(color as unknown as Rgb), body, bodyColor: colour };
+}
+
+/** A coat of one colour, whose opacity stays. */
+export function withColour<Coat extends Medium>(coat: Coat, colour: Channels): Coat {
+  return withLook(coat, dyed(colour, lookOf(coat).body));
+}
+
+/** The colour of which dye and pigment are, or a dye alone that is not clear; otherwise null. */
+function oneColour({ color, body, bodyColor }: Look): Channels | null {
+  const dye = rgb(dyed(bodyColor, body).color);
+  if (rgb(color).every((x, k) => Math.abs(x - dye[k]!) < 0.002)) return bodyColor;
+  return Math.max(...rgb(body)) === 0 && color !== 1 ? color : null;
+}
+
+/** The colour of a look: where dye and pigment differ, that of the one that is seen more. */
+export function colourOf(look: Look): Channels {
+  return oneColour(look) ?? (Math.max(...rgb(look.body)) > 0.5 ? look.bodyColor : look.color);
+}
+
+/** A coat of another opacity; its colour stays if it has one. */
+export function withOpacity<Coat extends Medium>(coat: Coat, body: Channels): Coat {
+  const look = lookOf(coat);
+  const colour = oneColour(look);
+  return withLook(coat, colour === null ? { ...look, body } : dyed(colour, body));
+}
+
+function withLook<Coat extends Medium>(coat: Coat, look: Look): Coat {
+  const { albedo, sigmaT, ...others } = coat as Coat & Physics;
+  return { ...others, ...look } as unknown as Coat;
+}
+
 /** How much of what lies below a medium of a thickness hides, in each channel. */
 export function hiddenBy(coat: Medium, thickness: number): Rgb {
   const one = (share: number) => (thickness * share) / (1 + (thickness - 1) * share + 1e-9);

@@ -28,6 +28,26 @@ const width: Parameter = {
   fallback: 0.1,
 };
 
+/** The width in words of people: no physical quantity. */
+export const GLOSS: Parameter = {
+  label: "Gloss",
+  hint: "How sharply the surface reflects: 1 is a polished mirror, 0 is matt.",
+  low: 0,
+  high: 1,
+  power: 1,
+  fallback: 0.7,
+};
+
+/** Gloss of a width: its place on the slider of widths, from the other end. */
+export function glossOf(alpha: number): number {
+  return Number((1 - placeOf(width, alpha)).toFixed(2));
+}
+
+/** The width of a gloss. */
+export function alphaOf(gloss: number): number {
+  return valueAt(width, 1 - gloss);
+}
+
 /** The widths along and across the tangent, where they are two. */
 export const WIDTHS = {
   alpha: {
@@ -54,23 +74,32 @@ export const ANGLE: Parameter = {
 
 const SHARE = { low: 0, high: 1, power: 1 } as const;
 
+/** The colour of a coat, of its dye and its pigment together. */
+export const COLOUR: Parameter = {
+  label: "Colour",
+  hint: "Colour of the coat: of its dye where it is clear, of its pigment where it is opaque.",
+  ...SHARE,
+  fallback: 1,
+  isColour: true,
+};
+
 export const COAT_PARAMETERS = {
   alpha: width,
   color: {
-    label: "Colour",
+    label: "Dye",
     hint: "Colour of a clear dye: what light keeps that passes the coat twice, at thickness 1.",
     ...SHARE,
     fallback: 1,
     isColour: true,
   },
   body: {
-    label: "Body",
+    label: "Opacity",
     hint: "How opaque the pigment is, at thickness 1: 0 is clear, 1 is opaque paint.",
     ...SHARE,
     fallback: 0,
   },
   bodyColor: {
-    label: "Body colour",
+    label: "Pigment",
     hint: "Colour of an opaque layer of the pigment.",
     ...SHARE,
     fallback: 0.8,

@@ -2,7 +2,7 @@
 
 import type { Rgb } from "./channels";
 import { LIBRARY } from "./library";
-import type { MaterialCards } from "./material";
+import { CLEAR_COAT, type MaterialCards } from "./material";
 
 /** Complex indices of refraction of metals, as Mitsuba has them in its RGB variants. */
 export const METALS: Readonly<Record<string, { eta: Rgb; k: Rgb }>> = {
@@ -14,12 +14,50 @@ export const METALS: Readonly<Record<string, { eta: Rgb; k: Rgb }>> = {
   Tungsten: { eta: [4.371, 3.3, 2.998], k: [3.501, 2.605, 2.273] },
 };
 
+const metal = (name: string, { eta, k }: { eta: Rgb; k: Rgb }) => ({
+  name,
+  bottom: { kind: "conductor", alpha: 0.05, eta, k } as const,
+  coats: [],
+});
+
+/** Glossy plastic of a reflectance. */
+const plastic = (name: string, reflectance: number) => ({
+  name,
+  bottom: { kind: "diffuse", reflectance } as const,
+  coats: [{ ...CLEAR_COAT, alpha: 0.05 }],
+});
+
+const PLAIN = [
+  metal("Gold", METALS.Gold!),
+  metal("Silver", METALS.Silver!),
+  metal("Chrome", METALS.Chromium!),
+  plastic("Black", 0.01),
+  plastic("White", 0.8),
+];
+
 /** The library of materials. */
-export const PRESETS: readonly MaterialCards[] = LIBRARY.map(({ coats, ...material }) => ({
-  ...material,
-  coats: coats.map((coat, place) => ({ ...coat, id: place + 1, on: true })),
-  solo: null,
-}));
+export const PRESETS: readonly MaterialCards[] = [...PLAIN, ...LIBRARY].map(
+  ({ coats, ...material }) => ({
+    ...material,
+    coats: coats.map((coat, place) => ({ ...coat, id: place + 1, on: true })),
+    solo: null,
+  }),
+);
+
+/** Headings of the library, and what the names of their materials have in common. */
+const GROUPS = {
+  Lacquer: /urushi|nail/,
+  Wood: / on (maple|spruce|walnut|oak|mahogany)/,
+  "Car paint": /car paint/,
+  "Enamel and glaze": /enamel|glaze|celadon|tenmoku/i,
+  Metal: /brass|gilding|aluminium|silver|chromium|copper/i,
+};
+
+/** The heading of a material of the library, or "". */
+export function groupOf({ name }: MaterialCards): string {
+  if (PLAIN.some((plain) => plain.name === name)) return "Plain";
+  return Object.entries(GROUPS).find(([, names]) => names.test(name))?.[0] ?? "";
+}
 
 /** A material's name, and whether it is of the library but was changed. */
 export function titleOf(material: MaterialCards): string {

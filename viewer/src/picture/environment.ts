@@ -32,23 +32,6 @@ const FORMULAS: readonly EnvironmentName[] = ["studio", "sky", "room"];
 /** The sky's sun stands where its shader's does. */
 const SUN: Light = { direction: unit([-0.5, -0.62, 0.6]), power: [3.4, 3.05, 2.55] };
 
-/** What casts the shadow on the ground. */
-export interface Key {
-  direction: readonly [number, number, number];
-  /** Angular radius [radians]. */
-  radius: number;
-  /** Share of the light on the ground. */
-  share: number;
-}
-
-/** The main light of an environment with these lights: a window or panel where it has none. */
-export function keyOf(name: EnvironmentName, [light]: readonly Light[]): Key {
-  if (light !== undefined && light.direction[2] > 0.1)
-    return { direction: light.direction, radius: 0.06, share: 0.6 };
-  const direction = name === "room" ? unit([-3.2, -0.7, 1.9]) : unit([-2.4, -1.6, 3]);
-  return { direction, radius: 0.4, share: 0.45 };
-}
-
 /** The lights of an environment by formula. */
 export function lightsOf(name: EnvironmentName): Light[] {
   return name === "sky" ? [SUN] : [];

@@ -1,5 +1,6 @@
 /** Small helpers on top of WebGL2. */
 
+import { type Light, MOST_LIGHTS } from "./panorama";
 import coverSource from "./shaders/cover.vert?raw";
 
 export type Gl = WebGL2RenderingContext;
@@ -87,6 +88,19 @@ export class Program {
 
   setVectors(name: string, values: Float32Array): void {
     this.gl.uniform3fv(this.place(name), values);
+  }
+
+  setLights(lights: readonly Light[]): void {
+    const of = (key: keyof Light) => {
+      const values = new Float32Array(3 * MOST_LIGHTS);
+      lights.forEach((light, place) => {
+        values.set(light[key], 3 * place);
+      });
+      return values;
+    };
+    this.setInteger("lights", lights.length);
+    this.setVectors("lightDirections", of("direction"));
+    this.setVectors("lightPowers", of("power"));
   }
 
   /** A matrix, column by column: of two rows and three columns, or of three or four of both. */

@@ -29,8 +29,11 @@ export interface Mesh {
   /** Largest distance from the vertical axis through the centre, and half the height. */
   width: number;
   halfHeight: number;
-  /** Radius of the object's shadow on the ground. */
-  footprint: number;
+}
+
+/** Half the side of the square on the ground that can lie in a mesh's shadow. */
+export function groundSize({ radius }: Mesh): number {
+  return 3 * radius;
 }
 
 /** Numbers of a vertex. */
@@ -46,32 +49,26 @@ type Surface = (u: number, v: number) => readonly [number, number, number];
 export function meshOf(name: (typeof OBJECTS)[number]): Mesh {
   switch (name) {
     case "goblet":
-      return joined(
-        GOBLET.map((part) => turned(bezierOutline(part), 128, (part.length - 1) * 8)),
-        0.41,
-      );
+      return joined(GOBLET.map((part) => turned(bezierOutline(part), 112, (part.length - 1) * 5)));
     case "ball":
-      return joined([turned(ballOutline, 96, 64)], 0.5);
+      return joined([turned(ballOutline, 96, 64)]);
     case "caddy":
-      return joined([turned(splineOutline(NATSUME), 96, 128)], 0.42);
+      return joined([turned(splineOutline(NATSUME), 96, 128)]);
     case "plate":
-      return joined([turned(splineOutline(PLATE), 128, 96)], 0.6);
+      return joined([turned(splineOutline(PLATE), 128, 96)]);
     case "bowl":
-      return joined([turned(splineOutline(BOWL), 128, 128)], 0.34);
+      return joined([turned(splineOutline(BOWL), 128, 128)]);
     case "sheet":
-      return joined([pillow(96)], 0.6);
+      return joined([pillow(96)]);
     case "vase":
-      return joined([turned(splineOutline(VASE), 96, 128)], 0.46);
+      return joined([turned(splineOutline(VASE), 96, 128)]);
     case "teapot":
-      return joined(
-        [
-          turned(bezierOutline(BODY), 96, 72),
-          turned(bezierOutline(LID), 72, 48),
-          surface(tube(HANDLE), 32, 60),
-          surface(tube(SPOUT), 32, 48),
-        ],
-        1.9,
-      );
+      return joined([
+        turned(bezierOutline(BODY), 96, 72),
+        turned(bezierOutline(LID), 72, 48),
+        surface(tube(HANDLE), 32, 60),
+        surface(tube(SPOUT), 32, 48),
+      ]);
   }
 }
 
@@ -216,10 +213,9 @@ export interface Part {
   faces: ArrayLike<number>;
 }
 
-/** The mesh of one part, whose foot is not known. */
+/** The mesh of one part. */
 export function meshOfPart(part: Part): Mesh {
-  const mesh = joined([part], 0);
-  return { ...mesh, footprint: 0.7 * mesh.width };
+  return joined([part]);
 }
 
 /** A grid of a surface that closes around; normals by finite differences, outwards; uv is (u, v). */
@@ -252,7 +248,7 @@ function surface(at: Surface, around: number, along: number): Part {
 }
 
 /** Parts as one mesh. */
-function joined(parts: Part[], footprint: number): Mesh {
+function joined(parts: Part[]): Mesh {
   const of = (name: keyof Part) => parts.reduce((sum, part) => sum + part[name].length, 0);
   const vertices = new Float32Array(of("vertices"));
   const tangents = new Float32Array(of("tangents"));
@@ -286,6 +282,5 @@ function joined(parts: Part[], footprint: number): Mesh {
     radius,
     width,
     halfHeight: (high[2]! - low[2]!) / 2,
-    footprint,
   };
 }

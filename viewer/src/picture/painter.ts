@@ -17,27 +17,23 @@ const PATIENCE = 160;
 /** What a frame costs at first [ms for a million pixels], by the graphics card and by software. */
 const FIRST_COST = { card: 60, software: 3000 };
 
-/** Least frames of a picture at rest where each takes long, and the pixels of all its frames. */
-const SLOW_FRAMES = 10;
-const SLOW_PIXELS = 3e6;
+/** Least frames of a picture at rest where each takes long, and the shaded pixels of all its frames. */
+const SLOW_FRAMES = 8;
+const SLOW_PIXELS = 1.5e6;
 
 /** Frames for one of a table, where a texture of codes is decoded: they have fewer directions. */
 const TEXTURE_FRAMES = 3;
 
-/** Least pixels of a strip: each moves all vertices again, which small strips would mostly do. */
-const STRIP_PIXELS = 16384;
+const MOST_STRIPS = 32;
 
-/** From so many strips on, one has hardly a pixel of the object. */
-const MANY_STRIPS = 4;
-
-/** Ever cheaper frames: size relative to the canvas, and share of the directions. */
+/** Ever cheaper frames: width of the shading relative to the canvas, and share of the directions. */
 const SAVINGS = [
   [1, 1],
   [0.75, 1],
-  [0.75, 0.5],
+  [0.5, 1],
   [0.5, 0.5],
-  [0.5, 0.25],
-  [0.35, 0.25],
+  [0.25, 0.5],
+  [0.25, 0.25],
 ] as const;
 
 export class Painter {
@@ -46,11 +42,12 @@ export class Painter {
   readonly converged = signal(false);
   /** Colour differences (CIELAB) of two pictures; null: none are compared so. */
   readonly difference = signal<{ mean: number; largest: number } | null>(null);
+  /** What the picture at rest waits for, since it would have to be drawn anew. */
+  ready: Promise<unknown> = Promise.resolve();
   private renderer: Renderer | null = null;
   private shot: Shot | null = null;
-  /** Milliseconds for a million pixels, and for a strip without any, whose vertices are moved. */
+  /** Milliseconds for a million shaded pixels. */
   private cost = FIRST_COST.card;
-  private stripCost = 0;
   private slow = false;
   private changedAt = Number.NEGATIVE_INFINITY;
   private dirty = true;
@@ -77,7 +74,6 @@ export class Painter {
     this.brightOf.fill(null);
     this.textureOf.fill(null);
     this.slow = renderer?.isSoftware ?? false;
-    this.stripCost = 0;
     this.cost = this.slow ? FIRST_COST.software : FIRST_COST.card;
     this.refresh();
   }
@@ -159,6 +155,7 @@ export class Painter {
   /** Draw the next frame at rest. */
   private async rest(renderer: Renderer, shot: Shot, slots: (0 | 1)[]): Promise<boolean> {
     if (!this.resting) {
+      await this.ready;
       if (renderer.hasLights) await Promise.all(slots.map((slot) => this.slots[slot].light(true)));
       if (this.dirty) return true;
       this.resting = true;
@@ -191,6 +188,12 @@ export class Painter {
     return Math.min(Math.max(many, SLOW_FRAMES), most);
   }
 
+  /** Width of the shading at rest relative to the canvas. */
+  private restingScale(renderer: Renderer, shot: Shot): number {
+    if (!this.slow || shot.part !== undefined) return 1;
+    return Math.min(Math.sqrt(SLOW_PIXELS / (this.frames * renderer.pixels(shot))), 1);
+  }
+
   /** Draw a frame at once, as large and with as many directions as time allows. */
   private async preview(renderer: Renderer, shot: Shot, slots: (0 | 1)[]): Promise<void> {
     const pixels = renderer.pixels(shot) / 1e6;
@@ -199,31 +202,25 @@ export class Painter {
     );
     const [scale, share] = cheap ?? SAVINGS.at(-1)!;
     for (const slot of slots) this.upload(renderer, slot, null);
-    renderer.beginFrame(shot, scale);
-    renderer.drawStrip(shot, 0, share, 0, 1);
-    renderer.endFrame(shot, 0);
-    this.learn((await renderer.finished()) - this.stripCost, pixels * scale ** 2 * share);
+    renderer.draw(shot, scale, share);
+    this.learn(await renderer.finished(), pixels * scale ** 2 * share);
   }
 
   /** Gather a whole frame, strip by strip; false if something has changed meanwhile. */
   private async improve(renderer: Renderer, shot: Shot, slots: (0 | 1)[]): Promise<boolean> {
-    const pixels = renderer.pixels(shot) / 1e6;
+    const scale = this.restingScale(renderer, shot);
+    const pixels = (renderer.pixels(shot) / 1e6) * scale ** 2;
     for (const slot of slots) this.upload(renderer, slot, this.count);
-    const most = Math.min(Math.ceil((1e6 * pixels) / STRIP_PIXELS), 32);
-    const strips = Math.min(Math.max(Math.ceil((this.cost * pixels) / RESTING), 1), most);
-    renderer.beginFrame(shot, 1);
-    const times: number[] = [];
-    for (let strip = 0; strip < strips; strip++) {
-      renderer.drawStrip(shot, this.count, 1, strip / strips, (strip + 1) / strips);
-      times.push(await renderer.finished());
+    const strips = Math.min(Math.max(Math.ceil((this.cost * pixels) / RESTING), 1), MOST_STRIPS);
+    let time = 0;
+    for (const _ of renderer.drawFrame(shot, this.count, scale, 1, strips)) {
+      time += await renderer.finished();
       if (!this.resting) return false;
     }
-    renderer.endFrame(shot, this.count);
+    time += await renderer.finished();
     this.measure(renderer, shot);
-    if (strips >= MANY_STRIPS) this.stripCost = Math.min(...times);
-    const time = times.reduce((sum, one) => sum + one);
-    this.learn(time - strips * this.stripCost, pixels);
-    return true;
+    this.learn(time, pixels);
+    return this.resting;
   }
 
   private learn(time: number, megapixels: number): void {

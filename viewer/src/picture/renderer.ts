@@ -2,6 +2,7 @@
 
 import type { Material } from "../core/api";
 import { CHANNELS, rows } from "../core/channels";
+import type { Occlusion } from "../core/occlusion";
 import { sequenceSteps } from "../core/probe_pairs";
 import type { ShownTexture } from "../engine/textures";
 import type { Radiance } from "../save/exr";
@@ -9,10 +10,11 @@ import { type Comparison, type EnvironmentName, TONES, type Tone, type View } fr
 import { type AnisotropicSize, brightTexels, FAR, NEAR } from "./anisotropic_table";
 import { type Camera, cameraOf, mirrored } from "./camera";
 import { type DirectionSizes, directionTexels } from "./direction_table";
-import { EnvironmentMap, type Key, keyOf, lightsOf, SIDE } from "./environment";
+import { EnvironmentMap, lightsOf, SIDE } from "./environment";
 import { contextOf, cover, coverProgram, filters, type Gl, included, Program, readRgb } from "./gl";
-import { type Mesh, meshOf, VERTEX_NUMBERS } from "./meshes";
-import { type Light, MOST_LIGHTS, type Panorama } from "./panorama";
+import { Ground } from "./ground";
+import { groundSize, type Mesh, meshOf, VERTEX_NUMBERS } from "./meshes";
+import type { Light, Panorama } from "./panorama";
 import anisotropicSource from "./shaders/anisotropic.glsl?raw";
 import backdropSource from "./shaders/backdrop.frag?raw";
 import basisSource from "./shaders/basis.glsl?raw";
@@ -61,20 +63,17 @@ interface Pane {
   offset: number;
 }
 
-/** Blur of the backdrop: level of the environment. */
-const BACKDROP_LEVEL = 4;
-
-/** Width of the backdrop relative to the picture's, but in the studio, whose lights it would show. */
-const BACKDROP_WIDTH = 3;
-
 const OBJECT_SOURCE = included(objectFragment, {
   "frame.glsl": frameSource,
   "material.glsl": materialSource,
   "anisotropic.glsl": included(anisotropicSource, { "basis.glsl": basisSource }),
 });
 
-/** Share of the directions by which the faint reflection in the ground is drawn. */
-const MIRROR_SHARE = 0.25;
+/** Width and directions of the blurred image in the ground, relative to the object's, and its margin. */
+const [MIRROR_SCALE, MIRROR_SHARE, MIRROR_MARGIN] = [0.5, 0.5, 4];
+
+/** A part of a frame: its lower left corner, width and height [pixels]. */
+type Box = [x: number, y: number, width: number, height: number];
 
 /** Directions of a frame where a texture of codes is decoded at each pixel. */
 const TEXEL_SAMPLES = 32;
@@ -107,13 +106,13 @@ export class Renderer {
   private readonly display: Program;
   private readonly map: EnvironmentMap;
   private readonly targets: Targets;
+  private readonly ground: Ground;
   private readonly array: WebGLVertexArrayObject;
   private readonly slots: (SlotTextures | null)[] = [null, null];
   private readonly buffers: [WebGLBuffer, WebGLBuffer, WebGLBuffer, WebGLBuffer];
   private mesh: Mesh;
   private lights: Light[] = [];
-  private key: Key = keyOf("studio", []);
-  private backdropWidth = 1;
+  private isPanorama = false;
 
   /** @throws NoGraphics */
   constructor(private readonly canvas: HTMLCanvasElement) {
@@ -128,6 +127,7 @@ export class Renderer {
     this.display = coverProgram(gl, displaySource);
     this.map = new EnvironmentMap(gl, this.isSoftware);
     this.targets = new Targets(gl);
+    this.ground = new Ground(gl);
     this.array = gl.createVertexArray()!;
     const buffer = () => gl.createBuffer()!;
     this.buffers = [buffer(), buffer(), buffer(), buffer()];
@@ -138,15 +138,17 @@ export class Renderer {
   setMesh(mesh: Mesh): void {
     if (mesh === this.mesh) return;
     this.mesh = mesh;
+    this.ground.setShadows(new Uint8Array(0));
     this.uploadMesh();
   }
 
   /** Take over the `occlusion` of the mesh; until then it hides none of its light. */
-  setOcclusion(occlusion: Float32Array): void {
+  setOcclusion({ openings, shadows }: Occlusion): void {
     const { gl } = this;
+    this.ground.setShadows(shadows);
     gl.bindVertexArray(this.array);
     gl.bindBuffer(gl.ARRAY_BUFFER, this.buffers[3]);
-    gl.bufferData(gl.ARRAY_BUFFER, occlusion, gl.STATIC_DRAW);
+    gl.bufferData(gl.ARRAY_BUFFER, openings, gl.STATIC_DRAW);
     gl.enableVertexAttribArray(4);
     gl.vertexAttribPointer(4, 4, gl.FLOAT, false, 0, 0);
     gl.bindVertexArray(null);
@@ -154,15 +156,15 @@ export class Renderer {
 
   /** Draw the environment of a name, or a panorama and the lights that were taken out of it. */
   setEnvironment(name: EnvironmentName, own: { panorama: Panorama; lights: Light[] } | null): void {
-    if (name === "own" && own !== null) {
+    this.isPanorama = name === "own" && own !== null;
+    if (own !== null && this.isPanorama) {
       this.map.drawPanorama(own.panorama);
       this.lights = own.lights;
     } else {
       this.map.drawFormula(name);
       this.lights = lightsOf(name);
     }
-    this.key = keyOf(name, this.lights);
-    this.backdropWidth = name === "studio" ? 1 : BACKDROP_WIDTH;
+    this.ground.changed();
   }
 
   /** The canvas with what was shown last. */
@@ -261,76 +263,92 @@ export class Renderer {
     return this.canvas.width * this.canvas.height * (comparison === "difference" ? 2 : 1);
   }
 
-  /** Begin a frame at a size relative to the canvas; draw it by `drawStrip`. */
-  beginFrame({ comparison }: Shot, scale: number): void {
-    const width = Math.max(1, Math.round(this.canvas.width * scale));
-    this.targets.resize(
-      comparison === "difference" ? 2 * width : width,
-      Math.max(1, Math.round(this.canvas.height * scale)),
-    );
-    this.targets.clear();
-  }
-
   /**
-   * Draw a part of the frame.
+   * Draw a frame; it pauses wherever a part that takes long has been drawn.
    *
    * @param count frames gathered so far.
+   * @param scale width of the shading relative to the canvas.
    * @param share share of the directions that is taken, in (0, 1].
-   * @param from, to the part of the frame's height, in [0, 1].
+   * @param strips parts of the shading.
    */
-  drawStrip(shot: Shot, count: number, share: number, from: number, to: number): void {
-    const { gl, targets } = this;
-    const { width, height } = targets;
-    const [low, high] = [Math.round(from * height), Math.round(to * height)];
+  *drawFrame(
+    shot: Shot,
+    count: number,
+    scale: number,
+    share: number,
+    strips: number,
+  ): Generator<void> {
+    const { gl, targets, mesh } = this;
+    const { height } = this.canvas;
+    const partWidth = this.canvas.width;
+    targets.resize(shot.comparison === "difference" ? 2 * partWidth : partWidth, height, scale);
+    this.ground.light(this.map, this.lights, turnOf(shot), mesh.width / groundSize(mesh));
     const { count: parts, column, row } = shot.part ?? WHOLE;
-    const partWidth = shot.comparison === "difference" ? width / 2 : width;
-    gl.enable(gl.SCISSOR_TEST);
     for (const pane of panes(shot, parts * partWidth, partWidth)) {
       const textures = this.slots[pane.slot];
       const inPart = (x: number) => Math.min(Math.max(x - column * partWidth, 0), partWidth);
       const [left, right] = [inPart(pane.from), inPart(pane.to)];
       if (!textures || left === right) continue;
       const begin = pane.offset + pane.x - column * partWidth;
-      gl.viewport(begin, -row * height, pane.width, parts * height);
-      gl.scissor(pane.offset + left, low, right - left, high - low);
-      // Frames are shifted by parts of a pixel, for smooth edges.
+      const place: Box = [begin, -row * height, pane.width, parts * height];
+      const clip: Box = [pane.offset + left, 0, right - left, height];
+      // Frames are shifted by parts of a pixel, of the frame as of the shading, for smooth edges.
       const shift = count === 0 ? [0, 0] : [halton(count, 2) - 0.5, halton(count, 3) - 0.5];
-      const camera = cameraOf(this.mesh, shot.view, pane.width / (parts * height), [
-        (2 * shift[0]!) / pane.width,
-        (2 * shift[1]!) / (parts * height),
-      ]);
-      const draw = (seen: Camera, directions: number) => {
+      const seenFrom = ([, , wide, tall]: Box) =>
+        cameraOf(mesh, shot.view, pane.width / (parts * height), [
+          (2 * shift[0]!) / wide,
+          (2 * shift[1]!) / tall,
+        ]);
+      const within = (box: Box, part: Box) => {
+        gl.enable(gl.SCISSOR_TEST);
+        gl.viewport(...box);
+        gl.scissor(...part);
+      };
+      const camera = seenFrom(place);
+      const images = [MIRROR_SCALE * Math.max(scale, 0.5), scale].map((size, k) => {
+        const coarse = place.map((x) => Math.round(x * size)) as Box;
+        const ratio = [coarse[2] / place[2], coarse[3] / place[3]] as const;
+        const from = [0, 1].map(
+          (k) => coarse[k]! + shift[k]! - (place[k]! + shift[k]!) * ratio[k]!,
+        );
+        const margin = k === 1 ? 2 : MIRROR_MARGIN;
+        return { coarse, part: around(clip, size, margin), map: [...from, ...ratio] };
+      });
+      const isAbove = camera.eye[2] > 0;
+      for (const [isMirrored, { coarse, part }] of [true, false].map(
+        (x, k) => [x, images[k]!] as const,
+      )) {
+        if (isMirrored && !isAbove) continue;
+        const from = isMirrored ? mirrored(seenFrom(coarse)) : seenFrom(coarse);
+        within(coarse, part);
+        gl.frontFace(isMirrored ? gl.CW : gl.CCW);
         targets.bindSurface();
         this.placeTexels(textures.texels);
-        this.drawMesh(this.surface, seen);
-        targets.bindShaded();
-        this.shade(seen, shot, textures, count, directions);
-        targets.bind();
-      };
-      const isAbove = camera.eye[2] > 0;
-      if (isAbove) {
-        gl.frontFace(gl.CW);
-        draw(mirrored(camera), MIRROR_SHARE * share);
-      } else targets.bind();
-      this.drawBackdrop(camera, shot);
-      if (isAbove) {
-        gl.enable(gl.BLEND);
-        const rest = gl.ONE_MINUS_SRC_ALPHA;
-        gl.blendFuncSeparate(gl.SRC_ALPHA, rest, gl.ONE, rest);
-        this.drawPaint(mirrored(camera), [groundReflectance(camera), 0.7 * this.mesh.halfHeight]);
-        gl.disable(gl.BLEND);
+        this.drawMesh(this.surface, from);
         gl.frontFace(gl.CCW);
-        gl.clear(gl.DEPTH_BUFFER_BIT);
-        targets.clearSurface();
+        const [x, y, wide, tall] = part;
+        const many = isMirrored ? Math.ceil(strips / 4) : strips;
+        for (let strip = 0; strip < many; strip++) {
+          const [low, high] = [strip, strip + 1].map((k) => Math.round((tall * k) / many));
+          within(coarse, [x, y + low!, wide, high! - low!]);
+          targets.bindShaded(isMirrored);
+          const fade = isMirrored ? 0.7 * mesh.halfHeight : 0;
+          this.shade(from, shot, textures, count, isMirrored ? MIRROR_SHARE * share : share, fade);
+          gl.disable(gl.SCISSOR_TEST);
+          if (strips > 1) yield;
+        }
       }
-      draw(camera, share);
-      this.drawPaint(camera, [0, 0]);
+      within(place, clip);
+      targets.bind();
+      this.drawBackdrop(camera, shot, isAbove ? images[0]!.map : null);
+      this.drawPaint(camera, images[1]!.map);
+      gl.disable(gl.SCISSOR_TEST);
     }
-    gl.disable(gl.SCISSOR_TEST);
+    this.gather(shot, count);
   }
 
   /** Gather the frame, of which `count` precede it, and show the mean. */
-  endFrame(shot: Shot, count: number): void {
+  private gather(shot: Shot, count: number): void {
     const { gl, targets } = this;
     targets.resolve();
     targets.bindMean();
@@ -346,10 +364,8 @@ export class Renderer {
   }
 
   /** Draw and show one frame at once. */
-  draw(shot: Shot): void {
-    this.beginFrame(shot, 1);
-    this.drawStrip(shot, 0, 1, 0, 1);
-    this.endFrame(shot, 0);
+  draw(shot: Shot, scale = 1, share = 1): void {
+    this.drawFrame(shot, 0, scale, share, 1).next();
   }
 
   /** Show what has been gathered. */
@@ -430,8 +446,9 @@ export class Renderer {
     this.surface.setMatrix("toTexture", texels?.toTexture ?? [0, 0, 0, 0, 0, 0]);
   }
 
-  private drawBackdrop(camera: Camera, shot: Shot): void {
-    const { gl, backdrop, mesh, key } = this;
+  /** @param toMirror from pixels to the mirror image in the ground; null: there is none. */
+  private drawBackdrop(camera: Camera, shot: Shot, toMirror: number[] | null): void {
+    const { gl, backdrop, mesh } = this;
     gl.disable(gl.DEPTH_TEST);
     backdrop.use();
     backdrop.set("eye", ...camera.eye);
@@ -440,21 +457,26 @@ export class Renderer {
     backdrop.set("forward", ...camera.forward);
     backdrop.set("turn", ...turnOf(shot));
     backdrop.setInteger("isPlain", Number(shot.background !== "environment"));
-    backdrop.set("blur", BACKDROP_LEVEL);
-    backdrop.set("wider", this.backdropWidth);
-    backdrop.set("size", mesh.footprint, 0.9 * mesh.width, 2 * mesh.halfHeight);
-    backdrop.set("key", ...key.direction);
-    backdrop.set("keySize", key.radius, key.share);
+    backdrop.setInteger("isPanorama", Number(this.isPanorama));
+    backdrop.set("size", mesh.width, groundSize(mesh));
+    backdrop.set("toMirror", ...(toMirror ?? [0, 0, 0, 0]));
     backdrop.setTexture("environment", 0, gl.TEXTURE_CUBE_MAP, this.map.texture);
+    backdrop.setTexture("irradiance", 1, gl.TEXTURE_CUBE_MAP, this.map.irradiance);
+    backdrop.setTexture("ground", 2, gl.TEXTURE_2D, this.ground.texture);
+    backdrop.setTexture("mirror", 3, gl.TEXTURE_2D, this.targets.mirror);
     cover(gl);
   }
 
-  /** Draw the mesh in the colours that were computed; mirror: see paint.frag. */
-  private drawPaint(camera: Camera, mirror: readonly [number, number]): void {
-    this.paint.use();
-    this.paint.setTexture("shaded", 0, this.gl.TEXTURE_2D, this.targets.shaded);
-    this.paint.set("mirror", ...mirror);
-    this.drawMesh(this.paint, camera);
+  /** Draw the mesh in the colours that were computed; toShaded: from pixels to them. */
+  private drawPaint(camera: Camera, toShaded: number[]): void {
+    const { gl, paint, targets } = this;
+    paint.use();
+    paint.setTexture("shaded", 0, gl.TEXTURE_2D, targets.shaded);
+    paint.setTexture("positions", 1, gl.TEXTURE_2D, targets.positions);
+    paint.setTexture("normals", 2, gl.TEXTURE_2D, targets.normals);
+    paint.set("toShaded", ...toShaded);
+    paint.set("near", 0.02 * this.mesh.radius);
+    this.drawMesh(paint, camera);
   }
 
   private drawMesh(program: Program, camera: Camera): void {
@@ -475,6 +497,7 @@ export class Renderer {
     textures: SlotTextures,
     count: number,
     share: number,
+    fade: number,
   ): void {
     const { gl, targets } = this;
     const { texels } = textures;
@@ -488,9 +511,8 @@ export class Renderer {
     object.set("side", SIDE);
     object.setInteger("samples", samples);
     object.set("density", samples * (count + 1));
-    object.setInteger("lights", this.lights.length);
-    object.setVectors("lightDirections", padded(this.lights.map((light) => light.direction)));
-    object.setVectors("lightPowers", padded(this.lights.map((light) => light.power)));
+    object.set("fade", fade);
+    object.setLights(this.lights);
     object.setTexture("environment", 1, gl.TEXTURE_CUBE_MAP, this.map.texture);
     object.setTexture("irradiance", 5, gl.TEXTURE_CUBE_MAP, this.map.irradiance);
     if (texels) {
@@ -571,22 +593,16 @@ export class Renderer {
   }
 }
 
-/** Reflectance of the ground at the picture's middle (Schlick 1994), of a polished floor. */
-function groundReflectance({ forward }: Camera): number {
-  return 0.04 + 0.96 * (1 - Math.abs(forward[2])) ** 5;
-}
-
 function turnOf(shot: Shot): [number, number] {
   const angle = (shot.rotation * Math.PI) / 180;
   return [Math.cos(angle), Math.sin(angle)];
 }
 
-function padded(vectors: (readonly number[])[]): Float32Array {
-  const values = new Float32Array(3 * MOST_LIGHTS);
-  vectors.forEach((vector, place) => {
-    values.set(vector, 3 * place);
-  });
-  return values;
+/** The part of another size of a frame that has what a part shows, and a margin. */
+function around([x, y, width, height]: Box, scale: number, margin: number): Box {
+  const [left, low] = [Math.floor(x * scale) - margin, Math.floor(y * scale) - margin];
+  const right = Math.ceil((x + width) * scale) + margin;
+  return [left, low, right - left, Math.ceil((y + height) * scale) + margin - low];
 }
 
 /** The place where a sequence of directions goes on after so many (Roberts 2018). */

@@ -1,4 +1,4 @@
-/** What the picture is drawn into: a frame with smooth edges, and the mean of all frames. */
+/** What the picture is drawn into: coarse shading, a frame with smooth edges, and the mean of all frames. */
 
 import type { Radiance } from "../save/exr";
 import { filters, type Gl, readRgb } from "./gl";
@@ -6,7 +6,9 @@ import { filters, type Gl, readRgb } from "./gl";
 export class Targets {
   width = 0;
   height = 0;
-  /** Positions and normals of the surface that each pixel of the frame shows, and its colours. */
+  /** Width of the shading relative to the frame's. */
+  scale = 0;
+  /** Positions and normals of the surface that each pixel of the shading shows, and its colours. */
   positions!: WebGLTexture;
   normals!: WebGLTexture;
   /** Bent normals and openness of that surface. */
@@ -14,12 +16,15 @@ export class Targets {
   /** Where each pixel lies in a texture of codes, and at which level. */
   places!: WebGLTexture;
   shaded!: WebGLTexture;
+  /** The object as the ground reflects it. */
+  mirror!: WebGLTexture;
   /** The last frame. */
   frame!: WebGLTexture;
   /** The mean of the frames. */
   picture!: WebGLTexture;
   private readonly surface: WebGLFramebuffer;
   private readonly shading: WebGLFramebuffer;
+  private readonly mirroring: WebGLFramebuffer;
   private readonly many: WebGLFramebuffer;
   private readonly single: WebGLFramebuffer;
   private readonly mean: WebGLFramebuffer;
@@ -27,13 +32,16 @@ export class Targets {
   /** Full floats where they blend, otherwise half floats. */
   private readonly format: number;
   private buffers: WebGLRenderbuffer[] = [];
+  private coarse: WebGLRenderbuffer | null = null;
 
   constructor(private readonly gl: Gl) {
-    this.surface = gl.createFramebuffer()!;
-    this.shading = gl.createFramebuffer()!;
-    this.many = gl.createFramebuffer()!;
-    this.single = gl.createFramebuffer()!;
-    this.mean = gl.createFramebuffer()!;
+    const frame = () => gl.createFramebuffer()!;
+    this.surface = frame();
+    this.shading = frame();
+    this.mirroring = frame();
+    this.many = frame();
+    this.single = frame();
+    this.mean = frame();
     const counts = gl.getInternalformatParameter(gl.RENDERBUFFER, gl.RGBA16F, gl.SAMPLES);
     const most = Math.max(0, ...((counts as Int32Array | null) ?? []));
     this.samples = Math.min(4, most);
@@ -41,77 +49,70 @@ export class Targets {
     this.format = full ? gl.RGBA32F : gl.RGBA16F;
   }
 
-  /** Take another size [pixels]; what was gathered is lost. */
-  resize(width: number, height: number): void {
-    if (width === this.width && height === this.height) return;
+  /** Take another size [pixels], by which what was gathered is lost, and another scale of the shading. */
+  resize(width: number, height: number, scale: number): void {
     const { gl } = this;
-    for (const buffer of this.buffers) gl.deleteRenderbuffer(buffer);
-    if (this.width > 0)
-      for (const texture of [
-        this.positions,
-        this.normals,
-        this.openings,
-        this.places,
-        this.shaded,
-        this.frame,
-        this.picture,
-      ])
-        gl.deleteTexture(texture);
-    this.width = width;
-    this.height = height;
-    const colour = this.buffer(gl.RGBA16F, this.samples);
-    const depth = this.buffer(gl.DEPTH_COMPONENT24, this.samples);
-    const single = this.buffer(gl.DEPTH_COMPONENT24, 0);
-    this.buffers = [colour, depth, single];
-    gl.bindFramebuffer(gl.FRAMEBUFFER, this.many);
+    const isSame = width === this.width && height === this.height;
+    if (isSame && scale === this.scale) return;
+    this.scale = scale;
+    if (!isSame) {
+      [this.width, this.height] = [width, height];
+      for (const buffer of this.buffers) gl.deleteRenderbuffer(buffer);
+      for (const texture of [this.frame, this.picture]) gl.deleteTexture(texture ?? null);
+      const colour = this.buffer(gl.RGBA16F, this.samples, width, height);
+      const depth = this.buffer(gl.DEPTH_COMPONENT24, this.samples, width, height);
+      this.buffers = [colour, depth];
+      gl.bindFramebuffer(gl.FRAMEBUFFER, this.many);
+      const target = gl.FRAMEBUFFER;
+      gl.framebufferRenderbuffer(target, gl.COLOR_ATTACHMENT0, gl.RENDERBUFFER, colour);
+      gl.framebufferRenderbuffer(target, gl.DEPTH_ATTACHMENT, gl.RENDERBUFFER, depth);
+      this.frame = this.texture(gl.RGBA16F, this.single, width, height);
+      this.picture = this.texture(this.format, this.mean, width, height, gl.LINEAR);
+    }
+    this.resizeShading(Math.ceil(width * scale), Math.ceil(height * scale));
+  }
+
+  private resizeShading(width: number, height: number): void {
+    const { gl } = this;
+    const { positions, normals, openings, places, shaded, mirror } = this;
+    for (const texture of [positions, normals, openings, places, shaded, mirror])
+      gl.deleteTexture(texture ?? null);
+    gl.deleteRenderbuffer(this.coarse);
+    this.coarse = this.buffer(gl.DEPTH_COMPONENT24, 0, width, height);
+    this.mirror = this.texture(gl.RGBA16F, this.mirroring, width, height, gl.LINEAR);
+    this.shaded = this.texture(gl.RGBA16F, this.shading, width, height);
+    const of = (format: number, place: number) =>
+      this.texture(format, this.surface, width, height, gl.NEAREST, gl.COLOR_ATTACHMENT0 + place);
+    this.positions = of(gl.RGBA32F, 0);
+    this.normals = of(gl.RGBA32F, 1);
+    this.places = of(gl.RGBA32F, 2);
+    this.openings = of(gl.RGBA16F, 3);
     const target = gl.FRAMEBUFFER;
-    gl.framebufferRenderbuffer(target, gl.COLOR_ATTACHMENT0, gl.RENDERBUFFER, colour);
-    gl.framebufferRenderbuffer(target, gl.DEPTH_ATTACHMENT, gl.RENDERBUFFER, depth);
-    this.frame = this.texture(gl.RGBA16F, this.single);
-    this.picture = this.texture(this.format, this.mean);
-    this.shaded = this.texture(gl.RGBA16F, this.shading);
-    this.positions = this.texture(gl.RGBA32F, this.surface);
-    this.normals = this.texture(gl.RGBA32F, this.surface, gl.COLOR_ATTACHMENT1);
-    this.places = this.texture(gl.RGBA32F, this.surface, gl.COLOR_ATTACHMENT2);
-    this.openings = this.texture(gl.RGBA16F, this.surface, gl.COLOR_ATTACHMENT3);
-    gl.framebufferRenderbuffer(target, gl.DEPTH_ATTACHMENT, gl.RENDERBUFFER, single);
+    gl.framebufferRenderbuffer(target, gl.DEPTH_ATTACHMENT, gl.RENDERBUFFER, this.coarse);
     gl.drawBuffers([0, 1, 2, 3].map((place) => gl.COLOR_ATTACHMENT0 + place));
     gl.bindFramebuffer(target, null);
   }
 
-  /** Empty the frame. */
-  clear(): void {
-    const { gl } = this;
-    gl.disable(gl.SCISSOR_TEST);
-    gl.clearColor(0, 0, 0, 0);
-    for (const buffer of [this.surface, this.shading, this.many]) {
-      gl.bindFramebuffer(gl.FRAMEBUFFER, buffer);
-      gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
-    }
-  }
-
-  /** Forget the surface in the scissored part, which the next mesh covers. */
-  clearSurface(): void {
-    const { gl } = this;
-    for (const buffer of [this.surface, this.shading]) {
-      gl.bindFramebuffer(gl.FRAMEBUFFER, buffer);
-      gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
-    }
-  }
-
-  /** Draw positions and normals from here on. */
+  /** Draw positions and normals from here on, in the scissored part, which is emptied. */
   bindSurface(): void {
-    this.gl.bindFramebuffer(this.gl.FRAMEBUFFER, this.surface);
+    this.emptied(this.surface);
   }
 
-  /** Draw the surface's colours from here on. */
-  bindShaded(): void {
-    this.gl.bindFramebuffer(this.gl.FRAMEBUFFER, this.shading);
+  /** Draw the surface's colours from here on, or those of its mirror image. */
+  bindShaded(isMirrored: boolean): void {
+    this.emptied(isMirrored ? this.mirroring : this.shading);
   }
 
-  /** Draw into the frame from here on. */
+  /** Draw into the scissored part of the frame from here on, which is emptied. */
   bind(): void {
-    this.gl.bindFramebuffer(this.gl.FRAMEBUFFER, this.many);
+    this.emptied(this.many);
+  }
+
+  private emptied(buffer: WebGLFramebuffer): void {
+    const { gl } = this;
+    gl.bindFramebuffer(gl.FRAMEBUFFER, buffer);
+    gl.clearColor(0, 0, 0, 0);
+    gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
   }
 
   /** Average the frame's samples in each pixel. */
@@ -146,25 +147,26 @@ export class Targets {
     return { width, height, pixels };
   }
 
-  private buffer(format: number, samples: number): WebGLRenderbuffer {
+  private buffer(format: number, samples: number, width: number, height: number) {
     const { gl } = this;
     const buffer = gl.createRenderbuffer()!;
     gl.bindRenderbuffer(gl.RENDERBUFFER, buffer);
-    const { RENDERBUFFER } = gl;
-    gl.renderbufferStorageMultisample(RENDERBUFFER, samples, format, this.width, this.height);
+    gl.renderbufferStorageMultisample(gl.RENDERBUFFER, samples, format, width, height);
     return buffer;
   }
 
   private texture(
     format: number,
     frame: WebGLFramebuffer,
+    width: number,
+    height: number,
+    filter: number = this.gl.NEAREST,
     attachment: number = this.gl.COLOR_ATTACHMENT0,
   ): WebGLTexture {
     const { gl } = this;
     const texture = gl.createTexture()!;
     gl.bindTexture(gl.TEXTURE_2D, texture);
-    gl.texStorage2D(gl.TEXTURE_2D, 1, format, this.width, this.height);
-    const filter = frame === this.mean ? gl.LINEAR : gl.NEAREST;
+    gl.texStorage2D(gl.TEXTURE_2D, 1, format, width, height);
     filters(gl, gl.TEXTURE_2D, filter, filter, gl.CLAMP_TO_EDGE);
     gl.bindFramebuffer(gl.FRAMEBUFFER, frame);
     gl.framebufferTexture2D(gl.FRAMEBUFFER, attachment, gl.TEXTURE_2D, texture, 0);

@@ -11,7 +11,7 @@ export type Format = keyof typeof FORMATS;
 
 const [DEPTH, HEIGHT, INNER] = TABLE.SHAPE;
 
-/** The bytes of a file. @param texels as of `Core.basisTexels`. */
+/** The bytes of a file. @param texels as of `NetworkCore.basisTexels`. */
 export function basisFile(texels: Float32Array<ArrayBuffer>, format: Format): Blob {
   const width = texels.length / (4 * DEPTH * HEIGHT);
   if (format === "exr") return new Blob([exrFile(imageOf(texels, width))]);

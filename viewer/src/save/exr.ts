@@ -7,22 +7,11 @@ export interface Radiance {
   pixels: Float32Array;
 }
 
-/** Channels of a file stand in alphabetical order; the numbers are their places in a pixel. */
-const CHANNELS = [
-  ["B", 2],
-  ["G", 1],
-  ["R", 0],
-] as const;
-
-const MAGIC = 20000630;
-const VERSION = 2;
-const FLOAT = 2;
-
 /** The bytes of an OpenEXR file ("OpenEXR File Layout", Academy Software Foundation). */
 export function exrFile({ width, height, pixels }: Radiance): Uint8Array<ArrayBuffer> {
   const header = headerOf(width, height);
   const table = 8 * height;
-  const row = 8 + CHANNELS.length * 4 * width;
+  const row = 8 + 12 * width;
   const start = header.length + table;
   const bytes = new Uint8Array(start + height * row);
   bytes.set(header);
@@ -33,7 +22,7 @@ export function exrFile({ width, height, pixels }: Radiance): Uint8Array<ArrayBu
     view.setInt32(at, y, true);
     view.setInt32(at + 4, row - 8, true);
     at += 8;
-    for (const [, place] of CHANNELS)
+    for (const place of [2, 1, 0]) // channels stand in alphabetical order
       for (let x = 0; x < width; x++, at += 4)
         view.setFloat32(at, pixels[3 * (y * width + x) + place]!, true);
   }
@@ -41,41 +30,26 @@ export function exrFile({ width, height, pixels }: Radiance): Uint8Array<ArrayBu
 }
 
 function headerOf(width: number, height: number): Uint8Array {
-  const channels = CHANNELS.flatMap(([name]) => [
-    ...text(name),
-    ...integers(FLOAT, 0, 1, 1), // kind, linear, and sampling in x and y
-  ]);
-  const window = integers(0, 0, width - 1, height - 1);
-  const attributes: [string, string, number[]][] = [
-    ["channels", "chlist", [...channels, 0]],
-    ["compression", "compression", [0]],
-    ["dataWindow", "box2i", window],
-    ["displayWindow", "box2i", window],
-    ["lineOrder", "lineOrder", [0]],
-    ["pixelAspectRatio", "float", floats(1)],
-    ["screenWindowCenter", "v2f", floats(0, 0)],
-    ["screenWindowWidth", "float", floats(1)],
+  const text = (value: string) => [...new TextEncoder().encode(value), 0];
+  const integers = (...values: number[]) => [...new Uint8Array(Int32Array.from(values).buffer)];
+  const floats = (...values: number[]) => [...new Uint8Array(Float32Array.from(values).buffer)];
+  const attribute = (name: string, kind: string, value: number[]) => [
+    ...[...text(name), ...text(kind), ...integers(value.length)],
+    ...value,
   ];
+  // Single precision, linear, and sampling in x and y
+  const channels = ["B", "G", "R"].flatMap((name) => [...text(name), ...integers(2, 0, 1, 1)]);
+  const window = integers(0, 0, width - 1, height - 1);
   return Uint8Array.from([
-    ...integers(MAGIC, VERSION),
-    ...attributes.flatMap(([name, kind, value]) => [
-      ...text(name),
-      ...text(kind),
-      ...integers(value.length),
-      ...value,
-    ]),
+    ...integers(20000630, 2), // the format's number, and its version
+    ...attribute("channels", "chlist", [...channels, 0]),
+    ...attribute("compression", "compression", [0]),
+    ...attribute("dataWindow", "box2i", window),
+    ...attribute("displayWindow", "box2i", window),
+    ...attribute("lineOrder", "lineOrder", [0]),
+    ...attribute("pixelAspectRatio", "float", floats(1)),
+    ...attribute("screenWindowCenter", "v2f", floats(0, 0)),
+    ...attribute("screenWindowWidth", "float", floats(1)),
     0,
   ]);
-}
-
-function text(value: string): number[] {
-  return [...new TextEncoder().encode(value), 0];
-}
-
-function integers(...values: number[]): number[] {
-  return [...new Uint8Array(Int32Array.from(values).buffer)];
-}
-
-function floats(...values: number[]): number[] {
-  return [...new Uint8Array(Float32Array.from(values).buffer)];
 }

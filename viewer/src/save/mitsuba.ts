@@ -9,16 +9,12 @@ import {
   seenOf,
 } from "../material/material";
 import { Refusal } from "../refusal";
-import { mediumParameters } from "./python";
+import { mediumParameters, widthsOf } from "./python";
 
-/** A node of a scene: a plugin, its parameters and the BSDF inside. */
+/** A node of a scene: a plugin, its parameters in their order, and the BSDF inside. */
 interface Node {
   type: string;
-  strings: [string, string][];
-  /** Switches that are on. */
-  switches?: string[];
-  values: [string, Channels][];
-  /** The name of the BSDF inside, and that. */
+  values: [name: string, value: Channels | string | true][];
   inner: Node | null;
 }
 
@@ -45,7 +41,7 @@ function nodeOf(material: MaterialCards): Node {
     bottomNode(stack.bottom),
   );
   if (material.energyCompensation === true && stack.coats.length > 0)
-    node.switches = ["energy_compensation"];
+    node.values.unshift(["energy_compensation", true]);
   if (!isAnisotropic(stack) || rotation === 0) return node;
   if (stack.coats.length === 0)
     throw new Refusal(
@@ -55,55 +51,23 @@ function nodeOf(material: MaterialCards): Node {
   return node;
 }
 
-/** The widths of a surface. */
-function widthsOf(surface: { alpha: Channels; alphaV?: Channels }): [string, Channels][] {
-  const { alpha, alphaV } = surface;
-  if (alphaV === undefined) return [["alpha", alpha]];
-  return [
-    ["alpha_u", alpha],
-    ["alpha_v", alphaV],
-  ];
-}
-
 function coatNode(coat: CoatInAir, inner: Node): Node {
-  return {
-    type: "neural_layered",
-    strings: [],
-    values: [...widthsOf(coat), ["int_ior", coat.ior], ...mediumParameters(coat)],
-    inner,
-  };
+  const values: Node["values"] = [...widthsOf(coat), ["int_ior", coat.ior]];
+  return { type: "neural_layered", values: [...values, ...mediumParameters(coat)], inner };
 }
 
 function bottomNode(bottom: BottomInAir): Node {
-  const ggx: [string, string] = ["distribution", "ggx"];
   switch (bottom.kind) {
-    case "conductor":
-      if ("r0" in bottom) {
-        // Mitsuba has no Schlick's term: the reflectance is that of normal incidence throughout.
-        const values: [string, Channels][] = [
-          ...widthsOf(bottom),
-          ["specular_reflectance", bottom.r0],
-        ];
-        return {
-          type: "roughconductor",
-          strings: [ggx, ["material", "none"]],
-          values,
-          inner: null,
-        };
-      }
-      return {
-        type: "roughconductor",
-        strings: [ggx],
-        values: [...widthsOf(bottom), ["eta", bottom.eta], ["k", bottom.k]],
-        inner: null,
-      };
+    case "conductor": {
+      // Mitsuba has no Schlick's term: the reflectance is that of normal incidence throughout.
+      const values: Node["values"] =
+        "r0" in bottom
+          ? [["material", "none"], ...widthsOf(bottom), ["specular_reflectance", bottom.r0]]
+          : [...widthsOf(bottom), ["eta", bottom.eta], ["k", bottom.k]];
+      return { type: "roughconductor", values: [["distribution", "ggx"], ...values], inner: null };
+    }
     case "diffuse":
-      return {
-        type: "diffuse",
-        strings: [],
-        values: [["reflectance", bottom.reflectance]],
-        inner: null,
-      };
+      return { type: "diffuse", values: [["reflectance", bottom.reflectance]], inner: null };
     case "dielectric":
       throw new Refusal("Mitsuba has no opaque dielectric; choose another bottom.");
     case "codes":
@@ -113,46 +77,42 @@ function bottomNode(bottom: BottomInAir): Node {
   }
 }
 
-function xmlLines(node: Node, depth: number, id: string | null): string[] {
+function xmlLines({ type, values, inner }: Node, depth: number, id: string | null): string[] {
   const indent = "    ".repeat(depth);
+  const lines = values.map(([name, value]) => {
+    const text = typeof value === "object" ? value.join(", ") : value;
+    return `${indent}    <${elementOf(name, value)} name="${name}" value="${text}"/>`;
+  });
   const named = id === null ? ' name="bottom"' : ` id="${id}"`;
-  const lines = [`${indent}<bsdf type="${node.type}"${named}>`];
-  for (const [name, value] of node.strings)
-    lines.push(`${indent}    <string name="${name}" value="${value}"/>`);
-  for (const name of node.switches ?? [])
-    lines.push(`${indent}    <boolean name="${name}" value="true"/>`);
-  for (const [name, value] of node.values) {
-    const element = typeof value === "number" && !isColour(name) ? "float" : "rgb";
-    lines.push(`${indent}    <${element} name="${name}" value="${listed(value)}"/>`);
-  }
-  if (node.inner !== null) lines.push(...xmlLines(node.inner, depth + 1, null));
-  return [...lines, `${indent}</bsdf>`];
+  if (inner !== null) lines.push(...xmlLines(inner, depth + 1, null));
+  return [`${indent}<bsdf type="${type}"${named}>`, ...lines, `${indent}</bsdf>`];
 }
 
-function dictLines(node: Node, depth: number): string[] {
+function dictLines({ type, values, inner }: Node, depth: number): string[] {
   const indent = "    ".repeat(depth + 1);
-  const lines = [`${"    ".repeat(depth)}{`, `${indent}"type": "${node.type}",`];
-  for (const [name, value] of node.strings) lines.push(`${indent}"${name}": "${value}",`);
-  for (const name of node.switches ?? []) lines.push(`${indent}"${name}": True,`);
-  for (const [name, value] of node.values) {
-    const plain = typeof value === "number" && !isColour(name);
-    const text = plain ? value : `{"type": "rgb", "value": [${listed(value)}]}`;
-    lines.push(`${indent}"${name}": ${text},`);
-  }
-  if (node.inner !== null) {
-    const [first, ...rest] = dictLines(node.inner, depth + 1);
+  const lines = values.map(([name, value]) => {
+    const numbers = typeof value === "object" ? value.join(", ") : value;
+    const text = {
+      string: `"${value}"`,
+      boolean: "True",
+      float: value,
+      rgb: `{"type": "rgb", "value": [${numbers}]}`,
+    }[elementOf(name, value)];
+    return `${indent}"${name}": ${text},`;
+  });
+  if (inner !== null) {
+    const [first, ...rest] = dictLines(inner, depth + 1);
     lines.push(`${indent}"bottom": ${first!.trimStart()}`, ...rest);
     lines[lines.length - 1] += ",";
   }
-  return [...lines, `${"    ".repeat(depth)}}`];
+  const outer = "    ".repeat(depth);
+  return [`${outer}{`, `${indent}"type": "${type}",`, ...lines, `${outer}}`];
 }
 
-/** Parameters that Mitsuba reads as colours, whether one number or three. */
-function isColour(name: string): boolean {
-  return ["reflectance", "specular_reflectance", "k", "eta"].includes(name);
-}
-
-/** "0.1" or "0.1, 0.2, 0.3". */
-function listed(value: Channels): string {
-  return typeof value === "number" ? String(value) : value.join(", ");
+/** The element of Mitsuba's XML; it reads some parameters as colours, whether one number or three. */
+function elementOf(name: string, value: Channels | string | true) {
+  if (typeof value === "string") return "string";
+  if (value === true) return "boolean";
+  const isColour = ["reflectance", "specular_reflectance", "k", "eta"].includes(name);
+  return typeof value === "number" && !isColour ? "float" : "rgb";
 }

@@ -104,7 +104,7 @@ function bottomText(bottom: BottomInAir): string {
 }
 
 /** The widths of a surface. */
-function widthsOf(surface: { alpha: Channels; alphaV?: Channels }): [string, Channels][] {
+export function widthsOf(surface: { alpha: Channels; alphaV?: Channels }): [string, Channels][] {
   const { alpha, alphaV } = surface;
   if (alphaV === undefined) return [["alpha", alpha]];
   return [

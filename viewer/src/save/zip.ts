@@ -1,56 +1,11 @@
-/** Archives of files that are not compressed (.ZIP File Format Specification, PKWARE, 6.3.10). */
+/** Archives of files that are not compressed, and check sums. */
 
-/** 1 January 1980, the first day that the format knows: archives of equal files are equal. */
-const DATE = 0x21;
+import { zipSync } from "three/addons/libs/fflate.module.js";
 
-const VERSION = 20;
-const UTF8 = 0x800;
-
-/** The bytes of an archive; files: names and contents. */
+/** The bytes of an archive; files: names and contents. Archives of equal files are equal. */
 export function zipFile(files: Record<string, Uint8Array>): Uint8Array<ArrayBuffer> {
-  const local: Uint8Array[] = [];
-  const central: Uint8Array[] = [];
-  let offset = 0;
-  for (const [name, content] of Object.entries(files)) {
-    const encoded = new TextEncoder().encode(name);
-    const { length } = content;
-    // Version, flags, method, time, date, check sum, both sizes, and the length of the name
-    const shared = [
-      ...[...short(VERSION), ...short(UTF8), ...short(0), ...short(0), ...short(DATE)],
-      ...[...long(crc32(content)), ...long(length), ...long(length), ...short(encoded.length)],
-    ];
-    const head = [...long(0x04034b50), ...shared, ...short(0), ...encoded];
-    local.push(Uint8Array.from(head), content);
-    const entry = [...long(0x02014b50), ...short(VERSION), ...shared, ...Array(12).fill(0)];
-    central.push(Uint8Array.from([...entry, ...long(offset), ...encoded]));
-    offset += head.length + length;
-  }
-  const size = central.reduce((sum, { length }) => sum + length, 0);
-  const count = short(central.length);
-  const end = [...long(0x06054b50), ...Array(4).fill(0), ...count, ...count];
-  return joined([
-    ...local,
-    ...central,
-    Uint8Array.from([...end, ...long(size), ...long(offset), ...short(0)]),
-  ]);
-}
-
-function joined(parts: Uint8Array[]): Uint8Array<ArrayBuffer> {
-  const bytes = new Uint8Array(parts.reduce((sum, { length }) => sum + length, 0));
-  let at = 0;
-  for (const part of parts) {
-    bytes.set(part, at);
-    at += part.length;
-  }
-  return bytes;
-}
-
-function short(value: number): number[] {
-  return [value & 0xff, value >>> 8];
-}
-
-function long(value: number): number[] {
-  return [...short(value & 0xffff), ...short(value >>> 16)];
+  const mtime = new Date(1980, 0, 1); // the first day that the format knows
+  return zipSync(files, { level: 0, mtime }) as Uint8Array<ArrayBuffer>;
 }
 
 /** Sums of single bytes. */

@@ -74,7 +74,7 @@ export function readState(value: unknown, tell?: (text: string) => void): State 
         ? String(background)
         : INITIAL.background,
     turntable: fields.turntable === true,
-    plots: fields.plots !== false,
+    plots: fields.plots === true,
     incidence: number(fields.incidence, 0, 89, INITIAL.incidence),
   };
 }

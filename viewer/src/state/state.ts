@@ -88,7 +88,7 @@ export const INITIAL: State = {
   background: "environment",
   view: { azimuth: 20, elevation: 18, zoom: 1, fov: 24, pan: [0, 0] },
   turntable: false,
-  plots: true,
+  plots: false,
   incidence: 45,
 };
 

@@ -15,9 +15,10 @@ import {
 import { BOTTOM_PARAMETERS, COAT_PARAMETERS, type Parameter } from "../material/parameters";
 import { METALS } from "../material/presets";
 import { changeMaterial } from "../state/store";
+import { Advanced } from "./Advanced";
 import { Field } from "./Field";
 import { Thumbnail } from "./Thumbnail";
-import { WidthFields, withWidths } from "./WidthFields";
+import { GlossField, WidthFields, type WidthPair, withWidths } from "./WidthFields";
 
 const KINDS = {
   metal: "Metal by index",
@@ -43,6 +44,25 @@ export function BottomCard({ material, alone }: BottomCardProps) {
   const bare = useMemo(() => ({ name, bottom, coats: [], solo: null }), [name, bottom]);
   const change = (next: AnyBottom, step = "") =>
     changeMaterial({ ...material, bottom: next }, step);
+  const surface = {
+    owner: "Bottom",
+    widths: bottom as WidthPair,
+    onChange: (next: WidthPair, step: string) => change(withWidths(bottom, next), step),
+  };
+  const field = ([key, parameter]: [string, Parameter]) => (
+    <Field
+      key={key}
+      owner="Bottom"
+      parameter={parameter}
+      value={(bottom as unknown as Record<string, Channels>)[key]!}
+      coloured={kind !== "dielectric"}
+      colourOf={(value) => reflectanceOf({ ...bottom, [key]: value } as BottomInAir)}
+      onChange={(value, step) => change({ ...bottom, [key]: value } as BottomInAir, step)}
+    />
+  );
+  const fields = fieldsOf(bottom);
+  const colours = fields.filter(([, { isColour }]) => isColour);
+  const numbers = fields.filter(([, { isColour }]) => !isColour);
   return (
     <section
       class="card bottom"
@@ -77,25 +97,16 @@ export function BottomCard({ material, alone }: BottomCardProps) {
       </header>
       <div class="fields">
         {kind === "metal" && <Metals bottom={bottom} onChange={change} />}
+        {colours.map(field)}
         {"alpha" in bottom && (
-          <WidthFields
-            owner="Bottom"
-            parameter={BOTTOM_PARAMETERS.alpha}
-            widths={bottom}
-            onChange={(next, step) => change(withWidths(bottom, next), step)}
-          />
+          <>
+            <GlossField {...surface} />
+            <Advanced of={0}>
+              <WidthFields parameter={BOTTOM_PARAMETERS.alpha} {...surface} />
+              {numbers.map(field)}
+            </Advanced>
+          </>
         )}
-        {fieldsOf(bottom).map(([key, parameter]) => (
-          <Field
-            key={key}
-            owner="Bottom"
-            parameter={parameter}
-            value={(bottom as unknown as Record<string, Channels>)[key]!}
-            coloured={kind !== "dielectric"}
-            colourOf={(value) => reflectanceOf({ ...bottom, [key]: value } as BottomInAir)}
-            onChange={(value, step) => change({ ...bottom, [key]: value } as BottomInAir, step)}
-          />
-        ))}
         {(bottom.kind === "codes" || bottom.kind === "texels") && (
           <div class="loaded">
             <Thumbnail of={bare} />

@@ -4,7 +4,16 @@ import { signal } from "@preact/signals";
 import type { Channels } from "../core/api";
 import { withinTraining } from "../core/layerer";
 import { coatOfChannel } from "../core/surfaces";
-import { colourOver, type Look, lookOf, type Physics, physicsOf } from "../material/appearance";
+import {
+  colourOf,
+  colourOver,
+  type Look,
+  lookOf,
+  type Physics,
+  physicsOf,
+  withColour,
+  withOpacity,
+} from "../material/appearance";
 import { mapped, type Rgb, rgb } from "../material/channels";
 import { hex } from "../material/colour";
 import {
@@ -13,24 +22,15 @@ import {
   hasSurface,
   withoutCoat,
 } from "../material/material";
-import { COAT_PARAMETERS, rounded } from "../material/parameters";
+import { COAT_PARAMETERS, COLOUR, rounded } from "../material/parameters";
 import { announce, changeMaterial, material } from "../state/store";
-import { Field } from "./Field";
+import { Advanced } from "./Advanced";
+import { Field, toggled } from "./Field";
 import { Icon } from "./icons";
-import { WidthFields, withWidths } from "./WidthFields";
+import { GlossField, WidthFields, type WidthPair, withWidths } from "./WidthFields";
 
 /** Cards that show their name alone. */
 const folded = signal<ReadonlySet<number>>(new Set());
-
-/** Cards whose physical numbers are shown. */
-const physical = signal<ReadonlySet<number>>(new Set());
-
-/** A set with one number more, or without it if it has it. */
-function toggled(set: ReadonlySet<number>, id: number): ReadonlySet<number> {
-  const next = new Set(set);
-  if (!next.delete(id)) next.add(id);
-  return next;
-}
 
 interface CoatCardProps {
   card: Card;
@@ -52,6 +52,11 @@ export function CoatCard({ card, name, seen, dragged, onMove, onDrag }: CoatCard
   const look = lookOf(card);
   const hasOwnSurface = hasSurface(material.value, card);
   const medium = { card, owner: name, onChange: replace };
+  const surface = {
+    owner: name,
+    widths: card,
+    onChange: (next: WidthPair, kind: string) => replace(withWidths(card, next), kind),
+  };
   const classes = ["card", seen ? "" : "unseen", dragged ? "dragged" : ""].join(" ");
   return (
     <li class={classes} aria-label={name} style={{ "--medium": hex(shownColour(card)) }}>
@@ -120,28 +125,25 @@ export function CoatCard({ card, name, seen, dragged, onMove, onDrag }: CoatCard
       </header>
       {!isFolded && (
         <div class="fields">
-          <MediumField name="color" {...medium} />
-          <MediumField name="body" {...medium} />
-          {Math.max(...rgb(look.body)) > 0 && <MediumField name="bodyColor" {...medium} />}
-          <MediumField name="thickness" {...medium} />
+          <Field
+            owner={name}
+            parameter={COLOUR}
+            value={mapped(colourOf(look), rounded)}
+            coloured
+            colourOf={(value) => shownColour(withColour(card, value))}
+            onChange={(value, kind) => replace(withColour(card, value), kind)}
+          />
           {hasOwnSurface ? (
-            <WidthFields
-              owner={name}
-              parameter={COAT_PARAMETERS.alpha}
-              widths={card}
-              onChange={(next, kind) => replace(withWidths(card, next), kind)}
-            />
+            <GlossField {...surface} />
           ) : (
-            <p class="note">No surface, so no roughness: its index n is that of the coat above.</p>
+            <p class="note">No surface, so no gloss: its index n is that of the coat above.</p>
           )}
-          <details
-            open={physical.value.has(card.id)}
-            onToggle={({ currentTarget: { open } }) => {
-              if (open !== physical.value.has(card.id))
-                physical.value = toggled(physical.value, card.id);
-            }}
-          >
-            <summary>Physical</summary>
+          <MediumField name="thickness" {...medium} />
+          <MediumField name="body" {...medium} />
+          <Advanced of={card.id}>
+            <MediumField name="color" {...medium} />
+            <MediumField name="bodyColor" {...medium} />
+            {hasOwnSurface && <WidthFields parameter={COAT_PARAMETERS.alpha} {...surface} />}
             <Field
               owner={name}
               parameter={COAT_PARAMETERS.ior}
@@ -153,7 +155,7 @@ export function CoatCard({ card, name, seen, dragged, onMove, onDrag }: CoatCard
             <MediumField name="albedo" {...medium} />
             <MediumField name="g" {...medium} />
             <Replaced card={card} />
-          </details>
+          </Advanced>
         </div>
       )}
     </li>
@@ -187,12 +189,14 @@ interface MediumFieldProps {
 
 function MediumField({ name, card, owner, onChange }: MediumFieldProps) {
   const changed = (value: Channels) => withMedium(card, name, value);
+  const value = mediumValue(card, name);
+  const isSplit = typeof value !== "number";
   return (
     <Field
       owner={owner}
       parameter={COAT_PARAMETERS[name]}
-      value={mediumValue(card, name)}
-      coloured={name !== "thickness"}
+      value={value}
+      coloured={name === "body" ? isSplit : name !== "thickness"}
       colourOf={name === "g" ? undefined : (value) => shownColour(changed(value))}
       onChange={(value, kind) => onChange(changed(value), kind)}
     />
@@ -210,6 +214,7 @@ function mediumValue(card: Card, name: MediumKey): Channels {
 function withMedium(card: Card, name: MediumKey, value: Channels): Card {
   if (name === "thickness") return { ...card, thickness: rgb(value)[0] };
   if (name === "g") return { ...card, g: value };
+  if (name === "body") return withOpacity(card, value);
   const { color, body, bodyColor, albedo, sigmaT, ...others } = card as Card & Look & Physics;
   const given = name === "albedo" || name === "sigmaT" ? physicsOf(card) : lookOf(card);
   const numbers = Object.entries(given).map(([key, x]) => [key, mapped(x as Channels, rounded)]);

@@ -1,5 +1,6 @@
-/** A parameter: a slider and a number for one value or for each channel, and a colour. */
+/** A parameter: a slider and a number for one value or for each channel, or a colour. */
 
+import { signal } from "@preact/signals";
 import type { ComponentChildren } from "preact";
 import type { Channels } from "../core/api";
 import { joined, type Rgb, rgb } from "../material/channels";
@@ -24,20 +25,33 @@ interface FieldProps {
 
 const CHANNELS = ["red", "green", "blue"] as const;
 
+/** Names of the colours whose channels are shown. */
+const unfolded = signal<ReadonlySet<string>>(new Set());
+
+/** A set with one member more, or without it if it has it. */
+export function toggled<T>(set: ReadonlySet<T>, member: T): ReadonlySet<T> {
+  const next = new Set(set);
+  if (!next.delete(member)) next.add(member);
+  return next;
+}
+
 export function Field(props: FieldProps) {
   const { owner, parameter, value, coloured, aside, colourOf, onChange } = props;
-  const split = typeof value !== "number";
+  const { isColour = false } = parameter;
   const values = rgb(value);
   const name = `${owner}, ${parameter.label}`;
+  const split = isColour ? unfolded.value.has(name) : typeof value !== "number";
   const reset = () => onChange(parameter.fallback, "");
   const set = (channel: number | null, next: number) => {
     if (channel === null) return onChange(next, name);
     const changed = [...values] as [number, number, number];
     changed[channel] = next;
-    onChange(changed, `${name} ${channel}`);
+    onChange(isColour ? joined(changed) : changed, `${name} ${channel}`);
   };
-  const toggle = () =>
-    onChange(split ? rounded((values[0] + values[1] + values[2]) / 3) : [...values], "");
+  const toggle = () => {
+    if (isColour) unfolded.value = toggled(unfolded.value, name);
+    else onChange(split ? rounded((values[0] + values[1] + values[2]) / 3) : [...values], "");
+  };
 
   /** A track's gradient: what a channel's values, or the one value, look like. */
   const gradient = (channel: number | null) => {
@@ -49,6 +63,18 @@ export function Field(props: FieldProps) {
     });
     return `linear-gradient(90deg, ${stops.join(", ")})`;
   };
+  const row = (channel: number | null) => (
+    <Row
+      key={channel}
+      name={channel === null ? name : `${name}, ${CHANNELS[channel]}`}
+      channel={channel === null ? "" : CHANNELS[channel]!}
+      track={gradient(channel)}
+      parameter={parameter}
+      value={values[channel ?? 0]!}
+      onInput={(next) => set(channel, next)}
+      onReset={reset}
+    />
+  );
 
   return (
     <div class={split ? "field split" : "field"}>
@@ -58,14 +84,14 @@ export function Field(props: FieldProps) {
       </span>
       <span class="aside">
         {aside}
-        {parameter.isColour && <Swatch name={name} values={values} onChange={onChange} />}
         {coloured && (
           <button
             type="button"
             class="channels"
-            aria-pressed={split}
-            aria-label={`${name}: one value for each colour`}
-            title={split ? "One value for all colours" : "One value for each colour"}
+            aria-pressed={isColour ? undefined : split}
+            aria-expanded={isColour ? split : undefined}
+            aria-label={isColour ? `${name}: channels` : `${name}: one value for each colour`}
+            title={isColour ? "The channels" : "One value for all colours, or for each"}
             onClick={toggle}
           >
             <i />
@@ -75,29 +101,19 @@ export function Field(props: FieldProps) {
         )}
       </span>
       <div class="rows">
-        {split ? (
-          CHANNELS.map((channel, at) => (
-            <Row
-              key={channel}
-              name={`${name}, ${channel}`}
-              channel={channel}
-              track={gradient(at)}
-              parameter={parameter}
-              value={values[at]!}
-              onInput={(next) => set(at, next)}
-              onReset={reset}
-            />
-          ))
-        ) : (
-          <Row
-            name={name}
-            track={gradient(null)}
-            parameter={parameter}
-            value={values[0]}
-            onInput={(next) => set(null, next)}
-            onReset={reset}
+        {isColour && (
+          <input
+            type="color"
+            class="swatch"
+            aria-label={`${name}: choose`}
+            title="Choose the colour"
+            value={hex(values)}
+            onInput={({ currentTarget }) =>
+              onChange(joined(fromHex(currentTarget.value)), `${name} colour`)
+            }
           />
         )}
+        {split ? [0, 1, 2].map(row) : !isColour && row(null)}
       </div>
     </div>
   );
@@ -105,7 +121,7 @@ export function Field(props: FieldProps) {
 
 interface RowProps {
   name: string;
-  channel?: string;
+  channel: string;
   /** The slider's background. */
   track: string | undefined;
   parameter: Parameter;
@@ -122,7 +138,7 @@ function Row({ name, channel, track, parameter, value, onInput, onReset }: RowPr
   return (
     <div class="row">
       <Slider
-        class={channel ?? ""}
+        class={channel}
         track={track}
         name={name}
         text={String(value)}
@@ -141,24 +157,5 @@ function Row({ name, channel, track, parameter, value, onInput, onReset }: RowPr
         onChange={(next) => onInput(clamped(parameter, next))}
       />
     </div>
-  );
-}
-
-interface SwatchProps {
-  name: string;
-  values: Rgb;
-  onChange: (value: Channels, kind: string) => void;
-}
-
-function Swatch({ name, values, onChange }: SwatchProps) {
-  return (
-    <input
-      type="color"
-      class="swatch"
-      aria-label={`${name}: choose`}
-      title="Choose the colour"
-      value={hex(values)}
-      onInput={(event) => onChange(joined(fromHex(event.currentTarget.value)), `${name} colour`)}
-    />
   );
 }

@@ -19,11 +19,8 @@ import { LANGUAGES, type Language, readTemplate, shaderText } from "../save/shad
 import { toAddress, toJson } from "../state/address";
 import { announce, complain, material, state, tell } from "../state/store";
 
-const GROUPS = ["Picture", "Material", "Code", "Share"] as const;
-
-/** A kind of file: its place and its name in the menu, what it is, and what makes it. */
+/** A kind of file: its name in the menu, what it is, and what makes it. */
 interface Kind {
-  group: (typeof GROUPS)[number];
   label: string;
   hint: string;
   save: (name: string) => void | Promise<void>;
@@ -62,9 +59,9 @@ async function presentFile(): Promise<Uint8Array<ArrayBuffer>> {
   return opened.texture.file;
 }
 
-const KINDS: readonly Kind[] = [
+/** What most people want. */
+const FIRST: readonly Kind[] = [
   {
-    group: "Picture",
     label: "Picture",
     hint: "PNG, as it is seen",
     save: async (name) => {
@@ -73,64 +70,100 @@ const KINDS: readonly Kind[] = [
     },
   },
   {
-    group: "Picture",
-    label: "Radiance",
-    hint: "EXR, the picture in linear light",
-    save: async (name) => {
-      download(`${name}.exr`, new Blob([exrFile(await presentSession().radiance())]));
-      tellOfRefining();
+    label: "Copy the address",
+    hint: "to share: it holds the whole state",
+    save: async () => {
+      const address = new URL(`#${toAddress(state.value)}`, location.href).href;
+      try {
+        await navigator.clipboard.writeText(address);
+      } catch {
+        throw new Refusal(
+          "The browser gives the page no clipboard; copy the address from the address bar.",
+        );
+      }
+      announce("The address was copied.");
     },
   },
   {
-    group: "Material",
     label: "Material",
     hint: "safetensors, for urushi.load",
     save: async (name) => download(`${name}.safetensors`, new Blob([await presentFile()])),
   },
-  {
-    group: "Material",
-    label: "Mitsuba XML",
-    hint: "a BSDF for a scene file",
-    save: (name) => download(`${name}.xml`, textBlob(mitsubaXml(material.value))),
-  },
-  {
-    group: "Material",
-    label: "Mitsuba dictionary",
-    hint: "the same for mi.load_dict",
-    save: (name) => download(`${name}-dict.py`, textBlob(mitsubaDict(material.value))),
-  },
-  {
-    group: "Share",
-    label: "Mitsuba scene",
-    hint: "ZIP: object, camera, light and material",
-    save: async (name) => {
-      const scene = { ...(await presentSession().scene()), material: await presentFile() };
-      download(`${name}-scene.zip`, new Blob([sceneFile(scene)]));
-    },
-  },
-  {
-    group: "Code",
-    label: "Python",
-    hint: "a program with urushi",
-    save: (name) => download(`${name}.py`, textBlob(pythonText(material.value))),
-  },
-  {
-    group: "Code",
-    label: "MaterialX",
-    hint: "an open_pbr_surface, without what that lacks",
-    save: (name) => {
-      const { text, lost } = materialxText(material.value);
-      download(`${name}.mtlx`, textBlob(text));
-      if (lost) tell(lost);
-    },
-  },
-  {
-    group: "Share",
-    label: "State",
-    hint: "JSON, to open here again",
-    save: (name) => download(`${name}.json`, textBlob(toJson(state.value, 2))),
-  },
 ];
+
+const larger = (size: LargeSize, label: string): Kind => ({
+  label,
+  hint: "PNG of a larger picture, drawn to the end",
+  save: async (name) => download(`${name}-${size}.png`, await presentSession().largePicture(size)),
+});
+
+/** All else, by headings. */
+const MORE: Readonly<Record<string, readonly Kind[]>> = {
+  "Larger pictures and linear light": [
+    larger("2x", "2 ×"),
+    larger("4K", "4K"),
+    {
+      label: "Radiance",
+      hint: "EXR, the picture in linear light",
+      save: async (name) => {
+        download(`${name}.exr`, new Blob([exrFile(await presentSession().radiance())]));
+        tellOfRefining();
+      },
+    },
+  ],
+  "Scenes and descriptions": [
+    {
+      label: "Mitsuba scene",
+      hint: "ZIP: object, camera, light and material",
+      save: async (name) => {
+        const scene = { ...(await presentSession().scene()), material: await presentFile() };
+        download(`${name}-scene.zip`, new Blob([sceneFile(scene)]));
+      },
+    },
+    {
+      label: "Mitsuba XML",
+      hint: "a BSDF for a scene file",
+      save: (name) => download(`${name}.xml`, textBlob(mitsubaXml(material.value))),
+    },
+    {
+      label: "Mitsuba dict",
+      hint: "the BSDF for mi.load_dict",
+      save: (name) => download(`${name}-dict.py`, textBlob(mitsubaDict(material.value))),
+    },
+    {
+      label: "Python",
+      hint: "a program with urushi",
+      save: (name) => download(`${name}.py`, textBlob(pythonText(material.value))),
+    },
+    {
+      label: "MaterialX",
+      hint: "an open_pbr_surface, without what that lacks",
+      save: (name) => {
+        const { text, lost } = materialxText(material.value);
+        download(`${name}.mtlx`, textBlob(text));
+        if (lost) tell(lost);
+      },
+    },
+    {
+      label: "State",
+      hint: "JSON, to open here again",
+      save: (name) => download(`${name}.json`, textBlob(toJson(state.value, 2))),
+    },
+  ],
+  "Shaders of f, pdf and sample": (Object.keys(LANGUAGES) as Language[]).map((language) => ({
+    label: LANGUAGES[language].title,
+    hint: `${LANGUAGES[language].title} code`,
+    save: (name) => saveShader(language, name),
+  })),
+  "The texture that they read": (Object.keys(FORMATS) as Format[]).map((format) => ({
+    label: FORMATS[format],
+    hint: "the functions of the basis, the same for all materials",
+    save: async () => {
+      const { core } = await encoded();
+      download(`urushi-basis.${format}`, basisFile(await core.basisTexels(), format));
+    },
+  })),
+};
 
 /** Tell that a picture was saved before it was finished. */
 function tellOfRefining(): void {
@@ -142,32 +175,6 @@ function tellOfRefining(): void {
   );
 }
 
-/** The sizes of larger pictures, in words. */
-const SIZES: Record<LargeSize, string> = { "2x": "2 ×", "4K": "4K" };
-
-async function saveLarge(size: LargeSize, name: string): Promise<void> {
-  download(`${name}-${size}.png`, await presentSession().largePicture(size));
-}
-
-const ADDRESS: Kind = {
-  group: "Share",
-  label: "Copy the address",
-  hint: "it holds the whole state",
-  save: async () => {
-    const address = new URL(`#${toAddress(state.value)}`, location.href).href;
-    try {
-      await navigator.clipboard.writeText(address);
-    } catch {
-      throw new Refusal(
-        "The browser gives the page no clipboard; copy the address from the address bar.",
-      );
-    }
-    announce("The address was copied.");
-  },
-};
-
-const LANGUAGE_NAMES = Object.keys(LANGUAGES) as Language[];
-
 async function saveShader(language: Language, name: string): Promise<void> {
   const { core, codes } = await encoded();
   const text = shaderText(await readTemplate(language, core.widths), codes, rotation());
@@ -176,12 +183,6 @@ async function saveShader(language: Language, name: string): Promise<void> {
     tell(
       "The shader code has the codes of the material; for its table, save the material and run urushi export.",
     );
-}
-
-async function saveBasis(format: Format): Promise<void> {
-  const { core } = await encoded();
-  const texels = await core.basisTexels();
-  download(`urushi-basis.${format}`, basisFile(texels, format));
 }
 
 /** Offer a file for download. */
@@ -206,66 +207,26 @@ export function SaveMenu({ onDone }: { onDone: () => void }) {
       complain(error, () => void run(save));
     }
   };
-  const kinds = isDocument() ? KINDS : [...KINDS, ADDRESS];
-  return GROUPS.map((group) => (
-    <section key={group}>
-      <h2>{group}</h2>
+  const buttons = (kinds: readonly Kind[]) =>
+    kinds.map(({ label, hint, save }) => (
+      <li key={label}>
+        <button type="button" title={hint} onClick={() => void run(save)}>
+          <span>{label}</span>
+          <small>{hint}</small>
+        </button>
+      </li>
+    ));
+  return (
+    <>
       <ul>
-        {kinds
-          .filter((kind) => kind.group === group)
-          .map(({ label, hint, save }) => (
-            <li key={label}>
-              <button type="button" onClick={() => void run(save)}>
-                <span>{label}</span>
-                <small>{hint}</small>
-              </button>
-            </li>
-          ))}
-        {group === "Picture" && (
-          <li class="languages">
-            <small>Larger, drawn to the end</small>
-            <div role="group" aria-label="Larger picture">
-              {Object.entries(SIZES).map(([size, label]) => (
-                <button
-                  key={size}
-                  type="button"
-                  onClick={() => void run((name) => saveLarge(size as LargeSize, name))}
-                >
-                  {label}
-                </button>
-              ))}
-            </div>
-          </li>
-        )}
-        {group === "Code" && (
-          <li class="languages">
-            <small>Shaders of f, pdf and sample</small>
-            <div role="group" aria-label="Shader code">
-              {LANGUAGE_NAMES.map((language) => (
-                <button
-                  key={language}
-                  type="button"
-                  onClick={() => void run((name) => saveShader(language, name))}
-                >
-                  {LANGUAGES[language].title}
-                </button>
-              ))}
-            </div>
-            <small>The texture that their f reads: GPU, NumPy, OSL</small>
-            <div role="group" aria-label="Texture of the basis">
-              {(Object.keys(FORMATS) as Format[]).map((format) => (
-                <button
-                  key={format}
-                  type="button"
-                  onClick={() => void run(() => saveBasis(format))}
-                >
-                  {FORMATS[format]}
-                </button>
-              ))}
-            </div>
-          </li>
-        )}
+        {buttons(isDocument() ? FIRST.filter((kind) => !kind.hint.includes("share")) : FIRST)}
       </ul>
-    </section>
-  ));
+      {Object.entries(MORE).map(([title, kinds]) => (
+        <section key={title}>
+          <h2>{title}</h2>
+          <ul class="compact">{buttons(kinds)}</ul>
+        </section>
+      ))}
+    </>
+  );
 }

@@ -4,7 +4,7 @@ import { beforeAll, describe, expect, test } from "vitest";
 import type { Bottom, Coat, Material, Stack } from "../../src/core/api";
 import { loadCore, type NetworkCore } from "../../src/core/core";
 import { mixtureDensity, Proposals } from "../../src/core/mixture";
-import { halfVectorRule } from "../../src/core/quadrature";
+import { directionRule } from "../../src/core/quadrature";
 import { readWeights } from "../../src/core/weights";
 import { type MaterialCards, stackOf, withCoat } from "../../src/material/material";
 import { preset } from "../../src/material/presets";
@@ -119,14 +119,14 @@ describe("layering", () => {
 
 describe("the proposal", () => {
   test.each([0.95, 0.5, 0.1])("integrates to one at the cosine %f", (cosine) => {
-    const { wo, weights } = halfVectorRule(cosine, false);
+    const wi = { x: Math.sqrt(1 - cosine * cosine), y: 0, z: cosine };
+    const { wo, weights } = directionRule(wi, 1, { azimuths: 16, slopes: 48 });
     const { arch, proposal } = readWeights(bytesOf(SHIPPED));
     const proposer = new Proposals(proposal!, arch.lobe);
-    const wi = { x: Math.sqrt(1 - cosine * cosine), y: 0, z: cosine };
     const mixture = proposer.proposals(material.latents.slice(0, core.latentSize))(wi);
     const total = weights.reduce((sum, weight, i) => {
       const [x, y, z] = wo.slice(3 * i, 3 * i + 3);
-      return sum + mixtureDensity(mixture, wi, { x, y, z }) * weight;
+      return sum + (mixtureDensity(mixture, wi, { x, y, z }) / z) * weight;
     }, 0);
     expect(total).toBeCloseTo(1, 2);
   });

@@ -1,5 +1,5 @@
 import { expect, test } from "vitest";
-import { occlusion } from "../../src/core/occlusion";
+import { axesOf, GROUND_SIDE, occlusion } from "../../src/core/occlusion";
 
 type Vector = [number, number, number];
 
@@ -28,9 +28,11 @@ function sphere(top: number, side: 1 | -1) {
   });
 }
 
-function of({ vertices, faces }: { vertices: number[]; faces: number[] }) {
-  return occlusion(new Float32Array(vertices), 6, new Uint32Array(faces));
+function all({ vertices, faces }: { vertices: number[]; faces: number[] }) {
+  return occlusion(new Float32Array(vertices), 6, new Uint32Array(faces), 4);
 }
+
+const of = (mesh: Parameters<typeof all>[0]) => all(mesh).openings;
 
 test("nothing of a ball hides its light: all is open, along the normal", () => {
   const mesh = sphere(1, 1);
@@ -76,4 +78,41 @@ test("beside a high wall half of the light arrives, from the quarter of the sphe
   expect(Math.abs(x! - 2 / 3 / length)).toBeLessThan(0.03);
   expect(Math.abs(y!)).toBeLessThan(0.03);
   expect(Math.abs(z! - Math.PI / 3 / length)).toBeLessThan(0.03);
+});
+
+test("a ball's shadow is as large as the ground that a cylinder of light cuts, away from the light", () => {
+  const { shadows } = all(sphere(1, 1)); // about the origin: half of it lies under the ground
+  const axes = axesOf(shadows);
+  for (let axis = axes >> 1; axis < axes; axis += 16) {
+    const z = (axis + 0.5) / axes; // of the direction to the light, along the spiral of axes
+    const shadow = shadows.subarray(axis * GROUND_SIDE ** 2, (axis + 1) * GROUND_SIDE ** 2);
+    const area = shadow.filter((texel) => texel > 0).length * (8 / GROUND_SIDE) ** 2;
+    expect(Math.abs((area * z) / Math.PI - 1)).toBeLessThan(0.04); // of texels, of either kind
+  }
+});
+
+test("a pole's shadow lies opposite to the light", () => {
+  const pole = grid(8, (u, v) => [
+    [0.05 * Math.cos(2 * Math.PI * u), 0.05 * Math.sin(2 * Math.PI * u), 2 * v],
+    [Math.cos(2 * Math.PI * u), Math.sin(2 * Math.PI * u), 0],
+  ]);
+  const { shadows } = all(pole);
+  const axes = axesOf(shadows);
+  for (const axis of [axes >> 1, (axes >> 1) + 1, (axes >> 1) + 2]) {
+    const z = (axis + 0.5) / axes;
+    const phi = axis * Math.PI * (3 - Math.sqrt(5));
+    let [x, y, count] = [0, 0, 0];
+    shadows
+      .subarray(axis * GROUND_SIDE ** 2, (axis + 1) * GROUND_SIDE ** 2)
+      .forEach((texel, at) => {
+        if (texel === 0) return;
+        x += (((at % GROUND_SIDE) + 0.5) / GROUND_SIDE) * 8 - 4;
+        y += ((Math.floor(at / GROUND_SIDE) + 0.5) / GROUND_SIDE) * 8 - 4;
+        count++;
+      });
+    // Its middle is that of the shadow of the pole's middle, at height 1.
+    const away = Math.sqrt(1 - z * z) / z;
+    expect(Math.abs(x / count + away * Math.cos(phi))).toBeLessThan(0.08);
+    expect(Math.abs(y / count + away * Math.sin(phi))).toBeLessThan(0.08);
+  }
 });

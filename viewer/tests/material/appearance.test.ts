@@ -6,7 +6,14 @@ import { join } from "node:path";
 import { describe, expect, test } from "vitest";
 import { loadCore } from "../../src/core/core";
 import { coatedColor } from "../../src/core/formulas";
-import { colourOver, lookOf, physicsOf } from "../../src/material/appearance";
+import {
+  colourOf,
+  colourOver,
+  lookOf,
+  physicsOf,
+  withColour,
+  withOpacity,
+} from "../../src/material/appearance";
 import { type Rgb, rgb } from "../../src/material/channels";
 import { stackOf } from "../../src/material/material";
 import { readMaterial } from "../../src/state/read";
@@ -139,4 +146,23 @@ test("coats over a white metal get light back and gain none", () => {
     expect(Math.max(...found!)).toBeLessThan(1.03);
     expect(found!.every((share, at) => share > without![at]!)).toBe(true);
   }
+});
+
+describe("one colour of dye and pigment", () => {
+  const clear = { color: 1, body: 0, bodyColor: 0.8, g: 0 } as const;
+
+  test("is that of a clear coat as of an opaque one, whichever order they are given in", () => {
+    const red: Rgb = [0.7, 0.05, 0.02];
+    const first = withOpacity(withColour(clear, red), 0.4);
+    expect(first).toEqual(withColour(withOpacity(clear, 0.4), red));
+    expect(colourOf(lookOf(first))).toEqual(red);
+    expect(colourOf(lookOf(withOpacity(first, 0)))).toEqual(red);
+    expect(withOpacity(first, 0)).toMatchObject({ color: red });
+    expect(withOpacity(first, 1)).toMatchObject({ color: 1, bodyColor: red });
+  });
+
+  test("is not forced upon a coat of two", () => {
+    const two = { ...clear, color: 0.5, body: 0.2, bodyColor: 0.9 };
+    expect(withOpacity(two, 0.3)).toEqual({ ...two, body: 0.3 });
+  });
 });

@@ -49,7 +49,7 @@ test("axe finds nothing", async ({ page }) => {
 test("every control is reached by the keyboard", async ({ page }) => {
   await open(page);
   const reached = new Set<string>();
-  for (let step = 0; step < 120; step++) {
+  for (let step = 0; step < 200; step++) {
     await page.keyboard.press("Tab");
     reached.add(
       await page.evaluate(() => {
@@ -83,7 +83,7 @@ test("the material is in the names of page and picture, and news are spoken once
   await expect(page.locator(".spoken[role=status]")).not.toHaveText("Coat 1 was removed.");
 });
 
-test("the menu of materials is one stop of the keyboard, with arrows and letters", async ({
+test("the menu of materials is one stop of the keyboard, with arrows, and a search", async ({
   page,
 }) => {
   await open(page);
@@ -92,12 +92,18 @@ test("the menu of materials is one stop of the keyboard, with arrows and letters
   await expect(material("Vermilion urushi")).toBeFocused();
   await page.keyboard.press("ArrowLeft");
   await expect(material("Black urushi")).toBeFocused();
-  await page.keyboard.press("End");
-  await page.keyboard.type("ce");
-  await expect(material("Celadon")).toBeFocused();
+  await page.keyboard.press("ArrowUp");
+  await expect(material("Gold")).toBeFocused(); // of the group above
   await page.keyboard.press("Tab");
   await expect(page.getByRole("button", { name: "Undo" })).toBeFocused();
   await expect(page.locator(".menu.presets .panel")).toHaveCount(0);
+
+  await page.getByRole("button", { name: /choose another/ }).press("Enter");
+  await page.keyboard.type("cela");
+  await expect(page.getByLabel("Search the materials")).toHaveValue("cela");
+  await expect(page.locator(".menu.presets li")).toHaveText(["Celadon"]);
+  await page.keyboard.press("Enter");
+  await expect(page.getByLabel("Name of the material")).toHaveValue("Celadon");
 });
 
 test("tooltips are read by keyboard and by touch", async ({ page }) => {
@@ -107,7 +113,7 @@ test("tooltips are read by keyboard and by touch", async ({ page }) => {
   await expect(told).toContainText("Tap, point at or focus");
   await page.getByRole("slider", { name: "Coat 2, Thickness" }).focus();
   await expect(told).toContainText("Factor of the medium's depth");
-  await page.locator(".field .label", { hasText: "Body" }).first().dispatchEvent("pointerdown");
+  await page.locator(".field .label", { hasText: "Opacity" }).first().dispatchEvent("pointerdown");
   await expect(told).toContainText("How opaque the pigment is");
   await page.getByRole("button", { name: "Explain the page" }).click();
   await expect(told).toBeHidden();

@@ -2,7 +2,7 @@
 
 import { toAddress } from "../../src/state/address";
 import { INITIAL, type State } from "../../src/state/state";
-import { coats, expect, give, number, open, panorama, showPhysical, stateOf, test } from "./page";
+import { coats, expect, give, number, open, panorama, stateOf, test, unfold } from "./page";
 
 test("a slider moves by mouse and by keyboard, and its number follows", async ({ page }) => {
   await open(page);
@@ -65,6 +65,21 @@ test("appearance and physics are two descriptions of a coat's medium", async ({ 
   await expect(page.getByRole("button", { name: /choose another/ })).toContainText("(modified)");
 });
 
+test("colour, gloss and opacity are all that a coat needs", async ({ page }) => {
+  await open(page);
+  const coat = async (place: number) => (await stateOf(page)).materials[0].coats[place];
+  await page.getByLabel("Coat 2, Colour: choose", { exact: true }).fill("#ff0000");
+  await expect.poll(() => coat(0)).toMatchObject({ color: [1, 0, 0], body: 0 });
+  // A clear coat that becomes a paint keeps its colour, which the pigment has then.
+  const opacity = number(page, "Coat 2, Opacity");
+  await opacity.fill("1");
+  await opacity.press("Enter");
+  await expect.poll(() => coat(0)).toMatchObject({ color: 1, body: 1, bodyColor: [1, 0, 0] });
+  await number(page, "Coat 2, Gloss").fill("0");
+  await number(page, "Coat 2, Gloss").press("Enter");
+  await expect(number(page, "Coat 2, Roughness α")).toHaveValue("1");
+});
+
 test("a parameter has one value or one for each colour", async ({ page }) => {
   await open(page);
   const split = page.getByRole("button", { name: "Coat 2, Scattering: one value for each colour" });
@@ -109,7 +124,7 @@ test("added coats have the topmost surface and leave the look", async ({ page })
   const spoken = async () => (await plot.getAttribute("aria-label")) ?? "";
   const before = (await spoken()).match(/\d+/g)!.map(Number);
   await page.getByRole("button", { name: "Add coat" }).click();
-  await showPhysical(page);
+  await unfold(page);
   await expect(number(page, "Coat 3, Index n")).toHaveValue("1.53");
   await expect(number(page, "Coat 3, Roughness α")).toHaveValue("0.02");
   // The surface is now that of the added coat: the one below has none, and nothing that does nothing.
@@ -134,11 +149,11 @@ test("added coats have the topmost surface and leave the look", async ({ page })
 test("what becomes a metal is bright, and what is shown otherwise is said", async ({ page }) => {
   await open(page);
   await expect(coats(page).nth(1)).toContainText("looks alike is shown, of depth 12"); // opaque
-  await number(page, "Coat 1, Body").fill("0.5");
-  await number(page, "Coat 1, Body").press("Enter");
+  await number(page, "Coat 1, Opacity").fill("0.5");
+  await number(page, "Coat 1, Opacity").press("Enter");
   await expect(coats(page).nth(1)).not.toContainText("looks alike");
   await page.getByLabel("Kind of bottom").selectOption("Metal by reflectance");
-  await expect(number(page, "Bottom, Reflectance")).toHaveValue("0.9");
+  await expect(number(page, "Bottom, Reflectance, red")).toHaveValue("0.9");
 });
 
 test("an address of indices relative to the medium above is converted, and it is told", async ({
@@ -271,6 +286,7 @@ test("the address holds the state", async ({ page, context }) => {
     await expect(coats(other)).toHaveCount(1, { timeout: 5_000 });
     const object = other.getByRole("combobox", { name: "Object" });
     await expect(object).toHaveValue("plate", { timeout: 5_000 });
+    await unfold(other);
     await expect(number(other, "Coat 1, Index n")).toHaveValue("1.77", { timeout: 5_000 });
   }).toPass({ timeout: 90_000 });
 });
@@ -287,6 +303,7 @@ test("two widths have sliders and an angle, and follow undo and the address", as
   await open(page);
   const link = page.getByRole("button", { name: "Bottom, u·v: two widths" });
   await page.getByLabel("Kind of bottom").selectOption("Metal by reflectance");
+  await unfold(page);
   await expect(number(page, "Material, Tangent angle")).toHaveCount(0);
   await link.click();
   await expect(link).toHaveAttribute("aria-pressed", "true");
@@ -302,6 +319,7 @@ test("two widths have sliders and an angle, and follow undo and the address", as
   await expect(async () => {
     await other.goto("about:blank");
     await other.goto(page.url());
+    await unfold(other);
     await expect(number(other, "Bottom, Roughness αᵥ")).toHaveValue("0.6", { timeout: 5_000 });
     await expect(number(other, "Material, Tangent angle")).toHaveValue("45", { timeout: 5_000 });
   }).toPass({ timeout: 90_000 });

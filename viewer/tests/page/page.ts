@@ -83,7 +83,8 @@ function answerAtOnce(wanted: Options): void {
     else if (message.call === "occlusion" && !wanted.occlusion) {
       const [vertices, stride] = message.args;
       const numbers = (4 * vertices.length) / stride;
-      answer({ result: new Float32Array(numbers).map((_, at) => +(at % 4 === 3)) });
+      const openings = new Float32Array(numbers).map((_, at) => +(at % 4 === 3));
+      answer({ result: { openings, shadows: new Uint8Array(0) } });
     } else {
       if (message.call === "table")
         this.addEventListener("message", ({ data }) => {
@@ -100,17 +101,19 @@ export async function refined(page: Page, share: number): Promise<void> {
   await expect.poll(gathered, { timeout: 300_000 }).toBeGreaterThanOrEqual(share);
 }
 
-/** Open the page and wait until it computes; the physical numbers of all coats are shown. */
+/** Open the page and wait until it computes; nothing on it is folded. */
 export async function open(page: Page, address = ""): Promise<void> {
   await page.goto(`./${address}`);
   await expect(page.locator(".status")).not.toHaveText(/Loading/);
-  await showPhysical(page);
+  await unfold(page);
 }
 
-/** Show the physical numbers of all coats. */
-export async function showPhysical(page: Page): Promise<void> {
-  const closed = page.locator(".card details:not([open]) summary");
-  for (let left = await closed.count(); left > 0; left--) await closed.first().click();
+/** Show plots, channels of colours, and what is advanced. */
+export async function unfold(page: Page): Promise<void> {
+  for (const closed of ["details:not([open]) > summary", ".channels[aria-expanded=false]"]) {
+    const all = page.locator(`.column :is(${closed})`);
+    for (let left = await all.count(); left > 0; left--) await all.first().click();
+  }
 }
 
 /** The address of a state, of which only some is given; the rest is as at first. */

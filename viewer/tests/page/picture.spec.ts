@@ -1,8 +1,11 @@
 /** The picture: it is there, follows the cards, and its absence is told. */
 
-import { readExr } from "../../src/core/exr_file";
+import { lookOf } from "../../src/material/appearance";
+import { rgb } from "../../src/material/channels";
 import { decoded, encoded } from "../../src/material/colour";
-import { preset } from "../../src/material/presets";
+import { METALS, preset } from "../../src/material/presets";
+import { readExr } from "../../src/picture/exr_file";
+import { INITIAL } from "../../src/state/state";
 import {
   addressOf,
   colourAt,
@@ -45,7 +48,7 @@ test("the picture shows the material, and follows it", async ({ page }) => {
 });
 
 test("a brighter exposure is brighter, and the camera turns by the keyboard", async ({ page }) => {
-  await matt(page, [0.3, 0.3, 0.3]);
+  await matt(page, [0.1, 0.1, 0.1]);
   await expect.poll(async () => (await colourAt(page, 0.5, 0.4))[0]!).toBeGreaterThan(5);
   const [before] = await colourAt(page, 0.5, 0.4);
   await page.getByRole("slider", { name: "Exposure" }).focus();
@@ -103,7 +106,7 @@ test("the difference of two materials is dark where they agree", async ({ page }
     for (const [at, channel] of ["red", "green", "blue"].entries()) {
       const field = number(page, `Bottom, Reflectance, ${channel}`);
       if ((await field.count()) === 0)
-        await page.getByRole("button", { name: /^Bottom, Reflectance: one value/ }).click();
+        await page.getByRole("button", { name: "Bottom, Reflectance: channels" }).click();
       await field.fill(String(values[at]));
       await field.press("Enter");
     }
@@ -168,6 +171,48 @@ test.describe("a hollow object", () => {
     await expect.poll(async () => Math.abs((await seen()) - 1)).toBeLessThan(0.03);
     await page.getByRole("combobox", { name: "Object" }).selectOption("bowl");
     await expect.poll(seen).toBeLessThan(0.88);
+  });
+});
+
+test.describe("the studio's light", () => {
+  test.use({ deviceScaleFactor: 0.3, refined: 0.1 });
+
+  test("shows a lacquer's colour in the middle of a body", async ({ page }) => {
+    await page.setViewportSize({ width: 900, height: 500 });
+    const [lacquer] = INITIAL.materials;
+    await open(page, addressOf({ materials: [lacquer], object: "bowl" }));
+    const swatch = rgb(lookOf(lacquer.coats[1]!).bodyColor).map((x) => 255 * encoded(x));
+    await expect
+      .poll(async () => {
+        const seen = await colourAt(page, 0.5, 0.6);
+        return Math.max(...seen.map((x, k) => Math.abs(x / swatch[k]! - 1)));
+      })
+      .toBeLessThan(0.15);
+  });
+
+  test("lets the contour of a silver ball be read all around", async ({ page }) => {
+    await page.setViewportSize({ width: 900, height: 500 });
+    const silver = { kind: "conductor", alpha: 0.03, ...METALS.Silver };
+    const materials = [{ name: "silver", bottom: silver }];
+    await open(page, addressOf({ materials, object: "ball" }));
+    await expect.poll(async () => Math.max(...(await colourAt(page, 0.5, 0.5)))).toBeGreaterThan(5);
+    const steps = await page.locator(".stage canvas").evaluate((element) => {
+      const { width, height } = element as HTMLCanvasElement;
+      const context = new OffscreenCanvas(width, height).getContext("2d")!;
+      context.drawImage(element as HTMLCanvasElement, 0, 0);
+      const { data } = context.getImageData(0, 0, width, height);
+      const grey = (radius: number, angle: number) => {
+        const x = Math.round(width / 2 + radius * Math.cos(angle));
+        const y = Math.round(height / 2 + radius * Math.sin(angle));
+        return data[4 * (y * width + x) + 1]!;
+      };
+      const radius = 0.318 * height; // of the ball at zoom 1
+      const angles = Array.from({ length: 36 }, (_, k) => (Math.PI / 18) * k);
+      return angles
+        .map((angle) => Math.abs(grey(0.94 * radius, angle) - grey(1.06 * radius, angle)))
+        .sort((a, b) => a - b);
+    });
+    expect(steps[3]).toBeGreaterThan(15); // a tenth of the contour may be fainter
   });
 });
 

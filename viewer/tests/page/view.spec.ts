@@ -48,13 +48,17 @@ test("the turntable turns the camera, and stops where less motion is asked for",
 test("the picture fills the screen, plots fold away, and a material has another name", async ({
   page,
 }) => {
-  await open(page);
+  await page.goto("./");
   const plots = page.locator(".plots summary");
+  const angle = page.getByRole("slider", { name: "Angle of incidence" });
+  await expect(angle).toBeHidden(); // as everywhere at first
   const height = async () => (await page.locator(".stage").boundingBox())!.height;
   const before = await height();
   await plots.click();
-  await expect(page.getByRole("slider", { name: "Angle of incidence" })).toBeHidden();
-  expect(await height()).toBeGreaterThan(before + 100);
+  await expect(angle).toBeVisible();
+  expect(await height()).toBe(before); // the picture keeps its place
+  await expect.poll(async () => (await stateOf(page)).plots).toBe(true);
+  await plots.click();
   await page.getByLabel("Name of the material").fill("Tray 7");
   await page.keyboard.press("Enter");
   await expect(page.getByRole("button", { name: /^Material Tray 7: choose/ })).toBeVisible();

@@ -24,12 +24,13 @@ const OBJ = [
 ].join("\n");
 
 /** A .glb; node: its transformation. */
-function glb(node: object, extra: object = {}, corners = FANS.length): Uint8Array {
+function glb(node: object, extra: object = {}, corners = FANS.length): Uint8Array<ArrayBuffer> {
   const binary = new Uint8Array(4 * 3 * POINTS.length + 2 * FANS.length);
   binary.set(new Uint8Array(Float32Array.from(POINTS.flat()).buffer));
   binary.set(new Uint8Array(Uint16Array.from(FANS).buffer), 4 * 3 * POINTS.length);
   const json = JSON.stringify({
     ...extra,
+    asset: { version: "2.0" },
     scenes: [{ nodes: [0] }],
     nodes: [{ children: [1] }, { mesh: 0, ...node }],
     meshes: [{ primitives: [{ attributes: { POSITION: 0 }, indices: 1 }] }],
@@ -46,14 +47,18 @@ function glb(node: object, extra: object = {}, corners = FANS.length): Uint8Arra
   const padded = text(json.padEnd(Math.ceil(json.length / 4) * 4));
   const bytes = new Uint8Array(28 + padded.length + binary.length);
   const view = new DataView(bytes.buffer);
-  view.setUint32(0, 0x46546c67, true);
-  view.setUint32(12, padded.length, true);
+  const head = [0x46546c67, 2, bytes.length, padded.length, 0x4e4f534a];
+  head.forEach((number, k) => {
+    view.setUint32(4 * k, number, true);
+  });
+  view.setUint32(20 + padded.length, binary.length, true);
+  view.setUint32(24 + padded.length, 0x4e4942, true);
   bytes.set(padded, 20);
   bytes.set(binary, 28 + padded.length);
   return bytes;
 }
 
-const box = readMesh(text(OBJ), "obj");
+const box = await readMesh(text(OBJ), "obj");
 
 test("a box stands upright on the ground, about the axis", () => {
   expect(box.faces.length).toBe(36);
@@ -82,8 +87,8 @@ test.each([
   { translation: [3, 4, 5], scale: [2, 2, 2] },
   { scale: [-1, 1, 1] }, // a mirrored box is a box
   { rotation: [0, 1, 0, 0] }, // and so is one that is turned by half a turn
-])("as glTF it is the same box: %j", (node) => {
-  const other = readMesh(glb(node), "glb");
+])("as glTF it is the same box: %j", async (node) => {
+  const other = await readMesh(glb(node), "glb");
   const sorted = ({ vertices }: typeof box) =>
     Array.from({ length: POINTS.length }, (_, k) =>
       [...vertices.subarray(VERTEX_NUMBERS * k, VERTEX_NUMBERS * k + 6)]
@@ -93,22 +98,35 @@ test.each([
   expect(sorted(other)).toEqual(sorted(box));
 });
 
-test("corners may count from the end, and without normals get smooth ones", () => {
+test("the data of a glTF may lie inside", async () => {
+  const whole = glb({});
+  const length = new DataView(whole.buffer).getUint32(12, true);
+  const json = JSON.parse(new TextDecoder().decode(whole.subarray(20, 20 + length)));
+  const data = Buffer.from(whole.subarray(28 + length)).toString("base64");
+  json.buffers[0].uri = `data:application/octet-stream;base64,${data}`;
+  expect(await readMesh(text(JSON.stringify(json)), "gltf")).toEqual(await readMesh(whole, "glb"));
+});
+
+test("corners may count from the end, and without normals get smooth ones", async () => {
   const triangle = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
-  const one = readMesh(text(`${triangle}f 1 2 3`), "obj");
-  expect(readMesh(text(`${triangle}f -3 -2 -1\r\n`), "obj")).toEqual(one);
+  const one = await readMesh(text(`${triangle}f 1 2 3`), "obj");
+  expect(await readMesh(text(`${triangle}f -3 -2 -1\r\n`), "obj")).toEqual(one);
   const given = `${triangle}vn 0 0 1\nvt 0 0\nvt 1 0\nvt 0 1\nf 1//1 2//1 3//1`;
-  expect(readMesh(text(given), "obj")).toEqual(one);
+  expect(await readMesh(text(given), "obj")).toEqual(one);
 });
 
 test.each([
   ["obj", text("f 1 2 3"), /damaged/],
   ["obj", text("v 0 0 0"), /no triangles/],
-  ["glb", glb({}).subarray(0, -8), /damaged/],
+  ["glb", glb({}).slice(0, -8), /damaged/],
   ["glb", glb({}, { extensionsRequired: ["KHR_draco_mesh_compression"] }), /needs KHR_draco/],
   ["glb", glb({}, {}, 7_500_000), /more than a million/], // its numbers are not even there
-  ["gltf", text('{"buffers": [{"uri": "box.bin"}]}'), /another file.*\.glb/],
+  [
+    "gltf",
+    text('{"asset": {"version": "2.0"}, "buffers": [{"uri": "box.bin"}]}'),
+    /another file.*\.glb/,
+  ],
   ["gltf", text("glTF"), /damaged/],
-])("a file that cannot be read is told: %s", (suffix, bytes, told) => {
-  expect(() => readMesh(bytes, suffix)).toThrow(told);
+])("a file that cannot be read is told: %s", async (suffix, bytes, told) => {
+  await expect(readMesh(bytes, suffix)).rejects.toThrow(told);
 });

@@ -1,5 +1,6 @@
 /** Measured BRDFs, recognised by their contents. */
 
+import type { Pairs } from "../features";
 import { FileError } from "../safetensors";
 import type { Direction } from "./half_vector";
 import { isMerl, Merl } from "./merl";
@@ -28,20 +29,18 @@ export function readMeasured(file: ArrayBuffer): Measured {
 }
 
 /**
- * Values [1/sr] at pairs of directions (N, 3) above the horizon, one array (N) for each channel.
+ * Values [1/sr] at N pairs of directions above the horizon, one array (N) for each channel.
  *
  * They are the means over the exchange of the directions and over mirror images.
  */
 export function valuesAt(
   measured: Measured,
-  wi: Float32Array,
-  wo: Float32Array,
+  { capacity: count, directions }: Pairs,
 ): [Float64Array, Float64Array, Float64Array] {
-  const count = wi.length / 3;
   const column = () => new Float64Array(count);
   const values: [Float64Array, Float64Array, Float64Array] = [column(), column(), column()];
   for (let i = 0; i < count; i++) {
-    const [a, b] = [unit(wi, i), unit(wo, i)];
+    const [a, b] = [unit(directions, 6 * i), unit(directions, 6 * i + 3)];
     const pairs: [Direction, Direction][] = [[a, b]];
     if (!measured.isReciprocal) {
       const [x, y] = [mirrored(a), mirrored(b)];
@@ -56,8 +55,8 @@ export function valuesAt(
   return values;
 }
 
-function unit(w: Float32Array, i: number): Direction {
-  const [x, y, z] = [w[3 * i], w[3 * i + 1], w[3 * i + 2]] as [number, number, number];
+function unit(w: Float64Array, at: number): Direction {
+  const [x, y, z] = [w[at], w[at + 1], w[at + 2]] as [number, number, number];
   const size = Math.hypot(x, y, z);
   return [x / size, y / size, z / size];
 }

@@ -1,6 +1,6 @@
 #version 300 es
-// What lies behind the object: the environment, out of focus, and the object's shadow on the ground,
-// which is that of an upright cylinder under the main light.
+// What lies behind the object: a ground and a wall in the environment's light, or a panorama out of focus;
+// with the object's shadow, and its reflection in the ground.
 precision highp float;
 precision highp samplerCube;
 
@@ -10,40 +10,62 @@ uniform vec3 up;
 uniform vec3 forward;
 uniform vec2 turn;
 uniform samplerCube environment;
-uniform float blur; // level of detail
-uniform float wider; // width relative to the picture's, to show the horizon from above
-uniform vec3 size; // of the object: radius of its foot, radius and height
-uniform vec3 key; // direction of the main light, in the environment
-uniform vec2 keySize; // the light's angular radius, and its share of the light on the ground
-uniform bool isPlain; // whether there is the shadow alone
+uniform samplerCube irradiance; // over pi, by the normal
+uniform sampler2D ground; // share of the light that it has
+uniform sampler2D mirror; // the object as the ground reflects it, times opacity
+uniform vec4 toMirror; // from pixels to its texels: shift and factors; 0: there is none
+uniform vec2 size; // radius of the object, and half the side of the square in `ground`
+uniform bool isPanorama;
+uniform bool isPlain; // whether there are shadow and reflection alone
 
 in vec2 place;
 out vec4 colour;
+
+const float BLUR = 4.0; // level of a panorama
+const float WIDER = 3.0; // its width relative to the picture's, to show the horizon from above
+const vec2 GREY = vec2(0.24, 0.08); // ground and wall, a little in the light's colour
 
 vec3 inEnvironment(vec3 v) {
     return vec3(turn.x * v.x + turn.y * v.y, turn.x * v.y - turn.y * v.x, v.z);
 }
 
+// What the ground reflects, times opacity.
+vec4 reflection(vec3 direction) {
+    vec2 texel = 1.0 / vec2(textureSize(mirror, 0));
+    vec2 at = (gl_FragCoord.xy * toMirror.zw + toMirror.xy) * texel;
+    vec4 sum = vec4(0.0);
+    for (int k = 0; k < 9; k++) {
+        vec2 shift = vec2(float(k % 3 - 1), float(k / 3 - 1));
+        sum += (2.0 - abs(shift.x)) * (2.0 - abs(shift.y)) * textureLod(mirror, at + shift * texel, 0.0);
+    }
+    float share = 0.1 + 0.9 * pow(1.0 - abs(direction.z), 5.0); // of a polished floor, as of Schlick (1994)
+    return share * sum / 16.0;
+}
+
 void main() {
     vec3 direction = normalize(forward + place.x * right + place.y * up);
-    vec3 wide = normalize(forward + wider * (place.x * right + place.y * up));
-    float shade = 1.0;
+    vec3 above = textureLod(irradiance, vec3(0.0, 0.0, 1.0), 0.0).rgb;
+    vec3 tint = mix(vec3(1.0), above / max(dot(above, vec3(0.2126, 0.7152, 0.0722)), 1e-4), 0.15);
+    vec3 light = GREY.y * tint;
+    vec3 shade = vec3(1.0);
+    vec4 seen = vec4(0.0);
     if (direction.z < -1e-3 && eye.z > 0.0) {
-        vec3 ground = eye - direction * (eye.z / direction.z);
-        float away = length(ground.xy);
-        float contact = 0.4 * exp(-pow(max(away - size.x, 0.0) / (0.14 * size.y), 1.2));
-        float broad = 0.25 * exp(-pow(away / (1.4 * size.y), 2.0));
-        // Where the way to the light passes the axis of the object.
-        vec2 at = inEnvironment(ground).xy;
-        float way = clamp(-dot(at, key.xy) / dot(key.xy, key.xy), 0.0, size.z / key.z);
-        float soft = keySize.x * way + 0.12 * size.y;
-        float radius = mix(size.x, size.y, smoothstep(0.0, 0.4 * size.z, way * key.z));
-        float hidden = 1.0 - smoothstep(-soft, soft, length(at + way * key.xy) - radius);
-        shade = (1.0 - contact) * (1.0 - broad) * (1.0 - keySize.y * hidden);
+        vec2 at = (eye - direction * (eye.z / direction.z)).xy;
+        float away = length(at) / size.x;
+        light = mix(light, GREY.x * tint, 1.0 / (1.0 + 0.05 * away * away)); // a pool of light
+        vec2 inside = abs(at) / size.y;
+        float border = smoothstep(1.0, 0.8, max(inside.x, inside.y));
+        shade = mix(vec3(1.0), textureLod(ground, 0.5 * at / size.y + 0.5, 0.0).rgb, border);
+        if (toMirror.z > 0.0 && away < 4.0) {
+            seen = reflection(direction);
+        }
     }
-    if (isPlain) {
-        colour = vec4(vec3(0.0), 1.0 - pow(shade, 1.0 / 2.2)); // it is laid over an encoded colour
-        return;
+    if (isPanorama) {
+        vec3 wide = normalize(forward + WIDER * (place.x * right + place.y * up));
+        light = textureLod(environment, inEnvironment(wide), BLUR).rgb;
     }
-    colour = vec4(shade * textureLod(environment, inEnvironment(wide), blur).rgb, 1.0);
+    float dark = dot(shade, vec3(0.2126, 0.7152, 0.0722));
+    // What is laid over an encoded colour darkens it by the curve of the screen.
+    vec4 behind = isPlain ? vec4(vec3(0.0), 1.0 - pow(dark, 1.0 / 2.2)) : vec4(shade * light, 1.0);
+    colour = vec4(seen.rgb, seen.a) + (1.0 - seen.a) * behind;
 }

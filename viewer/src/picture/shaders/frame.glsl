@@ -11,6 +11,7 @@ uniform vec3 lightDirections[MOST_LIGHTS];
 uniform vec3 lightPowers[MOST_LIGHTS]; // irradiance at normal incidence
 uniform int lights;
 
+uniform float fade; // height at which the image in the ground fades; 0: it is none
 uniform samplerCube irradiance; // over pi, by the normal
 uniform sampler2D positions; // of the surface that each pixel shows, see surface.frag
 uniform sampler2D normals;
@@ -79,4 +80,9 @@ float open(vec3 light) {
 vec3 incoming(Frame frame, vec3 local, float logPdf) {
     vec3 light = local.x * frame.x + local.y * frame.y + local.z * frame.z;
     return mix(own, textureLod(environment, light, level(light, logPdf)).rgb, open(light));
+}
+
+// Light of a surface at a height, times its opacity. Coarse images have no highlights.
+vec4 faded(vec3 light, float height) {
+    return fade > 0.0 ? vec4(min(light, 2.0), 1.0) * exp(-height / fade) : vec4(light, 1.0);
 }

@@ -29,13 +29,17 @@ vec3 material_f(vec3 numbers[6], highp sampler3D table, vec3 wi, vec3 wo) {
     vec3 size_facet = sqrt(difference_facet * difference_facet + 4.0 * (numbers[4] * numbers[4]) *
         (numbers[5] * numbers[5]));
     vec3 root_facet = sqrt(0.5 * max(size_facet + difference_facet, vec3(0.0, 0.0, 0.0)));
-    vec3 first_facet = size_facet + cos2_facet;
-    vec3 second_facet = 2.0 * root_facet * cos_facet;
-    vec3 across_facet = (first_facet - second_facet) / (first_facet + second_facet);
-    vec3 third_facet = cos2_facet * size_facet + sin2_facet * sin2_facet;
-    vec3 fourth_facet = second_facet * sin2_facet;
-    vec3 parallel_facet = (third_facet - fourth_facet + 1.0e-12) / (third_facet + fourth_facet +
-        1.0e-12);
+    vec3 imaginary2_facet = 0.5 * max(size_facet - difference_facet, vec3(0.0, 0.0, 0.0));
+    vec3 less_facet = root_facet - cos_facet;
+    vec3 more_facet = root_facet + cos_facet;
+    vec3 across_facet = (less_facet * less_facet + imaginary2_facet) / (more_facet * more_facet +
+        imaginary2_facet);
+    vec3 product_facet = root_facet * cos_facet;
+    vec3 far_facet = imaginary2_facet * cos2_facet + 1.0e-12;
+    vec3 third_facet = product_facet - sin2_facet;
+    vec3 fourth_facet = product_facet + sin2_facet;
+    vec3 parallel_facet = (third_facet * third_facet + far_facet) / (fourth_facet * fourth_facet +
+        far_facet);
     vec3 fresnel_facet = numbers[1] * (1.0 - fifth_facet) + numbers[2] * fifth_facet + numbers[3] *
         (0.5 * across_facet * (1.0 + parallel_facet));
     vec3 lobe = lobe_shape * fresnel_facet;

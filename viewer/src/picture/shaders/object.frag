@@ -68,7 +68,7 @@ void main() {
     ivec2 pixel = ivec2(gl_FragCoord.xy);
     vec4 position = texelFetch(positions, pixel, 0);
     if (position.w <= 0.0) {
-        colour = vec4(0.0, 0.0, 0.0, -position.w); // materials do not reflect on their backs
+        colour = vec4(0.0);
         return;
     }
     Frame frame = frameAt(pixel, position.xyz);
@@ -83,5 +83,5 @@ void main() {
             sum += f(frame, lightDirections[i]) * cosLight * open(lightDirections[i]) * lightPowers[i];
         }
     }
-    colour = vec4(sum, 1.0);
+    colour = faded(sum, position.z);
 }

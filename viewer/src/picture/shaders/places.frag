@@ -26,18 +26,20 @@ float panel(vec3 direction, vec3 centre, vec2 half_, float tilt, float soft) {
     return inside.x * inside.y;
 }
 
-// A light cyclorama, a large soft key above on the left, strips at both sides for the edges, and cards
-// low in front, which what faces the floor reflects.
+// A black studio: a large soft key in front, brighter at its lower edge, a fill beside the camera, one
+// above, strips behind at both sides, and a pool of light on the floor. The black beside them shows the
+// contours of metals.
 vec3 studio(vec3 d) {
-    vec3 light = mix(vec3(0.52, 0.515, 0.505), vec3(0.34, 0.345, 0.36), smoothstep(0.0, 0.9, d.z));
-    light = mix(light, vec3(0.24, 0.235, 0.228), smoothstep(-0.05, -0.60, d.z));
-    light += vec3(9.6, 9.35, 9.0) * panel(d, vec3(-2.4, -1.6, 3.0), vec2(1.85, 1.45), 0.0, 0.45);
-    light += vec3(6.2, 6.4, 6.8) * panel(d, vec3(3.6, 1.0, 1.4), vec2(0.55, 1.7), 0.0, 0.25);
-    light += vec3(4.6, 4.5, 4.3) * panel(d, vec3(-3.7, 0.9, 1.0), vec2(0.42, 1.7), 0.0, 0.22);
-    light += vec3(2.2, 2.2, 2.25) * panel(d, vec3(2.4, -3.4, 1.2), vec2(1.5, 1.5), 0.0, 0.7);
-    light += vec3(1.9, 1.87, 1.82) * panel(d, vec3(-2.6, -2.4, -1.7), vec2(0.8, 1.5), 0.0, 0.6);
-    light += vec3(1.5, 1.53, 1.58) * panel(d, vec3(3.0, -1.6, -1.5), vec2(0.45, 1.4), 0.0, 0.4);
-    return light;
+    vec3 light = mix(vec3(0.04), vec3(0.02), smoothstep(0.0, 0.7, d.z));
+    float key = panel(d, vec3(-0.7, -3.0, 1.2), vec2(1.9, 1.5), 0.0, 0.3);
+    light += vec3(12.5, 12.4, 12.2) * key * mix(1.0, 0.65, smoothstep(0.1, 0.8, d.z));
+    light += vec3(1.5, 1.52, 1.56) * panel(d, vec3(2.2, -2.6, 0.9), vec2(0.8, 1.3), 0.0, 0.5);
+    light += vec3(3.0, 3.0, 3.0) * panel(d, vec3(0.3, 0.8, 3.2), vec2(1.5, 0.7), 0.0, 0.4);
+    light += vec3(6.2, 6.4, 6.8) * panel(d, vec3(3.4, 1.6, 1.3), vec2(0.4, 1.8), 0.0, 0.2);
+    light += vec3(4.6, 4.5, 4.3) * panel(d, vec3(-3.4, 1.5, 1.1), vec2(0.3, 1.7), 0.0, 0.2);
+    vec2 at = d.xy / max(-d.z, 1e-3) + vec2(0.1, 0.8);
+    vec3 floor_ = vec3(0.03) + vec3(1.25, 1.24, 1.22) / (1.0 + 0.7 * dot(at, at));
+    return mix(light, floor_, smoothstep(0.0, -0.08, d.z));
 }
 
 // Smooth noise in [0, 1]: a random number at each corner of a grid (Perlin 1985, by values).

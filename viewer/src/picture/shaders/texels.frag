@@ -39,7 +39,7 @@ void main() {
     ivec2 pixel = ivec2(gl_FragCoord.xy);
     vec4 position = texelFetch(positions, pixel, 0);
     if (position.w <= 0.0) {
-        colour = vec4(0.0, 0.0, 0.0, -position.w); // materials do not reflect on their backs
+        colour = vec4(0.0);
         return;
     }
     // One texel is drawn in proportion to its weight, so that the mean of the frames filters f and
@@ -77,5 +77,5 @@ void main() {
             sum += urushi_f(material, frame.view, local, functions) * local.z * open(light) * lightPowers[i];
         }
     }
-    colour = vec4(sum, 1.0);
+    colour = faded(sum, position.z);
 }

@@ -7,6 +7,7 @@ import { join } from "node:path";
 import { expect, test } from "vitest";
 import { loadCore } from "../../../src/core/core";
 import { logsOf, nodePairs } from "../../../src/core/f_table";
+import { Pairs } from "../../../src/core/features";
 import { readMeasured, valuesAt } from "../../../src/core/measured/read";
 import { materialFile, readMaterialFile } from "../../../src/engine/material_file";
 import { tables } from "../../../src/engine/textures";
@@ -91,8 +92,7 @@ test.skipIf(!existsSync(PYTHON) || vectors === undefined)(
       const [wi, wo] = [above("wi"), above("wo")];
       const input = JSON.stringify([...wi, ...wo]);
       const core = loadCore(bytesOf(SHIPPED));
-      const nodes = nodePairs();
-      const logs = logsOf(valuesAt(readMeasured(file), nodes.wi, nodes.wo));
+      const logs = logsOf(valuesAt(readMeasured(file), nodePairs()));
       const codes = new Float32Array(3 * core.latentSize).fill(0.3);
       const material = { latents: codes, table: { logs, besideLobe: true } };
       writeFileSync(`${path}.safetensors`, materialFile(material, core));
@@ -107,7 +107,7 @@ test.skipIf(!existsSync(PYTHON) || vectors === undefined)(
       // At half angles of 3e-5, azimuths of directions in single precision are off by some 0.004.
       expect(apart).toBeLessThan(0.01);
       expect(relativeError(core.f(material, wi, wo), saved)).toBeLessThan(1e-4);
-      valuesAt(readMeasured(file), wi, wo).forEach((values, channel) => {
+      valuesAt(readMeasured(file), Pairs.of(wi, wo)).forEach((values, channel) => {
         values.forEach((value, i) => {
           expect(value).toBeCloseTo(expected[channel]![i]!, 5);
         });

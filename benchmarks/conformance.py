@@ -1,0 +1,319 @@
+"""Errors of an implementation of OpenPBR: `python -m benchmarks.conformance`.
+
+Prints E and the error of the albedo, in per cent, of the plugin `openpbr`, or with `--values FILE`
+of another renderer. The reference is one safetensors file: f of 40 coated materials by random walks
+through the coat, at 300 pairs of directions. docs/conformance.md describes its format. `--make
+FILE` simulates it from fixed seeds, in about a minute on two cores of an AMD EPYC; a file that
+exists is continued.
+"""
+
+import argparse
+import os
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import mitsuba as mi
+import numpy as np
+
+from urushi import files
+from urushi.checks import finite
+from urushi.core import direction_sets, error_metrics
+from urushi.errors import FileError, ParameterError
+from urushi.files import read_npz
+from urushi.mitsuba.reading import probing
+from urushi.openpbr_surface.description import openpbr
+
+#: Number of pairs of directions, which have cosine density on both sides.
+PAIRS = 300
+
+KIND, VERSION = "conformance", 1
+_REMEDY = "take the file that ships"
+
+#: f(wi, wo) -> (N, 3) [1/sr].
+Brdf = Callable[[np.ndarray, np.ndarray], np.ndarray]
+
+
+class Reference(NamedTuple):
+    """A file of reference values.
+
+    Attributes:
+        parameters: of the M materials, by their names.
+        wi, wo: float32 (N, 3), unit vectors above the horizon, z the normal, x the tangent.
+        f, se: float32 (M, N, 3) [1/sr], mean and standard error, linear sRGB, without cosine.
+    """
+
+    parameters: dict[str, dict[str, Any]]
+    wi: np.ndarray
+    wo: np.ndarray
+    f: np.ndarray
+    se: np.ndarray
+
+
+class Errors(NamedTuple):
+    """Errors of a renderer by material, float64 (M,).
+
+    Attributes:
+        error: E, a mean over channels (docs/conventions.md).
+        albedo: relative error of the light reflected under even illumination; positive: too bright.
+    """
+
+    error: np.ndarray
+    albedo: np.ndarray
+
+
+def default_path() -> Path:
+    return Path(__file__).with_suffix(".safetensors")
+
+
+def model(parameters: Mapping[str, Any], *, walks: int = 0) -> Brdf:
+    """f of the plugin `openpbr` with a material's parameters.
+
+    walks: for a pair, through the coat; 0: its networks.
+
+    Raises:
+        PlatformError: no variant of Mitsuba is set.
+    """
+    bsdf = openpbr(reference=walks > 0, **parameters).bsdf()
+    numbers = [float(k) for k in range(max(walks, 1))]
+    return lambda wi, wo: np.mean([bsdf_values(bsdf, wi, wo, k) for k in numbers], axis=0)
+
+
+def evaluated(build: Callable[[dict[str, Any]], Brdf], reference: Reference) -> np.ndarray:
+    """f (M, N, 3) of an implementation, a function such as `model`, at the reference's pairs."""
+    wi, wo = reference.wi, reference.wo
+    return np.stack([build(parameters)(wi, wo) for parameters in reference.parameters.values()])
+
+
+def bsdf_values(bsdf: Any, wi: np.ndarray, wo: np.ndarray, number: Any = 0.0) -> np.ndarray:
+    """f (N, 3); walks of the same pair differ by their number, one or (N,)."""
+    return probing.bsdf_values(bsdf, wi, wo, np.full((len(wi), 2), 0.5), number)
+
+
+def read(path: str | os.PathLike | None = None) -> Reference:
+    """Read a file; default: the one that ships.
+
+    Raises:
+        FileError: missing, foreign, damaged, or of another version.
+    """
+    path = default_path() if path is None else path
+    description, arrays = files.read_tensors(path, KIND)
+    if description.get("version") != VERSION:
+        raise FileError(f"'{path}' is of version {description.get('version')}; {_REMEDY}")
+    materials = {entry["name"]: entry["parameters"] for entry in description["materials"]}
+    shapes: dict[str, tuple[int, ...]] = {"wi": (PAIRS, 3), "wo": (PAIRS, 3)}
+    shapes |= {name: (len(materials), PAIRS, 3) for name in ("f", "se")}
+    if any(name not in arrays or arrays[name].shape != shape for name, shape in shapes.items()):
+        raise FileError(f"'{path}' lacks values of its materials; {_REMEDY}")
+    return Reference(materials, *(arrays[name] for name in ("wi", "wo", "f", "se")))
+
+
+def errors(values: np.ndarray, reference: Reference) -> Errors:
+    """Errors of values (M, N, 3) [1/sr] of a renderer for the materials and pairs of a file.
+
+    Raises:
+        ParameterError: the shape is another one, or a value is not finite.
+    """
+    (values,) = finite(f=values)
+    if values.shape != reference.f.shape:
+        raise ParameterError(
+            f"f has the shape {values.shape}; give one of {reference.f.shape}: materials, pairs "
+            "and channels of the reference"
+        )
+    wi, wo = reference.wi, reference.wo
+    e = [channel_errors(v, f, wi, wo).mean() for v, f in zip(values, reference.f, strict=True)]
+    # Pairs have cosine density on both sides, so that albedos are plain means.
+    albedo = values.mean(1) / reference.f.mean(1, dtype=np.float64) - 1
+    return Errors(np.array(e), albedo.mean(1))
+
+
+def noise(reference: Reference) -> np.ndarray:
+    """E (M,) of a normal error of the standard error, whose mean size is 0.8 of its deviation."""
+    return errors(reference.f + np.sqrt(2 / np.pi) * reference.se, reference).error
+
+
+def channel_errors(values: np.ndarray, f: np.ndarray, wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
+    """E of each channel (3,), of values (N, 3)."""
+    return error_metrics.stack_error(values.T, f.T, wi[:, 2], wo[:, 2])
+
+
+def table(reference: Reference, results: Mapping[str, Errors]) -> str:
+    """The errors as text: one line for each material, then mean and 95th percentile."""
+    own = 100 * noise(reference)
+    error, albedo = (
+        np.array([100 * getattr(r, name) for r in results.values()]) for name in ("error", "albedo")
+    )
+    heads = "".join(f"{name:>16}" for name in results)
+    lines = [
+        "E and error of the albedo [%], against random walks",
+        f"{'':30}{heads}{'noise':>8}",
+    ]
+    for k, name in enumerate(reference.parameters):
+        lines.append(f"{name:30}{_cells(error[:, k], albedo[:, k], '+')}{own[k]:8.2f}")
+    albedo = np.abs(albedo)
+    lines.append(f"{'mean':30}{_cells(error.mean(1), albedo.mean(1))}{own.mean():8.2f}")
+    highs = (np.percentile(x, 95, axis=1) for x in (error, albedo))
+    return "\n".join([*lines, f"{'95th percentile':30}{_cells(*highs)}"])
+
+
+def _cells(errors: np.ndarray, albedos: np.ndarray, sign: str = "") -> str:
+    return "".join(f"{e:8.2f}{a:{sign}8.1f}" for e, a in zip(errors, albedos, strict=True))
+
+
+#: Seed from which the pairs are drawn.
+SEED = 20260
+
+#: Walks of a pair in one evaluation, evaluations of the pilot run, and greatest number of
+#: evaluations. The pilot run tells how many give the `ERROR`, E of one standard error.
+WALKS, PILOT, MOST_ROUNDS, ERROR = 1024, 2, 64, 0.004
+
+_METAL = {"base_metalness": 1.0}
+_BASES: dict[str, dict[str, Any]] = {
+    "gold": _METAL | {"base_color": (0.94, 0.76, 0.38), "specular_color": (1.0, 0.98, 0.87)},
+    "rough steel": _METAL | {"base_color": (0.6, 0.58, 0.56), "specular_roughness": 0.6},
+    "brushed aluminium": _METAL | {
+        "base_color": (0.91, 0.92, 0.92), "specular_roughness": 0.4,
+        "specular_roughness_anisotropy": 0.6,
+    },
+    "red plastic": {"base_color": (0.6, 0.05, 0.04)},
+    "white paint": {"base_color": (0.8, 0.8, 0.8), "specular_weight": 0.0},
+    "clay": {
+        "base_color": (0.55, 0.35, 0.25), "base_diffuse_roughness": 0.8, "specular_roughness": 0.7,
+    },
+    "metallic lacquer": {
+        "base_metalness": 0.5, "base_color": (0.1, 0.25, 0.6), "specular_roughness": 0.4,
+    },
+    "enamel": {
+        "base_color": (0.05, 0.1, 0.3), "specular_roughness": 0.35, "specular_ior": 2.0,
+    },
+}  # fmt: skip
+
+_COATS: dict[str, dict[str, Any]] = {
+    "clear": {"coat_roughness": 0.25},
+    "satin": {"coat_roughness": 0.6},
+    "varnish": {"coat_roughness": 0.3, "coat_color": (0.9, 0.55, 0.2)},
+    "half": {
+        "coat_weight": 0.5, "coat_roughness": 0.4, "coat_color": (0.4, 0.7, 0.9), "coat_ior": 1.8,
+    },
+    "brushed": {
+        "coat_roughness": 0.45, "coat_roughness_anisotropy": 0.5, "coat_ior": 1.35,
+        "coat_color": (0.7, 0.9, 0.75),
+    },
+}  # fmt: skip
+
+#: The materials: parameters of OpenPBR by name. Every base is under every coat.
+MATERIALS: dict[str, dict[str, Any]] = {
+    f"{base}, {coat}": {"coat_weight": 1.0, **below, **above}
+    for base, below in _BASES.items()
+    for coat, above in _COATS.items()
+}
+
+
+def pairs() -> tuple[np.ndarray, np.ndarray]:
+    """The pairs (`PAIRS`, 3), float32."""
+    wi, wo = direction_sets.cosine_pairs(np.random.default_rng(SEED), PAIRS, lowest_cosine=0.02)
+    return np.asarray(wi, np.float32), np.asarray(wo, np.float32)
+
+
+def simulate(
+    parameters: Mapping[str, Any], *, walks: int = WALKS, rounds: int = MOST_ROUNDS
+) -> tuple[np.ndarray, np.ndarray]:
+    """f and its standard error, float32 (`PAIRS`, 3), by random walks through the coat.
+
+    The pilot run is discarded, so that the number of walks does not depend on the values.
+
+    Args:
+        parameters: of the material.
+        walks: of a pair in one round.
+        rounds: greatest number of rounds.
+    """
+    bsdf = openpbr(reference=True, **parameters).bsdf()
+    wi, wo = pairs()
+    mean, se = _walked(bsdf, wi, wo, walks, range(PILOT))
+    factor = channel_errors(mean + se, mean, wi, wo).max() / ERROR
+    needed = min(max(int(np.ceil(PILOT * factor**2)), 1), rounds)
+    mean, se = _walked(bsdf, wi, wo, walks, range(PILOT, PILOT + needed))
+    return mean.astype(np.float32), se.astype(np.float32)
+
+
+def _walked(
+    bsdf: Any, wi: np.ndarray, wo: np.ndarray, walks: int, rounds: range
+) -> tuple[np.ndarray, np.ndarray]:
+    """Mean and standard error (N, 3) of the walks of some rounds."""
+    many_wi, many_wo = (np.tile(w, (walks, 1)) for w in (wi, wo))
+    total, squares = np.zeros((2, len(wi), 3))
+    for k in rounds:
+        number = np.repeat(k * walks + np.arange(walks), len(wi)).astype(np.float32)
+        values = (
+            bsdf_values(bsdf, many_wi, many_wo, number)
+            .astype(np.float64)
+            .reshape(walks, len(wi), 3)
+        )
+        total, squares = total + values.sum(0), squares + (values**2).sum(0)
+    count = walks * len(rounds)
+    mean = total / count
+    return mean, np.sqrt(np.maximum(squares / count - mean**2, 0) / (count - 1))
+
+
+def make(path: str | os.PathLike) -> None:
+    """Simulate all materials and write the file; it is written after each one.
+
+    A file that exists is continued: its materials are kept if their parameters are the same.
+
+    Raises:
+        FileError: the file cannot be written, or exists and is another kind.
+    """
+    done: dict[str, tuple[np.ndarray, np.ndarray]] = {}
+    if Path(path).exists():
+        old = read(path)
+        same = [np.array_equal(a, b) for a, b in zip((old.wi, old.wo), pairs(), strict=True)]
+        for k, (name, parameters) in enumerate(old.parameters.items()):
+            if all(same) and name in MATERIALS and parameters == _plain(MATERIALS[name]):
+                done[name] = old.f[k], old.se[k]
+    for name, parameters in MATERIALS.items():
+        if name in done:
+            continue
+        done[name] = simulate(parameters)
+        _write(path, {key: done[key] for key in MATERIALS if key in done})
+        print(f"{len(done)} of {len(MATERIALS)}: {name}")
+
+
+def _write(path: str | os.PathLike, values: Mapping[str, tuple[np.ndarray, np.ndarray]]) -> None:
+    wi, wo = pairs()
+    description = {
+        "version": VERSION,
+        "seed": SEED,
+        "walks": {"round": WALKS, "rounds": MOST_ROUNDS, "error": ERROR},
+        "licence": "CC0-1.0",
+        "materials": [{"name": k, "parameters": _plain(MATERIALS[k])} for k in values],
+    }
+    f, se = (np.stack([pair[k] for pair in values.values()]) for k in range(2))
+    files.write_tensors(path, KIND, description, {"wi": wi, "wo": wo, "f": f, "se": se})
+
+
+def _plain(parameters: Mapping[str, Any]) -> dict[str, Any]:
+    """Parameters as JSON has them."""
+    return {k: list(v) if isinstance(v, tuple) else v for k, v in parameters.items()}
+
+
+def main(arguments: list[str] | None = None) -> None:
+    """Print the table, or make the reference."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--values", type=Path, help="NPZ file of a renderer: f of (40, 300, 3)")
+    parser.add_argument("--reference", type=Path, help="default: the file of the repository")
+    parser.add_argument("--make", type=Path, help="file to write a reference to")
+    options = parser.parse_args(arguments)
+    mi.set_variant("llvm_ad_rgb")
+    if options.make:
+        make(options.make)
+        return
+    reference = read(options.reference)
+    if options.values is None:
+        name, f = "urushi", evaluated(model, reference)
+    else:
+        name, (f,) = options.values.stem, read_npz(options.values, "f")
+    print(table(reference, {name: errors(f, reference)}))
+
+
+if __name__ == "__main__":
+    main()

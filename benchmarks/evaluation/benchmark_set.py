@@ -1,0 +1,279 @@
+"""The stored benchmark set: `python -m benchmarks.evaluation.benchmark_set FILE`.
+
+Simulates the stacks that `benchmarks.evaluation` compares with, in about a quarter of an hour on
+two idle cores. Groups that the file holds already are kept.
+"""
+
+import argparse
+import os
+import platform
+from collections.abc import Callable, Mapping
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from benchmarks.evaluation import samples as sampling
+from benchmarks.evaluation.benchmark import (
+    FORMAT_VERSION,
+    KIND,
+    SEED,
+    checked_content,
+    describe,
+    digest,
+    read,
+)
+from benchmarks.evaluation.samples import ALBEDO_STACKS, E_PAIRS, GROUPS, Group, Samples
+from tqdm import tqdm
+
+from urushi import files
+from urushi.checks import CoatParameters
+from urushi.core import error_metrics
+from urushi.core.probe_pairs import PROBES, probe_pairs
+from urushi.core.quadrature import half_vector_rule
+from urushi.material.source import STACK_WALKS
+from urushi.walk import StackTable, walk_pairs
+from urushi.walk.bottoms import KINDS
+
+#: Errors that determine the number of walks: the reference's own E, P of every pair, and the
+#: standard error of the directional albedo. Most errors are far smaller, as walks are rounded up.
+E_ERROR, P_ERROR, ALBEDO_ERROR = 0.003, 0.003, 0.0015
+
+#: Walks per pair: number in the pilot run, maximum, and maximum for P. Without the last limit a few
+#: pairs in dark tails would take most of the time without changing the median of P.
+PILOT_WALKS, MAX_WALKS, MAX_P_WALKS = 2048, 1 << 22, 1 << 16
+
+#: Noise, as P, of the simulated values that codes are solved from; about that of `urushi.encode`.
+PROBE_ERROR = 0.005
+
+#: Number of walks of the pilot run for each of the 1536 nodes of the albedo's quadrature.
+ALBEDO_PILOT = 64
+
+#: Function from f and the standard deviation of one walk to the number of walks; all (S, M).
+Allotment = Callable[[np.ndarray, np.ndarray], np.ndarray]
+
+
+def make(path: str | os.PathLike, groups: tuple[Group, ...] = GROUPS) -> str:
+    """Simulate groups and write them to a file; returns its hash.
+
+    The file is written after each group. Groups that it holds with the same description and seed
+    are kept to the bit and not simulated; its other groups are left out.
+
+    Raises:
+        FileError: the file is foreign or damaged, or cannot be written.
+    """
+    sets: dict[str, Samples] = {}
+    if Path(path).exists():
+        description, _ = checked_content(path)
+        held = {group["name"]: group for group in description["groups"]}
+        if description["seed"] == SEED:
+            sets = read(path, tuple(g for g in groups if held.get(g.name) == describe(g)))
+    digest = write(path, sets, tuple(group for group in groups if group.name in sets))
+    for group in groups:
+        if group.name not in sets:
+            sets[group.name] = simulate(group, SEED)
+            digest = write(path, sets, tuple(group for group in groups if group.name in sets))
+    return digest
+
+
+def write(
+    path: str | os.PathLike,
+    sets: Mapping[str, Samples],
+    groups: tuple[Group, ...] = GROUPS,
+    seed: int = SEED,
+) -> str:
+    """Write simulated sets by the groups' names to a file; returns its hash."""
+    simulated = [group for group in groups if group.distribution.coats]
+    arrays = {
+        f"{group.name}.{name}": array
+        for group in simulated
+        for name, array in _arrays(sets[group.name]).items()
+    }
+    packages = {name: version(name) for name in ("urushi", "numpy", "drjit")}
+    description: dict[str, Any] = {
+        "version": FORMAT_VERSION,
+        "seed": seed,
+        "groups": [describe(group) for group in simulated],
+        "hash": digest(arrays),
+        "versions": {"python": platform.python_version(), **packages},
+    }
+    files.write_tensors(path, KIND, description, arrays)
+    return description["hash"]
+
+
+def _arrays(samples: Samples) -> dict[str, np.ndarray]:
+    """The stored arrays of a set by name."""
+    table = samples.table
+    bottom = [table.bottom[name] for name in KINDS[table.kind].parameters]
+    coats = [getattr(table, name) for name in CoatParameters._fields]
+    return {
+        "coats": np.stack(coats, axis=-1),
+        "bottom": np.stack(bottom, axis=-1),
+        "last_pair": np.stack([samples.wi[:, -1], samples.wo[:, -1]], axis=1),
+        "f": samples.f,
+        "se": samples.se.astype(np.float16),
+        **{f"probed{coats}": values for coats, values in samples.probed.items()},
+        "albedo": samples.albedo,
+        "albedo_se": samples.albedo_se,
+    }
+
+
+def simulate(group: Group, seed: int = 0, *, only_e: bool = False) -> Samples:
+    """Draw a group's stacks and simulate each pair with a number of walks that follows its noise.
+
+    A pilot run measures the noise. Its values are discarded, so that the number of walks does not
+    depend on the values that are kept and the reference stays unbiased.
+
+    only_e: leave out the pairs for P and the albedo, which take most of the time.
+    """
+    table, (wi, wo) = sampling.draw_stacks(group, seed), sampling.draw_pairs(group, seed)
+    if only_e:
+        wi, wo = wi[:, :E_PAIRS], wo[:, :E_PAIRS]
+    if not table.coats:
+        f = sampling.evaluate_bottoms(table, wi, wo)
+        return Samples(table, wi, wo, f, np.zeros_like(f))
+    rng = sampling.generator(group, seed, 2)
+    cosines = wi[..., 2], wo[..., 2]
+    f, se = _adaptive(
+        table, wi, wo, rng, lambda f, sd: _walks_for_errors(f, sd, *cosines), name=group.name
+    )
+    probe_wi, probe_wo = (np.tile(w, (len(table), 1, 1)) for w in probe_pairs(PROBES))
+    probed = {
+        coats: _adaptive(
+            sampling.lowest(table, coats),
+            probe_wi,
+            probe_wo,
+            rng,
+            _walks_for_probes,
+            name=group.name,
+        )[0]
+        for coats in group.probed
+    }
+    if only_e:
+        return Samples(table, wi, wo, f, se, probed)
+    albedo, albedo_se = _albedo(first(table, ALBEDO_STACKS), rng, group.name)
+    return Samples(table, wi, wo, f, se, probed, albedo, albedo_se)
+
+
+def first(table: StackTable, stacks: int) -> StackTable:
+    """The first stacks of a table."""
+    return rows(table, slice(stacks))
+
+
+def rows(table: StackTable, part: slice) -> StackTable:
+    """Some of a table's stacks."""
+    columns = {name: getattr(table, name)[part] for name in CoatParameters._fields}
+    bottom = {name: values[part] for name, values in table.bottom.items()}
+    return StackTable(**columns, kind=table.kind, bottom=bottom)
+
+
+def _walk_chosen(
+    table: StackTable, chosen: np.ndarray, wi: np.ndarray, wo: np.ndarray, walks: int, seed: int
+) -> tuple[np.ndarray, np.ndarray]:
+    """`walk_all` at the pairs where `chosen` (S, M) is set; zero at the others."""
+    f, se = np.zeros(chosen.shape, np.float32), np.zeros(chosen.shape, np.float32)
+    row = np.nonzero(chosen)[0].astype(np.uint32)
+    f[chosen], se[chosen] = walk_pairs(
+        table, row, wi[chosen], wo[chosen], walks=walks, seed=seed
+    )  # fmt: skip
+    return f, se
+
+
+def _adaptive(
+    table: StackTable,
+    wi: np.ndarray,
+    wo: np.ndarray,
+    rng: np.random.Generator,
+    allot: Allotment,
+    *,
+    name: str,
+    pilot: int = PILOT_WALKS,
+) -> tuple[np.ndarray, np.ndarray]:
+    """Mean and standard error (S, M) of the walks that `allot` requires after a pilot run."""
+    first, second = (int(word) for word in rng.integers(1 << 31, size=2))
+    f, se = sampling.walk_all(table, wi, wo, pilot, first)
+    walks_by_pair = allot(f, _pooled(f, se) * np.sqrt(pilot))
+    exponent = np.ceil(np.log2(np.clip(walks_by_pair, pilot, MAX_WALKS))).astype(int)
+    f, se = np.zeros_like(f), np.zeros_like(se)
+    total = int((2**exponent).sum())
+    with tqdm(total=total, desc=name, unit="walk", unit_scale=True, disable=None) as progress:
+        for power in np.unique(exponent):
+            chosen = exponent == power
+            # Every power has its own seed, because random streams are numbered within one call.
+            part = _walk_chosen(table, chosen, wi, wo, 1 << int(power), second + int(power))
+            f, se = f + part[0], se + part[1]
+            progress.update(int(chosen.sum()) << int(power))
+    return f, se
+
+
+def _pooled(f: np.ndarray, se: np.ndarray) -> np.ndarray:
+    """Standard errors (S, M) raised by half of the stack's typical relative error.
+
+    The error of a pair is too small if its rare bright walks are missing in the pilot run; the
+    other pairs of the same stack show the noise.
+    """
+    relative = se / (f + error_metrics.DARK_OFFSET)
+    typical = np.sqrt((relative**2).mean(axis=1, keepdims=True))
+    return np.hypot(se, 0.5 * typical * f)
+
+
+def _walks_for_errors(
+    f: np.ndarray, sd: np.ndarray, cos_i: np.ndarray, cos_o: np.ndarray
+) -> np.ndarray:
+    """Walks (S, M) for which E of a stack's noise is `E_ERROR`, and P of a pair's noise `P_ERROR`.
+
+    For E this minimises the total number of walks n at a fixed sum of w sd / sqrt(n), so that
+    n ~ (w sd)^(2/3).
+    """
+    part = slice(None, E_PAIRS)
+    weight = error_metrics.energy_weight(cos_i, cos_o)[:, part]
+    share = (weight * sd[:, part]) ** (2 / 3)
+    allowed = E_ERROR * (weight * f[:, part]).sum(1, keepdims=True)
+    for_e = share * (share.sum(1, keepdims=True) / np.maximum(allowed, 1e-12)) ** 2
+    for_p = (sd / (f + error_metrics.DARK_OFFSET) / P_ERROR)[:, E_PAIRS:] ** 2
+    return np.concatenate([for_e, np.minimum(for_p, MAX_P_WALKS)], axis=1)
+
+
+def _walks_for_probes(f: np.ndarray, sd: np.ndarray) -> np.ndarray:
+    """Walks (S, M) for which P of a pair's noise is `PROBE_ERROR`; at most those of `encode`."""
+    return np.minimum((sd / (f + error_metrics.DARK_OFFSET) / PROBE_ERROR) ** 2, STACK_WALKS)
+
+
+def _albedo(
+    table: StackTable, rng: np.random.Generator, name: str
+) -> tuple[np.ndarray, np.ndarray]:
+    """Directional albedo and its standard error (S, A), by the same quadrature as materials."""
+    wi = sampling.albedo_directions()
+    wo, weights = half_vector_rule(wi)
+    count, nodes = weights.shape
+    shape = len(table), count, nodes
+    weights = weights * wo[..., 2]
+    pairs_wi = np.tile(np.repeat(wi, nodes, axis=0).astype(np.float32), (len(table), 1, 1))
+    pairs_wo = np.tile(wo.reshape(-1, 3).astype(np.float32), (len(table), 1, 1))
+
+    def allot(f: np.ndarray, sd: np.ndarray) -> np.ndarray:
+        """Minimise the total number n at a fixed sum of (w sd)^2 / n, so that n ~ w sd."""
+        share = sd.reshape(shape) * weights
+        walks = share * share.sum(-1, keepdims=True) / ALBEDO_ERROR**2
+        return walks.reshape(sd.shape)
+
+    f, se = (
+        x.reshape(shape)
+        for x in _adaptive(table, pairs_wi, pairs_wo, rng, allot, name=name, pilot=ALBEDO_PILOT)
+    )
+    return (
+        (f * weights).sum(-1).astype(np.float32),
+        np.sqrt(((se * weights) ** 2).sum(-1)).astype(np.float32),
+    )
+
+
+def main() -> None:
+    """Write the set."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("file", type=Path, help="file to write (.safetensors), or to continue")
+    file = parser.parse_args().file
+    print(f"{file}  {make(file)}")
+
+
+if __name__ == "__main__":
+    main()

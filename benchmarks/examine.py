@@ -1,0 +1,195 @@
+"""Comparison of encoded materials with their sources: a table, slices of f and spheres.
+
+    python -m benchmarks.examine SOURCE... -o FOLDER
+
+Sources are those of `urushi encode`. Prints a table, and writes a picture for every source. E and
+the median of P are against the source made isotropic and reciprocal, which is what was encoded; in
+the slices, albedos and spheres it is only made isotropic.
+"""
+
+import argparse
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from benchmarks import sphere
+from benchmarks.measured import error
+from benchmarks.pictures import compare
+from benchmarks.showing import percent, table
+from matplotlib.figure import Figure
+
+import urushi
+from urushi.app.encode import Encode
+from urushi.core import error_metrics as metrics
+from urushi.core.direction_sets import cosine_pairs, half_angle_pairs
+from urushi.core.quadrature import half_vector_rule
+from urushi.errors import UrushiError
+from urushi.files import atomic_write, new_folder
+from urushi.material import Material
+from urushi.material.source import Source, as_source
+from urushi.material.symmetry import AZIMUTHS, RELATIVE_TOLERANCE, rotated_pairs
+from urushi.material.values import evaluate_source
+from urushi.measured import load_measured
+from urushi.walk import Stack
+from urushi.walk.simulate import simulate
+
+#: Pairs for E and for P; walks for each set of pairs of a stack, whose noise figures hold.
+E_PAIRS, P_PAIRS, WALKS = 4096, 2048, 1 << 23
+#: Angles [degrees] of light in the slices, and of the directional albedos.
+INCIDENT, ALBEDO_ANGLES = (10.0, 45.0, 75.0), (0.0, 30.0, 60.0, 80.0)
+#: Angles [degrees] of the slices' outgoing directions; the mirror direction has a positive one.
+OUTGOING = np.linspace(-88.0, 88.0, 353)
+#: Colours by number of channels; line styles of source and material.
+COLOURS = {1: ("black",), 3: ("#d62728", "#2ca02c", "#1f77b4")}
+STYLES = {
+    "source": {"linewidth": 3.5, "alpha": 0.35},
+    "material": {"linewidth": 1.0, "alpha": 1.0},
+}
+#: Values this far below a slice's largest are not shown.
+RANGE = 1e-5
+
+Brdf = Callable[[np.ndarray, np.ndarray], np.ndarray]
+
+
+@dataclass(frozen=True)
+class Examination:
+    """A source and the material that it was encoded into, compared; the source comes first.
+
+    Attributes:
+        figures: E, the median of P, `anisotropy` and `reciprocity` (how much the averaging has
+            changed, see `urushi.material.symmetry.Deviations`), and the PSNR of a sphere.
+        slices: f [1/sr] in the plane of incidence (2, `INCIDENT`, `OUTGOING`, C).
+        albedos: directional albedos (2, `ALBEDO_ANGLES`, C).
+        pictures: a sphere of each in Urushi's studio (2, H, W, 3), linear radiance.
+    """
+
+    figures: dict[str, float | None]
+    slices: np.ndarray
+    albedos: np.ndarray
+    pictures: np.ndarray
+
+
+def examine(source: Any, material: Material) -> Examination:
+    """Compare a source of `encode` with its material of one or three channels."""
+    source, rng, widths = _opened(source), np.random.default_rng(1), material.model.widths
+    wi, wo = cosine_pairs(rng, E_PAIRS)
+    found = evaluate_source(source, wi, wo, widths=widths)
+    e = error(material.f(wi, wo), found.values, wi, wo)
+    wi, wo = half_angle_pairs(rng, P_PAIRS)
+    truth = evaluate_source(source, wi, wo, widths=widths).values
+    averaged = widths == 1 and (found.deviations.anisotropy or 0.0) > RELATIVE_TOLERANCE
+    both = _isotropic(source, averaged), material.f
+    pictures, inside = [sphere.studio(f) for f in both], sphere.mask()
+    figures = {
+        "E": e,
+        "P": float(np.median(metrics.pair_error(material.f(wi, wo), truth))),
+        "anisotropy": found.deviations.anisotropy,
+        "reciprocity": found.deviations.reciprocity,
+        "PSNR": compare(pictures[1], pictures[0], inside).psnr,
+    }
+    slices, albedos = (np.stack(np.broadcast_arrays(*map(of, both))) for of in (_slices, _albedos))
+    return Examination(figures, slices, albedos, np.stack(pictures))
+
+
+def _opened(source: Any) -> Source:
+    if not isinstance(source, Stack):
+        return as_source(source)
+    return Source(
+        lambda wi, wo: simulate(source, wi, wo, walks=max(WALKS // len(wi), 1), seed=0)[0],
+        symmetric=True,
+    )
+
+
+def _isotropic(source: Source, averaged: bool) -> Brdf:
+    """f(wi, wo) -> (N, C) of a source, averaged over the azimuth if that is needed."""
+
+    def columns(wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
+        return np.asarray(source.f(wi, wo), np.float32).reshape(len(wi), -1)
+
+    def mean(wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
+        return np.mean([columns(*pair) for pair in rotated_pairs(wi, wo, AZIMUTHS)], axis=0)
+
+    return mean if averaged else columns
+
+
+def _albedos(f: Brdf) -> np.ndarray:
+    """Directional albedos (`ALBEDO_ANGLES`, C)."""
+    wi = _in_plane(-np.array(ALBEDO_ANGLES))
+    wo, weights = half_vector_rule(wi, anisotropic=True)
+    count, nodes = weights.shape
+    values = f(np.repeat(wi, nodes, axis=0), wo.reshape(-1, 3).astype(np.float32))
+    return np.einsum("inc,in->ic", values.reshape(count, nodes, -1), weights * wo[..., 2])
+
+
+def _slices(f: Brdf) -> np.ndarray:
+    """f in the plane of incidence (`INCIDENT`, `OUTGOING`, C)."""
+    count = len(INCIDENT), len(OUTGOING)
+    wi = np.repeat(_in_plane(-np.array(INCIDENT)), count[1], axis=0)
+    return f(wi, np.tile(_in_plane(OUTGOING), (count[0], 1))).reshape(*count, -1)
+
+
+def _in_plane(degrees: np.ndarray) -> np.ndarray:
+    """Unit vectors float32 (N, 3) in the xz plane, by signed angles from the normal."""
+    angles = np.radians(degrees)
+    return np.stack([np.sin(angles), 0 * angles, np.cos(angles)], axis=-1).astype(np.float32)
+
+
+def draw(path: Path, name: str, examination: Examination) -> None:
+    """Draw an examination: f in the plane of incidence, albedos, and spheres."""
+    figure = Figure(figsize=(11, 6.4), layout="constrained")
+    upper, (albedos, *spheres) = figure.subplots(2, 3, height_ratios=(1, 1.1))
+    largest = max(float(examination.slices.max()), 1e-6)
+    for axis, incident, values in zip(
+        upper, INCIDENT, np.moveaxis(examination.slices, 1, 0), strict=True
+    ):
+        _lines(axis, OUTGOING, np.maximum(values, largest * RANGE))
+        axis.axvline(incident, color="grey", linewidth=0.5, linestyle="dotted")
+        axis.set(yscale="log", ylim=(largest * RANGE, 2 * largest), xlim=(-90, 90))
+        axis.set(title=f"light from {incident:g}°", xlabel="outgoing angle")
+    upper[0].set_ylabel("f [1/sr]")
+    _lines(albedos, np.array(ALBEDO_ANGLES), examination.albedos)
+    albedos.set(title="directional albedo", xlabel="angle of light", ylim=(0, None))
+    for label, style in STYLES.items():
+        albedos.plot([], [], color="black", label=label, **style)
+    albedos.legend()
+    for axis, picture, title in zip(spheres, examination.pictures, STYLES, strict=True):
+        axis.imshow(metrics.shown(picture), interpolation="lanczos")
+        axis.set_axis_off()
+        axis.set_title(title)
+    figures = examination.figures
+    figure.suptitle(f"{name}: E {percent(figures['E'])}, PSNR {figures['PSNR']:.1f} dB")
+    with atomic_write(path) as temporary:
+        figure.savefig(temporary, format="png", dpi=100)
+
+
+def _lines(axis: Any, x: np.ndarray, values: np.ndarray) -> None:
+    """Draw values (2, x, C) of source and material."""
+    for rows, style in zip(values, STYLES.values(), strict=True):
+        for row, colour in zip(rows.T, COLOURS[rows.shape[-1]], strict=True):
+            axis.plot(x, row, color=colour, **style)
+
+
+def main() -> None:
+    """Print the table and write the pictures."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("sources", nargs="+")
+    parser.add_argument("-o", "--output", type=Path, required=True)
+    options = parser.parse_args()
+    encode, folder, rows = Encode(tuple(options.sources), options.output), None, []
+    for target, source in zip(encode.targets(), encode.opened(), strict=True):
+        if isinstance(source, UrushiError):
+            raise source
+        opened = load_measured(source) if isinstance(source, Path) else source
+        examination = examine(opened, urushi.encode(opened))
+        folder = folder or new_folder(options.output)
+        draw(folder / f"{target.stem}.png", target.stem, examination)
+        shares = [percent(examination.figures[k]) for k in ("E", "P", "anisotropy", "reciprocity")]
+        rows.append([target.stem, *shares, f"{examination.figures['PSNR']:.1f} dB"])
+    head = ["source", "E", "P, median", "anisotropy", "reciprocity error", "PSNR of a sphere"]
+    print(table(head, rows))
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,264 @@
+"""Experiments: cases that are measured, kept in files, shown as tables and drawn.
+
+Every module of `benchmarks.experiments` has one, `EXPERIMENT`, of the module's name. Results of a
+whole run with the shipped weights are stored as figures/NAME.json, with the date, the processor and
+the fingerprints of the weights, and drawn as figures/NAME.png. Their tables are written into pages
+of the documentation: a table is found there by its first line, and its source by the sentence
+"Source: `python -m benchmarks NAME`". Other sentences are not: read them again when numbers change.
+"""
+
+import hashlib
+import importlib
+import json
+import os
+import platform
+import re
+import textwrap
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from datetime import date
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from benchmarks.showing import DPI, table
+from matplotlib.figure import Figure
+from tqdm import tqdm
+
+from urushi.core import error_metrics as metrics
+from urushi.files import atomic_write
+from urushi.nets.weights import Model, anisotropic_model, default_model, find
+
+ROOT = Path(__file__).parents[1]
+FIGURES, PARTS = ROOT / "figures", Path("out/figures")
+RESULTS = ROOT / "docs" / "results.md"
+#: The first cells of the table of states, on the page of results.
+STATES = ("results", "weights", "date", "minutes", "state")
+
+Found = dict[str, Any]
+#: From a case's name to its pictures by name, as sRGB values in [0, 1].
+Pictures = Callable[[str], dict[str, np.ndarray]]
+
+
+@dataclass(frozen=True)
+class Options:
+    """What a run may change.
+
+    Attributes:
+        weights: networks, a name or a file; None: the shipped ones.
+        files: MERL or RGL files, folders of these, or archives of neural fits; by default those in
+            the folder that URUSHI_TEST_DATA names.
+        share: of samples, walks, stacks and texels; below 1 a run is quicker and less certain.
+        variant: of Mitsuba.
+    """
+
+    weights: str | None = None
+    files: tuple[Path, ...] = ()
+    share: float = 1.0
+    variant: str = "llvm_ad_rgb"
+
+    @property
+    def model(self) -> Model:
+        return find(self.weights)
+
+    def count(self, number: float, least: int = 1) -> int:
+        """A share of a number of samples and the like."""
+        return max(least, round(self.share * number))
+
+    def data(self) -> tuple[Path, ...]:
+        """The measured files; none if neither `files` nor the variable names them."""
+        folder = Path(os.environ.get("URUSHI_TEST_DATA", "")) / "data"
+        known = (folder / "rgl", *sorted((folder / "merl_nbrdf").glob("*.npz")))
+        return self.files or tuple(path for path in known if path.exists())
+
+
+@dataclass(frozen=True)
+class Experiment:
+    """A measurement.
+
+    Attributes:
+        cases: from options to the cases by name.
+        measure: (case, options) -> JSON values, or these and pictures (..., H, W, 3) of linear
+            radiance by name, in a tuple. Finished cases are kept, and are not measured again.
+        tables: from values by case to tables in Markdown; a case may be missing.
+        plot: (values by case, pictures by case) -> figure, if there is one.
+        pages: of the tables, relative to the repository.
+        models: weights that results depend on, by name.
+        minutes: on two cores of an AMD EPYC.
+    """
+
+    cases: Callable[[Options], Mapping[str, Any]]
+    measure: Callable[[Any, Options], Any]
+    tables: Callable[[Found], list[str]]
+    plot: Callable[[Found, Pictures], Figure] | None = None
+    pages: tuple[str, ...] = ("docs/results.md",)
+    models: Mapping[str, Callable[[], Any]] = field(default_factory=dict)
+    minutes: float = 1
+
+
+NETWORKS = {"weights": default_model}
+BOTH = NETWORKS | {"anisotropic weights": anisotropic_model}
+
+
+def names() -> list[str]:
+    """All experiments."""
+    return sorted(path.stem for path in (Path(__file__).parent / "experiments").glob("[a-z]*.py"))
+
+
+def load(name: str) -> Experiment:
+    return importlib.import_module(f"benchmarks.experiments.{name}").EXPERIMENT
+
+
+def run(name: str, options: Options, chosen: Sequence[str] = (), fresh: bool = False) -> Found:
+    """Measure the cases that are missing, store what is complete, and draw it.
+
+    Args:
+        name: of the experiment.
+        options: of the run.
+        chosen: names of cases; default: all, whose results are stored if the options are the
+            default ones.
+        fresh: measure cases again that were measured before.
+    """
+    experiment, folder = load(name), parts_folder(name, options)
+    cases = {k: c for k, c in experiment.cases(options).items() if not chosen or k in chosen}
+    found: Found = {}
+    for key, case in tqdm(cases.items(), desc=name, unit="case", disable=None):
+        path = folder / f"{_file_name(key)}.json"
+        if fresh or not path.is_file():
+            measured = experiment.measure(case, options)
+            values, pictures = measured if isinstance(measured, tuple) else (measured, None)
+            folder.mkdir(parents=True, exist_ok=True)
+            if pictures is not None:
+                with atomic_write(path.with_suffix(".npz")) as temporary:
+                    np.savez(temporary, **{k: np.float16(v) for k, v in pictures.items()})
+            _write_json(path, values)
+        found[key] = json.loads(path.read_text())
+    if not cases:
+        print(f"{name} has no cases: give --files, or set URUSHI_TEST_DATA")
+    elif not chosen and replace(options, files=()) == Options():
+        stamp = {"date": date.today().isoformat(), "processor": processor()}
+        models = {key: model().fingerprint for key, model in experiment.models.items()}
+        _write_json(FIGURES / f"{name}.json", {**stamp, "weights": models, "cases": found})
+        if experiment.plot is not None:
+            figure = experiment.plot(found, lambda key: _shown(folder / f"{_file_name(key)}.npz"))
+            with atomic_write(FIGURES / f"{name}.png") as temporary:
+                figure.savefig(temporary, format="png", dpi=DPI)
+    return found
+
+
+def parts_folder(name: str, options: Options) -> Path:
+    """The folder of an experiment's finished cases, for these options."""
+    key = hashlib.sha256(repr((options.model.fingerprint, options)).encode()).hexdigest()[:12]
+    return PARTS / f"{name}-{key}"
+
+
+def _file_name(case: str) -> str:
+    return re.sub(r"[^\w.-]+", "_", case)
+
+
+def _write_json(path: Path, values: Any) -> None:
+    text = json.dumps(values, indent=1)
+    with atomic_write(path) as temporary:
+        temporary.write_text(text + "\n")
+
+
+def _shown(path: Path) -> dict[str, np.ndarray]:
+    with np.load(path) as file:
+        return {name: metrics.shown(file[name].astype(np.float32)) for name in file}
+
+
+def processor() -> str:
+    """The name of this machine's processor."""
+    lines = Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines()
+    found = [line.split(":", 1)[1].strip() for line in lines if line.startswith("model name")]
+    return found[0] if found else platform.machine()
+
+
+def stored(name: str) -> Found | None:
+    """The stored results of an experiment: date, processor, weights, and values by case."""
+    path = FIGURES / f"{name}.json"
+    return json.loads(path.read_text()) if path.is_file() else None
+
+
+def state(name: str) -> str:
+    """Whether results are stored, and by weights that are not the shipped ones."""
+    found = stored(name)
+    if found is None:
+        return "none stored"
+    now = {key: model().fingerprint for key, model in load(name).models.items()}
+    return "" if now == found["weights"] else "stale"
+
+
+def states() -> str:
+    """A table of all experiments: weights and date of the stored results, and which are stale."""
+    rows = []
+    for name in names():
+        found = stored(name) or {"weights": {}, "date": ""}
+        minutes = f"{load(name).minutes:g}"
+        weights = ", ".join(found["weights"].values())
+        rows.append([f"`{name}`", weights, found["date"], minutes, state(name)])
+    return table(STATES, rows)
+
+
+def source(name: str) -> str:
+    """The sentence that states how stored results were made."""
+    found = stored(name)
+    assert found is not None
+    parts = [f"Source: `python -m benchmarks {name}`", found["date"], found["processor"]]
+    parts += [f"{key} {value}" for key, value in found["weights"].items()]
+    return textwrap.fill("; ".join(parts) + ".", 100, break_on_hyphens=False)
+
+
+def shown() -> dict[Path, str]:
+    """The texts of all pages with the tables of the stored results, their sources and states.
+
+    A table that a page does not have yet follows the source.
+
+    Raises:
+        ValueError: a table is twice on a page, or neither it nor the source is on any.
+    """
+    texts: dict[Path, str] = {RESULTS: replaced(RESULTS.read_text(), states())}
+    for name in names():
+        found, experiment = stored(name), load(name)
+        if found is None:
+            continue
+        pages = [ROOT / page for page in experiment.pages]
+        texts |= {page: page.read_text() for page in pages if page not in texts}
+        begin, tables = re.compile(_sentence(name), re.DOTALL), experiment.tables(found["cases"])
+        sentence = source(name)
+        for page in pages:
+            texts[page] = begin.sub(lambda _, new=sentence: new, texts[page])
+        for new in tables[::-1]:
+            head = new.partition("\n")[0]
+            having = [page for page in pages if head in texts[page].split("\n")]
+            anchors = [page for page in pages if begin.search(texts[page])]
+            if not having and not anchors:
+                raise ValueError(f"no page of {name} has a source or a table that begins '{head}'")
+            for page in having:
+                texts[page] = replaced(texts[page], new)
+            if not having:
+                end = begin.search(texts[anchors[0]]).end()  # type: ignore[union-attr]
+                old = texts[anchors[0]]
+                texts[anchors[0]] = f"{old[:end]}\n\n{new}{old[end:]}"
+    return texts
+
+
+def _sentence(name: str) -> str:
+    """The source of an experiment's results as a regular expression."""
+    return rf"Source: `python -m benchmarks {name}`;.*?\.(?=\n\n|\n?\Z)"
+
+
+def replaced(text: str, new: str) -> str:
+    """A page's text with the table whose first line is that of a new one replaced by it.
+
+    Raises:
+        ValueError: the page has no such table, or more than one.
+    """
+    head = new.partition("\n")[0]
+    lines = text.split("\n")
+    if lines.count(head) != 1:
+        raise ValueError(f"the page has {lines.count(head)} tables with the first line '{head}'")
+    start = end = lines.index(head)
+    while end < len(lines) and lines[end].startswith("|"):
+        end += 1
+    return "\n".join([*lines[:start], *new.split("\n"), *lines[end:]])

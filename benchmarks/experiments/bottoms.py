@@ -1,0 +1,190 @@
+"""Coats over all bottoms of Mitsuba, `neural_layered` against the random walk of `layered`.
+
+Relative errors for red, green and blue. The albedo's error is the largest of those at the cosines
+`COSINES`; both plugins are evaluated at the same sampled directions, and an albedo below `DARK`
+counts as `DARK`. E is that of `PAIRS` pairs of cosine density and `REPEATS` walks each, less the
+noise of the walk. "codes" are those of the worst coat whose width is a texture.
+"""
+
+from typing import Any
+
+import drjit as dr
+import mitsuba as mi
+import numpy as np
+from benchmarks.experiment import BOTH, Experiment, Found, Options
+from benchmarks.showing import rounded, table
+
+import urushi  # noqa: F401  (registers the plugins)
+from urushi.core import direction_sets
+from urushi.core.error_metrics import stack_error
+from urushi.errors import UrushiError
+from urushi.mitsuba.reading import probing
+
+#: Cosines of the albedos, walks for each of them, and the least divisor of an error.
+COSINES, WALKS, DARK = (1.0, 0.85, 0.6, 0.3), 1 << 17, 0.02
+
+#: Pairs of E, and walks for each.
+PAIRS, REPEATS = 192, 2048
+
+COATS = {
+    "clear smooth": {"alpha": 0.03},
+    "clear rough": {"alpha": 0.3},
+    "tinted": {"alpha": 0.1, "sigma_t": {"type": "rgb", "value": [0.1, 0.4, 1.2]}},
+    "scattering": {
+        "alpha": 0.1,
+        "int_ior": 1.4,
+        "albedo": {"type": "rgb", "value": [0.95, 0.85, 0.7]},
+        "sigma_t": 1.0,
+        "g": 0.3,
+    },
+}
+
+
+def rgb(*values: float) -> dict[str, Any]:
+    """A colour."""
+    return {"type": "rgb", "value": list(values)}
+
+
+GREEN, ORANGE = rgb(0.1, 0.6, 0.2), rgb(0.8, 0.35, 0.05)
+GOLD = {"type": "roughconductor", "material": "Au", "distribution": "ggx", "alpha": 0.15}
+LEAF = {"type": "diffuse", "reflectance": GREEN}
+PLASTIC = {"diffuse_reflectance": ORANGE, "alpha": 0.1}
+LACQUER = {"base_color": GREEN, "roughness": 0.5, "clearcoat": 1.0, "clearcoat_gloss": 0.9}
+CLOTH = {"base_color": GREEN, "roughness": 0.7, "sheen": 1.0, "sheen_tint": 0.5}
+BRASS = {"base_color": ORANGE, "metallic": 0.8, "roughness": 0.3}
+TILTED = {"type": "bitmap", "raw": True, "data": None}
+
+#: The bottoms: all opaque BSDFs of Mitsuba 3.9, its wrappers, and Urushi's own; a plugin's name,
+#: with what is varied in parentheses, and its parameters.
+BOTTOMS: dict[str, dict[str, Any]] = {
+    name: {"type": name.split(" (")[0], **parameters}
+    for name, parameters in {
+        "diffuse": {"reflectance": ORANGE},
+        "conductor": {"material": "Au"},
+        "roughconductor": GOLD,
+        "roughconductor (beckmann)": GOLD | {"distribution": "beckmann"},
+        "roughconductor (.05, .3)": GOLD | {"alpha_u": 0.05, "alpha_v": 0.3, "alpha": None},
+        "plastic": {"diffuse_reflectance": ORANGE},
+        "roughplastic": PLASTIC,
+        "roughplastic (ggx, .3)": {
+            "diffuse_reflectance": GREEN, "distribution": "ggx", "alpha": 0.3, "nonlinear": True,
+        },
+        "pplastic": PLASTIC,
+        "pplastic (.05)": {"diffuse_reflectance": GREEN, "alpha": 0.05},
+        "principled": {"base_color": ORANGE, "roughness": 0.4, "specular": 0.5},
+        "principled (metal)": BRASS,
+        "principled (cloth)": CLOTH,
+        "principled (lacquer)": LACQUER,
+        "blendbsdf": {"weight": 0.4, "a": LEAF, "b": GOLD},
+        "twosided": {"a": {"type": "roughplastic", "diffuse_reflectance": GREEN, "alpha": 0.2}},
+        "bumpmap": {"a": TILTED, "b": LEAF},
+        "normalmap": {"normalmap": TILTED, "b": LEAF},
+        "mask": {"opacity": 0.5, "a": {"type": "diffuse"}},
+        "null": {},
+        "dielectric": {},
+        "hair": {},
+        "openpbr": {"base_color": GREEN, "specular_roughness": 0.3},
+        "openpbr (glossy)": {"base_color": ORANGE, "specular_roughness": 0.15},
+        "openpbr (metal)": {
+            "base_color": ORANGE, "base_metalness": 1.0, "specular_roughness": 0.4,
+        },
+        "layered": {"alpha": 0.2, "a": LEAF},
+        "neural_layered": {"alpha": 0.2, "a": LEAF},
+    }.items()
+}  # fmt: skip
+
+
+def filled(entry: dict[str, Any]) -> dict[str, Any]:
+    """A description without entries of None; data of None are those of one tilted normal."""
+    result = {}
+    for name, value in entry.items():
+        if isinstance(value, dict):
+            result[name] = filled(value)
+        elif name == "data" and value is None:
+            result[name] = mi.TensorXf(np.full((4, 4, 3), (0.6, 0.5, 0.9), np.float32))
+        elif value is not None:
+            result[name] = value
+    return result
+
+
+def values(bsdf: "mi.BSDF", wi: np.ndarray, wo: np.ndarray, repeats: int) -> np.ndarray:
+    """f (repeats, N, 3) of independent evaluations."""
+    a, b = (np.tile(w, (repeats, 1)) for w in (wi, wo))
+    time = np.repeat(np.arange(repeats, dtype=np.float32), len(wi))
+    f = probing.bsdf_values(bsdf, a, b, np.full((len(a), 2), 0.5), time)
+    return f.reshape(repeats, len(wi), -1)
+
+
+def albedo_errors(walk: "mi.BSDF", neural: "mi.BSDF") -> np.ndarray:
+    """Relative errors (A, 3) of the albedos at `COSINES`."""
+    rng, errors = np.random.default_rng(0), []
+    for cosine in COSINES:
+        wi = np.tile([np.sqrt(1 - cosine * cosine), 0, cosine], (WALKS, 1)).astype(np.float32)
+        uv = np.full((WALKS, 2), 0.5)
+        si = probing.interaction(wi, uv, np.arange(WALKS, dtype=np.float32))
+        u = rng.random((3, WALKS), np.float32)
+        sample, _ = walk.sample(mi.BSDFContext(), si, mi.Float(u[0]), mi.Point2f(u[1:]))
+        pdf = np.broadcast_to(sample.pdf.numpy(), WALKS)
+        wo = np.ascontiguousarray(np.array(sample.wo).T)
+        drawn = (pdf > 0) & (wo[:, 2] > 0)
+        weight = np.where(drawn, wo[:, 2] / np.where(drawn, pdf, 1), 0)[:, None]
+        wo[~drawn] = 0, 0, 1
+        times = np.arange(WALKS, dtype=np.float32)
+        f, f_hat = (
+            weight * probing.bsdf_values(bsdf, wi, wo, uv, times) for bsdf in (walk, neural)
+        )
+        divisor = np.maximum(f.mean(axis=0), DARK)
+        errors.append((f_hat - f).mean(axis=0) / divisor)
+    return np.array(errors)
+
+
+def pair_errors(walk: "mi.BSDF", neural: "mi.BSDF") -> np.ndarray:
+    """E (3,) without the walk's noise."""
+    wi, wo = direction_sets.cosine_pairs(np.random.default_rng(1), PAIRS)
+    halves = values(walk, wi, wo, REPEATS).reshape(2, -1, PAIRS, 3).mean(axis=1)
+    f, f_hat = halves.mean(axis=0), values(neural, wi, wo, 1)[0]
+    cosines = wi[:, 2], wo[:, 2]
+    found = stack_error(f_hat.T, f.T, *cosines)
+    noise = 0.5 * stack_error(halves[0].T, halves[1].T, *cosines)
+    return np.sqrt(np.maximum(found**2 - noise**2, 0))
+
+
+def measure(bottom: dict[str, Any], _: Options) -> Found:
+    """By coat, and by "codes" for the worst of all coats, [albedo, E]; or why it is refused."""
+    found: Found = {}
+    for name, coat in COATS.items():
+        described = filled({**coat, "bottom": bottom})
+        texels = mi.TensorXf(np.full((2, 2, 1), coat["alpha"], np.float32))
+        texture = {"alpha": {"type": "bitmap", "raw": True, "data": texels}}
+        try:
+            walk = mi.load_dict({"type": "layered", **described})
+            both = [
+                mi.load_dict({"type": "neural_layered", **described, **extra})
+                for extra in ({}, texture)
+            ]
+        except (UrushiError, RuntimeError) as error:
+            return {"refused": str(error).splitlines()[-1].strip()}
+        worst = [
+            [np.abs(albedo_errors(walk, plugin)).max(), pair_errors(walk, plugin).max()]
+            for plugin in both
+        ]
+        found[name] = rounded(worst[0])
+        found["codes"] = rounded(np.maximum(found.get("codes", [0, 0]), worst[1]))
+        dr.flush_malloc_cache()
+    return found
+
+
+def tables(found: Found) -> list[str]:
+    """Largest errors of the albedo and E, in per cent."""
+    columns = [*COATS, "codes"]
+    rows = [
+        [name, *(" / ".join(f"{100 * x:.1f}" for x in case[column]) for column in columns)]
+        for name, case in found.items()
+        if "refused" not in case
+    ]
+    return [table(["bottom", *columns], rows)]
+
+
+EXPERIMENT = Experiment(
+    cases=lambda _: BOTTOMS, measure=measure, tables=tables, models=BOTH, minutes=15
+)

@@ -1,0 +1,85 @@
+"""What codes are worth at equal time, in scenes under three kinds of light.
+
+Passes of the walk, of codes and of Mitsuba's `principled` alternate in one process. Ratios of mean
+squared errors at equal CPU time are for the time in which the walk takes `COUNT` samples per pixel.
+"""
+
+from typing import Any
+
+import numpy as np
+from benchmarks.experiment import NETWORKS, Experiment, Found, Options, Pictures
+from benchmarks.pictures import View, at_equal_time
+from benchmarks.scenes import LIGHTS, PRINCIPLED, WALK
+from benchmarks.showing import COLOURS, figure, table
+
+from urushi.nets.weights import DEFAULT
+
+SCENES = ("still-life", "globe", "teapot")
+LABELS = {"own": "studio", "point": "point light", "sky": "sun and sky"}
+#: Samples per pixel of the walk that give the time of the comparison; samples of the reference, and
+#: CPU seconds of each method.
+COUNT, SAMPLES, SECONDS = 64, 512, 6.0
+#: Longest path: direct light. Caustics of small lights are single bright samples, which path
+#: tracing hardly finds, and which would decide the means.
+DEPTH = 2
+
+
+def cases(_: Options) -> dict[str, View]:
+    return {
+        f"{scene}, {light}": View(scene, light, depth=DEPTH) for scene in SCENES for light in LIGHTS
+    }
+
+
+def measure(view: View, options: Options) -> Found:
+    """Costs and variances of codes over the walk's, and what both ratios are worth.
+
+    `time` and `variance` of a sample over the walk's, `bias` over the walk's variance, and the
+    walk's mean squared error at equal time over that of `networks` and of an `exact` BSDF without
+    noise that costs what `principled` does.
+    """
+    networks = options.weights or DEFAULT
+    names, samples = (WALK, PRINCIPLED, networks), options.count(SAMPLES, 32)
+    methods, reference = at_equal_time(view, names, samples, options.share * SECONDS)
+    walk, cheap, ours = (methods[name] for name in names)
+    time, variance = ours.second / walk.second, ours.variance / walk.variance
+    bias = ours.bias(reference) / walk.variance
+    return {
+        "time": time,
+        "variance": variance,
+        "bias": bias,
+        "networks": 1 / COUNT / (variance * time / COUNT + bias),
+        "exact": walk.second / (cheap.second * variance),
+    }
+
+
+def plot(found: Found, _: Pictures) -> Any:
+    """Bars of codes and of the exact BSDF for each light of a scene."""
+    picture = figure(9, 3.6)
+    axes, places = picture.subplots(1, len(SCENES), sharey=True), np.arange(len(LIGHTS))
+    labels = {"networks": "codes", "exact": "exact, at the cost of principled"}
+    for axis, scene in zip(axes, SCENES, strict=True):
+        for shift, (name, label) in zip((-0.2, 0.2), labels.items(), strict=True):
+            values = [found[f"{scene}, {light}"][name] for light in LIGHTS]
+            axis.bar(places + shift, values, 0.38, color=COLOURS[name], label=label)
+            for place, value in zip(places + shift, values, strict=True):
+                axis.text(place, value, f"{value:.1f}", ha="center", va="bottom", fontsize=8)
+        axis.axhline(1, color=COLOURS["walk"], linewidth=1)
+        axis.set_xticks(places, LABELS.values(), fontsize=8)
+        axis.set_title(scene, fontsize=10)
+        axis.margins(y=0.12)
+    axes[0].set_ylabel(f"times less error than the walk's,\nat its {COUNT} samples per pixel")
+    picture.legend(*axes[0].get_legend_handles_labels(), loc="outside upper center", ncols=2)
+    return picture
+
+
+def tables(found: Found) -> list[str]:
+    """A row for each scene and light."""
+    columns = ("time", "variance", "networks", "exact")
+    rows = []
+    for name, case in found.items():
+        scene, light = name.split(", ")
+        rows.append([scene, LABELS[light], *(f"{case[key]:.2g}" for key in columns)])
+    return [table(["scene", "light", *columns], rows)]
+
+
+EXPERIMENT = Experiment(cases, measure, tables, plot, models=NETWORKS, minutes=7)

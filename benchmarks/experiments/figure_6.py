@@ -1,0 +1,116 @@
+"""Spheres of gold under one coat: both roughnesses, and the medium between; after Figure 6.
+
+The left half of a sphere is rendered by codes, the right half by the walk: an error would show as a
+seam. E is that of pairs of directions.
+"""
+
+from typing import Any
+
+import numpy as np
+from benchmarks import studio
+from benchmarks.experiment import NETWORKS, Experiment, Found, Options, Pictures
+from benchmarks.showing import figure, percent, rounded, table
+
+import urushi
+from urushi.core import direction_sets
+from urushi.core.error_metrics import stack_error
+
+#: The grids: labels and values of rows and of columns.
+GRIDS = {
+    "roughness": (
+        ("alpha of the coat", (0.05, 0.1, 0.2, 0.4)),
+        ("alpha of the gold", (0.1, 0.2, 0.35, 0.6)),
+    ),
+    "media": (
+        ("optical depth of the medium", (0.25, 0.5, 1.0, 2.0)),
+        ("albedo of the medium", (0.0, 0.5, 0.9, 1.0)),
+    ),
+}
+#: What a grid does not vary, and the gold's reflectance.
+COAT = {"alpha": 0.1, "eta": 1.5, "sigma_t": 0.25, "albedo": 0.7, "g": 0.0}
+BOTTOM, GOLD = 0.2, (1.0, 0.78, 0.34)
+#: Pixels of a sphere, samples of a pixel, and pairs and walks for E.
+SIZE, SAMPLES, PAIRS, WALKS, SEED = 128, 256, 300, 1 << 15, 6
+
+
+def cases(_: Options) -> dict[str, Any]:
+    """Parameters of the coat, and the width of the gold."""
+    return {
+        f"{grid}, {row:g}, {column:g}": (
+            (COAT | {"alpha": row}, column)
+            if grid == "roughness"
+            else (COAT | {"sigma_t": row, "albedo": column}, BOTTOM)
+        )
+        for grid, ((_, rows), (_, columns)) in GRIDS.items()
+        for row in rows
+        for column in columns
+    }
+
+
+def measure(case: Any, options: Options) -> tuple[list[float], dict[str, np.ndarray]]:
+    """E of codes against the walk, and E of one standard error of the walk; the sphere."""
+    coat, bottom = case
+    wi, wo = direction_sets.cosine_pairs(np.random.default_rng(SEED), PAIRS, lowest_cosine=0.02)
+    base, walks = urushi.conductor(alpha=bottom, r0=GOLD), options.count(WALKS, 64)
+    f, se = urushi.simulate(urushi.coat(base, **coat), wi, wo, walks=walks, seed=SEED)
+    top = urushi.dielectric(coat["alpha"], coat["eta"])
+    medium = {name: coat[name] for name in ("sigma_t", "albedo", "g")}
+    ours = urushi.layer(top, urushi.encode(base, options.weights), **medium).f(wi, wo)
+    e = [stack_error(x.T, f.T, wi[:, 2], wo[:, 2]).mean() for x in (ours, f + se)]
+    halves = [sphere(name, coat, bottom, options) for name in ("neural_layered", "layered")]
+    middle = SIZE // 2
+    joined = np.concatenate([halves[0][:, :middle], halves[1][:, middle:]], axis=1)
+    return rounded(e), {"sphere": joined}
+
+
+def sphere(plugin: str, coat: dict[str, float], bottom: float, options: Options) -> np.ndarray:
+    """The picture of the sphere by a plugin."""
+    gold = {"type": "rgb", "value": list(GOLD)}
+    base = {"type": "roughconductor", "distribution": "ggx", "alpha": bottom, "material": "none"}
+    parameters = {name: value for name, value in coat.items() if name != "eta"}
+    bsdf = {"type": plugin, **parameters, "int_ior": coat["eta"], "ext_ior": 1.0}
+    bsdf |= {"bottom": base | {"specular_reflectance": gold}}
+    return studio.render(bsdf, SIZE, options.count(SAMPLES), SEED)
+
+
+def plot(found: Found, pictures: Pictures) -> Any:
+    """Both grids of spheres, with E below each."""
+    picture = figure(10, 5.2)
+    axes = picture.subplots(1, 2)
+    for axis, (grid, ((row_label, rows), (column_label, columns))) in zip(
+        axes, GRIDS.items(), strict=True
+    ):
+        whole = [
+            [pictures(f"{grid}, {row:g}, {column:g}")["sphere"] for column in columns]
+            for row in rows
+        ]
+        axis.imshow(
+            np.concatenate([np.concatenate(line, axis=1) for line in whole]),
+            interpolation="lanczos",
+        )
+        middle = (np.arange(len(columns)) + 0.5) * SIZE
+        axis.set_xticks(middle, [f"{value:g}" for value in columns])
+        axis.set_yticks(middle, [f"{value:g}" for value in rows])
+        axis.set(xlabel=column_label, ylabel=row_label)
+        axis.tick_params(length=0)
+        for i, row in enumerate(rows):
+            for j, column in enumerate(columns):
+                text = f"E {percent(found[f'{grid}, {row:g}, {column:g}'][0])}"
+                place = (j + 0.5) * SIZE, (i + 0.975) * SIZE
+                axis.text(*place, text, color="white", fontsize=6.5, ha="center", va="bottom")
+    picture.suptitle("Left half of a sphere: codes. Right half: random walk.", fontsize=10)
+    return picture
+
+
+def tables(found: Found) -> list[str]:
+    """Mean and largest E of each grid, and the walk's own error."""
+    rows = []
+    for grid in GRIDS:
+        values = np.array([value for name, value in found.items() if name.startswith(grid)])
+        if len(values):
+            e, own = values.T
+            rows.append([grid, *map(percent, (e.mean(), e.max(), own.mean()))])
+    return [table(["grid", "mean E", "largest E", "the walk's own error"], rows)]
+
+
+EXPERIMENT = Experiment(cases, measure, tables, plot, models=NETWORKS, minutes=2)

@@ -1,0 +1,72 @@
+"""Lobes of stacks of two to six interfaces; after Figure 8 of Fan et al. 2022.
+
+Errors over many such stacks are those of the experiment `verdict`.
+"""
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+from benchmarks.experiment import NETWORKS, Experiment, Found, Options, Pictures
+from benchmarks.showing import COLOURS, figure, percent, rounded, table
+
+import urushi
+
+INTERFACES, SEED = (2, 3, 4, 5, 6), 8
+#: Angles of the lobes: incident, and outgoing in the plane of incidence [degrees].
+INCIDENT, OUTGOING = 45.0, np.linspace(-85.0, 85.0, 86)
+#: Walks of a lobe's values, and gold's reflectance at normal incidence.
+WALKS, GOLD = 1 << 15, (1.0, 0.78, 0.34)
+
+
+def measure(interfaces: int, options: Options) -> Found:
+    """f cos θo of gold under coats, by walk and codes; the green channel."""
+    angle, tilt = np.radians(OUTGOING), np.radians(INCIDENT)
+    wo = np.stack([np.sin(angle), 0 * angle, np.cos(angle)], axis=-1)
+    wi = np.tile([-np.sin(tilt), 0, np.cos(tilt)], (len(wo), 1))
+    reference: Any = urushi.conductor(alpha=0.12, r0=GOLD)
+    material: Any = urushi.encode(reference, options.weights)
+    medium = {"albedo": 0.7, "sigma_t": 0.25, "g": 0.4}
+    for number in range(INTERFACES[0], interfaces + 1):
+        # Interfaces become rougher towards the bottom.
+        alpha, eta = 0.05 + 0.03 * (INTERFACES[-1] - number), 1.5 if number % 2 else 1.3
+        reference = urushi.coat(reference, alpha, eta, **medium)
+        material = urushi.layer(urushi.dielectric(alpha, eta), material, **medium)
+    f, se = urushi.simulate(reference, wi, wo, walks=options.count(WALKS, 64), seed=SEED)
+    values = {"walk": f, "se": se, "networks": replace(material, table=None).f(wi, wo)}
+    return {name: rounded(value[:, 1] * wo[:, 2]) for name, value in values.items()}
+
+
+def plot(found: Found, _: Pictures) -> Any:
+    """f cos θo over the angle in the plane of incidence."""
+    picture = figure(10, 2.6)
+    panels = picture.subplots(1, len(found), sharey=True)
+    top = 2 * max(max(case["walk"]) for case in found.values())
+    for axis, (number, case) in zip(panels, found.items(), strict=True):
+        axis.plot(OUTGOING, case["walk"], color="black", linewidth=4, alpha=0.3)
+        axis.plot(OUTGOING, case["networks"], color=COLOURS["networks"], linewidth=1.2)
+        axis.set(yscale="log", ylim=(1e-3, top), xticks=[-90, -45, 0, 45, 90])
+        axis.set(xlabel="θo [degrees]", ylabel="f cos θo [1/sr]")
+        axis.set_title(f"gold, {number} interfaces, θi = {INCIDENT:g}°; grey: walk", fontsize=9)
+        axis.grid(alpha=0.3)
+    return picture
+
+
+def tables(found: Found) -> list[str]:
+    """Differences of codes from the walk, and the walk's own error, over the lobe's values."""
+    rows = []
+    for number, case in found.items():
+        walk, se, networks = (np.array(case[name]) for name in ("walk", "se", "networks"))
+        shares = np.abs(networks - walk).sum() / walk.sum(), 0.8 * se.sum() / walk.sum()
+        rows.append([number, *map(percent, shares)])
+    return [table(["interfaces", "codes", "the walk's own error"], rows)]
+
+
+EXPERIMENT = Experiment(
+    cases=lambda _: {f"{number}": number for number in INTERFACES},
+    measure=measure,
+    tables=tables,
+    plot=plot,
+    models=NETWORKS,
+    minutes=2,
+)

@@ -1,0 +1,130 @@
+"""Measured materials, bare and under coats, by codes and by tables; after Figure 9.
+
+Files of the RGL database, and published neural fits to MERL materials, whose tables stand in for
+MERL's files. The reference is the walk over the measured material.
+"""
+
+import warnings
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+from benchmarks import sphere
+from benchmarks.experiment import NETWORKS, Experiment, Found, Options, Pictures
+from benchmarks.measured import Measured, Reciprocal, coated, error, materials
+from benchmarks.showing import figure, percent, table
+
+import urushi
+from urushi.core import direction_sets
+from urushi.errors import UrushiWarning
+from urushi.material import Material
+
+#: Every eighth stand-in, from the fifth on; all others.
+FIRST, EVERY = 4, 8
+#: Coats, from the lowest to the topmost.
+MILK = {"alpha": 0.1, "eta": 1.4, "albedo": (0.95, 0.85, 0.7), "sigma_t": 0.5}
+CLEAR = {"alpha": 0.05, "eta": 1.5}
+COATS: dict[str, list[dict[str, Any]]] = {
+    "bare": [],
+    "clear coat": [CLEAR],
+    "milky and clear coat": [MILK, CLEAR],
+}
+#: Representations, and the argument `table` of `urushi.encode`; None is the default.
+FORMS: dict[str, bool | None] = {"code": False, "table": None}
+#: Materials that are drawn, in the order of the codes' E under coats.
+SHOWN = (
+    *("red-plastic", "white-marble", "cm_military_green_rgb", "vch_golden_yellow_rgb"),
+    *("cc_green_malachite_rgb", "chm_mint_rgb"),
+)
+#: Pairs of directions and walks for E; walks for each node of a sphere; seed of both.
+PAIRS, WALKS, SPHERE_WALKS, SEED = 300, 1 << 13, 8, 9
+
+
+def cases(options: Options) -> dict[str, Measured]:
+    found = materials(options.data())
+    stand_ins = [m for m in found if m.kind == "stand-in"][FIRST::EVERY]
+    return {m.name: m for m in (*(m for m in found if m.kind != "stand-in"), *stand_ins)}
+
+
+def measure(measured: Measured, options: Options) -> Any:
+    """E of each of `FORMS` by name of the coats, and the walk's own `noise` there; spheres."""
+    warnings.simplefilter("ignore", UrushiWarning)  # RGL files are not reciprocal
+    surface = measured.load()
+    wi, wo = direction_sets.cosine_pairs(np.random.default_rng(SEED), PAIRS)
+    found: Found = {"file": measured.kind, **{name: {} for name in (*FORMS, "noise")}}
+    pictures = []
+    for name, coats in COATS.items():
+        ours = {form: layered(surface, coats, form, options) for form in FORMS}
+        f, se = walked(surface, coats, wi, wo, options.count(WALKS, 64))
+        values = {form: material.f(wi, wo) for form, material in ours.items()}
+        # The mean size of a normal error is 0.8 of its deviation.
+        for form, own in (values | {"noise": f + 0.8 * se}).items():
+            found[form][name] = float(f"{error(own, f, wi, wo):.3g}")
+        if measured.name in SHOWN:
+
+            def reference(wi: np.ndarray, wo: np.ndarray, coats: list = coats) -> np.ndarray:
+                return walked(surface, coats, wi, wo, SPHERE_WALKS)[0]
+
+            pictures += [sphere.studio(f) for f in (reference, *(m.f for m in ours.values()))]
+    return (found, {"spheres": np.stack(pictures)}) if pictures else found
+
+
+def walked(surface: Any, coats: list, wi: np.ndarray, wo: np.ndarray, walks: int) -> Any:
+    """f (N, 3) of the surface under coats, and its standard error."""
+    if not coats:
+        return Reciprocal(surface).f(wi, wo), np.float64(0)
+    stack: Any = surface
+    for coat in coats:
+        stack = urushi.coat(stack, **coat)
+    return urushi.simulate(stack, wi, wo, walks=walks, seed=SEED, progress=False)
+
+
+def layered(surface: Any, coats: list, form: str, options: Options) -> Material:
+    """The encoded surface under coats; a code if it is one."""
+    material = urushi.encode(surface, options.weights, table=FORMS[form])
+    for coat in coats:
+        material = coated(material, coat)
+        material = replace(material, table=None) if form == "code" else material
+    return material
+
+
+def plot(found: Found, pictures: Pictures) -> Any:
+    """A row for each material: for each coat the walk, and codes and tables with E."""
+    picture, names = figure(11, 8.6), [name for name in SHOWN if name in found]
+    columns = [(coats, form) for coats in COATS for form in ("walk", *FORMS)]
+    axes = picture.subplots(len(names), len(columns), squeeze=False)
+    for row, name in zip(axes, names, strict=True):
+        shown = pictures(name)["spheres"]
+        for axis, image, (coats, form) in zip(row, shown, columns, strict=True):
+            axis.imshow(image)
+            axis.set(xticks=[], yticks=[])
+            if row is axes[0]:
+                axis.set_title(f"{coats},\n{form}", fontsize=7)
+            if form in FORMS:
+                axis.set_xlabel(f"E {percent(found[name][form][coats])}", fontsize=8)
+        row[0].set_ylabel(f"{name}\n({found[name]['file']})", fontsize=7)
+    return picture
+
+
+def tables(found: Found) -> list[str]:
+    """E of the drawn materials, and means and medians of all."""
+    columns = [(coats, form) for coats in COATS for form in FORMS]
+    rows = {f"{n}, {found[n]['file']}": [found[n]] for n in SHOWN if n in found}
+    for kind in dict.fromkeys(case["file"] for case in found.values()):
+        members = [case for case in found.values() if case["file"] == kind]
+        for label in ("mean", "median"):
+            rows[f"{label} of {len(members)}, {kind}"] = members
+    values = {
+        label: [
+            (np.median if label.startswith("median") else np.mean)([m[f][c] for m in members])
+            for c, f in columns
+        ]
+        for label, members in rows.items()
+    }
+    noise = [np.mean([case["noise"][c] for case in found.values()]) for c, _ in columns]
+    values["the walk's own error"] = noise
+    body = [[label, *map(percent, numbers)] for label, numbers in values.items()]
+    return [table(["material", *map(": ".join, columns)], body)]
+
+
+EXPERIMENT = Experiment(cases, measure, tables, plot, models=NETWORKS, minutes=7)

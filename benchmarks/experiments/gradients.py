@@ -1,0 +1,182 @@
+"""Slopes of f by parameters of coated materials, against differences of the walk.
+
+The derivative of the mean of f cos over pairs of directions, its difference quotient by the
+plugin itself and by the walk, and the error of the derivative against the walk, relative to the
+mean size of the slope.
+"""
+
+from typing import Any, NamedTuple
+
+import drjit as dr
+import mitsuba as mi
+import numpy as np
+from benchmarks.experiment import BOTH, Experiment, Found
+from benchmarks.showing import rounded, table
+
+import urushi  # noqa: F401  # registers the plugins
+from urushi.mitsuba.reading import probing
+
+#: Pairs of directions at which slopes are compared, and walks for each.
+PAIRS, WALKS = 2048, 256
+
+
+def coated(bottom: dict, **coat) -> dict:
+    return {"type": "neural_layered", "alpha": 0.2, "bottom": bottom} | coat
+
+
+def grey(value: float) -> dict:
+    return {"type": "rgb", "value": [value] * 3}
+
+
+def diffuse(value: float) -> dict:
+    return coated({"type": "diffuse", "reflectance": grey(value)})
+
+
+def principled(value: float, **coat) -> dict:
+    return coated({"type": "principled", "base_color": grey(value)}, **coat)
+
+
+def plastic(value: float) -> dict:
+    bottom = {"type": "roughplastic", "distribution": "ggx", "diffuse_reflectance": grey(value)}
+    return coated(bottom, alpha=0.1)
+
+
+def on_plastic(name: str, value: float) -> dict:
+    return plastic(0.5) | {"alpha": 0.2, "sigma_t": 0.5, "albedo": 0.5} | {name: value}
+
+
+def two_coats(value: float) -> dict:
+    return coated(plastic(value), alpha=0.3)
+
+
+def gold(value: float) -> dict:
+    metal = {"type": "roughconductor", "material": "Au", "distribution": "ggx"}
+    return coated(metal | {"alpha": value}, alpha=0.1)
+
+
+def absent(value: float) -> dict:
+    return principled(value, alpha=0.02, int_ior=1.01, ext_ior=1.0)
+
+
+def openpbr(value: float) -> dict:
+    off = {"coat_weight": 1.0, "energy_compensation": False}
+    return {"type": "openpbr", "base_color": grey(value)} | off
+
+
+def medium(name: str, value: float) -> dict:
+    values = {"albedo": 0.0, "sigma_t": 5.0} | {name: value}
+    return coated({"type": "diffuse"}, alpha=0.3, **values)
+
+
+#: A function of a value, the value, the end of the parameter's name, the steps below and above it,
+#: and the tolerance, relative to the mean size of the slope. Both walks have the same random
+#: numbers, so that their noise is small. The networks err by some per cent of the slope in the
+#: middle of ranges, and by more at their ends.
+SLOPES = {
+    "black diffuse": (diffuse, 0.0, "reflectance.value", (0, 0.02), 0.05),
+    "dark diffuse": (diffuse, 0.002, "reflectance.value", (0, 0.02), 0.05),
+    "white diffuse": (diffuse, 1.0, "reflectance.value", (0.02, 0), 0.15),
+    "principled": (principled, 0.8, "base_color.value", (0.05, 0.05), 0.06),
+    "black principled": (principled, 0.0, "base_color.value", (0, 0.02), 0.15),
+    "plastic": (plastic, 0.5, "diffuse_reflectance.value", (0.05, 0.05), 0.02),
+    "absent coat": (absent, 0.5, "base_color.value", (0.02, 0.02), 0.03),
+    "sharp gold": (gold, 0.01, "bottom.alpha.value", (0, 0.002), 0.12),
+    "rough gold": (gold, 1.0, "bottom.alpha.value", (0.05, 0), 0.15),
+    "openpbr": (openpbr, 0.5, "base_color.value", (0.05, 0.05), 0.06),
+    # f is a table by light transport, and its derivative that of the table.
+    "bright openpbr": (openpbr, 0.8, "base_color.value", (0.05, 0.05), 0.02),
+    "alpha on plastic": (lambda x: on_plastic("alpha", x), 0.2, "alpha.value", (0.02, 0.02), 0.06),
+    "depth on plastic": (lambda x: on_plastic("sigma_t", x), 0.5, "t.value", (0.05, 0.05), 0.08),
+    "two coats on plastic": (two_coats, 0.5, "diffuse_reflectance.value", (0.05, 0.05), 0.08),
+    # The slope of light transport itself doubles between .98 and 1.
+    "white medium": (lambda x: medium("albedo", x), 1.0, "albedo.value", (0.002, 0), 0.3),
+    "no medium": (lambda x: medium("sigma_t", x), 0.0, "sigma_t.value", (0, 0.02), 0.1),
+}
+
+
+def spread(count: int, seed: int) -> np.ndarray:
+    u = np.random.default_rng(seed).random((count, 2))
+    sine, azimuth = np.sqrt(1 - u[:, 0] ** 2), 2 * np.pi * u[:, 1]
+    return np.stack([sine * np.cos(azimuth), sine * np.sin(azimuth), u[:, 0]], axis=-1)
+
+
+def f_cos(bsdf: "mi.BSDF", walks: int = 1) -> "mi.Float":
+    """The red channel of f cos at the pairs (PAIRS * walks), all pairs for each walk."""
+    wi, wo = (np.tile(spread(PAIRS, seed), (walks, 1)) for seed in (1, 2))
+    time = np.repeat(np.arange(walks, dtype=np.float32), PAIRS)
+    si = probing.interaction(wi.astype(np.float32), np.full((len(wi), 2), 0.5), time)
+    wo = mi.Vector3f(np.ascontiguousarray(wo.T, np.float32))
+    return bsdf.eval(mi.BSDFContext(), si, wo).x
+
+
+def attached(description: dict, name: str) -> tuple["mi.BSDF", Any]:
+    """A BSDF and one of its parameters, which carries a gradient."""
+    bsdf = mi.load_dict(description)
+    parameters = mi.traverse(bsdf)
+    key = next(key for key in parameters.keys() if key.endswith(name))  # noqa: SIM118
+    dr.enable_grad(parameters[key])
+    parameters.update()
+    return bsdf, parameters[key]
+
+
+class Slopes(NamedTuple):
+    """Slopes of the mean of f cos: the derivative, and differences of the plugin and of the walk.
+
+    size: the mean size of the slope of f cos by the walk. error: standard error of the walk's.
+    away: mean difference of f with gradients from f without, relative to the mean of f.
+    """
+
+    derivative: float
+    plugin: float
+    walk: float
+    size: float
+    error: float
+    away: float
+
+
+def slopes(case: str) -> Slopes:
+    """The slopes of an entry of `SLOPES`."""
+    make, value, name, (below, above), _ = SLOPES[case]
+    ends = value - below, value + above
+    bsdf, parameter = attached(make(value), name)
+    found, plain = f_cos(bsdf), f_cos(mi.load_dict(make(value)))
+    away = float(np.abs(found.numpy() - plain.numpy()).mean() / plain.numpy().mean())
+    dr.backward(dr.mean(found))
+    walk = {"reference": True} if make is openpbr else {"type": "layered"}
+    by_plugin, by_walk = (
+        [f_cos(mi.load_dict(make(x) | other), walks).numpy() for x in ends]
+        for other, walks in (({}, 1), (walk, WALKS))
+    )
+    of_plugin, of_walk = ((high - low) / (below + above) for low, high in (by_plugin, by_walk))
+    of_walk = of_walk.reshape(WALKS, PAIRS)
+    return Slopes(
+        float(np.sum(dr.grad(parameter).numpy()[:1])),
+        float(of_plugin.mean()),
+        float(of_walk.mean()),
+        float(np.abs(of_walk.mean(axis=0)).mean()),
+        float(of_walk.mean(axis=1).std() / WALKS**0.5),
+        away,
+    )
+
+
+def tables(found: Found) -> list[str]:
+    """The slopes, and the error of the derivative relative to the slope's mean size."""
+    head = ["material", "parameter", "derivative", "plugin", "walk", "its standard error", "error"]
+    head.append("f with gradients")
+    rows = []
+    for case, (derivative, plugin, walk, size, error, away) in found.items():
+        _, value, name, *_ = SLOPES[case]
+        cells = [f"{x:.4f}" for x in (derivative, plugin, walk, error)]
+        off = f"{(derivative - walk) / size:+.1%}".replace("-", "−").replace("%", " %")
+        rows.append([case, f"`{name.split('.')[-2]}` {value:g}", *cells, off, f"{away:.2%}"])
+    return [table(head, rows)]
+
+
+EXPERIMENT = Experiment(
+    cases=lambda _: {case: case for case in SLOPES},
+    measure=lambda case, _: rounded(slopes(case)),
+    tables=tables,
+    pages=("docs/gradients.md",),
+    models=BOTH,
+    minutes=2,
+)

@@ -1,0 +1,154 @@
+"""Noise of importance sampling: by the codes' proposal, by that of Fan et al. 2022, by cosines.
+
+For 200 held-out stacks, taken evenly from the groups of `benchmarks.evaluation`, and wi from 0 to
+85 degrees: the coefficient of variation of f cos / pdf, which is the relative noise of a picture
+under a uniform sky at one sample per pixel. The proposal of Fan et al. 2022
+(`urushi.fan2022.inference`), a Gaussian on the projected half vector and a cosine lobe, both
+independent of wi, has the best width and share for each material, in place of a network's. All
+figures use the same directions, drawn from the codes' proposal: the second moment of f cos / q is
+the integral of (f cos)^2 / q.
+"""
+
+import math
+from typing import Any, NamedTuple
+
+import numpy as np
+from benchmarks.evaluation import benchmark, predict
+from benchmarks.experiment import NETWORKS, Experiment, Found, Options, Pictures
+from benchmarks.showing import COLOURS, figure, rounded, table
+from tqdm import tqdm
+
+from urushi.fan2022.inference import MIN_SHARE, MIN_SIGMA, GaussianMixture
+from urushi.material import Material
+from urushi.nets.weights import Model
+
+MATERIALS, SAMPLES = 200, 512
+ANGLES = tuple(range(0, 90, 5))
+
+#: The proposals, in the order of the table.
+PROPOSALS = ("networks", "Fan et al. 2022, best fit", "cosine")
+
+#: Candidates for the width of the best Gaussian and the share of the cosine lobe.
+SIGMAS = np.geomspace(MIN_SIGMA, 1, 24).astype(np.float32)
+COSINE_SHARES = np.linspace(MIN_SHARE, 1 - MIN_SHARE, 17).astype(np.float32)
+
+
+class Drawn(NamedTuple):
+    """Samples of one material by angle of wi: directions (A, S, 3), density and f cos (A, S)."""
+
+    wi: np.ndarray
+    wo: np.ndarray
+    pdf: np.ndarray
+    f_cos: np.ndarray
+
+
+def draw(material: Material, seed: int) -> Drawn:
+    """Draw directions from the material's own proposal."""
+    theta = np.radians(ANGLES)
+    wi = np.stack([np.sin(theta), 0 * theta, np.cos(theta)], axis=-1).astype(np.float32)
+    wi = np.repeat(wi, SAMPLES, axis=0)
+    u = np.random.default_rng(seed).random((len(wi), 3), np.float32)
+    wo, pdf = material.sample(wi, u)
+    f_cos = material.f(wi, wo).mean(axis=1) * wo[:, 2]
+    shape = (len(ANGLES), SAMPLES)
+    return Drawn(*(array.reshape(*shape, *array.shape[1:]) for array in (wi, wo, pdf, f_cos)))
+
+
+def variation(drawn: Drawn, q: np.ndarray) -> np.ndarray:
+    """Coefficients of variation (A,) of f cos / q for a density q (A, S)."""
+    mean = (drawn.f_cos / drawn.pdf).mean(axis=1)
+    second = (drawn.f_cos**2 / (q * drawn.pdf)).mean(axis=1)
+    return np.sqrt(np.maximum(second / mean**2 - 1, 0))
+
+
+def best_gaussian(drawn: Drawn) -> GaussianMixture:
+    """The paper's proposal that diverges least from f cos over all wi."""
+    target = drawn.f_cos / drawn.pdf
+    target = target / target.sum(axis=1, keepdims=True)
+    best, least = (SIGMAS[0], COSINE_SHARES[0]), math.inf
+    for sigma in SIGMAS:
+        parts = [GaussianMixture(sigma, np.float32(s)).pdf(drawn.wi, drawn.wo) for s in (0, 1)]
+        for share in COSINE_SHARES:
+            q = np.maximum((1 - share) * parts[0] + share * parts[1], 1e-12)
+            divergence = -(target * np.log(q)).sum()
+            if divergence < least:
+                best, least = (sigma, share), divergence
+    return GaussianMixture(*best)
+
+
+def variations(model: Model, count: int) -> dict[str, tuple[np.ndarray, np.ndarray]]:
+    """For each of `PROPOSALS`: variations (M, A) of materials by angles, and largest weights."""
+    made = [m for samples in benchmark.read().values() for m in predict.materials(model, samples)]
+    chosen = np.linspace(0, len(made) - 1, count).astype(int)
+    rows = []
+    for seed, index in enumerate(tqdm(chosen, desc="materials", disable=None)):
+        drawn = draw(made[index], seed)
+        gaussian = np.maximum(best_gaussian(drawn).pdf(drawn.wi, drawn.wo), 1e-12)
+        densities = (drawn.pdf, gaussian, drawn.wo[..., 2] / math.pi)
+        rows.append([(variation(drawn, q), (drawn.f_cos / q).max(axis=1)) for q in densities])
+    values = np.array(rows)  # (M, proposals, 2, A)
+    return {name: tuple(values[:, i].swapaxes(0, 1)) for i, name in enumerate(PROPOSALS)}
+
+
+#: Shares of the materials and angles whose variation is stored.
+SHARES = np.linspace(0, 1, 101)
+
+
+def measure_variation(options: Options) -> Found:
+    """By proposal: quantiles of the variation at `SHARES`, medians by angle, the largest weight."""
+    return {
+        name: {
+            "quantiles": rounded(np.quantile(cv, SHARES)),
+            "by angle": rounded(np.quantile(cv, (0.5, 0.95), axis=0)),
+            "largest": float(f"{weight.max():.3g}"),
+        }
+        for name, (cv, weight) in variations(options.model, options.count(MATERIALS)).items()
+    }
+
+
+#: Colours of the proposals, and of their names in the figure.
+LOOKS = {
+    PROPOSALS[0]: COLOURS["networks"],
+    PROPOSALS[1]: COLOURS["Fan et al. 2022"],
+    PROPOSALS[2]: COLOURS["Belcour 2018"],
+}
+
+
+def plot(found: Found, _: Pictures) -> Any:
+    """The variation over the share of materials and angles, and over the angle."""
+    picture = figure(9, 3.4)
+    left, right = picture.subplots(1, 2)
+    for name, values in found["variation"].items():
+        median, high = values["by angle"]
+        left.plot(values["quantiles"], 100 * SHARES, color=LOOKS[name], label=name)
+        right.plot(ANGLES, median, color=LOOKS[name])
+        right.plot(ANGLES, high, color=LOOKS[name], linestyle="--")
+    left.set(xscale="log", xlim=(0.03, 100), ylabel="materials and angles [%]")
+    left.set_xlabel("variation of f cos θo / pdf")
+    left.legend(fontsize=8)
+    right.set(yscale="log", ylim=(0.03, 200), xlabel="θi [degrees]", xticks=(0, 30, 60, 85))
+    right.set_ylabel("variation: median; 95 % dashed")
+    return picture
+
+
+def tables(found: Found) -> list[str]:
+    """A row for each proposal."""
+
+    def number(value: float) -> str:
+        return f"{value:,.2g}" if value < 100 else f"{float(f'{value:.2g}'):,.0f}"
+
+    rows = []
+    for name, values in found["variation"].items():
+        quantiles = np.interp((0.5, 0.95, 1), SHARES, values["quantiles"])
+        rows.append([name, *map(number, (*quantiles, values["largest"]))])
+    return [table(["proposal", "median", "95 %", "worst", "largest weight"], rows)]
+
+
+EXPERIMENT = Experiment(
+    cases=lambda _: {"variation": None},
+    measure=lambda _, options: measure_variation(options),
+    tables=tables,
+    plot=plot,
+    models=NETWORKS,
+    minutes=3,
+)

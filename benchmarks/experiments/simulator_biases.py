@@ -1,0 +1,269 @@
+"""Energy and errors of the right walk and of two faulty variants of it.
+
+Public implementations of the walk of Guo et al. (2018) have one of two faults. The variants add
+each of them to a copy of our walk; the package itself has neither. A variant draws the same random
+numbers as the right walk, so that their difference has little noise.
+"""
+
+import contextlib
+from collections.abc import Callable, Iterator, Sequence
+from functools import partial
+from typing import Any
+from unittest import mock
+
+import drjit as dr
+import numpy as np
+from benchmarks.evaluation import benchmark, samples
+from benchmarks.evaluation.benchmark_set import first
+from benchmarks.evaluation.samples import GROUPS
+from benchmarks.experiment import Experiment, Found, Options, Pictures
+from benchmarks.showing import figure, interval, rounded, table
+
+import urushi
+from urushi.walk import interface, walk
+from urushi.walk.exits import ExitPaths
+from urushi.walk.interface import flip
+from urushi.walk.simulate import albedo
+
+
+@contextlib.contextmanager
+def right() -> Iterator[None]:
+    """The walk as it is."""
+    yield
+
+
+@contextlib.contextmanager
+def reverse_density() -> Iterator[None]:
+    """The weight of a sampled direction uses the density of leaving, not that of connecting."""
+
+    def through_top(self: ExitPaths, w: Any) -> tuple[Any, Any]:
+        f, _ = _through_top(self, w)
+        # The faulty line: wo given the inner direction. The rival draws the inner one given wo.
+        _, pdf = interface.transmission(flip(-w), flip(self._wo), self._alpha, 1 / self._eta)
+        return f, pdf
+
+    with mock.patch.object(ExitPaths, "through_top", through_top):
+        yield
+
+
+@contextlib.contextmanager
+def dropped_connection() -> Iterator[None]:
+    """A surface's vertex whose own sample fails makes no connection."""
+    with (
+        mock.patch.object(walk, "bottom_event", _dropping(walk.bottom_event)),
+        mock.patch.object(walk, "inner_event", _dropping(walk.inner_event)),
+    ):
+        yield
+
+
+def _dropping(event: Callable[..., walk.Event]) -> Callable[..., walk.Event]:
+    """The event of a surface without the contribution of vertices whose sample has no weight."""
+
+    def faulty(*arguments: Any) -> walk.Event:
+        found = event(*arguments)
+        # The faulty line: the walk breaks off here, before it connects.
+        kept = dr.select(found.throughput > 0, found.contribution, 0)
+        return found._replace(contribution=kept)
+
+    return faulty
+
+
+_through_top = ExitPaths.through_top
+
+#: The walks by name, the right one first.
+VARIANTS = {
+    "right": right,
+    "reverse density": reverse_density,
+    "dropped connection": dropped_connection,
+}
+
+
+#: GGX widths of the furnaces, and their relative index.
+ALPHAS = (0.01, 0.02, 0.03, 0.05, 0.07, 0.1, 0.14, 0.2, 0.3, 0.4, 0.5, 0.7, 1.0)
+ETA = 1.5
+#: Angle of incidence [degrees].
+INCIDENT = 30.0
+#: Optical depths of the medium above the bottoms whose interior light is measured.
+DEPTHS = (0.0, 1.0)
+#: Width of the coat above them.
+COAT_ALPHA = 0.1
+#: Walks of an albedo, and of a pair of directions.
+WALKS, PAIR_WALKS = 1 << 22, 1 << 15
+SEED = 11
+#: The held-out stacks of the paper's Table 2 in the stored benchmark set.
+STACKS = tuple(group for group in GROUPS if group.name == "two, table2")
+
+
+def incident() -> np.ndarray:
+    """The unit vector wi (1, 3) of all albedos."""
+    angle = np.radians(INCIDENT)
+    return np.array([[np.sin(angle), 0, np.cos(angle)]], np.float32)
+
+
+def cases(options: Options) -> dict[str, Callable[[], Found]]:
+    walks = options.count(WALKS, 1 << 10)
+    return {
+        "furnace_alpha": partial(furnace, ALPHAS, walks),
+        "interior": partial(interior, ALPHAS, walks),
+        "table2": partial(table2, options.count(PAIR_WALKS, 64)),
+    }
+
+
+def furnace(alphas: Sequence[float], walks: int) -> Found:
+    """Directional albedo, with standard errors, of clear coats over equally rough mirrors."""
+    mirrors = [(alpha, urushi.conductor(alpha=alpha, r0=1)) for alpha in alphas]
+    stacks = [urushi.coat(mirror, alpha, ETA, albedo=1, sigma_t=0) for alpha, mirror in mirrors]
+    return albedos(stacks, walks)
+
+
+def interior(alphas: Sequence[float], walks: int) -> Found:
+    """Directional albedo of rough mirrors below a coat without absorption; `top` is its surface's.
+
+    One list for each of `DEPTHS`.
+    """
+    found: Found = {}
+    for depth in DEPTHS:
+        medium = {"albedo": 1, "sigma_t": depth}
+        stacks = [
+            urushi.coat(urushi.conductor(alpha=alpha, r0=1), COAT_ALPHA, ETA, **medium)
+            for alpha in alphas
+        ]
+        found[f"depth {depth:g}"] = albedos(stacks, walks)
+    black = urushi.coat(urushi.diffuse(0), COAT_ALPHA, ETA, albedo=0, sigma_t=0)
+    found["top"] = float(albedo(black, incident(), walks=walks, seed=SEED)[0][0, 0])
+    return found
+
+
+def albedos(stacks: Sequence[Any], walks: int) -> Found:
+    """Albedo and standard error of every stack, by the walk's name."""
+    found = {}
+    for name, variant in VARIANTS.items():
+        with variant():
+            values = [albedo(stack, incident(), walks=walks, seed=SEED) for stack in stacks]
+        mean, se = np.array(values)[:, :, 0, 0].T
+        found[name] = {"albedo": rounded(mean, 5), "se": rounded(se, 2)}
+    return found
+
+
+def table2(walks: int, stacks: int | None = None) -> Found:
+    """How far each fault would move the values of Table 2 stacks; by the fault's name.
+
+    E is the error of the faulty value, `energy` the relative change of sum f cos cos, both over the
+    pairs of the stored set. The two walks share their random numbers. `noise` is E of the right
+    walk against the stored values.
+    """
+    (stored,) = benchmark.read(groups=STACKS).values()
+    count = len(stored.table) if stacks is None else stacks
+    table = first(stored.table, count)
+    part = slice(None), slice(None, samples.E_PAIRS)
+    wi, wo = stored.wi[:count][part], stored.wo[:count][part]
+    values = {}
+    for name, variant in VARIANTS.items():
+        with variant():
+            values[name], _ = samples.walk_all(table, wi, wo, walks, SEED)
+    reference = values.pop("right")
+    error = partial(samples.error_metrics.stack_error, cos_i=wi[..., 2], cos_o=wo[..., 2])
+    weight = samples.error_metrics.energy_weight(wi[..., 2], wo[..., 2])
+    found: Found = {"noise": rounded(error(reference, stored.f[:count][part]))}
+    for name, f in values.items():
+        change = (weight * (f - reference)).sum(1) / (weight * reference).sum(1)
+        found[name] = {
+            "E": rounded(error(f, reference)),
+            "energy": rounded(change),
+        }
+    return found
+
+
+#: The faults in the order of the table, with their labels and colours.
+FAULTS = {
+    "reverse density": ("reverse density", "#d55e00"),
+    "dropped connection": ("dropped connection", "#0072b2"),
+}
+
+
+def plot(found: Found, _: Pictures) -> Any:
+    """Furnaces, interior light, and errors of stacks."""
+    picture = figure(12, 3.6)
+    axes = picture.subplots(1, 3)
+    draw_furnace(axes[0], found["furnace_alpha"])
+    draw_interior(axes[1], found["interior"])
+    draw_table2(axes[2], found["table2"])
+    for axis in axes:
+        axis.grid(alpha=0.3)
+    return picture
+
+
+def draw_furnace(axis, found) -> None:
+    """Albedo of stacks without absorption; light is lost to single scattering alone."""
+    axis.axhline(1, color="#999999", linewidth=0.8)
+    for name, (label, colour) in {"right": ("right", "#000000"), **FAULTS}.items():
+        # Standard errors are smaller than the markers.
+        width = 4 if name == "right" else 1.2
+        values = found[name]["albedo"]
+        axis.plot(ALPHAS, values, "o-", color=colour, linewidth=width, markersize=3, label=label)
+    axis.set(xscale="log", xlabel="alpha of both surfaces")
+    axis.set_ylabel(f"integral of f cos θo, θi = {INCIDENT:g}°")
+    axis.set_title(f"white furnace, clear coat of eta {ETA:g} over a mirror", fontsize=10)
+    axis.legend(fontsize=8)
+
+
+def draw_interior(axis, found) -> None:
+    """Relative change of the light that was below the coat, over the bottom's width."""
+    for depth, line in zip(DEPTHS, ("-", "--"), strict=True):
+        part = found[f"depth {depth:g}"]
+        for name, (label, colour) in FAULTS.items():
+            change = 100 * interior_change(part, found["top"], name)
+            medium = f"depth {depth:g}" if depth else "no medium"
+            axis.plot(ALPHAS, change, line, color=colour, label=f"{label}, {medium}")
+    axis.set(xscale="log", xlabel="alpha of the mirror", ylabel="change of interior light [%]")
+    axis.set_title(f"mirror under a coat of alpha {COAT_ALPHA:g}", fontsize=10)
+    axis.legend(fontsize=8)
+
+
+def interior_change(part, top: float, name: str) -> np.ndarray:
+    """Relative change of the albedo without `top`, the reflection of the coat's surface."""
+    right, faulty = (np.array(part[walk]["albedo"]) for walk in ("right", name))
+    return (faulty - right) / (right - top)
+
+
+def draw_table2(axis, found) -> None:
+    """E of the faulty values, sorted, on a logarithmic axis."""
+    for name, (label, colour) in FAULTS.items():
+        errors = 100 * np.sort(found[name]["E"])
+        share = 100 * (np.arange(len(errors)) + 0.5) / len(errors)
+        axis.plot(np.maximum(errors, 1e-3), share, color=colour, label=label)
+    noise = 100 * np.mean(found["noise"])
+    axis.axvline(noise, color="#999999", linestyle=":", label="right walk against stored values")
+    axis.set(xscale="log", xlabel="E [%], at least 0.001", ylabel="stacks with a smaller E [%]")
+    axis.set_title(f"{len(found['noise'])} stacks of Table 2", fontsize=10)
+    axis.legend(fontsize=8, loc="upper left")
+
+
+def tables(found: Found) -> list[str]:
+    """A table: E and the change of energy over the stacks of Table 2."""
+    head = ["fault", "E, mean (95 % interval)", "median", "largest", "reflected energy, mean"]
+    rows = []
+    for name, (label, _) in FAULTS.items() if "table2" in found else ():
+        errors = 100 * np.array(found["table2"][name]["E"])
+        energy = 100 * np.mean(found["table2"][name]["energy"])
+        low, high = interval(errors)
+        rows.append(
+            [
+                label,
+                f"{errors.mean():.2g} % ({low:.2g} to {high:.2g})",
+                f"{np.median(errors):.2g} %",
+                f"{errors.max():.2g} %",
+                f"{energy:+.2g} %",
+            ]
+        )
+    return [table(head, rows)]
+
+
+EXPERIMENT = Experiment(
+    cases=cases,
+    measure=lambda case, _: case(),
+    tables=tables,
+    plot=plot,
+    pages=("docs/simulator_biases.md",),
+    minutes=2,
+)

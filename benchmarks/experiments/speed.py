@@ -1,0 +1,332 @@
+"""Speed: evaluations, walks, encoding, slabs, loading of textures, renders of spheres and scenes.
+
+Default flags. Every case alternates its operations, and times are the least of some turns, so that
+other load disturbs them less. Mitsuba compiles all BSDFs in memory into every kernel: scenes are
+loaded again for every turn and then released.
+"""
+
+import gc
+import os
+import resource
+import tempfile
+import time
+from collections.abc import Callable
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import drjit as dr
+import mitsuba as mi
+import numpy as np
+from benchmarks import timing
+from benchmarks.experiment import NETWORKS, Experiment, Found, Options
+from benchmarks.scenes import PRINCIPLED, SCENES, WALK, coat, describe
+from benchmarks.showing import rounded, table
+
+import urushi
+from urushi.core import direction_sets
+from urushi.core.directions import directions_at
+from urushi.material import adding
+from urushi.material.slab_table import slab_tables
+from urushi.measured import merl
+from urushi.measured.tabulated import bin_centres
+from urushi.mitsuba.reading import probing
+from urushi.nets.weights import DEFAULT, default_model
+from urushi.parallel import one_blas_thread
+from urushi.textures import cache
+from urushi.walk import analytic, walk_pairs
+from urushi.walk.table import from_stack
+
+#: Evaluations of a kernel; pairs and walks of the walk's; turns; texels along a side.
+EVALUATIONS, PAIRS, WALKS, TURNS, TEXELS = 1 << 20, 1024, 2048, 5, 64
+#: Side of the textured coat that is loaded, pictures' width, and samples per pixel.
+LOADED, SIDE, SPP = 1024, 512, 32
+
+_METAL = urushi.conductor(0.1, 0.9)
+STACKS = {
+    "alpha 0.1, eta 1.5, albedo 0.9, sigma_t 1": urushi.coat(_METAL, 0.1, 1.5, 0.9, 1.0),
+    "the same, albedo 0.99, sigma_t 8, g 0.5": urushi.coat(_METAL, 0.1, 1.5, 0.99, 8.0, 0.5),
+    "three interfaces, sigma_t 0.5 and 1": urushi.coat(
+        urushi.coat(urushi.conductor(0.2, 0.9), 0.3, 1.2, 0.9, 1.0), 0.1, 1.5, 0.9, 0.5
+    ),
+}
+#: Media (albedo, sigma_t, g) of three channels.
+CLEAR = np.zeros((3, 3))
+TINTED = np.array([(0.9, 0.5, 0.2), (0.5, 1.0, 2.0), (0.3, 0.3, 0.3)])
+#: Interfaces (alpha, index relative to the medium above), and the media between them.
+SLABS = {
+    "a sheet of one coat": ([(0.3, 1.4), (0.3, 1 / 1.4)], [TINTED]),
+    "a coat on a body of glass": ([(0.1, 1.3), (0.2, 1.5 / 1.3)], [TINTED]),
+    "a coat on a pane": ([(0.2, 1.4), (0.03, 1.1), (0.03, 1 / 1.54)], [TINTED, CLEAR]),
+    "a clear pane with coats on both sides": (
+        [(0.1, 1.4), (0.03, 1.5 / 1.4), (0.03, 1.3 / 1.5), (0.2, 1 / 1.3)],
+        [TINTED, CLEAR, TINTED],
+    ),
+    "three coats with media": (
+        [(0.1, 1.4), (0.3, 1.2), (0.2, 0.9), (0.15, 1 / (1.4 * 1.2 * 0.9))],
+        [TINTED, TINTED, TINTED],
+    ),
+}
+
+
+def texture(low: float, high: float, channels: int, seed: int, side: int = TEXELS) -> dict:
+    """A texture of uniform random texels."""
+    texels = np.random.default_rng(seed).uniform(low, high, (side, side, channels))
+    return {"type": "bitmap", "bitmap": mi.Bitmap(texels.astype(np.float32)), "raw": True}
+
+
+def value(low: float, high: float, channels: int, seed: int) -> dict | float:
+    """One value from the same range."""
+    numbers = np.random.default_rng(seed).uniform(low, high, channels).tolist()
+    return {"type": "rgb", "value": numbers} if channels == 3 else numbers[0]
+
+
+def material(plugin: str, textured: bool, seed: int = 0, side: int = TEXELS) -> dict:
+    """The sphere's BSDF; plugin: `PRINCIPLED`, or as of `scenes.coat`; side: of textures."""
+    of = partial(texture, side=side) if textured else value
+    if plugin == PRINCIPLED:
+        return {
+            "type": PRINCIPLED,
+            "base_color": of(0.2, 0.95, 3, seed + 1),
+            "roughness": of(0.1, 0.6, 1, seed + 2),
+            "metallic": of(0, 1, 1, seed + 3),
+            "clearcoat": of(0.1, 1, 1, seed + 4),
+            "clearcoat_gloss": of(0.3, 0.9, 1, seed + 5),
+        }
+    bottom = {"type": "roughconductor", "distribution": "ggx", "alpha": of(0.05, 0.4, 1, seed + 1)}
+    return coat(plugin) | {
+        "alpha": of(0.02, 0.3, 1, seed + 3),
+        "albedo": of(0.2, 0.95, 3, seed + 4),
+        "sigma_t": of(0.1, 2, 3, seed + 5),
+        "g": of(-0.3, 0.6, 3, seed + 6),
+        "bottom": bottom | {"specular_reflectance": of(0.3, 0.95, 3, seed + 2)},
+    }
+
+
+def scene(bsdfs: list[dict], side: int) -> "mi.Scene":
+    """Spheres of these BSDFs in a row, which fills the picture, under an environment map."""
+    sky = np.random.default_rng(0).uniform(0.5, 1.5, (64, 128, 1)).repeat(3, axis=2)
+    sky[10:16, 30:40] = 20
+    count = len(bsdfs)
+    look = mi.ScalarTransform4f().look_at([0, 0, 4.2], [0, 0, 0], [0, 1, 0])
+    film = {"type": "hdrfilm", "width": side, "height": side, "rfilter": {"type": "box"}}
+    described = {
+        "type": "scene",
+        "integrator": {"type": "path", "max_depth": 6},
+        "sensor": {"type": "perspective", "fov": 30, "to_world": look, "film": film},
+        "sky": {"type": "envmap", "bitmap": mi.Bitmap(sky.astype(np.float32))},
+    }
+    for i, bsdf in enumerate(bsdfs):
+        sphere = {"type": "sphere", "center": [(2 * i + 1) / count - 1, 0, 0], "radius": 1 / count}
+        described[f"sphere {i}"] = sphere | {"bsdf": bsdf}
+    return mi.load_dict(described)
+
+
+def rendered(loaded: "mi.Scene", spp: int, seed: int) -> tuple[float, float]:
+    """Wall and CPU time of one render [s]."""
+    wall, cpu = time.perf_counter(), time.process_time()
+    dr.eval(mi.render(loaded, spp=spp, seed=seed))
+    dr.sync_thread()
+    return time.perf_counter() - wall, time.process_time() - cpu
+
+
+def synthetic_merl(path: Path) -> Path:
+    """Write a table in MERL's format: a rough conductor plus a Lambertian BRDF."""
+    centres = (angle.ravel() for angle in np.broadcast_arrays(*bin_centres(merl.SHAPE)))
+    wi, wo = (w.astype(np.float32) for w in directions_at(*centres))
+    gold, base = urushi.conductor(0.2, (0.98, 0.77, 0.34)), urushi.diffuse((0.1, 0.05, 0.02))
+    f = analytic.f(gold, wi, wo) + analytic.f(base, wi, wo)
+    with path.open("wb") as file:
+        np.array(merl.SHAPE, "<i4").tofile(file)
+        (f / np.array(merl.SCALE)).T.astype("<f8").tofile(file)
+    return path
+
+
+def evaluations(options: Options) -> Found:
+    """Millions of RGB evaluations of f a CPU second, of constants and of textures."""
+    count, rng = options.count(EVALUATIONS, 1 << 10), np.random.default_rng(0)
+    wi, wo = direction_sets.cosine_pairs(rng, count)
+    si = probing.interaction(wi, rng.random((count, 2)))
+    out = mi.Vector3f(np.ascontiguousarray(wo.T))
+    dr.eval(si, out)
+    kernels = {}
+    for name, textured in (("constant", False), ("textured", True)):
+        bsdf = mi.load_dict(material(options.weights or DEFAULT, textured))
+        evaluate = partial(bsdf.eval, mi.BSDFContext(), si, out)
+        kernels[f"million evaluations of f, {name}"] = partial(timing.kernel, evaluate)
+    least = timing.least(kernels, TURNS)
+    return {name: rounded(count / 1e6 / seconds, 3) for name, seconds in least.items()}
+
+
+def walks(options: Options) -> Found:
+    """Millions of walks a CPU second; a walk is one estimate of f for one pair and channel."""
+    number = options.count(WALKS, 16)
+    wi, wo = direction_sets.cosine_pairs(np.random.default_rng(1), PAIRS)
+    row = np.zeros(PAIRS, np.uint32)
+    operations = {
+        f"million walks, {name}": partial(
+            timing.seconds,
+            partial(walk_pairs, from_stack(stack), row, wi, wo, walks=number, seed=1),
+        )
+        for name, stack in STACKS.items()
+    }
+    least = timing.least(operations, TURNS)
+    return {name: rounded(PAIRS * number / 1e6 / seconds, 3) for name, seconds in least.items()}
+
+
+def materials(options: Options) -> Found:
+    """CPU seconds to encode and layer one material, to read and encode a measured one."""
+    model, gold = options.model, urushi.conductor(0.2, (0.98, 0.77, 0.34))
+    bottom, top = urushi.encode(gold, model), urushi.dielectric(0.05, 1.5)
+    medium = {"albedo": 0.8, "sigma_t": (0.2, 1.0, 3.0)}
+    with tempfile.TemporaryDirectory() as folder:
+        path = synthetic_merl(Path(folder) / "synthetic.binary")
+        measured = urushi.load_measured(path)
+        calls: dict[str, Callable[[], Any]] = {
+            "encode one RGB material": lambda: urushi.encode(gold, model),
+            "layer one RGB material": lambda: urushi.layer(top, bottom, **medium),
+            "read a MERL file": lambda: urushi.load_measured(path),
+            "encode a MERL file": lambda: urushi.encode(measured, model),
+        }
+        operations = {name: partial(timing.seconds, call) for name, call in calls.items()}
+        return {k: rounded(v, 3) for k, v in timing.least(operations, TURNS).items()}
+
+
+def slabs(_: Options) -> Found:
+    """CPU seconds of the tables of slabs on one thread, for one channel and for three."""
+
+    def seconds(interfaces: list, media: list, channels: int) -> float:
+        for function in vars(adding).values():
+            getattr(function, "cache_clear", int)()
+        values = np.array(media)[..., :channels]
+        return timing.seconds(lambda: slab_tables(default_model(), np.array(interfaces), values))
+
+    with one_blas_thread():
+        operations = {
+            f"tables of {name}, {channels} channel{'s' if channels > 1 else ''}": partial(
+                seconds, *slab, channels
+            )
+            for name, slab in SLABS.items()
+            for channels in (1, 3)
+        }
+        return {k: rounded(v, 2) for k, v in timing.least(operations, 2).items()}
+
+
+def loading(options: Options) -> Found:
+    """Seconds to load, edit, save and read a textured coat; megabytes of its file and in memory.
+
+    Textures hold noise of 8 bits, as images do: hardly two texels are equal.
+    """
+    os.environ[cache.VARIABLE] = "off"
+    side = options.count(LOADED, 16)
+
+    def noise(low: float, high: float, channels: int, seed: int) -> Any:
+        u = np.random.default_rng(seed).random((side, side, channels))
+        texels = (low + (high - low) * np.floor(255 * u) / 255).astype(np.float32)
+        return mi.load_dict({"type": "bitmap", "bitmap": mi.Bitmap(texels), "raw": True})
+
+    base = mi.load_dict({"type": "roughconductor", "distribution": "ggx", "alpha": 0.2})
+    described = coat(options.weights or DEFAULT) | {"base": base}
+    ranges = {
+        "alpha": (0.02, 0.3, 1),
+        "albedo": (0, 1, 3),
+        "sigma_t": (0, 2, 3),
+        "g": (-0.5, 0.5, 3),
+    }
+    described |= {name: noise(*limits, k) for k, (name, limits) in enumerate(ranges.items())}
+    begin, cpu = time.perf_counter(), time.process_time()
+    bsdf = mi.load_dict(described)
+    found = {"load": time.perf_counter() - begin, "load, CPU": time.process_time() - cpu}
+    parameters = mi.traverse(bsdf)
+    pixels = np.array(parameters["albedo.data"])
+    pixels[: side // 64 + 1, : side // 64 + 1] = 0.5
+    parameters["albedo.data"] = mi.TensorXf(pixels)
+    found["edit"] = timing.seconds(parameters.update)
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "coat.safetensors"
+        found["save"] = timing.seconds(lambda: bsdf.save(path))
+        found["file [MB]"] = path.stat().st_size / 2**20
+        saved = {"type": "neural_brdf", "filename": str(path)}
+        found["reload"] = timing.seconds(lambda: mi.load_dict(saved))
+    found["peak memory of the process [MB]"] = (
+        resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
+    )
+    return {f"{side}² texels: {name}": rounded(value, 3) for name, value in found.items()}
+
+
+def renders(make: Callable[[str], Any], options: Options) -> Found:
+    """CPU seconds of a render by `PRINCIPLED`, codes and walk, and to compile; make: scenes."""
+    plugins = (PRINCIPLED, options.weights or DEFAULT, WALK)
+    times: dict[str, list[float]] = {plugin: [] for plugin in plugins}
+    compiling = {}
+    for turn in range(3):
+        for plugin in plugins:
+            loaded = make(plugin)
+            spp = options.count(SPP, 2)
+            first, *later = (rendered(loaded, spp, seed)[1] for seed in range(3))
+            times[plugin].append(min(later))
+            if turn == 0:
+                compiling[plugin] = first - min(later)
+            del loaded
+            gc.collect()
+    found = {"codes" if p == plugins[1] else p: float(np.median(t)) for p, t in times.items()}
+    return {k: rounded(v, 3) for k, v in (found | {"compile": compiling[plugins[1]]}).items()}
+
+
+def sphere(textured: bool, options: Options) -> Found:
+    side = options.count(SIDE, 32)
+    return renders(lambda plugin: scene([material(plugin, textured)], side), options)
+
+
+def whole(name: str, options: Options) -> Found:
+    """A scene of the gallery, most of whose coats are textured."""
+
+    def make(plugin: str) -> Any:
+        with tempfile.TemporaryDirectory(prefix="urushi-") as folder:
+            side = options.count(SIDE, 32)
+            return mi.load_dict(describe(name, plugin, Path(folder), width=side))
+
+    return renders(make, options)
+
+
+def cases(_: Options) -> dict[str, Any]:
+    parts = {"evaluations": evaluations, "walks": walks, "materials": materials, "slabs": slabs}
+    parts |= {"loading": loading, "sphere, constant": partial(sphere, False)}
+    parts["sphere, textured"] = partial(sphere, True)
+    scenes = [name for name in SCENES if name != "library"]  # saved materials, no coats
+    return parts | {f"scene {name}": partial(whole, name) for name in scenes}
+
+
+def tables(found: Found) -> list[str]:
+    """Renders as multiples of `principled`; and all other figures."""
+    renders = {name: case for name, case in found.items() if PRINCIPLED in case}
+    rows = [
+        [
+            name,
+            f"{case[PRINCIPLED]:.2g} s",
+            *(f"{case[key] / case[PRINCIPLED]:.2f}" for key in ("codes", WALK)),
+            f"{case['codes'] / case[WALK]:.2f}",
+            f"{case['compile']:.1f} s",
+        ]
+        for name, case in renders.items()
+    ]
+    others = [
+        [label, f"{value:g}"]
+        for name, case in found.items()
+        if name not in renders
+        for label, value in case.items()
+    ]
+    head = ["render", f"`{PRINCIPLED}`", "codes over it", "walk over it", "codes over walk"]
+    made = [table([*head, "codes: compile"], rows)] if rows else []
+    return made + (
+        [table(["measurement", "a CPU second, or CPU seconds"], others)] if others else []
+    )
+
+
+EXPERIMENT = Experiment(
+    cases=cases,
+    measure=lambda case, options: case(options),
+    tables=tables,
+    models=NETWORKS,
+    minutes=45,
+)

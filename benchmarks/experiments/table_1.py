@@ -1,0 +1,281 @@
+"""Storage, time and error of representations of single BRDFs; after Table 1 of Fan et al. 2022.
+
+Every method sees values of a BRDF alone, not its parameters. Errors are taken at pairs of
+directions that no method has seen; PSNR and FLIP are those of a sphere in Urushi's studio. Measured
+materials are averaged over the exchange of wi and wo, because most methods are reciprocal; the
+stand-ins for MERL's favour NBRDF, because such networks made them.
+"""
+
+import functools
+import math
+import time
+from typing import Any
+
+import numpy as np
+from benchmarks import sphere, timing
+from benchmarks.experiment import NETWORKS, PARTS, Experiment, Found, Options, Pictures
+from benchmarks.measured import error as e_of
+from benchmarks.pictures import compare
+from benchmarks.rivals import ggx_fit, nbrdf, rainer
+from benchmarks.showing import figure, interval, table
+from benchmarks.subjects import SEED, Subject, Walked, subjects, training_set
+
+import urushi
+from urushi.core import direction_sets, error_metrics
+from urushi.fan2022 import architecture as paper
+from urushi.files import atomic_write
+from urushi.material.source import Source
+from urushi.nets.weights import default_model
+
+METHODS = (
+    *("Rainer 2019", "Rainer 2020", "NBRDF", "GGX", "two GGX", "Urushi, encoded"),
+    "Urushi, table",
+)
+#: Drawn samples of the trainings of one material (about three quarters are above the horizon), and
+#: passes over them.
+SAMPLES, PASSES = 1 << 16, {"NBRDF": 30, "Rainer 2019": 12}
+#: Shared training of Rainer et al. 2020: materials of either kind, their pairs, walks, and steps;
+#: pairs by which a new material is encoded.
+SHARED, PAIRS, WALKS, STEPS, MEASURED = 640, 256, 64, 3000, 512
+#: Pairs of E, of P and of L1, with the walks of their reference; L1's number is a fourth power.
+REFERENCE = {"E": (512, 6144), "P": (512, 2048), "L1": (625, 2048)}
+#: Pairs of the measurement of evaluations, and its turns.
+EVALUATED, TURNS = 1 << 16, 5
+#: Errors in the order of the tables: factor and unit.
+ERRORS = {"E": (100, " %"), "P": (100, " %"), "L1": (1e3, "e-3"), "PSNR": (1, " dB")}
+HEADS = {"L1": "L1 [1/sr]", "PSNR": "PSNR of a sphere"}
+#: Texels of a 4K texture, and bytes of a number.
+TEXELS, BYTES = 4096**2, 4
+#: What the paper says of a method: sharp highlights are kept, and how a material is represented.
+PAPER = {
+    "Rainer 2019": ("no", "train a new en/decoder"),
+    "Rainer 2020": ("no", "run the encoder"),
+    "NBRDF": ("yes", "train a new decoder"),
+    "Fan 2022": ("yes", "optimise the code, 10 to 45 s on a GPU"),
+}
+
+
+@functools.cache
+def networks() -> rainer.Unified:
+    """The shared networks of Rainer et al. 2020, trained once and kept."""
+    path, names = PARTS / "rainer-2020.npz", ("first", "second", "decoder")
+    if not path.exists():
+        trained = rainer.train_unified(
+            *training_set(SHARED, PAIRS, WALKS, SEED + 1000), steps=STEPS
+        )
+        layers = {
+            f"{name}.{i}.{kind}": array
+            for name in names
+            for i, layer in enumerate(getattr(trained, name))
+            for kind, array in zip(("weights", "bias"), layer, strict=True)
+        }
+        path.parent.mkdir(parents=True, exist_ok=True)
+        with atomic_write(path) as temporary, temporary.open("wb") as file:
+            np.savez(file, **layers)
+    with np.load(path) as file:
+        layers = dict(file)
+
+    def part(name: str) -> rainer.Layers:
+        count = sum(key.startswith(f"{name}.") for key in layers) // 2
+        keys = [f"{name}.{i}" for i in range(count)]
+        return tuple((layers[f"{key}.weights"], layers[f"{key}.bias"]) for key in keys)
+
+    return rainer.Unified(*map(part, names))
+
+
+def represent(method: str, source: Any, options: Options) -> Any:
+    """The representation of a BRDF by a method; it has f(wi, wo) -> (N, 3)."""
+    samples = options.count(SAMPLES, 1 << 12)
+    if method == "NBRDF":
+        return nbrdf.train(source.f, passes=PASSES[method], samples=samples)
+    if method == "Rainer 2019":
+        return rainer.train(source.f, passes=PASSES[method], samples=samples)
+    if method == "Rainer 2020":
+        _, wi, wo = nbrdf.training_pairs(np.random.default_rng(SEED), 3 * MEASURED)
+        wi, wo = wi[:MEASURED], wo[:MEASURED]
+        return networks().encode(wi, wo, source.f(wi, wo))
+    if method.endswith("GGX"):
+        return ggx_fit.best(source.f, 1 if method == "GGX" else 2)
+    function = Source(source.f, symmetric=True, noisy=isinstance(source, Walked))
+    return urushi.encode(function, options.weights, table=method.endswith("table"))
+
+
+def measure(subject: Subject | None, options: Options) -> Found:
+    """Errors and CPU seconds of the methods for a material, and E of the reference's noise.
+
+    None: CPU times of an evaluation. A stack has no spheres and no seconds, most of which its walks
+    would take.
+    """
+    if subject is None:
+        return evaluation()
+    rng, walked = np.random.default_rng((SEED, 1)), isinstance(subject.source, Walked)
+    pairs = {
+        "E": direction_sets.cosine_pairs(rng, REFERENCE["E"][0], lowest_cosine=0.02),
+        "P": direction_sets.half_angle_pairs(rng, REFERENCE["P"][0]),
+        "L1": direction_sets.stratified_pairs(rng, REFERENCE["L1"][0]),
+    }
+    truth, own = {}, 0.0
+    for seed, (name, (wi, wo)) in enumerate(pairs.items()):
+        if walked:
+            walks = options.count(REFERENCE[name][1], 16)
+            truth[name], se = subject.source.simulated(wi, wo, walks, SEED + 2000 + seed)
+            own = error("E", truth[name] + se, truth[name], wi, wo) if name == "E" else own
+        else:
+            truth[name] = subject.source.f(wi, wo)
+    found: Found = {"group": subject.group, "reference": float(f"{own:.3g}")}
+    original = None if walked else sphere.studio(subject.source.f)
+    for method in METHODS:
+        begin = time.process_time()
+        model = represent(method, subject.source, options)
+        seconds = time.process_time() - begin
+        values = {
+            name: error(name, model.f(*pair), truth[name], *pair) for name, pair in pairs.items()
+        }
+        if original is not None:
+            shown = compare(sphere.studio(model.f), original, sphere.mask())
+            values |= {"PSNR": shown.psnr, "FLIP": shown.flip, "seconds": seconds}
+        found[method] = {name: float(f"{value:.4g}") for name, value in values.items()}
+    return found
+
+
+def error(name: str, f_hat: np.ndarray, f: np.ndarray, wi: np.ndarray, wo: np.ndarray) -> float:
+    """E (mean over channels that are not black), the median of P, or L1 [1/sr]."""
+    if name == "E":
+        return e_of(f_hat, f, wi, wo)
+    if name == "P":
+        return float(np.median(error_metrics.pair_error(f_hat, f)))
+    return float(np.abs(f_hat - f).mean())
+
+
+def evaluation() -> dict[str, float]:
+    """CPU time of a value of RGB by each method with NumPy [µs]."""
+    surface = urushi.conductor(alpha=0.3, r0=(0.9, 0.6, 0.3))
+    rng = np.random.default_rng(SEED)
+    models: dict[str, Any] = {
+        name: rainer.NeuralBtf(
+            rainer.initial(rng, rainer.decoder_sizes(latent)), np.ones(latent, np.float32)
+        )
+        for name, latent in zip(METHODS, (rainer.LATENT_2019, rainer.LATENT_2020), strict=False)
+    }
+    models["NBRDF"] = nbrdf.Nbrdf(rng.normal(0, 0.1, nbrdf.SIZE))
+    models["Urushi"] = urushi.encode(urushi.coat(surface, 0.1, 1.5, 0.7, 1.0))
+    pairs = direction_sets.cosine_pairs(rng, EVALUATED)
+    operations = {
+        name: functools.partial(timing.seconds, functools.partial(model.f, *pairs))
+        for name, model in models.items()
+    }
+    least = timing.least(operations, TURNS)
+    return {name: float(f"{1e6 * value / EVALUATED:.3g}") for name, value in least.items()}
+
+
+def groups(found: Found) -> dict[str, list[Found]]:
+    """The materials' results by group."""
+    result: dict[str, list[Found]] = {}
+    for case in found.values():
+        if "group" in case:
+            result.setdefault(case["group"], []).append(case)
+    return result
+
+
+def measured(found: Found, error: str) -> dict[str, dict[str, np.ndarray]]:
+    """By method and group, an error of all materials in the unit of the tables."""
+    result: dict[str, dict[str, np.ndarray]] = {}
+    for group, members in groups(found).items():
+        for method in members[0]:
+            if method not in ("group", "reference") and all(error in m[method] for m in members):
+                values = ERRORS[error][0] * np.array([m[method][error] for m in members])
+                result.setdefault(method, {})[group] = values
+    return result
+
+
+def plot(found: Found, _: Pictures) -> Any:
+    """Means of E and P with their intervals, by group and method."""
+    picture = figure(8.4, 3.4)
+    axes = picture.subplots(1, 2, sharey=True)
+    titles = "E: reflected energy", "P: highlights and dark directions"
+    for axis, name, title in zip(axes, ("E", "P"), titles, strict=True):
+        for place, (method, by_group) in enumerate(measured(found, name).items()):
+            means = np.array([values.mean() for values in by_group.values()])
+            bounds = np.array([interval(values) for values in by_group.values()]).T
+            x = np.arange(len(means)) + 0.12 * (place - 3)
+            look = {"marker": "o", "ms": 4, "ls": "", "capsize": 2, "color": f"C{place}"}
+            axis.errorbar(x, means, np.abs(bounds - means), label=method, **look)
+        axis.set_xticks(np.arange(len(groups(found))), list(groups(found)), fontsize=8)
+        axis.set(yscale="log", title=title)
+        axis.grid(axis="y", alpha=0.3)
+    axes[0].set_ylabel("error [%]")
+    picture.legend(*axes[0].get_legend_handles_labels(), loc="outside lower center", ncols=7)
+    return picture
+
+
+def storage() -> dict[str, tuple[int, int, str]]:
+    """Numbers of a texel, of a decoder, and what one decoder serves, by method."""
+    decoders = [
+        rainer.size(rainer.initial(np.random.default_rng(0), rainer.decoder_sizes(latent)))
+        for latent in (rainer.LATENT_2019, rainer.LATENT_2020)
+    ]
+    own, evaluated = default_model(), paper.shapes(paper.EVALUATION).values()
+    return {
+        "Rainer 2019": (rainer.LATENT_2019, decoders[0], "a texture"),
+        "Rainer 2020": (rainer.LATENT_2020, decoders[1], "all"),
+        "NBRDF": (nbrdf.SIZE, 0, "a BRDF"),
+        "Fan 2022": (3 * paper.LATENT, sum(map(math.prod, evaluated)), "all"),
+        "Urushi": (3 * own.arch.latent, own.params["basis.rows"].size, "all"),
+    }
+
+
+def tables(found: Found) -> list[str]:
+    """Tables: storage and times, then each error by method and group."""
+    made = [_costs(found)] if "evaluation" in found and groups(found) else []
+    return made + [_errors(found, name) for name in ERRORS if measured(found, name)]
+
+
+def _costs(found: Found) -> str:
+    head = ["method", "numbers per texel", "per decoder", "one decoder for", "4K texture"]
+    head += ["to represent", "to evaluate", "paper: keeps highlights", "paper: for a new material"]
+    rows = []
+    for method, (texel, decoder, serves) in storage().items():
+        size = BYTES * (TEXELS * texel + decoder) / 1e9
+        cells = [method, f"{texel}", f"{decoder:,}", serves, f"{size:.2g} GB", "", ""]
+        if method in found["evaluation"]:
+            name = "Urushi, encoded" if method == "Urushi" else method
+            cases = [case[name] for members in groups(found).values() for case in members]
+            median = float(np.median([case["seconds"] for case in cases if "seconds" in case]))
+            spent = f"{median:.2g} s" if median > 0.1 else f"{1000 * median:.2g} ms"
+            cells[-2:] = [spent, f"{found['evaluation'][method]:.2g} µs"]
+        rows.append([*cells, *PAPER.get(method, ("", ""))])
+    return table(head, rows)
+
+
+def _errors(found: Found, name: str) -> str:
+    def short(value: float) -> str:
+        return f"{float(f'{value:.2g}'):g}"
+
+    unit, members, by_method = ERRORS[name][1], groups(found), measured(found, name)
+    present = [group for group in members if any(group in by for by in by_method.values())]
+    rows = []
+    for method, by_group in by_method.items():
+        cells = [method]
+        for group in present:
+            values = by_group.get(group)
+            if values is None:
+                cells.append("")
+            else:
+                low, high = interval(values)
+                cells.append(f"{short(values.mean())}{unit} ({short(low)} to {short(high)})")
+        rows.append(cells)
+    if name == "E":
+        own = [100 * np.mean([case["reference"] for case in members[group]]) for group in present]
+        rows.append(["the reference's noise", *(f"{short(x)} %" if x else "0" for x in own)])
+    heads = [f"{group} ({len(members[group])})" for group in present]
+    return table([HEADS.get(name, name), *heads], rows)
+
+
+EXPERIMENT = Experiment(
+    cases=lambda options: {"evaluation": None} | {s.name: s for s in subjects(options)},
+    measure=measure,
+    tables=tables,
+    plot=plot,
+    models=NETWORKS,
+    minutes=25,
+)

@@ -1,0 +1,225 @@
+"""Pictures: their differences as a display shows them, and what they cost at equal time.
+
+A picture by a walk with n samples per pixel has the mean squared error V / n, where V is the
+variance of one sample; one by networks has V' / n + b, where b is the square of their error. All
+are measured: variances and times of a sample from passes that alternate between the methods, and b
+against a converged picture by `layered`, with the noise of both pictures subtracted.
+"""
+
+import contextlib
+import gc
+import hashlib
+import tempfile
+import time
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import flip_evaluator
+import mitsuba as mi
+import numpy as np
+from benchmarks.experiment import PARTS
+from benchmarks.scenes import OWN, PAPER, WALK, describe, digest
+from tqdm import tqdm
+
+from urushi.core import error_metrics as metrics
+from urushi.fan2022.kernels import separate_kernels
+from urushi.files import atomic_write
+
+#: PSNR of equal pictures [dB], finite so that means are finite. It is higher than that of any two
+#: different pictures of 16 bits per channel.
+BEST_PSNR = 100.0
+#: Samples per pixel of one pass, which bounds the memory; least number of passes of a method, and
+#: of samples of a pass; and seconds between two saves of a converged picture.
+PASS_SPP, PASSES, LEAST_SPP, SAVE_EVERY = 16, 4, 2, 30.0
+#: A long render, by which methods are timed, has the samples of `LONG` passes. A method is slow,
+#: and has none, if `PASSES` full passes take more than `SLOW` times the seconds of a method.
+LONG, LONG_TURNS, SLOW = 8, 4, 10
+
+
+class Comparison(NamedTuple):
+    """PSNR [dB], at most `BEST_PSNR`, and mean FLIP (Andersson et al. 2020) of two pictures."""
+
+    psnr: float
+    flip: float
+
+
+def compare(image: np.ndarray, reference: np.ndarray, mask: np.ndarray) -> Comparison:
+    """Compare the pixels of a mask (H, W) of two pictures (H, W, 3) of linear radiance, in sRGB.
+
+    A black background would make every measure better.
+    """
+    image, reference = metrics.shown(image), metrics.shown(reference)
+    psnr = min(metrics.psnr(image[mask], reference[mask]), BEST_PSNR)
+    return Comparison(psnr, float(flip_map(image, reference)[mask].mean()))
+
+
+def flip_map(image: np.ndarray, reference: np.ndarray) -> np.ndarray:
+    """FLIP by pixel (H, W) of pictures in [0, 1], at 67 pixels per degree of the visual field."""
+    pair = (np.ascontiguousarray(x, dtype=np.float32) for x in (reference, image))
+    result, _, _ = flip_evaluator.evaluate(*pair, "LDR", applyMagma=False)
+    return result.reshape(image.shape[:2])
+
+
+@dataclass(frozen=True)
+class View:
+    """A scene of `benchmarks.scenes` as it is rendered; attributes as of `scenes.describe`."""
+
+    scene: str
+    light: str = OWN
+    width: int = 96
+    detail: float = 0.25
+    depth: int = 6
+
+    def load(self, method: str) -> tuple[Any, str]:
+        """The scene for `mi.render`, and the hash of everything that its picture depends on."""
+        size = {"width": self.width, "detail": self.detail, "depth": self.depth}
+        with tempfile.TemporaryDirectory(prefix="urushi-") as folder:
+            scene = describe(self.scene, method, Path(folder), light=self.light, **size)
+            return mi.load_dict(scene), f"{digest(scene)} {PASS_SPP}"
+
+
+@dataclass(frozen=True)
+class Picture:
+    """Means (H, W, 3) of two independent halves of the samples, linear radiance."""
+
+    first: np.ndarray
+    second: np.ndarray
+
+    @property
+    def image(self) -> np.ndarray:
+        return (self.first + self.second) / 2
+
+    @property
+    def variance(self) -> np.ndarray:
+        """The image's variance by pixel and channel, an unbiased estimate."""
+        return metrics.halves_variance(self.first, self.second)
+
+
+def converged(view: View, method: str, spp: int) -> Picture:
+    """Render a scene with `spp` samples per pixel, less those that are stored in out/figures."""
+    folder = PARTS / "pictures"
+    folder.mkdir(parents=True, exist_ok=True)
+    scene, key = view.load(method)
+    name = f"{view.scene}-{view.light}-{Path(method).stem}-{view.width}-{view.depth}"
+    path, done = folder / f"{name}.npz", 0
+    sums = np.zeros((2, view.width * 3 // 4, view.width, 3))
+    if path.exists():
+        with np.load(path) as file:
+            if str(file["key"]) == key:
+                sums, done = file["sums"], int(file["passes"])
+    passes = max(2, 2 * round(spp / PASS_SPP / 2))
+    saved = time.monotonic()
+    for index in tqdm(range(done, passes), desc=name, initial=done, total=passes, disable=None):
+        # Methods have different seeds, so that two pictures share no noise.
+        seed = int(hashlib.sha256(f"{method} {index}".encode()).hexdigest()[:8], 16)
+        sums[index % 2] += mi.render(scene, spp=PASS_SPP, seed=seed).numpy()
+        if time.monotonic() - saved > SAVE_EVERY or index == passes - 1:
+            with atomic_write(path) as temporary:
+                np.savez(temporary, sums=sums, passes=index + 1, key=key)
+            saved = time.monotonic()
+    count = max(passes, done)
+    return Picture(sums[0] / ((count + 1) // 2), sums[1] / (count // 2))
+
+
+@dataclass(eq=False)
+class Method:
+    """A way to render a scene, and the passes rendered so far.
+
+    Attributes:
+        scene: the loaded scene.
+        separate: whether it renders within `separate_kernels`.
+        samples: per pixel of a pass.
+        seconds, fixed, long: CPU times of passes, of passes of one sample per pixel, and of long
+            renders [s]; slow methods have no long ones.
+        total, squares: sums over passes of the pictures (H, W, 3), and of their squares.
+    """
+
+    scene: Any
+    separate: bool
+    samples: int = PASS_SPP
+    seconds: list[float] = field(default_factory=list)
+    fixed: list[float] = field(default_factory=list)
+    long: list[float] = field(default_factory=list)
+    total: Any = 0.0
+    squares: Any = 0.0
+
+    def render(self, spp: int, seed: int) -> tuple[np.ndarray, float]:
+        """A picture (H, W, 3) and its CPU time [s]."""
+        begin = time.process_time()
+        with separate_kernels() if self.separate else contextlib.nullcontext():
+            image = np.array(mi.render(self.scene, spp=spp, seed=seed), dtype=np.float64)
+        return image, time.process_time() - begin
+
+    def sample(self, seed: int) -> None:
+        """Add one pass."""
+        self.fixed.append(self.render(1, seed)[1])
+        image, seconds = self.render(self.samples, seed)
+        self.seconds.append(seconds)
+        self.total, self.squares = self.total + image, self.squares + image**2
+
+    @property
+    def second(self) -> float:
+        """CPU time of one sample per pixel [s], by the least times: other load adds to them."""
+        times, count = (self.long, LONG) if self.long else (self.seconds, 1)
+        return max(min(times) - min(self.fixed), 1e-9) / (count * self.samples - 1)
+
+    @property
+    def image(self) -> np.ndarray:
+        return self.total / len(self.seconds)
+
+    @property
+    def variance(self) -> float:
+        """Variance of one sample per pixel, as a mean over all pixels."""
+        passes = len(self.seconds)
+        spread = (self.squares / passes - self.image**2) * passes / (passes - 1)
+        return float(spread.mean()) * self.samples
+
+    def bias(self, reference: Picture) -> float:
+        """Estimate of the mean squared error of endless samples, at least 0."""
+        noise = self.variance / (len(self.seconds) * self.samples) + reference.variance.mean()
+        return max(metrics.mse(self.image, reference.image) - float(noise), 0.0)
+
+
+def start(view: View, method: str, seconds: float) -> Method:
+    """Load a scene and render it, so that its kernels are compiled.
+
+    A pass of a slow method has as many samples as keep `PASSES` of them within `SLOW` times the
+    seconds, but `LEAST_SPP` at least.
+    """
+    started = Method(view.load(method)[0], method.startswith(PAPER))
+    for spp in (1, LEAST_SPP):  # one sample per pixel has a kernel of its own
+        started.render(spp, 0)
+    affordable = LEAST_SPP * SLOW * seconds / (PASSES * started.render(LEAST_SPP, 0)[1])
+    started.samples = int(min(max(affordable, LEAST_SPP), PASS_SPP))
+    return started
+
+
+def at_equal_time(
+    view: View, names: Sequence[str], samples: int, seconds: float
+) -> tuple[dict[str, Method], Picture]:
+    """Methods after alternating passes of about these seconds of CPU time each, and the truth.
+
+    Methods with separate kernels are measured afterwards: their BSDFs would be compiled into the
+    kernels of the others.
+    """
+    reference = converged(view, WALK, samples)
+    methods = {of: start(view, of, seconds) for of in names if not of.startswith(PAPER)}
+    quick = [method for method in methods.values() if method.samples == PASS_SPP]
+    passes = spent = 0.0
+    while passes < PASSES or spent < seconds * len(quick):
+        for number, method in enumerate(methods.values()):
+            if passes < PASSES or method in quick:
+                method.sample(1000 * (int(passes) + 1) + number)
+        passes, spent = passes + 1, sum(sum(method.seconds) for method in quick)
+    for turn in range(LONG_TURNS):
+        for method in quick:
+            method.long.append(method.render(LONG * method.samples, turn)[1])
+    for of in [name for name in names if name not in methods]:
+        methods[of] = start(view, of, seconds)
+        for index in range(PASSES):
+            methods[of].sample(1000 * (index + 1) + len(methods))
+        methods[of].scene = None
+        gc.collect()
+    return methods, reference

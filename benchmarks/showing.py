@@ -1,0 +1,51 @@
+"""How results are shown: tables in Markdown, numbers, intervals, and the look of figures."""
+
+from collections.abc import Iterable, Sequence
+from typing import Any
+
+import numpy as np
+from matplotlib.figure import Figure
+
+#: Colours of methods, distinct for colour-blind readers (Okabe and Ito 2008); dots per inch.
+COLOURS = {
+    "walk": "#000000",
+    "networks": "#0072b2",
+    "Belcour 2018": "#d55e00",
+    "principled": "#009e73",
+    "exact": "#cc79a7",
+    "Fan et al. 2022": "#e69f00",
+}
+DPI = 130
+#: Resamples of a bootstrap interval, and its coverage.
+RESAMPLES, COVERAGE = 10_000, 0.95
+
+
+def table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
+    """A Markdown table."""
+    first, *others = ["| " + " | ".join(cells) + " |" for cells in (head, *rows)]
+    return "\n".join([first, "|---" * len(head) + "|", *others])
+
+
+def percent(value: float | None, digits: int = 2) -> str:
+    """A share in per cent, of so many significant digits; a dash for nothing."""
+    return "–" if value is None else f"{100 * value:.{digits}g} %"
+
+
+def interval(values: np.ndarray, seed: int = 0) -> tuple[float, float]:
+    """Bootstrap interval of a mean, at `COVERAGE` (Efron 1979, percentile method)."""
+    values = np.asarray(values, float)
+    rng = np.random.default_rng(seed)
+    means = values[rng.integers(len(values), size=(RESAMPLES, len(values)))].mean(axis=1)
+    low, high = np.percentile(means, 50 * np.array([1 - COVERAGE, 1 + COVERAGE]))
+    return float(low), float(high)
+
+
+def rounded(values: Any, digits: int = 4) -> Any:
+    """Values as nested lists of few significant digits, which keep committed files small."""
+    flat = [float(f"{x:.{digits}g}") for x in np.asarray(values, float).ravel()]
+    return np.array(flat).reshape(np.shape(values)).tolist()
+
+
+def figure(width: float, height: float) -> Figure:
+    """An empty figure of a size in inches."""
+    return Figure(figsize=(width, height), layout="constrained")

@@ -1,0 +1,37 @@
+"""CPU times of operations that take turns, so that other load affects all of them alike."""
+
+import time
+from collections.abc import Callable, Mapping
+from typing import Any
+
+import drjit as dr
+
+
+def seconds(operation: Callable[[], Any]) -> float:
+    """CPU time of an operation, of all threads [s]."""
+    begin = time.process_time()
+    operation()
+    return time.process_time() - begin
+
+
+def kernel(record: Callable[[], Any]) -> float:
+    """CPU time of a kernel of Dr.Jit without that of recording it [s]."""
+    value = record()
+    dr.schedule(value)
+
+    def evaluate() -> None:
+        dr.eval(value)
+        dr.sync_thread()
+
+    return seconds(evaluate)
+
+
+def least(operations: Mapping[str, Callable[[], float]], turns: int) -> dict[str, float]:
+    """The least time that each operation returns over turns of all; the first one compiles."""
+    times: dict[str, list[float]] = {name: [] for name in operations}
+    for turn in range(turns + 1):
+        for name, operation in operations.items():
+            value = operation()
+            if turn > 0:
+                times[name].append(value)
+    return {name: min(values) for name, values in times.items()}

@@ -1,0 +1,219 @@
+"""Models of few parameters, and small networks, fitted to the values of a BRDF.
+
+The parameters of `principled` and of OpenPBR's recipe are found by least squares of ln(1 + f cos)
+at the pairs of `benchmarks.rivals.ggx_fit`, weighted by energy, from several initial values.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import cache
+from typing import Any, NamedTuple
+
+import drjit as dr
+import mitsuba as mi
+import numpy as np
+from benchmarks.rivals import ggx_fit, nbrdf
+from research.rivals import openpbr_recipe as recipe
+from scipy.optimize import least_squares
+
+from urushi.core import table
+from urushi.core.directions import turned
+from urushi.mitsuba.reading import probing
+
+#: f(wi, wo) -> (N, C) [1/sr].
+Brdf = Callable[[np.ndarray, np.ndarray], np.ndarray]
+#: Pairs of a fit, evaluations of its residuals at most, and step of their derivatives.
+PAIRS, EVALUATIONS, STEP = 1200, 40, 1e-3
+#: Passes of an NBRDF's training; thirty gave the same errors in a trial.
+PASSES = 10
+PRINCIPLED, RECIPE = "principled, fitted", "OpenPBR's recipe, fitted"
+GGX, NBRDF = "two GGX lobes, fitted", "NBRDF, trained"
+
+
+class Pairs(NamedTuple):
+    """Pairs of directions (N, 3), of every azimuth, and their weights (N,)."""
+
+    wi: np.ndarray
+    wo: np.ndarray
+    weight: np.ndarray
+
+
+@cache
+def pairs() -> Pairs:
+    """The pairs of `principled` and of the recipe."""
+    rng = np.random.default_rng(0)
+    chosen = rng.permutation(len(ggx_fit.solid_angles()))[:PAIRS]
+    turn = rng.uniform(0, 2 * np.pi, PAIRS)
+    wi, wo = (turned(w[chosen], turn).astype(np.float32) for w in ggx_fit.pairs())
+    weight = ggx_fit.solid_angles()[chosen]
+    return Pairs(wi, wo, weight / weight.mean())
+
+
+def tabulated(values: np.ndarray) -> Brdf:
+    """f of values (N, C) at `table.node_pairs`, interpolated."""
+    rows = table.table_of_values(values)
+    return lambda wi, wo: table.interpolated(rows, wi, wo)
+
+
+@dataclass(frozen=True)
+class Form:
+    """A model of few parameters.
+
+    Attributes:
+        ranges: by name, the least and the greatest value.
+        colours: names of the parameters that have one value for each channel.
+        starts: initial values of some parameters; others begin in the middle of their range.
+        f: (parameters, wi, wo) -> (N, 3) [1/sr].
+    """
+
+    ranges: dict[str, tuple[float, float]]
+    colours: tuple[str, ...]
+    starts: tuple[dict[str, float], ...]
+    f: Callable[[dict[str, Any], np.ndarray, np.ndarray], np.ndarray]
+
+    def size(self, channels: int = 3) -> int:
+        """Number of parameters of an isotropic material."""
+        return len(self.ranges) + (channels - 1) * len(self.colours)
+
+
+@dataclass(frozen=True)
+class Fitted:
+    """A form with its parameters."""
+
+    form: Form
+    parameters: dict[str, Any]
+    channels: int
+
+    def f(self, wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
+        """(N, C) [1/sr] of unit vectors (N, 3) above the horizon."""
+        return np.asarray(self.form.f(self.parameters, wi, wo), np.float64)[:, : self.channels]
+
+
+def fitted(name: str, f: Brdf, channels: int = 1) -> Brdf:
+    """The model of a name, `GGX` and the like, fitted to an isotropic f."""
+    if name == GGX:
+        found: Any = ggx_fit.fit(f, 2, "log", 1.0)
+    elif name == NBRDF:
+        found = nbrdf.train(f, passes=PASSES)
+    else:
+        p = pairs()
+        found = fit(FORMS[name], f(p.wi, p.wo), channels)
+    return lambda wi, wo: found.f(wi, wo)[:, :channels]
+
+
+def fit(form: Form, values: np.ndarray, channels: int = 1) -> Fitted:
+    """Fit a form to values (`PAIRS`, C) at `pairs`."""
+    p, ranges = pairs(), form.ranges
+    low, high = np.array(
+        [r for name, r in ranges.items() for _ in range(channels if name in form.colours else 1)]
+    ).T
+
+    weight = np.sqrt(p.weight)[:, None]
+    target = np.log1p(values * p.wi[:, 2:])
+
+    def model(x: np.ndarray) -> Fitted:
+        numbers, named, place = low + x * (high - low), {}, 0
+        for name in ranges:
+            count = channels if name in form.colours else 1
+            part, place = numbers[place : place + count], place + count
+            named[name] = np.broadcast_to(part, 3) if name in form.colours else float(part[0])
+        return Fitted(form, named, channels)
+
+    def residuals(x: np.ndarray) -> np.ndarray:
+        f = model(x).f(p.wi, p.wo)
+        return ((np.log1p(np.maximum(f, 0) * p.wi[:, 2:]) - target) * weight).ravel()
+
+    def jacobian(x: np.ndarray) -> np.ndarray:
+        here, columns = residuals(x), []
+        for i in range(len(x)):
+            moved = x.copy()
+            moved[i] += STEP if x[i] < 0.5 else -STEP
+            columns.append((residuals(moved) - here) / (moved[i] - x[i]))
+        return np.stack(columns, axis=1)
+
+    best: tuple[float, Fitted] | None = None
+    for start in form.starts:
+        begin = np.concatenate(
+            [
+                np.full(channels if name in form.colours else 1, _share(start, name, limits))
+                for name, limits in ranges.items()
+            ]
+        )
+        found = least_squares(
+            residuals, begin, jacobian, (0, 1), max_nfev=EVALUATIONS, x_scale=0.1, ftol=1e-4
+        )
+        if best is None or found.cost < best[0]:
+            best = float(found.cost), model(found.x)
+    assert best is not None
+    return best[1]
+
+
+def _share(start: dict[str, float], name: str, limits: tuple[float, float]) -> float:
+    """The place of an initial value in its range, away from both ends."""
+    low, high = limits
+    return float(np.clip((start.get(name, (low + high) / 2) - low) / (high - low), 0.02, 0.98))
+
+
+@cache
+def _principled() -> tuple[Any, Any]:
+    """Mitsuba's `principled` and its parameters."""
+    names = ("roughness", "metallic", "clearcoat", "clearcoat_gloss")
+    colour = {"type": "rgb", "value": [0.5] * 3}
+    constant = dict.fromkeys(names, 0.5)
+    bsdf = mi.load_dict({"type": "principled", "specular": 0.5, "base_color": colour, **constant})
+    return bsdf, mi.traverse(bsdf)
+
+
+def _principled_f(parameters: dict[str, Any], wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
+    bsdf, entries = _principled()
+    for name, value in parameters.items():
+        number = mi.Color3f(*map(float, value)) if name == "base_color" else mi.Float(value)
+        dr.make_opaque(number)  # a constant would make a new kernel
+        entries[name if name == "specular" else f"{name}.value"] = number
+    entries.update()
+    return probing.bsdf_values(bsdf, wi, wo, np.full((len(wi), 2), 0.5))
+
+
+def _recipe_f(parameters: dict[str, Any], wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
+    return recipe.f(parameters, wi.astype(np.float64), wo.astype(np.float64))
+
+
+_UNIT = (0.0, 1.0)
+
+FORMS = {
+    PRINCIPLED: Form(
+        {
+            "base_color": _UNIT,
+            "roughness": (0.1, 1.0),
+            "metallic": _UNIT,
+            "specular": (0.01, 1.0),
+            "clearcoat": _UNIT,
+            "clearcoat_gloss": _UNIT,
+        },
+        ("base_color",),
+        ({"roughness": 0.3, "metallic": 0.7}, {"roughness": 0.7}),
+        _principled_f,
+    ),
+    RECIPE: Form(
+        {
+            "base_color": _UNIT,
+            "base_metalness": _UNIT,
+            "specular_roughness": (0.1, 1.0),
+            "specular_ior": (1.0, 3.0),
+            "coat_weight": _UNIT,
+            "coat_roughness": (0.1, 1.0),
+            "coat_ior": (1.02, 2.0),
+            "coat_color": (0.01, 1.0),
+        },
+        ("base_color", "coat_color"),
+        (
+            {"base_metalness": 0.7, "specular_roughness": 0.7, "coat_roughness": 0.3,
+             "coat_weight": 0.9},
+            {"base_metalness": 0.7, "specular_roughness": 0.3, "coat_roughness": 0.7,
+             "coat_weight": 0.9},
+        ),
+        _recipe_f,
+    ),
+}  # fmt: skip
+
+FITTED: Sequence[str] = (PRINCIPLED, RECIPE, GGX, NBRDF)

@@ -1,1 +1,0 @@
-"""Measured materials under coats; after Figure 9 of Fan et al. 2022."""

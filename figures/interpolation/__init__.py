@@ -1,1 +1,0 @@
-"""Blends of materials in the latent space against blends of BRDFs and of parameters."""

@@ -1,1 +1,0 @@
-"""What noise-free BSDFs are worth under one light and another."""

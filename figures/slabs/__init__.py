@@ -1,1 +1,0 @@
-"""Light that six slabs reflect and transmit, by walks, tables and closed forms."""

@@ -1,1 +1,0 @@
-"""All methods side by side: errors, laws and costs."""

@@ -1,0 +1,55 @@
+import { execFileSync } from "node:child_process";
+import { existsSync, mkdtempSync, readFileSync, rmSync } from "node:fs";
+import { tmpdir } from "node:os";
+import { join } from "node:path";
+import { describe, expect, test } from "vitest";
+import { FileError } from "../../src/core/safetensors";
+import { readExr } from "../../src/picture/exr_file";
+import { exrFile } from "../../src/save/exr";
+
+const PYTHON = process.env.PYTHON ?? join(import.meta.dirname, "../../../.venv/bin/python");
+
+/** Writes pictures that Mitsuba compresses, in single and in half precision, and prints the pixels. */
+const WRITE = `
+import json, sys
+import mitsuba as mi
+import numpy as np
+mi.set_variant("scalar_rgb")
+pixels = 100 * np.random.default_rng(1).random((32, 64, 3), dtype=np.float32) ** 4
+mi.Bitmap(pixels).write(sys.argv[1] + "/single.exr")
+half = mi.Bitmap(pixels).convert(component_format=mi.Struct.Type.Float16)
+half.write(sys.argv[1] + "/half.exr")
+print(json.dumps(pixels.ravel().tolist()))
+`;
+
+describe("reading .exr files", () => {
+  const pixels = Float32Array.from({ length: 3 * 8 * 4 }, (_, at) => 1.5 ** (at / 4) - 1);
+
+  test("what the page writes is read", () => {
+    const panorama = { width: 8, height: 4, pixels };
+    expect(readExr(exrFile(panorama))).toEqual(panorama);
+  });
+
+  test.skipIf(!existsSync(PYTHON))("what Mitsuba writes is read", () => {
+    const folder = mkdtempSync(join(tmpdir(), "exr-"));
+    const written: number[] = JSON.parse(
+      execFileSync(PYTHON, ["-c", WRITE, folder], { encoding: "utf8" }),
+    );
+    const read = (name: string) => readExr(readFileSync(join(folder, name)));
+    const single = read("single.exr");
+    expect([single.width, single.height]).toEqual([64, 32]);
+    expect([...single.pixels]).toEqual(written);
+    read("half.exr").pixels.forEach((value, at) => {
+      // Eleven bits, or steps of 2^-24
+      expect(Math.abs(value - written[at]!)).toBeLessThan(2 ** -11 * written[at]! + 2 ** -24);
+    });
+    rmSync(folder, { recursive: true });
+  });
+
+  test("a file that ends early and another file are refused", () => {
+    const file = exrFile({ width: 8, height: 4, pixels });
+    for (let length = 0; length < file.length - 1; length += 7)
+      expect(() => readExr(file.subarray(0, length)), `${length} bytes`).toThrow(FileError);
+    expect(() => readExr(new TextEncoder().encode("P6 4 2 255"))).toThrow(FileError);
+  });
+});
