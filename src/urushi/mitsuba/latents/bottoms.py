@@ -157,8 +157,8 @@ class BottomRows:
             return len(self.nested.baked.rests) == 1
         if self._material is not None and not mi.is_spectral:
             return bool((self._material.latents == self._material.latents[:1]).all())
-        ends = [(0.0,) if x.steps else (x.axis.least, x.axis.most) for x in self._varying]
-        ends = list(product(*ends))[:16]
+        sides = [(0.0, 0.0) if x.steps else (x.axis.least, x.axis.most) for x in self._varying]
+        ends = list(product(*sides))[:16]
         columns = dict(zip(self._names, np.array(ends).T, strict=True)) if self._names else {}
         bsdf = self._at(columns)
         assert bsdf is not None  # for the type checker
