@@ -136,7 +136,7 @@ def test_unwritable_paths_are_refused_before_the_training(tiny, tiny_data, tmp_p
 
 
 def test_errors_name_unknown_presets():
-    with pytest.raises(ParameterError, match="no preset 'slow'; choose one of default, anisotropic"):
+    with pytest.raises(ParameterError, match="no preset 'slow'; choose one of default"):
         train("slow")
 
 
