@@ -5,14 +5,15 @@ import pytest
 
 from urushi.core.direction_sets import cosine_pairs
 from urushi.core.namespace import NUMPY
+from urushi.core.probe_pairs import pair_measure
 from urushi.core.stretched import FACTORS, components_of, features_of, stretched
 from urushi.core.table import SHAPE, node_pairs, pair_coordinates
 from urushi.nets import lobe as lobes
 from urushi.nets.basis import decode
 from urushi.nets.code_fit import solve_stretched
 from urushi.nets.networks import Architecture
-from urushi.nets.weights import Model, default_model
-from urushi.train.stretched_fit import probe_measure
+from urushi.nets.stretched_basis import log_stretch
+from urushi.nets.weights import Model, anisotropic_model, default_model
 
 AZIMUTHAL = (2, 2, 1, 1, 1)
 
@@ -28,7 +29,7 @@ def model() -> Model:
     u, v, w = (x.ravel() for x in axes)
     more = np.stack([u, u * v, v, v * v, w * v, u * (1 - u), v * (1 - v)], axis=-1)
     params["basis.rows"] = np.concatenate([rows, more], axis=1)
-    params["basis.measure"] = probe_measure(384)
+    params["basis.measure"] = pair_measure(384)
     params["basis.prior"] = 1e-3 * np.eye(count)
     return Model.of(arch, params, {})
 
@@ -104,11 +105,11 @@ def test_a_table_is_the_sum_of_its_terms(model, codes):
 @pytest.mark.parametrize("width", [0.05, 0.1, 0.2, 0.4])
 def test_the_stretch_is_that_of_the_lobe(model, width):
     """Within 0.2, which f hardly shows; of round lobes within a step, with diffuse light too."""
-    pairs = model.networks.pairs()
+    pairs, measure = model.networks.pairs(), model.networks.basis.measure
 
     def stretch(u, v, diffuse=0.0):
         lobe = np.float32([u, 0.9, 1, 0, 1.5, 0, v])
-        return float(model.networks.basis.stretch(lobes.f(lobe, *pairs)[None] + diffuse)[0])
+        return float(log_stretch(lobes.f(lobe, *pairs)[None] + diffuse, measure)[0])
 
     assert abs(stretch(width, width)) < 0.04 and abs(stretch(width, width, 0.1)) < 0.04
     expected = np.log(2)
@@ -150,3 +151,27 @@ def test_a_mirror_at_the_diagonal_is_a_code_of_its_own(model, codes, pairs):
         model.networks.f(codes[:, None], *pairs),
         rtol=1e-4,
     )
+
+
+@pytest.mark.parametrize("degrees", [0, 10, 40, 70])
+def test_f_is_continuous_where_azimuths_mean_nothing(degrees):
+    """Around mirror directions and equal directions, within 0.001 degrees: the factors fade.
+
+    A smooth f changes by less than a thousandth there.
+    """
+    networks, rng = anisotropic_model().networks, np.random.default_rng(3)
+    rest = rng.standard_normal((4, networks.arch.rest)).astype(np.float32)
+    rest[:, -1] = -0.5, 0, 0.5, 1
+    z = np.concatenate([np.tile(np.float32(lobes.no_lobe(2)), (4, 1)), rest], axis=1)
+    turn, (sine, cosine) = (
+        np.linspace(0, 2 * np.pi, 25),
+        (f(np.radians(degrees)) for f in (np.sin, np.cos)),
+    )
+    wi = np.array([0.8 * sine, 0.6 * sine, cosine])
+    away = 2e-5 * np.stack([np.cos(turn), np.sin(turn), 0 * turn], axis=-1)
+    for centre in (wi * [-1, -1, 1], wi):
+        wo = centre + away
+        wo /= np.linalg.norm(wo, axis=1, keepdims=True)
+        pairs = np.broadcast_to(wi, wo.shape), wo
+        f = networks.rest_at_all(z, networks.features(*pairs))
+        assert (f.max(axis=1) / f.min(axis=1) - 1).max() < 0.02

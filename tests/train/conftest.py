@@ -9,6 +9,7 @@ from urushi.core.table import node_pairs
 from urushi.nets import lobe as lobes
 from urushi.nets.networks import Architecture
 from urushi.train import tables
+from urushi.train.distribution import draw_coats
 from urushi.train.optimiser import Schedule
 from urushi.train.presets import Preset
 from urushi.train.tables import TableSpec, TableStore
@@ -32,7 +33,7 @@ def made_shard(spec: TableSpec, shard: int) -> dict[str, np.ndarray]:
     """A shard whose rests are of the family, under coats that change their numbers linearly."""
     rng = np.random.default_rng([spec.seed, shard])
     count = spec.shard
-    c, over = 0.5 * rng.standard_normal((count, 3)), tables.draw_coats(rng, count * spec.coats)
+    c, over = 0.5 * rng.standard_normal((count, 3)), draw_coats(rng, count * spec.coats)
     change = over[:, :3] @ np.array([[0.1, 0, 0.2], [-0.2, 0.1, 0], [0.1, 0.1, 0.1]])
     coated = np.repeat(c, spec.coats, axis=0) + change
     lobe = lobes.of_coat(rng.uniform(0.1, 0.5, count), np.full(count, 1.5))

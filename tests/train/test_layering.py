@@ -1,5 +1,7 @@
 """The layering network's examples, loss and batches."""
 
+import dataclasses
+
 import jax.numpy as jnp
 import numpy as np
 import pytest
@@ -9,18 +11,38 @@ from urushi.nets import basis as bases
 from urushi.nets import layerer
 from urushi.nets import lobe as lobes
 from urushi.nets.basis import Basis
+from urushi.nets.weights import Model, anisotropic_model, default_model
 from urushi.train import layering, training
+from urushi.train.distribution import draw_coats_of_two
 
 
 @pytest.fixture(scope="module")
-def basis(tiny, store) -> Basis:
-    params, _, _ = training.fitted_basis(tiny, store)
-    return Basis.of(*(params[f"basis.{name}"] for name in ("rows", "measure", "prior")))
+def model(tiny, store) -> Model:
+    return training.untrained(tiny.arch, training.fitted_basis(tiny, store)[0])
 
 
 @pytest.fixture(scope="module")
-def found(basis, store):
-    return layering.layerings(basis, store)[0]
+def basis(model) -> Basis:
+    return model.networks.basis
+
+
+@pytest.fixture(scope="module")
+def found(model, store):
+    return training.layerings(model, store)[0]
+
+
+@pytest.fixture(scope="module")
+def brushed() -> layering.Layerings:
+    """Examples of two widths: lobes of metals, random codes as their coated materials."""
+    model, rng = anisotropic_model(), np.random.default_rng(0)
+    size, rest = model.arch.lobe, model.arch.rest
+    lobe = np.tile(np.float32([0.1, 0.9, 1, 0, 1.5, 0, 0.3]), (2, 1))
+    bottom = np.concatenate([lobe, 0.3 * rng.standard_normal((2, rest))], axis=1)
+    coats = draw_coats_of_two(rng, 8).reshape(2, 4, 6)
+    logs = 0.5 * rng.standard_normal((2, 4, model.arch.probes)).astype(np.float32)
+    assert bottom.shape[1] == size + rest
+    basis = model.networks.basis
+    return layering.examples(basis, bottom.astype(np.float32), coats, logs)
 
 
 def test_examples_are_the_codes_of_the_data(basis, store, found):
@@ -83,3 +105,56 @@ def test_batches_do_not_depend_on_the_division_into_steps(found):
     first, last = parts(0, 3), parts(3, 5)
     np.testing.assert_array_equal(whole.code, np.concatenate([first.code, last.code]))
     assert whole.root.shape[:2] == (8, 16)
+
+
+def test_a_network_of_two_widths_begins_as_that_of_one(brushed):
+    """For equal widths and functions without a factor."""
+    own = default_model()
+    two = dataclasses.replace(anisotropic_model().arch, layerer=own.arch.layerer)
+    params = layering.widened(own, two)
+    bottom = brushed.bottom.copy()
+    bottom[:, 6] = bottom[:, 0]
+    bottom[:, 7 + own.arch.rest :] = 0
+    coat = brushed.coat.copy()
+    coat[:, 5] = coat[:, 0]
+    z = layerer.layer(params, two, bottom, CoatParameters.of_columns(coat.T))
+    below = np.delete(bottom, 6, axis=1)[:, : own.arch.latent]
+    expected = own.networks.layer(below, CoatParameters(*coat[:, :5].T))
+    np.testing.assert_allclose(z[:, 7 : 7 + own.arch.rest], expected[:, 6:], atol=2e-3)
+    assert not z[:, 7 + own.arch.rest :].any()
+
+
+def test_mirror_images_are_examples_of_the_same_error(brushed):
+    """x and y exchanged: f is that of the exchanged directions, and an error counts as before."""
+    model = anisotropic_model()
+    images = layering.mirrored(brushed, model.arch.factors[1:])
+    again = layering.mirrored(images, model.arch.factors[1:])
+    for a, b in zip(brushed, again, strict=True):
+        np.testing.assert_array_equal(a, b)
+    wi, wo = model.networks.pairs()
+    turned = wi[:, [1, 0, 2]], wo[:, [1, 0, 2]]
+    for row in range(0, len(brushed.code), 3):
+        f = model.networks.f(brushed.bottom[row][None], wi, wo)
+        np.testing.assert_allclose(
+            model.networks.f(images.bottom[row][None], *turned), f, rtol=1e-3
+        )
+    error = np.random.default_rng(1).standard_normal(brushed.code.shape)
+    changed = layering.mirrored(brushed._replace(code=error), model.arch.factors[1:]).code
+    sizes = [
+        np.linalg.norm((x.root @ d[..., None])[..., 0], axis=1)
+        for x, d in ((brushed, error), (images, changed))
+    ]
+    np.testing.assert_allclose(sizes[0], sizes[1], rtol=1e-4)
+
+
+def test_a_change_of_the_stretch_counts_by_the_change_of_f(brushed):
+    """q of a small change of ln s is about the light-weighted square of the change of ln f."""
+    basis = anisotropic_model().networks.basis
+    code, root, coat = (x[0] for x in (brushed.code, brushed.root, brushed.coat))
+    step = 1 / 64
+    ends = [basis.probe_rows(code[-1] + way * step)[:, 1:] @ code[:-1] for way in (-1, 1)]
+    middle = np.exp(basis.probe_rows(code[-1])[:, 1:] @ code[:-1])
+    top = lobes.f(lobes.of_coat(*CoatParameters.of_columns(coat)[:2]), *basis.pairs())
+    weights = basis.measure * (middle / ((middle + top) @ basis.measure) + layering.FLOOR)
+    expected = weights @ np.square((ends[1] - ends[0]) / (2 * step))
+    assert np.square(root[:, -1]).sum() == pytest.approx(expected, rel=0.2)

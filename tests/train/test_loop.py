@@ -13,8 +13,7 @@ import pytest
 
 from urushi.errors import FileError, ParameterError
 from urushi.nets import weights
-from urushi.nets.basis import Basis
-from urushi.train import layering, presets, training
+from urushi.train import presets, training
 from urushi.train.checkpoint import Checkpoint, Journal
 from urushi.train.optimiser import Schedule
 from urushi.train.training import train
@@ -104,8 +103,7 @@ def test_the_header_states_the_origin_of_the_weights(whole, tiny, store):
 def test_metrics_are_those_of_the_written_weights(whole, tiny, store):
     """Of stacks that are held out: the network's errors, by its own parameters."""
     model = whole[0]
-    basis = Basis.of(*(model.params[f"basis.{name}"] for name in ("rows", "measure", "prior")))
-    found, stacks = layering.layerings(basis, store)
+    found, stacks = training.layerings(model, store)
     hidden = found.taken(stacks % training.HELD_OUT == 0)
     figures = training.measure(model.params, tiny, hidden)
     told = {name: model.header["metrics"][name] for name in figures}
@@ -138,7 +136,7 @@ def test_unwritable_paths_are_refused_before_the_training(tiny, tiny_data, tmp_p
 
 
 def test_errors_name_unknown_presets():
-    with pytest.raises(ParameterError, match="no preset 'slow'; choose one of default, smoke"):
+    with pytest.raises(ParameterError, match="no preset 'slow'; choose one of default"):
         train("slow")
 
 

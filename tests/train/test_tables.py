@@ -10,7 +10,7 @@ from urushi.errors import FileError
 from urushi.material.coated_values import coated_f
 from urushi.material.substrate import Substrate
 from urushi.nets import lobe as lobes
-from urushi.train import tables
+from urushi.train import distribution, tables
 from urushi.train.tables import TableSpec
 
 SPEC = TableSpec(stacks=4, coats=2, probes=64, seed=3, shard=2)
@@ -28,9 +28,9 @@ def folder(tmp_path_factory):
 def test_stacks_have_no_index_below_one():
     rng = np.random.default_rng(0)
     for _ in range(200):
-        stack = tables.draw_stack(rng)
+        stack = distribution.draw_stack(rng)
         if stack.coats:
-            assert np.cumprod(stack.eta[0]).min() > 1 - tables.ROUNDING
+            assert np.cumprod(stack.eta[0]).min() > 1 - distribution.ROUNDING
 
 
 def test_rows_are_the_levels_of_stacks_from_the_bottom_up(folder):
@@ -71,7 +71,7 @@ def test_a_stack_does_not_depend_on_the_number_of_stacks(folder):
 
 
 def test_further_coats_share_interfaces():
-    coats = tables.draw_coats(np.random.default_rng(0), 16)
+    coats = distribution.draw_coats(np.random.default_rng(0), 16)
     assert (coats[::2, :2] == coats[1::2, :2]).all()
     assert len(np.unique(coats[:, 0])) == 8
     assert (coats[::2, 2:] != coats[1::2, 2:]).any()

@@ -45,8 +45,8 @@ class Train:
     """
 
     preset: str = "default"
-    """Name of the preset: default, smoke (half a minute, a check that training runs), or paper (the
-    system of Fan et al. 2022)."""
+    """Name of the preset: default, anisotropic (two GGX widths), smoke (half a minute, a check that
+    training runs), or paper (the system of Fan et al. 2022)."""
     scale: Share | None = None
     """Only for the preset "paper": fraction of its training samples to use, in (0, 1]. 4e-5 takes
     about half an hour on two cores."""
@@ -91,7 +91,7 @@ class Data:
     output: Annotated[Path, tyro.conf.arg(aliases=["-o"])]
     """Folder to write."""
     preset: str = "default"
-    """Training preset whose data are computed: default, smoke or paper."""
+    """Training preset whose data are computed: default, anisotropic, smoke or paper."""
     scale: Share | None = None
     """Only for the preset "paper": fraction of its training samples, as for `urushi train`."""
 

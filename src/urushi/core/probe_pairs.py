@@ -96,3 +96,26 @@ def probe_pairs(n: int = PROBES, widths: int = 1) -> tuple[np.ndarray, np.ndarra
         directions.flags.writeable = False
         pairs.append(directions)
     return pairs[0], pairs[1]
+
+
+def pair_measure(count: int) -> np.ndarray:
+    """Shares float32 (count,) of the probe pairs of two widths in integrals over pairs.
+
+    Both cosines over the density of the pairs, a sum over their sets: every second pair of the
+    first has a log-uniform tan theta_h, the others log-uniform slopes.
+    """
+    wi, wo = (w.astype(np.float64) for w in probe_pairs(count, 2))
+    first = round(count * HALF_ANGLE_SHARE)
+    h = wi + wo
+    h /= np.linalg.norm(h, axis=1, keepdims=True)
+    x, y = np.abs(h[:, 0] / h[:, 2]), np.abs(h[:, 1] / h[:, 2])
+    tangent, cos_d = np.hypot(x, y), np.clip((wi * h).sum(axis=1), 0, 1)
+    sin_d = np.sqrt(np.maximum(1 - cos_d * cos_d, 1e-12))
+    span = np.log(MAX_TANGENT / MIN_TANGENT)
+    radial = (tangent > MIN_TANGENT) * 2 / (np.pi * span * tangent**2)
+    sloped = (np.minimum(x, y) > MIN_TANGENT) / (span**2 * np.maximum(x * y, 1e-12))
+    density = 0.5 * (radial + sloped) / h[:, 2] ** 3 / (MAX_DIFFERENCE * np.pi * 4 * cos_d * sin_d)
+    density *= first * (tangent < MAX_TANGENT) * (np.arccos(cos_d) < MAX_DIFFERENCE)
+    density += (count - first) * 2 / ((1 - MIN_COSINE) ** 2 * np.pi**2)
+    measure = wi[:, 2] * wo[:, 2] / density
+    return (measure / measure.sum()).astype(np.float32)

@@ -146,12 +146,20 @@ def weighed(
 ) -> tuple[np.ndarray, np.ndarray]:
     """Errors (S,) of codes (S, K), and the weights (S, N) of the next least squares."""
     logs = np.minimum(codes @ rows[:, 1:].T + rows[:, 0], MAX_LOG)
+    size, weights = error_slopes(logs, f, light)
+    return size @ measure / light[:, 0], measure * weights
+
+
+def error_slopes(
+    logs: np.ndarray, f: np.ndarray, light: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Errors of ln f against f (S, ...), and the weights by which squares of logarithms are errors
+    over the light (S, 1, ...)."""
     difference, off = np.exp(logs) - f, logs - np.log(f)
     near = np.abs(off) < 1e-3
     slope = np.where(near, f, difference / np.where(near, 1, off))
     size = np.abs(difference)
-    weights = slope * slope / (light * (size + KNEE * (f + DARK * light))) + FLOOR
-    return size @ measure / light[:, 0], measure * weights
+    return size, slope * slope / (light * (size + KNEE * (f + DARK * light))) + FLOOR
 
 
 def solved(

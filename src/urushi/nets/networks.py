@@ -18,7 +18,7 @@ from urushi.nets.features import COAT_FEATURES
 from urushi.nets.lobe import LOBE_FEATURES, NUMBERS
 from urushi.nets.lobe_fit import fit_lobes
 from urushi.nets.mlp import POLYNOMIALS, Params, shapes_of
-from urushi.nets.stretched_basis import StretchedBasis
+from urushi.nets.stretched_basis import StretchedBasis, log_stretch
 
 
 @dataclass(frozen=True)
@@ -157,8 +157,8 @@ class Networks(NamedTuple):
         flat = rest.reshape(-1, count)
         if isinstance(self.basis, StretchedBasis):
             mean = rest.mean(axis=-2, keepdims=True) if rest.ndim > 1 else rest
-            stretch = self.basis.stretch(mean.reshape(-1, count)).reshape(mean.shape[:-1])
-            stretch = np.broadcast_to(stretch, rest.shape[:-1]).ravel()
+            stretch = log_stretch(mean.reshape(-1, count), self.basis.measure)
+            stretch = np.broadcast_to(stretch.reshape(mean.shape[:-1]), rest.shape[:-1]).ravel()
             codes = solve_stretched(self.basis, flat, stretch)
         else:
             codes = solve_codes(self.basis, flat)

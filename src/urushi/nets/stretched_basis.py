@@ -75,21 +75,22 @@ class StretchedBasis(NamedTuple):
         table = self.rows @ weights.reshape(-1, self.size + 1).T
         return table.reshape(*SHAPE, len(codes), -1).astype(np.float32)
 
-    def stretch(self, rest: np.ndarray) -> np.ndarray:
-        """ln s (S,) of rests with values (S, N) [1/sr] at the probe pairs.
-
-        For a lobe of the widths a_u, a_v, the slopes t of half vectors have the mean
-        ln(t_v / t_u) = ln(a_v / a_u) in any measure that is a function of f. It is the mean of f^2,
-        to which diffuse light hardly contributes.
-        """
-        measure, contrast = slopes_of(len(self.measure), self.measure.astype(np.float32).tobytes())
-        f2 = np.square(rest[:, : len(measure)], dtype=np.float64)
-        mean = (f2 @ (measure * contrast)) / np.maximum(f2 @ measure, 1e-30)
-        return rounded(0.5 * mean).astype(np.float32)
-
     def probe_rows(self, log_stretch: float) -> np.ndarray:
         """The functions (N, 1 + K) at the probe pairs."""
         return self.at(features_of(*self.pairs()), log_stretch)
+
+
+def log_stretch(rest: np.ndarray, measure: np.ndarray) -> np.ndarray:
+    """ln s (S,) of rests with values (S, N) [1/sr] at the probe pairs of this measure (N,).
+
+    For a lobe of the widths a_u, a_v, the slopes t of half vectors have the mean
+    ln(t_v / t_u) = ln(a_v / a_u) in any measure that is a function of f. It is the mean of f^2, to
+    which diffuse light hardly contributes.
+    """
+    shares, contrast = slopes_of(len(measure), measure.astype(np.float32).tobytes())
+    f2 = np.square(rest[:, : len(shares)], dtype=np.float64)
+    mean = (f2 @ (shares * contrast)) / np.maximum(f2 @ shares, 1e-30)
+    return rounded(0.5 * mean).astype(np.float32)
 
 
 @functools.lru_cache(maxsize=4)

@@ -1,23 +1,28 @@
 """Fitting the linear basis to tables of many materials.
 
-The logarithm of the rest of material n at node p is modelled as
+The logarithm of the rest of material n at node p and azimuth t is modelled as
 
-    ln f_np = c_n0 + sum_{k > 0} U_pk c_nk,
+    ln f_npt = sum_k A_npt,a(k) U_pk c_nk,
 
-as in `urushi.nets.basis`, with a mean of zero so that a Lambertian is exact. Weighted least squares
-alternate between the codes c and, node by node, the functions U. The weights are first the share of
-a node in the light of a material, then those by which squares of logarithms equal the error E of a
-material, as in `nets.code_fit`.
+as in `urushi.nets.basis`, with a mean of zero so that a Lambertian is exact. One width has one
+azimuth and the factor A = 1; for two widths see `nets.stretched_basis`. The first functions are
+given: the constant one, or those of one width. Weighted least squares alternate between the codes c
+and, node by node, the other functions U. The weights are first the share of a node in the light of
+a material, then those by which squares of logarithms equal the error E of a material, as in
+`nets.code_fit`.
 
-The functions are not unique. They are chosen so that their codes have the mean square 1 and mean
-products 0 over the materials, and are ordered by their effect on the light. Their weighted mean
-over the nodes is 0, so that c_0 alone is the logarithmic gain.
+The functions of a factor are not unique. They are chosen so that their codes have the mean square 1
+and mean products 0 over the materials, and are ordered by their effect on the light. Functions
+without a factor have the weighted mean 0 over the nodes, so that c_0 alone is the logarithmic gain.
 """
 
-from collections.abc import Callable
+import functools
+import itertools
+from collections.abc import Callable, Mapping
 from typing import NamedTuple
 
 import numpy as np
+from scipy.interpolate import CubicSpline
 from scipy.optimize import nnls
 
 from urushi.core.directions import directions_at
@@ -26,14 +31,17 @@ from urushi.core.table import (
     HIGHEST,
     LOWEST,
     MAX_LOG,
-    MIN_LOG,
     SHAPE,
     TAN2_OFFSET,
     corners,
+    node_pairs,
     pair_coordinates,
 )
 from urushi.nets import code_fit
+from urushi.nets import lobe as lobes
 from urushi.nets.basis import Basis, on_grid
+from urushi.nets.stretched_basis import StretchedBasis, log_stretch
+from urushi.train.stretched_tables import NODES, nodes_of
 
 #: Rounds of the alternation by light, and by the error.
 ROUNDS, LATE_ROUNDS = 8, 2
@@ -42,8 +50,9 @@ ROUNDS, LATE_ROUNDS = 8, 2
 #: there beside its own, and share of the weights by light in those by the error.
 FLOOR, EVEN, MIXED = 0.05, 0.1, 0.3
 
-#: Share of the trace that is added to the diagonal of a node's normal equations.
-RIDGE = 1e-6
+#: Shares of all weights at a node, and of a material, that are added to the diagonals of their
+#: normal equations. Functions are so zero where their factors are.
+RIDGE, CODE_RIDGE = 1e-3, 1e-9
 
 #: Materials whose rest is a smaller share of all light teach nothing.
 LEAST_LIGHT = 4e-3
@@ -54,23 +63,53 @@ STARTING = 600
 #: Probe weights: share of the squares that keep them equal, and least weight over the mean one.
 EQUAL, LEAST_WEIGHT = 0.02, 0.02
 
-#: Materials, or nodes, that are computed at once.
+#: Materials that are computed at once.
 BLOCK = 128
 
 
 class Tables(NamedTuple):
-    """Materials at the nodes of `core.table`."""
+    """Materials N at azimuths T and nodes P. What all materials share has N = 1."""
 
-    logs: np.ndarray  # float32 (N, P) ln f of the rests
-    top: np.ndarray  # float32 (N, P) f of the lobes [1/sr]
+    logs: np.ndarray  # float32 (N, T, P) ln f of the rests
+    top: np.ndarray  # float32 (N, T, P) f of the lobes [1/sr]
+    measure: np.ndarray  # float32 (1 or N, T, P) shares in integrals over pairs
+    factors: np.ndarray  # float32 (1 or N, `core.stretched.FACTORS`, T, P); of one width empty
 
-    def light(self, measure: np.ndarray) -> np.ndarray:
-        """All light (N, 1): integrals of f over pairs."""
-        return ((np.exp(self.logs) + self.top) @ measure)[:, None]
+    def rest(self) -> np.ndarray:
+        """Integrals (N, 1, 1) of the rests over pairs."""
+        return (np.exp(self.logs) * self.measure).sum(axis=(1, 2), keepdims=True)
 
-    def taken(self, rows: np.ndarray) -> "Tables":
+    def light(self) -> np.ndarray:
+        """Integrals (N, 1, 1) of f over pairs: all light."""
+        return self.rest() + (self.top * self.measure).sum(axis=(1, 2), keepdims=True)
+
+    def taken(self, rows: np.ndarray | slice) -> "Tables":
         """The materials of some rows."""
-        return Tables(self.logs[rows], self.top[rows])
+        return Tables(*(x if len(x) == 1 else x[rows] for x in self))
+
+    def summed(self, values: np.ndarray, *factors: int) -> np.ndarray:
+        """Sums (N, P) over the azimuths of values (N, T, P) times factors."""
+        for factor in factors:
+            values = values * self.factors[:, factor - 1] if factor else values
+        return values.sum(axis=1)
+
+
+def materials(held: Mapping[str, np.ndarray]) -> Tables:
+    """The materials of the arrays of a `TableStore`."""
+    table = held["table"].astype(np.float32)
+    if "stretch" not in held:
+        top = np.stack([lobes.f(own, *node_pairs()) for own in held["lobe"]])[:, None]
+        return Tables(table[:, None], top, node_measure()[None, None], np.empty((1, 0)))
+    columns = zip(*(held[name] for name in ("stretch", "stack", "level")), strict=True)
+    nodes = [nodes_of(stretch, seed) for stretch, *seed in columns]
+    top = np.stack([lobes.f(own, *at.pairs) for own, at in zip(held["lobe"], nodes, strict=True)])
+    measure, factors = (np.stack([at[k] for at in nodes]) for k in (1, 2))
+    return Tables(table.reshape(top.shape), top, measure, factors)
+
+
+def probed(held: Mapping[str, np.ndarray], count: int) -> np.ndarray:
+    """f (N, count) of the rests of such arrays at the probe pairs; of one width by the tables."""
+    return np.exp(held["probes"] if "probes" in held else at_probes(held["table"], count))
 
 
 def at_probes(values: np.ndarray, count: int) -> np.ndarray:
@@ -101,133 +140,259 @@ def node_measure() -> np.ndarray:
     return (total / total.sum() + 1e-10).astype(np.float32)  # no node is without weight
 
 
-def prepared(logs: np.ndarray, top: np.ndarray, measure: np.ndarray) -> tuple[Tables, np.ndarray]:
-    """The tables that a basis is fitted to, and their rows among ln f and lobes (N, P).
+def prepared(tables: Tables) -> tuple[Tables, np.ndarray]:
+    """The tables that a basis is fitted to, and their rows.
 
     Values count as at least a share of their mean, as in `code_fit`.
     """
-    f = np.exp(logs.astype(np.float32))
-    rest = f @ measure
-    rows = np.flatnonzero(rest > LEAST_LIGHT * (rest + top @ measure))
-    return Tables(np.log(code_fit.bounded(f[rows], measure)), top[rows]), rows
+    rows = np.flatnonzero(tables.rest() > LEAST_LIGHT * tables.light())
+    found = tables.taken(rows)
+    least = code_fit.LEAST_SHARE * found.rest() + 1e-12
+    return found._replace(logs=np.maximum(found.logs, np.log(least))), rows
 
 
-def fit_basis(tables: Tables, measure: np.ndarray, functions: int, probes: int) -> Basis:
-    """The basis of K = `functions` functions, and what codes need at `probes` probe pairs.
+def fit_basis(
+    tables: Tables, given: np.ndarray, factors: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """The functions of a basis, and the inverse (K, K) of the mean products of codes.
 
-    measure: `node_measure`.
+    Args:
+        tables: `prepared` materials.
+        given: float32 (nodes, 1 + G) mean and first functions, at the nodes of `core.table`.
+        factors: (K,) the factor of each function.
+
+    Returns:
+        float32 (nodes, 1 + K) mean and all functions, the given ones among them, and the inverse.
     """
-    rows = on_grid(fit_rows(tables, measure, functions))
-    weights = _light_weights(tables, measure)
-    codes = _codes(rows, tables, weights)
-    products = codes.T @ codes / len(codes) + 1e-9 * np.eye(functions)
-    prior = np.linalg.inv(products.astype(float)).astype(np.float32)
-    return Basis.of(rows, probe_measure(tables, measure, probes), prior)
+    functions = fit_functions(tables, at_nodes_of(tables, given)[:, 1:], factors)
+    codes = _codes(functions, factors, tables, _light_weights(tables))
+    products = codes.T @ codes / len(codes) + 1e-9 * np.eye(len(factors))
+    further = functions[:, given.shape[1] - 1 :]
+    if len(further) != len(given):
+        further = _between_nodes(further)
+    rows = on_grid(np.concatenate([given, further], axis=1))
+    return rows, np.linalg.inv(products.astype(float)).astype(np.float32)
 
 
-def fit_rows(tables: Tables, measure: np.ndarray, functions: int) -> np.ndarray:
-    """Functions float32 (P, 1 + K), after a mean of 0, by alternating least squares."""
-    logs, by_light = tables.logs, _light_weights(tables, measure)
-    weights, mean_weight = by_light, by_light.mean(axis=0)
-    some = logs[np.random.default_rng(0).permutation(len(logs))[:STARTING]]
-    some = some - (some @ mean_weight)[:, None] / mean_weight.sum()
-    start = np.linalg.svd(some, full_matrices=False)[2][: functions - 1]
-    start *= np.sqrt(start.shape[1])
-    rows = np.stack([0 * start[0], 0 * start[0] + 1, *start], axis=1).astype(np.float32)
+def fit_functions(tables: Tables, given: np.ndarray, factors: np.ndarray) -> np.ndarray:
+    """Functions float32 (P, K) by alternating least squares, the first of which are given."""
+    by_light = _light_weights(tables)
+    weights, node_weight = by_light, by_light.mean(axis=(0, 1))
+    functions = _started(tables, given, factors, node_weight)
+
+    def codes() -> np.ndarray:
+        return _codes(functions, factors, tables, weights)
+
     for turn in range(ROUNDS + LATE_ROUNDS):
         if turn >= ROUNDS:
-            weights = _error_weights(rows, tables, measure, _codes(rows, tables, weights))
+            weights = _error_weights(functions, factors, tables, codes())
             weights = weights * (1 / (weights / by_light).mean()) + MIXED * by_light
-        rows = standardised(rows, _codes(rows, tables, weights), mean_weight)
-        rows = _functions(_codes(rows, tables, weights), logs, weights)
-    return standardised(rows, _codes(rows, tables, weights), mean_weight)
+        functions = standardised(functions, given.shape[1], factors, codes(), node_weight)
+        functions = _functions(codes(), given, factors, tables, weights)
+    return standardised(functions, given.shape[1], factors, codes(), node_weight)
 
 
-def standardised(rows: np.ndarray, codes: np.ndarray, weight: np.ndarray) -> np.ndarray:
+def _started(
+    tables: Tables, given: np.ndarray, factors: np.ndarray, node_weight: np.ndarray
+) -> np.ndarray:
+    """The given functions (P, G), and principal components of some materials."""
+    some = np.random.default_rng(0).permutation(len(tables.logs))[:STARTING]
+    chosen, functions = tables.taken(some), [given]
+    for factor, at in _blocks(factors, given.shape[1]):
+        logs = chosen.logs
+        if factor:
+            logs = logs - logs.mean(axis=1, keepdims=True)
+        else:
+            mean = logs.mean(axis=1) @ node_weight / node_weight.sum()
+            logs = logs - mean[:, None, None]
+        found = np.linalg.svd(chosen.summed(logs, factor), full_matrices=False)[2][: len(at)]
+        functions.append(np.sqrt(len(given)) * found.T)
+    return np.concatenate(functions, axis=1, dtype=np.float32)
+
+
+def standardised(
+    functions: np.ndarray, given: int, factors: np.ndarray, codes: np.ndarray, weight: np.ndarray
+) -> np.ndarray:
     """The same model, with the functions that the module describes.
 
-    rows: (P, 1 + K). codes: (N, K). weight: (P,) of the nodes.
+    functions: (P, K), of which the first are given. codes: (N, K). weight: (P,) of the nodes.
     """
-    functions, weight = rows[:, 2:].astype(float), weight / weight.sum(dtype=float)
-    functions = functions - weight @ functions
-    sizes, axes = np.linalg.eigh((functions.T * weight) @ functions)
-    root = (axes * np.sqrt(np.maximum(sizes, 1e-12))) @ axes.T
-    products = codes[:, 1:].T.astype(float) @ codes[:, 1:] / len(codes)
-    effects, axes = np.linalg.eigh(root @ products @ root)
-    axes = axes[:, ::-1] * np.sqrt(np.maximum(effects[::-1], 1e-12))
-    functions = functions @ np.linalg.solve(root, axes)
-    return np.concatenate([rows[:, :2], functions], axis=1, dtype=np.float32)
+    result, weight = functions.copy(), weight / weight.sum(dtype=float)
+    for factor, at in _blocks(factors, given):
+        own = functions[:, at].astype(float)
+        if not factor:
+            own = own - weight @ own
+        sizes, axes = np.linalg.eigh((own.T * weight) @ own)
+        root = (axes * np.sqrt(np.maximum(sizes, 1e-12))) @ axes.T
+        products = codes[:, at].T.astype(float) @ codes[:, at] / len(codes)
+        effects, axes = np.linalg.eigh(root @ products @ root)
+        axes = axes[:, ::-1] * np.sqrt(np.maximum(effects[::-1], 1e-12))
+        result[:, at] = own @ np.linalg.solve(root, axes)
+    return result
 
 
-def probe_measure(tables: Tables, measure: np.ndarray, count: int) -> np.ndarray:
+def _blocks(factors: np.ndarray, given: int = 0) -> list[tuple[int, np.ndarray]]:
+    """Each factor of functions (K,) that are not given, and the places of its functions."""
+    return [
+        (factor, given + np.flatnonzero(factors[given:] == factor))
+        for factor in np.unique(factors[given:]).tolist()
+    ]
+
+
+def probe_measure(rest: np.ndarray, integrals: np.ndarray) -> np.ndarray:
     """Weights float32 (count,) of the probe pairs, by which sums of f are the tables' integrals.
 
     Nonnegative least squares of relative errors, about equal weights.
+
+    rest: (N, count) f at the probe pairs. integrals: (N,).
     """
-    f = np.exp(at_probes(tables.logs, count))
-    shares = f / (np.exp(tables.logs) @ measure)[:, None] / count
-    tie = np.sqrt(EQUAL * len(f) / count)
+    count = rest.shape[1]
+    shares = rest / integrals[:, None] / count
+    tie = np.sqrt(EQUAL * len(rest) / count)
     system = np.concatenate([shares, tie * np.eye(count)])
-    weights, _ = nnls(system, np.append(np.ones(len(f)), np.full(count, tie)), maxiter=50 * count)
+    weights, _ = nnls(
+        system, np.append(np.ones(len(rest)), np.full(count, tie)), maxiter=50 * count
+    )
     return (np.maximum(weights, LEAST_WEIGHT) / count).astype(np.float32)
 
 
-def errors(basis: Basis, tables: Tables, measure: np.ndarray, codes: np.ndarray) -> np.ndarray:
-    """E (N,) of codes (N, K) over all nodes, as shares of all light."""
-    total = tables.light(measure)
+def errors(rows: np.ndarray, factors: np.ndarray, tables: Tables, codes: np.ndarray) -> np.ndarray:
+    """E (N,) of codes (N, K) over all nodes, as shares of all light.
 
-    def of(rows: slice) -> np.ndarray:
-        logs = basis.rows[:, 0] + codes[rows] @ basis.rows[:, 1:].T
-        f = np.exp(np.clip(logs, MIN_LOG, MAX_LOG))
-        return np.abs(f - np.exp(tables.logs[rows])) @ measure / total[rows, 0]
+    rows: (nodes, 1 + K) mean and functions. factors: (K,).
+    """
+    functions = at_nodes_of(tables, rows)[:, 1:]
+
+    def of(some: slice) -> np.ndarray:
+        own = tables.taken(some)
+        f = np.exp(_logs(functions, factors, own, codes[some]))
+        return (np.abs(f - np.exp(own.logs)) * own.measure / own.light()).sum(axis=(1, 2))
 
     return _in_blocks(of, len(codes))
 
 
-def codes_at_probes(basis: Basis, tables: Tables) -> np.ndarray:
-    """Codes float32 (N, K) of materials from their values at the probe pairs."""
-    return code_fit.solve_codes(basis, np.exp(at_probes(tables.logs, len(basis.measure))))
+def codes_at_probes(basis: Basis | StretchedBasis, rest: np.ndarray) -> np.ndarray:
+    """Codes float32 (N, K), of two widths (N, K + 1), of rests (N, P) at the probe pairs."""
+    if isinstance(basis, Basis):
+        return code_fit.solve_codes(basis, rest)
+    return code_fit.solve_stretched(basis, rest, log_stretch(rest, basis.measure))
 
 
-def _light_weights(tables: Tables, measure: np.ndarray) -> np.ndarray:
-    """Weights float32 (N, P) of squared errors of logarithms by light, and a floor."""
-    f = np.exp(tables.logs)
-    return measure * (f / tables.light(measure) + np.float32(FLOOR))
+def at_nodes_of(tables: Tables, rows: np.ndarray) -> np.ndarray:
+    """Values float32 (P, K) at the nodes of tables, of rows (nodes, K) at those of `core.table`."""
+    if tables.logs.shape[2] == len(rows):
+        return rows
+    axes = [np.linspace(0, 1, count) for count in NODES]
+    places = (x.ravel() for x in np.meshgrid(*axes, indexing="ij"))
+    return sum(rows[node] * share[:, None] for node, share in corners(SHAPE, *places))
+
+
+def _between_nodes(functions: np.ndarray) -> np.ndarray:
+    """Values (nodes, K) of values (P, K) at the coarse nodes of two widths, by cubic splines."""
+    result = functions.reshape(*NODES, -1).astype(float)
+    for axis, (known, count) in enumerate(zip(NODES, SHAPE, strict=True)):
+        spline = CubicSpline(np.linspace(0, 1, known), result, axis=axis)
+        result = spline(np.linspace(0, 1, count))
+    return result.reshape(-1, functions.shape[1]).astype(np.float32)
+
+
+def _light_weights(tables: Tables) -> np.ndarray:
+    """Weights float32 (N, T, P) of squared errors of logarithms by light, and a floor."""
+    return tables.measure * (np.exp(tables.logs) / tables.light() + np.float32(FLOOR))
 
 
 def _error_weights(
-    rows: np.ndarray, tables: Tables, measure: np.ndarray, codes: np.ndarray
+    functions: np.ndarray, factors: np.ndarray, tables: Tables, codes: np.ndarray
 ) -> np.ndarray:
-    """Weights float32 (N, P) by which squares equal the errors of codes (N, K)."""
-    total = tables.light(measure)
+    """Weights float32 (N, T, P) by which squares equal the errors of codes (N, K)."""
 
     def of(some: slice) -> np.ndarray:
-        f = np.exp(tables.logs[some])
-        return code_fit.weighed(rows, measure, f, total[some], codes[some])[1].astype(np.float32)
+        own = tables.taken(some)
+        logs = _logs(functions, factors, own, codes[some])
+        slopes = code_fit.error_slopes(logs, np.exp(own.logs), own.light())[1]
+        return (own.measure * slopes).astype(np.float32)
 
     return _in_blocks(of, len(codes))
 
 
-def _codes(rows: np.ndarray, tables: Tables, weights: np.ndarray) -> np.ndarray:
-    """Codes float32 (N, K) of least squares with weights (N, P)."""
-    functions, none = rows[:, 1:], np.zeros((rows.shape[1] - 1, rows.shape[1] - 1))
+def _logs(
+    functions: np.ndarray, factors: np.ndarray, tables: Tables, codes: np.ndarray
+) -> np.ndarray:
+    """ln f (N, T, P) of codes (N, K)."""
+    total = np.zeros_like(tables.logs)
+    for factor, at in _blocks(factors):
+        part = (codes[:, at] @ functions[:, at].T)[:, None]
+        total += part * tables.factors[:, factor - 1] if factor else part
+    return np.minimum(total, MAX_LOG)
+
+
+def _codes(
+    functions: np.ndarray, factors: np.ndarray, tables: Tables, weights: np.ndarray
+) -> np.ndarray:
+    """Codes float32 (N, K) of least squares with weights (N, T, P)."""
 
     def of(some: slice) -> np.ndarray:
-        return code_fit.solved(functions, tables.logs[some] - rows[:, 0], weights[some], none)
+        own, weight = tables.taken(some), weights[some]
+        right = weight * own.logs
+        sums = functools.partial(own.summed, weight), functools.partial(own.summed, right)
+        return np.linalg.solve(
+            *_normal(functions, factors, *sums, CODE_RIDGE * weight.sum(axis=(1, 2)))
+        )[..., 0]
 
     return _in_blocks(of, len(weights)).astype(np.float32)
 
 
-def _functions(codes: np.ndarray, logs: np.ndarray, weights: np.ndarray) -> np.ndarray:
-    """Functions float32 (P, 1 + K), after a mean of 0, of least squares at every node."""
-    count, inputs = codes.shape[1] - 1, codes[:, 1:]
+def _functions(
+    codes: np.ndarray, given: np.ndarray, factors: np.ndarray, tables: Tables, weights: np.ndarray
+) -> np.ndarray:
+    """Functions float32 (P, K) of least squares at every node, the first of which are given."""
+    count = given.shape[1]
     weights = weights + EVEN * weights.mean(axis=0)
-    normal = code_fit.weighted_products(inputs, weights.T)
-    right = (weights * (logs - codes[:, :1])).T @ inputs
-    normal += RIDGE * np.trace(normal, axis1=1, axis2=2)[:, None, None] * np.eye(count) / count
-    found = np.linalg.solve(normal, right[..., None].astype(float))[..., 0]
-    fixed = np.broadcast_to(np.array([0.0, 1.0]), (len(found), 2))
-    return np.concatenate([fixed, found], axis=1, dtype=np.float32)
+    left = weights * (tables.logs - (codes[:, :count] @ given.T)[:, None])
+    normal, right = _normal(
+        codes[:, count:],
+        factors[count:],
+        lambda *some: tables.summed(weights, *some).T,
+        lambda some: tables.summed(left, some).T,
+        RIDGE * weights.sum(axis=(0, 1)),
+    )
+    shape = SHAPE if len(given) == np.prod(SHAPE) else NODES
+    for x in (normal, right):  # w means nothing where the half or the difference angle is zero
+        at = x.reshape(*shape, *x.shape[1:])
+        at[0] = at[0].sum(axis=1, keepdims=True)
+        at[:, 0] = at[:, 0].sum(axis=1, keepdims=True)
+    found = np.linalg.solve(normal, right)[..., 0]
+    return np.concatenate([given, found], axis=1, dtype=np.float32)
+
+
+def _normal(
+    x: np.ndarray,
+    factors: np.ndarray,
+    weight: Callable[..., np.ndarray],
+    right: Callable[[int], np.ndarray],
+    ridge: np.ndarray,
+) -> tuple[np.ndarray, np.ndarray]:
+    """Normal equations (M, K, K) and (M, K, 1) of M least squares over I values.
+
+    Args:
+        x: (I, K) functions without their factors (K,).
+        weight: (M, I) by which the squares and two factors are weighed.
+        right: (M, I) weights times one factor and the values.
+        ridge: (M,) what is added to the diagonals.
+    """
+    blocks, count = _blocks(factors), x.shape[1]
+    sides = [right(factor) @ x[:, at] for factor, at in blocks]
+    result = np.zeros((len(sides[0]), count, count))
+    for (a, at), (b, to) in itertools.combinations_with_replacement(blocks, 2):
+        if a == b:
+            found = code_fit.weighted_products(x[:, at], weight(a, a))
+        else:
+            products = (x[:, at, None] * x[:, None, to]).reshape(len(x), -1)
+            found = (weight(a, b) @ products).reshape(-1, len(at), len(to))
+        result[:, at[:, None], to] = found
+        result[:, to[:, None], at] = np.swapaxes(found, 1, 2)
+    result += ridge[:, None, None] * np.eye(count)
+    return result, np.concatenate(sides, axis=1)[..., None].astype(float)
 
 
 def _in_blocks(function: Callable[[slice], np.ndarray], count: int) -> np.ndarray:

@@ -4,12 +4,12 @@ A distribution is a frozen dataclass; `sample` draws a table of single-channel s
 the same number of coats and the same kind of bottom.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
 
-from urushi.checks import MIN_ALPHA, TRAINED_DEPTH, TRAINED_G
+from urushi.checks import MIN_ALPHA, TRAINED_DEPTH, TRAINED_G, CoatParameters
 from urushi.errors import ParameterError
 from urushi.walk.bottoms import KINDS
 from urushi.walk.bottoms.bottom import Family, draw_alpha
@@ -17,6 +17,31 @@ from urushi.walk.table import StackTable
 
 #: Maximum number of coats of a trained stack: five coats over a bottom have six interfaces.
 MAX_COATS = 5
+
+#: Bottoms of stacks, with their shares.
+SHARES = {
+    "conductor": 0.2,
+    "conductor_complex": 0.15,
+    "dielectric": 0.12,
+    "diffuse": 0.08,
+    "mixture": 0.3,
+    "measured_like": 0.15,
+}
+
+#: Shares of stacks without coats, with one, two and three.
+COATS = 0.1, 0.5, 0.3, 0.1
+
+#: Share of the stacks and coats that are `Practical`; the others are spread over the whole domain.
+PRACTICAL = 0.75
+
+#: Coats of the same interface among further coats, and share of two widths whose index is 1.
+SHARED, WITHOUT_INTERFACE = 2, 0.05
+
+#: Least width of bottoms of two widths, and largest quotient of two.
+LEAST_WIDTH, MOST_QUOTIENT = 0.02, 8.0
+
+#: Difference of an absolute index from 1 that is rounding.
+ROUNDING = 1e-4
 
 #: The kinds of bottoms of stacks.
 BOTTOMS = tuple(
@@ -157,3 +182,63 @@ class Practical(Extended):
 def smooth_alpha(rng: np.random.Generator, shape: int | tuple[int, ...]) -> np.ndarray:
     """Log-uniform in [0.01, 0.5]: half of the surfaces are smoother than 0.07."""
     return np.exp(rng.uniform(np.log(MIN_ALPHA), np.log(0.5), shape)).clip(MIN_ALPHA, 0.5)
+
+
+def draw_stack(
+    rng: np.random.Generator, shares: Mapping[str, float] = SHARES, most: int = MAX_COATS
+) -> StackTable:
+    """One random stack of at most so many coats, whose absolute indices are at least 1.
+
+    shares: of the kinds of bottoms.
+    """
+    kind = str(rng.choice(list(shares), p=list(shares.values())))
+    coats = min(int(rng.choice(len(COATS), p=COATS)), most)
+    while True:
+        practical = coats and rng.random() < PRACTICAL
+        stack = (Practical(coats, kind) if practical else _whole(coats, kind)).sample(rng, 1)
+        if not coats or np.cumprod(stack.eta[0]).min() > 1 - ROUNDING:
+            return stack
+
+
+def draw_coats(rng: np.random.Generator, count: int) -> np.ndarray:
+    """Random coats (count, 5) with any index, `SHARED` after another with the same interface."""
+    often = rng.binomial(count, PRACTICAL)
+    parts = (Practical(1), often), (_whole(1, "conductor"), count - often)
+    coats = np.concatenate([coats_of(drawn.sample(rng, number)) for drawn, number in parts])
+    coats = rng.permutation(coats)
+    coats[:, :2] = coats[np.arange(count) // SHARED * SHARED, :2]
+    return coats
+
+
+def _whole(coats: int, kind: str) -> Extended:
+    return Extended(coats, kind, indices="whole")
+
+
+def coats_of(stack: StackTable) -> np.ndarray:
+    """The coats (S N, 5) of stacks, from top to bottom."""
+    columns = [np.asarray(getattr(stack, name)).ravel() for name in CoatParameters._fields]
+    return np.stack(columns, axis=-1).astype(np.float64)
+
+
+def draw_coats_of_two(rng: np.random.Generator, count: int) -> np.ndarray:
+    """`draw_coats` (count, 6) of two widths, some of them of index 1, which have no interface."""
+    coats = with_two_widths(rng, draw_coats(rng, count))
+    coats[rng.random(count) < WITHOUT_INTERFACE, 1] = 1
+    interface = [0, 1, -1]
+    coats[:, interface] = coats[np.arange(count) // SHARED * SHARED][:, interface]
+    bare = coats[:, 1] == 1
+    coats[np.ix_(bare, [0, -1])] = MIN_ALPHA  # as the network sees them
+    return coats
+
+
+def with_two_widths(
+    rng: np.random.Generator, rows: np.ndarray, least: float = MIN_ALPHA
+) -> np.ndarray:
+    """Rows (N, D + 1) whose first and last number are widths about the first of rows (N, D).
+
+    Their geometric mean is that width, and a quarter are equal.
+    """
+    logs = rng.uniform(-1, 1, len(rows)) * (rng.random(len(rows)) < 0.75)
+    root = np.exp(0.5 * np.log(MOST_QUOTIENT) * logs)
+    along, across = (np.clip(rows[:, 0] * x, least, 1.0) for x in (root, 1 / root))
+    return np.column_stack([along, rows[:, 1:], across]).astype(np.float32)

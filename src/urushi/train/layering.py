@@ -6,11 +6,12 @@ is measured at the probe pairs,
 
     q(d) = sum_p w_p (U_p d)^2,
 
-the mean square of the relative error of f, weighted by light. The loss is sqrt(e^2 + q) - e, about
+the mean square of the relative error of f, weighted by light. With two widths, ln s counts by the
+derivative of ln f. The loss is sqrt(e^2 + q) - e, about
 the error E of the result: stacks that are hard to predict count linearly.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from typing import Any, NamedTuple
 
 import jax
@@ -18,15 +19,17 @@ import jax.numpy as jnp
 import numpy as np
 
 from urushi.checks import CoatParameters
-from urushi.core.probe_pairs import probe_pairs
+from urushi.core.stretched import STEP
 from urushi.nets import code_fit, layerer
 from urushi.nets import lobe as lobes
-from urushi.nets.basis import Basis
+from urushi.nets.basis import Basis, decode_log
+from urushi.nets.lobe import LOBE_FEATURES
 from urushi.nets.mlp import Params
 from urushi.nets.networks import Architecture
-from urushi.train.basis_fit import at_probes
+from urushi.nets.stretched_basis import StretchedBasis
+from urushi.nets.weights import Model
+from urushi.train.basis_fit import codes_at_probes
 from urushi.train.batches import shuffled
-from urushi.train.tables import TableStore
 
 #: Error below which the loss is quadratic.
 KNEE = 0.01
@@ -42,7 +45,7 @@ class Layerings(NamedTuple):
     """Examples: bottoms under coats."""
 
     bottom: np.ndarray  # float32 (N, L) codes
-    coat: np.ndarray  # float32 (N, 5), `CoatParameters`
+    coat: np.ndarray  # float32 (N, 5), `CoatParameters`, or (N, 6)
     code: np.ndarray  # float32 (N, K) of the coated material, without its lobe
     root: np.ndarray  # float32 (N, K, K), q(d) = |root d|^2
 
@@ -51,37 +54,62 @@ class Layerings(NamedTuple):
         return Layerings(*(x[rows] for x in self))
 
 
-def layerings(basis: Basis, store: TableStore) -> tuple[Layerings, np.ndarray]:
-    """All examples of a store, and the numbers (N,) of their stacks."""
-    held = store.read(("table", "lobe", "over", "coated", "stack"))
-    logs = at_probes(held["table"], len(basis.measure))
-    found = examples(basis, held["lobe"], np.exp(logs), held["over"], np.exp(held["coated"]))
-    return found, np.repeat(held["stack"], held["over"].shape[1])
-
-
 def examples(
-    basis: Basis, lobe: np.ndarray, rest: np.ndarray, coats: np.ndarray, coated: np.ndarray
+    basis: Basis | StretchedBasis, bottom: np.ndarray, coats: np.ndarray, coated: np.ndarray
 ) -> Layerings:
-    """Examples of bottoms with lobes (M, L) and rests (M, P) under coats (M, C, 5).
+    """Examples of bottoms with codes (M, L) under coats (M, C, 5), of two widths (M, C, 6).
 
-    coated: (M, C, P) the rests of the coated materials. Values are at the probe pairs.
+    coated: (M, C, P) ln f of the rests of the coated materials at the probe pairs.
     """
-    pairs, each = probe_pairs(len(basis.measure)), coats.shape[1]
-    bottom = np.concatenate([lobe, code_fit.solve_codes(basis, rest)], axis=1, dtype=np.float32)
-    flat = coats.reshape(-1, 5)
-    top = lobes.of_coat(flat[:, 0], flat[:, 1]).astype(np.float32)
-    coated = coated.reshape(len(flat), -1)
-    code = code_fit.solve_codes(basis, coated)
-    root = np.empty((len(code), *basis.prior.shape), np.float32)
-    for first in range(0, len(code), BLOCK):
-        rows = slice(first, first + BLOCK)
-        f = np.exp(basis.probe_rows[:, 0] + code[rows] @ basis.probe_rows[:, 1:].T)
-        light = (f + lobes.f(top[rows, None], *pairs)) @ basis.measure
+    flat = coats.reshape(-1, coats.shape[-1]).astype(np.float32)
+    top = lobes.of_coat(*CoatParameters.of_columns(flat.T)[:2])
+    code = codes_at_probes(basis, np.exp(coated.reshape(len(flat), -1)))
+    root = np.empty((*code.shape, code.shape[1]), np.float32)
+    for rows, functions in _functions_of(basis, code):
+        f = np.exp(decode_log(code[rows, None, : basis.size], functions[0]))
+        light = (f + lobes.f(top[rows, None], *basis.pairs())) @ basis.measure
         weights = basis.measure * (f / light[:, None] + FLOOR)
-        form = code_fit.weighted_products(basis.probe_rows[:, 1:], weights)
-        form += 1e-9 * np.eye(len(basis.prior))
+        form = code_fit.weighted_products(functions[0][:, 1:], weights)
+        if len(functions) > 1:  # one more function, the derivative by ln s
+            slope = (code[rows, : basis.size] @ functions[1][:, 1:].T)[..., None]
+            mixed = np.swapaxes(slope * weights[..., None], 1, 2) @ functions[0][:, 1:]
+            corner = (slope * slope * weights[..., None]).sum(axis=1, keepdims=True)
+            form = np.block([[form, np.swapaxes(mixed, 1, 2)], [mixed, corner]])
+        form += 1e-9 * np.eye(code.shape[1])
         root[rows] = np.swapaxes(np.linalg.cholesky(form), 1, 2)
-    return Layerings(np.repeat(bottom, each, axis=0), flat.astype(np.float32), code, root)
+    return Layerings(np.repeat(bottom, coats.shape[1], axis=0), flat, code, root)
+
+
+def _functions_of(
+    basis: Basis | StretchedBasis, codes: np.ndarray
+) -> Iterator[tuple[np.ndarray, list[np.ndarray]]]:
+    """Rows of some codes, and their functions (N, 1 + K) at the probe pairs.
+
+    Of two widths, they have the same stretch, and the derivatives by ln s follow.
+    """
+    if isinstance(basis, Basis):
+        groups = [(np.arange(len(codes)), [basis.probe_rows])]
+    else:
+        groups = []
+        for own in np.unique(codes[:, -1]):
+            high, low = (basis.probe_rows(own + step) for step in (STEP, -STEP))
+            functions = [basis.probe_rows(own), (high - low) / (2 * STEP)]
+            groups.append((np.flatnonzero(codes[:, -1] == own), functions))
+    for rows, functions in groups:
+        for first in range(0, len(rows), BLOCK):
+            yield rows[first : first + BLOCK], functions
+
+
+def mirrored(found: Layerings, factors: np.ndarray) -> Layerings:
+    """Examples of two widths with x and y exchanged: cos 2 psi, cos 2 p and ln s change signs.
+
+    factors: (K,) of the functions.
+    """
+    sign = np.append(np.where(np.isin(factors, (1, 2)), -1, 1), -1).astype(np.float32)
+    lobe = found.bottom.shape[1] - len(sign)
+    ends = [np.r_[n - 1, 1 : n - 1, 0] for n in (lobe, found.coat.shape[1])]
+    bottom = np.concatenate([found.bottom[:, ends[0]], found.bottom[:, lobe:] * sign], axis=1)
+    return Layerings(bottom, found.coat[:, ends[1]], found.code * sign, found.root * sign)
 
 
 def fresh(arch: Architecture, seed: int) -> dict[str, np.ndarray]:
@@ -95,6 +123,23 @@ def fresh(arch: Architecture, seed: int) -> dict[str, np.ndarray]:
     return params
 
 
+def widened(model: Model, arch: Architecture) -> dict[str, np.ndarray]:
+    """Parameters "layerer.*" of two widths, with the same results as a network of one width.
+
+    Features of a width become half of those of both, so that it sees their geometric mean.
+    """
+    params = {name: x for name, x in model.params.items() if name.startswith("layerer.")}
+    first, last = "layerer.0.weight", f"layerer.{len(arch.layerer)}"
+    rest, own = np.split(params[first], [model.arch.rest])
+    more = arch.rest - model.arch.rest
+    sides = np.split(own, [LOBE_FEATURES[1]])
+    sides = [np.concatenate([x[:2] / 2, x[2:], x[:2] / 2]) for x in sides]
+    params[first] = np.concatenate([np.pad(rest, ((0, more), (0, 0))), *sides])
+    params[f"{last}.weight"] = np.pad(params[f"{last}.weight"], ((0, 0), (0, more)))
+    params[f"{last}.bias"] = np.pad(params[f"{last}.bias"], (0, more))
+    return params
+
+
 def loss(
     params: Params, arch: Architecture, batch: Layerings
 ) -> tuple[jax.Array, dict[str, jax.Array]]:
@@ -105,7 +150,7 @@ def loss(
 
 def squares(params: Params, arch: Architecture, batch: Layerings) -> Any:
     """q (N,) of the predicted codes."""
-    z = layerer.layer(params, arch, batch.bottom, CoatParameters(*batch.coat.T))
+    z = layerer.layer(params, arch, batch.bottom, CoatParameters.of_columns(batch.coat.T))
     away = (batch.root @ (z[:, arch.lobe :] - batch.code)[..., None])[..., 0]
     return (away * away).sum(axis=-1)
 

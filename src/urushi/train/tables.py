@@ -7,10 +7,11 @@ coats, so that a coat costs a third. The data lie in shards. Each is written onc
 that an interrupted run continues where it stopped, with the same result.
 """
 
+import functools
 import hashlib
 import json
 import os
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from dataclasses import asdict, dataclass
 from multiprocessing import get_context
@@ -28,36 +29,22 @@ from urushi.errors import FileError
 from urushi.material.coated_values import coated_f
 from urushi.material.substrate import Substrate
 from urushi.nets import lobe as lobes
+from urushi.nets import weights
 from urushi.parallel import one_blas_thread
 from urushi.platform import available_cores
+from urushi.train import stretched_tables
+from urushi.train.basis_fit import codes_at_probes
 from urushi.train.bottoms import bottom_lobes, bottom_rest
-from urushi.train.distribution import Extended, Practical
+from urushi.train.distribution import SHARES, coats_of, draw_coats, draw_stack
 from urushi.walk.bottoms import KINDS
-from urushi.walk.table import StackTable
 
 FORMAT_VERSION = 1
 
-#: Bottoms of stacks, with their shares.
-SHARES = {
-    "conductor": 0.2,
-    "conductor_complex": 0.15,
-    "dielectric": 0.12,
-    "diffuse": 0.08,
-    "mixture": 0.3,
-    "measured_like": 0.15,
-}
+#: Levels under the same further coats, and coats over them.
+BOTTOMS, TOGETHER = 8, 16
 
-#: Shares of stacks without coats, with one, two and three.
-COATS = 0.1, 0.5, 0.3, 0.1
-
-#: Share of the stacks and coats that are `Practical`; the others are spread over the whole domain.
-PRACTICAL = 0.75
-
-#: Levels under the same further coats, coats over them, and coats of the same interface.
-BOTTOMS, TOGETHER, SHARED = 8, 16, 2
-
-#: Difference of an absolute index from 1 that is rounding.
-ROUNDING = 1e-4
+#: The arrays of a shard by name.
+Arrays = dict[str, np.ndarray]
 
 
 @dataclass(frozen=True)
@@ -69,6 +56,7 @@ class TableSpec:
     probes: int  # number of probe pairs
     seed: int = 0
     shard: int = 25  # stacks of a file
+    widths: int = 1  # GGX widths of a surface
 
     def shards(self) -> int:
         """The number of files."""
@@ -87,6 +75,8 @@ class TableStore:
     - coat: float32 (R, 5), the topmost coat, `CoatParameters`; zeros for bare bottoms;
     - over: float32 (R, C, 5), further coats;
     - coated: float32 (R, C, N), ln f of the rests under these coats at the probe pairs.
+
+    Those of two widths are described in `stretched_tables`.
     """
 
     path: Path
@@ -116,8 +106,15 @@ class TableStore:
         return digest.hexdigest()
 
 
-def generate(spec: TableSpec, path: str | os.PathLike) -> TableStore:
-    """Compute the tables of `spec` in a folder, or complete them, with a process on every core."""
+#: The arrays of a shard of a specification.
+Make = Callable[[TableSpec, int], Arrays]
+
+
+def generate(spec: TableSpec, path: str | os.PathLike, make: Make | None = None) -> TableStore:
+    """Compute the tables of `spec` in a folder, or complete them, with a process on every core.
+
+    make: the arrays of a shard; default `make_shard`.
+    """
     store = opened(spec, Path(path))
     missing = store.missing()
     if not missing:
@@ -126,10 +123,31 @@ def generate(spec: TableSpec, path: str | os.PathLike) -> TableStore:
         ProcessPoolExecutor(available_cores(), get_context("spawn")) as pool,
         tqdm(total=len(missing) * spec.shard, desc="tables", disable=None) as progress,
     ):
-        for done in as_completed([pool.submit(write_shard, store, shard) for shard in missing]):
+        tasks = [pool.submit(write_shard, store, shard, make) for shard in missing]
+        for done in as_completed(tasks):
             done.result()
             progress.update(spec.shard)
     return store
+
+
+def generate_coats(store: TableStore, model: weights.Model) -> TableStore:
+    """The store of further coats over the codes of a store of two widths, with "bottom" (R, L).
+
+    model: with the basis of the codes.
+    """
+    file = store.path / f"basis-{model.fingerprint}.safetensors"
+    weights.save(file, model.arch, model.params, {})
+    make = functools.partial(_coats_over, store, file)
+    return generate(store.spec, store.path / f"coats-{model.fingerprint}", make)
+
+
+def _coats_over(store: TableStore, file: Path, spec: TableSpec, shard: int) -> Arrays:
+    names, model = ("lobe", "probes", "stack"), weights.read(file)
+    held = files.read_tensors(store.file(shard), "tables", FORMAT_VERSION, names)[1]
+    rest = codes_at_probes(model.networks.basis, np.exp(held["probes"]))
+    bottom = np.concatenate([held["lobe"], rest], axis=1)
+    coats = stretched_tables.coats_over(bottom, model, spec.coats, [spec.seed, shard])
+    return {"stack": held["stack"], "bottom": bottom, **coats}
 
 
 def opened(spec: TableSpec, path: Path) -> TableStore:
@@ -150,19 +168,23 @@ def opened(spec: TableSpec, path: Path) -> TableStore:
     return TableStore(path, spec)
 
 
-def write_shard(store: TableStore, shard: int) -> None:
-    """Compute one shard and write it."""
+def write_shard(store: TableStore, shard: int, make: Make | None = None) -> None:
+    """Compute one shard and write it, see `generate`."""
     with one_blas_thread():
-        arrays = make_shard(store.spec, shard)
+        arrays = (make or make_shard)(store.spec, shard)
     files.write_tensors(store.file(shard), "tables", {"version": FORMAT_VERSION}, arrays)
 
 
-def make_shard(spec: TableSpec, shard: int) -> dict[str, np.ndarray]:
+def make_shard(spec: TableSpec, shard: int) -> Arrays:
     """The arrays of a shard; they depend on the arguments alone."""
-    first = shard * spec.shard
+    first, own = shard * spec.shard, levels
+    if spec.widths == 2:
+        own = functools.partial(stretched_tables.levels, spec.probes)
     numbers = range(first, min(first + spec.shard, spec.stacks))
-    rows = [row for number in numbers for row in levels(spec.seed, number)]
+    rows = [row for number in numbers for row in own(spec.seed, number)]
     arrays = {name: np.stack([row[name] for row in rows]) for name in rows[0]}
+    if spec.widths == 2:
+        return arrays
     rng = np.random.default_rng([spec.seed, shard, len(rows)])
     arrays["over"] = np.empty((len(rows), spec.coats, 5), np.float32)
     arrays["coated"] = np.empty((len(rows), spec.coats, spec.probes), np.float32)
@@ -183,7 +205,7 @@ def levels(seed: int, number: int) -> list[dict[str, Any]]:
     bottom = np.stack([stack.bottom[name] for name in KINDS[stack.kind].parameters], axis=-1)
     lobe = bottom_lobes(stack.kind, bottom)
     rest = bottom_rest(stack.kind, bottom, lobe, *node_pairs())
-    logs, coats = table_of_values(rest.T).reshape(1, -1), _coats(stack)
+    logs, coats = table_of_values(rest.T).reshape(1, -1), coats_of(stack)
     rows, low = [], 1.0
     for level in range(stack.coats + 1):
         coat = np.zeros(5)
@@ -203,37 +225,6 @@ def levels(seed: int, number: int) -> list[dict[str, Any]]:
             }
         )
     return rows
-
-
-def draw_stack(rng: np.random.Generator) -> StackTable:
-    """One random stack whose absolute indices are at least 1."""
-    kind = str(rng.choice(list(SHARES), p=list(SHARES.values())))
-    coats = int(rng.choice(len(COATS), p=COATS))
-    while True:
-        practical = coats and rng.random() < PRACTICAL
-        stack = (Practical(coats, kind) if practical else _whole(coats, kind)).sample(rng, 1)
-        if not coats or np.cumprod(stack.eta[0]).min() > 1 - ROUNDING:
-            return stack
-
-
-def draw_coats(rng: np.random.Generator, count: int) -> np.ndarray:
-    """Random coats (count, 5) with any index, `SHARED` after another with the same interface."""
-    often = rng.binomial(count, PRACTICAL)
-    parts = (Practical(1), often), (_whole(1, "conductor"), count - often)
-    coats = np.concatenate([_coats(drawn.sample(rng, number)) for drawn, number in parts])
-    coats = rng.permutation(coats)
-    coats[:, :2] = coats[np.arange(count) // SHARED * SHARED, :2]
-    return coats
-
-
-def _whole(coats: int, kind: str) -> Extended:
-    return Extended(coats, kind, indices="whole")
-
-
-def _coats(stack: StackTable) -> np.ndarray:
-    """The coats (S N, 5) of stacks, from top to bottom."""
-    columns = [np.asarray(getattr(stack, name)).ravel() for name in CoatParameters._fields]
-    return np.stack(columns, axis=-1).astype(np.float64)
 
 
 def coated(below: Substrate, coat: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

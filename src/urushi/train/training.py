@@ -13,16 +13,16 @@ from typing import Any, Protocol, TypeVar
 import numpy as np
 from tqdm import tqdm
 
-from urushi.core.table import node_pairs
+from urushi.core.probe_pairs import pair_measure
 from urushi.errors import FileError
 from urushi.files import check_name, new_folder
-from urushi.nets import lobe as lobes
 from urushi.nets import weights
-from urushi.nets.basis import Basis
-from urushi.nets.networks import Networks
+from urushi.nets.mlp import Params
+from urushi.nets.networks import Architecture
 from urushi.platform import available_cores
 from urushi.train import basis_fit, layering, presets, tables
 from urushi.train.checkpoint import Checkpoint, Journal
+from urushi.train.distribution import ROUNDING
 from urushi.train.layering import Layerings
 from urushi.train.optimiser import compile_steps, start
 from urushi.train.presets import Preset
@@ -76,20 +76,22 @@ def train(
     store, journal, out = prepare(preset, data, out, run, resume, tables.generate)
     began = time.monotonic()
     params, codes, metrics = fitted_basis(preset, store)
-    basis = Basis.of(*(params[f"basis.{name}"] for name in ("rows", "measure", "prior")))
-    found, stacks = layering.layerings(basis, store)
+    model = untrained(preset.arch, params)
+    found, stacks = layerings(model, store)
     hidden = stacks % HELD_OUT == 0
-    first = Checkpoint(
-        "layering", 0, 0.0, start(layering.fresh(preset.arch, preset.seed), preset.schedule), {}
-    )
+    beginning = layering.fresh(preset.arch, preset.seed)
+    if preset.beginning:
+        beginning = layering.widened(weights.shipped(preset.beginning), preset.arch)
+    first = Checkpoint("layering", 0, 0.0, start(beginning, preset.schedule), {})
     point = journal.restore({"layering": first}) if resume else None
     if point is None:
         journal.clear()
         point = replace(first, seconds=time.monotonic() - began)
-    point = advance(point, preset, found.taken(~hidden), found.taken(hidden), journal)
+    known = with_images(found.taken(~hidden), preset)
+    point = advance(point, preset, known, found.taken(hidden), journal)
     params |= {name: np.asarray(value) for name, value in point.state.average.items()}
     began = time.monotonic()
-    params |= fit_proposal(Networks(params, preset.arch, basis), codes)
+    params |= fit_proposal(model.networks, codes)
     metrics |= measure(point.state.average, preset, found.taken(hidden))
     seconds = point.seconds + time.monotonic() - began
     return weights.save(out, preset.arch, params, header(journal, metrics, seconds))
@@ -102,22 +104,66 @@ def fitted_basis(
 
     E is that of codes from the probe pairs, over all nodes, for coated materials that are held out.
     """
-    held = store.read(("table", "lobe", "level", "stack", "low"))
-    seen = np.flatnonzero(held["low"] > 1 - tables.ROUNDING)  # from above, nothing mirrors totally
-    measure, pairs = basis_fit.node_measure(), node_pairs()
-    top = np.stack([lobes.f(lobe, *pairs) for lobe in held["lobe"][seen]])
-    materials, rows = basis_fit.prepared(held["table"][seen], top, measure)
-    level, stack, lobe = (held[name][seen][rows] for name in ("level", "stack", "lobe"))
+    arch, names = preset.arch, ["table", "lobe", "level", "stack", "low"]
+    held = store.read(names + ["probes", "stretch"] * (arch.widths == 2))
+    seen = np.flatnonzero(held["low"] > 1 - ROUNDING)  # from above, nothing mirrors totally
+    held = {name: x[seen] for name, x in held.items()}
+    every, rows = basis_fit.prepared(basis_fit.materials(held))
+    rest = basis_fit.probed(held, arch.probes)[rows]
+    level, stack, lobe = (held[name][rows] for name in ("level", "stack", "lobe"))
     hidden = stack % HELD_OUT == 0
-    arch = preset.arch
-    known = materials.taken(~hidden)
-    basis = basis_fit.fit_basis(known, measure, arch.functions, arch.probes)
-    codes = np.concatenate([lobe[~hidden], basis_fit.codes_at_probes(basis, known)], axis=1)
-    others = materials.taken(hidden & (level > 0))
-    errors = basis_fit.errors(basis, others, measure, basis_fit.codes_at_probes(basis, others))
-    parts = {"rows": basis.rows, "measure": basis.measure, "prior": basis.prior}
-    params = {f"basis.{name}": x.astype(np.float32) for name, x in parts.items()}
-    return params, codes.astype(np.float32), _figures("E of codes", errors)
+    learnt, factors = ~hidden, arch.factors[1:]
+    if arch.widths == 2:  # functions for bare mixtures, which are few, would cost coats more
+        learnt &= level > 0
+    known = every.taken(np.flatnonzero(learnt))
+    if arch.widths == 1:
+        given = np.tile(np.array([0, 1], np.float32), (every.logs.shape[2], 1))  # the constant
+        measure = basis_fit.probe_measure(rest[learnt], known.rest().ravel())
+    else:
+        given = weights.shipped(preset.beginning).params["basis.rows"]
+        measure = pair_measure(arch.probes)
+    functions, prior = basis_fit.fit_basis(known, given, factors)
+    params = {"basis.rows": functions, "basis.measure": measure, "basis.prior": prior}
+    basis = untrained(arch, params).networks.basis
+    codes = basis_fit.codes_at_probes(basis, rest)
+    others = hidden & (level > 0)
+    errors = basis_fit.errors(
+        functions, factors, every.taken(np.flatnonzero(others)), codes[others, : arch.functions]
+    )
+    known_codes = np.concatenate([lobe, codes], axis=1)[~hidden]
+    return params, known_codes.astype(np.float32), _figures("E of codes", errors)
+
+
+def untrained(arch: Architecture, params: Params) -> weights.Model:
+    """A model with these parameters, in which all others are zero."""
+    zeros = {name: np.zeros(shape, np.float32) for name, shape in arch.parameter_shapes().items()}
+    return weights.Model.of(arch, zeros | dict(params), {})
+
+
+def layerings(model: weights.Model, store: TableStore) -> tuple[Layerings, np.ndarray]:
+    """All examples of a store, and the numbers (N,) of their stacks.
+
+    model: with the basis. Coats over its codes of two widths are computed first.
+    """
+    basis, names = model.networks.basis, ("over", "coated", "stack")
+    if model.widths == 2:
+        store = tables.generate_coats(store, model)
+        held = store.read(("bottom", *names))
+    else:
+        held = store.read(("table", "lobe", *names))
+        rest = basis_fit.probed(held, model.arch.probes)
+        codes = basis_fit.codes_at_probes(basis, rest)
+        held["bottom"] = np.concatenate([held["lobe"], codes], axis=1)
+    found = layering.examples(basis, held["bottom"], held["over"], held["coated"])
+    return found, np.repeat(held["stack"], held["over"].shape[1])
+
+
+def with_images(found: Layerings, preset: Preset) -> Layerings:
+    """The examples to learn from: of two widths with their mirror images."""
+    if preset.arch.widths == 1:
+        return found
+    images = layering.mirrored(found, preset.arch.factors[1:])
+    return Layerings(*map(np.concatenate, zip(found, images, strict=True)))
 
 
 def _figures(name: str, errors: np.ndarray) -> dict[str, float]:

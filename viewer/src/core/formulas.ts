@@ -182,10 +182,14 @@ export function stretchedCoordinates(stretch2: number, wiX: number, wiY: number,
     const stretchedZ2 = Math.max((wiZ + woZ) * (wiZ + woZ), 1e-18);
     const stretchedAcross = (wiX + woX) * (wiX + woX) * stretch2 + (wiY + woY) * (wiY + woY) /
         stretch2;
+    const apartAcross = (wiX - woX) * (wiX - woX) + (wiY - woY) * (wiY - woY);
+    const stretchedSize = stretchedAcross + 1e-05 * stretchedZ2;
+    const apartSize = apartAcross + 4e-05;
     const cos2Psi = ((wiX + woX) * (wiX + woX) * stretch2 - (wiY + woY) * (wiY + woY) / stretch2) /
-        Math.max(stretchedAcross, 1e-12);
-    const cos2P = ((wiX - woX) * (wiX - woX) - (wiY - woY) * (wiY - woY)) / Math.max((wiX - woX) *
-        (wiX - woX) + (wiY - woY) * (wiY - woY), 1e-12);
+        stretchedSize;
+    const cos2P = ((wiX - woX) * (wiX - woX) - (wiY - woY) * (wiY - woY)) / apartSize;
+    const psiSeen = stretchedAcross / stretchedSize;
+    const pSeen = apartAcross / apartSize;
     const z2 = Math.max((wiZ + woZ) * (wiZ + woZ), 1e-18);
     const squared = (wiX + woX) * (wiX + woX) + (wiY + woY) * (wiY + woY) + z2;
     const cosD = Math.min(0.5 * Math.sqrt(squared), 1);
@@ -197,8 +201,8 @@ export function stretchedCoordinates(stretch2: number, wiX: number, wiY: number,
         (wiZ + woZ), Math.sqrt(across / squared * ((1 - cosD) * (1 + cosD)))), 1e-09), 1));
     out[3 + at] = cos2Psi;
     out[4 + at] = cos2P;
-    out[5 + at] = 2 * cos2Psi * cos2Psi - 1;
-    out[6 + at] = 2 * cos2P * cos2P - 1;
+    out[5 + at] = 2 * cos2Psi * cos2Psi - psiSeen * psiSeen;
+    out[6 + at] = 2 * cos2P * cos2P - pSeen * pSeen;
     out[7 + at] = cos2Psi * cos2P;
 }
 

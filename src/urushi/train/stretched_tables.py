@@ -1,0 +1,188 @@
+"""Training data of two GGX widths by light transport.
+
+A stack is a bottom with at most one coat. Both levels have values at coarse nodes of the stretched
+coordinates (`core.stretched`), at a few azimuths of the stretched half vector for every node. These
+alone are what the basis is fitted to. Further random coats lie over the codes of all levels in this
+basis: the layering network learns from them.
+"""
+
+import functools
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from urushi.checks import CoatParameters
+from urushi.core.directions import turned
+from urushi.core.namespace import NUMPY
+from urushi.core.probe_pairs import ANISOTROPIC_PROBES, pair_measure, probe_pairs
+from urushi.core.stretched import components_of, features_of, stretched
+from urushi.core.table import (
+    HIGHEST,
+    LOWEST,
+    MIN_COSINE,
+    MIN_LOG,
+    TAN2_OFFSET,
+    log_tangent,
+    node_directions,
+)
+from urushi.material import adding
+from urushi.material.coated_anisotropic import coated_f
+from urushi.material.material import Material
+from urushi.nets import lobe as lobes
+from urushi.nets import weights
+from urushi.nets.lobe_fit import fit_lobes
+from urushi.nets.stretched_basis import log_stretch
+from urushi.train.bottoms import bottom_lobes
+from urushi.train.distribution import (
+    LEAST_WIDTH,
+    SHARES,
+    coats_of,
+    draw_coats_of_two,
+    draw_stack,
+    with_two_widths,
+)
+from urushi.walk.table import StackTable
+
+#: Bottoms of stacks, with their shares. Mixtures have GGX lobes.
+SHARES_OF_TWO = {
+    "conductor": 0.3,
+    "conductor_complex": 0.15,
+    "dielectric": 0.12,
+    "diffuse": 0.13,
+    "mixture": 0.3,
+}
+
+#: Coarse nodes of u, v and w, and azimuths of the stretched half vector at each.
+NODES, TURNS = (33, 17, 8), 2
+
+#: The coat (6,) of a bare bottom.
+NONE = 1.0, 1.0, 0.0, 0.0, 0.0, 1.0
+
+
+class Nodes(NamedTuple):
+    """Pairs at the azimuths T and nodes P."""
+
+    pairs: tuple[np.ndarray, np.ndarray]  # float32 (T, P, 3)
+    measure: np.ndarray  # float32 (T, P) shares in integrals over pairs of cosine density
+    factors: np.ndarray  # float32 (`core.stretched.FACTORS`, T, P)
+
+
+def nodes_of(stretch: float, seed: Sequence[int]) -> Nodes:
+    """The nodes of a material with ln s = stretch.
+
+    The azimuths are random, one in each of T parts of the quadrant. The measure is the solid angles
+    of a cell of nodes times both cosines.
+    """
+    rng, axes = np.random.default_rng(seed), [np.linspace(0, 1, count) for count in NODES]
+    u, v, w = (x.ravel() for x in np.meshgrid(*axes, indexing="ij"))
+    psi = (np.arange(TURNS)[:, None] + rng.random((len(u), TURNS)).T) * (0.5 * np.pi / TURNS)
+    mirror = np.where(rng.random((len(u), TURNS)).T < 0.5, -1, 1)
+    s, tangent = np.exp(stretch), np.sqrt(_tan2(u))
+    x, y = tangent * np.cos(psi) / s, tangent * np.sin(psi) * s
+    tan2 = x * x + y * y
+    sides = []
+    for side in node_directions(log_tangent(tan2, NUMPY), *np.broadcast_arrays(v, w, psi)[:2]):
+        side[..., 1] *= mirror
+        side[..., 2] = np.maximum(side[..., 2], MIN_COSINE)
+        side /= np.linalg.norm(side, axis=-1, keepdims=True)
+        sides.append(turned(side, np.arctan2(y, x)).astype(np.float32))
+    half = [0.5 / (count - 1) for count in NODES]
+    (low_u, high_u), (low_v, high_v), ends = (
+        (np.maximum(x - h, 0), np.minimum(x + h, 1)) for x, h in zip((u, v, w), half, strict=True)
+    )
+    cos_h, cos_d = 1 / np.sqrt(1 + tan2), 1 - v * v
+    both = np.sqrt((1 - cos_h * cos_h) * (1 - cos_d * cos_d))
+    reach = np.minimum(cos_h * cos_d / np.maximum(both, 1e-12), 1)
+    azimuths = [np.arccos((1 - (1 - w) ** 2) * reach) for w in ends]
+    measure = (_tan2(high_u) - np.where(low_u > 0, _tan2(low_u), 0)) * cos_h**3
+    measure *= (1 - low_v * low_v) ** 2 - (1 - high_v * high_v) ** 2
+    measure *= np.maximum(azimuths[0] - azimuths[1], 1e-9) * sides[0][..., 2] * sides[1][..., 2]
+    around = stretched(*components_of(features_of(*sides).astype(float)), s * s, NUMPY)[1]
+    shares = (measure / measure.sum()).astype(np.float32)
+    return Nodes((sides[0], sides[1]), shares, np.stack(around).astype(np.float32))
+
+
+def _tan2(u: np.ndarray) -> np.ndarray:
+    return np.maximum(np.exp(LOWEST + u * (HIGHEST - LOWEST)) - TAN2_OFFSET, 1e-9)
+
+
+def levels(probes: int, seed: int, number: int) -> list[dict[str, Any]]:
+    """The rows of one stack: arrays as of `tables.TableStore` without "over" and "coated", and
+
+    - probes: float32 (N,), ln f of the rest at the probe pairs;
+    - stretch: float32, ln s.
+
+    "table" is ln f at the azimuths and nodes, one after another, and "coat" has six numbers.
+    """
+    rng, rows = np.random.default_rng([seed, number]), []
+    stack = draw_stack(rng, SHARES_OF_TWO, most=1)
+    f, lobe = draw_bottom(rng, stack)
+    coats = with_two_widths(rng, coats_of(stack))
+    for level, coat in enumerate([np.array(NONE, np.float32), *coats]):
+        if level:
+            lobe = lobes.of_coat(*CoatParameters.of_columns(coat)[:2])
+            rest = functools.partial(coated_f, f, CoatParameters.of_columns(coat.astype(float)))
+        else:
+            rest = functools.partial(_without, f, lobe)
+        probed = rest(*probe_pairs(probes, 2)).T
+        stretch = log_stretch(probed, pair_measure(probes))[0]
+        pairs = (w.reshape(-1, 3) for w in nodes_of(stretch, [number, level]).pairs)
+        rows.append(
+            {
+                "table": _logs(rest(*pairs)[:, 0]).astype(np.float16),
+                "probes": _logs(probed[0]),
+                "stretch": stretch,
+                "lobe": lobe,
+                "stack": np.int32(number),
+                "kind": np.int32(list(SHARES).index(stack.kind)),
+                "level": np.int32(level),
+                "low": np.float32(min(coat[1], 1)),
+                "coat": coat,
+            }
+        )
+    return rows
+
+
+def _without(f: adding.Brdf, lobe: np.ndarray, wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
+    return np.maximum(f(wi, wo) - lobes.f(lobe, wi, wo)[:, None], 0)
+
+
+def _logs(f: np.ndarray) -> np.ndarray:
+    return np.log(np.maximum(f, np.exp(MIN_LOG))).astype(np.float32)
+
+
+def draw_bottom(rng: np.random.Generator, stack: StackTable) -> tuple[adding.Brdf, np.ndarray]:
+    """f of the bottom of a stack with two widths in place of each, and its lobe (7,)."""
+    known = {name: float(column[0]) for name, column in stack.bottom.items()}
+    if stack.kind == "mixture":
+        factors = [
+            [known[f"{k}_{x}"] for x in ("alpha", "weight", "r0")] for k in ("ggx", "beckmann")
+        ]
+        parts = np.array([[alpha, w * r0, w, 0, 1.5, 0] for alpha, w, r0 in factors])
+    else:
+        parts = bottom_lobes(stack.kind, np.array([list(known.values())]))
+    parts = with_two_widths(rng, parts, LEAST_WIDTH)
+    bright = parts[parts[:, 1:4].any(axis=1)]
+    white = np.float32(known.get("diffuse", known.get("reflectance", 0)) / np.pi)
+
+    def f(wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
+        return sum((lobes.f(part, wi, wo) for part in bright), np.full(len(wi), white))[:, None]
+
+    if stack.kind != "mixture":
+        return f, parts[0]
+    return f, fit_lobes(f(*probe_pairs(ANISOTROPIC_PROBES, 2)).T, 2)[0]
+
+
+def coats_over(
+    bottom: np.ndarray, model: weights.Model, count: int, seed: Sequence[int]
+) -> dict[str, np.ndarray]:
+    """Random coats over codes (R, L): "over" (R, C, 6) and "coated" as of `tables.TableStore`."""
+    rng, pairs = np.random.default_rng(seed), model.networks.pairs()
+    over = np.stack([draw_coats_of_two(rng, count) for _ in bottom])
+    coated = np.empty((len(bottom), count, len(pairs[0])), np.float32)
+    for code, coats, result in zip(bottom, over, coated, strict=True):
+        below = Material(np.tile(code, (count, 1)), model)
+        coat = CoatParameters.of_columns(coats.T.astype(float))
+        result[:] = _logs(coated_f(below, coat, *pairs)).T
+    return {"over": over, "coated": coated}
