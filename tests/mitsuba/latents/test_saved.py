@@ -67,15 +67,12 @@ def test_a_constant_coat_is_saved_as_a_material(rgb, networks, tmp_path):
 
 
 def test_a_saved_texture_can_be_coated(rgb, networks, saved):
-    """At the centres of texels, f is that of the coat over the plugin that was saved.
-
-    The coat has a whole number of texels in each.
-    """
+    """At the centres of texels, f is that of the coat over the plugin that was saved."""
     from urushi.mitsuba.reading import probing
 
     bsdf, path = saved
     grid = loaded(rgb, path, networks).latents.grid
-    coat = {"type": "neural_layered", "weights": str(networks), "alpha": 0.05}
+    coat = {"type": "neural_layered", "weights": str(networks), "alpha": 0.05, "resolution": 9}
     wi, wo = (np.tile(w, (grid.texels, 1)) for w in ([0.6, 0, 0.8], [0, 0.28, 0.96]))
     found, expected = (
         probing.bsdf_values(rgb.load_dict(coat | {"base": base}), wi, wo, grid.uv())
@@ -86,12 +83,14 @@ def test_a_saved_texture_can_be_coated(rgb, networks, saved):
 
 @pytest.mark.slow
 def test_a_saved_texture_under_unusual_coats_warns_once(rgb, networks, saved):
-    """Not for every texel."""
+    """Not for every texel, of which the coat has a whole number in each of the saved ones."""
     depth = np.linspace(1, 20, 16, dtype=np.float32).reshape(4, 4, 1)
     texture = {"type": "bitmap", "bitmap": rgb.Bitmap(depth), "raw": True}
     coat = {"type": "neural_layered", "weights": str(networks), "albedo": 1.0, "g": 0.95}
     with pytest.warns(UrushiWarning) as caught:
-        rgb.load_dict(coat | {"sigma_t": texture, "base": loaded(rgb, saved[1], networks)})
+        base = loaded(rgb, saved[1], networks)
+        grid = rgb.load_dict(coat | {"sigma_t": texture, "base": base}).latents.grid
+    assert grid.width % base.latents.grid.width == grid.height % base.latents.grid.height == 0
     (warning,) = caught
     sentence = r"^neural_layered: g is outside \[-0.8, 0.9\] and sigma_t is above 8"
     assert re.match(sentence, str(warning.message))

@@ -210,7 +210,7 @@ def test_a_parameter_has_the_values_of_its_texture(rgb, networks, properties):
     uv = rng.uniform(-2, 3, (256, 2))
     si = rgb.SurfaceInteraction3f()
     si.uv = rgb.Point2f(np.float32(uv).T)
-    values = texture.eval_1(si).numpy()
+    values = texture.eval(si)[0].numpy()
     data = rgb.traverse(texture)["data"].numpy() if "type" not in properties else (0.2, 0.9)
     low, high = np.min(data), np.max(data)
     line = bitmap(rgb, np.float32([low, high]).reshape(1, 2, 1), wrap_mode="clamp")
