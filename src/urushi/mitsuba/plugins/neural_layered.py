@@ -5,6 +5,7 @@ from typing import ClassVar
 
 import drjit as dr
 import mitsuba as mi
+import numpy as np
 
 from urushi.errors import ParameterError
 from urushi.mitsuba.latents.axes import AxisLatents
@@ -128,6 +129,10 @@ def define(base: type) -> type:
             self._choose_weights()
             assert self._baker is not None  # for the type checker
             self.latents, self._absorbs = self._baker.update(), self._baker.absorbs
+            # Kernels of Mitsuba's textures have their transforms as literals: see `recording`.
+            nodes = map(mi.traverse, (*self._coat.textures.values(), self._bottom))
+            places = [value for node in nodes for key, value in node if key.endswith("to_uv")]
+            self._places = [tuple(np.ravel(place.matrix.numpy()).tolist()) for place in places]
             if self._coat.compensated:
                 with dr.suspend_grad():
                     self._compensation = Compensation(self._coat, self._below)
