@@ -519,13 +519,6 @@ def test_reference_may_be_named_by_the_plugin_of_the_coat():
         openpbr(reference="yes")
 
 
-def test_a_coat_that_needs_walks_is_refused_with_the_option_that_takes_them():
-    attribute = {"type": "mesh_attribute", "name": "vertex_color"}
-    with pytest.raises(RuntimeError, match="mesh attribute.*by the option 'reference'"):
-        openpbr(coat_weight=1.0, base_color=attribute)
-    openpbr(coat_weight=1.0, base_color=attribute, reference=True)
-
-
 def test_what_is_missing_is_refused_in_one_sentence_or_ignored():
     glass = {"transmission_weight": 0.5, "transmission_dispersion_scale": 0.5}
     with pytest.raises(RuntimeError, match="scale needs dispersion, which the plugin does not"):

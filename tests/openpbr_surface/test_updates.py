@@ -179,7 +179,7 @@ def test_a_part_is_refused_in_the_words_of_the_material():
         return {"type": "openpbr", "id": "paint", **PLAIN, "coat_roughness": rough}
 
     bsdf = mi.load_dict(textured(texels[0]) | {"reference": True})
-    sentence = "openpbr 'paint': alpha, which follows from coat_roughness, is nan"
+    sentence = "openpbr 'paint': a texel of alpha, which follows from coat_roughness, is nan"
     parameters = mi.traverse(bsdf)
     parameters["coat_roughness.data"] = mi.TensorXf(texels[1])
     with pytest.raises(ParameterError, match=sentence):

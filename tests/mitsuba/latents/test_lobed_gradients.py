@@ -1,6 +1,5 @@
 """Gradients through the analytic lobe in Dr.Jit, against complex steps in NumPy."""
 
-from types import SimpleNamespace
 
 import drjit as dr
 import numpy as np
@@ -43,13 +42,11 @@ def slopes(model, codes, wi, wo):
     return np.concatenate([np.stack(top, axis=-1), of_rest], axis=-1)
 
 
-@pytest.mark.parametrize("textured", [False, True])
 @pytest.mark.parametrize("name", LOBES)
-def test_f_has_the_gradients_of_all_numbers(rgb, model, name, textured):
+def test_f_has_the_gradients_of_all_numbers(rgb, model, name):
     """Single precision of lobes of width 0.1, summed over 400 pairs: 1e-3."""
     from urushi.mitsuba.latents.gradients import DifferentiableLatents
     from urushi.mitsuba.latents.holders import ConstantLatents
-    from urushi.textures.store import IDENTITY, TexelGrid
 
     rest = np.random.default_rng(1).normal(size=(3, model.arch.latent - 6))
     codes = np.concatenate([LOBES[name], rest], axis=1)
@@ -59,23 +56,12 @@ def test_f_has_the_gradients_of_all_numbers(rgb, model, name, textured):
     wi, wo = wi[~critical], wo[~critical]
     tensor = rgb.TensorXf(codes.astype(np.float32))
     dr.enable_grad(tensor)
-    if textured:
-        repeated = rgb.TensorXf(
-            dr.gather(rgb.Float, tensor.array, dr.arange(rgb.UInt32, 4 * codes.size) % codes.size),
-            (2, 2, *codes.shape),
-        )
-        grid = TexelGrid(2, 2, IDENTITY, "repeat", False)
-        unused = dict.fromkeys(("vertex", "at", "save", "material"))
-        black = SimpleNamespace(grid=grid, channels=3, f=lambda *_: [rgb.Float(0)] * 3, **unused)
-        held = DifferentiableLatents(model, black, repeated)
-    else:
-        plain = ConstantLatents(Material(codes.astype(np.float32), model))
-        held = DifferentiableLatents(model, plain, tensor)
+    held = DifferentiableLatents(ConstantLatents(Material(codes.astype(np.float32), model)), tensor)
     si = dr.zeros(rgb.SurfaceInteraction3f, len(wi))
     si.wi = rgb.Vector3f(wi.T.astype(np.float32))
     si.uv = rgb.Point2f(0.3, 0.6)
     out = rgb.Vector3f(wo.T.astype(np.float32))
-    vertex = None if textured else held.vertex(si, rgb.Bool(True))
+    vertex = held.vertex(si, rgb.Bool(True))
     channels = held.f(vertex, si, out, rgb.Bool(True))
     weights = np.random.default_rng(3).uniform(0.5, 1.5, (3, len(wi)))
     total = sum(

@@ -194,7 +194,8 @@ class BottomRows:
                 textures[id(x.texture)] = _shifted(x.texture, row) if x.steps else row
         coat = self._coat
         if INDEX in rows and INDEX in self._names:
-            coat = coat.of_index(_row(rows[INDEX]))
+            constant = any(x.axis.name == INDEX and x.steps for x in self._varying)
+            coat = coat.of_index(_row(rows[INDEX] + (coat.eta if constant else 0)))
         if not textures:
             return below(self._nested, coat)
         found = replaced(self._nested, lambda x: textures.get(id(x), x), switches=self._switches)
