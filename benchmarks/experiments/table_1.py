@@ -277,5 +277,5 @@ EXPERIMENT = Experiment(
     tables=tables,
     plot=plot,
     models=NETWORKS,
-    minutes=25,
+    minutes=45,
 )

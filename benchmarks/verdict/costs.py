@@ -1,9 +1,11 @@
 """Costs of all methods: an evaluation, a render, memory, and a new material."""
 
 import gc
+import tempfile
 import time
 from collections.abc import Callable
 from functools import partial
+from pathlib import Path
 from typing import Any
 
 import drjit as dr
@@ -18,14 +20,13 @@ from benchmarks.verdict import methods as known
 
 import urushi
 from urushi import fan2022
-from urushi.checks import CoatParameters
 from urushi.fan2022 import PaperNetworks
 from urushi.fan2022.architecture import LATENT
 from urushi.fan2022.kernels import separate_kernels
-from urushi.material.layer import layer_texels
+from urushi.files import read_tensors
 from urushi.mitsuba.reading import probing
 from urushi.nets.weights import default_model
-from urushi.textures import packing
+from urushi.textures.store import KIND
 
 PRINCIPLED = "principled"
 #: Evaluations in a kernel, walks of each in the walk's, and turns of all methods.
@@ -41,8 +42,8 @@ PAPER_EVALUATION_PARTS, PAPER_PARTS = 8, 32
 PAPER_TEXELS = 4
 #: Repetitions of encoding and layering; the system of Fan et al. (2022) does them once.
 OPERATIONS = 10
-#: Texels from which a texture's bytes are found.
-TEXELS = 256
+#: Side of the texture of which the bytes of a texel are found.
+TEXELS = 16
 #: Numbers of a coat and of a metal in RGB: alpha, eta, albedo, sigma_t and g; alpha and r0.
 COAT_NUMBERS, BOTTOM_NUMBERS = 1 + 1 + 3 + 3 + 3, 1 + 3
 #: Number of parameters of a Lambertian part and two GGX lobes.
@@ -164,21 +165,13 @@ def memory() -> dict[str, dict[str, int]]:
 
 def texel_bytes() -> int:
     """Bytes of a texel of the networks: a coat of one index, everything else textured."""
-    model, rng = default_model(), np.random.default_rng(0)
-    codes = layer_texels(
-        model,
-        urushi.encode(urushi.conductor(0.2, (0.98, 0.77, 0.34)), model).latents,
-        CoatParameters(
-            alpha=rng.uniform(0.02, 0.3, (TEXELS, 1)),
-            eta=np.full((TEXELS, 1), 1.5),
-            albedo=rng.uniform(0.2, 0.95, (TEXELS, 3)),
-            sigma_t=rng.uniform(0.1, 2, (TEXELS, 3)),
-            g=rng.uniform(-0.3, 0.6, (TEXELS, 3)),
-        ),
-    )
-    constant = codes.min(axis=(0, 1)) == codes.max(axis=(0, 1))
-    same = (codes == codes[:, :1]).all(axis=(0, 1))
-    return packing.texel_layout(model, 3, constant, same).texel_bytes
+    described = render.material(known.PLUGINS[known.NETWORKS], True, side=TEXELS)
+    described["bottom"] = {"type": "roughconductor", "distribution": "ggx", "alpha": 0.2}
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "coat.safetensors"
+        mi.load_dict(described).save(str(path))
+        texels = read_tensors(path, KIND)[1]["texels"]
+    return texels.nbytes // TEXELS**2
 
 
 def new_materials(paper: PaperNetworks) -> dict[str, float]:

@@ -70,6 +70,6 @@ def test_f_that_rises_with_absorption_is_found(tiny, monkeypatch):
         codes[:, tiny.arch.lobe :] = 0
         return Material(tiny.networks.rest_scaled(codes, 1 + coat.sigma_t), tiny)
 
-    monkeypatch.setattr(predict, "coated", brighter)
+    monkeypatch.setattr(physical_laws, "layer_material", brighter)
     share, rise, albedo = physical_laws.absorption(tiny, stacks=1)
     assert not share.kept and 50 < share.value <= 100 and rise.value > 0 and albedo.value > 0

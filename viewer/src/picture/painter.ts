@@ -18,8 +18,8 @@ const PATIENCE = 160;
 const FIRST_COST = { card: 60, software: 3000 };
 
 /** Least frames of a picture at rest where each takes long, and the shaded pixels of all its frames. */
-const SLOW_FRAMES = 8;
-const SLOW_PIXELS = 1.5e6;
+const SLOW_FRAMES = 6;
+const SLOW_PIXELS = 0.8e6;
 
 /** Frames for one of a table, where a texture of codes is decoded: they have fewer directions. */
 const TEXTURE_FRAMES = 3;
