@@ -1,6 +1,5 @@
 """Gradients through the analytic lobe in Dr.Jit, against complex steps in NumPy."""
 
-
 import drjit as dr
 import numpy as np
 import pytest
