@@ -16,6 +16,8 @@ import numpy as np
 from urushi.checks import CoatParameters
 from urushi.core.namespace import Namespace
 from urushi.material.energy import MARGIN, limit_albedo
+from urushi.material.values import codes_of
+from urushi.nets import code_fit
 from urushi.nets import lobe as lobes
 from urushi.nets.basis import Basis
 from urushi.nets.weights import Model
@@ -112,8 +114,9 @@ class Rows(NamedTuple):
 
     #: The coats, arrays (C, k); C is 1 if all channels are alike at the same values.
     coats: Callable[[np.ndarray], CoatParameters]
-    #: Codes (C, k, L) of the coated material by light transport; the rest has `FAINT` more.
-    codes: Callable[[np.ndarray], np.ndarray]
+    #: f (C, k, P) [1/sr] of the coated material at the probe pairs by light transport, without the
+    #: lobe of the coat, and with `FAINT` more.
+    rests: Callable[[np.ndarray], np.ndarray]
 
 
 class Baked(NamedTuple):
@@ -183,9 +186,14 @@ def bake(
         columns += [np.full(len(x), change) for change in changes or np.zeros(len(ends))]
         return np.stack(columns, axis=1)
 
+    def lobes_at(x: np.ndarray) -> np.ndarray:
+        alpha, eta, *_ = rows.coats(values(x))
+        return np.asarray(lobes.of_coat(alpha, eta)[0], np.float32)
+
     x = points(len(own), POINTS[model.widths][len(own) - 1]) if own else np.zeros((1, 0))
-    computed = np.moveaxis(rows.codes(values(x))[..., size:], 0, 1)
-    smooth = spline(x, computed)
+    given = rows.rests(values(x))
+    computed = codes_of_rests(model, given, lobes_at(x))[..., size:]
+    smooth = spline(x, np.moveaxis(computed, 0, 1))
 
     def rests_at(x: np.ndarray) -> np.ndarray:
         """Rests (C, k, K) at coordinates (k, d)."""
@@ -194,10 +202,6 @@ def bake(
         codes = np.concatenate([tops, rests], axis=-1, dtype=np.float32)
         return limit_albedo(model, codes, 1 - MARGIN + np.pi * FAINT)[..., size:]
 
-    def lobes_at(x: np.ndarray) -> np.ndarray:
-        alpha, eta, *_ = rows.coats(values(x))
-        return np.asarray(lobes.of_coat(alpha, eta)[0], np.float32)
-
     shape = node_counts(model, lambda x: np.moveaxis(rests_at(x), 0, 1), len(own))
     sides = [np.linspace(0, 1, count) for count in shape]
     nodes = np.zeros((1, 0))
@@ -205,21 +209,33 @@ def bake(
         nodes = np.stack(np.meshgrid(*sides, indexing="ij"), axis=-1).reshape(-1, len(own))
 
     def slopes() -> np.ndarray:
-        parts = []
+        parts, count = [], given.shape[-1]
+        flat = given.reshape(-1, count), computed.reshape(-1, computed.shape[-1])
+        by_rests = code_fit.slopes(model.networks.basis, *flat) if ends else np.zeros(0)
+        by_rests = by_rests.reshape(*given.shape[:2], *by_rests.shape[1:]) if ends else by_rests
         for axis, unit in zip(own, np.eye(len(own)), strict=True):
             low, high = (np.clip(nodes + s * DIFFERENCE * unit, 0, 1) for s in (-1, 1))
             step = axis.values(high @ unit) - axis.values(low @ unit)
             parts.append((rests_at(high) - rests_at(low)) / step[:, None])
         for end, unit in zip(ends, np.eye(len(ends)), strict=True):
             ways = [*(unit * end.low)], [*(unit * end.high)]
-            low, high = (rows.codes(values(x, way))[..., size:] for way in ways)
-            change = np.moveaxis(high - low, 0, 1) / (end.high - end.low)
+            low, high = (rows.rests(values(x, way)) for way in ways)
+            # Codes themselves have errors that change with the constant.
+            change = (high - low)[..., None, :] / (end.high - end.low) @ by_rests
+            change = np.moveaxis(change[..., 0, :], 0, 1)
             parts.append(np.moveaxis(spline(x, change)(nodes), 1, 0))
         return np.stack(parts, axis=2).astype(np.float32)
 
     return Baked(
         model, own, tuple(constants or ()), shape, lobes_at(nodes), rests_at(nodes), slopes
     )
+
+
+def codes_of_rests(model: Model, rests: np.ndarray, tops: np.ndarray) -> np.ndarray:
+    """Codes float32 (C, k, L) of rests (C, k, P), each of which is a material, and lobes (k, M)."""
+    top = np.broadcast_to(tops, (*rests.shape[:2], tops.shape[-1]))[..., None, :]
+    f = rests[..., None, :] + lobes.f(top[..., None, :], *model.networks.pairs())
+    return codes_of(model, f, top)[..., 0, :]
 
 
 def node_counts(

@@ -19,7 +19,7 @@ from urushi.textures.gpu import Image, dds
 basis, (first, second, third) = find(None), sys.argv[1:]
 texture = basis_texture(basis, TextureForm())
 np.save(first, texture)
-open(second, "wb").write(dds(Image([texture], is_volume=True)))
+open(second, "wb").write(dds(Image(texture, is_volume=True)))
 basis_texture(basis, TextureForm(axes=2, numbers=3)).astype(np.float32).tofile(third)
 `;
 

@@ -16,7 +16,6 @@ from urushi.checks import MIN_INDEX_STEP, CoatParameters
 from urushi.errors import ParameterError
 from urushi.material.coated_values import coated_values
 from urushi.material.layer import check_ratios, layer_material
-from urushi.material.values import codes_of
 from urushi.mitsuba import spectrum
 from urushi.mitsuba.latents.axes import AxisLatents
 from urushi.mitsuba.latents.bottoms import (
@@ -37,7 +36,6 @@ from urushi.mitsuba.reading.axes import (
 from urushi.mitsuba.reading.grid import check_normals, not_over_uv, varying_textures
 from urushi.mitsuba.reading.kept import writable
 from urushi.mitsuba.reading.parameters import CoatTextures
-from urushi.nets import lobe as lobes
 from urushi.nets.weights import Model
 from urushi.textures.axes import AXES, FAINT, Axis, Rows, bake
 from urushi.textures.layering import layer_rows, transported_rests
@@ -131,7 +129,7 @@ class Baker:
             if len(varying) > AXES:
                 return None
         steps = {x.axis.name: x.steps for x in constants if x.steps is not None}
-        material = Rows(coated.coats, coated.codes)
+        material = Rows(coated.coats, coated.rests)
         baked = bake(self.model, [x.axis for x in varying], material, steps)
         self._last = AxisLatents(baked, [*varying, *constants], gradients)
         self._fixed = fixed
@@ -269,7 +267,7 @@ class _Coated:
             columns.append(np.broadcast_to(column, (self._channels, count)))
         return columns
 
-    def codes(self, values: np.ndarray) -> np.ndarray:
+    def rests(self, values: np.ndarray) -> np.ndarray:
         """See `Rows`."""
         model, named, coat = self._model, self._named(values), self.coats(values)
         flat = np.stack([x.ravel() for x in coat.columns()]).astype(np.float64)
@@ -282,12 +280,7 @@ class _Coated:
             bottoms = np.broadcast_to(z, (self._channels, *z.shape[1:])).reshape(-1, z.shape[-1])
             check_ratios(model, bottoms, coat)
             rest = transported_rests(model, bottoms, CoatParameters.of_columns(flat))
-        rest = rest + np.float32(FAINT)
-        top = lobes.of_coat(coat.alpha, coat.eta).reshape(-1, 1, model.arch.lobe)
-        f = rest[:, None] + lobes.f(top[:, :, None], *model.networks.pairs())
-        # Each row is a material of its own.
-        codes = codes_of(model, f, top.astype(np.float32))
-        return codes.reshape(self._channels, len(values), -1)
+        return (rest + np.float32(FAINT)).reshape(self._channels, len(values), -1)
 
 
 def grid_of(parts: Sequence["mi.Object"], resolution: int, least: TexelGrid = MIDDLE) -> TexelGrid:

@@ -5,7 +5,7 @@ transform, mesh attribute and volume. A parameter that carries a gradient is an 
 the values that it may take.
 """
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
 
 import drjit as dr
@@ -272,7 +272,7 @@ def _coloured(texture: "mi.Texture") -> bool:
 
 def range_of(
     read: Callable[..., list],
-    textures: Iterable["mi.Texture"],
+    textures: Sequence["mi.Texture"],
     whole: tuple[float, float],
     plain: bool,
 ) -> tuple[float, float]:
@@ -296,7 +296,7 @@ def range_of(
         if texture.class_name() in ELSEWHERE:
             return whole
         bitmap = texture.class_name().startswith("BitmapTexture")
-        if bitmap and plain and len(varying) == 1 and not mi.is_spectral:
+        if bitmap and plain and texture in textures and not mi.is_spectral:
             data = mi.traverse(texture)["data"].numpy()
             return float(data.min()), float(data.max())
         si = spectrum.points(texel_centres(texture))
