@@ -46,6 +46,9 @@ LINES, STEPS = 32, 32
 #: Step of the differences by which slopes are found, in coordinates.
 DIFFERENCE = 0.01
 
+#: One of so many points has slopes of constants, which change slowly along axes.
+SPARSE = 4
+
 #: Offset of a reflectance in its logarithm.
 DARK = 0.01
 
@@ -209,21 +212,21 @@ def bake(
         nodes = np.stack(np.meshgrid(*sides, indexing="ij"), axis=-1).reshape(-1, len(own))
 
     def slopes() -> np.ndarray:
-        parts, count = [], given.shape[-1]
-        flat = given.reshape(-1, count), computed.reshape(-1, computed.shape[-1])
-        by_rests = code_fit.slopes(model.networks.basis, *flat) if ends else np.zeros(0)
-        by_rests = by_rests.reshape(*given.shape[:2], *by_rests.shape[1:]) if ends else by_rests
+        parts = []
         for axis, unit in zip(own, np.eye(len(own)), strict=True):
             low, high = (np.clip(nodes + s * DIFFERENCE * unit, 0, 1) for s in (-1, 1))
             step = axis.values(high @ unit) - axis.values(low @ unit)
             parts.append((rests_at(high) - rests_at(low)) / step[:, None])
+        # The derivatives of the least squares: codes have errors, which change with a constant.
+        some, f, codes = x[::SPARSE], given[:, ::SPARSE], computed[:, ::SPARSE]
         for end, unit in zip(ends, np.eye(len(ends)), strict=True):
             ways = [*(unit * end.low)], [*(unit * end.high)]
-            low, high = (rows.rests(values(x, way)) for way in ways)
-            # Codes themselves have errors that change with the constant.
-            change = (high - low)[..., None, :] / (end.high - end.low) @ by_rests
-            change = np.moveaxis(change[..., 0, :], 0, 1)
-            parts.append(np.moveaxis(spline(x, change)(nodes), 1, 0))
+            low, high = (rows.rests(values(some, way)) for way in ways)
+            flat = (y.reshape(-1, y.shape[-1]) for y in (f, codes))
+            by_rests = code_fit.slopes(model.networks.basis, *flat)
+            by_rests = by_rests.reshape(*f.shape, codes.shape[-1])
+            change = np.einsum("ckp,ckpn->kcn", (high - low) / (end.high - end.low), by_rests)
+            parts.append(np.moveaxis(spline(some, change)(nodes), 1, 0))
         return np.stack(parts, axis=2).astype(np.float32)
 
     return Baked(

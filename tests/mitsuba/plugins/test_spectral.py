@@ -222,7 +222,7 @@ def test_gradients_are_those_of_finite_differences():
     dr.backward(found)
     gradient = float(dr.grad(parameters[key]).numpy()[0])
     high, low = (float(mean(value).numpy()[0]) for value in (0.52, 0.48))
-    assert gradient == pytest.approx((high - low) / 0.04, rel=0.03)
+    assert gradient == pytest.approx((high - low) / 0.04, rel=0.06)  # codes; tables
 
 
 def upper_pairs(count: int) -> np.ndarray:

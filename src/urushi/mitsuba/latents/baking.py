@@ -60,12 +60,20 @@ Latents = ConstantLatents | AxisLatents | TexturedLatents
 class Baker:
     """The codes of a coat over a bottom; `update` computes them, and again after a change."""
 
-    def __init__(self, model: Model, coat: CoatTextures, bottom: "mi.BSDF", resolution: int):
+    def __init__(
+        self,
+        model: Model,
+        coat: CoatTextures,
+        bottom: "mi.BSDF",
+        below: "mi.BSDF",
+        resolution: int,
+    ):
         """Prepare a coat; nothing is evaluated before `update`.
 
-        bottom: as the coat has it nested. resolution: texels per side, 0 to choose.
+        bottom: as the coat has it nested. below: as it reflects below the coat. resolution: texels
+        per side, 0 to choose.
         """
-        self.model, self._coat, self._bottom = model, coat, bottom
+        self.model, self._coat, self._bottom, self.below = model, coat, bottom, below
         self._resolution = resolution
         self._last: AxisLatents | None = None
         self._fixed: list[np.ndarray] = []  # numbers on which the last one depends
@@ -75,7 +83,7 @@ class Baker:
         """The codes for the current parameters."""
         check_normals(self._bottom, self._coat.where)
         check_coat(self._coat)
-        rows = BottomRows(self.model, self._bottom, self._coat)
+        rows = BottomRows(self.model, self._bottom, self._coat, self.below)
         own = rows.nested.varying if isinstance(rows.nested, AxisLatents) else None
         varying = varying_parameters(self._coat, self._bottom, own, rows.has_texels)
         names = {x.axis.name for x in varying}
@@ -165,7 +173,7 @@ class Baker:
 
     def _at_texels(self) -> TexturedLatents:
         """The codes at texels over the unit square of uv, which repeats."""
-        coat, below = self._coat, BottomRows(self.model, self._bottom, self._coat)
+        coat, below = self._coat, BottomRows(self.model, self._bottom, self._coat, self.below)
         bottom, parts = below.bsdf, [*self._coat.textures.values(), below.bsdf]
         _check_over_uv(
             parts,

@@ -87,10 +87,9 @@ def bottom_material(model: Model, bottom: "mi.BSDF", where: str) -> Material:
 class BottomRows:
     """A bottom at rows of values of its varying parameters."""
 
-    def __init__(self, model: Model, bottom: "mi.BSDF", coat: CoatTextures):
-        """bottom: as the coat has it nested."""
-        self._model, self._coat, self._nested = model, coat, bottom
-        self.bsdf = below(bottom, coat)  # as it reflects there
+    def __init__(self, model: Model, bottom: "mi.BSDF", coat: CoatTextures, bsdf: "mi.BSDF"):
+        """bottom: as the coat has it nested. bsdf: as it reflects below the coat."""
+        self._model, self._coat, self._nested, self.bsdf = model, coat, bottom, bsdf
         self.nested = nested_latents(self.bsdf, model)
         #: Whether it has codes of texels.
         self.has_texels = isinstance(self.nested, TexturedLatents)
@@ -197,7 +196,7 @@ class BottomRows:
             constant = any(x.axis.name == INDEX and x.steps for x in self._varying)
             coat = coat.of_index(_row(rows[INDEX] + (coat.eta if constant else 0)))
         if not textures:
-            return below(self._nested, coat)
+            return self.bsdf if coat is self._coat else below(self._nested, coat)
         found = replaced(self._nested, lambda x: textures.get(id(x), x), switches=self._switches)
         return None if found is None else below(found, coat)
 

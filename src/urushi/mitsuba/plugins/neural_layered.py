@@ -123,7 +123,8 @@ def define(base: type) -> type:
                 model = anisotropic_model() if anisotropic else default_model()
             if self._baker is None or self.model.fingerprint != model.fingerprint:
                 self.model = model
-                self._baker = Baker(model, self._coat, self._bottom, self._resolution)
+                self._baker = Baker(model, self._coat, self._bottom, self._below, self._resolution)
+            self._baker.below = self._below
 
         def _bake(self):
             self._choose_weights()

@@ -108,10 +108,13 @@ class CoatTextures:
         return below
 
     def of_index(self, texture: "mi.Texture") -> "CoatTextures":
-        """The coat whose index relative to `ext_ior` is a texture."""
+        """The coat whose index relative to the medium above is a texture."""
         other = copy.copy(self)
         other.textures = self.textures | {"int_ior": texture}
-        other.opaque_eta, other.above = opaque(1.0), None
+        above = self.outside
+        if self.above is not None:
+            above = float(self.above.inside(dr.zeros(mi.SurfaceInteraction3f)).numpy()[0])
+        other.opaque_eta, other.above = opaque(above / self.outside), None
         return other
 
     def inside(self, si, active=True) -> "mi.Float":
