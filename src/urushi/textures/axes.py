@@ -17,7 +17,6 @@ from urushi.checks import CoatParameters
 from urushi.core.namespace import Namespace
 from urushi.material.energy import MARGIN, limit_albedo
 from urushi.material.values import codes_of
-from urushi.nets import code_fit
 from urushi.nets import lobe as lobes
 from urushi.nets.basis import Basis
 from urushi.nets.weights import Model
@@ -217,15 +216,14 @@ def bake(
             low, high = (np.clip(nodes + s * DIFFERENCE * unit, 0, 1) for s in (-1, 1))
             step = axis.values(high @ unit) - axis.values(low @ unit)
             parts.append((rests_at(high) - rests_at(low)) / step[:, None])
-        # The derivatives of the least squares: codes have errors, which change with a constant.
-        some, f, codes = x[::SPARSE], given[:, ::SPARSE], computed[:, ::SPARSE]
+        some = x[::SPARSE]
         for end, unit in zip(ends, np.eye(len(ends)), strict=True):
             ways = [*(unit * end.low)], [*(unit * end.high)]
-            low, high = (rows.rests(values(some, way)) for way in ways)
-            flat = (y.reshape(-1, y.shape[-1]) for y in (f, codes))
-            by_rests = code_fit.slopes(model.networks.basis, *flat)
-            by_rests = by_rests.reshape(*f.shape, codes.shape[-1])
-            change = np.einsum("ckp,ckpn->kcn", (high - low) / (end.high - end.low), by_rests)
+            low, high = (
+                codes_of_rests(model, rows.rests(values(some, way)), lobes_at(some))[..., size:]
+                for way in ways
+            )
+            change = np.moveaxis(high - low, 0, 1) / (end.high - end.low)
             parts.append(np.moveaxis(spline(some, change)(nodes), 1, 0))
         return np.stack(parts, axis=2).astype(np.float32)
 

@@ -125,7 +125,7 @@ class Picture:
 def test_backward_and_forward_against_differences(rgb):
     """Under a point light no sample depends on the material: the only error is that of the step.
 
-    Slopes are those of codes, whose errors change with a parameter: 15 %.
+    The third derivative of glossy materials, and errors of codes, add about one per cent.
     """
     picture = Picture(rgb, load(rgb, coat(rgb)))
     backward = picture.backward()
@@ -134,7 +134,7 @@ def test_backward_and_forward_against_differences(rgb):
     for name in ("alpha", "albedo", "sigma_t", "eta", "bottom.k"):
         expected = picture.difference(name, 0.01)
         gradient = backward[name].sum()
-        assert gradient == pytest.approx(expected, rel=0.15, abs=0.01 * scale), name
+        assert gradient == pytest.approx(expected, rel=0.02, abs=0.01 * scale), name
     assert picture.forward("albedo") == pytest.approx(backward["albedo"].sum(), rel=1e-3)
 
 
@@ -147,7 +147,7 @@ def test_a_table_by_transport(rgb):
     backward = picture.backward()
     for name in ("bottom.diffuse_reflectance", "sigma_t"):
         expected = picture.difference(name, 0.05)
-        assert backward[name].sum() == pytest.approx(expected, rel=0.08), name
+        assert backward[name].sum() == pytest.approx(expected, rel=0.03), name
 
 
 def test_a_number_in_all_channels_counts_once(rgb):
@@ -175,7 +175,7 @@ def test_a_number_in_all_channels_counts_once(rgb):
     result = mean(number)
     dr.backward(result)
     expected = (mean(rgb.Float(0.43)) - mean(rgb.Float(0.37))) / 0.06
-    assert dr.grad(number)[0] == pytest.approx(expected[0], rel=0.15)  # as above
+    assert dr.grad(number)[0] == pytest.approx(expected[0], rel=0.05)  # codes; tables
 
 
 @pytest.mark.slow
@@ -226,7 +226,7 @@ def test_in_an_environment(rgb):
         gradient = np.array([each[name].sum() for each in backward])
         expected = np.array([picture.difference(name, 0.02, seed) for seed in seeds])
         error = np.hypot(gradient.std(ddof=1), expected.std(ddof=1)) / len(seeds) ** 0.5
-        assert abs(gradient.mean() - expected.mean()) < 5 * error + 0.06 * abs(expected.mean()), (
+        assert abs(gradient.mean() - expected.mean()) < 5 * error + 0.01 * abs(expected.mean()), (
             name
         )
 

@@ -32,6 +32,9 @@ from urushi.textures.principal import projection_of
 #: Largest level of a number of 16 bits.
 TOP = (1 << 16) - 1
 
+#: Largest change of a number of a code along its slopes that is represented.
+REACH = 0.3
+
 #: Places of the widths and the index among the numbers of a lobe, by the parameters' names.
 LOBE = {"alpha": (0, 6), "alpha_u": (0,), "alpha_v": (6,), "eta": (4,)}
 
@@ -54,8 +57,14 @@ class AxisLatents(Held):
         self.differentiable = differentiable
         self.channels, size = spectrum.channel_count(), baked.model.arch.lobe
         rests, functions, projection = baked.rests, None, None
+        self._changes = baked.slopes() if differentiable else np.zeros((*rests.shape[:2], 0, 0))
         if isinstance(self.model.networks.basis, Basis):
-            functions, projection = projection_of(self.model, baked.lobes, rests)
+            # Codes that slopes reach are represented, too.
+            largest = [np.maximum(np.abs(x).max(), 1e-9) for x in np.moveaxis(self._changes, 2, 0)]
+            reached = [rests + self._changes[:, :, k] * (REACH / x) for k, x in enumerate(largest)]
+            every = np.concatenate([rests, *reached], axis=1)
+            tops = np.tile(baked.lobes, (1 + len(reached), 1))
+            functions, projection = projection_of(self.model, tops, every)
             rests = projection.numbers(rests)
         low, high = rests.min(axis=(0, 1)), rests.max(axis=(0, 1))
         step = np.maximum(high - low, 1e-9) / TOP
@@ -87,9 +96,7 @@ class AxisLatents(Held):
         dr.make_opaque(*numbers, self._fixed)
         self._slopes = []
         if differentiable:
-            self._changes = slopes = baked.slopes()
-            if projection is not None:
-                slopes = projection.changes(slopes)
+            slopes = self._changes if projection is None else projection.changes(self._changes)
             self._slopes = [owned(mi.Float, slopes * scale * self._decoder.factors)]
         #: Whether channels differ.
         self._differ = len(baked.rests) > 1 or any(axis.own for axis in baked.axes)
