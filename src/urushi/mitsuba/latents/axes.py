@@ -7,7 +7,7 @@ code changes with it by the slope along its axis.
 """
 
 from collections.abc import Callable, Mapping, Sequence
-from typing import Any, ClassVar
+from typing import Any, ClassVar, NamedTuple
 
 import drjit as dr
 import mitsuba as mi
@@ -39,12 +39,20 @@ REACH = 0.3
 LOBE = {"alpha": (0, 6), "alpha_u": (0,), "alpha_v": (6,), "eta": (4,)}
 
 
+class AxisVertex(NamedTuple):
+    """A `Vertex`, and the slopes of its terms."""
+
+    decoder_terms: list[list]
+    proposal: Any
+    slopes: list[list[list]]  # for each channel and parameter, of the numbers of the rest
+
+
 class AxisLatents(Held):
     """The codes of a coat over a bottom whose parameters vary."""
 
     material = None
 
-    DRJIT_STRUCT: ClassVar = {"_words": object, "_terms": object, "_decoder": object} | (
+    DRJIT_STRUCT: ClassVar = dict.fromkeys(("_words", "_terms", "_decoder", "_one"), object) | (
         dict.fromkeys(
             ("_steps", "_lows", "_term_steps", "_term_lows", "_fixed", "_slopes", "_ranges"), list
         )
@@ -92,8 +100,9 @@ class AxisLatents(Held):
         self._ranges = [[mi.Float(x) for x in axis.numbers] for axis in baked.axes]
         self._axes = [(axis.name, axis.scale, axis.own) for axis in baked.axes], baked.shape
         self._all = [x.axis.name for x in varying]
+        self._one = mi.Float(1)  # an operation with it is kept
         numbers = self._steps, self._lows, self._term_steps, self._term_lows, self._ranges
-        dr.make_opaque(*numbers, self._fixed)
+        dr.make_opaque(*numbers, self._fixed, self._one)
         self._slopes = []
         if differentiable:
             slopes = self._changes if projection is None else projection.changes(self._changes)
@@ -101,17 +110,31 @@ class AxisLatents(Held):
         #: Whether channels differ.
         self._differ = len(baked.rests) > 1 or any(axis.own for axis in baked.axes)
 
-    def vertex(self, si, active) -> Vertex:
-        """The vertex at a surface interaction."""
-        values = [part.read(si, active) for part in self.varying]
-        fixed = [[dr.detach(x) for x in part] for part in values]
-        vertex, slopes = only_where(active, self._vertex, si.wi, fixed[: len(self.baked.axes)])
-        if not (self._slopes and dr.grad_enabled(values)):
-            return vertex
+    def vertex(self, si, active) -> "AxisVertex":
+        """The vertex at a surface interaction, without gradients: it may be used several times."""
+        read = (part.read(si, active) for part in self.varying[: len(self.baked.axes)])
+        values = [[dr.detach(x) for x in part] for part in read]
+        return AxisVertex(*only_where(active, self._vertex, si.wi, values))
+
+    def f(self, vertex, si, wo, active) -> list:
+        """See `Held`."""
+        return super().f(self._attached(vertex, si, active), si, wo, active)
+
+    def f_and_pdf(self, vertex, si, wo, active) -> tuple[list, Any]:
+        """See `Held`."""
+        return super().f_and_pdf(self._attached(vertex, si, active), si, wo, active)
+
+    def _attached(self, vertex: "AxisVertex", si, active) -> Vertex:
+        """The vertex with the gradients of the parameters."""
+        plain = Vertex(vertex.decoder_terms, vertex.proposal)
+        values = [part.read(si, active) for part in self.varying] if self._slopes else []
+        if not dr.grad_enabled(values):
+            return plain
         # Outside of the call: inside, Dr.Jit 1.5 counts gradients of single numbers several times.
-        pairs = zip(values, fixed, strict=True)
-        changes = [[x - y for x, y in zip(*both, strict=True)] for both in pairs]
-        return vertex._replace(decoder_terms=self._moved(vertex.decoder_terms, slopes, changes))
+        changes = [[x - dr.detach(x) for x in part] for part in values]
+        return plain._replace(
+            decoder_terms=self._moved(plain.decoder_terms, vertex.slopes, changes)
+        )
 
     def _moved(self, terms: list[list], slopes: list[list[list]], changes: list[list]) -> list:
         """The terms of a vertex, which change as values do."""
@@ -122,7 +145,8 @@ class AxisLatents(Held):
                 change, start = own[min(c, len(own) - 1)], len(places)
                 for place in self._lobe_places(name):
                     if place in places:
-                        moved[places.index(place)] += change
+                        at = places.index(place)
+                        moved[at] = dr.fma(self._one, change, moved[at])
                 if self.model.widths == 2:  # the last number is the squared stretch
                     slope = [*slope[:-1], 2 * channel[-1] * slope[-1]]
                 for i, number in enumerate(slope):
@@ -130,15 +154,14 @@ class AxisLatents(Held):
             found.append(moved)
         return found
 
-    def bare_vertex(self, si) -> Vertex:
+    def bare_vertex(self, si) -> AxisVertex:
         """The vertex, from which `f` follows."""
         return self.vertex(si, mi.Bool(True))
 
     def _evaluated(self) -> Callable[..., list]:
         return self._decoder.f_of_terms
 
-    def _vertex(self, wi, values: list[list]) -> tuple[Vertex, list]:
-        """The vertex, and for each channel and axis the slopes of the numbers of the rest."""
+    def _vertex(self, wi, values: list[list]) -> "AxisVertex":
         lobe, coordinates = self._lobe(values), []
         for axis, part, numbers in zip(self.baked.axes, values, self._ranges, strict=True):
             coordinates.append([axis.coordinate(x, DRJIT, numbers) for x in part])
@@ -154,7 +177,7 @@ class AxisLatents(Held):
         drawn = _scaled(levels, self._term_steps, self._term_lows)
         stretch = drawn[proposal.TERMS :]
         mixture = self._sampler.proposal_of_terms(lobe, drawn[: proposal.TERMS], wi, *stretch)
-        return Vertex(terms, mixture), slopes
+        return AxisVertex(terms, mixture, slopes)
 
     def _lobe(self, values: Sequence[Sequence]) -> list:
         """The numbers of the lobe; its width and index are those of the coat there."""

@@ -211,7 +211,7 @@ class BasisDecoder:
             rest = dr.exp(dr.clip(log, MIN_LOG, MAX_LOG))
             if self._faint:  # the derivative passes the bound, so that an optimiser can leave black
                 rest = rest - self._faint
-                rest = dr.replace_grad(dr.maximum(rest, 0), rest)
+                rest = rest + dr.detach(dr.maximum(-rest, 0))
             rests.append(rest)
         if not self._kind.present:
             return rests

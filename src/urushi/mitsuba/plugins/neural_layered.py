@@ -129,7 +129,9 @@ def define(base: type) -> type:
         def _bake(self):
             self._choose_weights()
             assert self._baker is not None  # for the type checker
-            self.latents, self._absorbs = self._baker.update(), self._baker.absorbs
+            with dr.suspend_grad():
+                self.latents = self._baker.update()
+            self._absorbs = self._baker.absorbs
             # Kernels of Mitsuba's textures have their transforms as literals: see `recording`.
             nodes = map(mi.traverse, (*self._coat.textures.values(), self._bottom))
             places = [value for node in nodes for key, value in node if key.endswith("to_uv")]
