@@ -10,12 +10,9 @@ import functools
 
 import numpy as np
 
-from urushi.checks import MIN_ALPHA
 from urushi.material.albedo_rule import AlbedoRule, albedo_rule
 from urushi.material.lobe_albedo import lobe_albedos
 from urushi.nets import basis, code_fit
-from urushi.nets.lobe import WIDTH_PLACES
-from urushi.nets.networks import Networks
 from urushi.nets.weights import Model
 from urushi.parallel import fill_blocks
 
@@ -52,9 +49,6 @@ PLAUSIBLE = 0.3
 
 #: Weights of the excess of ln albedo beside the error of the code, one round after the other.
 EXCESS_WEIGHTS = 0.25, 1.0, 4.0, 16.0, 64.0, 256.0
-
-#: Step of central differences of albedos: tables of lobes' albedos are in single precision.
-SLOPE_STEP = 1e-3
 
 
 def directional_albedos(model: Model, z: np.ndarray) -> np.ndarray:
@@ -201,35 +195,3 @@ def is_limited(lobe: np.ndarray) -> np.ndarray:
     interface is smooth. The codes of coats above meet the ceiling themselves.
     """
     return (lobe[..., 3] <= 0) | (lobe[..., 4] >= 1)
-
-
-def factor_slopes(model: Model, z: np.ndarray) -> np.ndarray:
-    """Derivatives (L,) of ln of the limit's factor of a code z (L,), by the numbers of the code.
-
-    The factor is the albedo that the lobe allows the rest over the albedo of the rest, at the angle
-    where this is least. The derivatives do not change with the gain: codes that were scaled down
-    may stand for codes that were not.
-    """
-    rule, size = albedo_rule(model.arch.widths), model.arch.lobe
-    features = node_features(model)
-    f, top = model.networks.rest(z, features), top_albedos(model, z)
-    assert isinstance(model.networks, Networks)  # for the type checker
-    slopes = model.networks.functions(z, features)[:, 1:]
-    slopes = np.pad(slopes, [(0, 0), (0, len(z) - size - slopes.shape[1])])  # of the stretch: 0
-    at_angles, allowed = rule.at_angles(f), np.maximum(1 - MARGIN - top, LEAST_REST)
-    rest = rule.interpolated(at_angles)
-    at = int((rest / allowed).argmax())
-    step = SLOPE_STEP * at_angles.max()
-    up, down = (
-        rule.interpolated(at_angles + way * step * np.eye(len(at_angles)))[:, at] for way in (1, -1)
-    )
-    counts = np.diff(rule.first, append=len(rule.weights))
-    of_nodes = np.repeat((up - down) / (2 * step), counts) * rule.weights * f
-    lobe = np.concatenate([z[:size] + way * SLOPE_STEP * np.eye(size) for way in (1, -1)])
-    lobe = lobe.astype(np.float32)
-    widths = list(WIDTH_PLACES[model.arch.widths])
-    lobe[:, widths] = np.clip(lobe[:, widths], MIN_ALPHA, 1)
-    (wide, narrow), (up, down) = np.split(lobe, 2), np.split(lobe_albedos(lobe, rule)[:, at], 2)
-    of_top = (up - down) / (wide - narrow).diagonal() / allowed[at]
-    of_top *= allowed[at] > LEAST_REST
-    return np.concatenate([-of_top, -of_nodes @ slopes / max(rest[at], LEAST_ALBEDO)])

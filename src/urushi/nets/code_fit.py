@@ -92,35 +92,6 @@ def fitted(
     return best.astype(np.float32)
 
 
-def slopes(basis: Basis | StretchedBasis, rest: np.ndarray, codes: np.ndarray) -> np.ndarray:
-    """Derivatives float32 (S, N, K) of the codes (S, K) by the rests (S, N) that have these codes.
-
-    The weights of the least squares are constant at the codes. They do not matter to changes of
-    ln f that the functions span. The stretch of two widths is constant.
-    """
-    if isinstance(basis, Basis):
-        return _slopes_at(basis.probe_rows, basis, rest, codes)
-    result = np.zeros((*rest.shape, codes.shape[-1]), np.float32)
-    for own in np.unique(codes[:, -1]):
-        at = codes[:, -1] == own
-        result[at, :, :-1] = _slopes_at(basis.probe_rows(own), basis, rest[at], codes[at, :-1])
-    return result
-
-
-def _slopes_at(
-    rows: np.ndarray, basis: Basis | StretchedBasis, rest: np.ndarray, codes: np.ndarray
-) -> np.ndarray:
-    measure = basis.measure
-    f, light = bounded(rest, measure), _light(rest, measure)
-    _, weights = weighed(rows, measure, f, light, codes)
-    by_logs = np.linalg.solve(normal(rows[:, 1:], weights, basis.prior), rows[:, 1:].T)
-    by_logs = np.swapaxes(by_logs, 1, 2) * weights[..., None]
-    seen = (rest == f)[..., None]  # the others change with the mean
-    by_mean = np.where(seen, 0, by_logs).sum(axis=1, keepdims=True) / light[..., None]
-    result = np.where(seen, by_logs / f[..., None], 0) + measure[:, None] * by_mean
-    return result.astype(np.float32)
-
-
 def bounded(rest: np.ndarray, measure: np.ndarray) -> np.ndarray:
     """Rests (S, N), of which no value is far below the mean."""
     return np.maximum(rest, LEAST_SHARE * (rest @ measure)[:, None] + 1e-12)
