@@ -68,8 +68,8 @@ function refineTo(share: number): void {
 }
 
 /**
- * In the page: answer calls for what is not wanted at once. Meshes hide none of their light, walks end,
- * and the tables of a picture that nobody sees are all the first.
+ * In the page: answer calls for what is not wanted at once. Meshes hide none of their light, walks
+ * never end, and the tables of a picture that nobody sees are all the first.
  */
 function answerAtOnce(wanted: Options): void {
   const post = Worker.prototype.postMessage;
@@ -77,16 +77,16 @@ function answerAtOnce(wanted: Options): void {
   Worker.prototype.postMessage = function (this: Worker, message, options) {
     const answer = (data: object) =>
       this.dispatchEvent(new MessageEvent("message", { data: { id: message.id, ...data } }));
-    const later = message.call === "table" && Math.max(...message.args[1].shift) > 0;
+    const later = message.name === "table" && Math.max(...message.args[1].shift) > 0;
     if (later && !wanted.picture && tables.has(this)) answer({ result: tables.get(this) });
-    else if (message.call === "walk" && !wanted.walk) answer({ superseded: true });
-    else if (message.call === "occlusion" && !wanted.occlusion) {
+    else if (message.name === "walk" && !wanted.walk) return;
+    else if (message.name === "occlusion" && !wanted.occlusion) {
       const [vertices, stride] = message.args;
       const numbers = (4 * vertices.length) / stride;
       const openings = new Float32Array(numbers).map((_, at) => +(at % 4 === 3));
       answer({ result: { openings, shadows: new Uint8Array(0) } });
     } else {
-      if (message.call === "table")
+      if (message.name === "table")
         this.addEventListener("message", ({ data }) => {
           if (data.id === message.id && data.result) tables.set(this, data.result);
         });

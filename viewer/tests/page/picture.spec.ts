@@ -17,6 +17,7 @@ import {
   saved,
   stateOf,
   test,
+  unfold,
 } from "./page";
 
 // One canvas pixel for several of the screen: the processor draws.
@@ -240,6 +241,7 @@ test("without WebGL 2 a sentence says so, and the cards work", async ({ page }) 
   await page.goto("./");
   await expect(page.getByText("This browser offers no WebGL 2")).toBeVisible();
   await page.getByRole("button", { name: "Remove Coat 2" }).click();
+  await unfold(page);
   await expect(page.locator(".curve").first()).toBeVisible();
   for (const kind of ["Picture", "Radiance"]) {
     await page.getByRole("button", { name: "Save", exact: true }).click();
