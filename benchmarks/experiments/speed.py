@@ -6,7 +6,6 @@ loaded again for every turn and then released.
 """
 
 import gc
-import os
 import resource
 import tempfile
 import time
@@ -33,7 +32,6 @@ from urushi.measured.tabulated import bin_centres
 from urushi.mitsuba.reading import probing
 from urushi.nets.weights import DEFAULT, default_model
 from urushi.parallel import one_blas_thread
-from urushi.textures import cache
 from urushi.walk import analytic, walk_pairs
 from urushi.walk.table import from_stack
 
@@ -217,7 +215,6 @@ def loading(options: Options) -> Found:
 
     Textures hold noise of 8 bits, as images do: hardly two texels are equal.
     """
-    os.environ[cache.VARIABLE] = "off"
     side = options.count(LOADED, 16)
 
     def noise(low: float, high: float, channels: int, seed: int) -> Any:
