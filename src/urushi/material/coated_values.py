@@ -193,7 +193,7 @@ def _basis(s: np.ndarray) -> tuple[list[int], np.ndarray]:
     relative = s / s.mean(axis=1, keepdims=True)
     sizes = np.linalg.norm(relative, axis=0)
     relative /= sizes
-    left, chosen = relative.copy(), list[int]()
+    left, chosen, shares = relative.copy(), list[int](), list[np.ndarray]()
     while len(chosen) < s.shape[1]:
         away = np.linalg.norm(left, axis=0)
         farthest = int(np.argmax(away))
@@ -201,8 +201,11 @@ def _basis(s: np.ndarray) -> tuple[list[int], np.ndarray]:
             break
         chosen.append(farthest)
         axis = left[:, farthest] / away[farthest]
-        left -= axis[:, None] * (axis @ left)
-    weights = np.linalg.lstsq(relative[:, chosen], relative, rcond=None)[0]
+        shares.append(axis @ left)
+        left -= axis[:, None] * shares[-1]
+    # Least squares by the axes that were found, of which each chosen column is a sum
+    along = np.array(shares, np.float64)
+    weights = np.linalg.solve(along[:, chosen], along)
     return chosen, weights * (sizes / sizes[chosen, None])
 
 
