@@ -352,20 +352,15 @@ def _of_surfaces() -> list[Function]:
 CONSTANTS: dict[str, str] = {
     "checks": "AIR ETA_RANGE MIN_ALPHA MIN_INDEX_STEP TRAINED_G",
     "core.appearance": "WI WO",
-    "core.probe_pairs": "HALF_ANGLE_SHARE MIN_TANGENT MAX_TANGENT MAX_DIFFERENCE MIN_COSINE",
     "core.quadrature": "POLAR_NODES AZIMUTH_NODES MIN_TANGENT",
     "core.stretched": "FACTORS",
     "core.table": "SHAPE MIN_LOG MAX_LOG MIN_COSINE",
-    "material.energy": (
-        "MARGIN SLACK TOLERANCE GRAZING LEAST_ALBEDO LEAST_REST TINY_FACTOR TINY_FACTOR_ROUNDS"
-    ),
+    "material.energy": "MARGIN LEAST_ALBEDO LEAST_REST TINY_FACTOR TINY_FACTOR_ROUNDS",
     "material.layer": "DEEPEST",
     "nets.basis": "EMPTY_GAIN",
-    "nets.code_fit": "FIRST_FLOOR FLOOR KNEE DARK PRIOR ROUNDS LEAST_SHARE LEAST_REST",
     "nets.features": "COAT_FEATURES",
     "nets.layerer": "LEAST_GAIN",
-    "nets.lobe": "NO_LOBE LOBE_FEATURES NUMBERS COSINES VISIBLE",
-    "nets.lobe_fit": ("DARK OVERSHOOT_WEIGHT KNEE STEPS CONVERGED LONGEST_STEP LAST_STEPS"),
+    "nets.lobe": "NO_LOBE LOBE_FEATURES NUMBERS COSINES",
     "nets.mlp": "POLYNOMIALS",
     "nets.proposal": "ALPHAS TERMS LARGEST_STRETCH",
 }

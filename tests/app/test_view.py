@@ -162,7 +162,7 @@ def test_networks_are_those_of_the_model_in_half_precision(untrained):
     content = page_files.packed_weights(model)
     arrays = safetensors.numpy.load(content)
     for name, array in model.params.items():
-        if name != "basis.rows":
+        if name not in ("basis.rows", "basis.measure", "basis.prior"):
             assert np.allclose(arrays[name], array, rtol=2**-11, atol=2**-24)
     assert model.fingerprint.encode() in content
 

@@ -7,13 +7,13 @@ import { acceptDrops } from "./engine/open";
 import { begin } from "./engine/session";
 import { titleOf } from "./material/presets";
 import { fromAddress, toAddress } from "./state/address";
-import { complain, material, redo, showRead, state, tell, undo } from "./state/store";
+import { complain, material, redo, showRead, state, undo } from "./state/store";
 import { App } from "./ui/App";
 import { keepFocus } from "./ui/focus";
 import "./style.css";
 
 const addressed = location.hash.length > 1;
-if (addressed) showRead(() => fromAddress(location.hash, tell), false);
+if (addressed) showRead(() => fromAddress(location.hash), false);
 
 // The address follows the state, but not at every step: browsers allow few changes in a second.
 // A document in a frame has none.
@@ -32,7 +32,7 @@ effect(() => {
   document.title = `${titleOf(material.value)} · Urushi`;
 });
 window.addEventListener("hashchange", () => {
-  if (location.hash !== written) showRead(() => fromAddress(location.hash, tell), true);
+  if (location.hash !== written) showRead(() => fromAddress(location.hash), true);
 });
 
 window.addEventListener("keydown", (event) => {

@@ -1,13 +1,11 @@
 """Golden vectors: values of Urushi in Python, with which those of the page's core are compared.
 
-    python viewer/tests/golden.py default anisotropic reference
+    python viewer/tests/golden.py default anisotropic
 
 writes these, or those that are named:
 
 - `default_vectors.safetensors`: values by the shipped basis and its networks;
-- `anisotropic_vectors.safetensors`: the same for two GGX widths;
-- `reference_values.safetensors`: some of the values of independent simulators with which the random
-  walk of Python is tested, from the folder that `URUSHI_TEST_DATA` names.
+- `anisotropic_vectors.safetensors`: the same for two GGX widths.
 
 Parameters are of double precision here, as in the core: in single precision, codes and f differ by
 some 1e-6, which would hide errors of that size. The files lie beside the tests of the core. Run the
@@ -15,9 +13,7 @@ script again when the weights or their definition change.
 """
 
 import dataclasses
-import os
 import sys
-from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -96,9 +92,6 @@ ANISOTROPIC_STACKS: list[dict[str, Any]] = [
 #: Pairs of directions; cosines of the albedo; cosines and directions of each of the proposal.
 PAIRS, COSINES, DRAWN_COSINES, DRAWN = 64, (1.0, 0.7, 0.3, 0.05), 4, 16
 
-#: Pairs of each stack of the independent simulators.
-REFERENCE_PAIRS = 24
-
 
 def material_of(stack: dict[str, Any], model: weights.Model) -> Material:
     """The codes of a stack by the layering network."""
@@ -176,70 +169,10 @@ def _drawn(material: Material) -> np.ndarray:
     return np.stack(rows).astype(np.float32)
 
 
-def write_reference() -> None:
-    """Write `REFERENCE_PAIRS` values of each stack of the independent simulators."""
-    folder = Path(os.environ["URUSHI_TEST_DATA"]) / "oracle"
-    first, second = np.load(folder / "reference_values.npz"), np.load(folder / "anisotropic.npz")
-    stacks = [
-        *map(_two_interfaces, first["two_cfg"]),
-        *map(_three_interfaces, first["three_cfg"]),
-        *map(_over_diffuse, first["lambert_cfg"]),
-        *map(_of_rows, second["low_stack"]),
-    ]
-    groups = [(first, "two"), (first, "three"), (first, "lambert"), (second, "low")]
-    arrays = {
-        name: np.concatenate([_some_pairs(values, group, name) for values, group in groups])
-        for name in ("wi", "wo", "f", "se")
-    }
-    files.write_tensors(
-        FOLDER / "reference_values.safetensors", "vectors", {"stacks": stacks}, arrays
-    )
-
-
-def _some_pairs(values: Mapping[str, np.ndarray], group: str, name: str) -> np.ndarray:
-    """A group's array (stacks, pairs, ...) at pairs of all kinds."""
-    array = values[f"{group}_{name}"]
-    return array[:, :: array.shape[1] // REFERENCE_PAIRS][:, :REFERENCE_PAIRS].astype(np.float32)
-
-
-def _coat(alpha: float, eta: float, sigma_t: float, albedo: float, g: float) -> dict[str, float]:
-    numbers = {"alpha": alpha, "eta": eta, "albedo": albedo, "sigmaT": sigma_t, "g": g}
-    return {name: float(number) for name, number in numbers.items()}
-
-
-def _metal(alpha: float, r0: float) -> dict[str, Any]:
-    return {"kind": "conductor", "alpha": float(alpha), "r0": float(r0)}
-
-
-def _two_interfaces(row: np.ndarray) -> dict[str, Any]:
-    return {"bottom": _metal(*row[5:]), "coats": [_coat(*row[:5])]}
-
-
-def _three_interfaces(row: np.ndarray) -> dict[str, Any]:
-    return {"bottom": _metal(*row[10:]), "coats": [_coat(*row[:5]), _coat(*row[5:10])]}
-
-
-def _over_diffuse(row: np.ndarray) -> dict[str, Any]:
-    bottom = {"kind": "diffuse", "reflectance": float(row[4])}
-    return {"bottom": bottom, "coats": [_coat(*row[:4], 0.0)]}
-
-
-def _of_rows(rows: np.ndarray) -> dict[str, Any]:
-    *coats, (width, reflectance, *_) = rows[~np.isnan(rows[:, 0])]
-    bottom = {"kind": "diffuse", "reflectance": float(reflectance)}
-    if width > 0:
-        bottom = _metal(width, reflectance)
-    return {
-        "bottom": bottom,
-        "coats": [_coat(alpha, eta, depth, albedo, g) for alpha, eta, albedo, depth, g, _ in coats],
-    }
-
-
 #: What the script writes, by name.
 WRITERS = {
     "default": lambda: write_vectors("default", weights.default_model()),
     "anisotropic": lambda: write_vectors("anisotropic", weights.anisotropic_model()),
-    "reference": write_reference,
 }
 
 

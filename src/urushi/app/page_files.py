@@ -161,11 +161,12 @@ def shader_files(model: Model) -> dict[str, bytes]:
 def packed_weights(model: Model) -> bytes:
     """A weights file (safetensors): the network in half precision, and the basis packed.
 
-    What codes are solved with is in single precision.
+    What codes of values are fitted with is left out: the page encodes described surfaces only.
     """
     arrays = {
         name: array if name.startswith("basis.") else _half_precision(array)
         for name, array in model.params.items()
+        if name not in ("basis.measure", "basis.prior")
     }
     if "basis.rows" in arrays:
         arrays |= packed_rows(arrays.pop("basis.rows"), SHAPE)

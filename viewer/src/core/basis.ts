@@ -9,12 +9,10 @@
  * last number of the code; see `nets.stretched_basis`.
  */
 
-import { fittedCode } from "./code_fit";
 import { Cell, clampedLog, type FTable, NODES, tableValues } from "./f_table";
 import type { Pairs, Widths } from "./features";
 import { BASIS, TABLE } from "./formulas";
-import { lobeValues } from "./lobe";
-import { probePairs } from "./probe_pairs";
+import { leastSquares } from "./least_squares";
 
 /** The parameters of a basis of K functions. */
 export interface BasisWeights {
@@ -23,11 +21,10 @@ export interface BasisWeights {
   readonly rows: Float32Array;
   /** The first number of a row that each of `Cell.factors` multiplies, and 1 + K. */
   readonly bounds: readonly number[];
-  /** (N) share of each probe pair in integrals over pairs. */
-  readonly measure: Float64Array;
-  /** (K, K) inverse covariance of the codes of the training materials. */
-  readonly prior: Float64Array;
 }
+
+/** Every so manieth node decides what code has an even f, which the basis represents exactly. */
+const EVEN_STRIDE = 7;
 
 /** What is known of pairs of directions whatever the code; see `Basis.at`. */
 export interface AtPairs {
@@ -40,11 +37,10 @@ export interface AtPairs {
 
 export class Basis {
   readonly widths: Widths;
-  /** Pairs at which f must be known for a code. */
-  readonly probes: Pairs;
   /** Numbers of a row, 1 + K. */
   private readonly width: number;
-  private atProbes: Float64Array | undefined;
+  /** The numbers, behind those of a lobe, of f = 1. */
+  private readonly even: Float32Array;
 
   constructor(
     private readonly weights: BasisWeights,
@@ -52,7 +48,7 @@ export class Basis {
   ) {
     this.widths = weights.widths;
     this.width = weights.bounds[weights.bounds.length - 1];
-    this.probes = probePairs(weights.measure.length, weights.widths);
+    this.even = this.evenNumbers();
   }
 
   /** What `values` needs of pairs. */
@@ -78,23 +74,11 @@ export class Basis {
     return result;
   }
 
-  /**
-   * The code of a lobe and of f [1/sr], of which the lobe is a part, at the probe pairs. Of two widths,
-   * the rest must be the same for turned directions, as of diffuse surfaces: it has no stretch.
-   */
-  encode(lobe: Float32Array, f: Float64Array): Float32Array {
-    const { measure, prior } = this.weights;
-    const rest = difference(f, lobeValues(lobe, this.probes));
-    this.atProbes ??= this.functions(this.probes, measure.length);
-    const numbers = fittedCode(this.atProbes, measure, prior, rest);
-    return Float32Array.of(...lobe, ...numbers, ...(this.widths === 2 ? [0] : []));
-  }
-
-  /** The code of a lobe alone. */
-  without(lobe: Float32Array): Float32Array {
-    const code = new Float32Array(lobe.length + this.width - 1 + Number(this.widths === 2));
-    code.set(lobe);
-    code[lobe.length] = BASIS.EMPTY_GAIN;
+  /** The code of a lobe, and of a rest that is f [1/sr] everywhere. */
+  withEven(lobe: Float32Array, f: number): Float32Array {
+    const code = Float32Array.of(...lobe, ...this.even);
+    if (f > 0) code[lobe.length] += Math.log(f);
+    else code.fill(0, lobe.length).fill(BASIS.EMPTY_GAIN, lobe.length, lobe.length + 1);
     return code;
   }
 
@@ -142,6 +126,24 @@ export class Basis {
     return texels;
   }
 
+  /** Functions that depend on the azimuth have no share, and there is no stretch. */
+  private evenNumbers(): Float32Array {
+    const { width } = this;
+    const { rows, bounds } = this.weights;
+    const size = bounds[1] - 1;
+    const count = Math.floor(NODES / EVEN_STRIDE);
+    const functions = new Float64Array(count * size);
+    const logs = new Float64Array(count);
+    for (let row = 0; row < count; row++) {
+      const at = row * EVEN_STRIDE * width;
+      functions.set(rows.subarray(at + 1, at + 1 + size), row * size);
+      logs[row] = -rows[at];
+    }
+    const numbers = new Float32Array(width - 1 + Number(this.widths === 2));
+    numbers.set(leastSquares(functions, logs));
+    return numbers;
+  }
+
   /** The functions (count, 1 + K) at pairs, times their factors, without a stretch. */
   private functions(pairs: Pairs, count: number): Float64Array {
     const { width } = this;
@@ -161,9 +163,4 @@ export class Basis {
     }
     return values;
   }
-}
-
-/** What a lobe leaves of f, at least zero. */
-export function difference(f: Float64Array, top: Float64Array): Float64Array {
-  return f.map((value, i) => Math.max(value - top[i], 0));
 }

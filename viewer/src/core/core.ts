@@ -4,13 +4,12 @@ import type { Bottom, Coat, Material, Stack } from "./api";
 import { Basis } from "./basis";
 import { CHANNELS, joined, perChannel, rows } from "./channels";
 import { compensationOf, withLobe } from "./compensation";
-import { Encoder } from "./encoder";
-import { EnergyLimit } from "./energy";
+import { EnergyLimit, MOST_ALBEDO } from "./energy";
 import { Evaluation } from "./evaluation";
 import { layered, withinTraining } from "./layerer";
 import { Proposals } from "./mixture";
 import type { Network } from "./network";
-import { coatOfChannel } from "./surfaces";
+import { coatOfChannel, lobeOfSurface, ofChannel, type Surface } from "./surfaces";
 import { type Architecture, readWeights, type Weights } from "./weights";
 
 /**
@@ -22,11 +21,16 @@ export function loadCore(safetensors: ArrayBuffer): NetworkCore {
   return new NetworkCore(readWeights(safetensors));
 }
 
+/** What a material or a texture of codes depends on. */
+export type Networks = Pick<NetworkCore, "latentSize" | "widths" | "fingerprint">;
+
+/** Methods of the core that a worker has. */
+export const METHODS = ["layer", "f", "albedo", "table", "basisTexels"] as const;
+
 /** Urushi's basis and networks, and the energy limit. */
 export class NetworkCore extends Evaluation {
   /** Identifies the networks: a saved material names those it belongs to. */
   readonly fingerprint: string;
-  private readonly encoder: Encoder;
   private readonly arch: Architecture;
   private readonly layerer: Network;
   private readonly energy: EnergyLimit;
@@ -37,21 +41,21 @@ export class NetworkCore extends Evaluation {
     this.fingerprint = fingerprint;
     [this.arch, this.layerer] = [arch, layerer];
     this.energy = new EnergyLimit(basis, arch.lobe);
-    this.encoder = new Encoder(basis, this.energy);
   }
 
-  /** The codes of a bottom without coats. */
+  /** The codes (3, L) of a bottom without coats. */
   encode(bottom: Bottom): Float32Array {
-    return bottom.kind === "codes" ? this.checked(bottom.latents) : this.encoder.encode(bottom);
+    return bottom.kind === "codes" ? this.checked(bottom.latents) : this.encodeSurface(bottom);
   }
 
-  /**
-   * Encode a measured BRDF, a MERL table or an isotropic RGL material: its codes and its table.
-   *
-   * @throws FileError if the file is damaged, anisotropic or of another format.
-   */
-  encodeMeasured(file: ArrayBuffer): Material {
-    return this.encoder.encodeMeasured(file);
+  /** A surface is its lobe alone; a Lambertian one has none, and an even rest. */
+  private encodeSurface(surface: Surface): Float32Array {
+    const codes = [0, 1, 2].map((channel) => {
+      const lobe = lobeOfSurface(surface, channel, this.widths);
+      const albedo = surface.kind === "diffuse" ? ofChannel(surface.reflectance, channel) : 0;
+      return this.basis.withEven(lobe, Math.min(albedo, MOST_ALBEDO) / Math.PI);
+    });
+    return joined(codes);
   }
 
   /** Encode a stack: the bottom under all its coats, the energy limit included. */

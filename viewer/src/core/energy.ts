@@ -1,7 +1,7 @@
 /**
  * Conservation of energy: codes whose directional albedo is too high are scaled down.
  *
- * A code's lobe is exact, so only the rest is scaled, to what the lobe leaves of the ceiling; see
+ * A code's lobe is exact, so only the rest is scaled, to what the lobe leaves of the largest albedo; see
  * Python's `material.energy`. A code is an array of all its numbers.
  */
 
@@ -11,8 +11,10 @@ import { ENERGY } from "./formulas";
 import { lobeValues } from "./lobe";
 import { directionRule } from "./quadrature";
 
-const { MARGIN, SLACK, TOLERANCE, GRAZING, LEAST_ALBEDO, LEAST_REST } = ENERGY;
-const { TINY_FACTOR, TINY_FACTOR_ROUNDS } = ENERGY;
+const { MARGIN, LEAST_ALBEDO, LEAST_REST, TINY_FACTOR, TINY_FACTOR_ROUNDS } = ENERGY;
+
+/** Largest directional albedo of a code. */
+export const MOST_ALBEDO = 1 - MARGIN;
 
 /** Cosines at which albedos are measured, of two widths at several azimuths. */
 const COSINES = {
@@ -67,30 +69,20 @@ export class EnergyLimit {
     });
   }
 
-  /** Ceiling of a code's albedos, from those of its source. */
-  ceilingOf(own: Float64Array): Float64Array {
-    const peak = Math.max(...own);
-    const top = peak > 1 + TOLERANCE ? peak : 1 - MARGIN;
-    return own.map((albedo, k) =>
-      this.cosines[k] < GRAZING ? top : Math.min(albedo + SLACK, top),
-    );
-  }
-
   /**
-   * Scale a code down in place so that its albedo is nowhere above a ceiling.
+   * Scale a code down in place so that its albedo is nowhere above the largest.
    *
    * A code far from the training data may have the greatest f that tables represent. It is scaled
    * and measured repeatedly. An interface of an index below one lies below another coat: it has no
    * limit.
    */
-  limit(code: Float32Array, ceiling?: Float64Array): void {
+  limit(code: Float32Array): void {
     if (code[3] > 0 && code[4] < 1) return;
     const top = this.albedos(lobeValues(code, this.pairs));
     for (let round = 0; round <= TINY_FACTOR_ROUNDS; round++) {
       const rest = this.albedos(this.basis.values(code, this.nodes));
       const factors = rest.map((albedo, k) => {
-        const allowed = Math.max((ceiling?.[k] ?? 1 - MARGIN) - top[k], LEAST_REST);
-        return allowed / Math.max(albedo, LEAST_ALBEDO);
+        return Math.max(MOST_ALBEDO - top[k], LEAST_REST) / Math.max(albedo, LEAST_ALBEDO);
       });
       const factor = Math.min(...factors);
       if (factor < 1) code[this.gain] += Math.log(factor);

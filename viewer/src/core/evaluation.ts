@@ -6,15 +6,12 @@ import { CHANNELS, rows } from "./channels";
 import { lobeOf } from "./compensation";
 import { tableValues } from "./f_table";
 import { Pairs, type Widths } from "./features";
-import { QUADRATURE, type Vector } from "./formulas";
+import { QUADRATURE } from "./formulas";
 import { lobeValue } from "./lobe";
 import { mixtureDensity, type Proposals, sampleMixture } from "./mixture";
-import { sequenceSteps } from "./probe_pairs";
 import { directionRule } from "./quadrature";
+import { sequencePoint } from "./sequence";
 import type { Architecture } from "./weights";
-
-/** The largest number below one of single precision, for uniform numbers. */
-const BELOW_ONE = 1 - 2 ** -24;
 
 /** Sizes of the rules for albedos of one width and of two. */
 const [slopes, azimuths] = [QUADRATURE.POLAR_NODES, QUADRATURE.AZIMUTH_NODES];
@@ -28,7 +25,7 @@ export class Evaluation {
 
   constructor(
     { latent, widths }: Architecture,
-    private readonly basis: Basis,
+    protected readonly basis: Basis,
     private readonly proposer: Proposals,
   ) {
     this.latentSize = latent;
@@ -94,7 +91,9 @@ export class Evaluation {
   table(material: Material, { azimuths = 1, cosines, samples, shift }: TableOptions): Float32Array {
     const result = new Float32Array(azimuths * cosines * samples * 8);
     const proposal = this.proposer.proposals(this.meanCode(material));
-    const uniform = shiftedSequence(samples, shift);
+    const uniform = Array.from({ length: samples }, (_, i) =>
+      sequencePoint(i + 1, [0.5 + shift[0], 0.5 + shift[1], 0.5 + shift[2]]),
+    );
     const pairs = new Pairs(samples, this.widths);
     const densities = new Float64Array(samples);
     for (let row = 0; row < azimuths * cosines; row++) {
@@ -104,8 +103,7 @@ export class Evaluation {
       const wi = { x: sine * Math.cos(azimuth), y: sine * Math.sin(azimuth), z: cosine };
       const mixture = proposal(wi);
       for (let i = 0; i < samples; i++) {
-        const u = vectorAt(uniform, i);
-        const wo = sampleMixture(mixture, wi, u.x, u.y, u.z);
+        const wo = sampleMixture(mixture, wi, ...uniform[i]);
         pairs.set(i, wi.x, wi.y, wi.z, wo.x, wo.y, wo.z);
         densities[i] = mixtureDensity(mixture, wi, wo);
         result.set([wo.x, wo.y, wo.z], (row * samples + i) * 8);
@@ -151,21 +149,4 @@ export class Evaluation {
       (_, k) => codes.reduce((sum, code) => sum + code[k], 0) / codes.length,
     );
   }
-}
-
-function vectorAt(array: ArrayLike<number>, i: number): Vector {
-  return { x: array[3 * i], y: array[3 * i + 1], z: array[3 * i + 2] };
-}
-
-/** Points of Roberts' R sequence (2018) in three dimensions, shifted: (count, 3). */
-function shiftedSequence(count: number, shift: readonly [number, number, number]): Float64Array {
-  const steps = sequenceSteps(3);
-  const points = new Float64Array(3 * count);
-  for (let i = 0; i < count; i++) {
-    for (let k = 0; k < 3; k++) {
-      const x = 0.5 + (i + 1) * (steps[k] ?? 0) + (shift[k] ?? 0);
-      points[3 * i + k] = Math.min(x - Math.floor(x), BELOW_ONE);
-    }
-  }
-  return points;
 }

@@ -9,7 +9,6 @@ import {
   TABLE,
   tableCoordinates,
 } from "./formulas";
-import { fromHalf, toHalf } from "./half";
 
 /** A material's table, by which f is evaluated. */
 export interface FTable {
@@ -57,14 +56,6 @@ export function nodePairs(): Pairs {
 /** A logarithm within the range of tables. */
 export function clampedLog(logarithm: number): number {
   return Math.min(Math.max(logarithm, TABLE.MIN_LOG), TABLE.MAX_LOG);
-}
-
-/** The logarithms, in half precision, of values [1/sr] of three channels at `nodePairs`. */
-export function logsOf(values: readonly Float64Array[]): Float32Array {
-  return Float32Array.from({ length: TABLE_SIZE }, (_, at) => {
-    const log = Math.log(values[at % CHANNELS][Math.floor(at / CHANNELS)]);
-    return fromHalf(toHalf(clampedLog(log)));
-  });
 }
 
 /** The cell of a table around a pair of directions: its corners, and their shares. */

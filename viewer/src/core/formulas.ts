@@ -14,10 +14,6 @@ export const CHECKS = { AIR: 1.000277, ETA_RANGE: [0.5, 3], MIN_ALPHA: 0.01, MIN
 /** Of `urushi.core.appearance` of Python. */
 export const APPEARANCE = { WI: [0.6, 0, 0.8], WO: [0, 0.6, 0.8] } as const;
 
-/** Of `urushi.core.probe_pairs` of Python. */
-export const PROBE_PAIRS = { HALF_ANGLE_SHARE: 0.6666666666666666, MIN_TANGENT: 0.001, MAX_TANGENT:
-  4, MAX_DIFFERENCE: 1.5009831567151235, MIN_COSINE: 0.02 } as const;
-
 /** Of `urushi.core.quadrature` of Python. */
 export const QUADRATURE = { POLAR_NODES: 48, AZIMUTH_NODES: 16, MIN_TANGENT: 1e-05 } as const;
 
@@ -28,18 +24,14 @@ export const STRETCHED = { FACTORS: 5 } as const;
 export const TABLE = { SHAPE: [96, 32, 8], MIN_LOG: -25, MAX_LOG: 20, MIN_COSINE: 0.005 } as const;
 
 /** Of `urushi.material.energy` of Python. */
-export const ENERGY = { MARGIN: 0.0005, SLACK: 0.003, TOLERANCE: 0.005, GRAZING: 0.1, LEAST_ALBEDO:
-  1e-06, LEAST_REST: 0.005, TINY_FACTOR: 0.001, TINY_FACTOR_ROUNDS: 3 } as const;
+export const ENERGY = { MARGIN: 0.0005, LEAST_ALBEDO: 1e-06, LEAST_REST: 0.005, TINY_FACTOR: 0.001,
+  TINY_FACTOR_ROUNDS: 3 } as const;
 
 /** Of `urushi.material.layer` of Python. */
 export const LAYER = { DEEPEST: 12 } as const;
 
 /** Of `urushi.nets.basis` of Python. */
 export const BASIS = { EMPTY_GAIN: -100 } as const;
-
-/** Of `urushi.nets.code_fit` of Python. */
-export const CODE_FIT = { FIRST_FLOOR: 0.05, FLOOR: 0.02, KNEE: 0.003, DARK: 0.02, PRIOR: 1e-06,
-  ROUNDS: 5, LEAST_SHARE: 0.001, LEAST_REST: 1e-09 } as const;
 
 /** Of `urushi.nets.features` of Python. */
 export const FEATURES = { COAT_FEATURES: { 1: 18, 2: 20 } } as const;
@@ -50,11 +42,7 @@ export const LAYERER = { LEAST_GAIN: -12 } as const;
 /** Of `urushi.nets.lobe` of Python. */
 export const LOBE = { NO_LOBE: [1, 0, 0, 0, 1.5, 0], LOBE_FEATURES: { 1: 6, 2: 8 }, NUMBERS: { 1:
   ["alpha", "normal", "grazing", "exact", "eta", "k"], 2: ["alpha_u", "normal", "grazing", "exact",
-  "eta", "k", "alpha_v"] }, COSINES: [1, 0.5, 0.2], VISIBLE: 0.01 } as const;
-
-/** Of `urushi.nets.lobe_fit` of Python. */
-export const LOBE_FIT = { DARK: 0.001, OVERSHOOT_WEIGHT: 30, KNEE: 0.05, STEPS: 14, CONVERGED:
-  0.0001, LONGEST_STEP: 0.3, LAST_STEPS: 3 } as const;
+  "eta", "k", "alpha_v"] }, COSINES: [1, 0.5, 0.2] } as const;
 
 /** Of `urushi.nets.mlp` of Python. */
 export const MLP = { POLYNOMIALS: { smoothstep: [2, [0.375, -0.03125]], silu7: [5.75, [0.225729,

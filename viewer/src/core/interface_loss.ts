@@ -3,9 +3,8 @@
  * light once, and what would meet a second facet is lost. See `core.albedos` of Python.
  */
 
+import { fresnel } from "./formulas";
 import { gaussLegendre } from "./quadrature";
-import { sampleReflection, sampleTransmission } from "./walk/interface";
-import { vector } from "./walk/vector";
 
 /** Nodes of the quadrature over visible facets: of their azimuth, and of their height. */
 const AZIMUTHS = 20;
@@ -14,25 +13,44 @@ const HEIGHTS = 40;
 /** Nodes of means over a hemisphere, on either side of the edge of total reflection. */
 const { nodes: NODES, weights: WEIGHTS } = gaussLegendre(16);
 
-/** Azimuths and heights of facets in (0, 1), dense where facets are steep, and their weights. */
+/** Azimuths [rad] and heights in (0, 1) of facets, dense where they are steep, and their weights. */
 const FACETS = Array.from({ length: AZIMUTHS * HEIGHTS }, (_, k) => {
   const row = Math.floor(k / AZIMUTHS);
   const root = (row + 0.5) / HEIGHTS;
   const turn = ((k % AZIMUTHS) + ((row * 0.6180339887498949 + 0.5) % 1)) / AZIMUTHS;
-  return { turn: 0.5 * turn, height: root * root, weight: (2 * root) / (AZIMUTHS * HEIGHTS) };
+  return { turn: Math.PI * turn, height: root * root, weight: (2 * root) / (AZIMUTHS * HEIGHTS) };
 });
 
 /** Light that is reflected, and that passes, of the light from a direction. */
 type Shares = readonly [reflected: number, passed: number];
 
+/** By facets that are visible from the direction, uniformly on a cap (Dupuy and Benyoub 2023). */
 function shares(alpha: number, eta: number, cosine: number): Shares {
-  const wi = vector(Math.sqrt(1 - cosine * cosine), 0, cosine);
+  const sine = Math.sqrt(1 - cosine * cosine);
+  const size = Math.hypot(alpha * sine, cosine);
+  const [wideX, wideZ] = [(alpha * sine) / size, cosine / size];
   let [reflected, passed] = [0, 0];
   for (const { turn, height, weight } of FACETS) {
-    reflected += weight * sampleReflection(wi, alpha, eta, turn, 1 - height).weight;
-    passed += weight * sampleTransmission(wi, alpha, eta, turn, 1 - height).weight;
+    const up = height * (1 + wideZ) - wideZ;
+    const radius = Math.sqrt(Math.max(1 - up * up, 0));
+    const [x, z] = [alpha * (radius * Math.cos(turn) + wideX), up + wideZ];
+    const length = Math.hypot(x, alpha * radius * Math.sin(turn), z);
+    const [facetX, facetZ] = [x / length, z / length];
+    const toFacet = sine * facetX + cosine * facetZ;
+    const share = fresnel(Math.min(toFacet, 1), eta, 0);
+    const inside2 = 1 - (1 - toFacet * toFacet) / (eta * eta);
+    const mirrored = 2 * toFacet * facetZ - cosine;
+    const refracted = (toFacet / eta - Math.sqrt(Math.max(inside2, 0))) * facetZ - cosine / eta;
+    if (mirrored > 0) reflected += weight * share * masking(alpha, mirrored);
+    if (refracted < 0 && inside2 > 0) passed += weight * (1 - share) * masking(alpha, refracted);
   }
   return [reflected, passed];
+}
+
+/** Smith's term of a direction (Walter et al. 2007, equation 34). */
+function masking(alpha: number, cosine: number): number {
+  const cos2 = cosine * cosine;
+  return 2 / (1 + Math.sqrt(1 + (alpha * alpha * (1 - cos2)) / cos2));
 }
 
 /** Means of the shares over diffuse light of cosines from `low` to 1, relative to its light there. */

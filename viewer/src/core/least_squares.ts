@@ -1,54 +1,31 @@
-/** Small linear systems; see Python's `nets.least_squares`. */
+/** Linear least squares with few unknowns. */
 
 /**
- * Solve a positive definite system by Gauss's elimination, which needs no exchange of rows here.
+ * The unknowns x (K) of least |rows x - values|, by the normal equations.
  *
- * @param matrix (size, size), which is overwritten.
- * @param right (size, columns), which becomes the solutions.
+ * @param rows (N, K), with independent columns.
+ * @param values (N)
  */
-export function solve(matrix: Float64Array, right: Float64Array, size: number): Float64Array {
-  const columns = right.length / size;
-  for (let i = 0; i < size; i++) {
+export function leastSquares(rows: Float64Array, values: Float64Array): Float64Array {
+  const size = rows.length / values.length;
+  const matrix = new Float64Array(size * size);
+  const x = new Float64Array(size);
+  values.forEach((value, row) => {
+    for (let i = 0, at = row * size; i < size; i++) {
+      x[i] += rows[at + i] * value;
+      for (let k = 0; k < size; k++) matrix[i * size + k] += rows[at + i] * rows[at + k];
+    }
+  });
+  // Gauss's elimination: the matrix is positive definite, so no rows are exchanged.
+  for (let i = 0; i < size; i++)
     for (let j = i + 1; j < size; j++) {
       const share = matrix[j * size + i] / matrix[i * size + i];
-      for (let k = i; k < size; k++) {
-        matrix[j * size + k] -= share * matrix[i * size + k];
-      }
-      for (let k = 0; k < columns; k++) {
-        right[j * columns + k] -= share * right[i * columns + k];
-      }
+      for (let k = i; k < size; k++) matrix[j * size + k] -= share * matrix[i * size + k];
+      x[j] -= share * x[i];
     }
-  }
   for (let i = size - 1; i >= 0; i--) {
-    for (let c = 0; c < columns; c++) {
-      let sum = right[i * columns + c];
-      for (let k = i + 1; k < size; k++) {
-        sum -= matrix[i * size + k] * right[k * columns + c];
-      }
-      right[i * columns + c] = sum / matrix[i * size + i];
-    }
+    for (let k = i + 1; k < size; k++) x[i] -= matrix[i * size + k] * x[k];
+    x[i] /= matrix[i * size + i];
   }
-  return right;
-}
-
-/**
- * Add a residual to slope and curvature.
- *
- * @param slopes its derivatives by the unknowns begin at a place of this array.
- * @param pull its weight times the residual.
- */
-export function addRow(
-  slope: Float64Array,
-  curvature: Float64Array,
-  slopes: ArrayLike<number>,
-  at: number,
-  pull: number,
-  weight: number,
-): void {
-  const size = slope.length;
-  for (let a = 0; a < size; a++) {
-    const own = slopes[at + a];
-    slope[a] += pull * own;
-    for (let b = 0; b < size; b++) curvature[a * size + b] += weight * own * slopes[at + b];
-  }
+  return x;
 }

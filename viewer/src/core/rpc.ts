@@ -1,20 +1,11 @@
 /** Calls of functions in a worker by messages, answered in their order. */
 
-import { Cancelled } from "../refusal";
 import { FileError } from "./safetensors";
 
-/** What a function is given behind its arguments. */
-export interface Context {
-  /** Post what is known so far. */
-  told(soFar: unknown): void;
-  /** Aborted when the caller does not want the result any more. */
-  readonly signal: AbortSignal;
-}
+/** Functions by name; behind its arguments, each is given a function that tells what is known so far. */
+export type Functions = Record<string, (...args: never[]) => unknown>;
 
-/** Functions by name; asynchronous ones leave time for others. */
-type Functions = Record<string, (...args: never[]) => unknown>;
-
-type Call = { id: number; name: string; args: unknown[] } | { cancelled: number };
+type Call = { id: number; name: string; args: unknown[] };
 
 type Answer = { id: number } & (
   | { result: unknown }
@@ -30,24 +21,16 @@ export interface Port {
 
 /** Answer the calls that arrive at a port, or at this worker. */
 export function serve(functions: Functions, port = self as unknown as Port): void {
-  const ends = new Map<number, AbortController>();
-  const answer = (id: number, kind: "result" | "soFar" | "error", value: unknown) =>
-    port.postMessage({ id, [kind]: value }, buffersOf(value));
-  port.addEventListener("message", async ({ data }: { data: Call }) => {
-    if ("cancelled" in data) return ends.get(data.cancelled)?.abort();
-    const { id, name, args } = data;
-    const end = new AbortController();
-    ends.set(id, end);
-    const told = (soFar: unknown) => answer(id, "soFar", soFar);
-    const context: Context = { told, signal: end.signal };
+  port.addEventListener("message", async ({ data: { id, name, args } }: { data: Call }) => {
+    const answer = (kind: "result" | "soFar" | "error", value: unknown) =>
+      port.postMessage({ id, [kind]: value }, buffersOf(value));
     try {
       const called = functions[name] as (...args: unknown[]) => unknown;
-      answer(id, "result", await called(...args, context));
+      answer("result", await called(...args, (soFar: unknown) => answer("soFar", soFar)));
     } catch (error) {
       const { name, message } = error instanceof Error ? error : new Error(String(error));
-      answer(id, "error", { name, message });
+      answer("error", { name, message });
     }
-    ends.delete(id);
   });
 }
 
@@ -58,28 +41,11 @@ function buffersOf(value: unknown): ArrayBuffer[] {
   return [...new Set(buffers.filter((buffer) => buffer instanceof ArrayBuffer))];
 }
 
-/** What a call may have besides its arguments. */
-interface Options<SoFar> {
-  /** What is given away and not copied. */
-  transfer?: Transferable[];
-  /** Called with what is known before the result. */
-  told?: ((soFar: SoFar) => void) | undefined;
-  /** Ends the call, which then fails with `Cancelled`. */
-  signal?: AbortSignal | undefined;
-}
-
 interface Promised {
   resolve(result: unknown): void;
   reject(error: Error): void;
   told?: ((soFar: never) => void) | undefined;
 }
-
-/** The arguments of a function without the context. */
-type Args<F> = F extends (...args: infer All) => unknown
-  ? All extends [...infer Own, Context]
-    ? Own
-    : All
-  : never;
 
 /** The functions of a worker. */
 export class Remote<All extends { [Name in keyof All]: (...args: never[]) => unknown }> {
@@ -97,19 +63,18 @@ export class Remote<All extends { [Name in keyof All]: (...args: never[]) => unk
     });
   }
 
+  /**
+   * @param transfer what is given away and not copied.
+   * @param told called with what is known before the result.
+   */
   call<Name extends keyof All & string, SoFar = never>(
     name: Name,
-    args: Args<All[Name]>,
-    { transfer = [], told, signal }: Options<SoFar> = {},
+    args: Parameters<All[Name]>,
+    transfer: Transferable[] = [],
+    told?: (soFar: SoFar) => void,
   ): Promise<Awaited<ReturnType<All[Name]>>> {
     const id = this.count++;
     return new Promise((resolve, reject) => {
-      if (signal?.aborted) return reject(new Cancelled());
-      signal?.addEventListener("abort", () => {
-        if (!this.promised.delete(id)) return;
-        this.port.postMessage({ cancelled: id }, []);
-        reject(new Cancelled());
-      });
       this.promised.set(id, { resolve: resolve as Promised["resolve"], reject, told });
       this.port.postMessage({ id, name, args }, transfer);
     });

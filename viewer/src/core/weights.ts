@@ -21,8 +21,6 @@ export interface Architecture {
   readonly lobe: number;
   /** Numbers of the rest, which follow those of the lobe and begin with a gain. */
   readonly rest: number;
-  /** Number of probe pairs. */
-  readonly probes: number;
 }
 
 /** Sizes and parameters of all. */
@@ -82,7 +80,6 @@ function readArchitecture(sizes: Record<string, unknown>): Architecture {
     widths,
     lobe,
     rest,
-    probes: size("probes"),
   };
 }
 
@@ -97,7 +94,7 @@ function readProposal(tensors: Tensors, rest: number): ProposalWeights {
 
 function readBasis(
   tensors: Tensors,
-  { widths, rest, probes }: Architecture,
+  { widths, rest }: Architecture,
   azimuthal: unknown,
 ): BasisWeights {
   const count = widths === 1 ? rest : rest - 1;
@@ -109,8 +106,6 @@ function readBasis(
     widths,
     rows,
     bounds: [0, ...bounds],
-    measure: tensorOf(tensors, "basis.measure", [probes]).values,
-    prior: tensorOf(tensors, "basis.prior", [count, count]).values,
   };
 }
 

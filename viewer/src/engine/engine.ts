@@ -3,17 +3,13 @@
 import { signal } from "@preact/signals";
 import type { Material, Stack } from "../core/api";
 import type { FTable } from "../core/f_table";
-import { Pairs } from "../core/features";
-import { lobeValues } from "../core/lobe";
-import { sequenceSteps } from "../core/probe_pairs";
-import type { Estimate } from "../core/walk/reference";
+import { sequencePoint } from "../core/sequence";
 import {
   ANISOTROPIC_COARSE,
   ANISOTROPIC_FINE,
   type AnisotropicSize,
   anisotropicPairs,
 } from "../picture/anisotropic_table";
-import { Cancelled } from "../refusal";
 import type { Cores, PageCore } from "./remote";
 import type { ShownTexture } from "./textures";
 
@@ -36,32 +32,8 @@ const ALBEDO_COSINES = ALBEDO_ANGLES.map((degrees) => Math.cos((degrees * Math.P
 /** Angles in the plane of incidence at which f is plotted [degrees]; positive beyond the normal. */
 export const PLANE_ANGLES = Float32Array.from({ length: 241 }, (_, k) => (k - 120) * 0.745);
 
-/** Angles at which the walk is compared with the networks [degrees]. */
-export const WALK_ANGLES = Float32Array.from({ length: 33 }, (_, k) => (k - 16) * 5);
-
-/** Walks of a comparison. */
-const MOST_WALKS = 4096;
-
 /** Time without change after which what is slow is computed [ms]. */
 const PATIENCE = 200;
-
-/** The walk's values in the plane of incidence, beside those of the networks. */
-export interface Comparison {
-  walks: number;
-  /** (N, 3) at `WALK_ANGLES`. */
-  f: Float32Array;
-  error: Float32Array;
-  /** The networks' deviation, and the walk's standard error. */
-  whole: Difference;
-  /** The same of what the topmost surface does not reflect, whose highlight is exact. */
-  rest: Difference;
-}
-
-/** A deviation and a standard error, relative to the sum of f cos. */
-export interface Difference {
-  deviation: number;
-  noise: number;
-}
 
 /** Values of f of two widths for the bright lights, and the table's size. */
 export interface Bright {
@@ -102,17 +74,13 @@ export class Slot {
   /** f (N, 3) at `PLANE_ANGLES`, and the directional albedo (N, 3) at `ALBEDO_ANGLES`. */
   readonly plane = signal<Float32Array | null>(null);
   readonly albedo = signal<Float32Array | null>(null);
-  /** The walk so far; null: there is none. */
-  readonly walk = signal<Comparison | null>(null);
   /** GGX widths of the networks, and the angle by which the tangent is turned [degrees]. */
   widths: 1 | 2 = 1;
   rotation = 0;
   private core: PageCore;
   material: Material | null = null;
-  private stack: Stack | null = null;
   private albedoIsOld = true;
   private timer = 0;
-  private abort = new AbortController();
   private wanted: Shown | null = null;
   private latest: Shown | null = null;
   private busy = false;
@@ -138,7 +106,6 @@ export class Slot {
   async drawPlane(): Promise<void> {
     const { material } = this;
     if (material === null) return;
-    this.walk.value = null;
     this.later();
     const pairs = planePairs(PLANE_ANGLES, this.page.incidence(), this.rotation);
     const f = await this.core.f(material, ...pairs);
@@ -180,8 +147,6 @@ export class Slot {
       while (this.wanted !== null) {
         const { stack, texture, table, rotation } = this.wanted;
         this.wanted = null;
-        this.abort.abort();
-        this.walk.value = null;
         const core = await this.cores.of(stack);
         const layered = await core.layer(stack);
         const material = { ...layered, table: table ?? layered.table };
@@ -190,7 +155,6 @@ export class Slot {
         this.widths = core.widths;
         this.rotation = rotation;
         this.material = material;
-        this.stack = stack;
         this.texture = texture;
         this.generation++;
         this.tables = [first];
@@ -207,63 +171,25 @@ export class Slot {
     }
   }
 
-  /** Compute what is slow when nothing has changed for a while. */
+  /** Compute the albedo, which is slow, when nothing has changed for a while. */
   private later(): void {
     clearTimeout(this.timer);
-    this.abort.abort();
-    this.abort = new AbortController();
-    const { signal } = this.abort;
     const compute = async () => {
       const { material } = this;
-      if (material === null || signal.aborted) return;
-      if (this.albedoIsOld) {
-        const albedo = await this.core.albedo(material, ALBEDO_COSINES);
-        if (material !== this.material) return;
-        this.albedo.value = albedo;
-        this.albedoIsOld = false;
-      }
-      await this.compare(signal);
+      if (material === null || !this.albedoIsOld) return;
+      const albedo = await this.core.albedo(material, ALBEDO_COSINES);
+      if (material !== this.material) return;
+      this.albedo.value = albedo;
+      this.albedoIsOld = false;
     };
     this.timer = setTimeout(() => compute().catch(this.page.failed), PATIENCE) as unknown as number;
   }
 
-  /** Let the walk converge beside the networks. */
-  private async compare(signal: AbortSignal): Promise<void> {
-    const { material, stack } = this;
-    const described = stack !== null && stack.bottom.kind !== "codes" && stack.coats.length > 0;
-    const walkable = described && this.widths === 1; // the walk knows isotropic surfaces
-    if (material === null || !walkable || stack.energyCompensation || signal.aborted) return;
-    const pairs = planePairs(WALK_ANGLES, this.page.incidence(), 0);
-    const networks = await this.core.f(material, ...pairs);
-    const size = this.core.latentSize;
-    const lobes = [0, 1, 2].map((channel) =>
-      lobeValues(material.latents.subarray(channel * size), Pairs.of(...pairs)),
-    );
-    const show = (estimate: Estimate) => {
-      if (!signal.aborted) this.walk.value = compared(estimate, networks, lobes);
-    };
-    try {
-      const options = { seed: 1, walks: MOST_WALKS };
-      show(await this.core.walk(stack, pairs, options, show, signal));
-    } catch (error) {
-      if (!(error instanceof Cancelled)) throw error;
-    }
-  }
-
   private table(core: PageCore, material: Material, place: number): Promise<Float32Array> {
     const sizes = { ...TABLE_ROWS[core.widths], samples: SAMPLES };
-    return core.table(material, { ...sizes, shift: shiftOf(place) });
+    // The sequence goes on where the table before has ended.
+    return core.table(material, { ...sizes, shift: sequencePoint(SAMPLES * place, [0, 0, 0]) });
   }
-}
-
-/** The shift by which a table goes on where the one before it has ended. */
-export function shiftOf(place: number): [number, number, number] {
-  const [x, y, z] = sequenceSteps(3).map((step) => (step * SAMPLES * place) % 1) as [
-    number,
-    number,
-    number,
-  ];
-  return [x, y, z];
 }
 
 /** Pairs in the plane of the shape's tangent, in the frame of a tangent turned by an angle. */
@@ -283,24 +209,6 @@ function planePairs(
     wo.set([Math.sin(out) * x, Math.sin(out) * y, Math.cos(out)], 3 * at);
   });
   return [wi, wo];
-}
-
-function compared(
-  { walks, f, error }: Estimate,
-  networks: Float32Array,
-  lobes: readonly Float64Array[],
-): Comparison {
-  let [deviation, noise, sum, lobe] = [0, 0, 0, 0];
-  f.forEach((value, at) => {
-    const place = Math.floor(at / 3);
-    const cosine = Math.cos((WALK_ANGLES[place]! * Math.PI) / 180);
-    deviation += Math.abs(networks[at]! - value) * cosine;
-    noise += error[at]! * cosine;
-    sum += value * cosine;
-    lobe += lobes[at % 3]![place]! * cosine;
-  });
-  const over = (whole: number) => ({ deviation: deviation / whole, noise: noise / whole });
-  return { walks, f, error, whole: over(sum), rest: over(Math.max(sum - lobe, 0)) };
 }
 
 function keyOf(stack: Stack): string {

@@ -2,7 +2,7 @@
 
 import type { Material } from "../core/api";
 import { CHANNELS } from "../core/channels";
-import type { NetworkCore } from "../core/core";
+import type { Networks } from "../core/core";
 import { TABLE } from "../core/formulas";
 import { headerOf } from "../core/safetensors";
 import type { CodesBottom } from "../material/material";
@@ -11,9 +11,6 @@ import { halfBits, keepTable, logsOfBits } from "./textures";
 
 /** Version of the format. */
 const VERSION = 3;
-
-/** The networks that a material belongs to. */
-type Networks = Pick<NetworkCore, "latentSize" | "widths" | "fingerprint">;
 
 /** The fingerprint of the networks that a material file names. */
 export function networksOf(bytes: Uint8Array): unknown {

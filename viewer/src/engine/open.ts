@@ -1,26 +1,17 @@
 /** Files that are dropped on the page or opened: a panorama, a state, or a material. */
 
 import { signal } from "@preact/signals";
-import type { BottomInAir, CodesBottom, MaterialCards, TexelBottom } from "../material/material";
+import type { BottomInAir, MaterialCards, TexelBottom } from "../material/material";
 import { isTexture } from "../material/texture";
 import { checkSize, type Panorama, readHdr, withoutLights } from "../picture/panorama";
 import { Refusal } from "../refusal";
 import { readState } from "../state/read";
-import {
-  announce,
-  asTask,
-  change,
-  changeMaterial,
-  complain,
-  notice,
-  task,
-  tell,
-} from "../state/store";
+import { asTask, change, changeMaterial, complain, notice, tell } from "../state/store";
 import { networksOf, readMaterialFile } from "./material_file";
 import { readMaterialx } from "./materialx";
-import { byOwnWorker, type Cores, type PageCore } from "./remote";
+import { byOwnWorker, type Cores } from "./remote";
 import { session, useEnvironment, useMesh } from "./session";
-import { keepTable, keepTexture } from "./textures";
+import { keepTexture } from "./textures";
 
 /** Suffixes of meshes. */
 const MESHES = ["obj", "glb", "gltf", "ply"];
@@ -50,14 +41,12 @@ async function openFile(file: File): Promise<void> {
     const panorama = suffix === "hdr" ? readHdr(bytes) : await exrPanorama(bytes);
     useEnvironment(file.name, { file, ...withoutLights(panorama) });
   } else if (MESHES.includes(suffix!)) {
-    const mesh = await asTask("Reading the mesh", (signal, told) =>
-      byOwnWorker((files) =>
-        files.call("readMesh", [bytes, suffix!], { transfer: [bytes.buffer], told, signal }),
-      ),
+    const mesh = await asTask("Reading the mesh", (end, told) =>
+      byOwnWorker((files) => files.call("readMesh", [bytes, suffix!], [bytes.buffer], told), end),
     );
     useMesh(file.name, mesh);
   } else if (suffix === "json") {
-    change(readState(parsed(bytes), tell));
+    change(readState(parsed(bytes)));
   } else if (suffix === "mtlx") {
     const { bottom, coats, lost } = readMaterialx(bytes);
     showOpened({ name: stem(file), bottom, coats, solo: null });
@@ -65,14 +54,15 @@ async function openFile(file: File): Promise<void> {
       tell(
         `“${file.name}” was opened without ${lost.join(", ")}; urushi convert writes all of it as a Mitsuba scene.`,
       );
-  } else if (suffix === "safetensors" || suffix === "binary" || suffix === "bsdf") {
+  } else if (suffix === "safetensors") {
     const cores = session.value?.cores;
     if (cores === undefined) throw new Refusal("The networks are not loaded yet.");
-    const found = await materialOf(cores, bytes, suffix !== "safetensors");
-    showOpened({ name: stem(file), ...found, coats: [], solo: null });
+    showOpened({ name: stem(file), ...(await materialOf(cores, bytes)), coats: [], solo: null });
+  } else if (suffix === "binary" || suffix === "bsdf") {
+    throw new Refusal(`Python encodes measured BRDFs: run urushi view ${file.name}.`);
   } else {
     throw new Refusal(
-      "The page opens materials (.safetensors, .mtlx), measured BRDFs (.binary of MERL, .bsdf of RGL), panoramas (.hdr, .exr), meshes (.obj, .glb, .gltf, .ply) and saved states (.json).",
+      "The page opens materials (.safetensors, .mtlx), panoramas (.hdr, .exr), meshes (.obj, .glb, .gltf, .ply) and saved states (.json).",
     );
   }
 }
@@ -100,40 +90,23 @@ async function exrPanorama(bytes: Uint8Array): Promise<Panorama> {
   const late = new Promise<never>((_resolve, reject) => {
     setTimeout(() => reject(new Refusal("This .exr file is damaged.")), PATIENCE);
   });
-  const picture = await asTask("Reading the panorama", (signal) =>
-    byOwnWorker((files) => Promise.race([files.call("readExr", [bytes], { signal }), late])),
+  const picture = await asTask("Reading the panorama", (end) =>
+    byOwnWorker((files) => Promise.race([files.call("readExr", [bytes]), late]), end),
   );
   checkSize(picture.width, picture.height);
   return picture;
 }
 
-/** The material of a file: codes, a texture of codes, or a measured BRDF. */
+/** The material of a file: codes, or a texture of codes. */
 async function materialOf(
   cores: Cores,
   bytes: Uint8Array<ArrayBuffer>,
-  isMeasured: boolean,
 ): Promise<{ bottom: BottomInAir | TexelBottom; rotation?: number }> {
   const core = cores.isotropic;
-  if (isMeasured) return { bottom: await encodeMeasured(core, bytes) };
   if (isTexture(bytes))
     return { bottom: { kind: "texels", texture: await keepTexture(bytes, core) } };
   const isOther = networksOf(bytes) !== core.fingerprint;
   return readMaterialFile(bytes, isOther ? await cores.anisotropic() : core);
-}
-
-/** Codes and table of a measured BRDF, which the worker takes some seconds to find. */
-async function encodeMeasured(
-  core: PageCore,
-  bytes: Uint8Array<ArrayBuffer>,
-): Promise<CodesBottom> {
-  task.value = { text: "Encoding the measured BRDF" };
-  announce("The measured BRDF is being encoded.");
-  try {
-    const { latents, table } = await core.encodeMeasured(bytes.buffer);
-    return { kind: "codes", latents, table: keepTable(table.logs) };
-  } finally {
-    task.value = null;
-  }
 }
 
 /** Open files that are dropped anywhere on the page. */

@@ -1,29 +1,19 @@
 /** The numeric core in its worker, with the networks, and a worker for files. */
 
 import type { Stack } from "../core/api";
-import type { CoreCalls, WalkOptions } from "../core/calls";
-import type { NetworkCore } from "../core/core";
+import type { CoreCalls } from "../core/calls";
+import { METHODS, type NetworkCore, type Networks } from "../core/core";
 import { Remote } from "../core/rpc";
-import type { Estimate } from "../core/walk/reference";
 import { isAnisotropic, widthRatio } from "../material/material";
 import type { FileCalls } from "../picture/files";
-import { Refusal } from "../refusal";
+import { Cancelled, Refusal } from "../refusal";
 import { readFile, startWorker } from "./files";
 
 /** The core behind messages: its methods are asynchronous. */
-export type PageCore = Pick<NetworkCore, "latentSize" | "widths" | "fingerprint"> & {
-  [Name in "encodeMeasured" | "layer" | "f" | "albedo" | "table" | "basisTexels"]: (
+export type PageCore = Networks & {
+  [Name in (typeof METHODS)[number]]: (
     ...args: Parameters<NetworkCore[Name]>
   ) => Promise<ReturnType<NetworkCore[Name]>>;
-} & {
-  /** Estimates precede the result; `signal` ends the walk, which then fails with `Cancelled`. */
-  walk(
-    stack: Stack,
-    pairs: readonly [wi: Float32Array, wo: Float32Array],
-    options: WalkOptions,
-    told: (estimate: Estimate) => void,
-    signal?: AbortSignal,
-  ): Promise<Estimate>;
 };
 
 const WEIGHTS = "weights.safetensors";
@@ -71,13 +61,17 @@ export class Cores {
   }
 }
 
-/** The result of a call that needs no networks, by a worker of its own. */
+/** The result of a call that needs no networks, by a worker of its own, which `end` stops. */
 export async function byOwnWorker<Result>(
   call: (files: Remote<FileCalls>) => Promise<Result>,
+  end?: AbortSignal,
 ): Promise<Result> {
   const { worker, broken } = await startWorker("files");
+  const ended = new Promise<never>((_resolve, reject) => {
+    end?.addEventListener("abort", () => reject(new Cancelled()));
+  });
   try {
-    return await Promise.race([call(new Remote(worker)), broken]);
+    return await Promise.race([call(new Remote(worker)), broken, ended]);
   } finally {
     worker.terminate();
   }
@@ -102,15 +96,9 @@ export async function connect(path = WEIGHTS): Promise<PageCore> {
 
 /** The core of a worker, with the networks of a file, which is given away. */
 export async function coreOf(remote: Remote<CoreCalls>, weights: ArrayBuffer): Promise<PageCore> {
+  const methods = METHODS.map((name) => [name, (...args: never) => remote.call(name, args)]);
   return {
-    ...(await remote.call("load", [weights], { transfer: [weights] })),
-    encodeMeasured: (file) => remote.call("encodeMeasured", [file], { transfer: [file] }),
-    layer: (...args) => remote.call("layer", args),
-    f: (...args) => remote.call("f", args),
-    albedo: (...args) => remote.call("albedo", args),
-    table: (...args) => remote.call("table", args),
-    basisTexels: () => remote.call("basisTexels", []),
-    walk: (stack, [wi, wo], options, told, signal) =>
-      remote.call("walk", [stack, wi, wo, options], { told, signal }),
+    ...(Object.fromEntries(methods) as PageCore),
+    ...(await remote.call("load", [weights], [weights])),
   };
 }

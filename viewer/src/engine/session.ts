@@ -17,7 +17,7 @@ import { exrFile, type Radiance } from "../save/exr";
 import type { Scene } from "../save/scene";
 import { readState } from "../state/read";
 import type { State } from "../state/state";
-import { announce, change, complain, look, showRead, state, tell } from "../state/store";
+import { announce, change, complain, look, showRead, state } from "../state/store";
 import { type Shown, Slot } from "./engine";
 import { readFile } from "./files";
 import { blobOf, drawLarge, type LargeSize } from "./large_picture";
@@ -284,7 +284,7 @@ export async function begin(addressed: boolean): Promise<void> {
     const [core, start] = await Promise.all([connect(), readStart()]);
     if ("texture" in start) await keepTexture(await readBytes(String(start.texture)), core);
     if ("table" in start) keepTable(logsOfBits(await readBytes(String(start.table))));
-    if ("materials" in start && !addressed) showRead(() => readState(start, tell), false);
+    if ("materials" in start && !addressed) showRead(() => readState(start), false);
     session.value = new Session(new Cores(core));
   } catch (error) {
     complain(error, () => void begin(addressed));

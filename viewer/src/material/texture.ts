@@ -1,6 +1,7 @@
 /** Textures of latent codes: files that the method `save` of Python's plugins writes. */
 
 import { CHANNELS } from "../core/channels";
+import type { Networks } from "../core/core";
 import { type Fields, headerOf } from "../core/safetensors";
 import { Refusal } from "../refusal";
 import { crc32 } from "../save/zip";
@@ -40,12 +41,6 @@ export interface CodeTexture {
   nearest: boolean;
 }
 
-/** The networks that a texture belongs to. */
-interface Networks {
-  latentSize: number;
-  fingerprint: string;
-}
-
 /** Version of the format that Python writes. */
 const VERSION = 4;
 
@@ -61,7 +56,7 @@ export function isTexture(file: Uint8Array): boolean {
  */
 export function readTexture(
   file: Uint8Array<ArrayBuffer>,
-  { latentSize, fingerprint }: Networks,
+  { latentSize, fingerprint }: Pick<Networks, "latentSize" | "fingerprint">,
 ): CodeTexture {
   const header = headerOf(file);
   if (header === null) throw damaged();

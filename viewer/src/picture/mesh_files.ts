@@ -10,7 +10,6 @@ import {
 } from "three";
 import { GLTFLoader, type GLTFLoaderPlugin } from "three/addons/loaders/GLTFLoader.js";
 import { PLYLoader } from "three/addons/loaders/PLYLoader.js";
-import type { Context } from "../core/rpc";
 import { FileError } from "../core/safetensors";
 import { type Mesh, meshOfPart, type Part, VERTEX_NUMBERS } from "./meshes";
 
@@ -31,7 +30,7 @@ type Told = (share: number) => void;
 export async function readMesh(
   bytes: Uint8Array<ArrayBuffer>,
   suffix: string,
-  { told }: Pick<Context, "told"> = { told: () => {} },
+  told: Told = () => {},
 ): Promise<Mesh> {
   try {
     const object = await READERS[suffix as keyof typeof READERS](bytes, told);

@@ -3,7 +3,7 @@
 import type { Material } from "../core/api";
 import { CHANNELS, rows } from "../core/channels";
 import type { Occlusion } from "../core/occlusion";
-import { sequenceSteps } from "../core/probe_pairs";
+import { sequencePoint } from "../core/sequence";
 import type { ShownTexture } from "../engine/textures";
 import type { Radiance } from "../save/exr";
 import { type Comparison, type EnvironmentName, TONES, type Tone, type View } from "../state/state";
@@ -516,7 +516,7 @@ export class Renderer {
     object.setTexture("environment", 1, gl.TEXTURE_CUBE_MAP, this.map.texture);
     object.setTexture("irradiance", 5, gl.TEXTURE_CUBE_MAP, this.map.irradiance);
     if (texels) {
-      object.set("start", ...sequence(count * TEXEL_SAMPLES));
+      object.set("start", ...sequencePoint(count * TEXEL_SAMPLES, [0.5, 0.5, 0.5]));
       object.setTexture("codes", 0, gl.TEXTURE_2D_ARRAY, texels.texture);
       object.setTexture("functions", 7, gl.TEXTURE_3D, texels.basis);
       object.setTexture("places", 2, gl.TEXTURE_2D, targets.places);
@@ -603,16 +603,6 @@ function around([x, y, width, height]: Box, scale: number, margin: number): Box 
   const [left, low] = [Math.floor(x * scale) - margin, Math.floor(y * scale) - margin];
   const right = Math.ceil((x + width) * scale) + margin;
   return [left, low, right - left, Math.ceil((y + height) * scale) + margin - low];
-}
-
-/** The place where a sequence of directions goes on after so many (Roberts 2018). */
-function sequence(place: number): [number, number, number] {
-  const [x, y, z] = sequenceSteps(3).map((step) => (0.5 + step * place) % 1) as [
-    number,
-    number,
-    number,
-  ];
-  return [x, y, z];
 }
 
 /** The panes of a picture, left to right; `partWidth`: of the part that is drawn. */

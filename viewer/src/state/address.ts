@@ -5,8 +5,8 @@ import { crc32 } from "../save/zip";
 import { readState } from "./read";
 import type { State } from "./state";
 
-/** Of an address; in the older one, indices were relative to the medium above. */
-const [OLDER, VERSION] = ["u1", "u2"];
+/** Of an address. */
+const VERSION = "u2";
 
 /** The state as JSON text, codes as lists of numbers. */
 export function toJson(state: State, indent?: number): string {
@@ -24,17 +24,16 @@ export function toAddress(state: State): string {
 /**
  * The state of an address.
  *
- * @param tell called with a sentence on what was converted.
  * @throws Refusal if it is of another version, shortened, or damaged.
  */
-export function fromAddress(address: string, tell?: (text: string) => void): State {
+export function fromAddress(address: string): State {
   const [version, sum, text, ...rest] = address.replace(/^#/, "").split(".");
-  if (version !== VERSION && version !== OLDER)
+  if (version !== VERSION)
     throw new Refusal("The address was made by another version of this page.");
   const bytes = rest.length === 0 && sum && text ? fromBase64(text) : null;
   if (bytes === null || checkSum(bytes) !== sum)
     throw new Refusal("The address is incomplete; copy it again, up to its end.");
-  return readState(JSON.parse(new TextDecoder().decode(bytes)), tell);
+  return readState(JSON.parse(new TextDecoder().decode(bytes)));
 }
 
 /** CRC-32 in base 36. */

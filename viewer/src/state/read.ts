@@ -1,11 +1,9 @@
 /** Reading a state from JSON that may be anything: checked, with one sentence on what is wrong. */
 
 import type { Channels } from "../core/api";
-import { CHECKS } from "../core/formulas";
-import { mapped, quotient, rgb } from "../material/channels";
+import { mapped, rgb } from "../material/channels";
 import {
   type BottomInAir,
-  bottomUnder,
   type CoatCard,
   type MaterialCards,
   MOST_COATS,
@@ -30,22 +28,14 @@ import {
 
 type Fields = Record<string, unknown>;
 
-const CONVERTED =
-  "Indices of refraction were relative to the medium above when this was saved; they have been " +
-  "converted to absolute ones, at most 3.";
-
-/**
- * The state of a JSON value; fields that are missing have their first values.
- *
- * @param tell called with a sentence on what was converted.
- */
-export function readState(value: unknown, tell?: (text: string) => void): State {
+/** The state of a JSON value; fields that are missing have their first values. */
+export function readState(value: unknown): State {
   const fields = object(value, "the state");
   const materials = fields.materials;
   if (!Array.isArray(materials) || materials.length < 1 || materials.length > 2)
     throw new Refusal("The state has no materials.");
-  const first = readMaterial(materials[0], tell);
-  const second = materials.length > 1 ? readMaterial(materials[1], tell) : INITIAL.materials[1];
+  const first = readMaterial(materials[0]);
+  const second = materials.length > 1 ? readMaterial(materials[1]) : INITIAL.materials[1];
   const view = object(fields.view ?? {}, "the view");
   const pan = Array.isArray(view.pan) ? view.pan : [];
   const { background } = fields;
@@ -80,29 +70,19 @@ export function readState(value: unknown, tell?: (text: string) => void): State 
 }
 
 /** The material of a JSON value. */
-export function readMaterial(value: unknown, tell?: (text: string) => void): MaterialCards {
+export function readMaterial(value: unknown): MaterialCards {
   const fields = object(value, "the material");
   const coats = fields.coats ?? [];
   if (!Array.isArray(coats) || coats.length > MOST_COATS)
     throw new Refusal(`A material has at most ${MOST_COATS} coats.`);
-  const cards = coats.map(readCoat);
-  let bottom = readBottom(fields.bottom);
+  const bottom = readBottom(fields.bottom);
   if (bottom.kind === "texels" && coats.length > 0)
     throw new Refusal("A texture of codes cannot be coated on this page.");
-  if (bottom.kind !== "texels" && [fields.bottom, ...coats].some(isRelative)) {
-    tell?.(CONVERTED);
-    let air: Channels = 1; // relative to the medium above
-    for (const card of cards) {
-      card.ior = mapped(quotient(card.ior, air), (ior) => clamped(COAT_PARAMETERS.ior, ior));
-      if (card.on) air = quotient(CHECKS.AIR, card.ior);
-    }
-    bottom = bottomUnder(bottom, air);
-  }
   const solo = fields.solo;
   return {
     name: nameOf(fields.name, "Material"),
     bottom,
-    coats: cards,
+    coats: coats.map(readCoat),
     ...(fields.energyCompensation === true ? { energyCompensation: true } : {}),
     ...(fields.rotation === undefined ? {} : { rotation: number(fields.rotation, -180, 180, 0) }),
     solo:
@@ -110,18 +90,6 @@ export function readMaterial(value: unknown, tell?: (text: string) => void): Mat
         ? solo
         : null,
   };
-}
-
-/** Whether a coat or a dielectric is by its index relative to the medium above, the older form. */
-function isRelative({ kind, eta }: Fields): boolean {
-  return eta !== undefined && kind !== "conductor";
-}
-
-/** The index of a coat or a dielectric, in the older form as it would be in air. */
-function iorOf(fields: Fields): Channels {
-  const { ior } = COAT_PARAMETERS;
-  if (!isRelative(fields)) return channels(fields.ior, ior, "ior");
-  return mapped(channels(fields.eta, ior, "eta"), (eta) => eta * CHECKS.AIR);
 }
 
 function readCoat(value: unknown, place: number): CoatCard {
@@ -136,7 +104,7 @@ function readCoat(value: unknown, place: number): CoatCard {
     id: place + 1,
     on: fields.on !== false,
     ...widths(fields, one("alpha")),
-    ior: iorOf(fields),
+    ior: one("ior"),
     ...medium,
     g: one("g"),
     ...(thickness === 1 ? {} : { thickness }),
@@ -156,7 +124,7 @@ function readBottom(value: unknown): BottomInAir | TexelBottom {
       return {
         kind: "dielectric",
         ...widths(fields, one("alpha")),
-        ior: iorOf(fields),
+        ior: channels(fields.ior, COAT_PARAMETERS.ior, "ior"),
       };
     case "diffuse":
       return { kind: "diffuse", reflectance: one("reflectance") };

@@ -1,13 +1,7 @@
 /** f in the plane of incidence, and the directional albedo. */
 
 import { useRef } from "preact/hooks";
-import {
-  ALBEDO_ANGLES,
-  type Comparison,
-  PLANE_ANGLES,
-  type Slot,
-  WALK_ANGLES,
-} from "../engine/engine";
+import { ALBEDO_ANGLES, PLANE_ANGLES, type Slot } from "../engine/engine";
 import { session } from "../engine/session";
 import { look, state } from "../state/store";
 
@@ -54,7 +48,6 @@ function PlanePlot({ slot }: { slot: Slot | undefined }) {
   const held = useRef(false);
   const { incidence } = state.value;
   const f = slot?.plane.value ?? null;
-  const walk = slot?.walk.value ?? null;
   const { radius, rings } = scaleOf(f);
   const angle = (incidence * Math.PI) / 180;
   const [x, y] = [-RADIUS * Math.sin(angle), -RADIUS * Math.cos(angle)];
@@ -70,7 +63,6 @@ function PlanePlot({ slot }: { slot: Slot | undefined }) {
     <figure>
       <figcaption>
         <b>f in the plane of incidence</b> [1/sr]
-        <Difference comparison={walk} />
       </figcaption>
       <svg
         ref={svg}
@@ -106,7 +98,6 @@ function PlanePlot({ slot }: { slot: Slot | undefined }) {
           CHANNELS.map((channel, k) => (
             <path key={channel} class={`curve ${channel}`} d={polar(f, k, radius)} />
           ))}
-        {walk !== null && <Walk comparison={walk} radius={radius} />}
         <line class="incident" x1={0} y1={0} x2={x} y2={y} />
         <circle class="knob" cx={x} cy={y} r={7} />
         <circle
@@ -135,51 +126,6 @@ function PlanePlot({ slot }: { slot: Slot | undefined }) {
         </text>
       </svg>
     </figure>
-  );
-}
-
-/** The walk's values as dots. */
-function Walk({ comparison, radius }: { comparison: Comparison; radius: (f: number) => number }) {
-  return (
-    <g>
-      {CHANNELS.map((channel, k) =>
-        Array.from(WALK_ANGLES, (degrees, at) => {
-          const angle = (degrees * Math.PI) / 180;
-          const r = radius(comparison.f[3 * at + k]!);
-          const key = `${channel}${at}`;
-          return (
-            <circle
-              key={key}
-              class={`dot ${channel}`}
-              cx={r * Math.sin(angle)}
-              cy={-r * Math.cos(angle)}
-              r={1.7}
-            />
-          );
-        }),
-      )}
-    </g>
-  );
-}
-
-/** How far the networks are from the walk, in words. */
-function Difference({ comparison }: { comparison: Comparison | null }) {
-  if (comparison === null || !Number.isFinite(comparison.whole.noise)) return null;
-  const percent = (x: number) => `${(100 * x).toFixed(1)}\u00a0%`;
-  const { whole, rest } = comparison;
-  return (
-    <span
-      class="difference"
-      title="The random walk is the reference. Its noise falls as it goes on, and bounds what can be said. The highlight of the topmost surface is exact, and most of the light here: the second number leaves it out."
-    >
-      {" · "}
-      {percent(whole.deviation)} from the walk ±&nbsp;{percent(whole.noise)}
-      {Number.isFinite(rest.noise) && (
-        <>
-          , without the highlight {percent(rest.deviation)} ±&nbsp;{percent(rest.noise)}
-        </>
-      )}
-    </span>
   );
 }
 

@@ -53,8 +53,8 @@ describe("refuses in a sentence", () => {
   });
 
   test("networks without a parameter", () => {
-    expect(() => loadCore(renamed(whole, "basis.measure", "basis.without"))).toThrow(
-      /'basis.measure' is missing/,
+    expect(() => loadCore(renamed(whole, "proposal.bias", "proposal.gone"))).toThrow(
+      /'proposal.bias' is missing/,
     );
   });
 

@@ -1,6 +1,6 @@
 import { expect, test } from "vitest";
 import type { Stack } from "../../src/core/api";
-import { MOST_TABLES, type Shown, Slot, shiftOf } from "../../src/engine/engine";
+import { type Shown, Slot } from "../../src/engine/engine";
 import { Cores, type PageCore } from "../../src/engine/remote";
 
 /** A core that answers late, with the stack's first width in every number. */
@@ -14,7 +14,6 @@ function lateCore(): { core: PageCore; layered: number[]; shifts: number[] } {
     latentSize: 1,
     widths: 1,
     fingerprint: "",
-    encodeMeasured: () => new Promise(() => {}),
     basisTexels: async () => new Float32Array(),
     layer: async (stack) => {
       const width = stack.coats[0]!.alpha as number;
@@ -29,7 +28,6 @@ function lateCore(): { core: PageCore; layered: number[]; shifts: number[] } {
       await late();
       return new Float32Array([material.latents[0]!]);
     },
-    walk: () => new Promise(() => {}),
   };
   return { core, layered, shifts };
 }
@@ -88,13 +86,4 @@ test("tables at rest are shifted, and belong to the present material", async () 
   expect(slot.tables).toHaveLength(1);
   expect([...slot.tables[0]!]).toEqual([0.25]);
   expect(new Set(shifts.slice(0, 4)).size).toBe(4); // of the first, and of three at rest
-});
-
-test("shifts fill the cube", () => {
-  for (const axis of [0, 1, 2]) {
-    const shifts = Array.from({ length: MOST_TABLES }, (_, place) => shiftOf(place)[axis]!);
-    expect(shifts[0]).toBe(0);
-    for (let eighth = 0; eighth < 8; eighth++)
-      expect(shifts.some((shift) => Math.floor(8 * shift) === eighth)).toBe(true);
-  }
 });

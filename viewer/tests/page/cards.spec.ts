@@ -1,7 +1,5 @@
 /** The cards: sliders and numbers, adding, moving and removing coats, undo, and the address. */
 
-import { toAddress } from "../../src/state/address";
-import { INITIAL, type State } from "../../src/state/state";
 import { coats, expect, give, number, open, panorama, stateOf, test, unfold } from "./page";
 
 test("a slider moves by mouse and by keyboard, and its number follows", async ({ page }) => {
@@ -154,17 +152,6 @@ test("what becomes a metal is bright, and what is shown otherwise is said", asyn
   await expect(coats(page).nth(1)).not.toContainText("looks alike");
   await page.getByLabel("Kind of bottom").selectOption("Metal by reflectance");
   await expect(number(page, "Bottom, Reflectance, red")).toHaveValue("0.9");
-});
-
-test("an address of indices relative to the medium above is converted, and it is told", async ({
-  page,
-}) => {
-  const [first] = INITIAL.materials;
-  const older = first.coats.map(({ ior, ...coat }, place) => ({ ...coat, eta: place ? 1.1 : 1.5 }));
-  const state = { ...INITIAL, materials: [{ ...first, coats: older }] } as unknown as State;
-  await open(page, `#${toAddress(state).replace("u2.", "u1.")}`);
-  await expect(page.getByRole("alert")).toContainText("converted to absolute ones");
-  await expect(number(page, "Coat 1, Index n")).toHaveValue("1.65");
 });
 
 test("at most six coats, and the focus stays where coats are added and removed", async ({

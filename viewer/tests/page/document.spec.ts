@@ -9,7 +9,7 @@ import { PYTHON } from "./compared";
 import { expect, test } from "./page";
 
 // The page as it is, and all that it computes
-test.use({ picture: true, occlusion: true, walk: true });
+test.use({ picture: true, occlusion: true });
 
 let folder: string;
 let file: string;

@@ -5,7 +5,8 @@ import { tmpdir } from "node:os";
 import { join } from "node:path";
 import type { Page } from "@playwright/test";
 import { exrFile } from "../../src/save/exr";
-import { rglTensors, tensorFile } from "../core/measured/files";
+import { toJson } from "../../src/state/address";
+import type { State } from "../../src/state/state";
 import { coats, expect, give, number, open, panorama, saved, stateOf, test } from "./page";
 
 test("what cannot be read is refused in a sentence", async ({ page }) => {
@@ -13,8 +14,7 @@ test("what cannot be read is refused in a sentence", async ({ page }) => {
   for (const [name, content, sentence] of [
     ["notes.txt", "hello", "The page opens materials"],
     ["broken.safetensors", "hello", "damaged or no material"],
-    ["broken.bsdf", "tensor_file\0\u0001", "header is truncated"],
-    ["broken.binary", "hello", "neither a MERL table"],
+    ["gypsum.bsdf", "tensor_file\0\u0001", "run urushi view gypsum.bsdf"],
     ["broken.hdr", "hello", "no .hdr panorama"],
     ["short.hdr", "#?RADIANCE\n\n-Y 4 +X 8\n1234", "damaged or incomplete"],
     ["broken.exr", "v/1\u0001hello", ".exr file is damaged"],
@@ -193,32 +193,31 @@ test("what is needed later is fetched by another try", async ({ page, quiet }) =
   quiet.length = 0;
 });
 
-test("a measured BRDF is shown by its table, by its codes without the file, and coated", async ({
+test("a material with a table is shown by it, by its codes without the file, and coated", async ({
   page,
 }) => {
   await open(page);
-  const file = Buffer.from(tensorFile(rglTensors([0.3, 0.2, 0.1])));
-  await give(page, "gypsum.bsdf", file);
-  await expect(page.getByRole("button", { name: /^Material gypsum/ })).toBeVisible();
+  const choose = async (from: RegExp, name: string) => {
+    await page.getByRole("button", { name: from }).click();
+    await page.getByRole("button", { name, exact: true }).click();
+  };
+  await choose(/^Material Vermilion/, "Anodised niobium, blue");
+  await expect(page.locator(".bottom")).toContainText("shown by its table");
+  const film = await saved(page, "Material ?safetensors");
+  await give(page, "film.safetensors", Buffer.from(film.text, "latin1"));
+  await expect(page.getByRole("button", { name: /^Material film/ })).toBeVisible();
   await expect(coats(page)).toHaveCount(0);
-  await expect(page.locator(".bottom")).toContainText("gypsum was loaded from a file");
-  await expect(page.locator(".bottom")).toContainText("shown by its table");
-  await expect.poll(async () => (await stateOf(page)).materials[0].name).toBe("gypsum");
-  const other = await page.context().newPage();
-  await other.goto(page.url());
-  await expect(other.getByRole("alert")).toContainText("The table of “gypsum” is no part of");
-  await other.close();
-  await page.getByRole("button", { name: /^Material gypsum/ }).click();
-  await page.getByRole("button", { name: "Black urushi" }).click();
-  await page.getByRole("button", { name: /^Material Black urushi/ }).click();
-  await page.getByRole("button", { name: "Anodised niobium, blue" }).click();
-  await expect(page.locator(".bottom")).toContainText("shown by its table");
-  await page.getByRole("button", { name: /^Material Anodised niobium, blue/ }).click();
-  await page.getByRole("button", { name: "gypsum", exact: true }).click();
+  await expect(page.locator(".bottom")).toContainText("film was loaded from a file");
+  await choose(/^Material film/, "Black urushi");
+  await choose(/^Material Black urushi/, "film");
   await page.getByRole("button", { name: "Add coat" }).click();
   await expect(coats(page)).toHaveCount(1);
   await expect(page.locator(".status[data-converged]")).toBeVisible();
   await expect(page.getByRole("alert")).toHaveCount(0);
+  const materials = [{ name: "lost", bottom: { ...(await stateOf(page)).materials[0].bottom } }];
+  Object.assign(materials[0]!.bottom, { table: "0123abcd" });
+  await give(page, "state.json", toJson({ materials } as unknown as State));
+  await expect(page.getByRole("alert")).toContainText("The table of “lost” is no part of");
 });
 
 test("MaterialX is saved and opened", async ({ page }) => {

@@ -9,7 +9,6 @@ interface Options {
   picture: boolean;
   refined: number;
   occlusion: boolean;
-  walk: boolean;
 }
 
 /**
@@ -17,18 +16,16 @@ interface Options {
  *
  * `picture`: whether the picture is drawn, which is slow by software. `refined`: the picture stops to refine
  * after this share of its frames. `occlusion`: whether objects hide a part of their own light, which takes a
- * second to compute. `walk`: whether the random walk converges beside the plots, which takes two seconds of
- * each material.
+ * second to compute.
  */
 export const test = base.extend<Options & { quiet: string[] }>({
   picture: [false, { option: true }],
   refined: [1, { option: true }],
   occlusion: [false, { option: true }],
-  walk: [false, { option: true }],
-  page: async ({ page, picture, refined, occlusion, walk }, use) => {
+  page: async ({ page, picture, refined, occlusion }, use) => {
     if (!picture) await page.addInitScript(drawNothing);
     if (refined < 1) await page.addInitScript(refineTo, refined);
-    await page.addInitScript(answerAtOnce, { picture, refined, occlusion, walk });
+    await page.addInitScript(answerAtOnce, { picture, refined, occlusion });
     await use(page);
   },
   quiet: [
@@ -68,8 +65,7 @@ function refineTo(share: number): void {
 }
 
 /**
- * In the page: answer calls for what is not wanted at once. Meshes hide none of their light, walks
- * never end, and the tables of a picture that nobody sees are all the first.
+ * In the page: answer calls for what is not wanted at once. Meshes hide none of their light, and the tables of a picture that nobody sees are all the first.
  */
 function answerAtOnce(wanted: Options): void {
   const post = Worker.prototype.postMessage;
@@ -79,7 +75,6 @@ function answerAtOnce(wanted: Options): void {
       this.dispatchEvent(new MessageEvent("message", { data: { id: message.id, ...data } }));
     const later = message.name === "table" && Math.max(...message.args[1].shift) > 0;
     if (later && !wanted.picture && tables.has(this)) answer({ result: tables.get(this) });
-    else if (message.name === "walk" && !wanted.walk) return;
     else if (message.name === "occlusion" && !wanted.occlusion) {
       const [vertices, stride] = message.args;
       const numbers = (4 * vertices.length) / stride;

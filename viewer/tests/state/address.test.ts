@@ -37,17 +37,6 @@ test("any changed or missing character is noticed", () => {
   }
 });
 
-test("an address of ratios is read, and it is told", () => {
-  const [first] = INITIAL.materials;
-  const coats = first.coats.map(({ ior, ...coat }) => ({ ...coat, eta: 1.25 }));
-  const older = { materials: [{ ...first, coats }] } as unknown as State;
-  const told: string[] = [];
-  const address = toAddress(older).replace("u2", "u1");
-  const read = fromAddress(address, (text) => told.push(text));
-  expect(read.materials[0].coats[1]!.ior).toBeCloseTo(1.25 ** 2 * 1.000277, 9);
-  expect(told).toHaveLength(1);
-});
-
 test("another version is named as the reason", () => {
   expect(() => fromAddress(toAddress(INITIAL).replace("u2", "u3"))).toThrow("another version");
 });

@@ -1,12 +1,9 @@
 import { expect, test } from "vitest";
-import { CHECKS } from "../../src/core/formulas";
-import { stackOf } from "../../src/material/material";
 import { PRESETS } from "../../src/material/presets";
 import { Refusal } from "../../src/refusal";
 import { readMaterial, readState } from "../../src/state/read";
 import { INITIAL } from "../../src/state/state";
 
-const { AIR } = CHECKS;
 const BOTTOM = { kind: "diffuse", reflectance: 0.5 };
 
 test.each(PRESETS)("the preset $name is within all ranges", (preset) => {
@@ -31,30 +28,6 @@ test("numbers outside their ranges become the nearest inside", () => {
     sigmaT: 0,
     g: -0.99,
   });
-});
-
-test("indices relative to the medium above, the older form, are converted and it is told", () => {
-  const coat = { alpha: 0.1, albedo: 0, sigmaT: 1, g: 0 };
-  const gold = { kind: "conductor", alpha: 0.2, eta: 0.25, k: 3 } as const;
-  const coats = [
-    { ...coat, eta: 1.5 },
-    { ...coat, eta: 0.75, on: false },
-    { ...coat, eta: 1.1 },
-  ];
-  const told: string[] = [];
-  const tell = (text: string) => told.push(text);
-  const material = readMaterial({ bottom: gold, coats }, tell);
-  const iors = material.coats.map((card) => Number((card.ior as number).toFixed(9)));
-  expect(iors).toEqual([1.5 * AIR, 1.125 * AIR, 1.65 * AIR].map((ior) => Number(ior.toFixed(9))));
-  const stack = stackOf(material);
-  for (const [at, ratio] of [1.5, 1.1].entries())
-    expect(stack.coats[at]!.eta).toBeCloseTo(ratio, 12);
-  expect((stack.bottom as typeof gold).eta).toBeCloseTo(gold.eta, 12);
-  expect((stack.bottom as typeof gold).k).toBeCloseTo(gold.k, 12);
-  expect(told).toEqual([expect.stringMatching(/^Indices .*absolute.*\.$/)]);
-  expect(readMaterial(material, tell)).toEqual(material);
-  readMaterial({ bottom: { kind: "dielectric", alpha: 0.1, eta: 1.5 } }, tell);
-  expect(told).toHaveLength(2);
 });
 
 test.each([
