@@ -21,10 +21,10 @@ import mitsuba as mi
 import numpy as np
 from benchmarks.experiment import PARTS
 from benchmarks.scenes import OWN, PAPER, WALK, describe, digest
+from fan2022.kernels import separate_kernels
 from tqdm import tqdm
 
 from urushi.core import error_metrics as metrics
-from urushi.fan2022.kernels import separate_kernels
 from urushi.files import atomic_write
 
 #: PSNR of equal pictures [dB], finite so that means are finite. It is higher than that of any two

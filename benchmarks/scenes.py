@@ -11,6 +11,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
+import fan2022  # noqa: F401  (registers the plugins)
 import mitsuba as mi
 import numpy as np
 from gallery import export, noise
@@ -19,7 +20,6 @@ from gallery.scenes import SCENES as GALLERY
 from gallery.stage import Folder, smoothstep
 from research.rivals import plugins
 
-import urushi.fan2022  # noqa: F401  (registers the plugins)
 from urushi.nets import weights as networks
 
 SCENES = tuple(GALLERY)

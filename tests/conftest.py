@@ -49,7 +49,7 @@ def pytest_configure(config: pytest.Config) -> None:
 
 #: Folders of tests by their tier: a marker, and the subjects that no user's machine needs to prove.
 TIERS = {
-    "slow": ("train",),  # each loss and stage compiles for seconds
+    "slow": ("train", "fan2022"),  # each loss and stage compiles for seconds
     "research": ("benchmarks", "gallery", "research"),  # not in the wheel
 }
 

@@ -11,9 +11,9 @@ import argparse
 from pathlib import Path
 
 from benchmarks.evaluation import fan2022, report
+from fan2022 import PaperNetworks
 
 from urushi.errors import UrushiError
-from urushi.fan2022 import PaperNetworks
 
 
 def main() -> None:

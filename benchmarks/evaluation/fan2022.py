@@ -6,9 +6,9 @@ from functools import partial
 import numpy as np
 from benchmarks.evaluation import benchmark, physical_laws, predict, report
 from benchmarks.evaluation.samples import GROUPS, ROWS, Samples
+from fan2022.material import Material
+from fan2022.networks import PaperNetworks, projection_pairs
 
-from urushi.fan2022.material import Material
-from urushi.fan2022.networks import PaperNetworks, projection_pairs
 from urushi.walk import StackTable
 
 

@@ -3,7 +3,7 @@
 For 200 held-out stacks, taken evenly from the groups of `benchmarks.evaluation`, and wi from 0 to
 85 degrees: the coefficient of variation of f cos / pdf, which is the relative noise of a picture
 under a uniform sky at one sample per pixel. The proposal of Fan et al. 2022
-(`urushi.fan2022.inference`), a Gaussian on the projected half vector and a cosine lobe, both
+(`fan2022.inference`), a Gaussian on the projected half vector and a cosine lobe, both
 independent of wi, has the best width and share for each material, in place of a network's. All
 figures use the same directions, drawn from the codes' proposal: the second moment of f cos / q is
 the integral of (f cos)^2 / q.
@@ -16,9 +16,9 @@ import numpy as np
 from benchmarks.evaluation import benchmark, predict
 from benchmarks.experiment import NETWORKS, Experiment, Found, Options, Pictures
 from benchmarks.showing import COLOURS, figure, rounded, table
+from fan2022.inference import MIN_SHARE, MIN_SIGMA, GaussianMixture
 from tqdm import tqdm
 
-from urushi.fan2022.inference import MIN_SHARE, MIN_SIGMA, GaussianMixture
 from urushi.material import Material
 from urushi.nets.weights import Model
 

@@ -19,10 +19,10 @@ from benchmarks.pictures import compare
 from benchmarks.rivals import ggx_fit, nbrdf, rainer
 from benchmarks.showing import figure, interval, table
 from benchmarks.subjects import SEED, Subject, Walked, subjects, training_set
+from fan2022 import architecture as paper
 
 import urushi
 from urushi.core import direction_sets, error_metrics
-from urushi.fan2022 import architecture as paper
 from urushi.files import atomic_write
 from urushi.material.source import Source
 from urushi.nets.weights import default_model

@@ -23,8 +23,7 @@ from benchmarks.showing import COLOURS, figure, interval, table
 from benchmarks.verdict import costs, errors, fits
 from benchmarks.verdict import methods as known
 from benchmarks.verdict.errors import FITTED
-
-from urushi.fan2022 import PaperNetworks
+from fan2022 import PaperNetworks
 
 PAPER = os.environ.get(
     "URUSHI_PAPER_WEIGHTS", str(Path(known.__file__).with_name("fan2022.safetensors"))

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 import drjit as dr
+import fan2022
 import mitsuba as mi
 import numpy as np
 from benchmarks import timing
@@ -17,12 +18,11 @@ from benchmarks.rivals import nbrdf
 from benchmarks.scenes import PAPER
 from benchmarks.verdict import fits
 from benchmarks.verdict import methods as known
+from fan2022 import PaperNetworks
+from fan2022.architecture import LATENT
+from fan2022.kernels import separate_kernels
 
 import urushi
-from urushi import fan2022
-from urushi.fan2022 import PaperNetworks
-from urushi.fan2022.architecture import LATENT
-from urushi.fan2022.kernels import separate_kernels
 from urushi.files import read_tensors
 from urushi.mitsuba.reading import probing
 from urushi.nets.weights import default_model

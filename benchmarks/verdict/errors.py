@@ -5,6 +5,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+import fan2022
 import numpy as np
 from benchmarks.evaluation import benchmark_set, samples
 from benchmarks.evaluation.distributions import Table2
@@ -14,13 +15,12 @@ from benchmarks.showing import rounded
 from benchmarks.verdict import fits
 from benchmarks.verdict import methods as known
 from benchmarks.verdict.methods import Values
+from fan2022 import PaperNetworks
 from research.rivals import weidlich
 
 import urushi
-from urushi import fan2022
 from urushi.core import direction_sets, error_metrics
 from urushi.core import table as nodes
-from urushi.fan2022 import PaperNetworks
 from urushi.nets.weights import default_model
 from urushi.walk import Stack
 from urushi.walk.simulate import albedo as walked_albedo

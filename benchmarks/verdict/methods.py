@@ -8,12 +8,12 @@ from benchmarks.evaluation import benchmark_set, predict, samples
 from benchmarks.evaluation import fan2022 as evaluation
 from benchmarks.evaluation.samples import Samples
 from benchmarks.verdict import fits
+from fan2022 import PaperNetworks
 from research import bidirectional
 from research.rivals import belcour, weidlich, weier
 
 import urushi.walk
 from urushi.core import table as nodes
-from urushi.fan2022 import PaperNetworks
 from urushi.nets.weights import DEFAULT, Model
 from urushi.walk import StackTable, walk_pairs
 

@@ -9,41 +9,21 @@ import pytest
 from urushi.app import cli
 
 pytest.importorskip("jax", reason="the extra 'train' is not installed")
-pytest.importorskip("jax", reason="the extra 'train' is not installed")
 
-from urushi.fan2022.store import DataSpec, Part, Store
-from urushi.train import presets, training
-from urushi.train.distribution import Extended
+from urushi.train import presets, tables, training
 
 
-@pytest.fixture
-def tiny(monkeypatch) -> DataSpec:
-    """A preset's data in the size of a test."""
-    spec = DataSpec(
-        (Part("coated", Extended(1), 3, 16, 2), Part("bare", Extended(0, "diffuse"), 2, 16, 1)),
-        seed=5,
-        shard=2,
-    )
+def test_data_are_computed_or_completed(monkeypatch, tmp_path, capsys):
+    calls = []
 
-    monkeypatch.setattr(presets, "get", lambda name: SimpleNamespace(data=spec))
-    monkeypatch.setattr(presets, "NAMES", ("tiny",))
-    return spec
+    def generate(spec, path):
+        calls.append((spec, path))
+        return SimpleNamespace(hash=lambda: "0123")
 
-
-def test_data_are_generated(tiny, tmp_path, capsys):
-    path = tmp_path / "tiny"
-    assert cli.main(["data", "--preset", "tiny", "-o", str(path)]) == 0
-    store = Store(path, tiny)
-    assert store.missing() == []
-    assert store.hash() in capsys.readouterr().out
-
-
-def test_generate_resumes_to_the_same_store(tiny, tmp_path, capsys):
-    path = tmp_path / "tiny"
-    for _ in range(2):
-        assert cli.main(["data", "--preset", "tiny", "-o", str(path)]) == 0
-    first, second = capsys.readouterr().out.split("\n")[:2]
-    assert first == second
+    monkeypatch.setattr(tables, "generate", generate)
+    assert cli.main(["data", "--preset", "smoke", "-o", str(tmp_path)]) == 0
+    assert calls == [(presets.smoke().data, tmp_path)]
+    assert capsys.readouterr().out == f"{tmp_path}  0123\n"
 
 
 def test_train_passes_its_flags(monkeypatch, capsys):
@@ -59,7 +39,7 @@ def test_train_passes_its_flags(monkeypatch, capsys):
     flags = ["--preset", "smoke", "--data", "d", "--run-folder", "r", "-o", "w.safetensors"]
     assert cli.main(["train", *flags, "--resume"]) == 0
     assert calls == {
-        "preset": presets.get("smoke"),
+        "preset": "smoke",
         "data": Path("d"),
         "run": Path("r"),
         "out": Path("w.safetensors"),

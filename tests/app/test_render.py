@@ -163,7 +163,10 @@ def test_errors(scene, flags, sentence, capsys):
         (None, "does not exist"),
         ("no XML", "cannot load"),
         ('<bsdf version="3.0.0" type="diffuse"/>', "its outermost element must be <scene>"),
-        ('<scene version="3.0.0"><bsdf type="lacquer"/></scene>', "cannot load"),
+        (
+            '<scene version="3.0.0"><bsdf type="lacquer"/></scene>',
+            "line 1: neither Mitsuba nor Urushi has a plugin 'lacquer'; if it belongs to another",
+        ),
         ('<scene version="3.0.0"/>', "has 0 sensors; give an index from 0, or add a <sensor>"),
     ],
 )
@@ -239,7 +242,7 @@ def test_errors_of_unknown_names_list_the_choices(tmp_path, monkeypatch, capsys)
 @pytest.mark.parametrize(
     ("flags", "reason"),
     [
-        (["-D", "coat=foo"], 'failed to instantiate bsdf plugin of type "foo"'),
+        (["-D", "coat=foo"], "neither Mitsuba nor Urushi has a plugin 'foo'"),
         (["-D", "spp=x"], 'could not parse integer value "x"'),
     ],
 )

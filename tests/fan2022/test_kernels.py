@@ -1,14 +1,14 @@
 """The paper's networks in the plugins."""
 
+import fan2022
 import numpy as np
 import pytest
+from fan2022 import Material, PaperNetworks, architecture, load
+from fan2022.architecture import PaperArchitecture, init
+from fan2022.inference import proxy
 
 import urushi
-from urushi import fan2022
 from urushi.errors import ParameterError, UrushiWarning
-from urushi.fan2022 import Material, PaperNetworks, architecture, load
-from urushi.fan2022.architecture import AdamProjection, PaperArchitecture, init
-from urushi.fan2022.inference import proxy
 
 
 @pytest.fixture(scope="module")
@@ -18,16 +18,13 @@ def paper(tmp_path_factory):
     params["evaluation.3.bias"] = params["evaluation.3.bias"] + np.float32(0.3)
     params["proxy.4.weight"] = 20 * params["proxy.4.weight"]
     path = tmp_path_factory.mktemp("paper") / "weights.safetensors"
-    return PaperNetworks(PaperArchitecture(AdamProjection(steps=1, pairs=64)), params, {}).save(
-        path
-    ), path
+    return PaperNetworks(PaperArchitecture(steps=1, pairs=64), params, {}).save(path), path
 
 
 def test_blocks_agree_with_numpy(rgb):
     """A skip around a normalised layer, at widths that compile in no time."""
     from drjit import nn
-
-    from urushi.fan2022.kernels import _bound, _chained
+    from fan2022.kernels import bound
 
     chain = (*architecture.fc("a", 6, 8), *architecture.rb("b", 8), architecture.Linear("c", 8, 2))
     rng = np.random.default_rng(6)
@@ -35,14 +32,14 @@ def test_blocks_agree_with_numpy(rgb):
         k: rng.normal(size=s).astype(np.float32) for k, s in architecture.shapes(chain).items()
     }
     x = rng.normal(size=(100, 6)).astype(np.float32)
-    ours = _chained(_bound(params, chain), nn.CoopVec(*(rgb.Float(column) for column in x.T)))
+    ours = bound(params, chain)(nn.CoopVec(*(rgb.Float(column) for column in x.T)))
     ours = np.stack([value.numpy() for value in ours], axis=-1)
     expected = architecture.apply(params, chain, x)
     np.testing.assert_allclose(ours, expected, atol=1e-5 * np.abs(expected).max())
 
 
 def test_proposals_agree_with_numpy(rgb, paper):
-    from urushi.fan2022.kernels import Gaussian, PaperSampler
+    from fan2022.kernels import Gaussian, PaperSampler
 
     own, _ = paper
     z = np.random.default_rng(7).normal(size=(50, 32)).astype(np.float32)
@@ -68,7 +65,7 @@ def test_proposals_agree_with_numpy(rgb, paper):
 @pytest.mark.slow
 def test_a_plate_in_white_light_shows_the_albedo(rgb, paper, tmp_path):
     """16 x 16 pixels through `fan2022_brdf`; in constant light of one, radiance is the albedo."""
-    from urushi.fan2022.kernels import separate_kernels
+    from fan2022.kernels import separate_kernels
 
     own, path = paper
     material = Material(1 + 0.2 * np.random.default_rng(10).normal(size=(3, 32)), own)
@@ -115,8 +112,7 @@ SCENE = """<scene version="3.0.0">
 def test_the_command_renders_in_separate_kernels(rgb, paper, tmp_path, monkeypatch):
     """A kernel of a whole path takes minutes to compile."""
     import drjit as dr
-
-    from urushi.app import cli, passes
+    from fan2022 import __main__ as command
 
     own, path = paper
     Material(np.ones((3, 32)), own).save(tmp_path / "material.safetensors")
@@ -130,8 +126,8 @@ def test_the_command_renders_in_separate_kernels(rgb, paper, tmp_path, monkeypat
         return rgb.TensorXf(np.ones((8, 8, 3), np.float32))
 
     monkeypatch.setattr(rgb, "render", render)
-    assert cli.main(["render", str(tmp_path / "a.xml"), "--spp", "3000"]) == 0
-    assert sum(rays) == 64 * 3000 and max(rays) <= passes.SEPARATE_RAYS
+    assert command.main(["render", str(tmp_path / "a.xml"), "--spp", "3000"]) == 0
+    assert sum(rays) == 64 * 3000 and max(rays) <= command.Render.RAYS
     assert dr.flag(dr.JitFlag.SymbolicLoops)
 
 
@@ -150,7 +146,7 @@ def test_a_warning_names_the_cure_if_a_path_is_recorded(rgb, paper, tmp_path):
         return i + 1, total + bsdf.eval(rgb.BSDFContext(), si, rgb.Vector3f(0, 0, 1)).x
 
     start = rgb.UInt32(0, 1), rgb.Float(0, 0)
-    with pytest.warns(UrushiWarning, match=r"render within `urushi.fan2022.separate_kernels"):
+    with pytest.warns(UrushiWarning, match=r"or within `fan2022.separate_kernels"):
         dr.while_loop(start, lambda i, _: i < 2, body)
 
 
@@ -214,8 +210,8 @@ def test_a_texture_has_the_constant_coats_of_its_texels(rgb, paper, pairs):
 def test_mip_levels_are_means_of_codes(rgb, paper):
     """At a footprint of 2^k texels, the code is the mean of 2^k x 2^k texels."""
     import drjit as dr
+    from fan2022.plugins import TexelCodes
 
-    from urushi.fan2022.plugins import TexelCodes
     from urushi.mitsuba.reading import probing
     from urushi.textures.store import TexelGrid
 

@@ -1,22 +1,22 @@
 """Materials of the paper's networks, and its errors over held-out stacks."""
 
+import fan2022
 import numpy as np
 import pytest
 from benchmarks.evaluation import benchmark_set
 from benchmarks.evaluation import fan2022 as evaluation
 from benchmarks.evaluation.samples import Group
+from fan2022 import Material, PaperNetworks, networks
+from fan2022.architecture import PaperArchitecture, init
 
 import urushi
-from urushi import fan2022
 from urushi.checks import CoatParameters
 from urushi.errors import FileError, ParameterError
-from urushi.fan2022 import Material, PaperNetworks, networks
-from urushi.fan2022.architecture import AdamProjection, PaperArchitecture, init
 from urushi.nets.weights import SHIPPED, default_model, find
 from urushi.train.distribution import Extended
 
 #: Projections of two steps, so that tests are quick.
-ARCH = PaperArchitecture(AdamProjection(steps=2, pairs=64))
+ARCH = PaperArchitecture(steps=2, pairs=64)
 
 
 @pytest.fixture(scope="module")
@@ -60,6 +60,7 @@ def test_weights_of_one_system_are_refused_by_the_other(paper, tmp_path):
         urushi.load(tmp_path / "material.safetensors", default_model())
 
 
+@pytest.mark.research
 def test_errors_are_measured_over_stacks_of_indices_above_one(paper, monkeypatch):
     def group(name, indices, coats=0):
         return Group(name, Extended(coats, "dielectric", indices), 2)

@@ -1,18 +1,23 @@
-"""The paper's set of materials: components of stacks, and their direction pairs."""
+"""The paper's training data: components of stacks, their direction pairs, and their files."""
+
+import dataclasses
 
 import numpy as np
 import pytest
+from fan2022.palette import Palette, PaperData, make_shard, read_shard
 
-from urushi.errors import FileError, ParameterError
-from urushi.fan2022.preset import Palette
-from urushi.fan2022.store import DataSpec, Part, Store
+from urushi.errors import FileError
+from urushi.train.tables import generate, opened, write_shard
+from urushi.walk import analytic
 
 ALL = slice(0, 5000)
 
+#: Two stacks with few pairs of each part, but for the walks.
+DATA = PaperData(4, 5, 3, pairs=16)
+
 
 def table(coats: int, rows: slice = ALL, bottom: str = "conductor"):
-    source = Palette(coats, bottom, components=50, stacks=5000)
-    return source.draw(np.random.default_rng(0), rows)
+    return Palette(coats, bottom, components=50, stacks=5000).draw(rows)
 
 
 def test_parameters_follow_table_2():
@@ -34,50 +39,56 @@ def test_stacks_are_made_of_the_components():
     np.testing.assert_array_equal(stacks.bottom["r0"], conductors.bottom["r0"][bottom])
     np.testing.assert_array_equal(stacks.albedo[:, 0], albedo.astype(np.float32))
     np.testing.assert_array_equal(stacks.sigma_t[:, 0], sigma_t)
-
-
-def test_three_layers_are_two_with_one_more_on_top():
-    two, three = table(1), table(2, slice(0, 300))
+    three = table(2, slice(0, 300))
     top, below, _, _ = Palette(2, components=50, stacks=5000).parts(slice(0, 300))
     for name in ("alpha", "eta", "albedo", "sigma_t"):
-        np.testing.assert_array_equal(getattr(three, name)[:, 1], getattr(two, name)[below, 0])
-    np.testing.assert_array_equal(three.bottom["alpha"], two.bottom["alpha"][below])
-    dielectrics = table(0, slice(0, 50), "dielectric")
+        np.testing.assert_array_equal(getattr(three, name)[:, 1], getattr(stacks, name)[below, 0])
+    np.testing.assert_array_equal(three.bottom["alpha"], stacks.bottom["alpha"][below])
     np.testing.assert_array_equal(three.alpha[:, 0], dielectrics.bottom["alpha"][top])
+    some = table(2, slice(100, 130))  # rows do not depend on which others are drawn
+    np.testing.assert_array_equal(some.albedo, three.albedo[100:130])
 
 
-def test_rows_do_not_depend_on_which_others_are_drawn():
-    some = table(2, slice(100, 130))
-    np.testing.assert_array_equal(some.albedo, table(2).albedo[100:130])
+def test_shards_hold_all_parts_in_order_and_depend_on_nothing_else(monkeypatch):
+    assert DATA.shards() == 4
+    monkeypatch.setattr("fan2022.palette.SHARD_PAIRS", 32)
+    assert DATA.shards() == 2 + 2 + 3 + 2
+    (name, rows) = DATA.places()[6]
+    assert (name, rows) == ("two-layer", slice(4, 5))
+    last, again = make_shard(DATA, 6), make_shard(DATA, 6)
+    assert last["wi"].shape == (1, 16, 3) and last["f"].shape == (1, 16)
+    assert (last["f"] > 0).any()
+    for name, values in last.items():
+        np.testing.assert_array_equal(values, again[name])
 
 
-def test_a_store_is_resumed_by_the_same_palette_alone(tmp_path):
-    def spec(**options):
-        return DataSpec((Part("a", Palette(0, components=7, **options), 7, 81, 1),))
-
-    store = Store.create(tmp_path / "data", spec(seed=3))
-    assert Store.create(tmp_path / "data", spec(seed=3)) == store
-    with pytest.raises(FileError, match="its part 'a' has another specification"):
-        Store.create(tmp_path / "data", spec(seed=4))
-
-
-def test_impossible_ones_are_refused():
-    with pytest.raises(ParameterError, match="has 100 stratified pairs; give a fourth power"):
-        Part("a", Palette(1), 10, 100, 1)
-
-
-def test_every_stratum_has_one_pair_and_every_stack_its_own():
+def test_components_are_exact_and_have_one_pair_in_each_stratum():
     k = 4
-    part = Part("a", Palette(1), 2, k**4, 1)
-    wi, wo = part.draw_pairs(np.random.default_rng(8), 2)
-    assert wi.dtype == np.float32
+    data = dataclasses.replace(DATA, pairs=k**4)
+    arrays = make_shard(data, 1)
+    wi, wo, f = arrays["wi"], arrays["wo"], arrays["f"]
+    bottom = data.parts["dielectric"][0].draw(slice(0, 4)).bottom
+    row = np.arange(4, dtype=np.uint32).repeat(k**4)
+    exact = analytic.rows("dielectric", bottom, row, wi.reshape(-1, 3), wo.reshape(-1, 3))
+    np.testing.assert_array_equal(f.ravel(), exact)
     cells = []
     for w in (wi.astype(np.float64), wo.astype(np.float64)):
-        np.testing.assert_allclose(np.linalg.norm(w, axis=1), 1, atol=1e-6)
-        theta, phi = np.arccos(w[:, 2]), np.arctan2(w[:, 1], w[:, 0]) % (2 * np.pi)
+        np.testing.assert_allclose(np.linalg.norm(w, axis=-1), 1, atol=1e-6)
+        theta, phi = np.arccos(w[..., 2]), np.arctan2(w[..., 1], w[..., 0]) % (2 * np.pi)
         # float32 may cross a border that lies within its rounding
         cells += [theta / (np.pi / 2) * k, phi / (2 * np.pi) * k]
-    index = np.floor(np.stack(cells)).astype(int).reshape(4, 2, -1)
-    for stack in (0, 1):
+    index = np.floor(np.stack(cells)).astype(int)
+    for stack in range(4):
         assert len({tuple(cell) for cell in index[:, stack].T}) >= 0.98 * k**4
-    assert not np.array_equal(wi[: k**4], wi[k**4 :])
+    assert not np.array_equal(wi[0], wi[1])
+
+
+def test_a_store_is_completed_by_the_same_data_alone(tmp_path):
+    store = opened(DATA, tmp_path / "data")
+    for shard in (0, 1, 3):
+        write_shard(store, shard, make_shard)
+    assert generate(DATA, tmp_path / "data", make_shard) == store
+    for name, values in zip(("wi", "wo", "f"), read_shard(store, 2), strict=True):
+        np.testing.assert_array_equal(values, make_shard(DATA, 2)[name])
+    with pytest.raises(FileError, match="has tables of another specification"):
+        generate(dataclasses.replace(DATA, seed=4), tmp_path / "data", make_shard)

@@ -2,9 +2,8 @@
 
 import numpy as np
 import pytest
-
-from urushi.fan2022.architecture import init
-from urushi.fan2022.inference import MIN_SHARE, MIN_SIGMA, GaussianMixture, proxy
+from fan2022.architecture import init
+from fan2022.inference import MIN_SHARE, MIN_SIGMA, GaussianMixture, proxy
 
 
 def direction(degrees: float) -> np.ndarray:

@@ -1,16 +1,11 @@
 """The paper's training: its numbers, that it learns, and that it runs from data to weights."""
 
 import json
-from dataclasses import replace
 
 import jax
 import numpy as np
 import pytest
-
-from urushi.app.train import find_preset
-from urushi.core.direction_sets import stratified_pairs
-from urushi.errors import ParameterError
-from urushi.fan2022 import (
+from fan2022 import (
     Material,
     layering,
     networks,
@@ -19,12 +14,16 @@ from urushi.fan2022 import (
     representation,
     training,
 )
-from urushi.fan2022.architecture import AdamProjection, PaperArchitecture, init
-from urushi.fan2022.inference import direction_inputs
-from urushi.fan2022.preset import Palette, paper
-from urushi.fan2022.store import generate
-from urushi.fan2022.training import train
+from fan2022.architecture import PaperArchitecture, init
+from fan2022.inference import direction_inputs
+from fan2022.palette import make_shard, read_shard
+from fan2022.preset import PaperPreset
+from fan2022.training import train
+
+from urushi.core.direction_sets import stratified_pairs
+from urushi.errors import ParameterError
 from urushi.train.checkpoint import Journal
+from urushi.train.tables import generate
 from urushi.walk import analytic
 
 pytestmark = pytest.mark.research
@@ -33,52 +32,45 @@ TINY = 1e-10
 
 
 def test_at_scale_one_all_numbers_are_the_papers():
-    preset = paper()
-    parts = {part.name: (part.stacks, part.pairs) for part in preset.data.parts}
+    preset = PaperPreset()
+    parts = {name: count for name, (_, count) in preset.data.parts.items()}
     assert parts == {
-        "conductor": (300, 25**4),
-        "dielectric": (300, 25**4),
-        "two-layer": (12_720, 25**4),
-        "three-layer": (1_800, 25**4),
+        "conductor": 300,
+        "dielectric": 300,
+        "two-layer": 12_720,
+        "three-layer": 1_800,
     }
-    assert representation.trained(preset) == 12_000
-    assert (preset.epochs, preset.weights_rate, preset.latents_rate) == (50, 3e-4, 1e-4)
-    assert preset.decay == 0.9
-    assert (preset.layering_epochs, preset.layering_rate) == (1000, 3e-3)
-    assert preset.layering_decay == 0.7
+    assert (preset.data.pairs, preset.trained, preset.epochs) == (25**4, 12_000, 50)
+    assert preset.rates(0) == (3e-4, 1e-4)
+    assert preset.rates(1) == pytest.approx((0.9 * 3e-4, 0.9 * 1e-4))
+    assert (preset.layering_epochs, layering.RATE, layering.DECAY) == (1000, 3e-3, 0.7)
     assert preset.layering_epochs // layering.DECAYS == 50
 
 
 def test_scale_is_the_share_of_training_samples():
-    whole, small = paper(), paper(1e-4)
+    whole, small = PaperPreset(), PaperPreset(1e-4)
 
     def samples(preset):
-        return representation.trained(preset) * preset.part("two-layer").pairs * preset.epochs
+        return preset.trained * preset.data.pairs * preset.epochs
 
     assert samples(small) / samples(whole) == pytest.approx(1e-4, rel=0.3)  # whole numbers
-    assert small.decay**small.epochs == pytest.approx(0.9**50)
+    decay = small.rates(small.epochs)[0] / small.rates(0)[0]
+    assert decay == pytest.approx(0.9**50)
+    with pytest.raises(ParameterError, match="scale is 2; it must be in"):
+        PaperPreset(2)
 
 
-def test_the_pairs_of_the_projection_change_the_architecture_alone():
-    preset = paper(1e-4, pairs=4096)
-    assert preset.arch.adam == AdamProjection()
-    assert replace(preset, arch=paper(1e-4).arch) == paper(1e-4)
-    assert preset.to_dict()["arch"] == {"kind": "paper", "adam": {"steps": 1000, "pairs": 4096}}
-
-
-def test_a_shard_is_projected_as_numpy_does(tmp_path):
-    """At a random fifth of its stratified pairs in each step, and the same again."""
-    preset, options = paper(TINY), AdamProjection(steps=4, pairs=16)
-    store, params = generate(preset.data, tmp_path / "data"), init(0)
-    codes, errors = training.project_shard(params, store, 0, 0, options)
-    assert codes.shape == (preset.data.parts[0].stacks, 32) and np.isfinite(errors).all()
-    again, _ = training.project_shard(params, store, 0, 0, options)
-    np.testing.assert_array_equal(codes, again)
-    arrays = store.read_shard(0, 0, ("wi", "wo", "f"))
-    directions = direction_inputs(arrays["wi"][:1], arrays["wo"][:1])
-    ours, error = projection.project(params, directions, arrays["f"][:1], options)
-    np.testing.assert_allclose(codes[:1], ours, atol=projection.RATE / 2)
-    np.testing.assert_allclose(errors[:1], error, rtol=1e-3)
+def test_shards_are_projected_into_their_places(tmp_path):
+    preset = PaperPreset(TINY, PaperArchitecture(steps=4, pairs=16))
+    store, params = generate(preset.data, tmp_path / "data", make_shard), init(0)
+    start = training.beginnings(preset)["projection"].state
+    found = training.projected(params, start, preset, store, 2)
+    codes = found["codes.two-layer"]
+    assert (codes != 0).all() and (found["error.two-layer"] > 0).all()
+    assert not found["codes.conductor"].any()
+    wi, wo, f = (values[:1] for values in read_shard(store, 2))
+    alone, _ = projection.project(params, direction_inputs(wi, wo), f, preset.arch)
+    np.testing.assert_allclose(codes[:1], alone, atol=1e-4)
 
 
 def test_a_sampler_is_fitted_to_networks_that_came_without_one(monkeypatch):
@@ -87,17 +79,9 @@ def test_a_sampler_is_fitted_to_networks_that_came_without_one(monkeypatch):
         monkeypatch.setattr(proxy, name, 2)
     params = {k: v for k, v in init(0).items() if not k.startswith("proxy.")}
     params["evaluation.3.bias"] = params["evaluation.3.bias"] + np.float32(0.5)
-    fitted, divergence = proxy.fitted_proxy(params, AdamProjection(steps=1, pairs=64))
+    fitted, divergence = proxy.fitted_proxy(params, PaperArchitecture(steps=1, pairs=64))
     assert set(fitted) == {k for k in init(0) if k.startswith("proxy.")}
     assert 0 < divergence < 0.5  # from nearly constant values to lobes
-
-
-def test_scales_out_of_range_or_place_are_refused():
-    with pytest.raises(ParameterError, match="scale is 2; it must be in"):
-        paper(2)
-    for option in ({"scale": 0.5}, {"pairs": 64}):
-        with pytest.raises(ParameterError, match="'smoke' takes neither --scale nor"):
-            find_preset("smoke", **option)
 
 
 def test_one_brdf_is_learned_by_heart():
@@ -134,13 +118,13 @@ def test_a_step_in_slices_is_a_step_of_the_whole_batch(brdfs):
 
 
 def test_an_epoch_shows_every_brdf_equally_often_and_is_repeatable(tmp_path):
-    preset = paper(TINY)
-    store = generate(preset.data, tmp_path / "data")
+    preset = PaperPreset(TINY)
+    store = generate(preset.data, tmp_path / "data", make_shard)
     batches = list(representation.epoch(store, preset, 3))
     rows = np.concatenate([batch.rows for batch in batches])
-    counts = np.bincount(rows, minlength=preset.part("two-layer").stacks)
-    assert len(set(counts[: representation.trained(preset)])) == 1
-    assert not counts[representation.trained(preset) :].any()
+    counts = np.bincount(rows, minlength=preset.data.two_layer)
+    assert len(set(counts[: preset.trained])) == 1
+    assert not counts[preset.trained :].any()
     again = next(iter(representation.epoch(store, preset, 3)))
     for a, b in zip(again, batches[0], strict=True):
         np.testing.assert_array_equal(a, b)
@@ -149,10 +133,10 @@ def test_an_epoch_shows_every_brdf_equally_often_and_is_repeatable(tmp_path):
 
 
 def test_batches_of_an_epoch_have_one_size_and_leave_out_different_brdfs(tmp_path):
-    preset = replace(paper(1e-9), stacks=8, pairs=16)
-    store = generate(preset.data, tmp_path / "data")
+    preset = PaperPreset(1e-9, stacks=8, pairs=16)
+    store = generate(preset.data, tmp_path / "data", make_shard)
     batches = list(representation.epoch(store, preset, 0))
-    trained, runs = representation.trained(preset), preset.part("two-layer").pairs // 16
+    trained, runs = preset.trained, preset.data.pairs // 16
     assert trained % 8
     assert {batch.f.shape for batch in batches} == {(8, 16)}
     shown = np.array([batch.rows for batch in batches]).reshape(runs, -1)
@@ -163,20 +147,19 @@ def test_batches_of_an_epoch_have_one_size_and_leave_out_different_brdfs(tmp_pat
 
 
 def test_layering_examples_join_codes_of_the_right_parts():
-    preset = paper(TINY)
+    preset = PaperPreset(TINY)
     codes = {
-        part.name: np.arange(part.stacks)[:, None] + 1000 * index + np.zeros((1, 32))
-        for index, part in enumerate(preset.data.parts)
+        name: np.arange(count)[:, None] + 1000 * index + np.zeros((1, 32))
+        for index, (name, (_, count)) in enumerate(preset.data.parts.items())
     }
     sets = layering.examples(preset, codes)
-    source = preset.part("three-layer").distribution
-    assert isinstance(source, Palette)
-    top, below, _, sigma_t = source.parts(slice(0, preset.part("three-layer").stacks))
+    source, count = preset.data.parts["three-layer"]
+    top, below, _, sigma_t = source.parts(slice(0, count))
     three = sets["three-layer"]
     np.testing.assert_array_equal(three.z_top[:, 0], 1000 + top)
     np.testing.assert_array_equal(three.z_bottom[:, 0], 2000 + below)
     np.testing.assert_array_equal(three.sigma_t, sigma_t)
-    assert len(sets["train"].target) == representation.trained(preset)
+    assert len(sets["train"].target) == preset.trained
     assert len(sets["validation"].target) == preset.validation
 
 
@@ -197,8 +180,7 @@ def test_the_proxy_learns_to_tell_narrow_from_wide():
 
 @pytest.mark.slow
 def test_from_data_to_weights_and_the_same_bits_after_an_interruption(tmp_path, monkeypatch):
-    brief = PaperArchitecture(AdamProjection(steps=8, pairs=16))
-    preset = replace(paper(TINY), arch=brief)
+    preset = PaperPreset(TINY, PaperArchitecture(steps=8, pairs=16))
     model = train(preset, data=tmp_path / "data", run=tmp_path / "whole")
     header = networks.PaperNetworks.read(tmp_path / "whole" / "weights.safetensors").header
     assert header["scale"] == TINY

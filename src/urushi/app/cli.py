@@ -4,7 +4,7 @@ import functools
 import operator
 import os
 import sys
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Annotated, Any
 
 import tyro
@@ -19,7 +19,7 @@ from urushi.app.export import Convert, Export
 from urushi.app.recipe import Recipe
 from urushi.app.render import Render, Scene
 from urushi.app.simulate import Simulate
-from urushi.app.train import Data, Paper, Train
+from urushi.app.train import Data, Train
 from urushi.app.view import View
 from urushi.errors import UrushiError
 
@@ -34,8 +34,10 @@ help with an example: `urushi render --help`.
 """
 
 
-#: Every subcommand by name, with its line in the list of commands.
-COMMANDS: dict[str, tuple[type, str]] = {
+#: Subcommands by name, each with its line in the list of commands.
+Commands = Mapping[str, tuple[type, str]]
+
+COMMANDS: Commands = {
     "demo": (Demo, "Render a lacquered object by codes and by the reference, and compare."),
     "render": (Render, "Render a Mitsuba scene file or the demo's scene."),
     "scene": (Scene, "Write the demo's scene into a folder."),
@@ -49,29 +51,38 @@ COMMANDS: dict[str, tuple[type, str]] = {
     "view": (View, "Coat a material by hand, on a page in the browser."),
     "data": (Data, "Compute training data."),
     "train": (Train, "Make a basis and its layering network."),
-    "paper": (Paper, "Read the published networks of Fan et al. 2022."),
     "doctor": (Doctor, "Check this machine and say what is missing."),
 }
 
 
-def parse(arguments: Sequence[str]) -> Any:
+def parse(
+    arguments: Sequence[str],
+    commands: Commands = COMMANDS,
+    prog: str = "urushi",
+    description: str = DESCRIPTION,
+) -> Any:
     """The command object of the arguments; exits the process if they cannot be parsed."""
     listing = list(arguments) in ([], ["-h"], ["--help"])  # with the one-line descriptions
     members = (
         Annotated[command, tyro.conf.subcommand(name, description=summary if listing else None)]
-        for name, (command, summary) in COMMANDS.items()
+        for name, (command, summary) in commands.items()
     )
     union: Any = functools.reduce(operator.or_, members)
     return tyro.cli(
         union,
-        prog="urushi",
-        description=DESCRIPTION,
+        prog=prog,
+        description=description,
         args=arguments or ["--help"],
         config=(tyro.conf.OmitArgPrefixes, tyro.conf.FlagCreatePairsOff),
     )
 
 
-def main(args: Sequence[str] | None = None) -> int:
+def main(
+    args: Sequence[str] | None = None,
+    commands: Commands = COMMANDS,
+    prog: str = "urushi",
+    description: str = DESCRIPTION,
+) -> int:
     """Run the command of `args` (default: the process's arguments); returns the exit code.
 
     0: success; 1: `doctor` found a problem that keeps Urushi from working; 2: a user's error,
@@ -83,7 +94,7 @@ def main(args: Sequence[str] | None = None) -> int:
         print(urushi.__version__)
         return 0
     try:
-        command = parse(arguments)
+        command = parse(arguments, commands, prog, description)
         ranges.check(command)
         code = command.run()
         sys.stdout.flush()

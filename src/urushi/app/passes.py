@@ -1,6 +1,5 @@
 """Pictures rendered in passes: progress is shown, memory is bounded, and an interrupt is heard."""
 
-import contextlib
 from collections.abc import Iterator
 from typing import Any
 
@@ -10,9 +9,6 @@ from tqdm import tqdm
 #: Camera rays of a pass, at most. Recording a pass takes up to half a second, so that fewer cost
 #: time.
 RAYS = 1 << 22
-
-#: The same within `fan2022.kernels.separate_kernels`: activations take about 4 kB for every ray.
-SEPARATE_RAYS = 1 << 17
 
 
 def passes(
@@ -37,21 +33,14 @@ def passes(
             progress.update(samples)
 
 
-def rendered(scene: Any, sensor: int, spp: int, seed: int) -> np.ndarray:
+def rendered(scene: Any, sensor: int, spp: int, seed: int, rays: int = RAYS) -> np.ndarray:
     """The picture (H, W, C) of `spp` samples per pixel, the mean over its passes.
 
-    It depends only on the arguments. Networks that need separate kernels get them.
+    It depends only on the arguments. rays: of the camera in a pass, at most.
     """
-    import mitsuba as mi
-
-    separate = any(getattr(x, "separate_kernels", False) for x in mi.traverse(scene).hierarchy)
-    kernels: Any = contextlib.nullcontext
-    if separate:
-        from urushi.fan2022 import separate_kernels as kernels
     width, height = scene.sensors()[sensor].film().crop_size()
     step = 1  # a power of four, which no sampler of Mitsuba rounds
-    while 4 * step * width * height <= (SEPARATE_RAYS if separate else RAYS):
+    while 4 * step * width * height <= rays:
         step *= 4
-    with kernels():
-        parts = passes(scene, spp, seed, step, sensor=sensor)
-        return sum((picture * samples for picture, samples in parts), start=np.zeros(())) / spp
+    parts = passes(scene, spp, seed, step, sensor=sensor)
+    return sum((picture * samples for picture, samples in parts), start=np.zeros(())) / spp

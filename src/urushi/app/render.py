@@ -5,18 +5,25 @@ import shutil
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, ClassVar
 
 import numpy as np
 import tyro
 
 from urushi import platform
-from urushi.app.passes import rendered
+from urushi.app.passes import RAYS, rendered
 from urushi.errors import FileError, ParameterError, PlatformError
 from urushi.files import atomic_write, new_folder
 from urushi.ranges import Index, Pixels, Samples, Seed, Threads
 
 SUFFIXES = (".exr", ".png", ".jpg")
+
+#: Mitsuba's words for a plugin that no library and no imported package has, and Urushi's.
+NO_PLUGIN = r'failed to instantiate \w+ plugin of type "(\w+)": \[PluginManager\] .* not found!?'
+NO_PLUGIN_CURE = (
+    r"neither Mitsuba nor Urushi has a plugin '\1'; if it belongs to another package, render by "
+    "that package's command, or import it in Python before you load the scene"
+)
 
 #: The scene of `urushi demo`, which `python -m gallery caddy` makes.
 DEMO_SCENE = Path(__file__).parent / "caddy" / "scene.xml"
@@ -65,6 +72,9 @@ class Render:
     seed: Seed = 0
     """Seed of the random numbers."""
 
+    #: Camera rays of a pass, at most.
+    RAYS: ClassVar[int] = RAYS
+
     def run(self) -> int:
         definitions = {}
         for pair in self.define:
@@ -99,7 +109,7 @@ class Render:
         dr.set_thread_count(self.threads or before)
         try:
             spp = self.spp or scene.sensors()[self.sensor].sampler().sample_count()
-            image = rendered(scene, self.sensor, spp, self.seed)
+            image = rendered(scene, self.sensor, spp, self.seed, self.RAYS)
         except RuntimeError as error:
             raise_interrupt(error)
             raise PlatformError(f"cannot render '{self.scene}': {one_line(error)}") from error
@@ -189,6 +199,7 @@ def load_scene(
         raise_interrupt(error)
         place = rf"(At|(Error w|W)hile loading) {re.escape(str(path))} \((line \d+), col \d+\): "
         reason = re.sub(place, r"" if name else r"\3: ", one_line(error))
+        reason = re.sub(NO_PLUGIN, NO_PLUGIN_CURE, reason)
         raise FileError(f"cannot load '{name or path}': {reason}") from error
     finally:
         del resolver[0]
@@ -220,7 +231,6 @@ def set_variant(name: str) -> None:
     import drjit as dr
 
     dr.set_thread_count(max(dr.thread_count(), 2))  # with one, Mitsuba waits for ever for EXR
-    import urushi.fan2022  # noqa: F401  (registers its plugins)
 
 
 def raise_interrupt(error: BaseException) -> None:

@@ -204,13 +204,10 @@ def test_variants_that_cannot_work_say_which_can(name, variant):
         ("openpbr", "base_colour", "no parameter 'base_colour'; did you mean base_color?"),
         ("openpbr", "resoluton", "no parameter 'resoluton'; did you mean resolution?"),
         ("materialx", "matrial", "no parameter 'matrial'; did you mean material?"),
-        ("fan2022_brdf", "weight", "no parameter 'weight'; did you mean weights?"),
     ],
 )
 def test_a_misspelt_parameter_is_named_with_the_nearest_one(rgb, plugin, name, sentence):
     """A texture under such a name too; nested BSDFs have any name."""
-    import urushi.fan2022  # noqa: F401  (registers its plugins)
-
     nested = {"base": bottom()} if plugin.endswith("layered") else {}
     for value in (0.5, {"type": "checkerboard"}):
         with pytest.raises(RuntimeError) as caught:

@@ -4,22 +4,62 @@ One texel is drawn, as in `mitsuba.latents.lookup`. Mip levels are means of code
 latent space is linear (Fan et al. 2022).
 """
 
+from collections.abc import Mapping
 from typing import ClassVar
 
 import drjit as dr
 import mitsuba as mi
 import numpy as np
 
-from urushi.fan2022.architecture import LATENT
+from fan2022.architecture import LATENT
+from urushi.errors import ParameterError
 from urushi.mitsuba.latents.lookup import drawn_texel, texel_draw
+from urushi.mitsuba.reading.grid import not_over_uv, varying_textures
 from urushi.mitsuba.recording import owned
 from urushi.textures.store import MIDDLE, TexelGrid
+
+#: Texels per side for procedural textures, and the largest side that is chosen automatically.
+PROCEDURAL, LARGEST = 256, 2048
 
 #: Steps of f from one number to e times it: values within a step are the same bottom.
 STEPS = 512
 
 #: [1/sr] Values of f below it count as it.
 LEAST_F = 1e-12
+
+
+def choose(
+    parts: Mapping[str, "mi.Object"], inner: TexelGrid, resolution: int, where: str
+) -> TexelGrid:
+    """The grid over the unit square of uv that resolves all textures; `MIDDLE` without any.
+
+    Args:
+        parts: the objects that hold the textures, by the names that errors use.
+        inner: the grid of the bottom's codes.
+        resolution: texels per side; 0 to choose it from the textures.
+        where: start of errors.
+    """
+    sizes = [np.array(inner[:2])]
+    for name, part in parts.items():
+        if dependence := not_over_uv(part):
+            raise ParameterError(
+                f"{where}: {name} depends on {dependence}, but coats are baked over uv; "
+                "give a texture over uv, or use the plugin 'layered', which evaluates every point"
+            )
+        sizes += map(_resolution, varying_textures(part))
+    width, height = np.minimum(np.max(sizes, axis=0), LARGEST).tolist()
+    if width * height == 1:
+        return MIDDLE
+    return TexelGrid(resolution or width, resolution or height)
+
+
+def _resolution(texture: "mi.Texture") -> np.ndarray:
+    """Texels of one texture along u and v, with its repetitions over the unit square of uv."""
+    size, parameters = np.array(texture.resolution()), mi.traverse(texture)
+    if size.prod() <= 1:
+        return np.array([PROCEDURAL, PROCEDURAL])
+    matrix = np.asarray(parameters["to_uv"].matrix.numpy()).reshape(3, 3)
+    return np.maximum(np.round(size * np.abs(matrix[:2, :2]).max(axis=1)), 1).astype(int)
 
 
 class CodeTexture:
@@ -36,9 +76,7 @@ class CodeTexture:
         numbers = np.concatenate([level.reshape(-1, *codes.shape[1:]) for level in levels])
         self.grid, self._numbers = grid, owned(mi.Float, numbers)
         # Of each level the number of texels before it, and its width and height.
-        sizes = np.array(
-            [(h * w, w, h) for h, w, *_ in (level.shape for level in levels)], np.uint32
-        )
+        sizes = np.array([(h * w, w, h) for h, w, *_ in (x.shape for x in levels)], np.uint32)
         sizes[:, 0] = np.cumsum(sizes[:, 0]) - sizes[:, 0]
         self._levels = [owned(mi.UInt32, column) for column in sizes.T]
 
@@ -48,23 +86,17 @@ class CodeTexture:
         They are of a level whose texels have the size of a pixel where the integrator computes
         derivatives of uv.
         """
-        (a, b, c), (d, e, f) = self.grid.to_texture
-        point = a * si.uv.x + b * si.uv.y + c, d * si.uv.x + e * si.uv.y + f
         draw, count = texel_draw(si.uv, si.wi), dr.width(self._levels[0])
-        offset, width, height = (
-            mi.UInt32(0),
-            mi.UInt32(self.grid.width),
-            mi.UInt32(self.grid.height),
-        )
+        offset, width, height = 0, mi.UInt32(self.grid.width), mi.UInt32(self.grid.height)
         if count > 1 and not _are_constant(si.duv_dx, si.duv_dy):
             squared = mi.Float(1)
             for change in (si.duv_dx, si.duv_dy):
-                x, y = a * change.x + b * change.y, d * change.x + e * change.y
-                squared = dr.maximum(squared, dr.square(x * width) + dr.square(y * height))
+                length = dr.square(change.x * width) + dr.square(change.y * height)
+                squared = dr.maximum(squared, length)
             level = dr.minimum(mi.UInt32(0.5 * dr.log2(squared) + draw[2]), count - 1)
             offset, width, height = (dr.gather(mi.UInt32, x, level) for x in self._levels)
         sizes, channels = (mi.Int32(width), mi.Int32(height)), self.channels
-        first = (offset + drawn_texel(point, sizes, self.grid, draw)) * channels
+        first = (offset + drawn_texel((si.uv.x, si.uv.y), sizes, self.grid, draw)) * channels
         return [
             [dr.gather(mi.Float, self._numbers, (first + c) * LATENT + i) for i in range(LATENT)]
             for c in range(channels)
@@ -88,14 +120,11 @@ def half_resolution(values: np.ndarray) -> np.ndarray:
 
 def _half(values: np.ndarray) -> np.ndarray:
     """Averages along the first axis: of two values, or of three by area if the count is odd."""
-    count, half = len(values), len(values) // 2
-    if count == 1:
-        return values
-    first, second = values[: 2 * half : 2], values[1 : 2 * half : 2]
-    if count % 2 == 0:
-        return 0.5 * (first + second)
-    index = np.arange(half, dtype=np.float32).reshape(-1, *[1] * (values.ndim - 1))
-    return ((half - index) * first + half * second + (index + 1) * values[2::2]) / count
+    count, half = len(values), max(len(values) // 2, 1)
+    edges = np.linspace(0, count, half + 1)[:, None]
+    before = np.clip(edges - np.arange(count), 0, 1)  # shares of values before an edge
+    share = np.diff(before, axis=0) * (half / count)
+    return np.tensordot(share.astype(np.float32), values, 1)
 
 
 def different_rows(f: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

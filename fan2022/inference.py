@@ -15,10 +15,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from fan2022 import architecture
+from fan2022.architecture import EVALUATION, LAYERING
 from urushi.core.namespace import Components, Namespace, arrays, components, stacked_components
-from urushi.fan2022 import architecture
-from urushi.fan2022.architecture import DIRECTIONS, EVALUATION, LAYERING
-from urushi.nets.mlp import Params, mlp, product, split_linear
+from urushi.nets.mlp import Params, mlp, split_linear
 
 #: The first layer; its product with the code is shared by all directions.
 _FIRST = "evaluation.0"
@@ -41,18 +41,6 @@ def evaluate(params: Params, z: Any, directions: Any) -> Any:
     """
     first = split_linear(params, _FIRST, directions, z)
     return architecture.apply(params, EVALUATION[1:], first)[..., 0]
-
-
-def value_and_gradient(params: Params, z: Any, directions: Any) -> tuple[Any, Any]:
-    """Return `evaluate`'s values (...) and their gradients (..., 32) with respect to z.
-
-    The values are independent of each other, so one backward pass gives all gradients.
-    """
-    first = split_linear(params, _FIRST, directions, z)
-    xp = first.__array_namespace__()
-    y, pull = architecture.pulled_back(params, EVALUATION[1:], first)
-    weight = params[f"{_FIRST}.weight"][DIRECTIONS:, :]
-    return y[..., 0], product(pull(xp.ones_like(y)), weight.T)
 
 
 def layer(params: Params, z_top: Any, z_bottom: Any, albedo: Any, sigma_t: Any) -> Any:

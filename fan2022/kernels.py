@@ -7,16 +7,17 @@ for itself. This kernel takes minutes to compile, and ten times as long to run a
 """
 
 import contextlib
-from collections.abc import Callable, Iterator, Mapping, Sequence
+import math
+from collections.abc import Callable, Iterator, Sequence
 
 import drjit as dr
 import mitsuba as mi
 import numpy as np
 from drjit import nn
 
+from fan2022.architecture import EPSILON, EVALUATION, PROXY, Block, Linear, Norm
+from fan2022.inference import MIN_SHARE, MIN_SIGMA, GaussianMixture
 from urushi.core.namespace import DRJIT
-from urushi.fan2022.architecture import EPSILON, EVALUATION, PROXY, Block, Linear, Norm
-from urushi.fan2022.inference import MIN_SHARE, MIN_SIGMA, GaussianMixture
 from urushi.nets.mlp import Params
 
 #: The flags by which Mitsuba records a whole path as one kernel.
@@ -47,23 +48,45 @@ def _stored(x: nn.CoopVec) -> nn.CoopVec:
 
 def _packed(weight: np.ndarray, bias: np.ndarray) -> tuple:
     """A weight (out, in) and a bias (out,) in memory, as `nn.matvec` takes them."""
+    weight, bias = (np.ascontiguousarray(array, np.float32) for array in (weight, bias))
     return nn.pack(mi.TensorXf(weight), mi.TensorXf(bias), layout="inference")
 
 
-def _linear(params: Mapping[str, np.ndarray], name: str) -> Callable:
-    """A linear layer, equal to `fan2022.architecture.Linear`."""
-    weight = np.ascontiguousarray(params[f"{name}.weight"].T)
-    weight, bias = _packed(weight, params[f"{name}.bias"])
+def bound(params: Params, chain: Sequence[Block]) -> Callable[[nn.CoopVec], nn.CoopVec]:
+    """The function of activations that is equal to a chain."""
+    steps = []
+    for block in chain:
+        if isinstance(block, Linear):
+            steps.append(_linear(params, block.name))
+        elif isinstance(block, Norm):
+            steps.append(_norm(params, block.name))
+        else:
+            steps.append(_skip(bound(params, block.inner)))
+
+    def chained(x: nn.CoopVec) -> nn.CoopVec:
+        for step in steps:
+            x = _stored(step(x))
+        return x
+
+    return chained
+
+
+def _skip(inner: Callable) -> Callable:
+    return lambda x: inner(x) + x
+
+
+def _linear(params: Params, name: str) -> Callable:
+    weight, bias = _packed(params[f"{name}.weight"].T, params[f"{name}.bias"])
     return lambda x: nn.matvec(weight, x, bias)
 
 
-def _norm(params: Mapping[str, np.ndarray], name: str) -> Callable:
-    """Layer normalisation and ReLU, equal to `fan2022.architecture.Norm`."""
+def _norm(params: Params, name: str) -> Callable:
     width = len(params[f"{name}.scale"])
     # A vector in memory can be used only as the bias of a matrix, here of zeros.
-    zeros = np.zeros((width, 1), np.float32)
-    vectors = [_packed(zeros, params[f"{name}.{part}"]) for part in ("scale", "shift")]
-    mean = _packed(np.full((1, width), 1 / width, np.float32), np.zeros(1, np.float32))
+    vectors = [
+        _packed(np.zeros((width, 1)), params[f"{name}.{part}"]) for part in ("scale", "shift")
+    ]
+    mean = _packed(np.full((1, width), 1 / width), np.zeros(1))
 
     def average(x: nn.CoopVec):
         (value,) = nn.matvec(mean[0], x, mean[1])
@@ -82,7 +105,7 @@ class PaperDecoder:
     """f [1/sr] from latent codes, by the evaluation network."""
 
     def __init__(self, params: Params):
-        self._steps = _bound(params, EVALUATION)
+        self._network = bound(params, EVALUATION)
 
     def f(self, latents: Sequence[Sequence], wi, wo) -> list:
         """f of each channel, never negative; latents: per channel a list (32) of Dr.Jit floats.
@@ -92,9 +115,8 @@ class PaperDecoder:
         directions = [wi.x, wi.y, wo.x, wo.y, wi.z, wo.z]
 
         def evaluate(channel, *values):
-            of_channels = zip(*latents, strict=True)
-            z = [_chosen(channel, numbers) for numbers in of_channels]
-            (value,) = _chained(self._steps, nn.CoopVec(*directions, *z))
+            z = [_chosen(channel, numbers) for numbers in zip(*latents, strict=True)]
+            (value,) = self._network(nn.CoopVec(*directions, *z))
             value = dr.maximum(value, 0)
             kept = [dr.select(channel == k, value, other) for k, other in enumerate(values)]
             return channel + 1, *kept
@@ -112,29 +134,6 @@ def _chosen(index, values: Sequence):
     return result
 
 
-def _bound(params: Mapping[str, np.ndarray], chain: Sequence[Block]) -> list:
-    """One function of activations for each block of a chain."""
-    steps: list = []
-    for block in chain:
-        if isinstance(block, Linear):
-            steps.append(_linear(params, block.name))
-        elif isinstance(block, Norm):
-            steps.append(_norm(params, block.name))
-        else:
-            steps.append(_skip(_bound(params, block.inner)))
-    return steps
-
-
-def _skip(inner: list) -> Callable:
-    return lambda x: _chained(inner, x) + x
-
-
-def _chained(steps: Sequence[Callable], x: nn.CoopVec) -> nn.CoopVec:
-    for step in steps:
-        x = _stored(step(x))
-    return x
-
-
 class Gaussian(GaussianMixture):
     """`GaussianMixture` of Dr.Jit floats."""
 
@@ -150,14 +149,12 @@ class PaperSampler:
     """Proposals from latent codes, the same for all directions."""
 
     def __init__(self, params: Params):
-        self._steps = _bound(params, PROXY)
+        self._layers = [_linear(params, block.name) for block in PROXY]
 
     def proposal(self, latent: Sequence) -> Gaussian:
         """The proposal of a latent code, a list (32) of Dr.Jit floats."""
-        x = self._steps[0](nn.CoopVec(*latent))
-        for step in self._steps[1:]:
-            x = step(dr.maximum(x, 0))
+        x = self._layers[0](nn.CoopVec(*latent))
+        for layer in self._layers[1:]:
+            x = layer(dr.maximum(x, 0))
         size, share = (1 / (1 + dr.exp(value)) for value in x)
-        return Gaussian(
-            dr.exp(float(np.log(MIN_SIGMA)) * size), MIN_SHARE + (1 - 2 * MIN_SHARE) * share
-        )
+        return Gaussian(dr.exp(math.log(MIN_SIGMA) * size), MIN_SHARE + (1 - 2 * MIN_SHARE) * share)

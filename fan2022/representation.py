@@ -3,7 +3,7 @@
 Batches of the two-layer BRDFs are streamed from the store in bounded memory.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from typing import Any, NamedTuple
 
 import jax
@@ -11,11 +11,12 @@ import jax.numpy as jnp
 import numpy as np
 import optax
 
-from urushi.fan2022.architecture import FIRST_LATENT, LATENT
-from urushi.fan2022.inference import direction_inputs, evaluate
-from urushi.fan2022.preset import PaperPreset
-from urushi.fan2022.store import Store
+from fan2022.architecture import FIRST_LATENT, LATENT, parameters_of
+from fan2022.inference import direction_inputs, evaluate
+from fan2022.palette import read_shard
+from fan2022.preset import PaperPreset
 from urushi.nets.mlp import Params
+from urushi.train.tables import TableStore
 
 #: Maximum number of direction pairs in memory at once: half a gigabyte.
 GROUP = 1 << 24
@@ -34,7 +35,7 @@ class Batch(NamedTuple):
     f: np.ndarray  # (B, P) [1/sr]
 
 
-def epoch(store: Store, preset: PaperPreset, index: int) -> Iterator[Batch]:
+def epoch(store: TableStore, preset: PaperPreset, index: int) -> Iterator[Batch]:
     """The batches of one epoch, in an order that depends only on seed and epoch.
 
     Groups of BRDFs that fit into memory are visited in random order. Within a group the pairs of
@@ -42,13 +43,12 @@ def epoch(store: Store, preset: PaperPreset, index: int) -> Iterator[Batch]:
     BRDFs that do not fill a batch are left out of the run: batches of other sizes are slow where
     `TOGETHER` does not divide them.
     """
-    rng = np.random.default_rng((preset.seed, index))
-    part, shard = preset.part("two-layer"), preset.data.shard
-    shards = rng.permutation(-(-trained(preset) // shard))
-    together = max(1, GROUP // (part.pairs * shard))
+    rng, data = np.random.default_rng((preset.seed, index)), preset.data
+    shards = rng.permutation(-(-preset.trained // data.shard))
+    together = max(1, GROUP // (data.pairs * data.shard))
     for group in np.array_split(shards, -(-len(shards) // together)):
-        rows, arrays = _trained(store, preset, group)
-        count, pairs = arrays["f"].shape
+        rows, wi, wo, f = _trained(store, preset, group)
+        count, pairs = f.shape
         run = min(preset.pairs, pairs)
         order = rng.permuted(np.tile(np.arange(pairs), (count, 1)), axis=1)
         for first in range(0, pairs - run + 1, run):
@@ -56,25 +56,21 @@ def epoch(store: Store, preset: PaperPreset, index: int) -> Iterator[Batch]:
             size = min(preset.stacks, count)
             for chosen in rng.permutation(count)[: count // size * size].reshape(-1, size):
                 at = chosen[:, None], order[chosen, first : first + run]
-                yield Batch(rows[chosen], arrays["wi"][at], arrays["wo"][at], arrays["f"][at])
+                yield Batch(rows[chosen], wi[at], wo[at], f[at])
 
 
-def trained(preset: PaperPreset) -> int:
-    """Number of two-layer BRDFs to train on; they are the first ones of the part."""
-    return preset.part("two-layer").stacks - preset.validation
-
-
-def _trained(
-    store: Store, preset: PaperPreset, shards: np.ndarray
-) -> tuple[np.ndarray, dict[str, np.ndarray]]:
-    """Rows (R,) int32 and arrays of the BRDFs of some shards that are trained on."""
-    part = [described.name for described in preset.data.parts].index("two-layer")
-    slices = [preset.data.rows(part, shard) for shard in shards]
-    rows = np.concatenate([np.arange(s.start, s.stop, dtype=np.int32) for s in slices])
-    kept = rows < trained(preset)
-    read = [store.read_shard(part, int(shard), ("wi", "wo", "f")) for shard in shards]
-    arrays = {name: np.concatenate([a[name] for a in read])[kept] for name in ("wi", "wo", "f")}
-    return rows[kept], arrays
+def _trained(store: TableStore, preset: PaperPreset, shards: np.ndarray) -> Batch:
+    """All pairs of the BRDFs of some shards of the two-layer part that are trained on."""
+    places = [
+        (k, rows) for k, (name, rows) in enumerate(preset.data.places()) if name == "two-layer"
+    ]
+    parts = []
+    for number in shards:
+        shard, rows = places[number]
+        index = np.arange(rows.start, rows.stop, dtype=np.int32)
+        kept = index < preset.trained
+        parts.append([values[kept] for values in (index, *read_shard(store, shard))])
+    return Batch(*map(np.concatenate, zip(*parts, strict=True)))
 
 
 #: Adam (Kingma and Ba 2015) with its default constants; the paper does not state its own.
@@ -99,7 +95,7 @@ def updated(params: Params, optimiser: Any, slope: Params, rate: Any) -> tuple[P
 
 def start(params: Params, brdfs: int) -> RepresentationState:
     """The state before the first step: all codes are 1."""
-    params = {name: jnp.asarray(v) for name, v in params.items() if name.startswith("evaluation.")}
+    params = jax.tree.map(jnp.asarray, parameters_of(params, "evaluation"))
     latents = jnp.full((brdfs, LATENT), FIRST_LATENT)
     moments = RULE.init(latents)._replace(count=jnp.zeros((brdfs, 1), jnp.int32))
     return RepresentationState(params, RULE.init(params), latents, moments)
@@ -150,7 +146,7 @@ def step(
 
 
 def learn_epoch(
-    state: RepresentationState, batches: Any, weights_rate: float, latents_rate: float
+    state: RepresentationState, batches: Iterable[Batch], weights_rate: float, latents_rate: float
 ) -> tuple[RepresentationState, float]:
     """Take the steps of one epoch; returns the mean loss too."""
     losses = []

@@ -6,13 +6,18 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from urushi.fan2022.inference import layer
-from urushi.fan2022.preset import Palette, PaperPreset
-from urushi.fan2022.representation import RULE, updated
+from fan2022.architecture import parameters_of
+from fan2022.inference import layer
+from fan2022.preset import PaperPreset
+from fan2022.representation import RULE, updated
 from urushi.nets.mlp import Params
 
-#: Number of decays of the learning rate: the paper's rate decays every 50 of 1,000 epochs.
-DECAYS = 20
+#: The learning rate, its factor at each decay, and the number of decays: the paper's rate decays
+#: every 50 of 1,000 epochs.
+RATE, DECAY, DECAYS = 3e-3, 0.7, 20
+
+#: The learning rate on three layers, and layerings in a step.
+FINETUNING_RATE, ROWS = 3e-4, 64
 
 
 class Examples(NamedTuple):
@@ -34,7 +39,7 @@ class LayeringState(NamedTuple):
 
 def start(params: Params) -> LayeringState:
     """The state before the first step."""
-    params = {name: jnp.asarray(v) for name, v in params.items() if name.startswith("layering.")}
+    params = jax.tree.map(jnp.asarray, parameters_of(params, "layering"))
     return LayeringState(params, RULE.init(params))
 
 
@@ -42,16 +47,13 @@ def examples(preset: PaperPreset, codes: dict[str, np.ndarray]) -> dict[str, Exa
     """The examples "train", "validation" (two layers) and "three-layer" from all parts' codes."""
     sets = {}
     for name, lower in (("two-layer", "conductor"), ("three-layer", "two-layer")):
-        part = preset.part(name)
-        source = part.distribution
-        assert isinstance(source, Palette)  # for the type checker
-        top, below, albedo, sigma_t = source.parts(slice(0, part.stacks))
+        source, count = preset.data.parts[name]
+        top, below, albedo, sigma_t = source.parts(slice(0, count))
         columns = codes["dielectric"][top], codes[lower][below], albedo, sigma_t, codes[name]
         sets[name] = Examples(*(np.asarray(column, np.float32) for column in columns))
-    last = preset.part("two-layer").stacks - preset.validation
     return {
-        "train": Examples(*(column[:last] for column in sets["two-layer"])),
-        "validation": Examples(*(column[last:] for column in sets["two-layer"])),
+        "train": Examples(*(column[: preset.trained] for column in sets["two-layer"])),
+        "validation": Examples(*(column[preset.trained :] for column in sets["two-layer"])),
         "three-layer": sets["three-layer"],
     }
 
@@ -76,12 +78,12 @@ def learn_epoch(
     period = max(1, preset.layering_epochs // DECAYS)
     if epoch < preset.layering_epochs:
         data = sets["train"]
-        rate = preset.layering_rate * preset.layering_decay ** (epoch // period)
+        rate = RATE * DECAY ** (epoch // period)
     else:
-        data, rate = sets["three-layer"], preset.finetuning_rate
+        data, rate = sets["three-layer"], FINETUNING_RATE
     order = np.random.default_rng((preset.seed, 1, epoch)).permutation(len(data.target))
     losses = []
-    for rows in np.array_split(order, -(-len(order) // preset.rows)):
+    for rows in np.array_split(order, -(-len(order) // ROWS)):
         state, loss = step(state, Examples(*(column[rows] for column in data)), rate)
         losses.append(loss)
     return state, float(np.mean(jax.device_get(losses)))

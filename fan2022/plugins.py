@@ -12,13 +12,12 @@ import drjit as dr
 import mitsuba as mi
 import numpy as np
 
+from fan2022.architecture import LATENT
+from fan2022.kernels import PaperDecoder, PaperSampler, separate_kernels
+from fan2022.material import Material, encode, load
+from fan2022.networks import PaperNetworks, projection_pairs
+from fan2022.texels import CodeTexture, choose, different_rows
 from urushi.errors import ParameterError, PlatformError, UrushiWarning
-from urushi.fan2022.architecture import LATENT
-from urushi.fan2022.grid import choose
-from urushi.fan2022.kernels import PaperDecoder, PaperSampler, separate_kernels
-from urushi.fan2022.material import Material, encode, load
-from urushi.fan2022.networks import PaperNetworks, projection_pairs
-from urushi.fan2022.texels import CodeTexture, different_rows
 from urushi.mitsuba import spectrum
 from urushi.mitsuba.plugins.base import resolve
 from urushi.mitsuba.reading import probing
@@ -38,7 +37,8 @@ TEXELS = 1 << 10
 
 RECORDED = (
     "networks of Fan et al. 2022 are recorded in one kernel with the whole path, which takes "
-    "minutes to compile; render within `urushi.fan2022.separate_kernels()`"
+    "minutes to compile; render by `python -m fan2022 render`, "
+    "or within `fan2022.separate_kernels()`"
 )
 
 
@@ -76,9 +76,6 @@ def define(base: type) -> dict[str, type]:
 
         codes: TexelCodes
 
-        #: Commands render scenes with such a BSDF within `separate_kernels`.
-        separate_kernels = True
-
         def _load(self, props):
             if dr.backend_v(mi.Float) == dr.JitBackend.CUDA:
                 raise PlatformError(
@@ -102,7 +99,7 @@ def define(base: type) -> dict[str, type]:
         """A saved material of the system of Fan et al. 2022 (``fan2022_brdf``).
 
         ============== ===================== ====================================================
-        filename       string                File of ``urushi.fan2022.Material.save``. (Required)
+        filename       string                File of ``fan2022.Material.save``. (Required)
         weights        string                File of the networks. (Required)
         ============== ===================== ====================================================
         """
@@ -135,7 +132,7 @@ def define(base: type) -> dict[str, type]:
         The coat and the nested BSDF are given as for ``neural_layered``, isotropic and with indices
         above one. Every different bottom, and every pair of ``alpha`` and index, is projected,
         which takes seconds or minutes; a texture has at most 256 of these pairs. Codes are kept in
-        memory.
+        memory. Textures are baked over the unit square of uv, which repeats.
         """
 
         PROPERTIES = (*COAT_PROPERTIES, "mipmaps")
@@ -158,9 +155,9 @@ def define(base: type) -> dict[str, type]:
             self._coat.parameters_changed()
             check_normals(self._bottom, self._coat.where)
             below = isinstance(self._bottom, PaperBSDF) and self._bottom.codes
-            inner = below.grid if below and below.grid != MIDDLE else None
+            inner = below.grid if below else MIDDLE
             parts = self._coat.textures | ({} if below else {"the nested BSDF": self._bottom})
-            chosen = choose(parts, inner, self._resolution, self._coat.where) or MIDDLE
+            chosen = choose(parts, inner, self._resolution, self._coat.where)
             coat = self._coat.layering(chosen.uv())
             codes = self.networks.layer(self._bottom_codes(below, chosen), coat)
             self.codes = TexelCodes(self.networks, codes, chosen, self._mipmaps)

@@ -8,24 +8,15 @@ from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
-from tqdm import tqdm
 
+from fan2022.architecture import ALL, LATENT, PaperArchitecture, shapes
+from fan2022.inference import GaussianMixture, direction_inputs, evaluate, isotropic, layer, proxy
 from urushi.checks import CoatParameters, one_width
 from urushi.core.direction_sets import stratified_pairs
 from urushi.errors import ParameterError
-from urushi.fan2022.architecture import LATENT, PaperArchitecture, parameter_shapes
-from urushi.fan2022.inference import (
-    GaussianMixture,
-    direction_inputs,
-    evaluate,
-    isotropic,
-    layer,
-    proxy,
-)
-from urushi.fan2022.projection import project
 from urushi.nets import weights
 from urushi.nets.mlp import Params
-from urushi.parallel import fill_blocks, run_all_cores
+from urushi.parallel import fill_blocks
 from urushi.walk import analytic
 
 #: The system that weights files name.
@@ -34,9 +25,6 @@ KIND = "paper"
 #: Number of direction pairs at which a BRDF is evaluated for its projection: the authors' number
 #: for one step, and eight strata for each of the four angles.
 PAIRS = 4096
-
-#: Number of BRDFs that are projected together; more would not fit into the caches.
-TOGETHER = 4
 
 #: Codes of many Lambertian BRDFs, as of a texture, are interpolated between codes of the
 #: reflectances (k / LEVELS)².
@@ -58,7 +46,7 @@ def projection_pairs() -> tuple[np.ndarray, np.ndarray]:
 
 
 class PaperNetworks:
-    """The paper's networks (NumPy). Make them of parameters, or by `read`.
+    """The paper's networks. Make them of parameters, or by `read`.
 
     Attributes:
         arch, params, header, fingerprint: as of `nets.weights.Model`.
@@ -71,9 +59,9 @@ class PaperNetworks:
             ParameterError: a parameter is missing, unknown, of a wrong shape or not finite.
         """
         self.arch, self.header = arch, dict(header)
-        self.params = weights.checked_parameters(params, parameter_shapes())
+        self.params = weights.checked_parameters(params, shapes(ALL))
         self.fingerprint = weights.fingerprint(arch, self.params)
-        self._lock = threading.Lock()  # guards the kept codes; not held during projections
+        self._lock = threading.Lock()
         self._kept: dict[bytes, np.ndarray] = {}  # the oldest first
 
     @classmethod
@@ -99,56 +87,46 @@ class PaperNetworks:
     def encode(self, f: Any) -> np.ndarray:
         """Codes (..., 32) of values f (..., PAIRS) [1/sr] at `projection_pairs`, by projection.
 
-        A projection takes two seconds for 16 pairs in a step, some minutes for 4,096. Codes are
-        kept, so that equal BRDFs are projected once. Codes of more than `LEVELS` Lambertian BRDFs
-        are interpolated: they vary smoothly with the BRDF.
+        A projection takes seconds for 16 pairs in a step, some minutes for 4,096. Codes are kept,
+        so that equal BRDFs are projected once. Codes of more than `LEVELS` Lambertian BRDFs are
+        interpolated: they vary smoothly with the BRDF.
         """
         values = np.asarray(f, np.float32)
-        directions = direction_inputs(*projection_pairs())[None]
-        rows = values.reshape(-1, directions.shape[1])
+        rows = values.reshape(-1, PAIRS)
         grey = np.ptp(rows, axis=1) <= 1e-4 * rows.max(axis=1)  # but for rounding
         if np.count_nonzero(grey) <= LEVELS:
             grey[:] = False
         codes = np.empty((len(rows), LATENT), np.float32)
-        codes[~grey] = self._projected(directions, rows[~grey])
+        codes[~grey] = self._projected(rows[~grey])
         if grey.any():
-            codes[grey] = self._interpolated(directions, rows[grey].mean(axis=1))
+            codes[grey] = self._interpolated(rows[grey].mean(axis=1))
         return codes.reshape(*values.shape[:-1], LATENT)
 
-    def _interpolated(self, directions: np.ndarray, f: np.ndarray) -> np.ndarray:
+    def _interpolated(self, f: np.ndarray) -> np.ndarray:
         """Codes (M, 32) of Lambertian BRDFs f (M,), between codes of levels."""
         position = LEVELS * np.sqrt(np.pi * np.maximum(f, 0))
         lower = np.floor(position)
         levels, index = np.unique(np.stack([lower, lower + 1]), return_inverse=True)
         values = (levels[:, None] / LEVELS) ** 2 / np.float32(np.pi)
-        codes = self._projected(directions, values.repeat(directions.shape[1], axis=1))
-        below, above = codes[index.reshape(2, -1)]
+        below, above = self._projected(values.repeat(PAIRS, axis=1))[index.reshape(2, -1)]
         share = (position - lower)[:, None]
         return (1 - share) * below + share * above
 
-    def _projected(self, directions: np.ndarray, f: np.ndarray) -> np.ndarray:
-        """Codes (M, 32) of BRDFs f (M, P), on all cores; the last `KEPT` are kept."""
+    def _projected(self, f: np.ndarray) -> np.ndarray:
+        """Codes (M, 32) of BRDFs f (M, PAIRS); the last `KEPT` are kept."""
+        from fan2022.projection import project  # needs JAX
+
         keys = [hashlib.sha256(row.tobytes()).digest() for row in f]
         with self._lock:
-            found = {key: self._kept[key] for key in keys if key in self._kept}
-        rows = {key: row for key, row in zip(keys, f, strict=True) if key not in found}
-        new = list(rows)
-
-        def task(part: list[bytes]) -> None:
-            f = np.stack([rows[key] for key in part])
-            codes, _ = project(self.params, directions, f, self.arch.adam)
-            found.update(zip(part, codes, strict=True))
-            progress.update(len(part))
-
-        parts = [new[i : i + TOGETHER] for i in range(0, len(new), TOGETHER)]
-        # A projection takes seconds to minutes.
-        with tqdm(total=len(new), desc="project", unit="BRDF", delay=2, disable=None) as progress:
-            run_all_cores(task, parts)
-        with self._lock:
-            self._kept |= found
+            rows = {key: row for key, row in zip(keys, f, strict=True) if key not in self._kept}
+            if rows:
+                directions = direction_inputs(*projection_pairs())[None]
+                codes, _ = project(self.params, directions, np.stack([*rows.values()]), self.arch)
+                self._kept |= zip(rows, codes, strict=True)
+            found = [self._kept[key] for key in keys]
             for key in list(self._kept)[:-KEPT]:
                 del self._kept[key]
-        return np.array([found[key] for key in keys], np.float32).reshape(-1, LATENT)
+        return np.array(found, np.float32).reshape(-1, LATENT)
 
     def layer(self, z_bottom: np.ndarray, coat: CoatParameters) -> np.ndarray:
         """Codes (..., 32) by the layering network, whose inputs include the interface's code.
@@ -171,9 +149,8 @@ class PaperNetworks:
                 f"the coat's eta is {lowest:g}, and the paper's networks cover indices above 1 "
                 "only; use Urushi's own networks or the random walk for it"
             )
-        z_top = self._top(coat.alpha, coat.eta)
+        codes = self._top(coat.alpha, coat.eta), z_bottom
         medium = isotropic(coat.albedo, coat.sigma_t, coat.g)
-        codes = (z_top, z_bottom)
         shape = np.broadcast_shapes(*(z.shape[:-1] for z in codes), *map(np.shape, medium))
         result = np.empty((*shape, LATENT), np.float32)
         parts = [np.broadcast_to(z, result.shape) for z in codes]
@@ -183,8 +160,7 @@ class PaperNetworks:
 
     def f(self, z: Any, wi: Any, wo: Any) -> Any:
         """Values (...) [1/sr]; the network's negative outputs become zero."""
-        value = evaluate(self.params, z, direction_inputs(wi, wo))
-        return np.maximum(value, 0)
+        return np.maximum(evaluate(self.params, z, direction_inputs(wi, wo)), 0)
 
     def proposal(self, z: Any) -> GaussianMixture:
         """The proposal of codes z (..., 32): a Gaussian and a cosine lobe, the same for all wi."""

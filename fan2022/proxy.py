@@ -1,6 +1,5 @@
 """Training of the sampling proxy on histograms of half vectors (Fan et al. 2022, supplement)."""
 
-from collections.abc import Mapping
 from typing import Any, NamedTuple
 
 import jax
@@ -8,11 +7,11 @@ import jax.numpy as jnp
 import numpy as np
 import optax
 
-from urushi.fan2022.architecture import AdamProjection, PaperArchitecture, init
-from urushi.fan2022.inference import direction_inputs, evaluate, layer, proxy
-from urushi.fan2022.networks import PaperNetworks
-from urushi.fan2022.preset import Palette
-from urushi.fan2022.published import cosine_proxy
+from fan2022.architecture import PaperArchitecture, init, parameters_of
+from fan2022.inference import direction_inputs, evaluate, layer, proxy
+from fan2022.networks import PaperNetworks
+from fan2022.palette import Palette
+from fan2022.published import cosine_proxy
 from urushi.nets.mlp import Params
 
 #: Bins on each side of the square around the unit disk of projected half vectors.
@@ -98,7 +97,7 @@ def divergence(params: Params, data: Histograms) -> jax.Array:
 
 def learn(params: Params, data: Histograms) -> tuple[Params, float]:
     """Train the proxy; returns its parameters and the last divergence."""
-    trained = {name: jnp.asarray(v) for name, v in params.items() if name.startswith("proxy.")}
+    trained = jax.tree.map(jnp.asarray, parameters_of(params, "proxy"))
 
     def step(state: tuple[Any, Any], _: None) -> tuple[tuple[Any, Any], jax.Array]:
         loss, slope = jax.value_and_grad(divergence)(state[0], data)
@@ -113,22 +112,21 @@ def learn(params: Params, data: Histograms) -> tuple[Params, float]:
     return trained, float(losses[-1])
 
 
-def fitted_proxy(params: Mapping[str, np.ndarray], adam: AdamProjection) -> tuple[Params, float]:
+def fitted_proxy(params: Params, arch: PaperArchitecture) -> tuple[Params, float]:
     """Train a proxy on stacks whose codes the networks predict; returns its divergence too.
 
     Dielectrics and conductors of Table 2 are projected and layered. The proxy learns from the
     conductors and the stacks, as in `learn`.
 
-    params: of the evaluation and the layering network. adam: how they are projected.
+    params: of the evaluation and the layering network. arch: how they are projected.
     """
     source = Palette(1, components=COMPONENTS, stacks=STACKS)
     top, below, albedo, sigma_t = source.parts(slice(0, STACKS))
-    networks = PaperNetworks(PaperArchitecture(adam), {**params, **cosine_proxy()}, {})
+    networks = PaperNetworks(arch, {**params, **cosine_proxy()}, {})
     codes = {}
     for kind in ("dielectric", "conductor"):
         bare = Palette(0, kind, COMPONENTS, STACKS)
-        columns = bare.draw(np.random.default_rng(), slice(0, COMPONENTS)).bottom
-        codes[kind] = networks.encode_bare(kind, columns)
+        codes[kind] = networks.encode_bare(kind, bare.draw(slice(0, COMPONENTS)).bottom)
     medium = np.float32(albedo), np.float32(sigma_t)
     stacks = layer(params, codes["dielectric"][top], codes["conductor"][below], *medium)
     latents = np.concatenate([codes["conductor"], stacks]).astype(np.float32)

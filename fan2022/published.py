@@ -18,18 +18,9 @@ from typing import Any
 import numpy as np
 from numpy.lib.stride_tricks import as_strided
 
+from fan2022.architecture import EVALUATION, LAYERING, PROXY, Block, Linear, Norm, Skip, shapes
+from fan2022.pickled import Storage, Tensor, decode
 from urushi.errors import FileError
-from urushi.fan2022.architecture import (
-    EVALUATION,
-    LAYERING,
-    PROXY,
-    Block,
-    Linear,
-    Norm,
-    Skip,
-    shapes,
-)
-from urushi.fan2022.pickled import Tensor, decode
 
 #: Largest file, and largest pickle in it. The paper's networks have 12 MB, their pickles 30 kB.
 MAX_FILE, MAX_PICKLE = 1 << 26, 1 << 20
@@ -40,46 +31,55 @@ MAX_VALUES = 1 << 22
 #: First bytes of the format that PyTorch wrote before version 1.6, and the version of the format.
 _LEGACY, _LEGACY_VERSION = b"\x80\x02\x8a\x0al\xfc\x9cF\xf9 j\xa8P\x19.", 1001
 
+CURE = "give a file of torch.save(network.state_dict())"
+
 
 class TorchFile:
-    """A file of `torch.save`, of the zip format or the older one of PyTorch before 1.6 (2020)."""
+    """A file of `torch.save`, of the zip format or the older one of PyTorch before 1.6 (2020).
+
+    Attributes:
+        content: the value of its pickle, see `pickled.decode`.
+    """
 
     def __init__(self, path: str | os.PathLike) -> None:
-        """Read a file's pickle, `content` as of `pickled.decode`, and its storages, for `array`."""
         self.path = Path(path)
-        data = _content(self.path)
+        try:
+            with self.path.open("rb") as file:
+                data = file.read(MAX_FILE + 1)
+        except OSError as error:
+            raise FileError(f"cannot read '{path}': {error.strerror}; check the path") from error
+        if not data.startswith((_LEGACY, b"PK")):
+            raise FileError(f"'{path}' is not a PyTorch file; give one written by torch.save")
         read = _read_legacy if data.startswith(_LEGACY) else _read_zip
-        self.content, self._storages = read(data, self.path)
+        try:
+            if len(data) > MAX_FILE:
+                raise FileError(f"has more than {MAX_FILE} bytes; {CURE}")
+            self.content, self._storages = read(data)
+        except FileError as error:
+            raise FileError(f"'{path}' {error}") from None
+        except Exception as error:  # a damaged pickle raises many kinds
+            raise FileError(
+                f"'{path}' is damaged, or has more than tensors in dictionaries; {CURE}"
+            ) from error
 
     def array(self, tensor: Tensor, name: str) -> np.ndarray:
         """The values of a tensor as a new float32 array; name: for errors."""
         (storage, offset, shape, strides), where = tensor, f"the tensor '{name}' of '{self.path}'"
-        if len(shape) != len(strides) or min((offset, *shape, *strides), default=0) < 0:
-            raise FileError(f"{where} has a wrong shape; save it again")
-        if math.prod(shape) > MAX_VALUES:
+        try:
+            whole = np.frombuffer(self._storages[storage.key], storage.dtype)
+            last = offset + sum((n - 1) * s for n, s in zip(shape, strides, strict=True))
+            if min(offset, *shape, *strides) < 0 or math.prod(shape) > MAX_VALUES:
+                raise ValueError(shape)
+            if len(whole) != storage.length or last >= len(whole):
+                raise ValueError(last)
+        except (AttributeError, KeyError, TypeError, ValueError) as error:
             raise FileError(
-                f"{where} has shape {shape}; the paper's networks have at most {MAX_VALUES} values "
-                "in one"
-            )
-        last = offset + sum((n - 1) * s for n, s in zip(shape, strides, strict=True))
-        if 0 not in shape and last >= storage.length:
-            raise FileError(f"{where} lies outside its storage; save it again")
-        dtype = np.dtype(storage.dtype)
-        data = self._storages.get(storage.key)
-        if data is None:
-            raise FileError(
-                f"'{self.path}' lacks the values of the tensor '{name}'; download or save it again"
-            )
-        if len(data) != storage.length * dtype.itemsize:
-            raise FileError(
-                f"the storage of {where} has {len(data)} bytes instead of "
-                f"{storage.length * dtype.itemsize}; download or save the file again"
-            )
-        values = np.frombuffer(data, dtype)[offset:]
-        steps = tuple(s * dtype.itemsize for s in strides)
-        view = as_strided(values, shape, steps, writeable=False)
+                f"{where} lies outside its storage; download or save it again"
+            ) from error
+        steps = [step * whole.itemsize for step in strides]
+        values = as_strided(whole[offset:], shape, steps, writeable=False)
         with np.errstate(over="ignore"):  # of doubles: refused below
-            array = np.array(view, np.float32, order="C")
+            array = np.array(values, np.float32)
         if not np.isfinite(array).all():
             raise FileError(
                 f"{where} holds a number that is not finite in single precision; give other weights"
@@ -87,95 +87,47 @@ class TorchFile:
         return array
 
 
-def _content(path: Path) -> bytes:
-    """All bytes of a file, at most `MAX_FILE`."""
-    try:
-        size = path.stat().st_size
-        if size > MAX_FILE:
-            raise FileError(
-                f"'{path}' has {size} bytes, and files of the paper's networks at most {MAX_FILE}; "
-                "give a file of torch.save(network.state_dict())"
-            )
-        with path.open("rb") as file:
-            data = file.read(MAX_FILE)
-    except OSError as error:
-        raise FileError(
-            f"cannot read '{path}': {error.strerror or error}; check the path"
-        ) from error
-    if not data.startswith((_LEGACY, b"PK")):
-        raise FileError(f"'{path}' is not a PyTorch file; give one written by torch.save")
-    return data
+def _read_zip(data: bytes) -> tuple[Any, Mapping[str, bytes]]:
+    """Content and storages of a zip file."""
+    with zipfile.ZipFile(io.BytesIO(data)) as archive:
+        members = {member.filename: member for member in archive.infolist()}
+        (name,) = (name for name in members if name.endswith("/data.pkl"))
+        total = sum(member.file_size for member in members.values())
+        if total > MAX_FILE:
+            raise FileError(f"unpacks to {total} bytes, more than {MAX_FILE}; {CURE}")
+        folder = name.removesuffix("data.pkl")
+        if f"{folder}byteorder" in members and archive.read(f"{folder}byteorder") != b"little":
+            raise FileError("has big-endian numbers; save it again on a little-endian machine")
+        if members[name].file_size > MAX_PICKLE:
+            raise FileError(f"has a pickle of more than {MAX_PICKLE} bytes; {CURE}")
+        content, storages = decode(io.BytesIO(archive.read(name)))
+        names = {key: f"{folder}data/{key}" for key in storages}
+        return content, {k: archive.read(n) for k, n in names.items() if n in members}
 
 
-def _read_zip(data: bytes, path: Path) -> tuple[Any, Mapping[str, bytes]]:
-    """Content and storages of a zip file, whose members are not compressed and do not overlap."""
-    try:
-        with zipfile.ZipFile(io.BytesIO(data)) as archive:
-            members = {member.filename: member for member in archive.infolist()}
-            if any(m.compress_type != zipfile.ZIP_STORED for m in members.values()):
-                raise FileError(
-                    f"'{path}' is compressed, but torch.save never compresses; save it again"
-                )
-            if sum(member.file_size for member in members.values()) > MAX_FILE:
-                raise _damaged(path)
-            names = [name for name in members if name.endswith("/data.pkl")]
-            if len(names) != 1:
-                raise FileError(
-                    f"'{path}' is a zip file, but not one of torch.save; "
-                    "give a file of torch.save(network.state_dict())"
-                )
-            size = members[names[0]].file_size
-            if size > MAX_PICKLE:
-                raise FileError(
-                    f"'{names[0]}' in '{path}' has {size} bytes, more than {MAX_PICKLE}; "
-                    "give a file of torch.save(network.state_dict())"
-                )
-            folder = names[0].removesuffix("data.pkl")
-            order = members.get(f"{folder}byteorder")
-            if order is not None and archive.read(order) != b"little":
-                raise _big_endian(path)
-            content, storages = decode(io.BytesIO(archive.read(names[0])), path)
-            places = {key: members.get(f"{folder}data/{key}") for key in storages}
-            return content, {k: archive.read(m) for k, m in places.items() if m is not None}
-    except FileError:
-        raise
-    except (OSError, EOFError, RuntimeError, ValueError, zipfile.BadZipFile) as error:
-        raise _damaged(path) from error
-
-
-def _read_legacy(data: bytes, path: Path) -> tuple[Any, Mapping[str, bytes]]:
+def _read_legacy(data: bytes) -> tuple[Any, Mapping[str, bytes]]:
     """Content and storages of the older format.
 
     Five pickles follow each other: a number, the format's version, the machine, the content, and
     the keys of its storages. After them, each storage has its length, 8 bytes, and its values.
     """
     file = io.BytesIO(data[:MAX_PICKLE])
-    _, version, machine = (decode(file, path)[0] for _ in range(3))
-    content, storages = decode(file, path)
-    keys, _ = decode(file, path)
-    if version != _LEGACY_VERSION or not isinstance(machine, dict) or not isinstance(keys, list):
-        raise _damaged(path)
-    if machine.get("little_endian") is not True:
-        raise _big_endian(path)
+    _, version, machine = (decode(file)[0] for _ in range(3))
+    if not machine["little_endian"]:
+        raise FileError("has big-endian numbers; save it again on a little-endian machine")
+    content, storages = decode(file)
+    keys, _ = decode(file)
     found, place = {}, file.tell()
     for key in keys:
-        if type(key) is not str or key not in storages:
-            raise _damaged(path)
-        storage = storages[key]
+        storage: Storage = storages[key]
         end = place + 8 + storage.length * np.dtype(storage.dtype).itemsize
-        if int.from_bytes(data[place : place + 8], "little") != storage.length or end > len(data):
-            raise _damaged(path)
         found[key] = data[place + 8 : end]
+        if int.from_bytes(data[place : place + 8], "little") != storage.length or end > len(data):
+            raise ValueError(key)
         place = end
+    if version != _LEGACY_VERSION:
+        raise ValueError(version)
     return content, found
-
-
-def _big_endian(path: Path) -> FileError:
-    return FileError(f"'{path}' has big-endian numbers; save it again on a little-endian machine")
-
-
-def _damaged(path: Path) -> FileError:
-    return FileError(f"'{path}' is truncated or damaged; download or save it again")
 
 
 def networks(
@@ -196,17 +148,13 @@ def cosine_proxy() -> dict[str, np.ndarray]:
 def state_dict(file: TorchFile) -> dict[str, Tensor]:
     """The tensors by name: the file's content, or its one entry that is a dictionary of tensors."""
     content = file.content
-    if _holds_tensors(content):
-        return content
-    entries = content.items() if isinstance(content, dict) else ()
-    found = {key: value for key, value in entries if _holds_tensors(value)}
+    entries = content.values() if isinstance(content, dict) else ()
+    found = [value for value in (content, *entries) if _holds_tensors(value)]
     if len(found) != 1:
-        several = f"several state dicts ({', '.join(map(str, found))})" if found else "none"
         raise FileError(
-            f"'{file.path}' should hold one state dict and holds {several}; "
-            "give a file of torch.save(network.state_dict())"
+            f"'{file.path}' should hold one state dict and holds {len(found) or 'none'}; {CURE}"
         )
-    return next(iter(found.values()))
+    return found[0]
 
 
 def _holds_tensors(value: Any) -> bool:
@@ -260,7 +208,7 @@ def _kind(module: str, parts: dict[str, Tensor], where: str) -> type:
         weight, bias = parts["weight"].shape, parts["bias"].shape
         if len(weight) in (1, 2) and bias == weight[:1]:
             return Linear if len(weight) == 2 else Norm
-    tensors = ", ".join(f"{name or 'itself'} {tuple(t.shape)}" for name, t in parts.items())
+    tensors = ", ".join(f"{name or 'itself'} {t.shape}" for name, t in parts.items())
     raise FileError(
         f"the layer '{module}' of {where} is neither a Linear nor a LayerNorm layer ({tensors}); "
         "give the state dict of the paper's network alone"

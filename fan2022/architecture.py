@@ -1,14 +1,12 @@
 """The paper's networks as chains of blocks, of fixed sizes (Fan et al. 2022, figures 2 and 3).
 
-A network is a chain of blocks, kept as a tuple. `apply` runs on NumPy and JAX. `pulled_back` also
-returns the gradient with respect to the input, written by hand, so that latent codes can be
-optimised where JAX is not installed.
+A network is a chain of blocks, kept as a tuple; `apply` runs on NumPy and JAX.
 """
 
 import itertools
 import json
-from collections.abc import Callable, Iterable
-from dataclasses import asdict, dataclass
+from collections.abc import Iterable
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -19,7 +17,6 @@ from urushi.nets.mlp import Params, linear, product
 #: Added to the variance in layer normalisation; PyTorch's default.
 EPSILON = 1e-5
 
-Pullback = Callable[[Any], Any]
 Shapes = dict[str, tuple[int, ...]]
 
 
@@ -33,24 +30,11 @@ class Linear:
 
     def shapes(self) -> Shapes:
         """The parameters' shapes by name."""
-        return {
-            f"{self.name}.weight": (self.rows, self.columns),
-            f"{self.name}.bias": (self.columns,),
-        }
+        weight = {f"{self.name}.weight": (self.rows, self.columns)}
+        return {**weight, f"{self.name}.bias": (self.columns,)}
 
     def apply(self, params: Params, x: Any) -> Any:
         return linear(params, self.name, x)
-
-    def pulled_back(self, params: Params, x: Any) -> tuple[Any, Pullback]:
-        """Evaluate, and a function from the output's gradient to the input's."""
-        weight = params[f"{self.name}.weight"]
-        return self.apply(params, x), lambda dy: product(dy, weight.T)
-
-
-def _row_means(x: Any) -> Any:
-    """Means (..., 1) over the last axis, as a product: XLA adds up rows slowly on a CPU."""
-    xp = x.__array_namespace__()
-    return product(x, xp.full((x.shape[-1], 1), 1 / x.shape[-1], dtype=x.dtype))
 
 
 @dataclass(frozen=True)
@@ -64,26 +48,12 @@ class Norm:
         return {f"{self.name}.scale": (self.width,), f"{self.name}.shift": (self.width,)}
 
     def apply(self, params: Params, x: Any) -> Any:
-        return self._evaluate(params, x)[0]
-
-    def pulled_back(self, params: Params, x: Any) -> tuple[Any, Pullback]:
         xp = x.__array_namespace__()
-        y, normal, inverse = self._evaluate(params, x)
-        scale = params[f"{self.name}.scale"]
-
-        def pull(dy: Any) -> Any:
-            d = xp.where(y > 0, dy, 0) * scale
-            return (d - _row_means(d) - normal * _row_means(d * normal)) * inverse
-
-        return y, pull
-
-    def _evaluate(self, params: Params, x: Any) -> tuple[Any, Any, Any]:
-        xp = x.__array_namespace__()
-        centred = x - _row_means(x)
-        inverse = 1 / xp.sqrt(_row_means(centred * centred) + EPSILON)
-        normal = centred * inverse
-        y = normal * params[f"{self.name}.scale"] + params[f"{self.name}.shift"]
-        return xp.maximum(y, 0), normal, inverse
+        # Means are products: XLA adds up rows slowly on a CPU.
+        mean = xp.full((self.width, 1), 1 / self.width, dtype=x.dtype)
+        centred = x - product(x, mean)
+        normal = centred / xp.sqrt(product(centred * centred, mean) + EPSILON)
+        return xp.maximum(normal * params[f"{self.name}.scale"] + params[f"{self.name}.shift"], 0)
 
 
 @dataclass(frozen=True)
@@ -97,10 +67,6 @@ class Skip:
 
     def apply(self, params: Params, x: Any) -> Any:
         return apply(params, self.inner, x) + x
-
-    def pulled_back(self, params: Params, x: Any) -> tuple[Any, Pullback]:
-        y, pull = pulled_back(params, self.inner, x)
-        return y + x, lambda dy: pull(dy) + dy
 
 
 Block = Linear | Norm | Skip
@@ -123,42 +89,10 @@ def shapes(blocks: Iterable[Block]) -> Shapes:
 
 
 def apply(params: Params, blocks: Iterable[Block], x: Any) -> Any:
+    """Evaluate a chain on x (..., rows)."""
     for block in blocks:
         x = block.apply(params, x)
     return x
-
-
-def pulled_back(params: Params, blocks: Iterable[Block], x: Any) -> tuple[Any, Pullback]:
-    """Evaluate a chain, and a function from its output's gradient to its input's."""
-    pulls: list[Pullback] = []
-    for block in blocks:
-        x, pull = block.pulled_back(params, x)
-        pulls.append(pull)
-
-    def through(dy: Any) -> Any:
-        for pull in reversed(pulls):
-            dy = pull(dy)
-        return dy
-
-    return x, through
-
-
-def drawn(blocks: Iterable[Block], rng: np.random.Generator) -> dict[str, np.ndarray]:
-    """Draw float32 parameters as PyTorch does; the paper does not state the initialisation.
-
-    Weights and biases are uniform within +-1 / sqrt(rows); scales are 1 and shifts 0.
-    """
-    params: dict[str, np.ndarray] = {}
-    bound = 1.0
-    for name, shape in shapes(blocks).items():
-        kind = name.rsplit(".", 1)[1]
-        if kind == "weight":
-            bound = shape[0] ** -0.5
-        if kind in ("weight", "bias"):
-            params[name] = rng.uniform(-bound, bound, shape).astype(np.float32)
-        else:
-            params[name] = np.full(shape, 1.0 if kind == "scale" else 0.0, np.float32)
-    return params
 
 
 LATENT = 32
@@ -171,10 +105,13 @@ DIRECTIONS = 6
 
 
 @dataclass(frozen=True)
-class AdamProjection:
-    """Options of the projection by Adam (`urushi.fan2022.projection`); the authors' by default."""
+class PaperArchitecture:
+    """The architecture: sizes are fixed, and only the projection of a BRDF to a code has options.
 
-    steps: int = 1000  # up to a million
+    A layering network expects codes of the projection that it was trained with.
+    """
+
+    steps: int = 1000  # of Adam, up to a million
     pairs: int = 4096  # direction pairs of a step, up to 2^20
 
     def __post_init__(self) -> None:
@@ -182,22 +119,13 @@ class AdamProjection:
             value = getattr(self, name)
             if type(value) is not int or not 1 <= value <= most:
                 raise ParameterError(
-                    f"the projection by Adam has {name} = {value!r}; give a whole number from 1 to "
+                    f"the paper's projection has {name} = {value!r}; give a whole number from 1 to "
                     f"{most}"
                 )
 
-
-@dataclass(frozen=True)
-class PaperArchitecture:
-    """The architecture of the paper's networks; their sizes are fixed."""
-
-    # How a BRDF is projected to a code. A layering network expects codes of the projection that it
-    # was trained with.
-    adam: AdamProjection
-
     def to_json(self) -> str:
         """Return kind and projection as the text of a JSON object."""
-        return json.dumps({"kind": "paper", **asdict(self)})
+        return json.dumps({"kind": "paper", "adam": vars(self)})
 
     @classmethod
     def from_json(cls, text: str) -> "PaperArchitecture":
@@ -206,7 +134,7 @@ class PaperArchitecture:
             case {"kind": "paper", "adam": {"steps": steps, "pairs": pairs, **no}, **more} if not (
                 no or more
             ):
-                return cls(AdamProjection(steps, pairs))
+                return cls(steps, pairs)
         raise ParameterError(
             "the paper's architecture takes no options but the projection; it must be "
             '{"kind": "paper", "adam": {"steps": ..., "pairs": ...}}'
@@ -251,15 +179,26 @@ PROXY = tuple(
     for i, sizes in enumerate(itertools.pairwise((LATENT, 128, 512, 128, 32, 2)))
 )
 
-PARTS = {"evaluation": EVALUATION, "layering": LAYERING, "proxy": PROXY}
+ALL = *EVALUATION, *LAYERING, *PROXY
 
 
-def parameter_shapes() -> Shapes:
-    """Return every parameter's shape by name."""
-    return {name: shape for part in PARTS.values() for name, shape in shapes(part).items()}
+def parameters_of(params: Params, network: str) -> dict[str, Any]:
+    """The parameters of one network: "evaluation", "layering" or "proxy"."""
+    return {name: value for name, value in params.items() if name.startswith(f"{network}.")}
 
 
 def init(seed: int) -> dict[str, np.ndarray]:
-    """Draw initial parameters of all three networks."""
-    rng = np.random.default_rng(seed)
-    return {name: v for part in PARTS.values() for name, v in drawn(part, rng).items()}
+    """Draw float32 parameters of all networks as PyTorch does; the paper does not say how.
+
+    Weights and biases are uniform within +-1 / sqrt(rows); scales are 1 and shifts 0.
+    """
+    rng, bound, params = np.random.default_rng(seed), 1.0, {}
+    for name, shape in shapes(ALL).items():
+        kind = name.rsplit(".", 1)[1]
+        if kind == "weight":
+            bound = shape[0] ** -0.5
+        if kind in ("weight", "bias"):
+            params[name] = rng.uniform(-bound, bound, shape).astype(np.float32)
+        else:
+            params[name] = np.full(shape, 1.0 if kind == "scale" else 0.0, np.float32)
+    return params

@@ -8,11 +8,11 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from fan2022.architecture import LATENT
+from fan2022.networks import PaperNetworks, projection_pairs
 from urushi import checks, files
 from urushi.checks import CoatParameters
 from urushi.errors import FileError, ParameterError, UrushiWarning
-from urushi.fan2022.architecture import LATENT
-from urushi.fan2022.networks import PaperNetworks, projection_pairs
 from urushi.material.material import FORMAT_VERSION
 from urushi.material.source import source_name
 from urushi.material.values import evaluate_source
@@ -144,7 +144,7 @@ def layer(
     """
     if not (isinstance(top, Dielectric) and isinstance(bottom, Material)):
         raise ParameterError(
-            f"layer needs a urushi.dielectric over a urushi.fan2022.Material, not "
+            f"layer needs a urushi.dielectric over a fan2022.Material, not "
             f"{type(top).__name__} over {type(bottom).__name__}; make the bottom by fan2022.encode"
         )
     coat = checks.coat(CoatParameters(top.alpha, top.eta, albedo, sigma_t, g), "the coat's")

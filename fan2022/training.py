@@ -1,0 +1,139 @@
+"""The whole training of the paper's networks, from data to a weights file."""
+
+import os
+import time
+from collections.abc import Mapping
+from dataclasses import replace
+from functools import partial
+from typing import Any
+
+import jax
+import numpy as np
+from tqdm import tqdm
+
+from fan2022 import layering, proxy, representation
+from fan2022.architecture import LATENT, init
+from fan2022.inference import direction_inputs
+from fan2022.networks import PaperNetworks
+from fan2022.palette import make_shard, read_shard
+from fan2022.preset import PaperPreset
+from fan2022.projection import project
+from urushi.train import training
+from urushi.train.checkpoint import Checkpoint
+from urushi.train.tables import TableStore, generate
+
+
+def train(
+    preset: PaperPreset,
+    *,
+    data: str | os.PathLike | None = None,
+    out: str | os.PathLike | None = None,
+    run: str | os.PathLike | None = None,
+    resume: bool = False,
+) -> PaperNetworks:
+    """Train the three networks in turn and write the weights.
+
+    Arguments as for `urushi.train.training.train`.
+
+    The evaluation network is trained together with its latents. Then all BRDFs are projected, and
+    the layering network is trained on their codes. The sampling proxy is trained last. A checkpoint
+    is written after every epoch of the evaluation network, after every projected shard, after every
+    twentieth epoch of the layering network, and between the stages.
+    """
+    make: Any = make_shard  # a store needs the size and the number of shards of a specification
+    made = partial(generate, make=make)
+    store, journal, out = training.prepare(preset, data, out, run, resume, made)
+    starts = beginnings(preset)
+    point = journal.restore(starts) if resume else None
+    if point is None:
+        journal.clear()
+        point = starts["representation"]
+    began = time.monotonic() - point.seconds  # as if earlier runs had been a part of this one
+
+    def reached(point: Checkpoint, figures: Mapping[str, float] = {}) -> Checkpoint:
+        """The checkpoint, saved with its time."""
+        point = replace(point, seconds=time.monotonic() - began)
+        journal.save(point, figures)
+        return point
+
+    if point.stage == "representation":
+        for epoch in range(point.step, preset.epochs):
+            batches = tqdm(
+                representation.epoch(store, preset, epoch),
+                desc=f"epoch {epoch + 1} of {preset.epochs}",
+                disable=None,
+            )
+            learnt, loss = representation.learn_epoch(point.state, batches, *preset.rates(epoch))
+            point = reached(replace(point, step=epoch + 1, state=learnt), {"loss": loss})
+        point = reached(replace(starts["projection"], networks=dict(point.state.params)))
+    if point.stage == "projection":
+        for shard in tqdm(range(point.step, store.spec.shards()), desc="shards", disable=None):
+            found = projected(point.networks, point.state, preset, store, shard)
+            point = reached(replace(point, step=shard + 1, state=found))
+        point = reached(replace(starts["layering"], networks={**point.networks, **point.state}))
+    if point.stage == "layering":
+        sets = layering.examples(preset, codes_of(preset, point.networks))
+        epochs = preset.layering_epochs + preset.finetuning_epochs
+        for epoch in tqdm(range(point.step, epochs), desc="layering", disable=None):
+            state, loss = layering.learn_epoch(point.state, sets, preset, epoch)
+            point = replace(point, step=epoch + 1, state=state)
+            if (epoch + 1) % layering.DECAYS == 0 or epoch + 1 == epochs:
+                point = reached(point, {"loss": loss})
+        networks = {**point.networks, **point.state.params}
+        point = reached(replace(starts["proxy"], networks=networks))
+
+    results = {name: np.asarray(value) for name, value in point.networks.items()}
+    params = {name: v for name, v in results.items() if not name.startswith(("codes.", "error."))}
+    wi = proxy.incoming(preset.proxy_incoming, preset.seed)
+    codes = results["codes.two-layer"][: preset.proxy_materials]
+    histograms = proxy.histograms(params, codes, wi)
+    sampling, divergence = proxy.learn(init(preset.seed), histograms)
+    metrics = figures(params, preset, results) | {"proxy divergence": divergence}
+    header = {**training.header(journal, metrics, time.monotonic() - began), "scale": preset.scale}
+    return PaperNetworks(preset.arch, {**params, **sampling}, header).save(out)
+
+
+def beginnings(preset: PaperPreset) -> dict[str, Checkpoint]:
+    """Each stage's first checkpoint; only the shapes of earlier results count."""
+    params = init(preset.seed)
+    first = representation.start(params, preset.trained)
+    second = layering.start(params)
+    found: dict[str, Any] = {}
+    for name, (_, stacks) in preset.data.parts.items():
+        found[f"codes.{name}"] = np.zeros((stacks, LATENT), np.float32)
+        found[f"error.{name}"] = np.zeros(stacks, np.float32)
+    arrays = {**first.params, **found}
+    return {
+        "representation": Checkpoint("representation", 0, 0.0, first, {}),
+        "projection": Checkpoint("projection", 0, 0.0, found, dict(first.params)),
+        "layering": Checkpoint("layering", 0, 0.0, second, arrays),
+        "proxy": Checkpoint("proxy", 0, 0.0, {}, {**arrays, **second.params}),
+    }
+
+
+def projected(
+    params: Mapping[str, Any], found: Any, preset: PaperPreset, store: TableStore, shard: int
+) -> dict[str, np.ndarray]:
+    """The codes and errors [1/sr] of all parts by name, with those of one more shard."""
+    (name, rows), (wi, wo, f) = preset.data.places()[shard], read_shard(store, shard)
+    arrays = {key: np.array(values) for key, values in found.items()}
+    result = project(params, direction_inputs(wi, wo), f, preset.arch, preset.seed)
+    arrays[f"codes.{name}"][rows], arrays[f"error.{name}"][rows] = result
+    return arrays
+
+
+def codes_of(preset: PaperPreset, arrays: Mapping[str, Any]) -> dict[str, np.ndarray]:
+    """The codes of `projected` by the parts' names."""
+    return {name: np.asarray(arrays[f"codes.{name}"]) for name in preset.data.parts}
+
+
+def figures(
+    params: Mapping[str, Any], preset: PaperPreset, results: Mapping[str, Any]
+) -> dict[str, float]:
+    """Mean absolute errors [1/sr] of projections, and mean absolute errors of layered codes."""
+    sets = layering.examples(preset, codes_of(preset, results))
+    loss = jax.jit(layering.l1_loss)
+    named = {f"L1 {name}": np.mean(results[f"error.{name}"]) for name in preset.data.parts}
+    named |= {"L1 validation": np.mean(results["error.two-layer"][-preset.validation :])}
+    named |= {f"L1 codes {name}": loss(params, examples) for name, examples in sets.items()}
+    return {name: float(value) for name, value in named.items()}
