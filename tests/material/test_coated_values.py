@@ -1,4 +1,4 @@
-"""f of coats at pairs of directions: closed forms, reciprocity, and independence of channels."""
+"""f of coats of one GGX width and two at pairs: walks, closed forms, reciprocity, channels."""
 
 import math
 
@@ -6,12 +6,15 @@ import numpy as np
 import pytest
 
 import urushi
-from urushi.checks import CoatParameters
+from urushi.checks import CoatParameters, Widths
 from urushi.core import direction_sets
-from urushi.core.error_metrics import energy_weight
+from urushi.core.error_metrics import energy_weight, stack_error
+from urushi.core.microfacet import of_widths
+from urushi.core.quadrature import directional_albedos
 from urushi.core.table import MIN_LOG, SHAPE, interpolated, node_pairs, table_of_values
 from urushi.material import adding
 from urushi.material.coated_values import coated_f
+from urushi.material.reflector import Reflector
 from urushi.material.substrate import Substrate
 from urushi.nets import lobe as lobes
 from urushi.walk import conductor, diffuse
@@ -25,6 +28,18 @@ COATS = {
     "no interface": (0.1, 1.0, 0.5, 0.7, 0.3),
 }
 
+#: Coats of two widths or one over bottoms of two.
+COATS_OF_TWO = [
+    ("brushed", (0.05, 1.5, 0.0, 0.0, 0.0)),
+    ("brushed", (Widths(0.3, 0.1), 1.5, 0.0, 0.0, 0.0)),
+    ("brushed", (0.2, 1.0, 0.9, 1.0, 0.3)),
+    ("brushed", (0.2, 0.7, 0.0, 0.0, 0.0)),
+    ("lambertian", (Widths(0.1, 0.4), 1.5, 0.9, 1.0, 0.0)),
+    pytest.param("brushed", (0.05, 1.2, 0.0, 0.0, 0.0), marks=pytest.mark.slow),
+    pytest.param("brushed", (0.5, 2.0, 0.0, 0.5, 0.0), marks=pytest.mark.slow),
+    pytest.param("brushed", (0.2, 1.5, 0.9, 0.5, 0.0), marks=pytest.mark.slow),
+]
+
 
 def coat(*names) -> CoatParameters:
     return CoatParameters(*np.array([COATS[name] for name in names]).T)
@@ -36,11 +51,21 @@ def metal(alpha, r0=0.8):
 
 
 def bare(lobe) -> Substrate:
-    return Substrate.of_logs(np.full((*SHAPE, len(lobe)), MIN_LOG), lobe)
+    return substrate(np.full((*SHAPE, len(lobe)), MIN_LOG), lobe)
 
 
-def lambertian(albedo) -> Substrate:
-    return Substrate.of_logs(np.full((*SHAPE, 1), math.log(albedo / math.pi)))
+def lambertian(albedo, *stretch2) -> Substrate:
+    return substrate(np.full((*SHAPE, 1), math.log(albedo / math.pi)), None, *stretch2)
+
+
+def substrate(*parts) -> Substrate:
+    return Substrate.of(Reflector.of_logs(*parts))
+
+
+def brushed() -> Substrate:
+    """A metal of the widths 0.1 and 0.4."""
+    lobe = np.float32([[0.1, 0.9, 1.0, 0.0, 1.5, 0.0, 0.4]])
+    return substrate(np.full((*SHAPE, 1), MIN_LOG), lobe, np.ones(1))
 
 
 def pairs(count, seed=0):
@@ -75,6 +100,39 @@ def test_as_the_walk_over_a_lambertian():
     assert walk_error(f, urushi.coat(diffuse(0.7), **dict(names)), wi, wo) < 0.01
 
 
+@pytest.mark.parametrize(("bottom", "values"), COATS_OF_TWO)
+def test_as_the_walk_of_two_widths(bottom, values):
+    """E of 0.3 to 1.5 %."""
+    alpha, *others = values
+    wi, wo = direction_sets.cosine_pairs(np.random.default_rng(0), 300, lowest_cosine=0.02)
+    below = brushed() if bottom == "brushed" else lambertian(0.7, np.ones(1))
+    width = of_widths(np.float64, alpha)
+    f = coated_f(below, CoatParameters(width, *map(np.float64, others)), wi, wo)[:, 0]
+    top = lobes.f(lobes.of_coat(width, np.float64(others[0])), wi, wo)
+    named = {"alpha": alpha}
+    if isinstance(alpha, Widths):
+        named = {"alpha_u": alpha.u, "alpha_v": alpha.v}
+    stack = urushi.coat(
+        conductor(alpha_u=0.1, alpha_v=0.4, r0=0.9) if bottom == "brushed" else diffuse(0.7),
+        **named,
+        **dict(zip(("eta", "albedo", "sigma_t", "g"), others, strict=True)),
+    )
+    assert walk_error(f + top, stack, wi, wo, walks=1 << 14) < 0.02
+
+
+def test_reciprocal_and_symmetric_about_both_planes():
+    """Up to the error of the sums: the points of wi are not those of wo."""
+    coat = CoatParameters(
+        Widths(np.float64(0.1), np.float64(0.3)), *map(np.float64, (1.5, 0.5, 0.5, 0.0))
+    )
+    wi, wo = direction_sets.cosine_pairs(np.random.default_rng(1), 200, lowest_cosine=0.1)
+    f = coated_f(brushed(), coat, wi, wo)[:, 0]
+    others = [(wo, wi)] + [(wi * sign, wo * sign) for sign in np.float32([[1, -1, 1], [-1, 1, 1]])]
+    for sides in others:
+        found = coated_f(brushed(), coat, *sides)[:, 0]
+        assert stack_error(found, f, wi[:, 2], wo[:, 2]) < 0.02
+
+
 @pytest.mark.parametrize("name", COATS)
 @pytest.mark.parametrize("alpha", [0.03, 0.4])
 def test_reciprocal_up_to_the_points(name, alpha):
@@ -94,6 +152,16 @@ def test_a_channel_is_the_same_among_others():
     for channel, name in enumerate(("smooth", "tinted", "scattering")):
         alone = coated_f(bare(lobe[[channel]]), coat(name), wi, wo)[:, 0]
         np.testing.assert_allclose(together[:, channel], alone, rtol=1e-5)
+
+
+def test_a_coat_is_the_same_among_others_of_two_widths():
+    alpha, values = np.array([0.2, 0.2, 0.3]), ([1.5] * 3, [0, 0.5, 0], [0, 1, 0.5], [0] * 3)
+    coats = CoatParameters(alpha, *np.array(values))
+    wi, wo = direction_sets.cosine_pairs(np.random.default_rng(2), 50, lowest_cosine=0.1)
+    together = coated_f(brushed(), coats, wi, wo)
+    for channel in range(3):
+        alone = coated_f(brushed(), CoatParameters(*(p[channel] for p in coats)), wi, wo)
+        np.testing.assert_allclose(together[:, channel], alone[:, 0], rtol=1e-5)
 
 
 def test_many_coats_over_one_bottom():
@@ -130,8 +198,21 @@ def test_white_below_a_clear_coat_reflects_what_enters(alpha):
     assert alpha > 0.1 or (rest + top > 0.995).all()
 
 
+def test_smooth_coats_of_two_widths_over_white_lose_no_light():
+    widths, wi = Widths(np.float64(0.02), np.float64(0.05)), np.array([[0, 0, 1.0], [0.6, 0, 0.8]])
+    one = CoatParameters(widths, *map(np.float64, (1.5, 0.0, 0.0, 0.0)))
+    top = lobes.of_coat(widths, one.eta)
+
+    def f(wi, wo):
+        white = lambertian(1.0, np.ones(1))
+        return coated_f(white, one, wi, wo) + lobes.f(top, wi, wo)[:, None]
+
+    albedo = directional_albedos(f, wi, anisotropic=True, azimuths=4)
+    np.testing.assert_allclose(albedo, 1, atol=0.015)
+
+
 def test_modes_of_a_substrate_are_those_of_its_brdf():
-    below = Substrate.of_logs(np.full((*SHAPE, 1), math.log(0.1)), metal(0.2))
+    below = substrate(np.full((*SHAPE, 1), math.log(0.1)), metal(0.2))
     direct = adding.bottom_modes(lambda wi, wo: 0.1 + lobes.f(metal(0.2), wi, wo)[:, None])
     np.testing.assert_allclose(below.modes, direct, atol=2e-3)
     assert bare(metal(0.2)).width[0] == pytest.approx(0.2, rel=0.1)
@@ -145,5 +226,5 @@ def test_tables_are_interpolated_as_by_numpy():
         np.float32
     )
     clear = CoatParameters(*map(np.float64, (0.1, 1.0, 0.0, 0.0, 0.0)))
-    f = coated_f(Substrate.of_logs(table), clear, wi, wo)
+    f = coated_f(substrate(table), clear, wi, wo)
     np.testing.assert_allclose(f, interpolated(table, wi, wo), rtol=1e-5)

@@ -8,6 +8,7 @@ from urushi.core.probe_pairs import probe_pairs
 from urushi.core.table import MIN_LOG, SHAPE, node_pairs
 from urushi.errors import FileError
 from urushi.material.coated_values import coated_f
+from urushi.material.reflector import Reflector
 from urushi.material.substrate import Substrate
 from urushi.nets import lobe as lobes
 from urushi.train import distribution, tables
@@ -47,7 +48,9 @@ def test_rows_are_the_levels_of_stacks_from_the_bottom_up(folder):
 def test_further_coats_are_light_transport_over_the_level(folder):
     held = tables.opened(SPEC, folder).read(("table", "lobe", "over", "coated"))
     row = len(held["table"]) - 1
-    below = Substrate.of_logs(held["table"][row].reshape(96, 32, 8, 1), held["lobe"][row : row + 1])
+    below = Substrate.of(
+        Reflector.of_logs(held["table"][row].reshape(96, 32, 8, 1), held["lobe"][row : row + 1])
+    )
     f = coated_f(
         below, CoatParameters(*held["over"][row, 0].astype(float)), *probe_pairs(SPEC.probes)
     )
@@ -59,7 +62,9 @@ def test_a_coat_of_nothing_changes_nothing():
     """Without an interface and a medium, a Lambertian stays as it is."""
     logs = np.full((*SHAPE, 1), np.log(0.5 / np.pi))
     none = np.array([[0.3, 0, 0, 0, 1.5, 0]], np.float32)
-    lobe, table = tables.coated(Substrate.of_logs(logs, none), np.array([0.1, 1, 0, 0, 0]))
+    lobe, table = tables.coated(
+        Substrate.of(Reflector.of_logs(logs, none)), np.array([0.1, 1, 0, 0, 0])
+    )
     np.testing.assert_allclose(table[0].astype(float), logs.ravel(), atol=2e-3)  # half precision
     assert not lobes.f(lobe, *node_pairs()).any()
 

@@ -12,7 +12,7 @@ import drjit as dr
 import numpy as np
 
 from urushi.core.backend import backend
-from urushi.core.table import SHAPE, corner_steps
+from urushi.core.table import corner_steps
 
 #: Lanes of a kernel launch; bounds the memory to some hundred MB.
 LANES = 1 << 22
@@ -53,15 +53,14 @@ class Lane:
         return [(self._device.Float(index * p % count) + 0.5) / count for p in powers]
 
     def table(self, values: np.ndarray) -> Callable[[Sequence[Any]], Any]:
-        """Look-up, at coordinates in [0, 1], of the job's table of values (D, *`SHAPE`)."""
-        flat = self._floats(values)
+        """Look-up, at coordinates in [0, 1], of the job's table of values (D, ...)."""
+        flat, shape = self._floats(values), values.shape[1:]
 
         def at(places: Sequence[Any]) -> Any:
             clipped = [dr.clip(place, 0, 1) for place in places]
-            first, shares = cell(SHAPE, clipped, self._job)
-            found = [
-                dr.gather(self._device.Float, flat, first + step) for step in corner_steps(SHAPE)
-            ]
+            first, shares = cell(shape, clipped, self._job)
+            steps = corner_steps(shape)
+            found = [dr.gather(self._device.Float, flat, first + step) for step in steps]
             for share in reversed(shares):
                 pairs = zip(found[::2], found[1::2], strict=True)
                 found = [dr.fma(share, high - low, low) for low, high in pairs]

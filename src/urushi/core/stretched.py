@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 
 from urushi.core.namespace import Components, Namespace
-from urushi.core.table import TAN2_OFFSET, coordinates, log_tangent
+from urushi.core.table import TAN2_OFFSET, Knots, coordinates, log_tangent
 
 #: Number of factors of the azimuth.
 FACTORS = 5
@@ -27,11 +27,11 @@ STEP, LARGEST = 1 / 32, 1.25
 
 
 def stretched(
-    both: Any, apart: Any, stretch2: Any, xp: Namespace
+    both: Any, apart: Any, stretch2: Any, xp: Namespace, knots: Knots = ()
 ) -> tuple[tuple[Any, ...], tuple[Any, ...]]:
     """The coordinates (3) in [0, 1] up to rounding, and the factors (`FACTORS`).
 
-    both, apart: components of wi + wo and of wi - wo. stretch2: s^2.
+    both, apart: components of wi + wo and of wi - wo. stretch2: s^2; 1 for one width.
     """
     x2, y2 = both.x * both.x * stretch2, both.y * both.y / stretch2
     z2 = xp.named("stretched_z2", xp.maximum(both.z * both.z, 1e-18))
@@ -43,7 +43,7 @@ def stretched(
     psi, psi_seen = xp.named("cos_2_psi", (x2 - y2) / psi_size), across / psi_size
     p, p_seen = xp.named("cos_2_p", (dx2 - dy2) / p_size), apart2 / p_size
     psi_seen, p_seen = xp.named("psi_seen", psi_seen), xp.named("p_seen", p_seen)
-    _, v, w = coordinates(both, apart, xp)
+    _, v, w = coordinates(both, apart, xp, knots)
     u = log_tangent(across / z2, xp)
     return (u, v, w), (
         psi,

@@ -8,16 +8,18 @@ It is therefore one matrix per part, where an isotropic one is a matrix per Four
 
 import functools
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 
 from urushi.checks import Widths
 from urushi.core.microfacet import pair
+from urushi.core.namespace import Namespace
 from urushi.core.quadrature import directional_albedos
-from urushi.core.table import linear_at
+from urushi.core.table import MIN_LOG, SHAPE
 from urushi.material import adding
 from urushi.material.crossing import facet_points, mirrored_from
-from urushi.material.stretched_values import f_of
+from urushi.material.reflector import Reflector
 from urushi.nets import lobe as lobes
 from urushi.parallel import run_all_cores
 
@@ -48,13 +50,21 @@ def directions() -> np.ndarray:
     return np.stack([sine * np.cos(phi), sine * np.sin(phi), z], axis=-1).astype(np.float32)
 
 
-def places(w: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Coordinates (M,) in [-1, 1] of directions (M, 3) in four such squares."""
-    radius = np.sqrt(np.maximum(1 - w[:, 2], 0))
-    x, y = np.abs(w[:, 0]), np.abs(w[:, 1])
-    other = radius * np.arctan2(np.minimum(x, y), np.maximum(x, y)) * np.float32(4 / np.pi)
-    a, b = np.where(x > y, radius, other), np.where(x > y, other, radius)
-    return np.copysign(a, w[:, 0]), np.copysign(b, w[:, 1])
+def coordinates(wi: Any, wo: Any, xp: Namespace) -> tuple[Any, ...]:
+    """Coordinates in [0, 1] of pairs in a `table`: of wi in a quadrant, of wo in all of them."""
+    near, far = _places(wi, xp), _places(wo, xp)
+    half, scale = 0.5 / CELLS, CELLS / (2 * CELLS - 1)
+    same = (xp.where(a * b < 0, -1, 1) for a, b in ((wi.x, wo.x), (wi.y, wo.y)))
+    whole = (scale * (1 - half + sign * x) for sign, x in zip(same, far, strict=True))
+    return (*(x + half for x in near), *whole)
+
+
+def _places(w: Any, xp: Namespace) -> tuple[Any, Any]:
+    """Coordinates in [0, 1] of directions in the square of their quadrant."""
+    radius = xp.sqrt(xp.maximum(1 - w.z, 0))
+    x, y = xp.absolute(w.x), xp.absolute(w.y)
+    other = radius * xp.arctan2(xp.minimum(x, y), xp.maximum(x, y)) * (4 / np.pi)
+    return xp.where(x > y, radius, other), xp.where(x > y, other, radius)
 
 
 @functools.cache
@@ -114,7 +124,8 @@ def interface_parts(alpha: float | Widths, eta: float) -> np.ndarray:
     albedo = mirrored_from(outside, alpha, 1 / eta, facet_points(256))[1].mean(axis=1)
     widths = Widths(*(np.asarray([x], np.float32) for x in pair(alpha)))
     lobe = lobes.of_coat(widths, np.asarray([1 / eta], np.float32))
-    return parts(functools.partial(f_of, lobe), albedo[:, None])[0]
+    dark = np.full((*SHAPE, 1), MIN_LOG)
+    return parts(Reflector.of_logs(dark, lobe, np.ones(1)).f, albedo[:, None])[0]
 
 
 @functools.lru_cache(maxsize=8)
@@ -167,24 +178,13 @@ def seen_inside(bottom: np.ndarray, interface: np.ndarray, medium: Sequence[floa
     return np.tensordot(np.float32(PARTS / 4), more, 1)
 
 
-class Table:
-    """Values of a BRDF between pairs of cells, linear in the coordinates of `places`."""
-
-    def __init__(self, values: np.ndarray):
-        """values: (4, Q, Q, C), as of `seen_inside`."""
-        n = CELLS
-        whole = np.empty((n, n, 2 * n, 2 * n, values.shape[-1]), np.float32)
-        for (x, y), image in zip(SIGNS, values.reshape(4, n, n, n, n, -1), strict=True):
-            part = image[:, :, :: int(x), :: int(y)]
-            whole[:, :, n * (x > 0) :, n * (y > 0) :][:, :, :n, :n] = part
-        # Cells beyond the axes are those of the mirrored pair.
-        whole = np.concatenate([whole[:1, :, ::-1], whole])
-        self._values = np.concatenate([whole[:, :1, :, ::-1], whole], axis=1)
-
-    def at(self, wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
-        """Values float32 (M, C) of pairs float32 (M, 3)."""
-        (a, b), (c, d) = places(wi), places(wo)
-        c, d = np.copysign(np.float32(1), a) * c, np.copysign(np.float32(1), b) * d
-        half, scale = np.float32(0.5 / CELLS), np.float32(CELLS / (2 * CELLS - 1))
-        near, far = (np.abs(x) + half for x in (a, b)), ((1 + x - half) * scale for x in (c, d))
-        return linear_at(self._values, *near, *far)
+def table(values: np.ndarray) -> np.ndarray:
+    """Values of a BRDF float32 at `coordinates`, from values (4, Q, Q) as of `seen_inside`."""
+    n = CELLS
+    whole = np.empty((n, n, 2 * n, 2 * n), np.float32)
+    for (x, y), image in zip(SIGNS, values.reshape(4, n, n, n, n), strict=True):
+        part = image[:, :, :: int(x), :: int(y)]
+        whole[:, :, n * (x > 0) :, n * (y > 0) :][:, :, :n, :n] = part
+    # Cells beyond the axes are those of the mirrored pair.
+    whole = np.concatenate([whole[:1, :, ::-1], whole])
+    return np.concatenate([whole[:, :1, :, ::-1], whole], axis=1)

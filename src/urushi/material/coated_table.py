@@ -24,6 +24,7 @@ from urushi.core.table import (
 from urushi.material import adding, energy
 from urushi.material.coated_values import HALF, NARROW, WIDE, coated_values
 from urushi.material.material import Material
+from urushi.material.reflector import Reflector
 from urushi.material.substrate import Substrate
 from urushi.nets import lobe as lobes
 
@@ -40,26 +41,20 @@ ROUNDS = 4
 class Inside(NamedTuple):
     """The medium of a coat of a slab."""
 
-    edges: adding.Edges  # of its medium
-    modes: np.ndarray  # (C, H, N, N) of what lies below the medium
-    mirrored: np.ndarray  # (M, C) shares of light at `adding.COSINES` that it mirrors
+    below: Substrate  # what lies below the medium
     knots: Knots  # of the table of the coated material
     media: np.ndarray  # (k, 3, C) albedo, sigma_t and g
     factor: np.ndarray  # float32 (U, V, W) of f at the nodes; f over it is smooth between them
 
 
-def coated_rest(bottom: Material, coat: CoatParameters, slab: Inside | None = None) -> np.ndarray:
+def coated_rest(below: Substrate, coat: CoatParameters, slab: Inside | None = None) -> np.ndarray:
     """f float32 (N, C) [1/sr] at the nodes of a coated material without the interface's lobe.
 
     Args:
-        bottom: a material of C or one channel.
+        below: the bottom, of C channels or one.
         coat: numbers or arrays (C,), with one width.
         slab: of a coat of a slab, which has the media instead.
     """
-    if slab:
-        below = Substrate.of(bottom, slab.modes, slab.edges)._replace(mirrored=slab.mirrored)
-    else:
-        below = Substrate.of(bottom)
     *columns, channels = np.broadcast_arrays(*coat, np.arange(below.channels))
     parameters, knots = np.stack(columns).astype(np.float64), slab.knots if slab else ()
     interfaces = parameters[:2]
@@ -93,10 +88,11 @@ def coated_table(bottom: Material, coat: CoatParameters, lobe: np.ndarray) -> np
     gains energy.
 
     Args:
-        bottom, coat: as of `coated_rest`.
+        bottom: a material of C channels or one.
+        coat: as of `coated_rest`.
         lobe: (C, N) of the interface. No table has it: near the horizon it changes too fast.
     """
-    rest = coated_rest(bottom, coat)
+    rest = coated_rest(Substrate.of(Reflector.of(bottom)), coat)
     own = lobe.astype(np.float64)
 
     def top(wi: np.ndarray, wo: np.ndarray) -> np.ndarray:

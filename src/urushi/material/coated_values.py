@@ -19,17 +19,20 @@ next to wide lobes, their weights are noisier than the pairs.
 A pair costs 5 us over wide lobes and 20 us over narrow ones.
 """
 
+import functools
 from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from urushi.checks import CoatParameters
+from urushi.checks import CoatParameters, Widths
 from urushi.core import lanes, microfacet
 from urushi.core.lanes import Lane
+from urushi.core.microfacet import pair
 from urushi.core.namespace import DRJIT
-from urushi.core.table import SHAPE, Knots, coordinates, known_nodes, node_pairs
-from urushi.material import adding
+from urushi.core.probe_pairs import ANISOTROPIC_PROBES, probe_pairs
+from urushi.core.table import SHAPE, known_nodes, node_pairs
+from urushi.material import adding, adding_quadrant
 from urushi.material.crossing import (
     GENERATORS,
     LEAST_COSINE,
@@ -37,8 +40,8 @@ from urushi.material.crossing import (
     crossing_at,
 )
 from urushi.material.material import Material
+from urushi.material.reflector import Reflector
 from urushi.material.substrate import Substrate
-from urushi.nets import lobe as lobes
 
 #: Pairs of refracted directions over wide lobes, over narrow ones, and half vectors for each side.
 WIDE, NARROW, HALF = 256, 512, 256
@@ -50,8 +53,8 @@ HALF_SHARE = 0.2
 #: about the rounding of a table in half precision.
 SPANNED = 2e-3
 
-#: Jobs that are computed at once: they bound the memory of their tables.
-JOBS = 64
+#: Jobs of one GGX width, and of two, that are computed at once: they bound the memory of tables.
+JOBS = {1: 64, 2: 8}
 
 
 def coated_f(
@@ -60,15 +63,22 @@ def coated_f(
     """f float32 (N, ..., C) [1/sr] of coated materials, without the lobes of their interfaces.
 
     Args:
-        bottom: of C channels, or of one.
-        coat: numbers or arrays (..., C) of coats with one width.
+        bottom: of C channels, or of one; a material without its rotation.
+        coat: numbers or arrays (..., C) of coats; bottoms of one width have coats of one.
         wi, wo: float32 (N, 3), above the horizon.
     """
-    below = bottom if isinstance(bottom, Substrate) else Substrate.of(bottom)
-    *columns, channels = np.broadcast_arrays(*coat, np.arange(below.channels))
-    flat = np.stack([x.ravel() for x in columns]).astype(np.float64)
-    f = coated_values(below, channels.ravel(), flat[:2], flat[2:], wi, wo)
+    below = bottom if isinstance(bottom, Substrate) else _of_material(bottom)
+    widths = pair(coat.alpha)[: below.widths]
+    *columns, channels = np.broadcast_arrays(*widths, *coat[1:], np.arange(below.channels))
+    flat, count = np.stack([x.ravel() for x in columns]).astype(np.float64), below.widths + 1
+    f = coated_values(below, channels.ravel(), flat[:count], flat[count:], wi, wo)
     return f.reshape(len(wi), *channels.shape)
+
+
+@functools.lru_cache(maxsize=4)
+def _of_material(bottom: Material) -> Substrate:
+    """A material as a substrate, which does not depend on its coat."""
+    return Substrate.of(Reflector.of(bottom))
 
 
 def coated_values(
@@ -83,17 +93,17 @@ def coated_values(
     """f float32 (N, D) [1/sr] of channels (D,) of a substrate under coats.
 
     Args:
-        interfaces: (2, D), widths and relative indices.
-        media: (3 k, D), albedo, sigma_t and g of k media, top to bottom.
+        interfaces: (2, D), widths and relative indices; of two widths (3, D).
+        media: (3 k, D), albedo, sigma_t and g of k media, top to bottom; of two widths k is 1.
         points: numbers of `WIDE`, `NARROW` and `HALF`.
     """
     first, which = _distinct(below, channels, np.concatenate([interfaces, media]))
-    result = np.empty((len(wi), len(first)), np.float32)
-    for start in range(0, len(first), JOBS):
-        some = first[start : start + JOBS]
+    result, size = np.empty((len(wi), len(first)), np.float32), JOBS[below.widths]
+    for start in range(0, len(first), size):
+        some = first[start : start + size]
         jobs = _jobs(below, channels[some], interfaces[:, some], media[:, some])
         chosen, weights = _spanning(jobs)
-        result[:, start : start + JOBS] = _f(jobs.taken(chosen), (wi, wo), points) @ weights
+        result[:, start : start + size] = _f(jobs.taken(chosen), (wi, wo), points) @ weights
     return result[:, which]
 
 
@@ -104,9 +114,8 @@ def _distinct(
     channel among them. A grey material is computed once."""
     names: dict[int, bytes] = {}
     for channel in set(channels.tolist()):
-        lobe = b"" if below.lobe is None else below.lobe[channel].tobytes()
         alone = below.channels == 1
-        names[channel] = b"" if alone else below.logs[..., channel].tobytes() + lobe
+        names[channel] = b"" if alone else below.reflector.taken([channel]).contents()
     known: dict[tuple[bytes, ...], int] = {}
     first: list[int] = []
     which: list[int] = []
@@ -122,48 +131,50 @@ def _distinct(
 class Jobs(NamedTuple):
     """D interfaces, and the BRDFs below them."""
 
-    alpha: np.ndarray  # (D,)
-    eta: np.ndarray  # (D,)
-    width: np.ndarray  # (D,) of half vectors that are drawn; 0: none
-    direct: np.ndarray  # float32 (D, U, V, W), ln f of the bottom without its lobes
-    more: np.ndarray  # float32 (D, U, V, W), ln f of light that medium or interface turn back
-    lobe: np.ndarray | None  # float32 (D, N) of the bottom
+    bottom: Reflector
+    interface: np.ndarray  # (D, 2) of width and relative index, or (D, 3)
+    width: np.ndarray  # (D,), or (D, 2), of half vectors that are drawn; 0: none
+    more: np.ndarray  # float32 (D, ...), of light that medium or interface turn back
     depth: np.ndarray  # (D,) the optical depth that attenuates light from the bottom
     times: np.ndarray | None  # (D, M) factor of light from the bottom at `adding.COSINES`
-    knots: Knots  # of the tables
+
+    @property
+    def eta(self) -> np.ndarray:
+        """The relative indices (D,)."""
+        return self.interface[:, -1]
 
     def taken(self, chosen: Sequence[int] | np.ndarray) -> "Jobs":
         """Some of the jobs."""
-        parts = [None if x is None else x[np.asarray(chosen)] for x in self[:-1]]
-        return Jobs._make([*parts, self.knots])
+        if np.array_equal(chosen, np.arange(len(self.eta))):
+            return self  # without a copy of large tables
+        parts = (None if x is None else x[np.asarray(chosen)] for x in self[1:])
+        return Jobs._make([self.bottom.taken(chosen), *parts])
 
 
 def _jobs(
     below: Substrate, channels: np.ndarray, interfaces: np.ndarray, media: np.ndarray
 ) -> Jobs:
     """The jobs of channels (D,), see `coated_values`."""
-    edges, (alpha, eta) = below.edges, interfaces
+    *widths, eta = interfaces
     more, depths, times = [], [], []
     mirrored = below.mirrored.any(axis=0)
-    for channel, a, n, medium in zip(channels, alpha, eta, media.T, strict=True):
-        back, layers = adding.interface_modes(a, n, edges), medium.reshape(-1, 3)
-        again, depth = adding.seen_inside(below.modes[channel], back, layers, edges)
-        more.append(adding.at_nodes(again, edges, below.knots))
+    for channel, (*alpha, n), medium in zip(channels, interfaces.T, media.T, strict=True):
+        own = alpha[0] if len(alpha) == 1 else Widths(*alpha)
+        again, depth = below.turned_back(channel, own, n, medium.reshape(-1, 3))
+        more.append(again)
         depths.append(depth)
         if mirrored.any():
-            upper, lower = adding.mirror(a, n, edges), below.mirrored[:, [channel]]
+            upper, lower = adding.mirror(alpha[0], n, below.edges), below.mirrored[:, [channel]]
             times.append(adding.to_and_fro([depth], upper, lower)[1][:, 0])
-    narrow = below.narrow(alpha, eta, channels) & (eta != 1)
+    narrow = below.narrow(np.max(widths, axis=0), eta, channels) & (eta != 1)
+    width = below.width[channels]
     return Jobs(
-        alpha,
-        eta,
-        np.where(narrow, below.width[channels], 0),
-        np.moveaxis(below.logs[..., channels], -1, 0),
-        np.log(np.maximum(np.stack(more), 1e-30)),
-        None if below.lobe is None else below.lobe[channels],
+        below.reflector.taken(channels),
+        interfaces.T,
+        np.where(narrow.reshape(-1, *[1] * (width.ndim - 1)), width, 0),
+        np.stack(more),
         np.array(depths),
         np.stack(times) if times else None,
-        below.knots,
     )
 
 
@@ -174,8 +185,8 @@ def _spanning(jobs: Jobs) -> tuple[list[int], np.ndarray]:
     bands of a spectrum, up to `SPANNED`. The next channel is always the farthest from sums of the
     chosen ones.
     """
-    chosen, weights = list[int](), np.zeros((len(jobs.alpha), len(jobs.alpha)), np.float32)
-    _, groups = np.unique(np.stack([jobs.alpha, jobs.eta]), axis=1, return_inverse=True)
+    chosen, weights = list[int](), np.zeros((len(jobs.eta), len(jobs.eta)), np.float32)
+    _, groups = np.unique(jobs.interface, axis=0, return_inverse=True)
     for group in range(groups.max() + 1):
         members = np.flatnonzero(groups.ravel() == group)
         if len(members) <= 3:
@@ -210,25 +221,30 @@ def _basis(s: np.ndarray) -> tuple[list[int], np.ndarray]:
 
 
 def _seen(jobs: Jobs) -> np.ndarray:
-    """The BRDFs below (P, D) at some nodes of the table."""
-    some = np.ix_(*known_nodes(jobs.knots))
-    pairs = [w.reshape(*SHAPE, 3)[some].reshape(-1, 3) for w in node_pairs(jobs.knots)]
-    return _f(jobs._replace(eta=np.ones(len(jobs.eta))), pairs, (1, 1, 1))
+    """The BRDFs below (P, D) at some nodes of the table, of two widths at the probe pairs."""
+    if jobs.bottom.stretch2 is None:
+        some, every = np.ix_(*known_nodes(jobs.bottom.knots)), node_pairs(jobs.bottom.knots)
+        pairs = [w.reshape(*SHAPE, 3)[some].reshape(-1, 3) for w in every]
+    else:
+        pairs = list(probe_pairs(ANISOTROPIC_PROBES, 2))
+    matched = np.concatenate([jobs.interface[:, :-1], np.ones((len(jobs.eta), 1))], axis=1)
+    return _f(jobs._replace(interface=matched), pairs, (1, 1, 1))
 
 
 def _f(jobs: Jobs, pairs: Sequence[np.ndarray], points: tuple[int, int, int]) -> np.ndarray:
     """f (N, D) of jobs, without the interfaces' lobes (see the module)."""
-    result = np.empty((len(pairs[0]), len(jobs.alpha)), np.float32)
+    result = np.empty((len(pairs[0]), len(jobs.eta)), np.float32)
     wide, narrow, half = points
+    drawn = jobs.width.reshape(len(result.T), -1)[:, 0] > 0
     matched = jobs.eta == 1
     for chosen, count, own in (
         (matched, 1, 0),
-        (~matched & (jobs.width == 0), wide, wide),
-        (~matched & (jobs.width > 0), half, narrow),
+        (~matched & ~drawn, wide, wide),
+        (~matched & drawn, half, narrow),
     ):
         if chosen.any():
             some = jobs.taken(np.flatnonzero(chosen))
-            kernel = _Kernel(some, own, half if own == narrow and some.width.all() else 0)
+            kernel = _Kernel(some, own, half if own and drawn[chosen].all() else 0)
             result[:, chosen] = lanes.sums(kernel, int(chosen.sum()), pairs, count)
     return result
 
@@ -242,24 +258,25 @@ class _Kernel:
 
     def __call__(self, lane: Lane) -> Any:
         jobs, (wi, wo) = self._jobs, lane.directions()
-        self._direct, self._more = lane.table(jobs.direct), lane.table(jobs.more)
+        self._bottom, self._more = jobs.bottom.in_lane(lane), lane.table(jobs.more)
         self._times = None if jobs.times is None else lane.nearest(jobs.times)
-        self._lobe = None if jobs.lobe is None else [lane.number(x) for x in jobs.lobe.T]
         self._depth = lane.number(jobs.depth) if jobs.depth.any() else None
         if not self._refracted:
-            places = self._places(wi, wo)
-            return self._once(wi, wo, places) + DRJIT.exp(self._more(places))
-        alpha, eta = lane.number(jobs.alpha), lane.number(jobs.eta)
-        self._width: Any = lane.number(jobs.width) if self._half else None
+            once, places = self._once(wi, wo)
+            return once + self._again(wi, wo, places)
+        *widths, eta = (lane.number(x) for x in jobs.interface.T)
+        alpha = widths[0] if len(widths) == 1 else Widths(*widths)
+        if self._half:
+            drawn = [lane.number(x) for x in jobs.width.reshape(len(jobs.eta), -1).T]
+            self._width: Any = drawn[0] if len(drawn) == 1 else Widths(*drawn)
         total: Any = 0.0
         step = self._half or self._refracted
         for first in range(0, self._refracted, step):
             u = lane.lattice(self._refracted, GENERATORS[self._refracted], first)
             a, b = self._crossed(wi, alpha, eta, u[:2]), self._crossed(wo, alpha, eta, u[2:])
-            places = self._places(a.inside, b.inside)
-            once = self._once(a.inside, b.inside, places) * self._weight(a, b)
-            more = DRJIT.exp(self._more(places)) * (a.weight * b.weight)
-            total = total + (once + more) / self._refracted
+            once, places = self._once(a.inside, b.inside)
+            again = self._again(a.inside, b.inside, places) * (a.weight * b.weight)
+            total = total + (once * self._weight(a, b) + again) / self._refracted
         if self._half:
             u = lane.lattice(self._half, GENERATORS[self._half])
             for near, far, own, others in ((wi, wo, u[:2], u[2:]), (wo, wi, u[2:], u[:2])):
@@ -268,22 +285,20 @@ class _Kernel:
                 total = total + once * (HALF_SHARE / self._half)
         return total / (eta * eta)
 
-    def _places(self, wi: Any, wo: Any) -> tuple[Any, ...]:
-        """Coordinates of a pair in the tables."""
-        return coordinates(wi + wo, wi - wo, DRJIT, self._jobs.knots)
-
-    def _once(self, wi: Any, wo: Any, places: tuple[Any, ...]) -> Any:
-        """Light that the bottom reflects."""
-        value = DRJIT.exp(self._direct(places))
-        if self._lobe is not None:
-            h, (alpha, *numbers) = wi + wo, self._lobe
-            fresnel = lobes.reflectance_of(numbers, microfacet.facet_cosine(h, DRJIT), DRJIT)
-            value = value + microfacet.lobe_shape(alpha, wi, wo, h, DRJIT) * fresnel
+    def _once(self, wi: Any, wo: Any) -> tuple[Any, tuple[Any, ...]]:
+        """Light that the bottom reflects, and the coordinates of the pair in the tables."""
+        value, places = self._bottom(wi, wo)
         if self._depth is not None:
             value = value * DRJIT.exp(-self._depth * (1 / wi.z + 1 / wo.z))
         if self._times is not None:
             value = value * (self._times(wi.z) * self._times(wo.z))
-        return value
+        return value, places
+
+    def _again(self, wi: Any, wo: Any, places: tuple[Any, ...]) -> Any:
+        """Light that the media or the interface turn back."""
+        if self._jobs.bottom.stretch2 is None:
+            return DRJIT.exp(self._more(places))
+        return self._more(adding_quadrant.coordinates(wi, wo, DRJIT))
 
     @staticmethod
     def _crossed(outside: Any, alpha: Any, eta: Any, u: Sequence[Any]) -> Any:
@@ -293,27 +308,25 @@ class _Kernel:
     def _weight(self, a: Any, b: Any) -> Any:
         """The weight of a pair of crossings by the balance heuristic."""
         weight = a.weight * b.weight
-        if self._width is None:
+        if not self._half:
             return weight
-        h, alpha2 = a.inside + b.inside, self._width * self._width
-        across, z2 = h.x * h.x + h.y * h.y, h.z * h.z
+        h, square = a.inside + b.inside, microfacet.product(self._width)
+        size2, z2 = h.x * h.x + h.y * h.y + h.z * h.z, h.z * h.z
         # GGX's D cos theta_h. Reflection about h stretches solid angles by 4 cos theta_d.
-        spread = across + alpha2 * z2
-        drawn = alpha2 * h.z * (across + z2) / (2 * np.pi * (spread * spread))
+        spread = microfacet.squeezed_sine2(h, self._width) + square * z2
+        drawn = square * h.z * size2 / (2 * np.pi * (spread * spread))
         others = 1 / DRJIT.maximum(a.density, 1e-30) + 1 / DRJIT.maximum(b.density, 1e-30)
         return weight / (1 + HALF_SHARE * drawn * others)
 
     def _by_half_vectors(self, near: Any, far: Any, alpha: Any, eta: Any, u: Any) -> Any:
         """Light that a half vector, drawn with numbers u by GGX's D cos theta_h, sends to `far`."""
-        w = near.inside
-        tan2 = self._width * self._width * u[0] / (1 - u[0])
-        z = 1 / DRJIT.sqrt(1 + tan2)
-        sine, (sin_phi, cos_phi) = DRJIT.sqrt(tan2) * z, DRJIT.sincos(2 * np.pi * u[1])
-        half = type(w)(sine * cos_phi, sine * sin_phi, z)
+        w, (along, across) = near.inside, pair(self._width)
+        tangent, (sin_phi, cos_phi) = DRJIT.sqrt(u[0] / (1 - u[0])), DRJIT.sincos(2 * np.pi * u[1])
+        half = type(w)(along * tangent * cos_phi, across * tangent * sin_phi, 1)
+        half = DRJIT.normalized(half)
         cosine = w.x * half.x + w.y * half.y + w.z * half.z
         seen = 2 * cosine * half - w
         reached = (near.weight > 0) & (cosine > 0) & (seen.z > LEAST_COSINE)
         seen = type(w)(*(DRJIT.where(reached, x, n) for x, n in zip(seen, (0, 0, 1), strict=True)))
         other = crossing_at(far, seen, alpha, eta, DRJIT)._replace(inside=seen)
-        once = self._once(w, seen, self._places(w, seen)) * self._weight(near, other)
-        return DRJIT.where(reached, once, 0)
+        return DRJIT.where(reached, self._once(w, seen)[0] * self._weight(near, other), 0)

@@ -28,8 +28,8 @@ Vector = tuple[np.ndarray, ...]
 #: Least cosine of a direction inside. Light closer to the horizon does not cross.
 LEAST_COSINE = 1e-4
 
-#: Generators of lattices by their number of points: they keep the points far apart, and of those of
-#: 512 points the best one for narrow lobes.
+#: Generators of lattices (Korobov 1959) by their number of points: they keep the points far apart,
+#: and of those of 512 points the best one for narrow lobes.
 GENERATORS = {64: 19, 256: 9, 512: 229}
 
 #: Least number in a division.
@@ -42,11 +42,6 @@ class Crossing(NamedTuple):
     inside: Vector  # the directions inside; the normal where light does not cross
     weight: np.ndarray  # transmitted fraction of the light over the density; 0 where none crosses
     density: np.ndarray  # of probability of the inner direction [1/sr], given the outer one
-
-    def taken(self, places: np.ndarray) -> "Crossing":
-        """The crossings (M,) at places of the flat arrays."""
-        x, y, z, weight, density = (w.take(places) for w in (*self.inside, *self[1:]))
-        return Crossing((x, y, z), weight, density)
 
 
 def cross(cosine: np.ndarray, alpha: float | Widths, eta: float, u: np.ndarray) -> Crossing:
@@ -95,15 +90,6 @@ def facet_points(count: int) -> np.ndarray:
     """
     index = np.arange(count)
     return np.stack([index * 0.6180339887498949 % 1, (index + 0.5) / count], 1).astype(np.float32)
-
-
-def facet_pair_points(count: int) -> np.ndarray:
-    """Numbers (K, 4) for two crossings: a lattice of Korobov (1959), see `GENERATORS`.
-
-    Each column is evenly spaced. 64 of them serve better than 256 `even_points`.
-    """
-    index, generator = np.arange(count)[:, None], GENERATORS[count]
-    return (((index * generator ** np.arange(4)) % count + 0.5) / count).astype(np.float32)
 
 
 def crossing_at(outside: Any, inside: Any, alpha: Any, eta: Any, xp: Namespace = NUMPY) -> Crossing:

@@ -20,7 +20,6 @@ from urushi.core.appearance import described
 from urushi.core.microfacet import of_widths
 from urushi.core.table import node_pairs, table_of_values
 from urushi.errors import ParameterError, UrushiWarning
-from urushi.material.coated_anisotropic import coated_f as anisotropic_coated_f
 from urushi.material.coated_table import coated_table
 from urushi.material.coated_values import coated_f
 from urushi.material.energy import limit_albedo, nearest_below
@@ -238,10 +237,7 @@ def transported_codes(coat: CoatParameters, bottom: Material) -> np.ndarray:
     pairs. A table takes ten times as long."""
     model, pairs = bottom.model, bottom.model.networks.pairs()
     check_ratios(model, bottom.latents, coat)
-    if model.widths == 1:
-        rest = coated_f(bottom, coat, *pairs).T
-    else:
-        rest = anisotropic_coated_f(replace(bottom, rotation=0.0), coat, *pairs).T
+    rest = coated_f(bottom, coat, *pairs).T
     return codes_of_rests(model, rest, coat, bottom.latents)
 
 

@@ -98,7 +98,7 @@ def _scattered(
     if not insides:
         return lambda wi, wo: 0.0, []
     indices, interfaces = layers.indices(), layers.interfaces
-    grids = [adding.grid(inside.edges) for inside in insides]
+    grids = [adding.grid(inside.below.edges) for inside in insides]
     outside = adding.Grid(ELEVATIONS, edges=layers.edges(-1 if indices[-1] > 1 else 0))
     alpha, eta = interfaces[-1]
     # Light from below that arrives above the interfaces that have been passed, all and straight
@@ -106,18 +106,19 @@ def _scattered(
     direct, attenuations = every, list[Attenuation]()
     for level, (inside, own) in reversed(list(enumerate(zip(insides, grids, strict=True)))):
         alpha, eta = interfaces[level]
-        back = adding.interface_modes(alpha, eta, inside.edges)
+        below, edges = inside.below, inside.below.edges
+        back = adding.interface_modes(alpha, eta, edges)
         fields, straights, depths = zip(
             *(
-                adding.passed_inside(modes, back, media, inside.edges)
-                for modes, media in zip(inside.modes, np.moveaxis(inside.media, 2, 0), strict=True)
+                adding.passed_inside(modes, back, media, edges)
+                for modes, media in zip(below.modes, np.moveaxis(inside.media, 2, 0), strict=True)
             ),
             strict=True,
         )
         every = [a @ b for a, b in zip(every, fields, strict=True)]
         direct = [a * b for a, b in zip(direct, straights, strict=True)]
-        upper = adding.mirror(alpha, eta, inside.edges)
-        crossing = adding.to_and_fro(depths, upper, inside.mirrored)[0]
+        upper = adding.mirror(alpha, eta, edges)
+        crossing = adding.to_and_fro(depths, upper, below.mirrored)[0]
         attenuations.insert(0, adding.nearest(crossing))
         if level:
             above = grids[level - 1]

@@ -31,6 +31,7 @@ from urushi.core.table import (
 from urushi.material import adding
 from urushi.material.coated_table import Inside, coated_rest
 from urushi.material.material import Material
+from urushi.material.reflector import Reflector
 from urushi.material.slab_coordinates import (
     Faces,
     InnerLobes,
@@ -42,6 +43,7 @@ from urushi.material.slab_coordinates import (
 )
 from urushi.material.slab_light import transmitted
 from urushi.material.slab_shares import Layers, Shares, shares
+from urushi.material.substrate import Substrate
 from urushi.nets import lobe as lobes
 from urushi.nets.weights import Model
 from urushi.walk import slabs
@@ -230,18 +232,19 @@ def _reflected(model: Model, layers: Layers, every: list[Shares]) -> tuple[Mater
         knots = knots_of(np.sin(layers.edges(level)).tolist())
         if below is not None:
             edges = layers.edges(level + 1)
-            if insides:
-                own, modes = adding.grid(edges), adding.bottom_modes(below.f, edges)
-                mirrored = own.at_cosines(np.stack([own.mirror_shares(m) for m in modes], axis=-1))
-            else:
+            modes = mirrored = None
+            if not insides:
                 surface = layers.interfaces[-1, 0], 1 / layers.interfaces[-1, 1], edges
                 modes = np.stack([adding.interface_modes(*surface)] * channels)
                 mirrored = adding.mirror(*surface).repeat(channels, axis=1)
+            own = Substrate.of(Reflector.of(below), modes, mirrored, edges)
+            if eta[0] == 1:  # the lobe below is seen beside the table
+                seen = replace(below, beside_lobe=False)
+                own = replace(own, reflector=Reflector.of(seen))
             inner = layers.from_interface(level).inner_lobes()
             factor = _at_nodes(knots, inner)
-            insides.insert(0, Inside(edges, modes, mirrored, knots, layers.media[level], factor))
-            seen = below if eta[0] != 1 else replace(below, beside_lobe=False)
-            rest = coated_rest(seen, CoatParameters(alpha, eta, 0, 0, 0), insides[0])
+            insides.insert(0, Inside(own, knots, layers.media[level], factor))
+            rest = coated_rest(own, CoatParameters(alpha, eta, 0, 0, 0), insides[0])
             logs = np.log(np.maximum(rest.reshape(logs.shape) / factor[..., None], 1e-30))
             angles = [np.arccos(w[:, 2]) for w in node_pairs(knots)]
             logs = _with_light(logs, angles, [_reflected_light(every[level], knots, inner)])

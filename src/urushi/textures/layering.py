@@ -11,8 +11,7 @@ import numpy as np
 
 from urushi import checks
 from urushi.checks import MIN_ALPHA, CoatParameters
-from urushi.core.microfacet import of_widths
-from urushi.material.coated_anisotropic import coated_f as anisotropic_coated_f
+from urushi.core.microfacet import of_widths, pair
 from urushi.material.coated_values import coated_values
 from urushi.material.energy import limit_albedo
 from urushi.material.layer import (
@@ -23,6 +22,7 @@ from urushi.material.layer import (
     with_widths,
 )
 from urushi.material.material import Material
+from urushi.material.reflector import Reflector
 from urushi.material.substrate import Substrate
 from urushi.nets import lobe as lobes
 from urushi.nets.features import coat_features
@@ -102,19 +102,11 @@ def transported(model: Model, z: np.ndarray, coat: CoatParameters) -> np.ndarray
 def transported_rests(model: Model, z: np.ndarray, coat: CoatParameters) -> np.ndarray:
     """f float32 (k, P) [1/sr] of rows z (k, L) under coats (k,) at the probe pairs, without the
     lobes of the coats."""
-    columns, pairs = np.stack(coat.columns()).astype(np.float64), model.networks.pairs()
-    if model.widths == 1:
-        bottoms, which = np.unique(z.astype(np.float32), axis=0, return_inverse=True)
-        below = Substrate.of(Material(bottoms, model))
-        return coated_values(below, which.ravel(), columns[:2], columns[2:], *pairs).T
-    # Rows of one interface and of bottoms of like shapes share the directions inside.
-    shapes = [*columns[[0, 1, 5]], *z.T[[*lobes.WIDTH_PLACES[2], -1]]]
-    _, group = np.unique(np.stack(shapes), axis=1, return_inverse=True)
-    rest = np.empty((len(z), len(pairs[0])), np.float32)
-    for own in (group.ravel() == index for index in range(group.max() + 1)):
-        under = CoatParameters.of_columns(columns[:, own])
-        rest[own] = anisotropic_coated_f(Material(z[own], model), under, *pairs).T
-    return rest
+    bottoms, which = np.unique(z.astype(np.float32), axis=0, return_inverse=True)
+    below = Substrate.of(Reflector.of(Material(bottoms, model)))
+    interfaces = np.stack([*pair(coat.alpha)[: model.widths], coat.eta]).astype(np.float64)
+    media = np.stack(coat[2:]).astype(np.float64)
+    return coated_values(below, which.ravel(), interfaces, media, *model.networks.pairs()).T
 
 
 def features(model: Model, z: np.ndarray, coat: CoatParameters) -> np.ndarray:

@@ -22,13 +22,15 @@ from urushi.core.table import (
     LOWEST,
     MIN_COSINE,
     MIN_LOG,
+    SHAPE,
     TAN2_OFFSET,
     log_tangent,
     node_directions,
 )
-from urushi.material import adding
-from urushi.material.coated_anisotropic import coated_f
+from urushi.material.coated_values import coated_f
 from urushi.material.material import Material
+from urushi.material.reflector import Reflector
+from urushi.material.substrate import Substrate
 from urushi.nets import lobe as lobes
 from urushi.nets import weights
 from urushi.nets.lobe_fit import fit_lobes
@@ -117,14 +119,15 @@ def levels(probes: int, seed: int, number: int) -> list[dict[str, Any]]:
     """
     rng, rows = np.random.default_rng([seed, number]), []
     stack = draw_stack(rng, SHARES_OF_TWO, most=1)
-    f, lobe = draw_bottom(rng, stack)
+    bottom, lobe = draw_bottom(rng, stack)
+    below = Substrate.of(bottom)
     coats = with_two_widths(rng, coats_of(stack))
     for level, coat in enumerate([np.array(NONE, np.float32), *coats]):
         if level:
             lobe = lobes.of_coat(*CoatParameters.of_columns(coat)[:2])
-            rest = functools.partial(coated_f, f, CoatParameters.of_columns(coat.astype(float)))
+            rest = functools.partial(coated_f, below, CoatParameters.of_columns(coat.astype(float)))
         else:
-            rest = functools.partial(_without, f, lobe)
+            rest = functools.partial(_without, bottom, lobe)
         probed = rest(*probe_pairs(probes, 2)).T
         stretch = log_stretch(probed, pair_measure(probes))[0]
         pairs = (w.reshape(-1, 3) for w in nodes_of(stretch, [number, level]).pairs)
@@ -144,16 +147,16 @@ def levels(probes: int, seed: int, number: int) -> list[dict[str, Any]]:
     return rows
 
 
-def _without(f: adding.Brdf, lobe: np.ndarray, wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
-    return np.maximum(f(wi, wo) - lobes.f(lobe, wi, wo)[:, None], 0)
+def _without(bottom: Reflector, lobe: np.ndarray, wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
+    return np.maximum(bottom.f(wi, wo) - lobes.f(lobe, wi, wo)[:, None], 0)
 
 
 def _logs(f: np.ndarray) -> np.ndarray:
     return np.log(np.maximum(f, np.exp(MIN_LOG))).astype(np.float32)
 
 
-def draw_bottom(rng: np.random.Generator, stack: StackTable) -> tuple[adding.Brdf, np.ndarray]:
-    """f of the bottom of a stack with two widths in place of each, and its lobe (7,)."""
+def draw_bottom(rng: np.random.Generator, stack: StackTable) -> tuple[Reflector, np.ndarray]:
+    """The bottom of a stack with two widths in place of each, and its lobe (7,)."""
     known = {name: float(column[0]) for name, column in stack.bottom.items()}
     if stack.kind == "mixture":
         factors = [
@@ -163,15 +166,12 @@ def draw_bottom(rng: np.random.Generator, stack: StackTable) -> tuple[adding.Brd
     else:
         parts = bottom_lobes(stack.kind, np.array([list(known.values())]))
     parts = with_two_widths(rng, parts, LEAST_WIDTH)
-    bright = parts[parts[:, 1:4].any(axis=1)]
-    white = np.float32(known.get("diffuse", known.get("reflectance", 0)) / np.pi)
-
-    def f(wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
-        return sum((lobes.f(part, wi, wo) for part in bright), np.full(len(wi), white))[:, None]
-
+    white = known.get("diffuse", known.get("reflectance", 0)) / np.pi
+    logs = np.full((*SHAPE, 1), np.log(max(white, np.exp(MIN_LOG))))
+    bottom = Reflector.of_logs(logs, parts[None], np.ones(1))
     if stack.kind != "mixture":
-        return f, parts[0]
-    return f, fit_lobes(f(*probe_pairs(ANISOTROPIC_PROBES, 2)).T, 2)[0]
+        return bottom, parts[0]
+    return bottom, fit_lobes(bottom.f(*probe_pairs(ANISOTROPIC_PROBES, 2)).T, 2)[0]
 
 
 def coats_over(

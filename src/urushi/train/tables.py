@@ -27,6 +27,7 @@ from urushi.core.probe_pairs import probe_pairs
 from urushi.core.table import MIN_LOG, SHAPE, completed, known_nodes, node_pairs, table_of_values
 from urushi.errors import FileError
 from urushi.material.coated_values import coated_f
+from urushi.material.reflector import Reflector
 from urushi.material.substrate import Substrate
 from urushi.nets import lobe as lobes
 from urushi.nets import weights
@@ -239,7 +240,7 @@ def coated(below: Substrate, coat: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 def _substrate(tables: np.ndarray, lobe: np.ndarray) -> Substrate:
     """Materials with tables (B, P) beside lobes (B, L)."""
-    return Substrate.of_logs(np.moveaxis(tables.reshape(-1, *SHAPE), 0, -1), lobe)
+    return Substrate.of(Reflector.of_logs(np.moveaxis(tables.reshape(-1, *SHAPE), 0, -1), lobe))
 
 
 def _at_probes(below: Substrate, coats: np.ndarray, count: int) -> np.ndarray:

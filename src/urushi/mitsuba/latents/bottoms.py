@@ -13,6 +13,7 @@ import numpy as np
 
 from urushi.core.table import node_pairs, table_of_values
 from urushi.material.material import Material
+from urushi.material.reflector import Reflector
 from urushi.material.substrate import Substrate
 from urushi.material.values import codes_of, encode_source
 from urushi.mitsuba import spectrum
@@ -220,7 +221,7 @@ class BottomRows:
         """The bottoms of rows (k,) of values, and the place (channels, k) of each among them."""
         count = len(next(iter(values.values())))
         if self._is_constant and not mi.is_spectral:
-            whole = Substrate.of(self.material())
+            whole = Substrate.of(Reflector.of(self.material()))
             places = np.repeat(np.arange(channels)[:, None], count, axis=1)
             return whole, places % whole.channels
         if isinstance(self.nested, AxisLatents):
@@ -230,7 +231,7 @@ class BottomRows:
             logs = self._model.networks.table(flat)
             assert logs is not None  # a rest has at least `FAINT`
             logs = np.log(np.maximum(np.exp(logs) - FAINT, BLACK))
-            below = Substrate.of_logs(logs, flat[:, : self._model.arch.lobe])
+            below = Substrate.of(Reflector.of_logs(logs, flat[:, : self._model.arch.lobe]))
             return below, np.broadcast_to(places, (channels, count))
         rows, which = self._distinct(values)
         different, parts = len(next(iter(rows.values()))), []
@@ -247,9 +248,9 @@ class BottomRows:
             assert top is not None  # for the type checker
             rest = np.tile(self._model.networks.empty_rest(), (len(top), 1))
             codes = np.concatenate([top, rest], axis=1, dtype=np.float32)
-            return Substrate.of(Material(codes, self._model)), places
+            return Substrate.of(Reflector.of(Material(codes, self._model))), places
         table = np.concatenate(tables, axis=-1)
-        return Substrate.of_logs(table.reshape(*table.shape[:3], -1), top), places
+        return Substrate.of(Reflector.of_logs(table.reshape(*table.shape[:3], -1), top)), places
 
     def _distinct(
         self, values: Mapping[str, np.ndarray]
