@@ -157,8 +157,10 @@ def test_codes_that_are_too_bright_at_grazing_angles_change_only_there(trained):
         limit(trained, code, ceiling) for limit in (energy.nearest_below, energy.limit_albedo)
     )
     assert (energy.directional_albedos(trained, nearest) < ceiling + 1e-4).all()
-    at_probes = trained.networks.features(*trained.networks.pairs())
-    apart = [np.abs(trained.networks.rest(z, at_probes) - f[0]).mean() for z in (nearest, scaled)]
+    at_probes = trained.networks.basis.probe_rows
+    apart = [
+        np.abs(trained.networks.rest_at_all(z, at_probes) - f).mean() for z in (nearest, scaled)
+    ]
     assert apart[0] < 0.3 * apart[1]
 
 
@@ -250,7 +252,8 @@ def test_of_many_texels_the_bright_ones_are_limited(trained):
         "albedo": np.where(rng.random(shape) < 0.3, 1.0, 0.5), "g": 0.0,
     }  # fmt: skip
     free = layer_texels(trained, bottoms, CoatParameters(**coats))
-    lifted = trained.networks.rest_scaled(free, np.float32(1.15) * np.ones(shape, np.float32))
+    lifted = np.array(free)
+    trained.networks.gains(lifted)[...] += np.log(1.15)
     limited = energy.limit_albedo(trained, lifted)
     peaks = energy.directional_albedos(trained, limited.reshape(-1, limited.shape[-1])[::5]).max(
         axis=-1

@@ -4,15 +4,14 @@ import numpy as np
 import pytest
 
 from urushi.core.direction_sets import cosine_pairs
-from urushi.core.namespace import NUMPY
+from urushi.core.namespace import NUMPY, Components
 from urushi.core.probe_pairs import pair_measure
-from urushi.core.stretched import FACTORS, components_of, features_of, stretched
+from urushi.core.stretched import FACTORS, stretched
 from urushi.core.table import SHAPE, node_pairs, pair_coordinates
 from urushi.nets import lobe as lobes
 from urushi.nets.basis import decode
-from urushi.nets.code_fit import solve_stretched
+from urushi.nets.code_fit import log_stretch, solve_codes
 from urushi.nets.networks import Architecture
-from urushi.nets.stretched_basis import log_stretch
 from urushi.nets.weights import Model, anisotropic_model, default_model
 
 AZIMUTHAL = (2, 2, 1, 1, 1)
@@ -44,6 +43,11 @@ def codes(model) -> np.ndarray:
     return np.concatenate([lobe, rest, stretch], axis=1).astype(np.float32)
 
 
+def components_of(wi, wo):
+    """wi + wo and wi - wo."""
+    return [Components(*w.T.astype(float)) for w in (wi + wo, wi - wo)]
+
+
 @pytest.fixture(scope="module")
 def pairs():
     return cosine_pairs(np.random.default_rng(1), 400, lowest_cosine=0.02)
@@ -70,7 +74,7 @@ def test_codes_of_one_width_are_codes_of_two(model, pairs):
 
 
 def test_coordinates_without_stretch_are_those_of_one_width(pairs):
-    both, apart = components_of(features_of(*(w.astype(float) for w in pairs)))
+    both, apart = components_of(*pairs)
     places, _ = stretched(both, apart, 1.0, NUMPY)
     for a, b in zip(places, pair_coordinates(*pairs), strict=True):
         np.testing.assert_allclose(a, b, atol=1e-3)  # single precision
@@ -82,7 +86,7 @@ def test_a_stretched_lobe_is_round():
     slopes = rng.uniform(-1, 1, (2, 500))
     h = np.stack([*slopes, np.ones(500)]) / np.sqrt(1 + (slopes**2).sum(axis=0))
     a, b = 0.1, 0.4
-    both, apart = components_of(np.concatenate([h, 0 * h]).T)
+    both, apart = Components(*h), Components(*0 * h)
     (u, _, _), _ = stretched(both, apart, b / a, NUMPY)
     tan2 = (slopes[0] / a) ** 2 + (slopes[1] / b) ** 2
     order = np.argsort(tan2)
@@ -94,7 +98,7 @@ def test_a_table_is_the_sum_of_its_terms(model, codes):
     z = codes[1:2]
     wi, wo = node_pairs()
     above = (wi[:, 2] > 0.05) & (wo[:, 2] > 0.05) & (np.arange(len(wi)) % 7 == 0)
-    both, apart = components_of(features_of(wi, wo)[above].astype(float))
+    both, apart = components_of(wi[above], wo[above])
     _, factors = stretched(both, apart, 1.0, NUMPY)
     terms = model.networks.table(z).reshape(-1, 1 + FACTORS)[above]
     logs = (terms * np.stack([np.ones_like(factors[0]), *factors], axis=-1)).sum(axis=1)
@@ -120,7 +124,7 @@ def test_the_stretch_is_that_of_the_lobe(model, width):
 def test_codes_are_those_of_their_values(model, codes):
     basis, rest = model.networks.basis, codes[:, 7:]
     values = np.stack([decode(z[:-1], basis.probe_rows(z[-1])) for z in rest])
-    found = solve_stretched(basis, values, rest[:, -1])
+    found = solve_codes(basis, values, rest[:, -1])
     again = np.stack([decode(z[:-1], basis.probe_rows(z[-1])) for z in found])
     np.testing.assert_array_equal(found[:, -1], rest[:, -1])
     off = np.abs(again - values) @ basis.measure / (values @ basis.measure)
@@ -133,7 +137,8 @@ def test_channels_share_the_stretch(model):
     f = np.stack([own, 0.5 * own + 0.2, 0.1 * own + 0.3])
     codes = model.networks.encode(f, np.float32(lobes.no_lobe(2)))
     assert (codes[:, -1] == codes[0, -1]).all() and codes[0, -1] > 0.4
-    brighter = model.networks.rest_scaled(codes, np.full(3, 2.0, np.float32))
+    brighter = np.array(codes)
+    model.networks.gains(brighter)[...] += np.log(2)
     ratio = model.networks.f(brighter, *(w[:, None] for w in pairs))
     np.testing.assert_allclose(
         ratio, 2 * model.networks.f(codes, *(w[:, None] for w in pairs)), rtol=1e-3
@@ -173,5 +178,5 @@ def test_f_is_continuous_where_azimuths_mean_nothing(degrees):
         wo = centre + away
         wo /= np.linalg.norm(wo, axis=1, keepdims=True)
         pairs = np.broadcast_to(wi, wo.shape), wo
-        f = networks.rest_at_all(z, networks.features(*pairs))
+        f = networks.rest_at_all(z, networks.basis.functions_at(*pairs))
         assert (f.max(axis=1) / f.min(axis=1) - 1).max() < 0.02

@@ -52,7 +52,7 @@ def test_examples_are_the_codes_of_the_data(basis, store, found):
     assert len(found.code) == each * len(held["lobe"])
     np.testing.assert_array_equal(found.bottom[::each, :6], held["lobe"])
     np.testing.assert_array_equal(found.coat, held["over"].reshape(-1, 5))
-    logs = bases.decode_log(found.code[:, None], basis.probe_rows)
+    logs = bases.decode_log(found.code[:, None], basis.probe_rows(0.0))
     coated = held["coated"].reshape(len(logs), -1)
     assert np.abs(np.exp(logs - coated) - 1).mean() < 0.02
 
@@ -62,7 +62,7 @@ def test_the_error_of_a_code_is_that_of_its_light(basis, found):
     step = np.zeros((len(found.code), found.code.shape[1]), np.float32)
     step[:, 0] = 0.01
     size = np.linalg.norm((found.root @ step[..., None])[..., 0], axis=-1)
-    f = np.exp(bases.decode_log(found.code[:, None], basis.probe_rows))
+    f = np.exp(bases.decode_log(found.code[:, None], basis.probe_rows(0.0)))
     top = lobes.of_coat(found.coat[:, 0], found.coat[:, 1])
     light = f + lobes.f(top[:, None], *basis.pairs())
     share = (f @ basis.measure) / (light @ basis.measure)

@@ -5,9 +5,9 @@ import pytest
 
 from urushi.checks import MIN_ALPHA
 from urushi.core.direction_sets import cosine_pairs
-from urushi.core.namespace import NUMPY
+from urushi.core.namespace import NUMPY, Components
 from urushi.core.probe_pairs import pair_measure, probe_pairs
-from urushi.core.stretched import components_of, features_of, stretched
+from urushi.core.stretched import stretched
 from urushi.nets import lobe as lobes
 from urushi.nets.networks import Architecture
 from urushi.nets.weights import default_model
@@ -20,7 +20,7 @@ BRUSHED = np.float32([0.15, 0.9, 1, 0, 1.5, 0, 0.4])
 @pytest.mark.parametrize("log_stretch", [0.0, 0.5])
 def test_pairs_have_the_coordinates_of_their_nodes(log_stretch):
     wi, wo = nodes_of(log_stretch, [1]).pairs
-    both, apart = components_of(features_of(wi, wo).astype(float))
+    both, apart = (Components(*np.moveaxis(w.astype(float), -1, 0)) for w in (wi + wo, wi - wo))
     places, _ = stretched(both, apart, np.exp(2 * log_stretch), NUMPY)
     axes = [np.linspace(0, 1, count) for count in stretched_tables.NODES]
     nodes = [x.ravel() for x in np.meshgrid(*axes, indexing="ij")]

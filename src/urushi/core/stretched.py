@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from urushi.core.namespace import Components, Namespace
+from urushi.core.namespace import Namespace
 from urushi.core.table import TAN2_OFFSET, Knots, coordinates, log_tangent
 
 #: Number of factors of the azimuth.
@@ -52,17 +52,6 @@ def stretched(
         2 * p * p - p_seen * p_seen,
         psi * p,
     )
-
-
-def components_of(features: np.ndarray) -> tuple[Components, Components]:
-    """wi + wo and wi - wo from their components (..., 6)."""
-    both, apart = features[..., :3], features[..., 3:]
-    return Components(*np.moveaxis(both, -1, 0)), Components(*np.moveaxis(apart, -1, 0))
-
-
-def features_of(wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
-    """The components (..., 6) of wi + wo and wi - wo, of pairs (..., 3)."""
-    return np.concatenate([wi + wo, wi - wo], axis=-1)
 
 
 def rounded(log_stretch: Any) -> np.ndarray:

@@ -80,8 +80,6 @@ def basis_of(model: Model) -> Networks:
 
 def factors_of(networks: Networks) -> list[int]:
     """The factor of b and of each function of a basis but the first, as in `Rest`."""
-    if networks.arch.widths == 1:
-        return [0] * networks.basis.size
     return np.delete(networks.arch.factors, 1).tolist()
 
 
@@ -93,7 +91,7 @@ def rest_f(
     wi: Expression,
     wo: Expression,
 ) -> Expression:
-    """f [1/sr] of a rest, see `nets.basis` and `nets.stretched_basis`."""
+    """f [1/sr] of a rest, see `nets.basis`."""
     body.note_line("The table's coordinates, from the first node to the last.")
     both, apart = body.let("both", wi + wo), body.let("apart", wi - wo)
     xp, around = namespace(body), []

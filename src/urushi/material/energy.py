@@ -63,10 +63,10 @@ def top_albedos(model: Model, z: np.ndarray) -> np.ndarray:
 
 def rest_albedos(model: Model, z: np.ndarray) -> np.ndarray:
     """Directional albedos (N, D) of the rests of codes (N, L) at the cosines of the rule."""
-    rule, features = albedo_rule(model.arch.widths), node_features(model)
+    rule, functions = albedo_rule(model.arch.widths), node_functions(model)
 
     def measure(codes: np.ndarray) -> np.ndarray:
-        return rule.albedo(model.networks.rest_at_all(codes, features))
+        return rule.albedo(model.networks.rest_at_all(codes, functions))
 
     result = np.empty((len(z), len(rule.cosines)), np.float32)
     fill_blocks(result, measure, z, rows=BLOCK)
@@ -74,10 +74,10 @@ def rest_albedos(model: Model, z: np.ndarray) -> np.ndarray:
 
 
 @functools.lru_cache(maxsize=8)
-def node_features(model: Model) -> np.ndarray:
-    """The features of the pairs of `albedo_rule`."""
+def node_functions(model: Model) -> basis.Functions:
+    """The functions of the basis at the pairs of `albedo_rule`."""
     rule = albedo_rule(model.arch.widths)
-    return model.networks.features(rule.wi, rule.wo)
+    return model.networks.basis.functions_at(rule.wi, rule.wo)
 
 
 def albedo_ceiling(own: np.ndarray, rule: AlbedoRule) -> np.ndarray:
@@ -117,15 +117,15 @@ def _fitted_below(model: Model, z: np.ndarray, allowed: np.ndarray) -> np.ndarra
     Least squares of the change at the probe pairs, and of the logarithm of the albedo where it is
     above the allowed one, by Gauss and Newton's method.
     """
-    rule, networks, first = albedo_rule(model.arch.widths), model.networks, model.arch.lobe
+    rule, own = albedo_rule(model.arch.widths), model.networks.basis
+    result = z.copy()
+    numbers, stretch = own.split(result[model.arch.lobe :])
     at_probes, nodes = (
-        networks.functions(z, x).astype(float)
-        for x in (networks.features(*networks.pairs()), node_features(model))
+        f(float(stretch)).astype(float) for f in (own.probe_rows, node_functions(model))
     )
-    numbers = slice(first, first + nodes.shape[1] - 1)  # without the stretch
-    start = code = z[numbers].astype(float)
-    form = code_fit.form_about(at_probes, networks.basis, start[None])[0]
-    form += PLAUSIBLE * networks.basis.prior
+    start = code = numbers.astype(float)
+    form = code_fit.form_about(at_probes, own, start[None])[0]
+    form += PLAUSIBLE * own.prior
     best, least = code, np.inf
     for weight in (*EXCESS_WEIGHTS, 0.0):
         f = basis.decode(code, nodes)
@@ -139,8 +139,7 @@ def _fitted_below(model: Model, z: np.ndarray, allowed: np.ndarray) -> np.ndarra
         slopes = by_code / albedo[above, None]
         right = weight * slopes.T @ (slopes @ (code - start) - excess)
         code = start + np.linalg.solve(form + weight * slopes.T @ slopes, right)
-    result = z.copy()
-    result[numbers] = best
+    numbers[...] = best
     return result
 
 

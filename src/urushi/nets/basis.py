@@ -2,42 +2,53 @@
 
 The logarithm of f without the topmost lobe is
 
-    ln f(wi, wo) = b(x) + sum_k c_k U_k(x),
+    ln f(wi, wo) = b(x) + sum_k c_k A_k U_k(x),
 
 where x are the coordinates of `urushi.core.table`. The mean b and the functions U_k are tables that
 all materials share. They were fitted to thousands of materials, computed by light transport. The
 numbers c_k are the code of a material. They are found by least squares and are unique. The first
 function is one, so that c_0 is a logarithmic gain.
 
-The functions of a pair are one row (..., 1 + K): b, then the U_k. All that depends on the code is
-the product of such rows with codes.
+With one GGX width, A_k is 1. With two, x are the stretched coordinates of `urushi.core.stretched`,
+and A_k is 1 or a factor of the azimuth. The mean and the first functions are those of one width, so
+that its codes are codes of two widths. The logarithm of the stretch, ln s, is the last number of a
+code, after the c_k.
+
+The functions of a pair are one row (..., 1 + K): b, then the A_k U_k. All that depends on the c_k
+is the product of such rows with codes.
 """
 
-from typing import NamedTuple
+import functools
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
 
 import numpy as np
 
+from urushi.core.namespace import NUMPY, Components
 from urushi.core.probe_pairs import probe_pairs
-from urushi.core.table import MAX_LOG, MIN_LOG, SHAPE, corners, pair_coordinates
+from urushi.core.stretched import FACTORS, stretched
+from urushi.core.table import MAX_LOG, MIN_LOG, SHAPE, coordinates, corners
 from urushi.parallel import fill_blocks
 
 #: Gain with which any code has f = exp(`MIN_LOG`).
 EMPTY_GAIN = -100.0
 
+#: Stretches whose functions at the same pairs are kept.
+KEPT = 16
 
-class Basis(NamedTuple):
+#: The functions (..., 1 + K) of some pairs, from ln s.
+Functions = Callable[[float], np.ndarray]
+
+
+@dataclass(frozen=True, eq=False)
+class Basis:
     """Mean and functions as tables, and what codes are solved with."""
 
     rows: np.ndarray  # float32 (P, 1 + K), at the nodes of `core.table`
+    factors: np.ndarray  # (1 + K,) which of the factors of `core.stretched` is A_k; 0: one
     measure: np.ndarray  # float32 (N,) share of each probe pair in integrals over pairs
     prior: np.ndarray  # (K, K) inverse covariance of the codes of the training materials
-    probe_rows: np.ndarray  # float32 (N, 1 + K), at the probe pairs
-
-    @classmethod
-    def of(cls, rows: np.ndarray, measure: np.ndarray, prior: np.ndarray) -> "Basis":
-        """The basis whose functions have these rows at the nodes."""
-        own = cls(rows, measure, prior.astype(np.float64), rows[:0])
-        return own._replace(probe_rows=own.at(*own.pairs()))
+    widths: int = 1  # GGX widths of a surface
 
     @property
     def size(self) -> int:
@@ -46,21 +57,67 @@ class Basis(NamedTuple):
 
     def pairs(self) -> tuple[np.ndarray, np.ndarray]:
         """The probe pairs wi, wo: float32 (N, 3)."""
-        return probe_pairs(len(self.measure))
+        return probe_pairs(len(self.measure), self.widths)
 
-    def at(self, wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
+    @functools.cached_property
+    def probe_rows(self) -> Functions:
+        """The functions (N, 1 + K) at the probe pairs."""
+        return self.functions_at(*self.pairs())
+
+    def functions_at(self, wi: np.ndarray, wo: np.ndarray) -> Functions:
+        """The functions at pairs (..., 3) above the horizon, which are kept for some ln s."""
+        return functools.lru_cache(KEPT)(functools.partial(self.at, wi, wo))
+
+    def at(self, wi: np.ndarray, wo: np.ndarray, log_stretch: float = 0.0) -> np.ndarray:
         """The functions float32 (..., 1 + K) at pairs (..., 3) above the horizon."""
         wi, wo = np.broadcast_arrays(wi, wo)
         result = np.empty((wi[..., 0].size, self.size + 1), np.float32)
-        fill_blocks(result, self._at, wi.reshape(-1, 3), wo.reshape(-1, 3))
+        at = functools.partial(self._at, float(np.exp(2 * log_stretch)))
+        fill_blocks(result, at, wi.reshape(-1, 3), wo.reshape(-1, 3))
         return result.reshape(*wi.shape[:-1], self.size + 1)
 
-    def _at(self, wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
-        places = pair_coordinates(wi, wo)
+    def _at(self, stretch2: float, wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
+        both, apart = (Components(*w.T.astype(np.float64)) for w in (wi + wo, wi - wo))
+        around: tuple = ()
+        if self.widths == 1:
+            places = coordinates(both, apart, NUMPY)
+        else:
+            places, around = stretched(both, apart, stretch2, NUMPY)
         total = np.zeros((len(wi), self.size + 1), np.float32)
         for nodes, share in corners(SHAPE, *places):
             total += self.rows.take(nodes, axis=0) * share[:, None]
+        if around:
+            every = np.stack([np.ones(len(wi)), *around], axis=-1).astype(np.float32)
+            total *= every[:, self.factors]
         return total
+
+    def split(self, codes: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """The numbers (..., K) of codes, and their ln s (...), zero for one width."""
+        if self.widths == 2:
+            return codes[..., :-1], codes[..., -1]
+        return codes, np.zeros(codes.shape[:-1], np.float32)
+
+    def groups(self, codes: np.ndarray) -> Iterator[tuple[np.ndarray, np.ndarray, float]]:
+        """Places and numbers (M, K) of those codes (S, ...) that share a stretch, and its ln s."""
+        numbers, stretch = self.split(codes)
+        for own in np.unique(stretch):
+            rows = np.flatnonzero(stretch == own)
+            yield rows, numbers[rows], float(own)
+
+    def table(self, codes: np.ndarray) -> np.ndarray:
+        """ln f of codes (C, ...) at the nodes: float32 (*`SHAPE`, C).
+
+        With two widths (*`SHAPE`, C, 1 + `FACTORS`): ln f is the sum over the last axis, each times
+        its factor, at stretched coordinates.
+        """
+        numbers, _ = self.split(codes)
+        if self.widths == 1:
+            return decode_log(numbers[:, None], self.rows).T.reshape(*SHAPE, len(codes))
+        numbers = np.concatenate([np.ones((len(codes), 1)), numbers], axis=1)
+        of_factor = self.factors == np.arange(1 + FACTORS)[:, None]
+        weights = numbers[:, None] * of_factor  # (C, 1 + FACTORS, 1 + K)
+        table = self.rows @ weights.reshape(-1, self.size + 1).T
+        return table.reshape(*SHAPE, len(codes), -1).astype(np.float32)
 
 
 def grid_of(rows: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -85,22 +142,15 @@ def on_grid(rows: np.ndarray) -> np.ndarray:
 
 
 def decode(z: np.ndarray, rows: np.ndarray) -> np.ndarray:
-    """f (...) [1/sr] of codes z (..., K) at the functions (..., 1 + K) of pairs; they broadcast."""
+    """f (...) [1/sr] of numbers z (..., K) at the functions (..., 1 + K) of pairs; they
+    broadcast."""
     return np.exp(decode_log(z, rows))
 
 
 def decode_log(z: np.ndarray, rows: np.ndarray) -> np.ndarray:
-    """ln f (...) of codes z (..., K) at the functions (..., 1 + K) of pairs; they broadcast."""
+    """ln f (...) of numbers z (..., K) at the functions (..., 1 + K) of pairs; they broadcast."""
     if rows.ndim == 2 and z.ndim >= 2 and z.shape[-2] == 1:  # all codes at all pairs
         logs = z[..., 0, :] @ rows[:, 1:].T
     else:
         logs = np.einsum("...k,...k->...", z, rows[..., 1:])
     return np.clip(rows[..., 0] + logs, MIN_LOG, MAX_LOG)
-
-
-def scaled(z: np.ndarray, factor: np.ndarray) -> np.ndarray:
-    """The codes (..., K) of `factor` (...) > 0 times the f of codes z (..., K)."""
-    gain = z[..., :1] + np.log(factor)[..., None]
-    return np.concatenate(
-        [gain, np.broadcast_to(z[..., 1:], (*gain.shape[:-1], z.shape[-1] - 1))], -1
-    )

@@ -10,13 +10,18 @@ is minimised by reweighted least squares (Lawson 1961): each round solves a quad
 logarithm whose weights make it equal to the error at the last code. A weight so grows where the
 exponential would explode. The best code of all rounds is kept. Where a material has little light,
 the covariance of the training codes decides.
+
+With two widths, the stretch is estimated from the values first (`log_stretch`).
 """
+
+import functools
 
 import numpy as np
 
+from urushi.core.probe_pairs import probe_pairs
+from urushi.core.stretched import rounded
 from urushi.core.table import MAX_LOG
 from urushi.nets.basis import EMPTY_GAIN, Basis
-from urushi.nets.stretched_basis import StretchedBasis
 
 #: Weight of the measure beside the light, in the first round and in the others.
 FIRST_FLOOR, FLOOR = 0.05, 0.02
@@ -40,31 +45,64 @@ LEAST_REST = 1e-9
 #: Codes that are solved at once.
 BLOCK = 256
 
+#: Share of the probe pairs that tell the stretch: pairs whose half vectors have slopes of all
+#: sizes. `probe_pairs` begins with them.
+SLOPED = 2 / 3
 
-def solve_codes(basis: Basis, rest: np.ndarray) -> np.ndarray:
-    """Codes float32 (S, K) of materials whose rests have the values (S, N) [1/sr] at the probe
-    pairs."""
-    return _solved_at(basis.probe_rows, basis, rest)
+#: Widths of round lobes, whose stretch is one; the last is a Lambertian.
+ROUND = 0.02, 0.04, 0.08, 0.15, 0.3, 0.6, 1.2, 1e3
+
+#: Least slope.
+LEAST_SLOPE = 1e-4
 
 
-def solve_stretched(basis: StretchedBasis, rest: np.ndarray, stretch: np.ndarray) -> np.ndarray:
-    """`solve_codes` (S, K + 1) of two widths for known ln s (S,), the last numbers of the codes."""
-    codes = np.empty((len(rest), basis.size + 1), np.float32)
-    codes[:, -1] = stretch
-    for own in np.unique(codes[:, -1]):
-        rows = codes[:, -1] == own
-        codes[rows, :-1] = _solved_at(basis.probe_rows(own), basis, rest[rows])
+def solve_codes(basis: Basis, rest: np.ndarray, stretch: np.ndarray | None = None) -> np.ndarray:
+    """Codes float32 (S, K), of two widths (S, K + 1), of rests (S, N) [1/sr] at the probe pairs.
+
+    stretch: (S,) known ln s of two widths; None: it is estimated.
+    """
+    codes = np.zeros((len(rest), basis.size + basis.widths - 1), np.float32)
+    if basis.widths == 2:
+        codes[:, -1] = log_stretch(rest, basis.measure) if stretch is None else stretch
+    for every, _, own in basis.groups(codes):
+        functions = basis.probe_rows(own)
+        for start in range(0, len(every), BLOCK):
+            rows = every[start : start + BLOCK]
+            found = fitted(functions, basis.measure, basis.prior, rest[rows])
+            codes[rows, : basis.size] = found
     return codes
 
 
-def _solved_at(
-    functions: np.ndarray, basis: Basis | StretchedBasis, rest: np.ndarray
-) -> np.ndarray:
-    codes = np.empty((len(rest), basis.size), np.float32)
-    for start in range(0, len(rest), BLOCK):
-        rows = slice(start, start + BLOCK)
-        codes[rows] = fitted(functions, basis.measure, basis.prior, rest[rows])
-    return codes
+def log_stretch(rest: np.ndarray, measure: np.ndarray) -> np.ndarray:
+    """ln s (S,) of rests with values (S, N) [1/sr] at the probe pairs of this measure (N,).
+
+    For a lobe of the widths a_u, a_v, the slopes t of half vectors have the mean
+    ln(t_v / t_u) = ln(a_v / a_u) in any measure that is a function of f. It is the mean of f^2, to
+    which diffuse light hardly contributes.
+    """
+    shares, contrast = slopes_of(len(measure), measure.astype(np.float32).tobytes())
+    f2 = np.square(rest[:, : len(shares)], dtype=np.float64)
+    mean = (f2 @ (shares * contrast)) / np.maximum(f2 @ shares, 1e-30)
+    return rounded(0.5 * mean).astype(np.float32)
+
+
+@functools.lru_cache(maxsize=4)
+def slopes_of(count: int, measure: bytes) -> tuple[np.ndarray, np.ndarray]:
+    """Shares (M,) of the first probe pairs, and ln(t_v / t_u) (M,) of their half vectors.
+
+    measure: float32 (count,) of all of them. It is changed as little as possible so that round
+    lobes (`ROUND`) have a mean of zero.
+    """
+    wi, wo = (w[: round(count * SLOPED)].astype(np.float64) for w in probe_pairs(count, 2))
+    shares = np.frombuffer(measure, np.float32)[: len(wi)].astype(np.float64)
+    half = np.abs(wi + wo)
+    x, y = (half[:, k] / half[:, 2] + LEAST_SLOPE for k in (0, 1))
+    contrast, difference = np.log(y / x), 2 - np.linalg.norm(wi + wo, axis=1)
+    lobes = [(1 + (x * x + y * y) / a**2) ** -4 * difference**k for a in ROUND for k in (0, 1, 2)]
+    means = np.stack(lobes) * shares
+    means /= np.linalg.norm(means, axis=1, keepdims=True)
+    change = np.linalg.lstsq(means * contrast, -means @ contrast, rcond=1e-3)[0]
+    return shares * np.maximum(1 + change, 0), contrast
 
 
 def fitted(
@@ -102,7 +140,7 @@ def _light(rest: np.ndarray, measure: np.ndarray) -> np.ndarray:
     return np.maximum(rest @ measure, 1e-12)[:, None]
 
 
-def form_about(rows: np.ndarray, basis: Basis | StretchedBasis, codes: np.ndarray) -> np.ndarray:
+def form_about(rows: np.ndarray, basis: Basis, codes: np.ndarray) -> np.ndarray:
     """Matrices (S, K, K) of the least squares whose solutions are codes (S, K).
 
     rows: (N, 1 + K) the functions at the probe pairs.

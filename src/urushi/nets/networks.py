@@ -7,18 +7,16 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from urushi.checks import CoatParameters
-from urushi.core.stretched import features_of
 from urushi.core.table import SHAPE
 from urushi.errors import ParameterError
 from urushi.nets import basis, layerer, proposal
 from urushi.nets import lobe as lobes
-from urushi.nets.basis import Basis
-from urushi.nets.code_fit import solve_codes, solve_stretched
+from urushi.nets.basis import Basis, Functions
+from urushi.nets.code_fit import log_stretch, solve_codes
 from urushi.nets.features import COAT_FEATURES
 from urushi.nets.lobe import LOBE_FEATURES, NUMBERS
 from urushi.nets.lobe_fit import fit_lobes
 from urushi.nets.mlp import POLYNOMIALS, Params, shapes_of
-from urushi.nets.stretched_basis import StretchedBasis, log_stretch
 
 
 @dataclass(frozen=True)
@@ -73,7 +71,7 @@ class Architecture:
 
     @property
     def factors(self) -> np.ndarray:
-        """The factor (1 + K,) of mean and functions, see `StretchedBasis`."""
+        """The factor (1 + K,) of mean and functions, see `Basis`."""
         counts = [1 + self.functions - sum(self.azimuthal), *self.azimuthal]
         return np.repeat(np.arange(len(counts)), counts)
 
@@ -112,36 +110,20 @@ class Networks(NamedTuple):
 
     params: Params
     arch: Architecture
-    basis: Basis | StretchedBasis
+    basis: Basis
 
     @classmethod
     def of(cls, params: Params, arch: Architecture) -> "Networks":
         """From checked parameters."""
-        rows, *parts = (
+        rows, measure, prior = (
             np.asarray(params[f"basis.{name}"]) for name in ("rows", "measure", "prior")
         )
-        if arch.widths == 2:
-            return cls(params, arch, StretchedBasis(rows, arch.factors, *parts))
-        return cls(params, arch, Basis.of(rows, *parts))
+        basis = Basis(rows, arch.factors, measure, prior.astype(np.float64), arch.widths)
+        return cls(params, arch, basis)
 
     def pairs(self) -> tuple[np.ndarray, np.ndarray]:
         """The probe pairs wi, wo: float32 (P, 3)."""
         return self.basis.pairs()
-
-    def features(self, wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
-        """What `rest` needs of pairs (..., 3) above the horizon, (..., D).
-
-        The functions for one width, the `core.stretched.features_of` for two.
-        """
-        if isinstance(self.basis, StretchedBasis):
-            return features_of(*np.broadcast_arrays(wi, wo))
-        return self.basis.at(wi, wo)
-
-    def functions(self, z: np.ndarray, features: np.ndarray) -> np.ndarray:
-        """The functions (P, 1 + K) of a code z (L,), from `features` (P, D)."""
-        if isinstance(self.basis, StretchedBasis):
-            return self.basis.at(features, z[-1])
-        return features
 
     def encode(self, f: Any, lobe: Any = None) -> Any:
         """Codes (..., L) of values f (..., P) [1/sr] at the probe pairs.
@@ -152,16 +134,12 @@ class Networks(NamedTuple):
         """
         lobe = fit_lobes(f, self.arch.widths) if lobe is None else lobe
         lobe = np.broadcast_to(lobe, (*f.shape[:-1], self.arch.lobe))
-        top = lobes.f(lobe[..., None, :], *self.pairs())
-        rest, count = np.maximum(f - top, 0), f.shape[-1]
-        flat = rest.reshape(-1, count)
-        if isinstance(self.basis, StretchedBasis):
+        rest, stretch = np.maximum(f - lobes.f(lobe[..., None, :], *self.pairs()), 0), None
+        if self.arch.widths == 2:
             mean = rest.mean(axis=-2, keepdims=True) if rest.ndim > 1 else rest
-            stretch = log_stretch(mean.reshape(-1, count), self.basis.measure)
+            stretch = log_stretch(mean.reshape(-1, f.shape[-1]), self.basis.measure)
             stretch = np.broadcast_to(stretch.reshape(mean.shape[:-1]), rest.shape[:-1]).ravel()
-            codes = solve_stretched(self.basis, flat, stretch)
-        else:
-            codes = solve_codes(self.basis, flat)
+        codes = solve_codes(self.basis, rest.reshape(-1, f.shape[-1]), stretch)
         codes = codes.reshape(*f.shape[:-1], self.arch.rest)
         return np.concatenate([lobe, codes], axis=-1, dtype=np.float32)
 
@@ -174,60 +152,41 @@ class Networks(NamedTuple):
 
         z (..., L) and the unit vectors wi, wo (..., 3) above the horizon broadcast.
         """
-        return self.top(z, wi, wo) + self.rest(z, self.features(wi, wo))
+        return self.top(z, wi, wo) + self._rest(z[..., self.arch.lobe :], wi, wo)
 
     def top(self, z: Any, wi: Any, wo: Any) -> Any:
         """The part of f (...) [1/sr] that the codes' lobes reflect."""
         return lobes.f(z[..., : self.arch.lobe], wi, wo)
 
-    def rest(self, z: Any, features: Any) -> Any:
-        """The rest of f (...) [1/sr], from `features`."""
-        rest = z[..., self.arch.lobe :]
-        if isinstance(self.basis, Basis):
-            return basis.decode(rest, features)
-        numbers, stretch = rest[..., :-1], rest[..., -1]
+    def _rest(self, rest: np.ndarray, wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
+        """The rest of f (...) [1/sr]."""
+        numbers, stretch = self.basis.split(rest)
         if (stretch == stretch.flat[0]).all():
-            rows = self.basis.at(features.reshape(-1, features.shape[-1]), stretch.flat[0])
-            return basis.decode(numbers, rows.reshape(*features.shape[:-1], -1))
-        shape = np.broadcast_shapes(stretch.shape, features.shape[:-1])
+            return basis.decode(numbers, self.basis.at(wi, wo, stretch.flat[0]))
+        shape = np.broadcast_shapes(stretch.shape, wi.shape[:-1], wo.shape[:-1])
         stretch, result = np.broadcast_to(stretch, shape), np.empty(shape, np.float32)
-        numbers, features = (np.broadcast_to(x, (*shape, x.shape[-1])) for x in (numbers, features))
+        numbers, wi, wo = (np.broadcast_to(x, (*shape, x.shape[-1])) for x in (numbers, wi, wo))
         for own in np.unique(stretch):
             at = stretch == own
-            result[at] = basis.decode(numbers[at], self.basis.at(features[at], own))
+            result[at] = basis.decode(numbers[at], self.basis.at(wi[at], wo[at], own))
         return result
 
-    def rest_at_all(self, z: np.ndarray, features: np.ndarray) -> np.ndarray:
-        """`rest` (S, P) of all codes z (S, L) at all of the same pairs' features (P, D)."""
-        if isinstance(self.basis, Basis):
-            return basis.decode(z[:, None, self.arch.lobe :], features)
-        result = np.empty((len(z), len(features)), np.float32)
-        for own in np.unique(z[:, -1]):
-            at = z[:, -1] == own
-            numbers = z[at, None, self.arch.lobe : -1]
-            result[at] = basis.decode(numbers, self.basis.at(features, own))
+    def rest_at_all(self, z: np.ndarray, functions: Functions) -> np.ndarray:
+        """The rests of f (S, P) [1/sr] of all codes z (S, L) at the functions of the same pairs."""
+        _, stretch = self.basis.split(z)
+        result = np.empty((len(z), len(functions(float(stretch[0])))), np.float32)
+        for rows, numbers, own in self.basis.groups(z[:, self.arch.lobe :]):
+            result[rows] = basis.decode(numbers[:, None], functions(own))
         return result
 
     def table(self, z: np.ndarray) -> np.ndarray | None:
-        """ln f of the rests of codes (C, L): float32 (*`SHAPE`, C); None without rests.
-
-        With two widths, it has one more axis of `1 + core.stretched.FACTORS` terms.
-        """
-        if (self.gains(z) <= basis.EMPTY_GAIN).all():
-            return None
-        if isinstance(self.basis, StretchedBasis):
-            return self.basis.contracted(z[:, self.arch.lobe :])
-        logs = basis.decode_log(z[:, None, self.arch.lobe :], self.basis.rows)
-        return logs.T.reshape(*SHAPE, len(z))
+        """`Basis.table` of the rests of codes (C, L); None without rests."""
+        empty = (self.gains(z) <= basis.EMPTY_GAIN).all()
+        return None if empty else self.basis.table(z[:, self.arch.lobe :])
 
     def gains(self, z: np.ndarray) -> np.ndarray:
         """The logarithmic gains (...) of the rests of codes z (..., L), a view."""
         return z[..., self.arch.lobe]
-
-    def rest_scaled(self, z: Any, factor: Any) -> Any:
-        """Codes (..., L) with `factor` (...) > 0 times the rest, and the same lobe."""
-        lobe = self.arch.lobe
-        return np.concatenate([z[..., :lobe], basis.scaled(z[..., lobe:], factor)], axis=-1)
 
     def empty_rest(self) -> np.ndarray:
         """The numbers (K,) of a rest that is zero; of two widths (K + 1,)."""

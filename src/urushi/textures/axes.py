@@ -18,7 +18,6 @@ from urushi.core.namespace import Namespace
 from urushi.material.energy import MARGIN, limit_albedo
 from urushi.material.values import codes_of
 from urushi.nets import lobe as lobes
-from urushi.nets.basis import Basis
 from urushi.nets.weights import Model
 from urushi.parallel import fill_blocks
 
@@ -247,8 +246,7 @@ def node_counts(
     rests_at: (k, C, K) at coordinates (k, d).
     """
     basis = model.networks.basis
-    rows = basis.probe_rows if isinstance(basis, Basis) else basis.probe_rows(0.0)
-    functions = rows[:, 1:] * np.sqrt(basis.measure / basis.measure.sum())[:, None]
+    functions = basis.probe_rows(0.0)[:, 1:] * np.sqrt(basis.measure / basis.measure.sum())[:, None]
     rng, curvatures = np.random.default_rng(0), []
     for axis in range(dimensions):
         x = np.repeat(rng.random((LINES, 1, dimensions)), STEPS + 1, axis=1)

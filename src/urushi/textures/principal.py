@@ -113,7 +113,7 @@ def principal_texture(model: Model, store: TextureStore) -> PrincipalTexture | N
     The components are scaled to functions of which the largest value is one.
     """
     own, lobe, texels = model.networks.basis, model.arch.lobe, len(store.packed.bytes)
-    if not isinstance(own, Basis) or not texels:
+    if own.widths == 2 or not texels:
         return None  # codes of two widths stretch the directions
     some = store.read(slice(None, None, -(-texels // SAMPLE))).reshape(-1, store.layout.size)
     whole = _projection(own, _blocks(store), some, lobe)
@@ -135,7 +135,6 @@ def projection_of(
     tops: lobes (N, M). rests: (C, N, K).
     """
     own, lobe = model.networks.basis, model.arch.lobe
-    assert isinstance(own, Basis)  # for the type checker
     codes = np.concatenate([np.broadcast_to(tops, (*rests.shape[:2], lobe)), rests], axis=-1)
     codes = codes.reshape(-1, 1, codes.shape[-1])
     some = codes[:: -(-len(codes) // SAMPLE), 0]
@@ -178,8 +177,8 @@ def _projection(
 
     some: codes (S, size).
     """
-    rows = own.probe_rows.astype(np.float64)
-    rest = basis.decode(some[:, None, lobe:], own.probe_rows).astype(np.float64)
+    rows = own.probe_rows(0.0).astype(np.float64)
+    rest = basis.decode(some[:, None, lobe:], own.probe_rows(0.0)).astype(np.float64)
     light = (rest + lobes.f(some[:, None, :lobe], *own.pairs())) @ own.measure
     share = (rest / np.maximum(light, 1e-12)[:, None]).mean(axis=0)
     weights = own.measure * (share + FLOOR)
@@ -207,9 +206,9 @@ def _left(rests: np.ndarray, whole: Projection) -> np.ndarray:
 
 def _errors(own: Basis, lobe: np.ndarray, rests: np.ndarray, projection: Projection) -> np.ndarray:
     """Errors E (n,) of f at the probe pairs by a projection; codes: lobes (n, N), rests (n, K)."""
-    f = basis.decode(rests[:, None], own.probe_rows)
+    f = basis.decode(rests[:, None], own.probe_rows(0.0))
     projected = projection.rests(projection.numbers(rests))
-    found = basis.decode(projected[:, None], own.probe_rows)
+    found = basis.decode(projected[:, None], own.probe_rows(0.0))
     light = f + lobes.f(lobe[:, None], *own.pairs())
     return (np.abs(found - f) @ own.measure) / np.maximum(light @ own.measure, 1e-12)
 

@@ -5,7 +5,7 @@ The logarithm of the rest of material n at node p and azimuth t is modelled as
     ln f_npt = sum_k A_npt,a(k) U_pk c_nk,
 
 as in `urushi.nets.basis`, with a mean of zero so that a Lambertian is exact. One width has one
-azimuth and the factor A = 1; for two widths see `nets.stretched_basis`. The first functions are
+azimuth and the factor A = 1; for two widths see `core.stretched`. The first functions are
 given: the constant one, or those of one width. Weighted least squares alternate between the codes c
 and, node by node, the other functions U. The weights are first the share of a node in the light of
 a material, then those by which squares of logarithms equal the error E of a material, as in
@@ -39,8 +39,7 @@ from urushi.core.table import (
 )
 from urushi.nets import code_fit
 from urushi.nets import lobe as lobes
-from urushi.nets.basis import Basis, on_grid
-from urushi.nets.stretched_basis import StretchedBasis, log_stretch
+from urushi.nets.basis import on_grid
 from urushi.train.stretched_tables import NODES, nodes_of
 
 #: Rounds of the alternation by light, and by the error.
@@ -269,13 +268,6 @@ def errors(rows: np.ndarray, factors: np.ndarray, tables: Tables, codes: np.ndar
         return (np.abs(f - np.exp(own.logs)) * own.measure / own.light()).sum(axis=(1, 2))
 
     return _in_blocks(of, len(codes))
-
-
-def codes_at_probes(basis: Basis | StretchedBasis, rest: np.ndarray) -> np.ndarray:
-    """Codes float32 (N, K), of two widths (N, K + 1), of rests (N, P) at the probe pairs."""
-    if isinstance(basis, Basis):
-        return code_fit.solve_codes(basis, rest)
-    return code_fit.solve_stretched(basis, rest, log_stretch(rest, basis.measure))
 
 
 def at_nodes_of(tables: Tables, rows: np.ndarray) -> np.ndarray:

@@ -11,7 +11,7 @@ derivative of ln f. The loss is sqrt(e^2 + q) - e, about
 the error E of the result: stacks that are hard to predict count linearly.
 """
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import jax
@@ -26,9 +26,7 @@ from urushi.nets.basis import Basis, decode_log
 from urushi.nets.lobe import LOBE_FEATURES
 from urushi.nets.mlp import Params
 from urushi.nets.networks import Architecture
-from urushi.nets.stretched_basis import StretchedBasis
 from urushi.nets.weights import Model
-from urushi.train.basis_fit import codes_at_probes
 from urushi.train.batches import shuffled
 
 #: Error below which the loss is quadratic.
@@ -54,50 +52,35 @@ class Layerings(NamedTuple):
         return Layerings(*(x[rows] for x in self))
 
 
-def examples(
-    basis: Basis | StretchedBasis, bottom: np.ndarray, coats: np.ndarray, coated: np.ndarray
-) -> Layerings:
+def examples(basis: Basis, bottom: np.ndarray, coats: np.ndarray, coated: np.ndarray) -> Layerings:
     """Examples of bottoms with codes (M, L) under coats (M, C, 5), of two widths (M, C, 6).
 
     coated: (M, C, P) ln f of the rests of the coated materials at the probe pairs.
     """
     flat = coats.reshape(-1, coats.shape[-1]).astype(np.float32)
     top = lobes.of_coat(*CoatParameters.of_columns(flat.T)[:2])
-    code = codes_at_probes(basis, np.exp(coated.reshape(len(flat), -1)))
+    code = code_fit.solve_codes(basis, np.exp(coated.reshape(len(flat), -1)))
     root = np.empty((*code.shape, code.shape[1]), np.float32)
-    for rows, functions in _functions_of(basis, code):
-        f = np.exp(decode_log(code[rows, None, : basis.size], functions[0]))
-        light = (f + lobes.f(top[rows, None], *basis.pairs())) @ basis.measure
-        weights = basis.measure * (f / light[:, None] + FLOOR)
-        form = code_fit.weighted_products(functions[0][:, 1:], weights)
-        if len(functions) > 1:  # one more function, the derivative by ln s
-            slope = (code[rows, : basis.size] @ functions[1][:, 1:].T)[..., None]
-            mixed = np.swapaxes(slope * weights[..., None], 1, 2) @ functions[0][:, 1:]
-            corner = (slope * slope * weights[..., None]).sum(axis=1, keepdims=True)
-            form = np.block([[form, np.swapaxes(mixed, 1, 2)], [mixed, corner]])
-        form += 1e-9 * np.eye(code.shape[1])
-        root[rows] = np.swapaxes(np.linalg.cholesky(form), 1, 2)
+    for every, _, stretch in basis.groups(code):
+        functions, slopes = basis.probe_rows(stretch), None
+        if basis.widths == 2:  # derivatives by ln s
+            high, low = (basis.probe_rows(stretch + step) for step in (STEP, -STEP))
+            slopes = (high - low) / (2 * STEP)
+        for first in range(0, len(every), BLOCK):
+            rows = every[first : first + BLOCK]
+            numbers, _ = basis.split(code[rows])
+            f = np.exp(decode_log(numbers[:, None], functions))
+            light = (f + lobes.f(top[rows, None], *basis.pairs())) @ basis.measure
+            weights = basis.measure * (f / light[:, None] + FLOOR)
+            form = code_fit.weighted_products(functions[:, 1:], weights)
+            if slopes is not None:  # one more function
+                slope = (numbers @ slopes[:, 1:].T)[..., None]
+                mixed = np.swapaxes(slope * weights[..., None], 1, 2) @ functions[:, 1:]
+                corner = (slope * slope * weights[..., None]).sum(axis=1, keepdims=True)
+                form = np.block([[form, np.swapaxes(mixed, 1, 2)], [mixed, corner]])
+            form += 1e-9 * np.eye(code.shape[1])
+            root[rows] = np.swapaxes(np.linalg.cholesky(form), 1, 2)
     return Layerings(np.repeat(bottom, coats.shape[1], axis=0), flat, code, root)
-
-
-def _functions_of(
-    basis: Basis | StretchedBasis, codes: np.ndarray
-) -> Iterator[tuple[np.ndarray, list[np.ndarray]]]:
-    """Rows of some codes, and their functions (N, 1 + K) at the probe pairs.
-
-    Of two widths, they have the same stretch, and the derivatives by ln s follow.
-    """
-    if isinstance(basis, Basis):
-        groups = [(np.arange(len(codes)), [basis.probe_rows])]
-    else:
-        groups = []
-        for own in np.unique(codes[:, -1]):
-            high, low = (basis.probe_rows(own + step) for step in (STEP, -STEP))
-            functions = [basis.probe_rows(own), (high - low) / (2 * STEP)]
-            groups.append((np.flatnonzero(codes[:, -1] == own), functions))
-    for rows, functions in groups:
-        for first in range(0, len(rows), BLOCK):
-            yield rows[first : first + BLOCK], functions
 
 
 def mirrored(found: Layerings, factors: np.ndarray) -> Layerings:

@@ -76,9 +76,9 @@ def _problem(networks: Networks, z: np.ndarray) -> Problem:
     wi = np.stack([np.sin(theta) * np.cos(phi), np.sin(theta) * np.sin(phi), np.cos(theta)], -1)
     wo, share = half_vector_rule(wi, anisotropic=widths == 2, azimuths=AZIMUTH_NODES // 4)
     wi, wo = np.broadcast_to(wi[:, None], wo.shape).astype(np.float32), wo.astype(np.float32)
-    features = networks.features(wi, wo)
     lobe, rest = z[:, :size], z[:, size:].astype(np.float64)
-    f_cos = networks.rest_at_all(z, features.reshape(-1, features.shape[-1]))
+    functions = networks.basis.functions_at(wi.reshape(-1, 3), wo.reshape(-1, 3))
+    f_cos = networks.rest_at_all(z, functions)
     f_cos = f_cos.reshape(len(z), *share.shape)
     f_cos += np.stack([lobes.f(own, wi, wo) for own in lobe])
     f_cos *= wo[..., 2]

@@ -14,9 +14,9 @@ import numpy as np
 
 from urushi.checks import CoatParameters
 from urushi.core.directions import turned
-from urushi.core.namespace import NUMPY
+from urushi.core.namespace import NUMPY, Components
 from urushi.core.probe_pairs import ANISOTROPIC_PROBES, pair_measure, probe_pairs
-from urushi.core.stretched import components_of, features_of, stretched
+from urushi.core.stretched import stretched
 from urushi.core.table import (
     HIGHEST,
     LOWEST,
@@ -33,8 +33,8 @@ from urushi.material.reflector import Reflector
 from urushi.material.substrate import Substrate
 from urushi.nets import lobe as lobes
 from urushi.nets import weights
+from urushi.nets.code_fit import log_stretch
 from urushi.nets.lobe_fit import fit_lobes
-from urushi.nets.stretched_basis import log_stretch
 from urushi.train.bottoms import bottom_lobes
 from urushi.train.distribution import (
     LEAST_WIDTH,
@@ -100,7 +100,11 @@ def nodes_of(stretch: float, seed: Sequence[int]) -> Nodes:
     measure = (_tan2(high_u) - np.where(low_u > 0, _tan2(low_u), 0)) * cos_h**3
     measure *= (1 - low_v * low_v) ** 2 - (1 - high_v * high_v) ** 2
     measure *= np.maximum(azimuths[0] - azimuths[1], 1e-9) * sides[0][..., 2] * sides[1][..., 2]
-    around = stretched(*components_of(features_of(*sides).astype(float)), s * s, NUMPY)[1]
+    both, apart = (
+        Components(*np.moveaxis(x.astype(float), -1, 0))
+        for x in (sides[0] + sides[1], sides[0] - sides[1])
+    )
+    around = stretched(both, apart, s * s, NUMPY)[1]
     shares = (measure / measure.sum()).astype(np.float32)
     return Nodes((sides[0], sides[1]), shares, np.stack(around).astype(np.float32))
 

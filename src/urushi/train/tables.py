@@ -31,10 +31,10 @@ from urushi.material.reflector import Reflector
 from urushi.material.substrate import Substrate
 from urushi.nets import lobe as lobes
 from urushi.nets import weights
+from urushi.nets.code_fit import solve_codes
 from urushi.parallel import one_blas_thread
 from urushi.platform import available_cores
 from urushi.train import stretched_tables
-from urushi.train.basis_fit import codes_at_probes
 from urushi.train.bottoms import bottom_lobes, bottom_rest
 from urushi.train.distribution import SHARES, coats_of, draw_coats, draw_stack
 from urushi.walk.bottoms import KINDS
@@ -145,7 +145,7 @@ def generate_coats(store: TableStore, model: weights.Model) -> TableStore:
 def _coats_over(store: TableStore, file: Path, spec: TableSpec, shard: int) -> Arrays:
     names, model = ("lobe", "probes", "stack"), weights.read(file)
     held = files.read_tensors(store.file(shard), "tables", FORMAT_VERSION, names)[1]
-    rest = codes_at_probes(model.networks.basis, np.exp(held["probes"]))
+    rest = solve_codes(model.networks.basis, np.exp(held["probes"]))
     bottom = np.concatenate([held["lobe"], rest], axis=1)
     coats = stretched_tables.coats_over(bottom, model, spec.coats, [spec.seed, shard])
     return {"stack": held["stack"], "bottom": bottom, **coats}

@@ -17,6 +17,7 @@ from urushi.core.probe_pairs import pair_measure
 from urushi.errors import FileError
 from urushi.files import check_name, new_folder
 from urushi.nets import weights
+from urushi.nets.code_fit import solve_codes
 from urushi.nets.mlp import Params
 from urushi.nets.networks import Architecture
 from urushi.platform import available_cores
@@ -125,7 +126,7 @@ def fitted_basis(
     functions, prior = basis_fit.fit_basis(known, given, factors)
     params = {"basis.rows": functions, "basis.measure": measure, "basis.prior": prior}
     basis = untrained(arch, params).networks.basis
-    codes = basis_fit.codes_at_probes(basis, rest)
+    codes = solve_codes(basis, rest)
     others = hidden & (level > 0)
     errors = basis_fit.errors(
         functions, factors, every.taken(np.flatnonzero(others)), codes[others, : arch.functions]
@@ -152,7 +153,7 @@ def layerings(model: weights.Model, store: TableStore) -> tuple[Layerings, np.nd
     else:
         held = store.read(("table", "lobe", *names))
         rest = basis_fit.probed(held, model.arch.probes)
-        codes = basis_fit.codes_at_probes(basis, rest)
+        codes = solve_codes(basis, rest)
         held["bottom"] = np.concatenate([held["lobe"], codes], axis=1)
     found = layering.examples(basis, held["bottom"], held["over"], held["coated"])
     return found, np.repeat(held["stack"], held["over"].shape[1])

@@ -68,7 +68,8 @@ def test_f_that_rises_with_absorption_is_found(tiny, monkeypatch):
     def brighter(coat, bottom):
         codes = np.array(bottom.latents)
         codes[:, tiny.arch.lobe :] = 0
-        return Material(tiny.networks.rest_scaled(codes, 1 + coat.sigma_t), tiny)
+        tiny.networks.gains(codes)[...] += np.log(1 + coat.sigma_t)
+        return Material(codes, tiny)
 
     monkeypatch.setattr(physical_laws, "layer_material", brighter)
     share, rise, albedo = physical_laws.absorption(tiny, stacks=1)

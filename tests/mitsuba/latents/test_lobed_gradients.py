@@ -7,6 +7,7 @@ from tests.untrained import untrained
 
 from urushi.material.material import Material
 from urushi.nets import lobe
+from urushi.nets.basis import decode
 from urushi.nets.weights import Model
 
 #: alpha, normal, grazing, exact, eta, k of three channels.
@@ -36,8 +37,9 @@ def directions(count: int = 400) -> tuple[np.ndarray, np.ndarray]:
 def slopes(model, codes, wi, wo):
     """Derivatives (C, N, size) of f by the codes (C, size), in double precision."""
     top = [lobe.f(codes[:, None, :6] + 1e-20j * step, wi, wo).imag / 1e-20 for step in np.eye(6)]
-    features = model.networks.features(wi, wo)
-    of_rest = model.networks.rest(codes[:, None], features)[..., None] * features[:, 1:]
+    functions = model.networks.basis.at(wi, wo)
+    rest = decode(codes[:, None, model.arch.lobe :], functions)
+    of_rest = rest[..., None] * functions[:, 1:]
     return np.concatenate([np.stack(top, axis=-1), of_rest], axis=-1)
 
 

@@ -24,7 +24,6 @@ from urushi.mitsuba.reading.axes import Varying
 from urushi.mitsuba.recording import only_where, owned
 from urushi.nets import lobe as lobes
 from urushi.nets import proposal
-from urushi.nets.basis import Basis
 from urushi.nets.weights import Model
 from urushi.textures.axes import FAINT, Baked, simplex
 from urushi.textures.principal import projection_of
@@ -66,7 +65,7 @@ class AxisLatents(Held):
         self.channels, size = spectrum.channel_count(), baked.model.arch.lobe
         rests, functions, projection = baked.rests, None, None
         self._changes = baked.slopes() if differentiable else np.zeros((*rests.shape[:2], 0, 0))
-        if isinstance(self.model.networks.basis, Basis):
+        if self.model.widths == 1:
             # Codes that slopes reach are represented, too.
             largest = [np.maximum(np.abs(x).max(), 1e-9) for x in np.moveaxis(self._changes, 2, 0)]
             reached = [rests + self._changes[:, :, k] * (REACH / x) for k, x in enumerate(largest)]
@@ -268,7 +267,7 @@ class AxisLatents(Held):
 def without_faint(model: Model, codes: np.ndarray) -> np.ndarray:
     """Codes (..., L) of rests that have `FAINT` less."""
     rests = model.networks.rest_at_all(
-        codes.reshape(-1, codes.shape[-1]), model.networks.features(*model.networks.pairs())
+        codes.reshape(-1, codes.shape[-1]), model.networks.basis.probe_rows
     )
     lobe = codes[..., : model.arch.lobe]
     rest = np.maximum(rests - FAINT, 0).reshape(*codes.shape[:-1], -1)

@@ -4,8 +4,8 @@ The functions are looked up once for all channels. A table holds the mean and th
 first, which is one, as numbers of 16 bits, two to a word. Such words take a third less time than
 numbers of half precision, and are more exact.
 
-Codes of two widths have a stretch, on which the functions depend (`nets.stretched_basis`). Channels
-of the same stretch share the look-up.
+Codes of two widths have a stretch, on which the functions depend. Channels of the same stretch
+share the look-up.
 """
 
 import weakref
@@ -24,7 +24,6 @@ from urushi.mitsuba.networks import lobe
 from urushi.mitsuba.networks.lobe import LobeKind
 from urushi.mitsuba.recording import owned
 from urushi.nets.networks import Networks
-from urushi.nets.stretched_basis import StretchedBasis
 from urushi.nets.weights import Model
 
 #: The value one of a scaled function; zero is `ONE` + 1.
@@ -120,10 +119,10 @@ def table_of(model: Model) -> BasisTable:
     if table is None:
         networks = model.networks
         assert isinstance(networks, Networks)  # for the type checker
-        basis, factors = networks.basis, list[int]()
-        if isinstance(basis, StretchedBasis):
-            factors = np.delete(basis.factors, 1).tolist()
-        table = BasisTable(np.delete(basis.rows, 1, axis=1), factors)
+        rows, factors = (
+            np.delete(x, 1, axis=-1) for x in (networks.basis.rows, networks.basis.factors)
+        )
+        table = BasisTable(rows, factors.tolist())
         _tables[key] = table
     return table
 
