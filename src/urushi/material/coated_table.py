@@ -24,8 +24,7 @@ from urushi.core.table import (
 from urushi.material import adding, energy
 from urushi.material.coated_values import HALF, NARROW, WIDE, coated_values
 from urushi.material.material import Material
-from urushi.material.reflector import Reflector
-from urushi.material.substrate import Substrate
+from urushi.material.substrate import Substrate, of_material
 from urushi.nets import lobe as lobes
 
 #: Numbers of points in slabs, see `coated_values`.
@@ -47,14 +46,17 @@ class Inside(NamedTuple):
     factor: np.ndarray  # float32 (U, V, W) of f at the nodes; f over it is smooth between them
 
 
-def coated_rest(below: Substrate, coat: CoatParameters, slab: Inside | None = None) -> np.ndarray:
+def coated_rest(
+    bottom: Material | Substrate, coat: CoatParameters, slab: Inside | None = None
+) -> np.ndarray:
     """f float32 (N, C) [1/sr] at the nodes of a coated material without the interface's lobe.
 
     Args:
-        below: the bottom, of C channels or one.
+        bottom: of C channels or one.
         coat: numbers or arrays (C,), with one width.
         slab: of a coat of a slab, which has the media instead.
     """
+    below = bottom if isinstance(bottom, Substrate) else of_material(bottom)
     *columns, channels = np.broadcast_arrays(*coat, np.arange(below.channels))
     parameters, knots = np.stack(columns).astype(np.float64), slab.knots if slab else ()
     interfaces = parameters[:2]
@@ -88,11 +90,10 @@ def coated_table(bottom: Material, coat: CoatParameters, lobe: np.ndarray) -> np
     gains energy.
 
     Args:
-        bottom: a material of C channels or one.
-        coat: as of `coated_rest`.
+        bottom, coat: as of `coated_rest`.
         lobe: (C, N) of the interface. No table has it: near the horizon it changes too fast.
     """
-    rest = coated_rest(Substrate.of(Reflector.of(bottom)), coat)
+    rest = coated_rest(bottom, coat)
     own = lobe.astype(np.float64)
 
     def top(wi: np.ndarray, wo: np.ndarray) -> np.ndarray:

@@ -19,7 +19,6 @@ next to wide lobes, their weights are noisier than the pairs.
 A pair costs 5 us over wide lobes and 20 us over narrow ones.
 """
 
-import functools
 from collections.abc import Sequence
 from typing import Any, NamedTuple
 
@@ -41,7 +40,7 @@ from urushi.material.crossing import (
 )
 from urushi.material.material import Material
 from urushi.material.reflector import Reflector
-from urushi.material.substrate import Substrate
+from urushi.material.substrate import Substrate, of_material
 
 #: Pairs of refracted directions over wide lobes, over narrow ones, and half vectors for each side.
 WIDE, NARROW, HALF = 256, 512, 256
@@ -67,18 +66,12 @@ def coated_f(
         coat: numbers or arrays (..., C) of coats; bottoms of one width have coats of one.
         wi, wo: float32 (N, 3), above the horizon.
     """
-    below = bottom if isinstance(bottom, Substrate) else _of_material(bottom)
+    below = bottom if isinstance(bottom, Substrate) else of_material(bottom)
     widths = pair(coat.alpha)[: below.widths]
     *columns, channels = np.broadcast_arrays(*widths, *coat[1:], np.arange(below.channels))
     flat, count = np.stack([x.ravel() for x in columns]).astype(np.float64), below.widths + 1
     f = coated_values(below, channels.ravel(), flat[:count], flat[count:], wi, wo)
     return f.reshape(len(wi), *channels.shape)
-
-
-@functools.lru_cache(maxsize=4)
-def _of_material(bottom: Material) -> Substrate:
-    """A material as a substrate, which does not depend on its coat."""
-    return Substrate.of(Reflector.of(bottom))
 
 
 def coated_values(

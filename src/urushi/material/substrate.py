@@ -9,6 +9,7 @@ from urushi.checks import Widths
 from urushi.core.probe_pairs import ANISOTROPIC_PROBES, probe_pairs
 from urushi.core.table import HIGHEST, LOWEST, SHAPE, TAN2_OFFSET, node_pairs
 from urushi.material import adding, adding_quadrant
+from urushi.material.material import Material
 from urushi.material.reflector import Reflector
 from urushi.nets import lobe as lobes
 from urushi.nets.lobe_fit import fit_lobes
@@ -84,6 +85,12 @@ class Substrate:
         values, depth = adding.seen_inside(self.modes[channel], back, layers, self.edges)
         at_nodes = adding.at_nodes(values, self.edges, self.reflector.knots)
         return np.log(np.maximum(at_nodes, 1e-30)), depth
+
+
+@functools.lru_cache(maxsize=4)
+def of_material(material: Material) -> Substrate:
+    """A material, without its rotation, as a substrate; it does not depend on the coat."""
+    return Substrate.of(Reflector.of(material))
 
 
 @functools.lru_cache(maxsize=16)

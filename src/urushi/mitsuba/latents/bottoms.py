@@ -14,7 +14,7 @@ import numpy as np
 from urushi.core.table import node_pairs, table_of_values
 from urushi.material.material import Material
 from urushi.material.reflector import Reflector
-from urushi.material.substrate import Substrate
+from urushi.material.substrate import Substrate, of_material
 from urushi.material.values import codes_of, encode_source
 from urushi.mitsuba import spectrum
 from urushi.mitsuba.latents.axes import AxisLatents, without_faint
@@ -221,7 +221,7 @@ class BottomRows:
         """The bottoms of rows (k,) of values, and the place (channels, k) of each among them."""
         count = len(next(iter(values.values())))
         if self._is_constant and not mi.is_spectral:
-            whole = Substrate.of(Reflector.of(self.material()))
+            whole = of_material(self.material())
             places = np.repeat(np.arange(channels)[:, None], count, axis=1)
             return whole, places % whole.channels
         if isinstance(self.nested, AxisLatents):
