@@ -54,7 +54,10 @@ def pairs():
 
 
 def test_symmetries_to_the_bit(model, codes, pairs):
+    """Of lobes and rests."""
     wi, wo = pairs
+    codes = np.array(codes)
+    codes[:, :7] = [(0.1, 0, 0, 1, 1.5, 0, 0.4), (0.3, 0.8, 1, 0, 1.5, 0, 0.05), lobes.no_lobe(2)]
     f = model.networks.f(codes[:, None], wi, wo)
     np.testing.assert_array_equal(f, model.networks.f(codes[:, None], wo, wi))
     for signs in ([1, -1, 1], [-1, 1, 1], [-1, -1, 1]):
