@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from tests import mixtures
 from tests.export import gpu
 from tests.export.test_shaders import TABLE_TOLERANCE, basis_of
 
@@ -14,7 +15,6 @@ from urushi.app.cli import main
 from urushi.errors import ParameterError
 from urushi.export.program import codes_text
 from urushi.nets import weights
-from urushi.nets.proposal import mixture_pdf
 from urushi.nets.weights import Model
 from urushi.textures import gpu as texture_files
 from urushi.textures import packing
@@ -137,8 +137,7 @@ def test_look_up_in_opengl(networks_of, request):
         result = np.frombuffer(outputs.read(), np.float32).reshape(-1, 4)
         expected = networks.f(codes, wi, wo)
         np.testing.assert_allclose(result[:, :3], expected, rtol=TABLE_TOLERANCE)
-        proposal = networks.proposal(codes.mean(axis=1), wi[None])
-        pdf = mixture_pdf(*proposal, wi[None], wo[None])
+        pdf = mixtures.pdf(networks.proposal(codes.mean(axis=1), wi[None]), wi[None], wo[None])
         np.testing.assert_allclose(result[:, 3], pdf, rtol=1e-4)
 
 

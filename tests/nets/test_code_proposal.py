@@ -2,9 +2,11 @@
 
 import numpy as np
 import pytest
+from tests import mixtures
 from tests.untrained import untrained
 
 from urushi.checks import Widths
+from urushi.core import microfacet
 from urushi.core.direction_sets import cosine_pairs
 from urushi.core.namespace import NUMPY
 from urushi.core.quadrature import half_vector_rule
@@ -26,14 +28,14 @@ def test_weights_are_a_mixture_for_any_code(widths):
     z[:, model.arch.lobe] = rng.choice([-100, -3, 0, 30], 200)  # no rest, and unlike materials
     z[:, : model.arch.lobe] = [(0.2, 0.1, 0.4, 0.5, 1.5, 1.0, 0.05)[: model.arch.lobe]] * 200
     wi, _ = cosine_pairs(rng, 200, lowest_cosine=1e-4)
-    weights, alphas = model.networks.proposal(z, wi.astype(np.float32))
+    mixture = model.networks.proposal(z, wi.astype(np.float32))
+    weights = mixtures.weights(mixture)
     assert weights.shape == (200, len(proposal.ALPHAS) + 2)
     np.testing.assert_allclose(weights.sum(axis=-1), 1, atol=1e-6)
     assert (weights >= 0).all()
     assert (weights[:, -1] > proposal.MIN_COSINE_SHARE - 1e-6).all()
-    if isinstance(alphas, Widths):
-        alphas = np.sqrt(alphas.u * alphas.v)
-    np.testing.assert_allclose(alphas[:, 1:], [proposal.ALPHAS] * 200, rtol=1e-5)
+    for alpha, known in zip(mixture.alphas[1:], proposal.ALPHAS, strict=True):
+        np.testing.assert_allclose(np.sqrt(microfacet.product(alpha)), known, rtol=1e-5)
 
 
 def test_the_gain_scales_the_rest_alone():
@@ -44,10 +46,10 @@ def test_the_gain_scales_the_rest_alone():
     z = np.repeat(networks.encode(f[None].astype(np.float32), none[None]), 2, axis=0)
     z[1, len(none)] -= 2
     wi = directions(np.array([0.0, 50.0, 85.0]))
-    weights, _ = networks.proposal(z[:, None], wi)
+    weights = mixtures.weights(networks.proposal(z[:, None], wi))
     np.testing.assert_allclose(weights[0], weights[1], atol=1e-5)
     z[:, : len(none)] = (0.1, 0, 0, 1, 1.5, 0)
-    weights, _ = networks.proposal(z[:, None], wi)
+    weights = mixtures.weights(networks.proposal(z[:, None], wi))
     assert (weights[1, :, 0] > weights[0, :, 0]).all()
 
 
@@ -65,7 +67,7 @@ def test_a_smooth_metal_is_its_own_lobe():
     z = np.zeros((1, model.arch.latent), np.float32)
     z[0, : model.arch.lobe] = (0.05, 1, 1, 0, 1.5, 0)
     z[0, model.arch.lobe :] = model.networks.empty_rest()
-    weights, _ = model.networks.proposal(z, directions(np.array([0.0, 45.0, 80.0])))
+    weights = mixtures.weights(model.networks.proposal(z, directions(np.array([0.0, 45.0, 80.0]))))
     np.testing.assert_allclose(weights[:, 0], 1 - proposal.MIN_COSINE_SHARE, atol=1e-3)
 
 
@@ -88,8 +90,7 @@ def test_the_variance_of_samples_is_small(lobe, rest, most):
     wi = directions(np.arange(0, 86, 5.0))
     wo, share = half_vector_rule(wi)
     f_cos = (lobes.f(lobe, wi[:, None], wo) + rest) * wo[..., 2]
-    weights, alphas = networks.proposal(z, wi)
-    pdf = proposal.mixture_pdf(weights[:, None], alphas, wi[:, None].astype(float), wo)
+    pdf = mixtures.pdf(networks.proposal(z, wi[:, None]), wi[:, None].astype(float), wo)
     second = np.sum(f_cos**2 / pdf * share, axis=-1) / np.sum(f_cos * share, axis=-1) ** 2
     assert np.sqrt(np.mean(second - 1)) < most
 
@@ -109,8 +110,7 @@ def test_a_brushed_rest_is_sampled_by_stretched_lobes(widths):
     wi = np.stack([np.sin(theta) * np.cos(phi), np.sin(theta) * np.sin(phi), np.cos(theta)], -1)
     wo, share = half_vector_rule(wi, anisotropic=True)
     f_cos = f(wi[:, None], wo) * wo[..., 2]
-    weights, alphas = networks.proposal(z, wi.astype(np.float32))
-    alphas = alphas.map(lambda x: x[..., None, :].astype(float))
-    pdf = proposal.mixture_pdf(weights[:, None], alphas, wi[:, None], wo)
+    mixture = networks.proposal(z, wi[:, None].astype(np.float32))
+    pdf = mixtures.pdf(mixture, wi[:, None], wo)
     second = np.sum(f_cos**2 / pdf * share, axis=-1) / np.sum(f_cos * share, axis=-1) ** 2
     assert np.sqrt(np.mean(second - 1)) < 0.5

@@ -10,13 +10,14 @@ import numpy.typing as npt
 from urushi import checks, files
 from urushi.checks import CoatParameters
 from urushi.core.directions import rotated
+from urushi.core.mixture import Mixture
+from urushi.core.namespace import NUMPY, components, stacked_components
 from urushi.core.quadrature import directional_albedos
 from urushi.core.table import MIN_LOG, SHAPE, Knots, interpolated
 from urushi.errors import FileError, ParameterError
 from urushi.export.program import material_text, texture_form
 from urushi.export.rest import own_texture
 from urushi.nets import lobe as lobes
-from urushi.nets.proposal import mixture_pdf, sample_mixture
 from urushi.nets.weights import Model, Weights, find, model_of_file
 from urushi.parallel import fill_blocks
 
@@ -166,7 +167,7 @@ class Material:
         return pdf
 
     def _pdf(self, wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
-        return mixture_pdf(*self._proposal(wi), wi, wo)[:, None]
+        return self._proposal(wi).pdf(components(wi), components(wo), NUMPY)[:, None]
 
     def sample(self, wi: npt.ArrayLike, u: npt.ArrayLike) -> tuple[np.ndarray, np.ndarray]:
         """Draw directions wo with a density approximately proportional to f times wo's cosine.
@@ -192,13 +193,13 @@ class Material:
         above = wi[:, 2] > 0.0
         normal = np.array([0.0, 0.0, 1.0], np.float32)
         raised = np.where(above[:, None], wi, normal)
-        proposal = self._proposal(raised)
-        wo = sample_mixture(*proposal, raised, u)
-        pdf = mixture_pdf(*proposal, raised, wo)
+        proposal, incident = self._proposal(raised), components(raised)
+        drawn = proposal.sample(incident, u[:, 0], u[:, 1:].T, NUMPY)
+        wo, pdf = stacked_components(drawn, np), proposal.pdf(incident, drawn, NUMPY)
         wo, pdf = np.where(above[:, None], wo, normal), np.where(above, pdf, np.float32(0.0))
         return np.concatenate([wo, pdf[:, None]], axis=1)
 
-    def _proposal(self, wi: np.ndarray) -> tuple[Any, Any]:
+    def _proposal(self, wi: np.ndarray) -> Mixture:
         return self.model.networks.proposal(self.latents.mean(axis=0)[None], wi)
 
     def directional_albedo(self, wi: npt.ArrayLike) -> np.ndarray:

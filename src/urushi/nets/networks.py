@@ -7,6 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from urushi.checks import CoatParameters
+from urushi.core.mixture import Mixture
 from urushi.core.table import SHAPE
 from urushi.errors import ParameterError
 from urushi.nets import basis, layerer, proposal
@@ -194,6 +195,6 @@ class Networks(NamedTuple):
         rest[0] = basis.EMPTY_GAIN
         return rest
 
-    def proposal(self, z: Any, wi: Any) -> tuple[Any, Any]:
-        """`proposal.mixture` of codes z (..., L) for wi (..., 3) above the horizon."""
+    def proposal(self, z: Any, wi: Any) -> Mixture:
+        """The proposal of codes z (..., L) for wi (..., 3) above the horizon."""
         return proposal.mixture(self.params, self.arch.widths, z, wi)

@@ -25,16 +25,12 @@ import operator
 from collections.abc import Callable, Sequence
 from typing import Any
 
-import numpy as np
-
 from urushi.checks import Widths
-from urushi.core import microfacet
 from urushi.core.mixture import Mixture
-from urushi.core.namespace import Namespace, arrays, components, stacked_components
+from urushi.core.namespace import Namespace, arrays
 from urushi.core.stretched import LARGEST as LARGEST_STRETCH
 from urushi.core.table import MIN_COSINE
 from urushi.nets import lobe as lobes
-from urushi.nets.features import stacked
 from urushi.nets.mlp import Params, product
 
 #: Least weight of the cosine lobe. It bounds f cos / pdf where the weights are wrong.
@@ -117,14 +113,13 @@ def weights(
     return [*found, 1.0 - functools.reduce(operator.add, found)]
 
 
-def mixture(params: Params, widths: int, z: Any, wi: Any) -> tuple[Any, Any]:
-    """Return the proposal's weights (..., K+1), the last the cosine lobe's, and widths (..., K).
+def mixture(params: Params, widths: int, z: Any, wi: Any) -> Mixture:
+    """The proposal of codes z (..., L) for wi (..., 3) above the horizon, which broadcast.
 
-    z (..., L) and wi (..., 3) broadcast against each other. widths: GGX widths of a surface. The
-    widths of the proposal are `Widths` of two arrays if there are two.
+    widths: GGX widths of a surface.
     """
     size = len(lobes.NUMBERS[widths])
-    lobe = z[..., :size]
+    lobe, xp = z[..., :size], arrays(wi)
     terms = code_terms(params, z[..., size:])
     own = lobes.width(lobe)
     numbers = weights(
@@ -133,13 +128,9 @@ def mixture(params: Params, widths: int, z: Any, wi: Any) -> tuple[Any, Any]:
         own,
         functools.partial(lobes.reflectance, lobe),
         wi[..., 2],
-        arrays(wi),
+        xp,
     )
-    alphas = widths_of(own, z[..., -1], arrays(wi))
-    if isinstance(own, Widths):
-        sides = zip(*((alpha.u, alpha.v) for alpha in alphas), strict=True)
-        return stacked(numbers), Widths(*map(stacked, sides))
-    return stacked(numbers), stacked([own, *map(own.dtype.type, ALPHAS)])
+    return Mixture(numbers, widths_of(own, z[..., -1], xp))
 
 
 def widths_of(own: Any, log_stretch: Any, xp: Namespace) -> list[Any]:
@@ -156,29 +147,3 @@ def widths_of(own: Any, log_stretch: Any, xp: Namespace) -> list[Any]:
 def stretched_widths(stretch: Any) -> list[Widths]:
     """`ALPHAS` stretched by s."""
     return [Widths((1.0 / stretch) * alpha, stretch * alpha) for alpha in ALPHAS]
-
-
-def mixture_pdf(weights: Any, alphas: Any, wi: Any, wo: Any) -> Any:
-    """Return the density (...) of `sample_mixture` at wo [1/sr]; 0 below the horizon.
-
-    weights (..., K+1): positive, of sum 1, the last the cosine lobe's; alphas (..., K): GGX widths,
-    or `Widths` of two such arrays.
-    """
-    return _mixture_of(weights, alphas).pdf(components(wi), components(wo), arrays(wi))
-
-
-def sample_mixture(weights: Any, alphas: Any, wi: Any, u: Any) -> Any:
-    """Return directions wo (..., 3) of density `mixture_pdf` from uniform u (..., 3) in [0, 1).
-
-    u[..., 0] selects the lobe, the other two numbers the direction.
-    """
-    choice, *others = components(u)
-    drawn = _mixture_of(weights, alphas).sample(components(wi), choice, others, arrays(wi))
-    return stacked_components(drawn, wi.__array_namespace__())
-
-
-def _mixture_of(weights: Any, alphas: Any) -> Mixture:
-    """A mixture whose lobes are the last axes of arrays."""
-    u, v = (np.moveaxis(x, -1, 0) for x in microfacet.pair(alphas))
-    own = map(Widths, u, v) if isinstance(alphas, Widths) else u
-    return Mixture(np.moveaxis(weights, -1, 0), list(own))

@@ -3,11 +3,11 @@
 import drjit as dr
 import numpy as np
 import pytest
+from tests import mixtures
 from tests.untrained import untrained
 
 from urushi.core.direction_sets import cosine_pairs
 from urushi.material.material import Material
-from urushi.nets import proposal
 from urushi.nets.weights import Model
 from urushi.textures.store import IDENTITY, TexelGrid, TextureStore
 
@@ -89,6 +89,6 @@ def test_the_proposal_of_a_constant_agrees_with_numpy(rgb, model, codes):
     latents = ConstantLatents(Material(codes[OTHER], model))
     wi, wo, _ = points()
     mean = codes[OTHER].mean(axis=0)
-    expected = proposal.mixture_pdf(*model.networks.proposal(mean, wi), wi, wo)
+    expected = mixtures.pdf(model.networks.proposal(mean, wi), wi, wo)
     # From a table, which is linear between 129 cosines.
     np.testing.assert_allclose(f_and_pdf(rgb, latents)[2], expected, rtol=2e-2)

@@ -1,8 +1,7 @@
 """Mixtures and layers of networks in Dr.Jit agree with NumPy; pairs for other tests."""
 
 import numpy as np
-
-from urushi.nets import proposal as numpy_lobes
+from tests import mixtures
 
 
 def hemisphere(count: int, seed: int) -> np.ndarray:
@@ -36,17 +35,16 @@ def test_density_and_samples_of_a_mixture_agree_with_numpy(rgb):
     alphas = np.exp(rng.uniform(np.log(0.01), 0, (len(wi), 2))).astype(np.float32)
     weights = rng.dirichlet([1, 1, 1], len(wi)).astype(np.float32)
     u = rng.random((len(wi), 3), np.float32)
+    own = mixtures.of_arrays(weights, alphas)
     mixture = Mixture([rgb.Float(x) for x in weights.T], [rgb.Float(x) for x in alphas.T])
     density = mixture.pdf(vector(rgb, wi), vector(rgb, wo)).numpy()
     # |h_xy|^2 of a lobe of width 0.01 loses digits where the directions are nearly opposite
-    np.testing.assert_allclose(density, numpy_lobes.mixture_pdf(weights, alphas, wi, wo), rtol=1e-3)
+    np.testing.assert_allclose(density, mixtures.pdf(own, wi, wo), rtol=1e-3)
     drawn = mixture.sample(
         vector(rgb, wi), rgb.Float(u[:, 0]), rgb.Point2f(*map(rgb.Float, u[:, 1:].T))
     )
     # reflecting about a normal that is nearly perpendicular to wi loses three of seven digits
-    np.testing.assert_allclose(
-        drawn.numpy().T, numpy_lobes.sample_mixture(weights, alphas, wi, u), atol=3e-4
-    )
+    np.testing.assert_allclose(drawn.numpy().T, mixtures.sample(own, wi, u), atol=3e-4)
 
 
 def test_layers_agree_with_numpy(rgb):

@@ -2,11 +2,11 @@
 
 import numpy as np
 import pytest
+from tests import mixtures
 from tests.mitsuba.networks.test_decoder import pairs, vector
 from tests.untrained import untrained
 
 from urushi.checks import Widths
-from urushi.nets import proposal
 from urushi.nets.weights import Model, default_model
 
 
@@ -26,10 +26,10 @@ def code(model) -> np.ndarray:
 def compare(mi, mixture, model, code, atol):
     """A mixture has the weights, widths and density of NumPy's."""
     wi, wo = pairs()
-    weights, alphas = proposal.mixture(model.params, model.widths, code[None], wi)
+    own = model.networks.proposal(code[None], wi)
     found = np.stack([np.broadcast_to(x.numpy(), len(wi)) for x in mixture.weights], -1)
-    np.testing.assert_allclose(found, weights, atol=atol)
-    density = proposal.mixture_pdf(weights, alphas, wi, wo)
+    np.testing.assert_allclose(found, mixtures.weights(own), atol=atol)
+    density = mixtures.pdf(own, wi, wo)
     found = mixture.pdf(vector(mi, wi), vector(mi, wo)).numpy()
     np.testing.assert_allclose(found, density, rtol=10 * atol)
 

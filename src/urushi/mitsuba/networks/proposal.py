@@ -14,6 +14,7 @@ from urushi.core.namespace import DRJIT
 from urushi.mitsuba.networks import mlp
 from urushi.mitsuba.networks.lobe import LobeKind, reflectance
 from urushi.mitsuba.networks.table import interpolated, padded
+from urushi.nets.features import stacked
 from urushi.nets.lobe import WIDTH_PLACES
 from urushi.nets.proposal import ALPHAS, LARGEST_STRETCH, mixture, stretched_widths, weights
 from urushi.nets.weights import Model
@@ -66,7 +67,7 @@ class CodeProposals:
         cosine = ROOTS**2
         wi = np.stack([np.sqrt(1 - cosine**2), 0 * cosine, cosine], axis=-1).astype(np.float32)
         code = latent[None].astype(np.float32)
-        rows, _ = mixture(self._params, self._kind.widths, code, wi)
+        rows = stacked(mixture(self._params, self._kind.widths, code, wi).weights)
         places = [*WIDTH_PLACES[self._kind.widths], -1]  # the last: ln s of two widths
         return [padded(rows), latent[places].astype(np.float32)]
 

@@ -1,10 +1,11 @@
-"""The density of the proposal integrates to one and is that of its samples."""
+"""The density of a mixture integrates to one and is that of its samples."""
 
 import numpy as np
 import pytest
 from scipy import stats
+from tests.mixtures import pdf, sample
 
-from urushi.nets import proposal
+from urushi.core.mixture import Mixture
 
 
 def _incident(cos_i):
@@ -47,7 +48,7 @@ def test_pdf_integrates_to_one():
         span = np.log(np.tan(end)) - np.log(1e-6)
         t = np.log(1e-6) + span * (np.arange(400) + 0.5)[:, None] / 400
         wo, jacobian = _reflect(wi, t, phi)
-        density = proposal.mixture_pdf(weights, alphas, wi, wo)
+        density = pdf(Mixture(weights, alphas), wi, wo)
         total = 2 * np.sum(density * jacobian * span) / 400 * np.pi / 160
         assert abs(total - 1) < 5e-3, (weights, alphas, cos_i)
 
@@ -60,11 +61,11 @@ def test_float32_density_is_the_float64_density():
     for alpha in (0.01, 0.1, 1.0):
         cos_i = rng.uniform(3e-3, 1, 5000)
         wi = np.stack([np.sqrt(1 - cos_i**2), 0 * cos_i, cos_i], axis=-1).astype(np.float32)
-        weights = np.array([0.8, 0.2], np.float32)
-        alphas = np.array([alpha], np.float32)
-        wo = proposal.sample_mixture(weights, alphas, wi, rng.random((5000, 3), np.float32))
-        single = proposal.mixture_pdf(weights, alphas, wi, wo)
-        double = proposal.mixture_pdf(*(x.astype(np.float64) for x in (weights, alphas, wi, wo)))
+        mixture = Mixture(np.array([0.8, 0.2], np.float32), np.array([alpha], np.float32))
+        wo = sample(mixture, wi, rng.random((5000, 3), np.float32))
+        single = pdf(mixture, wi, wo)
+        mixture = Mixture(*(x.astype(np.float64) for x in mixture))
+        double = pdf(mixture, wi.astype(np.float64), wo.astype(np.float64))
         assert single.dtype == np.float32
         np.testing.assert_allclose(single, double, rtol=1e-2)
 
@@ -86,9 +87,9 @@ def test_samples_follow_the_density(weights, alphas, cos_i):
     # expectation by 48 x 48 midpoints; cells below five expected samples are pooled. One seed,
     # seven tests: p below 0.001 in any would happen by chance once in 140 suites.
     rng = np.random.default_rng(31)
-    weights, alphas, wi = np.array(weights), np.array(alphas), _incident(cos_i)
+    mixture, wi = Mixture(weights, alphas), _incident(cos_i)
     count, cells, inner = 100_000, (24, 16), 48
-    wo = proposal.sample_mixture(weights, alphas, np.tile(wi, (count, 1)), rng.random((count, 3)))
+    wo = sample(mixture, np.tile(wi, (count, 1)), rng.random((count, 3)))
     np.testing.assert_allclose(np.linalg.norm(wo, axis=1), 1, atol=1e-9)
     assert (wo[:, 2] >= 0).all()
     h = wi + wo
@@ -102,7 +103,7 @@ def test_samples_follow_the_density(weights, alphas, cos_i):
         for e, n in ((edges_t, cells[0]), (edges_phi, cells[1]))
     )
     wo, jacobian = _reflect(wi, fine_t[:, None], fine_phi[None])
-    density = proposal.mixture_pdf(weights, alphas, wi, wo) * jacobian
+    density = pdf(mixture, wi, wo) * jacobian
     expected = density.reshape(cells[0], inner, cells[1], inner).sum(axis=(1, 3)) * count
     expected *= (fine_t[1] - fine_t[0]) * (fine_phi[1] - fine_phi[0])
 
@@ -114,17 +115,17 @@ def test_samples_follow_the_density(weights, alphas, cos_i):
 
 
 def test_below_the_horizon_is_no_density():
-    weights, alphas = np.array([0.5, 0.5]), np.array([0.3])
+    mixture = Mixture([0.5, 0.5], [0.3])
     up, down = np.array([0.6, 0.0, 0.8]), np.array([0.6, 0.0, -0.8])
     flat = np.array([1.0, 0.0, 0.0])
     for wi, wo in ((up, down), (down, up), (down, down), (up, flat), (flat, up)):
-        assert proposal.mixture_pdf(weights, alphas, wi, wo) == 0
+        assert pdf(mixture, wi, wo) == 0
 
 
 def test_one_lobe_of_a_smooth_surface_reflects_like_a_mirror():
     wi = np.array([[0.6, 0.0, 0.8]])
     u = np.random.default_rng(37).random((2000, 3)) * [0, 1, 1]
-    wo = proposal.sample_mixture(np.array([0.9, 0.1]), np.array([1e-5]), wi, u)
+    wo = sample(Mixture([0.9, 0.1], [1e-5]), wi, u)
     # Half vectors are Cauchy-like in width alpha: nearly all within 30 alpha of the normal.
     assert np.quantile(np.abs(wo - [-0.6, 0.0, 0.8]), 0.95) < 1e-3
 
@@ -132,9 +133,9 @@ def test_one_lobe_of_a_smooth_surface_reflects_like_a_mirror():
 def test_extreme_random_numbers_give_unit_directions():
     ends = np.array([0.0, 0.5, np.nextafter(np.float32(1), np.float32(0))], np.float32)
     u = np.stack(np.meshgrid(ends, ends, ends), axis=-1).reshape(-1, 3)
-    weights, alphas = np.array([0.5, 0.5], np.float32), np.array([0.01], np.float32)
+    mixture = Mixture([0.5, 0.5], [0.01])
     for cos_i in (1.0, 0.5, 1e-4):
         wi = np.tile(_incident(cos_i).astype(np.float32), (len(u), 1))
-        wo = proposal.sample_mixture(weights, alphas, wi, u)
+        wo = sample(mixture, wi, u)
         np.testing.assert_allclose(np.linalg.norm(wo, axis=1), 1, atol=1e-5)
-        assert np.isfinite(proposal.mixture_pdf(weights, alphas, wi, wo)).all()
+        assert np.isfinite(pdf(mixture, wi, wo)).all()
