@@ -402,17 +402,27 @@ def text() -> str:
 
 def shader_text() -> str:
     """The file of shader code."""
-    lobe_numbers = Variable("numbers", COLOUR, len(lobe.NUMBERS[1]))
-    arguments = lobe_numbers, TABLE, WI, WO
-    note = "f [1/sr] of a material by its lobe and the table of its rest."
-    function = Function("f", arguments, COLOUR, note)
+    functions = (line for widths in (1, 2) for line in Glsl("material").function(_f(widths)))
+    return "\n".join([SHADER_HEAD, *functions, ""])
+
+
+def _f(widths: int) -> Function:
+    """f of a material of one GGX width or two by its lobe and the table of its rest."""
+    lobe_numbers = Variable("numbers", COLOUR, len(lobe.NUMBERS[widths]))
+    stretch = () if widths == 1 else floats("stretch")
+    end = "" if widths == 1 else "2"
+    note = f"f [1/sr] of a material of {widths} GGX widths by its lobe and the table of its rest."
+    function = Function(f"f{end}", (lobe_numbers, *stretch, TABLE, WI, WO), COLOUR, note)
     own = [element(argument(lobe_numbers), i) for i in range(lobe_numbers.count)]
     top = lobe_f(function, own, argument(WI), argument(WO))
-    below = rest.rest_f(
-        function, rest.Rest(1), Glsl.form, argument(TABLE), argument(WI), argument(WO)
+    of = (
+        rest.Rest(1)
+        if widths == 1
+        else rest.Rest(1 + stretched.FACTORS, stretch=argument(*stretch))
     )
-    function.returns(top + below)
-    return "\n".join([SHADER_HEAD, *Glsl("material").function(function), ""])
+    directions = argument(WI), argument(WO)
+    function.returns(top + rest.rest_f(function, of, Glsl.form, argument(TABLE), *directions))
+    return function
 
 
 def library_text() -> str:

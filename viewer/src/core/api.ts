@@ -45,16 +45,8 @@ export type Bottom =
 export interface Stack {
   bottom: Bottom;
   coats: readonly Coat[];
-  /** Whether light that the topmost coat's surface loses is given back; false if left out. */
+  /** Whether light that the topmost coat's surface, of one width, loses is given back. */
   energyCompensation?: boolean;
-}
-
-/** The lobe C L(wi) L(wo) / (pi L_mean) of the three channels; see `compensation.ts`. */
-export interface Compensation {
-  /** C / (pi L_mean). */
-  readonly factors: readonly number[];
-  /** (N, 3) L at N cosines. */
-  readonly lost: Float32Array;
 }
 
 /** One material. */
@@ -63,8 +55,6 @@ export interface Material {
   latents: Float32Array;
   /** By which f is evaluated. */
   table: FTable;
-  /** Light that is added, if it is not in the table. */
-  compensation?: Compensation | undefined;
 }
 
 /** Sizes of a table of directions, and the shift of its sequence. */

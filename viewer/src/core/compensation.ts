@@ -4,11 +4,12 @@
  * A surface scatters light once. Light that meets a second facet is lost. L(w) is the share that the
  * topmost surface loses over a white base, of which a part mirrors as the bottom does. The lobe
  * C L(wi) L(wo) / (pi L_mean) gives it back (Kulla and Conty 2017). C is the colour of coat and
- * bottom. See `material.layer` of Python. A surface of two widths has the loss of their mean square.
+ * bottom. See `material.layer` of Python.
  */
 
-import type { Coat, Compensation, Material } from "./api";
+import type { Coat, Material } from "./api";
 import { CHANNELS } from "./channels";
+import type { Evaluation } from "./evaluation";
 import { clampedLog, nodePairs } from "./f_table";
 import { APPEARANCE, coatedColor } from "./formulas";
 import { type Loss, surfaceLoss } from "./interface_loss";
@@ -19,15 +20,15 @@ const COSINES = Float32Array.from({ length: 33 }, (_, k) => Math.max(k / 32, 0.0
 
 const { WI, WO } = APPEARANCE;
 
+interface Lobe {
+  /** C / (pi L_mean) of the channels. */
+  readonly factors: readonly number[];
+  /** (N, 3) L at N cosines. */
+  readonly lost: Float32Array;
+}
+
 /** The lobe of a coat over a material. */
-export function compensationOf(
-  coat: Coat,
-  below: Material,
-  core: {
-    albedo(material: Material, cosines: Float32Array): Float32Array;
-    f(material: Material, wi: Float32Array, wo: Float32Array): Float32Array;
-  },
-): Compensation {
+function lobeOver(coat: Coat, below: Material, core: Pick<Evaluation, "albedo" | "f">): Lobe {
   const reflected = core.albedo(below, Float32Array.of(1));
   const seen = core.f(below, Float32Array.from(WI), Float32Array.from(WO));
   const mean = (values: Float32Array) => (values[0] + values[1] + values[2]) / 3;
@@ -35,9 +36,8 @@ export function compensationOf(
   const mirrored = Math.min(Math.max(1 - diffuse, 0), 1);
   const lost = new Float32Array(CHANNELS * COSINES.length);
   const factors = [0, 1, 2].map((channel) => {
-    const { alpha, alphaV, eta, albedo, sigmaT, g } = coatOfChannel(coat, channel);
-    const width = Math.hypot(alpha, alphaV) / Math.SQRT2;
-    const loss = lossOf(width, eta, mirrored);
+    const { alpha, eta, albedo, sigmaT, g } = coatOfChannel(coat, channel);
+    const loss = lossOf(alpha, eta, mirrored);
     loss.at.forEach((share, k) => {
       lost[CHANNELS * k + channel] = share;
     });
@@ -61,26 +61,22 @@ function lossOf(alpha: number, eta: number, mirrored: number): Loss {
   return found;
 }
 
-/** The material whose table has the lobe too; one of two widths keeps it beside. */
-export function withLobe(material: Material, lobe: Compensation): Material {
+/** A coated material whose table has the lobe of its topmost coat, too. */
+export function compensated(
+  material: Material,
+  coat: Coat,
+  below: Material,
+  core: Pick<Evaluation, "albedo" | "f">,
+): Material {
+  const { factors, lost } = lobeOver(coat, below, core);
   const { table } = material;
-  if (table.stretches) return { ...material, compensation: lobe };
   const { directions: w } = nodePairs();
   const logs = table.logs.map((log, at) => {
-    const z = 6 * Math.floor(at / CHANNELS) + 2;
-    return clampedLog(Math.log(Math.exp(log) + lobeOf(lobe, at % CHANNELS, w[z], w[z + 3])));
+    const [z, channel] = [6 * Math.floor(at / CHANNELS) + 2, at % CHANNELS];
+    const lobe = factors[channel] * lostAt(lost, channel, w[z]) * lostAt(lost, channel, w[z + 3]);
+    return clampedLog(Math.log(Math.exp(log) + lobe));
   });
   return { ...material, table: { logs, besideLobe: table.besideLobe } };
-}
-
-/** The lobe [1/sr] of a channel at two cosines. */
-export function lobeOf(
-  { factors, lost }: Compensation,
-  channel: number,
-  cosI: number,
-  cosO: number,
-): number {
-  return factors[channel]! * lostAt(lost, channel, cosI) * lostAt(lost, channel, cosO);
 }
 
 /** L at a cosine, linear in its root. */

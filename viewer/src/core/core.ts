@@ -3,7 +3,7 @@
 import type { Bottom, Coat, Material, Stack } from "./api";
 import { Basis } from "./basis";
 import { CHANNELS, joined, perChannel, rows } from "./channels";
-import { compensationOf, withLobe } from "./compensation";
+import { compensated } from "./compensation";
 import { EnergyLimit, MOST_ALBEDO } from "./energy";
 import { Evaluation } from "./evaluation";
 import { layered, withinTraining } from "./layerer";
@@ -68,8 +68,8 @@ export class NetworkCore extends Evaluation {
     }
     const material = this.material(latents);
     const [top] = stack.coats;
-    if (!stack.energyCompensation || top === undefined) return material;
-    return withLobe(material, compensationOf(top, this.material(below), this));
+    if (!stack.energyCompensation || top === undefined || this.widths === 2) return material;
+    return compensated(material, top, this.material(below), this);
   }
 
   /** Codes (3, L) scaled down, each as a whole, so that they reflect at most all light. */

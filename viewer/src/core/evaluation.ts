@@ -3,7 +3,6 @@
 import type { Material, TableOptions } from "./api";
 import type { Basis } from "./basis";
 import { CHANNELS, rows } from "./channels";
-import { lobeOf } from "./compensation";
 import { tableValues } from "./f_table";
 import { Pairs, type Widths } from "./features";
 import { QUADRATURE } from "./formulas";
@@ -124,20 +123,15 @@ export class Evaluation {
 
   /** f (count, 3) of the first pairs. */
   private values(material: Material, pairs: Pairs, count: number): Float64Array {
-    const { table, compensation } = material;
+    const { table } = material;
     const codes = rows(material.latents, this.latentSize);
     const result = new Float64Array(CHANNELS * count);
     tableValues(table, pairs, count, result);
-    codes.forEach((code, channel) => {
-      for (let i = 0; i < count; i++) {
-        const place = CHANNELS * i + channel;
-        if (table.besideLobe) result[place] += lobeValue(code, 0, pairs, i);
-        if (compensation) {
-          const [cosI, cosO] = [pairs.directions[6 * i + 2], pairs.directions[6 * i + 5]];
-          result[place] += lobeOf(compensation, channel, cosI, cosO);
-        }
-      }
-    });
+    if (table.besideLobe)
+      codes.forEach((code, channel) => {
+        for (let i = 0; i < count; i++)
+          result[CHANNELS * i + channel] += lobeValue(code, 0, pairs, i);
+      });
     return result;
   }
 

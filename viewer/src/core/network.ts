@@ -1,11 +1,11 @@
 /** Multilayer perceptrons and their activation; see Python's `nets.mlp`. */
 
 import { MLP } from "./formulas";
-import { FileError, type Tensor, type Tensors, tensorOf } from "./safetensors";
+import { FileError, type TensorFile } from "./safetensors";
 
 export class Network {
   /** Weights (inputs, outputs) and bias of each layer. */
-  private readonly layers: (readonly [weight: Tensor, bias: Tensor])[] = [];
+  private readonly layers: (readonly [weight: Float64Array, bias: Float64Array])[] = [];
   private readonly bound: number;
   private readonly q: readonly number[];
 
@@ -13,17 +13,18 @@ export class Network {
    * @param part of the file, which begins the names of its arrays.
    * @throws FileError if they do not fit, or the activation is unknown.
    */
-  constructor(tensors: Tensors, part: string, inputs: number, outputs: number, activation: string) {
+  constructor(file: TensorFile, part: string, inputs: number, outputs: number, activation: string) {
     if (!Object.hasOwn(MLP.POLYNOMIALS, activation))
       throw new FileError(`the networks' activation '${activation}' is unknown here`);
     const [bound, q] = MLP.POLYNOMIALS[activation as keyof typeof MLP.POLYNOMIALS];
     this.bound = bound;
     this.q = [...q, 0, 0];
     let width = inputs;
-    for (let k = 0; tensors.has(`${part}.${k}.weight`); k++) {
-      const next = tensors.get(`${part}.${k}.bias`)?.shape[0] ?? 0;
-      const weight = tensorOf(tensors, `${part}.${k}.weight`, [width, next]);
-      this.layers.push([weight, tensorOf(tensors, `${part}.${k}.bias`, [next])]);
+    for (let k = 0; ; k++) {
+      const [next] = file.shapeOf(`${part}.${k}.bias`);
+      if (next === undefined) break;
+      const weight = file.numbers(`${part}.${k}.weight`, [width, next]);
+      this.layers.push([weight, file.numbers(`${part}.${k}.bias`, [next])]);
       width = next;
     }
     if (this.layers.length < 2 || width !== outputs)
@@ -35,11 +36,10 @@ export class Network {
   /** The outputs of one input. */
   evaluate(x: Float64Array): Float64Array {
     return this.layers.reduce((input, [weight, bias], k) => {
-      const output = bias.values.slice();
+      const output = bias.slice();
       const width = output.length;
       input.forEach((number, i) => {
-        for (let j = 0, at = i * width; j < width; j++, at++)
-          output[j] += number * weight.values[at];
+        for (let j = 0, at = i * width; j < width; j++, at++) output[j] += number * weight[at];
       });
       return k < this.layers.length - 1 ? output.map(this.activate) : output;
     }, x);

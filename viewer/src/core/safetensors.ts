@@ -1,22 +1,7 @@
-/** Reading of safetensors files: named arrays, and Urushi's JSON description of them. */
+/** Safetensors files: named arrays, and Urushi's JSON description of them. */
 
 import { Refusal } from "../refusal";
 import { fromHalf } from "./half";
-
-/** An array of a file, as double precision numbers. */
-export interface Tensor {
-  readonly shape: readonly number[];
-  readonly values: Float64Array;
-}
-
-export type Tensors = ReadonlyMap<string, Tensor>;
-
-/** What a file holds. */
-export interface TensorFile {
-  /** The JSON object that Urushi writes into the metadata; empty in foreign files. */
-  readonly description: Readonly<Record<string, unknown>>;
-  readonly tensors: Tensors;
-}
 
 /** A file that is damaged or of another kind. Its message is one sentence. */
 export class FileError extends Refusal {
@@ -24,101 +9,112 @@ export class FileError extends Refusal {
   override readonly name = "FileError";
 }
 
+export type Fields = Record<string, unknown>;
+
 /** The only metadata key. */
 const METADATA_KEY = "urushi";
 
-const READERS: Readonly<Record<string, { bytes: number; read: Reader }>> = {
-  U8: { bytes: 1, read: (view, at) => view.getUint8(at) },
-  U16: { bytes: 2, read: (view, at) => view.getUint16(at, true) },
-  F16: { bytes: 2, read: (view, at) => fromHalf(view.getUint16(at, true)) },
-  F32: { bytes: 4, read: (view, at) => view.getFloat32(at, true) },
-  F64: { bytes: 8, read: (view, at) => view.getFloat64(at, true) },
+/** Types of numbers: of bytes, and of half, single and double precision. Files are little-endian. */
+const TYPES = {
+  U8: Uint8Array,
+  U16: Uint16Array,
+  F16: Uint16Array, // its bits
+  F32: Float32Array,
+  F64: Float64Array,
 };
 
-type Reader = (view: DataView, at: number) => number;
+type Type = keyof typeof TYPES;
 
-export type Fields = Record<string, unknown>;
+/** A file, whose arrays are read when they are asked for. */
+export class TensorFile {
+  /** The JSON object that Urushi writes into the metadata; empty in foreign files. */
+  readonly description: Fields;
+  private readonly entries: Fields;
+  private readonly data: Uint8Array;
 
-/** What the head of a file says of an array, unchecked. */
-export interface Entry {
-  dtype: string;
-  shape: number[];
-  data_offsets: [number, number];
-}
+  /** @throws FileError if it is truncated or no safetensors file. */
+  constructor(file: Uint8Array) {
+    try {
+      const view = new DataView(file.buffer, file.byteOffset, file.byteLength);
+      const start = 8 + Number(view.getBigUint64(0, true));
+      const head = JSON.parse(new TextDecoder().decode(file.slice(8, start)));
+      const { __metadata__: metadata, ...entries } = head;
+      this.description = Object(JSON.parse(metadata?.[METADATA_KEY] ?? "{}"));
+      this.entries = entries;
+      this.data = file.subarray(start);
+    } catch {
+      throw new FileError(`the file (${file.length} bytes) is no safetensors file, or truncated`);
+    }
+  }
 
-/** What the head says, and where the numbers begin; null: it is no safetensors file. */
-export function headerOf(
-  file: Uint8Array,
-): { description: Fields; tensors: Record<string, Entry | undefined>; start: number } | null {
-  if (file.length < 8) return null;
-  const view = new DataView(file.buffer, file.byteOffset, file.byteLength);
-  const length = Number(view.getBigUint64(0, true));
-  if (length === 0 || 8 + length > file.length) return null;
-  try {
-    const head = JSON.parse(new TextDecoder().decode(file.subarray(8, 8 + length)));
-    const { __metadata__: metadata, ...tensors } = head;
-    const description = Object(JSON.parse(metadata?.[METADATA_KEY] ?? "{}")) as Fields;
-    return { description, tensors, start: 8 + length };
-  } catch {
-    return null;
+  /** The shape of an array; empty if there is none. */
+  shapeOf(name: string): readonly number[] {
+    const { shape } = Object(this.entries[name]) as Fields;
+    return isCounts(shape) ? shape : [];
+  }
+
+  /**
+   * The bytes of an array of a type and a shape.
+   *
+   * @throws FileError if it is missing, of another type or shape, or not in the file as a whole.
+   */
+  bytes(name: string, type: Type, shape: readonly number[]): Uint8Array<ArrayBuffer> {
+    const own = this.shapeOf(name);
+    const { dtype, data_offsets: offsets } = Object(this.entries[name]) as Fields;
+    if (own.join() !== shape.join() || dtype !== type) {
+      const found = dtype ? `has the shape (${own.join(", ")}) and type ${dtype}` : "is missing";
+      const wanted = `(${shape.join(", ")}) and ${type}`;
+      throw new FileError(`the array '${name}' ${found}; this page needs ${wanted}`);
+    }
+    const [first = 0, end = -1] = isCounts(offsets) ? offsets : [];
+    const size = shape.reduce((product, x) => product * x, TYPES[type].BYTES_PER_ELEMENT);
+    if (end !== first + size || end > this.data.length)
+      throw new FileError(`the array '${name}' does not fit the file; copy or create it again`);
+    return this.data.slice(first, end) as Uint8Array<ArrayBuffer>;
+  }
+
+  /** The numbers of an array of a shape and any type, all finite. @throws FileError */
+  numbers(name: string, shape: readonly number[]): Float64Array {
+    const { dtype } = Object(this.entries[name]) as { dtype?: string };
+    const type = dtype && dtype in TYPES ? (dtype as Type) : "F32";
+    const raw = new TYPES[type](this.bytes(name, type, shape).buffer);
+    const values = type === "F16" ? Float64Array.from(raw, fromHalf) : Float64Array.from(raw);
+    if (!values.every(Number.isFinite))
+      throw new FileError(`the array '${name}' holds a number that is not finite`);
+    return values;
   }
 }
 
-/**
- * Read a file of arrays of one or two bytes, or of half, single or double precision.
- *
- * @throws FileError if it is truncated, no safetensors file, or has arrays of other types.
- */
-export function readTensors(file: ArrayBuffer): TensorFile {
-  const header = headerOf(new Uint8Array(file));
-  if (header === null)
-    throw new FileError(`the file (${file.byteLength} bytes) is no safetensors file, or truncated`);
-  const { description, tensors, start } = header;
-  const data = new DataView(file, start);
-  const arrays = Object.entries(tensors).map(
-    ([name, entry]) => [name, readTensor(data, name, entry)] as const,
-  );
-  return { description, tensors: new Map(arrays) };
+/** An array to be written. */
+export interface Tensor {
+  dtype: Type;
+  shape: readonly number[];
+  bytes: Uint8Array;
 }
 
-function readTensor(data: DataView, name: string, entry: unknown): Tensor {
-  const { dtype, shape, data_offsets: offsets } = isRecord(entry) ? entry : {};
-  const reader = typeof dtype === "string" ? READERS[dtype] : undefined;
-  if (!reader) {
-    throw new FileError(
-      `the array '${name}' is of type ${String(dtype)}; give U8, U16, F16, F32 or F64`,
-    );
-  }
-  if (!isCounts(shape) || !isCounts(offsets)) {
-    throw new FileError(`the array '${name}' has no valid shape and place in the file`);
-  }
-  const count = shape.reduce((product, size) => product * size, 1);
-  const [first, end] = offsets;
-  if (first === undefined || end !== first + count * reader.bytes || end > data.byteLength) {
-    throw new FileError(`the array '${name}' does not fit the file; copy or create it again`);
-  }
-  const values = new Float64Array(count);
-  for (let i = 0; i < count; i++) {
-    values[i] = reader.read(data, first + i * reader.bytes);
-  }
-  return { shape, values };
-}
-
-/** An array of a file of a shape, whose numbers are finite. */
-export function tensorOf(tensors: Tensors, name: string, shape: readonly number[]): Tensor {
-  const tensor = tensors.get(name);
-  if (!tensor || tensor.shape.join() !== shape.join()) {
-    const found = tensor ? `has the shape (${tensor.shape.join(", ")})` : "is missing";
-    throw new FileError(`the parameter '${name}' ${found}; this page needs (${shape.join(", ")})`);
-  }
-  if (!tensor.values.every(Number.isFinite))
-    throw new FileError(`the parameter '${name}' holds a number that is not finite`);
-  return tensor;
-}
-
-/** Whether a value is a JSON object. */
-export function isRecord(value: unknown): value is Record<string, unknown> {
-  return typeof value === "object" && value !== null && !Array.isArray(value);
+/** The bytes of a file. */
+export function tensorFile(
+  description: Fields,
+  arrays: Record<string, Tensor>,
+): Uint8Array<ArrayBuffer> {
+  let end = 0;
+  const entries = Object.entries(arrays).map(([name, { dtype, shape, bytes }]) => {
+    const first = end;
+    end += bytes.length;
+    return [name, { dtype, shape, data_offsets: [first, end] }] as const;
+  });
+  const metadata = { [METADATA_KEY]: JSON.stringify(description) };
+  const json = JSON.stringify({ __metadata__: metadata, ...Object.fromEntries(entries) });
+  // Numbers begin at a multiple of eight bytes.
+  const text = new TextEncoder().encode(json);
+  const start = 8 + Math.ceil(text.length / 8) * 8;
+  const file = new Uint8Array(start + end).fill(0x20, 8, start);
+  new DataView(file.buffer).setBigUint64(0, BigInt(start - 8), true);
+  file.set(text, 8);
+  Object.values(arrays).forEach(({ bytes }, k) => {
+    file.set(bytes, start + entries[k]![1].data_offsets[0]!);
+  });
+  return file;
 }
 
 function isCounts(value: unknown): value is number[] {

@@ -6,7 +6,7 @@ import type { Widths } from "./features";
 import { FEATURES, LOBE, PROPOSAL, TABLE } from "./formulas";
 import type { ProposalWeights } from "./mixture";
 import { Network } from "./network";
-import { FileError, isRecord, readTensors, type Tensors, tensorOf } from "./safetensors";
+import { type Fields, FileError, TensorFile } from "./safetensors";
 
 /** Version of the file format. */
 const FORMAT_VERSION = 1;
@@ -39,11 +39,12 @@ export interface Weights {
  * @throws FileError if it is damaged, or of networks that this core does not know.
  */
 export function readWeights(file: ArrayBuffer): Weights {
-  const { description, tensors } = readTensors(file);
+  const tensors = new TensorFile(new Uint8Array(file));
+  const { description } = tensors;
   if (description.kind !== "weights" || description.version !== FORMAT_VERSION) {
     throw new FileError("the file holds no weights of Urushi's networks in a version known here");
   }
-  const sizes = isRecord(description.architecture) ? description.architecture : {};
+  const sizes = Object(description.architecture) as Fields;
   const arch = readArchitecture(sizes);
   const { widths, rest } = arch;
   const activation = String(sizes.activation);
@@ -58,7 +59,7 @@ export function readWeights(file: ArrayBuffer): Weights {
   };
 }
 
-function readArchitecture(sizes: Record<string, unknown>): Architecture {
+function readArchitecture(sizes: Fields): Architecture {
   const size = (name: string): number => {
     const found = sizes[name];
     if (typeof found !== "number" || !Number.isSafeInteger(found) || found < 1) {
@@ -83,17 +84,17 @@ function readArchitecture(sizes: Record<string, unknown>): Architecture {
   };
 }
 
-function readProposal(tensors: Tensors, rest: number): ProposalWeights {
+function readProposal(tensors: TensorFile, rest: number): ProposalWeights {
   const { ALPHAS, TERMS } = PROPOSAL;
   return {
-    weight: tensorOf(tensors, "proposal.weight", [rest, TERMS]).values,
-    bias: tensorOf(tensors, "proposal.bias", [TERMS]).values,
-    overlap: tensorOf(tensors, "proposal.overlap", [ALPHAS.length]).values,
+    weight: tensors.numbers("proposal.weight", [rest, TERMS]),
+    bias: tensors.numbers("proposal.bias", [TERMS]),
+    overlap: tensors.numbers("proposal.overlap", [ALPHAS.length]),
   };
 }
 
 function readBasis(
-  tensors: Tensors,
+  tensors: TensorFile,
   { widths, rest }: Architecture,
   azimuthal: unknown,
 ): BasisWeights {
@@ -101,7 +102,10 @@ function readBasis(
   const bounds = [1 + count];
   for (const size of Array.isArray(azimuthal) ? azimuthal.map(Number).reverse() : [])
     bounds.unshift(bounds[0] - size);
-  const rows = (tensors.has("basis.bytes") ? unpackedRows : gridRows)(tensors, count);
+  const rows = (tensors.shapeOf("basis.bytes").length > 0 ? unpackedRows : gridRows)(
+    tensors,
+    count,
+  );
   return {
     widths,
     rows,
@@ -110,9 +114,9 @@ function readBasis(
 }
 
 /** The rows (nodes, 1 + K): numbers of sixteen bits, by the lowest values and the steps of columns. */
-function gridRows(tensors: Tensors, count: number): Float32Array {
-  const grid = tensorOf(tensors, "basis.grid", [2, 1 + count]).values;
-  const { values } = tensorOf(tensors, "basis.rows", [NODES, 1 + count]);
+function gridRows(tensors: TensorFile, count: number): Float32Array {
+  const grid = tensors.numbers("basis.grid", [2, 1 + count]);
+  const values = tensors.numbers("basis.rows", [NODES, 1 + count]);
   return Float32Array.from(values, (number, at) => {
     const column = at % (1 + count);
     return grid[column] + grid[1 + count + column] * number;
@@ -126,10 +130,10 @@ function gridRows(tensors: Tensors, count: number): Float32Array {
  * functions without the first, which is one. Half a number, rounded, is the difference from the node
  * before along all axes in turn, of steps of "basis.ranges"; odd ones are negative.
  */
-function unpackedRows(tensors: Tensors, count: number): Float32Array {
+function unpackedRows(tensors: TensorFile, count: number): Float32Array {
   const nodes = NODES;
-  const bytes = tensorOf(tensors, "basis.bytes", [2, count, nodes]).values;
-  const ranges = tensorOf(tensors, "basis.ranges", [count, 2]).values;
+  const bytes = tensors.numbers("basis.bytes", [2, count, nodes]);
+  const ranges = tensors.numbers("basis.ranges", [count, 2]);
   const rows = new Float32Array(nodes * (1 + count));
   const steps = new Int32Array(nodes);
   for (let k = 0; k < count; k++) {

@@ -4,12 +4,6 @@ import { signal } from "@preact/signals";
 import type { Material, Stack } from "../core/api";
 import type { FTable } from "../core/f_table";
 import { sequencePoint } from "../core/sequence";
-import {
-  ANISOTROPIC_COARSE,
-  ANISOTROPIC_FINE,
-  type AnisotropicSize,
-  anisotropicPairs,
-} from "../picture/anisotropic_table";
 import type { Cores, PageCore } from "./remote";
 import type { ShownTexture } from "./textures";
 
@@ -34,12 +28,6 @@ export const PLANE_ANGLES = Float32Array.from({ length: 241 }, (_, k) => (k - 12
 
 /** Time without change after which what is slow is computed [ms]. */
 const PATIENCE = 200;
-
-/** Values of f of two widths for the bright lights, and the table's size. */
-export interface Bright {
-  f: Float32Array;
-  size: AnisotropicSize;
-}
 
 /** What a slot shows: a stack, whose f may be a table's, or a texture of codes whose mean it is. */
 export interface Shown {
@@ -68,7 +56,6 @@ export class Slot {
   generation = 0;
   /** Shifted tables, whose mean the picture at rest is; the first is shown at once. */
   tables: Float32Array[] = [];
-  bright: Bright | null = null;
   /** Decoded at each pixel; null: the material is the same everywhere. */
   texture: ShownTexture | null = null;
   /** f (N, 3) at `PLANE_ANGLES`, and the directional albedo (N, 3) at `ALBEDO_ANGLES`. */
@@ -128,18 +115,6 @@ export class Slot {
     return true;
   }
 
-  /** Compute f of two widths for the bright lights, at rest with more directions. */
-  async light(fine: boolean): Promise<void> {
-    const { material, generation } = this;
-    const size = fine ? ANISOTROPIC_FINE : ANISOTROPIC_COARSE;
-    const isEnough = this.bright !== null && (!fine || this.bright.size === size);
-    if (material === null || this.widths === 1 || isEnough) return;
-    const pairs = anisotropicPairs(size);
-    const f = await this.core.f(material, pairs.wi, pairs.wo);
-    if (generation !== this.generation || this.busy) return;
-    this.bright = { f, size };
-  }
-
   private async work(): Promise<void> {
     if (this.busy) return;
     this.busy = true;
@@ -158,7 +133,6 @@ export class Slot {
         this.texture = texture;
         this.generation++;
         this.tables = [first];
-        this.bright = null;
         this.page.changed();
         this.albedoIsOld = true;
         if (this.page.plotted()) await this.drawPlane();

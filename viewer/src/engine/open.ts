@@ -1,23 +1,19 @@
 /** Files that are dropped on the page or opened: a panorama, a state, or a material. */
 
 import { signal } from "@preact/signals";
+import { TensorFile } from "../core/safetensors";
 import type { BottomInAir, MaterialCards, TexelBottom } from "../material/material";
 import { isTexture } from "../material/texture";
-import { checkSize, type Panorama, readHdr, withoutLights } from "../picture/panorama";
 import { Refusal } from "../refusal";
 import { readState } from "../state/read";
-import { asTask, change, changeMaterial, complain, notice, tell } from "../state/store";
-import { networksOf, readMaterialFile } from "./material_file";
-import { readMaterialx } from "./materialx";
+import { asTask, change, changeMaterial, complain, notice } from "../state/store";
+import { readMaterialFile } from "./material_file";
 import { byOwnWorker, type Cores } from "./remote";
 import { session, useEnvironment, useMesh } from "./session";
 import { keepTexture } from "./textures";
 
 /** Suffixes of meshes. */
 const MESHES = ["obj", "glb", "gltf", "ply"];
-
-/** Time after which an OpenEXR file counts as damaged [ms]. */
-const PATIENCE = 60_000;
 
 /** The materials of files that were opened, one of each name, the last first. */
 export const opened = signal<readonly MaterialCards[]>([]);
@@ -38,8 +34,10 @@ async function openFile(file: File): Promise<void> {
   const bytes = await bytesOf(file);
   const suffix = file.name.toLowerCase().split(".").pop();
   if (suffix === "hdr" || suffix === "exr") {
-    const panorama = suffix === "hdr" ? readHdr(bytes) : await exrPanorama(bytes);
-    useEnvironment(file.name, { file, ...withoutLights(panorama) });
+    const own = await asTask("Reading the panorama", (end) =>
+      byOwnWorker((files) => files.call("readPanorama", [bytes, suffix], [bytes.buffer]), end),
+    );
+    useEnvironment(file.name, { file, ...own });
   } else if (MESHES.includes(suffix!)) {
     const mesh = await asTask("Reading the mesh", (end, told) =>
       byOwnWorker((files) => files.call("readMesh", [bytes, suffix!], [bytes.buffer], told), end),
@@ -47,22 +45,19 @@ async function openFile(file: File): Promise<void> {
     useMesh(file.name, mesh);
   } else if (suffix === "json") {
     change(readState(parsed(bytes)));
-  } else if (suffix === "mtlx") {
-    const { bottom, coats, lost } = readMaterialx(bytes);
-    showOpened({ name: stem(file), bottom, coats, solo: null });
-    if (lost.length > 0)
-      tell(
-        `“${file.name}” was opened without ${lost.join(", ")}; urushi convert writes all of it as a Mitsuba scene.`,
-      );
   } else if (suffix === "safetensors") {
     const cores = session.value?.cores;
     if (cores === undefined) throw new Refusal("The networks are not loaded yet.");
     showOpened({ name: stem(file), ...(await materialOf(cores, bytes)), coats: [], solo: null });
   } else if (suffix === "binary" || suffix === "bsdf") {
     throw new Refusal(`Python encodes measured BRDFs: run urushi view ${file.name}.`);
+  } else if (suffix === "mtlx") {
+    throw new Refusal(
+      "Python reads MaterialX: run urushi convert, and urushi view with the scene that it writes.",
+    );
   } else {
     throw new Refusal(
-      "The page opens materials (.safetensors, .mtlx), panoramas (.hdr, .exr), meshes (.obj, .glb, .gltf, .ply) and saved states (.json).",
+      "The page opens materials (.safetensors), panoramas (.hdr, .exr), meshes (.obj, .glb, .gltf, .ply) and saved states (.json).",
     );
   }
 }
@@ -85,28 +80,17 @@ async function bytesOf(file: File): Promise<Uint8Array<ArrayBuffer>> {
   }
 }
 
-/** The panorama of an OpenEXR file, which takes some seconds to unpack. */
-async function exrPanorama(bytes: Uint8Array): Promise<Panorama> {
-  const late = new Promise<never>((_resolve, reject) => {
-    setTimeout(() => reject(new Refusal("This .exr file is damaged.")), PATIENCE);
-  });
-  const picture = await asTask("Reading the panorama", (end) =>
-    byOwnWorker((files) => Promise.race([files.call("readExr", [bytes]), late]), end),
-  );
-  checkSize(picture.width, picture.height);
-  return picture;
-}
-
 /** The material of a file: codes, or a texture of codes. */
 async function materialOf(
   cores: Cores,
   bytes: Uint8Array<ArrayBuffer>,
 ): Promise<{ bottom: BottomInAir | TexelBottom; rotation?: number }> {
   const core = cores.isotropic;
-  if (isTexture(bytes))
+  const file = new TensorFile(bytes);
+  if (isTexture(file))
     return { bottom: { kind: "texels", texture: await keepTexture(bytes, core) } };
-  const isOther = networksOf(bytes) !== core.fingerprint;
-  return readMaterialFile(bytes, isOther ? await cores.anisotropic() : core);
+  const isOther = file.description.weights !== core.fingerprint;
+  return readMaterialFile(file, isOther ? await cores.anisotropic() : core);
 }
 
 /** Open files that are dropped anywhere on the page. */

@@ -4,6 +4,7 @@ import { computed, effect, type ReadonlySignal, signal } from "@preact/signals";
 import type { Stack } from "../core/api";
 import type { FTable } from "../core/f_table";
 import type { Occlusion } from "../core/occlusion";
+import { TensorFile } from "../core/safetensors";
 import { type MaterialCards, stackOf } from "../material/material";
 import { meanCodes } from "../material/texture";
 import { lightsOf } from "../picture/environment";
@@ -23,7 +24,7 @@ import { readFile } from "./files";
 import { blobOf, drawLarge, type LargeSize } from "./large_picture";
 import { readMaterialFile } from "./material_file";
 import { byOwnWorker, Cores, connect } from "./remote";
-import { keepTable, keepTexture, logsOfBits, tables, textures } from "./textures";
+import { keepTable, keepTexture, logsOfBytes, tables, textures } from "./textures";
 
 /** A panorama that was opened. */
 interface OwnEnvironment {
@@ -283,7 +284,7 @@ export async function begin(addressed: boolean): Promise<void> {
   try {
     const [core, start] = await Promise.all([connect(), readStart()]);
     if ("texture" in start) await keepTexture(await readBytes(String(start.texture)), core);
-    if ("table" in start) keepTable(logsOfBits(await readBytes(String(start.table))));
+    if ("table" in start) keepTable(logsOfBytes(await readBytes(String(start.table))));
     if ("materials" in start && !addressed) showRead(() => readState(start), false);
     session.value = new Session(new Cores(core));
   } catch (error) {
@@ -322,7 +323,10 @@ async function readAll(): Promise<void> {
   while (session.peek() === null) await new Promise((resolve) => setTimeout(resolve, 100));
   const { stored: files = {} } = (await readStart()) as { stored?: Record<string, string> };
   for (const [name, path] of Object.entries(files).slice(stored.value.length)) {
-    const { bottom } = readMaterialFile(await readBytes(path), session.value!.cores.isotropic);
+    const { bottom } = readMaterialFile(
+      new TensorFile(await readBytes(path)),
+      session.value!.cores.isotropic,
+    );
     stored.value = [...stored.value, { name, bottom, coats: [], solo: null }];
   }
 }

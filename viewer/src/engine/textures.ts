@@ -4,6 +4,7 @@ import { signal } from "@preact/signals";
 import { CHANNELS } from "../core/channels";
 import { TABLE_SIZE } from "../core/f_table";
 import { fromHalf, toHalf } from "../core/half";
+import { TensorFile } from "../core/safetensors";
 import { type CodeTexture, readTexture } from "../material/texture";
 import { Refusal } from "../refusal";
 import { readTemplate, texelShaderText } from "../save/shader";
@@ -29,7 +30,7 @@ export async function keepTexture(
   file: Uint8Array<ArrayBuffer>,
   core: Pick<PageCore, "latentSize" | "fingerprint" | "basisTexels">,
 ): Promise<string> {
-  const texture = readTexture(file, core);
+  const texture = readTexture(new TensorFile(file), file, core);
   const shader = texelShaderText(await readTemplate("glsl"), texture);
   const shown = { texture, shader, basis: await core.basisTexels() };
   textures.value = new Map(textures.value).set(texture.id, shown);
@@ -41,19 +42,14 @@ export const tables = signal<ReadonlyMap<string, Float32Array>>(new Map());
 
 /** Keep a table as long as the page lives; returns its name in the state, its check sum. */
 export function keepTable(logs: Float32Array): string {
-  const bytes = new Uint8Array(halfBits(logs).buffer);
-  const id = crc32(bytes).toString(16).padStart(8, "0");
+  const id = crc32(halfBytes(logs)).toString(16).padStart(8, "0");
   tables.value = new Map(tables.value).set(id, logs);
   return id;
 }
 
-/** Numbers as half precision, in the order of bytes of files. */
-export function halfBits(numbers: Float32Array): DataView<ArrayBuffer> {
-  const view = new DataView(new ArrayBuffer(2 * numbers.length));
-  numbers.forEach((number, k) => {
-    view.setUint16(2 * k, toHalf(number), true);
-  });
-  return view;
+/** The bytes of numbers in half precision. */
+export function halfBytes(numbers: Float32Array): Uint8Array<ArrayBuffer> {
+  return new Uint8Array(Uint16Array.from(numbers, toHalf).buffer);
 }
 
 /**
@@ -61,12 +57,12 @@ export function halfBits(numbers: Float32Array): DataView<ArrayBuffer> {
  *
  * @throws Refusal if they are damaged.
  */
-export function logsOfBits(bytes: Uint8Array): Float32Array {
-  const view = new DataView(bytes.buffer, bytes.byteOffset, bytes.byteLength);
+export function logsOfBytes(bytes: Uint8Array<ArrayBuffer>): Float32Array {
   const repeated = (2 * TABLE_SIZE) / bytes.length;
   if (repeated !== 1 && repeated !== CHANNELS) throw damagedTable();
+  const bits = new Uint16Array(bytes.buffer);
   const logs = Float32Array.from({ length: TABLE_SIZE }, (_, at) =>
-    fromHalf(view.getUint16(2 * Math.floor(at / repeated), true)),
+    fromHalf(bits[Math.floor(at / repeated)]!),
   );
   if (!logs.every(Number.isFinite)) throw damagedTable();
   return logs;

@@ -46,7 +46,7 @@ export interface MaterialCards {
   coats: readonly CoatCard[];
   /** Angle by which the tangent of all layers is turned [degrees]; 0 if left out. */
   rotation?: number;
-  /** Whether light that the topmost surface loses is given back. */
+  /** Whether light that the topmost surface, if it has one width, loses is given back. */
   energyCompensation?: boolean;
   /** The only coat that is shown, by its id; `BARE`: none; null: all that are on. */
   solo: number | null;
@@ -121,7 +121,7 @@ export function stackOf(material: MaterialCards): Stack {
   });
   const under = bottomUnder(bottom, quotient(above, CHECKS.AIR));
   const shown = under.kind === "dielectric" ? interfaceOf(under) : under;
-  return { bottom: shown, coats, energyCompensation: material.energyCompensation === true };
+  return { bottom: shown, coats, energyCompensation: isCompensated(material) };
 }
 
 /** A bottom below a medium of an index relative to air, as it would be in air. */
@@ -172,6 +172,12 @@ export function hasTangent({ bottom, coats }: MaterialCards): boolean {
 export function isAnisotropic({ bottom, coats }: Stack | ReturnType<typeof seenOf>): boolean {
   const isOfCodes = bottom.kind === "codes" && bottom.widths === 2;
   return isOfCodes || [bottom, ...coats].some((surface) => widthRatio(surface) !== 1);
+}
+
+/** Whether light is given back: surfaces of one width can. */
+export function isCompensated(material: MaterialCards): boolean {
+  const seen = seenOf(material);
+  return material.energyCompensation === true && seen.coats.length > 0 && !isAnisotropic(seen);
 }
 
 /** Whether another coat can be added. */

@@ -2,7 +2,7 @@
 
 import { CHANNELS } from "../core/channels";
 import type { Networks } from "../core/core";
-import { type Fields, headerOf } from "../core/safetensors";
+import type { Fields, TensorFile } from "../core/safetensors";
 import { Refusal } from "../refusal";
 import { crc32 } from "../save/zip";
 
@@ -45,42 +45,29 @@ export interface CodeTexture {
 const VERSION = 4;
 
 /** Whether a file is a texture of codes. */
-export function isTexture(file: Uint8Array): boolean {
-  return headerOf(file)?.description.kind === "texture";
+export function isTexture({ description }: TensorFile): boolean {
+  return description.kind === "texture";
 }
 
 /**
- * The texture of a file.
+ * The texture of a file and its bytes.
  *
  * @throws Refusal if it is damaged, of another version, or of other networks.
  */
 export function readTexture(
-  file: Uint8Array<ArrayBuffer>,
+  file: TensorFile,
+  bytes: Uint8Array<ArrayBuffer>,
   { latentSize, fingerprint }: Pick<Networks, "latentSize" | "fingerprint">,
 ): CodeTexture {
-  const header = headerOf(file);
-  if (header === null) throw damaged();
-  const { description, tensors, start } = header;
+  const { description } = file;
   if (description.version !== VERSION)
     throw new Refusal("It is a texture of another version of Urushi; save it again.");
   if (description.weights !== fingerprint)
     throw new Refusal("It was made with other networks; save the texture again.");
-  const bytesOf = (name: string, dtype: string, shape: number[], size: number) => {
-    const tensor = tensors[name];
-    const count = shape.reduce((product, length) => product * length, size);
-    const [from, to] = tensor?.data_offsets ?? [0, 0];
-    const fits = tensor?.dtype === dtype && String(tensor.shape) === String(shape);
-    if (!fits || to - from !== count || start + to > file.length) throw damaged();
-    return file.slice(start + from, start + to);
-  };
   const { width, height } = description;
   if (!isCount(width) || !isCount(height) || width * height === 0) throw damaged();
   const layout = layoutOf(description, latentSize);
-  const range = (name: string) => {
-    const values = new Float32Array(bytesOf(name, "F32", [latentSize], 4).buffer);
-    if (!values.every(Number.isFinite)) throw damaged();
-    return values;
-  };
+  const range = (name: string) => file.numbers(name, [latentSize]);
   const [lowest, step] = [range("lowest"), range("step")];
   const numbers = layout.high.map((high, number) =>
     Array.from({ length: CHANNELS }, (_, colour) => {
@@ -95,10 +82,10 @@ export function readTexture(
   const all = numbers.flat().flatMap(({ high, low }) => [high, low]);
   if (usedBytes > layout.texelBytes || all.some((byte) => byte >= usedBytes)) throw damaged();
   return {
-    id: crc32(file).toString(16).padStart(8, "0"),
-    file,
+    id: crc32(bytes).toString(16).padStart(8, "0"),
+    file: bytes,
     size: [width, height],
-    texels: bytesOf("texels", "U8", [width * height, layout.texelBytes], 1),
+    texels: file.bytes("texels", "U8", [width * height, layout.texelBytes]),
     texelBytes: layout.texelBytes,
     usedBytes,
     numbers,

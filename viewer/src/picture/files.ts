@@ -2,10 +2,10 @@
 
 import { occlusion } from "../core/occlusion";
 import { serve } from "../core/rpc";
-import { readExr } from "./exr_file";
 import { readMesh } from "./mesh_files";
+import { readPanorama } from "./picture_files";
 
-const calls = { occlusion, readMesh, readExr };
+const calls = { occlusion, readMesh, readPanorama };
 
 export type FileCalls = typeof calls;
 

@@ -58,7 +58,6 @@ export class Painter {
   private resting = false;
   private readonly uploaded: [string, string] = ["", ""];
   private readonly materialOf: (Material | null)[] = [null, null];
-  private readonly brightOf: (Float32Array | null)[] = [null, null];
   private readonly textureOf: (ShownTexture | null)[] = [null, null];
 
   constructor(
@@ -71,7 +70,6 @@ export class Painter {
     this.renderer = renderer;
     this.uploaded.fill("");
     this.materialOf.fill(null);
-    this.brightOf.fill(null);
     this.textureOf.fill(null);
     this.slow = renderer?.isSoftware ?? false;
     this.cost = this.slow ? FIRST_COST.software : FIRST_COST.card;
@@ -137,7 +135,6 @@ export class Painter {
     if (slots.some((slot) => this.slots[slot].tables.length === 0)) return false;
     if (this.dirty) {
       this.dirty = false;
-      if (renderer.hasLights) await Promise.all(slots.map((slot) => this.slots[slot].light(false)));
       await this.preview(renderer, shot, slots);
       return true;
     }
@@ -156,7 +153,6 @@ export class Painter {
   private async rest(renderer: Renderer, shot: Shot, slots: (0 | 1)[]): Promise<boolean> {
     if (!this.resting) {
       await this.ready;
-      if (renderer.hasLights) await Promise.all(slots.map((slot) => this.slots[slot].light(true)));
       if (this.dirty) return true;
       this.resting = true;
       this.count = 0;
@@ -229,7 +225,7 @@ export class Painter {
 
   /** Give a renderer what a frame needs; count: of those that precede it at rest, null: it moves. */
   private upload(renderer: Renderer, slot: 0 | 1, count: number | null): void {
-    const { tables, generation, material, bright, texture, widths } = this.slots[slot];
+    const { tables, generation, material, texture, widths } = this.slots[slot];
     const table = tables[count ?? 0] ?? tables[0];
     const key = `${generation}.${count}`;
     if (table !== undefined && this.uploaded[slot] !== key) {
@@ -242,13 +238,9 @@ export class Painter {
       this.textureOf[slot] = texture;
       renderer.setTexels(slot, texture);
     }
-    if (widths === 1 && material !== null && this.materialOf[slot] !== material) {
+    if (material !== null && this.materialOf[slot] !== material) {
       this.materialOf[slot] = material;
       renderer.setMaterial(slot, material);
-    }
-    if (bright !== null && this.brightOf[slot] !== bright.f) {
-      renderer.setBright(slot, bright.f, bright.size);
-      this.brightOf[slot] = bright.f;
     }
   }
 }

@@ -2,12 +2,12 @@
 
 import type { Material } from "../core/api";
 import { CHANNELS, rows } from "../core/channels";
+import { LOBE } from "../core/formulas";
 import type { Occlusion } from "../core/occlusion";
 import { sequencePoint } from "../core/sequence";
 import type { ShownTexture } from "../engine/textures";
 import type { Radiance } from "../save/exr";
 import { type Comparison, type EnvironmentName, TONES, type Tone, type View } from "../state/state";
-import { type AnisotropicSize, brightTexels, FAR, NEAR } from "./anisotropic_table";
 import { type Camera, cameraOf, mirrored } from "./camera";
 import { type DirectionSizes, directionTexels } from "./direction_table";
 import { EnvironmentMap, lightsOf, SIDE } from "./environment";
@@ -27,7 +27,7 @@ import objectVertex from "./shaders/object.vert?raw";
 import paintSource from "./shaders/paint.frag?raw";
 import surfaceSource from "./shaders/surface.frag?raw";
 import { Targets } from "./targets";
-import { type TexelProgram, texelProgram, uploadVolume, volume } from "./texel_program";
+import { type TexelProgram, tableTexels, texelProgram, volume } from "./texel_program";
 
 /** What a frame shows. */
 export interface Shot {
@@ -87,9 +87,8 @@ interface SlotTextures {
   /** By which the bright lights are reflected: the lobe and the table of the rest. */
   lobe: Float32Array;
   rest: WebGLTexture;
-  /** In place of them for two widths: f, and the azimuths of the difference in it. */
-  bright: WebGLTexture;
-  turns: number;
+  /** Of two widths: the stretches of the channels. */
+  stretches: readonly number[];
   /** What is drawn in place of the table; null: the material is the same everywhere. */
   texels: TexelProgram | null;
 }
@@ -177,11 +176,6 @@ export class Renderer {
     return { width: this.canvas.width, height: this.canvas.height };
   }
 
-  /** Whether f at bright lights is needed. */
-  get hasLights(): boolean {
-    return this.lights.length > 0;
-  }
-
   /**
    * Take over a material's table of directions (azimuths, cosines, samples, 8).
    *
@@ -214,25 +208,16 @@ export class Renderer {
   /** Take over a material's codes and table, by which it reflects bright lights. */
   setMaterial(slot: 0 | 1, { latents, table }: Material): void {
     const textures = this.slotTextures(slot);
+    const { stretches } = table;
+    const numbers = LOBE.NUMBERS[stretches ? 2 : 1].length;
     const codes = rows(latents, latents.length / CHANNELS);
-    textures.lobe = Float32Array.from({ length: 6 * CHANNELS }, (_, at) => {
+    textures.lobe = Float32Array.from({ length: numbers * CHANNELS }, (_, at) => {
       const [number, channel] = [Math.floor(at / CHANNELS), at % CHANNELS];
       const isFactor = number >= 1 && number <= 3; // those of a lobe that reflects nothing are zero
       return isFactor && !table.besideLobe ? 0 : codes[channel]![number]!;
     });
-    const texels = new Float32Array((table.logs.length / CHANNELS) * 4);
-    table.logs.forEach((log, at) => {
-      texels[4 * Math.floor(at / CHANNELS) + (at % CHANNELS)] = log;
-    });
-    volume(this.gl, textures.rest, texels);
-  }
-
-  /** Take over f (N, 3) at `anisotropicPairs` of a size. */
-  setBright(slot: 0 | 1, f: Float32Array, size: AnisotropicSize): void {
-    const textures = this.slotTextures(slot);
-    textures.turns = size.turns;
-    const depth = size.differences * size.turns;
-    uploadVolume(this.gl, textures.bright, [size.along, size.across, depth], brightTexels(f));
+    textures.stretches = (stretches ?? [0, 0, 0]).map(Math.exp);
+    volume(this.gl, textures.rest, tableTexels(table));
   }
 
   /**
@@ -522,14 +507,12 @@ export class Renderer {
       object.setTexture("places", 2, gl.TEXTURE_2D, targets.places);
     } else {
       object.setTexture("table", 0, gl.TEXTURE_2D, textures.table);
-      if (textures.azimuths === 1) {
-        object.setTexture("rest", 2, gl.TEXTURE_3D, textures.rest);
-        object.setVectors("lobe", textures.lobe);
-      } else {
-        object.setTexture("bright", 2, gl.TEXTURE_3D, textures.bright);
+      object.setTexture("rest", 2, gl.TEXTURE_3D, textures.rest);
+      object.setVectors("lobe", textures.lobe);
+      if (textures.azimuths > 1) {
         object.setInteger("azimuths", textures.azimuths);
-        object.setInteger("turns", textures.turns);
         object.set("rotation", textures.rotation);
+        object.set("stretches", ...textures.stretches);
       }
     }
     object.setTexture("positions", 3, gl.TEXTURE_2D, targets.positions);
@@ -541,7 +524,7 @@ export class Renderer {
   /** The program that draws a table. */
   private programOf({ azimuths }: SlotTextures): Program {
     if (azimuths === 1) return this.object;
-    this.anisotropic ??= coverProgram(this.gl, OBJECT_SOURCE, { NEAR, FAR, ANISOTROPIC: 1 });
+    this.anisotropic ??= coverProgram(this.gl, OBJECT_SOURCE, { ANISOTROPIC: 1 });
     return this.anisotropic;
   }
 
@@ -554,8 +537,7 @@ export class Renderer {
       rotation: 0,
       lobe: new Float32Array(6 * CHANNELS).fill(0).fill(1, 0, CHANNELS),
       rest: this.dark(),
-      bright: this.dark(),
-      turns: 1,
+      stretches: [1, 1, 1],
       texels: null,
     };
     return this.slots[slot];

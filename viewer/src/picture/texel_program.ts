@@ -1,5 +1,7 @@
 /** A texture of codes on the graphics card, and the program that decodes it. */
 
+import { CHANNELS } from "../core/channels";
+import { type FTable, NODES } from "../core/f_table";
 import { TABLE } from "../core/formulas";
 import type { ShownTexture } from "../engine/textures";
 import type { CodeTexture, Wrap } from "../material/texture";
@@ -41,22 +43,11 @@ export function texelProgram(gl: Gl, shown: ShownTexture): TexelProgram {
 
 /**
  * Put texels into a texture of three dimensions, whose two outer ones are the coordinates u and v of
- * tables of one width; of half floats, where the graphics card filters no others.
+ * tables; of half floats, where the graphics card filters no others.
  */
 export function volume(gl: Gl, texture: WebGLTexture, texels: Float32Array): WebGLTexture {
   const [depth, height] = TABLE.SHAPE;
-  const size = [texels.length / (4 * depth * height), height, depth] as const;
-  uploadVolume(gl, texture, size, texels);
-  return texture;
-}
-
-/** Put texels into a texture of a width, a height and a depth. */
-export function uploadVolume(
-  gl: Gl,
-  texture: WebGLTexture,
-  [width, height, depth]: readonly [number, number, number],
-  texels: Float32Array,
-): void {
+  const width = texels.length / (4 * depth * height);
   gl.activeTexture(gl.TEXTURE0);
   const target = gl.TEXTURE_3D;
   gl.bindTexture(target, texture);
@@ -64,6 +55,21 @@ export function uploadVolume(
   const format = linear ? gl.RGBA32F : gl.RGBA16F;
   gl.texImage3D(target, 0, format, width, height, depth, 0, gl.RGBA, gl.FLOAT, texels);
   filters(gl, target, gl.LINEAR, gl.LINEAR, gl.CLAMP_TO_EDGE);
+  return texture;
+}
+
+/** The texels of a table: along x, the coordinate w is repeated for blocks of terms. */
+export function tableTexels({ logs }: FTable): Float32Array {
+  const inner = TABLE.SHAPE[2];
+  const terms = logs.length / (CHANNELS * NODES);
+  const texels = new Float32Array(4 * NODES * terms);
+  for (let at = 0; at < logs.length; at++) {
+    const [row, term] = [Math.floor(at / terms), at % terms];
+    const [node, channel] = [Math.floor(row / CHANNELS), row % CHANNELS];
+    const texel = (Math.floor(node / inner) * terms + term) * inner + (node % inner);
+    texels[4 * texel + channel] = logs[at]!;
+  }
+  return texels;
 }
 
 /** An array texture: four bytes of the texels a layer, as Python's `textures.gpu` has it. */

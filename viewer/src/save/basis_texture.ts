@@ -1,7 +1,7 @@
 /** The texture of the basis that exported shader code reads, as files; see Python's `export.rest`. */
 
 import { TABLE } from "../core/formulas";
-import { halfBits } from "../engine/textures";
+import { halfBytes } from "../engine/textures";
 import { exrFile } from "./exr";
 
 /** Formats: for graphics hardware, for NumPy, and for OSL. */
@@ -16,7 +16,7 @@ export function basisFile(texels: Float32Array<ArrayBuffer>, format: Format): Bl
   const width = texels.length / (4 * DEPTH * HEIGHT);
   if (format === "exr") return new Blob([exrFile(imageOf(texels, width))]);
   const header = format === "dds" ? ddsHeader(width) : npyHeader(width);
-  return new Blob([header, halfBits(texels)]);
+  return new Blob([header, halfBytes(texels)]);
 }
 
 /** A header of a 3D texture of half floats (Microsoft's Programming Guide for DDS). */

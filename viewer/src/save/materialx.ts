@@ -172,7 +172,7 @@ function glossOf(
  * The share of diffuse light that a smooth interface reflects down again; see Python's
  * `openpbr_surface.formulas`. The mean reflectance is a fit (Kulla and Conty 2017).
  */
-export function internalReflectance(eta: number): number {
+function internalReflectance(eta: number): number {
   if (eta <= 1) return 0;
   return 1 - (1 - (eta - 1) / (4.08567 + 1.00071 * eta)) / (eta * eta);
 }

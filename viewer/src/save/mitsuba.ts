@@ -5,6 +5,7 @@ import {
   type BottomInAir,
   type CoatInAir,
   isAnisotropic,
+  isCompensated,
   type MaterialCards,
   seenOf,
 } from "../material/material";
@@ -40,8 +41,7 @@ function nodeOf(material: MaterialCards): Node {
     (inner, coat) => coatNode(coat, inner),
     bottomNode(stack.bottom),
   );
-  if (material.energyCompensation === true && stack.coats.length > 0)
-    node.values.unshift(["energy_compensation", true]);
+  if (isCompensated(material)) node.values.unshift(["energy_compensation", true]);
   if (!isAnisotropic(stack) || rotation === 0) return node;
   if (stack.coats.length === 0)
     throw new Refusal(

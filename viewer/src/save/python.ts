@@ -5,6 +5,7 @@ import {
   type BottomInAir,
   type CoatInAir,
   isAnisotropic,
+  isCompensated,
   type MaterialCards,
   seenOf,
 } from "../material/material";
@@ -14,35 +15,23 @@ import { Refusal } from "../refusal";
 export function pythonText(material: MaterialCards): string {
   const { name, rotation = 0 } = material;
   const stack = seenOf(material);
-  const isCompensated = material.energyCompensation === true && stack.coats.length > 0;
-  const isWalked = isCompensated && isAnisotropic(stack);
   const lines = [
     "import numpy as np",
     "",
     "import urushi",
     "",
-    ...(isWalked
-      ? []
-      : [
-          "# The layers one by one by the layering network, as on the page. Without fast=True, light",
-          "# transport is computed, which takes longer and is closer to the random walk.",
-        ]),
+    "# The layers one by one by the layering network, as on the page. Without fast=True, light",
+    "# transport is computed, which takes longer and is closer to the random walk.",
     `material = ${bottomText(stack.bottom)}`,
   ];
-  for (const coat of stack.coats.reverse()) {
-    const surface: [string, Channels][] = [...widthsOf(coat), ["ior", coat.ior]];
-    const isTop = coat === stack.coats.at(-1);
-    const given = isCompensated && isTop ? [["energy_compensation", "True"] as const] : [];
-    if (isWalked) {
-      const all = [...surface, ...mediumParameters(coat), ...given];
-      lines.push(`material = ${call("urushi.coat", all, "material")}`);
-      continue;
-    }
-    const top = call("urushi.dielectric", surface);
+  for (const coat of [...stack.coats].reverse()) {
+    const top = call("urushi.dielectric", [...widthsOf(coat), ["ior", coat.ior]]);
+    const isGiven = coat === stack.coats[0] && isCompensated(material);
+    const given = isGiven ? [["energy_compensation", "True"] as const] : [];
     const others = [...mediumParameters(coat), ...given, ["fast", "True"] as const];
     lines.push(`material = ${call("urushi.layer", others, `${top}, material`)}`);
   }
-  if (isWalked || stack.coats.length === 0) lines.push("material = urushi.encode(material)");
+  if (stack.coats.length === 0) lines.push("material = urushi.encode(material)");
   const turned = rotation !== 0 && isAnisotropic(stack) ? `material.rotated(${rotation})` : "";
   const direction = "np.array([[0.5, 0.0, np.sqrt(0.75)]])";
   lines.push(

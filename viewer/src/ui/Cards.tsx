@@ -7,8 +7,10 @@ import {
   BARE,
   type CoatCard as Card,
   hasTangent,
+  isAnisotropic,
   isSeen,
   moved,
+  seenOf,
   takesCoat,
   withCoat,
 } from "../material/material";
@@ -99,10 +101,15 @@ export function Cards() {
       {coats.length > 0 && (
         <label
           class="switch"
-          title="Light that meets a second facet of the topmost coat is given back"
+          title={
+            isAnisotropic(seenOf(material.value))
+              ? "Materials of two widths have none"
+              : "Light that meets a second facet of the topmost coat is given back"
+          }
         >
           <input
             type="checkbox"
+            disabled={isAnisotropic(seenOf(material.value))}
             checked={material.value.energyCompensation === true}
             onChange={({ currentTarget: { checked } }) =>
               changeMaterial({ ...material.value, energyCompensation: checked })

@@ -37,10 +37,6 @@ async function encoded(): Promise<{ core: PageCore; codes: Material }> {
   const table = shownOf(material.value)?.table;
   const core = await presentSession().cores.of(stack);
   const codes = await core.layer(stack);
-  if (codes.compensation !== undefined)
-    throw new Refusal(
-      "The codes of an anisotropic material have no energy compensation; switch it off, or save Python or a Mitsuba BSDF.",
-    );
   return { core, codes: { ...codes, table: table ?? codes.table } };
 }
 

@@ -63,7 +63,7 @@ export function TopBar() {
         type="file"
         hidden
         multiple
-        accept=".hdr,.exr,.obj,.glb,.gltf,.ply,.json,.safetensors,.mtlx"
+        accept=".hdr,.exr,.obj,.glb,.gltf,.ply,.json,.safetensors"
         onChange={(event) => {
           void openFiles([...(event.currentTarget.files ?? [])]);
           event.currentTarget.value = "";
@@ -73,7 +73,7 @@ export function TopBar() {
         type="button"
         class="text-button"
         aria-label="Open"
-        title="A material (.safetensors, .mtlx), a panorama (.hdr, .exr), a mesh (.obj, .glb, .gltf) or a saved state (.json); or drop it on the page"
+        title="A material (.safetensors), a panorama (.hdr, .exr), a mesh (.obj, .glb, .gltf) or a saved state (.json); or drop it on the page"
         onClick={() => input.current?.click()}
       >
         <Icon name="open" />

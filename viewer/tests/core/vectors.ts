@@ -2,7 +2,7 @@
 
 import { existsSync, readFileSync } from "node:fs";
 import type { Stack } from "../../src/core/api";
-import { readTensors, type Tensor } from "../../src/core/safetensors";
+import { TensorFile } from "../../src/core/safetensors";
 import { type MaterialCards, stackOf } from "../../src/material/material";
 import { readMaterial } from "../../src/state/read";
 
@@ -42,13 +42,14 @@ export function readVectors(name: string): Vectors | undefined {
   if (!existsSync(path)) {
     return undefined;
   }
-  const { description, tensors } = readTensors(bytesOf(path));
-  const materials = (description.stacks as unknown[]).map((stack) => readMaterial(stack));
+  const file = new TensorFile(new Uint8Array(bytesOf(path)));
+  const materials = (file.description.stacks as unknown[]).map((stack) => readMaterial(stack));
   return {
     materials,
     stacks: materials.map(stackOf),
     of: (key, stack) => {
-      const { shape, values } = tensors.get(key) as Tensor;
+      const shape = file.shapeOf(key);
+      const values = file.numbers(key, shape);
       const size = values.length / (shape[0] ?? 1);
       const part = stack === undefined ? values : values.subarray(stack * size, (stack + 1) * size);
       return Float32Array.from(part);

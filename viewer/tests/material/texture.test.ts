@@ -1,4 +1,5 @@
 import { expect, test } from "vitest";
+import { TensorFile, tensorFile } from "../../src/core/safetensors";
 import { isTexture, meanCodes, readTexture } from "../../src/material/texture";
 import { Refusal } from "../../src/refusal";
 import { texelShaderText } from "../../src/save/shader";
@@ -40,26 +41,22 @@ const STEP = [0.001, 0.5, 0];
 const TEXELS = [...[7, 1, 2, 3, 4, 5, 6, 0], ...[9, 0, 255, 128, 0, 255, 255, 0]];
 
 function file(change: object = {}, texels: number[] = TEXELS): Uint8Array<ArrayBuffer> {
-  const parts = [
-    ["texels", "U8", [texels.length / 8, 8], new Uint8Array(texels)],
-    ["lowest", "F32", [3], new Uint8Array(new Float32Array(LOWEST).buffer)],
-    ["step", "F32", [3], new Uint8Array(new Float32Array(STEP).buffer)],
-  ] as const;
-  const header: Record<string, unknown> = {
-    __metadata__: { urushi: JSON.stringify({ ...DESCRIPTION, ...change }) },
+  const range = (values: number[]) => {
+    const bytes = new Uint8Array(Float32Array.from(values).buffer);
+    return { dtype: "F32", shape: [3], bytes } as const;
   };
-  const all: number[] = [];
-  for (const [name, dtype, shape, bytes] of parts) {
-    header[name] = { dtype, shape, data_offsets: [all.length, all.length + bytes.length] };
-    all.push(...bytes);
-  }
-  const text = new TextEncoder().encode(JSON.stringify(header));
-  const whole = new Uint8Array(8 + text.length + all.length);
-  new DataView(whole.buffer).setUint32(0, text.length, true);
-  whole.set(text, 8);
-  whole.set(all, 8 + text.length);
-  return whole;
+  const bytes = new Uint8Array(texels);
+  return tensorFile(
+    { ...DESCRIPTION, ...change },
+    {
+      texels: { dtype: "U8", shape: [texels.length / 8, 8], bytes },
+      lowest: range(LOWEST),
+      step: range(STEP),
+    },
+  );
 }
+
+const read = (bytes = file()) => readTexture(new TensorFile(bytes), bytes, NETWORKS);
 
 /** The code of a texel, as Python's `textures.packing` unpacks it. */
 function unpacked(texel: number[], channel: number): number[] {
@@ -68,7 +65,7 @@ function unpacked(texel: number[], channel: number): number[] {
 }
 
 test("shader code makes a texel's codes of its bytes", () => {
-  const texture = readTexture(file(), NETWORKS);
+  const texture = read();
   const names = ["red", "green", "blue"].map((c) => [0, 1, 2].map((i) => `code_${i}_${c}`));
   const text = texelShaderText(JSON.stringify(names).replaceAll('"', ""), texture);
   const texel = TEXELS.slice(8, 16);
@@ -82,7 +79,7 @@ test("shader code makes a texel's codes of its bytes", () => {
 });
 
 test("the mean code is that of all texels", () => {
-  const codes = meanCodes(readTexture(file(), NETWORKS));
+  const codes = meanCodes(read());
   for (const channel of [0, 1, 2])
     for (const k of [0, 1, 2]) {
       const [a, b] = [0, 8].map((at) => unpacked(TEXELS.slice(at, at + 8), channel)[k]!);
@@ -91,12 +88,12 @@ test("the mean code is that of all texels", () => {
 });
 
 test("size, place and name are read", () => {
-  const texture = readTexture(file(), NETWORKS);
+  const texture = read();
   expect(texture.size).toEqual([2, 1]);
   expect(texture.toTexture).toEqual([0.5, 0, 0.1, 0, 1, 0]);
   expect(texture.id).toMatch(/^[0-9a-f]{8}$/);
-  expect(isTexture(file())).toBe(true);
-  expect(isTexture(file({ kind: "material" }))).toBe(false);
+  expect(isTexture(new TensorFile(file()))).toBe(true);
+  expect(isTexture(new TensorFile(file({ kind: "material" })))).toBe(false);
 });
 
 const WHOLE = file();
@@ -114,5 +111,5 @@ test.each([
   ["another continuation", file({ place: { ...DESCRIPTION.place, wrap: "tile" } })],
   ["a part of a file", WHOLE.slice(0, WHOLE.length - 1)],
 ] as [string, Uint8Array<ArrayBuffer>][])("%s: refused", (_name, bytes) => {
-  expect(() => readTexture(bytes, NETWORKS)).toThrow(Refusal);
+  expect(() => read(bytes)).toThrow(Refusal);
 });

@@ -4,7 +4,7 @@ import { lookOf } from "../../src/material/appearance";
 import { rgb } from "../../src/material/channels";
 import { decoded, encoded } from "../../src/material/colour";
 import { METALS, preset } from "../../src/material/presets";
-import { readExr } from "../../src/picture/exr_file";
+import { readExr } from "../../src/picture/picture_files";
 import { INITIAL } from "../../src/state/state";
 import {
   addressOf,

@@ -1,35 +1,5 @@
 import { describe, expect, test } from "vitest";
-import { type Panorama, readHdr, withoutLights } from "../../src/picture/panorama";
-import { Refusal } from "../../src/refusal";
-
-function file(width: number, height: number, body: number[]): Uint8Array {
-  const header = `#?RADIANCE\nEXPOSURE=1\n\n-Y ${height} +X ${width}\n`;
-  return new Uint8Array([...new TextEncoder().encode(header), ...body]);
-}
-
-/** A row of eight pixels in runs: red, green and blue 128, 64, 32, exponent 129. */
-const RUNS = [2, 2, 0, 8, 136, 128, 136, 64, 132, 32, 132, 32, 8, ...Array(8).fill(129)];
-
-describe("reading .hdr files", () => {
-  test("plain and run-length coded rows are equal", () => {
-    const plain = Array(8).fill([128, 64, 32, 129]).flat();
-    const one = readHdr(file(8, 4, Array(4).fill(plain).flat()));
-    const other = readHdr(file(8, 4, Array(4).fill(RUNS).flat()));
-    expect(one).toEqual(other);
-    expect([...one.pixels.subarray(0, 3)]).toEqual([1, 0.5, 0.25]);
-  });
-
-  test.each([
-    ["another file", new TextEncoder().encode("P6 4 2 255")],
-    ["a square picture", file(8, 8, Array(256).fill(0))],
-    ["a huge picture", file(100_000, 50_000, [])],
-    ["an incomplete file", file(8, 4, RUNS)],
-    ["a run beyond the row", file(8, 4, [2, 2, 0, 8, 200, 1, 1, 1])],
-    ["a run of nothing", file(8, 4, [2, 2, 0, 8, 0, 0, 0, 0])],
-  ])("%s is refused", (_name, bytes) => {
-    expect(() => readHdr(bytes)).toThrow(Refusal);
-  });
-});
+import { type Panorama, withoutLights } from "../../src/picture/panorama";
 
 /** Irradiance of a surface that faces a direction [W/m²], of one channel. */
 function irradiance({ width, height, pixels }: Panorama, normal: readonly number[]): number {

@@ -1,8 +1,8 @@
 // The parts of object.frag for anisotropic materials: tables by the cosine and the azimuth of the view,
 // in the frame of the material's tangent.
 uniform int azimuths; // the table's columns are the cosines of one azimuth after the other
-uniform sampler3D bright; // ln f by half vector and difference
-uniform int turns; // azimuths of the difference in `bright`, one slab after the other
+uniform vec3 lobe[7]; // numbers of the material's lobe
+uniform vec3 stretches; // of the channels
 uniform float rotation; // of the material's tangent [radians]
 
 #include basis.glsl
@@ -63,26 +63,10 @@ vec3 reflected(Frame frame) {
     return max(sum, 0.0) * albedo / max(total, 1e-6);
 }
 
-// f of the view and a light by the slopes of the half vector and by the difference, see
-// anisotropic_table.ts.
 vec3 f(Frame frame, vec3 light) {
     vec3 local = vec3(dot(light, frame.x), dot(light, frame.y), dot(light, frame.z));
-    vec3 sum = frame.view + local;
-    float size = length(sum);
-    vec3 half_ = sum / size;
-    vec2 side = vec2(half_.x < 0.0 ? -1.0 : 1.0, half_.y < 0.0 ? -1.0 : 1.0);
-    half_ = vec3(side * half_.xy, max(half_.z, 1e-3));
-    vec3 difference = (frame.view - local) * vec3(side, 1.0);
-    vec2 flat_ = difference.xy - difference.z / (1.0 + half_.z) * half_.xy;
-    vec2 slopes = log2(1.0 + half_.xy / (half_.z * NEAR)) / log2(1.0 + FAR / NEAR);
-    float angle = atan(length(flat_), size) * (2.0 / 3.14159265);
-    float turn = fract(atan(flat_.y, flat_.x + 1e-12) / 3.14159265) * float(turns);
-    int first = int(turn) % turns;
-    vec3 extent = vec3(textureSize(bright, 0));
-    float slab = extent.z / float(turns);
-    vec2 at = (clamp(slopes, 0.0, 1.0) * (extent.xy - 1.0) + 0.5) / extent.xy;
-    float place = clamp(angle, 0.0, 1.0) * (slab - 1.0) + 0.5;
-    vec3 one = texture(bright, vec3(at, (float(first) * slab + place) / extent.z)).rgb;
-    vec3 other = texture(bright, vec3(at, (float((first + 1) % turns) * slab + place) / extent.z)).rgb;
-    return exp(mix(one, other, fract(turn)));
+    vec3 one = material_f2(lobe, stretches.r, rest, frame.view, local);
+    if (stretches.r == stretches.g && stretches.r == stretches.b) return one;
+    return vec3(one.r, material_f2(lobe, stretches.g, rest, frame.view, local).g,
+                material_f2(lobe, stretches.b, rest, frame.view, local).b);
 }

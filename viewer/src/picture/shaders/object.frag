@@ -17,13 +17,14 @@ vec3 mirrored(Frame frame, vec4 facet) {
     return incoming(frame, 2.0 * dot(frame.view, half_) * half_ - frame.view, facet.w);
 }
 
+#include material.glsl
+
+uniform sampler3D rest; // ln f without the lobe, by the coordinates of tables
+
 #ifdef ANISOTROPIC
 #include anisotropic.glsl
 #else
-#include material.glsl
-
 uniform vec3 lobe[6]; // numbers of the material's lobe
-uniform sampler3D rest; // ln f without it, by the coordinates of tables
 
 // The mean light of the diffuse part and of the table's directions by their weights, times the albedo:
 // a few directions thus reflect as much as all.

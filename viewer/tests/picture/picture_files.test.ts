@@ -4,7 +4,7 @@ import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { describe, expect, test } from "vitest";
 import { FileError } from "../../src/core/safetensors";
-import { readExr } from "../../src/picture/exr_file";
+import { readExr, readHdr } from "../../src/picture/picture_files";
 import { exrFile } from "../../src/save/exr";
 
 const PYTHON = process.env.PYTHON ?? join(import.meta.dirname, "../../../.venv/bin/python");
@@ -51,5 +51,33 @@ describe("reading .exr files", () => {
     for (let length = 0; length < file.length - 1; length += 7)
       expect(() => readExr(file.subarray(0, length)), `${length} bytes`).toThrow(FileError);
     expect(() => readExr(new TextEncoder().encode("P6 4 2 255"))).toThrow(FileError);
+  });
+});
+
+function hdr(width: number, height: number, body: number[]): Uint8Array {
+  const header = `#?RADIANCE\n\n-Y ${height} +X ${width}\n`;
+  return new Uint8Array([...new TextEncoder().encode(header), ...body]);
+}
+
+/** A row of eight pixels in runs: red, green and blue 128, 64, 32, exponent 129. */
+const RUNS = [2, 2, 0, 8, 136, 128, 136, 64, 132, 32, 132, 32, 8, ...Array(8).fill(129)];
+
+describe("reading .hdr files", () => {
+  test("plain and run-length coded rows are equal", () => {
+    const plain = Array(8).fill([128, 64, 32, 129]).flat();
+    const one = readHdr(hdr(8, 4, Array(4).fill(plain).flat()));
+    expect(one).toEqual(readHdr(hdr(8, 4, Array(4).fill(RUNS).flat())));
+    expect([...one.pixels.subarray(0, 3)]).toEqual([1, 0.5, 0.25]);
+  });
+
+  test.each([
+    ["another file", new TextEncoder().encode("P6 4 2 255")],
+    ["a square picture", hdr(8, 8, Array(256).fill(0))],
+    ["a huge picture", hdr(100_000, 50_000, [])],
+    ["an incomplete file", hdr(8, 4, RUNS)],
+    ["a run beyond the row", hdr(8, 4, [2, 2, 0, 8, 200, 1, 1, 1])],
+    ["a run of nothing", hdr(8, 4, [2, 2, 0, 8, 0, 0, 0, 0])],
+  ])("%s is refused", (_name, bytes) => {
+    expect(() => readHdr(bytes)).toThrow(FileError);
   });
 });
