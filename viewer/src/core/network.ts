@@ -15,7 +15,7 @@ export class Network {
    */
   constructor(file: TensorFile, part: string, inputs: number, outputs: number, activation: string) {
     if (!Object.hasOwn(MLP.POLYNOMIALS, activation))
-      throw new FileError(`the networks' activation '${activation}' is unknown here`);
+      throw new FileError(`The networks' activation '${activation}' is unknown here.`);
     const [bound, q] = MLP.POLYNOMIALS[activation as keyof typeof MLP.POLYNOMIALS];
     this.bound = bound;
     this.q = [...q, 0, 0];
@@ -29,7 +29,7 @@ export class Network {
     }
     if (this.layers.length < 2 || width !== outputs)
       throw new FileError(
-        `the ${part} has ${this.layers.length} layers and gives ${width} numbers`,
+        `The ${part} has ${this.layers.length} layers and gives ${width} numbers.`,
       );
   }
 

@@ -43,7 +43,7 @@ export class TensorFile {
       this.entries = entries;
       this.data = file.subarray(start);
     } catch {
-      throw new FileError(`the file (${file.length} bytes) is no safetensors file, or truncated`);
+      throw new FileError(`The file (${file.length} bytes) is no safetensors file, or truncated.`);
     }
   }
 
@@ -64,12 +64,12 @@ export class TensorFile {
     if (own.join() !== shape.join() || dtype !== type) {
       const found = dtype ? `has the shape (${own.join(", ")}) and type ${dtype}` : "is missing";
       const wanted = `(${shape.join(", ")}) and ${type}`;
-      throw new FileError(`the array '${name}' ${found}; this page needs ${wanted}`);
+      throw new FileError(`The array '${name}' ${found}; this page needs ${wanted}.`);
     }
     const [first = 0, end = -1] = isCounts(offsets) ? offsets : [];
     const size = shape.reduce((product, x) => product * x, TYPES[type].BYTES_PER_ELEMENT);
     if (end !== first + size || end > this.data.length)
-      throw new FileError(`the array '${name}' does not fit the file; copy or create it again`);
+      throw new FileError(`The array '${name}' does not fit the file; copy or create it again.`);
     return this.data.slice(first, end) as Uint8Array<ArrayBuffer>;
   }
 
@@ -80,7 +80,7 @@ export class TensorFile {
     const raw = new TYPES[type](this.bytes(name, type, shape).buffer);
     const values = type === "F16" ? Float64Array.from(raw, fromHalf) : Float64Array.from(raw);
     if (!values.every(Number.isFinite))
-      throw new FileError(`the array '${name}' holds a number that is not finite`);
+      throw new FileError(`The array '${name}' holds a number that is not finite.`);
     return values;
   }
 }

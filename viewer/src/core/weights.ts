@@ -42,7 +42,7 @@ export function readWeights(file: ArrayBuffer): Weights {
   const tensors = new TensorFile(new Uint8Array(file));
   const { description } = tensors;
   if (description.kind !== "weights" || description.version !== FORMAT_VERSION) {
-    throw new FileError("the file holds no weights of Urushi's networks in a version known here");
+    throw new FileError("The file holds no weights of Urushi's networks in a version known here.");
   }
   const sizes = Object(description.architecture) as Fields;
   const arch = readArchitecture(sizes);
@@ -63,14 +63,14 @@ function readArchitecture(sizes: Fields): Architecture {
   const size = (name: string): number => {
     const found = sizes[name];
     if (typeof found !== "number" || !Number.isSafeInteger(found) || found < 1) {
-      throw new FileError(`the weights' architecture has no valid size '${name}'`);
+      throw new FileError(`The weights' architecture has no valid size '${name}'.`);
     }
     return found;
   };
   const widths = sizes.widths === undefined ? 1 : size("widths");
   if (widths !== 1 && widths !== 2) {
     throw new FileError(
-      `the architecture's surfaces have ${widths} widths; this page reads 1 or 2`,
+      `The architecture's surfaces have ${widths} widths; this page reads 1 or 2.`,
     );
   }
   const lobe = LOBE.NUMBERS[widths].length;

@@ -4,8 +4,8 @@ import { signal } from "@preact/signals";
 import type { Material, Stack } from "../core/api";
 import type { FTable } from "../core/f_table";
 import { sequencePoint } from "../core/sequence";
+import type { ShownTexture } from "./opened";
 import type { Cores, PageCore } from "./remote";
-import type { ShownTexture } from "./textures";
 
 /** Directions of each row of a table. */
 export const SAMPLES = 128;

@@ -7,7 +7,7 @@ import { TABLE } from "../core/formulas";
 import { type Tensor, type TensorFile, tensorFile } from "../core/safetensors";
 import type { CodesBottom } from "../material/material";
 import { Refusal } from "../refusal";
-import { halfBytes, keepTable, logsOfBytes } from "./textures";
+import { halfBytes, keepTable, logsOfBytes } from "./opened";
 
 /** Version of the format. */
 const VERSION = 3;

@@ -8,9 +8,9 @@ import { Refusal } from "../refusal";
 import { readState } from "../state/read";
 import { asTask, change, changeMaterial, complain, notice } from "../state/store";
 import { readMaterialFile } from "./material_file";
+import { keepTexture, useEnvironment, useMesh } from "./opened";
 import { byOwnWorker, type Cores } from "./remote";
-import { session, useEnvironment, useMesh } from "./session";
-import { keepTexture } from "./textures";
+import { session } from "./session";
 
 /** Suffixes of meshes. */
 const MESHES = ["obj", "glb", "gltf", "ply"];

@@ -3,77 +3,38 @@
 import { computed, effect, type ReadonlySignal, signal } from "@preact/signals";
 import type { Stack } from "../core/api";
 import type { FTable } from "../core/f_table";
-import type { Occlusion } from "../core/occlusion";
 import { TensorFile } from "../core/safetensors";
 import { type MaterialCards, stackOf } from "../material/material";
 import { meanCodes } from "../material/texture";
 import { lightsOf } from "../picture/environment";
 import { NoGraphics } from "../picture/gl";
-import { groundSize, type Mesh, meshOf, VERTEX_NUMBERS } from "../picture/meshes";
+import type { Mesh } from "../picture/meshes";
 import { noPictureYet, Painter } from "../picture/painter";
-import type { Light, Panorama } from "../picture/panorama";
 import { Renderer, type Shot } from "../picture/renderer";
 import { Refusal } from "../refusal";
 import { exrFile, type Radiance } from "../save/exr";
 import type { Scene } from "../save/scene";
 import { readState } from "../state/read";
-import type { State } from "../state/state";
-import { announce, change, complain, look, showRead, state } from "../state/store";
+import { announce, complain, look, showRead, state } from "../state/store";
 import { type Shown, Slot } from "./engine";
 import { readFile } from "./files";
 import { blobOf, drawLarge, type LargeSize } from "./large_picture";
 import { readMaterialFile } from "./material_file";
-import { byOwnWorker, Cores, connect } from "./remote";
-import { keepTable, keepTexture, logsOfBytes, tables, textures } from "./textures";
-
-/** A panorama that was opened. */
-interface OwnEnvironment {
-  file: File;
-  /** Its panorama without the bright lights, and these. */
-  panorama: Panorama;
-  lights: Light[];
-}
-
-/** The panoramas that were opened, by the names of their files. */
-const panoramas = signal<ReadonlyMap<string, OwnEnvironment>>(new Map());
-
-/** The meshes that were opened, by the names of their files. */
-const meshes = signal<ReadonlyMap<string, Mesh>>(new Map());
+import {
+  keepTable,
+  keepTexture,
+  logsOfBytes,
+  lost,
+  meshOfState,
+  occlusionOf,
+  panoramaOf,
+  tables,
+  textures,
+} from "./opened";
+import { Cores, connect } from "./remote";
 
 /** Whether the light that the object hides is being computed. */
 export const occluding = signal(false);
-
-/** What is known of each mesh's occlusion; its worker has no networks. */
-const occlusions = new WeakMap<Mesh, Promise<Occlusion>>();
-
-function occlusionOf(mesh: Mesh): Promise<Occlusion> {
-  let known = occlusions.get(mesh);
-  if (known === undefined) {
-    known = byOwnWorker((files) =>
-      files.call("occlusion", [mesh.vertices, VERTEX_NUMBERS, mesh.faces, groundSize(mesh)]),
-    );
-    occlusions.set(mesh, known);
-  }
-  return known;
-}
-
-/** The page's own meshes so far, which keep their occlusion. */
-const built = new Map<string, Mesh>();
-
-/** The mesh of a state's object: the goblet while the one that was opened is missing. */
-function meshOfState({ object, mesh }: State): Mesh {
-  const own = object === "own" ? meshes.value.get(mesh) : undefined;
-  if (own !== undefined) return own;
-  const name = object === "own" ? "goblet" : object;
-  const known = built.get(name) ?? meshOf(name);
-  built.set(name, known);
-  return known;
-}
-
-/** The panorama of a state; null if it has none, or it was not opened. */
-function panoramaOf({ environment, panorama }: State): OwnEnvironment | null {
-  return environment === "own" ? (panoramas.value.get(panorama) ?? null) : null;
-}
 
 /** What keeps the picture from being drawn, or "". */
 export const noPicture = signal("");
@@ -107,7 +68,7 @@ export class Session {
     const object = computed(() => `${state.value.object} ${state.value.mesh}`);
     this.mesh = computed(() => {
       object.value; // other changes of the state keep the mesh
-      return meshOfState(state.peek());
+      return meshOfState(state.peek()).mesh;
     });
     this.bind();
   }
@@ -250,9 +211,8 @@ export class Session {
     effect(() => {
       const mesh = this.mesh.value; // read here even while there is no renderer: it is followed
       this.show(mesh);
-      const { object, mesh: name } = state.peek();
-      if (object === "own" && !meshes.peek().has(name))
-        complain(new Refusal(lost(`mesh “${name}”`)));
+      if (meshOfState(state.peek()).isMissing)
+        complain(new Refusal(lost(`mesh “${state.peek().mesh}”`)));
     });
     const environment = computed(() => state.value.environment);
     const own = computed(() => panoramaOf(state.value));
@@ -338,7 +298,7 @@ export function shownOf(material: MaterialCards): Shown | null {
     const stack = stackOf(material);
     return { stack, rotation, texture: null, table: tableOf(material, stack) };
   }
-  const texture = textures.value.get(bottom.texture);
+  const texture = textures.get(bottom.texture);
   if (texture === undefined) {
     complain(new Refusal(lost(`texture of “${material.name}”`)));
     return null;
@@ -351,29 +311,11 @@ export function shownOf(material: MaterialCards): Shown | null {
 function tableOf({ bottom, name }: MaterialCards, { coats }: Stack): FTable | undefined {
   if (bottom.kind !== "codes" || bottom.table === undefined || coats.length > 0) return undefined;
   const { table, besideLobe = false } = bottom;
-  const logs = tables.value.get(table);
+  const logs = tables.get(table);
   if (logs !== undefined) return { logs, besideLobe };
   void readStored().then(() => {
-    if (!tables.peek().has(table))
+    if (tables.get(table) === undefined)
       complain(new Refusal(`${lost(`table of “${name}”`)} It is shown by its codes.`));
   });
   return undefined;
-}
-
-function lost(what: string): string {
-  return `The ${what} is no part of the address or the state; open its file again.`;
-}
-
-/** Show a mesh; one of the same name takes the other's place. */
-export function useMesh(name: string, own: Mesh): void {
-  meshes.value = new Map(meshes.peek()).set(name, own);
-  change({ ...state.peek(), object: "own", mesh: name });
-}
-
-/** Light the object by a panorama; one of the same name takes the other's place. */
-export function useEnvironment(name: string, own: OwnEnvironment): void {
-  panoramas.value = new Map(panoramas.peek()).set(name, own);
-  const { environment, panorama } = state.peek();
-  if (environment !== "own" || panorama !== name)
-    change({ ...state.peek(), environment: "own", panorama: name });
 }

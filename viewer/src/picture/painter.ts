@@ -3,7 +3,7 @@
 import { signal } from "@preact/signals";
 import type { Material } from "../core/api";
 import { MOST_TABLES, SAMPLES, type Slot, TABLE_ROWS } from "../engine/engine";
-import type { ShownTexture } from "../engine/textures";
+import type { ShownTexture } from "../engine/opened";
 import { Refusal } from "../refusal";
 import type { Renderer, Shot } from "./renderer";
 

@@ -5,7 +5,7 @@ import { CHANNELS, rows } from "../core/channels";
 import { LOBE } from "../core/formulas";
 import type { Occlusion } from "../core/occlusion";
 import { sequencePoint } from "../core/sequence";
-import type { ShownTexture } from "../engine/textures";
+import type { ShownTexture } from "../engine/opened";
 import type { Radiance } from "../save/exr";
 import { type Comparison, type EnvironmentName, TONES, type Tone, type View } from "../state/state";
 import { type Camera, cameraOf, mirrored } from "./camera";

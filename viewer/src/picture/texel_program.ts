@@ -3,7 +3,7 @@
 import { CHANNELS } from "../core/channels";
 import { type FTable, NODES } from "../core/f_table";
 import { TABLE } from "../core/formulas";
-import type { ShownTexture } from "../engine/textures";
+import type { ShownTexture } from "../engine/opened";
 import type { CodeTexture, Wrap } from "../material/texture";
 import { Refusal } from "../refusal";
 import { coverProgram, filters, type Gl, included, type Program } from "./gl";

@@ -4,6 +4,7 @@ import { titleOf } from "../material/presets";
 import type { State } from "../state/state";
 import { announce, announcement, change, changeMaterial, material, state } from "../state/store";
 import { Cards } from "./Cards";
+import { Segments } from "./Choice";
 import { Explanation } from "./Help";
 import { Icon } from "./icons";
 import { Plots } from "./Plots";
@@ -78,7 +79,12 @@ function Chooser() {
   const copied = materials[active];
   return (
     <>
-      <Choice />
+      <Segments
+        name="Material on the cards"
+        value={active}
+        options={([0, 1] as const).map((slot) => [slot, <Slot key={slot} slot={slot} />])}
+        onChange={(slot) => change({ ...state.value, active: slot })}
+      />
       <div class="pair">
         <button
           type="button"
@@ -99,20 +105,10 @@ function Chooser() {
   );
 }
 
-function Choice() {
-  const { active, materials } = state.value;
+function Slot({ slot }: { slot: 0 | 1 }) {
   return (
-    <div class="segments chooser" role="group" aria-label="Material on the cards">
-      {([0, 1] as const).map((slot) => (
-        <button
-          key={slot}
-          type="button"
-          aria-pressed={active === slot}
-          onClick={() => change({ ...state.value, active: slot })}
-        >
-          <b>{slot === 0 ? "A" : "B"}</b> {titleOf(materials[slot])}
-        </button>
-      ))}
-    </div>
+    <>
+      <b>{"AB"[slot]}</b> {titleOf(state.value.materials[slot])}
+    </>
   );
 }

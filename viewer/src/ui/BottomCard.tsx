@@ -16,7 +16,9 @@ import { BOTTOM_PARAMETERS, COAT_PARAMETERS, type Parameter } from "../material/
 import { METALS } from "../material/presets";
 import { changeMaterial } from "../state/store";
 import { Advanced } from "./Advanced";
+import { Choice } from "./Choice";
 import { Field } from "./Field";
+import { IconButton } from "./IconButton";
 import { Thumbnail } from "./Thumbnail";
 import { GlossField, WidthFields, type WidthPair, withWidths } from "./WidthFields";
 
@@ -71,29 +73,25 @@ export function BottomCard({ material, alone }: BottomCardProps) {
     >
       <header>
         <span class="title">Bottom</span>
-        <select
-          aria-label="Kind of bottom"
+        <Choice
+          name="Kind of bottom"
           value={kind}
-          onChange={(event) => change(bottomOfKind(event.currentTarget.value as Kind, bottom))}
-        >
-          {Object.entries(KINDS).map(([value, label]) => (
-            <option key={value} value={value}>
-              {label}
-            </option>
-          ))}
-          {kind === "codes" && <option value="codes">Loaded material</option>}
-          {kind === "texels" && <option value="texels">Loaded texture</option>}
-        </select>
-        <button
-          type="button"
-          class="icon-button solo"
-          aria-label="Solo the bottom"
-          aria-pressed={alone}
+          options={[
+            ...(Object.entries(KINDS) as [Kind, string][]),
+            ...(kind === "codes" ? ([["codes", "Loaded material"]] as const) : []),
+            ...(kind === "texels" ? ([["texels", "Loaded texture"]] as const) : []),
+          ]}
+          onChange={(next) => change(bottomOfKind(next, bottom))}
+        />
+        <IconButton
+          class="solo"
+          name="Solo the bottom"
           title="Show the bottom without coats"
+          pressed={alone}
           onClick={() => changeMaterial({ ...material, solo: alone ? null : BARE })}
         >
           S
-        </button>
+        </IconButton>
       </header>
       <div class="fields">
         {kind === "metal" && <Metals bottom={bottom} onChange={change} />}

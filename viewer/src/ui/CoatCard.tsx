@@ -26,6 +26,7 @@ import { COAT_PARAMETERS, COLOUR, rounded } from "../material/parameters";
 import { announce, changeMaterial, material } from "../state/store";
 import { Advanced } from "./Advanced";
 import { Field, toggled } from "./Field";
+import { IconButton } from "./IconButton";
 import { Icon } from "./icons";
 import { GlossField, WidthFields, type WidthPair, withWidths } from "./WidthFields";
 
@@ -90,38 +91,32 @@ export function CoatCard({ card, name, seen, dragged, onMove, onDrag }: CoatCard
           <span>{name}</span>
           <small>{kindOf(card, hasOwnSurface)}</small>
         </button>
-        <button
-          type="button"
-          class="icon-button solo"
-          aria-label={`Solo ${name}`}
-          aria-pressed={solo}
+        <IconButton
+          class="solo"
+          name={`Solo ${name}`}
           title="Show this coat alone over the bottom"
+          pressed={solo}
           onClick={() => changeMaterial({ ...material.value, solo: solo ? null : card.id })}
         >
           S
-        </button>
-        <button
-          type="button"
-          class="icon-button eye"
-          aria-label={`Show ${name}`}
-          aria-pressed={card.on}
+        </IconButton>
+        <IconButton
+          class="eye"
+          name={`Show ${name}`}
           title={card.on ? "Switch off" : "Switch on"}
+          icon={card.on ? "eye" : "hidden"}
+          pressed={card.on}
           onClick={() => change({ on: !card.on })}
-        >
-          <Icon name={card.on ? "eye" : "hidden"} />
-        </button>
-        <button
-          type="button"
-          class="icon-button"
-          aria-label={`Remove ${name}`}
+        />
+        <IconButton
+          name={`Remove ${name}`}
           title="Remove"
+          icon="cross"
           onClick={() => {
             changeMaterial(withoutCoat(material.value, card.id));
             announce(`${name} was removed.`);
           }}
-        >
-          <Icon name="cross" />
-        </button>
+        />
       </header>
       {!isFolded && (
         <div class="fields">

@@ -2,6 +2,7 @@
 
 import { signal } from "@preact/signals";
 import { useEffect } from "preact/hooks";
+import { IconButton } from "./IconButton";
 
 /** Whether the page explains, and what it says. */
 const explains = signal(false);
@@ -18,19 +19,18 @@ function tipOf(element: Element): string {
 
 export function HelpButton() {
   return (
-    <button
-      type="button"
-      class="icon-button help"
-      aria-label="Explain the page"
-      aria-pressed={explains.value}
+    <IconButton
+      class="help"
+      name="Explain the page"
       title="Explains what you tap, point at or focus"
+      pressed={explains.value}
       onClick={() => {
         explains.value = !explains.value;
         explained.value = FIRST;
       }}
     >
       ?
-    </button>
+    </IconButton>
   );
 }
 

@@ -4,15 +4,15 @@ import type { Material } from "../core/api";
 import { isDocument } from "../engine/files";
 import type { LargeSize } from "../engine/large_picture";
 import { materialFile } from "../engine/material_file";
+import { textures } from "../engine/opened";
 import type { PageCore } from "../engine/remote";
 import { type Session, session, shownOf } from "../engine/session";
-import { textures } from "../engine/textures";
 import { stackOf } from "../material/material";
 import { Refusal } from "../refusal";
 import { basisFile, FORMATS, type Format } from "../save/basis_texture";
 import { exrFile } from "../save/exr";
 import { materialxText } from "../save/materialx";
-import { mitsubaDict, mitsubaXml } from "../save/mitsuba";
+import { mitsubaXml } from "../save/mitsuba";
 import { fileName, pythonText } from "../save/python";
 import { sceneFile } from "../save/scene";
 import { LANGUAGES, type Language, readTemplate, shaderText } from "../save/shader";
@@ -50,7 +50,7 @@ async function presentFile(): Promise<Uint8Array<ArrayBuffer>> {
     const { core, codes } = await encoded();
     return materialFile(codes, core, rotation());
   }
-  const opened = textures.value.get(bottom.texture);
+  const opened = textures.get(bottom.texture);
   if (opened === undefined) throw new Refusal("The texture was not opened.");
   return opened.texture.file;
 }
@@ -120,11 +120,6 @@ const MORE: Readonly<Record<string, readonly Kind[]>> = {
       label: "Mitsuba XML",
       hint: "a BSDF for a scene file",
       save: (name) => download(`${name}.xml`, textBlob(mitsubaXml(material.value))),
-    },
-    {
-      label: "Mitsuba dict",
-      hint: "the BSDF for mi.load_dict",
-      save: (name) => download(`${name}-dict.py`, textBlob(mitsubaDict(material.value))),
     },
     {
       label: "Python",

@@ -5,6 +5,7 @@ import { loading, noPicture, occluding, session } from "../engine/session";
 import { titleOf } from "../material/presets";
 import { DIFFERENCE_SCALES, INITIAL, type View } from "../state/state";
 import { change, look, notice, state, task } from "../state/store";
+import { Choice } from "./Choice";
 
 /** The id of the picture's place. */
 export const STAGE = "stage";
@@ -226,16 +227,11 @@ function Legend() {
       <div class="ramp" aria-hidden="true" />
       <label>
         <span class="spoken">Largest difference</span>
-        <select
+        <Choice
           value={scale}
-          onChange={(event) => look({ scale: Number(event.currentTarget.value) })}
-        >
-          {DIFFERENCE_SCALES.map((value) => (
-            <option key={value} value={value}>
-              {value}
-            </option>
-          ))}
-        </select>
+          options={DIFFERENCE_SCALES.map((value) => [value, value])}
+          onChange={(value) => look({ scale: value })}
+        />
       </label>
       {found && (
         <span title="Mean over the pixels that differ, and the largest difference">

@@ -2,6 +2,7 @@
 
 import { COMPARISONS, type Comparison, ENVIRONMENTS, OBJECTS, type State } from "../state/state";
 import { change, state } from "../state/store";
+import { Choice, Segments } from "./Choice";
 import { Dial } from "./Dial";
 
 const COMPARISON_NAMES: Record<Comparison, string> = {
@@ -14,37 +15,25 @@ const COMPARISON_NAMES: Record<Comparison, string> = {
 export function Toolbar() {
   const { object, mesh, environment, panorama, rotation, exposure, comparison } = state.value;
   const set = (next: Partial<State>, kind = "") => change({ ...state.value, ...next }, kind);
-  const objects = mesh === "" ? OBJECTS : ([...OBJECTS, "own"] as const);
+  const objects: State["object"][] = mesh === "" ? [...OBJECTS] : [...OBJECTS, "own"];
   const environments = ENVIRONMENTS.filter((name) => name !== "own" || panorama !== "");
   return (
     <div class="toolbar" role="toolbar" aria-label="Scene">
       <label>
         <span>Object</span>
-        <select
+        <Choice
           value={object}
-          onChange={(event) => set({ object: event.currentTarget.value as State["object"] })}
-        >
-          {objects.map((name) => (
-            <option key={name} value={name}>
-              {name === "own" ? mesh : capital(name)}
-            </option>
-          ))}
-        </select>
+          options={objects.map((name) => [name, name === "own" ? mesh : capital(name)])}
+          onChange={(name) => set({ object: name })}
+        />
       </label>
       <label>
         <span>Light</span>
-        <select
+        <Choice
           value={environment}
-          onChange={(event) =>
-            set({ environment: event.currentTarget.value as State["environment"] })
-          }
-        >
-          {environments.map((name) => (
-            <option key={name} value={name}>
-              {name === "own" ? panorama : capital(name)}
-            </option>
-          ))}
-        </select>
+          options={environments.map((name) => [name, name === "own" ? panorama : capital(name)])}
+          onChange={(name) => set({ environment: name })}
+        />
       </label>
       <Dial
         label="Turn"
@@ -66,18 +55,12 @@ export function Toolbar() {
         step={0.1}
         onInput={(value) => set({ exposure: Number(value.toFixed(1)) }, "exposure")}
       />
-      <div class="segments" role="group" aria-label="Compare">
-        {COMPARISONS.map((name) => (
-          <button
-            key={name}
-            type="button"
-            aria-pressed={comparison === name}
-            onClick={() => set({ comparison: name })}
-          >
-            {COMPARISON_NAMES[name]}
-          </button>
-        ))}
-      </div>
+      <Segments
+        name="Compare"
+        value={comparison}
+        options={COMPARISONS.map((name) => [name, COMPARISON_NAMES[name]])}
+        onChange={(name) => set({ comparison: name })}
+      />
     </div>
   );
 }

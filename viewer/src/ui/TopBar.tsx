@@ -5,6 +5,7 @@ import { openFiles } from "../engine/open";
 import { titleOf } from "../material/presets";
 import { canRedo, canUndo, material, redo, state, undo } from "../state/store";
 import { HelpButton } from "./Help";
+import { IconButton } from "./IconButton";
 import { Icon } from "./icons";
 import { Menu } from "./Menu";
 import { Presets } from "./Presets";
@@ -38,26 +39,20 @@ export function TopBar() {
         {(close) => <Presets onChosen={close} />}
       </Menu>
       <span class="spacer" />
-      <button
-        type="button"
-        class="icon-button"
-        aria-label="Undo"
+      <IconButton
+        name="Undo"
         title="Undo (Ctrl+Z)"
-        aria-disabled={!canUndo.value}
+        icon="undo"
+        disabled={!canUndo.value}
         onClick={undo}
-      >
-        <Icon name="undo" />
-      </button>
-      <button
-        type="button"
-        class="icon-button"
-        aria-label="Redo"
+      />
+      <IconButton
+        name="Redo"
         title="Redo (Ctrl+Shift+Z)"
-        aria-disabled={!canRedo.value}
+        icon="redo"
+        disabled={!canRedo.value}
         onClick={redo}
-      >
-        <Icon name="redo" />
-      </button>
+      />
       <input
         ref={input}
         type="file"

@@ -3,6 +3,7 @@
 import { Refusal } from "../refusal";
 import { INITIAL, type State, TONES, type Tone } from "../state/state";
 import { change, complain, look, state } from "../state/store";
+import { Choice } from "./Choice";
 import { Dial } from "./Dial";
 import { STAGE, wantsStillness } from "./Stage";
 
@@ -44,18 +45,11 @@ export function ViewMenu({ onDone }: { onDone: () => void }) {
       />
       <label>
         <span>Background</span>
-        <select
+        <Choice
           value={isColour ? "colour" : background}
-          onChange={({ currentTarget: { value } }) =>
-            set({ background: value === "colour" ? PLAIN : value })
-          }
-        >
-          {Object.entries(BACKGROUNDS).map(([value, label]) => (
-            <option key={value} value={value}>
-              {label}
-            </option>
-          ))}
-        </select>
+          options={Object.entries(BACKGROUNDS)}
+          onChange={(value) => set({ background: value === "colour" ? PLAIN : value })}
+        />
         {isColour && (
           <input
             type="color"
@@ -68,13 +62,11 @@ export function ViewMenu({ onDone }: { onDone: () => void }) {
       </label>
       <label>
         <span>Tone curve</span>
-        <select value={tone} onChange={(event) => set({ tone: event.currentTarget.value as Tone })}>
-          {TONES.map((name) => (
-            <option key={name} value={name}>
-              {TONE_NAMES[name]}
-            </option>
-          ))}
-        </select>
+        <Choice
+          value={tone}
+          options={TONES.map((name) => [name, TONE_NAMES[name]])}
+          onChange={(value) => set({ tone: value })}
+        />
       </label>
       <label title={wantsStillness() ? "Your system asks for less motion." : undefined}>
         <span>Turntable</span>

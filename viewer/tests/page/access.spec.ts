@@ -46,7 +46,7 @@ test("axe finds nothing", async ({ page }) => {
   await check(390, 844);
 });
 
-test("every control is reached by the keyboard", async ({ page }) => {
+test("every control is reached by the keyboard, and news are spoken once", async ({ page }) => {
   await open(page);
   const reached = new Set<string>();
   for (let step = 0; step < 200; step++) {
@@ -69,12 +69,7 @@ test("every control is reached by the keyboard", async ({ page }) => {
     "Angle of incidence",
   ])
     expect([...reached]).toContain(name);
-});
 
-test("the material is in the names of page and picture, and news are spoken once", async ({
-  page,
-}) => {
-  await open(page);
   await expect(page).toHaveTitle("Vermilion urushi · Urushi");
   await expect(page.locator(".stage canvas")).toHaveAttribute("aria-label", /goblet of Vermilion/);
   const spoken = await page.evaluateHandle(() => {
@@ -120,7 +115,9 @@ test("the menu of materials is one stop of the keyboard, with arrows, and a sear
   await expect(page.getByLabel("Name of the material")).toHaveValue("Celadon");
 });
 
-test("tooltips are read by keyboard and by touch", async ({ page }) => {
+test("tooltips are read by keyboard and touch, type grows, and numbers are not cut off", async ({
+  page,
+}) => {
   await open(page);
   await page.getByRole("button", { name: "Explain the page" }).click();
   const told = page.locator(".explanation");
@@ -131,12 +128,7 @@ test("tooltips are read by keyboard and by touch", async ({ page }) => {
   await expect(told).toContainText("How opaque the pigment is");
   await page.getByRole("button", { name: "Explain the page" }).click();
   await expect(told).toBeHidden();
-});
 
-test("type grows with wide windows and with the reader's, numbers are not cut off, and toolbars tell where they go on", async ({
-  page,
-}) => {
-  await open(page);
   const size = () =>
     page.evaluate(() => Number.parseFloat(getComputedStyle(document.body).fontSize));
   await page.setViewportSize({ width: 1440, height: 900 });

@@ -103,6 +103,13 @@ export async function open(page: Page, address = ""): Promise<void> {
   await unfold(page);
 }
 
+/** Begin anew on a page that is open, which is faster than loading it. */
+export async function reset(page: Page, state: object = INITIAL): Promise<void> {
+  await page.waitForTimeout(500); // until the address is that of the present state
+  await page.evaluate((hash) => location.assign(hash), addressOf(state));
+  await unfold(page);
+}
+
 /** Show plots, channels of colours, and what is advanced. */
 export async function unfold(page: Page): Promise<void> {
   for (const closed of ["details:not([open]) > summary", ".channels[aria-expanded=false]"]) {

@@ -30,7 +30,9 @@ async function matt(page: import("@playwright/test").Page, reflectance: number[]
   await open(page, addressOf({ materials, object: "ball" }));
 }
 
-test("the picture shows the material, and follows it", async ({ page }) => {
+test("the picture shows the material, and follows it, the exposure and the keyboard", async ({
+  page,
+}) => {
   await matt(page, [0.8, 0.1, 0.1]);
   await expect
     .poll(async () => {
@@ -46,11 +48,7 @@ test("the picture shows the material, and follows it", async ({ page }) => {
       return red! < green!;
     })
     .toBe(true);
-});
 
-test("a brighter exposure is brighter, and the camera turns by the keyboard", async ({ page }) => {
-  await matt(page, [0.1, 0.1, 0.1]);
-  await expect.poll(async () => (await colourAt(page, 0.5, 0.4))[0]!).toBeGreaterThan(5);
   const [before] = await colourAt(page, 0.5, 0.4);
   await page.getByRole("slider", { name: "Exposure" }).focus();
   for (let step = 0; step < 10; step++) await page.keyboard.press("ArrowRight");

@@ -1,7 +1,7 @@
 import { describe, expect, test } from "vitest";
 import type { Physics } from "../../src/material/appearance";
 import type { CoatCard, MaterialCards } from "../../src/material/material";
-import { mitsubaDict, mitsubaXml } from "../../src/save/mitsuba";
+import { mitsubaXml } from "../../src/save/mitsuba";
 import { fileName, pythonText } from "../../src/save/python";
 
 const STACK: MaterialCards = {
@@ -36,7 +36,6 @@ test("Appearance, thickness and energy compensation are written as they were giv
   expect(xml).toContain('<rgb name="color" value="0.9, 0.6, 0.3"/>');
   expect(xml).toContain('<boolean name="energy_compensation" value="true"/>');
   expect(xml).not.toContain("sigma_t");
-  expect(mitsubaDict(material)).toContain('"energy_compensation": True,');
 });
 
 test("Mitsuba XML: the topmost coat is the outermost", () => {
@@ -54,19 +53,13 @@ test("Mitsuba XML: the topmost coat is the outermost", () => {
   expect(text.match(/<bsdf/g)).toHaveLength(text.match(/<\/bsdf>/g)!.length);
 });
 
-test("Mitsuba's dictionary: the same nodes", () => {
-  const text = mitsubaDict(STACK);
-  expect(text.match(/"type": "(neural_layered|roughconductor)"/g)).toHaveLength(3);
-  expect(text).toContain('"sigma_t": {"type": "rgb", "value": [0.1, 0.2, 0.3]}');
-});
-
 describe("what has no such description", () => {
   const codes: MaterialCards = {
     ...STACK,
     bottom: { kind: "codes", latents: new Float32Array(3) },
     coats: [],
   };
-  test.each([mitsubaXml, mitsubaDict, pythonText])("is refused in one sentence", (write) => {
+  test.each([mitsubaXml, pythonText])("is refused in one sentence", (write) => {
     expect(() => write(codes)).toThrow(/loaded material.*\.$/);
   });
 });
