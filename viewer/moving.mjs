@@ -1,6 +1,6 @@
 /**
  * Measures the moving picture of the page: `PAGE=ADDRESS npm run moving [FOLDER
- * [ENVIRONMENT]]`, with the networks of a page that `urushi view` serves.
+ * [ENVIRONMENT]]`, with the networks of a page that `urushi view` serves. FRAMES: of a mean, 24 if left out.
  *
  * For every material of the library, draws the first picture after a change and the mean of many
  * frames, in one page, without its interface. Writes both as PNG, and prints FLIP (Andersson et al. 2020)
@@ -16,7 +16,7 @@ const FOLDER = process.argv[2] ?? "out/moving";
 const ENVIRONMENT = process.argv[3] ?? "studio";
 const PAGE = process.env.PAGE ?? "http://127.0.0.1:8497/";
 const [WIDTH, HEIGHT] = [280, 245];
-const FRAMES = 24;
+const FRAMES = Number(process.env.FRAMES ?? 24);
 
 const FLIP = `
 import sys
@@ -26,20 +26,30 @@ print(format(flip_evaluator.evaluate(*sys.argv[1:], "LDR")[1], ".3f"))
 
 /** Runs in the page: [name, first picture, mean or null] of a material, as addresses of PNG. */
 async function pictures([place, isMeanKnown, environment, width, height, frames]) {
-  const [{ PRESETS }, { stackOf }, remote, engine, { Renderer }, meshes, { INITIAL }, hiding] =
-    await Promise.all(
-      [
-        "/src/material/presets.ts",
-        "/src/material/material.ts",
-        "/src/engine/remote.ts",
-        "/src/engine/engine.ts",
-        "/src/picture/renderer.ts",
-        "/src/picture/meshes.ts",
-        "/src/state/state.ts",
-        "/src/core/occlusion.ts",
-      ].map((path) => import(path)),
-    );
-  const { SAMPLES, TABLE_ROWS, shiftOf } = engine;
+  const [
+    { PRESETS },
+    { stackOf },
+    remote,
+    engine,
+    { Renderer },
+    meshes,
+    { INITIAL },
+    hiding,
+    sequence,
+  ] = await Promise.all(
+    [
+      "/src/material/presets.ts",
+      "/src/material/material.ts",
+      "/src/engine/remote.ts",
+      "/src/engine/engine.ts",
+      "/src/picture/renderer.ts",
+      "/src/picture/meshes.ts",
+      "/src/state/state.ts",
+      "/src/core/occlusion.ts",
+      "/src/core/sequence.ts",
+    ].map((path) => import(path)),
+  );
+  const { SAMPLES, TABLE_ROWS } = engine;
   window.cores ??= new remote.Cores(await remote.connect());
   if (window.renderer === undefined) {
     const canvas = Object.assign(document.createElement("canvas"), { width, height });
@@ -62,10 +72,12 @@ async function pictures([place, isMeanKnown, environment, width, height, frames]
   const material = await core.layer(stack);
   const sizes = { ...TABLE_ROWS[core.widths], samples: SAMPLES };
   const draw = async (count, isFirst) => {
-    const table = await core.table(material, { ...sizes, shift: shiftOf(count) });
+    const shift = sequence.sequencePoint(SAMPLES * count, [0, 0, 0]);
+    const table = await core.table(material, { ...sizes, shift });
     renderer.setTable(0, table, sizes, preset.rotation, isFirst);
     renderer.drawFrame(shot, count, 1, 1, 1).next();
   };
+  renderer.setMaterial(0, material);
   await draw(0, true);
   const first = shown.toDataURL();
   if (isMeanKnown) return [preset.name, first, null];

@@ -1,13 +1,11 @@
 /** The page's own file of weights, of half precision and fewer bits, as Python packs it. */
 
 import { execFileSync } from "node:child_process";
-import { existsSync } from "node:fs";
-import { join } from "node:path";
 import { expect, test } from "vitest";
 import { loadCore } from "../../src/core/core";
+import { hasPython, PYTHON } from "../python";
 import { bytesOf, readVectors, SHIPPED } from "./vectors";
 
-const PYTHON = process.env.PYTHON ?? join(import.meta.dirname, "../../../.venv/bin/python");
 const PACK = `
 import sys
 from urushi.app.page_files import packed_weights
@@ -18,11 +16,11 @@ sys.stdout.buffer.write(packed_weights(find(None)))
 const vectors = readVectors("default");
 
 // Needs the project's Python environment.
-test.skipIf(!existsSync(PYTHON) || vectors === undefined)("it hardly changes f", () => {
+test.skipIf(!hasPython)("it hardly changes f", () => {
   const bytes = execFileSync(PYTHON, ["-c", PACK], { maxBuffer: 2 ** 24 });
   const [exact, rounded] = [loadCore(bytesOf(SHIPPED)), loadCore(Uint8Array.from(bytes).buffer)];
-  const [wi, wo] = [vectors!.of("wi"), vectors!.of("wo")];
-  const errors = vectors!.stacks.flatMap((stack) => {
+  const [wi, wo] = [vectors.of("wi"), vectors.of("wo")];
+  const errors = vectors.stacks.flatMap((stack) => {
     const f = exact.f(exact.layer(stack), wi, wo);
     const near = rounded.f(rounded.layer(stack), wi, wo);
     return [...f].map((value, i) => Math.abs((near[i] as number) / value - 1));

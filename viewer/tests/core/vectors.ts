@@ -1,6 +1,6 @@
 /** Golden vectors of Python, see `viewer/tests/golden.py`. */
 
-import { existsSync, readFileSync } from "node:fs";
+import { readFileSync } from "node:fs";
 import type { Stack } from "../../src/core/api";
 import { TensorFile } from "../../src/core/safetensors";
 import { type MaterialCards, stackOf } from "../../src/material/material";
@@ -12,11 +12,6 @@ const FOLDER = new URL("./golden/", import.meta.url);
 export function bytesOf(path: string | URL): ArrayBuffer {
   const bytes = readFileSync(path);
   return bytes.buffer.slice(bytes.byteOffset, bytes.byteOffset + bytes.byteLength) as ArrayBuffer;
-}
-
-/** A file of the folder of golden vectors. */
-export function goldenFile(name: string): URL {
-  return new URL(name, FOLDER);
 }
 
 /** The weights that Urushi ships. */
@@ -36,12 +31,9 @@ export interface Vectors {
   of(name: string, stack?: number): Float32Array;
 }
 
-/** Read the vectors of a name; undefined if there are none. */
-export function readVectors(name: string): Vectors | undefined {
-  const path = goldenFile(`${name}_vectors.safetensors`);
-  if (!existsSync(path)) {
-    return undefined;
-  }
+/** Read the vectors of a name. */
+export function readVectors(name: string): Vectors {
+  const path = new URL(`${name}_vectors.safetensors`, FOLDER);
   const file = new TensorFile(new Uint8Array(bytesOf(path)));
   const materials = (file.description.stacks as unknown[]).map((stack) => readMaterial(stack));
   return {

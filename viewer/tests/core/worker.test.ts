@@ -1,7 +1,6 @@
 /** The core behind messages, with both sides in this process. */
 
 import { afterEach, beforeEach, describe, expect, test } from "vitest";
-import type { Stack } from "../../src/core/api";
 import { type CoreCalls, coreCalls } from "../../src/core/calls";
 import { loadCore } from "../../src/core/core";
 import { type Port, Remote, serve } from "../../src/core/rpc";
@@ -10,10 +9,8 @@ import { coreOf } from "../../src/engine/remote";
 import { bytesOf, readVectors, SHIPPED } from "./vectors";
 
 const vectors = readVectors("default");
-const stacks = vectors?.stacks ?? [];
-const stack = stacks[8] as Stack;
-const wi = vectors?.of("wi") ?? new Float32Array();
-const wo = vectors?.of("wo") ?? new Float32Array();
+const stack = vectors.stacks[8]!;
+const [wi, wo] = [vectors.of("wi"), vectors.of("wo")];
 const weights = () => bytesOf(SHIPPED);
 
 let remote: Remote<CoreCalls>;

@@ -1,8 +1,5 @@
 /** Media by their appearance: the formulas are Python's, and either description gives the other. */
 
-import { execFileSync } from "node:child_process";
-import { existsSync } from "node:fs";
-import { join } from "node:path";
 import { describe, expect, test } from "vitest";
 import { loadCore } from "../../src/core/core";
 import { coatedColor } from "../../src/core/formulas";
@@ -18,8 +15,8 @@ import { type Rgb, rgb } from "../../src/material/channels";
 import { stackOf } from "../../src/material/material";
 import { readMaterial } from "../../src/state/read";
 import { bytesOf, SHIPPED } from "../core/vectors";
+import { hasPython, python } from "../python";
 
-const PYTHON = process.env.PYTHON ?? join(import.meta.dirname, "../../../.venv/bin/python");
 const PROGRAM = `
 import json, sys
 import numpy as np
@@ -64,19 +61,18 @@ const whiteUnder = (alpha: number, energyCompensation: boolean) =>
 const cosines = Float32Array.from({ length: 10 }, (_, k) => 0.1 * (k + 1));
 
 // Needs the project's Python environment, which `make test-web` sets up.
-test.skipIf(!existsSync(PYTHON))("values are those of Python", { timeout: 120_000 }, () => {
-  const args = ["-c", PROGRAM, JSON.stringify(MEDIA), JSON.stringify(COATS)];
-  const python = JSON.parse(execFileSync(PYTHON, args, { encoding: "utf-8" }));
+test.skipIf(!hasPython)("values are those of Python", { timeout: 120_000 }, () => {
+  const known = JSON.parse(python(PROGRAM, JSON.stringify(MEDIA), JSON.stringify(COATS)));
   for (const [place, [color, body, bodyColor, g]] of MEDIA.entries()) {
     const { albedo, sigmaT } = physicsOf({ color, body, bodyColor, g });
-    expect(albedo).toBeCloseTo(python.media[place][0], 9);
-    expect(sigmaT).toBeCloseTo(python.media[place][1], 9);
+    expect(albedo).toBeCloseTo(known.media[place][0], 9);
+    expect(sigmaT).toBeCloseTo(known.media[place][1], 9);
   }
   for (const [place, coat] of COATS.entries())
-    expect(coatedColor(...coat)).toBeCloseTo(python.colors[place], 9);
+    expect(coatedColor(...coat)).toBeCloseTo(known.colors[place], 9);
   // The page takes the loss from the networks, whose albedos are within 0.02 of light transport.
   const core = shipped();
-  for (const [alpha, lost] of Object.entries(python.lost as Record<string, number[]>)) {
+  for (const [alpha, lost] of Object.entries(known.lost as Record<string, number[]>)) {
     const kept = core.albedo(core.layer(whiteUnder(Number(alpha), false)), cosines);
     for (const [place, share] of lost.entries())
       expect(Math.abs(1 - kept[3 * place]! - share)).toBeLessThan(0.03);

@@ -18,22 +18,22 @@ const COLOURS = ["color-contrast", "link-in-text-block"];
 
 test("axe finds nothing", async ({ page }) => {
   await open(page);
-  const check = async (width: number, height: number) => {
+  const check = async (width: number, height: number, media = MEDIA.slice(0, 1)) => {
     await page.setViewportSize({ width, height });
-    for (const [place, media] of MEDIA.entries()) {
-      await page.emulateMedia(media);
+    for (const [place, medium] of media.entries()) {
+      await page.emulateMedia(medium);
       const rules = Object.fromEntries(RULES.map((rule) => [rule, { enabled: true }]));
       const builder = new AxeBuilder({ page }).setLegacyMode(); // as the page has no frames
       if (place === 0) builder.withTags(TAGS).options({ rules });
       else builder.withRules(COLOURS);
       const { violations } = await builder.analyze();
       const found = violations.map(({ id, nodes }) => [id, nodes[0]!.html]);
-      expect(found, `${width} by ${height}, ${JSON.stringify(media)}`).toEqual([]);
+      expect(found, `${width} by ${height}, ${JSON.stringify(medium)}`).toEqual([]);
     }
   };
   const button = (name: string) => page.getByRole("button", { name, exact: true });
   await check(360, 800);
-  await check(1600, 900);
+  await check(1600, 900, MEDIA);
   await button("Swipe").click();
   await button("Coat 2, u·v: two widths").click();
   await button("View").click();
@@ -41,7 +41,7 @@ test("axe finds nothing", async ({ page }) => {
   await check(844, 390);
   await button("Difference").click();
   await button("Save").click();
-  await check(1024, 768);
+  await check(1024, 768, MEDIA);
   await page.getByRole("button", { name: /choose another/ }).click();
   await check(390, 844);
 });

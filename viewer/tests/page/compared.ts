@@ -5,6 +5,7 @@ import { once } from "node:events";
 import { mkdirSync, writeFileSync } from "node:fs";
 import { join } from "node:path";
 import type { Page } from "@playwright/test";
+import { PYTHON } from "../python";
 
 /** See `mitsuba_picture.py`. */
 export interface Measures {
@@ -15,7 +16,6 @@ export interface Measures {
   tone: number;
 }
 
-export const PYTHON = process.env.PYTHON ?? join(import.meta.dirname, "../../../.venv/bin/python");
 const FOLDER = join(import.meta.dirname, "../../out/mitsuba");
 
 export const hasFlip = spawnSync(PYTHON, ["-c", "import flip_evaluator"]).status === 0;

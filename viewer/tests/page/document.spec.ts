@@ -1,11 +1,10 @@
 /** The page as one document: in a frame of a notebook, and opened as a file. */
 
-import { execFileSync } from "node:child_process";
 import { mkdtempSync, readFileSync, rmSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
 import type { FrameLocator, Page } from "@playwright/test";
-import { PYTHON } from "./compared";
+import { python } from "../python";
 import { expect, test } from "./page";
 
 // The page as it is, and all that it computes
@@ -18,7 +17,7 @@ test.beforeAll(() => {
   folder = mkdtempSync(join(tmpdir(), "document-"));
   file = join(folder, "lacquer.html");
   const text = "coat(diffuse(0.5), alpha=0.2, sigma_t=1.0)";
-  execFileSync(PYTHON, ["-m", "urushi.app.cli", "view", text, "-o", file]);
+  python("-m", "urushi.app.cli", "view", text, "-o", file);
 });
 
 test.afterAll(() => rmSync(folder, { recursive: true, force: true }));
@@ -60,7 +59,7 @@ test("a browser opens the document by itself", async ({ browser }) => {
 
 test("a page for a server, opened as a file, says what to do", async ({ browser }) => {
   const site = join(folder, "site");
-  execFileSync(PYTHON, ["-m", "urushi.app.cli", "view", "-o", site]);
+  python("-m", "urushi.app.cli", "view", "-o", site);
   const page = await browser.newPage();
   await page.goto(`file://${site}/index.html`);
   await expect(page.getByText("Browsers run this page only from a web server")).toBeVisible();

@@ -1,12 +1,12 @@
 /** Textures of codes: decoded at each pixel, as Mitsuba renders them; and what cannot be done. */
 
-import { execFileSync } from "node:child_process";
 import { mkdtempSync, readFileSync, rmSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
 import type { Page } from "@playwright/test";
 import { crc32 } from "../../src/save/zip";
-import { compared, hasFlip, PYTHON } from "./compared";
+import { python } from "../python";
+import { compared, hasFlip } from "./compared";
 import { addressOf, coats, colourAt, expect, give, open, refined, saved, test } from "./page";
 
 let folder: string;
@@ -15,7 +15,7 @@ let texture: Buffer;
 test.beforeAll(() => {
   folder = mkdtempSync(join(tmpdir(), "texture-"));
   const file = join(folder, "stripes.safetensors");
-  execFileSync(PYTHON, [join(import.meta.dirname, "texture.py"), file]);
+  python(join(import.meta.dirname, "texture.py"), file);
   texture = readFileSync(file);
 });
 

@@ -1,10 +1,10 @@
 /** The example with three.js: its pixels are those of `Material.f`. */
 
-import { execFileSync } from "node:child_process";
 import { mkdtempSync, rmSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
 import type { Page } from "@playwright/test";
+import { python } from "../python";
 import { expect, test } from "./page";
 
 interface Pixel {
@@ -16,7 +16,6 @@ interface Pixel {
 const SIZE = 84;
 const EXAMPLE = join(import.meta.dirname, "../../../examples/threejs");
 const MODULES = join(import.meta.dirname, "../../node_modules");
-const PYTHON = process.env.PYTHON ?? join(import.meta.dirname, "../../../.venv/bin/python");
 
 test.use({ deviceScaleFactor: 1, picture: true });
 
@@ -26,7 +25,7 @@ let pixels: Pixel[];
 test.beforeAll(() => {
   folder = mkdtempSync(join(tmpdir(), "threejs-"));
   const script = join(import.meta.dirname, "sphere.py");
-  pixels = JSON.parse(execFileSync(PYTHON, [script, folder, String(SIZE)], { encoding: "utf8" }));
+  pixels = JSON.parse(python(script, folder, String(SIZE)));
 });
 
 test.afterAll(() => rmSync(folder, { recursive: true, force: true }));

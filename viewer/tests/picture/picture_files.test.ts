@@ -1,13 +1,11 @@
-import { execFileSync } from "node:child_process";
-import { existsSync, mkdtempSync, readFileSync, rmSync } from "node:fs";
+import { mkdtempSync, readFileSync, rmSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { describe, expect, test } from "vitest";
 import { FileError } from "../../src/core/safetensors";
 import { readExr, readHdr } from "../../src/picture/picture_files";
 import { exrFile } from "../../src/save/exr";
-
-const PYTHON = process.env.PYTHON ?? join(import.meta.dirname, "../../../.venv/bin/python");
+import { hasPython, python } from "../python";
 
 /** Writes pictures that Mitsuba compresses, in single and in half precision, and prints the pixels. */
 const WRITE = `
@@ -30,11 +28,9 @@ describe("reading .exr files", () => {
     expect(readExr(exrFile(panorama))).toEqual(panorama);
   });
 
-  test.skipIf(!existsSync(PYTHON))("what Mitsuba writes is read", () => {
+  test.skipIf(!hasPython)("what Mitsuba writes is read", () => {
     const folder = mkdtempSync(join(tmpdir(), "exr-"));
-    const written: number[] = JSON.parse(
-      execFileSync(PYTHON, ["-c", WRITE, folder], { encoding: "utf8" }),
-    );
+    const written: number[] = JSON.parse(python(WRITE, folder));
     const read = (name: string) => readExr(readFileSync(join(folder, name)));
     const single = read("single.exr");
     expect([single.width, single.height]).toEqual([64, 32]);

@@ -1,15 +1,14 @@
 /** The files of the basis's texture, beside those of Python's `urushi export`. */
 
-import { execFileSync } from "node:child_process";
-import { existsSync, mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";
+import { mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { expect, test } from "vitest";
 import { loadCore } from "../../src/core/core";
 import { basisFile, type Format } from "../../src/save/basis_texture";
 import { bytesOf, SHIPPED } from "../core/vectors";
+import { hasPython, python } from "../python";
 
-const PYTHON = process.env.PYTHON ?? join(import.meta.dirname, "../../../.venv/bin/python");
 const WRITE = `
 import sys
 import numpy as np
@@ -24,11 +23,11 @@ basis_texture(basis, TextureForm(axes=2, numbers=3)).astype(np.float32).tofile(t
 `;
 
 // Needs the project's Python environment.
-test.skipIf(!existsSync(PYTHON))("files are those of Python", { timeout: 60_000 }, async () => {
+test.skipIf(!hasPython)("files are those of Python", { timeout: 60_000 }, async () => {
   const folder = mkdtempSync(join(tmpdir(), "urushi-"));
   try {
     const paths = ["basis.npy", "basis.dds", "basis.f32"].map((name) => join(folder, name));
-    execFileSync(PYTHON, ["-c", WRITE, ...paths]);
+    python(WRITE, ...paths);
     const [npy, dds, image] = paths.map((path) => readFileSync(path)) as [Buffer, Buffer, Buffer];
     const texels = loadCore(bytesOf(SHIPPED)).basisTexels();
     const found = async (format: Format) =>

@@ -1,7 +1,6 @@
 /** MaterialX documents: OpenPBR's own formulas give the page's materials back; Python reads the same. */
 
-import { execFileSync } from "node:child_process";
-import { existsSync, mkdtempSync, rmSync, writeFileSync } from "node:fs";
+import { mkdtempSync, rmSync, writeFileSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { expect, test } from "vitest";
@@ -11,8 +10,8 @@ import { METALS, preset } from "../../src/material/presets";
 import { materialxText } from "../../src/save/materialx";
 import { readMaterial } from "../../src/state/read";
 import { bytesOf, SHIPPED } from "../core/vectors";
+import { hasPython, python } from "../python";
 
-const PYTHON = process.env.PYTHON ?? join(import.meta.dirname, "../../../.venv/bin/python");
 const READ = `
 import json, sys
 from urushi.openpbr_surface.materialx.surface import read_surface
@@ -101,7 +100,7 @@ test.each([
   });
 });
 
-test.skipIf(!existsSync(PYTHON))("Python reads the same parameters", { timeout: 120_000 }, () => {
+test.skipIf(!hasPython)("Python reads the same parameters", { timeout: 120_000 }, () => {
   const folder = mkdtempSync(join(tmpdir(), "urushi-"));
   try {
     const path = join(folder, "paint.mtlx");
@@ -112,7 +111,7 @@ test.skipIf(!existsSync(PYTHON))("Python reads the same parameters", { timeout: 
     const { text, lost } = materialxText(readMaterial(material));
     expect(lost).toBe("");
     writeFileSync(path, text);
-    const read = JSON.parse(execFileSync(PYTHON, ["-c", READ, path], { encoding: "utf-8" }));
+    const read = JSON.parse(python(READ, path));
     for (const [name, value] of Object.entries(inputs(text)))
       [value].flat().forEach((number, k) => {
         expect([read[name]].flat()[k]).toBeCloseTo(number, 6);

@@ -1,7 +1,6 @@
 /** What the page saves, in Python: it gives the f that the page computes. */
 
-import { execFileSync } from "node:child_process";
-import { existsSync, mkdirSync, mkdtempSync, rmSync, writeFileSync } from "node:fs";
+import { mkdirSync, mkdtempSync, rmSync, writeFileSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { afterAll, expect, test } from "vitest";
@@ -13,8 +12,8 @@ import { pythonText } from "../../src/save/python";
 import { shaderText } from "../../src/save/shader";
 import { readMaterial } from "../../src/state/read";
 import { bytesOf, readVectors, relativeError, SHIPPED } from "../core/vectors";
+import { hasPython, python } from "../python";
 
-const PYTHON = process.env.PYTHON ?? join(import.meta.dirname, "../../../.venv/bin/python");
 const EVALUATE = join(import.meta.dirname, "evaluate.py");
 const NETWORKS = `
 import json
@@ -45,21 +44,17 @@ const UNDER_VARNISH = [
 const folder = mkdtempSync(join(tmpdir(), "urushi-"));
 afterAll(() => rmSync(folder, { recursive: true }));
 
-function python(...args: string[]): string {
-  return execFileSync(PYTHON, args, { encoding: "utf-8" });
-}
-
 // Needs the project's Python environment, which `make test-web` sets up.
-test.skipIf(!existsSync(PYTHON) || vectors === undefined)(
+test.skipIf(!hasPython)(
   "a saved material, its code and its program give the page's f",
   { timeout: 120_000 },
   () => {
     const core = loadCore(bytesOf(SHIPPED));
     const { latentSize } = core;
-    const [wi, wo] = [vectors!.of("wi"), vectors!.of("wo")];
-    const { template, fingerprint } = JSON.parse(python("-c", NETWORKS));
+    const [wi, wo] = [vectors.of("wi"), vectors.of("wo")];
+    const { template, fingerprint } = JSON.parse(python(NETWORKS));
     const own = ["Vermilion urushi", "Candy blue car paint", "White enamel"].map(preset);
-    const cards = [vectors!.materials[3]!, vectors!.materials[8]!, ...own, ...UNDER_VARNISH];
+    const cards = [vectors.materials[3]!, vectors.materials[8]!, ...own, ...UNDER_VARNISH];
     const expected = cards.map((material, place) => {
       const files = join(folder, String(place));
       mkdirSync(files);
