@@ -4,7 +4,7 @@ import hashlib
 import sys
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Any, ClassVar
+from typing import Annotated, Any
 
 import tyro
 
@@ -111,7 +111,7 @@ class Render(render.Render):
     """
 
     #: Camera rays of a pass, at most: activations take about 4 kB for every ray.
-    RAYS: ClassVar[int] = 1 << 17
+    RAYS = 1 << 17
 
     def run(self) -> int:
         with separate_kernels():

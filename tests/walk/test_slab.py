@@ -4,7 +4,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from tests.oracles import adding_doubling, slab
+from tests.oracles import slab
 
 from urushi.walk import coat, conductor, diffuse, simulate
 
@@ -88,25 +88,6 @@ def test_walk_over_a_lambertian_reaches_the_smooth_limit(eta: float) -> None:
         error = np.abs(f[:, channel] - expected)
         assert np.all(error < 0.01 * expected + 4 * se[:, channel])
         assert np.median(f[:, channel] / expected) == pytest.approx(1, abs=5e-3)
-
-
-def test_adding_doubling_over_a_lambertian_approaches_the_smooth_limit() -> None:
-    wi, wo = pairs_off_the_mirror()
-    expected = slab.lambertian_f(wi[:, 2], wo[:, 2], 1.5, 0.5, 0.5)
-    worst = []
-    for alpha in (0.2, 0.1, 0.05):
-        stack = coat(diffuse(0.5), alpha, 1.5, albedo=0.0, sigma_t=0.5)
-        f = adding_doubling.solve(stack, wi, wo, nodes=40, modes=8)[:, 0]
-        f -= top_reflection(wi, wo, alpha)
-        worst.append(np.abs(f / expected - 1).max())
-    assert worst[0] > worst[1] > worst[2]
-    assert worst[2] < 0.02  # GGX's tails again
-
-
-def top_reflection(wi: np.ndarray, wo: np.ndarray, alpha: float) -> np.ndarray:
-    """The reflection of the top interface alone: that of a stack with a black bottom."""
-    black = coat(diffuse(0.0), alpha, 1.5, albedo=0.0, sigma_t=1.0)
-    return adding_doubling.solve(black, wi, wo, nodes=8, modes=2)[:, 0]
 
 
 @pytest.mark.parametrize("theta", [0.1, 0.6])

@@ -6,7 +6,6 @@ import drjit as dr
 import numpy as np
 import pytest
 
-from urushi.checks import Widths
 from urushi.core.directions import from_cosine
 from urushi.core.random import stream
 from urushi.walk import (
@@ -22,7 +21,6 @@ from urushi.walk import (
     walk_pairs,
 )
 from urushi.walk.bottoms import KINDS
-from urushi.walk.bottoms.conductor import SchlickConductor
 from urushi.walk.bottoms.diffuse import Lambertian
 from urushi.walk.monte_carlo import backend
 
@@ -34,27 +32,20 @@ def hemisphere(count: int, rng: np.random.Generator, lowest: float = 0.1) -> np.
     return np.stack([r * np.cos(phi), r * np.sin(phi), z], axis=1).astype(np.float32)
 
 
-def random_table(
-    kind: str, stacks: int, coats: int, rng: np.random.Generator, lowest_eta: float = 1.01
-) -> StackTable:
+def random_table(kind: str, stacks: int, coats: int, rng: np.random.Generator) -> StackTable:
     """Stacks over the whole range of every parameter."""
     shape = (stacks, coats)
     ranges = {
         "alpha": (0.01, 1),
-        "alpha_u": (0.01, 1),
-        "alpha_v": (0.01, 1),
-        "eta": (lowest_eta, 3),
+        "eta": (0.5, 3),
         "reflectance": (0, 1),
         "r0": (0, 1),
         "k": (0, 5),
     }
     bottom = {name: rng.uniform(*ranges[name], stacks) for name in KINDS[kind].parameters}
-    alpha = 10 ** rng.uniform(-2, 0, shape)
-    if kind.endswith("anisotropic"):
-        alpha = Widths(alpha, 10 ** rng.uniform(-2, 0, shape))
     return StackTable(
-        alpha=alpha,
-        eta=rng.uniform(lowest_eta, 2, shape),
+        alpha=10 ** rng.uniform(-2, 0, shape),
+        eta=rng.uniform(0.5, 2, shape),
         albedo=rng.uniform(0, 1, shape),
         sigma_t=rng.uniform(0, 4, shape) * (rng.random(shape) < 0.8),
         g=rng.uniform(-0.9, 0.9, shape),
@@ -74,29 +65,12 @@ FAMILIES = [
     ("dielectric", 4),
 ]
 
-#: Bottoms and all coats have two widths each. Without indices below one: beyond the critical angle,
-#: light enters through a few facets of the wider axis alone, often in none of the walks.
-ANISOTROPIC = [
-    ("conductor_anisotropic", 1),
-    ("conductor_complex_anisotropic", 1),
-    ("dielectric_anisotropic", 1),
-    ("conductor_anisotropic", 2),
-    ("dielectric_anisotropic", 2),
-    ("conductor_complex_anisotropic", 2),
-    ("conductor_anisotropic", 3),
-    ("dielectric_anisotropic", 4),
-]
 
-
-@pytest.mark.parametrize(
-    ("families", "lowest_eta"),
-    [(FAMILIES, 0.5), pytest.param(ANISOTROPIC, 1.01, marks=pytest.mark.slow)],
-)
-def test_200_random_stacks_are_reciprocal(families, lowest_eta: float) -> None:
+def test_200_random_stacks_are_reciprocal() -> None:
     rng = np.random.default_rng(5)
     there, back, z = [], [], []
-    for kind, coats in families:
-        table = random_table(kind, 25, coats, rng, lowest_eta)
+    for kind, coats in FAMILIES:
+        table = random_table(kind, 25, coats, rng)
         wi, wo = hemisphere(25, rng), hemisphere(25, rng)
         row = np.tile(np.arange(25, dtype=np.uint32), 2)
         both = np.concatenate([wi, wo]), np.concatenate([wo, wi])
@@ -160,15 +134,10 @@ def walk_in_color(stack, wi: np.ndarray, wo: np.ndarray, walks: int, seed: int):
 
 
 COLORED = {
-    "albedo": [dict(albedo=(0.9, 0.5, 1.0), sigma_t=2.0, g=0.3)],
-    "sigma_t": [dict(albedo=0.9, sigma_t=(0.2, 1.0, 6.0), g=0.3)],
     "clear in one channel": [dict(albedo=(0.9, 0.5, 1.0), sigma_t=(0.0, 2.0, 5.0), g=0.4)],
-    "g": [dict(albedo=0.95, sigma_t=2.0, g=(-0.5, 0.1, 0.8))],
     # a rough top: light leaves by sampled phase directions as often as by connections
     "g, rough": [dict(alpha=1.0, albedo=0.95, sigma_t=2.0, g=(-0.8, 0.0, 0.9))],
     "index below one": [dict(eta=0.7, albedo=(0.9, 0.5, 1.0), sigma_t=(0.0, 2.0, 5.0), g=0.4)],
-    "absorbing": [dict(albedo=0.0, sigma_t=(0.0, 1.0, 4.0))],
-    "hardly scattering": [dict(albedo=(0.0, 0.05, 0.15), sigma_t=(0.5, 2.0, 0.0), g=(0.3, 0, 0))],
     "hardly scattering over another": [
         dict(albedo=0.1, sigma_t=(0.0, 1.0, 2.0), g=0.5),
         dict(albedo=(0.02, 0.1, 0.9), sigma_t=(3.0, 0.0, 1.0)),
@@ -181,17 +150,7 @@ COLORED = {
 }
 
 
-#: Cases of the first tier: together they vary every parameter by channel.
-FIRST = ("clear in one channel", "g, rough", "index below one")
-
-
-@pytest.mark.parametrize(
-    "coats",
-    [
-        pytest.param(coats, id=name, marks=() if name in FIRST else pytest.mark.slow)
-        for name, coats in COLORED.items()
-    ],
-)
+@pytest.mark.parametrize("coats", COLORED.values(), ids=COLORED.keys())
 def test_one_walk_for_all_channels_equals_a_walk_per_channel(coats: list[dict]) -> None:
     stack = diffuse((0.8, 0.4, 0.1))
     for parameters in reversed(coats):
@@ -287,19 +246,6 @@ def test_a_custom_bottom_equals_the_built_in_one() -> None:
         z = (custom_f - f) / np.hypot(se, se_custom)
         assert np.abs(z).max() < 4
         assert np.mean(z**2) < 2  # 18 values
-
-
-def test_built_in_bottoms_can_be_used_as_custom_bottoms() -> None:
-    jit = backend()
-    rng = np.random.default_rng(7)
-    wi, wo = hemisphere(5, rng), hemisphere(5, rng)
-    stack = coat(SchlickConductor(jit.Float(0.2), jit.Float(0.9)), 0.2, 1.5, 0.9, 1.0)
-    same = coat(conductor(0.2, 0.9), 0.2, 1.5, 0.9, 1.0)
-    custom, _ = simulate(stack, wi, wo, walks=1 << 14, seed=3, progress=False)
-    f, se = simulate(same, wi, wo, walks=1 << 14, seed=3, progress=False)
-    assert np.all(np.abs(custom - f) < 6 * se)
-    # A pair of a custom bottom has three rows: only the first pair has the same random stream.
-    np.testing.assert_allclose(custom[0, 0], f[0, 0], rtol=1e-4)
 
 
 def test_f_is_zero_below_the_horizon() -> None:

@@ -5,7 +5,7 @@ import shutil
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Any, ClassVar
+from typing import Annotated, Any
 
 import numpy as np
 import tyro
@@ -73,7 +73,7 @@ class Render:
     """Seed of the random numbers."""
 
     #: Camera rays of a pass, at most.
-    RAYS: ClassVar[int] = RAYS
+    RAYS = RAYS
 
     def run(self) -> int:
         definitions = {}
