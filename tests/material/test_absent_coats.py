@@ -5,11 +5,9 @@ import itertools
 import numpy as np
 import pytest
 
-from urushi.checks import CoatParameters
 from urushi.core.direction_sets import cosine_pairs
 from urushi.core.error_metrics import stack_error
 from urushi.material import Material, encode, layer
-from urushi.material.layer import layer_texels
 from urushi.material.lerp import brighter_lobes
 from urushi.nets.lobe import f
 from urushi.walk import coat, conductor, dielectric, diffuse, simulate
@@ -118,13 +116,3 @@ def test_f_changes_gradually(trained, pairs):
     steps = [error(a, b, *few) for a, b in itertools.pairwise(coats)]
     # The two codes of nearly the same BRDF differ by several per cent; no step is as large.
     assert max(steps) < 0.05
-
-
-def test_texels_and_materials_agree(trained):
-    bare = encode(conductor(0.2, r0=(0.8, 0.5, 0.3)), trained)
-    eta = np.array([1.002, 1.002, 1.4])
-    together = layer_texels(
-        trained, bare.latents, CoatParameters(alpha=0.1, eta=eta, albedo=0.5, sigma_t=0.01, g=0.0)
-    )
-    alone = layer(dielectric(0.1, eta), bare, albedo=0.5, sigma_t=0.01, fast=True)
-    np.testing.assert_array_equal(together, alone.latents)

@@ -9,7 +9,7 @@ from urushi.core.direction_sets import cosine_pairs
 from urushi.core.quadrature import half_vector_rule
 from urushi.material import Material, encode, energy, layer
 from urushi.material.albedo_rule import albedo_rule
-from urushi.material.layer import layer_texels
+from urushi.material.layer import layer_material
 from urushi.material.values import codes_of, evaluate_source, material_from_values, required_pairs
 from urushi.nets.lobe_fit import fit_lobes
 from urushi.nets.weights import Model
@@ -230,10 +230,8 @@ def test_a_source_that_gains_energy_keeps_its_own_albedo(trained):
     assert material_from_values(evaluate_source(bright, *pairs).values, trained) == own
     blind = material_from_values(evaluate_source(bright, *trained.networks.pairs()).values, trained)
     assert blind.directional_albedo(WI).max() < 1 + BETWEEN
-    coated = layer_texels(
-        trained, own.latents, CoatParameters(alpha=0.1, eta=1.3, albedo=0, sigma_t=0, g=0)
-    )
-    assert Material(coated, trained).directional_albedo(WI).max() < 1 + BETWEEN
+    coated = layer_material(CoatParameters(*map(np.array, (0.1, 1.3, 0, 0, 0))), own, fast=True)
+    assert coated.directional_albedo(WI).max() < 1 + BETWEEN
 
 
 def test_a_black_source_gives_a_finite_code(trained):
@@ -246,24 +244,24 @@ def test_of_many_texels_the_bright_ones_are_limited(trained):
     bottoms = np.concatenate([
         encode(urushi.diffuse(rho), trained).latents[:1] for rho in (0.2, 0.6, 1.0)
     ])  # fmt: skip
-    shape = 60, 40, 3
-    coats = {
-        "alpha": rng.uniform(0.05, 0.5, shape), "eta": 1.5, "sigma_t": rng.uniform(0, 2, shape),
-        "albedo": np.where(rng.random(shape) < 0.3, 1.0, 0.5), "g": 0.0,
-    }  # fmt: skip
-    free = layer_texels(trained, bottoms, CoatParameters(**coats))
-    lifted = np.array(free)
+    count = 7200
+    coats = CoatParameters(
+        alpha=rng.uniform(0.05, 0.5, count),
+        eta=np.array(1.5),
+        albedo=np.where(rng.random(count) < 0.3, 1.0, 0.5),
+        sigma_t=rng.uniform(0, 2, count),
+        g=np.array(0.0),
+    )
+    below = Material(np.tile(bottoms, (count // 3, 1)), trained)
+    lifted = np.array(layer_material(coats, below, fast=True).latents)
     trained.networks.gains(lifted)[...] += np.log(1.15)
     limited = energy.limit_albedo(trained, lifted)
-    peaks = energy.directional_albedos(trained, limited.reshape(-1, limited.shape[-1])[::5]).max(
-        axis=-1
-    )
-    before = energy.directional_albedos(trained, lifted.reshape(-1, limited.shape[-1])[::5]).max(
-        axis=-1
+    peaks, before = (
+        energy.directional_albedos(trained, z[::5]).max(axis=-1) for z in (limited, lifted)
     )
     assert (before > 1).mean() > 0.02  # otherwise the limit would not be tested
     assert peaks.max() <= 1
-    untouched = (limited == lifted).all(axis=-1).reshape(-1)[::5]
+    untouched = (limited == lifted).all(axis=-1)[::5]
     assert np.array_equal(untouched, before <= 1 - energy.MARGIN)
 
 

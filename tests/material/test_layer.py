@@ -6,7 +6,7 @@ import pytest
 from urushi.checks import CoatParameters
 from urushi.errors import ParameterError, UrushiWarning
 from urushi.material import Material, encode, layer, lerp
-from urushi.material.layer import layer_texels, within_training
+from urushi.material.layer import within_training
 from urushi.walk import coat, conductor, dielectric, diffuse
 from urushi.walk.simulate import simulate
 
@@ -93,44 +93,6 @@ def test_lerp_refuses_strangers(material, model, other_model):
 def test_lerp_refuses_bad_shares(t, material):
     with pytest.raises(ParameterError, match="lerp's t"):
         lerp(material, material, t)
-
-
-def test_texels_are_coated_like_materials(material, model):
-    # 5 x 4 texels with their own parameters; a chunk boundary would change nothing but rounding.
-    rng = np.random.default_rng(5)
-    albedo, alpha = rng.random((5, 4, 3)), 0.01 + 0.99 * rng.random((5, 4, 1))
-    coated = layer_texels(
-        model,
-        material.latents,
-        CoatParameters(alpha=alpha, eta=1.5, albedo=albedo, sigma_t=1, g=0.2),
-    )
-    assert coated.shape == (5, 4, 3, 14) and coated.dtype == np.float32
-    single = layer(
-        dielectric(alpha[3, 2, 0], 1.5), material, albedo=albedo[3, 2], sigma_t=1, g=0.2, fast=True
-    )
-    np.testing.assert_allclose(coated[3, 2], single.latents, atol=1e-5)
-
-
-@pytest.mark.slow
-def test_large_textures_pass_in_chunks(model, draw_codes):
-    z = draw_codes((200, 40, 1), np.random.default_rng(6))
-    sigma_t = np.linspace(0, 8, 8_000).reshape(200, 40, 1)
-    whole = layer_texels(
-        model, z, CoatParameters(alpha=0.1, eta=1.5, albedo=0.5, sigma_t=sigma_t, g=0)
-    )
-    row = layer_texels(
-        model, z[170], CoatParameters(alpha=0.1, eta=1.5, albedo=0.5, sigma_t=sigma_t[170], g=0)
-    )
-    np.testing.assert_allclose(whole[170], row, atol=1e-5)
-
-
-def test_textures_refuse_bad_texels_and_shapes(model):
-    z = np.zeros((2, 2, 3, 14), np.float32)
-    good = {"alpha": 0.1, "eta": 1.5, "albedo": 0.5, "sigma_t": 1, "g": 0}
-    with pytest.raises(ParameterError, match="the coat's alpha is 0.005"):
-        layer_texels(model, z, CoatParameters(**good | {"alpha": [[[0.1]], [[0.005]]]}))
-    with pytest.raises(ParameterError, match="do not fit"):
-        layer_texels(model, z, CoatParameters(**good | {"albedo": np.full((5, 2, 3), 0.5)}))
 
 
 def test_indices_below_one_are_those_of_the_lobe(material):

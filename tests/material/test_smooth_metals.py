@@ -10,7 +10,7 @@ from tests.oracles.analog import analog_albedo
 import urushi
 from urushi.checks import CoatParameters
 from urushi.material import Material
-from urushi.material.layer import layer_texels
+from urushi.material.layer import layer_material
 
 GOLD = {"eta": (0.143, 0.374, 1.442), "k": (3.983, 2.385, 1.603)}
 SMOOTH = urushi.conductor(0.01, **GOLD)
@@ -55,7 +55,7 @@ def test_codes_of_smooth_gold_under_a_clear_coat():
     stack = urushi.coat(SMOOTH, 0.01, eta=1.5)
     bottom = urushi.encode(stack.bottom)
     coat = CoatParameters(*map(np.array, (0.01, 1.5, 0.0, 0.0, 0.0)))
-    material = Material(layer_texels(bottom.model, bottom.latents, coat), bottom.model)
+    material = layer_material(coat, Material(bottom.latents, bottom.model), fast=True)
     photons, _ = analog_albedo(stack, directions(ANGLES), walks=1 << 15)
     np.testing.assert_allclose(albedo(material, directions(ANGLES)), photons, rtol=0.04)
 

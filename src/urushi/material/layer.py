@@ -322,56 +322,22 @@ def with_widths(model: Model, coat: CoatParameters) -> CoatParameters:
     return coat._replace(alpha=Widths(coat.alpha, coat.alpha))
 
 
-def layer_texels(model: Model, z_bottom: np.ndarray, coat: CoatParameters) -> np.ndarray:
-    """Coat many texels by the layering network.
-
-    Args:
-        model: the weights.
-        z_bottom: codes (..., L) of the bottoms.
-        coat: arrays that broadcast against each other and against z_bottom's leading shape, e.g.
-            (H, W, 3). Anisotropic weights take one width, too.
-
-    Returns:
-        float32 (..., L), of the shape that all of them broadcast to; the bottom's where a coat has
-        neither an interface nor a medium. Under an index of at least 1 their directional albedo is
-        at most 1 (see `urushi.material.energy`).
-
-    Raises:
-        ParameterError: a parameter is out of range, or the shapes do not broadcast, or there are
-            two widths and the weights are for isotropic materials.
-    """
-    coat = checks.coat(with_widths(model, coat), "the coat's", any_shape=True)
-    z = np.asarray(z_bottom, np.float32)
-    codes, none = limit_albedo(model, predicted(model, z, coat)), absent(coat)
-    return np.where(none[..., None], z, codes) if none.any() else codes
-
-
 def predicted(model: Model, z: np.ndarray, coat: CoatParameters) -> np.ndarray:
-    """`layer_texels` of codes float32 z (..., L) and checked coats, none of which is absent.
+    """Codes (N, L) by the layering network of bottoms z (N, L) under checked coats, arrays (N,).
 
-    The albedo is not limited.
+    Either may have N = 1, and parameters may be (). The albedo is not limited.
     """
-    columns = coat.columns()
-    try:
-        shape = np.broadcast_shapes(z.shape[:-1], *(p.shape for p in columns))
-    except ValueError as error:
-        named = zip(checks.COAT_COLUMNS[model.widths], columns, strict=True)
-        shapes = ", ".join(f"{name} {p.shape}" for name, p in named)
-        raise ParameterError(
-            f"the coat's parameters ({shapes}) do not fit the bottom's {z.shape[:-1]}; "
-            "give scalars or arrays of the same shape"
-        ) from error
     check_ratios(model, z, coat)
-    columns = within_training(coat).columns()
-    rows = shape or (1,)
-    coated = np.empty((*rows, z.shape[-1]), np.float32)
+    columns = [np.atleast_1d(p).astype(np.float32) for p in within_training(coat).columns()]
+    count = np.broadcast_shapes(z.shape[:1], *(p.shape for p in columns))
+    coated = np.empty((*count, z.shape[1]), np.float32)
     fill_blocks(
         coated,
         lambda z, *p: model.networks.layer(z, CoatParameters.of_columns(p)),
-        _with_leading_axes(z, len(rows) + 1),
-        *(_with_leading_axes(p.astype(np.float32), len(rows)) for p in columns),
+        z,
+        *columns,
     )
-    return coated.reshape(*shape, z.shape[-1])
+    return coated
 
 
 def within_training(coat: CoatParameters) -> CoatParameters:
@@ -417,8 +383,3 @@ def check_ratios(model: Model, z: np.ndarray, coat: CoatParameters) -> None:
 def absent(coat: CoatParameters) -> np.ndarray:
     """Whether coats have neither an interface nor a medium; bool (...)."""
     return (np.asarray(coat.eta) == 1) & (np.asarray(coat.sigma_t) == 0)
-
-
-def _with_leading_axes(array: np.ndarray, dimensions: int) -> np.ndarray:
-    """The array with axes of length one before its own, up to a number of dimensions."""
-    return array.reshape((1,) * (dimensions - array.ndim) + array.shape)

@@ -90,7 +90,7 @@ def representatives(x: np.ndarray, count: int) -> np.ndarray:
 
 
 def transported(model: Model, z: np.ndarray, coat: CoatParameters) -> np.ndarray:
-    """`layer_texels` of rows z (k, L) under coats (k,), by light transport at the probe pairs."""
+    """Codes (k, L) of bottoms z (k, L) under coats (k,), by light transport at the probe pairs."""
     coat = checks.coat(with_widths(model, coat), "the coat's", any_shape=True)
     check_ratios(model, z, coat)
     rests = transported_rests(model, z, coat)

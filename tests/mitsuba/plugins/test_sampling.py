@@ -6,7 +6,7 @@ import pytest
 import urushi
 from urushi.checks import CoatParameters
 from urushi.material import Material
-from urushi.material.layer import layer_texels
+from urushi.material.layer import layer_material
 from urushi.nets import weights
 
 MATERIALS = 6
@@ -77,7 +77,8 @@ def test_weights_of_samples_of_the_shipped_networks_are_bounded():
     codes = np.concatenate([urushi.encode(bottom).latents for bottom in bottoms])
     low, high = np.array([(0.01, 1), (1.05, 2.5), (0, 1), (0, 4), (-0.5, 0.8)]).T
     coats = CoatParameters.of_columns((low + (high - low) * rng.random((count, 5))).T)
-    coated = layer_texels(model, codes[np.arange(count) % len(codes)], coats)
+    below = Material(codes[np.arange(count) % len(codes)], model)
+    coated = layer_material(coats, below, fast=True).latents
     materials = [Material(z[None], model) for z in coated]
     theta = np.radians(np.repeat([0, 30, 60, 75, 85], 200))
     wi = np.stack([np.sin(theta), 0 * theta, np.cos(theta)], axis=-1).astype(np.float32)
