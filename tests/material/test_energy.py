@@ -10,7 +10,7 @@ from urushi.core.quadrature import half_vector_rule
 from urushi.material import Material, encode, energy, layer
 from urushi.material.albedo_rule import albedo_rule
 from urushi.material.layer import layer_material
-from urushi.material.values import codes_of, evaluate_source, material_from_values, required_pairs
+from urushi.material.values import evaluate_source, material_from_values, required_pairs
 from urushi.nets.lobe_fit import fit_lobes
 from urushi.nets.weights import Model
 from urushi.walk import analytic
@@ -134,7 +134,7 @@ def test_a_gaining_code_is_brought_back_to_the_source(trained, gaining):
 def test_one_factor_for_all_directions(trained, gaining, directions):
     """So that reciprocity is untouched: the same bits with wi and wo exchanged."""
     source = urushi.diffuse((0.98, 0.77, 0.34))
-    codes = codes_of(trained, evaluate_source(source, *trained.networks.pairs()).values.T)
+    codes = trained.networks.encode(evaluate_source(source, *trained.networks.pairs()).values.T)
     nodes = albedo_rule()
     own = nodes.albedo(evaluate_source(source, nodes.wi, nodes.wo).values.T)
     limited = Material(
@@ -151,7 +151,7 @@ def test_one_factor_for_all_directions(trained, gaining, directions):
 def test_codes_that_are_too_bright_at_grazing_angles_change_only_there(trained):
     """A ceiling there moves f at the probes by less than a third of what one factor would."""
     f = np.full((1, len(trained.networks.pairs()[0])), 0.6 / np.pi, np.float32)
-    code, cosines = codes_of(trained, f), albedo_rule().cosines
+    code, cosines = trained.networks.encode(f), albedo_rule().cosines
     ceiling = np.where(cosines < 0.03, 0.4, 0.9)
     nearest, scaled = (
         limit(trained, code, ceiling) for limit in (energy.nearest_below, energy.limit_albedo)
@@ -174,7 +174,7 @@ def test_codes_below_a_ceiling_are_right_between_the_probes(trained):
             f = analytic.f(source, *trained.networks.pairs()).T[:1]
             lobe = fit_lobes(f)
             ceiling = energy.albedo_ceiling(albedo_rule().albedo(at_nodes), albedo_rule())
-            codes = codes_of(trained, f, lobe)
+            codes = trained.networks.encode(f, lobe)
             expected, cosines = analytic.f(source, wi, wo)[:, 0], wi[:, 2] * wo[:, 2]
             errors = [
                 np.abs(Material(z, trained).f(wi, wo)[:, 0] - expected).mean(where=cosines > 1e-3)
@@ -184,8 +184,8 @@ def test_codes_below_a_ceiling_are_right_between_the_probes(trained):
 
 
 def test_codes_far_below_the_ceiling_keep_their_bits(trained):
-    dark = codes_of(
-        trained, evaluate_source(urushi.diffuse(0.3), *trained.networks.pairs()).values.T
+    dark = trained.networks.encode(
+        evaluate_source(urushi.diffuse(0.3), *trained.networks.pairs()).values.T
     )
     assert energy.limit_albedo(trained, dark) is dark
     assert energy.nearest_below(trained, dark) is dark
@@ -207,12 +207,12 @@ def test_channels_are_limited_apart(trained, gaining):
     values = np.array([0.2, 0.7, 1.0], np.float32) / np.pi
     pairs = len(gaining.networks.pairs()[0])
     f = np.repeat(values[:, None], pairs, axis=1)
-    free = codes_of(trained, f)
+    free = trained.networks.encode(f)
     limited = energy.limit_albedo(gaining, free)
     assert np.array_equal(limited[0], free[0])
     assert limited[2, 6] < free[2, 6]
     for channel in range(3):
-        alone = energy.limit_albedo(gaining, codes_of(trained, f[channel : channel + 1]))
+        alone = energy.limit_albedo(gaining, trained.networks.encode(f[channel : channel + 1]))
         # float32 sums; a lobe that reflects nothing has any width
         np.testing.assert_allclose(alone[0, 1:], limited[channel, 1:], atol=1e-5)
 

@@ -13,7 +13,6 @@ from urushi.material.albedo_rule import INTERPOLATED_COSINES
 from urushi.material.energy import limit_albedo
 from urushi.material.layer import layer_material, predicted
 from urushi.material.material import Material
-from urushi.material.values import codes_of
 from urushi.nets import lobe, lobe_fit
 from urushi.nets.layerer import layer
 from urushi.nets.weights import Model
@@ -66,7 +65,7 @@ def test_bits_do_not_depend_on_the_number_of_cores(model, draw_codes, monkeypatc
         results.append(
             (
                 layer_material(_coats(H * W), below, fast=True).latents,
-                limit_albedo(model, codes_of(model, f)),
+                limit_albedo(model, model.networks.encode(f)),
             )
         )
     for coated, codes in results[1:]:
@@ -77,7 +76,7 @@ def test_bits_do_not_depend_on_the_number_of_cores(model, draw_codes, monkeypatc
 def test_texels_are_encoded_like_plain_rows(model):
     f = np.moveaxis(glossy(np.random.default_rng(4), (H, W)), -1, 1).copy()
     values = np.moveaxis(f, 1, -1)  # as a renderer gives them, not contiguous
-    codes = limit_albedo(model, codes_of(model, values))
+    codes = limit_albedo(model, model.networks.encode(values))
     assert codes.shape == (H, W, L) and codes.dtype == np.float32
     expected = model.networks.encode(values.reshape(-1, PROBES))
     np.testing.assert_allclose(codes.reshape(-1, L), expected, **ROUNDING)
@@ -95,7 +94,7 @@ def test_memory_is_the_result_and_some_blocks(operation, model, draw_codes, monk
     f = rng.random((20_000, PROBES), np.float32)
     run = {
         "layer": lambda: limit_albedo(model, predicted(model, z, coats)),
-        "encode": lambda: limit_albedo(model, codes_of(model, f)),
+        "encode": lambda: limit_albedo(model, model.networks.encode(f)),
     }[operation]
     parallel._blas()
     tracemalloc.start()
@@ -110,5 +109,5 @@ def test_memory_is_the_result_and_some_blocks(operation, model, draw_codes, monk
 
 
 def test_one_texel_and_none(model):
-    assert limit_albedo(model, codes_of(model, np.ones((0, 3, PROBES)))).shape == (0, 3, L)
-    assert limit_albedo(model, codes_of(model, np.ones(PROBES))).shape == (L,)
+    assert limit_albedo(model, model.networks.encode(np.ones((0, 3, PROBES)))).shape == (0, 3, L)
+    assert limit_albedo(model, model.networks.encode(np.ones(PROBES))).shape == (L,)

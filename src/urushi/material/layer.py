@@ -26,7 +26,7 @@ from urushi.material.energy import limit_albedo, nearest_below
 from urushi.material.material import Coating, Material
 from urushi.material.source import as_source
 from urushi.material.symmetry import Deviations, deviations_of
-from urushi.material.values import codes_of, encode_source, model_for
+from urushi.material.values import encode_source, model_for
 from urushi.nets import lobe as lobes
 from urushi.nets.weights import Model, Weights, anisotropic_model, default_model
 from urushi.parallel import fill_blocks
@@ -251,7 +251,7 @@ def codes_of_rests(
     lobe = lobes.of_coat(coat.alpha, coat.eta).astype(np.float32)
     lobe = np.broadcast_to(lobe, (*rest.shape[:-1], model.arch.lobe))
     f = rest + lobes.f(lobe[..., None, :], *model.networks.pairs())
-    codes = nearest_below(model, codes_of(model, f, lobe))
+    codes = nearest_below(model, model.networks.encode(f, lobe))
     return np.where(absent(coat)[..., None], z, codes)
 
 

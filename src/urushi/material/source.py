@@ -34,7 +34,6 @@ class Source(NamedTuple):
     f: Brdf  # is evaluated at pairs above the horizon
     symmetric: bool = False  # whether f is isotropic and reciprocal by construction
     noisy: bool = False  # whether f draws random numbers, which hide its asymmetry
-    measured: bool = False  # whether f is a measured BRDF
     # Whether a material has a table by default. Codes of lobes alone and of Lambertians are exact;
     # random walks are too noisy and cost too much.
     tabulated: bool = True
@@ -83,12 +82,12 @@ def _(source: Material) -> Source:
 
 @as_source.register
 def _(source: Merl) -> Source:
-    return Source(source.f, symmetric=True, measured=True)
+    return Source(source.f, symmetric=True)
 
 
 @as_source.register
 def _(source: Rgl) -> Source:
-    return Source(source.f, measured=True, isotropic=source.isotropic)
+    return Source(source.f, isotropic=source.isotropic)
 
 
 @as_source.register

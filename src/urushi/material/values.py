@@ -21,7 +21,6 @@ from urushi.material.symmetry import Deviations, deviations_of, is_anisotropic, 
 from urushi.nets import lobe as lobes
 from urushi.nets.interface_fit import find_lobes
 from urushi.nets.weights import Model, Weights, anisotropic_model, find
-from urushi.parallel import fill_blocks
 from urushi.walk import Stack
 
 
@@ -30,7 +29,6 @@ class SourceValues(NamedTuple):
 
     values: np.ndarray  # float32 (N, C) [1/sr], made isotropic and reciprocal
     deviations: Deviations  # of the source from what a material can represent
-    measured: bool  # whether the source is a measured BRDF
     lobe: np.ndarray | None = None  # as in `Source`
 
 
@@ -131,7 +129,7 @@ def evaluate_source(
     values, deviations = symmetrise(
         opened, wi, wo, lambda values, count: _checked(values, name, count), widths
     )
-    return SourceValues(values, deviations, opened.measured, opened.lobe)
+    return SourceValues(values, deviations, opened.lobe)
 
 
 def _with_widths(source: Source, widths: int) -> Source:
@@ -164,7 +162,9 @@ def material_from_values(
     if at_nodes.size:
         rule = albedo_rule(model.widths)
         ceiling = energy.albedo_ceiling(_source_albedos(at_nodes, lobe, rule), rule)
-    return Material(energy.nearest_below(model, codes_of(model, probed, lobe), ceiling), model)
+    return Material(
+        energy.nearest_below(model, model.networks.encode(probed, lobe), ceiling), model
+    )
 
 
 def _source_albedos(f: np.ndarray, lobe: np.ndarray, rule: AlbedoRule) -> np.ndarray:
@@ -196,18 +196,3 @@ def _checked(values: Any, name: str, count: int) -> np.ndarray:
             f"{name} returns a negative or non-finite value; a BRDF must be finite and at least 0"
         )
     return array
-
-
-def codes_of(model: Model, f: np.ndarray, lobe: np.ndarray | None = None) -> np.ndarray:
-    """Codes float32 (..., L) of BRDFs with values f (..., P) [1/sr] at the probe pairs.
-
-    lobe: (N,) or (..., N) the lobes of f; None: they are fitted to the values.
-    """
-    values = np.asarray(f, np.float32)
-    pairs = len(model.networks.pairs()[0])
-    if not values.ndim or values.shape[-1] != pairs:
-        raise ParameterError(f"f has shape {values.shape}; this basis needs (..., {pairs})")
-    codes = np.empty((*values.shape[:-1], model.arch.latent), np.float32)
-    own = [] if lobe is None else [np.broadcast_to(lobe, (*values.shape[:-1], lobe.shape[-1]))]
-    fill_blocks(codes, model.networks.encode, values, *own)
-    return codes

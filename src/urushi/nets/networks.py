@@ -18,6 +18,7 @@ from urushi.nets.features import COAT_FEATURES
 from urushi.nets.lobe import LOBE_FEATURES, NUMBERS
 from urushi.nets.lobe_fit import fit_lobes
 from urushi.nets.mlp import POLYNOMIALS, Params, shapes_of
+from urushi.parallel import fill_blocks
 
 
 @dataclass(frozen=True)
@@ -126,15 +127,24 @@ class Networks(NamedTuple):
         """The probe pairs wi, wo: float32 (P, 3)."""
         return self.basis.pairs()
 
-    def encode(self, f: Any, lobe: Any = None) -> Any:
-        """Codes (..., L) of values f (..., P) [1/sr] at the probe pairs.
+    def encode(self, f: np.ndarray, lobe: np.ndarray | None = None) -> np.ndarray:
+        """Codes float32 (..., L) of values f (..., P) [1/sr] at the probe pairs.
 
         With two widths, channels, the last axis but one, share the stretch.
 
-        lobe: (..., N) the lobes of these BRDFs, if known; None: `fit_lobes` fits them.
+        lobe: (N,) or (..., N) the lobes of these BRDFs, if known; None: `fit_lobes` fits them.
         """
+        values = np.asarray(f, np.float32)
+        pairs = len(self.basis.measure)
+        if not values.ndim or values.shape[-1] != pairs:
+            raise ParameterError(f"f has shape {values.shape}; this basis needs (..., {pairs})")
+        codes = np.empty((*values.shape[:-1], self.arch.latent), np.float32)
+        own = [] if lobe is None else [np.broadcast_to(lobe, (*codes.shape[:-1], self.arch.lobe))]
+        fill_blocks(codes, self._encode, values, *own)
+        return codes
+
+    def _encode(self, f: np.ndarray, lobe: np.ndarray | None = None) -> np.ndarray:
         lobe = fit_lobes(f, self.arch.widths) if lobe is None else lobe
-        lobe = np.broadcast_to(lobe, (*f.shape[:-1], self.arch.lobe))
         rest, stretch = np.maximum(f - lobes.f(lobe[..., None, :], *self.pairs()), 0), None
         if self.arch.widths == 2:
             mean = rest.mean(axis=-2, keepdims=True) if rest.ndim > 1 else rest

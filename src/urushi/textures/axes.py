@@ -16,7 +16,6 @@ import numpy as np
 from urushi.checks import CoatParameters
 from urushi.core.namespace import Namespace
 from urushi.material.energy import MARGIN, limit_albedo
-from urushi.material.values import codes_of
 from urushi.nets import lobe as lobes
 from urushi.nets.weights import Model
 from urushi.parallel import fill_blocks
@@ -235,7 +234,7 @@ def codes_of_rests(model: Model, rests: np.ndarray, tops: np.ndarray) -> np.ndar
     """Codes float32 (C, k, L) of rests (C, k, P), each of which is a material, and lobes (k, M)."""
     top = np.broadcast_to(tops, (*rests.shape[:2], tops.shape[-1]))[..., None, :]
     f = rests[..., None, :] + lobes.f(top[..., None, :], *model.networks.pairs())
-    return codes_of(model, f, top)[..., 0, :]
+    return model.networks.encode(f, top)[..., 0, :]
 
 
 def node_counts(

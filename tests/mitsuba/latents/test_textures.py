@@ -9,7 +9,6 @@ from urushi.core.directions import rotated
 from urushi.material.energy import limit_albedo
 from urushi.material.layer import layer_material
 from urushi.material.material import Material
-from urushi.material.values import codes_of
 
 COAT = {"alpha": 0.2, "albedo": 0.7, "sigma_t": 0.8, "g": 0.3}
 COAT_ARRAYS = {key: np.full((1, 1), value) for key, value in COAT.items()}
@@ -153,7 +152,7 @@ def test_isotropic_networks_take_the_mean_of_a_brushed_bottom(rgb, textured):
     coat = {"type": "neural_layered", "weights": "default", **COAT}
     latents = rgb.load_dict(coat | {"bottom": brushed}).latents
     columns = CoatParameters(eta=np.full((1, 1), 1.5046 / 1.000277), **COAT_ARRAYS).columns()
-    under = Material(limit_albedo(model, codes_of(model, f.T.astype(np.float32))), model)
+    under = Material(limit_albedo(model, model.networks.encode(f.T.astype(np.float32))), model)
     expected = layer_material(CoatParameters.of_columns([x[0] for x in columns]), under)
     found = Material(latents.at(np.full((1, 2), 0.5))[0], model) if textured else latents.material
     a, b = (material.f(wi, wo) * (wi[:, 2:] * wo[:, 2:]) for material in (found, expected))

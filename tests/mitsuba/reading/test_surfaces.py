@@ -9,7 +9,6 @@ from urushi.core.probe_pairs import probe_pairs
 from urushi.errors import ParameterError
 from urushi.material.encode import encode
 from urushi.material.energy import limit_albedo
-from urushi.material.values import codes_of
 from urushi.nets import lobe as lobes
 from urushi.nets import weights
 from urushi.nets.weights import Model
@@ -109,7 +108,7 @@ def test_every_texel_of_a_surface_is_that_surface(rgb, model, file, name):
     }
     if name == "diffuse":
         f = np.broadcast_to(pixels[..., None] / np.pi, (*pixels.shape, model.arch.probes))
-        codes = codes_of(model, f, np.float32(lobes.NO_LOBE))
+        codes = model.networks.encode(f, np.float32(lobes.NO_LOBE))
         bottom = limit_albedo(model, codes)
     else:
         base["alpha"] = bitmap(rgb, widths)

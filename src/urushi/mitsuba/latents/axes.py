@@ -14,7 +14,6 @@ import mitsuba as mi
 import numpy as np
 
 from urushi.core.namespace import DRJIT, NUMPY
-from urushi.material.values import codes_of
 from urushi.mitsuba import spectrum
 from urushi.mitsuba.latents.holders import Held, Vertex
 from urushi.mitsuba.networks.basis import ONE, BasisDecoder
@@ -272,7 +271,7 @@ def without_faint(model: Model, codes: np.ndarray) -> np.ndarray:
     lobe = codes[..., : model.arch.lobe]
     rest = np.maximum(rests - FAINT, 0).reshape(*codes.shape[:-1], -1)
     top = lobes.f(lobe[..., None, :], *model.networks.pairs())
-    return codes_of(model, (rest + top)[..., None, :], lobe[..., None, :])[..., 0, :]
+    return model.networks.encode((rest + top)[..., None, :], lobe[..., None, :])[..., 0, :]
 
 
 def _simplex(shape: Sequence[int], coordinates: Sequence, channel: int) -> list[tuple[Any, Any]]:

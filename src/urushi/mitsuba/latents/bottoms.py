@@ -15,7 +15,7 @@ from urushi.core.table import node_pairs, table_of_values
 from urushi.material.material import Material
 from urushi.material.reflector import Reflector
 from urushi.material.substrate import Substrate, of_material
-from urushi.material.values import codes_of, encode_source
+from urushi.material.values import encode_source
 from urushi.mitsuba import spectrum
 from urushi.mitsuba.latents.axes import AxisLatents, without_faint
 from urushi.mitsuba.latents.holders import TexturedLatents
@@ -366,7 +366,7 @@ def probed_codes(model: Model, bottom: "mi.BSDF", uv: np.ndarray, where: str) ->
     average = probing.needed_averaging(bottom, *pairs, uv, where, model.widths)
     f = probing.check_values(probing.texel_values(bottom, *pairs, uv, average), where)
     # Each row is a material of its own.
-    return codes_of(model, f[:, :, None], None if lobe is None else lobe[:, :, None])[:, :, 0]
+    return model.networks.encode(f[:, :, None], None if lobe is None else lobe[:, :, None])[:, :, 0]
 
 
 def known_lobes(model: Model, bottom: "mi.BSDF", uv: np.ndarray, where: str) -> np.ndarray | None:

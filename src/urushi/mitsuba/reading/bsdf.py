@@ -15,9 +15,6 @@ from urushi.nets.lobe import LOBE_NUMBERS
 #: Samples by which the excluded shares of the light are measured, to about 0.2 %.
 SAMPLES = 1 << 16
 
-#: Class of Mitsuba's own plugin for measured BRDFs, `measured`.
-MITSUBA_MEASURED = "Measured"
-
 
 def bsdf_source(bsdf: "mi.BSDF") -> Source:
     """A BSDF at the middle of uv, seen from the side of its normal, as a source of `encode`.
@@ -68,12 +65,7 @@ def reflection_source(bsdf: "mi.BSDF") -> Source:
 
     wi, wo = (w[:64] for w in asymmetry_pairs())
     noisy = probing.needed_repeats(bsdf, wi, wo, 1) > 1
-    return Source(
-        f,
-        noisy=noisy,
-        tabulated=not noisy,
-        measured=offer.measured is not None or bsdf.class_name() == MITSUBA_MEASURED,
-    )
+    return Source(f, noisy=noisy, tabulated=not noisy)
 
 
 def has_two_widths(bsdf: "mi.BSDF") -> bool:
