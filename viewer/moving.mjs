@@ -74,10 +74,10 @@ async function pictures([place, isMeanKnown, environment, width, height, frames]
   const draw = async (count, isFirst) => {
     const shift = sequence.sequencePoint(SAMPLES * count, [0, 0, 0]);
     const table = await core.table(material, { ...sizes, shift });
-    renderer.setTable(0, table, sizes, preset.rotation, isFirst);
+    renderer.material(0).setTable(table, sizes, preset.rotation ?? 0, isFirst);
     renderer.drawFrame(shot, count, 1, 1, 1).next();
   };
-  renderer.setMaterial(0, material);
+  renderer.material(0).setMaterial(material);
   await draw(0, true);
   const first = shown.toDataURL();
   if (isMeanKnown) return [preset.name, first, null];

@@ -72,15 +72,6 @@ export class NetworkCore extends Evaluation {
     return compensated(material, top, this.material(below), this);
   }
 
-  /** Codes (3, L) scaled down, each as a whole, so that they reflect at most all light. */
-  limited(codes: Float32Array): Float32Array {
-    const own = rows(this.checked(codes).slice(), this.latentSize);
-    for (const code of own) {
-      this.energy.limit(code);
-    }
-    return joined(own);
-  }
-
   /** The codes of a bottom under a coat, which changes nothing without an interface and a medium. */
   private coated(bottom: Float32Array, coat: Coat): Float32Array {
     const below = rows(bottom, this.latentSize);

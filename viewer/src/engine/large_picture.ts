@@ -2,7 +2,8 @@
 
 import { effect } from "@preact/signals";
 import { Painter } from "../picture/painter";
-import { Renderer, type Shot } from "../picture/renderer";
+import { Renderer } from "../picture/renderer";
+import type { Shot } from "../picture/shot";
 import { Cancelled } from "../refusal";
 import { asTask } from "../state/store";
 import type { Slot } from "./engine";

@@ -1,7 +1,8 @@
 /** Small pictures of materials, drawn when they are first looked at. */
 
 import type { MaterialCards } from "../material/material";
-import { Renderer, type Shot } from "../picture/renderer";
+import { Renderer } from "../picture/renderer";
+import type { Shot } from "../picture/shot";
 import { INITIAL } from "../state/state";
 import { SAMPLES, TABLE_ROWS } from "./engine";
 import { session, shownOf } from "./session";
@@ -55,8 +56,9 @@ async function draw(material: MaterialCards): Promise<ImageBitmap | null> {
     renderer = new Renderer(canvas);
     renderer.setEnvironment("studio", null);
   }
-  renderer.setTexels(0, shown.texture);
-  renderer.setTable(0, table, sizes, shown.rotation, true);
+  const drawnBy = renderer.material(0);
+  drawnBy.setTexels(shown.texture);
+  drawnBy.setTable(table, sizes, shown.rotation, true);
   renderer.draw(SHOT);
   return createImageBitmap(renderer.picture);
 }

@@ -1,11 +1,10 @@
 /** When the picture is drawn, how large, and with which tables: at once, then ever better. */
 
 import { signal } from "@preact/signals";
-import type { Material } from "../core/api";
 import { MOST_TABLES, SAMPLES, type Slot, TABLE_ROWS } from "../engine/engine";
-import type { ShownTexture } from "../engine/opened";
 import { Refusal } from "../refusal";
-import type { Renderer, Shot } from "./renderer";
+import type { Renderer } from "./renderer";
+import type { Shot } from "./shot";
 
 /** Aims for a frame's time while something moves, and for a strip's time at rest [ms]. */
 const MOVING = 25;
@@ -57,8 +56,6 @@ export class Painter {
   private count = 0;
   private resting = false;
   private readonly uploaded: [string, string] = ["", ""];
-  private readonly materialOf: (Material | null)[] = [null, null];
-  private readonly textureOf: (ShownTexture | null)[] = [null, null];
 
   constructor(
     private readonly slots: readonly [Slot, Slot],
@@ -69,8 +66,6 @@ export class Painter {
   setRenderer(renderer: Renderer | null): void {
     this.renderer = renderer;
     this.uploaded.fill("");
-    this.materialOf.fill(null);
-    this.textureOf.fill(null);
     this.slow = renderer?.isSoftware ?? false;
     this.cost = this.slow ? FIRST_COST.software : FIRST_COST.card;
     this.refresh();
@@ -225,23 +220,17 @@ export class Painter {
 
   /** Give a renderer what a frame needs; count: of those that precede it at rest, null: it moves. */
   private upload(renderer: Renderer, slot: 0 | 1, count: number | null): void {
-    const { tables, generation, material, texture, widths } = this.slots[slot];
+    const { tables, generation, material, texture, widths, rotation } = this.slots[slot];
+    const shown = renderer.material(slot);
     const table = tables[count ?? 0] ?? tables[0];
     const key = `${generation}.${count}`;
     if (table !== undefined && this.uploaded[slot] !== key) {
-      const { rotation } = this.slots[slot];
       const sizes = { ...TABLE_ROWS[widths], samples: SAMPLES };
-      renderer.setTable(slot, table, sizes, rotation, count === null);
+      shown.setTable(table, sizes, rotation, count === null);
       this.uploaded[slot] = key;
     }
-    if (this.textureOf[slot] !== texture) {
-      this.textureOf[slot] = texture;
-      renderer.setTexels(slot, texture);
-    }
-    if (material !== null && this.materialOf[slot] !== material) {
-      this.materialOf[slot] = material;
-      renderer.setMaterial(slot, material);
-    }
+    shown.setTexels(texture);
+    if (material !== null) shown.setMaterial(material);
   }
 }
 

@@ -1,17 +1,11 @@
 /** Draws the object with one or two materials, and gathers frames until the picture is smooth. */
 
-import type { Material } from "../core/api";
-import { CHANNELS, rows } from "../core/channels";
-import { LOBE } from "../core/formulas";
 import type { Occlusion } from "../core/occlusion";
-import { sequencePoint } from "../core/sequence";
-import type { ShownTexture } from "../engine/opened";
 import type { Radiance } from "../save/exr";
-import { type Comparison, type EnvironmentName, TONES, type Tone, type View } from "../state/state";
+import { type EnvironmentName, TONES } from "../state/state";
 import { type Camera, cameraOf, mirrored } from "./camera";
-import { type DirectionSizes, directionTexels } from "./direction_table";
 import { EnvironmentMap, lightsOf, SIDE } from "./environment";
-import { contextOf, cover, coverProgram, filters, type Gl, included, Program, readRgb } from "./gl";
+import { contextOf, cover, coverProgram, type Gl, included, Program, readRgb } from "./gl";
 import { Ground } from "./ground";
 import { groundSize, type Mesh, meshOf, VERTEX_NUMBERS } from "./meshes";
 import type { Light, Panorama } from "./panorama";
@@ -26,42 +20,9 @@ import objectFragment from "./shaders/object.frag?raw";
 import objectVertex from "./shaders/object.vert?raw";
 import paintSource from "./shaders/paint.frag?raw";
 import surfaceSource from "./shaders/surface.frag?raw";
+import { around, type Box, panes, type Shot, shiftOf, WHOLE } from "./shot";
+import { ShownMaterial } from "./shown_material";
 import { Targets } from "./targets";
-import { type TexelProgram, tableTexels, texelProgram, volume } from "./texel_program";
-
-/** What a frame shows. */
-export interface Shot {
-  view: View;
-  /** Rotation of the environment [degrees]. */
-  rotation: number;
-  /** Powers of two. */
-  exposure: number;
-  tone: Tone;
-  /** As in the state. */
-  background: string;
-  comparison: Comparison;
-  /** The material that is shown alone. */
-  slot: 0 | 1;
-  /** Share of the picture left of the swipe's edge. */
-  edge: number;
-  /** Colour difference (CIELAB) of the last of the difference's colours. */
-  scale: number;
-  /** Of a picture of `count` by `count` parts, each as large as the canvas: the one that is drawn. */
-  part?: { count: number; column: number; row: number };
-}
-
-const WHOLE = { count: 1, column: 0, row: 0 };
-
-/** The part of the picture that a material fills [pixels], and the part of it that is drawn. */
-interface Pane {
-  slot: 0 | 1;
-  x: number;
-  width: number;
-  from: number;
-  to: number;
-  /** Place of its picture in the frame. */
-  offset: number;
-}
 
 const OBJECT_SOURCE = included(objectFragment, {
   "frame.glsl": frameSource,
@@ -71,27 +32,6 @@ const OBJECT_SOURCE = included(objectFragment, {
 
 /** Width and directions of the blurred image in the ground, relative to the object's, and its margin. */
 const [MIRROR_SCALE, MIRROR_SHARE, MIRROR_MARGIN] = [0.5, 0.5, 4];
-
-/** A part of a frame: its lower left corner, width and height [pixels]. */
-type Box = [x: number, y: number, width: number, height: number];
-
-/** Directions of a frame where a texture of codes is decoded at each pixel. */
-const TEXEL_SAMPLES = 32;
-
-interface SlotTextures {
-  table: WebGLTexture;
-  samples: number;
-  /** Azimuths of the table, and the angle by which the tangent is turned [radians]. */
-  azimuths: number;
-  rotation: number;
-  /** By which the bright lights are reflected: the lobe and the table of the rest. */
-  lobe: Float32Array;
-  rest: WebGLTexture;
-  /** Of two widths: the stretches of the channels. */
-  stretches: readonly number[];
-  /** What is drawn in place of the table; null: the material is the same everywhere. */
-  texels: TexelProgram | null;
-}
 
 export class Renderer {
   private readonly gl: Gl;
@@ -107,7 +47,7 @@ export class Renderer {
   private readonly targets: Targets;
   private readonly ground: Ground;
   private readonly array: WebGLVertexArrayObject;
-  private readonly slots: (SlotTextures | null)[] = [null, null];
+  private readonly slots: (ShownMaterial | undefined)[] = [];
   private readonly buffers: [WebGLBuffer, WebGLBuffer, WebGLBuffer, WebGLBuffer];
   private mesh: Mesh;
   private lights: Light[] = [];
@@ -176,63 +116,10 @@ export class Renderer {
     return { width: this.canvas.width, height: this.canvas.height };
   }
 
-  /**
-   * Take over a material's table of directions (azimuths, cosines, samples, 8).
-   *
-   * @param rotation angle by which the material's tangent is turned [degrees].
-   * @param isFirst as in `directionTexels`.
-   */
-  setTable(
-    slot: 0 | 1,
-    table: Float32Array,
-    sizes: DirectionSizes,
-    rotation = 0,
-    isFirst = false,
-  ): void {
-    const { gl } = this;
-    const { azimuths, cosines, samples } = sizes;
-    const textures = this.slotTextures(slot);
-    const texels = directionTexels(table, sizes, isFirst);
-    textures.samples = samples;
-    textures.azimuths = azimuths;
-    textures.rotation = (rotation * Math.PI) / 180;
-    gl.activeTexture(gl.TEXTURE0);
-    gl.bindTexture(gl.TEXTURE_2D, textures.table);
-    const columns = azimuths * cosines;
-    const target = gl.TEXTURE_2D;
-    const rows = 2 * samples + 2;
-    gl.texImage2D(target, 0, gl.RGBA32F, columns, rows, 0, gl.RGBA, gl.FLOAT, texels);
-    filters(gl, target, gl.NEAREST, gl.NEAREST, gl.CLAMP_TO_EDGE);
-  }
-
-  /** Take over a material's codes and table, by which it reflects bright lights. */
-  setMaterial(slot: 0 | 1, { latents, table }: Material): void {
-    const textures = this.slotTextures(slot);
-    const { stretches } = table;
-    const numbers = LOBE.NUMBERS[stretches ? 2 : 1].length;
-    const codes = rows(latents, latents.length / CHANNELS);
-    textures.lobe = Float32Array.from({ length: numbers * CHANNELS }, (_, at) => {
-      const [number, channel] = [Math.floor(at / CHANNELS), at % CHANNELS];
-      const isFactor = number >= 1 && number <= 3; // those of a lobe that reflects nothing are zero
-      return isFactor && !table.besideLobe ? 0 : codes[channel]![number]!;
-    });
-    textures.stretches = (stretches ?? [0, 0, 0]).map(Math.exp);
-    volume(this.gl, textures.rest, tableTexels(table));
-  }
-
-  /**
-   * Take over a texture of codes and its shader code, or none.
-   *
-   * @throws Refusal if it is too large for the graphics driver.
-   */
-  setTexels(slot: 0 | 1, codes: ShownTexture | null): void {
-    const textures = this.slotTextures(slot);
-    if (textures.texels !== null) {
-      this.gl.deleteTexture(textures.texels.texture);
-      this.gl.deleteTexture(textures.texels.basis);
-      textures.texels.program.delete();
-    }
-    textures.texels = codes && texelProgram(this.gl, codes);
+  /** The material of a slot, which is drawn once it has a table. */
+  material(slot: 0 | 1): ShownMaterial {
+    this.slots[slot] ??= new ShownMaterial(this.gl);
+    return this.slots[slot];
   }
 
   /** Whether the processor draws, which is hundreds of times slower. */
@@ -270,15 +157,15 @@ export class Renderer {
     this.ground.light(this.map, this.lights, turnOf(shot), mesh.width / groundSize(mesh));
     const { count: parts, column, row } = shot.part ?? WHOLE;
     for (const pane of panes(shot, parts * partWidth, partWidth)) {
-      const textures = this.slots[pane.slot];
+      const material = this.slots[pane.slot];
       const inPart = (x: number) => Math.min(Math.max(x - column * partWidth, 0), partWidth);
       const [left, right] = [inPart(pane.from), inPart(pane.to)];
-      if (!textures || left === right) continue;
+      if (!material || left === right) continue;
       const begin = pane.offset + pane.x - column * partWidth;
       const place: Box = [begin, -row * height, pane.width, parts * height];
       const clip: Box = [pane.offset + left, 0, right - left, height];
       // Frames are shifted by parts of a pixel, of the frame as of the shading, for smooth edges.
-      const shift = count === 0 ? [0, 0] : [halton(count, 2) - 0.5, halton(count, 3) - 0.5];
+      const shift = shiftOf(count);
       const seenFrom = ([, , wide, tall]: Box) =>
         cameraOf(mesh, shot.view, pane.width / (parts * height), [
           (2 * shift[0]!) / wide,
@@ -308,7 +195,8 @@ export class Renderer {
         within(coarse, part);
         gl.frontFace(isMirrored ? gl.CW : gl.CCW);
         targets.bindSurface();
-        this.placeTexels(textures.texels);
+        this.surface.use(); // with places in a texture
+        this.surface.setMatrix("toTexture", material.texels?.toTexture ?? [0, 0, 0, 0, 0, 0]);
         this.drawMesh(this.surface, from);
         gl.frontFace(gl.CCW);
         const [x, y, wide, tall] = part;
@@ -318,7 +206,7 @@ export class Renderer {
           within(coarse, [x, y + low!, wide, high! - low!]);
           targets.bindShaded(isMirrored);
           const fade = isMirrored ? 0.7 * mesh.halfHeight : 0;
-          this.shade(from, shot, textures, count, isMirrored ? MIRROR_SHARE * share : share, fade);
+          this.shade(from, shot, material, count, isMirrored ? MIRROR_SHARE * share : share, fade);
           gl.disable(gl.SCISSOR_TEST);
           if (strips > 1) yield;
         }
@@ -425,12 +313,6 @@ export class Renderer {
     this.gl.getExtension("WEBGL_lose_context")?.loseContext();
   }
 
-  /** Let the surface's pixels have their places in a texture. */
-  private placeTexels(texels: TexelProgram | null): void {
-    this.surface.use();
-    this.surface.setMatrix("toTexture", texels?.toTexture ?? [0, 0, 0, 0, 0, 0]);
-  }
-
   /** @param toMirror from pixels to the mirror image in the ground; null: there is none. */
   private drawBackdrop(camera: Camera, shot: Shot, toMirror: number[] | null): void {
     const { gl, backdrop, mesh } = this;
@@ -479,42 +361,23 @@ export class Renderer {
   private shade(
     camera: Camera,
     shot: Shot,
-    textures: SlotTextures,
+    material: ShownMaterial,
     count: number,
     share: number,
     fade: number,
   ): void {
     const { gl, targets } = this;
-    const { texels } = textures;
-    const object = texels?.program ?? this.programOf(textures);
+    const object = material.texels?.program ?? this.programOf(material);
     object.use();
-    const samples = texels
-      ? Math.max(4, Math.round(TEXEL_SAMPLES * share))
-      : Math.max(16, Math.round(textures.samples * share));
+    material.bind(object, count, share);
     object.set("eye", ...camera.eye);
     object.set("turn", ...turnOf(shot));
     object.set("side", SIDE);
-    object.setInteger("samples", samples);
-    object.set("density", samples * (count + 1));
     object.set("fade", fade);
     object.setLights(this.lights);
     object.setTexture("environment", 1, gl.TEXTURE_CUBE_MAP, this.map.texture);
     object.setTexture("irradiance", 5, gl.TEXTURE_CUBE_MAP, this.map.irradiance);
-    if (texels) {
-      object.set("start", ...sequencePoint(count * TEXEL_SAMPLES, [0.5, 0.5, 0.5]));
-      object.setTexture("codes", 0, gl.TEXTURE_2D_ARRAY, texels.texture);
-      object.setTexture("functions", 7, gl.TEXTURE_3D, texels.basis);
-      object.setTexture("places", 2, gl.TEXTURE_2D, targets.places);
-    } else {
-      object.setTexture("table", 0, gl.TEXTURE_2D, textures.table);
-      object.setTexture("rest", 2, gl.TEXTURE_3D, textures.rest);
-      object.setVectors("lobe", textures.lobe);
-      if (textures.azimuths > 1) {
-        object.setInteger("azimuths", textures.azimuths);
-        object.set("rotation", textures.rotation);
-        object.set("stretches", ...textures.stretches);
-      }
-    }
+    if (material.texels) object.setTexture("places", 2, gl.TEXTURE_2D, targets.places);
     object.setTexture("positions", 3, gl.TEXTURE_2D, targets.positions);
     object.setTexture("normals", 4, gl.TEXTURE_2D, targets.normals);
     object.setTexture("openings", 6, gl.TEXTURE_2D, targets.openings);
@@ -522,36 +385,10 @@ export class Renderer {
   }
 
   /** The program that draws a table. */
-  private programOf({ azimuths }: SlotTextures): Program {
-    if (azimuths === 1) return this.object;
+  private programOf({ isAnisotropic }: ShownMaterial): Program {
+    if (!isAnisotropic) return this.object;
     this.anisotropic ??= coverProgram(this.gl, OBJECT_SOURCE, { ANISOTROPIC: 1 });
     return this.anisotropic;
-  }
-
-  private slotTextures(slot: 0 | 1): SlotTextures {
-    const { gl } = this;
-    this.slots[slot] ??= {
-      table: gl.createTexture()!,
-      samples: 0,
-      azimuths: 1,
-      rotation: 0,
-      lobe: new Float32Array(6 * CHANNELS).fill(0).fill(1, 0, CHANNELS),
-      rest: this.dark(),
-      stretches: [1, 1, 1],
-      texels: null,
-    };
-    return this.slots[slot];
-  }
-
-  /** A table of no reflection, until f is known. */
-  private dark(): WebGLTexture {
-    const { gl } = this;
-    const texture = gl.createTexture()!;
-    gl.bindTexture(gl.TEXTURE_3D, texture);
-    const nothing = new Float32Array([-18, -18, -18, 0]);
-    gl.texImage3D(gl.TEXTURE_3D, 0, gl.RGBA16F, 1, 1, 1, 0, gl.RGBA, gl.FLOAT, nothing);
-    filters(gl, gl.TEXTURE_3D, gl.LINEAR, gl.LINEAR, gl.CLAMP_TO_EDGE);
-    return texture;
   }
 
   private uploadMesh(): void {
@@ -578,48 +415,4 @@ export class Renderer {
 function turnOf(shot: Shot): [number, number] {
   const angle = (shot.rotation * Math.PI) / 180;
   return [Math.cos(angle), Math.sin(angle)];
-}
-
-/** The part of another size of a frame that has what a part shows, and a margin. */
-function around([x, y, width, height]: Box, scale: number, margin: number): Box {
-  const [left, low] = [Math.floor(x * scale) - margin, Math.floor(y * scale) - margin];
-  const right = Math.ceil((x + width) * scale) + margin;
-  return [left, low, right - left, Math.ceil((y + height) * scale) + margin - low];
-}
-
-/** The panes of a picture, left to right; `partWidth`: of the part that is drawn. */
-function panes(shot: Shot, width: number, partWidth: number): Pane[] {
-  const offset = 0;
-  const half = Math.floor(width / 2);
-  const edge = Math.round(width * shot.edge);
-  switch (shot.comparison) {
-    case "off":
-      return [{ slot: shot.slot, x: 0, width, from: 0, to: width, offset }];
-    case "side":
-      return [
-        { slot: 0, x: 0, width: half, from: 0, to: half, offset },
-        { slot: 1, x: half, width: width - half, from: half, to: width, offset },
-      ];
-    case "difference": // of two pictures beside each other
-      return [
-        { slot: 0, x: 0, width, from: 0, to: width, offset },
-        { slot: 1, x: 0, width, from: 0, to: width, offset: partWidth },
-      ];
-    case "swipe":
-      return [
-        { slot: 0, x: 0, width, from: 0, to: edge, offset },
-        { slot: 1, x: 0, width, from: edge, to: width, offset },
-      ];
-  }
-}
-
-/** A number of Halton's sequence. */
-function halton(place: number, base: number): number {
-  let value = 0;
-  let share = 1;
-  for (let rest = place; rest > 0; rest = Math.floor(rest / base)) {
-    share /= base;
-    value += share * (rest % base);
-  }
-  return value;
 }

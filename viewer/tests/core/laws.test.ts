@@ -2,7 +2,10 @@
 
 import { beforeAll, describe, expect, test } from "vitest";
 import type { Bottom, Coat, Material, Stack } from "../../src/core/api";
+import { Basis } from "../../src/core/basis";
+import { rows } from "../../src/core/channels";
 import { loadCore, type NetworkCore } from "../../src/core/core";
+import { EnergyLimit } from "../../src/core/energy";
 import { mixtureDensity, Proposals } from "../../src/core/mixture";
 import { directionRule } from "../../src/core/quadrature";
 import { readWeights } from "../../src/core/weights";
@@ -46,7 +49,10 @@ describe("energy", () => {
     const bright = material.latents.map(
       (number, k) => number + (k % core.latentSize === 6 ? 3 : 0),
     );
-    const limited = core.limited(bright);
+    const { arch, basis } = readWeights(bytesOf(SHIPPED));
+    const energy = new EnergyLimit(new Basis(basis, arch.lobe), arch.lobe);
+    const limited = bright.slice();
+    for (const code of rows(limited, core.latentSize)) energy.limit(code);
     const cosines = Float32Array.from({ length: 12 }, (_, i) => (i + 0.5) / 12);
     const albedoOf = (latents: Float32Array) =>
       core.albedo(core.layer({ bottom: { kind: "codes", latents }, coats: [] }), cosines);
@@ -122,7 +128,7 @@ describe("the proposal", () => {
     const wi = { x: Math.sqrt(1 - cosine * cosine), y: 0, z: cosine };
     const { wo, weights } = directionRule(wi, 1, { azimuths: 16, slopes: 48 });
     const { arch, proposal } = readWeights(bytesOf(SHIPPED));
-    const proposer = new Proposals(proposal!, arch.lobe);
+    const proposer = new Proposals(proposal, arch.lobe);
     const mixture = proposer.proposals(material.latents.slice(0, core.latentSize))(wi);
     const total = weights.reduce((sum, weight, i) => {
       const [x, y, z] = wo.slice(3 * i, 3 * i + 3);

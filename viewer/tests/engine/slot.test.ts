@@ -1,4 +1,4 @@
-import { expect, test } from "vitest";
+import { expect, test, vi } from "vitest";
 import type { Stack } from "../../src/core/api";
 import { type Shown, Slot } from "../../src/engine/engine";
 import { Cores, type PageCore } from "../../src/engine/remote";
@@ -49,40 +49,42 @@ function slotOf(core: PageCore): Slot {
   });
 }
 
-const settled = () => new Promise((resolve) => setTimeout(resolve, 500)); // on a busy machine, too
+/** Wait until a slot shows a width. */
+const settled = (slot: Slot, width: number) =>
+  vi.waitFor(() => expect(slot.plane.value?.[0]).toBe(width), { timeout: 30_000 });
 
 test("of many changes the latest is shown, and those between are left out", async () => {
   const { core, layered } = lateCore();
   const slot = slotOf(core);
   for (let step = 1; step <= 20; step++) slot.show(shown(step / 32));
-  await settled();
+  await settled(slot, 20 / 32);
   expect(layered).toEqual([1 / 32, 20 / 32]);
   expect([...slot.tables[0]!]).toEqual([20 / 32]);
-  expect(slot.plane.value![0]).toBe(20 / 32);
 });
 
 test("an equal stack is not computed again", async () => {
   const { core, layered } = lateCore();
   const slot = slotOf(core);
   slot.show(shown(0.5));
-  await settled();
+  await settled(slot, 0.5);
   slot.show(shown(0.5));
-  await settled();
-  expect(layered).toEqual([0.5]);
+  slot.show(shown(0.25));
+  await settled(slot, 0.25);
+  expect(layered).toEqual([0.5, 0.25]);
 });
 
 test("tables at rest are shifted, and belong to the present material", async () => {
   const { core, shifts } = lateCore();
   const slot = slotOf(core);
   slot.show(shown(0.5));
-  await settled();
+  await settled(slot, 0.5);
   expect(slot.tables).toHaveLength(1);
   expect(await slot.another()).toBe(true);
   expect(await slot.another()).toBe(true);
   const late = slot.another();
   slot.show(shown(0.25));
   expect(await late).toBe(false);
-  await settled();
+  await settled(slot, 0.25);
   expect(slot.tables).toHaveLength(1);
   expect([...slot.tables[0]!]).toEqual([0.25]);
   expect(new Set(shifts.slice(0, 4)).size).toBe(4); // of the first, and of three at rest
