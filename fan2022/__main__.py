@@ -38,6 +38,8 @@ class Train:
     """Weights file to write (.safetensors). Default: weights.safetensors in the run folder."""
     resume: bool = False
     """Continue from the checkpoint in the run folder."""
+    cluster: str | None = None
+    """Who computes missing training data, as for `urushi train`."""
 
     def run(self) -> int:
         platform.require_extra("train")
@@ -45,7 +47,12 @@ class Train:
 
         preset = PaperPreset(self.scale, PaperArchitecture(pairs=self.projection_pairs))
         networks = train(
-            preset, data=self.data, out=self.output, run=self.run_folder, resume=self.resume
+            preset,
+            data=self.data,
+            out=self.output,
+            run=self.run_folder,
+            resume=self.resume,
+            cluster=self.cluster,
         )
         for name, value in networks.header["metrics"].items():
             print(f"{name}  {value:.4g}")

@@ -30,6 +30,7 @@ def train(
     out: str | os.PathLike | None = None,
     run: str | os.PathLike | None = None,
     resume: bool = False,
+    cluster: str | None = None,
 ) -> PaperNetworks:
     """Train the three networks in turn and write the weights.
 
@@ -41,7 +42,7 @@ def train(
     twentieth epoch of the layering network, and between the stages.
     """
     make: Any = make_shard  # a store needs the size and the number of shards of a specification
-    made = partial(generate, make=make)
+    made = partial(generate, make=make, cluster=cluster)
     store, journal, out = training.prepare(preset, data, out, run, resume, made)
     starts = beginnings(preset)
     point = journal.restore(starts) if resume else None

@@ -254,6 +254,7 @@ EXTRAS = {
         Package("jax", "jax", "gradients of training"),
         Package("optax", "optax", "optimisers of training"),
     ),
+    "cluster": (Package("distributed", "distributed", "clusters"),),
     "materialx": (
         Package("materialx", "MaterialX", "MaterialX documents"),
         Package("openimageio", "OpenImageIO", "images and colours of MaterialX documents"),

@@ -29,13 +29,21 @@ class Train:
     """Weights file to write (.safetensors). Default: weights.safetensors in the run folder."""
     resume: bool = False
     """Continue from the checkpoint in the run folder."""
+    cluster: str | None = None
+    """Who computes missing training data: the address of a scheduler of Dask, such as
+    tcp://node:8786, or local:N, N processes. Default: this machine's cores."""
 
     def run(self) -> int:
         platform.require_extra("train")
         from urushi.train import training
 
         model = training.train(
-            self.preset, data=self.data, out=self.output, run=self.run_folder, resume=self.resume
+            self.preset,
+            data=self.data,
+            out=self.output,
+            run=self.run_folder,
+            resume=self.resume,
+            cluster=self.cluster,
         )
         for name, value in model.header.get("metrics", {}).items():
             print(f"{name}  {value:.4g}")
@@ -56,11 +64,14 @@ class Data:
     """Folder to write."""
     preset: str = "default"
     """Training preset whose data are computed: default, anisotropic or smoke."""
+    cluster: str | None = None
+    """The address of a scheduler of Dask, or local:N, as for `urushi train`."""
 
     def run(self) -> int:
         platform.require_extra("train")
         from urushi.train import presets, tables
 
-        store = tables.generate(presets.get(self.preset).data, self.output)
+        spec = presets.get(self.preset).data
+        store = tables.generate(spec, self.output, cluster=self.cluster)
         print(f"{self.output}  {store.hash()}")
         return 0

@@ -11,10 +11,8 @@ import functools
 import hashlib
 import json
 import os
-from collections.abc import Callable, Sequence
-from concurrent.futures import ProcessPoolExecutor, as_completed
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import asdict, dataclass
-from multiprocessing import get_context
 from pathlib import Path
 from typing import Any
 
@@ -32,9 +30,10 @@ from urushi.material.substrate import Substrate
 from urushi.nets import lobe as lobes
 from urushi.nets import weights
 from urushi.nets.code_fit import solve_codes
+from urushi.nets.mlp import Params
+from urushi.nets.networks import Architecture
 from urushi.parallel import one_blas_thread
-from urushi.platform import available_cores
-from urushi.train import stretched_tables
+from urushi.train import stretched_tables, workers
 from urushi.train.bottoms import bottom_lobes, bottom_rest
 from urushi.train.distribution import SHARES, coats_of, draw_coats, draw_stack
 from urushi.walk.bottoms import KINDS
@@ -107,48 +106,76 @@ class TableStore:
         return digest.hexdigest()
 
 
-#: The arrays of a shard of a specification.
-Make = Callable[[TableSpec, int], Arrays]
-
-
-def generate(spec: TableSpec, path: str | os.PathLike, make: Make | None = None) -> TableStore:
-    """Compute the tables of `spec` in a folder, or complete them, with a process on every core.
+def generate(
+    spec: TableSpec,
+    path: str | os.PathLike,
+    make: Callable[[TableSpec, int], Arrays] | None = None,
+    cluster: str | None = None,
+) -> TableStore:
+    """Compute the tables of `spec` in a folder, or complete them.
 
     make: the arrays of a shard; default `make_shard`.
+    cluster: who computes them, see `workers.results`; default a process on every core.
     """
     store = opened(spec, Path(path))
-    missing = store.missing()
-    if not missing:
-        return store
-    with (
-        ProcessPoolExecutor(available_cores(), get_context("spawn")) as pool,
-        tqdm(total=len(missing) * spec.shard, desc="tables", disable=None) as progress,
-    ):
-        tasks = [pool.submit(write_shard, store, shard, make) for shard in missing]
-        for done in as_completed(tasks):
-            done.result()
-            progress.update(spec.shard)
+    compute = functools.partial(_on_one_thread, make or make_shard, spec)
+    return complete(store, compute, ((shard,) for shard in store.missing()), cluster)
+
+
+def complete(
+    store: TableStore,
+    compute: Callable[[tuple[Any, ...]], Arrays],
+    tasks: Iterable[tuple[Any, ...]],
+    cluster: str | None,
+) -> TableStore:
+    """Write the shards that are missing, each once and as a whole. Only this process writes.
+
+    compute: the arrays of a shard by its task. tasks: numbers of the shards, and more arguments.
+    """
+    total = len(store.missing()) * store.spec.shard
+    with tqdm(total=total, desc="tables", disable=None) as progress:
+        for (shard, *_), arrays in workers.results(compute, tasks, cluster):
+            files.write_tensors(store.file(shard), "tables", {"version": FORMAT_VERSION}, arrays)
+            progress.update(store.spec.shard)
     return store
 
 
-def generate_coats(store: TableStore, model: weights.Model) -> TableStore:
+def _on_one_thread(make: Callable[..., Arrays], spec: TableSpec, task: tuple[Any, ...]) -> Arrays:
+    with one_blas_thread():
+        return make(spec, *task)
+
+
+def generate_coats(
+    store: TableStore, model: weights.Model, cluster: str | None = None
+) -> TableStore:
     """The store of further coats over the codes of a store of two widths, with "bottom" (R, L).
 
-    model: with the basis of the codes.
+    model: with the basis of the codes. cluster: as of `generate`.
     """
-    file = store.path / f"basis-{model.fingerprint}.safetensors"
-    weights.save(file, model.arch, model.params, {})
-    make = functools.partial(_coats_over, store, file)
-    return generate(store.spec, store.path / f"coats-{model.fingerprint}", make)
+    coats = opened(store.spec, store.path / f"coats-{model.fingerprint}")
+
+    def below(shard: int) -> tuple[int, np.ndarray, np.ndarray]:
+        names = ("lobe", "probes", "stack")
+        held = files.read_tensors(store.file(shard), "tables", FORMAT_VERSION, names)[1]
+        rest = solve_codes(model.networks.basis, np.exp(held["probes"]))
+        return shard, held["stack"], np.concatenate([held["lobe"], rest], axis=1)
+
+    make = functools.partial(_coats_over, model.arch, model.params)
+    compute = functools.partial(_on_one_thread, make, store.spec)
+    return complete(coats, compute, map(below, coats.missing()), cluster)
 
 
-def _coats_over(store: TableStore, file: Path, spec: TableSpec, shard: int) -> Arrays:
-    names, model = ("lobe", "probes", "stack"), weights.read(file)
-    held = files.read_tensors(store.file(shard), "tables", FORMAT_VERSION, names)[1]
-    rest = solve_codes(model.networks.basis, np.exp(held["probes"]))
-    bottom = np.concatenate([held["lobe"], rest], axis=1)
+def _coats_over(
+    arch: Architecture,
+    params: Params,
+    spec: TableSpec,
+    shard: int,
+    stack: np.ndarray,
+    bottom: np.ndarray,
+) -> Arrays:
+    model = weights.Model.of(arch, params, {})
     coats = stretched_tables.coats_over(bottom, model, spec.coats, [spec.seed, shard])
-    return {"stack": held["stack"], "bottom": bottom, **coats}
+    return {"stack": stack, "bottom": bottom, **coats}
 
 
 def opened(spec: TableSpec, path: Path) -> TableStore:
@@ -167,13 +194,6 @@ def opened(spec: TableSpec, path: Path) -> TableStore:
             f"'{path}' has tables of another specification; delete it or choose another folder"
         )
     return TableStore(path, spec)
-
-
-def write_shard(store: TableStore, shard: int, make: Make | None = None) -> None:
-    """Compute one shard and write it, see `generate`."""
-    with one_blas_thread():
-        arrays = (make or make_shard)(store.spec, shard)
-    files.write_tensors(store.file(shard), "tables", {"version": FORMAT_VERSION}, arrays)
 
 
 def make_shard(spec: TableSpec, shard: int) -> Arrays:

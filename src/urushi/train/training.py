@@ -1,5 +1,6 @@
 """A whole training: tables, basis, layering network, proposals, and the weights file."""
 
+import functools
 import json
 import os
 import platform
@@ -54,6 +55,7 @@ def train(
     out: str | os.PathLike | None = None,
     run: str | os.PathLike | None = None,
     resume: bool = False,
+    cluster: str | None = None,
 ) -> weights.Model:
     """Make basis and layering network, and write the weights.
 
@@ -64,21 +66,24 @@ def train(
         run: folder of the checkpoint and of `log.jsonl`; default `runs/NAME`.
         resume: continue from the run folder's checkpoint. The weights are bit for bit the same as
             of an uninterrupted training on the same machine and software.
+        cluster: who computes the tables, see `workers.results`; default this machine's cores.
 
     Returns:
         The trained model, as written to `out`.
 
     Raises:
-        ParameterError: there is no such preset.
+        ParameterError: there is no such preset, or the cluster cannot be read.
+        PlatformError: the cluster does not answer, see `workers.results`.
         FileError: a file is foreign, damaged or cannot be written, or the run folder has a
             checkpoint and `resume` is not set.
     """
     preset = presets.get(preset) if isinstance(preset, str) else preset
-    store, journal, out = prepare(preset, data, out, run, resume, tables.generate)
+    generate = functools.partial(tables.generate, cluster=cluster)
+    store, journal, out = prepare(preset, data, out, run, resume, generate)
     began = time.monotonic()
     params, codes, metrics = fitted_basis(preset, store)
     model = untrained(preset.arch, params)
-    found, stacks = layerings(model, store)
+    found, stacks = layerings(model, store, cluster)
     hidden = stacks % HELD_OUT == 0
     beginning = layering.fresh(preset.arch, preset.seed)
     if preset.beginning:
@@ -141,14 +146,17 @@ def untrained(arch: Architecture, params: Params) -> weights.Model:
     return weights.Model.of(arch, zeros | dict(params), {})
 
 
-def layerings(model: weights.Model, store: TableStore) -> tuple[Layerings, np.ndarray]:
+def layerings(
+    model: weights.Model, store: TableStore, cluster: str | None = None
+) -> tuple[Layerings, np.ndarray]:
     """All examples of a store, and the numbers (N,) of their stacks.
 
-    model: with the basis. Coats over its codes of two widths are computed first.
+    model: with the basis. Coats over its codes of two widths are computed first. cluster: who
+    computes them, see `workers.results`.
     """
     basis, names = model.networks.basis, ("over", "coated", "stack")
     if model.widths == 2:
-        store = tables.generate_coats(store, model)
+        store = tables.generate_coats(store, model, cluster)
         held = store.read(("bottom", *names))
     else:
         held = store.read(("table", "lobe", *names))
