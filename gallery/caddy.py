@@ -52,8 +52,9 @@ def coat(folder: Folder, options: Options) -> dict[str, Any]:
     rows = options.texels(TEXTURE_HEIGHT)
     medium = {}
     for name, parameter in (("albedo", "albedo"), ("depth", "sigma_t")):
-        shipped = mi.Bitmap(str(DEMO_SCENE.with_name(f"{name}.exr")))
-        values = shipped if rows == TEXTURE_HEIGHT else shipped.resample([2 * rows, rows])
+        values = mi.Bitmap(str(DEMO_SCENE.with_name(f"{name}.exr")))
+        if rows != TEXTURE_HEIGHT:  # its filter swings beyond the values that it averages
+            values = values.resample([2 * rows, rows], clamp=(0.0, np.array(values).max()))
         # Between gold and lacquer f is far from linear in sigma_t.
         medium[parameter] = folder.texture(name, np.array(values)) | {"filter_type": "nearest"}
     return options.coated(conductor("Au", 0.22), alpha=0.05, int_ior=1.5, g=0.0, **medium)

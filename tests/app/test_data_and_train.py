@@ -37,6 +37,7 @@ def test_train_passes_its_flags(monkeypatch, capsys):
 
     monkeypatch.setattr(training, "train", train)
     flags = ["--preset", "smoke", "--data", "d", "--run-folder", "r", "-o", "w.safetensors"]
+    flags += ["--cluster", "local:2"]
     assert cli.main(["train", *flags, "--resume"]) == 0
     assert calls == {
         "preset": "smoke",
@@ -44,6 +45,7 @@ def test_train_passes_its_flags(monkeypatch, capsys):
         "run": Path("r"),
         "out": Path("w.safetensors"),
         "resume": True,
+        "cluster": "local:2",
     }
     text = capsys.readouterr().out
     assert "0.0123" in text
