@@ -35,7 +35,6 @@ def rate(make: Callable[[int], Any], tasks: int, cluster: str | None, processes:
 
 
 def measured(case: tuple[str | None, int], options: Options) -> dict[str, float]:
-    cluster, processes = case
     shards = SPEC.shards()
     size = sum(x.nbytes for x in make_shard(SPEC, 0).values())
     return {

@@ -8,7 +8,9 @@ from urushi.textures import axes
 from urushi.textures.axes import Axis
 
 
-@pytest.mark.parametrize("scale", [axes.WIDTH, axes.DEPTH, axes.REFLECTANCE, axes.LINEAR])
+@pytest.mark.parametrize(
+    "scale", [axes.WIDTH, axes.DEPTH, axes.REFLECTANCE, axes.LINEAR, axes.ALBEDO, axes.INDEX]
+)
 def test_coordinates_are_inverse_to_values(scale):
     axis = Axis("x", scale, 0.02, 0.9)
     coordinates = np.linspace(0, 1, 33)

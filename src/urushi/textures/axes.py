@@ -56,7 +56,7 @@ FAINT = 1e-3
 
 #: Scales of axes: along which coordinate of a parameter codes are closest to linear.
 WIDTH, DEPTH, REFLECTANCE, LINEAR = "width", "depth", "reflectance", "linear"
-ALBEDO = "albedo"  # of single scattering
+ALBEDO, INDEX = "albedo", "index"  # of single scattering; relative, above or below one
 
 
 class Axis(NamedTuple):
@@ -91,6 +91,8 @@ class Axis(NamedTuple):
             x = np.exp(x) - DARK
         elif self.scale == ALBEDO:
             x = 1 - x * x
+        elif self.scale == INDEX:
+            x = (1 + x * abs(x)) / (1 - x * abs(x))
         elif self.scale != LINEAR:
             x = x * x
         return np.clip(x, self.least, self.most)
@@ -106,6 +108,9 @@ def _scaled(scale: str, value: Any, xp: Any) -> Any:
         return xp.log(value + DARK)
     if scale == ALBEDO:
         return -xp.sqrt(1 - value)
+    if scale == INDEX:  # the root of Fresnel's amplitude at the normal, with its sign
+        amplitude = (value - 1) / (value + 1)
+        return amplitude / xp.sqrt(xp.sqrt(amplitude * amplitude + 1e-12))
     return value if scale == LINEAR else xp.sqrt(value)
 
 

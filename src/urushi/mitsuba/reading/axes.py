@@ -22,7 +22,7 @@ from urushi.mitsuba.reading.kept import has_gradients, is_attached
 from urushi.mitsuba.reading.parameters import CHECKS, TWO_WIDTHS, CoatTextures
 from urushi.mitsuba.reading.replaced import parts
 from urushi.mitsuba.recording import owned
-from urushi.textures.axes import ALBEDO, DEPTH, LINEAR, REFLECTANCE, WIDTH, Axis, Steps
+from urushi.textures.axes import ALBEDO, DEPTH, INDEX, LINEAR, REFLECTANCE, WIDTH, Axis, Steps
 from urushi.textures.store import MIDDLE, from_texture
 
 #: All values of a parameter, by its scale.
@@ -39,7 +39,7 @@ COAT: dict[str, tuple[str, tuple[str, ...]]] = {
     "alpha": (WIDTH, ("alpha",)),
     "alpha_u": (WIDTH, ("alpha_u",)),
     "alpha_v": (WIDTH, ("alpha_v",)),
-    "eta": (LINEAR, ("int_ior", "ext_ior")),
+    "eta": (INDEX, ("int_ior", "ext_ior")),
     "albedo": (ALBEDO, ("albedo", *LOOK, "g")),
     "sigma_t": (DEPTH, ("sigma_t", *LOOK, "g", "thickness")),
     "g": (LINEAR, ("g",)),
