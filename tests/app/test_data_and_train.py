@@ -16,13 +16,13 @@ from urushi.train import presets, tables, training
 def test_data_are_computed_or_completed(monkeypatch, tmp_path, capsys):
     calls = []
 
-    def generate(spec, path):
-        calls.append((spec, path))
+    def generate(spec, path, cluster):
+        calls.append((spec, path, cluster))
         return SimpleNamespace(hash=lambda: "0123")
 
     monkeypatch.setattr(tables, "generate", generate)
-    assert cli.main(["data", "--preset", "smoke", "-o", str(tmp_path)]) == 0
-    assert calls == [(presets.smoke().data, tmp_path)]
+    assert cli.main(["data", "--preset", "smoke", "-o", str(tmp_path), "--cluster", "local:2"]) == 0
+    assert calls == [(presets.smoke().data, tmp_path, "local:2")]
     assert capsys.readouterr().out == f"{tmp_path}  0123\n"
 
 
