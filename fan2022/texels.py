@@ -1,6 +1,6 @@
 """Textures of codes of the networks of Fan et al. 2022, in Dr.Jit.
 
-One texel is drawn, as in `mitsuba.latents.lookup`. Mip levels are means of codes: the networks'
+One texel is drawn, as in `mitsuba.reading.texels`. Mip levels are means of codes: the networks'
 latent space is linear (Fan et al. 2022).
 """
 
@@ -13,8 +13,8 @@ import numpy as np
 
 from fan2022.architecture import LATENT
 from urushi.errors import ParameterError
-from urushi.mitsuba.latents.lookup import drawn_texel, texel_draw
 from urushi.mitsuba.reading.grid import not_over_uv, varying_textures
+from urushi.mitsuba.reading.texels import drawn_texel, texel_draw
 from urushi.mitsuba.recording import owned
 from urushi.textures.store import MIDDLE, TexelGrid
 
@@ -96,7 +96,8 @@ class CodeTexture:
             level = dr.minimum(mi.UInt32(0.5 * dr.log2(squared) + draw[2]), count - 1)
             offset, width, height = (dr.gather(mi.UInt32, x, level) for x in self._levels)
         sizes, channels = (mi.Int32(width), mi.Int32(height)), self.channels
-        first = (offset + drawn_texel((si.uv.x, si.uv.y), sizes, self.grid, draw)) * channels
+        column, row = drawn_texel((si.uv.x, si.uv.y), sizes, self.grid, draw)
+        first = (offset + mi.UInt32(row * sizes[0] + column)) * channels
         return [
             [dr.gather(mi.Float, self._numbers, (first + c) * LATENT + i) for i in range(LATENT)]
             for c in range(channels)

@@ -13,8 +13,8 @@ import mitsuba as mi
 from urushi.checks import MIN_ALPHA, CoatParameters
 from urushi.core import fresnel
 from urushi.errors import ParameterError
-from urushi.mitsuba.latents import baking
 from urushi.mitsuba.plugins.coats import CoatStack
+from urushi.mitsuba.reading.axes import check_coat
 from urushi.mitsuba.reading.below import below
 from urushi.mitsuba.reading.grid import nested_objects
 from urushi.mitsuba.reading.offers import offer_of
@@ -43,7 +43,7 @@ class StackNumbers(NamedTuple):
 class DescribedBottom:
     """A `roughconductor` or a `diffuse` by its textures."""
 
-    DRJIT_STRUCT: ClassVar = {"_textures": dict, "_coat": object}  # for frozen functions
+    DRJIT_STRUCT: ClassVar = {"_textures": dict}  # for frozen functions
 
     def __init__(self, bsdf: "mi.BSDF", where: str, plugin: str):
         """Read the textures.
@@ -55,10 +55,8 @@ class DescribedBottom:
         while bsdf.class_name() == "TwoSidedBRDF":
             bsdf = self._textures["brdf_0"]
             self._textures = nested_objects(bsdf)
-        offer, self._coat = offer_of(bsdf), getattr(bsdf, "coat", None)  # of one below a medium
+        offer = offer_of(bsdf)
         self.is_diffuse = offer.reflectance is not None
-        if self._coat is not None:
-            self._textures = nested_objects(bsdf.conductor)
         if "alpha_u" in self._textures or not (offer.bare or self.is_diffuse):
             raise ParameterError(
                 f"{where}: the model does not support the nested {bsdf.class_name()}; nest a "
@@ -78,9 +76,8 @@ class DescribedBottom:
             return [BottomNumbers(None, _constant(value)) for value in reflectance]
         alpha = dr.clip(self._textures["alpha"].eval_1(si, active), MIN_ALPHA, 1)
         names = ("specular_reflectance", "eta", "k")
-        above = 1 if self._coat is None else self._coat.inside(si, active)
         return [
-            BottomNumbers(alpha, _conductor(dr.clip(factor, 0, 1), eta / above, k / above))
+            BottomNumbers(alpha, _conductor(dr.clip(factor, 0, 1), eta, k))
             for factor, eta, k in zip(*map(channels, names), strict=True)
         ]
 
@@ -118,7 +115,7 @@ def define_described(base: type, plugin: str, label: str) -> type:
                     f"{self._coat.where}: the model supports isotropic lobes only; give alpha "
                     "instead of alpha_u and alpha_v, and no rotation"
                 )
-            baking.check(self._coat)
+            check_coat(self._coat)
             self.coats = [self._coat]
             if isinstance(self._nested, DescribedBSDF):
                 own, *others = self._nested.coats
@@ -142,7 +139,7 @@ def define_described(base: type, plugin: str, label: str) -> type:
 
         def _update(self, keys):
             self._coat.parameters_changed()
-            baking.check(self._coat)
+            check_coat(self._coat)
 
         def to_string(self):
             bottom = str(self._nested).replace("\n", "\n  ")

@@ -17,8 +17,7 @@ from urushi.export.program import codes_text
 from urushi.nets import weights
 from urushi.nets.weights import Model
 from urushi.textures import gpu as texture_files
-from urushi.textures import packing
-from urushi.textures.store import TexelGrid, TextureStore, write_texture
+from urushi.textures.store import TexelGrid, Texture, write_texture
 
 WIDTH, HEIGHT = 8, 4
 
@@ -40,11 +39,11 @@ void main() {
 
 
 @pytest.fixture(scope="module")
-def store(model) -> TextureStore:
-    return store_of(model)
+def packed(model) -> Texture:
+    return texture_of(model)
 
 
-def store_of(model: Model) -> TextureStore:
+def texture_of(model: Model) -> Texture:
     """A texture; some numbers are constant, or the same in all channels."""
     rng = np.random.default_rng(2)
     codes = rng.normal(size=(WIDTH * HEIGHT, 3, model.arch.latent)).astype(np.float32)
@@ -53,14 +52,12 @@ def store_of(model: Model) -> TextureStore:
     if model.widths == 2:
         codes[..., 6] = rng.uniform(0.1, 0.4, (len(codes), 1))
         codes[..., -1] = 0.25  # the stretch
-    store = TextureStore(model, 3, len(codes))
-    store.write(np.arange(len(codes)), codes)
-    return store
+    return Texture.of(model, codes)
 
 
-def image_of_store(store: TextureStore, layers: int) -> np.ndarray:
+def image_of(packed: Texture, layers: int) -> np.ndarray:
     """Bytes (layers, height, width, 4)."""
-    texels = store.packed.bytes[:, : 4 * layers].reshape(HEIGHT, WIDTH, layers, 4)
+    texels = packed.packed.bytes[:, : 4 * layers].reshape(HEIGHT, WIDTH, layers, 4)
     return texels.transpose(2, 0, 1, 3)
 
 
@@ -87,31 +84,31 @@ def read_ktx2(content: bytes) -> np.ndarray:
 
 
 @pytest.mark.parametrize("kind", ["dds", "ktx2"])
-def test_files_hold_all_texels(store, kind):
+def test_files_hold_all_texels(packed, kind):
     writer, reader = {
         "dds": (texture_files.dds, read_dds),
         "ktx2": (texture_files.ktx2, read_ktx2),
     }[kind]
-    read = reader(writer(texture_files.texture_image(store, GRID)))
-    assert np.array_equal(read, image_of_store(store, len(read)))
+    read = reader(writer(texture_files.texture_image(packed, GRID)))
+    assert np.array_equal(read, image_of(packed, len(read)))
 
 
-def test_dds_is_read_by_another_program(store, tmp_path):
+def test_dds_is_read_by_another_program(packed, tmp_path):
     """Pillow reads the first layer."""
     image = pytest.importorskip("PIL.Image", reason="Pillow is not installed")
     path = tmp_path / "texture.dds"
-    path.write_bytes(texture_files.dds(texture_files.texture_image(store, GRID)))
+    path.write_bytes(texture_files.dds(texture_files.texture_image(packed, GRID)))
     with image.open(path) as opened:
-        assert np.array_equal(np.asarray(opened), image_of_store(store, 1)[0])
+        assert np.array_equal(np.asarray(opened), image_of(packed, 1)[0])
 
 
 @pytest.mark.parametrize("networks_of", ["model", "anisotropic_model"])
 def test_look_up_in_opengl(networks_of, request):
     """At the centre of each texel, f and pdf are those of the texel's code."""
     context, model = gpu.gl_context(), request.getfixturevalue(networks_of)
-    store = store_of(model)
-    text = codes_text("glsl", model, "urushi", texture_files.texels(store, GRID))
-    codes = packing.unpack(store.layout, store.packed)
+    packed = texture_of(model)
+    text = codes_text("glsl", model, "urushi", texture_files.texels(packed, GRID))
+    codes = packed.codes()
     wi = np.array([0.6, 0.0, 0.8], np.float32)
     wo = np.array([-0.5, 0.1, 0.86], np.float32)
     wo /= np.linalg.norm(wo)
@@ -122,7 +119,7 @@ def test_look_up_in_opengl(networks_of, request):
         table = gpu.gl_texture(context, basis_of(model))
         table.use(1)
         program["table"] = 1
-        image = read_ktx2(texture_files.ktx2(texture_files.texture_image(store, GRID)))
+        image = read_ktx2(texture_files.ktx2(texture_files.texture_image(packed, GRID)))
         layers, height, width, _ = image.shape
         texture = context.texture_array((width, height, layers), 4, image.tobytes())
         texture.repeat_x = texture.repeat_y = False
@@ -144,11 +141,11 @@ def test_look_up_in_opengl(networks_of, request):
 @pytest.mark.parametrize(
     "language, compiler", [("wgsl", "tint"), ("wgsl", "naga"), ("hlsl", ""), ("slang", "")]
 )
-def test_look_up_compiles(model, store, tmp_path, language, compiler):
+def test_look_up_compiles(model, packed, tmp_path, language, compiler):
     path = shutil.which(compiler)
     if language == "wgsl" and path is None:
         pytest.skip(f"{compiler} is not installed")
-    texels = texture_files.texels(store, TexelGrid(WIDTH, HEIGHT, PLACE))
+    texels = texture_files.texels(packed, TexelGrid(WIDTH, HEIGHT, PLACE))
     wgsl = """
 @group(0) @binding(0) var texels: texture_2d_array<f32>;
 @group(0) @binding(1) var filtering: sampler;
@@ -176,24 +173,24 @@ Texture2DArray<float4> texels; Texture3D<float4> table; SamplerState filtering;
     assert done.returncode == 0, done.stderr
 
 
-def test_command_writes_shader_and_texture(model, store, tmp_path, capsys):
+def test_command_writes_shader_and_texture(model, packed, tmp_path, capsys):
     networks, stored = tmp_path / "weights.safetensors", tmp_path / "texture.safetensors"
     weights.save(networks, model.arch, model.params, {})
     grid = TexelGrid(WIDTH, HEIGHT, PLACE, "mirror")
-    write_texture(stored, store, grid, model.fingerprint)
+    write_texture(stored, packed, grid, model.fingerprint)
     given = ["-l", "hlsl", "--weights", str(networks), "-o", str(tmp_path / "texture.hlsl")]
     given = ["export", str(stored), *given]
     assert main([*given, "--texture", str(tmp_path / "texture.ktx2")]) == 0
     text, table, texture = (Path(line) for line in capsys.readouterr().out.split())
-    assert texture.read_bytes() == texture_files.ktx2(texture_files.texture_image(store, GRID))
+    assert texture.read_bytes() == texture_files.ktx2(texture_files.texture_image(packed, GRID))
     basis = texture_files.Image(basis_of(model), is_volume=True)
     assert table.read_bytes() == texture_files.ktx2(basis)
-    shader = codes_text("hlsl", model, "urushi", texture_files.texels(store, grid))
+    shader = codes_text("hlsl", model, "urushi", texture_files.texels(packed, grid))
     assert text.read_text() == shader and "mirrored repeat" in shader
 
 
-def test_textures_need_array_textures(model, store):
-    texels = texture_files.texels(store, TexelGrid(WIDTH, HEIGHT))
+def test_textures_need_array_textures(model, packed):
+    texels = texture_files.texels(packed, TexelGrid(WIDTH, HEIGHT))
     with pytest.raises(
         ParameterError, match="exported OSL code reads no latent textures; choose one of glsl, wgsl"
     ):

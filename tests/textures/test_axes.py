@@ -31,7 +31,7 @@ def test_simplices_interpolate_linear_functions_exactly(dimensions):
     x[:2] = [[0] * dimensions, [1] * dimensions]
     sides = (np.linspace(0, 1, count) for count in shape)
     nodes = np.stack(np.meshgrid(*sides, indexing="ij"), axis=-1).reshape(-1, dimensions)
-    corners = axes.simplex(shape, x)
+    corners = axes.simplex(shape, x.T, axes.whole_numbers, NUMPY)
     assert len(corners) == dimensions + 1
     weights = np.stack([weight for _, weight in corners])
     assert (weights >= 0).all()

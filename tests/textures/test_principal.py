@@ -1,89 +1,77 @@
-"""Principal numbers of a texture give the f of its codes, by fewer functions."""
+"""Principal numbers give the f of codes, by fewer functions."""
 
 import numpy as np
 import pytest
 
 from urushi.core.direction_sets import cosine_pairs
 from urushi.core.error_metrics import stack_error
-from urushi.textures import packing
-from urushi.textures.principal import principal_texture
-from urushi.textures.store import TextureStore
+from urushi.textures.principal import projection_of
 
 
-def stored(model, codes) -> TextureStore:
-    store = TextureStore(model, codes.shape[1], len(codes))
-    store.write(slice(None), codes)
-    return store
+def projected(model, codes: np.ndarray):
+    """Functions, projection and principal numbers (T, C, 1 + N) of codes (T, C, L)."""
+    tops, rests = np.split(codes, [model.arch.lobe], axis=-1)
+    functions, projection = projection_of(model, np.moveaxis(tops, 1, 0), np.moveaxis(rests, 1, 0))
+    return functions, projection, projection.numbers(rests)
 
 
-@pytest.fixture(scope="module")
-def store(model, lacquers) -> TextureStore:
-    return stored(model, lacquers(256))
-
-
-def test_they_give_the_f_of_the_codes(model, store):
-    principal = principal_texture(model, store)
-    assert principal.functions.shape[1] < model.arch.functions
-    assert principal.layout.texel_bytes < store.layout.texel_bytes
-    codes = store.read(slice(None))
-    found = principal.codes(packing.unpack(principal.layout, principal.packed))
+def errors(model, codes: np.ndarray) -> np.ndarray:
+    """E of f by the principal numbers of codes (T, C, L)."""
+    _, projection, numbers = projected(model, codes)
+    found = np.concatenate([codes[..., : model.arch.lobe], projection.rests(numbers)], axis=-1)
     wi, wo = cosine_pairs(np.random.default_rng(1), 500)
     f, ours = (model.networks.f(z[..., None, :], wi, wo) for z in (codes, found))
-    error = stack_error(ours, f, wi[:, 2], wo[:, 2])
-    assert error.mean() < 2e-3
-    assert error.max() < 1e-2
+    return stack_error(ours, f, wi[:, 2], wo[:, 2])
 
 
-def test_their_functions_give_the_logarithm_of_their_codes(model, store):
-    principal = principal_texture(model, store)
-    numbers = packing.unpack(principal.layout, principal.packed)[:8, 0]
-    rest = principal.codes(numbers)[:, model.arch.lobe :]
+def test_they_give_the_f_of_the_codes(model, lacquers):
+    codes = lacquers(256)
+    assert projected(model, codes)[0].shape[1] < model.arch.functions
+    found = errors(model, codes)
+    assert found.mean() < 2e-3
+    assert found.max() < 1e-2
+
+
+def test_their_functions_give_the_logarithm_of_their_codes(model, lacquers):
+    functions, projection, numbers = projected(model, lacquers(256))
+    numbers, functions = numbers[:8, 0], functions[::97].astype(np.float64)
     rows = model.networks.basis.rows[::97].astype(np.float64)
-    mean, functions = principal.functions[::97, :1], principal.functions[::97, 1:]
-    gain, others = numbers[:, principal.first], numbers[:, principal.first + 1 :]
-    found = mean + gain + functions @ others.T
+    found = functions[:, :1] + numbers[:, 0] + functions[:, 1:] @ numbers[:, 1:].T
+    expected = rows[:, :1] + rows[:, 1:] @ projection.rests(numbers).T
     # single precision of numbers that are far larger than their sums
-    np.testing.assert_allclose(found, rows[:, :1] + rows[:, 1:] @ rest.T, atol=2e-3)
-    assert np.abs(functions).max() <= 1
+    np.testing.assert_allclose(found, expected, atol=2e-3)
+    assert np.abs(functions[:, 1:]).max() <= 1
 
 
-def test_a_brighter_texture_has_the_same_components(model, lacquers):
+def test_a_brighter_material_has_the_same_components(model, lacquers):
     codes = lacquers(64)
     brighter = codes.copy()
     model.networks.gains(brighter)[...] += 1
-    first, second = (principal_texture(model, stored(model, z)) for z in (codes, brighter))
-    numbers, other = (packing.unpack(x.layout, x.packed) for x in (first, second))
-    gains = other[..., first.first] - numbers[..., first.first]
-    np.testing.assert_allclose(gains, 1, atol=0.01)  # codes are written in half precision
+    first, second = (projected(model, z)[2] for z in (codes, brighter))
+    np.testing.assert_allclose(second[..., 0] - first[..., 0], 1, atol=0.01)
 
 
-def test_a_texture_of_unlike_materials_keeps_its_codes(model):
+def test_unlike_materials_keep_their_codes(model):
     codes = np.zeros((256, 3, model.arch.latent), np.float32)
     codes[..., :6] = 0.3, 0, 0, 1, 1.5, 0
     codes[..., 6:] = np.random.default_rng(0).normal(size=(256, 3, model.arch.functions))
-    assert principal_texture(model, stored(model, codes)) is None
+    assert projected(model, codes)[2].shape[-1] == model.arch.functions
+    assert errors(model, codes).max() < 1e-4
 
 
-def test_rare_texels_are_represented_too(model, lacquers):
-    """One texel of a thousand is unlike all others."""
+def test_rare_codes_are_represented_too(model, lacquers):
+    """One code of a thousand is unlike all others."""
     codes = np.repeat(lacquers(1), 1000, axis=0)
     codes[123] = lacquers(7)[5]
-    store = stored(model, codes)
-    principal = principal_texture(model, store)
-    part = principal.packed._replace(bytes=principal.packed.bytes[123:124])
-    found = principal.codes(packing.unpack(principal.layout, part))
-    wi, wo = cosine_pairs(np.random.default_rng(1), 500)
-    f, ours = (model.networks.f(z[..., None, :], wi, wo) for z in (store.read([123]), found))
-    assert stack_error(ours, f, wi[:, 2], wo[:, 2]).max() < 1e-2
+    assert errors(model, codes).max() < 1e-2
 
 
-def test_a_texture_of_one_material_and_of_none(model, lacquers):
+@pytest.mark.parametrize("bare", [False, True])
+def test_one_material(model, lacquers, bare):
     """Nothing varies, and the numbers of codes may be zero."""
-    bare = lacquers(1)
-    bare[..., model.arch.lobe :] = model.networks.empty_rest()
-    for codes in (lacquers(1), bare):
-        store = stored(model, np.repeat(codes, 8, axis=0))
-        principal = principal_texture(model, store)
-        found = principal.codes(packing.unpack(principal.layout, principal.packed))
-        np.testing.assert_allclose(found, store.read(slice(None)), atol=2e-3)
-        assert np.isfinite(principal.functions).all()
+    codes = np.repeat(lacquers(1), 8, axis=0)
+    if bare:
+        codes[..., model.arch.lobe :] = model.networks.empty_rest()
+    functions, projection, numbers = projected(model, codes)
+    np.testing.assert_allclose(projection.rests(numbers), codes[..., model.arch.lobe :], atol=2e-3)
+    assert np.isfinite(functions).all()

@@ -8,7 +8,7 @@ import numpy as np
 
 from urushi.core import albedos, anisotropic_albedos
 from urushi.core.namespace import DRJIT
-from urushi.mitsuba.recording import owned
+from urushi.mitsuba.networks.table import interpolated, stored
 
 
 class InterfaceAlbedo:
@@ -139,48 +139,16 @@ class Interpolated:
     """A table of channels, the last axis, as a function of coordinates in [0, 1].
 
     The coordinate of the last axis but the channels comes first. The table is linear between its
-    nodes, which are from 0 to 1 on each axis. Textures have three axes: the first axes of larger
-    tables form one of them.
+    nodes, which are from 0 to 1 on each axis.
     """
 
-    DRJIT_STRUCT: ClassVar = {"_texture": object}  # for frozen functions
+    DRJIT_STRUCT: ClassVar = {"_table": object}  # for frozen functions
 
     def __init__(self, table: np.ndarray):
-        kinds = {2: mi.Texture1f, 3: mi.Texture2f, 4: mi.Texture3f}
-        self._sizes = table.shape[-2::-1]
-        table = table.reshape(-1, *table.shape[-3:]) if table.ndim > 4 else table
-        self._texture = kinds[table.ndim](
-            mi.TensorXf(owned(mi.Float, table), table.shape),
-            use_accel=False,
-            filter_mode=dr.FilterMode.Linear,
-            wrap_mode=dr.WrapMode.Clamp,
-        )
+        *self._shape, self._channels = table.shape
+        self._table = stored(table, half=False)
 
     def __call__(self, at: list) -> list:
         """The channels."""
-        places = [x * (size - 1) for x, size in zip(at, self._sizes, strict=True)]
-        inner, rows = places[:3], self._sizes[2] if len(at) > 2 else 1
-        corners: list[tuple[Any, Any]] = [(1.0, 0.0)]  # of the axes that are rows: weights, rows
-        for place, size in zip(places[3:], self._sizes[3:], strict=True):
-            low = dr.clip(dr.floor(place), 0, size - 2)
-            share = dr.clip(place - low, 0, 1)
-            corners = [
-                (weight * part, row + rows * (low + step))
-                for weight, row in corners
-                for step, part in ((0, 1 - share), (1, share))
-            ]
-            rows *= size
-        if len(corners) == 1:
-            return self._at(inner)
-        inner[2] = dr.clip(inner[2], 0, self._sizes[2] - 1)
-        found = [
-            [weight * x for x in self._at([*inner[:2], inner[2] + row])] for weight, row in corners
-        ]
-        return [sum(channel) for channel in zip(*found, strict=True)]
-
-    def _at(self, places: list) -> list:
-        """The channels of the texture, at places in steps of its nodes."""
-        sizes = reversed(self._texture.shape[:-1])
-        position = [(place + 0.5) / size for place, size in zip(places, sizes, strict=True)]
-        kinds = {1: mi.Point1f, 2: mi.Point2f, 3: mi.Point3f}
-        return list(self._texture.eval(kinds[len(position)](*position)))
+        places = [dr.clip(mi.Float(x), 0, 1) for x in reversed(at)]
+        return interpolated(self._table, self._shape, places)[: self._channels]

@@ -6,8 +6,8 @@ bands, each a channel:
 - Constant coats have `COUNT` bands, spaced by the density of Mitsuba's wavelengths, as many in each
   band. A wavelength has the value of the band that it lies in. f of a coat is not linear in the
   colour of its bottom: bands that are wider desaturate.
-- Textures, files and tables have three bands, which are read at fixed wavelengths (`RGB`). They are
-  linear sRGB: their spectrum is `of_rgb`. Textured coats follow an estimate (`plugins.estimates`).
+- Texels, files and tables have three bands, which are read at fixed wavelengths (`RGB`). They are
+  linear sRGB: their spectrum is `of_rgb`. Materials over axes have one for wavelengths.
 
 Grey is the same at all wavelengths.
 """
@@ -60,20 +60,13 @@ _read: contextvars.ContextVar[tuple[float, ...] | np.ndarray] = contextvars.Cont
 
 
 @contextlib.contextmanager
-def bands_of(grid: object) -> Iterator[None]:
-    """Read materials at the bands of textures, or of constant coats if there is no grid."""
-    before = _read.set(RGB if grid else FINE)
-    try:
-        yield
-    finally:
-        _read.reset(before)
+def reading_at(bands: tuple[float, ...] | np.ndarray) -> Iterator[None]:
+    """Read materials at bands, `FINE` for constant coats.
 
-
-@contextlib.contextmanager
-def along_u(wavelengths: np.ndarray) -> Iterator[None]:
-    """Read materials at points uv whose u lie in the middles of as many equal parts as there are
-    wavelengths [nm], each point at its own wavelength: one channel."""
-    before = _read.set(np.asarray(wavelengths, np.float32))
+    bands: an array of wavelengths [nm] is for points uv whose u lie in the middles of as many equal
+        parts, each point at its own wavelength: one channel.
+    """
+    before = _read.set(bands)
     try:
         yield
     finally:
@@ -81,7 +74,7 @@ def along_u(wavelengths: np.ndarray) -> Iterator[None]:
 
 
 def channel_count() -> int:
-    """Channels that materials are read with: 1, 3, or `COUNT` within `bands_of`."""
+    """Channels that materials are read with: 1, 3, or as many as `reading_at` says."""
     if mi.is_monochromatic or isinstance(_read.get(), np.ndarray):
         return 1
     return len(_read.get()) if mi.is_spectral else 3

@@ -1,10 +1,11 @@
-"""Materials over axes of parameters: codes at nodes, between which renderers interpolate.
+"""Materials over axes: codes at nodes, between which renderers interpolate.
 
 A material has few parameters that vary over a surface. Each is an axis, with nodes over the range
 of the parameter. Light transport is computed at some hundred points, which a polyharmonic spline
 (Duchon 1977) interpolates to the nodes. Codes are smooth along the axes, so that linear
-interpolation between nodes adds little. The lobe of the coat is known at every point, and has no
-nodes.
+interpolation between nodes adds little. The lobe of the coat is known at every point.
+
+A material whose parameters are not known has the axes v and u, and its nodes are texels.
 """
 
 import math
@@ -14,11 +15,12 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from urushi.checks import CoatParameters
-from urushi.core.namespace import Namespace
+from urushi.core.namespace import NUMPY, Namespace
 from urushi.material.energy import MARGIN, limit_albedo
 from urushi.nets import lobe as lobes
 from urushi.nets.weights import Model
 from urushi.parallel import fill_blocks
+from urushi.textures.store import TexelGrid
 
 #: Points of transport by the number of axes, of one width and of two; a point of two widths takes a
 #: hundred times as long.
@@ -125,46 +127,92 @@ class Rows(NamedTuple):
 
 
 class Baked(NamedTuple):
-    """Codes of a material at the nodes of its axes."""
+    """Codes of a material at the nodes of its axes; C is one if all channels are alike."""
 
     model: Model
     axes: tuple[Axis, ...]
-    constants: tuple[str, ...]  # names of the constants of which `slopes` are known, too
     shape: tuple[int, ...]  # number of nodes along each axis
-    lobes: np.ndarray  # float32 (N, M) of the codes, the last axis the fastest
-    rests: np.ndarray  # float32 (C, N, K) the other numbers, with `FAINT`; C as of `Rows`
+    lobes: np.ndarray  # float32 (C, N, M) of the codes, the last axis the fastest; C maybe one
+    rests: np.ndarray  # float32 (C, N, K) the other numbers
+    faint: float = 0.0  # [1/sr] by which the rests are too large
+    grid: TexelGrid | None = None  # of texels, if these are the nodes
+    constants: tuple[str, ...] = ()  # names of the constants of which `slopes` are known, too
     #: Of the rests by the values of axes and constants, float32 (C, N, d + constants, K).
-    slopes: Callable[[], np.ndarray]
+    slopes: Callable[[], np.ndarray] | None = None
 
-    def at(self, coordinates: np.ndarray, channel: int) -> np.ndarray:
-        """Rests (k, K) of a channel at coordinates (k, d)."""
-        rests, total = self.rests[min(channel, len(self.rests) - 1)], 0.0
-        for node, weight in simplex(self.shape, coordinates):
-            total = total + weight[:, None] * rests[node]
+    @classmethod
+    def of_texels(cls, model: Model, codes: np.ndarray, grid: TexelGrid) -> "Baked":
+        """Codes (T, C, L) of the texels of a grid."""
+        codes = np.moveaxis(codes[:, :1] if (codes == codes[:, :1]).all() else codes, 1, 0)
+        lobes, rests = np.split(codes, [model.arch.lobe], axis=-1)
+        axes = tuple(Axis(name, LINEAR, 0.0, 1.0) for name in ("v", "u"))
+        return cls(model, axes, (grid.height, grid.width), lobes, rests, grid=grid)
+
+    @property
+    def channels(self) -> int:
+        """Number of different channels at the same place on the axes."""
+        return len(self.rests)
+
+    def corners(
+        self, coordinates: Sequence, index: Callable[[Any], Any], xp: Namespace
+    ) -> list[tuple[Any, Any]]:
+        """Nodes and weights by which codes are interpolated at coordinates, one on each axis.
+
+        index: makes whole numbers.
+        """
+        if self.grid is not None:
+            return [(nearest(self.shape, coordinates, index), 1.0)]
+        return simplex(self.shape, coordinates, index, xp)
+
+    def codes(self, coordinates: Sequence[np.ndarray], channel: int) -> np.ndarray:
+        """Codes (k, L) of a channel at coordinates (k,) on each axis."""
+        lobe, rest = (x[min(channel, len(x) - 1)] for x in (self.lobes, self.rests))
+        total = 0.0
+        for node, weight in self.corners(coordinates, whole_numbers, NUMPY):
+            codes = np.concatenate([lobe[node], rest[node]], axis=-1)
+            total = total + np.asarray(weight)[..., None] * codes
         return np.asarray(total, np.float32)
 
 
-def simplex(shape: Sequence[int], coordinates: np.ndarray) -> list[tuple[np.ndarray, np.ndarray]]:
-    """Nodes (k,) and weights (k,) of the d + 1 corners of the simplex around coordinates (k, d).
+def whole_numbers(x: Any) -> np.ndarray:
+    """The whole numbers of arrays of numbers that are not negative."""
+    return np.asarray(x).astype(int)
+
+
+def nearest(shape: Sequence[int], coordinates: Sequence, index: Callable[[Any], Any]) -> Any:
+    """The node nearest to coordinates in [0, 1], one on each axis."""
+    node = index(0)
+    for x, count in zip(coordinates, shape, strict=True):
+        node = node * count + index(x * (count - 1) + 0.5)
+    return node
+
+
+def simplex(
+    shape: Sequence[int], coordinates: Sequence, index: Callable[[Any], Any], xp: Namespace
+) -> list[tuple[Any, Any]]:
+    """Nodes and weights of the d + 1 corners of the simplex around d coordinates in [0, 1].
 
     The cell is cut into the simplices along which coordinates ascend (Kuhn 1960).
     """
-    if not shape:
-        return [(np.zeros(len(coordinates), int), np.ones(len(coordinates)))]
-    counts = np.array(shape)
-    place = np.clip(coordinates, 0, 1) * (counts - 1)
-    first = np.minimum(place.astype(int), counts - 2)
-    steps = np.cumprod([1, *counts[:0:-1]])[::-1]
-    share = place - first
-    order = np.argsort(-share, axis=1)
-    share = np.take_along_axis(share, order, axis=1)
-    ends = np.pad(share, [(0, 0), (1, 1)], constant_values=[(0, 0), (1, 0)])
-    node = first @ steps
-    found = [(node, ends[:, 0] - ends[:, 1])]
-    for k in range(len(shape)):
-        node = node + steps[order[:, k]]
-        found.append((node, ends[:, k + 1] - ends[:, k + 2]))
-    return found
+    node, step = index(0), math.prod(shape)
+    shares, steps = list[Any](), list[Any]()
+    for x, count in zip(coordinates, shape, strict=True):
+        place = x * (count - 1)
+        first = xp.minimum(index(place), count - 2)
+        node, step = node * count + first, step // count
+        shares.append(place - first)
+        steps.append(index(step))
+    for end in range(len(shape) - 1, 0, -1):  # in descending order
+        for a in range(end):
+            swap = shares[a] < shares[a + 1]
+            for parts in (shares, steps):
+                pair = parts[a : a + 2]
+                parts[a : a + 2] = [xp.where(swap, *pair[::-1]), xp.where(swap, *pair)]
+    ends, corners = [1.0, *shares, 0.0], []
+    for k, step in enumerate([index(0), *steps]):
+        node = node + step
+        corners.append((node, ends[k] - ends[k + 1]))
+    return corners
 
 
 class Steps(NamedTuple):
@@ -230,9 +278,8 @@ def bake(
             parts.append(np.moveaxis(spline(some, change)(nodes), 1, 0))
         return np.stack(parts, axis=2).astype(np.float32)
 
-    return Baked(
-        model, own, tuple(constants or ()), shape, lobes_at(nodes), rests_at(nodes), slopes
-    )
+    tops, names = lobes_at(nodes)[None], tuple(constants or ())
+    return Baked(model, own, shape, tops, rests_at(nodes), FAINT, constants=names, slopes=slopes)
 
 
 def codes_of_rests(model: Model, rests: np.ndarray, tops: np.ndarray) -> np.ndarray:

@@ -14,7 +14,7 @@ import numpy as np
 
 from urushi.errors import ParameterError
 from urushi.export.statements import Texels
-from urushi.textures.store import TexelGrid, TextureStore
+from urushi.textures.store import TexelGrid, Texture
 
 
 class Image(NamedTuple):
@@ -28,16 +28,16 @@ class Image(NamedTuple):
         return self.texels.dtype == np.float16
 
 
-def texture_image(store: TextureStore, grid: TexelGrid) -> Image:
+def texture_image(texture: Texture, grid: TexelGrid) -> Image:
     """The image of a latent texture: uint8 (layers, height, width, 4)."""
-    layers = _layers(store)
-    rows = store.packed.bytes[:, : 4 * layers].reshape(grid.height, grid.width, layers, 4)
+    layers = _layers(texture)
+    rows = texture.packed.bytes[:, : 4 * layers].reshape(grid.height, grid.width, layers, 4)
     return Image(rows.transpose(2, 0, 1, 3), is_volume=False)
 
 
-def texels(store: TextureStore, grid: TexelGrid) -> Texels:
+def texels(texture: Texture, grid: TexelGrid) -> Texels:
     """The layout by which shaders read a texture's codes."""
-    layout, packed = store.layout, store.packed
+    layout, packed = texture
     if layout.channels not in (1, 3):
         raise ParameterError(
             f"the texture has {layout.channels} channels; only textures of one or three can be "
@@ -60,11 +60,11 @@ def texels(store: TextureStore, grid: TexelGrid) -> Texels:
     wraps = {"repeat": "repeat", "mirror": "mirrored repeat", "clamp": "clamp to edge"}
     kind = "nearest" if grid.nearest else "linear"
     sampler = f"Its sampler has the wrap mode {wraps[grid.wrap]} and {kind} filtering."
-    return Texels(numbers, _layers(store), grid.to_texture, sampler)
+    return Texels(numbers, _layers(texture), grid.to_texture, sampler)
 
 
-def _layers(store: TextureStore) -> int:
-    return max(-(-store.layout.used_bytes // 4), 1)
+def _layers(texture: Texture) -> int:
+    return max(-(-texture.layout.used_bytes // 4), 1)
 
 
 def dds(image: Image) -> bytes:

@@ -9,7 +9,7 @@ in the same way and add them afterwards. Numbers that are equal in the whole tex
 numbers that are equal in all channels are stored once.
 """
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
@@ -19,9 +19,6 @@ from urushi.parallel import fill_blocks
 
 #: Error of f by all numbers of 8 bits together, at most.
 LIMIT = 7e-4
-
-#: Texels of shared codes that a core packs at once.
-SHARED_ROWS = 1 << 14
 
 #: Codes by which the errors are measured, and stride of the probe pairs.
 SAMPLE, PAIR_STRIDE = 32, 3
@@ -76,8 +73,6 @@ def texel_layout(
     errors: np.ndarray,
     constant: np.ndarray | None = None,
     same: np.ndarray | None = None,
-    fine: Iterable[int] = (),
-    order: Iterable[int] | None = None,
 ) -> TexelLayout:
     """The layout of texels of codes (channels, size).
 
@@ -86,21 +81,18 @@ def texel_layout(
         errors: (size,) error of f by 8 bits of each number, see `rounding_errors`.
         constant, same: (size,) which numbers are the same in the whole texture, and in all channels
             of a texel. None: none are.
-        fine: numbers that have 16 bits in any case.
-        order: of all numbers; the first ones have 16 bits. None: those of the largest errors.
     """
     size = len(errors)
     constant = np.zeros(size, bool) if constant is None else constant
     same = np.zeros(size, bool) if same is None else same
     kept = [number for number in range(size) if not constant[number]]
     price = {number: 1 if same[number] else channels for number in kept}
-    by_error = sorted(price, key=lambda number: (number not in fine, -errors[number]))
-    order = by_error if order is None else [number for number in order if number in price]
+    order = sorted(price, key=lambda number: -errors[number])
     left = sum(price.values())
     # Rounding errors are independent: their squares add up.
     squares = np.cumsum(np.square([errors[number] for number in order[::-1]]))
-    needed = sum(squares > LIMIT**2), sum(number in price for number in fine)
-    count, least = 4, left + sum(price[number] for number in order[: max(needed)])
+    needed = sum(squares > LIMIT**2)
+    count, least = 4, left + sum(price[number] for number in order[:needed])
     while count < least:
         count *= 2
     left = count - left
@@ -160,40 +152,9 @@ def log_values(model: Model, codes: np.ndarray) -> np.ndarray:
 
 
 def pack(
-    layout: TexelLayout,
-    codes: np.ndarray,
-    index: np.ndarray,
-    lowest: np.ndarray,
-    highest: np.ndarray,
-) -> PackedTexels:
-    """Pack texels of shared codes.
-
-    Args:
-        codes: (k, size); index (n, channels) chooses one for each texel and channel. Every code is
-            packed once.
-        lowest, highest: (size,) ranges of all codes.
-    """
-    bottom = lowest.astype(np.float32)
-    step = ((highest - bottom) / layout.levels).astype(np.float32)
-    empty = np.zeros((len(index), layout.texel_bytes), np.uint8)
-    packed = PackedTexels(empty, bottom, step)
-    width = layout.shared + layout.stride
-    one = layout._replace(channels=1, texel_bytes=width)
-    parts = np.empty((len(codes), width), np.uint8)
-    fill_blocks(parts, lambda z: _bytes(one, packed, z[:, None]), codes)
-
-    def texels(index: np.ndarray) -> np.ndarray:
-        own = parts[:, layout.shared :][index].reshape(len(index), -1)
-        return np.concatenate([parts[index[:, 0], : layout.shared], own], axis=1)
-
-    fill_blocks(empty[:, : layout.used_bytes], texels, index, rows=SHARED_ROWS)
-    return packed
-
-
-def pack_texels(
     layout: TexelLayout, codes: np.ndarray, lowest: np.ndarray, highest: np.ndarray
 ) -> PackedTexels:
-    """Pack texels of codes (m, channels, size), see `pack`."""
+    """Pack texels of codes (m, channels, size), whose numbers have these ranges (size,)."""
     bottom = lowest.astype(np.float32)
     step = ((highest - bottom) / layout.levels).astype(np.float32)
     packed = PackedTexels(np.zeros((len(codes), layout.texel_bytes), np.uint8), bottom, step)

@@ -46,8 +46,8 @@ def slopes(model, codes, wi, wo):
 @pytest.mark.parametrize("name", LOBES)
 def test_f_has_the_gradients_of_all_numbers(rgb, model, name):
     """Single precision of lobes of width 0.1, summed over 400 pairs: 1e-3."""
+    from urushi.mitsuba.latents.codes import ConstantLatents
     from urushi.mitsuba.latents.gradients import DifferentiableLatents
-    from urushi.mitsuba.latents.holders import ConstantLatents
 
     rest = np.random.default_rng(1).normal(size=(3, model.arch.latent - 6))
     codes = np.concatenate([LOBES[name], rest], axis=1)

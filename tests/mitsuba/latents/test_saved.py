@@ -42,11 +42,12 @@ def saved(rgb, networks, tmp_path):
 def test_texels_have_the_codes_of_the_places(rgb, networks, saved):
     bsdf, path = saved
     again = loaded(rgb, path, networks).latents
-    assert again.grid == TexelGrid(9, 9)
-    expected = bsdf.latents.at(again.grid.uv())
+    grid = again.baked.grid
+    assert grid == TexelGrid(9, 9)
+    expected = bsdf.latents.at(grid.uv())
     # 8 bits of a number's range
     tolerance = 0.01 * np.ptp(expected, axis=(0, 1)) + 1e-4
-    assert (np.abs(again.at(again.grid.uv()) - expected) <= tolerance).all()
+    assert (np.abs(again.at(grid.uv()) - expected) <= tolerance).all()
 
 
 def test_a_saved_texture_is_written_the_same_again(rgb, networks, saved, tmp_path):
@@ -71,7 +72,7 @@ def test_a_saved_texture_can_be_coated(rgb, networks, saved):
     from urushi.mitsuba.reading import probing
 
     bsdf, path = saved
-    grid = loaded(rgb, path, networks).latents.grid
+    grid = loaded(rgb, path, networks).latents.baked.grid
     coat = {"type": "neural_layered", "weights": str(networks), "alpha": 0.05, "resolution": 9}
     wi, wo = (np.tile(w, (grid.texels, 1)) for w in ([0.6, 0, 0.8], [0, 0.28, 0.96]))
     found, expected = (
@@ -89,8 +90,12 @@ def test_a_saved_texture_under_unusual_coats_warns_once(rgb, networks, saved):
     coat = {"type": "neural_layered", "weights": str(networks), "albedo": 1.0, "g": 0.95}
     with pytest.warns(UrushiWarning) as caught:
         base = loaded(rgb, saved[1], networks)
-        grid = rgb.load_dict(coat | {"sigma_t": texture, "base": base}).latents.grid
-    assert grid.width % base.latents.grid.width == grid.height % base.latents.grid.height == 0
+        grid = rgb.load_dict(coat | {"sigma_t": texture, "base": base}).latents.baked.grid
+    assert (
+        grid.width % base.latents.baked.grid.width
+        == grid.height % base.latents.baked.grid.height
+        == 0
+    )
     (warning,) = caught
     sentence = r"^neural_layered: g is outside \[-0.8, 0.9\] and sigma_t is above 8"
     assert re.match(sentence, str(warning.message))

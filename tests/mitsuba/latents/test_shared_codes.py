@@ -9,7 +9,8 @@ from tests.untrained import untrained
 from urushi.core.direction_sets import cosine_pairs
 from urushi.material.material import Material
 from urushi.nets.weights import Model
-from urushi.textures.store import IDENTITY, TexelGrid, TextureStore
+from urushi.textures.axes import Baked
+from urushi.textures.store import TexelGrid
 
 COUNT = 500
 
@@ -50,7 +51,7 @@ def f_and_pdf(mi, latents) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
 
 
 def test_a_constant_of_one_code(rgb, model, codes):
-    from urushi.mitsuba.latents.holders import ConstantLatents
+    from urushi.mitsuba.latents.codes import ConstantLatents
 
     shared, separate = (
         ConstantLatents(Material(codes[channels], model)) for channels in (SAME, OTHER)
@@ -68,14 +69,14 @@ def test_a_constant_of_one_code(rgb, model, codes):
 
 def test_a_texture_of_one_code_a_texel(rgb, model, codes):
     """The values are those of the codes that are looked up."""
-    from urushi.mitsuba.latents.holders import TexturedLatents
+    from urushi.mitsuba.latents.axes import AxisLatents
+    from urushi.mitsuba.reading.axes import texel_axes
 
-    store = TextureStore(model, 3, 4)
-    store.write(np.arange(4), codes[[SAME, [1, 1, 1], SAME, [1, 1, 1]]])
-    latents = TexturedLatents(model, store, TexelGrid(2, 2, IDENTITY, "repeat", False))
+    grid, texels = TexelGrid(2, 2), codes[[SAME, [1, 1, 1], SAME, [1, 1, 1]]]
+    latents = AxisLatents(Baked.of_texels(model, texels, grid), texel_axes(grid))
+    assert latents.channels == 3
     wi, wo, _ = points()
-    texels = store.read(np.arange(2))[:, 0]
-    expected = model.networks.f(texels[:, None], wi, wo)
+    expected = model.networks.f(codes[:, None], wi, wo)
     for found in f_and_pdf(rgb, latents)[:2]:
         assert found.shape == (3, COUNT)
         assert (found == found[0]).all()
@@ -84,7 +85,7 @@ def test_a_texture_of_one_code_a_texel(rgb, model, codes):
 
 
 def test_the_proposal_of_a_constant_agrees_with_numpy(rgb, model, codes):
-    from urushi.mitsuba.latents.holders import ConstantLatents
+    from urushi.mitsuba.latents.codes import ConstantLatents
 
     latents = ConstantLatents(Material(codes[OTHER], model))
     wi, wo, _ = points()

@@ -1,4 +1,4 @@
-"""Mixtures and layers of networks in Dr.Jit agree with NumPy; pairs for other tests."""
+"""Mixtures in Dr.Jit agree with NumPy; pairs for other tests."""
 
 import numpy as np
 from tests import mixtures
@@ -45,14 +45,3 @@ def test_density_and_samples_of_a_mixture_agree_with_numpy(rgb):
     )
     # reflecting about a normal that is nearly perpendicular to wi loses three of seven digits
     np.testing.assert_allclose(drawn.numpy().T, mixtures.sample(own, wi, u), atol=3e-4)
-
-
-def test_layers_agree_with_numpy(rgb):
-    from urushi.mitsuba.networks import mlp
-
-    rng = np.random.default_rng(1)
-    x = rng.normal(size=(5, 7)).astype(np.float32)  # inputs, points
-    weight, bias = rng.normal(size=(5, 12)), rng.normal(size=12)
-    found = mlp.dense([rgb.Float(values) for values in x], weight, bias.tolist())
-    expected = weight.T @ x + bias[:, None]
-    np.testing.assert_allclose([y.numpy() for y in found], expected, atol=1e-5)

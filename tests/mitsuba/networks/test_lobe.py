@@ -9,7 +9,8 @@ from urushi.core.table import interpolated
 from urushi.material.material import Material
 from urushi.nets import lobe as numpy_lobe
 from urushi.nets.weights import Model
-from urushi.textures.store import IDENTITY, TexelGrid, TextureStore
+from urushi.textures.axes import Baked
+from urushi.textures.store import TexelGrid
 
 #: alpha, normal, grazing, exact, eta, k; one for each kind of code that is recorded.
 LOBES = {
@@ -60,18 +61,19 @@ def interaction(mi, wi):
 
 
 def constant(model, z):
-    from urushi.mitsuba.latents.holders import ConstantLatents
+    from urushi.mitsuba.latents.codes import ConstantLatents
 
     return ConstantLatents(Material(z, model))
 
 
 def textured(model, z):
     """A texture of 4 x 2 equal texels."""
-    from urushi.mitsuba.latents.holders import TexturedLatents
+    from urushi.mitsuba.latents.axes import AxisLatents
+    from urushi.mitsuba.reading.axes import texel_axes
 
-    store = TextureStore(model, 3, 8)
-    store.write(np.arange(8), np.broadcast_to(z, (8, *z.shape)))
-    return TexturedLatents(model, store, TexelGrid(4, 2, IDENTITY, "repeat", False))
+    grid = TexelGrid(4, 2)
+    baked = Baked.of_texels(model, np.broadcast_to(z, (8, *z.shape)), grid)
+    return AxisLatents(baked, texel_axes(grid))
 
 
 def evaluated(mi, latents, wi, wo) -> np.ndarray:
@@ -82,15 +84,15 @@ def evaluated(mi, latents, wi, wo) -> np.ndarray:
 
 
 @pytest.mark.parametrize("name", LOBES)
-@pytest.mark.parametrize("hold", [constant, textured])
-def test_f_agrees_with_numpy(rgb, model, name, hold):
+@pytest.mark.parametrize("codes_of", [constant, textured])
+def test_f_agrees_with_numpy(rgb, model, name, codes_of):
     z = codes(name)
     wi, wo = directions()
     exact = z.astype(np.float64), *(w[:, None].astype(np.float64) for w in (wi, wo))
     table = model.networks.table(z)
     assert table is not None
     expected = model.networks.top(*exact) + interpolated(table, wi, wo)
-    f = evaluated(rgb, hold(model, z), wi, wo)
+    f = evaluated(rgb, codes_of(model, z), wi, wo)
     assert np.isfinite(f).all()
     # Half vectors of float32 directions lose digits: |h_xy|^2 of a lobe of width 0.01 by 1e-3.
     # Coordinates of tables lose digits at grazing angles.

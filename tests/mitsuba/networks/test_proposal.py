@@ -34,38 +34,38 @@ def compare(mi, mixture, model, code, atol):
     np.testing.assert_allclose(found, density, rtol=10 * atol)
 
 
-def kind_of(model, code):
-    from urushi.mitsuba.latents.holders import kind_of_codes
+def proposals(model, code):
+    from urushi.mitsuba.networks.lobe import kind_of
+    from urushi.mitsuba.networks.proposal import CodeProposals
 
-    return kind_of_codes(model, code[None, None])
+    return CodeProposals(model, kind_of(code[None, : model.arch.lobe]))
+
+
+def mixture_of(mi, model, code, wi):
+    """The mixture of a code in Dr.Jit."""
+    size = model.arch.lobe
+    terms = proposal.code_terms(model.params, code[size:])
+    lobe, numbers = ([mi.Float(float(x)) for x in part] for part in (code[:size], terms))
+    return proposals(model, code).proposal_of_terms(lobe, numbers, wi, mi.Float(float(code[-1])))
 
 
 def test_proposals_of_codes_agree_with_numpy(rgb, model, code):
-    from urushi.mitsuba.networks.proposal import CodeProposals
-
-    latent = [rgb.Float(float(x)) for x in code]
-    wi = vector(rgb, pairs()[0])
-    mixture = CodeProposals(model, kind_of(model, code)).proposal(latent, wi)
+    mixture = mixture_of(rgb, model, code, vector(rgb, pairs()[0]))
     compare(rgb, mixture, model, code, 1e-4)  # logarithms of small cosines are rounded
 
 
 def test_tables_of_proposals_agree_with_numpy(rgb, model, code):
-    from urushi.mitsuba.networks.proposal import CodeProposals
-
-    proposals = CodeProposals(model, kind_of(model, code))
-    table = [rgb.Float(x.ravel()) for x in proposals.tabulated(code)]
-    mixture = proposals.proposal_of_table(table, vector(rgb, pairs()[0]))
+    own = proposals(model, code)
+    table = [rgb.Float(x.ravel()) for x in own.tabulated(code)]
+    mixture = own.proposal_of_table(table, vector(rgb, pairs()[0]))
     compare(rgb, mixture, model, code, 1e-2)  # linear between 129 cosines
 
 
 def test_samples_have_the_density(rgb, model, code):
     """Means of functions over densities of samples are integrals over the hemisphere."""
-    from urushi.mitsuba.networks.proposal import CodeProposals
-
-    latent = [rgb.Float(float(x)) for x in code]
     count, rng = 1 << 18, np.random.default_rng(3)
     wi = rgb.Vector3f(0.6, 0.3, float(np.sqrt(1 - 0.45)))
-    mixture = CodeProposals(model, kind_of(model, code)).proposal(latent, wi)
+    mixture = mixture_of(rgb, model, code, wi)
     assert isinstance(mixture.own, Widths) == (model.widths == 2)
     u = rng.random((3, count), np.float32)
     wo = mixture.sample(wi, rgb.Float(u[0]), rgb.Point2f(u[1:]))

@@ -66,7 +66,7 @@ def test_plugins_evaluate_as_numpy_does(rgb, small, random_directions, tmp_path)
 
 
 def test_reciprocal_to_the_bit(rgb, small, random_directions):
-    from urushi.mitsuba.latents.holders import ConstantLatents
+    from urushi.mitsuba.latents.codes import ConstantLatents
 
     material = materials(small)[1]
     latents = ConstantLatents(Material(material.latents, small, table=material.table))

@@ -1,7 +1,7 @@
-"""Codes of a coat over a Mitsuba BSDF: constant, over axes of parameters, or at texels.
+"""Codes of a coat over a Mitsuba BSDF: constant, or over axes.
 
-Parameters that vary or carry gradients are axes. A bottom of an unknown kind that varies has a code
-for each texel of uv. An update bakes again what has changed.
+Parameters that vary or carry gradients are axes. A bottom of an unknown kind that varies has the
+axes u and v, with a node for each texel. An update bakes again what has changed.
 """
 
 from collections.abc import Mapping, Sequence
@@ -24,12 +24,13 @@ from urushi.mitsuba.latents.bottoms import (
     probed_codes,
     wavelengths_of,
 )
-from urushi.mitsuba.latents.holders import ConstantLatents, TexturedLatents
+from urushi.mitsuba.latents.codes import ConstantLatents
 from urushi.mitsuba.reading.axes import (
     NANOMETRES,
     WAVELENGTH,
     Varying,
     check_coat,
+    texel_axes,
     varying_parameters,
     wavelengths_varying,
 )
@@ -37,9 +38,9 @@ from urushi.mitsuba.reading.grid import check_normals, not_over_uv, varying_text
 from urushi.mitsuba.reading.kept import writable
 from urushi.mitsuba.reading.parameters import CoatTextures
 from urushi.nets.weights import Model
-from urushi.textures.axes import AXES, FAINT, Axis, Rows, bake
+from urushi.textures.axes import AXES, FAINT, Axis, Baked, Rows, bake
 from urushi.textures.layering import layer_rows, transported_rests
-from urushi.textures.store import MIDDLE, TexelGrid, TextureStore
+from urushi.textures.store import MIDDLE, TexelGrid, Texture
 
 #: Texels per side of what is no bitmap, the least and the largest side that is chosen, and texels
 #: that are read at once.
@@ -54,7 +55,7 @@ PROGRESS_DELAY = 3.0
 #: Points that are tested for the wavelengths on which a coat depends.
 POINT = np.full((1, 2), 0.5)
 
-Latents = ConstantLatents | AxisLatents | TexturedLatents
+Latents = ConstantLatents | AxisLatents
 
 
 class Baker:
@@ -84,8 +85,8 @@ class Baker:
         check_normals(self._bottom, self._coat.where)
         check_coat(self._coat)
         rows = BottomRows(self.model, self._bottom, self._coat, self.below)
-        own = rows.nested.varying if isinstance(rows.nested, AxisLatents) else None
-        varying = varying_parameters(self._coat, self._bottom, own, rows.has_texels)
+        known = None if not isinstance(rows.nested, AxisLatents) else rows.nested.varying
+        varying = varying_parameters(self._coat, self._bottom, [] if rows.grid else known)
         names = {x.axis.name for x in varying}
         with dr.suspend_grad():
             si = spectrum.points(POINT)
@@ -93,20 +94,20 @@ class Baker:
             same = np.abs(coat["eta"][0].numpy() - 1) < MIN_INDEX_STEP
             clear = not names & {"eta", "albedo"} and bool(same.all())
             self.absorbs = clear and all((x.numpy() == 0).all() for x in coat["albedo"])
-            if not varying and not rows.has_texels:
+            if not (varying or rows.grid):
                 return self._constant(rows)
             found = None
-            if not (rows.has_texels or self._coat.coloured):
-                found = self._over_axes(rows, varying)
-            return self._at_texels() if found is None else found
+            if not (rows.grid or self._coat.coloured):
+                found = self._over_parameters(rows, varying)
+            return self._over_texels(rows) if found is None else found
 
     def _constant(self, rows: BottomRows) -> ConstantLatents:
-        with spectrum.bands_of(None):
+        with spectrum.reading_at(spectrum.FINE):
             coat, bottom = self._coat.layering(POINT), rows.material()
             columns = [column[0] for column in coat.columns()]
             return ConstantLatents(layer_material(CoatParameters.of_columns(columns), bottom))
 
-    def _over_axes(self, rows: BottomRows, varying: list[Varying]) -> AxisLatents | None:
+    def _over_parameters(self, rows: BottomRows, varying: list[Varying]) -> AxisLatents | None:
         """The codes along the parameters that vary; None: the bottom is unknown, or too many
         vary."""
         constants, varying = (
@@ -114,19 +115,19 @@ class Baker:
         )
         if len(varying) > AXES:
             return None
-        gradients = bool(constants) or any(x.differentiable for x in varying)
         axes, fixed = [x.axis for x in varying], self._numbers(varying, rows)
         fixed += [np.array([ord(c) for x in constants for c in x.axis.name])]
         last = self._last
         if last is not None and self._are_known(axes, fixed, last):
             count, every = len(last.baked.axes), [*varying, *constants]
             former = [x.texture for x in (*last.varying[: len(axes)], *last.varying[count:])]
+            gradients = any(x.differentiable for x in every)
             if gradients == last.differentiable and former == [x.texture for x in every]:
                 return last
             parts = zip(varying, last.baked.axes, strict=False)
             kept = [x._replace(axis=axis) for x, axis in parts]
             kept += [*last.varying[len(varying) : count], *constants]
-            self._last = AxisLatents(last.baked, kept, gradients)
+            self._last = AxisLatents(last.baked, kept)
             return self._last
         rows.follow([*varying, *constants])
         if not rows.is_known():
@@ -139,7 +140,7 @@ class Baker:
         steps = {x.axis.name: x.steps for x in constants if x.steps is not None}
         material = Rows(coated.coats, coated.rests)
         baked = bake(self.model, [x.axis for x in varying], material, steps)
-        self._last = AxisLatents(baked, [*varying, *constants], gradients)
+        self._last = AxisLatents(baked, [*varying, *constants])
         self._fixed = fixed
         return self._last
 
@@ -158,7 +159,7 @@ class Baker:
     def _numbers(self, varying: Sequence[Varying], rows: BottomRows) -> list[np.ndarray]:
         """What codes along the axes depend on beside them."""
         names = {x.axis.name for x in varying}
-        with spectrum.bands_of(None):
+        with spectrum.reading_at(spectrum.FINE):
             coat = self._coat.channels(spectrum.points(POINT))
             numbers = [x.numpy() for name in coat if name not in names for x in coat[name]]
         if isinstance(rows.nested, AxisLatents):
@@ -171,19 +172,18 @@ class Baker:
                 numbers.append(np.array(getattr(value, "matrix", value)))
         return numbers
 
-    def _at_texels(self) -> TexturedLatents:
+    def _over_texels(self, rows: BottomRows) -> AxisLatents:
         """The codes at texels over the unit square of uv, which repeats."""
-        coat, below = self._coat, BottomRows(self.model, self._bottom, self._coat, self.below)
-        bottom, parts = below.bsdf, [*self._coat.textures.values(), below.bsdf]
+        coat, bottom = self._coat, rows.bsdf
+        parts = [*coat.textures.values(), bottom]
         _check_over_uv(
             parts,
             coat.where,
             f"the nested '{bottom.class_name()}' is evaluated over uv; give textures over uv, or "
             "use the plugin 'layered', which evaluates every point",
         )
-        least = below.nested.grid if isinstance(below.nested, TexturedLatents) else MIDDLE
-        grid = grid_of(parts, self._resolution, least)
-        rows, left = [], set[str]()
+        grid = grid_of(parts, self._resolution, rows.grid or MIDDLE)
+        texels, left = [], set[str]()
         with _progress(grid, coat.where) as bar:
             for start in range(0, grid.texels, BLOCK):
                 uv = grid.uv(start, min(start + BLOCK, grid.texels))
@@ -191,16 +191,14 @@ class Baker:
                 own = coat.layering(uv)
                 left |= checks.outside_training(own)
                 columns = [np.broadcast_to(x, z.shape[:2])[..., None] for x in own.columns()]
-                rows.append(np.concatenate([z, *columns], axis=-1, dtype=np.float32))
+                texels.append(np.concatenate([z, *columns], axis=-1, dtype=np.float32))
                 bar.update(len(uv))
         checks.warn_of_training(left, f"{coat.where}:")
-        texels = np.concatenate(rows)
-        flat = texels.reshape(-1, texels.shape[-1])
+        whole = np.concatenate(texels)
+        flat = whole.reshape(-1, whole.shape[-1])
         different, index = np.unique(flat, axis=0, return_inverse=True)
-        store = TextureStore(self.model, texels.shape[1], grid.texels)
-        codes = layer_rows(self.model, different)
-        store.write(slice(grid.texels), codes, index.reshape(texels.shape[:2]).astype(np.uint32))
-        return TexturedLatents(self.model, store, grid)
+        codes = layer_rows(self.model, different)[index.reshape(whole.shape[:2])]
+        return AxisLatents(Baked.of_texels(self.model, codes, grid), texel_axes(grid))
 
 
 class _Coated:
@@ -219,7 +217,7 @@ class _Coated:
         self._names, self._varying = [x.axis.name for x in varying], varying
         self._changing = [x.axis.name for x in constants]
         self._places = next((x.places for x in varying if x.places is not None), None)
-        with spectrum.bands_of(None):
+        with spectrum.reading_at(spectrum.FINE):
             own = coat.channels(spectrum.points(POINT))
             fixed = [own[name] for name in own if name not in self._names]
             parts = [[x.numpy() for x in part] for part in fixed]
@@ -309,16 +307,15 @@ def grid_of(parts: Sequence["mi.Object"], resolution: int, least: TexelGrid = MI
     return TexelGrid(width, height)
 
 
-def at_texels(latents: AxisLatents, resolution: int, where: str) -> tuple[TextureStore, TexelGrid]:
+def at_texels(latents: AxisLatents, resolution: int, where: str) -> tuple[Texture, TexelGrid]:
     """Codes over axes as a texture over the unit square of uv, for files."""
-    parts = [x for part in latents.varying for x in part.sources]
-    _check_over_uv(parts, where, "a file has texels over uv")
-    grid = grid_of(parts, resolution)
-    store = TextureStore(latents.model, spectrum.channel_count(), grid.texels)
-    starts = range(0, grid.texels, 1 << 16)
-    parts = [latents.at(grid.uv(i, min(i + (1 << 16), grid.texels))) for i in starts]
-    store.write(slice(grid.texels), np.concatenate(parts))
-    return store, grid
+    grid = latents.baked.grid
+    if grid is None:
+        parts = [x for part in latents.varying for x in part.sources]
+        _check_over_uv(parts, where, "a file has texels over uv")
+        grid = grid_of(parts, resolution)
+    blocks = (grid.uv(i, min(i + BLOCK, grid.texels)) for i in range(0, grid.texels, BLOCK))
+    return Texture.of(latents.model, np.concatenate([*map(latents.at, blocks)])), grid
 
 
 def _check_over_uv(parts: Sequence["mi.Object"], where: str, reason: str) -> None:

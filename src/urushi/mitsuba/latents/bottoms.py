@@ -1,7 +1,6 @@
 """What lies below a coat: as a material, at rows of values of its parameters, at points of uv."""
 
 import contextlib
-import functools
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from itertools import product
@@ -18,11 +17,11 @@ from urushi.material.substrate import Substrate, of_material
 from urushi.material.values import encode_source
 from urushi.mitsuba import spectrum
 from urushi.mitsuba.latents.axes import AxisLatents, without_faint
-from urushi.mitsuba.latents.holders import TexturedLatents
 from urushi.mitsuba.reading import probing
 from urushi.mitsuba.reading.axes import BOTTOM, NANOMETRES, WAVELENGTH, Varying
 from urushi.mitsuba.reading.below import below
 from urushi.mitsuba.reading.bsdf import reflection_source
+from urushi.mitsuba.reading.derived import derived
 from urushi.mitsuba.reading.grid import not_over_uv
 from urushi.mitsuba.reading.offers import Latents, offer_of
 from urushi.mitsuba.reading.parameters import CoatTextures, check_bottom
@@ -92,8 +91,8 @@ class BottomRows:
         """bottom: as the coat has it nested. bsdf: as it reflects below the coat."""
         self._model, self._coat, self._nested, self.bsdf = model, coat, bottom, bsdf
         self.nested = nested_latents(self.bsdf, model)
-        #: Whether it has codes of texels.
-        self.has_texels = isinstance(self.nested, TexturedLatents)
+        #: The texels of its codes, if these are its nodes.
+        self.grid = self.nested.baked.grid if isinstance(self.nested, AxisLatents) else None
         self._varying: list[Varying] = []
         self._switches: Mapping[str, Any] = {}
         self._material: Material | None = None
@@ -154,7 +153,7 @@ class BottomRows:
     def is_grey(self) -> bool:
         """Whether rows of values reflect alike in all channels, or at all wavelengths."""
         if isinstance(self.nested, AxisLatents):
-            return len(self.nested.baked.rests) == 1
+            return self.nested.baked.channels == 1
         if self._material is not None and not mi.is_spectral:
             return bool((self._material.latents == self._material.latents[:1]).all())
         sides = [(0.0, 0.0) if x.steps else (x.axis.least, x.axis.most) for x in self._varying]
@@ -314,41 +313,15 @@ def _row(values: np.ndarray) -> "mi.Texture":
 
 def _shifted(texture: "mi.Texture", row: "mi.Texture") -> "mi.Texture":
     """A texture to which another is added."""
-    return _shifted_class(mi.variant())(texture, row)
-
-
-@functools.cache
-def _shifted_class(variant: str) -> type:
-    """The class of the textures of `_shifted`, in a variant."""
-
-    class Shifted(mi.Texture):
-        def __init__(self, texture, row):
-            self._texture, self._row = texture, row
-            mi.Texture.__init__(self, mi.Properties("shifted"))
-
-        def eval(self, si, active=True):
-            return self._texture.eval(si, active) + mi.Spectrum(self._row.eval_1(si, active))
-
-        def eval_1(self, si, active=True):
-            return self._texture.eval_1(si, active) + self._row.eval_1(si, active)
-
-        def mean(self):
-            return self._texture.mean()
-
-        def is_spatially_varying(self):
-            return True
-
-        def to_string(self):
-            return f"Shifted[{self._texture}]"
-
-    return Shifted
+    return derived(lambda si, active, value, change: value + change, [texture, row])
 
 
 def wavelengths_of(rows: Mapping[str, np.ndarray], count: int) -> Any:
     """The context in which rows (count,) along u are read at their wavelengths."""
     if not mi.is_spectral:
         return contextlib.nullcontext()
-    return spectrum.along_u(rows.get(NANOMETRES, np.full(count, spectrum.RGB[1])))
+    own = rows.get(NANOMETRES, np.full(count, spectrum.RGB[1]))
+    return spectrum.reading_at(own.astype(np.float32))
 
 
 def probed_codes(model: Model, bottom: "mi.BSDF", uv: np.ndarray, where: str) -> np.ndarray:

@@ -11,7 +11,7 @@ import drjit as dr
 import mitsuba as mi
 
 from urushi.mitsuba import spectrum
-from urushi.mitsuba.latents.holders import ConstantLatents
+from urushi.mitsuba.latents.codes import ConstantLatents
 from urushi.mitsuba.networks.basis import BasisDecoder
 from urushi.mitsuba.networks.lobe import ANY_LOBE
 from urushi.mitsuba.recording import only_where
@@ -25,10 +25,7 @@ class DifferentiableLatents:
     def __init__(self, plain: ConstantLatents, tensor: "mi.TensorXf"):
         """tensor: the codes (C, L)."""
         self.model, self.plain, self.material = plain.model, plain, plain.material
-        self.vertex, self.at, self.save, self.channels = (
-            *(plain.vertex, plain.at, plain.save),
-            plain.channels,
-        )
+        self.vertex, self.at, self.channels = plain.vertex, plain.at, plain.channels
         # Numbers that vanish or that channels share have gradients of their own.
         self._decoder = BasisDecoder(self.model, ANY_LOBE._replace(widths=self.model.widths))
         self._size, self._codes = tensor.shape[-1], tensor.array

@@ -74,13 +74,13 @@ class LobeKind(NamedTuple):
             complete.append(whole)
         return complete
 
-    def mean(self, latents: Sequence[Sequence]) -> list:
-        """The mean over channels of codes that are lists of Dr.Jit floats."""
+    def mean(self, lobes: Sequence[Sequence]) -> list:
+        """The mean over channels of lobes (N) of Dr.Jit floats."""
         alphas = WIDTH_PLACES[self.widths]
         same = [self.same_alpha if i in alphas else self.same_reflectance for i in range(self.size)]
         return [
-            values[0] if place < self.size and same[place] else sum(values) * (1 / len(values))
-            for place, values in enumerate(zip(*latents, strict=True))
+            values[0] if alike else sum(values) * (1 / len(values))
+            for alike, values in zip(same, zip(*lobes, strict=True), strict=True)
         ]
 
 
@@ -91,17 +91,16 @@ NO_LOBE = LobeKind(schlick=False, exact=False, absorbing=False)
 ANY_LOBE = LobeKind()
 
 
-def kind_of(lowest: np.ndarray, highest: np.ndarray, same: np.ndarray) -> LobeKind:
-    """The kind of lobes with numbers between lowest and highest (N,).
-
-    same: (N,) whether a number is the same in all channels.
-    """
-    _, normal, grazing, exact, _, k, *across = np.maximum(abs(lowest), abs(highest)) > 0
+def kind_of(lobes: np.ndarray) -> LobeKind:
+    """Common properties of lobes (C, ..., N) of channels."""
+    others = tuple(range(lobes.ndim - 1))
+    same = (lobes == lobes[:1]).all(axis=others)
+    _, normal, grazing, exact, _, k, *across = (lobes != 0).any(axis=others)
     widths = 1 + len(across)
     return LobeKind(
         schlick=bool(normal or grazing),
         exact=bool(exact),
-        plain=bool(lowest[3] == 1 and highest[3] == 1),
+        plain=bool((lobes[..., 3] == 1).all()),
         absorbing=bool(exact and k),
         same_alpha=bool(same[list(WIDTH_PLACES[widths])].all()),
         same_reflectance=bool(same[1:6].all()),

@@ -11,7 +11,6 @@ import numpy as np
 from urushi.checks import Widths
 from urushi.core.mixture import Mixture
 from urushi.core.namespace import DRJIT
-from urushi.mitsuba.networks import mlp
 from urushi.mitsuba.networks.lobe import LobeKind, reflectance
 from urushi.mitsuba.networks.table import interpolated, padded
 from urushi.nets.features import stacked
@@ -57,9 +56,7 @@ class CodeProposals:
 
     def __init__(self, model: Model, kind: LobeKind):
         """kind: common properties of the codes' lobes."""
-        self._params, self._kind, self._lobe = model.params, kind, model.arch.lobe
-        self._weight = model.params["proposal.weight"]
-        self._bias = model.params["proposal.bias"].tolist()
+        self._params, self._kind = model.params, kind
         self._overlaps = model.params["proposal.overlap"].tolist()
 
     def tabulated(self, latent: np.ndarray) -> list[np.ndarray]:
@@ -78,11 +75,6 @@ class CodeProposals:
         numbers = interpolated(rows, [len(ROOTS)], [place])[: len(ALPHAS) + 2]
         *sides, stretch = (dr.gather(mi.Float, own, i) for i in range(self._kind.widths + 1))
         return CodeMixture(numbers, of_sides(sides), stretch_of(sides, stretch))
-
-    def proposal(self, latent: Sequence, wi) -> CodeMixture:
-        """The mixture of a latent code, a list (size) of Dr.Jit floats."""
-        terms = mlp.dense(latent[self._lobe :], self._weight, self._bias)
-        return self.proposal_of_terms(latent[: self._lobe], terms, wi, latent[-1])
 
     def proposal_of_terms(
         self, lobe: Sequence, terms: Sequence, wi, log_stretch: Any = 0.0

@@ -73,11 +73,12 @@ def interpolated(table, shape: Sequence[int], coordinates: Sequence, band=None) 
     each axis. band: index (UInt32) of the table in a sequence of tables with K = 1.
     """
     first, shares = cell(shape, coordinates, mi.UInt32(0 if band is None else band))
+    size = 1 if band is not None else len(table) // int(np.prod(shape))
 
     def entry(index) -> list:
-        if band is not None:  # Dr.Jit 1.5 fails on packets of one number in calls
+        if size == 1:  # Dr.Jit 1.5 fails on packets of one number in calls
             return [mi.Float(dr.gather(type(table), table, index))]
-        packet = len(table) // int(np.prod(shape)), dr.width(index)
+        packet = size, dr.width(index)
         half = dr.type_v(table) == dr.VarType.Float16
         kind = dr.float16_array_t(mi.ArrayXf) if half else mi.ArrayXf
         return list(mi.ArrayXf(dr.gather(kind, table, index, shape=packet)))

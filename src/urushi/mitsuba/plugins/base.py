@@ -2,15 +2,16 @@
 
 from functools import reduce
 from operator import or_
-from typing import Any, ClassVar, NamedTuple
+from typing import ClassVar, NamedTuple
 
 import drjit as dr
 import mitsuba as mi
 
 from urushi.errors import ParameterError
 from urushi.mitsuba import spectrum
-from urushi.mitsuba.latents.holders import ConstantLatents, TexturedLatents, Vertex
-from urushi.mitsuba.plugins.coats import Turn, TurnedMixture
+from urushi.mitsuba.latents.axes import AxisLatents
+from urushi.mitsuba.latents.codes import ConstantLatents, Vertex
+from urushi.mitsuba.plugins.coats import Turn, TurnedMixture, turned
 from urushi.mitsuba.reading.kept import KeptParameters
 from urushi.mitsuba.reading.offers import Offer
 from urushi.mitsuba.reading.parameters import check_names, describe, opaque
@@ -229,16 +230,8 @@ def define_neural_bsdf(base: type) -> type:
         """A BRDF given by latent codes; subclasses set `model` and `latents`."""
 
         model: Model
-        latents: ConstantLatents | TexturedLatents
+        latents: ConstantLatents | AxisLatents
         _colors = False  # whether three channels are colours, see `spectrum.from_channels`
-
-        def save(self, path):
-            """Write the codes to a file that ``neural_brdf`` loads, textured or not.
-
-            Raises:
-                FileError: it cannot be written.
-            """
-            self.latents.save(path)
 
         def offer(self):
             return Offer(self.latents)
@@ -252,7 +245,7 @@ def define_neural_bsdf(base: type) -> type:
             return PlacedVertex(turn, self.latents.vertex(inside, active))
 
         def _f(self, vertex, ctx, si, wo, active):
-            si, wo = inside(vertex, si, wo)
+            si, wo = turned(vertex.turn, si, wo)
             channels = self.latents.f(vertex.vertex, si, wo, active)
             return self._spectrum(channels, si)
 
@@ -261,7 +254,7 @@ def define_neural_bsdf(base: type) -> type:
             return proposal if vertex.turn is None else TurnedMixture(proposal, vertex.turn)
 
         def _f_and_pdf(self, vertex, ctx, si, wo, active):
-            si, wo = inside(vertex, si, wo)
+            si, wo = turned(vertex.turn, si, wo)
             channels, pdf = self.latents.f_and_pdf(vertex.vertex, si, wo, active)
             return self._spectrum(channels, si), pdf
 
@@ -269,12 +262,6 @@ def define_neural_bsdf(base: type) -> type:
             return spectrum.from_channels(channels, si.wavelengths, colors=self._colors)
 
     return NeuralBSDF
-
-
-def inside(vertex: PlacedVertex, si: Any, wo: Any) -> tuple[Any, Any]:
-    """The interaction and wo in the turned frame, if there is a turn."""
-    turn = vertex.turn
-    return (si, wo) if turn is None else (turn.interaction(si), turn.inside(wo))
 
 
 def ignore(props: "mi.Properties", *names: str) -> None:

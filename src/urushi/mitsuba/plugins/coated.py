@@ -14,11 +14,12 @@ from urushi.mitsuba.plugins.coats import (
     CoatStack,
     MitsubaBottom,
     SlabMixture,
-    Turn,
     TurnedMixture,
+    turn_of,
+    turned,
     walk_color,
 )
-from urushi.mitsuba.plugins.estimates import Compensation
+from urushi.mitsuba.plugins.compensation import Compensation
 from urushi.mitsuba.reading.axes import check_coat
 from urushi.mitsuba.reading.below import (
     DIELECTRICS,
@@ -146,9 +147,7 @@ def define_coated(base: type, label: str) -> type:
 
         def _f(self, vertex, ctx, si, wo, active):
             def evaluated(si, wo, active):
-                if self._coat.has_rotation:
-                    turn = Turn.of(self._coat.textures["rotation"].eval_1(si, active))
-                    si, wo = turn.interaction(si), turn.inside(wo)
+                si, wo = turned(turn_of(self._coat, si, active), si, wo)
 
                 def value(color, channel=None):
                     coats = CoatStack(self.coats, si, active, channel)
@@ -166,7 +165,7 @@ def define_coated(base: type, label: str) -> type:
 
             f = compiled_once(evaluated, si, wo, active)
             if self.compensation is not None:
-                f = self.compensation.completed(f, si, wo, active)
+                f = self.compensation.with_lost_light(f, si, wo, active)
             if self.lowest is None or ctx.mode == mi.TransportMode.Importance:
                 return f
             return f / dr.select(si.wi.z * wo.z < 0, dr.square(self._index_across(si.wi)), 1)
@@ -178,11 +177,8 @@ def define_coated(base: type, label: str) -> type:
                 mixture = coats.slab_proposal(si.wi, self._lowest_at(coats, si, active))
             else:
                 mixture = coats.proposal(self.bottom_lobes, si.wi.z)
-            if not self._coat.has_rotation:
-                return mixture
-            return TurnedMixture(
-                mixture, Turn.of(self._coat.textures["rotation"].eval_1(si, active))
-            )
+            turn = turn_of(self._coat, si, active)
+            return mixture if turn is None else TurnedMixture(mixture, turn)
 
         def traverse(self, callback):
             self._coat.traverse(callback, mi.ParamFlags.NonDifferentiable)

@@ -359,6 +359,18 @@ class Turn(NamedTuple):
         return turned
 
 
+def turn_of(coat: CoatTextures, si, active) -> Turn | None:
+    """The turn of a coat's tangent, if it has one."""
+    if not coat.has_rotation:
+        return None
+    return Turn.of(coat.textures["rotation"].eval_1(si, active))
+
+
+def turned(turn: Turn | None, si: Any, wo: Any) -> tuple[Any, Any]:
+    """The interaction and wo in the turned frame, if there is a turn."""
+    return (si, wo) if turn is None else (turn.interaction(si), turn.inside(wo))
+
+
 def _clipped(coat: CoatParameters) -> CoatParameters:
     """Parameters clipped to their ranges: filters and spectra may leave them."""
     return CoatParameters(

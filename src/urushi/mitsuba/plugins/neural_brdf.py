@@ -9,13 +9,16 @@ from urushi.errors import ParameterError
 from urushi.material import Material, load
 from urushi.material.layer import under as below_medium
 from urushi.mitsuba import spectrum
+from urushi.mitsuba.latents.axes import AxisLatents
+from urushi.mitsuba.latents.codes import ConstantLatents
 from urushi.mitsuba.latents.gradients import DifferentiableLatents
-from urushi.mitsuba.latents.holders import ConstantLatents, TexturedLatents
 from urushi.mitsuba.plugins.base import read_weights, resolve
 from urushi.mitsuba.plugins.coats import Turn
+from urushi.mitsuba.reading.axes import texel_axes
 from urushi.mitsuba.reading.parameters import opaque
 from urushi.mitsuba.recording import owned
-from urushi.textures.store import KIND, read_texture
+from urushi.textures.axes import Baked
+from urushi.textures.store import KIND, read_texture, write_texture
 
 
 def define(base: type) -> type:
@@ -61,7 +64,7 @@ def define(base: type) -> type:
 
         PROPERTIES = ("filename", "weights", "rotation")
 
-        latents: ConstantLatents | TexturedLatents | DifferentiableLatents
+        latents: ConstantLatents | AxisLatents | DifferentiableLatents
         _colors = True
 
         def _load(self, props):
@@ -73,30 +76,44 @@ def define(base: type) -> type:
             self._filename = props["filename"]
             model = read_weights(props)
             path, angle = resolve(self._filename), 0.0
+            self._texture = None
             if files.tensor_file_kind(path) == KIND:
-                self._tensor = None
-                store, grid, self.model = read_texture(path, model)
-                self.latents = TexturedLatents(self.model, store, grid)
+                self._texture = texture, grid, self.model = read_texture(path, model)
+                codes = texture.codes()
+                self.latents = AxisLatents(
+                    Baked.of_texels(self.model, codes, grid), texel_axes(grid)
+                )
             else:
                 self._material = material = load(path, model)
-                self.model, angle = material.model, material.rotation
-                codes = owned(mi.Float, material.latents)
-                self._tensor = mi.TensorXf(codes, material.latents.shape)
+                self.model, angle, codes = material.model, material.rotation, material.latents
+                self._tensor = mi.TensorXf(owned(mi.Float, codes), codes.shape)
                 self.latents = ConstantLatents(material)
-            bands = (spectrum.COUNT,) if mi.is_spectral else ()
-            if self.latents.channels not in (1, 3, *bands):
+            bands, channels = (spectrum.COUNT,) if mi.is_spectral else (), codes.shape[-2]
+            if channels not in (1, 3, *bands):
                 raise ParameterError(
-                    f"{self._where}: '{self._filename}' has {self.latents.channels} channels; "
+                    f"{self._where}: '{self._filename}' has {channels} channels; "
                     "only materials of one or three can be rendered"
                 )
             self._angle, given = opaque(angle), "rotation" in props
             self._rotation = props.get_unbounded_texture("rotation", 0.0) if given else None
             self._turned = self.model.widths == 2 and (given or angle != 0)
 
+        def save(self, path):
+            """Write the codes to a file that ``neural_brdf`` loads, textured or not.
+
+            Raises:
+                FileError: it cannot be written.
+            """
+            if self._texture:
+                texture, grid, model = self._texture
+                write_texture(path, texture, grid, model.fingerprint)
+            else:
+                self._material.save(path)
+
         def under(self, coat):
             """See `reading.below.Coatable`: a material below the medium of a coat, if both are
             constant."""
-            if self._tensor is None or coat.has_textured_eta:
+            if self._texture or coat.has_textured_eta:
                 return self
             index = float(coat.inside(dr.zeros(mi.SurfaceInteraction3f)).numpy()[0])
             material = below_medium(self._material, index)
@@ -116,11 +133,11 @@ def define(base: type) -> type:
         def traverse(self, callback):
             if self._rotation is not None:
                 callback.put("rotation", self._rotation, mi.ParamFlags.Differentiable)
-            if self._tensor is not None:
+            if not self._texture:
                 callback.put("latents", self._tensor, mi.ParamFlags.Differentiable)
 
         def _update(self, keys):
-            if self._tensor is None:
+            if self._texture:
                 return
             codes = self._tensor.numpy()
             if not np.array_equal(codes, self._material.latents):

@@ -10,10 +10,10 @@ import numpy as np
 from urushi.errors import ParameterError
 from urushi.mitsuba.latents.axes import AxisLatents
 from urushi.mitsuba.latents.baking import Baker, at_texels
-from urushi.mitsuba.latents.holders import ConstantLatents, TexturedLatents
-from urushi.mitsuba.plugins.base import inside, read_weights
-from urushi.mitsuba.plugins.coats import Turn
-from urushi.mitsuba.plugins.estimates import Compensation
+from urushi.mitsuba.latents.codes import ConstantLatents
+from urushi.mitsuba.plugins.base import read_weights
+from urushi.mitsuba.plugins.coats import turn_of, turned
+from urushi.mitsuba.plugins.compensation import Compensation
 from urushi.mitsuba.reading.below import below
 from urushi.mitsuba.reading.bsdf import has_two_widths
 from urushi.mitsuba.reading.parameters import (
@@ -85,7 +85,7 @@ def define(base: type) -> type:
         PROPERTIES = COAT_PROPERTIES
 
         model: Model
-        latents: ConstantLatents | TexturedLatents | AxisLatents
+        latents: ConstantLatents | AxisLatents
         _baker: Baker | None
 
         def _load(self, props):
@@ -148,16 +148,14 @@ def define(base: type) -> type:
             Raises:
                 FileError: it cannot be written.
             """
-            angle, material = self._coat.constant_rotation, self.latents.material
-            if angle is not None and material is not None:
-                material.rotated(angle).save(path)
-                return
+            angle = self._coat.constant_rotation
             if isinstance(self.latents, AxisLatents):
-                store, grid = at_texels(self.latents, self._resolution, self._coat.where)
-                write_texture(path, store, grid, self.model.fingerprint)
+                texture, grid = at_texels(self.latents, self._resolution, self._coat.where)
+                write_texture(path, texture, grid, self.model.fingerprint)
+                angle = None  # the file has none
             else:
-                self.latents.save(path)
-            if self._coat.has_rotation:
+                self.latents.material.rotated(angle or 0.0).save(path)
+            if self._coat.has_rotation and angle is None:
                 mi.Log(
                     mi.LogLevel.Warn,
                     f"{self._coat.where}: the file of the codes leaves out the rotation; give it "
@@ -166,26 +164,26 @@ def define(base: type) -> type:
 
         def _f(self, vertex, ctx, si, wo, active):
             if self._absorbs:  # without codes: f of the bottom by Beer's law
-                si, wo = inside(vertex, si, wo)
+                si, wo = turned(vertex.turn, si, wo)
                 cos_i, cos_o = (dr.select(active, w.z, 1) for w in (si.wi, wo))
                 depth = self._coat.evaluate(si, active).sigma_t * (1 / cos_i + 1 / cos_o)
                 return self._below.eval(ctx, si, wo, active) / cos_o * dr.exp(-depth)
-            f = super()._f(vertex, ctx, si, wo, active)
-            return self._compensation.completed(f, si, wo, active) if self._compensation else f
+            return self._with_lost_light(super()._f(vertex, ctx, si, wo, active), si, wo, active)
 
         def _f_and_pdf(self, vertex, ctx, si, wo, active):
             if self._absorbs:
                 f = self._f(vertex, ctx, si, wo, active)
                 return f, self._proposal(vertex, si, active).pdf(si.wi, wo)
             f, pdf = super()._f_and_pdf(vertex, ctx, si, wo, active)
-            return self._compensation.completed(f, si, wo, active) if self._compensation else f, pdf
+            return self._with_lost_light(f, si, wo, active), pdf
+
+        def _with_lost_light(self, f, si, wo, active):
+            if self._compensation is None:
+                return f
+            return self._compensation.with_lost_light(f, si, wo, active)
 
         def _turn(self, si, active):
-            return (
-                Turn.of(self._coat.textures["rotation"].eval_1(si, active))
-                if self._coat.has_rotation
-                else None
-            )
+            return turn_of(self._coat, si, active)
 
         def traverse(self, callback):
             self._coat.traverse(callback, mi.ParamFlags.Differentiable)

@@ -18,7 +18,7 @@ from urushi.material.slab_coordinates import (
 from urushi.material.slab_table import SlabTables, slab_tables
 from urushi.mitsuba import spectrum
 from urushi.mitsuba.interface_albedo import Interpolated
-from urushi.mitsuba.latents.holders import ConstantLatents
+from urushi.mitsuba.latents.codes import ConstantLatents
 from urushi.mitsuba.networks.table import interpolated, padded, stored
 from urushi.mitsuba.plugins.base import ignore
 from urushi.mitsuba.plugins.coated import define_coated

@@ -6,6 +6,7 @@ the values that it may take.
 """
 
 from collections.abc import Callable, Sequence
+from functools import partial
 from typing import Any, NamedTuple
 
 import drjit as dr
@@ -21,9 +22,10 @@ from urushi.mitsuba.reading.grid import ELSEWHERE, varying_textures
 from urushi.mitsuba.reading.kept import has_gradients, is_attached
 from urushi.mitsuba.reading.parameters import CHECKS, TWO_WIDTHS, CoatTextures
 from urushi.mitsuba.reading.replaced import parts
+from urushi.mitsuba.reading.texels import drawn_texel, texel_draw
 from urushi.mitsuba.recording import owned
 from urushi.textures.axes import ALBEDO, DEPTH, INDEX, LINEAR, REFLECTANCE, WIDTH, Axis, Steps
-from urushi.textures.store import MIDDLE, from_texture
+from urushi.textures.store import MIDDLE, TexelGrid, from_texture
 
 #: All values of a parameter, by its scale.
 RANGES = {
@@ -87,16 +89,13 @@ def varying_parameters(
     coat: CoatTextures,
     bottom: "mi.BSDF",
     known: Sequence[Varying] | None = None,
-    has_texels: bool = False,
 ) -> list[Varying]:
     """The parameters of a coat and a bottom that vary or carry gradients.
 
-    Args:
-        known: those of a bottom that has codes over axes.
-        has_texels: whether the bottom has codes at texels, and no parameters.
+    known: those of a bottom that has codes over axes; None: they are read.
     """
     below = [x._replace(axis=x.axis._replace(name=_below(x.axis.name))) for x in known or ()]
-    if known is None and not has_texels:
+    if known is None:
         below = _of_bottom(bottom, coat.where)
     found = [*_of_coat(coat), *below]
     return list({x.axis.name: x for x in found}.values())
@@ -122,6 +121,23 @@ def wavelengths_varying(changes: np.ndarray) -> Varying:
         return found
 
     return Varying(Axis(WAVELENGTH, LINEAR, 0.0, 1.0, own=True), read, places=places)
+
+
+def texel_axes(grid: TexelGrid) -> list[Varying]:
+    """The axes v and u of the texels of a grid, one of which is drawn at each point."""
+
+    def read(si, active, along: int) -> list:
+        count = (grid.width, grid.height)[along]
+        (a, b, c), (d, e, f) = grid.to_texture
+        point = a * si.uv.x + b * si.uv.y + c, d * si.uv.x + e * si.uv.y + f
+        sizes = [mi.Int32(grid.width), mi.Int32(grid.height)]
+        texel = drawn_texel(point, sizes, grid, texel_draw(si.uv, si.wi))
+        return [mi.Float(texel[along]) * (1 / max(count - 1, 1))]
+
+    return [
+        Varying(Axis(name, LINEAR, 0.0, 1.0), partial(read, along=along))
+        for name, along in (("v", 1), ("u", 0))
+    ]
 
 
 def _below(name: str) -> str:
@@ -167,7 +183,8 @@ def _varying(
     whole: all the values that it may take, if it carries gradients.
     """
     if whole is not None and not any(map(varying_textures, sources)):
-        return [Varying(axis, read, sources, texture, True, steps=_steps(axis, whole))]
+        steps = _steps(axis, whole)
+        return [Varying(axis, read, sources, texture, differentiable=True, steps=steps)]
     if whole is not None:
         axis = axis._replace(least=min(axis.least, whole[0]), most=max(axis.most, whole[1]))
     found = Varying(axis, read, sources, texture, whole is not None)
@@ -300,7 +317,7 @@ def range_of(
             data = mi.traverse(texture)["data"].numpy()
             return float(data.min()), float(data.max())
         si = spectrum.points(texel_centres(texture))
-        with spectrum.bands_of(None):
+        with spectrum.reading_at(spectrum.FINE):
             for x in spectrum.at_bands(si, lambda si=si: read(si)):
                 values = x.numpy()
                 low, high = np.minimum(low, values.min()), np.maximum(high, values.max())

@@ -5,21 +5,19 @@ lower interface of a slab, or a pane in air.
 """
 
 import itertools
-from functools import cache
 from typing import Any, ClassVar, Protocol, runtime_checkable
 
-import drjit as dr
 import mitsuba as mi
 import numpy as np
 import numpy.typing as npt
 
 from urushi.checks import AIR, MIN_ALPHA, MIN_INDEX_STEP, Widths
-from urushi.core import fresnel
 from urushi.core.direction_sets import cosine_pairs
 from urushi.errors import ParameterError
 from urushi.mitsuba.reading import probing
+from urushi.mitsuba.reading.derived import derived
 from urushi.mitsuba.reading.grid import NORMALS, nested_objects
-from urushi.mitsuba.reading.offers import GGX, Offer, conductor_offer
+from urushi.mitsuba.reading.offers import GGX
 from urushi.mitsuba.reading.parameters import CoatTextures, opaque
 
 #: Classes of Mitsuba's BSDFs that reflect as the BSDFs nested in them, and their plugins.
@@ -41,7 +39,7 @@ class Coatable(Protocol):
 class Medium:
     """A medium of a constant index relative to air, in place of the coat that contains it."""
 
-    has_textured_eta = False
+    has_textured_eta = False  # see `CoatTextures`
 
     def __init__(self, index: npt.ArrayLike):
         """index: a number, or one per channel."""
@@ -50,6 +48,10 @@ class Medium:
     def inside(self, si, active=True) -> Any:
         """See `CoatTextures.inside`."""
         return self.opaque_eta
+
+    def put_index(self, callback) -> None:
+        """See `CoatTextures.put_index`."""
+        callback.put("ext_eta", self.opaque_eta, mi.ParamFlags.Differentiable)
 
 
 def bsdf_under(bsdf: "mi.BSDF", index: npt.ArrayLike) -> "mi.BSDF":
@@ -69,19 +71,12 @@ def below(bsdf: "mi.BSDF", coat: Any) -> "mi.BSDF":
         return bsdf.under(coat)
     name = bsdf.class_name()
     if name == "RoughConductor":
-        return _conductor_below(mi.variant())(bsdf, coat)
+        return _conductor_below(bsdf, coat)
     if name == "TwoSidedBRDF":
         front = nested_objects(bsdf)["brdf_0"]
         found = below(front, coat)
         return bsdf if found is front else found
     return _wrapper_below(bsdf, coat) if name in WRAPPERS else bsdf
-
-
-def is_rebuilt(bsdf: "mi.BSDF") -> bool:
-    """Whether a result of `below` has to be made again after a change of a parameter."""
-    if bsdf.class_name() in WRAPPERS:
-        return any(map(is_rebuilt, _nested(bsdf).values()))
-    return isinstance(bsdf, Coatable)
 
 
 def _nested(bsdf: "mi.BSDF") -> dict[str, "mi.BSDF"]:
@@ -121,61 +116,17 @@ def _switches(wrapper: "mi.BSDF", given: dict[str, Any]) -> dict[str, bool]:
     return switches
 
 
-@cache
-def _conductor_below(variant: str) -> type:
-    """The class of conductors below a medium, in a variant."""
+def _conductor_below(conductor: "mi.BSDF", coat: Any) -> "mi.BSDF":
+    """A `roughconductor` of indices relative to a medium."""
 
-    class ConductorBelow(mi.BSDF):
-        """A `roughconductor` below a medium: its f times the ratio of two Fresnel terms."""
+    def relative(si, active, index):
+        return index / coat.inside(si, active)
 
-        def __init__(self, conductor, coat):
-            self.conductor, self.coat = conductor, coat
-            self._textures = nested_objects(conductor)
-            mi.BSDF.__init__(self, mi.Properties("roughconductor"))
-            self.m_components = [conductor.flags(i) for i in range(conductor.component_count())]
-            self.m_flags = conductor.flags()
-
-        def offer(self) -> Offer:
-            return conductor_offer(self.conductor, self.coat)
-
-        def _ratio(self, si, wo, active) -> Any:
-            """Fresnel term below the medium over that in air."""
-            cosine = dr.clip(dr.dot(si.wi, dr.normalize(si.wi + wo)), 0, 1)
-            eta, k = (self._textures[name].eval(si, active) for name in ("eta", "k"))
-            index = self.coat.inside(si, active)
-            air = fresnel.exact(cosine, eta, k)
-            ratio = fresnel.exact(cosine, eta / index, k / index) / air
-            return mi.Spectrum(dr.select(air > 0, ratio, 0))
-
-        def eval(self, ctx, si, wo, active=True):
-            return self.conductor.eval(ctx, si, wo, active) * self._ratio(si, wo, active)
-
-        def pdf(self, ctx, si, wo, active=True):
-            return self.conductor.pdf(ctx, si, wo, active)
-
-        def eval_pdf(self, ctx, si, wo, active=True):
-            f_cos, pdf = self.conductor.eval_pdf(ctx, si, wo, active)
-            return f_cos * self._ratio(si, wo, active), pdf
-
-        def sample(self, ctx, si, sample1, sample2, active=True):
-            bs, weight = self.conductor.sample(ctx, si, sample1, sample2, active)
-            return bs, dr.select(bs.pdf > 0, weight * self._ratio(si, bs.wo, active), 0)
-
-        def traverse(self, callback):
-            self.conductor.traverse(callback)
-            differentiable = mi.ParamFlags.Differentiable
-            if self.coat.has_textured_eta:
-                callback.put("ext_ior", self.coat.textures["int_ior"], differentiable)
-            else:
-                callback.put("ext_eta", self.coat.opaque_eta, differentiable)
-
-        def class_name(self):
-            return self.conductor.class_name()
-
-        def to_string(self):
-            return str(self.conductor)
-
-    return ConductorBelow
+    parts, text = nested_objects(conductor), str(conductor)
+    given = {name: derived(relative, [parts[name]], coat) for name in ("eta", "k")}
+    given["distribution"] = "ggx" if GGX in text else "beckmann"
+    given["sample_visible"] = "sample_visible = 0" not in text
+    return mi.load_dict({"type": "roughconductor"} | parts | given)
 
 
 #: Classes of Mitsuba's dielectrics, and their plugins.

@@ -32,7 +32,7 @@ PLASTICS = ("RoughPlastic", "PolarizedPlastic")
 
 
 class Latents(Protocol):
-    """The codes of a plugin, one per channel or a texture of them; see `latents.holders`."""
+    """The codes of a plugin, one per channel or a texture of them; see `latents.codes`."""
 
     @property
     def model(self) -> Model:
@@ -92,7 +92,9 @@ def offer_of(bsdf: "mi.BSDF") -> Offer:
         return Offer(lobes=partial(_plastic_lobes, bsdf), exact=lambda: bsdf)
     if bsdf.class_name() == "BlendBSDF":
         return _blend_offer(bsdf)
-    return conductor_offer(bsdf)
+    if bsdf.class_name() == "RoughConductor" and GGX in str(bsdf):
+        return Offer(lobes=partial(_conductor_lobes, nested_objects(bsdf)), bare=True)
+    return Offer()
 
 
 def _blend_offer(blend: "mi.BSDF") -> Offer:
@@ -113,32 +115,19 @@ def _blend_offer(blend: "mi.BSDF") -> Offer:
     return Offer(lobes=lobes, exact=lambda: blend)
 
 
-def conductor_offer(bsdf: "mi.BSDF", coat: Any = None) -> Offer:
-    """The lobe of a `roughconductor`; nothing of any other BSDF.
-
-    coat: the coat whose medium lies above, with a method `inside`; None: air.
-    """
-    if bsdf.class_name() != "RoughConductor" or GGX not in str(bsdf):
-        return Offer()
-    textures = nested_objects(bsdf)
-    return Offer(lobes=partial(_conductor_lobes, textures, coat), bare=True)
-
-
-def _conductor_lobes(textures: Mapping[str, "mi.Texture"], coat: Any, si) -> list[list]:
+def _conductor_lobes(textures: Mapping[str, "mi.Texture"], si) -> list[list]:
     """The lobes of a conductor: six or seven Dr.Jit floats for each channel."""
     names = ("alpha_u", "alpha_v") if "alpha_u" in textures else ("alpha",)
     given = (textures[name].eval_1(si) for name in names)
     # The derivative passes the bound, so that an optimiser can leave it.
     alpha, *across = (dr.replace_grad(dr.maximum(x, MIN_ALPHA), x) for x in given)
     columns = [_channels(textures, x, si) for x in ("specular_reflectance", "eta", "k")]
-    above = mi.Float(1) if coat is None else coat.inside(si)
-    indices = list(above) if dr.depth_v(above) > 1 else [above] * len(columns[0])
     found = []
-    for reflectance, eta, k, above in zip(*columns, indices, strict=True):
+    for reflectance, eta, k in zip(*columns, strict=True):
         # Mitsuba's metal "none" has the index 0 and reflects all light.
         exact = eta > 0
         schlick = dr.select(exact, 0, reflectance)
-        index = dr.select(exact, eta / above, NO_LOBE[4]), dr.select(exact, k / above, 0)
+        index = dr.select(exact, eta, NO_LOBE[4]), dr.select(exact, k, 0)
         factors = schlick, schlick, dr.select(exact, reflectance, 0)
         found.append([alpha, *factors, *index, *across])
     return found

@@ -268,6 +268,13 @@ class CoatTextures:
         if self.above is not None and not self.above.has_textured_eta:
             callback.put("ext_eta", self.above.opaque_eta, flags)
 
+    def put_index(self, callback) -> None:
+        """List the index inside for `mi.traverse`."""
+        if self.has_textured_eta:
+            callback.put("ext_ior", self.textures["int_ior"], mi.ParamFlags.Differentiable)
+        else:
+            callback.put("ext_eta", self.opaque_eta, mi.ParamFlags.Differentiable)
+
     def parameters_changed(self) -> None:
         """Check `eta`, which `mi.traverse` may have changed."""
         if not self.has_textured_eta:

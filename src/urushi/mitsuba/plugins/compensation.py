@@ -1,9 +1,7 @@
-"""Estimates of what a coat over any BSDF reflects, by the albedo of a coated Lambertian surface.
+"""The option `energy_compensation` of coats over any BSDF.
 
-`core.appearance` has the albedo. It has two uses. Textures of spectral variants have codes at three
-bands; f at other wavelengths follows the albedo for the values of coat and bottom there, in which f
-is nearly linear. And the option `energy_compensation` gives back the light that a rough surface
-loses, by a lobe of the colour of this albedo, which `walk.simulate` defines.
+It gives back the light that a rough surface loses, by a lobe that `walk.simulate` defines. Its
+colour is the albedo of a coated Lambertian surface, of `core.appearance`.
 """
 
 import math
@@ -17,7 +15,7 @@ import numpy as np
 from urushi.core.appearance import WI, WO, coated_color
 from urushi.core.namespace import DRJIT
 from urushi.mitsuba.interface_albedo import InterfaceLoss
-from urushi.mitsuba.plugins.coats import Turn, channel_widths
+from urushi.mitsuba.plugins.coats import channel_widths, turn_of, turned
 from urushi.mitsuba.reading import probing
 from urushi.mitsuba.reading.grid import varying_textures
 from urushi.mitsuba.reading.parameters import CoatTextures
@@ -76,11 +74,9 @@ class Compensation:
             self._gloss = mi.Spectrum(dr.mean(gloss) if mi.is_spectral else gloss)
             dr.make_opaque(self._gloss)
 
-    def completed(self, f, si, wo, active):
+    def with_lost_light(self, f, si, wo, active):
         """f [1/sr] with the light that the surface loses."""
-        if self._coat.has_rotation:
-            turn = Turn.of(self._coat.textures["rotation"].eval_1(si, active))
-            si, wo = turn.interaction(si), turn.inside(wo)
+        si, wo = turned(turn_of(self._coat, si, active), si, wo)
         coat = self._coat.evaluate(si, active)
         gloss = self._gloss
         if gloss is None:

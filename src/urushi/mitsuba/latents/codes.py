@@ -1,11 +1,10 @@
-"""The latent codes of a plugin: one per channel or a texture of them.
+"""The latent codes of a plugin: constant ones, and what they share with `latents.axes`.
 
-Both classes have three operations: `vertex` computes what evaluating and sampling at a surface
+Codes have three operations: `vertex` computes what evaluating and sampling at a surface
 interaction share, `f` evaluates every channel there, and `f_and_pdf` the proposal's density too.
 """
 
-import os
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import partial
 from typing import Any, ClassVar, NamedTuple
@@ -16,15 +15,11 @@ import numpy as np
 
 from urushi.material.material import Material
 from urushi.mitsuba import spectrum
-from urushi.mitsuba.latents.lookup import LatentTexture
-from urushi.mitsuba.networks.basis import FUNCTION_SCALE, BasisDecoder
-from urushi.mitsuba.networks.lobe import NO_LOBE, LobeKind, kind_of
+from urushi.mitsuba.networks.basis import BasisDecoder
+from urushi.mitsuba.networks.lobe import NO_LOBE, kind_of
 from urushi.mitsuba.networks.proposal import CodeProposals
 from urushi.mitsuba.networks.table import TabulatedDecoder, stored
 from urushi.mitsuba.recording import only_where, owned
-from urushi.nets.weights import Model
-from urushi.textures.principal import principal_texture
-from urushi.textures.store import TexelGrid, TextureStore, write_texture
 
 
 class Vertex(NamedTuple):
@@ -33,9 +28,11 @@ class Vertex(NamedTuple):
     # Per channel the terms of f, Dr.Jit floats; one list if all channels have the same code.
     decoder_terms: list[list]
     proposal: Any  # a mixture, of the mean code over the channels; None if it is not needed
+    # Per channel and parameter that carries a gradient, slopes of the terms after the lobe.
+    slopes: Sequence[list[list]] = ()
 
 
-class Held:
+class EvaluatedCodes:
     """Codes whose f is a function of a vertex's terms, wi and wo."""
 
     channels: int
@@ -56,7 +53,7 @@ class Held:
         def evaluated(terms, proposal, wi, wo):
             return f_of_terms(terms, wi, wo), proposal.pdf(wi, wo)
 
-        values, pdf = only_where(active, evaluated, *vertex, si.wi, wo)
+        values, pdf = only_where(active, evaluated, *vertex[:2], si.wi, wo)
         return self._of_each_channel(values), pdf
 
     def _of_each_channel(self, values: list) -> list:
@@ -64,13 +61,11 @@ class Held:
         return values * lanes if len(values) == 1 else values
 
 
-class ConstantLatents(Held):
+class ConstantLatents(EvaluatedCodes):
     """One latent code per channel. What depends on the codes alone is computed once, here."""
 
     # For frozen functions
     DRJIT_STRUCT: ClassVar = dict.fromkeys(("_decoder_terms", "_tables", "_proposals"), list)
-
-    grid: TexelGrid | None = None  # the same everywhere
 
     def __init__(self, material: Material, half: bool = False):
         """Take the codes of a material, without its rotation.
@@ -84,7 +79,7 @@ class ConstantLatents(Held):
             latents = latents[:1]  # channels of the same code are evaluated once
         self._fine = len(latents) == spectrum.COUNT
         whole = table is not None and not material.beside_lobe
-        kind = NO_LOBE if whole else kind_of_codes(model, latents[None])
+        kind = NO_LOBE if whole else kind_of(latents[:, : model.arch.lobe])
         self._sampler = CodeProposals(model, kind)
         self._decoder: BasisDecoder | TabulatedDecoder
         self._tables = []
@@ -143,92 +138,10 @@ class ConstantLatents(Held):
         latents = self.material.latents
         return np.broadcast_to(latents, (len(uv), *latents.shape))
 
-    def save(self, path: str | os.PathLike) -> None:
-        """Write a file that `neural_brdf` and `urushi.load` read."""
-        self.material.save(path)
-
     def __str__(self) -> str:
         count, size = self.material.latents.shape
         table = "" if self.material.table is None else ", with a table"
         return f"{count} x {size}{table}"
-
-
-class TexturedLatents(Held):
-    """A packed texture of latent codes, see `textures.packing`.
-
-    They are rendered by principal numbers where these are fewer (`textures.principal`).
-    """
-
-    material = None
-
-    DRJIT_STRUCT: ClassVar = {"_texture": object, "_decoder": object}  # for frozen functions
-    UNRECORDED: ClassVar = ("_store", "_principal")  # kernels read `_texture` and `_decoder`
-
-    def __init__(self, model: Model, store: TextureStore, grid: TexelGrid):
-        self._store, self.model = store, model
-        self.grid, self.channels = grid, store.layout.channels
-        self._size, self._bytes = store.layout.size, store.layout.texel_bytes
-        self._kind = kind_of_store(model, store)
-        self._principal = principal_texture(model, store)
-        self._sampler = CodeProposals(model, self._kind)
-        # Channels of the same code are evaluated once.
-        self._kept = 1 if (store.layout.constant | store.layout.same).all() else self.channels
-        if self._principal is None:
-            self._decoder = BasisDecoder(model, self._kind)
-            self._texture = LatentTexture(store, grid)
-        else:
-            self._decoder = BasisDecoder(model, self._kind, self._principal.functions)
-            self._texture = LatentTexture(self._principal.scaled(FUNCTION_SCALE), grid)
-
-    def vertex(self, si, active) -> Vertex:
-        """The vertex at a surface interaction."""
-        return only_where(active, self._vertex, si.wi, si.uv)
-
-    def _evaluated(self) -> Callable[..., list]:
-        return self._decoder.f_of_terms
-
-    def _vertex(self, wi, uv) -> Vertex:
-        return self._vertex_of(self._texture.look_up(uv, wi)[: self._kept], wi)
-
-    def _vertex_of(self, latents: list[list], wi) -> Vertex:
-        """The vertex of the numbers that the texture holds for each channel."""
-        if self._principal is None:
-            proposal = self._sampler.proposal(self._kind.mean(latents), wi)
-        else:
-            assert isinstance(self._sampler, CodeProposals)  # for the type checker
-            lobe, first = self.model.arch.lobe, self._principal.first
-            mean = self._kind.mean([z[:lobe] for z in latents])
-            proposal = self._sampler.proposal_of_terms(mean, latents[0][lobe:first], wi)
-            latents = [z[:lobe] + z[first:] for z in latents]
-        return Vertex(self._decoder.code_terms_drjit(latents), proposal)
-
-    def at(self, uv: np.ndarray) -> np.ndarray:
-        """Latent codes (M, C, size) at points uv (M, 2)."""
-        return self._store.read(self._texture.texels(uv))
-
-    def save(self, path: str | os.PathLike) -> None:
-        """Write a file that `neural_brdf` reads."""
-        write_texture(path, self._store, self.grid, self.model.fingerprint)
-
-    def __str__(self) -> str:
-        return (
-            f"{self.grid.width} x {self.grid.height} texels of {self.channels} x {self._size} "
-            f"numbers in {self._bytes} bytes"
-        )
-
-
-def kind_of_codes(model: Model, codes: np.ndarray) -> LobeKind:
-    """Common properties of the lobes of codes (T, C, size)."""
-    lobes = codes[..., : model.arch.lobe]
-    same = (lobes == lobes[:, :1]).all(axis=(0, 1))
-    return kind_of(lobes.min(axis=(0, 1)), lobes.max(axis=(0, 1)), same)
-
-
-def kind_of_store(model: Model, store: TextureStore) -> LobeKind:
-    """Common properties of the lobes of a texture."""
-    layout, packed = store.layout, store.packed
-    highest, lobe = packed.lowest + layout.levels * packed.step, slice(model.arch.lobe)
-    return kind_of(packed.lowest[lobe], highest[lobe], (layout.constant | layout.same)[lobe])
 
 
 def _opaque(values: np.ndarray) -> list:
