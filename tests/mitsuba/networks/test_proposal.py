@@ -7,6 +7,7 @@ from tests.mitsuba.networks.test_decoder import pairs, vector
 from tests.untrained import untrained
 
 from urushi.checks import Widths
+from urushi.nets import proposal
 from urushi.nets.weights import Model, default_model
 
 
