@@ -37,7 +37,7 @@ def uniform(mi, name: str, value: float):
 
 def load(mi, name, networks, **properties):
     extra = {} if name == "layered" else {"weights": str(networks)}
-    base = {"type": "diffuse", "reflectance": 0.5}
+    base = {"type": "diffuse", "reflectance": properties.pop("reflectance", 0.5)}
     coat = COAT if not LOOK.keys() & properties.keys() else {"alpha": 0.2, "g": 0.3, "body": 0.5}
     return mi.load_dict({"type": name, "base": base, **extra, **coat, **properties})
 
@@ -58,7 +58,18 @@ def mean_and_error(mi, bsdf, uv, count: int = 1 << 14) -> tuple[np.ndarray, np.n
 @pytest.mark.parametrize("name", ("layered", "neural_layered"))
 @pytest.mark.parametrize(
     "parameter",
-    ("alpha", "albedo", "sigma_t", "g", "int_ior", "thickness", "color", "body", "body_color"),
+    (
+        "alpha",
+        "albedo",
+        "sigma_t",
+        "g",
+        "int_ior",
+        "thickness",
+        "color",
+        "body",
+        "body_color",
+        "reflectance",
+    ),
 )
 def test_every_texel_is_layered_with_its_own_parameters(rgb, networks, name, parameter):
     values = np.float32([[0.2, 0.4, 0.6], [0.5, 0.8, 0.3]]) + (parameter == "int_ior")
@@ -94,24 +105,6 @@ def test_dark_texels_of_a_width_are_the_least_width(rgb, networks, name):
         load(rgb, name, networks, alpha=0.0)
     with pytest.raises(RuntimeError, match="a texel of alpha is 1.3; it must be"):
         load(rgb, name, networks, alpha=bitmap(rgb, dark[..., None] + 1))
-
-
-def test_a_textured_bottom(rgb):
-    pixels = np.float32([[[0.1, 0.5, 0.9], [0.8, 0.2, 0.4]]] * 2)
-    textured = load(
-        rgb,
-        "neural_layered",
-        "default",
-        base={"type": "diffuse", "reflectance": bitmap(rgb, pixels)},
-    )
-    for column in range(2):
-        base = {"type": "diffuse", "reflectance": {"type": "rgb", "value": pixels[0, column]}}
-        constant = load(rgb, "neural_layered", "default", base=base)
-        (a, _), (b, _) = (
-            mean_and_error(rgb, bsdf, ((column + 0.5) / 2, 0.5), 4096)
-            for bsdf in (constant, textured)
-        )
-        np.testing.assert_allclose(a, b, rtol=1e-2)
 
 
 def test_a_coat_over_a_textured_plastic_is_the_walk(rgb):
@@ -228,9 +221,7 @@ def test_eval_pdf_and_sample_agree_between_texels(rgb, differentiable):
     from urushi.mitsuba.reading import probing
 
     reflectance = bitmap(rgb, np.float32([0.02, 0.9])[None, :, None])
-    textured = load(
-        rgb, "neural_layered", "default", base={"type": "diffuse", "reflectance": reflectance}
-    )
+    textured = load(rgb, "neural_layered", "default", reflectance=reflectance)
     if differentiable:
         parameters = rgb.traverse(textured)
         dr.enable_grad(parameters["bottom.reflectance.data"])
