@@ -10,7 +10,7 @@ textures   texels of textures that `neural_layered` saves                       
 codes      latent codes of constant coats, encoded, layered and blended materials  10 s
 values     `simulate`, and f, pdf, samples and albedo of a material                         10 s
 openpbr    f, pdf and samples of `openpbr`, bare and under a coat, with film and fuzz          1 min
-eval       every figure of `benchmarks.evaluation`                                          2 min
+eval       every figure of the experiment `accuracy`                                        2 min
 demo       figures of the demo at 96 x 96 pixels, compared within ten per cent: Mitsuba loads
            shapes in parallel, and their order, in which lights are numbered, varies from
            run to run, so that the same seed gives other noise                              20 s
@@ -251,13 +251,10 @@ def _evaluated(bsdf: dict) -> str:
 
 
 def evaluation() -> Entries:
-    """Every figure of `benchmarks.evaluation`."""
-    from benchmarks.evaluation import report
+    """Every figure of the experiment `accuracy`."""
+    from benchmarks.evaluation import benchmark, report
 
-    with tempfile.TemporaryDirectory() as folder:
-        report.report(output=folder)
-        content = json.loads((Path(folder) / "figures.json").read_text())
-    return flat(content)
+    return flat(report.measure(default_model(), benchmark.read()))
 
 
 def demo() -> Entries:

@@ -1,31 +1,37 @@
-"""Errors of the networks of Fan et al. 2022 on the held-out stacks of this evaluation."""
+"""Errors of the networks of Fan et al. 2022: `python -m benchmarks.evaluation.fan2022 WEIGHTS`.
 
+They are measured on the held-out stacks whose indices are all above one, in minutes to hours.
+"""
+
+import argparse
 from collections.abc import Mapping
 from functools import partial
 
 import numpy as np
 from benchmarks.evaluation import benchmark, physical_laws, predict, report
 from benchmarks.evaluation.samples import GROUPS, ROWS, Samples
+from benchmarks.showing import table
 from fan2022.material import Material
 from fan2022.networks import PaperNetworks, projection_pairs
 
+from urushi.errors import FileError
 from urushi.walk import StackTable
 
 
-def covered(table: StackTable) -> bool:
+def covered(stacks: StackTable) -> bool:
     """Whether all indices of refraction of the stacks are above one, as the networks need."""
-    bottom = [table.bottom["eta"]] if table.kind == "dielectric" else []
-    return bool(np.concatenate([table.eta.ravel(), *bottom]).min(initial=np.inf) >= 1)
+    bottom = [stacks.bottom["eta"]] if stacks.kind == "dielectric" else []
+    return bool(np.concatenate([stacks.eta.ravel(), *bottom]).min(initial=np.inf) >= 1)
 
 
 def materials(
     networks: PaperNetworks, samples: Samples, encoded: int = 0, *, how: str = "code"
 ) -> list[Material]:
     """The stacks as `predict.materials` makes them; `how` changes nothing."""
-    table = samples.table
+    stacks = samples.table
     codes = networks.encode(predict.lower_values(samples, encoded, *projection_pairs()))
-    for index in reversed(range(table.coats - encoded)):
-        codes = networks.layer(codes, predict.coats_at(table, index))
+    for index in reversed(range(stacks.coats - encoded)):
+        codes = networks.layer(codes, predict.coats_at(stacks, index))
     return [Material(code[None], networks) for code in codes]
 
 
@@ -39,8 +45,21 @@ def evaluate(networks: PaperNetworks, sets: Mapping[str, Samples] | None = None)
     names = {group.name for group in groups}
     rows = tuple(row for row in ROWS if names.issuperset(row.groups))
     found = report.measure_errors(partial(materials, networks), sets, groups=groups, rows=rows)
-    width = max(len(row.name) for row in rows)
-    lines = [f"networks {networks.fingerprint}", "", *report.error_lines(found.rows, width), ""]
-    for law in physical_laws.reciprocity_and_sign(sets, found.materials):
-        lines.append(f"{law.name:<{width}} {law.value:.4g}")
-    return "\n".join(lines)
+    laws = physical_laws.reciprocity_and_sign(sets, found.materials)
+    figures = table(["law", "value"], [[law.name, f"{law.value:.4g}"] for law in laws])
+    errors = report.errors_table(found.rows)
+    return "\n\n".join([f"networks {networks.fingerprint}", errors, figures])
+
+
+def main(arguments: list[str] | None = None) -> None:
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("weights", help="file of the networks, see docs/published.md")
+    options = parser.parse_args(arguments)
+    try:
+        print(evaluate(PaperNetworks.read(options.weights)))
+    except FileError as error:
+        parser.error(str(error))
+
+
+if __name__ == "__main__":
+    main()

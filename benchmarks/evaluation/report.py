@@ -1,72 +1,20 @@
-"""All figures of networks, as a table and JSON."""
+"""All figures of networks: errors by row, and laws of physics."""
 
-import json
-import os
-from collections.abc import Callable, Mapping
-from dataclasses import asdict, dataclass
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import asdict
 from functools import partial
-from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
-from benchmarks.evaluation import benchmark, physical_laws, predict
+from benchmarks.evaluation import physical_laws, predict
 from benchmarks.evaluation import samples as sampling
 from benchmarks.evaluation.samples import GROUPS, ROWS, Group, Row, Samples
+from benchmarks.showing import table
 
 from urushi import checks
 from urushi.errors import ParameterError
-from urushi.files import atomic_write, new_folder
-from urushi.nets.weights import Model, Weights, find
-
-#: Columns of the errors. The mean of P is left out: a few pairs in dark tails dominate it.
-COLUMNS = [("E", "mean"), ("E", "median"), ("E", "p95"), ("E", "reference")]
-COLUMNS += [("P", "median"), ("P", "p95"), ("P", "reference")]
-
-_SHORT = {"reference": "ref"}
-
-
-@dataclass(frozen=True)
-class Result:
-    """All figures of one evaluation.
-
-    Attributes:
-        fingerprint: of the networks.
-        rows: by row name, stacks and by metric "E" (over stacks) and "P" (over all pairs): mean,
-            median, p95 and reference, the reference's own error (mean of E, median of P).
-        laws: the laws of physics.
-        parameters: number of trained parameters by network.
-        errors: by group, E (S,) of its stacks with every coat layered.
-    """
-
-    fingerprint: str
-    rows: dict[str, dict[str, Any]]
-    laws: list[physical_laws.Figure]
-    parameters: dict[str, int]
-    errors: dict[str, np.ndarray]
-
-
-def report(
-    weights: Weights | None = None,
-    output: str | os.PathLike | None = None,
-) -> str:
-    """Measure networks; returns the table of all figures as text.
-
-    Args:
-        weights: the networks: a name of shipped ones, a weights file, or a Model; default: the
-            default networks.
-        output: folder to write figures.json to.
-
-    Raises:
-        FileError: the weights or the stored set are missing or damaged, or `output` cannot be
-            written.
-    """
-    model = find(weights)
-    folder = None if output is None else new_folder(output)
-    result = measure(model, benchmark.read())
-    if folder is not None:
-        write_json(folder / "figures.json", result)
-    return table(result)
+from urushi.nets.weights import Model
 
 
 class Way(NamedTuple):
@@ -81,14 +29,13 @@ class Errors(NamedTuple):
     """The errors of networks on the groups' stacks.
 
     Attributes:
-        rows: as of `Result`.
+        rows: by row name, stacks and by metric "E" (over stacks) and "P" (over all pairs): mean,
+            median, p95 and reference, the reference's own error (mean of E, median of P).
         materials: by group, the materials with every coat layered.
-        stacks: by group, E (S,) of these materials.
     """
 
     rows: dict[str, dict[str, Any]]
     materials: dict[str, list]
-    stacks: dict[str, np.ndarray]
 
 
 def measure_errors(
@@ -121,7 +68,6 @@ def measure_errors(
             row.name: _row([(sets[way.group], values[way]) for way in ways(row)]) for row in rows
         },
         materials={way.group: materials[way] for way in layered},
-        stacks={way.group: sampling.stack_errors(values[way], sets[way.group]) for way in layered},
     )
 
 
@@ -131,27 +77,13 @@ def measure(
     *,
     groups: tuple[Group, ...] = GROUPS,
     rows: tuple[Row, ...] = ROWS,
-) -> Result:
-    """All figures of networks on the groups' sets."""
+) -> dict[str, Any]:
+    """All figures of networks on the groups' sets, as JSON values: "rows" of errors, and "laws"."""
     predicted = partial(predict.materials, model)
     errors = measure_errors(predicted, sets, groups=groups, rows=rows)
     exact = {name: predicted(sets[name], how="table") for name in errors.materials}
-    return Result(
-        fingerprint=model.fingerprint,
-        rows=errors.rows,
-        laws=physical_laws.measure(model, sets, exact),
-        parameters=parameters(model),
-        errors=errors.stacks,
-    )
-
-
-def parameters(model: Model) -> dict[str, int]:
-    """Number of parameters by part."""
-    counts: dict[str, int] = {}
-    for name, array in model.params.items():
-        part = name.split(".", 1)[0]
-        counts[part] = counts.get(part, 0) + array.size
-    return counts
+    laws = physical_laws.measure(model, sets, exact)
+    return {"rows": errors.rows, "laws": [asdict(law) | {"kept": law.kept} for law in laws]}
 
 
 def summary(errors: npt.ArrayLike) -> dict[str, float]:
@@ -176,38 +108,20 @@ def _row(parts: list[tuple[Samples, np.ndarray]]) -> dict[str, Any]:
     }
 
 
-def write_json(path: Path, result: Result) -> None:
-    content = asdict(result)
-    content["laws"] = [asdict(law) | {"kept": law.kept} for law in result.laws]
-    content["errors"] = {name: errors.tolist() for name, errors in result.errors.items()}
-    with atomic_write(path) as temporary:
-        temporary.write_text(json.dumps(content, indent=2) + "\n")
+def errors_table(rows: Mapping[str, dict[str, Any]]) -> str:
+    """The errors of all rows in per cent. The mean of P is left out: dark tails dominate it."""
+    cells = [
+        [indented(name), quantiles(row["E"]), quantiles(row["P"], ("median",))]
+        for name, row in rows.items()
+    ]
+    return table(["task of the networks", "E mean / median / p95", "P median"], cells)
 
 
-def table(result: Result) -> str:
-    """The whole table: errors in percent, laws of physics, and sizes."""
-    width = max(map(len, [*result.rows, *(law.name for law in result.laws)]))
-    lines = [f"networks {result.fingerprint}", ""]
-    lines += error_lines(result.rows, width)
-    lines += ["", "laws of physics"]
-    for law in result.laws:
-        lines.append(f"{law.name:<{width}} {law.value:>10.4g} {law.unit:<4} {_limit(law)}".rstrip())
-    lines += ["", "parameters"]
-    lines += [f"{name:<{width}} {count:>10,}" for name, count in result.parameters.items()]
-    return "\n".join(lines)
+def quantiles(errors: dict[str, float], names: Iterable[str] = ("mean", "median", "p95")) -> str:
+    """Some figures of `summary` in per cent."""
+    return " / ".join(f"{100 * errors[name]:.2f}" for name in names) + " %"
 
 
-def error_lines(rows: Mapping[str, dict[str, Any]], width: int) -> list[str]:
-    """The lines of the errors in percent; width: of the names."""
-    heads = " ".join(f"{metric + ' ' + _SHORT.get(key, key):>8}" for metric, key in COLUMNS)
-    lines = [f"{'errors [%]':<{width}} {'stacks':>6} {heads}"]
-    for name, row in rows.items():
-        numbers = " ".join(f"{100 * row[metric][key]:8.2f}" for metric, key in COLUMNS)
-        lines.append(f"{name:<{width}} {row['stacks']:>6} {numbers}")
-    return lines
-
-
-def _limit(law: Any) -> str:
-    if law.limit is None:
-        return ""
-    return f"{'>' if law.lower else '<='} {law.limit:g} {'ok' if law.kept else 'BROKEN'}"
+def indented(name: str) -> str:
+    """A name that begins with two spaces gets a dot, which Markdown shows."""
+    return name.replace("  ", "· ") if name[:2] == "  " else name

@@ -33,9 +33,13 @@ def table(oracle: Mapping[str, np.ndarray], family: str) -> StackTable:
 
 @pytest.mark.parametrize("family", ["two", "three", "lambert"])
 def test_every_configuration_agrees(family: str, oracle: Mapping[str, np.ndarray]) -> None:
-    reference, se_reference = oracle[f"{family}_f"], oracle[f"{family}_se"]
+    # Every fourth pair of the longest lists, to cover all kinds of pairs in less time.
+    step = 4 if family == "two" else 1
+    wi, wo, reference, se_reference = (
+        oracle[f"{family}_{name}"][:, ::step] for name in ("wi", "wo", "f", "se")
+    )
     count, pairs = reference.shape
-    wi, wo = (oracle[f"{family}_{w}"].reshape(-1, 3).astype(np.float32) for w in ("wi", "wo"))
+    wi, wo = (w.reshape(-1, 3).astype(np.float32) for w in (wi, wo))
     row = np.repeat(np.arange(count, dtype=np.uint32), pairs)
     f, se = walk_pairs(table(oracle, family), row, wi, wo, walks=WALKS, seed=1)
     f, se = (x.reshape(count, pairs).astype(np.float64) for x in (f, se))

@@ -1,10 +1,8 @@
-"""The table has every row and the same figures as the JSON file, and bad input is refused."""
-
-import sys
+"""The rows are the figures of the networks, and bad input is refused."""
 
 import numpy as np
 import pytest
-from benchmarks.evaluation import __main__, physical_laws, report
+from benchmarks.evaluation import fan2022, physical_laws, predict, report
 from benchmarks.evaluation import samples as sampling
 from benchmarks.evaluation.samples import Row
 
@@ -24,33 +22,24 @@ def result(tiny, sets, groups):
 
 
 def test_rows_are_the_figures_of_the_networks(result, tiny, sets):
-    from benchmarks.evaluation import predict
-
     e, p = [], []
     for samples in sets.values():
         f_hat = predict.evaluate(predict.materials(tiny, samples), samples.wi, samples.wo)
         e.append(sampling.stack_errors(f_hat, samples))
         p.append(sampling.pair_errors(f_hat, samples).ravel())
-    row = result.rows["all together"]
+    row = result["rows"]["all together"]
     assert row["stacks"] == 6
     for metric, errors in (("E", e), ("P", p)):
         expected = report.summary(np.concatenate(errors))
         assert {k: row[metric][k] for k in expected} == pytest.approx(expected, rel=1e-9)
-    assert row["E"]["reference"] < 0.01 and result.rows["encode bare ones"]["E"]["reference"] == 0
-    assert set(result.errors) == {"bare", "few"}
+    exact = result["rows"]["encode bare ones"]["E"]
+    assert row["E"]["reference"] < 0.01 and exact["reference"] == 0
+    shown = report.errors_table(result["rows"])
+    assert f"| {report.quantiles(row['E'])} |" in shown and shown.count("\n") == 1 + len(ROWS)
 
 
-@pytest.mark.parametrize(
-    ("arguments", "sentence"),
-    [
-        (["--fan2022"], "--fan2022 needs --weights, a file of its networks"),
-        (["--fan2022", "--weights", "nothing"], "there is no weights file 'nothing'"),
-        (["--weights", "nothing"], "there are no weights 'nothing'"),
-    ],
-)
-def test_errors_of_the_command_are_one_sentence(arguments, sentence, monkeypatch, capsys):
-    monkeypatch.setattr(sys, "argv", ["evaluation", *arguments])
+def test_a_missing_file_of_networks_is_one_sentence(capsys):
     with pytest.raises(SystemExit) as caught:
-        __main__.main()
+        fan2022.main(["nothing"])
     assert caught.value.code == 2
-    assert sentence in capsys.readouterr().err
+    assert "there is no weights file 'nothing'" in capsys.readouterr().err
