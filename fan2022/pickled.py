@@ -28,6 +28,9 @@ INSTRUCTIONS = frozenset(
     """.split()  # noqa: SIM905
 )
 
+#: Most tuples of a pickle; a tensor has five. Hashing deeply nested ones would end the process.
+MAX_TUPLES = 10_000
+
 #: NumPy's names of the types of storages.
 STORAGES = {"HalfStorage": "<f2", "FloatStorage": "<f4", "DoubleStorage": "<f8"}
 
@@ -63,13 +66,17 @@ def decode(file: io.BytesIO) -> tuple[Any, dict[str, Storage]]:
         Exception: of any kind; it has other instructions, or is damaged.
     """
     start = file.tell()
+    tuples = 0
     for count, (code, argument, _) in enumerate(pickletools.genops(file)):
+        tuples += code.name.startswith("TUPLE")
         if code.name not in INSTRUCTIONS:
             raise ValueError(f"{code.name} is not needed for tensors in dictionaries")
         if (
             code.name == "LONG_BINPUT" and int(argument or 0) > count
         ):  # Python would reserve as many places
             raise ValueError("a place in the memo is too high")
+        if tuples > MAX_TUPLES:
+            raise ValueError("there are too many tuples")
     size = file.tell() - start
     file.seek(start)
     reader = _Unpickler(io.BytesIO(file.read(size)))

@@ -1,14 +1,11 @@
 """Networks in PyTorch's files: they keep their values, and hostile files do nothing."""
 
-import io
 import os
 import pickle
 import subprocess
 import sys
 import zipfile
-from collections import OrderedDict
 from pathlib import Path
-from types import ModuleType
 
 import numpy as np
 import pytest
@@ -110,124 +107,6 @@ def test_tensors_that_share_a_storage_are_cut_out_of_it(tmp_path):
     np.testing.assert_array_equal(arrays["turned"], values[12:18].reshape(2, 3).T)
 
 
-class Storage:
-    def __init__(self, array):
-        self.array = array
-
-
-@pytest.fixture
-def by_python(monkeypatch):
-    """A function that pickles tensors by Python's own pickler, as PyTorch does.
-
-    Stand-ins have the names of PyTorch's and the authors' functions and classes.
-    """
-
-    def standin(module, name, value):
-        if module not in sys.modules or not hasattr(sys.modules[module], "standin"):
-            monkeypatch.setitem(sys.modules, module, ModuleType(module))
-            sys.modules[module].standin = True
-        value.__module__, value.__qualname__ = module, name
-        setattr(sys.modules[module], name, value)
-        return value
-
-    rebuild = standin("torch._utils", "_rebuild_tensor_v2", lambda: None)
-    parameter = standin("torch._utils", "_rebuild_parameter", lambda: None)
-    floats = standin("torch", "FloatStorage", type("FloatStorage", (), {}))
-    kinds = {
-        name: standin(f"torch.nn.modules.{module}", name, type(name, (), {}))
-        for module, name in (
-            ("linear", "Linear"),
-            ("normalization", "LayerNorm"),
-            ("container", "Sequential"),
-        )
-    }
-
-    class Tensor:
-        def __init__(self, array):
-            self.storage = Storage(array)
-
-        def __reduce__(self):
-            shape = self.storage.array.shape
-            strides = tuple(int(np.prod(shape[i + 1 :])) for i in range(len(shape)))
-            return rebuild, (self.storage, 0, shape, strides, False, OrderedDict())
-
-    class Parameter(Tensor):
-        def __reduce__(self):
-            return parameter, (Tensor(self.storage.array), True, OrderedDict())
-
-    class Network:
-        def state_dict(self):
-            """The authors saved this method."""
-
-    network = standin("model", "Network", Network)
-    module_kinds = {network, *kinds.values()}
-    config = standin("utils", "Config", type("Config", (), {}))
-
-    def module(kind, parameters=(), modules=()):
-        made = kind()
-        made.training, made._buffers, made._backward_hooks = True, OrderedDict(), OrderedDict()
-        made._parameters = OrderedDict((n, Parameter(a)) for n, a in parameters)
-        made._modules = OrderedDict(modules)
-        return made
-
-    def whole_network(arrays):
-        """A network with one module for each two arrays."""
-        parts = []
-        for name, weight in arrays.items():
-            place, _, part = name.rpartition(".")
-            if part == "weight":
-                kind = kinds["Linear" if weight.ndim == 2 else "LayerNorm"]
-                pair = (("weight", weight), ("bias", arrays[f"{place}.bias"]))
-                parts.append((place, module(kind, pair)))
-        whole = module(network, modules=[("layer", module(kinds["Sequential"], modules=parts))])
-        whole.config = config()
-        whole.config.layer_norm, whole.config.path = True, ["a", 1.5]
-        return whole
-
-    def dictionary(arrays):
-        content = OrderedDict((name, Tensor(array)) for name, array in arrays.items())
-        content._metadata = OrderedDict([("", {"version": 1}), ("a", {"version": 1})])
-        return content
-
-    def program(arrays, form, protocol):
-        """Instructions without the first and the last, which the writers add."""
-        keys = {id(array): str(i) for i, array in enumerate(arrays.values())}
-        known = set()
-
-        class Pickler(pickle.Pickler):
-            def persistent_id(self, value):
-                if isinstance(value, Storage):
-                    size = value.array.size
-                    key = keys[id(value.array)]
-                    view = () if form == "dictionary" else (None,)
-                    return "storage", floats, key, "cuda:0", size, *view
-                if isinstance(value, type) and value in module_kinds - known:
-                    known.add(value)
-                    return "module", value, "model.py", "class Network(nn.Module): ..."
-                return None
-
-        if "dictionary" in form:
-            content = dictionary(arrays)
-        else:
-            content = whole_network(arrays)
-            content = content.state_dict if form == "method" else content
-        Pickler(buffer := io.BytesIO(), protocol).dump(content)
-        return buffer.getvalue()[2:-1]
-
-    return program
-
-
-@pytest.mark.parametrize("protocol", [2, 4])
-def test_what_pythons_own_pickler_writes_for_a_state_dict_is_read(protocol, tmp_path, by_python):
-    """With its memo and its state `_metadata`."""
-    arrays = {"a.weight": np.ones((300, 2), np.float32), "a.bias": np.zeros(300, np.float32)}
-    program = by_python(arrays, "dictionary", protocol)
-    storages = {str(i): array.tobytes() for i, array in enumerate(arrays.values())}
-    file = TorchFile(write(tmp_path / "a.pth", program, storages))
-    for name, value in published.state_dict(file).items():
-        np.testing.assert_array_equal(file.array(value, name), arrays[name])
-
-
 def test_files_that_pytorch_1_2_wrote_in_the_authors_form_are_read():
     """The bound method `state_dict`; `published/save.py` wrote the files and the outputs."""
     folder = Path(__file__).parent / "published"
@@ -238,30 +117,34 @@ def test_files_that_pytorch_1_2_wrote_in_the_authors_form_are_read():
             np.testing.assert_allclose(found, values[f"{name} outputs"], atol=1e-5)
 
 
-@pytest.mark.parametrize("form", ["method", "network", "old dictionary"])
-def test_the_authors_form_is_read(form, params, tmp_path, by_python):
-    """Their scripts call what they load: a network's method `state_dict`, in the older format."""
-    paths = []
-    for name, chain in (("Repre", EVALUATION), ("Layering", LAYERING)):
-        arrays = in_torch(params, chain)
-        storages = {str(i): array for i, array in enumerate(arrays.values())}
-        path = tmp_path / f"{name}Network.pth"
-        paths.append(write_legacy(path, by_python(arrays, form, 2), storages))
-    for name, value in published.networks(*paths).items():
-        np.testing.assert_array_equal(value, params[name])
-    data = paths[0].read_bytes()
-    for content, match in (
-        (data[:-1], "is damaged"),
-        (data[: len(data) // 2], "is damaged"),
-        (data[:200], "damaged"),
-        (data.replace(b"\xe9\x03", b"\xea\x03", 1), "is damaged"),
+def test_the_older_format_is_read_and_damage_is_seen(params, tmp_path):
+    """As a state dict, and as a whole network of one module; the authors' form is tested above."""
+    path = tmp_path / "old.pth"
+    tensors = in_torch(params, EVALUATION)
+    program, _ = state_dict(tensors)
+    storages = {str(i): array for i, array in enumerate(tensors.values())}
+    file = TorchFile(write_legacy(path, program, storages))
+    for name, found in published.state_dict(file).items():
+        np.testing.assert_array_equal(file.array(found, name), tensors[name])
+    data = path.read_bytes()
+    for content in (
+        data[:-1],
+        data[: len(data) // 2],
+        data[:200],
+        data.replace(b"\xe9\x03", b"\xea\x03", 1),  # the format's version
     ):
-        paths[0].write_bytes(content)
-        with pytest.raises(FileError, match=match):
-            TorchFile(paths[0])
-    write_legacy(paths[0], b"}", {}, little=False)
+        path.write_bytes(content)
+        with pytest.raises(FileError, match="is damaged"):
+            TorchFile(path)
+    write_legacy(path, b"}", {}, little=False)
     with pytest.raises(FileError, match="big-endian"):
-        TorchFile(paths[0])
+        TorchFile(path)
+    values = np.arange(6, dtype=np.float32).reshape(2, 3)
+    parameters = EMPTY + b"(" + text("weight") + tensor(values, "0", parameter=True) + b"u"
+    inner = NETWORK + modules(parameters=parameters) + b"b"
+    whole = NETWORK + modules(inner) + b"b"
+    file = TorchFile(write_legacy(path, whole, {"0": values}))
+    np.testing.assert_array_equal(file.array(published.state_dict(file)["0.weight"], ""), values)
 
 
 def test_files_of_pytorch_itself(params, tmp_path):
@@ -335,10 +218,10 @@ def method(value: bytes, name="state_dict") -> bytes:
     return named("__builtin__", "getattr") + value + text(name) + b"\x86R"
 
 
-def modules(*inner: bytes) -> bytes:
+def modules(*inner: bytes, parameters: bytes = EMPTY) -> bytes:
     """Attributes of a network of modules."""
     parts = b"".join(text(str(i)) + part for i, part in enumerate(inner))
-    names = b"}(" + text("_parameters") + EMPTY + text("_buffers") + EMPTY
+    names = b"}(" + text("_parameters") + parameters + text("_buffers") + EMPTY
     return names + text("_modules") + EMPTY + b"(" + parts + b"uu"
 
 
@@ -363,6 +246,7 @@ def hostile(target="") -> dict[str, tuple[bytes, str]]:
             named("torch._utils", "_rebuild_tensor_v2") + b"N}" + text("__defaults__") + b")s\x86b",
             "holds none",
         ),
+        "deep tuple as key": (b"})" + b"\x85" * 500000 + b"Ns", "damaged"),
         "method of a dictionary": (method(b"}"), "damaged"),
         "method of a method": (method(named("__builtin__", "getattr")), "damaged"),
         "no parameters": (method(NETWORK + b"}b"), "damaged"),
