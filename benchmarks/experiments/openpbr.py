@@ -21,7 +21,7 @@ from urushi.mitsuba.reading import probing
 COUNT, SEED, LEAST_ROUGHNESS = 200, 911, 0.1
 #: White materials of a kind, samples of each at the cosines, and the seed.
 WHITES, COATED, SAMPLES, FURNACE_SEED = 36, 10, 1 << 15, 3
-COSINES = (1.0, 0.6, 0.3, 0.2)
+FURNACE_COSINES = (1.0, 0.6, 0.3, 0.2)
 WHITE = {"type": "rgb", "value": [1.0, 1.0, 1.0]}
 RANGES = {
     "specular_roughness": (0.0, 1.0),
@@ -115,7 +115,7 @@ def random(anisotropic: bool, options: Options) -> Found:
 
 
 def furnace(name: str, options: Options) -> list[float]:
-    """Reflected shares less one of white materials at `COSINES`: mean, least, greatest."""
+    """Reflected shares less one of white materials at `FURNACE_COSINES`: mean, least, greatest."""
     names, constants = FURNACES[name]
     rng, rows = np.random.default_rng(FURNACE_SEED), []
     samples = options.count(SAMPLES, 64)
@@ -124,7 +124,7 @@ def furnace(name: str, options: Options) -> list[float]:
     for _ in range(options.count(COATED if "coat_weight" in constants else WHITES)):
         drawn = {key: float(rng.uniform(*RANGES[key])) for key in names}
         bsdf = mi.load_dict({"type": "openpbr", "base_color": WHITE, **drawn, **constants})
-        for cosine in COSINES:
+        for cosine in FURNACE_COSINES:
             sine = (1 - cosine**2) ** 0.5
             wi = np.tile([sine * np.cos(0.87), sine * np.sin(0.87), cosine], (samples, 1))
             uv = np.full((samples, 2), 0.5)

@@ -31,7 +31,7 @@ STACKS, FITTED, SEED = 12, 4, 23
 #: Pairs of directions over measured bottoms.
 PAIRS = 100
 #: White stacks: widths of the coat, and cosines at which their albedo is measured, by directions.
-WIDTHS, COSINES, DIRECTIONS = (0.1, 0.5), (0.1, 0.3, 0.6, 1.0), 1 << 14
+WIDTHS, ALBEDO_COSINES, DIRECTIONS = (0.1, 0.5), (0.1, 0.3, 0.6, 1.0), 1 << 14
 #: Measured bottoms, and the coats over them.
 BOTTOMS = 3
 OVER: tuple[dict[str, Any], ...] = (
@@ -150,13 +150,13 @@ def laws(paper: PaperNetworks, fitted: tuple[str, ...] = tuple(fits.FITTED)) -> 
     for alpha in WIDTHS:
         for bottom in (urushi.diffuse(1.0), urushi.conductor(alpha=alpha, r0=1.0)):
             for name, f in _white(alpha, bottom, paper, fitted).items():
-                for cosine in COSINES:
+                for cosine in ALBEDO_COSINES:
                     wi = np.repeat(_tilted((cosine,)), DIRECTIONS, axis=0)
                     # Directions have cosine density: the albedo is pi times the mean of f.
                     albedo = float(np.pi * f(wi, wo)[:, 0].mean())
                     found[name] = max(found.get(name, 0.0), albedo)
             stack = urushi.coat(bottom, alpha, 1.5)
-            walked, _ = walked_albedo(stack, _tilted(COSINES), seed=SEED)
+            walked, _ = walked_albedo(stack, _tilted(ALBEDO_COSINES), seed=SEED)
             found[known.WALK] = max(found.get(known.WALK, 0.0), float(walked.max()))
     return {name: float(f"{albedo:.4g}") for name, albedo in found.items()}
 

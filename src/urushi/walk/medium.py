@@ -30,7 +30,7 @@ KEPT, DEEP = 5.0, 12.0
 MILNE = 0.7104
 
 #: Depth of the sheet in its layer.
-MIDDLE = 0.5
+SHEET_DEPTH = 0.5
 
 
 class Medium(NamedTuple):
@@ -46,12 +46,12 @@ class Medium(NamedTuple):
     def transmittance(self, depth: Any, cos_theta: Any) -> Any:
         """Beer's law from `depth` to the top of the layer; nothing passes a sheet unscattered."""
         direct = dr.exp(-self.sigma_t * (depth / cos_theta))
-        return dr.select(self.deep & (depth > MIDDLE), 0, direct)
+        return dr.select(self.deep & (depth > SHEET_DEPTH), 0, direct)
 
     def end(self, depth: Any, down: Any) -> Any:
         """The depth at which a flight from `depth` without a collision ends."""
-        middle = self.deep & dr.select(down, depth < MIDDLE, depth > MIDDLE)
-        return dr.select(middle, MIDDLE, dr.select(down, type(depth)(1), 0))
+        middle = self.deep & dr.select(down, depth < SHEET_DEPTH, depth > SHEET_DEPTH)
+        return dr.select(middle, SHEET_DEPTH, dr.select(down, type(depth)(1), 0))
 
 
 def of(albedo: Any, sigma_t: Any, g: Any) -> Medium:

@@ -27,7 +27,7 @@ from urushi.walk import interface, spectral_mis
 from urushi.walk.bottoms import Bottom
 from urushi.walk.exits import ExitPath, ExitPaths
 from urushi.walk.interface import flip
-from urushi.walk.medium import MIDDLE, ROULETTE_THRESHOLD, Media, Medium, hg, sample_hg_cosine
+from urushi.walk.medium import ROULETTE_THRESHOLD, SHEET_DEPTH, Media, Medium, hg, sample_hg_cosine
 
 
 class Layers(Protocol):
@@ -169,7 +169,7 @@ def advance(
     visible = here.transmittance(s["depth"], path.direction.z)
     u = rng.next_float32(), rng.next_float32(), rng.next_float32()
 
-    at_sheet = ~in_medium & here.deep & (s["depth"] == MIDDLE)
+    at_sheet = ~in_medium & here.deep & (s["depth"] == SHEET_DEPTH)
     at_boundary = active & ~in_medium & ~at_sheet
     at_top = at_boundary & ~down & (s["layer"] == 0)
     at_bottom = at_boundary & down & (s["layer"] == layers.count - 1)
