@@ -248,8 +248,8 @@ void main() {
     colour = vec4(axes == 0 ? vec3(1.0) : open / max(all, 1e-6), 1.0);
 }
 `,bs=`#version 300 es
-// Light from each of many directions of the upper hemisphere, by their cosines: the environment's, and the
-// bright lights', which are spread over the directions beside them.
+// Radiance from each of many directions of the upper hemisphere, by their cosines: the environment's, and
+// the bright lights', which lobes of the integral 1 spread over the directions beside them.
 precision highp float;
 precision highp samplerCube;
 
@@ -276,7 +276,7 @@ void main() {
     for (int i = 0; i < lights; i++) {
         float narrow = 0.4 * count;
         float near = exp((dot(direction, lightDirections[i]) - 1.0) * narrow);
-        light += lightPowers[i] * lightDirections[i].z * near * narrow * count / (4.0 * PI * PI);
+        light += lightPowers[i] * lightDirections[i].z * near * narrow / (2.0 * PI);
     }
     colour = vec4(light, 1.0);
 }
