@@ -170,6 +170,15 @@ test.describe("a hollow object", () => {
     await expect.poll(async () => Math.abs((await seen()) - 1)).toBeLessThan(0.03);
     await page.getByRole("combobox", { name: "Object" }).selectOption("bowl");
     await expect.poll(seen).toBeLessThan(0.88);
+    // The shadow of the sun is in the light of the sky.
+    await page.getByRole("combobox", { name: "Light" }).selectOption("sky");
+    const darkest = async () => {
+      const places = Array.from({ length: 9 }, (_, k) => 0.56 + 0.05 * k);
+      const colours = await Promise.all(places.map((x) => colourAt(page, x, 0.72)));
+      return Math.min(...colours.map((colour) => Math.max(...colour)));
+    };
+    await expect.poll(darkest).toBeLessThan(80);
+    expect(await darkest()).toBeGreaterThan(40);
   });
 });
 
