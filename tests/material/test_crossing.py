@@ -5,22 +5,17 @@ import pytest
 
 from urushi.checks import Widths
 from urushi.core.probe_pairs import even_points
-from urushi.material.crossing import cross, cross_from, crossing_at, inner_albedo
+from urushi.material.crossing import cross, crossing_at, in_plane, inner_albedo
 from urushi.nets.lobe import fresnel
 
 COSINES = np.float32([[1.0], [0.8], [0.4], [0.1]])
 
 
-def outside(cosine):
-    sine = np.sqrt(1 - cosine * cosine)
-    return sine, np.zeros_like(sine), cosine
-
-
 @pytest.mark.parametrize("eta", [1.5, 0.7])
 @pytest.mark.parametrize("alpha", [0.05, 0.5])
 def test_drawn_and_given_directions_agree(alpha, eta):
-    drawn = cross(COSINES, alpha, eta, even_points(64, 2).astype(np.float32))
-    given = crossing_at(outside(COSINES), drawn.inside, alpha, eta)
+    drawn = cross(in_plane(COSINES), alpha, eta, even_points(64, 2).astype(np.float32))
+    given = crossing_at(in_plane(COSINES), drawn.inside, alpha, eta)
     present = drawn.weight > 0
     assert present.mean() > 0.4
     np.testing.assert_allclose(given.weight[present], drawn.weight[present], rtol=1e-3)
@@ -33,14 +28,14 @@ def test_drawn_and_given_directions_agree(alpha, eta):
 def test_two_widths_agree_too(turn):
     """Seen along x, y, or between them: equal widths are one, and others a lobe of their own."""
     alpha, u = Widths(0.1, 0.4), even_points(64, 2).astype(np.float32)
-    sine, _, cosine = outside(COSINES)
+    sine, _, cosine = in_plane(COSINES)
     seen = (sine * np.float32(np.cos(turn)), sine * np.float32(np.sin(turn)), cosine)
-    drawn = cross_from(seen, alpha, 1.5, u)
+    drawn = cross(seen, alpha, 1.5, u)
     given = crossing_at(seen, drawn.inside, alpha, 1.5)
     present = drawn.weight > 0
     np.testing.assert_allclose(given.weight[present], drawn.weight[present], rtol=1e-3)
     np.testing.assert_allclose(given.density[present], drawn.density[present], rtol=2e-3)
-    one, two = (cross_from(seen, w, 1.5, u) for w in (0.2, Widths(0.2, 0.2)))
+    one, two = (cross(seen, w, 1.5, u) for w in (0.2, Widths(0.2, 0.2)))
     for a, b in zip((*one.inside, *one[1:]), (*two.inside, *two[1:]), strict=True):
         np.testing.assert_allclose(a, b, rtol=1e-3, atol=1e-5)
 
@@ -49,17 +44,21 @@ def test_two_widths_agree_too(turn):
 def test_the_density_integrates_to_what_crosses(eta):
     """Over the hemisphere inside, density and weight give the mean weight of drawn directions."""
     alpha, cosine = 0.4, np.float32([[0.7]])
-    mean = cross(cosine, alpha, eta, even_points(4096, 2).astype(np.float32)).weight.mean()
+    mean = cross(
+        in_plane(cosine), alpha, eta, even_points(4096, 2).astype(np.float32)
+    ).weight.mean()
     u = even_points(1 << 18, 2)
     sine, phi = np.sqrt(1 - u[:, 0] ** 2), 2 * np.pi * u[:, 1]
     inside = tuple(np.float32(x) for x in (sine * np.cos(phi), sine * np.sin(phi), u[:, 0]))
-    found = crossing_at(outside(cosine), inside, alpha, eta)
+    found = crossing_at(in_plane(cosine), inside, alpha, eta)
     assert 2 * np.pi * (found.density * found.weight).mean() == pytest.approx(mean, rel=0.01)
 
 
 def test_smooth_interfaces_are_those_of_fresnel():
     eta = 1.5
-    found = cross(COSINES, 0.01, eta, even_points(64, 2).astype(np.float32)).weight.mean(axis=1)
+    found = cross(in_plane(COSINES), 0.01, eta, even_points(64, 2).astype(np.float32)).weight.mean(
+        axis=1
+    )
     cosines = COSINES[:, 0].astype(float)
     one, zero = np.full(len(cosines), eta), np.zeros(len(cosines))
     np.testing.assert_allclose(found, 1 - fresnel(cosines, one, zero), rtol=0.02)

@@ -47,37 +47,29 @@ class Encode:
     """Weights file. Default: the shipped ones."""
 
     def run(self) -> int:
-        from urushi.material.encode import encode_all
+        from urushi.material.layer import encoded
+        from urushi.measured import load_measured
 
-        targets, sources = self.targets(), self.opened()
-        failures = 0
-
-        def failed(error: UrushiError) -> None:
-            nonlocal failures
-            if len(sources) == 1:
-                raise error
-            failures += 1
-            _print_to_stderr(str(error))
-
-        for source in sources:
-            if isinstance(source, UrushiError):
-                failed(source)
-        readable = [k for k, source in enumerate(sources) if not isinstance(source, UrushiError)]
-        with tqdm(total=len(readable), unit="BRDF", disable=len(readable) <= 1 or None) as progress:
-            for position, result in encode_all(
-                [sources[k] for k in readable],
-                weights=self.weights,
-                table=True if self.table else False if self.no_table else None,
-            ):
-                progress.update()
-                if isinstance(result, UrushiError):
-                    failed(result)
-                    continue
-                index, (material, deviations) = readable[position], result
-                for sentence in deviations.warnings() if deviations else ():
-                    _print_to_stderr(f"{self.sources[index]}: {sentence}")
-                material.save(targets[index])
-                tqdm.write(str(targets[index]))
+        targets, sources, failures = self.targets(), self.opened(), 0
+        table = True if self.table else False if self.no_table else None
+        hidden = len(sources) <= 1 or None
+        bar = tqdm(self.sources, unit="BRDF", disable=hidden)
+        for name, source, target in zip(bar, sources, targets, strict=True):
+            try:
+                if isinstance(source, UrushiError):
+                    raise source
+                opened = load_measured(source) if isinstance(source, Path) else source
+                material, deviations = encoded(opened, self.weights, table)
+            except UrushiError as error:
+                if len(sources) == 1:
+                    raise
+                failures += 1
+                _print_to_stderr(str(error))
+                continue
+            for sentence in deviations.warnings() if deviations else ():
+                _print_to_stderr(f"{name}: {sentence}")
+            material.save(target)
+            tqdm.write(str(target))
         if failures:
             raise UrushiError(f"{failures} of {len(sources)} sources could not be encoded")
         return 0
@@ -114,7 +106,7 @@ class Encode:
         return [new_folder(self.output) / f"{name}.safetensors" for name in names]
 
     def opened(self) -> list[Any]:
-        """Each source as `encode_all` takes it, or the error that reading it raised."""
+        """Each source: a measured BRDF's Path, what `encode` takes, or the error of reading it."""
         scenes: dict[Path, dict[str, Any]] = {}
         result: list[Any] = []
         for text in self.sources:

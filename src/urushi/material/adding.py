@@ -202,16 +202,9 @@ class Grid:
         The values at the nodes alone would miss the edge of total reflection.
         """
         fine = _fine_grid(FINE * len(self.angles), self._edges)
-        index, part = self._place(fine.angles, self.angles)
-        values = fine.weights * function(fine.cosines)
-
-        def shared(x: np.ndarray) -> np.ndarray:
-            count = len(self.angles)
-            return np.bincount(index, x * (1 - part), count) + np.bincount(
-                index + 1, x * part, count
-            )
-
-        return shared(values) / shared(fine.weights)
+        weights = np.stack([fine.weights * function(fine.cosines), fine.weights])
+        values, sizes = self.deposited(np.tile(fine.angles, (2, 1)), weights)
+        return values / sizes
 
     def averaged(self, modes: Callable[["Grid"], np.ndarray]) -> np.ndarray:
         """Modes (H, N, M) of light from the nodes, averaged about them as by `mean`.

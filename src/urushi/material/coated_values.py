@@ -35,7 +35,7 @@ from urushi.material import adding, adding_quadrant
 from urushi.material.crossing import (
     GENERATORS,
     LEAST_COSINE,
-    cross_from,
+    cross,
     crossing_at,
 )
 from urushi.material.material import Material
@@ -295,7 +295,7 @@ class _Kernel:
 
     @staticmethod
     def _crossed(outside: Any, alpha: Any, eta: Any, u: Sequence[Any]) -> Any:
-        crossing = cross_from(outside, alpha, eta, u, DRJIT)
+        crossing = cross(outside, alpha, eta, u, DRJIT)
         return crossing._replace(inside=type(outside)(*crossing.inside))
 
     def _weight(self, a: Any, b: Any) -> Any:

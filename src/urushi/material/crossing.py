@@ -44,12 +44,7 @@ class Crossing(NamedTuple):
     density: np.ndarray  # of probability of the inner direction [1/sr], given the outer one
 
 
-def cross(cosine: np.ndarray, alpha: float | Widths, eta: float, u: np.ndarray) -> Crossing:
-    """`cross_from` of directions (sqrt(1 - cosine^2), 0, cosine), with cosine (N, 1)."""
-    return cross_from(in_plane(cosine), alpha, eta, u)
-
-
-def cross_from(
+def cross(
     outside: Any, alpha: Any, eta: Any, u: np.ndarray | Sequence, xp: Namespace = NUMPY
 ) -> Crossing:
     """Let light of directions cross.
@@ -110,22 +105,11 @@ def crossing_at(outside: Any, inside: Any, alpha: Any, eta: Any, xp: Namespace =
 
 
 def mirrored(
-    cosine: np.ndarray, alpha: float | Widths, eta: float, u: np.ndarray
-) -> tuple[np.ndarray, np.ndarray]:
-    """Light that an interface mirrors: cosines (N, K), and fractions (N, K) over the density.
-
-    The arguments are those of `cross`.
-    """
-    (_, _, z), weight = mirrored_from(in_plane(cosine), alpha, eta, u)
-    return z, weight
-
-
-def mirrored_from(
     outside: Vector, alpha: float | Widths, eta: float, u: np.ndarray
 ) -> tuple[Vector, np.ndarray]:
     """Light that an interface mirrors: directions (N, K), and fractions (N, K) over the density.
 
-    The arguments are those of `cross_from`.
+    The arguments are those of `cross`.
     """
     facet = visible_facets(outside, alpha, u)
     cos_m = np.clip(_dot(outside, facet), TINY, 1)
@@ -137,8 +121,8 @@ def mirrored_from(
 
 def inner_albedo(cosine: np.ndarray, alpha: float, eta: float) -> np.ndarray:
     """The share (N,) of light of cosines (N,) inside that the interface reflects back inside."""
-    column = cosine.astype(np.float32)[:, None]
-    return mirrored(column, alpha, 1 / eta, facet_points(256))[1].mean(axis=1, dtype=np.float64)
+    outside = in_plane(cosine.astype(np.float32)[:, None])
+    return mirrored(outside, alpha, 1 / eta, facet_points(256))[1].mean(axis=1, dtype=np.float64)
 
 
 def sums(values: np.ndarray, rows: np.ndarray, count: int) -> np.ndarray:
@@ -147,7 +131,7 @@ def sums(values: np.ndarray, rows: np.ndarray, count: int) -> np.ndarray:
 
 
 def visible_facets(outside: Any, alpha: Any, u: Any, xp: Namespace = NUMPY) -> Vector:
-    """Facet normals (N, K) that are visible from directions (N, 1); u: as of `cross_from`."""
+    """Facet normals (N, K) that are visible from directions (N, 1); u: as of `cross`."""
     width = microfacet.of_widths(_single, alpha)
     u1, u2 = (u[..., 0], u[..., 1]) if isinstance(u, np.ndarray) else u
     w = Components(*outside) if isinstance(outside, tuple) else outside

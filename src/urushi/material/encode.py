@@ -1,16 +1,11 @@
 """`urushi.encode`: materials of descriptions, stacks, measured and other BRDFs."""
 
-from collections.abc import Iterator, Sequence
-from pathlib import Path
 from typing import Any
 
-from urushi.errors import UrushiError
 from urushi.material.layer import encoded, warn_of
 from urushi.material.material import Material
 from urushi.material.source import source_name
-from urushi.material.symmetry import Deviations
-from urushi.measured import load_measured
-from urushi.nets.weights import Weights, find
+from urushi.nets.weights import Weights
 
 
 def encode(
@@ -55,26 +50,3 @@ def encode(
     material, deviations = encoded(source, weights, table)
     warn_of(deviations, f"encode {source_name(source)}")
     return material
-
-
-def encode_all(
-    sources: Sequence[Any],
-    *,
-    weights: Weights | None = None,
-    table: bool | None = None,
-) -> Iterator[tuple[int, tuple[Material, Deviations | None] | UrushiError]]:
-    """Encode many BRDFs, one after the other.
-
-    sources: each a Path of a measured BRDF, or else what `encode` takes, as the other arguments.
-
-    Yields:
-        (index, result) of each source: the material and the source's deviations, or the source's
-        error, which stops none of the others.
-    """
-    weights = None if weights is None else find(weights)
-    for index, source in enumerate(sources):
-        try:
-            opened = load_measured(source) if isinstance(source, Path) else source
-            yield index, encoded(opened, weights, table)
-        except UrushiError as error:
-            yield index, error

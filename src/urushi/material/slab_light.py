@@ -22,7 +22,15 @@ from urushi.core.namespace import NUMPY, Components
 from urushi.core.table import HIGHEST, LOWEST, SHAPE, TAN2_OFFSET, interpolated_at
 from urushi.material import adding
 from urushi.material.coated_table import Inside
-from urushi.material.crossing import LEAST_COSINE, Vector, cross, crossing_at, facet_points, sums
+from urushi.material.crossing import (
+    LEAST_COSINE,
+    Vector,
+    cross,
+    crossing_at,
+    facet_points,
+    in_plane,
+    sums,
+)
 from urushi.material.slab_coordinates import (
     Faces,
     denser_coordinates,
@@ -197,7 +205,7 @@ def _crossing_modes(outside: adding.Grid, own: adding.Grid, alpha: float, eta: f
     if eta == 1:
         return np.stack([own.shares(outside.angles)] * len(own.azimuths))
     u = facet_points(FACETS)
-    inside = cross(outside.cosines.astype(np.float32)[:, None], alpha, eta, u)
+    inside = cross(in_plane(outside.cosines.astype(np.float32)[:, None]), alpha, eta, u)
     x, y, z = inside.inside
     shares = own.shares(np.arccos(np.clip(z, 0, 1)))
     turn = np.arctan2(y, x)
@@ -232,7 +240,7 @@ def _two_interfaces(
     def straight(above: np.ndarray, below: np.ndarray) -> np.ndarray:
         total: np.ndarray | float = 0.0
         for one, other, own, far in ((above, below, upper, lower), (below, above, lower, upper)):
-            a = cross(one[:, 2, None], *own, u)
+            a = cross(in_plane(one[:, 2, None]), *own, u)
             (cos, sin), (x, y, z) = _turn(one), a.inside
             inside: Vector = (sin * y - cos * x, -cos * y - sin * x, z)  # mirrored
             b = crossing_at(tuple(other[:, i, None] for i in range(3)), inside, *far)
@@ -280,7 +288,7 @@ def _one_interface(
 
     def straight(above: np.ndarray, below: np.ndarray) -> np.ndarray:
         (cos, sin), columns = _turn(above), [below[:, i, None] for i in range(3)]
-        (x, y, z), weight, _ = cross(above[:, 2, None], *facets, u)
+        (x, y, z), weight, _ = cross(in_plane(above[:, 2, None]), *facets, u)
         drawn = Components(cos * x - sin * y, sin * x + cos * y, z)
         _, far = refracted(drawn, Components(*columns), index, ratio, NUMPY)
         dot = sum(w * h for w, h in zip(far, half, strict=True))

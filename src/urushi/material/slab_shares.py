@@ -17,7 +17,7 @@ import numpy as np
 
 from urushi.checks import MIN_INDEX_STEP
 from urushi.material import adding
-from urushi.material.crossing import cross, facet_points, mirrored
+from urushi.material.crossing import cross, facet_points, in_plane, mirrored
 
 #: Elevations of the grids, and facets that light of each of them meets.
 ELEVATIONS, FACETS = 64, 256
@@ -182,9 +182,9 @@ def _interface(
     eta: far over near. near, far: edges of the grids on both sides.
     """
     grids = [_grid(edges) for edges in (near, far)]
-    cosine, u = grids[0].cosines.astype(np.float32)[:, None], facet_points(FACETS)
-    crossing = cross(cosine, alpha, eta, u)
-    pairs = mirrored(cosine, alpha, eta, u), (crossing.inside[2], crossing.weight)
+    outside, u = in_plane(grids[0].cosines.astype(np.float32)[:, None]), facet_points(FACETS)
+    crossing, ((_, _, z), weight) = cross(outside, alpha, eta, u), mirrored(outside, alpha, eta, u)
+    pairs = (z, weight), (crossing.inside[2], crossing.weight)
     reflected, passed = (
         grid.deposited(np.arccos(np.clip(z, 0, 1)), weight / FACETS)
         for grid, (z, weight) in zip(grids, pairs, strict=True)
