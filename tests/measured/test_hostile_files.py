@@ -2,10 +2,10 @@
 
 import os
 import tracemalloc
-from pathlib import Path
 
 import numpy as np
 import pytest
+from tests.fuzzing import fuzz
 
 from urushi.errors import FileError, ParameterError
 from urushi.measured import Merl, Rgl, load_measured
@@ -220,9 +220,21 @@ def test_directions_are_checked(fields):
         brdf.f([[0, 0, 1]], [[0, 0, 1], [0, 0, 1]])
 
 
-def test_the_fuzzer_finds_nothing(load_module, tmp_path):
-    fuzzer = load_module(Path(__file__).with_name("fuzz_readers.py"))
-    report = fuzzer.fuzz(tmp_path, seed=0, runs=400)
-    assert report.runs == 400
-    assert report.loaded > 10  # some mutants are valid files
-    assert report.corpus > 20  # new lines of the readers were found
+def test_mutants_are_refused_in_one_sentence(tmp_path, writers):
+    rng = np.random.default_rng(0)
+    directions = rng.normal(size=(2, 16, 3))
+    directions[:, 0], directions[0, 1] = (0, 0, 1), directions[1, 1]
+    directions /= np.linalg.norm(directions, axis=2, keepdims=True)
+
+    def read(path):
+        f = load_measured(path).f(*directions)
+        assert np.isfinite(f).all() and (f >= 0).all()
+
+    fields = {"size": 2, "elevations": 2}
+    seeds = [
+        writers.tensor_file(writers.rgl_fields(rng, **fields)),
+        writers.tensor_file(writers.rgl_fields(rng, wavelengths=[400, 500, 600], **fields)),
+        np.array([90, 90, 180], "<i4").tobytes() + bytes(24),
+        b"<html></html>",
+    ]
+    assert 10 < fuzz(read, tmp_path / "mutant", seeds, 400, memory=1 << 20) < 400

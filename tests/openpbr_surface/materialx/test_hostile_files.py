@@ -1,18 +1,17 @@
 """Damaged, foreign and malicious documents: one error sentence each, and bounded memory."""
 
 import struct
-import sys
 import tracemalloc
 import zlib
-from importlib.util import module_from_spec, spec_from_file_location
-from pathlib import Path
 
 import numpy as np
 import pytest
+from tests.fuzzing import fuzz
 from tests.openpbr_surface.materialx.conftest import write_image
 
 from urushi.errors import FileError, ParameterError
 from urushi.openpbr_surface.materialx import images
+from urushi.openpbr_surface.materialx.graph import library
 from urushi.openpbr_surface.materialx.surface import read_surface
 
 BOMB = """<?xml version="1.0"?><!DOCTYPE m [<!ENTITY a "aaaaaaaaaa">
@@ -245,11 +244,55 @@ def test_a_picture_is_measured_before_it_is_decoded(tmp_path, document, monkeypa
     refused(document(IMAGE.format("bomb.png") + COLOUR.format("n")), "cannot read the image")
 
 
-def test_fuzzing(tmp_path):
-    """150 mutants of seed 1; `fuzz_documents.py` says what fails."""
-    path = Path(__file__).with_name("fuzz_documents.py")
-    spec = spec_from_file_location("fuzz_documents", path)
-    fuzzer = sys.modules["fuzz_documents"] = module_from_spec(spec)
-    spec.loader.exec_module(fuzzer)
-    report = fuzzer.fuzz(tmp_path, 1, runs=150)
-    assert 0 < report.loaded < report.runs == 150
+#: Documents of which mutants are read.
+SEEDS = [
+    """<materialx version="1.39" colorspace="acescg">
+<open_pbr_surface name="s" type="surfaceshader">
+<input name="base_color" type="color3" value="0.5, 0.2, 0.1"/>
+<input name="coat_weight" type="float" value="1"/></open_pbr_surface>
+<surfacematerial name="m" type="material">
+<input name="surfaceshader" type="surfaceshader" nodename="s"/></surfacematerial></materialx>""",
+    """<materialx version="1.39"><nodegraph name="g"><input name="a" type="float" value="3"/>
+<texcoord name="uv" type="vector2"/><place2d name="p" type="vector2">
+<input name="texcoord" type="vector2" nodename="uv"/></place2d>
+<image name="i" type="color3"><input name="file" type="filename" value="a.exr"/>
+<input name="texcoord" type="vector2" nodename="p"/></image>
+<fractal2d name="f" type="float">
+<input name="amplitude" type="float" interfacename="a"/></fractal2d>
+<mix name="x" type="color3"><input name="fg" type="color3" nodename="i"/>
+<input name="mix" type="float" nodename="f"/></mix>
+<separate3 name="c" type="multioutput"><input name="in" type="color3" nodename="x"/></separate3>
+<checkerboard name="k" type="color3"/><output name="o" type="color3" nodename="x"/>
+<output name="r" type="float" nodename="c" output="outr"/>
+<output name="b" type="color3" nodename="k"/></nodegraph>
+<open_pbr_surface name="s" type="surfaceshader">
+<input name="base_color" type="color3" nodegraph="g" output="o"/>
+<input name="coat_color" type="color3" nodegraph="g" output="b"/></open_pbr_surface></materialx>""",
+    """<materialx version="1.38"><nodedef name="D" node="d"><input name="in" type="color3"/>
+<output name="out" type="color3"/></nodedef><nodegraph name="N" nodedef="D">
+<worleynoise2d name="w" type="vector3"/><convert name="v" type="color3">
+<input name="in" type="vector3" nodename="w"/></convert>
+<add name="z" type="color3"><input name="in1" type="color3" interfacename="in"/>
+<input name="in2" type="color3" nodename="v"/></add>
+<output name="out" type="color3" nodename="z"/></nodegraph><d name="n" type="color3"/>
+<standard_surface name="s" type="surfaceshader">
+<input name="base_color" type="color3" nodename="n"/>
+<input name="coat" type="float" value="1"/></standard_surface></materialx>""",
+]
+
+#: Words that replace others.
+WORDS = """0 -1 1e30 1e-320 nan 4294967296 true float color3 vector2 color4 integer string 1.36
+    multioutput surfaceshader image switch extract combine4 s g i x out nodename nodegraph value
+    output ../a normalmap noise2d acescg srgb_texture interfacename colorspace fileprefix inherit
+    nodedef defaultgeomprop UV0"""
+
+
+def test_mutants_are_refused_in_one_sentence(tmp_path):
+    write_image(tmp_path / "a.exr", np.full((4, 4, 3), 0.5))
+    library()  # not a part of any document's memory
+    seeds, words = [text.encode() for text in SEEDS], [*WORDS.split(), "", "0, 0, 0", "1, 2"]
+
+    def read(path):
+        return read_surface(path, resolution=8)
+
+    assert 3 < fuzz(read, tmp_path / "m.mtlx", seeds, 150, 512 << 20, words) < 150
