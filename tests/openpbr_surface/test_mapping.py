@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import urushi
+from urushi.checks import Widths
 from urushi.core import albedos, fresnel
 from urushi.core.namespace import NUMPY
 from urushi.material import lobe_albedo
@@ -138,7 +139,7 @@ def test_few_facets_have_the_moments_of_all():
         facets, weight = lobe_albedo.facets_seen(alphas[row], cosine[:, None, None])
         seen = weight.sum(-1)
         # These are by other facets, whose mean is off by some 0.0005.
-        assert np.allclose(seen, lookups.mirror_tables()[0][row], atol=1e-3)
+        assert np.allclose(seen, albedos.tables(lookups.MIRROR).reflected[0, row], atol=1e-3)
         cosines, weights = np.split(rules[row], 2, axis=-1)
         for power in range(8):
             expected = (weight * facets**power).sum(-1) / seen
@@ -194,11 +195,15 @@ def test_what_an_interface_does_not_reflect_or_lose_passes(alpha):
     assert abs(total - expected[0, 0]) < 4 * error[0, 0] + 3e-3
 
 
-def test_the_albedo_of_two_equal_widths_is_that_of_one():
-    """Up to the azimuth's quadrature: both tables are made by the same nodes, turned."""
-    two, one = lookups.anisotropic_tables()[0], lookups.mirror_tables()[0]
-    assert np.abs(two[0, ..., 0] - one).max() < 3e-3
-    assert np.abs(two[0, ..., 1:]).max() < 3e-3
+@pytest.mark.parametrize("turn", [0.1, 0.8])
+def test_mirrors_of_two_equal_widths_are_those_of_one(rgb, turn):
+    """At any azimuth, up to the quadratures of the tables."""
+    two, one = lookups.MirrorAlbedo(two_widths=True), lookups.MirrorAlbedo()
+    w = rgb.Vector3f(float(0.8 * np.cos(turn)), float(0.8 * np.sin(turn)), 0.6)
+    for alpha in (0.05, 0.3, 0.9):
+        width = rgb.Float(alpha)
+        found, expected = two.seen(w, Widths(width, width)), one.seen(w, width)
+        assert found[0] == pytest.approx(expected[0], abs=3e-3)
 
 
 def interpolated(table, at):

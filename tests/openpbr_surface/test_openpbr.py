@@ -88,43 +88,6 @@ def test_a_smooth_coat_over_a_polished_metal_reflects_as_many_photons(index):
     np.testing.assert_allclose(found, photons, rtol=0.03)
 
 
-@pytest.mark.parametrize(("metalness", "rough"), [(0.0, 0.1), (0.0, 1.0), (1.0, 0.7)])
-def test_a_white_base_under_a_coat_of_walks_reflects_all_light(metalness, rough):
-    """The table of the loss is measured with a noise of some 0.5 %."""
-    metal = {"base_metalness": metalness, "coat_roughness": rough}
-    bsdf = openpbr(base_color=WHITE, coat_weight=1.0, reference=True, **metal)
-    for cosine in (1.0, 0.6, 0.3):
-        mean, se = albedo(bsdf, cosine)
-        assert abs(mean - 1) < 0.015 + 4 * se
-
-
-def test_a_textured_white_base_under_a_coat_of_networks_reflects_all_light():
-    """Both roughnesses vary over uv; the table has five nodes for each. 4 % are the networks'."""
-    ramp = np.linspace(0, 1, 16, dtype=np.float32)
-    textures = {
-        "coat_roughness": np.broadcast_to(ramp[:, None], (16, 16)),
-        "specular_roughness": np.broadcast_to(ramp[None], (16, 16)),
-    }
-    given = {
-        name: {"type": "bitmap", "raw": True, "bitmap": mi.Bitmap(np.array(x)[..., None])}
-        for name, x in textures.items()
-    }
-    bsdf = openpbr(base_color=WHITE, coat_weight=1.0, **given)
-    mean, se = albedo(bsdf, 0.7)  # at the middle of uv, where both are 0.5
-    assert abs(mean - 1) < 0.04 + 4 * se
-
-
-@pytest.mark.parametrize("name", ["coat_roughness", "coat_color"])
-def test_a_constant_white_metal_under_a_textured_coat_reflects_all_light(name):
-    """The texture hardly varies; 5 % are the networks' error. It was up to a third too bright."""
-    texture = nearly_uniform(*{"coat_roughness": (0.3, 1), "coat_color": (1.0, 3)}[name])
-    metal = {"base_metalness": 1.0, "specular_roughness": 0.7, "coat_weight": 1.0}
-    bsdf = openpbr(base_color=WHITE, **metal, **{name: texture})
-    for cosine in (1.0, 0.4):
-        mean, se = albedo(bsdf, cosine)
-        assert abs(mean - 1) < 0.05 + 4 * se
-
-
 def test_a_white_metal_is_schlicks_term_with_a_dip():
     """A narrow lobe at its mirror direction: f is the Fresnel term times that of white."""
     tint = {"type": "rgb", "value": [0.3, 0.6, 1.0]}
@@ -192,59 +155,6 @@ def fresnel_of_glass(cosine, eta=1.5):
     return 0.5 * (s * s + p * p)
 
 
-@pytest.mark.parametrize("parameters", [{"specular_roughness": 1.0}, {"base_metalness": 1.0}])
-def test_a_white_base_under_a_film_reflects_all_light(parameters):
-    bsdf = openpbr(base_color=WHITE, thin_film_weight=1.0, thin_film_ior=1.8, **parameters)
-    for cosine in (1.0, 0.6, 0.3):
-        mean, se = albedo(bsdf, cosine)
-        assert abs(mean - 1) < 0.02 + 4 * se
-
-
-@pytest.mark.research
-def test_the_colour_of_a_film_in_a_coat_turns_with_the_angle():
-    """Networks against the walk over dark flakes; by one mean colour E was 13 %.
-
-    The noise is 1.5 %, and the networks' error over plain metals in this coat 1 %.
-    """
-    wi, wo = pairs(300)
-    flakes = dict(base_color=(0.05, 0.05, 0.06), base_metalness=1.0, specular_roughness=0.3)
-    film = dict(thin_film_weight=1.0, thin_film_thickness=0.31, thin_film_ior=2.3)
-    shared = flakes | film | dict(coat_weight=1.0, coat_roughness=0.1)
-    reference = values(openpbr(reference=True, **shared), wi, wo, 1024)
-    own = openpbr(**shared)
-    assert error(values(own, wi, wo), reference, wi, wo) < 0.04
-    # Reciprocal, up to rounding in single precision.
-    np.testing.assert_allclose(values(own, wi, wo), values(own, wo, wi), rtol=1e-5, atol=1e-7)
-
-
-@pytest.mark.research  # its energy, and the colour of constant ones, are in the second tier
-def test_a_textured_film_under_networks_is_the_constant_one():
-    """A constant is evaluated by a table, a texture by codes, with errors of some per cent.
-
-    The film reflects totally from another angle than the base where its index is below the coat's.
-    """
-    wi, wo = pairs(300)
-    thickness = 0.5
-    shared = dict(base_color=COLOR, coat_weight=1.0, thin_film_weight=0.8, thin_film_ior=1.34)
-    shared |= dict(specular_roughness=0.34, specular_ior=1.6, coat_ior=1.65, coat_roughness=0.23)
-    constant = values(openpbr(**shared | {"thin_film_thickness": thickness}), wi, wo)
-    texture = nearly_uniform(thickness)
-    textured = values(openpbr(**shared | {"thin_film_thickness": texture}), wi, wo)
-    assert error(textured, constant, wi, wo) < 0.1
-
-
-@pytest.mark.slow
-def test_a_white_base_under_a_textured_film_in_a_coat_reflects_all_light():
-    """Within 3 %: the white twin has no film. Its energy is measured for the form of the material,
-    codes or a table."""
-    film = {"thin_film_thickness": nearly_uniform(0.4)}
-    shared = dict(specular_roughness=0.3, coat_roughness=0.5, coat_weight=1.0, thin_film_weight=0.3)
-    bsdf = openpbr(base_color=WHITE, **shared, **film)
-    for cosine in (1.0, 0.6, 0.3):
-        mean, se = albedo(bsdf, cosine)
-        assert abs(mean - 1) < 0.03 + 4 * se
-
-
 def test_no_coat_is_the_base_bit_for_bit():
     wi, wo = pairs(200)
     plain = values(openpbr(base_color=COLOR), wi, wo)
@@ -282,84 +192,96 @@ def test_the_reference_over_a_metal_is_the_walk():
     assert error(values(openpbr(**shared, **parameters), wi, wo), expected, wi, wo) < 0.05
 
 
-@pytest.mark.slow
-def test_a_rough_metal_under_networks_has_its_multiple_scattering():
-    """It is in the codes of a constant metal, in the colour of light that is reflected twice."""
-    wi, wo = pairs(300)
-    color = {"type": "rgb", "value": (0.9, 0.5, 0.1)}
-    tint = {"type": "rgb", "value": [0.95, 0.6, 0.3]}
-    shared = dict(base_color=color, base_metalness=1.0, specular_roughness=0.95, coat_weight=1.0)
-    shared |= dict(coat_roughness=0.7, coat_color=tint)
-    reference = values(openpbr(reference=True, **shared), wi, wo, 512)
-    found = values(openpbr(**shared), wi, wo)
-    # Noise of 2 %; networks have errors of 2 % over such metals.
-    assert error(found, reference, wi, wo) < 0.05
-    weight = (wi[:, 2] * wo[:, 2])[:, None]
-    brightness = (found * weight).sum(0) / (reference * weight).sum(0)
-    assert np.abs(brightness - 1).max() < 0.03  # one colour for all that is lost: 0.08
-    without = openpbr(energy_compensation=False, **shared)
-    assert error(values(without, wi, wo), reference, wi, wo) > 0.1
+FLAKES = dict(base_color=(0.05, 0.05, 0.06), base_metalness=1.0, specular_roughness=0.3)
+FLAKES |= dict(thin_film_weight=1.0, thin_film_thickness=0.31, thin_film_ior=2.3)
+RUST = dict(base_color=(0.9, 0.5, 0.1), base_metalness=1.0, specular_roughness=0.95)
+TURNED = BRUSHED | dict(coat_roughness_anisotropy=0.6, coat_roughness=0.5)
+LOW = dict(specular_ior=1.26, specular_roughness=0.65, base_diffuse_roughness=1.0, coat_ior=1.8)
 
-
-@pytest.mark.parametrize(
-    ("metalness", "rough", "coat_rough"),
-    [
-        (0.6, 0.3, 0.5),
-        pytest.param(0.0, 0.22, 0.95, marks=pytest.mark.research),
-        pytest.param(1.0, 0.4, 0.2, marks=pytest.mark.research),
-    ],
-)
-def test_a_textured_base_under_networks_is_the_constant_one(metalness, rough, coat_rough):
-    """A constant is evaluated by a table, a texture by codes, with errors of some per cent."""
-    wi, wo = pairs(300)
-    color = [0.98, 0.9, 0.85]
-    texel = mi.Bitmap(np.float32(color).reshape(1, 1, 3))
-    texture = {"type": "bitmap", "bitmap": texel, "raw": True}
-    shared = dict(base_metalness=metalness, specular_roughness=rough, coat_weight=1.0)
-    shared["coat_roughness"] = coat_rough
-    constant = values(openpbr(base_color={"type": "rgb", "value": color}, **shared), wi, wo)
-    textured = values(openpbr(base_color=texture, **shared), wi, wo)
-    assert error(textured, constant, wi, wo) < 0.1  # codes of bright mixtures have errors of 7 %
-
-
-#: Coated bases, and the bounds of the networks' error E against the walk: 2 % of their table of a
-#: constant, 4 % of two widths, and the walk's noise. The recipe's slab takes a roughness of at most
-#: 0.5, so that one of 1 is 4 % too bright. Neither side has the light that facets of two widths
-#: scatter more than once.
+#: Coated bases, the bounds of E against the walk and of the error of each channel's light: 2 % of
+#: tables, 4 % of two widths, and the walk's noise. Neither side of TURNED has the light that facets
+#: of two widths scatter more than once. A film in the coat by one mean colour had an E of 13 %.
 COATED = {
-    "mixture of indices": (0.03, dict(specular_roughness=0.3, base_metalness=0.7, coat_ior=1.8)),
-    "two widths": (
-        0.08,
-        BRUSHED
-        | dict(coat_roughness_anisotropy=0.6, coat_roughness=0.5, energy_compensation=False),
+    "mixture of indices": (
+        *(0.03, 0.03, "slow"),
+        dict(specular_roughness=0.3, base_metalness=0.7, coat_ior=1.8),
     ),
-    "rough slab": (0.06, dict(base_diffuse_roughness=1.0, specular_roughness=0.7)),
-    "low index": (
-        0.03,
-        dict(specular_ior=1.26, specular_roughness=0.65, base_diffuse_roughness=1.0, coat_ior=1.8),
+    "two widths": (0.08, 0.08, "slow", TURNED | dict(energy_compensation=False)),
+    "rough slab": (
+        *(0.03, 0.03, "research"),
+        dict(base_diffuse_roughness=1.0, specular_roughness=0.7),
     ),
-    "dark tint": (0.05, dict(base_metalness=0.5, specular_color=(0.57, 0.58, 0.68), coat_ior=1.32)),
+    "low index": (0.03, 0.03, "research", LOW),
+    "dark tint": (
+        *(0.05, 0.05, "research"),
+        dict(base_metalness=0.5, specular_color=(0.57, 0.58, 0.68), coat_ior=1.32),
+    ),
+    "rough metal": (0.05, 0.03, "slow", RUST | dict(coat_roughness=0.7)),
+    "film": (0.04, 0.04, "research", FLAKES | dict(coat_roughness=0.1, coat_color=(1.0, 1.0, 1.0))),
 }
 
 
-#: Of the second tier; the others are for the third.
-SECOND = ("two widths", "rough slab")
+def tiered(table):
+    """The names of a table whose third entries are tiers, "" for the first."""
+    return [
+        pytest.param(name, marks=getattr(pytest.mark, row[2]) if row[2] else ())
+        for name, row in table.items()
+    ]
 
 
-@pytest.mark.parametrize(
-    "name",
-    [
-        name if name == "mixture of indices"
-        else pytest.param(name, marks=pytest.mark.slow if name in SECOND else pytest.mark.research)
-        for name in COATED
-    ],
-)  # fmt: skip
-def test_networks_agree_with_the_reference(name):
-    most, parameters = COATED[name]
-    shared = dict(coat_weight=1.0, coat_color=(0.5, 0.9, 0.2), coat_roughness=0.4) | parameters
+@pytest.mark.parametrize("name", tiered(COATED))
+def test_coats_agree_with_the_reference(name):
+    most, brightness, _, parameters = COATED[name]
+    shared = dict(base_color=COLOR, coat_weight=1.0, coat_color=(0.5, 0.9, 0.2), coat_roughness=0.4)
+    shared |= parameters
     wi, wo = pairs(300)
-    reference = values(openpbr(base_color=COLOR, reference=True, **shared), wi, wo, 2048)
-    assert error(values(openpbr(base_color=COLOR, **shared), wi, wo), reference, wi, wo) < most
+    reference = values(openpbr(reference=True, **shared), wi, wo, 2048)
+    own = openpbr(**shared)
+    found = values(own, wi, wo)
+    assert error(found, reference, wi, wo) < most
+    weight = (wi[:, 2] * wo[:, 2])[:, None]
+    light = (found * weight).sum(0) / (reference * weight).sum(0)
+    assert np.abs(light - 1).max() < brightness
+    # Reciprocal, up to rounding in single precision.
+    np.testing.assert_allclose(found, values(own, wo, wi), rtol=1e-5, atol=1e-7)
+
+
+FILM = dict(thin_film_weight=0.8, thin_film_ior=1.34, specular_ior=1.6, coat_ior=1.65)
+BRIGHT = {"type": "rgb", "value": [0.98, 0.9, 0.85]}
+
+#: Materials, the parameter that becomes a texture, and their tier. The film reflects totally from
+#: another angle than the base, whose index is below the coat's.
+TEXTURED = {
+    "mixture": (
+        dict(base_metalness=0.6, specular_roughness=0.3, coat_roughness=0.5),
+        *("base_color", "slow"),
+    ),
+    "dielectric": (
+        dict(specular_roughness=0.22, coat_roughness=0.95),
+        *("base_color", "research"),
+    ),
+    "metal": (
+        dict(base_metalness=1.0, specular_roughness=0.4, coat_roughness=0.2),
+        *("base_color", "research"),
+    ),
+    "film": (
+        FILM | dict(specular_roughness=0.34, coat_roughness=0.23, thin_film_thickness=0.5),
+        *("thin_film_thickness", "research"),
+    ),
+}
+
+
+@pytest.mark.parametrize("name", tiered(TEXTURED))
+def test_a_textured_material_is_the_constant_one(name):
+    """A constant is evaluated by a table, a texture by codes, with errors of some per cent."""
+    parameters, varying, _ = TEXTURED[name]
+    wi, wo = pairs(300)
+    shared = dict(base_color=BRIGHT, coat_weight=1.0) | parameters
+    value = shared[varying]
+    texture = nearly_uniform(*((value["value"], 3) if isinstance(value, dict) else (value,)))
+    constant = values(openpbr(**shared), wi, wo)
+    textured = values(openpbr(**shared | {varying: texture}), wi, wo)
+    assert error(textured, constant, wi, wo) < 0.1
 
 
 @pytest.mark.parametrize(("metalness", "rough"), [(1.0, 0.1), (1.0, 0.4), (0.5, 0.2), (0.0, 0.3)])
@@ -519,11 +441,7 @@ def test_reference_may_be_named_by_the_plugin_of_the_coat():
         openpbr(reference="yes")
 
 
-def test_what_is_missing_is_refused_in_one_sentence_or_ignored():
-    glass = {"transmission_weight": 0.5, "transmission_dispersion_scale": 0.5}
-    with pytest.raises(RuntimeError, match="scale needs dispersion, which the plugin does not"):
-        openpbr(**glass)
-    openpbr(unsupported="ignore", **glass)
+def test_unknown_names_and_options_are_refused():
     with pytest.raises(RuntimeError, match='unsupported is "yes"'):
         openpbr(unsupported="yes")
     with pytest.raises(RuntimeError, match="did you mean coat_roughness"):

@@ -187,7 +187,7 @@ def tables(eta: float | None = None) -> Tables:
         alphas, cosines = np.meshgrid(*nodes(index), indexing="ij")
         sums = shares(_at_cosines(cosines.ravel()), alphas.ravel(), index)
         found.append(sums.reshape(-1, *alphas.shape))
-    reflected, passed, _, along = np.moveaxis(np.array(found, np.float64), 1, 0)
+    reflected, passed, along = np.moveaxis(np.array(found, np.float64), 1, 0)
     means = (
         hemisphere_mean(table, etas, entered=entered)
         for entered in (False, True)
@@ -197,26 +197,16 @@ def tables(eta: float | None = None) -> Tables:
     return Tables(*(x.astype(np.float32) for x in (reflected, passed, *means, inside)))
 
 
-def mirror_shares(cosines: np.ndarray, alpha: Any, azimuth: float = 0.0) -> np.ndarray:
-    """The share (N,) of light of cosines (N,) that leaves facets which reflect all light.
-
-    alpha: their GGX width or `Widths`. azimuth: of the light.
-    """
-    return shares(_at_cosines(cosines, azimuth), alpha, 1.5)[2]
-
-
-def _at_cosines(cosines: np.ndarray, azimuth: float = 0.0) -> np.ndarray:
+def _at_cosines(cosines: np.ndarray) -> np.ndarray:
     """Directions (N, 3) of cosines (N,)."""
-    sines = np.sqrt(1 - cosines**2)
-    return np.stack([sines * np.cos(azimuth), sines * np.sin(azimuth), cosines], axis=-1)
+    return np.stack([np.sqrt(1 - cosines**2), 0 * cosines, cosines], axis=-1)
 
 
 def shares(w: np.ndarray, alpha: Any, eta: float) -> np.ndarray:
-    """Sums float32 (4, N) over the facets visible from directions w (N, 3), of light that hits one.
+    """Sums float32 (3, N) over the facets visible from directions w (N, 3), of light that hits one.
 
-    Shares of the light that facets reflect, that they pass, and that they would reflect if they
-    reflected all; and the second times the cosine of the transmitted light. Light that would hit a
-    second facet is lost.
+    Shares of the light that facets reflect and that they pass; and the second times the cosine of
+    the transmitted light. Light that would hit a second facet is lost.
 
     alpha: GGX width or `Widths`, numbers or arrays (N,).
     """
@@ -243,7 +233,7 @@ def shares(w: np.ndarray, alpha: Any, eta: float) -> np.ndarray:
         )  # the refracted, turned up
         mirrored = share * _masking(2 * facing * m - wi, width)
         passed = share * (1 - reflectance) * _masking(below, width)
-        terms = mirrored * reflectance, passed, mirrored, passed * below.z
+        terms = mirrored * reflectance, passed, passed * below.z
         sums = [dr.block_sum(term, count) for term in terms]
         dr.eval(sums)
         found.append([x.numpy() for x in sums])

@@ -5,16 +5,16 @@
 
 from collections.abc import Callable
 from dataclasses import replace
-from functools import partial
 from typing import Any, NamedTuple
 
 import drjit as dr
 import mitsuba as mi
 
 from urushi.core.mixture import Mixture
+from urushi.mitsuba.latents.bottoms import NARROW
 from urushi.mitsuba.plugins.coats import Turn, TurnedMixture
-from urushi.mitsuba.reading.offers import Offer, offer_of, tabulated
-from urushi.openpbr_surface import encoding, model
+from urushi.mitsuba.reading.offers import Offer, offer_of
+from urushi.openpbr_surface import model
 from urushi.openpbr_surface.compensation import Compensation
 from urushi.openpbr_surface.film import NAMES as film_parameters
 from urushi.openpbr_surface.inputs import Inputs
@@ -51,7 +51,6 @@ class Layers(NamedTuple):
     below: Any  # the base as seen from inside the coat
     coated: Any  # coat and base together
     compensation: Compensation | None  # of the energy that `coated` loses; None: switched off
-    kind: Any  # the parameters that decide how the coat is made; another kind needs another coat
 
 
 class Vertex(NamedTuple):
@@ -97,27 +96,11 @@ def define(proposal_bsdf: type) -> tuple[type, type]:
     class OpenPBRBase(proposal_bsdf):
         """The base without coat and fuzz, for directions in the medium above it."""
 
-        def __init__(self, inputs: Inputs, under_coat: bool, encoded: bool, compensated: bool):
-            """Take the parameters.
-
-            under_coat, encoded: see `model.Base`.
-            compensated: whether `Compensation` completes the coated base; a metal's lobe is then
-                not scaled.
-            """
-            self._inputs, self._under_coat, self._encoded = inputs, under_coat, encoded
-            self._compensated = compensated
-            self._configure()
+        def __init__(self, inputs: Inputs, under_coat: bool, recoloured: bool = False):
+            """Take the parameters; under_coat, recoloured: see `model.Base`."""
+            self._inputs, self._options = inputs, (under_coat, recoloured)
+            self._model = model.Base(inputs, under_coat, recoloured)
             super().__init__(mi.Properties("openpbr_base"), inputs.where)
-
-        def _configure(self):
-            self._version = self._inputs.version
-            self._model = model.Base(self._inputs, self._under_coat, self._encoded)
-
-        def update(self) -> None:
-            """Make parts that were left out and are needed since parameters have changed."""
-            self._inputs.refresh()
-            if self._version != self._inputs.version:
-                self._configure()
 
         def _vertex(self, si, active):
             return self._model.vertex(si, active)
@@ -136,38 +119,27 @@ def define(proposal_bsdf: type) -> tuple[type, type]:
             return Mixture([share, 1 - share], [vertex.widths])
 
         def offer(self):
-            bare = self._bare
-            lobes = partial(encoding.lobe, self._model, bare=bare, compensated=self._compensated)
-            return Offer(lobes=lobes, bare=bare, exact=self._exact)
-
-        @property
-        def _bare(self) -> bool:
-            """Whether the base counts as its lobe alone: a metal, but for its dip at 82 degrees."""
-            names, least = encoding.OF_METALS, encoding.MULTIPLE_FROM
-            return self._model.only_metal and not encoding.is_rough(self._inputs, names, least)
+            return Offer(lobes=self._model.lobes, exact=self._exact)
 
         def _exact(self):
-            """The base without the limits of codes, for tables; None: coats take codes."""
-            least = encoding.FILM_TABULATED_FROM if self._model.film else 0
-            names = self._model.names
-            varies = not self._model.film and not self._inputs.is_uniform(names)
-            if not self._encoded or not (varies or encoding.is_rough(self._inputs, names, least)):
+            """The base with its film; None: a lobe beside the table would not have its colours."""
+            if not self._model.film:
+                return self
+            inputs, bias = self._inputs, "specular_roughness_anisotropy"
+            constant = inputs.is_uniform((*self.names, bias)) and inputs.middle(bias) == 0
+            if not constant or inputs.middle("specular_roughness") < NARROW**0.5:
                 return None
-            return type(self)(self._inputs, self._under_coat, False, self._compensated)
+            return type(self)(inputs, self._options[0])
 
         def replaced(self, replacement):
             """See `reading.replaced.Replaceable`."""
             inputs = self._inputs.with_textures(replacement)
-            return type(self)(inputs, self._under_coat, self._encoded, self._compensated)
+            return type(self)(inputs, *self._options)
 
         def below_coat(self, f, si, wo, active):
-            """f [1/sr] by codes of a coat over this base, with the film's change of colour."""
+            """f [1/sr] of a coat over this base, with the film's change of colour."""
             film = self._model.film
-            if not film or not self._encoded:
-                return f
-            vertex = self._vertex(si, active)
-            eta = self._model.relative_index(si, active)
-            return film.below_coat(f, vertex, eta, si, wo, active)
+            return film.below_coat(f, self._vertex(si, active), si, wo, active) if film else f
 
         @property
         def names(self) -> tuple[str, ...]:
@@ -177,23 +149,17 @@ def define(proposal_bsdf: type) -> tuple[type, type]:
         def traverse(self, callback):
             self._inputs.traverse(callback, self.names)
 
-        def _update(self, keys):
-            self.update()
-
         def to_string(self):
             return "OpenPBRBase[]"
 
     class OpenPBRSurface(proposal_bsdf):
         """Mixes BRDFs: (1 - coat_weight) base + coat_weight coated, and fuzz above both."""
 
-        def __init__(self, inputs: Inputs, make: Callable[[Inputs, Layers | None], Layers]):
-            """Make the layers.
-
-            make: returns the layers that parameters need, and reuses previous ones that still fit.
-            """
+        def __init__(self, inputs: Inputs, make: Callable[[Inputs], Layers]):
+            """Make the layers; make: returns those that parameters need."""
             self._inputs, self._make = inputs, make
             self._turned = "geometry_tangent" in inputs.maps
-            self._configure(make(inputs, None))
+            self._configure(make(inputs))
             super().__init__(mi.Properties("openpbr"), inputs.where)
 
         def _configure(self, layers: Layers):
@@ -209,6 +175,14 @@ def define(proposal_bsdf: type) -> tuple[type, type]:
             # Share of the cosine lobe, which is sampled besides the parts.
             self._diffuse = DIFFUSE_SHARE if self._fuzz or self._compensation else 0.0
             self._version = inputs.version
+            self._choose_film()
+
+        def _choose_film(self):
+            """Whether the film of what is coated follows from `FilmFresnel.below_coat`."""
+            latents = None if self._coated is None else offer_of(self._coated).latents
+            self._recoloured = latents is not None and (
+                latents.model.widths == 2 or self._layers.below.offer().exact() is None
+            )
 
         def _vertex(self, si, active):
             turn = None
@@ -235,7 +209,7 @@ def define(proposal_bsdf: type) -> tuple[type, type]:
             for part in vertex.parts:
                 own, density = part.bsdf._f_and_pdf(part.vertex, ctx, si, wo, active)
                 if part.bsdf is self._coated:
-                    if tabulated(offer_of(self._coated).latents) is None:  # else it has the film
+                    if self._recoloured:
                         own = self._layers.below.below_coat(own, si, wo, active)
                     if self._compensation:
                         own = self._compensation.completed(vertex.compensation, own, wo)
@@ -280,12 +254,12 @@ def define(proposal_bsdf: type) -> tuple[type, type]:
                 if renewed:
                     self._configure(self._layers)
                 return
-            former = self._coated
             if renewed or (self._compensation and not self._compensation.is_current):
-                self._configure(self._make(self._inputs, self._layers))
-            if self._coated is former is not None:
+                self._configure(self._make(self._inputs))
+            elif self._coated is not None:
                 base = not keys or not {*keys}.isdisjoint(self._layers.below.names)
                 self._coated.parameters_changed(["bottom"] if base else list(OF_COAT))
+                self._choose_film()
 
         def to_string(self):
             parts = "\n".join(f"{part}," for part in (self._base, self._coated) if part)

@@ -2,7 +2,7 @@
 
 The model loses energy because facets of a rough coat scatter once, and because codes have errors
 over bright bases. The loss is measured on the white twin: the same material with all colours set to
-one. It is read from tables (`interface_loss`) or computed when the material is loaded (`Furnace`),
+one. It is read from tables (`interface_loss`) or measured when the material is loaded (`Furnace`),
 and added as a lobe.
 """
 
@@ -17,14 +17,12 @@ import numpy as np
 from urushi.core import fresnel
 from urushi.core.appearance import optical_depth
 from urushi.core.namespace import DRJIT
-from urushi.material import adding, energy
-from urushi.material.albedo_rule import AZIMUTHS, albedo_rule
+from urushi.material import adding
 from urushi.mitsuba.interface_albedo import InterfaceLoss, LossVertex
 from urushi.mitsuba.reading import probing
 from urushi.mitsuba.reading.offers import offer_of, tabulated
 from urushi.mitsuba.reading.parameters import opaque
-from urushi.openpbr_surface import encoding, formulas
-from urushi.openpbr_surface.film import NAMES as film_parameters
+from urushi.openpbr_surface import formulas
 from urushi.openpbr_surface.inputs import Inputs
 from urushi.openpbr_surface.lookups import MirrorAlbedo
 from urushi.openpbr_surface.loss_table import (
@@ -34,9 +32,7 @@ from urushi.openpbr_surface.loss_table import (
     along,
     sampled_losses,
     table_of,
-    texture,
 )
-from urushi.openpbr_surface.model import NAMES
 
 #: A function from parameters to the coated base without compensation.
 Coated = Callable[[Inputs], "mi.BSDF"]
@@ -44,17 +40,11 @@ Coated = Callable[[Inputs], "mi.BSDF"]
 #: Exponent of the base's albedo in the weight of the codes' deviation over a white base.
 WHITENESS = 4
 
-#: Samples of a walk for each cosine.
+#: Samples of a walk or of codes for each cosine.
 SAMPLES = 1 << 14
 
 #: Least cosine at which the albedo of a table is measured.
 LEAST_COSINE = 0.02
-
-#: Parameters that the white twin takes from the material.
-_SHARED = AXES
-
-#: The parameters of the coat.
-_OF_COATS = ("coat_color", "coat_roughness", "coat_roughness_anisotropy")
 
 
 class Vertex(NamedTuple):
@@ -88,19 +78,15 @@ class Compensation:
     def __init__(self, inputs: Inputs, encoded: bool, coated: Coated):
         """Measure white twins.
 
-        encoded: whether the coat has codes. coated: makes the twins.
+        encoded: whether the coat has codes or a table. coated: makes the twins.
         """
         self._inputs = inputs
-        self._only_metal = inputs.is_constant("base_metalness", 1)
-        self._only_dielectric = inputs.is_constant("base_metalness", 0)
-        self._tinted = not inputs.is_constant("coat_color", 1)
-        self._loss = interface_loss(inputs)
-        self._mirror = MirrorAlbedo()
-        self._dielectric = self._metal = None
-        if encoded and not self._only_metal:
-            self._dielectric = Furnace(inputs, 0.0, coated)
-        # Codes of mixtures include multiple scattering between facets; codes of metals do not.
-        if self._only_metal or not (encoded or self._only_dielectric):
+        self._tinted, self._mirror = not inputs.is_constant("coat_color", 1), MirrorAlbedo()
+        self._loss = self._dielectric = self._metal = None
+        if not inputs.is_constant("base_metalness", 1):
+            self._loss = interface_loss(inputs)
+            self._dielectric = Furnace(inputs, 0.0, coated) if encoded else None
+        if not inputs.is_constant("base_metalness", 0):
             self._metal = Furnace(inputs, 1.0, coated)
 
     @property
@@ -116,14 +102,13 @@ class Compensation:
         eta = dr.maximum(inputs.number("coat_ior", si, active), 1.001)
         internal = formulas.internal_reflectance(1 - formulas.mean_fresnel(eta), eta)
         loss: Any = ()
-        if not (self._only_metal and self._metal):
-            loss = self._loss.seen(interface_at(self._loss, inputs, si, active), si.wi)
         tint, below, metal_below = [], (), ()
         if self._tinted:
             tint = [-optical_depth(inputs.color("coat_color", si, active), DRJIT)]
-        if not self._only_metal:
+        if self._loss:
+            loss = self._loss.seen(interface_at(self._loss, inputs, si, active), si.wi)
             below = formulas.promised(color, internal)
-        if not self._only_dielectric:
+        if self._metal:
             weight = dr.minimum(inputs.number("specular_weight", si, active), 1)
             f82 = fresnel.f82_mean(color, inputs.color("specular_color", si, active), DRJIT)
             alpha = formulas.lobe_width(inputs.number("specular_roughness", si, active), DRJIT)
@@ -148,19 +133,15 @@ class Compensation:
         share, tint = vertex.share, mi.Spectrum(1)
         for half_log in vertex.tint:  # of the refracted paths along wi and wo
             tint = dr.exp(half_log * (vertex.path + _path(wo, vertex.eta)))
-        coat = self._loss.lobe(vertex.loss, wo) if vertex.loss else None
-        if not self._only_metal:
-            lobe = mi.Spectrum(coat)
+        if self._loss:
+            lobe = mi.Spectrum(self._loss.lobe(vertex.loss, wo))
             if self._dielectric:
                 lobe += vertex.white * self._dielectric.beyond_known(vertex.dielectric, wo)
             seen = vertex.f0 + (1 - vertex.f0) * tint * vertex.below
             f = dr.maximum(f + (1 - share) * seen * lobe, 0)
-        if not self._only_dielectric:
-            lobe = coat
-            if self._metal:
-                lobe, factor = self._metal.lobe_and_factor(vertex.metal, wo)
-                f = f * (factor if self._only_metal else 1 - share * (1 - factor))
-            f = f + share * tint * vertex.metal_below * lobe
+        if self._metal:
+            lobe, factor = self._metal.lobe_and_factor(vertex.metal, wo)
+            f = f * (1 - share * (1 - factor)) + share * tint * vertex.metal_below * lobe
         return f
 
 
@@ -212,22 +193,14 @@ class Furnace:
         metalness: of the twin, 0 or 1. coated: makes the twin of its parameters.
         """
         self._inputs = inputs
-        names = _SHARED if metalness else (*_SHARED, "specular_weight")  # it changes the index
+        names = AXES if metalness else (*AXES, "specular_weight")  # it changes the index
         self._axes = axes = LossAxes(inputs, names, ("coat", "specular"))
         self._shared = _values(inputs, [name for name in names if name not in axes.varying])
-        # A constant material may be evaluated by a table, a texture by codes; and so its twin. Only
-        # codes of constant metals contain multiple scattering, see `encoding.MULTIPLE_FROM`.
-        self._constant = self._is_constant()
         twin: dict[str, Any] = {**self._shared, "base_color": (1.0, 1.0, 1.0)}
         twin |= {"base_metalness": metalness, "coat_weight": 1.0}
         if "coat_ior" in twin:
             twin["coat_ior"] = float(formulas.interface_index(twin["coat_ior"]))
         twin |= axes.textures
-        if not self._constant and metalness and inputs.is_uniform(encoding.OF_METALS):
-            if isinstance(rough := twin["coat_roughness"], float):
-                twin["coat_roughness"] = _hardly_varying(rough)
-        elif not self._constant:
-            twin["base_color"] = _hardly_varying(1.0)
         parameters = Inputs.of(twin, inputs.where)
         with dr.suspend_grad():
             bsdf = coated(parameters)
@@ -243,13 +216,8 @@ class Furnace:
 
     @property
     def is_current(self) -> bool:
-        """Whether the parameters that the twin shares are still the same, and as constant."""
-        same = _values(self._inputs, list(self._shared)) == self._shared
-        return same and self._is_constant() == self._constant
-
-    def _is_constant(self) -> bool:
-        film = () if self._inputs.is_constant("thin_film_weight", 0) else film_parameters
-        return self._inputs.is_uniform((*NAMES, *_OF_COATS, *film))
+        """Whether the parameters that the twin shares are still the same."""
+        return _values(self._inputs, list(self._shared)) == self._shared
 
     def vertex(self, si, active) -> "FurnaceVertex":
         widths, at = self._axes.widths(si, active), self._axes.at(si, active)
@@ -279,36 +247,13 @@ def _values(inputs: Inputs, names: list[str]) -> dict[str, float]:
     return {name: inputs.middle(name) for name in names}
 
 
-def _hardly_varying(value: float) -> dict[str, Any]:
-    """A texture about a value. One of a single value would be a constant, and its coat a table."""
-    return texture(np.array([[[value], [value + 1e-6]]]))
-
-
 def _losses(coat: "mi.BSDF", uv: np.ndarray, cos2: np.ndarray) -> np.ndarray:
-    """Losses (N, COSINES) at points of uv (N, 2) and squared cosines of azimuths (N,): of a random
-    walk, of a table, or of codes by the rule of `urushi.material.energy`."""
-    offer = offer_of(coat)
-    if offer.latents is None:
+    """Losses (N, COSINES), see `sampled_losses`; those of a table by a quadrature."""
+    material = tabulated(offer_of(coat).latents)
+    if material is None:
         return sampled_losses(coat, uv, cos2, samples=SAMPLES)
-    nodes = np.linspace(0, 1, COSINES) ** 2
-    material = tabulated(offer.latents)
-    if material is not None:
-        albedos = adding.albedos(material.f, np.maximum(nodes, LEAST_COSINE))[:, 0]
-        return np.tile(1 - albedos, (len(uv), 1))
-    codes = np.ascontiguousarray(offer.latents.at(uv)[:, 0])
-    widths = offer.latents.model.widths
-    found = energy.directional_albedos(offer.latents.model, codes)
-    found = found.reshape(len(uv), 1 if widths == 1 else len(AZIMUTHS), -1)
-    cosines = albedo_rule(widths).cosines[: found.shape[-1]]
-    # At the rule's azimuths, which are linear in the angle.
-    rows = [[np.interp(nodes, cosines[::-1], row[::-1]) for row in turns] for turns in found]
-    turned = np.stack(rows, axis=1)  # (azimuths, N, COSINES)
-    if widths == 1:
-        return 1 - turned[0]
-    place = np.arccos(np.sqrt(cos2)) / (np.pi / 2) * (len(turned) - 1)
-    low = np.minimum(place.astype(int), len(turned) - 2)
-    share, each = (place - low)[:, None], np.arange(len(uv))
-    return 1 - (1 - share) * turned[low, each] - share * turned[low + 1, each]
+    cosines = np.maximum(np.linspace(0, 1, COSINES) ** 2, LEAST_COSINE)
+    return np.tile(1 - adding.albedos(material.f, cosines)[:, 0], (len(uv), 1))
 
 
 def _interface_losses(inputs: Inputs, uv: np.ndarray, cos2: np.ndarray) -> np.ndarray:

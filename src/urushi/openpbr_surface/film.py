@@ -110,7 +110,7 @@ class FilmFresnel:
             total += self.metal(c, f0, tint, fresnel.f82(c, f0, tint, DRJIT), si, active)
         return total / len(_COAT_COSINES)
 
-    def below_coat(self, f, base, eta, si, wo, active):
+    def below_coat(self, f, base, si, wo, active):
         """f [1/sr] by codes of a coat over a base, with its film.
 
         Codes are those of a dielectric without its film, and of a filmed metal by its mean
@@ -118,9 +118,9 @@ class FilmFresnel:
         film over f of the encoded base, both at the directions refracted by a smooth coat. The
         factor is symmetric in si.wi and wo.
 
-        base: the base's vertex. eta: its index relative to the coat.
+        base: the base's vertex.
         """
-        inputs = self._inputs
+        inputs, eta = self._inputs, base.eta
         index = dr.maximum(inputs.number("coat_ior", si, active), formulas.LEAST_INDEX)
         coat = inputs.widths("coat", si, active)
         lobe, cosine = microfacet.reflection_lobe(si.wi, wo, coat)

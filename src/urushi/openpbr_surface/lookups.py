@@ -1,7 +1,6 @@
 """Directional albedos of GGX reflectors and of rough slabs below interfaces: tables and look-ups.
 
-The nodes are defined in `core.albedos`. Albedos of two widths depend on the azimuth: on a brushed
-surface, more light hits a second facet across the scratches than along them.
+The nodes are defined in `core.albedos`, and in `core.anisotropic_albedos` for two widths.
 """
 
 import functools
@@ -10,9 +9,8 @@ from typing import ClassVar
 import drjit as dr
 import numpy as np
 
-from urushi.checks import Widths
-from urushi.core import albedos
-from urushi.core.albedos import between_nodes, hemisphere_mean, indexnodes, mirror_shares, nodes
+from urushi.core import albedos, anisotropic_albedos
+from urushi.core.albedos import between_nodes, indexnodes
 from urushi.core.namespace import DRJIT
 from urushi.mitsuba.interface_albedo import Interpolated, coordinates
 from urushi.openpbr_surface import formulas
@@ -20,45 +18,8 @@ from urushi.openpbr_surface import formulas
 #: Lower bound of the share of light that leaves the slab at once; an index of 10 gives more.
 LEAST_SHARE = 1e-3
 
-
-#: Nodes of the anisotropy (u - v) / (u + v) of the widths u >= v, and its greatest.
-ANISOTROPIES, MOST = 8, 0.98
-
-#: Terms of the cosine series in the azimuth, of 0, 2, 4 and 6 times it.
-TERMS = 4
-
-#: Azimuths from which the series is fitted.
-_FITTED = np.linspace(0, np.pi / 2, 7)
-
-
-@functools.cache
-def mirror_tables() -> tuple[np.ndarray, np.ndarray]:
-    """Albedos of a GGX reflector whose facets reflect all light, float32 (ROUGHNESSES, COSINES).
-
-    The second table (ROUGHNESSES,) is their cosine-weighted mean.
-    """
-    alphas, cosine = nodes()
-    albedo = np.stack([mirror_shares(cosine, alpha) for alpha in alphas]).astype(np.float64)
-    return albedo.astype(np.float32), hemisphere_mean(albedo).astype(np.float32)
-
-
-@functools.cache
-def anisotropic_tables() -> tuple[np.ndarray, np.ndarray]:
-    """`mirror_tables` of two widths, which take some seconds the first time.
-
-    (ANISOTROPIES, ROUGHNESSES, COSINES, TERMS), the series in the azimuth, and
-    (ANISOTROPIES, ROUGHNESSES) its mean. The axis of the roughness is the mean of both widths.
-    """
-    alphas, cosine = nodes()
-    albedo = np.empty((ANISOTROPIES, len(alphas), len(cosine), TERMS))
-    fit = np.linalg.pinv(np.cos(2 * np.outer(_FITTED, np.arange(TERMS))))
-    for i, ratio in enumerate(np.linspace(0, MOST, ANISOTROPIES)):
-        for j, alpha in enumerate(alphas):
-            widths = Widths(alpha * (1 + ratio), alpha * (1 - ratio))
-            around = [mirror_shares(cosine, widths, azimuth) for azimuth in _FITTED]
-            albedo[i, j] = (fit @ np.stack(around)).T
-    mean = hemisphere_mean(albedo[..., 0])
-    return albedo.astype(np.float32), mean.astype(np.float32)
+#: An index of refraction whose facets reflect all light.
+MIRROR = 1e8
 
 
 # The first reflection by a rough white slab below an interface. The facets pass light from a
@@ -98,21 +59,27 @@ def slab_tables(eta: float | None = None) -> tuple[np.ndarray, np.ndarray]:
 
 
 class MirrorAlbedo:
-    """Directional albedos of GGX facets that reflect all light, of one width."""
+    """Directional albedos of GGX facets that reflect all light.
+
+    two_widths: whether their widths are `Widths`.
+    """
 
     DRJIT_STRUCT: ClassVar = {"_albedo": object, "_mean": object}  # for frozen functions
 
-    def __init__(self) -> None:
-        self._albedo, self._mean = (Interpolated(x[..., None]) for x in mirror_tables())
+    def __init__(self, two_widths: bool = False):
+        self._two = two_widths
+        known = (anisotropic_albedos if two_widths else albedos).tables(MIRROR)
+        self._albedo, self._mean = (
+            Interpolated(x[0, ..., None]) for x in (known.reflected, known.reflected_mean)
+        )
 
     def seen(self, w, widths):
         """Share of the light from a direction that one reflection by the facets lets leave."""
-        at = [dr.safe_sqrt(w.z), albedos.roughness_coordinate(widths, DRJIT)]
-        return self._albedo(at)[0]
+        return self._albedo([dr.safe_sqrt(w.z), *self._at(w, widths)])[0]
 
     def seen_mean(self, widths):
         """The cosine-weighted mean of `seen` over the hemisphere."""
-        return self._mean([albedos.roughness_coordinate(widths, DRJIT)])[0]
+        return self._mean(self._at(None, widths))[0]
 
     def lost(self, seen_i, seen_o, widths, fresnel_mean):
         """The lobe [1/sr] of light that meets more than one facet.
@@ -135,40 +102,10 @@ class MirrorAlbedo:
         mean = self.seen_mean(widths)
         return fresnel_mean * fresnel_mean * mean / (1 - fresnel_mean * (1 - mean))
 
-    def gain(self, widths, f0):
-        """The factor by which multiple scattering increases a lobe of reflectance f0.
-
-        Source: Turquin 2019, Practical multiple scattering compensation for microfacet models,
-        with the mean albedo in place of the directional one.
-        """
-        mean = self.seen_mean(widths)
-        return 1 + f0 * ((1 - mean) / mean)
-
-
-class AnisotropicMirror(MirrorAlbedo):
-    """`MirrorAlbedo` of facets of two widths u >= v."""
-
-    def __init__(self) -> None:
-        albedo, mean = anisotropic_tables()
-        self._albedo, self._mean = Interpolated(albedo), Interpolated(mean[..., None])
-
-    def seen(self, w, widths):
-        """See `MirrorAlbedo`; the x axis is along u."""
-        terms = self._albedo([dr.safe_sqrt(w.z), *self._at(widths)])
-        x2, y2 = w.x * w.x, w.y * w.y
-        cosine = dr.select(x2 + y2 > 1e-12, (x2 - y2) / dr.maximum(x2 + y2, 1e-12), 0)
-        fourth = 2 * cosine * cosine - 1  # cosines of 4 and of 6 times the azimuth
-        sixth = cosine * (2 * fourth - 1)
-        return terms[0] + terms[1] * cosine + terms[2] * fourth + terms[3] * sixth
-
-    def seen_mean(self, widths):
-        """See `MirrorAlbedo`."""
-        return self._mean(self._at(widths))[0]
-
-    def _at(self, widths) -> list:
-        ratio = (widths.u - widths.v) / (widths.u + widths.v)
-        mean = 0.5 * (widths.u + widths.v)
-        return [albedos.roughness_coordinate(mean, DRJIT), ratio / MOST]
+    def _at(self, w, widths) -> list:
+        if self._two:
+            return anisotropic_albedos.coordinates(w, widths, DRJIT)
+        return [albedos.roughness_coordinate(widths, DRJIT)]
 
 
 class RoughSlab:

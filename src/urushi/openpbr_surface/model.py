@@ -19,20 +19,12 @@ from urushi.checks import Widths
 from urushi.core import fresnel, microfacet
 from urushi.core.appearance import optical_depth
 from urushi.core.namespace import DRJIT
+from urushi.mitsuba import spectrum
 from urushi.mitsuba.interface_albedo import InterfaceAlbedo
 from urushi.openpbr_surface import formulas, thin_film
 from urushi.openpbr_surface.film import FilmFresnel
 from urushi.openpbr_surface.inputs import Inputs
-from urushi.openpbr_surface.lookups import AnisotropicMirror, MirrorAlbedo, RoughSlab
-
-#: specular_roughness below which codes have 1 / eta for an index eta < 1, which reflects as
-#: much at normal incidence. Codes cannot represent the sharp edge of total reflection over a
-#: bright slab.
-INVERTED_BELOW = 0.3
-
-#: Largest base_diffuse_roughness of codes. The layering network was not trained on stronger
-#: backscattering, and darkens it by up to 25 %; a coat hides most of the difference.
-ENCODED_DIFFUSE_ROUGHNESS = 0.5
+from urushi.openpbr_surface.lookups import MirrorAlbedo, RoughSlab
 
 #: The parameters that the base reads, besides the film's; see `Base.names`.
 NAMES = (
@@ -69,17 +61,17 @@ class Base:
     """
 
     DRJIT_STRUCT: ClassVar = dict.fromkeys(
-        ("film", "mirror", "_albedo", "_slab"), object
+        ("film", "_mirror", "_albedo", "_slab"), object
     )  # for frozen functions
 
-    def __init__(self, inputs: Inputs, under_coat: bool, encoded: bool):
+    def __init__(self, inputs: Inputs, under_coat: bool, recoloured: bool = False):
         """Leave out parts that parameters given as numbers do not need.
 
         under_coat: whether `coat_darkening` has an effect.
-        encoded: whether it is encoded, the dielectric then without its film; see
-            `INVERTED_BELOW` and `ENCODED_DIFFUSE_ROUGHNESS`.
+        recoloured: whether `film.below_coat` adds the film of the dielectric, which is then left
+            out.
         """
-        self.inputs, self.encoded = inputs, encoded
+        self.inputs, self.recoloured = inputs, recoloured
         self._boosted = under_coat and not inputs.is_constant("coat_darkening", 1)
         self.only_metal = inputs.is_constant("base_metalness", 1)
         self._only_dielectric = inputs.is_constant("base_metalness", 0)
@@ -89,17 +81,13 @@ class Base:
         eta = self._constant_eta()
         two_widths = not inputs.is_constant("specular_roughness_anisotropy", 0)
         self._albedo = InterfaceAlbedo(eta, two_widths)
-        self.mirror = AnisotropicMirror() if two_widths else MirrorAlbedo()
+        self._mirror = MirrorAlbedo(two_widths)
         if not inputs.is_constant("base_diffuse_roughness", 0):
             self._slab = RoughSlab(eta)
 
     def vertex(self, si, active) -> BaseVertex:
         """The parameters at a surface interaction."""
         inputs = self.inputs
-        rough = inputs.number("specular_roughness", si, active)
-        eta = self.relative_index(si, active)
-        if self.encoded:
-            eta = dr.select((rough < INVERTED_BELOW) & (eta < 1), 1 / eta, eta)
         widths = inputs.widths("specular", si, active)
         alpha = 0.5 * (widths.u + widths.v) if isinstance(widths, Widths) else widths
         return BaseVertex(
@@ -109,7 +97,7 @@ class Base:
             inputs.number("base_metalness", si, active),
             widths,
             alpha,
-            dr.clip(eta, 1 / 3, 3),
+            self.relative_index(si, active),
         )
 
     def f(self, vertex: BaseVertex, si, wo, active):
@@ -137,13 +125,13 @@ class Base:
         if self.film:
             reflectance = self.film.metal(cosine, color, tint, reflectance, si, active)
             mean = self.film.metal(mi.Float(thin_film.MEAN_COSINE), color, tint, mean, si, active)
-        first, second = (self.mirror.seen(w, widths) for w in (si.wi, wo))
-        more = self.mirror.lost(first, second, widths, mean)
+        first, second = (self._mirror.seen(w, widths) for w in (si.wi, wo))
+        more = self._mirror.lost(first, second, widths, mean)
         return vertex.weight * (lobe * reflectance + more)
 
     def _dielectric(self, cosine, eta, si, active):
         """The Fresnel term of the dielectric's interface (3.2), under the film (3.3)."""
-        if self.film and not self.encoded:
+        if self.film and not self.recoloured:
             return self.film.dielectric(cosine, eta, si, active)
         return fresnel.dielectric(cosine, eta)[0]
 
@@ -152,20 +140,43 @@ class Base:
         color, alpha, eta = vertex.color, vertex.alpha, vertex.eta
         reflected = [self.reflected(w, vertex) for w in (si.wi, wo)]
         mean = self._albedo.reflected_mean(vertex.widths, eta)
-        if self.film and not self.encoded:
+        if self.film and not self.recoloured:
             for i, w in enumerate((si.wi, wo)):
                 more = self.film.excess(w.z, alpha, eta, si, active)
-                more = self.mirror.seen(w, vertex.widths) * more
+                more = self._mirror.seen(w, vertex.widths) * more
                 reflected[i] = dr.clip(reflected[i] + more, 0, 1)
             more = self.film.excess(None, alpha, eta, si, active)
-            mean = dr.clip(mean + self.mirror.seen_mean(vertex.widths) * more, 0, 1)
+            mean = dr.clip(mean + self._mirror.seen_mean(vertex.widths) * more, 0, 1)
         passed, mean = (1 - reflected[0]) * (1 - reflected[1]), 1 - mean
         if self._slab is None:
             return color * (passed * dr.inv_pi / mean)
         rough = self.inputs.number("base_diffuse_roughness", si, active)
-        if self.encoded:
-            rough = dr.minimum(rough, ENCODED_DIFFUSE_ROUGHNESS)
         return self._slab.f(si.wi, wo, color, rough, (alpha, eta), passed, mean)
+
+    def lobes(self, si) -> list[list]:
+        """The numbers of the facets' lobe, see `urushi.nets.lobe`: a list for each channel.
+
+        The dip of a metal's Fresnel term at 82 degrees, and light that meets more than one facet,
+        are left out. A filmed metal has the reflectance `FilmFresnel.metal_in_coat`.
+        """
+        active = mi.Bool(True)
+        vertex = self.vertex(si, active)
+        color, share, widths = vertex.color, vertex.share, vertex.widths
+        if self.film:
+            color = self.film.metal_in_coat(color, vertex.tint, si, active)
+        scale = self.boost(vertex, si, active)
+        metal = scale * share * vertex.weight
+        along, across = microfacet.pair(widths)
+        values = (
+            mi.Spectrum(along),
+            dr.minimum(metal * color, 1),
+            dr.minimum(metal * vertex.tint, 1),
+            dr.minimum(scale * (1 - share) * vertex.tint, 1),
+            mi.Spectrum(vertex.eta),
+            mi.Spectrum(0),
+            *([mi.Spectrum(across)] if isinstance(widths, Widths) else ()),
+        )
+        return [list(c) for c in zip(*map(spectrum.to_channels, values), strict=True)]
 
     def reflected(self, w, vertex: BaseVertex):
         """Share of the light from a direction that the dielectric's interface reflects."""
@@ -193,7 +204,7 @@ class Base:
         return (*NAMES, "coat_color") if tinted else NAMES
 
     def relative_index(self, si, active):
-        """The dielectric's index relative to the medium above, without the limits of codes."""
+        """The dielectric's index relative to the medium above."""
         ior, coat_ior, coat, weight = (self.inputs.number(name, si, active) for name in INDICES)
         return dr.clip(formulas.base_index(ior, coat_ior, coat, weight, DRJIT), 1 / 3, 3)
 
@@ -202,13 +213,7 @@ class Base:
         values = [self.inputs.known(name) for name in INDICES]
         if any(value is None for value in values):
             return None
-        eta = float(formulas.base_index(*values))
-        if self.encoded and eta < 1:
-            rough = self.inputs.known("specular_roughness")
-            if rough is None:
-                return None
-            eta = 1 / eta if rough < INVERTED_BELOW else eta
-        return eta
+        return float(formulas.base_index(*values))
 
 
 def absorbed(inputs: Inputs, f, si, wo, active):

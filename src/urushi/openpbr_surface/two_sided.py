@@ -185,7 +185,7 @@ def define(proposal_bsdf: type) -> tuple[Any, type]:
         """A thin wall of a medium that scatters light to both sides, below interfaces (3.2.3)."""
 
         def __init__(self, inputs: Inputs):
-            self._inputs, self._base = inputs, model.Base(inputs, False, False)
+            self._inputs, self._base = inputs, model.Base(inputs, False)
             self._transmit()
             super().__init__(mi.Properties("openpbr_sheet"))
 

@@ -76,9 +76,7 @@ def define(proposal_bsdf: type):
         Where all parameters are constant and isotropic and the base is not smooth, the coat is
         computed as a table when the material is loaded. All others have codes.
 
-        If the coat's index exceeds the base's, total internal reflection occurs at the base. For a
-        specular_roughness below 0.3, codes use the inverse ratio of indices; they clamp
-        base_diffuse_roughness to 0.5.
+        If the coat's index exceeds the base's, total internal reflection occurs at the base.
 
         .. tabs::
             .. code-tab:: xml
@@ -116,9 +114,8 @@ def define(proposal_bsdf: type):
         def opaque(inputs: Inputs) -> "mi.BSDF":
             return surface_class(inputs, made)
 
-        def made(inputs: Inputs, former: Layers | None) -> Layers:
-            maker = _Maker(inputs, base_class, COATS[bool(reference)], {} if reference else options)
-            return maker.layers(former, compensated)
+        def made(inputs: Inputs) -> Layers:
+            return _layers(inputs, base_class, COATS[bool(reference)], options, compensated)
 
         if transmits(inputs):
             bsdf = body(inputs, opaque, _coat, not reference, compensated)
@@ -136,53 +133,31 @@ def define(proposal_bsdf: type):
     return openpbr
 
 
-class _Maker:
-    """Makes the layers that parameters need."""
+def _layers(
+    inputs: Inputs, base: type, plugin: str, options: dict[str, Any], compensated: bool
+) -> Layers:
+    """The layers that parameters need.
 
-    def __init__(self, inputs: Inputs, base_class: type, plugin: str, options: dict[str, Any]):
-        """plugin: of the coat, one of `COATS`. options: its resolution and weights, if given."""
-        self._inputs, self._base_class = inputs, base_class
-        self._plugin, self._options = plugin, options
-        self._encoded = plugin == COATS[0]
+    base: the class of bases. plugin: of the coat, one of `COATS`. options: its weights and
+    resolution, if given.
+    """
+    tables = plugin == COATS[0]
 
-    def layers(self, former: Layers | None, compensated: bool) -> Layers:
-        """The layers; previous ones are reused if they still fit."""
-        inputs = self._inputs
-        base = below = coated = compensation = kind = None
-        if former is not None:
-            base, below, coated, compensation, kind = former
-            for part in (base, below):
-                if part is not None:
-                    part.update()
-        # A coat of index one has no interface: it only absorbs, see `model.absorbed`.
-        coat_present = not (
-            inputs.is_constant("coat_weight", 0) or inputs.is_constant("coat_ior", 1)
-        )
-        if base is None and not (coat_present and inputs.is_constant("coat_weight", 1)):
-            base = self._base_class(inputs, False, False, False)
-        if coat_present:
-            if below is None:
-                below = self._base_class(inputs, True, self._encoded, compensated)
-            present = (
-                inputs.is_constant("coat_roughness_anisotropy", 0),
-                inputs.known("coat_ior"),
-                inputs.is_constant("coat_color", 1),
-            )
-            if coated is None or kind != present:
-                coated, kind = self._coat(inputs, below, self._options), present
-            if compensated:
-                compensation = Compensation(inputs, self._encoded, self._coated)
-        return Layers(base, below, coated, compensation, kind)
-
-    def _coated(self, inputs: Inputs) -> "mi.BSDF":
-        """A base of other parameters under its coat, without compensation."""
-        below = self._base_class(inputs, True, self._encoded, False)
-        options = {name: x for name, x in self._options.items() if name == "weights" and x}
-        return self._coat(inputs, below, options)
-
-    def _coat(self, inputs: Inputs, below: "mi.BSDF", options: dict[str, Any]) -> "mi.BSDF":
-        coat = {"type": self._plugin, **_coat(inputs), "bottom": below, **options}
+    def coated(inputs: Inputs, below: "mi.BSDF") -> "mi.BSDF":
+        given = options if tables else {}
+        coat = {"type": plugin, **_coat(inputs), "bottom": below, **given}
         return load_part(inputs, coat)
+
+    covered = inputs.is_constant("coat_weight", 1)
+    # A coat of index one has no interface: it only absorbs, see `model.absorbed`.
+    if inputs.is_constant("coat_weight", 0) or inputs.is_constant("coat_ior", 1):
+        return Layers(base(inputs, False), None, None, None)
+    below = base(inputs, True, tables)
+    compensation = None
+    if compensated:
+        compensation = Compensation(inputs, tables, lambda x: coated(x, base(x, True, tables)))
+    in_air = None if covered else base(inputs, False)
+    return Layers(in_air, below, coated(inputs, below), compensation)
 
 
 def _coat(inputs: Inputs) -> dict[str, Any]:
