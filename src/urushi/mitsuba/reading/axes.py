@@ -57,7 +57,7 @@ STEPS = {
     REFLECTANCE: (0.04, 0.0005),
     ALBEDO: (0.0, 0.01),
     LINEAR: (0.0, 0.02),
-    "eta": (0.0, 0.005),
+    INDEX: (0.0, 0.005),
 }
 
 #: Largest change of one of two widths that carries a gradient, until codes are baked again.
@@ -193,7 +193,7 @@ def _varying(
 
 def _steps(axis: Axis, whole: tuple[float, float]) -> Steps:
     """The changes of a constant by which its slopes are found."""
-    part, least = STEPS.get(axis.name, STEPS[axis.scale])
+    part, least = STEPS[axis.scale]
     size = part * axis.most + least
     low, high = axis.least - size >= whole[0], axis.most + size <= whole[1]
     return Steps(-size if low else 0.0, size if high or not low else 0.0)
