@@ -34,7 +34,7 @@ def _derived_class(variant: str) -> type:
             return self._function(si, active, *(x.eval_1(si, active) for x in self._derived_from))
 
         def mean(self):
-            return self.eval_1(mi.SurfaceInteraction3f())
+            return self._function(None, True, *(x.mean() for x in self._derived_from))
 
         def is_spatially_varying(self):
             return False  # the sources are listed, and vary by themselves
