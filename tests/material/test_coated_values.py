@@ -11,7 +11,7 @@ from urushi.core import direction_sets
 from urushi.core.error_metrics import energy_weight, stack_error
 from urushi.core.microfacet import of_widths
 from urushi.core.quadrature import directional_albedos
-from urushi.core.table import MIN_LOG, SHAPE, interpolated, node_pairs, table_of_values
+from urushi.core.table import MIN_LOG, SHAPE
 from urushi.material import adding
 from urushi.material.coated_values import coated_f
 from urushi.material.reflector import Reflector
@@ -217,14 +217,3 @@ def test_modes_of_a_substrate_are_those_of_its_brdf():
     np.testing.assert_allclose(below.modes, direct, atol=2e-3)
     assert bare(metal(0.2)).width[0] == pytest.approx(0.2, rel=0.1)
     assert np.isinf(lambertian(0.5).width).all()
-
-
-def test_tables_are_interpolated_as_by_numpy():
-    """The kernel reads a table without interface as `core.table` does."""
-    wi, wo = pairs(100)
-    table = table_of_values((0.1 + node_pairs()[0][:, 2] * node_pairs()[1][:, 2])[:, None]).astype(
-        np.float32
-    )
-    clear = CoatParameters(*map(np.float64, (0.1, 1.0, 0.0, 0.0, 0.0)))
-    f = coated_f(substrate(table), clear, wi, wo)
-    np.testing.assert_allclose(f, interpolated(table, wi, wo), rtol=1e-5)
