@@ -317,8 +317,6 @@ def differences(described: dict, form: str, name: str) -> list:
         "neural_layered: rough on body": HORIZON,
         "neural_layered: brushed on white": TWO_WIDTHS,
         "neural_layered: brushed on metal": TWO_WIDTHS,
-        "openpbr: brushed on white": TWO_WIDTHS,
-        "openpbr: brushed on metal": TWO_WIDTHS,
         "openpbr: brushed on body": GRAZING,
         "openpbr by walks: brushed on body": GRAZING,
     },
