@@ -35,6 +35,7 @@ from urushi.mitsuba.reading.axes import (
     wavelengths_varying,
 )
 from urushi.mitsuba.reading.grid import check_normals, not_over_uv, varying_textures
+from urushi.mitsuba.reading.joined import joined
 from urushi.mitsuba.reading.kept import writable
 from urushi.mitsuba.reading.parameters import CoatTextures
 from urushi.nets.weights import Model
@@ -87,6 +88,7 @@ class Baker:
         rows = BottomRows(self.model, self._bottom, self._coat, self.below)
         known = None if not isinstance(rows.nested, AxisLatents) else rows.nested.varying
         varying = varying_parameters(self._coat, self._bottom, [] if rows.grid else known)
+        varying = joined(varying)
         names = {x.axis.name for x in varying}
         with dr.suspend_grad():
             si = spectrum.points(POINT)
@@ -110,12 +112,11 @@ class Baker:
     def _over_parameters(self, rows: BottomRows, varying: list[Varying]) -> AxisLatents | None:
         """The codes along the parameters that vary; None: the bottom is unknown, or too many
         vary."""
-        constants, varying = (
-            [x for x in varying if (x.steps is not None) == chosen] for chosen in (True, False)
-        )
+        constants, led = [x for x in varying if x.steps], [x for x in varying if x.leader]
+        varying = [x for x in varying if not (x.steps or x.leader)]
         if len(varying) > AXES:
             return None
-        axes, fixed = [x.axis for x in varying], self._numbers(varying, rows)
+        axes, fixed = [x.axis for x in varying], self._numbers([*varying, *led], rows)
         fixed += [np.array([ord(c) for x in constants for c in x.axis.name])]
         last = self._last
         if last is not None and self._are_known(axes, fixed, last):
@@ -129,10 +130,10 @@ class Baker:
             kept += [*last.varying[len(varying) : count], *constants]
             self._last = AxisLatents(last.baked, kept)
             return self._last
-        rows.follow([*varying, *constants])
+        rows.follow([*varying, *led, *constants])
         if not rows.is_known():
             return None
-        coated = _Coated(self.model, self._coat, rows, varying, constants)
+        coated = _Coated(self.model, self._coat, rows, varying, led, constants)
         if coated.needs_wavelengths:
             varying = [*varying, coated.with_wavelengths()]
             if len(varying) > AXES:
@@ -162,6 +163,7 @@ class Baker:
         with spectrum.reading_at(spectrum.FINE):
             coat = self._coat.channels(spectrum.points(POINT))
             numbers = [x.numpy() for name in coat if name not in names for x in coat[name]]
+        numbers += [x for own in varying if own.leader for x in own.leader[1:]]
         if isinstance(rows.nested, AxisLatents):
             return [*numbers, np.array([id(rows.nested.baked)])]
         left_out = {id(x.texture) for x in varying}
@@ -210,16 +212,18 @@ class _Coated:
         coat: CoatTextures,
         rows: BottomRows,
         varying: Sequence[Varying],
+        led: Sequence[Varying],
         constants: Sequence[Varying],
     ):
-        """constants: those that change."""
+        """led: those that follow others. constants: those that change."""
         self._model, self._coat, self._rows = model, coat, rows
         self._names, self._varying = [x.axis.name for x in varying], varying
+        self._led = {x.axis.name: x.leader for x in led if x.leader is not None}
         self._changing = [x.axis.name for x in constants]
         self._places = next((x.places for x in varying if x.places is not None), None)
         with spectrum.reading_at(spectrum.FINE):
             own = coat.channels(spectrum.points(POINT))
-            fixed = [own[name] for name in own if name not in self._names]
+            fixed = [own[name] for name in own if name not in (*self._names, *self._led)]
             parts = [[x.numpy() for x in part] for part in fixed]
         same = all(np.array_equal(x, part[0]) for part in parts for x in part)
         grey = same and rows.is_grey()
@@ -243,6 +247,7 @@ class _Coated:
 
     def _named(self, values: np.ndarray) -> dict[str, np.ndarray]:
         named = dict(zip([*self._names, *self._changing], values.T, strict=True))
+        named |= {name: leader.at(named[leader.name]) for name, leader in self._led.items()}
         if self._places is not None:
             even = np.linspace(*spectrum.ENDS, len(self._places))
             named[NANOMETRES] = np.interp(named[WAVELENGTH], self._places, even)
@@ -263,7 +268,8 @@ class _Coated:
             dr.eval(found)
         columns = []
         for name in self._coat.names:
-            rows = [named[name]] if name in self._names else [x.numpy() for x in found[name]]
+            is_given = name in self._names or name in self._led
+            rows = [named[name]] if is_given else [x.numpy() for x in found[name]]
             rows = [np.broadcast_to(x, count) for x in rows][: self._channels]
             column = np.asarray(rows, np.float64)
             if name in self._changing:

@@ -71,6 +71,18 @@ SIDE = 256
 WAVELENGTH, NANOMETRES, BOTTOM = "wavelength", "nm", "bottom."
 
 
+class Leader(NamedTuple):
+    """The parameter of which another one is a function, and this function."""
+
+    name: str
+    values: np.ndarray  # (N,) of the leader, ascending
+    own: np.ndarray  # (N,) those of the other one
+
+    def at(self, values: np.ndarray) -> np.ndarray:
+        """The other parameter at values of the leader."""
+        return np.interp(values, self.values, self.own)
+
+
 class Varying(NamedTuple):
     """A parameter that varies."""
 
@@ -83,6 +95,7 @@ class Varying(NamedTuple):
     places: np.ndarray | None = None  # of the axis of wavelengths, see `wavelengths_varying`
     #: Changes of a constant that carries a gradient, by which its slopes are found; else None.
     steps: Steps | None = None
+    leader: Leader | None = None  # along whose axis it varies, see `reading.joined`
 
 
 def varying_parameters(
