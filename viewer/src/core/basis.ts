@@ -6,7 +6,7 @@
  * x are the coordinates of tables, and the numbers c_k follow those of the lobe in a code. The first
  * function is one; see Python's `nets.basis`. For two GGX widths, the coordinates are stretched, and
  * the last functions are multiplied by factors of the azimuth. The logarithm of the stretch is the
- * last number of the code; see `nets.stretched_basis`.
+ * last number of the code.
  */
 
 import { Cell, clampedLog, type FTable, NODES, tableValues } from "./f_table";
