@@ -39,6 +39,7 @@ export function Cards() {
     const handle = event.currentTarget as HTMLElement;
     handle.setPointerCapture(event.pointerId);
     dragged.value = card.id;
+    const kind = `drag ${card.id} at ${event.timeStamp}`; // one step of the history
     const follow = (now: PointerEvent) => {
       const present = material.value.coats;
       const from = present.findIndex((coat) => coat.id === card.id);
@@ -49,9 +50,9 @@ export function Cards() {
       const own = boxes[from];
       if (own === undefined) return;
       if (before && now.clientY < before.top + Math.min(before.height / 2, own.height))
-        changeMaterial(moved(material.value, from, from - 1), `move ${card.id}`);
+        changeMaterial(moved(material.value, from, from - 1), kind);
       else if (after && now.clientY > after.bottom - Math.min(after.height / 2, own.height))
-        changeMaterial(moved(material.value, from, from + 1), `move ${card.id}`);
+        changeMaterial(moved(material.value, from, from + 1), kind);
     };
     const stop = () => {
       dragged.value = null;
