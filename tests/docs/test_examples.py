@@ -73,7 +73,7 @@ def test_gradients(tmp_path):
 
 
 def test_textures(tmp_path):
-    assert "64 x 64 texels" in run(tmp_path, DOCS / "examples" / "textures.py", tmp_path)
+    assert "64 x 64 nodes over v, u" in run(tmp_path, DOCS / "examples" / "textures.py", tmp_path)
 
 
 def test_anisotropy(tmp_path):

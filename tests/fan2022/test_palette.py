@@ -7,7 +7,7 @@ import pytest
 from fan2022.palette import Palette, PaperData, make_shard, read_shard
 
 from urushi.errors import FileError
-from urushi.train.tables import generate, opened, write_shard
+from urushi.train.tables import generate, opened
 from urushi.walk import analytic
 
 ALL = slice(0, 5000)
@@ -84,10 +84,12 @@ def test_components_are_exact_and_have_one_pair_in_each_stratum():
 
 
 def test_a_store_is_completed_by_the_same_data_alone(tmp_path):
-    store = opened(DATA, tmp_path / "data")
-    for shard in (0, 1, 3):
-        write_shard(store, shard, make_shard)
+    store = generate(DATA, tmp_path / "data", make_shard)
+    lost = store.file(2).read_bytes()
+    store.file(2).unlink()
+    assert opened(DATA, tmp_path / "data").missing() == [2]
     assert generate(DATA, tmp_path / "data", make_shard) == store
+    assert store.file(2).read_bytes() == lost
     for name, values in zip(("wi", "wo", "f"), read_shard(store, 2), strict=True):
         np.testing.assert_array_equal(values, make_shard(DATA, 2)[name])
     with pytest.raises(FileError, match="has tables of another specification"):

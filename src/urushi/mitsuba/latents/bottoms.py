@@ -14,6 +14,7 @@ from urushi.core.table import node_pairs, table_of_values
 from urushi.material.material import Material
 from urushi.material.reflector import Reflector
 from urushi.material.substrate import Substrate, of_material
+from urushi.material.symmetry import symmetrise
 from urushi.material.values import encode_source
 from urushi.mitsuba import spectrum
 from urushi.mitsuba.latents.axes import AxisLatents, without_faint
@@ -75,7 +76,9 @@ def bottom_material(model: Model, bottom: "mi.BSDF", where: str) -> Material:
     exact = offer_of(bottom).exact() if model.widths == 1 else None
     if exact is not None:
         wi, wo = node_pairs()
-        f = probing.check_values(reflection_source(exact).f(wi, wo), where)
+        f = symmetrise(
+            reflection_source(exact), wi, wo, lambda f, _: probing.check_values(f, where)
+        )[0]
         lobe = material.latents[:, : model.arch.lobe]
         narrow = source.lobe is not None and bool((lobe[:, 0] < NARROW).any())
         if narrow:
