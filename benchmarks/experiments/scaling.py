@@ -59,4 +59,4 @@ def tables(found: Found) -> list[str]:
     return [table(["computed by", *names], rows)]
 
 
-EXPERIMENT = Experiment(cases, measured, tables, pages=("docs/scaling.md",), minutes=3)
+EXPERIMENT = Experiment(cases, measured, tables, pages=("docs/scaling.md",), minutes=6)
