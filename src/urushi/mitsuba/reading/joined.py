@@ -25,9 +25,10 @@ def joined(parameters: Sequence[Varying]) -> list[Varying]:
     a pigment of textured colour. Along axes of their own, most combinations would not occur.
     """
     result: list[Varying] = []
-    for own in parameters:
-        leaf = _only_source(own)
-        same = [x for x in result if leaf and x.leader is None and _only_source(x) is leaf]
+    leaves = [_only_source(own) for own in parameters]
+    for own, leaf in zip(parameters, leaves, strict=True):
+        before = zip(result, leaves, strict=False)
+        same = [x for x, other in before if leaf and other is leaf and x.leader is None]
         relations = ((x.axis.name, _relation(x, own, leaf)) for x in same)
         found = (Leader(name, *relation) for name, relation in relations if relation is not None)
         result.append(own._replace(leader=next(found, None)))
