@@ -2,7 +2,6 @@
 
 import copy
 from collections.abc import Callable, Container, Iterable, Iterator, Mapping, Sequence
-from functools import cache
 from typing import Any, ClassVar
 
 import drjit as dr
@@ -13,6 +12,7 @@ from urushi.checks import Widths
 from urushi.core.namespace import DRJIT
 from urushi.errors import ParameterError
 from urushi.mitsuba import spectrum
+from urushi.mitsuba.reading.derived import derived as from_textures
 from urushi.mitsuba.reading.grid import varies
 from urushi.mitsuba.reading.parameters import describe
 from urushi.openpbr_surface import formulas
@@ -345,7 +345,12 @@ def derived(
 
     function: of Dr.Jit floats; color: of spectra.
     """
-    return _derived_class(mi.variant())(inputs, names, function, color)
+
+    def within_ranges(si: Any, active: Any, *values: Any) -> Any:
+        return function(*map(_clipped, names, values))
+
+    sources = {name: inputs.textures[name] for name in names}
+    return from_textures(within_ranges, sources, color=color)
 
 
 def width_properties(inputs: Inputs, layer: str) -> dict[str, "mi.Texture"]:
@@ -357,38 +362,3 @@ def width_properties(inputs: Inputs, layer: str) -> dict[str, "mi.Texture"]:
         name: derived(inputs, names, lambda r, a, i=i: formulas.lobe_widths(r, a, DRJIT)[i])
         for i, name in enumerate(("alpha_u", "alpha_v"))
     }
-
-
-@cache
-def _derived_class(variant: str) -> type:
-    """The class of the textures of `derived`, in a variant."""
-
-    class Derived(mi.Texture):
-        """A function of the plugin's parameters."""
-
-        def __init__(self, inputs, names, function, color):
-            self._inputs, self.sources = inputs, names
-            self._function, self._color = function, color
-            mi.Texture.__init__(self, mi.Properties("derived"))
-
-        def eval(self, si, active=True):
-            read = self._inputs.color if self._color else self._inputs.number
-            return mi.Spectrum(self._function(*(read(name, si, active) for name in self.sources)))
-
-        def eval_1(self, si, active=True):
-            return self._function(*(self._inputs.number(name, si, active) for name in self.sources))
-
-        def mean(self):
-            return self.eval_1(mi.SurfaceInteraction3f())
-
-        def is_spatially_varying(self):
-            # The sources are listed and vary by themselves, with their own transforms.
-            return False
-
-        def traverse(self, callback):
-            self._inputs.traverse(callback, self.sources)
-
-        def to_string(self):
-            return f"Derived[{', '.join(self.sources)}]"
-
-    return Derived

@@ -315,7 +315,8 @@ def _row(values: np.ndarray) -> "mi.Texture":
 
 def _shifted(texture: "mi.Texture", row: "mi.Texture") -> "mi.Texture":
     """A texture to which another is added."""
-    return derived(lambda si, active, value, change: value + change, [texture, row])
+    parts = {"value": texture, "change": row}
+    return derived(lambda si, active, value, change: value + change, parts)
 
 
 def wavelengths_of(rows: Mapping[str, np.ndarray], count: int) -> Any:

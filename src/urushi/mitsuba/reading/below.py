@@ -123,7 +123,7 @@ def _conductor_below(conductor: "mi.BSDF", coat: Any) -> "mi.BSDF":
         return index / coat.inside(si, active)
 
     parts, text = nested_objects(conductor), str(conductor)
-    given = {name: derived(relative, [parts[name]], coat) for name in ("eta", "k")}
+    given = {name: derived(relative, {name: parts[name]}, coat) for name in ("eta", "k")}
     given["distribution"] = "ggx" if GGX in text else "beckmann"
     given["sample_visible"] = "sample_visible = 0" not in text
     return mi.load_dict({"type": "roughconductor"} | parts | given)
