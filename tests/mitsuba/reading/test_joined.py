@@ -49,3 +49,17 @@ def test_axes_and_albedos(rgb, name):
         if plugin == "neural_layered":
             assert {axis.name for axis in bsdf.latents.baked.axes} == expected
     np.testing.assert_allclose(*found, rtol=0.01)
+
+
+def test_an_edit_of_texels_keeps_the_codes_unless_the_relation_changes(rgb):
+    colour = texture(rgb, 3)
+    described = {"type": "neural_layered", "body": 0.6, "body_color": colour}
+    bsdf = rgb.load_dict(described | {"base": {"type": "diffuse"}})
+    parameters, baked = rgb.traverse(bsdf), bsdf.latents.baked
+    texels = np.array(parameters["body_color.data"])
+    parameters["body_color.data"] = rgb.TensorXf(texels[::-1, ::-1].copy())
+    parameters.update()
+    assert bsdf.latents.baked is baked
+    parameters["body.value"] = 0.4  # of the same colours, other depths
+    parameters.update()
+    assert bsdf.latents.baked is not baked

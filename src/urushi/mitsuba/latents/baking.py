@@ -35,7 +35,7 @@ from urushi.mitsuba.reading.axes import (
     wavelengths_varying,
 )
 from urushi.mitsuba.reading.grid import check_normals, not_over_uv, varying_textures
-from urushi.mitsuba.reading.joined import joined
+from urushi.mitsuba.reading.joined import agree, joined
 from urushi.mitsuba.reading.kept import writable
 from urushi.mitsuba.reading.parameters import CoatTextures
 from urushi.nets.weights import Model
@@ -79,6 +79,7 @@ class Baker:
         self._resolution = resolution
         self._last: AxisLatents | None = None
         self._fixed: list[np.ndarray] = []  # numbers on which the last one depends
+        self._led: list[Varying] = []  # its parameters that follow others
         self.absorbs = False  # whether the coat has no interface and does not scatter, anywhere
 
     def update(self) -> Latents:
@@ -119,7 +120,8 @@ class Baker:
         axes, fixed = [x.axis for x in varying], self._numbers([*varying, *led], rows)
         fixed += [np.array([ord(c) for x in constants for c in x.axis.name])]
         last = self._last
-        if last is not None and self._are_known(axes, fixed, last):
+        alike = len(led) == len(self._led) and all(map(agree, self._led, led))
+        if last is not None and alike and self._are_known(axes, fixed, last):
             count, every = len(last.baked.axes), [*varying, *constants]
             former = [x.texture for x in (*last.varying[: len(axes)], *last.varying[count:])]
             gradients = any(x.differentiable for x in every)
@@ -142,7 +144,7 @@ class Baker:
         material = Rows(coated.coats, coated.rests)
         baked = bake(self.model, [x.axis for x in varying], material, steps)
         self._last = AxisLatents(baked, [*varying, *constants])
-        self._fixed = fixed
+        self._fixed, self._led = fixed, led
         return self._last
 
     def _are_known(self, axes: Sequence[Axis], fixed: list[np.ndarray], last: AxisLatents) -> bool:
@@ -163,7 +165,6 @@ class Baker:
         with spectrum.reading_at(spectrum.FINE):
             coat = self._coat.channels(spectrum.points(POINT))
             numbers = [x.numpy() for name in coat if name not in names for x in coat[name]]
-        numbers += [x for own in varying if own.leader for x in own.leader[1:]]
         if isinstance(rows.nested, AxisLatents):
             return [*numbers, np.array([id(rows.nested.baked)])]
         left_out = {id(x.texture) for x in varying}

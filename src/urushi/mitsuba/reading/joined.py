@@ -35,6 +35,15 @@ def joined(parameters: Sequence[Varying]) -> list[Varying]:
     return result
 
 
+def agree(former: Varying, now: Varying) -> bool:
+    """Whether a parameter follows its leader as it did before, at the values that it has now."""
+    old, new, axis = former.leader, now.leader, former.axis
+    if old is None or new is None or old.name != new.name or not axis.contains(now.axis):
+        return False
+    away = np.abs(_coordinates(axis, old.at(new.values)) - _coordinates(axis, new.own))
+    return bool(away.mean() < MEAN and away.max() < MOST)
+
+
 def _only_source(parameter: Varying) -> "mi.Texture | None":
     """The only texture by which a parameter varies, if its values are known at points of uv."""
     if parameter.differentiable or parameter.places is not None:
