@@ -34,9 +34,14 @@ def rate(make: Callable[[int], Any], tasks: int, cluster: str | None, processes:
     return sum(1 for _ in found) / (time.perf_counter() - begin)
 
 
+@functools.cache
+def shard_bytes() -> int:
+    """Bytes of the first shard."""
+    return sum(x.nbytes for x in make_shard(SPEC, 0).values())
+
+
 def measured(case: tuple[str | None, int], options: Options) -> dict[str, float]:
-    shards = SPEC.shards()
-    size = sum(x.nbytes for x in make_shard(SPEC, 0).values())
+    shards, size = SPEC.shards(), shard_bytes()
     return {
         "shards a second": rounded(
             rate(functools.partial(make_shard, SPEC), options.count(shards, 3), *case), 3

@@ -19,6 +19,13 @@ TOP = (1 << 16) - 1
 PACKET = 8
 
 
+def packet(kind: type, table, index, size: int) -> list:
+    """`size` numbers of a table from an index on, of whose type `kind` is the dynamic array."""
+    if size == 1:  # Dr.Jit 1.5 fails on packets of one number in calls
+        return [dr.gather(type(table), table, index)]
+    return list(dr.gather(kind, table, index, shape=(size, dr.width(index))))
+
+
 class Packets:
     """Levels (P, N) from 0 to `TOP` at P nodes."""
 
@@ -40,12 +47,8 @@ class Packets:
     def at(self, node) -> list:
         """The levels (N) of a node, an index (UInt32), as Dr.Jit floats."""
         words = list[Any]()
-        for packet in self._packets:
-            shape = len(packet) // self.nodes, dr.width(node)
-            if shape[0] == 1:
-                words.append(dr.gather(mi.UInt32, packet, node))
-            else:
-                words.extend(dr.gather(mi.ArrayXu, packet, node, shape=shape))
+        for own in self._packets:
+            words += packet(mi.ArrayXu, own, node, len(own) // self.nodes)
         levels = [mi.Float(half) for word in words for half in (word & 0xFFFF, word >> 16)]
         return levels[: self.count]
 

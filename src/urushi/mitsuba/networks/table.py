@@ -12,6 +12,7 @@ from urushi.core.namespace import DRJIT
 from urushi.core.table import SHAPE, Knots, coordinates, corner_steps
 from urushi.mitsuba.networks import lobe
 from urushi.mitsuba.networks.lobe import LobeKind
+from urushi.mitsuba.networks.packets import packet
 from urushi.mitsuba.recording import owned
 
 
@@ -75,13 +76,11 @@ def interpolated(table, shape: Sequence[int], coordinates: Sequence, band=None) 
     first, shares = cell(shape, coordinates, mi.UInt32(0 if band is None else band))
     size = 1 if band is not None else len(table) // int(np.prod(shape))
 
+    half = dr.type_v(table) == dr.VarType.Float16
+    kind = dr.float16_array_t(mi.ArrayXf) if half else mi.ArrayXf
+
     def entry(index) -> list:
-        if size == 1:  # Dr.Jit 1.5 fails on packets of one number in calls
-            return [mi.Float(dr.gather(type(table), table, index))]
-        packet = size, dr.width(index)
-        half = dr.type_v(table) == dr.VarType.Float16
-        kind = dr.float16_array_t(mi.ArrayXf) if half else mi.ArrayXf
-        return list(mi.ArrayXf(dr.gather(kind, table, index, shape=packet)))
+        return [mi.Float(x) for x in packet(kind, table, index, size)]
 
     values = [entry(first + step) for step in corner_steps(shape)]
     for share in reversed(shares):
