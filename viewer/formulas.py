@@ -410,8 +410,8 @@ def _f(widths: int) -> Function:
     """f of a material of one GGX width or two by its lobe and the table of its rest."""
     lobe_numbers = Variable("numbers", COLOUR, len(lobe.NUMBERS[widths]))
     stretch = () if widths == 1 else floats("stretch")
-    end = "" if widths == 1 else "2"
-    note = f"f [1/sr] of a material of {widths} GGX widths by its lobe and the table of its rest."
+    end, number = ("", "one GGX width") if widths == 1 else ("2", "two GGX widths")
+    note = f"f [1/sr] of a material of {number} by its lobe and the table of its rest."
     function = Function(f"f{end}", (lobe_numbers, *stretch, TABLE, WI, WO), COLOUR, note)
     own = [element(argument(lobe_numbers), i) for i in range(lobe_numbers.count)]
     top = lobe_f(function, own, argument(WI), argument(WO))

@@ -1,6 +1,6 @@
 // Written by `python viewer/formulas.py` from the formulas of Python. Do not edit it.
 
-// f [1/sr] of a material of 1 GGX widths by its lobe and the table of its rest.
+// f [1/sr] of a material of one GGX width by its lobe and the table of its rest.
 vec3 material_f(vec3 numbers[6], highp sampler3D table, vec3 wi, vec3 wo) {
     // The lobe: D G / (4 cos_i cos_o) of GGX with the separable Smith term, where
     // wi + wo stands for the half vector.
@@ -62,7 +62,7 @@ vec3 material_f(vec3 numbers[6], highp sampler3D table, vec3 wi, vec3 wo) {
     vec3 rest = exp(texel0_0.rgb);
     return lobe + rest;
 }
-// f [1/sr] of a material of 2 GGX widths by its lobe and the table of its rest.
+// f [1/sr] of a material of two GGX widths by its lobe and the table of its rest.
 vec3 material_f2(vec3 numbers[7], float stretch, highp sampler3D table, vec3 wi, vec3 wo) {
     // The lobe: D G / (4 cos_i cos_o) of GGX with the separable Smith term, where
     // wi + wo stands for the half vector.
