@@ -168,7 +168,8 @@ def tables(found: Found) -> list[str]:
         _, value, name, *_ = SLOPES[case]
         cells = [f"{x:.4f}" for x in (derivative, plugin, walk, error)]
         off = f"{(derivative - walk) / size:+.1%}".replace("-", "−").replace("%", " %")
-        rows.append([case, f"`{name.split('.')[-2]}` {value:g}", *cells, off, f"{100 * away:.2f} %"])
+        parameter = f"`{name.split('.')[-2]}` {value:g}"
+        rows.append([case, parameter, *cells, off, f"{100 * away:.2f} %"])
     return [table(head, rows)]
 
 
