@@ -24,7 +24,7 @@ import numpy as np
 from urushi.app.describe import describe, library
 from urushi.app.page_files import cards_of
 from urushi.checks import CoatParameters, Widths
-from urushi.core import appearance, fresnel, microfacet, mixture, stretched, table
+from urushi.core import appearance, facets, fresnel, microfacet, mixture, stretched, table
 from urushi.core.namespace import Components
 from urushi.export import rest
 from urushi.export.expressions import (
@@ -247,8 +247,12 @@ def functions() -> list[Function]:
                 CoatParameters(None, *values[:4]), values[4], values[5]
             ),
         ),
-    ]
-    found += [
+        returning(
+            "multiple_albedo",
+            "Albedo of light that facets reflect more than once (Kulla and Conty 2017).",
+            floats("fresnel_mean", "seen_mean"),
+            lambda fresnel_mean, seen_mean, xp: facets.multiple_albedo(fresnel_mean, seen_mean),
+        ),
         filling(
             "table_coordinates",
             "Coordinates of a pair of directions in a table of f.",
@@ -351,7 +355,9 @@ def _of_surfaces() -> list[Function]:
 #: Constants of the file, by their modules; `core.table` is the object TABLE.
 CONSTANTS: dict[str, str] = {
     "checks": "AIR ETA_RANGE MIN_ALPHA MIN_INDEX_STEP TRAINED_G",
+    "core.albedos": "ROUGHNESSES COSINES",
     "core.appearance": "WI WO",
+    "core.facets": "MIRROR",
     "core.quadrature": "POLAR_NODES AZIMUTH_NODES MIN_TANGENT",
     "core.stretched": "FACTORS",
     "core.table": "SHAPE MIN_LOG MAX_LOG MIN_COSINE",

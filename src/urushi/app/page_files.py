@@ -257,6 +257,9 @@ def cards_of(described: Any) -> dict[str, Any] | None:
         medium = {"albedo": coat.albedo, "sigmaT": coat.sigma_t, "g": coat.g}
         cards.append({**_widths(coat.alpha), "ior": above, **medium})
     numbers = {name: value for name, value in vars(bottom).items() if value is not None}
+    compensated = numbers.pop("energy_compensation", False)
+    if coats and compensated:  # the page compensates the topmost surface alone
+        return None
     if kind == "dielectric":
         numbers = {"ior": np.multiply(numbers.pop("eta"), above).tolist(), **numbers}
     elif "k" in numbers:
@@ -264,7 +267,7 @@ def cards_of(described: Any) -> dict[str, Any] | None:
         numbers |= {name: np.multiply(in_air, numbers[name]).tolist() for name in ("eta", "k")}
     widths = _widths(numbers.pop("alpha")) if "alpha" in numbers else {}
     shown = {"name": "Material", "bottom": {"kind": kind, **widths, **numbers}, "coats": cards}
-    compensated = bool(coats) and coats[0].energy_compensation
+    compensated = coats[0].energy_compensation if coats else compensated
     return {**shown, "energyCompensation": True} if compensated else shown
 
 

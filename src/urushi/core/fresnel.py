@@ -3,6 +3,7 @@
 All functions take a `Namespace` as their last argument, `xp`.
 """
 
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -74,9 +75,14 @@ def f82(cosine: Any, f0: Any, tint: Any, xp: Namespace = NUMPY) -> Any:
 
 
 def f82_mean(f0: Any, tint: Any, xp: Namespace = NUMPY) -> Any:
-    """Cosine-weighted mean of `f82` over the hemisphere, 2 times the integral of F cos dcos."""
+    """Cosine-weighted mean of `f82` over the hemisphere."""
+    return hemisphere_mean(lambda cosine: f82(cosine, f0, tint, xp))
+
+
+def hemisphere_mean(reflectance: Callable[[float], Any]) -> Any:
+    """Cosine-weighted mean of a function of the cosine, 2 times the integral of F cos dcos."""
     nodes = zip(_NODES.tolist(), _WEIGHTS.tolist(), strict=True)
-    return sum(weight * f82(cosine, f0, tint, xp) for cosine, weight in nodes)
+    return sum(weight * reflectance(cosine) for cosine, weight in nodes)
 
 
 def exact(cosine: Any, eta: Any, k: Any, xp: Namespace = DRJIT) -> Any:

@@ -56,17 +56,7 @@ class Lane:
         """Look-up, at coordinates in [0, 1], of the job's table of values (D, ...)."""
         flat, shape = self._floats(values), values.shape[1:]
 
-        def at(places: Sequence[Any]) -> Any:
-            clipped = [dr.clip(place, 0, 1) for place in places]
-            first, shares = cell(shape, clipped, self._job)
-            steps = corner_steps(shape)
-            found = [dr.gather(self._device.Float, flat, first + step) for step in steps]
-            for share in reversed(shares):
-                pairs = zip(found[::2], found[1::2], strict=True)
-                found = [dr.fma(share, high - low, low) for low, high in pairs]
-            return found[0]
-
-        return at
+        return lambda places: interpolated(flat, shape, places, self._job)
 
     def nearest(self, values: np.ndarray) -> Callable[[Any], Any]:
         """Look-up, at places in [0, 1], of the job's values (D, M) at even distances."""
@@ -95,6 +85,19 @@ def cell(shape: Sequence[int], places: Sequence[Any], table: Any) -> tuple[Any, 
         first = first * count + index
         shares.append(along - type(along)(index))
     return first, shares
+
+
+def interpolated(flat: Any, shape: Sequence[int], places: Sequence[Any], table: Any) -> Any:
+    """Look-up at places, clipped to [0, 1], that is linear along each axis.
+
+    flat: the numbers of a sequence of tables of a shape. table: as of `cell`.
+    """
+    first, shares = cell(shape, [dr.clip(place, 0, 1) for place in places], table)
+    found = [dr.gather(type(flat), flat, first + step) for step in corner_steps(shape)]
+    for share in reversed(shares):
+        pairs = zip(found[::2], found[1::2], strict=True)
+        found = [dr.fma(share, high - low, low) for low, high in pairs]
+    return found[0]
 
 
 def _aligned(values: np.ndarray) -> np.ndarray:

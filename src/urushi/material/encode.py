@@ -32,10 +32,10 @@ def encode(
             10 % and more from f of several narrow lobes, a table by 0.2 %. Textures use the
             codes. The source is evaluated at 25,000 more pairs and their mirror images, or at 124
             rotations of each if it is not symmetric; a file is 150 kB larger. None: for all sources
-            of one width but conductors, dielectrics and Lambertians, whose codes are exact, and
-            Mitsuba BSDFs and Stacks that only random walks know. Give False for a slow function,
-            and for one that draws random numbers. A bare conductor or dielectric, and a Material of
-            the same weights, get none.
+            of one width but conductors without energy compensation, dielectrics and Lambertians,
+            whose codes are exact, and Mitsuba BSDFs and Stacks that only random walks know. Give
+            False for a slow function, and for one that draws random numbers. A bare conductor or
+            dielectric, and a Material of the same weights, get none.
 
     Raises:
         ParameterError: the source is none of these; it is an anisotropic Stack, but the weights

@@ -96,7 +96,7 @@ def _(source: Description) -> Source:
     return Source(
         functools.partial(analytic.f, source),
         symmetric=True,
-        tabulated=lobe is None,
+        tabulated=lobe is None or kind.family.tabulated,
         lobe=lobe,
         bare=kind.family.bare,
         widths=kind.widths,

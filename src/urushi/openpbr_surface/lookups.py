@@ -11,15 +11,13 @@ import numpy as np
 
 from urushi.core import albedos, anisotropic_albedos
 from urushi.core.albedos import between_nodes, indexnodes
+from urushi.core.facets import MIRROR, multiple_albedo, multiple_lobe
 from urushi.core.namespace import DRJIT
 from urushi.mitsuba.interface_albedo import Interpolated, coordinates
 from urushi.openpbr_surface import formulas
 
 #: Lower bound of the share of light that leaves the slab at once; an index of 10 gives more.
 LEAST_SHARE = 1e-3
-
-#: An index of refraction whose facets reflect all light.
-MIRROR = 1e8
 
 
 # The first reflection by a rough white slab below an interface. The facets pass light from a
@@ -82,25 +80,12 @@ class MirrorAlbedo:
         return self._mean(self._at(None, widths))[0]
 
     def lost(self, seen_i, seen_o, widths, fresnel_mean):
-        """The lobe [1/sr] of light that meets more than one facet.
-
-        seen_i, seen_o: `seen` of both directions. fresnel_mean: cosine-weighted mean of the
-        facets' Fresnel term.
-
-        Source: Kulla and Conty 2017, with the Fresnel term of Jimenez and Hanika in their notes.
-        """
-        color = self.multiple(fresnel_mean, widths)
-        # Where nothing is lost, the quotient is 0 / 0.
-        loss = dr.maximum(dr.pi * (1 - self.seen_mean(widths)), 1e-6)
-        return color * ((1 - seen_i) * (1 - seen_o) / loss)
+        """The lobe [1/sr] of `facets.multiple_lobe`; seen_i, seen_o: `seen` of both directions."""
+        return multiple_lobe(seen_i, seen_o, self.seen_mean(widths), fresnel_mean)
 
     def multiple(self, fresnel_mean, widths):
-        """The albedo of light that facets of a mean Fresnel term reflect more than once.
-
-        Source: Kulla and Conty 2017, as `lost`.
-        """
-        mean = self.seen_mean(widths)
-        return fresnel_mean * fresnel_mean * mean / (1 - fresnel_mean * (1 - mean))
+        """The albedo of light that facets of a mean Fresnel term reflect more than once."""
+        return multiple_albedo(fresnel_mean, self.seen_mean(widths))
 
     def _at(self, w, widths) -> list:
         if self._two:

@@ -45,7 +45,7 @@ export type Bottom =
 export interface Stack {
   bottom: Bottom;
   coats: readonly Coat[];
-  /** Whether light that the topmost coat's surface, of one width, loses is given back. */
+  /** Whether light that the topmost surface, a coat's or a metal's of one width, loses is given back. */
   energyCompensation?: boolean;
 }
 

@@ -3,7 +3,7 @@
 import type { Bottom, Coat, Material, Stack } from "./api";
 import { Basis } from "./basis";
 import { CHANNELS, joined, perChannel, rows } from "./channels";
-import { compensated } from "./compensation";
+import { compensated, lostByCoat, lostByMetal } from "./compensation";
 import { EnergyLimit, MOST_ALBEDO } from "./energy";
 import { Evaluation } from "./evaluation";
 import { layered, withinTraining } from "./layerer";
@@ -67,9 +67,17 @@ export class NetworkCore extends Evaluation {
       latents = this.coated(latents, coat);
     }
     const material = this.material(latents);
+    if (!stack.energyCompensation || this.widths === 2) return material;
     const [top] = stack.coats;
-    if (!stack.energyCompensation || top === undefined || this.widths === 2) return material;
-    return compensated(material, top, this.material(below), this);
+    if (top !== undefined)
+      return compensated(material, lostByCoat(top, this.material(below), this));
+    const lobes = rows(latents, this.latentSize).map((code) => code.subarray(0, this.arch.lobe));
+    const lost = lostByMetal(lobes);
+    // The codes, by which directions are drawn, have it evenly.
+    const even = lobes.map((lobe, k) =>
+      this.basis.withEven(lobe, (lost[k].colour * lost[k].loss.mean) / Math.PI),
+    );
+    return { ...compensated(material, lost), latents: joined(even) };
   }
 
   /** The codes of a bottom under a coat, which changes nothing without an interface and a medium. */

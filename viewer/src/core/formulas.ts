@@ -11,8 +11,14 @@ export interface Vector {
 export const CHECKS = { AIR: 1.000277, ETA_RANGE: [0.5, 3], MIN_ALPHA: 0.01, MIN_INDEX_STEP:
   0.0009999, TRAINED_G: [-0.8, 0.9] } as const;
 
+/** Of `urushi.core.albedos` of Python. */
+export const ALBEDOS = { ROUGHNESSES: 16, COSINES: 48 } as const;
+
 /** Of `urushi.core.appearance` of Python. */
 export const APPEARANCE = { WI: [0.6, 0, 0.8], WO: [0, 0.6, 0.8] } as const;
+
+/** Of `urushi.core.facets` of Python. */
+export const FACETS = { MIRROR: 100000000 } as const;
 
 /** Of `urushi.core.quadrature` of Python. */
 export const QUADRATURE = { POLAR_NODES: 48, AZIMUTH_NODES: 16, MIN_TANGENT: 1e-05 } as const;
@@ -149,6 +155,11 @@ export function coatedColor(eta: number, albedo: number, sigmaT: number, g: numb
         reflectance * enteringScattering + enteringDecay)) / (1 - keptInside * ((diffuseScattering -
         reflectance * (diffuseAbsorption + diffuseScattering - diffuseDecay)) / (diffuseAbsorption +
         diffuseScattering - reflectance * diffuseScattering + diffuseDecay))));
+}
+
+/** Albedo of light that facets reflect more than once (Kulla and Conty 2017). */
+export function multipleAlbedo(fresnelMean: number, seenMean: number): number {
+    return fresnelMean * fresnelMean * seenMean / (1 - fresnelMean * (1 - seenMean));
 }
 
 /** Coordinates of a pair of directions in a table of f. */

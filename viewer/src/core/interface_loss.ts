@@ -1,9 +1,10 @@
 /**
- * The share of light that a coat's rough surface loses over a white base: its interface scatters
- * light once, and what would meet a second facet is lost. See `core.albedos` of Python.
+ * The share of light that a rough surface loses: it scatters light once, and what would meet a second
+ * facet is lost. Of a coat over a white base, and of facets that reflect all light; see `core.albedos`
+ * of Python.
  */
 
-import { fresnel } from "./formulas";
+import { ALBEDOS, CHECKS, fresnel, FACETS as MIRRORS } from "./formulas";
 import { gaussLegendre } from "./quadrature";
 
 /** Nodes of the quadrature over visible facets: of their azimuth, and of their height. */
@@ -75,6 +76,11 @@ function means(alpha: number, eta: number, low: number): Shares {
   return [reflected / (1 - low * low), passed / (1 - low * low)];
 }
 
+/** Cosines at which losses are known: those of Python's tables, whose roots have equal distances. */
+export const COSINES = Float32Array.from({ length: ALBEDOS.COSINES }, (_, k) =>
+  Math.max((k / (ALBEDOS.COSINES - 1)) ** 2, 1e-5),
+);
+
 /** The loss at cosines, and its mean over diffuse light. */
 export interface Loss {
   readonly at: Float64Array;
@@ -104,4 +110,28 @@ export function surfaceLoss(
     at[k] = Math.max(lostOf(shares(alpha, eta, cosine)), 0);
   });
   return { at, mean: lostOf(means(alpha, eta, 0)) };
+}
+
+/** The loss at `COSINES` of facets that reflect all light, linear between widths as in Python's table. */
+export function mirrorLoss(alpha: number): Loss {
+  const least = Math.sqrt(CHECKS.MIN_ALPHA);
+  const step = (1 - least) / (ALBEDOS.ROUGHNESSES - 1);
+  const place = (Math.sqrt(alpha) - least) / step;
+  const first = Math.min(Math.floor(place), ALBEDOS.ROUGHNESSES - 2);
+  const [low, high] = [first, first + 1].map((node) => {
+    const width = (least + node * step) ** 2;
+    return Float64Array.from(COSINES, (cosine) => 1 - shares(width, MIRRORS.MIRROR, cosine)[0]);
+  }) as [Float64Array, Float64Array];
+  const at = low.map((loss, k) => loss + (place - first) * (high[k]! - loss));
+  // The mean of what is linear in the root x of the cosine, by the integral of 4 x^3
+  const last = at.length - 1;
+  let mean = 0;
+  for (let k = 0; k < last; k++)
+    NODES.forEach((node, i) => {
+      const share = 0.5 * (node + 1);
+      const root = (k + share) / last;
+      const loss = at[k]! + share * (at[k + 1]! - at[k]!);
+      mean += (2 * root ** 3 * WEIGHTS[i]! * loss) / last;
+    });
+  return { at, mean };
 }

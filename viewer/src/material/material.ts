@@ -46,7 +46,7 @@ export interface MaterialCards {
   coats: readonly CoatCard[];
   /** Angle by which the tangent of all layers is turned [degrees]; 0 if left out. */
   rotation?: number;
-  /** Whether light that the topmost surface, if it has one width, loses is given back. */
+  /** Whether light that the topmost surface loses is given back, if it can be, see `givesBack`. */
   energyCompensation?: boolean;
   /** The only coat that is shown, by its id; `BARE`: none; null: all that are on. */
   solo: number | null;
@@ -174,10 +174,16 @@ export function isAnisotropic({ bottom, coats }: Stack | ReturnType<typeof seenO
   return isOfCodes || [bottom, ...coats].some((surface) => widthRatio(surface) !== 1);
 }
 
-/** Whether light is given back: surfaces of one width can. */
-export function isCompensated(material: MaterialCards): boolean {
+/** Whether the topmost surface that is shown can give light back: a coat's or a metal's of one width. */
+export function givesBack(material: MaterialCards): boolean {
   const seen = seenOf(material);
-  return material.energyCompensation === true && seen.coats.length > 0 && !isAnisotropic(seen);
+  const isRough = seen.coats.length > 0 || seen.bottom.kind === "conductor";
+  return isRough && !isAnisotropic(seen);
+}
+
+/** Whether light is given back. */
+export function isCompensated(material: MaterialCards): boolean {
+  return material.energyCompensation === true && givesBack(material);
 }
 
 /** Whether another coat can be added. */

@@ -28,6 +28,10 @@ export function mitsubaXml(material: MaterialCards): string {
     throw new Refusal(
       "Mitsuba turns no tangent of a bare surface; set the angle to 0, or save the material.",
     );
+  if (isCompensated(material) && stack.coats.length === 0)
+    throw new Refusal(
+      "Mitsuba has no bare metal with energy compensation; switch that off, or save the material.",
+    );
   const layers: Plugin[] = [...stack.coats.map(pluginOf), bottomOf(stack.bottom)];
   if (isCompensated(material)) layers[0]![1].push(["energy_compensation", true]);
   if (isTurned) layers[0]![1].push(["rotation", rotation]);

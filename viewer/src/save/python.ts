@@ -15,6 +15,7 @@ import { Refusal } from "../refusal";
 export function pythonText(material: MaterialCards): string {
   const { name, rotation = 0 } = material;
   const stack = seenOf(material);
+  const isBare = stack.coats.length === 0;
   const lines = [
     "import numpy as np",
     "",
@@ -22,7 +23,7 @@ export function pythonText(material: MaterialCards): string {
     "",
     "# The layers one by one by the layering network, as on the page. Without fast=True, light",
     "# transport is computed, which takes longer and is closer to the random walk.",
-    `material = ${bottomText(stack.bottom)}`,
+    `material = ${bottomText(stack.bottom, isBare && isCompensated(material))}`,
   ];
   for (const coat of [...stack.coats].reverse()) {
     const top = call("urushi.dielectric", [...widthsOf(coat), ["ior", coat.ior]]);
@@ -31,7 +32,7 @@ export function pythonText(material: MaterialCards): string {
     const others = [...mediumParameters(coat), ...given, ["fast", "True"] as const];
     lines.push(`material = ${call("urushi.layer", others, `${top}, material`)}`);
   }
-  if (stack.coats.length === 0) lines.push("material = urushi.encode(material)");
+  if (isBare) lines.push("material = urushi.encode(material)");
   const turned = rotation !== 0 && isAnisotropic(stack) ? `material.rotated(${rotation})` : "";
   const direction = "np.array([[0.5, 0.0, np.sqrt(0.75)]])";
   lines.push(
@@ -75,12 +76,19 @@ export function fileName(name: string): string {
   );
 }
 
-function bottomText(bottom: BottomInAir): string {
+function bottomText(bottom: BottomInAir, isGiven: boolean): string {
+  const given = isGiven ? [["energy_compensation", "True"] as const] : [];
   switch (bottom.kind) {
-    case "conductor":
-      return "r0" in bottom
-        ? call("urushi.conductor", [...widthsOf(bottom), ["r0", bottom.r0]])
-        : call("urushi.conductor", [...widthsOf(bottom), ["eta", bottom.eta], ["k", bottom.k]]);
+    case "conductor": {
+      const facets: [string, Channels][] =
+        "r0" in bottom
+          ? [["r0", bottom.r0]]
+          : [
+              ["eta", bottom.eta],
+              ["k", bottom.k],
+            ];
+      return call("urushi.conductor", [...widthsOf(bottom), ...facets, ...given]);
+    }
     case "dielectric":
       return call("urushi.dielectric", [...widthsOf(bottom), ["ior", bottom.ior]]);
     case "diffuse":

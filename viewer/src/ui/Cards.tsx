@@ -6,11 +6,10 @@ import { rgb } from "../material/channels";
 import {
   BARE,
   type CoatCard as Card,
+  givesBack,
   hasTangent,
-  isAnisotropic,
   isSeen,
   moved,
-  seenOf,
   takesCoat,
   withCoat,
 } from "../material/material";
@@ -99,18 +98,18 @@ export function Cards() {
         ))}
       </ul>
       <BottomCard material={material.value} alone={solo === BARE} />
-      {coats.length > 0 && (
+      {(coats.length > 0 || material.value.bottom.kind === "conductor") && (
         <label
           class="switch"
           title={
-            isAnisotropic(seenOf(material.value))
-              ? "Materials of two widths have none"
-              : "Light that meets a second facet of the topmost coat is given back"
+            givesBack(material.value)
+              ? "Light that meets a second facet of the topmost surface is given back"
+              : "Materials of two widths, and bare ones but metals, have none"
           }
         >
           <input
             type="checkbox"
-            disabled={isAnisotropic(seenOf(material.value))}
+            disabled={!givesBack(material.value)}
             checked={material.value.energyCompensation === true}
             onChange={({ currentTarget: { checked } }) =>
               changeMaterial({ ...material.value, energyCompensation: checked })

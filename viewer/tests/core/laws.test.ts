@@ -61,6 +61,16 @@ describe("energy", () => {
     expect(Math.max(...after)).toBeLessThan(1.001); // the quadrature's own error is 0.001
   });
 
+  test("a rough white metal reflects all light once it is compensated", () => {
+    const cosines = Float32Array.of(0.05, 0.2, 0.5, 0.8, 1);
+    for (const alpha of [0.05, 0.3, 0.6, 1]) {
+      const bottom = { kind: "conductor", alpha, r0: 1 } as const;
+      const white = core.layer({ bottom, coats: [], energyCompensation: true });
+      for (const albedo of core.albedo(white, cosines))
+        expect(Math.abs(albedo - 1)).toBeLessThan(0.006); // of tables, in width and in directions
+    }
+  });
+
   test("a coat of the same index hardly changes vermilion's red", () => {
     const shipped = loadCore(bytesOf(SHIPPED));
     const red = (material: MaterialCards) =>

@@ -151,6 +151,14 @@ test("what becomes a metal is bright, and what is shown otherwise is said", asyn
   await expect(coats(page).nth(1)).not.toContainText("looks alike");
   await page.getByLabel("Kind of bottom").selectOption("Metal by reflectance");
   await expect(number(page, "Bottom, Reflectance, red")).toHaveValue("0.9");
+  const given = page.getByLabel("Energy compensation");
+  await expect(given).toBeEnabled();
+  await page.getByRole("button", { name: "Solo the bottom" }).click(); // a bare metal has it
+  await expect(given).toBeEnabled();
+  await page.getByLabel("Kind of bottom").selectOption("Matt (Lambertian)");
+  await expect(given).toBeDisabled();
+  await page.getByLabel("Kind of bottom").selectOption("Metal by reflectance");
+  await page.getByRole("button", { name: "Solo the bottom" }).click();
 
   const solo = page.getByRole("button", { name: "Solo Coat 1" });
   const background = () => solo.evaluate((element) => getComputedStyle(element).backgroundColor);

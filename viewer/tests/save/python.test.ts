@@ -29,9 +29,11 @@ const vectors = readVectors("default");
 const VARNISH = { alpha: 0.05, ior: 1.5, sigmaT: [0.1, 0.3, 0.9] };
 const MATT = { alpha: 0.8, color: [0.9, 0.6, 0.3] };
 const COMPENSATED = [
-  { kind: "conductor", alpha: 0.3, r0: [0.2, 0.1, 0.05] },
-  { kind: "diffuse", reflectance: 0.8 },
-].map((bottom) => ({ bottom, coats: [MATT], energyCompensation: true }));
+  { bottom: { kind: "conductor", alpha: 0.3, r0: [0.2, 0.1, 0.05] }, coats: [MATT] },
+  { bottom: { kind: "diffuse", reflectance: 0.8 }, coats: [MATT] },
+  { bottom: { kind: "conductor", alpha: 0.35, r0: [1, 0.6, 0.2] } },
+  { bottom: { kind: "conductor", alpha: [0.2, 0.6, 1], ...METALS.Gold } },
+].map((material) => ({ ...material, energyCompensation: true }));
 const UNDER_VARNISH = [
   { bottom: { kind: "conductor", alpha: 0.2, ...METALS.Gold }, coats: [VARNISH] },
   { bottom: { kind: "dielectric", alpha: 0.2, ior: 1.9 }, coats: [VARNISH] },

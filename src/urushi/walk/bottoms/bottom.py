@@ -49,6 +49,8 @@ class Family:
 
     parameters: ClassVar[tuple[str, ...]]  # their names
     bare: ClassVar[bool] = False  # whether the BRDF is one GGX lobe and nothing else
+    # Whether materials have a table by default although the lobe is known: codes are less exact.
+    tabulated: ClassVar[bool] = False
 
     def __init__(self, *values: Any) -> None:
         """values: of the parameters, which become attributes."""

@@ -1,17 +1,25 @@
-"""Rough conductors: a GGX surface with Schlick's Fresnel term, or with a complex index."""
+"""Rough conductors: a GGX surface with Schlick's Fresnel term, or with a complex index.
+
+A GGX surface scatters light once. The option `energy_compensation` gives back what meets a second
+facet (`core.facets`).
+"""
 
 from dataclasses import dataclass, replace
 from typing import Any
 
+import drjit as dr
 import numpy as np
 import numpy.typing as npt
 
 from urushi import checks
 from urushi.checks import Widths
 from urushi.core import fresnel
+from urushi.core.directions import square_to_cosine_hemisphere
+from urushi.core.facets import SeenLight, multiple_lobe
 from urushi.errors import ParameterError
 from urushi.walk.bottoms.bottom import (
     Description,
+    Family,
     Microfacet,
     Rough,
     Value,
@@ -33,6 +41,7 @@ class Conductor(Rough, Description):
     r0: Value | None = None
     eta: Value | None = None
     k: Value | None = None
+    energy_compensation: bool = False
 
     def __post_init__(self) -> None:
         store_alpha(self, self.alpha, "the conductor's")
@@ -55,7 +64,8 @@ class Conductor(Rough, Description):
 
     @property
     def kind(self) -> str:
-        return "conductor" if self.r0 is not None else "conductor_complex"
+        kind = "conductor" if self.r0 is not None else "conductor_complex"
+        return kind + "_compensated" * self.energy_compensation
 
 
 @maker
@@ -67,6 +77,7 @@ def conductor(
     alpha_v: npt.ArrayLike | None = None,
     eta: npt.ArrayLike | None = None,
     k: npt.ArrayLike | None = None,
+    energy_compensation: bool = False,
 ) -> Conductor:
     """Describe a rough conductor.
 
@@ -76,13 +87,15 @@ def conductor(
         r0: reflectance at normal incidence in [0, 1] (Schlick 1994); or give eta and k.
         eta, k: real and imaginary part of the index of refraction, >= 0, relative to air. Under a
             coat they are divided by the coat's index, relative to air; r0 remains.
+        energy_compensation: whether light that meets a second facet is given back, so that a white
+            conductor reflects all light within 0.3 % (`urushi.core.facets`).
 
     Raises:
         ParameterError: a value is out of range, not exactly one kind of Fresnel term is given, or
             neither alpha nor both of alpha_u and alpha_v.
     """
     width = checks.widths(alpha, alpha_u, alpha_v, "the conductor's")
-    return Conductor(width, r0, eta, k)  # type: ignore[arg-type]
+    return Conductor(width, r0, eta, k, energy_compensation)  # type: ignore[arg-type]
 
 
 class SchlickConductor(Microfacet, kind="conductor"):
@@ -126,3 +139,37 @@ class ComplexConductor(Microfacet, kind="conductor_complex"):
             "eta": rng.uniform(0.05, 3.5, n),
             "k": rng.uniform(0.5, 8.0, n),
         }
+
+
+class Compensated(Microfacet):
+    """A GGX reflector with the light that meets more than one facet (`core.facets`)."""
+
+    bare = False
+    tabulated = True
+    draw = staticmethod(Family.draw)  # training has those of single scattering
+
+    def __init__(self, *values):
+        super().__init__(*values)
+        self._seen = SeenLight(self.alpha)
+
+    def f_pdf(self, wi, wo):
+        f, pdf = super().f_pdf(wi, wo)
+        seen, mean = self._seen.of(wi), fresnel.hemisphere_mean(self.reflectance)
+        valid = (wi.z > 0) & (wo.z > 0)
+        f += dr.select(valid, multiple_lobe(seen, self._seen.of(wo), self._seen.mean, mean), 0)
+        return f, dr.select(valid, seen * pdf + (1 - seen) * wo.z * dr.inv_pi, 0)
+
+    def sample(self, wi, u0, u1, u2):
+        once, _, _ = super().sample(wi, u0, u1, u2)
+        diffuse = square_to_cosine_hemisphere(type(wi), u1, u2)
+        wo = dr.select(u0 < self._seen.of(wi), once, diffuse)
+        f, pdf = self.f_pdf(wi, wo)
+        return wo, dr.select(pdf > 0, f * wo.z / pdf, 0), pdf
+
+
+class CompensatedSchlick(Compensated, SchlickConductor, kind="conductor_compensated"):
+    """`SchlickConductor` with all light."""
+
+
+class CompensatedComplex(Compensated, ComplexConductor, kind="conductor_complex_compensated"):
+    """`ComplexConductor` with all light."""
