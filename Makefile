@@ -5,14 +5,17 @@ unexport PYTHONDONTWRITEBYTECODE
 # One worker for each core; a file's tests stay together, since they share fixtures.
 PYTEST := .venv/bin/pytest --numprocesses auto --dist loadfile --no-loadscope-reorder
 
-.PHONY: demo test test-all test-research lint check-wheel docs docs-packages cookbook tutorial \
+.PHONY: demo test first-tier test-all test-research lint check-wheel docs docs-packages cookbook tutorial \
     notebook thumbnails measured-pictures figures set-up format clean viewer test-web test-page
 
 demo: $(READY)
 	.venv/bin/urushi demo
 
-# The static checks and the tests of the first tier
-test: lint
+# The tests of the first tier; the static checks, which mostly use one core, run beside them.
+test: $(READY)
+	$(MAKE) --jobs 2 lint first-tier
+
+first-tier: $(READY)
 	$(PYTEST) -m "not slow and not research"
 
 # The tests of the first and of the second tier: the long sweeps too, marked as slow

@@ -54,6 +54,13 @@ TIERS = {
 }
 
 
+def pytest_ignore_collect(collection_path: Path, config: pytest.Config) -> bool | None:
+    """Leave out folders of a tier that `-m` deselects: importing their modules takes seconds."""
+    folder = collection_path.relative_to(ROOT / "tests").parts[:1]
+    tiers = [tier for tier in TIERS if {*folder} & {*TIERS[tier]}]
+    return any(f"not {tier}" in config.option.markexpr for tier in tiers) or None
+
+
 #: Tests and cases by their tier, file and name; see the file's first lines.
 CASES = tomllib.loads((ROOT / "tests" / "tiers.toml").read_text())
 

@@ -7,11 +7,9 @@ are drawn again from the seed; the last pair of every stack is stored to detect 
 drawn.
 """
 
-import hashlib
 import os
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from benchmarks.evaluation import samples as sampling
@@ -27,7 +25,6 @@ from urushi.walk.bottoms import KINDS
 
 #: Seed of the stored set.
 SEED = 0
-FORMAT_VERSION = 1
 KIND = "benchmark"
 _REMEDY = "restore it from the repository"
 
@@ -46,10 +43,10 @@ def read(
         groups: to return.
 
     Raises:
-        FileError: missing, foreign, damaged, or made for other groups.
+        FileError: missing, foreign, or made for other groups.
     """
     path = default_path() if path is None else path
-    description, arrays = checked_content(path)
+    description, arrays = files.read_tensors(path, KIND)
     stored = {group["name"]: group for group in description["groups"]}
     result = {}
     for group in groups:
@@ -68,19 +65,6 @@ def read(
             own = {k.removeprefix(prefix): v for k, v in arrays.items() if k.startswith(prefix)}
             result[group.name] = _samples(path, group, description["seed"], own)
     return result
-
-
-def checked_content(path: str | os.PathLike) -> tuple[dict[str, Any], dict[str, np.ndarray]]:
-    """Description and arrays of a file, after checks of its version and its hash."""
-    description, arrays = files.read_tensors(path, KIND)
-    if description.get("version") != FORMAT_VERSION:
-        raise FileError(
-            f"'{path}' has version {description.get('version')!r} of the benchmark format, this "
-            f"Urushi reads {FORMAT_VERSION}; {_REMEDY}"
-        )
-    if description.get("hash") != digest(arrays):
-        raise FileError(f"the benchmark set '{path}' is damaged: its hash is wrong; {_REMEDY}")
-    return description, arrays
 
 
 def _samples(
@@ -117,12 +101,3 @@ def describe(group: Group) -> dict[str, object]:
         "probed": list(group.probed),
         "pairs": [sampling.E_PAIRS, sampling.P_PAIRS, PROBES],
     }
-
-
-def digest(arrays: Mapping[str, np.ndarray]) -> str:
-    """SHA-256 over names, shapes and values."""
-    found = hashlib.sha256()
-    for name in sorted(arrays):
-        found.update(f"{name} {arrays[name].shape} {arrays[name].dtype}\n".encode())
-        found.update(np.ascontiguousarray(arrays[name]).tobytes())
-    return found.hexdigest()

@@ -1,7 +1,7 @@
 """The stored benchmark set: `python -m benchmarks.evaluation.benchmark_set FILE`.
 
 Simulates the stacks that `benchmarks.evaluation` compares with, in about a quarter of an hour on
-two idle cores. Groups that the file holds already are kept.
+two idle cores. Groups that the file holds already are kept to the bit.
 """
 
 import argparse
@@ -14,15 +14,7 @@ from typing import Any
 
 import numpy as np
 from benchmarks.evaluation import samples as sampling
-from benchmarks.evaluation.benchmark import (
-    FORMAT_VERSION,
-    KIND,
-    SEED,
-    checked_content,
-    describe,
-    digest,
-    read,
-)
+from benchmarks.evaluation.benchmark import KIND, SEED, describe, read
 from benchmarks.evaluation.samples import ALBEDO_STACKS, E_PAIRS, GROUPS, Group, Samples
 from tqdm import tqdm
 
@@ -53,36 +45,10 @@ ALBEDO_PILOT = 64
 Allotment = Callable[[np.ndarray, np.ndarray], np.ndarray]
 
 
-def make(path: str | os.PathLike, groups: tuple[Group, ...] = GROUPS) -> str:
-    """Simulate groups and write them to a file; returns its hash.
-
-    The file is written after each group. Groups that it holds with the same description and seed
-    are kept to the bit and not simulated; its other groups are left out.
-
-    Raises:
-        FileError: the file is foreign or damaged, or cannot be written.
-    """
-    sets: dict[str, Samples] = {}
-    if Path(path).exists():
-        description, _ = checked_content(path)
-        held = {group["name"]: group for group in description["groups"]}
-        if description["seed"] == SEED:
-            sets = read(path, tuple(g for g in groups if held.get(g.name) == describe(g)))
-    digest = write(path, sets, tuple(group for group in groups if group.name in sets))
-    for group in groups:
-        if group.name not in sets:
-            sets[group.name] = simulate(group, SEED)
-            digest = write(path, sets, tuple(group for group in groups if group.name in sets))
-    return digest
-
-
 def write(
-    path: str | os.PathLike,
-    sets: Mapping[str, Samples],
-    groups: tuple[Group, ...] = GROUPS,
-    seed: int = SEED,
-) -> str:
-    """Write simulated sets by the groups' names to a file; returns its hash."""
+    path: str | os.PathLike, sets: Mapping[str, Samples], groups: tuple[Group, ...] = GROUPS
+) -> None:
+    """Write simulated sets by the groups' names to a file."""
     simulated = [group for group in groups if group.distribution.coats]
     arrays = {
         f"{group.name}.{name}": array
@@ -91,14 +57,11 @@ def write(
     }
     packages = {name: version(name) for name in ("urushi", "numpy", "drjit")}
     description: dict[str, Any] = {
-        "version": FORMAT_VERSION,
-        "seed": seed,
+        "seed": SEED,
         "groups": [describe(group) for group in simulated],
-        "hash": digest(arrays),
         "versions": {"python": platform.python_version(), **packages},
     }
     files.write_tensors(path, KIND, description, arrays)
-    return description["hash"]
 
 
 def _arrays(samples: Samples) -> dict[str, np.ndarray]:
@@ -270,9 +233,13 @@ def _albedo(
 def main() -> None:
     """Write the set."""
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("file", type=Path, help="file to write (.safetensors), or to continue")
-    file = parser.parse_args().file
-    print(f"{file}  {make(file)}")
+    parser.add_argument("file", type=Path, help="file to write (.safetensors), or to complete")
+    file, held = parser.parse_args().file, {}
+    if file.exists():
+        held = {group["name"]: group for group in files.read_tensors(file, KIND)[0]["groups"]}
+    kept = tuple(group for group in GROUPS if held.get(group.name) == describe(group))
+    sets = read(file, kept) if kept else {}
+    write(file, {g.name: sets.get(g.name) or simulate(g, SEED) for g in GROUPS})
 
 
 if __name__ == "__main__":

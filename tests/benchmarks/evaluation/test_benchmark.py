@@ -6,19 +6,15 @@ from benchmarks.evaluation import benchmark, benchmark_set
 from benchmarks.evaluation import samples as sampling
 from benchmarks.evaluation.samples import GROUPS
 
-from urushi.errors import FileError
-from urushi.files import read_tensors, write_tensors
-
 
 @pytest.fixture(scope="module")
 def stored():
     return benchmark.read()
 
 
-@pytest.mark.slow
 def test_write_and_read(sets, groups, tmp_path):
     path = tmp_path / "set.safetensors"
-    digest = benchmark_set.write(path, sets, groups)
+    benchmark_set.write(path, sets, groups)
     again = benchmark.read(path, groups)
     for group in groups:
         ours, theirs = again[group.name], sets[group.name]
@@ -31,7 +27,6 @@ def test_write_and_read(sets, groups, tmp_path):
     np.testing.assert_allclose(few.se, made.se, rtol=2**-11, atol=2**-25)
     np.testing.assert_array_equal(few.probed[1], made.probed[1])
     np.testing.assert_array_equal(few.albedo, made.albedo)
-    assert benchmark_set.write(path, again, groups) == digest
 
 
 def test_the_stored_stacks_are_those_of_the_seed(stored):
@@ -61,15 +56,3 @@ def test_the_current_simulator_agrees_with_the_stored_set(stored, name):
     z = (f - ours.f[:2]) / np.maximum(error, 1e-6)
     assert 0.7 < np.median(np.abs(z)) / 0.6745 < 1.3
     assert abs(z.mean()) < 0.35
-
-
-@pytest.mark.parametrize("name", ["f", "coats"])
-def test_a_damaged_set_is_refused(sets, groups, tmp_path, name):
-    path = tmp_path / "set.safetensors"
-    benchmark_set.write(path, sets, groups)
-    description, arrays = read_tensors(path, "benchmark")
-    kind = description.pop("kind")
-    arrays[f"few.{name}"] = arrays[f"few.{name}"] * np.float32(1.001)
-    write_tensors(path, kind, description, arrays)
-    with pytest.raises(FileError, match="damaged: its hash is wrong; restore it from the rep"):
-        benchmark.read(path, groups)
