@@ -128,14 +128,13 @@ SMOOTH = {"specular_roughness": 0.43, "specular_ior": 1.36, "coat_roughness": 0.
 BRUSHED = {"coat_roughness": 0.6, "coat_roughness_anisotropy": 0.7}
 FILM_IN_COAT = {"specular_roughness": 0.3, "coat_roughness": 0.5, "thin_film_weight": 0.3}
 FURNACES = {
-    "dielectric": Furnace(ROUGH, tier="slow"),
+    "dielectric": Furnace(ROUGH, 0.003, tier="slow"),
     "metal": Furnace(COATED_METAL, tier="slow"),
-    "thin coat": Furnace(THIN, tier="slow"),
+    "thin coat": Furnace(THIN, 0.003, tier="slow"),
     "mixture": Furnace(MIXTURE),
-    # Codes reflected 1.6 % too much at normal incidence and too little elsewhere.
     "one side": Furnace(STRONG | {"coat_ior": 2.18}, 0.005, tier="slow"),
     # What returns of the loss is over its mean, which must be the mean of the same table.
-    "smooth coat": Furnace(SMOOTH, 0.03, (0.25, 0.15), tier="slow"),
+    "smooth coat": Furnace(SMOOTH, 0.005, (0.25, 0.15), tier="slow"),
     # The loss is linear between nine nodes; a texel of each is beside the middle.
     "varying index": Furnace(
         {"coat_roughness": 0.5, "coat_ior": (1.2, 2.2)}, 0.01, (0.9, 0.3), u=(0.25, 0.75),
@@ -148,7 +147,7 @@ FURNACES = {
     # Interpolation of the loss, and noise of the walks.
     "brushed": Furnace(BRUSHED, 0.015, (0.3,), (0.0, 45.0, 90.0), "slow"),
     "brushed, walks": Furnace(BRUSHED | WALKS, 0.015, (0.3,), (0.0, 45.0, 90.0)),
-    # The table of the loss of walks is measured with a noise of some 0.5 %.
+    # The loss of walks has a noise of some 0.5 %.
     "walks": Furnace({"coat_roughness": 0.1} | WALKS, 0.015, (1.0, 0.6, 0.3)),
     "rough walks": Furnace({"coat_roughness": 1.0} | WALKS, 0.015, (1.0, 0.6, 0.3)),
     "walks over metal": Furnace(METAL | {"coat_roughness": 0.7} | WALKS, 0.015, (1.0, 0.6, 0.3)),

@@ -1,12 +1,10 @@
 """Panes, and coats on what transmits light, as slabs of `layered` and `neural_layered`."""
 
 from collections.abc import Callable
-from functools import partial
 from typing import Any, ClassVar
 
 import drjit as dr
 import mitsuba as mi
-import numpy as np
 
 from urushi.checks import AIR
 from urushi.core.appearance import optical_depth
@@ -18,81 +16,56 @@ from urushi.mitsuba.reading.parameters import opaque
 from urushi.openpbr_surface import formulas
 from urushi.openpbr_surface.bsdfs import SurfaceProposal
 from urushi.openpbr_surface.inputs import Inputs, derived, width_properties
-from urushi.openpbr_surface.loss_table import AXES, LossAxes, along, sampled_losses, table_of
+from urushi.openpbr_surface.lost_light import AXES, LostLight, Place
 from urushi.openpbr_surface.shares import index2, index_of, tint_of
 from urushi.walk import interface
-
-#: Samples from which the light that a slab loses is measured, for each cosine.
-SAMPLES = 1 << 16
 
 
 class Finish:
     """What a part lacks: the tint of a coated body, and light that meets more than one facet.
 
-    The lobe that returns the light is as that of `Glass`. Its losses on each side are measured from
-    samples of white slabs, and are a table.
+    The lobe that returns the light is as that of `Glass`.
     """
 
-    DRJIT_STRUCT: ClassVar = dict.fromkeys(
-        ("_losses", "_index", "_means"), object
-    )  # for frozen functions
+    DRJIT_STRUCT: ClassVar = {"_losses": object, "_index": object}  # for frozen functions
 
     def __init__(self, inputs: Inputs, coated: bool, white: Callable[..., Any] | None):
         """white: makes the white slab, with some parameters replaced; None: it loses no light."""
         self._inputs, self._coated = inputs, coated
-        self._losses: Any = None
-        index = 1.0 if inputs.thin else index_of(inputs)
-        self._index = opaque(index)
-        if white is None:
-            return
-        layers = ("specular", "coat") if coated else ("specular",)
-        names = [name for name in AXES if name.split("_")[0] in layers]
-        self._axes = LossAxes(inputs, names, layers)
-        with dr.suspend_grad():
-            bsdf = white({name: mi.load_dict(x) for name, x in self._axes.textures.items()})
-            measure = partial(sampled_losses, bsdf, samples=SAMPLES)
-            sides = [
-                np.maximum(self._axes.measured(partial(measure, below=below, edge=edge)), 0)
-                for below, edge in ((False, False), (True, not inputs.thin))
-            ]
-        self._losses = table_of(sides)
-        means = [self._axes.means(side) for side in sides]
-        below = np.pi * index**2 * means[1]
-        scale = np.maximum(np.pi * means[0] + below, 1e-5)
-        # The scale of the lobe, and the share of the light that is returned below.
-        self._means: Any = table_of([scale, below / scale]) if self._axes.varying else None
-        if self._means is None:
-            self._means = [opaque(float(scale)), opaque(float(below / scale))]
+        self._index = opaque(1.0 if inputs.thin else index_of(inputs))
+        self._losses: LostLight | None = None
+        if white is not None:
+            layers = ("specular", "coat") if coated else ("specular",)
+            names = [name for name in AXES if name.split("_")[0] in layers]
+            self._losses = LostLight(inputs, names, layers, white)
 
-    def _at(self, si, active) -> tuple[Any, list, list]:
-        """Coordinates at a surface interaction, and the means there."""
-        at = self._axes.at(si, active)
-        means = self._means(at) if self._axes.varying else self._means
-        return self._axes.widths(si, active), at, means
+    def _scale(self, losses: LostLight, place: Place) -> tuple[Any, Any]:
+        """The scale of the lobe, and the share of the light that is returned below."""
+        _, above, _, below = losses.means(place)
+        below = dr.pi * self._index * self._index * below
+        scale = dr.maximum(dr.pi * above + below, 1e-5)
+        return scale, below / scale
 
-    def _lost(self, w, widths, at):
-        """Share of the light from a direction that is lost."""
-        return dr.select(w.z > 0, *self._losses([*along(w, widths), *at]))
-
-    def _returned(self, si, active):
+    def _returned(self, losses: LostLight, si, active):
         """Directions of the returned light, and their share of all."""
-        widths, at, (_, below) = self._at(si, active)
+        place = losses.at(si, active)
+        below = self._scale(losses, place)[1]
         through = dr.select(si.wi.z > 0, below, 1 - below)
-        share = dr.clip(self._lost(si.wi, widths, at), 0, 0.9)
+        share = dr.clip(losses.lost(si.wi, place), 0, 0.9)
         return with_far_side(Mixture([0.0, 1.0], [1.0]), through), share
 
     def proposal(self, slab, si, active):
         """The proposal of the slab with it."""
         if self._losses is None:
             return slab
-        lobe, share = self._returned(si, active)
+        lobe, share = self._returned(self._losses, si, active)
         return SurfaceProposal([(slab, 1 - share), (lobe, share)], 0.0)
 
     def density(self, density, si, wo, active):
         """The density of `proposal` at wo, from the slab's [1/sr]."""
         if self._losses is None:
             return density
-        lobe, share = self._returned(si, active)
+        lobe, share = self._returned(self._losses, si, active)
         return dr.lerp(density, lobe.pdf(si.wi, wo), share)
 
     def f(self, f, ctx, si, wo, active):
@@ -109,9 +82,9 @@ class Finish:
             f = dr.select(below, first + tint * tint * (f - first), f * dr.select(through, tint, 1))
         if self._losses is None:
             return f
-        widths, at, (scale, _) = self._at(si, active)
-        lobe = self._lost(si.wi, widths, at) * self._lost(wo, widths, at)
-        lobe *= index2(wo, self._index) / scale
+        place = self._losses.at(si, active)
+        one, other = (dr.maximum(self._losses.lost(w, place), 0) for w in (si.wi, wo))
+        lobe = one * other * (index2(wo, self._index) / self._scale(self._losses, place)[0])
         if self._coated:
             tint *= dr.sqrt(inputs.color("coat_color", si, active))
         if ctx.mode != mi.TransportMode.Importance:

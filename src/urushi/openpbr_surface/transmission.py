@@ -220,9 +220,10 @@ def define(proposal_bsdf: type) -> Callable[..., "mi.BSDF"]:
             made.fixed = {*made.names} - {*differentiable}
             return made
 
-        def whitened(bsdf: Any, make: Callable[[Inputs], Any], values: dict[str, Any]) -> Any:
-            if not values and all(inputs.is_constant(name, 1) for name in COLORS):
+        def whitened(bsdf: Any, make: Callable[[Inputs], Any], textures: dict[str, Any]) -> Any:
+            if not textures and all(inputs.is_constant(name, 1) for name in COLORS):
                 return bsdf
+            values = {name: mi.load_dict(x) for name, x in textures.items()}
             return make(inputs.replaced(dict.fromkeys(COLORS, 1.0) | values))
 
         def parts(former: list) -> list:

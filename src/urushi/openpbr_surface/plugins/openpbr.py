@@ -155,7 +155,7 @@ def _layers(
     below = base(inputs, True, tables)
     compensation = None
     if compensated:
-        compensation = Compensation(inputs, tables, lambda x: coated(x, base(x, True, tables)))
+        compensation = Compensation(inputs, lambda x: coated(x, base(x, True, tables)))
     in_air = None if covered else base(inputs, False)
     return Layers(in_air, below, coated(inputs, below), compensation)
 

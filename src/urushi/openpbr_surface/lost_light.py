@@ -1,0 +1,218 @@
+"""Light that rough surfaces lose, measured on white twins over the parameters of the material.
+
+A walk, a table or a code follows light that each facet scatters once. The rest is lost. The white
+twin is the same material with all colours set to one, so that what it does not return is lost.
+"""
+
+from collections.abc import Callable, Sequence
+from typing import Any, ClassVar, NamedTuple
+
+import drjit as dr
+import mitsuba as mi
+import numpy as np
+
+from urushi.core import albedos, anisotropic_albedos
+from urushi.core.namespace import DRJIT
+from urushi.core.quadrature import directional_albedos
+from urushi.mitsuba.interface_albedo import Interpolated
+from urushi.mitsuba.reading import probing
+from urushi.mitsuba.reading.offers import offer_of
+from urushi.openpbr_surface import formulas
+from urushi.openpbr_surface.inputs import Inputs
+
+#: Parameters that are axes of the table where they vary, the most important first.
+AXES = (
+    *("specular_roughness", "coat_roughness", "coat_ior", "specular_roughness_anisotropy"),
+    *("coat_roughness_anisotropy", "specular_ior", "base_diffuse_roughness"),
+)
+
+#: Nodes of each axis by the number of axes. Parameters beyond them count as in the middle of uv.
+NODES = (1, 9, 9, 5)
+
+#: Greatest anisotropy of an axis: codes have no wider quotients.
+MOST_ANISOTROPY = 0.89
+
+#: Nodes of the azimuth of materials of two widths, and of the cosine, in its root.
+TURNS, COSINES = 5, 17
+
+#: Least cosine at which light is measured.
+LEAST_COSINE = 0.02
+
+#: Samples of walks and slabs for each cosine: at a single node, and at the least at each of many,
+#: which together have `MANY` times as many.
+SAMPLES, LEAST_SAMPLES, MANY = 1 << 16, 1 << 12, 3
+
+#: Azimuths of the quadrature, over a quarter turn; half of them where the azimuth matters.
+AZIMUTHS = 16
+
+
+class Place(NamedTuple):
+    """Where the light is looked up, besides the direction."""
+
+    widths: Any  # the two widths to which the azimuth is relative; () if there are none
+    at: list  # coordinates of the parameters, the last axis first
+
+
+class LostLight:
+    """Share of the light from each direction that a white twin loses, as a table.
+
+    Negative where the twin returns too much. Its axes are the direction, and the parameters that
+    vary over the surface.
+    """
+
+    DRJIT_STRUCT: ClassVar = {"_table": object, "_means": object}  # for frozen functions
+
+    def __init__(
+        self,
+        inputs: Inputs,
+        names: Sequence[str],
+        layers: Sequence[str],
+        twin: Callable[[dict[str, Any]], "mi.BSDF"],
+    ):
+        """Measure the twin.
+
+        names: of `AXES`, on which the loss depends. layers: "coat" or "specular", whose widths may
+        be two. twin: makes the white twin; takes textures of the parameters that vary, by name, as
+        Mitsuba's dictionaries.
+        """
+        self._inputs = inputs
+        #: The parameters that are axes, the most important first.
+        self.varying = [name for name in names if self._varies(name)][: len(NODES) - 1]
+        self._nodes = [NODES[len(self.varying)]] * len(self.varying)
+        grid = np.meshgrid(*[np.linspace(0, 1, n) for n in self._nodes], indexing="ij")
+        values = {
+            name: _value_at(name, x.ravel()) for name, x in zip(self.varying, grid, strict=True)
+        }
+        count = int(np.prod(self._nodes))
+        self._turning = next(
+            (x for x in layers if not inputs.is_constant(f"{x}_roughness_anisotropy", 0)), None
+        )
+        cos2, weights = np.full((count, 1), 0.5), np.ones((count, 1))  # of azimuths
+        if self._turning:
+            pair = f"{self._turning}_roughness", f"{self._turning}_roughness_anisotropy"
+            rough, bias = (values.get(n, np.full(count, inputs.middle(n))) for n in pair)
+            u, v = formulas.lobe_widths(rough, bias)
+            cos2 = anisotropic_albedos.cos2_at(np.linspace(0, 1, TURNS), u / v)
+            weights = anisotropic_albedos.turn_weights(TURNS, u / v)
+        with dr.suspend_grad():
+            bsdf = twin({name: _texture(x) for name, x in values.items()})
+            sides = [
+                _measured(bsdf, cos2, side) for side in ((1, -1) if _transmits(bsdf) else (1,))
+            ]
+        means = [
+            ((part @ _hemisphere_weights()) * weights).sum(1)
+            for lost in sides
+            for part in (lost, np.maximum(lost, 0))
+        ]
+        turns = [TURNS] if self._turning else []
+        self._table = _table(sides, [*self._nodes, *turns, COSINES])
+        self._means = _table(means, self._nodes)
+
+    def _varies(self, name: str) -> bool:
+        # A roughness that was changed is an axis, so that the table stays when it changes again.
+        if name.endswith("roughness") and self._inputs.known(name) is None:
+            return True
+        return not self._inputs.is_uniform([name])
+
+    def at(self, si, active) -> Place:
+        """The material at a surface interaction."""
+        inputs, turning = self._inputs, self._turning
+        at = [_coordinate(name, inputs.number(name, si, active)) for name in self.varying]
+        return Place(inputs.widths(turning, si, active) if turning else (), at[::-1])
+
+    def lost(self, w, place: Place) -> Any:
+        """Share of the light from a direction w that is lost."""
+        along = [DRJIT.safe_sqrt(DRJIT.absolute(w.z))]
+        if self._turning:
+            along.append(anisotropic_albedos.coordinates(w, place.widths, DRJIT)[0])
+        sides = self._table([*along, *place.at])
+        return sides[0] if len(sides) == 1 else dr.select(w.z > 0, *sides)
+
+    def means(self, place: Place) -> list:
+        """Cosine-weighted means of the share on each side, and of its positive part."""
+        return self._means(place.at)
+
+
+def _value_at(name: str, x: np.ndarray) -> np.ndarray:
+    """The parameter of a coordinate in [0, 1]. Indices are from 1 to 3."""
+    if not name.endswith("ior"):
+        return MOST_ANISOTROPY * x if name.endswith("anisotropy") else x
+    amplitude = albedos.LARGEST_AMPLITUDE * x * x
+    return (1 + amplitude) / (1 - amplitude)
+
+
+def _coordinate(name: str, value):
+    """The inverse of `_value_at`."""
+    if not name.endswith("ior"):
+        return value / MOST_ANISOTROPY if name.endswith("anisotropy") else value
+    amplitude = (value - 1) / (value + 1) / albedos.LARGEST_AMPLITUDE
+    return DRJIT.sqrt(DRJIT.clip(amplitude, 1e-6, 1))
+
+
+def _texture(values: np.ndarray) -> dict[str, Any]:
+    """A texture of values (N,) along u."""
+    return {
+        "type": "bitmap",
+        "bitmap": mi.Bitmap(np.ascontiguousarray(values[None, :, None], np.float32)),
+        "raw": True,
+        "filter_type": "nearest",
+        "wrap_mode": "clamp",
+    }
+
+
+def _table(parts: Sequence[np.ndarray], shape: Sequence[int]) -> Interpolated:
+    """Tables of a shape as the channels of one."""
+    return Interpolated(np.stack([x.reshape(shape) for x in parts], axis=-1).astype(np.float32))
+
+
+def _hemisphere_weights() -> np.ndarray:
+    """Weights (COSINES,) of a cosine-weighted mean of values at the table's nodes."""
+    weight = 4 * np.linspace(0, 1, COSINES) ** 3 / (COSINES - 1)  # of 2 cos dcos
+    weight[-1] /= 2
+    return weight
+
+
+def _measured(bsdf: "mi.BSDF", cos2: np.ndarray, side: int) -> np.ndarray:
+    """Losses (N, TURNS, COSINES) at N nodes along u, and squared cosines (N, TURNS) of azimuths.
+
+    side: 1 of light from above, -1 from below. What has codes is integrated. Walks and slabs, whose
+    light also goes through, are sampled: their error is up to 1 %.
+    """
+    cosine = np.maximum(np.linspace(0, 1, COSINES) ** 2, LEAST_COSINE)
+    sine = np.sqrt(1 - cosine**2)
+    integrates = offer_of(bsdf).latents is not None and not _transmits(bsdf)
+    samples = SAMPLES if cos2.size == 1 else max(MANY * SAMPLES // cos2.size, LEAST_SAMPLES)
+    kept = np.empty((*cos2.shape, COSINES))
+    for node, turn in np.ndindex(cos2.shape):
+        share, uv = cos2[node, turn], np.array([[(node + 0.5) / len(cos2), 0.5]])
+        x, y = sine * np.sqrt(share), sine * np.sqrt(1 - share)
+        wi = np.stack([x, y, side * cosine], -1)
+        if integrates:
+            kept[node, turn] = _integrated(bsdf, uv, wi, anisotropic=cos2.shape[1] > 1)
+        else:
+            kept[node, turn] = _sampled(bsdf, uv, wi, samples)
+    return 1 - kept
+
+
+def _transmits(bsdf: "mi.BSDF") -> bool:
+    return mi.has_flag(bsdf.flags(), mi.BSDFFlags.Transmission)
+
+
+def _integrated(bsdf: "mi.BSDF", uv: np.ndarray, wi: np.ndarray, anisotropic: bool) -> np.ndarray:
+    """Albedos (N,) of the first channel at uv (1, 2), for light from wi (N, 3)."""
+
+    def f(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+        return probing.bsdf_values(bsdf, a, b, np.repeat(uv, len(a), axis=0))
+
+    azimuths = AZIMUTHS // 2 if anisotropic else AZIMUTHS
+    return directional_albedos(f, wi, anisotropic=anisotropic, azimuths=azimuths)[:, 0]
+
+
+def _sampled(bsdf: "mi.BSDF", uv: np.ndarray, wi: np.ndarray, samples: int) -> np.ndarray:
+    """As `_integrated`, by samples of each direction, which may be on either side."""
+    index = np.arange(samples * len(wi))
+    si = probing.interaction(np.repeat(wi, samples, 0), np.repeat(uv, len(index), 0), index * 1.0)
+    u = [((index + 0.5) * 1.2207440846057596**-k % 1).astype(np.float32) for k in (1, 2, 3)]
+    context = mi.BSDFContext(mi.TransportMode.Importance)  # shares of power
+    _, weight = bsdf.sample(context, si, mi.Float(u[0]), mi.Point2f(u[1], u[2]))
+    return np.broadcast_to(weight[0].numpy(), len(index)).reshape(len(wi), -1).mean(axis=1)
