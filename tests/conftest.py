@@ -226,6 +226,14 @@ def rgb():
     return mi
 
 
+@pytest.fixture
+def few_points(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Coats with textures by few points of transport, for what does not depend on their number."""
+    from urushi.textures import axes
+
+    monkeypatch.setattr(axes, "POINTS", {1: (5, 8, 12, 24, 48, 96), 2: (3, 6, 10, 20, 30, 40)})
+
+
 def _unit(vectors: np.ndarray) -> np.ndarray:
     return vectors / np.linalg.norm(vectors, axis=-1, keepdims=True)
 

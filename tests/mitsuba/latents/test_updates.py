@@ -68,7 +68,7 @@ def test_changes_of_numbers_and_textures(rgb, networks):
         check_equal(bsdf, rgb.load_dict(described(rgb, networks, sigma_t=2.0, **properties)))
 
 
-def test_changes_within_ranges_bake_nothing(rgb, networks):
+def test_changes_within_ranges_bake_nothing(rgb, networks, few_points):
     bsdf = rgb.load_dict(described(rgb, networks))
     baked = bsdf.latents.baked
     changed(rgb, bsdf, albedo_data=noise(3))
@@ -78,7 +78,7 @@ def test_changes_within_ranges_bake_nothing(rgb, networks):
     assert bsdf.latents.baked is not baked
 
 
-def test_a_constant_of_a_textured_bottom(rgb, networks):
+def test_a_constant_of_a_textured_bottom(rgb, networks, few_points):
     base = {"type": "roughconductor", "alpha": bitmap(rgb, noise(1)), "distribution": "beckmann"}
     bsdf = rgb.load_dict(described(rgb, networks, albedo=0.5, base=base))
     changed(rgb, bsdf, bottom_eta_value=0.5)
@@ -86,7 +86,7 @@ def test_a_constant_of_a_textured_bottom(rgb, networks):
     check_equal(bsdf, rgb.load_dict(described(rgb, networks, albedo=0.5, base=base)))
 
 
-def test_a_change_of_a_nested_coat(rgb, networks):
+def test_a_change_of_a_nested_coat(rgb, networks, few_points):
     inner = described(rgb, networks)
     outer = {"type": "neural_layered", "weights": str(networks), "alpha": 0.1, "inner": inner}
     bsdf = rgb.load_dict(outer)
@@ -97,7 +97,7 @@ def test_a_change_of_a_nested_coat(rgb, networks):
     check_equal(bsdf, rgb.load_dict(outer))
 
 
-def test_a_change_out_of_range_can_be_taken_back(rgb, networks):
+def test_a_change_out_of_range_can_be_taken_back(rgb, networks, few_points):
     bsdf = rgb.load_dict(described(rgb, networks))
     before = codes(bsdf)
     with pytest.raises(ParameterError, match="albedo is .*; it must be"):
