@@ -13,4 +13,4 @@ from urushi.mitsuba import register
 
 __all__ = ["Material", "PaperNetworks", "encode", "layer", "load", "separate_kernels"]
 
-register.register(plugins.ROOM)
+register.register(plugins.PLUGINS)

@@ -19,7 +19,7 @@ from fan2022.networks import PaperNetworks, projection_pairs
 from fan2022.texels import CodeTexture, choose, different_rows
 from urushi.errors import ParameterError, PlatformError, UrushiWarning
 from urushi.mitsuba import spectrum
-from urushi.mitsuba.plugins.base import resolve
+from urushi.mitsuba.properties import resolve
 from urushi.mitsuba.reading import probing
 from urushi.mitsuba.reading.grid import check_normals, varying_textures
 from urushi.mitsuba.reading.parameters import (
@@ -29,7 +29,8 @@ from urushi.mitsuba.reading.parameters import (
     nested_bsdf,
 )
 from urushi.mitsuba.recording import only_where
-from urushi.mitsuba.register import Room
+from urushi.mitsuba.register import PluginSet
+from urushi.mitsuba.surface import Surface, surface_of
 from urushi.textures.store import MIDDLE, TexelGrid
 
 #: Texels whose bottom is evaluated at once: bounds memory.
@@ -68,139 +69,137 @@ class TexelCodes(CodeTexture):
         return self._sampler.proposal([sum(z) / self.channels for z in zip(*vertex, strict=True)])
 
 
-def define(base: type) -> dict[str, type]:
-    """Make the plugins' classes in the current variant; base: of `define_proposal_bsdf`."""
+class PaperSurface(Surface):
+    """A BRDF by codes of the paper's networks; subclasses set `codes`."""
 
-    class PaperBSDF(base):
-        """A BRDF by codes of the paper's networks; subclasses set `codes`."""
+    codes: TexelCodes
 
-        codes: TexelCodes
+    def _load(self, props):
+        if dr.backend_v(mi.Float) == dr.JitBackend.CUDA:
+            raise PlatformError(
+                f"{self._where} works on CPUs alone, because GPUs have its kernels in half "
+                "precision; choose the variant llvm_ad_rgb"
+            )
+        if "weights" not in props:
+            raise ParameterError(f"{self._where} has no weights; give a file of its networks")
+        self.networks = PaperNetworks.read(resolve(props["weights"]))
 
-        def _load(self, props):
-            if dr.backend_v(mi.Float) == dr.JitBackend.CUDA:
-                raise PlatformError(
-                    f"{self._where} works on CPUs alone, because GPUs have its kernels in half "
-                    "precision; choose the variant llvm_ad_rgb"
-                )
-            if "weights" not in props:
-                raise ParameterError(f"{self._where} has no weights; give a file of its networks")
-            self.networks = PaperNetworks.read(resolve(props["weights"]))
+    def _vertex(self, si, active):
+        return self.codes.vertex(si)
 
-        def _vertex(self, si, active):
-            return self.codes.vertex(si)
+    def _f(self, vertex, ctx, si, wo, active):
+        return self.codes.f(vertex, si, wo, active)
 
-        def _f(self, vertex, ctx, si, wo, active):
-            return self.codes.f(vertex, si, wo, active)
+    def _proposal(self, vertex, si, active):
+        return self.codes.proposal(vertex)
 
-        def _proposal(self, vertex, si, active):
-            return self.codes.proposal(vertex)
 
-    class PaperBRDF(PaperBSDF):
-        """A saved material of the system of Fan et al. 2022 (``fan2022_brdf``).
+class PaperBRDF(PaperSurface):
+    """A saved material of the system of Fan et al. 2022 (``fan2022_brdf``).
 
-        ============== ===================== ====================================================
-        filename       string                File of ``fan2022.Material.save``. (Required)
-        weights        string                File of the networks. (Required)
-        ============== ===================== ====================================================
+    ============== ===================== ====================================================
+    filename       string                File of ``fan2022.Material.save``. (Required)
+    weights        string                File of the networks. (Required)
+    ============== ===================== ====================================================
+    """
+
+    PROPERTIES = ("filename", "weights")
+
+    def _load(self, props):
+        super()._load(props)
+        if "filename" not in props:
+            raise ParameterError(f"{self._where} has no filename; give a file of Material.save")
+        material = load(resolve(props["filename"]), self.networks)
+        self.codes = TexelCodes(self.networks, material.latents[None])
+        self._file = props["filename"]
+
+    def to_string(self):
+        return f"PaperBRDF[filename = {self._file}]"
+
+
+class PaperLayered(PaperSurface):
+    """A coat over any BSDF by the system of Fan et al. 2022 (``fan2022_layered``).
+
+    ============== ===================== ====================================================
+    weights        string                File of the networks. (Required)
+    resolution     integer               Texels per side if anything is textured. (Default: that
+                                         of the largest texture; 384 bytes for an RGB texel)
+    mipmaps        boolean               Whether to average codes to mip levels, for
+                                         integrators that compute derivatives of uv. Those that
+                                         ship with Mitsuba do not. (Default: false)
+    ============== ===================== ====================================================
+
+    The coat and the nested BSDF are given as for ``neural_layered``, isotropic and with indices
+    above one. Every different bottom, and every pair of ``alpha`` and index, is projected,
+    which takes seconds or minutes; a texture has at most 256 of these pairs. Codes are kept in
+    memory. Textures are baked over the unit square of uv, which repeats.
+    """
+
+    PROPERTIES = (*COAT_PROPERTIES, "mipmaps")
+
+    def _load(self, props):
+        self._bottom = nested_bsdf(props)
+        super()._load(props)
+        self._mipmaps = bool(props.get("mipmaps", False))
+        self._coat = CoatTextures(props)
+        check_bottom(self._bottom, self._coat.where)
+        if self._coat.is_anisotropic or self._coat.has_rotation:
+            raise ParameterError(
+                f"{self._coat.where}: the networks are for isotropic lobes; give alpha instead "
+                "of alpha_u and alpha_v, and no rotation"
+            )
+        self._resolution = int(props.get("resolution", 0))
+        self._update([])
+
+    def _update(self, keys):
+        self._coat.parameters_changed()
+        check_normals(self._bottom, self._coat.where)
+        nested = surface_of(self._bottom)
+        below = nested if isinstance(nested, PaperSurface) else None
+        inner = below.codes.grid if below else MIDDLE
+        parts = self._coat.textures | ({} if below else {"the nested BSDF": self._bottom})
+        chosen = choose(parts, inner, self._resolution, self._coat.where)
+        coat = self._coat.layering(chosen.uv())
+        codes = self.networks.layer(self._bottom_codes(below, chosen), coat)
+        self.codes = TexelCodes(self.networks, codes, chosen, self._mipmaps)
+
+    def _bottom_codes(self, below, grid):
+        """Codes (T or 1, C, 32) of the bottom on a grid; below: it, if it has own codes."""
+        if below and below.networks.fingerprint == self.networks.fingerprint:
+            return below.codes.codes if below.codes.grid == MIDDLE else _read(below.codes, grid)
+        if grid == MIDDLE or not varying_textures(self._bottom):
+            return encode(self._bottom, self.networks).latents[None]
+        pairs = projection_pairs()
+        average = probing.needed_averaging(self._bottom, *pairs, grid.uv(), self._coat.where)
+        values = partial(probing.texel_values, self._bottom, *pairs, average=average)
+        parts = []
+        for start in range(0, grid.texels, TEXELS):
+            uv = grid.uv(start, min(start + TEXELS, grid.texels))
+            f = probing.check_values(values(uv), self._coat.where)
+            rows = f.reshape(-1, f.shape[-1])
+            first, place = different_rows(rows)
+            codes = self.networks.encode(rows[first])
+            parts.append(codes[place].reshape(*f.shape[:2], LATENT))
+        return np.concatenate(parts)
+
+    def save(self, path):
+        """Write the codes of a constant coat to a file that ``fan2022_brdf`` loads.
+
+        Raises:
+            ParameterError: the codes are a texture.
+            FileError: the file cannot be written.
         """
+        if self.codes.grid != MIDDLE:
+            raise ParameterError(f"{self._where}: textures of its codes cannot be saved")
+        Material(self.codes.codes[0], self.networks).save(path)
 
-        PROPERTIES = ("filename", "weights")
+    def traverse(self, callback):
+        self._coat.traverse(callback, mi.ParamFlags.NonDifferentiable)
+        callback.put("bottom", self._bottom, mi.ParamFlags.NonDifferentiable)
 
-        def _load(self, props):
-            super()._load(props)
-            if "filename" not in props:
-                raise ParameterError(f"{self._where} has no filename; give a file of Material.save")
-            material = load(resolve(props["filename"]), self.networks)
-            self.codes = TexelCodes(self.networks, material.latents[None])
-            self._file = props["filename"]
-
-        def to_string(self):
-            return f"PaperBRDF[filename = {self._file}]"
-
-    class PaperLayered(PaperBSDF):
-        """A coat over any BSDF by the system of Fan et al. 2022 (``fan2022_layered``).
-
-        ============== ===================== ====================================================
-        weights        string                File of the networks. (Required)
-        resolution     integer               Texels per side if anything is textured. (Default: that
-                                             of the largest texture; 384 bytes for an RGB texel)
-        mipmaps        boolean               Whether to average codes to mip levels, for
-                                             integrators that compute derivatives of uv. Those that
-                                             ship with Mitsuba do not. (Default: false)
-        ============== ===================== ====================================================
-
-        The coat and the nested BSDF are given as for ``neural_layered``, isotropic and with indices
-        above one. Every different bottom, and every pair of ``alpha`` and index, is projected,
-        which takes seconds or minutes; a texture has at most 256 of these pairs. Codes are kept in
-        memory. Textures are baked over the unit square of uv, which repeats.
-        """
-
-        PROPERTIES = (*COAT_PROPERTIES, "mipmaps")
-
-        def _load(self, props):
-            self._bottom = nested_bsdf(props)
-            super()._load(props)
-            self._mipmaps = bool(props.get("mipmaps", False))
-            self._coat = CoatTextures(props)
-            check_bottom(self._bottom, self._coat.where)
-            if self._coat.is_anisotropic or self._coat.has_rotation:
-                raise ParameterError(
-                    f"{self._coat.where}: the networks are for isotropic lobes; give alpha instead "
-                    "of alpha_u and alpha_v, and no rotation"
-                )
-            self._resolution = int(props.get("resolution", 0))
-            self._update([])
-
-        def _update(self, keys):
-            self._coat.parameters_changed()
-            check_normals(self._bottom, self._coat.where)
-            below = isinstance(self._bottom, PaperBSDF) and self._bottom.codes
-            inner = below.grid if below else MIDDLE
-            parts = self._coat.textures | ({} if below else {"the nested BSDF": self._bottom})
-            chosen = choose(parts, inner, self._resolution, self._coat.where)
-            coat = self._coat.layering(chosen.uv())
-            codes = self.networks.layer(self._bottom_codes(below, chosen), coat)
-            self.codes = TexelCodes(self.networks, codes, chosen, self._mipmaps)
-
-        def _bottom_codes(self, below, grid):
-            """Codes (T or 1, C, 32) of the bottom on a grid; below: its own codes, or False."""
-            if below and self._bottom.networks.fingerprint == self.networks.fingerprint:
-                return below.codes if below.grid == MIDDLE else _read(below, grid)
-            if grid == MIDDLE or not varying_textures(self._bottom):
-                return encode(self._bottom, self.networks).latents[None]
-            pairs = projection_pairs()
-            average = probing.needed_averaging(self._bottom, *pairs, grid.uv(), self._coat.where)
-            values = partial(probing.texel_values, self._bottom, *pairs, average=average)
-            parts = []
-            for start in range(0, grid.texels, TEXELS):
-                uv = grid.uv(start, min(start + TEXELS, grid.texels))
-                f = probing.check_values(values(uv), self._coat.where)
-                rows = f.reshape(-1, f.shape[-1])
-                first, place = different_rows(rows)
-                codes = self.networks.encode(rows[first])
-                parts.append(codes[place].reshape(*f.shape[:2], LATENT))
-            return np.concatenate(parts)
-
-        def save(self, path):
-            """Write the codes of a constant coat to a file that ``fan2022_brdf`` loads.
-
-            Raises:
-                ParameterError: the codes are a texture.
-                FileError: the file cannot be written.
-            """
-            if self.codes.grid != MIDDLE:
-                raise ParameterError(f"{self._where}: textures of its codes cannot be saved")
-            Material(self.codes.codes[0], self.networks).save(path)
-
-        def traverse(self, callback):
-            self._coat.traverse(callback, mi.ParamFlags.NonDifferentiable)
-            callback.put("bottom", self._bottom, mi.ParamFlags.NonDifferentiable)
-
-        def to_string(self):
-            bottom = str(self._bottom).replace("\n", "\n  ")
-            return f"PaperLayered[\n{self._coat},\n  bottom = {bottom}\n]"
-
-    return {"fan2022_brdf": PaperBRDF, "fan2022_layered": PaperLayered}
+    def to_string(self):
+        bottom = str(self._bottom).replace("\n", "\n  ")
+        return f"PaperLayered[\n{self._coat},\n  bottom = {bottom}\n]"
 
 
 def _read(below: TexelCodes, grid: TexelGrid) -> np.ndarray:
@@ -209,4 +208,7 @@ def _read(below: TexelCodes, grid: TexelGrid) -> np.ndarray:
     return np.array([[z.numpy() for z in codes] for codes in below.vertex(si)]).transpose(2, 0, 1)
 
 
-ROOM = Room(define, ("fan2022_brdf", "fan2022_layered"))
+PLUGINS = PluginSet(
+    lambda: {"fan2022_brdf": PaperBRDF, "fan2022_layered": PaperLayered},
+    ("fan2022_brdf", "fan2022_layered"),
+)

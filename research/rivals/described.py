@@ -1,4 +1,4 @@
-"""Coats over a bottom that is known by numbers, and the base class of the plugins of other models.
+"""Coats over a bottom that is known by numbers, and the base of the plugins of other models.
 
 Models of other authors add interfaces that are given by numbers. They cannot take any BSDF as a
 bottom: it is a `roughconductor` of the GGX distribution and of one width, or a `diffuse`.
@@ -17,8 +17,9 @@ from urushi.mitsuba.plugins.coats import CoatStack
 from urushi.mitsuba.reading.axes import check_coat
 from urushi.mitsuba.reading.below import below
 from urushi.mitsuba.reading.grid import nested_objects
-from urushi.mitsuba.reading.offers import offer_of
+from urushi.mitsuba.reading.known import known_surface
 from urushi.mitsuba.reading.parameters import CoatTextures, nested_bsdf
+from urushi.mitsuba.surface import Surface, surface_of
 
 
 class BottomNumbers(NamedTuple):
@@ -55,9 +56,9 @@ class DescribedBottom:
         while bsdf.class_name() == "TwoSidedBRDF":
             bsdf = self._textures["brdf_0"]
             self._textures = nested_objects(bsdf)
-        offer = offer_of(bsdf)
+        offer = known_surface(bsdf)
         self.is_diffuse = offer.reflectance is not None
-        if "alpha_u" in self._textures or not (offer.bare or self.is_diffuse):
+        if "alpha_u" in self._textures or not (offer.lobe_only or self.is_diffuse):
             raise ParameterError(
                 f"{where}: the model does not support the nested {bsdf.class_name()}; nest a "
                 "'roughconductor' of the distribution 'ggx' with one alpha, a 'diffuse' or "
@@ -98,51 +99,44 @@ def _conductor(factor, eta, k) -> Callable[[Any], Any]:
     return reflectance
 
 
-def define_described(base: type, plugin: str, label: str) -> type:
-    """Make the base class in the current variant.
+class DescribedSurface(Surface):
+    """Coats over a described bottom; directly nested ones form one stack."""
 
-    base: of `define_proposal_bsdf`. plugin, label: names in errors and in descriptions.
-    """
+    PLUGIN: ClassVar[str]  # its name, in errors
 
-    class DescribedBSDF(base):
-        """A BSDF of coats over a described bottom; directly nested ones form one stack."""
+    def _load(self, props):
+        self._nested = nested_bsdf(props)
+        self._coat = CoatTextures(props)
+        if self._coat.is_anisotropic or self._coat.has_rotation:
+            raise ParameterError(
+                f"{self._coat.where}: the model supports isotropic lobes only; give alpha "
+                "instead of alpha_u and alpha_v, and no rotation"
+            )
+        check_coat(self._coat)
+        self.coats = [self._coat]
+        inner = surface_of(self._nested)
+        if isinstance(inner, type(self)):
+            own, *others = inner.coats
+            self.coats += [own.under(self._coat), *others]
+            self.bottom = inner.bottom
+        else:
+            nested = below(self._nested, self._coat)
+            self.bottom = DescribedBottom(nested, self._coat.where, self.PLUGIN)
 
-        def _load(self, props):
-            self._nested = nested_bsdf(props)
-            self._coat = CoatTextures(props)
-            if self._coat.is_anisotropic or self._coat.has_rotation:
-                raise ParameterError(
-                    f"{self._coat.where}: the model supports isotropic lobes only; give alpha "
-                    "instead of alpha_u and alpha_v, and no rotation"
-                )
-            check_coat(self._coat)
-            self.coats = [self._coat]
-            if isinstance(self._nested, DescribedBSDF):
-                own, *others = self._nested.coats
-                self.coats += [own.under(self._coat), *others]
-                self.bottom = self._nested.bottom
-            else:
-                nested = below(self._nested, self._coat)
-                self.bottom = DescribedBottom(nested, self._coat.where, plugin)
+    def _stacks(self, si, active) -> list[StackNumbers]:
+        """The stack at si for each channel of the variant's spectrum."""
+        lanes = range(dr.size_v(mi.Spectrum))
+        coats = [CoatStack(self.coats, si, active, lane)._coats for lane in lanes]
+        return [StackNumbers(*each) for each in zip(coats, self.bottom.at(si, active), strict=True)]
 
-        def _stacks(self, si, active) -> list[StackNumbers]:
-            """The stack at si for each channel of the variant's spectrum."""
-            lanes = range(dr.size_v(mi.Spectrum))
-            coats = [CoatStack(self.coats, si, active, lane)._coats for lane in lanes]
-            return [
-                StackNumbers(*each) for each in zip(coats, self.bottom.at(si, active), strict=True)
-            ]
+    def traverse(self, callback):
+        self._coat.traverse(callback, mi.ParamFlags.NonDifferentiable)
+        callback.put("bottom", self._nested, mi.ParamFlags.NonDifferentiable)
 
-        def traverse(self, callback):
-            self._coat.traverse(callback, mi.ParamFlags.NonDifferentiable)
-            callback.put("bottom", self._nested, mi.ParamFlags.NonDifferentiable)
+    def _update(self, keys):
+        self._coat.parameters_changed()
+        check_coat(self._coat)
 
-        def _update(self, keys):
-            self._coat.parameters_changed()
-            check_coat(self._coat)
-
-        def to_string(self):
-            bottom = str(self._nested).replace("\n", "\n  ")
-            return f"{label}[\n{self._coat},\n  bottom = {bottom}\n]"
-
-    return DescribedBSDF
+    def to_string(self):
+        bottom = str(self._nested).replace("\n", "\n  ")
+        return f"{type(self).__name__}[\n{self._coat},\n  bottom = {bottom}\n]"

@@ -93,4 +93,4 @@ if platform.missing_library() is None:  # else Mitsuba cannot be imported, as `u
     from urushi.mitsuba import register
     from urushi.openpbr_surface import plugins
 
-    register.register(register.ROOM, plugins.ROOM)
+    register.register(register.PLUGINS, plugins.PLUGINS)

@@ -215,12 +215,12 @@ def xml(description: dict[str, Any]) -> str:
     """A scene for `mi.load_dict` as Mitsuba's XML, with the parameters $spp, $width and $height."""
     import mitsuba as mi
 
-    from urushi.mitsuba.register import ROOM
+    from urushi.mitsuba.register import PLUGINS
 
     state = mi.parser.parse_dict(mi.parser.ParserConfig(mi.variant()), description)
     nodes = state.nodes
     for node in nodes:
-        if node.props.plugin_name() in (*ROOM.bsdfs, "openpbr"):
+        if node.props.plugin_name() in (*PLUGINS.bsdfs, "openpbr"):
             node.type = mi.ObjectType.BSDF  # Mitsuba does not know the type of plugins in Python
     state.nodes = nodes
     text = mi.parser.write_string(state)

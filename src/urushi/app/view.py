@@ -106,11 +106,11 @@ def _first_of_scene(path: Path, bsdf: str | None, weights: str | None) -> "First
     """The BSDF of a scene file; `bsdf`: its id, or None for the only one."""
     import urushi
     from urushi.app.page_files import first_of
-    from urushi.mitsuba.reading.offers import offer_of
+    from urushi.mitsuba.reading.known import known_surface
 
     chosen = choose(scene_bsdfs(path, MODE), bsdf, path)
     name = bsdf or path.stem
-    latents = offer_of(chosen).latents
+    latents = known_surface(chosen).latents
     if latents is not None and latents.material is None:  # codes of texels, or along axes
         with tempfile.TemporaryDirectory() as folder:
             saved = Path(folder, "texture.safetensors")

@@ -60,6 +60,13 @@ def owned(kind: type, values: np.ndarray):
     return copy
 
 
+def opaque(value: float) -> "mi.Float":
+    """A Dr.Jit scalar that kernels read from memory, so that plugins of one type share code."""
+    scalar = mi.Float(value)
+    dr.make_opaque(scalar)
+    return scalar
+
+
 def signature_of(plugin: Any) -> list:
     """Dr.Jit variables whose types encode what a plugin's recorded code may depend on.
 

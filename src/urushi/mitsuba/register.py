@@ -1,6 +1,6 @@
 """Registration of the plugins with Mitsuba, in every variant that is set."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import Any, NamedTuple
 
 import mitsuba as mi
@@ -9,24 +9,24 @@ from urushi import platform
 from urushi.errors import PlatformError
 
 
-class Room(NamedTuple):
+class PluginSet(NamedTuple):
     """The plugins of one part of the package."""
 
-    # Makes their constructors by name in the current variant, from the class of
-    # `plugins.base.define_proposal_bsdf`.
-    define: Callable[[type], dict[str, Any]]
+    # Imports them, in a variant that is set: by name, what makes a `Surface`, a BSDF or an emitter
+    # from properties.
+    load: Callable[[], Mapping[str, Callable[[Any], Any]]]
     bsdfs: tuple[str, ...]  # their names
     emitters: tuple[str, ...] = ()
 
 
-def register(*rooms: Room) -> None:
+def register(*sets: PluginSet) -> None:
     """Register plugins in the current variant, if any, and in all that are set later.
 
     The package registers its own when it is imported. An extension calls this once, for its own.
     """
 
     def on_variant(old: str | None, new: str) -> None:
-        _on_variant(new, rooms)
+        _on_variant(new, sets)
 
     mi.detail.add_variant_callback(on_variant)
     if mi.variant() is not None:
@@ -38,8 +38,7 @@ def supported(variant: str) -> bool:
     return not (variant.startswith("scalar") or mi.is_polarized)
 
 
-def _on_variant(new: str, rooms: tuple[Room, ...]) -> None:
-    """Define the plugins' classes: a class belongs to the variant in which it was defined."""
+def _on_variant(new: str, sets: tuple[PluginSet, ...]) -> None:
     if new.startswith("llvm"):
         platform.require_llvm()  # an old LLVM would crash when the first kernel is compiled
     from urushi.material.source import as_source
@@ -49,53 +48,27 @@ def _on_variant(new: str, rooms: tuple[Room, ...]) -> None:
 
     as_source.register(mi.BSDF, bsdf_source)  # for `urushi.encode`
     under.register(mi.BSDF, bsdf_under)  # for `urushi.layer`
-    made: dict[str, Any] = {}
-    if supported(new):
-        from urushi.mitsuba.plugins.base import define_proposal_bsdf
-
-        proposal_bsdf = define_proposal_bsdf()
-        for room in rooms:
-            made |= room.define(proposal_bsdf)
-    for room in rooms:
-        for name in room.bsdfs:
-            mi.register_bsdf(name, made.get(name) or _refusal(name, new))
-        for name in room.emitters:
-            mi.register_emitter(name, made.get(name) or _refusal(name, new))
+    for each in sets:
+        made = each.load() if supported(new) else {}
+        for name in each.bsdfs:
+            maker = _as_bsdf(made[name]) if made else _refusal(name, new)
+            mi.register_bsdf(name, maker)
+        for name in each.emitters:
+            mi.register_emitter(name, made[name] if made else _refusal(name, new))
 
 
-def _define(proposal_bsdf: type) -> dict[str, Any]:
-    from urushi.mitsuba.plugins import (
-        base,
-        layered,
-        measured_brdf,
-        neural_brdf,
-        neural_layered,
-        neural_slab,
-    )
-    from urushi.mitsuba.plugins.coated import is_dielectric, is_slab
-    from urushi.mitsuba.reading.parameters import nested_bsdf
+def _as_bsdf(make: Callable) -> Callable:
+    """A maker of BSDFs, from one of surfaces or of BSDFs."""
+    from urushi.mitsuba.surface import Surface, bsdf_of
 
-    neural_bsdf = base.define_neural_bsdf(proposal_bsdf)
-    coat, slab = neural_layered.define(neural_bsdf), neural_slab.define(proposal_bsdf)
+    def constructor(props):
+        made = make(props)
+        return bsdf_of(made, props) if isinstance(made, Surface) else made
 
-    def coat_or_slab(props):
-        nested = nested_bsdf(props, optional=True)
-        transmits = nested is None or is_dielectric(nested) or is_slab(nested)
-        return (slab if transmits else coat)(props)
-
-    return {
-        "layered": layered.define(proposal_bsdf),
-        "neural_layered": coat_or_slab,
-        "neural_brdf": neural_brdf.define(neural_bsdf),
-        "measured_brdf": measured_brdf.define(proposal_bsdf),
-    }
+    return constructor
 
 
-#: The plugins of the core.
-ROOM = Room(_define, ("layered", "neural_layered", "neural_brdf", "measured_brdf"))
-
-
-def _refusal(name: str, variant: str):
+def _refusal(name: str, variant: str) -> Callable:
     """A constructor that says which variants work."""
 
     def refuse(props):
@@ -106,3 +79,29 @@ def _refusal(name: str, variant: str):
         )
 
     return refuse
+
+
+def _load() -> dict[str, Any]:
+    from urushi.mitsuba.plugins.coated import is_dielectric, is_slab
+    from urushi.mitsuba.plugins.layered import Layered
+    from urushi.mitsuba.plugins.measured_brdf import MeasuredBRDF
+    from urushi.mitsuba.plugins.neural_brdf import NeuralBRDF
+    from urushi.mitsuba.plugins.neural_layered import NeuralLayered
+    from urushi.mitsuba.plugins.neural_slab import NeuralSlab
+    from urushi.mitsuba.reading.parameters import nested_bsdf
+
+    def coat_or_slab(props):
+        nested = nested_bsdf(props, optional=True)
+        transmits = nested is None or is_dielectric(nested) or is_slab(nested)
+        return (NeuralSlab if transmits else NeuralLayered)(props)
+
+    return {
+        "layered": Layered,
+        "neural_layered": coat_or_slab,
+        "neural_brdf": NeuralBRDF,
+        "measured_brdf": MeasuredBRDF,
+    }
+
+
+#: The plugins of the core.
+PLUGINS = PluginSet(_load, ("layered", "neural_layered", "neural_brdf", "measured_brdf"))

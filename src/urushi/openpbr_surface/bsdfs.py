@@ -13,7 +13,8 @@ import mitsuba as mi
 from urushi.core.mixture import Mixture
 from urushi.mitsuba.latents.bottoms import NARROW
 from urushi.mitsuba.plugins.coats import Turn, TurnedMixture
-from urushi.mitsuba.reading.offers import Offer, offer_of
+from urushi.mitsuba.reading.known import known_surface
+from urushi.mitsuba.surface import KnownSurface, bsdf_of
 from urushi.openpbr_surface import model
 from urushi.openpbr_surface.compensation import Compensation
 from urushi.openpbr_surface.film import NAMES as film_parameters
@@ -39,7 +40,7 @@ NAMES = (
 class Part(NamedTuple):
     """A BSDF at a vertex."""
 
-    bsdf: Any  # of `base.define_proposal_bsdf`
+    bsdf: Any  # of `mitsuba.surface.bsdf_of`
     vertex: Any  # its own
     weight: Any  # its weight in the mixture
 
@@ -91,7 +92,7 @@ def with_cosine(density, wo, share: float):
 
 
 def define(proposal_bsdf: type) -> tuple[type, type]:
-    """The classes of base and surface in the current variant; see `define_proposal_bsdf`."""
+    """The classes of base and surface; proposal_bsdf: `mitsuba.surface.Surface`."""
 
     class OpenPBRBase(proposal_bsdf):
         """The base without coat and fuzz, for directions in the medium above it."""
@@ -118,8 +119,8 @@ def define(proposal_bsdf: type) -> tuple[type, type]:
                 share = dr.clip(share, MIN_SHARE, 1 - MIN_SHARE)
             return Mixture([share, 1 - share], [vertex.widths])
 
-        def offer(self):
-            return Offer(lobes=self._model.lobes, exact=self._exact)
+        def known(self):
+            return KnownSurface(lobes=self._model.lobes, table_source=self._exact)
 
         def _exact(self):
             """The base with its film; None: a lobe beside the table would not have its colours."""
@@ -129,12 +130,12 @@ def define(proposal_bsdf: type) -> tuple[type, type]:
             constant = inputs.is_uniform((*self.names, bias)) and inputs.middle(bias) == 0
             if not constant or inputs.middle("specular_roughness") < NARROW**0.5:
                 return None
-            return type(self)(inputs, self._options[0])
+            return bsdf_of(type(self)(inputs, self._options[0]))
 
         def replaced(self, replacement):
-            """See `reading.replaced.Replaceable`."""
+            """See `Surface.replaced`."""
             inputs = self._inputs.with_textures(replacement)
-            return type(self)(inputs, *self._options)
+            return bsdf_of(type(self)(inputs, *self._options))
 
         def below_coat(self, f, si, wo, active):
             """f [1/sr] of a coat over this base, with the film's change of colour."""
@@ -179,9 +180,9 @@ def define(proposal_bsdf: type) -> tuple[type, type]:
 
         def _choose_film(self):
             """Whether the film of what is coated follows from `FilmFresnel.below_coat`."""
-            latents = None if self._coated is None else offer_of(self._coated).latents
+            latents = None if self._coated is None else known_surface(self._coated).latents
             self._recoloured = latents is not None and (
-                latents.model.widths == 2 or self._layers.below.offer().exact() is None
+                latents.model.widths == 2 or self._layers.below.known().table_source() is None
             )
 
         def _vertex(self, si, active):
@@ -230,21 +231,21 @@ def define(proposal_bsdf: type) -> tuple[type, type]:
             proposal = SurfaceProposal(proposals, self._diffuse)
             return TurnedMixture(proposal, vertex.turn) if vertex.turn else proposal
 
-        def offer(self):
+        def known(self):
             base, hidden = self._base, self._coated or self._fuzz or self._absorbs or self._turned
             if hidden or base._model.film:
-                return Offer()
-            return replace(offer_of(base), exact=lambda: self)
+                return KnownSurface()
+            return replace(known_surface(base), table_source=lambda: self)
 
         def replaced(self, replacement):
-            """See `reading.replaced.Replaceable`."""
-            return type(self)(self._inputs.with_textures(replacement), self._make)
+            """See `Surface.replaced`."""
+            return bsdf_of(type(self)(self._inputs.with_textures(replacement), self._make))
 
         names = NAMES
 
         def traverse(self, callback):
             # Walks have no derivatives.
-            walks = self._coated is not None and offer_of(self._coated).latents is None
+            walks = self._coated is not None and known_surface(self._coated).latents is None
             self._inputs.traverse(callback, self.names, self.names if walks else ())
 
         def _update(self, keys):

@@ -12,9 +12,9 @@ from urushi.checks import Widths
 from urushi.core.namespace import DRJIT
 from urushi.errors import ParameterError
 from urushi.mitsuba import spectrum
+from urushi.mitsuba.properties import describe
 from urushi.mitsuba.reading.derived import derived as from_textures
 from urushi.mitsuba.reading.grid import varies
-from urushi.mitsuba.reading.parameters import describe
 from urushi.openpbr_surface import formulas
 from urushi.openpbr_surface.parameters import PARAMETERS, checked, parameter
 

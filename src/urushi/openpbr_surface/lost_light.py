@@ -16,7 +16,7 @@ from urushi.core.namespace import DRJIT
 from urushi.core.quadrature import directional_albedos
 from urushi.mitsuba.interface_albedo import Interpolated
 from urushi.mitsuba.reading import probing
-from urushi.mitsuba.reading.offers import offer_of
+from urushi.mitsuba.reading.known import known_surface
 from urushi.openpbr_surface import formulas
 from urushi.openpbr_surface.inputs import Inputs
 
@@ -180,7 +180,7 @@ def _measured(bsdf: "mi.BSDF", cos2: np.ndarray, side: int) -> np.ndarray:
     """
     cosine = np.maximum(np.linspace(0, 1, COSINES) ** 2, LEAST_COSINE)
     sine = np.sqrt(1 - cosine**2)
-    integrates = offer_of(bsdf).latents is not None and not _transmits(bsdf)
+    integrates = known_surface(bsdf).latents is not None and not _transmits(bsdf)
     samples = SAMPLES if cos2.size == 1 else max(MANY * SAMPLES // cos2.size, LEAST_SAMPLES)
     kept = np.empty((*cos2.shape, COSINES))
     for node, turn in np.ndindex(cos2.shape):

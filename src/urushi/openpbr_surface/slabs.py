@@ -12,7 +12,7 @@ from urushi.core.mixture import Mixture
 from urushi.core.namespace import DRJIT
 from urushi.mitsuba.plugins.coats import raised, relative, with_far_side
 from urushi.mitsuba.reading.below import DECIMALS
-from urushi.mitsuba.reading.parameters import opaque
+from urushi.mitsuba.recording import opaque
 from urushi.openpbr_surface import formulas
 from urushi.openpbr_surface.bsdfs import SurfaceProposal
 from urushi.openpbr_surface.inputs import Inputs, derived, width_properties

@@ -23,6 +23,7 @@ from urushi.mitsuba.plugins.coats import (
     raised,
     with_far_side,
 )
+from urushi.mitsuba.surface import bsdf_of
 from urushi.openpbr_surface import two_sided
 from urushi.openpbr_surface.bsdfs import OF_COAT, Part, SurfaceProposal
 from urushi.openpbr_surface.inputs import Inputs, load_part
@@ -44,7 +45,7 @@ LOSSLESS = (*COLORS, *SHARES, "coat_weight")
 
 
 def define(proposal_bsdf: type) -> Callable[..., "mi.BSDF"]:
-    """Make the function that makes the surface; see `define_proposal_bsdf`."""
+    """Make the function that makes the surface; proposal_bsdf: `mitsuba.surface.Surface`."""
 
     Glass, Sheet = two_sided.define(proposal_bsdf)
 
@@ -172,7 +173,6 @@ def define(proposal_bsdf: type) -> Callable[..., "mi.BSDF"]:
                 )
             if self._inputs.refresh() or index_of(self._inputs) != self._ior:
                 self._configure()
-                self._set_flags()
             else:
                 for bsdf, _, _ in self._parts:
                     if not changed or not changed.isdisjoint(bsdf.names):
@@ -226,6 +226,12 @@ def define(proposal_bsdf: type) -> Callable[..., "mi.BSDF"]:
             values = {name: mi.load_dict(x) for name, x in textures.items()}
             return make(inputs.replaced(dict.fromkeys(COLORS, 1.0) | values))
 
+        def glass(inputs: Inputs) -> "mi.BSDF":
+            return bsdf_of(Glass(inputs))
+
+        def sheet(inputs: Inputs) -> "mi.BSDF":
+            return bsdf_of(Sheet(inputs))
+
         def parts(former: list) -> list:
             found: list[tuple[Any, Callable[..., Any], Any]] = []
             unseen: list[tuple[Any, Callable[..., Any], Any]] = []
@@ -238,7 +244,7 @@ def define(proposal_bsdf: type) -> Callable[..., "mi.BSDF"]:
                 found.append((part(opaque, rest), weight("opaque", None), None))
             scatters = [name for name in SHARES[1:] if inputs.transmits(name)]
             if inputs.thin and SHARES[2] in scatters:
-                found.append((part(Sheet, inputs), weight("scattering", None), None))
+                found.append((part(sheet, inputs), weight("scattering", None), None))
             names = [name for name in scatters if not inputs.thin or name == SHARES[1]]
             if not names:
                 return found
@@ -249,14 +255,14 @@ def define(proposal_bsdf: type) -> Callable[..., "mi.BSDF"]:
                 if Unseen.is_right(inputs, coated):
                     unseen.append((Unseen(inputs, coated), weight(of, coated), None))
                     continue
-                make = partial(slab, coated=coated) if coated or inputs.thin else Glass
+                make = partial(slab, coated=coated) if coated or inputs.thin else glass
                 bsdf, finish = part(make, inputs), None
-                if not isinstance(bsdf, Glass):
+                if make is not glass:
                     white = partial(whitened, bsdf, make) if compensated else None
                     finish = Finish(inputs, coated, white)
                 found.append((bsdf, weight(of, coated), finish))
             return [*found, *unseen]
 
-        return Body(inputs, parts)
+        return bsdf_of(Body(inputs, parts))
 
     return make

@@ -90,7 +90,7 @@ class Unseen:
 
 
 def define(proposal_bsdf: type) -> tuple[Any, type]:
-    """Make the classes in the current variant; see `define_proposal_bsdf`."""
+    """Make the classes in the current variant; proposal_bsdf: `mitsuba.surface.Surface`."""
 
     class Glass(proposal_bsdf):
         """The surface of a body whose medium transmits light (3.2.4)."""

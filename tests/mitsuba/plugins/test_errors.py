@@ -7,7 +7,7 @@ from urushi.errors import ParameterError
 from urushi.material import Material
 from urushi.mitsuba import register
 from urushi.nets import weights
-from urushi.openpbr_surface.plugins import ROOM
+from urushi.openpbr_surface.plugins import PLUGINS
 
 COATS = ("layered", "neural_layered")
 
@@ -179,7 +179,7 @@ def test_the_walk_checks_parameters_beside_textures_not_over_uv(rgb, networks):
             load(rgb, networks, "layered", alpha=texture, int_ior=texture, g=1.0)
 
 
-@pytest.mark.parametrize("name", (*register.ROOM.bsdfs, *ROOM.bsdfs, *ROOM.emitters))
+@pytest.mark.parametrize("name", (*register.PLUGINS.bsdfs, *PLUGINS.bsdfs, *PLUGINS.emitters))
 @pytest.mark.parametrize("variant", ("scalar_rgb", "scalar_spectral", "llvm_ad_mono_polarized"))
 def test_variants_that_cannot_work_say_which_can(name, variant):
     import mitsuba as mi

@@ -53,10 +53,10 @@ def bitmap(mi, pixels) -> dict:
 def test_a_known_surface_has_the_values_of_the_bsdf(rgb, name):
     from urushi.mitsuba import spectrum
     from urushi.mitsuba.reading import probing
-    from urushi.mitsuba.reading.offers import offer_of
+    from urushi.mitsuba.reading.known import known_surface
 
     bsdf = rgb.load_dict(KNOWN[name])
-    uv, offer = np.full((len(WI), 2), 0.5), offer_of(bsdf)
+    uv, offer = np.full((len(WI), 2), 0.5), known_surface(bsdf)
     values = lobes.f(probing.known_lobes(bsdf, uv), WI[:, None], WO[:, None])
     if offer.reflectance is not None:
         channels = [[x] for x in offer.reflectance(spectrum.points(uv))]
@@ -64,7 +64,7 @@ def test_a_known_surface_has_the_values_of_the_bsdf(rgb, name):
     expected = probing.bsdf_values(bsdf, WI, WO, uv)
     # single precision of the half vector, in the steepest part of the lobe
     np.testing.assert_allclose(values, expected, rtol=5e-4, atol=1e-6)
-    assert offer.bare == (offer.reflectance is None)
+    assert offer.lobe_only == (offer.reflectance is None)
 
 
 @pytest.mark.parametrize("kind", ("roughplastic", "pplastic"))
@@ -81,10 +81,10 @@ def test_a_black_plastic_is_the_lobe_that_it_offers(rgb, kind):
 
 @pytest.mark.parametrize("name", UNKNOWN)
 def test_other_bsdfs_are_known_by_their_values_alone(rgb, name):
-    from urushi.mitsuba.reading.offers import offer_of
+    from urushi.mitsuba.reading.known import known_surface
 
-    offer = offer_of(rgb.load_dict(UNKNOWN[name]))
-    assert offer.lobes(None) is None and not offer.bare and offer.reflectance is None
+    offer = known_surface(rgb.load_dict(UNKNOWN[name]))
+    assert offer.lobes(None) is None and not offer.lobe_only and offer.reflectance is None
 
 
 def test_a_bare_bsdf_is_encoded_exactly(rgb, model):

@@ -36,8 +36,8 @@ from urushi.mitsuba.reading.axes import (
 )
 from urushi.mitsuba.reading.grid import check_normals, not_over_uv, varying_textures
 from urushi.mitsuba.reading.joined import agree, joined
-from urushi.mitsuba.reading.kept import writable
 from urushi.mitsuba.reading.parameters import CoatTextures
+from urushi.mitsuba.snapshot import writable
 from urushi.nets.weights import Model
 from urushi.textures.axes import AXES, FAINT, Axis, Baked, Rows, bake
 from urushi.textures.layering import layer_rows, transported_rests

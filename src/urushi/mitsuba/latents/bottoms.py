@@ -24,7 +24,7 @@ from urushi.mitsuba.reading.below import below
 from urushi.mitsuba.reading.bsdf import reflection_source
 from urushi.mitsuba.reading.derived import derived
 from urushi.mitsuba.reading.grid import not_over_uv
-from urushi.mitsuba.reading.offers import Latents, offer_of
+from urushi.mitsuba.reading.known import known_surface
 from urushi.mitsuba.reading.parameters import CoatTextures, check_bottom
 from urushi.mitsuba.reading.replaced import SWITCHES, replaced
 from urushi.nets import lobe as lobes
@@ -51,9 +51,9 @@ BLACK = 1e-8
 INDEX = "eta"
 
 
-def nested_latents(bottom: "mi.BSDF", model: Model) -> Latents | None:
+def nested_latents(bottom: "mi.BSDF", model: Model) -> Any:
     """The codes of a bottom that has codes of the same weights, or None."""
-    nested = offer_of(bottom).latents
+    nested = known_surface(bottom).latents
     same = nested is not None and nested.model.fingerprint == model.fingerprint
     return nested if same else None
 
@@ -73,7 +73,7 @@ def bottom_material(model: Model, bottom: "mi.BSDF", where: str) -> Material:
     material, deviations = encode_source(source, model, name=f"{where}: the nested BSDF")
     for sentence in deviations.warnings():
         mi.Log(mi.LogLevel.Warn, f"{where}: {sentence}")
-    exact = offer_of(bottom).exact() if model.widths == 1 else None
+    exact = known_surface(bottom).table_source() if model.widths == 1 else None
     if exact is not None:
         wi, wo = node_pairs()
         f = symmetrise(
@@ -163,7 +163,9 @@ class BottomRows:
         bsdf = self._at(columns)
         assert bsdf is not None  # for the type checker
         uv = along_u(len(ends))
-        bsdf = offer_of(bsdf).exact() or bsdf  # its table may have colours that codes leave out
+        bsdf = (
+            known_surface(bsdf).table_source() or bsdf
+        )  # its table may have colours that codes leave out
         f = probing.texel_values(bsdf, *self._model.networks.pairs(), uv, probing.Averaging())
         return bool(np.allclose(f, f[:, :1], rtol=GREY, atol=1e-9))
 
@@ -277,13 +279,13 @@ class BottomRows:
         """
         bsdf, uv = self._of_rows(rows), along_u(len(next(iter(rows.values()))))
         known = known_lobes(self._model, bsdf, uv, self._coat.where)
-        bare = known is not None and offer_of(bsdf).bare
+        bare = known is not None and known_surface(bsdf).lobe_only
         if known is not None:
             known = np.moveaxis(known[:, :channels], 1, 0)
             if bare:
                 known[..., :4] = np.minimum(known[..., :4], 1)
                 return None, known
-        exact = offer_of(bsdf).exact() or bsdf
+        exact = known_surface(bsdf).table_source() or bsdf
         wi, wo = (w.reshape(-1, 3) for w in node_pairs())
         pairs, where = self._model.networks.pairs(), self._coat.where
         average = probing.needed_averaging(exact, *pairs, uv, where)
@@ -333,7 +335,7 @@ def probed_codes(model: Model, bottom: "mi.BSDF", uv: np.ndarray, where: str) ->
     if nested is not None:
         return nested.at(uv)
     lobe = known_lobes(model, bottom, uv, where)
-    if lobe is not None and offer_of(bottom).bare:
+    if lobe is not None and known_surface(bottom).lobe_only:
         for reach in (lobe[..., :4], lobe[..., 6:]):  # all but the index
             np.minimum(reach, 1, out=reach)
         rest = np.broadcast_to(model.networks.empty_rest(), (*lobe.shape[:2], model.arch.rest))

@@ -1,4 +1,4 @@
-"""The base class of the plugins that coat any BSDF: they differ in the model of the stack."""
+"""Coats over any BSDF: the base of plugins that differ in the model of the stack."""
 
 import math
 from typing import Any
@@ -28,7 +28,6 @@ from urushi.mitsuba.reading.below import (
     check_dielectric,
     pane,
 )
-from urushi.mitsuba.reading.offers import Offer
 from urushi.mitsuba.reading.parameters import (
     COAT_PROPERTIES,
     CoatTextures,
@@ -37,11 +36,12 @@ from urushi.mitsuba.reading.parameters import (
     nested_bsdf,
 )
 from urushi.mitsuba.recording import compiled_once
+from urushi.mitsuba.surface import KnownSurface, Surface, surface_of
 
 
 def is_slab(bsdf: "mi.BSDF | None") -> bool:
     """Whether a BSDF is coats over what transmits light, of any plugin."""
-    return bsdf is not None and getattr(bsdf, "bottom", bsdf) is None
+    return bsdf is not None and getattr(surface_of(bsdf), "bottom", bsdf) is None
 
 
 def is_dielectric(bsdf: "mi.BSDF | None") -> bool:
@@ -49,148 +49,139 @@ def is_dielectric(bsdf: "mi.BSDF | None") -> bool:
     return bsdf is not None and bsdf.class_name() in DIELECTRICS
 
 
-def define_coated(base: type, label: str) -> type:
-    """Make the base class in the current variant.
+class CoatedSurface(Surface):
+    """Coats over a BSDF; directly nested ones of the same plugin form one stack."""
 
-    base: of `define_proposal_bsdf`. label: name in descriptions.
-    """
+    PROPERTIES = COAT_PROPERTIES
 
-    class CoatedBSDF(base):
-        """Coats over a BSDF; directly nested ones of the same plugin form one stack."""
+    def _load(self, props):
+        self._nested = nested_bsdf(props, optional=True)
+        self._inner = bool(props.get("inner", False))  # whether a slab is a part of another
+        self._coat = CoatTextures(props)
+        if is_dielectric(self._nested):
+            check_dielectric(self._nested, self._coat.where)
+        elif self._nested is not None and not is_slab(self._nested):
+            check_bottom(self._nested, self._coat.where)
+        self._prepare()
 
-        PROPERTIES = COAT_PROPERTIES
+    def known(self):
+        return KnownSurface(rotated=self._coat.has_rotation)
 
-        def _load(self, props):
-            self._nested = nested_bsdf(props, optional=True)
-            self._inner = bool(props.get("inner", False))  # whether a slab is a part of another
-            self._coat = CoatTextures(props)
-            if is_dielectric(self._nested):
-                check_dielectric(self._nested, self._coat.where)
-            elif self._nested is not None and not is_slab(self._nested):
-                check_bottom(self._nested, self._coat.where)
-            self._prepare()
+    def under(self, coat):
+        """See `Surface.under`."""
+        under = self._copy()
+        under._coat = self._coat.under(coat)
+        under.coats = [under._coat, *self.coats[1:]]
+        return under
 
-        def offer(self):
-            return Offer(rotated=self._coat.has_rotation)
-
-        def under(self, coat):
-            """See `reading.below.Coatable`."""
-            under = self._copy()
-            under._coat = self._coat.under(coat)
-            under.coats = [under._coat, *self.coats[1:]]
-            return under
-
-        def _prepare(self):
-            """Check the parameters, flatten nested coats, and estimate the bottom's lobes."""
-            check_coat(self._coat)
-            nested: Any = None if self._nested is None else below(self._nested, self._coat)
-            self.lowest: LowestInterface | None = None
-            if is_dielectric(self._nested):
-                thin = self._nested.class_name() == "ThinDielectric"
-                self.coats = [self._coat, *([pane(nested).under(self._coat)] if thin else [])]
-                self.lowest, self.bottom = None if thin else LowestInterface(nested), None
-            elif isinstance(nested, CoatedBSDF) or is_slab(nested):
-                self.coats = [self._coat, *nested.coats]
-                self.lowest, self.bottom = nested.lowest, nested.bottom
-            else:
-                self.coats, self.bottom = [self._coat], nested
-            if self._nested is not None:
-                check_rotation(self._nested, self._coat.where)
-            self.compensation = None
-            if self.bottom is None and self._coat.compensated:
-                raise ParameterError(
-                    f"{self._where}: energy_compensation needs an opaque bottom; leave it out"
-                )
-            if self.bottom is None:
-                self._prepare_slab()
-            else:
-                if self._coat.compensated:
-                    self.compensation = Compensation(self._coat, nested)
-                coated = isinstance(nested, CoatedBSDF)
-                self.bottom_lobes = nested.bottom_lobes if coated else BottomLobes(self.bottom)
-
-        def _prepare_slab(self):
-            """Set the index below, and refuse slabs through which light goes straight, a delta."""
-            index = None if self.lowest is None else self.lowest.index / self._coat.outside
-            self._transmit(index)
-            textured = any(coat.has_textured_eta for coat in self.coats)
-            if textured and index is None:
-                raise ParameterError(
-                    f"{self._where}: int_ior is a texture, but a slab with air on both sides "
-                    "needs one number"
-                )
-            if textured or self._inner:
-                return
-            beyond = 1.0 if index is None else float(index.numpy()[0])
-            etas = [coat.eta for coat in self.coats]
-            where = f"{self._where}: the index below the slab relative to int_ior"
-            etas.append(
-                float(checks.eta(beyond / math.prod(etas), where, low=checks.LEAST_ETA_BELOW))
+    def _prepare(self):
+        """Check the parameters, flatten nested coats, and estimate the bottom's lobes."""
+        check_coat(self._coat)
+        nested: Any = None if self._nested is None else below(self._nested, self._coat)
+        inner: Any = None if nested is None else surface_of(nested)
+        stacked = isinstance(inner, type(self))
+        self.lowest: LowestInterface | None = None
+        if is_dielectric(self._nested):
+            thin = self._nested.class_name() == "ThinDielectric"
+            self.coats = [self._coat, *([pane(nested).under(self._coat)] if thin else [])]
+            self.lowest, self.bottom = None if thin else LowestInterface(nested), None
+        elif stacked or is_slab(nested):
+            self.coats = [self._coat, *inner.coats]
+            self.lowest, self.bottom = inner.lowest, inner.bottom
+        else:
+            self.coats, self.bottom = [self._coat], nested
+        if self._nested is not None:
+            check_rotation(self._nested, self._coat.where)
+        self.compensation = None
+        if self.bottom is None and self._coat.compensated:
+            raise ParameterError(
+                f"{self._where}: energy_compensation needs an opaque bottom; leave it out"
             )
-            if all(abs(eta - 1) < checks.MIN_INDEX_STEP for eta in etas):
-                raise ParameterError(
-                    f"{self._where}: no interface bends light through this slab, as int_ior and "
-                    "ext_ior are equal; give another int_ior, or nest a BSDF"
-                )
+        if self.bottom is None:
+            self._prepare_slab()
+        else:
+            if self._coat.compensated:
+                self.compensation = Compensation(self._coat, nested)
+            self.bottom_lobes = inner.bottom_lobes if stacked else BottomLobes(self.bottom)
 
-        def _model(self, coats: CoatStack, bottom: Any, si, wo, color, active):
-            """f [1/sr] of importance, of the type `color`, a subclass's.
+    def _prepare_slab(self):
+        """Set the index below, and refuse slabs through which light goes straight, a delta."""
+        index = None if self.lowest is None else self.lowest.index / self._coat.outside
+        self._transmit(index)
+        textured = any(coat.has_textured_eta for coat in self.coats)
+        if textured and index is None:
+            raise ParameterError(
+                f"{self._where}: int_ior is a texture, but a slab with air on both sides "
+                "needs one number"
+            )
+        if textured or self._inner:
+            return
+        beyond = 1.0 if index is None else float(index.numpy()[0])
+        etas = [coat.eta for coat in self.coats]
+        where = f"{self._where}: the index below the slab relative to int_ior"
+        etas.append(float(checks.eta(beyond / math.prod(etas), where, low=checks.LEAST_ETA_BELOW)))
+        if all(abs(eta - 1) < checks.MIN_INDEX_STEP for eta in etas):
+            raise ParameterError(
+                f"{self._where}: no interface bends light through this slab, as int_ior and "
+                "ext_ior are equal; give another int_ior, or nest a BSDF"
+            )
 
-            bottom: a `MitsubaBottom`, or the `Reflector` that is the lowest interface of a slab.
-            """
-            raise NotImplementedError
+    def _model(self, coats: CoatStack, bottom: Any, si, wo, color, active):
+        """f [1/sr] of importance, of the type `color`, a subclass's.
 
-        def _lowest_at(self, coats: CoatStack, si, active):
-            """The lowest interface of a slab at a surface interaction."""
-            alpha = None if self.lowest is None else self.lowest.alpha(si, active)
-            return coats.lowest(self._index, alpha)
+        bottom: a `MitsubaBottom`, or the `Reflector` that is the lowest interface of a slab.
+        """
+        raise NotImplementedError
 
-        def _f(self, vertex, ctx, si, wo, active):
-            def evaluated(si, wo, active):
-                si, wo = turned(turn_of(self._coat, si, active), si, wo)
+    def _lowest_at(self, coats: CoatStack, si, active):
+        """The lowest interface of a slab at a surface interaction."""
+        alpha = None if self.lowest is None else self.lowest.alpha(si, active)
+        return coats.lowest(self._index, alpha)
 
-                def value(color, channel=None):
-                    coats = CoatStack(self.coats, si, active, channel)
-                    if self.bottom is None:
-                        bottom = self._lowest_at(coats, si, active)
-                    else:
-                        bottom = MitsubaBottom(self.bottom, ctx, si, active, channel)
-                    return self._model(coats, bottom, si, wo, color, active)
+    def _f(self, vertex, ctx, si, wo, active):
+        def evaluated(si, wo, active):
+            si, wo = turned(turn_of(self._coat, si, active), si, wo)
 
-                if not any(coat.coloured for coat in self.coats):
-                    return mi.Spectrum(value(walk_color()))
-                # Every channel has a stack of its own.
-                channels = range(dr.size_v(mi.Spectrum))
-                return mi.Spectrum(*(value(mi.Float, channel) for channel in channels))
+            def value(color, channel=None):
+                coats = CoatStack(self.coats, si, active, channel)
+                if self.bottom is None:
+                    bottom = self._lowest_at(coats, si, active)
+                else:
+                    bottom = MitsubaBottom(self.bottom, ctx, si, active, channel)
+                return self._model(coats, bottom, si, wo, color, active)
 
-            f = compiled_once(evaluated, si, wo, active)
-            if self.compensation is not None:
-                f = self.compensation.with_lost_light(f, si, wo, active)
-            if self.lowest is None or ctx.mode == mi.TransportMode.Importance:
-                return f
-            return f / dr.select(si.wi.z * wo.z < 0, dr.square(self._index_across(si.wi)), 1)
+            if not any(coat.coloured for coat in self.coats):
+                return mi.Spectrum(value(walk_color()))
+            # Every channel has a stack of its own.
+            channels = range(dr.size_v(mi.Spectrum))
+            return mi.Spectrum(*(value(mi.Float, channel) for channel in channels))
 
-        def _proposal(self, vertex, si, active):
-            coats = CoatStack(self.coats, si, active)
-            mixture: Mixture | SlabMixture
-            if self.bottom is None:
-                mixture = coats.slab_proposal(si.wi, self._lowest_at(coats, si, active))
-            else:
-                mixture = coats.proposal(self.bottom_lobes, si.wi.z)
-            turn = turn_of(self._coat, si, active)
-            return mixture if turn is None else TurnedMixture(mixture, turn)
+        f = compiled_once(evaluated, si, wo, active)
+        if self.compensation is not None:
+            f = self.compensation.with_lost_light(f, si, wo, active)
+        if self.lowest is None or ctx.mode == mi.TransportMode.Importance:
+            return f
+        return f / dr.select(si.wi.z * wo.z < 0, dr.square(self._index_across(si.wi)), 1)
 
-        def traverse(self, callback):
-            self._coat.traverse(callback, mi.ParamFlags.NonDifferentiable)
-            if self._nested is not None:
-                callback.put("bottom", self._nested, mi.ParamFlags.NonDifferentiable)
+    def _proposal(self, vertex, si, active):
+        coats = CoatStack(self.coats, si, active)
+        mixture: Mixture | SlabMixture
+        if self.bottom is None:
+            mixture = coats.slab_proposal(si.wi, self._lowest_at(coats, si, active))
+        else:
+            mixture = coats.proposal(self.bottom_lobes, si.wi.z)
+        turn = turn_of(self._coat, si, active)
+        return mixture if turn is None else TurnedMixture(mixture, turn)
 
-        def _update(self, keys):
-            self._coat.parameters_changed()
-            self._prepare()
+    def traverse(self, callback):
+        self._coat.traverse(callback, mi.ParamFlags.NonDifferentiable)
+        if self._nested is not None:
+            callback.put("bottom", self._nested, mi.ParamFlags.NonDifferentiable)
 
-        def to_string(self):
-            bottom = str(self._nested).replace("\n", "\n  ")
-            return f"{label}[\n{self._coat},\n  bottom = {bottom}\n]"
+    def _update(self, keys):
+        self._coat.parameters_changed()
+        self._prepare()
 
-    return CoatedBSDF
+    def to_string(self):
+        bottom = str(self._nested).replace("\n", "\n  ")
+        return f"{type(self).__name__}[\n{self._coat},\n  bottom = {bottom}\n]"

@@ -9,9 +9,9 @@ import numpy as np
 from urushi.errors import ParameterError
 from urushi.measured import Rgl, load_measured
 from urushi.mitsuba import spectrum
-from urushi.mitsuba.plugins.base import resolve
-from urushi.mitsuba.reading.offers import Offer
+from urushi.mitsuba.properties import resolve
 from urushi.mitsuba.recording import owned
+from urushi.mitsuba.surface import KnownSurface, Surface
 from urushi.walk.tabulated import Tabulated
 
 #: Wavelengths [nm] at which the spectra of a file are tabulated: the first, and their number.
@@ -45,74 +45,69 @@ class Components:
         return mi.Spectrum(*lanes)
 
 
-def define(base: type) -> type:
-    """Make the plugin's class in the current variant; base: of `define_proposal_bsdf`."""
+class MeasuredBRDF(Surface):
+    """A measured BRDF (``measured_brdf``).
 
-    class MeasuredBRDF(base):
-        """A measured BRDF (``measured_brdf``).
+    ============== ===================== ====================================================
+    filename       string                A MERL table (``.binary``) or an isotropic RGL material
+                                         (``.bsdf``), relative to the scene file; the
+                                         content decides, not the name. (Required)
+    ============== ===================== ====================================================
 
-        ============== ===================== ====================================================
-        filename       string                A MERL table (``.binary``) or an isotropic RGL material
-                                             (``.bsdf``), relative to the scene file; the
-                                             content decides, not the name. (Required)
-        ============== ===================== ====================================================
+    Can be used alone or under a coat: ``layered`` walks through the coat to the measured BRDF,
+    and ``neural_layered`` encodes it. Evaluation is trilinear in a table over
+    half and difference angles, as by ``urushi.load_measured``. An RGL material is not exactly
+    reciprocal: it is averaged over the exchange of its directions and tabulated on
+    256 x 64 x 64 bins (Mitsuba's own ``measured`` does not average). Directions are drawn from
+    two GGX lobes and a cosine lobe that are fitted to the table. In spectral variants, a
+    spectral file has its own spectra, by up to 16 principal components; the RGB values of
+    others become spectra of the same colour.
 
-        Can be used alone or under a coat: ``layered`` walks through the coat to the measured BRDF,
-        and ``neural_layered`` encodes it. Evaluation is trilinear in a table over
-        half and difference angles, as by ``urushi.load_measured``. An RGL material is not exactly
-        reciprocal: it is averaged over the exchange of its directions and tabulated on
-        256 x 64 x 64 bins (Mitsuba's own ``measured`` does not average). Directions are drawn from
-        two GGX lobes and a cosine lobe that are fitted to the table. In spectral variants, a
-        spectral file has its own spectra, by up to 16 principal components; the RGB values of
-        others become spectra of the same colour.
+    .. tabs::
+        .. code-tab:: xml
 
-        .. tabs::
-            .. code-tab:: xml
+            <bsdf type="measured_brdf">
+                <string name="filename" value="gold-paint.binary"/>
+            </bsdf>
 
-                <bsdf type="measured_brdf">
-                    <string name="filename" value="gold-paint.binary"/>
-                </bsdf>
+        .. code-tab:: python
 
-            .. code-tab:: python
+            'type': 'measured_brdf',
+            'filename': 'gold-paint.binary'
 
-                'type': 'measured_brdf',
-                'filename': 'gold-paint.binary'
+    Matusik, Pfister, Brand and McMillan, A data-driven reflectance model, SIGGRAPH 2003; Dupuy
+    and Jakob, An adaptive parameterization for efficient material acquisition and rendering,
+    SIGGRAPH Asia 2018.
+    """
 
-        Matusik, Pfister, Brand and McMillan, A data-driven reflectance model, SIGGRAPH 2003; Dupuy
-        and Jakob, An adaptive parameterization for efficient material acquisition and rendering,
-        SIGGRAPH Asia 2018.
-        """
+    PROPERTIES = ("filename",)
 
-        PROPERTIES = ("filename",)
+    def _load(self, props):
+        if "filename" not in props:
+            raise ParameterError(f"{self._where} has no filename; give a MERL or RGL file")
+        self._filename = props["filename"]
+        self.source = source = load_measured(resolve(self._filename))
+        self._spectral = None
+        try:
+            if mi.is_spectral and isinstance(source, Rgl) and source.wavelengths is not None:
+                self._spectral = Components(source, source.wavelengths)
+                self._reflector = self._spectral.reflector
+            else:
+                self._reflector = source.tabulated.on(mi.Float)
+        except ParameterError as error:
+            raise ParameterError(f"{self._where}: {error}") from error
 
-        def _load(self, props):
-            if "filename" not in props:
-                raise ParameterError(f"{self._where} has no filename; give a MERL or RGL file")
-            self._filename = props["filename"]
-            self.source = source = load_measured(resolve(self._filename))
-            self._spectral = None
-            try:
-                if mi.is_spectral and isinstance(source, Rgl) and source.wavelengths is not None:
-                    self._spectral = Components(source, source.wavelengths)
-                    self._reflector = self._spectral.reflector
-                else:
-                    self._reflector = source.tabulated.on(mi.Float)
-            except ParameterError as error:
-                raise ParameterError(f"{self._where}: {error}") from error
+    def known(self):
+        return KnownSurface(measured=self.source)
 
-        def offer(self):
-            return Offer(measured=self.source)
+    def _f(self, vertex, ctx, si, wo, active):
+        if self._spectral:
+            return self._spectral.f(si.wi, wo, si.wavelengths)
+        channels = self._reflector.channels(si.wi, wo)
+        return spectrum.from_channels(channels, si.wavelengths, colors=True)
 
-        def _f(self, vertex, ctx, si, wo, active):
-            if self._spectral:
-                return self._spectral.f(si.wi, wo, si.wavelengths)
-            channels = self._reflector.channels(si.wi, wo)
-            return spectrum.from_channels(channels, si.wavelengths, colors=True)
+    def _proposal(self, vertex, si, active):
+        return self._reflector.mixture(si.wi.z)
 
-        def _proposal(self, vertex, si, active):
-            return self._reflector.mixture(si.wi.z)
-
-        def to_string(self):
-            return f'MeasuredBRDF[\n  filename = "{self._filename}"\n]'
-
-    return MeasuredBRDF
+    def to_string(self):
+        return f'MeasuredBRDF[\n  filename = "{self._filename}"\n]'

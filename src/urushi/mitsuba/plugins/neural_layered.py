@@ -11,9 +11,10 @@ from urushi.errors import ParameterError
 from urushi.mitsuba.latents.axes import AxisLatents
 from urushi.mitsuba.latents.baking import Baker, at_texels
 from urushi.mitsuba.latents.codes import ConstantLatents
-from urushi.mitsuba.plugins.base import read_weights
 from urushi.mitsuba.plugins.coats import turn_of, turned
 from urushi.mitsuba.plugins.compensation import Compensation
+from urushi.mitsuba.plugins.encoded import EncodedSurface
+from urushi.mitsuba.properties import read_weights
 from urushi.mitsuba.reading.below import below
 from urushi.mitsuba.reading.bsdf import has_two_widths
 from urushi.mitsuba.reading.parameters import (
@@ -23,6 +24,7 @@ from urushi.mitsuba.reading.parameters import (
     check_rotation,
     nested_bsdf,
 )
+from urushi.mitsuba.surface import surface_of
 from urushi.nets.weights import Model, anisotropic_model, default_model
 from urushi.textures.store import write_texture
 
@@ -30,178 +32,174 @@ from urushi.textures.store import write_texture
 LARGEST_RESOLUTION = 8192
 
 
-def define(base: type) -> type:
-    """Make the plugin's class in the current variant; base: of `define_neural_bsdf`."""
+class NeuralLayered(EncodedSurface):
+    """A coated BSDF by latent codes and tables, without noise (``neural_layered``).
 
-    class NeuralLayered(base):
-        """A coated BSDF by latent codes and tables, without noise (``neural_layered``).
+    Takes the parameters of ``layered``, its reference, and these:
 
-        Takes the parameters of ``layered``, its reference, and these:
+    ============== ===================== ====================================================
+    resolution     integer               Texels per side of saved files, and where the bottom
+                                         is of an unknown kind and varies; at most 8192.
+                                         (Default: that of the largest texture, at most 512;
+                                         256 for procedural ones)
+    weights        string                File of the weights. (Default: the shipped
+                                         ones, ``anisotropic`` where the coat or the bottom is
+                                         anisotropic, otherwise ``default``)
+    ============== ===================== ====================================================
 
-        ============== ===================== ====================================================
-        resolution     integer               Texels per side of saved files, and where the bottom
-                                             is of an unknown kind and varies; at most 8192.
-                                             (Default: that of the largest texture, at most 512;
-                                             256 for procedural ones)
-        weights        string                File of the weights. (Default: the shipped
-                                             ones, ``anisotropic`` where the coat or the bottom is
-                                             anisotropic, otherwise ``default``)
-        ============== ===================== ====================================================
+    Two widths of a ratio above 10 are refused. The bottom must have no normals of its own.
 
-        Two widths of a ratio above 10 are refused. The bottom must have no normals of its own.
+    Without a nested BSDF, over dielectrics and over slabs, it is a *slab* as ``layered``, which
+    scatters light from both sides to both. Tables of what it reflects and transmits are
+    computed by light transport when the scene is loaded. They hold constants and one width of
+    each interface, and have derivatives by albedo and sigma_t, but not in
+    spectral variants.
 
-        Without a nested BSDF, over dielectrics and over slabs, it is a *slab* as ``layered``, which
-        scatters light from both sides to both. Tables of what it reflects and transmits are
-        computed by light transport when the scene is loaded. They hold constants and one width of
-        each interface, and have derivatives by albedo and sigma_t, but not in
-        spectral variants.
+    When the scene is loaded, the bottom is evaluated at the probe pairs, averaged if it lacks
+    the symmetries of materials (see ``urushi.encode``), and encoded. Constant coats over
+    constant bottoms are computed by light transport, as in ``urushi.layer``: a table for one
+    width, codes for two. Parameters of the coat and of the bottom that vary are axes, from one
+    to six. Light transport gives codes along them, and Mitsuba's own textures the place on
+    them, with their filter and transform; mesh attributes and volumes are textures, too. In
+    spectral variants, a constant coat has one code for each of 56 bands from 380 to 720 nm,
+    and the wavelength is an axis of others.
 
-        When the scene is loaded, the bottom is evaluated at the probe pairs, averaged if it lacks
-        the symmetries of materials (see ``urushi.encode``), and encoded. Constant coats over
-        constant bottoms are computed by light transport, as in ``urushi.layer``: a table for one
-        width, codes for two. Parameters of the coat and of the bottom that vary are axes, from one
-        to six. Light transport gives codes along them, and Mitsuba's own textures the place on
-        them, with their filter and transform; mesh attributes and volumes are textures, too. In
-        spectral variants, a constant coat has one code for each of 56 bands from 380 to 720 nm,
-        and the wavelength is an axis of others.
+    Where a bottom of an unknown kind varies, or more than six parameters do, codes are computed
+    for each texel of the unit square of uv, which repeats, by light transport and the layering
+    network. The network knows sigma_t from 0 to 8 and g from -0.8 to 0.9, and takes a similar
+    medium outside, with a warning.
 
-        Where a bottom of an unknown kind varies, or more than six parameters do, codes are computed
-        for each texel of the unit square of uv, which repeats, by light transport and the layering
-        network. The network knows sigma_t from 0 to 8 and g from -0.8 to 0.9, and takes a similar
-        medium outside, with a warning.
+    A change through ``mi.traverse`` recomputes codes, but not where textures stay within their
+    former ranges. The method ``save`` writes the codes to a file for ``neural_brdf``.
 
-        A change through ``mi.traverse`` recomputes codes, but not where textures stay within their
-        former ranges. The method ``save`` writes the codes to a file for ``neural_brdf``.
+    Pictures can be differentiated with respect to all parameters, including the bottom's, by
+    Mitsuba's differentiable integrators such as ``prb``: enable gradients of the parameters
+    that ``mi.traverse`` lists, and update. A parameter with gradients is an axis over all
+    values that it may take; its derivative is the slope along it.
 
-        Pictures can be differentiated with respect to all parameters, including the bottom's, by
-        Mitsuba's differentiable integrators such as ``prb``: enable gradients of the parameters
-        that ``mi.traverse`` lists, and update. A parameter with gradients is an axis over all
-        values that it may take; its derivative is the slope along it.
+    After Fan, Wang, Hašan, Yang and Yan, Neural Layered BRDFs, SIGGRAPH 2022.
+    """
 
-        After Fan, Wang, Hašan, Yang and Yan, Neural Layered BRDFs, SIGGRAPH 2022.
-        """
+    UNRECORDED: ClassVar = ("_baker",)
+    PROPERTIES = COAT_PROPERTIES
 
-        UNRECORDED: ClassVar = ("_baker",)
-        PROPERTIES = COAT_PROPERTIES
+    model: Model
+    latents: ConstantLatents | AxisLatents
+    _baker: Baker | None
 
-        model: Model
-        latents: ConstantLatents | AxisLatents
-        _baker: Baker | None
+    def _load(self, props):
+        self._bottom = nested_bsdf(props)
+        self._coat = CoatTextures(props)
+        check_bottom(self._bottom, self._coat.where)
+        resolution = props.get("resolution", 0)
+        if resolution not in range(LARGEST_RESOLUTION + 1):
+            raise ParameterError(
+                f"{self._coat.where}: resolution is {resolution}; give texels per side, at "
+                f"most {LARGEST_RESOLUTION}, or 0 to choose by the textures"
+            )
+        self._weights = read_weights(props)
+        self._resolution = int(resolution)
+        self._baker, self._compensation = None, None
+        self._below = below(self._bottom, self._coat)
+        self._bake()
 
-        def _load(self, props):
-            self._bottom = nested_bsdf(props)
-            self._coat = CoatTextures(props)
-            check_bottom(self._bottom, self._coat.where)
-            resolution = props.get("resolution", 0)
-            if resolution not in range(LARGEST_RESOLUTION + 1):
-                raise ParameterError(
-                    f"{self._coat.where}: resolution is {resolution}; give texels per side, at "
-                    f"most {LARGEST_RESOLUTION}, or 0 to choose by the textures"
-                )
-            self._weights = read_weights(props)
-            self._resolution = int(resolution)
-            self._baker, self._compensation = None, None
-            self._below = below(self._bottom, self._coat)
-            self._bake()
+    def under(self, coat):
+        """See `Surface.under`."""
+        under = self._copy()
+        under._coat, under._baker = self._coat.under(coat), None
+        under._bake()
+        return under
 
-        def under(self, coat):
-            """See `reading.below.Coatable`."""
-            under = self._copy()
-            under._coat, under._baker = self._coat.under(coat), None
-            under._bake()
-            return under
+    def known(self):
+        return replace(super().known(), rotated=self._coat.has_rotation)
 
-        def offer(self):
-            return replace(super().offer(), rotated=self._coat.has_rotation)
+    def _choose_weights(self):
+        """Choose the weights for the present coat and bottom."""
+        check_rotation(self._bottom, self._coat.where)
+        model = self._weights
+        if model is None:
+            anisotropic = self._coat.is_anisotropic or has_two_widths(self._below)
+            model = anisotropic_model() if anisotropic else default_model()
+        if self._baker is None or self.model.fingerprint != model.fingerprint:
+            self.model = model
+            self._baker = Baker(model, self._coat, self._bottom, self._below, self._resolution)
+        self._baker.below = self._below
 
-        def _choose_weights(self):
-            """Choose the weights for the present coat and bottom."""
-            check_rotation(self._bottom, self._coat.where)
-            model = self._weights
-            if model is None:
-                anisotropic = self._coat.is_anisotropic or has_two_widths(self._below)
-                model = anisotropic_model() if anisotropic else default_model()
-            if self._baker is None or self.model.fingerprint != model.fingerprint:
-                self.model = model
-                self._baker = Baker(model, self._coat, self._bottom, self._below, self._resolution)
-            self._baker.below = self._below
-
-        def _bake(self):
-            self._choose_weights()
-            assert self._baker is not None  # for the type checker
+    def _bake(self):
+        self._choose_weights()
+        assert self._baker is not None  # for the type checker
+        with dr.suspend_grad():
+            self.latents = self._baker.update()
+        self._absorbs = self._baker.absorbs
+        # Kernels of Mitsuba's textures have their transforms as literals: see `recording`.
+        nodes = map(mi.traverse, (*self._coat.textures.values(), self._bottom))
+        places = [value for node in nodes for key, value in node if key.endswith("to_uv")]
+        self._places = [tuple(np.ravel(place.matrix.numpy()).tolist()) for place in places]
+        if self._coat.compensated:
             with dr.suspend_grad():
-                self.latents = self._baker.update()
-            self._absorbs = self._baker.absorbs
-            # Kernels of Mitsuba's textures have their transforms as literals: see `recording`.
-            nodes = map(mi.traverse, (*self._coat.textures.values(), self._bottom))
-            places = [value for node in nodes for key, value in node if key.endswith("to_uv")]
-            self._places = [tuple(np.ravel(place.matrix.numpy()).tolist()) for place in places]
-            if self._coat.compensated:
-                with dr.suspend_grad():
-                    self._compensation = Compensation(self._coat, self._below)
+                self._compensation = Compensation(self._coat, self._below)
 
-        def save(self, path):
-            """Write the codes to a file that ``neural_brdf`` loads, textured or not.
+    def save(self, path):
+        """Write the codes to a file that ``neural_brdf`` loads, textured or not.
 
-            The file of a latent texture does not store a rotation: set it in ``neural_brdf`` again.
+        The file of a latent texture does not store a rotation: set it in ``neural_brdf`` again.
 
-            Raises:
-                FileError: it cannot be written.
-            """
-            angle = self._coat.constant_rotation
-            if isinstance(self.latents, AxisLatents):
-                texture, grid = at_texels(self.latents, self._resolution, self._coat.where)
-                write_texture(path, texture, grid, self.model.fingerprint)
-                angle = None  # the file has none
-            else:
-                self.latents.material.rotated(angle or 0.0).save(path)
-            if self._coat.has_rotation and angle is None:
-                mi.Log(
-                    mi.LogLevel.Warn,
-                    f"{self._coat.where}: the file of the codes leaves out the rotation; give it "
-                    "to the plugin 'neural_brdf' that reads the file",
-                )
-
-        def _f(self, vertex, ctx, si, wo, active):
-            if self._absorbs:  # without codes: f of the bottom by Beer's law
-                si, wo = turned(vertex.turn, si, wo)
-                cos_i, cos_o = (dr.select(active, w.z, 1) for w in (si.wi, wo))
-                depth = self._coat.evaluate(si, active).sigma_t * (1 / cos_i + 1 / cos_o)
-                return self._below.eval(ctx, si, wo, active) / cos_o * dr.exp(-depth)
-            return self._with_lost_light(super()._f(vertex, ctx, si, wo, active), si, wo, active)
-
-        def _f_and_pdf(self, vertex, ctx, si, wo, active):
-            if self._absorbs:
-                f = self._f(vertex, ctx, si, wo, active)
-                return f, self._proposal(vertex, si, active).pdf(si.wi, wo)
-            f, pdf = super()._f_and_pdf(vertex, ctx, si, wo, active)
-            return self._with_lost_light(f, si, wo, active), pdf
-
-        def _with_lost_light(self, f, si, wo, active):
-            if self._compensation is None:
-                return f
-            return self._compensation.with_lost_light(f, si, wo, active)
-
-        def _turn(self, si, active):
-            return turn_of(self._coat, si, active)
-
-        def traverse(self, callback):
-            self._coat.traverse(callback, mi.ParamFlags.Differentiable)
-            callback.put("bottom", self._bottom, mi.ParamFlags.Differentiable)
-
-        def _update(self, keys):
-            self._coat.parameters_changed()
-            if isinstance(self._below, NeuralLayered) and self._below is not self._bottom:
-                self._below._update([])  # it has the bottom's textures
-            else:
-                self._below = below(self._bottom, self._coat)
-            self._bake()
-
-        def to_string(self):
-            bottom = str(self._bottom).replace("\n", "\n  ")
-            return (
-                f"NeuralLayered[\n{self._coat},\n  latents = {self.latents},\n"
-                f"  weights = {self.model.fingerprint},\n  bottom = {bottom}\n]"
+        Raises:
+            FileError: it cannot be written.
+        """
+        angle = self._coat.constant_rotation
+        if isinstance(self.latents, AxisLatents):
+            texture, grid = at_texels(self.latents, self._resolution, self._coat.where)
+            write_texture(path, texture, grid, self.model.fingerprint)
+            angle = None  # the file has none
+        else:
+            self.latents.material.rotated(angle or 0.0).save(path)
+        if self._coat.has_rotation and angle is None:
+            mi.Log(
+                mi.LogLevel.Warn,
+                f"{self._coat.where}: the file of the codes leaves out the rotation; give it "
+                "to the plugin 'neural_brdf' that reads the file",
             )
 
-    return NeuralLayered
+    def _f(self, vertex, ctx, si, wo, active):
+        if self._absorbs:  # without codes: f of the bottom by Beer's law
+            si, wo = turned(vertex.turn, si, wo)
+            cos_i, cos_o = (dr.select(active, w.z, 1) for w in (si.wi, wo))
+            depth = self._coat.evaluate(si, active).sigma_t * (1 / cos_i + 1 / cos_o)
+            return self._below.eval(ctx, si, wo, active) / cos_o * dr.exp(-depth)
+        return self._with_lost_light(super()._f(vertex, ctx, si, wo, active), si, wo, active)
+
+    def _f_and_pdf(self, vertex, ctx, si, wo, active):
+        if self._absorbs:
+            f = self._f(vertex, ctx, si, wo, active)
+            return f, self._proposal(vertex, si, active).pdf(si.wi, wo)
+        f, pdf = super()._f_and_pdf(vertex, ctx, si, wo, active)
+        return self._with_lost_light(f, si, wo, active), pdf
+
+    def _with_lost_light(self, f, si, wo, active):
+        if self._compensation is None:
+            return f
+        return self._compensation.with_lost_light(f, si, wo, active)
+
+    def _turn(self, si, active):
+        return turn_of(self._coat, si, active)
+
+    def traverse(self, callback):
+        self._coat.traverse(callback, mi.ParamFlags.Differentiable)
+        callback.put("bottom", self._bottom, mi.ParamFlags.Differentiable)
+
+    def _update(self, keys):
+        self._coat.parameters_changed()
+        nested = surface_of(self._below)
+        if isinstance(nested, NeuralLayered) and self._below is not self._bottom:
+            nested._update([])  # it has the bottom's textures
+        else:
+            self._below = below(self._bottom, self._coat)
+        self._bake()
+
+    def to_string(self):
+        bottom = str(self._bottom).replace("\n", "\n  ")
+        return (
+            f"NeuralLayered[\n{self._coat},\n  latents = {self.latents},\n"
+            f"  weights = {self.model.fingerprint},\n  bottom = {bottom}\n]"
+        )

@@ -20,13 +20,12 @@ from urushi.mitsuba import spectrum
 from urushi.mitsuba.interface_albedo import Interpolated
 from urushi.mitsuba.latents.codes import ConstantLatents
 from urushi.mitsuba.networks.table import interpolated, padded, stored
-from urushi.mitsuba.plugins.base import ignore
-from urushi.mitsuba.plugins.coated import define_coated
+from urushi.mitsuba.plugins.coated import CoatedSurface
 from urushi.mitsuba.plugins.coats import CoatStack, SlabMixture, above_surface, raised, width
+from urushi.mitsuba.properties import ignore
 from urushi.mitsuba.reading.grid import varies
-from urushi.mitsuba.reading.kept import has_gradients
-from urushi.mitsuba.reading.parameters import opaque
-from urushi.mitsuba.recording import only_where, owned
+from urushi.mitsuba.recording import only_where, opaque, owned
+from urushi.mitsuba.snapshot import has_gradients
 from urushi.nets.weights import default_model
 from urushi.walk import interface
 
@@ -64,149 +63,136 @@ def _lobes(tables: SlabTables) -> np.ndarray:
     return found
 
 
-def define(base: type) -> type:
-    """Make the plugin's class in the current variant; base: of `define_proposal_bsdf`."""
+class NeuralSlab(CoatedSurface):
+    """A slab of constant parameters; see ``layered``."""
 
-    coated: type = define_coated(base, "NeuralLayered")
+    def _load(self, props):
+        super()._load(props)
+        ignore(props, "resolution", "weights")
+        self._tabulate()
 
-    class NeuralSlab(coated):
-        """A slab of constant parameters; see ``layered``."""
+    def _update(self, keys):
+        super()._update(keys)
+        self._tabulate()
 
-        def _load(self, props):
-            super()._load(props)
-            ignore(props, "resolution", "weights")
-            self._tabulate()
-
-        def _update(self, keys):
-            super()._update(keys)
-            self._tabulate()
-
-        def _tabulate(self):
-            """Compute the tables."""
-            reason = None
-            coats, lowest = self.coats, self.lowest
-            if any(x.is_anisotropic for x in (*coats, lowest) if x) or any(
-                x.coloured for x in coats
-            ):
-                reason = "a slab has a table for one width of each interface"
-            for layer in (*coats, lowest):
-                for name, texture in () if layer is None else layer.textures.items():
-                    if varies(texture):
-                        reason = f"{name} is a texture, but the tables of a slab are of constants"
-            if reason is not None:
-                raise ParameterError(
-                    f"{self._where}: {reason}; use the plugin 'layered', which walks through any"
-                )
-            rows = [coat.layering(np.full((1, 2), 0.5)) for coat in coats]
-            si = dr.zeros(mi.SurfaceInteraction3f)
-            far = self._lowest_at(CoatStack(coats, si, True), si, True)
-            interfaces = [(*row.alpha.flat, *row.eta.flat) for row in rows]
-            interfaces.append((float(far.alpha[0]), float(far.eta[0])))
-            media = [np.broadcast_arrays(*row[2:]) for row in rows]
-            channels = max(medium[0].size for medium in media)
-            columns = [[np.broadcast_to(x.ravel(), channels) for x in medium] for medium in media]
-            tables = slab_tables(default_model(), np.array(interfaces), np.array(columns))
-            above, below = tables.reflected
-            wanted = has_gradients(self)
-            sides = (above, below) if wanted or above is not below else (above,)
-            self._reflected = [ConstantLatents(side, not wanted) for side in sides]
-            self._passed = stored(tables.passed, not wanted)
-            self._ratio, self._surfaces = tables.eta, tables.faces
-            self._depths = [[opaque(x) for x in side] for side in tables.depths.tolist()]
-            self._inner = tables.inner
-            self._lobes = Interpolated(_lobes(tables))
-            self._attach(np.array(interfaces), np.array(columns))
-
-        def _attach(self, interfaces: np.ndarray, media: np.ndarray):
-            """Add derivatives by albedo and sigma_t to the tables: differences of two slabs.
-
-            Channels do not mix: those of a colour change together.
-            """
-            si, found = dr.zeros(mi.SurfaceInteraction3f), []
-            for level, coat in enumerate(self.coats):
-                for name, numbers in coat.channels(si).items():
-                    if dr.grad_enabled(numbers):
-                        found.append((level, name, numbers))
-            wrong = has_gradients(self) and not found
-            if wrong or (mi.is_spectral and found) or any(x[1] not in LARGEST for x in found):
-                raise ParameterError(
-                    f"{self._where}: a parameter carries gradients, but tables of slabs have "
-                    "derivatives by albedo and sigma_t only, and none of spectra; disable others"
-                )
-            for level, name, numbers in found:
-                row, ends = list(LARGEST).index(name), np.stack([media, media])
-                moved = media[level, row] + np.array([[-STEP], [STEP]]) * (1 + media[level, row])
-                ends[:, level, row] = moved.clip(0, LARGEST[name])
-                low, high = (slab_tables(default_model(), interfaces, end) for end in ends)
-                step = (ends[1] - ends[0])[level, row]
-
-                changes = [number - dr.detach(number) for number in numbers]
-                changes *= len(step) // len(numbers)
-
-                def change(a, b, step=step, changes=changes):
-                    slopes = padded((b.astype(np.float32) - a) / step)
-                    channel = dr.arange(mi.UInt32, slopes.size) % slopes.shape[-1]
-                    total = mi.Float(0)
-                    for c, number in enumerate(changes):
-                        total += dr.select(channel == c, number, 0)
-                    return total * owned(mi.Float, slopes)
-
-                for side, a, b in zip(self._reflected, low.reflected, high.reflected, strict=False):
-                    side._tables = [side._tables[0] + change(a.table, b.table)]
-                self._passed = self._passed + change(low.passed, high.passed)
-                slopes = (high.depths - low.depths) / step
-                self._depths = [
-                    [x + slope * y for x, slope, y in zip(*side, changes, strict=True)]
-                    for side in zip(self._depths, slopes.tolist(), strict=True)
-                ]
-
-        def _f(self, vertex, ctx, si, wo, active):
-            inside, up = above_surface(si), raised(wo)
-            upper = si.wi.z > 0
-            sides = [side.f(side.bare_vertex(si), inside, up, active) for side in self._reflected]
-
-            def of_side(pairs):
-                return [dr.select(upper, *pair) for pair in zip(*pairs, strict=True)]
-
-            def reflected(a, b, rests, face, inner, depths):
-                factor, inverse = mirrored_inside(a, b, inner, DRJIT), dr.rcp(a.z) + dr.rcp(b.z)
-                lobe = interface.reflection(a, b, *face)
-                return [
-                    rest * factor + lobe * dr.exp(-depth * inverse)
-                    for rest, depth in zip(rests, depths, strict=True)
-                ]
-
-            numbers = (
-                [dr.select(upper, x[0], x[-1]) for x in zip(*sides, strict=True)],
-                of_side(self._surfaces),
-                [of_side(pairs) for pairs in zip(*self._inner, strict=True)],
-                of_side(self._depths),
+    def _tabulate(self):
+        """Compute the tables."""
+        reason = None
+        coats, lowest = self.coats, self.lowest
+        if any(x.is_anisotropic for x in (*coats, lowest) if x) or any(x.coloured for x in coats):
+            reason = "a slab has a table for one width of each interface"
+        for layer in (*coats, lowest):
+            for name, texture in () if layer is None else layer.textures.items():
+                if varies(texture):
+                    reason = f"{name} is a texture, but the tables of a slab are of constants"
+        if reason is not None:
+            raise ParameterError(
+                f"{self._where}: {reason}; use the plugin 'layered', which walks through any"
             )
-            channels = only_where(active, reflected, inside.wi, up, *numbers)
+        rows = [coat.layering(np.full((1, 2), 0.5)) for coat in coats]
+        si = dr.zeros(mi.SurfaceInteraction3f)
+        far = self._lowest_at(CoatStack(coats, si, True), si, True)
+        interfaces = [(*row.alpha.flat, *row.eta.flat) for row in rows]
+        interfaces.append((float(far.alpha[0]), float(far.eta[0])))
+        media = [np.broadcast_arrays(*row[2:]) for row in rows]
+        channels = max(medium[0].size for medium in media)
+        columns = [[np.broadcast_to(x.ravel(), channels) for x in medium] for medium in media]
+        tables = slab_tables(default_model(), np.array(interfaces), np.array(columns))
+        above, below = tables.reflected
+        wanted = has_gradients(self)
+        sides = (above, below) if wanted or above is not below else (above,)
+        self._reflected = [ConstantLatents(side, not wanted) for side in sides]
+        self._passed = stored(tables.passed, not wanted)
+        self._ratio, self._surfaces = tables.eta, tables.faces
+        self._depths = [[opaque(x) for x in side] for side in tables.depths.tolist()]
+        self._interreflection = tables.inner
+        self._lobes = Interpolated(_lobes(tables))
+        self._attach(np.array(interfaces), np.array(columns))
 
-            def passed(a, b):
-                places = passed_coordinates(a, b, self._ratio, DRJIT)
-                logs = interpolated(self._passed, PASSED_SHAPE, [dr.clip(x, 0, 1) for x in places])
-                scale = entering(a, b, self._surfaces, DRJIT)
-                return [dr.exp(log) * scale for log in logs[: len(channels)]]
+    def _attach(self, interfaces: np.ndarray, media: np.ndarray):
+        """Add derivatives by albedo and sigma_t to the tables: differences of two slabs.
 
-            pair = dr.select(upper, inside.wi, up), dr.select(upper, up, inside.wi)
-            through = only_where(active, passed, *pair)
-            side = wo if ctx.mode == mi.TransportMode.Importance else si.wi
-            scale = dr.select(side.z < 0, dr.square(self._index), 1)
-            crosses = si.wi.z * wo.z < 0
-            found = [
-                dr.select(crosses, t * scale, r) for t, r in zip(through, channels, strict=True)
+        Channels do not mix: those of a colour change together.
+        """
+        si, found = dr.zeros(mi.SurfaceInteraction3f), []
+        for level, coat in enumerate(self.coats):
+            for name, numbers in coat.channels(si).items():
+                if dr.grad_enabled(numbers):
+                    found.append((level, name, numbers))
+        wrong = has_gradients(self) and not found
+        if wrong or (mi.is_spectral and found) or any(x[1] not in LARGEST for x in found):
+            raise ParameterError(
+                f"{self._where}: a parameter carries gradients, but tables of slabs have "
+                "derivatives by albedo and sigma_t only, and none of spectra; disable others"
+            )
+        for level, name, numbers in found:
+            row, ends = list(LARGEST).index(name), np.stack([media, media])
+            moved = media[level, row] + np.array([[-STEP], [STEP]]) * (1 + media[level, row])
+            ends[:, level, row] = moved.clip(0, LARGEST[name])
+            low, high = (slab_tables(default_model(), interfaces, end) for end in ends)
+            step = (ends[1] - ends[0])[level, row]
+
+            changes = [number - dr.detach(number) for number in numbers]
+            changes *= len(step) // len(numbers)
+
+            def change(a, b, step=step, changes=changes):
+                slopes = padded((b.astype(np.float32) - a) / step)
+                channel = dr.arange(mi.UInt32, slopes.size) % slopes.shape[-1]
+                total = mi.Float(0)
+                for c, number in enumerate(changes):
+                    total += dr.select(channel == c, number, 0)
+                return total * owned(mi.Float, slopes)
+
+            for side, a, b in zip(self._reflected, low.reflected, high.reflected, strict=False):
+                side._tables = [side._tables[0] + change(a.table, b.table)]
+            self._passed = self._passed + change(low.passed, high.passed)
+            slopes = (high.depths - low.depths) / step
+            self._depths = [
+                [x + slope * y for x, slope, y in zip(*side, changes, strict=True)]
+                for side in zip(self._depths, slopes.tolist(), strict=True)
             ]
-            return spectrum.from_channels(found, si.wavelengths)
 
-        def _proposal(self, vertex, si, active):
-            sides = [self._lobes([dr.sqrt(dr.abs(si.wi.z)), side]) for side in (0.0, 1.0)]
-            reflected, *widths = (
-                dr.select(si.wi.z > 0, *pair) for pair in zip(*sides, strict=True)
-            )
-            count = len(QUANTILES)
-            near, far = (Mixture(WEIGHTS, part) for part in (widths[:count], widths[count:]))
-            return SlabMixture(near, far, reflected, self._index_across(si.wi))
+    def _f(self, vertex, ctx, si, wo, active):
+        inside, up = above_surface(si), raised(wo)
+        upper = si.wi.z > 0
+        sides = [side.f(side.bare_vertex(si), inside, up, active) for side in self._reflected]
 
-    return NeuralSlab
+        def of_side(pairs):
+            return [dr.select(upper, *pair) for pair in zip(*pairs, strict=True)]
+
+        def reflected(a, b, rests, face, inner, depths):
+            factor, inverse = mirrored_inside(a, b, inner, DRJIT), dr.rcp(a.z) + dr.rcp(b.z)
+            lobe = interface.reflection(a, b, *face)
+            return [
+                rest * factor + lobe * dr.exp(-depth * inverse)
+                for rest, depth in zip(rests, depths, strict=True)
+            ]
+
+        numbers = (
+            [dr.select(upper, x[0], x[-1]) for x in zip(*sides, strict=True)],
+            of_side(self._surfaces),
+            [of_side(pairs) for pairs in zip(*self._interreflection, strict=True)],
+            of_side(self._depths),
+        )
+        channels = only_where(active, reflected, inside.wi, up, *numbers)
+
+        def passed(a, b):
+            places = passed_coordinates(a, b, self._ratio, DRJIT)
+            logs = interpolated(self._passed, PASSED_SHAPE, [dr.clip(x, 0, 1) for x in places])
+            scale = entering(a, b, self._surfaces, DRJIT)
+            return [dr.exp(log) * scale for log in logs[: len(channels)]]
+
+        pair = dr.select(upper, inside.wi, up), dr.select(upper, up, inside.wi)
+        through = only_where(active, passed, *pair)
+        side = wo if ctx.mode == mi.TransportMode.Importance else si.wi
+        scale = dr.select(side.z < 0, dr.square(self._index), 1)
+        crosses = si.wi.z * wo.z < 0
+        found = [dr.select(crosses, t * scale, r) for t, r in zip(through, channels, strict=True)]
+        return spectrum.from_channels(found, si.wavelengths)
+
+    def _proposal(self, vertex, si, active):
+        sides = [self._lobes([dr.sqrt(dr.abs(si.wi.z)), side]) for side in (0.0, 1.0)]
+        reflected, *widths = (dr.select(si.wi.z > 0, *pair) for pair in zip(*sides, strict=True))
+        count = len(QUANTILES)
+        near, far = (Mixture(WEIGHTS, part) for part in (widths[:count], widths[count:]))
+        return SlabMixture(near, far, reflected, self._index_across(si.wi))

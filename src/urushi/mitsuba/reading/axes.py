@@ -19,11 +19,11 @@ from urushi.errors import ParameterError
 from urushi.material.layer import DEEPEST
 from urushi.mitsuba import spectrum
 from urushi.mitsuba.reading.grid import ELSEWHERE, varying_textures
-from urushi.mitsuba.reading.kept import has_gradients, is_attached
 from urushi.mitsuba.reading.parameters import CHECKS, TWO_WIDTHS, CoatTextures
 from urushi.mitsuba.reading.replaced import parts
 from urushi.mitsuba.reading.texels import drawn_texel, texel_draw
 from urushi.mitsuba.recording import owned
+from urushi.mitsuba.snapshot import has_gradients, is_attached
 from urushi.textures.axes import ALBEDO, DEPTH, INDEX, LINEAR, REFLECTANCE, WIDTH, Axis, Steps
 from urushi.textures.store import MIDDLE, TexelGrid, from_texture
 

@@ -5,7 +5,7 @@ lower interface of a slab, or a pane in air.
 """
 
 import itertools
-from typing import Any, ClassVar, Protocol, runtime_checkable
+from typing import Any, ClassVar
 
 import mitsuba as mi
 import numpy as np
@@ -17,8 +17,10 @@ from urushi.errors import ParameterError
 from urushi.mitsuba.reading import probing
 from urushi.mitsuba.reading.derived import derived
 from urushi.mitsuba.reading.grid import NORMALS, nested_objects
-from urushi.mitsuba.reading.offers import GGX
-from urushi.mitsuba.reading.parameters import CoatTextures, opaque
+from urushi.mitsuba.reading.known import GGX
+from urushi.mitsuba.reading.parameters import CoatTextures
+from urushi.mitsuba.recording import opaque
+from urushi.mitsuba.surface import bsdf_of, surface_of
 
 #: Classes of Mitsuba's BSDFs that reflect as the BSDFs nested in them, and their plugins.
 WRAPPERS = NORMALS | {"BlendBSDF": "blendbsdf"}
@@ -26,14 +28,6 @@ WRAPPERS = NORMALS | {"BlendBSDF": "blendbsdf"}
 #: Properties of `normalmap` and `bumpmap` that they do not list, by default true, and the number of
 #: pairs at which they are found.
 SWITCHES, SWITCH_PAIRS = ("use_shadowing_function", "flip_invalid_normals"), 1024
-
-
-@runtime_checkable
-class Coatable(Protocol):
-    """A BSDF of this package that changes below a medium."""
-
-    def under(self, coat: CoatTextures) -> "mi.BSDF":
-        """The BSDF below the medium of a coat, of the same textures."""
 
 
 class Medium:
@@ -67,15 +61,17 @@ def below(bsdf: "mi.BSDF", coat: Any) -> "mi.BSDF":
     within Mitsuba's `twosided`, `blendbsdf`, `normalmap` and `bumpmap`. All others, such as
     measured BRDFs, are as they are in air.
     """
-    if isinstance(bsdf, Coatable):
-        return bsdf.under(coat)
+    surface = surface_of(bsdf)
+    if surface is not None:
+        found = surface.under(coat)
+        return bsdf if found is surface else bsdf_of(found)
     name = bsdf.class_name()
     if name == "RoughConductor":
         return _conductor_below(bsdf, coat)
     if name == "TwoSidedBRDF":
         front = nested_objects(bsdf)["brdf_0"]
-        found = below(front, coat)
-        return bsdf if found is front else found
+        inside = below(front, coat)
+        return bsdf if inside is front else inside
     return _wrapper_below(bsdf, coat) if name in WRAPPERS else bsdf
 
 

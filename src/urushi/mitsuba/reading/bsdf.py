@@ -9,7 +9,7 @@ from urushi.material.symmetry import asymmetry_pairs, is_anisotropic
 from urushi.mitsuba import spectrum
 from urushi.mitsuba.reading import probing
 from urushi.mitsuba.reading.grid import not_over_uv, varying_textures
-from urushi.mitsuba.reading.offers import offer_of
+from urushi.mitsuba.reading.known import known_surface
 from urushi.nets.lobe import LOBE_NUMBERS
 
 #: Samples by which the excluded shares of the light are measured, to about 0.2 %.
@@ -33,7 +33,9 @@ def bsdf_source(bsdf: "mi.BSDF") -> Source:
     _check_encodable(bsdf, name)
     transmitted, mirrored = excluded_shares(bsdf)
     source = reflection_source(bsdf)
-    if offer_of(bsdf).exact():  # its lobe is for coats; without them, its values say more
+    if known_surface(
+        bsdf
+    ).table_source():  # its lobe is for coats; without them, its values say more
         source = source._replace(lobe=None, bare=False, tabulated=True, widths=1)
     return source._replace(
         transmitted=transmitted, mirrored=mirrored, textured=bool(varying_textures(bsdf))
@@ -42,9 +44,9 @@ def bsdf_source(bsdf: "mi.BSDF") -> Source:
 
 def reflection_source(bsdf: "mi.BSDF") -> Source:
     """`bsdf_source` of a BSDF that is known to be opaque and rough, and not to be textured."""
-    offer = offer_of(bsdf)
-    if offer.measured is not None and mi.is_rgb:
-        return as_source(offer.measured)  # what `urushi.load_measured` gives, to the bit
+    known = known_surface(bsdf)
+    if known.measured is not None and mi.is_rgb:
+        return as_source(known.measured)  # what `urushi.load_measured` gives, to the bit
 
     lobes = probing.known_lobes(bsdf, np.full((1, 2), 0.5))
     if lobes is not None:
@@ -56,7 +58,7 @@ def reflection_source(bsdf: "mi.BSDF") -> Source:
                 symmetric=True,
                 tabulated=False,  # a lobe alone, a Lambertian, or `bsdf_source` knows more
                 lobe=lobes[0],
-                bare=offer.bare,
+                bare=known.lobe_only,
                 widths=1 if lobes.shape[-1] == len(LOBE_NUMBERS) else 2,
             )
 
@@ -73,7 +75,7 @@ def has_two_widths(bsdf: "mi.BSDF") -> bool:
 
     A texture counts by its value in the middle of uv; a random BSDF counts as isotropic.
     """
-    latents = offer_of(bsdf).latents
+    latents = known_surface(bsdf).latents
     if latents is not None:
         return latents.model.widths == 2
     lobes = probing.known_lobes(bsdf, np.full((1, 2), 0.5))

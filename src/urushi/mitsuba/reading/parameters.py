@@ -13,10 +13,12 @@ from urushi.checks import AIR, DEFAULT_COAT, MIN_ALPHA, CoatParameters, Widths
 from urushi.core import appearance, microfacet
 from urushi.core.appearance import LOOK, PHYSICAL, look_of
 from urushi.core.namespace import DRJIT
-from urushi.errors import ParameterError, choice
+from urushi.errors import ParameterError
 from urushi.mitsuba import spectrum
+from urushi.mitsuba.properties import describe
 from urushi.mitsuba.reading.grid import nested_objects, varies
-from urushi.mitsuba.reading.offers import offer_of
+from urushi.mitsuba.reading.known import known_surface
+from urushi.mitsuba.recording import opaque
 
 #: Parameters of a coat that may be textures, and their defaults. The index of refraction is given
 #: by two properties of its own.
@@ -35,10 +37,6 @@ COAT_PROPERTIES = (
     *(*DEFAULTS, *TWO_WIDTHS, *LOOK, "rotation", "int_ior", "ext_ior", "energy_compensation"),
     *("resolution", "weights"),
 )
-
-#: Properties by which a plugin makes another: how its errors begin, and whether it is a part of a
-#: slab.
-INTERNAL = ("origin", "inner")
 
 #: The check of each parameter.
 CHECKS = {
@@ -342,35 +340,6 @@ def index_of_refraction(props: "mi.Properties", name: str, default: str, where: 
     return round(float(np.ravel(mi.traverse(glass)["eta"])[0]), 6)
 
 
-def opaque(value: float) -> "mi.Float":
-    """A Dr.Jit scalar that kernels read from memory, so that plugins of one type share code."""
-    scalar = mi.Float(value)
-    dr.make_opaque(scalar)
-    return scalar
-
-
-def describe(props: "mi.Properties") -> str:
-    """The plugin's name, and its id if the user gave one; begins errors.
-
-    Plugins that make others give them their own text as the property "origin".
-    """
-    if "origin" in props:
-        return props["origin"]
-    name = props.id()
-    return props.plugin_name() + (f" '{name}'" if name and not name.startswith("__") else "")
-
-
-def check_names(props: "mi.Properties", names: Collection[str], where: str) -> None:
-    """Refuse a property that is none of `names` and no nested BSDF. Call this before reading any.
-
-    Listing the objects resets Mitsuba's record of which properties were read.
-    """
-    objects = dict(props.objects(mark_queried=False))
-    for name in props.keys():  # noqa: SIM118  (no mapping)
-        if name not in (*names, *INTERNAL) and not isinstance(objects.get(name), mi.BSDF):
-            raise ParameterError(f"{where}: there is no parameter '{name}'; {choice(name, names)}")
-
-
 def nested_bsdf(props: "mi.Properties", *, optional: bool = False) -> Any:
     """The one BSDF among the properties, under any name. Call this before reading textures.
 
@@ -424,7 +393,7 @@ def check_bottom(bsdf: "mi.BSDF", where: str) -> None:
 
 def check_rotation(bottom: "mi.BSDF", where: str) -> None:
     """Refuse, by a ParameterError, a bottom with a rotation of its own."""
-    if offer_of(bottom).rotated:
+    if known_surface(bottom).rotated:
         raise ParameterError(
             f"{where}: the nested coat has its own rotation, but all layers share one tangent "
             "frame; give rotation to the outermost coat only"

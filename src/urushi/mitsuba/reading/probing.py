@@ -17,7 +17,7 @@ from urushi.material.symmetry import (
     rotated_pairs,
 )
 from urushi.mitsuba import spectrum
-from urushi.mitsuba.reading.offers import offer_of
+from urushi.mitsuba.reading.known import known_surface
 
 #: Greatest number of evaluations in one launch: bounds memory.
 CHUNK = 1 << 21
@@ -202,10 +202,10 @@ def needed_repeats(bsdf: "mi.BSDF", wi: np.ndarray, wo: np.ndarray, points: int)
 
 
 def known_lobes(bsdf: "mi.BSDF", uv: np.ndarray) -> np.ndarray | None:
-    """The lobes float32 (M, C, 6 or 7) at points uv (M, 2) of a BSDF that offers them, or None."""
-    offer = offer_of(bsdf)
+    """The lobes float32 (M, C, 6 or 7) of a BSDF at points uv (M, 2); None: they are not known."""
+    known = known_surface(bsdf)
     si = interaction(np.tile([0.0, 0.0, 1.0], (len(uv), 1)), uv)
-    channels = spectrum.at_bands(si, lambda: offer.lobes(si) or ())
+    channels = spectrum.at_bands(si, lambda: known.lobes(si) or ())
     if not channels:
         return None
     return spectrum.stacked(channels, len(uv))

@@ -1,13 +1,14 @@
 """BSDFs with other textures and numbers in the place of some of their own."""
 
 from collections.abc import Callable, Mapping
-from typing import Any, Protocol, runtime_checkable
+from typing import Any
 
 import mitsuba as mi
 import numpy as np
 
 from urushi.mitsuba.reading.grid import nested_objects
-from urushi.mitsuba.reading.offers import GGX
+from urushi.mitsuba.reading.known import GGX
+from urushi.mitsuba.surface import surface_of
 
 #: From a texture to the one that replaces it, maybe itself.
 Replacement = Callable[["mi.Texture"], "mi.Texture"]
@@ -24,14 +25,6 @@ PLUGINS: Mapping[str, tuple[str, Mapping[str, str]]] = {
 
 #: Properties that `mi.traverse` does not list, as they may be.
 SWITCHES: tuple[Mapping[str, Any], ...] = ({}, {"nonlinear": True})
-
-
-@runtime_checkable
-class Replaceable(Protocol):
-    """A BSDF of this package whose textures can be replaced."""
-
-    def replaced(self, replacement: Replacement) -> "mi.BSDF":
-        """The same with other textures."""
 
 
 def parts(bsdf: "mi.BSDF") -> dict[str, "mi.Object"]:
@@ -56,8 +49,9 @@ def replaced(
         numbers: other numbers by the names of `mi.traverse`.
         switches: one of `SWITCHES`.
     """
-    if isinstance(bsdf, Replaceable):
-        return bsdf.replaced(replacement)
+    surface = surface_of(bsdf)
+    if surface is not None:
+        return surface.replaced(replacement)
     if bsdf.class_name() == "TwoSidedBRDF":
         front = nested_objects(bsdf)["brdf_0"]
         return replaced(front, replacement, _inside(numbers, "brdf_0"), switches)

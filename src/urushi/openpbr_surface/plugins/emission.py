@@ -8,8 +8,8 @@ import mitsuba as mi
 from urushi.core.appearance import optical_depth
 from urushi.core.namespace import DRJIT
 from urushi.mitsuba.interface_albedo import InterfaceAlbedo
-from urushi.mitsuba.reading.kept import KeptParameters
 from urushi.mitsuba.recording import signature_of
+from urushi.mitsuba.snapshot import ParameterSnapshot
 from urushi.openpbr_surface import formulas
 from urushi.openpbr_surface.inputs import EMISSION, Inputs
 
@@ -63,7 +63,7 @@ def define() -> type:
         Andersson et al., OpenPBR Surface 1.1.1, Emission.
         """
 
-        UNRECORDED: ClassVar = ("_kept", "_signature")
+        UNRECORDED: ClassVar = ("_snapshot", "_signature")
 
         def __init__(self, props):
             self._inputs = inputs = Inputs(props, emits=True)
@@ -73,10 +73,10 @@ def define() -> type:
             of_white = "emission_color" in inputs.constants or color.is_spatially_varying()
             self._white = mi.load_dict({"type": "d65"}) if mi.is_spectral and of_white else None
             self._configure()
-            self._kept, self._signature = KeptParameters(), signature_of(self)
+            self._snapshot, self._signature = ParameterSnapshot(), signature_of(self)
             mi.Emitter.__init__(self, props)  # which other threads may evaluate from here on
             self.m_flags = mi.EmitterFlags.Surface | mi.EmitterFlags.SpatiallyVarying
-            self._kept.keep(self)
+            self._snapshot.keep(self)
 
         def _configure(self):
             """Leave out coat and fuzz where their weights are given as zero."""
@@ -165,7 +165,7 @@ def define() -> type:
             self._inputs.traverse(callback, TEXTURED)
 
         def parameters_changed(self, keys):
-            with self._kept.restored_on_error(self):
+            with self._snapshot.restored_on_error(self):
                 if self._inputs.refresh():
                     self._configure()
             self._signature = signature_of(self)

@@ -8,8 +8,7 @@ import mitsuba as mi
 import numpy as np
 
 from urushi.errors import ParameterError
-from urushi.mitsuba.plugins.base import resolve
-from urushi.mitsuba.reading.parameters import check_names, describe
+from urushi.mitsuba.properties import check_names, describe, resolve
 from urushi.openpbr_surface.inputs import EMISSION, OPTIONS, Inputs
 from urushi.openpbr_surface.materialx.baking import Texture
 from urushi.openpbr_surface.materialx.reader import Mix, ParameterValue, Surface

@@ -1,5 +1,6 @@
 """The plugin `openpbr`: OpenPBR Surface, its coat by a table, codes or random walks."""
 
+from collections.abc import Callable
 from typing import Any
 
 import mitsuba as mi
@@ -7,6 +8,7 @@ import mitsuba as mi
 from urushi.core.appearance import optical_depth
 from urushi.core.namespace import DRJIT
 from urushi.errors import ParameterError
+from urushi.mitsuba.surface import bsdf_of
 from urushi.openpbr_surface import bsdfs, formulas, transmission
 from urushi.openpbr_surface.bsdfs import Layers
 from urushi.openpbr_surface.compensation import Compensation
@@ -18,8 +20,12 @@ COATS = ("neural_layered", "layered")
 
 
 def define(proposal_bsdf: type):
-    """Make the plugin's constructor in the current variant; see `define_proposal_bsdf`."""
+    """Make the plugin's constructor in the current variant; proposal_bsdf: `Surface`."""
     base_class, surface_class = bsdfs.define(proposal_bsdf)
+
+    def base(*options) -> "mi.BSDF":
+        return bsdf_of(base_class(*options))
+
     body = transmission.define(proposal_bsdf)
 
     def openpbr(props):
@@ -112,10 +118,10 @@ def define(proposal_bsdf: type):
             props.mark_queried(name)
 
         def opaque(inputs: Inputs) -> "mi.BSDF":
-            return surface_class(inputs, made)
+            return bsdf_of(surface_class(inputs, made))
 
         def made(inputs: Inputs) -> Layers:
-            return _layers(inputs, base_class, COATS[bool(reference)], options, compensated)
+            return _layers(inputs, base, COATS[bool(reference)], options, compensated)
 
         if transmits(inputs):
             bsdf = body(inputs, opaque, _coat, not reference, compensated)
@@ -134,11 +140,11 @@ def define(proposal_bsdf: type):
 
 
 def _layers(
-    inputs: Inputs, base: type, plugin: str, options: dict[str, Any], compensated: bool
+    inputs: Inputs, base: Callable, plugin: str, options: dict[str, Any], compensated: bool
 ) -> Layers:
     """The layers that parameters need.
 
-    base: the class of bases. plugin: of the coat, one of `COATS`. options: its weights and
+    base: makes bases. plugin: of the coat, one of `COATS`. options: its weights and
     resolution, if given.
     """
     tables = plugin == COATS[0]

@@ -10,7 +10,7 @@ import mitsuba as mi
 from urushi.errors import ParameterError
 
 
-class KeptParameters:
+class ParameterSnapshot:
     """The values that `mi.traverse` lists below a plugin, as of its last accepted update."""
 
     def __init__(self) -> None:
