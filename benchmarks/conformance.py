@@ -3,18 +3,19 @@
 Prints E and the error of the albedo, in per cent, of the plugin `openpbr`, or with `--values FILE`
 of another renderer. The reference is one safetensors file: f of 40 coated materials by random walks
 through the coat, at 300 pairs of directions. docs/conformance.md describes its format. `--make
-FILE` simulates it from fixed seeds, in about a minute on two cores of an AMD EPYC; a file that
-exists is continued.
+FILE` simulates it from fixed seeds, in about a minute on two cores of an AMD EPYC.
 """
 
 import argparse
 import os
 from collections.abc import Callable, Mapping
+from functools import partial
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import mitsuba as mi
 import numpy as np
+from tqdm import tqdm
 
 from urushi import files
 from urushi.checks import finite
@@ -66,17 +67,13 @@ def default_path() -> Path:
     return Path(__file__).with_suffix(".safetensors")
 
 
-def model(parameters: Mapping[str, Any], *, walks: int = 0) -> Brdf:
+def model(parameters: Mapping[str, Any]) -> Brdf:
     """f of the plugin `openpbr` with a material's parameters.
-
-    walks: for a pair, through the coat; 0: its networks.
 
     Raises:
         PlatformError: no variant of Mitsuba is set.
     """
-    bsdf = openpbr(reference=walks > 0, **parameters).bsdf()
-    numbers = [float(k) for k in range(max(walks, 1))]
-    return lambda wi, wo: np.mean([bsdf_values(bsdf, wi, wo, k) for k in numbers], axis=0)
+    return partial(bsdf_values, openpbr(**parameters).bsdf())
 
 
 def evaluated(build: Callable[[dict[str, Any]], Brdf], reference: Reference) -> np.ndarray:
@@ -215,85 +212,49 @@ def pairs() -> tuple[np.ndarray, np.ndarray]:
     return np.asarray(wi, np.float32), np.asarray(wo, np.float32)
 
 
-def simulate(
-    parameters: Mapping[str, Any], *, walks: int = WALKS, rounds: int = MOST_ROUNDS
-) -> tuple[np.ndarray, np.ndarray]:
+def simulate(parameters: Mapping[str, Any]) -> tuple[np.ndarray, np.ndarray]:
     """f and its standard error, float32 (`PAIRS`, 3), by random walks through the coat.
 
     The pilot run is discarded, so that the number of walks does not depend on the values.
-
-    Args:
-        parameters: of the material.
-        walks: of a pair in one round.
-        rounds: greatest number of rounds.
     """
     bsdf = openpbr(reference=True, **parameters).bsdf()
     wi, wo = pairs()
-    mean, se = _walked(bsdf, wi, wo, walks, range(PILOT))
+    mean, se = _walked(bsdf, wi, wo, range(PILOT))
     factor = channel_errors(mean + se, mean, wi, wo).max() / ERROR
-    needed = min(max(int(np.ceil(PILOT * factor**2)), 1), rounds)
-    mean, se = _walked(bsdf, wi, wo, walks, range(PILOT, PILOT + needed))
+    rounds = min(max(int(np.ceil(PILOT * factor**2)), 1), MOST_ROUNDS)
+    mean, se = _walked(bsdf, wi, wo, range(PILOT, PILOT + rounds))
     return mean.astype(np.float32), se.astype(np.float32)
 
 
 def _walked(
-    bsdf: Any, wi: np.ndarray, wo: np.ndarray, walks: int, rounds: range
+    bsdf: Any, wi: np.ndarray, wo: np.ndarray, rounds: range
 ) -> tuple[np.ndarray, np.ndarray]:
     """Mean and standard error (N, 3) of the walks of some rounds."""
-    many_wi, many_wo = (np.tile(w, (walks, 1)) for w in (wi, wo))
+    many_wi, many_wo = (np.tile(w, (WALKS, 1)) for w in (wi, wo))
     total, squares = np.zeros((2, len(wi), 3))
     for k in rounds:
-        number = np.repeat(k * walks + np.arange(walks), len(wi)).astype(np.float32)
-        values = (
-            bsdf_values(bsdf, many_wi, many_wo, number)
-            .astype(np.float64)
-            .reshape(walks, len(wi), 3)
-        )
+        number = np.repeat(k * WALKS + np.arange(WALKS), len(wi)).astype(np.float32)
+        values = bsdf_values(bsdf, many_wi, many_wo, number).astype(np.float64)
+        values = values.reshape(WALKS, len(wi), 3)
         total, squares = total + values.sum(0), squares + (values**2).sum(0)
-    count = walks * len(rounds)
+    count = WALKS * len(rounds)
     mean = total / count
     return mean, np.sqrt(np.maximum(squares / count - mean**2, 0) / (count - 1))
 
 
 def make(path: str | os.PathLike) -> None:
-    """Simulate all materials and write the file; it is written after each one.
-
-    A file that exists is continued: its materials are kept if their parameters are the same.
-
-    Raises:
-        FileError: the file cannot be written, or exists and is another kind.
-    """
-    done: dict[str, tuple[np.ndarray, np.ndarray]] = {}
-    if Path(path).exists():
-        old = read(path)
-        same = [np.array_equal(a, b) for a, b in zip((old.wi, old.wo), pairs(), strict=True)]
-        for k, (name, parameters) in enumerate(old.parameters.items()):
-            if all(same) and name in MATERIALS and parameters == _plain(MATERIALS[name]):
-                done[name] = old.f[k], old.se[k]
-    for name, parameters in MATERIALS.items():
-        if name in done:
-            continue
-        done[name] = simulate(parameters)
-        _write(path, {key: done[key] for key in MATERIALS if key in done})
-        print(f"{len(done)} of {len(MATERIALS)}: {name}")
-
-
-def _write(path: str | os.PathLike, values: Mapping[str, tuple[np.ndarray, np.ndarray]]) -> None:
+    """Simulate all materials and write the file."""
+    simulated = [simulate(parameters) for parameters in tqdm(MATERIALS.values(), disable=None)]
     wi, wo = pairs()
     description = {
         "version": VERSION,
         "seed": SEED,
         "walks": {"round": WALKS, "rounds": MOST_ROUNDS, "error": ERROR},
         "licence": "CC0-1.0",
-        "materials": [{"name": k, "parameters": _plain(MATERIALS[k])} for k in values],
+        "materials": [{"name": k, "parameters": v} for k, v in MATERIALS.items()],
     }
-    f, se = (np.stack([pair[k] for pair in values.values()]) for k in range(2))
+    f, se = (np.stack(x) for x in zip(*simulated, strict=True))
     files.write_tensors(path, KIND, description, {"wi": wi, "wo": wo, "f": f, "se": se})
-
-
-def _plain(parameters: Mapping[str, Any]) -> dict[str, Any]:
-    """Parameters as JSON has them."""
-    return {k: list(v) if isinstance(v, tuple) else v for k, v in parameters.items()}
 
 
 def main(arguments: list[str] | None = None) -> None:

@@ -10,7 +10,7 @@ from typing import Any
 
 import mitsuba as mi
 import numpy as np
-from benchmarks import conformance, timing
+from benchmarks import conformance, spheres, timing
 from benchmarks.experiment import BOTH, Experiment, Found, Options
 from benchmarks.showing import rounded, table
 from research.rivals import openpbr_recipe
@@ -136,10 +136,8 @@ def furnace(name: str, options: Options) -> list[float]:
 
 def cost(options: Options) -> float:
     """Time of a render with textures over that of `neural_layered`."""
-    from benchmarks.experiments import speed
-
-    colors, rough = speed.texture(0.3, 0.95, 3, 1, 256), speed.texture(0.3, 0.6, 1, 2, 256)
-    width = speed.texture(0.09, 0.36, 1, 2, 256)
+    colors, rough = spheres.texture(0.3, 0.95, 3, 1, 256), spheres.texture(0.3, 0.6, 1, 2, 256)
+    width = spheres.texture(0.09, 0.36, 1, 2, 256)
     metal = {"type": "roughconductor", "distribution": "ggx", "alpha": 0.09}
     bsdfs = {
         "openpbr": {"base_color": colors, "coat_roughness": rough, **METAL, **COAT},
@@ -150,9 +148,9 @@ def cost(options: Options) -> float:
             "base": metal | {"specular_reflectance": colors},
         },
     }
-    scenes = {name: speed.scene([{"type": name, **bsdf}], 256) for name, bsdf in bsdfs.items()}
+    scenes = {name: spheres.scene({"type": name, **bsdf}, 256) for name, bsdf in bsdfs.items()}
     operations = {
-        name: partial(timing.seconds, partial(speed.rendered, scene, options.count(64), 1))
+        name: partial(spheres.seconds, scene, options.count(64), 1)
         for name, scene in scenes.items()
     }
     least = timing.least(operations, 7)

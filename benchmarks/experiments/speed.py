@@ -17,7 +17,7 @@ from typing import Any
 import drjit as dr
 import mitsuba as mi
 import numpy as np
-from benchmarks import timing
+from benchmarks import spheres, timing
 from benchmarks.experiment import NETWORKS, Experiment, Found, Options
 from benchmarks.scenes import PRINCIPLED, SCENES, WALK, coat, describe
 from benchmarks.showing import rounded, table
@@ -35,8 +35,8 @@ from urushi.parallel import one_blas_thread
 from urushi.walk import analytic, walk_pairs
 from urushi.walk.table import from_stack
 
-#: Evaluations of a kernel; pairs and walks of the walk's; turns; texels along a side.
-EVALUATIONS, PAIRS, WALKS, TURNS, TEXELS = 1 << 20, 1024, 2048, 5, 64
+#: Evaluations of a kernel; pairs and walks of the walk's; turns.
+EVALUATIONS, PAIRS, WALKS, TURNS = 1 << 20, 1024, 2048, 5
 #: Side of the textured coat that is loaded, pictures' width, and samples per pixel.
 LOADED, SIDE, SPP = 1024, 512, 32
 
@@ -67,67 +67,6 @@ SLABS = {
 }
 
 
-def texture(low: float, high: float, channels: int, seed: int, side: int = TEXELS) -> dict:
-    """A texture of uniform random texels."""
-    texels = np.random.default_rng(seed).uniform(low, high, (side, side, channels))
-    return {"type": "bitmap", "bitmap": mi.Bitmap(texels.astype(np.float32)), "raw": True}
-
-
-def value(low: float, high: float, channels: int, seed: int) -> dict | float:
-    """One value from the same range."""
-    numbers = np.random.default_rng(seed).uniform(low, high, channels).tolist()
-    return {"type": "rgb", "value": numbers} if channels == 3 else numbers[0]
-
-
-def material(plugin: str, textured: bool, seed: int = 0, side: int = TEXELS) -> dict:
-    """The sphere's BSDF; plugin: `PRINCIPLED`, or as of `scenes.coat`; side: of textures."""
-    of = partial(texture, side=side) if textured else value
-    if plugin == PRINCIPLED:
-        return {
-            "type": PRINCIPLED,
-            "base_color": of(0.2, 0.95, 3, seed + 1),
-            "roughness": of(0.1, 0.6, 1, seed + 2),
-            "metallic": of(0, 1, 1, seed + 3),
-            "clearcoat": of(0.1, 1, 1, seed + 4),
-            "clearcoat_gloss": of(0.3, 0.9, 1, seed + 5),
-        }
-    bottom = {"type": "roughconductor", "distribution": "ggx", "alpha": of(0.05, 0.4, 1, seed + 1)}
-    return coat(plugin) | {
-        "alpha": of(0.02, 0.3, 1, seed + 3),
-        "albedo": of(0.2, 0.95, 3, seed + 4),
-        "sigma_t": of(0.1, 2, 3, seed + 5),
-        "g": of(-0.3, 0.6, 3, seed + 6),
-        "bottom": bottom | {"specular_reflectance": of(0.3, 0.95, 3, seed + 2)},
-    }
-
-
-def scene(bsdfs: list[dict], side: int) -> "mi.Scene":
-    """Spheres of these BSDFs in a row, which fills the picture, under an environment map."""
-    sky = np.random.default_rng(0).uniform(0.5, 1.5, (64, 128, 1)).repeat(3, axis=2)
-    sky[10:16, 30:40] = 20
-    count = len(bsdfs)
-    look = mi.ScalarTransform4f().look_at([0, 0, 4.2], [0, 0, 0], [0, 1, 0])
-    film = {"type": "hdrfilm", "width": side, "height": side, "rfilter": {"type": "box"}}
-    described = {
-        "type": "scene",
-        "integrator": {"type": "path", "max_depth": 6},
-        "sensor": {"type": "perspective", "fov": 30, "to_world": look, "film": film},
-        "sky": {"type": "envmap", "bitmap": mi.Bitmap(sky.astype(np.float32))},
-    }
-    for i, bsdf in enumerate(bsdfs):
-        sphere = {"type": "sphere", "center": [(2 * i + 1) / count - 1, 0, 0], "radius": 1 / count}
-        described[f"sphere {i}"] = sphere | {"bsdf": bsdf}
-    return mi.load_dict(described)
-
-
-def rendered(loaded: "mi.Scene", spp: int, seed: int) -> tuple[float, float]:
-    """Wall and CPU time of one render [s]."""
-    wall, cpu = time.perf_counter(), time.process_time()
-    dr.eval(mi.render(loaded, spp=spp, seed=seed))
-    dr.sync_thread()
-    return time.perf_counter() - wall, time.process_time() - cpu
-
-
 def synthetic_merl(path: Path) -> Path:
     """Write a table in MERL's format: a rough conductor plus a Lambertian BRDF."""
     centres = (angle.ravel() for angle in np.broadcast_arrays(*bin_centres(merl.SHAPE)))
@@ -149,7 +88,7 @@ def evaluations(options: Options) -> Found:
     dr.eval(si, out)
     kernels = {}
     for name, textured in (("constant", False), ("textured", True)):
-        bsdf = mi.load_dict(material(options.weights or DEFAULT, textured))
+        bsdf = mi.load_dict(spheres.material(options.weights or DEFAULT, textured))
         evaluate = partial(bsdf.eval, mi.BSDFContext(), si, out)
         kernels[f"million evaluations of f, {name}"] = partial(timing.kernel, evaluate)
     least = timing.least(kernels, TURNS)
@@ -260,7 +199,7 @@ def renders(make: Callable[[str], Any], options: Options) -> Found:
         for plugin in plugins:
             loaded = make(plugin)
             spp = options.count(SPP, 2)
-            first, *later = (rendered(loaded, spp, seed)[1] for seed in range(3))
+            first, *later = (spheres.seconds(loaded, spp, seed) for seed in range(3))
             times[plugin].append(min(later))
             if turn == 0:
                 compiling[plugin] = first - min(later)
@@ -272,7 +211,7 @@ def renders(make: Callable[[str], Any], options: Options) -> Found:
 
 def sphere(textured: bool, options: Options) -> Found:
     side = options.count(SIDE, 32)
-    return renders(lambda plugin: scene([material(plugin, textured)], side), options)
+    return renders(lambda plugin: spheres.scene(spheres.material(plugin, textured), side), options)
 
 
 def whole(name: str, options: Options) -> Found:

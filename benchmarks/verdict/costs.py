@@ -12,8 +12,7 @@ import drjit as dr
 import fan2022
 import mitsuba as mi
 import numpy as np
-from benchmarks import timing
-from benchmarks.experiments import speed as render
+from benchmarks import spheres, timing
 from benchmarks.rivals import nbrdf
 from benchmarks.scenes import PAPER
 from benchmarks.verdict import fits
@@ -37,7 +36,7 @@ SIDE, SAMPLES, TURNS = 192, 32, 3
 #: the evaluations, and a 32nd of a render's samples. The time is multiplied accordingly; fixed
 #: costs are negligible in it.
 PAPER_EVALUATION_PARTS, PAPER_PARTS = 8, 32
-#: Side of its textures in texels. `render.TEXELS` would be too many, because the width and the
+#: Side of its textures in texels. `spheres.TEXELS` would be too many, because the width and the
 #: bottom of every texel are projected. Reading a larger texture is little work beside the networks.
 PAPER_TEXELS = 4
 #: Repetitions of encoding and layering; the system of Fan et al. (2022) does them once.
@@ -94,7 +93,7 @@ def _evaluated(wi: np.ndarray, wo: np.ndarray) -> tuple["mi.SurfaceInteraction3f
 
 def _evaluated_by_paper(weights: str, wi: np.ndarray, wo: np.ndarray) -> float:
     """CPU time of evaluations by the system of Fan et al. (2022) [s]."""
-    bsdf = mi.load_dict(render.material(PAPER + weights, False))
+    bsdf = mi.load_dict(spheres.material(PAPER + weights, False))
     count = EVALUATIONS // PAPER_EVALUATION_PARTS
     si, out = _evaluated(wi[:count], wo[:count])
 
@@ -116,25 +115,20 @@ def renders(paper: str) -> dict[str, dict[str, float]]:
     for kind in ("constant", "textured"):
         operations = {}
         for name, plugin in _plugins().items():
-            scene = render.scene([_bsdf(plugin, kind == "textured")], SIDE)
-            operations[name] = partial(_rendered, scene)
+            scene = spheres.scene(_bsdf(plugin, kind == "textured"), SIDE)
+            operations[name] = partial(spheres.seconds, scene, SAMPLES, 1)
         least = timing.least(operations, TURNS)
         least[known.PAPER] = _rendered_by_paper(paper, kind == "textured")
         found[kind] = {name: round(t / least[PRINCIPLED], 3) for name, t in least.items()}
     return found
 
 
-def _rendered(scene: "mi.Scene") -> float:
-    """CPU time of a render [s]."""
-    return render.rendered(scene, SAMPLES, 1)[1]
-
-
 def _rendered_by_paper(weights: str, textured: bool) -> float:
     """CPU time of a render by the system of Fan et al. (2022) [s]."""
-    material = render.material(PAPER + weights, textured, side=PAPER_TEXELS)
-    scene = render.scene([material], SIDE)
+    material = spheres.material(PAPER + weights, textured, side=PAPER_TEXELS)
+    scene = spheres.scene(material, SIDE)
     with separate_kernels():
-        times = [render.rendered(scene, SAMPLES // PAPER_PARTS, 1)[1] for _ in range(TURNS + 1)]
+        times = [spheres.seconds(scene, SAMPLES // PAPER_PARTS, 1) for _ in range(TURNS + 1)]
     del scene
     gc.collect()
     return PAPER_PARTS * min(times[1:])
@@ -165,7 +159,7 @@ def memory() -> dict[str, dict[str, int]]:
 
 def texel_bytes() -> int:
     """Bytes of a texel of the networks: a coat of one index, everything else textured."""
-    described = render.material(known.PLUGINS[known.NETWORKS], True, side=TEXELS)
+    described = spheres.material(known.PLUGINS[known.NETWORKS], True, side=TEXELS)
     described["bottom"] = {"type": "roughconductor", "distribution": "ggx", "alpha": 0.2}
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "coat.safetensors"
@@ -199,7 +193,7 @@ def _plugins() -> dict[str, str]:
 def _bsdf(plugin: str, textured: bool) -> dict[str, Any]:
     """The sphere's BSDF by a plugin, or by weights; rivals have the parameters of `layered`."""
     rival = plugin in (known.PLUGINS[name] for name in known.RIVALS if name in known.PLUGINS)
-    bsdf = render.material("layered" if rival else plugin, textured)
+    bsdf = spheres.material("layered" if rival else plugin, textured)
     return bsdf | {"type": plugin} if rival else bsdf
 
 

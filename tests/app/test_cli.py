@@ -62,15 +62,6 @@ def test_a_users_error_is_one_sentence(monkeypatch, capsys):
     assert captured.out == ""
 
 
-def test_an_interruption_is_one_sentence(monkeypatch, capsys):
-    def interrupt(self):
-        raise KeyboardInterrupt
-
-    monkeypatch.setattr(Doctor, "run", interrupt)
-    assert cli.main(["doctor"]) == 130
-    assert capsys.readouterr().err.startswith("urushi: interrupted")
-
-
 def test_ctrl_c_in_a_real_process():
     code = (
         "import signal, time, sys\n"
@@ -91,7 +82,7 @@ def test_ctrl_c_in_a_real_process():
     finally:
         process.kill()
     assert process.returncode == 130
-    assert errors.count("\n") == 1
+    assert errors.startswith("urushi: interrupted") and errors.count("\n") == 1
 
 
 def test_ctrl_c_ends_a_command_that_does_not_return_to_python(tmp_path):

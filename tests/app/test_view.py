@@ -238,14 +238,6 @@ def test_two_widths_become_cards_and_codes(untrained, tmp_path):
         page_files.page_files(weights.anisotropic_model(), None)
 
 
-def test_a_file_becomes_codes(untrained, tmp_path):
-    material = urushi.encode(urushi.conductor(0.2, r0=(0.9, 0.7, 0.3)))
-    material.save(tmp_path / "gold.safetensors")
-    shown = view.first_material(str(tmp_path / "gold.safetensors"), None).material
-    assert (shown["name"], shown["coats"], shown["bottom"]["kind"]) == ("gold", [], "codes")
-    assert np.array_equal(shown["bottom"]["latents"], material.latents.ravel())
-
-
 SCENE = """<scene version="3.0.0">
     <shape type="sphere"><bsdf type="roughconductor" id="gold">
         <string name="distribution" value="ggx"/><float name="alpha" value="0.3"/>

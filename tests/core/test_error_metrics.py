@@ -1,36 +1,90 @@
-"""E, P and the losses of fits against values computed by hand."""
+"""Measures of error against values computed by hand, and what a display shows of a picture."""
 
 import numpy as np
 import pytest
 
-from urushi.core import error_metrics
+from urushi.core import error_metrics as metrics
 from urushi.errors import ParameterError
 
 
 def test_stack_error_by_hand():
     # Weights 0.5 * 1, 1 * 1: (1 * 0.5 + 1 * 1) / (2 * 0.5 + 4 * 1) = 1.5 / 5.
-    error = error_metrics.stack_error([3.0, 3.0], [2.0, 4.0], [0.5, 1.0], [1.0, 1.0])
+    error = metrics.stack_error([3.0, 3.0], [2.0, 4.0], [0.5, 1.0], [1.0, 1.0])
     assert error == pytest.approx(0.3, rel=1e-12)
 
 
 def test_stack_error_clamps_grazing_cosines():
     # Both cosines at 0.02 give the weight 4e-4 to the first pair, below the horizon or not.
-    error = error_metrics.stack_error([2.0, 1.0], [1.0, 1.0], [1e-6, 1.0], [-1.0, 1.0])
+    error = metrics.stack_error([2.0, 1.0], [1.0, 1.0], [1e-6, 1.0], [-1.0, 1.0])
     assert error == pytest.approx(4e-4 / (1 + 4e-4), rel=1e-12)
 
 
 def test_stack_error_of_a_scaled_brdf_is_the_scale():
     rng = np.random.default_rng(1)
     f, cosines = rng.uniform(0.1, 9, (5, 40)), rng.uniform(0, 1, (2, 5, 40))
-    np.testing.assert_allclose(error_metrics.stack_error(1.25 * f, f, *cosines), 0.25, rtol=1e-12)
-    np.testing.assert_array_equal(error_metrics.stack_error(f, f, *cosines), np.zeros(5))
+    np.testing.assert_allclose(metrics.stack_error(1.25 * f, f, *cosines), 0.25, rtol=1e-12)
+    np.testing.assert_array_equal(metrics.stack_error(f, f, *cosines), np.zeros(5))
 
 
 def test_pair_error_by_hand():
     np.testing.assert_allclose(
-        error_metrics.pair_error([0.003, 2.0, 0.0], [0.001, 1.999, 0.0]),
+        metrics.pair_error([0.003, 2.0, 0.0], [0.001, 1.999, 0.0]),
         [1.0, 0.0005, 0.0],
         rtol=1e-9,
+    )
+
+
+def test_image_errors_by_hand():
+    image, reference = np.array([[[1.0, 0.0]]]), np.array([[[0.5, 0.0]]])
+    assert metrics.mse(image, reference) == pytest.approx(0.125)
+    assert metrics.relative_mse(image, reference, offset=0.25) == pytest.approx(0.25)
+    assert metrics.relative_mse(image, reference, variance=0.25, offset=0.25) == pytest.approx(
+        (0.0 / 0.5 - 0.25 / 0.25) / 2
+    )
+    assert metrics.psnr(image, reference, peak=2.0) == pytest.approx(10 * np.log10(4 / 0.125))
+    assert metrics.psnr(image, image) == np.inf
+
+
+def test_noise_alone_leaves_no_relative_error():
+    """An exact image against a noisy reference: nothing but the statistics' own spread is left.
+
+    Relative noise variance 0.01 at value 1; its estimate has one degree of freedom, so the mean
+    over n pixels spreads by 0.01 * sqrt(2 + 2) / sqrt(n) = 1e-4 at most; four times is allowed.
+    """
+    rng = np.random.default_rng(2)
+    first, second = 1 + rng.normal(0, np.sqrt(0.02), (2, 200, 200, 1))
+    reference, variance = (first + second) / 2, metrics.halves_variance(first, second)
+    assert variance.mean() == pytest.approx(0.01, rel=0.05)
+    exact, noise = np.ones_like(reference), 1e-2
+    # A large offset keeps the denominator free of the noise under test.
+    scaled = 1e3 * metrics.relative_mse(exact, reference, variance=variance, offset=1e3)
+    assert abs(scaled) < 4e-4 < noise
+
+
+def test_subtracted_noise_is_the_product_of_differences_to_both_halves():
+    """(x - r)^2 - (a - b)^2 / 4 = (x - a)(x - b) with r = (a + b) / 2."""
+    x, a, b = np.random.default_rng(3).uniform(0, 2, (3, 8, 8, 3))
+    reference = (a + b) / 2
+    direct = ((x - a) * (x - b) / (reference**2 + 0.1)).mean()
+    ours = metrics.relative_mse(x, reference, variance=metrics.halves_variance(a, b), offset=0.1)
+    assert ours == pytest.approx(direct, rel=1e-10)
+
+
+def linear(display):
+    """The inverse of `srgb`, as IEC 61966-2-1 states it."""
+    return np.where(display <= 0.04045, display / 12.92, ((display + 0.055) / 1.055) ** 2.4)
+
+
+def test_srgb_and_its_inverse():
+    display = np.linspace(0, 1, 101)
+    np.testing.assert_allclose(
+        metrics.srgb(linear(display)), display, atol=1e-4
+    )  # the norm's own gap
+
+
+def test_shown_clips_values_outside_the_display_range():
+    np.testing.assert_allclose(
+        metrics.shown(np.array([[[-1.0, 0.0, 7.0]]])), [[[0, 0, 1]]], atol=1e-12
     )
 
 
@@ -38,11 +92,12 @@ def test_pair_error_by_hand():
     ("call", "message"),
     [
         (
-            lambda: error_metrics.pair_error([1.0, 2.0], [1.0, 2.0, 3.0]),
+            lambda: metrics.pair_error([1.0, 2.0], [1.0, 2.0, 3.0]),
             "shapes do not fit together",
         ),
-        (lambda: error_metrics.pair_error([np.inf], [1.0]), "f_hat holds NaN"),
-        (lambda: error_metrics.stack_error([0.0], [0.0], [1.0], [1.0]), "reflects no energy"),
+        (lambda: metrics.pair_error([np.inf], [1.0]), "f_hat holds NaN"),
+        (lambda: metrics.stack_error([0.0], [0.0], [1.0], [1.0]), "reflects no energy"),
+        (lambda: metrics.mse([np.nan], [1.0]), "image holds NaN"),
     ],
 )
 def test_bad_input(call, message):

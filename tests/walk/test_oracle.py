@@ -1,13 +1,11 @@
-"""The random walk and the analog walk against an independent simulator's values."""
+"""The random walk against an independent simulator's values."""
 
 from collections.abc import Mapping
 
 import numpy as np
 import pytest
-from tests.oracles.analog import analog_albedo
 
 from urushi.walk import Stack, StackTable, coat, conductor, diffuse, walk_pairs
-from urushi.walk.simulate import albedo
 from urushi.walk.table import from_stack
 
 WALKS = 1 << 13  # a standard error of 0.6 % in the median; the reference's own is 1 %
@@ -68,7 +66,7 @@ def later_stack(rows: np.ndarray) -> Stack:
     return stack
 
 
-@pytest.mark.parametrize("group", ["top", "bottom", "both", "three", "low"])
+@pytest.mark.parametrize("group", ["top", "bottom", "three", "low"])
 def test_anisotropic_surfaces_and_indices_below_one_agree(
     later_oracle: Mapping[str, np.ndarray], group: str
 ) -> None:
@@ -90,18 +88,3 @@ def test_anisotropic_surfaces_and_indices_below_one_agree(
         assert squares[-1].mean() < 1 + 8 * np.sqrt(2 / len(f))
     assert abs(np.median(ratios) - 1) < 0.003
     assert np.mean(squares) < 1.4
-
-
-@pytest.mark.parametrize("estimate", [albedo, analog_albedo])
-def test_directional_albedos_agree(oracle: Mapping[str, np.ndarray], estimate) -> None:
-    theta = oracle["albedo_theta"]
-    wi = np.stack([np.sin(theta), 0 * theta, np.cos(theta)], axis=1)
-    z = []
-    for row, reference in zip(oracle["two_cfg"], oracle["two_albedo"], strict=True):
-        alpha, eta, sigma_t, single, g, alpha_bottom, r0 = row
-        stack = coat(conductor(alpha_bottom, r0), alpha, eta, single, sigma_t, g)
-        value, se = (x[:, 0] for x in estimate(stack, wi, walks=1 << 16, seed=2))
-        z.append((value - reference[:, 0]) / np.hypot(se, reference[:, 1]))
-    z = np.array(z)
-    assert np.abs(z).max() < 4  # 48 values: a true z exceeds 4 in 0.3 % of seeds
-    assert np.mean(z**2) < 1 + 4 * np.sqrt(2 / z.size)

@@ -6,6 +6,8 @@ from benchmarks.evaluation import fan2022, physical_laws, predict, report
 from benchmarks.evaluation import samples as sampling
 from benchmarks.evaluation.samples import Row
 
+from urushi.errors import ParameterError
+
 ROWS = (
     Row("encode bare ones", ("bare",)),
     Row("encode simulated ones", ("few",), encoded=-1),
@@ -43,3 +45,10 @@ def test_a_missing_file_of_networks_is_one_sentence(capsys):
         fan2022.main(["nothing"])
     assert caught.value.code == 2
     assert "there is no weights file 'nothing'" in capsys.readouterr().err
+
+
+def test_summary_of_one_to_hundred():
+    expected = {"mean": 50, "median": 50, "p95": 95}
+    assert report.summary(np.arange(101.0)) == pytest.approx(expected)
+    with pytest.raises(ParameterError, match="errors is empty"):
+        report.summary([])

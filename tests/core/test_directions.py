@@ -1,10 +1,28 @@
-"""Directions: reflection, refraction and bases."""
+"""Directions: reflection, refraction, bases, turns about the normal, half and difference angles."""
 
 from types import ModuleType
 
 import numpy as np
+import pytest
 
 from urushi.core import directions, fresnel
+from urushi.core.directions import (
+    above_horizon,
+    directions_at,
+    directions_at_tangent,
+    half_difference_angles,
+    rotated,
+)
+
+COUNT = 2000
+#: Half and difference angles and azimuths (Rusinkiewicz 1998).
+ANGLES = np.random.default_rng(0).random((3, COUNT)) * [[0.5 * np.pi], [0.5 * np.pi], [np.pi]]
+VECTORS = np.random.default_rng(0).normal(size=(50, 3)).astype(np.float32)
+
+
+@pytest.fixture(scope="module")
+def pairs():
+    return directions_at(*ANGLES)
 
 
 def sphere(count: int, seed: int) -> np.ndarray:
@@ -75,3 +93,68 @@ def test_cosine_hemisphere_is_cosine_distributed(jit: ModuleType, sphere_test) -
     w = directions.square_to_cosine_hemisphere(jit.Array3f, jit.Float(u1), jit.Float(u2)).numpy().T
     # One test with a fixed seed; a true density fails one in a thousand seeds.
     assert sphere_test(w, lambda v: np.maximum(v[:, 2], 0) / np.pi) > 1e-3
+
+
+def test_quarter_turn_takes_x_to_y() -> None:
+    np.testing.assert_allclose(
+        rotated(np.eye(3), 0.25), [[0, 1, 0], [-1, 0, 0], [0, 0, 1]], atol=1e-7
+    )
+
+
+@pytest.mark.parametrize("mirrored", [False, True])
+def test_lengths_and_heights_are_kept(mirrored: bool) -> None:
+    turned = rotated(VECTORS, 0.155, mirrored)
+    np.testing.assert_array_equal(turned[:, 2], VECTORS[:, 2])
+    np.testing.assert_allclose(
+        np.linalg.norm(turned, axis=1), np.linalg.norm(VECTORS, axis=1), rtol=1e-6
+    )
+
+
+def test_mirrored_negates_y_of_the_rotated_directions() -> None:
+    np.testing.assert_array_equal(
+        rotated(VECTORS, 0.3, True), rotated(VECTORS, 0.3) * np.float32([1, -1, 1])
+    )
+
+
+def test_rotations_add_up() -> None:
+    np.testing.assert_allclose(
+        rotated(rotated(VECTORS, 0.2), 0.3), rotated(VECTORS, 0.5), atol=1e-6
+    )
+
+
+def test_half_vector_and_difference_angle_are_the_given_ones(pairs):
+    wi, wo = pairs
+    theta_h, theta_d, _ = ANGLES
+    half = (wi + wo) / np.linalg.norm(wi + wo, axis=1, keepdims=True)
+    expected = np.stack([np.sin(theta_h), np.zeros(COUNT), np.cos(theta_h)], axis=1)
+    # Near theta_d = 90 degrees the sum of the directions loses digits.
+    np.testing.assert_allclose(half, expected, atol=1e-11)
+    for w in pairs:
+        np.testing.assert_allclose(np.linalg.norm(w, axis=1), 1, rtol=1e-12)
+        np.testing.assert_allclose((w * expected).sum(1), np.cos(theta_d), atol=1e-12)
+
+
+def test_azimuth_counts_from_the_plane_of_the_half_vector_and_the_normal():
+    wi, wo = directions_at(np.array([0.3]), np.array([0.2]), np.array([0.0]))
+    np.testing.assert_allclose(wi, [[np.sin(0.5), 0, np.cos(0.5)]], atol=1e-12)
+    np.testing.assert_allclose(wo, [[np.sin(0.1), 0, np.cos(0.1)]], atol=1e-12)
+
+
+def test_angles_of_directions_are_the_given_ones(pairs):
+    above = above_horizon(*ANGLES)
+    assert 0.2 < above.mean() < 0.9
+    np.testing.assert_array_equal(above, (pairs[0][:, 2] > 0) & (pairs[1][:, 2] > 0))
+    found = half_difference_angles(pairs[0][above], pairs[1][above])
+    np.testing.assert_allclose(found, ANGLES[:, above], atol=1e-7)
+
+
+def test_exchange_keeps_the_angles_bit_for_bit(pairs):
+    for a, b in zip(
+        half_difference_angles(*pairs), half_difference_angles(*pairs[::-1]), strict=True
+    ):
+        np.testing.assert_array_equal(a, b)
+
+
+def test_tangent_gives_the_same_directions(pairs):
+    found = directions_at_tangent(np.tan(ANGLES[0]), *ANGLES[1:])
+    np.testing.assert_allclose(found, pairs, atol=1e-12)
