@@ -10,6 +10,8 @@ from tests.oracles.adding_doubling.quadrature import CosineGrid, fourier, series
 
 from urushi.walk import Stack, coat, conductor, dielectric, diffuse, simulate
 
+pytestmark = pytest.mark.slow  # of an oracle of the tests alone
+
 
 def directions(count: int, seed: int) -> np.ndarray:
     """Cosine-distributed unit vectors with cosines above 0.05."""
@@ -139,7 +141,6 @@ def test_converges_with_nodes_and_modes() -> None:
     assert error[2].max() < 2e-3
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("name", ["two coats", "complex index", "dielectric"])
 def test_walk_agrees(name: str) -> None:
     wi, wo = directions(120, 7), directions(120, 8)
