@@ -1,0 +1,286 @@
+"""The methods that the referee compares: f of stacks, each by its own mapping of a stack.
+
+A method raises `ParameterError` for a stack that it cannot describe, and OSError where it is not
+installed. docs/referee.md states the mappings.
+"""
+
+import json
+import os
+import subprocess
+import tempfile
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+from functools import partial
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import mitsuba as mi
+import numpy as np
+from benchmarks import conformance, timing
+from benchmarks.experiments import simulator_biases
+from benchmarks.referee import materials
+from research.rivals import belcour, openpbr_recipe, plugins, weidlich
+
+import urushi
+from urushi.core.quadrature import half_vector_rule
+from urushi.errors import ParameterError
+from urushi.mitsuba.reading import probing
+from urushi.openpbr_surface.description import parameters as openpbr_parameters
+from urushi.walk import Conductor, Diffuse, Stack
+
+#: f(wi, wo) -> (N, 3) [1/sr].
+Brdf = Callable[[np.ndarray, np.ndarray], np.ndarray]
+#: Evaluations in a kernel, and turns of which the fastest counts.
+EVALUATIONS, TURNS = 1 << 16, 5
+#: The stack whose evaluation is timed, and that of methods without metals.
+TIMED, PAINT = (materials.STACKS[f"car paint, {x}"] for x in ("silver flake", "solid red"))
+PROGRAM, BPY = "URUSHI_OPENPBR_PROGRAM", "BPY_PYTHON"
+
+
+class Method(NamedTuple):
+    """A method.
+
+    Attributes:
+        build: (stack, walks) -> f of the stack; walks: of a pair, for random walks.
+        timed: the BSDF of Mitsuba whose evaluation is timed, for `mi.load_dict`; None: there is
+            none.
+        batch: in place of `build`, all stacks at once: (stacks, wi, wo) -> f (N, 3) by name, and
+            albedos (C, 3) at `materials.COSINES`.
+    """
+
+    build: Callable[[Stack, int], Brdf]
+    timed: Callable[[], dict[str, Any]] | None = None
+    batch: Callable[..., tuple[dict[str, np.ndarray], dict[str, np.ndarray]]] | None = None
+
+
+def evaluated(
+    method: Method, stacks: Mapping[str, Stack], walks: int, wi: np.ndarray, wo: np.ndarray
+) -> dict[str, np.ndarray]:
+    """f (N, 3) of the stacks that a method describes, by name."""
+    if method.batch is not None:
+        return method.batch(stacks, wi, wo)[0]
+    found = {}
+    for name, stack in stacks.items():
+        try:
+            found[name] = method.build(stack, walks)(wi, wo)
+        except ParameterError:
+            continue
+    return found
+
+
+def furnace(method: Method, walks: int) -> dict[str, list[float]]:
+    """Directional albedos of white coated materials at `materials.COSINES`, by name."""
+    if method.batch is not None:
+        found = method.batch(materials.WHITE, *materials.pairs())[1]
+        return {name: x.mean(1).tolist() for name, x in found.items()}
+    wo, weights = half_vector_rule(materials.lit())
+    each = np.repeat(materials.lit()[:, None], len(wo[0]), 1)
+    flat = [w.reshape(-1, 3).astype(np.float32) for w in (each, wo)]
+    weights = weights * wo[..., 2]
+    return {
+        name: (f.mean(-1).reshape(weights.shape) * weights).sum(1).tolist()
+        for name, f in evaluated(method, materials.WHITE, walks, *flat).items()
+    }
+
+
+def price(method: Method) -> float | None:
+    """CPU time of an evaluation of f in RGB in a kernel [s]."""
+    if method.timed is None:
+        return None
+    wi, wo = (np.resize(w, (EVALUATIONS, 3)) for w in materials.pairs())
+    wo = np.random.default_rng(0).permutation(wo)
+    si = probing.interaction(wi, np.full((len(wi), 2), 0.5))
+    out, bsdf = mi.Vector3f(np.ascontiguousarray(wo.T)), mi.load_dict(method.timed())
+    recorded = partial(bsdf.eval, mi.BSDFContext(), si, out)
+    return timing.least({"f": partial(timing.kernel, recorded)}, TURNS)["f"] / EVALUATIONS
+
+
+# Mappings of a stack
+
+
+def one_coat(stack: Stack) -> tuple[Any, Any, np.ndarray]:
+    """The coat, the bottom, and the bottom's colour times what the coat transmits both ways.
+
+    Raises:
+        ParameterError: there is more than one coat, or the medium scatters.
+    """
+    given = openpbr_parameters(stack)
+    colour = np.array(given["base_color"]) * np.array(given["coat_color"])
+    return stack.coats[0], stack.bottom, colour
+
+
+def rgb(values: np.ndarray) -> dict[str, Any]:
+    return {"type": "rgb", "value": np.asarray(values, float).tolist()}
+
+
+def principled(stack: Stack) -> dict[str, Any]:
+    """Mitsuba's `principled`: a clear coat over a metal; of paint, its own dielectric surface."""
+    coat, bottom, colour = one_coat(stack)
+    surface = {"type": "principled", "base_color": rgb(colour)}
+    if isinstance(bottom, Diffuse):
+        return surface | {"eta": float(coat.eta), "roughness": coat.alpha**0.5}
+    gloss = float(np.clip((0.1 - coat.alpha) / 0.099, 0, 1))
+    metal = {"metallic": 1.0, "roughness": bottom.alpha**0.5}
+    return surface | metal | {"clearcoat": 1.0, "clearcoat_gloss": gloss}
+
+
+def roughplastic(stack: Stack) -> dict[str, Any]:
+    """Mitsuba's `roughplastic`, for a diffuse bottom."""
+    coat, bottom, colour = one_coat(stack)
+    if not isinstance(bottom, Diffuse):
+        raise ParameterError("roughplastic has a diffuse base; give urushi.diffuse")
+    surface = {"type": "roughplastic", "distribution": "ggx", "alpha": coat.alpha}
+    indices = {"int_ior": float(coat.eta), "ext_ior": 1.0, "nonlinear": True}
+    return surface | indices | {"diffuse_reflectance": rgb(colour)}
+
+
+def pbrt(stack: Stack) -> Stack:
+    """pbrt-v4's `coateddiffuse` and `coatedconductor`: a grey depth; of a colour of a metal the
+    absorption k of the index 1."""
+    if len(stack.coats) > 1:
+        raise ParameterError("pbrt-v4 has one coat; give a Stack of one coat")
+    coat, bottom = stack.coats[0], stack.bottom
+    if isinstance(bottom, Conductor):
+        r = np.minimum(np.broadcast_to(np.asarray(bottom.r0, float), 3), 0.9999)
+        bottom = urushi.conductor(bottom.alpha, eta=1.0, k=2 * np.sqrt(r) / np.sqrt(1 - r))
+    depth = float(np.mean(coat.sigma_t))
+    medium = {"albedo": coat.albedo, "sigma_t": depth, "g": coat.g}
+    return urushi.coat(bottom, coat.alpha, coat.eta, **medium)
+
+
+def cycles(stack: Stack) -> dict[str, Any]:
+    """Sockets of Cycles' Principled BSDF: a metal or a diffuse surface under the coat."""
+    given = openpbr_parameters(stack)
+    sockets: dict[str, Any] = {"Base Color": (*given["base_color"], 1.0)}
+    if isinstance(stack.bottom, Diffuse):
+        sockets |= {"Specular IOR Level": 0.0, "Roughness": 1.0}
+    else:
+        sockets |= {"Metallic": 1.0, "Roughness": given["specular_roughness"]}
+    return sockets | {
+        "Coat Weight": 1.0,
+        "Coat Roughness": given["coat_roughness"],
+        "Coat IOR": given["coat_ior"],
+        "Coat Tint": (*given["coat_color"], 1.0),
+    }
+
+
+# Evaluation
+
+
+def of_bsdf(describe: Callable[[Stack], dict[str, Any]], timed: Stack = TIMED) -> Method:
+    """A BSDF of Mitsuba."""
+
+    def build(stack: Stack, _: int) -> Brdf:
+        bsdf = mi.load_dict(describe(stack))
+        return lambda wi, wo: probing.bsdf_values(bsdf, wi, wo, np.full((len(wi), 2), 0.5))
+
+    return Method(build, partial(describe, timed))
+
+
+def over_metal(plugin: str) -> dict[str, Any]:
+    """The timed stack by a plugin of coats."""
+    plugins.register()
+    coat, bottom = TIMED.coats[0], TIMED.bottom
+    metal = {"type": "roughconductor", "distribution": "ggx", "alpha": bottom.alpha}  # type: ignore
+    indices = {"int_ior": float(coat.eta), "ext_ior": 1.0}  # type: ignore[arg-type]
+    return {"type": plugin, "alpha": coat.alpha, **indices, "bottom": metal}
+
+
+def of_rival(module: Any, plugin: str) -> Method:
+    """A model of `research.rivals`, and the plugin by which it is timed."""
+    return Method(lambda stack, _: partial(module.f, stack), partial(over_metal, plugin))
+
+
+def of_walk(mapped: Callable[[Stack], Stack], fault: Any, plugin: str | None = None) -> Method:
+    """The walk of a mapped stack, with one of the faults of `simulator_biases`."""
+
+    def build(stack: Stack, walks: int) -> Brdf:
+        own = mapped(stack)
+
+        def f(wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
+            count = max(2, walks * len(materials.pairs()[0]) // len(wi))
+            with fault():
+                return urushi.simulate(own, wi, wo, walks=count, seed=7, progress=False)[0]
+
+        return f
+
+    return Method(build, plugin and partial(over_metal, plugin))  # type: ignore[arg-type]
+
+
+def codes(stack: Stack, _: int) -> Brdf:
+    """Urushi's codes, without the tables beside them."""
+    return replace(urushi.encode(stack), table=None, beside_lobe=False).f
+
+
+def of_recipe(recipe: openpbr_recipe.Recipe) -> Method:
+    """One of OpenPBR's closed forms."""
+
+    def build(stack: Stack, _: int) -> Brdf:
+        given = openpbr_parameters(stack)
+        return lambda wi, wo: openpbr_recipe.f(given, wi, wo, recipe)
+
+    return Method(build)
+
+
+def program(stack: Stack, _: int) -> Brdf:
+    """f by the program of OpenPBR that `PROGRAM` names.
+
+    Its arguments are name=number or name=red,green,blue. It reads pairs wi, wo as six numbers of
+    single precision from its input until that ends, and writes f as three of them for each pair.
+    """
+    if not (path := os.environ.get(PROGRAM)):
+        raise FileNotFoundError(f"{PROGRAM} names no program")
+    given = openpbr_parameters(stack)
+    texts = [f"{k}={','.join(f'{x:.7g}' for x in np.atleast_1d(v))}" for k, v in given.items()]
+
+    def f(wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
+        data = np.concatenate([wi, wo], axis=1).astype("<f4").tobytes()
+        done = subprocess.run([path, *texts], input=data, capture_output=True, check=True)
+        return np.frombuffer(done.stdout, "<f4").reshape(-1, 3)
+
+    return f
+
+
+def in_blender(
+    stacks: Mapping[str, Stack], wi: np.ndarray, wo: np.ndarray
+) -> tuple[dict[str, np.ndarray], dict[str, np.ndarray]]:
+    """f and albedos of Cycles' Principled BSDF, by pictures of tiles (`cycles_tiles`)."""
+    if not (python := os.environ.get(BPY)):
+        raise FileNotFoundError(f"{BPY} names no Python with Blender's module bpy")
+    mapped = {}
+    for name, stack in stacks.items():
+        try:
+            mapped[name] = cycles(stack)
+        except ParameterError:
+            continue
+    with tempfile.TemporaryDirectory() as folder:
+        source, target = Path(folder) / "pairs.npz", Path(folder) / "f.npy"
+        sun = np.repeat(np.arange(materials.ANGLES), materials.EACH)
+        np.savez(source, wi=wi, wo=wo, sun=sun, lit=materials.lit(), materials=json.dumps(mapped))
+        script = Path(__file__).with_name("cycles_tiles.py")
+        own = {k: v for k, v in os.environ.items() if k != "PYTHONPATH"}
+        subprocess.run([python, script, source, target], env=own, capture_output=True, check=True)
+        f = np.load(target)
+    rows = dict(zip(mapped, f, strict=True))
+    return {k: x[: len(wi)] for k, x in rows.items()}, {k: x[len(wi) :] for k, x in rows.items()}
+
+
+METHODS: dict[str, Method] = {
+    "walk, another seed": of_walk(lambda stack: stack, simulator_biases.right, "layered"),
+    "Urushi, tables": Method(
+        lambda stack, _: urushi.encode(stack).f, partial(over_metal, "neural_layered")
+    ),
+    "Urushi, codes": Method(codes),
+    "Urushi, `openpbr`": of_bsdf(
+        lambda s: conformance.openpbr(**openpbr_parameters(s)).description()
+    ),
+    "Belcour 2018": of_rival(belcour, "layered_belcour"),
+    "Weidlich and Wilkie 2007": of_rival(weidlich, "layered_weidlich"),
+    "pbrt-v4, coated materials": of_walk(pbrt, simulator_biases.reverse_density),
+    "adobe/openpbr-bsdf": Method(program),
+    "MaterialX 1.39, OpenPBR's graph": of_recipe("materialx"),
+    "OpenPBR 1.1.1, the text": of_recipe("specification"),
+    "Cycles' Principled": Method(lambda *_: None, None, in_blender),  # type: ignore
+    "Mitsuba's `principled`": of_bsdf(principled),
+    "Mitsuba's `roughplastic`": of_bsdf(roughplastic, PAINT),
+}
