@@ -62,7 +62,7 @@ def test_smooth_interfaces_are_those_of_fresnel():
     cosines = COSINES[:, 0].astype(float)
     one, zero = np.full(len(cosines), eta), np.zeros(len(cosines))
     np.testing.assert_allclose(found, 1 - fresnel(cosines, one, zero), rtol=0.02)
-    inner = inner_albedo(np.array([1.0, 0.9, 0.5]), 0.01, eta)
+    inner = inner_albedo(in_plane(np.array([[1.0], [0.9], [0.5]], np.float32)), 0.01, eta)
     expected = fresnel(np.array([1.0, 0.9]), 1 / one[:2], zero[:2])
     np.testing.assert_allclose(inner[:2], expected, rtol=0.02)
     assert inner[2] == pytest.approx(1, abs=0.01)  # total reflection

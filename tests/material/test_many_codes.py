@@ -9,7 +9,7 @@ from urushi import parallel
 from urushi.checks import CoatParameters
 from urushi.core.probe_pairs import probe_pairs
 from urushi.material import energy
-from urushi.material.albedo_rule import INTERPOLATED_COSINES
+from urushi.material.albedo_rule import albedo_rule
 from urushi.material.energy import limit_albedo
 from urushi.material.layer import layer_material, predicted
 from urushi.material.material import Material
@@ -86,8 +86,8 @@ def test_texels_are_encoded_like_plain_rows(model):
 def test_memory_is_the_result_and_some_blocks(operation, model, draw_codes, monkeypatch):
     # 98,304 rows. Beyond the result there are the parameters (five numbers a row at most, in two
     # precisions, and their checks) and on each of two cores a few activations of a block. The fit
-    # of lobes has a few values at each pair and width of its grid; the energy limit measures the
-    # lobes of a block by rules of six nodes at 41 angles, with some ten numbers at each.
+    # of lobes has a few values at each pair and width of its grid. The energy limit measures lobes
+    # of a block at many facets in each direction, with some ten numbers at each.
     monkeypatch.setattr(parallel, "available_cores", lambda: 2)
     count, rng = 98_304, np.random.default_rng(5)
     z, coats = draw_codes((count,), rng), _coats(count)
@@ -104,7 +104,7 @@ def test_memory_is_the_result_and_some_blocks(operation, model, draw_codes, monk
     block = parallel.ROWS * 256 * 4
     parameters = 5 * count * (8 + 4)
     fit = lobe_fit.BLOCK * PROBES * len(lobe_fit.GRID) * 8 if operation == "encode" else 0
-    lobes = energy.BLOCK * 2 * INTERPOLATED_COSINES * 6 * 10 * 8
+    lobes = energy.LOBES * 2 * len(albedo_rule().directions) * energy.FACETS * 10 * 8
     assert peak < size + parameters + 2 * 6 * (block + fit) + lobes
 
 

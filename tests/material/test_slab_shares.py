@@ -7,7 +7,7 @@ from tests.oracles.analog import analog_albedo
 import urushi
 from urushi.core import fresnel
 from urushi.core.namespace import NUMPY
-from urushi.material.crossing import inner_albedo
+from urushi.material.crossing import in_plane, inner_albedo
 from urushi.material.slab_shares import Layers, shares
 
 COSINES = np.array([0.98, 0.8, 0.6, 0.4, 0.25, 0.12])
@@ -64,7 +64,7 @@ def test_clear_slabs_have_the_shares_of_the_analog_walk(interfaces):
         for interface in own[-2::-1]:
             slab = urushi.coat(slab, *interface, *CLEAR)
         reflected, passed = found(own, [CLEAR] * (len(own) - 1))
-        reflected = reflected + inner_albedo(COSINES, own[0][0], 1 / own[0][1])
+        reflected = reflected + inner_albedo(in_plane(COSINES[:, None]), own[0][0], 1 / own[0][1])
         for share, transmitted in ((reflected, False), (passed, True)):
             truth, se = analog_albedo(slab, WI, walks=1 << 14, transmitted=transmitted)
             assert np.all(np.abs(share - truth[:, 0]) < 0.003 + 4 * se[:, 0])

@@ -77,7 +77,7 @@ def test_about_as_much_light_as_the_source(small):
     shiny = encode(lambda *w: velvet(*w)[:, 1], small, table=True)
     rule = albedo_rule()
     source = rule.albedo(velvet(rule.wi, rule.wo)[:, 1])
-    at = np.interp(cosines, rule.cosines[::-1], source[::-1])
+    at = np.interp(cosines, rule.directions[::-1, 2], source[::-1])
     assert (shiny.directional_albedo(wi)[:, 0] <= at + 0.01).all()
 
 

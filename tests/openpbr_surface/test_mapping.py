@@ -7,7 +7,6 @@ import urushi
 from urushi.checks import Widths
 from urushi.core import albedos, fresnel
 from urushi.core.namespace import NUMPY
-from urushi.material import lobe_albedo
 from urushi.openpbr_surface import film, formulas, lookups
 from urushi.walk.simulate import albedo
 
@@ -136,7 +135,7 @@ def test_few_facets_have_the_moments_of_all():
     alphas, cosine = albedos.nodes()
     rules = film.rules()[0]
     for row in (0, 8, 15):
-        facets, weight = lobe_albedo.facets_seen(alphas[row], cosine[:, None, None])
+        facets, weight = film.facets_seen(alphas[row], cosine)
         seen = weight.sum(-1)
         # These are by other facets, whose mean is off by some 0.0005.
         assert np.allclose(seen, albedos.tables(lookups.MIRROR).reflected[0, row], atol=1e-3)

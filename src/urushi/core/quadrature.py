@@ -1,6 +1,6 @@
 """Quadrature over the hemisphere of outgoing directions that resolves any GGX-like lobe.
 
-The energy limit has a rule of its own with far fewer nodes, `urushi.material.albedo_rule`.
+The energy limit has a rule with fewer nodes, `urushi.material.albedo_rule`.
 """
 
 import functools

@@ -293,7 +293,11 @@ def interface_modes(alpha: float, eta: float, edges: Edges = ()) -> np.ndarray:
     h = microfacet.half_vector(wi, wo, NUMPY)
     lobe = microfacet.lobe_shape(np.float32(alpha), wi, wo, h, NUMPY)
     lobe *= fresnel.exact(microfacet.facet_cosine(h, NUMPY), np.float32(1 / eta), None, NUMPY)
-    return own.brdf_modes(lobe, own.mean(lambda cosine: inner_albedo(cosine, alpha, eta)))
+
+    def albedo(cosine: np.ndarray) -> np.ndarray:
+        return inner_albedo(in_plane(cosine.astype(np.float32)[:, None]), alpha, eta)
+
+    return own.brdf_modes(lobe, own.mean(albedo))
 
 
 @functools.lru_cache(maxsize=4)

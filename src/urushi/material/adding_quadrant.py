@@ -18,7 +18,7 @@ from urushi.core.namespace import Namespace
 from urushi.core.quadrature import directional_albedos
 from urushi.core.table import MIN_LOG, SHAPE
 from urushi.material import adding
-from urushi.material.crossing import facet_points, mirrored
+from urushi.material.crossing import inner_albedo
 from urushi.material.reflector import Reflector
 from urushi.nets import lobe as lobes
 from urushi.parallel import run_all_cores
@@ -120,8 +120,7 @@ def interface_parts(alpha: float | Widths, eta: float) -> np.ndarray:
     """The parts (4, Q, Q) of the reflection of an interface from below; eta: below over above."""
     if eta == 1:
         return np.zeros((4, CELLS**2, CELLS**2), np.float32)
-    outside = tuple(directions()[:, k, None] for k in range(3))
-    albedo = mirrored(outside, alpha, 1 / eta, facet_points(256))[1].mean(axis=1)
+    albedo = inner_albedo(tuple(directions()[:, k, None] for k in range(3)), alpha, eta)
     widths = Widths(*(np.asarray([x], np.float32) for x in pair(alpha)))
     lobe = lobes.of_coat(widths, np.asarray([1 / eta], np.float32))
     dark = np.full((*SHAPE, 1), MIN_LOG)

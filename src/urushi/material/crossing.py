@@ -104,25 +104,31 @@ def crossing_at(outside: Any, inside: Any, alpha: Any, eta: Any, xp: Namespace =
     return Crossing(inside, xp.where(present, weight, 0), xp.where(present, density, 0))
 
 
-def mirrored(
-    outside: Vector, alpha: float | Widths, eta: float, u: np.ndarray
-) -> tuple[Vector, np.ndarray]:
-    """Light that an interface mirrors: directions (N, K), and fractions (N, K) over the density.
+class Mirrored(NamedTuple):
+    """Light that facets mirror, from directions outside."""
 
-    The arguments are those of `cross`.
+    outwards: Vector  # the mirrored directions
+    cosine: np.ndarray  # of either direction to the facet
+    masking: np.ndarray  # share that no other facet blocks, over the density; 0 below the horizon
+
+
+def mirrored(outside: Vector, alpha: Any, u: np.ndarray) -> Mirrored:
+    """Let visible facets mirror light; arguments and result are as of `cross`.
+
+    The mean of reflectance times masking is the albedo (Heitz and d'Eon 2014).
     """
     facet = visible_facets(outside, alpha, u)
     cos_m = np.clip(_dot(outside, facet), TINY, 1)
     x, y, z = (2 * cos_m * m - w for w, m in zip(outside, facet, strict=True))
-    reflectance = fresnel.dielectric(cos_m, np.float32(eta), NUMPY)[0]
-    weight = reflectance * masking((x, y, np.maximum(z, LEAST_COSINE)), alpha)
-    return (x, y, z), np.where(z > LEAST_COSINE, weight, 0)
+    seen = masking((x, y, np.maximum(z, LEAST_COSINE)), alpha)
+    return Mirrored((x, y, z), cos_m, np.where(z > LEAST_COSINE, seen, 0))
 
 
-def inner_albedo(cosine: np.ndarray, alpha: float, eta: float) -> np.ndarray:
-    """The share (N,) of light of cosines (N,) inside that the interface reflects back inside."""
-    outside = in_plane(cosine.astype(np.float32)[:, None])
-    return mirrored(outside, alpha, 1 / eta, facet_points(256))[1].mean(axis=1, dtype=np.float64)
+def inner_albedo(inside: Vector, alpha: float | Widths, eta: float) -> np.ndarray:
+    """The share (N,) of light of directions (N, 1) inside that the interface reflects back."""
+    _, cosine, unblocked = mirrored(inside, alpha, facet_points(256))
+    reflectance = fresnel.dielectric(cosine, np.float32(1 / eta), NUMPY)[0]
+    return (reflectance * unblocked).mean(axis=1, dtype=np.float64)
 
 
 def sums(values: np.ndarray, rows: np.ndarray, count: int) -> np.ndarray:

@@ -1,7 +1,8 @@
 """Conservation of energy: codes whose directional albedo is too high are made darker.
 
-A code's lobe (`urushi.nets.lobe`) conserves energy and is exact. So only the rest is changed, until
-lobe and rest together meet the ceiling of the albedo. Codes of values become the nearest codes
+Albedos are measured at the directions of `albedo_rule`. A code's lobe (`urushi.nets.lobe`)
+conserves energy and is exact. So only the rest is changed, until lobe and rest together meet the
+ceiling of the albedo. Codes of values become the nearest codes
 below the ceiling: at grazing angles, where no probe is, a code may be far too bright although it is
 right elsewhere. What then remains too bright, as do codes of the layering network, is scaled.
 """
@@ -11,12 +12,13 @@ import functools
 import numpy as np
 
 from urushi.material.albedo_rule import AlbedoRule, albedo_rule
-from urushi.material.lobe_albedo import lobe_albedos
+from urushi.material.crossing import facet_points, mirrored
 from urushi.nets import basis, code_fit
+from urushi.nets import lobe as lobes
 from urushi.nets.weights import Model
 from urushi.parallel import fill_blocks
 
-#: Error of the quadrature and of the interpolation in the albedo: the ceiling is 1 less this.
+#: Error of the quadrature in the albedo: the ceiling is 1 less this.
 MARGIN = 0.0005
 
 #: Excess of a code's albedo over its source's albedo that is allowed; with `MARGIN`, 0.5 %.
@@ -40,8 +42,15 @@ LEAST_REST = 0.005
 #: codes far from the training data may have the greatest f of the basis.
 TINY_FACTOR, TINY_FACTOR_ROUNDS = 1e-3, 3
 
-#: Codes that are measured at once: their values stay in a core's cache.
-BLOCK = 128
+#: Codes, and lobes, that are measured at once: their values stay in a core's cache.
+BLOCK, LOBES = 32, 4
+
+#: Facets at which a lobe is measured.
+FACETS = 512
+
+#: Most that a rough surface reflects more than a smooth one: lobes are measured only if this
+#: bound does not suffice.
+ROUGH_GAIN = 0.003
 
 #: Weight of the prior of codes in the change of a code: directions of codes that the probes hardly
 #: see would change without bound.
@@ -52,23 +61,38 @@ EXCESS_WEIGHTS = 0.25, 1.0, 4.0, 16.0, 64.0, 256.0
 
 
 def directional_albedos(model: Model, z: np.ndarray) -> np.ndarray:
-    """Directional albedos (N, D) of codes (N, L) at the cosines of `albedo_rule`."""
-    return rest_albedos(model, z) + top_albedos(model, z)
+    """Directional albedos (N, K) of codes (N, L)."""
+    return rest_albedos(model, z) + lobe_albedos(z[:, : model.arch.lobe])
 
 
-def top_albedos(model: Model, z: np.ndarray) -> np.ndarray:
-    """Directional albedos (..., D) of the lobes of codes (..., L) at the cosines of the rule."""
-    return lobe_albedos(z[..., : model.arch.lobe], albedo_rule(model.arch.widths))
+def lobe_albedos(lobe: np.ndarray) -> np.ndarray:
+    """Directional albedos float32 (N, K) of lobes (N, 6) of one width, or (N, 7) of two.
+
+    They are means over visible facets, with an error of at most 0.004. Lobes whose numbers are
+    equal in half precision are measured once.
+    """
+    rule = albedo_rule(1 + (lobe.shape[-1] > len(lobes.LOBE_NUMBERS)))
+    wi, points = tuple(rule.directions[:, k, None] for k in range(3)), facet_points(FACETS)
+
+    def measure(some: np.ndarray) -> np.ndarray:
+        some = some[:, None, None]
+        facets = mirrored(wi, lobes.width(some), points)
+        return (lobes.reflectance(some, facets.cosine) * facets.masking).mean(axis=-1)
+
+    different, which = np.unique(lobe.astype(np.float16), axis=0, return_inverse=True)
+    result = np.empty((len(different), len(rule.directions)), np.float32)
+    fill_blocks(result, measure, different.astype(np.float32), rows=LOBES)
+    return result[which.ravel()]
 
 
 def rest_albedos(model: Model, z: np.ndarray) -> np.ndarray:
-    """Directional albedos (N, D) of the rests of codes (N, L) at the cosines of the rule."""
+    """Directional albedos (N, K) of the rests of codes (N, L)."""
     rule, functions = albedo_rule(model.arch.widths), node_functions(model)
 
     def measure(codes: np.ndarray) -> np.ndarray:
         return rule.albedo(model.networks.rest_at_all(codes, functions))
 
-    result = np.empty((len(z), len(rule.cosines)), np.float32)
+    result = np.empty((len(z), len(rule.directions)), np.float32)
     fill_blocks(result, measure, z, rows=BLOCK)
     return result
 
@@ -81,13 +105,13 @@ def node_functions(model: Model) -> basis.Functions:
 
 
 def albedo_ceiling(own: np.ndarray, rule: AlbedoRule) -> np.ndarray:
-    """Largest albedos (..., D) allowed for a code whose source has the albedos own (..., D).
+    """Largest albedos (..., K) allowed for a code whose source has the albedos own (..., K).
 
     None is above 1 - `MARGIN`, or the source's largest albedo if the source gains energy.
     """
     peak = own.max(axis=-1, keepdims=True)
     top = np.where(peak > 1 + TOLERANCE, peak, 1 - MARGIN)
-    return np.where(rule.cosines < GRAZING, top, np.minimum(own + SLACK, top))
+    return np.where(rule.directions[:, 2] < GRAZING, top, np.minimum(own + SLACK, top))
 
 
 def nearest_below(
@@ -98,13 +122,11 @@ def nearest_below(
     Nearest is by the least squares of `nets.code_fit`. The arguments and the result are as of
     `limit_albedo`, which scales down what remains above the ceiling.
     """
-    rows = np.ascontiguousarray(z).reshape(-1, z.shape[-1])
-    count = len(albedo_rule(model.arch.widths).cosines)
-    ceiling = np.broadcast_to(np.float32(ceiling), (*z.shape[:-1], count)).reshape(-1, count)
+    rows, ceiling = _rows(model, z, ceiling)
     over = np.flatnonzero(excesses(model, rows, ceiling) > 1)
     if not len(over):
         return z
-    allowed = np.maximum(ceiling[over] - top_albedos(model, rows[over]), LEAST_REST)
+    allowed = _allowed(model, rows[over], ceiling[over])
     rows = np.array(rows)
     for row, own in zip(over, allowed, strict=True):
         rows[row] = _fitted_below(model, rows[row], own)
@@ -112,7 +134,7 @@ def nearest_below(
 
 
 def _fitted_below(model: Model, z: np.ndarray, allowed: np.ndarray) -> np.ndarray:
-    """The code (L,) near z (L,) whose rest has about the allowed albedos (D,) at most.
+    """The code (L,) near z (L,) whose rest has about the allowed albedos (K,) at most.
 
     Least squares of the change at the probe pairs, and of the logarithm of the albedo where it is
     above the allowed one, by Gauss and Newton's method.
@@ -135,8 +157,7 @@ def _fitted_below(model: Model, z: np.ndarray, allowed: np.ndarray) -> np.ndarra
         error = (code - start) @ form @ (code - start) + EXCESS_WEIGHTS[-1] * excess @ excess
         if error < least:
             best, least = code, error
-        by_code = rule.polynomial[above] @ rule.at_angles(f * nodes[:, 1:].T).T
-        slopes = by_code / albedo[above, None]
+        slopes = rule.albedo(f * nodes[:, 1:].T).T[above] / albedo[above, None]
         right = weight * slopes.T @ (slopes @ (code - start) - excess)
         code = start + np.linalg.solve(form + weight * slopes.T @ slopes, right)
     numbers[...] = best
@@ -151,26 +172,17 @@ def limit_albedo(
     Args:
         model: the weights.
         z: float32 (..., L).
-        ceiling: a number, or an array that broadcasts to (..., D), at the cosines of `albedo_rule`.
+        ceiling: a number, or an array that broadcasts to (..., K).
 
     Returns:
         float32 (..., L); the same bits where a code is not above its ceiling.
     """
-    rows, over = np.ascontiguousarray(z).reshape(-1, z.shape[-1]), np.arange(z[..., 0].size)
-    count = len(albedo_rule(model.arch.widths).cosines)
-    ceiling = np.broadcast_to(np.float32(ceiling), (*z.shape[:-1], count)).reshape(-1, count)
-    unchanged = True
+    rows, ceiling = _rows(model, z, ceiling)
+    over, unchanged = np.arange(len(rows)), True
     for _ in range(1 + TINY_FACTOR_ROUNDS):
         if not len(over):
             break
-        found = np.empty((len(over), 1), np.float32)
-        fill_blocks(
-            found,
-            lambda at, rows=rows: 1 / excesses(model, rows[at], ceiling[at])[:, None],
-            over,
-            rows=BLOCK,
-        )
-        factors = found[:, 0]
+        factors = 1 / excesses(model, rows[over], ceiling[over])
         if (factors < 1).any():
             rows, unchanged = rows if not unchanged else np.array(rows), False
             gains = model.networks.gains(rows)
@@ -179,11 +191,35 @@ def limit_albedo(
     return z if unchanged else rows.reshape(z.shape)
 
 
-def excesses(model: Model, z: np.ndarray, ceiling: np.ndarray | float) -> np.ndarray:
+def excesses(model: Model, z: np.ndarray, ceiling: np.ndarray) -> np.ndarray:
     """Largest ratios (N,) of the albedo of the rest to its allowed albedo, for codes (N, L)."""
-    allowed = np.maximum(ceiling - top_albedos(model, z), LEAST_REST)
-    ratios = np.maximum(rest_albedos(model, z), LEAST_ALBEDO) / allowed
-    return np.where(is_limited(z[:, : model.arch.lobe]), ratios.max(axis=-1), LEAST_ALBEDO)
+    result = np.empty((len(z), 1), np.float32)
+
+    def measure(z: np.ndarray, ceiling: np.ndarray) -> np.ndarray:
+        lobe, rest = z[:, : model.arch.lobe], np.maximum(rest_albedos(model, z), LEAST_ALBEDO)
+        smooth = lobes.reflectance(lobe[:, None], albedo_rule(model.arch.widths).directions[:, 2])
+        allowed = np.maximum(ceiling - smooth - ROUGH_GAIN, LEAST_REST)
+        near = (rest > allowed).any(axis=-1)
+        allowed[near] = _allowed(model, z[near], ceiling[near])
+        ratios = (rest / allowed).max(axis=-1)
+        return np.where(is_limited(lobe), ratios, LEAST_ALBEDO)[:, None]
+
+    fill_blocks(result, measure, z, ceiling)
+    return result[:, 0]
+
+
+def _rows(
+    model: Model, z: np.ndarray, ceiling: np.ndarray | float
+) -> tuple[np.ndarray, np.ndarray]:
+    """Codes (N, L) and ceilings (N, K) of codes (..., L), see `limit_albedo`."""
+    count = len(albedo_rule(model.arch.widths).directions)
+    ceiling = np.broadcast_to(np.float32(ceiling), (*z.shape[:-1], count))
+    return np.ascontiguousarray(z).reshape(-1, z.shape[-1]), ceiling.reshape(-1, count)
+
+
+def _allowed(model: Model, z: np.ndarray, ceiling: np.ndarray) -> np.ndarray:
+    """Albedos (N, K) that the rests of codes (N, L) may have."""
+    return np.maximum(ceiling - lobe_albedos(z[:, : model.arch.lobe]), LEAST_REST)
 
 
 def is_limited(lobe: np.ndarray) -> np.ndarray:

@@ -16,6 +16,8 @@ from typing import NamedTuple
 import numpy as np
 
 from urushi.checks import MIN_INDEX_STEP
+from urushi.core import fresnel
+from urushi.core.namespace import NUMPY
 from urushi.material import adding
 from urushi.material.crossing import cross, facet_points, in_plane, mirrored
 
@@ -183,8 +185,9 @@ def _interface(
     """
     grids = [_grid(edges) for edges in (near, far)]
     outside, u = in_plane(grids[0].cosines.astype(np.float32)[:, None]), facet_points(FACETS)
-    crossing, ((_, _, z), weight) = cross(outside, alpha, eta, u), mirrored(outside, alpha, eta, u)
-    pairs = (z, weight), (crossing.inside[2], crossing.weight)
+    crossing, turned = cross(outside, alpha, eta, u), mirrored(outside, alpha, u)
+    weight = turned.masking * fresnel.dielectric(turned.cosine, np.float32(eta), NUMPY)[0]
+    pairs = (turned.outwards[2], weight), (crossing.inside[2], crossing.weight)
     reflected, passed = (
         grid.deposited(np.arccos(np.clip(z, 0, 1)), weight / FACETS)
         for grid, (z, weight) in zip(grids, pairs, strict=True)

@@ -14,12 +14,11 @@ from urushi.core.table import node_pairs, table_of_values
 from urushi.errors import ParameterError
 from urushi.material import energy
 from urushi.material.albedo_rule import AlbedoRule, albedo_rule
-from urushi.material.lobe_albedo import lobe_albedos
 from urushi.material.material import Material
 from urushi.material.source import Source, as_source, source_name
 from urushi.material.symmetry import Deviations, deviations_of, is_anisotropic, symmetrise
 from urushi.nets import lobe as lobes
-from urushi.nets.interface_fit import find_lobes
+from urushi.nets.lobe_fit import fit_lobes
 from urushi.nets.weights import Model, Weights, anisotropic_model, find
 from urushi.walk import Stack
 
@@ -156,7 +155,7 @@ def material_from_values(
     """
     pairs = len(model.networks.pairs()[0])
     probed, at_nodes = values[:pairs].T, values[pairs:].T
-    lobe = find_lobes(probed, model.widths) if lobe is None else np.asarray(lobe, np.float32)
+    lobe = fit_lobes(probed, model.widths) if lobe is None else np.asarray(lobe, np.float32)
     lobe = np.broadcast_to(lobe, (len(probed), lobe.shape[-1]))
     ceiling = np.full((len(probed), 1), 1 - energy.MARGIN)
     if at_nodes.size:
@@ -168,12 +167,12 @@ def material_from_values(
 
 
 def _source_albedos(f: np.ndarray, lobe: np.ndarray, rule: AlbedoRule) -> np.ndarray:
-    """Directional albedos (C, D) of values f (C, M) at the nodes of a rule.
+    """Directional albedos (C, K) of values f (C, M) at the nodes of a rule.
 
     The nodes are too few for the sharpest lobes (N,), whose albedos are computed separately.
     """
     rest = np.maximum(f - lobes.f(lobe[:, None], rule.wi, rule.wo), 0.0)
-    return rule.albedo(rest) + lobe_albedos(lobe, rule)
+    return rule.albedo(rest) + energy.lobe_albedos(lobe)
 
 
 def _checked(values: Any, name: str, count: int) -> np.ndarray:

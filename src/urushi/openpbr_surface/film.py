@@ -15,7 +15,8 @@ import numpy as np
 from urushi.checks import Widths
 from urushi.core import albedos, fresnel, microfacet
 from urushi.core.namespace import DRJIT
-from urushi.material.lobe_albedo import facets_seen, gauss_rule
+from urushi.core.quadrature import gauss
+from urushi.material.crossing import in_plane, mirrored
 from urushi.mitsuba.interface_albedo import InterfaceAlbedo, Interpolated, coordinates
 from urushi.openpbr_surface import formulas, thin_film
 from urushi.openpbr_surface.inputs import Inputs
@@ -33,8 +34,8 @@ _COAT_COSINES = (1.0, 0.9, 0.8, 0.7)
 #: Least reflectance in a division.
 _LEAST = 1e-4
 
-#: Nodes of a Gauss rule.
-NODES = 4
+#: Nodes of a Gauss rule, and in each dimension of the quadrature over facets that makes it.
+NODES, FINE = 4, 40
 
 
 class FilmFresnel:
@@ -190,7 +191,7 @@ def rules() -> tuple[np.ndarray, np.ndarray]:
     light = albedos.hemisphere_mean(np.eye(len(cosine)))[:, None]
     found = []
     for alpha in alphas:
-        facets, weight = facets_seen(alpha, cosine[:, None, None])
+        facets, weight = facets_seen(alpha, cosine)
         pairs = (facets, weight), (facets.ravel(), (weight * light).ravel())
         both = [
             gauss_rule(np.atleast_2d(x), np.atleast_2d(w / w.sum(-1, keepdims=True)), NODES)
@@ -199,3 +200,32 @@ def rules() -> tuple[np.ndarray, np.ndarray]:
         found.append([rule.swapaxes(1, 2).reshape(len(rule), -1) for rule in both])
     seen, mean = (np.stack(rows).astype(np.float32) for rows in zip(*found, strict=True))
     return seen, mean[:, 0]
+
+
+def facets_seen(alpha: float, cosine: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Cosines (D, M) to facets from directions of cosines (D,), and weights (D, M).
+
+    The weights integrate a reflectance times f cos of a white lobe over the hemisphere. The facets
+    lie evenly on the spherical cap of visible normals (Dupuy and Benyoub 2023).
+    """
+    nodes, shares = gauss(FINE)
+    place = 0.5 * (nodes + 1)
+    u = np.stack(np.meshgrid(0.5 * place, 1 - place, indexing="ij"), axis=-1)  # half of a turn
+    facets = mirrored(in_plane(cosine[:, None]), alpha, u.reshape(-1, 2))
+    return facets.cosine, 0.25 * np.outer(shares, shares).ravel() * facets.masking
+
+
+def gauss_rule(x: np.ndarray, weights: np.ndarray, nodes: int) -> np.ndarray:
+    """Nodes and weights (D, nodes, 2) of sums over points x (D, M), by the method of Lanczos."""
+    total = weights.sum(axis=-1, keepdims=True)
+    basis, previous, below = np.sqrt(weights / total), np.zeros_like(x), np.zeros_like(total)
+    matrix = np.zeros((len(x), nodes, nodes))
+    for k in range(nodes):
+        matrix[:, k, k] = (x * basis * basis).sum(axis=-1)
+        following = (x - matrix[:, k, k, None]) * basis - below * previous
+        below = np.sqrt((following * following).sum(axis=-1, keepdims=True))
+        previous, basis = basis, following / np.maximum(below, 1e-30)
+        if k + 1 < nodes:
+            matrix[:, k, k + 1] = matrix[:, k + 1, k] = below[:, 0]
+    found, vectors = np.linalg.eigh(matrix)
+    return np.stack([np.clip(found, 0.0, 1.0), total * vectors[:, 0] ** 2], axis=-1)
