@@ -1,7 +1,7 @@
 """Sphinx directive `.. plugin:: NAME`: the doc block of a Mitsuba plugin, from its source.
 
-Plugins are classes, or functions that make them, inside functions called `define`, so that autodoc
-cannot see them. Their docstrings are read from the syntax tree of every file below `src/urushi`
+Plugins are classes, or classes and functions that make them inside functions called `define`, which
+autodoc cannot see. Their docstrings are read from the syntax tree of every file below `src/urushi`
 whose folder is called `plugins`: Mitsuba is not imported. The first sentence of a doc
 block ends with the plugin's name in parentheses, such as (``layered``).
 
@@ -39,12 +39,12 @@ def doc_blocks() -> dict[str, tuple[Path, str]]:
 
 
 def _docstrings(tree: ast.Module) -> Iterator[str]:
-    """Docstrings of the classes and functions inside functions called `define`."""
-    for function in tree.body:
-        if isinstance(function, ast.FunctionDef) and function.name == "define":
-            for node in function.body:
-                if isinstance(node, ast.ClassDef | ast.FunctionDef):
-                    yield inspect.cleandoc(ast.get_docstring(node) or "")
+    """Docstrings of classes, and of the classes and functions inside functions called `define`."""
+    for outer in tree.body:
+        define = isinstance(outer, ast.FunctionDef) and outer.name == "define"
+        for node in outer.body if define else [outer]:  # type: ignore[attr-defined]
+            if isinstance(node, ast.ClassDef) or (define and isinstance(node, ast.FunctionDef)):
+                yield inspect.cleandoc(ast.get_docstring(node) or "")
 
 
 def with_tabs(doc: str) -> str:
