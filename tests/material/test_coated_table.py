@@ -10,8 +10,8 @@ import urushi
 from urushi.checks import CoatParameters
 from urushi.core import direction_sets
 from urushi.core.error_metrics import stack_error
-from urushi.core.table import SHAPE, interpolated, node_pairs, table_of_values
-from urushi.material import Material, encode, layer, lerp, load
+from urushi.core.table import interpolated, node_pairs, table_of_values
+from urushi.material import Material, encode, layer, load
 from urushi.material.coated_table import coated_rest
 from urushi.material.layer import layer_material
 from urushi.measured.tabulated import MeasuredSurface, bin_centres
@@ -177,31 +177,6 @@ def test_reciprocal_to_the_bit_and_zero_below_the_horizon(bottom, directions):
     assert (f[above] > 0).all() and not f[~above].any()
 
 
-@pytest.mark.parametrize(("alpha", "albedo"), [(0.03, 0.0), (0.3, 1.0)])
-def test_white_below_reflects_no_more_than_comes(alpha, albedo, trained):
-    """All light that enters a smooth coat over a white bottom leaves it again."""
-    white = with_table(lambda wi, wo: np.full(len(wi), 1 / np.pi), trained)
-    material = layer(dielectric(alpha, 1.5), white, sigma_t=albedo, albedo=albedo)
-    cosines = np.array([1, 0.9, 0.7, 0.5, 0.3, 0.15])
-    wi = np.stack([np.sqrt(1 - cosines**2), 0 * cosines, cosines], axis=1).astype(np.float32)
-    found = material.directional_albedo(wi)
-    assert found.max() <= 1 + 1e-3
-    assert alpha > 0.1 or found[:4].min() > 0.96
-
-
-@pytest.mark.slow
-def test_colours_of_every_parameter(trained):
-    """Channels with interfaces of their own are those of grey coats."""
-    white = with_table(lambda wi, wo: 0.3 + 0.1 * wi[:, 2] * wo[:, 2], trained, 3)
-    coat = CoatParameters(
-        *np.array([[0.1, 0.1, 0.3], [1.5, 1.3, 1.5], [0, 0.5, 0.9], [0, 1, 1], [0, 0, 0.5]])
-    )
-    together = coated_rest(white, coat)
-    for channel in range(3):
-        alone = coated_rest(white, CoatParameters(*(p[channel] for p in coat)))
-        np.testing.assert_allclose(together[:, channel], alone[:, 0], rtol=1e-5)
-
-
 def test_coats_nest(trained):
     """Two clear coats of one index are one, apart from the inner interface, which is not there."""
     red = with_table(lambda wi, wo: np.full(len(wi), 0.5 / np.pi), trained)
@@ -216,13 +191,6 @@ def test_coats_nest(trained):
     assert error(twice.f(wi, wo), walk[:, :1], wi, wo) < 0.03
 
 
-def test_an_absent_coat_leaves_all_as_it_is(bottom):
-    same = layer(dielectric(0.01, 1.001), bottom)
-    assert same.table is not None and same.beside_lobe
-    wi, wo = direction_sets.cosine_pairs(np.random.default_rng(4), 300)
-    assert error(same.f(wi, wo), bottom.f(wi, wo), wi, wo) < 0.02
-
-
 def test_files_keep_the_kind_of_table(bottom, trained, tmp_path):
     material = coated(bottom, COATS["rough"])
     material.save(tmp_path / "a")
@@ -232,16 +200,6 @@ def test_files_keep_the_kind_of_table(bottom, trained, tmp_path):
     assert whole != material
     bottom.save(tmp_path / "b")
     assert not load(tmp_path / "b", trained).beside_lobe
-
-
-def test_blends_of_coated_materials(bottom, random_directions):
-    ends = [coated(bottom, COATS[name]) for name in ("smooth", "rough")]
-    assert lerp(*ends, 0) == ends[0] and lerp(*ends, 1) == ends[1]
-    between = lerp(*ends, 0.25)
-    assert between.table.shape == (*SHAPE, 3)
-    wi, wo = random_directions(400, 1, 0.1), random_directions(400, 2, 0.1)
-    expected = 0.75 * ends[0].f(wi, wo) + 0.25 * ends[1].f(wi, wo)
-    assert np.median(np.abs(between.f(wi, wo) / expected - 1)) < 0.01
 
 
 def test_each_of_many_channels_is_as_it_is_alone(trained):

@@ -92,14 +92,6 @@ def test_as_the_walk_over_metal(name, alpha, most):
     assert walk_error(f, urushi.coat(conductor(alpha, 0.8), **dict(names)), wi, wo) < most
 
 
-def test_as_the_walk_over_a_lambertian():
-    wi, wo = pairs(200)
-    top = lobes.f(lobes.of_coat(*map(np.float64, COATS["scattering"][:2])), wi, wo)
-    f = coated_f(lambertian(0.7), coat("scattering"), wi, wo)[:, 0] + top
-    names = zip(("alpha", "eta", "albedo", "sigma_t", "g"), COATS["scattering"], strict=True)
-    assert walk_error(f, urushi.coat(diffuse(0.7), **dict(names)), wi, wo) < 0.01
-
-
 @pytest.mark.parametrize(("bottom", "values"), COATS_OF_TWO)
 def test_as_the_walk_of_two_widths(bottom, values):
     """E of 0.3 to 1.5 %."""

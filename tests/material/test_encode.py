@@ -53,12 +53,6 @@ def test_objects_with_f_and_materials(material, model, other_model):
     assert encode(material, other_model).model is other_model
 
 
-@pytest.mark.parametrize("source", [dielectric(0.1, 0.7), coat(diffuse(0.5), 0.1, 0.7)])
-def test_indices_below_one_are_those_of_the_lobe(source, model):
-    latents = encode(source, model).latents
-    np.testing.assert_allclose(latents[:, 3:6], [[1, 0.7, 0]] * 3, rtol=1e-6)
-
-
 def test_other_types_of_sources_can_be_registered(model):
     class Foreign:
         level = 0.25

@@ -103,8 +103,3 @@ def test_a_file_without_weights_belongs_to_the_shipped_ones(tmp_path):
     source.save(tmp_path / "metal")
     assert load(tmp_path / "metal") == source
     assert load(tmp_path / "metal").model is weights.default_model()
-
-
-def test_unknown_networks_name_the_shipped_ones(tmp_path):
-    with pytest.raises(FileError, match="no weights 'large'; give a file, or 'default'"):
-        encode(conductor(0.3, 0.9), "large")

@@ -96,11 +96,6 @@ def test_lerp_refuses_bad_shares(t, material):
         lerp(material, material, t)
 
 
-def test_indices_below_one_are_those_of_the_lobe(material):
-    coated = layer(dielectric(0.1, (1.5, 0.7, 0.5)), material, fast=True)
-    np.testing.assert_allclose(coated.latents[:, 4], (1.5, 0.7, 0.5), rtol=1e-6)
-
-
 @pytest.mark.parametrize(
     ("sigma_t", "g"), [(9.0, 0.0), (20.0, 0.0), (1e4, 0.7), (1e6, 0.0), (2.0, -0.99), (2.0, 0.99)]
 )

@@ -59,14 +59,6 @@ def test_the_known_lobe_of_other_weights_lies_beside_it(material, small, random_
     np.testing.assert_allclose(again.f(wi, mirrored), material.f(wi, mirrored), rtol=0.01)
 
 
-def test_reciprocal_to_the_bit_and_zero_below_the_horizon(own, directions):
-    wi, wo = directions, np.roll(directions, 1, axis=0)
-    f = own.f(wi, wo)
-    np.testing.assert_array_equal(f, own.f(wo, wi))
-    above = (wi[:, 2] > 0) & (wo[:, 2] > 0)
-    assert (f[above] > 0).all() and not f[~above].any()
-
-
 def test_about_as_much_light_as_the_source(small):
     cosines = np.linspace(0.15, 1, 9)
     wi = np.stack([np.sqrt(1 - cosines**2), 0 * cosines, cosines], axis=1).astype(np.float32)
@@ -88,17 +80,6 @@ def test_sampling_is_that_of_the_codes(own, random_directions):
     wo, pdf = own.sample(wi, u)
     np.testing.assert_array_equal(wo, plain.sample(wi, u)[0])
     np.testing.assert_array_equal(pdf, own.pdf(wi, wo))
-
-
-def test_files_keep_them(own, small, tmp_path):
-    path = tmp_path / "own.safetensors"
-    own.save(path)
-    again = load(path, small)
-    assert again == own and hash(again) == hash(own)
-    plain = Material(own.latents, small)
-    assert plain != own and own != plain
-    again.save(tmp_path / "again.safetensors")
-    assert (tmp_path / "again.safetensors").read_bytes() == path.read_bytes()
 
 
 @pytest.mark.parametrize(

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from urushi.core import fresnel
+from urushi.core.quadrature import directional_albedos
 from urushi.nets import lobe
 from urushi.walk.monte_carlo import backend
 
@@ -74,31 +75,18 @@ def test_f_is_finite_at_the_horizon_and_at_the_mirror_direction(lobes):
     assert head_on == pytest.approx(expected, rel=1e-5)
 
 
-@pytest.mark.parametrize("cos_i", [0.05, 0.3, 1.0])
 @pytest.mark.parametrize("alpha", [0.01, 0.1, 0.5, 1.0])
-def test_a_white_facet_surface_conserves_energy(alpha, cos_i):
-    """Single scattering loses what facets shadow: nothing where they are flat, never gains.
-
-    Midpoint rule over half vectors, at most 0.3 % wrong.
-    """
-    wi = np.array([math.sqrt(1 - cos_i**2), 0.0, cos_i])
-    t = np.log(1e-6) + (np.arange(1500) + 0.5)[:, None] / 1500 * (np.log(1e4) - np.log(1e-6))
-    phi = np.pi * (np.arange(300) + 0.5) / 300
-    cos_h = 1 / np.sqrt(1 + np.exp(2 * t))
-    sin_h = np.exp(t) * cos_h
-    h = np.stack(np.broadcast_arrays(sin_h * np.cos(phi), sin_h * np.sin(phi), cos_h), axis=-1)
-    dot = h @ wi
-    wo = 2 * dot[..., None] * h - wi
-    step = 2 * np.pi / 300 * (np.log(1e4) - np.log(1e-6)) / 1500
-    solid_angle = 4 * np.maximum(dot, 0) * sin_h**2 * cos_h * step
-    f = lobe.f(np.array([alpha, 1, 1, 0, 1.5, 0]), wi, wo)
-    albedo = np.sum(np.where(wo[..., 2] > 0, f * wo[..., 2] * solid_angle, 0))
-    assert albedo < 1.003
-    if cos_i == 1:
-        # Facets steeper than 45 degrees reflect downwards: the share alpha^2 / (1 + alpha^2). Of
-        # flat surfaces nothing else is lost.
-        assert albedo < 1 / (1 + alpha**2) + 0.003
-        assert alpha > 0.1 or albedo > 1 / (1 + alpha**2) - 0.005
+def test_a_white_facet_surface_conserves_energy(alpha):
+    """Single scattering loses what facets shadow: nothing where they are flat, never gains."""
+    white, cosines = np.array([alpha, 1, 1, 0, 1.5, 0]), np.array([0.05, 0.3, 1])
+    wi = np.stack([np.sqrt(1 - cosines**2), 0 * cosines, cosines], axis=-1)
+    albedo = directional_albedos(lambda wi, wo: lobe.f(white, wi, wo)[:, None], wi)
+    assert albedo.max() < 1.003
+    # Facets steeper than 45 degrees reflect downwards: the share alpha^2 / (1 + alpha^2). Of flat
+    # surfaces nothing else is lost.
+    most = 1 / (1 + alpha**2)
+    assert albedo[2, 0] < most + 0.003
+    assert alpha > 0.1 or albedo[2, 0] > most - 0.005
 
 
 def test_a_surface_without_a_lobe_does_not_reflect(pairs):
@@ -127,32 +115,6 @@ def test_the_width_of_an_invisible_lobe_does_not_matter():
     none[:, 0], none[:, 4] = np.geomspace(0.01, 1, 5), np.linspace(0.5, 3, 5)
     features = lobe.lobe_features(none)
     assert np.array_equal(features, np.broadcast_to(features[0], features.shape))
-
-
-@pytest.mark.parametrize("function", ["f", "features"])
-def test_a_complex_step_gives_the_derivative(function, lobes, pairs):
-    """Squire and Trapp (1998), against central differences, whose error is 1e-6.
-
-    Within 1e-3 of the critical angle, where the slope is infinite, there is no difference.
-    """
-    wi, wo = (w.astype(np.float64)[::10] for w in pairs)
-    lobes = lobes[:100]
-    lobes[:, 0] = np.maximum(lobes[:, 0], 0.05)
-    lobes[:, 5] = np.where(lobes[:, 5] > 0, lobes[:, 5] + 0.1, 0)
-    cosine = lobe.cosine_to_facet(wi, wo)
-    critical = np.abs(1 - cosine**2 - lobes[:, None, 4] ** 2) < 2e-3
-
-    def evaluate(x):
-        return lobe.f(x[:, None], wi, wo) if function == "f" else lobe.lobe_features(x)
-
-    for number in range(len(lobe.LOBE_NUMBERS) - 1):  # k is least at zero, where f is even in it
-        step = np.zeros(6)
-        step[number] = 1
-        slope = evaluate(lobes + 1e-20j * step).imag / 1e-20
-        change = (evaluate(lobes + 1e-6 * step) - evaluate(lobes - 1e-6 * step)) / 2e-6
-        if function == "f":
-            slope, change = slope[~critical], change[~critical]
-        np.testing.assert_allclose(slope, change, rtol=1e-4, atol=1e-5)
 
 
 def test_numpy_and_jax_agree_and_gradients_are_finite(lobes, pairs):

@@ -148,19 +148,6 @@ def test_channels_share_the_stretch(model):
     )
 
 
-def test_a_mirror_at_the_diagonal_is_a_code_of_its_own(model, codes, pairs):
-    """x and y exchanged: the stretch is the inverse, and cos 2 psi and cos 2 p change signs."""
-    odd = np.isin(model.arch.factors[1:], (1, 2))
-    rest = codes[:, 7:] * np.append(np.where(odd, -1, 1), -1)
-    mirrored = np.concatenate([codes[:, :7], rest], axis=1).astype(np.float32)
-    turned = [w[:, [1, 0, 2]] for w in pairs]
-    np.testing.assert_allclose(
-        model.networks.f(mirrored[:, None], *turned),
-        model.networks.f(codes[:, None], *pairs),
-        rtol=1e-4,
-    )
-
-
 @pytest.mark.parametrize("degrees", [0, 10, 40, 70])
 def test_f_is_continuous_where_azimuths_mean_nothing(degrees):
     """Around mirror directions and equal directions, within 0.001 degrees: the factors fade.

@@ -2,7 +2,6 @@
 
 import dataclasses
 
-import jax.numpy as jnp
 import numpy as np
 import pytest
 
@@ -74,19 +73,6 @@ def test_the_untrained_network_keeps_codes(tiny, found):
     params = layering.fresh(tiny.arch, 0)
     z = layerer.layer(params, tiny.arch, found.bottom, CoatParameters(*found.coat.T))
     np.testing.assert_allclose(z[:, 6:], found.bottom[:, 6:], atol=1e-6)
-
-
-def test_the_network_of_jax_is_that_of_numpy(tiny, found):
-    rng = np.random.default_rng(0)
-    params = {
-        name: 0.3 * rng.standard_normal(x.shape).astype(np.float32)
-        for name, x in layering.fresh(tiny.arch, 0).items()
-    }
-    z = layerer.layer(params, tiny.arch, found.bottom, CoatParameters(*found.coat.T))
-    away = (found.root @ (z[:, 6:] - found.code)[..., None])[..., 0]
-    moved = layering.Layerings(*map(jnp.asarray, found))
-    squares = np.asarray(layering.squares(params, tiny.arch, moved))
-    np.testing.assert_allclose(squares, (away * away).sum(axis=-1), rtol=1e-3)
 
 
 def test_bottoms_without_a_rest_count_as_dark_ones(tiny, found):

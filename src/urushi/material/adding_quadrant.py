@@ -16,10 +16,8 @@ from urushi.checks import Widths
 from urushi.core.microfacet import pair
 from urushi.core.namespace import Namespace
 from urushi.core.quadrature import directional_albedos
-from urushi.core.table import MIN_LOG, SHAPE
 from urushi.material import adding
 from urushi.material.crossing import inner_albedo
-from urushi.material.reflector import Reflector
 from urushi.nets import lobe as lobes
 from urushi.parallel import run_all_cores
 
@@ -121,10 +119,8 @@ def interface_parts(alpha: float | Widths, eta: float) -> np.ndarray:
     if eta == 1:
         return np.zeros((4, CELLS**2, CELLS**2), np.float32)
     albedo = inner_albedo(tuple(directions()[:, k, None] for k in range(3)), alpha, eta)
-    widths = Widths(*(np.asarray([x], np.float32) for x in pair(alpha)))
-    lobe = lobes.of_coat(widths, np.asarray([1 / eta], np.float32))
-    dark = np.full((*SHAPE, 1), MIN_LOG)
-    return parts(Reflector.of_logs(dark, lobe, np.ones(1)).f, albedo[:, None])[0]
+    lobe = lobes.of_coat(Widths(*map(np.float32, pair(alpha))), np.float32(1 / eta))
+    return parts(lambda *pairs: lobes.f(lobe, *pairs)[:, None], albedo[:, None])[0]
 
 
 @functools.lru_cache(maxsize=8)

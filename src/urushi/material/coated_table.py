@@ -7,7 +7,6 @@ computed.
 """
 
 from collections.abc import Sequence
-from typing import NamedTuple
 
 import numpy as np
 
@@ -30,6 +29,9 @@ from urushi.nets import lobe as lobes
 #: Numbers of points in slabs, see `coated_values`.
 SLAB_POINTS = 64, 64, 64
 
+#: Factor of tables that are smooth.
+ONES = np.ones(SHAPE, np.float32)
+
 #: Cosines at which the albedo is limited.
 COSINES = np.array([1.0, 0.9, 0.75, 0.6, 0.45, 0.3, 0.2, 0.1, 0.05, 0.02, 0.01])
 
@@ -37,46 +39,50 @@ COSINES = np.array([1.0, 0.9, 0.75, 0.6, 0.45, 0.3, 0.2, 0.1, 0.05, 0.02, 0.01])
 ROUNDS = 4
 
 
-class Inside(NamedTuple):
-    """The medium of a coat of a slab."""
-
-    below: Substrate  # what lies below the medium
-    knots: Knots  # of the table of the coated material
-    media: np.ndarray  # (k, 3, C) albedo, sigma_t and g
-    factor: np.ndarray  # float32 (U, V, W) of f at the nodes; f over it is smooth between them
-
-
-def coated_rest(
-    bottom: Material | Substrate, coat: CoatParameters, slab: Inside | None = None
-) -> np.ndarray:
+def coated_rest(bottom: Material, coat: CoatParameters) -> np.ndarray:
     """f float32 (N, C) [1/sr] at the nodes of a coated material without the interface's lobe.
 
     Args:
         bottom: of C channels or one.
         coat: numbers or arrays (C,), with one width.
-        slab: of a coat of a slab, which has the media instead.
     """
-    below = bottom if isinstance(bottom, Substrate) else of_material(bottom)
-    *columns, channels = np.broadcast_arrays(*coat, np.arange(below.channels))
-    parameters, knots = np.stack(columns).astype(np.float64), slab.knots if slab else ()
-    interfaces = parameters[:2]
-    media = slab.media.reshape(-1, len(channels)) if slab else parameters[2:]
-    points = SLAB_POINTS if slab else (WIDE, NARROW, HALF)
+    below = of_material(bottom)
+    *columns, _ = np.broadcast_arrays(*coat, np.arange(below.channels))
+    parameters = np.stack(columns).astype(np.float64)
+    return rest_at_nodes(below, parameters[:2], parameters[2:])
+
+
+def rest_at_nodes(
+    below: Substrate,
+    interfaces: np.ndarray,
+    media: np.ndarray,
+    points: tuple[int, int, int] = (WIDE, NARROW, HALF),
+    knots: Knots = (),
+    factor: np.ndarray = ONES,
+) -> np.ndarray:
+    """f float32 (N, C) [1/sr] at the nodes of coats over a substrate of C channels or one.
+
+    Args:
+        interfaces, media, points: as of `coated_values`; a slab has `SLAB_POINTS`.
+        knots: of the table, for slabs; edges of total reflection are there.
+        factor: float32 (U, V, W), by which f is divided to be smooth between the nodes.
+    """
+    count = media.shape[1]
+    channels = np.broadcast_to(np.arange(below.channels), count)
     every, rows = node_pairs(knots), np.ix_(*known_nodes(knots))
     known = [w.reshape(*SHAPE, 3)[rows].reshape(-1, 3) for w in every]
-    result = np.empty((len(every[0]), len(channels)), np.float32)
+    result = np.empty((len(every[0]), count), np.float32)
 
     def at(pairs: Sequence[np.ndarray], chosen: np.ndarray) -> np.ndarray:
         parts = channels[chosen], interfaces[:, chosen], media[:, chosen], pairs[0], pairs[1]
         return coated_values(below, *parts, points=points)
 
-    # Without an interface, a pair costs little. Edges of total reflection are too steep for cubics;
-    # tables of slabs have knots there.
-    whole = interfaces[1] == 1 if slab else interfaces[1] <= 1
+    # Without an interface, a pair costs little. Edges of total reflection are too steep for cubics,
+    # but for those at knots.
+    whole = interfaces[1] == 1 if knots else interfaces[1] <= 1
     if whole.any():
         result[:, whole] = at(every, whole)
     if not whole.all():
-        factor = slab.factor if slab else np.ones(SHAPE, np.float32)
         values = at(known, ~whole).reshape(*(row.size for row in rows), SHAPE[2], -1)
         values = completed(values / factor[rows][..., None], knots) * factor[..., None]
         result[:, ~whole] = values.reshape(len(result), -1)

@@ -21,7 +21,6 @@ from urushi.checks import MIN_ALPHA
 from urushi.core.namespace import NUMPY, Components
 from urushi.core.table import HIGHEST, LOWEST, SHAPE, TAN2_OFFSET, interpolated_at
 from urushi.material import adding
-from urushi.material.coated_table import Inside
 from urushi.material.crossing import (
     LEAST_COSINE,
     Vector,
@@ -39,6 +38,7 @@ from urushi.material.slab_coordinates import (
     tabulated,
 )
 from urushi.material.slab_shares import Layers
+from urushi.material.substrate import Substrate
 
 #: Directions inside for each node, drawn from either side.
 STRAIGHT = 34
@@ -80,13 +80,13 @@ class HalfVectors(NamedTuple):
 
 
 def transmitted(
-    layers: Layers, insides: list[Inside], faces: Faces, channels: int
+    layers: Layers, insides: list[Substrate], faces: Faces, channels: int
 ) -> Callable[[np.ndarray, np.ndarray], np.ndarray]:
     """f / index^2 [1/sr] of transmission over `entering`: a function of directions above and below.
 
     Args:
         layers: the slab.
-        insides: what there is between its interfaces.
+        insides: what lies below each of its media.
         faces: of `entering`.
     """
     scattered, attenuations = _scattered(layers, insides, channels)
@@ -100,26 +100,26 @@ def transmitted(
 
 
 def _scattered(
-    layers: Layers, insides: list[Inside], channels: int
+    layers: Layers, insides: list[Substrate], channels: int
 ) -> tuple[Callable[[np.ndarray, np.ndarray], np.ndarray | float], list[Attenuation]]:
     """f / index^2 [1/sr] of all but straight light, and the attenuations of the media."""
     if not insides:
         return lambda wi, wo: 0.0, []
     indices, interfaces = layers.indices(), layers.interfaces
-    grids = [adding.grid(inside.below.edges) for inside in insides]
+    grids = [adding.grid(below.edges) for below in insides]
     outside = adding.Grid(ELEVATIONS, edges=layers.edges(-1 if indices[-1] > 1 else 0))
     alpha, eta = interfaces[-1]
     # Light from below that arrives above the interfaces that have been passed, all and straight
     every = [_crossing_modes(outside, grids[-1], alpha, 1 / eta)] * channels
     direct, attenuations = every, list[Attenuation]()
-    for level, (inside, own) in reversed(list(enumerate(zip(insides, grids, strict=True)))):
-        alpha, eta = interfaces[level]
-        below, edges = inside.below, inside.below.edges
-        back = adding.interface_modes(alpha, eta, edges)
+    for level, (below, own) in reversed(list(enumerate(zip(insides, grids, strict=True)))):
+        (alpha, eta), edges = interfaces[level], below.edges
+        back, media = adding.interface_modes(alpha, eta, edges), layers.media[level]
+        assert below.modes is not None  # for the type checker
         fields, straights, depths = zip(
             *(
-                adding.passed_inside(modes, back, media, edges)
-                for modes, media in zip(below.modes, np.moveaxis(inside.media, 2, 0), strict=True)
+                adding.passed_inside(modes, back, media[..., channel], edges)
+                for channel, modes in enumerate(below.modes)
             ),
             strict=True,
         )

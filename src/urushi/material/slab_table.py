@@ -15,7 +15,6 @@ from typing import NamedTuple
 
 import numpy as np
 
-from urushi.checks import CoatParameters
 from urushi.core.namespace import NUMPY, Components
 from urushi.core.quadrature import half_vector_rule
 from urushi.core.table import (
@@ -29,7 +28,7 @@ from urushi.core.table import (
     pair_coordinates,
 )
 from urushi.material import adding
-from urushi.material.coated_table import Inside, coated_rest
+from urushi.material.coated_table import SLAB_POINTS, rest_at_nodes
 from urushi.material.material import Material
 from urushi.material.reflector import Reflector
 from urushi.material.slab_coordinates import (
@@ -216,13 +215,15 @@ def _passed_light(own: Shares, index: float, faces: Faces, side: int) -> Light:
     return Light(angles, own.at(angles)[1], weights, places)
 
 
-def _reflected(model: Model, layers: Layers, every: list[Shares]) -> tuple[Material, list[Inside]]:
-    """What the slab reflects above without its first interface's lobe, and each of its media.
+def _reflected(
+    model: Model, layers: Layers, every: list[Shares]
+) -> tuple[Material, list[Substrate]]:
+    """What the slab reflects above without its first interface's lobe, and what lies below media.
 
     every: shares of what lies from each interface on, from the first to the last.
     """
     channels, lobe = every[0].passed.shape[-1], slice(model.arch.lobe)
-    below, insides = None, list[Inside]()
+    below, insides = None, list[Substrate]()
     for level in reversed(range(len(layers.interfaces))):
         interface = layers.interfaces[level]
         alpha, eta = np.broadcast_to(interface, (channels, 2)).T
@@ -243,8 +244,10 @@ def _reflected(model: Model, layers: Layers, every: list[Shares]) -> tuple[Mater
                 own = replace(own, reflector=Reflector.of(seen))
             inner = layers.from_interface(level).inner_lobes()
             factor = _at_nodes(knots, inner)
-            insides.insert(0, Inside(own, knots, layers.media[level], factor))
-            rest = coated_rest(own, CoatParameters(alpha, eta, 0, 0, 0), insides[0])
+            insides.insert(0, own)
+            media = layers.media[level].reshape(-1, channels)
+            columns = np.stack([alpha, eta]), media, SLAB_POINTS
+            rest = rest_at_nodes(own, *columns, knots, factor)
             logs = np.log(np.maximum(rest.reshape(logs.shape) / factor[..., None], 1e-30))
             angles = [np.arccos(w[:, 2]) for w in node_pairs(knots)]
             logs = _with_light(logs, angles, [_reflected_light(every[level], knots, inner)])
