@@ -57,14 +57,12 @@ export interface Material {
   table: FTable;
 }
 
-/** Sizes of a table of directions, and the shift of its sequence. */
-export interface TableOptions {
-  /** Number of azimuths, in a quadrant from the tangent to the bitangent; 1 if left out. */
-  azimuths?: number;
+/** Sizes of a table of directions. */
+export interface DirectionSizes {
+  /** Number of azimuths, in a quadrant from the tangent to the bitangent; 1 if it is isotropic. */
+  azimuths: number;
   /** Number of cosines of the outgoing direction. */
   cosines: number;
   /** Number of directions for each cosine. */
   samples: number;
-  /** Shift in [0, 1)^3 of the low-discrepancy sequence. */
-  shift: readonly [number, number, number];
 }

@@ -29,9 +29,7 @@ const EVEN_STRIDE = 7;
 /** What is known of pairs of directions whatever the code; see `Basis.at`. */
 export interface AtPairs {
   readonly pairs: Pairs;
-  /** Number of the pairs, the first of all. */
-  readonly count: number;
-  /** Of one width: the functions (count, 1 + K). */
+  /** Of one width: the functions (pairs, 1 + K). */
   readonly values: Float64Array;
 }
 
@@ -53,20 +51,15 @@ export class Basis {
 
   /** What `values` needs of pairs. */
   at(pairs: Pairs): AtPairs {
-    const count = pairs.capacity;
-    const values = this.widths === 1 ? this.functions(pairs, count) : new Float64Array();
-    return { count, values, pairs };
+    return { pairs, values: this.widths === 1 ? this.functions(pairs) : new Float64Array() };
   }
 
-  /** f (count) [1/sr] of a code without its lobe. */
-  values(code: Float32Array, { count, values, pairs }: AtPairs): Float64Array {
+  /** f (pairs) [1/sr] of a code without its lobe. */
+  values(code: Float32Array, { values, pairs }: AtPairs): Float64Array {
     const { width, lobe } = this;
-    const result = new Float64Array(count);
-    if (this.widths === 2) {
-      tableValues(this.table([code]), pairs, count, result);
-      return result;
-    }
-    for (let i = 0, at = 0; i < count; i++, at += width) {
+    if (this.widths === 2) return tableValues(this.table([code]), pairs, 1);
+    const result = new Float64Array(pairs.count);
+    for (let i = 0, at = 0; i < pairs.count; i++, at += width) {
       let log = values[at];
       for (let k = 1; k < width; k++) log += values[at + k] * code[lobe + k - 1];
       result[i] = Math.exp(clampedLog(log));
@@ -144,22 +137,19 @@ export class Basis {
     return numbers;
   }
 
-  /** The functions (count, 1 + K) at pairs, times their factors, without a stretch. */
-  private functions(pairs: Pairs, count: number): Float64Array {
+  /** The functions (pairs, 1 + K) of one width. */
+  private functions(pairs: Pairs): Float64Array {
     const { width } = this;
-    const { rows, bounds } = this.weights;
-    const values = new Float64Array(count * width);
-    const cell = new Cell(this.widths);
-    for (let i = 0; i < count; i++) {
+    const { rows } = this.weights;
+    const values = new Float64Array(pairs.count * width);
+    const cell = new Cell(1);
+    for (let i = 0; i < pairs.count; i++) {
       cell.set(pairs, i);
       const to = i * width;
       for (let corner = 0; corner < 8; corner++) {
         const [share, from] = [cell.shares[corner], cell.nodes[corner] * width];
         for (let k = 0; k < width; k++) values[to + k] += share * rows[from + k];
       }
-      cell.factors.forEach((factor, term) => {
-        for (let k = bounds[term]; k < bounds[term + 1]; k++) values[to + k] *= factor;
-      });
     }
     return values;
   }

@@ -1,6 +1,6 @@
 /** Evaluation of materials: f, the proposal, albedo, and tables of directions. */
 
-import type { Material, TableOptions } from "./api";
+import type { DirectionSizes, Material } from "./api";
 import type { Basis } from "./basis";
 import { CHANNELS, rows } from "./channels";
 import { tableValues } from "./f_table";
@@ -9,7 +9,7 @@ import { QUADRATURE } from "./formulas";
 import { lobeValue } from "./lobe";
 import { mixtureDensity, type Proposals, sampleMixture } from "./mixture";
 import { directionRule } from "./quadrature";
-import { sequencePoint } from "./sequence";
+import { type Point, sequencePoint } from "./sequence";
 import type { Architecture } from "./weights";
 
 /** Sizes of the rules for albedos of one width and of two. */
@@ -44,8 +44,8 @@ export class Evaluation {
   /** The BRDF [1/sr], without cosine: (N, 3) for directions (N, 3). */
   f(material: Material, wi: Float32Array, wo: Float32Array): Float32Array {
     const pairs = Pairs.of(wi, wo, this.widths);
-    const values = this.values(material, pairs, pairs.capacity);
-    for (let i = 0; i < pairs.capacity; i++) {
+    const values = this.values(material, pairs);
+    for (let i = 0; i < pairs.count; i++) {
       if (!(wi[3 * i + 2] > 0 && wo[3 * i + 2] > 0)) {
         values.fill(0, CHANNELS * i, CHANNELS * (i + 1));
       }
@@ -67,7 +67,7 @@ export class Evaluation {
       weights.forEach((_, i) => {
         pairs.set(i, sine, 0, cosine, wo[3 * i], wo[3 * i + 1], wo[3 * i + 2]);
       });
-      const values = this.values(material, pairs, weights.length);
+      const values = this.values(material, pairs);
       for (let channel = 0; channel < CHANNELS; channel++) {
         let sum = 0;
         weights.forEach((weight, i) => {
@@ -85,9 +85,13 @@ export class Evaluation {
    * The row of azimuth a and cosine c is for the incident direction of cosine (c + 1/2) / cosines
    * at the azimuth a / (azimuths - 1) of a quarter turn.
    *
+   * @param shift in [0, 1)^3 of the sequence.
    * @returns (azimuths, cosines, samples, 8): the direction wo (3), f cos / pdf (3), pdf (1), and a zero.
    */
-  table(material: Material, { azimuths = 1, cosines, samples, shift }: TableOptions): Float32Array {
+  table(
+    material: Material,
+    { azimuths, cosines, samples, shift }: DirectionSizes & { shift: Point },
+  ): Float32Array {
     const result = new Float32Array(azimuths * cosines * samples * 8);
     const proposal = this.proposer.proposals(this.meanCode(material));
     const uniform = Array.from({ length: samples }, (_, i) =>
@@ -107,7 +111,7 @@ export class Evaluation {
         densities[i] = mixtureDensity(mixture, wi, wo);
         result.set([wo.x, wo.y, wo.z], (row * samples + i) * 8);
       }
-      const values = this.values(material, pairs, samples);
+      const values = this.values(material, pairs);
       for (let i = 0; i < samples; i++) {
         const at = (row * samples + i) * 8;
         const density = densities[i];
@@ -121,15 +125,12 @@ export class Evaluation {
     return result;
   }
 
-  /** f (count, 3) of the first pairs. */
-  private values(material: Material, pairs: Pairs, count: number): Float64Array {
-    const { table } = material;
-    const codes = rows(material.latents, this.latentSize);
-    const result = new Float64Array(CHANNELS * count);
-    tableValues(table, pairs, count, result);
+  /** f (pairs, 3). */
+  private values({ table, latents }: Material, pairs: Pairs): Float64Array {
+    const result = tableValues(table, pairs, CHANNELS);
     if (table.besideLobe)
-      codes.forEach((code, channel) => {
-        for (let i = 0; i < count; i++)
+      rows(latents, this.latentSize).forEach((code, channel) => {
+        for (let i = 0; i < pairs.count; i++)
           result[CHANNELS * i + channel] += lobeValue(code, 0, pairs, i);
       });
     return result;

@@ -117,21 +117,21 @@ export class Cell {
   }
 }
 
-/** Put the values (count, channels) [1/sr] of a table at the first pairs into an array. */
+/** The values (pairs, channels) [1/sr] of a table at pairs. */
 export function tableValues(
   { logs, stretches }: Pick<FTable, "logs" | "stretches">,
   pairs: Pairs,
-  count: number,
-  out: Float64Array,
-): void {
+  channels: number,
+): Float64Array {
   const cell = new Cell(stretches === undefined ? 1 : 2);
-  const channels = out.length / count;
+  const out = new Float64Array(channels * pairs.count);
   const stride = logs.length / NODES;
   const squares = stretches?.map((stretch) => Math.exp(2 * stretch));
-  for (let i = 0; i < count; i++)
+  for (let i = 0; i < pairs.count; i++)
     for (let channel = 0; channel < channels; channel++) {
       const isNew = channel === 0 || (squares && squares[channel] !== squares[channel - 1]);
       if (isNew) cell.set(pairs, i, squares?.[channel]);
       out[channels * i + channel] = Math.exp(cell.log(logs, channel, stride));
     }
+  return out;
 }

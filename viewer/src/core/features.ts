@@ -18,24 +18,23 @@ export interface CoatOfChannel {
 
 /** What is evaluated at pairs of directions needs these. */
 export class Pairs {
-  /** (capacity, 6) wi, then wo. */
+  /** (count, 6) wi, then wo. */
   readonly directions: Float64Array;
-  /** (capacity) cosine between either direction and the half vector. */
+  /** (count) cosine between either direction and the half vector. */
   readonly cosD: Float64Array;
 
-  /** @param capacity greatest number of pairs. */
   constructor(
-    readonly capacity: number,
+    readonly count: number,
     readonly widths: Widths = 1,
   ) {
-    this.directions = new Float64Array(6 * capacity);
-    this.cosD = new Float64Array(capacity);
+    this.directions = new Float64Array(6 * count);
+    this.cosD = new Float64Array(count);
   }
 
   /** The pairs of directions (N, 3). */
   static of(wi: ArrayLike<number>, wo: ArrayLike<number>, widths: Widths = 1): Pairs {
     const pairs = new Pairs(wi.length / 3, widths);
-    for (let i = 0; i < pairs.capacity; i++) {
+    for (let i = 0; i < pairs.count; i++) {
       const at = 3 * i;
       pairs.set(i, wi[at], wi[at + 1], wi[at + 2], wo[at], wo[at + 1], wo[at + 2]);
     }

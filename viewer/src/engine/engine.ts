@@ -8,12 +8,12 @@ import type { ShownTexture } from "./opened";
 import type { Cores, PageCore } from "./remote";
 
 /** Directions of each row of a table. */
-export const SAMPLES = 128;
+const SAMPLES = 128;
 
-/** Azimuths and cosines of a table of an isotropic material, and of an anisotropic one. */
-export const TABLE_ROWS = {
-  1: { azimuths: 1, cosines: 32 },
-  2: { azimuths: 8, cosines: 16 },
+/** Sizes of a table of an isotropic material, and of an anisotropic one. */
+export const TABLE_SIZES = {
+  1: { azimuths: 1, cosines: 32, samples: SAMPLES },
+  2: { azimuths: 8, cosines: 16, samples: SAMPLES },
 } as const;
 
 /** Shifted tables whose mean the picture at rest is. */
@@ -120,17 +120,15 @@ export class Slot {
     this.busy = true;
     try {
       while (this.wanted !== null) {
-        const { stack, texture, table, rotation } = this.wanted;
+        const shown = this.wanted;
         this.wanted = null;
-        const core = await this.cores.of(stack);
-        const layered = await core.layer(stack);
-        const material = { ...layered, table: table ?? layered.table };
+        const { core, material } = await this.cores.material(shown);
         const first = await this.table(core, material, 0);
         this.core = core;
         this.widths = core.widths;
-        this.rotation = rotation;
+        this.rotation = shown.rotation;
         this.material = material;
-        this.texture = texture;
+        this.texture = shown.texture;
         this.generation++;
         this.tables = [first];
         this.page.changed();
@@ -160,9 +158,9 @@ export class Slot {
   }
 
   private table(core: PageCore, material: Material, place: number): Promise<Float32Array> {
-    const sizes = { ...TABLE_ROWS[core.widths], samples: SAMPLES };
     // The sequence goes on where the table before has ended.
-    return core.table(material, { ...sizes, shift: sequencePoint(SAMPLES * place, [0, 0, 0]) });
+    const shift = sequencePoint(SAMPLES * place, [0, 0, 0]);
+    return core.table(material, { ...TABLE_SIZES[core.widths], shift });
   }
 }
 

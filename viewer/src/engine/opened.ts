@@ -11,7 +11,7 @@ import { groundSize, type Mesh, meshOf, VERTEX_NUMBERS } from "../picture/meshes
 import type { Light, Panorama } from "../picture/panorama";
 import { Refusal } from "../refusal";
 import { readTemplate, texelShaderText } from "../save/shader";
-import { crc32 } from "../save/zip";
+import { nameOf } from "../save/zip";
 import type { State } from "../state/state";
 import { change, state } from "../state/store";
 import { byOwnWorker, type PageCore } from "./remote";
@@ -75,7 +75,7 @@ export async function keepTexture(
 
 /** Keep a table; returns its name in the state. */
 export function keepTable(logs: Float32Array): string {
-  return tables.keep(crc32(halfBytes(logs)).toString(16).padStart(8, "0"), logs);
+  return tables.keep(nameOf(halfBytes(logs)), logs);
 }
 
 /** The bytes of numbers in half precision. */

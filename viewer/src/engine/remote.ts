@@ -3,6 +3,7 @@
 import type { Stack } from "../core/api";
 import type { CoreCalls } from "../core/calls";
 import { METHODS, type NetworkCore, type Networks } from "../core/core";
+import type { FTable } from "../core/f_table";
 import { Remote } from "../core/rpc";
 import { isAnisotropic, widthRatio } from "../material/material";
 import type { FileCalls } from "../picture/files";
@@ -58,6 +59,17 @@ export class Cores {
         "The loaded material is isotropic; give its coats one width, or coat it in Python.",
       );
     return this.anisotropic();
+  }
+
+  /**
+   * What is shown of a stack, which may have a table of its own, and its core.
+   *
+   * @throws Refusal as `of`.
+   */
+  async material({ stack, table }: { stack: Stack; table?: FTable | undefined }) {
+    const core = await this.of(stack);
+    const layered = await core.layer(stack);
+    return { core, material: { ...layered, table: table ?? layered.table } };
   }
 }
 

@@ -10,10 +10,11 @@ import { lightsOf } from "../picture/environment";
 import { NoGraphics } from "../picture/gl";
 import type { Mesh } from "../picture/meshes";
 import { noPictureYet, Painter } from "../picture/painter";
+import type { Picture } from "../picture/panorama";
 import { Renderer } from "../picture/renderer";
 import type { Shot } from "../picture/shot";
 import { Refusal } from "../refusal";
-import { exrFile, type Radiance } from "../save/exr";
+import { exrFile } from "../save/exr";
 import type { Scene } from "../save/scene";
 import { readState } from "../state/read";
 import { announce, complain, look, showRead, state } from "../state/store";
@@ -131,7 +132,7 @@ export class Session {
   }
 
   /** The picture so far as linear radiance, before exposure and tone curve. */
-  async radiance(): Promise<Radiance> {
+  async radiance(): Promise<Picture> {
     return (await this.whole()).radiance();
   }
 

@@ -4,7 +4,7 @@ import type { MaterialCards } from "../material/material";
 import { Renderer } from "../picture/renderer";
 import type { Shot } from "../picture/shot";
 import { INITIAL } from "../state/state";
-import { SAMPLES, TABLE_ROWS } from "./engine";
+import { TABLE_SIZES } from "./engine";
 import { session, shownOf } from "./session";
 
 const SHOT: Shot = {
@@ -45,10 +45,8 @@ async function draw(material: MaterialCards): Promise<ImageBitmap | null> {
   while (session.peek() === null) await new Promise((resolve) => setTimeout(resolve, 100));
   const shown = shownOf(material);
   if (shown === null) return null;
-  const core = await session.peek()!.cores.of(shown.stack);
-  const layered = await core.layer(shown.stack);
-  const codes = { ...layered, table: shown.table ?? layered.table };
-  const sizes = { ...TABLE_ROWS[core.widths], samples: SAMPLES };
+  const { core, material: codes } = await session.peek()!.cores.material(shown);
+  const sizes = TABLE_SIZES[core.widths];
   const table = await core.table(codes, { ...sizes, shift: [0, 0, 0] });
   if (renderer === null) {
     const canvas = document.createElement("canvas");

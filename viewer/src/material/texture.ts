@@ -4,7 +4,7 @@ import { CHANNELS } from "../core/channels";
 import type { Networks } from "../core/core";
 import type { Fields, TensorFile } from "../core/safetensors";
 import { Refusal } from "../refusal";
-import { crc32 } from "../save/zip";
+import { nameOf } from "../save/zip";
 
 /** A number of a code in one channel: linear in a texel's bytes, which are in [0, 255]. */
 export interface LinearNumber {
@@ -82,7 +82,7 @@ export function readTexture(
   const all = numbers.flat().flatMap(({ high, low }) => [high, low]);
   if (usedBytes > layout.texelBytes || all.some((byte) => byte >= usedBytes)) throw damaged();
   return {
-    id: crc32(bytes).toString(16).padStart(8, "0"),
+    id: nameOf(bytes),
     file: bytes,
     size: [width, height],
     texels: file.bytes("texels", "U8", [width * height, layout.texelBytes]),

@@ -1,11 +1,6 @@
 /** The texture of a table of directions. */
 
-/** Numbers of azimuths, cosines and directions of a table; one azimuth if it is isotropic. */
-export interface DirectionSizes {
-  azimuths: number;
-  cosines: number;
-  samples: number;
-}
+import type { DirectionSizes } from "../core/api";
 
 /**
  * Texels (2 samples + 2, azimuths * cosines, 4) of a table (azimuths, cosines, samples, 8): half

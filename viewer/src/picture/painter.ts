@@ -1,7 +1,7 @@
 /** When the picture is drawn, how large, and with which tables: at once, then ever better. */
 
 import { signal } from "@preact/signals";
-import { MOST_TABLES, SAMPLES, type Slot, TABLE_ROWS } from "../engine/engine";
+import { MOST_TABLES, type Slot, TABLE_SIZES } from "../engine/engine";
 import { Refusal } from "../refusal";
 import type { Renderer } from "./renderer";
 import type { Shot } from "./shot";
@@ -225,8 +225,7 @@ export class Painter {
     const table = tables[count ?? 0] ?? tables[0];
     const key = `${generation}.${count}`;
     if (table !== undefined && this.uploaded[slot] !== key) {
-      const sizes = { ...TABLE_ROWS[widths], samples: SAMPLES };
-      shown.setTable(table, sizes, rotation, count === null);
+      shown.setTable(table, TABLE_SIZES[widths], rotation, count === null);
       this.uploaded[slot] = key;
     }
     shown.setTexels(texture);

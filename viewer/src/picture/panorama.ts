@@ -2,13 +2,16 @@
 
 import { dot } from "./vectors";
 
-/** A picture of all directions: width twice the height, the zenith in the first row. */
-export interface Panorama {
+/** A picture of linear radiance. */
+export interface Picture {
   width: number;
   height: number;
-  /** (height, width, 3) linear radiance. */
+  /** (height, width, 3), the first row at the top. */
   pixels: Float32Array;
 }
+
+/** A picture of all directions: width twice the height, the zenith in the first row. */
+export type Panorama = Picture;
 
 /** A light that is so small and bright that it is evaluated directly. */
 export interface Light {

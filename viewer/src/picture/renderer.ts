@@ -1,14 +1,13 @@
 /** Draws the object with one or two materials, and gathers frames until the picture is smooth. */
 
 import type { Occlusion } from "../core/occlusion";
-import type { Radiance } from "../save/exr";
 import { type EnvironmentName, TONES } from "../state/state";
 import { type Camera, cameraOf, mirrored } from "./camera";
 import { EnvironmentMap, lightsOf, SIDE } from "./environment";
 import { contextOf, cover, coverProgram, type Gl, included, Program, readRgb } from "./gl";
 import { Ground } from "./ground";
 import { groundSize, type Mesh, meshOf, VERTEX_NUMBERS } from "./meshes";
-import type { Light, Panorama } from "./panorama";
+import type { Light, Panorama, Picture } from "./panorama";
 import anisotropicSource from "./shaders/anisotropic.glsl?raw";
 import backdropSource from "./shaders/backdrop.frag?raw";
 import basisSource from "./shaders/basis.glsl?raw";
@@ -282,7 +281,7 @@ export class Renderer {
   }
 
   /** The picture so far as linear radiance, before exposure and tone curve. */
-  radiance(): Radiance {
+  radiance(): Picture {
     return this.targets.read();
   }
 
@@ -343,7 +342,16 @@ export class Renderer {
     paint.setTexture("normals", 2, gl.TEXTURE_2D, targets.normals);
     paint.set("toShaded", ...toShaded);
     paint.set("near", 0.02 * this.mesh.radius);
+    gl.enable(gl.CULL_FACE);
+    gl.polygonOffset(2, 2);
+    gl.cullFace(gl.BACK);
     this.drawMesh(paint, camera);
+    // Backs lie behind: at the contour, where both meet, they would be dark dots.
+    gl.enable(gl.POLYGON_OFFSET_FILL);
+    gl.cullFace(gl.FRONT);
+    this.drawMesh(paint, camera);
+    gl.disable(gl.POLYGON_OFFSET_FILL);
+    gl.disable(gl.CULL_FACE);
   }
 
   private drawMesh(program: Program, camera: Camera): void {

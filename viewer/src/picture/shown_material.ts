@@ -1,11 +1,11 @@
 /** A material on the graphics card: its table of directions, or a texture of codes in its place. */
 
-import type { Material } from "../core/api";
+import type { DirectionSizes, Material } from "../core/api";
 import { CHANNELS, rows } from "../core/channels";
 import { LOBE } from "../core/formulas";
 import { sequencePoint } from "../core/sequence";
 import type { ShownTexture } from "../engine/opened";
-import { type DirectionSizes, directionTexels } from "./direction_table";
+import { directionTexels } from "./direction_table";
 import { filters, type Gl, type Program } from "./gl";
 import { type TexelProgram, tableTexels, texelProgram, volume } from "./texel_program";
 
@@ -108,6 +108,7 @@ export class ShownMaterial {
       : Math.max(16, Math.round(this.sizes.samples * share));
     object.setInteger("samples", samples);
     object.set("density", samples * (count + 1));
+    object.set("footprint", 1 / Math.sqrt(count + 1));
     if (texels) {
       object.set("start", ...sequencePoint(count * TEXEL_SAMPLES, [0.5, 0.5, 0.5]));
       object.setTexture("codes", 0, gl.TEXTURE_2D_ARRAY, texels.texture);

@@ -1,7 +1,7 @@
 /** What the picture is drawn into: coarse shading, a frame with smooth edges, and the mean of all frames. */
 
-import type { Radiance } from "../save/exr";
 import { filters, type Gl, readRgb } from "./gl";
+import type { Picture } from "./panorama";
 
 export class Targets {
   width = 0;
@@ -136,7 +136,7 @@ export class Targets {
   }
 
   /** The mean of the frames, the first row at the top. */
-  read(): Radiance {
+  read(): Picture {
     const { gl, width, height } = this;
     gl.bindFramebuffer(gl.FRAMEBUFFER, this.mean);
     const upward = readRgb(gl, width, height);

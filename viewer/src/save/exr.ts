@@ -1,14 +1,9 @@
 /** Pictures of radiance as OpenEXR files: single precision, not compressed. */
 
-/** A picture (height, width, 3) of linear radiance, the first row at the top. */
-export interface Radiance {
-  width: number;
-  height: number;
-  pixels: Float32Array;
-}
+import type { Picture } from "../picture/panorama";
 
 /** The bytes of an OpenEXR file ("OpenEXR File Layout", Academy Software Foundation). */
-export function exrFile({ width, height, pixels }: Radiance): Uint8Array<ArrayBuffer> {
+export function exrFile({ width, height, pixels }: Picture): Uint8Array<ArrayBuffer> {
   const header = headerOf(width, height);
   const table = 8 * height;
   const row = 8 + 12 * width;

@@ -15,6 +15,11 @@ const SUMS = Uint32Array.from({ length: 256 }, (_, byte) => {
   return sum;
 });
 
+/** The check sum of bytes as eight digits, by which the state names what was opened. */
+export function nameOf(bytes: Uint8Array): string {
+  return crc32(bytes).toString(16).padStart(8, "0");
+}
+
 /** CRC-32 (ISO 3309) of bytes, in [0, 2^32). */
 export function crc32(bytes: Uint8Array): number {
   let sum = 0xffffffff;

@@ -1,11 +1,9 @@
 /** What the page writes: pictures, descriptions, and its address. */
 
-import type { Material } from "../core/api";
 import { isDocument } from "../engine/files";
 import type { LargeSize } from "../engine/large_picture";
 import { materialFile } from "../engine/material_file";
 import { textures } from "../engine/opened";
-import type { PageCore } from "../engine/remote";
 import { type Session, session, shownOf } from "../engine/session";
 import { stackOf } from "../material/material";
 import { Refusal } from "../refusal";
@@ -32,12 +30,11 @@ function presentSession(): Session {
 }
 
 /** The core of the material that is shown, and its codes. */
-async function encoded(): Promise<{ core: PageCore; codes: Material }> {
+async function encoded() {
   const stack = stackOf(material.value);
   const table = shownOf(material.value)?.table;
-  const core = await presentSession().cores.of(stack);
-  const codes = await core.layer(stack);
-  return { core, codes: { ...codes, table: table ?? codes.table } };
+  const { core, material: codes } = await presentSession().cores.material({ stack, table });
+  return { core, codes };
 }
 
 /** Angle by which the tangent is turned [degrees]. */
@@ -93,6 +90,12 @@ const larger = (size: LargeSize, label: string): Kind => ({
   save: async (name) => download(`${name}-${size}.png`, await presentSession().largePicture(size)),
 });
 
+export const PYTHON: Kind = {
+  label: "Python",
+  hint: "a program with urushi",
+  save: (name) => download(`${name}.py`, textBlob(pythonText(material.value))),
+};
+
 /** All else, by headings. */
 const MORE: Readonly<Record<string, readonly Kind[]>> = {
   "Larger pictures and linear light": [
@@ -121,11 +124,7 @@ const MORE: Readonly<Record<string, readonly Kind[]>> = {
       hint: "a BSDF for a scene file",
       save: (name) => download(`${name}.xml`, textBlob(mitsubaXml(material.value))),
     },
-    {
-      label: "Python",
-      hint: "a program with urushi",
-      save: (name) => download(`${name}.py`, textBlob(pythonText(material.value))),
-    },
+    PYTHON,
     {
       label: "MaterialX",
       hint: "an open_pbr_surface, without what that lacks",
@@ -189,21 +188,29 @@ function textBlob(text: string): Blob {
   return new Blob([text], { type: "text/plain" });
 }
 
+/** Write a kind of file; what goes wrong is told. */
+export async function save(kind: Kind): Promise<void> {
+  try {
+    await kind.save(fileName(material.value.name));
+  } catch (error) {
+    complain(error, () => void save(kind));
+  }
+}
+
 export function SaveMenu({ onDone }: { onDone: () => void }) {
-  const run = async (save: Kind["save"]) => {
-    onDone();
-    try {
-      await save(fileName(material.value.name));
-    } catch (error) {
-      complain(error, () => void run(save));
-    }
-  };
   const buttons = (kinds: readonly Kind[]) =>
-    kinds.map(({ label, hint, save }) => (
-      <li key={label}>
-        <button type="button" title={hint} onClick={() => void run(save)}>
-          <span>{label}</span>
-          <small>{hint}</small>
+    kinds.map((kind) => (
+      <li key={kind.label}>
+        <button
+          type="button"
+          title={kind.hint}
+          onClick={() => {
+            onDone();
+            void save(kind);
+          }}
+        >
+          <span>{kind.label}</span>
+          <small>{kind.hint}</small>
         </button>
       </li>
     ));

@@ -60,6 +60,7 @@ describe.each(Object.keys(files) as (keyof typeof files)[])("%s networks", (name
     const drawn = of("drawn", stack);
     const samples = 16;
     const table = core.table(golden(stack), {
+      azimuths: 1,
       cosines: drawn.length / samples / 4,
       samples,
       shift: [0, 0, 0],

@@ -7,17 +7,22 @@ import type { FrameLocator, Page } from "@playwright/test";
 import { python } from "../python";
 import { expect, test } from "./page";
 
-// The page as it is, and all that it computes
-test.use({ picture: true, occlusion: true });
+// Both workers compute.
+test.use({ occlusion: true });
 
 let folder: string;
 let file: string;
+let site: string;
 
 test.beforeAll(() => {
   folder = mkdtempSync(join(tmpdir(), "document-"));
   file = join(folder, "lacquer.html");
-  const text = "coat(diffuse(0.5), alpha=0.2, sigma_t=1.0)";
-  python("-m", "urushi.app.cli", "view", text, "-o", file);
+  site = join(folder, "site");
+  python(`
+from urushi.app.cli import main
+main(["view", "coat(diffuse(0.5), alpha=0.2, sigma_t=1.0)", "-o", "${file}"])
+main(["view", "-o", "${site}"])
+`);
 });
 
 test.afterAll(() => rmSync(folder, { recursive: true, force: true }));
@@ -58,8 +63,6 @@ test("a browser opens the document by itself", async ({ browser }) => {
 });
 
 test("a page for a server, opened as a file, says what to do", async ({ browser }) => {
-  const site = join(folder, "site");
-  python("-m", "urushi.app.cli", "view", "-o", site);
   const page = await browser.newPage();
   await page.goto(`file://${site}/index.html`);
   await expect(page.getByText("Browsers run this page only from a web server")).toBeVisible();

@@ -31,6 +31,7 @@ const CASES: Record<string, Case> = {
     object: "teapot",
     environment: "own",
     share: 1 / 3,
+    long: true,
   },
   "smooth metal": {
     bottom: metal("Silver", 0.05),

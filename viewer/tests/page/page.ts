@@ -2,7 +2,7 @@
 
 import { readFileSync } from "node:fs";
 import { test as base, expect, type Page } from "@playwright/test";
-import { fromAddress, toAddress } from "../../src/state/address";
+import { fromAddress, toAddress, toJson } from "../../src/state/address";
 import { INITIAL, type State } from "../../src/state/state";
 
 interface Options {
@@ -14,19 +14,21 @@ interface Options {
 /**
  * A page on which nothing is logged, fails, or is asked of another server; `quiet`: what was.
  *
- * `picture`: whether the picture is drawn, which is slow by software. `refined`: the picture stops to refine
- * after this share of its frames. `occlusion`: whether objects hide a part of their own light, which takes a
+ * `picture`: whether the picture is drawn, which is slow by software; otherwise it has one frame. `refined`:
+ * the picture stops to refine after this share of its frames. `occlusion`: whether objects hide a part of their own light, which takes a
  * second to compute.
  */
 export const test = base.extend<Options & { quiet: string[] }>({
   picture: [false, { option: true }],
   refined: [1, { option: true }],
   occlusion: [false, { option: true }],
-  page: async ({ page, picture, refined, occlusion }, use) => {
-    if (!picture) await page.addInitScript(drawNothing);
-    if (refined < 1) await page.addInitScript(refineTo, refined);
-    await page.addInitScript(answerAtOnce, { picture, refined, occlusion });
-    await use(page);
+  // Of the context: pages that a test opens beside the first one are alike.
+  context: async ({ context, picture, refined, occlusion }, use) => {
+    if (!picture) await context.addInitScript(drawNothing);
+    const share = picture ? refined : 0.01;
+    if (share < 1) await context.addInitScript(refineTo, share);
+    await context.addInitScript(answerAtOnce, { picture, refined, occlusion });
+    await use(context);
   },
   quiet: [
     async ({ page, baseURL }, use) => {
@@ -104,9 +106,9 @@ export async function open(page: Page, address = ""): Promise<void> {
 }
 
 /** Begin anew on a page that is open, which is faster than loading it. */
-export async function reset(page: Page, state: object = INITIAL): Promise<void> {
-  await page.waitForTimeout(500); // until the address is that of the present state
-  await page.evaluate((hash) => location.assign(hash), addressOf(state));
+export async function reset(page: Page): Promise<void> {
+  await give(page, "state.json", toJson(INITIAL));
+  await expect.poll(() => stateOf(page)).toEqual(fromAddress(addressOf(INITIAL)));
   await unfold(page);
 }
 

@@ -4,7 +4,7 @@ import { mkdtempSync, readFileSync, rmSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
 import type { Page } from "@playwright/test";
-import { crc32 } from "../../src/save/zip";
+import { nameOf } from "../../src/save/zip";
 import { python } from "../python";
 import { compared, hasFlip } from "./compared";
 import { addressOf, coats, colourAt, expect, give, open, refined, saved, test } from "./page";
@@ -23,8 +23,7 @@ test.afterAll(() => rmSync(folder, { recursive: true, force: true }));
 
 /** The material of the texture. */
 function stripes() {
-  const name = crc32(texture).toString(16).padStart(8, "0");
-  return { name: "stripes", bottom: { kind: "texels", texture: name } };
+  return { name: "stripes", bottom: { kind: "texels", texture: nameOf(texture) } };
 }
 
 /** Let the page find the texture beside it, and what else it begins with. */

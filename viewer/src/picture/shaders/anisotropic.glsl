@@ -65,8 +65,10 @@ vec3 reflected(Frame frame) {
 
 vec3 f(Frame frame, vec3 light) {
     vec3 local = vec3(dot(light, frame.x), dot(light, frame.y), dot(light, frame.z));
-    vec3 one = material_f2(lobe, stretches.r, rest, frame.view, local);
+    vec3 wide[7] = lobe; // over the normals of the pixel
+    for (int k = 0; k < 7; k += 6) wide[k] = sqrt(lobe[k] * lobe[k] + 0.25 * spread * spread);
+    vec3 one = material_f2(wide, stretches.r, rest, frame.view, local);
     if (stretches.r == stretches.g && stretches.r == stretches.b) return one;
-    return vec3(one.r, material_f2(lobe, stretches.g, rest, frame.view, local).g,
-                material_f2(lobe, stretches.b, rest, frame.view, local).b);
+    return vec3(one.r, material_f2(wide, stretches.g, rest, frame.view, local).g,
+                material_f2(wide, stretches.b, rest, frame.view, local).b);
 }

@@ -5,6 +5,7 @@ uniform vec3 eye;
 uniform vec2 turn; // cosine and sine of the environment's rotation about z
 uniform int samples;
 uniform float density; // directions taken so far, for the level of detail
+uniform float footprint; // share of a pixel that a frame shows: the mean of more frames needs less
 uniform samplerCube environment;
 uniform float side; // texels along a side of the environment
 uniform vec3 lightDirections[MOST_LIGHTS];
@@ -31,16 +32,21 @@ vec3 turned(vec3 v) {
 
 vec3 bent; // the mean direction of the light that the object does not hide
 float edge; // cosine of the angle about it beyond which light is hidden
+float spread; // how far the normal turns across what is shown
 float openness; // share of the light that the object does not hide, by the cosine
 vec3 own; // light of the object itself where it hides the environment
 
-// The frame where a pixel shows a position.
-Frame frameAt(ivec2 pixel, vec3 position) {
+// The frame where a pixel shows a position; position: as of surface.frag.
+Frame frameAt(ivec2 pixel, vec4 position) {
+    float bend = footprint * (position.w - 1.0);
+    spread = bend * bend / (bend + 0.15); // next to nothing where the surface hardly bends
     vec3 normal = turned(normalize(texelFetch(normals, pixel, 0).xyz));
-    vec3 view = turned(normalize(eye - position));
+    vec3 view = turned(normalize(eye - position.xyz));
     float cosine = dot(normal, view);
-    if (cosine < 0.004) { // smooth normals may turn away at the silhouette
-        normal = normalize(normal + (0.004 - cosine) * view);
+    // Smooth normals may turn away at the silhouette, where a coarse pixel shows the mean of many.
+    float least = max(0.5 * cosine + 0.25 * spread, 0.004);
+    if (cosine < least) {
+        normal = normalize(normal + (least - cosine) * view);
         cosine = max(dot(normal, view), 0.004);
     }
     vec3 across = view - cosine * normal;
@@ -56,12 +62,14 @@ Frame frameAt(ivec2 pixel, vec3 position) {
     return Frame(tangent, cross(normal, tangent), normal, vec3(size, 0.0, cosine));
 }
 
-// The level whose texels are as large as the share of one direction.
+// The level whose texels are as large as the share of one direction, or as what the pixel reflects:
+// thin rims would else be dashed in coarse frames.
 float level(vec3 direction, float logPdf) {
     vec3 size = abs(direction);
     float major = max(size.x, max(size.y, size.z));
     float solidAngle = 4.0 * major * major * major / (side * side); // of a texel
-    return 0.5 * (-logPdf - log2(density * solidAngle)) + 0.5;
+    float share = max(exp2(-logPdf) / density, 2.0 * spread * spread);
+    return 0.5 * log2(share / solidAngle) + 0.5;
 }
 
 // Light on the parts that hide the environment: of all directions, as far as it gets there.

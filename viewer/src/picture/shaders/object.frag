@@ -61,7 +61,9 @@ vec3 reflected(Frame frame) {
 
 vec3 f(Frame frame, vec3 light) {
     vec3 local = vec3(dot(light, frame.x), dot(light, frame.y), dot(light, frame.z));
-    return material_f(lobe, rest, frame.view, local);
+    vec3 wide[6] = lobe; // over the normals of the pixel (Kaplanyan et al. 2016)
+    wide[0] = sqrt(lobe[0] * lobe[0] + 0.25 * spread * spread);
+    return material_f(wide, rest, frame.view, local);
 }
 #endif
 
@@ -72,7 +74,7 @@ void main() {
         colour = vec4(0.0);
         return;
     }
-    Frame frame = frameAt(pixel, position.xyz);
+    Frame frame = frameAt(pixel, position);
 #ifdef ANISOTROPIC
     frame = tangentFrame(frame, pixel);
 #endif

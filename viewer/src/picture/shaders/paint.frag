@@ -4,7 +4,7 @@
 precision highp float;
 
 uniform sampler2D shaded;
-uniform sampler2D positions; // and 1; -1 for a back, 0 where there is no surface
+uniform sampler2D positions; // and what is above 0; -1 for a back, 0 where there is no surface
 uniform sampler2D normals;
 uniform vec4 toShaded; // from pixels to coarse ones: shift and factors
 uniform float near; // distance from the tangent plane at which a surface is another

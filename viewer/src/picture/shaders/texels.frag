@@ -55,7 +55,7 @@ void main() {
         stored[4 * layer + 3] = four.a;
     }
     UrushiMaterial material = urushi_material();
-    Frame frame = frameAt(pixel, position.xyz);
+    Frame frame = frameAt(pixel, position);
     UrushiProposal proposal = urushi_proposal(material, frame.view);
 
     own = 0.5 * meanLight(frame.z); // of an object of average albedo
