@@ -31,7 +31,7 @@ from urushi.mitsuba.reading.parameters import (
 from urushi.mitsuba.recording import only_where
 from urushi.mitsuba.register import PluginSet
 from urushi.mitsuba.surface import Surface, surface_of
-from urushi.textures.store import MIDDLE, TexelGrid
+from urushi.textures.store import ONE_TEXEL, TexelGrid
 
 #: Texels whose bottom is evaluated at once: bounds memory.
 TEXELS = 1 << 10
@@ -50,7 +50,7 @@ class TexelCodes(CodeTexture):
         self,
         networks: PaperNetworks,
         codes: np.ndarray,
-        grid: TexelGrid = MIDDLE,
+        grid: TexelGrid = ONE_TEXEL,
         mipmaps: bool = False,
     ):
         """codes: see `CodeTexture`."""
@@ -156,7 +156,7 @@ class PaperLayered(PaperSurface):
         check_normals(self._bottom, self._coat.where)
         nested = surface_of(self._bottom)
         below = nested if isinstance(nested, PaperSurface) else None
-        inner = below.codes.grid if below else MIDDLE
+        inner = below.codes.grid if below else ONE_TEXEL
         parts = self._coat.textures | ({} if below else {"the nested BSDF": self._bottom})
         chosen = choose(parts, inner, self._resolution, self._coat.where)
         coat = self._coat.layering(chosen.uv())
@@ -166,8 +166,8 @@ class PaperLayered(PaperSurface):
     def _bottom_codes(self, below, grid):
         """Codes (T or 1, C, 32) of the bottom on a grid; below: it, if it has own codes."""
         if below and below.networks.fingerprint == self.networks.fingerprint:
-            return below.codes.codes if below.codes.grid == MIDDLE else _read(below.codes, grid)
-        if grid == MIDDLE or not varying_textures(self._bottom):
+            return below.codes.codes if below.codes.grid == ONE_TEXEL else _read(below.codes, grid)
+        if grid == ONE_TEXEL or not varying_textures(self._bottom):
             return encode(self._bottom, self.networks).latents[None]
         pairs = projection_pairs()
         average = probing.needed_averaging(self._bottom, *pairs, grid.uv(), self._coat.where)
@@ -189,7 +189,7 @@ class PaperLayered(PaperSurface):
             ParameterError: the codes are a texture.
             FileError: the file cannot be written.
         """
-        if self.codes.grid != MIDDLE:
+        if self.codes.grid != ONE_TEXEL:
             raise ParameterError(f"{self._where}: textures of its codes cannot be saved")
         Material(self.codes.codes[0], self.networks).save(path)
 

@@ -16,7 +16,7 @@ from urushi.errors import ParameterError
 from urushi.mitsuba.reading.grid import not_over_uv, varying_textures
 from urushi.mitsuba.reading.texels import drawn_texel, texel_draw
 from urushi.mitsuba.recording import owned
-from urushi.textures.store import MIDDLE, TexelGrid
+from urushi.textures.store import ONE_TEXEL, TexelGrid
 
 #: Texels per side for procedural textures, and the largest side that is chosen automatically.
 PROCEDURAL, LARGEST = 256, 2048
@@ -31,7 +31,7 @@ LEAST_F = 1e-12
 def choose(
     parts: Mapping[str, "mi.Object"], inner: TexelGrid, resolution: int, where: str
 ) -> TexelGrid:
-    """The grid over the unit square of uv that resolves all textures; `MIDDLE` without any.
+    """The grid over the unit square of uv that resolves all textures; `ONE_TEXEL` without any.
 
     Args:
         parts: the objects that hold the textures, by the names that errors use.
@@ -49,7 +49,7 @@ def choose(
         sizes += map(_resolution, varying_textures(part))
     width, height = np.minimum(np.max(sizes, axis=0), LARGEST).tolist()
     if width * height == 1:
-        return MIDDLE
+        return ONE_TEXEL
     return TexelGrid(resolution or width, resolution or height)
 
 
@@ -67,7 +67,7 @@ class CodeTexture:
 
     DRJIT_STRUCT: ClassVar = {"_numbers": object, "_levels": list}  # for frozen functions
 
-    def __init__(self, codes: np.ndarray, grid: TexelGrid = MIDDLE, mipmaps: bool = False):
+    def __init__(self, codes: np.ndarray, grid: TexelGrid = ONE_TEXEL, mipmaps: bool = False):
         """codes: (T, C, 32) of the grid's texels, or (1, C, 32)."""
         self.codes = np.broadcast_to(codes, (grid.texels, *codes.shape[1:]))
         levels = [self.codes.reshape(grid.height, grid.width, *codes.shape[1:])]

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from urushi.errors import ParameterError
-from urushi.textures.store import MIDDLE, TexelGrid
+from urushi.textures.store import ONE_TEXEL, TexelGrid
 
 
 def test_the_grid_resolves_all_textures_over_uv(rgb):
@@ -18,14 +18,14 @@ def test_the_grid_resolves_all_textures_over_uv(rgb):
         )
 
     parts = {"alpha": bitmap(4, 6, 3, 1), "albedo": bitmap(5, 2, 1, 2)}
-    assert choose(parts, MIDDLE, 0, "test") == TexelGrid(18, 10)
+    assert choose(parts, ONE_TEXEL, 0, "test") == TexelGrid(18, 10)
     assert choose(parts, TexelGrid(30, 4), 0, "test") == TexelGrid(30, 10)
-    assert choose(parts, MIDDLE, 9, "test") == TexelGrid(9, 9)
+    assert choose(parts, ONE_TEXEL, 9, "test") == TexelGrid(9, 9)
     constant = rgb.load_dict({"type": "uniform", "value": 0.5})
-    assert choose({"alpha": constant}, MIDDLE, 9, "test") == MIDDLE
+    assert choose({"alpha": constant}, ONE_TEXEL, 9, "test") == ONE_TEXEL
     attribute = rgb.load_dict({"type": "mesh_attribute", "name": "vertex_color"})
     with pytest.raises(ParameterError, match="depends on a mesh attribute"):
-        choose({"albedo": attribute}, MIDDLE, 0, "test")
+        choose({"albedo": attribute}, ONE_TEXEL, 0, "test")
 
 
 @pytest.mark.parametrize(("width", "height"), [(8, 4), (7, 5), (5, 1), (1, 6)])

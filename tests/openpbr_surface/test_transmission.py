@@ -12,7 +12,7 @@ from urushi.errors import ParameterError
 from urushi.mitsuba.reading import probing
 from urushi.openpbr_surface.formulas import subsurface_albedo
 from urushi.openpbr_surface.parameters import PARAMETERS
-from urushi.textures.store import MIDDLE
+from urushi.textures.store import ONE_TEXEL
 from urushi.walk.simulate import albedo
 
 pytestmark = pytest.mark.usefixtures("rgb")
@@ -495,7 +495,7 @@ def test_light_goes_straight_through_an_index_of_one(name, degrees):
     straight = np.abs(wo[:, 2] + np.cos(np.radians(degrees))) < 1e-4
     assert np.mean(straight) == pytest.approx(share, abs=0.01)
     assert np.mean(weight * straight) == pytest.approx(passed, rel=0.01)
-    si = probing.interaction(np.float32([[(1 - cosine**2) ** 0.5, 0, cosine]]), MIDDLE.uv())
+    si = probing.interaction(np.float32([[(1 - cosine**2) ** 0.5, 0, cosine]]), ONE_TEXEL.uv())
     assert bsdf.eval_null_transmission(si).numpy() == pytest.approx(passed, rel=1e-4)
     if share == 1:
         other = directions(100, 1)

@@ -10,7 +10,7 @@ A material whose parameters are not known has the axes v and u, and its nodes ar
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 
@@ -116,14 +116,17 @@ def _scaled(scale: str, value: Any, xp: Any) -> Any:
     return value if scale == LINEAR else xp.sqrt(value)
 
 
-class Rows(NamedTuple):
+class Rows(Protocol):
     """A material at rows of values (k, d) along axes, followed by changes of constants."""
 
-    #: The coats, arrays (C, k); C is 1 if all channels are alike at the same values.
-    coats: Callable[[np.ndarray], CoatParameters]
-    #: f (C, k, P) [1/sr] of the coated material at the probe pairs by light transport, without the
-    #: lobe of the coat, and with `FAINT` more.
-    rests: Callable[[np.ndarray], np.ndarray]
+    def coats(self, values: np.ndarray) -> CoatParameters:
+        """The coats, arrays (C, k); C is 1 if all channels are alike at the same values."""
+
+    def rests(self, values: np.ndarray) -> np.ndarray:
+        """f (C, k, P) [1/sr] of the coated material at the probe pairs by light transport.
+
+        It is without the lobe of the coat, and with `FAINT` more.
+        """
 
 
 class Baked(NamedTuple):

@@ -46,7 +46,7 @@ class TexelGrid(NamedTuple):
 
 
 #: The grid of what is the same everywhere.
-MIDDLE = TexelGrid(1, 1)
+ONE_TEXEL = TexelGrid(1, 1)
 
 
 def from_texture(to_texture: tuple, points: np.ndarray) -> np.ndarray:

@@ -10,6 +10,7 @@ import numpy as np
 from urushi.errors import ParameterError
 from urushi.mitsuba.latents.axes import AxisLatents
 from urushi.mitsuba.latents.baking import Baker, at_texels
+from urushi.mitsuba.latents.bottoms import Layer
 from urushi.mitsuba.latents.codes import ConstantLatents
 from urushi.mitsuba.plugins.coats import turn_of, turned
 from urushi.mitsuba.plugins.compensation import Compensation
@@ -122,14 +123,14 @@ class NeuralLayered(EncodedSurface):
             model = anisotropic_model() if anisotropic else default_model()
         if self._baker is None or self.model.fingerprint != model.fingerprint:
             self.model = model
-            self._baker = Baker(model, self._coat, self._bottom, self._below, self._resolution)
-        self._baker.below = self._below
+            self._baker = Baker(model, self._resolution)
 
     def _bake(self):
         self._choose_weights()
         assert self._baker is not None  # for the type checker
         with dr.suspend_grad():
-            self.latents = self._baker.update()
+            layer = Layer(self._coat, self._bottom, self._below)
+            self.latents = self._baker.update(layer)
         self._absorbs = self._baker.absorbs
         # Kernels of Mitsuba's textures have their transforms as literals: see `recording`.
         nodes = map(mi.traverse, (*self._coat.textures.values(), self._bottom))

@@ -25,7 +25,7 @@ from urushi.mitsuba.reading.texels import drawn_texel, texel_draw
 from urushi.mitsuba.recording import owned
 from urushi.mitsuba.snapshot import has_gradients, is_attached
 from urushi.textures.axes import ALBEDO, DEPTH, INDEX, LINEAR, REFLECTANCE, WIDTH, Axis, Steps
-from urushi.textures.store import MIDDLE, TexelGrid, from_texture
+from urushi.textures.store import ONE_TEXEL, TexelGrid, from_texture
 
 #: All values of a parameter, by its scale.
 RANGES = {
@@ -274,7 +274,7 @@ def _of_bottom(bottom: "mi.BSDF", where: str) -> list[Varying]:
         whole = (0.0, np.inf) if last in ("eta", "k") else RANGES[scale]
         if last in TWO_WIDTHS:
             with dr.suspend_grad():
-                whole = _near(float(texture.eval_1(spectrum.points(MIDDLE.uv())).numpy()[0]))
+                whole = _near(float(texture.eval_1(spectrum.points(ONE_TEXEL.uv())).numpy()[0]))
 
         def read(si, active, texture=texture, coloured=coloured) -> list:
             if not coloured:
@@ -319,7 +319,7 @@ def range_of(
     low, high = np.inf, -np.inf
     varying = [x for texture in textures for x in varying_textures(texture)]
     if not varying:
-        si = spectrum.points(MIDDLE.uv())
+        si = spectrum.points(ONE_TEXEL.uv())
         values = [x.numpy() for x in spectrum.at_bands(si, lambda: read(si))]
         return float(np.min(values)), float(np.max(values))
     for texture in varying:

@@ -1,0 +1,117 @@
+"""A coat over a bottom at rows of values of the parameters that vary: light transport there."""
+
+from collections.abc import Mapping, Sequence
+
+import drjit as dr
+import mitsuba as mi
+import numpy as np
+
+from urushi import checks
+from urushi.checks import MIN_INDEX_STEP, CoatParameters
+from urushi.material.coated_values import coated_values
+from urushi.material.layer import check_ratios
+from urushi.mitsuba import spectrum
+from urushi.mitsuba.latents.bottoms import Layer
+from urushi.mitsuba.latents.rows import BottomRows, NestedRows, along_u, wavelengths_of
+from urushi.mitsuba.reading.axes import NANOMETRES, WAVELENGTH, Varying, wavelengths_varying
+from urushi.nets.weights import Model
+from urushi.textures.axes import FAINT
+from urushi.textures.layering import transported_rests
+
+#: Parts of the spectrum in which a material's changes with the wavelength are found.
+WAVELENGTHS = 128
+
+#: Points that are tested for the wavelengths on which a coat depends.
+POINT = np.full((1, 2), 0.5)
+
+
+class CoatedRows:
+    """A coat over a bottom at rows of values."""
+
+    def __init__(
+        self,
+        model: Model,
+        layer: Layer,
+        bottoms: BottomRows | NestedRows,
+        varying: Sequence[Varying],
+        led: Sequence[Varying],
+        constants: Sequence[Varying],
+    ):
+        """led: those that follow others. constants: those that change."""
+        self._model, self._coat, self._bottoms = model, layer.coat, bottoms
+        self._names, self._varying = [x.axis.name for x in varying], varying
+        self._led = {x.axis.name: x.leader for x in led if x.leader is not None}
+        self._changing = [x.axis.name for x in constants]
+        self._places = next((x.places for x in varying if x.places is not None), None)
+        with spectrum.reading_at(spectrum.FINE):
+            own = self._coat.channels(spectrum.points(POINT))
+            fixed = [own[name] for name in own if name not in (*self._names, *self._led)]
+            parts = [[x.numpy() for x in part] for part in fixed]
+        same = all(np.array_equal(x, part[0]) for part in parts for x in part)
+        grey = same and bottoms.is_grey()
+        self.needs_wavelengths = bool(mi.is_spectral) and not grey and WAVELENGTH not in self._names
+        self._channels = 1 if grey or mi.is_spectral else spectrum.channel_count()
+
+    def with_wavelengths(self) -> Varying:
+        """Follow the wavelength as one more parameter."""
+        count = WAVELENGTHS
+        middle = np.array([[x.axis.values(np.array(0.5)) for x in self._varying]])
+        middle = np.append(middle, np.zeros((1, len(self._changing))), axis=1)
+        named = self._named(np.repeat(middle, count + 1, axis=0))
+        named[NANOMETRES] = np.linspace(*spectrum.ENDS, count + 1)
+        changes = self._bottoms.spectral_changes(count, named)
+        for column in self._columns(named, count + 1):
+            changes = changes + np.abs(np.diff(column[0]))
+        found = wavelengths_varying(changes)
+        self._places = found.places
+        self._names.append(WAVELENGTH)
+        return found
+
+    def _named(self, values: np.ndarray) -> dict[str, np.ndarray]:
+        named = dict(zip([*self._names, *self._changing], values.T, strict=True))
+        named |= {name: leader.at(named[leader.name]) for name, leader in self._led.items()}
+        if self._places is not None:
+            even = np.linspace(*spectrum.ENDS, len(self._places))
+            named[NANOMETRES] = np.interp(named[WAVELENGTH], self._places, even)
+        return named
+
+    def coats(self, values: np.ndarray) -> CoatParameters:
+        """See `Rows`."""
+        alpha, *others = self._columns(self._named(values), len(values))
+        if self._coat.is_anisotropic:
+            return CoatParameters(checks.Widths(alpha, others[0]), *others[1:])
+        wide = checks.Widths(alpha, alpha) if self._model.widths == 2 else alpha
+        return CoatParameters(wide, *others)
+
+    def _columns(self, named: Mapping[str, np.ndarray], count: int) -> list[np.ndarray]:
+        """The coats' parameters (C, count)."""
+        with wavelengths_of(named, count):
+            found = self._coat.channels(spectrum.points(along_u(count)))
+            dr.eval(found)
+        columns = []
+        for name in self._coat.names:
+            is_given = name in self._names or name in self._led
+            rows = [named[name]] if is_given else [x.numpy() for x in found[name]]
+            rows = [np.broadcast_to(x, count) for x in rows][: self._channels]
+            column = np.asarray(rows, np.float64)
+            if name in self._changing:
+                column = column + named[name]
+            if name == "eta":
+                column = np.where(np.abs(column - 1) < MIN_INDEX_STEP, 1, column)
+            columns.append(np.broadcast_to(column, (self._channels, count)))
+        return columns
+
+    def rests(self, values: np.ndarray) -> np.ndarray:
+        """See `Rows`."""
+        model, named, coat = self._model, self._named(values), self.coats(values)
+        flat = np.stack([x.ravel() for x in coat.columns()]).astype(np.float64)
+        if model.widths == 1:
+            below, places = self._bottoms.substrate(named, self._channels)
+            pairs = model.networks.pairs()
+            rest = coated_values(below, places.ravel(), flat[:2], flat[2:], *pairs).T
+        else:
+            z = self._bottoms.codes(named, self._channels)
+            bottoms = np.broadcast_to(z, (self._channels, *z.shape[1:])).reshape(-1, z.shape[-1])
+            check_ratios(model, bottoms, coat)
+            rest = transported_rests(model, bottoms, CoatParameters.of_columns(flat))
+        return (rest + np.float32(FAINT)).reshape(self._channels, len(values), -1)

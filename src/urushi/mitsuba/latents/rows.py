@@ -1,0 +1,322 @@
+"""What lies below a coat at rows of values of its parameters that vary.
+
+Rows are evaluated by one BSDF whose parameters are textures of the values along u.
+"""
+
+import contextlib
+from collections.abc import Mapping, Sequence
+from functools import cached_property
+from itertools import product
+from typing import Any
+
+import drjit as dr
+import mitsuba as mi
+import numpy as np
+
+from urushi.core.table import node_pairs, table_of_values
+from urushi.material.material import Material
+from urushi.material.reflector import Reflector
+from urushi.material.substrate import Substrate, of_material
+from urushi.mitsuba import spectrum
+from urushi.mitsuba.latents.axes import AxisLatents, without_faint
+from urushi.mitsuba.latents.bottoms import (
+    Layer,
+    bottom_material,
+    known_lobes,
+    nested_latents,
+    probed_codes,
+)
+from urushi.mitsuba.reading import probing
+from urushi.mitsuba.reading.axes import (
+    BOTTOM,
+    NANOMETRES,
+    WAVELENGTH,
+    Varying,
+)
+from urushi.mitsuba.reading.below import below
+from urushi.mitsuba.reading.derived import derived
+from urushi.mitsuba.reading.grid import not_over_uv
+from urushi.mitsuba.reading.known import known_surface
+from urushi.mitsuba.reading.replaced import SWITCHES, replaced
+from urushi.nets import lobe as lobes
+from urushi.nets.weights import Model
+from urushi.textures.axes import FAINT
+
+#: Bottoms whose tables are computed at once: bounds memory.
+BLOCK = 48
+
+#: Points of uv at which a bottom of values is compared, and its greatest relative error there.
+COMPARED, TOLERANCE = 256, 2e-3
+
+#: Relative change of f with the wavelength up to which a bottom is grey.
+GREY = 1e-4
+
+#: [1/sr] Least rest of a nested coat.
+BLACK = 1e-8
+
+#: Index of a coat to which the numbers of a bottom's parameters are relative.
+INDEX = "eta"
+
+
+class NestedRows:
+    """A nested coat whose codes vary along axes, at rows of values."""
+
+    def __init__(self, latents: AxisLatents):
+        self._latents, self._model = latents, latents.model
+
+    def is_grey(self) -> bool:
+        """Whether rows of values reflect alike in all channels, or at all wavelengths."""
+        return self._latents.baked.channels == 1
+
+    def spectral_changes(self, count: int, values: Mapping[str, np.ndarray]) -> np.ndarray:
+        """See `BottomRows`."""
+        return np.zeros(count)
+
+    def codes(self, values: Mapping[str, np.ndarray], channels: int) -> np.ndarray:
+        """See `BottomRows`."""
+        return without_faint(self._model, self._latents.codes(_inside(values)))
+
+    def substrate(
+        self, values: Mapping[str, np.ndarray], channels: int
+    ) -> tuple[Substrate, np.ndarray]:
+        """See `BottomRows`."""
+        codes = self._latents.codes(_inside(values))
+        places = np.arange(codes[..., 0].size).reshape(codes.shape[:2])
+        flat = codes.reshape(-1, codes.shape[-1])
+        logs = self._model.networks.table(flat)
+        assert logs is not None  # a rest has at least `FAINT`
+        logs = np.log(np.maximum(np.exp(logs) - FAINT, BLACK))
+        found = Substrate.of(Reflector.of_logs(logs, flat[:, : self._model.arch.lobe]))
+        return found, np.broadcast_to(places, (channels, codes.shape[1]))
+
+
+class BottomRows:
+    """A bottom at rows of values of its varying parameters."""
+
+    def __init__(
+        self,
+        model: Model,
+        layer: Layer,
+        varying: Sequence[Varying],
+        switches: Mapping[str, Any] | None = None,
+    ):
+        """varying: the bottom's own parameters. switches: see `replaced`."""
+        self._model, self._layer, self._varying = model, layer, varying
+        self._switches, self._where = switches or {}, layer.coat.where
+        self._names = [x.axis.name for x in varying]
+
+    @classmethod
+    def of(cls, model: Model, layer: Layer, varying: Sequence[Varying]) -> "BottomRows | None":
+        """The rows, if they reflect as the bottom does where it has their values."""
+        plain = cls(model, layer, varying)
+        if not varying:
+            return plain
+        if any(not_over_uv(x.texture) for x in varying if x.texture):
+            some = {x.axis.name: np.array([x.axis.least]) for x in varying}
+            return None if plain._at(some) is None else plain
+        rng = np.random.default_rng(0)
+        uv, (wi, wo) = rng.random((COMPARED, 2)), (x[::8] for x in model.networks.pairs())
+        si = spectrum.points(uv)
+        values = {
+            x.axis.name: [mi.Float(0)]
+            if x.steps
+            else spectrum.at_bands(si, lambda x=x: x.read(si, True))
+            for x in varying
+        }
+        dr.eval(values)
+        rows = {
+            name: [np.broadcast_to(x.numpy(), len(uv)) for x in channels]
+            for name, channels in values.items()
+        }
+        f = probing.texel_values(layer.below, wi, wo, uv, probing.Averaging())
+        for switches in SWITCHES:
+            found, same = cls(model, layer, varying, switches), True
+            for channel in range(f.shape[1]):
+                at = found._at({n: x[min(channel, len(x) - 1)] for n, x in rows.items()})
+                if at is None:
+                    return None
+                own = probing.texel_values(at, wi, wo, along_u(len(uv)), probing.Averaging())
+                error = np.abs(own[:, channel] - f[:, channel]).sum()
+                same &= bool(error < TOLERANCE * max(f[:, channel].sum(), 1e-9))
+            if same:
+                return found
+        return None
+
+    def is_grey(self) -> bool:
+        """Whether rows of values reflect alike in all channels, or at all wavelengths."""
+        sides = [(0.0, 0.0) if x.steps else (x.axis.least, x.axis.most) for x in self._varying]
+        ends = list(product(*sides))[:16]
+        columns = dict(zip(self._names, np.array(ends).T, strict=True)) if self._names else {}
+        bsdf, uv = self._of_rows(columns), along_u(len(ends))
+        # Its table may have colours that codes leave out.
+        bsdf = known_surface(bsdf).table_source() or bsdf
+        f = probing.texel_values(bsdf, *self._model.networks.pairs(), uv, probing.Averaging())
+        return bool(np.allclose(f, f[:, :1], rtol=GREY, atol=1e-9))
+
+    def spectral_changes(self, count: int, values: Mapping[str, np.ndarray]) -> np.ndarray:
+        """Amounts (count,) by which ln f changes in equal parts of `spectrum.ENDS`.
+
+        values: (count + 1,) of the parameters by name, all the same, and the wavelengths.
+        """
+        with wavelengths_of(values, count + 1):
+            pairs, uv = self._model.networks.pairs(), along_u(count + 1)
+            f = probing.texel_values(self._of_rows(values), *pairs, uv, probing.Averaging())[:, 0]
+        logs = np.log(np.maximum(f, 1e-6))
+        return np.abs(np.diff(logs, axis=0)).mean(axis=1)
+
+    @cached_property
+    def _material(self) -> Material | None:
+        """The material of a bottom that is the same everywhere and at all wavelengths."""
+        if self._varying or mi.is_spectral:
+            return None
+        return bottom_material(self._model, self._layer.below, self._where)
+
+    def _at(self, rows: Mapping[str, np.ndarray]) -> "mi.BSDF | None":
+        """The BSDF whose varying parameters have rows (k,) of values along u, by their names."""
+        textures = {}
+        for x in self._varying:
+            if x.texture:
+                row = _row(rows[x.axis.name])
+                textures[id(x.texture)] = _shifted(x.texture, row) if x.steps else row
+        coat, nested, _ = self._layer
+        if INDEX in rows and INDEX in self._names:
+            constant = any(x.axis.name == INDEX and x.steps for x in self._varying)
+            coat = coat.of_index(_row(rows[INDEX] + (coat.eta if constant else 0)))
+        if not textures:
+            return self._layer.below if coat is self._layer.coat else below(nested, coat)
+        found = replaced(nested, lambda x: textures.get(id(x), x), switches=self._switches)
+        return None if found is None else below(found, coat)
+
+    def codes(self, values: Mapping[str, np.ndarray], channels: int) -> np.ndarray:
+        """Codes (C, k, L) of rows (k,) of values, C one or `channels`."""
+        if self._material is not None:
+            codes = self._material.latents[:channels]
+            return np.repeat(codes[:, None], _count(values), axis=1)
+        rows, which = self._distinct(values)
+        bsdf, uv = self._of_rows(rows), along_u(_count(rows))
+        with wavelengths_of(rows, len(uv)):
+            codes = probed_codes(self._model, bsdf, uv, self._where)
+        return np.moveaxis(codes[:, :channels], 1, 0)[:, which]
+
+    def substrate(
+        self, values: Mapping[str, np.ndarray], channels: int
+    ) -> tuple[Substrate, np.ndarray]:
+        """The bottoms of rows (k,) of values, and the place (channels, k) of each among them."""
+        if self._material is not None:
+            whole = of_material(self._material)
+            places = np.repeat(np.arange(channels)[:, None], _count(values), axis=1)
+            return whole, places % whole.channels
+        rows, which = self._distinct(values)
+        different, parts = _count(rows), []
+        for start in range(0, different, BLOCK):
+            some = {name: x[start : start + BLOCK] for name, x in rows.items()}
+            with wavelengths_of(some, _count(some)):
+                parts.append(self._part(some, channels))
+        tables, tops = ([*side] for side in zip(*parts, strict=True))
+        top = None if tops[0] is None else np.concatenate(tops, axis=1)
+        places = np.arange(channels)[:, None] * different + which
+        if top is not None:
+            top = top.reshape(-1, top.shape[-1])
+        if tables[0] is None:
+            assert top is not None  # for the type checker
+            rest = np.tile(self._model.networks.empty_rest(), (len(top), 1))
+            codes = np.concatenate([top, rest], axis=1, dtype=np.float32)
+            return Substrate.of(Reflector.of(Material(codes, self._model))), places
+        table = np.concatenate(tables, axis=-1)
+        return Substrate.of(Reflector.of_logs(table.reshape(*table.shape[:3], -1), top)), places
+
+    def _distinct(
+        self, values: Mapping[str, np.ndarray]
+    ) -> tuple[dict[str, np.ndarray], np.ndarray]:
+        """Different rows, and the place (k,) of each row among them."""
+        names = [*self._names, *([NANOMETRES] if mi.is_spectral else [])]
+        default = np.full(_count(values), spectrum.RGB[1])
+        own = np.stack([values.get(name, default) for name in names or [NANOMETRES]])
+        different, which = np.unique(own, axis=1, return_inverse=True)
+        return dict(zip(names or [NANOMETRES], different, strict=True)), which.ravel()
+
+    def _of_rows(self, rows: Mapping[str, np.ndarray]) -> "mi.BSDF":
+        found = self._at(rows)
+        assert found is not None  # `is_known`
+        return found
+
+    def _part(
+        self, rows: Mapping[str, np.ndarray], channels: int
+    ) -> tuple[np.ndarray | None, np.ndarray | None]:
+        """Tables (U, V, W, channels, k), and lobes (channels, k, N) beside them.
+
+        No table: they are their lobes; no lobes: they are their tables.
+        """
+        bsdf, uv = self._of_rows(rows), along_u(_count(rows))
+        known = known_lobes(self._model, bsdf, uv, self._where)
+        bare = known is not None and known_surface(bsdf).lobe_only
+        if known is not None:
+            known = np.moveaxis(known[:, :channels], 1, 0)
+            if bare:
+                known[..., :4] = np.minimum(known[..., :4], 1)
+                return None, known
+        exact = known_surface(bsdf).table_source() or bsdf
+        wi, wo = (w.reshape(-1, 3) for w in node_pairs())
+        pairs, where = self._model.networks.pairs(), self._where
+        average = probing.needed_averaging(exact, *pairs, uv, where)
+        f = probing.texel_values(exact, wi, wo, uv, average)[:, :channels]
+        values = np.moveaxis(probing.check_values(f, self._where), 1, 0)
+        if known is not None:
+            values = np.maximum(values - lobes.f(known[..., None, :], wi, wo), 0)
+        table = table_of_values(values.reshape(-1, len(wi)).T)
+        return table.reshape(*table.shape[:3], channels, -1), known
+
+
+def rows_of(
+    model: Model, layer: Layer, varying: Sequence[Varying]
+) -> BottomRows | NestedRows | None:
+    """The bottom of a layer at rows of values; None: its parameters are not known.
+
+    varying: parameters of the layer.
+    """
+    nested = nested_latents(layer.below, model)
+    if isinstance(nested, AxisLatents):
+        return NestedRows(nested)
+    # The index of conductors is relative to the coat's.
+    relative = nested is None and layer.below is not layer.nested
+    own = [
+        x for x in varying if x.axis.name.startswith(BOTTOM) or (relative and x.axis.name == INDEX)
+    ]
+    return BottomRows.of(model, layer, own)
+
+
+def _inside(values: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
+    """Values by the names that parameters have in a nested coat."""
+    own = [name for name in values if name.startswith(BOTTOM) or name == WAVELENGTH]
+    return {name.removeprefix(BOTTOM): values[name] for name in own}
+
+
+def _count(rows: Mapping[str, np.ndarray]) -> int:
+    """Number of rows."""
+    return len(next(iter(rows.values())))
+
+
+def along_u(count: int) -> np.ndarray:
+    """Points uv (count, 2) in the middles of a row of texels."""
+    return np.stack([(np.arange(count) + 0.5) / count, np.full(count, 0.5)], axis=-1)
+
+
+def _row(values: np.ndarray) -> "mi.Texture":
+    """A texture of values along u."""
+    data = mi.Bitmap(np.array(values, np.float32).reshape(1, -1, 1))
+    options = {"raw": True, "filter_type": "nearest", "wrap_mode": "clamp"}
+    return mi.load_dict({"type": "bitmap", "bitmap": data, **options})
+
+
+def _shifted(texture: "mi.Texture", row: "mi.Texture") -> "mi.Texture":
+    """A texture to which another is added."""
+    parts = {"value": texture, "change": row}
+    return derived(lambda si, active, value, change: value + change, parts)
+
+
+def wavelengths_of(rows: Mapping[str, np.ndarray], count: int) -> Any:
+    """The context in which rows (count,) along u are read at their wavelengths."""
+    if not mi.is_spectral:
+        return contextlib.nullcontext()
+    own = rows.get(NANOMETRES, np.full(count, spectrum.RGB[1]))
+    return spectrum.reading_at(own.astype(np.float32))
