@@ -3,6 +3,7 @@
 import drjit as dr
 import numpy as np
 import pytest
+from tests.mitsuba.probes import bitmap
 
 from urushi.mitsuba.recording import compiled_once, only_where
 
@@ -39,7 +40,7 @@ def test_a_vertex_is_cached_for_one_context_and_one_interaction(rgb):
 def test_calls_of_one_kernel_or_of_several_render_the_same(rgb, networks):
     """A coat and a textured one, some rays of which leave the scene."""
     texels = np.random.default_rng(0).uniform(0.3, 0.8, (4, 4, 3)).astype(np.float32)
-    albedo = {"type": "bitmap", "bitmap": rgb.Bitmap(texels), "raw": True}
+    albedo = bitmap(texels)
     coat = {"type": "neural_layered", "weights": str(networks), "alpha": 0.2, "sigma_t": 0.8}
     coat["bottom"] = {"type": "roughconductor", "distribution": "ggx", "alpha": 0.3}
 

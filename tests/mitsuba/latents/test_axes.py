@@ -3,6 +3,8 @@
 import numpy as np
 import pytest
 
+from urushi.mitsuba.reading import probing
+
 COUNT = 1 << 18
 
 SILVER = {"type": "roughconductor", "distribution": "ggx", "alpha": 0.2, "material": "Ag"}
@@ -125,8 +127,6 @@ def test_half_way_between_two_texels(rgb, name):
 
 def test_kernels_and_numpy_interpolate_alike(rgb):
     """Up to the principal numbers, which stand for the codes."""
-    from urushi.mitsuba.reading import probing
-
     coat = rgb.load_dict(
         {
             "type": "neural_layered",

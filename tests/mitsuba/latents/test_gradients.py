@@ -3,6 +3,7 @@
 import drjit as dr
 import numpy as np
 import pytest
+from tests.mitsuba.probes import bitmap
 
 from urushi.errors import ParameterError
 from urushi.mitsuba.reading import probing
@@ -13,7 +14,7 @@ WEIGHTS = "default"
 
 def texture(mi, low, high, seed=0, channels=3) -> dict:
     pixels = np.random.default_rng(seed).uniform(low, high, size=(4, 4, channels))
-    return {"type": "bitmap", "bitmap": mi.Bitmap(pixels.astype(np.float32)), "raw": True}
+    return bitmap(pixels)
 
 
 def coat(mi, textured=False, **properties) -> dict:
@@ -247,8 +248,6 @@ def test_through_a_nested_coat_with_textured_bottom(rgb):
 @pytest.mark.slow
 def test_a_stochastic_bottom_has_no_gradient_but_its_coat_does(rgb, monkeypatch):
     monkeypatch.setattr("urushi.mitsuba.reading.probing.REPEATS", 64)  # noise does not matter here
-    from urushi.mitsuba.reading import probing
-
     walk = {"type": "layered", "sigma_t": 0.3, "bottom": {"type": "diffuse"}}
     bsdf = rgb.load_dict(coat(rgb, bottom=walk))
     parameters, key = rgb.traverse(bsdf), "albedo.value"
@@ -289,8 +288,6 @@ def test_saved_materials_have_gradients_of_their_codes(rgb, tmp_path):
 
 def test_directions_are_drawn_without_gradients(rgb):
     """Only f is differentiated; samples and densities are constant. The weight is f cos / pdf."""
-    from urushi.mitsuba.reading import probing
-
     bsdf = rgb.load_dict(coat(rgb, textured=True))
     parameters = rgb.traverse(bsdf)
     dr.enable_grad(parameters["alpha.value"])
@@ -329,8 +326,6 @@ def test_pictures_are_the_same_once_gradients_are_disabled(rgb, textured):
 
 
 def test_eta_is_a_parameter(rgb):
-    from urushi.mitsuba.reading import probing
-
     changed = rgb.load_dict(coat(rgb))
     parameters = rgb.traverse(changed)
     parameters["eta"] = 1.7

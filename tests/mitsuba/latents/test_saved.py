@@ -4,9 +4,11 @@ import re
 
 import numpy as np
 import pytest
+from tests.mitsuba.probes import bitmap
 
 from urushi import files
 from urushi.errors import UrushiWarning
+from urushi.mitsuba.reading import probing
 from urushi.nets import weights
 from urushi.textures.store import TexelGrid
 
@@ -18,7 +20,7 @@ def described(mi, networks, **properties) -> dict:
         "type": "neural_layered",
         "weights": str(networks),
         "sigma_t": 0.8,
-        "albedo": {"type": "bitmap", "bitmap": mi.Bitmap(PIXELS), "raw": True, **properties},
+        "albedo": bitmap(PIXELS, **properties),
         "base": {"type": "roughconductor", "alpha": 0.3},
     }
 
@@ -69,8 +71,6 @@ def test_a_constant_coat_is_saved_as_a_material(rgb, networks, tmp_path):
 
 def test_a_saved_texture_can_be_coated(rgb, networks, saved):
     """At the centres of texels, f is that of the coat over the plugin that was saved."""
-    from urushi.mitsuba.reading import probing
-
     bsdf, path = saved
     grid = loaded(rgb, path, networks).latents.baked.grid
     coat = {"type": "neural_layered", "weights": str(networks), "alpha": 0.05, "resolution": 9}
@@ -86,7 +86,7 @@ def test_a_saved_texture_can_be_coated(rgb, networks, saved):
 def test_a_saved_texture_under_unusual_coats_warns_once(rgb, networks, saved):
     """Not for every texel, of which the coat has a whole number in each of the saved ones."""
     depth = np.linspace(1, 20, 16, dtype=np.float32).reshape(4, 4, 1)
-    texture = {"type": "bitmap", "bitmap": rgb.Bitmap(depth), "raw": True}
+    texture = bitmap(depth)
     coat = {"type": "neural_layered", "weights": str(networks), "albedo": 1.0, "g": 0.95}
     with pytest.warns(UrushiWarning) as caught:
         base = loaded(rgb, saved[1], networks)

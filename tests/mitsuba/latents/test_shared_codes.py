@@ -4,6 +4,7 @@ import drjit as dr
 import numpy as np
 import pytest
 from tests import mixtures
+from tests.mitsuba.probes import vector
 from tests.untrained import untrained
 
 from urushi.core.direction_sets import cosine_pairs
@@ -41,7 +42,7 @@ def f_and_pdf(mi, latents) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """f (C, N) by both methods, and the proposal's density (N,)."""
     wi, wo, uv = points()
     si = dr.zeros(mi.SurfaceInteraction3f, COUNT)
-    si.wi, out = (mi.Vector3f(np.ascontiguousarray(w.T)) for w in (wi, wo))
+    si.wi, out = (vector(w) for w in (wi, wo))
     si.uv = mi.Point2f(np.ascontiguousarray(uv.T, np.float32))
     active = dr.full(mi.Bool, True, COUNT)
     vertex = latents.vertex(si, active)

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from tests.mitsuba.probes import bitmap, vector
 
 from urushi.checks import CoatParameters
 from urushi.core.appearance import LOOK
@@ -9,18 +10,10 @@ from urushi.core.directions import rotated
 from urushi.material.energy import limit_albedo
 from urushi.material.layer import layer_material
 from urushi.material.material import Material
+from urushi.mitsuba.reading import probing
 
 COAT = {"alpha": 0.2, "albedo": 0.7, "sigma_t": 0.8, "g": 0.3}
 COAT_ARRAYS = {key: np.full((1, 1), value) for key, value in COAT.items()}
-
-
-def bitmap(mi, pixels, **properties) -> dict:
-    return {
-        "type": "bitmap",
-        "bitmap": mi.Bitmap(np.asarray(pixels, np.float32)),
-        "raw": True,
-        **properties,
-    }
 
 
 def nearly_uniform(shape, value) -> np.ndarray:
@@ -32,7 +25,7 @@ def nearly_uniform(shape, value) -> np.ndarray:
 
 def uniform(mi, name: str, value: float):
     """A parameter that is the same everywhere; a texture of codes, for codes are not a table."""
-    return value if name == "layered" else bitmap(mi, nearly_uniform((2, 2, 1), value))
+    return value if name == "layered" else bitmap(nearly_uniform((2, 2, 1), value))
 
 
 def load(mi, name, networks, **properties):
@@ -44,14 +37,12 @@ def load(mi, name, networks, **properties):
 
 def mean_and_error(mi, bsdf, uv, count: int = 1 << 14) -> tuple[np.ndarray, np.ndarray]:
     """f cos averaged over directions, at points around uv, and its standard error."""
-    from urushi.mitsuba.reading import probing
-
     rng = np.random.default_rng(0)
     w = rng.normal(size=(2, count, 3))
     w[..., 2] = np.abs(w[..., 2]) + 0.2
     wi, wo = (w / np.linalg.norm(w, axis=-1, keepdims=True)).astype(np.float32)
     si = probing.interaction(wi, np.broadcast_to(np.float32(uv), (count, 2)))
-    value = bsdf.eval(mi.BSDFContext(), si, mi.Vector3f(np.ascontiguousarray(wo.T))).numpy()
+    value = bsdf.eval(mi.BSDFContext(), si, vector(wo)).numpy()
     return value.mean(axis=1), value.std(axis=1) / count**0.5
 
 
@@ -74,7 +65,7 @@ def mean_and_error(mi, bsdf, uv, count: int = 1 << 14) -> tuple[np.ndarray, np.n
 def test_every_texel_is_layered_with_its_own_parameters(rgb, networks, name, parameter):
     values = np.float32([[0.2, 0.4, 0.6], [0.5, 0.8, 0.3]]) + (parameter == "int_ior")
     textured = load(
-        rgb, name, networks, **{parameter: bitmap(rgb, values[..., None], filter_type="nearest")}
+        rgb, name, networks, **{parameter: bitmap(values[..., None], filter_type="nearest")}
     )
     for row in range(2):
         for column in range(3):
@@ -82,7 +73,7 @@ def test_every_texel_is_layered_with_its_own_parameters(rgb, networks, name, par
             uv = ((column + 0.5) / 3, (row + 0.5) / 2)
             si = rgb.SurfaceInteraction3f()
             si.uv = rgb.Point2f(*uv)
-            texture = rgb.load_dict(bitmap(rgb, values[..., None], filter_type="nearest"))
+            texture = rgb.load_dict(bitmap(values[..., None], filter_type="nearest"))
             value = float(texture.eval_1(si)[0])
             constant = load(rgb, name, networks, **{parameter: uniform(rgb, name, value)})
             (a, error_a), (b, error_b) = (
@@ -97,20 +88,20 @@ def test_dark_texels_of_a_width_are_the_least_width(rgb, networks, name):
     """A roughness map may have black texels; the constant 0 and texels above 1 are refused."""
     dark = np.float32([[0.0, 0.3]])
     black, least = (
-        mean_and_error(rgb, load(rgb, name, networks, alpha=bitmap(rgb, x[..., None])), (0.25, 0.5))
+        mean_and_error(rgb, load(rgb, name, networks, alpha=bitmap(x[..., None])), (0.25, 0.5))
         for x in (dark, np.maximum(dark, 0.01))
     )
     np.testing.assert_array_equal(black[0], least[0])
     with pytest.raises(RuntimeError, match="alpha is 0; it must be"):
         load(rgb, name, networks, alpha=0.0)
     with pytest.raises(RuntimeError, match="a texel of alpha is 1.3; it must be"):
-        load(rgb, name, networks, alpha=bitmap(rgb, dark[..., None] + 1))
+        load(rgb, name, networks, alpha=bitmap(dark[..., None] + 1))
 
 
 def test_a_coat_over_a_textured_plastic_is_the_walk(rgb):
     """Within 4 %, by the lobe of the plastic's parameters; by a fitted one it was 14 % too dark."""
     data = np.array([[[0.05, 0.1, 0.3], [0.3, 0.1, 0.05]]])
-    color = bitmap(rgb, data, filter_type="nearest")
+    color = bitmap(data, filter_type="nearest")
     plastic = {"type": "roughplastic", "distribution": "ggx", "alpha": 0.05, "int_ior": 1.9}
     plastic["diffuse_reflectance"] = color
     (found, _), (expected, error) = (
@@ -124,7 +115,6 @@ def test_a_coat_over_a_textured_plastic_is_the_walk(rgb):
 
 @pytest.mark.parametrize("textured", (False, True))
 def test_isotropic_networks_take_the_mean_of_a_brushed_bottom(rgb, textured):
-    from urushi.mitsuba.reading import probing
     from urushi.nets import weights
 
     model = weights.default_model()
@@ -132,9 +122,7 @@ def test_isotropic_networks_take_the_mean_of_a_brushed_bottom(rgb, textured):
     # only a few azimuths contribute to the light in a narrow lobe
     widths = {"alpha_u": 0.03, "alpha_v": 0.5}
     if textured:
-        widths = {
-            key: bitmap(rgb, nearly_uniform((2, 2, 1), value)) for key, value in widths.items()
-        }
+        widths = {key: bitmap(nearly_uniform((2, 2, 1), value)) for key, value in widths.items()}
     brushed = rgb.load_dict({"type": "roughconductor", "distribution": "ggx", **widths})
     turns = np.random.default_rng(0).random(2048)
     f = np.zeros((len(wi), 3))
@@ -169,7 +157,7 @@ def test_isotropic_networks_take_the_mean_of_a_textured_openpbr_base_of_two_widt
         mean_and_error(rgb, rgb.load_dict(described | {"base_color": of_base}), (0.5, 0.5))[0]
         for of_base in (
             {"type": "rgb", "value": colour},
-            bitmap(rgb, nearly_uniform((2, 2, 3), colour)),
+            bitmap(nearly_uniform((2, 2, 3), colour)),
         )
     ]
     # Azimuths of all averages are random.
@@ -178,8 +166,6 @@ def test_isotropic_networks_take_the_mean_of_a_textured_openpbr_base_of_two_widt
 
 def f_at(mi, bsdf, uv) -> np.ndarray:
     """f cos (3, M) of a pair of directions at points uv (M, 2)."""
-    from urushi.mitsuba.reading import probing
-
     si = probing.interaction(np.tile([0.6, 0, 0.8], (len(uv), 1)), uv)
     return bsdf.eval(mi.BSDFContext(), si, mi.Vector3f(0, 0.28, 0.96)).numpy()
 
@@ -197,7 +183,7 @@ def test_a_parameter_has_the_values_of_its_texture(rgb, networks, properties):
     """f is that of a coat whose texture has the same values elsewhere, along a line."""
     shear = rgb.ScalarTransform3f(np.float32([[1.5, 0.25, 0.1], [-0.5, 2.2, 0.3], [0, 0, 1]]))
     rng = np.random.default_rng(0)
-    described = properties if "type" in properties else bitmap(rgb, rng.random((4, 6, 1)))
+    described = properties if "type" in properties else bitmap(rng.random((4, 6, 1)))
     texture = rgb.load_dict(described | properties | {"to_uv": shear})
     uv = rng.uniform(-2, 3, (256, 2))
     si = rgb.SurfaceInteraction3f()
@@ -205,7 +191,7 @@ def test_a_parameter_has_the_values_of_its_texture(rgb, networks, properties):
     values = texture.eval(si)[0].numpy()
     data = rgb.traverse(texture)["data"].numpy() if "type" not in properties else (0.2, 0.9)
     low, high = np.min(data), np.max(data)
-    line = bitmap(rgb, np.float32([low, high]).reshape(1, 2, 1), wrap_mode="clamp")
+    line = bitmap(np.float32([low, high]).reshape(1, 2, 1), wrap_mode="clamp")
     places = 0.25 + 0.5 * (values - low) / (high - low)  # the centres of the line's two texels
     found, expected = (
         f_at(rgb, load(rgb, "neural_layered", networks, albedo=albedo), at)
@@ -218,9 +204,7 @@ def test_a_parameter_has_the_values_of_its_texture(rgb, networks, properties):
 def test_eval_pdf_and_sample_agree_between_texels(rgb, differentiable):
     import drjit as dr
 
-    from urushi.mitsuba.reading import probing
-
-    reflectance = bitmap(rgb, np.float32([0.02, 0.9])[None, :, None])
+    reflectance = bitmap(np.float32([0.02, 0.9])[None, :, None])
     textured = load(rgb, "neural_layered", "default", reflectance=reflectance)
     if differentiable:
         parameters = rgb.traverse(textured)
@@ -269,7 +253,7 @@ def test_texels_of_files_follow_the_textures(rgb):
     """A bitmap's texels have a whole number of them, at least 64 a side; constants do not count."""
     from urushi.mitsuba.latents.baking import grid_of
 
-    small = rgb.load_dict(bitmap(rgb, np.random.default_rng(0).random((3, 5, 1))))
+    small = rgb.load_dict(bitmap(np.random.default_rng(0).random((3, 5, 1))))
     uniform = rgb.load_dict({"type": "uniform", "value": 0.5})
     width, height = grid_of([small, uniform], 0)[:2]
     assert width % 5 == height % 3 == 0

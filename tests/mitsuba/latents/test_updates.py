@@ -2,15 +2,11 @@
 
 import numpy as np
 import pytest
+from tests.mitsuba.probes import bitmap
 
 from urushi.errors import ParameterError
 
 SIDE = 16
-
-
-def bitmap(mi, pixels, **properties) -> dict:
-    pixels = np.asarray(pixels, np.float32)
-    return {"type": "bitmap", "bitmap": mi.Bitmap(pixels), "raw": True, **properties}
 
 
 def noise(channels: int, seed: int = 0) -> np.ndarray:
@@ -24,9 +20,9 @@ def described(mi, networks, **properties) -> dict:
         "type": "neural_layered",
         "weights": str(networks),
         "alpha": 0.2,
-        "albedo": bitmap(mi, noise(3)),
+        "albedo": bitmap(noise(3)),
         "sigma_t": 0.8,
-        "base": {"type": "diffuse", "reflectance": bitmap(mi, noise(3, 1))},
+        "base": {"type": "diffuse", "reflectance": bitmap(noise(3, 1))},
         **properties,
     }
 
@@ -55,16 +51,16 @@ def test_changes_of_numbers_and_textures(rgb, networks):
     bsdf = rgb.load_dict(described(rgb, networks))
     narrow, wide = 0.2 + 0.6 * noise(3, 2), 1.2 * noise(3, 3) - 0.1
     larger = np.repeat(noise(3), 2, axis=0)
-    base = {"type": "diffuse", "reflectance": bitmap(rgb, narrow)}
+    base = {"type": "diffuse", "reflectance": bitmap(narrow)}
     for given, properties in (
         ({"sigma_t_value": 2.0}, {}),
-        ({"albedo_data": narrow}, {"albedo": bitmap(rgb, narrow)}),
-        ({"albedo_data": wide}, {"albedo": bitmap(rgb, wide)}),
+        ({"albedo_data": narrow}, {"albedo": bitmap(narrow)}),
+        ({"albedo_data": wide}, {"albedo": bitmap(wide)}),
         ({"albedo_data": larger, "bottom_reflectance_data": narrow}, {"base": base}),
     ):
         changed(rgb, bsdf, **given)
         if "bottom_reflectance_data" in given:
-            properties["albedo"] = bitmap(rgb, larger)
+            properties["albedo"] = bitmap(larger)
         check_equal(bsdf, rgb.load_dict(described(rgb, networks, sigma_t=2.0, **properties)))
 
 
@@ -79,7 +75,7 @@ def test_changes_within_ranges_bake_nothing(rgb, networks, few_points):
 
 
 def test_a_constant_of_a_textured_bottom(rgb, networks, few_points):
-    base = {"type": "roughconductor", "alpha": bitmap(rgb, noise(1)), "distribution": "beckmann"}
+    base = {"type": "roughconductor", "alpha": bitmap(noise(1)), "distribution": "beckmann"}
     bsdf = rgb.load_dict(described(rgb, networks, albedo=0.5, base=base))
     changed(rgb, bsdf, bottom_eta_value=0.5)
     base |= {"eta": 0.5, "k": 1.0}
@@ -93,7 +89,7 @@ def test_a_change_of_a_nested_coat(rgb, networks, few_points):
     pixels = noise(3)
     pixels[0, 0] = 0.95
     changed(rgb, bsdf, bottom_albedo_data=pixels)
-    inner["albedo"] = bitmap(rgb, pixels)
+    inner["albedo"] = bitmap(pixels)
     check_equal(bsdf, rgb.load_dict(outer))
 
 

@@ -3,7 +3,8 @@
 import drjit as dr
 import numpy as np
 import pytest
-from tests.mitsuba.networks.test_decoder import pairs, vector
+from tests.mitsuba.networks.test_decoder import pairs
+from tests.mitsuba.probes import vector
 
 from urushi.nets.lobe import NO_LOBE
 from urushi.nets.weights import Model, default_model
@@ -30,7 +31,7 @@ def decoded(mi, shipped, codes, wi, wo) -> np.ndarray:
     terms = BasisDecoder(shipped, ANY_LOBE).code_terms(codes)
     terms = [[mi.Float(float(x)) for x in channel] for channel in terms]
     decoder = BasisDecoder(shipped, ANY_LOBE)
-    f = decoder.f_of_terms(terms, vector(mi, wi), vector(mi, wo))
+    f = decoder.f_of_terms(terms, vector(wi), vector(wo))
     return np.array([x.numpy() for x in f])
 
 
@@ -65,7 +66,7 @@ def test_derivatives_by_codes_are_differences(rgb, shipped, codes):
     from urushi.mitsuba.networks.basis import BasisDecoder
     from urushi.mitsuba.networks.lobe import ANY_LOBE
 
-    wi, wo = (vector(rgb, w) for w in pairs(64))
+    wi, wo = (vector(w) for w in pairs(64))
     decoder = BasisDecoder(shipped, ANY_LOBE)
     for number in (6, 7, codes.shape[1] - 1):
 

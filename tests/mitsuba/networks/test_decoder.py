@@ -2,6 +2,7 @@
 
 import numpy as np
 from tests import mixtures
+from tests.mitsuba.probes import vector
 
 
 def hemisphere(count: int, seed: int) -> np.ndarray:
@@ -23,10 +24,6 @@ def pairs(count: int = 4096) -> tuple[np.ndarray, np.ndarray]:
     return wi, wo
 
 
-def vector(mi, w):
-    return mi.Vector3f(np.ascontiguousarray(w.T))
-
-
 def test_density_and_samples_of_a_mixture_agree_with_numpy(rgb):
     from urushi.core.mixture import Mixture
 
@@ -37,11 +34,9 @@ def test_density_and_samples_of_a_mixture_agree_with_numpy(rgb):
     u = rng.random((len(wi), 3), np.float32)
     own = mixtures.of_arrays(weights, alphas)
     mixture = Mixture([rgb.Float(x) for x in weights.T], [rgb.Float(x) for x in alphas.T])
-    density = mixture.pdf(vector(rgb, wi), vector(rgb, wo)).numpy()
+    density = mixture.pdf(vector(wi), vector(wo)).numpy()
     # |h_xy|^2 of a lobe of width 0.01 loses digits where the directions are nearly opposite
     np.testing.assert_allclose(density, mixtures.pdf(own, wi, wo), rtol=1e-3)
-    drawn = mixture.sample(
-        vector(rgb, wi), rgb.Float(u[:, 0]), rgb.Point2f(*map(rgb.Float, u[:, 1:].T))
-    )
+    drawn = mixture.sample(vector(wi), rgb.Float(u[:, 0]), rgb.Point2f(*map(rgb.Float, u[:, 1:].T)))
     # reflecting about a normal that is nearly perpendicular to wi loses three of seven digits
     np.testing.assert_allclose(drawn.numpy().T, mixtures.sample(own, wi, u), atol=3e-4)

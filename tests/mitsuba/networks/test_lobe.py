@@ -3,6 +3,7 @@
 import drjit as dr
 import numpy as np
 import pytest
+from tests.mitsuba.probes import vector
 from tests.untrained import untrained
 
 from urushi.core.table import interpolated
@@ -50,13 +51,9 @@ def directions(count: int = 2048) -> tuple[np.ndarray, np.ndarray]:
     return tuple(w.astype(np.float32))
 
 
-def vector(mi, w):
-    return mi.Vector3f(np.ascontiguousarray(w.T))
-
-
 def interaction(mi, wi):
     si = dr.zeros(mi.SurfaceInteraction3f, len(wi))
-    si.wi = vector(mi, wi)
+    si.wi = vector(wi)
     return si
 
 
@@ -79,7 +76,7 @@ def textured(model, z):
 def evaluated(mi, latents, wi, wo) -> np.ndarray:
     """f (N, 3)."""
     si, active = interaction(mi, wi), mi.Bool(np.ones(len(wi), bool))
-    f = latents.f(latents.vertex(si, active), si, vector(mi, wo), active)
+    f = latents.f(latents.vertex(si, active), si, vector(wo), active)
     return np.stack([x.numpy() for x in f], axis=-1)
 
 
@@ -120,7 +117,7 @@ def test_what_is_known_of_lobes_does_not_change_them(rgb, kind):
     from urushi.mitsuba.networks import lobe
 
     z = np.float32(LOBES["dielectric"])
-    wi, wo = (vector(rgb, w) for w in directions())
+    wi, wo = (vector(w) for w in directions())
     numbers = [[rgb.Float(float(x)) for x in channel] for channel in z]
     expected = lobe.f(numbers, wi, wo, lobe.ANY_LOBE)
     values = lobe.f(numbers, wi, wo, lobe.LobeKind(**kind))

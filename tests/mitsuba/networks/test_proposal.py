@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 from tests import mixtures
-from tests.mitsuba.networks.test_decoder import pairs, vector
+from tests.mitsuba.networks.test_decoder import pairs
+from tests.mitsuba.probes import vector
 from tests.untrained import untrained
 
 from urushi.checks import Widths
@@ -31,7 +32,7 @@ def compare(mi, mixture, model, code, atol):
     found = np.stack([np.broadcast_to(x.numpy(), len(wi)) for x in mixture.weights], -1)
     np.testing.assert_allclose(found, mixtures.weights(own), atol=atol)
     density = mixtures.pdf(own, wi, wo)
-    found = mixture.pdf(vector(mi, wi), vector(mi, wo)).numpy()
+    found = mixture.pdf(vector(wi), vector(wo)).numpy()
     np.testing.assert_allclose(found, density, rtol=10 * atol)
 
 
@@ -51,14 +52,14 @@ def mixture_of(mi, model, code, wi):
 
 
 def test_proposals_of_codes_agree_with_numpy(rgb, model, code):
-    mixture = mixture_of(rgb, model, code, vector(rgb, pairs()[0]))
+    mixture = mixture_of(rgb, model, code, vector(pairs()[0]))
     compare(rgb, mixture, model, code, 1e-4)  # logarithms of small cosines are rounded
 
 
 def test_tables_of_proposals_agree_with_numpy(rgb, model, code):
     own = proposals(model, code)
     table = [rgb.Float(x.ravel()) for x in own.tabulated(code)]
-    mixture = own.proposal_of_table(table, vector(rgb, pairs()[0]))
+    mixture = own.proposal_of_table(table, vector(pairs()[0]))
     compare(rgb, mixture, model, code, 1e-2)  # linear between 129 cosines
 
 

@@ -2,7 +2,9 @@
 
 import numpy as np
 import pytest
+from tests.mitsuba.probes import bitmap, vector
 
+from urushi.mitsuba.reading import probing
 from urushi.walk import coat, conductor, diffuse, simulate
 
 COAT = {"int_ior": 1.5, "ext_ior": 1.0, "albedo": 0.7, "sigma_t": 0.5, "g": 0.3}
@@ -30,11 +32,9 @@ def layered(mi, base: dict | None = None, **parameters):
 
 def values(mi, bsdf, wi: np.ndarray = WI, wo: np.ndarray = WO, walks: int = 1) -> np.ndarray:
     """f cos (walks,) of the green channel, by walks at different uv."""
-    from urushi.mitsuba.reading import probing
-
     a, b = (np.tile(w.astype(np.float32), (walks, 1)) for w in (wi, wo))
     si = probing.interaction(a, np.random.default_rng(0).random((walks, 2)))
-    value = bsdf.eval(mi.BSDFContext(), si, mi.Vector3f(np.ascontiguousarray(b.T)))
+    value = bsdf.eval(mi.BSDFContext(), si, vector(b))
     return value[1].numpy().astype(np.float64)
 
 
@@ -91,7 +91,7 @@ def test_equal_widths_are_one_width(rgb):
 def test_textures_are_numbers_at_each_point(rgb):
     def texture(value: float) -> dict:
         pixels = np.full((4, 4, 1), value, np.float32)
-        return {"type": "bitmap", "bitmap": rgb.Bitmap(pixels), "raw": True}
+        return bitmap(pixels)
 
     numbers = {**WIDTHS, "rotation": 25.0}
     plain = values(rgb, layered(rgb, **numbers), walks=1 << 14)
@@ -197,8 +197,6 @@ def test_widths_that_are_colours_are_walks_of_their_own(rgb):
 
 def three_channels(mi, bsdf, walks: int) -> np.ndarray:
     """f cos (3, walks) of all channels."""
-    from urushi.mitsuba.reading import probing
-
     a = np.tile(WI.astype(np.float32), (walks, 1))
     si = probing.interaction(a, np.random.default_rng(0).random((walks, 2)))
     return bsdf.eval(mi.BSDFContext(), si, mi.Vector3f(*WO.tolist())).numpy().astype(np.float64)

@@ -2,11 +2,13 @@
 
 import numpy as np
 import pytest
+from tests.mitsuba.probes import vector
 
 import urushi
 from urushi.core.direction_sets import cosine_pairs
 from urushi.core.directions import rotated
 from urushi.core.error_metrics import stack_error
+from urushi.mitsuba.reading import probing
 from urushi.nets.weights import anisotropic_model, default_model
 
 BRUSHED = {"type": "roughconductor", "distribution": "ggx", "material": "Cu"}
@@ -21,10 +23,8 @@ def coated(mi, base: dict, **parameters):
 
 def values(mi, bsdf, wi, wo, uv=(0.5, 0.5)):
     """f [1/sr] (N, 3) and the density (N,)."""
-    from urushi.mitsuba.reading import probing
-
     si = probing.interaction(wi, np.tile(uv, (len(wi), 1)))
-    out = mi.Vector3f(np.ascontiguousarray(wo.T))
+    out = vector(wo)
     f_cos = bsdf.eval(mi.BSDFContext(), si, out).numpy()
     return f_cos.T / wo[:, 2:], bsdf.pdf(mi.BSDFContext(), si, out).numpy()
 
@@ -132,12 +132,10 @@ def test_gradients_of_widths_and_angle_agree_with_differences(rgb):
     """To 3 %. The azimuth changes f within a degree where a half vector is near an axis."""
     import drjit as dr
 
-    from urushi.mitsuba.reading import probing
-
     wi, wo = cosine_pairs(np.random.default_rng(3), 64, lowest_cosine=0.3)
     si = probing.interaction(wi, np.full((64, 2), 0.5))
     weights = rgb.Float(np.random.default_rng(4).normal(size=64))
-    out = rgb.Vector3f(np.ascontiguousarray(wo.T))
+    out = vector(wo)
     bsdf = coated(rgb, METAL, alpha_u=0.25, alpha_v=0.4, rotation=20.0)
     parameters = rgb.traverse(bsdf)
     keys = ["alpha_u.value", "alpha_v.value", "rotation.value", "bottom.alpha_v.value"]

@@ -3,6 +3,7 @@
 import drjit as dr
 import numpy as np
 import pytest
+from tests.mitsuba.probes import bitmap, f
 
 import urushi
 from urushi.walk import dielectric
@@ -15,14 +16,6 @@ def plugin(mi, bottom, **coat):
     medium = {"sigma_t": {"type": "rgb", "value": list(SIGMA_T)}}
     interface = {"alpha": 0.1, "int_ior": 1.5, "ext_ior": 1.0}
     return mi.load_dict({"type": "neural_layered", **interface, **medium, **coat, "base": bottom})
-
-
-def evaluated(mi, bsdf, wi, wo) -> np.ndarray:
-    """f (N, 3) of a plugin for pairs above the horizon."""
-    si = dr.zeros(mi.SurfaceInteraction3f, len(wi))
-    si.wi = mi.Vector3f(np.ascontiguousarray(wi.T))
-    f_cos = bsdf.eval(mi.BSDFContext(), si, mi.Vector3f(np.ascontiguousarray(wo.T)))
-    return (f_cos.numpy() / wo.T[2]).T
 
 
 @pytest.fixture(scope="module")
@@ -41,10 +34,10 @@ def test_as_in_python(rgb, merl_file, coated, random_directions, tmp_path):
     assert "with a table" in str(bsdf) and bsdf.latents.material == coated
     wi, wo = random_directions(500, 1, 0.05), random_directions(500, 2, 0.05)
     wo[:100] = wi[:100] * [-1, -1, 1]
-    np.testing.assert_allclose(evaluated(rgb, bsdf, wi, wo), coated.f(wi, wo), rtol=2e-3)
+    np.testing.assert_allclose(f(bsdf, wi, wo), coated.f(wi, wo), rtol=2e-3)
     bsdf.save(tmp_path / "a")
     again = rgb.load_dict({"type": "neural_brdf", "filename": str(tmp_path / "a")})
-    np.testing.assert_array_equal(evaluated(rgb, again, wi, wo), evaluated(rgb, bsdf, wi, wo))
+    np.testing.assert_array_equal(f(again, wi, wo), f(bsdf, wi, wo))
 
 
 @pytest.mark.slow
@@ -68,11 +61,11 @@ def test_a_change_of_the_coat_makes_the_table_anew(rgb, merl_file, measured):
 
 def test_codes_of_textured_coats_are_near_the_table(rgb, merl_file, random_directions):
     texels = np.float32([0.2, 0.2, 0.2, 0.3]).reshape(2, 2, 1)
-    texture = {"type": "bitmap", "bitmap": rgb.Bitmap(texels), "raw": True}
+    texture = bitmap(texels)
     bottom = {"type": "measured_brdf", "filename": str(merl_file)}
     wi, wo = random_directions(500, 1, 0.05), random_directions(500, 2, 0.05)
     found, expected = (
-        evaluated(rgb, plugin(rgb, bottom, alpha=alpha), wi, wo)
+        f(plugin(rgb, bottom, alpha=alpha), wi, wo)
         for alpha in (texture | {"filter_type": "nearest"}, 0.2)
     )
     assert np.abs(found - expected).mean() < 0.02 * expected.mean()
@@ -101,7 +94,7 @@ def test_albedo_over_dielectrics_is_that_of_the_walk(rgb, bottom, coat, toleranc
     if coat is TEXTURED:
         pixels = np.full((2, 2, 3), color["value"], np.float32)
         pixels[0, 0] *= 0.9
-        color = {"type": "bitmap", "bitmap": rgb.Bitmap(pixels), "raw": True}
+        color = bitmap(pixels)
         color["filter_type"] = "nearest"
     bottom = {**bottom, key: color}
     count = 1 << 15

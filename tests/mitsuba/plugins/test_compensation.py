@@ -5,6 +5,9 @@ import math
 import drjit as dr
 import numpy as np
 import pytest
+from tests.mitsuba.probes import vector
+
+from urushi.mitsuba.reading import probing
 
 PLUGINS = ("layered", "neural_layered")
 COSINES = (0.2, 0.6, 1.0)
@@ -35,10 +38,8 @@ def furnace(mi, bsdf: dict, count: int = 1 << 16, u: float = 0.0, azimuth: float
 
 def f(mi, bsdf, wi, wo) -> np.ndarray:
     """f cos (N, 3) of a loaded plugin for directions (N, 3), at places with walks of their own."""
-    from urushi.mitsuba.reading import probing
-
     si = probing.interaction(wi, np.random.default_rng(0).random((len(wi), 2)))
-    out = mi.Vector3f(np.ascontiguousarray(wo.T))
+    out = vector(wo)
     return bsdf.eval(mi.BSDFContext(), si, out).numpy().T
 
 

@@ -4,6 +4,7 @@ import drjit as dr
 import mitsuba as mi
 import numpy as np
 import pytest
+from tests.mitsuba.probes import vector
 
 from urushi.material import encode
 from urushi.mitsuba.reading import probing
@@ -211,7 +212,7 @@ def test_derivatives_by_directions_are_finite(rgb, describe, name):
     wi, wo = special_pairs()
     bsdf = rgb.load_dict(describe(name))
     si = probing.interaction(wi, np.full((len(wi), 2), 0.3))
-    ends = rgb.Vector3f(si.wi), rgb.Vector3f(np.ascontiguousarray(wo.T))
+    ends = rgb.Vector3f(si.wi), vector(wo)
     dr.enable_grad(*ends)
     si.wi = ends[0]
     f, pdf = bsdf.eval_pdf(rgb.BSDFContext(), si, ends[1])

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from tests.mitsuba.probes import bitmap
 
 from urushi.errors import ParameterError
 from urushi.material import Material
@@ -81,7 +82,7 @@ def test_an_error_names_the_plugin(rgb, networks, name):
 def test_a_texture_out_of_range(rgb, networks, name):
     pixels = np.full((4, 4, 1), 0.5, np.float32)
     pixels[2, 3] = 1.25
-    texture = {"type": "bitmap", "bitmap": rgb.Bitmap(pixels), "raw": True}
+    texture = bitmap(pixels)
     with pytest.raises(RuntimeError, match=r"albedo is 1.25; it must be"):
         load(rgb, networks, name, albedo=texture)
 

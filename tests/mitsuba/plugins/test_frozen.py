@@ -6,6 +6,7 @@ import weakref
 import drjit as dr
 import numpy as np
 import pytest
+from tests.mitsuba.probes import bitmap
 
 from urushi.material import Material
 from urushi.mitsuba.reading import probing
@@ -26,7 +27,7 @@ def no_garbage():
 
 def coat(mi, name: str, networks, textured: bool) -> dict:
     pixels = np.random.default_rng(0).uniform(0.3, 0.8, (4, 4, 3)).astype(np.float32)
-    albedo = {"type": "bitmap", "bitmap": mi.Bitmap(pixels), "raw": True} if textured else 0.7
+    albedo = bitmap(pixels) if textured else 0.7
     extra = {"weights": str(networks)} if name == "neural_layered" else {}
     base = {"type": "roughconductor", "distribution": "ggx", "alpha": 0.3}
     return {"type": name, **COAT, "albedo": albedo, "base": base, **extra}

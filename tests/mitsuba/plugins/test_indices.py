@@ -4,10 +4,12 @@ import functools
 
 import numpy as np
 import pytest
+from tests.mitsuba.probes import bitmap
 
 import urushi
 from urushi.core import fresnel
 from urushi.core.namespace import NUMPY
+from urushi.mitsuba.reading import probing
 
 WI = np.array([[0.6, 0, 0.8]] * 3, np.float32)
 WO = np.array([[-0.6, 0, 0.8], [0, 0.6, 0.8], [-0.5, 0.1, np.sqrt(0.74)]], np.float32)
@@ -17,8 +19,6 @@ KINDS = "layered", "neural_layered"
 
 def values(mi, description: dict, walks: int = 1) -> tuple[np.ndarray, np.ndarray]:
     """f [1/sr] of the pairs and its standard error."""
-    from urushi.mitsuba.reading import probing
-
     wi, wo = (np.repeat(w, walks, axis=0) for w in (WI, WO))
     uv = np.random.default_rng(0).random((len(wi), 2))
     f = probing.bsdf_values(mi.load_dict(description), wi, wo, uv)[:, 0].reshape(3, walks)
@@ -48,11 +48,9 @@ def test_a_textured_medium_without_an_interface_is_beers_law(rgb, base):
     """To rounding, over any bottom: here over two that codes represent badly."""
     base = {name: x for name, x in base.items() if "alpha_u" not in base or name != "alpha"}
     data = np.array([[0.1, 0.4], [1.0, 2.0]], np.float32)[..., None]
-    depth = {"type": "bitmap", "bitmap": rgb.Bitmap(data), "raw": True, "filter_type": "nearest"}
+    depth = bitmap(data, filter_type="nearest")
     coat = {"type": "neural_layered", "alpha": 0.3, "int_ior": 1.0, "sigma_t": depth, "base": base}
     plugin, bottom = rgb.load_dict(coat), rgb.load_dict(base)
-    from urushi.mitsuba.reading import probing
-
     uv = np.array([[0.25, 0.25], [0.75, 0.25], [0.25, 0.75]])
     found, bare = (probing.bsdf_values(bsdf, WI, WO, uv) for bsdf in (plugin, bottom))
     path = data.ravel()[:3] * (1 / WI[:, 2] + 1 / WO[:, 2])
@@ -71,12 +69,11 @@ def test_ext_ior_is_kept_where_it_is_given(rgb):
         assert (np.abs(gap / derived - 1) > 0.01).any()
     data = np.full((2, 2, 1), 1.6, np.float32)
     data[0] = 1.4
-    texture = {"type": "bitmap", "bitmap": rgb.Bitmap(data), "raw": True, "filter_type": "nearest"}
+    texture = bitmap(data, filter_type="nearest")
     plugin = rgb.load_dict(
         {"type": "layered", "int_ior": texture, "base": inner | {"type": "layered"}}
     )
     from urushi.mitsuba.plugins.coats import CoatStack
-    from urushi.mitsuba.reading import probing
 
     si = probing.interaction(WI[:2], np.array([[0.5, 0.25], [0.5, 0.75]]))
     coats = CoatStack(plugin.coats, si, rgb.Bool(True))
@@ -87,14 +84,14 @@ def test_ext_ior_is_kept_where_it_is_given(rgb):
 def normal_map(mi, inner: dict, **switches) -> dict:
     """A `normalmap` that tilts the surface by 17 degrees."""
     normals = np.tile(np.float32([0.64, 0.5, 0.98]), (2, 2, 1))
-    texture = {"type": "bitmap", "bitmap": mi.Bitmap(normals), "raw": True}
+    texture = bitmap(normals)
     return {"type": "normalmap", "normalmap": texture, "inner": inner} | switches
 
 
 def bump_map(mi, inner: dict) -> dict:
     """A `bumpmap` of a slope along u."""
     heights = np.tile(np.arange(8, dtype=np.float32)[:, None] / 8, (8, 1, 1))
-    texture = {"type": "bitmap", "bitmap": mi.Bitmap(heights), "raw": True, "wrap_mode": "mirror"}
+    texture = bitmap(heights, wrap_mode="mirror")
     return {"type": "bumpmap", "heights": texture, "inner": inner, "scale": 0.7}
 
 
@@ -117,7 +114,6 @@ WRAPPERS = {
 def test_metals_and_coats_in_wrappers_keep_their_indices(rgb, wrapper):
     """Below a medium of 1.5 a metal's f is that in air times the ratio of Fresnel's terms at the
     half vector, which no tilt of the normal changes; a coat of 1.5 over it has no interface."""
-    from urushi.mitsuba.reading import probing
     from urushi.mitsuba.reading.below import bsdf_under
 
     uv, index = np.array([[0.3, 0.6], [0.8, 0.2], [0.1, 0.7]]), 1.5 / 1.000277
@@ -133,7 +129,6 @@ def test_metals_and_coats_in_wrappers_keep_their_indices(rgb, wrapper):
 
 def test_coats_over_wrappers_follow_changes(rgb):
     """Of a coat in a `blendbsdf`, as loaded afresh."""
-    from urushi.mitsuba.reading import probing
 
     def blend(sigma_t: float) -> dict:
         inner = {"type": "neural_layered", "int_ior": 1.5, "sigma_t": sigma_t, "base": GOLD}

@@ -2,7 +2,9 @@
 
 import numpy as np
 import pytest
+from tests.mitsuba.probes import bitmap, vector
 
+from urushi.mitsuba.reading import probing
 from urushi.walk import coat, diffuse, simulate
 
 COAT = {"alpha": 0.2, "albedo": 0.7, "sigma_t": 0.8, "g": 0.3}
@@ -17,11 +19,9 @@ def layered(int_ior, ext_ior: float, base: dict | None = None, **extra) -> dict:
 
 def mean_f_cos(mi, bsdf, wi: np.ndarray, wo: np.ndarray, walks: int = 1 << 16):
     """f cos and its standard error from walks at different uv."""
-    from urushi.mitsuba.reading import probing
-
     a, b = (np.tile(w.astype(np.float32), (walks, 1)) for w in (wi, wo))
     si = probing.interaction(a, np.random.default_rng(0).random((walks, 2)))
-    value = bsdf.eval(mi.BSDFContext(), si, mi.Vector3f(np.ascontiguousarray(b.T)))
+    value = bsdf.eval(mi.BSDFContext(), si, vector(b))
     green = value[1].numpy().astype(np.float64)
     return green.mean(), green.std() / np.sqrt(walks)
 
@@ -52,7 +52,7 @@ def test_an_index_of_one_is_no_interface(rgb, name, textured):
     index: float | dict = 1.33
     if textured:
         pixels = np.float32([1.33, 1.33, 1.33, 1.330001]).reshape(2, 2, 1)  # not of one value
-        index = {"type": "bitmap", "bitmap": rgb.Bitmap(pixels), "raw": True}
+        index = bitmap(pixels)
     for depth, tolerance in ((0.0, 0.01), (0.2, 0.04)):
         medium = {"alpha": 0.5, "albedo": 0.0, "sigma_t": depth}
         described = layered(index, 1.33) | {"type": name} | medium

@@ -9,6 +9,7 @@ import pytest
 import urushi
 from urushi.measured import rgl
 from urushi.measured.rgl import srgb_weights
+from urushi.mitsuba.reading import probing
 
 COAT = {"alpha": 0.2, "albedo": 0.8, "sigma_t": 0.7, "g": 0.3}
 
@@ -22,8 +23,6 @@ def pairs(count, seed):
 
 
 def test_values_are_those_of_the_reader(rgb, merl_file):
-    from urushi.mitsuba.reading import probing
-
     wi, wo = pairs(2000, 0)
     bsdf = rgb.load_dict({"type": "measured_brdf", "filename": str(merl_file)})
     f = probing.bsdf_values(bsdf, wi, wo, np.zeros((len(wi), 2)))
@@ -31,8 +30,6 @@ def test_values_are_those_of_the_reader(rgb, merl_file):
 
 
 def test_under_layered_values_agree_with_the_simulation(rgb, merl_file):
-    from urushi.mitsuba.reading import probing
-
     walks, (wi, wo) = 4096, pairs(12, 1)
     bsdf = rgb.load_dict(
         {

@@ -3,8 +3,10 @@
 import drjit as dr
 import numpy as np
 import pytest
+from tests.mitsuba.probes import vector
 
 from urushi.material import Material
+from urushi.mitsuba.reading import probing
 
 COAT = {"alpha": 0.2, "int_ior": 1.4, "albedo": 0.7, "sigma_t": 0.8, "g": 0.3}
 PLUGINS = (
@@ -50,13 +52,11 @@ def describe(networks, saved, merl_file):
 
 def evaluate(bsdf, wi=(0.3, 0.1, 0.9), wo=(-0.5, 0.1, 0.6), count=1, repeat=0.0) -> np.ndarray:
     """f cos (count, channels)."""
-    from urushi.mitsuba.reading import probing
-
     wi, wo = (np.tile(np.float32(w) / np.linalg.norm(w), (count, 1)) for w in (wi, wo))
     import mitsuba as mi
 
     si = probing.interaction(wi, np.random.default_rng(0).random((count, 2)), repeat)
-    value = bsdf.eval(mi.BSDFContext(), si, mi.Vector3f(np.ascontiguousarray(wo.T)))
+    value = bsdf.eval(mi.BSDFContext(), si, vector(wo))
     return np.stack(np.broadcast_arrays(*(channel.numpy() for channel in value)), -1)
 
 

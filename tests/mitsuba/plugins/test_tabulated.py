@@ -3,6 +3,7 @@
 import drjit as dr
 import numpy as np
 import pytest
+from tests.mitsuba.probes import f, vector
 from tests.untrained import untrained
 
 from urushi.core.table import SHAPE
@@ -49,20 +50,13 @@ def loaded(mi, material, folder):
     return mi.load_dict({"type": "neural_brdf", **paths})
 
 
-def evaluated(mi, bsdf, wi, wo) -> np.ndarray:
-    """f (N, 3) of a plugin for pairs above the horizon."""
-    si = dr.zeros(mi.SurfaceInteraction3f, len(wi))
-    si.wi = mi.Vector3f(np.ascontiguousarray(wi.T))
-    f_cos = bsdf.eval(mi.BSDFContext(), si, mi.Vector3f(np.ascontiguousarray(wo.T)))
-    return (f_cos.numpy() / wo.T[2]).T
-
-
 def test_plugins_evaluate_as_numpy_does(rgb, small, random_directions, tmp_path):
     wi, wo = random_directions(500, 1, 0.05), random_directions(500, 2, 0.05)
     wo[:100] = wi[:100] * [-1, -1, 1]
     for material in materials(small):
-        f = evaluated(rgb, loaded(rgb, material, tmp_path), wi, wo)
-        np.testing.assert_allclose(f, np.broadcast_to(material.f(wi, wo), f.shape), rtol=2e-3)
+        found = f(loaded(rgb, material, tmp_path), wi, wo)
+        expected = np.broadcast_to(material.f(wi, wo), found.shape)
+        np.testing.assert_allclose(found, expected, rtol=2e-3)
 
 
 def test_reciprocal_to_the_bit(rgb, small, random_directions):
@@ -74,11 +68,9 @@ def test_reciprocal_to_the_bit(rgb, small, random_directions):
 
     def f(wi, wo) -> np.ndarray:
         si = dr.zeros(rgb.SurfaceInteraction3f, len(wi))
-        si.wi = rgb.Vector3f(np.ascontiguousarray(wi.T))
+        si.wi = vector(wi)
         active = dr.full(rgb.Bool, True, len(wi))
-        channels = latents.f(
-            latents.vertex(si, active), si, rgb.Vector3f(np.ascontiguousarray(wo.T)), active
-        )
+        channels = latents.f(latents.vertex(si, active), si, vector(wo), active)
         return np.stack([channel.numpy() for channel in channels])
 
     np.testing.assert_array_equal(f(*sides), f(*sides[::-1]))
@@ -100,7 +92,7 @@ def test_edited_codes_replace_them(rgb, small, random_directions, tmp_path):
     wi, wo = random_directions(100, 1, 0.05), random_directions(100, 2, 0.05)
     of_codes = Material(edited, small).f(wi, wo)
     # The plugin's table of the codes' rest is in single precision.
-    np.testing.assert_allclose(evaluated(rgb, bsdf, wi, wo), of_codes, rtol=1e-3)
+    np.testing.assert_allclose(f(bsdf, wi, wo), of_codes, rtol=1e-3)
 
 
 def test_frozen_functions_tell_materials_apart(rgb, small, random_directions, tmp_path):
@@ -115,7 +107,7 @@ def test_frozen_functions_tell_materials_apart(rgb, small, random_directions, tm
         si.wi = wi
         return bsdf.eval(rgb.BSDFContext(), si, wo)
 
-    vectors = [rgb.Vector3f(np.ascontiguousarray(w.T)) for w in (wi, wo)]
+    vectors = [vector(w) for w in (wi, wo)]
     for bsdf, material in zip(bsdfs, made, strict=True):
         f = (frozen(bsdf, *vectors).numpy() / wo.T[2]).T
         np.testing.assert_allclose(f, material.f(wi, wo), rtol=2e-3)

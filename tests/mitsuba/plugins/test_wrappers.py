@@ -7,6 +7,9 @@ other side, or mixed. Pictures are compared with those of the walk in the same w
 import drjit as dr
 import numpy as np
 import pytest
+from tests.mitsuba.probes import bitmap, vector
+
+from urushi.mitsuba.reading import probing
 
 COUNT = 2048
 PIXELS = np.random.default_rng(0).uniform(0.1, 0.9, (4, 4, 3)).astype(np.float32)
@@ -16,17 +19,13 @@ PIXELS = np.random.default_rng(0).uniform(0.1, 0.9, (4, 4, 3)).astype(np.float32
 NEAREST = {"filter_type": "nearest"}
 
 
-def bitmap(mi, pixels) -> dict:
-    return {"type": "bitmap", "bitmap": mi.Bitmap(np.float32(pixels)), "raw": True}
-
-
 @pytest.fixture
 def coat(rgb, networks):
     """The dictionary of a textured coat."""
     return {
         "type": "neural_layered",
         "weights": str(networks),
-        "albedo": bitmap(rgb, PIXELS) | NEAREST,
+        "albedo": bitmap(PIXELS) | NEAREST,
         "sigma_t": 0.7,
         "base": {"type": "roughconductor", "alpha": 0.3, "distribution": "ggx"},
     }
@@ -41,8 +40,6 @@ def directions(seed: int, least: float = 0.0) -> np.ndarray:
 
 
 def interaction(mi, wi):
-    from urushi.mitsuba.reading import probing
-
     si = probing.interaction(wi, np.random.default_rng(5).random((COUNT, 2)))
     si.t = 1.0
     return si
@@ -51,7 +48,7 @@ def interaction(mi, wi):
 def evaluate(mi, bsdf, wi, wo) -> np.ndarray:
     """f cos and density of sampling (4, COUNT)."""
     si = interaction(mi, wi)
-    f_cos, pdf = bsdf.eval_pdf(mi.BSDFContext(), si, mi.Vector3f(np.ascontiguousarray(wo.T)))
+    f_cos, pdf = bsdf.eval_pdf(mi.BSDFContext(), si, vector(wo))
     return np.stack([*np.array(f_cos), np.array(pdf)])
 
 
@@ -68,7 +65,7 @@ def test_a_normal_map_tilts_the_frame(rgb, coat):
     mapped = rgb.load_dict(
         {
             "type": "normalmap",
-            "normalmap": bitmap(rgb, pixels),
+            "normalmap": bitmap(pixels),
             "use_shadowing_function": False,
             "inner": coat,
         }
@@ -102,12 +99,12 @@ def scene(mi, bsdf: dict):
 WRAPPERS = {
     "normalmap": lambda mi, inner: {
         "type": "normalmap",
-        "normalmap": bitmap(mi, 0.5 + 0.5 * np.array([[[0.28, 0, 0.96], [0, 0.28, 0.96]]])),
+        "normalmap": bitmap(0.5 + 0.5 * np.array([[[0.28, 0, 0.96], [0, 0.28, 0.96]]])),
         "inner": inner,
     },
     "bumpmap": lambda mi, inner: {
         "type": "bumpmap",
-        "arbitrary": bitmap(mi, 0.3 * PIXELS[..., :1]),
+        "arbitrary": bitmap(0.3 * PIXELS[..., :1]),
         "inner": inner,
     },
     "twosided": lambda mi, inner: {"type": "twosided", "inner": inner},
@@ -132,7 +129,7 @@ def test_pictures_are_those_of_the_walk(rgb, wrapper):
     # The shipped networks and the walk agree within a few percent of the albedo under a white sky,
     # which is the mean over all directions; noise is below 1 % of the mean over 64 pixels.
     coat = {
-        "albedo": bitmap(rgb, PIXELS) | NEAREST,
+        "albedo": bitmap(PIXELS) | NEAREST,
         "alpha": 0.2,
         "sigma_t": 0.7,
         "base": {"type": "roughconductor", "alpha": 0.3, "distribution": "ggx"},
@@ -152,8 +149,6 @@ def test_sampling_in_a_wrapper_has_the_mean_of_its_values(rgb, coat, wrapper):
     bsdf = rgb.load_dict(WRAPPERS[wrapper](rgb, coat))
     count = 1 << 16
     wi = np.tile(np.float32([0.48, 0.0, 0.8773]), (count, 1))
-    from urushi.mitsuba.reading import probing
-
     si = probing.interaction(wi, np.full((count, 2), 0.3))
     si.t = 1.0
     rng = rgb.PCG32(size=count)
@@ -172,8 +167,6 @@ def test_sampling_in_a_wrapper_has_the_mean_of_its_values(rgb, coat, wrapper):
 @pytest.mark.parametrize("plugin", ["layered", "neural_layered"])
 def test_an_opaque_mask_under_a_coat_is_none(rgb, plugin):
     """f is that of the coat over the BSDF in the mask, and other masks transmit light."""
-    from urushi.mitsuba.reading import probing
-
     metal = {"type": "roughconductor", "alpha": 0.3, "distribution": "ggx"}
     masked = {"type": "mask", "inner": metal}
     wi, wo = directions(1), directions(2)

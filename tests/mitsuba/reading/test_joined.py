@@ -3,13 +3,14 @@
 import drjit as dr
 import numpy as np
 import pytest
+from tests.mitsuba.probes import bitmap
 
 COUNT = 1 << 18
 
 
 def texture(mi, channels: int, seed: int = 0):
     data = np.random.default_rng(seed).uniform(0.1, 0.9, (8, 8, channels)).astype(np.float32)
-    return mi.load_dict({"type": "bitmap", "bitmap": mi.Bitmap(data), "raw": True})
+    return mi.load_dict(bitmap(data))
 
 
 def coats(mi) -> dict[str, tuple[dict, set[str]]]:

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from tests.mitsuba.probes import bitmap
 from tests.untrained import untrained
 
 from urushi.checks import CoatParameters
@@ -9,6 +10,7 @@ from urushi.core.probe_pairs import probe_pairs
 from urushi.errors import ParameterError
 from urushi.material.encode import encode
 from urushi.material.energy import limit_albedo
+from urushi.mitsuba.reading import probing
 from urushi.nets import lobe as lobes
 from urushi.nets import weights
 from urushi.nets.weights import Model
@@ -45,14 +47,9 @@ def file(model, tmp_path_factory):
     return path
 
 
-def bitmap(mi, pixels) -> dict:
-    return {"type": "bitmap", "bitmap": mi.Bitmap(np.float32(pixels)), "raw": True}
-
-
 @pytest.mark.parametrize("name", KNOWN)
 def test_a_known_surface_has_the_values_of_the_bsdf(rgb, name):
     from urushi.mitsuba import spectrum
-    from urushi.mitsuba.reading import probing
     from urushi.mitsuba.reading.known import known_surface
 
     bsdf = rgb.load_dict(KNOWN[name])
@@ -69,8 +66,6 @@ def test_a_known_surface_has_the_values_of_the_bsdf(rgb, name):
 
 @pytest.mark.parametrize("kind", ("roughplastic", "pplastic"))
 def test_a_black_plastic_is_the_lobe_that_it_offers(rgb, kind):
-    from urushi.mitsuba.reading import probing
-
     plastic = {"type": kind, "distribution": "ggx", "alpha": 0.2, "int_ior": 1.7}
     black = rgb.load_dict(plastic | {"specular_reflectance": 0.5, "diffuse_reflectance": 0.0})
     uv = np.full((len(WI), 2), 0.5)
@@ -88,8 +83,6 @@ def test_other_bsdfs_are_known_by_their_values_alone(rgb, name):
 
 
 def test_a_bare_bsdf_is_encoded_exactly(rgb, model):
-    from urushi.mitsuba.reading import probing
-
     bsdf = rgb.load_dict(KNOWN["gold"])
     expected = probing.bsdf_values(bsdf, WI, WO, np.full((len(WI), 2), 0.5))
     np.testing.assert_allclose(encode(bsdf, model).f(WI, WO), expected, rtol=5e-4, atol=1e-6)
@@ -104,14 +97,14 @@ def test_every_texel_of_a_surface_is_that_surface(rgb, model, file, name):
     rng = np.random.default_rng(0)
     pixels, widths = rng.integers(1, 5, (6, 8, 3)) / 4, rng.integers(1, 3, (6, 8, 1)) / 4
     base = KNOWN[name] | {
-        "reflectance" if name == "diffuse" else "specular_reflectance": bitmap(rgb, pixels)
+        "reflectance" if name == "diffuse" else "specular_reflectance": bitmap(pixels)
     }
     if name == "diffuse":
         f = np.broadcast_to(pixels[..., None] / np.pi, (*pixels.shape, model.arch.probes))
         codes = model.networks.encode(f, np.float32(lobes.NO_LOBE))
         bottom = limit_albedo(model, codes)
     else:
-        base["alpha"] = bitmap(rgb, widths)
+        base["alpha"] = bitmap(widths)
         none, one = np.zeros_like(pixels), np.ones_like(pixels)
         numbers = widths * one, pixels, pixels, none, 1.5 * one, none
         rest = np.tile(model.networks.empty_rest(), (*pixels.shape, 1))
@@ -139,13 +132,13 @@ def test_textures_without_a_meaning_are_refused(rgb, file, name, value):
     pixels = np.full((2, 2, 3), 0.5)
     pixels[1, 1, 2] = value
     own = "reflectance" if name == "diffuse" else "specular_reflectance"
-    base = KNOWN[name] | {own: bitmap(rgb, pixels)}
+    base = KNOWN[name] | {own: bitmap(pixels)}
     with pytest.raises((ParameterError, RuntimeError), match="is negative or not finite"):
         rgb.load_dict({"type": "neural_layered", "weights": str(file), "base": base})
 
 
 def test_codes_of_textures_have_the_lobes_of_their_coats(rgb, model, file):
-    albedo = bitmap(rgb, np.random.default_rng(0).random((2, 2, 3)))
+    albedo = bitmap(np.random.default_rng(0).random((2, 2, 3)))
     inner = {"type": "neural_layered", "weights": str(file), "albedo": albedo, "sigma_t": 1.0}
     inner["base"] = KNOWN["diffuse"]
     outer = {"type": "neural_layered", "weights": str(file), "alpha": 0.3, "base": inner}
