@@ -13,12 +13,12 @@ import mitsuba as mi
 from urushi.checks import MIN_ALPHA, CoatParameters
 from urushi.core import fresnel
 from urushi.errors import ParameterError
-from urushi.mitsuba.plugins.coats import CoatStack
+from urushi.mitsuba.plugins.stack import CoatStack
 from urushi.mitsuba.reading.axes import check_coat
-from urushi.mitsuba.reading.below import below
 from urushi.mitsuba.reading.grid import nested_objects
 from urushi.mitsuba.reading.known import known_surface
 from urushi.mitsuba.reading.parameters import CoatTextures, nested_bsdf
+from urushi.mitsuba.reading.relative import relative_to
 from urushi.mitsuba.surface import Surface, surface_of
 
 
@@ -117,10 +117,10 @@ class DescribedSurface(Surface):
         inner = surface_of(self._nested)
         if isinstance(inner, type(self)):
             own, *others = inner.coats
-            self.coats += [own.under(self._coat), *others]
+            self.coats += [own.relative_to(self._coat), *others]
             self.bottom = inner.bottom
         else:
-            nested = below(self._nested, self._coat)
+            nested = relative_to(self._nested, self._coat)
             self.bottom = DescribedBottom(nested, self._coat.where, self.PLUGIN)
 
     def _stacks(self, si, active) -> list[StackNumbers]:

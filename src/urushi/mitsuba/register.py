@@ -42,12 +42,12 @@ def _on_variant(new: str, sets: tuple[PluginSet, ...]) -> None:
     if new.startswith("llvm"):
         platform.require_llvm()  # an old LLVM would crash when the first kernel is compiled
     from urushi.material.source import as_source
-    from urushi.mitsuba.reading.below import bsdf_under
     from urushi.mitsuba.reading.bsdf import bsdf_source
+    from urushi.mitsuba.reading.relative import relative_to_index
     from urushi.walk.stack import under
 
     as_source.register(mi.BSDF, bsdf_source)  # for `urushi.encode`
-    under.register(mi.BSDF, bsdf_under)  # for `urushi.layer`
+    under.register(mi.BSDF, relative_to_index)  # for `urushi.layer`
     for each in sets:
         made = each.load() if supported(new) else {}
         for name in each.bsdfs:
@@ -82,12 +82,13 @@ def _refusal(name: str, variant: str) -> Callable:
 
 
 def _load() -> dict[str, Any]:
-    from urushi.mitsuba.plugins.coated import is_dielectric, is_slab
+    from urushi.mitsuba.plugins.coated import is_slab
     from urushi.mitsuba.plugins.layered import Layered
     from urushi.mitsuba.plugins.measured_brdf import MeasuredBRDF
     from urushi.mitsuba.plugins.neural_brdf import NeuralBRDF
     from urushi.mitsuba.plugins.neural_layered import NeuralLayered
     from urushi.mitsuba.plugins.neural_slab import NeuralSlab
+    from urushi.mitsuba.reading.dielectrics import is_dielectric
     from urushi.mitsuba.reading.parameters import nested_bsdf
 
     def coat_or_slab(props):

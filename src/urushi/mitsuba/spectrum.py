@@ -113,6 +113,21 @@ def to_channels(value) -> list:
     return [value[0]] if mi.is_monochromatic else list(value)
 
 
+def color_type() -> type:
+    """The type of the walk's throughputs: a plain float where there is one channel."""
+    return mi.Float if mi.is_monochromatic else mi.Spectrum
+
+
+def as_color(value) -> Any:
+    """A spectrum as `color_type`."""
+    return value[0] if mi.is_monochromatic else value
+
+
+def mean(value) -> Any:
+    """The mean over the channels; a number as it is."""
+    return value if dr.depth_v(value) == 1 else dr.mean(value)
+
+
 def points(uv: np.ndarray) -> "mi.SurfaceInteraction3f":
     """Surface interactions at points uv (M, 2), for textures."""
     si = dr.zeros(mi.SurfaceInteraction3f, len(uv))

@@ -112,8 +112,8 @@ class Surface:
         """What it tells a coat above it; parameters may change it."""
         return KnownSurface()
 
-    def under(self, coat: Any) -> "Surface":
-        """The surface below the medium of a coat (see `reading.below`), of the same textures.
+    def relative_to(self, coat: Any) -> "Surface":
+        """The surface below the medium of a coat (see `reading.relative`), of the same textures.
 
         By default, it is the same there as in air.
         """

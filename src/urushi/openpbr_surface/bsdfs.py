@@ -12,7 +12,7 @@ import mitsuba as mi
 
 from urushi.core.mixture import Mixture
 from urushi.mitsuba.latents.bottoms import NARROW
-from urushi.mitsuba.plugins.coats import Turn, TurnedMixture
+from urushi.mitsuba.plugins.turn import Turn, TurnedMixture
 from urushi.mitsuba.reading.known import known_surface
 from urushi.mitsuba.surface import KnownSurface, bsdf_of
 from urushi.openpbr_surface import model

@@ -16,13 +16,8 @@ import drjit as dr
 import mitsuba as mi
 
 from urushi.errors import ParameterError
-from urushi.mitsuba.plugins.coats import (
-    Turn,
-    TurnedMixture,
-    above_surface,
-    raised,
-    with_far_side,
-)
+from urushi.mitsuba.plugins.turn import Turn, TurnedMixture
+from urushi.mitsuba.plugins.two_sided import above_surface, raised, with_far_side
 from urushi.mitsuba.surface import bsdf_of
 from urushi.openpbr_surface import two_sided
 from urushi.openpbr_surface.bsdfs import OF_COAT, Part, SurfaceProposal

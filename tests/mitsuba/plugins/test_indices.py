@@ -73,7 +73,7 @@ def test_ext_ior_is_kept_where_it_is_given(rgb):
     plugin = rgb.load_dict(
         {"type": "layered", "int_ior": texture, "base": inner | {"type": "layered"}}
     )
-    from urushi.mitsuba.plugins.coats import CoatStack
+    from urushi.mitsuba.plugins.stack import CoatStack
 
     si = probing.interaction(WI[:2], np.array([[0.5, 0.25], [0.5, 0.75]]))
     coats = CoatStack(plugin.coats, si, rgb.Bool(True))
@@ -114,7 +114,7 @@ WRAPPERS = {
 def test_metals_and_coats_in_wrappers_keep_their_indices(rgb, wrapper):
     """Below a medium of 1.5 a metal's f is that in air times the ratio of Fresnel's terms at the
     half vector, which no tilt of the normal changes; a coat of 1.5 over it has no interface."""
-    from urushi.mitsuba.reading.below import bsdf_under
+    from urushi.mitsuba.reading.relative import relative_to_index
 
     uv, index = np.array([[0.3, 0.6], [0.8, 0.2], [0.1, 0.7]]), 1.5 / 1.000277
     cosine = np.sqrt(0.5 + 0.5 * np.sum(WI * WO, axis=1, dtype=np.float64))
@@ -122,7 +122,7 @@ def test_metals_and_coats_in_wrappers_keep_their_indices(rgb, wrapper):
     coat = {"type": "neural_layered", "alpha": 0.4, "int_ior": 1.5, "base": GOLD}
     bare = probing.bsdf_values(rgb.load_dict(WRAPPERS[wrapper](rgb, GOLD)), WI, WO, uv)
     for inner in (GOLD, coat):
-        wrapped = bsdf_under(rgb.load_dict(WRAPPERS[wrapper](rgb, inner)), index)
+        wrapped = relative_to_index(rgb.load_dict(WRAPPERS[wrapper](rgb, inner)), index)
         found = probing.bsdf_values(wrapped, WI, WO, uv)
         np.testing.assert_allclose(found, bare * (medium / air)[:, None], rtol=1e-4)
 

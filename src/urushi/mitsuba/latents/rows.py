@@ -33,10 +33,10 @@ from urushi.mitsuba.reading.axes import (
     WAVELENGTH,
     Varying,
 )
-from urushi.mitsuba.reading.below import below
 from urushi.mitsuba.reading.derived import derived
 from urushi.mitsuba.reading.grid import not_over_uv
 from urushi.mitsuba.reading.known import known_surface
+from urushi.mitsuba.reading.relative import relative_to
 from urushi.mitsuba.reading.replaced import SWITCHES, replaced
 from urushi.nets import lobe as lobes
 from urushi.nets.weights import Model
@@ -183,9 +183,9 @@ class BottomRows:
             constant = any(x.axis.name == INDEX and x.steps for x in self._varying)
             coat = coat.of_index(_row(rows[INDEX] + (coat.eta if constant else 0)))
         if not textures:
-            return self._layer.below if coat is self._layer.coat else below(nested, coat)
+            return self._layer.below if coat is self._layer.coat else relative_to(nested, coat)
         found = replaced(nested, lambda x: textures.get(id(x), x), switches=self._switches)
-        return None if found is None else below(found, coat)
+        return None if found is None else relative_to(found, coat)
 
     def codes(self, values: Mapping[str, np.ndarray], channels: int) -> np.ndarray:
         """Codes (C, k, L) of rows (k,) of values, C one or `channels`."""

@@ -9,23 +9,17 @@ import mitsuba as mi
 from urushi import checks
 from urushi.core.mixture import Mixture
 from urushi.errors import ParameterError
-from urushi.mitsuba.plugins.coats import (
-    BottomLobes,
-    CoatStack,
-    MitsubaBottom,
-    SlabMixture,
-    TurnedMixture,
-    turn_of,
-    turned,
-    walk_color,
-)
+from urushi.mitsuba import spectrum
+from urushi.mitsuba.plugins.bottom_lobes import BottomLobes
 from urushi.mitsuba.plugins.compensation import Compensation
+from urushi.mitsuba.plugins.stack import CoatStack, MitsubaBottom
+from urushi.mitsuba.plugins.turn import TurnedMixture, turn_of, turned
+from urushi.mitsuba.plugins.two_sided import SlabMixture
 from urushi.mitsuba.reading.axes import check_coat
-from urushi.mitsuba.reading.below import (
-    DIELECTRICS,
+from urushi.mitsuba.reading.dielectrics import (
     LowestInterface,
-    below,
     check_dielectric,
+    is_dielectric,
     pane,
 )
 from urushi.mitsuba.reading.parameters import (
@@ -35,6 +29,7 @@ from urushi.mitsuba.reading.parameters import (
     check_rotation,
     nested_bsdf,
 )
+from urushi.mitsuba.reading.relative import relative_to
 from urushi.mitsuba.recording import compiled_once
 from urushi.mitsuba.surface import KnownSurface, Surface, surface_of
 
@@ -42,11 +37,6 @@ from urushi.mitsuba.surface import KnownSurface, Surface, surface_of
 def is_slab(bsdf: "mi.BSDF | None") -> bool:
     """Whether a BSDF is coats over what transmits light, of any plugin."""
     return bsdf is not None and getattr(surface_of(bsdf), "bottom", bsdf) is None
-
-
-def is_dielectric(bsdf: "mi.BSDF | None") -> bool:
-    """Whether a BSDF is one of Mitsuba's dielectrics."""
-    return bsdf is not None and bsdf.class_name() in DIELECTRICS
 
 
 class CoatedSurface(Surface):
@@ -67,23 +57,23 @@ class CoatedSurface(Surface):
     def known(self):
         return KnownSurface(rotated=self._coat.has_rotation)
 
-    def under(self, coat):
-        """See `Surface.under`."""
+    def relative_to(self, coat):
+        """See `Surface.relative_to`."""
         under = self._copy()
-        under._coat = self._coat.under(coat)
+        under._coat = self._coat.relative_to(coat)
         under.coats = [under._coat, *self.coats[1:]]
         return under
 
     def _prepare(self):
         """Check the parameters, flatten nested coats, and estimate the bottom's lobes."""
         check_coat(self._coat)
-        nested: Any = None if self._nested is None else below(self._nested, self._coat)
+        nested: Any = None if self._nested is None else relative_to(self._nested, self._coat)
         inner: Any = None if nested is None else surface_of(nested)
         stacked = isinstance(inner, type(self))
         self.lowest: LowestInterface | None = None
         if is_dielectric(self._nested):
             thin = self._nested.class_name() == "ThinDielectric"
-            self.coats = [self._coat, *([pane(nested).under(self._coat)] if thin else [])]
+            self.coats = [self._coat, *([pane(nested).relative_to(self._coat)] if thin else [])]
             self.lowest, self.bottom = None if thin else LowestInterface(nested), None
         elif stacked or is_slab(nested):
             self.coats = [self._coat, *inner.coats]
@@ -151,7 +141,7 @@ class CoatedSurface(Surface):
                 return self._model(coats, bottom, si, wo, color, active)
 
             if not any(coat.coloured for coat in self.coats):
-                return mi.Spectrum(value(walk_color()))
+                return mi.Spectrum(value(spectrum.color_type()))
             # Every channel has a stack of its own.
             channels = range(dr.size_v(mi.Spectrum))
             return mi.Spectrum(*(value(mi.Float, channel) for channel in channels))

@@ -6,7 +6,7 @@ from urushi.mitsuba import spectrum
 from urushi.mitsuba.latents.axes import AxisLatents
 from urushi.mitsuba.latents.codes import ConstantLatents, Vertex
 from urushi.mitsuba.latents.gradients import DifferentiableLatents
-from urushi.mitsuba.plugins.coats import Turn, TurnedMixture, turned
+from urushi.mitsuba.plugins.turn import Turn, TurnedMixture, turned
 from urushi.mitsuba.surface import KnownSurface, Surface
 from urushi.nets.weights import Model
 

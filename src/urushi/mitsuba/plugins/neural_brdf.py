@@ -12,8 +12,8 @@ from urushi.mitsuba import spectrum
 from urushi.mitsuba.latents.axes import AxisLatents
 from urushi.mitsuba.latents.codes import ConstantLatents
 from urushi.mitsuba.latents.gradients import DifferentiableLatents
-from urushi.mitsuba.plugins.coats import Turn
 from urushi.mitsuba.plugins.encoded import EncodedSurface
+from urushi.mitsuba.plugins.turn import Turn
 from urushi.mitsuba.properties import read_weights, resolve
 from urushi.mitsuba.reading.axes import texel_axes
 from urushi.mitsuba.recording import opaque, owned
@@ -103,8 +103,8 @@ class NeuralBRDF(EncodedSurface):
         else:
             self._material.save(path)
 
-    def under(self, coat):
-        """See `Surface.under`: a material below the medium of a coat, if both are
+    def relative_to(self, coat):
+        """See `Surface.relative_to`: a material below the medium of a coat, if both are
         constant."""
         if self._texture or coat.has_textured_eta:
             return self

@@ -12,11 +12,10 @@ from urushi.mitsuba.latents.axes import AxisLatents
 from urushi.mitsuba.latents.baking import Baker, at_texels
 from urushi.mitsuba.latents.bottoms import Layer
 from urushi.mitsuba.latents.codes import ConstantLatents
-from urushi.mitsuba.plugins.coats import turn_of, turned
 from urushi.mitsuba.plugins.compensation import Compensation
 from urushi.mitsuba.plugins.encoded import EncodedSurface
+from urushi.mitsuba.plugins.turn import turn_of, turned
 from urushi.mitsuba.properties import read_weights
-from urushi.mitsuba.reading.below import below
 from urushi.mitsuba.reading.bsdf import has_two_widths
 from urushi.mitsuba.reading.parameters import (
     COAT_PROPERTIES,
@@ -25,6 +24,7 @@ from urushi.mitsuba.reading.parameters import (
     check_rotation,
     nested_bsdf,
 )
+from urushi.mitsuba.reading.relative import relative_to
 from urushi.mitsuba.surface import surface_of
 from urushi.nets.weights import Model, anisotropic_model, default_model
 from urushi.textures.store import write_texture
@@ -101,13 +101,13 @@ class NeuralLayered(EncodedSurface):
         self._weights = read_weights(props)
         self._resolution = int(resolution)
         self._baker, self._compensation = None, None
-        self._below = below(self._bottom, self._coat)
+        self._below = relative_to(self._bottom, self._coat)
         self._bake()
 
-    def under(self, coat):
-        """See `Surface.under`."""
+    def relative_to(self, coat):
+        """See `Surface.relative_to`."""
         under = self._copy()
-        under._coat, under._baker = self._coat.under(coat), None
+        under._coat, under._baker = self._coat.relative_to(coat), None
         under._bake()
         return under
 
@@ -195,7 +195,7 @@ class NeuralLayered(EncodedSurface):
         if isinstance(nested, NeuralLayered) and self._below is not self._bottom:
             nested._update([])  # it has the bottom's textures
         else:
-            self._below = below(self._bottom, self._coat)
+            self._below = relative_to(self._bottom, self._coat)
         self._bake()
 
     def to_string(self):

@@ -92,7 +92,7 @@ class CoatTextures:
             ratio = checks.eta(int_ior / ext_ior, f"{self.where}: int_ior / ext_ior")
             self.opaque_eta = opaque(float(ratio))
 
-    def under(self, coat: "CoatTextures") -> "CoatTextures":
+    def relative_to(self, coat: "CoatTextures") -> "CoatTextures":
         """The coat below the medium of another; itself if `ext_ior` was given.
 
         Its textures, and the index of the other coat as "ext_ior", are shared.

@@ -4,11 +4,10 @@ import copy
 import functools
 import operator
 from collections.abc import Sequence
-from typing import Any, ClassVar, NamedTuple
+from typing import Any
 
 import drjit as dr
 import mitsuba as mi
-import numpy as np
 
 from urushi.checks import (
     ETA_RANGE,
@@ -21,23 +20,14 @@ from urushi.checks import (
 from urushi.core import fresnel, microfacet
 from urushi.core.microfacet import of_widths
 from urushi.core.mixture import Mixture
-from urushi.mitsuba.reading import probing
-from urushi.mitsuba.reading.parameters import CoatTextures, opaque
-from urushi.walk import slabs
+from urushi.mitsuba import spectrum
+from urushi.mitsuba.plugins.bottom_lobes import BottomLobes, SlabLobes
+from urushi.mitsuba.plugins.two_sided import SlabMixture
+from urushi.mitsuba.reading.parameters import CoatTextures
 from urushi.walk.bottoms.dielectric import Reflector
 
 #: Smallest unnormalised weights of a lobe and of the cosine lobe in a proposal.
 MIN_SHARE, MIN_COSINE_SHARE = 0.02, 0.1
-#: Samples from which a bottom's lobes are estimated.
-SAMPLES = 1 << 14
-#: Ratio of a bottom lobe's two widths from which its lobe in a proposal has both. The estimate of
-#: the ratio has a standard error of about 2 %.
-ANISOTROPIC_RATIO = 1.25
-
-
-def walk_color() -> type:
-    """The type of the walk's throughputs: a plain float where there is one channel."""
-    return mi.Float if mi.is_monochromatic else mi.Spectrum
 
 
 class CoatStack:
@@ -72,7 +62,7 @@ class CoatStack:
             for name in ("albedo", "sigma_t", "g")
         )
 
-    def proposal(self, bottom: "BottomLobes | SlabLobes", cos_i) -> Mixture:
+    def proposal(self, bottom: BottomLobes | SlabLobes, cos_i) -> Mixture:
         """A proposal: one lobe for each interface, two for the bottom, and a cosine lobe.
 
         Lobes from below are widened by refraction at the interfaces above and by their roughness: a
@@ -88,9 +78,9 @@ class CoatStack:
             for alpha in widths:
                 alphas.append(_width_outside(alpha, stretch, blur))
                 shares.append(share if len(widths) == 1 else share / len(widths))
-            passed = dr.exp(-_mean(coat.sigma_t) * (2 / dr.maximum(cos_t, 0.1)))
+            passed = dr.exp(-spectrum.mean(coat.sigma_t) * (2 / dr.maximum(cos_t, 0.1)))
             reached = reached * (1 - reflectance)
-            diffuse += reached * (1 - passed) * _mean(coat.albedo)
+            diffuse += reached * (1 - passed) * spectrum.mean(coat.albedo)
             reached = reached * passed
             cos_i = cos_t
             blur = of_widths(
@@ -98,7 +88,7 @@ class CoatStack:
                     blur + stretch * 2 * dr.square((eta - 1) * alpha)
                 ),
                 blur,
-                widths[0] if len(widths) == 1 else of_widths(_mean, coat.alpha),
+                widths[0] if len(widths) == 1 else of_widths(spectrum.mean, coat.alpha),
             )
             stretch *= eta * eta
         for alpha in bottom.alphas:
@@ -122,7 +112,7 @@ class CoatStack:
         eta = index / functools.reduce(operator.mul, self._etas)
         return Reflector(_width_in_range(alpha), _index_in_range(eta, LEAST_ETA_BELOW))
 
-    def slab_proposal(self, wi, lowest: Reflector) -> "SlabMixture":
+    def slab_proposal(self, wi, lowest: Reflector) -> SlabMixture:
         """A proposal for both sides of a slab over its lowest interface.
 
         Light from below is reflected by the stack turned upside down. A facet tilts light that goes
@@ -131,11 +121,11 @@ class CoatStack:
         cosine, index, spread, depth = dr.abs(wi.z), mi.Float(1), mi.Float(0), mi.Float(0)
         interfaces = [*((coat.alpha, coat.eta) for coat in self._coats), (lowest.alpha, lowest.eta)]
         for alpha, eta in interfaces:
-            width = sum(map(_mean, microfacet.pair(alpha))) / 2
+            width = sum(map(spectrum.mean, microfacet.pair(alpha))) / 2
             spread += dr.square(0.5 * index * (eta - 1) * width)
             index = index * eta
         for coat in self._coats:
-            depth += _mean(coat.sigma_t)
+            depth += spectrum.mean(coat.sigma_t)
         across = dr.select(wi.z > 0, index, 1 / index)
         reflectance, _ = fresnel.dielectric(cosine, across)
 
@@ -192,7 +182,7 @@ class MitsubaBottom:
         return bs.wo, dr.select(valid, self._kept(weight), 0), dr.select(valid, bs.pdf, 0)
 
     def _kept(self, value):
-        return _color(value) if self._channel is None else value[self._channel]
+        return spectrum.as_color(value) if self._channel is None else value[self._channel]
 
     def _interaction(self, wi):
         si = mi.SurfaceInteraction3f(self._si)
@@ -200,185 +190,14 @@ class MitsubaBottom:
         return si
 
 
-class BottomLobes:
-    """Two GGX lobes and the directional albedo of a BSDF at normal incidence, by sampling it.
-
-    For a GGX reflector and wi at the normal, the share q of samples with tan theta_h below t is
-    q = t^2 / (alpha^2 + t^2), so that alpha follows from any quantile. The first and the third
-    quartile of another BSDF give a narrow and a wide lobe. Along one axis, the share with
-    |h.x / h.z| below t is q = t / sqrt(alpha_u^2 + t^2), from which follow the widths of an
-    anisotropic lobe.
-    """
-
-    DRJIT_STRUCT: ClassVar = {"albedo": object, "_alphas": list}  # for frozen functions
-
-    def __init__(self, bsdf: "mi.BSDF"):
-        rng = mi.PCG32(size=SAMPLES)
-        uv = np.random.default_rng(0).random((SAMPLES, 2), np.float32)
-        si = probing.interaction(np.tile([0.0, 0.0, 1.0], (SAMPLES, 1)), uv)
-        u = mi.Point2f(rng.next_float32(), rng.next_float32())
-        bs, weight = bsdf.sample(mi.BSDFContext(), si, rng.next_float32(), u)
-        valid = (bs.pdf > 0) & (bs.wo.z > 0)
-        half = bs.wo + mi.Vector3f(0, 0, 1)
-        tangent = (dr.hypot(half.x, half.y) / half.z).numpy()
-        share = np.where(valid.numpy(), _mean(_color(weight)).numpy(), 0)
-        below = _cumulative(tangent, share)[1]
-        self.albedo = opaque(min(below[-1] / SAMPLES, 1))
-        self._alphas = []  # of each lobe, one width or two
-        for q in (0.25, 0.75):
-            along_axis = (1 - q * q) ** 0.5 / q
-            widths = [
-                width(np.abs(slope.numpy()), share, q, along_axis)
-                for slope in (half.x / half.z, half.y / half.z)
-            ]
-            if max(widths) < ANISOTROPIC_RATIO * min(widths):
-                widths = [width(tangent, share, q, ((1 - q) / q) ** 0.5)]
-            self._alphas.append([opaque(width) for width in widths])
-
-    @property
-    def alphas(self) -> list[Any]:
-        """The widths of the two lobes, `Widths` of those that are anisotropic."""
-        return [alpha[0] if len(alpha) == 1 else Widths(*alpha) for alpha in self._alphas]
-
-
-def _cumulative(tangent: np.ndarray, share: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Tangents in ascending order, and the sums of the weights up to each."""
-    order = np.argsort(tangent)
-    return tangent[order], np.cumsum(share[order])
-
-
-def width(tangent: np.ndarray, share: np.ndarray, q: float, factor: float) -> float:
-    """A GGX width: a factor times the q-quantile of tangents of the given weights."""
-    ascending, below = _cumulative(tangent, share)
-    if below[-1] == 0:
-        return 0.5  # black: the width does not matter
-    return float(ascending[np.searchsorted(below, q * below[-1])] * factor)
-
-
-class SlabLobes(NamedTuple):
-    """The lobes of the lower interface of a slab; see `BottomLobes`."""
-
-    alphas: list[Any]
-    albedo: float = 1.0
-
-
-class SlabMixture(NamedTuple):
-    """A proposal for both sides of a slab."""
-
-    mixture: Mixture  # of reflected directions
-    # Of transmitted directions, as a mirror would reflect them that reflects wi where straight
-    # light goes, mirrored through the slab.
-    passed: Mixture
-    reflected: Any  # the probability of reflection
-    eta: Any  # index on the far side relative to that on wi's
-
-    def pdf(self, wi, wo):
-        """Density of `sample` at wo [1/sr]; zero at the horizon."""
-        reflected = self.reflected * self.mixture.pdf(raised(wi), raised(wo))
-        straight = slabs.straight(raised(wi), self.eta)
-        passed = (1 - self.reflected) * self.passed.pdf(straight, raised(wo))
-        return dr.select(wi.z * wo.z > 0, reflected, passed)
-
-    def sample(self, wi, choice, u):
-        """Draw wo; see `Mixture.sample`."""
-        reflects = choice < self.reflected
-        choice = dr.select(reflects, choice, choice - self.reflected)
-        choice /= dr.select(reflects, self.reflected, 1 - self.reflected)
-        reflected = self.mixture.sample(raised(wi), choice, u)
-        passed = self.passed.sample(slabs.straight(raised(wi), self.eta), choice, u)
-        wo = dr.select(reflects, reflected, passed)
-        return type(wo)(wo.x, wo.y, dr.select((wi.z > 0) == reflects, wo.z, -wo.z))
-
-
-def with_far_side(mixture, through) -> SlabMixture:
-    """A proposal of one side, and a cosine lobe on the other side of wi.
-
-    through: the probability of the other side.
-    """
-    return SlabMixture(mixture, Mixture([0.0, 1.0], [1.0]), 1 - through, 1.0)
-
-
-def raised(w):
-    """A direction, mirrored to the upper side."""
-    return type(w)(w.x, w.y, dr.abs(w.z))
-
-
-def relative(wi, wo):
-    """wo with z > 0 on the side of wi, and the inverse."""
-    return type(wo)(wo.x, wo.y, dr.select(wi.z > 0, wo.z, -wo.z))
-
-
-def above_surface(si):
-    """The interaction seen from the same direction above the surface."""
-    seen = mi.SurfaceInteraction3f(si)
-    seen.wi = raised(si.wi)
-    return seen
-
-
-class TurnedMixture(NamedTuple):
-    """A proposal whose tangent is turned about the normal; see `core.mixture.Mixture`."""
-
-    mixture: Any
-    turn: "Turn"
-
-    def pdf(self, wi, wo):
-        """Density of `sample` at wo [1/sr]."""
-        return self.mixture.pdf(self.turn.inside(wi), self.turn.inside(wo))
-
-    def sample(self, wi, choice, u):
-        """Draw wo; see `Mixture.sample`."""
-        return self.turn.outside(self.mixture.sample(self.turn.inside(wi), choice, u))
-
-
-class Turn(NamedTuple):
-    """A turn of the tangent about the normal, by the sine and the cosine of its angle."""
-
-    sin: Any
-    cos: Any
-
-    @classmethod
-    def of(cls, degrees):
-        """The turn by an angle [degrees]."""
-        return cls(*dr.sincos(degrees * (dr.pi / 180)))
-
-    def inside(self, w):
-        """A direction of the shape's frame, in the turned frame."""
-        return type(w)(self.cos * w.x + self.sin * w.y, self.cos * w.y - self.sin * w.x, w.z)
-
-    def outside(self, w):
-        """A direction of the turned frame, in the shape's."""
-        return Turn(-self.sin, self.cos).inside(w)
-
-    def interaction(self, si):
-        """The interaction in the turned frame."""
-        turned = mi.SurfaceInteraction3f(si)
-        turned.wi = self.inside(si.wi)
-        s, t = si.sh_frame.s, si.sh_frame.t
-        turned.sh_frame.s = self.cos * s + self.sin * t
-        turned.sh_frame.t = self.cos * t - self.sin * s
-        return turned
-
-
-def turn_of(coat: CoatTextures, si, active) -> Turn | None:
-    """The turn of a coat's tangent, if it has one."""
-    if not coat.has_rotation:
-        return None
-    return Turn.of(coat.textures["rotation"].eval_1(si, active))
-
-
-def turned(turn: Turn | None, si: Any, wo: Any) -> tuple[Any, Any]:
-    """The interaction and wo in the turned frame, if there is a turn."""
-    return (si, wo) if turn is None else (turn.interaction(si), turn.inside(wo))
-
-
 def _clipped(coat: CoatParameters) -> CoatParameters:
     """Parameters clipped to their ranges: filters and spectra may leave them."""
     return CoatParameters(
         _width_in_range(coat.alpha),
         _index_in_range(coat.eta),
-        dr.clip(_color(coat.albedo), 0, 1),
-        dr.maximum(_color(coat.sigma_t), 0),
-        dr.clip(_color(coat.g), -0.999, 0.999),
+        dr.clip(spectrum.as_color(coat.albedo), 0, 1),
+        dr.maximum(spectrum.as_color(coat.sigma_t), 0),
+        dr.clip(spectrum.as_color(coat.g), -0.999, 0.999),
     )
 
 
@@ -415,12 +234,3 @@ def channel_widths(alpha: Any) -> list[Any]:
 def _two_widths(alpha: Any) -> Widths:
     """A width as two equal ones; two as they are."""
     return Widths(*microfacet.pair(alpha))
-
-
-def _color(value):
-    return value[0] if mi.is_monochromatic else value
-
-
-def _mean(value):
-    """The mean over the channels; a number as it is."""
-    return value if dr.depth_v(value) == 1 else dr.mean(value)
