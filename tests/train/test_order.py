@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from urushi.train.batches import shuffled
+from urushi.train.layering import shuffled
 
 SIZE = 2413
 
@@ -21,9 +21,9 @@ def test_items_are_shuffled_as_a_whole():
     assert abs(items[:1206].mean() - items.mean()) < 4 * items.std() / np.sqrt(2 * 1206)
 
 
-def test_the_order_is_a_function_of_seed_key_and_place():
-    def take(start, count, seed=0, key=0):
-        return shuffled(SIZE, seed, key)(start, count)
+def test_the_order_is_a_function_of_seed_and_place():
+    def take(start, count, seed=0):
+        return shuffled(SIZE, seed)(start, count)
 
     whole = take(0, 6000)
     for start, count in ((0, 5), (1200, 3000), (2412, 2), (5000, 1000)):
@@ -32,4 +32,3 @@ def test_the_order_is_a_function_of_seed_key_and_place():
     for start in (5000, 2500, 100):
         np.testing.assert_array_equal(backwards(start, 50), whole[start : start + 50])
     assert (take(0, 100, seed=1) != whole[:100]).any()
-    assert (take(0, 100, key=1) != whole[:100]).any()

@@ -105,20 +105,12 @@ def _distinct(
 ) -> tuple[np.ndarray, np.ndarray]:
     """Indices (E,) of channels (D,) under coats (P, D) that differ, and the place (D,) of each
     channel among them. A grey material is computed once."""
-    names: dict[int, bytes] = {}
-    for channel in set(channels.tolist()):
-        alone = below.channels == 1
-        names[channel] = b"" if alone else below.reflector.taken([channel]).contents()
-    known: dict[tuple[bytes, ...], int] = {}
-    first: list[int] = []
-    which: list[int] = []
-    for index, (channel, coat) in enumerate(zip(channels.tolist(), coats.T, strict=True)):
-        key = names[channel], coat.tobytes()
-        if key not in known:
-            known[key] = len(first)
-            first.append(index)
-        which.append(known[key])
-    return np.array(first), np.array(which)
+    one = below.channels == 1
+    names = {k: b"" if one else below.reflector.taken([k]).contents() for k in set(channels)}
+    keys = [(names[k], coat.tobytes()) for k, coat in zip(channels, coats.T, strict=True)]
+    places = {key: place for place, key in enumerate(dict.fromkeys(keys))}
+    which = np.array([places[key] for key in keys])
+    return np.unique(which, return_index=True)[1], which
 
 
 class Jobs(NamedTuple):

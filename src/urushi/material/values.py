@@ -78,11 +78,9 @@ def encode_source(
 
 def material_of_lobes(lobe: np.ndarray, model: Model, channels: int = 3) -> Material:
     """The material of a surface that is its lobes (N,) or (channels, N) alone."""
-    rest = model.networks.empty_rest()
-    codes = [
-        np.concatenate([own, rest]) for own in np.broadcast_to(lobe, (channels, lobe.shape[-1]))
-    ]
-    return Material(np.array(codes, np.float32), model)
+    rest, size = model.networks.empty_rest(), lobe.shape[-1]
+    parts = np.broadcast_to(lobe, (channels, size)), np.tile(rest, (channels, 1))
+    return Material(np.concatenate(parts, axis=1), model)
 
 
 def required_pairs(

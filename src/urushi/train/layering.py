@@ -11,6 +11,7 @@ derivative of ln f. The loss is sqrt(e^2 + q) - e, about
 the error E of the result: stacks that are hard to predict count linearly.
 """
 
+import functools
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
@@ -27,7 +28,6 @@ from urushi.nets.lobe import LOBE_FEATURES
 from urushi.nets.mlp import Params
 from urushi.nets.networks import Architecture
 from urushi.nets.weights import Model
-from urushi.train.batches import shuffled
 
 #: Error below which the loss is quadratic.
 KNEE = 0.01
@@ -139,7 +139,7 @@ def squares(params: Params, arch: Architecture, batch: Layerings) -> Any:
 
 
 def batches(found: Layerings, size: int, seed: int) -> Callable[[int, int], Layerings]:
-    """Batches (steps, size, ...) of `steps` steps from a step on, in shuffled epochs."""
+    """Batches (steps, size, ...) of `steps` steps from a step on, in `shuffled` epochs."""
     order = shuffled(len(found.code), seed)
 
     def taken(step: int, steps: int) -> Layerings:
@@ -147,3 +147,26 @@ def batches(found: Layerings, size: int, seed: int) -> Callable[[int, int], Laye
         return Layerings(*(x[rows].reshape(steps, size, *x.shape[1:]) for x in found))
 
     return taken
+
+
+def shuffled(size: int, seed: int) -> Callable[[int, int], np.ndarray]:
+    """An endless sequence of `size` items: every epoch has each of them once, shuffled anew.
+
+    The result gives the items `start` to `start + count` as indices (count,). It is pure, so that a
+    training that was interrupted continues to the same bits.
+    """
+
+    @functools.lru_cache(1)
+    def order(epoch: int) -> np.ndarray:
+        seeds = np.random.SeedSequence(seed, spawn_key=(0, epoch, 0))
+        return np.random.default_rng(seeds).permutation(size)
+
+    def items(start: int, count: int) -> np.ndarray:
+        found = [np.empty(0, np.int64)]
+        while count:
+            epoch, first = divmod(start, size)
+            found.append(order(epoch)[first : first + count])
+            start, count = start + len(found[-1]), count - len(found[-1])
+        return np.concatenate(found)
+
+    return items

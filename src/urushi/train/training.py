@@ -9,7 +9,7 @@ from collections.abc import Callable
 from dataclasses import replace
 from importlib.metadata import version
 from pathlib import Path
-from typing import Any, Protocol, TypeVar
+from typing import Any
 
 import numpy as np
 from tqdm import tqdm
@@ -36,16 +36,6 @@ RUNS = Path("runs")
 
 #: Every how many of the stacks is held out, for the metrics.
 HELD_OUT = 10
-
-
-class Store(Protocol):
-    """Training data in a folder."""
-
-    def hash(self) -> str:
-        """SHA-256 of specification and data."""
-
-
-AnyStore = TypeVar("AnyStore", bound=Store)
 
 
 def train(
@@ -193,8 +183,8 @@ def prepare(
     out: str | os.PathLike | None,
     run: str | os.PathLike | None,
     resume: bool,
-    generate: Callable[[Any, Path], AnyStore],
-) -> tuple[AnyStore, Journal, Path]:
+    generate: Callable[[Any, Path], TableStore],
+) -> tuple[TableStore, Journal, Path]:
     """The data, the journal and the weights file of a training; the arguments are of `train`.
 
     generate: makes or completes the data of `preset.data` in a folder.
