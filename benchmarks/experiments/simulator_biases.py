@@ -14,7 +14,6 @@ from unittest import mock
 import drjit as dr
 import numpy as np
 from benchmarks.evaluation import benchmark, samples
-from benchmarks.evaluation.benchmark_set import first
 from benchmarks.evaluation.samples import GROUPS
 from benchmarks.experiment import Experiment, Found, Options, Pictures
 from benchmarks.showing import figure, interval, rounded, table
@@ -145,7 +144,7 @@ def albedos(stacks: Sequence[Any], walks: int) -> Found:
     return found
 
 
-def table2(walks: int, stacks: int | None = None) -> Found:
+def table2(walks: int) -> Found:
     """How far each fault would move the values of Table 2 stacks; by the fault's name.
 
     E is the error of the faulty value, `energy` the relative change of sum f cos cos, both over the
@@ -153,18 +152,16 @@ def table2(walks: int, stacks: int | None = None) -> Found:
     walk against the stored values.
     """
     (stored,) = benchmark.read(groups=STACKS).values()
-    count = len(stored.table) if stacks is None else stacks
-    table = first(stored.table, count)
     part = slice(None), slice(None, samples.E_PAIRS)
-    wi, wo = stored.wi[:count][part], stored.wo[:count][part]
+    wi, wo = stored.wi[part], stored.wo[part]
     values = {}
     for name, variant in VARIANTS.items():
         with variant():
-            values[name], _ = samples.walk_all(table, wi, wo, walks, SEED)
+            values[name], _ = samples.walk_all(stored.table, wi, wo, walks, SEED)
     reference = values.pop("right")
     error = partial(samples.error_metrics.stack_error, cos_i=wi[..., 2], cos_o=wo[..., 2])
     weight = samples.error_metrics.energy_weight(wi[..., 2], wo[..., 2])
-    found: Found = {"noise": rounded(error(reference, stored.f[:count][part]))}
+    found: Found = {"noise": rounded(error(reference, stored.f[part]))}
     for name, f in values.items():
         change = (weight * (f - reference)).sum(1) / (weight * reference).sum(1)
         found[name] = {
@@ -174,11 +171,8 @@ def table2(walks: int, stacks: int | None = None) -> Found:
     return found
 
 
-#: The faults in the order of the table, with their labels and colours.
-FAULTS = {
-    "reverse density": ("reverse density", "#d55e00"),
-    "dropped connection": ("dropped connection", "#0072b2"),
-}
+#: The faults in the order of the table, with their colours.
+FAULTS = {"reverse density": "#d55e00", "dropped connection": "#0072b2"}
 
 
 def plot(found: Found, _: Pictures) -> Any:
@@ -196,11 +190,11 @@ def plot(found: Found, _: Pictures) -> Any:
 def draw_furnace(axis, found) -> None:
     """Albedo of stacks without absorption; light is lost to single scattering alone."""
     axis.axhline(1, color="#999999", linewidth=0.8)
-    for name, (label, colour) in {"right": ("right", "#000000"), **FAULTS}.items():
+    for name, colour in {"right": "#000000", **FAULTS}.items():
         # Standard errors are smaller than the markers.
         width = 4 if name == "right" else 1.2
         values = found[name]["albedo"]
-        axis.plot(ALPHAS, values, "o-", color=colour, linewidth=width, markersize=3, label=label)
+        axis.plot(ALPHAS, values, "o-", color=colour, linewidth=width, markersize=3, label=name)
     axis.set(xscale="log", xlabel="alpha of both surfaces")
     axis.set_ylabel(f"integral of f cos θo, θi = {INCIDENT:g}°")
     axis.set_title(f"white furnace, clear coat of eta {ETA:g} over a mirror", fontsize=10)
@@ -211,10 +205,10 @@ def draw_interior(axis, found) -> None:
     """Relative change of the light that was below the coat, over the bottom's width."""
     for depth, line in zip(DEPTHS, ("-", "--"), strict=True):
         part = found[f"depth {depth:g}"]
-        for name, (label, colour) in FAULTS.items():
+        for name, colour in FAULTS.items():
             change = 100 * interior_change(part, found["top"], name)
             medium = f"depth {depth:g}" if depth else "no medium"
-            axis.plot(ALPHAS, change, line, color=colour, label=f"{label}, {medium}")
+            axis.plot(ALPHAS, change, line, color=colour, label=f"{name}, {medium}")
     axis.set(xscale="log", xlabel="alpha of the mirror", ylabel="change of interior light [%]")
     axis.set_title(f"mirror under a coat of alpha {COAT_ALPHA:g}", fontsize=10)
     axis.legend(fontsize=8)
@@ -228,10 +222,10 @@ def interior_change(part, top: float, name: str) -> np.ndarray:
 
 def draw_table2(axis, found) -> None:
     """E of the faulty values, sorted, on a logarithmic axis."""
-    for name, (label, colour) in FAULTS.items():
+    for name, colour in FAULTS.items():
         errors = 100 * np.sort(found[name]["E"])
         share = 100 * (np.arange(len(errors)) + 0.5) / len(errors)
-        axis.plot(np.maximum(errors, 1e-3), share, color=colour, label=label)
+        axis.plot(np.maximum(errors, 1e-3), share, color=colour, label=name)
     noise = 100 * np.mean(found["noise"])
     axis.axvline(noise, color="#999999", linestyle=":", label="right walk against stored values")
     axis.set(xscale="log", xlabel="E [%], at least 0.001", ylabel="stacks with a smaller E [%]")
@@ -243,13 +237,13 @@ def tables(found: Found) -> list[str]:
     """A table: E and the change of energy over the stacks of Table 2."""
     head = ["fault", "E, mean (95 % interval)", "median", "largest", "reflected energy, mean"]
     rows = []
-    for name, (label, _) in FAULTS.items() if "table2" in found else ():
+    for name in FAULTS if "table2" in found else ():
         errors = 100 * np.array(found["table2"][name]["E"])
         energy = 100 * np.mean(found["table2"][name]["energy"])
         low, high = interval(errors)
         rows.append(
             [
-                label,
+                name,
                 f"{errors.mean():.2g} % ({low:.2g} to {high:.2g})",
                 f"{np.median(errors):.2g} %",
                 f"{errors.max():.2g} %",

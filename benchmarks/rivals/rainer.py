@@ -111,23 +111,22 @@ def initial(rng: np.random.Generator, sizes: tuple[int, ...]) -> Layers:
     )
 
 
-def train(f: Brdf, *, passes: int, samples: int, seed: int = 0) -> NeuralBtf:
+def train(f: Brdf, *, passes: int, samples: int) -> NeuralBtf:
     """Train decoder and code of one BRDF, as Rainer et al. 2019 do for one material.
 
     Args:
         f: the BRDF.
         passes: number of passes over all samples.
         samples: number of pairs of directions that are drawn.
-        seed: seed of samples, their order and the initial weights.
     """
-    _, wi, wo = training_pairs(np.random.default_rng(seed), samples)
+    _, wi, wo = training_pairs(np.random.default_rng(0), samples)
     values = np.broadcast_to(np.asarray(f(wi, wo), np.float32), (len(wi), 3))
     data = tuple(jnp.asarray(a) for a in (wi, wo, values))
-    decoder = initial(np.random.default_rng((seed, 1)), decoder_sizes(LATENT_2019))
+    decoder = initial(np.random.default_rng((0, 1)), decoder_sizes(LATENT_2019))
     rule = optax.adam(optax.cosine_decay_schedule(RATES[0], passes * (len(wi) // BATCH)))
     parameters = jax.tree.map(jnp.asarray, (decoder, np.ones(LATENT_2019, np.float32)))
     state = parameters, rule.init(parameters)
-    key = jax.random.key(seed)
+    key = jax.random.key(0)
     for i in range(passes):
         state = _one_pass(rule, state, data, jax.random.fold_in(key, i))
     return NeuralBtf(*jax.tree.map(np.asarray, state[0]))
@@ -154,33 +153,23 @@ class Unified:
         return NeuralBtf(self.decoder, code)
 
 
-def train_unified(
-    wi: np.ndarray,
-    wo: np.ndarray,
-    values: np.ndarray,
-    *,
-    steps: int,
-    latent: int = LATENT_2020,
-    seed: int = 0,
-) -> Unified:
+def train_unified(wi: np.ndarray, wo: np.ndarray, values: np.ndarray, *, steps: int) -> Unified:
     """Train the shared networks on materials.
 
     Args:
         wi, wo: (M, P, 3) unit vectors, other pairs for each material; P is larger than `MEASURED`.
         values: (M, P, 3) [1/sr].
         steps: number of steps of `MATERIALS` materials.
-        latent: numbers of a code.
-        seed: seed of the order and of the initial weights.
     """
-    rng = np.random.default_rng((seed, 1))
+    rng = np.random.default_rng((0, 1))
     first = initial(rng, (7, ENCODER, ENCODER))
-    second = initial(rng, (ENCODER, ENCODER, latent))
-    decoder = initial(rng, decoder_sizes(latent))
+    second = initial(rng, (ENCODER, ENCODER, LATENT_2020))
+    decoder = initial(rng, decoder_sizes(LATENT_2020))
     parameters = jax.tree.map(jnp.asarray, (first, second, decoder))
     rule = optax.adam(optax.cosine_decay_schedule(RATES[1], steps))
     state = parameters, rule.init(parameters)
     data = tuple(jnp.asarray(a, jnp.float32) for a in (wi, wo, values))
-    key = jax.random.key(seed)
+    key = jax.random.key(0)
     for start in range(0, steps, 100):
         keys = jax.random.split(jax.random.fold_in(key, start), min(100, steps - start))
         state = _steps(rule, state, data, keys)

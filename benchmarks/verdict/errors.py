@@ -42,14 +42,9 @@ OVER: tuple[dict[str, Any], ...] = (
 MEASURED_WALKS, MEASURED_TABLE_WALKS = 1 << 13, 64
 
 
-def isotropic(
-    interfaces: int, paper: PaperNetworks, stacks: int = STACKS, fitted: int = FITTED
-) -> dict[str, Any]:
-    """E of each method by stack, its E to the exchange of directions, and CPU seconds of a fit.
-
-    fitted: number of stacks that models are fitted to; 0: fits are left out.
-    """
-    group = Group(f"verdict, {interfaces} interfaces", Table2(interfaces - 1), stacks)
+def isotropic(interfaces: int, paper: PaperNetworks) -> dict[str, Any]:
+    """E of each method by stack, its E to the exchange of directions, and CPU seconds of a fit."""
+    group = Group(f"verdict, {interfaces} interfaces", Table2(interfaces - 1), STACKS)
     held_out = benchmark_set.simulate(group, SEED, only_e=True)
     table, wi, wo = held_out.table, held_out.wi, held_out.wo
     methods = {
@@ -58,9 +53,8 @@ def isotropic(
     }
     methods |= {name: known.of_walk(table, name) for name in known.ESTIMATORS}
     methods |= {name: known.of_rival(table, name) for name in known.RIVALS}
-    if fitted:
-        tables = known.tabulated(table, fitted)
-        methods |= {name: _fits(name, tables) for name in fits.FITTED}
+    tables = known.tabulated(table, FITTED)
+    methods |= {name: _fits(name, tables) for name in fits.FITTED}
     own = samples.stack_errors(held_out.f + held_out.se, held_out)
     found: dict[str, Any] = {"reference": rounded(own)}
     for name, method in methods.items():
@@ -137,7 +131,7 @@ def _over_measured(stack: Stack, materials: dict[str, Any]) -> dict[str, float]:
     return found
 
 
-def laws(paper: PaperNetworks, fitted: tuple[str, ...] = tuple(fits.FITTED)) -> dict[str, float]:
+def laws(paper: PaperNetworks) -> dict[str, float]:
     """The largest albedo of each method over white coated stacks, which reflect at most 1.
 
     That of the walk is by its own directions (`urushi.walk.simulate.albedo`).
@@ -149,7 +143,7 @@ def laws(paper: PaperNetworks, fitted: tuple[str, ...] = tuple(fits.FITTED)) -> 
     found: dict[str, float] = {}
     for alpha in WIDTHS:
         for bottom in (urushi.diffuse(1.0), urushi.conductor(alpha=alpha, r0=1.0)):
-            for name, f in _white(alpha, bottom, paper, fitted).items():
+            for name, f in _white(alpha, bottom, paper).items():
                 for cosine in ALBEDO_COSINES:
                     wi = np.repeat(_tilted((cosine,)), DIRECTIONS, axis=0)
                     # Directions have cosine density: the albedo is pi times the mean of f.
@@ -167,9 +161,7 @@ def _tilted(cosines: tuple[float, ...]) -> np.ndarray:
     return np.stack([np.sqrt(1 - z**2), np.zeros_like(z), z], axis=-1).astype(np.float32)
 
 
-def _white(
-    alpha: float, bottom: Any, paper: PaperNetworks, fitted: tuple[str, ...]
-) -> dict[str, fits.Brdf]:
+def _white(alpha: float, bottom: Any, paper: PaperNetworks) -> dict[str, fits.Brdf]:
     """All methods for a coat without absorption over a white bottom."""
     stack: Stack = urushi.coat(bottom, alpha, 1.5)
     top = urushi.dielectric(alpha=alpha, eta=1.5)
@@ -182,11 +174,7 @@ def _white(
         return lambda wi, wo: known.RIVALS[name].f(stack, wi, wo)
 
     found |= {name: rival(name) for name in known.RIVALS}
-    if fitted:
-        pairs = nodes.node_pairs()
-        f, _ = urushi.simulate(
-            stack, *pairs, walks=known.TABLE_WALKS, seed=known.SEED, progress=False
-        )
-        table = fits.tabulated(f[:, :1])
-        found |= {name: fits.fitted(name, table) for name in fitted}
-    return found
+    pairs = nodes.node_pairs()
+    f, _ = urushi.simulate(stack, *pairs, walks=known.TABLE_WALKS, seed=known.SEED, progress=False)
+    table = fits.tabulated(f[:, :1])
+    return found | {name: fits.fitted(name, table) for name in fits.FITTED}

@@ -99,7 +99,7 @@ def test_an_anisotropic_conductor_comes_back(writers, tmp_path, random_direction
 
     surface = conductor(alpha_u=0.45, alpha_v=0.2, r0=(0.9, 0.6, 0.3))
     path = tmp_path / "brushed.bsdf"
-    fields = writers.rgl_anisotropic_ggx_fields(0.45, 0.2, (0.9, 0.6, 0.3))
+    fields = writers.rgl_ggx_fields((0.45, 0.2), (0.9, 0.6, 0.3), azimuths=24, elevations=40)
     path.write_bytes(writers.tensor_file(fields))
     brdf = load_measured(path)
     wi, wo = random_directions(3000, 9, 0.2), random_directions(3000, 10, 0.2)
@@ -118,7 +118,7 @@ def test_an_anisotropic_conductor_comes_back(writers, tmp_path, random_direction
 
 def test_an_anisotropic_file_is_encoded_by_its_networks(writers, tmp_path):
     paths = [tmp_path / "brushed.bsdf", tmp_path / "plain.bsdf"]
-    fields = writers.rgl_anisotropic_ggx_fields(0.4, 0.2, (0.9, 0.6, 0.3), azimuths=6, elevations=8)
+    fields = writers.rgl_ggx_fields((0.4, 0.2), (0.9, 0.6, 0.3), azimuths=6, elevations=8)
     paths[0].write_bytes(writers.tensor_file(fields))
     paths[1].write_bytes(writers.tensor_file(writers.rgl_ggx_fields(0.3, (0.9, 0.6, 0.3))))
     assert [urushi.encode(load_measured(path)).model.widths for path in paths] == [2, 1]

@@ -21,21 +21,20 @@ def merl_directions():
     return directions_at(*angles)
 
 
-def write_merl(path, rgb, dimensions=(90, 90, 180)):
+def write_merl(path, rgb):
     """Write rgb (bins, 3) [1/sr] as a MERL file."""
     with path.open("wb") as file:
-        np.array(dimensions, "<i4").tofile(file)
+        np.array([90, 90, 180], "<i4").tofile(file)
         (rgb / MERL_SCALE).T.astype("<f8").tofile(file)
     return path
 
 
-def tensor_file(fields, *, version=(1, 0), count=None, forge=None):
+def tensor_file(fields, *, forge=None):
     """The bytes of a tensor file with the given arrays.
 
     forge: maps names to false (shape, type code, offset) in the header; None is the true value.
     """
-    header = b"tensor_file\0" + bytes(version)
-    header += struct.pack("<I", len(fields) if count is None else count)
+    header = b"tensor_file\0\1\0" + struct.pack("<I", len(fields))
     claimed = {name: (forge or {}).get(name, (None, None, None)) for name in fields}
     ranks = [len(claimed[name][0] or np.shape(array)) for name, array in fields.items()]
     start = len(header) + sum(
@@ -82,50 +81,17 @@ def rgl_fields(rng, *, wavelengths=None, size=8, elevations=4, azimuths=None):
     return fields | spectral | {"spectra": colour.astype(np.float32)}
 
 
-def rgl_ggx_fields(alpha, r0, *, wavelengths=None, size=96, elevations=48):
-    """The tensors of a GGX conductor of width alpha with Schlick's reflectances r0 (channels,).
+def rgl_ggx_fields(alpha, r0, *, wavelengths=None, azimuths=None, elevations=48, size=97):
+    """The tensors of a GGX conductor with Schlick's reflectances r0 (channels,).
 
-    `vndf` is uniform, so that its warp is the identity. With sigma = cos_i / G1(wi), the values
-    that the format stores are F(wi.m) G1(wo).
+    alpha: one width, or two of a material that is measured at azimuths of a quarter of a turn.
+    `vndf` is uniform, so that its warp is the identity. With sigma = cos_i / G1(wi), the values that
+    the format stores are F(wi.m) G1(wo).
     """
+    alpha_u, alpha_v = np.broadcast_to(alpha, 2)
     node = np.linspace(0, 1, size)
-    theta_i, theta_m = np.linspace(0, np.pi / 2, elevations), node**2 * np.pi / 2
-    azimuth, i = (2 * node - 1)[:, None] * np.pi, theta_i[:, None, None]
-    m = np.sin(theta_m) * np.cos(azimuth), np.sin(theta_m) * np.sin(azimuth), np.cos(theta_m)
-    cos_d = np.sin(i) * m[0] + np.cos(i) * m[2]  # wi.m, (elevations, azimuth, theta_m)
-    cos_o = np.abs(2 * cos_d * m[2] - np.cos(i))
-    g1 = 2 * cos_o / (cos_o + np.sqrt(alpha**2 + (1 - alpha**2) * cos_o**2))
-    fresnel = np.multiply.outer(1 - np.asarray(r0), (1 - np.maximum(cos_d, 0)) ** 5)
-    fresnel += np.reshape(r0, (-1, 1, 1, 1))
-    colour = np.moveaxis(fresnel * g1, 0, 1)[None].astype(np.float32)
-    cos = np.cos(theta_m)
-    ndf = alpha**2 / (np.pi * (cos**2 * (alpha**2 - 1) + 1) ** 2)
-    sigma = 0.5 * (cos + np.sqrt(alpha**2 + (1 - alpha**2) * cos**2))
-    fields = {
-        "description": np.frombuffer(b"GGX", np.uint8),
-        "phi_i": np.zeros(1, np.float32),
-        "theta_i": theta_i.astype(np.float32),
-        "ndf": np.tile(ndf.astype(np.float32), (2, 1)),
-        "sigma": np.tile(sigma.astype(np.float32), (2, 1)),
-        "vndf": np.ones((1, elevations, 2, 2), np.float32),
-        "luminance": np.ones((1, elevations, 2, 2), np.float32),
-        "jacobian": np.ones(1, np.uint8),
-    }
-    if wavelengths is None:
-        return fields | {"rgb": colour}
-    return fields | {"wavelengths": np.asarray(wavelengths, np.float32), "spectra": colour}
-
-
-def rgl_anisotropic_ggx_fields(alpha_u, alpha_v, r0, *, azimuths=24, elevations=40, size=97):
-    """The tensors of a GGX conductor of two widths with Schlick's reflectances r0 (3,).
-
-    As `rgl_ggx_fields`, at azimuths of a quarter of a turn.
-    """
-    node = np.linspace(0, 1, size)
-    phi_i, theta_i = (
-        np.linspace(-np.pi, -np.pi / 2, azimuths),
-        np.linspace(0, np.pi / 2, elevations),
-    )
+    phi_i = np.zeros(1) if azimuths is None else np.linspace(-np.pi, -np.pi / 2, azimuths)
+    theta_i = np.linspace(0, np.pi / 2, elevations)
     theta_m, phi_m = node**2 * np.pi / 2, (2 * node - 1) * np.pi
 
     def vector(theta, phi):
@@ -133,10 +99,9 @@ def rgl_anisotropic_ggx_fields(alpha_u, alpha_v, r0, *, azimuths=24, elevations=
         return np.stack(np.broadcast_arrays(*parts), axis=-1)
 
     def g1(w):
-        stretched = np.sqrt(
-            (alpha_u * w[..., 0]) ** 2 + (alpha_v * w[..., 1]) ** 2 + w[..., 2] ** 2
-        )
-        return 2 * np.abs(w[..., 2]) / (np.abs(w[..., 2]) + stretched)
+        x, y, z = np.moveaxis(w, -1, 0)
+        stretched = np.sqrt((alpha_u * x) ** 2 + (alpha_v * y) ** 2 + z**2)
+        return 2 * np.abs(z) / (np.abs(z) + stretched)
 
     m = vector(theta_m[None, :], phi_m[:, None])  # (azimuth, elevation, 3)
     wi = vector(theta_i[None, :], phi_i[:, None])[:, :, None, None]
@@ -144,17 +109,24 @@ def rgl_anisotropic_ggx_fields(alpha_u, alpha_v, r0, *, azimuths=24, elevations=
     wo = 2 * cos_d[..., None] * m - wi
     fresnel = np.multiply.outer(1 - np.asarray(r0), (1 - np.maximum(cos_d, 0)) ** 5)
     fresnel += np.reshape(r0, (-1, 1, 1, 1, 1))
+    colour = np.moveaxis(fresnel * g1(wo), 0, 2).astype(np.float32)
     squared = (m[..., 0] / alpha_u) ** 2 + (m[..., 1] / alpha_v) ** 2 + m[..., 2] ** 2
+    ndf = 1 / (np.pi * alpha_u * alpha_v * squared**2)
     above = vector(np.minimum(theta_m, 1.5707)[None, :], phi_m[:, None])
-    flat = (azimuths, elevations, 2, 2)
-    return {
-        "description": np.frombuffer(b"anisotropic GGX", np.uint8),
+    sigma = above[..., 2] / g1(above)
+    if azimuths is None:  # rows are azimuths: those of one do not differ
+        ndf, sigma = (np.tile(x[:1], (2, 1)) for x in (ndf, sigma))
+    flat = np.ones((len(phi_i), elevations, 2, 2), np.float32)
+    fields = {
+        "description": np.frombuffer(b"GGX", np.uint8),
         "phi_i": phi_i.astype(np.float32),
         "theta_i": theta_i.astype(np.float32),
-        "ndf": (1 / (np.pi * alpha_u * alpha_v * squared**2)).astype(np.float32),
-        "sigma": (above[..., 2] / g1(above)).astype(np.float32),
-        "vndf": np.ones(flat, np.float32),
-        "luminance": np.ones(flat, np.float32),
+        "ndf": ndf.astype(np.float32),
+        "sigma": sigma.astype(np.float32),
+        "vndf": flat,
+        "luminance": flat,
         "jacobian": np.ones(1, np.uint8),
-        "rgb": np.moveaxis(fresnel * g1(wo), 0, 2).astype(np.float32),
     }
+    if wavelengths is None:
+        return fields | {"rgb": colour}
+    return fields | {"wavelengths": np.asarray(wavelengths, np.float32), "spectra": colour}
