@@ -62,13 +62,13 @@ class Form:
     Attributes:
         ranges: by name, the least and the greatest value.
         colours: names of the parameters that have one value for each channel.
-        starts: initial values of some parameters; others begin in the middle of their range.
+        initial_guesses: of some parameters; others begin in the middle of their range.
         f: (parameters, wi, wo) -> (N, 3) [1/sr].
     """
 
     ranges: dict[str, tuple[float, float]]
     colours: tuple[str, ...]
-    starts: tuple[dict[str, float], ...]
+    initial_guesses: tuple[dict[str, float], ...]
     f: Callable[[dict[str, Any], np.ndarray, np.ndarray], np.ndarray]
 
     def size(self, channels: int = 3) -> int:
@@ -132,10 +132,10 @@ def fit(form: Form, values: np.ndarray, channels: int = 1) -> Fitted:
         return np.stack(columns, axis=1)
 
     best: tuple[float, Fitted] | None = None
-    for start in form.starts:
+    for guess in form.initial_guesses:
         begin = np.concatenate(
             [
-                np.full(channels if name in form.colours else 1, _share(start, name, limits))
+                np.full(channels if name in form.colours else 1, _share(guess, name, limits))
                 for name, limits in ranges.items()
             ]
         )
@@ -148,10 +148,10 @@ def fit(form: Form, values: np.ndarray, channels: int = 1) -> Fitted:
     return best[1]
 
 
-def _share(start: dict[str, float], name: str, limits: tuple[float, float]) -> float:
+def _share(guess: dict[str, float], name: str, limits: tuple[float, float]) -> float:
     """The place of an initial value in its range, away from both ends."""
     low, high = limits
-    return float(np.clip((start.get(name, (low + high) / 2) - low) / (high - low), 0.02, 0.98))
+    return float(np.clip((guess.get(name, (low + high) / 2) - low) / (high - low), 0.02, 0.98))
 
 
 @cache

@@ -85,8 +85,8 @@ def rgl_ggx_fields(alpha, r0, *, wavelengths=None, azimuths=None, elevations=48,
     """The tensors of a GGX conductor with Schlick's reflectances r0 (channels,).
 
     alpha: one width, or two of a material that is measured at azimuths of a quarter of a turn.
-    `vndf` is uniform, so that its warp is the identity. With sigma = cos_i / G1(wi), the values that
-    the format stores are F(wi.m) G1(wo).
+    `vndf` is uniform, so that its warp is the identity. With sigma = cos_i / G1(wi), the format
+    stores F(wi.m) G1(wo).
     """
     alpha_u, alpha_v = np.broadcast_to(alpha, 2)
     node = np.linspace(0, 1, size)

@@ -1,6 +1,8 @@
 """Baked materials and textures that are saved and loaded again."""
 
 import re
+import shutil
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -29,16 +31,26 @@ def loaded(mi, path, networks):
     return mi.load_dict({"type": "neural_brdf", "filename": str(path), "weights": str(networks)})
 
 
-@pytest.fixture
-def saved(rgb, networks, tmp_path):
-    """A baked texture and its file."""
-    path = tmp_path / "coat.safetensors"
-    shear = rgb.ScalarTransform3f(np.float32([[1.5, 0.25, 0.1], [-0.5, 2.2, 0.3], [0, 0, 1]]))
-    coat = described(rgb, networks, to_uv=shear, wrap_mode="mirror")
+@pytest.fixture(scope="module")
+def baked(networks, tmp_path_factory):
+    """A baked texture and its file, for all tests."""
+    import mitsuba as mi
+
+    mi.set_variant("llvm_ad_rgb")
+    path = tmp_path_factory.mktemp("saved") / "coat.safetensors"
+    shear = mi.ScalarTransform3f(np.float32([[1.5, 0.25, 0.1], [-0.5, 2.2, 0.3], [0, 0, 1]]))
+    coat = described(mi, networks, to_uv=shear, wrap_mode="mirror")
     # A file keeps its ratios: a coat of the plugin does, too, where `ext_ior` is given.
-    bsdf = rgb.load_dict(coat | {"ext_ior": "air", "resolution": 9})
+    bsdf = mi.load_dict(coat | {"ext_ior": "air", "resolution": 9})
     bsdf.save(path)
     return bsdf, path
+
+
+@pytest.fixture
+def saved(rgb, baked, tmp_path):
+    """The texture and a copy of its file."""
+    bsdf, path = baked
+    return bsdf, Path(shutil.copy(path, tmp_path))
 
 
 def test_texels_have_the_codes_of_the_places(rgb, networks, saved):

@@ -199,7 +199,7 @@ def test_replays_use_changed_textures(rgb, networks):
     assert frozen.n_recordings < index  # others are replayed
 
 
-def test_replays_use_textures_that_begin_to_vary(rgb, networks):
+def test_replays_use_textures_that_begin_to_vary(rgb, networks, few_points):
     """Numbers that are constant in a texture are looked up in no other way than by new code."""
     loaded = scene(rgb, coat(rgb, "neural_layered", networks, True))
     parameters = rgb.traverse(loaded)
