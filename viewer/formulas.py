@@ -361,6 +361,7 @@ CONSTANTS: dict[str, str] = {
     "core.quadrature": "POLAR_NODES AZIMUTH_NODES MIN_TANGENT",
     "core.stretched": "FACTORS",
     "core.table": "SHAPE MIN_LOG MAX_LOG MIN_COSINE",
+    "material.albedo_rule": "COSINES AZIMUTHS",
     "material.energy": "MARGIN LEAST_ALBEDO LEAST_REST TINY_FACTOR TINY_FACTOR_ROUNDS",
     "material.layer": "DEEPEST",
     "nets.basis": "EMPTY_GAIN",

@@ -7,7 +7,7 @@
 
 import type { AtPairs, Basis } from "./basis";
 import { Pairs } from "./features";
-import { ENERGY } from "./formulas";
+import { ALBEDO_RULE, ENERGY } from "./formulas";
 import { lobeValues } from "./lobe";
 import { directionRule } from "./quadrature";
 
@@ -16,12 +16,8 @@ const { MARGIN, LEAST_ALBEDO, LEAST_REST, TINY_FACTOR, TINY_FACTOR_ROUNDS } = EN
 /** Largest directional albedo of a code. */
 export const MOST_ALBEDO = 1 - MARGIN;
 
-/** Cosines at which albedos are measured, of two widths at several azimuths. */
-const COSINES = {
-  1: [1, 0.98, 0.925, 0.84, 0.735, 0.62, 0.51, 0.4, 0.315, 0.24, 0.175, 0.13, 0.09, 0.04, 0.013],
-  2: [1, 0.95, 0.84, 0.7, 0.51, 0.36, 0.24, 0.15, 0.09],
-};
-const AZIMUTHS = { 1: [0], 2: [0, 0.25 * Math.PI, 0.5 * Math.PI] };
+/** Directions at which albedos are measured. */
+const { COSINES, AZIMUTHS } = ALBEDO_RULE;
 const SIZES = { 1: { azimuths: 8, slopes: 32 }, 2: { azimuths: 8, slopes: 18 } };
 
 export class EnergyLimit {

@@ -29,6 +29,11 @@ export const STRETCHED = { FACTORS: 5 } as const;
 /** Of `urushi.core.table` of Python. */
 export const TABLE = { SHAPE: [96, 32, 8], MIN_LOG: -25, MAX_LOG: 20, MIN_COSINE: 0.005 } as const;
 
+/** Of `urushi.material.albedo_rule` of Python. */
+export const ALBEDO_RULE = { COSINES: { 1: [1, 0.98, 0.925, 0.84, 0.735, 0.62, 0.51, 0.4, 0.315,
+  0.24, 0.175, 0.13, 0.09, 0.04, 0.013], 2: [1, 0.95, 0.84, 0.7, 0.51, 0.36, 0.24, 0.15, 0.09] },
+  AZIMUTHS: { 1: [0], 2: [0, 0.7853981633974483, 1.5707963267948966] } } as const;
+
 /** Of `urushi.material.energy` of Python. */
 export const ENERGY = { MARGIN: 0.0005, LEAST_ALBEDO: 1e-06, LEAST_REST: 0.005, TINY_FACTOR: 0.001,
   TINY_FACTOR_ROUNDS: 3 } as const;
