@@ -1,6 +1,6 @@
 """Sphinx directive `.. plugin:: NAME`: the doc block of a Mitsuba plugin, from its source.
 
-Plugins are classes, or classes and functions that make them inside functions called `define`, which
+Plugins are classes, functions that make them, or classes inside functions called `define`, which
 autodoc cannot see. Their docstrings are read from the syntax tree of every file below `src/urushi`
 whose folder is called `plugins`: Mitsuba is not imported. The first sentence of a doc
 block ends with the plugin's name in parentheses, such as (``layered``).
@@ -39,11 +39,11 @@ def doc_blocks() -> dict[str, tuple[Path, str]]:
 
 
 def _docstrings(tree: ast.Module) -> Iterator[str]:
-    """Docstrings of classes, and of the classes and functions inside functions called `define`."""
+    """Docstrings of classes and functions, and of those inside functions called `define`."""
     for outer in tree.body:
         define = isinstance(outer, ast.FunctionDef) and outer.name == "define"
         for node in outer.body if define else [outer]:  # type: ignore[attr-defined]
-            if isinstance(node, ast.ClassDef) or (define and isinstance(node, ast.FunctionDef)):
+            if isinstance(node, ast.ClassDef | ast.FunctionDef):
                 yield inspect.cleandoc(ast.get_docstring(node) or "")
 
 

@@ -25,8 +25,7 @@ class InterfaceAlbedo:
     )  # for frozen functions
 
     def __init__(self, eta: float | None, two_widths: bool = False):
-        self._constant = None if eta is None else float(np.clip(eta, 1 / 3, 3))
-        self._two = two_widths
+        self._constant, self._two = eta, two_widths
         known = (anisotropic_albedos if two_widths else albedos).tables(self._constant)
         self._reflected = self._tables(known.reflected)
         self._reflected_mean = self._tables(known.reflected_mean)

@@ -11,10 +11,9 @@ import drjit as dr
 import mitsuba as mi
 
 from urushi.core.mixture import Mixture
-from urushi.mitsuba.latents.bottoms import NARROW
 from urushi.mitsuba.plugins.turn import Turn, TurnedMixture
 from urushi.mitsuba.reading.known import known_surface
-from urushi.mitsuba.surface import KnownSurface, bsdf_of
+from urushi.mitsuba.surface import KnownSurface, Surface, bsdf_of
 from urushi.openpbr_surface import model
 from urushi.openpbr_surface.compensation import Compensation
 from urushi.openpbr_surface.film import NAMES as film_parameters
@@ -91,179 +90,147 @@ def with_cosine(density, wo, share: float):
     return (1 - share) * density + share * (wo.z * dr.inv_pi)
 
 
-def define(proposal_bsdf: type) -> tuple[type, type]:
-    """The classes of base and surface; proposal_bsdf: `mitsuba.surface.Surface`."""
+class OpenPBRBase(Surface):
+    """The base without coat and fuzz, for directions in the medium above it."""
 
-    class OpenPBRBase(proposal_bsdf):
-        """The base without coat and fuzz, for directions in the medium above it."""
+    def __init__(self, inputs: Inputs, under_coat: bool):
+        """Take the parameters; under_coat: see `model.Base`."""
+        self._inputs, self._under_coat = inputs, under_coat
+        self._model = model.Base(inputs, under_coat)
+        super().__init__(mi.Properties("openpbr_base"), inputs.where)
 
-        def __init__(self, inputs: Inputs, under_coat: bool, recoloured: bool = False):
-            """Take the parameters; under_coat, recoloured: see `model.Base`."""
-            self._inputs, self._options = inputs, (under_coat, recoloured)
-            self._model = model.Base(inputs, under_coat, recoloured)
-            super().__init__(mi.Properties("openpbr_base"), inputs.where)
+    def _vertex(self, si, active):
+        return self._model.vertex(si, active)
 
-        def _vertex(self, si, active):
-            return self._model.vertex(si, active)
+    def _f(self, vertex, ctx, si, wo, active):
+        return mi.Spectrum(self._model.f(vertex, si, wo, active))  # walks ask for this type
 
-        def _f(self, vertex, ctx, si, wo, active):
-            return mi.Spectrum(self._model.f(vertex, si, wo, active))  # walks ask for this type
+    def _proposal(self, vertex, si, active):
+        share = mi.Float(1 - MIN_SHARE)
+        if not self._model.only_metal:
+            reflected = self._model.reflected(si.wi, vertex)
+            color = dr.mean(vertex.color)
+            share = reflected / (reflected + (1 - reflected) * color + 1e-4)
+            share = dr.lerp(share, 1, vertex.share)
+            share = dr.clip(share, MIN_SHARE, 1 - MIN_SHARE)
+        return Mixture([share, 1 - share], [vertex.widths])
 
-        def _proposal(self, vertex, si, active):
-            share = mi.Float(1 - MIN_SHARE)
-            if not self._model.only_metal:
-                reflected = self._model.reflected(si.wi, vertex)
-                color = dr.mean(vertex.color)
-                share = reflected / (reflected + (1 - reflected) * color + 1e-4)
-                share = dr.lerp(share, 1, vertex.share)
-                share = dr.clip(share, MIN_SHARE, 1 - MIN_SHARE)
-            return Mixture([share, 1 - share], [vertex.widths])
+    def known(self):
+        return KnownSurface(lobes=self._model.lobes, table_source=lambda: self)
 
-        def known(self):
-            return KnownSurface(lobes=self._model.lobes, table_source=self._exact)
+    def replaced(self, replacement):
+        """See `Surface.replaced`."""
+        inputs = self._inputs.with_textures(replacement)
+        return bsdf_of(type(self)(inputs, self._under_coat))
 
-        def _exact(self):
-            """The base with its film; None: a lobe beside the table would not have its colours."""
-            if not self._model.film:
-                return self
-            inputs, bias = self._inputs, "specular_roughness_anisotropy"
-            constant = inputs.is_uniform((*self.names, bias)) and inputs.middle(bias) == 0
-            if not constant or inputs.middle("specular_roughness") < NARROW**0.5:
-                return None
-            return bsdf_of(type(self)(inputs, self._options[0]))
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The parameters that it reads."""
+        return (*self._model.names, *(film_parameters if self._model.film else ()))
 
-        def replaced(self, replacement):
-            """See `Surface.replaced`."""
-            inputs = self._inputs.with_textures(replacement)
-            return bsdf_of(type(self)(inputs, *self._options))
+    def traverse(self, callback):
+        self._inputs.traverse(callback, self.names)
 
-        def below_coat(self, f, si, wo, active):
-            """f [1/sr] of a coat over this base, with the film's change of colour."""
-            film = self._model.film
-            return film.below_coat(f, self._vertex(si, active), si, wo, active) if film else f
+    def to_string(self):
+        return "OpenPBRBase[]"
 
-        @property
-        def names(self) -> tuple[str, ...]:
-            """The parameters that it reads."""
-            return (*self._model.names, *(film_parameters if self._model.film else ()))
 
-        def traverse(self, callback):
-            self._inputs.traverse(callback, self.names)
+class OpenPBRSurface(Surface):
+    """Mixes BRDFs: (1 - coat_weight) base + coat_weight coated, and fuzz above both."""
 
-        def to_string(self):
-            return "OpenPBRBase[]"
+    def __init__(self, inputs: Inputs, make: Callable[[Inputs], Layers]):
+        """Make the layers; make: returns those that parameters need."""
+        self._inputs, self._make = inputs, make
+        self._turned = "geometry_tangent" in inputs.maps
+        self._configure(make(inputs))
+        super().__init__(mi.Properties("openpbr"), inputs.where)
 
-    class OpenPBRSurface(proposal_bsdf):
-        """Mixes BRDFs: (1 - coat_weight) base + coat_weight coated, and fuzz above both."""
+    def _configure(self, layers: Layers):
+        self._layers, inputs = layers, self._inputs
+        self._base, self._coated = layers.base, layers.coated
+        self._compensation = layers.compensation
+        self._fuzz = not inputs.is_constant("fuzz_weight", 0)
+        # A coat without an interface, of index one, is its medium alone.
+        no_interface = inputs.is_constant("coat_ior", 1) and self._coated is None
+        self._absorbs = no_interface and not (
+            inputs.is_constant("coat_weight", 0) or inputs.is_constant("coat_color", 1)
+        )
+        # Share of the cosine lobe, which is sampled besides the parts.
+        self._diffuse = DIFFUSE_SHARE if self._fuzz or self._compensation else 0.0
+        self._version = inputs.version
 
-        def __init__(self, inputs: Inputs, make: Callable[[Inputs], Layers]):
-            """Make the layers; make: returns those that parameters need."""
-            self._inputs, self._make = inputs, make
-            self._turned = "geometry_tangent" in inputs.maps
-            self._configure(make(inputs))
-            super().__init__(mi.Properties("openpbr"), inputs.where)
+    def _vertex(self, si, active):
+        turn = None
+        if self._turned:
+            turn = Turn(*self._inputs.tangent(si, active))
+            si = turn.interaction(si)
+        bsdfs = [part for part in (self._base, self._coated) if part is not None]
+        weights: list[Any] = [mi.Float(1)]
+        if len(bsdfs) == 2:
+            weight = self._inputs.number("coat_weight", si, active)
+            weights = [1 - weight, weight]
+        parts = [
+            Part(bsdf, bsdf._vertex(si, active), weight)
+            for bsdf, weight in zip(bsdfs, weights, strict=True)
+        ]
+        compensation = self._compensation.vertex(si, active) if self._compensation else None
+        fuzz = model.fuzz_at(self._inputs, si, active) if self._fuzz else None
+        return Vertex(turn, parts, compensation, fuzz)
 
-        def _configure(self, layers: Layers):
-            self._layers, inputs = layers, self._inputs
-            self._base, self._coated = layers.base, layers.coated
-            self._compensation = layers.compensation
-            self._fuzz = not inputs.is_constant("fuzz_weight", 0)
-            # A coat without an interface, of index one, is its medium alone.
-            no_interface = inputs.is_constant("coat_ior", 1) and self._coated is None
-            self._absorbs = no_interface and not (
-                inputs.is_constant("coat_weight", 0) or inputs.is_constant("coat_color", 1)
-            )
-            # Share of the cosine lobe, which is sampled besides the parts.
-            self._diffuse = DIFFUSE_SHARE if self._fuzz or self._compensation else 0.0
-            self._version = inputs.version
-            self._choose_film()
+    def _f_and_pdf(self, vertex, ctx, si, wo, active):
+        if vertex.turn:
+            si, wo = vertex.turn.interaction(si), vertex.turn.inside(wo)
+        f, pdf = mi.Spectrum(0), mi.Float(0)
+        for part in vertex.parts:
+            own, density = part.bsdf._f_and_pdf(part.vertex, ctx, si, wo, active)
+            if part.bsdf is self._coated and self._compensation:
+                own = self._compensation.completed(vertex.compensation, own, wo)
+            f += part.weight * own
+            pdf += part.weight * density
+        if self._absorbs:
+            f = model.absorbed(self._inputs, f, si, wo, active)
+        if vertex.fuzz:
+            f = model.under_fuzz(vertex.fuzz, f, ctx, si, wo)
+        return f, with_cosine(pdf, wo, self._diffuse)
 
-        def _choose_film(self):
-            """Whether the film of what is coated follows from `FilmFresnel.below_coat`."""
-            latents = None if self._coated is None else known_surface(self._coated).latents
-            self._recoloured = latents is not None and (
-                latents.model.widths == 2 or self._layers.below.known().table_source() is None
-            )
+    def _proposal(self, vertex, si, active):
+        if vertex.turn:
+            si = vertex.turn.interaction(si)
+        proposals = [
+            (part.bsdf._proposal(part.vertex, si, active), part.weight) for part in vertex.parts
+        ]
+        proposal = SurfaceProposal(proposals, self._diffuse)
+        return TurnedMixture(proposal, vertex.turn) if vertex.turn else proposal
 
-        def _vertex(self, si, active):
-            turn = None
-            if self._turned:
-                turn = Turn(*self._inputs.tangent(si, active))
-                si = turn.interaction(si)
-            bsdfs = [part for part in (self._base, self._coated) if part is not None]
-            weights: list[Any] = [mi.Float(1)]
-            if len(bsdfs) == 2:
-                weight = self._inputs.number("coat_weight", si, active)
-                weights = [1 - weight, weight]
-            parts = [
-                Part(bsdf, bsdf._vertex(si, active), weight)
-                for bsdf, weight in zip(bsdfs, weights, strict=True)
-            ]
-            compensation = self._compensation.vertex(si, active) if self._compensation else None
-            fuzz = model.fuzz_at(self._inputs, si, active) if self._fuzz else None
-            return Vertex(turn, parts, compensation, fuzz)
+    def known(self):
+        if self._coated or self._fuzz or self._absorbs or self._turned:
+            return KnownSurface()
+        return replace(known_surface(self._base), table_source=lambda: self)
 
-        def _f_and_pdf(self, vertex, ctx, si, wo, active):
-            if vertex.turn:
-                si, wo = vertex.turn.interaction(si), vertex.turn.inside(wo)
-            f, pdf = mi.Spectrum(0), mi.Float(0)
-            for part in vertex.parts:
-                own, density = part.bsdf._f_and_pdf(part.vertex, ctx, si, wo, active)
-                if part.bsdf is self._coated:
-                    if self._recoloured:
-                        own = self._layers.below.below_coat(own, si, wo, active)
-                    if self._compensation:
-                        own = self._compensation.completed(vertex.compensation, own, wo)
-                f += part.weight * own
-                pdf += part.weight * density
-            if self._absorbs:
-                f = model.absorbed(self._inputs, f, si, wo, active)
-            if vertex.fuzz:
-                f = model.under_fuzz(vertex.fuzz, f, ctx, si, wo)
-            return f, with_cosine(pdf, wo, self._diffuse)
+    def replaced(self, replacement):
+        """See `Surface.replaced`."""
+        return bsdf_of(type(self)(self._inputs.with_textures(replacement), self._make))
 
-        def _proposal(self, vertex, si, active):
-            if vertex.turn:
-                si = vertex.turn.interaction(si)
-            proposals = [
-                (part.bsdf._proposal(part.vertex, si, active), part.weight) for part in vertex.parts
-            ]
-            proposal = SurfaceProposal(proposals, self._diffuse)
-            return TurnedMixture(proposal, vertex.turn) if vertex.turn else proposal
+    names = NAMES
 
-        def known(self):
-            base, hidden = self._base, self._coated or self._fuzz or self._absorbs or self._turned
-            if hidden or base._model.film:
-                return KnownSurface()
-            return replace(known_surface(base), table_source=lambda: self)
+    def traverse(self, callback):
+        # Walks have no derivatives.
+        walks = self._coated is not None and known_surface(self._coated).latents is None
+        self._inputs.traverse(callback, self.names, self.names if walks else ())
 
-        def replaced(self, replacement):
-            """See `Surface.replaced`."""
-            return bsdf_of(type(self)(self._inputs.with_textures(replacement), self._make))
+    def _update(self, keys):
+        self._inputs.refresh()
+        renewed = self._version != self._inputs.version
+        if keys and all(key.startswith("fuzz") for key in keys):
+            if renewed:
+                self._configure(self._layers)
+            return
+        if renewed or (self._compensation and not self._compensation.is_current):
+            self._configure(self._make(self._inputs))
+        elif self._coated is not None:
+            base = not keys or not {*keys}.isdisjoint(self._layers.below.names)
+            self._coated.parameters_changed(["bottom"] if base else list(OF_COAT))
 
-        names = NAMES
-
-        def traverse(self, callback):
-            # Walks have no derivatives.
-            walks = self._coated is not None and known_surface(self._coated).latents is None
-            self._inputs.traverse(callback, self.names, self.names if walks else ())
-
-        def _update(self, keys):
-            self._inputs.refresh()
-            renewed = self._version != self._inputs.version
-            if keys and all(key.startswith("fuzz") for key in keys):
-                if renewed:
-                    self._configure(self._layers)
-                return
-            if renewed or (self._compensation and not self._compensation.is_current):
-                self._configure(self._make(self._inputs))
-            elif self._coated is not None:
-                base = not keys or not {*keys}.isdisjoint(self._layers.below.names)
-                self._coated.parameters_changed(["bottom"] if base else list(OF_COAT))
-                self._choose_film()
-
-        def to_string(self):
-            parts = "\n".join(f"{part}," for part in (self._base, self._coated) if part)
-            return "OpenPBR[\n  " + parts.replace("\n", "\n  ") + "\n]"
-
-    return OpenPBRBase, OpenPBRSurface
+    def to_string(self):
+        parts = "\n".join(f"{part}," for part in (self._base, self._coated) if part)
+        return "OpenPBR[\n  " + parts.replace("\n", "\n  ") + "\n]"

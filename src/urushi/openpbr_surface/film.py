@@ -12,12 +12,12 @@ import drjit as dr
 import mitsuba as mi
 import numpy as np
 
-from urushi.checks import Widths
-from urushi.core import albedos, fresnel, microfacet
+from urushi.core import albedos, fresnel
 from urushi.core.namespace import DRJIT
 from urushi.core.quadrature import gauss
 from urushi.material.crossing import in_plane, mirrored
 from urushi.mitsuba.interface_albedo import InterfaceAlbedo, Interpolated, coordinates
+from urushi.mitsuba.recording import compiled_once
 from urushi.openpbr_surface import formulas, thin_film
 from urushi.openpbr_surface.inputs import Inputs
 from urushi.openpbr_surface.lookups import MirrorAlbedo
@@ -27,9 +27,6 @@ NAMES = ("thin_film_weight", "thin_film_thickness", "thin_film_ior")
 
 #: The parameters on which the film's relative index depends.
 _INDICES = ("thin_film_ior", "coat_ior", "coat_weight")
-
-#: Cosines inside a coat of light from above.
-_COAT_COSINES = (1.0, 0.9, 0.8, 0.7)
 
 #: Least reflectance in a division.
 _LEAST = 1e-4
@@ -66,7 +63,7 @@ class FilmFresnel:
     def metal(self, cosine, f0, tint, bare, si, active):
         """The term of a metal of `bare` reflectance without film, a spectrum."""
         film, values = self._film(si, active), []
-        for i, response in enumerate(self._responses(si)):
+        for i, response in enumerate(self._responses(si.wavelengths)):
             below = thin_film.metal_index(f0[i], tint[i], DRJIT)
             values.append(thin_film.reflectance(cosine, film, below, response, DRJIT))
         return dr.lerp(mi.Spectrum(bare), mi.Spectrum(*values), self._weight(si, active))
@@ -89,58 +86,21 @@ class FilmFresnel:
             total += (more - less) / dr.maximum(self._mirror.seen_mean(alpha), _LEAST)
         elif self._total:
             more, less = (self._total.reflected(cosine, alpha, index) for index in (edge, eta))
-            seen = self._mirror.seen(mi.Vector3f(0, 0, cosine), alpha)
+            seen = self._mirror.seen(cosine, alpha)
             total += (more - less) / dr.maximum(seen, _LEAST)
         return self._weight(si, active) * total
 
     def _filmed(self, cosine, film, eta, si):
         """Reflectance of a dielectric under the film, a spectrum."""
-        below = thin_film.Below(eta)
-        return mi.Spectrum(
-            *(thin_film.reflectance(cosine, film, below, x, DRJIT) for x in self._responses(si))
-        )
 
-    def metal_in_coat(self, f0, tint, si, active):
-        """The mean of `metal` over the angles that light from above has in a coat, a spectrum.
+        def filmed(cosine, eta, wavelengths, *film):
+            layer, below = thin_film.Film(*film), thin_film.Below(eta)
+            responses = self._responses(wavelengths)
+            values = [thin_film.reflectance(cosine, layer, below, x, DRJIT) for x in responses]
+            return mi.Spectrum(*values)
 
-        Networks take it for a filmed metal's reflectance at normal incidence.
-        """
-        total = mi.Spectrum(0)
-        for cosine in _COAT_COSINES:
-            c = mi.Float(cosine)
-            total += self.metal(c, f0, tint, fresnel.f82(c, f0, tint, DRJIT), si, active)
-        return total / len(_COAT_COSINES)
-
-    def below_coat(self, f, base, si, wo, active):
-        """f [1/sr] by codes of a coat over a base, with its film.
-
-        Codes are those of a dielectric without its film, and of a filmed metal by its mean
-        reflectance `metal_in_coat`. The light from the base is multiplied by f of the base with
-        film over f of the encoded base, both at the directions refracted by a smooth coat. The
-        factor is symmetric in si.wi and wo.
-
-        base: the base's vertex.
-        """
-        inputs, eta = self._inputs, base.eta
-        index = dr.maximum(inputs.number("coat_ior", si, active), formulas.LEAST_INDEX)
-        coat = inputs.widths("coat", si, active)
-        lobe, cosine = microfacet.reflection_lobe(si.wi, wo, coat)
-        top = dr.minimum(f, lobe * fresnel.dielectric(dr.abs(cosine), index)[0])
-        wi, wo = (_refracted(w, index) for w in (si.wi, wo))
-        lobe, cosine = microfacet.reflection_lobe(wi, wo, _blurred(base.widths, coat, index))
-        c = dr.clip(cosine, 0, 1)
-
-        color, tint = base.color, base.tint
-        f0 = self.metal_in_coat(color, tint, si, active)
-        coded = base.mixed(fresnel.dielectric(c, eta)[0], fresnel.f82(c, f0, tint, DRJIT))
-        bare = fresnel.f82(c, color, tint, DRJIT)
-        film = base.mixed(
-            self.dielectric(c, eta, si, active), self.metal(c, color, tint, bare, si, active)
-        )
-        # Far from a metal's lobe the quotient is one.
-        others = (1 - base.share) * dr.inv_pi * color + _LEAST
-        quotient = (lobe * film + others) / (lobe * coded + others)
-        return top + (f - top) * quotient
+        given = (mi.Float(x) for x in film)
+        return compiled_once(filmed, mi.Float(cosine), mi.Float(eta), si.wavelengths, *given)
 
     def _weight(self, si, active):
         return self._inputs.number("thin_film_weight", si, active)
@@ -151,31 +111,12 @@ class FilmFresnel:
         relative = formulas.relative_index(ior, coat_ior, coat, DRJIT)
         return thin_film.Film(relative, dr.maximum(ior, formulas.LEAST_INDEX), thickness)
 
-    def _responses(self, si):
+    def _responses(self, wavelengths):
         if mi.is_monochromatic:
             return [thin_film.LUMINANCE]
         if mi.is_spectral:
-            return [thin_film.wavelength_response(x) for x in si.wavelengths]
+            return [thin_film.wavelength_response(x) for x in wavelengths]
         return thin_film.RGB
-
-
-def _refracted(w, index):
-    """A direction in a coat of an index, from w above it."""
-    return mi.Vector3f(
-        w.x / index, w.y / index, dr.safe_sqrt(1 - (1 - w.z * w.z) / (index * index))
-    )
-
-
-def _blurred(widths, coat, index):
-    """The width of a lobe below a coat of other widths, as slopes in the coat.
-
-    Facets of a slope s turn refracted light by (1 - 1 / index) s, twice, and a reflecting facet by
-    twice its slope (Belcour 2018, section 4).
-    """
-    turned = dr.square(1 - 1 / index) / 2
-    pairs = zip(microfacet.pair(widths), microfacet.pair(coat), strict=True)
-    u, v = (dr.clip(dr.sqrt(a * a + turned * b * b), 0.01, 1) for a, b in pairs)
-    return Widths(u, v)
 
 
 @functools.cache

@@ -9,11 +9,11 @@ from typing import ClassVar
 import drjit as dr
 import numpy as np
 
-from urushi.core import albedos, anisotropic_albedos
+from urushi.core import albedos
 from urushi.core.albedos import between_nodes, indexnodes
 from urushi.core.facets import MIRROR, multiple_albedo, multiple_lobe
 from urushi.core.namespace import DRJIT
-from urushi.mitsuba.interface_albedo import Interpolated, coordinates
+from urushi.mitsuba.interface_albedo import InterfaceAlbedo, Interpolated, coordinates
 from urushi.openpbr_surface import formulas
 
 #: Lower bound of the share of light that leaves the slab at once; an index of 10 gives more.
@@ -56,28 +56,19 @@ def slab_tables(eta: float | None = None) -> tuple[np.ndarray, np.ndarray]:
     return np.stack([inside, excess], axis=-1).astype(np.float32), mean.astype(np.float32)
 
 
-class MirrorAlbedo:
-    """Directional albedos of GGX facets that reflect all light.
-
-    two_widths: whether their widths are `Widths`.
-    """
-
-    DRJIT_STRUCT: ClassVar = {"_albedo": object, "_mean": object}  # for frozen functions
+class MirrorAlbedo(InterfaceAlbedo):
+    """Directional albedos of GGX facets that reflect all light."""
 
     def __init__(self, two_widths: bool = False):
-        self._two = two_widths
-        known = (anisotropic_albedos if two_widths else albedos).tables(MIRROR)
-        self._albedo, self._mean = (
-            Interpolated(x[0, ..., None]) for x in (known.reflected, known.reflected_mean)
-        )
+        super().__init__(MIRROR, two_widths)
 
     def seen(self, w, widths):
         """Share of the light from a direction that one reflection by the facets lets leave."""
-        return self._albedo([dr.safe_sqrt(w.z), *self._at(w, widths)])[0]
+        return self.reflected(w, widths, MIRROR)
 
     def seen_mean(self, widths):
         """The cosine-weighted mean of `seen` over the hemisphere."""
-        return self._mean(self._at(None, widths))[0]
+        return self.reflected_mean(widths, MIRROR)
 
     def lost(self, seen_i, seen_o, widths, fresnel_mean):
         """The lobe [1/sr] of `facets.multiple_lobe`; seen_i, seen_o: `seen` of both directions."""
@@ -86,11 +77,6 @@ class MirrorAlbedo:
     def multiple(self, fresnel_mean, widths):
         """The albedo of light that facets of a mean Fresnel term reflect more than once."""
         return multiple_albedo(fresnel_mean, self.seen_mean(widths))
-
-    def _at(self, w, widths) -> list:
-        if self._two:
-            return anisotropic_albedos.coordinates(w, widths, DRJIT)
-        return [albedos.roughness_coordinate(widths, DRJIT)]
 
 
 class RoughSlab:
@@ -108,8 +94,7 @@ class RoughSlab:
     DRJIT_STRUCT: ClassVar = {"_table": object, "_mean": object}  # for frozen functions
 
     def __init__(self, eta: float | None):
-        self._constant = None if eta is None else float(np.clip(eta, 1 / 3, 3))
-        known = slab_tables(self._constant)
+        self._constant, known = eta, slab_tables(eta)
         self._table, self._mean = (Interpolated(x if eta is None else x[0]) for x in known)
 
     def f(self, wi, wo, color, roughness, interface: tuple, passed, passed_mean):

@@ -14,6 +14,7 @@ from typing import Any, ClassVar, NamedTuple
 
 import drjit as dr
 import mitsuba as mi
+import numpy as np
 
 from urushi.checks import Widths
 from urushi.core import fresnel, microfacet
@@ -48,10 +49,6 @@ class BaseVertex(NamedTuple):
     alpha: Any  # one width for both
     eta: Any  # the index relative to the medium above
 
-    def mixed(self, dielectric, metal):
-        """The Fresnel term of a mixture of dielectric and metal, by their terms."""
-        return dr.lerp(self.tint * dielectric, self.weight * metal, self.share)
-
 
 class Base:
     """The base substrate (3.2), for directions in the medium above it.
@@ -64,14 +61,12 @@ class Base:
         ("film", "_mirror", "_albedo", "_slab"), object
     )  # for frozen functions
 
-    def __init__(self, inputs: Inputs, under_coat: bool, recoloured: bool = False):
+    def __init__(self, inputs: Inputs, under_coat: bool):
         """Leave out parts that parameters given as numbers do not need.
 
         under_coat: whether `coat_darkening` has an effect.
-        recoloured: whether `film.below_coat` adds the film of the dielectric, which is then left
-            out.
         """
-        self.inputs, self.recoloured = inputs, recoloured
+        self.inputs = inputs
         self._boosted = under_coat and not inputs.is_constant("coat_darkening", 1)
         self.only_metal = inputs.is_constant("base_metalness", 1)
         self._only_dielectric = inputs.is_constant("base_metalness", 0)
@@ -131,7 +126,7 @@ class Base:
 
     def _dielectric(self, cosine, eta, si, active):
         """The Fresnel term of the dielectric's interface (3.2), under the film (3.3)."""
-        if self.film and not self.recoloured:
+        if self.film:
             return self.film.dielectric(cosine, eta, si, active)
         return fresnel.dielectric(cosine, eta)[0]
 
@@ -140,7 +135,7 @@ class Base:
         color, alpha, eta = vertex.color, vertex.alpha, vertex.eta
         reflected = [self.reflected(w, vertex) for w in (si.wi, wo)]
         mean = self._albedo.reflected_mean(vertex.widths, eta)
-        if self.film and not self.recoloured:
+        if self.film:
             for i, w in enumerate((si.wi, wo)):
                 more = self.film.excess(w.z, alpha, eta, si, active)
                 more = self._mirror.seen(w, vertex.widths) * more
@@ -157,14 +152,12 @@ class Base:
         """The numbers of the facets' lobe, see `urushi.nets.lobe`: a list for each channel.
 
         The dip of a metal's Fresnel term at 82 degrees, and light that meets more than one facet,
-        are left out. A filmed metal has the reflectance `FilmFresnel.metal_in_coat`.
+        are left out. Under a film the lobe is black, as it has none of the film's colours.
         """
         active = mi.Bool(True)
         vertex = self.vertex(si, active)
         color, share, widths = vertex.color, vertex.share, vertex.widths
-        if self.film:
-            color = self.film.metal_in_coat(color, vertex.tint, si, active)
-        scale = self.boost(vertex, si, active)
+        scale = mi.Spectrum(0) if self.film else self.boost(vertex, si, active)
         metal = scale * share * vertex.weight
         along, across = microfacet.pair(widths)
         values = (
@@ -213,7 +206,7 @@ class Base:
         values = [self.inputs.known(name) for name in INDICES]
         if any(value is None for value in values):
             return None
-        return float(formulas.base_index(*values))
+        return float(np.clip(formulas.base_index(*values), 1 / 3, 3))
 
 
 def absorbed(inputs: Inputs, f, si, wo, active):

@@ -15,6 +15,7 @@ from urushi.core.mixture import Mixture
 from urushi.errors import ParameterError
 from urushi.mitsuba.interface_albedo import InterfaceAlbedo
 from urushi.mitsuba.plugins.two_sided import above_surface, raised, relative, with_far_side
+from urushi.mitsuba.surface import Surface
 from urushi.openpbr_surface import model
 from urushi.openpbr_surface.bsdfs import MIN_SHARE
 from urushi.openpbr_surface.film import NAMES as film_parameters
@@ -89,138 +90,134 @@ class Unseen:
         return tint * dr.power(slab, 1 / dr.maximum(dr.abs(si.wi.z), 1e-6))
 
 
-def define(proposal_bsdf: type) -> tuple[Any, type]:
-    """Make the classes in the current variant; proposal_bsdf: `mitsuba.surface.Surface`."""
+class Glass(Surface):
+    """The surface of a body whose medium transmits light (3.2.4)."""
 
-    class Glass(proposal_bsdf):
-        """The surface of a body whose medium transmits light (3.2.4)."""
+    def __init__(self, inputs: Inputs):
+        self._inputs = inputs
+        self._configure()
+        super().__init__(mi.Properties("openpbr_glass"))
 
-        def __init__(self, inputs: Inputs):
-            self._inputs = inputs
-            self._configure()
-            super().__init__(mi.Properties("openpbr_glass"))
+    def _configure(self):
+        index = index_of(self._inputs)
+        if abs(index - 1) < MIN_INDEX_STEP:
+            raise ParameterError(
+                f"{self._inputs.where}: thin_film_weight needs a film on a body of index 1, "
+                "which the plugin does not support; leave it out or give another specular_ior"
+            )
+        self._transmit(index)
+        two_widths = not self._inputs.is_constant("specular_roughness_anisotropy", 0)
+        self._albedos = [InterfaceAlbedo(eta, two_widths) for eta in (index, 1 / index)]
+        film = not self._inputs.is_constant("thin_film_weight", 0)
+        self._film: Any = FilmFresnel(self._inputs) if film else None
 
-        def _configure(self):
-            index = index_of(self._inputs)
-            if abs(index - 1) < MIN_INDEX_STEP:
-                raise ParameterError(
-                    f"{self._inputs.where}: thin_film_weight needs a film on a body of index 1, "
-                    "which the plugin does not support; leave it out or give another specular_ior"
-                )
-            self._transmit(index)
-            two_widths = not self._inputs.is_constant("specular_roughness_anisotropy", 0)
-            self._albedos = [InterfaceAlbedo(eta, two_widths) for eta in (index, 1 / index)]
-            film = not self._inputs.is_constant("thin_film_weight", 0)
-            self._film: Any = FilmFresnel(self._inputs) if film else None
+    def _vertex(self, si, active):
+        inputs = self._inputs
+        widths = inputs.widths("specular", si, active)
+        means = self._sides(lambda table, eta: 1 - sum(table.both_mean(widths, eta)))
+        scale = 1 / dr.maximum(dr.pi * (means[0] + self._index**2 * means[1]), 1e-5)
+        lost = self._lost(widths, si.wi)
+        tint, specular = tint_of(inputs, si, active), inputs.color("specular_color", si, active)
+        return GlassVertex(widths, self._index_across(si.wi), tint, specular, lost, scale)
 
-        def _vertex(self, si, active):
-            inputs = self._inputs
-            widths = inputs.widths("specular", si, active)
-            means = self._sides(lambda table, eta: 1 - sum(table.both_mean(widths, eta)))
-            scale = 1 / dr.maximum(dr.pi * (means[0] + self._index**2 * means[1]), 1e-5)
-            lost = self._lost(widths, si.wi)
-            tint, specular = tint_of(inputs, si, active), inputs.color("specular_color", si, active)
-            return GlassVertex(widths, self._index_across(si.wi), tint, specular, lost, scale)
+    def _sides(self, function):
+        """A function of the tables of light from above and from below."""
+        etas = self._index, 1 / self._index
+        return list(map(function, self._albedos, etas))
 
-        def _sides(self, function):
-            """A function of the tables of light from above and from below."""
-            etas = self._index, 1 / self._index
-            return list(map(function, self._albedos, etas))
+    def _lost(self, widths, w):
+        """Share of the light from a direction that meets a second facet."""
+        passed = self._sides(lambda table, eta: sum(table.both(raised(w), widths, eta)))
+        return dr.clip(1 - dr.select(w.z > 0, *passed), 0, 1)
 
-        def _lost(self, widths, w):
-            """Share of the light from a direction that meets a second facet."""
-            passed = self._sides(lambda table, eta: sum(table.both(raised(w), widths, eta)))
-            return dr.clip(1 - dr.select(w.z > 0, *passed), 0, 1)
+    def _f(self, vertex, ctx, si, wo, active):
+        above, through = si.wi.z > 0, si.wi.z * wo.z < 0
+        a, b = raised(si.wi), relative(si.wi, wo)
+        lobe, cosine = microfacet.reflection_lobe(a, b, vertex.widths)
+        bare = fresnel.dielectric(dr.abs(cosine), vertex.eta)[0]
+        reflected = mi.Spectrum(bare)
+        passed = mi.Spectrum(interface.transmission(a, b, vertex.widths, vertex.eta)[0])
+        if self._film:
+            reflected = self._filmed(dr.abs(cosine), vertex.eta, above, si, active)
+            facet = dr.abs(dr.dot(a, dr.normalize(a + vertex.eta * b)))
+            unfilmed = 1 - fresnel.dielectric(facet, vertex.eta)[0]
+            filmed = 1 - self._filmed(facet, vertex.eta, above, si, active)
+            passed *= filmed / dr.maximum(unfilmed, 1e-6)
+        reflected *= lobe * dr.select(above, vertex.specular, 1)
+        # Light that would meet a second facet leaves on both sides (Kulla and Conty 2017).
+        lost = vertex.lost * self._lost(vertex.widths, wo) * vertex.scale
+        f = dr.select(through, passed, reflected) + lost * index2(wo, self._index)
+        f *= dr.select(through, vertex.tint, 1)
+        if ctx.mode == mi.TransportMode.Importance:
+            return f
+        return f / dr.select(through, dr.square(vertex.eta), 1)
 
-        def _f(self, vertex, ctx, si, wo, active):
-            above, through = si.wi.z > 0, si.wi.z * wo.z < 0
-            a, b = raised(si.wi), relative(si.wi, wo)
-            lobe, cosine = microfacet.reflection_lobe(a, b, vertex.widths)
-            bare = fresnel.dielectric(dr.abs(cosine), vertex.eta)[0]
-            reflected = mi.Spectrum(bare)
-            passed = mi.Spectrum(interface.transmission(a, b, vertex.widths, vertex.eta)[0])
-            if self._film:
-                reflected = self._filmed(dr.abs(cosine), vertex.eta, above, si, active)
-                facet = dr.abs(dr.dot(a, dr.normalize(a + vertex.eta * b)))
-                unfilmed = 1 - fresnel.dielectric(facet, vertex.eta)[0]
-                filmed = 1 - self._filmed(facet, vertex.eta, above, si, active)
-                passed *= filmed / dr.maximum(unfilmed, 1e-6)
-            reflected *= lobe * dr.select(above, vertex.specular, 1)
-            # Light that would meet a second facet leaves on both sides (Kulla and Conty 2017).
-            lost = vertex.lost * self._lost(vertex.widths, wo) * vertex.scale
-            f = dr.select(through, passed, reflected) + lost * index2(wo, self._index)
-            f *= dr.select(through, vertex.tint, 1)
-            if ctx.mode == mi.TransportMode.Importance:
-                return f
-            return f / dr.select(through, dr.square(vertex.eta), 1)
+    def _filmed(self, cosine, eta, above, si, active):
+        """The Fresnel term under the film, which is the same on both sides of a facet."""
+        outside = fresnel.dielectric(cosine, eta)[1]
+        outside = dr.select(above, cosine, dr.maximum(outside, 0))
+        film = self._film.dielectric(outside, mi.Float(self._index), si, active)
+        return dr.select(above | (outside > 0), film, 1)
 
-        def _filmed(self, cosine, eta, above, si, active):
-            """The Fresnel term under the film, which is the same on both sides of a facet."""
-            outside = fresnel.dielectric(cosine, eta)[1]
-            outside = dr.select(above, cosine, dr.maximum(outside, 0))
-            film = self._film.dielectric(outside, mi.Float(self._index), si, active)
-            return dr.select(above | (outside > 0), film, 1)
+    def _proposal(self, vertex, si, active):
+        return GlassProposal(vertex.widths, vertex.eta, dr.clip(vertex.lost, LEAST_LOST, 0.9))
 
-        def _proposal(self, vertex, si, active):
-            return GlassProposal(vertex.widths, vertex.eta, dr.clip(vertex.lost, LEAST_LOST, 0.9))
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The parameters that it reads."""
+        names = "specular_color", "specular_roughness", "specular_roughness_anisotropy"
+        bare = self._film or self._inputs.is_constant("coat_weight", 0)  # a film may appear
+        film = film_parameters if bare else ()
+        return (*names, *INDICES, "transmission_color", *film)
 
-        @property
-        def names(self) -> tuple[str, ...]:
-            """The parameters that it reads."""
-            names = "specular_color", "specular_roughness", "specular_roughness_anisotropy"
-            bare = self._film or self._inputs.is_constant("coat_weight", 0)  # a film may appear
-            film = film_parameters if bare else ()
-            return (*names, *INDICES, "transmission_color", *film)
+    def traverse(self, callback):
+        self._inputs.traverse(callback, self.names)
 
-        def traverse(self, callback):
-            self._inputs.traverse(callback, self.names)
+    def _update(self, keys):
+        self._configure()
 
-        def _update(self, keys):
-            self._configure()
+    def to_string(self):
+        return "OpenPBRGlass[]"
 
-        def to_string(self):
-            return "OpenPBRGlass[]"
 
-    class Sheet(proposal_bsdf):
-        """A thin wall of a medium that scatters light to both sides, below interfaces (3.2.3)."""
+class Sheet(Surface):
+    """A thin wall of a medium that scatters light to both sides, below interfaces (3.2.3)."""
 
-        def __init__(self, inputs: Inputs):
-            self._inputs, self._base = inputs, model.Base(inputs, False)
-            self._transmit()
-            super().__init__(mi.Properties("openpbr_sheet"))
+    def __init__(self, inputs: Inputs):
+        self._inputs, self._base = inputs, model.Base(inputs, False)
+        self._transmit()
+        super().__init__(mi.Properties("openpbr_sheet"))
 
-        def _vertex(self, si, active):
-            inputs, vertex = self._inputs, self._base.vertex(si, active)
-            color = inputs.color("subsurface_color", si, active)
-            forward = 0.5 + 0.5 * inputs.number("subsurface_scatter_anisotropy", si, active)
-            near, far = color * (1 - forward), color * forward
-            return vertex._replace(color=near), vertex._replace(color=far), forward
+    def _vertex(self, si, active):
+        inputs, vertex = self._inputs, self._base.vertex(si, active)
+        color = inputs.color("subsurface_color", si, active)
+        forward = 0.5 + 0.5 * inputs.number("subsurface_scatter_anisotropy", si, active)
+        near, far = color * (1 - forward), color * forward
+        return vertex._replace(color=near), vertex._replace(color=far), forward
 
-        def _f(self, vertex, ctx, si, wo, active):
-            near, far, _ = vertex
-            through, wo, si = si.wi.z * wo.z < 0, raised(wo), above_surface(si)
-            passed = self._base.diffuse(far, si, wo, active)
-            lobe, cosine = microfacet.reflection_lobe(si.wi, wo, near.widths)
-            reflected = self._base.glossy_diffuse(near, lobe, dr.abs(cosine), si, wo, active)
-            return dr.select(through, passed, reflected)
+    def _f(self, vertex, ctx, si, wo, active):
+        near, far, _ = vertex
+        through, wo, si = si.wi.z * wo.z < 0, raised(wo), above_surface(si)
+        passed = self._base.diffuse(far, si, wo, active)
+        lobe, cosine = microfacet.reflection_lobe(si.wi, wo, near.widths)
+        reflected = self._base.glossy_diffuse(near, lobe, dr.abs(cosine), si, wo, active)
+        return dr.select(through, passed, reflected)
 
-        def _proposal(self, vertex, si, active):
-            near, _, forward = vertex
-            reflected = self._base.reflected(raised(si.wi), near)
-            through = dr.clip((1 - reflected) * forward, 0, 1 - MIN_SHARE)
-            share = dr.clip(reflected / (1 - through), MIN_SHARE, 1 - MIN_SHARE)
-            return with_far_side(Mixture([share, 1 - share], [near.widths]), through)
+    def _proposal(self, vertex, si, active):
+        near, _, forward = vertex
+        reflected = self._base.reflected(raised(si.wi), near)
+        through = dr.clip((1 - reflected) * forward, 0, 1 - MIN_SHARE)
+        share = dr.clip(reflected / (1 - through), MIN_SHARE, 1 - MIN_SHARE)
+        return with_far_side(Mixture([share, 1 - share], [near.widths]), through)
 
-        #: The parameters that it reads.
-        names = (
-            *("subsurface_color", "subsurface_scatter_anisotropy", "base_diffuse_roughness"),
-            *("specular_roughness", "specular_roughness_anisotropy", "specular_color", *INDICES),
-        )
+    #: The parameters that it reads.
+    names = (
+        *("subsurface_color", "subsurface_scatter_anisotropy", "base_diffuse_roughness"),
+        *("specular_roughness", "specular_roughness_anisotropy", "specular_color", *INDICES),
+    )
 
-        def traverse(self, callback):
-            self._inputs.traverse(callback, self.names)
+    def traverse(self, callback):
+        self._inputs.traverse(callback, self.names)
 
-        def to_string(self):
-            return "OpenPBRSheet[]"
-
-    return Glass, Sheet
+    def to_string(self):
+        return "OpenPBRSheet[]"

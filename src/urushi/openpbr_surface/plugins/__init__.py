@@ -4,12 +4,13 @@ from urushi.mitsuba.register import PluginSet
 
 
 def _load() -> dict:
-    from urushi.mitsuba.surface import Surface
-    from urushi.openpbr_surface.plugins import emission, materialx, openpbr
+    from urushi.openpbr_surface.plugins import emission
+    from urushi.openpbr_surface.plugins.materialx import materialx
+    from urushi.openpbr_surface.plugins.openpbr import openpbr
 
     return {
-        "openpbr": openpbr.define(Surface),
-        "materialx": materialx.define(),
+        "openpbr": openpbr,
+        "materialx": materialx,
         "openpbr_emission": emission.define(),
     }
 

@@ -130,53 +130,48 @@ def mitsuba_value(
     }
 
 
-def define():
-    """Make the plugin's constructor, which is the same in every variant."""
+def materialx(props):
+    """A material of a MaterialX document (``materialx``).
 
-    def materialx(props):
-        """A material of a MaterialX document (``materialx``).
+    ============== ===================== ====================================================
+    filename       string                The document (``.mtlx``), relative to the scene file.
+                                         (Required)
+    material       string                Name of the material. (Default: the document's only
+                                         one)
+    bake           integer               Rows and columns of textures that are computed from
+                                         patterns. (Default: 1024)
+    uv_plane       boolean               Take patterns in space on the plane (u, v, 0) instead
+                                         of refusing them. (Default: false)
+    ============== ===================== ====================================================
 
-        ============== ===================== ====================================================
-        filename       string                The document (``.mtlx``), relative to the scene file.
-                                             (Required)
-        material       string                Name of the material. (Default: the document's only
-                                             one)
-        bake           integer               Rows and columns of textures that are computed from
-                                             patterns. (Default: 1024)
-        uv_plane       boolean               Take patterns in space on the plane (u, v, 0) instead
-                                             of refusing them. (Default: false)
-        ============== ===================== ====================================================
+    The plugin makes an instance of ``openpbr``, which gets all other properties: ``reference``,
+    ``unsupported``, ``interior``, and parameters of OpenPBR, which replace those of the
+    document. A mixture of two shaders is a ``blendbsdf`` of two instances. ``urushi convert``
+    writes a shape with the medium and the emitter that a document asks for.
 
-        The plugin makes an instance of ``openpbr``, which gets all other properties: ``reference``,
-        ``unsupported``, ``interior``, and parameters of OpenPBR, which replace those of the
-        document. A mixture of two shaders is a ``blendbsdf`` of two instances. ``urushi convert``
-        writes a shape with the medium and the emitter that a document asks for.
+    .. tabs::
+        .. code-tab:: xml
 
-        .. tabs::
-            .. code-tab:: xml
+            <bsdf type="materialx">
+                <string name="filename" value="paints.mtlx"/>
+                <string name="material" value="Red"/>
+            </bsdf>
 
-                <bsdf type="materialx">
-                    <string name="filename" value="paints.mtlx"/>
-                    <string name="material" value="Red"/>
-                </bsdf>
+        .. code-tab:: python
 
-            .. code-tab:: python
-
-                'type': 'materialx',
-                'filename': 'paints.mtlx',
-                'material': 'Red'
-        """
-        where, own = describe(props), ("filename", "material", "bake", "uv_plane")
-        check_names(props, (*own, *OPTIONS, *PARAMETERS), where)
-        if "filename" not in props:
-            raise ParameterError(f"{where} has no filename; give a MaterialX document")
-        path, name = resolve(props["filename"]), props.get("material", None)
-        resolution = checked_resolution(int(props.get("bake", RESOLUTION)), f"{where}: bake")
-        plane = bool(props.get("uv_plane", False))
-        extra = {key: props[key] for key in list(props.keys()) if key not in own}
-        bsdf = description(read(path, name, resolution, plane), extra, where)
-        if props.id():
-            bsdf["id"] = props.id()
-        return mi.load_dict(bsdf)
-
-    return materialx
+            'type': 'materialx',
+            'filename': 'paints.mtlx',
+            'material': 'Red'
+    """
+    where, own = describe(props), ("filename", "material", "bake", "uv_plane")
+    check_names(props, (*own, *OPTIONS, *PARAMETERS), where)
+    if "filename" not in props:
+        raise ParameterError(f"{where} has no filename; give a MaterialX document")
+    path, name = resolve(props["filename"]), props.get("material", None)
+    resolution = checked_resolution(int(props.get("bake", RESOLUTION)), f"{where}: bake")
+    plane = bool(props.get("uv_plane", False))
+    extra = {key: props[key] for key in list(props.keys()) if key not in own}
+    bsdf = description(read(path, name, resolution, plane), extra, where)
+    if props.id():
+        bsdf["id"] = props.id()
+    return mi.load_dict(bsdf)
