@@ -9,6 +9,7 @@ entered. The plugins have the same lobe (`mitsuba.plugins.compensation`).
 """
 
 import functools
+from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
@@ -239,10 +240,15 @@ class Compensation:
 
     def albedo(self, wi: np.ndarray) -> np.ndarray:
         """What the lobe adds to the directional albedo at unit vectors (N, 3), (N, 3)."""
-        return self._color * np.stack([lost(wi) for lost, _ in self._losses], axis=-1)
+        return self._color * self._by_channel(lambda lost, _: lost(wi))
 
     def f(self, wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
         """The lobe [1/sr] (N, 3) for unit vectors (N, 3); 0 below the horizon."""
-        lobes = [lost(wi) * lost(wo) / max(np.pi * mean, 1e-5) for lost, mean in self._losses]
+        lobes = self._by_channel(lambda lost, mean: lost(wi) * lost(wo) / max(np.pi * mean, 1e-5))
         above = (wi[:, 2:] > 0) & (wo[:, 2:] > 0)
-        return np.where(above, self._color * np.stack(lobes, axis=-1), 0)
+        return np.where(above, self._color * lobes, 0)
+
+    def _by_channel(self, values: Callable[..., np.ndarray]) -> np.ndarray:
+        """Values (N, C) of a function of a loss and its mean; those of equal channels once."""
+        found = {loss: values(*loss) for loss in set(self._losses)}
+        return np.stack([found[loss] for loss in self._losses], axis=-1)
