@@ -135,7 +135,7 @@ FURNACES = {
     "one side": Furnace(STRONG | {"coat_ior": 2.18}, 0.005, tier="slow"),
     # What returns of the loss is over its mean, which must be the mean of the same table.
     "smooth coat": Furnace(SMOOTH, 0.005, (0.25, 0.15), tier="slow"),
-    # The loss is linear between nine nodes; a texel of each is beside the middle.
+    # The loss is linear between nodes; a texel of each is beside the middle.
     "varying index": Furnace(
         {"coat_roughness": 0.5, "coat_ior": (1.2, 2.2)}, 0.01, (0.9, 0.3), u=(0.25, 0.75),
         tier="slow",

@@ -56,15 +56,20 @@ class Compensation:
     DRJIT_STRUCT: ClassVar = {"_mirror": object, "_losses": dict}  # for frozen functions
     UNRECORDED: ClassVar = ("_shared",)
 
-    def __init__(self, inputs: Inputs, coated: Coated):
-        """Measure white twins; coated: makes them."""
+    def __init__(self, inputs: Inputs, encoded: bool, coated: Coated):
+        """Measure white twins.
+
+        encoded: whether the coat has codes or a table. coated: makes the twins.
+        """
         self._inputs, self._mirror = inputs, MirrorAlbedo()
         self._tinted = not inputs.is_constant("coat_color", 1)
         self._losses: dict[float, LostLight] = {}  # by base_metalness of the twin
         for metalness in (0.0, 1.0):
             if not inputs.is_constant("base_metalness", 1 - metalness):
                 twin = partial(self._twin, coated, metalness)
-                self._losses[metalness] = LostLight(inputs, AXES, ("coat", "specular"), twin)
+                self._losses[metalness] = LostLight(
+                    inputs, AXES, ("coat", "specular"), twin, encoded=encoded
+                )
         self._shared = self._fixed()
 
     def _twin(self, coated: Coated, metalness: float, textures: dict[str, Any]) -> "mi.BSDF":

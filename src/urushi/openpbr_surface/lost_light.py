@@ -26,8 +26,9 @@ AXES = (
     *("coat_roughness_anisotropy", "specular_ior", "base_diffuse_roughness"),
 )
 
-#: Nodes of each axis by the number of axes. Parameters beyond them count as in the middle of uv.
-NODES = (1, 9, 9, 5)
+#: Nodes of each axis by the number of axes, and of codes of one width, which are cheap. Parameters
+#: beyond them count as in the middle of uv.
+NODES, FINE_NODES = (1, 9, 9, 5), (1, 33, 17, 9)
 
 #: Greatest anisotropy of an axis: codes have no wider quotients.
 MOST_ANISOTROPY = 0.89
@@ -68,25 +69,28 @@ class LostLight:
         names: Sequence[str],
         layers: Sequence[str],
         twin: Callable[[dict[str, Any]], "mi.BSDF"],
+        *,
+        encoded: bool = False,
     ):
         """Measure the twin.
 
         names: of `AXES`, on which the loss depends. layers: "coat" or "specular", whose widths may
         be two. twin: makes the white twin; takes textures of the parameters that vary, by name, as
-        Mitsuba's dictionaries.
+        Mitsuba's dictionaries. encoded: whether it has codes or a table.
         """
         self._inputs = inputs
         #: The parameters that are axes, the most important first.
         self.varying = [name for name in names if self._varies(name)][: len(NODES) - 1]
-        self._nodes = [NODES[len(self.varying)]] * len(self.varying)
+        self._turning = next(
+            (x for x in layers if not inputs.is_constant(f"{x}_roughness_anisotropy", 0)), None
+        )
+        nodes = FINE_NODES if encoded and not self._turning else NODES
+        self._nodes = [nodes[len(self.varying)]] * len(self.varying)
         grid = np.meshgrid(*[np.linspace(0, 1, n) for n in self._nodes], indexing="ij")
         values = {
             name: _value_at(name, x.ravel()) for name, x in zip(self.varying, grid, strict=True)
         }
         count = int(np.prod(self._nodes))
-        self._turning = next(
-            (x for x in layers if not inputs.is_constant(f"{x}_roughness_anisotropy", 0)), None
-        )
         cos2, weights = np.full((count, 1), 0.5), np.ones((count, 1))  # of azimuths
         if self._turning:
             pair = f"{self._turning}_roughness", f"{self._turning}_roughness_anisotropy"

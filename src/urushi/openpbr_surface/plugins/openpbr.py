@@ -148,7 +148,7 @@ def _layers(inputs: Inputs, plugin: str, options: dict[str, Any], compensated: b
     below = base(inputs, True)
     compensation = None
     if compensated:
-        compensation = Compensation(inputs, lambda x: coated(x, base(x, True)))
+        compensation = Compensation(inputs, tables, lambda x: coated(x, base(x, True)))
     in_air = None if covered else base(inputs, False)
     return Layers(in_air, below, coated(inputs, below), compensation)
 
