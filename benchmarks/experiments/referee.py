@@ -14,14 +14,16 @@ import numpy as np
 from benchmarks import conformance
 from benchmarks.experiment import NETWORKS, Experiment, Found, Options
 from benchmarks.referee import materials, methods
-from benchmarks.showing import percent, rounded, table
+from benchmarks.showing import rounded, table
 
 import urushi
 from urushi.files import atomic_write
 
-#: Walks of a pair, and of a reference, with its own seed.
-WALKS, SEED = 1 << 11, 1
-FOLDER, TRUTH = Path("out/referee"), "walk"
+#: Walks of a pair of the references, their seed, and walks of methods that walk.
+WALKS, SEED, OWN_WALKS = 1 << 9, 1, 1 << 7
+#: Largest width of coats that lose little light by scattering it once.
+SMOOTH = 0.1
+FOLDER, TRUTH = Path("out/referee"), "noise of the references"
 
 
 @cache
@@ -47,12 +49,13 @@ def measure(name: str, options: Options) -> dict[str, Any]:
     if name == TRUTH:
         own = (truth(x, walks) for x in chosen)
         e = [conformance.channel_errors(f + np.sqrt(2 / np.pi) * se, f, wi, wo) for f, se in own]
-        return {"noise": {x: float(f"{v.mean():.3g}") for x, v in zip(chosen, e, strict=True)}}
+        return {"E": {x: float(f"{v.mean():.3g}") for x, v in zip(chosen, e, strict=True)}}
     method = methods.METHODS[name]
     try:
         stacks = {x: materials.STACKS[x] for x in chosen}
-        values = methods.evaluated(method, stacks, walks, wi, wo)
-        white = methods.furnace(method, walks)
+        own_walks = options.count(OWN_WALKS, 2)
+        values = methods.evaluated(method, stacks, own_walks, wi, wo)
+        white = methods.furnace(method, own_walks)
         price = methods.price(method)
     except (subprocess.CalledProcessError, OSError) as error:
         return {"missing": str(error)}
@@ -76,20 +79,30 @@ def tables(found: Found) -> list[str]:
     for name, own in found.items():
         if "missing" in own:
             missing.append([name, own["missing"]])
-        if "E" not in own:
             continue
-        e, albedo = np.array(list(own["E"].values())), np.abs(list(own["albedo"].values()))
-        white = np.array(list(own["furnace"].values()))
-        limits = [f"{x:.2f}" for x in (white.min(), white.max())] if len(white) else ["–", "–"]
-        price = "–" if own["price"] is None else f"{own['price']:.0f}"
-        shares = [percent(x) for x in (e.mean(), np.percentile(e, 95), albedo.mean())]
-        lines.append([name, f"{len(e)}", *shares, *limits, price])
+        e = np.array(list(own["E"].values()))
+        smooth = [
+            x for name, x in own["E"].items() if materials.STACKS[name].coats[0].alpha <= SMOOTH
+        ]
+        parts = (e.mean(), np.percentile(e, 95), np.mean(smooth) if smooth else 0.0)
+        shares = [f"{100 * x:.1f} %" for x in parts]
+        others = ["–"] * 4
+        if "furnace" in own:
+            white = np.array(list(own["furnace"].values()))
+            limits = [f"{x:.2f}" for x in (white.min(), white.max())] if len(white) else others[:2]
+            price = "–" if own["price"] is None else f"{own['price']:.0f}"
+            others = [
+                f"{100 * np.mean(np.abs(list(own['albedo'].values()))):.1f} %",
+                *limits,
+                price,
+            ]
+        lines.append([name, f"{len(e)}", *shares, *others])
         cells = []
         for family, members in materials.MATERIALS.items():
             part = [own["E"][f"{family}, {x}"] for x in members if f"{family}, {x}" in own["E"]]
-            cells.append(f"{percent(np.mean(part))} ({len(part)})" if part else "–")
+            cells.append(f"{100 * np.mean(part):.1f} % ({len(part)})" if part else "–")
         families.append([name, *cells])
-    head = ["method", "materials", "E mean", "p95", "error of the albedo"]
+    head = ["method", "materials", "E mean", "p95", "E, smooth coats", "error of the albedo"]
     made = []
     if lines:
         made.append(table([*head, "white: least", "most", "price [ns]"], lines))

@@ -10,7 +10,7 @@ import subprocess
 import tempfile
 from collections.abc import Callable, Mapping
 from dataclasses import replace
-from functools import partial
+from functools import cache, partial
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -207,9 +207,13 @@ def of_walk(mapped: Callable[[Stack], Stack], fault: Any, plugin: str | None = N
     return Method(build, plugin and partial(over_metal, plugin))  # type: ignore[arg-type]
 
 
+#: Urushi's material of a stack, by light transport.
+encoded = cache(urushi.encode)
+
+
 def codes(stack: Stack, _: int) -> Brdf:
     """Urushi's codes, without the tables beside them."""
-    return replace(urushi.encode(stack), table=None, beside_lobe=False).f
+    return replace(encoded(stack), table=None, beside_lobe=False).f
 
 
 def of_recipe(recipe: openpbr_recipe.Recipe) -> Method:
@@ -266,9 +270,9 @@ def in_blender(
 
 
 METHODS: dict[str, Method] = {
-    "walk, another seed": of_walk(lambda stack: stack, simulator_biases.right, "layered"),
+    "walk, 128 walks": of_walk(lambda stack: stack, simulator_biases.right, "layered"),
     "Urushi, tables": Method(
-        lambda stack, _: urushi.encode(stack).f, partial(over_metal, "neural_layered")
+        lambda stack, _: encoded(stack).f, partial(over_metal, "neural_layered")
     ),
     "Urushi, codes": Method(codes),
     "Urushi, `openpbr`": of_bsdf(
