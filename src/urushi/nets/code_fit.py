@@ -106,18 +106,14 @@ def slopes_of(count: int, measure: bytes) -> tuple[np.ndarray, np.ndarray]:
 
 
 def fitted(
-    rows: np.ndarray,
-    measure: np.ndarray,
-    prior: np.ndarray,
-    rest: np.ndarray,
-    rounds: int = ROUNDS,
+    rows: np.ndarray, measure: np.ndarray, prior: np.ndarray, rest: np.ndarray
 ) -> np.ndarray:
     """`solve_codes` at nodes with the functions (N, 1 + K) and this measure (N,)."""
     f, light = bounded(rest, measure), _light(rest, measure)
     functions, logs = rows[:, 1:], np.log(f) - rows[:, 0]
     codes = solved(functions, logs, measure * (f / light + FIRST_FLOOR), prior)
     best, least = codes, np.full(len(f), np.inf)
-    for _ in range(rounds):
+    for _ in range(ROUNDS):
         error, weights = weighed(rows, measure, f, light, codes)
         better = error < least
         least = np.where(better, error, least)
