@@ -292,6 +292,6 @@ def test_render_replaces_weights_and_size_of_a_scene_file(variant, tmp_path, mon
     found = {
         shape.bsdf().model.fingerprint
         for shape in scene.shapes()
-        if type(shape.bsdf()).__name__ == "NeuralLayered"
+        if shape.bsdf().class_name() == "NeuralLayered"
     }
     assert found == {weights.default_model().fingerprint, other.fingerprint}

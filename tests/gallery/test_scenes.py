@@ -97,7 +97,7 @@ def test_the_coat_is_a_parameter_of_the_file(mi, tmp_path):
     small = load_scene(path, {"coat": "layered", "width": "8", "height": "6", "spp": "2"})
     assert list(small.sensors()[0].film().size()) == [8, 6]
     assert small.sensors()[0].sampler().sample_count() == 2
-    kinds = {type(shape.bsdf()).__name__ for shape in small.shapes()}
+    kinds = {shape.bsdf().class_name() for shape in small.shapes()}
     assert "Layered" in kinds and "NeuralLayered" not in kinds
 
 

@@ -25,7 +25,7 @@ def test_a_path_computes_a_vertex_once(monkeypatch):
         monkeypatch.setattr(thing, name, function)
 
     for name in ("_vertex", "_f_and_pdf"):
-        counted(bsdf, name)
+        counted(bsdf.surface, name)
     scene = mi.load_dict(
         {
             "type": "scene",

@@ -191,7 +191,11 @@ def test_a_part_is_refused_in_the_words_of_the_material():
 
 @pytest.mark.parametrize("reference", [False, pytest.param(True, marks=pytest.mark.slow)])
 def test_a_coat_of_index_one_is_its_medium_alone(reference):
-    """coat_color is the square of the transmittance along the normal, without refraction."""
+    """coat_color is the square of the transmittance along the normal, without refraction.
+
+    After updates, the light that the reference loses comes from 4,096 samples at each node, of a
+    standard error of .3 % before means over nodes.
+    """
     rng = np.random.default_rng(3)
     w = rng.normal(size=(2, 40, 3)) * [1, 1, 0] + [0, 0, 1]
     cosines = 1 / np.linalg.norm(w, axis=-1)
@@ -203,7 +207,7 @@ def test_a_coat_of_index_one_is_its_medium_alone(reference):
     np.testing.assert_allclose(values(tinted), bare * passed[:, None], rtol=1e-4)
     update(clear, coat_ior=1.6)
     update(clear, coat_ior=1.0)  # the coat remains, without an interface
-    np.testing.assert_allclose(values(clear), bare, rtol=1e-3 if reference else 0.02)
+    np.testing.assert_allclose(values(clear), bare, rtol=5e-3 if reference else 0.02)
 
 
 @pytest.mark.parametrize("name", ["layered", "neural_layered"])

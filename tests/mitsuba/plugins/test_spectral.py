@@ -145,7 +145,10 @@ def test_a_metals_index_is_that_of_each_wavelength():
 
 
 def test_grey_is_grey_and_white_returns_no_more_than_one():
-    """A grey coat has one value at all wavelengths, and the integral of f cos is at most one."""
+    """A grey coat has one value at all wavelengths, and the integral of f cos is at most one.
+
+    Bands of single precision may round to neighbouring numbers of the table at some of its nodes.
+    """
     bsdf = mi.load_dict(coated("neural_layered", type="diffuse", reflectance=1.0))
     si = mi.SurfaceInteraction3f()
     si.wi, si.wavelengths = mi.Vector3f(0.6, 0, 0.8), mi.Spectrum(400, 500, 600, 700)
@@ -154,7 +157,7 @@ def test_grey_is_grey_and_white_returns_no_more_than_one():
     wo = np.stack([radius * np.cos(azimuth), radius * np.sin(azimuth), np.sqrt(1 - radius**2)])
     f_cos = bsdf.eval(mi.BSDFContext(), si, mi.Vector3f(wo)).numpy()
     albedo = np.pi * (f_cos / wo[2]).mean(axis=-1)
-    np.testing.assert_allclose(albedo, albedo[0], rtol=1e-5)
+    np.testing.assert_allclose(albedo, albedo[0], rtol=1e-4)
     assert albedo.max() <= 1.001  # the rule at the coat's peak
 
 
