@@ -36,14 +36,15 @@ RANGES = {
     LINEAR: (0.0, 1.0),
 }
 
-#: Scales of a coat's parameters, and the textures on which each depends.
+#: Scales of a coat's parameters, and the textures on which each depends; those of an appearance
+#: depend on g, too.
 COAT: dict[str, tuple[str, tuple[str, ...]]] = {
     "alpha": (WIDTH, ("alpha",)),
     "alpha_u": (WIDTH, ("alpha_u",)),
     "alpha_v": (WIDTH, ("alpha_v",)),
     "eta": (INDEX, ("int_ior", "ext_ior")),
-    "albedo": (ALBEDO, ("albedo", *LOOK, "g")),
-    "sigma_t": (DEPTH, ("sigma_t", *LOOK, "g", "thickness")),
+    "albedo": (ALBEDO, ("albedo", *LOOK)),
+    "sigma_t": (DEPTH, ("sigma_t", *LOOK, "thickness")),
     "g": (LINEAR, ("g",)),
 }
 
@@ -161,6 +162,8 @@ def _below(name: str) -> str:
 def _of_coat(coat: CoatTextures) -> list[Varying]:
     found = []
     for name, (scale, sources) in COAT.items():
+        if name in PHYSICAL and "color" in coat.textures:
+            sources = *sources, "g"
         own = [coat.textures[x] for x in sources if x in coat.textures]
         gradient = any(map(has_gradients, own)) or (name == "eta" and is_attached(coat.opaque_eta))
         if name not in coat.names or not (gradient or any(map(varying_textures, own))):
