@@ -1,7 +1,5 @@
 """A sphere of a material with textures or without them, and its renders, for timings."""
 
-from functools import partial
-
 import drjit as dr
 import mitsuba as mi
 import numpy as np
@@ -10,6 +8,9 @@ from benchmarks.scenes import PRINCIPLED, coat
 
 #: Texels along a side of a texture.
 TEXELS = 64
+
+#: Numbers of textures: of few parameters, and of all.
+FEW, ALL = 3, 6
 
 
 def texture(low: float, high: float, channels: int, seed: int, side: int = TEXELS) -> dict:
@@ -24,25 +25,30 @@ def value(low: float, high: float, channels: int, seed: int) -> dict | float:
     return {"type": "rgb", "value": numbers} if channels == 3 else numbers[0]
 
 
-def material(plugin: str, textured: bool, side: int = TEXELS) -> dict:
-    """The sphere's BSDF; plugin: `PRINCIPLED`, or as of `scenes.coat`; side: of textures."""
-    of = partial(texture, side=side) if textured else value
+def material(plugin: str, textures: int) -> dict:
+    """The sphere's BSDF; plugin: `PRINCIPLED`, or as of `scenes.coat`.
+
+    textures: none; `FEW`: the colour, the width of the coat and the roughness below; more: of all
+    parameters.
+    """
+    first = texture if textures else value
+    other = texture if textures > FEW else value
     if plugin == PRINCIPLED:
         return {
             "type": PRINCIPLED,
-            "base_color": of(0.2, 0.95, 3, 1),
-            "roughness": of(0.1, 0.6, 1, 2),
-            "metallic": of(0, 1, 1, 3),
-            "clearcoat": of(0.1, 1, 1, 4),
-            "clearcoat_gloss": of(0.3, 0.9, 1, 5),
+            "base_color": first(0.2, 0.95, 3, 1),
+            "roughness": first(0.1, 0.6, 1, 2),
+            "metallic": other(0, 1, 1, 3),
+            "clearcoat": other(0.1, 1, 1, 4),
+            "clearcoat_gloss": first(0.3, 0.9, 1, 5),
         }
-    bottom = {"type": "roughconductor", "distribution": "ggx", "alpha": of(0.05, 0.4, 1, 1)}
+    bottom = {"type": "roughconductor", "distribution": "ggx", "alpha": first(0.05, 0.4, 1, 1)}
     return coat(plugin) | {
-        "alpha": of(0.02, 0.3, 1, 3),
-        "albedo": of(0.2, 0.95, 3, 4),
-        "sigma_t": of(0.1, 2, 3, 5),
-        "g": of(-0.3, 0.6, 3, 6),
-        "bottom": bottom | {"specular_reflectance": of(0.3, 0.95, 3, 2)},
+        "alpha": first(0.02, 0.3, 1, 3),
+        "albedo": first(0.2, 0.95, 3, 4),
+        "sigma_t": other(0.1, 2, 3, 5),
+        "g": other(-0.3, 0.6, 3, 6),
+        "bottom": bottom | {"specular_reflectance": other(0.3, 0.95, 3, 2)},
     }
 
 

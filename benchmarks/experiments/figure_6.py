@@ -1,7 +1,7 @@
 """Spheres of gold under one coat: both roughnesses, and the medium between; after Figure 6.
 
-The left half of a sphere is rendered by codes, the right half by the walk: an error would show as a
-seam. E is that of pairs of directions.
+The left half of a sphere is rendered by `neural_layered`, the right half by the walk: an error
+would show as a seam. E is that of pairs of directions.
 """
 
 from typing import Any
@@ -48,7 +48,7 @@ def cases(_: Options) -> dict[str, Any]:
 
 
 def measure(case: Any, options: Options) -> tuple[list[float], dict[str, np.ndarray]]:
-    """E of codes against the walk, and E of one standard error of the walk; the sphere."""
+    """E of the material and of one standard error of the walk, against the walk; the sphere."""
     coat, bottom = case
     wi, wo = direction_sets.cosine_pairs(np.random.default_rng(SEED), PAIRS, lowest_cosine=0.02)
     base, walks = urushi.conductor(alpha=bottom, r0=GOLD), options.count(WALKS, 64)
@@ -98,7 +98,7 @@ def plot(found: Found, pictures: Pictures) -> Any:
                 text = f"E {percent(found[f'{grid}, {row:g}, {column:g}'][0])}"
                 place = (j + 0.5) * SIZE, (i + 0.975) * SIZE
                 axis.text(*place, text, color="white", fontsize=6.5, ha="center", va="bottom")
-    picture.suptitle("Left half of a sphere: codes. Right half: random walk.", fontsize=10)
+    picture.suptitle("Left half of a sphere: neural_layered. Right half: random walk.", fontsize=10)
     return picture
 
 

@@ -47,8 +47,9 @@ def plot(found: Found, _: Pictures) -> Any:
         axis.plot(OUTGOING, case["networks"], color=COLOURS["networks"], linewidth=1.2)
         axis.set(yscale="log", ylim=(1e-3, top), xticks=[-90, -45, 0, 45, 90])
         axis.set(xlabel="θo [degrees]", ylabel="f cos θo [1/sr]")
-        axis.set_title(f"gold, {number} interfaces, θi = {INCIDENT:g}°; grey: walk", fontsize=9)
+        axis.set_title(f"{number} interfaces", fontsize=9)
         axis.grid(alpha=0.3)
+    picture.suptitle(f"Gold under coats, θi = {INCIDENT:g}°. Grey: walk. Blue: codes.", fontsize=10)
     return picture
 
 

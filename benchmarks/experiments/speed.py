@@ -87,8 +87,8 @@ def evaluations(options: Options) -> Found:
     out = mi.Vector3f(np.ascontiguousarray(wo.T))
     dr.eval(si, out)
     kernels = {}
-    for name, textured in (("constant", False), ("textured", True)):
-        bsdf = mi.load_dict(spheres.material(options.weights or DEFAULT, textured))
+    for name, textures in (("constant", 0), ("textured", spheres.ALL)):
+        bsdf = mi.load_dict(spheres.material(options.weights or DEFAULT, textures))
         evaluate = partial(bsdf.eval, mi.BSDFContext(), si, out)
         kernels[f"million evaluations of f, {name}"] = partial(timing.kernel, evaluate)
     least = timing.least(kernels, TURNS)
@@ -209,9 +209,9 @@ def renders(make: Callable[[str], Any], options: Options) -> Found:
     return {k: rounded(v, 3) for k, v in (found | {"compile": compiling[plugins[1]]}).items()}
 
 
-def sphere(textured: bool, options: Options) -> Found:
+def sphere(textures: int, options: Options) -> Found:
     side = options.count(SIDE, 32)
-    return renders(lambda plugin: spheres.scene(spheres.material(plugin, textured), side), options)
+    return renders(lambda plugin: spheres.scene(spheres.material(plugin, textures), side), options)
 
 
 def whole(name: str, options: Options) -> Found:
@@ -227,8 +227,9 @@ def whole(name: str, options: Options) -> Found:
 
 def cases(_: Options) -> dict[str, Any]:
     parts = {"evaluations": evaluations, "walks": walks, "materials": materials, "slabs": slabs}
-    parts |= {"loading": loading, "sphere, constant": partial(sphere, False)}
-    parts["sphere, textured"] = partial(sphere, True)
+    parts |= {"loading": loading, "sphere, constant": partial(sphere, 0)}
+    parts["sphere, three textures"] = partial(sphere, spheres.FEW)
+    parts["sphere, all textured"] = partial(sphere, spheres.ALL)
     scenes = [name for name in SCENES if name != "library"]  # saved materials, no coats
     return parts | {f"scene {name}": partial(whole, name) for name in scenes}
 

@@ -1,5 +1,7 @@
 """No code reflects too much light, by a finer quadrature and also between the rule's angles."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -290,3 +292,21 @@ def test_sources_are_evaluated_at_the_nodes_of_the_albedo_rule(trained):
     )
     stack = urushi.coat(urushi.diffuse(0.5), alpha=0.1, eta=1.5)
     assert len(required_pairs(stack, trained)[0]) == pairs
+
+
+@pytest.mark.parametrize("bottom", [urushi.conductor(0.1, 0.9), urushi.diffuse(0.5)])
+def test_codes_below_a_lower_index_do_not_shine_where_all_light_is_reflected(bottom):
+    """There is no rest there, so that its values at the probe pairs leave the code free.
+
+    The bounds are those of the blur of the edge of total reflection by smooth interfaces: the rest
+    has an albedo of at most 2 at grazing angles, and the code is within 35 % of the light.
+    """
+    rng, pairs = np.random.default_rng(4), cosine_pairs(np.random.default_rng(5), 4096)
+    below = encode(bottom)
+    for eta, alpha, depth in zip(
+        rng.uniform(0.5, 0.8, 6), rng.uniform(0.01, 0.05, 6), rng.uniform(0, 5, 6), strict=True
+    ):
+        coated = layer(urushi.dielectric(alpha, eta=eta), below, albedo=0.6, sigma_t=depth)
+        assert energy.rest_albedos(coated.model, coated.latents).max() < 2
+        code, table = (x.f(*pairs) for x in (replace(coated, table=None), coated))
+        assert np.abs(code - table).sum() < 0.35 * table.sum()

@@ -38,6 +38,9 @@ LEAST_ALBEDO = 1e-6
 #: light at one angle.
 LEAST_REST = 0.005
 
+#: The same below a lobe that reflects all light beyond a critical angle: the basis blurs that edge.
+EDGE_REST = 0.1
+
 #: A code with a factor below `TINY_FACTOR` is measured again, at most `TINY_FACTOR_ROUNDS` times:
 #: codes far from the training data may have the greatest f of the basis.
 TINY_FACTOR, TINY_FACTOR_ROUNDS = 1e-3, 3
@@ -55,6 +58,9 @@ ROUGH_GAIN = 0.003
 #: Weight of the prior of codes in the change of a code: directions of codes that the probes hardly
 #: see would change without bound.
 PLAUSIBLE = 0.3
+
+#: Most fits of a code, and the excess from which it is fitted again.
+FITS, FAR = 4, 2.0
 
 #: Weights of the excess of ln albedo beside the error of the code, one round after the other.
 EXCESS_WEIGHTS = 0.25, 1.0, 4.0, 16.0, 64.0, 256.0
@@ -123,14 +129,16 @@ def nearest_below(
     `limit_albedo`, which scales down what remains above the ceiling.
     """
     rows, ceiling = _rows(model, z, ceiling)
-    over = np.flatnonzero(excesses(model, rows, ceiling) > 1)
-    if not len(over):
-        return z
-    allowed = _allowed(model, rows[over], ceiling[over])
-    rows = np.array(rows)
-    for row, own in zip(over, allowed, strict=True):
-        rows[row] = _fitted_below(model, rows[row], own)
-    return limit_albedo(model, rows, ceiling).reshape(z.shape)
+    most, fitted = 1.0, False
+    for _ in range(FITS):
+        over = np.flatnonzero(excesses(model, rows, ceiling) > most)
+        if not len(over):
+            break
+        rows = rows if fitted else np.array(rows)
+        allowed, most, fitted = _allowed(model, rows[over], ceiling[over]), FAR, True
+        for row, own in zip(over, allowed, strict=True):
+            rows[row] = _fitted_below(model, rows[row], own)
+    return limit_albedo(model, rows, ceiling).reshape(z.shape) if fitted else z
 
 
 def _fitted_below(model: Model, z: np.ndarray, allowed: np.ndarray) -> np.ndarray:
@@ -178,7 +186,7 @@ def limit_albedo(
         float32 (..., L); the same bits where a code is not above its ceiling.
     """
     rows, ceiling = _rows(model, z, ceiling)
-    over, unchanged = np.arange(len(rows)), True
+    over, unchanged = np.flatnonzero(_is_scaled(rows[:, : model.arch.lobe])), True
     for _ in range(1 + TINY_FACTOR_ROUNDS):
         if not len(over):
             break
@@ -198,11 +206,10 @@ def excesses(model: Model, z: np.ndarray, ceiling: np.ndarray) -> np.ndarray:
     def measure(z: np.ndarray, ceiling: np.ndarray) -> np.ndarray:
         lobe, rest = z[:, : model.arch.lobe], np.maximum(rest_albedos(model, z), LEAST_ALBEDO)
         smooth = lobes.reflectance(lobe[:, None], albedo_rule(model.arch.widths).directions[:, 2])
-        allowed = np.maximum(ceiling - smooth - ROUGH_GAIN, LEAST_REST)
+        allowed = np.maximum(ceiling - smooth - ROUGH_GAIN, _least_rests(lobe))
         near = (rest > allowed).any(axis=-1)
         allowed[near] = _allowed(model, z[near], ceiling[near])
-        ratios = (rest / allowed).max(axis=-1)
-        return np.where(is_limited(lobe), ratios, LEAST_ALBEDO)[:, None]
+        return (rest / allowed).max(axis=-1, keepdims=True)
 
     fill_blocks(result, measure, z, ceiling)
     return result[:, 0]
@@ -219,14 +226,20 @@ def _rows(
 
 def _allowed(model: Model, z: np.ndarray, ceiling: np.ndarray) -> np.ndarray:
     """Albedos (N, K) that the rests of codes (N, L) may have."""
-    return np.maximum(ceiling - lobe_albedos(z[:, : model.arch.lobe]), LEAST_REST)
+    lobe = z[:, : model.arch.lobe]
+    return np.maximum(ceiling - lobe_albedos(lobe), _least_rests(lobe))
 
 
-def is_limited(lobe: np.ndarray) -> np.ndarray:
-    """Whether codes of lobes (..., N) are limited; bool (...).
+def _least_rests(lobe: np.ndarray) -> np.ndarray:
+    """Albedos (N, 1) that the rests of codes of lobes (N, M) may always have."""
+    return np.where(_is_scaled(lobe), LEAST_REST, EDGE_REST)[:, None]
 
-    An interface of an index below one lies below another coat. It reflects all light beyond the
-    critical angle, and the rest ends there, with an edge that the basis cannot draw where the
-    interface is smooth. The codes of coats above meet the ceiling themselves.
+
+def _is_scaled(lobe: np.ndarray) -> np.ndarray:
+    """Whether codes of lobes (..., N) are scaled down; bool (...).
+
+    An interface of an index below one reflects all light beyond the critical angle, and the rest
+    ends there, with an edge that the basis cannot draw where the interface is smooth. What is left
+    of the rest behind that edge does not darken the code.
     """
     return (lobe[..., 3] <= 0) | (lobe[..., 4] >= 1)
