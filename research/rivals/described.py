@@ -56,9 +56,9 @@ class DescribedBottom:
         while bsdf.class_name() == "TwoSidedBRDF":
             bsdf = self._textures["brdf_0"]
             self._textures = nested_objects(bsdf)
-        offer = known_surface(bsdf)
-        self.is_diffuse = offer.reflectance is not None
-        if "alpha_u" in self._textures or not (offer.lobe_only or self.is_diffuse):
+        known = known_surface(bsdf)
+        self.is_diffuse = known.reflectance is not None
+        if "alpha_u" in self._textures or not (known.lobe_only or self.is_diffuse):
             raise ParameterError(
                 f"{where}: the model does not support the nested {bsdf.class_name()}; nest a "
                 "'roughconductor' of the distribution 'ggx' with one alpha, a 'diffuse' or "

@@ -129,16 +129,18 @@ def nearest_below(
     `limit_albedo`, which scales down what remains above the ceiling.
     """
     rows, ceiling = _rows(model, z, ceiling)
-    most, fitted = 1.0, False
+    over = np.flatnonzero(excesses(model, rows, ceiling) > 1)
+    if not len(over):
+        return z
+    rows = np.array(rows)
     for _ in range(FITS):
-        over = np.flatnonzero(excesses(model, rows, ceiling) > most)
-        if not len(over):
-            break
-        rows = rows if fitted else np.array(rows)
-        allowed, most, fitted = _allowed(model, rows[over], ceiling[over]), FAR, True
+        allowed = _allowed(model, rows[over], ceiling[over])
         for row, own in zip(over, allowed, strict=True):
             rows[row] = _fitted_below(model, rows[row], own)
-    return limit_albedo(model, rows, ceiling).reshape(z.shape) if fitted else z
+        over = over[excesses(model, rows[over], ceiling[over]) > FAR]
+        if not len(over):
+            break
+    return limit_albedo(model, rows, ceiling).reshape(z.shape)
 
 
 def _fitted_below(model: Model, z: np.ndarray, allowed: np.ndarray) -> np.ndarray:

@@ -53,15 +53,15 @@ def test_a_known_surface_has_the_values_of_the_bsdf(rgb, name):
     from urushi.mitsuba.reading.known import known_surface
 
     bsdf = rgb.load_dict(KNOWN[name])
-    uv, offer = np.full((len(WI), 2), 0.5), known_surface(bsdf)
+    uv, known = np.full((len(WI), 2), 0.5), known_surface(bsdf)
     values = lobes.f(probing.known_lobes(bsdf, uv), WI[:, None], WO[:, None])
-    if offer.reflectance is not None:
-        channels = [[x] for x in offer.reflectance(spectrum.points(uv))]
+    if known.reflectance is not None:
+        channels = [[x] for x in known.reflectance(spectrum.points(uv))]
         values = values + spectrum.stacked(channels, len(uv))[..., 0] / np.pi
     expected = probing.bsdf_values(bsdf, WI, WO, uv)
     # single precision of the half vector, in the steepest part of the lobe
     np.testing.assert_allclose(values, expected, rtol=5e-4, atol=1e-6)
-    assert offer.lobe_only == (offer.reflectance is None)
+    assert known.lobe_only == (known.reflectance is None)
 
 
 @pytest.mark.parametrize("kind", ("roughplastic", "pplastic"))
@@ -78,8 +78,8 @@ def test_a_black_plastic_is_the_lobe_that_it_offers(rgb, kind):
 def test_other_bsdfs_are_known_by_their_values_alone(rgb, name):
     from urushi.mitsuba.reading.known import known_surface
 
-    offer = known_surface(rgb.load_dict(UNKNOWN[name]))
-    assert offer.lobes(None) is None and not offer.lobe_only and offer.reflectance is None
+    known = known_surface(rgb.load_dict(UNKNOWN[name]))
+    assert known.lobes(None) is None and not known.lobe_only and known.reflectance is None
 
 
 def test_a_bare_bsdf_is_encoded_exactly(rgb, model):
