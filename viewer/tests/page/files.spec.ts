@@ -214,8 +214,10 @@ test("a material with a table is shown by it, by its codes without the file, and
   await expect(coats(page)).toHaveCount(1);
   await expect(page.locator(".status[data-converged]")).toBeVisible();
   await expect(page.getByRole("alert")).toHaveCount(0);
-  const materials = [{ name: "lost", bottom: { ...(await stateOf(page)).materials[0].bottom } }];
-  Object.assign(materials[0]!.bottom, { table: "0123abcd" });
+  const material = async () => (await stateOf(page)).materials[0];
+  await expect.poll(material).toMatchObject({ coats: [{}], bottom: { kind: "codes" } });
+  const { bottom } = await material();
+  const materials = [{ name: "lost", bottom: { ...bottom, table: "0123abcd" } }];
   await give(page, "state.json", toJson({ materials } as unknown as State));
   await expect(page.getByRole("alert")).toContainText("The table of “lost” is no part of");
 });
