@@ -62,42 +62,6 @@ def test_proposals_agree_with_numpy(rgb, paper):
     np.testing.assert_allclose(drawn.numpy().T[gaussian], there[gaussian], atol=1e-4)
 
 
-@pytest.mark.slow
-def test_a_plate_in_white_light_shows_the_albedo(rgb, paper, tmp_path):
-    """16 x 16 pixels through `fan2022_brdf`; in constant light of one, radiance is the albedo."""
-    from fan2022.kernels import separate_kernels
-
-    own, path = paper
-    material = Material(1 + 0.2 * np.random.default_rng(10).normal(size=(3, 32)), own)
-    material.save(tmp_path / "material.safetensors")
-    files = {"filename": str(tmp_path / "material.safetensors"), "weights": str(path)}
-    plate = {"type": "rectangle", "bsdf": {"type": "fan2022_brdf", **files}}
-    camera = {
-        "type": "orthographic",
-        "to_world": rgb.ScalarTransform4f().look_at([0, 0, 4], [0, 0, 0], [0, 1, 0]),
-        "film": {"type": "hdrfilm", "width": 16, "height": 16, "rfilter": {"type": "box"}},
-    }
-    scene = rgb.load_dict(
-        {
-            "type": "scene",
-            "integrator": {"type": "path", "max_depth": 2, "hide_emitters": False},
-            "light": {"type": "constant"},
-            "plate": plate,
-            "camera": camera,
-        }
-    )
-    with separate_kernels():
-        image = rgb.render(scene, spp=16).numpy()
-    assert image.shape == (16, 16, 3)
-    # Untrained networks are not isotropic: integrate over the whole hemisphere, by cosine density.
-    u, phi = np.random.default_rng(11).random((2, 16384))
-    r, phi = np.sqrt(u), 2 * np.pi * phi
-    wo = np.stack([r * np.cos(phi), r * np.sin(phi), np.sqrt(1 - u)], axis=-1)
-    f = np.pi * material.f(np.broadcast_to([0.0, 0.0, 1.0], wo.shape), wo)
-    error = np.hypot(image.std(axis=(0, 1)) / 16, f.std(axis=0) / 128)  # of both means
-    np.testing.assert_array_less(np.abs(image.mean(axis=(0, 1)) - f.mean(axis=0)), 5 * error)
-
-
 SCENE = """<scene version="3.0.0">
     <integrator type="path"/>
     <sensor type="orthographic"><film type="hdrfilm">

@@ -86,15 +86,6 @@ def test_values_are_never_negative_and_zero_below_the_horizon(paper, directions)
     assert f[above].any()
 
 
-def test_samples_follow_the_density(paper, sphere_test):
-    material = Material(np.ones((3, 32)), paper)
-    wi = np.array([[0.6, 0.0, 0.8]], np.float32)
-    u = np.random.default_rng(12).random((50_000, 3))
-    wo, pdf = material.sample(np.repeat(wi, len(u), 0), u)
-    np.testing.assert_allclose(pdf, material.pdf(np.repeat(wi, len(u), 0), wo), rtol=1e-3)
-    assert sphere_test(wo, lambda w: material.pdf(np.repeat(wi, len(w), 0), w)) > 1e-3
-
-
 def test_too_many_interfaces_at_once_are_refused(paper):
     z = np.ones((networks.MAX_TOPS + 1, 32), np.float32)
     alpha = np.linspace(0.1, 1, len(z))

@@ -106,13 +106,3 @@ def test_the_lobe_of_a_blend_is_one_of_its_parts(share):
         blend = brighter_lobes(a, b, np.array([share]))
         mean = (1 - share) * f(a, wi, wo) + share * f(b, wi, wo)
         assert (f(blend, wi, wo) <= mean * (1 + 1e-5)).all()
-
-
-@pytest.mark.slow
-def test_f_changes_gradually(trained, pairs):
-    bare = encode(conductor(0.2, r0=0.8), trained)
-    few = [side[:300] for side in pairs]
-    coats = [layer(dielectric(0.1, eta), bare) for eta in np.linspace(1.001, 1.025, 13)]
-    steps = [error(a, b, *few) for a, b in itertools.pairwise(coats)]
-    # The two codes of nearly the same BRDF differ by several per cent; no step is as large.
-    assert max(steps) < 0.05

@@ -137,15 +137,6 @@ def test_reciprocal_up_to_the_points(name, alpha):
     assert (np.abs(f - g) * weight).sum() < 0.02 * (f * weight).sum()
 
 
-def test_a_channel_is_the_same_among_others():
-    wi, wo = pairs(50)
-    lobe = np.concatenate([metal(0.03), metal(0.2, 0.3), metal(0.03, 0.5)])
-    together = coated_f(bare(lobe), coat("smooth", "tinted", "scattering"), wi, wo)
-    for channel, name in enumerate(("smooth", "tinted", "scattering")):
-        alone = coated_f(bare(lobe[[channel]]), coat(name), wi, wo)[:, 0]
-        np.testing.assert_allclose(together[:, channel], alone, rtol=1e-5)
-
-
 def test_a_coat_is_the_same_among_others_of_two_widths():
     alpha, values = np.array([0.2, 0.2, 0.3]), ([1.5] * 3, [0, 0.5, 0], [0, 1, 0.5], [0] * 3)
     coats = CoatParameters(alpha, *np.array(values))

@@ -13,17 +13,6 @@ from urushi.walk.simulate import simulate
 TOP = dielectric(0.1, 1.5)
 
 
-def test_channels_are_independent(material):
-    coated = layer(TOP, material, albedo=(0.1, 0.5, 0.9), sigma_t=(0, 1, 2), g=(-0.5, 0, 0.5))
-    for channel, (albedo, sigma_t, g) in enumerate([(0.1, 0, -0.5), (0.5, 1, 0), (0.9, 2, 0.5)]):
-        single = Material(material.latents[channel : channel + 1], material.model)
-        alone = layer(TOP, single, albedo=albedo, sigma_t=sigma_t, g=g)
-        # All channels share the half vectors that are drawn: sums over other points.
-        pairs = material.model.networks.pairs()
-        found, expected = coated.f(*pairs)[:, channel], alone.f(*pairs)[:, 0]
-        np.testing.assert_allclose(found, expected, rtol=0.1, atol=0.01 * expected.mean())
-
-
 def test_an_empty_medium_has_no_albedo_and_no_g(material):
     clear = layer(TOP, material, sigma_t=0)
     assert clear == layer(TOP, material, albedo=0.9, sigma_t=0, g=0.8)

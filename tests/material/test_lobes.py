@@ -7,7 +7,6 @@ import pytest
 
 from urushi.core.error_metrics import stack_error
 from urushi.material import Material, encode, energy, lerp
-from urushi.material.values import material_from_values
 from urushi.nets import lobe as lobes
 from urushi.walk import analytic, coat, conductor, dielectric, diffuse
 
@@ -48,30 +47,6 @@ def test_a_material_is_encoded_with_its_own_lobe(small, other_small):
     first = encode(conductor(0.1, 0.8), small)
     again = encode(first, other_small)
     np.testing.assert_allclose(again.latents[:, :6], first.latents[:, :6], rtol=1e-6)
-
-
-@pytest.fixture(scope="module")
-def plastic(small):
-    """Values (192, 2) of a GGX lobe over a diffuse surface."""
-    pairs = small.networks.pairs()
-    lobe = analytic.f(dielectric(0.1, 1.5), *pairs)[:, :1]
-    return lobe + analytic.f(diffuse((0.2, 0.6, 0.0)), *pairs)[:, :2]
-
-
-def test_codes_keep_the_lobe(small, plastic):
-    lobe = np.array([0.1, 0, 0, 1, 1.5, 0], np.float32)
-    material = material_from_values(plastic, small, lobe=lobe)
-    np.testing.assert_array_equal(material.latents[:, :6], np.tile(lobe, (2, 1)))
-
-
-def test_only_the_rest_is_limited(small):
-    z = encode(conductor(0.1, (0.9, 0.5, 0.1)), small).latents.copy()
-    z[:, 6] = 3.0  # much too bright
-    limited = energy.limit_albedo(small, z)
-    np.testing.assert_array_equal(limited[:, :6], z[:, :6])
-    np.testing.assert_array_equal(limited[:, 7:], z[:, 7:])
-    peaks = energy.directional_albedos(small, limited).max(axis=1)
-    np.testing.assert_allclose(peaks, 1 - energy.MARGIN, atol=1e-3)
 
 
 def test_a_lobe_that_reflects_everything_does_not_black_out_the_rest(small):

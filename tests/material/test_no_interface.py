@@ -52,21 +52,6 @@ def test_a_scattering_medium_is_as_in_the_walk(trained, pairs, alpha):
     assert (error(found.f(*pairs), truth, pairs) < 0.03).all()
 
 
-def test_media_of_one_index_are_one_medium(trained, pairs):
-    bottom, medium = encode(conductor(0.3, 0.8), trained), {"albedo": 0.8, "g": 0.3}
-    inner = layer(NONE, bottom, sigma_t=0.4, **medium)
-    once, twice = (
-        layer(dielectric(0.1, 1.01), below, sigma_t=depth, **medium)
-        for below, depth in ((bottom, 1.0), (inner, 0.6))
-    )
-    # Both by transport: the inner medium is in a table of its own.
-    assert (error(twice.f(*pairs), once.f(*pairs), pairs) < 0.02).all()
-    stack = coat(conductor(0.3, 0.8), 0.1, 1.5, sigma_t=1.0, **medium)
-    truth, _ = simulate(stack, *pairs, walks=1 << 12)
-    found = layer(dielectric(0.1, 1.5), inner, sigma_t=0.6, **medium)
-    assert (error(found.f(*pairs), truth, pairs) < 0.04).all()
-
-
 @pytest.mark.parametrize("eta", [0.999, 1.001])
 def test_smooth_coats_near_one_are_near_it(trained, pairs, eta):
     """What their facets mask at grazing angles remains."""

@@ -135,15 +135,6 @@ def lambda_named(function, name):
     return function
 
 
-def test_a_material_of_an_averaged_source_is_that_of_the_mean(model):
-    def mean(wi, wo):
-        return 0.15 * (wi[:, 2] + wo[:, 2])
-
-    with pytest.warns(UrushiWarning):
-        averaged = encode(one_way, model)
-    np.testing.assert_allclose(averaged.latents, encode(mean, model).latents, rtol=1e-3, atol=1e-4)
-
-
 def test_functions_are_evaluated_only_above_the_horizon():
     lowest = []
 

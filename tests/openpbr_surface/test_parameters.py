@@ -55,8 +55,3 @@ def test_values_are_checked():
         checked("base_color", "red")
     with pytest.raises(ParameterError, match="coat_roughness is nan"):
         checked("coat_roughness", float("nan"))
-
-
-def test_an_unknown_name_is_refused_with_the_nearest():
-    with pytest.raises(ParameterError, match="no parameter 'coat_rough'; did you mean coat_rough"):
-        complete({"coat_rough": 0.1})

@@ -250,22 +250,6 @@ def test_the_tint_is_met_once_on_the_way_through_a_coated_body():
         pytest.param(PANE | COAT, id="pane", marks=pytest.mark.slow),
     ],
 )
-@pytest.mark.parametrize("reference", [False, True])
-def test_coats_on_glass_lose_no_light(values, reference):
-    """Walks: the standard error of 2^18 samples is 0.2 %, and of the measured loss 0.3 %."""
-    bsdf = load(values, reference=reference)
-    for degrees in (20, 110):
-        weight, _ = sampled(bsdf, degrees, 1 << 18)
-        assert weight.mean() == pytest.approx(1, abs=0.01)
-
-
-@pytest.mark.parametrize(
-    "values",
-    [
-        pytest.param(GLASS | COAT, id="body"),
-        pytest.param(PANE | COAT, id="pane", marks=pytest.mark.slow),
-    ],
-)
 def test_tables_of_coats_on_glass_are_the_walk(values):
     """E of both sides and directions; the noise of the walks is 1 %."""
     values = values | {"coat_color": (0.8, 0.5, 0.3), "transmission_color": (0.4, 0.6, 0.9)}
@@ -571,21 +555,3 @@ def test_grey_surfaces_are_the_same_in_all_variants(variant):
             np.testing.assert_allclose(found[:, 0], expected[:, 0], rtol=0.01, atol=1e-4)
     finally:
         mi.set_variant("llvm_ad_rgb")
-
-
-def test_balls_under_a_constant_sky_vanish():
-    """Lossless surfaces in a scene: a body of textured roughness, a wall that is half opaque."""
-    halves = {"type": "checkerboard", "color0": 0.2, "color1": 0.8}
-    half = {"geometry_thin_walled": True, "subsurface_weight": halves, "base_color": WHITE}
-    view = mi.ScalarTransform4f().look_at([0, 0, 5], [0, 0, 0], [0, 1, 0])
-    film = {"type": "hdrfilm", "width": 16, "height": 16, "rfilter": {"type": "box"}}
-    for values in (GLASS | {"specular_roughness": halves}, half | {"subsurface_color": WHITE}):
-        scene = {
-            "type": "scene",
-            "integrator": {"type": "path", "max_depth": 64, "rr_depth": 64},
-            "sensor": {"type": "perspective", "fov": 20, "to_world": view, "film": film},
-            "sky": {"type": "constant"},
-            "ball": urushi.openpbr(**values).on({"type": "sphere"}),
-        }
-        picture = np.array(mi.render(mi.load_dict(scene), spp=64, seed=2))
-        assert picture.mean() == pytest.approx(1, abs=0.015)

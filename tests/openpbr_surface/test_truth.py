@@ -307,6 +307,7 @@ def differences(described: dict, form: str, name: str) -> list:
         "openpbr: rough on white",
         "neural_layered: roughest on metal",
         "neural_layered: roughest on body",
+        "openpbr: rough on body",
     ),
     second=lambda form, name: "smooth" not in name and not walked(form, name),
     leave=lambda form, name: "smooth" in name and (TABLE[name].transmits or walked(form, name)),

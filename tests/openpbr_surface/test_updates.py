@@ -101,18 +101,6 @@ def test_an_old_list_of_parameters_reaches_a_coat_that_was_made_later():
     np.testing.assert_allclose(values(bsdf), expected, rtol=0.02)
 
 
-@pytest.mark.research
-def test_what_is_measured_of_a_coated_base_follows_its_index():
-    shared = dict(coat_weight=1.0, base_color=1.0, coat_roughness=0.6)
-    bsdf = loaded(**shared)
-    parameters = mi.traverse(bsdf)
-    for ior in (1.2, 2.2):  # after the first change it is no constant
-        parameters["coat_ior.value"] = ior
-        parameters.update()
-        expected = values(loaded(**shared, coat_ior=ior))
-        np.testing.assert_allclose(values(bsdf), expected, rtol=0.02)
-
-
 def test_a_bitmap_of_one_value_is_a_number_until_it_varies():
     """Then, and where it has gradients, it is the texture that is loaded so, within the tables."""
 

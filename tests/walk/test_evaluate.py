@@ -53,12 +53,6 @@ def test_conductors_follow_the_closed_form() -> None:
         np.testing.assert_allclose(found, exact, rtol=3e-4)
 
 
-def test_a_conductor_without_absorption_is_a_dielectric() -> None:
-    wi, wo = hemisphere(500, 2), hemisphere(500, 3)
-    metal = f(conductor(0.3, eta=1.5, k=0.0), wi, wo)
-    np.testing.assert_allclose(metal, f(dielectric(0.3, 1.5), wi, wo), rtol=1e-3, atol=1e-6)
-
-
 def test_diffuse_is_constant() -> None:
     value = f(diffuse((0.1, 0.5, 1.0)), hemisphere(10, 4), hemisphere(10, 5))
     np.testing.assert_allclose(value, np.broadcast_to([0.1, 0.5, 1.0], (10, 3)) / np.pi, rtol=1e-6)
@@ -76,18 +70,6 @@ def test_surfaces_are_reciprocal_and_dark_below_the_horizon(description) -> None
     assert not f(description, wi, down).any()
     assert not f(description, down, wi).any()
     assert not f(description, down, down).any()
-
-
-@pytest.mark.parametrize("description", DESCRIPTIONS.values(), ids=DESCRIPTIONS.keys())
-def test_surfaces_reflect_at_most_what_arrives(description) -> None:
-    grid = (np.arange(256) + 0.5) / 256
-    z, phi = (x.ravel() for x in np.meshgrid(grid, 2 * np.pi * grid))
-    r = np.sqrt(1 - z * z)
-    wo = np.stack([r * np.cos(phi), r * np.sin(phi), z], axis=1)
-    for theta in (0.0, 0.7, 1.3):
-        wi = np.broadcast_to([np.sin(theta), 0, np.cos(theta)], wo.shape)
-        reflected = 2 * np.pi * np.mean(f(description, wi, wo) * z[:, None], axis=0)
-        assert np.all(reflected < 1.01)  # the grid's error at the narrowest lobe
 
 
 def test_no_directions_give_no_values() -> None:

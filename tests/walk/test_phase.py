@@ -46,12 +46,6 @@ def test_samples_invert_the_distribution_function(jit: ModuleType, g: float) -> 
     np.testing.assert_allclose(cumulative(g, cos), u, atol=1.5e-4)
 
 
-def test_the_sampled_cosine_rises_with_u(jit: ModuleType) -> None:
-    u = jit.Float(np.linspace(0, 0.999, 300, dtype=np.float32))
-    for g in (-0.9, 0.0, 0.5):
-        assert np.all(np.diff(medium.sample_hg_cosine(jit.Float(g), u).numpy()) > 0)
-
-
 def test_opposite_asymmetries_mirror_each_other(jit: ModuleType) -> None:
     cos = np.linspace(-1, 1, 101, dtype=np.float32)
     there = medium.hg(jit.Float(cos), jit.Float(0.7)).numpy()

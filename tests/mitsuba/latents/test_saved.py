@@ -145,20 +145,6 @@ def test_a_damaged_file_is_refused(rgb, networks, saved, change):
         loaded(rgb, path, networks)
 
 
-def test_a_truncated_file_is_refused(rgb, networks, saved):
-    _, path = saved
-    path.write_bytes(path.read_bytes()[:-100])
-    with pytest.raises(RuntimeError, match="FileError: .*truncated"):
-        loaded(rgb, path, networks)
-
-
-def test_a_file_of_another_version_is_refused(rgb, networks, saved):
-    _, path = saved
-    rewritten(path, lambda description, arrays: description.update(version=99))
-    with pytest.raises(RuntimeError, match="FileError: .* has version 99 of the texture format"):
-        loaded(rgb, path, networks)
-
-
 def test_a_file_of_other_networks_is_refused(rgb, model, saved, tmp_path):
     _, path = saved
     other = tmp_path / "other.safetensors"

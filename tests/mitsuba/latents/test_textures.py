@@ -141,29 +141,6 @@ def test_isotropic_networks_take_the_mean_of_a_brushed_bottom(rgb, textured):
     assert np.abs(a - b).sum() < 0.05 * b.sum()
 
 
-@pytest.mark.slow
-def test_isotropic_networks_take_the_mean_of_a_textured_openpbr_base_of_two_widths(rgb):
-    # Its lobe is known, and has a width more than the code of these networks.
-    colour = [0.8, 0.5, 0.2]
-    described = {
-        "type": "openpbr",
-        "weights": "default",
-        "base_metalness": 1.0,
-        "specular_roughness": 0.4,
-        "specular_roughness_anisotropy": 0.6,
-        "coat_weight": 1.0,
-    }
-    values = [
-        mean_and_error(rgb, rgb.load_dict(described | {"base_color": of_base}), (0.5, 0.5))[0]
-        for of_base in (
-            {"type": "rgb", "value": colour},
-            bitmap(nearly_uniform((2, 2, 3), colour)),
-        )
-    ]
-    # Azimuths of all averages are random.
-    np.testing.assert_allclose(*values, rtol=0.04)
-
-
 def f_at(mi, bsdf, uv) -> np.ndarray:
     """f cos (3, M) of a pair of directions at points uv (M, 2)."""
     si = probing.interaction(np.tile([0.6, 0, 0.8], (len(uv), 1)), uv)

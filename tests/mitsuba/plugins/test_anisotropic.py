@@ -202,16 +202,6 @@ def three_channels(mi, bsdf, walks: int) -> np.ndarray:
     return bsdf.eval(mi.BSDFContext(), si, mi.Vector3f(*WO.tolist())).numpy().astype(np.float64)
 
 
-def test_equal_colours_are_one_width(rgb):
-    grey = {"type": "rgb", "value": [0.2, 0.2, 0.2]}
-    base = {"type": "diffuse", "reflectance": {"type": "rgb", "value": [0.8, 0.5, 0.2]}}
-    one = three_channels(rgb, layered(rgb, base, alpha=0.2, sigma_t=0.0), 1 << 14)
-    two = three_channels(rgb, layered(rgb, base, alpha=grey, sigma_t=0.0), 1 << 14)
-    # Roulette, by the strongest channel of a walk for all, makes other walks of the darker ones.
-    error = np.hypot(one.std(axis=1), two.std(axis=1)) / np.sqrt(one.shape[1])
-    assert (np.abs(one.mean(axis=1) - two.mean(axis=1)) < 4 * error).all()
-
-
 def test_monochromatic_variants_read_the_luminance_of_a_colour():
     import mitsuba as mi
 

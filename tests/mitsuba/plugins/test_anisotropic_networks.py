@@ -103,30 +103,6 @@ def test_textured_metal_under_a_coat(rgb, pairs):
         assert np.median(np.abs(f / material.f(*pairs) - 1)) < 0.005
 
 
-def test_pictures_agree_with_the_walk(rgb):
-    """A sphere in even light: the mean radiance is within 2 %, the walk's noise below 0.5 %."""
-    means = []
-    for kind, spp in (("neural_layered", 64), ("layered", 256)):
-        scene = rgb.load_dict(
-            {
-                "type": "scene",
-                "integrator": {"type": "path", "max_depth": 2},
-                "light": {"type": "directional", "direction": [0.3, 0.4, -1]},
-                "sensor": {
-                    "type": "perspective",
-                    "to_world": rgb.ScalarTransform4f().look_at([0, 0, 4], [0, 0, 0], [0, 1, 0]),
-                    "film": {"type": "hdrfilm", "width": 32, "height": 32},
-                },
-                "ball": {
-                    "type": "sphere",
-                    "bsdf": {"type": kind, **COAT, **WIDTHS, "rotation": 30.0, "base": METAL},
-                },
-            }
-        )
-        means.append(rgb.render(scene, spp=spp, seed=1).numpy().mean())
-    assert means[0] == pytest.approx(means[1], rel=0.02)
-
-
 @pytest.mark.slow
 def test_gradients_of_widths_and_angle_agree_with_differences(rgb):
     """To 3 %. The azimuth changes f within a degree where a half vector is near an axis."""

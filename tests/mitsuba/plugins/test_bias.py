@@ -72,15 +72,6 @@ def test_light_bsdf_and_combined_sampling_give_the_same_picture(rgb, plugin):
     agree(pictures[1], pictures[2])
 
 
-def test_pictures_of_one_sample_average_to_pictures_of_many(rgb):
-    loaded = scene(rgb, rgb.load_dict(described(alpha=0.05)), {"type": "path", "max_depth": 6})
-    single = renders(rgb, loaded, 1, range(100, 148))
-    assert np.isfinite(single).all()
-    agree(
-        single.reshape(12, 4, *single.shape[1:]).mean(axis=1), renders(rgb, loaded, 64, range(12))
-    )
-
-
 @pytest.mark.parametrize("name", EXTREME)
 @pytest.mark.parametrize("degrees", (0, 60, 85, 89))
 def test_extreme_materials_reflect_their_albedo(rgb, name, degrees):

@@ -49,16 +49,6 @@ def test_over_saved_and_coated_materials(rgb, measured, coated, tmp_path):
     assert twice.latents.material == urushi.layer(dielectric(0.1, 1.5), coated, sigma_t=SIGMA_T)
 
 
-@pytest.mark.research
-def test_a_change_of_the_coat_makes_the_table_anew(rgb, merl_file, measured):
-    bsdf = plugin(rgb, {"type": "measured_brdf", "filename": str(merl_file)})
-    parameters = rgb.traverse(bsdf)
-    parameters["alpha.value"] = 0.2
-    parameters.update()
-    expected = urushi.layer(dielectric(0.2, 1.5), measured, sigma_t=SIGMA_T)
-    assert bsdf.latents.material == expected
-
-
 def test_codes_of_textured_coats_are_near_the_table(rgb, merl_file, random_directions):
     texels = np.float32([0.2, 0.2, 0.2, 0.3]).reshape(2, 2, 1)
     texture = bitmap(texels)

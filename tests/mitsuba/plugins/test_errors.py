@@ -5,9 +5,7 @@ import pytest
 from tests.mitsuba.probes import bitmap
 
 from urushi.errors import ParameterError
-from urushi.material import Material
 from urushi.mitsuba import register
-from urushi.nets import weights
 from urushi.openpbr_surface.plugins import PLUGINS
 
 COATS = ("layered", "neural_layered")
@@ -40,6 +38,10 @@ def load(mi, networks, name: str, **properties):
             {"thickness": {"type": "rgb", "value": [0.1, 2, 0.3]}},
             "thickness must be a number or a texture; all channels share it",
         ),
+        (
+            {"rotation": {"type": "rgb", "value": [0.1, 0.2, 0.3]}},
+            "rotation must be a number or a texture; all channels share it",
+        ),
         ({"int_ior": 4.0}, "int_ior / ext_ior is 3.99889; it must be an index"),
         ({"int_ior": "lacquer"}, "int_ior is 'lacquer'; give a number or one of the materials"),
         ({"ext_ior": 0.0}, "ext_ior is 0; it must be positive"),
@@ -58,13 +60,6 @@ def test_bad_parameters(rgb, networks, name, properties, sentence):
     with pytest.raises(RuntimeError) as caught:
         load(rgb, networks, name, **properties)
     assert sentence in str(caught.value)
-
-
-def test_channels_share_a_rotation(rgb, networks):
-    color = {"type": "rgb", "value": [0.1, 0.2, 0.3]}
-    for name in ("layered", "neural_layered"):
-        with pytest.raises(RuntimeError, match="rotation must be a number or a texture; all chann"):
-            load(rgb, networks, name, rotation=color)
 
 
 @pytest.mark.parametrize("name", COATS)
@@ -113,20 +108,6 @@ def test_missing_files(rgb, networks):
         )
     with pytest.raises(RuntimeError, match="FileError.*none.safetensors"):
         load(rgb, networks, "neural_layered", weights="none.safetensors")
-
-
-def test_a_material_of_other_networks(rgb, networks, model, tmp_path):
-    Material(np.zeros((3, 32)), model).save(tmp_path / "material.safetensors")
-    other = tmp_path / "other.safetensors"
-    weights.save(other, model.arch, {key: 2 * value for key, value in model.params.items()}, {})
-    with pytest.raises(RuntimeError, match="does not match the weights"):
-        rgb.load_dict(
-            {
-                "type": "neural_brdf",
-                "filename": str(tmp_path / "material.safetensors"),
-                "weights": str(other),
-            }
-        )
 
 
 def strangers(mi) -> dict[str, dict]:

@@ -174,22 +174,6 @@ def test_files_remember_their_coats(tmp_path, rgb):
     np.testing.assert_allclose(codes[0], once.latents[0], atol=1e-3)
 
 
-def test_gold_under_varnish_is_the_closed_form(rgb):
-    """A smooth clear coat over smooth gold, at normal incidence: R + T^2 r / (1 - R r), of the
-    interface's R and the gold's r relative to the varnish (Airy's sum without interference)."""
-    eta, k, index = 0.143, 3.983, 1.5 / 1.000277
-    one = np.float64(1)
-    r = fresnel.exact(one, np.float64(eta / index), np.float64(k / index), NUMPY)
-    surface = fresnel.exact(one, np.float64(index), np.float64(0), NUMPY)
-    closed = surface + (1 - surface) ** 2 * r / (1 - surface * r)
-    stack = urushi.coat(urushi.conductor(0.01, eta=eta, k=k), 0.01, ior=1.5)
-    from urushi.walk.simulate import albedo
-
-    found, se = albedo(stack, np.array([[0.0, 0.0, 1.0]]), walks=1 << 16)
-    # The heavy tails of two surfaces of width 0.01 lose 0.1 %.
-    assert abs(found[0, 0] - closed) < 4 * se[0, 0] + 0.002
-
-
 def test_both_forms_of_an_index_are_refused():
     for maker in (urushi.dielectric, lambda **given: urushi.coat(urushi.diffuse(0.5), **given)):
         with pytest.raises(urushi.errors.ParameterError, match="ior and eta are both given"):

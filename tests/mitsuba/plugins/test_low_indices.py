@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from tests.mitsuba.probes import bitmap, vector
+from tests.mitsuba.probes import vector
 
 from urushi.mitsuba.reading import probing
 from urushi.walk import coat, diffuse, simulate
@@ -42,21 +42,3 @@ def test_the_plugin_is_the_walk(rgb, degrees):
         f, se_f = simulate(stack, wi[None], wo[None], walks=1 << 17, progress=False)
         assert abs(f_cos - f[0, 0] * wo[2]) < 4 * np.hypot(se, se_f[0, 0] * wo[2])
         assert se < 0.02 * f_cos  # the comparison is sharp
-
-
-@pytest.mark.parametrize("name", ["layered", "neural_layered"])
-@pytest.mark.parametrize("textured", [False, True])
-def test_an_index_of_one_is_no_interface(rgb, name, textured):
-    """f is that of the bottom, attenuated by what the medium absorbs."""
-    wi, wo = np.array([0.0, 0.6, 0.8]), np.array([0.5, 0.0, 0.75**0.5])
-    index: float | dict = 1.33
-    if textured:
-        pixels = np.float32([1.33, 1.33, 1.33, 1.330001]).reshape(2, 2, 1)  # not of one value
-        index = bitmap(pixels)
-    for depth, tolerance in ((0.0, 0.01), (0.2, 0.04)):
-        medium = {"alpha": 0.5, "albedo": 0.0, "sigma_t": depth}
-        described = layered(index, 1.33) | {"type": name} | medium
-        f_cos, _ = mean_f_cos(rgb, rgb.load_dict(described), wi, wo, walks=1 << 8)
-        expected = 0.6 / np.pi * np.exp(-depth * (1 / wi[2] + 1 / wo[2])) * wo[2]
-        # Half precision of codes; the error of a code below a medium.
-        assert f_cos == pytest.approx(expected, rel=tolerance if name != "layered" else 1e-4)

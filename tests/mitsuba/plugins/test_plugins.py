@@ -194,20 +194,3 @@ def test_a_coat_over_a_saved_material_follows_its_codes(rgb, saved, networks, mo
         material = Material(material.latents + np.float32(0.1) * (np.arange(32) == 31), model)
         parameters["latents"] = rgb.TensorXf(material.latents)
         parameters.update()
-
-
-def test_encode_takes_mitsuba_bsdfs(rgb, model):
-    from urushi.material import encode
-
-    material = encode(rgb.load_dict({"type": "diffuse"}), model)
-    same = encode(lambda wi, wo: np.full((len(wi), 3), 0.5 / np.pi), model)
-    # the width of a lobe that reflects nothing has no meaning
-    codes = material.latents[:, 1:], same.latents[:, 1:]
-    np.testing.assert_allclose(*codes, rtol=1e-4, atol=1e-4)
-
-
-def test_eval_diffuse_reflectance_is_positive(rgb, describe):
-    bsdf = rgb.load_dict(describe("neural_brdf"))
-    si = dr.zeros(rgb.SurfaceInteraction3f)
-    si.wi = [0, 0, 1]
-    assert dr.all(bsdf.eval_diffuse_reflectance(si) > 0, axis=None)

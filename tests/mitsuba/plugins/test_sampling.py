@@ -3,11 +3,7 @@
 import numpy as np
 import pytest
 
-import urushi
-from urushi.checks import CoatParameters
 from urushi.material import Material
-from urushi.material.layer import layer_material
-from urushi.nets import weights
 
 MATERIALS = 6
 #: Angles of wi from the normal [degrees].
@@ -66,26 +62,6 @@ def test_neural_layered(rgb, sampling, networks):
 
 def test_layered(rgb, sampling):
     check(sampling, [rgb.load_dict(coat | {"type": "layered"}) for coat in coats(MATERIALS)])
-
-
-@pytest.mark.slow
-def test_weights_of_samples_of_the_shipped_networks_are_bounded():
-    """Of metals and Lambertians under random coats."""
-    model, rng, count = weights.default_model(), np.random.default_rng(0), 32
-    bottoms = [urushi.conductor(alpha=alpha, r0=0.9) for alpha in (0.02, 0.1, 0.4)]
-    bottoms += [urushi.diffuse(0.7), urushi.diffuse(0.05)]
-    codes = np.concatenate([urushi.encode(bottom).latents for bottom in bottoms])
-    low, high = np.array([(0.01, 1), (1.05, 2.5), (0, 1), (0, 4), (-0.5, 0.8)]).T
-    coats = CoatParameters.of_columns((low + (high - low) * rng.random((count, 5))).T)
-    below = Material(codes[np.arange(count) % len(codes)], model)
-    coated = layer_material(coats, below, fast=True).latents
-    materials = [Material(z[None], model) for z in coated]
-    theta = np.radians(np.repeat([0, 30, 60, 75, 85], 200))
-    wi = np.stack([np.sin(theta), 0 * theta, np.cos(theta)], axis=-1).astype(np.float32)
-    for seed, material in enumerate(materials):
-        wo, pdf = material.sample(wi, np.random.default_rng(seed).random(wi.shape, np.float32))
-        f_cos = material.f(wi, wo)[:, 0] * wo[:, 2]
-        assert (f_cos <= 50 * pdf).all()
 
 
 def test_nested_layered(rgb, sampling):

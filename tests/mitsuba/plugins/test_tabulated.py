@@ -59,23 +59,6 @@ def test_plugins_evaluate_as_numpy_does(rgb, small, random_directions, tmp_path)
         np.testing.assert_allclose(found, expected, rtol=2e-3)
 
 
-def test_reciprocal_to_the_bit(rgb, small, random_directions):
-    from urushi.mitsuba.latents.codes import ConstantLatents
-
-    material = materials(small)[1]
-    latents = ConstantLatents(Material(material.latents, small, table=material.table))
-    sides = random_directions(2000, 3), random_directions(2000, 4)
-
-    def f(wi, wo) -> np.ndarray:
-        si = dr.zeros(rgb.SurfaceInteraction3f, len(wi))
-        si.wi = vector(wi)
-        active = dr.full(rgb.Bool, True, len(wi))
-        channels = latents.f(latents.vertex(si, active), si, vector(wo), active)
-        return np.stack([channel.numpy() for channel in channels])
-
-    np.testing.assert_array_equal(f(*sides), f(*sides[::-1]))
-
-
 def test_saved_again_to_the_byte(rgb, small, tmp_path):
     loaded(rgb, materials(small)[1], tmp_path).save(tmp_path / "again")
     assert (tmp_path / "again").read_bytes() == (tmp_path / "material").read_bytes()

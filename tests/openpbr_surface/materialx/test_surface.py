@@ -6,7 +6,6 @@ import mitsuba as mi
 import numpy as np
 import pytest
 
-import urushi
 from urushi.core.fresnel import EDGE_COSINE
 from urushi.errors import FileError, ParameterError, UrushiWarning
 from urushi.openpbr_surface.materialx.conversions import edge_tint
@@ -537,26 +536,6 @@ def test_an_old_document_is_upgraded(tmp_path):
         </materialx>"""
     )
     assert read_surface(path).values["base_color"] == pytest.approx((0.3, 0.2, 0.1))
-
-
-def test_every_example_of_openpbr_is_read(openpbr_examples):
-    paths = sorted(openpbr_examples.glob("*.mtlx"))
-    assert len(paths) == 83
-    for path in paths:
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore", UrushiWarning)  # colours outside of sRGB
-            description = urushi.load_materialx(path)
-        assert description["type"] == "openpbr"
-        assert len(description) > 1
-
-
-def test_aces_gold_is_gold(openpbr_examples):
-    """ACEScg 0.944, 0.776, 0.373 (Gold of the examples) in linear sRGB, by the matrix of OCIO."""
-    with pytest.warns(UrushiWarning):
-        gold = urushi.load_materialx(openpbr_examples / "open_pbr_gold.mtlx")
-    r, g, b = gold["base_color"]["value"]
-    assert r == 1
-    assert r > g > b > 0.25
 
 
 def test_translations_of_materialx_are_nodes(document):

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from tests.openpbr_surface.materialx.test_surface import widths
 
 import urushi
 from urushi.errors import ParameterError
@@ -12,17 +13,6 @@ from urushi.openpbr_surface.parameters import complete
 GOLD = urushi.conductor(alpha=0.3, r0=(0.98, 0.77, 0.34))
 BRUSHED = urushi.conductor(alpha_u=0.4, alpha_v=0.1, r0=0.9)
 RED = urushi.diffuse((0.7, 0.1, 0.05))
-
-
-def widths(values, prefix):
-    """GGX widths (alpha_t, alpha_b) of OpenPBR's roughness r and anisotropy a.
-
-    alpha_t = r^2 sqrt(2 / (1 + (1 - a)^2)) and alpha_b = (1 - a) alpha_t (OpenPBR 1.1, section on
-    anisotropy).
-    """
-    r, a = values[f"{prefix}_roughness"], values[f"{prefix}_roughness_anisotropy"]
-    u = r**2 * np.sqrt(2 / (1 + (1 - a) ** 2))
-    return u, (1 - a) * u
 
 
 @pytest.mark.parametrize("bottom", [GOLD, BRUSHED, RED])
