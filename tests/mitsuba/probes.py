@@ -1,9 +1,12 @@
-"""What tests of plugins share: textures of given texels, vectors, and f of a BSDF."""
+"""What tests of plugins share: textures of texels, vectors, f of a BSDF, and the walk in Python."""
 
 import mitsuba as mi
 import numpy as np
 
+from urushi.core.direction_sets import cosine_pairs
+from urushi.core.directions import rotated
 from urushi.mitsuba.reading import probing
+from urushi.walk import Stack, simulate
 
 
 def bitmap(pixels: np.ndarray, **properties) -> dict:
@@ -20,3 +23,30 @@ def vector(w: np.ndarray) -> "mi.Vector3f":
 def f(bsdf: "mi.BSDF", wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
     """f (N, 3) [1/sr] for pairs (N, 3) above the horizon, at the origin of uv."""
     return probing.bsdf_values(bsdf, wi, wo, np.zeros((len(wi), 2)))
+
+
+def check_walk(bsdf: "mi.BSDF", stack: Stack, degrees: float = 0.0, sides: bool = False) -> None:
+    """Walks of a plugin have the means of `simulate` of a stack, whose tangent is turned.
+
+    At 16 pairs; sides: of both sides, as radiance and as importance.
+    """
+    wi, wo = (
+        w.astype(np.float32) for w in cosine_pairs(np.random.default_rng(4), 16, lowest_cosine=0.05)
+    )
+    if sides:
+        wi[::2, 2] *= -1
+        wo[::4, 2] *= -1
+        wo[1::4, 2] *= -1
+    count, cosine = 1 << 12, np.abs(wo[:, 2:])
+    a, b = (np.repeat(rotated(w, degrees / 360), count, axis=0) for w in (wi, wo))
+    si = probing.interaction(a, np.random.default_rng(0).random((len(a), 2)))  # walks of their own
+    for mode in ("Radiance", "Importance")[: 1 + sides]:
+        context = mi.BSDFContext(getattr(mi.TransportMode, mode))
+        walked = bsdf.eval(context, si, vector(b)).numpy().reshape(3, len(wi), count)
+        mean, error = walked.mean(axis=2).T, walked.std(axis=2).T / count**0.5
+        options = {"walks": 1 << 13, "progress": False, "mode": mode.lower()}
+        expected, se = (x * cosine for x in simulate(stack, wi, wo, **options))
+        z = (mean - expected) / np.hypot(error, se)
+        # 48 values, whose channels may be the same.
+        assert np.abs(z).max() < 5 and (z**2).mean() < 2.5
+        assert np.hypot(error, se).sum() < 0.1 * expected.sum()  # the comparison is sharp

@@ -2,10 +2,10 @@
 
 import numpy as np
 import pytest
-from tests.mitsuba.probes import bitmap, vector
+from tests.mitsuba.probes import bitmap, check_walk, vector
 
 from urushi.mitsuba.reading import probing
-from urushi.walk import coat, conductor, diffuse, simulate
+from urushi.walk import coat, conductor, diffuse
 
 COAT = {"int_ior": 1.5, "ext_ior": 1.0, "albedo": 0.7, "sigma_t": 0.5, "g": 0.3}
 MEDIUM = {"eta": 1.5, "albedo": 0.7, "sigma_t": 0.5, "g": 0.3}
@@ -38,32 +38,17 @@ def values(mi, bsdf, wi: np.ndarray = WI, wo: np.ndarray = WO, walks: int = 1) -
     return value[1].numpy().astype(np.float64)
 
 
-def turned(w: np.ndarray, degrees: float) -> np.ndarray:
-    """A direction turned counter-clockwise about the normal."""
-    cos, sin = np.cos(np.radians(degrees)), np.sin(np.radians(degrees))
-    return np.array([cos * w[0] - sin * w[1], sin * w[0] + cos * w[1], w[2]])
-
-
-def check_walk(mi, bsdf, stack, degrees: float = 0.0) -> None:
-    """The plugin's mean is that of the walk, whose tangent is turned by an angle."""
-    f_cos = values(mi, bsdf, turned(WI, degrees), turned(WO, degrees), walks=1 << 16)
-    se = f_cos.std() / np.sqrt(len(f_cos))
-    f, se_f = simulate(stack, WI[None], WO[None], walks=1 << 17, progress=False)
-    assert abs(f_cos.mean() - f[0, 0] * WO[2]) < 4 * np.hypot(se, se_f[0, 0] * WO[2])
-    assert se < 0.02 * f_cos.mean()  # the comparison is sharp
-
-
-@pytest.mark.parametrize("degrees", [0, 30, -100])
+@pytest.mark.parametrize("degrees", [0, 30])
 def test_the_plugin_is_the_walk(rgb, degrees):
     turn = {"rotation": float(degrees)} if degrees else {}
     bottom = conductor(eta=0.2, k=3.9, alpha_u=0.1, alpha_v=0.4)
     one = coat(diffuse(0.6), **MEDIUM, **WIDTHS)
-    check_walk(rgb, layered(rgb, **WIDTHS, **turn), one, degrees)
+    check_walk(layered(rgb, **WIDTHS, **turn), one, degrees)
     both = coat(bottom, **MEDIUM, **WIDTHS)
-    check_walk(rgb, layered(rgb, metal(), **WIDTHS, **turn), both, degrees)
+    check_walk(layered(rgb, metal(), **WIDTHS, **turn), both, degrees)
     three = coat(coat(bottom, 0.3, 1.2), alpha_u=0.2, alpha_v=0.5, **MEDIUM)
     inner = {"type": "layered", "alpha": 0.3, "int_ior": 1.8, "base": metal()}
-    check_walk(rgb, layered(rgb, inner, alpha_u=0.2, alpha_v=0.5, **turn), three, degrees)
+    check_walk(layered(rgb, inner, alpha_u=0.2, alpha_v=0.5, **turn), three, degrees)
 
 
 def test_the_proposal_follows_an_anisotropic_bottom(rgb):

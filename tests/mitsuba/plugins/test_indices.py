@@ -4,7 +4,7 @@ import functools
 
 import numpy as np
 import pytest
-from tests.mitsuba.probes import bitmap
+from tests.mitsuba.probes import bitmap, check_walk
 
 import urushi
 from urushi.core import fresnel
@@ -23,6 +23,17 @@ def values(mi, description: dict, walks: int = 1) -> tuple[np.ndarray, np.ndarra
     uv = np.random.default_rng(0).random((len(wi), 2))
     f = probing.bsdf_values(mi.load_dict(description), wi, wo, uv)[:, 0].reshape(3, walks)
     return f.mean(axis=1), f.std(axis=1) / np.sqrt(walks)
+
+
+def test_coats_of_lower_indices_are_the_walk(rgb):
+    """Below air, and inside another coat; some directions are beyond the critical angle of 0.8."""
+    medium = {"alpha": 0.2, "albedo": 0.7, "sigma_t": 0.8, "g": 0.3}
+    bottom = {"type": "diffuse", "reflectance": 0.6}
+    low = {"type": "layered", "int_ior": 1.2, "ext_ior": 1.5, "base": bottom} | medium
+    nested = {"type": "layered", "int_ior": 1.5, "ext_ior": 1.0, "base": low} | medium
+    below = urushi.coat(urushi.diffuse(0.6), eta=1.2 / 1.5, **medium)
+    check_walk(rgb.load_dict(low), below)
+    check_walk(rgb.load_dict(nested), urushi.coat(below, eta=1.5, **medium))
 
 
 @pytest.mark.parametrize("base", [GOLD, {"type": "diffuse"}, GOLD | {"distribution": "beckmann"}])

@@ -3,6 +3,7 @@
 import drjit as dr
 import numpy as np
 import pytest
+from tests.mitsuba.probes import check_walk
 
 import urushi
 from urushi.core.direction_sets import cosine_pairs
@@ -107,26 +108,7 @@ DESCRIBED = {
 
 @pytest.mark.parametrize("name", DESCRIBED)
 def test_f_is_that_of_simulate_on_all_sides(rgb, name):
-    import drjit as dr
-
-    wi, wo = (w.astype(np.float32) for w in cosine_pairs(np.random.default_rng(4), 16))
-    wi[::2, 2] *= -1
-    wo[::4, 2] *= -1
-    wo[1::4, 2] *= -1
-    bsdf, count = load(rgb, SLABS[name]), 1 << 12
-    si = dr.zeros(rgb.SurfaceInteraction3f, len(wi) * count)
-    lane = dr.arange(rgb.UInt32, len(wi) * count)
-    si.p = rgb.Point3f(rgb.Float(lane % count), 0, 0)  # walks differ by place
-    si.wi, to = (rgb.Vector3f(np.repeat(w, count, axis=0).T) for w in (wi, wo))
-    for mode in ("Radiance", "Importance"):
-        options = {"walks": 1 << 13, "progress": False, "mode": mode.lower()}
-        expected, se = urushi.simulate(DESCRIBED[name], wi, wo, **options)
-        context = rgb.BSDFContext(getattr(rgb.TransportMode, mode))
-        value = bsdf.eval(context, si, to).numpy()[0].reshape(len(wi), count)
-        mean, error = value.mean(1), value.std(1) / np.sqrt(count)
-        cosine = np.abs(wo[:, 2])
-        z = (mean - expected[:, 0] * cosine) / np.hypot(error, se[:, 0] * cosine)
-        assert np.abs(z).max() < 5
+    check_walk(load(rgb, SLABS[name]), DESCRIBED[name], sides=True)
 
 
 @pytest.mark.parametrize(
