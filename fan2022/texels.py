@@ -5,7 +5,6 @@ latent space is linear (Fan et al. 2022).
 """
 
 from collections.abc import Mapping
-from typing import ClassVar
 
 import drjit as dr
 import mitsuba as mi
@@ -64,8 +63,6 @@ def _resolution(texture: "mi.Texture") -> np.ndarray:
 
 class CodeTexture:
     """Codes on a grid of texels, in single precision."""
-
-    DRJIT_STRUCT: ClassVar = {"_numbers": object, "_levels": list}  # for frozen functions
 
     def __init__(self, codes: np.ndarray, grid: TexelGrid = ONE_TEXEL, mipmaps: bool = False):
         """codes: (T, C, 32) of the grid's texels, or (1, C, 32)."""

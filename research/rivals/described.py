@@ -44,8 +44,6 @@ class StackNumbers(NamedTuple):
 class DescribedBottom:
     """A `roughconductor` or a `diffuse` by its textures."""
 
-    DRJIT_STRUCT: ClassVar = {"_textures": dict}  # for frozen functions
-
     def __init__(self, bsdf: "mi.BSDF", where: str, plugin: str):
         """Read the textures.
 

@@ -1,6 +1,6 @@
 """Directional albedos of rough interfaces (`core.albedos`) as textures, and what they lose."""
 
-from typing import Any, ClassVar, NamedTuple
+from typing import Any, NamedTuple
 
 import drjit as dr
 import mitsuba as mi
@@ -9,9 +9,10 @@ import numpy as np
 from urushi.core import albedos, anisotropic_albedos
 from urushi.core.namespace import DRJIT
 from urushi.mitsuba.networks.table import interpolated, stored
+from urushi.mitsuba.recording import Recorded
 
 
-class InterfaceAlbedo:
+class InterfaceAlbedo(Recorded):
     """Directional albedos of a rough dielectric interface, from above.
 
     Directions are unit vectors above the horizon, or cosines if the interface has one width.
@@ -19,10 +20,6 @@ class InterfaceAlbedo:
     eta: its index if it is constant; None: any between 1/3 and 3. two_widths: whether its widths
         are `Widths`.
     """
-
-    DRJIT_STRUCT: ClassVar = dict.fromkeys(
-        ("_reflected", "_reflected_mean", "_both", "_both_mean", "_both_entered"), object
-    )  # for frozen functions
 
     def __init__(self, eta: float | None, two_widths: bool = False):
         self._constant, self._two = eta, two_widths
@@ -92,8 +89,6 @@ class InterfaceLoss:
     eta, two_widths: see `InterfaceAlbedo`.
     """
 
-    DRJIT_STRUCT: ClassVar = {"_above": object, "_below": object}  # for frozen functions
-
     def __init__(self, eta: float | None, two_widths: bool = False):
         self._above = InterfaceAlbedo(eta, two_widths)
         self._below = InterfaceAlbedo(None if eta is None else 1 / eta, two_widths)
@@ -140,8 +135,6 @@ class Interpolated:
     The coordinate of the last axis but the channels comes first. The table is linear between its
     nodes, which are from 0 to 1 on each axis.
     """
-
-    DRJIT_STRUCT: ClassVar = {"_table": object}  # for frozen functions
 
     def __init__(self, table: np.ndarray):
         *self._shape, self._channels = table.shape

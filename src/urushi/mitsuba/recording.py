@@ -4,7 +4,7 @@ import zlib
 from collections.abc import Callable, Hashable, Iterable, Iterator
 from functools import partial
 from numbers import Number
-from types import FunctionType, MethodType
+from types import FunctionType, MethodType, ModuleType
 from typing import Any, NamedTuple
 
 import drjit as dr
@@ -67,6 +67,23 @@ def opaque(value: float) -> "mi.Float":
     return scalar
 
 
+class Recorded:
+    """Base of what Mitsuba's objects hold: frozen functions see the variables in all its parts.
+
+    Dr.Jit 1.5 calls the two methods, and looks by itself into containers, not into other objects.
+    """
+
+    def _traverse_1_cb_ro(self, callback):
+        """Show Dr.Jit the variables."""
+        for part in [self, *_objects_in(_parts(self), {})]:
+            dr.detail.traverse_py_cb_ro(part, callback)
+
+    def _traverse_1_cb_rw(self, callback):
+        """Let Dr.Jit replace them."""
+        for part in [self, *_objects_in(_parts(self), {})]:
+            dr.detail.traverse_py_cb_rw(part, callback)
+
+
 def signature_of(plugin: Any) -> list:
     """Dr.Jit variables whose types encode what a plugin's recorded code may depend on.
 
@@ -84,9 +101,27 @@ def signature_of(plugin: Any) -> list:
     return variables
 
 
+#: Types of values without parts.
+PLAIN = type | str | bytes | Number | np.generic | np.ndarray | ModuleType | None
+
+
+def _objects_in(value: Any, seen: dict[int, Any]) -> Iterator[Any]:
+    """Objects with attributes in a value, once each; seen: by id.
+
+    Left out are those at which Dr.Jit looks by itself.
+    """
+    if isinstance(value, PLAIN | mi.Object | Recorded) or dr.is_array_v(value) or id(value) in seen:
+        return
+    seen[id(value)] = value
+    if hasattr(value, "__dict__") and not isinstance(value, FunctionType | partial):
+        yield value
+    for part in _parts(value):
+        yield from _objects_in(part, seen)
+
+
 def _described(value: Any, seen: dict[int, Any]) -> Iterator[str]:
     """A value as `signature_of` takes it; seen: objects that need no second description, by id."""
-    if value is None or isinstance(value, type | str | bytes | Number | np.generic):
+    if isinstance(value, PLAIN) and not isinstance(value, np.ndarray):
         yield repr(value)
         return
     if isinstance(value, np.ndarray) or dr.is_array_v(value):
@@ -106,7 +141,9 @@ def _described(value: Any, seen: dict[int, Any]) -> Iterator[str]:
 
 
 def _parts(value: Any) -> Iterable[Any]:
-    """The contents of a container, a function or another object."""
+    """The contents of a container, a function or another object; of weights, nothing."""
+    if isinstance(getattr(value, "fingerprint", None), str):
+        return ()
     if isinstance(value, dict):
         return [x for item in value.items() for x in item]
     if isinstance(value, set | frozenset):

@@ -16,7 +16,7 @@ import mitsuba as mi
 from urushi.errors import ParameterError
 from urushi.measured.tabulated import MeasuredSurface
 from urushi.mitsuba.properties import check_names, describe
-from urushi.mitsuba.recording import VertexCache, opaque, signature_of
+from urushi.mitsuba.recording import Recorded, VertexCache, opaque, signature_of
 from urushi.mitsuba.snapshot import ParameterSnapshot
 
 #: Samples of the directional albedo for denoisers, at fixed points.
@@ -40,7 +40,7 @@ class KnownSurface:
     rotated: bool = False  # whether its tangent is turned about the normal
 
 
-class Surface:
+class Surface(Recorded):
     """A surface that scatters light: f and a proposal, from which directions are drawn.
 
     Subclasses read their properties in `_load` and give f (`_f` or `_f_and_pdf`) and the proposal
@@ -67,14 +67,6 @@ class Surface:
     def _begin(self) -> None:
         """Forget what belongs to former states."""
         self._vertex_cache, self._snapshot = VertexCache(), ParameterSnapshot()
-
-    def _traverse_1_cb_ro(self, callback):
-        """Show Dr.Jit the variables in all attributes, for frozen functions."""
-        dr.detail.traverse_py_cb_ro(self, callback)
-
-    def _traverse_1_cb_rw(self, callback):
-        """Let Dr.Jit replace them."""
-        dr.detail.traverse_py_cb_rw(self, callback)
 
     def _load(self, props):
         """Read the properties."""

@@ -53,7 +53,6 @@ class Compensation:
     one. A mixture has both, by their shares. The lobe has the colour of the coated base.
     """
 
-    DRJIT_STRUCT: ClassVar = {"_mirror": object, "_losses": dict}  # for frozen functions
     UNRECORDED: ClassVar = ("_shared",)
 
     def __init__(self, inputs: Inputs, encoded: bool, coated: Coated):

@@ -6,7 +6,6 @@ Gauss rule, which is exact for polynomials in the cosine to the facet.
 """
 
 import functools
-from typing import ClassVar
 
 import drjit as dr
 import mitsuba as mi
@@ -41,10 +40,6 @@ class FilmFresnel:
     The channels' sensitivities are linear sRGB in colour variants, single wavelengths in spectral
     variants, and Y in monochromatic variants.
     """
-
-    DRJIT_STRUCT: ClassVar = dict.fromkeys(
-        ("_rule", "_mean_rule", "_mirror", "_total"), object
-    )  # for frozen functions
 
     def __init__(self, inputs: Inputs):
         self._inputs = inputs

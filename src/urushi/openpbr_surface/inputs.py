@@ -15,6 +15,7 @@ from urushi.mitsuba import spectrum
 from urushi.mitsuba.properties import describe
 from urushi.mitsuba.reading.derived import derived as from_textures
 from urushi.mitsuba.reading.grid import varies
+from urushi.mitsuba.recording import Recorded
 from urushi.openpbr_surface import formulas
 from urushi.openpbr_surface.parameters import PARAMETERS, checked, parameter
 
@@ -42,10 +43,9 @@ DIRECTIONS = (
 )
 
 
-class Inputs:
+class Inputs(Recorded):
     """All parameters except the directions, as textures; numbers and colours are textures too."""
 
-    DRJIT_STRUCT: ClassVar = {"textures": dict, "maps": dict}  # for frozen functions
     UNRECORDED: ClassVar = ("_relied",)
 
     def __init__(self, props: "mi.Properties", *, emits: bool = False):

@@ -4,7 +4,6 @@ The nodes are defined in `core.albedos`, and in `core.anisotropic_albedos` for t
 """
 
 import functools
-from typing import ClassVar
 
 import drjit as dr
 import numpy as np
@@ -90,8 +89,6 @@ class RoughSlab:
 
     eta: the interface's index if it is constant; None: any between 1/3 and 3.
     """
-
-    DRJIT_STRUCT: ClassVar = {"_table": object, "_mean": object}  # for frozen functions
 
     def __init__(self, eta: float | None):
         self._constant, known = eta, slab_tables(eta)

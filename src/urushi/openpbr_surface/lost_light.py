@@ -5,7 +5,7 @@ twin is the same material with all colours set to one, so that what it does not 
 """
 
 from collections.abc import Callable, Sequence
-from typing import Any, ClassVar, NamedTuple
+from typing import Any, NamedTuple
 
 import drjit as dr
 import mitsuba as mi
@@ -60,8 +60,6 @@ class LostLight:
     Negative where the twin returns too much. Its axes are the direction, and the parameters that
     vary over the surface.
     """
-
-    DRJIT_STRUCT: ClassVar = {"_table": object, "_means": object}  # for frozen functions
 
     def __init__(
         self,

@@ -10,7 +10,7 @@ by a formula. Departures from the specification: a metal has the lobe of multipl
 Kulla and Conty 2017, and the base follows refraction by the coat (`formulas.base_index`).
 """
 
-from typing import Any, ClassVar, NamedTuple
+from typing import Any, NamedTuple
 
 import drjit as dr
 import mitsuba as mi
@@ -56,10 +56,6 @@ class Base:
     The dielectric's interface reflects by single scattering and passes the rest, so that a white
     base reflects all light.
     """
-
-    DRJIT_STRUCT: ClassVar = dict.fromkeys(
-        ("film", "_mirror", "_albedo", "_slab"), object
-    )  # for frozen functions
 
     def __init__(self, inputs: Inputs, under_coat: bool):
         """Leave out parts that parameters given as numbers do not need.

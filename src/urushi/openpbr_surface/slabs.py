@@ -1,7 +1,7 @@
 """Panes, and coats on what transmits light, as slabs of `layered` and `neural_layered`."""
 
 from collections.abc import Callable
-from typing import Any, ClassVar
+from typing import Any
 
 import drjit as dr
 import mitsuba as mi
@@ -26,8 +26,6 @@ class Finish:
 
     The lobe that returns the light is as that of `Glass`.
     """
-
-    DRJIT_STRUCT: ClassVar = {"_losses": object, "_index": object}  # for frozen functions
 
     def __init__(self, inputs: Inputs, coated: bool, white: Callable[..., Any] | None):
         """white: makes the white slab, with some parameters replaced; None: it loses no light."""

@@ -11,7 +11,7 @@ import importlib
 import itertools
 from collections.abc import Callable
 from types import ModuleType
-from typing import Any, ClassVar, NamedTuple
+from typing import Any, NamedTuple
 
 import drjit as dr
 import numpy as np
@@ -139,8 +139,6 @@ class Tabulated:
 class Reflector:
     """A tabulated BRDF on one backend."""
 
-    DRJIT_STRUCT: ClassVar = {"_lookup": object, "_shares": object, "_alphas": list}  # to freeze
-
     def __init__(self, lookup: "Lookup", lobes: Lobes, device: ModuleType):
         self._lookup, self._device = lookup, device
         self._nodes = len(lobes.shares)
@@ -170,8 +168,6 @@ class Lookup:
 
     The Dr.Jit counterpart of `measured.tabulated.interpolated`.
     """
-
-    DRJIT_STRUCT: ClassVar = {"_bins": object}  # for frozen functions
 
     def __init__(self, device: ModuleType, table: np.ndarray):
         self._device = device

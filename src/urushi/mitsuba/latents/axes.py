@@ -41,9 +41,6 @@ class AxisLatents(EvaluatedCodes):
 
     material = None
 
-    DRJIT_STRUCT: ClassVar = dict.fromkeys(("_numbers", "_terms", "_decoder", "_one"), object) | (
-        dict.fromkeys(("_fixed", "_slopes", "_ranges"), list)
-    )  # for frozen functions
     UNRECORDED: ClassVar = ("baked", "varying", "_changes")
 
     def __init__(self, baked: Baked, varying: Sequence[Varying]):

@@ -7,7 +7,7 @@ interaction share, `f` evaluates every channel there, and `f_and_pdf` the propos
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import partial
-from typing import Any, ClassVar, NamedTuple
+from typing import Any, NamedTuple
 
 import drjit as dr
 import mitsuba as mi
@@ -63,9 +63,6 @@ class EvaluatedCodes:
 
 class ConstantLatents(EvaluatedCodes):
     """One latent code per channel. What depends on the codes alone is computed once, here."""
-
-    # For frozen functions
-    DRJIT_STRUCT: ClassVar = dict.fromkeys(("_decoder_terms", "_tables", "_proposals"), list)
 
     def __init__(self, material: Material, half: bool = False):
         """Take the codes of a material, without its rotation.

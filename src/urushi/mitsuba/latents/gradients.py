@@ -5,7 +5,7 @@ depend on detached codes: as in all of Mitsuba's differentiable integrators, sam
 the integrand changes.
 """
 
-from typing import Any, ClassVar
+from typing import Any
 
 import drjit as dr
 import mitsuba as mi
@@ -19,8 +19,6 @@ from urushi.mitsuba.recording import only_where
 
 class DifferentiableLatents:
     """Codes with the gradients of a tensor; everything else is as in the plain latents."""
-
-    DRJIT_STRUCT: ClassVar = {"plain": object, "_codes": object}  # for frozen functions
 
     def __init__(self, plain: ConstantLatents, tensor: "mi.TensorXf"):
         """tensor: the codes (C, L)."""

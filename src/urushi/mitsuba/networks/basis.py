@@ -9,7 +9,7 @@ share the look-up.
 
 import weakref
 from collections.abc import Sequence
-from typing import Any, ClassVar
+from typing import Any
 
 import drjit as dr
 import mitsuba as mi
@@ -34,8 +34,6 @@ FUNCTION_SCALE = 1 / ONE
 
 class BasisTable:
     """Mean and functions at the nodes of `core.table`, in Dr.Jit's memory."""
-
-    DRJIT_STRUCT: ClassVar = {"_packets": object}  # for frozen functions
 
     def __init__(
         self, rows: np.ndarray, factors: Sequence[int] = (), scale: np.ndarray | None = None
@@ -108,8 +106,6 @@ class BasisDecoder:
     gain, and its other numbers, scaled as the table's functions require; of two widths also the
     squared stretch.
     """
-
-    DRJIT_STRUCT: ClassVar = {"_table": object}  # for frozen functions
 
     def __init__(
         self,

@@ -4,7 +4,7 @@ They take a third less time than numbers of half precision, and are more exact.
 """
 
 from collections.abc import Sequence
-from typing import Any, ClassVar
+from typing import Any
 
 import drjit as dr
 import mitsuba as mi
@@ -28,8 +28,6 @@ def packet(kind: type, table, index, size: int) -> list:
 
 class Packets:
     """Levels (P, N) from 0 to `TOP` at P nodes."""
-
-    DRJIT_STRUCT: ClassVar = {"_packets": list}  # for frozen functions
 
     def __init__(self, levels: np.ndarray):
         """levels: are rounded."""
@@ -55,8 +53,6 @@ class Packets:
 
 class Numbers:
     """Numbers (P, N) at P nodes, each in 16 bits of its range."""
-
-    DRJIT_STRUCT: ClassVar = {"_levels": object, "_steps": list, "_lowest": list}
 
     def __init__(self, numbers: np.ndarray, factors: np.ndarray | None = None):
         """Store numbers; factors: (N,) by which looked up numbers are multiplied."""

@@ -1,6 +1,6 @@
 """Lobes by which a proposal represents what lies below coats."""
 
-from typing import Any, ClassVar, NamedTuple
+from typing import Any, NamedTuple
 
 import drjit as dr
 import mitsuba as mi
@@ -27,8 +27,6 @@ class BottomLobes:
     |h.x / h.z| below t is q = t / sqrt(alpha_u^2 + t^2), from which follow the widths of an
     anisotropic lobe.
     """
-
-    DRJIT_STRUCT: ClassVar = {"albedo": object, "_alphas": list}  # for frozen functions
 
     def __init__(self, bsdf: "mi.BSDF"):
         rng = mi.PCG32(size=SAMPLES)

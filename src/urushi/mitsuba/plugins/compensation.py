@@ -6,7 +6,7 @@ colour is the albedo of a coated Lambertian surface, of `core.appearance`.
 
 import math
 from functools import partial
-from typing import Any, ClassVar
+from typing import Any
 
 import drjit as dr
 import mitsuba as mi
@@ -57,8 +57,6 @@ def mirrored(bottom: "mi.BSDF", si, active, offset=0.5, turn=0.25):
 
 class Compensation:
     """The lobe of the light that the surface of a coat over a bottom loses."""
-
-    DRJIT_STRUCT: ClassVar = {"_gloss": object, "_loss": object}  # for frozen functions
 
     def __init__(self, coat: CoatTextures, bottom: "mi.BSDF"):
         """Estimate what the bottom mirrors, unless it varies."""

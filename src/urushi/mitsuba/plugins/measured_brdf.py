@@ -1,6 +1,6 @@
 """The plugin `measured_brdf`: a measured BRDF from its file."""
 
-from typing import Any, ClassVar
+from typing import Any
 
 import drjit as dr
 import mitsuba as mi
@@ -20,8 +20,6 @@ FIRST, COUNT = 360, 471
 
 class Components:
     """A measured BRDF as a sum of a few spectra."""
-
-    DRJIT_STRUCT: ClassVar = {"_spectra": list, "reflector": object}  # for frozen functions
 
     def __init__(self, source: Rgl, wavelengths: np.ndarray):
         """wavelengths: of the source [nm]."""

@@ -1,7 +1,5 @@
 """Mitsuba's dielectrics under coats: the lower interface of a slab, or a pane in air."""
 
-from typing import ClassVar
-
 import mitsuba as mi
 import numpy as np
 
@@ -28,8 +26,6 @@ LEAST_IN_VACUUM = 1.3
 
 class LowestInterface:
     """The surface of a body of glass under coats: a `roughdielectric` or a `dielectric`."""
-
-    DRJIT_STRUCT: ClassVar = {"textures": dict, "index": object}  # for frozen functions
 
     def __init__(self, bsdf: "mi.BSDF"):
         textures = nested_objects(bsdf)

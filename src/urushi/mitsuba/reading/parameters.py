@@ -2,7 +2,7 @@
 
 import copy
 from collections.abc import Collection
-from typing import Any, ClassVar
+from typing import Any
 
 import drjit as dr
 import mitsuba as mi
@@ -18,7 +18,7 @@ from urushi.mitsuba import spectrum
 from urushi.mitsuba.properties import describe
 from urushi.mitsuba.reading.grid import nested_objects, varies
 from urushi.mitsuba.reading.known import known_surface
-from urushi.mitsuba.recording import opaque
+from urushi.mitsuba.recording import Recorded, opaque
 
 #: Parameters of a coat that may be textures, and their defaults. The index of refraction is given
 #: by two properties of its own.
@@ -48,15 +48,13 @@ CHECKS = {
 }
 
 
-class CoatTextures:
+class CoatTextures(Recorded):
     """The textures of a coat, read from a plugin's properties, and its relative index `eta`.
 
     An anisotropic coat has the textures `alpha_u` and `alpha_v` in place of `alpha`, a medium given
     by its appearance those of `LOOK` in place of `albedo` and `sigma_t`. The textures `thickness`
     and `rotation` exist if the properties are given.
     """
-
-    DRJIT_STRUCT: ClassVar = {"textures": dict, "opaque_eta": object}  # for frozen functions
 
     def __init__(self, props: "mi.Properties"):
         """Read the properties."""

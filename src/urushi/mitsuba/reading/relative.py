@@ -12,6 +12,7 @@ from urushi.mitsuba.reading import probing
 from urushi.mitsuba.reading.derived import derived
 from urushi.mitsuba.reading.grid import NORMALS, nested_objects
 from urushi.mitsuba.reading.known import GGX
+from urushi.mitsuba.recording import Recorded
 from urushi.mitsuba.surface import bsdf_of, surface_of
 
 #: Classes of Mitsuba's BSDFs that reflect as the BSDFs nested in them, and their plugins.
@@ -22,7 +23,7 @@ WRAPPERS = NORMALS | {"BlendBSDF": "blendbsdf"}
 SWITCHES, SWITCH_PAIRS = ("use_shadowing_function", "flip_invalid_normals"), 1024
 
 
-class Medium:
+class Medium(Recorded):
     """A medium of a constant index relative to air, in place of the coat that contains it."""
 
     has_textured_eta = False  # see `CoatTextures`
