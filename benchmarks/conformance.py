@@ -1,9 +1,10 @@
 """Errors of an implementation of OpenPBR: `python -m benchmarks.conformance`.
 
-Prints E and the error of the albedo, in per cent, of the plugin `openpbr`, or with `--values FILE`
-of another renderer. The reference is one safetensors file: f of 40 coated materials by random walks
-through the coat, at 300 pairs of directions. docs/conformance.md describes its format. `--make
-FILE` simulates it from fixed seeds, in about a minute on two cores of an AMD EPYC.
+Prints E and the error of the albedo, in per cent, of the plugin `openpbr` and of OpenPBR's closed
+forms, or with `--values FILE` of another renderer. The reference is one safetensors file: f of 40
+coated materials by random walks through the coat, at 300 pairs of directions. docs/conformance.md
+describes its format. `--make FILE` simulates it from fixed seeds, in about a minute on two cores of
+an AMD EPYC.
 """
 
 import argparse
@@ -15,6 +16,7 @@ from typing import Any, NamedTuple
 
 import mitsuba as mi
 import numpy as np
+from research.rivals import openpbr_recipe
 from tqdm import tqdm
 
 from urushi import files
@@ -74,6 +76,11 @@ def model(parameters: Mapping[str, Any]) -> Brdf:
         PlatformError: no variant of Mitsuba is set.
     """
     return partial(bsdf_values, openpbr(**parameters).bsdf())
+
+
+def closed_form(name: openpbr_recipe.Recipe, parameters: Mapping[str, Any]) -> Brdf:
+    """f of one of `openpbr_recipe.RECIPES`."""
+    return lambda wi, wo: openpbr_recipe.f(dict(parameters), wi, wo, name)
 
 
 def evaluated(build: Callable[[dict[str, Any]], Brdf], reference: Reference) -> np.ndarray:
@@ -270,10 +277,14 @@ def main(arguments: list[str] | None = None) -> None:
         return
     reference = read(options.reference)
     if options.values is None:
-        name, f = "urushi", evaluated(model, reference)
+        found = {"urushi": evaluated(model, reference)}
+        found |= {
+            name: evaluated(partial(closed_form, name), reference)
+            for name in openpbr_recipe.RECIPES
+        }
     else:
-        name, (f,) = options.values.stem, read_npz(options.values, "f")
-    print(table(reference, {name: errors(f, reference)}))
+        found = {options.values.stem: read_npz(options.values, "f")[0]}
+    print(table(reference, {name: errors(f, reference) for name, f in found.items()}))
 
 
 if __name__ == "__main__":
