@@ -44,6 +44,7 @@ class Texture:
 _WRAPS = {"periodic": "repeat", "repeat": "repeat", "clamp": "clamp", "mirror": "mirror"}
 
 
+@np.errstate(all="ignore")  # what is not finite is refused
 def bake(graph: Graph, value: Value, resolution: int, where: str) -> np.ndarray | Texture:
     """The constant (channels,) or the texture that a graph's value is.
 
@@ -79,6 +80,7 @@ def _few(graph: Graph) -> Evaluation:
     return Evaluation(graph, np.concatenate([[[0, 0], [1, 0], [0, 1]], random]))
 
 
+@np.errstate(all="ignore")
 def changes(graph: Graph, value: Value) -> bool:
     """Whether a value is not zero everywhere, or cannot be computed."""
     try:

@@ -4,7 +4,7 @@ Spaces and conversions are those of OpenColorIO's configuration for computer gra
 with OpenImageIO. It knows the names of MaterialX, of the Color Interop Forum and of ACES.
 """
 
-from functools import cache
+from functools import cache, lru_cache
 
 import numpy as np
 import numpy.typing as npt
@@ -62,11 +62,26 @@ def to_linear_srgb(colours: npt.ArrayLike, space: str, where: str) -> np.ndarray
             f"{where}: the colour space '{space[:60]}' is unknown; use one of OpenColorIO's "
             "configuration for computer graphics, such as srgb_texture, lin_rec709 or acescg"
         )
+    if array.ndim == 1:
+        converted = _constant(name, *array[:3].tolist())
+    else:
+        converted = _converted(name, array[..., :3]).reshape(*array.shape[:-1], 3)
+    return np.concatenate([converted, array[..., 3:]], axis=-1)
+
+
+def _converted(name: str, colours: np.ndarray) -> np.ndarray:
+    """Colours (..., 3) of a space of the configuration in linear sRGB, (N, 3)."""
     import OpenImageIO as oiio
 
-    pixels = np.ascontiguousarray(array[..., :3], np.float32).reshape(1, -1, 3)
+    pixels = np.ascontiguousarray(colours, np.float32).reshape(1, -1, 3)
     converted = oiio.ImageBufAlgo.colorconvert(
         oiio.ImageBuf(pixels), name, LINEAR_SRGB, colorconfig=CONFIG
     ).get_pixels(oiio.FLOAT)
     assert converted is not None  # the space is known
-    return np.concatenate([converted.reshape(*array.shape[:-1], 3), array[..., 3:]], axis=-1)
+    return converted.reshape(-1, 3)
+
+
+@lru_cache(maxsize=1024)
+def _constant(name: str, *rgb: float) -> np.ndarray:
+    """`_converted` of one colour (3,): OpenImageIO reads its configuration at every call."""
+    return _converted(name, np.array(rgb))[0]

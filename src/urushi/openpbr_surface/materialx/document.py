@@ -4,9 +4,9 @@ import os
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass
+from html import unescape
 from pathlib import Path
 from typing import Any
-from xml.parsers import expat
 
 from urushi.errors import FileError, ParameterError
 from urushi.files import as_path, atomic_write
@@ -23,18 +23,14 @@ MAX_INCLUDES = 64
 #: Largest size of a document, of all its included files together [bytes].
 MAX_BYTES = 16 << 20
 
-#: Largest number of elements of a document, and of elements inside each other.
+#: Largest number of elements of a document.
 MAX_ELEMENTS = 50_000
-MAX_DEPTH = 32
-
-#: Bytes that are given to the parser at once.
-CHUNK = 1 << 16
 
 #: A comment, or a tag with its attributes; either may lack its end.
-_MARKUP = re.compile(rb"""<!--.*?(?:-->|\Z)|<(?:[^"'<>]|"[^"]*"?|'[^']*'?)*+>?""", re.DOTALL)
+_MARKUP = re.compile(r"""<!--.*?(?:-->|\Z)|<(?:[^"'<>]|"[^"]*"?|'[^']*'?)*+>?""", re.DOTALL)
 
-#: An ampersand that begins no character of XML.
-_AMPERSAND = re.compile(rb"&(?!(?:lt|gt|amp|quot|apos|#\d+|#x[0-9A-Fa-f]+);)")
+#: An attribute of a tag: its name, and its text in quotes.
+_ATTRIBUTE = re.compile(r"""([\w:]+)\s*=\s*("[^"]*"|'[^']*')""")
 
 
 @dataclass(frozen=True)
@@ -67,32 +63,58 @@ class _Reader:
     def read(self, file: Path, around: tuple[Path, ...]) -> Any:
         """The package's document; around: the files that include this one."""
         where = f"'{file}'"
-        content = escaped(self._content(file))
-        outline = Outline(content, where)
-        _check_version(outline.version, where)
-        self._elements += outline.elements
-        if self._elements > MAX_ELEMENTS:
-            raise FileError(
-                f"{where} and its includes have more than {MAX_ELEMENTS} elements in total; keep "
-                "only the material"
-            )
+        text, includes = self._tags(self._content(file), where)
         mx = package()
         root, options = mx.createDocument(), mx.XmlReadOptions()
         options.readXIncludeFunction = None
         try:
-            mx.readFromXmlString(root, content.decode(), mx.FileSearchPath(), options)
-        except (mx.Exception, RuntimeError, ValueError, IndexError) as error:
+            mx.readFromXmlString(root, text, mx.FileSearchPath(), options)
+        except (mx.Exception, mx.ExceptionParseError, RuntimeError, LookupError) as error:
             reason = " ".join(str(error).split())[:200]
             raise FileError(
                 f"{where} is refused by the package materialx ({reason}); export it again"
             ) from error
+        _check_version(root.getVersionString(), where)
         for node in root.traverseTree():  # exporters leave out the type of known shaders
             if node.getCategory() in SHADERS and not node.getAttribute("type"):
                 node.setAttribute("type", "surfaceshader")
         here = (*around, file.resolve())
-        for href in outline.includes:
+        for href in includes:
             root.importLibrary(self._included(href, where, here))
         return root
+
+    def _tags(self, text: str, where: str) -> tuple[str, list[str]]:
+        """The tags of a file, with spaces in place of all else, and the files that it includes.
+
+        The package would take minutes to name thousands of texts, or of elements without a name.
+        """
+        pieces: list[str] = []
+        includes, end = [], 0
+        for match in _MARKUP.finditer(text):
+            tag = match[0]
+            if tag.startswith(("<!", "<?")):
+                continue
+            kind = re.split(r"[\s/>]", tag[1:], maxsplit=1)[0]
+            if not pieces and kind != "materialx":
+                raise FileError(
+                    f"{where} is not a MaterialX document: it begins with <{kind[:40]}>"
+                )
+            pieces += [" " * (match.start() - end), tag]
+            end = match.end()
+            if tag.startswith("</"):
+                continue
+            self._elements += 1
+            if self._elements > MAX_ELEMENTS:
+                raise FileError(
+                    f"{where} has more than {MAX_ELEMENTS} elements, with its includes; keep only "
+                    "the material"
+                )
+            given = {key: unescape(value[1:-1]) for key, value in _ATTRIBUTE.findall(tag)}
+            if kind in ("xi:include", "include"):
+                includes.append(given.get("href", ""))
+            elif kind != "materialx" and not given.get("name"):
+                raise FileError(f"{where} has an element <{kind[:40]}> without a name; name it")
+        return "".join(pieces), includes
 
     def _included(self, href: str, where: str, here: tuple[Path, ...]) -> Any:
         self._includes += 1
@@ -110,7 +132,7 @@ class _Reader:
             raise FileError(f"{where} includes '{href[:80]}', which includes it again")
         return self.read(target, here)
 
-    def _content(self, file: Path) -> bytes:
+    def _content(self, file: Path) -> str:
         try:
             if not file.is_file():
                 other = other_case(file)
@@ -118,96 +140,24 @@ class _Reader:
                 raise FileError(f"there is no MaterialX file '{file}'; {cure}")
             with file.open("rb") as stream:
                 content = stream.read(MAX_BYTES + 1 - self._bytes)
+            self._bytes += len(content)
+            if self._bytes > MAX_BYTES:
+                raise FileError(
+                    f"'{file}' is larger than {MAX_BYTES >> 20} MiB, with its includes; keep only "
+                    "the material"
+                )
+            return content.decode()
         except FileError:
             raise
         except (OSError, ValueError) as error:
             reason = getattr(error, "strerror", None) or error
             raise FileError(f"cannot read the MaterialX file '{file}': {reason}") from error
-        self._bytes += len(content)
-        if self._bytes > MAX_BYTES:
-            raise FileError(
-                f"'{file}' is larger than {MAX_BYTES >> 20} MiB, with its includes; keep only the "
-                "material"
-            )
-        return content
 
 
-def escaped(content: bytes) -> bytes:
-    """A document that MaterialX's parser reads, as XML.
-
-    < and & in attributes are escaped, as of <UDIM>. Comments and what is above the declaration go.
-    """
-
-    def tag(match: re.Match[bytes]) -> bytes:
-        text = match[0]
-        if text.startswith(b"<!--"):
-            return b"\n" * text.count(b"\n")
-        if text.startswith((b"<!", b"<?")):
-            return text
-        return text[:1] + _AMPERSAND.sub(rb"&amp;", text[1:]).replace(b"<", b"&lt;")
-
-    return _MARKUP.sub(tag, content, count=4 * MAX_ELEMENTS).lstrip()  # more are refused
-
-
-class Outline:
-    """Version, includes and size of an untrusted XML file, before the package reads it."""
-
-    def __init__(self, content: bytes, where: str):
-        """Parse a file without keeping its elements."""
-        self.version: str | None = None  # the attribute of the outermost element
-        self.includes: list[str] = []  # the included files, in order
-        self.elements = self._depth = 0  # their number, and how deep the parser is in them
-        self._where = where
-        parser = expat.ParserCreate()
-        parser.StartElementHandler, parser.EndElementHandler = self._start, self._end
-        parser.StartDoctypeDeclHandler = parser.EntityDeclHandler = self._refuse
-        try:
-            for begin in range(0, len(content), CHUNK):
-                parser.Parse(content[begin : begin + CHUNK], False)
-            parser.Parse(b"", True)
-        except (expat.ExpatError, ValueError, LookupError) as error:
-            if isinstance(error, FileError):
-                raise
-            reason = " ".join(str(error).split())
-            raise FileError(f"{where} is not valid XML ({reason}); export it again") from error
-
-    def _start(self, tag: str, attributes: dict[str, str]) -> None:
-        if self._depth == 0:
-            if tag != "materialx":
-                raise FileError(
-                    f"{self._where} is not a MaterialX document: it begins with <{tag[:40]}>"
-                )
-            self.version = attributes.get("version")
-        elif tag in ("xi:include", "include"):
-            self.includes.append(attributes.get("href", ""))
-        elif not attributes.get("name"):  # thousands of them take the package minutes to name
-            raise FileError(f"{self._where} has an element <{tag[:40]}> without a name; name it")
-        self.elements += 1
-        self._depth += 1
-        if self.elements > MAX_ELEMENTS:
-            raise FileError(
-                f"{self._where} has more than {MAX_ELEMENTS} elements; keep only the material"
-            )
-        if self._depth > MAX_DEPTH:
-            raise FileError(
-                f"{self._where} has elements nested more than {MAX_DEPTH} deep, which no MaterialX "
-                "document needs"
-            )
-
-    def _end(self, tag: str) -> None:
-        self._depth -= 1
-
-    def _refuse(self, *_: object) -> None:
-        raise FileError(
-            f"{self._where} has a document type or entities, which MaterialX does not need and "
-            "which can expand without limit; remove the DOCTYPE"
-        )
-
-
-def _check_version(text: str | None, where: str) -> None:
+def _check_version(text: str, where: str) -> None:
     """Refuse a version that is none, or newer than `VERSION`."""
     newest = f"{VERSION[0]}.{VERSION[1]}"
-    major, _, minor = (text or newest).partition(".")
+    major, _, minor = text.partition(".")
     if not all(x.isascii() and x.isdigit() and len(x) <= 4 for x in (major, minor)):
         raise FileError(f"{where} has version '{major[:40]}'; MaterialX versions look like 1.39")
     if (int(major), int(minor)) > VERSION:

@@ -191,13 +191,14 @@ class Evaluation:
             return self._position(where)
         if tag in ("image", "hextiledimage"):
             return self._image(node, frame, where)
+        if not kind:
+            raise FileError(f"{where} has no type; give it one, such as color3")
         if tag not in NODES or kind not in CHANNELS:
             raise FileError(
                 f"{where} of type '{kind[:40]}' is of a kind that is not supported; {BAKE}"
             )
         try:
-            with np.errstate(all="ignore"):
-                value = np.asarray(NODES[tag](self._call(node, frame, where)), np.float64)
+            value = np.asarray(NODES[tag](self._call(node, frame, where)), np.float64)
         except (ValueError, IndexError) as error:
             if isinstance(error, UrushiError):
                 raise

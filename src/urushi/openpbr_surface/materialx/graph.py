@@ -248,12 +248,12 @@ class Graph:
             default = declared_inputs(frame.definition).get(name)
             return None if default is None else (default, frame)
         declared = frame.scope.getInput(name)
-        if declared is None:
-            declared = declared_inputs(frame.scope.getNodeDef()).get(name)
         if declared is None and frame.outer is None:
             raise FileError(
                 f"{self.named(node)} reads '{name[:60]}' from a node graph, but is not inside one"
             )
+        if declared is None:
+            declared = declared_inputs(frame.scope.getNodeDef()).get(name)
         return None if declared is None else (declared, frame.outer or frame)
 
 
