@@ -52,11 +52,14 @@ def test_brewsters_angle_leaves_only_one_polarisation(jit: ModuleType) -> None:
     assert found == pytest.approx(perpendicular**2 / 2, rel=1e-5)
 
 
-@pytest.mark.parametrize("eta", [1.2, 1.5, 3.0])
+@pytest.mark.parametrize("eta", [0.5, 0.67, 0.99, 1.0, 1.01, 1.5, 3.0])
 def test_a_conductor_that_absorbs_nothing_is_a_dielectric(jit: ModuleType, eta: float) -> None:
-    cos = jit.Float(COSINES)
-    metal = fresnel.exact(cos, jit.Float(eta), jit.Float(0)).numpy()
-    np.testing.assert_allclose(metal, fresnel.dielectric(cos, eta)[0].numpy(), atol=2e-5)
+    """With total reflection below an index of one."""
+    cos = jit.Float64(COSINES)
+    metal = fresnel.exact(cos, jit.Float64(eta), jit.Float64(0)).numpy()
+    expected = fresnel.dielectric(cos, jit.Float64(eta))[0].numpy()
+    np.testing.assert_allclose(metal, expected, atol=1e-10)
+    assert (expected == 1).any() == (eta < 1)
 
 
 def test_conductor_at_normal_incidence(jit: ModuleType) -> None:

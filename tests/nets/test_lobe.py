@@ -7,47 +7,14 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from urushi.core import fresnel
 from urushi.core.quadrature import directional_albedos
 from urushi.nets import lobe
-from urushi.walk.monte_carlo import backend
-
-COSINES = np.concatenate([[1e-4], np.linspace(0.001, 0.999, 300), [1.0]])
-
-
-@pytest.fixture(scope="module")
-def jit():
-    """Dr.Jit's arrays."""
-    return backend()
 
 
 @pytest.fixture
 def lobes(random_lobes):
     """300 lobes of all kinds in double precision."""
     return random_lobes(300, np.random.default_rng(1))
-
-
-@pytest.mark.parametrize("eta", [0.5, 0.67, 0.99, 1.0, 1.01, 1.5, 3.0])
-def test_dielectrics_reflect_by_fresnels_equations(jit, eta):
-    theirs, refracted = fresnel.dielectric(jit.Float64(COSINES), jit.Float64(eta))
-    ours = lobe.reflectance(lobe.of_coat(np.array(0.1), np.array(eta)), COSINES)
-    np.testing.assert_allclose(ours, theirs.numpy(), atol=1e-10)
-    total = refracted.numpy() == 0
-    assert total.any() == (eta < 1)
-    assert (ours[total] == 1).all()
-
-
-def test_schlicks_term(jit):
-    for r0 in (0.0, 0.04, 0.9, 1.0):
-        theirs = fresnel.schlick(jit.Float64(COSINES), jit.Float64(r0))
-        ours = lobe.reflectance(np.array([0.1, r0, 1, 0, 1.5, 0]), COSINES)
-        np.testing.assert_allclose(ours, theirs.numpy(), atol=1e-12)
-
-
-def test_reflectances_are_in_zero_and_one(lobes):
-    f = lobe.reflectance(lobes.astype(np.float32)[:, None], COSINES.astype(np.float32))
-    assert (f >= 0).all()
-    assert (f <= 1 + 1e-6).all()
 
 
 def test_f_is_reciprocal_to_the_bit(lobes, pairs):
@@ -87,10 +54,6 @@ def test_a_white_facet_surface_conserves_energy(alpha):
     most = 1 / (1 + alpha**2)
     assert albedo[2, 0] < most + 0.003
     assert alpha > 0.1 or albedo[2, 0] > most - 0.005
-
-
-def test_a_surface_without_a_lobe_does_not_reflect(pairs):
-    assert not lobe.f(np.array(lobe.NO_LOBE, np.float32), *pairs).any()
 
 
 def test_f_is_linear_in_the_factors(lobes, pairs):

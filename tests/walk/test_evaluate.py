@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 
-from urushi.errors import ParameterError
 from urushi.walk import conductor, dielectric, diffuse
 from urushi.walk.analytic import f
 
@@ -76,10 +75,3 @@ def test_no_directions_give_no_values() -> None:
     nothing = np.zeros((0, 3))
     for description in DESCRIPTIONS.values():
         assert f(description, nothing, nothing).shape == (0, 3)
-
-
-def test_errors_name_bad_directions() -> None:
-    with pytest.raises(ParameterError, match=r"wi\[1\] = .* is not a unit vector"):
-        f(diffuse(0.5), [[0, 0, 1], [0, 0, 1.1]], [[0, 0, 1], [0, 0, 1]])
-    with pytest.raises(ParameterError, match="wi has 1 directions and wo has 2"):
-        f(diffuse(0.5), [[0, 0, 1]], [[0, 0, 1], [0, 0, 1]])
