@@ -6,11 +6,6 @@ from urushi.core.mixture import Mixture
 from urushi.core.namespace import NUMPY, components, stacked_components
 
 
-def of_arrays(weights: np.ndarray, alphas: np.ndarray) -> Mixture:
-    """Of weights (..., K + 1) and widths (..., K)."""
-    return Mixture(list(np.moveaxis(weights, -1, 0)), list(np.moveaxis(alphas, -1, 0)))
-
-
 def pdf(mixture: Mixture, wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
     """The density (...) of `sample` [1/sr] for directions (..., 3)."""
     return mixture.pdf(components(wi), components(wo), NUMPY)

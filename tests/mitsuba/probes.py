@@ -20,6 +20,25 @@ def vector(w: np.ndarray) -> "mi.Vector3f":
     return mi.Vector3f(np.ascontiguousarray(w.T))
 
 
+def hemisphere(count: int, seed: int) -> np.ndarray:
+    """Unit vectors (count, 3) above the horizon, a third of them grazing."""
+    rng = np.random.default_rng(seed)
+    w = rng.normal(size=(count, 3))
+    w[::3, 2] *= 1e-2
+    w[:, 2] = np.abs(w[:, 2])
+    return (w / np.linalg.norm(w, axis=1, keepdims=True)).astype(np.float32)
+
+
+def pairs(count: int = 4096) -> tuple[np.ndarray, np.ndarray]:
+    """Pairs, half of them close to mirror directions."""
+    wi, wo = hemisphere(count, 1), hemisphere(count, 2)
+    noise = np.random.default_rng(3).normal(size=(count, 3)) * 0.01
+    mirrored = wi * [-1, -1, 1] + noise
+    mirrored[:, 2] = np.abs(mirrored[:, 2])
+    wo[::2] = (mirrored / np.linalg.norm(mirrored, axis=1, keepdims=True))[::2]
+    return wi, wo
+
+
 def f(bsdf: "mi.BSDF", wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
     """f (N, 3) [1/sr] for pairs (N, 3) above the horizon, at the origin of uv."""
     return probing.bsdf_values(bsdf, wi, wo, np.zeros((len(wi), 2)))

@@ -126,7 +126,6 @@ THIN = {"specular_roughness": 0.935, "coat_roughness": 0.849, "coat_ior": 1.2}
 STRONG = {"specular_roughness": 0.89, "specular_ior": 1.92, "coat_roughness": 0.47}
 SMOOTH = {"specular_roughness": 0.43, "specular_ior": 1.36, "coat_roughness": 0.19, "coat_ior": 2.2}
 BRUSHED = {"coat_roughness": 0.6, "coat_roughness_anisotropy": 0.7}
-FILM_IN_COAT = {"specular_roughness": 0.3, "coat_roughness": 0.5, "thin_film_weight": 0.3}
 FURNACES = {
     "dielectric": Furnace(ROUGH, 0.003, tier="slow"),
     "metal": Furnace(COATED_METAL, tier="slow"),
@@ -161,11 +160,6 @@ FURNACES = {
     ),
     "film": Furnace(FILMED | {"specular_roughness": 1.0}, 0.02, (1.0, 0.6, 0.3), tier="slow"),
     "filmed metal": Furnace(FILMED | METAL, 0.02, (1.0, 0.6, 0.3)),
-    # The white twin has no film.
-    "textured film in a coat": Furnace(
-        FILM_IN_COAT | {"thin_film_thickness": (0.4, 0.4001)}, 0.03, (1.0, 0.6, 0.3),
-        tier="research",
-    ),
 }  # fmt: skip
 
 

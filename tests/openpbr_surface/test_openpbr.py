@@ -207,15 +207,7 @@ COATED = {
         dict(specular_roughness=0.3, base_metalness=0.7, coat_ior=1.8),
     ),
     "two widths": (0.08, 0.08, "slow", TURNED | dict(energy_compensation=False)),
-    "rough slab": (
-        *(0.03, 0.03, "research"),
-        dict(base_diffuse_roughness=1.0, specular_roughness=0.7),
-    ),
     "low index": (0.03, 0.03, "research", LOW),
-    "dark tint": (
-        *(0.05, 0.05, "research"),
-        dict(base_metalness=0.5, specular_color=(0.57, 0.58, 0.68), coat_ior=1.32),
-    ),
     "rough metal": (0.05, 0.03, "slow", RUST | dict(coat_roughness=0.7)),
     "film": (0.04, 0.04, "research", FLAKES | dict(coat_roughness=0.1, coat_color=(1.0, 1.0, 1.0))),
 }
@@ -255,14 +247,6 @@ TEXTURED = {
     "mixture": (
         dict(base_metalness=0.6, specular_roughness=0.3, coat_roughness=0.5),
         *("base_color", "slow"),
-    ),
-    "dielectric": (
-        dict(specular_roughness=0.22, coat_roughness=0.95),
-        *("base_color", "research"),
-    ),
-    "metal": (
-        dict(base_metalness=1.0, specular_roughness=0.4, coat_roughness=0.2),
-        *("base_color", "research"),
     ),
     "film": (
         FILM | dict(specular_roughness=0.34, coat_roughness=0.23, thin_film_thickness=0.5),

@@ -3,7 +3,6 @@
 import drjit as dr
 import numpy as np
 import pytest
-from tests import mixtures
 from tests.mitsuba.probes import vector
 from tests.untrained import untrained
 
@@ -83,14 +82,3 @@ def test_a_texture_of_one_code_a_texel(rgb, model, codes):
         assert (found == found[0]).all()
         # One texel is drawn. Logarithms of small half angles are rounded.
         assert (np.abs(found[0] / expected - 1).min(axis=0) < 2e-3).all()
-
-
-def test_the_proposal_of_a_constant_agrees_with_numpy(rgb, model, codes):
-    from urushi.mitsuba.latents.codes import ConstantLatents
-
-    latents = ConstantLatents(Material(codes[OTHER], model))
-    wi, wo, _ = points()
-    mean = codes[OTHER].mean(axis=0)
-    expected = mixtures.pdf(model.networks.proposal(mean, wi), wi, wo)
-    # From a table, which is linear between 129 cosines.
-    np.testing.assert_allclose(f_and_pdf(rgb, latents)[2], expected, rtol=2e-2)

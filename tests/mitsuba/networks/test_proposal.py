@@ -3,11 +3,9 @@
 import numpy as np
 import pytest
 from tests import mixtures
-from tests.mitsuba.networks.test_decoder import pairs
-from tests.mitsuba.probes import vector
+from tests.mitsuba.probes import pairs, vector
 from tests.untrained import untrained
 
-from urushi.checks import Widths
 from urushi.nets import proposal
 from urushi.nets.weights import Model, default_model
 
@@ -61,22 +59,3 @@ def test_tables_of_proposals_agree_with_numpy(rgb, model, code):
     table = [rgb.Float(x.ravel()) for x in own.tabulated(code)]
     mixture = own.proposal_of_table(table, vector(pairs()[0]))
     compare(rgb, mixture, model, code, 1e-2)  # linear between 129 cosines
-
-
-def test_samples_have_the_density(rgb, model, code):
-    """Means of functions over densities of samples are integrals over the hemisphere."""
-    count, rng = 1 << 18, np.random.default_rng(3)
-    wi = rgb.Vector3f(0.6, 0.3, float(np.sqrt(1 - 0.45)))
-    mixture = mixture_of(rgb, model, code, wi)
-    assert isinstance(mixture.own, Widths) == (model.widths == 2)
-    u = rng.random((3, count), np.float32)
-    wo = mixture.sample(wi, rgb.Float(u[0]), rgb.Point2f(u[1:]))
-    weight = 1 / mixture.pdf(wi, wo).numpy()
-    wo = wo.numpy()
-    for moment, exact in (
-        (wo[2], np.pi),
-        (wo[2] ** 2, 2 * np.pi / 3),
-        (wo[0] ** 2 * wo[2], np.pi / 4),
-    ):
-        samples = moment * weight
-        assert abs(samples.mean() - exact) < 5 * samples.std() / count**0.5

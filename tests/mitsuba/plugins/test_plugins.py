@@ -1,6 +1,5 @@
 """Loading the plugins: dictionaries and XML, nested in Mitsuba's BSDFs, in several variants."""
 
-import drjit as dr
 import numpy as np
 import pytest
 from tests.mitsuba.probes import vector
@@ -153,29 +152,6 @@ def test_appearances_are_those_of_python(rgb, name):
     parameters.update()
     thinner = rgb.load_dict(with_look(name, thickness=0.5))
     np.testing.assert_allclose(evaluate(plugin), evaluate(thinner), rtol=1e-5)
-
-
-@pytest.mark.parametrize("name", ("color.value", "body.value", "thickness.value"))
-def test_derivatives_by_the_appearance_are_differences(rgb, name):
-    """Of the networks' f, by a central difference of 2 %."""
-    plugin = rgb.load_dict(with_look("neural_layered"))
-    parameters = rgb.traverse(plugin)
-    value = type(parameters[name])(parameters[name])
-
-    def f(scale) -> "rgb.Float":
-        parameters[name] = value * scale
-        parameters.update()
-        si = dr.zeros(rgb.SurfaceInteraction3f)
-        si.wi = rgb.Vector3f(0.6, 0, 0.8)
-        return dr.mean(plugin.eval(rgb.BSDFContext(), si, rgb.Vector3f(0, 0.6, 0.8)))
-
-    scale = rgb.Float(1)
-    dr.enable_grad(scale)
-    result = f(scale)
-    dr.set_grad(scale, 1)
-    derivative = dr.forward_to(result).numpy()
-    difference = (f(1.02).numpy() - f(0.98).numpy()) / 0.04
-    np.testing.assert_allclose(derivative, difference, rtol=0.05)
 
 
 def test_a_coat_over_a_saved_material_follows_its_codes(rgb, saved, networks, model):

@@ -1,6 +1,5 @@
 """Coats in spectral variants against the walk of the same variant, and what their bands keep."""
 
-import drjit as dr
 import mitsuba as mi
 import numpy as np
 import pytest
@@ -172,37 +171,3 @@ def test_wavelengths_have_the_bands_that_they_lie_in():
     bands = spectrum.band_at(wavelengths)[0].numpy()[inside]
     count = np.bincount(bands, minlength=spectrum.COUNT)
     np.testing.assert_allclose(count, inside.sum() / spectrum.COUNT, atol=2)
-
-
-@pytest.mark.slow
-def test_gradients_are_those_of_finite_differences():
-    """The mean of f cos over pairs and wavelengths, by the depth of a coat over a colour; 3 %: f is
-    tabulated, and its derivative is that of the networks."""
-    color = {"type": "rgb", "value": (0.8, 0.3, 0.1)}
-    bottom = coated("neural_layered", type="diffuse", reflectance=color)
-    bsdf = mi.load_dict(bottom | {"sigma_t": 0.5})
-    parameters, key = mi.traverse(bsdf), "sigma_t.value"
-    wi, wo = (mi.Vector3f(np.float32(w).T) for w in upper_pairs(64))
-    si = mi.SurfaceInteraction3f()
-    si.wi, si.wavelengths = wi, mi.Spectrum(450, 520, 580, 640)
-
-    def mean(value, derivative=False):
-        parameters[key] = mi.Float(value)
-        if derivative:
-            dr.enable_grad(parameters[key])
-        parameters.update()
-        return dr.mean(dr.mean(bsdf.eval(mi.BSDFContext(), si, wo)))
-
-    found = mean(0.5, derivative=True)
-    dr.backward(found)
-    gradient = float(dr.grad(parameters[key]).numpy()[0])
-    high, low = (float(mean(value).numpy()[0]) for value in (0.52, 0.48))
-    assert gradient == pytest.approx((high - low) / 0.04, rel=0.06)  # codes; tables
-
-
-def upper_pairs(count: int) -> np.ndarray:
-    """Pairs of directions (2, count, 3), with cosine density."""
-    u = np.random.default_rng(0).random((2, count, 2))
-    radius, azimuth = np.sqrt(0.95 * u[..., 0]), 2 * np.pi * u[..., 1]
-    x, y = radius * np.cos(azimuth), radius * np.sin(azimuth)
-    return np.stack([x, y, np.sqrt(1 - radius**2)], axis=-1)
