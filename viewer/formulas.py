@@ -337,6 +337,13 @@ def _of_surfaces() -> list[Function]:
         ),
         returning("lobe_shape", "The lobe [1/sr] of reflectance 1.", (*ALPHAS, WI, WO), shape),
         returning(
+            "visible_normal",
+            "Facet normal, of any length, that is visible from wi (Dupuy and Benyoub 2023).",
+            (*ALPHAS, WI, *floats("u1", "u2")),
+            lambda *values: microfacet.visible_normal(of_widths(values[:-4]), *values[-4:]),
+            VECTOR,
+        ),
+        returning(
             "reflection_pdf",
             "Density [1/sr] of `sampleReflection`, its mirrored part included.",
             (*ALPHAS, WI, WO),
@@ -361,8 +368,10 @@ CONSTANTS: dict[str, str] = {
     "core.quadrature": "POLAR_NODES AZIMUTH_NODES MIN_TANGENT",
     "core.stretched": "FACTORS",
     "core.table": "SHAPE MIN_LOG MAX_LOG MIN_COSINE",
-    "material.albedo_rule": "COSINES AZIMUTHS",
-    "material.energy": "MARGIN LEAST_ALBEDO LEAST_REST TINY_FACTOR TINY_FACTOR_ROUNDS",
+    "material.albedo_rule": "COSINES AZIMUTHS NODES",
+    "material.energy": (
+        "MARGIN LEAST_ALBEDO LEAST_REST TINY_FACTOR TINY_FACTOR_ROUNDS FACETS ROUGH_GAIN"
+    ),
     "material.layer": "DEEPEST",
     "nets.basis": "EMPTY_GAIN",
     "nets.features": "COAT_FEATURES",

@@ -67,6 +67,18 @@ def test_the_integral_of_the_lobe_is_what_it_adds():
     np.testing.assert_allclose(integral, walked[0] - walked[1], rtol=0.01)
 
 
+@pytest.mark.parametrize("mirrored", (0.0, 1.0))
+@pytest.mark.parametrize("alpha", (0.02, 0.3, 0.9))
+def test_the_mean_loss_is_the_mean_of_the_losses(alpha, mirrored):
+    """Within what tables add, linear between nodes: the lobe gives back what is lost."""
+    for eta in (0.6, 1.05, 1.5, 3.0):
+        lost, mean = surface_loss(Widths(alpha, alpha), eta, mirrored)
+        nodes, weights = np.polynomial.legendre.leggauss(64)
+        cosine = (0.5 * (nodes + 1)) ** 2
+        wi = np.stack([np.sqrt(1 - cosine**2), 0 * cosine, cosine], axis=-1)
+        assert abs(2 * weights @ (lost(wi) * cosine * np.sqrt(cosine)) - mean) < 0.002
+
+
 def test_surfaces_without_an_index_or_width_lose_nothing():
     assert not surface_loss(Widths(0.5, 0.5), 1.0)[0](WI).any()
     assert surface_loss(Widths(0.01, 0.01), 1.5)[0](WI[1:]).max() < 0.02

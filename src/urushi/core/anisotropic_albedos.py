@@ -139,9 +139,9 @@ def surface_loss(
     if eta == 1:
         return lambda w: np.zeros(len(w)), 0.0
     large, small = max(pair(widths)), min(pair(widths))
+    quotients = np.array([large / small])
     above, below = (
-        _tables(np.array([index]), np.array([large / small]), np.array([large]))
-        for index in (eta, 1 / eta)
+        _tables(np.array([index]), quotients, np.array([large])) for index in (eta, 1 / eta)
     )
     passed, reflected = (
         (1 - mirrored) * diffuse.item() + mirrored * entered.item()
@@ -151,10 +151,10 @@ def surface_loss(
         )
     )
     inside = passed / (1 - reflected)  # of the light that enters, what leaves at last
-    mean = 1 - above.reflected_mean.item() - inside * above.passed_mean.item()
 
-    def lost(w: np.ndarray) -> np.ndarray:
-        reflected, passed = albedos.shares(w, widths, eta)[:2]
+    def left(reflected: np.ndarray, passed: np.ndarray) -> np.ndarray:
         return np.clip(1 - reflected - inside * passed, 0, 1)
 
-    return lost, mean
+    table = left(above.reflected, above.passed)
+    mean = _hemisphere_mean(table, np.array([eta]), quotients, entered=False).item()
+    return lambda w: left(*albedos.shares(w, widths, eta)[:2]), mean

@@ -66,6 +66,14 @@ def cap_normal(w, alpha, z, u, xp=DRJIT):
     return type(w)(x, y, z + w.z)
 
 
+def visible_normal(alpha, wi, u1, u2, xp=DRJIT):
+    """A facet normal, of any length, that is visible from wi: uniform numbers choose it."""
+    w = stretched(wi, alpha, xp)
+    height = xp.named("height", (1.0 - u2) * (1.0 + w.z) - w.z)
+    h = cap_normal(w, alpha, height, u1, xp)
+    return type(h)(*(xp.named(f"facet_{axis}", getattr(h, axis)) for axis in "xyz"))
+
+
 def pair(alpha):
     """The GGX widths along x and y."""
     return (alpha.u, alpha.v) if isinstance(alpha, Widths) else (alpha, alpha)

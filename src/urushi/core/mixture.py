@@ -78,10 +78,7 @@ def reflection_pdf(alpha, wi, wo, xp=DRJIT):
 
 def sample_reflection(alpha, wi, u1, u2, xp=DRJIT):
     """Reflect wi about a visible GGX normal and mirror it up; density `reflection_pdf`."""
-    w = microfacet.stretched(wi, alpha, xp)
-    height = xp.named("height", (1.0 - u2) * (1.0 + w.z) - w.z)
-    h = microfacet.cap_normal(w, alpha, height, u1, xp)
-    h = type(h)(*(xp.named(f"facet_{axis}", getattr(h, axis)) for axis in "xyz"))
+    h = microfacet.visible_normal(alpha, wi, u1, u2, xp)
     length2 = h.x * h.x + h.y * h.y + h.z * h.z
     product = 2.0 * (wi.x * h.x + wi.y * h.y + wi.z * h.z)
     scale = xp.named("twice_cosine", product / xp.maximum(length2, 1e-18))

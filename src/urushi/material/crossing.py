@@ -141,8 +141,7 @@ def visible_facets(outside: Any, alpha: Any, u: Any, xp: Namespace = NUMPY) -> V
     width = microfacet.of_widths(_single, alpha)
     u1, u2 = (u[..., 0], u[..., 1]) if isinstance(u, np.ndarray) else u
     w = Components(*outside) if isinstance(outside, tuple) else outside
-    w = microfacet.stretched(w, width, xp)
-    m = microfacet.cap_normal(w, width, (1 - u2) * (1 + w.z) - w.z, u1, xp)
+    m = microfacet.visible_normal(width, w, u1, u2, xp)
     z = xp.maximum(m.z, 0)
     size = 1 / xp.sqrt(xp.maximum(m.x * m.x + m.y * m.y + z * z, TINY))
     return m.x * size, m.y * size, z * size

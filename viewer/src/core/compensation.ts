@@ -13,7 +13,7 @@ import { CHANNELS } from "./channels";
 import type { Evaluation } from "./evaluation";
 import { clampedLog, nodePairs } from "./f_table";
 import { APPEARANCE, coatedColor, multipleAlbedo } from "./formulas";
-import { COSINES, type Loss, mirrorLoss, surfaceLoss } from "./interface_loss";
+import { type Loss, mirrorLoss, surfaceLoss } from "./interface_loss";
 import { reflectance } from "./lobe";
 import { gaussLegendre } from "./quadrature";
 import { coatOfChannel } from "./surfaces";
@@ -40,7 +40,7 @@ export function lostByCoat(
   return [0, 1, 2].map((channel) => {
     const { alpha, eta, albedo, sigmaT, g } = coatOfChannel(coat, channel);
     const name = `${alpha} ${eta} ${mirrored.toFixed(4)}`;
-    const loss = known(name, () => surfaceLoss(alpha, eta, mirrored, COSINES));
+    const loss = known(name, () => surfaceLoss(alpha, eta, mirrored));
     const colour = coatedColor(eta, albedo, sigmaT, g, Math.min(reflected[channel], 1));
     return { loss, colour };
   });
@@ -55,7 +55,7 @@ export function lostByMetal(lobes: readonly Float32Array[]): LostLight[] {
     const loss = known(String(lobe[0]), () => mirrorLoss(lobe[0]));
     const mean = NODES.reduce((sum, node, k) => {
       const cosine = 0.5 * (node + 1);
-      return sum + WEIGHTS[k] * cosine * reflectance(lobe, 0, cosine);
+      return sum + WEIGHTS[k] * cosine * reflectance(lobe, cosine);
     }, 0);
     return { loss, colour: multipleAlbedo(mean, 1 - loss.mean) };
   });

@@ -6,27 +6,40 @@
  */
 
 import type { AtPairs, Basis } from "./basis";
+import { mirrored } from "./facets";
 import { Pairs } from "./features";
-import { ALBEDO_RULE, ENERGY } from "./formulas";
-import { lobeValues } from "./lobe";
+import { ALBEDO_RULE, ENERGY, type Vector } from "./formulas";
+import { reflectance, widthsOfLobe } from "./lobe";
 import { directionRule } from "./quadrature";
 
-const { MARGIN, LEAST_ALBEDO, LEAST_REST, TINY_FACTOR, TINY_FACTOR_ROUNDS } = ENERGY;
+const { MARGIN, LEAST_ALBEDO, LEAST_REST, TINY_FACTOR, TINY_FACTOR_ROUNDS, ROUGH_GAIN } = ENERGY;
 
 /** Largest directional albedo of a code. */
 export const MOST_ALBEDO = 1 - MARGIN;
 
-/** Directions at which albedos are measured. */
-const { COSINES, AZIMUTHS } = ALBEDO_RULE;
-const SIZES = { 1: { azimuths: 8, slopes: 32 }, 2: { azimuths: 8, slopes: 18 } };
+/** Directions at which albedos are measured, and sizes of their rules. */
+const { COSINES, AZIMUTHS, NODES } = ALBEDO_RULE;
+
+/** Numbers that choose facets: a lattice of even heights and azimuths of the golden ratio. */
+const FACETS = Array.from({ length: ENERGY.FACETS }, (_, k) => ({
+  u1: (k * 0.6180339887498949) % 1,
+  u2: (k + 0.5) / ENERGY.FACETS,
+}));
+
+/** The directional albedo of a lobe: the mean over visible facets (Heitz and d'Eon 2014). */
+function lobeAlbedo(lobe: Float32Array, [u, v]: readonly [number, number], wi: Vector): number {
+  const sum = FACETS.reduce((sum, { u1, u2 }) => {
+    const { cosine, unhidden } = mirrored(u, v, wi, u1, u2);
+    return sum + reflectance(lobe, cosine) * unhidden;
+  }, 0);
+  return sum / FACETS.length;
+}
 
 export class EnergyLimit {
-  /** Pairs of directions at which f must be known for albedos. */
-  readonly pairs: Pairs;
+  private readonly directions: readonly Vector[];
+  /** The weights of pairs, and the places of their directions wi. */
   private readonly weights: readonly number[];
-  /** The first pair of each direction wi, and the number of pairs. */
-  private readonly bounds: readonly number[];
-  private readonly cosines: readonly number[];
+  private readonly rows: readonly number[];
   private readonly nodes: AtPairs;
 
   /** @param gain place in a code of the logarithm of the rest's factor. */
@@ -35,34 +48,27 @@ export class EnergyLimit {
     private readonly gain: number,
   ) {
     const { widths } = basis;
-    const directions = AZIMUTHS[widths].flatMap((azimuth) =>
+    this.directions = AZIMUTHS[widths].flatMap((azimuth) =>
       COSINES[widths].map((z) => {
         const sine = Math.sqrt(1 - z * z);
         return { x: sine * Math.cos(azimuth), y: sine * Math.sin(azimuth), z };
       }),
     );
-    const rules = directions.map((wi) => directionRule(wi, widths, SIZES[widths]));
-    this.cosines = directions.map(({ z }) => z);
+    const rules = this.directions.map((wi) => directionRule(wi, widths, NODES[widths]));
     this.weights = rules.flatMap(({ weights }) => weights);
-    const counts = rules.map(({ weights }) => weights.length);
-    const before = (k: number) => counts.slice(0, k).reduce((sum, count) => sum + count, 0);
-    this.bounds = [...counts.keys(), counts.length].map(before);
-    const wi = rules.flatMap(({ weights }, k) => {
-      const { x, y, z } = directions[k];
-      return weights.flatMap(() => [x, y, z]);
-    });
+    this.rows = rules.flatMap(({ weights }, row) => weights.map(() => row));
+    const wi = this.rows.flatMap((row) => Object.values(this.directions[row]));
     const wo = rules.flatMap((rule) => rule.wo);
-    this.pairs = Pairs.of(wi, wo, widths);
-    this.nodes = basis.at(this.pairs);
+    this.nodes = basis.at(Pairs.of(wi, wo, widths));
   }
 
-  /** The directional albedos of values f [1/sr] at the pairs. */
-  albedos(f: Float64Array): Float64Array {
-    return Float64Array.from(this.cosines, (_, k) => {
-      let sum = 0;
-      for (let i = this.bounds[k]; i < this.bounds[k + 1]; i++) sum += f[i] * this.weights[i];
-      return sum;
+  /** The directional albedos of a code without its lobe. */
+  private albedos(code: Float32Array): Float64Array {
+    const albedos = new Float64Array(this.directions.length);
+    this.basis.values(code, this.nodes).forEach((f, i) => {
+      albedos[this.rows[i]] += f * this.weights[i];
     });
+    return albedos;
   }
 
   /**
@@ -74,15 +80,27 @@ export class EnergyLimit {
    */
   limit(code: Float32Array): void {
     if (code[3] > 0 && code[4] < 1) return;
-    const top = this.albedos(lobeValues(code, this.pairs));
+    const { directions } = this;
+    // Rough lobes, which take longer, are measured where the bound by smooth ones does not suffice.
+    const bounds = directions.map(({ z }) => reflectance(code, z) + ROUGH_GAIN);
+    let allowed: number[] | undefined;
     for (let round = 0; round <= TINY_FACTOR_ROUNDS; round++) {
-      const rest = this.albedos(this.basis.values(code, this.nodes));
-      const factors = rest.map((albedo, k) => {
-        return Math.max(MOST_ALBEDO - top[k], LEAST_REST) / Math.max(albedo, LEAST_ALBEDO);
-      });
+      const rest = this.albedos(code);
+      if (allowed === undefined) {
+        if (rest.every((albedo, k) => albedo <= allowedBeside(bounds[k]))) return;
+        const widths = widthsOfLobe(code, this.basis.widths);
+        allowed = directions.map((wi) => allowedBeside(lobeAlbedo(code, widths, wi)));
+      }
+      const most = allowed;
+      const factors = rest.map((albedo, k) => most[k] / Math.max(albedo, LEAST_ALBEDO));
       const factor = Math.min(...factors);
       if (factor < 1) code[this.gain] += Math.log(factor);
       if (factor >= TINY_FACTOR) return;
     }
   }
+}
+
+/** Albedo that the rest may have beside a lobe's. */
+function allowedBeside(albedo: number): number {
+  return Math.max(MOST_ALBEDO - albedo, LEAST_REST);
 }

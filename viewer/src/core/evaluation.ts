@@ -13,8 +13,8 @@ import { type Point, sequencePoint } from "./sequence";
 import type { Architecture } from "./weights";
 
 /** Sizes of the rules for albedos of one width and of two. */
-const [slopes, azimuths] = [QUADRATURE.POLAR_NODES, QUADRATURE.AZIMUTH_NODES];
-const SIZES = { 1: { azimuths, slopes }, 2: { azimuths: 2 * azimuths, slopes } };
+const { POLAR_NODES, AZIMUTH_NODES, MIN_TANGENT } = QUADRATURE;
+const sizes = (widths: Widths) => [POLAR_NODES, widths * AZIMUTH_NODES, 1e-3, MIN_TANGENT] as const;
 
 export class Evaluation {
   /** Numbers of one channel's code. */
@@ -62,7 +62,7 @@ export class Evaluation {
       }
       const sine = Math.sqrt(Math.max(1 - cosine * cosine, 0));
       const wi = { x: sine, y: 0, z: cosine };
-      const { wo, weights } = directionRule(wi, 1, SIZES[this.widths]);
+      const { wo, weights } = directionRule(wi, 1, sizes(this.widths));
       const pairs = new Pairs(weights.length, this.widths);
       weights.forEach((_, i) => {
         pairs.set(i, sine, 0, cosine, wo[3 * i], wo[3 * i + 1], wo[3 * i + 2]);
@@ -131,7 +131,7 @@ export class Evaluation {
     if (table.besideLobe)
       rows(latents, this.latentSize).forEach((code, channel) => {
         for (let i = 0; i < pairs.count; i++)
-          result[CHANNELS * i + channel] += lobeValue(code, 0, pairs, i);
+          result[CHANNELS * i + channel] += lobeValue(code, pairs, i);
       });
     return result;
   }

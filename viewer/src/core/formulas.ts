@@ -32,11 +32,12 @@ export const TABLE = { SHAPE: [96, 32, 8], MIN_LOG: -25, MAX_LOG: 20, MIN_COSINE
 /** Of `urushi.material.albedo_rule` of Python. */
 export const ALBEDO_RULE = { COSINES: { 1: [1, 0.98, 0.925, 0.84, 0.735, 0.62, 0.51, 0.4, 0.315,
   0.24, 0.175, 0.13, 0.09, 0.04, 0.013], 2: [1, 0.95, 0.84, 0.7, 0.51, 0.36, 0.24, 0.15, 0.09] },
-  AZIMUTHS: { 1: [0], 2: [0, 0.7853981633974483, 1.5707963267948966] } } as const;
+  AZIMUTHS: { 1: [0], 2: [0, 0.7853981633974483, 1.5707963267948966] }, NODES: { 1: [24, 4, 0.001,
+  0.0002], 2: [18, 8, 1, 0.0002] } } as const;
 
 /** Of `urushi.material.energy` of Python. */
 export const ENERGY = { MARGIN: 0.0005, LEAST_ALBEDO: 1e-06, LEAST_REST: 0.005, TINY_FACTOR: 0.001,
-  TINY_FACTOR_ROUNDS: 3 } as const;
+  TINY_FACTOR_ROUNDS: 3, FACETS: 512, ROUGH_GAIN: 0.003 } as const;
 
 /** Of `urushi.material.layer` of Python. */
 export const LAYER = { DEEPEST: 12 } as const;
@@ -370,6 +371,25 @@ export function lobeShape(alphaU: number, alphaV: number, wiX: number, wiY: numb
         * aboveO);
     const lobeShape = alpha2 / 3.141592653589793 * (ratio * ratio) / (maskingI * maskingO);
     return lobeShape;
+}
+
+/** Facet normal, of any length, that is visible from wi (Dupuy and Benyoub 2023). */
+export function visibleNormal(alphaU: number, alphaV: number, wiX: number, wiY: number, wiZ: number,
+    u1: number, u2: number): Vector {
+    const wideX = alphaU * wiX;
+    const wideY = alphaV * wiY;
+    const wideZ = wiZ;
+    const wideSize = Math.sqrt(wideX * wideX + wideY * wideY + wideZ * wideZ);
+    const capX = wideX / wideSize;
+    const capY = wideY / wideSize;
+    const capZ = wideZ / wideSize;
+    const height = (1 - u2) * (1 + capZ) - capZ;
+    const phi = 6.283185307179586 * u1;
+    const radius = Math.sqrt(Math.max(1 - height * height, 0));
+    const facetX = alphaU * (radius * Math.cos(phi) + capX);
+    const facetY = alphaV * (radius * Math.sin(phi) + capY);
+    const facetZ = height + capZ;
+    return { x: facetX, y: facetY, z: facetZ };
 }
 
 /** Density [1/sr] of `sampleReflection`, its mirrored part included. */

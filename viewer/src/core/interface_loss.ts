@@ -4,66 +4,52 @@
  * of Python.
  */
 
+import { masking, mirrored } from "./facets";
 import { ALBEDOS, CHECKS, fresnel, FACETS as MIRRORS } from "./formulas";
 import { gaussLegendre } from "./quadrature";
 
 /** Nodes of the quadrature over visible facets: of their azimuth, and of their height. */
 const AZIMUTHS = 20;
 const HEIGHTS = 40;
-
 /** Nodes of means over a hemisphere, on either side of the edge of total reflection. */
 const { nodes: NODES, weights: WEIGHTS } = gaussLegendre(16);
 
-/** Azimuths [rad] and heights in (0, 1) of facets, dense where they are steep, and their weights. */
+/** Numbers that choose facets, dense where they are steep and on one side, and their weights. */
 const FACETS = Array.from({ length: AZIMUTHS * HEIGHTS }, (_, k) => {
   const row = Math.floor(k / AZIMUTHS);
   const root = (row + 0.5) / HEIGHTS;
   const turn = ((k % AZIMUTHS) + ((row * 0.6180339887498949 + 0.5) % 1)) / AZIMUTHS;
-  return { turn: Math.PI * turn, height: root * root, weight: (2 * root) / (AZIMUTHS * HEIGHTS) };
+  return { u1: 0.5 * turn, u2: 1 - root * root, weight: (2 * root) / (AZIMUTHS * HEIGHTS) };
 });
 
 /** Light that is reflected, and that passes, of the light from a direction. */
 type Shares = readonly [reflected: number, passed: number];
 
-/** By facets that are visible from the direction, uniformly on a cap (Dupuy and Benyoub 2023). */
-function shares(alpha: number, eta: number, cosine: number): Shares {
-  const sine = Math.sqrt(1 - cosine * cosine);
-  const size = Math.hypot(alpha * sine, cosine);
-  const [wideX, wideZ] = [(alpha * sine) / size, cosine / size];
+function shares(alpha: number, eta: number, z: number): Shares {
+  const wi = { x: Math.sqrt(1 - z * z), y: 0, z };
   let [reflected, passed] = [0, 0];
-  for (const { turn, height, weight } of FACETS) {
-    const up = height * (1 + wideZ) - wideZ;
-    const radius = Math.sqrt(Math.max(1 - up * up, 0));
-    const [x, z] = [alpha * (radius * Math.cos(turn) + wideX), up + wideZ];
-    const length = Math.hypot(x, alpha * radius * Math.sin(turn), z);
-    const [facetX, facetZ] = [x / length, z / length];
-    const toFacet = sine * facetX + cosine * facetZ;
-    const share = fresnel(Math.min(toFacet, 1), eta, 0);
-    const inside2 = 1 - (1 - toFacet * toFacet) / (eta * eta);
-    const mirrored = 2 * toFacet * facetZ - cosine;
-    const refracted = (toFacet / eta - Math.sqrt(Math.max(inside2, 0))) * facetZ - cosine / eta;
-    if (mirrored > 0) reflected += weight * share * masking(alpha, mirrored);
-    if (refracted < 0 && inside2 > 0) passed += weight * (1 - share) * masking(alpha, refracted);
+  for (const { u1, u2, weight } of FACETS) {
+    const { cosine, height, unhidden } = mirrored(alpha, alpha, wi, u1, u2);
+    const share = fresnel(cosine, eta, 0);
+    reflected += weight * share * unhidden;
+    const inside2 = 1 - (1 - cosine * cosine) / (eta * eta);
+    if (inside2 <= 0) continue;
+    const depth = z / eta - (cosine / eta - Math.sqrt(inside2)) * height;
+    passed += weight * (1 - share) * masking(depth, alpha * alpha * (1 - depth * depth));
   }
   return [reflected, passed];
 }
 
-/** Smith's term of a direction (Walter et al. 2007, equation 34). */
-function masking(alpha: number, cosine: number): number {
-  const cos2 = cosine * cosine;
-  return 2 / (1 + Math.sqrt(1 + (alpha * alpha * (1 - cos2)) / cos2));
-}
-
-/** Means of the shares over diffuse light of cosines from `low` to 1, relative to its light there. */
-function means(alpha: number, eta: number, low: number): Shares {
-  let [reflected, passed] = [0, 0];
+/**
+ * Means of the shares over diffuse light, relative to it.
+ *
+ * @param entered only of the light that a smooth surface does not reflect totally.
+ */
+function means(alpha: number, eta: number, entered: boolean): Shares {
   // The edge of total reflection, beyond which shares change with the root of the distance
   const edge = eta < 1 ? Math.sqrt(1 - eta * eta) : 0;
-  for (const [from, to] of [
-    [0, edge],
-    [edge, 1],
-  ] as const) {
-    if (to <= low) continue;
+  let [reflected, passed, light] = [0, 0, 0];
+  for (const [from, to] of [[edge, 1] as const, ...(entered ? [] : [[0, edge] as const])]) {
     NODES.forEach((node, k) => {
       const root = 0.5 * (node + 1);
       const cosine = from + (to - from) * root * root;
@@ -71,9 +57,10 @@ function means(alpha: number, eta: number, low: number): Shares {
       const [one, other] = shares(alpha, eta, cosine);
       reflected += weight * one;
       passed += weight * other;
+      light += weight;
     });
   }
-  return [reflected / (1 - low * low), passed / (1 - low * low)];
+  return [reflected / light, passed / light];
 }
 
 /** Cosines at which losses are known: those of Python's tables, whose roots have equal distances. */
@@ -81,10 +68,23 @@ export const COSINES = Float32Array.from({ length: ALBEDOS.COSINES }, (_, k) =>
   Math.max((k / (ALBEDOS.COSINES - 1)) ** 2, 1e-5),
 );
 
-/** The loss at cosines, and its mean over diffuse light. */
+/** The loss at `COSINES`, and its mean over diffuse light. */
 export interface Loss {
   readonly at: Float64Array;
   readonly mean: number;
+}
+
+/** Of losses linear in the root x of the cosine: the mean is the integral of 4 x^3. */
+function lossOf(at: Float64Array): Loss {
+  const last = at.length - 1;
+  let mean = 0;
+  for (let k = 0; k < last; k++)
+    NODES.forEach((node, i) => {
+      const share = 0.5 * (node + 1);
+      const loss = at[k]! + share * (at[k + 1]! - at[k]!);
+      mean += (2 * ((k + share) / last) ** 3 * WEIGHTS[i]! * loss) / last;
+    });
+  return { at, mean };
 }
 
 /**
@@ -92,27 +92,21 @@ export interface Loss {
  *
  * @param mirrored share of the base's light that it mirrors; the other is Lambertian.
  */
-export function surfaceLoss(
-  alpha: number,
-  eta: number,
-  mirrored: number,
-  cosines: Float32Array,
-): Loss {
-  const at = new Float64Array(cosines.length);
-  if (eta === 1) return { at, mean: 0 };
+export function surfaceLoss(alpha: number, eta: number, mirrored: number): Loss {
+  if (eta === 1) return { at: new Float64Array(COSINES.length), mean: 0 };
   // Light that entered by a smooth interface, and that a mirror returns, is not reflected totally.
-  const edge = eta > 1 ? Math.sqrt(1 - 1 / (eta * eta)) : 0;
-  const [diffuse, entered] = [0, edge].map((low) => means(alpha, 1 / eta, low));
+  const [diffuse, entered] = [false, true].map((entered) => means(alpha, 1 / eta, entered));
   const mixed = (k: 0 | 1) => diffuse[k] + mirrored * (entered[k] - diffuse[k]);
   const inside = mixed(1) / (1 - mixed(0));
-  const lostOf = ([reflected, passed]: Shares) => 1 - reflected - inside * passed;
-  cosines.forEach((cosine, k) => {
-    at[k] = Math.max(lostOf(shares(alpha, eta, cosine)), 0);
-  });
-  return { at, mean: lostOf(means(alpha, eta, 0)) };
+  return lossOf(
+    Float64Array.from(COSINES, (cosine) => {
+      const [reflected, passed] = shares(alpha, eta, cosine);
+      return Math.max(1 - reflected - inside * passed, 0);
+    }),
+  );
 }
 
-/** The loss at `COSINES` of facets that reflect all light, linear between widths as in Python's table. */
+/** The loss of facets that reflect all light, linear between widths as in Python's table. */
 export function mirrorLoss(alpha: number): Loss {
   const least = Math.sqrt(CHECKS.MIN_ALPHA);
   const step = (1 - least) / (ALBEDOS.ROUGHNESSES - 1);
@@ -122,16 +116,5 @@ export function mirrorLoss(alpha: number): Loss {
     const width = (least + node * step) ** 2;
     return Float64Array.from(COSINES, (cosine) => 1 - shares(width, MIRRORS.MIRROR, cosine)[0]);
   }) as [Float64Array, Float64Array];
-  const at = low.map((loss, k) => loss + (place - first) * (high[k]! - loss));
-  // The mean of what is linear in the root x of the cosine, by the integral of 4 x^3
-  const last = at.length - 1;
-  let mean = 0;
-  for (let k = 0; k < last; k++)
-    NODES.forEach((node, i) => {
-      const share = 0.5 * (node + 1);
-      const root = (k + share) / last;
-      const loss = at[k]! + share * (at[k + 1]! - at[k]!);
-      mean += (2 * root ** 3 * WEIGHTS[i]! * loss) / last;
-    });
-  return { at, mean };
+  return lossOf(low.map((loss, k) => loss + (place - first) * (high[k]! - loss)));
 }

@@ -15,40 +15,35 @@ export function noLobe(widths: Widths): readonly number[] {
   return widths === 1 ? LOBE.NO_LOBE : [...LOBE.NO_LOBE, 1];
 }
 
-/** Whether the lobe whose numbers begin at a place of an array reflects nothing. */
-export function isDark(lobe: ArrayLike<number>, at: number): boolean {
-  return lobe[at + 1] === 0 && lobe[at + 2] === 0 && lobe[at + 3] === 0;
+/** Reflectance at a cosine to the facet of the lobe that begins a code. */
+export function reflectance(code: Float32Array, cosine: number): number {
+  const value = schlick(code[1], code[2], cosine);
+  return code[3] === 0 ? value : value + code[3] * fresnel(cosine, code[4], code[5]);
 }
 
-/** Reflectance at a cosine to the facet of the lobe whose numbers begin at a place of an array. */
-export function reflectance(lobe: ArrayLike<number>, at: number, cosine: number): number {
-  const value = schlick(lobe[at + 1], lobe[at + 2], cosine);
-  const exact = lobe[at + 3];
-  return exact === 0 ? value : value + exact * fresnel(cosine, lobe[at + 4], lobe[at + 5]);
+/** The GGX widths, along and across the tangent, of a code's lobe. */
+export function widthsOfLobe(code: Float32Array, widths: Widths): readonly [number, number] {
+  return [code[0], code[widths === 1 ? 0 : 6]];
 }
 
-/** The lobe [1/sr] at pair `i`; its numbers begin at a place of an array. */
-export function lobeValue(lobe: ArrayLike<number>, at: number, pairs: Pairs, i: number): number {
-  if (isDark(lobe, at)) return 0;
-  const [w, k, u] = [pairs.directions, 6 * i, lobe[at]];
-  const v = pairs.widths === 1 ? u : lobe[at + 6];
+/** The lobe [1/sr] of a code at pair `i`. */
+export function lobeValue(code: Float32Array, pairs: Pairs, i: number): number {
+  if (code[1] === 0 && code[2] === 0 && code[3] === 0) return 0;
+  const [w, k] = [pairs.directions, 6 * i];
+  const [u, v] = widthsOfLobe(code, pairs.widths);
   const shape = lobeShape(u, v, w[k], w[k + 1], w[k + 2], w[k + 3], w[k + 4], w[k + 5]);
-  return shape * reflectance(lobe, at, pairs.cosD[i]);
+  return shape * reflectance(code, pairs.cosD[i]);
 }
 
-/** The lobe (count) [1/sr] at all pairs. */
-export function lobeValues(lobe: ArrayLike<number>, pairs: Pairs): Float64Array {
-  return Float64Array.from(pairs.cosD, (_, i) => lobeValue(lobe, 0, pairs, i));
-}
-
-/** Put the features of a lobe into `out` at a place. */
+/** Put the features of a code's lobe into `out` at a place. */
 export function lobeFeatures(
-  lobe: ArrayLike<number>,
+  code: Float32Array,
   out: Float64Array,
   place: number,
   widths: Widths,
 ): void {
-  const [a, b, c] = LOBE.COSINES.map((cosine) => reflectance(lobe, 0, cosine));
-  if (widths === 1) lobeColumns(lobe[0], a, b, c, out, place);
-  else lobeColumns2(lobe[0], lobe[6], a, b, c, out, place);
+  const [a, b, c] = LOBE.COSINES.map((cosine) => reflectance(code, cosine));
+  const [u, v] = widthsOfLobe(code, widths);
+  if (widths === 1) lobeColumns(u, a, b, c, out, place);
+  else lobeColumns2(u, v, a, b, c, out, place);
 }

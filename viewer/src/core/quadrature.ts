@@ -1,6 +1,6 @@
 /** Quadrature: Gauss's rule, and one over the hemisphere that resolves any GGX-like lobe. */
 
-import { QUADRATURE, type Vector } from "./formulas";
+import type { Vector } from "./formulas";
 
 /** Nodes and weights of a one-dimensional rule. */
 export interface Rule {
@@ -32,11 +32,11 @@ export interface DirectionRule {
   readonly weights: readonly number[];
 }
 
-/** Numbers of nodes of the azimuth, for a quadrant, and of the slope of the half vector. */
-export interface RuleSize {
-  readonly azimuths: number;
-  readonly slopes: number;
-}
+/**
+ * Numbers of nodes of the slope of the half vector and of the azimuth, for a quadrant; how strongly
+ * these crowd at its ends, and the least slope.
+ */
+export type RuleSize = readonly [slopes: number, azimuths: number, crowding: number, least: number];
 
 /**
  * The rule of f cos_o for the direction wi.
@@ -49,15 +49,17 @@ export interface RuleSize {
 export function directionRule(
   wi: Vector,
   sides: 1 | 2,
-  { azimuths, slopes }: RuleSize,
+  [slopes, azimuths, crowding, least]: RuleSize,
 ): DirectionRule {
   const [turns, steps] = [gaussLegendre(azimuths), gaussLegendre(slopes)];
-  const start = Math.log(QUADRATURE.MIN_TANGENT);
+  const start = Math.log(least);
   const [wo, weights]: [number[], number[]] = [[], []];
   for (let i = 0; i < 2 * sides * azimuths; i++) {
-    const turn = Math.floor(i / azimuths) + 0.5 * (turns.nodes[i % azimuths] + 1);
+    const crowded = crowding * turns.nodes[i % azimuths];
+    const turn = Math.floor(i / azimuths) + 0.5 * (Math.tanh(crowded) / Math.tanh(crowding) + 1);
     const phi = 0.5 * Math.PI * turn;
-    const share = (0.5 * Math.PI * turns.weights[i % azimuths]) / sides;
+    const crowd = crowding / (Math.tanh(crowding) * Math.cosh(crowded) ** 2);
+    const share = (0.5 * Math.PI * turns.weights[i % azimuths] * crowd) / sides;
     const [cosPhi, sinPhi] = [Math.cos(phi), Math.sin(phi)];
     const end = 0.5 * (0.5 * Math.PI + Math.atan2(wi.x * cosPhi + wi.y * sinPhi, wi.z));
     const span = Math.max(Math.log(Math.tan(end)) - start, 0);

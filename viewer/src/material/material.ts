@@ -4,7 +4,7 @@ import type { Bottom, Channels, Coat, Stack } from "../core/api";
 import { CHECKS } from "../core/formulas";
 import { Refusal } from "../refusal";
 import { type Medium, physicsOf } from "./appearance";
-import { mapped, quotient, type Rgb, rgb } from "./channels";
+import { joined, mapped, quotient, type Rgb, rgb } from "./channels";
 
 /** A coat by its absolute index of refraction, and by its medium as it was given. */
 export type CoatInAir = Omit<Coat, "eta" | "albedo" | "sigmaT" | "g"> &
@@ -68,9 +68,10 @@ export const CLEAR_COAT: CoatInAir = {
 };
 
 /** Whether a coat has a surface: its index differs from that of the medium above, as it is shown. */
-export function hasSurface(material: MaterialCards, coat: CoatCard): boolean {
+export function hasSurface(material: MaterialCards, { id, ...coat }: CoatCard): boolean {
   const { coats } = material;
-  const over = coats.slice(0, coats.indexOf(coat)).filter((other) => isSeen(material, other));
+  const place = coats.findIndex((other) => other.id === id);
+  const over = coats.slice(0, place).filter((other) => isSeen(material, other));
   const above = over.at(-1)?.ior ?? CHECKS.AIR;
   return rgb(interfaceRatio(coat.ior, above)).some((ratio) => ratio !== 1);
 }
@@ -92,15 +93,36 @@ export function isSeen(material: MaterialCards, coat: CoatCard): boolean {
 }
 
 /**
- * The bottom and the coats that are shown.
+ * The bottom and the coats that are shown, whose indices are the nearest that the networks know below
+ * the medium above.
  *
  * @throws Refusal if it is a texture of codes.
  */
 export function seenOf(material: MaterialCards): { bottom: BottomInAir; coats: CoatCard[] } {
-  const { bottom, coats } = material;
+  const { bottom } = material;
   if (bottom.kind === "texels")
     throw new Refusal("A texture of codes can be saved as a material file or a Mitsuba scene.");
-  return { bottom, coats: coats.filter((coat) => isSeen(material, coat)) };
+  let above: Channels = CHECKS.AIR;
+  const within = <Layer extends { ior: Channels }>(layer: Layer): Layer => {
+    above = nearestIndex(layer.ior, above);
+    return { ...layer, ior: above };
+  };
+  const coats = material.coats.filter((coat) => isSeen(material, coat)).map(within);
+  return { bottom: bottom.kind === "dielectric" ? within(bottom) : bottom, coats };
+}
+
+/** The nearest index that is within the networks' range, relative to the medium above. */
+function nearestIndex(ior: Channels, above: Channels): Channels {
+  const [low, high] = CHECKS.ETA_RANGE;
+  const media = rgb(above);
+  const [red, green, blue] = rgb(ior).map((index, k) => {
+    const near = Math.min(Math.max(index, low * media[k]!), high * media[k]!);
+    // Rounded towards the inside
+    return near === index
+      ? index
+      : Number((near * (near > index ? 1 + 1e-6 : 1 - 1e-6)).toFixed(6));
+  }) as [number, number, number];
+  return joined([red, green, blue]);
 }
 
 /**
@@ -146,11 +168,10 @@ function codesUnder(codes: Float32Array, index: Channels): Float32Array {
   });
 }
 
-/** The index of an interface relative to the medium above, nearest within the networks' range. */
+/** The index of an interface relative to the medium above. */
 function interfaceRatio(ior: Channels, above: Channels): Channels {
-  const [low, high] = CHECKS.ETA_RANGE;
   return mapped(quotient(ior, above), (ratio) =>
-    Math.abs(ratio - 1) < CHECKS.MIN_INDEX_STEP ? 1 : Math.min(Math.max(ratio, low), high),
+    Math.abs(ratio - 1) < CHECKS.MIN_INDEX_STEP ? 1 : ratio,
   );
 }
 

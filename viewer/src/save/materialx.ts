@@ -57,7 +57,8 @@ export function materialxText(material: MaterialCards): { text: string; lost: st
 function describe(material: MaterialCards): Description {
   const { bottom, coats } = seenOf(material);
   const lost: string[] = [];
-  const nameOf = (coat: CoatCard) => `coat ${material.coats.length - material.coats.indexOf(coat)}`;
+  const nameOf = ({ id }: CoatCard) =>
+    `coat ${material.coats.length - material.coats.findIndex((coat) => coat.id === id)}`;
   const [top, ...inner] = coats;
   // What lies below an opaque coat is not seen: the coat's body is the base.
   const isHidden = coats.some((coat) => Math.min(...hiddenBy(coat, depthOf(coat))) >= 0.5);

@@ -25,11 +25,14 @@ export function pythonText(material: MaterialCards): string {
     "# transport is computed, which takes longer and is closer to the random walk.",
     `material = ${bottomText(stack.bottom, isBare && isCompensated(material))}`,
   ];
-  for (const coat of [...stack.coats].reverse()) {
+  for (const [place, coat] of [...stack.coats.entries()].reverse()) {
     const top = call("urushi.dielectric", [...widthsOf(coat), ["ior", coat.ior]]);
-    const isGiven = coat === stack.coats[0] && isCompensated(material);
-    const given = isGiven ? [["energy_compensation", "True"] as const] : [];
-    const others = [...mediumParameters(coat), ...given, ["fast", "True"] as const];
+    const others: [string, Channels | string][] = mediumParameters(coat);
+    if (place === 0 && isCompensated(material)) others.push(["energy_compensation", "True"]);
+    // One network layers all coats.
+    const isLowest = place === stack.coats.length - 1;
+    if (isLowest && isAnisotropic(stack)) others.push(["weights", '"anisotropic"']);
+    others.push(["fast", "True"]);
     lines.push(`material = ${call("urushi.layer", others, `${top}, material`)}`);
   }
   if (isBare) lines.push("material = urushi.encode(material)");

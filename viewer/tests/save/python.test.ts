@@ -6,12 +6,13 @@ import { join } from "node:path";
 import { afterAll, expect, test } from "vitest";
 import { loadCore } from "../../src/core/core";
 import { materialFile } from "../../src/engine/material_file";
-import { stackOf } from "../../src/material/material";
+import { isAnisotropic, isCompensated, stackOf } from "../../src/material/material";
 import { METALS, preset } from "../../src/material/presets";
 import { pythonText } from "../../src/save/python";
 import { shaderText } from "../../src/save/shader";
 import { readMaterial } from "../../src/state/read";
-import { bytesOf, readVectors, relativeError, SHIPPED } from "../core/vectors";
+import { bytesOf, readVectors, relativeError, SHIPPED, SHIPPED_ANISOTROPIC } from "../core/vectors";
+import { Draws } from "../material/random";
 import { hasPython, python } from "../python";
 
 const EVALUATE = join(import.meta.dirname, "evaluate.py");
@@ -19,8 +20,8 @@ const NETWORKS = `
 import json
 from urushi.export.program import template_text
 from urushi.nets.weights import find
-model = find(None)
-print(json.dumps({"template": template_text("python", model), "fingerprint": model.fingerprint}))
+models = map(find, (None, "anisotropic"))
+print(json.dumps([[template_text("python", model), model.fingerprint] for model in models]))
 `;
 
 const vectors = readVectors("default");
@@ -41,6 +42,7 @@ const UNDER_VARNISH = [
   { bottom: { kind: "diffuse" }, coats: [VARNISH, { alpha: 0.1, ior: 1.7, sigmaT: 1 }] },
   { bottom: { kind: "diffuse" }, coats: [{ color: [0.9, 0.6, 0.3], thickness: 2 }] },
   { bottom: { kind: "diffuse" }, coats: [{ body: 0.4, bodyColor: [0.8, 0.3, 0.1], g: 0.3 }] },
+  { bottom: { kind: "dielectric", ior: 0.6 }, coats: [{ ior: 0.51 }, { ior: 3 }, { ior: 0.51 }] },
   ...COMPENSATED,
 ].map((material) => readMaterial(material));
 const folder = mkdtempSync(join(tmpdir(), "urushi-"));
@@ -51,22 +53,29 @@ test.skipIf(!hasPython)(
   "a saved material, its code and its program give the page's f",
   { timeout: 120_000 },
   () => {
-    const core = loadCore(bytesOf(SHIPPED));
-    const { latentSize } = core;
+    const cores = [SHIPPED, SHIPPED_ANISOTROPIC].map((file) => loadCore(bytesOf(file)));
+    const networks: [template: string, fingerprint: string][] = JSON.parse(python(NETWORKS));
     const [wi, wo] = [vectors.of("wi"), vectors.of("wo")];
-    const { template, fingerprint } = JSON.parse(python(NETWORKS));
     const own = ["Vermilion urushi", "Candy blue car paint", "White enamel"].map(preset);
-    const cards = [vectors.materials[3]!, vectors.materials[8]!, ...own, ...UNDER_VARNISH];
+    const draws = new Draws(5);
+    const drawn = Array.from({ length: 12 }, (_, k) => draws.material(k % 3 === 0));
+    const given = [vectors.materials[3]!, vectors.materials[8]!, ...own, ...UNDER_VARNISH];
+    const cards = [...given, ...drawn];
     const expected = cards.map((material, place) => {
       const files = join(folder, String(place));
       mkdirSync(files);
-      const codes = core.layer(stackOf(material));
-      const file = materialFile(codes, { latentSize, widths: 1, fingerprint });
+      const stack = stackOf(material);
+      const at = Number(isAnisotropic(stack));
+      const core = cores[at]!;
+      const [template, fingerprint] = networks[at]!;
+      const codes = core.layer(stack);
+      const { latentSize, widths } = core;
+      const file = materialFile(codes, { latentSize, widths, fingerprint });
       writeFileSync(join(files, "pairs.json"), JSON.stringify([...wi, ...wo]));
       writeFileSync(join(files, "material.safetensors"), file);
       writeFileSync(join(files, "material-numpy.py"), shaderText(template, codes));
       writeFileSync(join(files, "basis.f32"), core.basisTexels());
-      writeFileSync(join(files, "program.py"), pythonText(material));
+      writeFileSync(join(files, "program.py"), pythonText({ ...material, rotation: 0 }));
       return core.f(codes, wi, wo);
     });
     const folders = cards.map((_, place) => join(folder, String(place)));
@@ -76,10 +85,14 @@ test.skipIf(!hasPython)(
       const found = values[place];
       // Python computes in single precision: roundings of sums of many terms, and of least squares.
       // Tables of materials with energy compensation are of half precision in files and in Python.
-      const { energyCompensation: hasTable = false } = cards[place]!;
+      const hasTable = isCompensated(cards[place]!);
       expect(relativeError(found.loaded, f)).toBeLessThan(hasTable ? 2e-3 : 2e-4);
-      if (!hasTable) expect(relativeError(found.code, f)).toBeLessThan(2e-4);
-      expect(relativeError(found.program, f)).toBeLessThan(hasTable ? 2e-3 : 5e-4);
+      // The channels of two widths have a stretch each, those of code share one.
+      const hasCode = !hasTable && !isAnisotropic(stackOf(cards[place]!));
+      if (hasCode) expect(relativeError(found.code, f)).toBeLessThan(2e-4);
+      // Losses of surfaces are sums over few facets, albedos that limit codes over few directions.
+      const most = place < given.length ? [5e-4, 2e-3] : [1e-3, 0.01];
+      expect(relativeError(found.program, f)).toBeLessThan(most[Number(hasTable)]!);
     }
   },
 );
