@@ -65,12 +65,3 @@ def test_the_tangent_of_a_prepared_material_turns(anisotropic_model, anisotropic
     f = exported.f(prepared, wi, wo, basis_of(anisotropic_model))
     assert close(f, turned.f(wi, wo), TABLE_TOLERANCE)
     assert close(exported.pdf(prepared, wi, wo), turned.pdf(wi, wo), TURNED_TOLERANCE)
-
-
-@pytest.mark.parametrize("kind", ["three lobes", "turned"])
-def test_sampling_chi_squared(anisotropic_materials, sphere_test, kind):
-    exported = module(anisotropic_materials[kind].shader("python"))
-    wi = np.array([[0.48, 0.36, 0.8]], np.float32)
-    u = np.random.default_rng(1).random((100_000, 3), np.float32)
-    drawn, _ = exported.sample(wi.repeat(len(u), axis=0), u)
-    assert sphere_test(drawn, lambda wo: exported.pdf(wi, wo)) > 1e-3

@@ -148,15 +148,6 @@ def filled(language: str, material: Material) -> str:
     return text
 
 
-@pytest.mark.parametrize("kind", ["three lobes", "no lobe"])
-def test_sampling_chi_squared(materials, sphere_test, kind):
-    exported = module(materials[kind].shader("python"))
-    wi = np.array([[0.6, 0.0, 0.8]], np.float32)
-    u = np.random.default_rng(1).random((100_000, 3), np.float32)
-    drawn, _ = exported.sample(wi.repeat(len(u), axis=0), u)
-    assert sphere_test(drawn, lambda wo: exported.pdf(wi, wo)) > 1e-3
-
-
 def test_prefixes_allow_several_materials_in_one_shader(materials, rows):
     material = materials["one lobe"]
     other = materials["three lobes"].shader("glsl", "car_paint")

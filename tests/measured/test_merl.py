@@ -1,11 +1,9 @@
 """MERL tables: exact at bin centres, reciprocal, and no invalid bin leaks."""
 
-import sys
-
 import numpy as np
 import pytest
 
-from urushi.core.directions import directions_at, half_difference_angles
+from urushi.core.directions import directions_at
 from urushi.measured import Merl, load_measured, tabulated
 from urushi.measured.tabulated import fill_nearest
 
@@ -122,40 +120,8 @@ def test_a_single_valid_bin_fills_everything():
     assert (values == 0.25).all()
 
 
-def test_angles_of_directions_from_angles(writers):
-    rng = np.random.default_rng(9)
-    theta_h, theta_d = 10 ** rng.uniform(-6, 0, 1000), rng.uniform(0.01, 0.5, 1000)
-    phi_d = rng.uniform(0.01, 3.13, 1000)
-    angles = half_difference_angles(*directions_at(theta_h, theta_d, phi_d))
-    # Rounding of unit vectors is 1e-16, which turns the frame of a small theta_h.
-    for angle, expected in zip(angles, (theta_h, theta_d, phi_d), strict=True):
-        np.testing.assert_allclose(angle, expected, rtol=1e-8, atol=1e-9)
-
-
 def test_chunks_do_not_change_the_result(analytic, random_directions, monkeypatch):
     wi, wo = random_directions(1000, 10), random_directions(1000, 11)
     whole = analytic.f(wi, wo)
     monkeypatch.setattr(tabulated, "CHUNK", 100)
     np.testing.assert_array_equal(analytic.f(wi, wo), whole)
-
-
-def test_a_table_from_a_network_agrees_with_the_network(
-    test_data, tool, writers, tmp_path, monkeypatch
-):
-    name = "gold-metallic-paint"
-    monkeypatch.setattr(sys, "argv", ["merl_from_nbrdf.py", str(tmp_path), name])
-    tool.main()
-    brdf = load_measured(tmp_path / f"{name}.binary")
-    rng = np.random.default_rng(12)
-    theta_h, theta_d = rng.uniform(0.05, 1.2, 20000), rng.uniform(0.05, 1.2, 20000)
-    phi_d = rng.uniform(0, np.pi, 20000)
-    wi, wo = directions_at(theta_h, theta_d, phi_d)
-    inside = np.minimum(wi[:, 2], wo[:, 2]) > 0.1
-    h = np.stack([np.sin(theta_h), 0 * theta_h, np.cos(theta_h)], 1)
-    d = np.stack([
-        np.sin(theta_d) * np.cos(phi_d), np.sin(theta_d) * np.sin(phi_d), np.cos(theta_d)
-    ], 1)  # fmt: skip
-    with np.load(tool.FITS) as fits:
-        expected = tool.network(fits[name], np.concatenate([h, d], 1))
-    error = np.abs(brdf.f(wi, wo) - expected)[inside].sum() / expected[inside].sum()
-    assert error < 0.01  # linear interpolation, steps of 1 to 2 degrees

@@ -92,30 +92,6 @@ def test_azimuths_agree_with_mitsuba(writers, tmp_path, random_directions, turn)
     assert_close(in_channels(brdf, wi, wo), wo, mitsuba_f_cos(path, wi, wo, nm))
 
 
-@pytest.mark.slow
-def test_an_anisotropic_conductor_comes_back(writers, tmp_path, random_directions):
-    """The file holds a GGX conductor of two widths, whose f is known; so does its material."""
-    import urushi
-
-    surface = conductor(alpha_u=0.45, alpha_v=0.2, r0=(0.9, 0.6, 0.3))
-    path = tmp_path / "brushed.bsdf"
-    fields = writers.rgl_ggx_fields((0.45, 0.2), (0.9, 0.6, 0.3), azimuths=24, elevations=40)
-    path.write_bytes(writers.tensor_file(fields))
-    brdf = load_measured(path)
-    wi, wo = random_directions(3000, 9, 0.2), random_directions(3000, 10, 0.2)
-    expected = analytic.f(surface, wi, wo)
-    # Linear interpolation between the file's 97 angles of the half vector.
-    assert np.abs(brdf.f(wi, wo) - expected).sum() < 0.005 * expected.sum()
-    material = urushi.encode(brdf)
-    assert material.model.widths == 2
-    error = np.abs(material.f(wi, wo) - expected).sum() / expected.sum()
-    assert error < 0.05, "the widths are kept: an average over the azimuth differs by 40 %"
-    coated = urushi.layer(urushi.dielectric(0.1, 1.5), material)
-    known = urushi.layer(urushi.dielectric(0.1, 1.5), urushi.encode(surface))
-    difference = np.abs(coated.f(wi, wo) - known.f(wi, wo)).sum() / known.f(wi, wo).sum()
-    assert difference < 0.05
-
-
 def test_an_anisotropic_file_is_encoded_by_its_networks(writers, tmp_path):
     paths = [tmp_path / "brushed.bsdf", tmp_path / "plain.bsdf"]
     fields = writers.rgl_ggx_fields((0.4, 0.2), (0.9, 0.6, 0.3), azimuths=6, elevations=8)
@@ -147,17 +123,6 @@ def test_f_along_the_normal_does_not_depend_on_the_signs_of_zeros(material, rand
     expected = brdf.f(np.tile([0.0, 0.0, 1.0], (16, 1)), wo)
     for zeros in ([-0.0, 0.0], [0.0, -0.0], [-0.0, -0.0]):
         np.testing.assert_array_equal(brdf.f(np.tile([*zeros, 1.0], (16, 1)), wo), expected)
-
-
-def test_f_has_no_cosine_because_it_is_reciprocal(test_data, random_directions):
-    path = test_data / "data" / "rgl" / "aurora_white_rgb.bsdf"
-    if not path.is_file():
-        pytest.skip(f"'{path}' is missing")
-    brdf = load_measured(path)
-    wi, wo = random_directions(5000, 8, 0.3), random_directions(5000, 9, 0.3)
-    f, turned = brdf.f(wi, wo), brdf.f(wo, wi)
-    # A rough white film. If f contained the cosine, exchange would change it by about 30 %.
-    assert np.abs(f - turned).sum() < 0.08 * f.sum()
 
 
 def test_no_material_reflects_more_than_it_receives(material):

@@ -25,7 +25,12 @@ MATERIALS = {
         "coat_color": GREY,
         "fuzz_weight": 0.5,
     },
-    "walks": {"coat_weight": 1.0, "coat_roughness": 0.4, "reference": True},
+    "walks": {
+        "coat_weight": 1.0,
+        "coat_roughness": 0.4,
+        "reference": True,
+        "energy_compensation": False,
+    },
 }
 
 

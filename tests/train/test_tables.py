@@ -5,12 +5,11 @@ import pytest
 
 from urushi.checks import CoatParameters
 from urushi.core.probe_pairs import probe_pairs
-from urushi.core.table import MIN_LOG, SHAPE, node_pairs
+from urushi.core.table import MIN_LOG
 from urushi.errors import FileError
 from urushi.material.coated_values import coated_f
 from urushi.material.reflector import Reflector
 from urushi.material.substrate import Substrate
-from urushi.nets import lobe as lobes
 from urushi.train import distribution, tables
 from urushi.train.tables import TableSpec
 
@@ -54,17 +53,6 @@ def test_further_coats_are_light_transport_over_the_level(folder):
     )
     found = np.exp(held["coated"][row, 0])
     np.testing.assert_allclose(found, np.maximum(f[:, 0], np.exp(MIN_LOG)), rtol=1e-3)
-
-
-def test_a_coat_of_nothing_changes_nothing():
-    """Without an interface and a medium, a Lambertian stays as it is."""
-    logs = np.full((*SHAPE, 1), np.log(0.5 / np.pi))
-    none = np.array([[0.3, 0, 0, 0, 1.5, 0]], np.float32)
-    lobe, table = tables.coated(
-        Substrate.of(Reflector.of_logs(logs, none)), np.array([0.1, 1, 0, 0, 0])
-    )
-    np.testing.assert_allclose(table[0].astype(float), logs.ravel(), atol=2e-3)  # half precision
-    assert not lobes.f(lobe, *node_pairs()).any()
 
 
 def test_a_stack_does_not_depend_on_the_number_of_stacks(folder):

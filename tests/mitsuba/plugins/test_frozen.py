@@ -75,6 +75,7 @@ def replayed(mi, networks) -> dict[str, tuple[dict, dict]]:
     weight = bitmap(np.random.default_rng(0).uniform(0.3, 0.8, (4, 4, 1)))
     openpbr = {"type": "openpbr", "specular_roughness": 0.3}
     coated = {"coat_weight": weight, "coat_roughness": 0.3, "reference": True}
+    coated["energy_compensation"] = False
     found = {}
     for name in ("layered", "neural_layered"):
         textured = coat(mi, name, networks, True) | {"energy_compensation": True}
