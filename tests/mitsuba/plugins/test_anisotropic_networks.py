@@ -92,7 +92,7 @@ def ramp(mi, low: float, high: float) -> dict:
     return {"type": "bitmap", "bitmap": bitmap, "raw": True, "filter_type": "nearest"}
 
 
-def test_textured_metal_under_a_coat(rgb, pairs, few_points):
+def test_textured_metal_under_a_coat(rgb, pairs):
     grey = BRUSHED | {"material": "none", "alpha_v": 0.2}
     base = grey | {"alpha_u": ramp(rgb, 0.1, 0.4)}
     bsdf = coated(rgb, base, alpha=0.1)
