@@ -5,6 +5,7 @@ import numpy as np
 import pytest
 from tests.mitsuba.probes import bitmap
 
+from urushi.errors import ParameterError
 from urushi.mitsuba.reading import probing
 
 #: The shipped networks: derivatives of random ones change too fast for finite differences.
@@ -217,6 +218,40 @@ def test_a_stochastic_bottom_has_no_gradient_but_its_coat_does(rgb, monkeypatch)
     )
     dr.backward(dr.sum(bsdf.eval(rgb.BSDFContext(), si, wo), axis=None))
     assert (dr.grad(parameters[key]).numpy() > 0).all()
+
+
+def test_plain_numbers_of_bottoms_have_gradients(rgb):
+    """Numbers that cannot be textures, within a wrapper, against differences."""
+    si = probing.interaction(np.tile([[0, 0.6, 0.8]], (100, 1)), np.full((100, 2), 0.3))
+    u = rgb.Point2f(np.random.default_rng(0).random((2, 100)))
+    wo = rgb.warp.square_to_cosine_hemisphere(u)
+
+    def loaded(**changes):
+        plastic = {"type": "roughplastic", "alpha": 0.3, "nonlinear": True} | changes
+        return rgb.load_dict(coat(rgb, bottom={"type": "twosided", "bsdf": plastic}))
+
+    def mean(bsdf):
+        return dr.mean(bsdf.eval(rgb.BSDFContext(), si, wo), axis=None)
+
+    bsdf = loaded()
+    parameters, keys = rgb.traverse(bsdf), ("bottom.brdf_0.alpha", "bottom.brdf_0.eta")
+    for key in keys:
+        dr.enable_grad(parameters[key])
+    parameters.update()
+    dr.backward(mean(bsdf))
+    found = [dr.grad(parameters[key]).numpy()[0] for key in keys]
+    ends = [{"alpha": 0.28}, {"alpha": 0.32}, {"int_ior": 1.48}, {"int_ior": 1.5}]
+    f = [mean(loaded(ext_ior=1.0, **({"int_ior": 1.49} | end))).numpy()[0] for end in ends]
+    slopes = (f[1] - f[0]) / 0.04, (f[3] - f[2]) / 0.02
+    np.testing.assert_allclose(found, slopes, rtol=0.1)
+
+
+def test_gradients_that_codes_do_not_have_are_refused(rgb):
+    walk = {"type": "layered", "sigma_t": 0.3, "bottom": {"type": "diffuse"}}
+    parameters = rgb.traverse(rgb.load_dict(coat(rgb, bottom=walk, resolution=1)))
+    dr.enable_grad(parameters["bottom.sigma_t.value"])
+    with pytest.raises(ParameterError, match=r"the nested 'Layered' do not have; disable them"):
+        parameters.update()
 
 
 def test_saved_materials_have_gradients_of_their_codes(rgb, tmp_path):

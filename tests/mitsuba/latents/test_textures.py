@@ -207,6 +207,7 @@ def test_mesh_attributes_and_volumes(rgb, name):
     parameters["faces"] = [0, 1, 2]
     parameters.update()
     mesh.add_attribute("vertex_value", 1, np.float32([0.3, 0.3, 0.3]))
+    mesh.add_attribute("vertex_index", 1, np.float32([1.3, 1.3, 1.3]))
     scene = rgb.load_dict({"type": "scene", "mesh": mesh})
     u = np.random.default_rng(0).uniform(-1, 1, (2, 1 << 14)).astype(np.float32)
     si = scene.ray_intersect(rgb.Ray3f(rgb.Point3f(*u, 1), rgb.Vector3f(0, 0, -1)))
@@ -215,8 +216,8 @@ def test_mesh_attributes_and_volumes(rgb, name):
     volume = {"type": "gridvolume", "grid": grid, "raw": True, "to_world": place}
     wo = rgb.Vector3f(0.6, 0, 0.8)
 
-    def mean(value) -> np.ndarray:
-        coat = {"type": name, "base": {"type": "diffuse"}, "sigma_t": 1.0}
+    def mean(value, index=1.3) -> np.ndarray:
+        coat = {"type": name, "base": {"type": "diffuse"}, "sigma_t": 1.0, "int_ior": index}
         bsdf = rgb.load_dict(coat | {"alpha": value, "albedo": value})
         return bsdf.eval(rgb.BSDFContext(), si, wo).numpy().mean(axis=1)
 
@@ -224,6 +225,23 @@ def test_mesh_attributes_and_volumes(rgb, name):
     attribute = {"type": "mesh_attribute", "name": "vertex_value"}
     for value in (attribute, {"type": "volume", "volume": volume}):
         np.testing.assert_allclose(mean(value), mean(0.3), rtol=2e-2)
+    index = {"type": "mesh_attribute", "name": "vertex_index"}
+    np.testing.assert_allclose(mean(0.3, index), mean(0.3), rtol=2e-2)
+
+
+def test_a_width_on_a_mesh_has_all_values_near_the_other_one(rgb):
+    """Codes have ratios of widths up to 10."""
+    from urushi.mitsuba.reading.axes import varying_parameters
+    from urushi.mitsuba.reading.parameters import CoatTextures
+
+    on_mesh = {"type": "mesh_attribute", "name": "vertex_width"}
+    bottom = {"type": "roughconductor", "alpha_u": on_mesh, "alpha_v": 0.02}
+    props = rgb.Properties("neural_layered")
+    props["alpha_u"], props["alpha_v"] = rgb.load_dict(on_mesh), 0.25
+    found = varying_parameters(CoatTextures(props), rgb.load_dict(bottom))
+    ranges = {x.axis.name: (x.axis.least, x.axis.most) for x in found}
+    assert ranges["alpha_u"] == pytest.approx((0.025, 1))
+    assert ranges["bottom.alpha_u"] == pytest.approx((0.01, 0.2))
 
 
 def test_texels_of_files_follow_the_textures(rgb):

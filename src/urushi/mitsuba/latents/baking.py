@@ -30,7 +30,7 @@ from urushi.mitsuba.reading.axes import (
 )
 from urushi.mitsuba.reading.grid import check_normals, not_over_uv, varying_textures
 from urushi.mitsuba.reading.joined import agree, joined
-from urushi.mitsuba.snapshot import writable
+from urushi.mitsuba.snapshot import has_gradients, writable
 from urushi.nets.weights import Model
 from urushi.textures.axes import AXES, Axis, Baked, bake
 from urushi.textures.layering import layer_rows
@@ -58,7 +58,11 @@ class Baker:
         self.absorbs = False  # whether the coat has no interface and does not scatter, anywhere
 
     def update(self, layer: Layer) -> Latents:
-        """The codes for the current parameters of the layer, which is always the same."""
+        """The codes for the current parameters of the layer, which is always the same.
+
+        Raises:
+            ParameterError: a parameter is refused, or carries gradients that its codes have not.
+        """
         check_normals(layer.nested, layer.coat.where)
         check_coat(layer.coat)
         codes = nested_latents(layer.below, self.model)
@@ -73,12 +77,22 @@ class Baker:
             same = np.abs(coat["eta"][0].numpy() - 1) < MIN_INDEX_STEP
             clear = not names & {"eta", "albedo"} and bool(same.all())
             self.absorbs = clear and all((x.numpy() == 0).all() for x in coat["albedo"])
+            found: Latents | None = None
+            if varying and not (texels or layer.coat.coloured):
+                found = self._over_parameters(layer, varying, nested)
+            attached = any(x.differentiable for x in varying) or has_gradients(layer.nested)
+            held = self.absorbs or (isinstance(found, AxisLatents) and found.differentiable)
+            if attached and not held:
+                raise ParameterError(
+                    f"{layer.coat.where}: a parameter carries gradients, which codes over the "
+                    f"nested '{layer.nested.class_name()}' do not have; disable them, or nest a "
+                    "BSDF whose parameters are known, with at most six that vary"
+                )
+            if found is not None:
+                return found
             if not (varying or texels):
                 return self._constant(layer)
-            found = None
-            if not (texels or layer.coat.coloured):
-                found = self._over_parameters(layer, varying, nested)
-            return self._over_texels(layer, texels or ONE_TEXEL) if found is None else found
+            return self._over_texels(layer, texels or ONE_TEXEL)
 
     def _constant(self, layer: Layer) -> ConstantLatents:
         with spectrum.reading_at(spectrum.FINE):

@@ -37,7 +37,7 @@ from urushi.mitsuba.reading.derived import derived
 from urushi.mitsuba.reading.grid import not_over_uv
 from urushi.mitsuba.reading.known import known_surface
 from urushi.mitsuba.reading.relative import relative_to
-from urushi.mitsuba.reading.replaced import SWITCHES, replaced
+from urushi.mitsuba.reading.replaced import replaced
 from urushi.nets import lobe as lobes
 from urushi.nets.weights import Model
 from urushi.textures.axes import FAINT
@@ -93,16 +93,10 @@ class NestedRows:
 class BottomRows:
     """A bottom at rows of values of its varying parameters."""
 
-    def __init__(
-        self,
-        model: Model,
-        layer: Layer,
-        varying: Sequence[Varying],
-        switches: Mapping[str, Any] | None = None,
-    ):
-        """varying: the bottom's own parameters. switches: see `replaced`."""
+    def __init__(self, model: Model, layer: Layer, varying: Sequence[Varying]):
+        """varying: the bottom's own parameters."""
         self._model, self._layer, self._varying = model, layer, varying
-        self._switches, self._where = switches or {}, layer.coat.where
+        self._where = layer.coat.where
         self._names = [x.axis.name for x in varying]
 
     @classmethod
@@ -129,18 +123,15 @@ class BottomRows:
             for name, channels in values.items()
         }
         f = probing.texel_values(layer.below, wi, wo, uv, probing.Averaging())
-        for switches in SWITCHES:
-            found, same = cls(model, layer, varying, switches), True
-            for channel in range(f.shape[1]):
-                at = found._at({n: x[min(channel, len(x) - 1)] for n, x in rows.items()})
-                if at is None:
-                    return None
-                own = probing.texel_values(at, wi, wo, along_u(len(uv)), probing.Averaging())
-                error = np.abs(own[:, channel] - f[:, channel]).sum()
-                same &= bool(error < TOLERANCE * max(f[:, channel].sum(), 1e-9))
-            if same:
-                return found
-        return None
+        for channel in range(f.shape[1]):
+            at = plain._at({n: x[min(channel, len(x) - 1)] for n, x in rows.items()})
+            if at is None:
+                return None
+            own = probing.texel_values(at, wi, wo, along_u(len(uv)), probing.Averaging())
+            error = np.abs(own[:, channel] - f[:, channel]).sum()
+            if error > TOLERANCE * max(f[:, channel].sum(), 1e-9):
+                return None
+        return plain
 
     def is_grey(self) -> bool:
         """Whether rows of values reflect alike in all channels, or at all wavelengths."""
@@ -173,18 +164,20 @@ class BottomRows:
 
     def _at(self, rows: Mapping[str, np.ndarray]) -> "mi.BSDF | None":
         """The BSDF whose varying parameters have rows (k,) of values along u, by their names."""
-        textures = {}
+        textures, numbers = {}, {}
         for x in self._varying:
             if x.texture:
                 row = _row(rows[x.axis.name])
                 textures[id(x.texture)] = _shifted(x.texture, row) if x.steps else row
+            elif x.axis.name != INDEX:  # a plain number, which changes in all rows alike
+                numbers[x.axis.name.removeprefix(BOTTOM)] = x.axis.least + rows[x.axis.name][0]
         coat, nested, _ = self._layer
         if INDEX in rows and INDEX in self._names:
             constant = any(x.axis.name == INDEX and x.steps for x in self._varying)
             coat = coat.of_index(_row(rows[INDEX] + (coat.eta if constant else 0)))
-        if not textures:
+        if not (textures or numbers):
             return self._layer.below if coat is self._layer.coat else relative_to(nested, coat)
-        found = replaced(nested, lambda x: textures.get(id(x), x), switches=self._switches)
+        found = replaced(nested, lambda x: textures.get(id(x), x), numbers)
         return None if found is None else relative_to(found, coat)
 
     def codes(self, values: Mapping[str, np.ndarray], channels: int) -> np.ndarray:

@@ -16,14 +16,14 @@ import numpy as np
 from urushi.checks import MIN_ALPHA, MIN_INDEX_STEP
 from urushi.core.appearance import LOOK, PHYSICAL
 from urushi.errors import ParameterError
-from urushi.material.layer import DEEPEST
+from urushi.material.layer import DEEPEST, WIDEST
 from urushi.mitsuba import spectrum
 from urushi.mitsuba.reading.grid import ELSEWHERE, varying_textures
 from urushi.mitsuba.reading.parameters import CHECKS, TWO_WIDTHS, CoatTextures
-from urushi.mitsuba.reading.replaced import parts
+from urushi.mitsuba.reading.replaced import numbers_of, parts
 from urushi.mitsuba.reading.texels import drawn_texel, texel_draw
 from urushi.mitsuba.recording import owned
-from urushi.mitsuba.snapshot import has_gradients, is_attached
+from urushi.mitsuba.snapshot import has_gradients, is_attached, writable
 from urushi.textures.axes import ALBEDO, DEPTH, INDEX, LINEAR, REFLECTANCE, WIDTH, Axis, Steps
 from urushi.textures.store import ONE_TEXEL, TexelGrid, from_texture
 
@@ -234,9 +234,7 @@ def check_coat(coat: CoatTextures) -> None:
 
         own = [texture]
         low, high = range_of(read, own, (np.nan, np.nan), key != "eta")
-        if np.isnan([low, high]).all() and any(
-            x.class_name() in ELSEWHERE for x in varying_textures(texture)
-        ):
+        if np.isnan([low, high]).all() and _elsewhere(own):
             continue
         ends = np.array([low, high], np.float64).round(6)
         if CHECKS[key] is CHECKS["alpha"]:  # dark texels of a map, as in the walk
@@ -248,6 +246,12 @@ def _whole(coat: CoatTextures, name: str, scale: str) -> tuple[float, float]:
     """All values of a parameter of a coat, as far as its codes reach."""
     if name == "g":
         return ASYMMETRIES
+    sources = [coat.textures[x] for x in COAT[name][1] if x in coat.textures]
+    if name == "eta" and _elsewhere(sources):
+        in_air = coat.above is None and coat.outside == 1
+        return (1.0 if in_air else BELOW[0]), ABOVE[1]
+    if name in TWO_WIDTHS and _elsewhere(sources):
+        return _beside(coat.textures[TWO_WIDTHS[name == TWO_WIDTHS[0]]])
     with dr.suspend_grad():
         si = dr.zeros(mi.SurfaceInteraction3f)
         si.uv = mi.Point2f(0.5)
@@ -260,6 +264,19 @@ def _whole(coat: CoatTextures, name: str, scale: str) -> tuple[float, float]:
 def _near(width: float) -> tuple[float, float]:
     """Values about one of two widths, whose ratio is bounded."""
     return max(width / NEAR, MIN_ALPHA), min(width * NEAR, 1.0)
+
+
+def _elsewhere(textures: Sequence["mi.Texture"]) -> bool:
+    """Whether a texture is given on a mesh or in space, so that its values are not known here."""
+    return any(x.class_name() in ELSEWHERE for own in textures for x in varying_textures(own))
+
+
+def _beside(other: "mi.Texture") -> tuple[float, float]:
+    """All values of one of two widths beside the other one, whose ratio is bounded."""
+    if _elsewhere([other]):
+        return 1 / WIDEST, 1.0
+    least, most = range_of(lambda si: [other.eval_1(si)], [other], (0.0, 1.0), plain=True)
+    return max(most / WIDEST, MIN_ALPHA), min(least * WIDEST, 1.0)
 
 
 def _of_bottom(bottom: "mi.BSDF", where: str) -> list[Varying]:
@@ -275,7 +292,9 @@ def _of_bottom(bottom: "mi.BSDF", where: str) -> list[Varying]:
         coloured = "reflectance" in last or "color" in last or last in ("eta", "k")
         scale = WIDTH if last.startswith("alpha") else REFLECTANCE if coloured else LINEAR
         whole = (0.0, np.inf) if last in ("eta", "k") else RANGES[scale]
-        if last in TWO_WIDTHS:
+        if last in TWO_WIDTHS and _elsewhere([texture]):
+            whole = _beside(parts(bottom)[name[:-1] + ("v" if last == TWO_WIDTHS[0] else "u")])
+        elif last in TWO_WIDTHS:
             with dr.suspend_grad():
                 whole = _near(float(texture.eval_1(spectrum.points(ONE_TEXEL.uv())).numpy()[0]))
 
@@ -291,6 +310,25 @@ def _of_bottom(bottom: "mi.BSDF", where: str) -> list[Varying]:
             )
         axis = Axis(BOTTOM + name, scale, *ends, coloured and _coloured(texture))
         found += _varying(axis, whole if gradient else None, read, [texture], texture)
+    return found + _numbers_of_bottom(bottom)
+
+
+def _numbers_of_bottom(bottom: "mi.BSDF") -> list[Varying]:
+    """The plain numbers of a bottom that carry gradients."""
+    found, parameters = [], mi.traverse(bottom)
+    for key, value in writable(bottom):
+        last, owner = key.rpartition(".")[2], parameters.properties[key][2]
+        if not is_attached(value) or last not in numbers_of(owner):
+            continue
+
+        def read(si, active, owner=owner, last=last) -> list:
+            return [mi.Float(mi.traverse(owner)[last])]
+
+        scale = WIDTH if last == "alpha" else LINEAR
+        now = float(np.ravel(value)[0])
+        axis = Axis(BOTTOM + key, scale, now, now)
+        steps = _steps(axis, RANGES[WIDTH] if scale == WIDTH else (0.0, np.inf))
+        found.append(Varying(axis, read, differentiable=True, steps=steps))
     return found
 
 

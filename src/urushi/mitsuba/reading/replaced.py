@@ -19,12 +19,12 @@ PLUGINS: Mapping[str, tuple[str, Mapping[str, str]]] = {
     "RoughConductor": ("roughconductor", {}),
     "RoughPlastic": ("roughplastic", {"alpha": "alpha", "eta": "int_ior"}),
     "PolarizedPlastic": ("pplastic", {"alpha": "alpha", "eta": "int_ior"}),
-    "Principled": ("principled", {"eta": "eta"}),
+    "Principled": ("principled", {"eta": "eta", "specular": "specular"}),
     "BlendBSDF": ("blendbsdf", {}),
 }
 
-#: Properties that `mi.traverse` does not list, as they may be.
-SWITCHES: tuple[Mapping[str, Any], ...] = ({}, {"nonlinear": True})
+#: The line of a `roughplastic`'s description that says it is nonlinear.
+NONLINEAR = "nonlinear = 1"
 
 
 def parts(bsdf: "mi.BSDF") -> dict[str, "mi.Object"]:
@@ -37,45 +37,47 @@ def parts(bsdf: "mi.BSDF") -> dict[str, "mi.Object"]:
     return found
 
 
+def numbers_of(bsdf: "mi.Object") -> Mapping[str, str]:
+    """The plain numbers that `mi.traverse` lists of a BSDF, and the properties that give them."""
+    return PLUGINS.get(bsdf.class_name(), ("", {}))[1]
+
+
 def replaced(
     bsdf: "mi.BSDF",
     replacement: Replacement,
     numbers: Mapping[str, float] | None = None,
-    switches: Mapping[str, Any] | None = None,
 ) -> "mi.BSDF | None":
     """The BSDF with other textures; None: it is of an unknown kind.
 
-    Args:
-        numbers: other numbers by the names of `mi.traverse`.
-        switches: one of `SWITCHES`.
+    numbers: other numbers by the names of `mi.traverse`.
     """
     surface = surface_of(bsdf)
     if surface is not None:
         return surface.replaced(replacement)
     if bsdf.class_name() == "TwoSidedBRDF":
         front = nested_objects(bsdf)["brdf_0"]
-        return replaced(front, replacement, _inside(numbers, "brdf_0"), switches)
+        return replaced(front, replacement, _inside(numbers, "brdf_0"))
     if bsdf.class_name() not in PLUGINS:
         return None
     plugin, listed = PLUGINS[bsdf.class_name()]
     given: dict[str, Any] = {"type": plugin}
     for name, part in nested_objects(bsdf).items():
         if isinstance(part, mi.BSDF):
-            given[name] = replaced(part, replacement, _inside(numbers, name), switches)
+            given[name] = replaced(part, replacement, _inside(numbers, name))
             if given[name] is None:
                 return None
         else:
             given[name] = replacement(part)
     parameters = mi.traverse(bsdf)
     for key, name in listed.items():
-        if key in parameters and key not in given and "specular" not in given:
+        if key in parameters and key not in given:
             given[name] = float(np.ravel(parameters[key])[0])
             if numbers and key in numbers:
                 given[name] = numbers[key]
     if "int_ior" in given:
         given["ext_ior"] = 1.0
     if plugin == "roughplastic":
-        given |= switches or {}
+        given["nonlinear"] = NONLINEAR in str(bsdf)
     if "distribution = " in str(bsdf) and plugin != "blendbsdf":
         given["distribution"] = "ggx" if GGX in str(bsdf) else "beckmann"
     return mi.load_dict(given)
