@@ -110,7 +110,7 @@ def test_ctrl_c_ends_a_command_that_does_not_return_to_python(tmp_path):
         p.send_signal(signal.SIGINT)
         _, errors = p.communicate(timeout=120)
     assert p.returncode == 130
-    assert time.monotonic() - begin < 5  # half a second, on a machine that has other work too
+    assert time.monotonic() - begin < 30  # half a second on an idle machine; the sleep takes 60
     assert errors == "urushi: interrupted; nothing half-written was left behind\n"
     assert not list(tmp_path.iterdir())
 
