@@ -132,6 +132,25 @@ def nearest_below(
     over = np.flatnonzero(excesses(model, rows, ceiling) > 1)
     if not len(over):
         return z
+    return limit_albedo(model, _fitted(model, rows, ceiling, over), ceiling).reshape(z.shape)
+
+
+def with_dark_edges(
+    model: Model, z: np.ndarray, ceiling: np.ndarray | float = 1 - MARGIN
+) -> np.ndarray:
+    """Codes below a lower index, fitted below the ceiling where they are far above it.
+
+    Others stay as they are. The arguments and the result are as of `limit_albedo`.
+    """
+    rows, ceiling = _rows(model, z, ceiling)
+    over = np.flatnonzero(~_is_scaled(rows[:, : model.arch.lobe]))
+    if len(over):
+        over = over[excesses(model, rows[over], ceiling[over]) > FAR]
+    return _fitted(model, rows, ceiling, over).reshape(z.shape) if len(over) else z
+
+
+def _fitted(model: Model, rows: np.ndarray, ceiling: np.ndarray, over: np.ndarray) -> np.ndarray:
+    """Codes (N, L), of which some, indices `over`, are fitted below their ceilings (N, K)."""
     rows = np.array(rows)
     for _ in range(FITS):
         allowed = _allowed(model, rows[over], ceiling[over])
@@ -140,7 +159,7 @@ def nearest_below(
         over = over[excesses(model, rows[over], ceiling[over]) > FAR]
         if not len(over):
             break
-    return limit_albedo(model, rows, ceiling).reshape(z.shape)
+    return rows
 
 
 def _fitted_below(model: Model, z: np.ndarray, allowed: np.ndarray) -> np.ndarray:

@@ -16,7 +16,7 @@ import numpy as np
 
 from urushi.checks import CoatParameters
 from urushi.core.namespace import NUMPY, Namespace
-from urushi.material.energy import MARGIN, limit_albedo
+from urushi.material.energy import MARGIN, limit_albedo, with_dark_edges
 from urushi.nets import lobe as lobes
 from urushi.nets.weights import Model
 from urushi.parallel import fill_blocks
@@ -248,7 +248,10 @@ def bake(
 
     x = points(len(own), POINTS[model.widths][len(own) - 1]) if own else np.zeros((1, 0))
     given = rows.rests(values(x))
-    computed = codes_of_rests(model, given, lobes_at(x))[..., size:]
+    ceiling = 1 - MARGIN + np.pi * FAINT
+    computed = with_dark_edges(model, codes_of_rests(model, given, lobes_at(x)), ceiling)[
+        ..., size:
+    ]
     smooth = spline(x, np.moveaxis(computed, 0, 1))
 
     def rests_at(x: np.ndarray) -> np.ndarray:
@@ -256,7 +259,7 @@ def bake(
         rests = np.moveaxis(smooth(x), 1, 0)
         tops = np.broadcast_to(lobes_at(x), (*rests.shape[:2], size))
         codes = np.concatenate([tops, rests], axis=-1, dtype=np.float32)
-        return limit_albedo(model, codes, 1 - MARGIN + np.pi * FAINT)[..., size:]
+        return limit_albedo(model, with_dark_edges(model, codes, ceiling), ceiling)[..., size:]
 
     shape = node_counts(model, lambda x: np.moveaxis(rests_at(x), 0, 1), len(own))
     sides = [np.linspace(0, 1, count) for count in shape]
