@@ -63,6 +63,11 @@ class FilmFresnel:
             values.append(thin_film.reflectance(cosine, film, below, response, DRJIT))
         return dr.lerp(mi.Spectrum(bare), mi.Spectrum(*values), self._weight(si, active))
 
+    def facets(self, cosine, alpha):
+        """Cosines and weights of a Gauss rule of `rules`, for a direction; None: diffuse light."""
+        rule = (self._mean_rule if cosine is None else self._rule)(coordinates(cosine, alpha, None))
+        return zip(rule[:NODES], rule[NODES:], strict=True)
+
     def excess(self, cosine, alpha, eta, si, active):
         """Mean reflectance of the facets seen from a direction with film, minus without film.
 
@@ -70,11 +75,10 @@ class FilmFresnel:
 
         cosine: of the direction; None: the mean over diffuse light.
         """
-        rule = (self._mean_rule if cosine is None else self._rule)(coordinates(cosine, alpha, None))
         film, total, edge = self._film(si, active), mi.Spectrum(0), eta
         if self._total:  # index of a bare dielectric that reflects totally at the same facets
             edge = dr.select(film.eta < 1, dr.minimum(film.eta, eta), eta)
-        for c, weight in zip(rule[:NODES], rule[NODES:], strict=True):  # a difference without step
+        for c, weight in self.facets(cosine, alpha):  # a difference without step
             total += weight * (self._filmed(c, film, eta, si) - fresnel.dielectric(c, edge)[0])
         if self._total and cosine is None:
             more, less = (self._total.reflected_mean(alpha, index) for index in (edge, eta))

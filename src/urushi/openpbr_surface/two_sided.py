@@ -21,6 +21,7 @@ from urushi.openpbr_surface.bsdfs import MIN_SHARE
 from urushi.openpbr_surface.film import NAMES as film_parameters
 from urushi.openpbr_surface.film import FilmFresnel
 from urushi.openpbr_surface.inputs import Inputs
+from urushi.openpbr_surface.lookups import MirrorAlbedo
 from urushi.openpbr_surface.shares import INDICES, index2, index_of, tint_of
 from urushi.walk import interface
 
@@ -110,13 +111,18 @@ class Glass(Surface):
         self._albedos = [InterfaceAlbedo(eta, two_widths) for eta in (index, 1 / index)]
         film = not self._inputs.is_constant("thin_film_weight", 0)
         self._film: Any = FilmFresnel(self._inputs) if film else None
+        self._mirror: Any = MirrorAlbedo(two_widths) if film else None
 
     def _vertex(self, si, active):
         inputs = self._inputs
         widths = inputs.widths("specular", si, active)
-        means = self._sides(lambda table, eta: 1 - sum(table.both_mean(widths, eta)))
+        sides = self._sides(lambda table, eta: table.both_mean(widths, eta))
+        means = [1 - sum(side) for side in sides]
+        if self._film:
+            for i, eta in enumerate((self._index, 1 / self._index)):
+                means[i] += self._lost_by_film(None, widths, sides[i], eta, i == 0, si, active)
         scale = 1 / dr.maximum(dr.pi * (means[0] + self._index**2 * means[1]), 1e-5)
-        lost = self._lost(widths, si.wi)
+        lost = self._lost(widths, si.wi, si, active)
         tint, specular = tint_of(inputs, si, active), inputs.color("specular_color", si, active)
         return GlassVertex(widths, self._index_across(si.wi), tint, specular, lost, scale)
 
@@ -125,10 +131,33 @@ class Glass(Surface):
         etas = self._index, 1 / self._index
         return list(map(function, self._albedos, etas))
 
-    def _lost(self, widths, w):
+    def _lost(self, widths, w, si, active):
         """Share of the light from a direction that meets a second facet."""
-        passed = self._sides(lambda table, eta: sum(table.both(raised(w), widths, eta)))
-        return dr.clip(1 - dr.select(w.z > 0, *passed), 0, 1)
+        above, up = w.z > 0, raised(w)
+        sides = self._sides(lambda table, eta: table.both(up, widths, eta))
+        shares = [dr.select(above, *pair) for pair in zip(*sides, strict=True)]
+        lost = 1 - sum(shares)
+        if self._film:
+            across = self._index_across(w)
+            lost += self._lost_by_film(up, widths, shares, across, above, si, active)
+        return dr.clip(lost, 0, 1)
+
+    def _lost_by_film(self, w, widths, shares, eta, above, si, active):
+        """Further share of the light that is lost: the film reflects light that facets pass.
+
+        w: a direction above its side; None: diffuse light. shares: what facets without the film
+            reflect and pass.
+        """
+        along, across = microfacet.pair(widths)
+        alpha, more = 0.5 * (along + across), mi.Spectrum(0)
+        for c, weight in self._film.facets(None if w is None else w.z, alpha):
+            bare = fresnel.dielectric(c, eta)[0]
+            more += weight * (self._filmed(c, eta, above, si, active) - bare)
+        mirror = self._mirror
+        seen = mirror.seen_mean(widths) if w is None else mirror.seen(w, widths)
+        reflected, passed = shares
+        leaves = passed / dr.maximum(1 - reflected / dr.maximum(seen, 1e-3), 1e-2)
+        return more * (dr.minimum(leaves, 1) - seen)
 
     def _f(self, vertex, ctx, si, wo, active):
         above, through = si.wi.z > 0, si.wi.z * wo.z < 0
@@ -145,7 +174,7 @@ class Glass(Surface):
             passed *= filmed / dr.maximum(unfilmed, 1e-6)
         reflected *= lobe * dr.select(above, vertex.specular, 1)
         # Light that would meet a second facet leaves on both sides (Kulla and Conty 2017).
-        lost = vertex.lost * self._lost(vertex.widths, wo) * vertex.scale
+        lost = vertex.lost * self._lost(vertex.widths, wo, si, active) * vertex.scale
         f = dr.select(through, passed, reflected) + lost * index2(wo, self._index)
         f *= dr.select(through, vertex.tint, 1)
         if ctx.mode == mi.TransportMode.Importance:
@@ -160,7 +189,8 @@ class Glass(Surface):
         return dr.select(above | (outside > 0), film, 1)
 
     def _proposal(self, vertex, si, active):
-        return GlassProposal(vertex.widths, vertex.eta, dr.clip(vertex.lost, LEAST_LOST, 0.9))
+        lost = dr.mean(vertex.lost) if self._film else vertex.lost
+        return GlassProposal(vertex.widths, vertex.eta, dr.clip(lost, LEAST_LOST, 0.9))
 
     @property
     def names(self) -> tuple[str, ...]:

@@ -1,0 +1,188 @@
+"""Laws of random materials in closed form, one for each texel of textures; bases by their formulas.
+
+Every parameter is drawn over its range, one value in four at an end of it.
+"""
+
+from dataclasses import dataclass, field
+
+import mitsuba as mi
+import numpy as np
+import pytest
+from tests.openpbr_surface.test_truth import PARTS, quadrature
+from tests.oracles import openpbr_base
+
+from urushi.mitsuba.reading import probing
+from urushi.openpbr_surface.model import NAMES
+from urushi.openpbr_surface.parameters import PARAMETERS
+
+pytestmark = pytest.mark.usefixtures("rgb")
+
+#: Materials of a kind.
+TEXELS = 24
+
+#: Beginnings of the names of the base's parameters.
+BASE = ("base", "specular")
+
+COLOR = ((0, 1),) * 3
+ROUGH = {"specular_roughness": (0, 1)}
+TWO_WIDTHS = {**ROUGH, "specular_roughness_anisotropy": (0, 0.95)}
+COLORS = {"base_color": COLOR, "specular_color": COLOR, "base_metalness": (0, 1)}
+FILM = {"thin_film_thickness": (0, 1.5), "thin_film_ior": (1.1, 2.4), "thin_film_weight": (0, 1)}
+GLASS = {"transmission_weight": 1.0, "interior": True}
+SHARES = {"transmission_weight": (0, 1), "subsurface_weight": (0, 1), "base_metalness": (0, 1)}
+
+
+@dataclass
+class Kind:
+    """Random materials."""
+
+    ranges: dict  # by parameter: of a number, or of the channels
+    constants: dict = field(default_factory=dict)
+    furnace: float = 0.006  # largest distance of a white one's albedo from one
+    across: float | None = None  # index below relative to above; None: it is opaque
+
+
+KINDS = {
+    "base": Kind(COLORS | ROUGH | {"specular_ior": (1, 3), "base_weight": (0, 1)}),
+    "weighted": Kind(ROUGH | {"base_color": COLOR, "specular_weight": (0, 2)}),
+    "low index": Kind(COLORS | ROUGH | {"specular_ior": (0.4, 1)}, furnace=0.012),
+    "two widths": Kind(COLORS | TWO_WIDTHS | {"specular_ior": (1, 3)}, furnace=0.012),
+    "rough slab": Kind(
+        COLORS | ROUGH | {"specular_ior": (0.6, 2.5), "base_diffuse_roughness": (0, 1)}
+    ),
+    "film": Kind(COLORS | ROUGH | FILM, furnace=0.02),
+    "glass": Kind(TWO_WIDTHS | {"specular_color": COLOR}, GLASS, furnace=0.015, across=1.5),
+    "filmed glass": Kind(ROUGH | FILM, GLASS, across=1.5),
+    "air below": Kind(ROUGH, GLASS | {"specular_ior": 0.8}, across=0.8),
+    "mixture": Kind(ROUGH | SHARES | COLORS, {"interior": True}, across=1.5),
+    "leaf": Kind(
+        ROUGH | SHARES | {"subsurface_color": COLOR, "subsurface_scatter_anisotropy": (-1, 1)},
+        {"geometry_thin_walled": True, "transmission_weight": 0.0},
+        across=1.0,
+    ),
+}
+
+
+def values(kind, seed=7):
+    """Random values of each parameter, (TEXELS, channels)."""
+    rng, found = np.random.default_rng(seed), {}
+    for name, ranges in kind.ranges.items():
+        low, high = np.atleast_2d(ranges).T
+        x = rng.random((TEXELS, len(low)))
+        ends = rng.random(x.shape) < 0.25
+        found[name] = low + (high - low) * np.where(ends, np.round(x), x)
+    return found
+
+
+def loaded(kind, **replaced):
+    """All materials of a kind as one; replaced: parameters of all."""
+
+    def texels(numbers):
+        bitmap = mi.Bitmap(np.ascontiguousarray(numbers[None], np.float32))
+        return {"type": "bitmap", "raw": True, "filter_type": "nearest", "bitmap": bitmap}
+
+    given = {name: texels(x) for name, x in values(kind).items()}
+    return mi.load_dict({"type": "openpbr", **given, **kind.constants, **replaced})
+
+
+def interaction(wi, texel):
+    """Surface interactions seen from wi (N, 3) at texels (N,)."""
+    uv = np.column_stack([(texel + 0.5) / TEXELS, np.full(len(texel), 0.5)])
+    return probing.interaction(wi, uv, np.arange(len(wi)))
+
+
+def evaluated(bsdf, wi, wo, texel, mode="Radiance"):
+    """f [1/sr] (N, 3) and density (N,) of pairs (N, 3) at texels (N,)."""
+    out = mi.Vector3f(np.ascontiguousarray(np.float32(wo.T)))
+    context = mi.BSDFContext(getattr(mi.TransportMode, mode))
+    f_cos, density = bsdf.eval_pdf(context, interaction(wi, texel), out)
+    return f_cos.numpy().T / np.abs(wo[:, 2:]), density.numpy()
+
+
+def sampled(bsdf, wi, texel, count):
+    """Mean weights (N,) of the first channel for light from wi (N, 3), and standard errors."""
+    si = interaction(np.repeat(wi, count, 0), np.repeat(texel, count))
+    u = np.random.default_rng(2).random((3, count * len(wi)), np.float32)
+    context = mi.BSDFContext(mi.TransportMode.Importance)
+    _, weight = bsdf.sample(context, si, mi.Float(u[0]), mi.Point2f(u[1:]))
+    parts = weight[0].numpy().astype(np.float64).reshape(len(wi), 16, -1).mean(-1)
+    return parts.mean(-1), parts.std(-1) / 4
+
+
+def pairs(kind, count, seed=1):
+    """Directions (count, 3) on all sides that light comes from or goes to; half near the mirror."""
+    w = np.random.default_rng(seed).normal(size=(2, count, 3))
+    w[1, ::2] = w[0, ::2] * [-1, -1, 1] + 0.2 * w[1, ::2]
+    w /= np.linalg.norm(w, axis=-1, keepdims=True)
+    w[..., 2] += 0.06 * np.sign(w[..., 2])  # away from the horizon
+    if kind.across is None:
+        w[..., 2] = np.abs(w[..., 2])
+    return w / np.linalg.norm(w, axis=-1, keepdims=True)
+
+
+@pytest.mark.parametrize("name", KINDS)
+def test_white_materials_reflect_all_light(name):
+    """From either side, within the tables of interfaces and four standard errors of samples."""
+    kind = KINDS[name]
+    colors = [x for x in kind.ranges if x.endswith("color")]
+    white = {x: {"type": "rgb", "value": [1.0, 1.0, 1.0]} for x in (*colors, "base_color")}
+    bsdf, texel = loaded(kind, **white, base_weight=1.0), np.arange(TEXELS)
+    for cosine in (1.0, 0.6, 0.2, *(() if kind.across is None else (-0.9, -0.4))):
+        turn, sine = 2.4 * texel, (1 - cosine**2) ** 0.5
+        wi = np.stack([sine * np.cos(turn), sine * np.sin(turn), cosine + 0 * turn], -1)
+        found, error = sampled(bsdf, wi, texel, 1 << 14)
+        assert (np.abs(found - 1) < kind.furnace + 4 * error).all()
+
+
+@pytest.mark.parametrize("name", KINDS)
+def test_light_paths_may_be_reversed(name):
+    """f of radiance times the square of the index on wo's side, up to rounding; f is positive.
+
+    Importance has the square of the relative index less, in transmitted light.
+    """
+    kind, texel = KINDS[name], np.repeat(np.arange(TEXELS), 40)
+    bsdf, (wi, wo) = loaded(kind), pairs(kind, len(texel))
+    squares = [np.where(w[:, 2:] > 0, 1, (kind.across or 1) ** 2) for w in (wi, wo)]
+    f = evaluated(bsdf, wi, wo, texel)[0]
+    assert f.min() >= 0 and np.isfinite(f).all()
+    back = evaluated(bsdf, wo, wi, texel)[0] * squares[0]
+    np.testing.assert_allclose(f * squares[1], back, rtol=2e-3, atol=2e-5)
+    light = evaluated(bsdf, wi, wo, texel, "Importance")[0]
+    np.testing.assert_allclose(light * squares[0], f * squares[1], rtol=1e-3, atol=1e-6)
+
+
+@pytest.mark.parametrize("name", KINDS)
+def test_samples_have_the_mean_of_the_values(name):
+    """The density integrates to at most one, and the values to the mean weight of samples."""
+    kind, texel = KINDS[name], np.arange(TEXELS)
+    bsdf, wi = loaded(kind), pairs(kind, TEXELS)[0]
+    both = [quadrature(w, kind.across, 24) for w in wi]
+    wo, cells = (np.stack(x) for x in zip(*both, strict=True))
+    count = wo[0].size // 3
+    rows = np.repeat(wi, count, 0), wo.reshape(-1, 3), np.repeat(texel, count)
+    f, density = evaluated(bsdf, *rows, "Importance")
+    light = f[:, 0].reshape(cells.shape) * np.abs(wo[..., 2]) * cells
+    whole = (density.reshape(cells.shape) * cells).sum((1, 2))
+    # Refraction below the horizon has no light; cells resolve the narrowest lobes within 3 %.
+    assert (whole < 1.03).all() and (whole > (0.97 if kind.across is None else 0.7)).all()
+    found, error = sampled(bsdf, wi, texel, 1 << 14)
+    noise = np.hypot(error, light.sum(-1).std(-1) * PARTS**0.5)
+    assert (np.abs(light.sum((1, 2)) - found) < 0.01 + 4 * noise).all()
+
+
+@pytest.mark.parametrize("name", ["base", "weighted", "low index", "two widths"])
+def test_a_base_is_its_formula(name):
+    """Eight materials, within the tables of the interface: E of each, and single pairs."""
+    kind, count, number = KINDS[name], 5, 8
+    texel = np.repeat(np.arange(number), count)
+    wi, wo = pairs(kind, len(texel))
+    f = evaluated(loaded(kind), wi, wo, texel)[0].reshape(number, count, 3)
+    defaults = {x: np.atleast_1d(PARAMETERS[x].default) for x in NAMES if x.startswith(BASE)}
+    drawn, weight = values(kind), (wi[:, 2] * wo[:, 2]).reshape(number, count, 1)
+    for k in range(number):
+        at = slice(k * count, (k + 1) * count)
+        own = defaults | {n: x[k] for n, x in drawn.items()}
+        expected = openpbr_base.base(own, wi[at], wo[at])
+        off = np.abs(f[k] - expected)
+        assert (off * weight[k]).sum() < 0.005 * (expected * weight[k]).sum() + 1e-5
+        assert (off < 0.02 * expected + 0.005).all()
