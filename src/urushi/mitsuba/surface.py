@@ -105,14 +105,14 @@ class Surface(Recorded):
         return KnownSurface()
 
     def relative_to(self, coat: Any) -> "Surface":
-        """The surface below the medium of a coat (see `reading.relative`), of the same textures.
+        """The surface below the medium of a coat (see `reading.changed`), of the same textures.
 
         By default, it is the same there as in air.
         """
         return self
 
     def replaced(self, replacement: Callable) -> "mi.BSDF | None":
-        """The BSDF with other textures, see `reading.replaced`; None: textures cannot be replaced.
+        """The BSDF with other textures, see `reading.changed`; None: textures cannot be replaced.
 
         replacement: from a texture to the one that replaces it.
         """

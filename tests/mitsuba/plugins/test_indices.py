@@ -125,7 +125,7 @@ WRAPPERS = {
 def test_metals_and_coats_in_wrappers_keep_their_indices(rgb, wrapper):
     """Below a medium of 1.5 a metal's f is that in air times the ratio of Fresnel's terms at the
     half vector, which no tilt of the normal changes; a coat of 1.5 over it has no interface."""
-    from urushi.mitsuba.reading.relative import relative_to_index
+    from urushi.mitsuba.reading.changed import relative_to_index
 
     uv, index = np.array([[0.3, 0.6], [0.8, 0.2], [0.1, 0.7]]), 1.5 / 1.000277
     cosine = np.sqrt(0.5 + 0.5 * np.sum(WI * WO, axis=1, dtype=np.float64))

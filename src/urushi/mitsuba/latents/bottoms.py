@@ -28,7 +28,7 @@ class Layer(NamedTuple):
 
     coat: CoatTextures
     nested: Any  # the bottom, a BSDF of Mitsuba's, as the coat has it nested
-    below: Any  # the same as it reflects below the coat, see `reading.relative`
+    below: Any  # the same as it reflects below the coat, see `reading.changed`
 
 
 def nested_latents(bottom: "mi.BSDF", model: Model) -> Any:

@@ -16,6 +16,7 @@ from urushi.mitsuba.plugins.stack import CoatStack, MitsubaBottom
 from urushi.mitsuba.plugins.turn import TurnedMixture, turn_of, turned
 from urushi.mitsuba.plugins.two_sided import SlabMixture
 from urushi.mitsuba.reading.axes import check_coat
+from urushi.mitsuba.reading.changed import relative_to
 from urushi.mitsuba.reading.dielectrics import (
     LowestInterface,
     check_dielectric,
@@ -29,7 +30,6 @@ from urushi.mitsuba.reading.parameters import (
     check_rotation,
     nested_bsdf,
 )
-from urushi.mitsuba.reading.relative import relative_to
 from urushi.mitsuba.recording import compiled_once
 from urushi.mitsuba.surface import KnownSurface, Surface, surface_of
 

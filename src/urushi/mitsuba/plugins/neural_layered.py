@@ -17,6 +17,7 @@ from urushi.mitsuba.plugins.encoded import EncodedSurface
 from urushi.mitsuba.plugins.turn import turn_of, turned
 from urushi.mitsuba.properties import read_weights
 from urushi.mitsuba.reading.bsdf import has_two_widths
+from urushi.mitsuba.reading.changed import relative_to
 from urushi.mitsuba.reading.parameters import (
     COAT_PROPERTIES,
     CoatTextures,
@@ -24,7 +25,6 @@ from urushi.mitsuba.reading.parameters import (
     check_rotation,
     nested_bsdf,
 )
-from urushi.mitsuba.reading.relative import relative_to
 from urushi.mitsuba.surface import surface_of
 from urushi.nets.weights import Model, anisotropic_model, default_model
 from urushi.textures.store import write_texture

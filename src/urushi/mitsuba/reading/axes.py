@@ -18,9 +18,9 @@ from urushi.core.appearance import LOOK, PHYSICAL
 from urushi.errors import ParameterError
 from urushi.material.layer import DEEPEST, WIDEST
 from urushi.mitsuba import spectrum
-from urushi.mitsuba.reading.grid import ELSEWHERE, varying_textures
+from urushi.mitsuba.reading.changed import numbers_of
+from urushi.mitsuba.reading.grid import ELSEWHERE, parts, varying_textures
 from urushi.mitsuba.reading.parameters import CHECKS, TWO_WIDTHS, CoatTextures
-from urushi.mitsuba.reading.replaced import numbers_of, parts
 from urushi.mitsuba.reading.texels import drawn_texel, texel_draw
 from urushi.mitsuba.recording import owned
 from urushi.mitsuba.snapshot import has_gradients, is_attached, writable

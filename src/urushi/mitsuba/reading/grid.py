@@ -74,6 +74,16 @@ def nested_objects(node: "mi.Object") -> dict[str, "mi.Object"]:
     return collector.objects
 
 
+def parts(bsdf: "mi.BSDF") -> dict[str, "mi.Object"]:
+    """The objects nested in a BSDF by their names; of those nested in it, "name.name"."""
+    found = {}
+    for name, part in nested_objects(bsdf).items():
+        found[name] = part
+        if isinstance(part, mi.BSDF):
+            found |= {f"{name}.{inner}": x for inner, x in parts(part).items()}
+    return found
+
+
 @cache
 def _collector(variant: str) -> type:
     """The class of a callback that collects the objects nested in a node, in a variant.

@@ -20,7 +20,7 @@ GIVEN = {
 
 @pytest.mark.parametrize("name", GIVEN)
 def test_a_bsdf_of_the_same_textures_reflects_the_same(rgb, name):
-    from urushi.mitsuba.reading.replaced import replaced
+    from urushi.mitsuba.reading.changed import replaced
 
     bsdf = rgb.load_dict(GIVEN[name])
     np.testing.assert_array_equal(f(replaced(bsdf, lambda x: x), WI, WO), f(bsdf, WI, WO))
