@@ -21,6 +21,7 @@ from urushi.errors import ParameterError, PlatformError, UrushiWarning
 from urushi.mitsuba import spectrum
 from urushi.mitsuba.properties import resolve
 from urushi.mitsuba.reading import probing
+from urushi.mitsuba.reading.axes import check_coat
 from urushi.mitsuba.reading.grid import check_normals, varying_textures
 from urushi.mitsuba.reading.parameters import (
     COAT_PROPERTIES,
@@ -153,6 +154,7 @@ class PaperLayered(PaperSurface):
 
     def _update(self, keys):
         self._coat.parameters_changed()
+        check_coat(self._coat)
         check_normals(self._bottom, self._coat.where)
         nested = surface_of(self._bottom)
         below = nested if isinstance(nested, PaperSurface) else None

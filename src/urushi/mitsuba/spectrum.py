@@ -52,6 +52,9 @@ LEAST_PASSED = 1e-12
 #: The bands nearest to `RGB`.
 FINE_AT_RGB = tuple(int(np.argmin(np.abs(np.array(FINE) - wavelength))) for wavelength in RGB)
 
+#: The middle of uv, where what is the same everywhere is read.
+MIDDLE = np.full((1, 2), 0.5)
+
 #: The bands that materials are read at, or an array of one wavelength for each of as many points
 #: along u. Mitsuba loads plugins in several threads.
 _read: contextvars.ContextVar[tuple[float, ...] | np.ndarray] = contextvars.ContextVar(

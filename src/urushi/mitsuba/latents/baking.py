@@ -18,7 +18,7 @@ from urushi.material.layer import layer_material
 from urushi.mitsuba import spectrum
 from urushi.mitsuba.latents.axes import AxisLatents
 from urushi.mitsuba.latents.bottoms import Layer, bottom_material, nested_latents, probed_codes
-from urushi.mitsuba.latents.coated_rows import POINT, CoatedRows
+from urushi.mitsuba.latents.coated_rows import CoatedRows
 from urushi.mitsuba.latents.codes import ConstantLatents
 from urushi.mitsuba.latents.rows import rows_of
 from urushi.mitsuba.reading.axes import (
@@ -72,7 +72,7 @@ class Baker:
         varying = joined(varying_parameters(layer.coat, layer.nested, known))
         names = {x.axis.name for x in varying}
         with dr.suspend_grad():
-            si = spectrum.points(POINT)
+            si = spectrum.points(spectrum.MIDDLE)
             coat = layer.coat.at(si)
             same = np.abs(coat["eta"][0].numpy() - 1) < MIN_INDEX_STEP
             clear = not names & {"eta", "albedo"} and bool(same.all())
@@ -96,7 +96,7 @@ class Baker:
 
     def _constant(self, layer: Layer) -> ConstantLatents:
         with spectrum.reading_at(spectrum.FINE):
-            coat = layer.coat.layering(POINT)
+            coat = layer.coat.layering(spectrum.MIDDLE)
             bottom = bottom_material(self.model, layer.below, layer.coat.where)
             columns = [column[0] for column in coat.columns()]
             return ConstantLatents(layer_material(CoatParameters.of_columns(columns), bottom))
@@ -192,7 +192,7 @@ def _numbers(
     """What codes along the axes depend on beside them."""
     names = {x.axis.name for x in varying}
     with spectrum.reading_at(spectrum.FINE):
-        coat = layer.coat.channels(spectrum.points(POINT))
+        coat = layer.coat.channels(spectrum.points(spectrum.MIDDLE))
         numbers = [x.numpy() for name in coat if name not in names for x in coat[name]]
     if nested is not None:
         return [*numbers, np.array([id(nested.baked)])]

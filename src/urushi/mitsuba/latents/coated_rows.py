@@ -21,9 +21,6 @@ from urushi.textures.layering import transported_rests
 #: Parts of the spectrum in which a material's changes with the wavelength are found.
 WAVELENGTHS = 128
 
-#: Points that are tested for the wavelengths on which a coat depends.
-POINT = np.full((1, 2), 0.5)
-
 
 class CoatedRows:
     """A coat over a bottom at rows of values."""
@@ -44,7 +41,7 @@ class CoatedRows:
         self._changing = [x.axis.name for x in constants]
         self._places = next((x.places for x in varying if x.places is not None), None)
         with spectrum.reading_at(spectrum.FINE):
-            own = self._coat.channels(spectrum.points(POINT))
+            own = self._coat.channels(spectrum.points(spectrum.MIDDLE))
             fixed = [own[name] for name in own if name not in (*self._names, *self._led)]
             parts = [[x.numpy() for x in part] for part in fixed]
         same = all(np.array_equal(x, part[0]) for part in parts for x in part)

@@ -91,7 +91,7 @@ class NeuralSlab(CoatedSurface):
             raise ParameterError(
                 f"{self._where}: {reason}; use the plugin 'layered', which walks through any"
             )
-        rows = [coat.layering(np.full((1, 2), 0.5)) for coat in coats]
+        rows = [coat.layering(spectrum.MIDDLE) for coat in coats]
         si = dr.zeros(mi.SurfaceInteraction3f)
         far = self._lowest_at(CoatStack(coats, si, True), si, True)
         interfaces = [(*row.alpha.flat, *row.eta.flat) for row in rows]

@@ -25,7 +25,7 @@ from urushi.mitsuba.reading.texels import drawn_texel, texel_draw
 from urushi.mitsuba.recording import owned
 from urushi.mitsuba.snapshot import has_gradients, is_attached, writable
 from urushi.textures.axes import ALBEDO, DEPTH, INDEX, LINEAR, REFLECTANCE, WIDTH, Axis, Steps
-from urushi.textures.store import ONE_TEXEL, TexelGrid, from_texture
+from urushi.textures.store import TexelGrid, from_texture
 
 #: All values of a parameter, by its scale.
 RANGES = {
@@ -36,13 +36,16 @@ RANGES = {
     LINEAR: (0.0, 1.0),
 }
 
+#: Textures of indices of refraction.
+INDICES = ("int_ior", "ext_ior")
+
 #: Scales of a coat's parameters, and the textures on which each depends; those of an appearance
 #: depend on g, too.
 COAT: dict[str, tuple[str, tuple[str, ...]]] = {
     "alpha": (WIDTH, ("alpha",)),
     "alpha_u": (WIDTH, ("alpha_u",)),
     "alpha_v": (WIDTH, ("alpha_v",)),
-    "eta": (INDEX, ("int_ior", "ext_ior")),
+    "eta": (INDEX, INDICES),
     "albedo": (ALBEDO, ("albedo", *LOOK)),
     "sigma_t": (DEPTH, ("sigma_t", *LOOK, "thickness")),
     "g": (LINEAR, ("g",)),
@@ -217,29 +220,30 @@ def _steps(axis: Axis, whole: tuple[float, float]) -> Steps:
 
 def check_coat(coat: CoatTextures) -> None:
     """Check all values of a coat's textures; the walk clips those on meshes and in space."""
-    varying = {name for name, texture in coat.textures.items() if varying_textures(texture)}
-    coat.table(np.full((1, 2), 0.5), varying)
-    for name in varying:
-        texture, label, key = coat.textures[name], name, name
-        if name in ("int_ior", "ext_ior"):
-            label, key = "int_ior / ext_ior", "eta"
-        if sources := getattr(texture, "sources", ()):
-            label += f", which follows from {', '.join(sources)},"
+    given = {name: [texture] for name, texture in coat.textures.items() if name not in INDICES}
+    given["eta"] = [coat.textures[name] for name in INDICES if name in coat.textures]
+    for name, textures in given.items():
+        label = "int_ior / ext_ior" if name == "eta" else name
+        if follows := [x for texture in textures for x in getattr(texture, "sources", ())]:
+            label += f", which follows from {', '.join(follows)},"
+        varying = [x for texture in textures for x in varying_textures(texture)]
+        if varying := varying or [x for x in textures if x.is_spatially_varying()]:
+            label = f"a texel of {label}"
 
-        def read(si, name=name, key=key, texture=texture) -> list:
-            if key == "eta" or (name in COAT and name not in PHYSICAL):
-                return coat.at(si, True)[key]
-            coloured = name in (*LOOK, *PHYSICAL, "g")
-            return spectrum.to_channels(texture.eval(si)) if coloured else [texture.eval_1(si)]
+        def read(si, name=name, textures=textures) -> list:
+            if name in coat.names and name not in PHYSICAL:  # those are without the thickness
+                return coat.at(si)[name]
+            if name in (*LOOK, *PHYSICAL):
+                return spectrum.to_channels(textures[0].eval(si))
+            return [textures[0].eval_1(si)]
 
-        own = [texture]
-        low, high = range_of(read, own, (np.nan, np.nan), key != "eta")
-        if np.isnan([low, high]).all() and _elsewhere(own):
+        ends = np.array(range_of(read, textures, (np.nan, np.nan), name != "eta"))
+        if np.isnan(ends).all() and _elsewhere(textures):
             continue
-        ends = np.array([low, high], np.float64).round(6)
-        if CHECKS[key] is CHECKS["alpha"]:  # dark texels of a map, as in the walk
+        ends = ends.astype(np.float64).round(6)
+        if varying and CHECKS[name] is CHECKS["alpha"]:  # dark texels of a map, as in the walk
             ends = np.where((ends >= 0) & (ends < MIN_ALPHA), MIN_ALPHA, ends)
-        CHECKS[key](ends, f"{coat.where}: a texel of {label}", any_shape=True)
+        CHECKS[name](ends, f"{coat.where}: {label}", any_shape=True)
 
 
 def _whole(coat: CoatTextures, name: str, scale: str) -> tuple[float, float]:
@@ -296,7 +300,7 @@ def _of_bottom(bottom: "mi.BSDF", where: str) -> list[Varying]:
             whole = _beside(parts(bottom)[name[:-1] + ("v" if last == TWO_WIDTHS[0] else "u")])
         elif last in TWO_WIDTHS:
             with dr.suspend_grad():
-                whole = _near(float(texture.eval_1(spectrum.points(ONE_TEXEL.uv())).numpy()[0]))
+                whole = _near(float(texture.eval_1(spectrum.points(spectrum.MIDDLE)).numpy()[0]))
 
         def read(si, active, texture=texture, coloured=coloured) -> list:
             if not coloured:
@@ -360,7 +364,7 @@ def range_of(
     low, high = np.inf, -np.inf
     varying = [x for texture in textures for x in varying_textures(texture)]
     if not varying:
-        si = spectrum.points(ONE_TEXEL.uv())
+        si = spectrum.points(spectrum.MIDDLE)
         values = [x.numpy() for x in spectrum.at_bands(si, lambda: read(si))]
         return float(np.min(values)), float(np.max(values))
     for texture in varying:

@@ -48,7 +48,7 @@ def reflection_source(bsdf: "mi.BSDF") -> Source:
     if known.measured is not None and mi.is_rgb:
         return as_source(known.measured)  # what `urushi.load_measured` gives, to the bit
 
-    lobes = probing.known_lobes(bsdf, np.full((1, 2), 0.5))
+    lobes = probing.known_lobes(bsdf, spectrum.MIDDLE)
     if lobes is not None:
         bounded = np.delete(lobes, [4, 5], axis=-1)
         # Numbers of textures may leave the ranges of lobes that conserve energy.
@@ -78,22 +78,16 @@ def has_two_widths(bsdf: "mi.BSDF") -> bool:
     latents = known_surface(bsdf).latents
     if latents is not None:
         return latents.model.widths == 2
-    lobes = probing.known_lobes(bsdf, np.full((1, 2), 0.5))
+    lobes = probing.known_lobes(bsdf, spectrum.MIDDLE)
     if lobes is not None and lobes.shape[-1] > len(LOBE_NUMBERS) and not varying_textures(bsdf):
         return not np.array_equal(lobes[..., 0], lobes[..., 6])
     return is_anisotropic(reflection_source(bsdf), lambda f, count: np.asarray(f))
 
 
 def _mean_values(bsdf: "mi.BSDF", wi: np.ndarray, wo: np.ndarray, repeats: int) -> np.ndarray:
-    """f (M, C) [1/sr] as the mean of `repeats` evaluations, many in one launch."""
-    total, most = np.zeros((len(wi), 1)), max(probing.CHUNK // len(wi), 1)
-    for start in range(0, repeats, most):
-        times = np.arange(start, min(start + most, repeats), dtype=np.float32)
-        a, b = (np.tile(w, (len(times), 1)) for w in (wi, wo))
-        uv, time = np.full((len(a), 2), 0.5), np.repeat(times, len(wi))
-        f = probing.bsdf_values(bsdf, a, b, uv, time)
-        total = total + f.reshape(len(times), len(wi), -1).sum(axis=0)
-    return total / repeats
+    """f (M, C) [1/sr] as the mean of `repeats` evaluations."""
+    average = probing.Averaging(repeats=repeats)
+    return probing.texel_values(bsdf, wi, wo, spectrum.MIDDLE, average)[0].T.astype(np.float64)
 
 
 def excluded_shares(bsdf: "mi.BSDF") -> tuple[float, float]:

@@ -1,7 +1,6 @@
 """The parameters of `layered` and `neural_layered`: a coat's textures and the BSDF under it."""
 
 import copy
-from collections.abc import Collection
 from typing import Any
 
 import drjit as dr
@@ -9,7 +8,7 @@ import mitsuba as mi
 import numpy as np
 
 from urushi import checks
-from urushi.checks import AIR, DEFAULT_COAT, MIN_ALPHA, CoatParameters, Widths
+from urushi.checks import AIR, DEFAULT_COAT, MIN_ALPHA, MIN_INDEX_STEP, CoatParameters, Widths
 from urushi.core import appearance, microfacet
 from urushi.core.appearance import LOOK, PHYSICAL, look_of
 from urushi.core.namespace import DRJIT
@@ -168,63 +167,30 @@ class CoatTextures(Recorded):
 
     def channels(self, si) -> dict[str, list]:
         """`at` for the bands that materials are read at."""
-        found = {}
-        for name in self.names:
-            if name in ("albedo", "sigma_t", "g", *self.coloured):
-                found[name] = spectrum.at_bands(si, lambda name=name: self.at(si)[name])
-            else:
-                found[name] = self.at(si)[name]
+        found = self.at(si)
+        for name in ("albedo", "sigma_t", "g", *self.coloured) if mi.is_spectral else ():
+            found[name] = spectrum.at_bands(si, lambda name=name: self.at(si)[name])
         return found
 
     def layering(self, uv: np.ndarray) -> CoatParameters:
-        """The coat at points uv (M, 2): arrays of `table`, alpha maybe `Widths`."""
-        table: dict[str, Any] = self.table(uv)
-        for name in (*LOOK, *NUMBERS):
-            table.pop(name, None)
-        if self.is_anisotropic:
-            table["alpha"] = Widths(*(table.pop(name) for name in TWO_WIDTHS))
-        return CoatParameters(**table)
+        """The coat at points uv (M, 2): alpha and eta (M, 1), the others (M, channels).
 
-    def table(self, uv: np.ndarray, unknown: Collection[str] = ()) -> dict[str, np.ndarray]:
-        """Checked parameters at points uv (M, 2): alpha and eta (M, 1), the others (M, channels).
-
-        Widths of textures are at least `MIN_ALPHA`. In place of alpha, `alpha_u` and `alpha_v` of
-        an anisotropic coat, and (M, channels) of coloured widths. Before these, the textures that a
-        coat may have: `LOOK`, `thickness` and `rotation` (M, 1).
-
-        unknown: names of parameters that are no functions of uv; they are left out.
+        alpha may be `Widths`, and coloured widths are (M, channels). Widths are at least
+        `MIN_ALPHA`, as in the walk. The numbers are those that `check_coat` accepts.
         """
-        si = spectrum.points(uv)
-
-        def channels(texture: "mi.Texture") -> list:
-            return spectrum.at_bands(si, lambda: spectrum.to_channels(texture.eval(si)))
-
-        values = {n: channels(self.textures[n]) for n in LOOK if n in self.textures}
-        values |= {n: [self.textures[n].eval_1(si)] for n in NUMBERS if n in self.textures}
-        values |= self.channels(si)
-        dr.eval(values)
-        unknown = {*unknown}
-        if {"int_ior", "ext_ior"} & unknown:
-            unknown.add("eta")
-        if {*LOOK, "thickness"} & unknown:
-            unknown.update(PHYSICAL)
-        table = {}
-        for name, columns in values.items():
-            if name in unknown:
-                continue
-            rows = [np.broadcast_to(channel.numpy(), len(uv)) for channel in columns]
+        found = self.channels(spectrum.points(uv))
+        dr.eval(found)
+        columns: list[Any] = []
+        for name, channels in found.items():
+            rows = [np.broadcast_to(channel.numpy(), len(uv)) for channel in channels]
             # Six digits: 0.01 in single precision is less than 0.01 in double.
             array = np.stack(rows, axis=-1).astype(np.float64).round(6)
-            label = "int_ior / ext_ior" if name == "eta" else name
-            texture = self.textures.get("int_ior" if name == "eta" else name)
-            if sources := getattr(texture, "sources", ()):
-                label += f", which follows from {', '.join(sources)},"
-            if texture is not None and texture.is_spatially_varying():
-                label = f"a texel of {label}"
-                if CHECKS[name] is checks.alpha:  # dark texels of a map, as in the walk
-                    array = np.where((array >= 0) & (array < MIN_ALPHA), MIN_ALPHA, array)
-            table[name] = CHECKS[name](array, f"{self.where}: {label}", any_shape=True)
-        return table
+            if name == "eta":
+                array = np.where(np.abs(array - 1) < MIN_INDEX_STEP, 1, array)
+            columns.append(np.maximum(array, MIN_ALPHA) if name.startswith("alpha") else array)
+        if self.is_anisotropic:
+            columns[:2] = [Widths(*columns[:2])]
+        return CoatParameters(*columns)
 
     @property
     def is_anisotropic(self) -> bool:
