@@ -8,6 +8,7 @@ import numpy as np
 
 from urushi import checks
 from urushi.checks import MIN_INDEX_STEP, CoatParameters
+from urushi.core.microfacet import pair
 from urushi.material.coated_values import coated_values
 from urushi.material.layer import check_ratios
 from urushi.mitsuba import spectrum
@@ -16,7 +17,6 @@ from urushi.mitsuba.latents.rows import BottomRows, NestedRows, along_u, wavelen
 from urushi.mitsuba.reading.axes import NANOMETRES, WAVELENGTH, Varying, wavelengths_varying
 from urushi.nets.weights import Model
 from urushi.textures.axes import FAINT
-from urushi.textures.layering import transported_rests
 
 #: Parts of the spectrum in which a material's changes with the wavelength are found.
 WAVELENGTHS = 128
@@ -100,15 +100,11 @@ class CoatedRows:
 
     def rests(self, values: np.ndarray) -> np.ndarray:
         """See `Rows`."""
-        model, named, coat = self._model, self._named(values), self.coats(values)
-        flat = np.stack([x.ravel() for x in coat.columns()]).astype(np.float64)
-        if model.widths == 1:
-            below, places = self._bottoms.substrate(named, self._channels)
-            pairs = model.networks.pairs()
-            rest = coated_values(below, places.ravel(), flat[:2], flat[2:], *pairs).T
-        else:
-            z = self._bottoms.codes(named, self._channels)
-            bottoms = np.broadcast_to(z, (self._channels, *z.shape[1:])).reshape(-1, z.shape[-1])
-            check_ratios(model, bottoms, coat)
-            rest = transported_rests(model, bottoms, CoatParameters.of_columns(flat))
-        return (rest + np.float32(FAINT)).reshape(self._channels, len(values), -1)
+        model, coat = self._model, self.coats(values)
+        below, places = self._bottoms.substrate(self._named(values), self._channels)
+        check_ratios(model, below.reflector.lobe, coat)
+        count = model.widths + 1
+        columns = (x.ravel() for x in (*pair(coat.alpha)[: model.widths], *coat[1:]))
+        flat, pairs = np.stack([*columns]).astype(np.float64), model.networks.pairs()
+        f = coated_values(below, places.ravel(), flat[:count], flat[count:], *pairs)
+        return (f.T + np.float32(FAINT)).reshape(self._channels, len(values), -1)

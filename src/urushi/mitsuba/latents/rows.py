@@ -13,7 +13,7 @@ import drjit as dr
 import mitsuba as mi
 import numpy as np
 
-from urushi.core.table import node_pairs, table_of_values
+from urushi.core.table import SHAPE, node_pairs, table_of_values
 from urushi.material.material import Material
 from urushi.material.reflector import Reflector
 from urushi.material.substrate import Substrate, of_material
@@ -61,7 +61,7 @@ class NestedRows:
     """A nested coat whose codes vary along axes, at rows of values."""
 
     def __init__(self, latents: AxisLatents):
-        self._latents, self._model = latents, latents.model
+        self._latents = latents
 
     def is_grey(self) -> bool:
         """Whether rows of values reflect alike in all channels, or at all wavelengths."""
@@ -71,22 +71,20 @@ class NestedRows:
         """See `BottomRows`."""
         return np.zeros(count)
 
-    def codes(self, values: Mapping[str, np.ndarray], channels: int) -> np.ndarray:
-        """See `BottomRows`."""
-        return without_faint(self._model, self._latents.codes(_inside(values)))
-
     def substrate(
         self, values: Mapping[str, np.ndarray], channels: int
     ) -> tuple[Substrate, np.ndarray]:
         """See `BottomRows`."""
-        codes = self._latents.codes(_inside(values))
-        places = np.arange(codes[..., 0].size).reshape(codes.shape[:2])
-        flat = codes.reshape(-1, codes.shape[-1])
-        logs = self._model.networks.table(flat)
+        codes, model = self._latents.codes(_inside(values)), self._latents.model
+        if model.widths == 2:
+            return _of_codes(model, without_faint(model, codes), channels)
+        flat, shape = codes.reshape(-1, codes.shape[-1]), codes.shape[:2]
+        logs = model.networks.table(flat)
         assert logs is not None  # a rest has at least `FAINT`
         logs = np.log(np.maximum(np.exp(logs) - FAINT, BLACK))
-        found = Substrate.of(Reflector.of_logs(logs, flat[:, : self._model.arch.lobe]))
-        return found, np.broadcast_to(places, (channels, codes.shape[1]))
+        found = Substrate.of(Reflector.of_logs(logs, flat[:, : model.arch.lobe]))
+        places = np.arange(len(flat)).reshape(shape)
+        return found, np.broadcast_to(places, (channels, shape[1]))
 
 
 class BottomRows:
@@ -179,17 +177,6 @@ class BottomRows:
         found = replaced(nested, lambda x: textures.get(id(x), x), numbers)
         return None if found is None else relative_to(found, coat)
 
-    def codes(self, values: Mapping[str, np.ndarray], channels: int) -> np.ndarray:
-        """Codes (C, k, L) of rows (k,) of values, C one or `channels`."""
-        if self._material is not None:
-            codes = self._material.latents[:channels]
-            return np.repeat(codes[:, None], _count(values), axis=1)
-        rows, which = self._distinct(values)
-        bsdf, uv = self._of_rows(rows), along_u(_count(rows))
-        with wavelengths_of(rows, len(uv)):
-            codes = probed_codes(self._model, bsdf, uv, self._where)
-        return np.moveaxis(codes[:, :channels], 1, 0)[:, which]
-
     def substrate(
         self, values: Mapping[str, np.ndarray], channels: int
     ) -> tuple[Substrate, np.ndarray]:
@@ -199,23 +186,25 @@ class BottomRows:
             places = np.repeat(np.arange(channels)[:, None], _count(values), axis=1)
             return whole, places % whole.channels
         rows, which = self._distinct(values)
-        different, parts = _count(rows), []
-        for start in range(0, different, BLOCK):
+        count, model, codes, tables = _count(rows), self._model, list[Any](), list[Any]()
+        for start in range(0, count, BLOCK):
             some = {name: x[start : start + BLOCK] for name, x in rows.items()}
-            with wavelengths_of(some, _count(some)):
-                parts.append(self._part(some, channels))
-        tables, tops = ([*side] for side in zip(*parts, strict=True))
-        top = None if tops[0] is None else np.concatenate(tops, axis=1)
-        places = np.arange(channels)[:, None] * different + which
-        if top is not None:
-            top = top.reshape(-1, top.shape[-1])
-        if tables[0] is None:
-            assert top is not None  # for the type checker
-            rest = np.tile(self._model.networks.empty_rest(), (len(top), 1))
-            codes = np.concatenate([top, rest], axis=1, dtype=np.float32)
-            return Substrate.of(Reflector.of(Material(codes, self._model))), places
-        table = np.concatenate(tables, axis=-1)
-        return Substrate.of(Reflector.of_logs(table.reshape(*table.shape[:3], -1), top)), places
+            bsdf, uv = self._of_rows(some), along_u(_count(some))
+            with wavelengths_of(some, len(uv)):
+                if model.widths == 2 or known_surface(bsdf).lobe_only:
+                    codes.append(probed_codes(model, bsdf, uv, self._where))
+                else:
+                    tables.append(self._tables(bsdf, uv, channels))
+        if codes:
+            found = np.moveaxis(np.concatenate(codes)[:, :channels], 1, 0)
+            return _of_codes(model, found[:, which], channels)
+        logs, known = ([*side] for side in zip(*tables, strict=True))
+        table = np.concatenate(logs, axis=1).reshape(channels * count, *SHAPE)
+        top = None
+        if known[0] is not None:
+            top = np.concatenate(known, axis=1).reshape(channels * count, -1)
+        below = Substrate.of(Reflector.of_logs(np.moveaxis(table, 0, -1), top))
+        return below, np.arange(channels)[:, None] * count + which
 
     def _distinct(
         self, values: Mapping[str, np.ndarray]
@@ -232,31 +221,29 @@ class BottomRows:
         assert found is not None  # `is_known`
         return found
 
-    def _part(
-        self, rows: Mapping[str, np.ndarray], channels: int
-    ) -> tuple[np.ndarray | None, np.ndarray | None]:
-        """Tables (U, V, W, channels, k), and lobes (channels, k, N) beside them.
-
-        No table: they are their lobes; no lobes: they are their tables.
-        """
-        bsdf, uv = self._of_rows(rows), along_u(_count(rows))
+    def _tables(
+        self, bsdf: "mi.BSDF", uv: np.ndarray, channels: int
+    ) -> tuple[np.ndarray, np.ndarray | None]:
+        """ln f (channels, M, U, V, W) at points uv (M, 2) beside lobes (channels, M, N) or None."""
+        exact = known_surface(bsdf).table_source() or bsdf
         known = known_lobes(self._model, bsdf, uv, self._where)
-        bare = known is not None and known_surface(bsdf).lobe_only
+        wi, wo = (w.reshape(-1, 3) for w in node_pairs())
+        average = probing.needed_averaging(exact, *self._model.networks.pairs(), uv, self._where)
+        f = probing.texel_values(exact, wi, wo, uv, average)[:, :channels]
+        f = np.moveaxis(probing.check_values(f, self._where), 1, 0)
         if known is not None:
             known = np.moveaxis(known[:, :channels], 1, 0)
-            if bare:
-                known[..., :4] = np.minimum(known[..., :4], 1)
-                return None, known
-        exact = known_surface(bsdf).table_source() or bsdf
-        wi, wo = (w.reshape(-1, 3) for w in node_pairs())
-        pairs, where = self._model.networks.pairs(), self._where
-        average = probing.needed_averaging(exact, *pairs, uv, where)
-        f = probing.texel_values(exact, wi, wo, uv, average)[:, :channels]
-        values = np.moveaxis(probing.check_values(f, self._where), 1, 0)
-        if known is not None:
-            values = np.maximum(values - lobes.f(known[..., None, :], wi, wo), 0)
-        table = table_of_values(values.reshape(-1, len(wi)).T)
-        return table.reshape(*table.shape[:3], channels, -1), known
+            f = np.maximum(f - lobes.f(known[..., None, :], wi, wo), 0)
+        logs = np.moveaxis(table_of_values(f.reshape(-1, len(wi)).T), -1, 0)
+        return logs.reshape(*f.shape[:2], *logs.shape[1:]), known
+
+
+def _of_codes(model: Model, codes: np.ndarray, channels: int) -> tuple[Substrate, np.ndarray]:
+    """The different codes of (C, k, L), C one or `channels`, and their places (channels, k)."""
+    flat = codes.reshape(-1, codes.shape[-1]).astype(np.float32)
+    different, which = np.unique(flat, axis=0, return_inverse=True)
+    found = Substrate.of(Reflector.of(Material(different, model)))
+    return found, np.broadcast_to(which.reshape(codes.shape[:2]), (channels, codes.shape[1]))
 
 
 def rows_of(
