@@ -72,11 +72,9 @@ class Baker:
         varying = joined(varying_parameters(layer.coat, layer.nested, known))
         names = {x.axis.name for x in varying}
         with dr.suspend_grad():
-            si = spectrum.points(spectrum.MIDDLE)
-            coat = layer.coat.at(si)
-            same = np.abs(coat["eta"][0].numpy() - 1) < MIN_INDEX_STEP
-            clear = not names & {"eta", "albedo"} and bool(same.all())
-            self.absorbs = clear and all((x.numpy() == 0).all() for x in coat["albedo"])
+            eta, albedo = (layer.numbers[name] for name in ("eta", "albedo"))
+            clear = bool((np.abs(eta - 1) < MIN_INDEX_STEP).all()) and not albedo.any()
+            self.absorbs = clear and not names & {"eta", "albedo"}
             found: Latents | None = None
             if varying and not (texels or layer.coat.coloured):
                 found = self._over_parameters(layer, varying, nested)
@@ -191,9 +189,7 @@ def _numbers(
 ) -> list[np.ndarray]:
     """What codes along the axes depend on beside them."""
     names = {x.axis.name for x in varying}
-    with spectrum.reading_at(spectrum.FINE):
-        coat = layer.coat.channels(spectrum.points(spectrum.MIDDLE))
-        numbers = [x.numpy() for name in coat if name not in names for x in coat[name]]
+    numbers = [x for name, x in layer.numbers.items() if name not in names]
     if nested is not None:
         return [*numbers, np.array([id(nested.baked)])]
     left_out = {id(x.texture) for x in varying}

@@ -1,7 +1,8 @@
 """What lies below a coat: as a material, and at points of uv."""
 
-from dataclasses import replace
-from typing import Any, NamedTuple
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Any
 
 import mitsuba as mi
 import numpy as np
@@ -23,12 +24,19 @@ from urushi.nets.weights import Model
 NARROW = 0.0225
 
 
-class Layer(NamedTuple):
+@dataclass(frozen=True)
+class Layer:
     """A coat over a bottom, as a scene describes them."""
 
     coat: CoatTextures
     nested: Any  # the bottom, a BSDF of Mitsuba's, as the coat has it nested
     below: Any  # the same as it reflects below the coat, see `reading.changed`
+
+    @cached_property
+    def numbers(self) -> dict[str, np.ndarray]:
+        """The coat in the middle of uv, see `CoatTextures.numbers`; in all bands of constants."""
+        with spectrum.reading_at(spectrum.FINE):
+            return self.coat.numbers(spectrum.MIDDLE)
 
 
 def nested_latents(bottom: "mi.BSDF", model: Model) -> Any:

@@ -2,7 +2,6 @@
 
 from collections.abc import Mapping, Sequence
 
-import drjit as dr
 import mitsuba as mi
 import numpy as np
 
@@ -35,16 +34,13 @@ class CoatedRows:
         constants: Sequence[Varying],
     ):
         """led: those that follow others. constants: those that change."""
-        self._model, self._coat, self._bottoms = model, layer.coat, bottoms
+        self._model, self._layer, self._bottoms = model, layer, bottoms
         self._names, self._varying = [x.axis.name for x in varying], varying
         self._led = {x.axis.name: x.leader for x in led if x.leader is not None}
         self._changing = [x.axis.name for x in constants]
         self._places = next((x.places for x in varying if x.places is not None), None)
-        with spectrum.reading_at(spectrum.FINE):
-            own = self._coat.channels(spectrum.points(spectrum.MIDDLE))
-            fixed = [own[name] for name in own if name not in (*self._names, *self._led)]
-            parts = [[x.numpy() for x in part] for part in fixed]
-        same = all(np.array_equal(x, part[0]) for part in parts for x in part)
+        given = {*self._names, *self._led}
+        same = all((x == x[:1]).all() for name, x in layer.numbers.items() if name not in given)
         grey = same and bottoms.is_grey()
         self.needs_wavelengths = bool(mi.is_spectral) and not grey and WAVELENGTH not in self._names
         self._channels = 1 if grey or mi.is_spectral else spectrum.channel_count()
@@ -75,22 +71,22 @@ class CoatedRows:
     def coats(self, values: np.ndarray) -> CoatParameters:
         """See `Rows`."""
         alpha, *others = self._columns(self._named(values), len(values))
-        if self._coat.is_anisotropic:
+        if self._layer.coat.is_anisotropic:
             return CoatParameters(checks.Widths(alpha, others[0]), *others[1:])
         wide = checks.Widths(alpha, alpha) if self._model.widths == 2 else alpha
         return CoatParameters(wide, *others)
 
     def _columns(self, named: Mapping[str, np.ndarray], count: int) -> list[np.ndarray]:
         """The coats' parameters (C, count)."""
-        with wavelengths_of(named, count):
-            found = self._coat.channels(spectrum.points(along_u(count)))
-            dr.eval(found)
+        found = self._layer.numbers
+        if mi.is_spectral:
+            with wavelengths_of(named, count):
+                found = self._layer.coat.numbers(along_u(count))
         columns = []
-        for name in self._coat.names:
+        for name, own in found.items():
             is_given = name in self._names or name in self._led
-            rows = [named[name]] if is_given else [x.numpy() for x in found[name]]
-            rows = [np.broadcast_to(x, count) for x in rows][: self._channels]
-            column = np.asarray(rows, np.float64)
+            column = named[name][None] if is_given else own[: self._channels]
+            column = column.astype(np.float64)
             if name in self._changing:
                 column = column + named[name]
             if name == "eta":

@@ -168,7 +168,7 @@ class BottomRows:
                 textures[id(x.texture)] = _shifted(x.texture, row) if x.steps else row
             elif x.axis.name != INDEX:  # a plain number, which changes in all rows alike
                 numbers[x.axis.name.removeprefix(BOTTOM)] = x.axis.least + rows[x.axis.name][0]
-        coat, nested, _ = self._layer
+        coat, nested = self._layer.coat, self._layer.nested
         if INDEX in rows and INDEX in self._names:
             constant = any(x.axis.name == INDEX and x.steps for x in self._varying)
             coat = coat.of_index(_row(rows[INDEX] + (coat.eta if constant else 0)))

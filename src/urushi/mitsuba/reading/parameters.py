@@ -172,25 +172,26 @@ class CoatTextures(Recorded):
             found[name] = spectrum.at_bands(si, lambda name=name: self.at(si)[name])
         return found
 
+    def numbers(self, uv: np.ndarray) -> dict[str, np.ndarray]:
+        """`channels` at points uv (M, 2): float32 (C, M), C is one if all channels share them."""
+        found = self.channels(spectrum.points(uv))
+        dr.eval(found)
+        rows = {n: [np.broadcast_to(x.numpy(), len(uv)) for x in part] for n, part in found.items()}
+        return {name: np.stack(part) for name, part in rows.items()}
+
     def layering(self, uv: np.ndarray) -> CoatParameters:
         """The coat at points uv (M, 2): alpha and eta (M, 1), the others (M, channels).
 
         alpha may be `Widths`, and coloured widths are (M, channels). Widths are at least
         `MIN_ALPHA`, as in the walk. The numbers are those that `check_coat` accepts.
         """
-        found = self.channels(spectrum.points(uv))
-        dr.eval(found)
-        columns: list[Any] = []
-        for name, channels in found.items():
-            rows = [np.broadcast_to(channel.numpy(), len(uv)) for channel in channels]
-            # Six digits: 0.01 in single precision is less than 0.01 in double.
-            array = np.stack(rows, axis=-1).astype(np.float64).round(6)
-            if name == "eta":
-                array = np.where(np.abs(array - 1) < MIN_INDEX_STEP, 1, array)
-            columns.append(np.maximum(array, MIN_ALPHA) if name.startswith("alpha") else array)
-        if self.is_anisotropic:
-            columns[:2] = [Widths(*columns[:2])]
-        return CoatParameters(*columns)
+        # Six digits: 0.01 in single precision is less than 0.01 in double.
+        found = {n: x.T.astype(np.float64).round(6) for n, x in self.numbers(uv).items()}
+        eta = found.pop("eta")
+        eta = np.where(np.abs(eta - 1) < MIN_INDEX_STEP, 1, eta)
+        names = TWO_WIDTHS if self.is_anisotropic else ("alpha",)
+        alpha = [np.maximum(found.pop(name), MIN_ALPHA) for name in names]
+        return CoatParameters(alpha[0] if len(alpha) == 1 else Widths(*alpha), eta, **found)
 
     @property
     def is_anisotropic(self) -> bool:
