@@ -1,6 +1,6 @@
 """Textures of codes of the networks of Fan et al. 2022, in Dr.Jit.
 
-One texel is drawn, as in `mitsuba.reading.texels`. Mip levels are means of codes: the networks'
+One texel is drawn, as in `mitsuba.reading.textures`. Mip levels are means of codes: the networks'
 latent space is linear (Fan et al. 2022).
 """
 
@@ -13,7 +13,7 @@ import numpy as np
 from fan2022.architecture import LATENT
 from urushi.errors import ParameterError
 from urushi.mitsuba.reading.grid import not_over_uv, varying_textures
-from urushi.mitsuba.reading.texels import drawn_texel, texel_draw
+from urushi.mitsuba.reading.textures import drawn_texel, texel_draw
 from urushi.mitsuba.recording import owned
 from urushi.textures.store import ONE_TEXEL, TexelGrid
 

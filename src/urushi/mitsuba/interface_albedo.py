@@ -8,7 +8,7 @@ import numpy as np
 
 from urushi.core import albedos, anisotropic_albedos
 from urushi.core.namespace import DRJIT
-from urushi.mitsuba.networks.table import interpolated, stored
+from urushi.mitsuba.latents.tables import interpolated, stored
 from urushi.mitsuba.recording import Recorded
 
 

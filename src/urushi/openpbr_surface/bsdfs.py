@@ -11,7 +11,7 @@ import drjit as dr
 import mitsuba as mi
 
 from urushi.core.mixture import Mixture
-from urushi.mitsuba.plugins.turn import Turn, TurnedMixture
+from urushi.mitsuba.plugins.frames import Turn, TurnedMixture
 from urushi.mitsuba.reading.known import known_surface
 from urushi.mitsuba.surface import KnownSurface, Surface, bsdf_of
 from urushi.openpbr_surface import model

@@ -13,8 +13,8 @@ from urushi.core.namespace import DRJIT
 from urushi.errors import ParameterError
 from urushi.mitsuba import spectrum
 from urushi.mitsuba.properties import describe
-from urushi.mitsuba.reading.derived import derived as from_textures
 from urushi.mitsuba.reading.grid import varies
+from urushi.mitsuba.reading.textures import derived as from_textures
 from urushi.mitsuba.recording import Recorded
 from urushi.openpbr_surface import formulas
 from urushi.openpbr_surface.parameters import PARAMETERS, checked, parameter

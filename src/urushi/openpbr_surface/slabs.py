@@ -10,7 +10,7 @@ from urushi.checks import AIR
 from urushi.core.appearance import optical_depth
 from urushi.core.mixture import Mixture
 from urushi.core.namespace import DRJIT
-from urushi.mitsuba.plugins.two_sided import raised, relative, with_far_side
+from urushi.mitsuba.plugins.frames import raised, relative, with_far_side
 from urushi.mitsuba.reading.dielectrics import DECIMALS
 from urushi.mitsuba.recording import opaque
 from urushi.openpbr_surface import formulas

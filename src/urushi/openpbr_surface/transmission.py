@@ -16,8 +16,7 @@ import drjit as dr
 import mitsuba as mi
 
 from urushi.errors import ParameterError
-from urushi.mitsuba.plugins.turn import Turn, TurnedMixture
-from urushi.mitsuba.plugins.two_sided import above_surface, raised, with_far_side
+from urushi.mitsuba.plugins.frames import Turn, TurnedMixture, above_surface, raised, with_far_side
 from urushi.mitsuba.surface import Surface, bsdf_of
 from urushi.openpbr_surface.bsdfs import OF_COAT, Part, SurfaceProposal
 from urushi.openpbr_surface.inputs import Inputs, load_part

@@ -14,7 +14,7 @@ from urushi.core import fresnel, microfacet
 from urushi.core.mixture import Mixture
 from urushi.errors import ParameterError
 from urushi.mitsuba.interface_albedo import InterfaceAlbedo
-from urushi.mitsuba.plugins.two_sided import above_surface, raised, relative, with_far_side
+from urushi.mitsuba.plugins.frames import above_surface, raised, relative, with_far_side
 from urushi.mitsuba.surface import Surface
 from urushi.openpbr_surface import model
 from urushi.openpbr_surface.bsdfs import MIN_SHARE

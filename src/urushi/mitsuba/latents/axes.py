@@ -16,11 +16,11 @@ import numpy as np
 
 from urushi.core.namespace import DRJIT, NUMPY
 from urushi.mitsuba import spectrum
+from urushi.mitsuba.latents.basis import FUNCTION_SCALE, BasisDecoder
 from urushi.mitsuba.latents.codes import EvaluatedCodes, Vertex
-from urushi.mitsuba.networks.basis import FUNCTION_SCALE, BasisDecoder
-from urushi.mitsuba.networks.lobe import kind_of
-from urushi.mitsuba.networks.packets import Numbers
-from urushi.mitsuba.networks.proposal import CodeProposals
+from urushi.mitsuba.latents.lobe import kind_of
+from urushi.mitsuba.latents.proposal import CodeProposals
+from urushi.mitsuba.latents.tables import Numbers
 from urushi.mitsuba.reading.axes import Varying
 from urushi.mitsuba.recording import only_where, owned
 from urushi.nets import lobe as lobes

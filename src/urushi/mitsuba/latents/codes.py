@@ -15,10 +15,10 @@ import numpy as np
 
 from urushi.material.material import Material
 from urushi.mitsuba import spectrum
-from urushi.mitsuba.networks.basis import BasisDecoder
-from urushi.mitsuba.networks.lobe import NO_LOBE, kind_of
-from urushi.mitsuba.networks.proposal import CodeProposals
-from urushi.mitsuba.networks.table import TabulatedDecoder, stored
+from urushi.mitsuba.latents.basis import BasisDecoder
+from urushi.mitsuba.latents.lobe import ANY_LOBE, NO_LOBE, kind_of
+from urushi.mitsuba.latents.proposal import CodeProposals
+from urushi.mitsuba.latents.tables import TabulatedDecoder, stored
 from urushi.mitsuba.recording import only_where, owned
 
 
@@ -146,3 +146,46 @@ def _opaque(values: np.ndarray) -> list:
     scalars = [mi.Float(float(value)) for value in values]
     dr.make_opaque(scalars)
     return scalars
+
+
+class DifferentiableLatents(ConstantLatents):
+    """Constant codes with gradients of their own numbers.
+
+    f has the same bits as without gradients. Only f is differentiated with respect to codes.
+    Proposals depend on detached codes: as in all of Mitsuba's differentiable integrators, samples
+    are fixed while the integrand changes.
+    """
+
+    def __init__(self, material: Material, tensor: "mi.TensorXf"):
+        """tensor: the codes (C, L) of the material."""
+        super().__init__(material)
+        # Numbers that vanish or that channels share have gradients of their own.
+        self._changing = BasisDecoder(self.model, ANY_LOBE._replace(widths=self.model.widths))
+        self._size, self._codes = tensor.shape[-1], tensor.array
+        dr.make_opaque(self._codes)
+
+    def f(self, vertex: Vertex, si, wo, active) -> list:
+        """See `EvaluatedCodes`."""
+        return self._with_gradients(super().f(vertex, si, wo, active), si, wo, active)
+
+    def f_and_pdf(self, vertex: Vertex, si, wo, active) -> tuple[list, Any]:
+        """See `EvaluatedCodes`."""
+        values, pdf = super().f_and_pdf(vertex, si, wo, active)
+        return self._with_gradients(values, si, wo, active), pdf
+
+    def _code(self, channel) -> list:
+        """The code (L) of a channel, an index. An argument of a nested call must be the result of
+        an operation in the outer call, or Dr.Jit loses its gradient."""
+        first = channel * self._size
+        return [dr.gather(mi.Float, self._codes, first + i) for i in range(self._size)]
+
+    def _with_gradients(self, values: list, si, wo, active) -> list:
+        """Values with derivatives by the codes, besides their own derivatives by the directions."""
+        if not dr.grad_enabled(self._codes):
+            return values
+        fine = self.channels == spectrum.COUNT
+        places = spectrum.band_at(si.wavelengths) if fine else map(mi.UInt32, range(self.channels))
+        codes, directions = [*map(self._code, places)], (dr.detach(si.wi), dr.detach(wo))
+        changing = only_where(active, self._changing.f, codes, *directions)
+        pairs = zip(values, changing, strict=True)
+        return [value + (change - dr.detach(change)) for value, change in pairs]

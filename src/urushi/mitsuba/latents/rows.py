@@ -34,9 +34,9 @@ from urushi.mitsuba.reading.axes import (
     Varying,
 )
 from urushi.mitsuba.reading.changed import relative_to, replaced
-from urushi.mitsuba.reading.derived import derived
 from urushi.mitsuba.reading.grid import not_over_uv
 from urushi.mitsuba.reading.known import known_surface
+from urushi.mitsuba.reading.textures import derived
 from urushi.nets import lobe as lobes
 from urushi.nets.weights import Model
 from urushi.textures.axes import FAINT

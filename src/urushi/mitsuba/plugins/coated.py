@@ -12,9 +12,8 @@ from urushi.errors import ParameterError
 from urushi.mitsuba import spectrum
 from urushi.mitsuba.plugins.bottom_lobes import BottomLobes
 from urushi.mitsuba.plugins.compensation import Compensation
+from urushi.mitsuba.plugins.frames import SlabMixture, TurnedMixture, turn_of, turned
 from urushi.mitsuba.plugins.stack import CoatStack, MitsubaBottom
-from urushi.mitsuba.plugins.turn import TurnedMixture, turn_of, turned
-from urushi.mitsuba.plugins.two_sided import SlabMixture
 from urushi.mitsuba.reading.axes import check_coat
 from urushi.mitsuba.reading.changed import relative_to
 from urushi.mitsuba.reading.dielectrics import (

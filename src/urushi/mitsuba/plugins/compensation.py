@@ -15,8 +15,8 @@ import numpy as np
 from urushi.core.appearance import WI, WO, coated_color
 from urushi.core.namespace import DRJIT
 from urushi.mitsuba.interface_albedo import InterfaceLoss
+from urushi.mitsuba.plugins.frames import turn_of, turned
 from urushi.mitsuba.plugins.stack import channel_widths
-from urushi.mitsuba.plugins.turn import turn_of, turned
 from urushi.mitsuba.reading import probing
 from urushi.mitsuba.reading.grid import varying_textures
 from urushi.mitsuba.reading.parameters import CoatTextures

@@ -5,8 +5,7 @@ from typing import NamedTuple
 from urushi.mitsuba import spectrum
 from urushi.mitsuba.latents.axes import AxisLatents
 from urushi.mitsuba.latents.codes import ConstantLatents, Vertex
-from urushi.mitsuba.latents.gradients import DifferentiableLatents
-from urushi.mitsuba.plugins.turn import Turn, TurnedMixture, turned
+from urushi.mitsuba.plugins.frames import Turn, TurnedMixture, turned
 from urushi.mitsuba.surface import KnownSurface, Surface
 from urushi.nets.weights import Model
 
@@ -22,7 +21,7 @@ class EncodedSurface(Surface):
     """A surface given by latent codes; subclasses set `model` and `latents`."""
 
     model: Model
-    latents: ConstantLatents | AxisLatents | DifferentiableLatents
+    latents: ConstantLatents | AxisLatents
     _colors = False  # whether three channels are colours, see `spectrum.from_channels`
 
     def known(self):

@@ -10,10 +10,9 @@ from urushi.material import Material, load
 from urushi.material.layer import under as below_medium
 from urushi.mitsuba import spectrum
 from urushi.mitsuba.latents.axes import AxisLatents
-from urushi.mitsuba.latents.codes import ConstantLatents
-from urushi.mitsuba.latents.gradients import DifferentiableLatents
+from urushi.mitsuba.latents.codes import ConstantLatents, DifferentiableLatents
 from urushi.mitsuba.plugins.encoded import EncodedSurface
-from urushi.mitsuba.plugins.turn import Turn
+from urushi.mitsuba.plugins.frames import Turn
 from urushi.mitsuba.properties import read_weights, resolve
 from urushi.mitsuba.reading.axes import texel_axes
 from urushi.mitsuba.recording import opaque, owned
@@ -135,9 +134,10 @@ class NeuralBRDF(EncodedSurface):
         codes = self._tensor.numpy()
         if not np.array_equal(codes, self._material.latents):
             self._material = Material(codes, self.model)
-        self.latents = ConstantLatents(self._material)
         if dr.grad_enabled(self._tensor):
-            self.latents = DifferentiableLatents(self.latents, self._tensor)
+            self.latents = DifferentiableLatents(self._material, self._tensor)
+        else:
+            self.latents = ConstantLatents(self._material)
 
     def to_string(self):
         return (

@@ -14,7 +14,7 @@ from urushi.mitsuba.latents.bottoms import Layer
 from urushi.mitsuba.latents.codes import ConstantLatents
 from urushi.mitsuba.plugins.compensation import Compensation
 from urushi.mitsuba.plugins.encoded import EncodedSurface
-from urushi.mitsuba.plugins.turn import turn_of, turned
+from urushi.mitsuba.plugins.frames import turn_of, turned
 from urushi.mitsuba.properties import read_weights
 from urushi.mitsuba.reading.bsdf import has_two_widths
 from urushi.mitsuba.reading.changed import relative_to

@@ -19,11 +19,11 @@ from urushi.material.slab_table import SlabTables, slab_tables
 from urushi.mitsuba import spectrum
 from urushi.mitsuba.interface_albedo import Interpolated
 from urushi.mitsuba.latents.codes import ConstantLatents
-from urushi.mitsuba.networks.table import interpolated, padded, stored
+from urushi.mitsuba.latents.tables import interpolated, padded, stored
 from urushi.mitsuba.plugins.bottom_lobes import width
 from urushi.mitsuba.plugins.coated import CoatedSurface
+from urushi.mitsuba.plugins.frames import SlabMixture, above_surface, raised
 from urushi.mitsuba.plugins.stack import CoatStack
-from urushi.mitsuba.plugins.two_sided import SlabMixture, above_surface, raised
 from urushi.mitsuba.properties import ignore
 from urushi.mitsuba.reading.grid import varies
 from urushi.mitsuba.recording import only_where, opaque, owned

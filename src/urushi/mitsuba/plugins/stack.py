@@ -22,7 +22,7 @@ from urushi.core.microfacet import of_widths
 from urushi.core.mixture import Mixture
 from urushi.mitsuba import spectrum
 from urushi.mitsuba.plugins.bottom_lobes import BottomLobes, SlabLobes
-from urushi.mitsuba.plugins.two_sided import SlabMixture
+from urushi.mitsuba.plugins.frames import SlabMixture
 from urushi.mitsuba.reading.parameters import CoatTextures
 from urushi.walk.bottoms.dielectric import Reflector
 

@@ -21,7 +21,7 @@ from urushi.mitsuba import spectrum
 from urushi.mitsuba.reading.changed import numbers_of
 from urushi.mitsuba.reading.grid import ELSEWHERE, parts, varying_textures
 from urushi.mitsuba.reading.parameters import CHECKS, TWO_WIDTHS, CoatTextures
-from urushi.mitsuba.reading.texels import drawn_texel, texel_draw
+from urushi.mitsuba.reading.textures import drawn_texel, texel_draw
 from urushi.mitsuba.recording import owned
 from urushi.mitsuba.snapshot import has_gradients, is_attached, writable
 from urushi.textures.axes import ALBEDO, DEPTH, INDEX, LINEAR, REFLECTANCE, WIDTH, Axis, Steps

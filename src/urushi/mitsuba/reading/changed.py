@@ -10,9 +10,9 @@ import numpy.typing as npt
 
 from urushi.core.direction_sets import cosine_pairs
 from urushi.mitsuba.reading import probing
-from urushi.mitsuba.reading.derived import derived
 from urushi.mitsuba.reading.grid import NORMALS, nested_objects
 from urushi.mitsuba.reading.known import GGX
+from urushi.mitsuba.reading.textures import derived
 from urushi.mitsuba.recording import Recorded
 from urushi.mitsuba.surface import bsdf_of, surface_of
 

@@ -114,7 +114,7 @@ def test_f_is_reciprocal_to_the_last_bit(rgb, model, name):
     ],
 )
 def test_what_is_known_of_lobes_does_not_change_them(rgb, kind):
-    from urushi.mitsuba.networks import lobe
+    from urushi.mitsuba.latents import lobe
 
     z = np.float32(LOBES["dielectric"])
     wi, wo = (vector(w) for w in directions())

@@ -11,8 +11,8 @@ import numpy as np
 from urushi.checks import Widths
 from urushi.core.mixture import Mixture
 from urushi.core.namespace import DRJIT
-from urushi.mitsuba.networks.lobe import LobeKind, reflectance
-from urushi.mitsuba.networks.table import interpolated, padded
+from urushi.mitsuba.latents.lobe import LobeKind, reflectance
+from urushi.mitsuba.latents.tables import interpolated, padded
 from urushi.nets.features import stacked
 from urushi.nets.lobe import WIDTH_PLACES
 from urushi.nets.proposal import ALPHAS, LARGEST_STRETCH, mixture, stretched_widths, weights

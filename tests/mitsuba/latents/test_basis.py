@@ -24,8 +24,8 @@ def codes(shipped) -> np.ndarray:
 
 
 def decoded(mi, shipped, codes, wi, wo) -> np.ndarray:
-    from urushi.mitsuba.networks.basis import BasisDecoder
-    from urushi.mitsuba.networks.lobe import ANY_LOBE
+    from urushi.mitsuba.latents.basis import BasisDecoder
+    from urushi.mitsuba.latents.lobe import ANY_LOBE
 
     terms = BasisDecoder(shipped, ANY_LOBE).code_terms(codes)
     terms = [[mi.Float(float(x)) for x in channel] for channel in terms]
@@ -62,8 +62,8 @@ def test_a_gain_is_an_exact_factor(rgb, shipped, codes):
 
 
 def test_derivatives_by_directions_are_differences(rgb, shipped, codes):
-    from urushi.mitsuba.networks.basis import BasisDecoder
-    from urushi.mitsuba.networks.lobe import ANY_LOBE
+    from urushi.mitsuba.latents.basis import BasisDecoder
+    from urushi.mitsuba.latents.lobe import ANY_LOBE
 
     decoder = BasisDecoder(shipped, ANY_LOBE)
     latents = [[rgb.Float(float(x)) for x in channel] for channel in codes]
@@ -81,7 +81,7 @@ def test_derivatives_by_directions_are_differences(rgb, shipped, codes):
 
 
 def test_plugins_of_the_same_networks_share_a_table(rgb, shipped):
-    from urushi.mitsuba.networks.basis import table_of
+    from urushi.mitsuba.latents.basis import table_of
 
     first = table_of(shipped)
     assert table_of(shipped) is first

@@ -19,9 +19,9 @@ from urushi.core.lanes import cell
 from urushi.core.namespace import DRJIT
 from urushi.core.stretched import stretched
 from urushi.core.table import MAX_LOG, MIN_LOG, SHAPE, coordinates, corner_steps
-from urushi.mitsuba.networks import lobe
-from urushi.mitsuba.networks.lobe import LobeKind
-from urushi.mitsuba.networks.packets import Packets
+from urushi.mitsuba.latents import lobe
+from urushi.mitsuba.latents.lobe import LobeKind
+from urushi.mitsuba.latents.tables import Packets
 from urushi.nets.networks import Networks
 from urushi.nets.weights import Model
 

@@ -1,1 +1,0 @@
-"""Basis, lobe, proposal and tables as Dr.Jit code inside kernels."""
