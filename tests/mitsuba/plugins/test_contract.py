@@ -184,14 +184,14 @@ def test_a_scene_is_rendered_while_a_plugin_is_loaded(rgb, describe, monkeypatch
     look = {"type": "perspective", "film": {"type": "hdrfilm", "width": 4, "height": 4}}
     parts = {"light": {"type": "constant"}, "sphere": {"type": "sphere", "center": [0, 0, 4]}}
     scene = rgb.load_dict({"type": "scene", "integrator": {"type": "path"}, "eye": look, **parts})
-    table, pictures = CoatTextures.table, []
+    read, pictures = CoatTextures.at, []
 
     def rendering(*args):
         if not pictures:
             pictures.append(rgb.render(scene, spp=1).numpy())
-        return table(*args)
+        return read(*args)
 
-    monkeypatch.setattr(CoatTextures, "table", rendering)
+    monkeypatch.setattr(CoatTextures, "at", rendering)
     rgb.load_dict(describe(name))
     np.testing.assert_array_equal(pictures[0], rgb.render(scene, spp=1).numpy())
 
