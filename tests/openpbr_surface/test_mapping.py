@@ -6,7 +6,9 @@ import pytest
 import urushi
 from urushi.checks import Widths
 from urushi.core import albedos, fresnel
+from urushi.core.facets import MIRROR
 from urushi.core.namespace import NUMPY
+from urushi.mitsuba.interface_albedo import InterfaceAlbedo
 from urushi.openpbr_surface import film, formulas, lookups
 from urushi.walk.simulate import albedo
 
@@ -99,7 +101,7 @@ def test_few_facets_have_the_moments_of_all():
         facets, weight = film.facets_seen(alphas[row], cosine)
         seen = weight.sum(-1)
         # These are by other facets, whose mean is off by some 0.0005.
-        assert np.allclose(seen, albedos.tables(lookups.MIRROR).reflected[0, row], atol=1e-3)
+        assert np.allclose(seen, albedos.tables(MIRROR).reflected[0, row], atol=1e-3)
         cosines, weights = np.split(rules[row], 2, axis=-1)
         for power in range(8):
             expected = (weight * facets**power).sum(-1) / seen
@@ -158,11 +160,11 @@ def test_what_an_interface_does_not_reflect_or_lose_passes(alpha):
 @pytest.mark.parametrize("turn", [0.1, 0.8])
 def test_mirrors_of_two_equal_widths_are_those_of_one(rgb, turn):
     """At any azimuth, up to the quadratures of the tables."""
-    two, one = lookups.MirrorAlbedo(two_widths=True), lookups.MirrorAlbedo()
+    two, one = InterfaceAlbedo(MIRROR, two_widths=True), InterfaceAlbedo(MIRROR)
     w = rgb.Vector3f(float(0.8 * np.cos(turn)), float(0.8 * np.sin(turn)), 0.6)
     for alpha in (0.05, 0.3, 0.9):
         width = rgb.Float(alpha)
-        found, expected = two.seen(w, Widths(width, width)), one.seen(w, width)
+        found, expected = two.reflected(w, Widths(width, width)), one.reflected(w, width)
         assert found[0] == pytest.approx(expected[0], abs=3e-3)
 
 

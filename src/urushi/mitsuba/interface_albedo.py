@@ -17,8 +17,9 @@ class InterfaceAlbedo(Recorded):
 
     Directions are unit vectors above the horizon, or cosines if the interface has one width.
 
-    eta: its index if it is constant; None: any between 1/3 and 3. two_widths: whether its widths
-        are `Widths`.
+    eta: its index if it is constant, which methods then need not get, `facets.MIRROR` for facets
+        that reflect all light; None: any between 1/3 and 3. two_widths: whether its widths are
+        `Widths`.
     """
 
     def __init__(self, eta: float | None, two_widths: bool = False):
@@ -30,7 +31,7 @@ class InterfaceAlbedo(Recorded):
         self._both_mean = self._tables(known.reflected_mean, known.passed_mean)
         self._both_entered = self._tables(known.reflected_entered, known.passed_entered)
 
-    def reflected(self, w, alpha, eta):
+    def reflected(self, w, alpha, eta=None):
         """Share of the light from a direction that is reflected."""
         return self._reflected(self._at(w, alpha, eta))[0]
 
@@ -38,7 +39,7 @@ class InterfaceAlbedo(Recorded):
         """Shares that are reflected and transmitted; the rest would meet a second facet."""
         return self._both(self._at(w, alpha, eta))
 
-    def reflected_mean(self, alpha, eta):
+    def reflected_mean(self, alpha, eta=None):
         """Share of diffuse light that is reflected."""
         return self._reflected_mean(self._at(None, alpha, eta))[0]
 

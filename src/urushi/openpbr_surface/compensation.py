@@ -13,10 +13,11 @@ import mitsuba as mi
 
 from urushi.core import fresnel
 from urushi.core.appearance import optical_depth
+from urushi.core.facets import MIRROR, multiple_albedo
 from urushi.core.namespace import DRJIT
+from urushi.mitsuba.interface_albedo import InterfaceAlbedo
 from urushi.openpbr_surface import formulas
 from urushi.openpbr_surface.inputs import Inputs
-from urushi.openpbr_surface.lookups import MirrorAlbedo
 from urushi.openpbr_surface.lost_light import AXES, LostLight
 
 #: The parameter that scales the reflectance of a dielectric, and thereby its index.
@@ -60,7 +61,7 @@ class Compensation:
 
         encoded: whether the coat has codes or a table. coated: makes the twins.
         """
-        self._inputs, self._mirror = inputs, MirrorAlbedo()
+        self._inputs, self._mirror = inputs, InterfaceAlbedo(MIRROR)
         self._tinted = not inputs.is_constant("coat_color", 1)
         self._losses: dict[float, LostLight] = {}  # by base_metalness of the twin
         for metalness in (0.0, 1.0):
@@ -105,7 +106,7 @@ class Compensation:
                 weight = dr.minimum(inputs.number("specular_weight", si, active), 1)
                 f82 = fresnel.f82_mean(color, inputs.color("specular_color", si, active), DRJIT)
                 alpha = formulas.lobe_width(inputs.number("specular_roughness", si, active), DRJIT)
-                albedo = self._mirror.multiple(weight * f82, alpha)
+                albedo = multiple_albedo(weight * f82, self._mirror.reflected_mean(alpha))
             place = loss.at(si, active)
             lost = loss.lost(si.wi, place)
             parts.append(Part(place, lost, formulas.promised(albedo, internal)))

@@ -12,6 +12,7 @@ import mitsuba as mi
 import numpy as np
 
 from urushi.core import albedos, fresnel
+from urushi.core.facets import MIRROR
 from urushi.core.namespace import DRJIT
 from urushi.core.quadrature import gauss
 from urushi.material.crossing import in_plane, mirrored
@@ -19,7 +20,6 @@ from urushi.mitsuba.interface_albedo import InterfaceAlbedo, Interpolated, coord
 from urushi.mitsuba.recording import compiled_once
 from urushi.openpbr_surface import formulas, thin_film
 from urushi.openpbr_surface.inputs import Inputs
-from urushi.openpbr_surface.lookups import MirrorAlbedo
 
 #: The parameters that the film reads.
 NAMES = ("thin_film_weight", "thin_film_thickness", "thin_film_ior")
@@ -45,7 +45,7 @@ class FilmFresnel:
         self._inputs = inputs
         self._rule, self._mean_rule = map(Interpolated, rules())
         indices = [inputs.known(name) for name in _INDICES]
-        self._mirror, self._total = MirrorAlbedo(), None
+        self._mirror, self._total = InterfaceAlbedo(MIRROR), None
         if any(x is None for x in indices) or formulas.relative_index(*indices) < 1:
             self._total = InterfaceAlbedo(None)
 
@@ -82,10 +82,10 @@ class FilmFresnel:
             total += weight * (self._filmed(c, film, eta, si) - fresnel.dielectric(c, edge)[0])
         if self._total and cosine is None:
             more, less = (self._total.reflected_mean(alpha, index) for index in (edge, eta))
-            total += (more - less) / dr.maximum(self._mirror.seen_mean(alpha), _LEAST)
+            total += (more - less) / dr.maximum(self._mirror.reflected_mean(alpha), _LEAST)
         elif self._total:
             more, less = (self._total.reflected(cosine, alpha, index) for index in (edge, eta))
-            seen = self._mirror.seen(cosine, alpha)
+            seen = self._mirror.reflected(cosine, alpha)
             total += (more - less) / dr.maximum(seen, _LEAST)
         return self._weight(si, active) * total
 

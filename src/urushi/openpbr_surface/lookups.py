@@ -1,4 +1,4 @@
-"""Directional albedos of GGX reflectors and of rough slabs below interfaces: tables and look-ups.
+"""Directional albedos of rough slabs below interfaces: tables and look-ups.
 
 The nodes are defined in `core.albedos`, and in `core.anisotropic_albedos` for two widths.
 """
@@ -10,9 +10,8 @@ import numpy as np
 
 from urushi.core import albedos
 from urushi.core.albedos import between_nodes, indexnodes
-from urushi.core.facets import MIRROR, multiple_albedo, multiple_lobe
 from urushi.core.namespace import DRJIT
-from urushi.mitsuba.interface_albedo import InterfaceAlbedo, Interpolated, coordinates
+from urushi.mitsuba.interface_albedo import Interpolated, coordinates
 from urushi.openpbr_surface import formulas
 
 #: Lower bound of the share of light that leaves the slab at once; an index of 10 gives more.
@@ -53,29 +52,6 @@ def slab_tables(eta: float | None = None) -> tuple[np.ndarray, np.ndarray]:
     excess = single + lost * lost_mean / (1 - formulas.eon_single_mean(1.0)) - 1
     mean = (weights * between_nodes(excess)[0]).sum(-1, keepdims=True)
     return np.stack([inside, excess], axis=-1).astype(np.float32), mean.astype(np.float32)
-
-
-class MirrorAlbedo(InterfaceAlbedo):
-    """Directional albedos of GGX facets that reflect all light."""
-
-    def __init__(self, two_widths: bool = False):
-        super().__init__(MIRROR, two_widths)
-
-    def seen(self, w, widths):
-        """Share of the light from a direction that one reflection by the facets lets leave."""
-        return self.reflected(w, widths, MIRROR)
-
-    def seen_mean(self, widths):
-        """The cosine-weighted mean of `seen` over the hemisphere."""
-        return self.reflected_mean(widths, MIRROR)
-
-    def lost(self, seen_i, seen_o, widths, fresnel_mean):
-        """The lobe [1/sr] of `facets.multiple_lobe`; seen_i, seen_o: `seen` of both directions."""
-        return multiple_lobe(seen_i, seen_o, self.seen_mean(widths), fresnel_mean)
-
-    def multiple(self, fresnel_mean, widths):
-        """The albedo of light that facets of a mean Fresnel term reflect more than once."""
-        return multiple_albedo(fresnel_mean, self.seen_mean(widths))
 
 
 class RoughSlab:

@@ -19,13 +19,14 @@ import numpy as np
 from urushi.checks import Widths
 from urushi.core import fresnel, microfacet
 from urushi.core.appearance import optical_depth
+from urushi.core.facets import MIRROR, multiple_lobe
 from urushi.core.namespace import DRJIT
 from urushi.mitsuba import spectrum
 from urushi.mitsuba.interface_albedo import InterfaceAlbedo
 from urushi.openpbr_surface import formulas, thin_film
 from urushi.openpbr_surface.film import FilmFresnel
 from urushi.openpbr_surface.inputs import Inputs
-from urushi.openpbr_surface.lookups import MirrorAlbedo, RoughSlab
+from urushi.openpbr_surface.lookups import RoughSlab
 
 #: The parameters that the base reads, besides the film's; see `Base.names`.
 NAMES = (
@@ -72,7 +73,7 @@ class Base:
         eta = self._constant_eta()
         two_widths = not inputs.is_constant("specular_roughness_anisotropy", 0)
         self._albedo = InterfaceAlbedo(eta, two_widths)
-        self._mirror = MirrorAlbedo(two_widths)
+        self._mirror = InterfaceAlbedo(MIRROR, two_widths)
         if not inputs.is_constant("base_diffuse_roughness", 0):
             self._slab = RoughSlab(eta)
 
@@ -116,8 +117,8 @@ class Base:
         if self.film:
             reflectance = self.film.metal(cosine, color, tint, reflectance, si, active)
             mean = self.film.metal(mi.Float(thin_film.MEAN_COSINE), color, tint, mean, si, active)
-        first, second = (self._mirror.seen(w, widths) for w in (si.wi, wo))
-        more = self._mirror.lost(first, second, widths, mean)
+        first, second = (self._mirror.reflected(w, widths) for w in (si.wi, wo))
+        more = multiple_lobe(first, second, self._mirror.reflected_mean(widths), mean)
         return vertex.weight * (lobe * reflectance + more)
 
     def _dielectric(self, cosine, eta, si, active):
@@ -134,10 +135,10 @@ class Base:
         if self.film:
             for i, w in enumerate((si.wi, wo)):
                 more = self.film.excess(w.z, alpha, eta, si, active)
-                more = self._mirror.seen(w, vertex.widths) * more
+                more = self._mirror.reflected(w, vertex.widths) * more
                 reflected[i] = dr.clip(reflected[i] + more, 0, 1)
             more = self.film.excess(None, alpha, eta, si, active)
-            mean = dr.clip(mean + self._mirror.seen_mean(vertex.widths) * more, 0, 1)
+            mean = dr.clip(mean + self._mirror.reflected_mean(vertex.widths) * more, 0, 1)
         passed, mean = (1 - reflected[0]) * (1 - reflected[1]), 1 - mean
         if self._slab is None:
             return color * (passed * dr.inv_pi / mean)

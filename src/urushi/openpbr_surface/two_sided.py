@@ -11,6 +11,7 @@ import mitsuba as mi
 
 from urushi.checks import MIN_INDEX_STEP
 from urushi.core import fresnel, microfacet
+from urushi.core.facets import MIRROR
 from urushi.core.mixture import Mixture
 from urushi.errors import ParameterError
 from urushi.mitsuba.interface_albedo import InterfaceAlbedo
@@ -21,7 +22,6 @@ from urushi.openpbr_surface.bsdfs import MIN_SHARE
 from urushi.openpbr_surface.film import NAMES as film_parameters
 from urushi.openpbr_surface.film import FilmFresnel
 from urushi.openpbr_surface.inputs import Inputs
-from urushi.openpbr_surface.lookups import MirrorAlbedo
 from urushi.openpbr_surface.shares import INDICES, index2, index_of, tint_of
 from urushi.walk import interface
 
@@ -111,7 +111,7 @@ class Glass(Surface):
         self._albedos = [InterfaceAlbedo(eta, two_widths) for eta in (index, 1 / index)]
         film = not self._inputs.is_constant("thin_film_weight", 0)
         self._film: Any = FilmFresnel(self._inputs) if film else None
-        self._mirror: Any = MirrorAlbedo(two_widths) if film else None
+        self._mirror: Any = InterfaceAlbedo(MIRROR, two_widths) if film else None
 
     def _vertex(self, si, active):
         inputs = self._inputs
@@ -154,7 +154,7 @@ class Glass(Surface):
             bare = fresnel.dielectric(c, eta)[0]
             more += weight * (self._filmed(c, eta, above, si, active) - bare)
         mirror = self._mirror
-        seen = mirror.seen_mean(widths) if w is None else mirror.seen(w, widths)
+        seen = mirror.reflected_mean(widths) if w is None else mirror.reflected(w, widths)
         reflected, passed = shares
         leaves = passed / dr.maximum(1 - reflected / dr.maximum(seen, 1e-3), 1e-2)
         return more * (dr.minimum(leaves, 1) - seen)
