@@ -1,5 +1,6 @@
 /** What the page writes: pictures, descriptions, and its address. */
 
+import type { Material } from "../core/api";
 import { isDocument } from "../engine/files";
 import type { LargeSize } from "../engine/large_picture";
 import { materialFile } from "../engine/material_file";
@@ -173,6 +174,15 @@ async function saveShader(language: Language, name: string): Promise<void> {
     tell(
       "The shader code has the codes of the material; for its table, save the material and run urushi export.",
     );
+  else if (!isStretchedAlike(codes))
+    tell(
+      "Shader code stretches all channels alike: under this pigment of two widths, f can differ from the page's by 10 % and more.",
+    );
+}
+
+/** Whether channels of two widths have about the same stretch. */
+function isStretchedAlike({ table: { stretches = [0] } }: Material): boolean {
+  return Math.max(...stretches) - Math.min(...stretches) < 0.05;
 }
 
 /** Offer a file for download. */

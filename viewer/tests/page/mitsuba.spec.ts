@@ -78,7 +78,7 @@ const CASES: Record<string, Case> = {
     coats: [{ alpha: 0.1, sigmaT: [0.05, 0.2, 0.4] }],
     object: "teapot",
     environment: "studio",
-    share: 1,
+    share: 1 / 3,
   },
 };
 
