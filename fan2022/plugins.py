@@ -19,7 +19,7 @@ from fan2022.networks import PaperNetworks, projection_pairs
 from fan2022.texels import CodeTexture, choose, different_rows
 from urushi.errors import ParameterError, PlatformError, UrushiWarning
 from urushi.mitsuba import spectrum
-from urushi.mitsuba.properties import resolve
+from urushi.mitsuba.properties import path_of
 from urushi.mitsuba.reading import probing
 from urushi.mitsuba.reading.axes import check_coat
 from urushi.mitsuba.reading.grid import check_normals, varying_textures
@@ -83,7 +83,7 @@ class PaperSurface(Surface):
             )
         if "weights" not in props:
             raise ParameterError(f"{self._where} has no weights; give a file of its networks")
-        self.networks = PaperNetworks.read(resolve(props["weights"]))
+        self.networks = PaperNetworks.read(path_of(props, "weights"))
 
     def _vertex(self, si, active):
         return self.codes.vertex(si)
@@ -110,7 +110,7 @@ class PaperBRDF(PaperSurface):
         super()._load(props)
         if "filename" not in props:
             raise ParameterError(f"{self._where} has no filename; give a file of Material.save")
-        material = load(resolve(props["filename"]), self.networks)
+        material = load(path_of(props, "filename"), self.networks)
         self.codes = TexelCodes(self.networks, material.latents[None])
         self._file = props["filename"]
 

@@ -48,9 +48,21 @@ def read_weights(props: "mi.Properties") -> Model | None:
     if not name:
         return None
     shipped = weights.DEFAULT, weights.ANISOTROPIC
-    return weights.find(name if name in shipped else resolve(name))
+    return weights.find(name if name in shipped else path_of(props, "weights"))
 
 
-def resolve(path: str) -> str:
-    """Find a file as Mitsuba does: relative to the scene file, then to the working folder."""
+def path_of(props: "mi.Properties", name: str) -> str:
+    """The file that a property names, found as Mitsuba does: relative to the scene file, then to
+    the working folder."""
+    path = props[name]
+    if not isinstance(path, str):
+        raise ParameterError(f"{describe(props)}: {name} is {path}; give the path of a file")
     return str(mi.file_resolver().resolve(path))
+
+
+def switch_of(props: "mi.Properties", name: str, *, default: bool = False) -> bool:
+    """A property that is true or false."""
+    value = props.get(name, default)
+    if not isinstance(value, bool):
+        raise ParameterError(f"{describe(props)}: {name} is {value!r}; give true or false")
+    return value

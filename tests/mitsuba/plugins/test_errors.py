@@ -50,6 +50,7 @@ def load(mi, networks, name: str, **properties):
             {"albedo": {"type": "rgb", "value": [0.1, 2, 0.3]}},
             "albedo is 2; it must be a single-scattering albedo in [0, 1]",
         ),
+        ({"energy_compensation": "false"}, "energy_compensation is 'false'; give true or false"),
         ({"height": 2.0}, "there is no parameter 'height'"),
         ({"other": bottom()}, "has 2 nested BSDFs ('base', 'other'); nest exactly one"),
         ({"base": bottom("conductor")}, "the nested BSDF is perfectly smooth"),
@@ -98,6 +99,8 @@ def test_bad_resolution(rgb, networks, resolution):
 def test_missing_files(rgb, networks):
     with pytest.raises(RuntimeError, match="neural_brdf has no filename"):
         rgb.load_dict({"type": "neural_brdf"})
+    with pytest.raises(RuntimeError, match="neural_brdf: filename is 3; give the path of a file"):
+        rgb.load_dict({"type": "neural_brdf", "filename": 3})
     with pytest.raises(RuntimeError, match="FileError.*nowhere.safetensors"):
         rgb.load_dict(
             {

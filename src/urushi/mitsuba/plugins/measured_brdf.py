@@ -9,7 +9,7 @@ import numpy as np
 from urushi.errors import ParameterError
 from urushi.measured import Rgl, load_measured
 from urushi.mitsuba import spectrum
-from urushi.mitsuba.properties import resolve
+from urushi.mitsuba.properties import path_of
 from urushi.mitsuba.recording import owned
 from urushi.mitsuba.surface import KnownSurface, Surface
 from urushi.walk.tabulated import Tabulated
@@ -84,7 +84,7 @@ class MeasuredBRDF(Surface):
         if "filename" not in props:
             raise ParameterError(f"{self._where} has no filename; give a MERL or RGL file")
         self._filename = props["filename"]
-        self.source = source = load_measured(resolve(self._filename))
+        self.source = source = load_measured(path_of(props, "filename"))
         self._spectral = None
         try:
             if mi.is_spectral and isinstance(source, Rgl) and source.wavelengths is not None:

@@ -13,7 +13,7 @@ from urushi.mitsuba.latents.axes import AxisLatents
 from urushi.mitsuba.latents.codes import ConstantLatents, DifferentiableLatents
 from urushi.mitsuba.plugins.encoded import EncodedSurface
 from urushi.mitsuba.plugins.frames import Turn
-from urushi.mitsuba.properties import read_weights, resolve
+from urushi.mitsuba.properties import path_of, read_weights
 from urushi.mitsuba.reading.axes import texel_axes
 from urushi.mitsuba.recording import opaque, owned
 from urushi.textures.axes import Baked
@@ -69,7 +69,7 @@ class NeuralBRDF(EncodedSurface):
             )
         self._filename = props["filename"]
         model = read_weights(props)
-        path, angle = resolve(self._filename), 0.0
+        path, angle = path_of(props, "filename"), 0.0
         self._texture = None
         if files.tensor_file_kind(path) == KIND:
             self._texture = texture, grid, self.model = read_texture(path, model)

@@ -14,7 +14,7 @@ from urushi.core.appearance import LOOK, PHYSICAL, look_of
 from urushi.core.namespace import DRJIT
 from urushi.errors import ParameterError
 from urushi.mitsuba import spectrum
-from urushi.mitsuba.properties import describe
+from urushi.mitsuba.properties import describe, switch_of
 from urushi.mitsuba.reading.grid import nested_objects, varies
 from urushi.mitsuba.reading.known import known_surface
 from urushi.mitsuba.recording import Recorded, opaque
@@ -71,7 +71,7 @@ class CoatTextures(Recorded):
             name: self._texture(props, name, defaults.get(name, 1.5), name in colours)
             for name in names
         }
-        self.compensated = bool(props.get("energy_compensation", False))
+        self.compensated = switch_of(props, "energy_compensation")
         self.above: CoatTextures | None = None  # whose medium lies above in place of `ext_ior`
         self._given = "ext_ior" in props
         ext_ior = index_of_refraction(props, "ext_ior", "air", f"{self.where}: ext_ior")

@@ -8,7 +8,7 @@ import mitsuba as mi
 import numpy as np
 
 from urushi.errors import ParameterError
-from urushi.mitsuba.properties import check_names, describe, resolve
+from urushi.mitsuba.properties import check_names, describe, path_of, switch_of
 from urushi.openpbr_surface.inputs import EMISSION, OPTIONS, Inputs
 from urushi.openpbr_surface.materialx.baking import Texture
 from urushi.openpbr_surface.materialx.reader import Mix, ParameterValue, Surface
@@ -167,9 +167,9 @@ def materialx(props):
     check_names(props, (*own, *OPTIONS, *PARAMETERS), where)
     if "filename" not in props:
         raise ParameterError(f"{where} has no filename; give a MaterialX document")
-    path, name = resolve(props["filename"]), props.get("material", None)
+    path, name = path_of(props, "filename"), props.get("material", None)
     resolution = checked_resolution(int(props.get("bake", RESOLUTION)), f"{where}: bake")
-    plane = bool(props.get("uv_plane", False))
+    plane = switch_of(props, "uv_plane")
     extra = {key: props[key] for key in list(props.keys()) if key not in own}
     bsdf = description(read(path, name, resolution, plane), extra, where)
     if props.id():

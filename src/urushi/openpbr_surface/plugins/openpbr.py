@@ -7,6 +7,7 @@ import mitsuba as mi
 from urushi.core.appearance import optical_depth
 from urushi.core.namespace import DRJIT
 from urushi.errors import ParameterError
+from urushi.mitsuba.properties import switch_of
 from urushi.mitsuba.surface import bsdf_of
 from urushi.openpbr_surface import formulas
 from urushi.openpbr_surface.bsdfs import Layers, OpenPBRBase, OpenPBRSurface
@@ -101,7 +102,7 @@ def openpbr(props):
         if reference not in COATS:
             raise ParameterError(f"reference is '{reference}'; choose one of {', '.join(COATS)}")
         reference = reference == COATS[1]
-    compensated = bool(props.get("energy_compensation", True))
+    compensated = switch_of(props, "energy_compensation", default=True)
     options = {name: props[name] for name in ("resolution", "weights") if name in props}
     for name in options:
         props.mark_queried(name)
