@@ -5,8 +5,10 @@ import pytest
 
 from urushi.core.direction_sets import cosine_pairs
 from urushi.core.error_metrics import stack_error
+from urushi.core.namespace import NUMPY
 from urushi.material import Material, encode, layer
 from urushi.walk import coat, conductor, dielectric, diffuse, simulate
+from urushi.walk.medium import hg
 
 NONE = dielectric(0.3, 1)
 
@@ -64,3 +66,17 @@ def test_a_stack_without_its_topmost_interface_is_encoded_with_the_lobe_below(tr
     bottom = conductor(0.1, 0.9)
     found = encode(coat(bottom, 0.3, 1), trained).f(*pairs)
     assert (error(found, encode(bottom, trained).f(*pairs), pairs) < 0.01).all()
+
+
+@pytest.mark.parametrize(("g", "error"), [(-0.8, 0.015), (-0.9, 0.05)])
+def test_backward_peaks_of_light_scattered_once(g, error):
+    """A dark medium over a black bottom scatters once. The grid of adding is wider than its peak:
+    errors were 3.7 and 9.9 %. Nodes of the table leave 1 and 3.9 %."""
+    wi, wo = cosine_pairs(np.random.default_rng(8), 4096)
+    dark = {"albedo": 0.01, "sigma_t": 1.0, "g": g}
+    f = layer(dielectric(0.1, eta=1), diffuse(0.0), **dark).f(wi, wo)[:, 0]
+    slopes = 1 / wi[:, 2] + 1 / wo[:, 2]
+    single = 0.01 * hg(-(wi * wo).sum(axis=1), g, NUMPY) / (wi[:, 2] + wo[:, 2])
+    single *= -np.expm1(-slopes)
+    light = wi[:, 2] * wo[:, 2]
+    assert (np.abs(f - single) * light).sum() < error * (single * light).sum()

@@ -48,6 +48,9 @@ LARGEST_ASYMMETRY = 0.9
 #: Least asymmetry that the grid resolves; a sharper backward peak counts as this one.
 RESOLVED_G = -0.95
 
+#: Asymmetry below which light scattered once is computed at each pair (`backward_peaks`).
+BACKWARD = -0.6
+
 #: Optical depth at which doubling begins, and the least depth of scattering that counts.
 FIRST_DEPTH, LEAST_SCATTERING = 1e-4, 1e-6
 
@@ -99,6 +102,11 @@ class Grid:
         self.mirror = (-1.0) ** np.arange(len(self.azimuths))  # the modes of a mirror reflection
         self._count, self._orders = azimuths, orders or len(self.azimuths)
         self._upper = np.triu_indices(len(self.angles))
+
+    def dots(self) -> np.ndarray:
+        """Cosines (N, N, H) between directions."""
+        along, across = (np.outer(x, x)[..., None] for x in (self.cosines, np.sin(self.angles)))
+        return along + across * np.cos(self.azimuths)
 
     def pairs(self, dense: int = 1) -> tuple[np.ndarray, np.ndarray]:
         """Pairs float32 (M, 3) at which `values` takes a BRDF: half of all, by reciprocity.
@@ -244,6 +252,36 @@ def at_nodes(values: np.ndarray, edges: Edges, knots: Knots) -> np.ndarray:
 @functools.lru_cache(maxsize=16)
 def _node_corners(edges: Edges, knots: Knots) -> list[tuple[np.ndarray, np.ndarray]]:
     return grid(edges).corners(*node_pairs(knots))
+
+
+def backward_peaks(
+    layers: Iterable[Sequence[float]], edges: Edges, knots: Knots
+) -> np.ndarray | float:
+    """What `at_nodes` lacks of light that media scatter backwards once: (U, V, W), or zero.
+
+    The peak of a g near -1 is narrower than the grid, but known in closed form (Chandrasekhar
+    1960). The arguments are as of `seen_inside` and `at_nodes`.
+    """
+    own, (wi, wo), above, lacks = grid(edges), node_pairs(knots), 0.0, 0.0
+    on_grid = own.dots(), own.cosines[:, None, None], own.cosines[:, None]
+    on_table = (x.reshape(SHAPE) for x in ((wi * wo).sum(axis=1), wi[:, 2], wo[:, 2]))
+    places = on_grid, tuple(on_table)
+    for layer in layers:
+        albedo, sigma_t, g = resolved(*layer)
+        if g < BACKWARD and albedo * sigma_t > LEAST_SCATTERING:
+            coarse, exact = (
+                albedo
+                * hg(-dot, g, NUMPY)
+                * np.exp(-above * (1 / a + 1 / b))
+                * (-np.expm1(-sigma_t * (1 / a + 1 / b)) / (a + b))
+                for dot, a, b in places
+            )
+            every = sum(own.modes(hg(sign * own.dots(), g, NUMPY))[0] for sign in (-1, 1))
+            size = np.sqrt(every @ (own.weights / own.cosines))  # `medium` makes these sums one
+            coarse /= np.outer(size, size)[..., None]
+            lacks = lacks + exact - at_nodes(coarse, edges, knots)
+        above += sigma_t
+    return lacks
 
 
 def albedos(f: Brdf, cosines: np.ndarray) -> np.ndarray:
@@ -466,9 +504,7 @@ def medium(
     count = max(int(np.ceil(np.log2(sigma_t / FIRST_DEPTH))), 0)
     depth = sigma_t / 2**count
     a, b = cosines[:, None], cosines
-    sines = np.sin(own.angles)
-    ahead = (a * b)[..., None] + (sines[:, None] * sines)[..., None] * np.cos(own.azimuths)
-    back, forth = (own.modes(hg(sign * ahead, g, NUMPY)) for sign in (-1, 1))
+    back, forth = (own.modes(hg(sign * own.dots(), g, NUMPY)) for sign in (-1, 1))
     sizes = np.abs(np.stack([back, forth])).max(axis=(0, 2, 3))  # they vanish from some order on
     orders = int(np.flatnonzero(sizes > LEAST_MODE * sizes[0])[-1]) + 1
     vanishing = np.zeros_like(back[orders:])

@@ -83,7 +83,8 @@ class Substrate:
             return adding_quadrant.table(values), medium[1]
         back = adding.interface_modes(alpha, eta, self.edges)
         values, depth = adding.seen_inside(self.modes[channel], back, layers, self.edges)
-        at_nodes = adding.at_nodes(values, self.edges, self.reflector.knots)
+        places = self.edges, self.reflector.knots
+        at_nodes = adding.at_nodes(values, *places) + adding.backward_peaks(layers, *places)
         return np.log(np.maximum(at_nodes, 1e-30)), depth
 
 
