@@ -177,7 +177,7 @@ def known_nodes(knots: Knots) -> tuple[np.ndarray, np.ndarray]:
     return u, np.unique([*v, *about])
 
 
-def completed(f: np.ndarray, knots: Knots) -> np.ndarray:
+def interpolated_nodes(f: np.ndarray, knots: Knots) -> np.ndarray:
     """Values (U, V, ...) at all nodes of values f (K, L, ...) at `known_nodes`.
 
     Logarithms are cubic (Lagrange) between four of these nodes, on one side of knots.

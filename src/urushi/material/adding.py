@@ -19,12 +19,12 @@ import functools
 import itertools
 import math
 from collections.abc import Callable, Iterable, Sequence
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from urushi.core import fresnel, microfacet
-from urushi.core.namespace import NUMPY, Components
+from urushi.core.namespace import NUMPY, Components, Namespace
 from urushi.core.quadrature import directional_albedos, gauss
 from urushi.core.table import SHAPE, Knots, corners, node_pairs
 from urushi.material.crossing import in_plane, inner_albedo
@@ -48,9 +48,6 @@ LARGEST_ASYMMETRY = 0.9
 #: Least asymmetry that the grid resolves; a sharper backward peak counts as this one.
 RESOLVED_G = -0.95
 
-#: Asymmetry below which light scattered once is computed at each pair (`backward_peaks`).
-BACKWARD = -0.6
-
 #: Optical depth at which doubling begins, and the least depth of scattering that counts.
 FIRST_DEPTH, LEAST_SCATTERING = 1e-4, 1e-6
 
@@ -64,7 +61,7 @@ ROUNDS = 20
 Edges = tuple[float, ...]
 
 #: Cosines at which light that is mirrored to and fro is known.
-COSINES = np.linspace(1 / (1 << 12), 1, 1 << 12).astype(np.float32)
+MIRROR_COSINES = np.linspace(1 / (1 << 12), 1, 1 << 12).astype(np.float32)
 
 #: BRDF values (N, C) of float32 unit vectors (N, 3).
 Brdf = Callable[[np.ndarray, np.ndarray], np.ndarray]
@@ -100,7 +97,7 @@ class Grid:
         self.weights = weights * np.sin(self.angles) * self.cosines
         self.azimuths = np.linspace(0, np.pi, azimuths // 2 + 1)  # (H,)
         self.mirror = (-1.0) ** np.arange(len(self.azimuths))  # the modes of a mirror reflection
-        self._count, self._orders = azimuths, orders or len(self.azimuths)
+        self._count, self.orders = azimuths, orders or len(self.azimuths)
         self._upper = np.triu_indices(len(self.angles))
 
     def dots(self) -> np.ndarray:
@@ -137,7 +134,7 @@ class Grid:
         """Modes (H, N, N) of values (N, N, K)."""
         around = np.concatenate([values, values[..., -2:0:-1]], axis=-1)
         modes = np.fft.rfft(around, axis=-1).real * (2 * np.pi / around.shape[-1])
-        return np.moveaxis(modes, -1, 0)[: self._orders]
+        return np.moveaxis(modes, -1, 0)[: self.orders]
 
     def values_of_modes(self, modes: np.ndarray) -> np.ndarray:
         """Values (N, N, H) of modes (H, N, N)."""
@@ -176,8 +173,8 @@ class Grid:
         return corners([len(axis) for axis in axes], *places)
 
     def at_cosines(self, values: np.ndarray) -> np.ndarray:
-        """Values (M, C) at `COSINES`, float32, of values (N, C) at the nodes."""
-        found = [np.interp(COSINES, self.cosines[::-1], column[::-1]) for column in values.T]
+        """Values (M, C) at `MIRROR_COSINES`, float32, of values (N, C) at the nodes."""
+        found = [np.interp(MIRROR_COSINES, self.cosines[::-1], column[::-1]) for column in values.T]
         return np.stack(found, axis=-1).astype(np.float32)
 
     def mirror_shares(self, modes: np.ndarray) -> np.ndarray:
@@ -254,36 +251,6 @@ def _node_corners(edges: Edges, knots: Knots) -> list[tuple[np.ndarray, np.ndarr
     return grid(edges).corners(*node_pairs(knots))
 
 
-def backward_peaks(
-    layers: Iterable[Sequence[float]], edges: Edges, knots: Knots
-) -> np.ndarray | float:
-    """What `at_nodes` lacks of light that media scatter backwards once: (U, V, W), or zero.
-
-    The peak of a g near -1 is narrower than the grid, but known in closed form (Chandrasekhar
-    1960). The arguments are as of `seen_inside` and `at_nodes`.
-    """
-    own, (wi, wo), above, lacks = grid(edges), node_pairs(knots), 0.0, 0.0
-    on_grid = own.dots(), own.cosines[:, None, None], own.cosines[:, None]
-    on_table = (x.reshape(SHAPE) for x in ((wi * wo).sum(axis=1), wi[:, 2], wo[:, 2]))
-    places = on_grid, tuple(on_table)
-    for layer in layers:
-        albedo, sigma_t, g = resolved(*layer)
-        if g < BACKWARD and albedo * sigma_t > LEAST_SCATTERING:
-            coarse, exact = (
-                albedo
-                * hg(-dot, g, NUMPY)
-                * np.exp(-above * (1 / a + 1 / b))
-                * (-np.expm1(-sigma_t * (1 / a + 1 / b)) / (a + b))
-                for dot, a, b in places
-            )
-            every = sum(own.modes(hg(sign * own.dots(), g, NUMPY))[0] for sign in (-1, 1))
-            size = np.sqrt(every @ (own.weights / own.cosines))  # `medium` makes these sums one
-            coarse /= np.outer(size, size)[..., None]
-            lacks = lacks + exact - at_nodes(coarse, edges, knots)
-        above += sigma_t
-    return lacks
-
-
 def albedos(f: Brdf, cosines: np.ndarray) -> np.ndarray:
     """Directional albedos (N, C) of a BRDF at cosines (N,), by 1536 directions for each."""
     return directional_albedos(f, np.stack(in_plane(cosines), axis=-1))
@@ -345,38 +312,41 @@ def _dense_pairs(edges: Edges) -> tuple[Components, Components]:
 
 
 def mirror(alpha: float, eta: float, edges: Edges) -> np.ndarray:
-    """The share (M, 1) that an interface mirrors of light below it at `COSINES`; eta: as above."""
+    """The share (M, 1) of light at `MIRROR_COSINES` that an interface mirrors from below.
+
+    eta: below over above.
+    """
     own, modes = grid(edges), interface_modes(alpha, eta, edges)
     share = own.mirror_shares(modes) / np.maximum(modes[0] @ own.weights, 1e-9)
-    fresnel_term = fresnel.dielectric(COSINES, np.float32(1 / eta), NUMPY)[0]
+    fresnel_term = fresnel.dielectric(MIRROR_COSINES, np.float32(1 / eta), NUMPY)[0]
     return fresnel_term[:, None] * own.at_cosines(share[:, None])
 
 
-def to_and_fro(
+def interreflection(
     depths: Sequence[float], upper: np.ndarray, lower: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Sums of light over all its reflections by two surfaces: float32 (M, C) at `COSINES`.
+    """Sums of light over all its reflections by two surfaces: float32 (M, C) at `MIRROR_COSINES`.
 
     Args:
         depths: (C,) optical depths of the medium between the surfaces.
-        upper, lower: (M, C) or (M, 1) shares of light at `COSINES` that the surfaces mirror.
+        upper, lower: (M, C) or (M, 1) shares of light at `MIRROR_COSINES` that the surfaces mirror.
 
     Returns:
         The share of entering light that crosses the medium; and the root of the sum without
         attenuation, a factor of each direction of light that the lower surface reflects.
     """
-    left = np.exp(-np.asarray(depths, np.float32) / COSINES[:, None])
-    times = 1 / (1 - upper * lower * left * left)
-    return left * times, np.sqrt(times)
+    left = np.exp(-np.asarray(depths, np.float32) / MIRROR_COSINES[:, None])
+    sums = 1 / (1 - upper * lower * left * left)
+    return left * sums, np.sqrt(sums)
 
 
 def nearest(table: np.ndarray) -> Callable[[np.ndarray], np.ndarray]:
-    """Values (..., C) of a table (M, C) at `COSINES`, as a function of cosines (...)."""
-    last = len(COSINES) - 1
+    """Values (..., C) of a table (M, C) at `MIRROR_COSINES`, as a function of cosines (...)."""
+    last = len(MIRROR_COSINES) - 1
     return lambda cosine: table.take((cosine * last).astype(np.intp), axis=0)
 
 
-class Lit(NamedTuple):
+class MediaTransport(NamedTuple):
     """Light in media over a bottom, below nothing else.
 
     Attributes:
@@ -394,7 +364,9 @@ class Lit(NamedTuple):
     depth: float
 
 
-def lit(bottom: np.ndarray, layers: Iterable[Sequence[float]], edges: Edges) -> Lit:
+def media_transport(
+    bottom: np.ndarray, layers: Iterable[Sequence[float]], edges: Edges
+) -> MediaTransport:
     """Light in media, top to bottom, over a bottom of modes (H, N, N); see `seen_inside`."""
     own = grid(edges)
     one = np.eye(len(own.cosines))
@@ -407,7 +379,7 @@ def lit(bottom: np.ndarray, layers: Iterable[Sequence[float]], edges: Edges) -> 
             continue
         up, field = covered(up, through, [x * own.weights for x in medium(albedo, sigma_t, g, own)])
         down = down @ field
-    return Lit(own, np.exp(-depth / own.cosines), down, up, depth)
+    return MediaTransport(own, np.exp(-depth / own.cosines), down, up, depth)
 
 
 def covered(
@@ -446,15 +418,50 @@ def seen_inside(
         edges: of slabs.
 
     Returns:
-        Values (N, N, H) [1/sr] of all light except that reflected once by the bottom and not
-        scattered by the media; and the optical depth that attenuates the excepted light. In slabs,
-        the excepted light counts as often as both surfaces mirror it (`to_and_fro`).
+        Values (N, N, H) [1/sr] of all light except that reflected once, by the bottom or by the
+        media (`reflected_once`); and the optical depth that attenuates light from the bottom. In
+        slabs, this light counts as often as both surfaces mirror it (`interreflection`).
     """
-    own, through, _, up, depth = lit(bottom, layers, edges or ())
+    layers = list(layers)
+    own, through, _, up, depth = media_transport(bottom, layers, edges or ())
     every = enclosed(up, interface, own.weights)
     mirrored = own.mirror_shares(interface) * own.mirror_shares(bottom) if edges is not None else 0
     left = through * np.sqrt(1 / (1 - mirrored * through**2))
-    return own.values_of_modes(every - left[:, None] * bottom * left), depth
+    values = own.values_of_modes(every - left[:, None] * bottom * left)
+    return values - reflected_once_on_grid(layers, own), depth
+
+
+def reflected_once(
+    media: Iterable[Sequence[Any]], wi_z: Any, wo_z: Any, cosine: Any, xp: Namespace = NUMPY
+) -> tuple[Any, Any]:
+    """f [1/sr] of light that media scatter once (Chandrasekhar 1960), and the share that is left.
+
+    Args:
+        media: albedo, sigma_t and g of each, `resolved`, top to bottom.
+        wi_z, wo_z: cosines of both directions to the normal. cosine: between them.
+
+    Returns:
+        f; and the share of light that crosses all media unscattered, there and back.
+    """
+    f, left, path = 0.0, 1.0, 1 / wi_z + 1 / wo_z
+    for albedo, sigma_t, g in media:
+        kept = xp.exp(-sigma_t * path)
+        f = f + left * albedo * (1 - kept) * hg(-cosine, g, xp) / (wi_z + wo_z)
+        left = left * kept
+    return f, left
+
+
+def reflected_once_on_grid(layers: Iterable[Sequence[float]], own: Grid) -> np.ndarray:
+    """Values (N, N, H) [1/sr] of light that media scatter once, as a part of `medium`."""
+    a, b, between = own.cosines[:, None, None], own.cosines[:, None], own.dots()
+    total, left = np.zeros_like(between), np.ones_like(between)
+    for layer in layers:
+        albedo, sigma_t, g = resolved(*layer)
+        once, kept = reflected_once([(albedo, sigma_t, g)], a, b, between)
+        if albedo * sigma_t > LEAST_SCATTERING:
+            total += left * once * _thin_layer(sigma_t, g, own)[0].factors[..., None]
+        left *= kept
+    return total
 
 
 def passed_inside(
@@ -473,7 +480,7 @@ def passed_inside(
         first nodes to the second; of it (N,) what goes straight, not scattered and at most mirrored
         (`Grid.mirror_shares`); and the optical depth that attenuates straight light.
     """
-    own, through, down, up, depth = lit(bottom, layers, edges)
+    own, through, down, up, depth = media_transport(bottom, layers, edges)
     every = down @ np.linalg.inv(np.eye(len(through)) - (interface * own.weights) @ up)
     mirrored = own.mirror_shares(interface) * own.mirror_shares(bottom)
     return every, through / (1 - mirrored * through**2), depth
@@ -491,6 +498,38 @@ def resolved(albedo: float, sigma_t: float, g: float) -> tuple[float, float, flo
     return albedo, sigma_t, max(g, RESOLVED_G)
 
 
+class _ThinLayer(NamedTuple):
+    """A layer of a medium of albedo 1 that scatters once."""
+
+    through: np.ndarray  # (N,) shares of unscattered light
+    reflected: np.ndarray  # modes (M, N, N), the first ones, over the factors
+    passed: np.ndarray  # the same
+    factors: np.ndarray  # (N, N), which give the sums over directions that they should have
+
+
+@functools.lru_cache(maxsize=4)
+def _thin_layer(sigma_t: float, g: float, own: Grid) -> tuple[_ThinLayer, int]:
+    """The layer with which doubling begins, and how often it is doubled."""
+    cosines, weights = own.cosines, own.weights
+    count = max(int(np.ceil(np.log2(sigma_t / FIRST_DEPTH))), 0)
+    depth = sigma_t / 2**count
+    a, b = cosines[:, None], cosines
+    between = own.dots()
+    back, forth = (own.modes(hg(sign * between, g, NUMPY)) for sign in (-1, 1))
+    sizes = np.abs(np.stack([back, forth])).max(axis=(0, 2, 3))  # they vanish from some order on
+    orders = int(np.flatnonzero(sizes > LEAST_MODE * sizes[0])[-1]) + 1
+    same = np.isclose(a, b, rtol=0, atol=1e-9)
+    kept = (np.exp(-depth / a) - np.exp(-depth / b)) / np.where(same, 1, a - b)
+    reflected = back[:orders] * (-np.expm1(-depth * (1 / a + 1 / b)) / (a + b))
+    passed = forth[:orders] * np.where(same, depth * np.exp(-depth / a) / (a * a), kept)
+    factors = np.ones(len(cosines))
+    scattered = reflected[0] + passed[0]
+    for _ in range(ROUNDS):
+        factors = np.sqrt(factors * -np.expm1(-depth / cosines) / (scattered @ (weights * factors)))
+    through = np.exp(-depth / cosines)
+    return _ThinLayer(through, reflected, passed, factors[:, None] * factors), count
+
+
 @functools.lru_cache(maxsize=32)
 def medium(
     albedo: float, sigma_t: float, g: float, own: Grid | None = None
@@ -500,26 +539,11 @@ def medium(
     By doubling a thin layer that scatters once; its sums over directions are made exact.
     """
     own = own or grid()
-    cosines, weights, one = own.cosines, own.weights, np.eye(len(own.cosines))
-    count = max(int(np.ceil(np.log2(sigma_t / FIRST_DEPTH))), 0)
-    depth = sigma_t / 2**count
-    a, b = cosines[:, None], cosines
-    back, forth = (own.modes(hg(sign * own.dots(), g, NUMPY)) for sign in (-1, 1))
-    sizes = np.abs(np.stack([back, forth])).max(axis=(0, 2, 3))  # they vanish from some order on
-    orders = int(np.flatnonzero(sizes > LEAST_MODE * sizes[0])[-1]) + 1
-    vanishing = np.zeros_like(back[orders:])
-    back, forth = back[:orders], forth[:orders]
-    same = np.isclose(a, b, rtol=0, atol=1e-9)
-    between = (np.exp(-depth / a) - np.exp(-depth / b)) / np.where(same, 1, a - b)
-    reflected = back * (-np.expm1(-depth * (1 / a + 1 / b)) / (a + b))
-    passed = forth * np.where(same, depth * np.exp(-depth / a) / (a * a), between)
-    through = np.exp(-depth / cosines)
-    factors = np.ones(len(cosines))
-    scattered = reflected[0] + passed[0]
-    for _ in range(ROUNDS):
-        factors = np.sqrt(factors * -np.expm1(-depth / cosines) / (scattered @ (weights * factors)))
-    factors = albedo * (factors[:, None] * factors)
-    reflected, passed = reflected * factors, passed * factors
+    weights, one = own.weights, np.eye(len(own.cosines))
+    layer, count = _thin_layer(sigma_t, g, own)
+    factors, through = albedo * layer.factors, layer.through
+    reflected, passed = layer.reflected * factors, layer.passed * factors
+    vanishing = np.zeros((own.orders - len(reflected), *one.shape))
     for _ in range(count):
         up = np.diag(through) + passed * weights
         between = np.linalg.inv(one - (reflected * weights) @ (reflected * weights))

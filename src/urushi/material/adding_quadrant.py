@@ -125,11 +125,19 @@ def interface_parts(alpha: float | Widths, eta: float) -> np.ndarray:
 
 @functools.lru_cache(maxsize=8)
 def medium_parts(albedo: float, sigma_t: float, g: float) -> np.ndarray:
-    """Reflection and transmission float32 (2, 4, Q, Q) of the light that a medium scatters."""
+    """Light that a medium scatters: float32 (3, 4, Q, Q) of what it reflects, passes, and reflects
+    after one event."""
+    own = adding.grid()
+    once = own.modes(adding.reflected_once_on_grid([(albedo, sigma_t, g)], own))
+    return _parts_of_modes([*adding.medium(albedo, sigma_t, g), once])
+
+
+def _parts_of_modes(several: Sequence[np.ndarray]) -> np.ndarray:
+    """The parts float32 (K, 4, Q, Q) of modes (H, N, N) on the grid of `adding`."""
     own, w = adding.grid(), directions().astype(np.float64)
     turn, shares = np.arctan2(w[:, 1], w[:, 0]), own.shares(np.arccos(w[:, 2]))
-    result = np.zeros((2, 4, len(w), len(w)), np.float32)
-    for modes, total in zip(adding.medium(albedo, sigma_t, g, own), result, strict=True):
+    result = np.zeros((len(several), 4, len(w), len(w)), np.float32)
+    for modes, total in zip(several, result, strict=True):
         orders = np.arange(len(modes))
         scales = np.where((orders == 0) | (orders == orders[-1]), 4, 8) / (2 * np.pi)
         # cos m (phi_i - phi_o) is a sum of two products, and the sum over m one of matrices.
@@ -153,21 +161,21 @@ def seen_inside(bottom: np.ndarray, interface: np.ndarray, medium: Sequence[floa
 
     Returns:
         Values float32 (4, Q, Q) [1/sr], at the images of the second direction, of all light except
-        that reflected once by the bottom and not scattered by the medium.
+        that reflected once, by the bottom or by the medium.
     """
     albedo, sigma_t, g = medium
     own = weights().astype(np.float32)
     through = np.exp(-np.float32(sigma_t) / directions()[:, 2])
     scatters = albedo * sigma_t > adding.LEAST_SCATTERING
-    scattered = medium_parts(albedo, sigma_t, g) if scatters else np.zeros((2, 4, 1, 1))
+    scattered = medium_parts(albedo, sigma_t, g) if scatters else np.zeros((3, 4, 1, 1))
     more = np.empty_like(bottom)
 
     def solve(k: int) -> None:
         direct = through[:, None] * bottom[k] * through
         up = direct * own
-        if scattered[:, k].any():  # isotropic scattering is even
-            up, _ = adding.covered(bottom[k] * own, through, [x[k] * own for x in scattered])
-        more[k] = adding.enclosed(up, interface[k], own) - direct
+        if scattered[:2, k].any():  # isotropic scattering is even
+            up, _ = adding.covered(bottom[k] * own, through, [x[k] * own for x in scattered[:2]])
+        more[k] = adding.enclosed(up, interface[k], own) - direct - scattered[2, k]
 
     run_all_cores(solve, range(4))
     return np.tensordot(np.float32(PARTS / 4), more, 1)

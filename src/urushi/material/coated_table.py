@@ -2,8 +2,8 @@
 
 A code is too coarse for a measured BRDF, and a coat over the code inherits its error. Light
 transport (`urushi.material.coated_values`) is therefore computed for a sixth of a table's nodes.
-Between them, logarithms are cubic (`core.table.completed`). Under indices below one, all nodes are
-computed.
+Between them, logarithms are cubic (`core.table.interpolated_nodes`). Under indices below one, all
+nodes are computed.
 """
 
 from collections.abc import Sequence
@@ -14,8 +14,8 @@ from urushi.checks import CoatParameters
 from urushi.core.table import (
     SHAPE,
     Knots,
-    completed,
     interpolated,
+    interpolated_nodes,
     known_nodes,
     node_pairs,
     table_of_values,
@@ -33,7 +33,7 @@ SLAB_POINTS = 64, 64, 64
 ONES = np.ones(SHAPE, np.float32)
 
 #: Cosines at which the albedo is limited.
-COSINES = np.array([1.0, 0.9, 0.75, 0.6, 0.45, 0.3, 0.2, 0.1, 0.05, 0.02, 0.01])
+LIMITED_COSINES = np.array([1.0, 0.9, 0.75, 0.6, 0.45, 0.3, 0.2, 0.1, 0.05, 0.02, 0.01])
 
 #: Rounds of that limit.
 ROUNDS = 4
@@ -84,7 +84,7 @@ def rest_at_nodes(
         result[:, whole] = at(every, whole)
     if not whole.all():
         values = at(known, ~whole).reshape(*(row.size for row in rows), SHAPE[2], -1)
-        values = completed(values / factor[rows][..., None], knots) * factor[..., None]
+        values = interpolated_nodes(values / factor[rows][..., None], knots) * factor[..., None]
         result[:, ~whole] = values.reshape(len(result), -1)
     return result
 
@@ -106,10 +106,10 @@ def coated_table(bottom: Material, coat: CoatParameters, lobe: np.ndarray) -> np
         return lobes.f(own, wi[:, None].astype(np.float64), wo[:, None].astype(np.float64))
 
     of_rest = _albedos_of_values(rest)
-    of_top = adding.albedos(top, COSINES)
+    of_top = adding.albedos(top, LIMITED_COSINES)
     ceiling = np.full(rest.shape[1], 1 - energy.MARGIN)
     if (of_rest + of_top > ceiling).any():
-        gained = adding.albedos(bottom.f, COSINES).max(axis=0)
+        gained = adding.albedos(bottom.f, LIMITED_COSINES).max(axis=0)
         ceiling = np.where(gained > 1 + energy.TOLERANCE, gained, ceiling)
     allowed = np.maximum(ceiling - of_top, energy.LEAST_REST)
     for _ in range(ROUNDS):  # a factor at the nodes is a smaller change between them
@@ -122,18 +122,18 @@ def coated_table(bottom: Material, coat: CoatParameters, lobe: np.ndarray) -> np
 
 
 def _least_factors(factors: np.ndarray) -> np.ndarray:
-    """The lesser (N, C) of both factors at `node_pairs`, of factors (M, C) at `COSINES`.
+    """The lesser (N, C) of both factors at `node_pairs`, of factors (M, C) at `LIMITED_COSINES`.
 
     It keeps f reciprocal.
     """
     columns = [
-        np.minimum(*(np.interp(w[:, 2], COSINES[::-1], column[::-1]) for w in node_pairs()))
+        np.minimum(*(np.interp(w[:, 2], LIMITED_COSINES[::-1], column[::-1]) for w in node_pairs()))
         for column in factors.T
     ]
     return np.stack(columns, axis=1).astype(np.float32)
 
 
 def _albedos_of_values(f: np.ndarray) -> np.ndarray:
-    """Albedos (N, C) at `COSINES` of the table of values f (M, C) at `node_pairs`."""
+    """Albedos (N, C) at `LIMITED_COSINES` of the table of values f (M, C) at `node_pairs`."""
     table = table_of_values(f).astype(np.float32)
-    return adding.albedos(lambda wi, wo: interpolated(table, wi, wo), COSINES)
+    return adding.albedos(lambda wi, wo: interpolated(table, wi, wo), LIMITED_COSINES)

@@ -120,8 +120,8 @@ class Jobs(NamedTuple):
     interface: np.ndarray  # (D, 2) of width and relative index, or (D, 3)
     width: np.ndarray  # (D,), or (D, 2), of half vectors that are drawn; 0: none
     more: np.ndarray  # float32 (D, ...), of light that medium or interface turn back
-    depth: np.ndarray  # (D,) the optical depth that attenuates light from the bottom
-    times: np.ndarray | None  # (D, M) factor of light from the bottom at `adding.COSINES`
+    media: np.ndarray  # (D, 3 k), resolved, which attenuate light from the bottom and scatter
+    interreflection: np.ndarray | None  # (D, M) a factor of it at `adding.MIRROR_COSINES`
 
     @property
     def eta(self) -> np.ndarray:
@@ -141,26 +141,54 @@ def _jobs(
 ) -> Jobs:
     """The jobs of channels (D,), see `coated_values`."""
     *widths, eta = interfaces
-    more, depths, times = [], [], []
-    mirrored = below.mirrored.any(axis=0)
-    for channel, (*alpha, n), medium in zip(channels, interfaces.T, media.T, strict=True):
-        own = alpha[0] if len(alpha) == 1 else Widths(*alpha)
-        again, depth = below.turned_back(channel, own, n, medium.reshape(-1, 3))
-        more.append(again)
-        depths.append(depth)
-        if mirrored.any():
-            upper, lower = adding.mirror(alpha[0], n, below.edges), below.mirrored[:, [channel]]
-            times.append(adding.to_and_fro([depth], upper, lower)[1][:, 0])
+    layers = media.T.reshape(len(channels), -1, 3)
+    layers = np.array([[adding.resolved(*layer) for layer in own] for own in layers])
+    if below.widths == 2:
+        several = zip(channels, interfaces.T, layers[:, 0].tolist(), strict=True)
+        found = [
+            below.turned_back(c, Widths(*alpha), n, layer) for c, (*alpha, n), layer in several
+        ]
+        more, factors = np.array(found), None
+    else:
+        more, factors = _turned_back(below, channels, interfaces, layers)
     narrow = below.narrow(np.max(widths, axis=0), eta, channels) & (eta != 1)
     width = below.width[channels]
     return Jobs(
         below.reflector.taken(channels),
         interfaces.T,
         np.where(narrow.reshape(-1, *[1] * (width.ndim - 1)), width, 0),
-        np.stack(more),
-        np.array(depths),
-        np.stack(times) if times else None,
+        more,
+        layers.reshape(len(layers), -1),
+        factors,
     )
+
+
+def _turned_back(
+    below: Substrate, channels: np.ndarray, interfaces: np.ndarray, media: np.ndarray
+) -> tuple[np.ndarray, np.ndarray | None]:
+    """Light of one width that media (D, k, 3) or interfaces turn back, see `Jobs`.
+
+    Returns:
+        float32 (D, U, V, W), ln f at the nodes of the table; and the factors.
+    """
+    more = np.empty((len(channels), *SHAPE), np.float32)
+    factors = np.ones((len(channels), len(adding.MIRROR_COSINES)), np.float32)
+    edges = [below.edges(eta) for eta in interfaces[1]]
+    for own in set(edges):
+        members = np.array([at == own for at in edges]).nonzero()[0]
+        which, places = np.unique(channels[members], return_inverse=True)
+        _, modes, mirrored = below.on_grid(which, own)
+        for job, place in zip(members, places, strict=True):
+            alpha, eta = interfaces[:, job]
+            back = adding.interface_modes(alpha, eta, own)
+            values, depth = adding.seen_inside(modes[place], back, media[job], own)
+            values = adding.at_nodes(values, own, below.reflector.knots)
+            more[job] = np.log(np.maximum(values, 1e-30))
+            lower = mirrored[:, [place]]
+            if lower.any():
+                upper = adding.mirror(alpha, eta, own)
+                factors[job] = adding.interreflection([depth], upper, lower)[1][:, 0]
+    return more, factors if (factors != 1).any() else None
 
 
 def _spanning(jobs: Jobs) -> tuple[list[int], np.ndarray]:
@@ -244,8 +272,11 @@ class _Kernel:
     def __call__(self, lane: Lane) -> Any:
         jobs, (wi, wo) = self._jobs, lane.directions()
         self._bottom, self._more = jobs.bottom.in_lane(lane), lane.table(jobs.more)
-        self._times = None if jobs.times is None else lane.nearest(jobs.times)
-        self._depth = lane.number(jobs.depth) if jobs.depth.any() else None
+        self._interreflection = (
+            None if jobs.interreflection is None else lane.nearest(jobs.interreflection)
+        )
+        numbers = iter([lane.number(x) for x in jobs.media.T] if jobs.media.any() else [])
+        self._media = list(zip(numbers, numbers, numbers, strict=True))
         if not self._refracted:
             once, places = self._once(wi, wo)
             return once + self._again(wi, wo, places)
@@ -273,17 +304,22 @@ class _Kernel:
     def _once(self, wi: Any, wo: Any) -> tuple[Any, tuple[Any, ...]]:
         """Light that the bottom reflects, and the coordinates of the pair in the tables."""
         value, places = self._bottom(wi, wo)
-        if self._depth is not None:
-            value = value * DRJIT.exp(-self._depth * (1 / wi.z + 1 / wo.z))
-        if self._times is not None:
-            value = value * (self._times(wi.z) * self._times(wo.z))
+        value = value * self._by_media(wi, wo)[1]
+        if self._interreflection is not None:
+            value = value * (self._interreflection(wi.z) * self._interreflection(wo.z))
         return value, places
 
     def _again(self, wi: Any, wo: Any, places: tuple[Any, ...]) -> Any:
         """Light that the media or the interface turn back."""
+        once, _ = self._by_media(wi, wo)
         if self._jobs.bottom.stretch2 is None:
-            return DRJIT.exp(self._more(places))
-        return self._more(adding_quadrant.coordinates(wi, wo, DRJIT))
+            return once + DRJIT.exp(self._more(places))
+        return once + self._more(adding_quadrant.coordinates(wi, wo, DRJIT))
+
+    def _by_media(self, wi: Any, wo: Any) -> tuple[Any, Any]:
+        """Light that the media reflect once, and the share that they leave of other light."""
+        cosine = wi.x * wo.x + wi.y * wo.y + wi.z * wo.z
+        return adding.reflected_once(self._media, wi.z, wo.z, cosine, DRJIT)
 
     @staticmethod
     def _crossed(outside: Any, alpha: Any, eta: Any, u: Sequence[Any]) -> Any:

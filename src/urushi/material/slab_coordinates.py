@@ -20,8 +20,8 @@ from urushi.core.table import (
     MIN_COSINE,
     SHAPE,
     Knots,
-    completed,
     coordinates,
+    interpolated_nodes,
     knots_of,
     knotted,
     known_nodes,
@@ -50,7 +50,7 @@ Faces = tuple[tuple[float, float], tuple[float, float]]
 InnerLobes = Sequence[tuple[float, float, float]]
 
 
-def entering(above: Any, below: Any, faces: Faces, xp: Namespace) -> Any:
+def grazing_factor(above: Any, below: Any, faces: Faces, xp: Namespace) -> Any:
     """A factor of transmitted light that is steep near the horizon: what enters denser layers.
 
     A table of the rest is smooth, also where refraction bends all light of the horizon into a cone.
@@ -159,7 +159,7 @@ def tabulated(
     pairs = (w.reshape(*PASSED_SHAPE, 3)[rows].reshape(-1, 3) for w in passed_node_pairs(index))
     values = np.empty((math.prod(shape), channels), np.float32)
     fill_blocks(values, f, *pairs, rows=ROWS)
-    result = completed(values.reshape(*shape, channels), knots)
+    result = interpolated_nodes(values.reshape(*shape, channels), knots)
     if symmetric:
         result = np.concatenate([result, result[:, :, half - 2 :: -1]], axis=2)
     return result

@@ -33,12 +33,12 @@ from urushi.material.crossing import (
 from urushi.material.slab_coordinates import (
     Faces,
     denser_coordinates,
-    entering,
+    grazing_factor,
     refracted,
     tabulated,
 )
 from urushi.material.slab_shares import Layers
-from urushi.material.substrate import Substrate
+from urushi.material.substrate import OnGrid
 
 #: Directions inside for each node, drawn from either side.
 STRAIGHT = 34
@@ -80,27 +80,27 @@ class HalfVectors(NamedTuple):
 
 
 def transmitted(
-    layers: Layers, insides: list[Substrate], faces: Faces, channels: int
+    layers: Layers, insides: list[OnGrid], faces: Faces, channels: int
 ) -> Callable[[np.ndarray, np.ndarray], np.ndarray]:
-    """f / index^2 [1/sr] of transmission over `entering`: a function of directions above and below.
+    """f / index^2 [1/sr] of transmission over `grazing_factor`.
 
     Args:
         layers: the slab.
         insides: what lies below each of its media.
-        faces: of `entering`.
+        faces: of `grazing_factor`.
     """
     scattered, attenuations = _scattered(layers, insides, channels)
     straight = _straight(layers, attenuations, channels)
 
     def whole(wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
         every = straight(wi, wo) + np.maximum(scattered(wi, wo), 0)
-        return every / entering(Components(*wi.T), Components(*wo.T), faces, NUMPY)[:, None]
+        return every / grazing_factor(Components(*wi.T), Components(*wo.T), faces, NUMPY)[:, None]
 
     return whole
 
 
 def _scattered(
-    layers: Layers, insides: list[Substrate], channels: int
+    layers: Layers, insides: list[OnGrid], channels: int
 ) -> tuple[Callable[[np.ndarray, np.ndarray], np.ndarray | float], list[Attenuation]]:
     """f / index^2 [1/sr] of all but straight light, and the attenuations of the media."""
     if not insides:
@@ -115,7 +115,6 @@ def _scattered(
     for level, (below, own) in reversed(list(enumerate(zip(insides, grids, strict=True)))):
         (alpha, eta), edges = interfaces[level], below.edges
         back, media = adding.interface_modes(alpha, eta, edges), layers.media[level]
-        assert below.modes is not None  # for the type checker
         fields, straights, depths = zip(
             *(
                 adding.passed_inside(modes, back, media[..., channel], edges)
@@ -126,7 +125,7 @@ def _scattered(
         every = [a @ b for a, b in zip(every, fields, strict=True)]
         direct = [a * b for a, b in zip(direct, straights, strict=True)]
         upper = adding.mirror(alpha, eta, edges)
-        crossing = adding.to_and_fro(depths, upper, below.mirrored)[0]
+        crossing = adding.interreflection(depths, upper, below.mirrored)[0]
         attenuations.insert(0, adding.nearest(crossing))
         if level:
             above = grids[level - 1]

@@ -34,7 +34,7 @@ from urushi.material.reflector import Reflector
 from urushi.material.slab_coordinates import (
     Faces,
     InnerLobes,
-    entering,
+    grazing_factor,
     mirrored_inside,
     passed_coordinates,
     passed_node_pairs,
@@ -42,7 +42,7 @@ from urushi.material.slab_coordinates import (
 )
 from urushi.material.slab_light import transmitted
 from urushi.material.slab_shares import Layers, Shares, shares
-from urushi.material.substrate import Substrate
+from urushi.material.substrate import OnGrid, Substrate
 from urushi.nets import lobe as lobes
 from urushi.nets.weights import Model
 from urushi.walk import slabs
@@ -69,7 +69,7 @@ class SlabTables(NamedTuple):
         reflected: above it and below it, without the lobe of the first interface, over
             `mirrored_inside`.
         passed: float16 (*`PASSED_SHAPE`, C) logarithms of f / index^2 of transmission, of the index
-            on wo's side, over `entering` of both directions.
+            on wo's side, over `grazing_factor` of both directions.
         eta: index below it relative to above.
         faces: alpha and eta of the first interface on each side.
         depths: (2, C) optical depths of the media on each side of the interfaces.
@@ -105,7 +105,7 @@ class SlabTables(NamedTuple):
             values = interpolated_at(
                 self.passed, *passed_coordinates(above, below, self.eta, NUMPY)
             )
-            scale = entering(above, below, self.faces, NUMPY)[:, None]
+            scale = grazing_factor(above, below, self.faces, NUMPY)[:, None]
             result[at] = values * scale * (1 if lower else self.eta**2)
         return result
 
@@ -209,21 +209,21 @@ def _passed_light(own: Shares, index: float, faces: Faces, side: int) -> Light:
     far, weights = half_vector_rule(np.stack(list(seen), axis=1), azimuths=AROUND)
     first = np.broadcast_to(np.stack(list(near), axis=1)[:, None], far.shape).reshape(-1, 3)
     above, below = (Components(*w.T) for w in (first, far.reshape(-1, 3))[:: 1 - 2 * side])
-    scale = entering(above, below, faces, NUMPY).reshape(weights.shape) * index ** (2 - 2 * side)
+    scale = grazing_factor(above, below, faces, NUMPY).reshape(weights.shape) * index ** (
+        2 - 2 * side
+    )
     weights = weights * far[..., 2] * scale
     places = list(passed_coordinates(above, below, index, NUMPY))
     return Light(angles, own.at(angles)[1], weights, places)
 
 
-def _reflected(
-    model: Model, layers: Layers, every: list[Shares]
-) -> tuple[Material, list[Substrate]]:
+def _reflected(model: Model, layers: Layers, every: list[Shares]) -> tuple[Material, list[OnGrid]]:
     """What the slab reflects above without its first interface's lobe, and what lies below media.
 
     every: shares of what lies from each interface on, from the first to the last.
     """
     channels, lobe = every[0].passed.shape[-1], slice(model.arch.lobe)
-    below, insides = None, list[Substrate]()
+    below, insides = None, list[OnGrid]()
     for level in reversed(range(len(layers.interfaces))):
         interface = layers.interfaces[level]
         alpha, eta = np.broadcast_to(interface, (channels, 2)).T
@@ -232,19 +232,20 @@ def _reflected(
         logs = np.full((*SHAPE, channels), MIN_LOG, np.float16)
         knots = knots_of(np.sin(layers.edges(level)).tolist())
         if below is not None:
-            edges = layers.edges(level + 1)
-            modes = mirrored = None
-            if not insides:
+            edges, reflector = layers.edges(level + 1), Reflector.of(below)
+            if insides:
+                inside = OnGrid.of(reflector, edges)
+            else:
                 surface = layers.interfaces[-1, 0], 1 / layers.interfaces[-1, 1], edges
                 modes = np.stack([adding.interface_modes(*surface)] * channels)
-                mirrored = adding.mirror(*surface).repeat(channels, axis=1)
-            own = Substrate.of(Reflector.of(below), modes, mirrored, edges)
+                inside = OnGrid(edges, modes, adding.mirror(*surface).repeat(channels, axis=1))
+            own = Substrate.of(reflector, inside)
             if eta[0] == 1:  # the lobe below is seen beside the table
                 seen = replace(below, beside_lobe=False)
                 own = replace(own, reflector=Reflector.of(seen))
             inner = layers.from_interface(level).inner_lobes()
             factor = _at_nodes(knots, inner)
-            insides.insert(0, own)
+            insides.insert(0, inside)
             media = layers.media[level].reshape(-1, channels)
             columns = np.stack([alpha, eta]), media, SLAB_POINTS
             rest = rest_at_nodes(own, *columns, knots, factor)

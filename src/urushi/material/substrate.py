@@ -1,7 +1,10 @@
 """BRDFs below coats: all that light transport through any coat needs of them, computed once."""
 
 import functools
+import math
+from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -21,35 +24,43 @@ PART_OF_PEAK = 0.25
 LEAST_TILT = 0.04
 
 
+#: Angles [rad] of total reflection for which grids are made; they lie evenly.
+EDGE_STEP = 1 / 32
+
+#: Largest of them: behind it there is no room for nodes.
+LAST_EDGE = 1.5
+
+
+class OnGrid(NamedTuple):
+    """BRDFs of one width and C channels on a grid of directions, see `adding`."""
+
+    edges: adding.Edges  # of the medium above
+    modes: np.ndarray  # (C, H, N, N)
+    mirrored: np.ndarray  # (M, C) shares of light at `adding.MIRROR_COSINES` that is mirrored
+
+    @classmethod
+    def of(cls, reflector: Reflector, edges: adding.Edges) -> "OnGrid":
+        """BRDFs on the grid with these edges."""
+        own, modes = adding.grid(edges), adding.bottom_modes(reflector.f, edges)
+        shares = np.stack([own.mirror_shares(m) for m in modes], axis=-1)
+        return cls(edges, modes, own.at_cosines(shares))
+
+
 @dataclass(frozen=True, eq=False)
 class Substrate:
     """BRDFs of C channels below coats. Make it with `of`."""
 
     reflector: Reflector
     width: np.ndarray  # (C,), or (C, 2), of the brightest lobes; infinite without one
-    modes: np.ndarray | None  # (C, H, N, N), see `adding`; None: of two widths
-    mirrored: np.ndarray  # (M, C) shares of light at `adding.COSINES` that it mirrors
-    edges: adding.Edges = ()  # of the medium above it
+    of_slab: OnGrid | None = None  # on the grid of the medium of a slab
 
     @classmethod
-    def of(
-        cls,
-        reflector: Reflector,
-        modes: np.ndarray | None = None,
-        mirrored: np.ndarray | None = None,
-        edges: adding.Edges = (),
-    ) -> "Substrate":
-        """The substrate of BRDFs; of a slab with these edges, its modes and what it mirrors."""
-        if reflector.stretch2 is not None:
-            values = reflector.f(*probe_pairs(ANISOTROPIC_PROBES, 2))
-            width = fit_lobes(values.T, 2)[:, lobes.WIDTH_PLACES[2]]
-            return cls(reflector, width, None, np.zeros((1, reflector.channels)))
-        if modes is None:
-            modes = adding.bottom_modes(reflector.f, edges)
-        if mirrored is None:
-            own = adding.grid(edges)
-            mirrored = own.at_cosines(np.stack([own.mirror_shares(m) for m in modes], axis=-1))
-        return cls(reflector, _widths(reflector), modes, mirrored, edges)
+    def of(cls, reflector: Reflector, of_slab: OnGrid | None = None) -> "Substrate":
+        """The substrate of BRDFs."""
+        if reflector.stretch2 is None:
+            return cls(reflector, _widths(reflector), of_slab)
+        values = reflector.f(*probe_pairs(ANISOTROPIC_PROBES, 2))
+        return cls(reflector, fit_lobes(values.T, 2)[:, lobes.WIDTH_PLACES[2]])
 
     @property
     def channels(self) -> int:
@@ -59,39 +70,52 @@ class Substrate:
     @property
     def widths(self) -> int:
         """The number of GGX widths."""
-        return 1 if self.modes is not None else 2
+        return 1 if self.reflector.stretch2 is None else 2
 
     def narrow(self, alpha: np.ndarray, eta: np.ndarray, channels: np.ndarray) -> np.ndarray:
         """Whether the lobes of channels (D,) are narrow below interfaces (D,), of widths alpha."""
         narrowest = self.width.reshape(self.channels, -1).min(axis=1)
         return np.abs(1 - 1 / eta) * alpha > LEAST_TILT * narrowest[channels]
 
+    def edges(self, eta: float) -> adding.Edges:
+        """Of the medium below an interface of relative index eta: where it reflects totally.
+
+        Those of coats are rounded to `EDGE_STEP`.
+        """
+        if self.of_slab is not None:
+            return self.of_slab.edges
+        angle = math.asin(1 / max(eta, 1.0))
+        return (EDGE_STEP * round(angle / EDGE_STEP),) if angle < LAST_EDGE else ()
+
+    def on_grid(self, channels: np.ndarray, edges: adding.Edges) -> OnGrid:
+        """Channels (D,) of one width on the grid with these edges."""
+        if self.of_slab is None:
+            return _on_grid(self, tuple(channels), edges)
+        return OnGrid(edges, self.of_slab.modes[channels], self.of_slab.mirrored[:, channels])
+
     def turned_back(
-        self, channel: int, alpha: float | Widths, eta: float, layers: np.ndarray
-    ) -> tuple[np.ndarray, float]:
-        """Light that media (k, 3) or an interface above turn back, and the optical depth.
+        self, channel: int, alpha: Widths, eta: float, layer: Sequence[float]
+    ) -> np.ndarray:
+        """Light of two widths that a medium, `resolved`, or an interface above turns back.
 
         Returns:
-            float32, ln f at the nodes of the table for one width, f of `adding_quadrant.table` for
-            two; and the depth that attenuates light from the bottom.
+            float32 f of `adding_quadrant.table`.
         """
-        if self.modes is None:
-            (layer,) = layers
-            medium = adding.resolved(*layer)
-            back = adding_quadrant.interface_parts(alpha, eta)
-            values = adding_quadrant.seen_inside(_parts_of(self, channel), back, medium)
-            return adding_quadrant.table(values), medium[1]
-        back = adding.interface_modes(alpha, eta, self.edges)
-        values, depth = adding.seen_inside(self.modes[channel], back, layers, self.edges)
-        places = self.edges, self.reflector.knots
-        at_nodes = adding.at_nodes(values, *places) + adding.backward_peaks(layers, *places)
-        return np.log(np.maximum(at_nodes, 1e-30)), depth
+        back = adding_quadrant.interface_parts(alpha, eta)
+        values = adding_quadrant.seen_inside(_parts_of(self, channel), back, layer)
+        return adding_quadrant.table(values)
 
 
 @functools.lru_cache(maxsize=4)
 def of_material(material: Material) -> Substrate:
     """A material, without its rotation, as a substrate; it does not depend on the coat."""
     return Substrate.of(Reflector.of(material))
+
+
+@functools.lru_cache(maxsize=16)
+def _on_grid(below: Substrate, channels: tuple[int, ...], edges: adding.Edges) -> OnGrid:
+    """See `Substrate.on_grid`."""
+    return OnGrid.of(below.reflector.taken(channels), edges)
 
 
 @functools.lru_cache(maxsize=16)

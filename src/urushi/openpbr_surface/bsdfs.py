@@ -184,7 +184,7 @@ class OpenPBRSurface(Surface):
         for part in vertex.parts:
             own, density = part.bsdf._f_and_pdf(part.vertex, ctx, si, wo, active)
             if part.bsdf is self._coated and self._compensation:
-                own = self._compensation.completed(vertex.compensation, own, wo)
+                own = self._compensation.with_lost_light(vertex.compensation, own, wo)
             f += part.weight * own
             pdf += part.weight * density
         if self._absorbs:

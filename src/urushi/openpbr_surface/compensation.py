@@ -112,7 +112,7 @@ class Compensation:
             parts.append(Part(place, lost, formulas.promised(albedo, internal)))
         return Vertex(share, eta, tint, _path(si.wi, eta), parts)
 
-    def completed(self, vertex: Vertex, f, wo):
+    def with_lost_light(self, vertex: Vertex, f, wo):
         """f [1/sr] of the coated base with the light that it loses."""
         tint, total = mi.Spectrum(1), f
         for half_log in vertex.tint:  # of the refracted paths along wi and wo

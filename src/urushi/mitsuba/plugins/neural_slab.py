@@ -11,7 +11,7 @@ from urushi.core.table import MIN_COSINE
 from urushi.errors import ParameterError
 from urushi.material.slab_coordinates import (
     PASSED_SHAPE,
-    entering,
+    grazing_factor,
     mirrored_inside,
     passed_coordinates,
 )
@@ -42,19 +42,19 @@ LARGEST = {"albedo": 1, "sigma_t": np.inf}
 STEP = 0.02
 
 #: Cosines for which proposals are computed, and the least and largest share of reflected samples.
-COSINES, SHARES = 33, (0.03, 0.97)
+ELEVATIONS, SHARES = 33, (0.03, 0.97)
 
 
 def _lobes(tables: SlabTables) -> np.ndarray:
-    """Proposals (2, `COSINES`, 9), of each side and the root of the cosine of wi.
+    """Proposals (2, `ELEVATIONS`, 9), of each side and the root of the cosine of wi.
 
     The share that is reflected, within `SHARES`; and widths at `QUANTILES` of the half angles, of
     reflected light and of transmitted light, as `coats.BottomLobes`.
     """
-    found = np.empty((2, COSINES, 1 + 2 * len(QUANTILES)), np.float32)
+    found = np.empty((2, ELEVATIONS, 1 + 2 * len(QUANTILES)), np.float32)
     sides = 1 if tables.reflected[0] is tables.reflected[1] else 2
-    for side, row in np.ndindex(sides, COSINES):
-        cosine = max((row / (COSINES - 1)) ** 2, MIN_COSINE)
+    for side, row in np.ndindex(sides, ELEVATIONS):
+        cosine = max((row / (ELEVATIONS - 1)) ** 2, MIN_COSINE)
         wi = np.array([(1 - cosine**2) ** 0.5, 0, cosine * (1 - 2 * side)])
         both = [(tangents, power.mean(axis=1)) for tangents, power in tables.powers(wi)]
         widths = [width(*x, q, ((1 - q) / q) ** 0.5) for x in both for q in QUANTILES]
@@ -181,7 +181,7 @@ class NeuralSlab(CoatedSurface):
         def passed(a, b):
             places = passed_coordinates(a, b, self._ratio, DRJIT)
             logs = interpolated(self._passed, PASSED_SHAPE, [dr.clip(x, 0, 1) for x in places])
-            scale = entering(a, b, self._surfaces, DRJIT)
+            scale = grazing_factor(a, b, self._surfaces, DRJIT)
             return [dr.exp(log) * scale for log in logs[: len(channels)]]
 
         pair = dr.select(upper, inside.wi, up), dr.select(upper, up, inside.wi)
