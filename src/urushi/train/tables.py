@@ -22,7 +22,14 @@ from tqdm import tqdm
 from urushi import files
 from urushi.checks import CoatParameters
 from urushi.core.probe_pairs import probe_pairs
-from urushi.core.table import MIN_LOG, SHAPE, completed, known_nodes, node_pairs, table_of_values
+from urushi.core.table import (
+    MIN_LOG,
+    SHAPE,
+    interpolated_nodes,
+    known_nodes,
+    node_pairs,
+    table_of_values,
+)
 from urushi.errors import FileError
 from urushi.material.coated_values import coated_f
 from urushi.material.reflector import Reflector
@@ -253,7 +260,7 @@ def coated(below: Substrate, coat: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     rows = np.ix_(*known_nodes(()))
     pairs = (w.reshape(*SHAPE, 3)[rows].reshape(-1, 3) for w in node_pairs())
     f = coated_f(below, CoatParameters(*coat[:, None]), *pairs)
-    values = completed(f.reshape(*(row.size for row in rows), SHAPE[2], 1), ())
+    values = interpolated_nodes(f.reshape(*(row.size for row in rows), SHAPE[2], 1), ())
     own = lobes.of_coat(*coat[:2, None]).astype(np.float32)
     return own, table_of_values(values.reshape(-1, 1)).reshape(1, -1)
 
