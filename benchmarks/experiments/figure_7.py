@@ -150,4 +150,4 @@ def tables(found: Found) -> list[str]:
     return [table(["material", *map(", ".join, columns)], rows)]
 
 
-EXPERIMENT = Experiment(cases, measure, tables, plot, models=NETWORKS, minutes=3)
+EXPERIMENT = Experiment(cases, measure, tables, plot, models=NETWORKS, minutes=9)
