@@ -415,14 +415,15 @@ def seen_inside(
     Args:
         bottom, interface: modes (H, N, N).
         layers: albedo, sigma_t and g of the media, top to bottom.
-        edges: of slabs.
+        edges: of the grid; None: it has none, and light that both surfaces mirror is not excepted.
 
     Returns:
         Values (N, N, H) [1/sr] of all light except that reflected once, by the bottom or by the
-        media (`reflected_once`); and the optical depth that attenuates light from the bottom. In
-        slabs, this light counts as often as both surfaces mirror it (`interreflection`).
+        media (`reflected_once`); and the optical depth that attenuates light from the bottom. With
+        edges, light that both surfaces mirror, any number of times, is excepted, too
+        (`interreflection`).
     """
-    layers = list(layers)
+    layers = [resolved(*layer) for layer in layers]
     own, through, _, up, depth = media_transport(bottom, layers, edges or ())
     every = enclosed(up, interface, own.weights)
     mirrored = own.mirror_shares(interface) * own.mirror_shares(bottom) if edges is not None else 0
@@ -452,11 +453,10 @@ def reflected_once(
 
 
 def reflected_once_on_grid(layers: Iterable[Sequence[float]], own: Grid) -> np.ndarray:
-    """Values (N, N, H) [1/sr] of light that media scatter once, as a part of `medium`."""
+    """Values (N, N, H) [1/sr] of light that media, `resolved`, scatter once, as `medium` has it."""
     a, b, between = own.cosines[:, None, None], own.cosines[:, None], own.dots()
     total, left = np.zeros_like(between), np.ones_like(between)
-    for layer in layers:
-        albedo, sigma_t, g = resolved(*layer)
+    for albedo, sigma_t, g in layers:
         once, kept = reflected_once([(albedo, sigma_t, g)], a, b, between)
         if albedo * sigma_t > LEAST_SCATTERING:
             total += left * once * _thin_layer(sigma_t, g, own)[0].factors[..., None]

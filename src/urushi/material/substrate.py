@@ -24,10 +24,10 @@ PART_OF_PEAK = 0.25
 LEAST_TILT = 0.04
 
 
-#: Angles [rad] of total reflection for which grids are made; they lie evenly.
+#: Angles of total reflection are rounded to this step [rad]: coats of similar index share a grid.
 EDGE_STEP = 1 / 32
 
-#: Largest of them: behind it there is no room for nodes.
+#: Largest angle of total reflection at which a grid is divided: behind it is no room for nodes.
 LAST_EDGE = 1.5
 
 

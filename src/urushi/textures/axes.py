@@ -249,10 +249,8 @@ def bake(
     x = points(len(own), POINTS[model.widths][len(own) - 1]) if own else np.zeros((1, 0))
     given = rows.rests(values(x))
     ceiling = 1 - MARGIN + np.pi * FAINT
-    computed = with_dark_edges(model, codes_of_rests(model, given, lobes_at(x)), ceiling)[
-        ..., size:
-    ]
-    smooth = spline(x, np.moveaxis(computed, 0, 1))
+    computed = with_dark_edges(model, codes_of_rests(model, given, lobes_at(x)), ceiling)
+    smooth = spline(x, np.moveaxis(computed[..., size:], 0, 1))
 
     def rests_at(x: np.ndarray) -> np.ndarray:
         """Rests (C, k, K) at coordinates (k, d)."""

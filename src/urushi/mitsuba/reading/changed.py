@@ -31,8 +31,8 @@ PLUGINS: Mapping[str, tuple[str, Mapping[str, str]]] = {
 #: The line of a `roughplastic`'s description that says it is nonlinear.
 NONLINEAR = "nonlinear = 1"
 
-#: Properties of `normalmap` and `bumpmap` that they do not tell, by default true, and the number of
-#: pairs at which they are found.
+#: Switches of `normalmap` and `bumpmap`, true by default. Descriptions of these plugins leave them
+#: out, so that they are found from f at this many pairs.
 SWITCHES, SWITCH_PAIRS = ("use_shadowing_function", "flip_invalid_normals"), 1024
 
 
