@@ -1,0 +1,89 @@
+"""The transmittance of a material's topmost interface, where it is one to a thinner medium.
+
+All light that a material reflects, but for its lobe, passes this interface twice. From the denser
+side, an interface reflects totally beyond the critical angle. The rest of f so has edges in both
+directions, which no smooth function of them draws. It is therefore
+
+    f(wi, wo) = lobe + T(wi) T(wo) g(wi, wo),
+
+with T of a formula, and g of the table or the code of a material. T is one for all other lobes.
+
+T follows the rough interface with an error that g takes up. Let c be the cosine of a direction, s
+its sine, c0 the cosine of the critical angle, and w = alpha s, about the spread of the cosines
+between the direction and facets. With r(x, w) = (x + sqrt(x^2 + w^2)) / 2, a ramp whose edge has
+the width w, and the share P(x) = r(x, w) / sqrt(x^2 + w^2) of GGX slopes below x / w,
+
+    T = P(c - c0) / P(c) (1 - F),
+
+where F is Fresnel's reflectance for the refracted cosine with the square
+r((c^2 - c0^2) / eta^2, 2 w c0 / eta^2). T goes to one where eta does.
+"""
+
+from collections.abc import Sequence
+from typing import Any
+
+from urushi.checks import Widths
+from urushi.core.namespace import Components, Namespace, arrays, components
+from urushi.core.table import MIN_COSINE
+
+#: Least square of the width w.
+LEAST_WIDTH2 = 1e-9
+
+
+def both_ways(lobe: Any, wi: Any, wo: Any) -> Any:
+    """T(wi) T(wo) (...) of materials with lobes (..., N), for directions (..., 3).
+
+    The arguments broadcast. wi and wo are above the horizon.
+    """
+    own = of_lobe(lobe, wi), of_lobe(lobe, wo)
+    return own[0] * own[1]
+
+
+def of_lobe(lobe: Any, w: Any) -> Any:
+    """T (...) of lobes (..., N), see `nets.lobe`, for directions (..., 3) above the horizon."""
+    alpha = lobe[..., 0] if lobe.shape[-1] == 6 else Widths(lobe[..., 0], lobe[..., 6])
+    numbers = [lobe[..., place] for place in (3, 4, 5)]
+    return transmittance(alpha, numbers, components(w), arrays(lobe))
+
+
+def transmittance(alpha: Any, numbers: Sequence[Any], w: Components, xp: Namespace) -> Any:
+    """T of an interface for a direction.
+
+    alpha: its GGX width or `Widths`. numbers: the factor of its Fresnel term, and its index
+    eta - i k; the factor is None for one, and k for a dielectric.
+    """
+    factor, eta, k = numbers
+    share = of_interface(alpha, xp.minimum(eta, 1.0), w, xp)
+    if factor is not None:
+        share = 1.0 - factor * (1.0 - share)
+    share = xp.where(eta < 1.0, share, 1.0)
+    return share if k is None else xp.where(k > 0.0, 1.0, share)
+
+
+def of_interface(alpha: Any, eta: Any, w: Components, xp: Namespace) -> Any:
+    """T of a dielectric interface of an index of at most one."""
+    named = xp.named
+    c = named("above", xp.maximum(w.z, MIN_COSINE))
+    if isinstance(alpha, Widths):
+        x, y = alpha.u * w.x, alpha.v * w.y
+        spread2 = x * x + y * y
+    else:
+        spread2 = alpha * alpha * (1.0 - c * c)
+    spread2 = named("spread2", xp.maximum(spread2, LEAST_WIDTH2))
+    c02 = named("critical2", xp.positive(1.0 - eta * eta))
+    beyond = named("beyond", c - xp.safe_sqrt(c02))
+    below, size = ramp(beyond, spread2, xp)
+    all_below, all_size = ramp(c, spread2, xp)
+    scale = named("per_index", 1.0 / (eta * eta))
+    inside2, _ = ramp((c * c - c02) * scale, 4.0 * spread2 * c02 * scale * scale + 1e-12, xp)
+    inside = named("inside", xp.sqrt(xp.minimum(inside2, 1.0)))
+    s, p = named("across", c + eta * inside), named("along", eta * c + inside)
+    passed = 2.0 * eta * c * inside * (1.0 / (s * s) + 1.0 / (p * p))
+    return named("transmittance", passed * (below * all_size) / (size * all_below))
+
+
+def ramp(x: Any, width2: Any, xp: Namespace) -> tuple[Any, Any]:
+    """r = (x + root) / 2 without loss of digits, and root = sqrt(x^2 + width2)."""
+    root = xp.named("root", xp.sqrt(x * x + width2))
+    high = xp.named("high", 0.5 * (xp.absolute(x) + root))
+    return xp.named("ramp", xp.where(x > 0.0, high, 0.25 * width2 / high)), root
