@@ -14,6 +14,7 @@ from urushi.material.layer import layer_material, transported_codes
 from urushi.material.source import STACK_WALKS
 from urushi.material.values import material_from_values, material_of_lobes, required_pairs
 from urushi.nets import lobe as lobes
+from urushi.nets.transmittance import remainder
 from urushi.nets.weights import Model
 from urushi.train.bottoms import bottom_lobes
 from urushi.walk import StackTable
@@ -64,8 +65,8 @@ def _lower(model: Model, samples: Samples, encoded: int, exact: bool) -> Materia
     if encoded or not exact:
         return found
     wi, wo = node_pairs()
-    own = lobes.f(found.latents[:, None, : model.arch.lobe], wi, wo)
-    rest = np.maximum(lower_values(samples, 0, wi, wo) - own, 0)
+    lobe = found.latents[:, None, : model.arch.lobe]
+    rest = remainder(lower_values(samples, 0, wi, wo), lobe, wi, wo)
     return replace(found, table=table_of_values(rest.T), beside_lobe=True)
 
 

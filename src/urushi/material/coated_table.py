@@ -2,8 +2,8 @@
 
 A code is too coarse for a measured BRDF, and a coat over the code inherits its error. Light
 transport (`urushi.material.coated_values`) is therefore computed for a sixth of a table's nodes.
-Between them, logarithms are cubic (`core.table.interpolated_nodes`). Under indices below one, all
-nodes are computed.
+Between them, logarithms are cubic (`core.table.interpolated_nodes`). The table holds f without the
+lobe of the coat over T(wi) T(wo) of `nets.transmittance`, which has the edges of total reflection.
 """
 
 from collections.abc import Sequence
@@ -25,12 +25,10 @@ from urushi.material.coated_values import HALF, NARROW, WIDE, coated_values
 from urushi.material.material import Material
 from urushi.material.substrate import Substrate, of_material
 from urushi.nets import lobe as lobes
+from urushi.nets.transmittance import both_ways
 
 #: Numbers of points in slabs, see `coated_values`.
 SLAB_POINTS = 64, 64, 64
-
-#: Factor of tables that are smooth.
-ONES = np.ones(SHAPE, np.float32)
 
 #: Cosines at which the albedo is limited.
 LIMITED_COSINES = np.array([1.0, 0.9, 0.75, 0.6, 0.45, 0.3, 0.2, 0.1, 0.05, 0.02, 0.01])
@@ -39,33 +37,35 @@ LIMITED_COSINES = np.array([1.0, 0.9, 0.75, 0.6, 0.45, 0.3, 0.2, 0.1, 0.05, 0.02
 ROUNDS = 4
 
 
-def coated_rest(bottom: Material, coat: CoatParameters) -> np.ndarray:
-    """f float32 (N, C) [1/sr] at the nodes of a coated material without the interface's lobe.
+def coated_rest(bottom: Material, coat: CoatParameters, passed: np.ndarray) -> np.ndarray:
+    """f float32 (N, C) [1/sr] at the nodes of a coated material without the interface's lobe, over
+    T(wi) T(wo).
 
     Args:
         bottom: of C channels or one.
         coat: numbers or arrays (C,), with one width.
+        passed: (N, C) T(wi) T(wo) at the nodes.
     """
     below = of_material(bottom)
     *columns, _ = np.broadcast_arrays(*coat, np.arange(below.channels))
     parameters = np.stack(columns).astype(np.float64)
-    return rest_at_nodes(below, parameters[:2], parameters[2:])
+    return rest_at_nodes(below, parameters[:2], parameters[2:], passed)
 
 
 def rest_at_nodes(
     below: Substrate,
     interfaces: np.ndarray,
     media: np.ndarray,
+    factor: np.ndarray,
     points: tuple[int, int, int] = (WIDE, NARROW, HALF),
     knots: Knots = (),
-    factor: np.ndarray = ONES,
 ) -> np.ndarray:
-    """f float32 (N, C) [1/sr] at the nodes of coats over a substrate of C channels or one.
+    """f over a factor, float32 (N, C), at the nodes of coats over a substrate of C channels or one.
 
     Args:
         interfaces, media, points: as of `coated_values`; a slab has `SLAB_POINTS`.
+        factor: (N, C) or (N, 1), about f's edges: the quotient is smooth between the nodes.
         knots: of the table, for slabs; edges of total reflection are there.
-        factor: float32 (U, V, W), by which f is divided to be smooth between the nodes.
     """
     count = media.shape[1]
     channels = np.broadcast_to(np.arange(below.channels), count)
@@ -77,15 +77,14 @@ def rest_at_nodes(
         parts = channels[chosen], interfaces[:, chosen], media[:, chosen], pairs[0], pairs[1]
         return coated_values(below, *parts, points=points)
 
-    # Without an interface, a pair costs little. Edges of total reflection are too steep for cubics,
-    # but for those at knots.
-    whole = interfaces[1] == 1 if knots else interfaces[1] <= 1
+    factor = np.broadcast_to(factor, result.shape)
+    whole = interfaces[1] == 1  # without an interface, a pair costs little
     if whole.any():
-        result[:, whole] = at(every, whole)
+        result[:, whole] = at(every, whole) / factor[:, whole]
     if not whole.all():
         values = at(known, ~whole).reshape(*(row.size for row in rows), SHAPE[2], -1)
-        values = interpolated_nodes(values / factor[rows][..., None], knots) * factor[..., None]
-        result[:, ~whole] = values.reshape(len(result), -1)
+        values /= factor[:, ~whole].reshape(*SHAPE, -1)[rows]
+        result[:, ~whole] = interpolated_nodes(values, knots).reshape(len(result), -1)
     return result
 
 
@@ -99,13 +98,13 @@ def coated_table(bottom: Material, coat: CoatParameters, lobe: np.ndarray) -> np
         bottom, coat: as of `coated_rest`.
         lobe: (C, N) of the interface. No table has it: near the horizon it changes too fast.
     """
-    rest = coated_rest(bottom, coat)
     own = lobe.astype(np.float64)
 
     def top(wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
         return lobes.f(own, wi[:, None].astype(np.float64), wo[:, None].astype(np.float64))
 
-    of_rest = _albedos_of_values(rest)
+    rest = coated_rest(bottom, coat, both_ways(lobe, *(w[:, None] for w in node_pairs())))
+    of_rest = _albedos_of_values(rest, lobe)
     of_top = adding.albedos(top, LIMITED_COSINES)
     ceiling = np.full(rest.shape[1], 1 - energy.MARGIN)
     if (of_rest + of_top > ceiling).any():
@@ -117,7 +116,7 @@ def coated_table(bottom: Material, coat: CoatParameters, lobe: np.ndarray) -> np
         if (factors == 1).all():
             break
         rest *= _least_factors(factors)
-        of_rest = _albedos_of_values(rest)
+        of_rest = _albedos_of_values(rest, lobe)
     return table_of_values(rest)
 
 
@@ -133,7 +132,11 @@ def _least_factors(factors: np.ndarray) -> np.ndarray:
     return np.stack(columns, axis=1).astype(np.float32)
 
 
-def _albedos_of_values(f: np.ndarray) -> np.ndarray:
-    """Albedos (N, C) at `LIMITED_COSINES` of the table of values f (M, C) at `node_pairs`."""
-    table = table_of_values(f).astype(np.float32)
-    return adding.albedos(lambda wi, wo: interpolated(table, wi, wo), LIMITED_COSINES)
+def _albedos_of_values(rest: np.ndarray, lobe: np.ndarray) -> np.ndarray:
+    """Albedos (N, C) at `LIMITED_COSINES` of the table of a rest (M, C) at `node_pairs`."""
+    table = table_of_values(rest).astype(np.float32)
+
+    def f(wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
+        return interpolated(table, wi, wo) * both_ways(lobe, wi[:, None], wo[:, None])
+
+    return adding.albedos(f, LIMITED_COSINES)

@@ -13,7 +13,7 @@ import numpy as np
 
 from urushi.material.albedo_rule import AlbedoRule, albedo_rule
 from urushi.material.crossing import facet_points, mirrored
-from urushi.nets import basis, code_fit
+from urushi.nets import basis, code_fit, transmittance
 from urushi.nets import lobe as lobes
 from urushi.nets.weights import Model
 from urushi.parallel import fill_blocks
@@ -37,9 +37,6 @@ LEAST_ALBEDO = 1e-6
 #: Albedo that the rest may always have: it is not scaled down for a lobe that reflects nearly all
 #: light at one angle.
 LEAST_REST = 0.005
-
-#: The same below a lobe that reflects all light beyond a critical angle: the basis blurs that edge.
-EDGE_REST = 0.1
 
 #: A code with a factor below `TINY_FACTOR` is measured again, at most `TINY_FACTOR_ROUNDS` times:
 #: codes far from the training data may have the greatest f of the basis.
@@ -135,20 +132,6 @@ def nearest_below(
     return limit_albedo(model, _fitted(model, rows, ceiling, over), ceiling).reshape(z.shape)
 
 
-def with_dark_edges(
-    model: Model, z: np.ndarray, ceiling: np.ndarray | float = 1 - MARGIN
-) -> np.ndarray:
-    """Codes below a lower index, fitted below the ceiling where they are far above it.
-
-    Others stay as they are. The arguments and the result are as of `limit_albedo`.
-    """
-    rows, ceiling = _rows(model, z, ceiling)
-    over = np.flatnonzero(~_is_scaled(rows[:, : model.arch.lobe]))
-    if len(over):
-        over = over[excesses(model, rows[over], ceiling[over]) > FAR]
-    return _fitted(model, rows, ceiling, over).reshape(z.shape) if len(over) else z
-
-
 def _fitted(model: Model, rows: np.ndarray, ceiling: np.ndarray, over: np.ndarray) -> np.ndarray:
     """Codes (N, L), of which some, indices `over`, are fitted below their ceilings (N, K)."""
     rows = np.array(rows)
@@ -174,12 +157,14 @@ def _fitted_below(model: Model, z: np.ndarray, allowed: np.ndarray) -> np.ndarra
     at_probes, nodes = (
         f(float(stretch)).astype(float) for f in (own.probe_rows, node_functions(model))
     )
+    lobe = result[: model.arch.lobe]
+    seen, passed = (transmittance.both_ways(lobe, *w) for w in (own.pairs(), (rule.wi, rule.wo)))
     start = code = numbers.astype(float)
-    form = code_fit.form_about(at_probes, own, start[None])[0]
+    form = code_fit.form_about(at_probes, own.measure * seen, own.prior, start[None])[0]
     form += PLAUSIBLE * own.prior
     best, least = code, np.inf
     for weight in (*EXCESS_WEIGHTS, 0.0):
-        f = basis.decode(code, nodes)
+        f = passed * basis.decode(code, nodes)
         albedo = np.maximum(rule.albedo(f), LEAST_ALBEDO)
         above = albedo > allowed
         excess = np.log(albedo[above] / allowed[above])
@@ -207,7 +192,7 @@ def limit_albedo(
         float32 (..., L); the same bits where a code is not above its ceiling.
     """
     rows, ceiling = _rows(model, z, ceiling)
-    over, unchanged = np.flatnonzero(_is_scaled(rows[:, : model.arch.lobe])), True
+    over, unchanged = np.arange(len(rows)), True
     for _ in range(1 + TINY_FACTOR_ROUNDS):
         if not len(over):
             break
@@ -227,7 +212,7 @@ def excesses(model: Model, z: np.ndarray, ceiling: np.ndarray) -> np.ndarray:
     def measure(z: np.ndarray, ceiling: np.ndarray) -> np.ndarray:
         lobe, rest = z[:, : model.arch.lobe], np.maximum(rest_albedos(model, z), LEAST_ALBEDO)
         smooth = lobes.reflectance(lobe[:, None], albedo_rule(model.arch.widths).directions[:, 2])
-        allowed = np.maximum(ceiling - smooth - ROUGH_GAIN, _least_rests(lobe))
+        allowed = np.maximum(ceiling - smooth - ROUGH_GAIN, LEAST_REST)
         near = (rest > allowed).any(axis=-1)
         allowed[near] = _allowed(model, z[near], ceiling[near])
         return (rest / allowed).max(axis=-1, keepdims=True)
@@ -248,19 +233,4 @@ def _rows(
 def _allowed(model: Model, z: np.ndarray, ceiling: np.ndarray) -> np.ndarray:
     """Albedos (N, K) that the rests of codes (N, L) may have."""
     lobe = z[:, : model.arch.lobe]
-    return np.maximum(ceiling - lobe_albedos(lobe), _least_rests(lobe))
-
-
-def _least_rests(lobe: np.ndarray) -> np.ndarray:
-    """Albedos (N, 1) that the rests of codes of lobes (N, M) may always have."""
-    return np.where(_is_scaled(lobe), LEAST_REST, EDGE_REST)[:, None]
-
-
-def _is_scaled(lobe: np.ndarray) -> np.ndarray:
-    """Whether codes of lobes (..., N) are scaled down; bool (...).
-
-    An interface of an index below one reflects all light beyond the critical angle, and the rest
-    ends there, with an edge that the basis cannot draw where the interface is smooth. What is left
-    of the rest behind that edge does not darken the code.
-    """
-    return (lobe[..., 3] <= 0) | (lobe[..., 4] >= 1)
+    return np.maximum(ceiling - lobe_albedos(lobe), LEAST_REST)

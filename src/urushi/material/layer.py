@@ -28,6 +28,7 @@ from urushi.material.source import as_source
 from urushi.material.symmetry import Deviations, deviations_of
 from urushi.material.values import encode_source, model_for
 from urushi.nets import lobe as lobes
+from urushi.nets.transmittance import both_ways, remainder
 from urushi.nets.weights import Model, Weights, anisotropic_model, default_model
 from urushi.parallel import fill_blocks
 from urushi.walk import Dielectric, Stack
@@ -199,10 +200,13 @@ def _coated(coating: Coating) -> Material:
     material = layer_material(coat, bottom, fast)
     if compensated:
         f, wi = bottom.f([appearance.WI], [appearance.WO])[0], [[0.0, 0.0, 1.0]]
-        lobe = Compensation(coat, bottom.directional_albedo(wi)[0], f).f(*node_pairs())
+        pairs = node_pairs()
+        lobe = Compensation(coat, bottom.directional_albedo(wi)[0], f).f(*pairs)
         below = tabulated(material)
         assert below.table is not None  # for the type checker
-        values = np.exp(below.table.astype(np.float32)).reshape(len(lobe), -1) + lobe
+        values = np.exp(below.table.astype(np.float32)).reshape(len(lobe), -1)
+        own = below.latents[:, : below.model.arch.lobe]
+        values += lobe / both_ways(own, *(w[:, None] for w in pairs))
         material = replace(below, table=table_of_values(values))
     return replace(material, coating=coating)
 
@@ -268,8 +272,8 @@ def tabulated(material: Material) -> Material:
     table = material.logs()
     if material.table is not None:
         wi, wo = node_pairs()
-        own = lobes.f(material.latents[:, : material.model.arch.lobe], wi[:, None], wo[:, None])
-        table = table_of_values(material.f(wi, wo) - own)
+        lobe = material.latents[:, : material.model.arch.lobe]
+        table = table_of_values(remainder(material.f(wi, wo), lobe, wi[:, None], wo[:, None]))
     return replace(material, table=table, beside_lobe=True)
 
 

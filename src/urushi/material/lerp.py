@@ -15,6 +15,7 @@ from urushi.errors import ParameterError
 from urushi.material.encode import encode
 from urushi.material.material import Material
 from urushi.nets import lobe as lobes
+from urushi.nets.transmittance import remainder
 from urushi.nets.weights import anisotropic_model, default_model
 
 
@@ -90,7 +91,7 @@ def _blend(a: Material, b: Material, share: np.ndarray) -> Material:
     if model.widths == 2:
         return Material(codes, model)
     wi, wo = node_pairs()
-    rest = f(wi, wo) - lobes.f(codes[:, :size], wi[:, None], wo[:, None])
+    rest = remainder(f(wi, wo), codes[:, :size], wi[:, None], wo[:, None])
     return Material(codes, model, table_of_values(rest), beside_lobe=True)
 
 

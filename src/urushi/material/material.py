@@ -18,6 +18,7 @@ from urushi.errors import FileError, ParameterError
 from urushi.export.program import material_text, texture_form
 from urushi.export.rest import own_texture
 from urushi.nets import lobe as lobes
+from urushi.nets import transmittance
 from urushi.nets.weights import Model, Weights, find, model_of_file
 from urushi.parallel import fill_blocks
 
@@ -50,9 +51,9 @@ class Material:
         model: the weights.
         table: read-only float16 (U, V, W, C), ln f over directions (see `urushi.core.table`),
             by which f is evaluated instead of by the latents, as of measured BRDFs. Default: None.
-        beside_lobe: whether the table is of the rest alone, and f is the lobe of the latents plus
-            the table, as of coats over measured BRDFs; otherwise it is of all of f. False without a
-            table. Default: False.
+        beside_lobe: whether f is the lobe of the latents plus the table times T(wi) T(wo) of
+            `urushi.nets.transmittance`, as of coats; otherwise the table is of all of f. False
+            without a table. Default: False.
         rotation: angle [degrees] by which the tangent is turned about the normal,
             counter-clockwise, see `rotated`; 0 for one width. Default: 0.
         coating: its topmost coat, if `layer` made it. Default: None.
@@ -149,7 +150,8 @@ class Material:
         assert self.table is not None  # for the type checker
         f = interpolated(self.table, wi, wo, self.knots)
         if self.beside_lobe:
-            f = f + lobes.f(self.latents[:, : self.model.arch.lobe], wi[:, None], wo[:, None])
+            lobe, a, b = self.latents[:, : self.model.arch.lobe], wi[:, None], wo[:, None]
+            f = transmittance.both_ways(lobe, a, b) * f + lobes.f(lobe, a, b)
         return np.where(_above(wi, wo)[:, None], f, np.float32(0.0))
 
     def pdf(self, wi: npt.ArrayLike, wo: npt.ArrayLike) -> np.ndarray:
@@ -259,12 +261,12 @@ class Material:
         return None if table is None else own_texture(table, texture_form(language))
 
     def logs(self) -> np.ndarray:
-        """Logarithms of f (cells of `SHAPE`, C): the table, or the codes' rests, or darkness."""
+        """Logarithms (cells of `SHAPE`, C): the table, or that of the codes, or darkness."""
         table = self._table()
         return np.full((*SHAPE, self.channels), MIN_LOG) if table is None else table
 
     def _table(self) -> np.ndarray | None:
-        """The table, or that of the codes' rests (..., C); None without rests."""
+        """The table, or that of the codes (..., C); None if they have no rests."""
         return self.model.networks.table(self.latents) if self.table is None else self.table
 
     def save(self, path: str | os.PathLike) -> None:

@@ -232,7 +232,7 @@ def _reflected(model: Model, layers: Layers, every: list[Shares]) -> tuple[Mater
         logs = np.full((*SHAPE, channels), MIN_LOG, np.float16)
         knots = knots_of(np.sin(layers.edges(level)).tolist())
         if below is not None:
-            edges, reflector = layers.edges(level + 1), Reflector.of(below)
+            edges, reflector = layers.edges(level + 1), _reflector(below)
             if insides:
                 inside = OnGrid.of(reflector, edges)
             else:
@@ -242,14 +242,14 @@ def _reflected(model: Model, layers: Layers, every: list[Shares]) -> tuple[Mater
             own = Substrate.of(reflector, inside)
             if eta[0] == 1:  # the lobe below is seen beside the table
                 seen = replace(below, beside_lobe=False)
-                own = replace(own, reflector=Reflector.of(seen))
+                own = replace(own, reflector=_reflector(seen))
             inner = layers.from_interface(level).inner_lobes()
             factor = _at_nodes(knots, inner)
             insides.insert(0, inside)
             media = layers.media[level].reshape(-1, channels)
-            columns = np.stack([alpha, eta]), media, SLAB_POINTS
-            rest = rest_at_nodes(own, *columns, knots, factor)
-            logs = np.log(np.maximum(rest.reshape(logs.shape) / factor[..., None], 1e-30))
+            columns = np.stack([alpha, eta]), media, factor.reshape(-1, 1)
+            rest = rest_at_nodes(own, *columns, SLAB_POINTS, knots)
+            logs = np.log(np.maximum(rest.reshape(logs.shape), 1e-30))
             angles = [np.arccos(w[:, 2]) for w in node_pairs(knots)]
             logs = _with_light(logs, angles, [_reflected_light(every[level], knots, inner)])
             if level:
@@ -258,6 +258,11 @@ def _reflected(model: Model, layers: Layers, every: list[Shares]) -> tuple[Mater
         below = Material(codes, model, table=logs, beside_lobe=True, knots=knots)
     assert below is not None  # for the type checker
     return replace(below, beside_lobe=False), insides
+
+
+def _reflector(inner: Material) -> Reflector:
+    """What lies below a medium; the tables of slabs hold T(wi) T(wo), their edges are at knots."""
+    return Reflector.of(inner)._replace(darkened=False)
 
 
 def _at_nodes(knots: Knots, inner: InnerLobes) -> np.ndarray:

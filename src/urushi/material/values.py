@@ -19,6 +19,7 @@ from urushi.material.source import Source, as_source, source_name
 from urushi.material.symmetry import Deviations, deviations_of, is_anisotropic, symmetrise
 from urushi.nets import lobe as lobes
 from urushi.nets.lobe_fit import fit_lobes
+from urushi.nets.transmittance import remainder
 from urushi.nets.weights import Model, Weights, anisotropic_model, find
 from urushi.walk import Stack
 
@@ -71,7 +72,7 @@ def encode_source(
         beside = found.lobe is not None  # a known lobe is finer than any table
         if beside:
             wi, wo = (w[:, None] for w in node_pairs())
-            at_table = at_table - lobes.f(material.latents[:, : model.arch.lobe], wi, wo)
+            at_table = remainder(at_table, material.latents[:, : model.arch.lobe], wi, wo)
         material = replace(material, table=table_of_values(at_table), beside_lobe=beside)
     return material, found.deviations
 

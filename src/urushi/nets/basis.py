@@ -1,8 +1,8 @@
 """The linear basis: f of a code without its lobe, by functions over directions.
 
-The logarithm of f without the topmost lobe is
+f without the topmost lobe is T(wi) T(wo) g(wi, wo), with T of `nets.transmittance`, and
 
-    ln f(wi, wo) = b(x) + sum_k c_k A_k U_k(x),
+    ln g(wi, wo) = b(x) + sum_k c_k A_k U_k(x),
 
 where x are the coordinates of `urushi.core.table`. The mean b and the functions U_k are tables that
 all materials share. They were fitted to thousands of materials, computed by light transport. The
@@ -30,14 +30,23 @@ from urushi.core.stretched import FACTORS, stretched
 from urushi.core.table import MAX_LOG, MIN_LOG, SHAPE, coordinates, corners
 from urushi.parallel import fill_blocks
 
-#: Gain with which any code has f = exp(`MIN_LOG`).
+#: Gain with which any code has g = exp(`MIN_LOG`).
 EMPTY_GAIN = -100.0
 
 #: Stretches whose functions at the same pairs are kept.
 KEPT = 16
 
-#: The functions (..., 1 + K) of some pairs, from ln s.
-Functions = Callable[[float], np.ndarray]
+
+@dataclass(frozen=True, eq=False)
+class Functions:
+    """The functions (..., 1 + K) of some pairs, from ln s."""
+
+    wi: np.ndarray  # (..., 3)
+    wo: np.ndarray
+    of_stretch: Callable[[float], np.ndarray]
+
+    def __call__(self, log_stretch: float) -> np.ndarray:
+        return self.of_stretch(log_stretch)
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,7 +75,7 @@ class Basis:
 
     def functions_at(self, wi: np.ndarray, wo: np.ndarray) -> Functions:
         """The functions at pairs (..., 3) above the horizon, which are kept for some ln s."""
-        return functools.lru_cache(KEPT)(functools.partial(self.at, wi, wo))
+        return Functions(wi, wo, functools.lru_cache(KEPT)(functools.partial(self.at, wi, wo)))
 
     def at(self, wi: np.ndarray, wo: np.ndarray, log_stretch: float = 0.0) -> np.ndarray:
         """The functions float32 (..., 1 + K) at pairs (..., 3) above the horizon."""
@@ -105,9 +114,9 @@ class Basis:
             yield rows, numbers[rows], float(own)
 
     def table(self, codes: np.ndarray) -> np.ndarray:
-        """ln f of codes (C, ...) at the nodes: float32 (*`SHAPE`, C).
+        """ln g of codes (C, ...) at the nodes: float32 (*`SHAPE`, C).
 
-        With two widths (*`SHAPE`, C, 1 + `FACTORS`): ln f is the sum over the last axis, each times
+        With two widths (*`SHAPE`, C, 1 + `FACTORS`): ln g is the sum over the last axis, each times
         its factor, at stretched coordinates.
         """
         numbers, _ = self.split(codes)
@@ -142,13 +151,13 @@ def on_grid(rows: np.ndarray) -> np.ndarray:
 
 
 def decode(z: np.ndarray, rows: np.ndarray) -> np.ndarray:
-    """f (...) [1/sr] of numbers z (..., K) at the functions (..., 1 + K) of pairs; they
+    """g (...) [1/sr] of numbers z (..., K) at the functions (..., 1 + K) of pairs; they
     broadcast."""
     return np.exp(decode_log(z, rows))
 
 
 def decode_log(z: np.ndarray, rows: np.ndarray) -> np.ndarray:
-    """ln f (...) of numbers z (..., K) at the functions (..., 1 + K) of pairs; they broadcast."""
+    """ln g (...) of numbers z (..., K) at the functions (..., 1 + K) of pairs; they broadcast."""
     if rows.ndim == 2 and z.ndim >= 2 and z.shape[-2] == 1:  # all codes at all pairs
         logs = z[..., 0, :] @ rows[:, 1:].T
     else:

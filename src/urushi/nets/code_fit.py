@@ -5,7 +5,9 @@ The error of a code is the light that it gets wrong at the probes over the light
     sum_p m_p |f_p(c) - f_p| / sum_p m_p f_p,
 
 where m_p is the measure of a probe pair. The lobe does not count: under a smooth interface of an
-index below one it has nearly all light, and the rest would hardly matter. The error
+index below one it has nearly all light, and the rest would hardly matter. Both f are T(wi) T(wo)
+times g (`nets.transmittance`), which the functions say here: values are those of g, and T(wi) T(wo)
+is a factor of the measure. The error
 is minimised by reweighted least squares (Lawson 1961): each round solves a quadratic problem in the
 logarithm whose weights make it equal to the error at the last code. A weight so grows where the
 exponential would explode. The best code of all rounds is kept. Where a material has little light,
@@ -56,10 +58,18 @@ ROUND = 0.02, 0.04, 0.08, 0.15, 0.3, 0.6, 1.2, 1e3
 LEAST_SLOPE = 1e-4
 
 
-def solve_codes(basis: Basis, rest: np.ndarray, stretch: np.ndarray | None = None) -> np.ndarray:
-    """Codes float32 (S, K), of two widths (S, K + 1), of rests (S, N) [1/sr] at the probe pairs.
+def solve_codes(
+    basis: Basis,
+    rest: np.ndarray,
+    passed: np.ndarray | None = None,
+    stretch: np.ndarray | None = None,
+) -> np.ndarray:
+    """Codes float32 (S, K), of two widths (S, K + 1), of values (S, N) [1/sr] at the probe pairs.
 
-    stretch: (S,) known ln s of two widths; None: it is estimated.
+    Args:
+        rest: g.
+        passed: (S, N) T(wi) T(wo); None: one.
+        stretch: (S,) known ln s of two widths; None: it is estimated.
     """
     codes = np.zeros((len(rest), basis.size + basis.widths - 1), np.float32)
     if basis.widths == 2:
@@ -68,7 +78,8 @@ def solve_codes(basis: Basis, rest: np.ndarray, stretch: np.ndarray | None = Non
         functions = basis.probe_rows(own)
         for start in range(0, len(every), BLOCK):
             rows = every[start : start + BLOCK]
-            found = fitted(functions, basis.measure, basis.prior, rest[rows])
+            measure = basis.measure if passed is None else basis.measure * passed[rows]
+            found = fitted(functions, measure, basis.prior, rest[rows])
             codes[rows, : basis.size] = found
     return codes
 
@@ -108,7 +119,7 @@ def slopes_of(count: int, measure: bytes) -> tuple[np.ndarray, np.ndarray]:
 def fitted(
     rows: np.ndarray, measure: np.ndarray, prior: np.ndarray, rest: np.ndarray
 ) -> np.ndarray:
-    """`solve_codes` at nodes with the functions (N, 1 + K) and this measure (N,)."""
+    """`solve_codes` at nodes with the functions (N, 1 + K) and this measure (N,) or (S, N)."""
     f, light = bounded(rest, measure), _light(rest, measure)
     functions, logs = rows[:, 1:], np.log(f) - rows[:, 0]
     codes = solved(functions, logs, measure * (f / light + FIRST_FLOOR), prior)
@@ -121,29 +132,36 @@ def fitted(
         codes = solved(functions, logs, weights, prior)
     error, _ = weighed(rows, measure, f, light, codes)
     best = np.where((error < least)[:, None], codes, best)
-    dark = rest @ measure < LEAST_REST
+    dark = _integral(rest, measure) < LEAST_REST
     best[dark], best[dark, 0] = 0, EMPTY_GAIN
     return best.astype(np.float32)
 
 
 def bounded(rest: np.ndarray, measure: np.ndarray) -> np.ndarray:
     """Rests (S, N), of which no value is far below the mean."""
-    return np.maximum(rest, LEAST_SHARE * (rest @ measure)[:, None] + 1e-12)
+    return np.maximum(rest, LEAST_SHARE * _integral(rest, measure)[:, None] + 1e-12)
+
+
+def _integral(values: np.ndarray, measure: np.ndarray) -> np.ndarray:
+    """Integrals (S,) of values (S, N)."""
+    return np.einsum("sn,sn->s", values, np.broadcast_to(measure, values.shape))
 
 
 def _light(rest: np.ndarray, measure: np.ndarray) -> np.ndarray:
     """Light (S, 1) of rests (S, N)."""
-    return np.maximum(rest @ measure, 1e-12)[:, None]
+    return np.maximum(_integral(rest, measure), 1e-12)[:, None]
 
 
-def form_about(rows: np.ndarray, basis: Basis, codes: np.ndarray) -> np.ndarray:
+def form_about(
+    rows: np.ndarray, measure: np.ndarray, prior: np.ndarray, codes: np.ndarray
+) -> np.ndarray:
     """Matrices (S, K, K) of the least squares whose solutions are codes (S, K).
 
-    rows: (N, 1 + K) the functions at the probe pairs.
+    rows: (N, 1 + K) the functions at the probe pairs, with the measure (N,) or (S, N).
     """
     f = np.exp(np.minimum(codes @ rows[:, 1:].T + rows[:, 0], MAX_LOG))
-    weights = weighed(rows, basis.measure, f, _light(f, basis.measure), codes)[1]
-    return normal(rows[:, 1:], weights, basis.prior)
+    weights = weighed(rows, measure, f, _light(f, measure), codes)[1]
+    return normal(rows[:, 1:], weights, prior)
 
 
 def weighed(
@@ -152,7 +170,7 @@ def weighed(
     """Errors (S,) of codes (S, K), and the weights (S, N) of the next least squares."""
     logs = np.minimum(codes @ rows[:, 1:].T + rows[:, 0], MAX_LOG)
     size, weights = error_slopes(logs, f, light)
-    return size @ measure / light[:, 0], measure * weights
+    return _integral(size, measure) / light[:, 0], measure * weights
 
 
 def error_slopes(

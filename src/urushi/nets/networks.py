@@ -10,7 +10,7 @@ from urushi.checks import CoatParameters
 from urushi.core.mixture import Mixture
 from urushi.core.table import SHAPE
 from urushi.errors import ParameterError
-from urushi.nets import basis, layerer, proposal
+from urushi.nets import basis, layerer, proposal, transmittance
 from urushi.nets import lobe as lobes
 from urushi.nets.basis import Basis, Functions
 from urushi.nets.code_fit import log_stretch, solve_codes
@@ -146,11 +146,14 @@ class Networks(NamedTuple):
     def _encode(self, f: np.ndarray, lobe: np.ndarray | None = None) -> np.ndarray:
         lobe = fit_lobes(f, self.arch.widths) if lobe is None else lobe
         rest, stretch = np.maximum(f - lobes.f(lobe[..., None, :], *self.pairs()), 0), None
+        passed = self.passed(lobe.reshape(-1, self.arch.lobe), *self.pairs())
+        if passed is not None:
+            rest /= passed.reshape(rest.shape)
         if self.arch.widths == 2:
             mean = rest.mean(axis=-2, keepdims=True) if rest.ndim > 1 else rest
             stretch = log_stretch(mean.reshape(-1, f.shape[-1]), self.basis.measure)
             stretch = np.broadcast_to(stretch.reshape(mean.shape[:-1]), rest.shape[:-1]).ravel()
-        codes = solve_codes(self.basis, rest.reshape(-1, f.shape[-1]), stretch)
+        codes = solve_codes(self.basis, rest.reshape(-1, f.shape[-1]), passed, stretch)
         codes = codes.reshape(*f.shape[:-1], self.arch.rest)
         return np.concatenate([lobe, codes], axis=-1, dtype=np.float32)
 
@@ -163,14 +166,16 @@ class Networks(NamedTuple):
 
         z (..., L) and the unit vectors wi, wo (..., 3) above the horizon broadcast.
         """
-        return self.top(z, wi, wo) + self._rest(z[..., self.arch.lobe :], wi, wo)
+        rest = self._rest(z[..., self.arch.lobe :], wi, wo)
+        passed = transmittance.both_ways(z[..., : self.arch.lobe], wi, wo)
+        return self.top(z, wi, wo) + passed * rest
 
     def top(self, z: Any, wi: Any, wo: Any) -> Any:
         """The part of f (...) [1/sr] that the codes' lobes reflect."""
         return lobes.f(z[..., : self.arch.lobe], wi, wo)
 
     def _rest(self, rest: np.ndarray, wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
-        """The rest of f (...) [1/sr]."""
+        """g (...) [1/sr], see `nets.basis`."""
         numbers, stretch = self.basis.split(rest)
         if (stretch == stretch.flat[0]).all():
             return basis.decode(numbers, self.basis.at(wi, wo, stretch.flat[0]))
@@ -188,10 +193,20 @@ class Networks(NamedTuple):
         result = np.empty((len(z), len(functions(float(stretch[0])))), np.float32)
         for rows, numbers, own in self.basis.groups(z[:, self.arch.lobe :]):
             result[rows] = basis.decode(numbers[:, None], functions(own))
+        passed = self.passed(z[:, : self.arch.lobe], functions.wi, functions.wo)
+        return result if passed is None else result * passed
+
+    def passed(self, lobe: np.ndarray, wi: np.ndarray, wo: np.ndarray) -> np.ndarray | None:
+        """T(wi) T(wo) float32 (S, P) of all lobes (S, N) at all pairs (P, 3); None if it is one."""
+        edged = transmittance.has_edges(lobe)
+        if not edged.any():
+            return None
+        result = np.ones((len(lobe), len(wi)), np.float32)
+        result[edged] = transmittance.both_ways(lobe[edged, None], wi, wo)
         return result
 
     def table(self, z: np.ndarray) -> np.ndarray | None:
-        """`Basis.table` of the rests of codes (C, L); None without rests."""
+        """`Basis.table` of codes (C, L), of g; None without rests."""
         empty = (self.gains(z) <= basis.EMPTY_GAIN).all()
         return None if empty else self.basis.table(z[:, self.arch.lobe :])
 

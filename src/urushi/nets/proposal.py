@@ -11,12 +11,12 @@ widths stretch them by their last number, ln s, to alpha / s and alpha s. The we
 estimates of what each lobe reflects. With mu the cosine of wi and c the code without its lobe,
 
     own lobe   A = F(mu + FACET alpha (1 - mu)) (1 - 0.4 alpha^2) / (1 + alpha^2),
-    the rest   e_k = exp(t_k + s_k ln mu), less o_k e_(k+1), smoothly limited to positive numbers
+    the rest   e_k = T exp(t_k + s_k ln mu), less o_k e_(k+1), smoothly limited to positive numbers
 
-where o_k e_(k+1) is the part that the next wider lobe covers, t and s are linear in c, and e_k is
-proportional to the gain of c. A wide lobe gives shares of A to the widest of `ALPHAS` and to the
-cosine lobe, which cover it better than its own visible normals. `urushi.train.proposal_fit` fits t,
-s and o to the variance of f cos / pdf.
+where T is that of `nets.transmittance` at wi, and o_k e_(k+1) the part that the next wider lobe
+covers. t and s are linear in c, and e_k is proportional to the gain of c. A wide lobe gives shares
+of A to the widest of `ALPHAS` and to the cosine lobe, which cover it better than its own visible
+normals. `urushi.train.proposal_fit` fits t, s and o to the variance of f cos / pdf.
 """
 
 import functools
@@ -31,6 +31,7 @@ from urushi.core.namespace import Namespace, arrays
 from urushi.core.stretched import LARGEST as LARGEST_STRETCH
 from urushi.core.table import MIN_COSINE
 from urushi.nets import lobe as lobes
+from urushi.nets import transmittance
 from urushi.nets.mlp import Params, product
 
 #: Least weight of the cosine lobe. It bounds f cos / pdf where the weights are wrong.
@@ -90,16 +91,17 @@ def weights(
     fresnel: Callable[[Any], Any],
     cosine: Any,
     xp: Namespace,
+    passed: Any = 1.0,
 ) -> list[Any]:
     """The weights, positive and of sum 1: of the own lobe, of `ALPHAS` and of the cosine lobe.
 
     terms: of `code_terms`. overlaps: the numbers o, ``proposal.overlap``. own, fresnel, cosine: as
-    of `own_energies`.
+    of `own_energies`. passed: T(wi) of `nets.transmittance`, which darkens the rest.
     """
     half, top = TERMS // 2, own_energies(own, fresnel, cosine, xp)
     log_mu = xp.named("log_cosine", xp.log(xp.maximum(cosine, MIN_COSINE)))
     energies = [
-        xp.named(f"energy{k}", xp.exp(xp.minimum(t + s * log_mu, MOST_LOG)))
+        xp.named(f"energy{k}", passed * xp.exp(xp.minimum(t + s * log_mu, MOST_LOG)))
         for k, (t, s) in enumerate(zip(terms[:half], terms[half:], strict=True))
     ]
     for k, overlap in enumerate(overlaps):  # from the narrowest on: the next is still whole
@@ -129,6 +131,7 @@ def mixture(params: Params, widths: int, z: Any, wi: Any) -> Mixture:
         functools.partial(lobes.reflectance, lobe),
         wi[..., 2],
         xp,
+        transmittance.of_lobe(lobe, wi),
     )
     return Mixture(numbers, widths_of(own, z[..., -1], xp))
 

@@ -22,12 +22,24 @@ r((c^2 - c0^2) / eta^2, 2 w c0 / eta^2). T goes to one where eta does.
 from collections.abc import Sequence
 from typing import Any
 
+import numpy as np
+
 from urushi.checks import Widths
 from urushi.core.namespace import Components, Namespace, arrays, components
 from urushi.core.table import MIN_COSINE
+from urushi.nets import lobe as lobes
 
 #: Least square of the width w.
 LEAST_WIDTH2 = 1e-9
+
+
+def remainder(f: Any, lobe: Any, wi: Any, wo: Any) -> Any:
+    """g (...) [1/sr] of values f (...) of materials with lobes (..., N), for directions (..., 3).
+
+    The arguments broadcast. f may be below the lobe by errors; g is at least zero.
+    """
+    xp = arrays(wi)
+    return xp.maximum(f - lobes.f(lobe, wi, wo), 0.0) / both_ways(lobe, wi, wo)
 
 
 def both_ways(lobe: Any, wi: Any, wo: Any) -> Any:
@@ -39,11 +51,15 @@ def both_ways(lobe: Any, wi: Any, wo: Any) -> Any:
     return own[0] * own[1]
 
 
+def has_edges(lobe: np.ndarray) -> np.ndarray:
+    """Whether T is not one, of lobes (..., N); bool (...)."""
+    return (lobe[..., 3] > 0) & (lobe[..., 4] < 1) & (lobe[..., 5] == 0)
+
+
 def of_lobe(lobe: Any, w: Any) -> Any:
     """T (...) of lobes (..., N), see `nets.lobe`, for directions (..., 3) above the horizon."""
-    alpha = lobe[..., 0] if lobe.shape[-1] == 6 else Widths(lobe[..., 0], lobe[..., 6])
     numbers = [lobe[..., place] for place in (3, 4, 5)]
-    return transmittance(alpha, numbers, components(w), arrays(lobe))
+    return transmittance(lobes.width(lobe), numbers, components(w), arrays(lobe))
 
 
 def transmittance(alpha: Any, numbers: Sequence[Any], w: Components, xp: Namespace) -> Any:

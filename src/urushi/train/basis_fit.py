@@ -1,8 +1,8 @@
 """Fitting the linear basis to tables of many materials.
 
-The logarithm of the rest of material n at node p and azimuth t is modelled as
+The logarithm of g of `nets.transmittance` of material n at node p and azimuth t is modelled as
 
-    ln f_npt = sum_k A_npt,a(k) U_pk c_nk,
+    ln g_npt = sum_k A_npt,a(k) U_pk c_nk,
 
 as in `urushi.nets.basis`, with a mean of zero so that a Lambertian is exact. One width has one
 azimuth and the factor A = 1; for two widths see `core.stretched`. The first functions are

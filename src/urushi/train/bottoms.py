@@ -5,6 +5,7 @@ import numpy as np
 from urushi.core.probe_pairs import probe_pairs
 from urushi.nets import lobe as lobes
 from urushi.nets.lobe_fit import fit_lobes
+from urushi.nets.transmittance import remainder
 from urushi.walk import analytic
 from urushi.walk.bottoms import KINDS
 
@@ -29,7 +30,8 @@ def bottom_lobes(kind: str, bottom: np.ndarray, widths: int = 1) -> np.ndarray:
 def bottom_rest(
     kind: str, bottom: np.ndarray, own: np.ndarray, wi: np.ndarray, wo: np.ndarray
 ) -> np.ndarray:
-    """Values float32 (S, P) [1/sr] of bottoms in air at pairs (P, 3), without their lobes (S, L).
+    """g float32 (S, P) [1/sr] of bottoms in air with lobes (S, L) at pairs (P, 3), see
+    `nets.transmittance`.
 
     bottom: (S, K) parameters in the order of their kind.
     """
@@ -37,4 +39,4 @@ def bottom_rest(
         return np.zeros((len(bottom), len(wi)), np.float32)
     columns = dict(zip(KINDS[kind].parameters, bottom.T, strict=True))
     values = analytic.at_all(kind, columns, wi, wo)
-    return np.maximum(values - lobes.f(own[:, None], wi, wo), 0)
+    return remainder(values, own[:, None], wi, wo)

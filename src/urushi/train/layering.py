@@ -27,6 +27,7 @@ from urushi.nets.basis import Basis, decode_log
 from urushi.nets.lobe import LOBE_FEATURES
 from urushi.nets.mlp import Params
 from urushi.nets.networks import Architecture
+from urushi.nets.transmittance import both_ways
 from urushi.nets.weights import Model
 
 #: Error below which the loss is quadratic.
@@ -55,11 +56,12 @@ class Layerings(NamedTuple):
 def examples(basis: Basis, bottom: np.ndarray, coats: np.ndarray, coated: np.ndarray) -> Layerings:
     """Examples of bottoms with codes (M, L) under coats (M, C, 5), of two widths (M, C, 6).
 
-    coated: (M, C, P) ln f of the rests of the coated materials at the probe pairs.
+    coated: (M, C, P) ln g of the coated materials at the probe pairs, see `nets.transmittance`.
     """
     flat = coats.reshape(-1, coats.shape[-1]).astype(np.float32)
     top = lobes.of_coat(*CoatParameters.of_columns(flat.T)[:2])
-    code = code_fit.solve_codes(basis, np.exp(coated.reshape(len(flat), -1)))
+    passed = both_ways(top[:, None], *basis.pairs())
+    code = code_fit.solve_codes(basis, np.exp(coated.reshape(len(flat), -1)), passed)
     root = np.empty((*code.shape, code.shape[1]), np.float32)
     for every, _, stretch in basis.groups(code):
         functions, slopes = basis.probe_rows(stretch), None
@@ -70,8 +72,8 @@ def examples(basis: Basis, bottom: np.ndarray, coats: np.ndarray, coated: np.nda
             rows = every[first : first + BLOCK]
             numbers, _ = basis.split(code[rows])
             f = np.exp(decode_log(numbers[:, None], functions))
-            light = (f + lobes.f(top[rows, None], *basis.pairs())) @ basis.measure
-            weights = basis.measure * (f / light[:, None] + FLOOR)
+            light = (passed[rows] * f + lobes.f(top[rows, None], *basis.pairs())) @ basis.measure
+            weights = basis.measure * passed[rows] * (f / light[:, None] + FLOOR)
             form = code_fit.weighted_products(functions[:, 1:], weights)
             if slopes is not None:  # one more function
                 slope = (numbers @ slopes[:, 1:].T)[..., None]

@@ -20,6 +20,7 @@ from urushi.core.quadrature import AZIMUTH_NODES, half_vector_rule
 from urushi.nets import lobe as lobes
 from urushi.nets import proposal
 from urushi.nets.networks import Networks
+from urushi.nets.transmittance import of_lobe
 
 #: Polar angles and azimuths of wi [degrees] by the number of GGX widths, and materials at most.
 ANGLES = {1: (0, 15, 30, 45, 55, 65, 75, 82, 87), 2: (5, 30, 55, 70, 83)}
@@ -47,6 +48,7 @@ class Problem(NamedTuple):
     # Densities of all lobes and of cosines: float32 (A, M), or (S, A, M).
     densities: list[np.ndarray]
     cosine: np.ndarray  # float32 (A,) of wi
+    passed: np.ndarray  # float32 (S, A) T(wi) of `nets.transmittance`
 
 
 def fit_proposal(networks: Networks, codes: np.ndarray) -> dict[str, np.ndarray]:
@@ -109,7 +111,9 @@ def problem_of(networks: Networks, z: np.ndarray) -> Problem:
     factor = vectors / np.sqrt(np.maximum(values, 1e-6 * values[-1]))
     inputs = (rest[:, 1:] - rest[:, 1:].mean(axis=0)) @ factor
     parts = lobe[:, None], rest[:, None], inputs[:, None].astype(np.float32)
-    return Problem(*parts, factor, squares, densities, wi[:, 0, 2])
+    near = wi[:, 0]
+    passed = of_lobe(lobe[:, None], near)
+    return Problem(*parts, factor, squares, densities, near[:, 2], passed)
 
 
 def variance(problem: Problem, x: Any) -> Any:
@@ -128,6 +132,7 @@ def variance(problem: Problem, x: Any) -> Any:
         functools.partial(lobes.reflectance, problem.lobe),
         problem.cosine,
         xp,
+        problem.passed,
     )
     pairs = zip(weights, problem.densities, strict=True)
     density = sum(weight[..., None] * density for weight, density in pairs)

@@ -35,6 +35,7 @@ from urushi.nets import lobe as lobes
 from urushi.nets import weights
 from urushi.nets.code_fit import log_stretch
 from urushi.nets.lobe_fit import fit_lobes
+from urushi.nets.transmittance import both_ways, remainder
 from urushi.train.bottoms import bottom_lobes
 from urushi.train.distribution import (
     LEAST_WIDTH,
@@ -116,10 +117,10 @@ def _tan2(u: np.ndarray) -> np.ndarray:
 def levels(probes: int, seed: int, number: int) -> list[dict[str, Any]]:
     """The rows of one stack: arrays as of `tables.TableStore` without "over" and "coated", and
 
-    - probes: float32 (N,), ln f of the rest at the probe pairs;
+    - probes: float32 (N,), ln g of `nets.transmittance` at the probe pairs;
     - stretch: float32, ln s.
 
-    "table" is ln f at the azimuths and nodes, one after another, and "coat" has six numbers.
+    "table" is ln g at the azimuths and nodes, one after another, and "coat" has six numbers.
     """
     rng, rows = np.random.default_rng([seed, number]), []
     stack = draw_stack(rng, SHARES_OF_TWO, most=1)
@@ -129,9 +130,10 @@ def levels(probes: int, seed: int, number: int) -> list[dict[str, Any]]:
     for level, coat in enumerate([np.array(NONE, np.float32), *coats]):
         if level:
             lobe = lobes.of_coat(*CoatParameters.of_columns(coat)[:2])
-            rest = functools.partial(coated_f, below, CoatParameters.of_columns(coat.astype(float)))
+            own = CoatParameters.of_columns(coat.astype(float))
+            rest = functools.partial(_coated_rest, below, own)
         else:
-            rest = functools.partial(_without, bottom, lobe)
+            rest = functools.partial(_bare_rest, bottom, lobe)
         probed = rest(*probe_pairs(probes, 2)).T
         stretch = log_stretch(probed, pair_measure(probes))[0]
         pairs = (w.reshape(-1, 3) for w in nodes_of(stretch, [number, level]).pairs)
@@ -151,8 +153,18 @@ def levels(probes: int, seed: int, number: int) -> list[dict[str, Any]]:
     return rows
 
 
-def _without(bottom: Reflector, lobe: np.ndarray, wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
-    return np.maximum(bottom.f(wi, wo) - lobes.f(lobe, wi, wo)[:, None], 0)
+def _bare_rest(bottom: Reflector, lobe: np.ndarray, wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
+    """g float32 (N, 1) of a bottom."""
+    return remainder(bottom.f(wi, wo)[:, 0], lobe, wi, wo)[:, None]
+
+
+def _coated_rest(
+    below: Material | Substrate, coat: CoatParameters, wi: np.ndarray, wo: np.ndarray
+) -> np.ndarray:
+    """g float32 (N, ...) of coated materials; coat: numbers or arrays (...)."""
+    rest = coated_f(below, coat, wi, wo)
+    passed = both_ways(lobes.of_coat(coat.alpha, coat.eta), *(w[:, None] for w in (wi, wo)))
+    return rest / passed
 
 
 def _logs(f: np.ndarray) -> np.ndarray:
@@ -188,5 +200,5 @@ def coats_over(
     for code, coats, result in zip(bottom, over, coated, strict=True):
         below = Material(np.tile(code, (count, 1)), model)
         coat = CoatParameters.of_columns(coats.T.astype(float))
-        result[:] = _logs(coated_f(below, coat, *pairs)).T
+        result[:] = _logs(_coated_rest(below, coat, *pairs)).T
     return {"over": over, "coated": coated}

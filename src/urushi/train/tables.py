@@ -39,6 +39,7 @@ from urushi.nets import weights
 from urushi.nets.code_fit import solve_codes
 from urushi.nets.mlp import Params
 from urushi.nets.networks import Architecture
+from urushi.nets.transmittance import both_ways
 from urushi.parallel import one_blas_thread
 from urushi.train import stretched_tables, workers
 from urushi.train.bottoms import bottom_lobes, bottom_rest
@@ -74,14 +75,15 @@ class TableSpec:
 class TableStore:
     """A folder of tables. Rows are levels of stacks, from the bottom up; arrays of a shard:
 
-    - table: float16 (R, P), ln f of the rest at the nodes; `MIN_LOG` where there is none;
+    - table: float16 (R, P), ln g of `nets.transmittance` at the nodes; `MIN_LOG` where f is the
+      lobe alone;
     - lobe: float32 (R, L), the lobes beside it;
     - stack, kind, level: int32 (R,), number of the stack, kind of its bottom (of `SHARES`), and
       number of coats of this level;
     - low: float32 (R,), the least absolute index of its media, seen from the medium above it;
     - coat: float32 (R, 5), the topmost coat, `CoatParameters`; zeros for bare bottoms;
     - over: float32 (R, C, 5), further coats;
-    - coated: float32 (R, C, N), ln f of the rests under these coats at the probe pairs.
+    - coated: float32 (R, C, N), ln g under these coats at the probe pairs.
 
     Those of two widths are described in `stretched_tables`.
     """
@@ -164,7 +166,8 @@ def generate_coats(
     def below(shard: int) -> tuple[int, np.ndarray, np.ndarray]:
         names = ("lobe", "probes", "stack")
         held = files.read_tensors(store.file(shard), "tables", FORMAT_VERSION, names)[1]
-        rest = solve_codes(model.networks.basis, np.exp(held["probes"]))
+        passed = model.networks.passed(held["lobe"], *model.networks.pairs())
+        rest = solve_codes(model.networks.basis, np.exp(held["probes"]), passed)
         return shard, held["stack"], np.concatenate([held["lobe"], rest], axis=1)
 
     make = functools.partial(_coats_over, model.arch, model.params)
@@ -259,9 +262,10 @@ def coated(below: Substrate, coat: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Lobe (1, L) and table (1, P) of a material under a coat (5,)."""
     rows = np.ix_(*known_nodes(()))
     pairs = (w.reshape(*SHAPE, 3)[rows].reshape(-1, 3) for w in node_pairs())
-    f = coated_f(below, CoatParameters(*coat[:, None]), *pairs)
-    values = interpolated_nodes(f.reshape(*(row.size for row in rows), SHAPE[2], 1), ())
     own = lobes.of_coat(*coat[:2, None]).astype(np.float32)
+    rest = coated_f(below, CoatParameters(*coat[:, None]), *pairs)
+    rest /= both_ways(own, *(w[:, None] for w in pairs))
+    values = interpolated_nodes(rest.reshape(*(row.size for row in rows), SHAPE[2], 1), ())
     return own, table_of_values(values.reshape(-1, 1)).reshape(1, -1)
 
 
@@ -271,6 +275,8 @@ def _substrate(tables: np.ndarray, lobe: np.ndarray) -> Substrate:
 
 
 def _at_probes(below: Substrate, coats: np.ndarray, count: int) -> np.ndarray:
-    """ln f float32 (B, C, N) of the rests of materials B under coats (C, 5) at the probe pairs."""
-    f = coated_f(below, CoatParameters(*coats.T[..., None]), *probe_pairs(count))  # (N, C, B)
-    return np.log(np.maximum(f.T, np.exp(MIN_LOG))).astype(np.float32)
+    """ln g float32 (B, C, N) of materials B under coats (C, 5) at the probe pairs."""
+    pairs, coat = probe_pairs(count), CoatParameters(*coats.T[..., None])
+    rest = coated_f(below, coat, *pairs).T  # (B, C, N)
+    rest = rest / both_ways(lobes.of_coat(coat.alpha, coat.eta), *pairs)
+    return np.log(np.maximum(rest, np.exp(MIN_LOG))).astype(np.float32)

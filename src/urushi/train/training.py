@@ -151,7 +151,8 @@ def layerings(
     else:
         held = store.read(("table", "lobe", *names))
         rest = basis_fit.probed(held, model.arch.probes)
-        codes = solve_codes(basis, rest)
+        passed = model.networks.passed(held["lobe"], *model.networks.pairs())
+        codes = solve_codes(basis, rest, passed)
         held["bottom"] = np.concatenate([held["lobe"], codes], axis=1)
     found = layering.examples(basis, held["bottom"], held["over"], held["coated"])
     return found, np.repeat(held["stack"], held["over"].shape[1])
