@@ -16,8 +16,10 @@ import numpy as np
 
 from urushi.checks import CoatParameters
 from urushi.core.namespace import NUMPY, Namespace
-from urushi.material.energy import MARGIN, limit_albedo, with_dark_edges
+from urushi.material.albedo_rule import albedo_rule
+from urushi.material.energy import MARGIN, limit_albedo
 from urushi.nets import lobe as lobes
+from urushi.nets import transmittance
 from urushi.nets.weights import Model
 from urushi.parallel import fill_blocks
 from urushi.textures.store import TexelGrid
@@ -51,9 +53,9 @@ SPARSE = 4
 #: Offset of a reflectance in its logarithm.
 DARK = 0.01
 
-#: [1/sr] Added to the rest of f in codes along axes, and subtracted again where they are evaluated:
-#: the logarithm of a rest that becomes black would have no bound. A Lambertian surface of `DARK`
-#: under a coat has about as much, so that codes are linear in its coordinate.
+#: [1/sr] Added to g (`nets.transmittance`) in codes along axes, and subtracted again where they are
+#: evaluated: the logarithm of a rest that becomes black would have no bound. A Lambertian surface
+#: of `DARK` under a coat has about as much, so that codes are linear in its coordinate.
 FAINT = 1e-3
 
 #: Scales of axes: along which coordinate of a parameter codes are closest to linear.
@@ -125,7 +127,7 @@ class Rows(Protocol):
     def rests(self, values: np.ndarray) -> np.ndarray:
         """f (C, k, P) [1/sr] of the coated material at the probe pairs by light transport.
 
-        It is without the lobe of the coat, and with `FAINT` more.
+        It is without the lobe of the coat.
         """
 
 
@@ -137,7 +139,7 @@ class Baked(NamedTuple):
     shape: tuple[int, ...]  # number of nodes along each axis
     lobes: np.ndarray  # float32 (C, N, M) of the codes, the last axis the fastest; C maybe one
     rests: np.ndarray  # float32 (C, N, K) the other numbers
-    faint: float = 0.0  # [1/sr] by which the rests are too large
+    faint: float = 0.0  # [1/sr] by which g of the rests is too large
     grid: TexelGrid | None = None  # of texels, if these are the nodes
     constants: tuple[str, ...] = ()  # names of the constants of which `slopes` are known, too
     #: Of the rests by the values of axes and constants, float32 (C, N, d + constants, K).
@@ -242,22 +244,23 @@ def bake(
         columns += [np.full(len(x), change) for change in changes or np.zeros(len(ends))]
         return np.stack(columns, axis=1)
 
-    def lobes_at(x: np.ndarray) -> np.ndarray:
-        alpha, eta, *_ = rows.coats(values(x))
+    def lobes_at(x: np.ndarray, changes: Sequence[float] = ()) -> np.ndarray:
+        alpha, eta, *_ = rows.coats(values(x, changes))
         return np.asarray(lobes.of_coat(alpha, eta)[0], np.float32)
 
+    def codes_at(x: np.ndarray, changes: Sequence[float] = ()) -> np.ndarray:
+        return codes_of_rests(model, rows.rests(values(x, changes)), lobes_at(x, changes))
+
     x = points(len(own), POINTS[model.widths][len(own) - 1]) if own else np.zeros((1, 0))
-    given = rows.rests(values(x))
-    ceiling = 1 - MARGIN + np.pi * FAINT
-    computed = with_dark_edges(model, codes_of_rests(model, given, lobes_at(x)), ceiling)
-    smooth = spline(x, np.moveaxis(computed[..., size:], 0, 1))
+    smooth = spline(x, np.moveaxis(codes_at(x)[..., size:], 0, 1))
 
     def rests_at(x: np.ndarray) -> np.ndarray:
         """Rests (C, k, K) at coordinates (k, d)."""
         rests = np.moveaxis(smooth(x), 1, 0)
-        tops = np.broadcast_to(lobes_at(x), (*rests.shape[:2], size))
-        codes = np.concatenate([tops, rests], axis=-1, dtype=np.float32)
-        return limit_albedo(model, with_dark_edges(model, codes, ceiling), ceiling)[..., size:]
+        tops = lobes_at(x)
+        whole = np.broadcast_to(tops, (*rests.shape[:2], size))
+        codes = np.concatenate([whole, rests], axis=-1, dtype=np.float32)
+        return limit_albedo(model, codes, ceilings(model, tops))[..., size:]
 
     shape = node_counts(model, lambda x: np.moveaxis(rests_at(x), 0, 1), len(own))
     sides = [np.linspace(0, 1, count) for count in shape]
@@ -274,10 +277,7 @@ def bake(
         some = x[::SPARSE]
         for end, unit in zip(ends, np.eye(len(ends)), strict=True):
             ways = [*(unit * end.low)], [*(unit * end.high)]
-            low, high = (
-                codes_of_rests(model, rows.rests(values(some, way)), lobes_at(some))[..., size:]
-                for way in ways
-            )
+            low, high = (codes_at(some, way)[..., size:] for way in ways)
             change = np.moveaxis(high - low, 0, 1) / (end.high - end.low)
             parts.append(np.moveaxis(spline(some, change)(nodes), 1, 0))
         return np.stack(parts, axis=2).astype(np.float32)
@@ -287,10 +287,23 @@ def bake(
 
 
 def codes_of_rests(model: Model, rests: np.ndarray, tops: np.ndarray) -> np.ndarray:
-    """Codes float32 (C, k, L) of rests (C, k, P), each of which is a material, and lobes (k, M)."""
+    """Codes float32 (C, k, L) of rests (C, k, P), each of which is a material, and lobes (k, M).
+
+    Their g is by `FAINT` too large.
+    """
+    pairs, own = model.networks.pairs(), tops[:, None]
+    added = lobes.f(own, *pairs) + FAINT * transmittance.both_ways(own, *pairs)
     top = np.broadcast_to(tops, (*rests.shape[:2], tops.shape[-1]))[..., None, :]
-    f = rests[..., None, :] + lobes.f(top[..., None, :], *model.networks.pairs())
-    return model.networks.encode(f, top)[..., 0, :]
+    return model.networks.encode((rests + added)[..., None, :], top)[..., 0, :]
+
+
+def ceilings(model: Model, tops: np.ndarray) -> np.ndarray:
+    """Largest albedos (k, K) of codes of lobes (k, M) whose g is by `FAINT` too large.
+
+    K directions of `albedo_rule`. No light is added by what `FAINT` adds, of at most this albedo.
+    """
+    directions = albedo_rule(model.widths).directions
+    return 1 - MARGIN + np.pi * FAINT * transmittance.of_lobe(tops[:, None], directions)
 
 
 def node_counts(

@@ -13,7 +13,7 @@ from urushi import checks
 from urushi.checks import MIN_ALPHA, CoatParameters
 from urushi.core.microfacet import of_widths, pair
 from urushi.material.coated_values import coated_values
-from urushi.material.energy import limit_albedo, with_dark_edges
+from urushi.material.energy import limit_albedo
 from urushi.material.layer import (
     absent,
     check_ratios,
@@ -63,7 +63,7 @@ def layer_rows(model: Model, rows: np.ndarray) -> np.ndarray:
     lacks = exact[:, size:] - codes[chosen, size:]
     fill_blocks(added, spline(x[chosen], lacks), x, rows=BLOCK)
     codes[:, size:] += added
-    return limit_albedo(model, with_dark_edges(model, codes))
+    return limit_albedo(model, codes)
 
 
 def _coats(model: Model, rows: np.ndarray) -> CoatParameters:

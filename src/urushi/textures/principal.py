@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from urushi.nets import basis
+from urushi.nets import basis, transmittance
 from urushi.nets import lobe as lobes
 from urushi.nets.basis import Basis
 from urushi.nets.weights import Model
@@ -107,7 +107,7 @@ def _projection(own: Basis, tops: np.ndarray, some: np.ndarray, rests: np.ndarra
     tops, some: lobes (S, M) and rests (S, K) of a sample.
     """
     rows = own.probe_rows(0.0).astype(np.float64)
-    rest = basis.decode(some[:, None], own.probe_rows(0.0)).astype(np.float64)
+    rest = _rests(own, tops, some).astype(np.float64)
     light = (rest + lobes.f(tops[:, None], *own.pairs())) @ own.measure
     share = (rest / np.maximum(light, 1e-12)[:, None]).mean(axis=0)
     weights = own.measure * (share + FLOOR)
@@ -140,8 +140,12 @@ def _sufficient(
 
 def _errors(own: Basis, tops: np.ndarray, rests: np.ndarray, projection: Projection) -> np.ndarray:
     """Errors E (n,) of f at the probe pairs by a projection; codes: lobes (n, M), rests (n, K)."""
-    f = basis.decode(rests[:, None], own.probe_rows(0.0))
-    projected = projection.rests(projection.numbers(rests))
-    found = basis.decode(projected[:, None], own.probe_rows(0.0))
+    f, found = (_rests(own, tops, x) for x in (rests, projection.rests(projection.numbers(rests))))
     light = f + lobes.f(tops[:, None], *own.pairs())
     return (np.abs(found - f) @ own.measure) / np.maximum(light @ own.measure, 1e-12)
+
+
+def _rests(own: Basis, tops: np.ndarray, rests: np.ndarray) -> np.ndarray:
+    """f without lobes (n, P) [1/sr] at the probe pairs, of codes: lobes (n, M), rests (n, K)."""
+    g = basis.decode(rests[:, None], own.probe_rows(0.0))
+    return g * transmittance.both_ways(tops[:, None], *own.pairs())

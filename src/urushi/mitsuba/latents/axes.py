@@ -24,7 +24,7 @@ from urushi.mitsuba.latents.tables import Numbers
 from urushi.mitsuba.reading.axes import Varying
 from urushi.mitsuba.recording import only_where, owned
 from urushi.nets import lobe as lobes
-from urushi.nets import proposal
+from urushi.nets import proposal, transmittance
 from urushi.nets.weights import Model
 from urushi.textures.axes import FAINT, Baked, nearest, simplex, whole_numbers
 from urushi.textures.principal import projection_of
@@ -194,7 +194,7 @@ class AxisLatents(EvaluatedCodes):
     def codes(self, values: Mapping[str, np.ndarray]) -> np.ndarray:
         """Codes (C, k, L) at values (k,) of the parameters by name, C as of `Baked`.
 
-        Their rests are too large by `Baked.faint`.
+        Their g is too large by `Baked.faint`.
         """
         return np.stack([self._codes(values, c) for c in range(self.baked.channels)])
 
@@ -237,11 +237,10 @@ class AxisLatents(EvaluatedCodes):
 
 
 def without_faint(model: Model, codes: np.ndarray) -> np.ndarray:
-    """Codes (..., L) of rests that have `FAINT` less."""
-    rests = model.networks.rest_at_all(
-        codes.reshape(-1, codes.shape[-1]), model.networks.basis.probe_rows
-    )
-    lobe = codes[..., : model.arch.lobe]
-    rest = np.maximum(rests - FAINT, 0).reshape(*codes.shape[:-1], -1)
-    top = lobes.f(lobe[..., None, :], *model.networks.pairs())
-    return model.networks.encode((rest + top)[..., None, :], lobe[..., None, :])[..., 0, :]
+    """Codes (..., L) whose g has `FAINT` less."""
+    pairs, lobe = model.networks.pairs(), codes[..., None, : model.arch.lobe]
+    flat = codes.reshape(-1, codes.shape[-1])
+    rests = model.networks.rest_at_all(flat, model.networks.basis.probe_rows)
+    less = FAINT * transmittance.both_ways(lobe, *pairs)
+    rest = np.maximum(rests.reshape(*codes.shape[:-1], -1) - less, 0)
+    return model.networks.encode((rest + lobes.f(lobe, *pairs))[..., None, :], lobe)[..., 0, :]

@@ -100,7 +100,7 @@ def table_of(model: Model) -> BasisTable:
 
 
 class BasisDecoder:
-    """f [1/sr] of latent codes: the lobe plus the rest by the basis.
+    """f [1/sr] of latent codes: the lobe, and the rest by the basis below `nets.transmittance`.
 
     The terms of a channel's code are the numbers of its lobe that `LobeKind.numbers` names, its
     gain, and its other numbers, scaled as the table's functions require; of two widths also the
@@ -122,7 +122,7 @@ class BasisDecoder:
             functions: (P, N) mean and functions of other numbers in the place of the code's, at
                 the nodes; the numbers have been multiplied by `FUNCTION_SCALE`. None for two
                 widths.
-            faint: [1/sr] by which the rests of the codes are too large.
+            faint: [1/sr] by which g of the codes is too large.
         """
         self._kind, self._lobe, self._faint = kind, model.arch.lobe, faint
         if functions is None:
@@ -185,8 +185,7 @@ class BasisDecoder:
         if not self._kind.present:
             return rests
         lobes = self._kind.complete([channel[:-count] for channel in terms])
-        values = lobe.f(lobes, wi, wo, self._kind)
-        return [a + b for a, b in zip(values, rests, strict=True)]
+        return lobe.with_rests(lobes, rests, wi, wo, self._kind)
 
     def f(self, latents: Sequence[Sequence], wi, wo) -> list:
         """f of each channel, from a list (size) of Dr.Jit floats for each."""

@@ -15,7 +15,6 @@ from urushi.mitsuba.latents.bottoms import Layer
 from urushi.mitsuba.latents.rows import BottomRows, NestedRows, along_u, wavelengths_of
 from urushi.mitsuba.reading.axes import NANOMETRES, WAVELENGTH, Varying, wavelengths_varying
 from urushi.nets.weights import Model
-from urushi.textures.axes import FAINT
 
 #: Parts of the spectrum in which a material's changes with the wavelength are found.
 WAVELENGTHS = 128
@@ -103,4 +102,4 @@ class CoatedRows:
         columns = (x.ravel() for x in (*pair(coat.alpha)[: model.widths], *coat[1:]))
         flat, pairs = np.stack([*columns]).astype(np.float64), model.networks.pairs()
         f = coated_values(below, places.ravel(), flat[:count], flat[count:], *pairs)
-        return (f.T + np.float32(FAINT)).reshape(self._channels, len(values), -1)
+        return f.T.reshape(self._channels, len(values), -1)

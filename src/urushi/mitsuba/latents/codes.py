@@ -160,7 +160,9 @@ class DifferentiableLatents(ConstantLatents):
         """tensor: the codes (C, L) of the material."""
         super().__init__(material)
         # Numbers that vanish or that channels share have gradients of their own.
-        self._changing = BasisDecoder(self.model, ANY_LOBE._replace(widths=self.model.widths))
+        own = kind_of(material.latents[:, : self.model.arch.lobe])
+        kind = ANY_LOBE._replace(widths=self.model.widths, total=own.total)
+        self._changing = BasisDecoder(self.model, kind)
         self._size, self._codes = tensor.shape[-1], tensor.array
         dr.make_opaque(self._codes)
 

@@ -6,13 +6,14 @@ everywhere are left out, and channels share equal terms.
 """
 
 from collections.abc import Sequence
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from urushi.checks import Widths
 from urushi.core import microfacet
 from urushi.core.namespace import DRJIT
+from urushi.nets import transmittance
 from urushi.nets.lobe import (
     COSINES,
     FEATURES,
@@ -30,6 +31,7 @@ class LobeKind(NamedTuple):
     exact: bool = True  # whether the factor of the exact term may differ from zero
     plain: bool = False  # whether that factor is one everywhere
     absorbing: bool = True  # whether k may differ from zero
+    total: bool = True  # whether any may reflect totally: exact, with eta < 1 and k = 0
     same_alpha: bool = False  # whether all channels have the same width
     same_reflectance: bool = False  # whether all channels have the same five other numbers
     widths: int = 1  # 2 if lobes have two widths
@@ -85,7 +87,7 @@ class LobeKind(NamedTuple):
 
 
 #: No lobe reflects.
-NO_LOBE = LobeKind(schlick=False, exact=False, absorbing=False)
+NO_LOBE = LobeKind(schlick=False, exact=False, absorbing=False, total=False)
 
 #: Nothing is known of lobes of one width.
 ANY_LOBE = LobeKind()
@@ -102,6 +104,7 @@ def kind_of(lobes: np.ndarray) -> LobeKind:
         exact=bool(exact),
         plain=bool((lobes[..., 3] == 1).all()),
         absorbing=bool(exact and k),
+        total=bool(((lobes[..., 3] > 0) & (lobes[..., 4] < 1) & (lobes[..., 5] <= 0)).any()),
         same_alpha=bool(same[list(WIDTH_PLACES[widths])].all()),
         same_reflectance=bool(same[1:6].all()),
         widths=widths,
@@ -124,6 +127,30 @@ def f(lobes: Sequence[Sequence], wi, wo, kind: LobeKind) -> list:
         return [shapes[0] * values[0]] * len(lobes)
     count = len(lobes)
     return [a * b for a, b in zip(_each(shapes, count), _each(values, count), strict=True)]
+
+
+def with_rests(lobes: Sequence[Sequence], rests: Sequence, wi, wo, kind: LobeKind) -> list:
+    """The BRDF [1/sr] of each channel: its lobe (N), and its rest through `nets.transmittance`.
+
+    rests: g [1/sr] of each channel.
+    """
+    values = f(lobes, wi, wo, kind)
+    if kind.total:
+        alike = kind.same_alpha and kind.same_reflectance
+        shares = [
+            passed(lobe, wi, kind) * passed(lobe, wo, kind)
+            for lobe in (lobes[:1] if alike else lobes)
+        ]
+        rests = [a * b for a, b in zip(_each(shares, len(rests)), rests, strict=True)]
+    return [a + b for a, b in zip(values, rests, strict=True)]
+
+
+def passed(lobe: Sequence, w, kind: LobeKind) -> Any:
+    """T of a lobe (N) for a direction above the horizon, see `nets.transmittance`."""
+    if not kind.total:
+        return 1.0
+    numbers = [lobe[i] if kind.needed[i] else None for i in (3, 4, 5)]
+    return transmittance.transmittance(_width(lobe, kind), numbers, w, DRJIT)
 
 
 def _each(values: list, count: int) -> list:

@@ -88,7 +88,7 @@ class Numbers:
 
 
 class TabulatedDecoder:
-    """f [1/sr] of a constant material: its lobe, and a table of the rest or of all of f.
+    """f [1/sr] of a constant material: its lobe, and a table of its rest's g or of all of f.
 
     The terms of a channel are the numbers of its lobe that `LobeKind.numbers` names.
     """
@@ -115,14 +115,15 @@ class TabulatedDecoder:
         (UInt32) of each term's table, if the table is a sequence of tables of one channel.
         Exchanging wi and wo gives the same bits.
         """
-        rests = [wi.z * 0] * len(terms)
-        if tables:
-            places = coordinates(wi + wo, wi - wo, DRJIT, self._knots)
-            rests = _looked_up(tables[0], len(terms), places, bands)
-        if not self._kind.present:
+        present = self._kind.present
+        if not tables:
+            lobes = self._kind.complete(terms)
+            return lobe.f(lobes, wi, wo, self._kind) if present else [wi.z * 0] * len(terms)
+        places = coordinates(wi + wo, wi - wo, DRJIT, self._knots)
+        rests = _looked_up(tables[0], len(terms), places, bands)
+        if not present:
             return rests
-        values = lobe.f(self._kind.complete(terms), wi, wo, self._kind)
-        return [a + b for a, b in zip(values, rests, strict=True)]
+        return lobe.with_rests(self._kind.complete(terms), rests, wi, wo, self._kind)
 
 
 def stored(table: np.ndarray, half: bool) -> Any:
@@ -163,7 +164,7 @@ def interpolated(table, shape: Sequence[int], coordinates: Sequence, band=None) 
 
 
 def _looked_up(table, channels: int, places: Sequence, bands: Sequence | None) -> list:
-    """f of each channel [1/sr] at a table's coordinates, see `core.table.interpolated_at`."""
+    """Each channel of a table of logarithms at coordinates, see `core.table.interpolated_at`."""
     clipped = [dr.clip(place, 0, 1) for place in places]
     if bands is None:
         logs = interpolated(table, SHAPE, clipped)
