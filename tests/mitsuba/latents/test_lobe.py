@@ -9,6 +9,7 @@ from tests.untrained import untrained
 from urushi.core.table import interpolated
 from urushi.material.material import Material
 from urushi.nets import lobe as numpy_lobe
+from urushi.nets import transmittance
 from urushi.nets.weights import Model
 from urushi.textures.axes import Baked
 from urushi.textures.store import TexelGrid
@@ -18,6 +19,11 @@ LOBES = {
     "dielectric": [(0.1, 0, 0, 1, 1.5, 0)] * 3,
     "sharp dielectric": [(0.01, 0, 0, 1, 1.5, 0)] * 3,
     "total reflection": [(0.2, 0, 0, 1, 0.625, 0)] * 3,
+    "one of three reflects totally": [
+        (0.3, 0, 0, 1, 1.4, 0),
+        (0.05, 0, 0, 0.5, 0.8, 0),
+        (0.2, 0, 0, 1, 0.8, 2.0),
+    ],
     "no interface": [(0.3, 0, 0, 1, 1.0, 0)] * 3,
     "metal": [(0.01, 0, 0, 1, 0.2, 3.9), (0.01, 0, 0, 1, 0.4, 2.4), (0.01, 0, 0, 1, 1.4, 1.6)],
     "schlick": [(0.3, 0.9, 1, 0, 1.5, 0), (0.2, 0.7, 1, 0, 1.5, 0), (0.1, 0.3, 1, 0, 1.5, 0)],
@@ -88,7 +94,8 @@ def test_f_agrees_with_numpy(rgb, model, name, codes_of):
     exact = z.astype(np.float64), *(w[:, None].astype(np.float64) for w in (wi, wo))
     table = model.networks.table(z)
     assert table is not None
-    expected = model.networks.top(*exact) + interpolated(table, wi, wo)
+    passed = transmittance.both_ways(exact[0][:, :6], *exact[1:])
+    expected = model.networks.top(*exact) + passed * interpolated(table, wi, wo)
     f = evaluated(rgb, codes_of(model, z), wi, wo)
     assert np.isfinite(f).all()
     # Half vectors of float32 directions lose digits: |h_xy|^2 of a lobe of width 0.01 by 1e-3.

@@ -49,7 +49,10 @@ def mixture_of(mi, model, code, wi):
     return proposals(model, code).proposal_of_terms(lobe, numbers, wi, mi.Float(float(code[-1])))
 
 
-def test_proposals_of_codes_agree_with_numpy(rgb, model, code):
+@pytest.mark.parametrize("eta", [1.5, 0.7])
+def test_proposals_of_codes_agree_with_numpy(rgb, model, code, eta):
+    code = np.array(code)
+    code[4] = eta
     mixture = mixture_of(rgb, model, code, vector(pairs()[0]))
     compare(rgb, mixture, model, code, 1e-4)  # logarithms of small cosines are rounded
 

@@ -16,8 +16,8 @@ from urushi.mitsuba.reading import probing
 from urushi.mitsuba.reading.bsdf import reflection_source
 from urushi.mitsuba.reading.known import known_surface
 from urushi.mitsuba.reading.parameters import CoatTextures, check_bottom
-from urushi.nets import lobe as lobes
 from urushi.nets.lobe import with_two_widths
+from urushi.nets.transmittance import remainder
 from urushi.nets.weights import Model
 
 #: Width below which a lobe stays beside the table of a bottom, which is too coarse for it.
@@ -70,7 +70,7 @@ def bottom_material(model: Model, bottom: "mi.BSDF", where: str) -> Material:
         lobe = material.latents[:, : model.arch.lobe]
         narrow = source.lobe is not None and bool((lobe[:, 0] < NARROW).any())
         if narrow:
-            f = np.maximum(f - lobes.f(lobe, wi[:, None], wo[:, None]), 0)
+            f = remainder(f, lobe, wi[:, None], wo[:, None])
         material = replace(material, table=table_of_values(f), beside_lobe=narrow)
     return material
 

@@ -160,8 +160,8 @@ class DifferentiableLatents(ConstantLatents):
         """tensor: the codes (C, L) of the material."""
         super().__init__(material)
         # Numbers that vanish or that channels share have gradients of their own.
-        own = kind_of(material.latents[:, : self.model.arch.lobe])
-        kind = ANY_LOBE._replace(widths=self.model.widths, total=own.total)
+        edged = kind_of(material.latents[:, : self.model.arch.lobe]).edged
+        kind = ANY_LOBE._replace(widths=self.model.widths, edged=edged)
         self._changing = BasisDecoder(self.model, kind)
         self._size, self._codes = tensor.shape[-1], tensor.array
         dr.make_opaque(self._codes)

@@ -13,7 +13,6 @@ import numpy as np
 from urushi.checks import Widths
 from urushi.core import microfacet
 from urushi.core.namespace import DRJIT
-from urushi.nets import transmittance
 from urushi.nets.lobe import (
     COSINES,
     FEATURES,
@@ -22,6 +21,7 @@ from urushi.nets.lobe import (
     feature_columns,
     reflectance_of,
 )
+from urushi.nets.transmittance import has_edges, transmittance
 
 
 class LobeKind(NamedTuple):
@@ -31,7 +31,7 @@ class LobeKind(NamedTuple):
     exact: bool = True  # whether the factor of the exact term may differ from zero
     plain: bool = False  # whether that factor is one everywhere
     absorbing: bool = True  # whether k may differ from zero
-    total: bool = True  # whether any may reflect totally: exact, with eta < 1 and k = 0
+    edged: bool = True  # whether any may have edges of total reflection, see `has_edges`
     same_alpha: bool = False  # whether all channels have the same width
     same_reflectance: bool = False  # whether all channels have the same five other numbers
     widths: int = 1  # 2 if lobes have two widths
@@ -87,7 +87,7 @@ class LobeKind(NamedTuple):
 
 
 #: No lobe reflects.
-NO_LOBE = LobeKind(schlick=False, exact=False, absorbing=False, total=False)
+NO_LOBE = LobeKind(schlick=False, exact=False, absorbing=False, edged=False)
 
 #: Nothing is known of lobes of one width.
 ANY_LOBE = LobeKind()
@@ -104,7 +104,7 @@ def kind_of(lobes: np.ndarray) -> LobeKind:
         exact=bool(exact),
         plain=bool((lobes[..., 3] == 1).all()),
         absorbing=bool(exact and k),
-        total=bool(((lobes[..., 3] > 0) & (lobes[..., 4] < 1) & (lobes[..., 5] <= 0)).any()),
+        edged=bool(has_edges(lobes).any()),
         same_alpha=bool(same[list(WIDTH_PLACES[widths])].all()),
         same_reflectance=bool(same[1:6].all()),
         widths=widths,
@@ -135,7 +135,7 @@ def with_rests(lobes: Sequence[Sequence], rests: Sequence, wi, wo, kind: LobeKin
     rests: g [1/sr] of each channel.
     """
     values = f(lobes, wi, wo, kind)
-    if kind.total:
+    if kind.edged:
         alike = kind.same_alpha and kind.same_reflectance
         shares = [
             passed(lobe, wi, kind) * passed(lobe, wo, kind)
@@ -147,10 +147,10 @@ def with_rests(lobes: Sequence[Sequence], rests: Sequence, wi, wo, kind: LobeKin
 
 def passed(lobe: Sequence, w, kind: LobeKind) -> Any:
     """T of a lobe (N) for a direction above the horizon, see `nets.transmittance`."""
-    if not kind.total:
+    if not kind.edged:
         return 1.0
     numbers = [lobe[i] if kind.needed[i] else None for i in (3, 4, 5)]
-    return transmittance.transmittance(_width(lobe, kind), numbers, w, DRJIT)
+    return transmittance(_width(lobe, kind), numbers, w, DRJIT)
 
 
 def _each(values: list, count: int) -> list:

@@ -11,7 +11,7 @@ import numpy as np
 from urushi.checks import Widths
 from urushi.core.mixture import Mixture
 from urushi.core.namespace import DRJIT
-from urushi.mitsuba.latents.lobe import LobeKind, reflectance
+from urushi.mitsuba.latents.lobe import LobeKind, passed, reflectance
 from urushi.mitsuba.latents.tables import interpolated, padded
 from urushi.nets.features import stacked
 from urushi.nets.lobe import WIDTH_PLACES
@@ -62,7 +62,8 @@ class CodeProposals:
     def tabulated(self, latent: np.ndarray) -> list[np.ndarray]:
         """Tables of a latent code (size,): the weights at `ROOTS`, and the widths of its lobe."""
         cosine = ROOTS**2
-        wi = np.stack([np.sqrt(1 - cosine**2), 0 * cosine, cosine], axis=-1).astype(np.float32)
+        sine = np.sqrt(0.5 - 0.5 * cosine**2)  # halfway between the axes of two widths
+        wi = np.stack([sine, sine, cosine], axis=-1).astype(np.float32)
         code = latent[None].astype(np.float32)
         rows = stacked(mixture(self._params, self._kind.widths, code, wi).weights)
         places = [*WIDTH_PLACES[self._kind.widths], -1]  # the last: ln s of two widths
@@ -85,7 +86,8 @@ class CodeProposals:
         """
         sides = [lobe[place] for place in WIDTH_PLACES[self._kind.widths]]
         own, fresnel = of_sides(sides), partial(reflectance, lobe, kind=self._kind)
-        numbers = weights(terms, self._overlaps, own, fresnel, wi.z, DRJIT)
+        through = passed(lobe, wi, self._kind)
+        numbers = weights(terms, self._overlaps, own, fresnel, wi.z, DRJIT, through)
         return CodeMixture(numbers, own, stretch_of(sides, log_stretch))
 
 

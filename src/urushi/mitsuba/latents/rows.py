@@ -37,7 +37,7 @@ from urushi.mitsuba.reading.changed import relative_to, replaced
 from urushi.mitsuba.reading.grid import not_over_uv
 from urushi.mitsuba.reading.known import known_surface
 from urushi.mitsuba.reading.textures import derived
-from urushi.nets import lobe as lobes
+from urushi.nets.transmittance import remainder
 from urushi.nets.weights import Model
 from urushi.textures.axes import FAINT
 
@@ -50,7 +50,7 @@ COMPARED, TOLERANCE = 256, 2e-3
 #: Relative change of f with the wavelength up to which a bottom is grey.
 GREY = 1e-4
 
-#: [1/sr] Least rest of a nested coat.
+#: [1/sr] Least g of a nested coat, see `nets.transmittance`.
 BLACK = 1e-8
 
 #: Index of a coat to which the numbers of a bottom's parameters are relative.
@@ -80,7 +80,7 @@ class NestedRows:
             return _of_codes(model, without_faint(model, codes), channels)
         flat, shape = codes.reshape(-1, codes.shape[-1]), codes.shape[:2]
         logs = model.networks.table(flat)
-        assert logs is not None  # a rest has at least `FAINT`
+        assert logs is not None  # g is at least `FAINT`
         logs = np.log(np.maximum(np.exp(logs) - FAINT, BLACK))
         found = Substrate.of(Reflector.of_logs(logs, flat[:, : model.arch.lobe]))
         places = np.arange(len(flat)).reshape(shape)
@@ -224,7 +224,7 @@ class BottomRows:
     def _tables(
         self, bsdf: "mi.BSDF", uv: np.ndarray, channels: int
     ) -> tuple[np.ndarray, np.ndarray | None]:
-        """ln f (channels, M, U, V, W) at points uv (M, 2) beside lobes (channels, M, N) or None."""
+        """ln g (channels, M, U, V, W) at points uv (M, 2) beside lobes (channels, M, N) or None."""
         exact = known_surface(bsdf).table_source() or bsdf
         known = known_lobes(self._model, bsdf, uv, self._where)
         wi, wo = (w.reshape(-1, 3) for w in node_pairs())
@@ -233,7 +233,7 @@ class BottomRows:
         f = np.moveaxis(probing.check_values(f, self._where), 1, 0)
         if known is not None:
             known = np.moveaxis(known[:, :channels], 1, 0)
-            f = np.maximum(f - lobes.f(known[..., None, :], wi, wo), 0)
+            f = remainder(f, known[..., None, :], wi, wo)
         logs = np.moveaxis(table_of_values(f.reshape(-1, len(wi)).T), -1, 0)
         return logs.reshape(*f.shape[:2], *logs.shape[1:]), known
 
