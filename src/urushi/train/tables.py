@@ -261,7 +261,7 @@ def levels(seed: int, number: int) -> list[dict[str, Any]]:
 def coated(below: Substrate, coat: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Lobe (1, L) and table (1, P) of a material under a coat (5,)."""
     rows = np.ix_(*known_nodes(()))
-    pairs = (w.reshape(*SHAPE, 3)[rows].reshape(-1, 3) for w in node_pairs())
+    pairs = [w.reshape(*SHAPE, 3)[rows].reshape(-1, 3) for w in node_pairs()]
     own = lobes.of_coat(*coat[:2, None]).astype(np.float32)
     rest = coated_f(below, CoatParameters(*coat[:, None]), *pairs)
     rest /= both_ways(own, *(w[:, None] for w in pairs))
