@@ -32,6 +32,9 @@ from urushi.nets import lobe as lobes
 #: Least square of the width w.
 LEAST_WIDTH2 = 1e-9
 
+#: Least index in divisions.
+LEAST_INDEX = 1e-3
+
 
 def remainder(f: Any, lobe: Any, wi: Any, wo: Any) -> Any:
     """g (...) [1/sr] of values f (...) of materials with lobes (..., N), for directions (..., 3).
@@ -69,11 +72,13 @@ def transmittance(alpha: Any, numbers: Sequence[Any], w: Components, xp: Namespa
     eta - i k; the factor is None for one, and k for a dielectric.
     """
     factor, eta, k = numbers
-    share = of_interface(alpha, xp.minimum(eta, 1.0), w, xp)
+    if k is not None:
+        eta = xp.named("index", xp.where(k > 0.0, 1.0, eta))
+    thinner = xp.named("thinner", xp.maximum(xp.minimum(eta, 1.0), LEAST_INDEX))
+    share = of_interface(alpha, thinner, w, xp)
     if factor is not None:
         share = 1.0 - factor * (1.0 - share)
-    share = xp.where(eta < 1.0, share, 1.0)
-    return share if k is None else xp.where(k > 0.0, 1.0, share)
+    return xp.where(eta < 1.0, share, 1.0)
 
 
 def of_interface(alpha: Any, eta: Any, w: Components, xp: Namespace) -> Any:
@@ -88,18 +93,26 @@ def of_interface(alpha: Any, eta: Any, w: Components, xp: Namespace) -> Any:
     spread2 = named("spread2", xp.maximum(spread2, LEAST_WIDTH2))
     c02 = named("critical2", xp.positive(1.0 - eta * eta))
     beyond = named("beyond", c - xp.safe_sqrt(c02))
-    below, size = ramp(beyond, spread2, xp)
-    all_below, all_size = ramp(c, spread2, xp)
+    below, size = ramp(beyond, spread2, xp, "_beyond")
+    all_below, all_size = ramp(c, spread2, xp, "_all")
     scale = named("per_index", 1.0 / (eta * eta))
-    inside2, _ = ramp((c * c - c02) * scale, 4.0 * spread2 * c02 * scale * scale + 1e-12, xp)
+    inside2, _ = ramp(
+        named("straight2", (c * c - c02) * scale),
+        named("blur2", 4.0 * spread2 * c02 * scale * scale + 1e-12),
+        xp,
+        "_inside",
+    )
     inside = named("inside", xp.sqrt(xp.minimum(inside2, 1.0)))
     s, p = named("across", c + eta * inside), named("along", eta * c + inside)
     passed = 2.0 * eta * c * inside * (1.0 / (s * s) + 1.0 / (p * p))
     return named("transmittance", passed * (below * all_size) / (size * all_below))
 
 
-def ramp(x: Any, width2: Any, xp: Namespace) -> tuple[Any, Any]:
-    """r = (x + root) / 2 without loss of digits, and root = sqrt(x^2 + width2)."""
-    root = xp.named("root", xp.sqrt(x * x + width2))
-    high = xp.named("high", 0.5 * (xp.absolute(x) + root))
-    return xp.named("ramp", xp.where(x > 0.0, high, 0.25 * width2 / high)), root
+def ramp(x: Any, width2: Any, xp: Namespace, suffix: str) -> tuple[Any, Any]:
+    """r = (x + root) / 2 without loss of digits, and root = sqrt(x^2 + width2).
+
+    suffix: of the names of its variables.
+    """
+    root = xp.named(f"root{suffix}", xp.sqrt(x * x + width2))
+    high = xp.named(f"high{suffix}", 0.5 * (xp.absolute(x) + root))
+    return xp.named(f"ramp{suffix}", xp.where(x > 0.0, high, 0.25 * width2 / high)), root
