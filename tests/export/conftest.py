@@ -30,10 +30,11 @@ def materials(model) -> dict[str, Material]:
     codes[:, 0] = 0.15, 0.2, 0.3
     codes[:, 1:4] = rng.uniform(0, 0.5, (3, 3))
     codes[:, 4:6] = (1.5, 0), (0.8, 2), (0.3, 3)
-    coat, bare, smooth = codes.copy(), codes.copy(), codes.copy()
+    coat, bare, smooth, edges = (codes.copy() for _ in range(4))
     coat[:, :6] = 0.1, 0, 0, 1, 1.5, 0  # the same in all channels
     bare[:, :6] = 1, 0, 0, 0, 1.5, 0
     smooth[:, 6] = EMPTY_GAIN
+    edges[:, 3:6] = (1, 0.7, 0), (0.6, 0.55, 0), (0.5, 0.3, 3)  # to thinner media, and a metal
     places = np.meshgrid(*(np.linspace(0, 9, count) for count in SHAPE), indexing="ij")
     logs = -1 + np.sin(np.stack(places, axis=-1) + np.sum(places, axis=0)[..., None])
     return {
@@ -42,6 +43,8 @@ def materials(model) -> dict[str, Material]:
         "no lobe": Material(bare, model),
         "no rest": Material(smooth, model),
         "grey": Material(codes[:1], model),
+        "edges": Material(edges, model),
+        "grey edges": Material(edges[:1], model),
         "table": Material(codes, model, logs),
         "table beside lobe": Material(
             codes[:1], model, logs[..., :1], beside_lobe=True, knots=knots_of([0.5, 0.8])
@@ -60,11 +63,14 @@ def anisotropic_materials(anisotropic_model) -> dict[str, Material]:
     codes[:, 4:6] = (1.5, 0), (0.8, 2), (0.3, 3)
     coat = codes.copy()
     coat[:, :7] = 0.12, 0, 0, 1, 1.5, 0, 0.4  # the same in all channels
+    edges = codes.copy()
+    edges[:, 3:6] = (1, 0.7, 0), (0.6, 0.55, 0), (0.5, 0.3, 3)
     return {
         "three lobes": Material(codes, anisotropic_model),
         "one lobe": Material(coat, anisotropic_model),
         "turned": Material(codes, anisotropic_model, rotation=40.0),
         "grey": Material(codes[:1], anisotropic_model),
+        "edges": Material(edges, anisotropic_model),
     }
 
 

@@ -20,7 +20,7 @@ from urushi.export.program import codes_text
 MIRRORS = ((1, -1, 1), (-1, 1, 1), (-1, -1, 1))
 
 
-@pytest.mark.parametrize("kind", ["three lobes", "one lobe", "grey"])
+@pytest.mark.parametrize("kind", ["three lobes", "one lobe", "grey", "edges"])
 def test_material_in_python(anisotropic_materials, rows, kind):
     material = anisotropic_materials[kind]
     check("python", material.shader("python"), material, rows)
@@ -32,11 +32,12 @@ def test_turned_material(anisotropic_materials, rows, language):
     check(language, material.shader(language), material, rows)
 
 
+@pytest.mark.parametrize("kind", ["three lobes", "edges"])
 @pytest.mark.parametrize("language", ["python", *SHADERS])
 def test_templates_with_codes_and_tangent_filled_in(
-    anisotropic_model, anisotropic_materials, rows, language
+    anisotropic_model, anisotropic_materials, rows, language, kind
 ):
-    material = anisotropic_materials["three lobes"].rotated(40)
+    material = anisotropic_materials[kind].rotated(40)
     check(language, filled(language, material), material, rows, basis_of(anisotropic_model))
 
 

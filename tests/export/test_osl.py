@@ -44,7 +44,7 @@ def test_osl_in_cycles(model, materials, tmp_path, kind):
     python = os.environ.get("BPY_PYTHON")
     if not python:
         pytest.skip("BPY_PYTHON names no Python with Blender's module bpy")
-    material, table = materials["three lobes"], tmp_path / "f.exr"
+    material, table = materials["edges"], tmp_path / "f.exr"
     if kind == "material":
         text, call = material.shader("osl"), f'f = urushi_f(wi, wo, "{table}");'
         write_table(table, material.shader_texture("osl"))

@@ -38,7 +38,8 @@ EXCHANGE_TOLERANCE = {"python": 0.0} | dict.fromkeys(("glsl", "wgsl", "hlsl", "s
 
 SHADERS = ("glsl", "wgsl", "hlsl", "slang")
 KINDS = (
-    "three lobes", "one lobe", "no lobe", "no rest", "grey", "table", "table beside lobe",
+    "three lobes", "one lobe", "no lobe", "no rest", "grey", "edges", "grey edges", "table",
+    "table beside lobe",
 )  # fmt: skip
 DIRECTIONS = np.s_[:, :3], np.s_[:, 4:7], np.s_[:, 8:11]
 
@@ -114,15 +115,22 @@ def test_material_in_python(materials, rows, kind):
     check("python", materials[kind].shader("python"), materials[kind], rows)
 
 
-@pytest.mark.parametrize("kind", ["three lobes", "grey"])
+@pytest.mark.parametrize("kind", ["three lobes", "grey", "edges"])
 @pytest.mark.parametrize("language", SHADERS)
 def test_material_in_shaders(materials, rows, language, kind):
     check(language, materials[kind].shader(language), materials[kind], rows)
 
 
+def test_only_materials_with_edges_have_their_formula(materials):
+    for kind in KINDS:
+        has_edges = "edges" in kind
+        assert ("_transmittance(" in materials[kind].shader("glsl")) == has_edges
+
+
+@pytest.mark.parametrize("kind", ["three lobes", "edges"])
 @pytest.mark.parametrize("language", ["python", *SHADERS])
-def test_codes_as_arguments(model, materials, rows, language):
-    material, text = materials["three lobes"], codes_text(language, model, "urushi")
+def test_codes_as_arguments(model, materials, rows, language, kind):
+    material, text = materials[kind], codes_text(language, model, "urushi")
     check(language, text, material, rows, basis_of(model), material.latents.T)
 
 
@@ -162,7 +170,7 @@ def test_wgsl_is_valid_for_browsers(model, materials, tmp_path, compiler):
     if path is None:
         pytest.skip(f"{compiler} is not installed")
     end = "\n@fragment fn main() -> @location(0) vec4f { return vec4f(1.0); }\n"
-    for text in (materials["three lobes"].shader("wgsl"), codes_text("wgsl", model, "urushi")):
+    for text in (materials["edges"].shader("wgsl"), codes_text("wgsl", model, "urushi")):
         file = tmp_path / "material.wgsl"
         file.write_text(text + end)
         options = ["--format", "wgsl"] if compiler == "tint" else []  # it writes SPIR-V otherwise

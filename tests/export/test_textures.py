@@ -43,12 +43,16 @@ def packed(model) -> Texture:
     return texture_of(model)
 
 
-def texture_of(model: Model) -> Texture:
-    """A texture; some numbers are constant, or the same in all channels."""
+def texture_of(model: Model, eta: float = 1.5) -> Texture:
+    """A texture; some numbers are constant, or the same in all channels.
+
+    eta: of the interfaces of half of the texels; the others have 1.5.
+    """
     rng = np.random.default_rng(2)
     codes = rng.normal(size=(WIDTH * HEIGHT, 3, model.arch.latent)).astype(np.float32)
     codes[..., 0] = rng.uniform(0.1, 0.4, (len(codes), 1))
     codes[..., 1:6] = 0, 0, 1, 1.5, 0
+    codes[::2, :, 4] = eta
     if model.widths == 2:
         codes[..., 6] = rng.uniform(0.1, 0.4, (len(codes), 1))
         codes[..., -1] = 0.25  # the stretch
@@ -102,11 +106,12 @@ def test_dds_is_read_by_another_program(packed, tmp_path):
         assert np.array_equal(np.asarray(opened), image_of(packed, 1)[0])
 
 
+@pytest.mark.parametrize("eta", [1.5, 0.7])
 @pytest.mark.parametrize("networks_of", ["model", "anisotropic_model"])
-def test_look_up_in_opengl(networks_of, request):
+def test_look_up_in_opengl(networks_of, eta, request):
     """At the centre of each texel, f and pdf are those of the texel's code."""
     context, model = gpu.gl_context(), request.getfixturevalue(networks_of)
-    packed = texture_of(model)
+    packed = texture_of(model, eta)
     text = codes_text("glsl", model, "urushi", texture_files.texels(packed, GRID))
     codes = packed.codes()
     wi = np.array([0.6, 0.0, 0.8], np.float32)

@@ -187,6 +187,9 @@ def call(function: str, *values: Value) -> Expression:
 def select(condition: Expression, yes: Value, no: Value) -> Expression:
     """One of two values by a condition on floats."""
     yes, no = expression(yes), expression(no)
+    a, b = (argument.constant for argument in condition.arguments)
+    if a is not None and b is not None:
+        return yes if (a > b if condition.operation == ">" else a >= b) else no
     kind = _wider(yes, no)
     return Expression("select", kind, (condition, converted(yes, kind), converted(no, kind)))
 

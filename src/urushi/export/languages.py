@@ -197,7 +197,8 @@ class Python(Printer):
         return f"{variable.name} = {self.structure_name(variable.kind)}()"
 
     def composed(self, kind: str, parts: Sequence[str]) -> str:
-        if kind == COLOUR or all(part[0].isdigit() for part in parts):
+        computed = any("(" in part for part in parts)  # arrays (..., 1), not numbers or their names
+        if not computed and (kind == COLOUR or all(part[0].isdigit() for part in parts)):
             return f"np.array([{', '.join(parts)}], np.float32)"
         return f"np.concatenate(np.broadcast_arrays({', '.join(parts)}), axis=-1)"
 

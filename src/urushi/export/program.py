@@ -36,7 +36,9 @@ from urushi.export.statements import (
     fetch_functions,
     member,
 )
+from urushi.export.transmittance import Passed, texels_have_edges
 from urushi.nets.proposal import TERMS
+from urushi.nets.transmittance import has_edges
 from urushi.nets.weights import Model
 
 #: How directions and values are meant, in every file.
@@ -59,6 +61,12 @@ ANISOTROPIC = (
 TURNED = (
     "A material's tangent is the x axis. To turn it, set tangent_x and tangent_y of the material "
     "to the cosine and the sine of the angle."
+)
+
+#: What a file for a texture leaves out if no texel needs it.
+NO_EDGES = (
+    "No texel has a topmost interface of a relative index below one. For codes that have one, {f} "
+    "of this file is wrong."
 )
 
 #: Beginning of the names in templates.
@@ -107,11 +115,13 @@ def material_text(
         )
     terms = proposal.terms_of(model, [expression(float(x)) for x in latents.mean(axis=0)])
     rest = Rest(1 if model.widths == 1 else 1 + FACTORS, knots, terms.stretch) if has_rest else None
+    lobes = latents[:, : model.arch.lobe]
     code = _Code(
-        [colour(column) for column in latents[:, : model.arch.lobe].T] if has_lobe else (),
+        [colour(column) for column in lobes.T] if has_lobe else (),
         rest,
         terms,
         Tangent.of(rotation),
+        bool(has_edges(np.vstack([lobes, lobes.mean(axis=0)])).any()),
     )
     printer = LANGUAGES[language](prefix)
     note: tuple[str, ...] = (
@@ -209,6 +219,7 @@ class _Code(NamedTuple):
     rest: Rest | None
     terms: Terms  # of the proposal
     tangent: Tangent
+    has_edges: bool  # whether the rest is multiplied by T
 
 
 def _functions(code: _Code, given: tuple[Variable, ...], form: TextureForm) -> list[Function]:
@@ -225,14 +236,22 @@ def _functions(code: _Code, given: tuple[Variable, ...], form: TextureForm) -> l
 
     arguments = (*given, WI, WO, TABLE) if code.rest else (*given, WI, WO)
     f = Function("f", arguments, COLOUR, "The BRDF [1/sr] without the cosine.", public=True)
+    passed = Passed(code.lobe or code.terms.lobe) if code.has_edges else None
     wi, wo = inside(f)
     value = lobe_f(f, code.lobe, wi, wo) if code.lobe else expression(0.0)
     if code.rest:
-        value = value + rest_f(f, code.rest, form, argument(TABLE), wi, wo)
+        rest = rest_f(f, code.rest, form, argument(TABLE), wi, wo)
+        if passed and code.lobe:
+            f.note_line("The rest passes the interface in both ways.")
+            ways = (("passed_i", wi), ("passed_o", wo))
+            passed_i, passed_o = (f.let(label, passed(code.lobe, w)) for label, w in ways)
+            rest = passed_i * passed_o * rest
+        value = value + rest
     f.returns(select(call("min", wi.z, wo.z) > 0.0, value, 0.0))
 
     made = Function("proposal", (*given, WI), "Proposal", "The proposal for wi.")
-    made.returns(proposal.fill(made, code.terms, argument(WI)))
+    seen = made.let("passed", passed(code.terms.lobe, argument(WI))) if passed else 1.0
+    made.returns(proposal.fill(made, code.terms, argument(WI), seen))
     sampling = _, density_of, _, draw = proposal.functions(len(alphas_of(code.terms.lobe)))
     note = "The density [1/sr] of `sample` at wo."
     pdf = Function("pdf", (*given, WI, WO), FLOAT, note, public=True)
@@ -253,7 +272,7 @@ def _functions(code: _Code, given: tuple[Variable, ...], form: TextureForm) -> l
     sample.assign(member(result, SAMPLE.fields[0]), select(above, seen, vector(0.0, 0.0, 1.0)))
     sample.assign(member(result, SAMPLE.fields[1]), select(above, density, 0.0))
     sample.returns(result)
-    return [f, made, *sampling, pdf, sample]
+    return [*([passed.function] if passed else []), f, made, *sampling, pdf, sample]
 
 
 def _conventions(model: Model) -> tuple[str, ...]:
@@ -300,6 +319,7 @@ def codes_program(model: Model, form: TextureForm, texels: Texels | None = None)
         rest,
         terms,
         Tangent(*others[1:] or X_AXIS),
+        texels is None or texels_have_edges(texels),
     )
     note: tuple[str, ...] = (
         f"All materials of Urushi's weights {model.fingerprint} as code; the latent codes of a "
@@ -321,6 +341,7 @@ def codes_program(model: Model, form: TextureForm, texels: Texels | None = None)
         f"of {texels.layers} layers, RGBA8 without gamma, whose first row is at v = 0. "
         f"{texels.filtering} Where the language separates samplers from textures, the sampler "
         "follows the texture.",
+        *(() if code.has_edges else (NO_EDGES,)),
     )
     return Program(note, structures, [*functions, *fetch_functions(texels, prepare)])
 

@@ -11,6 +11,7 @@ from urushi.export.expressions import (
     FLOAT,
     VECTOR,
     Expression,
+    Value,
     call,
     dot,
     expression,
@@ -79,8 +80,8 @@ def overlaps_of(model: Model) -> Sequence[float]:
     return model.params["proposal.overlap"].tolist()
 
 
-def fill(body: Function, terms: Terms, wi: Expression) -> Expression:
-    """The proposal of a code for wi."""
+def fill(body: Function, terms: Terms, wi: Expression, passed: Value = 1.0) -> Expression:
+    """The proposal of a code for wi; passed: T(wi) of the code."""
     alphas = alphas_of(terms.lobe)
     own = Widths(*alphas) if len(alphas) == 2 else alphas[0]
     found = weights(
@@ -90,6 +91,7 @@ def fill(body: Function, terms: Terms, wi: Expression) -> Expression:
         lambda cosine: reflectance(body, terms.lobe, cosine, "_own"),
         wi.z,
         namespace(body),
+        passed,
     )
     made = structure(len(alphas))
     result = body.structure("result", made.name)
