@@ -22,8 +22,9 @@ def measure():
 
 def tables_of(logs: np.ndarray, top: np.ndarray, measure: np.ndarray) -> Tables:
     """Materials of one width, of values (N, P)."""
-    logs, top = (x[:, None].astype(np.float32) for x in (logs, top))
-    return Tables(logs, top, measure[None, None], np.empty((1, 0)))
+    integrals = (top @ measure).astype(np.float32)[:, None, None]
+    shares = np.broadcast_to(measure, (len(logs), 1, len(measure)))
+    return Tables(logs[:, None].astype(np.float32), integrals, shares, np.empty((1, 0)))
 
 
 @pytest.fixture(scope="module")

@@ -10,6 +10,7 @@ from urushi.nets import basis as bases
 from urushi.nets import layerer
 from urushi.nets import lobe as lobes
 from urushi.nets.basis import Basis
+from urushi.nets.transmittance import both_ways
 from urushi.nets.weights import Model, anisotropic_model, default_model
 from urushi.train import layering, training
 from urushi.train.distribution import draw_coats_of_two
@@ -63,9 +64,10 @@ def test_the_error_of_a_code_is_that_of_its_light(basis, found):
     size = np.linalg.norm((found.root @ step[..., None])[..., 0], axis=-1)
     f = np.exp(bases.decode_log(found.code[:, None], basis.probe_rows(0.0)))
     top = lobes.of_coat(found.coat[:, 0], found.coat[:, 1])
-    light = f + lobes.f(top[:, None], *basis.pairs())
-    share = (f @ basis.measure) / (light @ basis.measure)
-    floor = layering.FLOOR * basis.measure.sum()
+    passed = both_ways(top[:, None], *basis.pairs())
+    light = passed * f + lobes.f(top[:, None], *basis.pairs())
+    share = ((passed * f) @ basis.measure) / (light @ basis.measure)
+    floor = layering.FLOOR * (passed @ basis.measure)
     np.testing.assert_allclose(size, 0.01 * np.sqrt(share + floor), rtol=1e-3)
 
 

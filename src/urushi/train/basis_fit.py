@@ -40,7 +40,8 @@ from urushi.core.table import (
 from urushi.nets import code_fit
 from urushi.nets import lobe as lobes
 from urushi.nets.basis import on_grid
-from urushi.train.stretched_tables import NODES, nodes_of
+from urushi.nets.transmittance import both_ways
+from urushi.train.stretched_tables import NODES, Nodes, nodes_of
 
 #: Rounds of the alternation by light, and by the error.
 ROUNDS, LATE_ROUNDS = 8, 2
@@ -69,9 +70,9 @@ BLOCK = 128
 class Tables(NamedTuple):
     """Materials N at azimuths T and nodes P. What all materials share has N = 1."""
 
-    logs: np.ndarray  # float32 (N, T, P) ln f of the rests
-    top: np.ndarray  # float32 (N, T, P) f of the lobes [1/sr]
-    measure: np.ndarray  # float32 (1 or N, T, P) shares in integrals over pairs
+    logs: np.ndarray  # float32 (N, T, P) ln g
+    top: np.ndarray  # float32 (N, 1, 1) integrals of f of the lobes over pairs
+    measure: np.ndarray  # float32 (N, T, P) T(wi) T(wo), times shares in integrals over pairs
     factors: np.ndarray  # float32 (1 or N, `core.stretched.FACTORS`, T, P); of one width empty
 
     def rest(self) -> np.ndarray:
@@ -80,7 +81,7 @@ class Tables(NamedTuple):
 
     def light(self) -> np.ndarray:
         """Integrals (N, 1, 1) of f over pairs: all light."""
-        return self.rest() + (self.top * self.measure).sum(axis=(1, 2), keepdims=True)
+        return self.rest() + self.top
 
     def taken(self, rows: np.ndarray | slice) -> "Tables":
         """The materials of some rows."""
@@ -95,19 +96,24 @@ class Tables(NamedTuple):
 
 def materials(held: Mapping[str, np.ndarray]) -> Tables:
     """The materials of the arrays of a `TableStore`."""
-    table = held["table"].astype(np.float32)
-    if "stretch" not in held:
-        top = np.stack([lobes.f(own, *node_pairs()) for own in held["lobe"]])[:, None]
-        return Tables(table[:, None], top, node_measure()[None, None], np.empty((1, 0)))
-    columns = zip(*(held[name] for name in ("stretch", "stack", "level")), strict=True)
-    nodes = [nodes_of(stretch, seed) for stretch, *seed in columns]
-    top = np.stack([lobes.f(own, *at.pairs) for own, at in zip(held["lobe"], nodes, strict=True)])
-    measure, factors = (np.stack([at[k] for at in nodes]) for k in (1, 2))
-    return Tables(table.reshape(top.shape), top, measure, factors)
+    table, lobe = held["table"].astype(np.float32), held["lobe"]
+    if "stretch" in held:
+        columns = zip(*(held[name] for name in ("stretch", "stack", "level")), strict=True)
+        nodes = [nodes_of(stretch, seed) for stretch, *seed in columns]
+        factors = np.stack([at.factors for at in nodes])
+    else:
+        nodes = [Nodes(node_pairs(), node_measure(), np.empty(0))] * len(lobe)
+        factors = np.empty((1, 0))
+    top, measure = np.empty(len(lobe), np.float32), np.empty_like(table)
+    for k, (own, at) in enumerate(zip(lobe, nodes, strict=True)):
+        top[k] = (lobes.f(own, *at.pairs) * at.measure).sum()
+        measure[k] = (both_ways(own, *at.pairs) * at.measure).ravel()
+    shape = len(lobe), *np.atleast_2d(nodes[0].measure).shape
+    return Tables(table.reshape(shape), top[:, None, None], measure.reshape(shape), factors)
 
 
 def probed(held: Mapping[str, np.ndarray], count: int) -> np.ndarray:
-    """f (N, count) of the rests of such arrays at the probe pairs; of one width by the tables."""
+    """g (N, count) of such arrays at the probe pairs; of one width by the tables."""
     return np.exp(held["probes"] if "probes" in held else at_probes(held["table"], count))
 
 

@@ -40,9 +40,6 @@ SHARED, WITHOUT_INTERFACE = 2, 0.05
 #: Least width of bottoms of two widths, and largest quotient of two.
 LEAST_WIDTH, MOST_QUOTIENT = 0.02, 8.0
 
-#: Difference of an absolute index from 1 that is rounding.
-ROUNDING = 1e-4
-
 #: The kinds of bottoms of stacks.
 BOTTOMS = tuple(
     name for name, kind in KINDS.items() if kind.widths == 1 and kind.family.draw is not Family.draw
@@ -187,25 +184,22 @@ def smooth_alpha(rng: np.random.Generator, shape: int | tuple[int, ...]) -> np.n
 def draw_stack(
     rng: np.random.Generator, shares: Mapping[str, float] = SHARES, most: int = MAX_COATS
 ) -> StackTable:
-    """One random stack of at most so many coats, whose absolute indices are at least 1.
-
-    shares: of the kinds of bottoms.
-    """
+    """One random stack of at most so many coats; shares: of the kinds of bottoms."""
     kind = str(rng.choice(list(shares), p=list(shares.values())))
     coats = min(int(rng.choice(len(COATS), p=COATS)), most)
-    while True:
-        practical = coats and rng.random() < PRACTICAL
-        stack = (Practical(coats, kind) if practical else _whole(coats, kind)).sample(rng, 1)
-        if not coats or np.cumprod(stack.eta[0]).min() > 1 - ROUNDING:
-            return stack
+    practical = coats and rng.random() < PRACTICAL
+    return (Practical(coats, kind) if practical else _whole(coats, kind)).sample(rng, 1)
 
 
 def draw_coats(rng: np.random.Generator, count: int) -> np.ndarray:
-    """Random coats (count, 5) with any index, `SHARED` after another with the same interface."""
+    """Random coats (count, 5) with any index, `SHARED` after another with the same interface.
+
+    Practical ones are the upper or the lower one of two.
+    """
     often = rng.binomial(count, PRACTICAL)
-    parts = (Practical(1), often), (_whole(1, "conductor"), count - often)
-    coats = np.concatenate([coats_of(drawn.sample(rng, number)) for drawn, number in parts])
-    coats = rng.permutation(coats)
+    practical = rng.permutation(coats_of(Practical(2).sample(rng, often)))[:often]
+    whole = coats_of(_whole(1, "conductor").sample(rng, count - often))
+    coats = rng.permutation(np.concatenate([practical, whole]))
     coats[:, :2] = coats[np.arange(count) // SHARED * SHARED, :2]
     return coats
 

@@ -146,7 +146,6 @@ def levels(probes: int, seed: int, number: int) -> list[dict[str, Any]]:
                 "stack": np.int32(number),
                 "kind": np.int32(list(SHARES).index(stack.kind)),
                 "level": np.int32(level),
-                "low": np.float32(min(coat[1], 1)),
                 "coat": coat,
             }
         )

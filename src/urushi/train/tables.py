@@ -80,7 +80,6 @@ class TableStore:
     - lobe: float32 (R, L), the lobes beside it;
     - stack, kind, level: int32 (R,), number of the stack, kind of its bottom (of `SHARES`), and
       number of coats of this level;
-    - low: float32 (R,), the least absolute index of its media, seen from the medium above it;
     - coat: float32 (R, 5), the topmost coat, `CoatParameters`; zeros for bare bottoms;
     - over: float32 (R, C, 5), further coats;
     - coated: float32 (R, C, N), ln g under these coats at the probe pairs.
@@ -237,13 +236,12 @@ def levels(seed: int, number: int) -> list[dict[str, Any]]:
     lobe = bottom_lobes(stack.kind, bottom)
     rest = bottom_rest(stack.kind, bottom, lobe, *node_pairs())
     logs, coats = table_of_values(rest.T).reshape(1, -1), coats_of(stack)
-    rows, low = [], 1.0
+    rows = []
     for level in range(stack.coats + 1):
         coat = np.zeros(5)
         if level:
             coat = coats[-level]
             lobe, logs = coated(_substrate(logs, lobe), coat)
-            low = min(coat[1], coat[1] * low)
         rows.append(
             {
                 "table": logs[0],
@@ -251,7 +249,6 @@ def levels(seed: int, number: int) -> list[dict[str, Any]]:
                 "stack": np.int32(number),
                 "kind": np.int32(list(SHARES).index(stack.kind)),
                 "level": np.int32(level),
-                "low": np.float32(low if level else 1),
                 "coat": coat.astype(np.float32),
             }
         )

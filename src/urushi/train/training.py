@@ -14,17 +14,17 @@ from typing import Any
 import numpy as np
 from tqdm import tqdm
 
-from urushi.core.probe_pairs import pair_measure
+from urushi.core.probe_pairs import pair_measure, probe_pairs
 from urushi.errors import FileError
 from urushi.files import check_name, new_folder
 from urushi.nets import weights
 from urushi.nets.code_fit import solve_codes
 from urushi.nets.mlp import Params
 from urushi.nets.networks import Architecture
+from urushi.nets.transmittance import both_ways
 from urushi.platform import available_cores
 from urushi.train import basis_fit, layering, presets, tables
 from urushi.train.checkpoint import Checkpoint, Journal
-from urushi.train.distribution import ROUNDING
 from urushi.train.layering import Layerings
 from urushi.train.optimiser import compile_steps, start
 from urushi.train.presets import Preset
@@ -100,13 +100,12 @@ def fitted_basis(
 
     E is that of codes from the probe pairs, over all nodes, for coated materials that are held out.
     """
-    arch, names = preset.arch, ["table", "lobe", "level", "stack", "low"]
+    arch, names = preset.arch, ["table", "lobe", "level", "stack"]
     held = store.read(names + ["probes", "stretch"] * (arch.widths == 2))
-    seen = np.flatnonzero(held["low"] > 1 - ROUNDING)  # from above, nothing mirrors totally
-    held = {name: x[seen] for name, x in held.items()}
     every, rows = basis_fit.prepared(basis_fit.materials(held))
     rest = basis_fit.probed(held, arch.probes)[rows]
     level, stack, lobe = (held[name][rows] for name in ("level", "stack", "lobe"))
+    passed = both_ways(lobe[:, None], *probe_pairs(arch.probes, arch.widths))
     hidden = stack % HELD_OUT == 0
     learnt, factors = ~hidden, arch.factors[1:]
     if arch.widths == 2:  # functions for bare mixtures, which are few, would cost coats more
@@ -114,14 +113,14 @@ def fitted_basis(
     known = every.taken(np.flatnonzero(learnt))
     if arch.widths == 1:
         given = np.tile(np.array([0, 1], np.float32), (every.logs.shape[2], 1))  # the constant
-        measure = basis_fit.probe_measure(rest[learnt], known.rest().ravel())
+        measure = basis_fit.probe_measure((passed * rest)[learnt], known.rest().ravel())
     else:
         given = weights.shipped(preset.beginning).params["basis.rows"]
         measure = pair_measure(arch.probes)
     functions, prior = basis_fit.fit_basis(known, given, factors)
     params = {"basis.rows": functions, "basis.measure": measure, "basis.prior": prior}
     basis = untrained(arch, params).networks.basis
-    codes = solve_codes(basis, rest)
+    codes = solve_codes(basis, rest, passed)
     others = hidden & (level > 0)
     errors = basis_fit.errors(
         functions, factors, every.taken(np.flatnonzero(others)), codes[others, : arch.functions]
