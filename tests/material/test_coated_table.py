@@ -17,6 +17,7 @@ from urushi.material.layer import layer_material
 from urushi.measured.tabulated import MeasuredSurface, bin_centres
 from urushi.nets.lobe import f as lobe_f
 from urushi.nets.lobe import fresnel, of_coat
+from urushi.nets.transmittance import both_ways
 from urushi.walk import dielectric, diffuse
 
 COATS = {
@@ -117,8 +118,9 @@ def test_as_the_walk_over_a_lambertian_bottom(coat, most, trained, random_direct
     white = with_table(lambda wi, wo: np.full(len(wi), 0.7 / np.pi), trained)
     table = table_of_values(coated_rest(white, parameters(*coat)))
     wi, wo = direction_sets.cosine_pairs(np.random.default_rng(0), 200)
-    top = lobe_f(of_coat(np.float64(coat[0]), np.float64(coat[1])), wi, wo)
-    f = interpolated(table, wi, wo) + top[:, None]
+    lobe = of_coat(np.float64(coat[0]), np.float64(coat[1]))
+    rest = interpolated(table, wi, wo)[:, 0] * both_ways(lobe, wi, wo)
+    f = (rest + lobe_f(lobe, wi, wo))[:, None]
     alpha, eta, *medium = coat
     names = dict(zip(("albedo", "sigma_t", "g"), medium, strict=False))
     stack = urushi.coat(diffuse(0.7), alpha=alpha, eta=eta, **names)

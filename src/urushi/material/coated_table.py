@@ -37,18 +37,18 @@ LIMITED_COSINES = np.array([1.0, 0.9, 0.75, 0.6, 0.45, 0.3, 0.2, 0.1, 0.05, 0.02
 ROUNDS = 4
 
 
-def coated_rest(bottom: Material, coat: CoatParameters, passed: np.ndarray) -> np.ndarray:
-    """f float32 (N, C) [1/sr] at the nodes of a coated material without the interface's lobe, over
-    T(wi) T(wo).
+def coated_rest(bottom: Material, coat: CoatParameters) -> np.ndarray:
+    """f over T(wi) T(wo), float32 (N, C) [1/sr], at the nodes of a coated material without the
+    interface's lobe.
 
     Args:
         bottom: of C channels or one.
         coat: numbers or arrays (C,), with one width.
-        passed: (N, C) T(wi) T(wo) at the nodes.
     """
     below = of_material(bottom)
     *columns, _ = np.broadcast_arrays(*coat, np.arange(below.channels))
     parameters = np.stack(columns).astype(np.float64)
+    passed = both_ways(lobes.of_coat(*parameters[:2]), *(w[:, None] for w in node_pairs()))
     return rest_at_nodes(below, parameters[:2], parameters[2:], passed)
 
 
@@ -103,7 +103,7 @@ def coated_table(bottom: Material, coat: CoatParameters, lobe: np.ndarray) -> np
     def top(wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
         return lobes.f(own, wi[:, None].astype(np.float64), wo[:, None].astype(np.float64))
 
-    rest = coated_rest(bottom, coat, both_ways(lobe, *(w[:, None] for w in node_pairs())))
+    rest = coated_rest(bottom, coat)
     of_rest = _albedos_of_values(rest, lobe)
     of_top = adding.albedos(top, LIMITED_COSINES)
     ceiling = np.full(rest.shape[1], 1 - energy.MARGIN)
