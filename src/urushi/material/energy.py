@@ -56,9 +56,6 @@ ROUGH_GAIN = 0.003
 #: see would change without bound.
 PLAUSIBLE = 0.3
 
-#: Most fits of a code, and the excess from which it is fitted again.
-FITS, FAR = 4, 2.0
-
 #: Weights of the excess of ln albedo beside the error of the code, one round after the other.
 EXCESS_WEIGHTS = 0.25, 1.0, 4.0, 16.0, 64.0, 256.0
 
@@ -129,20 +126,10 @@ def nearest_below(
     over = np.flatnonzero(excesses(model, rows, ceiling) > 1)
     if not len(over):
         return z
-    return limit_albedo(model, _fitted(model, rows, ceiling, over), ceiling).reshape(z.shape)
-
-
-def _fitted(model: Model, rows: np.ndarray, ceiling: np.ndarray, over: np.ndarray) -> np.ndarray:
-    """Codes (N, L), of which some, indices `over`, are fitted below their ceilings (N, K)."""
     rows = np.array(rows)
-    for _ in range(FITS):
-        allowed = _allowed(model, rows[over], ceiling[over])
-        for row, own in zip(over, allowed, strict=True):
-            rows[row] = _fitted_below(model, rows[row], own)
-        over = over[excesses(model, rows[over], ceiling[over]) > FAR]
-        if not len(over):
-            break
-    return rows
+    for row, allowed in zip(over, _allowed(model, rows[over], ceiling[over]), strict=True):
+        rows[row] = _fitted_below(model, rows[row], allowed)
+    return limit_albedo(model, rows, ceiling).reshape(z.shape)
 
 
 def _fitted_below(model: Model, z: np.ndarray, allowed: np.ndarray) -> np.ndarray:
