@@ -43,7 +43,8 @@ from urushi.export.lobe import lobe_f
 from urushi.export.printer import PRIMARY, Printer, broken
 from urushi.export.program import TABLE
 from urushi.export.statements import Function, Variable, element, integer, namespace
-from urushi.nets import features, lobe, proposal
+from urushi.export.transmittance import Passed
+from urushi.nets import features, lobe, proposal, transmittance
 
 FILE = Path(__file__).parent / "src/core/formulas.ts"
 SHADER_FILE = Path(__file__).parent / "src/picture/shaders/material.glsl"
@@ -139,7 +140,7 @@ class TypeScript(Printer):
         return repr(int(value) if value == int(value) else value)
 
 
-WI, WO = Variable("wi", VECTOR), Variable("wo", VECTOR)
+WI, WO, W = (Variable(label, VECTOR) for label in ("wi", "wo", "w"))
 OUT, AT = Variable("out", FLOAT, 1), Variable("at", INT)
 
 
@@ -324,15 +325,24 @@ def _of_surfaces() -> list[Function]:
                 Variable("terms", FLOAT, proposal.TERMS),
                 Variable("overlaps", FLOAT, len(proposal.ALPHAS)),
                 Variable("numbers", FLOAT, len(lobe.NUMBERS[2])),
-                *floats("cosine"),
+                *floats("cosine", "passed"),
             ),
-            lambda terms, overlaps, numbers, cosine, xp: proposal.weights(
+            lambda terms, overlaps, numbers, cosine, passed, xp: proposal.weights(
                 [element(terms, i) for i in range(proposal.TERMS)],
                 [element(overlaps, i) for i in range(len(proposal.ALPHAS))],
                 of_widths([element(numbers, i) for i in lobe.WIDTH_PLACES[2]]),
                 lambda c: lobe.reflectance_of([element(numbers, i) for i in range(1, 6)], c, xp),
                 cosine,
                 xp,
+                passed,
+            ),
+        ),
+        returning(
+            "transmittance",
+            "The share of light that passes the topmost interface, for a direction.",
+            (*ALPHAS, *floats("factor", "eta", "k"), W),
+            lambda *values: transmittance.transmittance(
+                of_widths(values[:2]), values[2:5], *values[5:]
             ),
         ),
         returning("lobe_shape", "The lobe [1/sr] of reflectance 1.", (*ALPHAS, WI, WO), shape),
@@ -418,12 +428,13 @@ def text() -> str:
 
 def shader_text() -> str:
     """The file of shader code."""
-    functions = (line for widths in (1, 2) for line in Glsl("material").function(_f(widths)))
+    printer = Glsl("material")
+    functions = (line for widths in (1, 2) for f in _f(widths) for line in printer.function(f))
     return "\n".join([SHADER_HEAD, *functions, ""])
 
 
-def _f(widths: int) -> Function:
-    """f of a material of one GGX width or two by its lobe and the table of its rest."""
+def _f(widths: int) -> tuple[Function, Function]:
+    """T and f of a material of one GGX width or two by its lobe and the table of its rest."""
     lobe_numbers = Variable("numbers", COLOUR, len(lobe.NUMBERS[widths]))
     stretch = () if widths == 1 else floats("stretch")
     end, number = ("", "one GGX width") if widths == 1 else ("2", "two GGX widths")
@@ -437,8 +448,13 @@ def _f(widths: int) -> Function:
         else rest.Rest(1 + stretched.FACTORS, stretch=argument(*stretch))
     )
     directions = argument(WI), argument(WO)
-    function.returns(top + rest.rest_f(function, of, Glsl.form, argument(TABLE), *directions))
-    return function
+    value = rest.rest_f(function, of, Glsl.form, argument(TABLE), *directions)
+    passed = Passed(own)
+    passed.function.name += end
+    ways = zip(("passed_i", "passed_o"), directions, strict=True)
+    passed_i, passed_o = (function.let(label, passed(own, w)) for label, w in ways)
+    function.returns(top + passed_i * passed_o * value)
+    return passed.function, function
 
 
 def library_text() -> str:

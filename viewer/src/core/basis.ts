@@ -1,7 +1,8 @@
 /**
- * The linear basis: f of a code without its lobe, by functions over directions.
+ * The linear basis: g of a code by functions over directions; f is its lobe plus T(wi) T(wo) g,
+ * with T of `lobe.passed`.
  *
- *     ln f(wi, wo) = b(x) + sum_k c_k U_k(x)
+ *     ln g(wi, wo) = b(x) + sum_k c_k U_k(x)
  *
  * x are the coordinates of tables, and the numbers c_k follow those of the lobe in a code. The first
  * function is one; see Python's `nets.basis`. For two GGX widths, the coordinates are stretched, and
@@ -54,7 +55,7 @@ export class Basis {
     return { pairs, values: this.widths === 1 ? this.functions(pairs) : new Float64Array() };
   }
 
-  /** f (pairs) [1/sr] of a code without its lobe. */
+  /** g (pairs) [1/sr] of a code. */
   values(code: Float32Array, { values, pairs }: AtPairs): Float64Array {
     const { width, lobe } = this;
     if (this.widths === 2) return tableValues(this.table([code]), pairs, 1);
@@ -75,7 +76,7 @@ export class Basis {
     return code;
   }
 
-  /** The table of the rests of codes, one for each channel. */
+  /** The table of g of codes, one for each channel. */
   table(codes: readonly Float32Array[]): FTable {
     const { width, lobe } = this;
     const { rows, bounds } = this.weights;

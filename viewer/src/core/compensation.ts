@@ -9,12 +9,12 @@
  */
 
 import type { Coat, Material } from "./api";
-import { CHANNELS } from "./channels";
+import { CHANNELS, rows } from "./channels";
 import type { Evaluation } from "./evaluation";
 import { clampedLog, nodePairs } from "./f_table";
 import { APPEARANCE, coatedColor, multipleAlbedo } from "./formulas";
 import { type Loss, mirrorLoss, surfaceLoss } from "./interface_loss";
-import { reflectance } from "./lobe";
+import { passedBothWays, reflectance } from "./lobe";
 import { gaussLegendre } from "./quadrature";
 import { coatOfChannel } from "./surfaces";
 
@@ -76,13 +76,16 @@ function known(name: string, compute: () => Loss): Loss {
 
 /** A material whose table has the light that its topmost surface loses, too. */
 export function compensated(material: Material, lost: readonly LostLight[]): Material {
-  const { table } = material;
-  const { directions: w } = nodePairs();
+  const { table, latents } = material;
+  const codes = rows(latents, latents.length / CHANNELS);
+  const pairs = nodePairs();
+  const { directions: w } = pairs;
   const logs = table.logs.map((log, at) => {
-    const z = 6 * Math.floor(at / CHANNELS) + 2;
-    const { loss, colour } = lost[at % CHANNELS];
-    const lobe =
-      (lossAt(loss, w[z]) * lossAt(loss, w[z + 3])) / Math.max(Math.PI * loss.mean, 1e-5);
+    const [node, channel] = [Math.floor(at / CHANNELS), at % CHANNELS];
+    const z = 6 * node + 2;
+    const { loss, colour } = lost[channel];
+    const all = (lossAt(loss, w[z]) * lossAt(loss, w[z + 3])) / Math.max(Math.PI * loss.mean, 1e-5);
+    const lobe = all / passedBothWays(codes[channel], pairs, node);
     return clampedLog(Math.log(Math.exp(log) + colour * lobe));
   });
   return { ...material, table: { logs, besideLobe: table.besideLobe } };

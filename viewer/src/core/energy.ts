@@ -9,7 +9,7 @@ import type { AtPairs, Basis } from "./basis";
 import { mirrored } from "./facets";
 import { Pairs } from "./features";
 import { ALBEDO_RULE, ENERGY, type Vector } from "./formulas";
-import { reflectance, widthsOfLobe } from "./lobe";
+import { passedBothWays, reflectance, widthsOfLobe } from "./lobe";
 import { directionRule } from "./quadrature";
 
 const { MARGIN, LEAST_ALBEDO, LEAST_REST, TINY_FACTOR, TINY_FACTOR_ROUNDS, ROUGH_GAIN } = ENERGY;
@@ -66,7 +66,7 @@ export class EnergyLimit {
   private albedos(code: Float32Array): Float64Array {
     const albedos = new Float64Array(this.directions.length);
     this.basis.values(code, this.nodes).forEach((f, i) => {
-      albedos[this.rows[i]] += f * this.weights[i];
+      albedos[this.rows[i]] += passedBothWays(code, this.nodes.pairs, i) * f * this.weights[i];
     });
     return albedos;
   }
@@ -75,11 +75,9 @@ export class EnergyLimit {
    * Scale a code down in place so that its albedo is nowhere above the largest.
    *
    * A code far from the training data may have the greatest f that tables represent. It is scaled
-   * and measured repeatedly. An interface of an index below one lies below another coat: it has no
-   * limit.
+   * and measured repeatedly.
    */
   limit(code: Float32Array): void {
-    if (code[3] > 0 && code[4] < 1) return;
     const { directions } = this;
     // Rough lobes, which take longer, are measured where the bound by smooth ones does not suffice.
     const bounds = directions.map(({ z }) => reflectance(code, z) + ROUGH_GAIN);

@@ -6,7 +6,7 @@ import { CHANNELS, rows } from "./channels";
 import { tableValues } from "./f_table";
 import { Pairs, type Widths } from "./features";
 import { QUADRATURE } from "./formulas";
-import { lobeValue } from "./lobe";
+import { lobeValue, passedBothWays } from "./lobe";
 import { mixtureDensity, type Proposals, sampleMixture } from "./mixture";
 import { directionRule } from "./quadrature";
 import { type Point, sequencePoint } from "./sequence";
@@ -130,8 +130,10 @@ export class Evaluation {
     const result = tableValues(table, pairs, CHANNELS);
     if (table.besideLobe)
       rows(latents, this.latentSize).forEach((code, channel) => {
-        for (let i = 0; i < pairs.count; i++)
-          result[CHANNELS * i + channel] += lobeValue(code, pairs, i);
+        for (let i = 0; i < pairs.count; i++) {
+          const at = CHANNELS * i + channel;
+          result[at] = lobeValue(code, pairs, i) + passedBothWays(code, pairs, i) * result[at];
+        }
       });
     return result;
   }

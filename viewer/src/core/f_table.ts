@@ -14,7 +14,7 @@ import {
 export interface FTable {
   /** ln f (nodes, 3); of two widths the terms (nodes, 3, 6), see `Cell.factors`. */
   readonly logs: Float32Array;
-  /** Whether f is the lobe of the codes plus the table. */
+  /** Whether f is the lobe of the codes plus the table times T(wi) T(wo), see `lobe.passed`. */
   readonly besideLobe: boolean;
   /** Of two widths: the logarithms (3) of the stretches of the channels. */
   readonly stretches?: readonly number[];

@@ -295,7 +295,7 @@ export function lobeFeatures2(alphaU: number, alphaV: number, first: number, sec
 
 /** Weights of a proposal by `TERMS` of the code, its overlaps and its lobe's numbers. */
 export function proposalWeights(terms: ArrayLike<number>, overlaps: ArrayLike<number>, numbers:
-    ArrayLike<number>, cosine: number, out: Float64Array, at: number): void {
+    ArrayLike<number>, cosine: number, passed: number, out: Float64Array, at: number): void {
     const raised = Math.max(cosine, 0.005);
     const width = Math.sqrt(numbers[0] * numbers[6]);
     const width2 = width * width;
@@ -327,10 +327,14 @@ export function proposalWeights(terms: ArrayLike<number>, overlaps: ArrayLike<nu
     const spread1 = Math.exp(1.762 - away1 * away1);
     const top = fresnel * (1 - 0.4 * width2) / ((1 + width2) * (1 + spread0 + spread1));
     const logCosine = Math.log(Math.max(cosine, 0.005));
-    const energy0 = Math.exp(Math.min(terms[0] + terms[4] * logCosine, 1.3862943611198906));
-    const energy1 = Math.exp(Math.min(terms[1] + terms[5] * logCosine, 1.3862943611198906));
-    const energy2 = Math.exp(Math.min(terms[2] + terms[6] * logCosine, 1.3862943611198906));
-    const energy3 = Math.exp(Math.min(terms[3] + terms[7] * logCosine, 1.3862943611198906));
+    const energy0 = passed * Math.exp(Math.min(terms[0] + terms[4] * logCosine,
+        1.3862943611198906));
+    const energy1 = passed * Math.exp(Math.min(terms[1] + terms[5] * logCosine,
+        1.3862943611198906));
+    const energy2 = passed * Math.exp(Math.min(terms[2] + terms[6] * logCosine,
+        1.3862943611198906));
+    const energy3 = passed * Math.exp(Math.min(terms[3] + terms[7] * logCosine,
+        1.3862943611198906));
     const alone0 = energy0 - overlaps[0] * energy1;
     const part0 = 0.5 * (alone0 + Math.sqrt(alone0 * alone0 + 0.001 * energy0 * energy0 + 1e-12));
     const alone1 = energy1 - overlaps[1] * energy2;
@@ -348,6 +352,35 @@ export function proposalWeights(terms: ArrayLike<number>, overlaps: ArrayLike<nu
     out[2 + at] = weight2;
     out[3 + at] = weight3;
     out[4 + at] = 1 - (weight0 + weight1 + weight2 + weight3);
+}
+
+/** The share of light that passes the topmost interface, for a direction. */
+export function transmittance(alphaU: number, alphaV: number, factor: number, eta: number, k:
+    number, wX: number, wY: number, wZ: number): number {
+    const index = (k > 0 ? 1 : eta);
+    const thinner = Math.max(Math.min(index, 1), 0.001);
+    const above = Math.max(wZ, 0.005);
+    const spread2 = Math.max(alphaU * wX * (alphaU * wX) + alphaV * wY * (alphaV * wY), 1e-09);
+    const critical2 = Math.max(1 - thinner * thinner, 0);
+    const beyond = above - Math.sqrt(critical2);
+    const rootBeyond = Math.sqrt(beyond * beyond + spread2);
+    const highBeyond = 0.5 * (Math.abs(beyond) + rootBeyond);
+    const rampBeyond = (beyond > 0 ? highBeyond : 0.25 * spread2 / highBeyond);
+    const rootAll = Math.sqrt(above * above + spread2);
+    const highAll = 0.5 * (Math.abs(above) + rootAll);
+    const rampAll = (above > 0 ? highAll : 0.25 * spread2 / highAll);
+    const perIndex = 1 / (thinner * thinner);
+    const straight2 = (above * above - critical2) * perIndex;
+    const blur2 = 4 * spread2 * critical2 * perIndex * perIndex + 1e-12;
+    const rootInside = Math.sqrt(straight2 * straight2 + blur2);
+    const highInside = 0.5 * (Math.abs(straight2) + rootInside);
+    const rampInside = (straight2 > 0 ? highInside : 0.25 * blur2 / highInside);
+    const inside = Math.sqrt(Math.min(rampInside, 1));
+    const across = above + thinner * inside;
+    const along = thinner * above + inside;
+    const transmittance = 2 * thinner * above * inside * (1 / (across * across) + 1 / (along *
+        along)) * (rampBeyond * rootAll) / (rootBeyond * rampAll);
+    return (1 > index ? 1 - factor * (1 - transmittance) : 1);
 }
 
 /** The lobe [1/sr] of reflectance 1. */

@@ -8,6 +8,8 @@ import {
   lobeFeatures2 as lobeColumns2,
   lobeShape,
   schlick,
+  transmittance,
+  type Vector,
 } from "./formulas";
 
 /** The numbers of a surface without a lobe. */
@@ -33,6 +35,30 @@ export function lobeValue(code: Float32Array, pairs: Pairs, i: number): number {
   const [u, v] = widthsOfLobe(code, pairs.widths);
   const shape = lobeShape(u, v, w[k], w[k + 1], w[k + 2], w[k + 3], w[k + 4], w[k + 5]);
   return shape * reflectance(code, pairs.cosD[i]);
+}
+
+/** Whether T of a code's lobe is other than one; see Python's `nets.transmittance`. */
+export function hasEdges(code: Float32Array): boolean {
+  return code[3] > 0 && code[4] < 1 && code[5] === 0;
+}
+
+/** T of a code's lobe for a direction. */
+export function passed(code: Float32Array, widths: Widths, { x, y, z }: Vector): number {
+  if (!hasEdges(code)) return 1;
+  return transmittance(...widthsOfLobe(code, widths), code[3], code[4], code[5], x, y, z);
+}
+
+/** T of a code's lobe at pair `i` in both ways, a factor of the code's rest. */
+export function passedBothWays(
+  code: Float32Array,
+  { directions: w, widths }: Pairs,
+  i: number,
+): number {
+  if (!hasEdges(code)) return 1;
+  const [first, second] = [6 * i, 6 * i + 3].map((k) =>
+    passed(code, widths, { x: w[k], y: w[k + 1], z: w[k + 2] }),
+  );
+  return first * second;
 }
 
 /** Put the features of a code's lobe into `out` at a place. */

@@ -3,6 +3,7 @@
  * horizon, and a cosine lobe; see Python's `nets.proposal`.
  */
 
+import type { Widths } from "./features";
 import {
   LOBE,
   PROPOSAL,
@@ -11,6 +12,7 @@ import {
   sampleReflection,
   type Vector,
 } from "./formulas";
+import { passed } from "./lobe";
 
 /** Weights (K + 1), the last the cosine lobe's, and GGX widths (K), also those across the tangent. */
 export interface Mixture {
@@ -54,9 +56,10 @@ export class Proposals {
       numbers[across],
       ...PROPOSAL.ALPHAS.map((alpha) => alpha * stretch),
     );
-    return ({ z }) => {
+    const widths: Widths = isIsotropic ? 1 : 2;
+    return (wi) => {
       const weights = new Float64Array(alphas.length + 1);
-      proposalWeights(terms, overlap, numbers, z, weights, 0);
+      proposalWeights(terms, overlap, numbers, wi.z, passed(code, widths, wi), weights, 0);
       return { weights, alphas, alphasV };
     };
   }

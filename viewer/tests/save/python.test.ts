@@ -32,6 +32,7 @@ const MATT = { alpha: 0.8, color: [0.9, 0.6, 0.3] };
 const COMPENSATED = [
   { bottom: { kind: "conductor", alpha: 0.3, r0: [0.2, 0.1, 0.05] }, coats: [MATT] },
   { bottom: { kind: "diffuse", reflectance: 0.8 }, coats: [MATT] },
+  { bottom: { kind: "diffuse", reflectance: 0.8 }, coats: [{ ...MATT, ior: 0.7 }] },
   { bottom: { kind: "conductor", alpha: 0.35, r0: [1, 0.6, 0.2] } },
   { bottom: { kind: "conductor", alpha: [0.2, 0.6, 1], ...METALS.Gold } },
 ].map((material) => ({ ...material, energyCompensation: true }));
@@ -42,6 +43,7 @@ const UNDER_VARNISH = [
   { bottom: { kind: "diffuse" }, coats: [VARNISH, { alpha: 0.1, ior: 1.7, sigmaT: 1 }] },
   { bottom: { kind: "diffuse" }, coats: [{ color: [0.9, 0.6, 0.3], thickness: 2 }] },
   { bottom: { kind: "diffuse" }, coats: [{ body: 0.4, bodyColor: [0.8, 0.3, 0.1], g: 0.3 }] },
+  { bottom: { kind: "diffuse" }, coats: [{ alpha: 0.1, ior: 0.7, sigmaT: [0, 0.2, 1] }] },
   { bottom: { kind: "dielectric", ior: 0.6 }, coats: [{ ior: 0.51 }, { ior: 3 }, { ior: 0.51 }] },
   ...COMPENSATED,
 ].map((material) => readMaterial(material));
@@ -84,14 +86,15 @@ test.skipIf(!hasPython)(
     for (const [place, f] of expected.entries()) {
       const found = values[place];
       // Python computes in single precision: roundings of sums of many terms, and of least squares.
-      // Tables of materials with energy compensation are of half precision in files and in Python.
+      // Tables of materials with energy compensation are of half precision in files and in Python,
+      // and steep below a lower index, where roundings of coordinates count.
       const hasTable = isCompensated(cards[place]!);
-      expect(relativeError(found.loaded, f)).toBeLessThan(hasTable ? 2e-3 : 2e-4);
+      expect(relativeError(found.loaded, f)).toBeLessThan(hasTable ? 6e-3 : 5e-4);
       // The channels of two widths have a stretch each, those of code share one.
       const hasCode = !hasTable && !isAnisotropic(stackOf(cards[place]!));
       if (hasCode) expect(relativeError(found.code, f)).toBeLessThan(2e-4);
       // Losses of surfaces are sums over few facets, albedos that limit codes over few directions.
-      const most = place < given.length ? [5e-4, 2e-3] : [1e-3, 0.01];
+      const most = place < given.length ? [5e-4, 6e-3] : [1e-3, 0.02];
       expect(relativeError(found.program, f)).toBeLessThan(most[Number(hasTable)]!);
     }
   },

@@ -19,7 +19,7 @@ vec3 mirrored(Frame frame, vec4 facet) {
 
 #include material.glsl
 
-uniform sampler3D rest; // ln f without the lobe, by the coordinates of tables
+uniform sampler3D rest; // the material's table
 
 #ifdef ANISOTROPIC
 #include anisotropic.glsl
