@@ -1,4 +1,4 @@
-"""Gradients through the analytic lobe in Dr.Jit, against complex steps in NumPy."""
+"""Gradients through the analytic lobe in Dr.Jit, against complex steps and differences in NumPy."""
 
 import drjit as dr
 import numpy as np
@@ -6,7 +6,7 @@ import pytest
 from tests.untrained import untrained
 
 from urushi.material.material import Material
-from urushi.nets import lobe
+from urushi.nets import lobe, transmittance
 from urushi.nets.basis import decode
 from urushi.nets.weights import Model
 
@@ -36,10 +36,15 @@ def directions(count: int = 400) -> tuple[np.ndarray, np.ndarray]:
 
 def slopes(model, codes, wi, wo):
     """Derivatives (C, N, size) of f by the codes (C, size), in double precision."""
-    top = [lobe.f(codes[:, None, :6] + 1e-20j * step, wi, wo).imag / 1e-20 for step in np.eye(6)]
+    own = codes[:, None, :6]
+    top = [lobe.f(own + 1e-20j * step, wi, wo).imag / 1e-20 for step in np.eye(6)]
     functions = model.networks.basis.at(wi, wo)
     rest = decode(codes[:, None, model.arch.lobe :], functions)
-    of_rest = rest[..., None] * functions[:, 1:]
+    for place in (0, 3, 4):  # the width, the factor and the index
+        low, high = (own + sign * 1e-6 * np.eye(6)[place] for sign in (-1, 1))
+        change = transmittance.both_ways(high, wi, wo) - transmittance.both_ways(low, wi, wo)
+        top[place] = top[place] + rest * change / 2e-6
+    of_rest = (transmittance.both_ways(own, wi, wo) * rest)[..., None] * functions[:, 1:]
     return np.concatenate([np.stack(top, axis=-1), of_rest], axis=-1)
 
 
