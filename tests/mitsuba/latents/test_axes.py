@@ -125,12 +125,15 @@ def test_half_way_between_two_texels(rgb, name):
     np.testing.assert_allclose(found, walk, rtol=0.05)
 
 
-def test_kernels_and_numpy_interpolate_alike(rgb):
+@pytest.mark.parametrize("indices", [(1.5,), (0.6, 0.95)])
+def test_kernels_and_numpy_interpolate_alike(rgb, indices):
     """Up to the principal numbers, which stand for the codes."""
     coat = rgb.load_dict(
         {
             "type": "neural_layered",
             "alpha": bitmap(rgb, 0.05, 0.4),
+            "ext_ior": 1.0,
+            "int_ior": bitmap(rgb, *indices),
             "base": GOLD | {"alpha": bitmap(rgb, 0.1, 0.5, 0.3)},
         }
     )

@@ -104,6 +104,15 @@ def test_f_agrees_with_numpy(rgb, model, name, codes_of):
 
 
 @pytest.mark.parametrize("name", LOBES)
+def test_the_transmittance_is_computed_where_it_is_not_one(rgb, name):
+    from urushi.mitsuba.latents.lobe import kind_of
+
+    z = np.float32(LOBES[name])
+    passed = transmittance.both_ways(z, *(w[:, None] for w in directions()))
+    assert kind_of(z).edged == (passed != 1).any()
+
+
+@pytest.mark.parametrize("name", LOBES)
 def test_f_is_reciprocal_to_the_last_bit(rgb, model, name):
     wi, wo = directions()
     latents = constant(model, codes(name))

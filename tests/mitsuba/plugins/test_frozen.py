@@ -137,6 +137,10 @@ CHANGES = {
         {"type": "neural_layered", "int_ior": "air", "sigma_t": 0.8, "base": {"type": "diffuse"}},
         ("eta", 1.4),
     ),
+    "total reflection appears": (
+        {"type": "neural_layered", "int_ior": 1.4, "ext_ior": 1.0, "base": {"type": "diffuse"}},
+        ("eta", 0.7),
+    ),
     "fuzz appears": ({"type": "openpbr"}, ("fuzz_weight.value", 0.8)),
 }
 
