@@ -41,7 +41,7 @@ COUNTS, NODES = (2, 3, 5, 9, 17, 33, 65), 1 << 13
 #: Root mean square error of ln f between nodes from which an axis has enough of them.
 SMOOTH = 5e-4
 
-#: Lines along an axis, and steps of each, by which its nodes are chosen.
+#: Lines along one of several axes, and steps of each, by which its nodes are chosen.
 LINES, STEPS = 32, 32
 
 #: Step of the differences by which slopes are found, in coordinates.
@@ -316,10 +316,11 @@ def node_counts(
     basis = model.networks.basis
     functions = basis.probe_rows(0.0)[:, 1:] * np.sqrt(basis.measure / basis.measure.sum())[:, None]
     rng, curvatures = np.random.default_rng(0), []
+    lines = LINES if dimensions > 1 else 1  # a sole axis is one line
     for axis in range(dimensions):
-        x = np.repeat(rng.random((LINES, 1, dimensions)), STEPS + 1, axis=1)
+        x = np.repeat(rng.random((lines, 1, dimensions)), STEPS + 1, axis=1)
         x[..., axis] = np.linspace(0, 1, STEPS + 1)
-        found = rests_at(x.reshape(-1, dimensions)).reshape(LINES, STEPS + 1, -1, model.arch.rest)
+        found = rests_at(x.reshape(-1, dimensions)).reshape(lines, STEPS + 1, -1, model.arch.rest)
         bent = np.diff(found[..., : functions.shape[1]], n=2, axis=1) @ functions.T
         curvatures.append(np.sqrt(np.quantile(np.square(bent).sum(axis=-1), 0.9)))
     steps, counts = np.array(curvatures) / 8 * STEPS**2, np.zeros(dimensions, int)
