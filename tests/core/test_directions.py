@@ -61,17 +61,6 @@ def test_refraction_obeys_snell(jit: ModuleType) -> None:
         np.testing.assert_allclose(np.linalg.norm(t, axis=0)[passes], 1, atol=2e-6)
 
 
-def test_refraction_is_reversible(jit: ModuleType) -> None:
-    w, m = sphere(1000, 4), sphere(1000, 5)
-    m = facing(w, m)
-    _, cos_t = fresnel.dielectric(jit.Float(np.sum(w * m, axis=0)), 1.7)
-    t = directions.refract(jit.Array3f(w), jit.Array3f(m), cos_t, 1.7)
-    _, cos_back = fresnel.dielectric(cos_t, 1 / 1.7)
-    back = directions.refract(t, jit.Array3f(-m), cos_back, 1 / 1.7)
-    # At grazing angles the cosine is the root of a difference: half the digits remain.
-    np.testing.assert_allclose(back.numpy(), w, atol=1e-3)
-
-
 def test_coordinate_systems_are_right_handed_and_orthonormal(jit: ModuleType) -> None:
     n = np.concatenate([sphere(1000, 6), [[0, 0], [0, 0], [1, -1]]], axis=1).astype(np.float32)
     s, t = (v.numpy().T for v in directions.coordinate_system(jit.Array3f(n)))
@@ -98,15 +87,6 @@ def test_cosine_hemisphere_is_cosine_distributed(jit: ModuleType, sphere_test) -
 def test_quarter_turn_takes_x_to_y() -> None:
     np.testing.assert_allclose(
         rotated(np.eye(3), 0.25), [[0, 1, 0], [-1, 0, 0], [0, 0, 1]], atol=1e-7
-    )
-
-
-@pytest.mark.parametrize("mirrored", [False, True])
-def test_lengths_and_heights_are_kept(mirrored: bool) -> None:
-    turned = rotated(VECTORS, 0.155, mirrored)
-    np.testing.assert_array_equal(turned[:, 2], VECTORS[:, 2])
-    np.testing.assert_allclose(
-        np.linalg.norm(turned, axis=1), np.linalg.norm(VECTORS, axis=1), rtol=1e-6
     )
 
 

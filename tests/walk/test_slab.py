@@ -1,43 +1,10 @@
-"""Closed forms of a smooth slab: known identities, and the smooth limit of both simulators."""
+"""The smooth limit of the walk: closed forms of a smooth slab."""
 
 import numpy as np
 import pytest
 from tests.oracles import slab
 
 from urushi.walk import coat, conductor, diffuse, simulate
-
-
-def walsh(n: float) -> float:
-    """Diffuse reflectance of a smooth dielectric from air (Walsh 1926), in closed form."""
-    log_n, log_ratio = np.log(n), np.log((n - 1) / (n + 1))
-    return (
-        0.5
-        + (n - 1) * (3 * n + 1) / (6 * (n + 1) ** 2)
-        + n**2 * (n**2 - 1) ** 2 / (n**2 + 1) ** 3 * log_ratio
-        - 2 * n**3 * (n**2 + 2 * n - 1) / ((n**2 + 1) * (n**4 - 1))
-        + 8 * n**4 * (n**4 + 1) / ((n**2 + 1) * (n**4 - 1) ** 2) * log_n
-    )
-
-
-@pytest.mark.parametrize("eta", [0.5, 0.95])
-def test_a_thin_medium_returns_walshs_reflectance_from_outside(eta: float) -> None:
-    # Seen from inside a slab of the lower index, its surface is a dielectric of the index 1 / eta.
-    assert slab.internal_return(eta) == pytest.approx(walsh(1 / eta), rel=1e-6)
-
-
-@pytest.mark.parametrize("eta", [1.05, 1.5, 3.0])
-def test_internal_return_is_walshs_diffuse_reflectance(eta: float) -> None:
-    # As much phase space leaves as enters: eta^2 (1 - inside) = 1 - outside.
-    assert 1 - slab.internal_return(eta) == pytest.approx((1 - walsh(eta)) / eta**2, rel=1e-6)
-
-
-@pytest.mark.parametrize("eta", [0.5, 0.7, 0.95, 1.5])
-def test_white_furnace(eta: float) -> None:
-    cos = np.linspace(0.02, 1, 25)
-    np.testing.assert_allclose(slab.mirror_albedo(cos, eta, 0.0, 1.0), 1, rtol=1e-12)
-    # The error is the quadrature's: Fresnel's formula has a square root at grazing directions.
-    np.testing.assert_allclose(slab.lambertian_albedo(cos, eta, 0.0, 1.0), 1, rtol=1e-6)
-
 
 SIGMA_T = (0.0, 0.25, 0.5)
 REFLECTANCE = (0.9, 0.6, 0.5)
