@@ -82,6 +82,17 @@ PARAMETERS: dict[str, Parameter] = {
 }
 
 
+def names_of(*groups: str) -> tuple[str, ...]:
+    """The numbers and colours of groups, the beginnings of names: "coat", "thin_film"."""
+    begins = tuple(f"{group}_" for group in groups)
+    found = [x for x in PARAMETERS.values() if x.kind in ("float", "color")]
+    return tuple(entry.name for entry in found if entry.name.startswith(begins))
+
+
+#: The parameters of emission, which a BSDF does not have.
+EMISSION = names_of("emission")
+
+
 def parameter(name: str, where: str = "openpbr", others: Sequence[str] = ()) -> Parameter:
     """The parameter of a name; others: names that an error may suggest as well."""
     if name in PARAMETERS:

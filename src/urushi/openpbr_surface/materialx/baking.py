@@ -1,14 +1,14 @@
 """Parameters that vary over the surface, as textures: an image's own texels, or a grid in uv."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
 from urushi.errors import FileError
 from urushi.openpbr_surface.materialx.evaluation import PROBES, Evaluation, NeedsPosition
 from urushi.openpbr_surface.materialx.graph import Graph
-from urushi.openpbr_surface.materialx.images import ImageUse
 
 #: Bytes that the values of all nodes may take at once.
 MEMORY = 1 << 27
@@ -57,21 +57,38 @@ def bake(graph: Graph, value: Value, resolution: int, where: str) -> np.ndarray 
     first = _finite(value(few), where)
     if first.ndim == 1:
         return first
-    points = max(64, MEMORY // (32 * max(few.size, 1)))
+    most = max(64, MEMORY // (32 * max(few.size, 1)))
     # One texture with an affine map can replace one image.
     simple = [use for use in few.uses if use.matrix is not None and use.look.u_mode in _WRAPS]
     if few.uses == simple and len(simple) == 1 and simple[0].look.u_mode == simple[0].look.v_mode:
+        (use,) = simple
+        texels = graph.images.values(use.file, use.space, use.channels, where)
+        flat = texels.reshape(-1, texels.shape[-1])
+
+        def of_texels(k: np.ndarray) -> Evaluation:
+            return Evaluation(graph, None, flat[k].astype(np.float64))
+
         try:
-            return _from_texels(graph, value, simple[0], points, where)
+            found = _computed(value, len(flat), most, where, of_texels)
         except NeedsPosition:
             pass
+        else:
+            pixels, wrap = found.reshape(*texels.shape[:2], -1), _WRAPS[use.look.u_mode]
+            return Texture(pixels, _from_above(use.matrix), wrap, use.look.blend)
     images = [graph.images.read(use.file, where) for use in few.uses]
     tiled = [x for x in images if x.tiles != (1, 1)]
-    corner = np.min([x.corner for x in tiled] or [(0, 0)], axis=0)
+    corner = np.min([x.corner for x in tiled] or [(0, 0)], axis=0)  # the lower left one
     tiles = np.max([np.add(x.corner, x.tiles) for x in tiled] or [(1, 1)], axis=0) - corner
     sizes = [max(x.pixels.shape[:2]) for x in images]
     side = min(max([resolution * tiles.max(), *sizes]), MAX_RESOLUTION)
-    return _on_grid(graph, value, side, points, corner, tiles, where)
+
+    def on_grid(k: np.ndarray) -> Evaluation:
+        u, v = (k % side + 0.5) / side, 1 - (k // side + 0.5) / side
+        return Evaluation(graph, corner + tiles * np.stack([u, v], -1))
+
+    found = _computed(value, side * side, most, where, on_grid)
+    matrix = np.c_[np.diag(1 / tiles), -corner / tiles]
+    return Texture(found.reshape(side, side, -1), _from_above(matrix))
 
 
 def _few(graph: Graph) -> Evaluation:
@@ -89,47 +106,25 @@ def changes(graph: Graph, value: Value) -> bool:
         return True
 
 
-def _from_texels(graph: Graph, value: Value, use: ImageUse, points: int, where: str) -> Texture:
-    pixels = graph.images.values(use.file, use.space, use.channels, where)
-    height, width = pixels.shape[:2]
-    flat = pixels.reshape(-1, pixels.shape[-1])
-    parts = []
-    for begin in range(0, len(flat), points):
-        texels = flat[begin : begin + points].astype(np.float64)
-        part = _finite(value(Evaluation(graph, None, texels)), where)
-        parts.append(np.broadcast_to(part, (len(texels), part.shape[-1])).astype(np.float32))
-    assert use.matrix is not None
-    values = np.concatenate(parts).reshape(height, width, -1)
-    look = use.look
-    return Texture(values, _from_above(use.matrix), _WRAPS[look.u_mode], look.blend)
-
-
-def _from_above(matrix: Sequence[Sequence[float]]) -> np.ndarray:
+def _from_above(matrix: Any) -> np.ndarray:
     """The map (3, 3) of Mitsuba's uv for the rows (2, 3) of MaterialX's, whose v runs upwards."""
     flip = np.array([[1, 0, 0], [0, -1, 1], [0, 0, 1.0]])
     return flip @ np.array([*matrix, (0, 0, 1)]) @ flip
 
 
-def _on_grid(
-    graph: Graph,
-    value: Value,
-    side: int,
-    points: int,
-    corner: np.ndarray,
-    tiles: np.ndarray,
-    where: str,
-) -> Texture:
-    """corner, tiles: (2,), the lower left corner of the grid in uv, and its size."""
-    u = (np.arange(side) + 0.5) / side
-    rows = max(1, points // side)
+def _computed(
+    value: Value, count: int, most: int, where: str, at: Callable[[np.ndarray], Evaluation]
+) -> np.ndarray:
+    """Values (count, channels), float32, of at most `most` points at once.
+
+    at: the evaluation at points of some indices.
+    """
     parts = []
-    for begin in range(0, side, rows):
-        v = 1 - u[begin : begin + rows]
-        uv = np.stack(np.broadcast_arrays(u[None, :], v[:, None]), axis=-1).reshape(-1, 2)
-        part = _finite(value(Evaluation(graph, corner + tiles * uv)), where)
-        parts.append(np.broadcast_to(part, (len(uv), part.shape[-1])).astype(np.float32))
-    matrix = np.c_[np.diag(1 / tiles), -corner / tiles]
-    return Texture(np.concatenate(parts).reshape(side, side, -1), _from_above(matrix))
+    for begin in range(0, count, most):
+        index = np.arange(begin, min(begin + most, count))
+        part = _finite(value(at(index)), where)
+        parts.append(np.broadcast_to(part, (len(index), part.shape[-1])).astype(np.float32))
+    return np.concatenate(parts)
 
 
 def _finite(value: np.ndarray, where: str) -> np.ndarray:

@@ -4,8 +4,7 @@ The library of the package `materialx` has the definitions of nodes, and graphs 
 """
 
 import warnings
-from collections.abc import Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
@@ -56,28 +55,25 @@ def library() -> Any:
     return whole
 
 
-def definition_of(node: Any) -> Any | None:
-    """The definition that fits a node best."""
-    with _without_cycles(node):
-        return node.getNodeDef("", True)
-
-
-def declared_inputs(definition: Any | None) -> dict[str, Any]:
-    """The inputs of a definition by name, with inherited ones; none of None."""
-    if definition is None:
-        return {}
-    with _without_cycles(definition):
-        return {element.getName(): element for element in definition.getActiveInputs()}
-
-
-@contextmanager
-def _without_cycles(element: Any) -> Iterator[None]:
+def _without_cycles(element: Any, read: Callable[[Any], Any]) -> Any:
+    """What is read from a node or a definition, which must not inherit from itself."""
     try:
-        yield
+        return read(element)
     except LookupError as error:
         raise FileError(
             f"the definition of '{element.getName()[:60]}' inherits from itself; remove the cycle"
         ) from error
+
+
+def definition_of(node: Any) -> Any | None:
+    """The definition that fits a node best."""
+    return _without_cycles(node, lambda x: x.getNodeDef("", True))
+
+
+def declared_inputs(definition: Any | None) -> dict[str, Any]:
+    """The inputs of a definition by name, with inherited ones; none of None."""
+    given = definition and _without_cycles(definition, lambda x: x.getActiveInputs())
+    return {element.getName(): element for element in given or ()}
 
 
 @dataclass(eq=False)

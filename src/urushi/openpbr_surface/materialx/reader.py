@@ -7,6 +7,7 @@ document that translates them.
 import warnings
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -26,7 +27,13 @@ from urushi.openpbr_surface.materialx.shaders import (
     renamed,
     separated,
 )
-from urushi.openpbr_surface.parameters import PARAMETERS, Parameter, checked, parameter
+from urushi.openpbr_surface.parameters import (
+    EMISSION,
+    PARAMETERS,
+    Parameter,
+    checked,
+    parameter,
+)
 
 #: Largest amount by which a colour may leave [0, 1] without a warning.
 GAMUT_TOLERANCE = 0.01
@@ -93,7 +100,7 @@ class _Inputs:
     evaluation: Evaluation
 
     def __call__(self, name: str) -> np.ndarray:
-        return self.reader.read(name)(self.evaluation)
+        return self.evaluation.input(self.reader.shader, name, self.reader.frame)
 
     def ends(self, name: str) -> tuple[np.ndarray, np.ndarray]:
         return self.reader.ends(name)
@@ -103,67 +110,63 @@ class Reader:
     """Reads the parameters of one shader."""
 
     def __init__(self, graph: Graph, shader: Source, resolution: int, where: str):
-        self._graph, self._shader, self._frame = graph, shader.element, shader.frame
-        self._resolution, self._where = resolution, where
+        self.shader, self.frame = shader.element, shader.frame
+        self._graph, self._resolution, self._where = graph, resolution, where
         self._ends: dict[str, tuple[np.ndarray, np.ndarray]] = {}  # by input
 
     def material(self, name: str) -> Surface | Mix:
         """The material of a name."""
-        tag, given = self._shader.getCategory(), self._given()
+        tag, given = self.shader.getCategory(), self._given()
         if given is not None:
             return self._surface(name, given)
         self._warn_of_losses(tag)
         formulas, roughness = TRANSLATIONS[tag], TRANSMITTED_ROUGHNESS.get(tag)
-        values = self._values(formulas)
-        if roughness is None:
-            return self._surface(name, values)
-        difference = self._value(lambda i: roughness(i) - formulas["specular_roughness"](i))
-        clear = self._pixels("transmission_weight", values["transmission_weight"]).any()
-        if not clear or not changes(self._graph, difference):
-            return self._surface(name, values)
-        parts = [x for x in ("emission_luminance", "emission_color") if x in values]
-        emits = parts and all(self._pixels(x, values[x]).any() for x in parts)
+        if roughness is None or not (
+            self._pixels("transmission_weight", formulas).any()
+            and self._changes(lambda i: roughness(i) - formulas["specular_roughness"](i))
+        ):
+            return self._surface(name, formulas)
+        parts = [x for x in EMISSION if x in formulas]
+        emits = parts and all(self._pixels(x, formulas).any() for x in parts)
         which = "reflected" if emits else "transmitted"
         warn(
             f"{self._where}: OpenPBR has one roughness of light that is reflected and transmitted; "
             f"where the surface transmits, both get that of {which} light"
         )
         if emits:  # a mixture would not
-            return self._surface(name, values)
+            return self._surface(name, formulas)
         weight, opaque, through = separated(formulas, roughness)
-        share = self._baked("transmission_weight", self._value(weight))
         return mixed(
             name,
-            share,
+            self._baked("transmission_weight", weight),
             self._where,
-            lambda side: self._surface(name, self._values(through if side == "fg" else opaque)),
+            lambda side: self._surface(name, through if side == "fg" else opaque),
         )
 
-    def _surface(self, name: str, values: Mapping[str, Value]) -> Surface:
+    def _surface(self, name: str, formulas: Formulas) -> Surface:
         found: dict[str, ParameterValue] = {}
-        for key, value in values.items():
-            entry = parameter(key, self._where)
-            baked = self._baked(key, value)
+        for key, formula in formulas.items():
+            entry, baked = parameter(key, self._where), self._baked(key, formula)
             if entry.kind != "vector":
                 found[key] = self._final(entry, baked)
             elif (normals := self._direction(entry, baked)) is not None:
                 found[key] = normals
-        return Surface(name, self._graph.named(self._shader), _bright(found))
+        return Surface(name, self._graph.named(self.shader), _bright(found))
 
-    def _given(self) -> dict[str, Value] | None:
+    def _given(self) -> Formulas | None:
         """The parameters that the shader itself, or a graph of the document, gives; else None."""
-        tag, inputs = self._shader.getCategory(), self._shader.getInputs()
+        tag, inputs = self.shader.getCategory(), self.shader.getInputs()
         if tag == TARGET:
             for element in inputs:
                 parameter(element.getName(), self._where)
             follow = self._graph.follow
-            given = [e for e in inputs if follow(e, self._frame, self._shader).is_given]
-            return self._values(renamed(" ".join(element.getName() for element in given)))
-        frame = self._graph.translation(self._shader, self._frame, f"{tag}_to_{TARGET}")
+            given = [e for e in inputs if follow(e, self.frame, self.shader).is_given]
+            return renamed(" ".join(element.getName() for element in given))
+        frame = self._graph.translation(self.shader, self.frame, f"{tag}_to_{TARGET}")
         if frame is not None:
             outputs = frame.scope.getOutputs()
             named = {child.getName().removesuffix("_out"): child for child in outputs}
-            return {n: self._output(e, frame) for n, e in named.items() if n in PARAMETERS}
+            return {n: partial(self._output, e, frame) for n, e in named.items() if n in PARAMETERS}
         if tag not in TRANSLATIONS:
             raise FileError(
                 f"{self._where} has a shader of kind {tag[:40]}, which is not read; translate it "
@@ -171,47 +174,43 @@ class Reader:
             )
         return None
 
-    def _values(self, formulas: Formulas) -> dict[str, Value]:
-        return {name: self._value(formula) for name, formula in formulas.items()}
-
-    def _value(self, formula: Formula) -> Value:
-        return lambda evaluation: formula(_Inputs(self, evaluation))
-
-    def read(self, name: str) -> Value:
-        """The value of an input of the shader."""
-        return lambda evaluation: evaluation.input(self._shader, name, self._frame)
+    def _output(self, output: Any, frame: Frame, inputs: _Inputs) -> np.ndarray:
+        source = self._graph.follow(output, frame, self.shader)
+        return inputs.evaluation.value(source, self.shader)
 
     def ends(self, name: str) -> tuple[np.ndarray, np.ndarray]:
         """The least and the largest value (channels,) of an input on the surface."""
         if name not in self._ends:
-            pixels = self._pixels(name, self.read(name))
+            pixels = self._pixels(name, renamed(name))
             self._ends[name] = pixels.min(axis=0), pixels.max(axis=0)
         return self._ends[name]
 
-    def _baked(self, name: str, value: Value) -> np.ndarray | Texture:
-        return bake(self._graph, value, self._resolution, f"{self._where}: {name}")
+    def _value(self, formula: Formula) -> Value:
+        return lambda evaluation: formula(_Inputs(self, evaluation))
 
-    def _pixels(self, name: str, value: Value) -> np.ndarray:
-        """The values (N, channels) of a baked value."""
-        baked = self._baked(name, value)
+    def _changes(self, formula: Formula) -> bool:
+        return changes(self._graph, self._value(formula))
+
+    def _baked(self, name: str, formula: Formula) -> np.ndarray | Texture:
+        where = f"{self._where}: {name}"
+        return bake(self._graph, self._value(formula), self._resolution, where)
+
+    def _pixels(self, name: str, formulas: Formulas) -> np.ndarray:
+        """The values (N, channels) of a baked parameter."""
+        baked = self._baked(name, formulas[name])
         pixels = baked.pixels if isinstance(baked, Texture) else baked
         return pixels.reshape(-1, pixels.shape[-1])
 
     def _warn_of_losses(self, tag: str) -> None:
         """Warn of inputs without a parameter, where they would change something."""
-        known = self._graph.inputs(self._shader, self._frame)
-        given = [element.getName() for element in self._shader.getInputs()]
+        known = self._graph.inputs(self.shader, self.frame)
+        given = [element.getName() for element in self.shader.getInputs()]
         lost = [name for name in given if name not in known]
         for name, formula in LOST.get(tag, {}).items():
-            if name in given and changes(self._graph, self._value(formula)):
+            if name in given and self._changes(formula):
                 lost.append(name)
         if lost:
             warn(f"{self._where}: OpenPBR has no counterpart of {', '.join(lost)[:200]} of {tag}")
-
-    def _output(self, output: Any, frame: Frame) -> Value:
-        return lambda evaluation: evaluation.value(
-            self._graph.follow(output, frame, self._shader), self._shader
-        )
 
     def _direction(self, entry: Parameter, value: np.ndarray | Texture) -> Texture | None:
         """A normal map of directions; None if they are the geometry's own."""
@@ -250,9 +249,7 @@ class Reader:
                 value = self._limited(entry, value)
             r, g, b = (float(x) for x in np.broadcast_to(np.maximum(value, 0.0), 3))
             return r, g, b
-        if entry.name.startswith(
-            "transmission_"
-        ):  # not rendered; exporters write Abbe numbers as scales
+        if entry.name.startswith("transmission_"):  # exporters write Abbe numbers as scales
             value = self._limited(entry, value)
         return checked(entry.name, float(value[0]), where)
 

@@ -11,7 +11,8 @@ from urushi.mitsuba.interface_albedo import InterfaceAlbedo
 from urushi.mitsuba.recording import signature_of
 from urushi.mitsuba.snapshot import ParameterSnapshot
 from urushi.openpbr_surface import formulas
-from urushi.openpbr_surface.inputs import EMISSION, Inputs
+from urushi.openpbr_surface.inputs import Inputs
+from urushi.openpbr_surface.parameters import EMISSION
 
 #: Numbers and colours on which the light depends.
 TEXTURED = (

@@ -9,11 +9,11 @@ import numpy as np
 
 from urushi.errors import ParameterError
 from urushi.mitsuba.properties import check_names, describe, path_of, switch_of
-from urushi.openpbr_surface.inputs import EMISSION, OPTIONS, Inputs
+from urushi.openpbr_surface.inputs import OPTIONS, Inputs
 from urushi.openpbr_surface.materialx.baking import Texture
 from urushi.openpbr_surface.materialx.reader import Mix, ParameterValue, Surface
 from urushi.openpbr_surface.materialx.surface import RESOLUTION, read_surface
-from urushi.openpbr_surface.parameters import PARAMETERS
+from urushi.openpbr_surface.parameters import EMISSION, PARAMETERS
 
 
 def load_materialx(
