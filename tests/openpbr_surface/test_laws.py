@@ -12,8 +12,7 @@ from tests.openpbr_surface.test_truth import PARTS, quadrature
 from tests.oracles import openpbr_base
 
 from urushi.mitsuba.reading import probing
-from urushi.openpbr_surface.model import NAMES
-from urushi.openpbr_surface.parameters import PARAMETERS
+from urushi.openpbr_surface.parameters import PARAMETERS, names_of
 
 pytestmark = pytest.mark.usefixtures("rgb")
 
@@ -177,7 +176,7 @@ def test_a_base_is_its_formula(name):
     texel = np.repeat(np.arange(number), count)
     wi, wo = pairs(kind, len(texel))
     f = evaluated(loaded(kind), wi, wo, texel)[0].reshape(number, count, 3)
-    defaults = {x: np.atleast_1d(PARAMETERS[x].default) for x in NAMES if x.startswith(BASE)}
+    defaults = {x: np.atleast_1d(PARAMETERS[x].default) for x in names_of(*BASE)}
     drawn, weight = values(kind), (wi[:, 2] * wo[:, 2]).reshape(number, count, 1)
     for k in range(number):
         at = slice(k * count, (k + 1) * count)

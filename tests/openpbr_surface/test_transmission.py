@@ -124,6 +124,16 @@ def test_smooth_glass_has_fresnels_shares_and_mitsubas_directions():
         assert through == pytest.approx((1 - sine**2) ** 0.5, abs=0.005)
 
 
+@pytest.mark.parametrize("degrees", [10, 150])
+def test_filmed_glass_is_sampled_as_it_reflects(degrees):
+    """The share of the samples that are reflected is that of the light, by the film's mean."""
+    film = {"thin_film_weight": 1.0, "thin_film_ior": 2.4, "thin_film_thickness": 0.3}
+    weight, wo = sampled(load(GLASS | film | {"specular_roughness": 0.3}), degrees)
+    reflected = (wo[:, 2] > 0) == (degrees < 90)
+    assert reflected.mean() > 0.1  # 0.04 without the film
+    assert np.mean(weight * reflected) == pytest.approx(reflected.mean(), abs=0.01)
+
+
 def test_rough_glass_is_that_of_mitsuba():
     """But for light that meets a second facet, which `roughdielectric` loses: up to 0.07 from
     inside, at grazing angles."""

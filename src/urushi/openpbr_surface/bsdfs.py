@@ -3,7 +3,6 @@
 `model` evaluates them; here they are sampled, listed for `mi.traverse` and updated.
 """
 
-from collections.abc import Callable
 from dataclasses import replace
 from typing import Any, NamedTuple
 
@@ -18,6 +17,8 @@ from urushi.openpbr_surface import model
 from urushi.openpbr_surface.compensation import Compensation
 from urushi.openpbr_surface.film import NAMES as film_parameters
 from urushi.openpbr_surface.inputs import Inputs
+from urushi.openpbr_surface.parameters import names_of
+from urushi.openpbr_surface.parts import COATS, Coating, coat_properties, load_part
 
 #: Least share of each lobe in the base's proposal.
 MIN_SHARE = 0.1
@@ -30,10 +31,7 @@ DIFFUSE_SHARE = 0.1
 OF_COAT = ("coat_color", "coat_roughness", "coat_roughness_anisotropy", "coat_ior")
 
 #: The parameters of the surface.
-NAMES = (
-    *(*model.NAMES, *OF_COAT, *film_parameters),
-    *("fuzz_weight", "fuzz_color", "fuzz_roughness"),
-)
+NAMES = names_of("base", "specular", "coat", "thin_film", "fuzz")
 
 
 class Part(NamedTuple):
@@ -135,14 +133,34 @@ class OpenPBRBase(Surface):
         return "OpenPBRBase[]"
 
 
+def layers(inputs: Inputs, coating: Coating) -> Layers:
+    """The layers that parameters need."""
+
+    def base(inputs: Inputs, under_coat: bool) -> "mi.BSDF":
+        return bsdf_of(OpenPBRBase(inputs, under_coat))
+
+    def coated(inputs: Inputs, below: "mi.BSDF") -> "mi.BSDF":
+        given = coating.options if coating.tables else {}
+        plugin = {"type": COATS[not coating.tables], "bottom": below}
+        return load_part(inputs, plugin | coat_properties(inputs) | given)
+
+    # A coat of index one has no interface: it only absorbs, see `model.absorbed`.
+    if inputs.is_constant("coat_weight", 0) or inputs.is_constant("coat_ior", 1):
+        return Layers(base(inputs, False), None, None, None)
+    below, compensation = base(inputs, True), None
+    if coating.compensated:
+        compensation = Compensation(inputs, coating.tables, lambda x: coated(x, base(x, True)))
+    in_air = None if inputs.is_constant("coat_weight", 1) else base(inputs, False)
+    return Layers(in_air, below, coated(inputs, below), compensation)
+
+
 class OpenPBRSurface(Surface):
     """Mixes BRDFs: (1 - coat_weight) base + coat_weight coated, and fuzz above both."""
 
-    def __init__(self, inputs: Inputs, make: Callable[[Inputs], Layers]):
-        """Make the layers; make: returns those that parameters need."""
-        self._inputs, self._make = inputs, make
+    def __init__(self, inputs: Inputs, coating: Coating):
+        self._inputs, self._coating = inputs, coating
         self._turned = "geometry_tangent" in inputs.maps
-        self._configure(make(inputs))
+        self._configure(layers(inputs, coating))
         super().__init__(mi.Properties("openpbr"), inputs.where)
 
     def _configure(self, layers: Layers):
@@ -209,7 +227,7 @@ class OpenPBRSurface(Surface):
 
     def replaced(self, replacement):
         """See `Surface.replaced`."""
-        return bsdf_of(type(self)(self._inputs.with_textures(replacement), self._make))
+        return bsdf_of(type(self)(self._inputs.with_textures(replacement), self._coating))
 
     names = NAMES
 
@@ -226,7 +244,7 @@ class OpenPBRSurface(Surface):
                 self._configure(self._layers)
             return
         if renewed or (self._compensation and not self._compensation.is_current):
-            self._configure(self._make(self._inputs))
+            self._configure(layers(self._inputs, self._coating))
         elif self._coated is not None:
             base = not keys or not {*keys}.isdisjoint(self._layers.below.names)
             self._coated.parameters_changed(["bottom"] if base else list(OF_COAT))

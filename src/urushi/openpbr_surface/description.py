@@ -20,9 +20,8 @@ from urushi.mitsuba import spectrum
 from urushi.mitsuba.reading import probing
 from urushi.mitsuba.reading.bsdf import bsdf_source
 from urushi.openpbr_surface.formulas import modulated_index, subsurface_albedo, translucent_medium
-from urushi.openpbr_surface.inputs import EMISSION
 from urushi.openpbr_surface.materialx.document import write_parameters
-from urushi.openpbr_surface.parameters import checked, complete, parameter
+from urushi.openpbr_surface.parameters import EMISSION, checked, complete, parameter
 from urushi.openpbr_surface.plugins.emission import NAMES as EMISSION_INPUTS
 from urushi.walk import Conductor, Diffuse, Stack
 from urushi.walk.bottoms import Value

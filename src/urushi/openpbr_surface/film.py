@@ -20,9 +20,10 @@ from urushi.mitsuba.interface_albedo import InterfaceAlbedo, Interpolated, coord
 from urushi.mitsuba.recording import compiled_once
 from urushi.openpbr_surface import formulas, thin_film
 from urushi.openpbr_surface.inputs import Inputs
+from urushi.openpbr_surface.parameters import names_of
 
 #: The parameters that the film reads.
-NAMES = ("thin_film_weight", "thin_film_thickness", "thin_film_ior")
+NAMES = names_of("thin_film")
 
 #: The parameters on which the film's relative index depends.
 _INDICES = ("thin_film_ior", "coat_ior", "coat_weight")

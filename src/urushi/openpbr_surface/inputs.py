@@ -1,7 +1,7 @@
 """The parameters of the plugin `openpbr`, as textures, and textures that are computed from them."""
 
 import copy
-from collections.abc import Callable, Container, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Container, Iterable, Iterator, Mapping
 from typing import Any, ClassVar
 
 import drjit as dr
@@ -14,7 +14,6 @@ from urushi.errors import ParameterError
 from urushi.mitsuba import spectrum
 from urushi.mitsuba.properties import describe
 from urushi.mitsuba.reading.grid import varies
-from urushi.mitsuba.reading.textures import derived as from_textures
 from urushi.mitsuba.recording import Recorded
 from urushi.openpbr_surface import formulas
 from urushi.openpbr_surface.parameters import PARAMETERS, checked, parameter
@@ -24,9 +23,6 @@ OPTIONS = (
     *("reference", "unsupported", "energy_compensation", "interior", "resolution", "weights"),
     "origin",
 )
-
-#: The parameters of emission, which a BSDF does not have.
-EMISSION = ("emission_luminance", "emission_color")
 
 #: Colours of light that has crossed a medium or a surface, and how often it does, where it is seen:
 #: twice through the surface of a body. Their spectra are exact for this number of crossings.
@@ -179,11 +175,11 @@ class Inputs(Recorded):
 
     def number(self, name: str, si, active) -> "mi.Float":
         """The value of a number at a surface interaction, within the parameter's range."""
-        return _clipped(name, self.textures[name].eval_1(si, active))
+        return clipped(name, self.textures[name].eval_1(si, active))
 
     def color(self, name: str, si, active) -> "mi.Spectrum":
         """The value of a colour at a surface interaction, within the parameter's range."""
-        return _clipped(name, self.textures[name].eval(si, active))
+        return clipped(name, self.textures[name].eval(si, active))
 
     def widths(self, layer: str, si, active) -> Any:
         """The GGX width of a layer, "coat" or "specular", or the two `Widths`."""
@@ -319,46 +315,8 @@ def _equal_textures(one: "mi.Texture", other: "mi.Texture") -> bool:
     )
 
 
-def _clipped(name: str, value: Any) -> Any:
+def clipped(name: str, value: Any) -> Any:
     """A value of a texture within the range of a parameter; has gradients at its ends."""
     entry, kind = PARAMETERS[name], type(value)  # a selection of spectra is an array
     value = dr.select(value < entry.low, entry.low, value)
     return kind(value if entry.high == np.inf else dr.select(value > entry.high, entry.high, value))
-
-
-def load_part(inputs: Inputs, description: dict[str, Any]) -> "mi.BSDF":
-    """Load a part of a material, whose errors begin with the plugin that the user wrote."""
-    try:
-        return mi.load_dict(description | {"origin": inputs.where})
-    except RuntimeError as error:
-        _, where, cause = str(error).strip().splitlines()[-1].partition(inputs.where + ": ")
-        if not where:
-            raise
-        walk = ", which openpbr takes by the option 'reference'" if "'layered'" in cause else ""
-        raise ParameterError(f"{where}{cause}{walk}") from error
-
-
-def derived(
-    inputs: Inputs, names: Sequence[str], function: Callable[..., Any], *, color: bool = False
-) -> "mi.Texture":
-    """A texture whose value is a function of the parameters `names`, in order.
-
-    function: of Dr.Jit floats; color: of spectra.
-    """
-
-    def within_ranges(si: Any, active: Any, *values: Any) -> Any:
-        return function(*map(_clipped, names, values))
-
-    sources = {name: inputs.textures[name] for name in names}
-    return from_textures(within_ranges, sources, color=color)
-
-
-def width_properties(inputs: Inputs, layer: str) -> dict[str, "mi.Texture"]:
-    """GGX widths as properties of Mitsuba's plugins; layer: "coat" or "specular"."""
-    names = f"{layer}_roughness", f"{layer}_roughness_anisotropy"
-    if inputs.is_constant(names[1], 0):
-        return {"alpha": derived(inputs, names[:1], lambda r: formulas.lobe_width(r, DRJIT))}
-    return {
-        name: derived(inputs, names, lambda r, a, i=i: formulas.lobe_widths(r, a, DRJIT)[i])
-        for i, name in enumerate(("alpha_u", "alpha_v"))
-    }

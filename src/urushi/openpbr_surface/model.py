@@ -27,13 +27,10 @@ from urushi.openpbr_surface import formulas, thin_film
 from urushi.openpbr_surface.film import FilmFresnel
 from urushi.openpbr_surface.inputs import Inputs
 from urushi.openpbr_surface.lookups import RoughSlab
+from urushi.openpbr_surface.parameters import names_of
 
 #: The parameters that the base reads, besides the film's; see `Base.names`.
-NAMES = (
-    *("base_weight", "base_color", "base_diffuse_roughness", "base_metalness"),
-    *("specular_weight", "specular_color", "specular_roughness", "specular_ior"),
-    *("specular_roughness_anisotropy", "coat_weight", "coat_ior", "coat_darkening"),
-)
+NAMES = (*names_of("base", "specular"), "coat_weight", "coat_ior", "coat_darkening")
 
 #: The parameters on which the base's relative index depends.
 INDICES = ("specular_ior", "coat_ior", "coat_weight", "specular_weight")

@@ -8,7 +8,8 @@ import mitsuba as mi
 from urushi.core.namespace import DRJIT
 from urushi.errors import ParameterError
 from urushi.openpbr_surface import formulas
-from urushi.openpbr_surface.inputs import Inputs, derived
+from urushi.openpbr_surface.inputs import Inputs
+from urushi.openpbr_surface.parts import derived
 
 #: The parameters on which the shares depend.
 SHARES = ("base_metalness", "transmission_weight", "subsurface_weight")

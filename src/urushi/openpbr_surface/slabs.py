@@ -7,7 +7,6 @@ import drjit as dr
 import mitsuba as mi
 
 from urushi.checks import AIR
-from urushi.core.appearance import optical_depth
 from urushi.core.mixture import Mixture
 from urushi.core.namespace import DRJIT
 from urushi.mitsuba.plugins.frames import raised, relative, with_far_side
@@ -15,8 +14,9 @@ from urushi.mitsuba.reading.dielectrics import DECIMALS
 from urushi.mitsuba.recording import opaque
 from urushi.openpbr_surface import formulas
 from urushi.openpbr_surface.bsdfs import SurfaceProposal
-from urushi.openpbr_surface.inputs import Inputs, derived, width_properties
+from urushi.openpbr_surface.inputs import Inputs
 from urushi.openpbr_surface.lost_light import AXES, LostLight, Place
+from urushi.openpbr_surface.parts import absorption, coat_properties, width_properties
 from urushi.openpbr_surface.shares import index2, index_of, tint_of
 from urushi.walk import interface
 
@@ -91,23 +91,15 @@ class Finish:
         return f + tint * lobe
 
 
-def slab_of(inputs: Inputs, coat: dict[str, Any] | None) -> dict[str, Any]:
-    """A slab as a dictionary of a plugin, without its type: a pane, or coats on it or on a body.
-
-    coat: the properties of the coat; None: there is none.
-    """
+def slab_of(inputs: Inputs, coated: bool) -> dict[str, Any]:
+    """A slab as a dictionary of a plugin, without its type: a pane, or coats on it or on a body."""
     index, rough = index_of(inputs), width_properties(inputs, "specular")
-    glass = {"type": "roughdielectric", "distribution": "ggx"}
-    if not inputs.thin:
-        assert coat is not None  # for the type checker
-        return coat | {"base": glass | rough | {"int_ior": round(index * AIR, DECIMALS)}}
-    pane: dict[str, Any] = {"int_ior": index, **rough}
-    if not inputs.is_constant("transmission_color", 1):
-        pane["sigma_t"] = derived(
-            inputs, ("transmission_color",), lambda c: 2 * optical_depth(c, DRJIT), color=True
-        )
-    if coat is None:
+    pane = {"int_ior": index, **rough, **absorption(inputs, "transmission_color", 2)}
+    if not coated:
         return pane | {"ext_ior": 1.0}
+    coat, glass = coat_properties(inputs), {"type": "roughdielectric", "distribution": "ggx"}
+    if not inputs.thin:
+        return coat | {"base": glass | rough | {"int_ior": round(index * AIR, DECIMALS)}}
     # The coat below lies between the pane's lower surface and its own.
     outer = width_properties(inputs, "coat")
     below = {name: x for name, x in coat.items() if name not in ("ext_ior", *outer)} | rough

@@ -8,9 +8,8 @@ Departures from the specification: a share that is opaque looks the same from in
 a thin wall have the coat; specular_weight changes the index of the body, whatever lies above it.
 """
 
-from collections.abc import Callable
 from functools import partial
-from typing import Any
+from typing import Any, NamedTuple
 
 import drjit as dr
 import mitsuba as mi
@@ -18,8 +17,9 @@ import mitsuba as mi
 from urushi.errors import ParameterError
 from urushi.mitsuba.plugins.frames import Turn, TurnedMixture, above_surface, raised, with_far_side
 from urushi.mitsuba.surface import Surface, bsdf_of
-from urushi.openpbr_surface.bsdfs import OF_COAT, Part, SurfaceProposal
-from urushi.openpbr_surface.inputs import Inputs, load_part
+from urushi.openpbr_surface.bsdfs import OF_COAT, OpenPBRSurface, Part, SurfaceProposal
+from urushi.openpbr_surface.inputs import Inputs
+from urushi.openpbr_surface.parts import COATS, Coating, load_part
 from urushi.openpbr_surface.shares import INDICES, SHARES, index_of, opaque_share, shares
 from urushi.openpbr_surface.slabs import Finish, slab_of
 from urushi.openpbr_surface.two_sided import Glass, Sheet, Unseen
@@ -37,26 +37,89 @@ OF_PANES = ("specular_roughness", "specular_roughness_anisotropy", "transmission
 LOSSLESS = (*COLORS, *SHARES, "coat_weight")
 
 
+class Layer(NamedTuple):
+    """What has a share of the surface."""
+
+    bsdf: Any  # of `bsdf_of`, or `Unseen`
+    share: str  # of `Shares`
+    coated: bool | None = None  # whether it has the coated or the bare part of it; None: all
+    finish: Finish | None = None  # what its BSDF lacks
+
+
 class Body(Surface):
     """A surface that transmits light: a mixture of two-sided BSDFs."""
 
-    def __init__(self, inputs: Inputs, make: Callable[[list], list]):
-        """make: returns the parts: BSDF, weight at an interaction, and `Finish` or None. It
-        takes former ones, whose BSDFs are reused, or an empty list."""
-        self._inputs, self._make = inputs, make
-        self._parts: list = []
-        self._unseen: list = []  # `Unseen` and its weight at an interaction
+    def __init__(self, inputs: Inputs, coating: Coating):
+        self._inputs, self._coating = inputs, coating
+        self._parts: list[Layer] = []
+        self._unseen: list[Layer] = []
         self._configure()
         super().__init__(mi.Properties("openpbr"), inputs.where)
 
     def _configure(self):
         self._ior = index_of(self._inputs)
         self._transmit(None if self._inputs.thin else self._ior)
-        self._take(self._make([]))
+        self._make([])
 
-    def _take(self, made: list) -> None:
-        self._parts = [part for part in made if not isinstance(part[0], Unseen)]
-        self._unseen = [part[:2] for part in made if isinstance(part[0], Unseen)]
+    def _make(self, former: list[Layer]) -> None:
+        """Make the layers; former: those whose BSDFs are reused, or an empty list."""
+        inputs = self._inputs
+        self._parts, self._unseen = [], []
+
+        def add(make, share, coated=None, finished=False):
+            bsdf = former[len(self._parts)].bsdf if former else make()
+            finish = self._finish(bsdf, coated) if finished else None
+            self._parts.append(Layer(bsdf, share, coated, finish))
+
+        rest = opaque_share(inputs)
+        if rest is not None:
+            add(lambda: bsdf_of(OpenPBRSurface(rest, self._coating)), "opaque")
+        clear, scatters = map(inputs.transmits, SHARES[1:])
+        if inputs.thin and scatters:
+            add(lambda: bsdf_of(Sheet(inputs)), "scattering")
+        if not (clear or (scatters and not inputs.thin)):
+            return
+        share = "clear" if inputs.thin else "transmitting"
+        for coated, absent in ((False, 1), (True, 0)):
+            if inputs.is_constant("coat_weight", absent):
+                continue
+            if Unseen.is_right(inputs, coated):
+                self._unseen.append(Layer(Unseen(inputs, coated), share, coated))
+            elif coated or inputs.thin:
+                add(partial(self._slab, inputs, coated), share, coated, finished=True)
+            else:
+                add(lambda: bsdf_of(Glass(inputs)), share, coated)
+
+    def _slab(self, inputs: Inputs, coated: bool) -> "mi.BSDF":
+        """A pane, or coats on it or on a body, as a table where it is constant and isotropic."""
+        layers = ("specular", "coat") if coated else ("specular",)
+        one = all(inputs.is_constant(f"{x}_roughness_anisotropy", 0) for x in layers)
+        given = [inputs.textures[x] for x in (TABULATED if coated else TABULATED[:2])]
+        numbers = not any(x.is_spatially_varying() for x in given)  # nor bitmaps of one value
+        table = self._coating.tables and one and numbers
+        made = load_part(inputs, slab_of(inputs, coated) | {"type": COATS[not table]})
+        made.names = (*OF_PANES, *(OF_COAT if coated else ()))
+        made.fixed = {*made.names} - {*(COLORS if table and not mi.is_spectral else ())}
+        return made
+
+    def _finish(self, slab: "mi.BSDF", coated: bool) -> Finish:
+        inputs = self._inputs
+
+        def white(textures: dict[str, Any]) -> "mi.BSDF":
+            if not textures and all(inputs.is_constant(name, 1) for name in COLORS):
+                return slab
+            values = {name: mi.load_dict(x) for name, x in textures.items()}
+            return self._slab(inputs.replaced(dict.fromkeys(COLORS, 1.0) | values), coated)
+
+        return Finish(inputs, coated, white if self._coating.compensated else None)
+
+    def _weights(self, layers: list[Layer], si, active) -> list:
+        """The shares of layers at an interaction."""
+        inputs = self._inputs
+        found = shares(*(inputs.number(x, si, active) for x in SHARES))
+        coat = inputs.number("coat_weight", si, active)
+        covered = {None: 1, True: coat, False: 1 - coat}
+        return [getattr(found, layer.share) * covered[layer.coated] for layer in layers]
 
     def _flags(self):
         flags = mi.BSDFFlags
@@ -66,10 +129,9 @@ class Body(Surface):
     def _straight(self, ctx, si, active):
         """Probability that light goes straight on, and the mean transmittance there."""
         share, total = mi.Float(0), mi.Spectrum(0)
-        for unseen, weight in self._unseen:
-            own = weight(si, active)
+        for layer, own in zip(self._unseen, self._weights(self._unseen, si, active), strict=True):
             share += own
-            total += own * unseen.passed(si, active)
+            total += own * layer.bsdf.passed(si, active)
         seen = mi.Bool(active) & (si.wi.z != 0) & ctx.is_enabled(mi.BSDFFlags.Null, 2)
         return share, dr.select(seen, total, 0)
 
@@ -96,10 +158,10 @@ class Body(Surface):
         turn = None
         if "geometry_tangent" in self._inputs.maps:
             turn = Turn(*self._inputs.tangent(si, active))
-        parts = []
-        for bsdf, weight, _ in self._parts:
-            own = self._interaction(turn, bsdf, si)
-            parts.append(Part(bsdf, bsdf._vertex(own, active), weight(si, active)))
+        parts, weights = [], self._weights(self._parts, si, active)
+        for layer, weight in zip(self._parts, weights, strict=True):
+            own = self._interaction(turn, layer.bsdf, si)
+            parts.append(Part(layer.bsdf, layer.bsdf._vertex(own, active), weight))
         return turn, parts
 
     def _interaction(self, turn, bsdf, si):
@@ -110,7 +172,7 @@ class Body(Surface):
     def _f_and_pdf(self, vertex, ctx, si, wo, active):
         turn, parts = vertex
         f, pdf, near = mi.Spectrum(0), mi.Float(0), si.wi.z * wo.z > 0
-        for part, (bsdf, _, finish) in zip(parts, self._parts, strict=True):
+        for part, (bsdf, *_, finish) in zip(parts, self._parts, strict=True):
             own = self._interaction(turn, bsdf, si)
             if bsdf._transmits:
                 towards = wo if turn is None else turn.inside(wo)
@@ -128,7 +190,7 @@ class Body(Surface):
     def _proposal(self, vertex, si, active):
         turn, parts = vertex
         proposals = []
-        for part, (_, _, finish) in zip(parts, self._parts, strict=True):
+        for part, (*_, finish) in zip(parts, self._parts, strict=True):
             own = self._interaction(turn, part.bsdf, si)
             proposal = part.bsdf._proposal(part.vertex, own, active)
             if not part.bsdf._transmits:
@@ -142,14 +204,14 @@ class Body(Surface):
     def traverse(self, callback):
         names = [*SHARES]
         for part in (*self._parts, *self._unseen):
-            names += part[0].names
+            names += part.bsdf.names
         if "transmission_color" in names:  # a coat may appear
             names += ("coat_weight", *OF_COAT)
         self._inputs.traverse(callback, dict.fromkeys(names), self._fixed())
 
     def _fixed(self) -> set[str]:
         """The parameters by which a part has no derivatives."""
-        return {name for part in self._parts for name in getattr(part[0], "fixed", ())}
+        return {name for part in self._parts for name in getattr(part.bsdf, "fixed", ())}
 
     def _update(self, keys):
         changed = {*keys}
@@ -162,94 +224,12 @@ class Body(Surface):
         if self._inputs.refresh() or index_of(self._inputs) != self._ior:
             self._configure()
         else:
-            for bsdf, _, _ in self._parts:
-                if not changed or not changed.isdisjoint(bsdf.names):
-                    bsdf.parameters_changed(list(keys))
+            for part in self._parts:
+                if not changed or not changed.isdisjoint(part.bsdf.names):
+                    part.bsdf.parameters_changed(list(keys))
             if not changed or not changed <= {*LOSSLESS}:
-                self._take(self._make(self._parts))
+                self._make(self._parts)
 
     def to_string(self):
-        parts = ",\n".join(str(bsdf) for bsdf, _, _ in self._parts)
+        parts = ",\n".join(str(part.bsdf) for part in self._parts)
         return "OpenPBR[\n  " + parts.replace("\n", "\n  ") + "\n]"
-
-
-def transmitting(
-    inputs: Inputs,
-    opaque: Callable[[Inputs], "mi.BSDF"],
-    coat: Callable[[Inputs], dict[str, Any]],
-    tables: bool,
-    compensated: bool,
-) -> "mi.BSDF":
-    """A surface that transmits light.
-
-    opaque: makes the opaque surface. coat: the properties of a coat without what lies below.
-    tables: whether constant slabs are tables. compensated: whether slabs lose no energy.
-    """
-
-    def weight(of: str, coated: bool | None) -> Callable[..., Any]:
-        def at(si, active):
-            share = getattr(shares(*(inputs.number(x, si, active) for x in SHARES)), of)
-            if coated is None:
-                return share
-            cover = inputs.number("coat_weight", si, active)
-            return share * (cover if coated else 1 - cover)
-
-        return at
-
-    def slab(inputs: Inputs, coated: bool) -> "mi.BSDF":
-        described = slab_of(inputs, coat(inputs) if coated else None)
-        layers = ("specular", "coat") if coated else ("specular",)
-        one = all(inputs.is_constant(f"{x}_roughness_anisotropy", 0) for x in layers)
-        given = [inputs.textures[x] for x in (TABULATED if coated else TABULATED[:2])]
-        numbers = not any(x.is_spatially_varying() for x in given)  # nor bitmaps of one value
-        plugin = "neural_layered" if tables and one and numbers else "layered"
-        made = load_part(inputs, described | {"type": plugin})
-        made.names = (*OF_PANES, *(OF_COAT if coated else ()))
-        differentiable = COLORS if plugin == "neural_layered" and not mi.is_spectral else ()
-        made.fixed = {*made.names} - {*differentiable}
-        return made
-
-    def whitened(bsdf: Any, make: Callable[[Inputs], Any], textures: dict[str, Any]) -> Any:
-        if not textures and all(inputs.is_constant(name, 1) for name in COLORS):
-            return bsdf
-        values = {name: mi.load_dict(x) for name, x in textures.items()}
-        return make(inputs.replaced(dict.fromkeys(COLORS, 1.0) | values))
-
-    def glass(inputs: Inputs) -> "mi.BSDF":
-        return bsdf_of(Glass(inputs))
-
-    def sheet(inputs: Inputs) -> "mi.BSDF":
-        return bsdf_of(Sheet(inputs))
-
-    def parts(former: list) -> list:
-        found: list[tuple[Any, Callable[..., Any], Any]] = []
-        unseen: list[tuple[Any, Callable[..., Any], Any]] = []
-
-        def part(make: Callable[[Inputs], Any], given: Inputs) -> Any:
-            return former[len(found)][0] if former else make(given)
-
-        rest = opaque_share(inputs)
-        if rest is not None:
-            found.append((part(opaque, rest), weight("opaque", None), None))
-        scatters = [name for name in SHARES[1:] if inputs.transmits(name)]
-        if inputs.thin and SHARES[2] in scatters:
-            found.append((part(sheet, inputs), weight("scattering", None), None))
-        names = [name for name in scatters if not inputs.thin or name == SHARES[1]]
-        if not names:
-            return found
-        of = "clear" if inputs.thin else "transmitting"
-        for coated, absent in ((False, 1), (True, 0)):
-            if inputs.is_constant("coat_weight", absent):
-                continue
-            if Unseen.is_right(inputs, coated):
-                unseen.append((Unseen(inputs, coated), weight(of, coated), None))
-                continue
-            make = partial(slab, coated=coated) if coated or inputs.thin else glass
-            bsdf, finish = part(make, inputs), None
-            if make is not glass:
-                white = partial(whitened, bsdf, make) if compensated else None
-                finish = Finish(inputs, coated, white)
-            found.append((bsdf, weight(of, coated), finish))
-        return [*found, *unseen]
-
-    return bsdf_of(Body(inputs, parts))

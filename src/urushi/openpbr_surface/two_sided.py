@@ -4,6 +4,7 @@ The interface returns the light that it loses. Thin walls scatter light to both 
 paper do.
 """
 
+from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import drjit as dr
@@ -11,6 +12,7 @@ import mitsuba as mi
 
 from urushi.checks import MIN_INDEX_STEP
 from urushi.core import fresnel, microfacet
+from urushi.core.directions import reflect, refract
 from urushi.core.facets import MIRROR
 from urushi.core.mixture import Mixture
 from urushi.errors import ParameterError
@@ -18,10 +20,11 @@ from urushi.mitsuba.interface_albedo import InterfaceAlbedo
 from urushi.mitsuba.plugins.frames import above_surface, raised, relative, with_far_side
 from urushi.mitsuba.surface import Surface
 from urushi.openpbr_surface import model
-from urushi.openpbr_surface.bsdfs import MIN_SHARE
+from urushi.openpbr_surface.bsdfs import MIN_SHARE, SurfaceProposal
 from urushi.openpbr_surface.film import NAMES as film_parameters
 from urushi.openpbr_surface.film import FilmFresnel
 from urushi.openpbr_surface.inputs import Inputs
+from urushi.openpbr_surface.parameters import names_of
 from urushi.openpbr_surface.shares import INDICES, index2, index_of, tint_of
 from urushi.walk import interface
 
@@ -29,27 +32,31 @@ from urushi.walk import interface
 LEAST_LOST = 0.01
 
 
-class GlassProposal(NamedTuple):
-    """Facets seen from wi, which reflect or refract by Fresnel's terms, and cosine lobes."""
+class Facets(NamedTuple):
+    """Facets seen from wi, which reflect a share of the light and refract the rest."""
 
-    widths: Any  # of the facets
+    widths: Any
     eta: Any  # index on the far side relative to wi's
-    lost: Any  # share of the cosine lobes of both sides
+    reflected: Callable[[Any], Any]  # the share, by the cosine to the facet
 
     def pdf(self, wi, wo):
         """Density of `sample` at wo [1/sr]."""
-        _, density = interface.scatter(raised(wi), relative(wi, wo), self.widths, self.eta)
-        return (1 - self.lost) * density + self.lost * 0.5 * dr.inv_pi * dr.abs(wo.z)
+        a, b = raised(wi), relative(wi, wo)
+        facet = dr.normalize(a + dr.select(b.z > 0, 1, self.eta) * b)
+        cosine = dr.abs(dr.dot(a, facet))
+        share = self.reflected(cosine)
+        near = microfacet.visible_normal_pdf(a, facet, self.widths) / (4 * cosine)
+        far = interface.transmission(a, b, self.widths, self.eta)[1]
+        return dr.select(b.z > 0, near * share, far * (1 - share))
 
     def sample(self, wi, choice, u):
         """Draw wo; see `Mixture.sample`. It is at the horizon where facets send light nowhere."""
-        diffuse = choice < self.lost
-        own = dr.clip((choice - self.lost) / (1 - self.lost), 0, 0.99999994)
-        wo, weight, _ = interface.sample(raised(wi), self.widths, self.eta, own, u.x, u.y)
-        wo = dr.select(weight > 0, wo, mi.Vector3f(1, 0, 0))
-        cosine = mi.warp.square_to_cosine_hemisphere(u)
-        cosine.z = dr.select(choice < 0.5 * self.lost, cosine.z, -cosine.z)
-        return relative(wi, dr.select(diffuse, cosine, wo))
+        a = raised(wi)
+        facet = microfacet.sample_visible_normal(a, self.widths, u.x, u.y)
+        cosine = dr.dot(a, facet)
+        reflects, inside = choice < self.reflected(cosine), fresnel.dielectric(cosine, self.eta)[1]
+        wo = dr.select(reflects, reflect(a, facet), refract(a, facet, inside, self.eta))
+        return relative(wi, dr.select((wo.z > 0) == reflects, wo, mi.Vector3f(1, 0, 0)))
 
 
 class GlassVertex(NamedTuple):
@@ -152,7 +159,7 @@ class Glass(Surface):
         alpha, more = 0.5 * (along + across), mi.Spectrum(0)
         for c, weight in self._film.facets(None if w is None else w.z, alpha):
             bare = fresnel.dielectric(c, eta)[0]
-            more += weight * (self._filmed(c, eta, above, si, active) - bare)
+            more += weight * (self._fresnel(c, eta, above, si, active) - bare)
         mirror = self._mirror
         seen = mirror.reflected_mean(widths) if w is None else mirror.reflected(w, widths)
         reflected, passed = shares
@@ -163,14 +170,12 @@ class Glass(Surface):
         above, through = si.wi.z > 0, si.wi.z * wo.z < 0
         a, b = raised(si.wi), relative(si.wi, wo)
         lobe, cosine = microfacet.reflection_lobe(a, b, vertex.widths)
-        bare = fresnel.dielectric(dr.abs(cosine), vertex.eta)[0]
-        reflected = mi.Spectrum(bare)
+        reflected = self._fresnel(dr.abs(cosine), vertex.eta, above, si, active)
         passed = mi.Spectrum(interface.transmission(a, b, vertex.widths, vertex.eta)[0])
         if self._film:
-            reflected = self._filmed(dr.abs(cosine), vertex.eta, above, si, active)
             facet = dr.abs(dr.dot(a, dr.normalize(a + vertex.eta * b)))
             unfilmed = 1 - fresnel.dielectric(facet, vertex.eta)[0]
-            filmed = 1 - self._filmed(facet, vertex.eta, above, si, active)
+            filmed = 1 - self._fresnel(facet, vertex.eta, above, si, active)
             passed *= filmed / dr.maximum(unfilmed, 1e-6)
         reflected *= lobe * dr.select(above, vertex.specular, 1)
         # Light that would meet a second facet leaves on both sides (Kulla and Conty 2017).
@@ -181,24 +186,30 @@ class Glass(Surface):
             return f
         return f / dr.select(through, dr.square(vertex.eta), 1)
 
-    def _filmed(self, cosine, eta, above, si, active):
-        """The Fresnel term under the film, which is the same on both sides of a facet."""
-        outside = fresnel.dielectric(cosine, eta)[1]
+    def _fresnel(self, cosine, eta, above, si, active):
+        """The Fresnel term of a facet; under the film, it is the same on both sides."""
+        bare, outside = fresnel.dielectric(cosine, eta)
+        if not self._film:
+            return mi.Spectrum(bare)
         outside = dr.select(above, cosine, dr.maximum(outside, 0))
         film = self._film.dielectric(outside, mi.Float(self._index), si, active)
         return dr.select(above | (outside > 0), film, 1)
 
     def _proposal(self, vertex, si, active):
-        lost = dr.mean(vertex.lost) if self._film else vertex.lost
-        return GlassProposal(vertex.widths, vertex.eta, dr.clip(lost, LEAST_LOST, 0.9))
+        def reflected(cosine):
+            return dr.mean(self._fresnel(cosine, vertex.eta, si.wi.z > 0, si, active))
+
+        lost = dr.clip(dr.mean(mi.Spectrum(vertex.lost)), LEAST_LOST, 0.9)
+        facets = Facets(vertex.widths, vertex.eta, reflected)
+        lobe = with_far_side(Mixture([0.0, 1.0], [1.0]), 0.5)
+        return SurfaceProposal([(facets, 1 - lost), (lobe, lost)], 0.0)
 
     @property
     def names(self) -> tuple[str, ...]:
         """The parameters that it reads."""
-        names = "specular_color", "specular_roughness", "specular_roughness_anisotropy"
         bare = self._film or self._inputs.is_constant("coat_weight", 0)  # a film may appear
         film = film_parameters if bare else ()
-        return (*names, *INDICES, "transmission_color", *film)
+        return (*names_of("specular"), "transmission_color", *film)
 
     def traverse(self, callback):
         self._inputs.traverse(callback, self.names)
@@ -243,7 +254,7 @@ class Sheet(Surface):
     #: The parameters that it reads.
     names = (
         *("subsurface_color", "subsurface_scatter_anisotropy", "base_diffuse_roughness"),
-        *("specular_roughness", "specular_roughness_anisotropy", "specular_color", *INDICES),
+        *names_of("specular"),
     )
 
     def traverse(self, callback):

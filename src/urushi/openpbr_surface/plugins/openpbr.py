@@ -1,23 +1,15 @@
 """The plugin `openpbr`: OpenPBR Surface, its coat by a table, codes or random walks."""
 
-from typing import Any
-
 import mitsuba as mi
 
-from urushi.core.appearance import optical_depth
-from urushi.core.namespace import DRJIT
 from urushi.errors import ParameterError
 from urushi.mitsuba.properties import switch_of
 from urushi.mitsuba.surface import bsdf_of
-from urushi.openpbr_surface import formulas
-from urushi.openpbr_surface.bsdfs import Layers, OpenPBRBase, OpenPBRSurface
-from urushi.openpbr_surface.compensation import Compensation
-from urushi.openpbr_surface.inputs import Inputs, derived, load_part, width_properties
+from urushi.openpbr_surface.bsdfs import OpenPBRSurface
+from urushi.openpbr_surface.inputs import Inputs
+from urushi.openpbr_surface.parts import COATS, Coating
 from urushi.openpbr_surface.shares import transmits, without_medium
-from urushi.openpbr_surface.transmission import transmitting
-
-#: Plugins of the coat: by tables or codes, and by walks.
-COATS = ("neural_layered", "layered")
+from urushi.openpbr_surface.transmission import Body
 
 
 def openpbr(props):
@@ -106,17 +98,8 @@ def openpbr(props):
     options = {name: props[name] for name in ("resolution", "weights") if name in props}
     for name in options:
         props.mark_queried(name)
-
-    def opaque(inputs: Inputs) -> "mi.BSDF":
-        return bsdf_of(OpenPBRSurface(inputs, made))
-
-    def made(inputs: Inputs) -> Layers:
-        return _layers(inputs, COATS[bool(reference)], options, compensated)
-
-    if transmits(inputs):
-        bsdf = transmitting(inputs, opaque, _coat, not reference, compensated)
-    else:
-        bsdf = opaque(inputs)
+    coating = Coating(not reference, options, compensated)
+    bsdf = bsdf_of((Body if transmits(inputs) else OpenPBRSurface)(inputs, coating))
     if "geometry_normal" in inputs.maps:
         bsdf = mi.load_dict(
             {"type": "normalmap", "normalmap": inputs.maps["geometry_normal"], "bsdf": bsdf}
@@ -125,46 +108,3 @@ def openpbr(props):
         opacity = inputs.textures["geometry_opacity"]
         bsdf = mi.load_dict({"type": "mask", "opacity": opacity, "bsdf": bsdf})
     return bsdf
-
-
-def _layers(inputs: Inputs, plugin: str, options: dict[str, Any], compensated: bool) -> Layers:
-    """The layers that parameters need.
-
-    plugin: of the coat, one of `COATS`. options: its weights and resolution, if given.
-    """
-    tables = plugin == COATS[0]
-
-    def base(inputs: Inputs, under_coat: bool) -> "mi.BSDF":
-        return bsdf_of(OpenPBRBase(inputs, under_coat))
-
-    def coated(inputs: Inputs, below: "mi.BSDF") -> "mi.BSDF":
-        given = options if tables else {}
-        coat = {"type": plugin, **_coat(inputs), "bottom": below, **given}
-        return load_part(inputs, coat)
-
-    covered = inputs.is_constant("coat_weight", 1)
-    # A coat of index one has no interface: it only absorbs, see `model.absorbed`.
-    if inputs.is_constant("coat_weight", 0) or inputs.is_constant("coat_ior", 1):
-        return Layers(base(inputs, False), None, None, None)
-    below = base(inputs, True)
-    compensation = None
-    if compensated:
-        compensation = Compensation(inputs, tables, lambda x: coated(x, base(x, True)))
-    in_air = None if covered else base(inputs, False)
-    return Layers(in_air, below, coated(inputs, below), compensation)
-
-
-def _coat(inputs: Inputs) -> dict[str, Any]:
-    """The coat as a dictionary of a plugin, without its type and bottom."""
-    coat: dict[str, Any] = {"ext_ior": 1.0, **width_properties(inputs, "coat")}
-    if inputs.known("coat_ior") is not None:
-        coat["int_ior"] = float(formulas.interface_index(inputs.known("coat_ior")))
-    else:
-        coat["int_ior"] = derived(
-            inputs, ("coat_ior",), lambda ior: formulas.interface_index(ior, DRJIT)
-        )
-    if not inputs.is_constant("coat_color", 1):
-        coat["sigma_t"] = derived(
-            inputs, ("coat_color",), lambda color: optical_depth(color, DRJIT), color=True
-        )
-    return coat
