@@ -39,7 +39,7 @@ class Measured:
         with np.load(self.path) as archive:
             weights = archive[self.name].astype(np.float64)
         angles = (a.ravel() for a in np.broadcast_arrays(*bin_centres(SHAPE)))
-        table = np.maximum(np.expm1(nbrdf.logits(weights, nbrdf.vectors(*angles))), 0)
+        table = nbrdf.unpacked(weights).at(nbrdf.vectors(*angles))
         return Merl(table.reshape(*SHAPE, 3))
 
 

@@ -11,7 +11,7 @@ from benchmarks.evaluation.benchmark_set import rows
 from benchmarks.evaluation.distributions import Table2
 from benchmarks.experiment import Options
 from benchmarks.measured import Reciprocal, materials
-from benchmarks.rivals.nbrdf import training_pairs
+from benchmarks.rivals.perceptron import training_pairs
 
 import urushi
 from urushi.train.distribution import Extended
@@ -140,5 +140,5 @@ def directions(
 ) -> tuple[np.ndarray, np.ndarray]:
     """Pairs (materials, pairs, 3) of the rivals' trainings, all above the horizon."""
     count = materials * pairs
-    _, wi, wo = training_pairs(rng, 3 * count)  # about three quarters are above it
+    wi, wo = training_pairs(rng, 3 * count)
     return wi[:count].reshape(-1, pairs, 3), wo[:count].reshape(-1, pairs, 3)

@@ -11,12 +11,14 @@ import math
 import time
 from typing import Any
 
+import jax
 import numpy as np
 from benchmarks import sphere, timing
 from benchmarks.experiment import NETWORKS, PARTS, Experiment, Found, Options, Pictures
 from benchmarks.measured import error as e_of
 from benchmarks.pictures import compare
 from benchmarks.rivals import ggx_fit, nbrdf, rainer
+from benchmarks.rivals.perceptron import size, training_pairs
 from benchmarks.showing import figure, interval, table
 from benchmarks.subjects import SEED, Subject, Walked, subjects, training_set
 from fan2022 import architecture as paper
@@ -58,29 +60,16 @@ PAPER = {
 @functools.cache
 def networks() -> rainer.Unified:
     """The shared networks of Rainer et al. 2020, trained once and kept."""
-    path, names = PARTS / "rainer-2020.npz", ("first", "second", "decoder")
+    path = PARTS / "rainer-2020-networks.npz"
     if not path.exists():
-        trained = rainer.train_unified(
-            *training_set(SHARED, PAIRS, WALKS, SEED + 1000), steps=STEPS
-        )
-        layers = {
-            f"{name}.{i}.{kind}": array
-            for name in names
-            for i, layer in enumerate(getattr(trained, name))
-            for kind, array in zip(("weights", "bias"), layer, strict=True)
-        }
+        pairs = training_set(SHARED, PAIRS, WALKS, SEED + 1000)
+        trained = rainer.train_unified(*pairs, steps=STEPS)
         path.parent.mkdir(parents=True, exist_ok=True)
         with atomic_write(path) as temporary, temporary.open("wb") as file:
-            np.savez(file, **layers)
-    with np.load(path) as file:
-        layers = dict(file)
-
-    def part(name: str) -> rainer.Layers:
-        count = sum(key.startswith(f"{name}.") for key in layers) // 2
-        keys = [f"{name}.{i}" for i in range(count)]
-        return tuple((layers[f"{key}.weights"], layers[f"{key}.bias"]) for key in keys)
-
-    return rainer.Unified(*map(part, names))
+            np.savez(file, *jax.tree.leaves(trained))
+    with np.load(path) as stored:
+        leaves = [stored[name] for name in stored.files]
+    return jax.tree.unflatten(jax.tree.structure(rainer.untrained()), leaves)
 
 
 def represent(method: str, source: Any, options: Options) -> Any:
@@ -91,7 +80,7 @@ def represent(method: str, source: Any, options: Options) -> Any:
     if method == "Rainer 2019":
         return rainer.train(source.f, passes=PASSES[method], samples=samples)
     if method == "Rainer 2020":
-        _, wi, wo = nbrdf.training_pairs(np.random.default_rng(SEED), 3 * MEASURED)
+        wi, wo = training_pairs(np.random.default_rng(SEED), 3 * MEASURED)
         wi, wo = wi[:MEASURED], wo[:MEASURED]
         return networks().encode(wi, wo, source.f(wi, wo))
     if method.endswith("GGX"):
@@ -152,12 +141,10 @@ def evaluation() -> dict[str, float]:
     surface = urushi.conductor(alpha=0.3, r0=(0.9, 0.6, 0.3))
     rng = np.random.default_rng(SEED)
     models: dict[str, Any] = {
-        name: rainer.NeuralBtf(
-            rainer.initial(rng, rainer.decoder_sizes(latent)), np.ones(latent, np.float32)
-        )
+        name: rainer.NeuralBtf(rainer.decoder(rng, latent), np.ones(latent, np.float32))
         for name, latent in zip(METHODS, (rainer.LATENT_2019, rainer.LATENT_2020), strict=False)
     }
-    models["NBRDF"] = nbrdf.Nbrdf(rng.normal(0, 0.1, nbrdf.SIZE))
+    models["NBRDF"] = nbrdf.unpacked(rng.normal(0, 0.1, nbrdf.SIZE))
     models["Urushi"] = urushi.encode(urushi.coat(surface, 0.1, 1.5, 0.7, 1.0))
     pairs = direction_sets.cosine_pairs(rng, EVALUATED)
     operations = {
@@ -211,7 +198,7 @@ def plot(found: Found, _: Pictures) -> Any:
 def storage() -> dict[str, tuple[int, int, str]]:
     """Numbers of a texel, of a decoder, and what one decoder serves, by method."""
     decoders = [
-        rainer.size(rainer.initial(np.random.default_rng(0), rainer.decoder_sizes(latent)))
+        size(rainer.decoder(np.random.default_rng(0), latent))
         for latent in (rainer.LATENT_2019, rainer.LATENT_2020)
     ]
     own, evaluated = default_model(), paper.shapes(paper.EVALUATION).values()
