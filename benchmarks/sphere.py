@@ -12,9 +12,9 @@ the normal, and their values are distributed bilinearly to the cells around them
 regions the weights are blended.
 """
 
-from collections.abc import Callable, Iterable
-from dataclasses import dataclass, replace
+from collections.abc import Callable
 from functools import cache
+from typing import NamedTuple
 
 import numpy as np
 from gallery import stage
@@ -22,46 +22,31 @@ from gallery.stage import Light
 
 #: Cells of the grid: elevations from the camera's direction, and azimuths about it.
 ELEVATIONS, AZIMUTHS = 96, 192
-
 #: Points per axis of a cell; their mean is the cell's radiance.
 FINE = 8
-
 #: Number of rings of pixels: half the pictures' width and height.
 RINGS = 64
-
 #: Number of half vectors around the mirror direction along both angles, and the range of half
 #: angles where the two kinds of nodes are blended [rad].
 HALF_ANGLES, HALF_AZIMUTHS = 40, 96
 BLEND = np.radians(4.0), np.radians(10.0)
-
 #: Number of parts in which a BRDF is evaluated at all nodes, to bound the memory.
 PARTS = 4
-
-#: Mean radiance of a white Lambertian sphere in `exposed` environments.
+#: Mean luminance of a white Lambertian sphere in the studio.
 WHITE = 0.5
+#: The studio: zenith, horizon and ground, and softboxes.
+SKY = (0.35, 0.36, 0.40), (0.25, 0.24, 0.23), (0.08, 0.07, 0.06)
+LIGHTS = (
+    Light(towards=(-1.0, -0.6, 0.9), size=(0.35, 0.35), radiance=(9.0, 9.0, 9.0)),
+    Light(towards=(1.2, -0.3, 0.3), size=(0.10, 0.55), radiance=(7.0, 7 * 0.85, 7 * 0.65)),
+    Light(towards=(0.2, 1.0, 0.6), size=(0.50, 0.12), radiance=(8 * 0.55, 8 * 0.75, 8.0)),
+)
 
 #: f(wi, wo) -> (N, 3) or (N, 1) [1/sr].
 Brdf = Callable[[np.ndarray, np.ndarray], np.ndarray]
 
 
-@dataclass(frozen=True)
-class Environment:
-    """Radiance from all directions, on a grid about the axis that the camera looks along.
-
-    Attributes:
-        name: for tables.
-        radiance: float64 (`ELEVATIONS`, `AZIMUTHS`, 3), the means over cells. Row k lies between
-            the angles pi k / ELEVATIONS and pi (k + 1) / ELEVATIONS to +z, where the camera is;
-            column m is centred at the azimuth 2 pi m / AZIMUTHS from +x, the picture's right, to
-            +y, its top.
-    """
-
-    name: str
-    radiance: np.ndarray
-
-
-@dataclass(frozen=True)
-class Nodes:
+class Nodes(NamedTuple):
     """The direction pairs at which a BRDF is integrated, for all rings.
 
     Attributes:
@@ -78,14 +63,7 @@ class Nodes:
 
 def studio(f: Brdf) -> np.ndarray:
     """The picture (2 RINGS, 2 RINGS, 3) of linear radiance in Urushi's studio."""
-    (found,) = render(f, [exposed(own_environments()[0])])
-    return found
-
-
-def render(f: Brdf, environments: Iterable[Environment]) -> list[np.ndarray]:
-    """Pictures (2 RINGS, 2 RINGS, 3) of linear radiance, one per environment; black background."""
-    transported = transport(f)
-    return [picture(transported, environment) for environment in environments]
+    return picture(transport(f), radiance())
 
 
 def transport(f: Brdf) -> np.ndarray:
@@ -103,21 +81,28 @@ def transport(f: Brdf) -> np.ndarray:
     # In parts, so that f needs little memory.
     parts = zip(*(np.array_split(w, PARTS) for w in (rule.wi, rule.wo)), strict=True)
     values = np.concatenate([np.asarray(f(wi, wo)) for wi, wo in parts])
-    size = RINGS * ELEVATIONS * AZIMUTHS
     shape = RINGS, ELEVATIONS, AZIMUTHS
     channels = []
     for value in np.broadcast_to(values, (len(values), 3)).T.astype(np.float64):
         shared = (value[:, None] * rule.weight).ravel()
-        received = np.bincount(rule.cell.ravel(), shared, minlength=size).reshape(shape)
+        received = np.bincount(rule.cell.ravel(), shared, minlength=np.prod(shape)).reshape(shape)
         channels.append(np.fft.rfft(received, axis=2).astype(np.complex64))
     return np.stack(channels, axis=-1)
 
 
-def picture(transported: np.ndarray, environment: Environment) -> np.ndarray:
-    """The picture (2 RINGS, 2 RINGS, 3) of a sphere: a `transport` applied to an environment."""
-    light = np.fft.rfft(environment.radiance, axis=1)
-    spectrum = np.einsum("kmc,rkmc->rmc", light, transported.conj())
-    return _cartesian(np.fft.irfft(spectrum, AZIMUTHS, axis=1))
+def picture(transported: np.ndarray, radiance: np.ndarray) -> np.ndarray:
+    """The picture (2 RINGS, 2 RINGS, 3) of a sphere: a `transport` applied to an environment.
+
+    radiance: (`ELEVATIONS`, `AZIMUTHS`, 3), means over cells. Row k lies between the angles
+        pi k / ELEVATIONS and pi (k + 1) / ELEVATIONS to +z, where the camera is; column m is
+        centred at the azimuth 2 pi m / AZIMUTHS from +x, the picture's right, to +y, its top.
+    """
+    spectrum = np.einsum("kmc,rkmc->rmc", np.fft.rfft(radiance, axis=1), transported.conj())
+    polar = np.fft.irfft(spectrum, AZIMUTHS, axis=1)
+    x, y = _pixels()
+    turn = np.arctan2(y, x) / (2 * np.pi) * AZIMUTHS
+    cell, share = _around(np.clip(np.hypot(x, y) - 0.5, 0, RINGS - 1), turn, RINGS)
+    return (polar.reshape(-1, 3)[cell] * share[..., None]).sum(-2) * mask()[..., None]
 
 
 def mask() -> np.ndarray:
@@ -125,15 +110,20 @@ def mask() -> np.ndarray:
     return np.hypot(*_pixels()) <= RINGS - 0.5
 
 
-def exposed(environment: Environment) -> Environment:
-    """The environment, scaled so that a white Lambertian sphere has the mean luminance `WHITE`."""
-    luminance = picture(_white(), environment)[mask()].mean(0) @ [0.2126, 0.7152, 0.0722]
-    return replace(environment, radiance=environment.radiance * (WHITE / luminance))
-
-
 @cache
-def _white() -> np.ndarray:
-    return transport(lambda wi, wo: np.full((len(wi), 1), 1 / np.pi))
+def radiance() -> np.ndarray:
+    """The studio, scaled so that a white Lambertian sphere has the mean luminance `WHITE`."""
+    angle = np.pi * (np.arange(ELEVATIONS * FINE) + 0.5) / (ELEVATIONS * FINE)
+    azimuth = 2 * np.pi * np.add.outer(np.arange(AZIMUTHS), (np.arange(FINE) + 0.5) / FINE - 0.5)
+    x, y, z = np.moveaxis(_vectors(angle, azimuth.ravel() / AZIMUTHS), -1, 0)
+    # In the stage's frame z is up, and the camera at negative y.
+    fine = stage.radiance(np.stack([x, -z, y], axis=-1), *SKY, LIGHTS)
+    weight = np.sin(angle).reshape(ELEVATIONS, FINE)
+    weight /= FINE * weight.sum(axis=1, keepdims=True)
+    fine = fine.reshape(ELEVATIONS, FINE, AZIMUTHS, FINE, 3)
+    means = np.einsum("kimjc,ki->kmc", fine, weight)
+    white = picture(transport(lambda wi, wo: np.full((len(wi), 1), 1 / np.pi)), means)
+    return means * WHITE / (white[mask()].mean(0) @ [0.2126, 0.7152, 0.0722])
 
 
 @cache
@@ -149,68 +139,63 @@ def _cells(ring: int) -> tuple[np.ndarray, ...]:
     edges = np.cos(np.pi * np.arange(ELEVATIONS + 1) / ELEVATIONS)
     theta = np.pi * (np.arange(ELEVATIONS) + 0.5) / ELEVATIONS
     azimuth = 2 * np.pi * np.arange(AZIMUTHS) / AZIMUTHS
-    theta, azimuth = (x.ravel() for x in np.meshgrid(theta, azimuth, indexing="ij"))
-    sine = np.sin(theta)
-    world = np.stack([sine * np.cos(azimuth), sine * np.sin(azimuth), np.cos(theta)], axis=1)
     wi, to_local = _view(ring)
-    wo = world @ to_local.T
+    wo = _vectors(theta, azimuth) @ to_local.T
     solid_angle = np.repeat(edges[:-1] - edges[1:], AZIMUTHS) * (2 * np.pi / AZIMUTHS)
     half = wi + wo
-    weight = (
-        solid_angle
-        * wo[:, 2]
-        * (1 - _half_vector_weight(np.arctan2(np.hypot(*half.T[:2]), half[:, 2])))
-    )
+    angle = np.arctan2(np.hypot(*half.T[:2]), half[:, 2])
+    weight = solid_angle * wo[:, 2] * (1 - _half_vector_weight(angle))
     kept = np.flatnonzero((wo[:, 2] > 0) & (weight > 0))
-    ring_cell = kept + ring * ELEVATIONS * AZIMUTHS
     # Each node belongs to one cell: the other three shares are zero.
-    cell = np.repeat(ring_cell[:, None], 4, axis=1)
-    shares = weight[kept, None] * np.array([1.0, 0.0, 0.0, 0.0])
-    return np.broadcast_to(wi, (len(kept), 3)), wo[kept], cell, shares
+    cell = np.repeat((kept + ring * ELEVATIONS * AZIMUTHS)[:, None], 4, axis=1)
+    return np.broadcast_to(wi, (len(kept), 3)), wo[kept], cell, weight[kept, None] * np.eye(4)[:1]
 
 
 def _half_vectors(ring: int) -> tuple[np.ndarray, ...]:
     """Nodes around the mirror direction; the half angle grows with the square of the index."""
-    edge = BLEND[1] * (np.arange(HALF_ANGLES + 1) / HALF_ANGLES) ** 2
+    edge = np.cos(BLEND[1] * (np.arange(HALF_ANGLES + 1) / HALF_ANGLES) ** 2)
     theta = BLEND[1] * ((np.arange(HALF_ANGLES) + 0.5) / HALF_ANGLES) ** 2
     azimuth = 2 * np.pi * (np.arange(HALF_AZIMUTHS) + 0.5) / HALF_AZIMUTHS
-    area = np.repeat(np.cos(edge[:-1]) - np.cos(edge[1:]), HALF_AZIMUTHS)
-    area *= 2 * np.pi / HALF_AZIMUTHS
-    theta, azimuth = (x.ravel() for x in np.meshgrid(theta, azimuth, indexing="ij"))
-    sine = np.sin(theta)
-    half = np.stack([sine * np.cos(azimuth), sine * np.sin(azimuth), np.cos(theta)], axis=1)
-    wi, to_local = _view(ring)
+    area = (edge[:-1] - edge[1:]) * 2 * np.pi / HALF_AZIMUTHS * _half_vector_weight(theta)
+    half, (wi, to_local) = _vectors(theta, azimuth), _view(ring)
     cosine = half @ wi
     wo = 2 * cosine[:, None] * half - wi
-    weight = (
-        4 * cosine * area * wo[:, 2] * _half_vector_weight(theta)
-    )  # dwo = 4 (wi.h) dh (Walter et al. 2007)
+    # dwo = 4 (wi.h) dh (Walter et al. 2007)
+    weight = 4 * cosine * wo[:, 2] * np.repeat(area, HALF_AZIMUTHS)
     kept = (cosine > 0) & (wo[:, 2] > 0) & (weight > 0)
     wo, weight = wo[kept], weight[kept]
-    cell, share = _around(wo @ to_local)
+    x, y, z = (wo @ to_local).T
+    row = np.clip(np.arctan2(np.hypot(x, y), z) / np.pi * ELEVATIONS - 0.5, 0, ELEVATIONS - 1)
+    cell, share = _around(row, np.arctan2(y, x) / (2 * np.pi) * AZIMUTHS, ELEVATIONS)
     wi = np.broadcast_to(wi, (len(wo), 3))
     return wi, wo, cell + ring * ELEVATIONS * AZIMUTHS, weight[:, None] * share
 
 
 def _half_vector_weight(half_angle: np.ndarray) -> np.ndarray:
     """Weight of the half vectors at a half angle; it falls smoothly from 1 to 0 over `BLEND`."""
-    t = np.clip((BLEND[1] - half_angle) / (BLEND[1] - BLEND[0]), 0, 1)
-    return t * t * (3 - 2 * t)
+    return stage.smoothstep(BLEND[1], BLEND[0], half_angle)
 
 
-def _around(world: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """The four cells around directions (N, 3) and their shares, (N, 4) each."""
-    elevation = np.arctan2(np.hypot(world[:, 0], world[:, 1]), world[:, 2])
-    v = np.clip(elevation / np.pi * ELEVATIONS - 0.5, 0, ELEVATIONS - 1)
-    u = np.arctan2(world[:, 1], world[:, 0]) / (2 * np.pi) * AZIMUTHS
-    row, column = np.floor(v).astype(np.intp), np.floor(u).astype(np.intp)
-    down, right = v - row, u - column
-    below = np.minimum(row + 1, ELEVATIONS - 1)
-    left, beside = column % AZIMUTHS, (column + 1) % AZIMUTHS
-    cells = [row * AZIMUTHS + left, row * AZIMUTHS + beside]
-    cells += [below * AZIMUTHS + left, below * AZIMUTHS + beside]
-    shares = [(1 - down) * (1 - right), (1 - down) * right, down * (1 - right), down * right]
-    return np.stack(cells, axis=1), np.stack(shares, axis=1)
+def _vectors(theta: np.ndarray, azimuth: np.ndarray) -> np.ndarray:
+    """Unit vectors (T A, 3) of angles to +z (T,) and azimuths (A,) [rad]."""
+    theta, azimuth = (x.ravel() for x in np.meshgrid(theta, azimuth, indexing="ij"))
+    sine = np.sin(theta)
+    return np.stack([sine * np.cos(azimuth), sine * np.sin(azimuth), np.cos(theta)], axis=-1)
+
+
+def _around(row: np.ndarray, column: np.ndarray, rows: int) -> tuple[np.ndarray, np.ndarray]:
+    """The four cells of a grid (rows, AZIMUTHS) around places (...), and shares: (..., 4) each.
+
+    row: in [0, rows - 1]; column: any number, of period AZIMUTHS.
+    """
+    above, left = np.floor(row).astype(np.intp), np.floor(column).astype(np.intp)
+    down, right = row - above, column - left
+    cells, shares = [], []
+    for i, vertical in ((above, 1 - down), (np.minimum(above + 1, rows - 1), down)):
+        for j, horizontal in ((left, 1 - right), (left + 1, right)):
+            cells.append(i * AZIMUTHS + j % AZIMUTHS)
+            shares.append(vertical * horizontal)
+    return np.stack(cells, axis=-1), np.stack(shares, axis=-1)
 
 
 def _view(ring: int) -> tuple[np.ndarray, np.ndarray]:
@@ -226,74 +211,3 @@ def _pixels() -> tuple[np.ndarray, np.ndarray]:
     along = np.arange(2 * RINGS) + 0.5 - RINGS
     x, y = np.meshgrid(along, -along)
     return x, y
-
-
-def _cartesian(polar: np.ndarray) -> np.ndarray:
-    """A picture (2 RINGS, 2 RINGS, 3) from values by ring and azimuth (RINGS, AZIMUTHS, 3)."""
-    x, y = _pixels()
-    radius = np.clip(np.hypot(x, y) - 0.5, 0, RINGS - 1)
-    turn = np.arctan2(y, x) / (2 * np.pi) * AZIMUTHS
-    return periodic_bilinear(polar, radius, turn) * mask()[..., None]
-
-
-def cell_points() -> np.ndarray:
-    """Unit vectors (ELEVATIONS, FINE, AZIMUTHS, FINE, 3) whose values are averaged over cells."""
-    fine = (np.arange(FINE) + 0.5) / FINE
-    theta = np.pi * np.add.outer(np.arange(ELEVATIONS), fine) / ELEVATIONS
-    phi = 2 * np.pi * np.add.outer(np.arange(AZIMUTHS), fine - 0.5) / AZIMUTHS
-    theta, phi = theta[:, :, None, None], phi[None, None]
-    shape = ELEVATIONS, FINE, AZIMUTHS, FINE
-    x, y = np.sin(theta) * np.cos(phi), np.sin(theta) * np.sin(phi)
-    return np.stack([x, y, np.broadcast_to(np.cos(theta), shape)], axis=-1)
-
-
-def own_environments() -> list[Environment]:
-    """Two environments by code: a studio with softboxes, and a low sun in a clear sky."""
-    white, warm, blue = (1.0, 1.0, 1.0), (1.0, 0.85, 0.65), (0.55, 0.75, 1.0)
-    studio = (
-        Light(towards=(-1.0, -0.6, 0.9), size=(0.35, 0.35), radiance=tuple(9 * c for c in white)),
-        Light(towards=(1.2, -0.3, 0.3), size=(0.10, 0.55), radiance=tuple(7 * c for c in warm)),
-        Light(towards=(0.2, 1.0, 0.6), size=(0.50, 0.12), radiance=tuple(8 * c for c in blue)),
-    )
-    sun = Light(towards=(0.9, -0.8, 0.75), size=(0.02, 0.02), radiance=(1800.0, 1500.0, 1100.0))
-    return [
-        _of_stage("studio", (0.35, 0.36, 0.40), (0.25, 0.24, 0.23), (0.08, 0.07, 0.06), studio),
-        _of_stage("sun", (0.35, 0.55, 1.0), (1.0, 0.95, 0.85), (0.20, 0.17, 0.13), (sun,)),
-    ]
-
-
-def _of_stage(
-    name: str,
-    zenith: stage.Vector,
-    horizon: stage.Vector,
-    ground: stage.Vector,
-    lights: tuple[Light, ...],
-) -> Environment:
-    """A sky of `stage.radiance`, in whose frame z is up and the camera at negative y."""
-    x, y, z = np.moveaxis(cell_points(), -1, 0)
-    points = np.stack([x, -z, y], axis=-1)
-    return Environment(name, cell_means(stage.radiance(points, zenith, horizon, ground, lights)))
-
-
-def cell_means(fine: np.ndarray) -> np.ndarray:
-    """Means over cells of values at `cell_points`, by solid angle."""
-    sine = np.sin(np.pi * (np.arange(ELEVATIONS * FINE) + 0.5) / (ELEVATIONS * FINE))
-    weight = sine.reshape(ELEVATIONS, FINE)
-    weight = weight / weight.sum(axis=1, keepdims=True)
-    return np.einsum("kimjc,ki->kmc", fine, weight) / FINE
-
-
-def periodic_bilinear(image: np.ndarray, row: np.ndarray, column: np.ndarray) -> np.ndarray:
-    """Bilinear values (..., C) of an image (H, W, C) whose columns are periodic.
-
-    row (...): in [0, H - 1], pixel centres at whole numbers; column (...): any number, of period W,
-    pixel centres at whole numbers.
-    """
-    rows, columns = image.shape[:2]
-    above, left = np.floor(row).astype(np.intp), np.floor(column).astype(np.intp)
-    down, right = (row - above)[..., None], (column - left)[..., None]
-    below = np.minimum(above + 1, rows - 1)
-    left, beside = left % columns, (left + 1) % columns
-    upper = image[above, left] * (1 - right) + image[above, beside] * right
-    lower = image[below, left] * (1 - right) + image[below, beside] * right
-    return upper * (1 - down) + lower * down

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 from benchmarks import sphere
-from benchmarks.sphere import AZIMUTHS, ELEVATIONS, Environment
+from benchmarks.sphere import AZIMUTHS, ELEVATIONS
 
-SHAPE = ELEVATIONS, AZIMUTHS, 3
+WHITE = np.ones((ELEVATIONS, AZIMUTHS, 3))
 
 
 def lambertian(wi, wo):
@@ -26,7 +26,7 @@ def ggx(alpha):
 
 
 def test_a_white_sphere_vanishes_in_a_white_furnace():
-    (picture,) = sphere.render(lambertian, [Environment("white", np.ones(SHAPE))])
+    picture = sphere.picture(sphere.transport(lambertian), WHITE)
     inside = sphere.mask()
     np.testing.assert_allclose(picture[inside], 1, atol=1e-3)
     assert (picture[~inside] == 0).all()
@@ -36,6 +36,6 @@ def test_a_white_sphere_vanishes_in_a_white_furnace():
 def test_narrow_lobes_are_integrated_whole(alpha):
     # In front, where no normal that matters is cut off, the integral of D(h) h.n is 1, and that of
     # this lobe with it: dh = dwo / 4 (wi.h), and h.n is within 1 % of 1 for these widths.
-    (picture,) = sphere.render(ggx(alpha), [Environment("white", np.ones(SHAPE))])
+    picture = sphere.picture(sphere.transport(ggx(alpha)), WHITE)
     middle = picture[sphere.RINGS, sphere.RINGS]
     np.testing.assert_allclose(middle, 1, atol=0.015)
