@@ -147,8 +147,8 @@ def _with_method(node: dict[str, Any], method: str) -> dict[str, Any]:
 
 
 def coat(plugin: str) -> dict[str, str]:
-    """The type and the weights of a coat by "layered", or by weights."""
-    if plugin == WALK:
+    """The type and the weights of a coat by `WALK`, by one of `RIVALS`, or by weights."""
+    if plugin in (WALK, *RIVALS):
         return {"type": plugin}
     if plugin.startswith(PAPER):
         return {"type": "fan2022_layered", "weights": plugin.removeprefix(PAPER)}

@@ -1,11 +1,24 @@
-"""A sphere of a material with textures or without them, and its renders, for timings."""
+"""A sphere in a small studio, rendered by Mitsuba, for comparisons side by side and for timings."""
+
+import gc
+from collections.abc import Callable, Mapping
+from functools import partial
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Any
 
 import drjit as dr
 import mitsuba as mi
 import numpy as np
 from benchmarks import timing
 from benchmarks.scenes import PRINCIPLED, coat
+from gallery import stage
 
+SKY = (0.35, 0.36, 0.4), (0.25, 0.24, 0.23), (0.08, 0.07, 0.06)
+LAMPS = (
+    *(stage.Light((side, -0.6, 0.9), (0.3, 0.3), (9.0, 9.0, 9.0)) for side in (-1.0, 1.0)),
+    stage.Light((0.0, -1.0, 0.15), (0.08, 0.08), (12.0, 12.0, 12.0)),
+)
 #: Texels along a side of a texture.
 TEXELS = 64
 
@@ -13,7 +26,7 @@ TEXELS = 64
 FEW, ALL = 3, 6
 
 
-def texture(low: float, high: float, channels: int, seed: int, side: int = TEXELS) -> dict:
+def texture(side: int, low: float, high: float, channels: int, seed: int) -> dict:
     """A texture of uniform random texels."""
     texels = np.random.default_rng(seed).uniform(low, high, (side, side, channels))
     return {"type": "bitmap", "bitmap": mi.Bitmap(texels.astype(np.float32)), "raw": True}
@@ -25,14 +38,14 @@ def value(low: float, high: float, channels: int, seed: int) -> dict | float:
     return {"type": "rgb", "value": numbers} if channels == 3 else numbers[0]
 
 
-def material(plugin: str, textures: int) -> dict:
+def material(plugin: str, textures: int, side: int = TEXELS) -> dict:
     """The sphere's BSDF; plugin: `PRINCIPLED`, or as of `scenes.coat`.
 
     textures: none; `FEW`: the colour, the width of the coat and the roughness below; more: of all
-    parameters.
+    parameters. side: of the textures, in texels.
     """
-    first = texture if textures else value
-    other = texture if textures > FEW else value
+    textured = partial(texture, side)
+    first, other = (textured if textures > least else value for least in (0, FEW))
     if plugin == PRINCIPLED:
         return {
             "type": PRINCIPLED,
@@ -52,21 +65,19 @@ def material(plugin: str, textures: int) -> dict:
     }
 
 
-def scene(bsdf: dict, side: int) -> "mi.Scene":
-    """A sphere, which fills the picture, under an environment map."""
-    sky = np.random.default_rng(0).uniform(0.5, 1.5, (64, 128, 1)).repeat(3, axis=2)
-    sky[10:16, 30:40] = 20
-    look = mi.ScalarTransform4f().look_at([0, 0, 4.2], [0, 0, 0], [0, 1, 0])
-    film = {"type": "hdrfilm", "width": side, "height": side, "rfilter": {"type": "box"}}
-    return mi.load_dict(
-        {
+def scene(bsdf: dict[str, Any], size: int) -> "mi.Scene":
+    """A sphere of a described material before a black background, `size` pixels wide and high."""
+    with TemporaryDirectory() as folder:
+        look = mi.ScalarTransform4f().look_at([0, -4, 0.6], [0, 0, 0], [0, 0, 1])
+        film = {"type": "hdrfilm", "width": size, "height": size, "pixel_format": "rgb"}
+        described = {
             "type": "scene",
-            "integrator": {"type": "path", "max_depth": 6},
+            "integrator": {"type": "path", "max_depth": 3, "hide_emitters": True},
             "sensor": {"type": "perspective", "fov": 30, "to_world": look, "film": film},
-            "sky": {"type": "envmap", "bitmap": mi.Bitmap(sky.astype(np.float32))},
+            "light": stage.surround(stage.Folder(Path(folder)), *SKY, LAMPS),
             "sphere": {"type": "sphere", "bsdf": bsdf},
         }
-    )
+        return mi.load_dict(described)
 
 
 def seconds(loaded: "mi.Scene", spp: int, seed: int) -> float:
@@ -77,3 +88,25 @@ def seconds(loaded: "mi.Scene", spp: int, seed: int) -> float:
         dr.sync_thread()
 
     return timing.seconds(render)
+
+
+def renders(
+    scenes: Mapping[str, Callable[[], "mi.Scene"]], spp: int
+) -> dict[str, tuple[float, float]]:
+    """By name, CPU seconds of a render, and those that a first one needs beside, to compile.
+
+    Mitsuba compiles all BSDFs in memory into every kernel: scenes are loaded again for every turn,
+    and then released.
+    """
+    times: dict[str, list[float]] = {name: [] for name in scenes}
+    compiling = {}
+    for turn in range(3):
+        for name, load in scenes.items():
+            loaded = load()
+            first, *later = (seconds(loaded, spp, seed) for seed in range(3))
+            times[name].append(min(later))
+            if turn == 0:
+                compiling[name] = first - min(later)
+            del loaded
+            gc.collect()
+    return {name: (float(np.median(t)), compiling[name]) for name, t in times.items()}

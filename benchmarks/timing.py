@@ -2,9 +2,14 @@
 
 import time
 from collections.abc import Callable, Mapping
+from functools import partial
 from typing import Any
 
 import drjit as dr
+import mitsuba as mi
+import numpy as np
+
+from urushi.mitsuba.reading import probing
 
 
 def seconds(operation: Callable[[], Any]) -> float:
@@ -12,6 +17,16 @@ def seconds(operation: Callable[[], Any]) -> float:
     begin = time.process_time()
     operation()
     return time.process_time() - begin
+
+
+def evaluation(
+    bsdf: "mi.BSDF", wi: np.ndarray, wo: np.ndarray, uv: np.ndarray | None = None
+) -> Callable[[], Any]:
+    """The evaluation of a BSDF at pairs (N, 3) in memory, for `kernel`; uv: (N, 2)."""
+    si = probing.interaction(wi, np.full((len(wi), 2), 0.5) if uv is None else uv)
+    out = mi.Vector3f(np.ascontiguousarray(wo.T, np.float32))
+    dr.eval(si, out)
+    return partial(bsdf.eval, mi.BSDFContext(), si, out)
 
 
 def kernel(record: Callable[[], Any]) -> float:

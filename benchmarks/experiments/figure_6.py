@@ -6,8 +6,9 @@ would show as a seam. E is that of pairs of directions.
 
 from typing import Any
 
+import mitsuba as mi
 import numpy as np
-from benchmarks import studio
+from benchmarks import spheres
 from benchmarks.experiment import NETWORKS, Experiment, Found, Options, Pictures
 from benchmarks.showing import figure, percent, rounded, table
 
@@ -70,7 +71,8 @@ def sphere(plugin: str, coat: dict[str, float], bottom: float, options: Options)
     parameters = {name: value for name, value in coat.items() if name != "eta"}
     bsdf = {"type": plugin, **parameters, "int_ior": coat["eta"], "ext_ior": 1.0}
     bsdf |= {"bottom": base | {"specular_reflectance": gold}}
-    return studio.render(bsdf, SIZE, options.count(SAMPLES), SEED)
+    scene = spheres.scene(bsdf, SIZE)
+    return np.array(mi.render(scene, spp=options.count(SAMPLES), seed=SEED))
 
 
 def plot(found: Found, pictures: Pictures) -> Any:

@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 import benchmarks.scenes  # noqa: F401 (registers the rivals' plugins)
 import mitsuba as mi
 import numpy as np
-from benchmarks import studio, timing
+from benchmarks import spheres, timing
 from benchmarks.experiment import NETWORKS, Experiment, Found, Options, Pictures
 from benchmarks.showing import figure, table
 from gallery import stage
@@ -68,7 +68,7 @@ def measure(layers: Layered, options: Options) -> tuple[Found, dict[str, np.ndar
     over renders, and the `bias`, the error that remains with many samples (0: the walk).
     """
     gc.collect()  # BSDFs in memory are compiled into every kernel
-    loaded = {name: studio.load(layers.bsdf(plugin), SIZE) for name, plugin in PLUGINS.items()}
+    loaded = {name: spheres.scene(layers.bsdf(plugin), SIZE) for name, plugin in PLUGINS.items()}
     operations = {
         (name, spp): partial(timing.seconds, partial(_render, scene, spp))
         for name, scene in loaded.items()

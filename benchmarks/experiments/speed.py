@@ -1,11 +1,9 @@
 """Speed: evaluations, walks, encoding, slabs, loading of textures, renders of spheres and scenes.
 
 Default flags. Every case alternates its operations, and times are the least of some turns, so that
-other load disturbs them less. Mitsuba compiles all BSDFs in memory into every kernel: scenes are
-loaded again for every turn and then released.
+other load disturbs them less.
 """
 
-import gc
 import resource
 import tempfile
 import time
@@ -14,7 +12,6 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-import drjit as dr
 import mitsuba as mi
 import numpy as np
 from benchmarks import spheres, timing
@@ -29,7 +26,6 @@ from urushi.material import adding
 from urushi.material.slab_table import slab_tables
 from urushi.measured import merl
 from urushi.measured.tabulated import bin_centres
-from urushi.mitsuba.reading import probing
 from urushi.nets.weights import DEFAULT, default_model
 from urushi.parallel import one_blas_thread
 from urushi.walk import analytic, walk_pairs
@@ -82,15 +78,11 @@ def synthetic_merl(path: Path) -> Path:
 def evaluations(options: Options) -> Found:
     """Millions of RGB evaluations of f a CPU second, of constants and of textures."""
     count, rng = options.count(EVALUATIONS, 1 << 10), np.random.default_rng(0)
-    wi, wo = direction_sets.cosine_pairs(rng, count)
-    si = probing.interaction(wi, rng.random((count, 2)))
-    out = mi.Vector3f(np.ascontiguousarray(wo.T))
-    dr.eval(si, out)
-    kernels = {}
+    (wi, wo), uv, kernels = direction_sets.cosine_pairs(rng, count), rng.random((count, 2)), {}
     for name, textures in (("constant", 0), ("textured", spheres.ALL)):
         bsdf = mi.load_dict(spheres.material(options.weights or DEFAULT, textures))
-        evaluate = partial(bsdf.eval, mi.BSDFContext(), si, out)
-        kernels[f"million evaluations of f, {name}"] = partial(timing.kernel, evaluate)
+        recorded = timing.evaluation(bsdf, wi, wo, uv)
+        kernels[f"million evaluations of f, {name}"] = partial(timing.kernel, recorded)
     least = timing.least(kernels, TURNS)
     return {name: rounded(count / 1e6 / seconds, 3) for name, seconds in least.items()}
 
@@ -192,21 +184,11 @@ def loading(options: Options) -> Found:
 
 def renders(make: Callable[[str], Any], options: Options) -> Found:
     """CPU seconds of a render by `PRINCIPLED`, codes and walk, and to compile; make: scenes."""
-    plugins = (PRINCIPLED, options.weights or DEFAULT, WALK)
-    times: dict[str, list[float]] = {plugin: [] for plugin in plugins}
-    compiling = {}
-    for turn in range(3):
-        for plugin in plugins:
-            loaded = make(plugin)
-            spp = options.count(SPP, 2)
-            first, *later = (spheres.seconds(loaded, spp, seed) for seed in range(3))
-            times[plugin].append(min(later))
-            if turn == 0:
-                compiling[plugin] = first - min(later)
-            del loaded
-            gc.collect()
-    found = {"codes" if p == plugins[1] else p: float(np.median(t)) for p, t in times.items()}
-    return {k: rounded(v, 3) for k, v in (found | {"compile": compiling[plugins[1]]}).items()}
+    names = {PRINCIPLED: PRINCIPLED, "codes": options.weights or DEFAULT, WALK: WALK}
+    scenes = {name: partial(make, plugin) for name, plugin in names.items()}
+    times = spheres.renders(scenes, options.count(SPP, 2))
+    found = {name: seconds for name, (seconds, _) in times.items()}
+    return {k: rounded(v, 3) for k, v in (found | {"compile": times["codes"][1]}).items()}
 
 
 def sphere(textures: int, options: Options) -> Found:

@@ -89,9 +89,7 @@ def price(method: Method) -> float | None:
         return None
     wi, wo = (np.resize(w, (EVALUATIONS, 3)) for w in materials.pairs())
     wo = np.random.default_rng(0).permutation(wo)
-    si = probing.interaction(wi, np.full((len(wi), 2), 0.5))
-    out, bsdf = mi.Vector3f(np.ascontiguousarray(wo.T)), mi.load_dict(method.timed())
-    recorded = partial(bsdf.eval, mi.BSDFContext(), si, out)
+    recorded = timing.evaluation(mi.load_dict(method.timed()), wi, wo)
     return timing.least({"f": partial(timing.kernel, recorded)}, TURNS)["f"] / EVALUATIONS
 
 
