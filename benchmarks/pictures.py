@@ -72,11 +72,19 @@ class View:
     detail: float = 0.25
     depth: int = 6
 
+    @property
+    def name(self) -> str:
+        return f"{self.scene}-{self.light}-{self.width}-{self.depth}"
+
+    def described(self, method: str, folder: Path) -> dict[str, Any]:
+        """The scene for `mi.load_dict`, with files in a folder."""
+        size = {"width": self.width, "detail": self.detail, "depth": self.depth}
+        return describe(self.scene, method, folder, light=self.light, **size)
+
     def load(self, method: str) -> tuple[Any, str]:
         """The scene for `mi.render`, and the hash of everything that its picture depends on."""
-        size = {"width": self.width, "detail": self.detail, "depth": self.depth}
         with tempfile.TemporaryDirectory(prefix="urushi-") as folder:
-            scene = describe(self.scene, method, Path(folder), light=self.light, **size)
+            scene = self.described(method, Path(folder))
             return mi.load_dict(scene), f"{digest(scene)} {PASS_SPP}"
 
 
@@ -102,9 +110,8 @@ def converged(view: View, method: str, spp: int) -> Picture:
     folder = PARTS / "pictures"
     folder.mkdir(parents=True, exist_ok=True)
     scene, key = view.load(method)
-    name = f"{view.scene}-{view.light}-{Path(method).stem}-{view.width}-{view.depth}"
-    path, done = folder / f"{name}.npz", 0
-    sums = np.zeros((2, view.width * 3 // 4, view.width, 3))
+    name = f"{view.name}-{Path(method).stem}"
+    path, done, sums = folder / f"{name}.npz", 0, np.zeros((2, 1, 1, 3))
     if path.exists():
         with np.load(path) as file:
             if str(file["key"]) == key:
@@ -114,7 +121,8 @@ def converged(view: View, method: str, spp: int) -> Picture:
     for index in tqdm(range(done, passes), desc=name, initial=done, total=passes, disable=None):
         # Methods have different seeds, so that two pictures share no noise.
         seed = int(hashlib.sha256(f"{method} {index}".encode()).hexdigest()[:8], 16)
-        sums[index % 2] += mi.render(scene, spp=PASS_SPP, seed=seed).numpy()
+        image = mi.render(scene, spp=PASS_SPP, seed=seed).numpy()
+        sums = np.stack([x + image * (index % 2 == half) for half, x in enumerate(sums)])
         if time.monotonic() - saved > SAVE_EVERY or index == passes - 1:
             with atomic_write(path) as temporary:
                 np.savez(temporary, sums=sums, passes=index + 1, key=key)

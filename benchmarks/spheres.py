@@ -65,19 +65,23 @@ def material(plugin: str, textures: int, side: int = TEXELS) -> dict:
     }
 
 
-def scene(bsdf: dict[str, Any], size: int) -> "mi.Scene":
+def described(bsdf: dict[str, Any], size: int, folder: Path) -> dict[str, Any]:
     """A sphere of a described material before a black background, `size` pixels wide and high."""
+    look = mi.ScalarTransform4f().look_at([0, -4, 0.6], [0, 0, 0], [0, 0, 1])
+    film = {"type": "hdrfilm", "width": size, "height": size, "pixel_format": "rgb"}
+    return {
+        "type": "scene",
+        "integrator": {"type": "path", "max_depth": 3, "hide_emitters": True},
+        "sensor": {"type": "perspective", "fov": 30, "to_world": look, "film": film},
+        "light": stage.surround(stage.Folder(folder), *SKY, LAMPS),
+        "sphere": {"type": "sphere", "bsdf": bsdf},
+    }
+
+
+def scene(bsdf: dict[str, Any], size: int) -> "mi.Scene":
+    """The scene of `described`."""
     with TemporaryDirectory() as folder:
-        look = mi.ScalarTransform4f().look_at([0, -4, 0.6], [0, 0, 0], [0, 0, 1])
-        film = {"type": "hdrfilm", "width": size, "height": size, "pixel_format": "rgb"}
-        described = {
-            "type": "scene",
-            "integrator": {"type": "path", "max_depth": 3, "hide_emitters": True},
-            "sensor": {"type": "perspective", "fov": 30, "to_world": look, "film": film},
-            "light": stage.surround(stage.Folder(Path(folder)), *SKY, LAMPS),
-            "sphere": {"type": "sphere", "bsdf": bsdf},
-        }
-        return mi.load_dict(described)
+        return mi.load_dict(described(bsdf, size, Path(folder)))
 
 
 def seconds(loaded: "mi.Scene", spp: int, seed: int) -> float:

@@ -41,8 +41,6 @@ PAPER_EVALUATION_PARTS, PAPER_PARTS = 8, 32
 PAPER_TEXELS = 4
 #: Repetitions of encoding and layering; the system of Fan et al. (2022) does them once.
 OPERATIONS = 10
-#: Side of the texture of which the bytes of a texel are found.
-TEXELS = 16
 #: Numbers of a coat and of a metal in RGB: alpha, eta, albedo, sigma_t and g; alpha and r0.
 COAT_NUMBERS, BOTTOM_NUMBERS = 1 + 1 + 3 + 3 + 3, 1 + 3
 #: Number of parameters of a Lambertian part and two GGX lobes.
@@ -137,13 +135,13 @@ def memory() -> dict[str, dict[str, int]]:
 
 def texel_bytes() -> int:
     """Bytes of a texel of the networks: a coat of one index, everything else textured."""
-    described = spheres.material(known.PLUGINS[known.NETWORKS], spheres.ALL, TEXELS)
+    described = spheres.material(known.PLUGINS[known.NETWORKS], spheres.ALL)
     described["bottom"] = {"type": "roughconductor", "distribution": "ggx", "alpha": 0.2}
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "coat.safetensors"
         mi.load_dict(described).save(str(path))
         texels = read_tensors(path, KIND)[1]["texels"]
-    return texels.nbytes // TEXELS**2
+    return texels.nbytes // len(texels)
 
 
 def new_materials(paper: PaperNetworks) -> dict[str, float]:
