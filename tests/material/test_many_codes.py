@@ -84,14 +84,14 @@ def test_texels_are_encoded_like_plain_rows(model):
 
 @pytest.mark.parametrize("operation", ["layer", "encode"])
 def test_memory_is_the_result_and_some_blocks(operation, model, draw_codes, monkeypatch):
-    # 98,304 rows. Beyond the result there are the parameters (five numbers a row at most, in two
+    # 32,768 rows. Beyond the result there are the parameters (five numbers a row at most, in two
     # precisions, and their checks) and on each of two cores a few activations of a block. The fit
     # of lobes has a few values at each pair and width of its grid. The energy limit measures lobes
     # of a block at many facets in each direction, with some ten numbers at each.
     monkeypatch.setattr(parallel, "available_cores", lambda: 2)
-    count, rng = 98_304, np.random.default_rng(5)
+    count, rng = 32_768, np.random.default_rng(5)
     z, coats = draw_codes((count,), rng), _coats(count)
-    f = rng.random((20_000, PROBES), np.float32)
+    f = rng.random((8_000, PROBES), np.float32)
     run = {
         "layer": lambda: limit_albedo(model, predicted(model, z, coats)),
         "encode": lambda: limit_albedo(model, model.networks.encode(f)),

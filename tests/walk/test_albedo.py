@@ -44,15 +44,14 @@ STACKS = {
 
 @pytest.mark.parametrize("stack", STACKS.values(), ids=STACKS.keys())
 def test_the_integral_of_the_brdf_agrees_with_the_analog_walk(stack) -> None:
-    through_brdf, se = albedo(stack, WI, walks=1 << 16, seed=1)
-    counted, se_counted = analog_albedo(stack, WI, walks=1 << 16, seed=2)
+    through_brdf, se = albedo(stack, WI, walks=1 << 14, seed=1)
+    counted, se_counted = analog_albedo(stack, WI, walks=1 << 14, seed=2)
     z = (through_brdf - counted) / np.hypot(se, se_counted)
     assert np.abs(z).max() < 4.5  # 12 values of 13 stacks
     assert np.mean(z**2) < 1 + 4 * np.sqrt(2 / z.size)
     assert np.all(counted <= 1)
     assert np.all(through_brdf < 1 + 5 * se)
-    # The comparison is sharp: half a percent.
-    assert np.median(np.hypot(se, se_counted) / counted) < 0.015
+    assert np.median(np.hypot(se, se_counted) / counted) < 0.03  # the comparison is sharp
 
 
 @pytest.mark.parametrize(

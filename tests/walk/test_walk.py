@@ -151,14 +151,14 @@ def test_one_walk_for_all_channels_equals_a_walk_per_channel(coats: list[dict]) 
         stack = coat(stack, **{"alpha": 0.25, "eta": 1.4} | parameters)
     rng = np.random.default_rng(1)
     wi, wo = hemisphere(6, rng), hemisphere(6, rng)
-    walks = 1 << (13 if coats == COLORED["deep"] else 18)
+    walks = 1 << (13 if coats == COLORED["deep"] else 16)
     f, se = simulate(stack, wi, wo, walks=walks, seed=1, progress=False)
     color, se_color = walk_in_color(stack, wi, wo, walks, seed=2)
     z = (color - f) / np.hypot(se, se_color)
     # 18 values, of which the three channels of a colour walk are correlated.
     assert np.abs(z).max() < 4.5
     assert np.mean(z**2) < 2
-    assert np.median(se_color / f) < 0.02  # the comparison has enough samples
+    assert np.median(se_color / f) < 0.04  # the comparison has enough samples
 
 
 STACK = coat(coat(conductor(0.2, (0.9, 0.6, 0.3)), 0.3, 1.3, 0.9, 1.0, 0.5), 0.1, 1.5, 0.5, 0.3)

@@ -6,8 +6,9 @@ import weakref
 import drjit as dr
 import numpy as np
 import pytest
-from tests.mitsuba.probes import bitmap
+from tests.mitsuba.probes import bitmap, vector
 
+from urushi.core.direction_sets import cosine_pairs
 from urushi.material import Material
 from urushi.mitsuba.reading import probing
 from urushi.mitsuba.recording import signature_of
@@ -115,16 +116,25 @@ def replayed(mi, networks) -> dict[str, tuple[dict, dict]]:
 )
 def test_replays_use_changed_parameters(rgb, networks, name):
     description, changes = replayed(rgb, networks)[name]
-    loaded = scene(rgb, description)
-    parameters = rgb.traverse(loaded)
-    frozen = dr.freeze(lambda loaded: picture(rgb, loaded, 0))
+    bsdf = rgb.load_dict(description)
+    parameters = rgb.traverse(bsdf)
+    wi, wo = (w.astype(np.float32) for w in cosine_pairs(np.random.default_rng(1), 64))
+    u = np.random.default_rng(2).random((3, 64), np.float32)
+    numbers = probing.interaction(wi, u[:2].T), vector(wo), rgb.Float(u[0]), rgb.Point2f(u[1:])
+
+    def used(bsdf, si, wo, u, v):
+        context = rgb.BSDFContext()
+        drawn, weight = bsdf.sample(context, si, u, v)
+        return *bsdf.eval_pdf(context, si, wo), drawn.wo, weight
+
+    frozen = dr.freeze(used)
     for values in zip(*changes.values(), strict=True):
         for end, value in zip(changes, values, strict=True):
-            parameters[f"sphere.bsdf.{end}"] = value
+            parameters[end] = value
         parameters.update()
         gc.collect()
-        expected = picture(rgb, loaded, 0).numpy()
-        np.testing.assert_allclose(frozen(loaded).numpy(), expected, rtol=1e-4)
+        for found, expected in zip(frozen(bsdf, *numbers), used(bsdf, *numbers), strict=True):
+            np.testing.assert_allclose(found.numpy(), expected.numpy(), rtol=1e-4, atol=1e-6)
 
 
 #: Materials, and a change of their code.

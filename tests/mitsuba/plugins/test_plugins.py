@@ -108,21 +108,6 @@ def test_one_word_changes_networks_to_walks(rgb, describe):
     )
 
 
-def test_coats_agree_with_the_python_functions(rgb):
-    """One coat and two, of shipped networks: the plugin agrees with `layer` over `encode`."""
-    from urushi import dielectric, encode, layer
-
-    interface = dielectric(COAT["alpha"], ior=COAT["int_ior"])
-    medium = {name: COAT[name] for name in ("albedo", "sigma_t", "g")}
-    plugin = rgb.load_dict(bottom())
-    material = encode(plugin)
-    for _ in range(2):
-        plugin = rgb.load_dict({"type": "neural_layered", **COAT, "base": plugin})
-        material = layer(interface, material, **medium)
-        codes = plugin.latents.at(np.zeros((1, 2)))[0]
-        np.testing.assert_allclose(codes, material.latents, rtol=1e-3, atol=1e-4)
-
-
 LOOK = {"color": [0.9, 0.5, 0.2], "body": 0.4, "body_color": [0.3, 0.6, 0.8], "thickness": 1.5}
 
 

@@ -15,11 +15,8 @@ PANE, GLASS = {"type": "thindielectric"}, {"type": "roughdielectric", "distribut
 SLABS = {
     "pane": {"alpha": 0.1, "int_ior": 1.5},
     "sharp pane": {"alpha": 0.01, "int_ior": 1.5, "sigma_t": 0.3},
-    "diamond": {"alpha": 0.2, "int_ior": 2.5},
     "thinner": {"alpha": 0.2, "int_ior": 0.7} | MEDIUM,
     "paper": {"alpha": 0.4, "int_ior": 1.4} | MEDIUM,
-    "deep": {"alpha": 0.3, "int_ior": 1.5, "albedo": 1.0, "sigma_t": 30.0},
-    "forward": {"alpha": 0.15, "int_ior": 1.5, "albedo": 0.99, "sigma_t": 4.0, "g": 0.9},
     "roughest": {"alpha": 1.0, "int_ior": 1.8} | MEDIUM,
     "brushed": {"alpha_u": 0.1, "alpha_v": 0.5, "int_ior": 1.6, "rotation": 30} | MEDIUM,
     "lacquered": {
@@ -27,16 +24,6 @@ SLABS = {
         "int_ior": 1.5,
         "sigma_t": 0.3,
         "paper": {"type": "layered", "alpha": 0.5, "int_ior": 1.2} | MEDIUM,
-    },
-    "three": {
-        "alpha": 0.05,
-        "int_ior": 1.5,
-        "below": {
-            "type": "layered",
-            "alpha": 0.3,
-            "int_ior": 1.3,
-            "below": {"type": "layered", "alpha": 0.2, "int_ior": 1.7} | MEDIUM,
-        },
     },
     "coloured widths": {
         "alpha": {"type": "rgb", "value": [0.05, 0.2, 0.6]},
@@ -79,7 +66,7 @@ INDICES = {
 #: Slabs of the first tier.
 FIRST = ("sharp pane", "brushed", "body", "two on a body")
 #: Angles of wi from the normal [degrees], above and below.
-ANGLES = (0, 35, 70, 89, 95, 110, 150, 175)
+ANGLES = (0, 70, 89, 95, 150)
 
 
 def load(mi, slab: dict):
@@ -127,8 +114,6 @@ def test_samples_follow_the_density_on_the_sphere(rgb, sampling, name):
 @pytest.mark.parametrize("name", ["paper", "body"])
 @pytest.mark.parametrize("degrees", [35, 70, 110, 150])
 def test_the_weights_of_samples_add_up_to_the_shares(rgb, name, degrees):
-    import drjit as dr
-
     count, bsdf = 1 << 17, load(rgb, SLABS[name])
     wi = np.array([[np.sin(np.radians(degrees)), 0, np.cos(np.radians(degrees))]], np.float32)
     si = dr.zeros(rgb.SurfaceInteraction3f, count)
@@ -198,28 +183,17 @@ TABLES = {
 }
 
 
-@pytest.mark.parametrize(
-    "variant",
-    [
-        pytest.param("llvm_ad_rgb", marks=pytest.mark.slow),
-        pytest.param("llvm_ad_mono", marks=pytest.mark.slow),
-        "llvm_ad_spectral",
-    ],
-)
-def test_tables_are_the_walk_on_all_sides(request, variant):
-    import drjit as dr
+def test_tables_are_the_walk_on_all_sides(rgb):
     import mitsuba as mi
 
-    request.getfixturevalue("rgb")
-    mi.set_variant(variant)
+    mi.set_variant("llvm_ad_spectral")
     wi, wo = (w.astype(np.float32) for w in cosine_pairs(np.random.default_rng(4), 64))
     wi[::2, 2] *= -1
     wo[::4, 2] *= -1
     wo[1::4, 2] *= -1
     si = dr.zeros(mi.SurfaceInteraction3f, len(wi))
     si.wi = mi.Vector3f(wi.T)
-    if mi.is_spectral:
-        si.wavelengths = mi.Spectrum(450, 500, 550, 600)
+    si.wavelengths = mi.Spectrum(450, 500, 550, 600)
     cosine = np.abs(wo[:, 2])
     for name in ("paper", "body"):
         table = mi.load_dict({"type": "neural_layered", "ext_ior": 1.0} | TABLES[name])
@@ -246,8 +220,6 @@ def test_samples_of_tables_follow_their_density(rgb, sampling, name):
 @pytest.mark.parametrize("sigma_t", [0.0, 0.3])
 def test_a_coat_of_the_glass_s_own_index_is_its_surface(rgb, sigma_t):
     """Tables against Mitsuba's plugin, of which a tint attenuates what is inside."""
-    import drjit as dr
-
     glass = GLASS | {"int_ior": 1.5, "alpha": 0.3}
     surface = {"alpha": 0.02, "int_ior": 1.5}
     coated = rgb.load_dict({"type": "neural_layered", "sigma_t": sigma_t, "base": glass, **surface})
@@ -277,8 +249,6 @@ def test_a_coat_of_the_glass_s_own_index_is_its_surface(rgb, sigma_t):
 
 
 def test_tables_follow_changes_and_refuse_what_they_cannot_hold(rgb):
-    import drjit as dr
-
     bsdf = rgb.load_dict({"type": "neural_layered"} | TABLES["pane"])
     held = [*(side._tables[0] for side in bsdf._reflected), bsdf._passed]
     assert all(dr.type_v(table) == dr.VarType.Float16 for table in held)
@@ -310,11 +280,8 @@ def test_tables_follow_changes_and_refuse_what_they_cannot_hold(rgb):
         rgb.load_dict({"type": "twosided", "slab": {"type": "neural_layered"}})
 
 
-@pytest.mark.parametrize("name", [pytest.param("albedo", marks=pytest.mark.slow), "sigma_t"])
-def test_tables_have_derivatives_of_the_medium(rgb, name):
+def test_tables_have_derivatives_of_the_medium(rgb):
     """Those of f summed over pairs on all sides, against slabs at 0.08 to both sides."""
-    import drjit as dr
-
     bsdf = rgb.load_dict({"type": "neural_layered"} | TABLES["body"])
     parameters = rgb.traverse(bsdf)
     wi, wo = (w.astype(np.float32) for w in cosine_pairs(np.random.default_rng(4), 256))
@@ -326,7 +293,7 @@ def test_tables_have_derivatives_of_the_medium(rgb, name):
     def total():
         return dr.sum(bsdf.eval(rgb.BSDFContext(), si, to)[0])
 
-    key, found = f"{name}.value", []
+    key, found = "sigma_t.value", []
     number = float(parameters[key][0])
     for end in (number - 0.08, number + 0.08):
         parameters[key] = end
@@ -354,8 +321,6 @@ def test_indices_of_bodies_are_absolute(rgb, index):
 
 
 def test_a_body_of_glass_follows_its_parameters(rgb):
-    import drjit as dr
-
     bsdf = load(rgb, SLABS["body"])
     parameters = rgb.traverse(bsdf)
     parameters["bottom.eta"] = 1.7
@@ -370,8 +335,6 @@ def test_a_body_of_glass_follows_its_parameters(rgb):
 
 
 def test_the_coat_of_a_body_may_have_a_textured_index(rgb):
-    import drjit as dr
-
     halves = {"type": "checkerboard", "color0": 1.3, "color1": 1.8}
     textured = load(rgb, SLABS["body"] | {"int_ior": halves})
     wi, wo = (w.astype(np.float32) for w in cosine_pairs(np.random.default_rng(5), 64))

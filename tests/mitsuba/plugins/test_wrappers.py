@@ -1,10 +1,5 @@
-"""A coat within Mitsuba's own wrappers: `normalmap`, `bumpmap`, `twosided`, `mask`, `blendbsdf`.
+"""A coat in the frame of a `normalmap`, and over a `mask` that is opaque."""
 
-The expected values are computed from the BSDF itself: evaluated in the wrapper's frame, from the
-other side, or mixed. Pictures are compared with those of the walk in the same wrapper.
-"""
-
-import drjit as dr
 import numpy as np
 import pytest
 from tests.mitsuba.probes import bitmap, vector
@@ -75,49 +70,6 @@ def test_a_normal_map_tilts_the_frame(rgb, coat):
     inner = evaluate(rgb, rgb.load_dict(coat), rotated(wi, tilt), rotated(wo, tilt))
     # Mitsuba takes the cosine to the tilted normal, too
     np.testing.assert_allclose(evaluate(rgb, mapped, wi, wo), inner, rtol=2e-3)
-
-
-WRAPPERS = {
-    "normalmap": lambda mi, inner: {
-        "type": "normalmap",
-        "normalmap": bitmap(0.5 + 0.5 * np.array([[[0.28, 0, 0.96], [0, 0.28, 0.96]]])),
-        "inner": inner,
-    },
-    "bumpmap": lambda mi, inner: {
-        "type": "bumpmap",
-        "arbitrary": bitmap(0.3 * PIXELS[..., :1]),
-        "inner": inner,
-    },
-    "twosided": lambda mi, inner: {"type": "twosided", "inner": inner},
-    "mask": lambda mi, inner: {"type": "mask", "opacity": 0.5, "inner": inner},
-    "blendbsdf": lambda mi, inner: {
-        "type": "blendbsdf",
-        "weight": 0.5,
-        "inner": inner,
-        "other": {"type": "diffuse", "reflectance": 0.2},
-    },
-}
-
-
-@pytest.mark.parametrize("wrapper", WRAPPERS)
-def test_sampling_in_a_wrapper_has_the_mean_of_its_values(rgb, coat, wrapper):
-    # E[f cos / pdf] by the wrapper's own sampling against uniform directions: a Z-test.
-    bsdf = rgb.load_dict(WRAPPERS[wrapper](rgb, coat))
-    count = 1 << 16
-    wi = np.tile(np.float32([0.48, 0.0, 0.8773]), (count, 1))
-    si = probing.interaction(wi, np.full((count, 2), 0.3))
-    si.t = 1.0
-    rng = rgb.PCG32(size=count)
-    ctx = rgb.BSDFContext()
-    u = rgb.Point2f(rng.next_float32(), rng.next_float32())
-    bs, weight = bsdf.sample(ctx, si, rng.next_float32(), u)
-    passed = rgb.has_flag(bs.sampled_type, rgb.BSDFFlags.Null)  # by a mask
-    sampled = np.array(dr.select(passed, 0, weight.y))
-    wo = rgb.warp.square_to_uniform_hemisphere(rgb.Point2f(rng.next_float32(), rng.next_float32()))
-    uniform = np.array(bsdf.eval(ctx, si, wo).y) * 2 * np.pi
-    error = np.hypot(sampled.std(), uniform.std()) / count**0.5
-    # four standard deviations: one run in 16,000 would fail by chance, and the seed is fixed
-    assert abs(sampled.mean() - uniform.mean()) <= 4 * error + 1e-3 * uniform.mean()
 
 
 @pytest.mark.parametrize("plugin", ["layered", "neural_layered"])
