@@ -30,73 +30,21 @@ def inputs(pairs):
     return z, direction_inputs(wi, wo)
 
 
-def fc(p, name, x):
-    x = x @ p[f"{name}.weight"] + p[f"{name}.bias"]
-    return normalised(p, name, x)
-
-
-def normalised(p, name, x):
-    x = (x - x.mean(-1, keepdims=True)) / np.sqrt(x.var(-1, keepdims=True) + 1e-5)
-    return np.maximum(x * p[f"{name}.scale"] + p[f"{name}.shift"], 0)
-
-
-def rb(p, name, x):
-    inner = fc(p, f"{name}.in", x) @ p[f"{name}.out.weight"] + p[f"{name}.out.bias"]
-    return normalised(p, name, x + inner)
-
-
-def r(p, name, x):
-    """R{RB, FC, RB}."""
-    return rb(p, f"{name}.2", fc(p, f"{name}.1", rb(p, f"{name}.0", x))) + x
-
-
-def half(p, name, x):
-    return r(p, f"{name}.2", fc(p, f"{name}.1", r(p, f"{name}.0", x))) + x
-
-
 def test_sizes_are_the_papers():
     for network, count in ((EVALUATION, 1_074_689), (LAYERING, 1_954_208)):
         assert sum(map(np.prod, architecture.shapes(network).values())) == count
     shapes = architecture.shapes(ALL)
-    assert shapes["evaluation.0.weight"] == (38, 256)
-    assert shapes["evaluation.3.weight"] == (256, 1)
-    assert shapes["layering.0.weight"] == (66, 512)
-    assert shapes["layering.1.0.in.weight"] == (512, 256)
-    assert shapes["layering.2.weight"] == (512, 128)
-    assert shapes["layering.3.weight"] == (128, 32)
     widths = [shapes[f"proxy.{i}.weight"][1] for i in range(5)]
     assert widths == [128, 512, 128, 32, 2]
 
 
-def test_evaluation_is_the_papers_formula(params, inputs):
-    """Written out in double precision: R{ R{R, FC, R}, FC, R{R, FC, R} } between the ends."""
-    p = {name: value.astype(np.float64) for name, value in params.items()}
-    z, directions = (x.astype(np.float64) for x in inputs)
-    n = "evaluation"
-    x = fc(p, f"{n}.0", np.concatenate([directions, z], axis=-1))
-    y = half(p, f"{n}.1.2", fc(p, f"{n}.1.1", half(p, f"{n}.1.0", x))) + x
-    y = fc(p, f"{n}.2", y) @ p[f"{n}.3.weight"] + p[f"{n}.3.bias"]
-    np.testing.assert_allclose(evaluate(params, *inputs), y[:, 0], atol=1e-4)
-
-
-def test_layering_is_the_papers_formula(params):
-    p = {name: value.astype(np.float64) for name, value in params.items()}
-    rng = np.random.default_rng(3)
-    top, bottom = (1 + rng.normal(size=(2, 20, 32))).astype(np.float32)
-    albedo, sigma_t = rng.random((2, 20)).astype(np.float32)
-    n = "layering"
-    x = fc(p, f"{n}.0", np.concatenate([top - 1, bottom - 1, albedo[:, None], sigma_t[:, None]], 1))
-    y = fc(p, f"{n}.1.1", rb(p, f"{n}.1.0", x))
-    y = fc(p, f"{n}.1.3", r(p, f"{n}.1.2", y))
-    y = rb(p, f"{n}.1.4", y) + x
-    y = fc(p, f"{n}.2", y) @ p[f"{n}.3.weight"] + p[f"{n}.3.bias"] + 1
-    ours = inference.layer(params, top, bottom, albedo, sigma_t)
-    np.testing.assert_allclose(ours, y, atol=1e-4)
-
-
-def test_inputs_are_view_and_light_in_the_papers_order():
+def test_inputs_are_view_and_light_in_the_papers_order(params, inputs):
+    """Before the code; `test_published` has the networks themselves."""
     view, light = np.array([[0.1, 0.2, 0.3]]), np.array([[0.4, 0.5, 0.6]])
     np.testing.assert_array_equal(direction_inputs(view, light), [[0.1, 0.2, 0.4, 0.5, 0.3, 0.6]])
+    whole = np.concatenate(inputs[::-1], axis=-1)
+    expected = architecture.apply(params, EVALUATION, whole)[..., 0]
+    np.testing.assert_allclose(evaluate(params, *inputs), expected, atol=1e-4)
 
 
 def test_numpy_and_jax_agree(params, inputs):

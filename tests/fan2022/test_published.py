@@ -230,16 +230,12 @@ def hostile(target="") -> dict[str, tuple[bytes, str]]:
     call = text(f"touch {target}") + b"\x85R"
     return {
         "system": (named("os", "system") + call, r"'os\.system'.*nothing was run"),
-        "posix": (named("posix", "system") + call, r"'posix\.system'"),
         "stack global": (text("os") + text("system") + b"\x93" + call, r"'os\.system'"),
         "instance": (b"(" + text(f"touch {target}") + b"ios\nsystem\n", "damaged"),
-        "eval": (named("builtins", "eval") + text("1") + b"\x85R", r"'builtins\.eval'"),
         "dotted": (named("torch", "serialization.load") + b")R", r"'torch\.serialization\.load'"),
-        "other storage": (named("torch", "LongStorage"), r"'torch\.LongStorage'"),
         "new function": (named("torch._utils", "_rebuild_tensor_v2") + b")\x81", "damaged"),
         "class with arguments": (named("utils", "Config") + integer(1) + b"\x85\x81", "damaged"),
         "name in a class": (named("model", "torch.hub.load") + b")\x81", "'model.torch.hub.load'"),
-        "other module": (named("torch.nn.utils", "x") + b")\x81", r"'torch\.nn\.utils\.x'"),
         "other method": (method(b"}", "__class__"), "damaged"),
         "attributes of a class": (named("torch", "Size") + b"}b", "holds none"),
         "slots of a function": (

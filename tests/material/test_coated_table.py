@@ -17,7 +17,6 @@ from urushi.material.layer import layer_material
 from urushi.measured.tabulated import MeasuredSurface, bin_centres
 from urushi.nets.lobe import f as lobe_f
 from urushi.nets.lobe import fresnel, of_coat
-from urushi.nets.transmittance import both_ways
 from urushi.walk import dielectric, diffuse
 
 COATS = {
@@ -104,29 +103,6 @@ def test_a_smooth_coat_over_black_velvet_dims_it_twice(trained):
     ratio = rest[steep] / expected[steep]
     np.testing.assert_allclose(ratio, 1, atol=0.05)
     assert np.median(np.abs(ratio - 1)) < 0.004
-
-
-@pytest.mark.parametrize(
-    ("coat", "most"),
-    [
-        ((0.3, 1.5), 0.02),
-        pytest.param((0.1, 1.5, 0.99, 3.0, 0.8), 0.03, marks=pytest.mark.slow),
-        ((0.1, 0.7), 0.02),
-    ],
-)
-def test_as_the_walk_over_a_lambertian_bottom(coat, most, trained, random_directions):
-    white = with_table(lambda wi, wo: np.full(len(wi), 0.7 / np.pi), trained)
-    table = table_of_values(coated_rest(white, parameters(*coat)))
-    wi, wo = direction_sets.cosine_pairs(np.random.default_rng(0), 200)
-    lobe = of_coat(np.float64(coat[0]), np.float64(coat[1]))
-    rest = interpolated(table, wi, wo)[:, 0] * both_ways(lobe, wi, wo)
-    f = (rest + lobe_f(lobe, wi, wo))[:, None]
-    alpha, eta, *medium = coat
-    names = dict(zip(("albedo", "sigma_t", "g"), medium, strict=False))
-    stack = urushi.coat(diffuse(0.7), alpha=alpha, eta=eta, **names)
-    walk, _ = urushi.simulate(stack, wi, wo, walks=8192, progress=False)
-    # The walk's own noise is 0.5 to 1 %.
-    assert error(f, walk[:, :1], wi, wo) < most + 0.01
 
 
 @pytest.mark.parametrize("name", ["smooth", pytest.param("scattering", marks=pytest.mark.slow)])

@@ -35,24 +35,6 @@ def test_other_weights_are_refused_by_name(material, model, other_model, tmp_pat
         assert part in str(caught.value)
 
 
-def test_weights_files_are_no_materials(model, tmp_path):
-    from urushi.nets import weights
-
-    path = tmp_path / "w.safetensors"
-    weights.save(path, model.arch, model.params, {})
-    with pytest.raises(FileError, match="not one of Urushi's materials"):
-        load(path, model)
-
-
-@pytest.mark.parametrize("size", [0, 5, 100, -1])
-def test_truncated_files_are_refused(size, material, model, tmp_path):
-    path = tmp_path / "a.safetensors"
-    material.save(path)
-    path.write_bytes(path.read_bytes()[:size])
-    with pytest.raises(FileError, match="truncated"):
-        load(path, model)
-
-
 @pytest.mark.parametrize(
     "arrays",
     [
@@ -69,14 +51,6 @@ def test_damaged_files_are_refused(arrays, model, tmp_path):
     text = json.dumps({"kind": "material", "version": FORMAT_VERSION, "weights": model.fingerprint})
     path.write_bytes(safetensors.numpy.save(arrays, {"urushi": text}))
     with pytest.raises(FileError, match="is damaged: .*; copy or write it again"):
-        load(path, model)
-
-
-def test_a_description_nested_deeply_is_refused(model, tmp_path):
-    path = tmp_path / "a.safetensors"
-    text = "[" * 100_000
-    path.write_bytes(safetensors.numpy.save({"latents": np.ones((3, 14), "f4")}, {"urushi": text}))
-    with pytest.raises(FileError, match="not one of Urushi's materials"):
         load(path, model)
 
 

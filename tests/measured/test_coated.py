@@ -7,8 +7,7 @@ import pytest
 from urushi.core.directions import square_to_cosine_hemisphere
 from urushi.core.random import stream
 from urushi.measured import Merl, load_measured, tabulated
-from urushi.walk import analytic, coat, conductor, diffuse, monte_carlo, simulate
-from urushi.walk.simulate import albedo
+from urushi.walk import analytic, coat, conductor, monte_carlo, simulate
 
 SAMPLES = 1 << 18
 COLOUR = np.array([0.6, 0.3, 0.1])
@@ -27,11 +26,6 @@ def glossy(wi, wo):
 @pytest.fixture(scope="module")
 def plastic():
     return Merl(tabulated.tabulated(glossy, (90, 90, 180)))
-
-
-@pytest.fixture(scope="module")
-def lambertian():
-    return Merl(np.broadcast_to(COLOUR / np.pi, (90, 90, 180, 3)))
 
 
 def vector(types, w):
@@ -83,18 +77,6 @@ def test_samples_integrate_the_brdf_and_their_density(plastic, cos_i):
     assert (pdf.numpy() > 0).all()
 
 
-def test_a_constant_table_under_a_coat_is_a_coated_lambertian(lambertian, random_directions):
-    wi, wo = random_directions(20, 3, 0.1), random_directions(20, 4, 0.1)
-    layers = dict(alpha=0.2, eta=1.5, albedo=(0.9, 0.5, 0.1), sigma_t=0.7, g=0.3)
-    f, se = simulate(coat(lambertian, **layers), wi, wo, walks=1 << 13, progress=False)
-    expected, error = simulate(
-        coat(diffuse(COLOUR), **layers), wi, wo, walks=1 << 13, seed=1, progress=False
-    )
-    z = (f - expected) / np.hypot(se, error)
-    assert np.abs(z).max() < 4.5  # of 60
-    assert 0.5 < np.mean(z**2) < 2
-
-
 def test_a_tabulated_conductor_under_a_coat_is_the_coated_conductor(random_directions):
     """The table's lookups and lobes against the analytic bottom and its own sampling."""
     gold = conductor(0.3, (0.95, 0.6, 0.2))
@@ -107,24 +89,8 @@ def test_a_tabulated_conductor_under_a_coat_is_the_coated_conductor(random_direc
     np.testing.assert_array_less(np.abs(f - expected), 4.5 * np.hypot(se, error) + 0.01 * expected)
 
 
-def test_a_vanishing_coat_leaves_the_measured_brdf(plastic, random_directions):
-    wi, wo = random_directions(50, 5, 0.2), random_directions(50, 6, 0.2)
-    f, se = simulate(coat(plastic, 0.01, 1), wi, wo, walks=1 << 11, progress=False)
-    # The walk reads the table of the measured values.
-    np.testing.assert_array_less(np.abs(f - plastic.f(wi, wo)), 5 * se + 2e-3)
-
-
-def test_a_clear_coat_over_white_loses_nothing():
-    """Only the loss of single scattering at microfacets remains, which is small at this width."""
-    white = Merl(np.full((90, 90, 180, 3), 1 / np.pi))
-    wi = np.array([[0, 0, 1], [0.6, 0, 0.8], [0.98, 0, np.sqrt(1 - 0.98**2)]], np.float32)
-    found, se = albedo(coat(white, 0.01, 1.5), wi, walks=1 << 14)
-    np.testing.assert_allclose(found, 1, atol=0.01 + 4 * se.max())
-
-
-@pytest.mark.parametrize("name", ["aurora_white", "chm_mint", "cm_military_green"])
-def test_an_rgl_materials_table_is_its_mean_over_the_exchange(name, test_data, random_directions):
-    path = test_data / "data" / "rgl" / f"{name}_rgb.bsdf"
+def test_an_rgl_materials_table_is_its_mean_over_the_exchange(test_data, random_directions):
+    path = test_data / "data" / "rgl" / "chm_mint_rgb.bsdf"
     if not path.is_file():
         pytest.skip(f"'{path}' is missing")
     material = load_measured(path)

@@ -110,6 +110,7 @@ def _hostile(good: bytes) -> dict[str, bytes]:
         "foreign metadata": with_metadata({"format": "pt"}),
         "metadata no JSON": with_metadata({"urushi": "{"}),
         "metadata a list": with_metadata({"urushi": "[1]"}),
+        "metadata nested deeply": with_metadata({"urushi": "[" * 100_000}),
         "another kind": with_metadata({"urushi": text.replace('"weights"', '"material"')}),
         "another version": with_metadata({"urushi": text.replace('"version": 1', '"version": 9')}),
         "no architecture": with_metadata({"urushi": '{"kind": "weights", "version": 1}'}),

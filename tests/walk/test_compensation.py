@@ -36,8 +36,8 @@ def test_white_coats_of_two_widths_reflect_all_light_at_every_azimuth(widths):
     assert (np.abs(found - 1) < 0.005 + 5 * error).all()
 
 
-@pytest.mark.parametrize("alpha", (0.1, 0.3, 0.6, 1.0))
-@pytest.mark.parametrize("width", (0.02, 0.1, 0.3))
+@pytest.mark.parametrize("alpha", (0.1, 1.0))
+@pytest.mark.parametrize("width", (0.02, 0.3))
 def test_coats_over_white_metals_return_lost_light_and_gain_none(alpha, width):
     """Within 3 %, and five standard errors: the loss over a mirror is an estimate."""
     on, off = (

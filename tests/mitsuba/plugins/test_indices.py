@@ -36,7 +36,7 @@ def test_coats_of_lower_indices_are_the_walk(rgb):
     check_walk(rgb.load_dict(nested), urushi.coat(below, eta=1.5, **medium))
 
 
-@pytest.mark.parametrize("base", [GOLD, {"type": "diffuse"}, GOLD | {"distribution": "beckmann"}])
+@pytest.mark.parametrize("base", [GOLD, GOLD | {"distribution": "beckmann"}])
 @pytest.mark.parametrize("inner", KINDS)
 @pytest.mark.parametrize("outer", KINDS)
 def test_a_coat_of_the_index_above_has_no_interface(rgb, outer, inner, base):
