@@ -155,9 +155,10 @@ class Convert:
 
     def run(self) -> int:
         set_variant("scalar_rgb")  # enough for images, and needs no LLVM
-        from urushi.openpbr_surface.plugins.materialx import check_supported, read
+        from urushi.openpbr_surface.materialx.surface import read_surface
+        from urushi.openpbr_surface.plugins.materialx import check_supported
 
-        found = read(self.document, self.material, self.resolution, self.uv_plane)
+        found = read_surface(self.document, self.material, self.resolution, self.uv_plane)
         check_supported(found)
         target = new_folder(self.output) / "scene.xml"
         with atomic_write(target) as temporary:

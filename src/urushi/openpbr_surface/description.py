@@ -20,6 +20,7 @@ from urushi.mitsuba import spectrum
 from urushi.mitsuba.reading import probing
 from urushi.mitsuba.reading.bsdf import bsdf_source
 from urushi.openpbr_surface.formulas import modulated_index, subsurface_albedo, translucent_medium
+from urushi.openpbr_surface.materialx.conversions import roughness_of
 from urushi.openpbr_surface.materialx.document import write_parameters
 from urushi.openpbr_surface.parameters import EMISSION, checked, complete, parameter
 from urushi.openpbr_surface.plugins.emission import NAMES as EMISSION_INPUTS
@@ -100,12 +101,8 @@ class OpenPBR:
         if self.parameters.get("geometry_thin_walled") or not (deep or scatters):
             return None
         needed = [f"{name}_" for name, used in zip(MEDIA, (deep, scatters), strict=True) if used]
-        for name in self.textures:
-            if name.startswith(tuple(needed)) and not name.endswith("_weight"):
-                raise ParameterError(
-                    f"openpbr: {name} is a texture, but the medium inside of a body is the same "
-                    "everywhere; give a number or a colour"
-                )
+        textures = [x for x in self.textures if x.startswith(tuple(needed))]
+        _check_constant([x for x in textures if not x.endswith("_weight")], "the medium of a body")
         given = self.parameters.items()
         values = complete({name: x for name, x in given if name not in self.textures})
         if mi.variant() is not None and mi.is_spectral:  # the formulas, wavelength by wavelength
@@ -188,11 +185,7 @@ class OpenPBR:
             ParameterError: a parameter is a texture, or the name is another one.
             FileError: the file cannot be written.
         """
-        if self.textures:
-            raise ParameterError(
-                f"openpbr: {self.textures[0]} is a texture, but only numbers "
-                "and colours can be written; replace it by one of these"
-            )
+        _check_constant(self.textures, "a saved material")
         write_parameters(self.parameters, path, name)
 
 
@@ -232,6 +225,15 @@ def openpbr(
     return OpenPBR({name: _value(name, value) for name, value in parameters.items()}, options)
 
 
+def _check_constant(textures: list[str], what: str) -> None:
+    """Refuse parameters that are textures."""
+    for name in textures:
+        raise ParameterError(
+            f"openpbr: {name} is a texture, but {what} is the same everywhere; give a number or a "
+            "colour"
+        )
+
+
 def _color(value: np.ndarray) -> dict[str, Any]:
     """A colour (3,), or a spectrum of `spectrum.at_nodes`, for `mi.load_dict`."""
     if len(value) > len(spectrum.RGB):
@@ -254,11 +256,7 @@ def _value(name: str, value: Any) -> Any:
 
 @as_source.register
 def _(source: OpenPBR) -> Source:
-    if source.textures:
-        raise ParameterError(
-            f"encode openpbr: {source.textures[0]} is a texture, but a material is the same "
-            "everywhere; give a number or a colour"
-        )
+    _check_constant(source.textures, "an encoded material")
     return bsdf_source(source.bsdf())
 
 
@@ -323,13 +321,10 @@ def _rgb(value: object) -> tuple[float, float, float]:
 
 
 def _roughness(alpha: Value | Widths, where: str) -> tuple[float, float]:
-    """Roughness r and anisotropy a of OpenPBR: alpha_t = r^2 sqrt(2 / (1 + (1 - a)^2)).
-
-    alpha_b = (1 - a) alpha_t, so that (alpha_t^2 + alpha_b^2) / 2 = r^4.
-    """
+    """Roughness and anisotropy of OpenPBR, see `formulas.widths`."""
     u, v = (alpha.u, alpha.v) if isinstance(alpha, Widths) else (alpha, alpha)
     if isinstance(u, tuple) or isinstance(v, tuple):
         raise ParameterError(f"{where} has a width for each channel; OpenPBR has one for all")
     if v > u:
         raise ParameterError(f"{where} is larger across the tangent; OpenPBR's is larger along it")
-    return float(((u**2 + v**2) / 2) ** 0.25), float(1 - v / u)
+    return float(roughness_of(np.asarray(u), np.asarray(v))), float(1 - v / u)

@@ -72,10 +72,11 @@ class Inputs(Recorded):
                 unbounded = props.type(name) == mi.Properties.Type.Spectrum
                 self._read(name, props.get_unbounded_texture(name) if unbounded else props[name])
         if not emits:
-            for sentence, cure, instead in (*self._unsupported(), *self._own_directions()):
+            for problem, cure, instead in self._unsupported():
+                problem = f"{self.where}: {problem}"
                 if unsupported == "error":
-                    raise ParameterError(f"{self.where}: {sentence}{cure}")
-                mi.Log(mi.LogLevel.Warn, f"{self.where}: {sentence}{instead}")
+                    raise ParameterError(f'{problem}; {cure}, or set unsupported to "ignore"')
+                mi.Log(mi.LogLevel.Warn, f"{problem}; {instead}")
         for name, entry in PARAMETERS.items():
             if entry.kind in ("float", "color") and name not in self.textures:
                 self._constant(name, checked(name, entry.default))
@@ -221,7 +222,7 @@ class Inputs(Recorded):
             self.textures[name] = mi.load_dict(color)
 
     def _unsupported(self) -> Iterator[tuple[str, str, str]]:
-        """Features that the BSDF lacks: sentence, cure, and the consequence of ignoring them."""
+        """What the BSDF lacks: the problem, its cure, and what happens where it is ignored."""
         clear, scatters = self.transmits("transmission_weight"), self.transmits("subsurface_weight")
         transmits = clear or scatters
         filmed = transmits and (clear if self.thin else not self._is_absent("coat_weight"))
@@ -232,25 +233,18 @@ class Inputs(Recorded):
             ("thin_film_weight", filmed, "a thin film inside of what transmits light"),
         ):
             if lacks and not self._is_absent(name):
-                sentence = f"{name} needs {feature}, which the plugin does not support; "
-                yield sentence, 'leave it out, or set unsupported to "ignore"', "it is left out"
+                problem = f"{name} needs {feature}, which the plugin does not support"
+                yield problem, "leave it out", "it is left out"
         deep = clear and not (self._is_absent("transmission_depth") or self._is_clear())
         for name, lacks in (("transmission_depth", deep), ("subsurface_weight", scatters)):
             if lacks and not (self.thin or self.interior):
-                sentence = (
-                    f"{name} asks for the medium inside of a body, and a BSDF has none; give its "
-                    "shape the interior of urushi.openpbr(...).on(shape), and set interior to true"
-                )
-                yield sentence, ', or set unsupported to "ignore"', "; its colour is the surface's"
+                problem = f"{name} asks for the medium inside of a body, and a BSDF has none"
+                on_shape = "the interior of urushi.openpbr(...).on(shape), and set interior to true"
+                yield problem, f"give its shape {on_shape}", "its colour is the surface's"
         if not self._is_absent("emission_luminance"):
-            sentence = (
-                "emission_luminance asks for emitted light, and a BSDF does not emit; give its "
-                "shape the emitter 'openpbr_emission'"
-            )
-            yield sentence, ' and leave it out here, or set unsupported to "ignore"', ""
-
-    def _own_directions(self) -> Iterator[tuple[str, str, str]]:
-        """As `_unsupported`, for a coat with a normal or tangent of its own; it gets the base's."""
+            problem = "emission_luminance asks for emitted light, and a BSDF does not emit"
+            cure = "give its shape the emitter 'openpbr_emission' and leave it out here"
+            yield problem, cure, "it is left out"
         for base, coat, anisotropies in DIRECTIONS:
             if coat not in self.maps or self._is_absent("coat_weight"):
                 continue
@@ -258,13 +252,9 @@ class Inputs(Recorded):
                 continue  # the coat has no tangent
             if anisotropies and self._is_absent(anisotropies[0]):
                 self.maps[base] = self.maps[coat]  # nor has the base
-            if base in self.maps and _equal_textures(self.maps[base], self.maps[coat]):
-                continue
-            sentence = (
-                f"{coat} differs from {base}, and all layers share one frame; give both the same"
-            )
-            cure = ', or set unsupported to "ignore" for the base\'s'
-            yield sentence, cure, "; the coat has the base's"
+            if base not in self.maps or not _equal_textures(self.maps[base], self.maps[coat]):
+                problem = f"{coat} differs from {base}, and all layers share one frame"
+                yield problem, "give both the same", "the coat has the base's"
 
     def _is_clear(self) -> bool:
         """Whether the medium of the transmitting share neither absorbs nor scatters."""
@@ -284,10 +274,6 @@ class Inputs(Recorded):
             flags = mi.ParamFlags.NonDifferentiable if name in fixed else differentiable
             callback.put(name, self.textures[name], flags)
 
-    def has_gradients(self, name: str) -> bool:
-        """Whether a parameter has gradients enabled."""
-        return any(dr.grad_enabled(value) for _, value in mi.traverse(self.textures[name]))
-
     def tangent(self, si, active) -> tuple["mi.Float", "mi.Float"]:
         """Sine and cosine of the angle from the shape's tangent to the map's."""
         x, y = (2 * c - 1 for c in self.maps["geometry_tangent"].eval_3(si, active)[:2])
@@ -305,13 +291,10 @@ def _texture_value(texture: "mi.Texture") -> tuple[np.ndarray, bool]:
 
 
 def _equal_textures(one: "mi.Texture", other: "mi.Texture") -> bool:
-    """Whether two textures are the same, or have the same parameters."""
-    if one is other:
-        return True
-    first, second = mi.traverse(one), mi.traverse(other)
-    keys = sorted(first.keys())
-    return keys == sorted(second.keys()) and all(
-        np.array_equal(np.array(first[key]), np.array(second[key])) for key in keys
+    """Whether two textures have the same parameters."""
+    first, second = ({key: np.array(x) for key, x in mi.traverse(y)} for y in (one, other))
+    return first.keys() == second.keys() and all(
+        np.array_equal(value, second[key]) for key, value in first.items()
     )
 
 

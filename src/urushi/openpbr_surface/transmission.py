@@ -16,6 +16,7 @@ import mitsuba as mi
 
 from urushi.errors import ParameterError
 from urushi.mitsuba.plugins.frames import Turn, TurnedMixture, above_surface, raised, with_far_side
+from urushi.mitsuba.snapshot import has_gradients
 from urushi.mitsuba.surface import Surface, bsdf_of
 from urushi.openpbr_surface.bsdfs import OF_COAT, OpenPBRSurface, Part, SurfaceProposal
 from urushi.openpbr_surface.inputs import Inputs
@@ -215,12 +216,13 @@ class Body(Surface):
 
     def _update(self, keys):
         changed = {*keys}
-        for name in sorted(filter(self._inputs.has_gradients, self._fixed())):
-            raise ParameterError(
-                f"{self._inputs.where}: {name} carries gradients, but panes and coats on what "
-                "transmits light have derivatives by transmission_color and coat_color alone, "
-                "and by walks or of spectra none; disable them"
-            )
+        for name in sorted(self._fixed()):
+            if has_gradients(self._inputs.textures[name]):
+                raise ParameterError(
+                    f"{self._inputs.where}: {name} carries gradients, but panes and coats on what "
+                    "transmits light have derivatives by transmission_color and coat_color alone, "
+                    "and by walks or of spectra none; disable them"
+                )
         if self._inputs.refresh() or index_of(self._inputs) != self._ior:
             self._configure()
         else:

@@ -11,7 +11,7 @@ from typing import Any
 from urushi.errors import FileError, ParameterError
 from urushi.files import as_path, atomic_write
 from urushi.openpbr_surface.materialx.graph import package
-from urushi.openpbr_surface.materialx.images import other_case
+from urushi.openpbr_surface.materialx.images import path_cure
 from urushi.openpbr_surface.materialx.shaders import SHADERS, TARGET
 
 #: The version of MaterialX that is read; older documents are upgraded.
@@ -135,9 +135,7 @@ class _Reader:
     def _content(self, file: Path) -> str:
         try:
             if not file.is_file():
-                other = other_case(file)
-                cure = "check the path" if other is None else f"'{other}' differs in case only"
-                raise FileError(f"there is no MaterialX file '{file}'; {cure}")
+                raise FileError(f"there is no MaterialX file '{file}'; {path_cure(file)}")
             with file.open("rb") as stream:
                 content = stream.read(MAX_BYTES + 1 - self._bytes)
             self._bytes += len(content)

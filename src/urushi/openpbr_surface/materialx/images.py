@@ -53,15 +53,14 @@ class Images:
     def read(self, name: str, where: str) -> Image:
         """The image of a name; see `TOKENS`."""
         if name not in self._read:
+            shown = f"{where}: the image '{name[:80]}'"
             try:
-                self._read[name] = self._image(name, where)
+                self._read[name] = self._image(name, shown)
             except UrushiError:
                 raise
             except (OSError, ValueError, RuntimeError) as error:
                 reason = " ".join(str(error).split())[:160]
-                raise FileError(
-                    f"{where}: cannot read the image '{name[:80]}': {reason}"
-                ) from error
+                raise FileError(f"{shown} cannot be read: {reason}") from error
         return self._read[name]
 
     def values(self, name: str, space: str, channels: int, where: str) -> np.ndarray:
@@ -85,13 +84,10 @@ class Images:
         return to_linear_srgb(values, space, where).astype(np.float32) if space else values
 
     def _image(self, name: str, where: str) -> Image:
-        shown = f"{where}: '{name[:80]}'"
         path = (self._folder / name.replace("\\", "/")).resolve()
-        files = _tiles(path, shown)
-        if not name or not files:
-            other = other_case(path) if name else None
-            cure = "check its path" if other is None else f"'{other}' differs in case only"
-            raise FileError(f"{where}: there is no image '{name[:80]}'; {cure}")
+        files = _tiles(path, where)
+        if not files:
+            raise FileError(f"{where} does not exist; {path_cure(path)}")
         readers = {tile: _opened(file) for tile, file in files.items()}
         low, high = (tuple(map(f, zip(*readers, strict=True))) for f in (min, max))
         columns, rows = high[0] - low[0] + 1, high[1] - low[1] + 1
@@ -102,20 +98,19 @@ class Images:
         self._pixels += width * columns * height * rows
         if self._pixels > MAX_PIXELS:
             raise FileError(
-                f"{shown} has {width * columns} x {height * rows} pixels; all images of a document "
+                f"{where} has {width * columns} x {height * rows} pixels; all images of a document "
                 f"may have {MAX_PIXELS >> 20} Mi in total; use smaller ones"
             )
         whole = np.zeros((rows, height, columns, width, channels), np.float32)
         for (u, v), reader in readers.items():
-            pixels = _decoded(reader, files[u, v])
+            pixels = _decoded(reader)
             if not np.isfinite(pixels).all():
                 raise FileError(
-                    f"{where}: the image '{name[:80]}' has pixels that are not finite; repair "
-                    "them, or export it again"
+                    f"{where} has pixels that are not finite; repair them, or export it again"
                 )
             times = height // pixels.shape[0], width // pixels.shape[1]
             if pixels.shape[0] * times[0] != height or pixels.shape[1] * times[1] != width:
-                raise FileError(f"{shown} has tiles whose sizes are no multiples; make them equal")
+                raise FileError(f"{where} has tiles whose sizes are no multiples; make them equal")
             whole[high[1] - v, :, u - low[0]] = pixels.repeat(times[0], 0).repeat(times[1], 1)
         return Image(whole.reshape(rows * height, columns * width, -1), low, (columns, rows))
 
@@ -147,26 +142,29 @@ def _opened(path: Path) -> Any:
     wanted.attribute("oiio:UnassociatedAlpha", 1)  # keeps what is stored
     reader = oiio.ImageInput.open(str(path), wanted)
     if reader is None:
-        raise FileError(
-            f"cannot read the image '{path}': {' '.join(oiio.geterror().split())[:160]}"
-        )
+        raise OSError(oiio.geterror())
     return reader
 
 
-def _decoded(reader: Any, path: Path) -> np.ndarray:
+def _decoded(reader: Any) -> np.ndarray:
     channels = reader.spec().nchannels
     if channels > 4:
-        raise FileError(f"'{path}' has {channels} channels; convert it to grey or RGB")
+        raise ValueError(f"it has {channels} channels; convert it to grey or RGB")
     pixels = reader.read_image("float")
     if pixels is None:
-        reason = " ".join(reader.geterror().split())[:160]
-        raise FileError(f"cannot read the image '{path}': {reason}")
+        raise OSError(reader.geterror())
     return pixels.reshape(*pixels.shape[:2], -1)
 
 
-def other_case(path: Path) -> Path | None:
+def path_cure(path: Path) -> str:
+    """What to do about a path that does not exist."""
+    other = _other_case(path)
+    return "check its path" if other is None else f"'{other}' differs in case only"
+
+
+def _other_case(path: Path) -> Path | None:
     """An existing path that differs from one in upper and lower case only, if any."""
-    parent = path.parent if path.parent.is_dir() else other_case(path.parent)
+    parent = path.parent if path.parent.is_dir() else _other_case(path.parent)
     if parent is None or not parent.is_dir():
         return None
     return next((p for p in parent.iterdir() if p.name.casefold() == path.name.casefold()), None)

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from urushi.errors import FileError
-from urushi.openpbr_surface.materialx import noise
+from urushi.openpbr_surface.materialx import conversions, noise
 
 #: Number of channels of each type of value.
 CHANNELS = {
@@ -65,19 +65,13 @@ def _length(a: np.ndarray) -> np.ndarray:
     return np.sqrt(_dot(a, a))
 
 
-def _blend(mode: Function) -> Function:
-    """Mixes a function of foreground and background with the background."""
-    return lambda fg, bg, mix: mix * mode(fg, bg) + (1 - mix) * bg
+def _blend(mode: Function, divisor: Function = np.ones_like) -> Function:
+    """Mixes a function of foreground and background with the background; 0 at a divisor of 0."""
 
+    def blended(fg: np.ndarray, bg: np.ndarray, mix: np.ndarray) -> np.ndarray:
+        return np.where(np.abs(divisor(fg)) < EPSILON, 0.0, conversions.mix(bg, mode(fg, bg), mix))
 
-def _burn(fg: np.ndarray, bg: np.ndarray, mix: np.ndarray) -> np.ndarray:
-    mixed = _blend(lambda fg, bg: 1 - (1 - bg) / fg)(fg, bg, mix)
-    return np.where(np.abs(fg) < EPSILON, 0.0, mixed)
-
-
-def _dodge(fg: np.ndarray, bg: np.ndarray, mix: np.ndarray) -> np.ndarray:
-    mixed = _blend(lambda fg, bg: bg / (1 - fg))(fg, bg, mix)
-    return np.where(np.abs(1 - fg) < EPSILON, 0.0, mixed)
+    return blended
 
 
 def _condition(compare: Function) -> Callable[["Call"], np.ndarray]:
@@ -142,11 +136,6 @@ def _normal_map(
     return direction / np.maximum(_length(direction), 1e-30)
 
 
-def _ramp(at: np.ndarray, low: np.ndarray, high: np.ndarray) -> np.ndarray:
-    t = np.clip(at, 0, 1)
-    return low * (1 - t) + high * t
-
-
 #: Nodes that are functions of their inputs alone, by the names of the inputs.
 _FUNCTIONS: dict[str, dict[str, Function]] = {
     "in": {
@@ -203,16 +192,20 @@ _FUNCTIONS: dict[str, dict[str, Function]] = {
     "iny inx": {"atan2": np.arctan2},
     "value": {"constant": lambda x: x},
     "fg bg mix": {
-        "mix": lambda fg, bg, mix: bg * (1 - mix) + fg * mix,
+        "mix": lambda fg, bg, mix: conversions.mix(bg, fg, mix),
         "plus": _blend(lambda fg, bg: bg + fg),
         "minus": _blend(lambda fg, bg: bg - fg),
         "difference": _blend(lambda fg, bg: np.abs(bg - fg)),
         "screen": _blend(lambda fg, bg: 1 - (1 - fg) * (1 - bg)),
-        "burn": _burn,
-        "dodge": _dodge,
+        "burn": _blend(lambda fg, bg: 1 - (1 - bg) / fg, lambda fg: fg),
+        "dodge": _blend(lambda fg, bg: bg / (1 - fg), lambda fg: 1 - fg),
     },
-    "texcoord valuel valuer": {"ramplr": lambda uv, *ends: _ramp(uv[..., :1], *ends)},
-    "texcoord valueb valuet": {"ramptb": lambda uv, *ends: _ramp(uv[..., 1:], *ends)},
+    "texcoord valuel valuer": {
+        "ramplr": lambda uv, low, high: conversions.mix(low, high, np.clip(uv[..., :1], 0, 1))
+    },
+    "texcoord valueb valuet": {
+        "ramptb": lambda uv, low, high: conversions.mix(low, high, np.clip(uv[..., 1:], 0, 1))
+    },
     "texcoord center valuer valuel": {
         "splitlr": lambda uv, center, *ends: np.where(uv[..., :1] >= center, *ends)
     },
@@ -231,12 +224,17 @@ def _combine(call: Call) -> np.ndarray:
     return _stack(parts)
 
 
+def _constant(call: Call, name: str, most: int) -> int:
+    """An input that must be the same number at all points, from 0 to `most`."""
+    value = call[name]
+    if value.ndim > 1 or not 0 <= value[0] <= most:
+        raise FileError(f"{call.where}: {name} must be a constant from 0 to {most}")
+    return int(value[0])
+
+
 def _extract(call: Call) -> np.ndarray:
-    source, index = call["in"], call["index"]
-    if index.ndim > 1 or not 0 <= index[0] < source.shape[-1]:
-        raise FileError(f"{call.where}: its index must be a constant, a channel of its input")
-    channel = int(index[0])
-    return source[..., channel : channel + 1]
+    channel = _constant(call, "index", call["in"].shape[-1] - 1)
+    return call["in"][..., channel : channel + 1]
 
 
 def _convert(call: Call) -> np.ndarray:
@@ -262,20 +260,14 @@ def _noise(call: Call) -> np.ndarray:
 
 
 def _fractal(call: Call) -> np.ndarray:
-    octaves = call["octaves"]
-    if octaves.ndim > 1 or not 0 <= octaves[0] <= MAX_OCTAVES:
-        raise FileError(f"{call.where}: octaves must be a constant from 0 to {MAX_OCTAVES}")
-    value = noise.fractal(
-        _place(call), CHANNELS[call.type], int(octaves[0]), call["lacunarity"], call["diminish"]
-    )
-    return value * call["amplitude"]
+    octaves = _constant(call, "octaves", MAX_OCTAVES)
+    channels, growth = CHANNELS[call.type], (call["lacunarity"], call["diminish"])
+    return noise.fractal(_place(call), channels, octaves, *growth) * call["amplitude"]
 
 
 def _worley_noise(call: Call) -> np.ndarray:
-    style = call["style"]
-    if style.ndim > 1 or style[0] not in (0, 1):
-        raise FileError(f"{call.where}: style must be the constant 0 or 1")
-    return noise.worley(_place(call), CHANNELS[call.type], call["jitter"], int(style[0]))
+    style = _constant(call, "style", 1)
+    return noise.worley(_place(call), CHANNELS[call.type], call["jitter"], style)
 
 
 def _of_inputs(function: Function, inputs: str) -> Callable[[Call], np.ndarray]:

@@ -4,8 +4,9 @@ import os
 from collections.abc import Iterator
 from typing import Any
 
+from urushi.checks import Check
 from urushi.errors import FileError
-from urushi.openpbr_surface.materialx.baking import bake, changes
+from urushi.openpbr_surface.materialx.baking import MAX_RESOLUTION, bake, changes
 from urushi.openpbr_surface.materialx.document import find_material, read_document
 from urushi.openpbr_surface.materialx.graph import Frame, Graph, Source
 from urushi.openpbr_surface.materialx.images import Images
@@ -13,6 +14,9 @@ from urushi.openpbr_surface.materialx.reader import Mix, Reader, Surface, mixed,
 
 #: Rows and columns of a texture that is computed on a grid, unless another number is asked for.
 RESOLUTION = 1024
+
+#: The numbers that may be asked for.
+RESOLUTIONS = Check("resolution", f"in [1, {MAX_RESOLUTION}]", 1, MAX_RESOLUTION)
 
 #: Inputs of a material that are left out, and their names in warnings.
 _LOST_SHADERS = {"displacementshader": "displacement", "backsurfaceshader": "back's shader"}
@@ -28,6 +32,7 @@ def read_surface(
     uv_plane: bool = False,
 ) -> Surface | Mix:
     """Read a material of a document; see `plugins.materialx.load_materialx`."""
+    resolution = int(RESOLUTIONS(resolution))
     document = read_document(path)
     material = find_material(document, name)
     name = material.getName()

@@ -12,7 +12,7 @@ from urushi.mitsuba.properties import check_names, describe, path_of, switch_of
 from urushi.openpbr_surface.inputs import OPTIONS, Inputs
 from urushi.openpbr_surface.materialx.baking import Texture
 from urushi.openpbr_surface.materialx.reader import Mix, ParameterValue, Surface
-from urushi.openpbr_surface.materialx.surface import RESOLUTION, read_surface
+from urushi.openpbr_surface.materialx.surface import RESOLUTION, RESOLUTIONS, read_surface
 from urushi.openpbr_surface.parameters import EMISSION, PARAMETERS
 
 
@@ -48,12 +48,7 @@ def load_materialx(
             parameter is out of its range.
         PlatformError: the package materialx is needed and missing.
     """
-    return description(read(path, name, resolution, uv_plane))
-
-
-def read(path: str | os.PathLike, name: str | None, resolution: int, uv: bool) -> Surface | Mix:
-    """A material of a document; arguments as of `load_materialx`."""
-    return read_surface(path, name, checked_resolution(resolution), uv)
+    return description(read_surface(path, name, resolution, uv_plane))
 
 
 def description(
@@ -91,13 +86,6 @@ def check_supported(found: Surface | Mix, *, alone: bool = True) -> None:
         if not (alone and name in EMISSION)
     }
     Inputs.of(values | {"interior": alone}, found.where)
-
-
-def checked_resolution(resolution: int, name: str = "resolution") -> int:
-    """The resolution, in [1, 4096]; name: the user's for it."""
-    if not 1 <= resolution <= 4096:
-        raise ParameterError(f"{name} is {resolution}; it must be in [1, 4096]")
-    return int(resolution)
 
 
 def mitsuba_value(
@@ -168,10 +156,10 @@ def materialx(props):
     if "filename" not in props:
         raise ParameterError(f"{where} has no filename; give a MaterialX document")
     path, name = path_of(props, "filename"), props.get("material", None)
-    resolution = checked_resolution(int(props.get("bake", RESOLUTION)), f"{where}: bake")
+    resolution = RESOLUTIONS(props.get("bake", RESOLUTION), f"{where}: bake")
     plane = switch_of(props, "uv_plane")
     extra = {key: props[key] for key in list(props.keys()) if key not in own}
-    bsdf = description(read(path, name, resolution, plane), extra, where)
+    bsdf = description(read_surface(path, name, int(resolution), plane), extra, where)
     if props.id():
         bsdf["id"] = props.id()
     return mi.load_dict(bsdf)
