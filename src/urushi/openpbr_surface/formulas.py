@@ -100,14 +100,14 @@ def modulated_index(ratio: Any, specular_weight: Any, xp: Namespace = NUMPY) -> 
 def base_index(
     specular_ior: Any, coat_ior: Any, coat_weight: Any, specular_weight: Any, xp: Namespace = NUMPY
 ) -> Any:
-    """The index of the dielectric base relative to the medium above it.
+    """The index of the dielectric base relative to the medium above it, in [1/3, 3].
 
     An index below one reflects totally at grazing angles, which light refracted by a smooth coat
     does not reach. The specification (3.4.4) recommends the inverse ratio where refraction by the
     coat is not followed; here it is followed.
     """
     ratio = relative_index(specular_ior, coat_ior, coat_weight, xp)
-    return modulated_index(ratio, specular_weight, xp)
+    return xp.clip(modulated_index(ratio, specular_weight, xp), 1 / 3, 3)
 
 
 def interface_index(ratio: Any, xp: Namespace = NUMPY) -> Any:

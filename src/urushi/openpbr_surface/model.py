@@ -14,7 +14,6 @@ from typing import Any, NamedTuple
 
 import drjit as dr
 import mitsuba as mi
-import numpy as np
 
 from urushi.checks import Widths
 from urushi.core import fresnel, microfacet
@@ -193,14 +192,12 @@ class Base:
     def relative_index(self, si, active):
         """The dielectric's index relative to the medium above."""
         ior, coat_ior, coat, weight = (self.inputs.number(name, si, active) for name in INDICES)
-        return dr.clip(formulas.base_index(ior, coat_ior, coat, weight, DRJIT), 1 / 3, 3)
+        return formulas.base_index(ior, coat_ior, coat, weight, DRJIT)
 
     def _constant_eta(self) -> float | None:
         """The index that `vertex` gives everywhere; None if it varies."""
         values = [self.inputs.known(name) for name in INDICES]
-        if any(value is None for value in values):
-            return None
-        return float(np.clip(formulas.base_index(*values), 1 / 3, 3))
+        return None if None in values else float(formulas.base_index(*values))
 
 
 def absorbed(inputs: Inputs, f, si, wo, active):

@@ -115,7 +115,7 @@ class Glass(Surface):
             )
         self._transmit(index)
         two_widths = not self._inputs.is_constant("specular_roughness_anisotropy", 0)
-        self._albedos = [InterfaceAlbedo(eta, two_widths) for eta in (index, 1 / index)]
+        self._sides = [(eta, InterfaceAlbedo(eta, two_widths)) for eta in (index, 1 / index)]
         film = not self._inputs.is_constant("thin_film_weight", 0)
         self._film: Any = FilmFresnel(self._inputs) if film else None
         self._mirror: Any = InterfaceAlbedo(MIRROR, two_widths) if film else None
@@ -123,48 +123,39 @@ class Glass(Surface):
     def _vertex(self, si, active):
         inputs = self._inputs
         widths = inputs.widths("specular", si, active)
-        sides = self._sides(lambda table, eta: table.both_mean(widths, eta))
-        means = [1 - sum(side) for side in sides]
-        if self._film:
-            for i, eta in enumerate((self._index, 1 / self._index)):
-                means[i] += self._lost_by_film(None, widths, sides[i], eta, i == 0, si, active)
-        scale = 1 / dr.maximum(dr.pi * (means[0] + self._index**2 * means[1]), 1e-5)
+        above, below = (self._not_kept(widths, None, x, si, active) for x in (True, False))
+        scale = 1 / dr.maximum(dr.pi * (above + self._index**2 * below), 1e-5)
         lost = self._lost(widths, si.wi, si, active)
         tint, specular = tint_of(inputs, si, active), inputs.color("specular_color", si, active)
         return GlassVertex(widths, self._index_across(si.wi), tint, specular, lost, scale)
 
-    def _sides(self, function):
-        """A function of the tables of light from above and from below."""
-        etas = self._index, 1 / self._index
-        return list(map(function, self._albedos, etas))
-
     def _lost(self, widths, w, si, active):
         """Share of the light from a direction that meets a second facet."""
-        above, up = w.z > 0, raised(w)
-        sides = self._sides(lambda table, eta: table.both(up, widths, eta))
-        shares = [dr.select(above, *pair) for pair in zip(*sides, strict=True)]
-        lost = 1 - sum(shares)
-        if self._film:
-            across = self._index_across(w)
-            lost += self._lost_by_film(up, widths, shares, across, above, si, active)
-        return dr.clip(lost, 0, 1)
+        return dr.clip(self._not_kept(widths, raised(w), w.z > 0, si, active), 0, 1)
 
-    def _lost_by_film(self, w, widths, shares, eta, above, si, active):
-        """Further share of the light that is lost: the film reflects light that facets pass.
+    def _not_kept(self, widths, w, above, si, active):
+        """What single scattering does not return of the light from w, raised; None: diffuse light.
 
-        w: a direction above its side; None: diffuse light. shares: what facets without the film
-            reflect and pass.
+        above: whether the light is above the surface.
         """
+        sides = [
+            table.both_mean(widths, eta) if w is None else table.both(w, widths, eta)
+            for eta, table in self._sides
+        ]
+        reflected, passed = (dr.select(above, *pair) for pair in zip(*sides, strict=True))
+        lost = 1 - reflected - passed
+        if not self._film:
+            return lost
+        # The film reflects more of the light than bare facets, and passes less.
         along, across = microfacet.pair(widths)
-        alpha, more = 0.5 * (along + across), mi.Spectrum(0)
-        for c, weight in self._film.facets(None if w is None else w.z, alpha):
+        eta, more = dr.select(above, self._index, 1 / self._index), mi.Spectrum(0)
+        for c, weight in self._film.facets(None if w is None else w.z, 0.5 * (along + across)):
             bare = fresnel.dielectric(c, eta)[0]
             more += weight * (self._fresnel(c, eta, above, si, active) - bare)
         mirror = self._mirror
         seen = mirror.reflected_mean(widths) if w is None else mirror.reflected(w, widths)
-        reflected, passed = shares
         leaves = passed / dr.maximum(1 - reflected / dr.maximum(seen, 1e-3), 1e-2)
-        return more * (dr.minimum(leaves, 1) - seen)
+        return lost + more * (dr.minimum(leaves, 1) - seen)
 
     def _f(self, vertex, ctx, si, wo, active):
         above, through = si.wi.z > 0, si.wi.z * wo.z < 0
