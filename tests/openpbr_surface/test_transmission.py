@@ -109,21 +109,6 @@ def test_samples_follow_the_density_on_the_sphere(sampling, name):
         assert test.run(0.01, test_count=20, quiet=True), test.messages
 
 
-def test_smooth_glass_has_fresnels_shares_and_mitsubas_directions():
-    """`dielectric` reflects and refracts into one direction each; lobes of width 0.01 are about
-    these, and share the light as it does, within the width of the lobes."""
-    bsdf = load(GLASS | {"specular_roughness": 0.0})
-    for degrees, eta in ((10, 1.5), (50, 1.5), (150, 1 / 1.5)):
-        weight, wo = sampled(bsdf, degrees)
-        cosine = abs(np.cos(np.radians(degrees)))
-        expected = float(fresnel.dielectric(np.array(cosine), eta, NUMPY)[0])
-        reflected = (wo[:, 2] > 0) == (degrees < 90)
-        assert np.mean(weight[0] * reflected) == pytest.approx(expected, abs=0.004)
-        sine = np.sin(np.radians(degrees)) / eta
-        through = np.median(np.abs(wo[~reflected, 2]))
-        assert through == pytest.approx((1 - sine**2) ** 0.5, abs=0.005)
-
-
 @pytest.mark.parametrize("degrees", [10, 150])
 def test_filmed_glass_is_sampled_as_it_reflects(degrees):
     """The share of the samples that are reflected is that of the light, by the film's mean."""
@@ -214,30 +199,6 @@ def test_the_tint_is_met_once_on_the_way_through_a_coated_body():
         back = first[at] if kind != 1 else 0.0
         expected = back + np.array(color) ** power * (f[at] - back)
         np.testing.assert_allclose(g[at], expected, rtol=1e-3, atol=1e-6)
-
-
-@pytest.mark.parametrize(
-    "values",
-    [
-        pytest.param(GLASS | COAT, id="body"),
-        pytest.param(PANE | COAT, id="pane", marks=pytest.mark.slow),
-    ],
-)
-def test_tables_of_coats_on_glass_are_the_walk(values):
-    """E of both sides and directions; the noise of the walks is 1 %."""
-    values = values | {"coat_color": (0.8, 0.5, 0.3), "transmission_color": (0.4, 0.6, 0.9)}
-    table, walk = (
-        load(values, reference=reference, energy_compensation=False) for reference in (False, True)
-    )
-    wi, wo = directions(80, 5)[:60], directions(80, 6)[:60]
-    f = evaluated(table, wi, wo)
-    many = [np.repeat(w, 1 << 11, axis=0) for w in (wi, wo)]
-    expected = evaluated(walk, *many).reshape(60, -1, 3).mean(1)
-    cosine = np.abs(wo[:, 2:] * wi[:, 2:])
-    for through in (False, True):
-        at = (wi[:, 2] * wo[:, 2] < 0) == through
-        error, energy = (np.sum((x * cosine)[at], axis=0) for x in (abs(f - expected), expected))
-        assert np.all(error < 0.04 * energy)
 
 
 def test_a_coated_body_is_a_slab():

@@ -97,13 +97,6 @@ def test_an_abbe_number_as_a_scale_is_limited(document):
         assert read_surface(document(shader)).values == {"transmission_dispersion_scale": 1}
 
 
-def test_values_out_of_range_are_refused(document):
-    shader = """<open_pbr_surface name="s" type="surfaceshader">
-        <input name="coat_weight" type="float" value="1.5"/></open_pbr_surface>"""
-    with pytest.raises(ParameterError, match=r"coat_weight is 1.5; it must be in \[0, 1\]"):
-        read_surface(document(shader))
-
-
 def inputs(**values):
     """Input elements: a number, a truth value, or a colour as a tuple."""
     kinds = {tuple: "color3", int: "integer", float: "float", bool: "boolean"}
