@@ -1,7 +1,4 @@
-"""The BSDFs of OpenPBR: the base, and the surface of base, coated base and fuzz.
-
-`model` evaluates them; here they are sampled, listed for `mi.traverse` and updated.
-"""
+"""The BSDF of an opaque surface: base, coated base and fuzz."""
 
 from dataclasses import replace
 from typing import Any, NamedTuple
@@ -15,13 +12,12 @@ from urushi.mitsuba.reading.known import known_surface
 from urushi.mitsuba.surface import KnownSurface, Surface, bsdf_of
 from urushi.openpbr_surface import model
 from urushi.openpbr_surface.compensation import Compensation
-from urushi.openpbr_surface.film import NAMES as film_parameters
 from urushi.openpbr_surface.inputs import Inputs
 from urushi.openpbr_surface.parameters import names_of
 from urushi.openpbr_surface.parts import COATS, Coating, coat_properties, load_part
 
-#: Least share of each lobe in the base's proposal.
-MIN_SHARE = 0.1
+#: Directions of cosine density.
+COSINE = Mixture([0.0, 1.0], [1.0])
 
 #: Share of the proposal for the fuzz and for the coat's compensation.
 DIFFUSE_SHARE = 0.1
@@ -61,83 +57,30 @@ class Vertex(NamedTuple):
 
 
 class SurfaceProposal(NamedTuple):
-    """A mixture of proposals and a cosine lobe."""
+    """A mixture of proposals."""
 
-    proposals: list[tuple[Any, Any]]  # the parts', each with its weight; the weights sum to one
-    diffuse: float  # share of the cosine lobe
+    proposals: list[tuple[Any, Any]]  # each with its weight; the weights sum to one
 
     def pdf(self, wi, wo):
         """Density of `sample` at wo [1/sr]."""
-        density = sum(weight * proposal.pdf(wi, wo) for proposal, weight in self.proposals)
-        return with_cosine(density, wo, self.diffuse)
+        return sum(weight * proposal.pdf(wi, wo) for proposal, weight in self.proposals)
 
     def sample(self, wi, choice, u):
         """Draw wo; see `Mixture.sample`."""
-        wo = mi.warp.square_to_cosine_hemisphere(u)
-        rest, start = (choice - self.diffuse) / (1 - self.diffuse), mi.Float(0)
+        wo, start = mi.Vector3f(0), mi.Float(0)
         for proposal, weight in self.proposals:
-            chosen = (choice >= self.diffuse) & (rest >= start) & (weight > 0)
-            own = dr.clip((rest - start) / dr.maximum(weight, 1e-6), 0, 0.99999994)
+            chosen = (choice >= start) & (weight > 0)
+            own = dr.clip((choice - start) / dr.maximum(weight, 1e-6), 0, 0.99999994)
             wo = dr.select(chosen, proposal.sample(wi, own, u), wo)
             start = start + weight
         return wo
-
-
-def with_cosine(density, wo, share: float):
-    """A density mixed with a share of the cosine lobe's."""
-    return (1 - share) * density + share * (wo.z * dr.inv_pi)
-
-
-class OpenPBRBase(Surface):
-    """The base without coat and fuzz, for directions in the medium above it."""
-
-    def __init__(self, inputs: Inputs, under_coat: bool):
-        """Take the parameters; under_coat: see `model.Base`."""
-        self._inputs, self._under_coat = inputs, under_coat
-        self._model = model.Base(inputs, under_coat)
-        super().__init__(mi.Properties("openpbr_base"), inputs.where)
-
-    def _vertex(self, si, active):
-        return self._model.vertex(si, active)
-
-    def _f(self, vertex, ctx, si, wo, active):
-        return mi.Spectrum(self._model.f(vertex, si, wo, active))  # walks ask for this type
-
-    def _proposal(self, vertex, si, active):
-        share = mi.Float(1 - MIN_SHARE)
-        if not self._model.only_metal:
-            reflected = self._model.reflected(si.wi, vertex)
-            color = dr.mean(vertex.color)
-            share = reflected / (reflected + (1 - reflected) * color + 1e-4)
-            share = dr.lerp(share, 1, vertex.share)
-            share = dr.clip(share, MIN_SHARE, 1 - MIN_SHARE)
-        return Mixture([share, 1 - share], [vertex.widths])
-
-    def known(self):
-        return KnownSurface(lobes=self._model.lobes, table_source=lambda: self)
-
-    def replaced(self, replacement):
-        """See `Surface.replaced`."""
-        inputs = self._inputs.with_textures(replacement)
-        return bsdf_of(type(self)(inputs, self._under_coat))
-
-    @property
-    def names(self) -> tuple[str, ...]:
-        """The parameters that it reads."""
-        return (*self._model.names, *(film_parameters if self._model.film else ()))
-
-    def traverse(self, callback):
-        self._inputs.traverse(callback, self.names)
-
-    def to_string(self):
-        return "OpenPBRBase[]"
 
 
 def layers(inputs: Inputs, coating: Coating) -> Layers:
     """The layers that parameters need."""
 
     def base(inputs: Inputs, under_coat: bool) -> "mi.BSDF":
-        return bsdf_of(OpenPBRBase(inputs, under_coat))
+        return bsdf_of(model.Base(inputs, under_coat))
 
     def coated(inputs: Inputs, below: "mi.BSDF") -> "mi.BSDF":
         given = coating.options if coating.tables else {}
@@ -209,15 +152,18 @@ class OpenPBRSurface(Surface):
             f = model.absorbed(self._inputs, f, si, wo, active)
         if vertex.fuzz:
             f = model.under_fuzz(vertex.fuzz, f, ctx, si, wo)
-        return f, with_cosine(pdf, wo, self._diffuse)
+        return f, dr.lerp(pdf, wo.z * dr.inv_pi, self._diffuse)
 
     def _proposal(self, vertex, si, active):
         if vertex.turn:
             si = vertex.turn.interaction(si)
         proposals = [
-            (part.bsdf._proposal(part.vertex, si, active), part.weight) for part in vertex.parts
+            (part.bsdf._proposal(part.vertex, si, active), (1 - self._diffuse) * part.weight)
+            for part in vertex.parts
         ]
-        proposal = SurfaceProposal(proposals, self._diffuse)
+        if self._diffuse:
+            proposals.insert(0, (COSINE, self._diffuse))
+        proposal = SurfaceProposal(proposals)
         return TurnedMixture(proposal, vertex.turn) if vertex.turn else proposal
 
     def known(self):

@@ -1,4 +1,4 @@
-"""The eval of OpenPBR Surface 1.1.1, opaque, in the order of its specification.
+"""The layers of OpenPBR Surface 1.1.1, opaque, in the order of its specification.
 
 3.2    base substrate: a mixture of metal (3.2.1) and glossy-diffuse dielectric (3.2.2), whose
        facets a thin film (3.3) covers                                                   `Base`
@@ -19,14 +19,20 @@ from urushi.checks import Widths
 from urushi.core import fresnel, microfacet
 from urushi.core.appearance import optical_depth
 from urushi.core.facets import MIRROR, multiple_lobe
+from urushi.core.mixture import Mixture
 from urushi.core.namespace import DRJIT
 from urushi.mitsuba import spectrum
 from urushi.mitsuba.interface_albedo import InterfaceAlbedo
+from urushi.mitsuba.surface import KnownSurface, Surface, bsdf_of
 from urushi.openpbr_surface import formulas, thin_film
+from urushi.openpbr_surface.film import NAMES as film_parameters
 from urushi.openpbr_surface.film import FilmFresnel
 from urushi.openpbr_surface.inputs import Inputs
 from urushi.openpbr_surface.lookups import RoughSlab
 from urushi.openpbr_surface.parameters import names_of
+
+#: Least share of each lobe in the base's proposal.
+MIN_SHARE = 0.1
 
 #: The parameters that the base reads, besides the film's; see `Base.names`.
 NAMES = (*names_of("base", "specular"), "coat_weight", "coat_ior", "coat_darkening")
@@ -47,8 +53,8 @@ class BaseVertex(NamedTuple):
     eta: Any  # the index relative to the medium above
 
 
-class Base:
-    """The base substrate (3.2), for directions in the medium above it.
+class Base(Surface):
+    """The base substrate (3.2) without coat and fuzz, for directions in the medium above it.
 
     The dielectric's interface reflects by single scattering and passes the rest, so that a white
     base reflects all light.
@@ -59,23 +65,23 @@ class Base:
 
         under_coat: whether `coat_darkening` has an effect.
         """
-        self.inputs = inputs
+        self._inputs, self._under_coat = inputs, under_coat
         self._boosted = under_coat and not inputs.is_constant("coat_darkening", 1)
-        self.only_metal = inputs.is_constant("base_metalness", 1)
+        self._only_metal = inputs.is_constant("base_metalness", 1)
         self._only_dielectric = inputs.is_constant("base_metalness", 0)
-        self.film = self._slab = None
+        self._film = self._slab = None
         if not inputs.is_constant("thin_film_weight", 0):
-            self.film = FilmFresnel(inputs)
+            self._film = FilmFresnel(inputs)
         eta = self._constant_eta()
         two_widths = not inputs.is_constant("specular_roughness_anisotropy", 0)
         self._albedo = InterfaceAlbedo(eta, two_widths)
         self._mirror = InterfaceAlbedo(MIRROR, two_widths)
         if not inputs.is_constant("base_diffuse_roughness", 0):
             self._slab = RoughSlab(eta)
+        super().__init__(mi.Properties("openpbr_base"), inputs.where)
 
-    def vertex(self, si, active) -> BaseVertex:
-        """The parameters at a surface interaction."""
-        inputs = self.inputs
+    def _vertex(self, si, active) -> BaseVertex:
+        inputs = self._inputs
         widths = inputs.widths("specular", si, active)
         alpha = 0.5 * (widths.u + widths.v) if isinstance(widths, Widths) else widths
         return BaseVertex(
@@ -85,20 +91,30 @@ class Base:
             inputs.number("base_metalness", si, active),
             widths,
             alpha,
-            self.relative_index(si, active),
+            self._relative_index(si, active),
         )
 
-    def f(self, vertex: BaseVertex, si, wo, active):
-        """The BRDF [1/sr] (3.2): a mixture of metal and dielectric by base_metalness."""
+    def _f(self, vertex: BaseVertex, ctx, si, wo, active):
+        """A mixture of metal and dielectric by base_metalness (3.2)."""
         lobe, cosine = microfacet.reflection_lobe(si.wi, wo, vertex.widths)
         cosine = dr.abs(cosine)
         f = mi.Spectrum(0)
-        if not self.only_metal:
+        if not self._only_metal:
             f += self.glossy_diffuse(vertex, lobe, cosine, si, wo, active)
         if not self._only_dielectric:
             shine = self._metal(vertex, lobe, cosine, si, wo, active)
-            f = shine if self.only_metal else dr.lerp(f, shine, vertex.share)
-        return f * self.boost(vertex, si, active) if self._boosted else f
+            f = shine if self._only_metal else dr.lerp(f, shine, vertex.share)
+        return mi.Spectrum(f * self.boost(vertex, si, active) if self._boosted else f)
+
+    def _proposal(self, vertex: BaseVertex, si, active):
+        share = mi.Float(1 - MIN_SHARE)
+        if not self._only_metal:
+            reflected = self.reflected(si.wi, vertex)
+            color = dr.mean(vertex.color)
+            share = reflected / (reflected + (1 - reflected) * color + 1e-4)
+            share = dr.lerp(share, 1, vertex.share)
+            share = dr.clip(share, MIN_SHARE, 1 - MIN_SHARE)
+        return Mixture([share, 1 - share], [vertex.widths])
 
     def glossy_diffuse(self, vertex: BaseVertex, lobe, cosine, si, wo, active):
         """The dielectric (3.2.2): an interface above a diffuse slab [1/sr]."""
@@ -110,17 +126,17 @@ class Base:
         color, tint, widths = vertex.color, vertex.tint, vertex.widths
         reflectance = fresnel.f82(cosine, color, tint, DRJIT)
         mean = fresnel.f82_mean(color, tint, DRJIT)
-        if self.film:
-            reflectance = self.film.metal(cosine, color, tint, reflectance, si, active)
-            mean = self.film.metal(mi.Float(thin_film.MEAN_COSINE), color, tint, mean, si, active)
+        if self._film:
+            reflectance = self._film.metal(cosine, color, tint, reflectance, si, active)
+            mean = self._film.metal(mi.Float(thin_film.MEAN_COSINE), color, tint, mean, si, active)
         first, second = (self._mirror.reflected(w, widths) for w in (si.wi, wo))
         more = multiple_lobe(first, second, self._mirror.reflected_mean(widths), mean)
         return vertex.weight * (lobe * reflectance + more)
 
     def _dielectric(self, cosine, eta, si, active):
         """The Fresnel term of the dielectric's interface (3.2), under the film (3.3)."""
-        if self.film:
-            return self.film.dielectric(cosine, eta, si, active)
+        if self._film:
+            return self._film.dielectric(cosine, eta, si, active)
         return fresnel.dielectric(cosine, eta)[0]
 
     def diffuse(self, vertex: BaseVertex, si, wo, active):
@@ -128,17 +144,17 @@ class Base:
         color, alpha, eta = vertex.color, vertex.alpha, vertex.eta
         reflected = [self.reflected(w, vertex) for w in (si.wi, wo)]
         mean = self._albedo.reflected_mean(vertex.widths, eta)
-        if self.film:
+        if self._film:
             for i, w in enumerate((si.wi, wo)):
-                more = self.film.excess(w.z, alpha, eta, si, active)
+                more = self._film.excess(w.z, alpha, eta, si, active)
                 more = self._mirror.reflected(w, vertex.widths) * more
                 reflected[i] = dr.clip(reflected[i] + more, 0, 1)
-            more = self.film.excess(None, alpha, eta, si, active)
+            more = self._film.excess(None, alpha, eta, si, active)
             mean = dr.clip(mean + self._mirror.reflected_mean(vertex.widths) * more, 0, 1)
         passed, mean = (1 - reflected[0]) * (1 - reflected[1]), 1 - mean
         if self._slab is None:
             return color * (passed * dr.inv_pi / mean)
-        rough = self.inputs.number("base_diffuse_roughness", si, active)
+        rough = self._inputs.number("base_diffuse_roughness", si, active)
         return self._slab.f(si.wi, wo, color, rough, (alpha, eta), passed, mean)
 
     def lobes(self, si) -> list[list]:
@@ -148,9 +164,9 @@ class Base:
         are left out. Under a film the lobe is black, as it has none of the film's colours.
         """
         active = mi.Bool(True)
-        vertex = self.vertex(si, active)
+        vertex = self._vertex(si, active)
         color, share, widths = vertex.color, vertex.share, vertex.widths
-        scale = mi.Spectrum(0) if self.film else self.boost(vertex, si, active)
+        scale = mi.Spectrum(0) if self._film else self.boost(vertex, si, active)
         metal = scale * share * vertex.weight
         along, across = microfacet.pair(widths)
         values = (
@@ -172,7 +188,7 @@ class Base:
         """The factor that cancels darkening by the coat (3.4.1), see `formulas.boost`; 1: none."""
         if not self._boosted:
             return mi.Spectrum(1)
-        inputs = self.inputs
+        inputs = self._inputs
         f0 = dr.square((vertex.eta - 1) / (vertex.eta + 1))
         dielectric, shine = f0 + (1 - f0) * vertex.color, vertex.weight * vertex.color
         albedo = dr.lerp(dielectric, shine, vertex.share)
@@ -185,18 +201,30 @@ class Base:
 
     @property
     def names(self) -> tuple[str, ...]:
-        """The parameters that it reads, without the film's."""
-        tinted = self._boosted and not self.inputs.is_constant("coat_color", 1)
-        return (*NAMES, "coat_color") if tinted else NAMES
+        """The parameters that it reads."""
+        tinted = self._boosted and not self._inputs.is_constant("coat_color", 1)
+        film = film_parameters if self._film else ()
+        return (*NAMES, *(("coat_color",) if tinted else ()), *film)
 
-    def relative_index(self, si, active):
+    def known(self):
+        return KnownSurface(lobes=self.lobes, table_source=lambda: self)
+
+    def replaced(self, replacement):
+        """See `Surface.replaced`."""
+        inputs = self._inputs.with_textures(replacement)
+        return bsdf_of(type(self)(inputs, self._under_coat))
+
+    def traverse(self, callback):
+        self._inputs.traverse(callback, self.names)
+
+    def _relative_index(self, si, active):
         """The dielectric's index relative to the medium above."""
-        ior, coat_ior, coat, weight = (self.inputs.number(name, si, active) for name in INDICES)
+        ior, coat_ior, coat, weight = (self._inputs.number(name, si, active) for name in INDICES)
         return formulas.base_index(ior, coat_ior, coat, weight, DRJIT)
 
     def _constant_eta(self) -> float | None:
         """The index that `vertex` gives everywhere; None if it varies."""
-        values = [self.inputs.known(name) for name in INDICES]
+        values = [self._inputs.known(name) for name in INDICES]
         return None if None in values else float(formulas.base_index(*values))
 
 

@@ -64,14 +64,8 @@ def width_properties(inputs: Inputs, layer: str) -> dict[str, "mi.Texture"]:
 
 def coat_properties(inputs: Inputs) -> dict[str, Any]:
     """The coat as properties of a plugin, without its type and what lies below."""
-    coat: dict[str, Any] = {"ext_ior": 1.0, **width_properties(inputs, "coat")}
-    ior = inputs.known("coat_ior")
-    if ior is not None:
-        coat["int_ior"] = float(formulas.interface_index(ior))
-    else:
-        coat["int_ior"] = derived(
-            inputs, ("coat_ior",), lambda ior: formulas.interface_index(ior, DRJIT)
-        )
+    index = derived(inputs, ("coat_ior",), lambda ior: formulas.interface_index(ior, DRJIT))
+    coat = {"ext_ior": 1.0, "int_ior": index, **width_properties(inputs, "coat")}
     return coat | absorption(inputs, "coat_color", 1)
 
 

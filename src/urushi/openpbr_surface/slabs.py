@@ -7,13 +7,12 @@ import drjit as dr
 import mitsuba as mi
 
 from urushi.checks import AIR
-from urushi.core.mixture import Mixture
 from urushi.core.namespace import DRJIT
 from urushi.mitsuba.plugins.frames import raised, relative, with_far_side
 from urushi.mitsuba.reading.dielectrics import DECIMALS
 from urushi.mitsuba.recording import opaque
 from urushi.openpbr_surface import formulas
-from urushi.openpbr_surface.bsdfs import SurfaceProposal
+from urushi.openpbr_surface.bsdfs import COSINE, SurfaceProposal
 from urushi.openpbr_surface.inputs import Inputs
 from urushi.openpbr_surface.lost_light import AXES, LostLight, Place
 from urushi.openpbr_surface.parts import absorption, coat_properties, width_properties
@@ -50,14 +49,14 @@ class Finish:
         below = self._scale(losses, place)[1]
         through = dr.select(si.wi.z > 0, below, 1 - below)
         share = dr.clip(losses.lost(si.wi, place), 0, 0.9)
-        return with_far_side(Mixture([0.0, 1.0], [1.0]), through), share
+        return with_far_side(COSINE, through), share
 
     def proposal(self, slab, si, active):
         """The proposal of the slab with it."""
         if self._losses is None:
             return slab
         lobe, share = self._returned(self._losses, si, active)
-        return SurfaceProposal([(slab, 1 - share), (lobe, share)], 0.0)
+        return SurfaceProposal([(slab, 1 - share), (lobe, share)])
 
     def density(self, density, si, wo, active):
         """The density of `proposal` at wo, from the slab's [1/sr]."""

@@ -8,8 +8,9 @@ Departures from the specification: a share that is opaque looks the same from in
 a thin wall have the coat; specular_weight changes the index of the body, whatever lies above it.
 """
 
+from dataclasses import dataclass
 from functools import partial
-from typing import Any, NamedTuple
+from typing import Any
 
 import drjit as dr
 import mitsuba as mi
@@ -38,8 +39,9 @@ OF_PANES = ("specular_roughness", "specular_roughness_anisotropy", "transmission
 LOSSLESS = (*COLORS, *SHARES, "coat_weight")
 
 
-class Layer(NamedTuple):
-    """What has a share of the surface."""
+@dataclass(frozen=True)
+class Layer:
+    """What has a share of the surface. Dr.Jit does not look into named tuples for its BSDF."""
 
     bsdf: Any  # of `bsdf_of`, or `Unseen`
     share: str  # of `Shares`
@@ -173,7 +175,8 @@ class Body(Surface):
     def _f_and_pdf(self, vertex, ctx, si, wo, active):
         turn, parts = vertex
         f, pdf, near = mi.Spectrum(0), mi.Float(0), si.wi.z * wo.z > 0
-        for part, (bsdf, *_, finish) in zip(parts, self._parts, strict=True):
+        for part, layer in zip(parts, self._parts, strict=True):
+            bsdf, finish = layer.bsdf, layer.finish
             own = self._interaction(turn, bsdf, si)
             if bsdf._transmits:
                 towards = wo if turn is None else turn.inside(wo)
@@ -191,16 +194,17 @@ class Body(Surface):
     def _proposal(self, vertex, si, active):
         turn, parts = vertex
         proposals = []
-        for part, (*_, finish) in zip(parts, self._parts, strict=True):
+        for part, layer in zip(parts, self._parts, strict=True):
             own = self._interaction(turn, part.bsdf, si)
             proposal = part.bsdf._proposal(part.vertex, own, active)
             if not part.bsdf._transmits:
                 proposal = with_far_side(proposal, 0.0)
             else:
-                proposal = finish.proposal(proposal, own, active) if finish else proposal
+                if layer.finish:
+                    proposal = layer.finish.proposal(proposal, own, active)
                 proposal = proposal if turn is None else TurnedMixture(proposal, turn)
             proposals.append((proposal, part.weight))
-        return SurfaceProposal(proposals, 0.0)
+        return SurfaceProposal(proposals)
 
     def traverse(self, callback):
         names = [*SHARES]

@@ -20,7 +20,7 @@ from urushi.mitsuba.interface_albedo import InterfaceAlbedo
 from urushi.mitsuba.plugins.frames import above_surface, raised, relative, with_far_side
 from urushi.mitsuba.surface import Surface
 from urushi.openpbr_surface import model
-from urushi.openpbr_surface.bsdfs import MIN_SHARE, SurfaceProposal
+from urushi.openpbr_surface.bsdfs import COSINE, SurfaceProposal
 from urushi.openpbr_surface.film import NAMES as film_parameters
 from urushi.openpbr_surface.film import FilmFresnel
 from urushi.openpbr_surface.inputs import Inputs
@@ -192,8 +192,7 @@ class Glass(Surface):
 
         lost = dr.clip(dr.mean(mi.Spectrum(vertex.lost)), LEAST_LOST, 0.9)
         facets = Facets(vertex.widths, vertex.eta, reflected)
-        lobe = with_far_side(Mixture([0.0, 1.0], [1.0]), 0.5)
-        return SurfaceProposal([(facets, 1 - lost), (lobe, lost)], 0.0)
+        return SurfaceProposal([(facets, 1 - lost), (with_far_side(COSINE, 0.5), lost)])
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -208,9 +207,6 @@ class Glass(Surface):
     def _update(self, keys):
         self._configure()
 
-    def to_string(self):
-        return "OpenPBRGlass[]"
-
 
 class Sheet(Surface):
     """A thin wall of a medium that scatters light to both sides, below interfaces (3.2.3)."""
@@ -221,7 +217,7 @@ class Sheet(Surface):
         super().__init__(mi.Properties("openpbr_sheet"))
 
     def _vertex(self, si, active):
-        inputs, vertex = self._inputs, self._base.vertex(si, active)
+        inputs, vertex = self._inputs, self._base._vertex(si, active)
         color = inputs.color("subsurface_color", si, active)
         forward = 0.5 + 0.5 * inputs.number("subsurface_scatter_anisotropy", si, active)
         near, far = color * (1 - forward), color * forward
@@ -238,8 +234,8 @@ class Sheet(Surface):
     def _proposal(self, vertex, si, active):
         near, _, forward = vertex
         reflected = self._base.reflected(raised(si.wi), near)
-        through = dr.clip((1 - reflected) * forward, 0, 1 - MIN_SHARE)
-        share = dr.clip(reflected / (1 - through), MIN_SHARE, 1 - MIN_SHARE)
+        through = dr.clip((1 - reflected) * forward, 0, 1 - model.MIN_SHARE)
+        share = dr.clip(reflected / (1 - through), model.MIN_SHARE, 1 - model.MIN_SHARE)
         return with_far_side(Mixture([share, 1 - share], [near.widths]), through)
 
     #: The parameters that it reads.
@@ -250,6 +246,3 @@ class Sheet(Surface):
 
     def traverse(self, callback):
         self._inputs.traverse(callback, self.names)
-
-    def to_string(self):
-        return "OpenPBRSheet[]"
