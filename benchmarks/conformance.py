@@ -22,7 +22,7 @@ from tqdm import tqdm
 from urushi import files
 from urushi.checks import finite
 from urushi.core import direction_sets, error_metrics
-from urushi.errors import FileError, ParameterError
+from urushi.errors import ParameterError
 from urushi.files import read_npz
 from urushi.mitsuba.reading import probing
 from urushi.openpbr_surface.description import openpbr
@@ -31,7 +31,7 @@ from urushi.openpbr_surface.description import openpbr
 PAIRS = 300
 
 KIND, VERSION = "conformance", 1
-_REMEDY = "take the file that ships"
+FILE = Path(__file__).with_suffix(".safetensors")
 
 #: f(wi, wo) -> (N, 3) [1/sr].
 Brdf = Callable[[np.ndarray, np.ndarray], np.ndarray]
@@ -65,10 +65,6 @@ class Errors(NamedTuple):
     albedo: np.ndarray
 
 
-def default_path() -> Path:
-    return Path(__file__).with_suffix(".safetensors")
-
-
 def model(parameters: Mapping[str, Any]) -> Brdf:
     """f of the plugin `openpbr` with a material's parameters.
 
@@ -76,11 +72,6 @@ def model(parameters: Mapping[str, Any]) -> Brdf:
         PlatformError: no variant of Mitsuba is set.
     """
     return partial(bsdf_values, openpbr(**parameters).bsdf())
-
-
-def closed_form(name: openpbr_recipe.Recipe, parameters: Mapping[str, Any]) -> Brdf:
-    """f of one of `openpbr_recipe.RECIPES`."""
-    return lambda wi, wo: openpbr_recipe.f(dict(parameters), wi, wo, name)
 
 
 def evaluated(build: Callable[[dict[str, Any]], Brdf], reference: Reference) -> np.ndarray:
@@ -94,21 +85,14 @@ def bsdf_values(bsdf: Any, wi: np.ndarray, wo: np.ndarray, number: Any = 0.0) ->
     return probing.bsdf_values(bsdf, wi, wo, np.full((len(wi), 2), 0.5), number)
 
 
-def read(path: str | os.PathLike | None = None) -> Reference:
-    """Read a file; default: the one that ships.
+def read() -> Reference:
+    """The file that ships.
 
     Raises:
-        FileError: missing, foreign, damaged, or of another version.
+        FileError: missing or damaged.
     """
-    path = default_path() if path is None else path
-    description, arrays = files.read_tensors(path, KIND)
-    if description.get("version") != VERSION:
-        raise FileError(f"'{path}' is of version {description.get('version')}; {_REMEDY}")
+    description, arrays = files.read_tensors(FILE, KIND)
     materials = {entry["name"]: entry["parameters"] for entry in description["materials"]}
-    shapes: dict[str, tuple[int, ...]] = {"wi": (PAIRS, 3), "wo": (PAIRS, 3)}
-    shapes |= {name: (len(materials), PAIRS, 3) for name in ("f", "se")}
-    if any(name not in arrays or arrays[name].shape != shape for name, shape in shapes.items()):
-        raise FileError(f"'{path}' lacks values of its materials; {_REMEDY}")
     return Reference(materials, *(arrays[name] for name in ("wi", "wo", "f", "se")))
 
 
@@ -131,11 +115,6 @@ def errors(values: np.ndarray, reference: Reference) -> Errors:
     return Errors(np.array(e), albedo.mean(1))
 
 
-def noise(reference: Reference) -> np.ndarray:
-    """E (M,) of a normal error of the standard error, whose mean size is 0.8 of its deviation."""
-    return errors(reference.f + np.sqrt(2 / np.pi) * reference.se, reference).error
-
-
 def channel_errors(values: np.ndarray, f: np.ndarray, wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
     """E of each channel (3,), of values (N, 3)."""
     return error_metrics.stack_error(values.T, f.T, wi[:, 2], wo[:, 2])
@@ -143,7 +122,8 @@ def channel_errors(values: np.ndarray, f: np.ndarray, wi: np.ndarray, wo: np.nda
 
 def table(reference: Reference, results: Mapping[str, Errors]) -> str:
     """The errors as text: one line for each material, then mean and 95th percentile."""
-    own = 100 * noise(reference)
+    # The mean size of a normal error is 0.8 of its deviation.
+    own = 100 * errors(reference.f + np.sqrt(2 / np.pi) * reference.se, reference).error
     error, albedo = (
         np.array([100 * getattr(r, name) for r in results.values()]) for name in ("error", "albedo")
     )
@@ -268,20 +248,18 @@ def main(arguments: list[str] | None = None) -> None:
     """Print the table, or make the reference."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--values", type=Path, help="NPZ file of a renderer: f of (40, 300, 3)")
-    parser.add_argument("--reference", type=Path, help="default: the file of the repository")
     parser.add_argument("--make", type=Path, help="file to write a reference to")
     options = parser.parse_args(arguments)
     mi.set_variant("llvm_ad_rgb")
     if options.make:
         make(options.make)
         return
-    reference = read(options.reference)
+    reference = read()
     if options.values is None:
         found = {"urushi": evaluated(model, reference)}
-        found |= {
-            name: evaluated(partial(closed_form, name), reference)
-            for name in openpbr_recipe.RECIPES
-        }
+        for name in openpbr_recipe.RECIPES:
+            recipe = partial(partial, openpbr_recipe.f, recipe=name)
+            found[name] = evaluated(recipe, reference)
     else:
         found = {options.values.stem: read_npz(options.values, "f")[0]}
     print(table(reference, {name: errors(f, reference) for name, f in found.items()}))

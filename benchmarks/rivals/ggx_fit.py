@@ -7,26 +7,24 @@ take the best for each. Every fit starts from several initial widths.
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from functools import cache
 from itertools import product
 from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
+from benchmarks.rivals.perceptron import Brdf
 from scipy.optimize import least_squares, nnls
 from threadpoolctl import threadpool_limits
 
 from urushi.core import direction_sets
 from urushi.core.directions import directions_at
 from urushi.core.error_metrics import energy_weight
-from urushi.errors import ParameterError
 from urushi.measured.tabulated import evaluate
 from urushi.nets import lobe as analytic
 
 
-@dataclass(frozen=True)
-class Lobe:
+class Lobe(NamedTuple):
     """One lobe, ks D G F / (4 cos cos).
 
     Attributes:
@@ -40,8 +38,7 @@ class Lobe:
     weight: np.ndarray
 
 
-@dataclass(frozen=True)
-class GgxFit:
+class GgxFit(NamedTuple):
     """A BRDF of a Lambertian part and lobes.
 
     Channels share widths and Fresnel terms, and colours are free, as in Ngan et al. 2005
@@ -56,51 +53,22 @@ class GgxFit:
     lobes: tuple[Lobe, ...]
 
     def f(self, wi: npt.ArrayLike, wo: npt.ArrayLike) -> np.ndarray:
-        """Evaluate: float32 (N, 3) [1/sr], without cosine, zero below the horizon.
+        """float32 (N, 3) [1/sr], without cosine, of unit vectors (N, 3)."""
+        return evaluate(self.at, 3, wi, wo)
 
-        wi, wo: (N, 3) unit vectors.
-
-        Raises:
-            ParameterError: wrong shapes, or directions that are not unit vectors.
-        """
-        return evaluate(self._f, 3, wi, wo)
-
-    def _f(self, wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
-        geometry = Geometry.of(wi, wo)
+    def at(self, wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
+        """f (N, 3) of unit vectors above the horizon."""
         result = np.broadcast_to(self.diffuse / np.pi, (len(wi), 3))
         for lobe in self.lobes:
-            grey = shape(geometry, lobe.alpha) * schlick(geometry, lobe.f0)
-            result = result + grey[:, None] * lobe.weight
+            result = result + grey(lobe.alpha, lobe.f0, wi, wo)[:, None] * lobe.weight
         return result
 
 
-class Geometry(NamedTuple):
-    """Pairs of directions.
-
-    Attributes:
-        wi, wo: float64 (N, 3), unit vectors above the horizon.
-        edge: (N,) (1 - cos theta_d)^5, of Schlick's Fresnel term.
-    """
-
-    wi: np.ndarray
-    wo: np.ndarray
-    edge: np.ndarray
-
-    @classmethod
-    def of(cls, wi: np.ndarray, wo: np.ndarray) -> "Geometry":
-        """wi, wo: (N, 3), unit vectors above the horizon."""
-        wi, wo = (w.astype(np.float64) for w in (wi, wo))
-        return cls(wi, wo, (1 - analytic.cosine_to_facet(wi, wo)) ** 5)
-
-
-def shape(g: Geometry, alpha: float) -> np.ndarray:
-    """D G / (4 cos cos) with separable masking."""
-    return analytic.shape(alpha, g.wi, g.wo)
-
-
-def schlick(g: Geometry, f0: float) -> np.ndarray:
-    """Schlick's (1994) Fresnel term."""
-    return f0 + (1 - f0) * g.edge
+def grey(alpha: float, f0: float, wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
+    """D G F / (4 cos cos) (N,) with separable masking and Schlick's (1994) Fresnel term."""
+    wi, wo = (w.astype(np.float64) for w in (wi, wo))
+    edge = (1 - analytic.cosine_to_facet(wi, wo)) ** 5
+    return analytic.shape(alpha, wi, wo) * (f0 + (1 - f0) * edge)
 
 
 #: The compared quantity, a map of x = f cos theta_i. "linear": Ngan et al. 2005. "log": Löw et al.
@@ -140,10 +108,6 @@ LEAST_COSINE = 0.02
 ANGLES = 64, 16, 8
 
 
-#: f(wi, wo) -> (N, 3) or (N, 1) [1/sr] for float32 unit vectors (N, 3).
-Brdf = Callable[[np.ndarray, np.ndarray], np.ndarray]
-
-
 def best(f: Brdf, lobes: int) -> GgxFit:
     """The fit of up to `lobes` lobes, by any loss and measure, of the least E; as of `fit`.
 
@@ -161,37 +125,53 @@ def best(f: Brdf, lobes: int) -> GgxFit:
 def fit(f: Brdf, lobes: int = 1, loss: str = "log", measure: float = 1.0) -> GgxFit:
     """Fit a Lambertian part and GGX lobes to a BRDF.
 
+    Parameters of the search are ln kd (3), then for every lobe ln alpha, logit f0, ln ks (3).
+
     Args:
-        f: f(wi, wo) -> (N, 3) or (N, 1) [1/sr] for float32 unit vectors (N, 3).
+        f: the BRDF.
         lobes: one or two.
         loss: a name in `LOSSES`.
         measure: see `MEASURES`.
-
-    Raises:
-        ParameterError: another number of lobes or another loss.
     """
-    if lobes not in INITIAL_WIDTHS or loss not in LOSSES:
-        raise ParameterError(
-            f"cannot fit {lobes} lobes by the loss '{loss}'; "
-            f"fit {' or '.join(map(str, INITIAL_WIDTHS))} by one of {', '.join(LOSSES)}"
-        )
-    wi, wo = pairs()
+    (wi, wo), compared = pairs(), LOSSES[loss]
     values = np.broadcast_to(np.asarray(f(wi, wo), np.float64), (len(wi), 3))
-    weight = solid_angles() ** (measure / 2)
-    problem = _Problem(Geometry.of(wi, wo), values, loss, weight / weight.mean())
+    weight, cosine = solid_angles()[:, None] ** (measure / 2), wi[:, 2:].astype(np.float64)
+    weight = weight / weight.mean()
+    target = compared(values * cosine)
+    bounds = np.array([WEIGHTS] * 3 + [np.log(ALPHAS), F0, *[WEIGHTS] * 3] * lobes).T
+
+    def residuals(x: np.ndarray) -> np.ndarray:
+        return ((compared(_model(x).at(wi, wo) * cosine) - target) * weight).ravel()
+
     with threadpool_limits(1):  # more threads slow such small matrices down
         solutions = [
             least_squares(
-                problem.residuals,
-                problem.initial(alphas),
-                "2-point",
-                problem.bounds(lobes),
-                max_nfev=60,
-                x_scale="jac",
+                residuals, _initial(alphas, values), "2-point", bounds, max_nfev=60, x_scale="jac"
             )
             for alphas in INITIAL_WIDTHS[lobes]
         ]
-    return problem.model(min(solutions, key=lambda solution: solution.cost).x)
+    return _model(min(solutions, key=lambda solution: solution.cost).x)
+
+
+def _model(x: np.ndarray) -> GgxFit:
+    lobes = [
+        Lobe(float(np.exp(p[0])), float(1 / (1 + np.exp(-p[1]))), np.exp(p[2:]))
+        for p in x[3:].reshape(-1, 5)
+    ]
+    return GgxFit(np.exp(x[:3]), tuple(lobes))
+
+
+def _initial(alphas: tuple[float, ...], values: np.ndarray) -> np.ndarray:
+    """Parameters of the given widths, f0 = 0.2, and the weights of least relative error."""
+    lobes, f0 = [grey(alpha, 0.2, *pairs()) for alpha in alphas], np.log(0.2 / 0.8)
+    columns = np.stack([np.full(len(values), 1 / np.pi), *lobes], axis=1)
+    weights = []
+    for value in values.T:
+        scale = 1 / (value + 0.05 * value.mean() + 1e-6)
+        weights.append(nnls(columns * scale[:, None], value * scale)[0])
+    diffuse, *logs = np.log(np.clip(weights, 1e-3, 1e2)).T
+    parts = [np.r_[np.log(alpha), f0, log] for alpha, log in zip(alphas, logs, strict=True)]
+    return np.concatenate([diffuse, *parts])
 
 
 def pairs() -> tuple[np.ndarray, np.ndarray]:
@@ -216,58 +196,3 @@ def _grid() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     above = np.minimum(wi[:, 2], wo[:, 2]) > LEAST_COSINE
     weight = (weight * wi[:, 2] * wo[:, 2])[above]
     return wi[above].astype(np.float32), wo[above].astype(np.float32), weight
-
-
-class _Problem:
-    """Residuals of a vector of parameters.
-
-    They are ln kd (3), then for every lobe ln alpha, logit f0, ln ks (3).
-    """
-
-    def __init__(
-        self, geometry: Geometry, values: np.ndarray, loss: str, weight: np.ndarray
-    ) -> None:
-        self._geometry = geometry
-        self._weight = weight[:, None]
-        self._map = LOSSES[loss]
-        self._cosine = geometry.wi[:, 2:]
-        self._target = self._map(values * self._cosine)
-        self._values = values
-
-    def bounds(self, lobes: int) -> tuple[np.ndarray, np.ndarray]:
-        lobe = [np.log(ALPHAS), F0, *[WEIGHTS] * 3]
-        lower, upper = np.array([WEIGHTS] * 3 + lobe * lobes).T
-        return lower, upper
-
-    def initial(self, alphas: tuple[float, ...]) -> np.ndarray:
-        """Parameters of the given widths, f0 = 0.2, and the weights of least relative error."""
-        f0 = 0.2
-        grey = [shape(self._geometry, alpha) * schlick(self._geometry, f0) for alpha in alphas]
-        columns = np.stack([np.full(len(self._values), 1 / np.pi), *grey], axis=1)
-        weights = []
-        for value in self._values.T:
-            scale = 1 / (value + 0.05 * value.mean() + 1e-6)
-            weights.append(nnls(columns * scale[:, None], value * scale)[0])
-        logs = np.log(np.clip(weights, 1e-3, 1e2)).T  # (1 + lobes, 3)
-        logit = np.log(f0 / (1 - f0))
-        parts = [
-            np.r_[np.log(alpha), logit, log] for alpha, log in zip(alphas, logs[1:], strict=True)
-        ]
-        return np.concatenate([logs[0], *parts])
-
-    def model(self, x: np.ndarray) -> GgxFit:
-        return GgxFit(
-            np.exp(x[:3]),
-            tuple(
-                Lobe(float(np.exp(p[0])), float(1 / (1 + np.exp(-p[1]))), np.exp(p[2:]))
-                for p in x[3:].reshape(-1, 5)
-            ),
-        )
-
-    def residuals(self, x: np.ndarray) -> np.ndarray:
-        model = self.model(x)
-        value = np.broadcast_to(model.diffuse / np.pi, self._values.shape)
-        for lobe in model.lobes:
-            grey = shape(self._geometry, lobe.alpha) * schlick(self._geometry, lobe.f0)
-            value = value + grey[:, None] * lobe.weight
-        return ((self._map(value * self._cosine) - self._target) * self._weight).ravel()
