@@ -130,18 +130,6 @@ def rows(table: StackTable, part: slice) -> StackTable:
     return StackTable(**columns, kind=table.kind, bottom=bottom)
 
 
-def _walk_chosen(
-    table: StackTable, chosen: np.ndarray, wi: np.ndarray, wo: np.ndarray, walks: int, seed: int
-) -> tuple[np.ndarray, np.ndarray]:
-    """`walk_all` at the pairs where `chosen` (S, M) is set; zero at the others."""
-    f, se = np.zeros(chosen.shape, np.float32), np.zeros(chosen.shape, np.float32)
-    row = np.nonzero(chosen)[0].astype(np.uint32)
-    f[chosen], se[chosen] = walk_pairs(
-        table, row, wi[chosen], wo[chosen], walks=walks, seed=seed
-    )  # fmt: skip
-    return f, se
-
-
 def _adaptive(
     table: StackTable,
     wi: np.ndarray,
@@ -163,8 +151,10 @@ def _adaptive(
         for power in np.unique(exponent):
             chosen = exponent == power
             # Every power has its own seed, because random streams are numbered within one call.
-            part = _walk_chosen(table, chosen, wi, wo, 1 << int(power), second + int(power))
-            f, se = f + part[0], se + part[1]
+            count, seed = 1 << int(power), second + int(power)
+            row = np.nonzero(chosen)[0].astype(np.uint32)
+            part = walk_pairs(table, row, wi[chosen], wo[chosen], walks=count, seed=seed)
+            f[chosen], se[chosen] = part
             progress.update(int(chosen.sum()) << int(power))
     return f, se
 

@@ -7,6 +7,7 @@ from benchmarks.evaluation import samples as sampling
 from benchmarks.evaluation.samples import Samples
 
 from urushi.checks import CoatParameters, one_width
+from urushi.core.microfacet import of_widths
 from urushi.core.probe_pairs import PROBES, probe_pairs
 from urushi.core.table import node_pairs, table_of_values
 from urushi.material import Material
@@ -99,9 +100,10 @@ def evaluate(materials: list, wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
 
 def coats_at(table: StackTable, index: int) -> CoatParameters:
     """The coats (S,) of a place in the stacks, 0 the topmost."""
-    coat = CoatParameters(*(getattr(table, name)[:, index] for name in CoatParameters._fields))
+    alpha, *others = (getattr(table, name) for name in CoatParameters._fields)
     # Single precision may round the smallest width down.
-    return coat._replace(alpha=np.maximum(coat.alpha.astype(np.float64), 0.01))
+    width = of_widths(lambda x: np.maximum(x[:, index].astype(np.float64), 0.01), alpha)
+    return CoatParameters(width, *(x[:, index] for x in others))
 
 
 def lower_values(samples: Samples, coats: int, wi: np.ndarray, wo: np.ndarray) -> np.ndarray:

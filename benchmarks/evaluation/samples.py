@@ -4,14 +4,13 @@ The rows of the table of errors are sets of groups of stacks.
 """
 
 import zlib
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
 from benchmarks.evaluation.distributions import Clear, Table2
 
 from urushi.core import direction_sets, error_metrics
-from urushi.errors import ParameterError
 from urushi.train.distribution import Extended
 from urushi.walk import StackTable, analytic, walk_pairs
 
@@ -32,17 +31,6 @@ class Group:
     distribution: Table2 | Extended
     stacks: int
     probed: tuple[int, ...] = ()
-
-    def __post_init__(self) -> None:
-        if self.stacks < 1:
-            raise ParameterError(
-                f"group '{self.name}' has {self.stacks} stacks; it needs at least one"
-            )
-        if not all(0 < coats <= self.distribution.coats for coats in self.probed):
-            raise ParameterError(
-                f"group '{self.name}' has probed = {self.probed}; "
-                f"its stacks have 1 to {self.distribution.coats} coats"
-            )
 
 
 @dataclass(frozen=True)
@@ -95,7 +83,7 @@ _LOW_TWO = tuple(Group(f"low two, {kind}", Extended(1, kind, "low"), 8) for kind
 _LOW_THREE = tuple(Group(f"low three, {kind}", Extended(2, kind, "low"), 4) for kind in _KINDS)
 
 
-def _names(groups: Sequence[Group]) -> tuple[str, ...]:
+def _names(groups: tuple[Group, ...]) -> tuple[str, ...]:
     return tuple(group.name for group in groups)
 
 

@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 from functools import partial
 
 import numpy as np
-from benchmarks.evaluation import predict
+from benchmarks.evaluation import predict, samples
 from benchmarks.evaluation.distributions import anisotropic
 from benchmarks.experiment import BOTH, Experiment, Found, Options
 from benchmarks.showing import rounded
@@ -21,7 +21,7 @@ from research.rivals import belcour, weier
 from research.rivals.belcour_bottoms import SUFFIX
 
 import urushi
-from urushi.checks import CoatParameters, Widths
+from urushi.checks import Widths
 from urushi.core import error_metrics
 from urushi.core.direction_sets import cosine_pairs, slope_pairs
 from urushi.material import Material
@@ -100,10 +100,8 @@ def reference(group: Group, table: StackTable, index: int, walks: int) -> dict[s
         np.concatenate([w.reshape(count, -1, 3) for w in sides], axis=1)
         for sides in zip(*pairs, strict=True)
     )
-    row = np.repeat(np.arange(count, dtype=np.uint32), E_PAIRS + P_PAIRS)
-    flat = wi.reshape(-1, 3), wo.reshape(-1, 3)
-    f, se = walk_pairs(table, row, *flat, walks=walks, seed=SEED)
-    return {"wi": wi, "wo": wo, "f": f.reshape(count, -1), "se": se.reshape(count, -1)}
+    f, se = samples.walk_all(table, wi, wo, walks, SEED)
+    return {"wi": wi, "wo": wo, "f": f, "se": se}
 
 
 def predicted(table: StackTable, *, fast: bool = False) -> list[Material]:
@@ -111,15 +109,7 @@ def predicted(table: StackTable, *, fast: bool = False) -> list[Material]:
     codes = np.concatenate([_bottom(table, row).latents for row in range(len(table))])
     whole = Material(codes, anisotropic_model())
     for coat in reversed(range(table.coats)):
-        columns = {
-            name: value.map(lambda x, coat=coat: x[:, coat])
-            if isinstance(value, Widths)
-            else value[:, coat]
-            for name in CoatParameters._fields
-            for value in [getattr(table, name)]
-        }
-        columns["alpha"] = columns["alpha"].map(lambda x: np.maximum(x.astype(np.float64), 0.01))
-        whole = layer_material(CoatParameters(**columns), whole, fast)
+        whole = layer_material(predict.coats_at(table, coat), whole, fast)
     return predict.split(whole)
 
 
@@ -131,14 +121,10 @@ def encoded(table: StackTable) -> list[Material]:
     for row in range(len(table)):
         rows = np.full(len(wi), row, np.uint32)
         values = walk_pairs(table, rows, wi, wo, walks=STACK_WALKS, seed=0)[0]
-        materials.append(material_from_values(values[:, None], model, lobe=_top(table, row)))
+        width = table.alpha.map(lambda x, row=row: np.maximum(x[[row], 0], np.float32(0.01)))
+        lobe = lobes.of_coat(width, table.eta[[row], 0])
+        materials.append(material_from_values(values[:, None], model, lobe=lobe))
     return materials
-
-
-def _top(table: StackTable, row: int) -> np.ndarray:
-    """The lobe (1, 7) of a stack's topmost interface."""
-    width = table.alpha.map(lambda x: np.maximum(x[row : row + 1, 0], np.float32(0.01)))
-    return lobes.of_coat(width, table.eta[row : row + 1, 0])
 
 
 def _bottom(table: StackTable, row: int) -> Material:
@@ -157,9 +143,7 @@ def _bottom(table: StackTable, row: int) -> Material:
 
 def errors(materials: list[Material], held: dict[str, np.ndarray]) -> tuple[np.ndarray, ...]:
     """E (S,) of the stacks, that of the reference, and P (S, `P_PAIRS`)."""
-    f = np.stack(
-        [m.f(*pairs)[:, 0] for m, *pairs in zip(materials, held["wi"], held["wo"], strict=True)]
-    )
+    f = predict.evaluate(materials, held["wi"], held["wo"])
     first, last = slice(None, E_PAIRS), slice(E_PAIRS, None)
     cosines = held["wi"][:, first, 2], held["wo"][:, first, 2]
     found = error_metrics.stack_error(f[:, first], held["f"][:, first], *cosines)
