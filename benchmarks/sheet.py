@@ -6,15 +6,14 @@ A row is `urushi.lerp` of its neighbours among the materials, a column `urushi.l
 """
 
 import argparse
-import os
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from benchmarks import sphere
 from benchmarks.measured import coated
-from matplotlib.figure import Figure
+from benchmarks.showing import figure, mosaic
 from tqdm import tqdm
 
 from urushi.app.encode import read_material
@@ -33,42 +32,13 @@ COATS: dict[str, dict[str, Any] | None] = {
 }
 
 
-def steps(materials: int, rows: int) -> list[tuple[int, float]]:
-    """For each row the index of the material before it, and its fraction of the way to the next."""
-    positions = [row * (materials - 1) / (rows - 1) for row in range(rows)]
-    lower = [min(int(position), materials - 2) for position in positions]
-    return [(k, min(position - k, 1.0)) for k, position in zip(lower, positions, strict=True)]
-
-
-def labels(names: Sequence[str], rows: int) -> list[str]:
-    """The label of each row: its materials and their shares."""
-    result = []
-    for k, t in steps(len(names), rows):
-        parts = [(names[k], 1 - t), (names[k + 1], t)]
-        shares = [f"{name} {share:.0%}" for name, share in parts if share > 0]
-        whole = [name for name, share in parts if share == 1]
-        result.append(whole[0] if whole else "\n".join(shares))
-    return result
-
-
-def draw(
-    path: str | os.PathLike,
-    pictures: np.ndarray,
-    row_labels: Sequence[str],
-    column_labels: Sequence[str],
-) -> None:
-    """Write a sheet of pictures (rows, columns, H, W, 3) of linear radiance, with labels."""
-    rows, columns, height, width, _ = pictures.shape
-    whole = pictures.transpose(0, 2, 1, 3, 4).reshape(rows * height, columns * width, 3)
-    figure = Figure(figsize=(1.3 * columns + 1.2, 1.3 * rows + 0.4), layout="constrained")
-    axis = figure.subplots()
-    axis.imshow(metrics.shown(whole), interpolation="lanczos")
-    axis.set_xticks((np.arange(columns) + 0.5) * width, column_labels)
-    axis.set_yticks((np.arange(rows) + 0.5) * height, row_labels, linespacing=1.4)
-    axis.tick_params(length=0, top=False, labeltop=True, labelbottom=False)
-    axis.spines[:].set_visible(False)
-    with atomic_write(path) as temporary:
-        figure.savefig(temporary, dpi=100, bbox_inches="tight")
+def steps(names: Sequence[str], rows: int) -> Iterator[tuple[int, float, str]]:
+    """For each row the material before it, its fraction of the way to the next, and its label."""
+    for position in np.linspace(0, len(names) - 1, rows):
+        k = min(int(position), len(names) - 2)
+        shares = {names[k]: 1 - position + k, names[k + 1]: position - k}
+        seen = [f"{name} {share:.0%}" for name, share in shares.items() if share > 0]
+        yield k, position - k, "\n".join(seen).removesuffix(" 100%")
 
 
 def main() -> None:
@@ -82,14 +52,20 @@ def main() -> None:
     if len(options.materials) < 2 or options.rows < 2:
         parser.error("a sheet blends materials; give two or more, and two or more rows")
     materials = [read_material(text, None) for text in options.materials]
-    pictures = []
-    for k, share in tqdm(steps(len(materials), options.rows), unit="row"):
+    pictures, labels = [], []
+    names = [Path(text).stem for text in options.materials]
+    for k, share, label in tqdm(steps(names, options.rows), total=options.rows, unit="row"):
+        labels.append(label)
         blend = lerp(materials[k], materials[k + 1], share)
         layers = [blend if coat is None else coated(blend, coat) for coat in COATS.values()]
-        pictures.append([sphere.studio(material.f) for material in layers])
-    grid = np.array(pictures)
-    names = [Path(text).stem for text in options.materials]
-    draw(options.output, grid, labels(names, options.rows), list(COATS))
+        pictures.append([metrics.shown(sphere.studio(material.f)) for material in layers])
+    picture = figure(1.3 * len(COATS) + 1.2, 1.3 * options.rows + 0.4)
+    axis = picture.subplots()
+    mosaic(axis, pictures, labels, list(COATS))
+    axis.tick_params(top=False, labeltop=True, labelbottom=False)
+    axis.spines[:].set_visible(False)
+    with atomic_write(options.output) as temporary:
+        picture.savefig(temporary, dpi=100, bbox_inches="tight")
     print(options.output)
 
 

@@ -49,3 +49,32 @@ def rounded(values: Any, digits: int = 4) -> Any:
 def figure(width: float, height: float) -> Figure:
     """An empty figure of a size in inches."""
     return Figure(figsize=(width, height), layout="constrained")
+
+
+def grid(
+    size: tuple[float, float],
+    titles: Sequence[str],
+    rows: Iterable[tuple[str, Sequence[np.ndarray], Sequence[str]]],
+) -> Figure:
+    """Pictures with titles above the columns; each row has a label, pictures, and notes below."""
+    picture, rows = figure(*size), list(rows)
+    axes = picture.subplots(len(rows), len(titles), squeeze=False)
+    for line, (label, shown, notes) in zip(axes, rows, strict=True):
+        line[0].set_ylabel(label, fontsize=8)
+        for axis, image, note in zip(line, shown, notes, strict=True):
+            axis.imshow(image)
+            axis.set(xticks=[], yticks=[])
+            axis.set_xlabel(note, fontsize=8)
+    for axis, title in zip(axes[0], titles, strict=True):
+        axis.set_title(title, fontsize=8)
+    return picture
+
+
+def mosaic(axis: Any, pictures: Any, rows: Sequence[str], columns: Sequence[str]) -> None:
+    """Pictures (rows, columns, H, W, 3) in [0, 1] without gaps, and their labels."""
+    across, down, height, width, _ = np.shape(pictures)
+    whole = np.moveaxis(pictures, 2, 1).reshape(across * height, down * width, 3)
+    axis.imshow(whole, interpolation="lanczos")
+    axis.set_xticks((np.arange(down) + 0.5) * width, columns)
+    axis.set_yticks((np.arange(across) + 0.5) * height, rows, linespacing=1.4)
+    axis.tick_params(length=0)

@@ -10,7 +10,7 @@ import mitsuba as mi
 import numpy as np
 from benchmarks import spheres
 from benchmarks.experiment import NETWORKS, Experiment, Found, Options, Pictures
-from benchmarks.showing import figure, percent, rounded, table
+from benchmarks.showing import figure, mosaic, percent, rounded, table
 
 import urushi
 from urushi.core import direction_sets
@@ -82,19 +82,9 @@ def plot(found: Found, pictures: Pictures) -> Any:
     for axis, (grid, ((row_label, rows), (column_label, columns))) in zip(
         axes, GRIDS.items(), strict=True
     ):
-        whole = [
-            [pictures(f"{grid}, {row:g}, {column:g}")["sphere"] for column in columns]
-            for row in rows
-        ]
-        axis.imshow(
-            np.concatenate([np.concatenate(line, axis=1) for line in whole]),
-            interpolation="lanczos",
-        )
-        middle = (np.arange(len(columns)) + 0.5) * SIZE
-        axis.set_xticks(middle, [f"{value:g}" for value in columns])
-        axis.set_yticks(middle, [f"{value:g}" for value in rows])
+        whole = [[pictures(f"{grid}, {y:g}, {x:g}")["sphere"] for x in columns] for y in rows]
+        mosaic(axis, whole, [f"{value:g}" for value in rows], [f"{value:g}" for value in columns])
         axis.set(xlabel=column_label, ylabel=row_label)
-        axis.tick_params(length=0)
         for i, row in enumerate(rows):
             for j, column in enumerate(columns):
                 text = f"E {percent(found[f'{grid}, {row:g}, {column:g}'][0])}"

@@ -13,7 +13,7 @@ import numpy as np
 from benchmarks import spheres
 from benchmarks.experiment import NETWORKS, Experiment, Found, Options, Pictures
 from benchmarks.pictures import Picture, View, at_equal_time, converged
-from benchmarks.showing import figure, table
+from benchmarks.showing import grid, table
 from gallery import stage
 
 from urushi.core import error_metrics as metrics
@@ -97,23 +97,16 @@ def _error(image: np.ndarray, truth: Picture, own: Any) -> float:
 
 def plot(found: Found, pictures: Pictures) -> Any:
     """A column for each material, a row for each method."""
-    picture = figure(8.6, 6.9)
-    axes = picture.subplots(len(PLUGINS) + 1, len(found))
-    for column, (material, methods) in enumerate(found.items()):
-        axes[0, column].set_title(material.replace(", ", ",\n"), fontsize=9)
-        for row, name in enumerate([*PLUGINS, "reference"]):
-            axis = axes[row, column]
-            axis.imshow(pictures(material)[name])
-            axis.set(xticks=[], yticks=[])
-            if column == 0:
-                end = "\nconverged" if name == "reference" else ",\nequal time"
-                axis.set_ylabel(name.replace("reference", "walk,") + end, fontsize=9)
-            text = f"{REFERENCE} samples"
-            if name in methods:
-                of = methods[name]
-                text = f"error {of['error']:.2g}\n{of['samples']:.0f} samples"
-            axis.set_xlabel(text, fontsize=8)
-    return picture
+    rows = []
+    for name in (*PLUGINS, "reference"):
+        label, notes = f"{name},\nequal time", [f"{REFERENCE} samples"] * len(found)
+        if name in PLUGINS:
+            parts = [methods[name] for methods in found.values()]
+            notes = [f"error {of['error']:.2g}\n{of['samples']:.0f} samples" for of in parts]
+        else:
+            label = "walk,\nconverged"
+        rows.append((label, [pictures(material)[name] for material in found], notes))
+    return grid((8.6, 6.9), [material.replace(", ", ",\n") for material in found], rows)
 
 
 def tables(found: Found) -> list[str]:

@@ -12,7 +12,7 @@ import numpy as np
 from benchmarks import sphere
 from benchmarks.experiment import NETWORKS, Experiment, Found, Options, Pictures
 from benchmarks.measured import Measured, Reciprocal, coated, error, materials
-from benchmarks.showing import figure, percent, table
+from benchmarks.showing import grid, percent, table
 
 import urushi
 from urushi.core import direction_sets
@@ -90,20 +90,12 @@ def layered(surface: Any, coats: list, form: str, options: Options) -> Material:
 
 def plot(found: Found, pictures: Pictures) -> Any:
     """A row for each material: for each coat the walk, and codes and tables with E."""
-    picture, names = figure(11, 8.6), [name for name in SHOWN if name in found]
-    columns = [(coats, form) for coats in COATS for form in ("walk", *FORMS)]
-    axes = picture.subplots(len(names), len(columns), squeeze=False)
-    for row, name in zip(axes, names, strict=True):
-        shown = pictures(name)["spheres"]
-        for axis, image, (coats, form) in zip(row, shown, columns, strict=True):
-            axis.imshow(image)
-            axis.set(xticks=[], yticks=[])
-            if row is axes[0]:
-                axis.set_title(f"{coats},\n{form}", fontsize=7)
-            if form in FORMS:
-                axis.set_xlabel(f"E {percent(found[name][form][coats])}", fontsize=8)
-        row[0].set_ylabel(f"{name}\n({found[name]['file']})", fontsize=7)
-    return picture
+    columns, rows = [(coats, form) for coats in COATS for form in ("walk", *FORMS)], []
+    for name in (name for name in SHOWN if name in found):
+        own = found[name]
+        notes = [f"E {percent(own[f][c])}" if f in FORMS else "" for c, f in columns]
+        rows.append((f"{name}\n({own['file']})", pictures(name)["spheres"], notes))
+    return grid((11, 8.6), [f"{coats},\n{form}" for coats, form in columns], rows)
 
 
 def tables(found: Found) -> list[str]:
