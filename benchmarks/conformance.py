@@ -16,12 +16,13 @@ from typing import Any, NamedTuple
 
 import mitsuba as mi
 import numpy as np
+from benchmarks.measures import Brdf, channel_errors
 from research.rivals import openpbr_recipe
 from tqdm import tqdm
 
 from urushi import files
 from urushi.checks import finite
-from urushi.core import direction_sets, error_metrics
+from urushi.core import direction_sets
 from urushi.errors import ParameterError
 from urushi.files import read_npz
 from urushi.mitsuba.reading import probing
@@ -32,9 +33,6 @@ PAIRS = 300
 
 KIND, VERSION = "conformance", 1
 FILE = Path(__file__).with_suffix(".safetensors")
-
-#: f(wi, wo) -> (N, 3) [1/sr].
-Brdf = Callable[[np.ndarray, np.ndarray], np.ndarray]
 
 
 class Reference(NamedTuple):
@@ -113,11 +111,6 @@ def errors(values: np.ndarray, reference: Reference) -> Errors:
     # Pairs have cosine density on both sides, so that albedos are plain means.
     albedo = values.mean(1) / reference.f.mean(1, dtype=np.float64) - 1
     return Errors(np.array(e), albedo.mean(1))
-
-
-def channel_errors(values: np.ndarray, f: np.ndarray, wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
-    """E of each channel (3,), of values (N, 3)."""
-    return error_metrics.stack_error(values.T, f.T, wi[:, 2], wo[:, 2])
 
 
 def table(reference: Reference, results: Mapping[str, Errors]) -> str:

@@ -8,14 +8,13 @@ the slices, albedos and spheres it is only made isotropic.
 """
 
 import argparse
-from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from benchmarks import sphere
-from benchmarks.measured import error
+from benchmarks.measures import Brdf, albedos, error, in_plane
 from benchmarks.pictures import compare
 from benchmarks.showing import percent, table
 from matplotlib.figure import Figure
@@ -24,7 +23,6 @@ import urushi
 from urushi.app.encode import Encode
 from urushi.core import error_metrics as metrics
 from urushi.core.direction_sets import cosine_pairs, half_angle_pairs
-from urushi.core.quadrature import half_vector_rule
 from urushi.errors import UrushiError
 from urushi.files import atomic_write, new_folder
 from urushi.material import Material
@@ -49,8 +47,6 @@ STYLES = {
 }
 #: Values this far below a slice's largest are not shown.
 RANGE = 1e-5
-
-Brdf = Callable[[np.ndarray, np.ndarray], np.ndarray]
 
 
 @dataclass(frozen=True)
@@ -89,8 +85,10 @@ def examine(source: Any, material: Material) -> Examination:
         "reciprocity": found.deviations.reciprocity,
         "PSNR": compare(pictures[1], pictures[0], inside).psnr,
     }
-    slices, albedos = (np.stack(np.broadcast_arrays(*map(of, both))) for of in (_slices, _albedos))
-    return Examination(figures, slices, albedos, np.stack(pictures))
+    lit = in_plane(-np.radians(ALBEDO_ANGLES))
+    parts = map(_slices, both), (albedos(f, lit, anisotropic=True) for f in both)
+    slices, shares = (np.stack(np.broadcast_arrays(*part)) for part in parts)
+    return Examination(figures, slices, shares, np.stack(pictures))
 
 
 def _opened(source: Any) -> Source:
@@ -114,32 +112,17 @@ def _isotropic(source: Source, averaged: bool) -> Brdf:
     return mean if averaged else columns
 
 
-def _albedos(f: Brdf) -> np.ndarray:
-    """Directional albedos (`ALBEDO_ANGLES`, C)."""
-    wi = _in_plane(-np.array(ALBEDO_ANGLES))
-    wo, weights = half_vector_rule(wi, anisotropic=True)
-    count, nodes = weights.shape
-    values = f(np.repeat(wi, nodes, axis=0), wo.reshape(-1, 3).astype(np.float32))
-    return np.einsum("inc,in->ic", values.reshape(count, nodes, -1), weights * wo[..., 2])
-
-
 def _slices(f: Brdf) -> np.ndarray:
     """f in the plane of incidence (`INCIDENT`, `OUTGOING`, C)."""
     count = len(INCIDENT), len(OUTGOING)
-    wi = np.repeat(_in_plane(-np.array(INCIDENT)), count[1], axis=0)
-    return f(wi, np.tile(_in_plane(OUTGOING), (count[0], 1))).reshape(*count, -1)
-
-
-def _in_plane(degrees: np.ndarray) -> np.ndarray:
-    """Unit vectors float32 (N, 3) in the xz plane, by signed angles from the normal."""
-    angles = np.radians(degrees)
-    return np.stack([np.sin(angles), 0 * angles, np.cos(angles)], axis=-1).astype(np.float32)
+    wi = np.repeat(in_plane(-np.radians(INCIDENT)), count[1], axis=0)
+    return f(wi, np.tile(in_plane(np.radians(OUTGOING)), (count[0], 1))).reshape(*count, -1)
 
 
 def draw(path: Path, name: str, examination: Examination) -> None:
     """Draw an examination: f in the plane of incidence, albedos, and spheres."""
     figure = Figure(figsize=(11, 6.4), layout="constrained")
-    upper, (albedos, *spheres) = figure.subplots(2, 3, height_ratios=(1, 1.1))
+    upper, (shares, *spheres) = figure.subplots(2, 3, height_ratios=(1, 1.1))
     largest = max(float(examination.slices.max()), 1e-6)
     for axis, incident, values in zip(
         upper, INCIDENT, np.moveaxis(examination.slices, 1, 0), strict=True
@@ -149,11 +132,11 @@ def draw(path: Path, name: str, examination: Examination) -> None:
         axis.set(yscale="log", ylim=(largest * RANGE, 2 * largest), xlim=(-90, 90))
         axis.set(title=f"light from {incident:g}°", xlabel="outgoing angle")
     upper[0].set_ylabel("f [1/sr]")
-    _lines(albedos, np.array(ALBEDO_ANGLES), examination.albedos)
-    albedos.set(title="directional albedo", xlabel="angle of light", ylim=(0, None))
+    _lines(shares, np.array(ALBEDO_ANGLES), examination.albedos)
+    shares.set(title="directional albedo", xlabel="angle of light", ylim=(0, None))
     for label, style in STYLES.items():
-        albedos.plot([], [], color="black", label=label, **style)
-    albedos.legend()
+        shares.plot([], [], color="black", label=label, **style)
+    shares.legend()
     for axis, picture, title in zip(spheres, examination.pictures, STYLES, strict=True):
         axis.imshow(metrics.shown(picture), interpolation="lanczos")
         axis.set_axis_off()

@@ -9,7 +9,6 @@ import numpy as np
 from benchmarks.rivals import nbrdf
 
 import urushi
-from urushi.core import error_metrics
 from urushi.measured import Merl, load_measured
 from urushi.measured.merl import SHAPE
 from urushi.measured.tabulated import MeasuredSurface, bin_centres
@@ -75,9 +74,3 @@ def coated(material: Any, coat: dict, layer: Callable[..., Any] = urushi.layer) 
     """The material under a coat; layer: of the material's system."""
     medium = {name: value for name, value in coat.items() if name not in ("alpha", "eta")}
     return layer(urushi.dielectric(coat["alpha"], coat["eta"]), material, **medium)
-
-
-def error(f_hat: np.ndarray, f: np.ndarray, wi: np.ndarray, wo: np.ndarray) -> float:
-    """E, the mean over channels, that are not black, of values (N, C)."""
-    lit = f.max(axis=0) > 0
-    return float(error_metrics.stack_error(f_hat.T[lit], f.T[lit], wi[:, 2], wo[:, 2]).mean())

@@ -12,11 +12,11 @@ the normal, and their values are distributed bilinearly to the cells around them
 regions the weights are blended.
 """
 
-from collections.abc import Callable
 from functools import cache
 from typing import NamedTuple
 
 import numpy as np
+from benchmarks.measures import Brdf
 from gallery import stage
 from gallery.stage import Light
 
@@ -41,9 +41,6 @@ LIGHTS = (
     Light(towards=(1.2, -0.3, 0.3), size=(0.10, 0.55), radiance=(7.0, 7 * 0.85, 7 * 0.65)),
     Light(towards=(0.2, 1.0, 0.6), size=(0.50, 0.12), radiance=(8 * 0.55, 8 * 0.75, 8.0)),
 )
-
-#: f(wi, wo) -> (N, 3) or (N, 1) [1/sr].
-Brdf = Callable[[np.ndarray, np.ndarray], np.ndarray]
 
 
 class Nodes(NamedTuple):

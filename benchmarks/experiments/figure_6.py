@@ -10,11 +10,11 @@ import mitsuba as mi
 import numpy as np
 from benchmarks import spheres
 from benchmarks.experiment import NETWORKS, Experiment, Found, Options, Pictures
+from benchmarks.measures import error
 from benchmarks.showing import figure, mosaic, percent, rounded, table
 
 import urushi
 from urushi.core import direction_sets
-from urushi.core.error_metrics import stack_error
 
 #: The grids: labels and values of rows and of columns.
 GRIDS = {
@@ -57,7 +57,7 @@ def measure(case: Any, options: Options) -> tuple[list[float], dict[str, np.ndar
     top = urushi.dielectric(coat["alpha"], coat["eta"])
     medium = {name: coat[name] for name in ("sigma_t", "albedo", "g")}
     ours = urushi.layer(top, urushi.encode(base, options.weights), **medium).f(wi, wo)
-    e = [stack_error(x.T, f.T, wi[:, 2], wo[:, 2]).mean() for x in (ours, f + se)]
+    e = [error(x, f, wi, wo) for x in (ours, f + se)]
     halves = [sphere(name, coat, bottom, options) for name in ("neural_layered", "layered")]
     middle = SIZE // 2
     joined = np.concatenate([halves[0][:, :middle], halves[1][:, middle:]], axis=1)

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 from benchmarks.experiment import NETWORKS, Experiment, Found, Options, Pictures
+from benchmarks.measures import in_plane
 from benchmarks.showing import COLOURS, figure, percent, rounded, table
 
 import urushi
@@ -21,9 +22,8 @@ WALKS, GOLD = 1 << 15, (1.0, 0.78, 0.34)
 
 def measure(interfaces: int, options: Options) -> Found:
     """f cos θo of gold under coats, by walk and codes; the green channel."""
-    angle, tilt = np.radians(OUTGOING), np.radians(INCIDENT)
-    wo = np.stack([np.sin(angle), 0 * angle, np.cos(angle)], axis=-1)
-    wi = np.tile([-np.sin(tilt), 0, np.cos(tilt)], (len(wo), 1))
+    wo = in_plane(np.radians(OUTGOING))
+    wi = np.repeat(in_plane([-np.radians(INCIDENT)]), len(wo), axis=0)
     reference: Any = urushi.conductor(alpha=0.12, r0=GOLD)
     material: Any = urushi.encode(reference, options.weights)
     medium = {"albedo": 0.7, "sigma_t": 0.25, "g": 0.4}

@@ -11,7 +11,8 @@ from typing import Any
 import numpy as np
 from benchmarks import sphere
 from benchmarks.experiment import NETWORKS, Experiment, Found, Options, Pictures
-from benchmarks.measured import Measured, Reciprocal, coated, error, materials
+from benchmarks.measured import Measured, Reciprocal, coated, materials
+from benchmarks.measures import error
 from benchmarks.showing import grid, percent, table
 
 import urushi

@@ -15,6 +15,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from benchmarks.evaluation import benchmark, predict
 from benchmarks.experiment import NETWORKS, Experiment, Found, Options, Pictures
+from benchmarks.measures import in_plane
 from benchmarks.showing import COLOURS, figure, rounded, table
 from fan2022.inference import MIN_SHARE, MIN_SIGMA, GaussianMixture
 from tqdm import tqdm
@@ -44,9 +45,7 @@ class Drawn(NamedTuple):
 
 def draw(material: Material, seed: int) -> Drawn:
     """Draw directions from the material's own proposal."""
-    theta = np.radians(ANGLES)
-    wi = np.stack([np.sin(theta), 0 * theta, np.cos(theta)], axis=-1).astype(np.float32)
-    wi = np.repeat(wi, SAMPLES, axis=0)
+    wi = np.repeat(in_plane(np.radians(ANGLES)), SAMPLES, axis=0)
     u = np.random.default_rng(seed).random((len(wi), 3), np.float32)
     wo, pdf = material.sample(wi, u)
     f_cos = material.f(wi, wo).mean(axis=1) * wo[:, 2]

@@ -11,8 +11,8 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from benchmarks import conformance
 from benchmarks.experiment import NETWORKS, Experiment, Found, Options
+from benchmarks.measures import channel_errors
 from benchmarks.referee import materials, methods
 from benchmarks.showing import rounded, table
 
@@ -48,7 +48,7 @@ def measure(name: str, options: Options) -> dict[str, Any]:
     chosen = list(materials.STACKS)[:: max(1, round(1 / options.share))]
     if name == TRUTH:
         own = (truth(x, walks) for x in chosen)
-        e = [conformance.channel_errors(f + np.sqrt(2 / np.pi) * se, f, wi, wo) for f, se in own]
+        e = [channel_errors(f + np.sqrt(2 / np.pi) * se, f, wi, wo) for f, se in own]
         return {"E": {x: float(f"{v.mean():.3g}") for x, v in zip(chosen, e, strict=True)}}
     method = methods.METHODS[name]
     try:
@@ -62,7 +62,7 @@ def measure(name: str, options: Options) -> dict[str, Any]:
     errors, albedos = {}, {}
     for x, f in values.items():
         reference = truth(x, walks)[0]
-        errors[x] = float(f"{conformance.channel_errors(f, reference, wi, wo).mean():.4g}")
+        errors[x] = float(f"{channel_errors(f, reference, wi, wo).mean():.4g}")
         ratio = f.mean(0, dtype=np.float64) / reference.mean(0, dtype=np.float64)
         albedos[x] = float(f"{(ratio - 1).mean():.4g}")
     return {

@@ -16,6 +16,7 @@ import numpy as np
 from benchmarks.evaluation import benchmark, samples
 from benchmarks.evaluation.samples import GROUPS
 from benchmarks.experiment import Experiment, Found, Options, Pictures
+from benchmarks.measures import in_plane
 from benchmarks.showing import figure, interval, rounded, table
 
 import urushi
@@ -23,12 +24,6 @@ from urushi.walk import interface, walk
 from urushi.walk.exits import ExitPaths
 from urushi.walk.interface import flip
 from urushi.walk.simulate import albedo
-
-
-@contextlib.contextmanager
-def right() -> Iterator[None]:
-    """The walk as it is."""
-    yield
 
 
 @contextlib.contextmanager
@@ -71,7 +66,7 @@ _through_top = ExitPaths.through_top
 
 #: The walks by name, the right one first.
 VARIANTS = {
-    "right": right,
+    "right": contextlib.nullcontext,
     "reverse density": reverse_density,
     "dropped connection": dropped_connection,
 }
@@ -80,8 +75,9 @@ VARIANTS = {
 #: GGX widths of the furnaces, and their relative index.
 ALPHAS = (0.01, 0.02, 0.03, 0.05, 0.07, 0.1, 0.14, 0.2, 0.3, 0.4, 0.5, 0.7, 1.0)
 ETA = 1.5
-#: Angle of incidence [degrees].
+#: Angle of incidence [degrees], and the unit vector (1, 3) of all albedos.
 INCIDENT = 30.0
+WI = in_plane([np.radians(INCIDENT)])
 #: Optical depths of the medium above the bottoms whose interior light is measured.
 DEPTHS = (0.0, 1.0)
 #: Width of the coat above them.
@@ -91,12 +87,6 @@ WALKS, PAIR_WALKS = 1 << 22, 1 << 15
 SEED = 11
 #: The held-out stacks of the paper's Table 2 in the stored benchmark set.
 STACKS = tuple(group for group in GROUPS if group.name == "two, table2")
-
-
-def incident() -> np.ndarray:
-    """The unit vector wi (1, 3) of all albedos."""
-    angle = np.radians(INCIDENT)
-    return np.array([[np.sin(angle), 0, np.cos(angle)]], np.float32)
 
 
 def cases(options: Options) -> dict[str, Callable[[], Found]]:
@@ -129,7 +119,7 @@ def interior(alphas: Sequence[float], walks: int) -> Found:
         ]
         found[f"depth {depth:g}"] = albedos(stacks, walks)
     black = urushi.coat(urushi.diffuse(0), COAT_ALPHA, ETA, albedo=0, sigma_t=0)
-    found["top"] = float(albedo(black, incident(), walks=walks, seed=SEED)[0][0, 0])
+    found["top"] = float(albedo(black, WI, walks=walks, seed=SEED)[0][0, 0])
     return found
 
 
@@ -138,7 +128,7 @@ def albedos(stacks: Sequence[Any], walks: int) -> Found:
     found = {}
     for name, variant in VARIANTS.items():
         with variant():
-            values = [albedo(stack, incident(), walks=walks, seed=SEED) for stack in stacks]
+            values = [albedo(stack, WI, walks=walks, seed=SEED) for stack in stacks]
         mean, se = np.array(values)[:, :, 0, 0].T
         found[name] = {"albedo": rounded(mean, 5), "se": rounded(se, 2)}
     return found

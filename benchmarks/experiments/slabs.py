@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 from benchmarks.experiment import Experiment, Found, Options, Pictures
+from benchmarks.measures import in_plane
 from benchmarks.showing import COLOURS, figure, rounded, table
 
 import urushi
@@ -34,8 +35,7 @@ SMOOTH = ("window", "smoked glass")
 
 def measure(slab: tuple[float, ...], options: Options) -> Found:
     """Shares of one slab at `ANGLES`: of the walk [reflected, transmitted], of the tables."""
-    theta, (alpha, eta, *medium) = np.radians(ANGLES), slab
-    wi = np.stack([np.sin(theta), 0 * theta, np.cos(theta)], axis=1).astype(np.float32)
+    wi, (alpha, eta, *medium) = in_plane(np.radians(ANGLES)), slab
     described, walks = urushi.slab(*slab), options.count(WALKS, 1 << 10)
     walked = [
         albedo(described, wi, walks=walks, seed=SEED, transmitted=passed)

@@ -15,7 +15,7 @@ import jax
 import numpy as np
 from benchmarks import sphere, timing
 from benchmarks.experiment import NETWORKS, PARTS, Experiment, Found, Options, Pictures
-from benchmarks.measured import error as e_of
+from benchmarks.measures import error as e_of
 from benchmarks.pictures import compare
 from benchmarks.rivals import ggx_fit, nbrdf, rainer
 from benchmarks.rivals.perceptron import size, training_pairs

@@ -4,6 +4,7 @@ A method raises `ParameterError` for a stack that it cannot describe, and OSErro
 installed. docs/referee.md states the mappings.
 """
 
+import contextlib
 import json
 import os
 import subprocess
@@ -18,18 +19,16 @@ import mitsuba as mi
 import numpy as np
 from benchmarks import conformance, timing
 from benchmarks.experiments import simulator_biases
+from benchmarks.measures import Brdf, albedos
 from benchmarks.referee import materials
 from research.rivals import belcour, openpbr_recipe, plugins, weidlich
 
 import urushi
-from urushi.core.quadrature import half_vector_rule
 from urushi.errors import ParameterError
 from urushi.mitsuba.reading import probing
 from urushi.openpbr_surface.description import parameters as openpbr_parameters
 from urushi.walk import Conductor, Diffuse, Stack
 
-#: f(wi, wo) -> (N, 3) [1/sr].
-Brdf = Callable[[np.ndarray, np.ndarray], np.ndarray]
 #: Evaluations in a kernel, and turns of which the fastest counts.
 EVALUATIONS, TURNS = 1 << 16, 5
 #: The stack whose evaluation is timed, and that of methods without metals.
@@ -59,12 +58,15 @@ def evaluated(
     """f (N, 3) of the stacks that a method describes, by name."""
     if method.batch is not None:
         return method.batch(stacks, wi, wo)[0]
+    return {name: f(wi, wo) for name, f in built(method, stacks, walks).items()}
+
+
+def built(method: Method, stacks: Mapping[str, Stack], walks: int) -> dict[str, Brdf]:
+    """f of the stacks that a method describes, by name."""
     found = {}
     for name, stack in stacks.items():
-        try:
-            found[name] = method.build(stack, walks)(wi, wo)
-        except ParameterError:
-            continue
+        with contextlib.suppress(ParameterError):
+            found[name] = method.build(stack, walks)
     return found
 
 
@@ -73,13 +75,9 @@ def furnace(method: Method, walks: int) -> dict[str, list[float]]:
     if method.batch is not None:
         found = method.batch(materials.WHITE, *materials.pairs())[1]
         return {name: x.mean(1).tolist() for name, x in found.items()}
-    wo, weights = half_vector_rule(materials.lit())
-    each = np.repeat(materials.lit()[:, None], len(wo[0]), 1)
-    flat = [w.reshape(-1, 3).astype(np.float32) for w in (each, wo)]
-    weights = weights * wo[..., 2]
     return {
-        name: (f.mean(-1).reshape(weights.shape) * weights).sum(1).tolist()
-        for name, f in evaluated(method, materials.WHITE, walks, *flat).items()
+        name: albedos(f, materials.lit()).mean(-1).tolist()
+        for name, f in built(method, materials.WHITE, walks).items()
     }
 
 
@@ -251,10 +249,8 @@ def in_blender(
         raise FileNotFoundError(f"{BPY} names no Python with Blender's module bpy")
     mapped = {}
     for name, stack in stacks.items():
-        try:
+        with contextlib.suppress(ParameterError):
             mapped[name] = cycles(stack)
-        except ParameterError:
-            continue
     with tempfile.TemporaryDirectory() as folder:
         source, target = Path(folder) / "pairs.npz", Path(folder) / "f.npy"
         sun = np.repeat(np.arange(materials.ANGLES), materials.EACH)
@@ -268,7 +264,7 @@ def in_blender(
 
 
 METHODS: dict[str, Method] = {
-    "walk, 128 walks": of_walk(lambda stack: stack, simulator_biases.right, "layered"),
+    "walk, 128 walks": of_walk(lambda stack: stack, contextlib.nullcontext, "layered"),
     "Urushi, tables": Method(
         lambda stack, _: encoded(stack).f, partial(over_metal, "neural_layered")
     ),

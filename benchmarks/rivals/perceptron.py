@@ -15,11 +15,10 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import optax
+from benchmarks.measures import Brdf
 
 from urushi.core.directions import directions_at
 
-#: f(wi, wo) -> (N, 3) or (N, 1) [1/sr] for float32 unit vectors (N, 3).
-Brdf = Callable[[np.ndarray, np.ndarray], np.ndarray]
 #: Weights (inputs, outputs) and bias (outputs,) of each layer.
 Layers = tuple[tuple[Any, Any], ...]
 #: Samples per step of a training by passes.

@@ -10,7 +10,8 @@ import numpy as np
 from benchmarks.evaluation import benchmark_set, samples
 from benchmarks.evaluation.distributions import Table2
 from benchmarks.evaluation.samples import Group
-from benchmarks.measured import coated, error, materials
+from benchmarks.measured import coated, materials
+from benchmarks.measures import albedos, error, in_plane
 from benchmarks.showing import rounded
 from benchmarks.verdict import fits
 from benchmarks.verdict import methods as known
@@ -30,8 +31,8 @@ from urushi.walk.simulate import albedo as walked_albedo
 STACKS, FITTED, SEED = 12, 4, 23
 #: Pairs of directions over measured bottoms.
 PAIRS = 100
-#: White stacks: widths of the coat, and cosines at which their albedo is measured, by directions.
-WIDTHS, ALBEDO_COSINES, DIRECTIONS = (0.1, 0.5), (0.1, 0.3, 0.6, 1.0), 1 << 14
+#: White stacks: widths of the coat, and cosines at which their albedo is measured.
+WIDTHS, ALBEDO_COSINES = (0.1, 0.5), (0.1, 0.3, 0.6, 1.0)
 #: Measured bottoms, and the coats over them.
 BOTTOMS = 3
 OVER: tuple[dict[str, Any], ...] = (
@@ -136,29 +137,14 @@ def laws(paper: PaperNetworks) -> dict[str, float]:
 
     That of the walk is by its own directions (`urushi.walk.simulate.albedo`).
     """
-    rng = np.random.default_rng(SEED)
-    radius, turn = np.sqrt(rng.uniform(size=DIRECTIONS)), rng.uniform(0, 2 * np.pi, DIRECTIONS)
-    wo = np.stack([radius * np.cos(turn), radius * np.sin(turn), np.sqrt(1 - radius**2)], axis=-1)
-    wo = wo.astype(np.float32)
-    found: dict[str, float] = {}
+    wi, found = in_plane(np.arccos(ALBEDO_COSINES)), dict[str, float]()
     for alpha in WIDTHS:
         for bottom in (urushi.diffuse(1.0), urushi.conductor(alpha=alpha, r0=1.0)):
-            for name, f in _white(alpha, bottom, paper).items():
-                for cosine in ALBEDO_COSINES:
-                    wi = np.repeat(_tilted((cosine,)), DIRECTIONS, axis=0)
-                    # Directions have cosine density: the albedo is pi times the mean of f.
-                    albedo = float(np.pi * f(wi, wo)[:, 0].mean())
-                    found[name] = max(found.get(name, 0.0), albedo)
-            stack = urushi.coat(bottom, alpha, 1.5)
-            walked, _ = walked_albedo(stack, _tilted(ALBEDO_COSINES), seed=SEED)
-            found[known.WALK] = max(found.get(known.WALK, 0.0), float(walked.max()))
+            made = {name: albedos(f, wi) for name, f in _white(alpha, bottom, paper).items()}
+            made[known.WALK], _ = walked_albedo(urushi.coat(bottom, alpha, 1.5), wi, seed=SEED)
+            for name, albedo in made.items():
+                found[name] = max(found.get(name, 0.0), float(albedo[:, 0].max()))
     return {name: float(f"{albedo:.4g}") for name, albedo in found.items()}
-
-
-def _tilted(cosines: tuple[float, ...]) -> np.ndarray:
-    """Unit vectors float32 (N, 3) of these cosines, in the xz plane."""
-    z = np.array(cosines)
-    return np.stack([np.sqrt(1 - z**2), np.zeros_like(z), z], axis=-1).astype(np.float32)
 
 
 def _white(alpha: float, bottom: Any, paper: PaperNetworks) -> dict[str, fits.Brdf]:

@@ -12,6 +12,7 @@ from typing import Any, NamedTuple
 import drjit as dr
 import mitsuba as mi
 import numpy as np
+from benchmarks.measures import Brdf
 from benchmarks.rivals import ggx_fit, nbrdf
 from research.rivals import openpbr_recipe as recipe
 from scipy.optimize import least_squares
@@ -20,8 +21,6 @@ from urushi.core import table
 from urushi.core.directions import turned
 from urushi.mitsuba.reading import probing
 
-#: f(wi, wo) -> (N, C) [1/sr].
-Brdf = Callable[[np.ndarray, np.ndarray], np.ndarray]
 #: Pairs of a fit, evaluations of its residuals at most, and step of their derivatives.
 PAIRS, EVALUATIONS, STEP = 1200, 40, 1e-3
 #: Passes of an NBRDF's training; thirty gave the same errors in a trial.

@@ -104,7 +104,7 @@ def test_the_interval_covers_the_mean_as_often_as_it_says():
 def test_faults_of_walks_move_energy_as_the_page_says(alpha):
     mirror = urushi.conductor(alpha=alpha, r0=1)
     stack = urushi.coat(mirror, alpha, 1.5, albedo=1, sigma_t=0)
-    wi = simulator_biases.incident()
+    wi = simulator_biases.WI
     expected = adding_doubling.albedo(stack, wi[:, 2].astype(float))[0, 0] if alpha > 0.1 else 1.0
     found = {}
     for name, variant in simulator_biases.VARIANTS.items():

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from benchmarks import experiment, layering_values
 from benchmarks.experiments import coat_roughness, referee
+from benchmarks.measures import channel_errors
 from benchmarks.referee import materials, methods
 
 import urushi
@@ -61,7 +62,7 @@ def test_a_paint_is_the_same_by_tables_and_by_roughplastic(rgb):
     wi, wo = materials.pairs()
     named = ("Urushi, tables", "Mitsuba's `roughplastic`")
     first, second = (methods.METHODS[name].build(stack, 1)(wi, wo) for name in named)
-    assert methods.conformance.channel_errors(first, second, wi, wo).max() < 0.02
+    assert channel_errors(first, second, wi, wo).max() < 0.02
 
 
 def test_reference_values_agree_with_the_walk():
