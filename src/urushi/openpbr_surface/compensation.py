@@ -40,7 +40,7 @@ class Vertex(NamedTuple):
 
     share: Any  # base_metalness
     eta: Any  # the coat's index
-    tint: list  # one spectrum, half the logarithm of coat_color; empty if there is no tint
+    tint: Any  # half the logarithm of coat_color
     path: Any  # length of the refracted path of wi
     parts: list[Part]
 
@@ -62,7 +62,6 @@ class Compensation:
         encoded: whether the coat has codes or a table. coated: makes the twins.
         """
         self._inputs, self._mirror = inputs, InterfaceAlbedo(MIRROR)
-        self._tinted = not inputs.is_constant("coat_color", 1)
         self._losses: dict[float, LostLight] = {}  # by base_metalness of the twin
         for metalness in (0.0, 1.0):
             if not inputs.is_constant("base_metalness", 1 - metalness):
@@ -97,9 +96,7 @@ class Compensation:
         color = inputs.number("base_weight", si, active) * inputs.color("base_color", si, active)
         eta = dr.maximum(inputs.number("coat_ior", si, active), 1.001)
         internal = formulas.internal_reflectance(1 - formulas.mean_fresnel(eta), eta)
-        tint, parts = [], []
-        if self._tinted:
-            tint = [-optical_depth(inputs.color("coat_color", si, active), DRJIT)]
+        tint, parts = -optical_depth(inputs.color("coat_color", si, active), DRJIT), []
         for metalness, loss in self._losses.items():
             albedo = color
             if metalness:  # of light that its facets reflect more than once
@@ -114,9 +111,8 @@ class Compensation:
 
     def with_lost_light(self, vertex: Vertex, f, wo):
         """f [1/sr] of the coated base with the light that it loses."""
-        tint, total = mi.Spectrum(1), f
-        for half_log in vertex.tint:  # of the refracted paths along wi and wo
-            tint = dr.exp(half_log * (vertex.path + _path(wo, vertex.eta)))
+        # Of the refracted paths along wi and wo.
+        tint, total = dr.exp(vertex.tint * (vertex.path + _path(wo, vertex.eta))), f
         for (metalness, loss), part in zip(self._losses.items(), vertex.parts, strict=True):
             one, other = part.lost, loss.lost(wo, part.place)
             mean, positive = loss.means(part.place)

@@ -96,11 +96,8 @@ def index2(w, index):
 
 def tint_of(inputs: Inputs, si, active) -> Any:
     """The factor of light that crosses the base's interface, without a transmission_depth."""
-    clear, scattering = inputs.transmits(SHARES[1]), inputs.transmits(SHARES[2])
-    color = inputs.color("transmission_color", si, active)
-    if not clear or not inputs.is_constant("transmission_depth", 0):
+    if not inputs.transmits(SHARES[1]) or not inputs.is_constant("transmission_depth", 0):
         return mi.Spectrum(1)
-    if not scattering:
-        return color
+    color = inputs.color("transmission_color", si, active)
     found = shares(*(inputs.number(name, si, active) for name in SHARES))
     return dr.lerp(color, 1, found.scattering / dr.maximum(found.transmitting, 1e-6))

@@ -63,13 +63,10 @@ class Film(NamedTuple):
 
 
 class Below(NamedTuple):
-    """Complex index eta + i k of the material below the film, relative to the medium above it.
-
-    k is None for a dielectric.
-    """
+    """Complex index eta + i k of the material below the film, relative to the medium above it."""
 
     eta: Any
-    k: Any = None
+    k: Any = 0.0
 
 
 def color_response(weights: np.ndarray) -> Response:
@@ -112,10 +109,10 @@ def reflectance(
     sine2 = xp.maximum(1 - cosine * cosine, 0) / (film.eta * film.eta)
     inside = xp.sqrt(xp.maximum(1 - sine2, 1e-8))
     path = 2 * film.index * film.thickness * inside
-    k = 0.0 * below.eta if below.k is None else below.k
     # Squared index of the material below relative to the film, and its component along z.
     scale = 1 / (film.eta * film.eta)
-    square = (below.eta * below.eta - k * k) * scale, 2 * below.eta * k * scale
+    eta, k = below
+    square = (eta * eta - k * k) * scale, 2 * eta * k * scale
     along = _root((square[0] - sine2, square[1]), xp)
     front = (
         (cosine - film.eta * inside) / (cosine + film.eta * inside),
