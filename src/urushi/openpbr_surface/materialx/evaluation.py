@@ -36,12 +36,14 @@ MAX_NODES = 2048
 
 #: Directions of the surface, by the names of nodes and of geometric properties.
 _DIRECTIONS = {
-    "normal": (0.0, 0.0, 1.0),
-    "tangent": (1.0, 0.0, 0.0),
-    "bitangent": (0.0, 1.0, 0.0),
+    name: np.array(direction)
+    for direction, names in (
+        ((0.0, 0.0, 1.0), "normal Nworld Nobject"),
+        ((1.0, 0.0, 0.0), "tangent Tworld Tobject"),
+        ((0.0, 1.0, 0.0), "bitangent Bworld Bobject"),
+    )
+    for name in names.split()
 }
-_PROPERTIES = {"Nworld": "normal", "Nobject": "normal", "Tworld": "tangent", "Tobject": "tangent"}
-_PROPERTIES |= {"Bworld": "bitangent", "Bobject": "bitangent"}
 
 #: A number at the beginning of a text, as C++ reads it.
 _NUMBER = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)")
@@ -157,18 +159,16 @@ class Evaluation:
         return None
 
     def _property(self, name: str, where: str) -> np.ndarray:
+        """A geometric property, or what a node of this name gives."""
+        if name in _DIRECTIONS:
+            return _DIRECTIONS[name]
         if name.startswith("UV"):
             return self.texture_coordinates()
-        if name in ("Pobject", "Pworld"):
-            return self._position(where)
-        if name in _PROPERTIES:
-            return np.array(_DIRECTIONS[_PROPERTIES[name]])
-        raise FileError(
-            f"{where} needs the geometric property '{name[:60]}', which is unknown "
-            f"before rendering; {BAKE}"
-        )
-
-    def _position(self, where: str) -> np.ndarray:
+        if name not in ("position", "Pobject", "Pworld"):
+            raise FileError(
+                f"{where} needs the geometric property '{name[:60]}', which is unknown "
+                f"before rendering; {BAKE}"
+            )
         if not self._graph.uv_plane:
             raise FileError(
                 f"{where} needs positions in space, which are unknown before rendering; set "
@@ -183,12 +183,10 @@ class Evaluation:
 
     def _evaluate(self, node: Any, frame: Frame, output: str, where: str) -> np.ndarray:
         tag, kind = node.getCategory(), node.getAttribute("type")
-        if tag in _DIRECTIONS:
-            return np.array(_DIRECTIONS[tag])
+        if tag in ("normal", "tangent", "bitangent", "position"):
+            return self._property(tag, where)
         if tag == "texcoord" or reads_uv(node):
             return self._in_space() if kind == "vector3" else self.texture_coordinates()
-        if tag == "position":
-            return self._position(where)
         if tag in ("image", "hextiledimage"):
             return self._image(node, frame, where)
         if not kind:

@@ -14,7 +14,6 @@ import numpy as np
 
 from urushi.errors import FileError, UrushiWarning
 from urushi.openpbr_surface.materialx.baking import Texture, Value, bake, changes
-from urushi.openpbr_surface.materialx.evaluation import Evaluation
 from urushi.openpbr_surface.materialx.graph import Frame, Graph, Source
 from urushi.openpbr_surface.materialx.shaders import (
     LOST,
@@ -24,6 +23,7 @@ from urushi.openpbr_surface.materialx.shaders import (
     TRANSMITTED_ROUGHNESS,
     Formula,
     Formulas,
+    Inputs,
     renamed,
     separated,
 )
@@ -92,31 +92,17 @@ def warn(message: str) -> None:
     warnings.warn(message, UrushiWarning, stacklevel=3)
 
 
-@dataclass(frozen=True)
-class _Inputs:
-    """`shaders.Inputs` of a shader at the points of an evaluation."""
-
-    reader: "Reader"
-    evaluation: Evaluation
-
-    def __call__(self, name: str) -> np.ndarray:
-        return self.evaluation.input(self.reader.shader, name, self.reader.frame)
-
-    def ends(self, name: str) -> tuple[np.ndarray, np.ndarray]:
-        return self.reader.ends(name)
-
-
 class Reader:
     """Reads the parameters of one shader."""
 
     def __init__(self, graph: Graph, shader: Source, resolution: int, where: str):
-        self.shader, self.frame = shader.element, shader.frame
+        self._shader, self._frame = shader.element, shader.frame
         self._graph, self._resolution, self._where = graph, resolution, where
         self._ends: dict[str, tuple[np.ndarray, np.ndarray]] = {}  # by input
 
     def material(self, name: str) -> Surface | Mix:
         """The material of a name."""
-        tag, given = self.shader.getCategory(), self._given()
+        tag, given = self._shader.getCategory(), self._given()
         if given is not None:
             return self._surface(name, given)
         self._warn_of_losses(tag)
@@ -151,18 +137,18 @@ class Reader:
                 found[key] = self._final(entry, baked)
             elif (normals := self._direction(entry, baked)) is not None:
                 found[key] = normals
-        return Surface(name, self._graph.named(self.shader), _bright(found))
+        return Surface(name, self._graph.named(self._shader), _bright(found))
 
     def _given(self) -> Formulas | None:
         """The parameters that the shader itself, or a graph of the document, gives; else None."""
-        tag, inputs = self.shader.getCategory(), self.shader.getInputs()
+        tag, inputs = self._shader.getCategory(), self._shader.getInputs()
         if tag == TARGET:
             for element in inputs:
                 parameter(element.getName(), self._where)
             follow = self._graph.follow
-            given = [e for e in inputs if follow(e, self.frame, self.shader).is_given]
+            given = [e for e in inputs if follow(e, self._frame, self._shader).is_given]
             return renamed(" ".join(element.getName() for element in given))
-        frame = self._graph.translation(self.shader, self.frame, f"{tag}_to_{TARGET}")
+        frame = self._graph.translation(self._shader, self._frame, f"{tag}_to_{TARGET}")
         if frame is not None:
             outputs = frame.scope.getOutputs()
             named = {child.getName().removesuffix("_out"): child for child in outputs}
@@ -174,9 +160,9 @@ class Reader:
             )
         return None
 
-    def _output(self, output: Any, frame: Frame, inputs: _Inputs) -> np.ndarray:
-        source = self._graph.follow(output, frame, self.shader)
-        return inputs.evaluation.value(source, self.shader)
+    def _output(self, output: Any, frame: Frame, inputs: Inputs) -> np.ndarray:
+        source = self._graph.follow(output, frame, self._shader)
+        return inputs.evaluation.value(source, self._shader)
 
     def ends(self, name: str) -> tuple[np.ndarray, np.ndarray]:
         """The least and the largest value (channels,) of an input on the surface."""
@@ -186,7 +172,7 @@ class Reader:
         return self._ends[name]
 
     def _value(self, formula: Formula) -> Value:
-        return lambda evaluation: formula(_Inputs(self, evaluation))
+        return lambda e: formula(Inputs(e, self._shader, self._frame, self.ends))
 
     def _changes(self, formula: Formula) -> bool:
         return changes(self._graph, self._value(formula))
@@ -203,8 +189,8 @@ class Reader:
 
     def _warn_of_losses(self, tag: str) -> None:
         """Warn of inputs without a parameter, where they would change something."""
-        known = self._graph.inputs(self.shader, self.frame)
-        given = [element.getName() for element in self.shader.getInputs()]
+        known = self._graph.inputs(self._shader, self._frame)
+        given = [element.getName() for element in self._shader.getInputs()]
         lost = [name for name in given if name not in known]
         for name, formula in LOST.get(tag, {}).items():
             if name in given and self._changes(formula):

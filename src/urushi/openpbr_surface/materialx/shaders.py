@@ -6,8 +6,9 @@ that define the shaders in MaterialX's `libraries/bxdf`, and OpenPBR Surface 1.1
 """
 
 from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from operator import methodcaller
-from typing import Protocol
+from typing import Any
 
 import numpy as np
 
@@ -26,18 +27,21 @@ from urushi.openpbr_surface.materialx.conversions import (
 TARGET = "open_pbr_surface"
 
 
-class Inputs(Protocol):
-    """Reads inputs of the shader by name, or their defaults."""
+@dataclass(frozen=True)
+class Inputs:
+    """Inputs of a shader by name, or their defaults."""
+
+    evaluation: Any  # at some points, an `evaluation.Evaluation`
+    shader: Any  # the node
+    frame: Any  # where it is
+    # The least and the largest value (channels,) of an input on the surface. What the plugin needs
+    # to be the same everywhere depends on them: thin walls, the index of what transmits light, the
+    # medium inside.
+    ends: Callable[[str], tuple[np.ndarray, np.ndarray]]
 
     def __call__(self, name: str) -> np.ndarray:
-        """The value (..., channels) at the points that are evaluated."""
-
-    def ends(self, name: str) -> tuple[np.ndarray, np.ndarray]:
-        """The least and the largest value (channels,) on the surface.
-
-        What the plugin needs to be the same everywhere depends on them: thin walls, the index of
-        what transmits light, the medium inside.
-        """
+        """The value (..., channels) at the points."""
+        return self.evaluation.input(self.shader, name, self.frame)
 
 
 Formula = Callable[[Inputs], np.ndarray]
