@@ -277,7 +277,7 @@ def test_a_bsdf_of_a_scene_becomes_codes(tmp_path, rgb):
 
 TEXTURED = """<scene version="3.0.0">
     <shape type="sphere"><bsdf type="neural_layered" id="lacquer">
-        <float name="alpha" value="0.1"/>
+        <float name="alpha" value="0.1"/><integer name="resolution" value="8"/>
         <bsdf type="diffuse" name="bottom">
             <texture type="checkerboard" name="reflectance"/>
         </bsdf>

@@ -105,15 +105,3 @@ def lambertian_f(
         result = result * pass_in * _transmittance(sigma_t, refracted(cos, eta))
     series = 1 - reflectance * internal_return(eta, sigma_t)
     return reflectance / (np.pi * eta**2) * result / series
-
-
-def lambertian_albedo(
-    cos: npt.ArrayLike, eta: float, sigma_t: float, reflectance: float
-) -> np.ndarray:
-    """Directional albedo of the same, mirror reflection included; `cos` of any shape."""
-    x, w = np.polynomial.legendre.leggauss(96)
-    cos_o, flux = (x + 1) / 2, w / 2 * (x + 1) / 2
-    if eta < 1:  # the cosine inside as variable: light leaves above the critical cosine only
-        cos_o, flux = refracted(cos_o, 1 / eta), eta**2 * flux
-    f = lambertian_f(np.asarray(cos)[..., None], cos_o, eta, sigma_t, reflectance)
-    return interface_reflectance(cos, eta) + (f * 2 * np.pi * flux).sum(-1)

@@ -92,7 +92,7 @@ def replayed(mi, networks) -> dict[str, tuple[dict, dict]]:
             {"alpha_u.value": (0.05, 0.3), "rotation.value": (80.0, 10.0)}
             | {"bottom.alpha_u.value": (0.1, 0.4)},
         ),
-        "openpbr, two widths": (openpbr | coated | {"specular_roughness_anisotropy": 0.5}, rough),
+        "openpbr, coat": (openpbr | coated, rough),
         "openpbr, paper": (
             openpbr | {"geometry_thin_walled": True, "subsurface_weight": 1.0},
             rough,
@@ -110,7 +110,7 @@ def replayed(mi, networks) -> dict[str, tuple[dict, dict]]:
         "neural_layered, compensated texture",
         "neural_layered, slab",
         "two widths",
-        "openpbr, two widths",
+        "openpbr, coat",
         "openpbr, paper",
     ],
 )
