@@ -8,7 +8,6 @@ the slices, albedos and spheres it is only made isotropic.
 """
 
 import argparse
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -49,26 +48,12 @@ STYLES = {
 RANGE = 1e-5
 
 
-@dataclass(frozen=True)
-class Examination:
-    """A source and the material that it was encoded into, compared; the source comes first.
+def examine(path: Path, name: str, source: Any, material: Material) -> dict[str, float | None]:
+    """Compare a source of `encode` with its material of one or three channels, and draw both.
 
-    Attributes:
-        figures: E, the median of P, `anisotropy` and `reciprocity` (how much the averaging has
-            changed, see `urushi.material.symmetry.Deviations`), and the PSNR of a sphere.
-        slices: f [1/sr] in the plane of incidence (2, `INCIDENT`, `OUTGOING`, C).
-        albedos: directional albedos (2, `ALBEDO_ANGLES`, C).
-        pictures: a sphere of each in Urushi's studio (2, H, W, 3), linear radiance.
+    Returns E, the median of P, `anisotropy` and `reciprocity` (how much the averaging has changed,
+    see `urushi.material.symmetry.Deviations`), and the PSNR of a sphere in Urushi's studio.
     """
-
-    figures: dict[str, float | None]
-    slices: np.ndarray
-    albedos: np.ndarray
-    pictures: np.ndarray
-
-
-def examine(source: Any, material: Material) -> Examination:
-    """Compare a source of `encode` with its material of one or three channels."""
     source, rng, widths = _opened(source), np.random.default_rng(1), material.model.widths
     wi, wo = cosine_pairs(rng, E_PAIRS)
     found = evaluate_source(source, wi, wo, widths=widths)
@@ -88,7 +73,8 @@ def examine(source: Any, material: Material) -> Examination:
     lit = in_plane(-np.radians(ALBEDO_ANGLES))
     parts = map(_slices, both), (albedos(f, lit, anisotropic=True) for f in both)
     slices, shares = (np.stack(np.broadcast_arrays(*part)) for part in parts)
-    return Examination(figures, slices, shares, np.stack(pictures))
+    draw(path, f"{name}: E {percent(e)}, PSNR {figures['PSNR']:.1f} dB", slices, shares, pictures)
+    return figures
 
 
 def _opened(source: Any) -> Source:
@@ -119,30 +105,32 @@ def _slices(f: Brdf) -> np.ndarray:
     return f(wi, np.tile(in_plane(np.radians(OUTGOING)), (count[0], 1))).reshape(*count, -1)
 
 
-def draw(path: Path, name: str, examination: Examination) -> None:
-    """Draw an examination: f in the plane of incidence, albedos, and spheres."""
+def draw(
+    path: Path, title: str, slices: np.ndarray, albedo: np.ndarray, pictures: list[np.ndarray]
+) -> None:
+    """Draw source and material: f in the plane of incidence, albedos, and spheres.
+
+    slices: (2, `INCIDENT`, `OUTGOING`, C) [1/sr]; albedo: (2, `ALBEDO_ANGLES`, C).
+    """
     figure = Figure(figsize=(11, 6.4), layout="constrained")
     upper, (shares, *spheres) = figure.subplots(2, 3, height_ratios=(1, 1.1))
-    largest = max(float(examination.slices.max()), 1e-6)
-    for axis, incident, values in zip(
-        upper, INCIDENT, np.moveaxis(examination.slices, 1, 0), strict=True
-    ):
+    largest = max(float(slices.max()), 1e-6)
+    for axis, incident, values in zip(upper, INCIDENT, np.moveaxis(slices, 1, 0), strict=True):
         _lines(axis, OUTGOING, np.maximum(values, largest * RANGE))
         axis.axvline(incident, color="grey", linewidth=0.5, linestyle="dotted")
         axis.set(yscale="log", ylim=(largest * RANGE, 2 * largest), xlim=(-90, 90))
         axis.set(title=f"light from {incident:g}°", xlabel="outgoing angle")
     upper[0].set_ylabel("f [1/sr]")
-    _lines(shares, np.array(ALBEDO_ANGLES), examination.albedos)
+    _lines(shares, np.array(ALBEDO_ANGLES), albedo)
     shares.set(title="directional albedo", xlabel="angle of light", ylim=(0, None))
     for label, style in STYLES.items():
         shares.plot([], [], color="black", label=label, **style)
     shares.legend()
-    for axis, picture, title in zip(spheres, examination.pictures, STYLES, strict=True):
+    for axis, picture, label in zip(spheres, pictures, STYLES, strict=True):
         axis.imshow(metrics.shown(picture), interpolation="lanczos")
         axis.set_axis_off()
-        axis.set_title(title)
-    figures = examination.figures
-    figure.suptitle(f"{name}: E {percent(figures['E'])}, PSNR {figures['PSNR']:.1f} dB")
+        axis.set_title(label)
+    figure.suptitle(title)
     with atomic_write(path) as temporary:
         figure.savefig(temporary, format="png", dpi=100)
 
@@ -165,11 +153,11 @@ def main() -> None:
         if isinstance(source, UrushiError):
             raise source
         opened = load_measured(source) if isinstance(source, Path) else source
-        examination = examine(opened, urushi.encode(opened))
         folder = folder or new_folder(options.output)
-        draw(folder / f"{target.stem}.png", target.stem, examination)
-        shares = [percent(examination.figures[k]) for k in ("E", "P", "anisotropy", "reciprocity")]
-        rows.append([target.stem, *shares, f"{examination.figures['PSNR']:.1f} dB"])
+        path = folder / f"{target.stem}.png"
+        figures = examine(path, target.stem, opened, urushi.encode(opened))
+        shares = [percent(figures[k]) for k in ("E", "P", "anisotropy", "reciprocity")]
+        rows.append([target.stem, *shares, f"{figures['PSNR']:.1f} dB"])
     head = ["source", "E", "P, median", "anisotropy", "reciprocity error", "PSNR of a sphere"]
     print(table(head, rows))
 

@@ -212,40 +212,29 @@ def source(name: str) -> str:
 def shown() -> dict[Path, str]:
     """The texts of all pages with the tables of the stored results, their sources and states.
 
-    A table that a page does not have yet follows the source.
-
     Raises:
-        ValueError: a table is twice on a page, or neither it nor the source is on any.
+        ValueError: a table is on no page, or twice on one.
     """
     texts: dict[Path, str] = {RESULTS: replaced(RESULTS.read_text(), states())}
     for name in names():
         found, experiment = stored(name), load(name)
         if found is None:
             continue
-        pages = [ROOT / page for page in experiment.pages]
-        texts |= {page: page.read_text() for page in pages if page not in texts}
-        begin, tables = re.compile(_sentence(name), re.DOTALL), experiment.tables(found["cases"])
-        sentence = source(name)
+        pages, sentence = [ROOT / page for page in experiment.pages], source(name)
+        old = re.compile(rf"Source: `python -m benchmarks {name}`;.*?\.(?=\n\n|\n?\Z)", re.DOTALL)
         for page in pages:
-            texts[page] = begin.sub(lambda _, new=sentence: new, texts[page])
-        for new in tables[::-1]:
+            text = texts[page] if page in texts else page.read_text()
+            texts[page] = old.sub(lambda _, new=sentence: new, text)
+        for new in experiment.tables(found["cases"]):
             head = new.partition("\n")[0]
             having = [page for page in pages if head in texts[page].split("\n")]
-            anchors = [page for page in pages if begin.search(texts[page])]
-            if not having and not anchors:
-                raise ValueError(f"no page of {name} has a source or a table that begins '{head}'")
+            if not having:
+                raise ValueError(
+                    f"no page of {name} has a table that begins '{head}'; add the line"
+                )
             for page in having:
                 texts[page] = replaced(texts[page], new)
-            if not having:
-                end = begin.search(texts[anchors[0]]).end()  # type: ignore[union-attr]
-                old = texts[anchors[0]]
-                texts[anchors[0]] = f"{old[:end]}\n\n{new}{old[end:]}"
     return texts
-
-
-def _sentence(name: str) -> str:
-    """The source of an experiment's results as a regular expression."""
-    return rf"Source: `python -m benchmarks {name}`;.*?\.(?=\n\n|\n?\Z)"
 
 
 def replaced(text: str, new: str) -> str:

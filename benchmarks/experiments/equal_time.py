@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 from benchmarks.experiment import NETWORKS, Experiment, Found, Options, Pictures
-from benchmarks.pictures import View, at_equal_time
+from benchmarks.pictures import Method, View, at_equal_time
 from benchmarks.scenes import LIGHTS, PRINCIPLED, WALK
 from benchmarks.showing import COLOURS, figure, table
 
@@ -41,15 +41,22 @@ def measure(view: View, options: Options) -> Found:
     names, samples = (WALK, PRINCIPLED, networks), options.count(SAMPLES, 32)
     methods, reference = at_equal_time(view, names, samples, options.share * SECONDS)
     walk, cheap, ours = (methods[name] for name in names)
-    time, variance = ours.second / walk.second, ours.variance / walk.variance
-    bias = ours.bias(reference) / walk.variance
     return {
-        "time": time,
-        "variance": variance,
-        "bias": bias,
-        "networks": 1 / COUNT / (variance * time / COUNT + bias),
-        "exact": walk.second / (cheap.second * variance),
+        "time": ours.second / walk.second,
+        "variance": ours.variance / walk.variance,
+        "bias": ours.bias(reference) / walk.variance,
+        "networks": gain(walk, ours, ours.bias(reference)),
+        "exact": gain(walk, ours, 0.0, cheap.second),
     }
+
+
+def gain(walk: Method, method: Method, bias: float, second: float | None = None) -> float:
+    """The walk's mean squared error over that of a method at the walk's time.
+
+    second: CPU time of a sample; default: the method's.
+    """
+    spread = method.variance * (second or method.second) / walk.second
+    return walk.variance / (spread + COUNT * bias)
 
 
 def plot(found: Found, _: Pictures) -> Any:

@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 from benchmarks.experiment import BOTH, Experiment, Found, Options, Pictures
-from benchmarks.experiments.equal_time import COUNT, LABELS, SAMPLES, SCENES
+from benchmarks.experiments.equal_time import LABELS, SAMPLES, SCENES, gain
 from benchmarks.experiments.equal_time import cases as views
 from benchmarks.pictures import View, at_equal_time
 from benchmarks.scenes import LIGHTS, PRINCIPLED, WALK
@@ -95,11 +95,9 @@ def equal_time(view: View) -> dict[str, float]:
     names = WALK, PRINCIPLED, *plugins.values()
     methods, reference = at_equal_time(view, names, SAMPLES, SECONDS)
     walk, cheap, own = (methods[name] for name in (WALK, PRINCIPLED, plugins[known.NETWORKS]))
-    found = {"exact": walk.variance * walk.second / (own.variance * cheap.second)}
+    found = {"exact": gain(walk, own, 0.0, cheap.second)}
     for name, plugin in plugins.items():
-        method = methods[plugin]
-        spread = method.variance * method.second / walk.second / COUNT
-        found[name] = walk.variance / COUNT / (spread + method.bias(reference))
+        found[name] = gain(walk, methods[plugin], methods[plugin].bias(reference))
     return {name: float(f"{factor:.3g}") for name, factor in found.items()}
 
 

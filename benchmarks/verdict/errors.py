@@ -22,7 +22,6 @@ from research.rivals import weidlich
 import urushi
 from urushi.core import direction_sets, error_metrics
 from urushi.core import table as nodes
-from urushi.nets.weights import default_model
 from urushi.walk import Stack
 from urushi.walk.simulate import albedo as walked_albedo
 
@@ -48,35 +47,30 @@ def isotropic(interfaces: int, paper: PaperNetworks) -> dict[str, Any]:
     group = Group(f"verdict, {interfaces} interfaces", Table2(interfaces - 1), STACKS)
     held_out = benchmark_set.simulate(group, SEED, only_e=True)
     table, wi, wo = held_out.table, held_out.wi, held_out.wo
-    methods = {
-        known.NETWORKS: known.of_networks(default_model(), held_out),
-        known.PAPER: known.of_paper(paper, held_out),
-    }
-    methods |= {name: known.of_walk(table, name) for name in known.ESTIMATORS}
-    methods |= {name: known.of_rival(table, name) for name in known.RIVALS}
+    methods = {name: (f, STACKS, 0.0) for name, f in known.of_stacks(held_out, paper).items()}
     tables = known.tabulated(table, FITTED)
     methods |= {name: _fits(name, tables) for name in fits.FITTED}
     own = samples.stack_errors(held_out.f + held_out.se, held_out)
     found: dict[str, Any] = {"reference": rounded(own)}
-    for name, method in methods.items():
-        part = slice(method.stacks)
-        f = method.f(wi[part], wo[part])
+    for name, (of, stacks, seconds) in methods.items():
+        part = slice(stacks)
+        f = of(wi[part], wo[part])
         truth, cosines = held_out.f[part], (wi[part, :, 2], wo[part, :, 2])
         exchange = 0.0
         if name not in known.ESTIMATORS:  # their noise would be all of it
             weight = error_metrics.energy_weight(*cosines)
-            difference = np.abs(method.f(wo[part], wi[part]) - f)
+            difference = np.abs(of(wo[part], wi[part]) - f)
             exchange = float((difference * weight).sum() / (f * weight).sum())
         found[name] = {
             "E": rounded(error_metrics.stack_error(f, truth, *cosines)),
             "exchange": float(f"{exchange:.3g}"),
-            "seconds": float(f"{method.seconds:.3g}"),
+            "seconds": float(f"{seconds:.3g}"),
         }
     return found
 
 
-def _fits(name: str, tables: list[fits.Brdf]) -> Values:
-    """A model fitted to each stack."""
+def _fits(name: str, tables: list[fits.Brdf]) -> tuple[Values, int, float]:
+    """A model fitted to each stack, their number, and CPU seconds of a fit."""
     begin = time.process_time()
     models = [fits.fitted(name, f) for f in tables]
     seconds = (time.process_time() - begin) / len(models)
@@ -85,7 +79,7 @@ def _fits(name: str, tables: list[fits.Brdf]) -> Values:
         both = zip(models, wi, wo, strict=True)
         return np.stack([model(*pair)[:, 0] for model, *pair in both])
 
-    return Values(len(models), f, seconds)
+    return f, len(models), seconds
 
 
 def measured(archive: Path, paper: PaperNetworks) -> dict[str, Any]:

@@ -1,12 +1,13 @@
 """The methods of the table, and their values for rows of stacks."""
 
 from collections.abc import Callable
-from typing import NamedTuple
+from functools import partial
+from typing import Any
 
 import numpy as np
-from benchmarks.evaluation import benchmark_set, predict, samples
+from benchmarks.evaluation import benchmark_set, predict
 from benchmarks.evaluation import fan2022 as evaluation
-from benchmarks.evaluation.samples import Samples
+from benchmarks.evaluation.samples import Samples, evaluate_bottoms
 from benchmarks.verdict import fits
 from fan2022 import PaperNetworks
 from research import bidirectional
@@ -14,7 +15,7 @@ from research.rivals import belcour, weidlich, weier
 
 import urushi.walk
 from urushi.core import table as nodes
-from urushi.nets.weights import DEFAULT, Model
+from urushi.nets.weights import DEFAULT, default_model
 from urushi.walk import StackTable, walk_pairs
 
 NETWORKS, PAPER = "networks", "Fan et al. 2022"
@@ -40,75 +41,39 @@ METHODS = (NETWORKS, PAPER, WALK, BOTH_WAYS, BELCOUR, WEIER, WEIDLICH, *fits.FIT
 WALKS, TABLE_WALKS, SEED = 4096, 256, 24
 
 
-class Values(NamedTuple):
-    """Values of a method for the first stacks of a table.
-
-    Attributes:
-        stacks: their number S.
-        f: (wi, wo), both (S, M, 3) -> (S, M) [1/sr].
-        seconds: CPU time of a fit [s]; 0 if there is none.
-    """
-
-    stacks: int
-    f: Callable[[np.ndarray, np.ndarray], np.ndarray]
-    seconds: float = 0.0
+#: (wi, wo), both (S, M, 3) -> (S, M) [1/sr], values of the first S stacks of a table.
+Values = Callable[[np.ndarray, np.ndarray], np.ndarray]
 
 
-def of_networks(model: Model, held_out: Samples) -> Values:
-    """Codes of the bottoms under coats by light transport."""
-    materials = predict.materials(model, held_out)
-    return Values(len(materials), lambda wi, wo: predict.evaluate(materials, wi, wo))
-
-
-def of_paper(networks: PaperNetworks, held_out: Samples) -> Values:
-    """The same by the system of Fan et al. (2022)."""
-    materials = evaluation.materials(networks, held_out)
-    return Values(len(materials), lambda wi, wo: predict.evaluate(materials, wi, wo))
-
-
-def of_walk(table: StackTable, name: str) -> Values:
-    """The walk by one of `ESTIMATORS`; exact for stacks without coats."""
-
-    def f(wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
-        if not table.coats:
-            return samples.evaluate_bottoms(table, wi, wo)
-        return _by_row(
-            wi,
-            wo,
-            lambda row, wi, wo: ESTIMATORS[name].walk_pairs(
-                table, row, wi, wo, walks=WALKS, seed=SEED
-            )[0],
-        )
-
-    return Values(len(table), f)
-
-
-def of_rival(table: StackTable, name: str) -> Values:
-    """One of `RIVALS`."""
-    rival = RIVALS[name]
-    return Values(
-        len(table),
-        lambda wi, wo: _by_row(wi, wo, lambda row, wi, wo: rival.rows(table, row, wi, wo)),
-    )
+def of_stacks(held_out: Samples, paper: PaperNetworks) -> dict[str, Values]:
+    """All methods but those that are fitted; networks by codes of the bottoms under coats."""
+    table = held_out.table
+    materials = {
+        NETWORKS: predict.materials(default_model(), held_out),
+        PAPER: evaluation.materials(paper, held_out),
+    }
+    found: dict[str, Values] = {k: partial(predict.evaluate, made) for k, made in materials.items()}
+    for name, module in ESTIMATORS.items():
+        walk = partial(_mean, module.walk_pairs, table, WALKS)
+        found[name] = partial(_by_row, walk) if table.coats else partial(evaluate_bottoms, table)
+    return found | {k: partial(_by_row, partial(m.rows, table)) for k, m in RIVALS.items()}
 
 
 def tabulated(table: StackTable, stacks: int) -> list[fits.Brdf]:
     """f of the first stacks, in tables of the walk's values, which fits read."""
     wi, wo = (np.tile(w, (stacks, 1, 1)) for w in nodes.node_pairs())
     if table.coats:
-        values = _by_row(
-            wi,
-            wo,
-            lambda row, wi, wo: walk_pairs(table, row, wi, wo, walks=TABLE_WALKS, seed=SEED)[0],
-        )
+        values = _by_row(partial(_mean, walk_pairs, table, TABLE_WALKS), wi, wo)
     else:
-        values = samples.evaluate_bottoms(benchmark_set.first(table, stacks), wi, wo)
+        values = evaluate_bottoms(benchmark_set.first(table, stacks), wi, wo)
     return [fits.tabulated(own[:, None]) for own in values]
 
 
-def _by_row(
-    wi: np.ndarray, wo: np.ndarray, f: Callable[[np.ndarray, np.ndarray, np.ndarray], np.ndarray]
-) -> np.ndarray:
+def _mean(walk: Any, table: StackTable, walks: int, *rows_and_pairs: np.ndarray) -> np.ndarray:
+    return walk(table, *rows_and_pairs, walks=walks, seed=SEED)[0]
+
+
+def _by_row(f: Callable[..., np.ndarray], wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
     """f (S, M) of a function of rows (S M,) and pairs (S M, 3)."""
     row = np.repeat(np.arange(len(wi), dtype=np.uint32), wi.shape[1])
     return f(row, wi.reshape(-1, 3), wo.reshape(-1, 3)).reshape(wi.shape[:2])
