@@ -8,28 +8,6 @@ from tests.oracles.adding_doubling.quadrature import CosineGrid, interpolation
 from urushi.material import adding
 from urushi.nets import lobe as lobes
 
-
-@pytest.mark.parametrize(("sigma_t", "g"), [(0.3, 0.0), (2.0, 0.6), (5.0, -0.5)])
-def test_a_medium_that_absorbs_nothing_keeps_all_light(sigma_t, g):
-    own = adding.grid()
-    reflected, passed = adding.medium(1.0, sigma_t, g)
-    total = (reflected[0] + passed[0]) @ own.weights + np.exp(-sigma_t / own.cosines)
-    np.testing.assert_allclose(total, 1, atol=2e-3)
-    np.testing.assert_allclose(reflected, np.swapaxes(reflected, 1, 2), atol=1e-8)
-    assert own.values_of_modes(reflected).min() > -1e-6
-
-
-def test_thin_media_scatter_once():
-    """f = albedo p (1 - exp(-tau (1 / ci + 1 / co))) / (ci + co), with p = 1 / (4 pi)."""
-    own, depth = adding.grid(), 1e-3
-    reflected, _ = adding.medium(0.5, depth, 0.0)
-    a, b = own.cosines[:, None], own.cosines
-    expected = 0.5 / (4 * np.pi) * -np.expm1(-depth * (1 / a + 1 / b)) / (a + b)
-    steep = own.cosines > 0.3
-    found = own.values_of_modes(reflected)[steep][:, steep, 0]
-    np.testing.assert_allclose(found, expected[steep][:, steep], rtol=0.01)
-
-
 #: Thin to thick media, of albedos down to a half, that scatter backwards, evenly and forwards.
 MEDIA = [
     (1.0, 0.05, 0.9),

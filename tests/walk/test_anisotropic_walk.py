@@ -9,7 +9,6 @@ from urushi.checks import Widths
 from urushi.walk import (
     Stack,
     StackTable,
-    analytic,
     coat,
     conductor,
     dielectric,
@@ -154,32 +153,3 @@ def test_channels_of_different_widths_are_stacks_of_their_own() -> None:
         alone, se = walk_pairs(table, np.zeros(20, np.uint32), wi, wo, walks=1 << 12, seed=2)
         # 256 walks of the three channels against 4096 of one: 17 times their variance.
         assert np.all(np.abs(f[:, channel] - alone) < 5 * np.sqrt(17) * se + 1e-4 * alone)
-
-
-@pytest.mark.parametrize("alpha_u", [0.05, 0.5])
-@pytest.mark.parametrize("eta_k", [(0.2, 3.9), (1.5, 2.0)])
-def test_a_bare_conductor_is_mitsubas(variant: str, alpha_u: float, eta_k) -> None:
-    """Mitsuba's own roughconductor of the same two widths, about the same axes."""
-    import drjit as dr
-    import mitsuba as mi
-
-    eta, k = eta_k
-    spectra = {
-        name: {"type": "rgb", "value": [x] * 3} for name, x in zip(("eta", "k"), eta_k, strict=True)
-    }
-    bsdf = mi.load_dict(
-        {
-            "type": "roughconductor",
-            "distribution": "ggx",
-            "alpha_u": alpha_u,
-            "alpha_v": 0.2,
-            **spectra,
-        }
-    )
-    wi, wo = pairs(1000, 10)
-    si = dr.zeros(mi.SurfaceInteraction3f, len(wi))
-    si.wi, outgoing = (mi.Vector3f(np.ascontiguousarray(w.T)) for w in (wi, wo))
-    theirs = bsdf.eval(mi.BSDFContext(), si, outgoing)[0].numpy() / wo[:, 2]
-    ours = analytic.f(conductor(eta=eta, k=k, alpha_u=alpha_u, alpha_v=0.2), wi, wo)[:, 0]
-    # float32 on both sides, in steep lobes.
-    np.testing.assert_allclose(ours, theirs, rtol=2e-3, atol=1e-6)

@@ -49,38 +49,29 @@ def mean_and_error(mi, bsdf, uv, count: int = 1 << 14) -> tuple[np.ndarray, np.n
 @pytest.mark.parametrize("name", ("layered", "neural_layered"))
 @pytest.mark.parametrize(
     "parameter",
-    (
-        "alpha",
-        "albedo",
-        "sigma_t",
-        "g",
-        "int_ior",
-        "thickness",
-        "color",
-        "body",
-        "body_color",
+    [
+        "alpha", "albedo", "sigma_t", "g", "int_ior", "thickness", "color", "body", "body_color",
         "reflectance",
-    ),
-)
+    ],
+)  # fmt: skip
 def test_every_texel_is_layered_with_its_own_parameters(rgb, networks, name, parameter):
     values = np.float32([[0.2, 0.4, 0.6], [0.5, 0.8, 0.3]]) + (parameter == "int_ior")
     textured = load(
         rgb, name, networks, **{parameter: bitmap(values[..., None], filter_type="nearest")}
     )
-    for row in range(2):
-        for column in range(3):
-            # Mitsuba's bitmaps have v upwards: the first row is at the top
-            uv = ((column + 0.5) / 3, (row + 0.5) / 2)
-            si = rgb.SurfaceInteraction3f()
-            si.uv = rgb.Point2f(*uv)
-            texture = rgb.load_dict(bitmap(values[..., None], filter_type="nearest"))
-            value = float(texture.eval_1(si)[0])
-            constant = load(rgb, name, networks, **{parameter: uniform(rgb, name, value)})
-            (a, error_a), (b, error_b) = (
-                mean_and_error(rgb, bsdf, uv, 1 << 12) for bsdf in (constant, textured)
-            )
-            noise = 5 * np.hypot(error_a, error_b) if name == "layered" else 1e-2 * a
-            assert (np.abs(a - b) <= noise).all(), (row, column)
+    for row, column in ((0, 0), (1, 2)):
+        # Mitsuba's bitmaps have v upwards: the first row is at the top
+        uv = ((column + 0.5) / 3, (row + 0.5) / 2)
+        si = rgb.SurfaceInteraction3f()
+        si.uv = rgb.Point2f(*uv)
+        texture = rgb.load_dict(bitmap(values[..., None], filter_type="nearest"))
+        value = float(texture.eval_1(si)[0])
+        constant = load(rgb, name, networks, **{parameter: uniform(rgb, name, value)})
+        (a, error_a), (b, error_b) = (
+            mean_and_error(rgb, bsdf, uv, 1 << 12) for bsdf in (constant, textured)
+        )
+        noise = 5 * np.hypot(error_a, error_b) if name == "layered" else 1e-2 * a
+        assert (np.abs(a - b) <= noise).all(), (row, column)
 
 
 @pytest.mark.parametrize("name", ("layered", "neural_layered"))
