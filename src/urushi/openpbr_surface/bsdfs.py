@@ -112,8 +112,7 @@ class OpenPBRSurface(Surface):
         self._compensation = layers.compensation
         self._fuzz = not inputs.is_constant("fuzz_weight", 0)
         # A coat without an interface, of index one, is its medium alone.
-        no_interface = inputs.is_constant("coat_ior", 1) and self._coated is None
-        self._absorbs = no_interface and not (
+        self._absorbs = self._coated is None and not (
             inputs.is_constant("coat_weight", 0) or inputs.is_constant("coat_color", 1)
         )
         # Share of the cosine lobe, which is sampled besides the parts.

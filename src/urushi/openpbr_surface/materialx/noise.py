@@ -5,7 +5,6 @@ Improving noise, SIGGRAPH 2002) on Jenkins' integer hash (lookup3, 2006), cell n
 noise (Worley, SIGGRAPH 1996). Positions are arrays (..., 2) or (..., 3).
 """
 
-from functools import partial
 from itertools import product
 
 import numpy as np
@@ -68,8 +67,9 @@ def _gradient(code: np.ndarray, p: np.ndarray) -> np.ndarray:
     return np.where(code & np.uint32(1), -u, u) + np.where(code & np.uint32(2), -v, v)
 
 
-def _perlin(p: np.ndarray, shifts: tuple[int, ...], mask: int) -> np.ndarray:
-    """Gradient noise, one channel for each shift of the hash."""
+def _perlin(p: np.ndarray, channels: int) -> np.ndarray:
+    """Gradient noise of one channel or three, which have 8 bits of the hash each."""
+    shifts, mask = ((0,), 0xFFFFFFFF) if channels == 1 else ((0, 8, 16), 0xFF)
     cell, inside = _cell(p)
     fade = inside**3 * (inside * (inside * 6 - 15) + 10)
     total = np.zeros((*p.shape[:-1], len(shifts)))
@@ -81,15 +81,11 @@ def _perlin(p: np.ndarray, shifts: tuple[int, ...], mask: int) -> np.ndarray:
     return _SCALE[p.shape[-1]] * total
 
 
-_perlin_one = partial(_perlin, shifts=(0,), mask=0xFFFFFFFF)
-_perlin_three = partial(_perlin, shifts=(0, 8, 16), mask=0xFF)
-
-
-def _channels(one, three, p: np.ndarray, channels: int, offset: np.ndarray) -> np.ndarray:
-    """Channels of noises of one and of three: the last of two or four is of a shifted position."""
+def _channels(noise, p: np.ndarray, channels: int, offset: np.ndarray) -> np.ndarray:
+    """Channels of a noise of one or three: the last of two or four is of a shifted position."""
     if channels in (1, 3):
-        return one(p) if channels == 1 else three(p)
-    parts = [(one if channels == 2 else three)(p), one(p + offset[: p.shape[-1]])]
+        return noise(p, channels)
+    parts = [noise(p, channels - 1), noise(p + offset[: p.shape[-1]], 1)]
     parts = [np.broadcast_to(part, (*p.shape[:-1], part.shape[-1])) for part in parts]
     return np.concatenate(parts, axis=-1)
 
@@ -97,8 +93,8 @@ def _channels(one, three, p: np.ndarray, channels: int, offset: np.ndarray) -> n
 def perlin(p: np.ndarray, channels: int) -> np.ndarray:
     """Gradient noise at positions (..., D), of 1 to 4 channels, about [-1, 1]."""
     if channels == 2:
-        return _perlin_three(p)[..., :2]
-    return _channels(_perlin_one, _perlin_three, p, channels, _NOISE_OFFSET)
+        return _perlin(p, 3)[..., :2]
+    return _channels(_perlin, p, channels, _NOISE_OFFSET)
 
 
 def fractal(
@@ -106,16 +102,15 @@ def fractal(
 ) -> np.ndarray:
     """A sum of octaves of gradient noise, of 1 to 4 channels."""
 
-    def octave_sum(noise, position):
+    def octave_sum(position, channels):
         total, amplitude = np.zeros(1), np.ones(1)
         for _ in range(octaves):
-            total = total + amplitude * noise(position)
+            total = total + amplitude * _perlin(position, channels)
             amplitude = amplitude * diminish
             position = position * lacunarity
         return total
 
-    one, three = (partial(octave_sum, noise) for noise in (_perlin_one, _perlin_three))
-    return _channels(one, three, p, channels, _FRACTAL_OFFSET)
+    return _channels(octave_sum, p, channels, _FRACTAL_OFFSET)
 
 
 def _unit(code: np.ndarray) -> np.ndarray:
