@@ -75,9 +75,9 @@ def _perlin(p: np.ndarray, channels: int) -> np.ndarray:
     total = np.zeros((*p.shape[:-1], len(shifts)))
     for corner in product((0, 1), repeat=p.shape[-1]):
         code = hash_integers(*(x + i for x, i in zip(cell, corner, strict=True)))
-        channels = [(code >> np.uint32(shift)) & np.uint32(mask) for shift in shifts]
+        codes = [(code >> np.uint32(shift)) & np.uint32(mask) for shift in shifts]
         weight = np.where(corner, fade, 1 - fade).prod(-1)[..., None]
-        total += weight * np.stack([_gradient(c, inside - corner) for c in channels], axis=-1)
+        total += weight * np.stack([_gradient(c, inside - corner) for c in codes], axis=-1)
     return _SCALE[p.shape[-1]] * total
 
 
