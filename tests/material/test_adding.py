@@ -1,4 +1,4 @@
-"""Adding and doubling inside a coat: energy, reciprocity, closed forms and another solver."""
+"""Adding and doubling inside a coat: another solver, closed forms, and what lies between nodes."""
 
 import numpy as np
 import pytest
