@@ -2,16 +2,12 @@
 
 import { FileError } from "./safetensors";
 
-/** Functions by name; behind its arguments, each is given a function that tells what is known so far. */
+/** Functions by name. */
 export type Functions = Record<string, (...args: never[]) => unknown>;
 
 type Call = { id: number; name: string; args: unknown[] };
 
-type Answer = { id: number } & (
-  | { result: unknown }
-  | { soFar: unknown }
-  | { error: { name: string; message: string } }
-);
+type Answer = { id: number } & ({ result: unknown } | { error: { name: string; message: string } });
 
 /** A worker, or its side of the messages. */
 export interface Port {
@@ -22,14 +18,12 @@ export interface Port {
 /** Answer the calls that arrive at a port, or at this worker. */
 export function serve(functions: Functions, port = self as unknown as Port): void {
   port.addEventListener("message", async ({ data: { id, name, args } }: { data: Call }) => {
-    const answer = (kind: "result" | "soFar" | "error", value: unknown) =>
-      port.postMessage({ id, [kind]: value }, buffersOf(value));
     try {
-      const called = functions[name] as (...args: unknown[]) => unknown;
-      answer("result", await called(...args, (soFar: unknown) => answer("soFar", soFar)));
+      const result = await (functions[name] as (...args: unknown[]) => unknown)(...args);
+      port.postMessage({ id, result }, buffersOf(result));
     } catch (error) {
       const { name, message } = error instanceof Error ? error : new Error(String(error));
-      answer("error", { name, message });
+      port.postMessage({ id, error: { name, message } }, []);
     }
   });
 }
@@ -42,9 +36,8 @@ function buffersOf(value: unknown): ArrayBuffer[] {
 }
 
 interface Promised {
-  resolve(result: unknown): void;
+  resolve(result: never): void;
   reject(error: Error): void;
-  told?: ((soFar: never) => void) | undefined;
 }
 
 /** The functions of a worker. */
@@ -55,27 +48,22 @@ export class Remote<All extends { [Name in keyof All]: (...args: never[]) => unk
   constructor(private readonly port: Port) {
     port.addEventListener("message", ({ data }: { data: Answer }) => {
       const promised = this.promised.get(data.id);
-      if ("soFar" in data) return promised?.told?.(data.soFar as never);
       this.promised.delete(data.id);
-      if ("result" in data) return promised?.resolve(data.result);
+      if ("result" in data) return promised?.resolve(data.result as never);
       const { name, message } = data.error;
       promised?.reject(name === "FileError" ? new FileError(message) : new Error(message));
     });
   }
 
-  /**
-   * @param transfer what is given away and not copied.
-   * @param told called with what is known before the result.
-   */
-  call<Name extends keyof All & string, SoFar = never>(
+  /** @param transfer what is given away and not copied. */
+  call<Name extends keyof All & string>(
     name: Name,
     args: Parameters<All[Name]>,
     transfer: Transferable[] = [],
-    told?: (soFar: SoFar) => void,
   ): Promise<Awaited<ReturnType<All[Name]>>> {
     const id = this.count++;
     return new Promise((resolve, reject) => {
-      this.promised.set(id, { resolve: resolve as Promised["resolve"], reject, told });
+      this.promised.set(id, { resolve, reject });
       this.port.postMessage({ id, name, args }, transfer);
     });
   }

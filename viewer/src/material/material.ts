@@ -207,14 +207,6 @@ export function isCompensated(material: MaterialCards): boolean {
   return material.energyCompensation === true && givesBack(material);
 }
 
-/** Whether light enters a lower index below a surface, where layering by the network errs most. */
-export function entersLower(material: MaterialCards): boolean {
-  if (material.bottom.kind === "texels") return false;
-  const { bottom, coats } = stackOf(material);
-  const interfaces = bottom.kind === "dielectric" ? [...coats, bottom] : coats;
-  return coats.length > 0 && interfaces.some(({ eta }) => Math.min(...rgb(eta)) < 1);
-}
-
 /** Whether another coat can be added. */
 export function takesCoat({ bottom, coats }: MaterialCards): boolean {
   return bottom.kind !== "texels" && coats.length < MOST_COATS;

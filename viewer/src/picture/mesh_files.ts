@@ -1,4 +1,4 @@
-/** Meshes of files: OBJ; glTF and PLY by the loaders of three.js. The y axis is up, of PLY z. */
+/** Meshes of files, by the loaders of three.js. The y axis is up, of PLY z. */
 
 import {
   BufferAttribute,
@@ -9,7 +9,9 @@ import {
   Vector3,
 } from "three";
 import { GLTFLoader, type GLTFLoaderPlugin } from "three/addons/loaders/GLTFLoader.js";
+import { OBJLoader } from "three/addons/loaders/OBJLoader.js";
 import { PLYLoader } from "three/addons/loaders/PLYLoader.js";
+import { mergeVertices } from "three/addons/utils/BufferGeometryUtils.js";
 import { FileError } from "../core/safetensors";
 import { type Mesh, meshOfPart, type Part, VERTEX_NUMBERS } from "./meshes";
 
@@ -18,22 +20,15 @@ const MOST_TRIANGLES = 1_000_000;
 /** Radius of the ball around a mesh that was opened, as that of the page's own objects. */
 const RADIUS = 0.7;
 
-/** Told the share of a file that has been read. */
-type Told = (share: number) => void;
-
 /**
  * The mesh of a file, scaled, upright and on the ground.
  *
  * @param suffix "obj", "gltf", "glb" or "ply".
  * @throws FileError if it is damaged, has no triangles or too many, or needs an extension.
  */
-export async function readMesh(
-  bytes: Uint8Array<ArrayBuffer>,
-  suffix: string,
-  told: Told = () => {},
-): Promise<Mesh> {
+export async function readMesh(bytes: Uint8Array<ArrayBuffer>, suffix: string): Promise<Mesh> {
   try {
-    const object = await READERS[suffix as keyof typeof READERS](bytes, told);
+    const object = await READERS[suffix as keyof typeof READERS](bytes);
     return meshOfPart(partOf(placed(object)));
   } catch (error) {
     throw error instanceof FileError ? error : damaged();
@@ -42,7 +37,7 @@ export async function readMesh(
 
 /** Readers of objects with z up. */
 const READERS = {
-  obj: async (bytes: Uint8Array, told: Told) => upright(readObj(bytes, told)),
+  obj: async (bytes: Uint8Array) => upright(readObj(new TextDecoder().decode(bytes))),
   glb: readGltf,
   gltf: readGltf,
   ply: async (bytes: Uint8Array<ArrayBuffer>) => {
@@ -52,55 +47,16 @@ const READERS = {
   },
 };
 
-/** Bytes of text that are decoded at a time. */
-const CHUNK = 1 << 20;
-
-/** A file of Wavefront; faces with more corners become fans. */
-function readObj(bytes: Uint8Array, told: Told): MeshObject {
-  const lists = { v: [] as number[], vt: [] as number[], vn: [] as number[] };
-  const [position, normal, uv, faces]: number[][] = [[], [], [], []];
-  const known = new Map<string, number>();
-  /** The place in a list of numbers of `width` that a word of a corner names; below 0: of none. */
-  const placeOf = (word: string | undefined, list: number[], width: number): number => {
-    const number = Number(word || Number.NaN);
-    const place = width * (number > 0 ? number - 1 : list.length / width + number);
-    return place < list.length ? place : -1;
-  };
-  const vertex = (word: string): number => {
-    const before = known.get(word);
-    if (before !== undefined) return before;
-    const words = word.split("/");
-    const v = placeOf(words[0], lists.v, 3);
-    if (!(v >= 0)) throw damaged();
-    position.push(lists.v[v], lists.v[v + 1], lists.v[v + 2]);
-    const [vt, vn] = [placeOf(words[1], lists.vt, 2), placeOf(words[2], lists.vn, 3)];
-    uv.push(lists.vt[vt] ?? 0, lists.vt[vt + 1] ?? 0);
-    if (vn >= 0) normal.push(lists.vn[vn], lists.vn[vn + 1], lists.vn[vn + 2]);
-    known.set(word, known.size);
-    return known.size - 1;
-  };
-  const readLine = (line: string): void => {
-    const [kind, ...words] = line.trim().split(/\s+/);
-    if (kind === "v" || kind === "vn")
-      lists[kind].push(Number(words[0]), Number(words[1]), Number(words[2]));
-    else if (kind === "vt") lists.vt.push(Number(words[0]), Number(words[1] ?? 0));
-    if (kind !== "f") return;
-    const corners = words.map(vertex);
-    for (let k = 2; k < corners.length; k++) faces.push(corners[0], corners[k - 1], corners[k]);
-    checkCount(faces.length / 3);
-  };
-  const decoder = new TextDecoder();
-  let rest = "";
-  for (let at = 0; at < bytes.length; at += CHUNK) {
-    const text = rest + decoder.decode(bytes.subarray(at, at + CHUNK), { stream: true });
-    const lines = text.split("\n");
-    rest = lines.pop() ?? "";
-    lines.forEach(readLine);
-    told(at / bytes.length);
-  }
-  readLine(rest);
-  const attributes = { position, uv, ...(normal.length === position.length ? { normal } : {}) };
-  return new MeshObject(geometryOf(attributes, faces));
+/** A file of Wavefront; where it has no normals, each of its objects is smooth. */
+function readObj(text: string): Group {
+  const group = new OBJLoader().parse(text);
+  const hasNormals = /^\s*vn\s/m.test(text);
+  group.traverse((object) => {
+    if (!(object instanceof MeshObject)) return;
+    if (!hasNormals) object.geometry.deleteAttribute("normal");
+    object.geometry = mergeVertices(object.geometry);
+  });
+  return group;
 }
 
 function geometryOf(attributes: Record<string, number[]>, faces: number[]): BufferGeometry {

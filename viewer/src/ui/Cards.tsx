@@ -6,7 +6,6 @@ import { rgb } from "../material/channels";
 import {
   BARE,
   type CoatCard as Card,
-  entersLower,
   givesBack,
   hasTangent,
   isSeen,
@@ -20,7 +19,6 @@ import { BottomCard } from "./BottomCard";
 import { CoatCard } from "./CoatCard";
 import { Field } from "./Field";
 import { Icon } from "./icons";
-import { PYTHON, save } from "./SaveMenu";
 
 /** The coat that is being dragged. */
 const dragged = signal<number | null>(null);
@@ -119,16 +117,6 @@ export function Cards() {
           />
           Energy compensation
         </label>
-      )}
-      {entersLower(material.value) && (
-        <p class="note">
-          Where light enters a lower index, as below glass over a gap of air, the page can be wrong
-          by 10 % and more.{" "}
-          <button type="button" onClick={() => void save(PYTHON)}>
-            The Python program
-          </button>{" "}
-          without fast=True computes light transport.
-        </p>
       )}
       {hasTangent(material.value) && (
         <div class="fields tangent">

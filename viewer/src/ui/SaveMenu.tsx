@@ -91,12 +91,6 @@ const larger = (size: LargeSize, label: string): Kind => ({
   save: async (name) => download(`${name}-${size}.png`, await presentSession().largePicture(size)),
 });
 
-export const PYTHON: Kind = {
-  label: "Python",
-  hint: "a program with urushi",
-  save: (name) => download(`${name}.py`, textBlob(pythonText(material.value))),
-};
-
 /** All else, by headings. */
 const MORE: Readonly<Record<string, readonly Kind[]>> = {
   "Larger pictures and linear light": [
@@ -125,7 +119,11 @@ const MORE: Readonly<Record<string, readonly Kind[]>> = {
       hint: "a BSDF for a scene file",
       save: (name) => download(`${name}.xml`, textBlob(mitsubaXml(material.value))),
     },
-    PYTHON,
+    {
+      label: "Python",
+      hint: "a program with urushi",
+      save: (name) => download(`${name}.py`, textBlob(pythonText(material.value))),
+    },
     {
       label: "MaterialX",
       hint: "an open_pbr_surface, without what that lacks",
@@ -199,7 +197,7 @@ function textBlob(text: string): Blob {
 }
 
 /** Write a kind of file; what goes wrong is told. */
-export async function save(kind: Kind): Promise<void> {
+async function save(kind: Kind): Promise<void> {
   try {
     await kind.save(fileName(material.value.name));
   } catch (error) {

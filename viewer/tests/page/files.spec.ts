@@ -16,7 +16,7 @@ test("what cannot be read is refused in a sentence", async ({ page }) => {
     ["broken.safetensors", "hello", "is no safetensors file"],
     ["gypsum.bsdf", "tensor_file\0\u0001", "run urushi view gypsum.bsdf"],
     ["car.mtlx", "<materialx/>", "run urushi convert"],
-    ["broken.hdr", "hello", "no .hdr panorama"],
+    ["broken.hdr", "hello", ".hdr file is damaged"],
     ["broken.exr", "v/1\u0001hello", ".exr file is damaged"],
     ["broken.json", "{", "no JSON text"],
     ["empty.json", "{}", "has no materials"],

@@ -4,7 +4,7 @@ import { lookOf } from "../../src/material/appearance";
 import { rgb } from "../../src/material/channels";
 import { decoded, encoded } from "../../src/material/colour";
 import { METALS, preset } from "../../src/material/presets";
-import { readExr } from "../../src/picture/picture_files";
+import { readPicture } from "../../src/picture/picture_files";
 import { INITIAL } from "../../src/state/state";
 import {
   addressOf,
@@ -386,7 +386,7 @@ test.describe("a saved picture", () => {
     expect(one.data.slice(0, 4)).toEqual([0, 0, 0, 0]);
     expect(one.data[4 * centre + 3]).toBe(255);
 
-    const linear = readExr(Buffer.from((await saved(page, "Radiance")).text, "latin1"));
+    const linear = readPicture(Buffer.from((await saved(page, "Radiance")).text, "latin1"), "exr");
     expect([one.width, one.height]).toEqual([linear.width, linear.height]);
     for (const [tone, curve] of Object.entries(CURVES)) {
       await choose("Tone curve", tone);

@@ -18,9 +18,11 @@ const POINTS = SIDES.flat().map((corner) => CORNERS[corner]!);
 const FANS = SIDES.flatMap((_, k) => [0, 1, 2, 0, 2, 3].map((corner) => 4 * k + corner));
 
 const text = (value: string) => new TextEncoder().encode(value);
+const NORMALS = ["-1 0 0", "1 0 0", "0 -1 0", "0 1 0", "0 0 -1", "0 0 1"];
 const OBJ = [
-  ...POINTS.map((point) => `v ${point.join(" ")}`),
-  ...SIDES.map((_, k) => `f ${[1, 2, 3, 4].map((corner) => 4 * k + corner).join(" ")}`),
+  ...CORNERS.map((point) => `v ${point.join(" ")}`),
+  ...NORMALS.map((normal) => `vn ${normal}`),
+  ...SIDES.map((side, k) => `f ${side.map((corner) => `${corner + 1}//${k + 1}`).join(" ")}`),
 ].join("\n");
 
 /** A .glb; node: its transformation. */
