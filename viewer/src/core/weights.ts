@@ -60,28 +60,11 @@ export function readWeights(file: ArrayBuffer): Weights {
 }
 
 function readArchitecture(sizes: Fields): Architecture {
-  const size = (name: string): number => {
-    const found = sizes[name];
-    if (typeof found !== "number" || !Number.isSafeInteger(found) || found < 1) {
-      throw new FileError(`The weights' architecture has no valid size '${name}'.`);
-    }
-    return found;
-  };
-  const widths = sizes.widths === undefined ? 1 : size("widths");
-  if (widths !== 1 && widths !== 2) {
-    throw new FileError(
-      `The architecture's surfaces have ${widths} widths; this page reads 1 or 2.`,
-    );
-  }
+  const widths = (sizes.widths ?? 1) as Widths;
   const lobe = LOBE.NUMBERS[widths].length;
-  const stretches = Number(widths === 2); // the last number of a code of a basis
-  const rest = size("functions") + stretches;
-  return {
-    latent: lobe + rest,
-    widths,
-    lobe,
-    rest,
-  };
+  // The last number of a code of two widths is the stretch of the basis.
+  const rest = Number(sizes.functions) + Number(widths === 2);
+  return { latent: lobe + rest, widths, lobe, rest };
 }
 
 function readProposal(tensors: TensorFile, rest: number): ProposalWeights {

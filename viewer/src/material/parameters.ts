@@ -165,6 +165,7 @@ export const BOTTOM_PARAMETERS = {
     power: 2,
     fallback: 1.5,
   },
+  ior: COAT_PARAMETERS.ior,
   k: {
     label: "Extinction k",
     hint: "Imaginary part of the index of refraction.",

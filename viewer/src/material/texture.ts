@@ -2,7 +2,7 @@
 
 import { CHANNELS } from "../core/channels";
 import type { Networks } from "../core/core";
-import type { Fields, TensorFile } from "../core/safetensors";
+import type { TensorFile } from "../core/safetensors";
 import { Refusal } from "../refusal";
 import { nameOf } from "../save/zip";
 
@@ -41,6 +41,24 @@ export interface CodeTexture {
   nearest: boolean;
 }
 
+/** What Python's `textures.packing` writes about a texture. */
+interface Description {
+  width: number;
+  height: number;
+  layout: {
+    channels: number;
+    /** Bytes that all channels share, and those of one channel behind them. */
+    shared: number;
+    stride: number;
+    texel_bytes: number;
+    /** For each number of a code its bytes, -1: none, and whether all channels share them. */
+    high: number[];
+    low: number[];
+    same: boolean[];
+  };
+  place: { to_texture: number[][]; wrap: Wrap; nearest: boolean };
+}
+
 /** Version of the format that Python writes. */
 const VERSION = 4;
 
@@ -64,32 +82,31 @@ export function readTexture(
     throw new Refusal("It is a texture of another version of Urushi; save it again.");
   if (description.weights !== fingerprint)
     throw new Refusal("It was made with other networks; save the texture again.");
-  const { width, height } = description;
-  if (!isCount(width) || !isCount(height) || width * height === 0) throw damaged();
-  const layout = layoutOf(description, latentSize);
+  const { width, height, layout, place } = description as unknown as Description;
+  const { channels, shared, stride, texel_bytes: texelBytes, high, low, same } = layout;
+  if (channels !== 1 && channels !== CHANNELS)
+    throw new Refusal("It has other channels than red, green and blue.");
   const range = (name: string) => file.numbers(name, [latentSize]);
   const [lowest, step] = [range("lowest"), range("step")];
-  const numbers = layout.high.map((high, number) =>
+  const numbers = high.map((_, number) =>
     Array.from({ length: CHANNELS }, (_, colour) => {
-      const channel = layout.channels === 1 ? 0 : colour;
-      const first = layout.same[number] ? 0 : layout.shared + channel * layout.stride;
-      const place = (byte: number) => (byte < 0 ? -1 : first + byte);
-      const low = layout.low[number]!;
-      return { lowest: lowest[number]!, step: step[number]!, high: place(high), low: place(low) };
+      const first = same[number] ? 0 : shared + (channels === 1 ? 0 : colour) * stride;
+      const at = (byte: number) => (byte < 0 ? -1 : first + byte);
+      const places = { high: at(high[number]!), low: at(low[number]!) };
+      return { lowest: lowest[number]!, step: step[number]!, ...places };
     }),
   );
-  const usedBytes = layout.shared + layout.channels * layout.stride;
-  const all = numbers.flat().flatMap(({ high, low }) => [high, low]);
-  if (usedBytes > layout.texelBytes || all.some((byte) => byte >= usedBytes)) throw damaged();
   return {
     id: nameOf(bytes),
     file: bytes,
     size: [width, height],
-    texels: file.bytes("texels", "U8", [width * height, layout.texelBytes]),
-    texelBytes: layout.texelBytes,
-    usedBytes,
+    texels: file.bytes("texels", "U8", [width * height, texelBytes]),
+    texelBytes,
+    usedBytes: shared + channels * stride,
     numbers,
-    ...placeOf(description),
+    toTexture: place.to_texture.flat(),
+    wrap: place.wrap,
+    nearest: place.nearest,
   };
 }
 
@@ -107,42 +124,4 @@ export function meanCodes(texture: CodeTexture): Float32Array {
     });
   });
   return codes;
-}
-
-function layoutOf(description: Fields, size: number) {
-  const layout = Object(description.layout) as Fields;
-  const { channels, shared, stride, texel_bytes: texelBytes } = layout;
-  const { high, low, same } = layout;
-  const isPlaces = (value: unknown): value is number[] =>
-    Array.isArray(value) && value.length === size && value.every((x) => Number.isInteger(x));
-  if (!isPlaces(high) || !isPlaces(low) || !Array.isArray(same) || same.length !== size)
-    throw damaged();
-  if (![channels, shared, stride, texelBytes].every(isCount)) throw damaged();
-  if (channels !== 1 && channels !== CHANNELS)
-    throw new Refusal("It has other channels than red, green and blue.");
-  return {
-    channels,
-    shared: shared as number,
-    stride: stride as number,
-    texelBytes: texelBytes as number,
-    high,
-    low,
-    same: same.map(Boolean),
-  };
-}
-
-function placeOf(description: Fields): Pick<CodeTexture, "toTexture" | "wrap" | "nearest"> {
-  const { to_texture: rows, wrap, nearest } = Object(description.place) as Fields;
-  const toTexture = (Array.isArray(rows) ? rows.flat() : []) as unknown[];
-  const isMatrix = toTexture.length === 6 && toTexture.every(Number.isFinite);
-  if (!isMatrix || (wrap !== "repeat" && wrap !== "mirror" && wrap !== "clamp")) throw damaged();
-  return { toTexture: toTexture as number[], wrap, nearest: nearest === true };
-}
-
-function isCount(value: unknown): value is number {
-  return Number.isSafeInteger(value) && (value as number) >= 0;
-}
-
-function damaged(): Refusal {
-  return new Refusal("It is damaged or no texture that Urushi has saved.");
 }

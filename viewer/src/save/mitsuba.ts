@@ -1,6 +1,5 @@
 /** A material as a BSDF of Mitsuba 3, in XML. */
 
-import type { Channels } from "../core/api";
 import {
   type BottomInAir,
   type CoatInAir,
@@ -10,10 +9,10 @@ import {
   seenOf,
 } from "../material/material";
 import { Refusal } from "../refusal";
-import { mediumParameters, widthsOf } from "./python";
+import { type Parameter, parametersOf, surfaceOf } from "./python";
 
 /** A plugin of a scene and its parameters in their order. */
-type Plugin = [type: string, values: [name: string, value: Channels | string | true][]];
+type Plugin = [type: string, values: Parameter[]];
 
 /**
  * The BSDF as XML, each layer inside of the one above.
@@ -48,32 +47,29 @@ export function mitsubaXml(material: MaterialCards): string {
 }
 
 function pluginOf(coat: CoatInAir): Plugin {
-  return ["neural_layered", [...widthsOf(coat), ["int_ior", coat.ior], ...mediumParameters(coat)]];
+  const named = ([name, value]: Parameter): Parameter => [name === "ior" ? "int_ior" : name, value];
+  return ["neural_layered", parametersOf(coat).map(named)];
 }
 
 function bottomOf(bottom: BottomInAir): Plugin {
-  switch (bottom.kind) {
-    case "conductor": {
-      // Mitsuba has no Schlick's term: the reflectance is that of normal incidence throughout.
-      const values: Plugin[1] =
-        "r0" in bottom
-          ? [["material", "none"], ...widthsOf(bottom), ["specular_reflectance", bottom.r0]]
-          : [...widthsOf(bottom), ["eta", bottom.eta], ["k", bottom.k]];
-      return ["roughconductor", [["distribution", "ggx"], ...values]];
-    }
-    case "diffuse":
-      return ["diffuse", [["reflectance", bottom.reflectance]]];
-    case "dielectric":
-      throw new Refusal("Mitsuba has no opaque dielectric; choose another bottom.");
-    case "codes":
-      throw new Refusal(
-        "A loaded material is rendered from its own file, by the plugin neural_brdf.",
-      );
-  }
+  const values = surfaceOf(bottom);
+  if (bottom.kind === "diffuse") return ["diffuse", values];
+  if (bottom.kind === "dielectric")
+    throw new Refusal("Mitsuba has no opaque dielectric; choose another bottom.");
+  // Mitsuba has no Schlick's term: the reflectance is that of normal incidence throughout.
+  const metal = values.flatMap(([name, value]): Parameter[] =>
+    name === "r0"
+      ? [
+          ["material", "none"],
+          ["specular_reflectance", value],
+        ]
+      : [[name, value]],
+  );
+  return ["roughconductor", [["distribution", "ggx"], ...metal]];
 }
 
 /** The element of Mitsuba's XML; it reads some parameters as colours, whether one number or three. */
-function elementOf(name: string, value: Channels | string | true) {
+function elementOf(name: string, value: Parameter[1]) {
   if (typeof value === "string") return "string";
   if (value === true) return "boolean";
   const isColour = ["reflectance", "specular_reflectance", "k", "eta"].includes(name);

@@ -16,6 +16,8 @@ export function pythonText(material: MaterialCards): string {
   const { name, rotation = 0 } = material;
   const stack = seenOf(material);
   const isBare = stack.coats.length === 0;
+  const bottom = surfaceOf(stack.bottom);
+  if (isBare && isCompensated(material)) bottom.push(["energy_compensation", true]);
   const lines = [
     "import numpy as np",
     "",
@@ -23,16 +25,18 @@ export function pythonText(material: MaterialCards): string {
     "",
     "# The layers one by one by the layering network, as on the page. Without fast=True, light",
     "# transport is computed, which takes longer and is closer to the random walk.",
-    `material = ${bottomText(stack.bottom, isBare && isCompensated(material))}`,
+    `material = ${call(`urushi.${stack.bottom.kind}`, bottom)}`,
   ];
   for (const [place, coat] of [...stack.coats.entries()].reverse()) {
-    const top = call("urushi.dielectric", [...widthsOf(coat), ["ior", coat.ior]]);
-    const others: [string, Channels | string][] = mediumParameters(coat);
-    if (place === 0 && isCompensated(material)) others.push(["energy_compensation", "True"]);
+    const isOfSurface = ([name]: Parameter) => name === "ior" || name.startsWith("alpha");
+    const all = parametersOf(coat);
+    const top = call("urushi.dielectric", all.filter(isOfSurface));
+    const others = all.filter((parameter) => !isOfSurface(parameter));
+    if (place === 0 && isCompensated(material)) others.push(["energy_compensation", true]);
     // One network layers all coats.
     const isLowest = place === stack.coats.length - 1;
     if (isLowest && isAnisotropic(stack)) others.push(["weights", '"anisotropic"']);
-    others.push(["fast", "True"]);
+    others.push(["fast", true]);
     lines.push(`material = ${call("urushi.layer", others, `${top}, material`)}`);
   }
   if (isBare) lines.push("material = urushi.encode(material)");
@@ -48,25 +52,23 @@ export function pythonText(material: MaterialCards): string {
   return lines.join("\n");
 }
 
-/** The medium of a coat as it was given, by its parameters in Python. */
-export function mediumParameters(coat: CoatInAir): [string, Channels][] {
-  const medium: [string, Channels][] =
-    "sigmaT" in coat
-      ? [
-          ["albedo", coat.albedo],
-          ["sigma_t", coat.sigmaT],
-        ]
-      : [
-          ["color", coat.color],
-          ["body", coat.body],
-          ["body_color", coat.bodyColor],
-        ];
-  const { g, thickness = 1 } = coat;
-  return [
-    ...medium,
-    ["g", g],
-    ...(thickness === 1 ? [] : [["thickness", thickness] as [string, number]]),
-  ];
+/** A parameter by its name in Python; true: it is switched on. */
+export type Parameter = [name: string, value: Channels | string | true];
+
+/** Parameters of layers, in the order in which they are written. */
+const ORDER =
+  "alpha alphaU alphaV ior r0 eta k reflectance albedo sigmaT color body bodyColor g thickness".split(
+    " ",
+  );
+
+/** The parameters of a coat or a bottom, as they were given. */
+export function parametersOf(layer: CoatInAir | BottomInAir): Parameter[] {
+  const { alpha, ...others } = { thickness: 1, ...layer } as Record<string, Channels>;
+  const given = { ...others, ["alphaV" in layer ? "alphaU" : "alpha"]: alpha };
+  const names = ORDER.filter((name) => given[name] !== undefined);
+  return names
+    .filter((name) => name !== "thickness" || given.thickness !== 1)
+    .map((name) => [name.replace(/[A-Z]/, (letter) => `_${letter.toLowerCase()}`), given[name]!]);
 }
 
 /** The name of a file for a material. */
@@ -79,50 +81,24 @@ export function fileName(name: string): string {
   );
 }
 
-function bottomText(bottom: BottomInAir, isGiven: boolean): string {
-  const given = isGiven ? [["energy_compensation", "True"] as const] : [];
-  switch (bottom.kind) {
-    case "conductor": {
-      const facets: [string, Channels][] =
-        "r0" in bottom
-          ? [["r0", bottom.r0]]
-          : [
-              ["eta", bottom.eta],
-              ["k", bottom.k],
-            ];
-      return call("urushi.conductor", [...widthsOf(bottom), ...facets, ...given]);
-    }
-    case "dielectric":
-      return call("urushi.dielectric", [...widthsOf(bottom), ["ior", bottom.ior]]);
-    case "diffuse":
-      return call("urushi.diffuse", [["reflectance", bottom.reflectance]]);
-    case "codes":
-      throw new Refusal(
-        "A loaded material cannot be written as a description; save the state as JSON.",
-      );
-  }
+/**
+ * The parameters of a bottom.
+ *
+ * @throws Refusal if it is a loaded one.
+ */
+export function surfaceOf(bottom: BottomInAir): Parameter[] {
+  if (bottom.kind === "codes")
+    throw new Refusal("A loaded material has no description; save its file, or the state as JSON.");
+  return parametersOf(bottom);
 }
 
-/** The widths of a surface. */
-export function widthsOf(surface: { alpha: Channels; alphaV?: Channels }): [string, Channels][] {
-  const { alpha, alphaV } = surface;
-  if (alphaV === undefined) return [["alpha", alpha]];
-  return [
-    ["alpha_u", alpha],
-    ["alpha_v", alphaV],
-  ];
-}
-
-function call(
-  name: string,
-  parameters: readonly (readonly [string, Channels | string])[],
-  first = "",
-): string {
+function call(name: string, parameters: readonly Parameter[], first = ""): string {
   const named = parameters.map(([key, value]) => `${key}=${python(value)}`);
   return `${name}(${[...(first ? [first] : []), ...named].join(", ")})`;
 }
 
 /** "0.1" or "(0.1, 0.2, 0.3)". */
-function python(value: Channels | string): string {
+function python(value: Parameter[1]): string {
+  if (value === true) return "True";
   return typeof value !== "object" ? String(value) : `(${value.join(", ")})`;
 }

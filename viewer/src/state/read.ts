@@ -116,16 +116,12 @@ function readBottom(value: unknown): BottomInAir | TexelBottom {
   const one = (name: keyof typeof BOTTOM_PARAMETERS) =>
     channels(fields[name], BOTTOM_PARAMETERS[name], name);
   switch (fields.kind) {
-    case "conductor":
-      return "r0" in fields
-        ? { kind: "conductor", ...widths(fields, one("alpha")), r0: one("r0") }
-        : { kind: "conductor", ...widths(fields, one("alpha")), eta: one("eta"), k: one("k") };
+    case "conductor": {
+      const facets = "r0" in fields ? { r0: one("r0") } : { eta: one("eta"), k: one("k") };
+      return { kind: "conductor", ...widths(fields, one("alpha")), ...facets };
+    }
     case "dielectric":
-      return {
-        kind: "dielectric",
-        ...widths(fields, one("alpha")),
-        ior: channels(fields.ior, COAT_PARAMETERS.ior, "ior"),
-      };
+      return { kind: "dielectric", ...widths(fields, one("alpha")), ior: one("ior") };
     case "diffuse":
       return { kind: "diffuse", reflectance: one("reflectance") };
     case "codes":

@@ -3,7 +3,6 @@
 import { computed, signal } from "@preact/signals";
 import type { MaterialCards } from "../material/material";
 import { Cancelled, Refusal, Unreachable } from "../refusal";
-import { History } from "./history";
 import { activeMaterial, INITIAL, type State, withMaterial } from "./state";
 
 export const state = signal<State>(INITIAL);
@@ -65,17 +64,26 @@ export function announce(text: string): void {
   }, 4000) as unknown as number;
 }
 
-const history = new History<State>();
-const steps = signal(0);
-export const canUndo = computed(() => steps.value >= 0 && history.canUndo);
-export const canRedo = computed(() => steps.value >= 0 && history.canRedo);
+/** Changes of the same kind within this time [ms] are one step. */
+const PAUSE = 700;
+const MOST_STEPS = 200;
 
-/** Change the state; `kind` joins changes that follow each other, see `History.record`. */
+/** States that were, and states that were taken back, the latest last. */
+const past = signal<readonly State[]>([]);
+const future = signal<readonly State[]>([]);
+let latest = { kind: "", time: Number.NEGATIVE_INFINITY };
+export const canUndo = computed(() => past.value.length > 0);
+export const canRedo = computed(() => future.value.length > 0);
+
+/** Change the state; changes of one `kind` that follow fast are one step, unless it is "". */
 export function change(next: State, kind = ""): void {
   if (next === state.value) return;
-  history.record(state.value, kind, performance.now());
+  const time = performance.now();
+  const follows = kind !== "" && kind === latest.kind && time - latest.time < PAUSE;
+  latest = { kind, time };
+  if (!follows) past.value = [...past.value, state.value].slice(-MOST_STEPS);
+  future.value = [];
   state.value = next;
-  steps.value++;
 }
 
 /** Change the material on the cards. */
@@ -89,19 +97,22 @@ export function look(next: Partial<State>): void {
 }
 
 export function undo(): void {
-  restore(history.undo(state.value), "Undone");
+  step(past, future, "Undone");
 }
 
 export function redo(): void {
-  restore(history.redo(state.value), "Redone");
+  step(future, past, "Redone");
 }
 
-function restore(value: State | null, said: string): void {
-  if (value === null) return;
+function step(from: typeof past, to: typeof past, said: string): void {
+  const value = from.value.at(-1);
+  if (value === undefined) return;
+  from.value = from.value.slice(0, -1);
+  to.value = [...to.value, state.value];
+  latest.kind = "";
   const { view, turntable, plots, edge, scale, incidence } = state.value;
   state.value = { ...value, view, turntable, plots, edge, scale, incidence };
   announce(said);
-  steps.value++;
 }
 
 /** Tell what went wrong: `retry` tries again, and `context` is put before the sentence. */

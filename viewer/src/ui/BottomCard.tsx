@@ -12,10 +12,9 @@ import {
   reflectanceOf,
   type TexelBottom,
 } from "../material/material";
-import { BOTTOM_PARAMETERS, COAT_PARAMETERS, type Parameter } from "../material/parameters";
+import { BOTTOM_PARAMETERS, type Parameter } from "../material/parameters";
 import { METALS } from "../material/presets";
 import { changeMaterial } from "../state/store";
-import { Advanced } from "./Advanced";
 import { Choice } from "./Choice";
 import { Field } from "./Field";
 import { IconButton } from "./IconButton";
@@ -62,7 +61,9 @@ export function BottomCard({ material, alone }: BottomCardProps) {
       onChange={(value, step) => change({ ...bottom, [key]: value } as BottomInAir, step)}
     />
   );
-  const fields = fieldsOf(bottom);
+  const fields = Object.entries<Parameter>(BOTTOM_PARAMETERS).filter(
+    ([key]) => key !== "alpha" && key in bottom,
+  );
   const colours = fields.filter(([, { isColour }]) => isColour);
   const numbers = fields.filter(([, { isColour }]) => !isColour);
   return (
@@ -99,10 +100,11 @@ export function BottomCard({ material, alone }: BottomCardProps) {
         {"alpha" in bottom && (
           <>
             <GlossField {...surface} />
-            <Advanced of={0}>
+            <details>
+              <summary>Advanced</summary>
               <WidthFields parameter={BOTTOM_PARAMETERS.alpha} {...surface} />
               {numbers.map(field)}
-            </Advanced>
+            </details>
           </>
         )}
         {(bottom.kind === "codes" || bottom.kind === "texels") && (
@@ -162,26 +164,6 @@ function same(a: Rgb, b: Rgb): boolean {
 function kindOf(bottom: AnyBottom): Kind {
   if (bottom.kind !== "conductor") return bottom.kind;
   return "r0" in bottom ? "schlick" : "metal";
-}
-
-function fieldsOf(bottom: AnyBottom): [string, Parameter][] {
-  const { r0, eta, k, reflectance: matt } = BOTTOM_PARAMETERS;
-  switch (kindOf(bottom)) {
-    case "metal":
-      return [
-        ["eta", eta],
-        ["k", k],
-      ];
-    case "schlick":
-      return [["r0", r0]];
-    case "dielectric":
-      return [["ior", COAT_PARAMETERS.ior]];
-    case "diffuse":
-      return [["reflectance", matt]];
-    case "codes":
-    case "texels":
-      return [];
-  }
 }
 
 function widthsOf(bottom: AnyBottom): { alpha: Channels; alphaV?: Channels } {

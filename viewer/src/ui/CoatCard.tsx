@@ -1,6 +1,6 @@
 /** The card of one coat. */
 
-import { signal } from "@preact/signals";
+import { useSignal } from "@preact/signals";
 import type { Channels } from "../core/api";
 import { withinTraining } from "../core/layerer";
 import { coatOfChannel } from "../core/surfaces";
@@ -24,14 +24,10 @@ import {
 } from "../material/material";
 import { COAT_PARAMETERS, COLOUR, rounded } from "../material/parameters";
 import { announce, changeMaterial, material } from "../state/store";
-import { Advanced } from "./Advanced";
-import { Field, toggled } from "./Field";
+import { Field } from "./Field";
 import { IconButton } from "./IconButton";
 import { Icon } from "./icons";
 import { GlossField, WidthFields, type WidthPair, withWidths } from "./WidthFields";
-
-/** Cards that show their name alone. */
-const folded = signal<ReadonlySet<number>>(new Set());
 
 interface CoatCardProps {
   card: Card;
@@ -43,7 +39,7 @@ interface CoatCardProps {
 }
 
 export function CoatCard({ card, name, seen, dragged, onMove, onDrag }: CoatCardProps) {
-  const isFolded = folded.value.has(card.id);
+  const isFolded = useSignal(false);
   const solo = material.value.solo === card.id;
   const replace = (next: Card, kind: string) => {
     const coats = material.value.coats.map((one) => (one.id === card.id ? next : one));
@@ -83,9 +79,9 @@ export function CoatCard({ card, name, seen, dragged, onMove, onDrag }: CoatCard
         <button
           type="button"
           class="title"
-          aria-expanded={!isFolded}
+          aria-expanded={!isFolded.value}
           onClick={() => {
-            folded.value = toggled(folded.value, card.id);
+            isFolded.value = !isFolded.value;
           }}
         >
           <span>{name}</span>
@@ -118,7 +114,7 @@ export function CoatCard({ card, name, seen, dragged, onMove, onDrag }: CoatCard
           }}
         />
       </header>
-      {!isFolded && (
+      {!isFolded.value && (
         <div class="fields">
           <Field
             owner={name}
@@ -135,7 +131,8 @@ export function CoatCard({ card, name, seen, dragged, onMove, onDrag }: CoatCard
           )}
           <MediumField name="thickness" {...medium} />
           <MediumField name="body" {...medium} />
-          <Advanced of={card.id}>
+          <details>
+            <summary>Advanced</summary>
             <MediumField name="color" {...medium} />
             <MediumField name="bodyColor" {...medium} />
             {hasOwnSurface && <WidthFields parameter={COAT_PARAMETERS.alpha} {...surface} />}
@@ -150,7 +147,7 @@ export function CoatCard({ card, name, seen, dragged, onMove, onDrag }: CoatCard
             <MediumField name="albedo" {...medium} />
             <MediumField name="g" {...medium} />
             <Replaced card={card} />
-          </Advanced>
+          </details>
         </div>
       )}
     </li>

@@ -1,6 +1,6 @@
 /** A parameter: a slider and a number for one value or for each channel, or a colour. */
 
-import { signal } from "@preact/signals";
+import { useSignal } from "@preact/signals";
 import type { ComponentChildren } from "preact";
 import type { Channels } from "../core/api";
 import { joined, type Rgb, rgb } from "../material/channels";
@@ -25,22 +25,13 @@ interface FieldProps {
 
 const CHANNELS = ["red", "green", "blue"] as const;
 
-/** Names of the colours whose channels are shown. */
-const unfolded = signal<ReadonlySet<string>>(new Set());
-
-/** A set with one member more, or without it if it has it. */
-export function toggled<T>(set: ReadonlySet<T>, member: T): ReadonlySet<T> {
-  const next = new Set(set);
-  if (!next.delete(member)) next.add(member);
-  return next;
-}
-
 export function Field(props: FieldProps) {
   const { owner, parameter, value, coloured, aside, colourOf, onChange } = props;
   const { isColour = false } = parameter;
   const values = rgb(value);
   const name = `${owner}, ${parameter.label}`;
-  const split = isColour ? unfolded.value.has(name) : typeof value !== "number";
+  const isUnfolded = useSignal(false);
+  const split = isColour ? isUnfolded.value : typeof value !== "number";
   const reset = () => onChange(parameter.fallback, "");
   const set = (channel: number | null, next: number) => {
     if (channel === null) return onChange(next, name);
@@ -49,7 +40,7 @@ export function Field(props: FieldProps) {
     onChange(isColour ? joined(changed) : changed, `${name} ${channel}`);
   };
   const toggle = () => {
-    if (isColour) unfolded.value = toggled(unfolded.value, name);
+    if (isColour) isUnfolded.value = !isUnfolded.value;
     else onChange(split ? rounded((values[0] + values[1] + values[2]) / 3) : [...values], "");
   };
 

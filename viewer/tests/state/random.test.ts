@@ -1,9 +1,9 @@
 /** Random states: what is saved is read again, and every change is taken back. */
 
-import { expect, test } from "vitest";
+import { expect, test, vi } from "vitest";
 import { fromAddress, toAddress, toJson } from "../../src/state/address";
 import { readState } from "../../src/state/read";
-import { change, look, redo, state, undo } from "../../src/state/store";
+import { canRedo, change, look, redo, state, undo } from "../../src/state/store";
 import { Draws } from "../material/random";
 
 test("addresses and saved states hold random states", () => {
@@ -39,4 +39,21 @@ test("random changes are undone and redone, and the camera stays", () => {
     redo();
     expect(state.value).toEqual(seen(at));
   }
+});
+
+test("fast changes of one kind are one step; a pause or another kind begins a step", () => {
+  vi.useFakeTimers();
+  const before = state.value;
+  const turn = (rotation: number, kind = "turn") => change({ ...state.value, rotation }, kind);
+  for (const rotation of [1, 2, 3]) turn(rotation);
+  vi.advanceTimersByTime(5000);
+  turn(4);
+  turn(5, "other");
+  for (const rotation of [4, 3, before.rotation]) {
+    undo();
+    expect(state.value.rotation).toBe(rotation);
+  }
+  turn(6);
+  expect(canRedo.value).toBe(false); // a new change forgets what was taken back
+  vi.useRealTimers();
 });
