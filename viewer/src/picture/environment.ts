@@ -1,7 +1,7 @@
 /** Environments as cube maps with filtered levels, and the bright lights taken out of them. */
 
 import type { EnvironmentName } from "../state/state";
-import { cover, coverProgram, filters, type Gl, type Program, readRgb } from "./gl";
+import { cover, filters, type Gl, Program, Target } from "./gl";
 import type { Light, Panorama } from "./panorama";
 import halveSource from "./shaders/halve.frag?raw";
 import irradianceSource from "./shaders/irradiance.frag?raw";
@@ -61,43 +61,30 @@ export class EnvironmentMap {
     const small = simple ? gl.LINEAR_MIPMAP_NEAREST : gl.LINEAR_MIPMAP_LINEAR;
     this.texture = cubeMap(gl, LEVELS, SIDE, small);
     this.irradiance = cubeMap(gl, 1, IRRADIANCE_SIDE, gl.LINEAR);
-    this.convolve = coverProgram(gl, irradianceSource);
+    this.convolve = new Program(gl, irradianceSource);
     this.frame = gl.createFramebuffer()!;
-    this.halve = coverProgram(gl, halveSource);
-    this.places = coverProgram(gl, placesSource);
-    this.panorama = coverProgram(gl, panoramaSource);
+    this.halve = new Program(gl, halveSource);
+    this.places = new Program(gl, placesSource);
+    this.panorama = new Program(gl, panoramaSource);
   }
 
   /** Draw an environment by formula. */
   drawFormula(name: EnvironmentName): void {
-    this.places.use();
-    this.places.setInteger("which", formulaOf(name));
-    this.places.setInteger("isPanorama", 0);
+    this.places.use({ which: formulaOf(name), isPanorama: false });
     this.drawFaces(this.places, this.texture, SIDE, 0);
     this.drawLevels();
   }
 
   /** An environment by formula as a panorama, without its bright lights. */
   panoramaOf(name: EnvironmentName): Panorama {
-    const { gl, places } = this;
-    const [width, height] = [4 * SIDE, 2 * SIDE];
-    const texture = gl.createTexture()!;
-    gl.bindTexture(gl.TEXTURE_2D, texture);
-    gl.texStorage2D(gl.TEXTURE_2D, 1, gl.RGBA32F, width, height);
-    gl.bindFramebuffer(gl.FRAMEBUFFER, this.frame);
-    const target = gl.TEXTURE_2D;
-    gl.framebufferTexture2D(gl.FRAMEBUFFER, gl.COLOR_ATTACHMENT0, target, texture, 0);
-    gl.viewport(0, 0, width, height);
-    gl.disable(gl.DEPTH_TEST);
-    gl.disable(gl.SCISSOR_TEST);
-    places.use();
-    places.setInteger("which", formulaOf(name));
-    places.setInteger("isPanorama", 1);
+    const { gl } = this;
+    const target = new Target(gl, 4 * SIDE, 2 * SIDE, [gl.RGBA32F]);
+    target.bind();
+    this.places.use({ which: formulaOf(name), isPanorama: true });
     cover(gl);
-    const pixels = readRgb(gl, width, height);
-    gl.bindFramebuffer(gl.FRAMEBUFFER, null);
-    gl.deleteTexture(texture);
-    return { width, height, pixels };
+    const pixels = target.read();
+    target.delete();
+    return { width: target.width, height: target.height, pixels };
   }
 
   /** Draw a panorama. */
@@ -109,43 +96,35 @@ export class EnvironmentMap {
     gl.texImage2D(gl.TEXTURE_2D, 0, gl.RGB16F, width, height, 0, gl.RGB, gl.FLOAT, pixels);
     filters(gl, gl.TEXTURE_2D, gl.LINEAR, gl.LINEAR, gl.CLAMP_TO_EDGE);
     gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_WRAP_S, gl.REPEAT);
-    this.panorama.use();
-    this.panorama.setTexture("panorama", 0, gl.TEXTURE_2D, texture);
+    this.panorama.use({ panorama: texture });
     this.drawFaces(this.panorama, this.texture, SIDE, 0);
     this.drawLevels();
     gl.deleteTexture(texture);
   }
 
   private drawLevels(): void {
-    const { gl, halve, convolve } = this;
-    halve.use();
-    halve.setTexture("environment", 0, gl.TEXTURE_CUBE_MAP, this.texture);
+    const { gl, halve, convolve, texture } = this;
     for (let level = 1; level < LEVELS; level++) {
+      halve.use({ environment: texture, side: SIDE >> (level - 1) });
       // Only the finer levels are read while this one is drawn.
       gl.texParameteri(gl.TEXTURE_CUBE_MAP, gl.TEXTURE_BASE_LEVEL, level - 1);
       gl.texParameteri(gl.TEXTURE_CUBE_MAP, gl.TEXTURE_MAX_LEVEL, level - 1);
-      halve.set("side", SIDE >> (level - 1));
-      this.drawFaces(halve, this.texture, SIDE >> level, level);
+      this.drawFaces(halve, texture, SIDE >> level, level);
     }
     gl.texParameteri(gl.TEXTURE_CUBE_MAP, gl.TEXTURE_BASE_LEVEL, 0);
     gl.texParameteri(gl.TEXTURE_CUBE_MAP, gl.TEXTURE_MAX_LEVEL, LEVELS - 1);
-    convolve.use();
-    convolve.setTexture("environment", 0, gl.TEXTURE_CUBE_MAP, this.texture);
-    convolve.set("level", IRRADIANCE_LEVEL);
-    convolve.set("side", IRRADIANCE_SIDE);
+    convolve.use({ environment: texture, level: IRRADIANCE_LEVEL, side: IRRADIANCE_SIDE });
     this.drawFaces(convolve, this.irradiance, IRRADIANCE_SIDE, 0);
   }
 
   private drawFaces(program: Program, texture: WebGLTexture, side: number, level: number): void {
     const { gl } = this;
-    gl.disable(gl.DEPTH_TEST);
-    gl.disable(gl.SCISSOR_TEST);
     gl.bindFramebuffer(gl.FRAMEBUFFER, this.frame);
     gl.viewport(0, 0, side, side);
-    FACES.forEach((matrix, face) => {
-      const target = gl.TEXTURE_CUBE_MAP_POSITIVE_X + face;
+    FACES.forEach((face, place) => {
+      const target = gl.TEXTURE_CUBE_MAP_POSITIVE_X + place;
       gl.framebufferTexture2D(gl.FRAMEBUFFER, gl.COLOR_ATTACHMENT0, target, texture, level);
-      program.setMatrix("face", matrix);
+      program.set({ face });
       cover(gl);
     });
     gl.bindFramebuffer(gl.FRAMEBUFFER, null);

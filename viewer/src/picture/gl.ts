@@ -1,6 +1,5 @@
 /** Small helpers on top of WebGL2. */
 
-import { type Light, MOST_LIGHTS } from "./panorama";
 import coverSource from "./shaders/cover.vert?raw";
 
 export type Gl = WebGL2RenderingContext;
@@ -29,16 +28,22 @@ export function contextOf(canvas: HTMLCanvasElement): Gl {
   return gl;
 }
 
-/** A linked program with its uniforms by name. */
+/** A number or a truth, a vector, a matrix column by column, or a texture. */
+type Uniform = number | boolean | ArrayLike<number> | WebGLTexture;
+
+/** Uniforms by their names in the shaders; a program ignores those that it does not read. */
+export type Uniforms = Readonly<Record<string, Uniform>>;
+
+/** A linked program; one without a vertex shader of its own runs over the whole viewport, see `cover`. */
 export class Program {
   private readonly program: WebGLProgram;
-  private readonly places = new Map<string, WebGLUniformLocation | null>();
+  private readonly setters = new Map<string, (value: Uniform) => void>();
 
   constructor(
     private readonly gl: Gl,
-    vertex: string,
     fragment: string,
     constants: Record<string, number> = {},
+    vertex = coverSource,
   ) {
     const defined = Object.entries(constants).map(
       ([name, value]) => `#define ${name} ${value.toFixed(6)}\n`,
@@ -55,12 +60,14 @@ export class Program {
       gl.deleteShader(shader);
     }
     gl.linkProgram(this.program);
-    if (!gl.getProgramParameter(this.program, gl.LINK_STATUS) && !gl.isContextLost()) {
+    if (gl.isContextLost()) return;
+    if (!gl.getProgramParameter(this.program, gl.LINK_STATUS)) {
       const logs = gl.getAttachedShaders(this.program)!.map((s) => gl.getShaderInfoLog(s));
       throw new NoGraphics(
         `The graphics driver refused a shader: ${logs.join(" ")}${gl.getProgramInfoLog(this.program)}`,
       );
     }
+    this.findUniforms();
   }
 
   /** Give the program back. */
@@ -68,59 +75,55 @@ export class Program {
     this.gl.deleteProgram(this.program);
   }
 
-  use(): void {
+  /** Draw by it from here on. */
+  use(uniforms: Uniforms = {}): void {
     this.gl.useProgram(this.program);
+    this.set(uniforms);
   }
 
-  /** A number, or a vector of two, three or four. */
-  set(name: string, ...value: number[]): void {
-    const { gl } = this;
-    const place = this.place(name);
-    if (value.length === 1) gl.uniform1f(place, value[0]!);
-    else if (value.length === 2) gl.uniform2f(place, value[0]!, value[1]!);
-    else if (value.length === 3) gl.uniform3f(place, value[0]!, value[1]!, value[2]!);
-    else gl.uniform4f(place, value[0]!, value[1]!, value[2]!, value[3]!);
+  /** Set uniforms while it is used. */
+  set(uniforms: Uniforms): void {
+    for (const [name, value] of Object.entries(uniforms)) this.setters.get(name)?.(value);
   }
 
-  setInteger(name: string, value: number): void {
-    this.gl.uniform1i(this.place(name), value);
-  }
-
-  setVectors(name: string, values: Float32Array): void {
-    this.gl.uniform3fv(this.place(name), values);
-  }
-
-  setLights(lights: readonly Light[]): void {
-    const of = (key: keyof Light) => {
-      const values = new Float32Array(3 * MOST_LIGHTS);
-      lights.forEach((light, place) => {
-        values.set(light[key], 3 * place);
-      });
-      return values;
+  /** Each sampler has a texture unit of its own. */
+  private findUniforms(): void {
+    const { gl, program } = this;
+    const targets: Record<number, number> = {
+      [gl.SAMPLER_2D]: gl.TEXTURE_2D,
+      [gl.SAMPLER_3D]: gl.TEXTURE_3D,
+      [gl.SAMPLER_CUBE]: gl.TEXTURE_CUBE_MAP,
+      [gl.SAMPLER_2D_ARRAY]: gl.TEXTURE_2D_ARRAY,
     };
-    this.setInteger("lights", lights.length);
-    this.setVectors("lightDirections", of("direction"));
-    this.setVectors("lightPowers", of("power"));
-  }
-
-  /** A matrix, column by column: of two rows and three columns, or of three or four of both. */
-  setMatrix(name: string, values: readonly number[]): void {
-    if (values.length === 6) this.gl.uniformMatrix3x2fv(this.place(name), false, values);
-    else if (values.length === 9) this.gl.uniformMatrix3fv(this.place(name), false, values);
-    else this.gl.uniformMatrix4fv(this.place(name), false, values);
-  }
-
-  /** Bind a texture to a unit for a sampler. */
-  setTexture(name: string, unit: number, target: number, texture: WebGLTexture): void {
-    this.gl.activeTexture(this.gl.TEXTURE0 + unit);
-    this.gl.bindTexture(target, texture);
-    this.setInteger(name, unit);
-  }
-
-  private place(name: string): WebGLUniformLocation | null {
-    if (!this.places.has(name))
-      this.places.set(name, this.gl.getUniformLocation(this.program, name));
-    return this.places.get(name)!;
+    const vectors: Record<number, "uniform2fv" | "uniform3fv" | "uniform4fv"> = {
+      [gl.FLOAT_VEC2]: "uniform2fv",
+      [gl.FLOAT_VEC3]: "uniform3fv",
+      [gl.FLOAT_VEC4]: "uniform4fv",
+    };
+    const matrices: Record<number, "uniformMatrix3x2fv" | "uniformMatrix3fv" | "uniformMatrix4fv"> =
+      {
+        [gl.FLOAT_MAT3x2]: "uniformMatrix3x2fv",
+        [gl.FLOAT_MAT3]: "uniformMatrix3fv",
+        [gl.FLOAT_MAT4]: "uniformMatrix4fv",
+      };
+    gl.useProgram(program);
+    let units = 0;
+    for (let k = gl.getProgramParameter(program, gl.ACTIVE_UNIFORMS) - 1; k >= 0; k--) {
+      const { name, type } = gl.getActiveUniform(program, k)!;
+      const place = gl.getUniformLocation(program, name);
+      const [target, vector, matrix] = [targets[type], vectors[type], matrices[type]];
+      const unit = units;
+      if (target) gl.uniform1i(place, units++);
+      this.setters.set(name.replace("[0]", ""), (value) => {
+        if (target) {
+          gl.activeTexture(gl.TEXTURE0 + unit);
+          gl.bindTexture(target, value as WebGLTexture);
+        } else if (vector) gl[vector](place, value as number[]);
+        else if (matrix) gl[matrix](place, false, value as number[]);
+        else if (type === gl.FLOAT) gl.uniform1f(place, Number(value));
+        else gl.uniform1i(place, Number(value));
+      });
+    }
   }
 }
 
@@ -129,15 +132,7 @@ export function included(source: string, texts: Record<string, string>): string 
   return source.replace(/^#include (\S+)$/gm, (_line, name: string) => texts[name]!);
 }
 
-/** A program that runs over the whole viewport; draw it by `cover`. */
-export function coverProgram(
-  gl: Gl,
-  fragment: string,
-  constants: Record<string, number> = {},
-): Program {
-  return new Program(gl, coverSource, fragment, constants);
-}
-
+/** Draw over the whole viewport. */
 export function cover(gl: Gl): void {
   gl.drawArrays(gl.TRIANGLES, 0, 3);
 }
@@ -151,11 +146,68 @@ export function filters(gl: Gl, target: number, small: number, large: number, wr
   gl.texParameteri(target, gl.TEXTURE_WRAP_R, wrap);
 }
 
-/** The colours (height, width, 3) of the framebuffer that is bound, the lowest row first. */
-export function readRgb(gl: Gl, width: number, height: number): Float32Array {
-  const pixels = new Float32Array(4 * width * height);
-  gl.readPixels(0, 0, width, height, gl.RGBA, gl.FLOAT, pixels);
-  const rgb = new Float32Array(3 * width * height);
-  for (let at = 0; at < width * height; at++) rgb.set(pixels.subarray(4 * at, 4 * at + 3), 3 * at);
-  return rgb;
+/** Textures of one size that are drawn into together. */
+export class Target {
+  /** One for each format; none with several samples. */
+  readonly textures: WebGLTexture[] = [];
+  readonly frame: WebGLFramebuffer;
+  private readonly buffers: WebGLRenderbuffer[] = [];
+
+  /** @param samples of a pixel, if they are several. */
+  constructor(
+    private readonly gl: Gl,
+    readonly width: number,
+    readonly height: number,
+    formats: readonly number[],
+    { filter = gl.LINEAR as number, samples = 0, hasDepth = false } = {},
+  ) {
+    this.frame = gl.createFramebuffer()!;
+    gl.bindFramebuffer(gl.FRAMEBUFFER, this.frame);
+    const addBuffer = (format: number, attachment: number) => {
+      const buffer = gl.createRenderbuffer()!;
+      gl.bindRenderbuffer(gl.RENDERBUFFER, buffer);
+      gl.renderbufferStorageMultisample(gl.RENDERBUFFER, samples, format, width, height);
+      gl.framebufferRenderbuffer(gl.FRAMEBUFFER, attachment, gl.RENDERBUFFER, buffer);
+      this.buffers.push(buffer);
+    };
+    const places = formats.map((_, k) => gl.COLOR_ATTACHMENT0 + k);
+    for (const [k, format] of formats.entries()) {
+      if (samples > 0) {
+        addBuffer(format, places[k]!);
+        continue;
+      }
+      const texture = gl.createTexture()!;
+      gl.bindTexture(gl.TEXTURE_2D, texture);
+      gl.texStorage2D(gl.TEXTURE_2D, 1, format, width, height);
+      filters(gl, gl.TEXTURE_2D, filter, filter, gl.CLAMP_TO_EDGE);
+      gl.framebufferTexture2D(gl.FRAMEBUFFER, places[k]!, gl.TEXTURE_2D, texture, 0);
+      this.textures.push(texture);
+    }
+    if (hasDepth) addBuffer(gl.DEPTH_COMPONENT24, gl.DEPTH_ATTACHMENT);
+    gl.drawBuffers(places);
+    gl.bindFramebuffer(gl.FRAMEBUFFER, null);
+  }
+
+  /** Draw into the whole of it from here on. */
+  bind(): void {
+    this.gl.bindFramebuffer(this.gl.FRAMEBUFFER, this.frame);
+    this.gl.viewport(0, 0, this.width, this.height);
+  }
+
+  /** The colours (height, width, 3) of its first texture or a left part, the lowest row first. */
+  read(width = this.width): Float32Array {
+    const { gl, height } = this;
+    gl.bindFramebuffer(gl.FRAMEBUFFER, this.frame);
+    const pixels = new Float32Array(4 * width * height);
+    gl.readPixels(0, 0, width, height, gl.RGBA, gl.FLOAT, pixels);
+    gl.bindFramebuffer(gl.FRAMEBUFFER, null);
+    return pixels.filter((_, at) => at % 4 < 3);
+  }
+
+  delete(): void {
+    const { gl } = this;
+    gl.deleteFramebuffer(this.frame);
+    for (const texture of this.textures) gl.deleteTexture(texture);
+    for (const buffer of this.buffers) gl.deleteRenderbuffer(buffer);
+  }
 }

@@ -2,43 +2,38 @@
 
 import { axesOf, GROUND_SIDE, MOST_AXES } from "../core/occlusion";
 import type { EnvironmentMap } from "./environment";
-import { cover, coverProgram, filters, type Gl, type Program } from "./gl";
-import type { Light } from "./panorama";
+import { cover, filters, type Gl, Program, Target, type Uniforms } from "./gl";
+import { type Light, uniformsOf } from "./panorama";
 import groundSource from "./shaders/ground.frag?raw";
 import hemisphereSource from "./shaders/hemisphere.frag?raw";
 import softenSource from "./shaders/soften.frag?raw";
 
 export class Ground {
-  /** Share of the light, in each channel, in the square of `GROUND_SIZE`. */
-  readonly texture: WebGLTexture;
   private readonly program: Program;
   private readonly hemisphere: Program;
   private readonly soften: Program;
-  private readonly lit: WebGLTexture;
-  private readonly sharp: WebGLTexture;
-  private readonly frame: WebGLFramebuffer;
+  private readonly lit: Target;
+  private readonly sharp: Target;
+  private readonly smooth: Target;
   private readonly shadows: WebGLTexture;
   private axes = 0;
-  /** What the texture is of. */
+  /** What the light is of. */
   private key = "";
 
   constructor(private readonly gl: Gl) {
-    this.program = coverProgram(gl, groundSource);
-    this.frame = gl.createFramebuffer()!;
+    this.program = new Program(gl, groundSource);
+    this.hemisphere = new Program(gl, hemisphereSource);
+    this.soften = new Program(gl, softenSource);
     this.shadows = gl.createTexture()!;
-    this.hemisphere = coverProgram(gl, hemisphereSource);
-    this.soften = coverProgram(gl, softenSource);
-    const texture = (width = GROUND_SIDE, height = GROUND_SIDE) => {
-      const made = gl.createTexture()!;
-      gl.bindTexture(gl.TEXTURE_2D, made);
-      gl.texStorage2D(gl.TEXTURE_2D, 1, gl.RGBA16F, width, height);
-      filters(gl, gl.TEXTURE_2D, gl.LINEAR, gl.LINEAR, gl.CLAMP_TO_EDGE);
-      return made;
-    };
-    this.lit = texture(MOST_AXES, 1);
-    this.sharp = texture();
-    this.texture = texture();
+    this.lit = new Target(gl, MOST_AXES, 1, [gl.RGBA16F]);
+    this.sharp = new Target(gl, GROUND_SIDE, GROUND_SIDE, [gl.RGBA16F]);
+    this.smooth = new Target(gl, GROUND_SIDE, GROUND_SIDE, [gl.RGBA16F]);
     this.setShadows(new Uint8Array(0));
+  }
+
+  /** Share of the light, in each channel, in the square of `groundSize`. */
+  get texture(): WebGLTexture {
+    return this.smooth.textures[0]!;
   }
 
   /** Take over the shadows of `Occlusion`; none: the object casts none yet. */
@@ -76,33 +71,16 @@ export class Ground {
     const key = String(turn);
     if (key === this.key) return;
     this.key = key;
-    const { gl, program, soften, hemisphere } = this;
-    gl.disable(gl.DEPTH_TEST);
-    gl.disable(gl.SCISSOR_TEST);
-    hemisphere.use();
-    hemisphere.setTexture("environment", 0, gl.TEXTURE_CUBE_MAP, map.texture);
-    hemisphere.setInteger("axes", this.axes);
-    hemisphere.set("turn", ...turn);
-    hemisphere.setLights(lights);
-    this.into(this.lit, MOST_AXES, 1);
-    program.use();
-    program.setTexture("lit", 0, gl.TEXTURE_2D, this.lit);
-    program.setTexture("shadows", 1, gl.TEXTURE_2D_ARRAY, this.shadows);
-    program.setInteger("axes", this.axes);
-    this.into(this.sharp);
-    soften.use();
-    soften.setTexture("sharp", 0, gl.TEXTURE_2D, this.sharp);
-    soften.set("contact", contact);
-    this.into(this.texture);
-    gl.bindFramebuffer(gl.FRAMEBUFFER, null);
-  }
-
-  private into(texture: WebGLTexture, width = GROUND_SIDE, height = GROUND_SIDE): void {
-    const { gl } = this;
-    gl.viewport(0, 0, width, height);
-    gl.bindFramebuffer(gl.FRAMEBUFFER, this.frame);
-    const target = gl.TEXTURE_2D;
-    gl.framebufferTexture2D(gl.FRAMEBUFFER, gl.COLOR_ATTACHMENT0, target, texture, 0);
-    cover(gl);
+    const { axes, shadows } = this;
+    const draw = (target: Target, program: Program, uniforms: Uniforms) => {
+      target.bind();
+      program.use(uniforms);
+      cover(this.gl);
+      return target.textures[0]!;
+    };
+    const light = { environment: map.texture, axes, turn, ...uniformsOf(lights) };
+    const lit = draw(this.lit, this.hemisphere, light);
+    const sharp = draw(this.sharp, this.program, { lit, shadows, axes });
+    draw(this.smooth, this.soften, { sharp, contact });
   }
 }

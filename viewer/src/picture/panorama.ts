@@ -23,6 +23,16 @@ export interface Light {
 /** The shader has room for so many. */
 export const MOST_LIGHTS = 4;
 
+/** Lights as the shaders read them. */
+export function uniformsOf(all: readonly Light[]) {
+  const of = (key: keyof Light) => {
+    const values = new Float32Array(3 * MOST_LIGHTS);
+    values.set(all.flatMap((light) => light[key]));
+    return values;
+  };
+  return { lights: all.length, lightDirections: of("direction"), lightPowers: of("power") };
+}
+
 /** A pixel is a bright light from so many times the mean. */
 const BRIGHT = 60;
 

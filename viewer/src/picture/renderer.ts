@@ -4,10 +4,10 @@ import type { Occlusion } from "../core/occlusion";
 import { type EnvironmentName, TONES } from "../state/state";
 import { type Camera, cameraOf, mirrored } from "./camera";
 import { EnvironmentMap, lightsOf, SIDE } from "./environment";
-import { contextOf, cover, coverProgram, type Gl, included, Program, readRgb } from "./gl";
+import { contextOf, cover, type Gl, included, Program, type Target } from "./gl";
 import { Ground } from "./ground";
 import { groundSize, type Mesh, meshOf, VERTEX_NUMBERS } from "./meshes";
-import type { Light, Panorama, Picture } from "./panorama";
+import { type Light, type Panorama, type Picture, uniformsOf } from "./panorama";
 import anisotropicSource from "./shaders/anisotropic.glsl?raw";
 import backdropSource from "./shaders/backdrop.frag?raw";
 import basisSource from "./shaders/basis.glsl?raw";
@@ -56,13 +56,13 @@ export class Renderer {
   constructor(private readonly canvas: HTMLCanvasElement) {
     const gl = contextOf(canvas);
     this.gl = gl;
-    this.object = coverProgram(gl, OBJECT_SOURCE);
+    this.object = new Program(gl, OBJECT_SOURCE);
     const surfaceOfBasis = included(surfaceSource, { "basis.glsl": basisSource });
-    this.surface = new Program(gl, objectVertex, surfaceOfBasis);
-    this.paint = new Program(gl, objectVertex, paintSource);
-    this.backdrop = coverProgram(gl, backdropSource);
-    this.blend = coverProgram(gl, blendSource);
-    this.display = coverProgram(gl, displaySource);
+    this.surface = new Program(gl, surfaceOfBasis, {}, objectVertex);
+    this.paint = new Program(gl, paintSource, {}, objectVertex);
+    this.backdrop = new Program(gl, backdropSource);
+    this.blend = new Program(gl, blendSource);
+    this.display = new Program(gl, displaySource);
     this.map = new EnvironmentMap(gl, this.isSoftware);
     this.targets = new Targets(gl);
     this.ground = new Ground(gl);
@@ -160,8 +160,8 @@ export class Renderer {
       const inPart = (x: number) => Math.min(Math.max(x - column * partWidth, 0), partWidth);
       const [left, right] = [inPart(pane.from), inPart(pane.to)];
       if (!material || left === right) continue;
-      const begin = pane.offset + pane.x - column * partWidth;
-      const place: Box = [begin, -row * height, pane.width, parts * height];
+      const start = pane.offset + pane.x - column * partWidth;
+      const place: Box = [start, -row * height, pane.width, parts * height];
       const clip: Box = [pane.offset + left, 0, right - left, height];
       // Frames are shifted by parts of a pixel, of the frame as of the shading, for smooth edges.
       const shift = shiftOf(count);
@@ -170,10 +170,13 @@ export class Renderer {
           (2 * shift[0]!) / wide,
           (2 * shift[1]!) / tall,
         ]);
-      const within = (box: Box, part: Box) => {
+      /** Draw into a part from here on, which is emptied. */
+      const begin = (target: Target, box: Box, part: Box) => {
+        target.bind();
         gl.enable(gl.SCISSOR_TEST);
         gl.viewport(...box);
         gl.scissor(...part);
+        gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
       };
       const camera = seenFrom(place);
       const images = [MIRROR_SCALE * Math.max(scale, 0.5), scale].map((size, k) => {
@@ -191,27 +194,25 @@ export class Renderer {
       )) {
         if (isMirrored && !isAbove) continue;
         const from = isMirrored ? mirrored(seenFrom(coarse)) : seenFrom(coarse);
-        within(coarse, part);
+        begin(targets.surface, coarse, part);
         gl.frontFace(isMirrored ? gl.CW : gl.CCW);
-        targets.bindSurface();
-        this.surface.use(); // with places in a texture
-        this.surface.setMatrix("toTexture", material.texels?.toTexture ?? [0, 0, 0, 0, 0, 0]);
-        this.drawMesh(this.surface, from);
+        const toTexture = material.texels?.toTexture ?? [0, 0, 0, 0, 0, 0];
+        this.surface.use({ projection: from.projection, toTexture });
+        this.drawMesh();
         gl.frontFace(gl.CCW);
         const [x, y, wide, tall] = part;
         const many = isMirrored ? Math.ceil(strips / 4) : strips;
         for (let strip = 0; strip < many; strip++) {
           const [low, high] = [strip, strip + 1].map((k) => Math.round((tall * k) / many));
-          within(coarse, [x, y + low!, wide, high! - low!]);
-          targets.bindShaded(isMirrored);
+          const target = isMirrored ? targets.mirror : targets.shaded;
+          begin(target, coarse, [x, y + low!, wide, high! - low!]);
           const fade = isMirrored ? 0.7 * mesh.halfHeight : 0;
           this.shade(from, shot, material, count, isMirrored ? MIRROR_SHARE * share : share, fade);
           gl.disable(gl.SCISSOR_TEST);
           if (strips > 1) yield;
         }
       }
-      within(place, clip);
-      targets.bind();
+      begin(targets.many, place, clip);
       this.drawBackdrop(camera, shot, isAbove ? images[0]!.map : null);
       this.drawPaint(camera, images[1]!.map);
       gl.disable(gl.SCISSOR_TEST);
@@ -223,9 +224,8 @@ export class Renderer {
   private gather(shot: Shot, count: number): void {
     const { gl, targets } = this;
     targets.resolve();
-    targets.bindMean();
-    this.blend.use();
-    this.blend.setTexture("frame", 0, gl.TEXTURE_2D, targets.frame);
+    targets.mean.bind();
+    this.blend.use({ frame: targets.frame.textures[0]! });
     // The later frames, whose levels are finer, weigh more.
     gl.blendColor(0, 0, 0, 2 / (count + 2));
     if (count > 0) gl.enable(gl.BLEND);
@@ -250,27 +250,28 @@ export class Renderer {
 
   /** Draw what has been gathered as it is shown; scale: see display.frag. */
   private drawDisplay({ exposure, tone, background }: Shot, scale: number): void {
-    const { gl, display } = this;
+    const isPlain = background.startsWith("#");
     const bytes = [1, 3, 5].map((at) => Number.parseInt(background.slice(at, at + 2), 16));
-    const behind = background.startsWith("#") ? bytes.map((x) => x / 255) : [0, 0, 0];
-    display.use();
-    display.setTexture("picture", 0, gl.TEXTURE_2D, this.targets.picture);
-    display.set("exposure", 2 ** exposure);
-    display.setInteger("tone", TONES.indexOf(tone));
-    display.set("behind", ...behind, Number(background.startsWith("#")));
-    display.set("scale", scale);
-    cover(gl);
+    this.display.use({
+      picture: this.targets.mean.textures[0]!,
+      exposure: 2 ** exposure,
+      tone: TONES.indexOf(tone),
+      behind: isPlain ? [...bytes.map((x) => x / 255), 1] : [0, 0, 0, 0],
+      scale,
+    });
+    cover(this.gl);
   }
 
   /** The mean colour difference (CIELAB) of pixels that differ, and the largest. */
   difference(shot: Shot): { mean: number; largest: number } {
-    const { gl, targets } = this;
-    const [width, height] = [targets.width >> 1, targets.height];
-    targets.bindFrame();
-    gl.viewport(0, 0, width, height);
+    const { gl } = this;
+    const { frame } = this.targets;
+    const width = frame.width >> 1;
+    frame.bind();
+    gl.viewport(0, 0, width, frame.height);
     this.drawDisplay(shot, -1);
     let [sum, count, largest] = [0, 0, 0];
-    const values = readRgb(gl, width, height);
+    const values = frame.read(width);
     for (let at = 0; at < values.length; at += 3)
       if (values[at]! > 0) {
         sum += values[at]!;
@@ -314,50 +315,42 @@ export class Renderer {
 
   /** @param toMirror from pixels to the mirror image in the ground; null: there is none. */
   private drawBackdrop(camera: Camera, shot: Shot, toMirror: number[] | null): void {
-    const { gl, backdrop, mesh } = this;
-    gl.disable(gl.DEPTH_TEST);
-    backdrop.use();
-    backdrop.set("eye", ...camera.eye);
-    backdrop.set("right", ...camera.right);
-    backdrop.set("up", ...camera.up);
-    backdrop.set("forward", ...camera.forward);
-    backdrop.set("turn", ...turnOf(shot));
-    backdrop.setInteger("isPlain", Number(shot.background !== "environment"));
-    backdrop.setInteger("isPanorama", Number(this.isPanorama));
-    backdrop.set("size", mesh.width, groundSize(mesh));
-    backdrop.set("toMirror", ...(toMirror ?? [0, 0, 0, 0]));
-    backdrop.setTexture("environment", 0, gl.TEXTURE_CUBE_MAP, this.map.texture);
-    backdrop.setTexture("irradiance", 1, gl.TEXTURE_CUBE_MAP, this.map.irradiance);
-    backdrop.setTexture("ground", 2, gl.TEXTURE_2D, this.ground.texture);
-    backdrop.setTexture("mirror", 3, gl.TEXTURE_2D, this.targets.mirror);
-    cover(gl);
+    const { backdrop, mesh, map, isPanorama } = this;
+    backdrop.use({
+      ...camera,
+      turn: turnOf(shot),
+      isPlain: shot.background !== "environment",
+      isPanorama,
+      size: [mesh.width, groundSize(mesh)],
+      toMirror: toMirror ?? [0, 0, 0, 0],
+      environment: map.texture,
+      irradiance: map.irradiance,
+      ground: this.ground.texture,
+      mirror: this.targets.mirror.textures[0]!,
+    });
+    cover(this.gl);
   }
 
   /** Draw the mesh in the colours that were computed; toShaded: from pixels to them. */
-  private drawPaint(camera: Camera, toShaded: number[]): void {
-    const { gl, paint, targets } = this;
-    paint.use();
-    paint.setTexture("shaded", 0, gl.TEXTURE_2D, targets.shaded);
-    paint.setTexture("positions", 1, gl.TEXTURE_2D, targets.positions);
-    paint.setTexture("normals", 2, gl.TEXTURE_2D, targets.normals);
-    paint.set("toShaded", ...toShaded);
-    paint.set("near", 0.02 * this.mesh.radius);
+  private drawPaint({ projection }: Camera, toShaded: number[]): void {
+    const { gl, targets } = this;
+    const shaded = targets.shaded.textures[0]!;
+    const near = 0.02 * this.mesh.radius;
+    this.paint.use({ projection, shaded, ...targets.uniforms, toShaded, near });
     gl.enable(gl.CULL_FACE);
     gl.polygonOffset(2, 2);
     gl.cullFace(gl.BACK);
-    this.drawMesh(paint, camera);
+    this.drawMesh();
     // Backs lie behind: at the contour, where both meet, they would be dark dots.
     gl.enable(gl.POLYGON_OFFSET_FILL);
     gl.cullFace(gl.FRONT);
-    this.drawMesh(paint, camera);
+    this.drawMesh();
     gl.disable(gl.POLYGON_OFFSET_FILL);
     gl.disable(gl.CULL_FACE);
   }
 
-  private drawMesh(program: Program, camera: Camera): void {
+  private drawMesh(): void {
     const { gl } = this;
-    program.use();
-    program.setMatrix("projection", camera.projection);
     gl.bindVertexArray(this.array);
     gl.enable(gl.DEPTH_TEST);
     gl.drawElements(gl.TRIANGLES, this.mesh.faces.length, gl.UNSIGNED_INT, 0);
@@ -367,35 +360,33 @@ export class Renderer {
 
   /** Compute the colours of the surface that has been drawn. */
   private shade(
-    camera: Camera,
+    { eye }: Camera,
     shot: Shot,
     material: ShownMaterial,
     count: number,
     share: number,
     fade: number,
   ): void {
-    const { gl, targets } = this;
-    const object = material.texels?.program ?? this.programOf(material);
-    object.use();
-    material.bind(object, count, share);
-    object.set("eye", ...camera.eye);
-    object.set("turn", ...turnOf(shot));
-    object.set("side", SIDE);
-    object.set("fade", fade);
-    object.setLights(this.lights);
-    object.setTexture("environment", 1, gl.TEXTURE_CUBE_MAP, this.map.texture);
-    object.setTexture("irradiance", 5, gl.TEXTURE_CUBE_MAP, this.map.irradiance);
-    if (material.texels) object.setTexture("places", 2, gl.TEXTURE_2D, targets.places);
-    object.setTexture("positions", 3, gl.TEXTURE_2D, targets.positions);
-    object.setTexture("normals", 4, gl.TEXTURE_2D, targets.normals);
-    object.setTexture("openings", 6, gl.TEXTURE_2D, targets.openings);
-    cover(gl);
+    const { map } = this;
+    const program = material.texels?.program ?? this.programOf(material);
+    program.use({
+      ...material.uniforms(count, share),
+      ...this.targets.uniforms,
+      ...uniformsOf(this.lights),
+      eye,
+      turn: turnOf(shot),
+      side: SIDE,
+      fade,
+      environment: map.texture,
+      irradiance: map.irradiance,
+    });
+    cover(this.gl);
   }
 
   /** The program that draws a table. */
   private programOf({ isAnisotropic }: ShownMaterial): Program {
     if (!isAnisotropic) return this.object;
-    this.anisotropic ??= coverProgram(this.gl, OBJECT_SOURCE, { ANISOTROPIC: 1 });
+    this.anisotropic ??= new Program(this.gl, OBJECT_SOURCE, { ANISOTROPIC: 1 });
     return this.anisotropic;
   }
 

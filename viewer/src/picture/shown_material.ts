@@ -6,7 +6,7 @@ import { LOBE } from "../core/formulas";
 import { sequencePoint } from "../core/sequence";
 import type { ShownTexture } from "../engine/opened";
 import { directionTexels } from "./direction_table";
-import { filters, type Gl, type Program } from "./gl";
+import { filters, type Gl, type Uniforms } from "./gl";
 import { type TexelProgram, tableTexels, texelProgram, volume } from "./texel_program";
 
 /** Directions of a frame where a texture of codes is decoded at each pixel. */
@@ -96,31 +96,21 @@ export class ShownMaterial {
   }
 
   /**
-   * Give a program what it reads of the material.
+   * What a program reads of the material.
    *
    * @param count frames that precede it.
    * @param share share of the directions that is taken, in (0, 1].
    */
-  bind(object: Program, count: number, share: number): void {
-    const { gl, texels } = this;
+  uniforms(count: number, share: number): Uniforms {
+    const { texels, sizes, table, rest, lobe, rotation, stretches } = this;
     const samples = texels
       ? Math.max(4, Math.round(TEXEL_SAMPLES * share))
-      : Math.max(16, Math.round(this.sizes.samples * share));
-    object.setInteger("samples", samples);
-    object.set("density", samples * (count + 1));
-    object.set("footprint", 1 / Math.sqrt(count + 1));
+      : Math.max(16, Math.round(sizes.samples * share));
+    const detail = { samples, density: samples * (count + 1), footprint: 1 / Math.sqrt(count + 1) };
     if (texels) {
-      object.set("start", ...sequencePoint(count * TEXEL_SAMPLES, [0.5, 0.5, 0.5]));
-      object.setTexture("codes", 0, gl.TEXTURE_2D_ARRAY, texels.texture);
-      object.setTexture("functions", 7, gl.TEXTURE_3D, texels.basis);
-      return;
+      const start = sequencePoint(count * TEXEL_SAMPLES, [0.5, 0.5, 0.5]);
+      return { ...detail, start, codes: texels.texture, functions: texels.basis };
     }
-    object.setTexture("table", 0, gl.TEXTURE_2D, this.table);
-    object.setTexture("rest", 2, gl.TEXTURE_3D, this.rest);
-    object.setVectors("lobe", this.lobe);
-    if (!this.isAnisotropic) return;
-    object.setInteger("azimuths", this.sizes.azimuths);
-    object.set("rotation", this.rotation);
-    object.set("stretches", ...this.stretches);
+    return { ...detail, table, rest, lobe, azimuths: sizes.azimuths, rotation, stretches };
   }
 }

@@ -6,7 +6,7 @@ import { TABLE } from "../core/formulas";
 import type { ShownTexture } from "../engine/opened";
 import type { CodeTexture, Wrap } from "../material/texture";
 import { Refusal } from "../refusal";
-import { coverProgram, filters, type Gl, included, type Program } from "./gl";
+import { filters, type Gl, included, Program } from "./gl";
 import frameSource from "./shaders/frame.glsl?raw";
 import texelsSource from "./shaders/texels.frag?raw";
 
@@ -28,7 +28,7 @@ export function texelProgram(gl: Gl, shown: ShownTexture): TexelProgram {
   const { texture: codes, shader, basis } = shown;
   const layers = Math.max(Math.ceil(codes.usedBytes / 4), 1);
   const source = included(texelsSource, { "frame.glsl": frameSource, "material.glsl": shader });
-  const program = coverProgram(gl, source.replaceAll("LAYERS", String(layers)), {
+  const program = new Program(gl, source.replaceAll("LAYERS", String(layers)), {
     SPREAD: codes.nearest ? 0 : 1,
   });
   const texture = uploaded(gl, codes, layers);

@@ -12,7 +12,7 @@ import { directionRule } from "../../src/core/quadrature";
 import { readWeights } from "../../src/core/weights";
 import { type MaterialCards, stackOf, withCoat } from "../../src/material/material";
 import { preset } from "../../src/material/presets";
-import { bytesOf, readVectors, SHIPPED } from "./vectors";
+import { bytesOf, pairs, SHIPPED } from "./vectors";
 
 const STACK: Stack = {
   bottom: { kind: "diffuse", reflectance: [0.8, 0.5, 0.1] },
@@ -32,8 +32,7 @@ beforeAll(() => {
 
 describe("f", () => {
   test("is reciprocal to the last bit", () => {
-    const vectors = readVectors("default");
-    const [wi, wo] = [vectors.of("wi"), vectors.of("wo")];
+    const [wi, wo] = pairs();
     expect(core.f(material, wi, wo)).toEqual(core.f(material, wo, wi));
   });
 

@@ -1,20 +1,14 @@
-/** Golden vectors of Python, see `viewer/tests/golden.py`. */
+/** The weights that Urushi ships, pairs of directions, and relative errors. */
 
 import { readFileSync } from "node:fs";
-import type { Stack } from "../../src/core/api";
-import { TensorFile } from "../../src/core/safetensors";
-import { type MaterialCards, stackOf } from "../../src/material/material";
-import { readMaterial } from "../../src/state/read";
+import { sequencePoint } from "../../src/core/sequence";
 
-const FOLDER = new URL("./golden/", import.meta.url);
-
-/** The bytes of a file beside the tests, or of any other. */
+/** The bytes of a file. */
 export function bytesOf(path: string | URL): ArrayBuffer {
   const bytes = readFileSync(path);
   return bytes.buffer.slice(bytes.byteOffset, bytes.byteOffset + bytes.byteLength) as ArrayBuffer;
 }
 
-/** The weights that Urushi ships. */
 export const SHIPPED = new URL(
   "../../../src/urushi/nets/weights/default.safetensors",
   import.meta.url,
@@ -23,30 +17,23 @@ export const SHIPPED = new URL(
 /** Those for anisotropic materials. */
 export const SHIPPED_ANISOTROPIC = new URL("./anisotropic.safetensors", SHIPPED);
 
-/** Vectors of all stacks. */
-export interface Vectors {
-  readonly materials: readonly MaterialCards[];
-  readonly stacks: readonly Stack[];
-  /** An array of a stack, or, without its number, of all. */
-  of(name: string, stack?: number): Float32Array;
-}
-
-/** Read the vectors of a name. */
-export function readVectors(name: string): Vectors {
-  const path = new URL(`${name}_vectors.safetensors`, FOLDER);
-  const file = new TensorFile(new Uint8Array(bytesOf(path)));
-  const materials = (file.description.stacks as unknown[]).map((stack) => readMaterial(stack));
-  return {
-    materials,
-    stacks: materials.map(stackOf),
-    of: (key, stack) => {
-      const shape = file.shapeOf(key);
-      const values = file.numbers(key, shape);
-      const size = values.length / (shape[0] ?? 1);
-      const part = stack === undefined ? values : values.subarray(stack * size, (stack + 1) * size);
-      return Float32Array.from(part);
-    },
+/** Pairs of unit vectors (count, 3) above the horizon at all azimuths; every other is near a mirror's. */
+export function pairs(count = 64): [wi: Float32Array, wo: Float32Array] {
+  const [wi, wo]: [number[], number[]] = [[], []];
+  const at = (z: number, turn: number) => {
+    const r = Math.sqrt(1 - z * z);
+    return [r * Math.cos(2 * Math.PI * turn), r * Math.sin(2 * Math.PI * turn), z];
   };
+  for (let k = 0; k < count; k++) {
+    const [a, b, c] = sequencePoint(k + 1, [0.5, 0.5, 0.5]);
+    const one = at(0.02 + 0.97 * a, b);
+    const half = at(1 - 0.02 * c, c);
+    const twice = 2 * one.reduce((sum, x, i) => sum + x * half[i]!, 0);
+    const mirrored = one.map((x, i) => twice * half[i]! - x);
+    wi.push(...one);
+    wo.push(...(k % 2 === 0 && mirrored[2]! > 0.004 ? mirrored : at(0.02 + 0.97 * c, a)));
+  }
+  return [Float32Array.from(wi), Float32Array.from(wo)];
 }
 
 /**
@@ -59,16 +46,12 @@ export function relativeError(
   expected: ArrayLike<number>,
   least = 0,
 ): number {
-  if (found.length !== expected.length) {
-    return Number.POSITIVE_INFINITY;
-  }
+  if (found.length !== expected.length) return Number.POSITIVE_INFINITY;
   let greatest = 0;
   for (let i = 0; i < expected.length; i++) {
-    const difference = Math.abs((found[i] ?? 0) - (expected[i] ?? 0));
-    const error = difference === 0 ? 0 : difference / Math.max(Math.abs(expected[i] ?? 0), least);
-    if (!(error <= greatest)) {
-      greatest = error; // also NaN, which then stays
-    }
+    const difference = Math.abs(found[i]! - expected[i]!);
+    const error = difference === 0 ? 0 : difference / Math.max(Math.abs(expected[i]!), least);
+    if (!(error <= greatest)) greatest = error; // also NaN, which then stays
   }
   return greatest;
 }

@@ -5,13 +5,14 @@ import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { afterAll, expect, test } from "vitest";
 import { loadCore } from "../../src/core/core";
+import { sequencePoint } from "../../src/core/sequence";
 import { materialFile } from "../../src/engine/material_file";
 import { isAnisotropic, isCompensated, stackOf } from "../../src/material/material";
 import { METALS, preset } from "../../src/material/presets";
 import { pythonText } from "../../src/save/python";
 import { shaderText } from "../../src/save/shader";
 import { readMaterial } from "../../src/state/read";
-import { bytesOf, readVectors, relativeError, SHIPPED, SHIPPED_ANISOTROPIC } from "../core/vectors";
+import { bytesOf, pairs, relativeError, SHIPPED, SHIPPED_ANISOTROPIC } from "../core/vectors";
 import { Draws } from "../material/random";
 import { hasPython, python } from "../python";
 
@@ -24,7 +25,15 @@ models = map(find, (None, "anisotropic"))
 print(json.dumps([[template_text("python", model), model.fingerprint] for model in models]))
 `;
 
-const vectors = readVectors("default");
+const [wi, wo] = pairs();
+
+/** Cosines of the albedo, and sizes and numbers of a table of drawn directions. */
+const COSINES = Float32Array.of(1, 0.7, 0.3, 0.05);
+const DRAWN = { azimuths: 1, cosines: 4, samples: 16, shift: [0, 0, 0] } as const;
+const UNIFORM = Array.from({ length: DRAWN.samples }, (_, k) =>
+  sequencePoint(k + 1, [0.5, 0.5, 0.5]),
+);
+const INPUT = { wi: [...wi], wo: [...wo], cosines: [...COSINES], rows: DRAWN.cosines, u: UNIFORM };
 
 /** Bottoms and coats whose ratios of indices depend on what lies above them. */
 const VARNISH = { alpha: 0.05, ior: 1.5, sigmaT: [0.1, 0.3, 0.9] };
@@ -57,11 +66,10 @@ test.skipIf(!hasPython)(
   () => {
     const cores = [SHIPPED, SHIPPED_ANISOTROPIC].map((file) => loadCore(bytesOf(file)));
     const networks: [template: string, fingerprint: string][] = JSON.parse(python(NETWORKS));
-    const [wi, wo] = [vectors.of("wi"), vectors.of("wo")];
     const own = ["Vermilion urushi", "Candy blue car paint", "White enamel"].map(preset);
     const draws = new Draws(5);
     const drawn = Array.from({ length: 12 }, (_, k) => draws.material(k % 3 === 0));
-    const given = [vectors.materials[3]!, vectors.materials[8]!, ...own, ...UNDER_VARNISH];
+    const given = [...own, ...UNDER_VARNISH];
     const cards = [...given, ...drawn];
     const expected = cards.map((material, place) => {
       const files = join(folder, String(place));
@@ -73,23 +81,33 @@ test.skipIf(!hasPython)(
       const codes = core.layer(stack);
       const { latentSize, widths } = core;
       const file = materialFile(codes, { latentSize, widths, fingerprint });
-      writeFileSync(join(files, "pairs.json"), JSON.stringify([...wi, ...wo]));
+      writeFileSync(join(files, "input.json"), JSON.stringify(INPUT));
       writeFileSync(join(files, "material.safetensors"), file);
       writeFileSync(join(files, "material-numpy.py"), shaderText(template, codes));
       writeFileSync(join(files, "basis.f32"), core.basisTexels());
       writeFileSync(join(files, "program.py"), pythonText({ ...material, rotation: 0 }));
-      return core.f(codes, wi, wo);
+      const table = core.table(codes, DRAWN);
+      const drawn = (from: number, to: number) =>
+        Array.from({ length: table.length / 8 }, (_, row) => [
+          ...table.subarray(8 * row + from, 8 * row + to),
+        ]).flat();
+      const albedo = core.albedo(codes, COSINES);
+      return { f: core.f(codes, wi, wo), albedo, drawn: drawn(0, 3), densities: drawn(6, 7) };
     });
     const folders = cards.map((_, place) => join(folder, String(place)));
     const values = JSON.parse(python(EVALUATE, ...folders));
     expect(values.length).toBe(cards.length);
-    for (const [place, f] of expected.entries()) {
+    for (const [place, { f, albedo, drawn, densities }] of expected.entries()) {
       const found = values[place];
       // Python computes in single precision: roundings of sums of many terms, and of least squares.
       // Tables of materials with energy compensation are of half precision in files and in Python,
       // and steep below a lower index, where roundings of coordinates count.
       const hasTable = isCompensated(cards[place]!);
       expect(relativeError(found.loaded, f)).toBeLessThan(hasTable ? 6e-3 : 5e-4);
+      expect(relativeError(found.albedo, albedo, 0.01)).toBeLessThan(hasTable ? 6e-3 : 2e-3);
+      // Directions of sharp lobes amplify rounding by 1 / alpha.
+      expect(relativeError(found.drawn, drawn, 1)).toBeLessThan(1e-3);
+      expect(relativeError(found.densities, densities)).toBeLessThan(0.01);
       // The channels of two widths have a stretch each, those of code share one.
       const hasCode = !hasTable && !isAnisotropic(stackOf(cards[place]!));
       if (hasCode) expect(relativeError(found.code, f)).toBeLessThan(2e-4);
