@@ -2,21 +2,19 @@
 
 import { FileError } from "./safetensors";
 
-/** Functions by name. */
-export type Functions = Record<string, (...args: never[]) => unknown>;
-
 type Call = { id: number; name: string; args: unknown[] };
 
 type Answer = { id: number } & ({ result: unknown } | { error: { name: string; message: string } });
 
 /** A worker, or its side of the messages. */
-export interface Port {
+interface Port {
   postMessage(message: unknown, transfer: Transferable[]): void;
   addEventListener(type: "message", listener: (event: { data: never }) => void): void;
 }
 
-/** Answer the calls that arrive at a port, or at this worker. */
-export function serve(functions: Functions, port = self as unknown as Port): void {
+/** Answer the calls that arrive at this worker, by the names of functions. */
+export function serve(functions: Record<string, (...args: never[]) => unknown>): void {
+  const port = self as unknown as Port;
   port.addEventListener("message", async ({ data: { id, name, args } }: { data: Call }) => {
     try {
       const result = await (functions[name] as (...args: unknown[]) => unknown)(...args);

@@ -1,10 +1,10 @@
 /** The numeric core in its worker, with the networks, and a worker for files. */
 
 import type { Stack } from "../core/api";
-import type { CoreCalls } from "../core/calls";
 import { METHODS, type NetworkCore, type Networks } from "../core/core";
 import type { FTable } from "../core/f_table";
 import { Remote } from "../core/rpc";
+import type { CoreCalls } from "../core/worker";
 import { isAnisotropic, widthRatio } from "../material/material";
 import type { FileCalls } from "../picture/files";
 import { Cancelled, Refusal } from "../refusal";
@@ -101,16 +101,9 @@ export async function connect(path = WEIGHTS): Promise<PageCore> {
   const load = async () => {
     const bytes = await weights;
     if (bytes === null) throw new Refusal(`The networks are missing beside the page (${path}).`);
-    return coreOf(remote, bytes.buffer);
+    const methods = METHODS.map((name) => [name, (...args: never) => remote.call(name, args)]);
+    const networks = await remote.call("load", [bytes.buffer], [bytes.buffer]);
+    return { ...(Object.fromEntries(methods) as PageCore), ...networks };
   };
   return Promise.race([load(), broken]);
-}
-
-/** The core of a worker, with the networks of a file, which is given away. */
-export async function coreOf(remote: Remote<CoreCalls>, weights: ArrayBuffer): Promise<PageCore> {
-  const methods = METHODS.map((name) => [name, (...args: never) => remote.call(name, args)]);
-  return {
-    ...(Object.fromEntries(methods) as PageCore),
-    ...(await remote.call("load", [weights], [weights])),
-  };
 }

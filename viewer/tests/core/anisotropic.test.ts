@@ -61,17 +61,3 @@ test("the rows of a table have the directions, densities and f of their azimuths
     expect(relativeError(weights, expected, 1e-3)).toBeLessThan(1e-3);
   }
 });
-
-test("the mean of a table's weights is the albedo", () => {
-  const material = core.layer(BRUSHED);
-  const cosines = 4;
-  const samples = 4096;
-  const table = core.table(material, { azimuths: 1, cosines, samples, shift: [0, 0, 0] });
-  const albedo = core.albedo(material, Float32Array.of(0.125, 0.375, 0.625, 0.875));
-  for (let row = 0; row < cosines; row++)
-    for (let channel = 0; channel < 3; channel++) {
-      let sum = 0;
-      for (let i = 0; i < samples; i++) sum += table[8 * (row * samples + i) + 3 + channel]!;
-      expect(sum / samples / albedo[3 * row + channel]!).toBeCloseTo(1, 1.5);
-    }
-});

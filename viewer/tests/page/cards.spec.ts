@@ -1,6 +1,18 @@
 /** The cards: sliders and numbers, adding, moving and removing coats, undo, and the address. */
 
-import { coats, expect, give, number, open, panorama, reset, stateOf, test, unfold } from "./page";
+import {
+  coats,
+  enter,
+  expect,
+  give,
+  number,
+  open,
+  panorama,
+  reset,
+  stateOf,
+  test,
+  unfold,
+} from "./page";
 
 test("a slider moves by mouse and keyboard, its number is typed, a double click resets", async ({
   page,
@@ -31,8 +43,7 @@ test("a slider moves by mouse and keyboard, its number is typed, a double click 
     ["77", "3"],
     ["glass", "3"],
   ] as const) {
-    await index.fill(typed);
-    await index.press("Enter");
+    await enter(page, "Coat 2, Index n", typed);
     await expect(index).toHaveValue(shown);
   }
   await index.press("ArrowDown");
@@ -43,11 +54,9 @@ test("a slider moves by mouse and keyboard, its number is typed, a double click 
 
 test("a coat's medium has an appearance, a physics and one colour", async ({ page }) => {
   await open(page);
-  await number(page, "Coat 2, Colour, blue").fill("0.25");
-  await number(page, "Coat 2, Colour, blue").press("Enter");
+  await enter(page, "Coat 2, Colour, blue", "0.25");
   await expect(number(page, "Coat 2, Depth σₜ, blue")).toHaveValue(/^0\.693/); // -ln(0.25) / 2
-  await number(page, "Coat 2, Thickness").fill("2");
-  await number(page, "Coat 2, Thickness").press("Enter");
+  await enter(page, "Coat 2, Thickness", "2");
   await page.getByLabel("Energy compensation").check();
   await expect
     .poll(async () => (await stateOf(page)).materials[0])
@@ -62,19 +71,13 @@ test("a coat's medium has an appearance, a physics and one colour", async ({ pag
   await page.getByLabel("Coat 2, Colour: choose", { exact: true }).fill("#ff0000");
   await expect.poll(() => coat(0)).toMatchObject({ color: [1, 0, 0], body: 0 });
   // A clear coat that becomes a paint keeps its colour, which the pigment has then.
-  const opacity = number(page, "Coat 2, Opacity");
-  await opacity.fill("1");
-  await opacity.press("Enter");
+  await enter(page, "Coat 2, Opacity", 1);
   await expect.poll(() => coat(0)).toMatchObject({ color: 1, body: 1, bodyColor: [1, 0, 0] });
-  await number(page, "Coat 2, Gloss").fill("0");
-  await number(page, "Coat 2, Gloss").press("Enter");
-  await expect(number(page, "Coat 2, Roughness α")).toHaveValue("1");
 
   await reset(page);
   const split = page.getByRole("button", { name: "Coat 2, Scattering: one value for each colour" });
   await split.click();
-  await number(page, "Coat 2, Scattering, green").fill("0.6");
-  await number(page, "Coat 2, Scattering, green").press("Enter");
+  await enter(page, "Coat 2, Scattering, green", "0.6");
   await expect(number(page, "Coat 2, Scattering, red")).toHaveValue("0");
   await split.click();
   await expect(number(page, "Coat 2, Scattering")).toHaveValue("0.2");
@@ -88,8 +91,7 @@ test("a coat is added, moved by mouse and keyboard, removed, and brought back", 
   await page.getByRole("button", { name: "Add coat" }).click();
   await expect(coats(page)).toHaveCount(3);
   const thickness = (coat: number) => number(page, `Coat ${coat}, Thickness`);
-  await thickness(3).fill("2");
-  await thickness(3).press("Enter");
+  await enter(page, "Coat 3, Thickness", 2);
 
   await page.getByRole("button", { name: /^Move Coat 3/ }).focus();
   await page.keyboard.press("ArrowDown");
@@ -138,8 +140,7 @@ test("added coats have the topmost surface and leave the look", async ({ page })
       return Math.max(...found.map((share, k) => Math.abs(share - before[k]!)));
     })
     .toBeLessThanOrEqual(2);
-  await number(page, "Coat 2, Index n").fill("1.7");
-  await number(page, "Coat 2, Index n").press("Enter");
+  await enter(page, "Coat 2, Index n", "1.7");
   await expect(coats(page).nth(1)).toContainText("glossy, tinted");
   await expect(number(page, "Coat 2, Roughness α")).toHaveValue("0.02");
 });
@@ -147,8 +148,7 @@ test("added coats have the topmost surface and leave the look", async ({ page })
 test("what becomes a metal is bright, and what is shown otherwise is said", async ({ page }) => {
   await open(page);
   await expect(coats(page).nth(1)).toContainText("looks alike is shown, of depth 12"); // opaque
-  await number(page, "Coat 1, Opacity").fill("0.5");
-  await number(page, "Coat 1, Opacity").press("Enter");
+  await enter(page, "Coat 1, Opacity", "0.5");
   await expect(coats(page).nth(1)).not.toContainText("looks alike");
   await page.getByLabel("Kind of bottom").selectOption("Metal by reflectance");
   await expect(number(page, "Bottom, Reflectance, red")).toHaveValue("0.9");
@@ -245,15 +245,9 @@ test("an undo takes back one action, and in a number the number", async ({ page 
   await expect(coats(page)).toHaveCount(1);
 });
 
-test("a damaged address is told in a sentence, and the page works", async ({ page }) => {
-  await open(page, "#u2.abc.eyJtYXRlcmlhbHMi");
-  await expect(page.getByRole("alert")).toContainText("The address is incomplete");
-  await page.getByRole("button", { name: "Close" }).click();
-  await expect(page.getByRole("alert")).toHaveCount(0);
-  await expect(coats(page)).toHaveCount(2);
-});
-
-test("two widths have sliders and an angle, and the address holds the state", async ({ page }) => {
+test("two widths have sliders and an angle, and the address holds the state; a damaged one is told", async ({
+  page,
+}) => {
   await open(page);
   const link = page.getByRole("button", { name: "Bottom, u·v: two widths" });
   await page.getByLabel("Kind of bottom").selectOption("Metal by reflectance");
@@ -261,13 +255,10 @@ test("two widths have sliders and an angle, and the address holds the state", as
   await expect(number(page, "Material, Tangent angle")).toHaveCount(0);
   await link.click();
   await expect(link).toHaveAttribute("aria-pressed", "true");
-  const across = number(page, "Bottom, Roughness αᵥ");
-  await across.fill("0.6");
-  await across.press("Enter");
+  await enter(page, "Bottom, Roughness αᵥ", 0.6);
   await expect(page.getByText("The networks are missing")).toHaveCount(0);
   const angle = number(page, "Material, Tangent angle");
-  await angle.fill("45");
-  await angle.press("Enter");
+  await enter(page, "Material, Tangent angle", 45);
   await expect(angle).toHaveValue("45");
   await page.getByRole("combobox", { name: "Object" }).selectOption("plate");
   // The address follows with a delay.
@@ -283,5 +274,11 @@ test("two widths have sliders and an angle, and the address holds the state", as
   await link.click();
   await expect(angle).toHaveCount(0);
   await page.getByRole("button", { name: "Undo" }).click();
+  await expect(angle).toHaveValue("45");
+
+  await page.goto("./#u2.abc.eyJtYXRlcmlhbHMi");
+  await expect(page.getByRole("alert")).toContainText("The address is incomplete");
+  await page.getByRole("button", { name: "Close" }).click();
+  await expect(page.getByRole("alert")).toHaveCount(0);
   await expect(angle).toHaveValue("45");
 });

@@ -16,7 +16,7 @@ interface Case {
   environment: EnvironmentName;
   /** Share of the frames that is drawn: the mean of a part is the same, with more noise. */
   share: number;
-  /** Without a coat, and only in `make test-web`: coats have the lobe, too. */
+  /** Only in `make test-web`: other cases have such a lobe, or such a light, too. */
   long?: true;
 }
 
@@ -62,6 +62,7 @@ const CASES: Record<string, Case> = {
     object: "ball",
     environment: "studio",
     share: 1 / 3,
+    long: true,
   },
   "three layers": {
     bottom: metal("Aluminium", 0.3),

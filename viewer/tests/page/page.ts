@@ -140,6 +140,12 @@ export function number(page: Page, name: string) {
   return page.getByLabel(`${name}, number`, { exact: true });
 }
 
+/** Type a parameter's number. */
+export async function enter(page: Page, name: string, value: string | number): Promise<void> {
+  await number(page, name).fill(String(value));
+  await number(page, name).press("Enter");
+}
+
 /** The mean colour of a part of the picture, in [0, 255]; x and y from 0 to 1. */
 export async function colourAt(page: Page, x: number, y: number): Promise<number[]> {
   return page.locator(".stage canvas").evaluate(

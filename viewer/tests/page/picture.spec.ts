@@ -9,6 +9,7 @@ import { INITIAL } from "../../src/state/state";
 import {
   addressOf,
   colourAt,
+  enter,
   expect,
   give,
   number,
@@ -41,8 +42,7 @@ test("the picture shows the material, and follows it, the exposure and the keybo
       return red! > 1.8 * green!;
     })
     .toBe(true);
-  await number(page, "Bottom, Reflectance, red").fill("0.05");
-  await number(page, "Bottom, Reflectance, red").press("Enter");
+  await enter(page, "Bottom, Reflectance, red", "0.05");
   await expect
     .poll(async () => {
       const [red, green] = await colourAt(page, 0.5, 0.4);
@@ -62,15 +62,17 @@ test("the picture shows the material, and follows it, the exposure and the keybo
   await expect.poll(async () => (await stateOf(page)).view.azimuth).toBe(INITIAL.view.azimuth + 5);
 });
 
-test("two materials are compared by a swipe", async ({ page }) => {
+test("two materials are compared by a swipe, and by a difference that is dark where they agree", async ({
+  page,
+}) => {
   await matt(page, [0.8, 0.1, 0.1]);
   await page.getByRole("button", { name: "Swipe" }).click();
   await page.getByRole("button", { name: /^B / }).click();
-  for (const [channel, value] of Object.entries({ red: "0.1", green: "0.1", blue: "0.8" })) {
-    const field = number(page, `Bottom, Reflectance, ${channel}`);
-    await field.fill(value);
-    await field.press("Enter");
-  }
+  const reflectance = async (values: number[]) => {
+    for (const [at, channel] of ["red", "green", "blue"].entries())
+      await enter(page, `Bottom, Reflectance, ${channel}`, values[at]!);
+  };
+  await reflectance([0.1, 0.1, 0.8]);
   const edge = page.getByRole("slider", { name: "Edge between A and B" });
   await expect(edge).toHaveAttribute("aria-valuenow", "50");
   await expect
@@ -89,21 +91,13 @@ test("two materials are compared by a swipe", async ({ page }) => {
       return middle[0]! > middle[2]!;
     })
     .toBe(true);
-});
 
-test("the difference of two materials is dark where they agree", async ({ page }) => {
-  await matt(page, [0.3, 0.3, 0.3]);
   await page.getByRole("button", { name: "Difference" }).click();
-  await page.getByRole("button", { name: /^B / }).click();
-  const reflectance = async (values: number[]) => {
-    for (const [at, channel] of ["red", "green", "blue"].entries()) {
-      const field = number(page, `Bottom, Reflectance, ${channel}`);
-      await field.fill(String(values[at]));
-      await field.press("Enter");
-    }
-  };
   const sum = async () => (await colourAt(page, 0.5, 0.4)).reduce((a, b) => a + b);
   await page.getByLabel("Largest difference").selectOption("10");
+  await page.getByRole("button", { name: /^A / }).click();
+  await reflectance([0.3, 0.3, 0.3]);
+  await page.getByRole("button", { name: /^B / }).click();
   await reflectance([0.3, 0.3, 0.3]);
   await expect.poll(sum).toBeLessThan(12);
   // The same lightness in another colour is a difference, too.
@@ -277,7 +271,9 @@ test("without WebGL 2 a sentence says so, and the cards work", async ({ page }) 
 test.describe("in a small picture", () => {
   test.use({ deviceScaleFactor: 0.2, refined: 1 / 3 });
 
-  test("the radiance that is saved while it refines is that of the picture", async ({ page }) => {
+  test("what is saved while it refines is that of the picture; a larger one can be cancelled", async ({
+    page,
+  }) => {
     await open(page);
     await page.getByRole("combobox", { name: "Object" }).selectOption("ball");
     const { width, height } = await page
@@ -293,6 +289,8 @@ test.describe("in a small picture", () => {
       return sum / (3 * width * height);
     };
     const early = [await mean()];
+    await expect(page.getByRole("alert")).toContainText("saved while refining, with");
+    await page.getByRole("button", { name: "Close" }).click();
     for (const key of ["ArrowRight", "ArrowLeft"]) {
       await page.locator(".stage canvas").press(key);
       early.push(await mean());
@@ -302,20 +300,15 @@ test.describe("in a small picture", () => {
     expect(last).toBeGreaterThan(0.01);
     // A first frame has coarse levels of the environment: they blur it, and keep its mean.
     for (const value of early) expect(Math.abs(value / last - 1)).toBeLessThan(0.05);
+
+    await page.getByRole("button", { name: "Save", exact: true }).click();
+    await page.getByRole("button", { name: "2 ×" }).click();
+    const drawing = page.getByRole("progressbar", { name: "Drawing the large picture" });
+    await expect(drawing).toBeVisible();
+    await page.getByRole("button", { name: "Cancel" }).click();
+    await expect(drawing).toHaveCount(0);
   });
 });
-
-/** The tone curve of the Khronos Group (2024, "PBR Neutral"), of one linear colour. */
-function neutral(light: number[]): number[] {
-  const least = Math.min(...light);
-  const offset = least < 0.08 ? least - 6.25 * least ** 2 : 0.04;
-  const lowered = light.map((x) => x - offset);
-  const peak = Math.max(...lowered);
-  if (peak < 0.76) return lowered;
-  const next = 1 - 0.24 ** 2 / (peak + 0.24 - 0.76);
-  const grey = 1 - 1 / (0.15 * (peak - next) + 1);
-  return lowered.map((x) => ((1 - grey) * x * next) / peak + grey * next);
-}
 
 /** Hill's fit of ACES (BakingLab, ACES.hlsl), with the exposure of three.js. */
 function filmic(light: number[]): number[] {
@@ -342,7 +335,8 @@ function filmic(light: number[]): number[] {
   );
 }
 
-const CURVES = { neutral, filmic, none: (light: number[]) => light };
+/** Beside the neutral one, which is compared with Mitsuba's picture. */
+const CURVES = { filmic, none: (light: number[]) => light };
 
 /** A mesh whose few triangles are drawn at once. */
 const OCTAHEDRON = `
@@ -440,25 +434,6 @@ async function pixelsOf(page: import("@playwright/test").Page, file: string) {
     return { width, height, data: [...context.getImageData(0, 0, width, height).data] };
   }, file);
 }
-
-test.describe("a picture that refines", () => {
-  test.use({ deviceScaleFactor: 0.2, refined: 0.1 });
-
-  test("is saved as such, and a larger one can be cancelled", async ({ page }) => {
-    await open(page);
-    expect((await saved(page, "Picture")).text.slice(1, 4)).toBe("PNG");
-    await expect(page.getByRole("alert")).toContainText("saved while refining, with");
-    await page.getByRole("button", { name: "Close" }).click();
-    await page.getByRole("button", { name: "Save", exact: true }).click();
-    await page.getByRole("button", { name: "2 ×" }).click();
-    await expect(
-      page.getByRole("progressbar", { name: "Drawing the large picture" }),
-    ).toBeVisible();
-    await page.getByRole("button", { name: "Cancel" }).click();
-    await expect(page.locator(".status[data-converged]")).toBeVisible();
-    await expect(page.getByRole("alert")).toHaveCount(0);
-  });
-});
 
 test.describe("at the screen's resolution", () => {
   test.use({ deviceScaleFactor: 1, picture: false });

@@ -4,7 +4,9 @@ import { expect, open, saved, stateOf, test } from "./page";
 
 const view = async (page: import("@playwright/test").Page) => (await stateOf(page)).view;
 
-test("the picture is shifted by the pointer and by the keyboard, and reset", async ({ page }) => {
+test("the camera is moved by pointer, keyboard and menu; its turntable heeds a wish for less motion", async ({
+  page,
+}) => {
   await open(page);
   const canvas = page.locator(".stage canvas");
   const box = (await canvas.boundingBox())!;
@@ -24,12 +26,7 @@ test("the picture is shifted by the pointer and by the keyboard, and reset", asy
   await expect.poll(async () => (await view(page)).fov).toBe(25);
   await page.getByRole("button", { name: "Reset camera" }).click();
   await expect.poll(async () => await view(page)).toMatchObject({ fov: 24, pan: [0, 0] });
-});
 
-test("the turntable turns the camera, and stops where less motion is asked for", async ({
-  page,
-}) => {
-  await open(page);
   await page.getByRole("button", { name: "View", exact: true }).click();
   const turntable = page.getByLabel("Turntable");
   await turntable.check();

@@ -14,24 +14,11 @@ const STACK: MaterialCards = {
   solo: null,
 };
 
-test("Python: coats are put on from the bottom up", () => {
-  const lines = pythonText(STACK).split("\n");
-  expect(lines.filter((line) => line.startsWith("material ="))).toEqual([
-    "material = urushi.conductor(alpha=0.2, eta=(0.2, 0.5, 1.3), k=3)",
-    "material = urushi.layer(urushi.dielectric(alpha=0.4, ior=1.7), material, albedo=0.5, sigma_t=2, g=0.3, fast=True)",
-    "material = urushi.layer(urushi.dielectric(alpha=0.03, ior=1.53), material, albedo=0, sigma_t=(0.1, 0.2, 0.3), g=0, fast=True)",
-  ]);
-  expect(lines).toContain('material.save("my-lacquer.safetensors")');
-});
-
 test("Appearance, thickness and energy compensation are written as they were given", () => {
   const look = { color: [0.9, 0.6, 0.3] as const, body: 0.1, bodyColor: 0.8, thickness: 2 };
   const [{ albedo, sigmaT, ...top }] = STACK.coats as [CoatCard & Physics];
   const coats = [{ ...top, ...look }];
   const material = { ...STACK, coats, energyCompensation: true };
-  expect(pythonText(material)).toContain(
-    "urushi.layer(urushi.dielectric(alpha=0.03, ior=1.53), material, color=(0.9, 0.6, 0.3), body=0.1, body_color=0.8, g=0, thickness=2, energy_compensation=True, fast=True)",
-  );
   const xml = mitsubaXml(material);
   expect(xml).toContain('<rgb name="color" value="0.9, 0.6, 0.3"/>');
   expect(xml).toContain('<boolean name="energy_compensation" value="true"/>');
