@@ -86,6 +86,7 @@ test("a coat's medium has an appearance, a physics and one colour", async ({ pag
 test("a coat is added, moved by mouse and keyboard, removed, and brought back", async ({
   page,
 }) => {
+  await page.setViewportSize({ width: 900, height: 1200 }); // what is dragged stays in sight
   await open(page);
   await expect(coats(page)).toHaveCount(2);
   await page.getByRole("button", { name: "Add coat" }).click();
@@ -151,6 +152,7 @@ test("what becomes a metal is bright, and what is shown otherwise is said", asyn
   await enter(page, "Coat 1, Opacity", "0.5");
   await expect(coats(page).nth(1)).not.toContainText("looks alike");
   await page.getByLabel("Kind of bottom").selectOption("Metal by reflectance");
+  await unfold(page);
   await expect(number(page, "Bottom, Reflectance, red")).toHaveValue("0.9");
   const given = page.getByLabel("Energy compensation");
   await expect(given).toBeEnabled();

@@ -27,7 +27,6 @@ test("the camera is moved by pointer, keyboard and menu; its turntable heeds a w
   await page.getByRole("button", { name: "Reset camera" }).click();
   await expect.poll(async () => await view(page)).toMatchObject({ fov: 24, pan: [0, 0] });
 
-  await page.getByRole("button", { name: "View", exact: true }).click();
   const turntable = page.getByLabel("Turntable");
   await turntable.check();
   const azimuth = async () => (await view(page)).azimuth;
