@@ -6,7 +6,7 @@ at the pairs of `benchmarks.rivals.ggx_fit`, weighted by energy, from several in
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, partial
 from typing import Any, NamedTuple
 
 import drjit as dr
@@ -70,37 +70,20 @@ class Form:
     initial_guesses: tuple[dict[str, float], ...]
     f: Callable[[dict[str, Any], np.ndarray, np.ndarray], np.ndarray]
 
-    def size(self, channels: int = 3) -> int:
-        """Number of parameters of an isotropic material."""
-        return len(self.ranges) + (channels - 1) * len(self.colours)
-
-
-@dataclass(frozen=True)
-class Fitted:
-    """A form with its parameters."""
-
-    form: Form
-    parameters: dict[str, Any]
-    channels: int
-
-    def f(self, wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
-        """(N, C) [1/sr] of unit vectors (N, 3) above the horizon."""
-        return np.asarray(self.form.f(self.parameters, wi, wo), np.float64)[:, : self.channels]
+    def size(self) -> int:
+        """Number of parameters of an isotropic material in RGB."""
+        return len(self.ranges) + 2 * len(self.colours)
 
 
 def fitted(name: str, f: Brdf, channels: int = 1) -> Brdf:
     """The model of a name, `GGX` and the like, fitted to an isotropic f."""
-    if name == GGX:
-        found: Any = ggx_fit.fit(f, 2, "log", 1.0)
-    elif name == NBRDF:
-        found = nbrdf.train(f, passes=PASSES)
-    else:
-        p = pairs()
-        found = fit(FORMS[name], f(p.wi, p.wo), channels)
+    if name in FORMS:
+        return fit(FORMS[name], f(pairs().wi, pairs().wo), channels)
+    found: Any = ggx_fit.fit(f, 2) if name == GGX else nbrdf.train(f, passes=PASSES)
     return lambda wi, wo: found.f(wi, wo)[:, :channels]
 
 
-def fit(form: Form, values: np.ndarray, channels: int = 1) -> Fitted:
+def fit(form: Form, values: np.ndarray, channels: int = 1) -> Brdf:
     """Fit a form to values (`PAIRS`, C) at `pairs`."""
     p, ranges = pairs(), form.ranges
     low, high = np.array(
@@ -110,16 +93,19 @@ def fit(form: Form, values: np.ndarray, channels: int = 1) -> Fitted:
     weight = np.sqrt(p.weight)[:, None]
     target = np.log1p(values * p.wi[:, 2:])
 
-    def model(x: np.ndarray) -> Fitted:
+    def parameters(x: np.ndarray) -> dict[str, Any]:
         numbers, named, place = low + x * (high - low), {}, 0
         for name in ranges:
             count = channels if name in form.colours else 1
             part, place = numbers[place : place + count], place + count
             named[name] = np.broadcast_to(part, 3) if name in form.colours else float(part[0])
-        return Fitted(form, named, channels)
+        return named
+
+    def evaluate(x: np.ndarray, wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
+        return np.asarray(form.f(parameters(x), wi, wo), np.float64)[:, :channels]
 
     def residuals(x: np.ndarray) -> np.ndarray:
-        f = model(x).f(p.wi, p.wo)
+        f = evaluate(x, p.wi, p.wo)
         return ((np.log1p(np.maximum(f, 0) * p.wi[:, 2:]) - target) * weight).ravel()
 
     def jacobian(x: np.ndarray) -> np.ndarray:
@@ -130,7 +116,7 @@ def fit(form: Form, values: np.ndarray, channels: int = 1) -> Fitted:
             columns.append((residuals(moved) - here) / (moved[i] - x[i]))
         return np.stack(columns, axis=1)
 
-    best: tuple[float, Fitted] | None = None
+    solutions = []
     for guess in form.initial_guesses:
         begin = np.concatenate(
             [
@@ -138,13 +124,12 @@ def fit(form: Form, values: np.ndarray, channels: int = 1) -> Fitted:
                 for name, limits in ranges.items()
             ]
         )
-        found = least_squares(
-            residuals, begin, jacobian, (0, 1), max_nfev=EVALUATIONS, x_scale=0.1, ftol=1e-4
+        solutions.append(
+            least_squares(
+                residuals, begin, jacobian, (0, 1), max_nfev=EVALUATIONS, x_scale=0.1, ftol=1e-4
+            )
         )
-        if best is None or found.cost < best[0]:
-            best = float(found.cost), model(found.x)
-    assert best is not None
-    return best[1]
+    return partial(evaluate, min(solutions, key=lambda solution: solution.cost).x)
 
 
 def _share(guess: dict[str, float], name: str, limits: tuple[float, float]) -> float:
