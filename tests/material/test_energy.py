@@ -112,8 +112,8 @@ def test_lossless_stacks_reflect_at_most_everything(bottom, trained):
         assert material.directional_albedo(WI).max() < 1 + BETWEEN
 
 
-@pytest.mark.parametrize("alpha", [0.015, 0.05, 0.15])
-@pytest.mark.parametrize("eta", [0.55, 0.75, 0.95])
+@pytest.mark.parametrize("alpha", [0.015, 0.15])
+@pytest.mark.parametrize("eta", [0.55, 0.95])
 def test_total_reflection_does_not_darken_what_is_transmitted(alpha, eta, trained):
     """Below the critical angle there is room for a dark bottom's light; the limit leaves it.
 

@@ -25,10 +25,9 @@ STACKS = {
         *(0.25, 1.4, (0.95, 0.8, 1.0), (0.5, 3.0, 1.0)),
         g=-0.5,
     ),
-    "diffuse": coat(diffuse((0.8, 0.5, 0.1)), 0.3, 1.6, 0.99, (8.0, 1.0, 3.0), g=(0.9, -0.8, 0.0)),
     # A medium of a lower index than the coat above it.
     "thinner medium": coat(
-        coat(diffuse(0.8), 0.3, 0.8, 0.95, (1.0, 0.3, 2.0), g=0.5), 0.25, 1.5, 0.9, 0.5
+        coat(diffuse(0.8), 0.3, 0.8, 0.95, (1.0, 0.3, 8.0), g=(0.9, -0.8, 0.0)), 0.25, 1.5, 0.9, 0.5
     ),
     "complex index": coat(conductor(0.4, eta=0.2, k=3.0), 0.3, 1.4, 0.5, 0.5),
     "dielectric": coat(dielectric(0.4, 1.7), 0.3, 1.4, 0.5, 0.5),
