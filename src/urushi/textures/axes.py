@@ -248,11 +248,14 @@ def bake(
         alpha, eta, *_ = rows.coats(values(x, changes))
         return np.asarray(lobes.of_coat(alpha, eta)[0], np.float32)
 
-    def codes_at(x: np.ndarray, changes: Sequence[float] = ()) -> np.ndarray:
-        return codes_of_rests(model, rows.rests(values(x, changes)), lobes_at(x, changes))
+    def found(x: np.ndarray, *ways: Sequence[float]) -> np.ndarray:
+        """Rests (k, C, n, K) at coordinates (k, d) after n changes of constants."""
+        rests = np.stack([rows.rests(values(x, way)) for way in ways], axis=-2)
+        tops = np.stack([lobes_at(x, way) for way in ways], axis=-2)
+        return np.moveaxis(codes_of_rests(model, rests, tops)[..., size:], 0, 1)
 
     x = points(len(own), POINTS[model.widths][len(own) - 1]) if own else np.zeros((1, 0))
-    smooth = spline(x, np.moveaxis(codes_at(x)[..., size:], 0, 1))
+    smooth = spline(x, found(x, ())[:, :, 0])
 
     def rests_at(x: np.ndarray) -> np.ndarray:
         """Rests (C, k, K) at coordinates (k, d)."""
@@ -276,9 +279,8 @@ def bake(
             parts.append((rests_at(high) - rests_at(low)) / step[:, None])
         some = x[::SPARSE]
         for end, unit in zip(ends, np.eye(len(ends)), strict=True):
-            ways = [*(unit * end.low)], [*(unit * end.high)]
-            low, high = (codes_at(some, way)[..., size:] for way in ways)
-            change = np.moveaxis(high - low, 0, 1) / (end.high - end.low)
+            both = found(some, [*(unit * end.low)], [*(unit * end.high)])
+            change = (both[:, :, 1] - both[:, :, 0]) / (end.high - end.low)
             parts.append(np.moveaxis(spline(some, change)(nodes), 1, 0))
         return np.stack(parts, axis=2).astype(np.float32)
 
@@ -287,14 +289,14 @@ def bake(
 
 
 def codes_of_rests(model: Model, rests: np.ndarray, tops: np.ndarray) -> np.ndarray:
-    """Codes float32 (C, k, L) of rests (C, k, P), each of which is a material, and lobes (k, M).
+    """Codes float32 (C, k, n, L) of rests (C, k, n, P) and lobes (k, n, M).
 
-    Their g is by `FAINT` too large.
+    Their g is by `FAINT` too large. The n codes of a place have the same stretch, so that their
+    differences are those of f: stretches are rounded.
     """
-    pairs, own = model.networks.pairs(), tops[:, None]
+    pairs, own = model.networks.pairs(), tops[..., None, :]
     added = lobes.f(own, *pairs) + FAINT * transmittance.both_ways(own, *pairs)
-    top = np.broadcast_to(tops, (*rests.shape[:2], tops.shape[-1]))[..., None, :]
-    return model.networks.encode((rests + added)[..., None, :], top)[..., 0, :]
+    return model.networks.encode(rests + added, tops)
 
 
 def ceilings(model: Model, tops: np.ndarray) -> np.ndarray:
