@@ -8,7 +8,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache, reduce
 from operator import or_
-from typing import Any, ClassVar
+from typing import Any, ClassVar, NamedTuple
 
 import drjit as dr
 import mitsuba as mi
@@ -40,12 +40,59 @@ class KnownSurface:
     rotated: bool = False  # whether its tangent is turned about the normal
 
 
+class Turn(NamedTuple):
+    """A turn of the tangent about the normal, by the sine and the cosine of its angle."""
+
+    sin: Any
+    cos: Any
+
+    @classmethod
+    def of(cls, degrees):
+        """The turn by an angle [degrees]."""
+        return cls(*dr.sincos(degrees * (dr.pi / 180)))
+
+    def inside(self, w):
+        """A direction of the shape's frame, in the turned frame."""
+        return type(w)(self.cos * w.x + self.sin * w.y, self.cos * w.y - self.sin * w.x, w.z)
+
+    def outside(self, w):
+        """A direction of the turned frame, in the shape's."""
+        return Turn(-self.sin, self.cos).inside(w)
+
+    def interaction(self, si):
+        """The interaction in the turned frame."""
+        turned = mi.SurfaceInteraction3f(si)
+        turned.wi = self.inside(si.wi)
+        s, t = si.sh_frame.s, si.sh_frame.t
+        turned.sh_frame.s = self.cos * s + self.sin * t
+        turned.sh_frame.t = self.cos * t - self.sin * s
+        return turned
+
+
+class Place(NamedTuple):
+    """A surface at a vertex of a path."""
+
+    active: Any  # lanes that the caller wants and whose wi the surface faces
+    turn: Turn | None  # of its tangent
+    si: Any  # the interaction, in the turned frame
+    vertex: Any  # of `Surface._vertex`
+
+    def inside(self, w):
+        """A direction of the shape's frame, in the turned frame."""
+        return w if self.turn is None else self.turn.inside(w)
+
+    def outside(self, w):
+        """A direction of the turned frame, in the shape's."""
+        return w if self.turn is None else self.turn.outside(w)
+
+
 class Surface(Recorded):
     """A surface that scatters light: f and a proposal, from which directions are drawn.
 
     Subclasses read their properties in `_load` and give f (`_f` or `_f_and_pdf`) and the proposal
-    (`_proposal`). A surface reflects light from above, unless a subclass calls `_transmit`. Those
-    with parameters have `traverse`, and `_update` if they compute anything from them.
+    (`_proposal`), in the frame of `_turn`. A surface reflects light from above, unless a subclass
+    calls `_transmit`. Those with parameters have `traverse`, and `_update` if they compute anything
+    from them.
     """
 
     UNRECORDED: ClassVar[tuple[str, ...]] = ("_vertex_cache", "_snapshot", "_signature")
@@ -118,6 +165,9 @@ class Surface(Recorded):
         """
         return None
 
+    def _turn(self, si, active) -> Turn | None:
+        """The turn of its tangent about the normal; None: it is the shape's."""
+
     def _vertex(self, si, active):
         """Quantities at si that `_f` and `_proposal` share; None unless a subclass has any."""
 
@@ -136,29 +186,30 @@ class Surface(Recorded):
 
     def eval(self, ctx, si, wo, active=True):
         """f |cos wo|, a spectrum; this and the following are those of `mi.BSDF`."""
-        active, vertex = self._active_vertex(ctx, si, active)
-        lit = active & self._asked(ctx, si, wo)
-        f = self._f(vertex, ctx, si, wo, lit)
+        at = self._at(ctx, si, active)
+        lit = at.active & self._asked(ctx, si, wo)
+        f = self._f(at.vertex, ctx, at.si, at.inside(wo), lit)
         self._vertex_cache.extend()
         return dr.select(lit, f * dr.abs(wo.z), 0)
 
     def pdf(self, ctx, si, wo, active=True):
         """The density of `sample` [1/sr]."""
-        active, vertex = self._active_vertex(ctx, si, active)
-        density = self._proposal(vertex, si, active).pdf(si.wi, wo)
-        return dr.select(active & self._asked(ctx, si, wo), density, 0)
+        at = self._at(ctx, si, active)
+        density = self._proposal(at.vertex, at.si, at.active).pdf(at.si.wi, at.inside(wo))
+        return dr.select(at.active & self._asked(ctx, si, wo), density, 0)
 
     def eval_pdf(self, ctx, si, wo, active=True):
         """`eval` and `pdf`."""
-        active, vertex = self._active_vertex(ctx, si, active)
-        return self._f_cos_and_pdf(vertex, ctx, si, wo, active)
+        at = self._at(ctx, si, active)
+        return self._f_cos_and_pdf(at, ctx, at.inside(wo))
 
     def sample(self, ctx, si, sample1, sample2, active=True):
         """A direction as a `BSDFSample3f`, and f |cos wo| over its density."""
-        active, vertex = self._active_vertex(ctx, si, active)
+        at = self._at(ctx, si, active)
         bs = dr.zeros(mi.BSDFSample3f)
-        bs.wo = self._proposal(vertex, si, active).sample(si.wi, sample1, sample2)
-        f_cos, bs.pdf = self._f_cos_and_pdf(vertex, ctx, si, bs.wo, active)
+        wo = self._proposal(at.vertex, at.si, at.active).sample(at.si.wi, sample1, sample2)
+        f_cos, bs.pdf = self._f_cos_and_pdf(at, ctx, wo)
+        bs.wo = at.outside(wo)
         bs.eta = 1
         bs.sampled_type = mi.UInt32(+mi.BSDFFlags.GlossyReflection)
         bs.sampled_component = 0
@@ -212,20 +263,23 @@ class Surface(Recorded):
                 "function"
             )
 
-    def _active_vertex(self, ctx, si, active):
-        """Lanes that the caller wants and whose wi is above the horizon; the vertex there."""
+    def _at(self, ctx, si, active) -> Place:
         active = mi.Bool(active)
 
         def compute():
             enabled = self._enabled(ctx, si, active)
-            return enabled, self._vertex(si, enabled)
+            turn = self._turn(si, enabled)
+            inside = si if turn is None else turn.interaction(si)
+            return enabled, turn, self._vertex(inside, enabled)
 
         context = ctx.mode, ctx.type_mask, ctx.component
-        return self._vertex_cache.get(context, si, active, compute)
+        enabled, turn, vertex = self._vertex_cache.get(context, si, active, compute)
+        return Place(enabled, turn, si if turn is None else turn.interaction(si), vertex)
 
-    def _f_cos_and_pdf(self, vertex, ctx, si, wo, active):
-        lit = active & self._asked(ctx, si, wo)
-        f, pdf = self._f_and_pdf(vertex, ctx, si, wo, lit)
+    def _f_cos_and_pdf(self, at, ctx, wo):
+        """f |cos wo| and the density; wo is in the turned frame."""
+        lit = at.active & self._asked(ctx, at.si, wo)
+        f, pdf = self._f_and_pdf(at.vertex, ctx, at.si, wo, lit)
         self._vertex_cache.extend()
         return dr.select(lit, f * dr.abs(wo.z), 0), dr.select(lit, pdf, 0)
 

@@ -7,9 +7,8 @@ import drjit as dr
 import mitsuba as mi
 
 from urushi.core.mixture import Mixture
-from urushi.mitsuba.plugins.frames import Turn, TurnedMixture
 from urushi.mitsuba.reading.known import known_surface
-from urushi.mitsuba.surface import KnownSurface, Surface, bsdf_of
+from urushi.mitsuba.surface import KnownSurface, Surface, Turn, bsdf_of
 from urushi.openpbr_surface import model
 from urushi.openpbr_surface.compensation import Compensation
 from urushi.openpbr_surface.inputs import Inputs
@@ -50,7 +49,6 @@ class Layers(NamedTuple):
 class Vertex(NamedTuple):
     """The surface at a vertex; see `Part` and `model.Fuzz`."""
 
-    turn: Turn | None
     parts: list[Part]
     compensation: Any
     fuzz: Any
@@ -119,11 +117,10 @@ class OpenPBRSurface(Surface):
         self._diffuse = DIFFUSE_SHARE if self._fuzz or self._compensation else 0.0
         self._version = inputs.version
 
+    def _turn(self, si, active):
+        return Turn(*self._inputs.tangent(si, active)) if self._turned else None
+
     def _vertex(self, si, active):
-        turn = None
-        if self._turned:
-            turn = Turn(*self._inputs.tangent(si, active))
-            si = turn.interaction(si)
         bsdfs = [part for part in (self._base, self._coated) if part is not None]
         weights: list[Any] = [mi.Float(1)]
         if len(bsdfs) == 2:
@@ -135,11 +132,9 @@ class OpenPBRSurface(Surface):
         ]
         compensation = self._compensation.vertex(si, active) if self._compensation else None
         fuzz = model.fuzz_at(self._inputs, si, active) if self._fuzz else None
-        return Vertex(turn, parts, compensation, fuzz)
+        return Vertex(parts, compensation, fuzz)
 
     def _f_and_pdf(self, vertex, ctx, si, wo, active):
-        if vertex.turn:
-            si, wo = vertex.turn.interaction(si), vertex.turn.inside(wo)
         f, pdf = mi.Spectrum(0), mi.Float(0)
         for part in vertex.parts:
             own, density = part.bsdf._f_and_pdf(part.vertex, ctx, si, wo, active)
@@ -154,16 +149,13 @@ class OpenPBRSurface(Surface):
         return f, dr.lerp(pdf, wo.z * dr.inv_pi, self._diffuse)
 
     def _proposal(self, vertex, si, active):
-        if vertex.turn:
-            si = vertex.turn.interaction(si)
         proposals = [
             (part.bsdf._proposal(part.vertex, si, active), (1 - self._diffuse) * part.weight)
             for part in vertex.parts
         ]
         if self._diffuse:
             proposals.insert(0, (COSINE, self._diffuse))
-        proposal = SurfaceProposal(proposals)
-        return TurnedMixture(proposal, vertex.turn) if vertex.turn else proposal
+        return SurfaceProposal(proposals)
 
     def known(self):
         if self._coated or self._fuzz or self._absorbs or self._turned:

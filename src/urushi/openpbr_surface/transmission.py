@@ -16,9 +16,9 @@ import drjit as dr
 import mitsuba as mi
 
 from urushi.errors import ParameterError
-from urushi.mitsuba.plugins.frames import Turn, TurnedMixture, above_surface, raised, with_far_side
+from urushi.mitsuba.plugins.frames import above_surface, raised, with_far_side
 from urushi.mitsuba.snapshot import has_gradients
-from urushi.mitsuba.surface import Surface, bsdf_of
+from urushi.mitsuba.surface import Surface, Turn, bsdf_of
 from urushi.openpbr_surface.bsdfs import OF_COAT, OpenPBRSurface, Part, SurfaceProposal
 from urushi.openpbr_surface.inputs import Inputs
 from urushi.openpbr_surface.parts import COATS, Coating, load_part
@@ -157,52 +157,45 @@ class Body(Surface):
     def eval_null_transmission(self, si, active=True):
         return self._straight(mi.BSDFContext(), si, active)[1]
 
-    def _vertex(self, si, active):
-        turn = None
-        if "geometry_tangent" in self._inputs.maps:
-            turn = Turn(*self._inputs.tangent(si, active))
-        parts, weights = [], self._weights(self._parts, si, active)
-        for layer, weight in zip(self._parts, weights, strict=True):
-            own = self._interaction(turn, layer.bsdf, si)
-            parts.append(Part(layer.bsdf, layer.bsdf._vertex(own, active), weight))
-        return turn, parts
+    def _turn(self, si, active):
+        turned = "geometry_tangent" in self._inputs.maps
+        return Turn(*self._inputs.tangent(si, active)) if turned else None
 
-    def _interaction(self, turn, bsdf, si):
-        if not bsdf._transmits:  # it looks the same from both sides, and turns its tangent
-            return above_surface(si)
-        return si if turn is None else turn.interaction(si)
+    def _vertex(self, si, active):
+        pairs = zip(self._parts, self._weights(self._parts, si, active), strict=True)
+        return [
+            Part(layer.bsdf, layer.bsdf._vertex(self._seen(layer.bsdf, si), active), weight)
+            for layer, weight in pairs
+        ]
+
+    def _seen(self, bsdf, si):
+        """The interaction as a part has it: what is opaque looks the same from both sides."""
+        return si if bsdf._transmits else above_surface(si)
 
     def _f_and_pdf(self, vertex, ctx, si, wo, active):
-        turn, parts = vertex
         f, pdf, near = mi.Spectrum(0), mi.Float(0), si.wi.z * wo.z > 0
-        for part, layer in zip(parts, self._parts, strict=True):
-            bsdf, finish = layer.bsdf, layer.finish
-            own = self._interaction(turn, bsdf, si)
-            if bsdf._transmits:
-                towards = wo if turn is None else turn.inside(wo)
-                value, density = bsdf._f_and_pdf(part.vertex, ctx, own, towards, active)
+        for part, layer in zip(vertex, self._parts, strict=True):
+            if part.bsdf._transmits:
+                value, density = part.bsdf._f_and_pdf(part.vertex, ctx, si, wo, active)
             else:
-                found = bsdf._f_and_pdf(part.vertex, ctx, own, raised(wo), active & near)
+                seen = self._seen(part.bsdf, si), raised(wo), active & near
+                found = part.bsdf._f_and_pdf(part.vertex, ctx, *seen)
                 value, density = (dr.select(near, x, 0) for x in found)
-            if finish is not None:
-                value = finish.f(value, ctx, own, towards, active)
-                density = finish.density(density, own, towards, active)
+            if layer.finish is not None:
+                value = layer.finish.f(value, ctx, si, wo, active)
+                density = layer.finish.density(density, si, wo, active)
             f += part.weight * value
             pdf += part.weight * density
         return f, pdf
 
     def _proposal(self, vertex, si, active):
-        turn, parts = vertex
         proposals = []
-        for part, layer in zip(parts, self._parts, strict=True):
-            own = self._interaction(turn, part.bsdf, si)
-            proposal = part.bsdf._proposal(part.vertex, own, active)
+        for part, layer in zip(vertex, self._parts, strict=True):
+            proposal = part.bsdf._proposal(part.vertex, self._seen(part.bsdf, si), active)
             if not part.bsdf._transmits:
                 proposal = with_far_side(proposal, 0.0)
-            else:
-                if layer.finish:
-                    proposal = layer.finish.proposal(proposal, own, active)
-                proposal = proposal if turn is None else TurnedMixture(proposal, turn)
+            elif layer.finish:
+                proposal = layer.finish.proposal(proposal, si, active)
             proposals.append((proposal, part.weight))
         return SurfaceProposal(proposals)
 

@@ -7,12 +7,10 @@ import drjit as dr
 import mitsuba as mi
 
 from urushi import checks
-from urushi.core.mixture import Mixture
 from urushi.errors import ParameterError
 from urushi.mitsuba import spectrum
 from urushi.mitsuba.plugins.bottom_lobes import BottomLobes
 from urushi.mitsuba.plugins.compensation import Compensation
-from urushi.mitsuba.plugins.frames import SlabMixture, TurnedMixture, turn_of, turned
 from urushi.mitsuba.plugins.stack import CoatStack, MitsubaBottom
 from urushi.mitsuba.reading.axes import check_coat
 from urushi.mitsuba.reading.changed import relative_to
@@ -127,10 +125,11 @@ class CoatedSurface(Surface):
         alpha = None if self.lowest is None else self.lowest.alpha(si, active)
         return coats.lowest(self._index, alpha)
 
+    def _turn(self, si, active):
+        return self._coat.turn(si, active)
+
     def _f(self, vertex, ctx, si, wo, active):
         def evaluated(si, wo, active):
-            si, wo = turned(turn_of(self._coat, si, active), si, wo)
-
             def value(color, channel=None):
                 coats = CoatStack(self.coats, si, active, channel)
                 if self.bottom is None:
@@ -154,13 +153,9 @@ class CoatedSurface(Surface):
 
     def _proposal(self, vertex, si, active):
         coats = CoatStack(self.coats, si, active)
-        mixture: Mixture | SlabMixture
         if self.bottom is None:
-            mixture = coats.slab_proposal(si.wi, self._lowest_at(coats, si, active))
-        else:
-            mixture = coats.proposal(self.bottom_lobes, si.wi.z)
-        turn = turn_of(self._coat, si, active)
-        return mixture if turn is None else TurnedMixture(mixture, turn)
+            return coats.slab_proposal(si.wi, self._lowest_at(coats, si, active))
+        return coats.proposal(self.bottom_lobes, si.wi.z)
 
     def traverse(self, callback):
         self._coat.traverse(callback, mi.ParamFlags.NonDifferentiable)

@@ -15,7 +15,6 @@ import numpy as np
 from urushi.core.appearance import WI, WO, coated_color
 from urushi.core.namespace import DRJIT
 from urushi.mitsuba.interface_albedo import InterfaceLoss
-from urushi.mitsuba.plugins.frames import turn_of, turned
 from urushi.mitsuba.plugins.stack import channel_widths
 from urushi.mitsuba.reading import probing
 from urushi.mitsuba.reading.grid import varying_textures
@@ -75,7 +74,6 @@ class Compensation:
 
     def with_lost_light(self, f, si, wo, active):
         """f [1/sr] with the light that the surface loses."""
-        si, wo = turned(turn_of(self._coat, si, active), si, wo)
         coat = self._coat.evaluate(si, active)
         gloss = self._gloss
         if gloss is None:

@@ -12,10 +12,10 @@ from urushi.mitsuba import spectrum
 from urushi.mitsuba.latents.axes import AxisLatents
 from urushi.mitsuba.latents.codes import ConstantLatents, DifferentiableLatents
 from urushi.mitsuba.plugins.encoded import EncodedSurface
-from urushi.mitsuba.plugins.frames import Turn
 from urushi.mitsuba.properties import path_of, read_weights
 from urushi.mitsuba.reading.axes import texel_axes
 from urushi.mitsuba.recording import opaque, owned
+from urushi.mitsuba.surface import Turn
 from urushi.textures.axes import Baked
 from urushi.textures.store import KIND, read_texture, write_texture
 

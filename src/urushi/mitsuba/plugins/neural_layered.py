@@ -14,7 +14,6 @@ from urushi.mitsuba.latents.bottoms import Layer
 from urushi.mitsuba.latents.codes import ConstantLatents
 from urushi.mitsuba.plugins.compensation import Compensation
 from urushi.mitsuba.plugins.encoded import EncodedSurface
-from urushi.mitsuba.plugins.frames import turn_of, turned
 from urushi.mitsuba.properties import read_weights
 from urushi.mitsuba.reading.bsdf import has_two_widths
 from urushi.mitsuba.reading.changed import relative_to
@@ -164,7 +163,6 @@ class NeuralLayered(EncodedSurface):
 
     def _f(self, vertex, ctx, si, wo, active):
         if self._absorbs:  # without codes: f of the bottom by Beer's law
-            si, wo = turned(vertex.turn, si, wo)
             cos_i, cos_o = (dr.select(active, w.z, 1) for w in (si.wi, wo))
             depth = self._coat.evaluate(si, active).sigma_t * (1 / cos_i + 1 / cos_o)
             return self._below.eval(ctx, si, wo, active) / cos_o * dr.exp(-depth)
@@ -183,7 +181,7 @@ class NeuralLayered(EncodedSurface):
         return self._compensation.with_lost_light(f, si, wo, active)
 
     def _turn(self, si, active):
-        return turn_of(self._coat, si, active)
+        return self._coat.turn(si, active)
 
     def traverse(self, callback):
         self._coat.traverse(callback, mi.ParamFlags.Differentiable)

@@ -18,6 +18,7 @@ from urushi.mitsuba.properties import describe, switch_of
 from urushi.mitsuba.reading.grid import nested_objects, varies
 from urushi.mitsuba.reading.known import known_surface
 from urushi.mitsuba.recording import Recorded, opaque
+from urushi.mitsuba.surface import Turn
 
 #: Parameters of a coat that may be textures, and their defaults. The index of refraction is given
 #: by two properties of its own.
@@ -202,6 +203,10 @@ class CoatTextures(Recorded):
     def has_rotation(self) -> bool:
         """Whether the tangent is turned."""
         return "rotation" in self.textures
+
+    def turn(self, si, active) -> Turn | None:
+        """The turn of the tangent, if there is one."""
+        return Turn.of(self.textures["rotation"].eval_1(si, active)) if self.has_rotation else None
 
     @property
     def constant_rotation(self) -> float | None:
