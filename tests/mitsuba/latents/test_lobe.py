@@ -82,7 +82,7 @@ def textured(model, z):
 def evaluated(mi, latents, wi, wo) -> np.ndarray:
     """f (N, 3)."""
     si, active = interaction(mi, wi), mi.Bool(np.ones(len(wi), bool))
-    f = latents.f(latents.vertex(si, active), si, vector(wo), active)
+    f, _ = latents.f_and_pdf(latents.vertex(si, active), si, vector(wo), active)
     return np.stack([x.numpy() for x in f], axis=-1)
 
 

@@ -67,7 +67,7 @@ def test_f_has_the_gradients_of_all_numbers(rgb, model, name):
     si.uv = rgb.Point2f(0.3, 0.6)
     out = rgb.Vector3f(wo.T.astype(np.float32))
     vertex = held.vertex(si, rgb.Bool(True))
-    channels = held.f(vertex, si, out, rgb.Bool(True))
+    channels, _ = held.f_and_pdf(vertex, si, out, rgb.Bool(True))
     weights = np.random.default_rng(3).uniform(0.5, 1.5, (3, len(wi)))
     total = sum(
         dr.sum(f * rgb.Float(w.astype(np.float32))) for f, w in zip(channels, weights, strict=True)

@@ -37,17 +37,15 @@ def points() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     return *(w.astype(np.float32) for w in pairs), np.random.default_rng(4).random((COUNT, 2))
 
 
-def f_and_pdf(mi, latents) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """f (C, N) by both methods, and the proposal's density (N,)."""
+def values(mi, latents) -> np.ndarray:
+    """f (C, N)."""
     wi, wo, uv = points()
     si = dr.zeros(mi.SurfaceInteraction3f, COUNT)
     si.wi, out = (vector(w) for w in (wi, wo))
     si.uv = mi.Point2f(np.ascontiguousarray(uv.T, np.float32))
     active = dr.full(mi.Bool, True, COUNT)
-    vertex = latents.vertex(si, active)
-    alone = latents.f(vertex, si, out, active)
-    f, pdf = latents.f_and_pdf(vertex, si, out, active)
-    return np.stack([x.numpy() for x in alone]), np.stack([x.numpy() for x in f]), pdf.numpy()
+    f, _ = latents.f_and_pdf(latents.vertex(si, active), si, out, active)
+    return np.stack([x.numpy() for x in f])
 
 
 def test_a_constant_of_one_code(rgb, model, codes):
@@ -56,13 +54,12 @@ def test_a_constant_of_one_code(rgb, model, codes):
     shared, separate = (
         ConstantLatents(Material(codes[channels], model)) for channels in (SAME, OTHER)
     )
-    values = zip(f_and_pdf(rgb, shared)[:2], f_and_pdf(rgb, separate)[:2], strict=True)
-    for found, expected in values:
-        assert found.shape == (3, COUNT)
-        assert (found == found[0]).all()
-        # The compiler may contract the products of one kernel and not of the other.
-        np.testing.assert_allclose(found[0], expected[0], rtol=1e-5)
-        assert not np.allclose(expected[0], expected[2], rtol=1e-2)
+    found, expected = values(rgb, shared), values(rgb, separate)
+    assert found.shape == (3, COUNT)
+    assert (found == found[0]).all()
+    # The compiler may contract the products of one kernel and not of the other.
+    np.testing.assert_allclose(found[0], expected[0], rtol=1e-5)
+    assert not np.allclose(expected[0], expected[2], rtol=1e-2)
     assert shared.channels == 3
     np.testing.assert_array_equal(shared.at(np.zeros((1, 2)))[0], codes[SAME])
 
@@ -77,8 +74,8 @@ def test_a_texture_of_one_code_a_texel(rgb, model, codes):
     assert latents.channels == 3
     wi, wo, _ = points()
     expected = model.networks.f(codes[:, None], wi, wo)
-    for found in f_and_pdf(rgb, latents)[:2]:
-        assert found.shape == (3, COUNT)
-        assert (found == found[0]).all()
-        # One texel is drawn. Logarithms of small half angles are rounded.
-        assert (np.abs(found[0] / expected - 1).min(axis=0) < 2e-3).all()
+    found = values(rgb, latents)
+    assert found.shape == (3, COUNT)
+    assert (found == found[0]).all()
+    # One texel is drawn. Logarithms of small half angles are rounded.
+    assert (np.abs(found[0] / expected - 1).min(axis=0) < 2e-3).all()

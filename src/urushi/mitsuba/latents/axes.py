@@ -7,7 +7,7 @@ the nodes are texels, it takes the code of one. Codes are stored by principal nu
 along its axis.
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any, ClassVar
 
 import drjit as dr
@@ -107,10 +107,6 @@ class AxisLatents(EvaluatedCodes):
         values = [[dr.detach(x) for x in part] for part in read]
         return only_where(active, self._vertex, si.wi, values)
 
-    def f(self, vertex, si, wo, active) -> list:
-        """See `EvaluatedCodes`."""
-        return super().f(self._attached(vertex, si, active), si, wo, active)
-
     def f_and_pdf(self, vertex, si, wo, active) -> tuple[list, Any]:
         """See `EvaluatedCodes`."""
         return super().f_and_pdf(self._attached(vertex, si, active), si, wo, active)
@@ -138,8 +134,8 @@ class AxisLatents(EvaluatedCodes):
             terms.append(moved)
         return vertex._replace(decoder_terms=terms)
 
-    def _evaluated(self) -> Callable[..., list]:
-        return self._decoder.f_of_terms
+    def _values(self, terms, wi, wo):
+        return self._decoder.f_of_terms(terms, wi, wo)
 
     def _vertex(self, wi, values: list[list]) -> Vertex:
         coordinates, baked = [], self.baked

@@ -182,11 +182,5 @@ class BasisDecoder:
                 rest = rest - self._faint
                 rest = rest + dr.detach(dr.maximum(-rest, 0))
             rests.append(rest)
-        if not self._kind.present:
-            return rests
         lobes = self._kind.complete([channel[:-count] for channel in terms])
         return lobe.with_rests(lobes, rests, wi, wo, self._kind)
-
-    def f(self, latents: Sequence[Sequence], wi, wo) -> list:
-        """f of each channel, from a list (size) of Dr.Jit floats for each."""
-        return self.f_of_terms(self.code_terms_drjit(latents), wi, wo)

@@ -1,10 +1,10 @@
 """The latent codes of a plugin: constant ones, and what they share with `latents.axes`.
 
-Codes have three operations: `vertex` computes what evaluating and sampling at a surface
-interaction share, `f` evaluates every channel there, and `f_and_pdf` the proposal's density too.
+Codes have two operations: `vertex` computes what evaluating and sampling at a surface interaction
+share, and `f_and_pdf` evaluates every channel and the proposal's density there.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from functools import partial
 from typing import Any, NamedTuple
@@ -15,10 +15,11 @@ import numpy as np
 
 from urushi.material.material import Material
 from urushi.mitsuba import spectrum
+from urushi.mitsuba.latents import lobe
 from urushi.mitsuba.latents.basis import BasisDecoder
 from urushi.mitsuba.latents.lobe import ANY_LOBE, NO_LOBE, kind_of
 from urushi.mitsuba.latents.proposal import CodeProposals
-from urushi.mitsuba.latents.tables import TabulatedDecoder, stored
+from urushi.mitsuba.latents.tables import stored, tabulated
 from urushi.mitsuba.recording import only_where, owned
 
 
@@ -37,38 +38,27 @@ class EvaluatedCodes:
 
     channels: int
 
-    def _evaluated(self) -> Callable[..., list]:
-        """The function from terms, wi and wo to f of each channel, or of one for all."""
+    def _values(self, terms: Sequence, wi, wo) -> list:
+        """f of each channel, or of one for all. Tables are no arguments: they have other widths."""
         raise NotImplementedError
 
-    def f(self, vertex: Vertex, si, wo, active) -> list:
-        """The BRDF [1/sr] of each channel for si.wi and wo above the horizon."""
-        values = only_where(active, self._evaluated(), vertex.decoder_terms, si.wi, wo)
-        return self._of_each_channel(values)
-
     def f_and_pdf(self, vertex: Vertex, si, wo, active) -> tuple[list, Any]:
-        """`f`, and the density of the proposal [1/sr]."""
-        f_of_terms = self._evaluated()
+        """The BRDF [1/sr] of each channel for si.wi and wo above the horizon, and the density of
+        the proposal [1/sr]."""
 
         def evaluated(terms, proposal, wi, wo):
-            return f_of_terms(terms, wi, wo), proposal.pdf(wi, wo)
+            return self._values(terms, wi, wo), proposal.pdf(wi, wo)
 
         values, pdf = only_where(active, evaluated, *vertex[:2], si.wi, wo)
-        return self._of_each_channel(values), pdf
-
-    def _of_each_channel(self, values: list) -> list:
         lanes = dr.size_v(mi.Spectrum) if self.channels == spectrum.COUNT else self.channels
-        return values * lanes if len(values) == 1 else values
+        return values * lanes if len(values) == 1 else values, pdf
 
 
 class ConstantLatents(EvaluatedCodes):
     """One latent code per channel. What depends on the codes alone is computed once, here."""
 
-    def __init__(self, material: Material, half: bool = False):
-        """Take the codes of a material, without its rotation.
-
-        half: whether the table has half precision, as the material's has.
-        """
+    def __init__(self, material: Material):
+        """Take the codes of a material, without its rotation."""
         self.material = material = replace(material, rotation=0.0, coating=None)
         self.model, self.channels = material.model, material.channels
         model, latents, table = material.model, material.latents, material.table
@@ -76,37 +66,34 @@ class ConstantLatents(EvaluatedCodes):
             latents = latents[:1]  # channels of the same code are evaluated once
         self._fine = len(latents) == spectrum.COUNT
         whole = table is not None and not material.beside_lobe
-        kind = NO_LOBE if whole else kind_of(latents[:, : model.arch.lobe])
-        self._sampler = CodeProposals(model, kind)
-        self._decoder: BasisDecoder | TabulatedDecoder
-        self._tables = []
-        if model.widths == 2:
-            self._decoder = BasisDecoder(model, kind)
-        else:
-            self._decoder = TabulatedDecoder(kind, material.knots)
+        self._kind = NO_LOBE if whole else kind_of(latents[:, : model.arch.lobe])
+        self._sampler, self._knots = CodeProposals(model, self._kind), material.knots
+        self._decoder = BasisDecoder(model, self._kind) if model.widths == 2 else None
+        self._table: Any = None  # of the rest's g, or of all of f; None: there is no rest
+        if self._decoder is None:
             table = model.networks.table(latents) if table is None else table
             if table is not None:
                 table = np.moveaxis(table, -1, 0)[..., None] if self._fine else table
-                self._tables = [stored(table, half)]
+                self._table = stored(table, half=False)
         if self._fine:
-            rows = np.stack([self._decoder.code_terms(z[None])[0] for z in latents])
-            self._decoder_terms, self._kind = [owned(mi.Float, rows)], kind
+            rows = np.stack([self._code_terms(z[None])[0] for z in latents])
+            self._decoder_terms = [owned(mi.Float, rows)]
         else:
-            self._decoder_terms = [_opaque(terms) for terms in self._decoder.code_terms(latents)]
+            self._decoder_terms = [_opaque(terms) for terms in self._code_terms(latents)]
         mean = material.latents.mean(axis=0)
         self._proposals = [owned(mi.Float, x) for x in self._sampler.tabulated(mean)]
 
     def vertex(self, si, active) -> Vertex:
         """The vertex at a surface interaction."""
-        # The table is no argument: it has another width than the directions.
         propose = partial(self._sampler.proposal_of_table, self._proposals)
-        proposal = only_where(active, propose, si.wi)
-        return self.bare_vertex(si)._replace(proposal=proposal)
-
-    def bare_vertex(self, si) -> Vertex:
-        """The vertex without its proposal, from which `f` follows."""
         terms = self._terms_at(si.wavelengths) if self._fine else self._decoder_terms
-        return Vertex(terms, None)
+        return Vertex(terms, only_where(active, propose, si.wi))
+
+    def _code_terms(self, latents: np.ndarray) -> list[np.ndarray]:
+        """Terms of the code of each channel; beside a table, numbers of the lobe."""
+        if self._decoder is not None:
+            return self._decoder.code_terms(latents)
+        return [code[self._kind.numbers(c)] for c, code in enumerate(latents)]
 
     def _terms_at(self, wavelengths) -> list[list]:
         """The terms of the band of each wavelength [nm], and then these bands."""
@@ -119,16 +106,15 @@ class ConstantLatents(EvaluatedCodes):
             terms.append([dr.gather(mi.Float, numbers, band * count + k) for k in kept])
         return [*terms, bands]
 
-    def _evaluated(self) -> Callable[..., list]:
-        """The function from terms, wi and wo to f. The tables are no arguments, as in `vertex`."""
-        f_of_terms: Callable = self._decoder.f_of_terms
-        if isinstance(self._decoder, TabulatedDecoder):
-            f_of_terms = partial(f_of_terms, self._tables)
-        if not self._fine:
-            return f_of_terms
-        if not self._tables:
-            return lambda terms, wi, wo: f_of_terms(terms[:-1], wi, wo)
-        return lambda terms, wi, wo: f_of_terms(terms[:-1], wi, wo, bands=terms[-1])
+    def _values(self, terms, wi, wo):
+        channels, bands = (terms[:-1], terms[-1]) if self._fine else (terms, None)
+        if self._decoder is not None:
+            return self._decoder.f_of_terms(channels, wi, wo)
+        lobes = self._kind.complete(channels)
+        if self._table is None:
+            return lobe.f(lobes, wi, wo, self._kind)
+        rests = tabulated(self._table, len(channels), wi, wo, self._knots, bands)
+        return lobe.with_rests(lobes, rests, wi, wo, self._kind)
 
     def at(self, uv: np.ndarray) -> np.ndarray:
         """Latent codes (M, C, size) at points uv (M, 2)."""
@@ -162,32 +148,25 @@ class DifferentiableLatents(ConstantLatents):
         # Numbers that vanish or that channels share have gradients of their own.
         edged = kind_of(material.latents[:, : self.model.arch.lobe]).edged
         kind = ANY_LOBE._replace(widths=self.model.widths, edged=edged)
-        self._changing = BasisDecoder(self.model, kind)
+        decoder = BasisDecoder(self.model, kind)
+        self._changing = lambda z, wi, wo: decoder.f_of_terms(decoder.code_terms_drjit(z), wi, wo)
         self._size, self._codes = tensor.shape[-1], tensor.array
         dr.make_opaque(self._codes)
 
-    def f(self, vertex: Vertex, si, wo, active) -> list:
-        """See `EvaluatedCodes`."""
-        return self._with_gradients(super().f(vertex, si, wo, active), si, wo, active)
-
     def f_and_pdf(self, vertex: Vertex, si, wo, active) -> tuple[list, Any]:
-        """See `EvaluatedCodes`."""
+        """See `EvaluatedCodes`; f has derivatives by the codes, besides those by directions."""
         values, pdf = super().f_and_pdf(vertex, si, wo, active)
-        return self._with_gradients(values, si, wo, active), pdf
+        if not dr.grad_enabled(self._codes):
+            return values, pdf
+        fine = self.channels == spectrum.COUNT
+        places = spectrum.band_at(si.wavelengths) if fine else map(mi.UInt32, range(self.channels))
+        codes, directions = [*map(self._code, places)], (dr.detach(si.wi), dr.detach(wo))
+        changing = only_where(active, self._changing, codes, *directions)
+        pairs = zip(values, changing, strict=True)
+        return [value + (change - dr.detach(change)) for value, change in pairs], pdf
 
     def _code(self, channel) -> list:
         """The code (L) of a channel, an index. An argument of a nested call must be the result of
         an operation in the outer call, or Dr.Jit loses its gradient."""
         first = channel * self._size
         return [dr.gather(mi.Float, self._codes, first + i) for i in range(self._size)]
-
-    def _with_gradients(self, values: list, si, wo, active) -> list:
-        """Values with derivatives by the codes, besides their own derivatives by the directions."""
-        if not dr.grad_enabled(self._codes):
-            return values
-        fine = self.channels == spectrum.COUNT
-        places = spectrum.band_at(si.wavelengths) if fine else map(mi.UInt32, range(self.channels))
-        codes, directions = [*map(self._code, places)], (dr.detach(si.wi), dr.detach(wo))
-        changing = only_where(active, self._changing.f, codes, *directions)
-        pairs = zip(values, changing, strict=True)
-        return [value + (change - dr.detach(change)) for value, change in pairs]

@@ -116,6 +116,8 @@ def f(lobes: Sequence[Sequence], wi, wo, kind: LobeKind) -> list:
 
     Exchanging wi and wo gives the same bits.
     """
+    if not kind.present:
+        return [wi.z * 0] * len(lobes)
     h = wi + wo
     cosine = microfacet.facet_cosine(h, DRJIT)
     alphas = [_width(lobe, kind) for lobe in (lobes[:1] if kind.same_alpha else lobes)]
@@ -134,6 +136,8 @@ def with_rests(lobes: Sequence[Sequence], rests: Sequence, wi, wo, kind: LobeKin
 
     rests: g [1/sr] of each channel.
     """
+    if not kind.present:
+        return [*rests]
     values = f(lobes, wi, wo, kind)
     if kind.edged:
         alike = kind.same_alpha and kind.same_reflectance

@@ -14,8 +14,6 @@ import numpy as np
 from urushi.core.lanes import cell
 from urushi.core.namespace import DRJIT
 from urushi.core.table import SHAPE, Knots, coordinates, corner_steps
-from urushi.mitsuba.latents import lobe
-from urushi.mitsuba.latents.lobe import LobeKind
 from urushi.mitsuba.recording import owned
 
 #: Largest level of a number.
@@ -87,45 +85,6 @@ class Numbers:
         ]
 
 
-class TabulatedDecoder:
-    """f [1/sr] of a constant material: its lobe, and a table of its rest's g or of all of f.
-
-    The terms of a channel are the numbers of its lobe that `LobeKind.numbers` names.
-    """
-
-    def __init__(self, kind: LobeKind, knots: Knots = ()):
-        """Decode codes of one kind.
-
-        Args:
-            kind: common properties of the codes' lobes; none is present if a table has all of f.
-            knots: of the table.
-        """
-        self._kind, self._knots = kind, knots
-
-    def code_terms(self, latents: np.ndarray) -> list[np.ndarray]:
-        """Terms (K,) of the code of each channel, from codes (C, size)."""
-        return [code[self._kind.numbers(c)] for c, code in enumerate(latents)]
-
-    def f_of_terms(
-        self, tables: Sequence, terms: Sequence[Sequence], wi, wo, bands: Sequence | None = None
-    ) -> list:
-        """f of each channel, from its terms, lists of Dr.Jit floats.
-
-        tables: the `padded` table as Dr.Jit floats; empty if there is no rest. bands: index
-        (UInt32) of each term's table, if the table is a sequence of tables of one channel.
-        Exchanging wi and wo gives the same bits.
-        """
-        present = self._kind.present
-        if not tables:
-            lobes = self._kind.complete(terms)
-            return lobe.f(lobes, wi, wo, self._kind) if present else [wi.z * 0] * len(terms)
-        places = coordinates(wi + wo, wi - wo, DRJIT, self._knots)
-        rests = _looked_up(tables[0], len(terms), places, bands)
-        if not present:
-            return rests
-        return lobe.with_rests(self._kind.complete(terms), rests, wi, wo, self._kind)
-
-
 def stored(table: np.ndarray, half: bool) -> Any:
     """A table (..., C), `padded`, as flat Dr.Jit floats; half: in half precision."""
     kind, dtype = (dr.float16_array_t(mi.Float), np.float16) if half else (mi.Float, np.float32)
@@ -163,11 +122,18 @@ def interpolated(table, shape: Sequence[int], coordinates: Sequence, band=None) 
     return values[0]
 
 
-def _looked_up(table, channels: int, places: Sequence, bands: Sequence | None) -> list:
-    """Each channel of a table of logarithms at coordinates, see `core.table.interpolated_at`."""
-    clipped = [dr.clip(place, 0, 1) for place in places]
+def tabulated(
+    table, channels: int, wi, wo, knots: Knots = (), bands: Sequence | None = None
+) -> list:
+    """Each channel of a table of logarithms over directions, see `core.table.interpolated_at`.
+
+    Exchanging wi and wo gives the same bits.
+
+    bands: index (UInt32) of each channel's table, if the table is a sequence of tables of one.
+    """
+    places = [dr.clip(x, 0, 1) for x in coordinates(wi + wo, wi - wo, DRJIT, knots)]
     if bands is None:
-        logs = interpolated(table, SHAPE, clipped)
+        logs = interpolated(table, SHAPE, places)
     else:
-        logs = [interpolated(table, SHAPE, clipped, band)[0] for band in bands]
+        logs = [interpolated(table, SHAPE, places, band)[0] for band in bands]
     return [dr.exp(log) for log in logs[:channels]]

@@ -161,24 +161,15 @@ class NeuralLayered(EncodedSurface):
                 "to the plugin 'neural_brdf' that reads the file",
             )
 
-    def _f(self, vertex, ctx, si, wo, active):
+    def _f_and_pdf(self, vertex, ctx, si, wo, active):
+        f, pdf = super()._f_and_pdf(vertex, ctx, si, wo, active)
         if self._absorbs:  # without codes: f of the bottom by Beer's law
             cos_i, cos_o = (dr.select(active, w.z, 1) for w in (si.wi, wo))
             depth = self._coat.evaluate(si, active).sigma_t * (1 / cos_i + 1 / cos_o)
-            return self._below.eval(ctx, si, wo, active) / cos_o * dr.exp(-depth)
-        return self._with_lost_light(super()._f(vertex, ctx, si, wo, active), si, wo, active)
-
-    def _f_and_pdf(self, vertex, ctx, si, wo, active):
-        if self._absorbs:
-            f = self._f(vertex, ctx, si, wo, active)
-            return f, self._proposal(vertex, si, active).pdf(si.wi, wo)
-        f, pdf = super()._f_and_pdf(vertex, ctx, si, wo, active)
-        return self._with_lost_light(f, si, wo, active), pdf
-
-    def _with_lost_light(self, f, si, wo, active):
-        if self._compensation is None:
-            return f
-        return self._compensation.with_lost_light(f, si, wo, active)
+            f = self._below.eval(ctx, si, wo, active) / cos_o * dr.exp(-depth)
+        elif self._compensation is not None:
+            f = self._compensation.with_lost_light(f, si, wo, active)
+        return f, pdf
 
     def _turn(self, si, active):
         return self._coat.turn(si, active)

@@ -18,8 +18,7 @@ from urushi.material.slab_coordinates import (
 from urushi.material.slab_table import SlabTables, slab_tables
 from urushi.mitsuba import spectrum
 from urushi.mitsuba.interface_albedo import Interpolated
-from urushi.mitsuba.latents.codes import ConstantLatents
-from urushi.mitsuba.latents.tables import interpolated, padded, stored
+from urushi.mitsuba.latents.tables import interpolated, padded, stored, tabulated
 from urushi.mitsuba.plugins.bottom_lobes import width
 from urushi.mitsuba.plugins.coated import CoatedSurface
 from urushi.mitsuba.plugins.frames import SlabMixture, above_surface, raised
@@ -103,7 +102,8 @@ class NeuralSlab(CoatedSurface):
         above, below = tables.reflected
         wanted = has_gradients(self)
         sides = (above, below) if wanted or above is not below else (above,)
-        self._reflected = [ConstantLatents(side, not wanted) for side in sides]
+        self._reflected = [stored(np.asarray(side.table), not wanted) for side in sides]
+        self._knots, self._channels = [side.knots for side in sides], channels
         self._passed = stored(tables.passed, not wanted)
         self._ratio, self._surfaces = tables.eta, tables.faces
         self._depths = [[opaque(x) for x in side] for side in tables.depths.tolist()]
@@ -145,8 +145,8 @@ class NeuralSlab(CoatedSurface):
                     total += dr.select(channel == c, number, 0)
                 return total * owned(mi.Float, slopes)
 
-            for side, a, b in zip(self._reflected, low.reflected, high.reflected, strict=False):
-                side._tables = [side._tables[0] + change(a.table, b.table)]
+            reflected = zip(self._reflected, low.reflected, high.reflected, strict=False)
+            self._reflected = [x + change(a.table, b.table) for x, a, b in reflected]
             self._passed = self._passed + change(low.passed, high.passed)
             slopes = (high.depths - low.depths) / step
             self._depths = [
@@ -157,12 +157,14 @@ class NeuralSlab(CoatedSurface):
     def _f(self, vertex, ctx, si, wo, active):
         inside, up = above_surface(si), raised(wo)
         upper = si.wi.z > 0
-        sides = [side.f(side.bare_vertex(si), inside, up, active) for side in self._reflected]
 
         def of_side(pairs):
             return [dr.select(upper, *pair) for pair in zip(*pairs, strict=True)]
 
-        def reflected(a, b, rests, face, inner, depths):
+        def reflected(a, b, upper, face, inner, depths):
+            sides = zip(self._reflected, self._knots, strict=True)
+            rests = [tabulated(x, self._channels, a, b, knots) for x, knots in sides]
+            rests = [dr.select(upper, x[0], x[-1]) for x in zip(*rests, strict=True)]
             factor, inverse = mirrored_inside(a, b, inner, DRJIT), dr.rcp(a.z) + dr.rcp(b.z)
             lobe = interface.reflection(a, b, *face)
             return [
@@ -171,7 +173,7 @@ class NeuralSlab(CoatedSurface):
             ]
 
         numbers = (
-            [dr.select(upper, x[0], x[-1]) for x in zip(*sides, strict=True)],
+            upper,
             of_side(self._surfaces),
             [of_side(pairs) for pairs in zip(*self._interreflection, strict=True)],
             of_side(self._depths),
@@ -182,7 +184,7 @@ class NeuralSlab(CoatedSurface):
             places = passed_coordinates(a, b, self._ratio, DRJIT)
             logs = interpolated(self._passed, PASSED_SHAPE, [dr.clip(x, 0, 1) for x in places])
             scale = grazing_factor(a, b, self._surfaces, DRJIT)
-            return [dr.exp(log) * scale for log in logs[: len(channels)]]
+            return [dr.exp(log) * scale for log in logs[: self._channels]]
 
         pair = dr.select(upper, inside.wi, up), dr.select(upper, up, inside.wi)
         through = only_where(active, passed, *pair)
