@@ -36,23 +36,57 @@ def is_slab(bsdf: "mi.BSDF | None") -> bool:
     return bsdf is not None and getattr(surface_of(bsdf), "bottom", bsdf) is None
 
 
-class CoatedSurface(Surface):
-    """Coats over a BSDF; directly nested ones of the same plugin form one stack."""
+class Coated(Surface):
+    """A coat over a BSDF, of any model: its parameters. Subclasses compute values in `_prepare`."""
 
     PROPERTIES = COAT_PROPERTIES
+    _differentiable = False  # by all parameters
 
     def _load(self, props):
         self._nested = nested_bsdf(props, optional=True)
-        self._inner = bool(props.get("inner", False))  # whether a slab is a part of another
         self._coat = CoatTextures(props)
+
+    def _prepare(self):
+        """Compute what follows from the parameters."""
+
+    def known(self):
+        return KnownSurface(rotated=self._coat.has_rotation)
+
+    def _turn(self, si, active):
+        return self._coat.turn(si, active)
+
+    def traverse(self, callback):
+        flags = mi.ParamFlags
+        own = flags.Differentiable if self._differentiable else flags.NonDifferentiable
+        self._coat.traverse(callback, own)
+        if self._nested is not None:
+            callback.put("bottom", self._nested, own)
+
+    def _update(self, keys):
+        self._coat.parameters_changed()
+        self._prepare()
+
+    def _details(self) -> str:
+        """Lines of `to_string` beside those of the parameters."""
+        return ""
+
+    def to_string(self):
+        bottom = str(self._nested).replace("\n", "\n  ")
+        name = type(self).__name__
+        return f"{name}[\n{self._coat},\n{self._details()}  bottom = {bottom}\n]"
+
+
+class CoatedSurface(Coated):
+    """Coats over a BSDF; directly nested ones of the same plugin form one stack."""
+
+    def _load(self, props):
+        super()._load(props)
+        self._inner = bool(props.get("inner", False))  # whether a slab is a part of another
         if is_dielectric(self._nested):
             check_dielectric(self._nested, self._coat.where)
         elif self._nested is not None and not is_slab(self._nested):
             check_bottom(self._nested, self._coat.where)
         self._prepare()
-
-    def known(self):
-        return KnownSurface(rotated=self._coat.has_rotation)
 
     def relative_to(self, coat):
         """See `Surface.relative_to`."""
@@ -125,9 +159,6 @@ class CoatedSurface(Surface):
         alpha = None if self.lowest is None else self.lowest.alpha(si, active)
         return coats.lowest(self._index, alpha)
 
-    def _turn(self, si, active):
-        return self._coat.turn(si, active)
-
     def _f(self, vertex, ctx, si, wo, active):
         def evaluated(si, wo, active):
             def value(color, channel=None):
@@ -156,16 +187,3 @@ class CoatedSurface(Surface):
         if self.bottom is None:
             return coats.slab_proposal(si.wi, self._lowest_at(coats, si, active))
         return coats.proposal(self.bottom_lobes, si.wi.z)
-
-    def traverse(self, callback):
-        self._coat.traverse(callback, mi.ParamFlags.NonDifferentiable)
-        if self._nested is not None:
-            callback.put("bottom", self._nested, mi.ParamFlags.NonDifferentiable)
-
-    def _update(self, keys):
-        self._coat.parameters_changed()
-        self._prepare()
-
-    def to_string(self):
-        bottom = str(self._nested).replace("\n", "\n  ")
-        return f"{type(self).__name__}[\n{self._coat},\n  bottom = {bottom}\n]"

@@ -11,13 +11,34 @@ from urushi.material.layer import under as below_medium
 from urushi.mitsuba import spectrum
 from urushi.mitsuba.latents.axes import AxisLatents
 from urushi.mitsuba.latents.codes import ConstantLatents, DifferentiableLatents
-from urushi.mitsuba.plugins.encoded import EncodedSurface
 from urushi.mitsuba.properties import path_of, read_weights
 from urushi.mitsuba.reading.axes import texel_axes
 from urushi.mitsuba.recording import opaque, owned
-from urushi.mitsuba.surface import Turn
+from urushi.mitsuba.surface import KnownSurface, Surface, Turn
+from urushi.nets.weights import Model
 from urushi.textures.axes import Baked
 from urushi.textures.store import KIND, read_texture, write_texture
+
+
+class EncodedSurface(Surface):
+    """A surface given by latent codes; subclasses set `model` and `latents`."""
+
+    model: Model
+    latents: ConstantLatents | AxisLatents
+    _colors = False  # whether three channels are colours, see `spectrum.from_channels`
+
+    def known(self):
+        return KnownSurface(self.latents)
+
+    def _vertex(self, si, active):
+        return self.latents.vertex(si, active)
+
+    def _proposal(self, vertex, si, active):
+        return vertex.proposal
+
+    def _f_and_pdf(self, vertex, ctx, si, wo, active):
+        channels, pdf = self.latents.f_and_pdf(vertex, si, wo, active)
+        return spectrum.from_channels(channels, si.wavelengths, colors=self._colors), pdf
 
 
 class NeuralBRDF(EncodedSurface):

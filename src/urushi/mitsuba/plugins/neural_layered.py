@@ -1,6 +1,5 @@
 """The plugin `neural_layered`: a coat over any BSDF, by tables and latent codes."""
 
-from dataclasses import replace
 from typing import ClassVar
 
 import drjit as dr
@@ -12,19 +11,14 @@ from urushi.mitsuba.latents.axes import AxisLatents
 from urushi.mitsuba.latents.baking import Baker, at_texels
 from urushi.mitsuba.latents.bottoms import Layer
 from urushi.mitsuba.latents.codes import ConstantLatents
+from urushi.mitsuba.plugins.coated import Coated
 from urushi.mitsuba.plugins.compensation import Compensation
-from urushi.mitsuba.plugins.encoded import EncodedSurface
+from urushi.mitsuba.plugins.neural_brdf import EncodedSurface
 from urushi.mitsuba.properties import read_weights
 from urushi.mitsuba.reading.bsdf import has_two_widths
 from urushi.mitsuba.reading.changed import relative_to
-from urushi.mitsuba.reading.parameters import (
-    COAT_PROPERTIES,
-    CoatTextures,
-    check_bottom,
-    check_rotation,
-    nested_bsdf,
-)
-from urushi.mitsuba.surface import surface_of
+from urushi.mitsuba.reading.parameters import check_bottom, check_rotation
+from urushi.mitsuba.surface import KnownSurface, surface_of
 from urushi.nets.weights import Model, anisotropic_model, default_model
 from urushi.textures.store import write_texture
 
@@ -32,7 +26,7 @@ from urushi.textures.store import write_texture
 LARGEST_RESOLUTION = 8192
 
 
-class NeuralLayered(EncodedSurface):
+class NeuralLayered(Coated, EncodedSurface):
     """A coated BSDF by latent codes and tables, without noise (``neural_layered``).
 
     Takes the parameters of ``layered``, its reference, and these:
@@ -81,16 +75,15 @@ class NeuralLayered(EncodedSurface):
     """
 
     UNRECORDED: ClassVar = ("_baker",)
-    PROPERTIES = COAT_PROPERTIES
+    _differentiable = True
 
     model: Model
     latents: ConstantLatents | AxisLatents
     _baker: Baker | None
 
     def _load(self, props):
-        self._bottom = nested_bsdf(props)
-        self._coat = CoatTextures(props)
-        check_bottom(self._bottom, self._coat.where)
+        super()._load(props)
+        check_bottom(self._nested, self._coat.where)
         resolution = props.get("resolution", 0)
         if resolution not in range(LARGEST_RESOLUTION + 1):
             raise ParameterError(
@@ -100,22 +93,22 @@ class NeuralLayered(EncodedSurface):
         self._weights = read_weights(props)
         self._resolution = int(resolution)
         self._baker, self._compensation = None, None
-        self._below = relative_to(self._bottom, self._coat)
-        self._bake()
+        self._below = relative_to(self._nested, self._coat)
+        self._prepare()
 
     def relative_to(self, coat):
         """See `Surface.relative_to`."""
         under = self._copy()
         under._coat, under._baker = self._coat.relative_to(coat), None
-        under._bake()
+        under._prepare()
         return under
 
     def known(self):
-        return replace(super().known(), rotated=self._coat.has_rotation)
+        return KnownSurface(self.latents, rotated=self._coat.has_rotation)
 
     def _choose_weights(self):
         """Choose the weights for the present coat and bottom."""
-        check_rotation(self._bottom, self._coat.where)
+        check_rotation(self._nested, self._coat.where)
         model = self._weights
         if model is None:
             anisotropic = self._coat.is_anisotropic or has_two_widths(self._below)
@@ -124,15 +117,15 @@ class NeuralLayered(EncodedSurface):
             self.model = model
             self._baker = Baker(model, self._resolution)
 
-    def _bake(self):
+    def _prepare(self):
         self._choose_weights()
         assert self._baker is not None  # for the type checker
         with dr.suspend_grad():
-            layer = Layer(self._coat, self._bottom, self._below)
+            layer = Layer(self._coat, self._nested, self._below)
             self.latents = self._baker.update(layer)
         self._absorbs = self._baker.absorbs
         # Kernels of Mitsuba's textures have their transforms as literals: see `recording`.
-        nodes = map(mi.traverse, (*self._coat.textures.values(), self._bottom))
+        nodes = map(mi.traverse, (*self._coat.textures.values(), self._nested))
         places = [value for node in nodes for key, value in node if key.endswith("to_uv")]
         self._places = [tuple(np.ravel(place.matrix.numpy()).tolist()) for place in places]
         if self._coat.compensated:
@@ -171,25 +164,14 @@ class NeuralLayered(EncodedSurface):
             f = self._compensation.with_lost_light(f, si, wo, active)
         return f, pdf
 
-    def _turn(self, si, active):
-        return self._coat.turn(si, active)
-
-    def traverse(self, callback):
-        self._coat.traverse(callback, mi.ParamFlags.Differentiable)
-        callback.put("bottom", self._bottom, mi.ParamFlags.Differentiable)
-
     def _update(self, keys):
         self._coat.parameters_changed()
         nested = surface_of(self._below)
-        if isinstance(nested, NeuralLayered) and self._below is not self._bottom:
+        if isinstance(nested, NeuralLayered) and self._below is not self._nested:
             nested._update([])  # it has the bottom's textures
         else:
-            self._below = relative_to(self._bottom, self._coat)
-        self._bake()
+            self._below = relative_to(self._nested, self._coat)
+        self._prepare()
 
-    def to_string(self):
-        bottom = str(self._bottom).replace("\n", "\n  ")
-        return (
-            f"NeuralLayered[\n{self._coat},\n  latents = {self.latents},\n"
-            f"  weights = {self.model.fingerprint},\n  bottom = {bottom}\n]"
-        )
+    def _details(self):
+        return f"  latents = {self.latents},\n  weights = {self.model.fingerprint},\n"
