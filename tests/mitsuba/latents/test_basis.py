@@ -70,7 +70,7 @@ def test_derivatives_by_directions_are_differences(rgb, shipped, codes):
 
     def f(x):
         wi = dr.normalize(rgb.Vector3f(0.31 + x, 0.2, 0.9))
-        terms = decoder.code_terms_drjit(latents)
+        terms = decoder.code_terms(latents)
         return decoder.f_of_terms(terms, wi, dr.normalize(rgb.Vector3f(-0.5, 0.17, 0.6)))[0]
 
     change = rgb.Float(0)

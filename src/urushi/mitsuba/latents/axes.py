@@ -16,7 +16,7 @@ import numpy as np
 
 from urushi.core.namespace import DRJIT, NUMPY
 from urushi.mitsuba import spectrum
-from urushi.mitsuba.latents.basis import FUNCTION_SCALE, BasisDecoder
+from urushi.mitsuba.latents.basis import BasisDecoder
 from urushi.mitsuba.latents.codes import EvaluatedCodes, Vertex
 from urushi.mitsuba.latents.lobe import kind_of
 from urushi.mitsuba.latents.proposal import CodeProposals
@@ -66,7 +66,7 @@ class AxisLatents(EvaluatedCodes):
     def _store(self) -> None:
         """Store the numbers at the nodes in Dr.Jit's memory."""
         model, tops, rests = self.model, self.baked.lobes, self.baked.rests
-        functions, changes, factors = None, self._changes, np.ones(rests.shape[-1])
+        functions, changes = None, self._changes
         terms = proposal.code_terms(model.params, rests.mean(axis=0))
         if model.widths == 2:
             terms = np.append(terms, rests[..., -1:].mean(axis=0), axis=1)
@@ -79,11 +79,6 @@ class AxisLatents(EvaluatedCodes):
                 model, np.tile(tops, (1, 1 + len(reached), 1)), every
             )
             rests = projection.numbers(rests)
-            # The mean takes the lowest values, so that numbers are levels times steps.
-            low = rests[..., 1:].min(axis=(0, 1))
-            functions[:, 0] += functions[:, 1:] @ low
-            rests[..., 1:] -= low
-            factors = np.where(np.arange(rests.shape[-1]) > 0, FUNCTION_SCALE, 1.0)
             changes = projection.changes(changes) if changes.size else changes
         known = {i for axis in self.baked.axes for i in self._lobe_places(axis.name)}
         differ = np.ptp(tops, axis=(0, 1)) > 0
@@ -92,14 +87,12 @@ class AxisLatents(EvaluatedCodes):
         self._fixed = [mi.Float(float(x)) for x in tops[0, 0]]
         own = np.broadcast_to(tops[..., self._stored], (*rests.shape[:2], len(self._stored)))
         numbers = np.concatenate([own, rests], axis=-1).reshape(-1, own.shape[-1] + rests.shape[-1])
-        self._numbers = Numbers(numbers, np.append(np.ones(len(self._stored)), factors))
+        self._numbers = Numbers(numbers)
         self._terms = Numbers(terms)
         self._kind = kind_of(tops)
         self._decoder = BasisDecoder(model, self._kind, functions, self.baked.faint)
         self._sampler = CodeProposals(model, self._kind)
-        self._slopes = []
-        if changes.size:
-            self._slopes = [owned(mi.Float, changes * factors * self._decoder.factors)]
+        self._slopes = [owned(mi.Float, changes)] if changes.size else []
 
     def vertex(self, si, active) -> Vertex:
         """The vertex at a surface interaction, without gradients: it may be used several times."""
@@ -157,7 +150,7 @@ class AxisLatents(EvaluatedCodes):
         drawn = self._terms.at([(node, 1.0)])
         stretch = drawn[proposal.TERMS :]
         mixture = self._sampler.proposal_of_terms(mean, drawn[: proposal.TERMS], wi, *stretch)
-        return Vertex(self._decoder.code_terms_drjit(codes), mixture, slopes)
+        return Vertex(self._decoder.code_terms(codes), mixture, slopes)
 
     def _lobe(self, values: Sequence[Sequence], stored: Sequence) -> list:
         """The numbers of the lobe; its width and index are those of the coat there."""

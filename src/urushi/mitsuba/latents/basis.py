@@ -21,38 +21,30 @@ from urushi.core.stretched import stretched
 from urushi.core.table import MAX_LOG, MIN_LOG, SHAPE, coordinates, corner_steps
 from urushi.mitsuba.latents import lobe
 from urushi.mitsuba.latents.lobe import LobeKind
-from urushi.mitsuba.latents.tables import Packets
+from urushi.mitsuba.latents.tables import Numbers
 from urushi.nets.networks import Networks
 from urushi.nets.weights import Model
-
-#: The value one of a scaled function; zero is `ONE` + 1.
-ONE = (1 << 15) - 1
-
-#: Factor of numbers whose functions are tables of values up to one.
-FUNCTION_SCALE = 1 / ONE
 
 
 class BasisTable:
     """Mean and functions at the nodes of `core.table`, in Dr.Jit's memory."""
 
-    def __init__(
-        self, rows: np.ndarray, factors: Sequence[int] = (), scale: np.ndarray | None = None
-    ):
+    def __init__(self, rows: np.ndarray, factors: Sequence[int] = ()):
         """Store functions.
 
         Args:
             rows: (P, N) mean and functions, without the constant one.
             factors: (N,) of `core.stretched`, for two widths; 0: none.
-            scale: (N,) largest absolute value of each column that can be stored; None: it is found.
         """
-        self._factors = factors
-        if scale is None:
-            scale = np.maximum(np.abs(rows).max(axis=0), 1e-9)
-        self.scale = (scale / ONE).astype(np.float32)  # (N,) by which looked up numbers count
-        self._packets = Packets(np.rint(rows / scale * ONE) + (ONE + 1))
+        self._factors, self._numbers = factors, Numbers(rows)
+
+    @property
+    def count(self) -> int:
+        """Number of columns, N."""
+        return self._numbers.count
 
     def at(self, wi, wo, stretch2=None) -> list:
-        """Mean and functions (N) of a pair above the horizon, over `scale`.
+        """Mean and functions (N) of a pair above the horizon.
 
         stretch2: the squared stretch, for two widths; the functions are times their factors.
         """
@@ -66,18 +58,11 @@ class BasisTable:
         """Mean and functions (N) at coordinates (3)."""
         clipped = [dr.clip(place, 0, 1) for place in places]
         first, shares = cell(SHAPE, clipped, mi.UInt32(0))
-        total = [mi.Float(-ONE - 1)] * self._packets.count  # shares of all corners add up to one
-        corners = np.ndindex(*[2] * len(shares))
-        for corner, step in zip(corners, corner_steps(SHAPE), strict=True):
-            # One corner after the other, whose sums stay in a processor's registers: without it,
-            # Dr.Jit computes one number after the other, at two thirds of the speed or less.
-            dr.detail.new_scope(dr.backend_v(mi.Float))
-            weight: Any = 1
-            for share, end in zip(shares, corner, strict=True):
-                weight = weight * (share if end else 1 - share)
-            levels = self._packets.at(first + step)
-            total = [dr.fma(weight, *pair) for pair in zip(levels, total, strict=True)]
-        return total
+        weights: list[Any] = [1]
+        for share in shares:
+            weights = [x * y for x in weights for y in (1 - share, share)]
+        nodes = [first + step for step in corner_steps(SHAPE)]
+        return self._numbers.at([*zip(nodes, weights, strict=True)])
 
 
 #: The tables of networks by fingerprint and variant, while any plugin uses them.
@@ -103,8 +88,7 @@ class BasisDecoder:
     """f [1/sr] of latent codes: the lobe, and the rest by the basis below `nets.transmittance`.
 
     The terms of a channel's code are the numbers of its lobe that `LobeKind.numbers` names, its
-    gain, and its other numbers, scaled as the table's functions require; of two widths also the
-    squared stretch.
+    gain, and its other numbers; of two widths also the squared stretch.
     """
 
     def __init__(
@@ -120,44 +104,20 @@ class BasisDecoder:
             model: of the codes.
             kind: common properties of their lobes.
             functions: (P, N) mean and functions of other numbers in the place of the code's, at
-                the nodes; the numbers have been multiplied by `FUNCTION_SCALE`. None for two
-                widths.
+                the nodes. None for two widths.
             faint: [1/sr] by which g of the codes is too large.
         """
         self._kind, self._lobe, self._faint = kind, model.arch.lobe, faint
-        if functions is None:
-            self._table = table_of(model)
-            self._scale = [float(factor) for factor in self._table.scale]
-        else:  # a power of two: textures share compiled code
-            mean = 2.0 ** np.ceil(np.log2(max(np.abs(functions[:, 0]).max(), 1)))
-            scale = np.append(mean, np.ones(functions.shape[1] - 1))
-            self._table = BasisTable(functions, scale=scale)
-            self._scale = [mean / ONE, *[1.0] * (functions.shape[1] - 1)]
-        self._end = self._lobe + len(self._scale)  # of the numbers of functions
+        self._table = table_of(model) if functions is None else BasisTable(functions)
+        self._end = self._lobe + self._table.count  # of the numbers of functions
 
-    @property
-    def factors(self) -> np.ndarray:
-        """Factors of the numbers of a code after its lobe in its terms, without the stretch."""
-        own = [1.0, *self._scale[1:]]
-        return np.array([*own, 1.0] if self._kind.widths == 2 else own)
-
-    def code_terms(self, latents: np.ndarray) -> list[np.ndarray]:
-        """Terms (N,) of the code of each channel, from codes (C, size)."""
-        factors = np.array([1.0, *self._scale[1:]], np.float32)
+    def code_terms(self, latents: Sequence[Sequence]) -> list[list]:
+        """Terms of the code of each channel, from numbers or Dr.Jit floats (C, size)."""
         terms = []
         for c, z in enumerate(latents):
-            numbers = z[self._lobe : self._end] * factors
-            terms.append([z[self._kind.numbers(c)], numbers, np.exp(2 * z[self._end :])])
-        return [np.concatenate(parts) for parts in terms]
-
-    def code_terms_drjit(self, latents: Sequence[Sequence]) -> list[list]:
-        """`code_terms` of codes given as lists (size) of Dr.Jit floats, one for each channel."""
-        terms = []
-        for c, z in enumerate(latents):
-            gain, *others = z[self._lobe : self._end]
-            scaled = [x * factor for x, factor in zip(others, self._scale[1:], strict=True)]
             stretch2 = [dr.exp(2 * x) for x in z[self._end :]]
-            terms.append([*(z[i] for i in self._kind.numbers(c)), gain, *scaled, *stretch2])
+            lobe = (z[i] for i in self._kind.numbers(c))
+            terms.append([*lobe, *z[self._lobe : self._end], *stretch2])
         return terms
 
     def f_of_terms(self, terms: Sequence[Sequence], wi, wo) -> list:
@@ -166,7 +126,7 @@ class BasisDecoder:
         Exchanging wi and wo gives the same bits.
         """
         two, rests = self._kind.widths == 2, list[Any]()
-        count, looked_up = len(self._scale) + two, dict[Any, list]()
+        count, looked_up = self._table.count + two, dict[Any, list]()
         for channel in terms:
             gain, *numbers = channel[-count:]
             stretch2 = numbers.pop() if two else None
@@ -174,7 +134,7 @@ class BasisDecoder:
             if key not in looked_up:
                 looked_up[key] = self._table.at(wi, wo, stretch2)
             mean, *functions = looked_up[key]
-            log = mean * self._scale[0] + gain
+            log = mean + gain
             for number, function in zip(numbers, functions, strict=True):
                 log = dr.fma(number, function, log)
             rest = dr.exp(dr.clip(log, MIN_LOG, MAX_LOG))

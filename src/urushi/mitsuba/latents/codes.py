@@ -76,7 +76,7 @@ class ConstantLatents(EvaluatedCodes):
                 table = np.moveaxis(table, -1, 0)[..., None] if self._fine else table
                 self._table = stored(table, half=False)
         if self._fine:
-            rows = np.stack([self._code_terms(z[None])[0] for z in latents])
+            rows = np.array([self._code_terms(z[None])[0] for z in latents], np.float32)
             self._decoder_terms = [owned(mi.Float, rows)]
         else:
             self._decoder_terms = [_opaque(terms) for terms in self._code_terms(latents)]
@@ -89,11 +89,11 @@ class ConstantLatents(EvaluatedCodes):
         terms = self._terms_at(si.wavelengths) if self._fine else self._decoder_terms
         return Vertex(terms, only_where(active, propose, si.wi))
 
-    def _code_terms(self, latents: np.ndarray) -> list[np.ndarray]:
+    def _code_terms(self, latents: np.ndarray) -> list[list]:
         """Terms of the code of each channel; beside a table, numbers of the lobe."""
         if self._decoder is not None:
-            return self._decoder.code_terms(latents)
-        return [code[self._kind.numbers(c)] for c, code in enumerate(latents)]
+            return self._decoder.code_terms(latents.tolist())
+        return [code[self._kind.numbers(c)].tolist() for c, code in enumerate(latents)]
 
     def _terms_at(self, wavelengths) -> list[list]:
         """The terms of the band of each wavelength [nm], and then these bands."""
@@ -127,9 +127,9 @@ class ConstantLatents(EvaluatedCodes):
         return f"{count} x {size}{table}"
 
 
-def _opaque(values: np.ndarray) -> list:
+def _opaque(values: Sequence[float]) -> list:
     """Dr.Jit scalars that kernels read from memory, so that all materials share compiled code."""
-    scalars = [mi.Float(float(value)) for value in values]
+    scalars = [mi.Float(value) for value in values]
     dr.make_opaque(scalars)
     return scalars
 
@@ -149,7 +149,7 @@ class DifferentiableLatents(ConstantLatents):
         edged = kind_of(material.latents[:, : self.model.arch.lobe]).edged
         kind = ANY_LOBE._replace(widths=self.model.widths, edged=edged)
         decoder = BasisDecoder(self.model, kind)
-        self._changing = lambda z, wi, wo: decoder.f_of_terms(decoder.code_terms_drjit(z), wi, wo)
+        self._changing = lambda z, wi, wo: decoder.f_of_terms(decoder.code_terms(z), wi, wo)
         self._size, self._codes = tensor.shape[-1], tensor.array
         dr.make_opaque(self._codes)
 
