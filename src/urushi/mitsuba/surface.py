@@ -322,6 +322,20 @@ def surface_of(bsdf: "mi.BSDF") -> Surface | None:
     return bsdf if isinstance(bsdf, Surface) else getattr(bsdf, "surface", None)
 
 
+#: Methods of `mi.BSDF` that are the surface's.
+FORWARDED = (
+    *("eval", "pdf", "eval_pdf", "sample", "eval_diffuse_reflectance", "eval_null_transmission"),
+    *("traverse", "to_string"),
+)
+
+
+def _forwarded(name: str) -> Callable:
+    def method(self, *args, **named):
+        return getattr(self.surface, name)(*args, **named)
+
+    return method
+
+
 @cache
 def _adapter(variant: str) -> type:
     """The class in a variant: `mi.BSDF` is another one in each."""
@@ -347,27 +361,6 @@ def _adapter(variant: str) -> type:
                 raise AttributeError(name)
             return getattr(self.surface, name)
 
-        def eval(self, ctx, si, wo, active=True):
-            return self.surface.eval(ctx, si, wo, active)
-
-        def pdf(self, ctx, si, wo, active=True):
-            return self.surface.pdf(ctx, si, wo, active)
-
-        def eval_pdf(self, ctx, si, wo, active=True):
-            return self.surface.eval_pdf(ctx, si, wo, active)
-
-        def sample(self, ctx, si, sample1, sample2, active=True):
-            return self.surface.sample(ctx, si, sample1, sample2, active)
-
-        def eval_diffuse_reflectance(self, si, active=True):
-            return self.surface.eval_diffuse_reflectance(si, active)
-
-        def eval_null_transmission(self, si, active=True):
-            return self.surface.eval_null_transmission(si, active)
-
-        def traverse(self, callback):
-            self.surface.traverse(callback)
-
         def parameters_changed(self, keys):
             self.surface.parameters_changed(keys)
             self._set_flags()
@@ -375,7 +368,6 @@ def _adapter(variant: str) -> type:
         def class_name(self) -> str:
             return type(self.surface).__name__
 
-        def to_string(self) -> str:
-            return self.surface.to_string()
-
+    for name in FORWARDED:
+        setattr(SurfaceBSDF, name, _forwarded(name))
     return SurfaceBSDF
