@@ -6,6 +6,7 @@ import pytest
 from urushi.core.namespace import NUMPY
 from urushi.textures import axes
 from urushi.textures.axes import Axis
+from urushi.textures.spline import points, spline
 
 
 @pytest.mark.parametrize(
@@ -42,10 +43,10 @@ def test_simplices_interpolate_linear_functions_exactly(dimensions):
 
 @pytest.mark.parametrize("dimensions", [1, 3])
 def test_splines_take_their_values_and_are_exact_for_linear_functions(dimensions):
-    x = axes.points(dimensions, 40)
+    x = points(dimensions, 40)
     slope = np.arange(1, dimensions + 1)
     linear = (x @ slope)[:, None]
     other = np.random.default_rng(0).random((100, dimensions))
-    np.testing.assert_allclose(axes.spline(x, linear)(other)[:, 0], other @ slope, atol=1e-8)
+    np.testing.assert_allclose(spline(x, linear)(other)[:, 0], other @ slope, atol=1e-8)
     values = np.sin(3 * linear)
-    np.testing.assert_allclose(axes.spline(x, values)(x), values, atol=1e-8)
+    np.testing.assert_allclose(spline(x, values)(x), values, atol=1e-8)

@@ -21,7 +21,7 @@ from urushi.material.energy import MARGIN, limit_albedo
 from urushi.nets import lobe as lobes
 from urushi.nets import transmittance
 from urushi.nets.weights import Model
-from urushi.parallel import fill_blocks
+from urushi.textures.spline import points, spline
 from urushi.textures.store import TexelGrid
 
 #: Points of transport by the number of axes, of one width and of two; a point of two widths takes a
@@ -30,9 +30,6 @@ POINTS = {1: (24, 64, 128, 192, 320, 448), 2: (6, 12, 20, 32, 40, 48)}
 
 #: Most axes.
 AXES = len(POINTS[1])
-
-#: Steps between the values of a coordinate at these points.
-LEVELS = 16
 
 #: Numbers of nodes of an axis, and the most nodes of all axes together: their codes fit into the
 #: caches of a processor.
@@ -337,47 +334,3 @@ def node_counts(
         else:
             counts = more
     return tuple(np.take(COUNTS, counts).tolist())
-
-
-def points(dimensions: int, count: int) -> np.ndarray:
-    """At most `count` points (n, d) of the unit cube: its corners, and others that are denser near
-    its ends.
-
-    The others are a sequence of Roberts (2018), at `LEVELS` + 1 values of each coordinate: what
-    depends on one parameter alone is computed once for each value.
-    """
-    corners = np.array(list(np.ndindex(*[2] * dimensions)), float)[: count // 2]
-    ratio = 2.0
-    for _ in range(64):  # the root of x^(d + 1) = x + 1
-        ratio = (1 + ratio) ** (1 / (dimensions + 1))
-    steps = ratio ** -np.arange(1.0, dimensions + 1)
-    others = (0.5 + np.arange(1, count - len(corners) + 1)[:, None] * steps) % 1
-    others = np.rint(others * LEVELS) / LEVELS
-    return np.unique(np.concatenate([corners, 0.5 - 0.5 * np.cos(np.pi * others)]), axis=0)
-
-
-def spline(x: np.ndarray, values: np.ndarray) -> Callable[[np.ndarray], np.ndarray]:
-    """The function of points (n, d) that takes values (m, ...) at x (m, d).
-
-    It is sums of cubed distances, and linear far away; of points without coordinates, a constant.
-    """
-    if not x.shape[1]:
-        return lambda y: np.repeat(values, len(y), axis=0)
-
-    def parts(y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        distance2 = sum(np.square(a[:, None] - b) for a, b in zip(y.T, x.T, strict=True))
-        distance2 = np.asarray(distance2)
-        return distance2 * np.sqrt(distance2), np.concatenate([np.ones((len(y), 1)), y], axis=1)
-
-    cubes, linear = parts(x)
-    corner = np.zeros((linear.shape[1],) * 2)
-    system = np.block([[cubes, linear], [linear.T, corner]])
-    given = np.pad(values.reshape(len(x), -1).astype(np.float64), [(0, len(corner)), (0, 0)])
-    weights = np.linalg.lstsq(system, given, rcond=1e-12)[0]
-
-    def found(y: np.ndarray) -> np.ndarray:
-        result = np.empty((len(y), weights.shape[1]))
-        fill_blocks(result, lambda y: np.concatenate(parts(y), axis=1) @ weights, y, rows=2048)
-        return result.reshape(len(y), *values.shape[1:])
-
-    return found

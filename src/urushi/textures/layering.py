@@ -1,11 +1,9 @@
 """Layering of many different rows: by light transport at a few of them, which correct the network.
 
 A texture has few parameters that vary, and codes are linear and smooth in them. Light transport is
-computed at random rows. What the layering network lacks there is interpolated by biharmonic splines
-(Duchon 1977) over features of coats and bottoms, and added to the network's codes of all rows.
+computed at random rows. What the layering network lacks there is interpolated by a spline over
+features of coats and bottoms, and added to the network's codes of all rows.
 """
-
-from collections.abc import Callable
 
 import numpy as np
 
@@ -28,16 +26,13 @@ from urushi.nets import lobe as lobes
 from urushi.nets.features import coat_features
 from urushi.nets.layerer import LEAST_GAIN
 from urushi.nets.weights import Model
-from urushi.parallel import fill_blocks
+from urushi.textures.spline import spline
 
 #: Rows by light transport, by the number of GGX widths: a second.
 TRANSPORTED = {1: 384, 2: 12}
 
 #: Rows among which rare classes are looked for.
 CANDIDATES = 8192
-
-#: Rows that are interpolated at once: bounds memory.
-BLOCK = 2048
 
 
 def layer_rows(model: Model, rows: np.ndarray) -> np.ndarray:
@@ -59,10 +54,8 @@ def layer_rows(model: Model, rows: np.ndarray) -> np.ndarray:
     codes, x = predicted(model, z, coat), features(model, z, coat)
     chosen = representatives(x, count)
     exact = transported(model, z[chosen], _coats(model, rows[chosen]))
-    added = np.empty_like(codes[:, size:])
     lacks = exact[:, size:] - codes[chosen, size:]
-    fill_blocks(added, spline(x[chosen], lacks), x, rows=BLOCK)
-    codes[:, size:] += added
+    codes[:, size:] += spline(x[chosen], lacks, degree=0)(x)
     return limit_albedo(model, codes)
 
 
@@ -93,20 +86,29 @@ def transported(model: Model, z: np.ndarray, coat: CoatParameters) -> np.ndarray
     """Codes (k, L) of bottoms z (k, L) under coats (k,), by light transport at the probe pairs."""
     coat = checks.coat(with_widths(model, coat), "the coat's", any_shape=True)
     check_ratios(model, z, coat)
-    rests = transported_rests(model, z, coat)
+    rests = transported_rests(model, *different(model, z), coat)
     # Each row is a material of its own, with one channel.
     coat = CoatParameters.of_columns([column[:, None] for column in coat.columns()])
     return codes_of_rests(model, rests[:, None], coat, z[:, None])[:, 0]
 
 
-def transported_rests(model: Model, z: np.ndarray, coat: CoatParameters) -> np.ndarray:
-    """f float32 (k, P) [1/sr] of rows z (k, L) under coats (k,) at the probe pairs, without the
-    lobes of the coats."""
-    bottoms, which = np.unique(z.astype(np.float32), axis=0, return_inverse=True)
-    below = Substrate.of(Reflector.of(Material(bottoms, model)))
-    interfaces = np.stack([*pair(coat.alpha)[: model.widths], coat.eta]).astype(np.float64)
-    media = np.stack(coat[2:]).astype(np.float64)
-    return coated_values(below, which.ravel(), interfaces, media, *model.networks.pairs()).T
+def transported_rests(
+    model: Model, below: Substrate, places: np.ndarray, coat: CoatParameters
+) -> np.ndarray:
+    """f float32 (k, P) [1/sr] of bottoms at places (k,) under coats (k,) at the probe pairs.
+
+    It is without the lobes of the coats.
+    """
+    columns = np.stack([*pair(coat.alpha)[: model.widths], *coat[1:]]).astype(np.float64)
+    interfaces, media = np.split(columns, [model.widths + 1])
+    return coated_values(below, places, interfaces, media, *model.networks.pairs()).T
+
+
+def different(model: Model, codes: np.ndarray) -> tuple[Substrate, np.ndarray]:
+    """The different ones of codes (..., L), and the place (...) of each among them."""
+    flat = codes.reshape(-1, codes.shape[-1]).astype(np.float32)
+    found, which = np.unique(flat, axis=0, return_inverse=True)
+    return Substrate.of(Reflector.of(Material(found, model))), which.reshape(codes.shape[:-1])
 
 
 def features(model: Model, z: np.ndarray, coat: CoatParameters) -> np.ndarray:
@@ -119,23 +121,3 @@ def features(model: Model, z: np.ndarray, coat: CoatParameters) -> np.ndarray:
     x -= x.mean(axis=0)
     sizes, axes = np.linalg.eigh(x.T.astype(np.float64) @ x)
     return x @ axes[:, sizes > 1e-6 * sizes[-1]].astype(np.float32)
-
-
-def spline(x: np.ndarray, values: np.ndarray) -> Callable[[np.ndarray], np.ndarray]:
-    """The function of points (n, D) that has the values (m, K) at points x (m, D)."""
-    centre = x.mean(axis=0)
-    x, count = (x - centre).astype(np.float32), len(x)
-    system = np.ones((count + 1, count + 1))
-    system[:count, :count] = -np.linalg.norm(x[:, None].astype(np.float64) - x, axis=-1)
-    system[count, count] = 0
-    # Points may coincide, and their differences be rounding.
-    found = np.linalg.lstsq(system, np.append(values, values[:1] * 0, axis=0), rcond=1e-10)[0]
-    weights, mean = found[:count].astype(np.float32), found[count].astype(np.float32)
-    squares = np.square(x).sum(axis=1)
-
-    def at(points: np.ndarray) -> np.ndarray:
-        points = points - centre
-        distance2 = np.square(points).sum(axis=1)[:, None] - 2 * points @ x.T + squares
-        return mean - np.sqrt(np.maximum(distance2, 0)) @ weights
-
-    return at

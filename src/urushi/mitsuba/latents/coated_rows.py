@@ -7,14 +7,14 @@ import numpy as np
 
 from urushi import checks
 from urushi.checks import MIN_INDEX_STEP, CoatParameters
-from urushi.core.microfacet import pair
-from urushi.material.coated_values import coated_values
+from urushi.core.microfacet import of_widths
 from urushi.material.layer import check_ratios
 from urushi.mitsuba import spectrum
 from urushi.mitsuba.latents.bottoms import Layer
 from urushi.mitsuba.latents.rows import BottomRows, NestedRows, along_u, wavelengths_of
 from urushi.mitsuba.reading.axes import NANOMETRES, WAVELENGTH, Varying, wavelengths_varying
 from urushi.nets.weights import Model
+from urushi.textures.layering import transported_rests
 
 #: Parts of the spectrum in which a material's changes with the wavelength are found.
 WAVELENGTHS = 128
@@ -98,8 +98,7 @@ class CoatedRows:
         model, coat = self._model, self.coats(values)
         below, places = self._bottoms.substrate(self._named(values), self._channels)
         check_ratios(model, below.reflector.lobe, coat)
-        count = model.widths + 1
-        columns = (x.ravel() for x in (*pair(coat.alpha)[: model.widths], *coat[1:]))
-        flat, pairs = np.stack([*columns]).astype(np.float64), model.networks.pairs()
-        f = coated_values(below, places.ravel(), flat[:count], flat[count:], *pairs)
-        return f.T.reshape(self._channels, len(values), -1)
+        flat = CoatParameters(of_widths(np.ravel, coat.alpha), *map(np.ravel, coat[1:]))
+        places = np.broadcast_to(places, (self._channels, len(values)))
+        f = transported_rests(model, below, places.ravel(), flat)
+        return f.reshape(self._channels, len(values), -1)

@@ -40,6 +40,7 @@ from urushi.mitsuba.reading.textures import derived
 from urushi.nets.transmittance import remainder
 from urushi.nets.weights import Model
 from urushi.textures.axes import FAINT
+from urushi.textures.layering import different
 
 #: Bottoms whose tables are computed at once: bounds memory.
 BLOCK = 48
@@ -77,14 +78,13 @@ class NestedRows:
         """See `BottomRows`."""
         codes, model = self._latents.codes(_inside(values)), self._latents.model
         if model.widths == 2:
-            return _of_codes(model, without_faint(model, codes), channels)
+            return different(model, without_faint(model, codes))
         flat, shape = codes.reshape(-1, codes.shape[-1]), codes.shape[:2]
         logs = model.networks.table(flat)
         assert logs is not None  # g is at least `FAINT`
         logs = np.log(np.maximum(np.exp(logs) - FAINT, BLACK))
         found = Substrate.of(Reflector.of_logs(logs, flat[:, : model.arch.lobe]))
-        places = np.arange(len(flat)).reshape(shape)
-        return found, np.broadcast_to(places, (channels, shape[1]))
+        return found, np.arange(len(flat)).reshape(shape)
 
 
 class BottomRows:
@@ -180,7 +180,10 @@ class BottomRows:
     def substrate(
         self, values: Mapping[str, np.ndarray], channels: int
     ) -> tuple[Substrate, np.ndarray]:
-        """The bottoms of rows (k,) of values, and the place (channels, k) of each among them."""
+        """The bottoms of rows (k,) of values, and the place of each among them.
+
+        The places are (channels, k), or (1, k) if all channels have the same.
+        """
         if self._material is not None:
             whole = of_material(self._material)
             places = np.repeat(np.arange(channels)[:, None], _count(values), axis=1)
@@ -197,7 +200,7 @@ class BottomRows:
                     tables.append(self._tables(bsdf, uv, channels))
         if codes:
             found = np.moveaxis(np.concatenate(codes)[:, :channels], 1, 0)
-            return _of_codes(model, found[:, which], channels)
+            return different(model, found[:, which])
         logs, known = ([*side] for side in zip(*tables, strict=True))
         table = np.concatenate(logs, axis=1).reshape(channels * count, *SHAPE)
         top = None
@@ -236,14 +239,6 @@ class BottomRows:
             f = remainder(f, known[..., None, :], wi, wo)
         logs = np.moveaxis(table_of_values(f.reshape(-1, len(wi)).T), -1, 0)
         return logs.reshape(*f.shape[:2], *logs.shape[1:]), known
-
-
-def _of_codes(model: Model, codes: np.ndarray, channels: int) -> tuple[Substrate, np.ndarray]:
-    """The different codes of (C, k, L), C one or `channels`, and their places (channels, k)."""
-    flat = codes.reshape(-1, codes.shape[-1]).astype(np.float32)
-    different, which = np.unique(flat, axis=0, return_inverse=True)
-    found = Substrate.of(Reflector.of(Material(different, model)))
-    return found, np.broadcast_to(which.reshape(codes.shape[:2]), (channels, codes.shape[1]))
 
 
 def rows_of(
