@@ -12,8 +12,8 @@ import numpy as np
 
 from fan2022.architecture import LATENT
 from urushi.errors import ParameterError
+from urushi.mitsuba.latents.texels import drawn_texel, texel_draw
 from urushi.mitsuba.reading.grid import not_over_uv, varying_textures
-from urushi.mitsuba.reading.textures import drawn_texel, texel_draw
 from urushi.mitsuba.recording import owned
 from urushi.textures.store import ONE_TEXEL, TexelGrid
 

@@ -72,7 +72,7 @@ def constant(model, z):
 def textured(model, z):
     """A texture of 4 x 2 equal texels."""
     from urushi.mitsuba.latents.axes import AxisLatents
-    from urushi.mitsuba.reading.axes import texel_axes
+    from urushi.mitsuba.latents.texels import texel_axes
 
     grid = TexelGrid(4, 2)
     baked = Baked.of_texels(model, np.broadcast_to(z, (8, *z.shape)), grid)

@@ -67,7 +67,7 @@ def test_a_constant_of_one_code(rgb, model, codes):
 def test_a_texture_of_one_code_a_texel(rgb, model, codes):
     """The values are those of the codes that are looked up."""
     from urushi.mitsuba.latents.axes import AxisLatents
-    from urushi.mitsuba.reading.axes import texel_axes
+    from urushi.mitsuba.latents.texels import texel_axes
 
     grid, texels = TexelGrid(2, 2), codes[[SAME, [1, 1, 1], SAME, [1, 1, 1]]]
     latents = AxisLatents(Baked.of_texels(model, texels, grid), texel_axes(grid))

@@ -237,7 +237,7 @@ def test_a_width_on_a_mesh_has_all_values_near_the_other_one(rgb):
 
 def test_texels_of_files_follow_the_textures(rgb):
     """A bitmap's texels have a whole number of them, at least 64 a side; constants do not count."""
-    from urushi.mitsuba.latents.baking import grid_of
+    from urushi.mitsuba.reading.baking import grid_of
 
     small = rgb.load_dict(bitmap(np.random.default_rng(0).random((3, 5, 1))))
     uniform = rgb.load_dict({"type": "uniform", "value": 0.5})

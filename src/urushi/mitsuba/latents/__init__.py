@@ -1,1 +1,1 @@
-"""The latent codes of a plugin: baked when a scene is loaded, held, and looked up in kernels."""
+"""The latent codes of a plugin, looked up in kernels."""

@@ -7,8 +7,8 @@ the nodes are texels, it takes the code of one. Codes are stored by principal nu
 along its axis.
 """
 
-from collections.abc import Mapping, Sequence
-from typing import Any, ClassVar
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any, ClassVar, NamedTuple
 
 import drjit as dr
 import mitsuba as mi
@@ -21,12 +21,11 @@ from urushi.mitsuba.latents.codes import EvaluatedCodes, Vertex
 from urushi.mitsuba.latents.lobe import kind_of
 from urushi.mitsuba.latents.proposal import CodeProposals
 from urushi.mitsuba.latents.tables import Numbers
-from urushi.mitsuba.reading.axes import Varying
 from urushi.mitsuba.recording import only_where, owned
 from urushi.nets import lobe as lobes
 from urushi.nets import proposal, transmittance
 from urushi.nets.weights import Model
-from urushi.textures.axes import FAINT, Baked, nearest, simplex, whole_numbers
+from urushi.textures.axes import FAINT, Axis, Baked, Steps, nearest, simplex, whole_numbers
 from urushi.textures.principal import projection_of
 
 #: Largest change of a number of a code along its slopes that is represented.
@@ -34,6 +33,33 @@ REACH = 0.3
 
 #: Places of the widths and the index among the numbers of a lobe, by the parameters' names.
 LOBE = {"alpha": (0, 6), "alpha_u": (0,), "alpha_v": (6,), "eta": (4,)}
+
+
+class Leader(NamedTuple):
+    """The parameter of which another one is a function, and this function."""
+
+    name: str
+    values: np.ndarray  # (N,) of the leader, ascending
+    own: np.ndarray  # (N,) those of the other one
+
+    def at(self, values: np.ndarray) -> np.ndarray:
+        """The other parameter at values of the leader."""
+        return np.interp(values, self.values, self.own)
+
+
+class Varying(NamedTuple):
+    """A parameter that varies."""
+
+    axis: Axis
+    #: From a surface interaction and active lanes to its Dr.Jit floats: one, or one a channel.
+    read: Callable[[Any, Any], list]
+    sources: Sequence[Any] = ()  # the textures on which it depends
+    texture: Any = None  # which it is, of a bottom
+    differentiable: bool = False  # whether it carries a gradient
+    places: np.ndarray | None = None  # of the axis of wavelengths, see `wavelengths_varying`
+    #: Changes of a constant that carries a gradient, by which its slopes are found; else None.
+    steps: Steps | None = None
+    leader: Leader | None = None  # along whose axis it varies, see `reading.joined`
 
 
 class AxisLatents(EvaluatedCodes):

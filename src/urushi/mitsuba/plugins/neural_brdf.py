@@ -11,8 +11,8 @@ from urushi.material.layer import under as below_medium
 from urushi.mitsuba import spectrum
 from urushi.mitsuba.latents.axes import AxisLatents
 from urushi.mitsuba.latents.codes import ConstantLatents, DifferentiableLatents
+from urushi.mitsuba.latents.texels import texel_axes
 from urushi.mitsuba.properties import path_of, read_weights
-from urushi.mitsuba.reading.axes import texel_axes
 from urushi.mitsuba.recording import opaque, owned
 from urushi.mitsuba.surface import KnownSurface, Surface, Turn
 from urushi.nets.weights import Model

@@ -1,1 +1,1 @@
-"""Reads scenes: parameters of coats, their textures, and values of BSDFs at given pairs."""
+"""Reads scenes when they are loaded: coats, textures, values of BSDFs; and bakes their codes."""

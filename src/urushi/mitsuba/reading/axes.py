@@ -6,8 +6,7 @@ the values that it may take.
 """
 
 from collections.abc import Callable, Sequence
-from functools import partial
-from typing import Any, NamedTuple
+from typing import Any
 
 import drjit as dr
 import mitsuba as mi
@@ -18,14 +17,14 @@ from urushi.core.appearance import LOOK, PHYSICAL
 from urushi.errors import ParameterError
 from urushi.material.layer import DEEPEST, WIDEST
 from urushi.mitsuba import spectrum
+from urushi.mitsuba.latents.axes import Varying
 from urushi.mitsuba.reading.changed import numbers_of
 from urushi.mitsuba.reading.grid import ELSEWHERE, parts, varying_textures
 from urushi.mitsuba.reading.parameters import CHECKS, TWO_WIDTHS, CoatTextures
-from urushi.mitsuba.reading.textures import drawn_texel, texel_draw
 from urushi.mitsuba.recording import owned
 from urushi.mitsuba.snapshot import has_gradients, is_attached, writable
 from urushi.textures.axes import ALBEDO, DEPTH, INDEX, LINEAR, REFLECTANCE, WIDTH, Axis, Steps
-from urushi.textures.store import TexelGrid, from_texture
+from urushi.textures.store import from_texture
 
 #: All values of a parameter, by its scale.
 RANGES = {
@@ -75,33 +74,6 @@ SIDE = 256
 WAVELENGTH, NANOMETRES, BOTTOM = "wavelength", "nm", "bottom."
 
 
-class Leader(NamedTuple):
-    """The parameter of which another one is a function, and this function."""
-
-    name: str
-    values: np.ndarray  # (N,) of the leader, ascending
-    own: np.ndarray  # (N,) those of the other one
-
-    def at(self, values: np.ndarray) -> np.ndarray:
-        """The other parameter at values of the leader."""
-        return np.interp(values, self.values, self.own)
-
-
-class Varying(NamedTuple):
-    """A parameter that varies."""
-
-    axis: Axis
-    #: From a surface interaction and active lanes to its Dr.Jit floats: one, or one a channel.
-    read: Callable[[Any, Any], list]
-    sources: Sequence[Any] = ()  # the textures on which it depends
-    texture: Any = None  # which it is, of a bottom
-    differentiable: bool = False  # whether it carries a gradient
-    places: np.ndarray | None = None  # of the axis of wavelengths, see `wavelengths_varying`
-    #: Changes of a constant that carries a gradient, by which its slopes are found; else None.
-    steps: Steps | None = None
-    leader: Leader | None = None  # along whose axis it varies, see `reading.joined`
-
-
 def varying_parameters(
     coat: CoatTextures,
     bottom: "mi.BSDF",
@@ -138,23 +110,6 @@ def wavelengths_varying(changes: np.ndarray) -> Varying:
         return found
 
     return Varying(Axis(WAVELENGTH, LINEAR, 0.0, 1.0, own=True), read, places=places)
-
-
-def texel_axes(grid: TexelGrid) -> list[Varying]:
-    """The axes v and u of the texels of a grid, one of which is drawn at each point."""
-
-    def read(si, active, along: int) -> list:
-        count = (grid.width, grid.height)[along]
-        (a, b, c), (d, e, f) = grid.to_texture
-        point = a * si.uv.x + b * si.uv.y + c, d * si.uv.x + e * si.uv.y + f
-        sizes = [mi.Int32(grid.width), mi.Int32(grid.height)]
-        texel = drawn_texel(point, sizes, grid, texel_draw(si.uv, si.wi))
-        return [mi.Float(texel[along]) * (1 / max(count - 1, 1))]
-
-    return [
-        Varying(Axis(name, LINEAR, 0.0, 1.0), partial(read, along=along))
-        for name, along in (("v", 1), ("u", 0))
-    ]
 
 
 def _below(name: str) -> str:

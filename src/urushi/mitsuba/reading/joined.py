@@ -7,7 +7,8 @@ import numpy as np
 
 from urushi.core.namespace import NUMPY
 from urushi.mitsuba import spectrum
-from urushi.mitsuba.reading.axes import Leader, Varying, texel_centres
+from urushi.mitsuba.latents.axes import Leader, Varying
+from urushi.mitsuba.reading.axes import texel_centres
 from urushi.mitsuba.reading.grid import ELSEWHERE, varying_textures
 from urushi.textures.axes import Axis
 

@@ -18,20 +18,19 @@ from urushi.material.material import Material
 from urushi.material.reflector import Reflector
 from urushi.material.substrate import Substrate, of_material
 from urushi.mitsuba import spectrum
-from urushi.mitsuba.latents.axes import AxisLatents, without_faint
-from urushi.mitsuba.latents.bottoms import (
-    Layer,
-    bottom_material,
-    known_lobes,
-    nested_latents,
-    probed_codes,
-)
+from urushi.mitsuba.latents.axes import AxisLatents, Varying, without_faint
 from urushi.mitsuba.reading import probing
 from urushi.mitsuba.reading.axes import (
     BOTTOM,
     NANOMETRES,
     WAVELENGTH,
-    Varying,
+)
+from urushi.mitsuba.reading.bottoms import (
+    Layer,
+    bottom_material,
+    known_lobes,
+    nested_latents,
+    probed_codes,
 )
 from urushi.mitsuba.reading.changed import relative_to, replaced
 from urushi.mitsuba.reading.grid import not_over_uv

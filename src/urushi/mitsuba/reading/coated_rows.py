@@ -10,9 +10,10 @@ from urushi.checks import MIN_INDEX_STEP, CoatParameters
 from urushi.core.microfacet import of_widths
 from urushi.material.layer import check_ratios
 from urushi.mitsuba import spectrum
-from urushi.mitsuba.latents.bottoms import Layer
-from urushi.mitsuba.latents.rows import BottomRows, NestedRows, along_u, wavelengths_of
-from urushi.mitsuba.reading.axes import NANOMETRES, WAVELENGTH, Varying, wavelengths_varying
+from urushi.mitsuba.latents.axes import Varying
+from urushi.mitsuba.reading.axes import NANOMETRES, WAVELENGTH, wavelengths_varying
+from urushi.mitsuba.reading.bottoms import Layer
+from urushi.mitsuba.reading.rows import BottomRows, NestedRows, along_u, wavelengths_of
 from urushi.nets.weights import Model
 from urushi.textures.layering import transported_rests
 

@@ -16,20 +16,19 @@ from urushi.checks import MIN_INDEX_STEP, CoatParameters
 from urushi.errors import ParameterError
 from urushi.material.layer import layer_material
 from urushi.mitsuba import spectrum
-from urushi.mitsuba.latents.axes import AxisLatents
-from urushi.mitsuba.latents.bottoms import Layer, bottom_material, nested_latents, probed_codes
-from urushi.mitsuba.latents.coated_rows import CoatedRows
+from urushi.mitsuba.latents.axes import AxisLatents, Varying
 from urushi.mitsuba.latents.codes import ConstantLatents
-from urushi.mitsuba.latents.rows import rows_of
+from urushi.mitsuba.latents.texels import texel_axes
 from urushi.mitsuba.reading.axes import (
     WAVELENGTH,
-    Varying,
     check_coat,
-    texel_axes,
     varying_parameters,
 )
+from urushi.mitsuba.reading.bottoms import Layer, bottom_material, nested_latents, probed_codes
+from urushi.mitsuba.reading.coated_rows import CoatedRows
 from urushi.mitsuba.reading.grid import check_normals, not_over_uv, varying_textures
 from urushi.mitsuba.reading.joined import agree, joined
+from urushi.mitsuba.reading.rows import rows_of
 from urushi.mitsuba.snapshot import has_gradients, writable
 from urushi.nets.weights import Model
 from urushi.textures.axes import AXES, Axis, Baked, bake
