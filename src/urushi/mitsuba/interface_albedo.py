@@ -1,6 +1,4 @@
-"""Directional albedos of rough interfaces (`core.albedos`) as textures, and what they lose."""
-
-from typing import Any, NamedTuple
+"""Directional albedos of rough interfaces (`core.albedos`) as textures."""
 
 import drjit as dr
 import mitsuba as mi
@@ -71,50 +69,6 @@ class InterfaceAlbedo(Recorded):
         if self._constant is None:
             at.append(anisotropic_albedos.index_coordinate(eta, DRJIT))
         return at
-
-
-class LossVertex(NamedTuple):
-    """An interface of `InterfaceLoss` at a vertex."""
-
-    eta: Any  # its index
-    alpha: Any  # its width, or two
-    inside: Any  # the share of light from the base that leaves, over the mean that enters
-    lost: Any  # the share lost at wi, over pi times the mean share
-
-
-class InterfaceLoss:
-    """Light that a coat's interface loses over a white base, from the tables.
-
-    A loss 1 - A(w) returns as (1 - A(wi)) (1 - A(wo)) / (pi (1 - A_mean)) (Kulla and Conty 2017).
-
-    eta, two_widths: see `InterfaceAlbedo`.
-    """
-
-    def __init__(self, eta: float | None, two_widths: bool = False):
-        self._above = InterfaceAlbedo(eta, two_widths)
-        self._below = InterfaceAlbedo(None if eta is None else 1 / eta, two_widths)
-
-    def at(self, alpha, eta, mirrored=None) -> LossVertex:
-        """An interface, without a direction; mirrored: share that the base mirrors, else none."""
-        # Both from one table: what it does not reflect is passed or lost, whatever its error.
-        reflected, passed = self._below.both_mean(alpha, 1 / eta, mirrored)
-        return LossVertex(eta, alpha, passed / (1 - reflected), ())
-
-    def lost(self, at: LossVertex, w):
-        """Share of the light from a direction that is lost."""
-        reflected, passed = self._above.both(w, at.alpha, at.eta)
-        lost = dr.clip(1 - reflected - at.inside * passed, 0, 1)
-        return dr.select(at.eta == 1, 0, lost)  # there is no interface
-
-    def seen(self, at: LossVertex, wi) -> LossVertex:
-        """The interface with what is lost of light from a direction."""
-        reflected, passed = self._above.both_mean(at.alpha, at.eta)
-        mean = 1 - reflected - at.inside * passed
-        return at._replace(lost=self.lost(at, wi) / dr.maximum(dr.pi * mean, 1e-5))
-
-    def lobe(self, vertex: LossVertex, wo):
-        """The lobe [1/sr] of the light that is given back."""
-        return vertex.lost * self.lost(vertex, wo)
 
 
 def coordinates(cosine, alpha, eta) -> list:

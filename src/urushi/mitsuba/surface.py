@@ -8,13 +8,14 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache, reduce
 from operator import or_
-from typing import Any, ClassVar, NamedTuple
+from typing import Any, ClassVar
 
 import drjit as dr
 import mitsuba as mi
 
 from urushi.errors import ParameterError
 from urushi.measured.tabulated import MeasuredSurface
+from urushi.mitsuba.frames import Place, Turn
 from urushi.mitsuba.properties import check_names, describe
 from urushi.mitsuba.recording import Recorded, VertexCache, opaque, signature_of
 from urushi.mitsuba.snapshot import ParameterSnapshot
@@ -38,52 +39,6 @@ class KnownSurface:
     # The BSDF whose values a table holds where the codes have others; None: there is none.
     table_source: Callable[[], Any] = lambda: None
     rotated: bool = False  # whether its tangent is turned about the normal
-
-
-class Turn(NamedTuple):
-    """A turn of the tangent about the normal, by the sine and the cosine of its angle."""
-
-    sin: Any
-    cos: Any
-
-    @classmethod
-    def of(cls, degrees):
-        """The turn by an angle [degrees]."""
-        return cls(*dr.sincos(degrees * (dr.pi / 180)))
-
-    def inside(self, w):
-        """A direction of the shape's frame, in the turned frame."""
-        return type(w)(self.cos * w.x + self.sin * w.y, self.cos * w.y - self.sin * w.x, w.z)
-
-    def outside(self, w):
-        """A direction of the turned frame, in the shape's."""
-        return Turn(-self.sin, self.cos).inside(w)
-
-    def interaction(self, si):
-        """The interaction in the turned frame."""
-        turned = mi.SurfaceInteraction3f(si)
-        turned.wi = self.inside(si.wi)
-        s, t = si.sh_frame.s, si.sh_frame.t
-        turned.sh_frame.s = self.cos * s + self.sin * t
-        turned.sh_frame.t = self.cos * t - self.sin * s
-        return turned
-
-
-class Place(NamedTuple):
-    """A surface at a vertex of a path."""
-
-    active: Any  # lanes that the caller wants and whose wi the surface faces
-    turn: Turn | None  # of its tangent
-    si: Any  # the interaction, in the turned frame
-    vertex: Any  # of `Surface._vertex`
-
-    def inside(self, w):
-        """A direction of the shape's frame, in the turned frame."""
-        return w if self.turn is None else self.turn.inside(w)
-
-    def outside(self, w):
-        """A direction of the turned frame, in the shape's."""
-        return w if self.turn is None else self.turn.outside(w)
 
 
 class Surface(Recorded):

@@ -7,8 +7,9 @@ import drjit as dr
 import mitsuba as mi
 
 from urushi.core.mixture import Mixture
+from urushi.mitsuba.frames import Turn
 from urushi.mitsuba.reading.known import known_surface
-from urushi.mitsuba.surface import KnownSurface, Surface, Turn, bsdf_of
+from urushi.mitsuba.surface import KnownSurface, Surface, bsdf_of
 from urushi.openpbr_surface import model
 from urushi.openpbr_surface.compensation import Compensation
 from urushi.openpbr_surface.inputs import Inputs

@@ -16,9 +16,9 @@ import drjit as dr
 import mitsuba as mi
 
 from urushi.errors import ParameterError
-from urushi.mitsuba.plugins.frames import above_surface, raised, with_far_side
+from urushi.mitsuba.frames import Turn, above_surface, raised, with_far_side
 from urushi.mitsuba.snapshot import has_gradients
-from urushi.mitsuba.surface import Surface, Turn, bsdf_of
+from urushi.mitsuba.surface import Surface, bsdf_of
 from urushi.openpbr_surface.bsdfs import OF_COAT, OpenPBRSurface, Part, SurfaceProposal
 from urushi.openpbr_surface.inputs import Inputs
 from urushi.openpbr_surface.parts import COATS, Coating, load_part

@@ -16,8 +16,8 @@ from urushi.core.directions import reflect, refract
 from urushi.core.facets import MIRROR
 from urushi.core.mixture import Mixture
 from urushi.errors import ParameterError
+from urushi.mitsuba.frames import above_surface, raised, relative, with_far_side
 from urushi.mitsuba.interface_albedo import InterfaceAlbedo
-from urushi.mitsuba.plugins.frames import above_surface, raised, relative, with_far_side
 from urushi.mitsuba.surface import Surface
 from urushi.openpbr_surface import model
 from urushi.openpbr_surface.bsdfs import COSINE, SurfaceProposal

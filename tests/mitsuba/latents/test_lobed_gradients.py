@@ -51,7 +51,7 @@ def slopes(model, codes, wi, wo):
 @pytest.mark.parametrize("name", LOBES)
 def test_f_has_the_gradients_of_all_numbers(rgb, model, name):
     """Single precision of lobes of width 0.1, summed over 400 pairs: 1e-3."""
-    from urushi.mitsuba.latents.codes import DifferentiableLatents
+    from urushi.mitsuba.latents.codes import ConstantLatents
 
     rest = np.random.default_rng(1).normal(size=(3, model.arch.latent - 6))
     codes = np.concatenate([LOBES[name], rest], axis=1)
@@ -61,7 +61,7 @@ def test_f_has_the_gradients_of_all_numbers(rgb, model, name):
     wi, wo = wi[~critical], wo[~critical]
     tensor = rgb.TensorXf(codes.astype(np.float32))
     dr.enable_grad(tensor)
-    held = DifferentiableLatents(Material(codes.astype(np.float32), model), tensor)
+    held = ConstantLatents(Material(codes.astype(np.float32), model), tensor)
     si = dr.zeros(rgb.SurfaceInteraction3f, len(wi))
     si.wi = rgb.Vector3f(wi.T.astype(np.float32))
     si.uv = rgb.Point2f(0.3, 0.6)

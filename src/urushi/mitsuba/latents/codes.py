@@ -55,10 +55,15 @@ class EvaluatedCodes:
 
 
 class ConstantLatents(EvaluatedCodes):
-    """One latent code per channel. What depends on the codes alone is computed once, here."""
+    """One latent code per channel. What depends on the codes alone is computed once, here.
 
-    def __init__(self, material: Material):
-        """Take the codes of a material, without its rotation."""
+    Codes with gradients of their own numbers have an f of the same bits. Only f is differentiated
+    with respect to them: as in all of Mitsuba's differentiable integrators, samples are fixed while
+    the integrand changes.
+    """
+
+    def __init__(self, material: Material, tensor: "mi.TensorXf | None" = None):
+        """Take the codes of a material, without its rotation; tensor: the same, with gradients."""
         self.material = material = replace(material, rotation=0.0, coating=None)
         self.model, self.channels = material.model, material.channels
         model, latents, table = material.model, material.latents, material.table
@@ -82,6 +87,14 @@ class ConstantLatents(EvaluatedCodes):
             self._decoder_terms = [_opaque(terms) for terms in self._code_terms(latents)]
         mean = material.latents.mean(axis=0)
         self._proposals = [owned(mi.Float, x) for x in self._sampler.tabulated(mean)]
+        self._codes: Any = None  # with gradients
+        if tensor is not None:
+            # Numbers that vanish or that channels share have gradients of their own.
+            edged = kind_of(material.latents[:, : model.arch.lobe]).edged
+            kind = ANY_LOBE._replace(widths=model.widths, edged=edged)
+            self._changing = BasisDecoder(model, kind)
+            self._size, self._codes = tensor.shape[-1], tensor.array
+            dr.make_opaque(self._codes)
 
     def vertex(self, si, active) -> Vertex:
         """The vertex at a surface interaction."""
@@ -116,6 +129,28 @@ class ConstantLatents(EvaluatedCodes):
         rests = tabulated(self._table, len(channels), wi, wo, self._knots, bands)
         return lobe.with_rests(lobes, rests, wi, wo, self._kind)
 
+    def f_and_pdf(self, vertex: Vertex, si, wo, active) -> tuple[list, Any]:
+        """See `EvaluatedCodes`; f has derivatives by the codes, besides those by directions."""
+        values, pdf = super().f_and_pdf(vertex, si, wo, active)
+        if self._codes is None or not dr.grad_enabled(self._codes):
+            return values, pdf
+        fine = self.channels == spectrum.COUNT
+        places = spectrum.band_at(si.wavelengths) if fine else map(mi.UInt32, range(self.channels))
+        codes, directions = [*map(self._code, places)], (dr.detach(si.wi), dr.detach(wo))
+
+        def evaluated(codes, wi, wo):
+            return self._changing.f_of_terms(self._changing.code_terms(codes), wi, wo)
+
+        changing = only_where(active, evaluated, codes, *directions)
+        pairs = zip(values, changing, strict=True)
+        return [value + (change - dr.detach(change)) for value, change in pairs], pdf
+
+    def _code(self, channel) -> list:
+        """The code (L) of a channel, an index. An argument of a nested call must be the result of
+        an operation in the outer call, or Dr.Jit loses its gradient."""
+        first = channel * self._size
+        return [dr.gather(mi.Float, self._codes, first + i) for i in range(self._size)]
+
     def at(self, uv: np.ndarray) -> np.ndarray:
         """Latent codes (M, C, size) at points uv (M, 2)."""
         latents = self.material.latents
@@ -132,41 +167,3 @@ def _opaque(values: Sequence[float]) -> list:
     scalars = [mi.Float(value) for value in values]
     dr.make_opaque(scalars)
     return scalars
-
-
-class DifferentiableLatents(ConstantLatents):
-    """Constant codes with gradients of their own numbers.
-
-    f has the same bits as without gradients. Only f is differentiated with respect to codes.
-    Proposals depend on detached codes: as in all of Mitsuba's differentiable integrators, samples
-    are fixed while the integrand changes.
-    """
-
-    def __init__(self, material: Material, tensor: "mi.TensorXf"):
-        """tensor: the codes (C, L) of the material."""
-        super().__init__(material)
-        # Numbers that vanish or that channels share have gradients of their own.
-        edged = kind_of(material.latents[:, : self.model.arch.lobe]).edged
-        kind = ANY_LOBE._replace(widths=self.model.widths, edged=edged)
-        decoder = BasisDecoder(self.model, kind)
-        self._changing = lambda z, wi, wo: decoder.f_of_terms(decoder.code_terms(z), wi, wo)
-        self._size, self._codes = tensor.shape[-1], tensor.array
-        dr.make_opaque(self._codes)
-
-    def f_and_pdf(self, vertex: Vertex, si, wo, active) -> tuple[list, Any]:
-        """See `EvaluatedCodes`; f has derivatives by the codes, besides those by directions."""
-        values, pdf = super().f_and_pdf(vertex, si, wo, active)
-        if not dr.grad_enabled(self._codes):
-            return values, pdf
-        fine = self.channels == spectrum.COUNT
-        places = spectrum.band_at(si.wavelengths) if fine else map(mi.UInt32, range(self.channels))
-        codes, directions = [*map(self._code, places)], (dr.detach(si.wi), dr.detach(wo))
-        changing = only_where(active, self._changing, codes, *directions)
-        pairs = zip(values, changing, strict=True)
-        return [value + (change - dr.detach(change)) for value, change in pairs], pdf
-
-    def _code(self, channel) -> list:
-        """The code (L) of a channel, an index. An argument of a nested call must be the result of
-        an operation in the outer call, or Dr.Jit loses its gradient."""
-        first = channel * self._size
-        return [dr.gather(mi.Float, self._codes, first + i) for i in range(self._size)]

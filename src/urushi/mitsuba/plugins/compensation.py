@@ -14,7 +14,7 @@ import numpy as np
 
 from urushi.core.appearance import WI, WO, coated_color
 from urushi.core.namespace import DRJIT
-from urushi.mitsuba.interface_albedo import InterfaceLoss
+from urushi.mitsuba.interface_albedo import InterfaceAlbedo
 from urushi.mitsuba.plugins.stack import channel_widths
 from urushi.mitsuba.reading import probing
 from urushi.mitsuba.reading.grid import varying_textures
@@ -61,7 +61,9 @@ class Compensation:
         """Estimate what the bottom mirrors, unless it varies."""
         self._coat, self._bottom = coat, bottom
         constant = not coat.has_textured_eta and coat.above is None
-        self._loss = InterfaceLoss(coat.eta if constant else None, coat.is_anisotropic)
+        eta = coat.eta if constant else None
+        self._above = InterfaceAlbedo(eta, coat.is_anisotropic)
+        self._inside = InterfaceAlbedo(None if eta is None else 1 / eta, coat.is_anisotropic)
         self._gloss: Any = None  # what the bottom mirrors, if it is the same everywhere
         if not varying_textures(bottom):
             up, places = np.tile([0.0, 0.0, 1.0], (SAMPLES, 1)), np.zeros((SAMPLES, 2))
@@ -81,8 +83,25 @@ class Compensation:
         below = dr.clip(reflectance(self._bottom, si, active) + gloss, 0, 1)
         share = dr.clip(dr.mean(gloss) / dr.maximum(dr.mean(below), 1e-6), 0, 1)
         color = coated_color(coat, below, DRJIT)
-        lobes = []
-        for alpha in channel_widths(coat.alpha):
-            vertex = self._loss.seen(self._loss.at(alpha, coat.eta, share), si.wi)
-            lobes.append(self._loss.lobe(vertex, wo))
+        widths = channel_widths(coat.alpha)
+        lobes = [self._lobe(alpha, coat.eta, share, si.wi, wo) for alpha in widths]
         return f + color * mi.Spectrum(*lobes)
+
+    def _lobe(self, alpha, eta, mirrored, wi, wo):
+        """The lobe [1/sr] of the light that the interface loses over a white base.
+
+        A loss 1 - A(w) returns as (1 - A(wi)) (1 - A(wo)) / (pi (1 - A_mean)) (Kulla and Conty
+        2017).
+
+        mirrored: share that the base mirrors.
+        """
+        # Both from one table: what it does not reflect is passed or lost, whatever its error.
+        reflected, passed = self._inside.both_mean(alpha, 1 / eta, mirrored)
+        leaves = passed / (1 - reflected)  # share of light from the base, over the mean that enters
+
+        def lost(reflected, passed):
+            return 1 - reflected - leaves * passed
+
+        one, other = (dr.clip(lost(*self._above.both(w, alpha, eta)), 0, 1) for w in (wi, wo))
+        mean = dr.maximum(dr.pi * lost(*self._above.both_mean(alpha, eta)), 1e-5)
+        return dr.select(eta == 1, 0, one * other / mean)  # 1: there is no interface

@@ -9,12 +9,13 @@ from urushi.errors import ParameterError
 from urushi.material import Material, load
 from urushi.material.layer import under as below_medium
 from urushi.mitsuba import spectrum
+from urushi.mitsuba.frames import Turn
 from urushi.mitsuba.latents.axes import AxisLatents
-from urushi.mitsuba.latents.codes import ConstantLatents, DifferentiableLatents
+from urushi.mitsuba.latents.codes import ConstantLatents
 from urushi.mitsuba.latents.texels import texel_axes
 from urushi.mitsuba.properties import path_of, read_weights
 from urushi.mitsuba.recording import opaque, owned
-from urushi.mitsuba.surface import KnownSurface, Surface, Turn
+from urushi.mitsuba.surface import KnownSurface, Surface
 from urushi.nets.weights import Model
 from urushi.textures.axes import Baked
 from urushi.textures.store import KIND, read_texture, write_texture
@@ -155,10 +156,8 @@ class NeuralBRDF(EncodedSurface):
         codes = self._tensor.numpy()
         if not np.array_equal(codes, self._material.latents):
             self._material = Material(codes, self.model)
-        if dr.grad_enabled(self._tensor):
-            self.latents = DifferentiableLatents(self._material, self._tensor)
-        else:
-            self.latents = ConstantLatents(self._material)
+        tensor = self._tensor if dr.grad_enabled(self._tensor) else None
+        self.latents = ConstantLatents(self._material, tensor)
 
     def to_string(self):
         return (

@@ -17,11 +17,11 @@ from urushi.material.slab_coordinates import (
 )
 from urushi.material.slab_table import SlabTables, slab_tables
 from urushi.mitsuba import spectrum
+from urushi.mitsuba.frames import SlabMixture, above_surface, raised
 from urushi.mitsuba.interface_albedo import Interpolated
 from urushi.mitsuba.latents.tables import interpolated, padded, stored, tabulated
 from urushi.mitsuba.plugins.bottom_lobes import width
 from urushi.mitsuba.plugins.coated import CoatedSurface
-from urushi.mitsuba.plugins.frames import SlabMixture, above_surface, raised
 from urushi.mitsuba.plugins.stack import CoatStack
 from urushi.mitsuba.properties import ignore
 from urushi.mitsuba.reading.grid import varies

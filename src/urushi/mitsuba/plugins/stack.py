@@ -21,8 +21,8 @@ from urushi.core import fresnel, microfacet
 from urushi.core.microfacet import of_widths
 from urushi.core.mixture import Mixture
 from urushi.mitsuba import spectrum
+from urushi.mitsuba.frames import SlabMixture
 from urushi.mitsuba.plugins.bottom_lobes import BottomLobes, SlabLobes
-from urushi.mitsuba.plugins.frames import SlabMixture
 from urushi.mitsuba.reading.parameters import CoatTextures
 from urushi.walk.bottoms.dielectric import Reflector
 

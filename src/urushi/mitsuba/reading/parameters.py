@@ -14,11 +14,11 @@ from urushi.core.appearance import LOOK, PHYSICAL, look_of
 from urushi.core.namespace import DRJIT
 from urushi.errors import ParameterError
 from urushi.mitsuba import spectrum
+from urushi.mitsuba.frames import Turn
 from urushi.mitsuba.properties import describe, switch_of
 from urushi.mitsuba.reading.grid import nested_objects, varies
 from urushi.mitsuba.reading.known import known_surface
 from urushi.mitsuba.recording import Recorded, opaque
-from urushi.mitsuba.surface import Turn
 
 #: Parameters of a coat that may be textures, and their defaults. The index of refraction is given
 #: by two properties of its own.

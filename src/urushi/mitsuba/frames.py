@@ -1,4 +1,4 @@
-"""Directions and proposals on both sides of a surface."""
+"""Directions in other frames: turned about the normal, and on both sides of a surface."""
 
 from typing import Any, NamedTuple
 
@@ -7,6 +7,52 @@ import mitsuba as mi
 
 from urushi.core.mixture import Mixture
 from urushi.walk import slabs
+
+
+class Turn(NamedTuple):
+    """A turn of the tangent about the normal, by the sine and the cosine of its angle."""
+
+    sin: Any
+    cos: Any
+
+    @classmethod
+    def of(cls, degrees):
+        """The turn by an angle [degrees]."""
+        return cls(*dr.sincos(degrees * (dr.pi / 180)))
+
+    def inside(self, w):
+        """A direction of the shape's frame, in the turned frame."""
+        return type(w)(self.cos * w.x + self.sin * w.y, self.cos * w.y - self.sin * w.x, w.z)
+
+    def outside(self, w):
+        """A direction of the turned frame, in the shape's."""
+        return Turn(-self.sin, self.cos).inside(w)
+
+    def interaction(self, si):
+        """The interaction in the turned frame."""
+        turned = mi.SurfaceInteraction3f(si)
+        turned.wi = self.inside(si.wi)
+        s, t = si.sh_frame.s, si.sh_frame.t
+        turned.sh_frame.s = self.cos * s + self.sin * t
+        turned.sh_frame.t = self.cos * t - self.sin * s
+        return turned
+
+
+class Place(NamedTuple):
+    """A surface at a vertex of a path."""
+
+    active: Any  # lanes that the caller wants and whose wi the surface faces
+    turn: Turn | None  # of its tangent
+    si: Any  # the interaction, in the turned frame
+    vertex: Any  # of `Surface._vertex`
+
+    def inside(self, w):
+        """A direction of the shape's frame, in the turned frame."""
+        return w if self.turn is None else self.turn.inside(w)
+
+    def outside(self, w):
+        """A direction of the turned frame, in the shape's."""
+        return w if self.turn is None else self.turn.outside(w)
 
 
 class SlabMixture(NamedTuple):
