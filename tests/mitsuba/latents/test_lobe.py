@@ -113,9 +113,10 @@ def test_the_transmittance_is_computed_where_it_is_not_one(rgb, name):
 
 
 @pytest.mark.parametrize("name", LOBES)
-def test_f_is_reciprocal_to_the_last_bit(rgb, model, name):
+@pytest.mark.parametrize("codes_of", [constant, textured])
+def test_f_is_reciprocal_to_the_last_bit(rgb, model, name, codes_of):
     wi, wo = directions()
-    latents = constant(model, codes(name))
+    latents = codes_of(model, codes(name))
     np.testing.assert_array_equal(evaluated(rgb, latents, wi, wo), evaluated(rgb, latents, wo, wi))
 
 

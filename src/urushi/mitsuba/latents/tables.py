@@ -30,42 +30,34 @@ def packet(kind: type, table, index, size: int) -> list:
     return list(dr.gather(kind, table, index, shape=(size, dr.width(index))))
 
 
-class Packets:
-    """Levels (P, N) from 0 to `TOP` at P nodes."""
-
-    def __init__(self, levels: np.ndarray):
-        """levels: are rounded."""
-        self.nodes, self.count = levels.shape
-        whole = np.rint(levels).astype(np.uint32)
-        if self.count % 2:
-            whole = np.pad(whole, [(0, 0), (0, 1)])
-        words = whole[:, ::2] + (whole[:, 1::2] << 16)
-        self._packets: list[Any] = []
-        while words.shape[1]:
-            size = min(1 << (words.shape[1].bit_length() - 1), PACKET)
-            self._packets.append(owned(mi.UInt32, words[:, :size]))
-            words = words[:, size:]
-
-    def at(self, node) -> list:
-        """The levels (N) of a node, an index (UInt32), as Dr.Jit floats."""
-        words = list[Any]()
-        for own in self._packets:
-            words += packet(mi.ArrayXu, own, node, len(own) // self.nodes)
-        levels = [mi.Float(half) for word in words for half in (word & 0xFFFF, word >> 16)]
-        return levels[: self.count]
-
-
 class Numbers:
     """Numbers (P, N) at P nodes, each in 16 bits of its range."""
 
     def __init__(self, numbers: np.ndarray):
         """Store numbers."""
+        self._nodes, self.count = numbers.shape
         lowest = numbers.min(axis=0)
         steps = np.maximum(numbers.max(axis=0) - lowest, 1e-9) / TOP
-        self._levels, self.count = Packets((numbers - lowest) / steps), numbers.shape[1]
+        levels = np.rint((numbers - lowest) / steps).astype(np.uint32)
+        if self.count % 2:
+            levels = np.pad(levels, [(0, 0), (0, 1)])
+        words = levels[:, ::2] + (levels[:, 1::2] << 16)
+        self._packets: list[Any] = []
+        while words.shape[1]:
+            size = min(1 << (words.shape[1].bit_length() - 1), PACKET)
+            self._packets.append(owned(mi.UInt32, words[:, :size]))
+            words = words[:, size:]
         # From memory, so that all materials of the same axes share compiled code
         self._steps, self._lowest = ([mi.Float(float(x)) for x in own] for own in (steps, lowest))
         dr.make_opaque(self._steps, self._lowest)
+
+    def _levels(self, node) -> list:
+        """The levels (N) of a node, an index (UInt32), as Dr.Jit floats."""
+        words = list[Any]()
+        for own in self._packets:
+            words += packet(mi.ArrayXu, own, node, len(own) // self._nodes)
+        levels = [mi.Float(half) for word in words for half in (word & 0xFFFF, word >> 16)]
+        return levels[: self.count]
 
     def at(self, corners: Sequence[tuple[Any, Any]]) -> list:
         """The numbers (N), Dr.Jit floats: sums over nodes, indices (UInt32), times weights.
@@ -77,7 +69,7 @@ class Numbers:
             # One corner after the other, whose sums stay in a processor's registers: without it,
             # Dr.Jit computes one number after the other, at two thirds of the speed or less.
             dr.detail.new_scope(dr.backend_v(mi.Float))
-            levels = self._levels.at(node)
+            levels = self._levels(node)
             if total:
                 total = [dr.fma(weight, x, y) for x, y in zip(levels, total, strict=True)]
             else:
