@@ -23,12 +23,8 @@ from urushi.mitsuba.properties import path_of
 from urushi.mitsuba.reading import probing
 from urushi.mitsuba.reading.axes import check_coat
 from urushi.mitsuba.reading.grid import check_normals, varying_textures
-from urushi.mitsuba.reading.parameters import (
-    COAT_PROPERTIES,
-    CoatTextures,
-    check_bottom,
-    nested_bsdf,
-)
+from urushi.mitsuba.reading.nested import check_bottom, nested_bsdf
+from urushi.mitsuba.reading.parameters import COAT_PROPERTIES, CoatTextures
 from urushi.mitsuba.recording import only_where
 from urushi.mitsuba.register import PluginSet
 from urushi.mitsuba.surface import Surface, surface_of

@@ -88,8 +88,7 @@ def _load() -> dict[str, Any]:
     from urushi.mitsuba.plugins.neural_brdf import NeuralBRDF
     from urushi.mitsuba.plugins.neural_layered import NeuralLayered
     from urushi.mitsuba.plugins.neural_slab import NeuralSlab
-    from urushi.mitsuba.reading.dielectrics import is_dielectric
-    from urushi.mitsuba.reading.parameters import nested_bsdf
+    from urushi.mitsuba.reading.nested import is_dielectric, nested_bsdf
 
     def coat_or_slab(props):
         nested = nested_bsdf(props, optional=True)

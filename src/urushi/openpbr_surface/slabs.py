@@ -9,7 +9,7 @@ import mitsuba as mi
 from urushi.checks import AIR
 from urushi.core.namespace import DRJIT
 from urushi.mitsuba.frames import raised, relative, with_far_side
-from urushi.mitsuba.reading.dielectrics import DECIMALS
+from urushi.mitsuba.reading.nested import DECIMALS
 from urushi.mitsuba.recording import opaque
 from urushi.openpbr_surface import formulas
 from urushi.openpbr_surface.bsdfs import COSINE, SurfaceProposal

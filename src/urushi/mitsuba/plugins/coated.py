@@ -14,19 +14,16 @@ from urushi.mitsuba.plugins.compensation import Compensation
 from urushi.mitsuba.plugins.stack import CoatStack, MitsubaBottom
 from urushi.mitsuba.reading.axes import check_coat
 from urushi.mitsuba.reading.changed import relative_to
-from urushi.mitsuba.reading.dielectrics import (
+from urushi.mitsuba.reading.nested import (
     LowestInterface,
+    check_bottom,
     check_dielectric,
+    check_rotation,
     is_dielectric,
+    nested_bsdf,
     pane,
 )
-from urushi.mitsuba.reading.parameters import (
-    COAT_PROPERTIES,
-    CoatTextures,
-    check_bottom,
-    check_rotation,
-    nested_bsdf,
-)
+from urushi.mitsuba.reading.parameters import COAT_PROPERTIES, CoatTextures
 from urushi.mitsuba.recording import compiled_once
 from urushi.mitsuba.surface import KnownSurface, Surface, surface_of
 

@@ -17,7 +17,7 @@ from urushi.mitsuba.reading.baking import Baker, at_texels
 from urushi.mitsuba.reading.bottoms import Layer
 from urushi.mitsuba.reading.bsdf import has_two_widths
 from urushi.mitsuba.reading.changed import relative_to
-from urushi.mitsuba.reading.parameters import check_bottom, check_rotation
+from urushi.mitsuba.reading.nested import check_bottom, check_rotation
 from urushi.mitsuba.surface import KnownSurface, surface_of
 from urushi.nets.weights import Model, anisotropic_model, default_model
 from urushi.textures.store import write_texture

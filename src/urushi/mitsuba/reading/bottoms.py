@@ -15,7 +15,8 @@ from urushi.mitsuba import spectrum
 from urushi.mitsuba.reading import probing
 from urushi.mitsuba.reading.bsdf import reflection_source
 from urushi.mitsuba.reading.known import known_surface
-from urushi.mitsuba.reading.parameters import CoatTextures, check_bottom
+from urushi.mitsuba.reading.nested import check_bottom
+from urushi.mitsuba.reading.parameters import CoatTextures
 from urushi.nets.lobe import with_two_widths
 from urushi.nets.transmittance import remainder
 from urushi.nets.weights import Model

@@ -16,8 +16,7 @@ from urushi.errors import ParameterError
 from urushi.mitsuba import spectrum
 from urushi.mitsuba.frames import Turn
 from urushi.mitsuba.properties import describe, switch_of
-from urushi.mitsuba.reading.grid import nested_objects, varies
-from urushi.mitsuba.reading.known import known_surface
+from urushi.mitsuba.reading.grid import varies
 from urushi.mitsuba.recording import Recorded, opaque
 
 #: Parameters of a coat that may be textures, and their defaults. The index of refraction is given
@@ -308,63 +307,3 @@ def index_of_refraction(props: "mi.Properties", name: str, default: str, where: 
             f"{where} is {value!r}; give a number or one of the materials {names}"
         ) from error
     return round(float(np.ravel(mi.traverse(glass)["eta"])[0]), 6)
-
-
-def nested_bsdf(props: "mi.Properties", *, optional: bool = False) -> Any:
-    """The one BSDF among the properties, under any name. Call this before reading textures.
-
-    Listing the objects resets Mitsuba's record of which properties were read.
-
-    optional: return None if there is none.
-    """
-    found = [
-        (name, value)
-        for name, value in props.objects(mark_queried=False)
-        if isinstance(value, mi.BSDF)
-    ]
-    if optional and not found:
-        return None
-    if len(found) != 1:
-        named = ", ".join(f"'{name}'" for name, _ in found)
-        amount = f"{len(found)} nested BSDFs ({named})" if found else "no nested BSDF"
-        raise ParameterError(
-            f"{describe(props)} has {amount}; nest exactly one, the bottom under the coat"
-        )
-    props.mark_queried(found[0][0])
-    return _unmasked(found[0][1])
-
-
-def _unmasked(bsdf: "mi.BSDF") -> "mi.BSDF":
-    """The BSDF within a `mask` that is opaque everywhere, which exporters write."""
-    while bsdf.class_name() == "MaskBSDF":
-        parts = nested_objects(bsdf)
-        opacity = parts["opacity"]
-        point = dr.zeros(mi.SurfaceInteraction3f)
-        if varies(opacity) or opacity.eval_1(point).numpy()[0] < 1:
-            break
-        bsdf = parts["nested_bsdf"]
-    return bsdf
-
-
-def check_bottom(bsdf: "mi.BSDF", where: str) -> None:
-    """Refuse BSDFs that cannot be coated: those that transmit light or have a delta lobe."""
-    flags, has = bsdf.flags(), mi.has_flag
-    if has(flags, mi.BSDFFlags.Transmission) or has(flags, mi.BSDFFlags.Null):
-        raise ParameterError(
-            f"{where}: the nested BSDF transmits light; a coat needs an opaque bottom, a "
-            "'roughdielectric', a 'dielectric' or a 'thindielectric'"
-        )
-    if has(flags, mi.BSDFFlags.Delta):
-        raise ParameterError(
-            f"{where}: the nested BSDF is perfectly smooth; give its rough variant, such as "
-            "'roughconductor' of alpha 0.01"
-        )
-
-
-def check_rotation(bottom: "mi.BSDF", where: str) -> None:
-    """Refuse, by a ParameterError, a bottom with a rotation of its own."""
-    if known_surface(bottom).rotated:
-        raise ParameterError(
-            f"{where}: the nested coat has its own rotation, but all layers share one tangent "
-            "frame; give rotation to the outermost coat only"
-        )

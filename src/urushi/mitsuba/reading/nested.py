@@ -1,12 +1,19 @@
-"""Mitsuba's dielectrics under coats: the lower interface of a slab, or a pane in air."""
+"""The BSDF under a coat: found and checked.
 
+A dielectric of Mitsuba's is the lower interface of a slab, or a pane in air.
+"""
+
+from typing import Any
+
+import drjit as dr
 import mitsuba as mi
 import numpy as np
 
 from urushi.checks import AIR, MIN_ALPHA, MIN_INDEX_STEP, Widths
 from urushi.errors import ParameterError
-from urushi.mitsuba.reading.grid import nested_objects
-from urushi.mitsuba.reading.known import GGX
+from urushi.mitsuba.properties import describe
+from urushi.mitsuba.reading.grid import nested_objects, varies
+from urushi.mitsuba.reading.known import GGX, known_surface
 from urushi.mitsuba.reading.parameters import CoatTextures
 from urushi.mitsuba.recording import opaque
 
@@ -22,6 +29,66 @@ DIELECTRICS = {
 DECIMALS = 4
 #: A ratio is taken for one to vacuum from here: no solid or liquid reflects less.
 LEAST_IN_VACUUM = 1.3
+
+
+def nested_bsdf(props: "mi.Properties", *, optional: bool = False) -> Any:
+    """The one BSDF among the properties, under any name. Call this before reading textures.
+
+    Listing the objects resets Mitsuba's record of which properties were read.
+
+    optional: return None if there is none.
+    """
+    found = [
+        (name, value)
+        for name, value in props.objects(mark_queried=False)
+        if isinstance(value, mi.BSDF)
+    ]
+    if optional and not found:
+        return None
+    if len(found) != 1:
+        named = ", ".join(f"'{name}'" for name, _ in found)
+        amount = f"{len(found)} nested BSDFs ({named})" if found else "no nested BSDF"
+        raise ParameterError(
+            f"{describe(props)} has {amount}; nest exactly one, the bottom under the coat"
+        )
+    props.mark_queried(found[0][0])
+    return _unmasked(found[0][1])
+
+
+def _unmasked(bsdf: "mi.BSDF") -> "mi.BSDF":
+    """The BSDF within a `mask` that is opaque everywhere, which exporters write."""
+    while bsdf.class_name() == "MaskBSDF":
+        parts = nested_objects(bsdf)
+        opacity = parts["opacity"]
+        point = dr.zeros(mi.SurfaceInteraction3f)
+        if varies(opacity) or opacity.eval_1(point).numpy()[0] < 1:
+            break
+        bsdf = parts["nested_bsdf"]
+    return bsdf
+
+
+def check_bottom(bsdf: "mi.BSDF", where: str) -> None:
+    """Refuse BSDFs that cannot be coated: those that transmit light or have a delta lobe."""
+    flags, has = bsdf.flags(), mi.has_flag
+    if has(flags, mi.BSDFFlags.Transmission) or has(flags, mi.BSDFFlags.Null):
+        raise ParameterError(
+            f"{where}: the nested BSDF transmits light; a coat needs an opaque bottom, a "
+            "'roughdielectric', a 'dielectric' or a 'thindielectric'"
+        )
+    if has(flags, mi.BSDFFlags.Delta):
+        raise ParameterError(
+            f"{where}: the nested BSDF is perfectly smooth; give its rough variant, such as "
+            "'roughconductor' of alpha 0.01"
+        )
+
+
+def check_rotation(bottom: "mi.BSDF", where: str) -> None:
+    """Refuse, by a ParameterError, a bottom with a rotation of its own."""
+    if known_surface(bottom).rotated:
+        raise ParameterError(
+            f"{where}: the nested coat has its own rotation, but all layers share one tangent "
+            "frame; give rotation to the outermost coat only"
+        )
 
 
 class LowestInterface:
