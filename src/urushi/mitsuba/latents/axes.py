@@ -56,7 +56,7 @@ class Varying(NamedTuple):
     sources: Sequence[Any] = ()  # the textures on which it depends
     texture: Any = None  # which it is, of a bottom
     differentiable: bool = False  # whether it carries a gradient
-    places: np.ndarray | None = None  # of the axis of wavelengths, see `wavelengths_varying`
+    places: np.ndarray | None = None  # of the axis of wavelengths, see `reading.coated_rows`
     #: Changes of a constant that carries a gradient, by which its slopes are found; else None.
     steps: Steps | None = None
     leader: Leader | None = None  # along whose axis it varies, see `reading.joined`

@@ -21,7 +21,6 @@ from urushi.mitsuba.latents.axes import Varying
 from urushi.mitsuba.reading.changed import numbers_of
 from urushi.mitsuba.reading.grid import ELSEWHERE, parts, varying_textures
 from urushi.mitsuba.reading.parameters import CHECKS, TWO_WIDTHS, CoatTextures
-from urushi.mitsuba.recording import owned
 from urushi.mitsuba.snapshot import has_gradients, is_attached, writable
 from urushi.textures.axes import ALBEDO, DEPTH, INDEX, LINEAR, REFLECTANCE, WIDTH, Axis, Steps
 from urushi.textures.store import from_texture
@@ -88,28 +87,6 @@ def varying_parameters(
         below = _of_bottom(bottom, coat.where)
     found = [*_of_coat(coat), *below]
     return list({x.axis.name: x for x in found}.values())
-
-
-def wavelengths_varying(changes: np.ndarray) -> Varying:
-    """The wavelength as a parameter, on an axis along which the material changes evenly.
-
-    changes: (N,) amounts by which it changes in N equal parts of `spectrum.ENDS`.
-    """
-    places = np.append(0, np.cumsum(changes + changes.sum() / len(changes) * 0.2 + 1e-9))
-    places /= places[-1]
-    table, (first, last) = owned(mi.Float, places.astype(np.float32)), spectrum.ENDS
-    count = len(changes)
-
-    def read(si, active) -> list:
-        at = [dr.clip((x - first) * (count / (last - first)), 0, count) for x in si.wavelengths]
-        found = []
-        for x in at:
-            i = dr.minimum(mi.UInt32(x), count - 1)
-            low, high = dr.gather(mi.Float, table, i), dr.gather(mi.Float, table, i + 1)
-            found.append(dr.lerp(low, high, x - i))
-        return found
-
-    return Varying(Axis(WAVELENGTH, LINEAR, 0.0, 1.0, own=True), read, places=places)
 
 
 def _below(name: str) -> str:

@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 
+import drjit as dr
 import mitsuba as mi
 import numpy as np
 
@@ -11,10 +12,12 @@ from urushi.core.microfacet import of_widths
 from urushi.material.layer import check_ratios
 from urushi.mitsuba import spectrum
 from urushi.mitsuba.latents.axes import Varying
-from urushi.mitsuba.reading.axes import NANOMETRES, WAVELENGTH, wavelengths_varying
+from urushi.mitsuba.reading.axes import NANOMETRES, WAVELENGTH
 from urushi.mitsuba.reading.bottoms import Layer
 from urushi.mitsuba.reading.rows import BottomRows, NestedRows, along_u, wavelengths_of
+from urushi.mitsuba.recording import owned
 from urushi.nets.weights import Model
+from urushi.textures.axes import LINEAR, Axis
 from urushi.textures.layering import transported_rests
 
 #: Parts of the spectrum in which a material's changes with the wavelength are found.
@@ -103,3 +106,25 @@ class CoatedRows:
         places = np.broadcast_to(places, (self._channels, len(values)))
         f = transported_rests(model, below, places.ravel(), flat)
         return f.reshape(self._channels, len(values), -1)
+
+
+def wavelengths_varying(changes: np.ndarray) -> Varying:
+    """The wavelength as a parameter, on an axis along which the material changes evenly.
+
+    changes: (N,) amounts by which it changes in N equal parts of `spectrum.ENDS`.
+    """
+    places = np.append(0, np.cumsum(changes + changes.sum() / len(changes) * 0.2 + 1e-9))
+    places /= places[-1]
+    table, (first, last) = owned(mi.Float, places.astype(np.float32)), spectrum.ENDS
+    count = len(changes)
+
+    def read(si, active) -> list:
+        at = [dr.clip((x - first) * (count / (last - first)), 0, count) for x in si.wavelengths]
+        found = []
+        for x in at:
+            i = dr.minimum(mi.UInt32(x), count - 1)
+            low, high = dr.gather(mi.Float, table, i), dr.gather(mi.Float, table, i + 1)
+            found.append(dr.lerp(low, high, x - i))
+        return found
+
+    return Varying(Axis(WAVELENGTH, LINEAR, 0.0, 1.0, own=True), read, places=places)
