@@ -109,7 +109,7 @@ test-web: viewer
 	cd viewer && npm run test:long
 
 # Checks and tests of the page as it is built: types, style, units, and the whole page in Chromium,
-# but for four long pictures
+# but for the long cases
 test-page: $(READY) viewer/node_modules/.ready
 	cd viewer && npm run check && npm test
 	viewer/install_chromium

@@ -4,6 +4,7 @@ import { mkdtempSync, rmSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
 import type { Page } from "@playwright/test";
+import { encoded } from "../../src/material/colour";
 import { python } from "../python";
 import { expect, test } from "./page";
 
@@ -62,24 +63,17 @@ async function shown(page: Page): Promise<number[][]> {
   );
 }
 
-/** A linear value as the screen shows it, in [0, 255]. */
-function encoded(linear: number): number {
-  const value = Math.min(linear, 1);
-  return 255 * (value <= 0.0031308 ? 12.92 * value : 1.055 * value ** (1 / 2.4) - 0.055);
-}
-
 /** The differences of the picture from what is expected, in steps of the screen. */
 async function errors(page: Page, expected: (pixel: Pixel, channel: number) => number) {
   const colours = await shown(page);
   return pixels.flatMap((pixel, at) =>
-    [0, 1, 2].map((k) => Math.abs(colours[at]![k]! - encoded(expected(pixel, k)))),
+    [0, 1, 2].map((k) => Math.abs(colours[at]![k]! - 255 * encoded(expected(pixel, k)))),
   );
 }
 
-test("lights give f times irradiance and cosine, and the sky comes out by the exported sampling", async ({
-  page,
-  baseURL,
-}) => {
+test("lights give f times irradiance and cosine, and the sky comes out by the exported sampling", {
+  tag: "@long",
+}, async ({ page, baseURL }) => {
   await show(page, baseURL!, 0);
   const found = await errors(page, ({ lights }, k) => lights[k]!);
   expect(found.length).toBeGreaterThan(150);
