@@ -28,6 +28,26 @@ const width: Parameter = {
   fallback: 0.1,
 };
 
+/** The width in words of people: no physical quantity. */
+export const GLOSS: Parameter = {
+  label: "Gloss",
+  hint: "How sharply the surface reflects: 1 is a polished mirror, 0 is matt.",
+  low: 0,
+  high: 1,
+  power: 1,
+  fallback: 0.7,
+};
+
+/** Gloss of a width: its place on the slider of widths, from the other end. */
+export function glossOf(alpha: number): number {
+  return Number((1 - placeOf(width, alpha)).toFixed(2));
+}
+
+/** The width of a gloss. */
+export function alphaOf(gloss: number): number {
+  return valueAt(width, 1 - gloss);
+}
+
 /** The widths along and across the tangent, where they are two. */
 export const WIDTHS = {
   alpha: {

@@ -19,7 +19,7 @@ import { Choice } from "./Choice";
 import { Field } from "./Field";
 import { IconButton } from "./IconButton";
 import { Thumbnail } from "./Thumbnail";
-import { WidthFields, type WidthPair, withWidths } from "./WidthFields";
+import { GlossField, WidthFields, type WidthPair, withWidths } from "./WidthFields";
 
 const KINDS = {
   metal: "Metal by index",
@@ -99,13 +99,12 @@ export function BottomCard({ material, alone }: BottomCardProps) {
         {colours.map(field)}
         {"alpha" in bottom && (
           <>
-            <WidthFields parameter={BOTTOM_PARAMETERS.alpha} {...surface} />
-            {numbers.length > 0 && (
-              <details>
-                <summary>Advanced</summary>
-                {numbers.map(field)}
-              </details>
-            )}
+            <GlossField {...surface} />
+            <details>
+              <summary>Advanced</summary>
+              <WidthFields parameter={BOTTOM_PARAMETERS.alpha} {...surface} />
+              {numbers.map(field)}
+            </details>
           </>
         )}
         {(bottom.kind === "codes" || bottom.kind === "texels") && (

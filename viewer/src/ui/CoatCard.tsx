@@ -27,7 +27,7 @@ import { announce, changeMaterial, material } from "../state/store";
 import { Field } from "./Field";
 import { IconButton } from "./IconButton";
 import { Icon } from "./icons";
-import { WidthFields, type WidthPair, withWidths } from "./WidthFields";
+import { GlossField, WidthFields, type WidthPair, withWidths } from "./WidthFields";
 
 interface CoatCardProps {
   card: Card;
@@ -125,9 +125,9 @@ export function CoatCard({ card, name, seen, dragged, onMove, onDrag }: CoatCard
             onChange={(value, kind) => replace(withColour(card, value), kind)}
           />
           {hasOwnSurface ? (
-            <WidthFields parameter={COAT_PARAMETERS.alpha} {...surface} />
+            <GlossField {...surface} />
           ) : (
-            <p class="note">No surface: its index n is that of the coat above.</p>
+            <p class="note">No surface, so no gloss: its index n is that of the coat above.</p>
           )}
           <MediumField name="thickness" {...medium} />
           <MediumField name="body" {...medium} />
@@ -135,6 +135,7 @@ export function CoatCard({ card, name, seen, dragged, onMove, onDrag }: CoatCard
             <summary>Advanced</summary>
             <MediumField name="color" {...medium} />
             <MediumField name="bodyColor" {...medium} />
+            {hasOwnSurface && <WidthFields parameter={COAT_PARAMETERS.alpha} {...surface} />}
             <Field
               owner={name}
               parameter={COAT_PARAMETERS.ior}

@@ -1,7 +1,7 @@
-/** The widths of a surface: one, or two along and across the tangent. */
+/** The widths of a surface: its gloss, and one width or two along and across the tangent. */
 
 import type { Channels } from "../core/api";
-import { type Parameter, WIDTHS } from "../material/parameters";
+import { alphaOf, GLOSS, glossOf, type Parameter, WIDTHS } from "../material/parameters";
 import { Field } from "./Field";
 
 export interface WidthPair {
@@ -16,6 +16,21 @@ interface WidthFieldsProps {
   parameter: Parameter;
   widths: WidthPair;
   onChange: (next: WidthPair, kind: string) => void;
+}
+
+/** The gloss of a surface whose width is one number; others have none. */
+export function GlossField({ owner, widths, onChange }: Omit<WidthFieldsProps, "parameter">) {
+  const { alpha, alphaV } = widths;
+  if (typeof alpha !== "number" || alphaV !== undefined) return null;
+  return (
+    <Field
+      owner={owner}
+      parameter={GLOSS}
+      value={glossOf(alpha)}
+      coloured={false}
+      onChange={(gloss, kind) => onChange({ alpha: alphaOf(gloss as number) }, kind)}
+    />
+  );
 }
 
 export function WidthFields({ owner, parameter, widths, onChange }: WidthFieldsProps) {

@@ -73,6 +73,8 @@ test("a coat's medium has an appearance, a physics and one colour", async ({ pag
   // A clear coat that becomes a paint keeps its colour, which the pigment has then.
   await enter(page, "Coat 2, Opacity", 1);
   await expect.poll(() => coat(0)).toMatchObject({ color: 1, body: 1, bodyColor: [1, 0, 0] });
+  await enter(page, "Coat 2, Gloss", 0);
+  await expect(number(page, "Coat 2, Roughness α")).toHaveValue("1");
 
   await reset(page);
   const split = page.getByRole("button", { name: "Coat 2, Scattering: one value for each colour" });
