@@ -21,7 +21,7 @@ from urushi.nets import weights
 from urushi.nets.code_fit import solve_codes
 from urushi.nets.mlp import Params
 from urushi.nets.networks import Architecture
-from urushi.nets.transmittance import both_ways
+from urushi.nets.transmittance import both_ways, has_edges
 from urushi.platform import available_cores
 from urushi.train import basis_fit, layering, presets, tables
 from urushi.train.checkpoint import Checkpoint, Journal
@@ -107,13 +107,14 @@ def fitted_basis(
     level, stack, lobe = (held[name][rows] for name in ("level", "stack", "lobe"))
     passed = both_ways(lobe[:, None], *probe_pairs(arch.probes, arch.widths))
     hidden = stack % HELD_OUT == 0
-    learnt, factors = ~hidden, arch.factors[1:]
+    # Few have edges, and cost the others more than they gain.
+    learnt, factors = ~hidden & ~has_edges(lobe), arch.factors[1:]
     if arch.widths == 2:  # functions for bare mixtures, which are few, would cost coats more
         learnt &= level > 0
     known = every.taken(np.flatnonzero(learnt))
     if arch.widths == 1:
         given = np.tile(np.array([0, 1], np.float32), (every.logs.shape[2], 1))  # the constant
-        measure = basis_fit.probe_measure((passed * rest)[learnt], known.rest().ravel())
+        measure = basis_fit.probe_measure(rest[learnt], known.rest().ravel())
     else:
         given = weights.shipped(preset.beginning).params["basis.rows"]
         measure = pair_measure(arch.probes)
