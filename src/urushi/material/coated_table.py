@@ -2,8 +2,9 @@
 
 A code is too coarse for a measured BRDF, and a coat over the code inherits its error. Light
 transport (`urushi.material.coated_values`) is therefore computed for a sixth of a table's nodes.
-Between them, logarithms are cubic (`core.table.interpolated_nodes`). The table holds f without the
-lobe of the coat over T(wi) T(wo) of `nets.transmittance`, which has the edges of total reflection.
+Between them, logarithms are cubic (`core.table.interpolated_nodes`). Under indices below one, all
+nodes are computed. The table holds f without the lobe of the coat over T(wi) T(wo) of
+`nets.transmittance`, which has the edges of total reflection.
 """
 
 from collections.abc import Sequence
@@ -78,7 +79,9 @@ def rest_at_nodes(
         return coated_values(below, *parts, points=points)
 
     factor = np.broadcast_to(factor, result.shape)
-    whole = interfaces[1] == 1  # without an interface, a pair costs little
+    # Without an interface, a pair costs little. Inner edges of total reflection are too steep for
+    # cubics, but for those at knots.
+    whole = interfaces[1] == 1 if knots else interfaces[1] <= 1
     if whole.any():
         result[:, whole] = at(every, whole) / factor[:, whole]
     if not whole.all():

@@ -37,7 +37,7 @@ class Architecture:
 
     functions: int = 24
     probes: int = 256
-    layerer: tuple[int, ...] = (224, 224, 224)
+    layerer: tuple[int, ...] = (256, 256, 256)
     activation: str = "silu7"
     widths: int = 1
     azimuthal: tuple[int, ...] = ()

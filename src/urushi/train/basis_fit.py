@@ -44,7 +44,7 @@ from urushi.nets.transmittance import both_ways
 from urushi.train.stretched_tables import NODES, Nodes, nodes_of
 
 #: Rounds of the alternation by light, and by the error.
-ROUNDS, LATE_ROUNDS = 8, 2
+ROUNDS, LATE_ROUNDS = 24, 4
 
 #: Weight of the measure beside the light, share of a node's mean weight that every material has
 #: there beside its own, and share of the weights by light in those by the error.

@@ -42,7 +42,7 @@ def default() -> Preset:
     Time: an hour on two cores.
     Expected: E of hidden coated materials, code against transport, 0.5 % on average.
     """
-    schedule = Schedule(steps=49_152, warmup=128, learning_rate=0.002, clip=0.05, average=0.9995)
+    schedule = Schedule(steps=65_536, warmup=128, learning_rate=0.002, clip=0.05, average=0.9995)
     return Preset("default", TableSpec(stacks=3000, coats=32, probes=256), schedule)
 
 
