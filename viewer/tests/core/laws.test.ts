@@ -45,10 +45,11 @@ describe("f", () => {
 });
 
 describe("energy", () => {
-  // Beside a lobe that reflects totally, the rest may have LEAST_REST more.
+  // Beside a lobe that reflects totally, the rest may have LEAST_REST more, and between the angles
+  // of the limit, one of which is .02 from the critical one, some more.
   test.each([
     [1.5, 1.001],
-    [0.7, 1.001 + ENERGY.LEAST_REST],
+    [0.7, 1.016 + ENERGY.LEAST_REST],
   ])("a limited code below an index %f reflects at most all light", (eta, most) => {
     const [top, ...others] = STACK.coats;
     const own = core.layer({ ...STACK, coats: [{ ...top, eta }, ...others] });

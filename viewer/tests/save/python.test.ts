@@ -107,7 +107,8 @@ test.skipIf(!hasPython)(
       expect(relativeError(found.albedo, albedo, 0.01)).toBeLessThan(hasTable ? 6e-3 : 2e-3);
       // Directions of sharp lobes amplify rounding by 1 / alpha.
       expect(relativeError(found.drawn, drawn, 1)).toBeLessThan(1e-3);
-      expect(relativeError(found.densities, densities)).toBeLessThan(0.01);
+      // They follow the transmittance, which is steep beside the critical angle.
+      expect(relativeError(found.densities, densities)).toBeLessThan(0.02);
       // The channels of two widths have a stretch each, those of code share one.
       const hasCode = !hasTable && !isAnisotropic(stackOf(cards[place]!));
       if (hasCode) expect(relativeError(found.code, f)).toBeLessThan(2e-4);
