@@ -40,7 +40,7 @@ STRIDES = 3, 2
 Knots = tuple[tuple[float, int], ...]
 
 #: Range to which ln f is clamped, so that f is positive and finite for any numbers.
-MIN_LOG, MAX_LOG = -25.0, 20.0
+MIN_LOG, MAX_LOG = -25.0, 16.0
 
 #: Smallest cosine to the normal. Smaller ones are clamped to it, so f is constant near the horizon.
 MIN_COSINE = 5e-3

@@ -40,7 +40,7 @@ LEAST_REST = 0.005
 
 #: A code with a factor below `TINY_FACTOR` is measured again, at most `TINY_FACTOR_ROUNDS` times:
 #: codes far from the training data may have the greatest f of the basis.
-TINY_FACTOR, TINY_FACTOR_ROUNDS = 1e-3, 3
+TINY_FACTOR, TINY_FACTOR_ROUNDS = 1e-3, 5
 
 #: Codes, and lobes, that are measured at once: their values stay in a core's cache.
 BLOCK, LOBES = 32, 4

@@ -27,7 +27,7 @@ export const QUADRATURE = { POLAR_NODES: 48, AZIMUTH_NODES: 16, MIN_TANGENT: 1e-
 export const STRETCHED = { FACTORS: 5 } as const;
 
 /** Of `urushi.core.table` of Python. */
-export const TABLE = { SHAPE: [96, 32, 8], MIN_LOG: -25, MAX_LOG: 20, MIN_COSINE: 0.005 } as const;
+export const TABLE = { SHAPE: [96, 32, 8], MIN_LOG: -25, MAX_LOG: 16, MIN_COSINE: 0.005 } as const;
 
 /** Of `urushi.material.albedo_rule` of Python. */
 export const ALBEDO_RULE = { COSINES: { 1: [1, 0.98, 0.925, 0.84, 0.735, 0.62, 0.51, 0.4, 0.315,
@@ -37,7 +37,7 @@ export const ALBEDO_RULE = { COSINES: { 1: [1, 0.98, 0.925, 0.84, 0.735, 0.62, 0
 
 /** Of `urushi.material.energy` of Python. */
 export const ENERGY = { MARGIN: 0.0005, LEAST_ALBEDO: 1e-06, LEAST_REST: 0.005, TINY_FACTOR: 0.001,
-  TINY_FACTOR_ROUNDS: 3, FACETS: 512, ROUGH_GAIN: 0.003 } as const;
+  TINY_FACTOR_ROUNDS: 5, FACETS: 512, ROUGH_GAIN: 0.003 } as const;
 
 /** Of `urushi.material.layer` of Python. */
 export const LAYER = { DEEPEST: 12 } as const;
