@@ -171,7 +171,8 @@ class Python(Printer):
                 if variable.kind in (VECTOR, COLOUR):
                     lines.append(f"    {variable.name} = np.asarray({variable.name}, np.float32)")
         self._function = function
-        return [*lines, *self.body(function.body, "    ")]
+        body = (x for x in function.body if x.operation != "leave")  # arrays have no branches
+        return [*lines, *self.body(body, "    ")]
 
     def statement(self, statement: Statement) -> str:
         line = super().statement(statement)

@@ -141,6 +141,8 @@ class Printer:
                 return self.empty(target)
             case "assign":
                 return f"{self.text(target)} = {self.text(value)}{self.end}"
+            case "leave":
+                return f"if ({self.text(target)}) {{ return {self.text(value)}{self.end} }}"
         return f"return {self.text(value)}{self.end}"
 
     def wrapped(self, line: str) -> list[str]:

@@ -47,9 +47,9 @@ class Structure:
 class Statement:
     """A line of a body."""
 
-    # "note", "let" (a constant), "array", "structure" (without values), "assign", "return".
+    # "note", "let" (a constant), "array", "structure" (without values), "assign", "return", "leave".
     operation: str
-    target: Any = None  # the `Variable` declared or assigned to; the text of a note
+    target: Any = None  # the `Variable` declared or assigned to; the text of a note; a condition
     value: Any = None
 
 
@@ -88,6 +88,10 @@ class Function:
     def assign(self, target: Expression, value: Value) -> None:
         """Assign a value to an element or a member."""
         self.body.append(Statement("assign", target, converted(expression(value), target.kind)))
+
+    def leaves(self, condition: Expression, value: Value) -> None:
+        """Return a value at once where a condition holds; the rest computes it there, too."""
+        self.body.append(Statement("leave", condition, converted(expression(value), self.kind)))
 
     def returns(self, value: Value) -> None:
         self.body.append(Statement("return", None, converted(expression(value), self.kind)))

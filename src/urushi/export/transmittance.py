@@ -42,6 +42,8 @@ class Passed:
         ]
         *alphas, factor, eta, k = values
         w = name(W.name, VECTOR)
+        if eta.constant is None:
+            self.function.leaves(eta >= 1.0, 1.0)
         self.function.returns(
             transmittance(
                 Widths(*alphas) if len(alphas) == 2 else alphas[0],

@@ -2,6 +2,7 @@
 
 // The share of light that passes the topmost interface, for a direction.
 float material_transmittance(float alpha, float factor, float eta, float k, vec3 w) {
+    if (eta >= 1.0) { return 1.0; }
     float index = (k > 0.0 ? 1.0 : eta);
     float thinner = max(min(index, 1.0), 0.001);
     float above = max(w.z, 0.005);
@@ -99,6 +100,7 @@ vec3 material_f(vec3 numbers[6], highp sampler3D table, vec3 wi, vec3 wo) {
 }
 // The share of light that passes the topmost interface, for a direction.
 float material_transmittance2(float alpha_u, float alpha_v, float factor, float eta, float k, vec3 w) {
+    if (eta >= 1.0) { return 1.0; }
     float index = (k > 0.0 ? 1.0 : eta);
     float thinner = max(min(index, 1.0), 0.001);
     float above = max(w.z, 0.005);

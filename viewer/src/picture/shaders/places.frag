@@ -32,7 +32,7 @@ float panel(vec3 direction, vec3 centre, vec2 half_, float tilt, float soft) {
 vec3 studio(vec3 d) {
     vec3 light = mix(vec3(0.04), vec3(0.02), smoothstep(0.0, 0.7, d.z));
     float key = panel(d, vec3(-0.7, -3.0, 1.2), vec2(1.9, 1.5), 0.0, 0.3);
-    light += vec3(13.6, 13.5, 13.2) * key * mix(1.0, 0.65, smoothstep(0.1, 0.8, d.z));
+    light += vec3(15.0, 14.9, 14.6) * key * mix(1.0, 0.65, smoothstep(0.1, 0.8, d.z));
     light += vec3(1.5, 1.52, 1.56) * panel(d, vec3(2.2, -2.6, 0.9), vec2(0.8, 1.3), 0.0, 0.5);
     light += vec3(3.0, 3.0, 3.0) * panel(d, vec3(0.3, 0.8, 3.2), vec2(1.5, 0.7), 0.0, 0.4);
     light += vec3(6.2, 6.4, 6.8) * panel(d, vec3(3.4, 1.6, 1.3), vec2(0.4, 1.8), 0.0, 0.2);
