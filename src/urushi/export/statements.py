@@ -47,7 +47,8 @@ class Structure:
 class Statement:
     """A line of a body."""
 
-    # "note", "let" (a constant), "array", "structure" (without values), "assign", "return", "leave".
+    # "note", "let" (a constant), "array", "structure" (without values), "assign", "leave" (return
+    # at once), "return".
     operation: str
     target: Any = None  # the `Variable` declared or assigned to; the text of a note; a condition
     value: Any = None

@@ -113,7 +113,7 @@ test("the menu of materials is one stop of the keyboard, with arrows, and a sear
   await expect(page.locator(".menu.presets .panel")).toHaveCount(0);
 
   await page.getByRole("button", { name: /choose another/ }).press("Enter");
-  await expect(page.getByLabel("Search the materials")).toBeFocused();
+  await expect(material("Vermilion urushi")).toBeFocused(); // what is typed then is sought
   await page.keyboard.type("cela");
   await expect(page.getByLabel("Search the materials")).toHaveValue("cela");
   await expect(page.locator(".menu.presets li")).toHaveText(["Celadon"]);
