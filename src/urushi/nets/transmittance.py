@@ -50,8 +50,10 @@ def both_ways(lobe: Any, wi: Any, wo: Any) -> Any:
 
     The arguments broadcast. wi and wo are above the horizon.
     """
-    own = of_lobe(lobe, wi), of_lobe(lobe, wo)
-    return own[0] * own[1]
+    if not has_edges(lobe).any():
+        shape = np.broadcast_shapes(*(x.shape[:-1] for x in (lobe, wi, wo)))
+        return np.ones(shape, np.result_type(lobe, wi))
+    return of_lobe(lobe, wi) * of_lobe(lobe, wo)
 
 
 def has_edges(lobe: np.ndarray) -> np.ndarray:
