@@ -46,7 +46,7 @@ test("a panorama becomes the light, and one that was not opened here is told", a
   await expect(page.getByRole("alert")).toContainText(told);
   await give(page, "night.hdr", panorama(64, 32, [128, 64, 32, 129]));
   await expect(page.getByRole("alert")).toHaveCount(0);
-  await expect.poll(async () => (await stateOf(page)).environment).toBe("own");
+  await expect.poll(async () => (await stateOf(page)).panorama).toBe("night.hdr");
   const other = await page.context().newPage();
   await other.goto(page.url());
   await expect(other.getByRole("alert")).toContainText(told);
