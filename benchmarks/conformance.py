@@ -9,14 +9,15 @@ an AMD EPYC.
 
 import argparse
 import os
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from functools import partial
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import mitsuba as mi
 import numpy as np
-from benchmarks.measures import Brdf, channel_errors
+from benchmarks.measures import bsdf_values, channel_errors, coat_errors
+from benchmarks.showing import table
 from research.rivals import openpbr_recipe
 from tqdm import tqdm
 
@@ -25,7 +26,6 @@ from urushi.checks import finite
 from urushi.core import direction_sets
 from urushi.errors import ParameterError
 from urushi.files import read_npz
-from urushi.mitsuba.reading import probing
 from urushi.openpbr_surface.description import openpbr
 
 #: Number of pairs of directions, which have cosine density on both sides.
@@ -51,38 +51,6 @@ class Reference(NamedTuple):
     se: np.ndarray
 
 
-class Errors(NamedTuple):
-    """Errors of a renderer by material, float64 (M,).
-
-    Attributes:
-        error: E, a mean over channels (docs/conventions.md).
-        albedo: relative error of the light reflected under even illumination; positive: too bright.
-    """
-
-    error: np.ndarray
-    albedo: np.ndarray
-
-
-def model(parameters: Mapping[str, Any]) -> Brdf:
-    """f of the plugin `openpbr` with a material's parameters.
-
-    Raises:
-        PlatformError: no variant of Mitsuba is set.
-    """
-    return partial(bsdf_values, openpbr(**parameters).bsdf())
-
-
-def evaluated(build: Callable[[dict[str, Any]], Brdf], reference: Reference) -> np.ndarray:
-    """f (M, N, 3) of an implementation, a function such as `model`, at the reference's pairs."""
-    wi, wo = reference.wi, reference.wo
-    return np.stack([build(parameters)(wi, wo) for parameters in reference.parameters.values()])
-
-
-def bsdf_values(bsdf: Any, wi: np.ndarray, wo: np.ndarray, number: Any = 0.0) -> np.ndarray:
-    """f (N, 3); walks of the same pair differ by their number, one or (N,)."""
-    return probing.bsdf_values(bsdf, wi, wo, np.full((len(wi), 2), 0.5), number)
-
-
 def read() -> Reference:
     """The file that ships.
 
@@ -94,11 +62,11 @@ def read() -> Reference:
     return Reference(materials, *(arrays[name] for name in ("wi", "wo", "f", "se")))
 
 
-def errors(values: np.ndarray, reference: Reference) -> Errors:
-    """Errors of values (M, N, 3) [1/sr] of a renderer for the materials and pairs of a file.
+def errors(values: np.ndarray, reference: Reference) -> np.ndarray:
+    """E and error of the albedo (M, 2) of values (M, N, 3) [1/sr] of a renderer.
 
     Raises:
-        ParameterError: the shape is another one, or a value is not finite.
+        ParameterError: the shape is not the reference's, or a value is not finite.
     """
     (values,) = finite(f=values)
     if values.shape != reference.f.shape:
@@ -106,35 +74,24 @@ def errors(values: np.ndarray, reference: Reference) -> Errors:
             f"f has the shape {values.shape}; give one of {reference.f.shape}: materials, pairs "
             "and channels of the reference"
         )
-    wi, wo = reference.wi, reference.wo
-    e = [channel_errors(v, f, wi, wo).mean() for v, f in zip(values, reference.f, strict=True)]
-    # Pairs have cosine density on both sides, so that albedos are plain means.
-    albedo = values.mean(1) / reference.f.mean(1, dtype=np.float64) - 1
-    return Errors(np.array(e), albedo.mean(1))
+    both = zip(values, reference.f, strict=True)
+    return np.array([coat_errors(*pair, reference.wi, reference.wo) for pair in both])
 
 
-def table(reference: Reference, results: Mapping[str, Errors]) -> str:
-    """The errors as text: one line for each material, then mean and 95th percentile."""
+def errors_table(reference: Reference, results: Mapping[str, np.ndarray]) -> str:
+    """E and error of the albedo [%] by material and renderer, and the reference's noise."""
     # The mean size of a normal error is 0.8 of its deviation.
-    own = 100 * errors(reference.f + np.sqrt(2 / np.pi) * reference.se, reference).error
-    error, albedo = (
-        np.array([100 * getattr(r, name) for r in results.values()]) for name in ("error", "albedo")
-    )
-    heads = "".join(f"{name:>16}" for name in results)
-    lines = [
-        "E and error of the albedo [%], against random walks",
-        f"{'':30}{heads}{'noise':>8}",
+    noise = errors(reference.f + np.sqrt(2 / np.pi) * reference.se, reference)[:, 0]
+    found = np.stack(list(results.values()), axis=1)
+    rows = [
+        [name, *(f"{100 * e:.2f} / {100 * a:+.1f}" for e, a in own), f"{100 * noise[k]:.2f}"]
+        for k, (name, own) in enumerate(zip(reference.parameters, found, strict=True))
     ]
-    for k, name in enumerate(reference.parameters):
-        lines.append(f"{name:30}{_cells(error[:, k], albedo[:, k], '+')}{own[k]:8.2f}")
-    albedo = np.abs(albedo)
-    lines.append(f"{'mean':30}{_cells(error.mean(1), albedo.mean(1))}{own.mean():8.2f}")
-    highs = (np.percentile(x, 95, axis=1) for x in (error, albedo))
-    return "\n".join([*lines, f"{'95th percentile':30}{_cells(*highs)}"])
-
-
-def _cells(errors: np.ndarray, albedos: np.ndarray, sign: str = "") -> str:
-    return "".join(f"{e:8.2f}{a:{sign}8.1f}" for e, a in zip(errors, albedos, strict=True))
+    found = np.abs(found)
+    for name, whole in (("mean", np.mean), ("95th percentile", partial(np.percentile, q=95))):
+        cells = [f"{100 * e:.2f} / {100 * a:.1f}" for e, a in whole(found, axis=0)]
+        rows.append([name, *cells, f"{100 * whole(noise):.2f}"])
+    return table(["E / error of the albedo [%]", *results, "noise"], rows)
 
 
 #: Seed from which the pairs are drawn.
@@ -248,14 +205,14 @@ def main(arguments: list[str] | None = None) -> None:
         make(options.make)
         return
     reference = read()
+    parameters, pairs = reference.parameters.values(), (reference.wi, reference.wo)
     if options.values is None:
-        found = {"urushi": evaluated(model, reference)}
+        found = {"urushi": [bsdf_values(openpbr(**own).bsdf(), *pairs) for own in parameters]}
         for name in openpbr_recipe.RECIPES:
-            recipe = partial(partial, openpbr_recipe.f, recipe=name)
-            found[name] = evaluated(recipe, reference)
+            found[name] = [openpbr_recipe.f(own, *pairs, recipe=name) for own in parameters]
     else:
         found = {options.values.stem: read_npz(options.values, "f")[0]}
-    print(table(reference, {name: errors(f, reference) for name, f in found.items()}))
+    print(errors_table(reference, {k: errors(np.array(f), reference) for k, f in found.items()}))
 
 
 if __name__ == "__main__":

@@ -1,12 +1,14 @@
 """Measures of any BRDF: E of its channels and directional albedos; directions in a plane."""
 
 from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
 from urushi.core import error_metrics
 from urushi.core.quadrature import half_vector_rule
+from urushi.mitsuba.reading import probing
 
 #: f(wi, wo) -> (N, C) [1/sr].
 Brdf = Callable[[np.ndarray, np.ndarray], np.ndarray]
@@ -27,6 +29,22 @@ def error(f_hat: np.ndarray, f: np.ndarray, wi: np.ndarray, wo: np.ndarray) -> f
     """E, the mean over channels that are not black, of values (N, C)."""
     lit = f.max(axis=0) > 0
     return float(channel_errors(f_hat[:, lit], f[:, lit], wi, wo).mean())
+
+
+def coat_errors(
+    f_hat: np.ndarray, f: np.ndarray, wi: np.ndarray, wo: np.ndarray
+) -> tuple[float, float]:
+    """E, a mean over channels, and the relative error of the albedo under even light.
+
+    Pairs have cosine density on both sides, so that albedos are plain means of values (N, C).
+    """
+    albedo = f_hat.mean(0, dtype=np.float64) / f.mean(0, dtype=np.float64) - 1
+    return float(channel_errors(f_hat, f, wi, wo).mean()), float(albedo.mean())
+
+
+def bsdf_values(bsdf: Any, wi: np.ndarray, wo: np.ndarray, number: Any = 0.0) -> np.ndarray:
+    """f (N, 3) of a BSDF of Mitsuba; walks of a pair differ by their number, one or (N,)."""
+    return probing.bsdf_values(bsdf, wi, wo, np.full((len(wi), 2), 0.5), number)
 
 
 def albedos(f: Brdf, wi: np.ndarray, *, anisotropic: bool = False) -> np.ndarray:

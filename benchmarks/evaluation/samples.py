@@ -171,9 +171,14 @@ def generator(group: Group, seed: int, purpose: int) -> np.random.Generator:
 
 def evaluate_bottoms(table: StackTable, wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
     """Exact values (S, M) [1/sr] of the bottoms in air, at every stack's pairs (S, M, 3)."""
-    row = np.repeat(np.arange(len(table), dtype=np.uint32), wi.shape[1])
-    f = analytic.rows(table.kind, table.bottom, row, wi.reshape(-1, 3), wo.reshape(-1, 3))
+    f = analytic.rows(table.kind, table.bottom, *by_row(wi, wo))
     return f.reshape(wi.shape[:2])
+
+
+def by_row(wi: np.ndarray, wo: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Rows (S M,) of a table, and pairs (S M, 3), of every stack's pairs (S, M, 3)."""
+    row = np.repeat(np.arange(len(wi), dtype=np.uint32), wi.shape[1])
+    return row, wi.reshape(-1, 3), wo.reshape(-1, 3)
 
 
 def lowest(table: StackTable, coats: int) -> StackTable:
@@ -187,8 +192,7 @@ def walk_all(
     table: StackTable, wi: np.ndarray, wo: np.ndarray, walks: int, seed: int
 ) -> tuple[np.ndarray, np.ndarray]:
     """Mean and standard error (S, M) of every stack at its pairs (S, M, 3)."""
-    row = np.repeat(np.arange(len(table), dtype=np.uint32), wi.shape[1])
-    f, se = walk_pairs(table, row, wi.reshape(-1, 3), wo.reshape(-1, 3), walks=walks, seed=seed)
+    f, se = walk_pairs(table, *by_row(wi, wo), walks=walks, seed=seed)
     return f.reshape(wi.shape[:2]), se.reshape(wi.shape[:2])
 
 

@@ -155,8 +155,7 @@ def errors(materials: list[Material], held: dict[str, np.ndarray]) -> tuple[np.n
 def by_rivals(table: StackTable, held: dict[str, np.ndarray]) -> list[np.ndarray]:
     """E (S,) of Weier and Belcour 2020, and of Belcour 2018 with the mean of two widths."""
     wi, wo, f = (held[name][:, :E_PAIRS] for name in ("wi", "wo", "f"))
-    row = np.repeat(np.arange(len(table), dtype=np.uint32), E_PAIRS)
-    flat = row, wi.reshape(-1, 3), wo.reshape(-1, 3)
+    flat = samples.by_row(wi, wo)
     values = weier.rows(table, *flat), belcour.rows(one_width(table), *flat)
     cosines = wi[..., 2], wo[..., 2]
     return [error_metrics.stack_error(v.reshape(f.shape), f, *cosines) for v in values]

@@ -12,6 +12,7 @@ import drjit as dr
 import mitsuba as mi
 import numpy as np
 from benchmarks.experiment import BOTH, Experiment, Found, Options
+from benchmarks.measures import bsdf_values
 from benchmarks.showing import rounded, table
 
 import urushi  # noqa: F401  (registers the plugins)
@@ -111,8 +112,7 @@ def values(bsdf: "mi.BSDF", wi: np.ndarray, wo: np.ndarray, repeats: int) -> np.
     """f (repeats, N, 3) of independent evaluations."""
     a, b = (np.tile(w, (repeats, 1)) for w in (wi, wo))
     time = np.repeat(np.arange(repeats, dtype=np.float32), len(wi))
-    f = probing.bsdf_values(bsdf, a, b, np.full((len(a), 2), 0.5), time)
-    return f.reshape(repeats, len(wi), -1)
+    return bsdf_values(bsdf, a, b, time).reshape(repeats, len(wi), -1)
 
 
 def albedo_errors(walk: "mi.BSDF", neural: "mi.BSDF") -> np.ndarray:
@@ -120,8 +120,8 @@ def albedo_errors(walk: "mi.BSDF", neural: "mi.BSDF") -> np.ndarray:
     rng, errors = np.random.default_rng(0), []
     for cosine in COSINES:
         wi = np.tile([np.sqrt(1 - cosine * cosine), 0, cosine], (WALKS, 1)).astype(np.float32)
-        uv = np.full((WALKS, 2), 0.5)
-        si = probing.interaction(wi, uv, np.arange(WALKS, dtype=np.float32))
+        times = np.arange(WALKS, dtype=np.float32)
+        si = probing.interaction(wi, np.full((WALKS, 2), 0.5), times)
         u = rng.random((3, WALKS), np.float32)
         sample, _ = walk.sample(mi.BSDFContext(), si, mi.Float(u[0]), mi.Point2f(u[1:]))
         pdf = np.broadcast_to(sample.pdf.numpy(), WALKS)
@@ -129,10 +129,7 @@ def albedo_errors(walk: "mi.BSDF", neural: "mi.BSDF") -> np.ndarray:
         drawn = (pdf > 0) & (wo[:, 2] > 0)
         weight = np.where(drawn, wo[:, 2] / np.where(drawn, pdf, 1), 0)[:, None]
         wo[~drawn] = 0, 0, 1
-        times = np.arange(WALKS, dtype=np.float32)
-        f, f_hat = (
-            weight * probing.bsdf_values(bsdf, wi, wo, uv, times) for bsdf in (walk, neural)
-        )
+        f, f_hat = (weight * bsdf_values(bsdf, wi, wo, times) for bsdf in (walk, neural))
         divisor = np.maximum(f.mean(axis=0), DARK)
         errors.append((f_hat - f).mean(axis=0) / divisor)
     return np.array(errors)

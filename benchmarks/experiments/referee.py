@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 from benchmarks.experiment import NETWORKS, Experiment, Found, Options
-from benchmarks.measures import channel_errors
+from benchmarks.measures import channel_errors, coat_errors
 from benchmarks.referee import materials, methods
 from benchmarks.showing import rounded, table
 
@@ -49,7 +49,7 @@ def measure(name: str, options: Options) -> dict[str, Any]:
     if name == TRUTH:
         own = (truth(x, walks) for x in chosen)
         e = [channel_errors(f + np.sqrt(2 / np.pi) * se, f, wi, wo) for f, se in own]
-        return {"E": {x: float(f"{v.mean():.3g}") for x, v in zip(chosen, e, strict=True)}}
+        return {"E": {x: rounded(v.mean(), 3) for x, v in zip(chosen, e, strict=True)}}
     method = methods.METHODS[name]
     try:
         stacks = {x: materials.STACKS[x] for x in chosen}
@@ -61,15 +61,12 @@ def measure(name: str, options: Options) -> dict[str, Any]:
         return {"missing": str(error)}
     errors, albedos = {}, {}
     for x, f in values.items():
-        reference = truth(x, walks)[0]
-        errors[x] = float(f"{channel_errors(f, reference, wi, wo).mean():.4g}")
-        ratio = f.mean(0, dtype=np.float64) / reference.mean(0, dtype=np.float64)
-        albedos[x] = float(f"{(ratio - 1).mean():.4g}")
+        errors[x], albedos[x] = rounded(coat_errors(f, truth(x, walks)[0], wi, wo))
     return {
         "E": errors,
         "albedo": albedos,
         "furnace": {x: rounded(row) for x, row in white.items()},
-        "price": None if price is None else float(f"{1e9 * price:.3g}"),
+        "price": None if price is None else rounded(1e9 * price, 3),
     }
 
 

@@ -17,15 +17,15 @@ from typing import Any, NamedTuple
 
 import mitsuba as mi
 import numpy as np
-from benchmarks import conformance, timing
+from benchmarks import timing
 from benchmarks.experiments import simulator_biases
-from benchmarks.measures import Brdf, albedos
+from benchmarks.measures import Brdf, albedos, bsdf_values
 from benchmarks.referee import materials
 from research.rivals import belcour, openpbr_recipe, plugins, weidlich
 
 import urushi
 from urushi.errors import ParameterError
-from urushi.mitsuba.reading import probing
+from urushi.openpbr_surface.description import openpbr
 from urushi.openpbr_surface.description import parameters as openpbr_parameters
 from urushi.walk import Conductor, Diffuse, Stack
 
@@ -167,8 +167,7 @@ def of_bsdf(describe: Callable[[Stack], dict[str, Any]], timed: Stack = TIMED) -
     """A BSDF of Mitsuba."""
 
     def build(stack: Stack, _: int) -> Brdf:
-        bsdf = mi.load_dict(describe(stack))
-        return lambda wi, wo: probing.bsdf_values(bsdf, wi, wo, np.full((len(wi), 2), 0.5))
+        return partial(bsdf_values, mi.load_dict(describe(stack)))
 
     return Method(build, partial(describe, timed))
 
@@ -269,9 +268,7 @@ METHODS: dict[str, Method] = {
         lambda stack, _: encoded(stack).f, partial(over_metal, "neural_layered")
     ),
     "Urushi, codes": Method(codes),
-    "Urushi, `openpbr`": of_bsdf(
-        lambda s: conformance.openpbr(**openpbr_parameters(s)).description()
-    ),
+    "Urushi, `openpbr`": of_bsdf(lambda s: openpbr(**openpbr_parameters(s)).description()),
     "Belcour 2018": of_rival(belcour, "layered_belcour"),
     "Weidlich and Wilkie 2007": of_rival(weidlich, "layered_weidlich"),
     "pbrt-v4, coated materials": of_walk(pbrt, simulator_biases.reverse_density),

@@ -12,14 +12,13 @@ from typing import Any, NamedTuple
 import drjit as dr
 import mitsuba as mi
 import numpy as np
-from benchmarks.measures import Brdf
+from benchmarks.measures import Brdf, bsdf_values
 from benchmarks.rivals import ggx_fit, nbrdf
 from research.rivals import openpbr_recipe as recipe
 from scipy.optimize import least_squares
 
 from urushi.core import table
 from urushi.core.directions import turned
-from urushi.mitsuba.reading import probing
 
 #: Pairs of a fit, evaluations of its residuals at most, and step of their derivatives.
 PAIRS, EVALUATIONS, STEP = 1200, 40, 1e-3
@@ -155,7 +154,7 @@ def _principled_f(parameters: dict[str, Any], wi: np.ndarray, wo: np.ndarray) ->
         dr.make_opaque(number)  # a constant would make a new kernel
         entries[name if name == "specular" else f"{name}.value"] = number
     entries.update()
-    return probing.bsdf_values(bsdf, wi, wo, np.full((len(wi), 2), 0.5))
+    return bsdf_values(bsdf, wi, wo)
 
 
 def _recipe_f(parameters: dict[str, Any], wi: np.ndarray, wo: np.ndarray) -> np.ndarray:

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from benchmarks.evaluation import benchmark_set, predict
 from benchmarks.evaluation import fan2022 as evaluation
-from benchmarks.evaluation.samples import Samples, evaluate_bottoms
+from benchmarks.evaluation.samples import Samples, by_row, evaluate_bottoms
 from benchmarks.verdict import fits
 from fan2022 import PaperNetworks
 from research import bidirectional
@@ -75,5 +75,4 @@ def _mean(walk: Any, table: StackTable, walks: int, *rows_and_pairs: np.ndarray)
 
 def _by_row(f: Callable[..., np.ndarray], wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
     """f (S, M) of a function of rows (S M,) and pairs (S M, 3)."""
-    row = np.repeat(np.arange(len(wi), dtype=np.uint32), wi.shape[1])
-    return f(row, wi.reshape(-1, 3), wo.reshape(-1, 3)).reshape(wi.shape[:2])
+    return f(*by_row(wi, wo)).reshape(wi.shape[:2])

@@ -15,7 +15,7 @@ def reference():
 def test_errors_of_scaled_values(reference):
     """All values 10 % too bright: E is 0.1, and the albedo's error as well."""
     errors = conformance.errors(1.1 * reference.f, reference)
-    assert np.allclose(errors.error, 0.1, atol=1e-6) and np.allclose(errors.albedo, 0.1, atol=1e-6)
+    np.testing.assert_allclose(errors, 0.1, atol=1e-6)
 
 
 def test_wrong_values_are_refused(reference):
@@ -31,6 +31,5 @@ def test_values_of_another_renderer_are_compared(tmp_path, capsys):
     np.savez(path, f=1.25 * conformance.read().f)
     conformance.main(["--values", str(path)])
     lines = capsys.readouterr().out.splitlines()
-    assert lines[1].split()[0] == "mine"
-    assert len(lines) == 2 + 40 + 2
-    assert all("25.00   +25.0" in line for line in lines[2:42])
+    assert " mine " in lines[0] and len(lines) == 2 + 40 + 2
+    assert all("| 25.00 / +25.0 |" in line for line in lines[2:42])
