@@ -261,7 +261,11 @@ class Material:
         return None if table is None else own_texture(table, texture_form(language))
 
     def logs(self) -> np.ndarray:
-        """Logarithms (cells of `SHAPE`, C): the table, or that of the codes, or darkness."""
+        """Return ln f at the nodes of `urushi.core.table`: (U, V, W, C), by table or codes.
+
+        Codes without a rest have the least logarithm everywhere. Beside a lobe it is ln of the
+        rest, without T (see `beside_lobe`).
+        """
         table = self._table()
         return np.full((*SHAPE, self.channels), MIN_LOG) if table is None else table
 

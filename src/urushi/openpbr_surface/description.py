@@ -182,7 +182,7 @@ class OpenPBR:
             name: of the material; letters, digits and underscores.
 
         Raises:
-            ParameterError: a parameter is a texture, or the name is another one.
+            ParameterError: a parameter is a texture, or the name has other characters.
             FileError: the file cannot be written.
         """
         _check_constant(self.textures, "a saved material")
@@ -270,7 +270,7 @@ def save_materialx(stack: Stack, path: str | os.PathLike, name: str = "material"
         name: of the material; letters, digits and underscores.
 
     Raises:
-        ParameterError: the stack or the name is another one.
+        ParameterError: the stack is not of this kind, or the name has other characters.
         FileError: the file cannot be written.
     """
     write_parameters(parameters(stack), path, name)

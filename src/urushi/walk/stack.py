@@ -68,7 +68,7 @@ class Stack:
 
     @property
     def index(self) -> np.ndarray:
-        """Index of the medium under a slab relative to that above it, (3,) or (); of its bottom."""
+        """Index of the medium beyond a slab, relative to the medium above it: (3,) or ()."""
         etas = (part.eta for part in (*self.coats, self.bottom))  # type: ignore[attr-defined]
         return functools.reduce(np.multiply, etas)
 
