@@ -12,6 +12,7 @@ import { GLTFLoader, type GLTFLoaderPlugin } from "three/addons/loaders/GLTFLoad
 import { OBJLoader } from "three/addons/loaders/OBJLoader.js";
 import { PLYLoader } from "three/addons/loaders/PLYLoader.js";
 import { mergeVertices } from "three/addons/utils/BufferGeometryUtils.js";
+import type { Told } from "../core/rpc";
 import { FileError } from "../core/safetensors";
 import { type Mesh, meshOfPart, type Part, VERTEX_NUMBERS } from "./meshes";
 
@@ -24,12 +25,21 @@ const RADIUS = 0.7;
  * The mesh of a file, scaled, upright and on the ground.
  *
  * @param suffix "obj", "gltf", "glb" or "ply".
+ * @param told where the time goes with many triangles: a third each is the text of an .obj file, its
+ *   equal corners, and all else.
  * @throws FileError if it is damaged, has no triangles or too many, or needs an extension.
  */
-export async function readMesh(bytes: Uint8Array<ArrayBuffer>, suffix: string): Promise<Mesh> {
+export async function readMesh(
+  bytes: Uint8Array<ArrayBuffer>,
+  suffix: string,
+  told: Told = () => {},
+): Promise<Mesh> {
   try {
-    const object = await READERS[suffix as keyof typeof READERS](bytes);
-    return meshOfPart(partOf(placed(object)));
+    const object = await READERS[suffix as keyof typeof READERS](bytes, told);
+    told(2 / 3);
+    const whole = placed(object);
+    told(5 / 6);
+    return meshOfPart(partOf(whole));
   } catch (error) {
     throw error instanceof FileError ? error : damaged();
   }
@@ -37,7 +47,8 @@ export async function readMesh(bytes: Uint8Array<ArrayBuffer>, suffix: string): 
 
 /** Readers of objects with z up. */
 const READERS = {
-  obj: async (bytes: Uint8Array) => upright(readObj(new TextDecoder().decode(bytes))),
+  obj: async (bytes: Uint8Array, told: Told) =>
+    upright(readObj(new TextDecoder().decode(bytes), told)),
   glb: readGltf,
   gltf: readGltf,
   ply: async (bytes: Uint8Array<ArrayBuffer>) => {
@@ -48,15 +59,32 @@ const READERS = {
 };
 
 /** A file of Wavefront; where it has no normals, each of its objects is smooth. */
-function readObj(text: string): Group {
-  const group = new OBJLoader().parse(text);
+function readObj(text: string, told: Told): Group {
+  const group = new OBJLoader().parse(followed(text, (share) => told(share / 3)));
   const hasNormals = /^\s*vn\s/m.test(text);
-  group.traverse((object) => {
+  group.children.forEach((object, place, all) => {
+    told((1 + place / all.length) / 3);
     if (!(object instanceof MeshObject)) return;
     if (!hasNormals) object.geometry.deleteAttribute("normal");
     object.geometry = mergeVertices(object.geometry);
   });
   return group;
+}
+
+/** A text that tells which share of its lines was read: the loader trims one after the other. */
+function followed(text: string, told: Told): string {
+  const plain = text.replaceAll("\r\n", "\n").replaceAll("\\\n", ""); // as the loader
+  const lines = plain.split("\n");
+  const every = Math.ceil(lines.length / 50);
+  const followedLine = (line: string, at: number) =>
+    Object.assign(Object(line), {
+      trimStart() {
+        told(at / lines.length);
+        return line.trimStart();
+      },
+    });
+  for (let at = 0; at < lines.length; at += every) lines[at] = followedLine(lines[at]!, at);
+  return Object.assign(Object(plain), { split: () => lines });
 }
 
 function geometryOf(attributes: Record<string, number[]>, faces: number[]): BufferGeometry {

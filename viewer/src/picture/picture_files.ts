@@ -37,12 +37,13 @@ export function readPanorama(
  * @throws FileError if it is another file, damaged, or of a kind that the library does not know.
  */
 export function readPicture(bytes: Uint8Array, suffix: PanoramaSuffix): Panorama {
-  let read: { width: number; height: number; data: ArrayLike<number> };
+  let read: { width: number; height: number; data: ArrayLike<number>; header?: string };
   try {
     if (suffix === "exr") checkHeader(bytes);
     const loader = suffix === "hdr" ? new HDRLoader() : new EXRLoader().setOutputFormat(RGBAFormat);
     read = loader.setDataType(FloatType).parse(bytes.slice().buffer) as typeof read;
     if (read.data.length !== 4 * read.width * read.height) throw new RangeError();
+    if (suffix === "hdr") checkRuns(bytes.subarray(read.header!.length), read);
   } catch {
     throw new FileError(
       `This .${suffix} file is damaged, or of a kind that the page cannot read, as one of several parts.`,
@@ -80,4 +81,25 @@ function checkHeader(bytes: Uint8Array): void {
     const size = after(after(at));
     at = size + 4 + view.getUint32(size, true);
   }
+}
+
+/**
+ * Read over the rows of a Radiance file, each four bytes and runs of its four bands: the library would
+ * leave the rows black that are missing.
+ *
+ * @throws RangeError if the file ends before them.
+ */
+function checkRuns(rows: Uint8Array, { width, height }: { width: number; height: number }): void {
+  if (width < 8 || rows[0] !== 2 || rows[1] !== 2 || rows[2]! > 127) return; // no runs
+  let at = 0;
+  for (let row = 0; row < height; row++) {
+    at += 4;
+    for (let left = 4 * width; left > 0; ) {
+      if (at >= rows.length) throw new RangeError();
+      const count = rows[at]!;
+      left -= count % 128 || 128;
+      at += 1 + (count > 128 ? 1 : count);
+    }
+  }
+  if (at > rows.length) throw new RangeError();
 }

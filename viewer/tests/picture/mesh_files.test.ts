@@ -117,6 +117,16 @@ test("corners may count from the end, and without normals get smooth ones", asyn
   expect(await readMesh(text(given), "obj")).toEqual(one);
 });
 
+test.each(["\n", "\r\n"])("reading a long text tells its share (%j)", async (end) => {
+  const shares: number[] = [];
+  const lines = [OBJ, ...Array<string>(10_000).fill("v 0 0 0")].join("\n").replaceAll("\n", end);
+  expect(await readMesh(text(lines), "obj", (share) => shares.push(share))).toEqual(box);
+  expect(shares.length).toBeGreaterThan(20);
+  expect(shares).toEqual(shares.toSorted((a, b) => a - b));
+  expect(Math.min(...shares)).toBe(0);
+  expect(Math.max(...shares)).toBeLessThan(1);
+});
+
 test.each([
   ["obj", text("f 1 2 3"), /damaged/],
   ["obj", text("v 0 0 0"), /no triangles/],

@@ -65,6 +65,18 @@ test("plain and run-length coded .hdr files are equal", () => {
   });
 });
 
+test("a run-length coded .hdr file that ends early is refused, and one with more at its end is read", () => {
+  const band = [8, ...Array(8).fill(128)];
+  const literal = [2, 2, 0, 8, ...band, ...band, ...band, ...band];
+  for (const row of [RUNS, literal]) {
+    const rows = Array(4).fill(row).flat();
+    const whole = readPicture(hdr(8, 4, rows), "hdr");
+    expect(readPicture(hdr(8, 4, [...rows, 10, 10]), "hdr")).toEqual(whole);
+    for (let length = 0; length < rows.length; length++)
+      expect(() => readPicture(hdr(8, 4, rows.slice(0, length)), "hdr")).toThrow(FileError);
+  }
+});
+
 test.each([
   ["another file", "hdr", new TextEncoder().encode("P6 4 2 255")],
   ["another file", "exr", new TextEncoder().encode("P6 4 2 255")],
