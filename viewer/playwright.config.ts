@@ -8,7 +8,8 @@ export default defineConfig({
   outputDir: "out/playwright",
   // One page alone keeps two cores busy only where it draws.
   workers: 2,
-  timeout: 120_000,
+  // Other programs may leave it a tenth of a core.
+  timeout: 600_000,
   expect: { timeout: 60_000 },
   use: {
     baseURL: process.env.PAGE ?? `http://127.0.0.1:${PORT}/`,

@@ -28,7 +28,7 @@ test("a slider moves by mouse and keyboard, its number is typed, a double click 
   await page.mouse.down();
   await page.mouse.move(box.x + 0.8 * box.width, box.y + box.height / 2, { steps: 5 });
   await page.mouse.up();
-  await expect.poll(value).toBeGreaterThan(before + 0.3);
+  await expect.poll(value).toBeGreaterThan(before + 0.5); // the last place of the pointer
   const dragged = await value();
 
   await slider.focus();
@@ -260,13 +260,13 @@ test("two widths have sliders and an angle, and the address holds the state; a d
   await link.click();
   await expect(link).toHaveAttribute("aria-pressed", "true");
   await enter(page, "Bottom, Roughness αᵥ", 0.6);
-  await expect(page.getByText("The networks are missing")).toHaveCount(0);
   const angle = number(page, "Material, Tangent angle");
   await enter(page, "Material, Tangent angle", 45);
   await expect(angle).toHaveValue("45");
   await page.getByRole("combobox", { name: "Object" }).selectOption("plate");
   // The address follows with a delay.
   await expect.poll(async () => (await stateOf(page)).object).toBe("plate");
+  await expect(page.getByRole("alert")).toHaveCount(0);
   const other = await page.context().newPage();
   await other.goto(page.url());
   await unfold(other);

@@ -167,7 +167,7 @@ test("what is needed later is fetched by another try", async ({ page, quiet }) =
         await page.getByRole("button", { name: "Coat 2, u·v: two widths" }).click();
         await enter(page, "Coat 2, Roughness αᵥ", "0.2");
       },
-      () => expect(page.locator(".status[data-converged]")).toBeVisible(),
+      (file: string) => page.waitForResponse(file), // and what is saved next has its codes
     ],
     [
       "**/glsl.txt*",
@@ -182,7 +182,7 @@ test("what is needed later is fetched by another try", async ({ page, quiet }) =
     await act();
     await expect(page.getByRole("alert")).toContainText("could not be fetched");
     await page.unroute(pattern);
-    const finished = done();
+    const finished = done(pattern);
     await page.getByRole("button", { name: "Try again" }).click();
     await finished;
     const missing = page.getByRole("alert").filter({ hasText: "could not be fetched" });

@@ -110,7 +110,7 @@ for (const [name, { bottom, coats, object, environment, share, long }] of Object
     test.use({ refined: share });
     const tag = long ? "@long" : [];
     test(`${name}: as Mitsuba renders it`, { tag }, async ({ page }) => {
-      test.setTimeout(400_000);
+      test.setTimeout(1_200_000);
       const materials = [{ name, bottom, coats }];
       const view = { azimuth: 20, elevation: 25, zoom: 1.4 };
       await open(page, addressOf({ materials, object, environment, view, rotation: 30 }));

@@ -95,7 +95,7 @@ function answerAtOnce(wanted: Options): void {
 /** Wait until the picture has a share of its frames. */
 export async function refined(page: Page, share: number): Promise<void> {
   const gathered = () => page.locator(".status progress").evaluate((bar) => Object(bar).value);
-  await expect.poll(gathered, { timeout: 300_000 }).toBeGreaterThanOrEqual(share);
+  await expect.poll(gathered, { timeout: 1_000_000 }).toBeGreaterThanOrEqual(share);
 }
 
 /** Open the page and wait until it computes; nothing on it is folded. */

@@ -51,7 +51,7 @@ test.describe("beside Mitsuba", () => {
       test.use({ refined: share });
       const tag = share === 1 ? "@long" : [];
       test(`${object}, ${environment}: as Mitsuba renders it`, { tag }, async ({ page }) => {
-        test.setTimeout(400_000);
+        test.setTimeout(1_200_000);
         await beginWithTexture(page);
         const materials = [stripes()];
         await open(page, addressOf({ materials, object, environment, view, rotation: 30 }));
