@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 from benchmarks import sphere
-from benchmarks.measures import Brdf, albedos, error, in_plane
+from benchmarks.measures import Brdf, error, in_plane
 from benchmarks.pictures import compare
 from benchmarks.showing import percent, table
 from matplotlib.figure import Figure
@@ -22,6 +22,7 @@ import urushi
 from urushi.app.encode import Encode
 from urushi.core import error_metrics as metrics
 from urushi.core.direction_sets import cosine_pairs, half_angle_pairs
+from urushi.core.quadrature import directional_albedos
 from urushi.errors import UrushiError
 from urushi.files import atomic_write, new_folder
 from urushi.material import Material
@@ -71,7 +72,7 @@ def examine(path: Path, name: str, source: Any, material: Material) -> dict[str,
         "PSNR": compare(pictures[1], pictures[0], inside).psnr,
     }
     lit = in_plane(-np.radians(ALBEDO_ANGLES))
-    parts = map(_slices, both), (albedos(f, lit, anisotropic=True) for f in both)
+    parts = map(_slices, both), (directional_albedos(f, lit, anisotropic=True) for f in both)
     slices, shares = (np.stack(np.broadcast_arrays(*part)) for part in parts)
     draw(path, f"{name}: E {percent(e)}, PSNR {figures['PSNR']:.1f} dB", slices, shares, pictures)
     return figures

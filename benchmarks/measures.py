@@ -1,4 +1,4 @@
-"""Measures of any BRDF: E of its channels and directional albedos; directions in a plane."""
+"""Measures of any BRDF: E of its channels, and errors of coats; directions in a plane."""
 
 from collections.abc import Callable
 from typing import Any
@@ -7,7 +7,6 @@ import numpy as np
 import numpy.typing as npt
 
 from urushi.core import error_metrics
-from urushi.core.quadrature import half_vector_rule
 from urushi.mitsuba.reading import probing
 
 #: f(wi, wo) -> (N, C) [1/sr].
@@ -45,11 +44,3 @@ def coat_errors(
 def bsdf_values(bsdf: Any, wi: np.ndarray, wo: np.ndarray, number: Any = 0.0) -> np.ndarray:
     """f (N, 3) of a BSDF of Mitsuba; walks of a pair differ by their number, one or (N,)."""
     return probing.bsdf_values(bsdf, wi, wo, np.full((len(wi), 2), 0.5), number)
-
-
-def albedos(f: Brdf, wi: np.ndarray, *, anisotropic: bool = False) -> np.ndarray:
-    """Directional albedos (N, C) of a BRDF for wi (N, 3) above the horizon."""
-    wo, weights = half_vector_rule(wi, anisotropic=anisotropic)
-    each = np.repeat(wi, weights.shape[1], axis=0).astype(np.float32)
-    values = f(each, wo.reshape(-1, 3).astype(np.float32)).reshape(*weights.shape, -1)
-    return np.einsum("inc,in->ic", values, weights * wo[..., 2])

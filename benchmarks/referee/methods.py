@@ -19,11 +19,12 @@ import mitsuba as mi
 import numpy as np
 from benchmarks import timing
 from benchmarks.experiments import simulator_biases
-from benchmarks.measures import Brdf, albedos, bsdf_values
+from benchmarks.measures import Brdf, bsdf_values
 from benchmarks.referee import materials
 from research.rivals import belcour, openpbr_recipe, plugins, weidlich
 
 import urushi
+from urushi.core.quadrature import directional_albedos
 from urushi.errors import ParameterError
 from urushi.openpbr_surface.description import openpbr
 from urushi.openpbr_surface.description import parameters as openpbr_parameters
@@ -76,7 +77,7 @@ def furnace(method: Method, walks: int) -> dict[str, list[float]]:
         found = method.batch(materials.WHITE, *materials.pairs())[1]
         return {name: x.mean(1).tolist() for name, x in found.items()}
     return {
-        name: albedos(f, materials.lit()).mean(-1).tolist()
+        name: directional_albedos(f, materials.lit()).mean(-1).tolist()
         for name, f in built(method, materials.WHITE, walks).items()
     }
 

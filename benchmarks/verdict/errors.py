@@ -11,7 +11,7 @@ from benchmarks.evaluation import benchmark_set, samples
 from benchmarks.evaluation.distributions import Table2
 from benchmarks.evaluation.samples import Group
 from benchmarks.measured import coated, materials
-from benchmarks.measures import albedos, error, in_plane
+from benchmarks.measures import error, in_plane
 from benchmarks.showing import rounded
 from benchmarks.verdict import fits
 from benchmarks.verdict import methods as known
@@ -22,6 +22,7 @@ from research.rivals import weidlich
 import urushi
 from urushi.core import direction_sets, error_metrics
 from urushi.core import table as nodes
+from urushi.core.quadrature import directional_albedos
 from urushi.walk import Stack
 from urushi.walk.simulate import albedo as walked_albedo
 
@@ -134,7 +135,9 @@ def laws(paper: PaperNetworks) -> dict[str, float]:
     wi, found = in_plane(np.arccos(ALBEDO_COSINES)), dict[str, float]()
     for alpha in WIDTHS:
         for bottom in (urushi.diffuse(1.0), urushi.conductor(alpha=alpha, r0=1.0)):
-            made = {name: albedos(f, wi) for name, f in _white(alpha, bottom, paper).items()}
+            made = {
+                name: directional_albedos(f, wi) for name, f in _white(alpha, bottom, paper).items()
+            }
             made[known.WALK], _ = walked_albedo(urushi.coat(bottom, alpha, 1.5), wi, seed=SEED)
             for name, albedo in made.items():
                 found[name] = max(found.get(name, 0.0), float(albedo[:, 0].max()))
