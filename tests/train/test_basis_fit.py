@@ -59,7 +59,7 @@ def test_the_measure_integrates_over_pairs_of_cosine_density(measure):
 
 
 def test_tables_in_the_span_are_exact(basis, materials, rests):
-    codes = solve_codes(basis, rests)
+    codes = solve_codes(basis, rests, np.ones_like(rests))
     assert basis_fit.errors(basis.rows, FACTORS, materials, codes).max() < 2e-3
 
 
@@ -67,13 +67,14 @@ def test_a_lambertian_is_exact(basis):
     """The constant is a function and the mean is zero, so that its code is its gain."""
     assert not basis.rows[:, 0].any()
     assert (basis.rows[:, 1] == 1).all()
-    codes = solve_codes(basis, np.full((1, 96), 0.8 / np.pi, np.float32))
+    white = np.full((1, 96), 0.8 / np.pi, np.float32)
+    codes = solve_codes(basis, white, np.ones_like(white))
     np.testing.assert_allclose(codes, [[np.log(0.8 / np.pi), 0, 0]], atol=1e-4)
 
 
 def test_functions_are_standardised(basis, rests, measure):
     """Codes have the mean square 1 and mean products 0, and the first has the largest effect."""
-    codes = solve_codes(basis, rests)[:, 1:]
+    codes = solve_codes(basis, rests, np.ones_like(rests))[:, 1:]
     np.testing.assert_allclose(codes.T @ codes / len(codes), np.eye(2), atol=0.05)
     effects = measure @ basis.rows[:, 2:] ** 2
     assert effects[0] > effects[1]

@@ -177,6 +177,12 @@ def known_nodes(knots: Knots) -> tuple[np.ndarray, np.ndarray]:
     return u, np.unique([*v, *about])
 
 
+def known_pairs(knots: Knots = ()) -> list[np.ndarray]:
+    """Pairs wi, wo float32 (N, 3) of the `known_nodes` and all nodes in w, which is fastest."""
+    rows = np.ix_(*known_nodes(knots))
+    return [w.reshape(*SHAPE, 3)[rows].reshape(-1, 3) for w in node_pairs(knots)]
+
+
 def interpolated_nodes(f: np.ndarray, knots: Knots) -> np.ndarray:
     """Values (U, V, ...) at all nodes of values f (K, L, ...) at `known_nodes`.
 

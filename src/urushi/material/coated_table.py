@@ -18,11 +18,12 @@ from urushi.core.table import (
     interpolated,
     interpolated_nodes,
     known_nodes,
+    known_pairs,
     node_pairs,
     table_of_values,
 )
 from urushi.material import adding, energy
-from urushi.material.coated_values import HALF, NARROW, WIDE, coated_values
+from urushi.material.coated_values import HALF, NARROW, WIDE, coated_values, passed_twice
 from urushi.material.material import Material
 from urushi.material.substrate import Substrate, of_material
 from urushi.nets import lobe as lobes
@@ -49,7 +50,7 @@ def coated_rest(bottom: Material, coat: CoatParameters) -> np.ndarray:
     below = of_material(bottom)
     *columns, _ = np.broadcast_arrays(*coat, np.arange(below.channels))
     parameters = np.stack(columns).astype(np.float64)
-    passed = both_ways(lobes.of_coat(*parameters[:2]), *(w[:, None] for w in node_pairs()))
+    passed = passed_twice(CoatParameters(*parameters), *node_pairs())
     return rest_at_nodes(below, parameters[:2], parameters[2:], passed)
 
 
@@ -71,7 +72,6 @@ def rest_at_nodes(
     count = media.shape[1]
     channels = np.broadcast_to(np.arange(below.channels), count)
     every, rows = node_pairs(knots), np.ix_(*known_nodes(knots))
-    known = [w.reshape(*SHAPE, 3)[rows].reshape(-1, 3) for w in every]
     result = np.empty((len(every[0]), count), np.float32)
 
     def at(pairs: Sequence[np.ndarray], chosen: np.ndarray) -> np.ndarray:
@@ -85,7 +85,7 @@ def rest_at_nodes(
     if whole.any():
         result[:, whole] = at(every, whole) / factor[:, whole]
     if not whole.all():
-        values = at(known, ~whole).reshape(*(row.size for row in rows), SHAPE[2], -1)
+        values = at(known_pairs(knots), ~whole).reshape(*(row.size for row in rows), SHAPE[2], -1)
         values /= factor[:, ~whole].reshape(*SHAPE, -1)[rows]
         result[:, ~whole] = interpolated_nodes(values, knots).reshape(len(result), -1)
     return result

@@ -30,7 +30,7 @@ from urushi.core.lanes import Lane
 from urushi.core.microfacet import pair
 from urushi.core.namespace import DRJIT
 from urushi.core.probe_pairs import ANISOTROPIC_PROBES, probe_pairs
-from urushi.core.table import SHAPE, known_nodes, node_pairs
+from urushi.core.table import SHAPE, known_pairs
 from urushi.material import adding, adding_quadrant
 from urushi.material.crossing import (
     GENERATORS,
@@ -41,6 +41,8 @@ from urushi.material.crossing import (
 from urushi.material.material import Material
 from urushi.material.reflector import Reflector
 from urushi.material.substrate import Substrate, of_material
+from urushi.nets import lobe as lobes
+from urushi.nets.transmittance import both_ways
 
 #: Pairs of refracted directions over wide lobes, over narrow ones, and half vectors for each side.
 WIDE, NARROW, HALF = 256, 512, 256
@@ -72,6 +74,22 @@ def coated_f(
     flat, count = np.stack([x.ravel() for x in columns]).astype(np.float64), below.widths + 1
     f = coated_values(below, channels.ravel(), flat[:count], flat[count:], wi, wo)
     return f.reshape(len(wi), *channels.shape)
+
+
+def coated_g(
+    bottom: Material | Substrate, coat: CoatParameters, wi: np.ndarray, wo: np.ndarray
+) -> np.ndarray:
+    """g float32 (N, ..., C) [1/sr] of `nets.transmittance`; the arguments are of `coated_f`."""
+    return (coated_f(bottom, coat, wi, wo) / passed_twice(coat, wi, wo)).astype(np.float32)
+
+
+def passed_twice(coat: CoatParameters, wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
+    """T(wi) T(wo) (N, ..., C), of `nets.transmittance`, for the interfaces of coats (..., C).
+
+    Coats that are numbers give (N, 1).
+    """
+    lobe = np.atleast_2d(lobes.of_coat(coat.alpha, coat.eta))
+    return both_ways(lobe, *(w.reshape(-1, *[1] * (lobe.ndim - 1), 3) for w in (wi, wo)))
 
 
 def coated_values(
@@ -236,8 +254,7 @@ def _basis(s: np.ndarray) -> tuple[list[int], np.ndarray]:
 def _seen(jobs: Jobs) -> np.ndarray:
     """The BRDFs below (P, D) at some nodes of the table, of two widths at the probe pairs."""
     if jobs.bottom.stretch2 is None:
-        some, every = np.ix_(*known_nodes(jobs.bottom.knots)), node_pairs(jobs.bottom.knots)
-        pairs = [w.reshape(*SHAPE, 3)[some].reshape(-1, 3) for w in every]
+        pairs = known_pairs(jobs.bottom.knots)
     else:
         pairs = list(probe_pairs(ANISOTROPIC_PROBES, 2))
     matched = np.concatenate([jobs.interface[:, :-1], np.ones((len(jobs.eta), 1))], axis=1)

@@ -61,14 +61,14 @@ LEAST_SLOPE = 1e-4
 def solve_codes(
     basis: Basis,
     rest: np.ndarray,
-    passed: np.ndarray | None = None,
+    passed: np.ndarray,
     stretch: np.ndarray | None = None,
 ) -> np.ndarray:
     """Codes float32 (S, K), of two widths (S, K + 1), of values (S, N) [1/sr] at the probe pairs.
 
     Args:
         rest: g.
-        passed: (S, N) T(wi) T(wo); None: one.
+        passed: (S, N) T(wi) T(wo) at the probe pairs.
         stretch: (S,) known ln s of two widths; None: it is estimated.
     """
     codes = np.zeros((len(rest), basis.size + basis.widths - 1), np.float32)
@@ -78,9 +78,8 @@ def solve_codes(
         functions = basis.probe_rows(own)
         for start in range(0, len(every), BLOCK):
             rows = every[start : start + BLOCK]
-            measure = basis.measure if passed is None else basis.measure * passed[rows]
-            found = fitted(functions, measure, basis.prior, rest[rows])
-            codes[rows, : basis.size] = found
+            measure = basis.measure * passed[rows]
+            codes[rows, : basis.size] = fitted(functions, measure, basis.prior, rest[rows])
     return codes
 
 

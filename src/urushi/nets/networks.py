@@ -146,14 +146,14 @@ class Networks(NamedTuple):
     def _encode(self, f: np.ndarray, lobe: np.ndarray | None = None) -> np.ndarray:
         lobe = fit_lobes(f, self.arch.widths) if lobe is None else lobe
         rest, stretch = np.maximum(f - lobes.f(lobe[..., None, :], *self.pairs()), 0), None
-        passed = self.passed(lobe.reshape(-1, self.arch.lobe), *self.pairs())
-        if passed is not None:
-            rest /= passed.reshape(rest.shape)
+        passed = transmittance.both_ways(lobe[..., None, :], *self.pairs())
+        rest /= passed
         if self.arch.widths == 2:
             mean = rest.mean(axis=-2, keepdims=True) if rest.ndim > 1 else rest
             stretch = log_stretch(mean.reshape(-1, f.shape[-1]), self.basis.measure)
             stretch = np.broadcast_to(stretch.reshape(mean.shape[:-1]), rest.shape[:-1]).ravel()
-        codes = solve_codes(self.basis, rest.reshape(-1, f.shape[-1]), passed, stretch)
+        rest, passed = (x.reshape(-1, f.shape[-1]) for x in (rest, passed))
+        codes = solve_codes(self.basis, rest, passed, stretch)
         codes = codes.reshape(*f.shape[:-1], self.arch.rest)
         return np.concatenate([lobe, codes], axis=-1, dtype=np.float32)
 
@@ -193,17 +193,8 @@ class Networks(NamedTuple):
         result = np.empty((len(z), len(functions(float(stretch[0])))), np.float32)
         for rows, numbers, own in self.basis.groups(z[:, self.arch.lobe :]):
             result[rows] = basis.decode(numbers[:, None], functions(own))
-        passed = self.passed(z[:, : self.arch.lobe], functions.wi, functions.wo)
-        return result if passed is None else result * passed
-
-    def passed(self, lobe: np.ndarray, wi: np.ndarray, wo: np.ndarray) -> np.ndarray | None:
-        """T(wi) T(wo) float32 (S, P) of all lobes (S, N) at all pairs (P, 3); None if it is one."""
-        edged = transmittance.has_edges(lobe)
-        if not edged.any():
-            return None
-        result = np.ones((len(lobe), len(wi)), np.float32)
-        result[edged] = transmittance.both_ways(lobe[edged, None], wi, wo)
-        return result
+        lobe = z[:, None, : self.arch.lobe]
+        return result * transmittance.both_ways(lobe, functions.wi, functions.wo)
 
     def table(self, z: np.ndarray) -> np.ndarray | None:
         """`Basis.table` of codes (C, L), of g; None without rests."""

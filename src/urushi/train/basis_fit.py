@@ -41,6 +41,7 @@ from urushi.nets import code_fit
 from urushi.nets import lobe as lobes
 from urushi.nets.basis import on_grid
 from urushi.nets.transmittance import both_ways
+from urushi.nets.weights import Model
 from urushi.train.stretched_tables import NODES, Nodes, nodes_of
 
 #: Rounds of the alternation by light, and by the error.
@@ -115,6 +116,13 @@ def materials(held: Mapping[str, np.ndarray]) -> Tables:
 def probed(held: Mapping[str, np.ndarray], count: int) -> np.ndarray:
     """g (N, count) of such arrays at the probe pairs; of one width by the tables."""
     return np.exp(held["probes"] if "probes" in held else at_probes(held["table"], count))
+
+
+def bottom_codes(model: Model, held: Mapping[str, np.ndarray]) -> np.ndarray:
+    """Codes float32 (N, L) of such arrays, with the lobes that they hold."""
+    passed = both_ways(held["lobe"][:, None], *model.networks.pairs())
+    rest = code_fit.solve_codes(model.networks.basis, probed(held, model.arch.probes), passed)
+    return np.concatenate([held["lobe"], rest], axis=1)
 
 
 def at_probes(values: np.ndarray, count: int) -> np.ndarray:

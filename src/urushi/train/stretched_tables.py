@@ -27,7 +27,7 @@ from urushi.core.table import (
     log_tangent,
     node_directions,
 )
-from urushi.material.coated_values import coated_f
+from urushi.material.coated_values import coated_g
 from urushi.material.material import Material
 from urushi.material.reflector import Reflector
 from urushi.material.substrate import Substrate
@@ -35,7 +35,7 @@ from urushi.nets import lobe as lobes
 from urushi.nets import weights
 from urushi.nets.code_fit import log_stretch
 from urushi.nets.lobe_fit import fit_lobes
-from urushi.nets.transmittance import both_ways, remainder
+from urushi.nets.transmittance import remainder
 from urushi.train.bottoms import bottom_lobes
 from urushi.train.distribution import (
     LEAST_WIDTH,
@@ -131,7 +131,7 @@ def levels(probes: int, seed: int, number: int) -> list[dict[str, Any]]:
         if level:
             lobe = lobes.of_coat(*CoatParameters.of_columns(coat)[:2])
             own = CoatParameters.of_columns(coat.astype(float))
-            rest = functools.partial(_coated_rest, below, own)
+            rest = functools.partial(coated_g, below, own)
         else:
             rest = functools.partial(_bare_rest, bottom, lobe)
         probed = rest(*probe_pairs(probes, 2)).T
@@ -139,8 +139,8 @@ def levels(probes: int, seed: int, number: int) -> list[dict[str, Any]]:
         pairs = (w.reshape(-1, 3) for w in nodes_of(stretch, [number, level]).pairs)
         rows.append(
             {
-                "table": _logs(rest(*pairs)[:, 0]).astype(np.float16),
-                "probes": _logs(probed[0]),
+                "table": logs(rest(*pairs)[:, 0]).astype(np.float16),
+                "probes": logs(probed[0]),
                 "stretch": stretch,
                 "lobe": lobe,
                 "stack": np.int32(number),
@@ -157,16 +157,8 @@ def _bare_rest(bottom: Reflector, lobe: np.ndarray, wi: np.ndarray, wo: np.ndarr
     return remainder(bottom.f(wi, wo)[:, 0], lobe, wi, wo)[:, None]
 
 
-def _coated_rest(
-    below: Material | Substrate, coat: CoatParameters, wi: np.ndarray, wo: np.ndarray
-) -> np.ndarray:
-    """g float32 (N, ...) of coated materials; coat: numbers or arrays (...)."""
-    rest = coated_f(below, coat, wi, wo)
-    passed = both_ways(lobes.of_coat(coat.alpha, coat.eta), *(w[:, None] for w in (wi, wo)))
-    return rest / passed
-
-
-def _logs(f: np.ndarray) -> np.ndarray:
+def logs(f: np.ndarray) -> np.ndarray:
+    """ln f float32 (...) of values [1/sr], at least `MIN_LOG`."""
     return np.log(np.maximum(f, np.exp(MIN_LOG))).astype(np.float32)
 
 
@@ -182,8 +174,7 @@ def draw_bottom(rng: np.random.Generator, stack: StackTable) -> tuple[Reflector,
         parts = bottom_lobes(stack.kind, np.array([list(known.values())]))
     parts = with_two_widths(rng, parts, LEAST_WIDTH)
     white = known.get("diffuse", known.get("reflectance", 0)) / np.pi
-    logs = np.full((*SHAPE, 1), np.log(max(white, np.exp(MIN_LOG))))
-    bottom = Reflector.of_logs(logs, parts[None], np.ones(1))
+    bottom = Reflector.of_logs(logs(np.full((*SHAPE, 1), white)), parts[None], np.ones(1))
     if stack.kind != "mixture":
         return bottom, parts[0]
     return bottom, fit_lobes(bottom.f(*probe_pairs(ANISOTROPIC_PROBES, 2)).T, 2)[0]
@@ -199,5 +190,5 @@ def coats_over(
     for code, coats, result in zip(bottom, over, coated, strict=True):
         below = Material(np.tile(code, (count, 1)), model)
         coat = CoatParameters.of_columns(coats.T.astype(float))
-        result[:] = _logs(_coated_rest(below, coat, *pairs)).T
+        result[:] = logs(coated_g(below, coat, *pairs)).T
     return {"over": over, "coated": coated}

@@ -23,25 +23,24 @@ from urushi import files
 from urushi.checks import CoatParameters
 from urushi.core.probe_pairs import probe_pairs
 from urushi.core.table import (
-    MIN_LOG,
     SHAPE,
     interpolated_nodes,
     known_nodes,
+    known_pairs,
     node_pairs,
     table_of_values,
 )
 from urushi.errors import FileError
-from urushi.material.coated_values import coated_f
+from urushi.material.coated_values import coated_g
 from urushi.material.reflector import Reflector
 from urushi.material.substrate import Substrate
 from urushi.nets import lobe as lobes
 from urushi.nets import weights
-from urushi.nets.code_fit import solve_codes
 from urushi.nets.mlp import Params
 from urushi.nets.networks import Architecture
-from urushi.nets.transmittance import both_ways
 from urushi.parallel import one_blas_thread
 from urushi.train import stretched_tables, workers
+from urushi.train.basis_fit import bottom_codes
 from urushi.train.bottoms import bottom_lobes, bottom_rest
 from urushi.train.distribution import SHARES, coats_of, draw_coats, draw_stack
 from urushi.walk.bottoms import KINDS
@@ -165,9 +164,7 @@ def generate_coats(
     def below(shard: int) -> tuple[int, np.ndarray, np.ndarray]:
         names = ("lobe", "probes", "stack")
         held = files.read_tensors(store.file(shard), "tables", FORMAT_VERSION, names)[1]
-        passed = model.networks.passed(held["lobe"], *model.networks.pairs())
-        rest = solve_codes(model.networks.basis, np.exp(held["probes"]), passed)
-        return shard, held["stack"], np.concatenate([held["lobe"], rest], axis=1)
+        return shard, held["stack"], bottom_codes(model, held)
 
     make = functools.partial(_coats_over, model.arch, model.params)
     compute = functools.partial(_on_one_thread, make, store.spec)
@@ -257,13 +254,10 @@ def levels(seed: int, number: int) -> list[dict[str, Any]]:
 
 def coated(below: Substrate, coat: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Lobe (1, L) and table (1, P) of a material under a coat (5,)."""
-    rows = np.ix_(*known_nodes(()))
-    pairs = [w.reshape(*SHAPE, 3)[rows].reshape(-1, 3) for w in node_pairs()]
-    own = lobes.of_coat(*coat[:2, None]).astype(np.float32)
-    rest = coated_f(below, CoatParameters(*coat[:, None]), *pairs)
-    rest /= both_ways(own, *(w[:, None] for w in pairs))
-    values = interpolated_nodes(rest.reshape(*(row.size for row in rows), SHAPE[2], 1), ())
-    return own, table_of_values(values.reshape(-1, 1)).reshape(1, -1)
+    g = coated_g(below, CoatParameters(*coat[:, None]), *known_pairs())
+    values = interpolated_nodes(g.reshape(*map(len, known_nodes(())), SHAPE[2]), ())
+    lobe = lobes.of_coat(*coat[:2, None]).astype(np.float32)
+    return lobe, table_of_values(values.reshape(-1, 1)).reshape(1, -1)
 
 
 def _substrate(tables: np.ndarray, lobe: np.ndarray) -> Substrate:
@@ -273,7 +267,5 @@ def _substrate(tables: np.ndarray, lobe: np.ndarray) -> Substrate:
 
 def _at_probes(below: Substrate, coats: np.ndarray, count: int) -> np.ndarray:
     """ln g float32 (B, C, N) of materials B under coats (C, 5) at the probe pairs."""
-    pairs, coat = probe_pairs(count), CoatParameters(*coats.T[..., None])
-    rest = coated_f(below, coat, *pairs).T  # (B, C, N)
-    rest = rest / both_ways(lobes.of_coat(coat.alpha, coat.eta), *pairs)
-    return np.log(np.maximum(rest, np.exp(MIN_LOG))).astype(np.float32)
+    g = coated_g(below, CoatParameters(*coats.T[..., None]), *probe_pairs(count))
+    return stretched_tables.logs(g.T)

@@ -144,17 +144,14 @@ def layerings(
     model: with the basis. Coats over its codes of two widths are computed first. cluster: who
     computes them, see `workers.results`.
     """
-    basis, names = model.networks.basis, ("over", "coated", "stack")
+    names = ("over", "coated", "stack")
     if model.widths == 2:
         store = tables.generate_coats(store, model, cluster)
         held = store.read(("bottom", *names))
     else:
         held = store.read(("table", "lobe", *names))
-        rest = basis_fit.probed(held, model.arch.probes)
-        passed = model.networks.passed(held["lobe"], *model.networks.pairs())
-        codes = solve_codes(basis, rest, passed)
-        held["bottom"] = np.concatenate([held["lobe"], codes], axis=1)
-    found = layering.examples(basis, held["bottom"], held["over"], held["coated"])
+        held["bottom"] = basis_fit.bottom_codes(model, held)
+    found = layering.examples(model.networks.basis, held["bottom"], held["over"], held["coated"])
     return found, np.repeat(held["stack"], held["over"].shape[1])
 
 
