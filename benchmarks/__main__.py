@@ -44,6 +44,8 @@ def main() -> None:
     ]
     for name in chosen:
         found = experiment.run(name, options, given.cases, given.fresh)
+        if not found:
+            continue  # it said why
         module = importlib.import_module(f"benchmarks.experiments.{name}")
         print(f"\n{name}: {(module.__doc__ or '').splitlines()[0]}\n")
         print("\n\n".join(experiment.load(name).tables(found)))

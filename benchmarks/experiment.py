@@ -112,6 +112,8 @@ def load(name: str) -> Experiment:
 def run(name: str, options: Options, chosen: Sequence[str] = (), fresh: bool = False) -> Found:
     """Measure the cases that are missing, store what is complete, and draw it.
 
+    Without cases, it says why in a sentence and returns nothing.
+
     Args:
         name: of the experiment.
         options: of the run.
@@ -120,7 +122,11 @@ def run(name: str, options: Options, chosen: Sequence[str] = (), fresh: bool = F
         fresh: measure cases again that were measured before.
     """
     experiment, folder = load(name), parts_folder(name, options)
-    cases = {k: c for k, c in experiment.cases(options).items() if not chosen or k in chosen}
+    known = experiment.cases(options)
+    cases = {k: c for k, c in known.items() if not chosen or k in chosen}
+    if not cases:
+        print(f"{name} has no cases: {_reason(known, chosen)}")
+        return {}
     found: Found = {}
     for key, case in tqdm(cases.items(), desc=name, unit="case", disable=None):
         path = folder / f"{_file_name(key)}.json"
@@ -133,9 +139,7 @@ def run(name: str, options: Options, chosen: Sequence[str] = (), fresh: bool = F
                     np.savez(temporary, **{k: np.float16(v) for k, v in pictures.items()})
             _write_json(path, values)
         found[key] = json.loads(path.read_text())
-    if not cases:
-        print(f"{name} has no cases: give --files, or set URUSHI_TEST_DATA")
-    elif not chosen and replace(options, files=()) == Options():
+    if not chosen and replace(options, files=()) == Options():
         stamp = {"date": date.today().isoformat(), "processor": processor()}
         models = {key: model().fingerprint for key, model in experiment.models.items()}
         _write_json(FIGURES / f"{name}.json", {**stamp, "weights": models, "cases": found})
@@ -144,6 +148,13 @@ def run(name: str, options: Options, chosen: Sequence[str] = (), fresh: bool = F
             with atomic_write(FIGURES / f"{name}.png") as temporary:
                 figure.savefig(temporary, format="png", dpi=DPI)
     return found
+
+
+def _reason(known: Mapping[str, Any], chosen: Sequence[str]) -> str:
+    """Why an experiment of known cases has none of the chosen ones, or of all."""
+    if known:
+        return f"it knows none of {', '.join(chosen)}; choose from {', '.join(known)}"
+    return "it measures files, and found none; give --files, or set URUSHI_TEST_DATA"
 
 
 def parts_folder(name: str, options: Options) -> Path:

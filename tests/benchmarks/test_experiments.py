@@ -5,6 +5,7 @@ import json
 import numpy as np
 import pytest
 from benchmarks import experiment, showing
+from benchmarks.__main__ import main
 from benchmarks.experiment import Experiment, Options
 from benchmarks.experiments import simulator_biases
 from tests.oracles import adding_doubling
@@ -78,6 +79,27 @@ def test_finished_cases_are_read_and_whole_runs_are_stored(counting, tmp_path):
     experiment.run("new", Options(share=0.5), ["first"])  # other options have other files
     assert counting == ["a", "b", "b", "a"]
     assert json.loads((tmp_path / "new.json").read_text()) == stored
+
+
+@pytest.mark.parametrize(
+    ("known", "chosen", "reason"),
+    [
+        ({}, [], "give --files"),
+        ({"first": 1}, ["--cases", "third"], "none of third; choose from first"),
+    ],
+)
+def test_without_cases_a_run_says_why_and_shows_no_table(
+    monkeypatch, capsys, known, chosen, reason
+):
+    def measured(*_):
+        raise AssertionError
+
+    one = Experiment(cases=lambda options: known, measure=measured, tables=measured)
+    monkeypatch.setattr(experiment, "load", lambda name: one)
+    monkeypatch.setattr("sys.argv", ["", "proposal", "--share", "0.5", *chosen])
+    main()
+    (line,) = capsys.readouterr().out.splitlines()
+    assert line.startswith("proposal has no cases: ") and reason in line
 
 
 def test_a_table_is_replaced_whole_and_the_text_beside_it_stays():
