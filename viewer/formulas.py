@@ -43,7 +43,8 @@ from urushi.export.lobe import lobe_f
 from urushi.export.printer import PRIMARY, Printer, broken
 from urushi.export.program import TABLE
 from urushi.export.statements import Function, Variable, element, integer, namespace
-from urushi.export.transmittance import Passed
+from urushi.export.transmittance import function as transmittance_function
+from urushi.export.transmittance import passed
 from urushi.nets import features, lobe, proposal, transmittance
 
 FILE = Path(__file__).parent / "src/core/formulas.ts"
@@ -429,12 +430,13 @@ def text() -> str:
 def shader_text() -> str:
     """The file of shader code."""
     printer = Glsl("material")
-    functions = (line for widths in (1, 2) for f in _f(widths) for line in printer.function(f))
-    return "\n".join([SHADER_HEAD, *functions, ""])
+    functions = transmittance_function(), _f(1), _f(2)
+    lines = (line for function in functions for line in printer.function(function))
+    return "\n".join([SHADER_HEAD, *lines, ""])
 
 
-def _f(widths: int) -> tuple[Function, Function]:
-    """T and f of a material of one GGX width or two by its lobe and the table of its rest."""
+def _f(widths: int) -> Function:
+    """f of a material of one GGX width or two by its lobe and the table of its rest."""
     lobe_numbers = Variable("numbers", COLOUR, len(lobe.NUMBERS[widths]))
     stretch = () if widths == 1 else floats("stretch")
     end, number = ("", "one GGX width") if widths == 1 else ("2", "two GGX widths")
@@ -449,12 +451,10 @@ def _f(widths: int) -> tuple[Function, Function]:
     )
     directions = argument(WI), argument(WO)
     value = rest.rest_f(function, of, Glsl.form, argument(TABLE), *directions)
-    passed = Passed(own)
-    passed.function.name += end
     ways = zip(("passed_i", "passed_o"), directions, strict=True)
-    passed_i, passed_o = (function.let(label, passed(own, w)) for label, w in ways)
+    passed_i, passed_o = (passed(function, own, w, label) for label, w in ways)
     function.returns(top + passed_i * passed_o * value)
-    return passed.function, function
+    return function
 
 
 def library_text() -> str:

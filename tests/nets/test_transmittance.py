@@ -79,14 +79,18 @@ def test_single_precision_keeps_its_digits():
 
 
 def test_two_equal_widths_are_one():
-    own = transmittance.of_interface(0.2, 0.7, _components(), NUMPY)
-    two = transmittance.of_interface(Widths(0.2, 0.2), 0.7, _components(), NUMPY)
+    own, two = (
+        transmittance.transmittance(alpha, (None, 0.7, None), _components(), NUMPY)
+        for alpha in (0.2, Widths(0.2, 0.2))
+    )
     np.testing.assert_allclose(two, own, rtol=1e-9)
 
 
 def test_the_width_along_the_direction_counts():
-    narrow = transmittance.of_interface(0.02, 0.7, _components(0), NUMPY)
-    two = transmittance.of_interface(Widths(0.02, 0.2), 0.7, _components(0), NUMPY)
+    narrow, two = (
+        transmittance.transmittance(alpha, (None, 0.7, None), _components(0), NUMPY)
+        for alpha in (0.02, Widths(0.02, 0.2))
+    )
     np.testing.assert_allclose(two, narrow, rtol=1e-9)
 
 

@@ -4,7 +4,7 @@ Formulas take directions in a frame whose x axis is the material's tangent.
 """
 
 from collections.abc import Sequence
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -64,14 +64,13 @@ def lobe_f(body: Function, lobe: Sequence[Value], wi: Expression, wo: Expression
         return expression(0.0)
     body.note_line("The lobe: D G / (4 cos_i cos_o) of GGX with the separable Smith term, where")
     body.note_line("wi + wo stands for the half vector.")
-    xp, alphas = namespace(body), alphas_of(numbers)
+    xp = namespace(body)
     above_i, above_o = (
         Components(w.x, w.y, body.let(f"above_{label}", call("max", w.z, 0.0)))
         for label, w in (("i", wi), ("o", wo))
     )
     h = microfacet.half_vector(above_i, above_o, xp)
-    alpha = alphas[0] if len(alphas) == 1 else Widths(*alphas)
-    shape = microfacet.lobe_shape(alpha, above_i, above_o, h, xp)
+    shape = microfacet.lobe_shape(width_of(numbers), above_i, above_o, h, xp)
     cosine = microfacet.facet_cosine(h, xp)
     body.note_line("Its Fresnel term at the cosine to the facet.")
     return body.let("lobe", shape * reflectance(body, numbers, cosine, "_facet"))
@@ -81,6 +80,12 @@ def alphas_of(lobe: Sequence[Expression]) -> list[Expression]:
     """The width of a lobe, or its two."""
     places = next(places for places in WIDTH_PLACES.values() if len(lobe) == 5 + len(places))
     return [lobe[place] for place in places]
+
+
+def width_of(lobe: Sequence[Expression]) -> Any:
+    """The width of a lobe, or its two `Widths`."""
+    alphas = alphas_of(lobe)
+    return alphas[0] if len(alphas) == 1 else Widths(*alphas)
 
 
 def reflectance(

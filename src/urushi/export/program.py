@@ -8,7 +8,7 @@ import numpy as np
 from urushi.core.stretched import FACTORS
 from urushi.core.table import Knots
 from urushi.errors import ParameterError
-from urushi.export import proposal
+from urushi.export import proposal, transmittance
 from urushi.export.expressions import (
     COLOUR,
     FLOAT,
@@ -36,7 +36,7 @@ from urushi.export.statements import (
     fetch_functions,
     member,
 )
-from urushi.export.transmittance import Passed, texels_have_edges
+from urushi.export.transmittance import passed, texels_have_edges
 from urushi.nets.proposal import TERMS
 from urushi.nets.transmittance import has_edges
 from urushi.nets.weights import Model
@@ -236,21 +236,20 @@ def _functions(code: _Code, given: tuple[Variable, ...], form: TextureForm) -> l
 
     arguments = (*given, WI, WO, TABLE) if code.rest else (*given, WI, WO)
     f = Function("f", arguments, COLOUR, "The BRDF [1/sr] without the cosine.", public=True)
-    passed = Passed(code.lobe or code.terms.lobe) if code.has_edges else None
     wi, wo = inside(f)
     value = lobe_f(f, code.lobe, wi, wo) if code.lobe else expression(0.0)
     if code.rest:
         rest = rest_f(f, code.rest, form, argument(TABLE), wi, wo)
-        if passed and code.lobe:
+        if code.has_edges and code.lobe:
             f.note_line("The rest passes the interface in both ways.")
             ways = (("passed_i", wi), ("passed_o", wo))
-            passed_i, passed_o = (f.let(label, passed(code.lobe, w)) for label, w in ways)
+            passed_i, passed_o = (passed(f, code.lobe, w, label) for label, w in ways)
             rest = passed_i * passed_o * rest
         value = value + rest
     f.returns(select(call("min", wi.z, wo.z) > 0.0, value, 0.0))
 
     made = Function("proposal", (*given, WI), "Proposal", "The proposal for wi.")
-    seen = made.let("passed", passed(code.terms.lobe, argument(WI))) if passed else 1.0
+    seen = passed(made, code.terms.lobe, argument(WI)) if code.has_edges else 1.0
     made.returns(proposal.fill(made, code.terms, argument(WI), seen))
     sampling = _, density_of, _, draw = proposal.functions(len(alphas_of(code.terms.lobe)))
     note = "The density [1/sr] of `sample` at wo."
@@ -272,7 +271,8 @@ def _functions(code: _Code, given: tuple[Variable, ...], form: TextureForm) -> l
     sample.assign(member(result, SAMPLE.fields[0]), select(above, seen, vector(0.0, 0.0, 1.0)))
     sample.assign(member(result, SAMPLE.fields[1]), select(above, density, 0.0))
     sample.returns(result)
-    return [*([passed.function] if passed else []), f, made, *sampling, pdf, sample]
+    called = [transmittance.function()] if code.has_edges else []
+    return [*called, f, made, *sampling, pdf, sample]
 
 
 def _conventions(model: Model) -> tuple[str, ...]:

@@ -19,7 +19,7 @@ from urushi.export.expressions import (
     select,
     vector,
 )
-from urushi.export.lobe import alphas_of, reflectance
+from urushi.export.lobe import alphas_of, reflectance, width_of
 from urushi.export.statements import Function, Structure, Variable, member, namespace
 from urushi.nets.proposal import ALPHAS, LARGEST_STRETCH, stretched_widths, weights
 from urushi.nets.weights import Model
@@ -83,11 +83,10 @@ def overlaps_of(model: Model) -> Sequence[float]:
 def fill(body: Function, terms: Terms, wi: Expression, passed: Value = 1.0) -> Expression:
     """The proposal of a code for wi; passed: T(wi) of the code."""
     alphas = alphas_of(terms.lobe)
-    own = Widths(*alphas) if len(alphas) == 2 else alphas[0]
     found = weights(
         terms.rest,
         terms.overlaps,
-        own,
+        width_of(terms.lobe),
         lambda cosine: reflectance(body, terms.lobe, cosine, "_own"),
         wi.z,
         namespace(body),

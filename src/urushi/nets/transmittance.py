@@ -25,7 +25,7 @@ from typing import Any
 import numpy as np
 
 from urushi.checks import Widths
-from urushi.core.namespace import Components, Namespace, arrays, components
+from urushi.core.namespace import Namespace, arrays, components
 from urushi.core.table import MIN_COSINE
 from urushi.nets import lobe as lobes
 
@@ -67,32 +67,44 @@ def of_lobe(lobe: Any, w: Any) -> Any:
     return transmittance(lobes.width(lobe), numbers, components(w), arrays(lobe))
 
 
-def transmittance(alpha: Any, numbers: Sequence[Any], w: Components, xp: Namespace) -> Any:
-    """T of an interface for a direction.
+def transmittance(alpha: Any, numbers: Sequence[Any], w: Any, xp: Namespace) -> Any:
+    """T of an interface of a GGX width alpha, or of two `Widths`, for a direction.
 
-    alpha: its GGX width or `Widths`. numbers: the factor of its Fresnel term, and its index
-    eta - i k; the factor is None for one, and k for a dielectric.
+    numbers: as of `of_spread`.
+    """
+    return of_spread(spread2(alpha, w, xp), numbers, w.z, xp)
+
+
+def spread2(alpha: Any, w: Any, xp: Namespace) -> Any:
+    """The square of the width w of the module, for a GGX width or two `Widths`."""
+    if isinstance(alpha, Widths):
+        x, y = alpha.u * w.x, alpha.v * w.y
+        found = x * x + y * y
+    else:
+        found = alpha * alpha * (1.0 - w.z * w.z)
+    return xp.named("spread2", xp.maximum(found, LEAST_WIDTH2))
+
+
+def of_spread(spread2: Any, numbers: Sequence[Any], cosine: Any, xp: Namespace) -> Any:
+    """T of an interface for a direction of this cosine.
+
+    numbers: the factor of its Fresnel term, and its index eta - i k; the factor is None for one,
+    and k for a dielectric.
     """
     factor, eta, k = numbers
     if k is not None:
         eta = xp.named("index", xp.where(k > 0.0, 1.0, eta))
     thinner = xp.named("thinner", xp.maximum(xp.minimum(eta, 1.0), LEAST_INDEX))
-    share = of_interface(alpha, thinner, w, xp)
+    share = of_dielectric(spread2, thinner, cosine, xp)
     if factor is not None:
         share = 1.0 - factor * (1.0 - share)
     return xp.where(eta < 1.0, share, 1.0)
 
 
-def of_interface(alpha: Any, eta: Any, w: Components, xp: Namespace) -> Any:
+def of_dielectric(spread2: Any, eta: Any, cosine: Any, xp: Namespace) -> Any:
     """T of a dielectric interface of an index of at most one."""
     named = xp.named
-    c = named("above", xp.maximum(w.z, MIN_COSINE))
-    if isinstance(alpha, Widths):
-        x, y = alpha.u * w.x, alpha.v * w.y
-        spread2 = x * x + y * y
-    else:
-        spread2 = alpha * alpha * (1.0 - c * c)
-    spread2 = named("spread2", xp.maximum(spread2, LEAST_WIDTH2))
+    c = named("above", xp.maximum(cosine, MIN_COSINE))
     c02 = named("critical2", xp.positive(1.0 - eta * eta))
     beyond = named("beyond", c - xp.safe_sqrt(c02))
     below, size = ramp(beyond, spread2, xp, "_beyond")

@@ -357,10 +357,10 @@ export function proposalWeights(terms: ArrayLike<number>, overlaps: ArrayLike<nu
 /** The share of light that passes the topmost interface, for a direction. */
 export function transmittance(alphaU: number, alphaV: number, factor: number, eta: number, k:
     number, wX: number, wY: number, wZ: number): number {
+    const spread2 = Math.max(alphaU * wX * (alphaU * wX) + alphaV * wY * (alphaV * wY), 1e-09);
     const index = (k > 0 ? 1 : eta);
     const thinner = Math.max(Math.min(index, 1), 0.001);
     const above = Math.max(wZ, 0.005);
-    const spread2 = Math.max(alphaU * wX * (alphaU * wX) + alphaV * wY * (alphaV * wY), 1e-09);
     const critical2 = Math.max(1 - thinner * thinner, 0);
     const beyond = above - Math.sqrt(critical2);
     const rootBeyond = Math.sqrt(beyond * beyond + spread2);
