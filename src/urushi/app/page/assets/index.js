@@ -653,23 +653,22 @@ vec4 faded(vec3 light, float height) {
 `,Ls=`// Written by \`python viewer/formulas.py\` from the formulas of Python. Do not edit it.
 
 // The share of light that passes the topmost interface, for a direction.
-float material_transmittance(float alpha, float factor, float eta, float k, vec3 w) {
+float material_transmittance(float spread, float factor, float eta, float k, float cosine) {
     if (eta >= 1.0) { return 1.0; }
     float index = (k > 0.0 ? 1.0 : eta);
     float thinner = max(min(index, 1.0), 0.001);
-    float above = max(w.z, 0.005);
-    float spread2 = max(alpha * alpha * (1.0 - above * above), 1.0e-9);
+    float above = max(cosine, 0.005);
     float critical2 = max(1.0 - thinner * thinner, 0.0);
     float beyond = above - sqrt(critical2);
-    float root_beyond = sqrt(beyond * beyond + spread2);
+    float root_beyond = sqrt(beyond * beyond + spread);
     float high_beyond = 0.5 * (abs(beyond) + root_beyond);
-    float ramp_beyond = (beyond > 0.0 ? high_beyond : 0.25 * spread2 / high_beyond);
-    float root_all = sqrt(above * above + spread2);
+    float ramp_beyond = (beyond > 0.0 ? high_beyond : 0.25 * spread / high_beyond);
+    float root_all = sqrt(above * above + spread);
     float high_all = 0.5 * (abs(above) + root_all);
-    float ramp_all = (above > 0.0 ? high_all : 0.25 * spread2 / high_all);
+    float ramp_all = (above > 0.0 ? high_all : 0.25 * spread / high_all);
     float per_index = 1.0 / (thinner * thinner);
     float straight2 = (above * above - critical2) * per_index;
-    float blur2 = 4.0 * spread2 * critical2 * per_index * per_index + 1.0e-12;
+    float blur2 = 4.0 * spread * critical2 * per_index * per_index + 1.0e-12;
     float root_inside = sqrt(straight2 * straight2 + blur2);
     float high_inside = 0.5 * (abs(straight2) + root_inside);
     float ramp_inside = (straight2 > 0.0 ? high_inside : 0.25 * blur2 / high_inside);
@@ -740,43 +739,19 @@ vec3 material_f(vec3 numbers[6], highp sampler3D table, vec3 wi, vec3 wo) {
     vec3 texel0_0_place = vec3(first * 0.125, place1, place0);
     vec4 texel0_0 = textureLod(table, texel0_0_place, 0.0);
     vec3 rest = exp(texel0_0.rgb);
-    vec3 passed_i = vec3(material_transmittance(numbers[0].x, numbers[3].x, numbers[4].x,
-        numbers[5].x, wi), material_transmittance(numbers[0].y, numbers[3].y, numbers[4].y,
-        numbers[5].y, wi), material_transmittance(numbers[0].z, numbers[3].z, numbers[4].z,
-        numbers[5].z, wi));
-    vec3 passed_o = vec3(material_transmittance(numbers[0].x, numbers[3].x, numbers[4].x,
-        numbers[5].x, wo), material_transmittance(numbers[0].y, numbers[3].y, numbers[4].y,
-        numbers[5].y, wo), material_transmittance(numbers[0].z, numbers[3].z, numbers[4].z,
-        numbers[5].z, wo));
+    vec3 spread2_passed_i = max(numbers[0] * numbers[0] * (1.0 - wi.z * wi.z), vec3(1.0e-9, 1.0e-9,
+        1.0e-9));
+    vec3 passed_i = vec3(material_transmittance(spread2_passed_i.x, numbers[3].x, numbers[4].x,
+        numbers[5].x, wi.z), material_transmittance(spread2_passed_i.y, numbers[3].y, numbers[4].y,
+        numbers[5].y, wi.z), material_transmittance(spread2_passed_i.z, numbers[3].z, numbers[4].z,
+        numbers[5].z, wi.z));
+    vec3 spread2_passed_o = max(numbers[0] * numbers[0] * (1.0 - wo.z * wo.z), vec3(1.0e-9, 1.0e-9,
+        1.0e-9));
+    vec3 passed_o = vec3(material_transmittance(spread2_passed_o.x, numbers[3].x, numbers[4].x,
+        numbers[5].x, wo.z), material_transmittance(spread2_passed_o.y, numbers[3].y, numbers[4].y,
+        numbers[5].y, wo.z), material_transmittance(spread2_passed_o.z, numbers[3].z, numbers[4].z,
+        numbers[5].z, wo.z));
     return lobe + passed_i * passed_o * rest;
-}
-// The share of light that passes the topmost interface, for a direction.
-float material_transmittance2(float alpha_u, float alpha_v, float factor, float eta, float k, vec3 w) {
-    if (eta >= 1.0) { return 1.0; }
-    float index = (k > 0.0 ? 1.0 : eta);
-    float thinner = max(min(index, 1.0), 0.001);
-    float above = max(w.z, 0.005);
-    float spread2 = max(alpha_u * w.x * (alpha_u * w.x) + alpha_v * w.y * (alpha_v * w.y), 1.0e-9);
-    float critical2 = max(1.0 - thinner * thinner, 0.0);
-    float beyond = above - sqrt(critical2);
-    float root_beyond = sqrt(beyond * beyond + spread2);
-    float high_beyond = 0.5 * (abs(beyond) + root_beyond);
-    float ramp_beyond = (beyond > 0.0 ? high_beyond : 0.25 * spread2 / high_beyond);
-    float root_all = sqrt(above * above + spread2);
-    float high_all = 0.5 * (abs(above) + root_all);
-    float ramp_all = (above > 0.0 ? high_all : 0.25 * spread2 / high_all);
-    float per_index = 1.0 / (thinner * thinner);
-    float straight2 = (above * above - critical2) * per_index;
-    float blur2 = 4.0 * spread2 * critical2 * per_index * per_index + 1.0e-12;
-    float root_inside = sqrt(straight2 * straight2 + blur2);
-    float high_inside = 0.5 * (abs(straight2) + root_inside);
-    float ramp_inside = (straight2 > 0.0 ? high_inside : 0.25 * blur2 / high_inside);
-    float inside = sqrt(min(ramp_inside, 1.0));
-    float across = above + thinner * inside;
-    float along = thinner * above + inside;
-    float transmittance = 2.0 * thinner * above * inside * (1.0 / (across * across) + 1.0 / (along *
-        along)) * (ramp_beyond * root_all) / (root_beyond * ramp_all);
-    return (1.0 > index ? 1.0 - factor * (1.0 - transmittance) : 1.0);
 }
 // f [1/sr] of a material of two GGX widths by its lobe and the table of its rest.
 vec3 material_f2(vec3 numbers[7], float stretch, highp sampler3D table, vec3 wi, vec3 wo) {
@@ -868,14 +843,18 @@ vec3 material_f2(vec3 numbers[7], float stretch, highp sampler3D table, vec3 wi,
     vec4 texel5_0 = textureLod(table, texel5_0_place, 0.0);
     vec3 rest = exp(texel0_0.rgb + cos_2_psi * texel1_0.rgb + cos_2_p * texel2_0.rgb + factor2 *
         texel3_0.rgb + factor3 * texel4_0.rgb + factor4 * texel5_0.rgb);
-    vec3 passed_i = vec3(material_transmittance2(numbers[0].x, numbers[6].x, numbers[3].x,
-        numbers[4].x, numbers[5].x, wi), material_transmittance2(numbers[0].y, numbers[6].y,
-        numbers[3].y, numbers[4].y, numbers[5].y, wi), material_transmittance2(numbers[0].z,
-        numbers[6].z, numbers[3].z, numbers[4].z, numbers[5].z, wi));
-    vec3 passed_o = vec3(material_transmittance2(numbers[0].x, numbers[6].x, numbers[3].x,
-        numbers[4].x, numbers[5].x, wo), material_transmittance2(numbers[0].y, numbers[6].y,
-        numbers[3].y, numbers[4].y, numbers[5].y, wo), material_transmittance2(numbers[0].z,
-        numbers[6].z, numbers[3].z, numbers[4].z, numbers[5].z, wo));
+    vec3 spread2_passed_i = max(numbers[0] * wi.x * (numbers[0] * wi.x) + numbers[6] * wi.y *
+        (numbers[6] * wi.y), vec3(1.0e-9, 1.0e-9, 1.0e-9));
+    vec3 passed_i = vec3(material_transmittance(spread2_passed_i.x, numbers[3].x, numbers[4].x,
+        numbers[5].x, wi.z), material_transmittance(spread2_passed_i.y, numbers[3].y, numbers[4].y,
+        numbers[5].y, wi.z), material_transmittance(spread2_passed_i.z, numbers[3].z, numbers[4].z,
+        numbers[5].z, wi.z));
+    vec3 spread2_passed_o = max(numbers[0] * wo.x * (numbers[0] * wo.x) + numbers[6] * wo.y *
+        (numbers[6] * wo.y), vec3(1.0e-9, 1.0e-9, 1.0e-9));
+    vec3 passed_o = vec3(material_transmittance(spread2_passed_o.x, numbers[3].x, numbers[4].x,
+        numbers[5].x, wo.z), material_transmittance(spread2_passed_o.y, numbers[3].y, numbers[4].y,
+        numbers[5].y, wo.z), material_transmittance(spread2_passed_o.z, numbers[3].z, numbers[4].z,
+        numbers[5].z, wo.z));
     return lobe + passed_i * passed_o * rest;
 }
 `,Rs=`#version 300 es
