@@ -44,6 +44,7 @@ class Furnace:
     azimuths: tuple = (50.0,)
     tier: str = ""  # "" for the first
     u: tuple = (0.5,)
+    most: float | None = None  # excess over one that is allowed; None: the tolerance
 
     @property
     def walks(self) -> bool:
@@ -71,6 +72,11 @@ FURNACES = {
     "thin coat": Furnace(THIN, 0.003, tier="slow"),
     "mixture": Furnace(MIXTURE),
     "one side": Furnace(STRONG | {"coat_ior": 2.18}, 0.005, tier="slow"),
+    # Tables of coats whose index is nearly one have errors of 4 % at grazing angles.
+    "faint coat": Furnace({"coat_ior": 1.005, "coat_roughness": 0.0}, 0.005, (0.15, 0.1)),
+    "faint coat, metal": Furnace(
+        METAL | {"coat_ior": 1.02, "coat_roughness": 0.0}, 0.015, (0.2, 0.15, 0.1), most=0.005
+    ),
     # What returns of the loss is over its mean, which must be the mean of the same table.
     "smooth coat": Furnace(SMOOTH, 0.005, (0.25, 0.15), tier="slow"),
     # The loss is linear between nodes; a texel of each is beside the middle.
@@ -117,7 +123,9 @@ def test_a_white_material_under_a_coat_reflects_all_light(name):
     uv = np.column_stack([case.u, np.full(len(case.u), 0.5)])
     for cosine, azimuth in itertools.product(case.cosines, case.azimuths):
         found, error = light(bsdf, cosine, uv, SAMPLES, azimuth)
-        assert (np.abs(found - 1) < case.tolerance + 4 * case.walks * error).all()
+        noise, most = 4 * case.walks * error, case.tolerance if case.most is None else case.most
+        assert (found - 1 < most + noise).all()
+        assert (1 - found < case.tolerance + noise).all()
 
 
 @pytest.mark.parametrize("ior", [0.7, 1.0, 1.5])

@@ -16,11 +16,14 @@ from urushi.openpbr_surface.inputs import Inputs
 from urushi.openpbr_surface.parameters import names_of
 from urushi.openpbr_surface.parts import COATS, Coating, coat_properties, load_part
 
-#: Directions of cosine density.
-COSINE = Mixture([0.0, 1.0], [1.0])
+#: Directions of light that has met several facets: one half evenly, the other by the cosine.
+SPREAD = Mixture([0.5, 0.5], [1.0])
 
-#: Share of the proposal for the fuzz and for the coat's compensation.
-DIFFUSE_SHARE = 0.1
+#: Share of the proposal for the coat's compensation.
+LOST_SHARE = 0.1
+
+#: Share of the proposal that fuzz leaves to what lies below, at the least.
+LEAST_BELOW = 0.1
 
 
 #: The parameters of the coat.
@@ -53,6 +56,7 @@ class Vertex(NamedTuple):
     parts: list[Part]
     compensation: Any
     fuzz: Any
+    fuzz_share: Any  # of the proposal
 
 
 class SurfaceProposal(NamedTuple):
@@ -114,8 +118,6 @@ class OpenPBRSurface(Surface):
         self._absorbs = self._coated is None and not (
             inputs.is_constant("coat_weight", 0) or inputs.is_constant("coat_color", 1)
         )
-        # Share of the cosine lobe, which is sampled besides the parts.
-        self._diffuse = DIFFUSE_SHARE if self._fuzz or self._compensation else 0.0
         self._version = inputs.version
 
     def _turn(self, si, active):
@@ -133,7 +135,8 @@ class OpenPBRSurface(Surface):
         ]
         compensation = self._compensation.vertex(si, active) if self._compensation else None
         fuzz = model.fuzz_at(self._inputs, si, active) if self._fuzz else None
-        return Vertex(parts, compensation, fuzz)
+        share = dr.minimum(fuzz.hidden(si.wi), 1 - LEAST_BELOW) if fuzz else 0.0
+        return Vertex(parts, compensation, fuzz, share)
 
     def _f_and_pdf(self, vertex, ctx, si, wo, active):
         f, pdf = mi.Spectrum(0), mi.Float(0)
@@ -145,18 +148,21 @@ class OpenPBRSurface(Surface):
             pdf += part.weight * density
         if self._absorbs:
             f = model.absorbed(self._inputs, f, si, wo, active)
+        if vertex.compensation:
+            pdf = dr.lerp(pdf, SPREAD.pdf(si.wi, wo), LOST_SHARE)
         if vertex.fuzz:
             f = model.under_fuzz(vertex.fuzz, f, ctx, si, wo)
-        return f, dr.lerp(pdf, wo.z * dr.inv_pi, self._diffuse)
+            pdf = dr.lerp(pdf, vertex.fuzz.pdf(si.wi, wo), vertex.fuzz_share)
+        return f, pdf
 
     def _proposal(self, vertex, si, active):
-        proposals = [
-            (part.bsdf._proposal(part.vertex, si, active), (1 - self._diffuse) * part.weight)
-            for part in vertex.parts
-        ]
-        if self._diffuse:
-            proposals.insert(0, (COSINE, self._diffuse))
-        return SurfaceProposal(proposals)
+        own = [(part.bsdf._proposal(part.vertex, si, active), part.weight) for part in vertex.parts]
+        added = [(SPREAD, LOST_SHARE)] if vertex.compensation else []
+        added += [(vertex.fuzz, vertex.fuzz_share)] if vertex.fuzz else []
+        proposal = SurfaceProposal(own)
+        for other, share in added:
+            proposal = SurfaceProposal([(other, share), (proposal, 1 - share)])
+        return proposal
 
     def known(self):
         if self._coated or self._fuzz or self._absorbs or self._turned:

@@ -50,8 +50,9 @@ class Compensation:
 
     L(w) is the loss of light from w, and its mean is over cosines. Over a dielectric, which has f
     in all directions, the lobe is (L(wi) + L(wo) - mean L) / pi. L may be negative. Over a metal it
-    is L(wi) L(wo) / (pi mean L), after Kulla and Conty 2017, and f is divided by an albedo above
-    one. A mixture has both, by their shares. The lobe has the colour of the coated base.
+    is L(wi) L(wo) / (pi mean L), after Kulla and Conty 2017, and f is divided by the larger of both
+    albedos if it is above one. A mixture has both, by their shares. The lobe has the colour of the
+    coated base.
     """
 
     UNRECORDED: ClassVar = ("_shared",)
@@ -119,8 +120,8 @@ class Compensation:
             if metalness:
                 lobe = dr.maximum(one, 0) * dr.maximum(other, 0)
                 lobe /= dr.maximum(dr.pi * positive, 1e-5)
-                gains = (1 - dr.minimum(one, 0)) * (1 - dr.minimum(other, 0))
-                total += vertex.share * (tint * part.below * lobe - f * (1 - dr.rsqrt(gains)))
+                excess = dr.maximum(-dr.minimum(one, other), 0)  # f / (1 + excess) has none
+                total += vertex.share * (tint * part.below * lobe - f * (excess / (1 + excess)))
             else:
                 f0 = dr.square((vertex.eta - 1) / (vertex.eta + 1))
                 seen = f0 + (1 - f0) * tint * part.below

@@ -10,7 +10,7 @@ take NumPy or Dr.Jit arrays; `xp` has their functions.
 3.2.3  medium of subsurface_color  `subsurface_albedo`
 3.2.4  translucent medium          `translucent_medium`
 3.4    darkening of the coat       `mean_fresnel`, `internal`, `boost`
-3.5    fuzz                        `fuzz_albedo`, `fuzz_density`
+3.5    fuzz                        `fuzz_albedo`, `fuzz_transform`, `fuzz_density`
 
 The Fresnel terms (`fresnel`) and the coat's medium (`appearance`) are in `urushi.core`, section 3.3
 is in `thin_film`.
@@ -338,10 +338,21 @@ def fuzz_albedo(cosine: Any, roughness: Any, xp: Namespace) -> Any:
     return xp.clip(value, 0, 1)
 
 
+def fuzz_transform(cosine: Any, roughness: Any, xp: Namespace) -> tuple[Any, Any]:
+    """a and c of the fuzz's lobe for a direction of a cosine.
+
+    Directions of the lobe, transformed by [[a, 0, b], [0, a, 0], [0, 0, 1]], have cosine density.
+    x has the azimuth of the given direction, and b = c sin.
+    """
+    x, y = cosine, xp.clip(roughness, LEAST_FUZZ_ROUGHNESS, 1)
+    a = (2.58126 * x + 0.813703 * y) * y / (1 + 0.310327 * x * x + 2.60994 * x * y)
+    # The fit of b has the factor sqrt(1 - x), the sine over sqrt(1 + x).
+    c = (y - 1) * y * y * y / xp.sqrt(1 + x)
+    return a, c / (2.54053e-5 + 1.71228 * x - 1.71506 * x * y + 1.34174 * y * y)
+
+
 def fuzz_density(cosine: Any, up: Any, across: Any, roughness: Any, xp: Namespace) -> Any:
     """The fuzz's lobe over its cosine: a density over the upper hemisphere is `up` times it [1/sr].
-
-    The inverse transform is [[a, 0, b], [0, a, 0], [0, 0, 1]], and b = c sin.
 
     Args:
         cosine: of the given direction.
@@ -351,11 +362,7 @@ def fuzz_density(cosine: Any, up: Any, across: Any, roughness: Any, xp: Namespac
         roughness: fuzz_roughness.
         xp: see the module.
     """
-    x, y = cosine, xp.clip(roughness, LEAST_FUZZ_ROUGHNESS, 1)
-    a = (2.58126 * x + 0.813703 * y) * y / (1 + 0.310327 * x * x + 2.60994 * x * y)
-    # The fit of b has the factor sqrt(1 - x), the sine over sqrt(1 + x).
-    c = (y - 1) * y * y * y / xp.sqrt(1 + x)
-    c = c / (2.54053e-5 + 1.71228 * x - 1.71506 * x * y + 1.34174 * y * y)
+    a, c = fuzz_transform(cosine, roughness, xp)
     b2 = c * c * (1 - cosine * cosine)
     length2 = a * a * (1 - up * up) + up * (2 * a * c * across + (1 + b2) * up)
     ratio = a / length2

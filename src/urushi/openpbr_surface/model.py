@@ -18,6 +18,7 @@ import mitsuba as mi
 from urushi.checks import Widths
 from urushi.core import fresnel, microfacet
 from urushi.core.appearance import optical_depth
+from urushi.core.directions import square_to_cosine_hemisphere
 from urushi.core.facets import MIRROR, multiple_lobe
 from urushi.core.mixture import Mixture
 from urushi.core.namespace import DRJIT
@@ -236,11 +237,30 @@ def absorbed(inputs: Inputs, f, si, wo, active):
 
 
 class Fuzz(NamedTuple):
-    """The fuzz (3.5) at a vertex."""
+    """The fuzz (3.5) at a vertex, and the proposal of its lobe."""
 
     weight: Any  # fuzz_weight
     color: Any  # fuzz_color
     roughness: Any  # fuzz_roughness
+
+    def hidden(self, w):
+        """Share of the light from a direction that meets the fuzz."""
+        return self.weight * formulas.fuzz_albedo(w.z, self.roughness, DRJIT)
+
+    def lobe(self, seen, lit):
+        """The lobe of a seen direction over the cosine of the other [1/sr]."""
+        across = seen.x * lit.x + seen.y * lit.y
+        return formulas.fuzz_density(seen.z, lit.z, across, self.roughness, DRJIT)
+
+    def pdf(self, wi, wo):
+        """Density of `sample` at wo [1/sr]."""
+        return dr.select(wo.z > 0, self.lobe(wi, wo) * wo.z, 0)
+
+    def sample(self, wi, choice, u):
+        """Draw wo; see `Mixture.sample`."""
+        a, c = formulas.fuzz_transform(wi.z, self.roughness, DRJIT)
+        x, y, z = square_to_cosine_hemisphere(mi.Vector3f, u.x, u.y)
+        return dr.normalize(mi.Vector3f(x - c * wi.x * z, y - c * wi.y * z, a * z))
 
 
 def fuzz_at(inputs: Inputs, si, active) -> Fuzz:
@@ -258,7 +278,5 @@ def under_fuzz(fuzz: Fuzz, f, ctx, si, wo):
     """
     importance = ctx.mode == mi.TransportMode.Importance
     seen, lit = (wo, si.wi) if importance else (si.wi, wo)
-    hidden = fuzz.weight * formulas.fuzz_albedo(seen.z, fuzz.roughness, DRJIT)
-    across = wo.x * si.wi.x + wo.y * si.wi.y
-    lobe = formulas.fuzz_density(seen.z, lit.z, across, fuzz.roughness, DRJIT)
-    return f * (1 - hidden) + fuzz.color * (hidden * lobe)
+    hidden = fuzz.hidden(seen)
+    return f * (1 - hidden) + fuzz.color * (hidden * fuzz.lobe(seen, lit))

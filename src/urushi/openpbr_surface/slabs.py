@@ -8,11 +8,11 @@ import mitsuba as mi
 
 from urushi.checks import AIR
 from urushi.core.namespace import DRJIT
-from urushi.mitsuba.frames import raised, relative, with_far_side
+from urushi.mitsuba.frames import SlabMixture, raised, relative
 from urushi.mitsuba.reading.nested import DECIMALS
 from urushi.mitsuba.recording import opaque
 from urushi.openpbr_surface import formulas
-from urushi.openpbr_surface.bsdfs import COSINE, SurfaceProposal
+from urushi.openpbr_surface.bsdfs import SPREAD, SurfaceProposal
 from urushi.openpbr_surface.inputs import Inputs
 from urushi.openpbr_surface.lost_light import AXES, LostLight, Place
 from urushi.openpbr_surface.parts import absorption, coat_properties, width_properties
@@ -49,7 +49,7 @@ class Finish:
         below = self._scale(losses, place)[1]
         through = dr.select(si.wi.z > 0, below, 1 - below)
         share = dr.clip(losses.lost(si.wi, place), 0, 0.9)
-        return with_far_side(COSINE, through), share
+        return SlabMixture(SPREAD, SPREAD, 1 - through, 1.0), share
 
     def proposal(self, slab, si, active):
         """The proposal of the slab with it."""

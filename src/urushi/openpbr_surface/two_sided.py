@@ -16,11 +16,11 @@ from urushi.core.directions import reflect, refract
 from urushi.core.facets import MIRROR
 from urushi.core.mixture import Mixture
 from urushi.errors import ParameterError
-from urushi.mitsuba.frames import above_surface, raised, relative, with_far_side
+from urushi.mitsuba.frames import SlabMixture, above_surface, raised, relative, with_far_side
 from urushi.mitsuba.interface_albedo import InterfaceAlbedo
 from urushi.mitsuba.surface import Surface
 from urushi.openpbr_surface import model
-from urushi.openpbr_surface.bsdfs import COSINE, SurfaceProposal
+from urushi.openpbr_surface.bsdfs import SPREAD, SurfaceProposal
 from urushi.openpbr_surface.film import NAMES as film_parameters
 from urushi.openpbr_surface.film import FilmFresnel
 from urushi.openpbr_surface.inputs import Inputs
@@ -192,7 +192,7 @@ class Glass(Surface):
 
         lost = dr.clip(dr.mean(mi.Spectrum(vertex.lost)), LEAST_LOST, 0.9)
         facets = Facets(vertex.widths, vertex.eta, reflected)
-        return SurfaceProposal([(facets, 1 - lost), (with_far_side(COSINE, 0.5), lost)])
+        return SurfaceProposal([(facets, 1 - lost), (SlabMixture(SPREAD, SPREAD, 0.5, 1.0), lost)])
 
     @property
     def names(self) -> tuple[str, ...]:
