@@ -2,6 +2,8 @@
 
 import type { Channels } from "../core/api";
 
+export const COLOURS = ["red", "green", "blue"] as const;
+
 export type Rgb = readonly [number, number, number];
 
 /** Three numbers, from one for all channels or three. */

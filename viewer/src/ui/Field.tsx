@@ -3,7 +3,7 @@
 import { useSignal } from "@preact/signals";
 import type { ComponentChildren } from "preact";
 import type { Channels } from "../core/api";
-import { joined, type Rgb, rgb } from "../material/channels";
+import { COLOURS, joined, type Rgb, rgb } from "../material/channels";
 import { fromHex, hex } from "../material/colour";
 import { clamped, type Parameter, placeOf, rounded, valueAt } from "../material/parameters";
 import { NumberField } from "./NumberField";
@@ -22,8 +22,6 @@ interface FieldProps {
   colourOf?: ((value: Channels) => Rgb) | undefined;
   onChange: (value: Channels, kind: string) => void;
 }
-
-const CHANNELS = ["red", "green", "blue"] as const;
 
 export function Field(props: FieldProps) {
   const { owner, parameter, value, coloured, aside, colourOf, onChange } = props;
@@ -57,8 +55,8 @@ export function Field(props: FieldProps) {
   const row = (channel: number | null) => (
     <Row
       key={channel}
-      name={channel === null ? name : `${name}, ${CHANNELS[channel]}`}
-      channel={channel === null ? "" : CHANNELS[channel]!}
+      name={channel === null ? name : `${name}, ${COLOURS[channel]}`}
+      channel={channel === null ? "" : COLOURS[channel]!}
       track={gradient(channel)}
       parameter={parameter}
       value={values[channel ?? 0]!}

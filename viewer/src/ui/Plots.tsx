@@ -3,9 +3,8 @@
 import { useRef } from "preact/hooks";
 import { ALBEDO_ANGLES, PLANE_ANGLES, type Slot } from "../engine/engine";
 import { session } from "../engine/session";
+import { COLOURS } from "../material/channels";
 import { look, state } from "../state/store";
-
-const CHANNELS = ["red", "green", "blue"] as const;
 
 export function Plots() {
   const slot = session.value?.slots[state.value.active];
@@ -95,7 +94,7 @@ function PlanePlot({ slot }: { slot: Slot | undefined }) {
           <path d={`M${-RADIUS} 0H${RADIUS}M0 0V${-RADIUS}`} />
         </g>
         {f !== null &&
-          CHANNELS.map((channel, k) => (
+          COLOURS.map((channel, k) => (
             <path key={channel} class={`curve ${channel}`} d={polar(f, k, radius)} />
           ))}
         <line class="incident" x1={0} y1={0} x2={x} y2={y} />
@@ -173,7 +172,7 @@ function AlbedoPlot({ slot }: { slot: Slot | undefined }) {
         </g>
         <line class="incident" x1={across(incidence)} x2={across(incidence)} y1={0} y2={HEIGHT} />
         {albedo !== null &&
-          CHANNELS.map((channel, k) => (
+          COLOURS.map((channel, k) => (
             <path key={channel} class={`curve ${channel}`} d={albedoPath(albedo, k, across)} />
           ))}
       </svg>

@@ -6,7 +6,7 @@ import { titleOf } from "../material/presets";
 import { canRedo, canUndo, material, redo, state, undo } from "../state/store";
 import { HelpButton } from "./Help";
 import { IconButton } from "./IconButton";
-import { Icon } from "./icons";
+import { Icon, type IconName } from "./icons";
 import { Menu } from "./Menu";
 import { Presets } from "./Presets";
 import { SaveMenu } from "./SaveMenu";
@@ -71,34 +71,24 @@ export function TopBar() {
         title="A material (.safetensors), a panorama (.hdr, .exr), a mesh (.obj, .glb, .gltf) or a saved state (.json); or drop it on the page"
         onClick={() => input.current?.click()}
       >
-        <Icon name="open" />
-        <span>Open</span>
+        {labelled("open", "Open")}
       </button>
-      <Menu
-        kind="view"
-        name="View"
-        label={
-          <>
-            <Icon name="sliders" />
-            <span>View</span>
-          </>
-        }
-      >
+      <Menu kind="view" name="View" label={labelled("sliders", "View")}>
         {(close) => <ViewMenu onDone={close} />}
       </Menu>
-      <Menu
-        kind="save"
-        name="Save"
-        label={
-          <>
-            <Icon name="save" />
-            <span>Save</span>
-          </>
-        }
-      >
+      <Menu kind="save" name="Save" label={labelled("save", "Save")}>
         {(close) => <SaveMenu onDone={close} />}
       </Menu>
       <HelpButton />
     </header>
+  );
+}
+
+function labelled(icon: IconName, text: string) {
+  return (
+    <>
+      <Icon name={icon} />
+      <span>{text}</span>
+    </>
   );
 }

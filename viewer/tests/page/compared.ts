@@ -6,6 +6,7 @@ import { mkdirSync, writeFileSync } from "node:fs";
 import { join } from "node:path";
 import type { Page } from "@playwright/test";
 import { PYTHON } from "../python";
+import { saved } from "./page";
 
 /** See `mitsuba_picture.py`. */
 export interface Measures {
@@ -26,9 +27,9 @@ let renderer: ChildProcess | undefined;
 /** The measures of the page's picture; name: of the files that are left in `out/mitsuba`. */
 export async function compared(page: Page, name: string): Promise<Measures> {
   mkdirSync(FOLDER, { recursive: true });
-  await save(page, "Radiance", `${name}.exr`);
-  await save(page, "Mitsuba scene", `${name}.zip`);
-  await save(page, "Picture", `${name}.png`);
+  const kinds = { Radiance: "exr", "Mitsuba scene": "zip", Picture: "png" };
+  for (const [label, suffix] of Object.entries(kinds))
+    writeFileSync(join(FOLDER, `${name}.${suffix}`), (await saved(page, label)).text, "latin1");
   const script = join(import.meta.dirname, "mitsuba_picture.py");
   renderer ??= spawn(PYTHON, [script, FOLDER], { stdio: ["pipe", "pipe", "inherit"] });
   renderer.stdin!.write(`${name}\n`);
@@ -43,11 +44,4 @@ export async function compared(page: Page, name: string): Promise<Measures> {
   }
   writeFileSync(join(FOLDER, `${name}.json`), text);
   return JSON.parse(String(text)) as Measures;
-}
-
-async function save(page: Page, label: string, name: string): Promise<void> {
-  await page.getByRole("button", { name: "Save", exact: true }).click();
-  const download = page.waitForEvent("download");
-  await page.getByRole("button", { name: new RegExp(`^${label}`) }).click();
-  await (await download).saveAs(join(FOLDER, name));
 }
