@@ -9,7 +9,7 @@ import urushi
 from urushi.checks import CoatParameters
 from urushi.core import quadrature
 from urushi.core.direction_sets import cosine_pairs
-from urushi.core.quadrature import half_vector_rule
+from urushi.core.quadrature import directional_albedos
 from urushi.material import Material, encode, energy, layer
 from urushi.material.albedo_rule import albedo_rule
 from urushi.material.layer import layer_material
@@ -42,10 +42,7 @@ def brighter(model: Model, factor: float) -> Model:
 
 def true_albedo(description, wi):
     """Directional albedo (N, 3) of a description by the fine rule."""
-    wo, weights = half_vector_rule(wi)
-    pairs = np.repeat(wi, weights.shape[1], axis=0), wo.reshape(-1, 3).astype(np.float32)
-    f = analytic.f(description, *pairs).reshape(*weights.shape, 3)
-    return np.sum(f * (weights * wo[..., 2])[..., None], axis=1)
+    return directional_albedos(lambda *pairs: analytic.f(description, *pairs), wi)
 
 
 @pytest.mark.parametrize("alpha", [0.01, 0.017, 0.033, 0.08, 0.21, 0.47, 1.0])
@@ -124,12 +121,8 @@ def test_total_reflection_does_not_darken_what_is_transmitted(alpha, eta, traine
     cosine = np.array([0.999])
     wi = np.stack([np.sqrt(1 - cosine**2), 0 * cosine, cosine], axis=-1).astype(np.float32)
     stack = urushi.coat(urushi.diffuse(0.5), alpha=alpha, eta=eta, albedo=0.5, sigma_t=0.2)
-    wo, weights = half_vector_rule(wi)
-    pairs = np.repeat(wi, weights.shape[1], axis=0), wo.reshape(-1, 3).astype(np.float32)
-    f, _ = urushi.simulate(stack, *pairs, walks=64, seed=1)
-    expected = np.sum(
-        f.reshape(*weights.shape, -1)[0] * (weights[0] * wo[0, :, 2])[:, None], axis=0
-    )
+    f = lambda *pairs: urushi.simulate(stack, *pairs, walks=64, seed=1)[0]  # noqa: E731
+    expected = directional_albedos(f, wi)[0]
     np.testing.assert_allclose(coated.directional_albedo(wi)[0], expected, rtol=0.1)
 
 

@@ -63,34 +63,23 @@ def arrays(jit: ModuleType, points: np.ndarray):
     return jit.Array3f(np.ascontiguousarray(points.T))
 
 
+@pytest.mark.parametrize("transmitted", [False, True])
 @pytest.mark.parametrize(("alpha", "eta", "theta"), CASES)
 def test_samples_follow_the_stated_density(
-    jit: ModuleType, sphere_test, alpha: float | Widths, eta: float, theta: float
+    jit: ModuleType, sphere_test, alpha: float | Widths, eta: float, theta: float, transmitted: bool
 ) -> None:
+    """Of both kinds of light, and of transmitted light alone."""
     wi, a, e = direction(jit, theta), width(jit, alpha), number(jit, eta)
-    wo, weight, _ = interface.sample(wi, a, e, *uniform(jit, 3))
+    sample = interface.sample_transmission if transmitted else interface.sample
+    density = interface.transmission if transmitted else interface.scatter
+    wo, weight, *_ = sample(wi, a, e, *uniform(jit, 2 if transmitted else 3))
     samples = wo.numpy().T.copy()
     samples[weight.numpy() == 0] = np.nan
 
     def pdf(points: np.ndarray) -> np.ndarray:
-        return interface.scatter(wi, arrays(jit, points), a, e)[1].numpy()
+        return density(wi, arrays(jit, points), a, e)[1].numpy()
 
-    assert sphere_test(samples, pdf) > 1e-4  # the smallest of a dozen
-
-
-@pytest.mark.parametrize(("alpha", "eta", "theta"), CASES)
-def test_transmission_samples_follow_the_stated_density(
-    jit: ModuleType, sphere_test, alpha: float | Widths, eta: float, theta: float
-) -> None:
-    wi, a, e = direction(jit, theta), width(jit, alpha), number(jit, eta)
-    wo, weight = interface.sample_transmission(wi, a, e, *uniform(jit, 2))
-    samples = wo.numpy().T.copy()
-    samples[weight.numpy() == 0] = np.nan
-
-    def pdf(points: np.ndarray) -> np.ndarray:
-        return interface.transmission(wi, arrays(jit, points), a, e)[1].numpy()
-
-    assert sphere_test(samples, pdf) > 1e-4
+    assert sphere_test(samples, pdf) > 1e-4  # the smallest of some sixteen
 
 
 @pytest.mark.parametrize(("alpha", "eta", "theta"), CASES)

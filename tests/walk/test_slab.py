@@ -5,6 +5,7 @@ import pytest
 from tests.oracles import slab
 
 from urushi.walk import coat, conductor, diffuse, simulate
+from urushi.walk.simulate import albedo
 
 SIGMA_T = (0.0, 0.25, 0.5)
 REFLECTANCE = (0.9, 0.6, 0.5)
@@ -35,26 +36,9 @@ def test_walk_over_a_lambertian_reaches_the_smooth_limit(eta: float) -> None:
 @pytest.mark.parametrize("theta", [0.1, 0.6])
 def test_walk_over_a_mirror_reaches_the_smooth_limit(theta: float) -> None:
     stack = coat(conductor(0.01, REFLECTANCE), 0.01, 1.5, albedo=0.0, sigma_t=SIGMA_T)
-    mean, se = albedo_about_the_mirror(stack, theta, alpha=0.02, samples=40_000)
+    wi = np.array([[np.sin(theta), 0.0, np.cos(theta)]])
+    mean, se = (x[0] for x in albedo(stack, wi, walks=1 << 16, seed=3))
     for channel, (sigma_t, r0) in enumerate(zip(SIGMA_T, REFLECTANCE, strict=True)):
         expected = slab.mirror_albedo(np.cos(theta), 1.5, sigma_t, r0)
         # 1 %: light that GGX's tails reflect below the horizon is lost.
         assert abs(mean[channel] - expected) < 0.01 * expected + 3 * se[channel]
-
-
-def albedo_about_the_mirror(stack, theta, alpha, samples):  # type: ignore[no-untyped-def]
-    """Directional albedo by the walk, wo drawn from a GGX lobe of width alpha; mean and error."""
-    rng = np.random.default_rng(7)
-    u, v = rng.random((2, samples))
-    tan2, phi = alpha**2 * u / (1 - u), 2 * np.pi * v
-    cos = 1 / np.sqrt(1 + tan2)
-    sin = np.sqrt(1 - cos**2)
-    half = np.stack([sin * np.cos(phi), sin * np.sin(phi), cos], axis=1)
-    wi = np.array([np.sin(theta), 0.0, np.cos(theta)])
-    dot = half @ wi
-    wo = 2 * dot[:, None] * half - wi
-    wo /= np.linalg.norm(wo, axis=1, keepdims=True)
-    density = alpha**2 / (np.pi * (cos**2 * (alpha**2 - 1) + 1) ** 2) * cos / (4 * np.abs(dot))
-    f, _ = simulate(stack, np.tile(wi, (samples, 1)), wo, walks=32, seed=3)
-    value = f * wo[:, 2:] / density[:, None]
-    return value.mean(0), value.std(0) / np.sqrt(samples)
