@@ -201,6 +201,8 @@ def test_errors_name_the_cure(model, materials):
     material = materials["one lobe"]
     with pytest.raises(ParameterError, match="there is no language 'cg'; choose one of glsl, "):
         material.shader("cg")
+    with pytest.raises(ParameterError, match="there is no language 'cg'; choose one of glsl, "):
+        material.shader_texture("cg")
     with pytest.raises(ParameterError, match="'a b' is not a valid prefix of function names"):
         material.shader("glsl", "a b")
     two = Material(material.latents[:2], model)

@@ -9,7 +9,6 @@ from tests.export.test_shaders import basis_of
 
 from urushi.app.cli import main
 from urushi.core.table import SHAPE
-from urushi.errors import ParameterError
 from urushi.export.rest import TextureForm, basis_texture
 from urushi.nets import weights
 from urushi.textures import gpu
@@ -83,8 +82,3 @@ def read(path: Path) -> np.ndarray:
     content = path.read_bytes()
     height, width, _, depth = struct.unpack_from("<4I", content, 12)
     return np.frombuffer(content, np.float16, offset=148).reshape(depth, height, width, 4)
-
-
-def test_errors_name_the_cure(materials):
-    with pytest.raises(ParameterError, match="there is no language 'cg'; choose one of glsl, "):
-        materials["table"].shader_texture("cg")

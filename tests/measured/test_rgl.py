@@ -58,33 +58,19 @@ def test_rgb_agrees_with_mitsuba(material, random_directions):
     assert_close(in_channels(brdf, wi, wo), wo, mitsuba_f_cos(material, wi, wo))
 
 
-def test_spectra_agree_with_mitsuba(writers, tmp_path, random_directions):
+@pytest.mark.parametrize("turn", [None, 1.0, 0.5, 0.25])
+def test_spectra_agree_with_mitsuba(writers, tmp_path, random_directions, turn):
+    """Of isotropic materials, and of those of a whole turn of wi, half of one, and a quarter."""
     import mitsuba as mi
 
     mi.set_variant("llvm_ad_spectral")
     nm = [400.0, 450.0, 520.0, 650.0]
     path = tmp_path / "made_up.bsdf"
-    fields = writers.rgl_fields(np.random.default_rng(3), wavelengths=nm)
+    measured = {} if turn is None else {"azimuths": np.linspace(-np.pi, (2 * turn - 1) * np.pi, 7)}
+    fields = writers.rgl_fields(np.random.default_rng(6), wavelengths=nm, **measured)
     path.write_bytes(writers.tensor_file(fields))
     brdf = load_measured(path)
-    wi, wo = random_directions(2000, 4), random_directions(2000, 5)
-    assert list(brdf.wavelengths) == nm
-    assert_close(in_channels(brdf, wi, wo), wo, mitsuba_f_cos(path, wi, wo, nm))
-
-
-@pytest.mark.parametrize("turn", [1.0, 0.5, 0.25])
-def test_azimuths_agree_with_mitsuba(writers, tmp_path, random_directions, turn):
-    """Materials measured over a whole turn of wi, half of one, and a quarter."""
-    import mitsuba as mi
-
-    mi.set_variant("llvm_ad_spectral")
-    nm = [400.0, 450.0, 520.0, 650.0]
-    path = tmp_path / "brushed.bsdf"
-    azimuths = np.linspace(-np.pi, (2 * turn - 1) * np.pi, 7)
-    fields = writers.rgl_fields(np.random.default_rng(6), wavelengths=nm, azimuths=azimuths)
-    path.write_bytes(writers.tensor_file(fields))
-    brdf = load_measured(path)
-    assert not brdf.isotropic
+    assert list(brdf.wavelengths) == nm and brdf.isotropic == (turn is None)
     wi, wo = random_directions(4000, 7), random_directions(4000, 8)
     assert_close(in_channels(brdf, wi, wo), wo, mitsuba_f_cos(path, wi, wo, nm))
 

@@ -4,6 +4,7 @@ import drjit as dr
 import mitsuba as mi
 import numpy as np
 import pytest
+from tests.oracles.slab import interface_reflectance
 
 import urushi
 
@@ -23,13 +24,6 @@ def radiance(cosine, **parameters):
     return np.array(square.emitter().eval(si)).ravel()
 
 
-def smooth_reflectance(cosine, eta):
-    inside = (1 - (1 - cosine**2) / eta**2) ** 0.5
-    s = (cosine - eta * inside) / (cosine + eta * inside)
-    p = (eta * cosine - inside) / (eta * cosine + inside)
-    return 0.5 * (s * s + p * p)
-
-
 @pytest.mark.parametrize("cosine", [1.0, 0.5, 0.2])
 def test_the_base_emits_evenly(cosine):
     assert np.allclose(radiance(cosine), 3 * np.array(COLOR))
@@ -41,7 +35,7 @@ def test_a_smooth_coat_passes_what_it_does_not_reflect(cosine):
     """One crossing along the refracted path: half of the optical depth of coat_color."""
     color, eta = np.array([0.9, 0.4, 0.1]), 1.6
     inside = (1 - (1 - cosine**2) / eta**2) ** 0.5
-    coated = (1 - smooth_reflectance(cosine, eta)) * color ** (0.5 / inside)
+    coated = (1 - interface_reflectance(cosine, eta)) * color ** (0.5 / inside)
     # The light passes either coat alike.
     coat = dict(coat_color=tuple(color), reference=True, energy_compensation=False)
     found = radiance(cosine, coat_weight=1.0, **coat)

@@ -135,11 +135,6 @@ def test_unwritable_paths_are_refused_before_the_training(tiny, tiny_data, tmp_p
         train(tiny, data=tiny_data, run=tmp_path / "run", out=tmp_path)
 
 
-def test_errors_name_unknown_presets():
-    with pytest.raises(ParameterError, match="no preset 'slow'; choose one of default"):
-        train("slow")
-
-
 @pytest.mark.parametrize("name", presets.NAMES)
 def test_presets_state_their_command_time_and_figures(name):
     preset = presets.get(name)

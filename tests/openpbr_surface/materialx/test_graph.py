@@ -177,29 +177,25 @@ def test_ramps_and_checkers(evaluate):
     assert value[cells == 0][0] != value[cells == 1][0]
 
 
-def test_noise_is_gradient_noise():
-    """It is 0 on the lattice, where its slopes are one of eight gradients, and random in sign."""
-    lattice = np.stack(np.meshgrid(np.arange(-8, 8), np.arange(-8, 8)), -1).reshape(-1, 2) * 1.0
-    assert np.allclose(noise.perlin(lattice, 4)[..., :3], 0)
-    h = 1e-6
-    slopes = [noise.perlin(lattice + step, 1) / (0.6616 * h) for step in ([h, 0], [0, h])]
-    gradients = np.concatenate(slopes, -1)
-    found = np.unique(np.round(gradients, 3), axis=0)
-    assert np.allclose(np.sort(np.abs(found), -1), [1, 2], atol=1e-3)
-    assert len(found) == 8
+@pytest.mark.parametrize(
+    ("axes", "scale", "gradient", "number"),
+    [(2, 0.6616, [1, 2], 8), (3, 0.9820, [0, 1, 1], 12)],
+    ids=["plane", "space"],
+)
+def test_noise_is_gradient_noise(axes, scale, gradient, number):
+    """It is 0 on the lattice, where its slopes are one of a few gradients, and random in sign.
 
-
-def test_noise_in_space_is_gradient_noise():
-    """The same in three dimensions; the slopes are the 12 edges of a cube, and a plane repeats."""
-    lattice = np.stack(np.meshgrid(*[np.arange(-3.0, 3)] * 3), -1).reshape(-1, 3)
+    In a plane there are eight, in space the 12 edges of a cube.
+    """
+    lattice = np.stack(np.meshgrid(*[np.arange(-4.0, 4)] * axes), -1).reshape(-1, axes)
     assert np.allclose(noise.perlin(lattice, 4)[..., :3], 0)
-    steps = 1e-6 * np.eye(3)
-    slopes = [noise.perlin(lattice + step, 1) / (0.9820 * 1e-6) for step in steps]
+    steps = 1e-6 * np.eye(axes)
+    slopes = [noise.perlin(lattice + step, 1) / (scale * 1e-6) for step in steps]
     found = np.unique(np.round(np.concatenate(slopes, -1), 3), axis=0)
-    assert np.allclose(np.sort(np.abs(found), -1), [0, 1, 1], atol=1e-3)
-    assert len(found) == 12
-    nearest = noise.worley(lattice + 0.5, 3, np.zeros(1), 0)  # points in the cells' middles
-    assert np.allclose(nearest, [0, 1, 1])
+    assert np.allclose(np.sort(np.abs(found), -1), gradient, atol=1e-3)
+    assert len(found) == number
+    nearest = noise.worley(lattice + 0.5, axes, np.zeros(1), 0)  # points in the cells' middles
+    assert np.allclose(nearest, [0, 1, 1][:axes])
 
 
 def test_patterns_in_space_need_a_plane(document):
@@ -273,15 +269,8 @@ def test_the_hash_is_jenkins_final():
     a = b = c = (0xDEADBEEF + 8 + 13) & 0xFFFFFFFF
     a, b = (a + 5) & 0xFFFFFFFF, (b - 7) & 0xFFFFFFFF
     words = {"a": a, "b": b, "c": c}
-    for target, source, bits in [
-        ("c", "b", 14),
-        ("a", "c", 11),
-        ("b", "a", 25),
-        ("c", "b", 16),
-        ("a", "c", 4),
-        ("b", "a", 14),
-        ("c", "b", 24),
-    ]:
+    pairs = ["cb", "ac", "ba", "cb", "ac", "ba", "cb"]
+    for (target, source), bits in zip(pairs, (14, 11, 25, 16, 4, 14, 24), strict=True):
         words[target] ^= words[source]
         words[target] = (words[target] - rotate(words[source], bits)) & 0xFFFFFFFF
     assert noise.hash_integers(np.array(5), np.array(-7)) == words["c"]

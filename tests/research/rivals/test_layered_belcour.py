@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from research.rivals import belcour
+from tests.mitsuba.probes import f
 
 import urushi
 
@@ -15,15 +16,9 @@ def rgb_value(*values: float) -> dict:
     return {"type": "rgb", "value": list(values)}
 
 
-def values(bsdf, wi, wo, uv=None) -> np.ndarray:
-    from urushi.mitsuba.reading import probing
-
-    return probing.bsdf_values(bsdf, wi, wo, np.zeros((len(wi), 2)) if uv is None else uv)
-
-
-def agree(f, expected) -> None:
+def agree(found, expected) -> None:
     """The plugin and the model: rounding, and a table of metals that is within 0.007."""
-    np.testing.assert_allclose(f, expected, rtol=0.01, atol=1e-5)
+    np.testing.assert_allclose(found, expected, rtol=0.01, atol=1e-5)
 
 
 @pytest.mark.parametrize("kind", ("conductor", "diffuse"))
@@ -40,10 +35,10 @@ def test_values_are_the_models(rgb, random_directions, kind):
     medium = {"albedo": 0.6, "g": 0.4}
     plugin = COAT | medium | {"alpha": 0.1, "sigma_t": rgb_value(*COLOURS), "base": nested}
     stack = urushi.coat(described, 0.1, 1.5, 0.6, COLOURS, 0.4)
-    agree(values(rgb.load_dict(plugin), wi, wo), belcour.f(stack, wi, wo))
+    agree(f(rgb.load_dict(plugin), wi, wo), belcour.f(stack, wi, wo))
     below = plugin | {"int_ior": 1.2, "ext_ior": 0.8}
     twice = COAT | {"alpha": 0.4, "int_ior": 0.8, "base": below}
-    agree(values(rgb.load_dict(twice), wi, wo), belcour.f(urushi.coat(stack, 0.4, 0.8), wi, wo))
+    agree(f(rgb.load_dict(twice), wi, wo), belcour.f(urushi.coat(stack, 0.4, 0.8), wi, wo))
 
 
 def coats() -> list[dict]:
