@@ -8,10 +8,7 @@ import pytest
 from urushi.core.direction_sets import cosine_pairs
 from urushi.core.namespace import NUMPY
 from urushi.core.table import (
-    HIGHEST,
-    LOWEST,
     SHAPE,
-    TAN2_OFFSET,
     interpolated,
     interpolated_nodes,
     knots_of,
@@ -19,6 +16,7 @@ from urushi.core.table import (
     known_nodes,
     node_directions,
     pair_coordinates,
+    squared_tangent,
     unknotted,
 )
 from urushi.material import Material, encode, layer
@@ -89,7 +87,7 @@ def test_values_at_a_part_of_the_nodes_tell_the_others() -> None:
     """The logarithm of GGX is smooth, and a bend at a knot does not reach beyond it."""
     knots = knots_of([1 / 1.5])
     u, v, _ = np.ix_(*(np.linspace(0, 1, count) for count in SHAPE))
-    tan2 = np.exp(LOWEST + u * (HIGHEST - LOWEST)) - TAN2_OFFSET
+    tan2 = squared_tangent(u)
     bend = np.exp(5 * np.minimum(unknotted(v, knots), knots[0][0]))
     f = np.broadcast_to(bend / (0.1**2 + tan2) ** 2, SHAPE)[..., None]
     known = np.ix_(*known_nodes(knots))

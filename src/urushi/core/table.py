@@ -139,6 +139,16 @@ def log_tangent(tan2: Any, xp: Namespace) -> Any:
     return (xp.log(tan2 + TAN2_OFFSET) - LOWEST) * (1 / (HIGHEST - LOWEST))
 
 
+def squared_tangent(u: Any, xp: Namespace = NUMPY) -> Any:
+    """The squared tangent of a coordinate u, the inverse of `log_tangent` up to rounding."""
+    return xp.exp(LOWEST + u * (HIGHEST - LOWEST)) - TAN2_OFFSET
+
+
+def interpolated_columns(x: np.ndarray, nodes: np.ndarray, values: np.ndarray) -> np.ndarray:
+    """Values (M, C) at x (M,), linear between values (N, C) at ascending nodes (N,)."""
+    return np.stack([np.interp(x, nodes, column) for column in values.T], axis=-1)
+
+
 def knots_of(sines: Sequence[float], first: int | None = None) -> Knots:
     """The knots at angles of total reflection.
 
@@ -239,7 +249,7 @@ def node_components(u: Any, v: Any, w: Any, xp: Namespace) -> tuple[Components, 
 
     Where a coordinate means nothing, as w for equal directions, any pair of the same f is one.
     """
-    tan2 = xp.maximum(xp.exp(LOWEST + u * (HIGHEST - LOWEST)) - TAN2_OFFSET, 1e-9)
+    tan2 = xp.maximum(squared_tangent(u, xp), 1e-9)
     cos_h = xp.named("cos_h", 1 / xp.sqrt(1 + tan2))
     sin_h = xp.named("sin_h", xp.sqrt(tan2) * cos_h)
     cos_d = xp.named("cos_d", 1 - v * v)

@@ -26,7 +26,7 @@ import numpy as np
 from urushi.core import fresnel, microfacet
 from urushi.core.namespace import NUMPY, Components, Namespace
 from urushi.core.quadrature import directional_albedos, gauss
-from urushi.core.table import SHAPE, Knots, corners, node_pairs
+from urushi.core.table import SHAPE, Knots, corners, interpolated_columns, node_pairs
 from urushi.material.crossing import in_plane, inner_albedo
 from urushi.walk.medium import hg
 
@@ -174,8 +174,8 @@ class Grid:
 
     def at_cosines(self, values: np.ndarray) -> np.ndarray:
         """Values (M, C) at `MIRROR_COSINES`, float32, of values (N, C) at the nodes."""
-        found = [np.interp(MIRROR_COSINES, self.cosines[::-1], column[::-1]) for column in values.T]
-        return np.stack(found, axis=-1).astype(np.float32)
+        found = interpolated_columns(MIRROR_COSINES, self.cosines[::-1], values[::-1])
+        return found.astype(np.float32)
 
     def mirror_shares(self, modes: np.ndarray) -> np.ndarray:
         """The part (N,) of the albedo of a BRDF that `brdf_modes` added as a mirror reflection."""

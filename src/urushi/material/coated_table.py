@@ -16,6 +16,7 @@ from urushi.core.table import (
     SHAPE,
     Knots,
     interpolated,
+    interpolated_columns,
     interpolated_nodes,
     known_nodes,
     known_pairs,
@@ -118,21 +119,11 @@ def coated_table(bottom: Material, coat: CoatParameters, lobe: np.ndarray) -> np
         factors = np.minimum(allowed / np.maximum(of_rest, energy.LEAST_ALBEDO), 1)
         if (factors == 1).all():
             break
-        rest *= _least_factors(factors)
+        at_limited = LIMITED_COSINES[::-1], factors[::-1]
+        sides = (interpolated_columns(w[:, 2], *at_limited) for w in node_pairs())
+        rest *= np.minimum(*sides).astype(np.float32)  # the lesser one keeps f reciprocal
         of_rest = _albedos_of_values(rest, lobe)
     return table_of_values(rest)
-
-
-def _least_factors(factors: np.ndarray) -> np.ndarray:
-    """The lesser (N, C) of both factors at `node_pairs`, of factors (M, C) at `LIMITED_COSINES`.
-
-    It keeps f reciprocal.
-    """
-    columns = [
-        np.minimum(*(np.interp(w[:, 2], LIMITED_COSINES[::-1], column[::-1]) for w in node_pairs()))
-        for column in factors.T
-    ]
-    return np.stack(columns, axis=1).astype(np.float32)
 
 
 def _albedos_of_values(rest: np.ndarray, lobe: np.ndarray) -> np.ndarray:

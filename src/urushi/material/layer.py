@@ -28,7 +28,7 @@ from urushi.material.source import as_source
 from urushi.material.symmetry import Deviations, deviations_of
 from urushi.material.values import encode_source, model_for
 from urushi.nets import lobe as lobes
-from urushi.nets.transmittance import both_ways, remainder
+from urushi.nets.transmittance import both_ways, table_beside
 from urushi.nets.weights import Model, Weights, anisotropic_model, default_model
 from urushi.parallel import fill_blocks
 from urushi.walk import Dielectric, Stack
@@ -271,9 +271,8 @@ def tabulated(material: Material) -> Material:
         return material
     table = material.logs()
     if material.table is not None:
-        wi, wo = node_pairs()
         lobe = material.latents[:, : material.model.arch.lobe]
-        table = table_of_values(remainder(material.f(wi, wo), lobe, wi[:, None], wo[:, None]))
+        table = table_beside(lobe, material.f(*node_pairs()))
     return replace(material, table=table, beside_lobe=True)
 
 

@@ -9,13 +9,13 @@ from dataclasses import replace
 import numpy as np
 import numpy.typing as npt
 
-from urushi.checks import Widths
-from urushi.core.table import node_pairs, table_of_values
+from urushi.core.microfacet import product
+from urushi.core.table import node_pairs
 from urushi.errors import ParameterError
 from urushi.material.encode import encode
 from urushi.material.material import Material
 from urushi.nets import lobe as lobes
-from urushi.nets.transmittance import remainder
+from urushi.nets.transmittance import table_beside
 from urushi.nets.weights import anisotropic_model, default_model
 
 
@@ -76,7 +76,7 @@ def lerp(a: Material, b: Material, t: npt.ArrayLike) -> Material:
 def _blend(a: Material, b: Material, share: np.ndarray) -> Material:
     """The blend with shares (C,) of b."""
     model, size = a.model, a.model.arch.lobe
-    none = np.tile(np.array(lobes.no_lobe(model.widths), np.float32), (len(share), 1))
+    none = np.tile(lobes.no_lobe(model.widths), (len(share), 1))
     first, second = (
         m.latents[:, :size] if m.table is None or m.beside_lobe else none for m in (a, b)
     )
@@ -90,9 +90,8 @@ def _blend(a: Material, b: Material, share: np.ndarray) -> Material:
     codes = np.where(at == 0, a.latents, np.where(at == 1, b.latents, codes))
     if model.widths == 2:
         return Material(codes, model)
-    wi, wo = node_pairs()
-    rest = remainder(f(wi, wo), codes[:, :size], wi[:, None], wo[:, None])
-    return Material(codes, model, table_of_values(rest), beside_lobe=True)
+    table = table_beside(codes[:, :size], f(*node_pairs()))
+    return Material(codes, model, table, beside_lobe=True)
 
 
 def _grown(material: Material, channels: int) -> Material:
@@ -110,21 +109,12 @@ def brighter_lobes(a: np.ndarray, b: np.ndarray, share: np.ndarray) -> np.ndarra
     share: (C,) of b. Where both have the same shape and index, their sum remains.
     """
     columns = share[:, None].astype(np.float32)
-    scaled = [_scaled(a, 1 - columns), _scaled(b, columns)]
-    peaks = [lobes.reflectance(x, 1.0) / np.square(_area(lobes.width(x))) for x in scaled]
+    scaled = np.array([a, b])
+    scaled[..., 1:4] *= np.stack([1 - columns, columns])
+    peaks = [lobes.reflectance(x, 1.0) / product(lobes.width(x)) for x in scaled]
     shape = np.delete(np.arange(a.shape[1]), [1, 2, 3])
     same = (a[:, shape] == b[:, shape]).all(axis=1)
     total = np.array(a)
     total[:, 1:4] = scaled[0][:, 1:4] + scaled[1][:, 1:4]
     brighter = np.where((peaks[0] >= peaks[1])[:, None], *scaled)
     return np.where(same[:, None], total, brighter)
-
-
-def _scaled(lobe: np.ndarray, factor: np.ndarray) -> np.ndarray:
-    result = np.array(lobe)
-    result[:, 1:4] *= factor
-    return result
-
-
-def _area(width: np.ndarray | Widths) -> np.ndarray:
-    return np.sqrt(width.u * width.v) if isinstance(width, Widths) else width

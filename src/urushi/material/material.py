@@ -71,14 +71,18 @@ class Material:
     knots: Knots = ()
 
     def __post_init__(self) -> None:
-        latents = _checked(self.latents, self.model, "latents")
+        channels = max(len(np.atleast_1d(self.latents)), 1)
+        checked: dict[str, Any] = {
+            "latents": _checked(self.latents, np.float32, (channels, self.model.arch.latent)),
+            "beside_lobe": bool(self.beside_lobe) and self.table is not None,
+            "rotation": _checked_rotation(self.rotation) if self.model.widths == 2 else 0.0,
+        }
         if self.table is not None:
-            object.__setattr__(self, "table", _checked_table(self.table, self.model, len(latents)))
-        beside_lobe = bool(self.beside_lobe) and self.table is not None
-        object.__setattr__(self, "beside_lobe", beside_lobe)
-        object.__setattr__(self, "latents", latents)
-        turn = _checked_rotation(self.rotation) if self.model.widths == 2 else 0.0
-        object.__setattr__(self, "rotation", turn)
+            if self.model.widths == 2:
+                raise ParameterError("materials of these weights cannot have tables")
+            checked["table"] = _checked(self.table, np.float16, (*SHAPE, channels))
+        for name, value in checked.items():
+            object.__setattr__(self, name, value)
 
     def __eq__(self, other: object) -> bool:
         return self._key() == other._key() if isinstance(other, Material) else NotImplemented
@@ -349,16 +353,15 @@ def _material(description: dict[str, Any], arrays: dict[str, np.ndarray], model:
     )
 
 
-def _checked(codes: npt.ArrayLike, model: Model, name: str) -> np.ndarray:
-    """A read-only copy float32 (C, L) of a material's codes."""
-    array = np.array(codes, dtype=np.float32)
-    width = model.arch.latent
-    if array.ndim != 2 or not len(array) or array.shape[1] != width:
-        raise ParameterError(
-            f"a material's {name} have shape {array.shape}; give (channels, {width})"
-        )
+def _checked(values: npt.ArrayLike, dtype: Any, shape: tuple[int, ...]) -> np.ndarray:
+    """A read-only copy of a material's latents or table."""
+    what = "tables" if dtype == np.float16 else "latents"
+    with np.errstate(over="ignore"):
+        array = np.array(values, dtype)
+    if array.shape != shape:
+        raise ParameterError(f"a material's {what} have the shape {array.shape}; give {shape}")
     if not np.isfinite(array).all():
-        raise ParameterError(f"a material's {name} hold a number that is not finite")
+        raise ParameterError(f"a material's {what} hold a number that is not finite")
     array.flags.writeable = False
     return array
 
@@ -371,19 +374,3 @@ def _checked_rotation(angle: float) -> float:
 def _above(wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
     """Whether both directions (..., 3) are above the horizon."""
     return (wi[..., 2] > 0.0) & (wo[..., 2] > 0.0)
-
-
-def _checked_table(table: npt.ArrayLike, model: Model, channels: int) -> np.ndarray:
-    """A read-only copy float16 (U, V, W, C) of a material's table."""
-    if model.widths == 2:
-        raise ParameterError("materials of these weights cannot have tables")
-    with np.errstate(over="ignore"):
-        array = np.array(table, dtype=np.float16)
-    if array.shape != (*SHAPE, channels):
-        raise ParameterError(
-            f"a material's table has shape {array.shape}; give {(*SHAPE, channels)}"
-        )
-    if not np.isfinite(array).all():
-        raise ParameterError("a material's table holds a number that is not finite")
-    array.flags.writeable = False
-    return array

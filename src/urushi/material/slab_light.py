@@ -19,7 +19,7 @@ import numpy as np
 
 from urushi.checks import MIN_ALPHA
 from urushi.core.namespace import NUMPY, Components
-from urushi.core.table import HIGHEST, LOWEST, SHAPE, TAN2_OFFSET, interpolated_at
+from urushi.core.table import SHAPE, interpolated_at, squared_tangent
 from urushi.material import adding
 from urushi.material.crossing import (
     LEAST_COSINE,
@@ -255,8 +255,7 @@ def _two_interfaces(
 
 def _half_vectors(f: np.ndarray) -> HalfVectors:
     """The distribution of half vectors at which values f (U, ...) at a table's nodes are bright."""
-    nodes = np.linspace(0, 1, SHAPE[0])
-    tan2 = np.maximum(np.exp(LOWEST + nodes * (HIGHEST - LOWEST)) - TAN2_OFFSET, 0)
+    tan2 = np.maximum(squared_tangent(np.linspace(0, 1, SHAPE[0])), 0)
     cosines = 1 / np.sqrt(1 + tan2)
     size = f[:, :PEAK_NODES].mean(axis=(1, 2, 3), dtype=np.float64)
     angles = 2 * np.pi * (cosines[:-1] - cosines[1:])

@@ -18,6 +18,7 @@ import numpy as np
 from urushi.checks import MIN_INDEX_STEP
 from urushi.core import fresnel
 from urushi.core.namespace import NUMPY
+from urushi.core.table import interpolated_columns
 from urushi.material import adding
 from urushi.material.crossing import cross, facet_points, in_plane, mirrored
 
@@ -126,11 +127,10 @@ class Shares(NamedTuple):
 
     def at(self, angles: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Both shares (M, C) at angles (M,)."""
-        both = [
-            np.stack([np.interp(angles, self.angles, column) for column in shares.T], axis=-1)
-            for shares in (self.reflected, self.passed)
-        ]
-        return both[0], both[1]
+        reflected, passed = (
+            interpolated_columns(angles, self.angles, x) for x in (self.reflected, self.passed)
+        )
+        return reflected, passed
 
 
 def shares(layers: Layers, channels: int) -> list[Shares]:

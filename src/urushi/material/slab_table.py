@@ -23,6 +23,7 @@ from urushi.core.table import (
     SHAPE,
     Knots,
     interpolated_at,
+    interpolated_columns,
     knots_of,
     node_pairs,
     pair_coordinates,
@@ -187,7 +188,7 @@ def _with_light(logs: np.ndarray, angles: list[np.ndarray], sides: list[Light]) 
         for k, own in enumerate(angles):
             side, change = sides[k % len(sides)], changes[k % len(sides)]
             change.clip(-LARGEST_CHANGE, LARGEST_CHANGE, out=change)
-            total = total + np.stack([np.interp(own, side.angles, x) for x in change.T], axis=-1)
+            total = total + interpolated_columns(own, side.angles, change)
         result = (logs + np.reshape(total, logs.shape)).astype(np.float32)
     return result
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from urushi.checks import Widths
 from urushi.core.probe_pairs import ANISOTROPIC_PROBES, probe_pairs
-from urushi.core.table import HIGHEST, LOWEST, SHAPE, TAN2_OFFSET, node_pairs
+from urushi.core.table import SHAPE, TAN2_OFFSET, node_pairs, squared_tangent
 from urushi.material import adding, adding_quadrant
 from urushi.material.material import Material
 from urushi.material.reflector import Reflector
@@ -22,7 +22,6 @@ PART_OF_PEAK = 0.25
 
 #: Tilt of half vectors by an interface, over the width of a lobe, above which the lobe is narrow.
 LEAST_TILT = 0.04
-
 
 #: Angles of total reflection are rounded to this step [rad]: coats of similar index share a grid.
 EDGE_STEP = 1 / 32
@@ -139,7 +138,6 @@ def _widths(reflector: Reflector) -> np.ndarray:
             continue
         last = lower[0]
         part = (profile[last - 1] - level) / (profile[last - 1] - profile[last])
-        u = (last - 1 + part) / (SHAPE[0] - 1)
-        tan2 = np.exp(LOWEST + u * (HIGHEST - LOWEST)) - TAN2_OFFSET
+        tan2 = squared_tangent((last - 1 + part) / (SHAPE[0] - 1))
         result.append(np.sqrt(max(tan2, TAN2_OFFSET)))
     return np.array(result)

@@ -19,7 +19,7 @@ from urushi.material.source import Source, as_source, source_name
 from urushi.material.symmetry import Deviations, deviations_of, is_anisotropic, symmetrise
 from urushi.nets import lobe as lobes
 from urushi.nets.lobe_fit import fit_lobes
-from urushi.nets.transmittance import remainder
+from urushi.nets.transmittance import table_beside
 from urushi.nets.weights import Model, Weights, anisotropic_model, find
 from urushi.walk import Stack
 
@@ -70,10 +70,9 @@ def encode_source(
     material = material_from_values(values, model, lobe=found.lobe)
     if len(at_table):
         beside = found.lobe is not None  # a known lobe is finer than any table
-        if beside:
-            wi, wo = (w[:, None] for w in node_pairs())
-            at_table = remainder(at_table, material.latents[:, : model.arch.lobe], wi, wo)
-        material = replace(material, table=table_of_values(at_table), beside_lobe=beside)
+        lobe = material.latents[:, : model.arch.lobe]
+        own = table_beside(lobe, at_table) if beside else table_of_values(at_table)
+        material = replace(material, table=own, beside_lobe=beside)
     return material, found.deviations
 
 

@@ -19,9 +19,10 @@ Functions take arrays of NumPy or JAX. An argument `xp` lets them serve Dr.Jit a
 from collections.abc import Sequence
 from typing import Any
 
+import numpy as np
+
 from urushi.checks import Widths
-from urushi.core import fresnel as core_fresnel
-from urushi.core import microfacet
+from urushi.core import fresnel, microfacet
 from urushi.core.namespace import Components, Namespace, arrays, components
 from urushi.nets.features import Normalisation, stacked
 
@@ -59,9 +60,9 @@ FEATURES = {1: Normalisation(FEATURE_TABLE), 2: Normalisation(FEATURE_TABLE + FE
 VISIBLE = 0.01
 
 
-def no_lobe(widths: int = 1) -> tuple[float, ...]:
-    """The numbers of a surface without a lobe, for lobes with this number of widths."""
-    return NO_LOBE + NO_LOBE[:1] * (widths - 1)
+def no_lobe(widths: int = 1) -> np.ndarray:
+    """The numbers float32 (N,) of a surface without a lobe, for this number of widths."""
+    return np.array(NO_LOBE + NO_LOBE[:1] * (widths - 1), np.float32)
 
 
 def width(lobe: Any) -> Any:
@@ -95,14 +96,9 @@ def reflectance_of(numbers: Sequence[Any], cosine: Any, xp: Namespace) -> Any:
         fifth = xp.named("fifth", away2 * away2 * away)
         value = normal * (1.0 - fifth) + grazing * fifth
     if eta is not None:
-        exact = core_fresnel.exact(cosine, eta, k, xp)
+        exact = fresnel.exact(cosine, eta, k, xp)
         value = value + (exact if factor is None else factor * exact)
     return xp.named("fresnel", value)
-
-
-def fresnel(cosine: Any, eta: Any, k: Any) -> Any:
-    """Return the unpolarised reflectance of a smooth surface of index eta - i k, see `exact`."""
-    return core_fresnel.exact(cosine, eta, k, arrays(eta))
 
 
 def f(lobe: Any, wi: Any, wo: Any) -> Any:

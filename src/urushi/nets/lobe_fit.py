@@ -157,7 +157,7 @@ def _fit(f: np.ndarray, widths: int) -> np.ndarray:
             if not moving.any():
                 break
             open_rows, scale, aim, white = (y[moving] for y in (open_rows, scale, aim, white))
-    result = np.tile(np.array(lobes.no_lobe(widths), np.float32), (len(f), 1))
+    result = np.tile(lobes.no_lobe(widths), (len(f), 1))
     result[:, lobes.WIDTH_PLACES[widths]] = np.exp(at[:, _LINEAR:])
     result[:, 1:3] = at[:, 1:3]
     return result

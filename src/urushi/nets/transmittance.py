@@ -26,7 +26,7 @@ import numpy as np
 
 from urushi.checks import Widths
 from urushi.core.namespace import Namespace, arrays, components
-from urushi.core.table import MIN_COSINE
+from urushi.core.table import MIN_COSINE, node_pairs, table_of_values
 from urushi.nets import lobe as lobes
 
 #: Least square of the width w.
@@ -43,6 +43,14 @@ def remainder(f: Any, lobe: Any, wi: Any, wo: Any) -> Any:
     """
     xp = arrays(wi)
     return xp.maximum(f - lobes.f(lobe, wi, wo), 0.0) / both_ways(lobe, wi, wo)
+
+
+def table_beside(lobe: np.ndarray, f: np.ndarray) -> np.ndarray:
+    """The table float16 (U, V, W, C) of g of values f (N, C) [1/sr] at `core.table.node_pairs`.
+
+    lobe: (C, N) of the channels.
+    """
+    return table_of_values(remainder(f, lobe, *(w[:, None] for w in node_pairs())))
 
 
 def both_ways(lobe: Any, wi: Any, wo: Any) -> Any:

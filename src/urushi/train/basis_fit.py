@@ -28,14 +28,12 @@ from scipy.optimize import nnls
 from urushi.core.directions import directions_at
 from urushi.core.probe_pairs import probe_pairs
 from urushi.core.table import (
-    HIGHEST,
-    LOWEST,
     MAX_LOG,
     SHAPE,
-    TAN2_OFFSET,
     corners,
     node_pairs,
     pair_coordinates,
+    squared_tangent,
 )
 from urushi.nets import code_fit
 from urushi.nets import lobe as lobes
@@ -137,8 +135,7 @@ def node_measure() -> np.ndarray:
     By a fine midpoint rule in the half angle, the difference angle and the azimuth; a point counts
     at the corners of its cell.
     """
-    tan2 = np.exp(LOWEST + np.linspace(0, 1, 481) * (HIGHEST - LOWEST)) - TAN2_OFFSET
-    edges = np.sqrt(np.maximum(tan2, 0))
+    edges = np.sqrt(np.maximum(squared_tangent(np.linspace(0, 1, 481)), 0))
     bounds = np.arctan(edges), np.arccos(1 - np.linspace(0, 1, 161) ** 2), np.linspace(0, np.pi, 97)
     middle, size = zip(*((0.5 * (x[1:] + x[:-1]), np.diff(x)) for x in bounds), strict=True)
     theta_d, phi_d = (x.ravel() for x in np.meshgrid(*middle[1:], indexing="ij"))

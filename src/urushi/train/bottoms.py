@@ -19,7 +19,7 @@ def bottom_lobes(kind: str, bottom: np.ndarray, widths: int = 1) -> np.ndarray:
     fresnel = KINDS[kind].family.fresnel_numbers(columns)
     if fresnel is None:
         return fit_lobes(analytic.at_all(kind, columns, *probe_pairs(widths=widths)), widths)
-    result = np.tile(np.array(lobes.no_lobe(widths), np.float32), (len(bottom), 1))
+    result = np.tile(lobes.no_lobe(widths), (len(bottom), 1))
     if own := [column for name, column in columns.items() if name.startswith("alpha")]:
         result[:, lobes.WIDTH_PLACES[widths]] = np.stack(own, axis=-1)
     for place, numbers in enumerate(fresnel, start=1):

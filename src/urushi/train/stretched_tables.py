@@ -18,14 +18,12 @@ from urushi.core.namespace import NUMPY, Components
 from urushi.core.probe_pairs import ANISOTROPIC_PROBES, pair_measure, probe_pairs
 from urushi.core.stretched import stretched
 from urushi.core.table import (
-    HIGHEST,
-    LOWEST,
     MIN_COSINE,
     MIN_LOG,
     SHAPE,
-    TAN2_OFFSET,
     log_tangent,
     node_directions,
+    squared_tangent,
 )
 from urushi.material.coated_values import coated_g
 from urushi.material.material import Material
@@ -111,7 +109,7 @@ def nodes_of(stretch: float, seed: Sequence[int]) -> Nodes:
 
 
 def _tan2(u: np.ndarray) -> np.ndarray:
-    return np.maximum(np.exp(LOWEST + u * (HIGHEST - LOWEST)) - TAN2_OFFSET, 1e-9)
+    return np.maximum(squared_tangent(u), 1e-9)
 
 
 def levels(probes: int, seed: int, number: int) -> list[dict[str, Any]]:

@@ -18,7 +18,7 @@ from urushi.mitsuba.reading.known import known_surface
 from urushi.mitsuba.reading.nested import check_bottom
 from urushi.mitsuba.reading.parameters import CoatTextures
 from urushi.nets.lobe import with_two_widths
-from urushi.nets.transmittance import remainder
+from urushi.nets.transmittance import table_beside
 from urushi.nets.weights import Model
 
 #: Width below which a lobe stays beside the table of a bottom, which is too coarse for it.
@@ -70,9 +70,8 @@ def bottom_material(model: Model, bottom: "mi.BSDF", where: str) -> Material:
         )[0]
         lobe = material.latents[:, : model.arch.lobe]
         narrow = source.lobe is not None and bool((lobe[:, 0] < NARROW).any())
-        if narrow:
-            f = remainder(f, lobe, wi[:, None], wo[:, None])
-        material = replace(material, table=table_of_values(f), beside_lobe=narrow)
+        table = table_beside(lobe, f) if narrow else table_of_values(f)
+        material = replace(material, table=table, beside_lobe=narrow)
     return material
 
 
