@@ -18,7 +18,7 @@ import numpy as np
 from fan2022 import architecture
 from fan2022.architecture import EVALUATION, LAYERING
 from urushi.core.namespace import Components, Namespace, arrays, components, stacked_components
-from urushi.nets.mlp import Params, mlp, split_linear
+from urushi.nets.mlp import Params, hidden_to_output, linear, split_linear
 
 #: The first layer; its product with the code is shared by all directions.
 _FIRST = "evaluation.0"
@@ -125,7 +125,7 @@ class GaussianMixture(NamedTuple):
 
 def proxy(params: Params, z: Any) -> GaussianMixture:
     """Return the proposal of codes z (..., 32)."""
-    output = mlp(params, "proxy", z, "relu")
+    output = hidden_to_output(params, "proxy", linear(params, "proxy.0", z), "relu")
     xp = output.__array_namespace__()
     logistic = 0.5 - 0.5 * xp.tanh(0.5 * output)  # cannot overflow
     sigma = xp.exp(math.log(MIN_SIGMA) * logistic[..., 0])

@@ -212,10 +212,7 @@ def first_of(material: Material, name: str) -> First:
     """A material as the page shows it, by its table or its codes."""
     shown: dict[str, Any] = {
         "name": name,
-        "bottom": {
-            "kind": "codes",
-            "latents": _three(material.latents).ravel().tolist(),
-        },
+        "bottom": {"kind": "codes", "latents": _three(material.latents).ravel().tolist()},
         "coats": [],
     }
     if material.model.widths == 2:

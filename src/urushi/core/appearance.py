@@ -88,11 +88,7 @@ def medium(look: Iterable[Any], g: Any, xp: Namespace = NUMPY) -> tuple[Any, Any
 
 
 def described(
-    where: str,
-    *,
-    g: npt.ArrayLike,
-    thickness: npt.ArrayLike,
-    **given: npt.ArrayLike | None,
+    where: str, *, g: npt.ArrayLike, thickness: npt.ArrayLike, **given: npt.ArrayLike | None
 ) -> tuple[np.ndarray, np.ndarray]:
     """Checked albedo and optical depth, each () or (3,), of a coat's medium as a caller gives it.
 

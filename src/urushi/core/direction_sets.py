@@ -18,11 +18,7 @@ Pairs = tuple[np.ndarray, np.ndarray]
 
 
 def half_angle_pairs(
-    rng: np.random.Generator,
-    n: int,
-    *,
-    lowest_cosine: float = 0.0,
-    slopes: bool = False,
+    rng: np.random.Generator, n: int, *, lowest_cosine: float = 0.0, slopes: bool = False
 ) -> Pairs:
     """Pairs with ln tan(theta_h) uniform about difference directions over the whole hemisphere.
 

@@ -19,13 +19,7 @@ from urushi.export.expressions import (
     Expression,
 )
 from urushi.export.rest import TextureForm
-from urushi.export.statements import (
-    Function,
-    Program,
-    Statement,
-    Structure,
-    Variable,
-)
+from urushi.export.statements import Function, Program, Statement, Structure, Variable
 
 #: Columns of a line of the printed file.
 WIDTH = 100

@@ -114,11 +114,7 @@ def rest_f(
 
 
 def _looked_up(
-    body: Function,
-    count: int,
-    form: TextureForm,
-    texture: Expression,
-    places: Sequence[Expression],
+    body: Function, count: int, form: TextureForm, texture: Expression, places: Sequence[Expression]
 ) -> list[Expression]:
     """The texels of a node, linear between the nodes around places in [0, 1]."""
     at = [

@@ -2,14 +2,7 @@
 
 from collections.abc import Sequence
 
-from urushi.export.expressions import (
-    COLOUR,
-    FLOAT,
-    Expression,
-    colour_of,
-    expression,
-    name,
-)
+from urushi.export.expressions import COLOUR, FLOAT, Expression, colour_of, expression, name
 from urushi.export.lobe import width_of
 from urushi.export.statements import Function, LinearNumber, Texels, Variable, namespace
 from urushi.nets.transmittance import of_spread, spread2

@@ -281,13 +281,8 @@ def albedo_factors(
 def bottom_modes(f: Brdf, edges: Edges = ()) -> np.ndarray:
     """Modes (C, H, N, N) of a BRDF. Albedos above 1 count as 1."""
     own = grid(edges)
-    return modes_of_values(f(*own.pairs()).astype(np.float64), albedos(f, own.cosines), edges)
-
-
-def modes_of_values(f: np.ndarray, albedo: np.ndarray, edges: Edges = ()) -> np.ndarray:
-    """Modes (C, H, N, N) of a BRDF of values f (M, C) at `Grid.pairs` and albedos (N, C)."""
-    own, columns = grid(edges), zip(f.T, np.minimum(albedo, 1).T, strict=True)
-    return np.stack([own.brdf_modes(*column) for column in columns])
+    values, albedo = f(*own.pairs()).astype(np.float64), np.minimum(albedos(f, own.cosines), 1)
+    return np.stack([own.brdf_modes(*column) for column in zip(values.T, albedo.T, strict=True)])
 
 
 @functools.lru_cache(maxsize=16)
@@ -465,10 +460,7 @@ def reflected_once_on_grid(layers: Iterable[Sequence[float]], own: Grid) -> np.n
 
 
 def passed_inside(
-    bottom: np.ndarray,
-    interface: np.ndarray,
-    layers: Iterable[Sequence[float]],
-    edges: Edges,
+    bottom: np.ndarray, interface: np.ndarray, layers: Iterable[Sequence[float]], edges: Edges
 ) -> tuple[np.ndarray, np.ndarray, float]:
     """Transmission of media over a bottom, below an interface that reflects from below.
 

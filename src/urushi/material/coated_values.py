@@ -32,15 +32,10 @@ from urushi.core.namespace import DRJIT
 from urushi.core.probe_pairs import ANISOTROPIC_PROBES, probe_pairs
 from urushi.core.table import SHAPE, known_pairs
 from urushi.material import adding, adding_quadrant
-from urushi.material.crossing import (
-    GENERATORS,
-    LEAST_COSINE,
-    cross,
-    crossing_at,
-)
+from urushi.material.crossing import GENERATORS, LEAST_COSINE, cross, crossing_at
 from urushi.material.material import Material
 from urushi.material.reflector import Reflector
-from urushi.material.substrate import Substrate, of_material
+from urushi.material.substrate import Substrate, of_material, parts_of
 from urushi.nets import lobe as lobes
 from urushi.nets.transmittance import both_ways
 
@@ -162,10 +157,11 @@ def _jobs(
     layers = media.T.reshape(len(channels), -1, 3)
     layers = np.array([[adding.resolved(*layer) for layer in own] for own in layers])
     if below.widths == 2:
-        several = zip(channels, interfaces.T, layers[:, 0].tolist(), strict=True)
-        found = [
-            below.turned_back(c, Widths(*alpha), n, layer) for c, (*alpha, n), layer in several
-        ]
+        found, own = [], zip(channels, interfaces.T, layers[:, 0].tolist(), strict=True)
+        for c, (*alpha, n), medium in own:
+            back = adding_quadrant.interface_parts(Widths(*alpha), n)
+            light = adding_quadrant.seen_inside(parts_of(below, c), back, medium)
+            found.append(adding_quadrant.table(light))
         more, factors = np.array(found), None
     else:
         more, factors = _turned_back(below, channels, interfaces, layers)

@@ -8,12 +8,7 @@ from urushi.material.source import source_name
 from urushi.nets.weights import Weights
 
 
-def encode(
-    source: Any,
-    weights: Weights | None = None,
-    *,
-    table: bool | None = None,
-) -> Material:
+def encode(source: Any, weights: Weights | None = None, *, table: bool | None = None) -> Material:
     """Encode a BRDF into latent codes, one per channel.
 
     Args:

@@ -335,10 +335,7 @@ def predicted(model: Model, z: np.ndarray, coat: CoatParameters) -> np.ndarray:
     count = np.broadcast_shapes(z.shape[:1], *(p.shape for p in columns))
     coated = np.empty((*count, z.shape[1]), np.float32)
     fill_blocks(
-        coated,
-        lambda z, *p: model.networks.layer(z, CoatParameters.of_columns(p)),
-        z,
-        *columns,
+        coated, lambda z, *p: model.networks.layer(z, CoatParameters.of_columns(p)), z, *columns
     )
     return coated
 

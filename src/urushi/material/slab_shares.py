@@ -63,10 +63,6 @@ class Layers(NamedTuple):
         interfaces = np.stack([self.interfaces[:, 0], 1 / self.interfaces[:, 1]], axis=1)
         return Layers(interfaces[::-1], tuple(media[::-1] for media in self.media[::-1]))
 
-    def from_interface(self, level: int) -> "Layers":
-        """What lies below the media above an interface."""
-        return Layers(self.interfaces[level:], self.media[level:])
-
     def is_symmetric(self) -> bool:
         """Whether it is the same upside down."""
         other = self.turned()

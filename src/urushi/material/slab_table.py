@@ -244,8 +244,9 @@ def _reflected(model: Model, layers: Layers, every: list[Shares]) -> tuple[Mater
             if eta[0] == 1:  # the lobe below is seen beside the table
                 seen = replace(below, beside_lobe=False)
                 own = replace(own, reflector=_reflector(seen))
-            inner = layers.from_interface(level).inner_lobes()
-            factor = _at_nodes(knots, inner)
+            inner = Layers(layers.interfaces[level:], layers.media[level:]).inner_lobes()
+            a, b = (Components(*w.T) for w in node_pairs(knots))
+            factor = mirrored_inside(a, b, inner, NUMPY).astype(np.float32).reshape(SHAPE)
             insides.insert(0, inside)
             media = layers.media[level].reshape(-1, channels)
             columns = np.stack([alpha, eta]), media, factor.reshape(-1, 1)
@@ -264,12 +265,6 @@ def _reflected(model: Model, layers: Layers, every: list[Shares]) -> tuple[Mater
 def _reflector(inner: Material) -> Reflector:
     """What lies below a medium; the tables of slabs hold T(wi) T(wo), their edges are at knots."""
     return Reflector.of(inner)._replace(darkened=False)
-
-
-def _at_nodes(knots: Knots, inner: InnerLobes) -> np.ndarray:
-    """`mirrored_inside` at the nodes of a table of reflection, float32."""
-    a, b = (Components(*w.T) for w in node_pairs(knots))
-    return mirrored_inside(a, b, inner, NUMPY).astype(np.float32).reshape(SHAPE)
 
 
 def _reflected_light(own: Shares, knots: Knots, inner: InnerLobes) -> Light:

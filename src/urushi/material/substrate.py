@@ -2,13 +2,11 @@
 
 import functools
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
 
-from urushi.checks import Widths
 from urushi.core.probe_pairs import ANISOTROPIC_PROBES, probe_pairs
 from urushi.core.table import SHAPE, TAN2_OFFSET, node_pairs, squared_tangent
 from urushi.material import adding, adding_quadrant
@@ -92,18 +90,6 @@ class Substrate:
             return _on_grid(self, tuple(channels), edges)
         return OnGrid(edges, self.of_slab.modes[channels], self.of_slab.mirrored[:, channels])
 
-    def turned_back(
-        self, channel: int, alpha: Widths, eta: float, layer: Sequence[float]
-    ) -> np.ndarray:
-        """Light of two widths that a medium, `resolved`, or an interface above turns back.
-
-        Returns:
-            float32 f of `adding_quadrant.table`.
-        """
-        back = adding_quadrant.interface_parts(alpha, eta)
-        values = adding_quadrant.seen_inside(_parts_of(self, channel), back, layer)
-        return adding_quadrant.table(values)
-
 
 @functools.lru_cache(maxsize=4)
 def of_material(material: Material) -> Substrate:
@@ -118,7 +104,7 @@ def _on_grid(below: Substrate, channels: tuple[int, ...], edges: adding.Edges) -
 
 
 @functools.lru_cache(maxsize=16)
-def _parts_of(below: Substrate, channel: int) -> np.ndarray:
+def parts_of(below: Substrate, channel: int) -> np.ndarray:
     """The parts of a channel of two widths, see `adding_quadrant`."""
     return adding_quadrant.bottom_parts(below.reflector.taken([channel]).f)[0]
 

@@ -192,10 +192,7 @@ def asymmetry_pairs() -> tuple[np.ndarray, np.ndarray]:
 
 
 def deviations_of(
-    source: Source,
-    anisotropy: float | None = 0.0,
-    reciprocity: float | None = 0.0,
-    widths: int = 1,
+    source: Source, anisotropy: float | None = 0.0, reciprocity: float | None = 0.0, widths: int = 1
 ) -> Deviations:
     """The deviations of a source of this asymmetry."""
     shares = source.transmitted, source.mirrored

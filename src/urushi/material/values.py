@@ -13,7 +13,7 @@ import numpy as np
 from urushi.core.table import node_pairs, table_of_values
 from urushi.errors import ParameterError
 from urushi.material import energy
-from urushi.material.albedo_rule import AlbedoRule, albedo_rule
+from urushi.material.albedo_rule import albedo_rule
 from urushi.material.material import Material
 from urushi.material.source import Source, as_source, source_name
 from urushi.material.symmetry import Deviations, deviations_of, is_anisotropic, symmetrise
@@ -44,11 +44,7 @@ def model_for(source: Any, weights: Weights | None = None) -> Model:
 
 
 def encode_source(
-    source: Any,
-    model: Model,
-    *,
-    table: bool | None = None,
-    name: str | None = None,
+    source: Any, model: Model, *, table: bool | None = None, name: str | None = None
 ) -> tuple[Material, Deviations]:
     """`encode` without its warnings.
 
@@ -158,19 +154,12 @@ def material_from_values(
     ceiling = np.full((len(probed), 1), 1 - energy.MARGIN)
     if at_nodes.size:
         rule = albedo_rule(model.widths)
-        ceiling = energy.albedo_ceiling(_source_albedos(at_nodes, lobe, rule), rule)
+        rest = np.maximum(at_nodes - lobes.f(lobe[:, None], rule.wi, rule.wo), 0.0)
+        # The nodes are too few for the sharpest lobes, whose albedos are computed separately.
+        ceiling = energy.albedo_ceiling(rule.albedo(rest) + energy.lobe_albedos(lobe), rule)
     return Material(
         energy.nearest_below(model, model.networks.encode(probed, lobe), ceiling), model
     )
-
-
-def _source_albedos(f: np.ndarray, lobe: np.ndarray, rule: AlbedoRule) -> np.ndarray:
-    """Directional albedos (C, K) of values f (C, M) at the nodes of a rule.
-
-    The nodes are too few for the sharpest lobes (N,), whose albedos are computed separately.
-    """
-    rest = np.maximum(f - lobes.f(lobe[:, None], rule.wi, rule.wo), 0.0)
-    return rule.albedo(rest) + energy.lobe_albedos(lobe)
 
 
 def _checked(values: Any, name: str, count: int) -> np.ndarray:

@@ -59,10 +59,7 @@ LEAST_SLOPE = 1e-4
 
 
 def solve_codes(
-    basis: Basis,
-    rest: np.ndarray,
-    passed: np.ndarray,
-    stretch: np.ndarray | None = None,
+    basis: Basis, rest: np.ndarray, passed: np.ndarray, stretch: np.ndarray | None = None
 ) -> np.ndarray:
     """Codes float32 (S, K), of two widths (S, K + 1), of values (S, N) [1/sr] at the probe pairs.
 

@@ -16,14 +16,6 @@ POLYNOMIALS = {
 }
 
 
-def mlp(params: Params, prefix: str, x: Any, activation: str) -> Any:
-    """Evaluate the network called `prefix` on x (..., in); returns (..., out).
-
-    The activation follows every layer except the last.
-    """
-    return hidden_to_output(params, prefix, linear(params, f"{prefix}.0", x), activation)
-
-
 def linear(params: Params, name: str, x: Any) -> Any:
     """Return x (..., in) times the layer's weight (in, out) plus its bias."""
     result = product(x, params[f"{name}.weight"])
@@ -59,9 +51,11 @@ def product(x: Any, weight: Any) -> Any:
 
 
 def hidden_to_output(params: Params, prefix: str, first: Any, activation: str) -> Any:
-    """Evaluate the rest of the network from the first layer's pre-activation (..., width)."""
-    index = 1
-    x = first
+    """Evaluate the rest of the network from the first layer's pre-activation (..., width).
+
+    The activation follows every layer except the last.
+    """
+    index, x = 1, first
     while f"{prefix}.{index}.weight" in params:
         x = linear(params, f"{prefix}.{index}", activate(x, activation))
         index += 1

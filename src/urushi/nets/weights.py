@@ -162,9 +162,7 @@ def read(path: str | os.PathLike) -> Model:
 
 
 def read_file(
-    path: str | os.PathLike,
-    kind: str,
-    make: Callable[[str, Params, Mapping[str, Any]], Read],
+    path: str | os.PathLike, kind: str, make: Callable[[str, Params, Mapping[str, Any]], Read]
 ) -> Read:
     """Read a weights file that `write_file` wrote.
 

@@ -27,14 +27,7 @@ from scipy.optimize import nnls
 
 from urushi.core.directions import directions_at
 from urushi.core.probe_pairs import probe_pairs
-from urushi.core.table import (
-    MAX_LOG,
-    SHAPE,
-    corners,
-    node_pairs,
-    pair_coordinates,
-    squared_tangent,
-)
+from urushi.core.table import MAX_LOG, SHAPE, corners, node_pairs, pair_coordinates, squared_tangent
 from urushi.nets import code_fit
 from urushi.nets import lobe as lobes
 from urushi.nets.basis import on_grid

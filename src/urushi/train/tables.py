@@ -221,8 +221,10 @@ def make_shard(spec: TableSpec, shard: int) -> Arrays:
         for group in groups:
             over = draw_coats(rng, place.stop - place.start)
             below = _substrate(arrays["table"][group], arrays["lobe"][group])
+            coats = CoatParameters(*over.T[..., None])
+            g = coated_g(below, coats, *probe_pairs(spec.probes))  # (N, coats, group)
             arrays["over"][group, place] = over
-            arrays["coated"][group, place] = _at_probes(below, over, spec.probes)
+            arrays["coated"][group, place] = stretched_tables.logs(g.T)
     return arrays
 
 
@@ -263,9 +265,3 @@ def coated(below: Substrate, coat: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 def _substrate(tables: np.ndarray, lobe: np.ndarray) -> Substrate:
     """Materials with tables (B, P) beside lobes (B, L)."""
     return Substrate.of(Reflector.of_logs(np.moveaxis(tables.reshape(-1, *SHAPE), 0, -1), lobe))
-
-
-def _at_probes(below: Substrate, coats: np.ndarray, count: int) -> np.ndarray:
-    """ln g float32 (B, C, N) of materials B under coats (C, 5) at the probe pairs."""
-    g = coated_g(below, CoatParameters(*coats.T[..., None]), *probe_pairs(count))
-    return stretched_tables.logs(g.T)

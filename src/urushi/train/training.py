@@ -83,7 +83,10 @@ def train(
     if point is None:
         journal.clear()
         point = replace(first, seconds=time.monotonic() - began)
-    known = with_images(found.taken(~hidden), preset)
+    known = found.taken(~hidden)
+    if preset.arch.widths == 2:
+        images = layering.mirrored(known, preset.arch.factors[1:])
+        known = Layerings(*map(np.concatenate, zip(known, images, strict=True)))
     point = advance(point, preset, known, found.taken(hidden), journal)
     params |= {name: np.asarray(value) for name, value in point.state.average.items()}
     began = time.monotonic()
@@ -153,14 +156,6 @@ def layerings(
         held["bottom"] = basis_fit.bottom_codes(model, held)
     found = layering.examples(model.networks.basis, held["bottom"], held["over"], held["coated"])
     return found, np.repeat(held["stack"], held["over"].shape[1])
-
-
-def with_images(found: Layerings, preset: Preset) -> Layerings:
-    """The examples to learn from: of two widths with their mirror images."""
-    if preset.arch.widths == 1:
-        return found
-    images = layering.mirrored(found, preset.arch.factors[1:])
-    return Layerings(*map(np.concatenate, zip(found, images, strict=True)))
 
 
 def _figures(name: str, errors: np.ndarray) -> dict[str, float]:
