@@ -3,8 +3,8 @@
 A code is too coarse for a measured BRDF, and a coat over the code inherits its error. Light
 transport (`urushi.material.coated_values`) is therefore computed for a sixth of a table's nodes.
 Between them, logarithms are cubic (`core.table.interpolated_nodes`). Under indices below one, all
-nodes are computed. The table holds f without the lobe of the coat over T(wi) T(wo) of
-`nets.transmittance`, which has the edges of total reflection.
+nodes are computed. The table holds g of `nets.transmittance`: f without the lobe of the coat,
+divided by T(wi) T(wo), which has the edges of total reflection.
 """
 
 from collections.abc import Sequence
@@ -41,8 +41,7 @@ ROUNDS = 4
 
 
 def coated_rest(bottom: Material, coat: CoatParameters) -> np.ndarray:
-    """f over T(wi) T(wo), float32 (N, C) [1/sr], at the nodes of a coated material without the
-    interface's lobe.
+    """g float32 (N, C) [1/sr] of `nets.transmittance` at the nodes of a coated material.
 
     Args:
         bottom: of C channels or one.
@@ -63,11 +62,12 @@ def rest_at_nodes(
     points: tuple[int, int, int] = (WIDE, NARROW, HALF),
     knots: Knots = (),
 ) -> np.ndarray:
-    """f over a factor, float32 (N, C), at the nodes of coats over a substrate of C channels or one.
+    """f divided by a factor, float32 (N, C), at the nodes of coats over a substrate.
 
     Args:
         interfaces, media, points: as of `coated_values`; a slab has `SLAB_POINTS`.
-        factor: (N, C) or (N, 1), about f's edges: the quotient is smooth between the nodes.
+        below: of C channels or of one.
+        factor: (N, C) or (N, 1) with f's edges, so that the quotient is smooth between the nodes.
         knots: of the table, for slabs; edges of total reflection are there.
     """
     count = media.shape[1]

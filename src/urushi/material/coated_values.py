@@ -7,8 +7,8 @@ f of the coated material, without the lobe of its interface, is
 where wi' and wo' are wi and wo after refraction at random facets of the interface, w_i and w_o the
 transmitted fractions (`urushi.material.crossing`), and S is the BRDF of everything below, seen from
 just below the interface: the bottom through the medium, and all light that the medium scatters or
-that the interface reflects back (`urushi.material.adding`). Light that smooth surfaces mirror to
-and fro stays in the narrow lobe of the bottom. An index of 1 is no interface, and f is S itself.
+that the interface reflects back (`urushi.material.adding`). Light that smooth surfaces mirror back
+and forth stays in the narrow lobe of the bottom. An index of 1 is no interface, and f is S itself.
 
 The mean is a sum over fixed pairs wi', wo'. Facets of width alpha tilt half vectors inside by about
 |1 - 1 / eta| alpha. Where that is not far below the width of the bottom's lobe, few pairs hit the
@@ -45,11 +45,11 @@ WIDE, NARROW, HALF = 256, 512, 256
 #: Share by which the balance heuristic counts half vectors.
 HALF_SHARE = 0.2
 
-#: Root mean square of the relative deviation of a channel from a sum of others that stands for it,
-#: about the rounding of a table in half precision.
+#: A channel is computed as a sum of others if the root mean square of its relative deviation from
+#: the sum is below this, which is about the rounding of a table in half precision.
 SPANNED = 2e-3
 
-#: Jobs of one GGX width, and of two, that are computed at once: they bound the memory of tables.
+#: Number of jobs, of one GGX width and of two, that are computed at once; it limits the memory.
 JOBS = {1: 64, 2: 8}
 
 

@@ -1,10 +1,10 @@
 """Conservation of energy: codes whose directional albedo is too high are made darker.
 
-Albedos are measured at the directions of `albedo_rule`. A code's lobe (`urushi.nets.lobe`)
-conserves energy and is exact. So only the rest is changed, until lobe and rest together meet the
-ceiling of the albedo. Codes of values become the nearest codes
-below the ceiling: at grazing angles, where no probe is, a code may be far too bright although it is
-right elsewhere. What then remains too bright, as do codes of the layering network, is scaled.
+Albedos are measured at the directions of `albedo_rule`. A code's lobe (`urushi.nets.lobe`) is
+exact and conserves energy, so that only the rest is changed. A code that was fitted to values is
+replaced by the nearest code below the ceiling of the albedo (`nearest_below`): at grazing angles,
+where there are no probes, it may be far too bright although it is right elsewhere. Codes of the
+layering network, and codes that are still too bright, are scaled down (`limit_albedo`).
 """
 
 import functools
@@ -24,7 +24,7 @@ MARGIN = 0.0005
 #: Excess of a code's albedo over its source's albedo that is allowed; with `MARGIN`, 0.5 %.
 SLACK = 0.003
 
-#: Excess over an albedo of 1 that counts as a numerical error of a source that conserves energy.
+#: Sources with albedos up to 1 plus this count as conserving energy: the excess is numerical.
 TOLERANCE = 0.005
 
 #: Cosine of wi (84 degrees) below which the source's albedo is no ceiling: errors of codes in
@@ -117,9 +117,9 @@ def albedo_ceiling(own: np.ndarray, rule: AlbedoRule) -> np.ndarray:
 def nearest_below(
     model: Model, z: np.ndarray, ceiling: np.ndarray | float = 1 - MARGIN
 ) -> np.ndarray:
-    """The nearest codes whose directional albedo is nowhere above a ceiling.
+    """The nearest codes float32 (..., L) whose directional albedo is nowhere above a ceiling.
 
-    Nearest is by the least squares of `nets.code_fit`. The arguments and the result are as of
+    Distances are those of the least squares of `nets.code_fit`. The arguments are those of
     `limit_albedo`, which scales down what remains above the ceiling.
     """
     rows, ceiling = _rows(model, z, ceiling)

@@ -23,7 +23,8 @@ from urushi.nets.transmittance import has_edges, transmittance
 class Reflector(NamedTuple):
     """BRDFs of C channels, the sums of a table and of M lobes.
 
-    The table is that of f without lobes over T(wi) T(wo) of the first lobe (`nets.transmittance`).
+    The table holds f without the lobes, divided by T(wi) T(wo) of the first one
+    (`nets.transmittance`).
     """
 
     terms: np.ndarray  # float32 (C, T, U, V, W), logarithms: of `core.stretched` T is 1 + `FACTORS`

@@ -74,7 +74,7 @@ class HalfVectors(NamedTuple):
         return x, y, z
 
     def density_at(self, u: np.ndarray) -> np.ndarray:
-        """Density [1/sr] at the table's coordinate u."""
+        """Density (N,) [1/sr] at the table's coordinates u (N,)."""
         last = len(self.density) - 1
         return self.density[np.clip(u * (last + 1), 0, last).astype(np.intp)]
 
@@ -82,7 +82,7 @@ class HalfVectors(NamedTuple):
 def transmitted(
     layers: Layers, insides: list[OnGrid], faces: Faces, channels: int
 ) -> Callable[[np.ndarray, np.ndarray], np.ndarray]:
-    """f / index^2 [1/sr] of transmission over `grazing_factor`.
+    """f / index^2 [1/sr] of transmission divided by `grazing_factor`, a function of wi and wo.
 
     Args:
         layers: the slab.

@@ -67,10 +67,10 @@ class SlabTables(NamedTuple):
     """A slab of C channels.
 
     Attributes:
-        reflected: above it and below it, without the lobe of the first interface, over
-            `mirrored_inside`.
-        passed: float16 (*`PASSED_SHAPE`, C) logarithms of f / index^2 of transmission, of the index
-            on wo's side, over `grazing_factor` of both directions.
+        reflected: f above the slab and below it, without the lobe of the first interface, divided
+            by `mirrored_inside`.
+        passed: float16 (*`PASSED_SHAPE`, C) logarithms of f of transmission, divided by the squared
+            index on wo's side and by `grazing_factor` of both directions.
         eta: index below it relative to above.
         faces: alpha and eta of the first interface on each side.
         depths: (2, C) optical depths of the media on each side of the interfaces.
@@ -85,7 +85,7 @@ class SlabTables(NamedTuple):
     inner: tuple[InnerLobes, InnerLobes]
 
     def f(self, wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
-        """f (N, C) [1/sr] of importance for unit vectors (N, 3) on any side."""
+        """f (N, C) [1/sr] of importance, see `simulate`, for unit vectors (N, 3) on any side."""
         result = np.empty((len(wi), self.passed.shape[-1]))
         a, b = (np.concatenate([w[:, :2], np.abs(w[:, 2:])], axis=1) for w in (wi, wo))
         for lower, crosses in np.ndindex(2, 2):

@@ -105,7 +105,7 @@ def _on_grid(below: Substrate, channels: tuple[int, ...], edges: adding.Edges) -
 
 @functools.lru_cache(maxsize=16)
 def parts_of(below: Substrate, channel: int) -> np.ndarray:
-    """The parts of a channel of two widths, see `adding_quadrant`."""
+    """The parts (4, Q, Q) of a channel of two widths, see `adding_quadrant`."""
     return adding_quadrant.bottom_parts(below.reflector.taken([channel]).f)[0]
 
 

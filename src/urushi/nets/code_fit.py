@@ -5,13 +5,13 @@ The error of a code is the light that it gets wrong at the probes over the light
     sum_p m_p |f_p(c) - f_p| / sum_p m_p f_p,
 
 where m_p is the measure of a probe pair. The lobe does not count: under a smooth interface of an
-index below one it has nearly all light, and the rest would hardly matter. Both f are T(wi) T(wo)
-times g (`nets.transmittance`), which the functions say here: values are those of g, and T(wi) T(wo)
-is a factor of the measure. The error
-is minimised by reweighted least squares (Lawson 1961): each round solves a quadratic problem in the
-logarithm whose weights make it equal to the error at the last code. A weight so grows where the
-exponential would explode. The best code of all rounds is kept. Where a material has little light,
-the covariance of the training codes decides.
+index below one it has nearly all light, and the rest would hardly matter. Here, values are those of
+g (`nets.transmittance`), and T(wi) T(wo) is a factor of the measure.
+
+The error is minimised by reweighted least squares (Lawson 1961): each round solves a quadratic
+problem in the logarithm whose weights make it equal to the error at the last code. A weight thus
+grows where the exponential would explode. The best code of all rounds is kept. Where a material has
+little light, the covariance of the training codes decides.
 
 With two widths, the stretch is estimated from the values first (`log_stretch`).
 """
@@ -47,8 +47,8 @@ LEAST_REST = 1e-9
 #: Codes that are solved at once.
 BLOCK = 256
 
-#: Share of the probe pairs that tell the stretch: pairs whose half vectors have slopes of all
-#: sizes. `probe_pairs` begins with them.
+#: Share of the probe pairs from which the stretch is estimated: the first ones, whose half vectors
+#: have slopes of all sizes.
 SLOPED = 2 / 3
 
 #: Widths of round lobes, whose stretch is one; the last is a Lambertian.

@@ -80,7 +80,11 @@ class Model:
 def checked_parameters(
     params: Params, shapes: Mapping[str, tuple[int, ...]]
 ) -> dict[str, np.ndarray]:
-    """Read-only float32 copies of parameters."""
+    """Read-only float32 copies of parameters, by name, of these shapes.
+
+    Raises:
+        ParameterError: a parameter is missing, unknown, of a wrong shape or not finite.
+    """
     unmatched = sorted(set(shapes) ^ set(params))
     if unmatched:
         state = "missing" if unmatched[0] in shapes else "unknown"

@@ -144,9 +144,9 @@ def node_measure() -> np.ndarray:
 
 
 def prepared(tables: Tables) -> tuple[Tables, np.ndarray]:
-    """The tables that a basis is fitted to, and their rows.
+    """The tables that a basis is fitted to, and their rows (N,) among those given.
 
-    Values count as at least a share of their mean, as in `code_fit`.
+    Values below a share of their mean are raised to it, as in `code_fit`.
     """
     rows = np.flatnonzero(tables.rest() > LEAST_LIGHT * tables.light())
     found = tables.taken(rows)

@@ -44,6 +44,7 @@ class Journal:
         self.data_seconds = data_seconds  # time spent on the data, by earlier runs too
 
     def begun(self) -> bool:
+        """Whether the folder has a checkpoint."""
         return self._checkpoint.exists()
 
     def clear(self) -> None:

@@ -72,7 +72,7 @@ DRAW_ETA: dict[str, Callable[[np.random.Generator, int | tuple[int, ...]], np.nd
 def draw_medium(
     rng: np.random.Generator, shape: tuple[int, ...]
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Albedo, sigma_t and g of `Extended`."""
+    """Albedo, sigma_t and g of `Extended`, each an array of this shape."""
     return (
         1 - rng.uniform(0.0, 1.0, shape) ** 2,
         TRAINED_DEPTH * rng.uniform(0.0, 1.0, shape) ** 2,
@@ -177,7 +177,7 @@ class Practical(Extended):
 
 
 def smooth_alpha(rng: np.random.Generator, shape: int | tuple[int, ...]) -> np.ndarray:
-    """Log-uniform in [0.01, 0.5]: half of the surfaces are smoother than 0.07."""
+    """GGX widths, log-uniform in [0.01, 0.5]: half of the surfaces are smoother than 0.07."""
     return np.exp(rng.uniform(np.log(MIN_ALPHA), np.log(0.5), shape)).clip(MIN_ALPHA, 0.5)
 
 

@@ -98,7 +98,7 @@ class TableStore:
         return [k for k in range(self.spec.shards()) if not self.file(k).exists()]
 
     def read(self, names: Sequence[str]) -> dict[str, np.ndarray]:
-        """Arrays by name, of all shards one after another."""
+        """Arrays (R, ...) by name, of the rows of all shards one after another."""
         parts = [
             files.read_tensors(self.file(k), "tables", FORMAT_VERSION, names)[1]
             for k in range(self.spec.shards())
@@ -122,7 +122,7 @@ def generate(
     """Compute the tables of `spec` in a folder, or complete them.
 
     make: the arrays of a shard; default `make_shard`.
-    cluster: who computes them, see `workers.results`; default a process on every core.
+    cluster: where they are computed, see `workers.results`; default a process on every core.
     """
     store = opened(spec, Path(path))
     compute = functools.partial(_on_one_thread, make or make_shard, spec)

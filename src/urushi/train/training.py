@@ -34,7 +34,7 @@ from urushi.train.tables import TableStore
 #: Default folder of data, checkpoints, logs and weights.
 RUNS = Path("runs")
 
-#: Every how many of the stacks is held out, for the metrics.
+#: Stride of the stacks that are held out for the metrics.
 HELD_OUT = 10
 
 
@@ -56,7 +56,7 @@ def train(
         run: folder of the checkpoint and of `log.jsonl`; default `runs/NAME`.
         resume: continue from the run folder's checkpoint. The weights are bit for bit the same as
             of an uninterrupted training on the same machine and software.
-        cluster: who computes the tables, see `workers.results`; default this machine's cores.
+        cluster: where the tables are computed, see `workers.results`; default this machine's cores.
 
     Returns:
         The trained model, as written to `out`.
@@ -144,8 +144,8 @@ def layerings(
 ) -> tuple[Layerings, np.ndarray]:
     """All examples of a store, and the numbers (N,) of their stacks.
 
-    model: with the basis. Coats over its codes of two widths are computed first. cluster: who
-    computes them, see `workers.results`.
+    model: with the basis. Of two widths, coats over its codes are computed first. cluster: where
+    they are computed, see `workers.results`.
     """
     names = ("over", "coated", "stack")
     if model.widths == 2:
@@ -182,7 +182,8 @@ def prepare(
 
     generate: makes or completes the data of `preset.data` in a folder.
 
-    Refuses unwritable places, and an earlier training that would be lost.
+    Raises:
+        FileError: a folder is not writable, or the run folder has an unfinished training.
     """
     folder = Path(run) if run is not None else RUNS / preset.name
     out = Path(out) if out is not None else folder / "weights.safetensors"
