@@ -210,9 +210,10 @@ def packed_rows(rows: np.ndarray, shape: Sequence[int]) -> dict[str, np.ndarray]
 
 def first_of(material: Material, name: str) -> First:
     """A material as the page shows it, by its table or its codes."""
+    codes = np.broadcast_to(material.latents, (3, material.model.arch.latent))
     shown: dict[str, Any] = {
         "name": name,
-        "bottom": {"kind": "codes", "latents": _three(material.latents).ravel().tolist()},
+        "bottom": {"kind": "codes", "latents": codes.ravel().tolist()},
         "coats": [],
     }
     if material.model.widths == 2:
@@ -231,11 +232,6 @@ def texels_of(texture: bytes, name: str) -> First:
     """A texture of codes as the page shows it; texture: the content of its file."""
     bottom = {"kind": "texels", "texture": f"{zlib.crc32(texture):08x}"}
     return First({"name": name, "bottom": bottom, "coats": []}, texture)
-
-
-def _three(codes: np.ndarray) -> np.ndarray:
-    """Codes (3, L) of (3, L) or, for a grey material, (1, L)."""
-    return np.broadcast_to(codes, (3, codes.shape[1]))
 
 
 def cards_of(described: Any) -> dict[str, Any] | None:

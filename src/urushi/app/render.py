@@ -115,7 +115,6 @@ class Render:
             raise PlatformError(f"cannot render '{self.scene}': {one_line(error)}") from error
         finally:
             dr.set_thread_count(before)
-        target = self.output or Path(self.scene).with_suffix(".exr")
         write_picture(mi.TensorXf(image.astype(np.float32)), target)
         print(target)
         return 0
@@ -137,10 +136,7 @@ def write_picture(image: Any, path: Path) -> None:
     import drjit as dr
     import mitsuba as mi
 
-    if path.suffix.lower() not in SUFFIXES:
-        raise ParameterError(
-            f"'{path}' does not end in a picture format; use {', '.join(SUFFIXES)}"
-        )
+    check_picture(path)
     if path.suffix.lower() != ".exr":
         image = dr.minimum(image, 1)  # Mitsuba's conversion to bytes turns thousands into black
     with atomic_write(path) as temporary:

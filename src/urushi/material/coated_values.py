@@ -74,8 +74,8 @@ def coated_f(
 def coated_g(
     bottom: Material | Substrate, coat: CoatParameters, wi: np.ndarray, wo: np.ndarray
 ) -> np.ndarray:
-    """g float32 (N, ..., C) [1/sr] of `nets.transmittance`; the arguments are of `coated_f`."""
-    return (coated_f(bottom, coat, wi, wo) / passed_twice(coat, wi, wo)).astype(np.float32)
+    """g (N, ..., C) [1/sr] of `nets.transmittance`; the arguments are those of `coated_f`."""
+    return coated_f(bottom, coat, wi, wo) / passed_twice(coat, wi, wo)
 
 
 def passed_twice(coat: CoatParameters, wi: np.ndarray, wo: np.ndarray) -> np.ndarray:

@@ -256,7 +256,7 @@ def levels(seed: int, number: int) -> list[dict[str, Any]]:
 
 def coated(below: Substrate, coat: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Lobe (1, L) and table (1, P) of a material under a coat (5,)."""
-    g = coated_g(below, CoatParameters(*coat[:, None]), *known_pairs())
+    g = np.float32(coated_g(below, CoatParameters(*coat[:, None]), *known_pairs()))
     values = interpolated_nodes(g.reshape(*map(len, known_nodes(())), SHAPE[2]), ())
     lobe = lobes.of_coat(*coat[:2, None]).astype(np.float32)
     return lobe, table_of_values(values.reshape(-1, 1)).reshape(1, -1)
