@@ -17,13 +17,7 @@ import numpy.typing as npt
 
 from urushi.core.directions import above_horizon
 from urushi.errors import FileError
-from urushi.measured.tabulated import (
-    MeasuredSurface,
-    bin_centres,
-    evaluate,
-    fill_nearest,
-    interpolated,
-)
+from urushi.measured import tabulated
 
 #: Bins along theta_h, theta_d and phi_d.
 SHAPE = (90, 90, 180)
@@ -38,7 +32,7 @@ HEADER = np.array(SHAPE, "<i4").tobytes()
 FILE_SIZE = len(HEADER) + 3 * 8 * SHAPE[0] * SHAPE[1] * SHAPE[2]
 
 
-class Merl(MeasuredSurface):
+class Merl(tabulated.MeasuredSurface):
     """A BRDF given by a table over half and difference angles; reciprocal and isotropic.
 
     Evaluation is trilinear between bin centres, along sqrt(theta_h), theta_d and phi_d:
@@ -71,13 +65,13 @@ class Merl(MeasuredSurface):
             raise FileError(
                 f"the MERL table has {count} bins that are not finite; obtain the file again"
             )
-        valid = (values >= 0).all(-1) & above_horizon(*bin_centres(SHAPE))
+        valid = (values >= 0).all(-1) & above_horizon(*tabulated.bin_centres(SHAPE))
         if not valid.any():
             raise FileError(
                 "the MERL table has no valid bin: above the horizon, each has a negative channel; "
                 "obtain it again"
             )
-        fill_nearest(values, valid)
+        tabulated.fill_nearest(values, valid)
         self._table = values
 
     def f(self, wi: npt.ArrayLike, wo: npt.ArrayLike) -> np.ndarray:
@@ -92,7 +86,7 @@ class Merl(MeasuredSurface):
         Raises:
             ParameterError: wrong shapes, or directions that are not unit vectors.
         """
-        return evaluate(partial(interpolated, self._table), 3, wi, wo)
+        return tabulated.evaluate(partial(tabulated.interpolated, self._table), 3, wi, wo)
 
     def table(self) -> np.ndarray:
         """The filled table, float32 (90, 90, 180, 3) [1/sr]."""

@@ -13,18 +13,11 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from urushi.checks import CoatParameters
+from urushi.core import table
 from urushi.core.directions import turned
 from urushi.core.namespace import NUMPY, Components
 from urushi.core.probe_pairs import ANISOTROPIC_PROBES, pair_measure, probe_pairs
 from urushi.core.stretched import stretched
-from urushi.core.table import (
-    MIN_COSINE,
-    MIN_LOG,
-    SHAPE,
-    log_tangent,
-    node_directions,
-    squared_tangent,
-)
 from urushi.material.coated_values import coated_g
 from urushi.material.material import Material
 from urushi.material.reflector import Reflector
@@ -34,15 +27,8 @@ from urushi.nets import weights
 from urushi.nets.code_fit import log_stretch
 from urushi.nets.lobe_fit import fit_lobes
 from urushi.nets.transmittance import remainder
+from urushi.train import distribution
 from urushi.train.bottoms import bottom_lobes
-from urushi.train.distribution import (
-    LEAST_WIDTH,
-    SHARES,
-    coats_of,
-    draw_coats_of_two,
-    draw_stack,
-    with_two_widths,
-)
 from urushi.walk.table import StackTable
 
 #: Bottoms of stacks, with their shares. Mixtures have GGX lobes.
@@ -82,15 +68,15 @@ def nodes_of(stretch: float, seed: Sequence[int]) -> Nodes:
     s, tangent = np.exp(stretch), np.sqrt(_tan2(u))
     x, y = tangent * np.cos(psi) / s, tangent * np.sin(psi) * s
     tan2 = x * x + y * y
-    sides = []
-    for side in node_directions(log_tangent(tan2, NUMPY), *np.broadcast_arrays(v, w, psi)[:2]):
+    sides, half = [], table.log_tangent(tan2, NUMPY)
+    for side in table.node_directions(half, *np.broadcast_arrays(v, w, psi)[:2]):
         side[..., 1] *= mirror
-        side[..., 2] = np.maximum(side[..., 2], MIN_COSINE)
+        side[..., 2] = np.maximum(side[..., 2], table.MIN_COSINE)
         side /= np.linalg.norm(side, axis=-1, keepdims=True)
         sides.append(turned(side, np.arctan2(y, x)).astype(np.float32))
-    half = [0.5 / (count - 1) for count in NODES]
+    steps = [0.5 / (count - 1) for count in NODES]
     (low_u, high_u), (low_v, high_v), ends = (
-        (np.maximum(x - h, 0), np.minimum(x + h, 1)) for x, h in zip((u, v, w), half, strict=True)
+        (np.maximum(x - h, 0), np.minimum(x + h, 1)) for x, h in zip((u, v, w), steps, strict=True)
     )
     cos_h, cos_d = 1 / np.sqrt(1 + tan2), 1 - v * v
     both = np.sqrt((1 - cos_h * cos_h) * (1 - cos_d * cos_d))
@@ -109,7 +95,7 @@ def nodes_of(stretch: float, seed: Sequence[int]) -> Nodes:
 
 
 def _tan2(u: np.ndarray) -> np.ndarray:
-    return np.maximum(squared_tangent(u), 1e-9)
+    return np.maximum(table.squared_tangent(u), 1e-9)
 
 
 def levels(probes: int, seed: int, number: int) -> list[dict[str, Any]]:
@@ -121,10 +107,10 @@ def levels(probes: int, seed: int, number: int) -> list[dict[str, Any]]:
     "table" is ln g at the azimuths and nodes, one after another, and "coat" has six numbers.
     """
     rng, rows = np.random.default_rng([seed, number]), []
-    stack = draw_stack(rng, SHARES_OF_TWO, most=1)
+    stack = distribution.draw_stack(rng, SHARES_OF_TWO, most=1)
     bottom, lobe = draw_bottom(rng, stack)
     below = Substrate.of(bottom)
-    coats = with_two_widths(rng, coats_of(stack))
+    coats = distribution.with_two_widths(rng, distribution.coats_of(stack))
     for level, coat in enumerate([np.array(NONE, np.float32), *coats]):
         if level:
             lobe = lobes.of_coat(*CoatParameters.of_columns(coat)[:2])
@@ -142,7 +128,7 @@ def levels(probes: int, seed: int, number: int) -> list[dict[str, Any]]:
                 "stretch": stretch,
                 "lobe": lobe,
                 "stack": np.int32(number),
-                "kind": np.int32(list(SHARES).index(stack.kind)),
+                "kind": np.int32(list(distribution.SHARES).index(stack.kind)),
                 "level": np.int32(level),
                 "coat": coat,
             }
@@ -157,7 +143,7 @@ def _bare_rest(bottom: Reflector, lobe: np.ndarray, wi: np.ndarray, wo: np.ndarr
 
 def logs(f: np.ndarray) -> np.ndarray:
     """ln f float32 (...) of values [1/sr], at least `MIN_LOG`."""
-    return np.log(np.maximum(f, np.exp(MIN_LOG))).astype(np.float32)
+    return np.log(np.maximum(f, np.exp(table.MIN_LOG))).astype(np.float32)
 
 
 def draw_bottom(rng: np.random.Generator, stack: StackTable) -> tuple[Reflector, np.ndarray]:
@@ -170,9 +156,9 @@ def draw_bottom(rng: np.random.Generator, stack: StackTable) -> tuple[Reflector,
         parts = np.array([[alpha, w * r0, w, 0, 1.5, 0] for alpha, w, r0 in factors])
     else:
         parts = bottom_lobes(stack.kind, np.array([list(known.values())]))
-    parts = with_two_widths(rng, parts, LEAST_WIDTH)
+    parts = distribution.with_two_widths(rng, parts, distribution.LEAST_WIDTH)
     white = known.get("diffuse", known.get("reflectance", 0)) / np.pi
-    bottom = Reflector.of_logs(logs(np.full((*SHAPE, 1), white)), parts[None], np.ones(1))
+    bottom = Reflector.of_logs(logs(np.full((*table.SHAPE, 1), white)), parts[None], np.ones(1))
     if stack.kind != "mixture":
         return bottom, parts[0]
     return bottom, fit_lobes(bottom.f(*probe_pairs(ANISOTROPIC_PROBES, 2)).T, 2)[0]
@@ -183,7 +169,7 @@ def coats_over(
 ) -> dict[str, np.ndarray]:
     """Random coats over codes (R, L): "over" (R, C, 6) and "coated" as of `tables.TableStore`."""
     rng, pairs = np.random.default_rng(seed), model.networks.pairs()
-    over = np.stack([draw_coats_of_two(rng, count) for _ in bottom])
+    over = np.stack([distribution.draw_coats_of_two(rng, count) for _ in bottom])
     coated = np.empty((len(bottom), count, len(pairs[0])), np.float32)
     for code, coats, result in zip(bottom, over, coated, strict=True):
         below = Material(np.tile(code, (count, 1)), model)
