@@ -185,7 +185,8 @@ def tables(eta: float | None = None) -> Tables:
     etas, found = indexnodes() if eta is None else np.array([eta]), []
     for index in map(float, etas):
         alphas, cosines = np.meshgrid(*nodes(index), indexing="ij")
-        sums = shares(_at_cosines(cosines.ravel()), alphas.ravel(), index)
+        w = np.stack([np.sqrt(1 - cosines**2), 0 * cosines, cosines], axis=-1)
+        sums = shares(w.reshape(-1, 3), alphas.ravel(), index)
         found.append(sums.reshape(-1, *alphas.shape))
     reflected, passed, along = np.moveaxis(np.array(found, np.float64), 1, 0)
     means = (
@@ -195,11 +196,6 @@ def tables(eta: float | None = None) -> Tables:
     )
     inside = along / np.maximum(passed, 1e-12)
     return Tables(*(x.astype(np.float32) for x in (reflected, passed, *means, inside)))
-
-
-def _at_cosines(cosines: np.ndarray) -> np.ndarray:
-    """Directions (N, 3) of cosines (N,)."""
-    return np.stack([np.sqrt(1 - cosines**2), 0 * cosines, cosines], axis=-1)
 
 
 def shares(w: np.ndarray, alpha: Any, eta: float) -> np.ndarray:
@@ -228,9 +224,8 @@ def shares(w: np.ndarray, alpha: Any, eta: float) -> np.ndarray:
         m = dr.normalize(m)
         facing = dr.clip(dr.dot(wi, m), 0, 1)
         reflectance, inside = fresnel.dielectric(facing, index, DRJIT)
-        below = (
-            wi / index - (facing / index - dr.maximum(inside, 0)) * m
-        )  # the refracted, turned up
+        # The refracted direction, turned up
+        below = wi / index - (facing / index - dr.maximum(inside, 0)) * m
         mirrored = share * _masking(2 * facing * m - wi, width)
         passed = share * (1 - reflectance) * _masking(below, width)
         terms = mirrored * reflectance, passed, passed * below.z

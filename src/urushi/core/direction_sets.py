@@ -17,15 +17,13 @@ HALF_ANGLE_RANGE = (1e-3, 4.0)
 Pairs = tuple[np.ndarray, np.ndarray]
 
 
-def half_angle_pairs(
-    rng: np.random.Generator, n: int, *, lowest_cosine: float = 0.0, slopes: bool = False
-) -> Pairs:
+def half_angle_pairs(rng: np.random.Generator, n: int, *, slopes: bool = False) -> Pairs:
     """Pairs with ln tan(theta_h) uniform about difference directions over the whole hemisphere.
 
     The half vector h lies in the xz plane, tan(theta_h) log-uniform in `HALF_ANGLE_RANGE`; about it
     wi has the difference angles theta_d uniform in [0, pi/2) and phi_d uniform (Rusinkiewicz 1998);
-    wo is the mirror image of wi about h. Pairs with a cosine below `lowest_cosine` are drawn
-    again, so that the accepted pairs have this density, cut off there.
+    wo is the mirror image of wi about h. Pairs below the horizon are drawn again, so that the
+    accepted pairs have this density, cut off there.
 
     slopes: whether half vectors have every azimuth, for anisotropic BRDFs. It is uniform for half
         of the pairs. The half vectors of the others have independent slopes h_x / h_z and
@@ -46,7 +44,7 @@ def half_angle_pairs(
         wi, wo = directions_at_tangent(tangent, 0.5 * np.pi * u[1], 2 * np.pi * u[2])
         return (turned(wi, turn), turned(wo, turn)) if slopes else (wi, wo)
 
-    return _accepted(draw, n, lowest_cosine)
+    return _accepted(draw, n, 0.0)
 
 
 #: `half_angle_pairs` for anisotropic BRDFs.

@@ -13,6 +13,9 @@ COSINE_FLOOR = 0.02
 #: measured colours outside of sRGB have channels that are zero.
 DARK_OFFSET = 1e-3
 
+#: Added to squared radiances in relative errors of images, which keeps dark pixels finite.
+DARK_SQUARE = 1e-2
+
 
 def energy_weight(cos_i: npt.ArrayLike, cos_o: npt.ArrayLike) -> np.ndarray:
     """The weight of a pair in E: the product of its cosines (...), clamped to `COSINE_FLOOR`."""
@@ -67,23 +70,19 @@ def mse(image: npt.ArrayLike, reference: npt.ArrayLike) -> float:
 
 
 def relative_mse(
-    image: npt.ArrayLike,
-    reference: npt.ArrayLike,
-    *,
-    variance: npt.ArrayLike = 0.0,
-    offset: float = 1e-2,
+    image: npt.ArrayLike, reference: npt.ArrayLike, *, variance: npt.ArrayLike = 0.0
 ) -> float:
-    """Mean of ((image - reference)^2 - variance) / (reference^2 + offset).
+    """Mean of ((image - reference)^2 - variance) / (reference^2 + `DARK_SQUARE`).
 
     Args:
         image, reference: (H, W, C) linear radiance.
         variance: variance of the noise in these images, by pixel or constant, as
             `halves_variance` gives it. The rest is the error that more samples would not remove;
             by chance it may be below zero.
-        offset: keeps dark pixels finite, in units of the squared radiance.
     """
     image, reference, variance = checks.finite(image=image, reference=reference, variance=variance)
-    return float((((image - reference) ** 2 - variance) / (reference**2 + offset)).mean())
+    error = (image - reference) ** 2 - variance
+    return float((error / (reference**2 + DARK_SQUARE)).mean())
 
 
 def halves_variance(first: npt.ArrayLike, second: npt.ArrayLike) -> np.ndarray:
@@ -96,10 +95,10 @@ def halves_variance(first: npt.ArrayLike, second: npt.ArrayLike) -> np.ndarray:
     return (first - second) ** 2 / 4
 
 
-def psnr(image: npt.ArrayLike, reference: npt.ArrayLike, *, peak: float = 1.0) -> float:
-    """Peak signal-to-noise ratio [dB], 10 log10(peak^2 / MSE); infinite for equal images."""
+def psnr(image: npt.ArrayLike, reference: npt.ArrayLike) -> float:
+    """Signal-to-noise ratio [dB] to a peak of 1, 10 log10(1 / MSE); infinite for equal images."""
     error = mse(image, reference)
-    return float("inf") if error == 0 else float(10 * np.log10(peak**2 / error))
+    return float("inf") if error == 0 else float(10 * np.log10(1 / error))
 
 
 def srgb(linear: np.ndarray) -> np.ndarray:
