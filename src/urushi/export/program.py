@@ -25,7 +25,7 @@ from urushi.export.expressions import (
 from urushi.export.languages import LANGUAGES
 from urushi.export.lobe import FIELDS, X_AXIS, Tangent, alphas_of, lobe_f
 from urushi.export.proposal import SAMPLE, WI, WO, Terms, U, argument
-from urushi.export.rest import Rest, TextureForm, basis_of, factors_of, rest_f, texture_shape
+from urushi.export.rest import Rest, TextureForm, rest_f, texture_shape
 from urushi.export.statements import (
     Function,
     Program,
@@ -285,7 +285,7 @@ def codes_program(model: Model, form: TextureForm, texels: Texels | None = None)
 
     form: of the textures of its language.
     """
-    arch, networks = model.arch, basis_of(model)
+    arch = model.arch
     structure = Structure(
         MATERIAL,
         (
@@ -301,7 +301,6 @@ def codes_program(model: Model, form: TextureForm, texels: Texels | None = None)
     material = Variable("material", MATERIAL)
     codes, lobe, energies, *others = (member(argument(material), x) for x in structure.fields)
     numbers = [element(codes, i) for i in range(arch.latent)]
-    count = networks.basis.size
     terms = Terms(
         [element(lobe, i) for i in range(arch.lobe)],
         [element(energies, i) for i in range(TERMS)],
@@ -309,10 +308,10 @@ def codes_program(model: Model, form: TextureForm, texels: Texels | None = None)
         others[0] if others else None,
     )
     rest = Rest(
-        -(-count // form.numbers),
+        -(-arch.functions // form.numbers),
         stretch=terms.stretch,
-        code=numbers[arch.lobe : arch.lobe + count],
-        factors=factors_of(networks),
+        code=numbers[arch.lobe : arch.lobe + arch.functions],
+        factors=np.delete(arch.factors, 1).tolist(),
     )
     code = _Code(
         numbers[: arch.lobe],

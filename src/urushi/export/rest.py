@@ -16,10 +16,8 @@ import numpy as np
 
 from urushi.core.stretched import stretched
 from urushi.core.table import MAX_LOG, MIN_LOG, SHAPE, Knots, coordinates, corner_steps
-from urushi.errors import ParameterError
 from urushi.export.expressions import TEXEL, Expression, Value, call, vector
 from urushi.export.statements import Function, namespace
-from urushi.nets.networks import Networks
 from urushi.nets.weights import Model
 
 
@@ -59,7 +57,7 @@ def own_texture(table: np.ndarray, form: TextureForm) -> np.ndarray:
 
 def basis_texture(model: Model, form: TextureForm) -> np.ndarray:
     """The texture of a basis, as `own_texture`: at each node b, U_1, U_2 and so on; U_0 is one."""
-    rows = np.delete(basis_of(model).basis.rows, 1, axis=1)  # U_0
+    rows = np.delete(model.networks.basis.rows, 1, axis=1)  # U_0
     rows = np.pad(rows, [(0, 0), (0, -rows.shape[1] % form.numbers)])
     return _stacked(rows.reshape(*SHAPE, -1, form.numbers), form)
 
@@ -69,18 +67,6 @@ def _stacked(nodes: np.ndarray, form: TextureForm) -> np.ndarray:
     axes = form.axes
     nodes = np.moveaxis(nodes, [3, axes - 1], [axes - 1, 3])
     return nodes.reshape(*SHAPE[: axes - 1], -1, form.numbers).astype(np.float16)
-
-
-def basis_of(model: Model) -> Networks:
-    """The networks of weights that have a basis."""
-    if not isinstance(model.networks, Networks):
-        raise ParameterError(f"the weights {model.fingerprint} have no basis; export a material")
-    return model.networks
-
-
-def factors_of(networks: Networks) -> list[int]:
-    """The factor of b and of each function of a basis but the first, as in `Rest`."""
-    return np.delete(networks.arch.factors, 1).tolist()
 
 
 def rest_f(
