@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from tests.mitsuba import probes
 from tests.mitsuba.probes import bitmap
 
 from urushi.errors import ParameterError
@@ -100,3 +101,26 @@ def test_a_change_out_of_range_can_be_taken_back(rgb, networks, few_points):
         changed(rgb, bsdf, albedo_data=noise(3) + 1)
     changed(rgb, bsdf, albedo_data=noise(3))
     np.testing.assert_array_equal(codes(bsdf), before)
+
+
+@pytest.mark.parametrize("plugin", ("neural_layered", "layered"))
+def test_a_refused_change_leaves_all_coats_as_they_were(rgb, networks, plugin):
+    """Of two nested coats and their bottom, whichever is refused, in a wrapper."""
+
+    def coat(below, **properties) -> dict:
+        return {"type": plugin, "weights": str(networks), "alpha": 0.2, "on": below, **properties}
+
+    inner = coat({"type": "diffuse"}, albedo=0.5, sigma_t=1.0)
+    bsdf = rgb.load_dict(coat({"type": "twosided", "front": inner}, sigma_t=0.1))
+    parameters, directions = rgb.traverse(bsdf), probes.pairs(64)
+    keys = ["alpha.value", *(f"bottom.brdf_0.{x}.value" for x in ("albedo", "bottom.reflectance"))]
+    before, f = {key: str(parameters[key]) for key in keys}, probes.f(bsdf, *directions)
+    for alpha, albedo in ((0.3, 1.5), (1.5, 0.6)):
+        with pytest.raises(ParameterError, match="is 1.5; it must be"):
+            parameters.update(dict(zip(keys, (alpha, albedo, 0.3), strict=True)))
+        now = rgb.traverse(bsdf)
+        assert {key: str(now[key]) for key in keys} == before
+        if plugin == "neural_layered":  # walks are random
+            np.testing.assert_array_equal(probes.f(bsdf, *directions), f)
+    parameters.update(dict(zip(keys, (0.3, 0.6, 0.3), strict=True)))
+    assert [float(rgb.traverse(bsdf)[key][0]) for key in keys] == pytest.approx([0.3, 0.6, 0.3])
