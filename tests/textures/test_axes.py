@@ -50,3 +50,11 @@ def test_splines_take_their_values_and_are_exact_for_linear_functions(dimensions
     np.testing.assert_allclose(spline(x, linear)(other)[:, 0], other @ slope, atol=1e-8)
     values = np.sin(3 * linear)
     np.testing.assert_allclose(spline(x, values)(x), values, atol=1e-8)
+
+
+def test_slopes_of_quadratics_are_exact():
+    """Between and at the ends of three places."""
+    places = np.sort(np.random.default_rng(0).random((30, 3)), axis=1)
+    at = np.where(np.arange(30) % 2, places[:, 0], places.mean(axis=1))
+    found = np.sum(axes.slope_weights(places, at) * (2 * places**2 - 3 * places + 1), axis=1)
+    np.testing.assert_allclose(found, 4 * at - 3, atol=1e-8)

@@ -42,7 +42,7 @@ SMOOTH = 5e-4
 LINES, STEPS = 32, 32
 
 #: Step of the differences by which slopes are found, in coordinates.
-DIFFERENCE = 0.01
+DIFFERENCE = 0.04
 
 #: One of so many points has slopes of constants, which change slowly along axes.
 SPARSE = 4
@@ -58,6 +58,10 @@ FAINT = 1e-3
 #: Scales of axes: along which coordinate of a parameter codes are closest to linear.
 WIDTH, DEPTH, REFLECTANCE, LINEAR = "width", "depth", "reflectance", "linear"
 ALBEDO, INDEX = "albedo", "index"  # of single scattering; relative, above or below one
+
+
+#: Three changes of a constant, one of which is zero, by which slopes are found.
+Changes = tuple[float, float, float]
 
 
 class Axis(NamedTuple):
@@ -217,24 +221,29 @@ def simplex(
     return corners
 
 
-class Steps(NamedTuple):
-    """A negative and a positive change of a constant, one of which may be zero."""
+def slope_weights(places: np.ndarray, at: np.ndarray) -> np.ndarray:
+    """Weights (k, 3) of values at places (k, 3): the slope at `at` (k,) of a quadratic.
 
-    low: float
-    high: float
+    At the end of a range, where all places are on one side, it is as accurate as a difference of
+    both sides is elsewhere.
+    """
+    others = places[:, [[1, 2], [0, 2], [0, 1]]]  # of each place, the two others
+    sums = 2 * at[:, None] - others.sum(axis=-1)
+    return sums / np.prod(places[:, :, None] - others, axis=-1)
 
 
 def bake(
     model: Model,
     axes: Sequence[Axis],
     rows: Rows,
-    constants: Mapping[str, Steps] | None = None,
+    constants: Mapping[str, Changes] | None = None,
 ) -> Baked:
     """The codes at nodes of the axes, at most `AXES` of them.
 
     constants: changes of each constant whose slopes are wanted, too.
     """
-    own, size, ends = tuple(axes), model.arch.lobe, list((constants or {}).values())
+    own, ends = tuple(axes), list((constants or {}).values())
+    size, rest = model.arch.lobe, model.arch.rest
 
     def values(x: np.ndarray, changes: Sequence[float] = ()) -> np.ndarray:
         columns = [a.values(column) for a, column in zip(own, x.T, strict=True)]
@@ -270,14 +279,21 @@ def bake(
 
     def slopes() -> np.ndarray:
         parts = []
-        for axis, unit in zip(own, np.eye(len(own)), strict=True):
-            low, high = (np.clip(nodes + s * DIFFERENCE * unit, 0, 1) for s in (-1, 1))
-            step = axis.values(high @ unit) - axis.values(low @ unit)
-            parts.append((rests_at(high) - rests_at(low)) / step[:, None])
+        for k, axis in enumerate(own):
+            beside = np.repeat(nodes[:, None], 3, axis=1)
+            middle = np.clip(nodes[:, k], DIFFERENCE, 1 - DIFFERENCE)
+            beside[..., k] = middle[:, None] + np.array([-1, 0, 1]) * DIFFERENCE
+            weights = slope_weights(axis.values(beside[..., k]), axis.values(nodes[:, k]))
+            rests = rests_at(beside.reshape(-1, len(own)))
+            parts.append(
+                np.einsum("kn,cknj->ckj", weights, rests.reshape(-1, *weights.shape, rest))
+            )
         some = x[::SPARSE]
-        for end, unit in zip(ends, np.eye(len(ends)), strict=True):
-            both = found(some, [*(unit * end.low)], [*(unit * end.high)])
-            change = (both[:, :, 1] - both[:, :, 0]) / (end.high - end.low)
+        for changes, unit in zip(ends, np.eye(len(ends)), strict=True):
+            weights = slope_weights(np.array([changes]), np.zeros(1))[0]
+            used = np.flatnonzero(weights)
+            rests = found(some, *([*(unit * changes[i])] for i in used))
+            change = np.einsum("n,kcnj->kcj", weights[used], rests)
             parts.append(np.moveaxis(spline(some, change)(nodes), 1, 0))
         return np.stack(parts, axis=2).astype(np.float32)
 

@@ -3,8 +3,9 @@
 import drjit as dr
 import numpy as np
 import pytest
-from tests.mitsuba.probes import bitmap
+from tests.mitsuba.probes import bitmap, vector
 
+from urushi.core.direction_sets import cosine_pairs
 from urushi.errors import ParameterError
 from urushi.mitsuba.reading import probing
 
@@ -315,3 +316,29 @@ def test_pictures_are_the_same_once_gradients_are_disabled(rgb, textured):
     parameters.set_dirty(key)
     parameters.update()
     np.testing.assert_array_equal(rgb.render(scene, spp=4), before)
+
+
+@pytest.mark.parametrize(("name", "end", "step"), (("albedo", 1.0, -0.005), ("sigma_t", 0.0, 0.02)))
+def test_at_ends_of_ranges_are_one_sided_differences(rgb, name, end, step):
+    """The mean of f changes as the quadratic through three values of tables; codes have 2 %."""
+    medium = {"albedo": 0.8, "sigma_t": 6.0, "g": 0.6, "bottom": {"type": "diffuse"}}
+    wi, wo = cosine_pairs(np.random.default_rng(0), 256, lowest_cosine=0.3)
+    si = probing.interaction(wi, np.full((256, 2), 0.5))
+
+    def mean(bsdf):
+        return dr.mean(bsdf.eval(rgb.BSDFContext(), si, vector(wo)).x)
+
+    def loaded(value):
+        return rgb.load_dict(coat(rgb, **(medium | {name: value})))
+
+    at = [mean(loaded(end + k * step))[0] for k in range(3)]
+    expected = (4 * at[1] - 3 * at[0] - at[2]) / (2 * step)
+    for value in (end, texture(rgb, end, end, channels=1)):
+        bsdf = loaded(value)
+        parameters = rgb.traverse(bsdf)
+        key = next(x for x in parameters.keys() if x in (f"{name}.value", f"{name}.data"))  # noqa: SIM118
+        dr.enable_grad(parameters[key])
+        parameters.update()
+        dr.backward(mean(bsdf))
+        found = dr.grad(parameters[key]).numpy().sum()
+        assert found == pytest.approx(expected, rel=0.025)

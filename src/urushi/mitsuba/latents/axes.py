@@ -25,7 +25,7 @@ from urushi.mitsuba.recording import only_where, owned
 from urushi.nets import lobe as lobes
 from urushi.nets import proposal, transmittance
 from urushi.nets.weights import Model
-from urushi.textures.axes import FAINT, Axis, Baked, Steps, nearest, simplex, whole_numbers
+from urushi.textures.axes import FAINT, Axis, Baked, Changes, nearest, simplex, whole_numbers
 from urushi.textures.principal import projection_of
 
 #: Largest change of a number of a code along its slopes that is represented.
@@ -58,7 +58,7 @@ class Varying(NamedTuple):
     differentiable: bool = False  # whether it carries a gradient
     places: np.ndarray | None = None  # of the axis of wavelengths, see `reading.coated_rows`
     #: Changes of a constant that carries a gradient, by which its slopes are found; else None.
-    steps: Steps | None = None
+    changes: Changes | None = None
     leader: Leader | None = None  # along whose axis it varies, see `reading.joined`
 
 

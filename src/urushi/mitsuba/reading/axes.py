@@ -22,7 +22,7 @@ from urushi.mitsuba.reading.changed import numbers_of
 from urushi.mitsuba.reading.grid import ELSEWHERE, parts, varying_textures
 from urushi.mitsuba.reading.parameters import CHECKS, TWO_WIDTHS, CoatTextures
 from urushi.mitsuba.snapshot import has_gradients, is_attached, writable
-from urushi.textures.axes import ALBEDO, DEPTH, INDEX, LINEAR, REFLECTANCE, WIDTH, Axis, Steps
+from urushi.textures.axes import ALBEDO, DEPTH, INDEX, LINEAR, REFLECTANCE, WIDTH, Axis, Changes
 from urushi.textures.store import from_texture
 
 #: All values of a parameter, by its scale.
@@ -53,7 +53,7 @@ COAT: dict[str, tuple[str, tuple[str, ...]]] = {
 ASYMMETRIES, ABOVE, BELOW = (-0.95, 0.95), (1 + 2 * MIN_INDEX_STEP, 3.0), (0.4, 0.995)
 
 #: Changes of constants by which slopes are found: a share of the value, and a number.
-STEPS = {
+CHANGES = {
     WIDTH: (0.05, 0.0),
     DEPTH: (0.05, 0.02),
     REFLECTANCE: (0.04, 0.0005),
@@ -134,20 +134,23 @@ def _varying(
     whole: all the values that it may take, if it carries gradients.
     """
     if whole is not None and not any(map(varying_textures, sources)):
-        steps = _steps(axis, whole)
-        return [Varying(axis, read, sources, texture, differentiable=True, steps=steps)]
+        changes = _changes(axis, whole)
+        return [Varying(axis, read, sources, texture, differentiable=True, changes=changes)]
     if whole is not None:
         axis = axis._replace(least=min(axis.least, whole[0]), most=max(axis.most, whole[1]))
     found = Varying(axis, read, sources, texture, whole is not None)
     return [found] if axis.least < axis.most else []
 
 
-def _steps(axis: Axis, whole: tuple[float, float]) -> Steps:
-    """The changes of a constant by which its slopes are found."""
-    part, least = STEPS[axis.scale]
+def _changes(axis: Axis, whole: tuple[float, float]) -> Changes:
+    """The changes of a constant by which its slopes are found: on both sides, if there are."""
+    part, least = CHANGES[axis.scale]
     size = part * axis.most + least
-    low, high = axis.least - size >= whole[0], axis.most + size <= whole[1]
-    return Steps(-size if low else 0.0, size if high or not low else 0.0)
+    if axis.least - size < whole[0]:
+        return 0.0, size, 2 * size
+    if axis.most + size > whole[1]:
+        return 0.0, -size, -2 * size
+    return -size, 0.0, size
 
 
 def check_coat(coat: CoatTextures) -> None:
@@ -263,8 +266,8 @@ def _numbers_of_bottom(bottom: "mi.BSDF") -> list[Varying]:
         scale = WIDTH if last == "alpha" else LINEAR
         now = float(np.ravel(value)[0])
         axis = Axis(BOTTOM + key, scale, now, now)
-        steps = _steps(axis, RANGES[WIDTH] if scale == WIDTH else (0.0, np.inf))
-        found.append(Varying(axis, read, differentiable=True, steps=steps))
+        changes = _changes(axis, RANGES[WIDTH] if scale == WIDTH else (0.0, np.inf))
+        found.append(Varying(axis, read, differentiable=True, changes=changes))
     return found
 
 

@@ -106,8 +106,8 @@ class Baker:
 
         nested: codes of the bottom, if these vary along axes.
         """
-        constants, led = [x for x in varying if x.steps], [x for x in varying if x.leader]
-        varying = [x for x in varying if not (x.steps or x.leader)]
+        constants, led = [x for x in varying if x.changes], [x for x in varying if x.leader]
+        varying = [x for x in varying if not (x.changes or x.leader)]
         if len(varying) > AXES:
             return None
         axes, fixed = [x.axis for x in varying], _numbers(layer, [*varying, *led], nested)
@@ -133,8 +133,8 @@ class Baker:
             varying = [*varying, coated.with_wavelengths()]
             if len(varying) > AXES:
                 return None
-        steps = {x.axis.name: x.steps for x in constants if x.steps is not None}
-        baked = bake(self.model, [x.axis for x in varying], coated, steps)
+        changes = {x.axis.name: x.changes for x in constants if x.changes is not None}
+        baked = bake(self.model, [x.axis for x in varying], coated, changes)
         self._last = AxisLatents(baked, [*varying, *constants])
         self._fixed, self._led = fixed, led
         return self._last

@@ -109,7 +109,7 @@ class BottomRows:
         si = spectrum.points(uv)
         values = {
             x.axis.name: [mi.Float(0)]
-            if x.steps
+            if x.changes
             else spectrum.at_bands(si, lambda x=x: x.read(si, True))
             for x in varying
         }
@@ -131,7 +131,7 @@ class BottomRows:
 
     def is_grey(self) -> bool:
         """Whether rows of values reflect alike in all channels, or at all wavelengths."""
-        sides = [(0.0, 0.0) if x.steps else (x.axis.least, x.axis.most) for x in self._varying]
+        sides = [(0.0, 0.0) if x.changes else (x.axis.least, x.axis.most) for x in self._varying]
         ends = list(product(*sides))[:16]
         columns = dict(zip(self._names, np.array(ends).T, strict=True)) if self._names else {}
         bsdf, uv = self._of_rows(columns), along_u(len(ends))
@@ -164,12 +164,12 @@ class BottomRows:
         for x in self._varying:
             if x.texture:
                 row = _row(rows[x.axis.name])
-                textures[id(x.texture)] = _shifted(x.texture, row) if x.steps else row
+                textures[id(x.texture)] = _shifted(x.texture, row) if x.changes else row
             elif x.axis.name != INDEX:  # a plain number, which changes in all rows alike
                 numbers[x.axis.name.removeprefix(BOTTOM)] = x.axis.least + rows[x.axis.name][0]
         coat, nested = self._layer.coat, self._layer.nested
         if INDEX in rows and INDEX in self._names:
-            constant = any(x.axis.name == INDEX and x.steps for x in self._varying)
+            constant = any(x.axis.name == INDEX and x.changes for x in self._varying)
             coat = coat.of_index(_row(rows[INDEX] + (coat.eta if constant else 0)))
         if not (textures or numbers):
             return self._layer.below if coat is self._layer.coat else relative_to(nested, coat)
