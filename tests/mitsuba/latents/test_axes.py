@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from urushi.core.direction_sets import cosine_pairs
 from urushi.mitsuba.reading import probing
 
 COUNT = 1 << 18
@@ -123,6 +124,19 @@ def test_half_way_between_two_texels(rgb, name):
     si = interactions(rgb, u=0.5)
     found, walk = (albedo(rgb, coat | {"type": x}, si) for x in ("neural_layered", "layered"))
     np.testing.assert_allclose(found, walk, rtol=0.05)
+
+
+def test_a_product_of_textures_is_largest_between_their_texels(rgb, few_points):
+    """A depth of 0 at both texels and of 1 half-way: f is a constant coat's, within 2 %."""
+    coat = {"type": "neural_layered", "alpha": 0.3, "albedo": 0.8, "base": {"type": "diffuse"}}
+    rows = (bitmap(rgb, *ends, wrap_mode="clamp") for ends in ((0, 2), (2, 0)))
+    varying = rgb.load_dict(coat | dict(zip(("sigma_t", "thickness"), rows, strict=True)))
+    wi, wo = cosine_pairs(np.random.default_rng(0), 256, lowest_cosine=0.1)
+    for u, depth in ((0.0, 0.0), (0.5, 1.0), (1.0, 0.0)):
+        constant = rgb.load_dict(coat | {"sigma_t": depth})
+        uv = np.tile([u, 0.5], (len(wi), 1))
+        found, f = (probing.bsdf_values(x, wi, wo, uv) for x in (varying, constant))
+        assert np.abs(found - f).mean() < 0.02 * f.mean()
 
 
 @pytest.mark.parametrize("indices", [(1.5,), (0.6, 0.95)])

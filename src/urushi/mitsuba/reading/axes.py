@@ -65,8 +65,8 @@ CHANGES = {
 #: Largest change of one of two widths that carries a gradient, until codes are baked again.
 NEAR = 1.3
 
-#: Points of uv of what is no bitmap, along each side.
-SIDE = 256
+#: Points of uv of what is no bitmap, along each side, and those for more than one texture.
+SIDE, POINTS = 256, 1 << 14
 
 #: Name of the axis of wavelengths, of the wavelengths on it [nm], and start of the names of a
 #: bottom's parameters.
@@ -288,7 +288,7 @@ def range_of(
 ) -> tuple[float, float]:
     """The least and the largest value that a parameter has on a surface.
 
-    It is known at the texels of bitmaps. What is given on a mesh or in space has all values.
+    It is known at the texels of a bitmap. What is given on a mesh or in space has all values.
 
     Args:
         read: from surface interactions to the values.
@@ -302,14 +302,18 @@ def range_of(
         si = spectrum.points(spectrum.MIDDLE)
         values = [x.numpy() for x in spectrum.at_bands(si, lambda: read(si))]
         return float(np.min(values)), float(np.max(values))
-    for texture in varying:
-        if texture.class_name() in ELSEWHERE:
-            return whole
-        bitmap = texture.class_name().startswith("BitmapTexture")
-        if bitmap and plain and texture in textures and not mi.is_spectral:
-            data = mi.traverse(texture)["data"].numpy()
-            return float(data.min()), float(data.max())
-        si = spectrum.points(texel_centres(texture))
+    if any(x.class_name() in ELSEWHERE for x in varying):
+        return whole
+    only = varying[0]
+    bitmap = only.class_name().startswith("BitmapTexture")
+    if bitmap and plain and only is textures[0] and not mi.is_spectral:
+        data = mi.traverse(only)["data"].numpy()
+        return float(data.min()), float(data.max())
+    places = [texel_centres(x) for x in varying]
+    if len(places) > 1:  # a function of several textures may be extreme between their texels
+        places.append(np.random.default_rng(0).random((POINTS, 2)))
+    for uv in places:
+        si = spectrum.points(uv)
         with spectrum.reading_at(spectrum.FINE):
             for x in spectrum.at_bands(si, lambda si=si: read(si)):
                 values = x.numpy()
