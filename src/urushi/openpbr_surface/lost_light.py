@@ -11,27 +11,35 @@ import drjit as dr
 import mitsuba as mi
 import numpy as np
 
-from urushi.core import albedos, anisotropic_albedos
+from urushi.core import anisotropic_albedos
 from urushi.core.namespace import DRJIT
 from urushi.core.quadrature import directional_albedos
 from urushi.mitsuba.interface_albedo import Interpolated
 from urushi.mitsuba.reading import probing
 from urushi.mitsuba.reading.known import known_surface
+from urushi.mitsuba.reading.rows import along_u, texels
 from urushi.openpbr_surface import formulas
 from urushi.openpbr_surface.inputs import Inputs
+from urushi.textures.axes import INDEX, LINEAR, Axis
 
-#: Parameters that are axes of the table where they vary, the most important first.
-AXES = (
-    *("specular_roughness", "coat_roughness", "coat_ior", "specular_roughness_anisotropy"),
-    *("coat_roughness_anisotropy", "specular_ior", "base_diffuse_roughness"),
-)
+#: Parameters that are axes of the table where they vary, the most important first. Codes have no
+#: wider quotients of widths than those of an anisotropy of 0.89.
+AXES = {
+    name: Axis(name, scale, *ends)
+    for name, scale, *ends in (
+        ("specular_roughness", LINEAR, 0, 1),
+        ("coat_roughness", LINEAR, 0, 1),
+        ("coat_ior", INDEX, 1, 3),
+        ("specular_roughness_anisotropy", LINEAR, 0, 0.89),
+        ("coat_roughness_anisotropy", LINEAR, 0, 0.89),
+        ("specular_ior", INDEX, 1, 3),
+        ("base_diffuse_roughness", LINEAR, 0, 1),
+    )
+}
 
 #: Nodes of each axis by the number of axes, and of codes of one width, which are cheap. Parameters
 #: beyond them count as in the middle of uv.
 NODES, FINE_NODES = (1, 9, 9, 5), (1, 33, 17, 9)
-
-#: Greatest anisotropy of an axis: codes have no wider quotients.
-MOST_ANISOTROPY = 0.89
 
 #: Nodes of the azimuth of materials of two widths, and of the cosine, in its root.
 TURNS, COSINES = 5, 17
@@ -66,15 +74,15 @@ class LostLight:
         inputs: Inputs,
         names: Sequence[str],
         layers: Sequence[str],
-        twin: Callable[[dict[str, Any]], "mi.BSDF"],
+        twin: Callable[[dict[str, "mi.Texture"]], "mi.BSDF"],
         *,
         encoded: bool = False,
     ):
         """Measure the twin.
 
         names: of `AXES`, on which the loss depends. layers: "coat" or "specular", whose widths may
-        be two. twin: makes the white twin; takes textures of the parameters that vary, by name, as
-        Mitsuba's dictionaries. encoded: whether it has codes or a table.
+        be two. twin: makes the white twin; takes textures of the parameters that vary, by name.
+        encoded: whether it has codes or a table.
         """
         self._inputs = inputs
         #: The parameters that are axes, the most important first.
@@ -86,7 +94,7 @@ class LostLight:
         self._nodes = [nodes[len(self.varying)]] * len(self.varying)
         grid = np.meshgrid(*[np.linspace(0, 1, n) for n in self._nodes], indexing="ij")
         values = {
-            name: _value_at(name, x.ravel()) for name, x in zip(self.varying, grid, strict=True)
+            name: AXES[name].values(x.ravel()) for name, x in zip(self.varying, grid, strict=True)
         }
         count = int(np.prod(self._nodes))
         cos2, weights = np.full((count, 1), 0.5), np.ones((count, 1))  # of azimuths
@@ -97,7 +105,7 @@ class LostLight:
             cos2 = anisotropic_albedos.cos2_at(np.linspace(0, 1, TURNS), u / v)
             weights = anisotropic_albedos.turn_weights(TURNS, u / v)
         with dr.suspend_grad():
-            bsdf = twin({name: _texture(x) for name, x in values.items()})
+            bsdf = twin({name: texels(x) for name, x in values.items()})
             sides = [
                 _measured(bsdf, cos2, side) for side in ((1, -1) if _transmits(bsdf) else (1,))
             ]
@@ -119,7 +127,8 @@ class LostLight:
     def at(self, si, active) -> Place:
         """The material at a surface interaction."""
         inputs, turning = self._inputs, self._turning
-        at = [_coordinate(name, inputs.number(name, si, active)) for name in self.varying]
+        read = {name: inputs.number(name, si, active) for name in self.varying}
+        at = [AXES[name].coordinate(value, DRJIT) for name, value in read.items()]
         return Place(inputs.widths(turning, si, active) if turning else (), at[::-1])
 
     def lost(self, w, place: Place) -> Any:
@@ -133,33 +142,6 @@ class LostLight:
     def means(self, place: Place) -> list:
         """Cosine-weighted means of the share on each side, and of its positive part."""
         return self._means(place.at)
-
-
-def _value_at(name: str, x: np.ndarray) -> np.ndarray:
-    """The parameter of a coordinate in [0, 1]. Indices are from 1 to 3."""
-    if not name.endswith("ior"):
-        return MOST_ANISOTROPY * x if name.endswith("anisotropy") else x
-    amplitude = albedos.LARGEST_AMPLITUDE * x * x
-    return (1 + amplitude) / (1 - amplitude)
-
-
-def _coordinate(name: str, value):
-    """The inverse of `_value_at`."""
-    if not name.endswith("ior"):
-        return value / MOST_ANISOTROPY if name.endswith("anisotropy") else value
-    amplitude = (value - 1) / (value + 1) / albedos.LARGEST_AMPLITUDE
-    return DRJIT.sqrt(DRJIT.clip(amplitude, 1e-6, 1))
-
-
-def _texture(values: np.ndarray) -> dict[str, Any]:
-    """A texture of values (N,) along u."""
-    return {
-        "type": "bitmap",
-        "bitmap": mi.Bitmap(np.ascontiguousarray(values[None, :, None], np.float32)),
-        "raw": True,
-        "filter_type": "nearest",
-        "wrap_mode": "clamp",
-    }
 
 
 def _table(parts: Sequence[np.ndarray], shape: Sequence[int]) -> Interpolated:
@@ -186,7 +168,7 @@ def _measured(bsdf: "mi.BSDF", cos2: np.ndarray, side: int) -> np.ndarray:
     samples = SAMPLES if cos2.size == 1 else max(MANY * SAMPLES // cos2.size, LEAST_SAMPLES)
     kept = np.empty((*cos2.shape, COSINES))
     for node, turn in np.ndindex(cos2.shape):
-        share, uv = cos2[node, turn], np.array([[(node + 0.5) / len(cos2), 0.5]])
+        share, uv = cos2[node, turn], along_u(len(cos2))[node : node + 1]
         x, y = sine * np.sqrt(share), sine * np.sqrt(1 - share)
         wi = np.stack([x, y, side * cosine], -1)
         if integrates:

@@ -111,8 +111,7 @@ class Body(Surface):
         def white(textures: dict[str, Any]) -> "mi.BSDF":
             if not textures and all(inputs.is_constant(name, 1) for name in COLORS):
                 return slab
-            values = {name: mi.load_dict(x) for name, x in textures.items()}
-            return self._slab(inputs.replaced(dict.fromkeys(COLORS, 1.0) | values), coated)
+            return self._slab(inputs.replaced(dict.fromkeys(COLORS, 1.0) | textures), coated)
 
         return Finish(inputs, coated, white if self._coating.compensated else None)
 

@@ -214,14 +214,14 @@ IMAGE = """<image name="n" type="color3"><input name="file" type="filename" valu
 
 
 @pytest.mark.parametrize(
-    "name", ["none.png", "[T].png", "a<UDIM>.png", "a<Part>.png", "bad.png", "\u00e4" * 3000]
+    "name", ["none.png", ".", "[T].png", "a<UDIM>.png", "a<Part>.png", "bad.png", "\u00e4" * 3000]
 )
 def test_images_that_cannot_be_read(tmp_path, document, name):
     (tmp_path / "bad.png").write_bytes(b"\x89PNG")
     text = name.replace("<", "&lt;")
     refused(
         document(IMAGE.format(text) + COLOUR.format("n")),
-        "image .* (does not exist|depends on the geometry by <Part>|cannot be read)",
+        "image .* (does not exist|is not a file|depends on the geometry by <Part>|cannot be read)",
     )
 
 

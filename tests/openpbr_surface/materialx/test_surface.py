@@ -369,6 +369,24 @@ def test_usd_preview_surface(translated):
     assert (cut["transmission_weight"], cut["geometry_opacity"]) == (0, 0)
 
 
+@pytest.mark.parametrize("color", [(0.9, 0.6, 0.3), (0.5, 0.5, 0.5), (0.3, 0.2, 0.26)])
+@pytest.mark.parametrize("diffuse", [0.0, 0.1, 0.6])
+def test_a_bright_specular_color_is_a_metal_s(translated, color, diffuse):
+    """Indices end at 3, so that dielectrics reflect a quarter at most along the normal."""
+    diffuse = (diffuse,) * 3
+    values = translated(
+        "UsdPreviewSurface", useSpecularWorkflow=1, specularColor=color, diffuseColor=diffuse
+    )
+    metal, base = values["base_metalness"], np.array(values["base_color"])
+    f0 = reflectance(values["specular_ior"])
+    assert f0 == pytest.approx(0.25)
+    tint = (np.array(values["specular_color"]) - metal) / max(1 - metal, 1e-6)  # of the dielectric
+    found = metal * base + (1 - metal) * f0 * tint
+    assert found.max() == pytest.approx(max(color), abs=0.01)
+    kept = (1 - metal) * (1 - f0) * base
+    assert kept.max() == pytest.approx((1 - max(color)) * diffuse[0], abs=0.03)
+
+
 def test_disney_principled(translated):
     """Burley 2012: specular is F0 / 0.08, and a gloss of clearcoat is 1 - roughness."""
     values = translated("disney_principled", specular=0.75, clearcoat=1.0, clearcoatGloss=0.9)

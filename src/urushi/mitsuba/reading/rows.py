@@ -163,14 +163,14 @@ class BottomRows:
         textures, numbers = {}, {}
         for x in self._varying:
             if x.texture:
-                row = _row(rows[x.axis.name])
+                row = texels(rows[x.axis.name])
                 textures[id(x.texture)] = _shifted(x.texture, row) if x.changes else row
             elif x.axis.name != INDEX:  # a plain number, which changes in all rows alike
                 numbers[x.axis.name.removeprefix(BOTTOM)] = x.axis.least + rows[x.axis.name][0]
         coat, nested = self._layer.coat, self._layer.nested
         if INDEX in rows and INDEX in self._names:
             constant = any(x.axis.name == INDEX and x.changes for x in self._varying)
-            coat = coat.of_index(_row(rows[INDEX] + (coat.eta if constant else 0)))
+            coat = coat.of_index(texels(rows[INDEX] + (coat.eta if constant else 0)))
         if not (textures or numbers):
             return self._layer.below if coat is self._layer.coat else relative_to(nested, coat)
         found = replaced(nested, lambda x: textures.get(id(x), x), numbers)
@@ -274,7 +274,7 @@ def along_u(count: int) -> np.ndarray:
     return np.stack([(np.arange(count) + 0.5) / count, np.full(count, 0.5)], axis=-1)
 
 
-def _row(values: np.ndarray) -> "mi.Texture":
+def texels(values: np.ndarray) -> "mi.Texture":
     """A texture of values along u."""
     data = mi.Bitmap(np.array(values, np.float32).reshape(1, -1, 1))
     options = {"raw": True, "filter_type": "nearest", "wrap_mode": "clamp"}

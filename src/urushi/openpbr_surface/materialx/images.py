@@ -87,7 +87,8 @@ class Images:
         path = (self._folder / name.replace("\\", "/")).resolve()
         files = _tiles(path, where)
         if not files:
-            raise FileError(f"{where} does not exist; {path_cure(path)}")
+            problem = "is not a file" if path.exists() else "does not exist"
+            raise FileError(f"{where} {problem}; {path_cure(path)}")
         readers = {tile: _opened(file) for tile, file in files.items()}
         low, high = (tuple(map(f, zip(*readers, strict=True))) for f in (min, max))
         columns, rows = high[0] - low[0] + 1, high[1] - low[1] + 1
@@ -157,7 +158,9 @@ def _decoded(reader: Any) -> np.ndarray:
 
 
 def path_cure(path: Path) -> str:
-    """What to do about a path that does not exist."""
+    """What to do about a path that is no file."""
+    if path.exists():
+        return "it is a folder or a device; name a file"
     other = _other_case(path)
     return "check its path" if other is None else f"'{other}' differs in case only"
 

@@ -47,6 +47,9 @@ class Inputs:
 Formula = Callable[[Inputs], np.ndarray]
 Formulas = Mapping[str, Formula]
 
+#: Reflectance at the normal of an index of 3, the largest of OpenPBR's dielectric here.
+MOST_F0 = 0.25
+
 #: Weights of MaterialX's node `luminance`, which the opacity of standard_surface goes through.
 _LUMA = np.array([0.2722287, 0.6740818, 0.0536895])
 
@@ -194,33 +197,59 @@ _GLTF_PBR = renamed(
 }
 
 
-def _usd_metalness(i: Inputs) -> np.ndarray:
-    return i("metallic") * (i("useSpecularWorkflow") == 0)
-
-
 def _usd_transparent(i: Inputs) -> np.ndarray:
     """Whether opacity is one of transmission, not of presence."""
     return (i("opacityMode") == 0) & (i("opacityThreshold") <= 0)
 
 
+def _usd_clear(i: Inputs) -> bool:
+    """Whether something transmits light, which is refracted by the input ior."""
+    return bool(_usd_transparent(i).all() and (i.ends("opacity")[0] < 1).any())
+
+
 def _usd_gloss(i: Inputs) -> tuple[np.ndarray, np.ndarray]:
-    """Index and specular_color of the dielectric; light is refracted by the input ior."""
+    """Index and specular_color of the dielectric."""
     with_color = i("useSpecularWorkflow") == 1
-    if _usd_transparent(i).all() and (i.ends("opacity")[0] < 1).any():
+    if _usd_clear(i):
         return i("ior"), np.where(with_color, i("specularColor") / f0_of(i("ior")), 1)
-    index = np.where(with_color, ior_of(peak(i("specularColor"))), i("ior"))
+    index = np.where(with_color, ior_of(np.minimum(peak(i("specularColor")), MOST_F0)), i("ior"))
     return index, np.where(with_color, unit(i("specularColor")), 1)
 
 
+def _usd_base(i: Inputs) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Metalness, and the base's and the metal's edge color.
+
+    A specularColor above `MOST_F0` is a metal's. Metal m and dielectric 1 - m of one base_color b
+    have its albedo s, m b + (1 - m) MOST_F0 = s, and the diffuse one, (1 - m) (1 - MOST_F0) b =
+    (1 - s) diffuseColor: a quadratic equation of m.
+    """
+    diffuse, color, s = i("diffuseColor"), i("specularColor"), peak(i("specularColor"))
+    more = s - MOST_F0
+    if _usd_clear(i):
+        more = 0 * more
+    kept = (1 - s) / (1 - MOST_F0) * diffuse
+    linear = peak(kept) + more - MOST_F0
+    m = (np.sqrt(linear**2 + 4 * MOST_F0 * np.maximum(more, 0)) - linear) / (2 * MOST_F0)
+    m = np.where(more > 0, np.clip(m, 0, 1), 0)
+    below = np.where(m < 1, kept / np.maximum(1 - m, 1e-6), 0)
+    metal = (color - (1 - m) * MOST_F0 * unit(color)) / np.maximum(m, 1e-6)
+    mixed = np.clip(np.where(m > 0, mix(below, metal, m * m), diffuse), 0, 1)
+    by_metal = i("useSpecularWorkflow") == 0
+    return (
+        np.where(by_metal, i("metallic"), m),
+        np.where(by_metal, diffuse, mixed),
+        np.where(by_metal, edge_tint(diffuse, diffuse), 1),
+    )
+
+
 _USD_PREVIEW_SURFACE = renamed(
-    "base_color=diffuseColor specular_roughness=roughness coat_weight=clearcoat "
+    "specular_roughness=roughness coat_weight=clearcoat "
     "coat_roughness=clearcoatRoughness coat_ior=ior emission_color=emissiveColor "
     "geometry_normal=normal"
 ) | {
-    "base_metalness": _usd_metalness,
-    "specular_color": lambda i: mix(
-        _usd_gloss(i)[1], edge_tint(i("diffuseColor"), i("diffuseColor")), _usd_metalness(i)
-    ),
+    "base_metalness": lambda i: _usd_base(i)[0],
+    "base_color": lambda i: _usd_base(i)[1],
+    "specular_color": lambda i: mix(_usd_gloss(i)[1], _usd_base(i)[2], _usd_base(i)[0]),
     "specular_ior": lambda i: _usd_gloss(i)[0],
     "transmission_weight": lambda i: _usd_transparent(i) * (1 - i("opacity")),
     "coat_darkening": _zero,
