@@ -175,6 +175,9 @@ def test_a_part_is_refused_in_the_words_of_the_material():
     assert np.array_equal(np.array(parameters["coat_roughness.data"]), texels[0])
     with pytest.raises(RuntimeError, match=sentence):
         mi.load_dict(textured(texels[1]))
+    wide = "openpbr: the bottom's alpha_u and alpha_v have a ratio of 12.* the option 'reference'"
+    with pytest.raises(RuntimeError, match=wide):
+        loaded(coat_weight=1.0, specular_roughness_anisotropy=1.0)
 
 
 @pytest.mark.parametrize("reference", [False, pytest.param(True, marks=pytest.mark.slow)])

@@ -4,7 +4,7 @@ A walk, a table or a code follows light that each facet scatters once. The rest 
 twin is the same material with all colours set to one, so that what it does not return is lost.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from typing import Any, NamedTuple
 
 import drjit as dr
@@ -72,7 +72,7 @@ class LostLight:
     def __init__(
         self,
         inputs: Inputs,
-        names: Sequence[str],
+        names: Iterable[str],
         layers: Sequence[str],
         twin: Callable[[dict[str, "mi.Texture"]], "mi.BSDF"],
         *,

@@ -29,11 +29,14 @@ def load_part(inputs: Inputs, description: dict[str, Any]) -> "mi.BSDF":
     try:
         return mi.load_dict(description | {"origin": inputs.where})
     except RuntimeError as error:
-        _, where, cause = str(error).strip().splitlines()[-1].partition(inputs.where + ": ")
-        if not where:
+        last = str(error).strip().splitlines()[-1]
+        _, found, cause = last.partition(inputs.where + ": ")
+        if not found:
+            _, found, cause = last.partition("ParameterError: ")
+        if not found:
             raise
         walk = ", which openpbr takes by the option 'reference'" if "'layered'" in cause else ""
-        raise ParameterError(f"{where}{cause}{walk}") from error
+        raise ParameterError(f"{inputs.where}: {cause}{walk}") from error
 
 
 def derived(
