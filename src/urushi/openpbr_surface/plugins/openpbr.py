@@ -37,36 +37,12 @@ def openpbr(props):
     resolution, weights  integer, string       As of ``neural_layered``, without ``reference``.
     ==================== ===================== =============================================
 
-    The base is a closed form. A dielectric reflects by single scattering and transmits the rest
-    to the diffuse slab, and the fraction base_color leaves it again; a metal has the F82-tint
-    term. The coat's light transport is computed by a table, codes or walks; coat_weight
-    mixes the BRDFs of the bare and the coated base. Fuzz lies above both. Not supported, and
-    refused or left out with a warning, are dispersion, separate directions for the coat, and
-    over a base that transmits light fuzz and some thin films and coats. Light is emitted by
-    the emitter ``openpbr_emission``.
-
-    With ``transmission_weight``, ``subsurface_weight`` or ``geometry_thin_walled`` the surface
-    has two sides. A body needs one ``specular_ior`` and ``specular_weight``. With subsurface or
-    a ``transmission_depth``, its shape needs a medium, too: ``urushi.openpbr(...).on(shape)``
-    gives it, and sets ``interior``. Without ``interior`` a body is refused; if ``unsupported``
-    is "ignore", the medium's colours are the surface's: a diffuse base of ``subsurface_color``,
-    glass tinted by ``transmission_color``. Panes, and coats over transmitting bases, are tables
-    if they are constant and isotropic, and walks otherwise.
-
-    A number that ``mi.traverse`` changes is treated like a texture from then on. Components
-    that were left out because of it, for instance a coat or fuzz of weight zero, are created. A
-    coat is updated with its base, and the energy compensation is computed again if it depends
-    on the change.
-
-    Fuzz is layered by the albedo of the direction that is seen, as the specification says.
-    Material with fuzz is therefore not reciprocal: f changes by some per cent in the mean when
-    wi and wo are exchanged. A coat of index one has no interface: it absorbs light of the
-    uncoated base.
-
-    Where all parameters are constant and isotropic and the base is not smooth, the coat is
-    computed as a table when the material is loaded. All others have codes.
-
-    If the coat's index exceeds the base's, total internal reflection occurs at the base.
+    The base is a closed form; the coat's light transport is computed by a table, codes or
+    walks. With ``transmission_weight``, ``subsurface_weight`` or ``geometry_thin_walled`` the
+    surface has two sides, and a body may need a medium inside: ``urushi.openpbr(...).on(shape)``
+    gives it. Light is emitted by the emitter ``openpbr_emission``. A number that ``mi.traverse``
+    changes is treated like a texture from then on. :doc:`/openpbr` says how parameters become
+    layers, and what is missing.
 
     .. tabs::
         .. code-tab:: xml
