@@ -77,14 +77,18 @@ def test_the_untrained_network_keeps_codes(tiny, found):
     np.testing.assert_allclose(z[:, 6:], found.bottom[:, 6:], atol=1e-6)
 
 
-def test_bottoms_without_a_rest_count_as_dark_ones(tiny, found):
-    """The gain of no rest would be far outside the range of the network's inputs."""
+def test_bottoms_of_rests_too_faint_to_see_count_as_without(tiny, found):
+    """The gain of no rest is far outside the range of the network's inputs, and numbers of rests at
+    the level of rounding errors are arbitrary."""
     params = layering.fresh(tiny.arch, 0)
-    bottom = found.bottom[:1].copy()
-    bottom[0, 6:] = 0
-    bottom[0, 6] = bases.EMPTY_GAIN
-    z = layerer.layer(params, tiny.arch, bottom, CoatParameters(*found.coat[:1].T))
-    assert z[0, 6] == layerer.LEAST_GAIN
+    rng = np.random.default_rng(3)
+    params |= {n: rng.standard_normal(x.shape).astype(np.float32) for n, x in params.items()}
+    bottoms = np.tile(found.bottom[:1], (3, 1))
+    bottoms[:, 6:] = 0
+    bottoms[:, 6] = bases.EMPTY_GAIN, layerer.LEAST_GAIN, layerer.LEAST_GAIN - 1
+    bottoms[2, 7:] = rng.uniform(-90, 90, bottoms.shape[1] - 7)
+    z = layerer.layer(params, tiny.arch, bottoms, CoatParameters(*found.coat[:1].T))
+    np.testing.assert_array_equal(z[1:], z[[0, 0]])
 
 
 def test_batches_do_not_depend_on_the_division_into_steps(found):

@@ -24,7 +24,7 @@ from urushi.material.reflector import Reflector
 from urushi.material.substrate import Substrate
 from urushi.nets import lobe as lobes
 from urushi.nets.features import coat_features
-from urushi.nets.layerer import LEAST_GAIN
+from urushi.nets.layerer import bottom_rest
 from urushi.nets.weights import Model
 from urushi.textures.spline import spline
 
@@ -115,8 +115,7 @@ def features(model: Model, z: np.ndarray, coat: CoatParameters) -> np.ndarray:
     """Features float32 (k, D) of bottoms z (k, L) under coats (k,), in the directions in which they
     vary."""
     size = model.arch.lobe
-    rest = np.maximum(z[:, size:], LEAST_GAIN)
-    found = [coat_features(*coat), lobes.lobe_features(z[:, :size]), rest]
+    found = [coat_features(*coat), lobes.lobe_features(z[:, :size]), bottom_rest(z, size)]
     x = np.concatenate(found, axis=1, dtype=np.float32)
     x -= x.mean(axis=0)
     sizes, axes = np.linalg.eigh(x.T.astype(np.float64) @ x)

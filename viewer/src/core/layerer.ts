@@ -20,14 +20,14 @@ export function layered(
 ): Float32Array {
   const ofLobe = LOBE.LOBE_FEATURES[widths];
   const input = new Float64Array(rest + ofLobe + FEATURES.COAT_FEATURES[widths]);
-  input.set(bottom.subarray(lobe));
-  input[0] = Math.max(input[0], LAYERER.LEAST_GAIN);
+  const code = bottom.slice();
+  // What is fainter is no rest: its other numbers are those of rounding errors.
+  if (code[lobe] <= LAYERER.LEAST_GAIN) code.fill(0, lobe).fill(LAYERER.LEAST_GAIN, lobe, lobe + 1);
+  input.set(code.subarray(lobe));
   lobeFeatures(bottom, input, rest, widths);
   if (widths === 1) coatFeatures(alpha, eta, albedo, sigmaT, g, input, rest + ofLobe);
   else coatFeatures2(alpha, alphaV, eta, albedo, sigmaT, g, input, rest + ofLobe);
-  const code = bottom.slice();
   code.set([alpha, 0, 0, 1, eta, 0, ...(widths === 2 ? [alphaV] : [])]);
-  code[lobe] = Math.max(code[lobe], LAYERER.LEAST_GAIN);
   network.evaluate(input).forEach((change, k) => {
     code[lobe + k] += change;
   });
