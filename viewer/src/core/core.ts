@@ -9,6 +9,7 @@ import { Evaluation } from "./evaluation";
 import { layered, withinTraining } from "./layerer";
 import { Proposals } from "./mixture";
 import type { Network } from "./network";
+import { FileError } from "./safetensors";
 import { coatOfChannel, lobeOfSurface, ofChannel, type Surface } from "./surfaces";
 import { type Architecture, readWeights, type Weights } from "./weights";
 
@@ -98,11 +99,10 @@ export class NetworkCore extends Evaluation {
   }
 
   private checked(codes: Float32Array): Float32Array {
-    if (codes.length !== CHANNELS * this.latentSize || !codes.every(Number.isFinite)) {
-      throw new RangeError(
-        `a material has ${codes.length} numbers; these networks need three codes of ${this.latentSize}`,
-      );
-    }
-    return codes;
+    const size = CHANNELS * this.latentSize;
+    if (codes.length === size && codes.every(Number.isFinite)) return codes;
+    throw new FileError(
+      `The codes of the loaded material are damaged or of other networks (${codes.length} numbers, here ${size}); encode it again.`,
+    );
   }
 }

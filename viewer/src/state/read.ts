@@ -183,7 +183,7 @@ function number(value: unknown, low: number, high: number, fallback: number): nu
 }
 
 function nameOf(value: unknown, fallback: string): string {
-  return typeof value === "string" ? value.slice(0, 80) : fallback;
+  return (typeof value === "string" && value.trim().slice(0, 80)) || fallback;
 }
 
 function choice<T>(value: unknown, all: readonly T[], fallback: T): T {

@@ -12,8 +12,11 @@ export function Plots() {
     <section class="plots" aria-label="Plots">
       <details
         open={state.value.plots}
-        onToggle={({ currentTarget: { open: plots } }) => {
-          if (plots !== state.value.plots) look({ plots });
+        onToggle={({ currentTarget: element }) => {
+          const { open: plots } = element;
+          if (plots === state.value.plots) return;
+          look({ plots });
+          if (plots) element.scrollIntoView({ block: "nearest" });
         }}
       >
         <summary>Plots</summary>

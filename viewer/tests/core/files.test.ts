@@ -32,6 +32,11 @@ describe("refuses in a sentence", () => {
     expect(() => loadCore(file)).toThrow(sentence);
   });
 
+  test("codes of other networks", () => {
+    const bottom = { kind: "codes", latents: new Float32Array(3) } as const;
+    expect(() => loadCore(whole).layer({ bottom, coats: [] })).toThrow(FileError);
+  });
+
   test("arrays of another shape or type, and numbers that are not finite", () => {
     const file = new TensorFile(halves([0x7c00]));
     expect(() => file.numbers("x", [2])).toThrow(/has the shape \(1\)/);

@@ -51,7 +51,7 @@ test("the picture fills the screen, plots fold away, and a material has another 
   const height = async () => (await page.locator(".stage").boundingBox())!.height;
   const before = await height();
   await plots.click();
-  await expect(angle).toBeVisible();
+  await expect(angle).toBeInViewport();
   expect(await height()).toBe(before); // the picture keeps its place
   await expect.poll(async () => (await stateOf(page)).plots).toBe(true);
   await plots.click();

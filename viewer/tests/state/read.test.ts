@@ -18,6 +18,13 @@ test("what is missing has its first value", () => {
   });
 });
 
+test.each([undefined, "", "  ", 7])(
+  "a material has a name, whatever the state says: %j",
+  (name) => {
+    expect(readMaterial({ bottom: BOTTOM, name }).name).toBe("Material");
+  },
+);
+
 test("numbers outside their ranges become the nearest inside", () => {
   const coat = { alpha: 0, ior: [0.2, 1, 99], albedo: 7, sigmaT: -1, g: -3 };
   const material = readMaterial({ bottom: BOTTOM, coats: [coat] });
