@@ -34,7 +34,9 @@ describe("refuses in a sentence", () => {
 
   test("codes of other networks", () => {
     const bottom = { kind: "codes", latents: new Float32Array(3) } as const;
-    expect(() => loadCore(whole).layer({ bottom, coats: [] })).toThrow(FileError);
+    const core = loadCore(whole);
+    expect(() => core.layer({ bottom, coats: [] })).toThrow(FileError);
+    expect(() => core.layer({ bottom, coats: [] })).toThrow(/of other networks \(3 numbers/);
   });
 
   test("arrays of another shape or type, and numbers that are not finite", () => {

@@ -183,9 +183,3 @@ describe("the proposal", () => {
     }
   });
 });
-
-test("codes of other networks are refused in a sentence", () => {
-  const codes = new Float32Array(5);
-  const stack: Stack = { bottom: { kind: "codes", latents: codes }, coats: [] };
-  expect(() => core.layer(stack)).toThrow(/a material has 5 numbers/);
-});
