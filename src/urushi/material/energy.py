@@ -60,11 +60,6 @@ PLAUSIBLE = 0.3
 EXCESS_WEIGHTS = 0.25, 1.0, 4.0, 16.0, 64.0, 256.0
 
 
-def directional_albedos(model: Model, z: np.ndarray) -> np.ndarray:
-    """Directional albedos (N, K) of codes (N, L)."""
-    return rest_albedos(model, z) + lobe_albedos(z[:, : model.arch.lobe])
-
-
 def lobe_albedos(lobe: np.ndarray) -> np.ndarray:
     """Directional albedos float32 (N, K) of lobes (N, 6) of one width, or (N, 7) of two.
 

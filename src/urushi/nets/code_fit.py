@@ -116,7 +116,8 @@ def fitted(
     rows: np.ndarray, measure: np.ndarray, prior: np.ndarray, rest: np.ndarray
 ) -> np.ndarray:
     """`solve_codes` at nodes with the functions (N, 1 + K) and this measure (N,) or (S, N)."""
-    f, light = bounded(rest, measure), _light(rest, measure)
+    total = _integral(rest, measure)
+    f, light = np.maximum(rest, LEAST_SHARE * total + 1e-12), np.maximum(total, 1e-12)
     functions, logs = rows[:, 1:], np.log(f) - rows[:, 0]
     codes = solved(functions, logs, measure * (f / light + FIRST_FLOOR), prior)
     best, least = codes, np.full(len(f), np.inf)
@@ -128,24 +129,14 @@ def fitted(
         codes = solved(functions, logs, weights, prior)
     error, _ = weighed(rows, measure, f, light, codes)
     best = np.where((error < least)[:, None], codes, best)
-    dark = _integral(rest, measure) < LEAST_REST
+    dark = total[:, 0] < LEAST_REST
     best[dark], best[dark, 0] = 0, EMPTY_GAIN
     return best.astype(np.float32)
 
 
-def bounded(rest: np.ndarray, measure: np.ndarray) -> np.ndarray:
-    """Rests (S, N), of which no value is far below the mean."""
-    return np.maximum(rest, LEAST_SHARE * _integral(rest, measure)[:, None] + 1e-12)
-
-
 def _integral(values: np.ndarray, measure: np.ndarray) -> np.ndarray:
-    """Integrals (S,) of values (S, N)."""
-    return np.einsum("sn,sn->s", values, np.broadcast_to(measure, values.shape))
-
-
-def _light(rest: np.ndarray, measure: np.ndarray) -> np.ndarray:
-    """Light (S, 1) of rests (S, N)."""
-    return np.maximum(_integral(rest, measure), 1e-12)[:, None]
+    """Integrals (S, 1) of values (S, N)."""
+    return np.einsum("sn,sn->s", values, np.broadcast_to(measure, values.shape))[:, None]
 
 
 def form_about(
@@ -156,7 +147,8 @@ def form_about(
     rows: (N, 1 + K) the functions at the probe pairs, with the measure (N,) or (S, N).
     """
     f = np.exp(np.minimum(codes @ rows[:, 1:].T + rows[:, 0], MAX_LOG))
-    weights = weighed(rows, measure, f, _light(f, measure), codes)[1]
+    light = np.maximum(_integral(f, measure), 1e-12)
+    weights = weighed(rows, measure, f, light, codes)[1]
     return normal(rows[:, 1:], weights, prior)
 
 
@@ -166,7 +158,7 @@ def weighed(
     """Errors (S,) of codes (S, K), and the weights (S, N) of the next least squares."""
     logs = np.minimum(codes @ rows[:, 1:].T + rows[:, 0], MAX_LOG)
     size, weights = error_slopes(logs, f, light)
-    return _integral(size, measure) / light[:, 0], measure * weights
+    return (_integral(size, measure) / light)[:, 0], measure * weights
 
 
 def error_slopes(
