@@ -186,10 +186,8 @@ def stacked(stack: Stack, model: Model) -> Material | None:
         return None
     material = encode_source(stack.bottom, model)[0]
     for coat in reversed(stack.coats):
-        values = (np.asarray(getattr(coat, name)) for name in CoatParameters._fields[1:])
-        columns = CoatParameters(of_widths(np.asarray, coat.alpha), *values)
         compensates = compensated and coat is stack.coats[0]
-        coating = Coating(columns, coat.ior is not None, material, compensated=compensates)
+        coating = Coating(coat.parameters, coat.ior is not None, material, compensated=compensates)
         material = _coated(coating)
     return material
 

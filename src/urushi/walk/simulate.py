@@ -234,9 +234,7 @@ class Compensation:
         rest = Stack((replace(first, energy_compensation=False), *others), stack.bottom)
         below = albedo(rest, [[0.0, 0.0, 1.0]], walks=1 << 14)[0][0]
         f, _ = simulate(rest, [appearance.WI], [appearance.WO], walks=1 << 14, progress=False)
-        top = stack.coats[0]
-        medium = (np.asarray(x) for x in (top.albedo, top.sigma_t, top.g))
-        return cls(CoatParameters(top.alpha, np.asarray(top.eta), *medium), below, f)
+        return cls(stack.coats[0].parameters, below, f)
 
     def albedo(self, wi: np.ndarray) -> np.ndarray:
         """What the lobe adds to the directional albedo at unit vectors (N, 3), (N, 3)."""

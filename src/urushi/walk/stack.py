@@ -15,6 +15,7 @@ import numpy.typing as npt
 from urushi import checks
 from urushi.checks import AIR, DEFAULT_COAT, CoatParameters, Widths
 from urushi.core.appearance import described
+from urushi.core.microfacet import of_widths
 from urushi.errors import ParameterError
 from urushi.walk.bottoms import MAKERS, Description, Rough, Value
 from urushi.walk.bottoms.bottom import store, store_alpha
@@ -45,6 +46,12 @@ class Coat(Rough):
             store(self, name, check(getattr(self, name), f"the coat's {name}"))
         if self.ior is not None:
             store(self, "ior", np.asarray(self.ior))
+
+    @property
+    def parameters(self) -> CoatParameters:
+        """The coat as arrays () or (3,)."""
+        values = (np.asarray(getattr(self, name)) for name in CoatParameters._fields[1:])
+        return CoatParameters(of_widths(np.asarray, self.alpha), *values)
 
 
 #: A bottom: a `Description`, or an object with the methods of `Bottom`.
