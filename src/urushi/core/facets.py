@@ -23,7 +23,7 @@ def multiple_albedo(fresnel_mean: Any, seen_mean: Any) -> Any:
     """The albedo of light that facets reflect more than once.
 
     fresnel_mean: cosine-weighted mean of their Fresnel term. seen_mean: share of diffuse light
-    that one reflection by facets that reflect all light lets leave.
+    that leaves the surface after one reflection if its facets reflect all light.
     """
     return fresnel_mean * fresnel_mean * seen_mean / (1 - fresnel_mean * (1 - seen_mean))
 
@@ -31,8 +31,8 @@ def multiple_albedo(fresnel_mean: Any, seen_mean: Any) -> Any:
 def multiple_lobe(seen_i: Any, seen_o: Any, seen_mean: Any, fresnel_mean: Any) -> Any:
     """The lobe [1/sr] of light that meets more than one facet, on Dr.Jit arrays.
 
-    seen_i, seen_o: shares of the light from both directions that one reflection lets leave. The
-    other arguments are those of `multiple_albedo`.
+    seen_i, seen_o: as `seen_mean`, of the light from both directions. The other arguments are those
+    of `multiple_albedo`.
     """
     color = multiple_albedo(fresnel_mean, seen_mean)
     # Where nothing is lost, the quotient is 0 / 0.
@@ -40,7 +40,7 @@ def multiple_lobe(seen_i: Any, seen_o: Any, seen_mean: Any, fresnel_mean: Any) -
 
 
 class SeenLight:
-    """Shares of light that one reflection by facets lets leave that reflect all light."""
+    """Shares of light that leave a surface after one reflection if facets reflect all light."""
 
     def __init__(self, alpha: Any):
         """alpha: GGX width or `Widths`, Dr.Jit floats."""
@@ -53,7 +53,7 @@ class SeenLight:
         ]
 
     def of(self, w: Any) -> Any:
-        """The share of the light from directions."""
+        """The share of the light from directions w above the horizon."""
         return self._at(0, [albedos.cosine_coordinate(w.z, xp=DRJIT), *self._place(w)])
 
     @property

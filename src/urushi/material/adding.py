@@ -60,7 +60,7 @@ ROUNDS = 20
 #: Ascending angles inside a medium at which light begins to be totally reflected.
 Edges = tuple[float, ...]
 
-#: Cosines at which light that is mirrored to and fro is known.
+#: Cosines at which the interreflection of mirrors is tabulated.
 MIRROR_COSINES = np.linspace(1 / (1 << 12), 1, 1 << 12).astype(np.float32)
 
 #: BRDF values (N, C) of float32 unit vectors (N, 3).

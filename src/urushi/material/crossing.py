@@ -52,7 +52,7 @@ def cross(
     Args:
         outside: (N, 1), above the horizon.
         alpha: GGX width or widths.
-        eta: index inside over that outside.
+        eta: index inside relative to outside.
         u: (K, 2) or (N, K, 2) numbers in [0, 1) that choose the facets, or a list of both columns.
 
     Returns:

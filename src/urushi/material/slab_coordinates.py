@@ -51,9 +51,10 @@ InnerLobes = Sequence[tuple[float, float, float]]
 
 
 def grazing_factor(above: Any, below: Any, faces: Faces, xp: Namespace) -> Any:
-    """A factor of transmitted light that is steep near the horizon: what enters denser layers.
+    """About the share of light that enters denser layers, which is steep near the horizon.
 
-    A table of the rest is smooth, also where refraction bends all light of the horizon into a cone.
+    It is a factor of transmitted light. The other factor is smooth, and so is its table, also where
+    refraction bends all light of the horizon into a cone.
     """
     result = 1 + 0 * above.z
     for w, (alpha, eta) in zip((above, below), faces, strict=True):
@@ -64,9 +65,10 @@ def grazing_factor(above: Any, below: Any, faces: Faces, xp: Namespace) -> Any:
 
 
 def mirrored_inside(above: Any, other: Any, lobes: Sequence[Sequence[Any]], xp: Namespace) -> Any:
-    """About the light that interfaces inside a slab mirror, a factor of what it reflects.
+    """About the light that interfaces inside a slab mirror.
 
-    A table of the rest is smooth where lobes are narrow, and at angles of total reflection.
+    It is a factor of the light that the slab reflects. The other factor is smooth, and so is its
+    table, where lobes are narrow and at angles of total reflection.
 
     Args:
         above, other: directions on one side of the slab.

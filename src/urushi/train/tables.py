@@ -2,9 +2,9 @@
 
 Every stack is computed coat by coat, and all levels are kept: the bare bottom, and what lies below
 each of its coats. Further random coats are computed over every level, at the probe pairs only: the
-layering network learns from them. Levels of several stacks share interfaces and media of these
-coats, so that a coat costs a third. The data lie in shards. Each is written once and as a whole, so
-that an interrupted run continues where it stopped, with the same result.
+layering network learns from them. Several levels share the interfaces and media of these coats,
+which lowers the cost of a coat to a third. The data lie in shards. Each is written once and as a
+whole, so that an interrupted run continues where it stopped, with the same result.
 """
 
 import functools

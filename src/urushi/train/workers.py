@@ -39,7 +39,7 @@ def results(
     """Yield every task with make(task), in the order in which they are done.
 
     At most `DEPTH` tasks a worker are under way, and results are handed back one by one, so that
-    memory holds a few of them only. Whoever stops the iteration cancels what is left.
+    memory holds a few of them only. Stopping the iteration cancels the tasks that are left.
 
     Args:
         make: a function that processes can import, or a partial of one.

@@ -214,10 +214,11 @@ class Compensation:
     """The lobe of the light that the topmost surface loses."""
 
     def __init__(self, coat: CoatParameters, below: np.ndarray, f: np.ndarray):
-        """Of a coat, whose parameters are () or (C,), over what else there is.
+        """The lobe of a coat, whose parameters are () or (C,), over a material.
 
-        below: its directional albedo (C,) at the normal.
-        f: its f (C,) [1/sr] at `appearance.WI` and `WO`, whose share of the albedo is not mirrored.
+        below: the material's directional albedo (C,) at the normal.
+        f: the material's f (C,) [1/sr] at `appearance.WI` and `WO`; f pi is the part of the albedo
+            that is not mirrored.
         """
         mirrored = float(np.clip(1 - np.pi * f.mean() / max(below.mean(), 1e-6), 0, 1))
         self._color = coated_color(coat, below, NUMPY)
@@ -229,7 +230,7 @@ class Compensation:
 
     @classmethod
     def of_stack(cls, stack: Stack) -> "Compensation":
-        """That of the topmost coat; what lies below is known by walks."""
+        """The lobe of a stack's topmost coat; walks measure what lies below it."""
         first, *others = stack.coats[1:] or (Coat(eta=1.0),)
         rest = Stack((replace(first, energy_compensation=False), *others), stack.bottom)
         below = albedo(rest, [[0.0, 0.0, 1.0]], walks=1 << 14)[0][0]
