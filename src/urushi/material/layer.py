@@ -270,7 +270,7 @@ def tabulated(material: Material) -> Material:
     table = material.logs()
     if material.table is not None:
         lobe = material.latents[:, : material.model.arch.lobe]
-        table = table_beside(lobe, material.f(*node_pairs()))
+        table = table_beside(material.f(*node_pairs()), lobe)
     return replace(material, table=table, beside_lobe=True)
 
 

@@ -90,7 +90,7 @@ def _blend(a: Material, b: Material, share: np.ndarray) -> Material:
     codes = np.where(at == 0, a.latents, np.where(at == 1, b.latents, codes))
     if model.widths == 2:
         return Material(codes, model)
-    table = table_beside(codes[:, :size], f(*node_pairs()))
+    table = table_beside(f(*node_pairs()), codes[:, :size])
     return Material(codes, model, table, beside_lobe=True)
 
 

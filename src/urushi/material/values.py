@@ -67,7 +67,7 @@ def encode_source(
     if len(at_table):
         beside = found.lobe is not None  # a known lobe is finer than any table
         lobe = material.latents[:, : model.arch.lobe]
-        own = table_beside(lobe, at_table) if beside else table_of_values(at_table)
+        own = table_beside(at_table, lobe) if beside else table_of_values(at_table)
         material = replace(material, table=own, beside_lobe=beside)
     return material, found.deviations
 

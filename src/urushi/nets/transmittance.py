@@ -45,7 +45,7 @@ def remainder(f: Any, lobe: Any, wi: Any, wo: Any) -> Any:
     return xp.maximum(f - lobes.f(lobe, wi, wo), 0.0) / both_ways(lobe, wi, wo)
 
 
-def table_beside(lobe: np.ndarray, f: np.ndarray) -> np.ndarray:
+def table_beside(f: np.ndarray, lobe: np.ndarray) -> np.ndarray:
     """The table float16 (U, V, W, C) of g of values f (N, C) [1/sr] at `core.table.node_pairs`.
 
     lobe: (C, N) of the channels.

@@ -70,7 +70,7 @@ def bottom_material(model: Model, bottom: "mi.BSDF", where: str) -> Material:
         )[0]
         lobe = material.latents[:, : model.arch.lobe]
         narrow = source.lobe is not None and bool((lobe[:, 0] < NARROW).any())
-        table = table_beside(lobe, f) if narrow else table_of_values(f)
+        table = table_beside(f, lobe) if narrow else table_of_values(f)
         material = replace(material, table=table, beside_lobe=narrow)
     return material
 
