@@ -104,6 +104,10 @@ FURNACES = {
         METAL | {"specular_roughness": 0.7, "coat_roughness": (0.3, 0.3001)}, 0.01, (1.0, 0.4)
     ),
     "film": Furnace(FILMED | {"specular_roughness": 1.0}, 0.02, (1.0, 0.6, 0.3), tier="slow"),
+    # Both reflect totally at most angles: nothing is left to be passed by the mean of the facets.
+    "film over air": Furnace(
+        FILMED | {"thin_film_ior": 3.0, "specular_ior": 0.4, "specular_roughness": 0.0}, 0.02
+    ),
     "filmed metal": Furnace(FILMED | METAL, 0.02, (1.0, 0.6, 0.3)),
 }  # fmt: skip
 

@@ -69,26 +69,30 @@ class FilmFresnel:
         rule = (self._mean_rule if cosine is None else self._rule)(coordinates(cosine, alpha, None))
         return zip(rule[:NODES], rule[NODES:], strict=True)
 
-    def excess(self, cosine, alpha, eta, si, active):
-        """Mean reflectance of the facets seen from a direction with film, minus without film.
+    def mean(self, cosine, alpha, eta, bare, si, active):
+        """Mean reflectance of the facets seen from a direction, a spectrum; weighted by masking.
 
-        A spectrum, by the Gauss rules of `rules`; the mean weights facets by their masking.
+        What bare facets pass is multiplied by the quotient of what both pass at the nodes of
+        `rules`: neither is less than zero, wherever they reflect totally.
 
-        cosine: of the direction; None: the mean over diffuse light.
+        cosine: of the direction; None: the mean over diffuse light. bare: the mean without film.
         """
-        film, total, edge = self._film(si, active), mi.Spectrum(0), eta
+        film, edge, passes = self._film(si, active), eta, 1 - bare
         if self._total:  # index of a bare dielectric that reflects totally at the same facets
             edge = dr.select(film.eta < 1, dr.minimum(film.eta, eta), eta)
-        for c, weight in self.facets(cosine, alpha):  # a difference without step
-            total += weight * (self._filmed(c, film, eta, si) - fresnel.dielectric(c, edge)[0])
-        if self._total and cosine is None:
-            more, less = (self._total.reflected_mean(alpha, index) for index in (edge, eta))
-            total += (more - less) / dr.maximum(self._mirror.reflected_mean(alpha), _LEAST)
-        elif self._total:
-            more, less = (self._total.reflected(cosine, alpha, index) for index in (edge, eta))
-            seen = self._mirror.reflected(cosine, alpha)
-            total += (more - less) / dr.maximum(seen, _LEAST)
-        return self._weight(si, active) * total
+            if cosine is None:
+                more, less = (self._total.reflected_mean(alpha, index) for index in (edge, eta))
+                seen = self._mirror.reflected_mean(alpha)
+            else:
+                more, less = (self._total.reflected(cosine, alpha, index) for index in (edge, eta))
+                seen = self._mirror.reflected(cosine, alpha)
+            passes -= (more - less) / dr.maximum(seen, _LEAST)
+        filmed, unfilmed = mi.Spectrum(0), mi.Float(0)
+        for c, weight in self.facets(cosine, alpha):
+            filmed += weight * (1 - self._filmed(c, film, eta, si))
+            unfilmed += weight * (1 - fresnel.dielectric(c, edge)[0])
+        passes = dr.clip(passes * filmed / dr.maximum(unfilmed, _LEAST), 0, 1)
+        return dr.lerp(mi.Spectrum(bare), 1 - passes, self._weight(si, active))
 
     def _filmed(self, cosine, film, eta, si):
         """Reflectance of a dielectric under the film, a spectrum."""
@@ -108,7 +112,7 @@ class FilmFresnel:
     def _film(self, si, active):
         names = *_INDICES, "thin_film_thickness"
         ior, coat_ior, coat, thickness = (self._inputs.number(n, si, active) for n in names)
-        relative = formulas.relative_index(ior, coat_ior, coat, DRJIT)
+        relative = dr.clip(formulas.relative_index(ior, coat_ior, coat, DRJIT), 1 / 3, 3)
         return thin_film.Film(relative, dr.maximum(ior, formulas.LEAST_INDEX), thickness)
 
     def _responses(self, wavelengths):

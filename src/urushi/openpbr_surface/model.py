@@ -147,12 +147,12 @@ class Base(Surface):
         mean = self._albedo.reflected_mean(vertex.widths, eta)
         if self._film:
             for i, w in enumerate((si.wi, wo)):
-                more = self._film.excess(w.z, alpha, eta, si, active)
-                more = self._mirror.reflected(w, vertex.widths) * more
-                reflected[i] = dr.clip(reflected[i] + more, 0, 1)
-            more = self._film.excess(None, alpha, eta, si, active)
-            mean = dr.clip(mean + self._mirror.reflected_mean(vertex.widths) * more, 0, 1)
-        passed, mean = (1 - reflected[0]) * (1 - reflected[1]), 1 - mean
+                seen = dr.maximum(self._mirror.reflected(w, vertex.widths), 1e-4)
+                bare = reflected[i] / seen
+                reflected[i] = seen * self._film.mean(w.z, alpha, eta, bare, si, active)
+            seen = self._mirror.reflected_mean(vertex.widths)
+            mean = seen * self._film.mean(None, alpha, eta, mean / seen, si, active)
+        passed, mean = (1 - reflected[0]) * (1 - reflected[1]), dr.maximum(1 - mean, 1e-4)
         if self._slab is None:
             return color * (passed * dr.inv_pi / mean)
         rough = self._inputs.number("base_diffuse_roughness", si, active)
