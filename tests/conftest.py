@@ -14,6 +14,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from tests.directions import above
 from tests.fast import skip_optional_passes
 
 from urushi.platform import available_cores
@@ -268,15 +269,7 @@ def directions() -> np.ndarray:
 @pytest.fixture(scope="session")
 def random_directions():
     """A function (count, seed) -> float32 (count, 3), uniform over the upper hemisphere."""
-
-    def draw(count, seed, least_cosine=0.0):
-        rng = np.random.default_rng(seed)
-        z = rng.uniform(least_cosine, 1, count)
-        phi = rng.uniform(0, 2 * np.pi, count)
-        r = np.sqrt(1 - z * z)
-        return np.stack([r * np.cos(phi), r * np.sin(phi), z], 1).astype(np.float32)
-
-    return draw
+    return above
 
 
 def _load_module(path: Path):

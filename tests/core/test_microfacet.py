@@ -4,6 +4,7 @@ from types import ModuleType
 
 import numpy as np
 import pytest
+from tests.directions import above
 
 from urushi.checks import Widths
 from urushi.core import microfacet, mixture
@@ -18,13 +19,6 @@ SEEN = [(0.01, 0.4), (0.1, 0.4), (0.5, 0.4), (1.0, 0.4)]
 SEEN += [(alpha, phi) for alpha in BRUSHED for phi in (0.0, 0.5, np.pi / 2)]
 SAMPLED = [(0.25, 0.4), (0.5, 0.4), (1.0, 0.4)]
 SAMPLED += [(a, phi) for a in (Widths(0.6, 0.2), Widths(0.25, 1.0)) for phi in (0, 0.5, np.pi / 2)]
-
-
-def directions(count: int, seed: int) -> np.ndarray:
-    """Unit vectors (3, count) above the horizon, uniform."""
-    z, turn = np.random.default_rng(seed).uniform(0.02, 1, (2, count))
-    r, phi = np.sqrt(1 - z * z), 2 * np.pi * turn
-    return np.stack([r * np.cos(phi), r * np.sin(phi), z]).astype(np.float32)
 
 
 def direction(theta: float, phi: float = 0.4) -> np.ndarray:
@@ -58,7 +52,7 @@ def normals(alpha, count: int = 1024) -> tuple[np.ndarray, np.ndarray]:
 @pytest.mark.parametrize("alpha", ALPHAS)
 def test_distribution_and_masking_are_those_of_the_definition(jit: ModuleType, alpha) -> None:
     """Heitz 2014, eqs. 43, 72, 80 and 85, in angles and double precision."""
-    w, (along, across) = directions(2000, 1), microfacet.pair(alpha)
+    w, (along, across) = above(2000, 1, 0.02).T, microfacet.pair(alpha)
     x, y, z = w.astype(np.float64)
     cos2_phi, sin2_phi = (c * c / (x * x + y * y) for c in (x, y))
     tan2 = (x * x + y * y) / z**2
@@ -143,7 +137,7 @@ def test_the_lobe_is_reciprocal_and_has_the_symmetries_of_its_tangent(jit, alpha
     A quarter turn exchanges the widths; it reorders a sum of two numbers, which is exact. Below the
     horizon there is no light.
     """
-    wi, wo = directions(1000, 3), directions(1000, 4)
+    wi, wo = above(1000, 3, 0.02).T, above(1000, 4, 0.02).T
     wo[2, ::8] *= -1
 
     def lobe(a: np.ndarray, b: np.ndarray, alpha=alpha) -> np.ndarray:
@@ -170,7 +164,7 @@ def test_the_lobe_is_reciprocal_and_has_the_symmetries_of_its_tangent(jit, alpha
 
 @pytest.mark.parametrize("alpha", [0.01, 0.1, 0.37, 1.0])
 def test_equal_widths_are_one_width(jit: ModuleType, alpha: float) -> None:
-    w, m = jit.Array3f(directions(1000, 5)), jit.Array3f(directions(1000, 6))
+    w, m = jit.Array3f(above(1000, 5, 0.02).T), jit.Array3f(above(1000, 6, 0.02).T)
     u1, u2 = (jit.Float(x) for x in np.random.default_rng(7).random((2, 1000), dtype=np.float32))
     functions = [
         lambda alpha: microfacet.visible_normal_pdf(w, m, alpha),

@@ -15,8 +15,7 @@ from urushi.walk import coat, conductor, dielectric, diffuse, simulate
 
 @pytest.fixture(scope="module")
 def pairs():
-    wi, wo = cosine_pairs(np.random.default_rng(3), 2000)
-    return wi.astype(np.float32), wo.astype(np.float32)
+    return cosine_pairs(np.random.default_rng(3), 2000)
 
 
 def error(a: Material, b: Material, wi, wo) -> float:

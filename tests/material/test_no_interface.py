@@ -15,8 +15,7 @@ NONE = dielectric(0.3, 1)
 
 @pytest.fixture(scope="module")
 def pairs():
-    wi, wo = cosine_pairs(np.random.default_rng(9), 300)
-    return wi.astype(np.float32), wo.astype(np.float32)
+    return cosine_pairs(np.random.default_rng(9), 300)
 
 
 def error(f, expected, pairs):

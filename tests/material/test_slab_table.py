@@ -82,7 +82,7 @@ def drawn(count: int) -> list[Layers]:
 def errors(layers: Layers, walks: int) -> tuple[np.ndarray, np.ndarray]:
     """E of what a slab reflects on either side and transmits (3, C), and the walks' own noise."""
     found, slab, noise, value = tables(layers), described(layers), [], []
-    wi, wo = (w.astype(np.float32) for w in cosine_pairs(np.random.default_rng(1), 256))
+    wi, wo = cosine_pairs(np.random.default_rng(1), 256)
     weight = energy_weight(wi[:, 2], wo[:, 2])[:, None]
     for a, b in ((wi, wo), (wi * DOWN, wo * DOWN), (wi, wo * DOWN)):
         f, se = urushi.simulate(slab, a, b, walks=walks, progress=False, mode="importance")
@@ -122,7 +122,7 @@ def test_white_scattering_slabs_lose_no_light() -> None:
 
 
 def test_transmission_is_reciprocal() -> None:
-    wi, wo = (w.astype(np.float32) for w in cosine_pairs(np.random.default_rng(1), 256))
+    wi, wo = cosine_pairs(np.random.default_rng(1), 256)
     for name in ("paper", "body", "coats on glass"):
         found = tables(FIRST[name])
         for near, far in ((wi, wo), (wi * DOWN, wo * DOWN)):

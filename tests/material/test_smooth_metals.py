@@ -5,6 +5,7 @@ Walks are no reference here: a few of them carry most of the light of two narrow
 
 import numpy as np
 import pytest
+from tests.directions import in_plane
 from tests.oracles.analog import analog_albedo
 
 import urushi
@@ -15,11 +16,6 @@ from urushi.material.layer import layer_material
 GOLD = {"eta": (0.143, 0.374, 1.442), "k": (3.983, 2.385, 1.603)}
 SMOOTH = urushi.conductor(0.01, **GOLD)
 ANGLES = (0, 60, 75, 85)
-
-
-def directions(degrees) -> np.ndarray:
-    polar = np.radians(degrees)
-    return np.stack([np.sin(polar), 0 * polar, np.cos(polar)], axis=-1).astype(np.float32)
 
 
 def albedo(material: Material, wi: np.ndarray, count: int = 1 << 14) -> np.ndarray:
@@ -35,10 +31,8 @@ def albedo(material: Material, wi: np.ndarray, count: int = 1 << 14) -> np.ndarr
 def test_smooth_gold_under_clear_coats(alpha, ior):
     """Within 4 %: tables by light transport err by up to 2.5, photons and samples by one."""
     material = urushi.layer(urushi.dielectric(alpha, ior=ior), SMOOTH)
-    photons, _ = analog_albedo(
-        urushi.coat(SMOOTH, alpha, ior=ior), directions(ANGLES), walks=1 << 15
-    )
-    np.testing.assert_allclose(albedo(material, directions(ANGLES)), photons, rtol=0.04)
+    photons, _ = analog_albedo(urushi.coat(SMOOTH, alpha, ior=ior), in_plane(ANGLES), walks=1 << 15)
+    np.testing.assert_allclose(albedo(material, in_plane(ANGLES)), photons, rtol=0.04)
 
 
 def test_water_on_varnish_on_gold():
@@ -46,8 +40,8 @@ def test_water_on_varnish_on_gold():
     varnish = urushi.layer(urushi.dielectric(0.01, ior=1.5), SMOOTH)
     wet = urushi.layer(urushi.dielectric(0.01, ior=1.33), varnish)
     stack = urushi.coat(urushi.coat(SMOOTH, 0.01, ior=1.5), 0.01, ior=1.33)
-    photons, _ = analog_albedo(stack, directions(ANGLES), walks=1 << 15)
-    np.testing.assert_allclose(albedo(wet, directions(ANGLES)), photons, rtol=0.04)
+    photons, _ = analog_albedo(stack, in_plane(ANGLES), walks=1 << 15)
+    np.testing.assert_allclose(albedo(wet, in_plane(ANGLES)), photons, rtol=0.04)
 
 
 @pytest.mark.xfail(strict=True, reason="codes, as of textures, blur the lobes of smooth metals")
@@ -56,13 +50,13 @@ def test_codes_of_smooth_gold_under_a_clear_coat():
     bottom = urushi.encode(stack.bottom)
     coat = CoatParameters(*map(np.array, (0.01, 1.5, 0.0, 0.0, 0.0)))
     material = layer_material(coat, Material(bottom.latents, bottom.model), fast=True)
-    photons, _ = analog_albedo(stack, directions(ANGLES), walks=1 << 15)
-    np.testing.assert_allclose(albedo(material, directions(ANGLES)), photons, rtol=0.04)
+    photons, _ = analog_albedo(stack, in_plane(ANGLES), walks=1 << 15)
+    np.testing.assert_allclose(albedo(material, in_plane(ANGLES)), photons, rtol=0.04)
 
 
 @pytest.mark.xfail(strict=True, reason="materials of two widths have no tables by light transport")
 def test_coats_of_two_widths_over_white_at_the_horizon():
-    wi = directions([84])
+    wi = in_plane([84])
     white = urushi.diffuse(1.0)
     material = urushi.layer(urushi.dielectric(alpha_u=0.05, alpha_v=0.3, ior=1.5), white)
     photons, _ = analog_albedo(

@@ -15,6 +15,18 @@ def bitmap(pixels: np.ndarray, **properties) -> dict:
     return {"type": "bitmap", "bitmap": texels, "raw": True, **properties}
 
 
+def strip(*texels, **properties) -> dict:
+    """A texture of one row of texels, numbers or colours."""
+    return bitmap(np.float32(texels).reshape(1, len(texels), -1), **properties)
+
+
+def nearly(value: float, channels: int = 1) -> dict:
+    """A texture that differs by less than codes resolve: one of one value would be a constant."""
+    texels = np.full((2, 2, channels), value, np.float32)
+    texels[0, 0] *= 1 + 1e-6
+    return bitmap(texels)
+
+
 def vector(w: np.ndarray) -> "mi.Vector3f":
     """Vectors (N, 3)."""
     return mi.Vector3f(np.ascontiguousarray(w.T))
@@ -49,9 +61,7 @@ def check_walk(bsdf: "mi.BSDF", stack: Stack, degrees: float = 0.0, sides: bool 
 
     At 16 pairs; sides: of both sides, as radiance and as importance.
     """
-    wi, wo = (
-        w.astype(np.float32) for w in cosine_pairs(np.random.default_rng(4), 16, lowest_cosine=0.05)
-    )
+    wi, wo = cosine_pairs(np.random.default_rng(4), 16, lowest_cosine=0.05)
     if sides:
         wi[::2, 2] *= -1
         wo[::4, 2] *= -1

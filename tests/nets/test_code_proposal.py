@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from tests import mixtures
+from tests.directions import in_plane
 from tests.untrained import untrained
 
 from urushi.checks import Widths
@@ -13,11 +14,6 @@ from urushi.core.quadrature import half_vector_rule
 from urushi.nets import lobe as lobes
 from urushi.nets import proposal
 from urushi.nets.weights import anisotropic_model, default_model
-
-
-def directions(degrees) -> np.ndarray:
-    theta = np.radians(degrees)
-    return np.stack([np.sin(theta), 0 * theta, np.cos(theta)], axis=-1).astype(np.float32)
 
 
 @pytest.mark.parametrize("widths", [1, 2])
@@ -45,7 +41,7 @@ def test_the_gain_scales_the_rest_alone():
     f = 0.02 + lobes.f(np.array((0.2, 0.9, 1, 0, 1.5, 0), np.float32), *networks.pairs())
     z = np.repeat(networks.encode(f[None].astype(np.float32), none[None]), 2, axis=0)
     z[1, len(none)] -= 2
-    wi = directions(np.array([0.0, 50.0, 85.0]))
+    wi = in_plane(np.array([0.0, 50.0, 85.0]))
     weights = mixtures.weights(networks.proposal(z[:, None], wi))
     np.testing.assert_allclose(weights[0], weights[1], atol=1e-5)
     z[:, : len(none)] = (0.1, 0, 0, 1, 1.5, 0)
@@ -67,7 +63,7 @@ def test_a_smooth_metal_is_its_own_lobe():
     z = np.zeros((1, model.arch.latent), np.float32)
     z[0, : model.arch.lobe] = (0.05, 1, 1, 0, 1.5, 0)
     z[0, model.arch.lobe :] = model.networks.empty_rest()
-    weights = mixtures.weights(model.networks.proposal(z, directions(np.array([0.0, 45.0, 80.0]))))
+    weights = mixtures.weights(model.networks.proposal(z, in_plane(np.array([0.0, 45.0, 80.0]))))
     np.testing.assert_allclose(weights[:, 0], 1 - proposal.MIN_COSINE_SHARE, atol=1e-3)
 
 
@@ -87,7 +83,7 @@ def test_the_variance_of_samples_is_small(lobe, rest, most):
     lobe = np.array(lobe, np.float32)
     wi, wo = networks.pairs()
     z = networks.encode((lobes.f(lobe, wi, wo) + rest)[None].astype(np.float32), lobe[None])[0]
-    wi = directions(np.arange(0, 86, 5.0))
+    wi = in_plane(np.arange(0, 86, 5.0))
     wo, share = half_vector_rule(wi)
     f_cos = (lobes.f(lobe, wi[:, None], wo) + rest) * wo[..., 2]
     pdf = mixtures.pdf(networks.proposal(z, wi[:, None]), wi[:, None].astype(float), wo)

@@ -3,6 +3,7 @@
 import mitsuba as mi
 import numpy as np
 import pytest
+from tests.directions import pairs_above
 
 import urushi
 from urushi.errors import ParameterError
@@ -15,15 +16,9 @@ LACQUER = dict(
 )
 
 
-def pairs():
-    w = np.random.default_rng(0).normal(size=(2, 100, 3))
-    w[..., 2] = np.abs(w[..., 2]) + 0.1
-    return (w / np.linalg.norm(w, axis=-1, keepdims=True)).astype(np.float32)
-
-
 @pytest.mark.slow
 def test_values_are_those_of_the_plugin():
-    wi, wo = pairs()
+    wi, wo = pairs_above(100, 0, 0.1)
     described = {
         "type": "openpbr",
         "coat_weight": 1.0,
@@ -37,7 +32,7 @@ def test_values_are_those_of_the_plugin():
 
 def test_walks_average_the_reference():
     """The mean of 64 evaluations is that of two halves, whose random numbers differ."""
-    wi, wo = pairs()
+    wi, wo = pairs_above(100, 0, 0.1)
     walked = urushi.openpbr(reference=True, energy_compensation=False, **LACQUER)
     assert not np.array_equal(walked.f(wi, wo), walked.f(wi, wo, walks=2))
     many, few = walked.f(wi, wo, walks=64), walked.f(wi, wo, walks=8)
@@ -53,7 +48,7 @@ def test_a_saved_material_is_read_as_it_was(tmp_path):
 
 
 def test_a_uniform_material_is_encoded():
-    wi, wo = pairs()
+    wi, wo = pairs_above(100, 0, 0.1)
     bare = urushi.openpbr(base_color=(0.6, 0.1, 0.05), specular_roughness=0.5)
     found, expected = urushi.encode(bare).f(wi, wo), bare.f(wi, wo)
     weight = (wi[:, 2] * wo[:, 2])[:, None]

@@ -6,9 +6,10 @@ import drjit as dr
 import mitsuba as mi
 import numpy as np
 import pytest
+from tests.directions import pairs_above
+from tests.mitsuba.probes import f
 
 import urushi
-from urushi.mitsuba.reading import probing
 
 for package in ("MaterialX", "OpenImageIO"):
     pytest.importorskip(package, reason="the extra 'materialx' is not installed")
@@ -35,11 +36,7 @@ def path(tmp_path):
 
 
 def values(bsdf):
-    w = np.random.default_rng(0).normal(size=(2, 100, 3))
-    w[..., 2] = np.abs(w[..., 2]) + 0.1
-    wi, wo = (w / np.linalg.norm(w, axis=-1, keepdims=True)).astype(np.float32)
-    uv, time = np.full((100, 2), 0.5), np.zeros(100, np.float32)
-    return probing.bsdf_values(bsdf, wi, wo, uv, time)
+    return f(bsdf, *pairs_above(100, 0, 0.1))
 
 
 def test_parameters_are_those_of_the_document(path):

@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 import mitsuba as mi
 import numpy as np
 import pytest
+from tests.mitsuba.probes import strip
 from tests.openpbr_surface.test_truth import PARTS, quadrature
 from tests.oracles import openpbr_base
 
@@ -81,12 +82,7 @@ def values(kind, seed=7):
 
 def loaded(kind, **replaced):
     """All materials of a kind as one; replaced: parameters of all."""
-
-    def texels(numbers):
-        bitmap = mi.Bitmap(np.ascontiguousarray(numbers[None], np.float32))
-        return {"type": "bitmap", "raw": True, "filter_type": "nearest", "bitmap": bitmap}
-
-    given = {name: texels(x) for name, x in values(kind).items()}
+    given = {name: strip(*x, filter_type="nearest") for name, x in values(kind).items()}
     return mi.load_dict({"type": "openpbr", **given, **kind.constants, **replaced})
 
 

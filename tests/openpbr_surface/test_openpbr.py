@@ -3,6 +3,7 @@
 import mitsuba as mi
 import numpy as np
 import pytest
+from tests.mitsuba.probes import nearly
 from tests.oracles.analog import analog_albedo
 from tests.oracles.slab import interface_reflectance
 
@@ -22,13 +23,6 @@ BRUSHED = dict(base_metalness=1.0, specular_roughness=0.5, specular_roughness_an
 
 def openpbr(**parameters):
     return mi.load_dict({"type": "openpbr", **parameters})
-
-
-def nearly_uniform(value, channels=1):
-    """A texture that differs by less than codes resolve: one of one value would be a constant."""
-    texels = np.full((2, 2, channels), value, np.float32)
-    texels[0, 0] *= 1 + 1e-6
-    return {"type": "bitmap", "raw": True, "bitmap": mi.Bitmap(texels)}
 
 
 def pairs(count, seed=1):
@@ -240,7 +234,7 @@ def test_a_textured_material_is_the_constant_one(name):
     wi, wo = pairs(300)
     shared = dict(base_color=BRIGHT, coat_weight=1.0) | parameters
     value = shared[varying]
-    texture = nearly_uniform(*((value["value"], 3) if isinstance(value, dict) else (value,)))
+    texture = nearly(*((value["value"], 3) if isinstance(value, dict) else (value,)))
     constant = values(openpbr(**shared), wi, wo)
     textured = values(openpbr(**shared | {varying: texture}), wi, wo)
     assert error(textured, constant, wi, wo) < 0.1
@@ -301,18 +295,6 @@ def test_a_spectrum_is_its_colour_or_its_number():
     ):
         found = [values(openpbr(**{name: x}), *pairs(64)) for x in (given, expected)]
         np.testing.assert_allclose(*found, rtol=1e-5)
-
-
-def test_textures_are_read_where_they_are():
-    checker = {"type": "checkerboard", "color0": 0.0, "color1": 1.0}
-    bsdf = openpbr(base_color=COLOR, base_metalness=checker)
-    wi, wo = pairs(50)
-    for u, share in ((0.25, 0.0), (0.75, 1.0)):
-        uv = np.tile([u, 0.25], (50, 1))
-        found = probing.bsdf_values(bsdf, wi, wo, uv)
-        expected = values(openpbr(base_color=COLOR, base_metalness=share), wi, wo)
-        other = values(openpbr(base_color=COLOR, base_metalness=1 - share), wi, wo)
-        assert np.allclose(found, expected, rtol=1e-4) or np.allclose(found, other, rtol=1e-4)
 
 
 @pytest.mark.slow

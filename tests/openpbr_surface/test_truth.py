@@ -16,6 +16,7 @@ import drjit as dr
 import mitsuba as mi
 import numpy as np
 import pytest
+from tests.mitsuba.probes import strip
 
 import urushi
 from urushi.checks import AIR
@@ -326,12 +327,6 @@ def test_light(form, name):
         assert (np.abs(off) < most).all()
 
 
-def bitmap(*texels) -> dict:
-    """A row of texels."""
-    pixels = np.float32([texels]).reshape(1, len(texels), -1)
-    return {"type": "bitmap", "raw": True, "bitmap": mi.Bitmap(pixels), "filter_type": "nearest"}
-
-
 #: Parameters that become textures, and what another texel has.
 OTHERS = {
     "alpha": 0.5,
@@ -360,7 +355,7 @@ def textured(described: dict, material: Coated) -> dict:
         if name not in OTHERS or (name == "int_ior" and material.below == "pane"):
             return value
         texel = np.atleast_1d(value["value"] if isinstance(value, dict) else value)
-        return bitmap(texel, OTHERS[name] + 0 * texel)
+        return strip(texel, OTHERS[name] + 0 * texel, filter_type="nearest")
 
     return {name: change(name, value) for name, value in described.items()}
 
@@ -428,14 +423,15 @@ CLEAR = {"type": "roughdielectric", "distribution": "ggx", "alpha": 0.3}
 
 def wrapped(inner: dict, other: dict) -> dict[str, dict]:
     """Wrappers of Mitsuba that change nothing where they are read."""
+    first, second = (strip(*w, filter_type="nearest") for w in ((0.0, 1.0), (1.0, 0.0)))
     return {
-        "normalmap": {"type": "normalmap", "normalmap": bitmap([0.5, 0.5, 1.0]), "inner": inner},
-        "bumpmap": {"type": "bumpmap", "map": bitmap(0.5), "inner": inner},
+        "normalmap": {"type": "normalmap", "normalmap": strip([0.5, 0.5, 1.0]), "inner": inner},
+        "bumpmap": {"type": "bumpmap", "map": strip(0.5), "inner": inner},
         "opaque": {"type": "mask", "opacity": 1.0, "inner": inner},
         "first": {"type": "blendbsdf", "weight": 0.0, "one": inner, "two": other},
         "second": {"type": "blendbsdf", "weight": 1.0, "one": other, "two": inner},
-        "mask": {"type": "blendbsdf", "weight": bitmap(0.0, 1.0), "one": inner, "two": other},
-        "reverse": {"type": "blendbsdf", "weight": bitmap(1.0, 0.0), "one": other, "two": inner},
+        "mask": {"type": "blendbsdf", "weight": first, "one": inner, "two": other},
+        "reverse": {"type": "blendbsdf", "weight": second, "one": other, "two": inner},
         "twosided": {"type": "twosided", "inner": inner},
     }
 

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from research import bidirectional
+from tests.directions import pairs_above
 
 from urushi.walk import coat, conductor, diffuse, simulate
 
@@ -28,14 +29,6 @@ STACKS = {
 }
 
 
-def pairs(count, seed):
-    """Pairs (count, 3) of directions whose cosines are at least 0.2."""
-    rng = np.random.default_rng(seed)
-    cosine, angle = rng.uniform(0.2, 1, (2, count)), rng.uniform(0, 2 * np.pi, (2, count))
-    sine = np.sqrt(1 - cosine**2)
-    return np.stack([sine * np.cos(angle), sine * np.sin(angle), cosine], axis=-1)
-
-
 def walked(stack, wi, wo, seed, estimate=bidirectional.simulate):
     """f and standard error (N,) of the first channel."""
     f, se = estimate(stack, wi, wo, walks=WALKS, seed=seed)
@@ -53,7 +46,7 @@ def assert_equal_means(first, second):
 
 @pytest.mark.parametrize("name", STACKS)
 def test_both_estimators_have_the_same_mean(name):
-    wi, wo = pairs(24, seed=1)
+    wi, wo = pairs_above(24, 1, 0.2)
     assert_equal_means(walked(STACKS[name], wi, wo, 2), walked(STACKS[name], wi, wo, 3, simulate))
 
 
@@ -63,5 +56,5 @@ def estimate(layers, bottom, wi, wo, rng, count):
 
 @pytest.mark.parametrize("name", ["forward", "three", "low"])
 def test_reciprocity(name):
-    wi, wo = pairs(24, seed=7)
+    wi, wo = pairs_above(24, 7, 0.2)
     assert_equal_means(walked(STACKS[name], wi, wo, 8), walked(STACKS[name], wo, wi, 9))

@@ -4,6 +4,7 @@ import dataclasses
 
 import numpy as np
 import pytest
+from tests.directions import pairs_above
 
 from urushi.checks import Widths
 from urushi.walk import (
@@ -39,15 +40,6 @@ STACKS = {
 }
 
 
-def pairs(count: int, seed: int) -> tuple[np.ndarray, np.ndarray]:
-    """Unit vectors (count, 3) with cosines above 0.1."""
-    rng = np.random.default_rng(seed)
-    z, phi = rng.uniform(0.1, 1, (2, count)), rng.uniform(0, 2 * np.pi, (2, count))
-    r = np.sqrt(1 - z * z)
-    w = np.stack([r * np.cos(phi), r * np.sin(phi), z], axis=-1)
-    return w[0].astype(np.float32), w[1].astype(np.float32)
-
-
 def check_equal_means(a: tuple[np.ndarray, ...], b: tuple[np.ndarray, ...]) -> None:
     """Two independent estimates (f, se) agree."""
     # Rounding of the analytic top reflection is allowed.
@@ -67,7 +59,7 @@ def run(stack: Stack, wi: np.ndarray, wo: np.ndarray, seed: int) -> tuple[np.nda
 
 @pytest.mark.parametrize("stack", STACKS.values(), ids=STACKS.keys())
 def test_stacks_are_reciprocal_in_the_mean(stack: Stack) -> None:
-    wi, wo = pairs(100, 1)
+    wi, wo = pairs_above(100, 1, 0.1)
     check_equal_means(run(stack, wi, wo, 1), run(stack, wo, wi, 2))
 
 
@@ -78,7 +70,7 @@ def test_stacks_are_reciprocal_in_the_mean(stack: Stack) -> None:
 def test_stacks_have_the_symmetries_of_their_tangent(name: str, signs: tuple[int, ...]) -> None:
     """A half turn, and mirrors at both axes."""
     stack = STACKS[name]
-    wi, wo = pairs(100, 2)
+    wi, wo = pairs_above(100, 2, 0.1)
     sign = np.array(signs, np.float32)
     check_equal_means(run(stack, wi, wo, 3), run(stack, sign * wi, sign * wo, 4))
 
@@ -98,7 +90,7 @@ def _exchanged(alpha):
 
 @pytest.mark.parametrize("name", ["bottom", "both", "three"])
 def test_a_quarter_turn_exchanges_the_widths(name: str) -> None:
-    wi, wo = pairs(100, 3)
+    wi, wo = pairs_above(100, 3, 0.1)
     a, b = (np.stack([-w[:, 1], w[:, 0], w[:, 2]], axis=1) for w in (wi, wo))
     stack = STACKS[name]
     check_equal_means(run(stack, wi, wo, 5), run(crossed(stack), a, b, 6))
@@ -131,7 +123,7 @@ def test_equal_widths_give_the_walks_of_one_width(kind: str, coats: int) -> None
         kind=f"{kind}_anisotropic",
         bottom={"alpha_u": alpha, "alpha_v": alpha, **bottom},
     )
-    row, (wi, wo) = np.arange(64, dtype=np.uint32) % 8, pairs(64, 8)
+    row, (wi, wo) = np.arange(64, dtype=np.uint32) % 8, pairs_above(64, 8, 0.1)
     f, se = walk_pairs(one, row, wi, wo, walks=256, seed=9)
     f_two, se_two = walk_pairs(two, row, wi, wo, walks=256, seed=9)
     np.testing.assert_allclose(f_two, f, rtol=1e-6)
@@ -139,7 +131,7 @@ def test_equal_widths_give_the_walks_of_one_width(kind: str, coats: int) -> None
 
 
 def test_channels_of_different_widths_are_stacks_of_their_own() -> None:
-    wi, wo = pairs(20, 9)
+    wi, wo = pairs_above(20, 9, 0.1)
     both = STACKS["both"]
     f = simulate(both, wi, wo, walks=256, seed=1, progress=False)[0]
     for channel in range(3):

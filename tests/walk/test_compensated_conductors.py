@@ -5,6 +5,7 @@ import dataclasses
 import drjit as dr
 import numpy as np
 import pytest
+from tests.directions import above
 
 import urushi
 from urushi.core.random import stream
@@ -16,13 +17,6 @@ from urushi.walk.table import bottom_columns, bottom_of_columns
 COSINES = np.array([0.05, 0.15, 0.3, 0.5, 0.7, 0.9, 1.0])
 
 GOLD = {"eta": (0.143, 0.375, 1.442), "k": (3.983, 2.386, 1.603)}
-
-
-def directions(count, seed):
-    rng = np.random.default_rng(seed)
-    z, phi = rng.uniform(0.02, 1, count), rng.uniform(0, 2 * np.pi, count)
-    sine = np.sqrt(1 - z * z)
-    return np.stack([sine * np.cos(phi), sine * np.sin(phi), z], axis=-1).astype(np.float32)
 
 
 @pytest.mark.parametrize("alpha", [0.02, 0.08, 0.2, 0.45, 0.75, 1.0])
@@ -52,7 +46,7 @@ def analytic_albedo(surface):
 @pytest.mark.parametrize("widths", [{"alpha": 0.5}, {"alpha_u": 0.2, "alpha_v": 0.8}])
 def test_it_is_reciprocal(widths):
     gold = urushi.conductor(**widths, **GOLD, energy_compensation=True)
-    wi, wo = directions(4000, 1), directions(4000, 2)
+    wi, wo = above(4000, 1, 0.02), above(4000, 2, 0.02)
     np.testing.assert_allclose(
         analytic.f(gold, wi, wo), analytic.f(gold, wo, wi), rtol=2e-5, atol=1e-7
     )
@@ -85,7 +79,7 @@ def test_samples_follow_their_density(widths, theta):
 
 def test_a_walk_sees_it_below_an_absent_coat():
     gold = urushi.conductor(0.6, **GOLD, energy_compensation=True)
-    wi, wo = directions(64, 3), directions(64, 4)
+    wi, wo = above(64, 3, 0.02), above(64, 4, 0.02)
     stack = urushi.coat(gold, 0.1, eta=1.0)
     f, se = urushi.simulate(stack, wi, wo, walks=1 << 12, progress=False)
     expected = analytic.f(gold, wi, wo)
@@ -98,7 +92,7 @@ def test_its_material_has_a_table_and_lies_under_coats():
     gold = urushi.conductor(0.6, **GOLD, energy_compensation=True)
     material = urushi.encode(gold)
     assert material.table is not None and material.beside_lobe
-    wi, wo = directions(2000, 5), directions(2000, 6)
+    wi, wo = above(2000, 5, 0.02), above(2000, 6, 0.02)
     expected = analytic.f(gold, wi, wo)
     np.testing.assert_allclose(material.f(wi, wo), expected, rtol=0.01)
     codes = dataclasses.replace(material, table=None, beside_lobe=False)

@@ -14,8 +14,7 @@ MEDIUM = {"albedo": (0.9, 0.5, 1.0), "g": 0.3}
 
 @pytest.fixture(scope="module")
 def pairs():
-    wi, wo = cosine_pairs(np.random.default_rng(8), 60)
-    return wi.astype(np.float32), wo.astype(np.float32)
+    return cosine_pairs(np.random.default_rng(8), 60)
 
 
 @pytest.mark.parametrize("alpha", [0.01, 0.5, Widths(0.1, 0.8)])

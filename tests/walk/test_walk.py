@@ -5,6 +5,7 @@ from types import ModuleType
 import drjit as dr
 import numpy as np
 import pytest
+from tests.directions import above
 
 from urushi.core.random import stream
 from urushi.walk import (
@@ -22,13 +23,6 @@ from urushi.walk import (
 from urushi.walk.bottoms import KINDS
 from urushi.walk.bottoms.diffuse import Lambertian
 from urushi.walk.monte_carlo import backend
-
-
-def hemisphere(count: int, rng: np.random.Generator, lowest: float = 0.1) -> np.ndarray:
-    """Unit vectors (count, 3) with uniform cosines above `lowest`."""
-    z, phi = rng.uniform(lowest, 1, count), rng.uniform(0, 2 * np.pi, count)
-    r = np.sqrt(1 - z * z)
-    return np.stack([r * np.cos(phi), r * np.sin(phi), z], axis=1).astype(np.float32)
 
 
 def random_table(kind: str, stacks: int, coats: int, rng: np.random.Generator) -> StackTable:
@@ -70,7 +64,7 @@ def test_200_random_stacks_are_reciprocal() -> None:
     there, back, z = [], [], []
     for kind, coats in FAMILIES:
         table = random_table(kind, 25, coats, rng)
-        wi, wo = hemisphere(25, rng), hemisphere(25, rng)
+        wi, wo = above(25, rng, 0.1), above(25, rng, 0.1)
         row = np.tile(np.arange(25, dtype=np.uint32), 2)
         both = np.concatenate([wi, wo]), np.concatenate([wo, wi])
         f, se = walk_pairs(table, row, *both, walks=1 << 15, seed=6)
@@ -150,7 +144,7 @@ def test_one_walk_for_all_channels_equals_a_walk_per_channel(coats: list[dict]) 
     for parameters in reversed(coats):
         stack = coat(stack, **{"alpha": 0.25, "eta": 1.4} | parameters)
     rng = np.random.default_rng(1)
-    wi, wo = hemisphere(6, rng), hemisphere(6, rng)
+    wi, wo = above(6, rng, 0.1), above(6, rng, 0.1)
     walks = 1 << (13 if coats == COLORED["deep"] else 16)
     f, se = simulate(stack, wi, wo, walks=walks, seed=1, progress=False)
     color, se_color = walk_in_color(stack, wi, wo, walks, seed=2)
@@ -166,7 +160,7 @@ STACK = coat(coat(conductor(0.2, (0.9, 0.6, 0.3)), 0.3, 1.3, 0.9, 1.0, 0.5), 0.1
 
 def test_a_seed_gives_the_same_numbers_again_and_another_gives_others() -> None:
     rng = np.random.default_rng(2)
-    wi, wo = hemisphere(5, rng), hemisphere(5, rng)
+    wi, wo = above(5, rng, 0.1), above(5, rng, 0.1)
     first, again, other = (
         simulate(STACK, wi, wo, walks=2000, seed=seed, progress=False) for seed in (7, 7, 8)
     )
@@ -181,7 +175,7 @@ def test_the_result_does_not_depend_on_the_division_into_launches(
 ) -> None:
     # 700: parts of a row; 3000: three rows; 2^13: eight rows and the last one alone.
     rng = np.random.default_rng(3)
-    wi, wo = hemisphere(3, rng), hemisphere(3, rng)
+    wi, wo = above(3, rng, 0.1), above(3, rng, 0.1)
     whole = simulate(STACK, wi, wo, walks=1000, seed=1, progress=False)
     monkeypatch.setattr(monte_carlo, "LANES", lanes)
     parts = simulate(STACK, wi, wo, walks=1000, seed=1, progress=False)
@@ -191,7 +185,7 @@ def test_the_result_does_not_depend_on_the_division_into_launches(
 
 def test_pairs_and_seeds_are_independent() -> None:
     # The same pair 2000 times: the values' deviation must agree with the standard error.
-    wi, wo = hemisphere(2, np.random.default_rng(4))[:, None]
+    wi, wo = above(2, 4, 0.1)[:, None]
     wi, wo = np.repeat(wi, 2000, axis=0), np.repeat(wo, 2000, axis=0)
     stack = coat(diffuse(0.5), 0.3, 1.5, 0.9, 1.0)
     (f, se), (other, _) = (
@@ -264,7 +258,7 @@ def test_absorption_is_carried_as_a_weight(coats: int) -> None:
     stack = diffuse(0.5)
     for _ in range(coats):
         stack = coat(stack, 0.1, 1.3, albedo=0, sigma_t=1.0)
-    wi, wo = (hemisphere(8, np.random.default_rng(seed), 0.4) for seed in (1, 2))
+    wi, wo = (above(8, seed, 0.4) for seed in (1, 2))
     f, se = simulate(stack, wi, wo, walks=1 << 12, seed=3, progress=False)
     top = simulate(coat(diffuse(0), 0.1, 1.3), wi, wo, walks=2, progress=False)[0]
     variance = (1 << 12) * (se / (f - top))[:, 0] ** 2

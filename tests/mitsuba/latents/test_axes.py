@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from tests.mitsuba.probes import strip
 
 from urushi.core.direction_sets import cosine_pairs
 from urushi.mitsuba.reading import probing
@@ -11,12 +12,6 @@ COUNT = 1 << 18
 SILVER = {"type": "roughconductor", "distribution": "ggx", "alpha": 0.2, "material": "Ag"}
 RUST = {"type": "diffuse", "reflectance": {"type": "rgb", "value": [0.3, 0.1, 0.05]}}
 GOLD = {"type": "roughconductor", "distribution": "ggx", "alpha": 0.2, "material": "Au"}
-
-
-def bitmap(mi, *values, channels: int = 1, **options) -> dict:
-    """A row of texels."""
-    data = np.array(values, np.float32).reshape(1, -1, channels)
-    return {"type": "bitmap", "bitmap": mi.Bitmap(data), "raw": True} | options
 
 
 def square(mi):
@@ -68,13 +63,13 @@ def varnishes(mi) -> dict[str, dict]:
     return {
         "checkerboard": {"base": {"type": "diffuse", "reflectance": checkers}},
         "two transforms": {
-            "alpha": bitmap(mi, 0.05, 0.4, to_uv=turned),
-            "base": GOLD | {"alpha": bitmap(mi, 0.1, 0.5, 0.3)},
+            "alpha": strip(0.05, 0.4, to_uv=turned),
+            "base": GOLD | {"alpha": strip(0.1, 0.5, 0.3)},
         },
         "indices near one": {
             "alpha": 0.3,
             "ext_ior": 1.0,
-            "int_ior": bitmap(mi, 1.01, 1.1, 2.5, filter_type="nearest"),
+            "int_ior": strip(1.01, 1.1, 2.5, filter_type="nearest"),
             "base": {"type": "diffuse", "reflectance": 0.8},
         },
         "vertex colours": {
@@ -103,7 +98,7 @@ def test_albedos_agree_with_the_walk(rgb, name):
 def test_masks_of_metal_and_rust(rgb, alpha, weight):
     """Within 2 %: codes of coated metals and Lambertians err by one, noise is below one."""
     blend = {"type": "blendbsdf", "metal": SILVER, "rust": RUST}
-    mask = bitmap(rgb, 0.0, 0.05, 1.0, filter_type="nearest", wrap_mode="clamp")
+    mask = strip(0.0, 0.05, 1.0, filter_type="nearest", wrap_mode="clamp")
     coat = {"alpha": alpha, "int_ior": 1.5}
     si = interactions(rgb, u=(0.5 + [0.0, 0.05, 1.0].index(weight)) / 3)
     found = albedo(rgb, {"type": "neural_layered", "base": blend | {"weight": mask}} | coat, si)
@@ -115,7 +110,7 @@ def test_masks_of_metal_and_rust(rgb, alpha, weight):
 def test_half_way_between_two_texels(rgb, name):
     """Within 5 %; the walk has the mean parameter there."""
     data = {"reflectance": (0.05, 0.9), "sigma_t": (0.0, 5.0), "albedo": (0.1, 0.98)}[name]
-    row = bitmap(rgb, *data, wrap_mode="clamp")
+    row = strip(*data, wrap_mode="clamp")
     coat = {"alpha": 0.1, "int_ior": 1.5, "base": SILVER} | {
         "reflectance": {"base": {"type": "diffuse", "reflectance": row}},
         "sigma_t": {"sigma_t": row},
@@ -145,10 +140,10 @@ def test_kernels_and_numpy_interpolate_alike(rgb, indices):
     coat = rgb.load_dict(
         {
             "type": "neural_layered",
-            "alpha": bitmap(rgb, 0.05, 0.4),
+            "alpha": strip(0.05, 0.4),
             "ext_ior": 1.0,
-            "int_ior": bitmap(rgb, *indices),
-            "base": GOLD | {"alpha": bitmap(rgb, 0.1, 0.5, 0.3)},
+            "int_ior": strip(*indices),
+            "base": GOLD | {"alpha": strip(0.1, 0.5, 0.3)},
         }
     )
     networks = coat.model.networks

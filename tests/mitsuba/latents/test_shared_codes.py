@@ -34,7 +34,7 @@ def codes(model) -> np.ndarray:
 def points() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Directions wi, wo (N, 3) and uv (N, 2)."""
     pairs = cosine_pairs(np.random.default_rng(0), COUNT, lowest_cosine=0.02)
-    return *(w.astype(np.float32) for w in pairs), np.random.default_rng(4).random((COUNT, 2))
+    return *pairs, np.random.default_rng(4).random((COUNT, 2))
 
 
 def values(mi, latents) -> np.ndarray:

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from tests.mitsuba.probes import bitmap, vector
+from tests.mitsuba.probes import bitmap, nearly, vector
 
 from urushi.checks import CoatParameters
 from urushi.core.appearance import LOOK
@@ -16,16 +16,9 @@ COAT = {"alpha": 0.2, "albedo": 0.7, "sigma_t": 0.8, "g": 0.3}
 COAT_ARRAYS = {key: np.full((1, 1), value) for key, value in COAT.items()}
 
 
-def nearly_uniform(shape, value) -> np.ndarray:
-    """Pixels that differ by less than codes resolve, since a bitmap of one value is a constant."""
-    pixels = np.full(shape, value)
-    pixels[0, 0] *= 1 + 1e-6
-    return pixels
-
-
 def uniform(mi, name: str, value: float):
     """A parameter that is the same everywhere; a texture of codes, for codes are not a table."""
-    return value if name == "layered" else bitmap(nearly_uniform((2, 2, 1), value))
+    return value if name == "layered" else nearly(value)
 
 
 def load(mi, name, networks, **properties):
@@ -113,7 +106,7 @@ def test_isotropic_networks_take_the_mean_of_a_brushed_bottom(rgb, textured):
     # only a few azimuths contribute to the light in a narrow lobe
     widths = {"alpha_u": 0.03, "alpha_v": 0.5}
     if textured:
-        widths = {key: bitmap(nearly_uniform((2, 2, 1), value)) for key, value in widths.items()}
+        widths = {key: nearly(value) for key, value in widths.items()}
     brushed = rgb.load_dict({"type": "roughconductor", "distribution": "ggx", **widths})
     turns = np.random.default_rng(0).random(2048)
     f = np.zeros((len(wi), 3))

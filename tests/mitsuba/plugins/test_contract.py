@@ -4,6 +4,7 @@ import drjit as dr
 import mitsuba as mi
 import numpy as np
 import pytest
+from tests.directions import above
 from tests.mitsuba.probes import vector
 
 from urushi.material import encode
@@ -107,13 +108,6 @@ def bsdf(rgb, describe, plugins, name):
     return plugins[name]
 
 
-def directions(count: int, seed: int, least: float = 0.0) -> np.ndarray:
-    """Directions (count, 3) uniform above a cosine."""
-    z, phi = np.random.default_rng(seed).uniform([[least], [0]], [[1], [2 * np.pi]], (2, count))
-    r = np.sqrt(1 - z * z)
-    return np.stack([r * np.cos(phi), r * np.sin(phi), z], axis=-1).astype(np.float32)
-
-
 def values(bsdf, wi: np.ndarray, wo: np.ndarray, repeats: int = 1) -> np.ndarray:
     """f (repeats, N, C) [1/sr], each repeat by other random numbers."""
     time = np.repeat(np.arange(repeats), len(wi)).astype(np.float32)
@@ -135,7 +129,7 @@ def test_the_density_is_normalised_and_that_of_the_samples(bsdf, sampling, name)
 def test_reciprocity(rgb, describe, bsdf, name):
     """Up to rounding; of walks the means, within five standard errors of all pairs. OpenPBR's fuzz
     is defined by one of the directions."""
-    wi, wo = directions(200, 1, 0.1), directions(200, 2, 0.1)
+    wi, wo = above(200, 1, 0.1), above(200, 2, 0.1)
     if "fuzz_weight" in CASES[name][0]:
         bsdf = rgb.load_dict(describe(name) | {"fuzz_weight": 0.0})
     walks = name in STOCHASTIC
@@ -170,7 +164,7 @@ def test_no_direction_reflects_more_than_arrives(rgb, bsdf, name):
 
 @every_plugin
 def test_nothing_passes_below_the_horizon(rgb, bsdf):
-    up = directions(64, 4, 0.1)
+    up = above(64, 4, 0.1)
     down = up * np.float32([1, 1, -1])
     for wi, wo in ((up, down), (down, up), (down, down)):
         si = probing.interaction(wi, np.full((64, 2), 0.3))
@@ -199,7 +193,7 @@ def test_a_scene_is_rendered_while_a_plugin_is_loaded(rgb, describe, monkeypatch
 @pytest.mark.parametrize("name", [name for name, (_, change) in CASES.items() if change])
 def test_an_updated_plugin_is_one_that_is_loaded_so(rgb, describe, name):
     """Within 1 %: OpenPBR's tables for any parameter are coarser than those of a number."""
-    (end, value), wi, wo = CASES[name][1], directions(64, 5, 0.1), directions(64, 6, 0.1)
+    (end, value), wi, wo = CASES[name][1], above(64, 5, 0.1), above(64, 6, 0.1)
     bsdf = rgb.load_dict(describe(name))
     before, parameters = values(bsdf, wi, wo), rgb.traverse(bsdf)
     (key,) = (
@@ -215,7 +209,7 @@ def test_an_updated_plugin_is_one_that_is_loaded_so(rgb, describe, name):
 
 def special_pairs() -> tuple[np.ndarray, np.ndarray]:
     """Pairs at which arguments of roots, logarithms or divisions become zero."""
-    a, b = directions(200, 7), directions(200, 8)
+    a, b = above(200, 7), above(200, 8)
     normal, low = np.tile(np.float32([0, 0, 1]), (200, 1)), a * np.float32([1, 1, 1e-4])
     low /= np.linalg.norm(low, axis=-1, keepdims=True)
     mirror = np.float32([-1, -1, 1])

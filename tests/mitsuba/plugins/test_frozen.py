@@ -13,6 +13,7 @@ from urushi.material import Material
 from urushi.mitsuba.reading import probing
 from urushi.mitsuba.recording import signature_of
 
+LAYERED = "layered", "neural_layered"
 COAT = {"alpha": 0.2, "int_ior": 1.4, "albedo": 0.7, "sigma_t": 0.8, "g": 0.3}
 
 
@@ -78,7 +79,7 @@ def replayed(mi, networks) -> dict[str, tuple[dict, dict]]:
     coated = {"coat_weight": weight, "coat_roughness": 0.3, "reference": True}
     coated["energy_compensation"] = False
     found = {}
-    for name in ("layered", "neural_layered"):
+    for name in LAYERED:
         textured = coat(mi, name, networks, True) | {"energy_compensation": True}
         slab = {"type": name, **COAT, "base": glass}
         found |= {
@@ -102,23 +103,14 @@ def replayed(mi, networks) -> dict[str, tuple[dict, dict]]:
 
 @pytest.mark.parametrize(
     "name",
-    [
-        "layered, constant",
-        "layered, compensated texture",
-        "layered, slab",
-        "neural_layered, constant",
-        "neural_layered, compensated texture",
-        "neural_layered, slab",
-        "two widths",
-        "openpbr, coat",
-        "openpbr, paper",
-    ],
+    [f"{x}, {y}" for x in LAYERED for y in ("constant", "compensated texture", "slab")]
+    + ["two widths", "openpbr, coat", "openpbr, paper"],
 )
 def test_replays_use_changed_parameters(rgb, networks, name):
     description, changes = replayed(rgb, networks)[name]
     bsdf = rgb.load_dict(description)
     parameters = rgb.traverse(bsdf)
-    wi, wo = (w.astype(np.float32) for w in cosine_pairs(np.random.default_rng(1), 64))
+    wi, wo = cosine_pairs(np.random.default_rng(1), 64)
     u = np.random.default_rng(2).random((3, 64), np.float32)
     numbers = probing.interaction(wi, u[:2].T), vector(wo), rgb.Float(u[0]), rgb.Point2f(u[1:])
 
@@ -263,7 +255,7 @@ def test_gradients_inside_equal_those_outside(rgb, networks):
     assert frozen.n_recordings < 4
 
 
-@pytest.mark.parametrize("name", ("layered", "neural_layered", "neural_brdf"))
+@pytest.mark.parametrize("name", (*LAYERED, "neural_brdf"))
 def test_updates_inside_are_refused(rgb, networks, model, tmp_path, name):
     if name == "neural_brdf":
         bsdf = saved(model, networks, tmp_path)

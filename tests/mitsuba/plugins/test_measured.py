@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from tests.directions import pairs_above
 from tests.mitsuba.probes import check_walk
 
 import urushi
@@ -15,16 +16,8 @@ from urushi.mitsuba.reading import probing
 COAT = {"alpha": 0.2, "albedo": 0.8, "sigma_t": 0.7, "g": 0.3}
 
 
-def pairs(count, seed):
-    rng = np.random.default_rng(seed)
-    z, phi = rng.uniform(0.1, 1, (2, count)), rng.uniform(0, 2 * np.pi, (2, count))
-    r = np.sqrt(1 - z * z)
-    wi, wo = np.stack([r * np.cos(phi), r * np.sin(phi), z], axis=-1).astype(np.float32)
-    return wi, wo
-
-
 def test_values_are_those_of_the_reader(rgb, merl_file):
-    wi, wo = pairs(2000, 0)
+    wi, wo = pairs_above(2000, 0, 0.1)
     bsdf = rgb.load_dict({"type": "measured_brdf", "filename": str(merl_file)})
     f = probing.bsdf_values(bsdf, wi, wo, np.zeros((len(wi), 2)))
     np.testing.assert_allclose(f, urushi.load_measured(merl_file).f(wi, wo), rtol=1e-3)
@@ -79,7 +72,7 @@ def test_a_spectral_file_has_its_own_spectra(spectral, ggx_file):
 
     1 %: the table of 64 x 64 x 16 bins, away from grazing angles.
     """
-    nm, (wi, wo) = np.linspace(380, 780, 41), pairs(600, 2)
+    nm, (wi, wo) = np.linspace(380, 780, 41), pairs_above(600, 2, 0.1)
     wi, wo = (w[(wi[:, 2] > 0.3) & (wo[:, 2] > 0.3)] for w in (wi, wo))
     narrow = 0.1 + 0.6 * np.exp(-(((nm - 560) / 25) ** 2))  # as of no colour of three channels
     path = ggx_file(narrow, wavelengths=nm)
@@ -95,7 +88,7 @@ def test_a_spectral_file_has_its_own_spectra(spectral, ggx_file):
 @pytest.mark.parametrize("plugin", ["measured_brdf", "neural_brdf"])
 def test_colours_of_a_file_are_the_same_in_spectral_variants(spectral, ggx_file, tmp_path, plugin):
     """The colour of the spectra under D65 is the file's; 0.2 %: the sum over 2 nm."""
-    wi, wo = pairs(100, 3)
+    wi, wo = pairs_above(100, 3, 0.1)
     if plugin == "measured_brdf":
         path = ggx_file((0.9, 0.1, 0.02))
         expected = urushi.load_measured(path).tabulated.f_pdf

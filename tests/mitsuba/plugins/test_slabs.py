@@ -187,7 +187,7 @@ def test_tables_are_the_walk_on_all_sides(rgb):
     import mitsuba as mi
 
     mi.set_variant("llvm_ad_spectral")
-    wi, wo = (w.astype(np.float32) for w in cosine_pairs(np.random.default_rng(4), 64))
+    wi, wo = cosine_pairs(np.random.default_rng(4), 64)
     wi[::2, 2] *= -1
     wo[::4, 2] *= -1
     wo[1::4, 2] *= -1
@@ -224,7 +224,7 @@ def test_a_coat_of_the_glass_s_own_index_is_its_surface(rgb, sigma_t):
     surface = {"alpha": 0.02, "int_ior": 1.5}
     coated = rgb.load_dict({"type": "neural_layered", "sigma_t": sigma_t, "base": glass, **surface})
     bare = rgb.load_dict(GLASS | surface)
-    wi, wo = (w.astype(np.float32) for w in cosine_pairs(np.random.default_rng(4), 512))
+    wi, wo = cosine_pairs(np.random.default_rng(4), 512)
     for lower in (False, True):
         a, b = (w * np.float32([1, 1, -1 if lower else 1]) for w in (wi, wo))
         si = dr.zeros(rgb.SurfaceInteraction3f, len(a))
@@ -284,7 +284,7 @@ def test_tables_have_derivatives_of_the_medium(rgb):
     """Those of f summed over pairs on all sides, against slabs at 0.08 to both sides."""
     bsdf = rgb.load_dict({"type": "neural_layered"} | TABLES["body"])
     parameters = rgb.traverse(bsdf)
-    wi, wo = (w.astype(np.float32) for w in cosine_pairs(np.random.default_rng(4), 256))
+    wi, wo = cosine_pairs(np.random.default_rng(4), 256)
     wi[::2, 2] *= -1
     wo[::4, 2] *= -1
     si = dr.zeros(rgb.SurfaceInteraction3f, len(wi))
@@ -327,7 +327,7 @@ def test_a_body_of_glass_follows_its_parameters(rgb):
     parameters["bottom.alpha.value"] = 0.4
     parameters.update()
     changed = {"base": GLASS | {"int_ior": 1.7, "alpha": 0.4}}
-    wi, wo = (w.astype(np.float32) for w in cosine_pairs(np.random.default_rng(5), 64))
+    wi, wo = cosine_pairs(np.random.default_rng(5), 64)
     si = dr.zeros(rgb.SurfaceInteraction3f, 64)
     si.wi, down = rgb.Vector3f(wi.T), rgb.Vector3f((wo * [1, 1, -1]).T)
     f = [b.eval(rgb.BSDFContext(), si, down) for b in (bsdf, load(rgb, SLABS["body"] | changed))]
@@ -337,7 +337,7 @@ def test_a_body_of_glass_follows_its_parameters(rgb):
 def test_the_coat_of_a_body_may_have_a_textured_index(rgb):
     halves = {"type": "checkerboard", "color0": 1.3, "color1": 1.8}
     textured = load(rgb, SLABS["body"] | {"int_ior": halves})
-    wi, wo = (w.astype(np.float32) for w in cosine_pairs(np.random.default_rng(5), 64))
+    wi, wo = cosine_pairs(np.random.default_rng(5), 64)
     si = dr.zeros(rgb.SurfaceInteraction3f, 64)
     si.wi, down = rgb.Vector3f(wi.T), rgb.Vector3f((wo * [1, 1, -1]).T)
     for u, index in ((0.6, 1.3), (0.1, 1.8)):

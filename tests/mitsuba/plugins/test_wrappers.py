@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from tests.directions import above
 from tests.mitsuba.probes import bitmap, vector
 
 from urushi.mitsuba.reading import probing
@@ -24,14 +25,6 @@ def coat(rgb, networks):
         "sigma_t": 0.7,
         "base": {"type": "roughconductor", "alpha": 0.3, "distribution": "ggx"},
     }
-
-
-def directions(seed: int, least: float = 0.0) -> np.ndarray:
-    """Directions (COUNT, 3) whose cosine is at least `least`."""
-    rng = np.random.default_rng(seed)
-    z, phi = rng.uniform(least, 1, COUNT), rng.uniform(0, 2 * np.pi, COUNT)
-    r = np.sqrt(1 - z * z)
-    return np.stack([r * np.cos(phi), r * np.sin(phi), z], axis=-1).astype(np.float32)
 
 
 def interaction(mi, wi):
@@ -66,7 +59,7 @@ def test_a_normal_map_tilts_the_frame(rgb, coat):
         }
     )
     # within these both directions are above both horizons
-    wi, wo = (directions(seed, 0.5) for seed in (1, 2))
+    wi, wo = (above(COUNT, seed, 0.5) for seed in (1, 2))
     inner = evaluate(rgb, rgb.load_dict(coat), rotated(wi, tilt), rotated(wo, tilt))
     # Mitsuba takes the cosine to the tilted normal, too
     np.testing.assert_allclose(evaluate(rgb, mapped, wi, wo), inner, rtol=2e-3)
@@ -77,7 +70,7 @@ def test_an_opaque_mask_under_a_coat_is_none(rgb, plugin):
     """f is that of the coat over the BSDF in the mask, and other masks transmit light."""
     metal = {"type": "roughconductor", "alpha": 0.3, "distribution": "ggx"}
     masked = {"type": "mask", "inner": metal}
-    wi, wo = directions(1), directions(2)
+    wi, wo = above(COUNT, 1), above(COUNT, 2)
     found, expected = (
         probing.bsdf_values(rgb.load_dict({"type": plugin, "base": base}), wi, wo, wi[:, :2])
         for base in (masked | {"opacity": 1.0}, metal)

@@ -1,0 +1,23 @@
+"""Unit vectors above the horizon, float32 (N, 3)."""
+
+import numpy as np
+
+
+def above(count: int, seed, least_cosine: float = 0.0) -> np.ndarray:
+    """Uniform above a cosine; the seed may be a generator."""
+    rng = np.random.default_rng(seed)
+    z = rng.uniform(least_cosine, 1, count)
+    phi = rng.uniform(0, 2 * np.pi, count)
+    r = np.sqrt(1 - z * z)
+    return np.stack([r * np.cos(phi), r * np.sin(phi), z], 1).astype(np.float32)
+
+
+def pairs_above(count: int, seed, least_cosine: float = 0.0) -> tuple[np.ndarray, np.ndarray]:
+    """Two such arrays."""
+    return tuple(above(2 * count, seed, least_cosine).reshape(2, count, 3))
+
+
+def in_plane(degrees) -> np.ndarray:
+    """At angles to the normal, in the xz plane."""
+    polar = np.radians(degrees)
+    return np.stack([np.sin(polar), 0 * polar, np.cos(polar)], axis=-1).astype(np.float32)
