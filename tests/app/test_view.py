@@ -146,7 +146,7 @@ def test_the_formulas_of_the_page_are_those_of_python():
 
 
 def test_the_whole_page_is_small():
-    """At most a megabyte, compressed, and 1.2 more for anisotropic materials when they are needed.
+    """At most a megabyte, compressed, and 1.25 more for anisotropic materials when they are needed.
 
     These are the sizes of the shipped weights. A basis of two widths has 52 functions.
     """
@@ -154,7 +154,7 @@ def test_the_whole_page_is_small():
     sizes = {name: len(zlib.compress(content)) for name, content in files.items()}
     later = sum(size for name, size in sizes.items() if "anisotropic" in name)
     assert sum(sizes.values()) - later < 1_000_000
-    assert later < 1_200_000
+    assert later < 1_250_000
 
 
 def test_networks_are_those_of_the_model_in_half_precision(untrained):
