@@ -22,7 +22,7 @@ from urushi.mitsuba import spectrum
 from urushi.mitsuba.properties import path_of
 from urushi.mitsuba.reading import probing
 from urushi.mitsuba.reading.axes import check_coat
-from urushi.mitsuba.reading.grid import check_normals, varying_textures
+from urushi.mitsuba.reading.grid import check_nodes, varying_textures
 from urushi.mitsuba.reading.nested import check_bottom, nested_bsdf
 from urushi.mitsuba.reading.parameters import COAT_PROPERTIES, CoatTextures
 from urushi.mitsuba.recording import only_where
@@ -151,7 +151,7 @@ class PaperLayered(PaperSurface):
     def _update(self, keys):
         self._coat.parameters_changed()
         check_coat(self._coat)
-        check_normals(self._bottom, self._coat.where)
+        check_nodes(self._bottom, self._coat.where)
         nested = surface_of(self._bottom)
         below = nested if isinstance(nested, PaperSurface) else None
         inner = below.codes.grid if below else ONE_TEXEL

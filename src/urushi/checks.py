@@ -136,6 +136,7 @@ rotation = Check("rotation", "an angle in degrees, finite")
 reflectance = Check("reflectance", "a reflectance in [0, 1]", 0, 1)
 share = Check("share", "in [0, 1]", 0, 1)
 nonnegative = Check("number", "zero or more", 0)
+finite_number = Check("number", "finite")
 _ior = Check("ior", "an index of refraction above 0", 0, open=True)
 
 

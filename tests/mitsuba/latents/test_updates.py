@@ -103,6 +103,13 @@ def test_a_change_out_of_range_can_be_taken_back(rgb, networks, few_points):
     np.testing.assert_array_equal(codes(bsdf), before)
 
 
+def test_a_bitmap_of_four_channels_is_refused(rgb, networks, few_points):
+    """Mitsuba would read beyond its end and end the process; it cannot take the bitmap back."""
+    bsdf = rgb.load_dict(described(rgb, networks))
+    with pytest.raises((ParameterError, RuntimeError), match="changed to .*4 channels"):
+        changed(rgb, bsdf, albedo_data=noise(4))
+
+
 @pytest.mark.parametrize("plugin", ("neural_layered", "layered"))
 def test_a_refused_change_leaves_all_coats_as_they_were(rgb, networks, plugin):
     """Of two nested coats and their bottom, whichever is refused, in a wrapper."""

@@ -12,9 +12,8 @@ import drjit as dr
 import mitsuba as mi
 import numpy as np
 
-from urushi.checks import MIN_ALPHA, MIN_INDEX_STEP
+from urushi.checks import MIN_ALPHA, MIN_INDEX_STEP, finite_number, nonnegative
 from urushi.core.appearance import LOOK, PHYSICAL
-from urushi.errors import ParameterError
 from urushi.material.layer import DEEPEST, WIDEST
 from urushi.mitsuba import spectrum
 from urushi.mitsuba.latents.axes import Varying
@@ -243,10 +242,8 @@ def _of_bottom(bottom: "mi.BSDF", where: str) -> list[Varying]:
             return spectrum.to_channels(texture.eval(si, active))
 
         ends = range_of(lambda si, read=read: read(si, True), [texture], whole, True)
-        if not np.isfinite(ends).all() or (scale != LINEAR and ends[0] < 0):
-            raise ParameterError(
-                f"{where}: a texel of the nested BSDF's {name} is negative or not finite"
-            )
+        check = finite_number if scale == LINEAR else nonnegative
+        check(ends, f"{where}: a texel of the nested BSDF's {name}", any_shape=True)
         axis = Axis(BOTTOM + name, scale, *ends, coloured and _coloured(texture))
         found += _varying(axis, whole if gradient else None, read, [texture], texture)
     return found + _numbers_of_bottom(bottom)

@@ -26,7 +26,7 @@ from urushi.mitsuba.reading.axes import (
 )
 from urushi.mitsuba.reading.bottoms import Layer, bottom_material, nested_latents, probed_codes
 from urushi.mitsuba.reading.coated_rows import CoatedRows
-from urushi.mitsuba.reading.grid import check_normals, not_over_uv, varying_textures
+from urushi.mitsuba.reading.grid import check_nodes, not_over_uv, varying_textures
 from urushi.mitsuba.reading.joined import agree, joined
 from urushi.mitsuba.reading.rows import rows_of
 from urushi.mitsuba.snapshot import has_gradients, writable
@@ -62,7 +62,8 @@ class Baker:
         Raises:
             ParameterError: a parameter is refused, or carries gradients that its codes have not.
         """
-        check_normals(layer.nested, layer.coat.where)
+        for part in (layer.nested, *layer.coat.textures.values()):
+            check_nodes(part, layer.coat.where)
         check_coat(layer.coat)
         codes = nested_latents(layer.below, self.model)
         nested = codes if isinstance(codes, AxisLatents) else None

@@ -40,14 +40,24 @@ def varies(texture: "mi.Texture") -> bool:
     return any((part != texels[0]).any() for part in (texels[:FIRST], texels))
 
 
-def check_normals(bsdf: "mi.BSDF", where: str) -> None:
-    """Refuse, by a ParameterError, a bottom that contains a normal map or a bump map."""
-    for node in _within(bsdf):
-        if node.class_name() in NORMALS:
+def check_nodes(node: "mi.Object", where: str) -> None:
+    """Refuse, by a ParameterError, normal maps, bump maps and textures that cannot be read.
+
+    An update may give a bitmap a number of channels that Mitsuba does not read correctly.
+    """
+    for part in _within(node):
+        if part.class_name() in NORMALS:
             raise ParameterError(
-                f"{where}: the nested BSDF contains a '{NORMALS[node.class_name()]}', and codes "
+                f"{where}: the nested BSDF contains a '{NORMALS[part.class_name()]}', and codes "
                 "have no normals; put it around the coat, or use the plugin 'layered'"
             )
+        if part.class_name().startswith("BitmapTexture"):
+            channels = mi.traverse(part)["data"].shape[-1]
+            if channels not in (1, 3):
+                raise ParameterError(
+                    f"{where}: a bitmap was changed to {channels} channels; load the scene again, "
+                    "and give it one or three"
+                )
 
 
 def not_over_uv(root: "mi.Object") -> str | None:
