@@ -124,7 +124,7 @@ def test_half_way_between_two_texels(rgb, name):
 def test_a_product_of_textures_is_largest_between_their_texels(rgb, few_points):
     """A depth of 0 at both texels and of 1 half-way: f is a constant coat's, within 2 %."""
     coat = {"type": "neural_layered", "alpha": 0.3, "albedo": 0.8, "base": {"type": "diffuse"}}
-    rows = (bitmap(rgb, *ends, wrap_mode="clamp") for ends in ((0, 2), (2, 0)))
+    rows = (strip(*ends, wrap_mode="clamp") for ends in ((0, 2), (2, 0)))
     varying = rgb.load_dict(coat | dict(zip(("sigma_t", "thickness"), rows, strict=True)))
     wi, wo = cosine_pairs(np.random.default_rng(0), 256, lowest_cosine=0.1)
     for u, depth in ((0.0, 0.0), (0.5, 1.0), (1.0, 0.0)):
