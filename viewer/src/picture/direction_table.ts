@@ -2,6 +2,9 @@
 
 import type { DirectionSizes } from "../core/api";
 
+/** Least squares by which the diffuse part is found, and what is above it, up to rounding. */
+const [ROUNDS, ABOVE] = [3, 1.001];
+
 /**
  * Texels (2 samples + 2, azimuths * cosines, 4) of a table (azimuths, cosines, samples, 8): half
  * vectors and log2 pdf, then weights, in turn; in the last rows the diffuse part, and the albedo.
@@ -51,19 +54,29 @@ function diffuseWeight(rows: Float32Array, at: number): number {
 }
 
 /**
- * Albedos (cosines, 4) of the diffuse reflector that is closest to the weights of all azimuths and of
- * neighbouring cosines.
+ * Albedos (cosines, 4) of a diffuse reflector below most of f.
+ *
+ * It is the one that is closest to the weights of all azimuths and of neighbouring cosines, in each
+ * round to those that are below the reflector of the round before. A lobe that raised it would leave
+ * dark parts of the picture as small differences of much light and of an estimate of it.
  */
 function diffusePart(table: Float32Array, { cosines, samples }: DirectionSizes): Float32Array {
-  const sums = new Float32Array(4 * cosines); // products with the three channels, squares
-  for (let at = 0; at < table.length; at += 8) {
-    const to = 4 * (Math.floor(at / (8 * samples)) % cosines);
-    const weight = diffuseWeight(table, at);
-    for (let k = 0; k < 3; k++) sums[to + k]! += weight * table[at + 3 + k]!;
-    sums[to + 3]! += weight * weight;
+  let found = new Float32Array(4 * cosines).fill(Infinity);
+  for (let round = 0; round < ROUNDS; round++) {
+    const [products, squares] = [new Float32Array(4 * cosines), new Float32Array(4 * cosines)];
+    for (let at = 0; at < table.length; at += 8) {
+      const to = 4 * (Math.floor(at / (8 * samples)) % cosines);
+      const weight = diffuseWeight(table, at);
+      for (let k = 0; k < 3; k++) {
+        if (table[at + 3 + k]! > ABOVE * weight * found[to + k]!) continue;
+        products[to + k]! += weight * table[at + 3 + k]!;
+        squares[to + k]! += weight * weight;
+      }
+    }
+    const sums = smoothed(squares, cosines);
+    found = smoothed(products, cosines).map((sum, at) => sum / Math.max(sums[at]!, 1e-9));
   }
-  const means = smoothed(sums, cosines);
-  return means.map((sum, at) => sum / Math.max(means[at | 3]!, 1e-9));
+  return found;
 }
 
 /** Columns (N, 4) averaged over neighbouring cosines; fewer where the albedo is steep. */

@@ -122,8 +122,7 @@ for (const [name, { bottom, coats, object, environment, share, long }] of Object
       await expect(page.locator(".status")).toHaveText("refining");
       await refined(page, share);
       const measures = await compared(page, name);
-      // The studio is black beside its lights: errors of codes show more than in even light.
-      expect.soft(measures.flip).toBeLessThan(environment === "studio" ? 0.065 : 0.05);
+      expect.soft(measures.flip).toBeLessThan(0.05);
       expect.soft(Math.abs(measures.mean)).toBeLessThan(0.01);
       // Noise alone is far below these tolerances.
       expect.soft(measures.noise).toBeLessThan(0.02);
