@@ -151,8 +151,10 @@ def measure(bottom: dict[str, Any], _: Options) -> Found:
     found: Found = {}
     for name, coat in COATS.items():
         described = filled({**coat, "bottom": bottom})
-        texels = mi.TensorXf(np.full((2, 2, 1), coat["alpha"], np.float32))
-        texture = {"alpha": {"type": "bitmap", "raw": True, "data": texels}}
+        # The middle one of three texels; equal ones would be a constant.
+        texels = coat["alpha"] * np.array([0.6, 1, 1.7], np.float32).reshape(1, 3, 1)
+        texture = {"type": "bitmap", "raw": True, "filter_type": "nearest"}
+        texture = {"alpha": texture | {"data": mi.TensorXf(texels)}}
         try:
             walk = mi.load_dict({"type": "layered", **described})
             both = [
