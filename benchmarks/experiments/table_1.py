@@ -191,7 +191,7 @@ def plot(found: Found, _: Pictures) -> Any:
         axis.set(yscale="log", title=title)
         axis.grid(axis="y", alpha=0.3)
     axes[0].set_ylabel("error [%]")
-    picture.legend(*axes[0].get_legend_handles_labels(), loc="outside lower center", ncols=7)
+    picture.legend(*axes[0].get_legend_handles_labels(), loc="outside lower center", ncols=4)
     return picture
 
 
