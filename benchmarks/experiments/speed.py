@@ -16,7 +16,7 @@ import mitsuba as mi
 import numpy as np
 from benchmarks import spheres, timing
 from benchmarks.experiment import NETWORKS, Experiment, Found, Options
-from benchmarks.scenes import PRINCIPLED, SCENES, WALK, coat, describe
+from benchmarks.scenes import PRINCIPLED, WALK, coat, describe
 from benchmarks.showing import rounded, table
 
 import urushi
@@ -35,6 +35,9 @@ from urushi.walk.table import from_stack
 EVALUATIONS, PAIRS, WALKS, TURNS = 1 << 20, 1024, 2048, 5
 #: Side of the textured coat that is loaded, pictures' width, and samples per pixel.
 LOADED, SIDE, SPP = 1024, 512, 32
+
+#: Scenes of the gallery that are rendered.
+WHOLE = "caddy", "still-life", "globe", "teapot", "shoe"
 
 _METAL = urushi.conductor(0.1, 0.9)
 STACKS = {
@@ -212,8 +215,7 @@ def cases(_: Options) -> dict[str, Any]:
     parts |= {"loading": loading, "sphere, constant": partial(sphere, 0)}
     parts["sphere, three textures"] = partial(sphere, spheres.FEW)
     parts["sphere, all textured"] = partial(sphere, spheres.ALL)
-    scenes = [name for name in SCENES if name != "library"]  # saved materials, no coats
-    return parts | {f"scene {name}": partial(whole, name) for name in scenes}
+    return parts | {f"scene {name}": partial(whole, name) for name in WHOLE}
 
 
 def tables(found: Found) -> list[str]:
@@ -247,5 +249,5 @@ EXPERIMENT = Experiment(
     measure=lambda case, options: case(options),
     tables=tables,
     models=NETWORKS,
-    minutes=45,
+    minutes=15,
 )
