@@ -68,29 +68,27 @@ def medium(name: str, value: float) -> dict:
     return coated({"type": "diffuse"}, alpha=0.3, **values)
 
 
-#: A function of a value, the value, the end of the parameter's name, the steps below and above it,
-#: and the tolerance, relative to the mean size of the slope. Both walks have the same random
-#: numbers, so that their noise is small. The networks err by some per cent of the slope in the
-#: middle of ranges, and by more at their ends.
+#: A function of a value, the value, the end of the parameter's name, and the steps from it at which
+#: f is compared. At an end of a range these are three: the difference of two would be the slope
+#: between them. All walks of a case have the same random numbers, so that differences have little
+#: noise.
 SLOPES = {
-    "black diffuse": (diffuse, 0.0, "reflectance.value", (0, 0.02), 0.05),
-    "dark diffuse": (diffuse, 0.002, "reflectance.value", (0, 0.02), 0.05),
-    "white diffuse": (diffuse, 1.0, "reflectance.value", (0.02, 0), 0.15),
-    "principled": (principled, 0.8, "base_color.value", (0.05, 0.05), 0.06),
-    "black principled": (principled, 0.0, "base_color.value", (0, 0.02), 0.15),
-    "plastic": (plastic, 0.5, "diffuse_reflectance.value", (0.05, 0.05), 0.02),
-    "absent coat": (absent, 0.5, "base_color.value", (0.02, 0.02), 0.03),
-    "sharp gold": (gold, 0.01, "bottom.alpha.value", (0, 0.002), 0.12),
-    "rough gold": (gold, 1.0, "bottom.alpha.value", (0.05, 0), 0.15),
-    "openpbr": (openpbr, 0.5, "base_color.value", (0.05, 0.05), 0.06),
-    # f is a table by light transport, and its derivative that of the table.
-    "bright openpbr": (openpbr, 0.8, "base_color.value", (0.05, 0.05), 0.02),
-    "alpha on plastic": (lambda x: on_plastic("alpha", x), 0.2, "alpha.value", (0.02, 0.02), 0.06),
-    "depth on plastic": (lambda x: on_plastic("sigma_t", x), 0.5, "t.value", (0.05, 0.05), 0.08),
-    "two coats on plastic": (two_coats, 0.5, "diffuse_reflectance.value", (0.05, 0.05), 0.08),
-    # The slope of light transport itself doubles between .98 and 1.
-    "white medium": (lambda x: medium("albedo", x), 1.0, "albedo.value", (0.002, 0), 0.3),
-    "no medium": (lambda x: medium("sigma_t", x), 0.0, "sigma_t.value", (0, 0.02), 0.1),
+    "black diffuse": (diffuse, 0.0, "reflectance.value", (0, 0.01, 0.02)),
+    "dark diffuse": (diffuse, 0.002, "reflectance.value", (0, 0.01, 0.02)),
+    "white diffuse": (diffuse, 1.0, "reflectance.value", (-0.02, -0.01, 0)),
+    "principled": (principled, 0.8, "base_color.value", (-0.05, 0.05)),
+    "black principled": (principled, 0.0, "base_color.value", (0, 0.01, 0.02)),
+    "plastic": (plastic, 0.5, "diffuse_reflectance.value", (-0.05, 0.05)),
+    "absent coat": (absent, 0.5, "base_color.value", (-0.02, 0.02)),
+    "sharp gold": (gold, 0.01, "bottom.alpha.value", (0, 0.002)),
+    "rough gold": (gold, 1.0, "bottom.alpha.value", (-0.05, -0.025, 0)),
+    "openpbr": (openpbr, 0.5, "base_color.value", (-0.05, 0.05)),
+    "bright openpbr": (openpbr, 0.8, "base_color.value", (-0.05, 0.05)),
+    "alpha on plastic": (lambda x: on_plastic("alpha", x), 0.2, "alpha.value", (-0.02, 0.02)),
+    "depth on plastic": (lambda x: on_plastic("sigma_t", x), 0.5, "t.value", (-0.05, 0.05)),
+    "two coats on plastic": (two_coats, 0.5, "diffuse_reflectance.value", (-0.05, 0.05)),
+    "white medium": (lambda x: medium("albedo", x), 1.0, "albedo.value", (-0.002, -0.001, 0)),
+    "no medium": (lambda x: medium("sigma_t", x), 0.0, "sigma_t.value", (0, 0.01, 0.02)),
 }
 
 
@@ -136,18 +134,21 @@ class Slopes(NamedTuple):
 
 def slopes(case: str) -> Slopes:
     """The slopes of an entry of `SLOPES`."""
-    make, value, name, (below, above), _ = SLOPES[case]
-    ends = value - below, value + above
+    make, value, name, steps = SLOPES[case]
+    powers = np.vander(steps, increasing=True)
+    weights = np.linalg.solve(powers.T, np.eye(len(steps))[1])  # the polynomial's slope at zero
     bsdf, parameter = attached(make(value), name)
     found, plain = f_cos(bsdf), f_cos(mi.load_dict(make(value)))
     away = float(np.abs(found.numpy() - plain.numpy()).mean() / plain.numpy().mean())
     dr.backward(dr.mean(found))
     walk = {"reference": True} if make is openpbr else {"type": "layered"}
-    by_plugin, by_walk = (
-        [f_cos(mi.load_dict(make(x) | other), walks).numpy() for x in ends]
+    of_plugin, of_walk = (
+        sum(
+            weight * f_cos(mi.load_dict(make(value + step) | other), walks).numpy()
+            for weight, step in zip(weights, steps, strict=True)
+        )
         for other, walks in (({}, 1), (walk, WALKS))
     )
-    of_plugin, of_walk = ((high - low) / (below + above) for low, high in (by_plugin, by_walk))
     of_walk = of_walk.reshape(WALKS, PAIRS)
     return Slopes(
         float(np.sum(dr.grad(parameter).numpy()[:1])),

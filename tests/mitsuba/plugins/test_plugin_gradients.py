@@ -16,6 +16,9 @@ SECOND = (
 )
 RARE = {name: pytest.mark.slow if name in SECOND else pytest.mark.research for name in SLOPES}
 
+#: Of an error, relative to the mean size of the slope.
+TOLERANCE = 0.03
+
 
 @pytest.mark.parametrize(
     "case", [pytest.param(name, marks=() if name in FIRST else RARE[name]) for name in SLOPES]
@@ -23,6 +26,5 @@ RARE = {name: pytest.mark.slow if name in SECOND else pytest.mark.research for n
 def test_slopes_are_those_of_the_walk(rgb, case):
     """With nearly the same f as without gradients: by codes in place of a table."""
     found = slopes(case)
-    tolerance = SLOPES[case][-1] * found.size
     assert found.away < 0.04
-    assert found.derivative == pytest.approx(found.walk, abs=tolerance)
+    assert found.derivative == pytest.approx(found.walk, abs=TOLERANCE * found.size)
