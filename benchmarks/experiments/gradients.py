@@ -49,6 +49,12 @@ def two_coats(value: float) -> dict:
     return coated(plastic(value), alpha=0.3)
 
 
+def upper_index(value: float) -> dict:
+    """Over another coat, whose relative index changes with it."""
+    below = coated({"type": "diffuse", "reflectance": grey(0.6)}, int_ior=1.7)
+    return coated(below, sigma_t=0.5, albedo=0.8, int_ior=value, ext_ior=1.0)
+
+
 def gold(value: float) -> dict:
     metal = {"type": "roughconductor", "material": "Au", "distribution": "ggx"}
     return coated(metal | {"alpha": value}, alpha=0.1)
@@ -85,8 +91,9 @@ SLOPES = {
     "openpbr": (openpbr, 0.5, "base_color.value", (-0.05, 0.05)),
     "bright openpbr": (openpbr, 0.8, "base_color.value", (-0.05, 0.05)),
     "alpha on plastic": (lambda x: on_plastic("alpha", x), 0.2, "alpha.value", (-0.02, 0.02)),
-    "depth on plastic": (lambda x: on_plastic("sigma_t", x), 0.5, "t.value", (-0.05, 0.05)),
+    "depth on plastic": (lambda x: on_plastic("sigma_t", x), 0.5, "sigma_t.value", (-0.05, 0.05)),
     "two coats on plastic": (two_coats, 0.5, "diffuse_reflectance.value", (-0.05, 0.05)),
+    "two indices": (upper_index, 1.4, "eta", (-0.05, 0.05)),
     "white medium": (lambda x: medium("albedo", x), 1.0, "albedo.value", (-0.002, -0.001, 0)),
     "no medium": (lambda x: medium("sigma_t", x), 0.0, "sigma_t.value", (0, 0.01, 0.02)),
 }
@@ -169,7 +176,7 @@ def tables(found: Found) -> list[str]:
         _, value, name, *_ = SLOPES[case]
         cells = [f"{x:.4f}" for x in (derivative, plugin, walk, error)]
         off = f"{(derivative - walk) / size:+.1%}".replace("-", "−").replace("%", " %")
-        parameter = f"`{name.split('.')[-2]}` {value:g}"
+        parameter = f"`{name.removesuffix('.value').rpartition('.')[2]}` {value:g}"
         rows.append([case, parameter, *cells, off, f"{100 * away:.2f} %"])
     return [table(head, rows)]
 

@@ -11,6 +11,7 @@ SECOND = (
     "bright openpbr",
     "plastic",
     "alpha on plastic",
+    "two indices",
     "white medium",
     "no medium",
 )

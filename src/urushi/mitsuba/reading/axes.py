@@ -99,7 +99,8 @@ def _of_coat(coat: CoatTextures) -> list[Varying]:
         if name in PHYSICAL and "color" in coat.textures:
             sources = *sources, "g"
         own = [coat.textures[x] for x in sources if x in coat.textures]
-        gradient = any(map(has_gradients, own)) or (name == "eta" and is_attached(coat.opaque_eta))
+        indices = coat.indices if name == "eta" else ()
+        gradient = any(map(has_gradients, own)) or any(map(is_attached, indices))
         if name not in coat.names or not (gradient or any(map(varying_textures, own))):
             continue
 

@@ -112,6 +112,11 @@ class CoatTextures(Recorded):
         other.opaque_eta, other.above = opaque(above / self.outside), None
         return other
 
+    @property
+    def indices(self) -> list["mi.Float"]:
+        """The constants that `eta` depends on: the coat's own index, and that of the one above."""
+        return [x.opaque_eta for x in (self, self.above) if x is not None]
+
     def inside(self, si, active=True) -> "mi.Float":
         """The index of refraction of the coat, relative to air."""
         return self._eta_given(si, active) * self.outside
