@@ -20,8 +20,12 @@ TEXTURE, LAYERS, TEXEL, PLACE = "texture", "layers", "texel", "place"
 #: An operand of arithmetic: an expression or a Python number.
 Value = Union["Expression", float]
 
-#: Functions that constants pass through as they are computed here.
-_ON_CONSTANTS: dict[str, Callable[..., np.ndarray]] = {
+#: Arithmetic and functions that are computed here where all operands are constants.
+_FOLDED: dict[str, Callable[..., np.ndarray]] = {
+    "+": np.add,
+    "-": np.subtract,
+    "*": np.multiply,
+    "/": np.divide,
     "sqrt": np.sqrt,
     "log": np.log,
     "exp": np.exp,
@@ -30,14 +34,6 @@ _ON_CONSTANTS: dict[str, Callable[..., np.ndarray]] = {
     "min": np.minimum,
     "max": np.maximum,
     "clamp": np.clip,
-}
-
-#: Arithmetic of constants.
-_SIGNS: dict[str, Callable[..., np.ndarray]] = {
-    "+": np.add,
-    "-": np.subtract,
-    "*": np.multiply,
-    "/": np.divide,
 }
 
 
@@ -66,17 +62,17 @@ class Expression:
         return self.detail if self.operation == "constant" else None
 
     def __add__(self, other: Value) -> "Expression":
-        a, b = self, expression(other)
-        if is_zero(a):
+        b = expression(other)
+        if equals(self, 0.0):
             return b
-        return a if is_zero(b) else _arithmetic("+", a, b)
+        return self if equals(b, 0.0) else _arithmetic("+", self, b)
 
     def __radd__(self, other: Value) -> "Expression":
         return expression(other) + self
 
     def __sub__(self, other: Value) -> "Expression":
         b = expression(other)
-        return self if is_zero(b) else _arithmetic("-", self, b)
+        return self if equals(b, 0.0) else _arithmetic("-", self, b)
 
     def __rsub__(self, other: Value) -> "Expression":
         return expression(other) - self
@@ -85,12 +81,12 @@ class Expression:
         return -1.0 * self
 
     def __mul__(self, other: Value) -> "Expression":
-        a, b = self, expression(other)
-        if is_zero(a) or is_zero(b):
+        b = expression(other)
+        if equals(self, 0.0) or equals(b, 0.0):
             return expression(0.0)
-        if _is_one(a):
+        if equals(self, 1.0):
             return b
-        return a if _is_one(b) else _arithmetic("*", a, b)
+        return self if equals(b, 1.0) else _arithmetic("*", self, b)
 
     def __rmul__(self, other: Value) -> "Expression":
         return expression(other) * self
@@ -150,12 +146,18 @@ def name(text: str, kind: str) -> Expression:
     return Expression("name", kind, detail=text)
 
 
-def is_zero(value: Expression) -> bool:
-    return value.constant is not None and not value.constant.any()
+def equals(value: Expression, number: float) -> bool:
+    """Whether a value is a constant, and this number in all channels."""
+    return value.constant is not None and bool((value.constant == number).all())
 
 
-def _is_one(value: Expression) -> bool:
-    return value.constant is not None and bool((value.constant == 1.0).all())
+def _folded(operation: str, operands: Sequence[Expression]) -> Expression | None:
+    """An operation on constants as a constant; None where it is left to the shader."""
+    constants = [operand.constant for operand in operands]
+    if operation not in _FOLDED or any(value is None for value in constants):
+        return None
+    value = _FOLDED[operation](*constants)
+    return colour(value) if value.ndim else expression(float(value))
 
 
 def _wider(*values: Expression) -> str:
@@ -163,25 +165,17 @@ def _wider(*values: Expression) -> str:
     return next((v.kind for v in values if v.kind in (COLOUR, TEXEL)), values[0].kind)
 
 
-def _folded(value: np.ndarray) -> Expression:
-    return colour(value) if value.ndim else expression(float(value))
-
-
 def _arithmetic(sign: str, a: Expression, b: Expression) -> Expression:
-    x, y = a.constant, b.constant
-    if x is not None and y is not None and a.kind != INT:
-        return _folded(_SIGNS[sign](x, y))
-    return Expression(sign, _wider(a, b), (a, b))
+    return _folded(sign, (a, b)) or Expression(sign, _wider(a, b), (a, b))
 
 
 def call(function: str, *values: Value) -> Expression:
     """A function of the languages, element by element: sqrt, log, exp, tanh, abs, min, max, …"""
     arguments = [expression(value) for value in values]
-    constants = [argument.constant for argument in arguments]
-    if function in _ON_CONSTANTS and all(value is not None for value in constants):
-        return _folded(_ON_CONSTANTS[function](*constants))
     kind = _wider(*arguments)
-    return Expression("call", kind, [converted(a, kind) for a in arguments], function)
+    return _folded(function, arguments) or Expression(
+        "call", kind, [converted(a, kind) for a in arguments], function
+    )
 
 
 def select(condition: Expression, yes: Value, no: Value) -> Expression:
@@ -189,7 +183,7 @@ def select(condition: Expression, yes: Value, no: Value) -> Expression:
     yes, no = expression(yes), expression(no)
     a, b = (argument.constant for argument in condition.arguments)
     if a is not None and b is not None:
-        return yes if (a > b if condition.operation == ">" else a >= b) else no
+        return yes if a > b or (condition.operation == ">=" and a == b) else no
     kind = _wider(yes, no)
     return Expression("select", kind, (condition, converted(yes, kind), converted(no, kind)))
 
@@ -199,7 +193,7 @@ def vector(x: Value, y: Value, z: Value) -> Expression:
 
 
 def colour_of(red: Expression, green: Expression, blue: Expression) -> Expression:
-    return Expression("channels", COLOUR, (red, green, blue))
+    return Expression("vector", COLOUR, (red, green, blue))
 
 
 def converted(value: Expression, kind: str) -> Expression:

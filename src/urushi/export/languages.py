@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 
 from urushi.export.expressions import COLOUR, FLOAT, LAYERS, TEXTURE, VECTOR
-from urushi.export.printer import Printer, Textures, broken, kinds
+from urushi.export.printer import Printer, broken, kinds
 from urushi.export.proposal import SAMPLE
 from urushi.export.rest import TextureForm
 from urushi.export.statements import Function, Program, Statement, Structure, Variable
@@ -18,12 +18,13 @@ class Glsl(Printer):
         "and, in GLSL ES, after `precision highp float;`."
     )
     kinds = kinds("vec2", "vec3", "vec4")
-    textures = Textures(
-        texture="highp sampler3D {}",
-        texel="textureLod({}, {}, 0.0)",
-        layers="sampler2DArray {}",
-        layer="textureLod({}, vec3({}, {}, {}.0), 0.0)",
-    )
+    forms = Printer.forms | {
+        "splat": "vec3({})",
+        TEXTURE: "highp sampler3D {}",
+        "texel": "textureLod({}, {}, 0.0)",
+        LAYERS: "sampler2DArray {}",
+        "layer": "textureLod({}, vec3({}, {}, {}.0), 0.0)",
+    }
 
 
 class Hlsl(Printer):
@@ -32,15 +33,13 @@ class Hlsl(Printer):
     title = "HLSL"
     usage = "Include this file in a shader of shader model 5.0 or later."
     kinds = kinds("float2", "float3", "float4")
-    textures = Textures(
-        texture="Texture3D<float4> {}, SamplerState filtering",
-        texel="{}.SampleLevel(filtering, {}, 0.0)",
-        layers="Texture2DArray<float4> {}, SamplerState filtering",
-        layer="{}.SampleLevel(filtering, float3({}, {}, {}.0), 0.0)",
-    )
-
-    def splat(self, value: str) -> str:
-        return f"({value}).xxx"
+    forms = Printer.forms | {
+        "splat": "({}).xxx",
+        TEXTURE: "Texture3D<float4> {}, SamplerState filtering",
+        "texel": "{}.SampleLevel(filtering, {}, 0.0)",
+        LAYERS: "Texture2DArray<float4> {}, SamplerState filtering",
+        "layer": "{}.SampleLevel(filtering, float3({}, {}, {}.0), 0.0)",
+    }
 
 
 class Slang(Hlsl):
@@ -59,10 +58,11 @@ class Osl(Printer):
     kinds = kinds("vector", "vector", "color", truth="int") | {COLOUR: "color"}
     components, rgb = ("[0]", "[1]", "[2]"), ""
     form = TextureForm(axes=2, numbers=3)
-    textures = Textures(
-        "string {}",
-        'texture({0}, {1}[0], {1}[1], "width", 0.0, "wrap", "clamp", "interp", "linear")',
-    )
+    forms = Printer.forms | {
+        "splat": "color({})",
+        TEXTURE: "string {}",
+        "texel": 'texture({0}, {1}[0], {1}[1], "width", 0.0, "wrap", "clamp", "interp", "linear")',
+    }
 
 
 class Wgsl(Printer):
@@ -72,12 +72,14 @@ class Wgsl(Printer):
     usage = "Put this file before the code that uses it: WGSL has no includes."
     kinds = kinds("vec2f", "vec3f", "vec4f", "f32", "i32")
     field_end, structure_end = ",", "}"
-    textures = Textures(
-        texture="{}: texture_3d<f32>, filtering: sampler",
-        texel="textureSampleLevel({}, filtering, {}, 0.0)",
-        layers="{}: texture_2d_array<f32>, filtering: sampler",
-        layer="textureSampleLevel({}, filtering, vec2f({}, {}), {}, 0.0)",
-    )
+    forms = Printer.forms | {
+        "select": "select({2}, {1}, {0})",
+        "splat": "vec3f({})",
+        TEXTURE: "{}: texture_3d<f32>, filtering: sampler",
+        "texel": "textureSampleLevel({}, filtering, {}, 0.0)",
+        LAYERS: "{}: texture_2d_array<f32>, filtering: sampler",
+        "layer": "textureSampleLevel({}, filtering, vec2f({}, {}), {}, 0.0)",
+    }
 
     def declared(self, variable: Variable) -> str:
         if variable.kind in (TEXTURE, LAYERS):
@@ -97,9 +99,6 @@ class Wgsl(Printer):
 
     def empty(self, variable: Variable) -> str:
         return f"var {self.declared(variable)};"
-
-    def selected(self, condition: str, yes: str, no: str) -> str:
-        return f"select({no}, {yes}, {condition})"
 
 
 #: Functions that have the same names in NumPy.
@@ -137,7 +136,11 @@ class Python(Printer):
     }
     components, rgb = tuple(f"[..., {i}:{i + 1}]" for i in range(4)), "[..., :3]"
     end = ""
-    textures = Textures("{}", "_texel({}, {})")
+    forms = Printer.forms | {
+        "select": "np.where({}, {}, {})",
+        "splat": "({}) * np.ones(3, np.float32)",
+        "texel": "_texel({}, {})",
+    }
 
     def printed(self, program: Program) -> str:
         self._public = program.public
@@ -172,7 +175,7 @@ class Python(Printer):
                     lines.append(f"    {variable.name} = np.asarray({variable.name}, np.float32)")
         self._function = function
         body = (x for x in function.body if x.operation != "leave")  # arrays have no branches
-        return [*lines, *self.body(body, "    ")]
+        return [*lines, *self.body(body)]
 
     def statement(self, statement: Statement) -> str:
         line = super().statement(statement)
@@ -202,12 +205,6 @@ class Python(Printer):
         if not computed and (kind == COLOUR or all(part[0].isdigit() for part in parts)):
             return f"np.array([{', '.join(parts)}], np.float32)"
         return f"np.concatenate(np.broadcast_arrays({', '.join(parts)}), axis=-1)"
-
-    def splat(self, value: str) -> str:
-        return f"({value}) * np.ones(3, np.float32)"
-
-    def selected(self, condition: str, yes: str, no: str) -> str:
-        return f"np.where({condition}, {yes}, {no})"
 
 
 #: The printers by the names of their languages.

@@ -11,7 +11,7 @@ import numpy as np
 from urushi.checks import Widths
 from urushi.core import microfacet
 from urushi.core.namespace import Components
-from urushi.export.expressions import FLOAT, Expression, Value, call, expression, is_zero, vector
+from urushi.export.expressions import FLOAT, Expression, Value, call, equals, expression, vector
 from urushi.export.statements import Function, Variable, namespace
 from urushi.nets.lobe import WIDTH_PLACES, reflectance_of
 
@@ -34,20 +34,16 @@ class Tangent(NamedTuple):
         angle = np.radians(rotation)
         return cls(expression(float(np.cos(angle))), expression(float(np.sin(angle))))
 
-    @property
-    def _is_x_axis(self) -> bool:
-        return self.x.constant is not None and self.x.constant == 1.0
-
     def inside(self, body: Function, w: Expression, label: str) -> Expression:
         """A direction of the caller's frame in the frame of the tangent."""
-        if self._is_x_axis:
+        if equals(self.x, 1.0):
             return w
         turned = vector(w.x * self.x + w.y * self.y, w.y * self.x - w.x * self.y, w.z)
         return body.let(label, turned)
 
     def outside(self, body: Function, w: Expression, label: str) -> Expression:
         """A direction of the tangent's frame in the caller's frame."""
-        if self._is_x_axis:
+        if equals(self.x, 1.0):
             return w
         turned = vector(w.x * self.x - w.y * self.y, w.x * self.y + w.y * self.x, w.z)
         return body.let(label, turned)
@@ -60,7 +56,7 @@ X_AXIS = Tangent.of(0.0)
 def lobe_f(body: Function, lobe: Sequence[Value], wi: Expression, wo: Expression) -> Expression:
     """f [1/sr] of lobes, whose numbers are floats or colours; zero if none reflects."""
     numbers = [expression(number) for number in lobe]
-    if all(is_zero(factor) for factor in numbers[1:4]):
+    if all(equals(factor, 0.0) for factor in numbers[1:4]):
         return expression(0.0)
     body.note_line("The lobe: D G / (4 cos_i cos_o) of GGX with the separable Smith term, where")
     body.note_line("wi + wo stands for the half vector.")
@@ -78,8 +74,7 @@ def lobe_f(body: Function, lobe: Sequence[Value], wi: Expression, wo: Expression
 
 def alphas_of(lobe: Sequence[Expression]) -> list[Expression]:
     """The width of a lobe, or its two."""
-    places = next(places for places in WIDTH_PLACES.values() if len(lobe) == 5 + len(places))
-    return [lobe[place] for place in places]
+    return [lobe[place] for place in WIDTH_PLACES[len(lobe) - 5]]
 
 
 def width_of(lobe: Sequence[Expression]) -> Any:
@@ -96,12 +91,11 @@ def reflectance(
     suffix: of the names of its variables.
     """
     normal, grazing, exact, eta, k = lobe[1:6]
-    schlick = not (is_zero(normal) and is_zero(grazing))
     numbers = (
-        normal if schlick else None,
+        None if equals(normal, 0.0) and equals(grazing, 0.0) else normal,
         grazing,
         exact,
-        None if is_zero(exact) else eta,
-        None if is_zero(k) else k,
+        None if equals(exact, 0.0) else eta,
+        None if equals(k, 0.0) else k,
     )
     return expression(reflectance_of(numbers, expression(cosine), namespace(body, suffix)))

@@ -2,7 +2,7 @@
 
 import textwrap
 from collections.abc import Iterable, Mapping, Sequence
-from typing import ClassVar, NamedTuple
+from typing import ClassVar
 
 import numpy as np
 
@@ -28,18 +28,6 @@ _PRECEDENCE = {">": 1, ">=": 1, "+": 2, "-": 2, "*": 3, "/": 3}
 _UNARY, PRIMARY = 4, 5
 
 
-class Textures(NamedTuple):
-    """How a language declares textures, and reads them, by kinds and operations of `expressions`.
-
-    Without layers, it reads none.
-    """
-
-    texture: str
-    texel: str
-    layers: str = ""
-    layer: str = ""
-
-
 class Printer:
     """A language. Subclasses say what differs from C."""
 
@@ -53,8 +41,11 @@ class Printer:
     field_end: ClassVar[str] = ";"  # ends a field of a structure
     structure_end: ClassVar[str] = "};"
     end: ClassVar[str] = ";"  # ends a statement
-    form: ClassVar[TextureForm] = TextureForm()
-    textures: ClassVar[Textures]
+    # How operations of `expressions` are written, by their operands: "select", "splat", "texel" and
+    # "layer"; and how textures of its kinds are declared, by their names. Without "layers", the
+    # language reads none.
+    forms: ClassVar[dict[str, str]] = {"select": "({} ? {} : {})"}
+    form: ClassVar[TextureForm] = TextureForm()  # of textures
 
     def __init__(self, prefix: str):
         """prefix: begins the names of all functions, structures and tables."""
@@ -95,7 +86,7 @@ class Printer:
     def declared(self, variable: Variable) -> str:
         """A type and a name, as in C."""
         if variable.kind in (TEXTURE, LAYERS):
-            return getattr(self.textures, variable.kind).format(variable.name)
+            return self.forms[variable.kind].format(variable.name)
         count = "" if variable.count is None else f"[{variable.count}]"
         return f"{self.kind(variable.kind)} {variable.name}{count}"
 
@@ -109,7 +100,7 @@ class Printer:
 
     def function(self, function: Function) -> list[str]:
         head = [*self.comments(function.note), self.signature(function)]
-        return [*head, *self.body(function.body, "    "), "}"]
+        return [*head, *self.body(function.body), "}"]
 
     def signature(self, function: Function) -> str:
         arguments = ", ".join(map(self.declared, function.arguments))
@@ -117,11 +108,8 @@ class Printer:
 
     # Statements
 
-    def body(self, statements: Iterable[Statement], indent: str) -> list[str]:
-        lines: list[str] = []
-        for statement in statements:
-            lines += self.wrapped(indent + self.statement(statement))
-        return lines
+    def body(self, statements: Iterable[Statement]) -> list[str]:
+        return [line for x in statements for line in self.wrapped(f"    {self.statement(x)}")]
 
     def statement(self, statement: Statement) -> str:
         """A statement in one line."""
@@ -131,7 +119,7 @@ class Printer:
                 return f"{self.comment} {target}"
             case "let":
                 return self.let(target, self.text(value))
-            case "array" | "structure":
+            case "declare":
                 return self.empty(target)
             case "assign":
                 return f"{self.text(target)} = {self.text(value)}{self.end}"
@@ -179,12 +167,8 @@ class Printer:
                 text = str(detail)
             case "call":
                 text = f"{self.calls.get(detail, detail)}({', '.join(texts)})"
-            case "texel" | "layer":
-                text = getattr(self.textures, value.operation).format(*texts)
             case "invoke":
                 text = f"{self.function_name(detail)}({', '.join(texts)})"
-            case "select":
-                text = self.selected(*texts)
             case "component":
                 text = self._primary(arguments[0]) + self.components[detail]
             case "colour":
@@ -193,10 +177,10 @@ class Printer:
                 text = f"{self._primary(arguments[0])}.{detail}"
             case "element":
                 text = f"{self._primary(arguments[0])}[{texts[1]}]"
-            case "vector" | "channels":
+            case "vector":
                 text = self.composed(value.kind, texts)
             case _:
-                text = self.splat(texts[0])
+                text = self.forms[value.operation].format(*texts)
         return text, PRIMARY
 
     def _primary(self, value: Expression) -> str:
@@ -225,12 +209,6 @@ class Printer:
     def composed(self, kind: str, parts: Sequence[str]) -> str:
         """A colour or a vector of three floats."""
         return f"{self.kinds[kind]}({', '.join(parts)})"
-
-    def splat(self, value: str) -> str:
-        return f"{self.kinds[COLOUR]}({value})"
-
-    def selected(self, condition: str, yes: str, no: str) -> str:
-        return f"({condition} ? {yes} : {no})"
 
 
 def kinds(

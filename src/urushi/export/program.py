@@ -12,6 +12,7 @@ from urushi.export import proposal, transmittance
 from urushi.export.expressions import (
     COLOUR,
     FLOAT,
+    LAYERS,
     TEXTURE,
     Expression,
     call,
@@ -24,7 +25,8 @@ from urushi.export.expressions import (
 )
 from urushi.export.languages import LANGUAGES
 from urushi.export.lobe import FIELDS, X_AXIS, Tangent, alphas_of, lobe_f
-from urushi.export.proposal import SAMPLE, WI, WO, Terms, U, argument
+from urushi.export.printer import Printer
+from urushi.export.proposal import SAMPLE, WI, WO, Terms, U
 from urushi.export.rest import Rest, TextureForm, rest_f, texture_shape
 from urushi.export.statements import (
     Function,
@@ -107,39 +109,31 @@ def material_text(
         knots: of the table of ln f, which the texture `rest.own_texture` holds.
         has_lobe, has_rest: whether f has the lobe, and what the texture holds.
     """
-    check(language, prefix)
+    printer = _printer(language, prefix)
     if len(latents) not in (1, 3):
         raise ParameterError(
             f"the material has {len(latents)} channels; only materials of one or three can be "
             "exported"
         )
     terms = proposal.terms_of(model, [expression(float(x)) for x in latents.mean(axis=0)])
-    rest = Rest(1 if model.widths == 1 else 1 + FACTORS, knots, terms.stretch) if has_rest else None
     lobes = latents[:, : model.arch.lobe]
     code = _Code(
         [colour(column) for column in lobes.T] if has_lobe else (),
-        rest,
+        Rest(1 if model.widths == 1 else 1 + FACTORS, knots, terms.stretch) if has_rest else None,
         terms,
         Tangent.of(rotation),
         bool(has_edges(np.vstack([lobes, lobes.mean(axis=0)])).any()),
     )
-    printer = LANGUAGES[language](prefix)
-    note: tuple[str, ...] = (
+    note = [
         f"A material of Urushi as code, of the weights {model.fingerprint}.",
-        f"Functions: {{f}}(wi, wo{', table' if rest else ''}), {{pdf}}(wi, wo) and "
+        f"Functions: {{f}}(wi, wo{', table' if has_rest else ''}), {{pdf}}(wi, wo) and "
         "{sample}(wi, u).",
         *_conventions(model),
-    )
-    if rest:
-        note = *note, f"The table is a texture of this material: {_size(rest, printer.form)}"
+    ]
+    if code.rest:
+        note.append(f"The table is a texture of this material: {_size(code.rest, printer.form)}")
     structures = (proposal.structure(model.widths), SAMPLE)
     return printer.printed(Program(note, structures, _functions(code, (), printer.form)))
-
-
-def _size(rest: Rest, form: TextureForm) -> str:
-    """What a texture is, in sentences."""
-    size = " x ".join(map(str, reversed(texture_shape(rest.texels, form))))
-    return f"{size} texels of half floats, {form.numbers} each. {FILTERING}"
 
 
 def codes_text(language: str, model: Model, prefix: str, texels: Texels | None = None) -> str:
@@ -149,15 +143,27 @@ def codes_text(language: str, model: Model, prefix: str, texels: Texels | None =
 
     texels: of a texture of codes that the file also reads.
     """
-    check(language, prefix)
-    printer = LANGUAGES[language](prefix)
-    if texels and not printer.textures.layers:
-        able = [name for name, printer in LANGUAGES.items() if printer.textures.layers]
+    printer = _printer(language, prefix)
+    program = _codes_program(model, printer.form, texels)
+    if texels is None:
+        return printer.printed(program)
+    if LAYERS not in printer.forms:
+        able = ", ".join(x for x, other in LANGUAGES.items() if LAYERS in other.forms)
         raise ParameterError(
-            f"exported {printer.title} code reads no latent textures; choose one of "
-            + ", ".join(able)
+            f"exported {printer.title} code reads no latent textures; choose one of {able}"
         )
-    return printer.printed(codes_program(model, printer.form, texels))
+    note = [
+        *program.note,
+        "{fetch}(texels, uv) reads a material from the texture that belongs to this file: an array "
+        f"of {texels.layers} layers, RGBA8 without gamma, whose first row is at v = 0. "
+        f"{texels.filtering} Where the language separates samplers from textures, the sampler "
+        "follows the texture.",
+    ]
+    if not texels_have_edges(texels):
+        note.append(NO_EDGES)
+    prepare, *_ = program.functions
+    functions = [*program.functions, *fetch_functions(texels, prepare)]
+    return printer.printed(Program(note, program.structures, functions))
 
 
 def template_text(language: str, model: Model) -> str:
@@ -167,18 +173,18 @@ def template_text(language: str, model: Model) -> str:
     of a code and a channel is written as a name, `code_0_red` for the first. If the weights are
     anisotropic, `code_tangent_x` and `code_tangent_y` are the cosine and the sine of the rotation.
     """
-    printer = LANGUAGES[language](PREFIX)
-    program = codes_program(model, printer.form)
-    prepare = next(function for function in program.functions if function.name == "prepare")
+    printer = _printer(language)
+    program = _codes_program(model, printer.form)
+    prepare, *_ = program.functions
     made = Function("material", (), MATERIAL, "This material; make it once.", public=True)
-    codes = made.array("codes", COLOUR, model.arch.latent)
+    codes = made.declare("codes", COLOUR, model.arch.latent)
     for i in range(model.arch.latent):
         numbers = (name(f"code_{i}_{channel}", FLOAT) for channel in ("red", "green", "blue"))
         made.assign(element(codes, i), colour_of(*numbers))
     if model.widths == 1:
         made.returns(prepare(codes))
     else:
-        prepared = made.structure("prepared", MATERIAL)
+        prepared = made.declare("prepared", MATERIAL)
         made.assign(prepared, prepare(codes))
         for variable in FIELDS:
             made.assign(member(prepared, variable), name(f"code_{variable.name}", FLOAT))
@@ -195,12 +201,11 @@ def template_text(language: str, model: Model) -> str:
 
 def texture_form(language: str) -> TextureForm:
     """What a language's textures of ln f are."""
-    check(language, PREFIX)
-    return LANGUAGES[language].form
+    return _printer(language).form
 
 
-def check(language: str, prefix: str) -> None:
-    """Raise a ParameterError if there is no such language, or names cannot begin with a prefix."""
+def _printer(language: str, prefix: str = PREFIX) -> Printer:
+    """The printer; a ParameterError if it is unknown, or if names cannot begin with the prefix."""
     if language not in LANGUAGES:
         raise ParameterError(
             f"there is no language '{language}'; choose one of {', '.join(LANGUAGES)}"
@@ -210,6 +215,7 @@ def check(language: str, prefix: str) -> None:
             f"'{prefix}' is not a valid prefix of function names; use letters, digits and single "
             "underscores, beginning with a letter"
         )
+    return LANGUAGES[language](prefix)
 
 
 class _Code(NamedTuple):
@@ -227,30 +233,29 @@ def _functions(code: _Code, given: tuple[Variable, ...], form: TextureForm) -> l
 
     given: arguments before the directions.
     """
-    own, tangent = [argument(variable) for variable in given], code.tangent
+    own, tangent = [variable.value for variable in given], code.tangent
 
     def inside(body: Function) -> tuple[Expression, Expression]:
         """wi and wo in the frame of the tangent."""
-        wi = tangent.inside(body, argument(WI), "turned_i")
-        return wi, tangent.inside(body, argument(WO), "turned_o")
+        wi = tangent.inside(body, WI.value, "turned_i")
+        return wi, tangent.inside(body, WO.value, "turned_o")
 
     arguments = (*given, WI, WO, TABLE) if code.rest else (*given, WI, WO)
     f = Function("f", arguments, COLOUR, "The BRDF [1/sr] without the cosine.", public=True)
     wi, wo = inside(f)
     value = lobe_f(f, code.lobe, wi, wo) if code.lobe else expression(0.0)
     if code.rest:
-        rest = rest_f(f, code.rest, form, argument(TABLE), wi, wo)
+        rest = rest_f(f, code.rest, form, TABLE.value, wi, wo)
         if code.has_edges and code.lobe:
             f.note_line("The rest passes the interface in both ways.")
-            ways = (("passed_i", wi), ("passed_o", wo))
-            passed_i, passed_o = (passed(f, code.lobe, w, label) for label, w in ways)
-            rest = passed_i * passed_o * rest
+            passed_i = passed(f, code.lobe, wi, "passed_i")
+            rest = passed_i * passed(f, code.lobe, wo, "passed_o") * rest
         value = value + rest
     f.returns(select(call("min", wi.z, wo.z) > 0.0, value, 0.0))
 
     made = Function("proposal", (*given, WI), "Proposal", "The proposal for wi.")
-    seen = passed(made, code.terms.lobe, argument(WI)) if code.has_edges else 1.0
-    made.returns(proposal.fill(made, code.terms, argument(WI), seen))
+    seen = passed(made, code.terms.lobe, WI.value) if code.has_edges else 1.0
+    made.returns(proposal.fill(made, code.terms, WI.value, seen))
     sampling = _, density_of, _, draw = proposal.functions(len(alphas_of(code.terms.lobe)))
     note = "The density [1/sr] of `sample` at wo."
     pdf = Function("pdf", (*given, WI, WO), FLOAT, note, public=True)
@@ -259,17 +264,16 @@ def _functions(code: _Code, given: tuple[Variable, ...], form: TextureForm) -> l
 
     note = "A direction, about in proportion to f and its cosine; below the horizon density 0."
     sample = Function("sample", (*given, WI, U), SAMPLE.name, note, public=True)
-    wi = tangent.inside(sample, argument(WI), "turned_i")
-    # wi, or the normal where it is below the horizon.
-    raised = sample.let("raised", select(wi.z > 0.0, wi, vector(0.0, 0.0, 1.0)))
+    wi, up = tangent.inside(sample, WI.value, "turned_i"), vector(0.0, 0.0, 1.0)
+    raised = sample.let("raised", select(wi.z > 0.0, wi, up))
     mixture = sample.let("mixture", made(*own, raised))
-    direction = sample.let("drawn", draw(mixture, raised, argument(U)))
-    result = sample.structure("result", SAMPLE.name)
-    above = wi.z > 0.0
-    seen = tangent.outside(sample, direction, "outside")
-    density = density_of(mixture, raised, direction)
-    sample.assign(member(result, SAMPLE.fields[0]), select(above, seen, vector(0.0, 0.0, 1.0)))
-    sample.assign(member(result, SAMPLE.fields[1]), select(above, density, 0.0))
+    drawn = sample.let("drawn", draw(mixture, raised, U.value))
+    result = sample.declare("result", SAMPLE.name)
+    outside = tangent.outside(sample, drawn, "outside")
+    density = density_of(mixture, raised, drawn)
+    direction, its_density = (member(result, variable) for variable in SAMPLE.fields)
+    sample.assign(direction, select(wi.z > 0.0, outside, up))
+    sample.assign(its_density, select(wi.z > 0.0, density, 0.0))
     sample.returns(result)
     called = [transmittance.function()] if code.has_edges else []
     return [*called, f, made, *sampling, pdf, sample]
@@ -280,10 +284,16 @@ def _conventions(model: Model) -> tuple[str, ...]:
     return CONVENTIONS if model.widths == 1 else (*CONVENTIONS, ANISOTROPIC)
 
 
-def codes_program(model: Model, form: TextureForm, texels: Texels | None = None) -> Program:
-    """The program of all materials; their codes are arguments, or read from a texture.
+def _size(rest: Rest, form: TextureForm) -> str:
+    """What a texture is, in sentences."""
+    size = " x ".join(map(str, reversed(texture_shape(rest.texels, form))))
+    return f"{size} texels of half floats, {form.numbers} each. {FILTERING}"
 
-    form: of the textures of its language.
+
+def _codes_program(model: Model, form: TextureForm, texels: Texels | None = None) -> Program:
+    """The program of all materials, whose codes are arguments; its first function is `prepare`.
+
+    form: of the textures of its language. texels: that the codes come from, if these are known.
     """
     arch = model.arch
     structure = Structure(
@@ -296,10 +306,8 @@ def codes_program(model: Model, form: TextureForm, texels: Texels | None = None)
         ),
         "A material. `prepare` makes it.",
     )
-    prepare = _prepare(model, structure)
-
     material = Variable("material", MATERIAL)
-    codes, lobe, energies, *others = (member(argument(material), x) for x in structure.fields)
+    codes, lobe, energies, *others = (member(material.value, x) for x in structure.fields)
     numbers = [element(codes, i) for i in range(arch.latent)]
     terms = Terms(
         [element(lobe, i) for i in range(arch.lobe)],
@@ -313,14 +321,9 @@ def codes_program(model: Model, form: TextureForm, texels: Texels | None = None)
         code=numbers[arch.lobe : arch.lobe + arch.functions],
         factors=np.delete(arch.factors, 1).tolist(),
     )
-    code = _Code(
-        numbers[: arch.lobe],
-        rest,
-        terms,
-        Tangent(*others[1:] or X_AXIS),
-        texels is None or texels_have_edges(texels),
-    )
-    note: tuple[str, ...] = (
+    edges = texels is None or texels_have_edges(texels)
+    code = _Code(numbers[: arch.lobe], rest, terms, Tangent(*others[1:] or X_AXIS), edges)
+    note = (
         f"All materials of Urushi's weights {model.fingerprint} as code; the latent codes of a "
         "material are arguments.",
         f"Functions: {{prepare}}(codes), once for the {arch.latent} numbers of a material's codes, "
@@ -331,48 +334,35 @@ def codes_program(model: Model, form: TextureForm, texels: Texels | None = None)
         f"The table is the texture of the basis, for all materials: {_size(rest, form)}",
     )
     structures = (structure, proposal.structure(arch.widths), SAMPLE)
-    functions = [prepare, *_functions(code, (material,), form)]
-    if texels is None:
-        return Program(note, structures, functions)
-    note = (
-        *note,
-        "{fetch}(texels, uv) reads a material from the texture that belongs to this file: an array "
-        f"of {texels.layers} layers, RGBA8 without gamma, whose first row is at v = 0. "
-        f"{texels.filtering} Where the language separates samplers from textures, the sampler "
-        "follows the texture.",
-        *(() if code.has_edges else (NO_EDGES,)),
-    )
-    return Program(note, structures, [*functions, *fetch_functions(texels, prepare)])
+    functions = [_prepare(model, structure), *_functions(code, (material,), form)]
+    return Program(note, structures, functions)
 
 
 def _prepare(model: Model, structure: Structure) -> Function:
     """The function that computes from codes what f and the proposal need."""
-    arch = model.arch
-    codes = Variable("codes", COLOUR, arch.latent)
-    function = Function(
-        "prepare",
-        (codes,),
-        MATERIAL,
-        f"A material of its codes, {arch.latent} numbers for red, green and blue.",
-        public=True,
-    )
-    numbers = [element(argument(codes), i) for i in range(arch.latent)]
-    made = function.structure("made", MATERIAL)
+    latent = model.arch.latent
+    codes = Variable("codes", COLOUR, latent)
+    note = f"A material of its codes, {latent} numbers for red, green and blue."
+    function = Function("prepare", (codes,), MATERIAL, note, public=True)
+    numbers = [element(codes.value, i) for i in range(latent)]
+    made = function.declare("made", MATERIAL)
     stored, lobe, terms, *others = (member(made, variable) for variable in structure.fields)
-    for i, number in enumerate(numbers):
-        function.assign(element(stored, i), number)
+
+    def fill(array: Expression, values: Sequence[Expression]) -> None:
+        for i, value in enumerate(values):
+            function.assign(element(array, i), value)
+
+    fill(stored, numbers)
     function.note_line("Directions are drawn by the mean code of the channels.")
     mean = [
         function.let(f"mean{i}", (number.x + number.y + number.z) * (1.0 / 3.0))
         for i, number in enumerate(numbers)
     ]
     found = proposal.terms_of(model, mean)
-    for target, values in (lobe, found.lobe), (terms, found.rest):
-        for i, value in enumerate(values):
-            function.assign(element(target, i), value)
+    fill(lobe, found.lobe)
+    fill(terms, found.rest)
     if found.stretch is not None:
-        values = found.stretch, *X_AXIS
-        for target, value in zip(others, values, strict=True):
+        for target, value in zip(others, (found.stretch, *X_AXIS), strict=True):
             function.assign(target, value)
     function.returns(made)
     return function

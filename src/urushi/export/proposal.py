@@ -15,7 +15,6 @@ from urushi.export.expressions import (
     call,
     dot,
     expression,
-    name,
     select,
     vector,
 )
@@ -51,11 +50,6 @@ class Terms(NamedTuple):
     stretch: Expression | None = None  # s of two widths
 
 
-def argument(variable: Variable) -> Expression:
-    """An argument inside its function."""
-    return name(variable.name, variable.kind)
-
-
 def structure(widths: int) -> Structure:
     """The proposal for one wi; widths: of a lobe, one or two."""
     own = [Variable(label, FLOAT, note="of the first lobe") for label in WIDTHS[widths]]
@@ -69,9 +63,8 @@ def terms_of(model: Model, code: Sequence[Expression]) -> Terms:
     size, limit = model.arch.lobe, LARGEST_STRETCH
     matrix, bias = (model.params[f"proposal.{part}"].T.tolist() for part in ("weight", "bias"))
     sums = [offset + dot(row, code[size:]) for row, offset in zip(matrix, bias, strict=True)]
-    stretch = None
-    if model.widths == 2:
-        stretch = call("exp", call("clamp", code[-1], -limit, limit))
+    two = model.widths == 2
+    stretch = call("exp", call("clamp", code[-1], -limit, limit)) if two else None
     return Terms(code[:size], list(map(expression, sums)), overlaps_of(model), stretch)
 
 
@@ -93,7 +86,7 @@ def fill(body: Function, terms: Terms, wi: Expression, passed: Value = 1.0) -> E
         passed,
     )
     made = structure(len(alphas))
-    result = body.structure("result", made.name)
+    result = body.declare("result", made.name)
     stretch = [] if terms.stretch is None else [terms.stretch]
     for variable, number in zip(made.fields, [*found, *alphas, *stretch], strict=True):
         body.assign(member(result, variable), number)
@@ -107,28 +100,20 @@ def functions(count: int) -> tuple[Function, ...]:
     wi and u.
     """
     mixture = Variable("mixture", "Proposal")
-    parts = [member(argument(mixture), part) for part in structure(count).fields]
+    parts = [member(mixture.value, part) for part in structure(count).fields]
     shares, cosine_weight, *own = parts[: len(ALPHAS) + 1], *parts[len(ALPHAS) + 1 :]
     alphas = [own[:count], *([expression(alpha)] for alpha in ALPHAS)]
     if count == 2:
         alphas[1:] = ([alpha.u, alpha.v] for alpha in stretched_widths(own[-1]))
-    wi, wo, u = map(argument, (WI, WO, U))
+    wi, wo, u = (variable.value for variable in (WI, WO, U))
     labels = WIDTHS[count]
     widths = [Variable(label, FLOAT) for label in labels]
-    width = Widths(*map(argument, widths)) if count == 2 else argument(widths[0])
-    reflection = Function(
-        "reflection_density",
-        (*widths, WI, WO),
-        FLOAT,
-        "The density of wi reflected about a visible GGX normal and mirrored up (Heitz 2018).",
-    )
+    width = Widths(*(x.value for x in widths)) if count == 2 else widths[0].value
+    note = "The density of wi reflected about a visible GGX normal and mirrored up (Heitz 2018)."
+    reflection = Function("reflection_density", (*widths, WI, WO), FLOAT, note)
     reflection.returns(reflection_pdf(width, wi, wo, namespace(reflection)))
-    reflected = Function(
-        "sample_reflection",
-        (*widths, WI, U),
-        VECTOR,
-        "wi reflected about a visible GGX normal by u.y and u.z (Dupuy and Benyoub 2023).",
-    )
+    note = "wi reflected about a visible GGX normal by u.y and u.z (Dupuy and Benyoub 2023)."
+    reflected = Function("sample_reflection", (*widths, WI, U), VECTOR, note)
     drawn = sample_reflection(width, Components(wi.x, wi.y, wi.z), u.y, u.z, namespace(reflected))
     reflected.returns(vector(*drawn))
     note = "The density [1/sr] of the proposal at wo."

@@ -33,6 +33,11 @@ class Variable:
     count: int | None = None  # the number of elements of an array; None for a single value
     note: str = ""  # its meaning, a comment in the file
 
+    @property
+    def value(self) -> Expression:
+        """The variable inside its function."""
+        return name(self.name, self.kind)
+
 
 @dataclass(frozen=True)
 class Structure:
@@ -47,8 +52,8 @@ class Structure:
 class Statement:
     """A line of a body."""
 
-    # "note", "let" (a constant), "array", "structure" (without values), "assign", "leave" (return
-    # at once), "return".
+    # "note", "let" (a constant), "declare" (without a value), "assign", "leave" (return at once),
+    # "return".
     operation: str
     target: Any = None  # the `Variable` declared or assigned to; the text of a note; a condition
     value: Any = None
@@ -73,18 +78,15 @@ class Function:
         value = expression(value)
         if value.operation in ("constant", "name"):
             return value
-        self.body.append(Statement("let", Variable(label, value.kind), value))
-        return name(label, value.kind)
+        variable = Variable(label, value.kind)
+        self.body.append(Statement("let", variable, value))
+        return variable.value
 
-    def array(self, label: str, kind: str, count: int) -> Expression:
-        """Declare an array without values, for `element`."""
-        self.body.append(Statement("array", Variable(label, kind, count)))
-        return name(label, kind)
-
-    def structure(self, label: str, kind: str) -> Expression:
-        """Declare a structure without values, for `member`."""
-        self.body.append(Statement("structure", Variable(label, kind)))
-        return name(label, kind)
+    def declare(self, label: str, kind: str, count: int | None = None) -> Expression:
+        """Declare a structure, or an array of `count` elements; `assign` gives them values."""
+        variable = Variable(label, kind, count)
+        self.body.append(Statement("declare", variable))
+        return variable.value
 
     def assign(self, target: Expression, value: Value) -> None:
         """Assign a value to an element or a member."""
@@ -185,25 +187,25 @@ def fetch_functions(texels: Texels, prepare: Function) -> list[Function]:
     stored = Variable("stored", TEXEL, texels.layers)
     note = "A material of filtered bytes, each in [0, 1]."
     unpack = Function("texel", (stored,), prepare.kind, note)
-    values = name(stored.name, TEXEL)
-    codes = unpack.array("codes", COLOUR, len(texels.numbers))
+    codes = unpack.declare("codes", COLOUR, len(texels.numbers))
     for i, channels in enumerate(texels.numbers):
         numbers = []
         for offset, factors in channels[:1] if len(set(channels)) == 1 else channels:
             number = expression(offset)
             for place, factor in factors:
-                number = number + element(values, place // 4).component(place % 4) * factor
+                byte = element(stored.value, place // 4).component(place % 4)
+                number = number + byte * factor
             numbers.append(number)
         unpack.assign(element(codes, i), numbers[0] if len(numbers) == 1 else colour_of(*numbers))
     unpack.returns(prepare(codes))
     arguments = Variable("texels", LAYERS), Variable("uv", PLACE)
     function = Function("fetch", arguments, unpack.kind, "The material at uv.", public=True)
-    texture, uv = (name(argument.name, argument.kind) for argument in arguments)
+    texture, uv = (argument.value for argument in arguments)
     at = [
         function.let(axis, u * uv.x + v * uv.y + offset)
         for axis, (u, v, offset) in zip("xy", texels.to_texture, strict=True)
     ]
-    four = function.array("stored", TEXEL, texels.layers)
+    four = function.declare(stored.name, TEXEL, texels.layers)
     for k in range(texels.layers):
         operands = (texture, *at, integer(k))
         function.assign(element(four, k), Expression("layer", TEXEL, operands))

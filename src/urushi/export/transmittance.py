@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 
-from urushi.export.expressions import COLOUR, FLOAT, Expression, colour_of, expression, name
+from urushi.export.expressions import COLOUR, FLOAT, Expression, colour_of, expression
 from urushi.export.lobe import width_of
 from urushi.export.statements import Function, LinearNumber, Texels, Variable, namespace
 from urushi.nets.transmittance import of_spread, spread2
@@ -18,7 +18,7 @@ def function() -> Function:
     """The function of T, `transmittance`, of one channel."""
     note = "The share of light that passes the topmost interface, for a direction."
     made = Function("transmittance", ARGUMENTS, FLOAT, note)
-    spread, factor, eta, k, cosine = (name(variable.name, FLOAT) for variable in ARGUMENTS)
+    spread, factor, eta, k, cosine = (variable.value for variable in ARGUMENTS)
     made.leaves(eta >= 1.0, 1.0)
     made.returns(of_spread(spread, (factor, eta, k), cosine, namespace(made)))
     return made
