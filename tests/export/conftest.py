@@ -8,8 +8,12 @@ from urushi.core.table import SHAPE, knots_of
 from urushi.material import Material
 from urushi.nets.basis import EMPTY_GAIN
 from urushi.nets.weights import Model
+from urushi.textures.store import Texture
 
 COUNT = 4096
+
+#: Exact parts, indices and k of lobes: two of interfaces to thinner media, and a metal.
+EDGES = (1, 0.7, 0), (0.6, 0.55, 0), (0.5, 0.3, 3)
 
 
 @pytest.fixture(scope="session")
@@ -23,20 +27,24 @@ def anisotropic_model() -> Model:
 
 
 @pytest.fixture(scope="session")
-def materials(model) -> dict[str, Material]:
-    """Materials by what is special in them."""
+def materials(model, anisotropic_model) -> dict[str, Material]:
+    """Materials by what is special in them, those of two widths last."""
     rng = np.random.default_rng(5)
-    codes = rng.normal(size=(3, model.arch.latent)).astype(np.float32)
+    codes = _codes(rng, model)
     codes[:, 0] = 0.15, 0.2, 0.3
-    codes[:, 1:4] = rng.uniform(0, 0.5, (3, 3))
-    codes[:, 4:6] = (1.5, 0), (0.8, 2), (0.3, 3)
     coat, bare, smooth, edges = (codes.copy() for _ in range(4))
     coat[:, :6] = 0.1, 0, 0, 1, 1.5, 0  # the same in all channels
     bare[:, :6] = 1, 0, 0, 0, 1.5, 0
     smooth[:, 6] = EMPTY_GAIN
-    edges[:, 3:6] = (1, 0.7, 0), (0.6, 0.55, 0), (0.5, 0.3, 3)  # to thinner media, and a metal
+    edges[:, 3:6] = EDGES
     places = np.meshgrid(*(np.linspace(0, 9, count) for count in SHAPE), indexing="ij")
     logs = -1 + np.sin(np.stack(places, axis=-1) + np.sum(places, axis=0)[..., None])
+    two = _codes(rng, anisotropic_model)
+    two[:, 0], two[:, 6] = (0.15, 0.3, 0.4), (0.4, 0.2, 0.1)
+    two[:, -1] = 0.25  # channels share the stretch
+    brushed, brushed_edges = two.copy(), two.copy()
+    brushed[:, :7] = 0.12, 0, 0, 1, 1.5, 0, 0.4
+    brushed_edges[:, 3:6] = EDGES
     return {
         "three lobes": Material(codes, model),
         "one lobe": Material(coat, model),
@@ -49,29 +57,19 @@ def materials(model) -> dict[str, Material]:
         "table beside lobe": Material(
             codes[:1], model, logs[..., :1], beside_lobe=True, knots=knots_of([0.5, 0.8])
         ),
+        "brushed lobes": Material(two, anisotropic_model, rotation=40.0),
+        "brushed lobe": Material(brushed, anisotropic_model),
+        "brushed grey": Material(two[:1], anisotropic_model),
+        "brushed edges": Material(brushed_edges, anisotropic_model),
     }
 
 
-@pytest.fixture(scope="session")
-def anisotropic_materials(anisotropic_model) -> dict[str, Material]:
-    """Anisotropic materials by what is special in them."""
-    rng = np.random.default_rng(6)
-    codes = rng.normal(size=(3, anisotropic_model.arch.latent)).astype(np.float32)
-    codes[:, 0], codes[:, 6] = (0.15, 0.3, 0.4), (0.4, 0.2, 0.1)
-    codes[:, -1] = 0.25  # channels share the stretch
+def _codes(rng: np.random.Generator, model: Model) -> np.ndarray:
+    """Random codes (3, L) whose channels have lobes of their own: of coats and of metals."""
+    codes = rng.normal(size=(3, model.arch.latent)).astype(np.float32)
     codes[:, 1:4] = rng.uniform(0, 0.5, (3, 3))
     codes[:, 4:6] = (1.5, 0), (0.8, 2), (0.3, 3)
-    coat = codes.copy()
-    coat[:, :7] = 0.12, 0, 0, 1, 1.5, 0, 0.4  # the same in all channels
-    edges = codes.copy()
-    edges[:, 3:6] = (1, 0.7, 0), (0.6, 0.55, 0), (0.5, 0.3, 3)
-    return {
-        "three lobes": Material(codes, anisotropic_model),
-        "one lobe": Material(coat, anisotropic_model),
-        "turned": Material(codes, anisotropic_model, rotation=40.0),
-        "grey": Material(codes[:1], anisotropic_model),
-        "edges": Material(edges, anisotropic_model),
-    }
+    return codes
 
 
 @pytest.fixture(scope="session")
@@ -89,3 +87,24 @@ def rows() -> np.ndarray:
     rows[:, :3], rows[:, 4:7] = directions
     rows[:, 8:11] = rng.random((COUNT, 3), np.float32)
     return rows
+
+
+@pytest.fixture(scope="session")
+def packed(model) -> Texture:
+    return texture_of(model)
+
+
+def texture_of(model: Model, eta: float = 1.5) -> Texture:
+    """A texture of 8 x 4 texels; some numbers are constant, or the same in all channels.
+
+    eta: of the interfaces of half of the texels; the others have 1.5.
+    """
+    rng = np.random.default_rng(2)
+    codes = rng.normal(size=(32, 3, model.arch.latent)).astype(np.float32)
+    codes[..., 0] = rng.uniform(0.1, 0.4, (len(codes), 1))
+    codes[..., 1:6] = 0, 0, 1, 1.5, 0
+    codes[::2, :, 4] = eta
+    if model.widths == 2:
+        codes[..., 6] = rng.uniform(0.1, 0.4, (len(codes), 1))
+        codes[..., -1] = 0.25  # the stretch
+    return Texture.of(model, codes)

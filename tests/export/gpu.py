@@ -56,52 +56,24 @@ SamplerState nearby : register(s3);
 }}
 """
 
-#: Of a language: the entry point, the texture's arguments, and the material of codes.
+#: Of a language: the entry point, the texture's arguments, and how a variable is declared.
 MAINS = {
-    "glsl": (
-        GLSL_MAIN,
-        ", texels",
-        "UrushiMaterial material = urushi_prepare(vec3[]({}));",
-        "vec3",
-    ),
-    "wgsl": (
-        WGSL_MAIN,
-        ", texels, nearby",
-        "let material = urushi_prepare(array({}));",
-        "vec3f",
-    ),
-    "hlsl": (
-        HLSL_MAIN,
-        ", texels, nearby",
-        "float3 codes[] = {{ {} }}; UrushiMaterial material = urushi_prepare(codes);",
-        "float3",
-    ),
+    "glsl": (GLSL_MAIN, ", texels", "UrushiMaterial"),
+    "wgsl": (WGSL_MAIN, ", texels, nearby", "let"),
+    "hlsl": (HLSL_MAIN, ", texels, nearby", "UrushiMaterial"),
 }
 MAINS["slang"] = MAINS["hlsl"]
 
 
-def run(
-    language: str,
-    text: str,
-    rows: np.ndarray,
-    texture: np.ndarray | None,
-    codes: np.ndarray | None = None,
-) -> np.ndarray:
-    """The `OUTPUTS` of a shader at rows (N, `INPUTS`).
+def run(language: str, text: str, rows: np.ndarray, texture: np.ndarray | None) -> np.ndarray:
+    """The `OUTPUTS` of a material's file, or of a filled template, at rows (N, `INPUTS`).
 
-    texture: that f reads. codes: (size, 3), literals for a file of all materials.
+    texture: that f reads.
     """
-    template, last, prepared, three = MAINS[language]
-    first, prepare = "material, ", ""
-    if codes is not None:
-        prepare = prepared.format(
-            ", ".join(f"{three}({r!r}, {g!r}, {b!r})" for r, g, b in codes.tolist())
-        )
-    elif "urushi_material()" in text:  # a filled template
-        declared = "let" if language == "wgsl" else "UrushiMaterial"
-        prepare = f"{declared} material = urushi_material();"
-    else:
-        first = ""
+    template, last, declared = MAINS[language]
+    first = prepare = ""
+    if "urushi_material()" in text:  # a filled template
+        first, prepare = "material, ", f"{declared} material = urushi_material();"
     last = "" if texture is None else last
     source = text + template.format(prepare=prepare, first=first, last=last)
     if language == "glsl":

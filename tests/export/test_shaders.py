@@ -10,12 +10,10 @@ import numpy as np
 import pytest
 from tests.export import gpu
 
-from urushi.app.cli import main
 from urushi.errors import ParameterError
 from urushi.export.program import codes_text, template_text, texture_form
 from urushi.export.rest import basis_texture
 from urushi.material import Material
-from urushi.nets import weights
 
 #: Relative difference of lobes and pdf: some roundings of single precision.
 TOLERANCE = 1e-5
@@ -37,28 +35,23 @@ DRAWN_TOLERANCE = 1e-3
 EXCHANGE_TOLERANCE = {"python": 0.0} | dict.fromkeys(("glsl", "wgsl", "hlsl", "slang"), 1e-6)
 
 SHADERS = ("glsl", "wgsl", "hlsl", "slang")
+LANGUAGES = ("python", *SHADERS)
 KINDS = (
     "three lobes", "one lobe", "no lobe", "no rest", "grey", "edges", "grey edges", "table",
-    "table beside lobe",
+    "table beside lobe", "brushed lobes", "brushed lobe", "brushed grey", "brushed edges",
 )  # fmt: skip
+
+#: Mirror images at the planes of the tangent and of the bitangent, and half a turn.
+MIRRORS = ((1, -1, 1), (-1, 1, 1), (-1, -1, 1))
+
 DIRECTIONS = np.s_[:, :3], np.s_[:, 4:7], np.s_[:, 8:11]
 
 
-def module(text: str) -> ModuleType:
-    """The Python module of an exported file."""
-    result = ModuleType("exported")
-    exec(text, result.__dict__)
-    return result
-
-
-def run_python(
-    text: str, rows: np.ndarray, texture: np.ndarray | None, codes: np.ndarray | None = None
-) -> np.ndarray:
+def run_python(text: str, rows: np.ndarray, texture: np.ndarray | None) -> np.ndarray:
     """As `gpu.run`."""
-    exported = module(text)
-    first = () if codes is None else (exported.prepare(codes[:, None]),)
-    if hasattr(exported, "material"):  # a filled template
-        first = (exported.material(),)
+    exported = ModuleType("exported")
+    exec(text, exported.__dict__)
+    first = (exported.material(),) if hasattr(exported, "material") else ()  # a filled template
     last = () if texture is None else (texture,)
     wi, wo, u = (rows[columns] for columns in DIRECTIONS)
     direction, density = exported.sample(*first, wi, u)
@@ -68,11 +61,8 @@ def run_python(
 
 def run(language: str, text: str, *arguments) -> np.ndarray:
     """As `gpu.run`, in any language."""
-    return (
-        run_python(text, *arguments)
-        if language == "python"
-        else gpu.run(language, text, *arguments)
-    )
+    in_python = language == "python"
+    return run_python(text, *arguments) if in_python else gpu.run(language, text, *arguments)
 
 
 def close(value: np.ndarray, expected: np.ndarray, tolerance: float) -> bool:
@@ -80,16 +70,14 @@ def close(value: np.ndarray, expected: np.ndarray, tolerance: float) -> bool:
     return bool((np.abs(value - expected) <= tolerance * np.abs(expected)).all())
 
 
-def check(
-    language: str, text: str, material: Material, rows: np.ndarray, basis=None, codes=None
-) -> None:
+def check(language: str, text: str, material: Material, rows: np.ndarray, basis=None) -> None:
     """Whether a file evaluates and samples a material as `Material` does, and is reciprocal.
 
-    basis: the texture that the file reads; None: the material's own. codes: as of `gpu.run`.
+    basis: the texture that the file reads; None: the material's own.
     """
     texture = material.shader_texture(language) if basis is None else basis
     wi, wo, u = (rows[columns] for columns in DIRECTIONS)
-    result = run(language, text, rows, texture, codes)
+    result = run(language, text, rows, texture)
     f, pdf, direction, density = np.split(result, (3, 4, 7), axis=1)
     expected = material.f(wi, wo)
     assert close(f, expected, TOLERANCE if texture is None else TABLE_TOLERANCE)
@@ -101,7 +89,7 @@ def check(
     assert close(density[:, 0], material.pdf(wi, direction), DRAWN_TOLERANCE)
     swapped = rows.copy()
     swapped[:, :3], swapped[:, 4:7] = wo, wi
-    again = run(language, text, swapped, texture, codes)[:, :3]
+    again = run(language, text, swapped, texture)[:, :3]
     assert close(again, f, EXCHANGE_TOLERANCE[language])
 
 
@@ -115,7 +103,7 @@ def test_material_in_python(materials, rows, kind):
     check("python", materials[kind].shader("python"), materials[kind], rows)
 
 
-@pytest.mark.parametrize("kind", ["three lobes", "grey", "edges"])
+@pytest.mark.parametrize("kind", ["three lobes", "grey", "edges", "brushed lobes"])
 @pytest.mark.parametrize("language", SHADERS)
 def test_material_in_shaders(materials, rows, language, kind):
     check(language, materials[kind].shader(language), materials[kind], rows)
@@ -123,21 +111,38 @@ def test_material_in_shaders(materials, rows, language, kind):
 
 def test_only_materials_with_edges_have_their_formula(materials):
     for kind in KINDS:
-        has_edges = "edges" in kind
-        assert ("_transmittance(" in materials[kind].shader("glsl")) == has_edges
+        assert ("_transmittance(" in materials[kind].shader("glsl")) == ("edges" in kind)
 
 
-@pytest.mark.parametrize("kind", ["three lobes", "edges"])
-@pytest.mark.parametrize("language", ["python", *SHADERS])
-def test_codes_as_arguments(model, materials, rows, language, kind):
-    material, text = materials[kind], codes_text(language, model, "urushi")
-    check(language, text, material, rows, basis_of(model), material.latents.T)
+@pytest.mark.parametrize("language", LANGUAGES)
+def test_mirror_images_have_the_same_values(materials, rows, language):
+    """Every operation on a component of one sign is the same on that of the other."""
+    material = materials["brushed lobe"]
+    text, texture = material.shader(language), material.shader_texture(language)
+    images = np.tile(rows, (1 + len(MIRRORS), 1, 1))
+    for image, mirror in zip(images[1:], MIRRORS, strict=True):
+        image[:, :3] *= mirror
+        image[:, 4:7] *= mirror
+    values = run(language, text, images.reshape(-1, rows.shape[1]), texture)[:, :4]
+    values = values.reshape(len(images), len(rows), 4)
+    np.testing.assert_array_equal(values, np.broadcast_to(values[0], values.shape))
 
 
-@pytest.mark.parametrize("language", ["python", *SHADERS])
-def test_templates_with_codes_filled_in(model, materials, rows, language):
-    material = materials["three lobes"]
-    check(language, filled(language, material), material, rows, basis_of(model))
+@pytest.mark.parametrize("kind", ["three lobes", "edges", "brushed lobes", "brushed edges"])
+@pytest.mark.parametrize("language", LANGUAGES)
+def test_templates_with_codes_and_tangent_filled_in(materials, rows, language, kind):
+    material = materials[kind]
+    check(language, filled(language, material), material, rows, basis_of(material.model))
+
+
+@pytest.mark.parametrize("language", [*LANGUAGES, "osl"])
+def test_templates_begin_with_the_code_of_all_materials(model, anisotropic_model, language):
+    for each in (model, anisotropic_model):
+        code, template = (
+            text[re.search(r"^(struct|class) ", text, re.MULTILINE).start() :]
+            for text in (codes_text(language, each, "urushi"), template_text(language, each))
+        )
+        assert template.startswith(code)
 
 
 def filled(language: str, material: Material) -> str:
@@ -178,19 +183,6 @@ def test_wgsl_is_valid_for_browsers(model, materials, tmp_path, compiler):
         assert done.returncode == 0, done.stderr
 
 
-def test_command_writes_the_file(model, materials, tmp_path, capsys):
-    networks, stored = tmp_path / "weights.safetensors", tmp_path / "material.safetensors"
-    weights.save(networks, model.arch, model.params, {})
-    materials["no rest"].save(stored)
-    given = ["-l", "wgsl", "--weights", str(networks), "-o", str(tmp_path / "material.wgsl")]
-    assert main(["export", str(stored), *given]) == 0
-    written = Path(capsys.readouterr().out.strip())
-    assert written.read_text() == materials["no rest"].shader("wgsl")
-    assert main(["export", *given, "--prefix", "paint"]) == 0
-    assert written.read_text() == codes_text("wgsl", model, "paint")
-    assert written.with_suffix(".dds").exists()
-
-
 def test_example_of_the_page(materials):
     page = (Path(__file__).parents[2] / "docs" / "export.md").read_text()
     (block,) = re.findall(r"^```python\n(.*?)^```$", page, re.MULTILINE | re.DOTALL)
@@ -199,10 +191,9 @@ def test_example_of_the_page(materials):
 
 def test_errors_name_the_cure(model, materials):
     material = materials["one lobe"]
-    with pytest.raises(ParameterError, match="there is no language 'cg'; choose one of glsl, "):
-        material.shader("cg")
-    with pytest.raises(ParameterError, match="there is no language 'cg'; choose one of glsl, "):
-        material.shader_texture("cg")
+    for exported in (material.shader, material.shader_texture):
+        with pytest.raises(ParameterError, match="there is no language 'cg'; choose one of glsl, "):
+            exported("cg")
     with pytest.raises(ParameterError, match="'a b' is not a valid prefix of function names"):
         material.shader("glsl", "a b")
     two = Material(material.latents[:2], model)
