@@ -17,7 +17,7 @@ import numpy as np
 
 from fan2022 import architecture
 from fan2022.architecture import EVALUATION, LAYERING
-from urushi.core.namespace import Components, Namespace, arrays, components, stacked_components
+from urushi.core.namespace import DRJIT, Namespace, arrays
 from urushi.nets.mlp import Params, hidden_to_output, linear, split_linear
 
 #: The first layer; its product with the code is shared by all directions.
@@ -71,27 +71,27 @@ MIN_SIGMA, MIN_SHARE = 0.005, 0.02
 
 
 class GaussianMixture(NamedTuple):
-    """The proposal: the Gaussian's width sigma (...) and its share (...) of all samples."""
+    """The proposal: the Gaussian's width sigma (...) and its share (...) of all samples.
+
+    As `core.mixture.Mixture`: directions have components, which are arrays of `xp`.
+    """
 
     sigma: Any
     share: Any
 
-    def pdf(self, wi: Any, wo: Any) -> Any:
-        """Density (...) of `sample` at wo [1/sr]; 0 where either is below the horizon."""
-        return self.density(components(wi), components(wo), arrays(wi))
-
-    def sample(self, wi: Any, u: Any) -> Any:
-        """Directions wo (..., 3) from uniform numbers u (..., 3); the first chooses the lobe."""
-        wo = self.drawn(components(wi), u[..., 0], u[..., 1], u[..., 2], arrays(wi))
-        return stacked_components(wo, wi.__array_namespace__())
+    @classmethod
+    def of_outputs(cls, outputs: Any, xp: Namespace) -> "GaussianMixture":
+        """The proposal of the two outputs of the proxy."""
+        width, share = map(xp.falling_logistic, outputs)
+        return cls(xp.exp(math.log(MIN_SIGMA) * width), MIN_SHARE + (1 - 2 * MIN_SHARE) * share)
 
     def _spread(self, xp: Namespace) -> tuple[Any, Any]:
         """Twice the Gaussian's variance, and its mass inside the unit disk."""
         variance2 = 2 * self.sigma * self.sigma
         return variance2, 1 - xp.exp(-1 / variance2)
 
-    def density(self, wi: Any, wo: Any, xp: Namespace) -> Any:
-        """`pdf` of directions with components.
+    def pdf(self, wi: Any, wo: Any, xp: Namespace = DRJIT) -> Any:
+        """Density of `sample` at wo [1/sr]; 0 where either direction is below the horizon.
 
         The Jacobian of the projection of the half vector on the disk is its cosine. The Jacobian of
         the reflection is 4 wi.h, twice the length of wi + wo.
@@ -109,24 +109,21 @@ class GaussianMixture(NamedTuple):
         density = self.share * gaussian + (1 - self.share) * (wo.z / math.pi)
         return xp.where((wi.z > 0) & (wo.z > 0), density, 0.0)
 
-    def drawn(self, wi: Any, choice: Any, u: Any, v: Any, xp: Namespace) -> Components:
-        """`sample` of a direction with components, by three uniform numbers."""
+    def sample(self, wi: Any, choice: Any, u: Any, xp: Namespace = DRJIT) -> Any:
+        """Draw wo above the horizon by uniform numbers: `choice` for the lobe, two `u` for wo."""
         variance2, mass_inside = self._spread(xp)
-        squared = xp.clip(-variance2 * xp.log(1 - u * mass_inside), 0.0, 1.0)
+        squared = xp.clip(-variance2 * xp.log(1 - u[0] * mass_inside), 0.0, 1.0)
         radius, hz = xp.sqrt(squared), xp.sqrt(1 - squared)
-        sin, cos = xp.sincos((2 * math.pi) * v)
-        hx, hy, disk = radius * cos, radius * sin, xp.sqrt(u)
+        sin, cos = xp.sincos((2 * math.pi) * u[1])
+        hx, hy, disk = radius * cos, radius * sin, xp.sqrt(u[0])
         twice = 2 * (wi.x * hx + wi.y * hy + wi.z * hz)
         gaussian = twice * hx - wi.x, twice * hy - wi.y, xp.absolute(twice * hz - wi.z)
-        cosine = disk * cos, disk * sin, xp.sqrt(1 - u)
-        chosen = choice < self.share
-        return Components(*(xp.where(chosen, a, b) for a, b in zip(gaussian, cosine, strict=True)))
+        cosine = disk * cos, disk * sin, xp.sqrt(1 - u[0])
+        pairs = zip(gaussian, cosine, strict=True)
+        return type(wi)(*(xp.where(choice < self.share, a, b) for a, b in pairs))
 
 
 def proxy(params: Params, z: Any) -> GaussianMixture:
     """Return the proposal of codes z (..., 32)."""
     output = hidden_to_output(params, "proxy", linear(params, "proxy.0", z), "relu")
-    xp = output.__array_namespace__()
-    logistic = 0.5 - 0.5 * xp.tanh(0.5 * output)  # cannot overflow
-    sigma = xp.exp(math.log(MIN_SIGMA) * logistic[..., 0])
-    return GaussianMixture(sigma, MIN_SHARE + (1 - 2 * MIN_SHARE) * logistic[..., 1])
+    return GaussianMixture.of_outputs((output[..., 0], output[..., 1]), arrays(output))

@@ -7,7 +7,6 @@ for itself. This kernel takes minutes to compile, and ten times as long to run a
 """
 
 import contextlib
-import math
 from collections.abc import Callable, Iterator, Sequence
 
 import drjit as dr
@@ -15,8 +14,8 @@ import mitsuba as mi
 import numpy as np
 from drjit import nn
 
-from fan2022.architecture import EPSILON, EVALUATION, PROXY, Block, Linear, Norm
-from fan2022.inference import MIN_SHARE, MIN_SIGMA, GaussianMixture
+from fan2022.architecture import EPSILON, EVALUATION, PROXY, Block, Linear, Skip
+from fan2022.inference import GaussianMixture
 from urushi.core.namespace import DRJIT
 from urushi.nets.mlp import Params
 
@@ -54,14 +53,7 @@ def _packed(weight: np.ndarray, bias: np.ndarray) -> tuple:
 
 def bound(params: Params, chain: Sequence[Block]) -> Callable[[nn.CoopVec], nn.CoopVec]:
     """The function of activations that is equal to a chain."""
-    steps = []
-    for block in chain:
-        if isinstance(block, Linear):
-            steps.append(_linear(params, block.name))
-        elif isinstance(block, Norm):
-            steps.append(_norm(params, block.name))
-        else:
-            steps.append(_skip(bound(params, block.inner)))
+    steps = [_step(params, block) for block in chain]
 
     def chained(x: nn.CoopVec) -> nn.CoopVec:
         for step in steps:
@@ -71,22 +63,18 @@ def bound(params: Params, chain: Sequence[Block]) -> Callable[[nn.CoopVec], nn.C
     return chained
 
 
-def _skip(inner: Callable) -> Callable:
-    return lambda x: inner(x) + x
-
-
-def _linear(params: Params, name: str) -> Callable:
-    weight, bias = _packed(params[f"{name}.weight"].T, params[f"{name}.bias"])
-    return lambda x: nn.matvec(weight, x, bias)
-
-
-def _norm(params: Params, name: str) -> Callable:
-    width = len(params[f"{name}.scale"])
+def _step(params: Params, block: Block) -> Callable[[nn.CoopVec], nn.CoopVec]:
+    """The function that is equal to a block."""
+    if isinstance(block, Skip):
+        inner = bound(params, block.inner)
+        return lambda x: inner(x) + x
+    if isinstance(block, Linear):
+        weight, bias = _packed(params[f"{block.name}.weight"].T, params[f"{block.name}.bias"])
+        return lambda x: nn.matvec(weight, x, bias)
     # A vector in memory can be used only as the bias of a matrix, here of zeros.
-    vectors = [
-        _packed(np.zeros((width, 1)), params[f"{name}.{part}"]) for part in ("scale", "shift")
-    ]
-    mean = _packed(np.full((1, width), 1 / width), np.zeros(1))
+    zeros, names = np.zeros((block.width, 1)), (f"{block.name}.scale", f"{block.name}.shift")
+    vectors = [_packed(zeros, params[name]) for name in names]
+    mean = _packed(np.full((1, block.width), 1 / block.width), np.zeros(1))
 
     def average(x: nn.CoopVec):
         (value,) = nn.matvec(mean[0], x, mean[1])
@@ -134,27 +122,15 @@ def _chosen(index, values: Sequence):
     return result
 
 
-class Gaussian(GaussianMixture):
-    """`GaussianMixture` of Dr.Jit floats."""
-
-    def pdf(self, wi, wo):
-        return self.density(wi, wo, DRJIT)
-
-    def sample(self, wi, choice, u):  # type: ignore[override]  # as plugins draw
-        """Draw wo above the horizon from uniform numbers: `choice`, and two in `u`."""
-        return mi.Vector3f(*self.drawn(wi, choice, u.x, u.y, DRJIT))
-
-
 class PaperSampler:
     """Proposals from latent codes, the same for all directions."""
 
     def __init__(self, params: Params):
-        self._layers = [_linear(params, block.name) for block in PROXY]
+        self._layers = [_step(params, block) for block in PROXY]
 
-    def proposal(self, latent: Sequence) -> Gaussian:
+    def proposal(self, latent: Sequence) -> GaussianMixture:
         """The proposal of a latent code, a list (32) of Dr.Jit floats."""
         x = self._layers[0](nn.CoopVec(*latent))
         for layer in self._layers[1:]:
             x = layer(dr.maximum(x, 0))
-        size, share = (1 / (1 + dr.exp(value)) for value in x)
-        return Gaussian(dr.exp(math.log(MIN_SIGMA) * size), MIN_SHARE + (1 - 2 * MIN_SHARE) * share)
+        return GaussianMixture.of_outputs(x, DRJIT)

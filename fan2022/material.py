@@ -9,9 +9,11 @@ import numpy as np
 import numpy.typing as npt
 
 from fan2022.architecture import LATENT
+from fan2022.inference import GaussianMixture, proxy
 from fan2022.networks import PaperNetworks, projection_pairs
 from urushi import checks, files
 from urushi.checks import CoatParameters
+from urushi.core.namespace import NUMPY, components, stacked_components
 from urushi.errors import FileError, ParameterError, UrushiWarning
 from urushi.material.material import FORMAT_VERSION
 from urushi.material.source import source_name
@@ -64,7 +66,8 @@ class Material:
 
         All channels share one proposal, of the mean code.
         """
-        return self.networks.proposal(self.latents.mean(axis=0)).pdf(*checks.directions(wi, wo))
+        wi, wo = map(components, checks.directions(wi, wo))
+        return self._proposal().pdf(wi, wo, NUMPY)
 
     def sample(self, wi: npt.ArrayLike, u: npt.ArrayLike) -> tuple[np.ndarray, np.ndarray]:
         """Draw directions (N, 3) and their densities (N,) from uniform numbers u (N, 3).
@@ -72,9 +75,14 @@ class Material:
         wi: unit vectors (N, 3) above the horizon.
         """
         wi = checks.direction(wi, "wi")
-        u = checks.uniform(u, len(wi))
-        wo = self.networks.proposal(self.latents.mean(axis=0)).sample(wi, u)
+        choice, *numbers = checks.uniform(u, len(wi)).T
+        drawn = self._proposal().sample(components(wi), choice, numbers, NUMPY)
+        wo = stacked_components(drawn, np)
         return wo, self.pdf(wi, wo)
+
+    def _proposal(self) -> GaussianMixture:
+        """The proposal of the mean code."""
+        return proxy(self.networks.params, self.latents.mean(axis=0))
 
     def save(self, path: str | os.PathLike) -> None:
         """Write the codes and the fingerprint of the networks to a safetensors file.

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from fan2022.architecture import ALL, LATENT, PaperArchitecture, shapes
-from fan2022.inference import GaussianMixture, direction_inputs, evaluate, isotropic, layer, proxy
+from fan2022.inference import direction_inputs, evaluate, isotropic, layer
 from urushi.checks import CoatParameters, one_width
 from urushi.core.direction_sets import stratified_pairs
 from urushi.errors import ParameterError
@@ -161,10 +161,6 @@ class PaperNetworks:
     def f(self, z: Any, wi: Any, wo: Any) -> Any:
         """Values (...) [1/sr]; the network's negative outputs become zero."""
         return np.maximum(evaluate(self.params, z, direction_inputs(wi, wo)), 0)
-
-    def proposal(self, z: Any) -> GaussianMixture:
-        """The proposal of codes z (..., 32): a Gaussian and a cosine lobe, the same for all wi."""
-        return proxy(self.params, z)
 
     def _top(self, alpha: Any, eta: Any) -> np.ndarray:
         """Codes (..., 32) of rough dielectrics."""

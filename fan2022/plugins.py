@@ -3,29 +3,23 @@
 Render them within `kernels.separate_kernels`. Outside `mi.render`, they enter it themselves.
 """
 
-import contextlib
-import warnings
 from functools import partial
-from typing import Any
 
 import drjit as dr
 import mitsuba as mi
 import numpy as np
 
 from fan2022.architecture import LATENT
-from fan2022.kernels import PaperDecoder, PaperSampler, separate_kernels
 from fan2022.material import Material, encode, load
 from fan2022.networks import PaperNetworks, projection_pairs
 from fan2022.texels import CodeTexture, choose, different_rows
-from urushi.errors import ParameterError, PlatformError, UrushiWarning
-from urushi.mitsuba import spectrum
+from urushi.errors import ParameterError, PlatformError
 from urushi.mitsuba.properties import path_of
 from urushi.mitsuba.reading import probing
 from urushi.mitsuba.reading.axes import check_coat
 from urushi.mitsuba.reading.grid import check_nodes, varying_textures
 from urushi.mitsuba.reading.nested import check_bottom, nested_bsdf
 from urushi.mitsuba.reading.parameters import COAT_PROPERTIES, CoatTextures
-from urushi.mitsuba.recording import only_where
 from urushi.mitsuba.register import PluginSet
 from urushi.mitsuba.surface import Surface, surface_of
 from urushi.textures.store import ONE_TEXEL, TexelGrid
@@ -33,43 +27,11 @@ from urushi.textures.store import ONE_TEXEL, TexelGrid
 #: Texels whose bottom is evaluated at once: bounds memory.
 TEXELS = 1 << 10
 
-RECORDED = (
-    "networks of Fan et al. 2022 are recorded in one kernel with the whole path, which takes "
-    "minutes to compile; render by `python -m fan2022 render`, "
-    "or within `fan2022.separate_kernels()`"
-)
-
-
-class TexelCodes(CodeTexture):
-    """A texture of codes, and f and proposals of its vertices."""
-
-    def __init__(
-        self,
-        networks: PaperNetworks,
-        codes: np.ndarray,
-        grid: TexelGrid = ONE_TEXEL,
-        mipmaps: bool = False,
-    ):
-        """codes: see `CodeTexture`."""
-        super().__init__(codes, grid, mipmaps)
-        self._decoder, self._sampler = PaperDecoder(networks.params), PaperSampler(networks.params)
-
-    def f(self, vertex: list[list], si, wo, active) -> "mi.Spectrum":
-        recorded = dr.flag(dr.JitFlag.SymbolicScope)
-        if recorded:
-            warnings.warn(RECORDED, UrushiWarning, stacklevel=2)
-        with contextlib.nullcontext() if recorded else separate_kernels():
-            channels = only_where(active, self._decoder.f, vertex, si.wi, wo)
-        return spectrum.from_channels(channels, si.wavelengths, colors=True)
-
-    def proposal(self, vertex: list[list]) -> Any:
-        return self._sampler.proposal([sum(z) / self.channels for z in zip(*vertex, strict=True)])
-
 
 class PaperSurface(Surface):
     """A BRDF by codes of the paper's networks; subclasses set `codes`."""
 
-    codes: TexelCodes
+    codes: CodeTexture
 
     def _load(self, props):
         if dr.backend_v(mi.Float) == dr.JitBackend.CUDA:
@@ -107,7 +69,7 @@ class PaperBRDF(PaperSurface):
         if "filename" not in props:
             raise ParameterError(f"{self._where} has no filename; give a file of Material.save")
         material = load(path_of(props, "filename"), self.networks)
-        self.codes = TexelCodes(self.networks, material.latents[None])
+        self.codes = CodeTexture(self.networks, material.latents[None])
         self._file = props["filename"]
 
     def to_string(self):
@@ -121,9 +83,6 @@ class PaperLayered(PaperSurface):
     weights        string                File of the networks. (Required)
     resolution     integer               Texels per side if anything is textured. (Default: that
                                          of the largest texture; 384 bytes for an RGB texel)
-    mipmaps        boolean               Whether to average codes to mip levels, for
-                                         integrators that compute derivatives of uv. Those that
-                                         ship with Mitsuba do not. (Default: false)
     ============== ===================== ====================================================
 
     The coat and the nested BSDF are given as for ``neural_layered``, isotropic and with indices
@@ -132,12 +91,11 @@ class PaperLayered(PaperSurface):
     memory. Textures are baked over the unit square of uv, which repeats.
     """
 
-    PROPERTIES = (*COAT_PROPERTIES, "mipmaps")
+    PROPERTIES = COAT_PROPERTIES
 
     def _load(self, props):
         self._bottom = nested_bsdf(props)
         super()._load(props)
-        self._mipmaps = bool(props.get("mipmaps", False))
         self._coat = CoatTextures(props)
         check_bottom(self._bottom, self._coat.where)
         if self._coat.is_anisotropic or self._coat.has_rotation:
@@ -159,7 +117,7 @@ class PaperLayered(PaperSurface):
         chosen = choose(parts, inner, self._resolution, self._coat.where)
         coat = self._coat.layering(chosen.uv())
         codes = self.networks.layer(self._bottom_codes(below, chosen), coat)
-        self.codes = TexelCodes(self.networks, codes, chosen, self._mipmaps)
+        self.codes = CodeTexture(self.networks, codes, chosen)
 
     def _bottom_codes(self, below, grid):
         """Codes (T or 1, C, 32) of the bottom on a grid; below: it, if it has own codes."""
@@ -200,7 +158,7 @@ class PaperLayered(PaperSurface):
         return f"PaperLayered[\n{self._coat},\n  bottom = {bottom}\n]"
 
 
-def _read(below: TexelCodes, grid: TexelGrid) -> np.ndarray:
+def _read(below: CodeTexture, grid: TexelGrid) -> np.ndarray:
     """Codes (T, C, 32) of a textured bottom at the texels of a grid."""
     si = probing.interaction(np.tile([0.0, 0.0, 1.0], (grid.texels, 1)), grid.uv())
     return np.array([[z.numpy() for z in codes] for codes in below.vertex(si)]).transpose(2, 0, 1)

@@ -1,9 +1,10 @@
 """Textures of codes of the networks of Fan et al. 2022, in Dr.Jit.
 
-One texel is drawn, as in `mitsuba.reading.textures`. Mip levels are means of codes: the networks'
-latent space is linear (Fan et al. 2022).
+One texel is drawn, as in `mitsuba.reading.textures`.
 """
 
+import contextlib
+import warnings
 from collections.abc import Mapping
 
 import drjit as dr
@@ -11,11 +12,21 @@ import mitsuba as mi
 import numpy as np
 
 from fan2022.architecture import LATENT
-from urushi.errors import ParameterError
+from fan2022.inference import GaussianMixture
+from fan2022.kernels import PaperDecoder, PaperSampler, separate_kernels
+from fan2022.networks import PaperNetworks
+from urushi.errors import ParameterError, UrushiWarning
+from urushi.mitsuba import spectrum
 from urushi.mitsuba.latents.texels import drawn_texel, texel_draw
 from urushi.mitsuba.reading.grid import not_over_uv, varying_textures
-from urushi.mitsuba.recording import owned
+from urushi.mitsuba.recording import only_where, owned
 from urushi.textures.store import ONE_TEXEL, TexelGrid
+
+RECORDED = (
+    "networks of Fan et al. 2022 are recorded in one kernel with the whole path, which takes "
+    "minutes to compile; render by `python -m fan2022 render`, "
+    "or within `fan2022.separate_kernels()`"
+)
 
 #: Texels per side for procedural textures, and the largest side that is chosen automatically.
 PROCEDURAL, LARGEST = 256, 2048
@@ -62,67 +73,40 @@ def _resolution(texture: "mi.Texture") -> np.ndarray:
 
 
 class CodeTexture:
-    """Codes on a grid of texels, in single precision."""
+    """Codes on a grid of texels, in single precision, and f and proposals of its vertices."""
 
-    def __init__(self, codes: np.ndarray, grid: TexelGrid = ONE_TEXEL, mipmaps: bool = False):
+    def __init__(self, networks: PaperNetworks, codes: np.ndarray, grid: TexelGrid = ONE_TEXEL):
         """codes: (T, C, 32) of the grid's texels, or (1, C, 32)."""
+        self.grid = grid
         self.codes = np.broadcast_to(codes, (grid.texels, *codes.shape[1:]))
-        levels = [self.codes.reshape(grid.height, grid.width, *codes.shape[1:])]
-        while mipmaps and levels[-1].shape[:2] != (1, 1):
-            levels.append(half_resolution(levels[-1]))
-        numbers = np.concatenate([level.reshape(-1, *codes.shape[1:]) for level in levels])
-        self.grid, self._numbers = grid, owned(mi.Float, numbers)
-        # Of each level the number of texels before it, and its width and height.
-        sizes = np.array([(h * w, w, h) for h, w, *_ in (x.shape for x in levels)], np.uint32)
-        sizes[:, 0] = np.cumsum(sizes[:, 0]) - sizes[:, 0]
-        self._levels = [owned(mi.UInt32, column) for column in sizes.T]
+        self._numbers = owned(mi.Float, self.codes)
+        self._decoder, self._sampler = PaperDecoder(networks.params), PaperSampler(networks.params)
 
     def vertex(self, si) -> list[list]:
-        """The codes at a surface interaction: a list (32) of Dr.Jit floats for each channel.
-
-        They are of a level whose texels have the size of a pixel where the integrator computes
-        derivatives of uv.
-        """
-        draw, count = texel_draw(si.uv, si.wi), dr.width(self._levels[0])
-        offset, width, height = 0, mi.UInt32(self.grid.width), mi.UInt32(self.grid.height)
-        if count > 1 and not _are_constant(si.duv_dx, si.duv_dy):
-            squared = mi.Float(1)
-            for change in (si.duv_dx, si.duv_dy):
-                length = dr.square(change.x * width) + dr.square(change.y * height)
-                squared = dr.maximum(squared, length)
-            level = dr.minimum(mi.UInt32(0.5 * dr.log2(squared) + draw[2]), count - 1)
-            offset, width, height = (dr.gather(mi.UInt32, x, level) for x in self._levels)
-        sizes, channels = (mi.Int32(width), mi.Int32(height)), self.channels
+        """The codes at a surface interaction: a list (32) of Dr.Jit floats for each channel."""
+        sizes, channels = (mi.Int32(self.grid.width), mi.Int32(self.grid.height)), self._channels
+        draw = texel_draw(si.uv, si.wi)
         column, row = drawn_texel((si.uv.x, si.uv.y), sizes, self.grid, draw)
-        first = (offset + mi.UInt32(row * sizes[0] + column)) * channels
+        first = mi.UInt32(row * sizes[0] + column) * channels
         return [
             [dr.gather(mi.Float, self._numbers, (first + c) * LATENT + i) for i in range(LATENT)]
             for c in range(channels)
         ]
 
+    def f(self, vertex: list[list], si, wo, active) -> "mi.Spectrum":
+        recorded = dr.flag(dr.JitFlag.SymbolicScope)
+        if recorded:
+            warnings.warn(RECORDED, UrushiWarning, stacklevel=2)
+        with contextlib.nullcontext() if recorded else separate_kernels():
+            channels = only_where(active, self._decoder.f, vertex, si.wi, wo)
+        return spectrum.from_channels(channels, si.wavelengths, colors=True)
+
+    def proposal(self, vertex: list[list]) -> GaussianMixture:
+        return self._sampler.proposal([sum(z) / self._channels for z in zip(*vertex, strict=True)])
+
     @property
-    def channels(self) -> int:
-        """Number of codes of a texel, one per channel."""
+    def _channels(self) -> int:
         return self.codes.shape[1]
-
-
-def _are_constant(*vectors) -> bool:
-    """Whether vectors are literals: integrators without derivatives of uv leave literal zeros."""
-    return all(value.state == dr.VarState.Literal for vector in vectors for value in vector)
-
-
-def half_resolution(values: np.ndarray) -> np.ndarray:
-    """Averages (h, w, ...) over areas of a level's values (H, W, ...): the next level."""
-    return _half(_half(values).swapaxes(0, 1)).swapaxes(0, 1)
-
-
-def _half(values: np.ndarray) -> np.ndarray:
-    """Averages along the first axis: of two values, or of three by area if the count is odd."""
-    count, half = len(values), max(len(values) // 2, 1)
-    edges = np.linspace(0, count, half + 1)[:, None]
-    before = np.clip(edges - np.arange(count), 0, 1)  # shares of values before an edge
-    share = np.diff(before, axis=0) * (half / count)
-    return np.tensordot(share.astype(np.float32), values, 1)
 
 
 def different_rows(f: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -1,4 +1,6 @@
-"""Mixtures of `core.mixture` for arrays of NumPy."""
+"""Proposals, as of `core.mixture`, for arrays of NumPy."""
+
+from typing import Any
 
 import numpy as np
 
@@ -6,12 +8,12 @@ from urushi.core.mixture import Mixture
 from urushi.core.namespace import NUMPY, components, stacked_components
 
 
-def pdf(mixture: Mixture, wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
+def pdf(mixture: Any, wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
     """The density (...) of `sample` [1/sr] for directions (..., 3)."""
     return mixture.pdf(components(wi), components(wo), NUMPY)
 
 
-def sample(mixture: Mixture, wi: np.ndarray, u: np.ndarray) -> np.ndarray:
+def sample(mixture: Any, wi: np.ndarray, u: np.ndarray) -> np.ndarray:
     """Directions (..., 3) of numbers u (..., 3), the first for the lobe."""
     choice, *others = components(u)
     return stacked_components(mixture.sample(components(wi), choice, others, NUMPY), np)

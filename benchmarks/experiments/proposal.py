@@ -20,6 +20,7 @@ from benchmarks.showing import COLOURS, figure, rounded, table
 from fan2022.inference import MIN_SHARE, MIN_SIGMA, GaussianMixture
 from tqdm import tqdm
 
+from urushi.core.namespace import NUMPY, components
 from urushi.material import Material
 from urushi.nets.weights import Model
 
@@ -60,13 +61,18 @@ def variation(drawn: Drawn, q: np.ndarray) -> np.ndarray:
     return np.sqrt(np.maximum(second / mean**2 - 1, 0))
 
 
+def density(mixture: GaussianMixture, drawn: Drawn) -> np.ndarray:
+    """The density (A, S) [1/sr] of a proposal at drawn directions."""
+    return mixture.pdf(components(drawn.wi), components(drawn.wo), NUMPY)
+
+
 def best_gaussian(drawn: Drawn) -> GaussianMixture:
     """The paper's proposal that diverges least from f cos over all wi."""
     target = drawn.f_cos / drawn.pdf
     target = target / target.sum(axis=1, keepdims=True)
     best, least = (SIGMAS[0], COSINE_SHARES[0]), math.inf
     for sigma in SIGMAS:
-        parts = [GaussianMixture(sigma, np.float32(s)).pdf(drawn.wi, drawn.wo) for s in (0, 1)]
+        parts = [density(GaussianMixture(sigma, np.float32(s)), drawn) for s in (0, 1)]
         for share in COSINE_SHARES:
             q = np.maximum((1 - share) * parts[0] + share * parts[1], 1e-12)
             divergence = -(target * np.log(q)).sum()
@@ -82,7 +88,7 @@ def variations(model: Model, count: int) -> dict[str, tuple[np.ndarray, np.ndarr
     rows = []
     for seed, index in enumerate(tqdm(chosen, desc="materials", disable=None)):
         drawn = draw(made[index], seed)
-        gaussian = np.maximum(best_gaussian(drawn).pdf(drawn.wi, drawn.wo), 1e-12)
+        gaussian = np.maximum(density(best_gaussian(drawn), drawn), 1e-12)
         densities = (drawn.pdf, gaussian, drawn.wo[..., 2] / math.pi)
         rows.append([(variation(drawn, q), (drawn.f_cos / q).max(axis=1)) for q in densities])
     values = np.array(rows)  # (M, proposals, 2, A)

@@ -6,6 +6,7 @@ import pytest
 from fan2022 import Material, PaperNetworks, architecture, load
 from fan2022.architecture import PaperArchitecture, init
 from fan2022.inference import proxy
+from tests import mixtures
 
 import urushi
 from urushi.errors import ParameterError, UrushiWarning
@@ -39,7 +40,8 @@ def test_blocks_agree_with_numpy(rgb):
 
 
 def test_proposals_agree_with_numpy(rgb, paper):
-    from fan2022.kernels import Gaussian, PaperSampler
+    from fan2022.inference import GaussianMixture
+    from fan2022.kernels import PaperSampler
 
     own, _ = paper
     z = np.random.default_rng(7).normal(size=(50, 32)).astype(np.float32)
@@ -52,13 +54,15 @@ def test_proposals_agree_with_numpy(rgb, paper):
     w[..., 2] = np.abs(w[..., 2])
     wi, wo = (w / np.linalg.norm(w, axis=-1, keepdims=True)).astype(np.float32)
     u = np.random.default_rng(9).random((50, 3)).astype(np.float32)
-    mixture = Gaussian(rgb.Float(expected.sigma), rgb.Float(expected.share))
+    mixture = GaussianMixture(rgb.Float(expected.sigma), rgb.Float(expected.share))
     vi, vo = (rgb.Vector3f(np.ascontiguousarray(v.T)) for v in (wi, wo))
-    np.testing.assert_allclose(mixture.pdf(vi, vo).numpy(), expected.pdf(wi, wo), rtol=1e-3)
+    np.testing.assert_allclose(
+        mixture.pdf(vi, vo).numpy(), mixtures.pdf(expected, wi, wo), rtol=1e-3
+    )
     drawn = mixture.sample(vi, rgb.Float(u[:, 0]), rgb.Point2f(*map(rgb.Float, u[:, 1:].T)))
     gaussian = u[:, 0] < expected.share  # the cosine lobes warp the unit square otherwise
     assert gaussian.any()
-    there = expected.sample(wi, u)
+    there = mixtures.sample(expected, wi, u)
     np.testing.assert_allclose(drawn.numpy().T[gaussian], there[gaussian], atol=1e-4)
 
 
@@ -169,29 +173,6 @@ def test_a_texture_has_the_constant_coats_of_its_texels(rgb, paper, pairs):
         np.testing.assert_allclose(f, expected, rtol=1e-2, atol=1e-3)
     with pytest.raises(ParameterError, match="textures of its codes cannot be saved"):
         textured.save("nowhere")
-
-
-def test_mip_levels_are_means_of_codes(rgb, paper):
-    """At a footprint of 2^k texels, the code is the mean of 2^k x 2^k texels."""
-    import drjit as dr
-    from fan2022.plugins import TexelCodes
-
-    from urushi.mitsuba.reading import probing
-    from urushi.textures.store import TexelGrid
-
-    own, _ = paper
-    codes = np.random.default_rng(4).normal(size=(32, 1, 32)).astype(np.float32)
-    texture = TexelCodes(own, codes, TexelGrid(8, 4, nearest=True), mipmaps=True)
-    si = probing.interaction(np.array([[0.0, 0.0, 1.0]]), np.array([[0.1, 0.2]]))
-    grid = codes.reshape(4, 8, 32)
-    whole = grid.mean((0, 1))
-    means = {0.5: grid[0, 0], 2: grid[:2, :2].mean((0, 1)), 4: grid[:, :4].mean((0, 1))}
-    for size, mean in {**means, 8: whole, 99: whole}.items():
-        si.duv_dx, si.duv_dy = rgb.Vector2f(size / 8, 0), rgb.Vector2f(0, size / 16)
-        dr.make_opaque(si.duv_dx, si.duv_dy)
-        found = np.array([z.numpy() for z in texture.vertex(si)[0]]).ravel()
-        np.testing.assert_allclose(found, mean, atol=1e-5)
-    assert texture.codes.shape == codes.shape
 
 
 @pytest.mark.parametrize(

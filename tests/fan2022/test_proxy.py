@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from fan2022.architecture import init
 from fan2022.inference import MIN_SHARE, MIN_SIGMA, GaussianMixture, proxy
+from tests import mixtures
 
 
 def direction(degrees: float) -> np.ndarray:
@@ -18,9 +19,9 @@ def test_samples_follow_the_density(sigma, share, degrees, sphere_test):
     mixture = GaussianMixture(np.float64(sigma), np.float64(share))
     wi = direction(degrees)
     u = np.random.default_rng(6).random((100_000, 3))
-    wo = mixture.sample(wi[None], u)
+    wo = mixtures.sample(mixture, wi[None], u)
     np.testing.assert_allclose(np.linalg.norm(wo, axis=1), 1, atol=1e-9)
-    p = sphere_test(wo, lambda w: mixture.pdf(wi[None].astype(np.float64), w.astype(np.float64)))
+    p = sphere_test(wo, lambda w: mixtures.pdf(mixture, wi[None], w.astype(float)))
     assert p > 1e-3 / 9  # nine tests
 
 

@@ -63,30 +63,20 @@ def state_dict(tensors: Mapping[str, np.ndarray], **options) -> tuple[bytes, dic
     return dictionary(entries), {str(i): a.tobytes() for i, a in enumerate(tensors.values())}
 
 
-def write(
-    path: Path,
-    program: bytes,
-    storages: Mapping[str, bytes],
-    *,
-    order: bytes = b"little",
-    compression: int = zipfile.ZIP_STORED,
-) -> Path:
+def write(path: Path, program: bytes, storages: Mapping[str, bytes]) -> Path:
     """Write instructions and storages as a zip file."""
-    with zipfile.ZipFile(path, "w", compression) as archive:
+    with zipfile.ZipFile(path, "w") as archive:
         archive.writestr(f"{path.stem}/data.pkl", PROTO + program + STOP)
-        archive.writestr(f"{path.stem}/byteorder", order)
         for key, data in storages.items():
             archive.writestr(f"{path.stem}/data/{key}", data)
         archive.writestr(f"{path.stem}/version", b"3\n")
     return path
 
 
-def write_legacy(
-    path: Path, program: bytes, storages: Mapping[str, np.ndarray], *, little: bool = True
-) -> Path:
+def write_legacy(path: Path, program: bytes, storages: Mapping[str, np.ndarray]) -> Path:
     """Write instructions and storages as PyTorch did before version 1.6."""
     sizes = {"short": 2, "int": 4, "long": 4}
-    system = {"protocol_version": 1001, "little_endian": little, "type_sizes": sizes}
+    system = {"protocol_version": 1001, "little_endian": True, "type_sizes": sizes}
     parts = [pickle.dumps(part, 2) for part in (0x1950A86A20F9469CFC6C, 1001, system)]
     parts += [PROTO + program + STOP, pickle.dumps(list(storages), 2)]
     parts += [struct.pack("<q", array.size) + array.tobytes() for array in storages.values()]
