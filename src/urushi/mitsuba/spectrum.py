@@ -145,6 +145,17 @@ def stacked(channels: Sequence[Sequence], count: int) -> np.ndarray:
     return np.moveaxis(np.array(rows, np.float32), -1, 0)
 
 
+def channels_at(uv: np.ndarray, read: Callable[..., Sequence]) -> np.ndarray:
+    """Numbers float32 (C, M) at points uv (M, 2).
+
+    read: from surface interactions and active lanes to its channels, as of `to_channels`.
+    """
+    si = points(uv)
+    channels = at_bands(si, lambda: read(si, True))
+    dr.eval(channels)
+    return np.array([np.broadcast_to(x.numpy(), len(uv)) for x in channels], np.float32)
+
+
 def band_at(wavelengths) -> list:
     """The band of constant coats (UInt32) at each wavelength of a spectrum [nm]."""
     place = (dr.tanh(STEEPNESS * (wavelengths - CENTRE)) - _LOWEST) * (COUNT / (_HIGHEST - _LOWEST))

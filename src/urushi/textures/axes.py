@@ -1,64 +1,23 @@
-"""Materials over axes: codes at nodes, between which renderers interpolate.
+"""Axes: the parameters of a material that vary over a surface, and places on them.
 
-A material has few parameters that vary over a surface. Each is an axis, with nodes over the range
-of the parameter. Light transport is computed at some hundred points, which a polyharmonic spline
-(Duchon 1977) interpolates to the nodes. Codes are smooth along the axes, so that linear
-interpolation between nodes adds little. The lobe of the coat is known at every point.
-
-A material whose parameters are not known has the axes v and u, and its nodes are texels.
+A material has few parameters that vary. Each is an axis, with nodes over the range of the
+parameter. Codes are smooth along the axes, so that linear interpolation between nodes adds little.
 """
 
 import math
-from collections.abc import Callable, Mapping, Sequence
-from typing import Any, NamedTuple, Protocol
+from collections.abc import Callable, Sequence
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from urushi.checks import CoatParameters
-from urushi.core.namespace import NUMPY, Namespace
-from urushi.material.albedo_rule import albedo_rule
-from urushi.material.energy import MARGIN, limit_albedo
-from urushi.nets import lobe as lobes
-from urushi.nets import transmittance
-from urushi.nets.weights import Model
-from urushi.textures.spline import points, spline
-from urushi.textures.store import TexelGrid
-
-#: Points of transport by the number of axes, of one width and of two; a point of two widths takes a
-#: hundred times as long.
-POINTS = {1: (24, 64, 128, 192, 320, 448), 2: (6, 12, 20, 32, 40, 48)}
-
-#: Most axes.
-AXES = len(POINTS[1])
-
-#: Numbers of nodes of an axis, and the most nodes of all axes together: their codes fit into the
-#: caches of a processor.
-COUNTS, NODES = (2, 3, 5, 9, 17, 33, 65), 1 << 13
-
-#: Root mean square error of ln f between nodes from which an axis has enough of them.
-SMOOTH = 5e-4
-
-#: Lines along one of several axes, and steps of each, by which its nodes are chosen.
-LINES, STEPS = 32, 32
-
-#: Step of the differences by which slopes are found, in coordinates.
-DIFFERENCE = 0.04
-
-#: One of so many points has slopes of constants, which change slowly along axes.
-SPARSE = 4
+from urushi.core.namespace import Namespace
 
 #: Offset of a reflectance in its logarithm.
 DARK = 0.01
 
-#: [1/sr] Added to g (`nets.transmittance`) in codes along axes, and subtracted again where they are
-#: evaluated: the logarithm of a rest that becomes black would have no bound. A Lambertian surface
-#: of `DARK` under a coat has about as much, so that codes are linear in its coordinate.
-FAINT = 1e-3
-
 #: Scales of axes: along which coordinate of a parameter codes are closest to linear.
 WIDTH, DEPTH, REFLECTANCE, LINEAR = "width", "depth", "reflectance", "linear"
 ALBEDO, INDEX = "albedo", "index"  # of single scattering; relative, above or below one
-
 
 #: Three changes of a constant, one of which is zero, by which slopes are found.
 Changes = tuple[float, float, float]
@@ -119,65 +78,31 @@ def _scaled(scale: str, value: Any, xp: Any) -> Any:
     return value if scale == LINEAR else xp.sqrt(value)
 
 
-class Rows(Protocol):
-    """A material at rows of values (k, d) along axes, followed by changes of constants."""
+class Leader(NamedTuple):
+    """The parameter of which another one is a function, and this function."""
 
-    def coats(self, values: np.ndarray) -> CoatParameters:
-        """The coats, arrays (C, k); C is 1 if all channels are alike at the same values."""
+    name: str
+    values: np.ndarray  # (N,) of the leader, ascending
+    own: np.ndarray  # (N,) those of the other one
 
-    def rests(self, values: np.ndarray) -> np.ndarray:
-        """f (C, k, P) [1/sr] of the coated material at the probe pairs by light transport.
-
-        It is without the lobe of the coat.
-        """
+    def at(self, values: np.ndarray) -> np.ndarray:
+        """The other parameter at values of the leader."""
+        return np.interp(values, self.values, self.own)
 
 
-class Baked(NamedTuple):
-    """Codes of a material at the nodes of its axes; C is one if all channels are alike."""
+class Varying(NamedTuple):
+    """A parameter that varies over a surface or carries a gradient."""
 
-    model: Model
-    axes: tuple[Axis, ...]
-    shape: tuple[int, ...]  # number of nodes along each axis
-    lobes: np.ndarray  # float32 (C, N, M) of the codes, the last axis the fastest; C maybe one
-    rests: np.ndarray  # float32 (C, N, K) the other numbers
-    faint: float = 0.0  # [1/sr] by which g of the rests is too large
-    grid: TexelGrid | None = None  # of texels, if these are the nodes
-    constants: tuple[str, ...] = ()  # names of the constants of which `slopes` are known, too
-    #: Of the rests by the values of axes and constants, float32 (C, N, d + constants, K).
-    slopes: Callable[[], np.ndarray] | None = None
-
-    @classmethod
-    def of_texels(cls, model: Model, codes: np.ndarray, grid: TexelGrid) -> "Baked":
-        """Codes (T, C, L) of the texels of a grid."""
-        codes = np.moveaxis(codes[:, :1] if (codes == codes[:, :1]).all() else codes, 1, 0)
-        lobes, rests = np.split(codes, [model.arch.lobe], axis=-1)
-        axes = tuple(Axis(name, LINEAR, 0.0, 1.0) for name in ("v", "u"))
-        return cls(model, axes, (grid.height, grid.width), lobes, rests, grid=grid)
-
-    @property
-    def channels(self) -> int:
-        """Number of different channels at the same place on the axes."""
-        return len(self.rests)
-
-    def corners(
-        self, coordinates: Sequence, index: Callable[[Any], Any], xp: Namespace
-    ) -> list[tuple[Any, Any]]:
-        """Nodes and weights by which codes are interpolated at coordinates, one on each axis.
-
-        index: makes whole numbers.
-        """
-        if self.grid is not None:
-            return [(nearest(self.shape, coordinates, index), 1.0)]
-        return simplex(self.shape, coordinates, index, xp)
-
-    def codes(self, coordinates: Sequence[np.ndarray], channel: int) -> np.ndarray:
-        """Codes (k, L) of a channel at coordinates (k,) on each axis."""
-        lobe, rest = (x[min(channel, len(x) - 1)] for x in (self.lobes, self.rests))
-        total = 0.0
-        for node, weight in self.corners(coordinates, whole_numbers, NUMPY):
-            codes = np.concatenate([lobe[node], rest[node]], axis=-1)
-            total = total + np.asarray(weight)[..., None] * codes
-        return np.asarray(total, np.float32)
+    axis: Axis
+    #: From a surface interaction and active lanes to its Dr.Jit floats: one, or one a channel.
+    read: Callable[[Any, Any], list]
+    sources: Sequence[Any] = ()  # the textures on which it depends
+    texture: Any = None  # which it is, of a bottom
+    differentiable: bool = False  # whether it carries a gradient
+    places: np.ndarray | None = None  # of the axis of wavelengths, see `reading.rows`
+    #: Changes of a constant that carries a gradient, by which its slopes are found; else None.
+    changes: Changes | None = None
+    leader: Leader | None = None  # along whose axis it varies, see `reading.varying.joined`
 
 
 def whole_numbers(x: Any) -> np.ndarray:
@@ -219,134 +144,3 @@ def simplex(
         node = node + step
         corners.append((node, ends[k] - ends[k + 1]))
     return corners
-
-
-def slope_weights(places: np.ndarray, at: np.ndarray) -> np.ndarray:
-    """Weights (k, 3) of values at places (k, 3): the slope at `at` (k,) of a quadratic.
-
-    At the end of a range, where all places are on one side, it is as accurate as a difference of
-    both sides is elsewhere.
-    """
-    others = places[:, [[1, 2], [0, 2], [0, 1]]]  # of each place, the two others
-    sums = 2 * at[:, None] - others.sum(axis=-1)
-    return sums / np.prod(places[:, :, None] - others, axis=-1)
-
-
-def bake(
-    model: Model,
-    axes: Sequence[Axis],
-    rows: Rows,
-    constants: Mapping[str, Changes] | None = None,
-) -> Baked:
-    """The codes at nodes of the axes, at most `AXES` of them.
-
-    constants: changes of each constant whose slopes are wanted, too.
-    """
-    own, ends = tuple(axes), list((constants or {}).values())
-    size, rest = model.arch.lobe, model.arch.rest
-
-    def values(x: np.ndarray, changes: Sequence[float] = ()) -> np.ndarray:
-        columns = [a.values(column) for a, column in zip(own, x.T, strict=True)]
-        columns += [np.full(len(x), change) for change in changes or np.zeros(len(ends))]
-        return np.stack(columns, axis=1)
-
-    def lobes_at(x: np.ndarray, changes: Sequence[float] = ()) -> np.ndarray:
-        alpha, eta, *_ = rows.coats(values(x, changes))
-        return np.asarray(lobes.of_coat(alpha, eta)[0], np.float32)
-
-    def found(x: np.ndarray, *ways: Sequence[float]) -> np.ndarray:
-        """Rests (k, C, n, K) at coordinates (k, d) after n changes of constants."""
-        rests = np.stack([rows.rests(values(x, way)) for way in ways], axis=-2)
-        tops = np.stack([lobes_at(x, way) for way in ways], axis=-2)
-        return np.moveaxis(codes_of_rests(model, rests, tops)[..., size:], 0, 1)
-
-    x = points(len(own), POINTS[model.widths][len(own) - 1]) if own else np.zeros((1, 0))
-    smooth = spline(x, found(x, ())[:, :, 0])
-
-    def rests_at(x: np.ndarray) -> np.ndarray:
-        """Rests (C, k, K) at coordinates (k, d)."""
-        rests = np.moveaxis(smooth(x), 1, 0)
-        tops = lobes_at(x)
-        whole = np.broadcast_to(tops, (*rests.shape[:2], size))
-        codes = np.concatenate([whole, rests], axis=-1, dtype=np.float32)
-        return limit_albedo(model, codes, ceilings(model, tops))[..., size:]
-
-    shape = node_counts(model, lambda x: np.moveaxis(rests_at(x), 0, 1), len(own))
-    sides = [np.linspace(0, 1, count) for count in shape]
-    nodes = np.zeros((1, 0))
-    if own:
-        nodes = np.stack(np.meshgrid(*sides, indexing="ij"), axis=-1).reshape(-1, len(own))
-
-    def slopes() -> np.ndarray:
-        parts = []
-        for k, axis in enumerate(own):
-            beside = np.repeat(nodes[:, None], 3, axis=1)
-            middle = np.clip(nodes[:, k], DIFFERENCE, 1 - DIFFERENCE)
-            beside[..., k] = middle[:, None] + np.array([-1, 0, 1]) * DIFFERENCE
-            weights = slope_weights(axis.values(beside[..., k]), axis.values(nodes[:, k]))
-            rests = rests_at(beside.reshape(-1, len(own)))
-            parts.append(
-                np.einsum("kn,cknj->ckj", weights, rests.reshape(-1, *weights.shape, rest))
-            )
-        some = x[::SPARSE]
-        for changes, unit in zip(ends, np.eye(len(ends)), strict=True):
-            weights = slope_weights(np.array([changes]), np.zeros(1))[0]
-            used = np.flatnonzero(weights)
-            rests = found(some, *([*(unit * changes[i])] for i in used))
-            change = np.einsum("n,kcnj->kcj", weights[used], rests)
-            parts.append(np.moveaxis(spline(some, change)(nodes), 1, 0))
-        return np.stack(parts, axis=2).astype(np.float32)
-
-    tops, names = lobes_at(nodes)[None], tuple(constants or ())
-    return Baked(model, own, shape, tops, rests_at(nodes), FAINT, constants=names, slopes=slopes)
-
-
-def codes_of_rests(model: Model, rests: np.ndarray, tops: np.ndarray) -> np.ndarray:
-    """Codes float32 (C, k, n, L) of rests (C, k, n, P) and lobes (k, n, M).
-
-    Their g is by `FAINT` too large. The n codes of a place have the same stretch, so that their
-    differences are those of f: stretches are rounded.
-    """
-    pairs, own = model.networks.pairs(), tops[..., None, :]
-    added = lobes.f(own, *pairs) + FAINT * transmittance.both_ways(own, *pairs)
-    return model.networks.encode(rests + added, tops)
-
-
-def ceilings(model: Model, tops: np.ndarray) -> np.ndarray:
-    """Largest albedos (k, K) of codes of lobes (k, M) whose g is by `FAINT` too large.
-
-    K directions of `albedo_rule`. No light is added by what `FAINT` adds, of at most this albedo.
-    """
-    directions = albedo_rule(model.widths).directions
-    return 1 - MARGIN + np.pi * FAINT * transmittance.of_lobe(tops[:, None], directions)
-
-
-def node_counts(
-    model: Model, rests_at: Callable[[np.ndarray], np.ndarray], dimensions: int
-) -> tuple[int, ...]:
-    """Numbers of nodes, one of `COUNTS` for each axis, by the curvature of rests along it.
-
-    rests_at: (k, C, K) at coordinates (k, d).
-    """
-    basis = model.networks.basis
-    functions = basis.probe_rows(0.0)[:, 1:] * np.sqrt(basis.measure / basis.measure.sum())[:, None]
-    rng, curvatures = np.random.default_rng(0), []
-    lines = LINES if dimensions > 1 else 1  # a sole axis is one line
-    for axis in range(dimensions):
-        x = np.repeat(rng.random((lines, 1, dimensions)), STEPS + 1, axis=1)
-        x[..., axis] = np.linspace(0, 1, STEPS + 1)
-        found = rests_at(x.reshape(-1, dimensions)).reshape(lines, STEPS + 1, -1, model.arch.rest)
-        bent = np.diff(found[..., : functions.shape[1]], n=2, axis=1) @ functions.T
-        curvatures.append(np.sqrt(np.quantile(np.square(bent).sum(axis=-1), 0.9)))
-    steps, counts = np.array(curvatures) / 8 * STEPS**2, np.zeros(dimensions, int)
-    growing = np.ones(dimensions, bool)
-    while growing.any():
-        errors = np.where(growing, steps / (np.take(COUNTS, counts) - 1) ** 2, 0)
-        axis = int(errors.argmax())
-        more = counts + (np.arange(dimensions) == axis)
-        enough = errors[axis] < SMOOTH or more[axis] == len(COUNTS)
-        if enough or np.prod(np.take(COUNTS, more)) > NODES:
-            growing[axis] = False
-        else:
-            counts = more
-    return tuple(np.take(COUNTS, counts).tolist())

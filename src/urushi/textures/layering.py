@@ -62,6 +62,7 @@ def layer_rows(model: Model, rows: np.ndarray) -> np.ndarray:
 def _coats(model: Model, rows: np.ndarray) -> CoatParameters:
     """The coats of rows; rounding to single precision makes no width too small."""
     coat = CoatParameters.of_columns([*rows[:, model.arch.latent :].T.astype(np.float64)])
+    coat = with_widths(model, coat)
     return coat._replace(alpha=of_widths(lambda x: np.maximum(x, MIN_ALPHA), coat.alpha))
 
 
@@ -84,7 +85,7 @@ def representatives(x: np.ndarray, count: int) -> np.ndarray:
 
 def transported(model: Model, z: np.ndarray, coat: CoatParameters) -> np.ndarray:
     """Codes (k, L) of bottoms z (k, L) under coats (k,), by light transport at the probe pairs."""
-    coat = checks.coat(with_widths(model, coat), "the coat's", any_shape=True)
+    coat = checks.coat(coat, "the coat's", any_shape=True)
     check_ratios(model, z, coat)
     rests = transported_rests(model, *different(model, z), coat)
     # Each row is a material of its own, with one channel.

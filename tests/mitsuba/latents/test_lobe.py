@@ -11,7 +11,7 @@ from urushi.material.material import Material
 from urushi.nets import lobe as numpy_lobe
 from urushi.nets import transmittance
 from urushi.nets.weights import Model
-from urushi.textures.axes import Baked
+from urushi.textures.baking import Baked
 from urushi.textures.store import TexelGrid
 
 #: alpha, normal, grazing, exact, eta, k; one for each kind of code that is recorded.
@@ -71,7 +71,7 @@ def constant(model, z):
 
 def textured(model, z):
     """A texture of 4 x 2 equal texels."""
-    from urushi.mitsuba.latents.axes import AxisLatents
+    from urushi.mitsuba.latents.over_axes import AxisLatents
     from urushi.mitsuba.latents.texels import texel_axes
 
     grid = TexelGrid(4, 2)

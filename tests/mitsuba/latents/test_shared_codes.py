@@ -9,7 +9,7 @@ from tests.untrained import untrained
 from urushi.core.direction_sets import cosine_pairs
 from urushi.material.material import Material
 from urushi.nets.weights import Model
-from urushi.textures.axes import Baked
+from urushi.textures.baking import Baked
 from urushi.textures.store import TexelGrid
 
 COUNT = 500
@@ -66,7 +66,7 @@ def test_a_constant_of_one_code(rgb, model, codes):
 
 def test_a_texture_of_one_code_a_texel(rgb, model, codes):
     """The values are those of the codes that are looked up."""
-    from urushi.mitsuba.latents.axes import AxisLatents
+    from urushi.mitsuba.latents.over_axes import AxisLatents
     from urushi.mitsuba.latents.texels import texel_axes
 
     grid, texels = TexelGrid(2, 2), codes[[SAME, [1, 1, 1], SAME, [1, 1, 1]]]

@@ -215,8 +215,8 @@ def test_mesh_attributes_and_volumes(rgb, name):
 
 def test_a_width_on_a_mesh_has_all_values_near_the_other_one(rgb):
     """Codes have ratios of widths up to 10."""
-    from urushi.mitsuba.reading.axes import varying_parameters
     from urushi.mitsuba.reading.parameters import CoatTextures
+    from urushi.mitsuba.reading.varying import varying_parameters
 
     on_mesh = {"type": "mesh_attribute", "name": "vertex_width"}
     bottom = {"type": "roughconductor", "alpha_u": on_mesh, "alpha_v": 0.02}
@@ -230,7 +230,7 @@ def test_a_width_on_a_mesh_has_all_values_near_the_other_one(rgb):
 
 def test_texels_of_files_follow_the_textures(rgb):
     """A bitmap's texels have a whole number of them, at least 64 a side; constants do not count."""
-    from urushi.mitsuba.reading.baking import grid_of
+    from urushi.mitsuba.reading.layer_codes import grid_of
 
     small = rgb.load_dict(bitmap(np.random.default_rng(0).random((3, 5, 1))))
     uniform = rgb.load_dict({"type": "uniform", "value": 0.5})

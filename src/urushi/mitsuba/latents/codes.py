@@ -1,4 +1,4 @@
-"""The latent codes of a plugin: constant ones, and what they share with `latents.axes`.
+"""The latent codes of a plugin: constant ones, and what they share with `latents.over_axes`.
 
 Codes have two operations: `vertex` computes what evaluating and sampling at a surface interaction
 share, and `f_and_pdf` evaluates every channel and the proposal's density there.

@@ -13,8 +13,7 @@ from functools import partial
 import drjit as dr
 import mitsuba as mi
 
-from urushi.mitsuba.latents.axes import Varying
-from urushi.textures.axes import LINEAR, Axis
+from urushi.textures.axes import LINEAR, Axis, Varying
 from urushi.textures.store import TexelGrid
 
 #: Number of steps of a texel's weight along an axis. A point within half a step of the centre of a

@@ -12,7 +12,6 @@ from urushi.mitsuba import spectrum
 from urushi.mitsuba.plugins.bottom_lobes import BottomLobes
 from urushi.mitsuba.plugins.compensation import Compensation
 from urushi.mitsuba.plugins.stack import CoatStack, MitsubaBottom
-from urushi.mitsuba.reading.axes import check_coat
 from urushi.mitsuba.reading.changed import relative_to
 from urushi.mitsuba.reading.nested import (
     LowestInterface,
@@ -24,6 +23,7 @@ from urushi.mitsuba.reading.nested import (
     pane,
 )
 from urushi.mitsuba.reading.parameters import COAT_PROPERTIES, CoatTextures
+from urushi.mitsuba.reading.ranges import check_coat
 from urushi.mitsuba.recording import compiled_once
 from urushi.mitsuba.surface import KnownSurface, Surface, surface_of
 

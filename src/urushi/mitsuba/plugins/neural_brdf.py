@@ -10,14 +10,14 @@ from urushi.material import Material, load
 from urushi.material.layer import under as below_medium
 from urushi.mitsuba import spectrum
 from urushi.mitsuba.frames import Turn
-from urushi.mitsuba.latents.axes import AxisLatents
 from urushi.mitsuba.latents.codes import ConstantLatents
+from urushi.mitsuba.latents.over_axes import AxisLatents
 from urushi.mitsuba.latents.texels import texel_axes
 from urushi.mitsuba.properties import path_of, read_weights
 from urushi.mitsuba.recording import opaque, owned
 from urushi.mitsuba.surface import KnownSurface, Surface
 from urushi.nets.weights import Model
-from urushi.textures.axes import Baked
+from urushi.textures.baking import Baked
 from urushi.textures.store import KIND, read_texture, write_texture
 
 

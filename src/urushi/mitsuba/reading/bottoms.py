@@ -18,7 +18,7 @@ from urushi.mitsuba.reading.known import known_surface
 from urushi.mitsuba.reading.nested import check_bottom
 from urushi.mitsuba.reading.parameters import CoatTextures
 from urushi.nets.lobe import with_two_widths
-from urushi.nets.transmittance import table_beside
+from urushi.nets.transmittance import remainder, table_beside
 from urushi.nets.weights import Model
 
 #: Width below which a lobe stays beside the table of a bottom, which is too coarse for it.
@@ -91,6 +91,23 @@ def probed_codes(model: Model, bottom: "mi.BSDF", uv: np.ndarray, where: str) ->
     f = probing.check_values(probing.texel_values(bottom, *pairs, uv, average), where)
     # Each row is a material of its own.
     return model.networks.encode(f[:, :, None], None if lobe is None else lobe[:, :, None])[:, :, 0]
+
+
+def probed_tables(
+    model: Model, bottom: "mi.BSDF", uv: np.ndarray, where: str, channels: int
+) -> tuple[np.ndarray, np.ndarray | None]:
+    """ln g (channels, M, U, V, W) at points uv (M, 2), beside lobes (channels, M, N) or None."""
+    exact = known_surface(bottom).table_source() or bottom
+    known = known_lobes(model, bottom, uv, where)
+    wi, wo = (w.reshape(-1, 3) for w in node_pairs())
+    average = probing.needed_averaging(exact, *model.networks.pairs(), uv, where)
+    f = probing.texel_values(exact, wi, wo, uv, average)[:, :channels]
+    f = np.moveaxis(probing.check_values(f, where), 1, 0)
+    if known is not None:
+        known = np.moveaxis(known[:, :channels], 1, 0)
+        f = remainder(f, known[..., None, :], wi, wo)
+    logs = np.moveaxis(table_of_values(f.reshape(-1, len(wi)).T), -1, 0)
+    return logs.reshape(*f.shape[:2], *logs.shape[1:]), known
 
 
 def known_lobes(model: Model, bottom: "mi.BSDF", uv: np.ndarray, where: str) -> np.ndarray | None:

@@ -11,13 +11,12 @@ from urushi.checks import MIN_INDEX_STEP, CoatParameters
 from urushi.core.microfacet import of_widths
 from urushi.material.layer import check_ratios
 from urushi.mitsuba import spectrum
-from urushi.mitsuba.latents.axes import Varying
-from urushi.mitsuba.reading.axes import NANOMETRES, WAVELENGTH
 from urushi.mitsuba.reading.bottoms import Layer
 from urushi.mitsuba.reading.rows import BottomRows, NestedRows, along_u, wavelengths_of
+from urushi.mitsuba.reading.varying import NANOMETRES, WAVELENGTH
 from urushi.mitsuba.recording import owned
 from urushi.nets.weights import Model
-from urushi.textures.axes import LINEAR, Axis
+from urushi.textures.axes import LINEAR, Axis, Varying
 from urushi.textures.layering import transported_rests
 
 #: Parts of the spectrum in which a material's changes with the wavelength are found.
@@ -25,7 +24,7 @@ WAVELENGTHS = 128
 
 
 class CoatedRows:
-    """A coat over a bottom at rows of values."""
+    """A coat over a bottom at rows of values, of `varying` and then of constants."""
 
     def __init__(
         self,
@@ -38,41 +37,39 @@ class CoatedRows:
     ):
         """led: those that follow others. constants: those that change."""
         self._model, self._layer, self._bottoms = model, layer, bottoms
-        self._names, self._varying = [x.axis.name for x in varying], varying
+        self.varying = list(varying)  # and the wavelength, where the material changes with it
         self._led = {x.axis.name: x.leader for x in led if x.leader is not None}
         self._changing = [x.axis.name for x in constants]
-        self._places = next((x.places for x in varying if x.places is not None), None)
-        given = {*self._names, *self._led}
-        same = all((x == x[:1]).all() for name, x in layer.numbers.items() if name not in given)
+        self._known = {x.axis.name for x in (*varying, *led)}
+        same = all((x == x[:1]).all() for n, x in layer.numbers.items() if n not in self._known)
         grey = same and bottoms.is_grey()
-        self.needs_wavelengths = bool(mi.is_spectral) and not grey and WAVELENGTH not in self._names
         self._channels = 1 if grey or mi.is_spectral else spectrum.channel_count()
+        if mi.is_spectral and not grey and WAVELENGTH not in self._known:
+            self.varying.append(wavelengths_varying(self._spectral_changes()))
 
-    def with_wavelengths(self) -> Varying:
-        """Follow the wavelength as one more parameter."""
+    def _spectral_changes(self) -> np.ndarray:
+        """Amounts by which the material changes in `WAVELENGTHS` equal parts of the spectrum."""
         count = WAVELENGTHS
-        middle = np.array([[x.axis.values(np.array(0.5)) for x in self._varying]])
-        middle = np.append(middle, np.zeros((1, len(self._changing))), axis=1)
-        named = self._named(np.repeat(middle, count + 1, axis=0))
+        middle = [x.axis.values(np.array(0.5)) for x in self.varying]
+        named = self._named(np.tile([*middle, *[0.0] * len(self._changing)], (count + 1, 1)))
         named[NANOMETRES] = np.linspace(*spectrum.ENDS, count + 1)
         changes = self._bottoms.spectral_changes(count, named)
         for column in self._columns(named, count + 1):
             changes = changes + np.abs(np.diff(column[0]))
-        found = wavelengths_varying(changes)
-        self._places = found.places
-        self._names.append(WAVELENGTH)
-        return found
+        return changes
 
     def _named(self, values: np.ndarray) -> dict[str, np.ndarray]:
-        named = dict(zip([*self._names, *self._changing], values.T, strict=True))
+        names = [*(x.axis.name for x in self.varying), *self._changing]
+        named = dict(zip(names, values.T, strict=True))
         named |= {name: leader.at(named[leader.name]) for name, leader in self._led.items()}
-        if self._places is not None:
-            even = np.linspace(*spectrum.ENDS, len(self._places))
-            named[NANOMETRES] = np.interp(named[WAVELENGTH], self._places, even)
+        for x in self.varying:
+            if x.places is not None:
+                even = np.linspace(*spectrum.ENDS, len(x.places))
+                named[NANOMETRES] = np.interp(named[WAVELENGTH], x.places, even)
         return named
 
     def coats(self, values: np.ndarray) -> CoatParameters:
-        """See `Rows`."""
+        """The coats, arrays (C, k), see `textures.baking.bake`."""
         alpha, *others = self._columns(self._named(values), len(values))
         if self._layer.coat.is_anisotropic:
             return CoatParameters(checks.Widths(alpha, others[0]), *others[1:])
@@ -87,8 +84,7 @@ class CoatedRows:
                 found = self._layer.coat.numbers(along_u(count))
         columns = []
         for name, own in found.items():
-            is_given = name in self._names or name in self._led
-            column = named[name][None] if is_given else own[: self._channels]
+            column = named[name][None] if name in self._known else own[: self._channels]
             column = column.astype(np.float64)
             if name in self._changing:
                 column = column + named[name]
@@ -97,8 +93,8 @@ class CoatedRows:
             columns.append(np.broadcast_to(column, (self._channels, count)))
         return columns
 
-    def rests(self, values: np.ndarray) -> np.ndarray:
-        """See `Rows`."""
+    def transported(self, values: np.ndarray) -> np.ndarray:
+        """f (C, k, P) [1/sr] without the lobe of the coat, see `textures.baking.bake`."""
         model, coat = self._model, self.coats(values)
         below, places = self._bottoms.substrate(self._named(values), self._channels)
         check_ratios(model, below.reflector.lobe, coat)

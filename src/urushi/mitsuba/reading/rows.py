@@ -9,36 +9,31 @@ from functools import cached_property
 from itertools import product
 from typing import Any
 
-import drjit as dr
 import mitsuba as mi
 import numpy as np
 
-from urushi.core.table import SHAPE, node_pairs, table_of_values
+from urushi.core.table import SHAPE
 from urushi.material.material import Material
 from urushi.material.reflector import Reflector
 from urushi.material.substrate import Substrate, of_material
 from urushi.mitsuba import spectrum
-from urushi.mitsuba.latents.axes import AxisLatents, Varying, without_faint
+from urushi.mitsuba.latents.over_axes import AxisLatents, without_faint
 from urushi.mitsuba.reading import probing
-from urushi.mitsuba.reading.axes import (
-    BOTTOM,
-    NANOMETRES,
-    WAVELENGTH,
-)
 from urushi.mitsuba.reading.bottoms import (
     Layer,
     bottom_material,
-    known_lobes,
     nested_latents,
     probed_codes,
+    probed_tables,
 )
 from urushi.mitsuba.reading.changed import relative_to, replaced
 from urushi.mitsuba.reading.grid import not_over_uv
 from urushi.mitsuba.reading.known import known_surface
 from urushi.mitsuba.reading.textures import derived
-from urushi.nets.transmittance import remainder
+from urushi.mitsuba.reading.varying import BOTTOM, NANOMETRES, WAVELENGTH
 from urushi.nets.weights import Model
-from urushi.textures.axes import FAINT
+from urushi.textures.axes import Varying
+from urushi.textures.baking import FAINT
 from urushi.textures.layering import different
 
 #: Bottoms whose tables are computed at once: bounds memory.
@@ -75,7 +70,12 @@ class NestedRows:
         self, values: Mapping[str, np.ndarray], channels: int
     ) -> tuple[Substrate, np.ndarray]:
         """See `BottomRows`."""
-        codes, model = self._latents.codes(_inside(values)), self._latents.model
+        own = {
+            name.removeprefix(BOTTOM): x[None]
+            for name, x in values.items()
+            if name.startswith(BOTTOM) or name == WAVELENGTH
+        }
+        codes, model = self._latents.codes(own), self._latents.model
         if model.widths == 2:
             return different(model, without_faint(model, codes))
         flat, shape = codes.reshape(-1, codes.shape[-1]), codes.shape[:2]
@@ -104,26 +104,18 @@ class BottomRows:
         if any(not_over_uv(x.texture) for x in varying if x.texture):
             some = {x.axis.name: np.array([x.axis.least]) for x in varying}
             return None if plain._at(some) is None else plain
-        rng = np.random.default_rng(0)
-        uv, (wi, wo) = rng.random((COMPARED, 2)), (x[::8] for x in model.networks.pairs())
-        si = spectrum.points(uv)
-        values = {
-            x.axis.name: [mi.Float(0)]
-            if x.changes
-            else spectrum.at_bands(si, lambda x=x: x.read(si, True))
-            for x in varying
-        }
-        dr.eval(values)
+        uv = np.random.default_rng(0).random((COMPARED, 2))
+        wi, wo = (x[::8] for x in model.networks.pairs())
         rows = {
-            name: [np.broadcast_to(x.numpy(), len(uv)) for x in channels]
-            for name, channels in values.items()
+            x.axis.name: np.zeros((1, COMPARED)) if x.changes else spectrum.channels_at(uv, x.read)
+            for x in varying
         }
         f = probing.texel_values(layer.below, wi, wo, uv, probing.Averaging())
         for channel in range(f.shape[1]):
             at = plain._at({n: x[min(channel, len(x) - 1)] for n, x in rows.items()})
             if at is None:
                 return None
-            own = probing.texel_values(at, wi, wo, along_u(len(uv)), probing.Averaging())
+            own = probing.texel_values(at, wi, wo, along_u(COMPARED), probing.Averaging())
             error = np.abs(own[:, channel] - f[:, channel]).sum()
             if error > TOLERANCE * max(f[:, channel].sum(), 1e-9):
                 return None
@@ -168,7 +160,7 @@ class BottomRows:
             elif x.axis.name != INDEX:  # a plain number, which changes in all rows alike
                 numbers[x.axis.name.removeprefix(BOTTOM)] = x.axis.least + rows[x.axis.name][0]
         coat, nested = self._layer.coat, self._layer.nested
-        if INDEX in rows and INDEX in self._names:
+        if INDEX in self._names:
             constant = any(x.axis.name == INDEX and x.changes for x in self._varying)
             coat = coat.of_index(texels(rows[INDEX] + (coat.eta if constant else 0)))
         if not (textures or numbers):
@@ -196,11 +188,11 @@ class BottomRows:
                 if model.widths == 2 or known_surface(bsdf).lobe_only:
                     codes.append(probed_codes(model, bsdf, uv, self._where))
                 else:
-                    tables.append(self._tables(bsdf, uv, channels))
+                    tables.append(probed_tables(model, bsdf, uv, self._where, channels))
         if codes:
             found = np.moveaxis(np.concatenate(codes)[:, :channels], 1, 0)
             return different(model, found[:, which])
-        logs, known = ([*side] for side in zip(*tables, strict=True))
+        logs, known = zip(*tables, strict=True)
         table = np.concatenate(logs, axis=1).reshape(channels * count, *SHAPE)
         top = None
         if known[0] is not None:
@@ -212,32 +204,15 @@ class BottomRows:
         self, values: Mapping[str, np.ndarray]
     ) -> tuple[dict[str, np.ndarray], np.ndarray]:
         """Different rows, and the place (k,) of each row among them."""
-        names = [*self._names, *([NANOMETRES] if mi.is_spectral else [])]
-        default = np.full(_count(values), spectrum.RGB[1])
-        own = np.stack([values.get(name, default) for name in names or [NANOMETRES]])
-        different, which = np.unique(own, axis=1, return_inverse=True)
-        return dict(zip(names or [NANOMETRES], different, strict=True)), which.ravel()
+        names, default = [*self._names, NANOMETRES], np.full(_count(values), spectrum.RGB[1])
+        own = np.stack([values.get(name, default) for name in names])
+        found, which = np.unique(own, axis=1, return_inverse=True)
+        return dict(zip(names, found, strict=True)), which.ravel()
 
     def _of_rows(self, rows: Mapping[str, np.ndarray]) -> "mi.BSDF":
         found = self._at(rows)
-        assert found is not None  # `is_known`
+        assert found is not None  # as `of` has found
         return found
-
-    def _tables(
-        self, bsdf: "mi.BSDF", uv: np.ndarray, channels: int
-    ) -> tuple[np.ndarray, np.ndarray | None]:
-        """ln g (channels, M, U, V, W) at points uv (M, 2) beside lobes (channels, M, N) or None."""
-        exact = known_surface(bsdf).table_source() or bsdf
-        known = known_lobes(self._model, bsdf, uv, self._where)
-        wi, wo = (w.reshape(-1, 3) for w in node_pairs())
-        average = probing.needed_averaging(exact, *self._model.networks.pairs(), uv, self._where)
-        f = probing.texel_values(exact, wi, wo, uv, average)[:, :channels]
-        f = np.moveaxis(probing.check_values(f, self._where), 1, 0)
-        if known is not None:
-            known = np.moveaxis(known[:, :channels], 1, 0)
-            f = remainder(f, known[..., None, :], wi, wo)
-        logs = np.moveaxis(table_of_values(f.reshape(-1, len(wi)).T), -1, 0)
-        return logs.reshape(*f.shape[:2], *logs.shape[1:]), known
 
 
 def rows_of(
@@ -256,12 +231,6 @@ def rows_of(
         x for x in varying if x.axis.name.startswith(BOTTOM) or (relative and x.axis.name == INDEX)
     ]
     return BottomRows.of(model, layer, own)
-
-
-def _inside(values: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
-    """Values by the names that parameters have in a nested coat."""
-    own = [name for name in values if name.startswith(BOTTOM) or name == WAVELENGTH]
-    return {name.removeprefix(BOTTOM): values[name] for name in own}
 
 
 def _count(rows: Mapping[str, np.ndarray]) -> int:

@@ -1,4 +1,4 @@
-"""Codes over axes (`textures.axes`), looked up where Mitsuba's textures say.
+"""Codes over axes (`textures.baking`), looked up where Mitsuba's textures say.
 
 A vertex takes the values of the parameters from the textures, and the code linearly between the
 nodes of a simplex around them. The lobe of the coat has the coat's own width and index there. Where
@@ -7,8 +7,8 @@ the nodes are texels, it takes the code of one. Codes are stored by principal nu
 along its axis.
 """
 
-from collections.abc import Callable, Mapping, Sequence
-from typing import Any, ClassVar, NamedTuple
+from collections.abc import Mapping, Sequence
+from typing import Any, ClassVar
 
 import drjit as dr
 import mitsuba as mi
@@ -25,7 +25,8 @@ from urushi.mitsuba.recording import only_where, owned
 from urushi.nets import lobe as lobes
 from urushi.nets import proposal, transmittance
 from urushi.nets.weights import Model
-from urushi.textures.axes import FAINT, Axis, Baked, Changes, nearest, simplex, whole_numbers
+from urushi.textures.axes import Varying, nearest, simplex, whole_numbers
+from urushi.textures.baking import FAINT, Baked
 from urushi.textures.principal import projection_of
 
 #: Largest change of a number of a code along its slopes that is represented.
@@ -33,33 +34,6 @@ REACH = 0.3
 
 #: Places of the widths and the index among the numbers of a lobe, by the parameters' names.
 LOBE = {"alpha": (0, 6), "alpha_u": (0,), "alpha_v": (6,), "eta": (4,)}
-
-
-class Leader(NamedTuple):
-    """The parameter of which another one is a function, and this function."""
-
-    name: str
-    values: np.ndarray  # (N,) of the leader, ascending
-    own: np.ndarray  # (N,) those of the other one
-
-    def at(self, values: np.ndarray) -> np.ndarray:
-        """The other parameter at values of the leader."""
-        return np.interp(values, self.values, self.own)
-
-
-class Varying(NamedTuple):
-    """A parameter that varies."""
-
-    axis: Axis
-    #: From a surface interaction and active lanes to its Dr.Jit floats: one, or one a channel.
-    read: Callable[[Any, Any], list]
-    sources: Sequence[Any] = ()  # the textures on which it depends
-    texture: Any = None  # which it is, of a bottom
-    differentiable: bool = False  # whether it carries a gradient
-    places: np.ndarray | None = None  # of the axis of wavelengths, see `reading.coated_rows`
-    #: Changes of a constant that carries a gradient, by which its slopes are found; else None.
-    changes: Changes | None = None
-    leader: Leader | None = None  # along whose axis it varies, see `reading.joined`
 
 
 class AxisLatents(EvaluatedCodes):
@@ -72,7 +46,6 @@ class AxisLatents(EvaluatedCodes):
     def __init__(self, baked: Baked, varying: Sequence[Varying]):
         """varying: the parameters along the axes, and then constants that carry gradients."""
         self.baked, self.model, self.varying = baked, baked.model, list(varying)
-        self._size = baked.model.arch.latent
         self.differentiable = any(x.differentiable for x in varying)
         #: Channels of a vertex; one if all are alike.
         own = any(axis.own for axis in baked.axes)
@@ -96,7 +69,7 @@ class AxisLatents(EvaluatedCodes):
         terms = proposal.code_terms(model.params, rests.mean(axis=0))
         if model.widths == 2:
             terms = np.append(terms, rests[..., -1:].mean(axis=0), axis=1)
-        if model.widths == 1:
+        else:
             # Codes that slopes reach are represented, too.
             largest = [np.maximum(np.abs(x).max(), 1e-9) for x in np.moveaxis(changes, 2, 0)]
             reached = [rests + changes[:, :, k] * (REACH / x) for k, x in enumerate(largest)]
@@ -112,8 +85,8 @@ class AxisLatents(EvaluatedCodes):
         self._stored = [i for i in np.flatnonzero(differ).tolist() if i not in known]
         self._fixed = [mi.Float(float(x)) for x in tops[0, 0]]
         own = np.broadcast_to(tops[..., self._stored], (*rests.shape[:2], len(self._stored)))
-        numbers = np.concatenate([own, rests], axis=-1).reshape(-1, own.shape[-1] + rests.shape[-1])
-        self._numbers = Numbers(numbers)
+        numbers = np.concatenate([own, rests], axis=-1)
+        self._numbers = Numbers(numbers.reshape(-1, numbers.shape[-1]))
         self._terms = Numbers(terms)
         self._kind = kind_of(tops)
         self._decoder = BasisDecoder(model, self._kind, functions, self.baked.faint)
@@ -141,15 +114,15 @@ class AxisLatents(EvaluatedCodes):
         for c, channel in enumerate(vertex.decoder_terms):
             places, moved = self._kind.numbers(c), list(channel)
             for name, own, slope in zip(self._all, changes, vertex.slopes[c], strict=True):
-                change, start = own[min(c, len(own) - 1)], len(places)
+                change = _of(own, c)
                 for place in self._lobe_places(name):
                     if place in places:
                         at = places.index(place)
                         moved[at] = dr.fma(self._one, change, moved[at])
                 if self.model.widths == 2:  # the last number is the squared stretch
                     slope = [*slope[:-1], 2 * channel[-1] * slope[-1]]
-                for i, number in enumerate(slope):
-                    moved[start + i] = dr.fma(number, change, moved[start + i])
+                for i, number in enumerate(slope, len(places)):
+                    moved[i] = dr.fma(number, change, moved[i])
             terms.append(moved)
         return vertex._replace(decoder_terms=terms)
 
@@ -162,10 +135,12 @@ class AxisLatents(EvaluatedCodes):
             coordinates.append([axis.coordinate(x, DRJIT, numbers) for x in part])
         codes, slopes, nodes = [], [], int(np.prod(baked.shape))
         for c in range(self._evaluated_channels):
-            own, row = [x[min(c, len(x) - 1)] for x in coordinates], min(c, len(baked.rests) - 1)
+            first = min(c, baked.channels - 1) * nodes
             corners = [
-                (node + row * nodes, weight)
-                for node, weight in baked.corners(own, mi.UInt32, DRJIT)
+                (node + first, weight)
+                for node, weight in baked.corners(
+                    [_of(x, c) for x in coordinates], mi.UInt32, DRJIT
+                )
             ]
             code = self._numbers.at(corners)
             lobe = self._lobe(values, code[: len(self._stored)])
@@ -206,22 +181,34 @@ class AxisLatents(EvaluatedCodes):
         size = count // len(self._all)
         return [total[i : i + size] for i in range(0, count, size)]
 
-    def codes(self, values: Mapping[str, np.ndarray]) -> np.ndarray:
-        """Codes (C, k, L) at values (k,) of the parameters by name, C as of `Baked`.
+    def codes(self, values: Mapping[str, np.ndarray], channels: int | None = None) -> np.ndarray:
+        """Codes (channels, k, L), whose g is too large by `Baked.faint`.
 
-        Their g is too large by `Baked.faint`.
+        Args:
+            values: by the parameters' names, (C, k), one row for each channel or one for all.
+            channels: their number; None: as of `Baked`.
         """
-        return np.stack([self._codes(values, c) for c in range(self.baked.channels)])
+        return np.stack(
+            [
+                self._codes({name: _of(x, c) for name, x in values.items()}, c)
+                for c in range(channels or self.baked.channels)
+            ]
+        )
 
     def _codes(self, values: Mapping[str, np.ndarray], channel: int) -> np.ndarray:
-        """Codes (k, L) of a channel."""
+        """Codes (k, L) of a channel at values (k,)."""
         baked, count = self.baked, len(next(iter(values.values())))
         places = [axis.coordinate(values[axis.name], NUMPY) for axis in baked.axes]
-        codes = np.array(np.broadcast_to(baked.codes(places, channel), (count, self._size)))
+        nodes = [
+            (n, np.asarray(w)[..., None]) for n, w in baked.corners(places, whole_numbers, NUMPY)
+        ]
+        at_nodes = np.concatenate([_of(baked.lobes, channel), _of(baked.rests, channel)], axis=-1)
+        found = sum(weight * at_nodes[node] for node, weight in nodes)
+        codes = np.broadcast_to(found, (count, self.model.arch.latent)).astype(np.float32)
         for axis in baked.axes:
             for place in self._lobe_places(axis.name):
                 codes[:, place] = np.clip(values[axis.name], axis.least, axis.most)
-        slopes = self._changes[min(channel, len(self._changes) - 1)]
+        slopes = _of(self._changes, channel)
         for k, name in enumerate(baked.constants, len(baked.axes)):
             change = values.get(name, np.zeros(count))
             for node, weight in simplex(baked.shape, places, whole_numbers, NUMPY):
@@ -232,15 +219,8 @@ class AxisLatents(EvaluatedCodes):
 
     def at(self, uv: np.ndarray) -> np.ndarray:
         """Codes (M, C, L) at points uv (M, 2), seen from above."""
-        si, channels = spectrum.points(uv), []
-        values = [spectrum.at_bands(si, lambda x=x: x.read(si, True)) for x in self.varying]
-        dr.eval(values)
-        columns = [[np.broadcast_to(x.numpy(), len(uv)) for x in part] for part in values]
-        for c in range(self.channels):
-            named = zip(self.varying, columns, strict=True)
-            own = {x.axis.name: part[min(c, len(part) - 1)] for x, part in named}
-            channels.append(self._codes(own, min(c, self.baked.channels - 1)))
-        codes = np.stack(channels, axis=1)
+        values = {x.axis.name: spectrum.channels_at(uv, x.read) for x in self.varying}
+        codes = np.moveaxis(self.codes(values, self.channels), 0, 1)
         return without_faint(self.model, codes) if self.baked.faint else codes
 
     def __str__(self) -> str:
@@ -249,6 +229,11 @@ class AxisLatents(EvaluatedCodes):
         return (
             f"{sides} nodes over {names}, of {self.baked.channels} x {self._numbers.count} numbers"
         )
+
+
+def _of(parts: Any, channel: int) -> Any:
+    """The part of a channel among one for each, or the only one."""
+    return parts[min(channel, len(parts) - 1)]
 
 
 def without_faint(model: Model, codes: np.ndarray) -> np.ndarray:

@@ -5,6 +5,7 @@ axes u and v, with a node for each texel. An update bakes again what has changed
 """
 
 from collections.abc import Sequence
+from typing import NamedTuple
 
 import drjit as dr
 import mitsuba as mi
@@ -16,22 +17,19 @@ from urushi.checks import MIN_INDEX_STEP, CoatParameters
 from urushi.errors import ParameterError
 from urushi.material.layer import layer_material
 from urushi.mitsuba import spectrum
-from urushi.mitsuba.latents.axes import AxisLatents, Varying
 from urushi.mitsuba.latents.codes import ConstantLatents
+from urushi.mitsuba.latents.over_axes import AxisLatents
 from urushi.mitsuba.latents.texels import texel_axes
-from urushi.mitsuba.reading.axes import (
-    WAVELENGTH,
-    check_coat,
-    varying_parameters,
-)
 from urushi.mitsuba.reading.bottoms import Layer, bottom_material, nested_latents, probed_codes
 from urushi.mitsuba.reading.coated_rows import CoatedRows
 from urushi.mitsuba.reading.grid import check_nodes, not_over_uv, varying_textures
-from urushi.mitsuba.reading.joined import agree, joined
+from urushi.mitsuba.reading.ranges import check_coat
 from urushi.mitsuba.reading.rows import rows_of
+from urushi.mitsuba.reading.varying import agree, joined, varying_parameters
 from urushi.mitsuba.snapshot import has_gradients, writable
 from urushi.nets.weights import Model
-from urushi.textures.axes import AXES, Axis, Baked, bake
+from urushi.textures.axes import Varying
+from urushi.textures.baking import AXES, Baked, bake
 from urushi.textures.layering import layer_rows
 from urushi.textures.store import ONE_TEXEL, TexelGrid, Texture
 
@@ -45,15 +43,54 @@ PROGRESS_DELAY = 3.0
 Latents = ConstantLatents | AxisLatents
 
 
+class Described(NamedTuple):
+    """The parameters of a layer that vary, and the numbers of all others."""
+
+    varying: list[Varying]
+    led: list[Varying]  # those that follow others
+    constants: list[Varying]  # those that carry gradients
+    numbers: list[np.ndarray]
+
+    @classmethod
+    def of(
+        cls, layer: Layer, parameters: Sequence[Varying], nested: AxisLatents | None
+    ) -> "Described":
+        """nested: codes of the bottom, if these vary along axes."""
+        varying = [x for x in parameters if not (x.changes or x.leader)]
+        led = [x for x in parameters if x.leader]
+        names = {x.axis.name for x in (*varying, *led)}
+        numbers = [x for name, x in layer.numbers.items() if name not in names]
+        if nested is not None:
+            numbers.append(np.array([id(nested.baked)]))
+        else:
+            left_out, listed = {id(x.texture) for x in (*varying, *led)}, mi.traverse(layer.nested)
+            for key, value in writable(layer.nested):
+                if id(listed.properties[key][2]) not in left_out:
+                    numbers.append(np.array(getattr(value, "matrix", value)))
+        return cls(varying, led, [x for x in parameters if x.changes], numbers)
+
+    def lies_within(self, other: "Described") -> bool:
+        """Whether codes along the axes of another layer are codes of this one."""
+        return (
+            [x.axis.name for x in self.varying] == [x.axis.name for x in other.varying]
+            and [x.axis.name for x in self.constants] == [x.axis.name for x in other.constants]
+            and len(self.led) == len(other.led)
+            and len(self.numbers) == len(other.numbers)
+            and all(
+                a.axis.contains(b.axis) for a, b in zip(other.varying, self.varying, strict=True)
+            )
+            and all(map(agree, other.led, self.led))
+            and all(map(np.array_equal, self.numbers, other.numbers))
+        )
+
+
 class Baker:
     """The codes of a coat over a bottom; `update` computes them, and again after a change."""
 
     def __init__(self, model: Model, resolution: int):
         """resolution: texels per side, 0 to choose."""
         self.model, self._resolution = model, resolution
-        self._last: AxisLatents | None = None
-        self._fixed: list[np.ndarray] = []  # numbers on which the last one depends
-        self._led: list[Varying] = []  # its parameters that follow others
+        self._last: tuple[Described, AxisLatents] | None = None  # as baked, and the last codes
         self.absorbs = False  # whether the coat has no interface and does not scatter, anywhere
 
     def update(self, layer: Layer) -> Latents:
@@ -77,7 +114,7 @@ class Baker:
             self.absorbs = clear and not names & {"eta", "albedo"}
             found: Latents | None = None
             if varying and not (texels or layer.coat.coloured):
-                found = self._over_parameters(layer, varying, nested)
+                found = self._over_parameters(layer, Described.of(layer, varying, nested))
             attached = any(x.differentiable for x in varying) or has_gradients(layer.nested)
             held = self.absorbs or (isinstance(found, AxisLatents) and found.differentiable)
             if attached and not held:
@@ -99,58 +136,37 @@ class Baker:
             columns = [column[0] for column in coat.columns()]
             return ConstantLatents(layer_material(CoatParameters.of_columns(columns), bottom))
 
-    def _over_parameters(
-        self, layer: Layer, varying: list[Varying], nested: AxisLatents | None
-    ) -> AxisLatents | None:
+    def _over_parameters(self, layer: Layer, described: Described) -> AxisLatents | None:
         """The codes along the parameters that vary; None: the bottom is unknown, or too many
-        vary.
-
-        nested: codes of the bottom, if these vary along axes.
-        """
-        constants, led = [x for x in varying if x.changes], [x for x in varying if x.leader]
-        varying = [x for x in varying if not (x.changes or x.leader)]
+        vary."""
+        varying, led, constants, _ = described
         if len(varying) > AXES:
             return None
-        axes, fixed = [x.axis for x in varying], _numbers(layer, [*varying, *led], nested)
-        fixed += [np.array([ord(c) for x in constants for c in x.axis.name])]
-        last = self._last
-        alike = len(led) == len(self._led) and all(map(agree, self._led, led))
-        if last is not None and alike and self._are_known(axes, fixed, last):
-            count, every = len(last.baked.axes), [*varying, *constants]
-            former = [x.texture for x in (*last.varying[: len(axes)], *last.varying[count:])]
-            gradients = any(x.differentiable for x in every)
-            if gradients == last.differentiable and former == [x.texture for x in every]:
-                return last
-            parts = zip(varying, last.baked.axes, strict=False)
-            kept = [x._replace(axis=axis) for x, axis in parts]
-            kept += [*last.varying[len(varying) : count], *constants]
-            self._last = AxisLatents(last.baked, kept)
-            return self._last
-        rows = rows_of(self.model, layer, [*varying, *led, *constants])
-        if rows is None:
+        if self._last is not None and described.lies_within(self._last[0]):
+            as_baked, latents = self._last
+            along = [
+                x._replace(axis=axis) for x, axis in zip(varying, latents.baked.axes, strict=False)
+            ]
+            # The wavelength may follow, whose place on its axis is as before.
+            along += latents.varying[len(varying) : len(latents.baked.axes)]
+            now, before = [*along, *constants], latents.varying
+            gradients = any(x.differentiable for x in now) == latents.differentiable
+            if not gradients or [x.texture for x in now] != [x.texture for x in before]:
+                latents = AxisLatents(latents.baked, now)
+                self._last = as_baked, latents
+            return latents
+        bottoms = rows_of(self.model, layer, [*varying, *led, *constants])
+        if bottoms is None:
             return None
-        coated = CoatedRows(self.model, layer, rows, varying, led, constants)
-        if coated.needs_wavelengths:
-            varying = [*varying, coated.with_wavelengths()]
-            if len(varying) > AXES:
-                return None
+        rows = CoatedRows(self.model, layer, bottoms, varying, led, constants)
+        if len(rows.varying) > AXES:
+            return None
         changes = {x.axis.name: x.changes for x in constants if x.changes is not None}
-        baked = bake(self.model, [x.axis for x in varying], coated, changes)
-        self._last = AxisLatents(baked, [*varying, *constants])
-        self._fixed, self._led = fixed, led
-        return self._last
-
-    def _are_known(self, axes: Sequence[Axis], fixed: list[np.ndarray], last: AxisLatents) -> bool:
-        """Whether axes lie within the last ones, and nothing else has changed."""
-        names = {axis.name for axis in axes}
-        former = [axis for axis in last.baked.axes if axis.name in names | {WAVELENGTH}]
-        return (
-            len(former) == len(last.baked.axes)
-            and [x.name for x in axes] == [x.name for x in former][: len(axes)]
-            and all(old.contains(new) for old, new in zip(former, axes, strict=False))
-            and len(fixed) == len(self._fixed)
-            and all(map(np.array_equal, fixed, self._fixed))
-        )
+        axes = [x.axis for x in rows.varying]
+        baked = bake(self.model, axes, rows.coats, rows.transported, changes)
+        latents = AxisLatents(baked, [*rows.varying, *constants])
+        self._last = described, latents
+        return latents
 
     def _over_texels(self, layer: Layer, least: TexelGrid) -> AxisLatents:
         """The codes at texels over the unit square of uv, which repeats.
@@ -182,23 +198,6 @@ class Baker:
         different, index = np.unique(flat, axis=0, return_inverse=True)
         codes = layer_rows(self.model, different)[index.reshape(whole.shape[:2])]
         return AxisLatents(Baked.of_texels(self.model, codes, grid), texel_axes(grid))
-
-
-def _numbers(
-    layer: Layer, varying: Sequence[Varying], nested: AxisLatents | None
-) -> list[np.ndarray]:
-    """What codes along the axes depend on beside them."""
-    names = {x.axis.name for x in varying}
-    numbers = [x for name, x in layer.numbers.items() if name not in names]
-    if nested is not None:
-        return [*numbers, np.array([id(nested.baked)])]
-    left_out = {id(x.texture) for x in varying}
-    parameters = mi.traverse(layer.nested)
-    for key, value in writable(layer.nested):
-        owner = parameters.properties[key][2]
-        if id(owner) not in left_out:
-            numbers.append(np.array(getattr(value, "matrix", value)))
-    return numbers
 
 
 def grid_of(

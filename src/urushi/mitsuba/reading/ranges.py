@@ -1,0 +1,106 @@
+"""The values that textures have on a surface: their ranges, which are checked."""
+
+from collections.abc import Callable, Sequence
+
+import mitsuba as mi
+import numpy as np
+
+from urushi.checks import MIN_ALPHA
+from urushi.core.appearance import LOOK, PHYSICAL
+from urushi.mitsuba import spectrum
+from urushi.mitsuba.reading.grid import ELSEWHERE, varying_textures
+from urushi.mitsuba.reading.parameters import CHECKS, CoatTextures
+from urushi.textures.store import from_texture
+
+#: Textures of indices of refraction.
+INDICES = ("int_ior", "ext_ior")
+
+#: Points of uv of what is no bitmap, along each side, and those for more than one texture.
+SIDE, POINTS = 256, 1 << 14
+
+
+def check_coat(coat: CoatTextures) -> None:
+    """Check all values of a coat's textures; the walk clips those on meshes and in space."""
+    given = {name: [texture] for name, texture in coat.textures.items() if name not in INDICES}
+    given["eta"] = [coat.textures[name] for name in INDICES if name in coat.textures]
+    for name, textures in given.items():
+        label = "int_ior / ext_ior" if name == "eta" else name
+        if follows := [x for texture in textures for x in getattr(texture, "sources", ())]:
+            label += f", which follows from {', '.join(follows)},"
+        varying = [x for texture in textures for x in varying_textures(texture)]
+        if varying := varying or [x for x in textures if x.is_spatially_varying()]:
+            label = f"a texel of {label}"
+
+        def read(si, active, name=name, textures=textures) -> list:
+            if name in coat.names and name not in PHYSICAL:  # those are without the thickness
+                return coat.at(si, active)[name]
+            if name in (*LOOK, *PHYSICAL):
+                return spectrum.to_channels(textures[0].eval(si, active))
+            return [textures[0].eval_1(si, active)]
+
+        ends = np.array(range_of(read, textures, (np.nan, np.nan), name != "eta"))
+        if np.isnan(ends).all() and elsewhere(textures):
+            continue
+        ends = ends.astype(np.float64).round(6)
+        if varying and CHECKS[name] is CHECKS["alpha"]:  # dark texels of a map, as in the walk
+            ends = np.where((ends >= 0) & (ends < MIN_ALPHA), MIN_ALPHA, ends)
+        CHECKS[name](ends, f"{coat.where}: {label}", any_shape=True)
+
+
+def elsewhere(textures: Sequence["mi.Texture"]) -> bool:
+    """Whether a texture is given on a mesh or in space, so that its values are not known here."""
+    return any(x.class_name() in ELSEWHERE for own in textures for x in varying_textures(own))
+
+
+def range_of(
+    read: Callable[..., list],
+    textures: Sequence["mi.Texture"],
+    whole: tuple[float, float],
+    plain: bool,
+) -> tuple[float, float]:
+    """The least and the largest value that a parameter has on a surface.
+
+    It is known at the texels of a bitmap. What is given on a mesh or in space has all values.
+
+    Args:
+        read: from surface interactions and active lanes to the values.
+        textures: on which it depends.
+        whole: all values.
+        plain: whether it is the value of the only texture.
+    """
+    low, high = np.inf, -np.inf
+    varying = [x for texture in textures for x in varying_textures(texture)]
+    if not varying:
+        si = spectrum.points(spectrum.MIDDLE)
+        values = [x.numpy() for x in spectrum.at_bands(si, lambda: read(si, True))]
+        return float(np.min(values)), float(np.max(values))
+    if any(x.class_name() in ELSEWHERE for x in varying):
+        return whole
+    only = varying[0]
+    bitmap = only.class_name().startswith("BitmapTexture")
+    if bitmap and plain and only is textures[0] and not mi.is_spectral:
+        data = mi.traverse(only)["data"].numpy()
+        return float(data.min()), float(data.max())
+    places = [texel_centres(x) for x in varying]
+    if len(places) > 1:  # a function of several textures may be extreme between their texels
+        places.append(np.random.default_rng(0).random((POINTS, 2)))
+    for uv in places:
+        si = spectrum.points(uv)
+        with spectrum.reading_at(spectrum.FINE):
+            for x in spectrum.at_bands(si, lambda si=si: read(si, True)):
+                values = x.numpy()
+                low, high = np.minimum(low, values.min()), np.maximum(high, values.max())
+    return float(low), float(high)
+
+
+def texel_centres(texture: "mi.Texture") -> np.ndarray:
+    """The uv (M, 2) of the centres of a texture's texels, or of a grid."""
+    parameters, (width, height) = mi.traverse(texture), texture.resolution()
+    if width * height <= 1:
+        width = height = SIDE
+    index = np.arange(width * height)
+    x = np.stack([index % width + 0.5, index // width + 0.5], axis=-1) / (width, height)
+    if "to_uv" not in parameters:
+        return x
+    matrix = np.asarray(parameters["to_uv"].matrix.numpy(), np.float64).reshape(3, 3)
+    return from_texture(tuple(map(tuple, matrix[:2].tolist())), x)
