@@ -23,7 +23,7 @@ Block = tuple[slice, ...]
 #: Held while BLAS is limited to one thread, a limit that applies to the whole process.
 _blas_lock = threading.Lock()
 
-#: `at_work` is true in threads of `run_all_cores`, and in the caller's within `one_blas_thread`.
+#: `at_work` is true in threads of `run_all_cores`, and within `one_blas_thread`.
 _thread = threading.local()
 
 
@@ -86,13 +86,12 @@ def run_all_cores(task: Callable[[Any], None], pieces: Sequence[Any]) -> None:
         for piece in pieces:
             task(piece)
         return
-    one_thread = functools.partial(_blas().limit, limits=1)
 
     def begin() -> None:
         _thread.at_work = True
-        one_thread()  # some builds of BLAS limit each calling thread separately
+        _blas().limit(limits=1)  # some builds of BLAS limit each calling thread separately
 
-    with _blas_lock, one_thread():  # threads of BLAS would compete with the pool's
+    with one_blas_thread():  # threads of BLAS would compete with the pool's
         pool = ThreadPoolExecutor(available_cores(), "urushi", initializer=begin)
         try:
             for future in [pool.submit(task, piece) for piece in pieces]:
@@ -110,18 +109,12 @@ def one_blas_thread() -> Iterator[None]:
     if _at_work():
         yield
         return
-    libraries = _blas().lib_controllers
-    with _blas_lock:  # not by `limit`, which asks the libraries more than this needs
-        before = [library.get_num_threads() for library in libraries]
+    with _blas_lock, _blas().limit(limits=1):
         _thread.at_work = True
         try:
-            for library in libraries:
-                library.set_num_threads(1)
             yield
         finally:
             _thread.at_work = False
-            for library, threads in zip(libraries, before, strict=True):
-                library.set_num_threads(threads)
 
 
 def _at_work() -> bool:

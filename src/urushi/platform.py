@@ -16,7 +16,6 @@ import os
 import re
 import subprocess
 import sys
-from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 from typing import NamedTuple
@@ -72,14 +71,12 @@ else:
 CGROUP_CPU_MAX = Path("/sys/fs/cgroup/cpu.max")
 
 
-@dataclass(frozen=True)
-class LlvmStatus:
+class LlvmStatus(NamedTuple):
     """The libLLVM that Dr.Jit uses, or would use, in this process."""
 
     path: Path | None  # the library's file, or None if none was found
     version: int | None  # its major version, or None if it is missing or unreadable
-    ok: bool  # whether every kernel can be compiled with it
-    message: str  # one sentence that names the library, or the problem and the cure
+    problem: str | None  # in one sentence with the cure; None if every kernel can be compiled
 
 
 def choose_llvm() -> None:
@@ -90,7 +87,7 @@ def choose_llvm() -> None:
     if "drjit" in sys.modules or os.environ.get(LLVM_VARIABLE):
         return
     path, version = _newest_llvm()
-    if path is not None and version is not None and version >= OLDEST_LLVM:
+    if (version or 0) >= OLDEST_LLVM:
         os.environ[LLVM_VARIABLE] = str(path)
 
 
@@ -123,27 +120,34 @@ def llvm_status() -> LlvmStatus:
     """Find the libLLVM that is or would be in use, without loading it."""
     named = os.environ.get(LLVM_VARIABLE)
     set_variable = f"set {LLVM_VARIABLE} to the file of libLLVM {OLDEST_LLVM} or newer"
-    install = f"{_INSTALL_LLVM.get(sys.platform, 'install it')} or {set_variable}"
+    cure = f"{_INSTALL_LLVM.get(sys.platform, 'install it')} or {set_variable}"
     loaded = _loaded_llvm()
     if loaded is not None:
-        cure = (
-            f"import urushi before mitsuba and drjit, which chooses a newer one, or {set_variable}"
-        )
-        return _llvm_judged(
-            *loaded, cure if not named and (_newest_llvm()[1] or 0) >= OLDEST_LLVM else install
-        )
-    if named:
+        path, version = loaded
+        if not named and (_newest_llvm()[1] or 0) >= OLDEST_LLVM:
+            cure = f"import urushi before mitsuba and drjit, to use a newer one, or {set_variable}"
+    elif named:
+        path, version = Path(named), llvm_version_of(Path(named))
         cure = f"{set_variable}, or unset it to let Urushi look for one"
-        return _llvm_judged(Path(named), llvm_version_of(Path(named)), cure)
-    return _llvm_judged(*_newest_llvm(), install)
+    else:
+        path, version = _newest_llvm()
+    if version is not None and version >= OLDEST_LLVM:
+        return LlvmStatus(path, version, None)
+    if version is not None:
+        problem = f"LLVM {version} ('{path}') is too old for Dr.Jit, which would abort with it"
+    elif path is not None:
+        problem = f"'{path}' is missing or no LLVM library"
+    else:
+        problem = f"libLLVM {OLDEST_LLVM} or newer, which Mitsuba needs, was not found"
+    return LlvmStatus(path, version, f"{problem}; {cure}")
 
 
 def require_llvm() -> None:
     """Raise PlatformError, in one sentence with the cure, without a suitable libLLVM."""
     require_drjit()
-    status = llvm_status()
-    if not status.ok:
-        raise PlatformError(status.message)
+    problem = llvm_status().problem
+    if problem is not None:
+        raise PlatformError(problem)
 
 
 @cache
@@ -207,21 +211,6 @@ def _loaded_llvm() -> tuple[Path | None, int | None] | None:
         return None, version
     found = re.search(r"/\S*libLLVM[^/\s]*$", maps, re.MULTILINE)
     return Path(found.group()) if found else None, version
-
-
-def _llvm_judged(path: Path | None, version: int | None, cure: str) -> LlvmStatus:
-    """The status of a library; `cure` ends the sentence if it is unsuitable."""
-    if path is None and version is None:
-        message = f"libLLVM {OLDEST_LLVM} or newer, which Mitsuba needs, was not found; {cure}"
-    elif version is None:
-        message = f"'{path}' is missing or no LLVM library; {cure}"
-    elif version < OLDEST_LLVM:
-        message = (
-            f"LLVM {version} ('{path}') is too old for Dr.Jit, which would abort with it; {cure}"
-        )
-    else:
-        return LlvmStatus(path, version, True, f"LLVM {version} ('{path}')")
-    return LlvmStatus(path, version, False, message)
 
 
 def available_cores() -> int:

@@ -62,29 +62,6 @@ def test_a_users_error_is_one_sentence(monkeypatch, capsys):
     assert captured.out == ""
 
 
-def test_ctrl_c_in_a_real_process():
-    code = (
-        "import signal, time, sys\n"
-        "signal.signal(signal.SIGINT, signal.default_int_handler)\n"  # a shell may ignore it
-        "from urushi.app import cli\n"
-        "from urushi.app.doctor import Doctor\n"
-        "def wait(self): print('ready', flush=True); time.sleep(600)\n"
-        "Doctor.run = wait\n"
-        "sys.exit(cli.main(['doctor']))"
-    )
-    process = subprocess.Popen(
-        [sys.executable, "-c", code], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
-    )
-    assert process.stdout.readline() == "ready\n"
-    process.send_signal(signal.SIGINT)
-    try:
-        _, errors = process.communicate(timeout=120)
-    finally:
-        process.kill()
-    assert process.returncode == 130
-    assert errors.startswith("urushi: interrupted") and errors.count("\n") == 1
-
-
 def test_ctrl_c_ends_a_command_that_does_not_return_to_python(tmp_path):
     """At once, and without the temporary file of a writer. The exception has no effect here."""
     code = (

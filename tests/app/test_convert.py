@@ -83,20 +83,33 @@ def test_an_emitting_material_gets_an_emitter(tmp_path):
     assert sum("OpenPBREmission" in str(emitter) for emitter in scene.emitters()) == 1
 
 
-def test_what_cannot_be_rendered_is_not_written(tmp_path, capsys):
-    document = tmp_path / "glass.mtlx"
-    document.write_text("""<materialx version="1.39"><open_pbr_surface name="Glass">
-        <input name="transmission_weight" type="float" value="1"/>
-        <input name="transmission_dispersion_scale" type="float" value="1"/></open_pbr_surface>
-        </materialx>""")
-    assert main(["convert", str(document), "-o", str(tmp_path / "out")]) == 2
-    assert "transmission_dispersion_scale needs dispersion" in capsys.readouterr().err
-    assert not (tmp_path / "out").exists()
+GLASS = """<materialx version="1.39"><open_pbr_surface name="Glass">
+    <input name="transmission_weight" type="float" value="1"/>
+    <input name="transmission_dispersion_scale" type="float" value="1"/></open_pbr_surface>
+    </materialx>"""
+
+SKIN = """<standard_surface name="{}" type="surfaceshader">
+    <input name="subsurface" type="float" value="1"/></standard_surface>"""
+MIXTURE = f"""<materialx version="1.39">{SKIN.format("A")}{SKIN.format("B")}
+    <mix name="Mix" type="surfaceshader"><input name="mix" type="float" value="0.5"/>
+    <input name="bg" type="surfaceshader" nodename="A"/>
+    <input name="fg" type="surfaceshader" nodename="B"/></mix></materialx>"""
 
 
-def test_errors_are_sentences(tmp_path, capsys):
-    assert main(["convert", str(tmp_path / "no.mtlx"), "-o", str(tmp_path / "out")]) == 2
-    assert "there is no MaterialX file" in capsys.readouterr().err
+@pytest.mark.parametrize(
+    ("text", "flags", "sentence"),
+    [
+        (GLASS, [], "transmission_dispersion_scale needs dispersion"),
+        (MIXTURE, ["--material", "Mix"], "subsurface_weight asks for the medium inside of a body"),
+        (None, [], "there is no MaterialX file"),
+    ],
+)
+def test_what_cannot_be_rendered_is_not_written(text, flags, sentence, tmp_path, capsys):
+    document = tmp_path / "document.mtlx"
+    if text is not None:
+        document.write_text(text)
+    assert main(["convert", str(document), "-o", str(tmp_path / "out"), *flags]) == 2
+    assert sentence in capsys.readouterr().err
     assert not (tmp_path / "out").exists()
 
 
@@ -113,17 +126,3 @@ def test_a_body_has_its_medium(tmp_path):
     scene = mi.load_file(str(tmp_path / "scene" / "scene.xml"))
     assert "Volumetric" in str(scene.integrator())
     assert sum(shape.interior_medium() is not None for shape in scene.shapes()) == 1
-
-
-def test_a_mixture_has_no_medium(tmp_path, capsys):
-    skin = """<standard_surface name="{}" type="surfaceshader">
-        <input name="subsurface" type="float" value="1"/></standard_surface>"""
-    document = tmp_path / "mixture.mtlx"
-    document.write_text(f"""<materialx version="1.39">{skin.format("A")}{skin.format("B")}
-        <mix name="Mix" type="surfaceshader"><input name="mix" type="float" value="0.5"/>
-        <input name="bg" type="surfaceshader" nodename="A"/>
-        <input name="fg" type="surfaceshader" nodename="B"/></mix></materialx>""")
-    arguments = ["convert", str(document), "-o", str(tmp_path / "out"), "--material", "Mix"]
-    assert main(arguments) == 2
-    assert "subsurface_weight asks for the medium inside of a body" in capsys.readouterr().err
-    assert not (tmp_path / "out").exists()

@@ -39,16 +39,13 @@ def test_the_exit_code_states_the_result(monkeypatch, capsys, findings, code, cl
 
 
 def test_packages_are_judged_by_their_range(monkeypatch):
+    assert "pip install" in doctor._package("a-package-that-nobody-has").problem
     monkeypatch.setattr("importlib.metadata.version", lambda name: "3.10.0")
     finding = doctor._package("mitsuba", (3, 9), (3, 10))
     assert finding.essential
     assert "pip install 'mitsuba>=3.9,<3.10'" in finding.problem
     monkeypatch.setattr("importlib.metadata.version", lambda name: "3.9.12")
     assert doctor._package("mitsuba", (3, 9), (3, 10)).problem is None
-
-
-def test_a_missing_package():
-    assert "pip install" in doctor._package("a-package-that-nobody-has").problem
 
 
 def test_a_variant_that_kills_its_process(monkeypatch):
@@ -59,20 +56,14 @@ def test_a_variant_that_kills_its_process(monkeypatch):
     assert finding.essential
 
 
-def test_weights_that_cannot_be_read(monkeypatch, tmp_path):
+def test_weights_that_are_missing_or_cannot_be_read(monkeypatch, tmp_path):
+    monkeypatch.setattr("urushi.nets.weights.SHIPPED", tmp_path)
+    (finding,) = doctor._weights()
+    assert finding.found == "missing" and finding.essential
     (tmp_path / "broken.safetensors").write_bytes(b"no weights")
-    monkeypatch.setattr("urushi.nets.weights.SHIPPED", tmp_path)
     (finding,) = doctor._weights()
-    assert finding.name == "weights broken"
-    assert finding.essential
+    assert finding.name == "weights broken" and finding.essential
     assert "broken.safetensors" in finding.problem
-
-
-def test_missing_weights(monkeypatch, tmp_path):
-    monkeypatch.setattr("urushi.nets.weights.SHIPPED", tmp_path)
-    (finding,) = doctor._weights()
-    assert finding.found == "missing"
-    assert finding.essential
 
 
 def test_everything_is_examined_even_without_a_library():

@@ -6,13 +6,12 @@ from tests.untrained import untrained
 
 import urushi
 from urushi.app import cli
-from urushi.app.encode import scalar_or_rgb
 from urushi.checks import DEFAULT_COAT
 from urushi.nets import weights
 
 pytestmark = pytest.mark.usefixtures("untrained")
 
-GOLD = "conductor(alpha=0.2, r0=(0.98, 0.77, 0.34))"
+GOLD, OUTPUT = "conductor(alpha=0.2, r0=(0.98, 0.77, 0.34))", ["-o", "material.safetensors"]
 
 
 def test_encode_a_description(tmp_path, capsys):
@@ -55,19 +54,29 @@ def test_encode_a_bsdf_of_a_scene(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("mark", "flags", "sentence"),
+    ("arguments", "sentence"),
     [
-        ("", [], "has 2 BSDFs; select one by "),
-        ("", [], "#ID' with an ID from: floor, wall"),
-        ("#roof", [], "has no BSDF 'roof' on a shape; it has: floor, wall"),
-        ("#wall", ["-m", "llvm_rgb"], "Mitsuba has no variant 'llvm_rgb'"),
+        (["scene.xml"], "has 2 BSDFs; select one by 'scene.xml#ID' with an ID from: floor, wall"),
+        (["scene.xml#roof"], "has no BSDF 'roof' on a shape; it has: floor, wall"),
+        (["scene.xml#wall", "-m", "llvm_rgb"], "Mitsuba has no variant 'llvm_rgb'"),
+        (["absent.xml"], "'absent.xml' is neither a file nor a description"),
+        (["lacquer(1)"], "'lacquer' is not one of coat, slab"),
+        (["diffuse(2)"], "reflectance is 2"),
+        ([], "there is nothing to encode"),
+        ([GOLD, GOLD], "is one file, but there are 2 sources; give a folder"),
+        (["a/gold.binary", "b/gold.bsdf", "-o", "new"], "two of the sources are called 'gold'"),
+        (["a.xml#wall", "b.xml#wall", "-o", "new"], "two of the sources are called 'wall'"),
+        ([GOLD, "missing.binary", "-o", "new"], "'missing.binary' is neither a file nor a descr"),
+        ([GOLD, "-o", "scene.xml/gold.safetensors"], "cannot write 'scene.xml/gold.safetensors'"),
+        ([GOLD, "-o", "new/a.txt"], "--output is 'new/a.txt', which ends neither in .safetensors"),
     ],
 )
-def test_a_bsdf_that_cannot_be_chosen(mark, flags, sentence, tmp_path, capsys):
-    scene, file = tmp_path / "scene.xml", tmp_path / "wall.safetensors"
-    scene.write_text(SCENE.format("wall", "0.5"))
-    assert cli.main(["encode", f"{scene}{mark}", *flags, "-o", str(file)]) == 2
+def test_errors_of_encode(arguments, sentence, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "scene.xml").write_text(SCENE.format("wall", "0.5"))
+    assert cli.main(["encode", *arguments, *([] if "-o" in arguments else OUTPUT)]) == 2
     assert sentence in capsys.readouterr().err
+    assert not (tmp_path / OUTPUT[1]).exists()
 
 
 def test_encode_several_sources_into_a_folder(merl, tmp_path, capsys):
@@ -117,21 +126,6 @@ def test_averaging_is_reported(tmp_path, capsys):
     assert f"urushi: {scene}: the BRDF is anisotropic" in capsys.readouterr().err
 
 
-@pytest.mark.parametrize(
-    ("sources", "output", "sentence"),
-    [
-        ([], "folder", "there is nothing to encode"),
-        ([GOLD, GOLD], "one.safetensors", "is one file, but there are 2 sources; give a folder"),
-        (["a/gold.binary", "b/gold.bsdf"], "folder", "two of the sources are called 'gold'"),
-        ([GOLD, "missing.binary"], "folder", "'missing.binary' is neither a file nor a descript"),
-        (["a.xml#wall", "b.xml#wall"], "folder", "two of the sources are called 'wall'"),
-    ],
-)
-def test_several_sources_that_do_not_go_together(sources, output, sentence, tmp_path, capsys):
-    assert cli.main(["encode", *sources, "-o", str(tmp_path / output)]) == 2
-    assert sentence in capsys.readouterr().err
-
-
 def test_several_bsdfs_of_a_scene(tmp_path):
     scene, folder = tmp_path / "scene.xml", tmp_path / "folder"
     scene.write_text(SCENE.format("wall", "0.5"))
@@ -179,43 +173,20 @@ def test_layer_has_the_coat_of_python_by_default(tmp_path):
     assert urushi.load(file, other) == urushi.layer(top, gold)
 
 
-def test_one_value_or_three():
-    assert scalar_or_rgb((0.5,)) == 0.5
-    assert scalar_or_rgb((0.1, 0.2, 0.3)) == (0.1, 0.2, 0.3)
-
-
 @pytest.mark.parametrize(
     ("arguments", "sentence"),
     [
-        (["encode", "scene.xml"], "'scene.xml' is neither a file nor a description"),
-        (["encode", "lacquer(1)"], "'lacquer' is not one of coat, slab"),
-        (["encode", "diffuse(2)"], "reflectance is 2"),
-        (["layer", "missing.safetensors"], "missing.safetensors"),
-        (["layer", GOLD, "--alpha-u", "0.1"], "alpha_v"),
-        (["layer", GOLD, "--alpha", "0.1", "--alpha-u", "0.1", "--alpha-v", "0.2"], "alpha"),
-        (["layer", GOLD, "--albedo", "0.5", "1.5", "0.5"], "albedo is 1.5"),
-        (["layer", GOLD, "--g", "nan"], "g is nan"),
-        (["layer", GOLD, "--g", "0.1", "0.2"], "has shape (2,)"),
+        (["missing.safetensors"], "missing.safetensors"),
+        ([GOLD, "--alpha-u", "0.1"], "alpha_v"),
+        ([GOLD, "--alpha", "0.1", "--alpha-u", "0.1", "--alpha-v", "0.2"], "alpha"),
+        ([GOLD, "--albedo", "0.5", "1.5", "0.5"], "albedo is 1.5"),
+        ([GOLD, "--g", "nan"], "g is nan"),
+        ([GOLD, "--g", "0.1", "0.2"], "has shape (2,)"),
     ],
 )
-def test_errors(arguments, sentence, tmp_path, capsys):
-    output = tmp_path / "material.safetensors"
-    assert cli.main([*arguments, "-o", str(output)]) == 2
+def test_errors_of_layer(arguments, sentence, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    assert cli.main(["layer", *arguments, *OUTPUT]) == 2
     message = capsys.readouterr().err
-    assert sentence in message
-    assert message.count("\n") == 1
-    assert not output.exists()
-
-
-def test_unwritable_output(tmp_path, capsys):
-    (tmp_path / "file").touch()
-    assert cli.main(["encode", GOLD, "-o", str(tmp_path / "file" / "gold.safetensors")]) == 2
-    assert "cannot write" in capsys.readouterr().err
-
-
-def test_an_output_that_is_neither_a_material_nor_a_folder_is_refused(tmp_path, capsys):
-    output = tmp_path / "new" / "a.txt"
-    assert cli.main(["encode", GOLD, "-o", str(output)]) == 2
-    error = capsys.readouterr().err
-    assert "--output is " in error and "give a file of that kind" in error
-    assert not output.parent.exists()
+    assert sentence in message and message.count("\n") == 1
+    assert not list(tmp_path.glob("*.safetensors"))

@@ -55,29 +55,19 @@ def test_the_page_is_at_the_root(server):
     assert (answer.status, body) == (200, b"<!doctype html>")
     assert answer.headers["Content-Type"] == "text/html; charset=utf-8"
     assert answer.headers["Content-Security-Policy"] == POLICY
+    answer, body = request(server, "/", "HEAD")
+    assert (answer.status, body, answer.headers["Content-Length"]) == (200, b"", "15")
     answer, body = request(server, "/assets/page.js?new")
     assert (answer.status, body) == (200, b"0")
     assert answer.headers["Content-Type"].startswith("text/javascript")
 
 
-def test_head_has_no_body(server):
-    answer, body = request(server, "/", "HEAD")
-    assert (answer.status, body, answer.headers["Content-Length"]) == (200, b"", "15")
-
-
-@pytest.mark.parametrize(
-    "path", ["/missing", "/assets", "/../pyproject.toml", "/%2e%2e/setup.py", "//etc/passwd"]
-)
-def test_nothing_else_is_served(server, path):
-    assert request(server, path)[0].status == 404
-
-
-@pytest.mark.parametrize("method", ["POST", "PUT", "DELETE"])
-def test_nothing_can_be_sent(server, method):
-    assert request(server, "/", method)[0].status == 501
-
-
-def test_only_this_machine_is_answered(server):
+def test_nothing_else_is_answered(server):
+    """No other path, nothing that is sent, and no other machine."""
+    for path in ("/missing", "/assets", "/../pyproject.toml", "/%2e%2e/setup.py", "//etc/passwd"):
+        assert request(server, path)[0].status == 404
+    for method in ("POST", "PUT", "DELETE"):
+        assert request(server, "/", method)[0].status == 501
     assert server.server_address[0] == "127.0.0.1"
     assert request(server, "/", Host="urushi.example")[0].status == 403
     assert request(server, "/", Host=f"localhost:{server.server_port}")[0].status == 200

@@ -87,10 +87,9 @@ def _drjit() -> Finding:
 
 
 def _llvm() -> Finding:
-    status = llvm_status()
-    missing = not status.ok and status.path is None
-    found = "missing" if missing else f"{status.version or '?'} ({status.path})"
-    return Finding("LLVM", found, None if status.ok else status.message, True)
+    path, version, problem = llvm_status()
+    found = "missing" if problem and path is None else f"{version or '?'} ({path})"
+    return Finding("LLVM", found, problem, True)
 
 
 def _variants(names: Sequence[str]) -> list[Finding]:

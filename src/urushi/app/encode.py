@@ -1,7 +1,8 @@
 """`urushi encode` and `urushi layer`: material files, and materials under a coat."""
 
+import functools
 import sys
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -48,20 +49,16 @@ class Encode:
 
     def run(self) -> int:
         from urushi.material.layer import encoded
-        from urushi.measured import load_measured
 
-        targets, sources, failures = self.targets(), self.opened(), 0
+        targets, several, failures = self.targets(), len(self.sources) > 1, 0
         table = True if self.table else False if self.no_table else None
-        hidden = len(sources) <= 1 or None
-        bar = tqdm(self.sources, unit="BRDF", disable=hidden)
-        for name, source, target in zip(bar, sources, targets, strict=True):
+        bsdfs = functools.cache(functools.partial(scene_bsdfs, mode=self.mode))
+        bar = tqdm(self.sources, unit="BRDF", disable=None if several else True)
+        for name, target in zip(bar, targets, strict=True):
             try:
-                if isinstance(source, UrushiError):
-                    raise source
-                opened = load_measured(source) if isinstance(source, Path) else source
-                material, deviations = encoded(opened, self.weights, table)
+                material, deviations = encoded(opened(name, bsdfs), self.weights, table)
             except UrushiError as error:
-                if len(sources) == 1:
+                if not several:
                     raise
                 failures += 1
                 _print_to_stderr(str(error))
@@ -71,7 +68,7 @@ class Encode:
             material.save(target)
             tqdm.write(str(target))
         if failures:
-            raise UrushiError(f"{failures} of {len(sources)} sources could not be encoded")
+            raise UrushiError(f"{failures} of {len(targets)} sources could not be encoded")
         return 0
 
     def targets(self) -> list[Path]:
@@ -105,31 +102,23 @@ class Encode:
             )
         return [new_folder(self.output) / f"{name}.safetensors" for name in names]
 
-    def opened(self) -> list[Any]:
-        """Each source: a measured BRDF's Path, what `encode` takes, or the error of reading it."""
-        scenes: dict[Path, dict[str, Any]] = {}
-        result: list[Any] = []
-        for text in self.sources:
-            try:
-                result.append(self._opened(text, scenes))
-            except UrushiError as error:
-                result.append(error)
-        return result
 
-    def _opened(self, text: str, scenes: dict[Path, dict[str, Any]]) -> Any:
-        if is_description(text):
-            return describe(text)
-        path, bsdf = scene_and_bsdf(text)
-        if not path.is_file():
-            raise FileError(
-                f"'{path}' is neither a file nor a description; give a measured BRDF or a Mitsuba "
-                'scene file, or write for example "conductor(alpha=0.2, r0=0.9)"'
-            )
-        if path.suffix != ".xml":
-            return path.absolute()  # a worker process has another working folder
-        if path not in scenes:
-            scenes[path] = scene_bsdfs(path, self.mode)
-        return choose(scenes[path], bsdf, path)
+def opened(text: str, bsdfs: Callable[[Path], Mapping[str, Any]]) -> Any:
+    """What `urushi.encode` takes: a description, a measured BRDF or a BSDF of a scene.
+
+    bsdfs: as of `scene_bsdfs`.
+    """
+    from urushi.measured import load_measured
+
+    if is_description(text):
+        return describe(text)
+    path, name = scene_and_bsdf(text)
+    if not path.is_file():
+        raise FileError(
+            f"'{path}' is neither a file nor a description; give a measured BRDF or a Mitsuba "
+            'scene file, or write for example "conductor(alpha=0.2, r0=0.9)"'
+        )
+    return choose(bsdfs(path), name, path) if path.suffix == ".xml" else load_measured(path)
 
 
 def scene_and_bsdf(text: str) -> tuple[Path, str | None]:

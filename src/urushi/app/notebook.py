@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from urushi.app.page_files import First, cards_of, first_of, page_document, page_files
+from urushi.app.page_files import page_document, page_files
 from urushi.core import error_metrics as metrics
 from urushi.errors import ParameterError
 from urushi.material import Material
@@ -55,8 +55,8 @@ def show(material: Any, *, height: int = HEIGHT) -> Page:
     neither the kernel nor a server, and works in a saved notebook too.
 
     Args:
-        material: a `Material`, a description (a `Stack` or a surface), or an argument of `urushi
-            view`, such as the path of a file.
+        material: a `Material`, what `urushi.encode` takes, or an argument of `urushi view`, such
+            as the path of a file.
         height: of the page [pixels].
 
     Raises:
@@ -65,9 +65,7 @@ def show(material: Any, *, height: int = HEIGHT) -> Page:
     from urushi.app.view import first_material
 
     model = find(None)  # of isotropic materials
-    if isinstance(material, str):
-        first = first_material(material, None)
-    elif isinstance(material, Material):
+    if isinstance(material, Material):
         own = material.model
         if own.widths == 1:
             model = own
@@ -80,15 +78,7 @@ def show(material: Any, *, height: int = HEIGHT) -> Page:
             raise ParameterError(
                 f"the material has {material.channels} channels; the page shows one or three"
             )
-        first = first_of(material, "Material")
-    else:
-        cards = cards_of(material)
-        if cards is None:
-            raise ParameterError(
-                "the page has no cards for this description; pass urushi.encode(description)"
-            )
-        first = First(cards)
-    return Page(page_document(page_files(model, first)), height)
+    return Page(page_document(page_files(model, first_material(material, None))), height)
 
 
 @functools.lru_cache(REMEMBERED)

@@ -11,7 +11,7 @@ from functools import cache
 from http import HTTPStatus
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import tyro
 
@@ -87,19 +87,26 @@ class View:
         return 0
 
 
-def first_material(text: str, weights: str | None) -> "First":
-    """A material for the page: cards if it is described, otherwise codes or a texture."""
+def first_material(source: Any, weights: str | None) -> "First":
+    """A material for the page: cards if it is described, otherwise codes or a texture.
+
+    source: an argument of the command, a `Material`, or what `urushi.encode` takes.
+    """
+    import urushi
     from urushi.app.page_files import First, cards_of, first_of
 
-    if is_description(text):
-        cards = cards_of(describe(text))
-        return First(cards) if cards else first_of(read_material(text, weights), "Material")
-    path, bsdf = scene_and_bsdf(text)
+    if isinstance(source, urushi.Material):
+        return first_of(source, "Material")
+    if not isinstance(source, str) or is_description(source):
+        described = describe(source) if isinstance(source, str) else source
+        cards = cards_of(described)
+        return First(cards) if cards else first_of(urushi.encode(described, weights), "Material")
+    path, bsdf = scene_and_bsdf(source)
     if path.suffix == ".xml":
         return _first_of_scene(path, bsdf, weights)
-    if tensor_file_kind(text) == "texture":
+    if tensor_file_kind(source) == "texture":
         return _first_texture(path, path.stem, weights)
-    return first_of(read_material(text, weights), path.stem)
+    return first_of(read_material(source, weights), path.stem)
 
 
 def _first_of_scene(path: Path, bsdf: str | None, weights: str | None) -> "First":
