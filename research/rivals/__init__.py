@@ -15,4 +15,4 @@ def values_per_channel(
 
     stack, directions: as of `per_channel`. rows: rows(table, row, *directions) -> (M,).
     """
-    return per_channel(stack, directions, lambda *given: (rows(*given),) * 2)[0]
+    return per_channel(stack, directions, lambda *given: (rows(*given),))[0]

@@ -12,7 +12,7 @@ from urushi.core.random import stream
 from urushi.material import adding
 from urushi.walk import analytic, monte_carlo
 from urushi.walk.bottoms import KINDS
-from urushi.walk.table import bottom_columns, bottom_of_columns
+from urushi.walk.table import from_stack, table_bottom
 
 COSINES = np.array([0.05, 0.15, 0.3, 0.5, 0.7, 0.9, 1.0])
 
@@ -64,7 +64,7 @@ def test_samples_follow_their_density(widths, theta):
     white = urushi.conductor(**widths, r0=1.0, energy_compensation=True)
     rng = stream(device.PCG32, dr.arange(device.UInt64, 1 << 18), 1)
     row = dr.zeros(device.UInt32, 1 << 18)
-    bottom = bottom_of_columns(device, *bottom_columns(white, 1), row)
+    bottom = table_bottom(device, from_stack(white), row)
     wi = device.Array3f(
         float(np.sin(theta) * 0.8), float(np.sin(theta) * 0.6), float(np.cos(theta))
     )

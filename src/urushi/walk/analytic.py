@@ -5,8 +5,8 @@ import numpy.typing as npt
 
 from urushi import checks
 from urushi.walk.bottoms import Description
-from urushi.walk.monte_carlo import backend
-from urushi.walk.table import bottom_columns, bottom_of_columns, channel_count
+from urushi.walk.monte_carlo import backend, per_channel
+from urushi.walk.table import bottom_of_columns
 
 
 def f(description: Description, wi: npt.ArrayLike, wo: npt.ArrayLike) -> np.ndarray:
@@ -14,12 +14,12 @@ def f(description: Description, wi: npt.ArrayLike, wo: npt.ArrayLike) -> np.ndar
 
     Without cosine; zero below the horizon; of a dielectric, its reflection alone.
     """
-    wi, wo = checks.directions(wi, wo)
-    channels = channel_count(description)
-    kind, columns = bottom_columns(description, channels)
-    row = np.tile(np.arange(channels, dtype=np.uint32), len(wi))
-    values = rows(kind, columns, row, np.repeat(wi, channels, 0), np.repeat(wo, channels, 0))
-    return np.broadcast_to(values.reshape(-1, channels), (len(wi), 3)).copy()
+    (values,) = per_channel(
+        description,
+        checks.directions(wi, wo),
+        lambda table, row, *w: (rows(table.kind, table.bottom, row, *w),),
+    )
+    return values
 
 
 def at_all(kind: str, columns: dict[str, np.ndarray], wi: np.ndarray, wo: np.ndarray) -> np.ndarray:

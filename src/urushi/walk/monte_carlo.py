@@ -10,6 +10,7 @@ from tqdm import tqdm
 from urushi.core.backend import backend
 from urushi.core.random import stream
 from urushi.errors import ParameterError
+from urushi.walk.bottoms import Description
 from urushi.walk.stack import Stack
 from urushi.walk.table import StackTable, TableLayers, from_stack, table_bottom
 
@@ -21,23 +22,20 @@ Walk = Callable[..., Any]
 
 
 def per_channel(
-    stack: Stack,
+    described: Stack | Description,
     directions: Sequence[np.ndarray],
-    function: Callable[..., tuple[np.ndarray, np.ndarray]],
-) -> tuple[np.ndarray, np.ndarray]:
-    """Evaluate a function for every channel of a stack; returns its two results, (N, 3) each.
+    function: Callable[..., tuple[np.ndarray, ...]],
+) -> tuple[np.ndarray, ...]:
+    """Evaluate a function for every channel of a description; returns its results, (N, 3) each.
 
     directions: arrays float32 (N, 3) of unit vectors.
-    function: function(table, row, *directions) -> two arrays (M,), see `average`.
+    function: function(table, row, *directions) -> arrays (M,), see `average`.
     """
-    table, count = from_stack(stack), len(directions[0])
+    table, count = from_stack(described), len(directions[0])
     channels = len(table)
     row = np.tile(np.arange(channels, dtype=np.uint32), count)
-    mean, se = (
-        np.broadcast_to(x.reshape(count, channels), (count, 3)).copy()
-        for x in function(table, row, *(np.repeat(w, channels, axis=0) for w in directions))
-    )
-    return mean, se
+    found = function(table, row, *(np.repeat(w, channels, axis=0) for w in directions))
+    return tuple(np.broadcast_to(x.reshape(count, channels), (count, 3)).copy() for x in found)
 
 
 def average(

@@ -11,7 +11,7 @@ from urushi.checks import CoatParameters, Widths
 from urushi.errors import ParameterError
 from urushi.walk.bottoms import KINDS, Bottom, Description
 from urushi.walk.bottoms.bottom import numbers_of
-from urushi.walk.stack import Stack
+from urushi.walk.stack import Coat, Stack
 
 
 @dataclass(frozen=True)
@@ -70,46 +70,32 @@ def _column(values: npt.ArrayLike) -> np.ndarray:
     return np.ascontiguousarray(values, np.float32) + np.float32(0)
 
 
-def channel_count(description: object) -> int:
-    """3 if a parameter of a description or Stack is given per channel, else 1."""
-    parts: tuple[Any, ...] = (description,)
-    if isinstance(description, Stack):
-        parts = *description.coats, description.bottom
-    if not isinstance(parts[-1], Description):
-        return 3
-    values = (value for part in parts for value in numbers_of(part))
-    return 3 if any(isinstance(value, tuple) for value in values) else 1
+def from_stack(described: Stack | Description) -> StackTable:
+    """The table of the channels of a Stack, or of a surface without coats.
 
-
-def bottom_columns(description: Description, channels: int) -> tuple[str, dict[str, np.ndarray]]:
-    """The kind of a described bottom, and its parameters as float32 (channels,) by name."""
-    kind = description.as_kind()
-    columns = {
-        name: np.broadcast_to(np.float32(getattr(description, name)), (channels,))
-        for name in kind.parameters
-    }
-    return kind.name, columns
-
-
-def from_stack(stack: Stack) -> StackTable:
-    """The table of a Stack's channels: three rows, or one if all channels are equal."""
-    channels = channel_count(stack)
+    It has three rows, or one if all channels are equal.
+    """
+    coats: tuple[Coat, ...] = described.coats if isinstance(described, Stack) else ()
+    bottom = described.bottom if isinstance(described, Stack) else described
+    parts = (*coats, bottom) if isinstance(bottom, Description) else ()
+    numbers = [value for part in parts for value in numbers_of(part)]
+    channels = 1 if numbers and not any(isinstance(x, tuple) for x in numbers) else 3
 
     def column(name: str) -> np.ndarray:
         """A parameter of the coats, (channels, coats)."""
-        return np.stack(
-            [np.broadcast_to(getattr(coat, name), (channels,)) for coat in stack.coats], axis=1
-        )
+        values = [np.broadcast_to(getattr(coat, name), channels) for coat in coats]
+        return np.reshape(values, (len(coats), channels)).T
 
-    coats: dict[str, Any] = {name: column(name) for name in CoatParameters._fields[1:]}
-    if any(coat.is_anisotropic for coat in stack.coats):
-        coats["alpha"] = Widths(column("alpha_u"), column("alpha_v"))
+    columns: dict[str, Any] = {name: column(name) for name in CoatParameters._fields[1:]}
+    if any(coat.is_anisotropic for coat in coats):
+        columns["alpha"] = Widths(column("alpha_u"), column("alpha_v"))
     else:
-        coats["alpha"] = column("alpha")
-    if not isinstance(stack.bottom, Description):
-        return StackTable(**coats, kind="custom", custom=stack.bottom)
-    kind, columns = bottom_columns(stack.bottom, channels)
-    return StackTable(**coats, kind=kind, bottom=columns)
+        columns["alpha"] = column("alpha")
+    if not isinstance(bottom, Description):
+        return StackTable(**columns, kind="custom", custom=bottom)
+    kind = bottom.as_kind()
+    values = {name: np.broadcast_to(getattr(bottom, name), channels) for name in kind.parameters}
+    return StackTable(**columns, kind=kind.name, bottom=values)
 
 
 class TableLayers:
