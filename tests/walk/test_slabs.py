@@ -5,8 +5,7 @@ import dataclasses
 import numpy as np
 import pytest
 from tests.oracles import slab as closed
-from tests.oracles.adding_doubling import layers, surfaces
-from tests.oracles.adding_doubling.quadrature import CosineGrid, series
+from tests.oracles.adding_doubling import surfaces
 from tests.oracles.analog import analog_albedo
 
 from urushi.core.direction_sets import cosine_pairs
@@ -154,21 +153,6 @@ def test_one_rough_surface_is_walters_btdf(eta: float, medium: float) -> None:
         f, _ = simulate(stack, wi, wo * DOWN, walks=64, progress=False, mode="importance")
         passed = np.exp(-medium / inside[:, 2])
         np.testing.assert_allclose(f[:, 0], expected * passed, rtol=2e-3, atol=1e-5)
-
-
-@pytest.mark.parametrize("g", [0.0, 0.5])
-def test_a_medium_without_surfaces_is_the_solvers_slab(g: float) -> None:
-    grid = CosineGrid.gauss(nodes=16, modes=48)
-    _, transmit = layers.slab(grid, albedo=0.9, sigma_t=2.0, g=g)
-    first, second = (x.ravel() for x in np.indices((16, 16))[:, 4::4, 5::4])
-    phi = np.linspace(0, np.pi, len(first))
-    expected = series(transmit[:, first, second], phi) / (grid.root[first] * grid.root[second])
-    sines = np.sqrt(1 - grid.mu**2)
-    wi = np.stack([sines[first], 0 * phi, grid.mu[first]], axis=1)
-    wo = np.stack([-sines[second] * np.cos(phi), sines[second] * np.sin(phi), -grid.mu[second]], 1)
-    medium = slab(0.3, 1, 0.9, 2.0, g)
-    f, se = simulate(medium, wi, wo, walks=1 << 14, seed=3, progress=False)
-    np.testing.assert_array_less(np.abs(f[:, 0] - expected), 4.5 * se[:, 0] + 1e-3 * expected)
 
 
 def test_the_delta_through_equal_indices_is_all_that_f_leaves_out() -> None:

@@ -92,6 +92,15 @@ def lambertian(reflectance: float) -> Kernel:
     )
 
 
+#: Kernels of bottoms by the kinds of a table, with its parameters as their arguments.
+BOTTOMS = {
+    "conductor": conductor_schlick,
+    "conductor_complex": conductor_complex,
+    "dielectric": outer_reflection,
+    "diffuse": lambertian,
+}
+
+
 def transmission(alpha: float, eta: float) -> Kernel:
     """The symmetric kernel S of transmission between outside (first) and inside cosines.
 
