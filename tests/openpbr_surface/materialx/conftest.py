@@ -11,11 +11,12 @@ def package():
     return pytest.importorskip("MaterialX")
 
 
-def write_image(path, pixels):
-    """Write values (height, width, channels) as OpenEXR in single precision, or as TIFF."""
+def write_image(path, pixels, kind="float"):
+    """Write values (height, width, channels) as OpenEXR or TIFF, in single precision or a kind."""
     import OpenImageIO
 
-    assert OpenImageIO.ImageBuf(np.ascontiguousarray(pixels, np.float32)).write(str(path))
+    image = OpenImageIO.ImageBuf(np.ascontiguousarray(pixels, np.float32))
+    assert image.write(str(path), kind)
 
 
 @pytest.fixture

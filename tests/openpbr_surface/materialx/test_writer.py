@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from tests.openpbr_surface.materialx.test_surface import widths
+from tests.openpbr_surface.materialx.test_shaders import widths
 
 import urushi
 from urushi.errors import ParameterError

@@ -59,10 +59,9 @@ def bake(graph: Graph, value: Value, resolution: int, where: str) -> np.ndarray 
         return first
     most = max(64, MEMORY // (32 * max(few.size, 1)))
     # One texture with an affine map can replace one image.
-    simple = [use for use in few.uses if use.matrix is not None and use.look.u_mode in _WRAPS]
-    if few.uses == simple and len(simple) == 1 and simple[0].look.u_mode == simple[0].look.v_mode:
-        (use,) = simple
-        texels = graph.images.values(use.file, use.space, use.channels, where)
+    use = few.uses[0] if len(few.uses) == 1 else None
+    if use and use.matrix and use.modes[0] == use.modes[1] and use.modes[0] in _WRAPS:
+        texels = graph.images.values(use, where)
         flat = texels.reshape(-1, texels.shape[-1])
 
         def of_texels(k: np.ndarray) -> Evaluation:
@@ -73,8 +72,8 @@ def bake(graph: Graph, value: Value, resolution: int, where: str) -> np.ndarray 
         except NeedsPosition:
             pass
         else:
-            pixels, wrap = found.reshape(*texels.shape[:2], -1), _WRAPS[use.look.u_mode]
-            return Texture(pixels, _from_above(use.matrix), wrap, use.look.blend)
+            pixels = found.reshape(*texels.shape[:2], -1)
+            return Texture(pixels, _from_above(use.matrix), _WRAPS[use.modes[0]], use.blend)
     images = [graph.images.read(use.file, where) for use in few.uses]
     tiled = [x for x in images if x.tiles != (1, 1)]
     corner = np.min([x.corner for x in tiled] or [(0, 0)], axis=0)  # the lower left one

@@ -4,7 +4,6 @@ import os
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass
-from html import unescape
 from pathlib import Path
 from typing import Any
 
@@ -13,9 +12,6 @@ from urushi.files import as_path, atomic_write
 from urushi.openpbr_surface.materialx.graph import package
 from urushi.openpbr_surface.materialx.images import path_cure
 from urushi.openpbr_surface.materialx.shaders import SHADERS, TARGET
-
-#: The version of MaterialX that is read; older documents are upgraded.
-VERSION = (1, 39)
 
 #: Largest number of included files.
 MAX_INCLUDES = 64
@@ -26,11 +22,11 @@ MAX_BYTES = 16 << 20
 #: Largest number of elements of a document.
 MAX_ELEMENTS = 50_000
 
-#: A comment, or a tag with its attributes; either may lack its end.
-_MARKUP = re.compile(r"""<!--.*?(?:-->|\Z)|<(?:[^"'<>]|"[^"]*"?|'[^']*'?)*+>?""", re.DOTALL)
+#: A comment, a tag with its attributes, either of which may lack its end, or the text between.
+_PIECE = re.compile(r"""<!--.*?(?:-->|\Z)|<(?:[^"'<>]|"[^"]*"?|'[^']*'?)*+>?|[^<]+""", re.DOTALL)
 
-#: An attribute of a tag: its name, and its text in quotes.
-_ATTRIBUTE = re.compile(r"""([\w:]+)\s*=\s*("[^"]*"|'[^']*')""")
+#: An attribute of a tag: its name, a quotation mark, and its text.
+_ATTRIBUTE = re.compile(r"""([\w:]+)\s*=\s*(["'])(.*?)\2""", re.DOTALL)
 
 
 @dataclass(frozen=True)
@@ -38,7 +34,7 @@ class Document:
     """A document with its included files."""
 
     path: Path
-    root: Any  # the document of the package, of version 1.39
+    root: Any  # the document of the package, upgraded to its version
 
     @property
     def where(self) -> str:
@@ -47,90 +43,79 @@ class Document:
 
 def read_document(path: str | os.PathLike) -> Document:
     """Read a document and the files that it includes."""
-    file = as_path(path)
-    return Document(file, _Reader(file).read(file, ()))
+    file, mx = as_path(path), package()
+    root, options = mx.createDocument(), mx.XmlReadOptions()
+    reader = _Reader(file)
+    options.readXIncludeFunction = reader.include
+    reader.read(root, file, options)
+    return Document(file, root)
 
 
 class _Reader:
     """Reads a file and its includes, with limits on all together."""
 
     def __init__(self, file: Path):
-        self._folder = file.resolve().parent
-        self._bytes = 0
-        self._elements = 0
-        self._includes = 0
+        self._file = file
+        self._bytes = self._elements = self._includes = 0
 
-    def read(self, file: Path, around: tuple[Path, ...]) -> Any:
-        """The package's document; around: the files that include this one."""
-        where = f"'{file}'"
-        text, includes = self._tags(self._content(file), where)
-        mx = package()
-        root, options = mx.createDocument(), mx.XmlReadOptions()
-        options.readXIncludeFunction = None
+    def read(self, root: Any, file: Path, options: Any) -> None:
+        """Read a file into a document of the package."""
+        where, mx, text = f"'{file}'", package(), self._content(file)
+        if not re.search(r"<materialx[\s/>]", text):
+            raise FileError(f"{where} is not a MaterialX document: it has no element <materialx>")
+        # The package would take minutes to name thousands of texts.
+        tags = _PIECE.sub(lambda piece: self._tag(piece[0], where), text)
         try:
-            mx.readFromXmlString(root, text, mx.FileSearchPath(), options)
+            mx.readFromXmlString(root, tags, mx.FileSearchPath(), options)
+            version = root.getVersionIntegers()
         except (mx.Exception, mx.ExceptionParseError, RuntimeError, LookupError) as error:
             reason = " ".join(str(error).split())[:200]
             raise FileError(
                 f"{where} is refused by the package materialx ({reason}); export it again"
             ) from error
-        _check_version(root.getVersionString(), where)
+        given, newest = root.getVersionString()[:40], mx.getVersionIntegers()[:2]
+        if version == (0, 0):
+            raise FileError(f"{where} has version '{given}'; MaterialX versions look like 1.39")
+        if version > newest:
+            raise FileError(
+                f"{where} is of MaterialX {given}; up to {newest[0]}.{newest[1]} can be read; "
+                "convert it to that version"
+            )
         for node in root.traverseTree():  # exporters leave out the type of known shaders
             if node.getCategory() in SHADERS and not node.getAttribute("type"):
                 node.setAttribute("type", "surfaceshader")
-        here = (*around, file.resolve())
-        for href in includes:
-            root.importLibrary(self._included(href, where, here))
-        return root
 
-    def _tags(self, text: str, where: str) -> tuple[str, list[str]]:
-        """The tags of a file, with spaces in place of all else, and the files that it includes.
-
-        The package would take minutes to name thousands of texts, or of elements without a name.
-        """
-        pieces: list[str] = []
-        includes, end = [], 0
-        for match in _MARKUP.finditer(text):
-            tag = match[0]
-            if tag.startswith(("<!", "<?")):
-                continue
-            kind = re.split(r"[\s/>]", tag[1:], maxsplit=1)[0]
-            if not pieces and kind != "materialx":
-                raise FileError(
-                    f"{where} is not a MaterialX document: it begins with <{kind[:40]}>"
-                )
-            pieces += [" " * (match.start() - end), tag]
-            end = match.end()
-            if tag.startswith("</"):
-                continue
-            self._elements += 1
-            if self._elements > MAX_ELEMENTS:
-                raise FileError(
-                    f"{where} has more than {MAX_ELEMENTS} elements, with its includes; keep only "
-                    "the material"
-                )
-            given = {key: unescape(value[1:-1]) for key, value in _ATTRIBUTE.findall(tag)}
-            if kind in ("xi:include", "include"):
-                includes.append(given.get("href", ""))
-            elif kind != "materialx" and not given.get("name"):
-                raise FileError(f"{where} has an element <{kind[:40]}> without a name; name it")
-        return "".join(pieces), includes
-
-    def _included(self, href: str, where: str, here: tuple[Path, ...]) -> Any:
+    def include(self, root: Any, path: Any, _: Any, options: Any) -> None:
+        """Read an included file, as the package asks for it; circles are refused by the package."""
+        href, folder = path.asString(), Path(os.path.realpath(self._file)).parent
+        where = f"'{[self._file, *options.parentXIncludes][-2]}'"
         self._includes += 1
         if self._includes > MAX_INCLUDES:
             raise FileError(f"{where} includes more than {MAX_INCLUDES} files")
-        try:
-            target = (self._folder / href.replace("\\", "/")).resolve()
-        except (OSError, ValueError, RuntimeError) as error:
-            raise FileError(f"{where} includes '{href[:80]}', which is not a path") from error
-        if not href or not target.is_relative_to(self._folder):
+        target = Path(os.path.realpath(folder / href))
+        if not target.is_relative_to(folder):
             raise FileError(
                 f"{where} includes '{href[:80]}' outside its folder; copy that file into the folder"
             )
-        if target in here:
-            raise FileError(f"{where} includes '{href[:80]}', which includes it again")
-        return self.read(target, here)
+        self.read(root, target, options)
+
+    def _tag(self, piece: str, where: str) -> str:
+        """A tag after checks, or spaces in place of a text, a comment or a declaration."""
+        if not piece.startswith("<") or piece.startswith(("<!", "<?")):
+            return " " * len(piece)
+        if piece.startswith("</"):
+            return piece
+        self._elements += 1
+        if self._elements > MAX_ELEMENTS:
+            raise FileError(
+                f"{where} has more than {MAX_ELEMENTS} elements, with its includes; keep only "
+                "the material"
+            )
+        kind = re.split(r"[\s/>]", piece[1:], maxsplit=1)[0]
+        named = any(name == "name" and value for name, _, value in _ATTRIBUTE.findall(piece))
+        if not named and kind not in ("materialx", "xi:include"):
+            raise FileError(f"{where} has an element <{kind[:40]}> without a name; name it")
+        return piece
 
     def _content(self, file: Path) -> str:
         try:
@@ -150,19 +135,6 @@ class _Reader:
         except (OSError, ValueError) as error:
             reason = getattr(error, "strerror", None) or error
             raise FileError(f"cannot read the MaterialX file '{file}': {reason}") from error
-
-
-def _check_version(text: str, where: str) -> None:
-    """Refuse a version that is none, or newer than `VERSION`."""
-    newest = f"{VERSION[0]}.{VERSION[1]}"
-    major, _, minor = text.partition(".")
-    if not all(x.isascii() and x.isdigit() and len(x) <= 4 for x in (major, minor)):
-        raise FileError(f"{where} has version '{major[:40]}'; MaterialX versions look like 1.39")
-    if (int(major), int(minor)) > VERSION:
-        raise FileError(
-            f"{where} is of MaterialX {major}.{minor}; up to {newest} can be read; convert it to "
-            "that version"
-        )
 
 
 def materials(document: Document) -> list[Any]:

@@ -4,32 +4,22 @@ Vectors are in the tangent frame: the normal is (0, 0, 1), the tangent (1, 0, 0)
 """
 
 import re
-from typing import Any
+from functools import partial
 
 import numpy as np
 
 from urushi.errors import FileError, UrushiError
 from urushi.openpbr_surface.materialx.colour_spaces import to_linear_srgb
-from urushi.openpbr_surface.materialx.graph import (
-    MAX_CHAIN,
-    Frame,
-    Graph,
-    Source,
-    library,
-    reads_uv,
-)
-from urushi.openpbr_surface.materialx.images import (
-    ADDRESS_MODES,
-    ImageUse,
-    Look,
-    hextiles,
-    sample,
-)
-from urushi.openpbr_surface.materialx.nodes import BAKE, CHANNELS, NODES, Call
+from urushi.openpbr_surface.materialx.graph import Graph, Node, Source, library
+from urushi.openpbr_surface.materialx.images import ADDRESS_MODES, ImageUse, hextiles, sample
+from urushi.openpbr_surface.materialx.nodes import BAKE, CHANNELS, NODES
 from urushi.openpbr_surface.materialx.shaders import FILM_UNITS
 
 #: Number of points at which a graph is evaluated first, to find the images that it depends on.
 PROBES = 64
+
+#: Largest number of nodes that are connected in a row.
+MAX_CHAIN = 80
 
 #: Largest number of nodes that are evaluated for one parameter, with the nodes inside of others.
 MAX_NODES = 2048
@@ -69,8 +59,8 @@ class Evaluation:
         self._graph = graph
         self._uv = uv
         self._texels = texels
-        self._values: dict[tuple[Frame, str, str], np.ndarray] = {}
-        self._open: list[tuple[Frame, str, str]] = []
+        self._values: dict[Node, np.ndarray] = {}
+        self._open: list[Node] = []
         self._metre = 1.0  # number of units of length in one
 
     @property
@@ -78,22 +68,23 @@ class Evaluation:
         """Number of nodes evaluated."""
         return len(self._values)
 
-    def texture_coordinates(self) -> np.ndarray:
+    def texture_coordinates(self, channels: int = 2) -> np.ndarray:
+        """Texture coordinates (N, 2), or with a third of 0 (N, 3)."""
         if self._uv is None:
             raise NeedsPosition
-        return self._uv
+        return np.pad(self._uv, ((0, 0), (0, channels - 2)))
 
-    def input(self, node: Any, name: str, frame: Frame) -> np.ndarray:
+    def input(self, node: Node, name: str) -> np.ndarray:
         """The value (..., channels) of a node's input; of its definition's default if not given."""
-        self._metre = FILM_UNITS.get((node.getCategory(), name), self._metre)
-        source = self._graph.source(node, name, frame)
-        return np.zeros(1) if source is None else self.value(source, node)
+        self._metre = FILM_UNITS.get((node.tag, name), self._metre)
+        source = node.source(name)
+        return np.zeros(1) if source is None else self.value(source, node.where)
 
-    def value(self, source: Source, node: Any) -> np.ndarray:
-        """The value (..., channels) of a source, which a node reads."""
-        element, where = source.element, self._graph.named(node)
-        if source.is_node:
-            return self.output(element, source.frame, source.output)
+    def value(self, source: Source, where: str) -> np.ndarray:
+        """The value (..., channels) of a source. where: begins errors, the node that reads it."""
+        if source.node is not None:
+            return self._of_node(source.node)
+        element = source.element
         text, kind = element.getAttribute("value"), element.getAttribute("type")
         if not text:
             geometric = element.getAttribute("defaultgeomprop")
@@ -123,40 +114,38 @@ class Evaluation:
         except ValueError as error:
             raise FileError(f"{where}: the unit '{name[:40]}' has no number as scale") from error
 
-    def output(self, node: Any, frame: Frame, output: str = "") -> np.ndarray:
+    def _of_node(self, node: Node) -> np.ndarray:
         """The value (..., channels) of a node."""
-        key = frame, node.getNamePath(), output
-        if key in self._values:
-            return self._values[key]
-        where = self._graph.named(node)
-        if key in self._open:
-            raise FileError(f"{where} is connected to itself; remove the cycle")
+        if node in self._values:
+            return self._values[node]
+        if node in self._open:
+            raise FileError(f"{node.where} is connected to itself; remove the cycle")
         if len(self._open) >= MAX_CHAIN:
-            raise FileError(f"{where} is the end of a chain of more than {MAX_CHAIN} nodes")
+            raise FileError(f"{node.where} is the end of a chain of more than {MAX_CHAIN} nodes")
         if self.size >= MAX_NODES:
-            raise FileError(f"{where} is one of more than {MAX_NODES} nodes of a single parameter")
-        self._open.append(key)
-        value = self._evaluate(node, frame, output, where)
+            raise FileError(
+                f"{node.where} is one of more than {MAX_NODES} nodes of a single parameter"
+            )
+        self._open.append(node)
+        self._values[node] = self._evaluated(node)
         self._open.pop()
-        self._values[key] = value
-        return value
+        return self._values[node]
 
-    def text(self, node: Any, name: str, frame: Frame) -> str:
-        """The text of an input of type string, or filename: with its prefix and tokens."""
-        source = self._text_source(node, name, frame)
-        if source is None:
-            return ""
-        return source.element.getResolvedValueString()
+    def text(self, node: Node, name: str) -> tuple[str, str]:
+        """The text of an input of type string, or filename: with its prefix and tokens.
 
-    def _text_source(self, node: Any, name: str, frame: Frame) -> Source | None:
-        """The input that has a text."""
-        source = self._graph.source(node, name, frame)
+        Returns:
+            The text, "" if there is none, and its colour space.
+        """
+        source = node.source(name)
         for _ in range(MAX_CHAIN):
-            if source is None or not source.is_node:
-                return source
-            name = {"constant": "value", "dot": "in"}.get(source.element.getCategory(), "")
-            source = self._graph.source(source.element, name, source.frame)
-        return None
+            if source is None:
+                break
+            if source.node is None:
+                return source.element.getResolvedValueString(), source.element.getActiveColorSpace()
+            link = {"constant": "value", "dot": "in"}.get(source.node.tag, "")
+            source = source.node.source(link)
+        return "", ""
 
     def _property(self, name: str, where: str) -> np.ndarray:
         """A geometric property, or what a node of this name gives."""
@@ -174,21 +163,16 @@ class Evaluation:
                 f"{where} needs positions in space, which are unknown before rendering; set "
                 f"uv_plane to take (u, v, 0), or {BAKE}"
             )
-        return self._in_space()
+        return self.texture_coordinates(3)
 
-    def _in_space(self) -> np.ndarray:
-        """Texture coordinates with a third, 0."""
-        uv = self.texture_coordinates()
-        return np.concatenate([uv, np.zeros((len(uv), 1))], axis=-1)
-
-    def _evaluate(self, node: Any, frame: Frame, output: str, where: str) -> np.ndarray:
-        tag, kind = node.getCategory(), node.getAttribute("type")
+    def _evaluated(self, node: Node) -> np.ndarray:
+        tag, kind, where = node.tag, node.type, node.where
         if tag in ("normal", "tangent", "bitangent", "position"):
             return self._property(tag, where)
-        if tag == "texcoord" or reads_uv(node):
-            return self._in_space() if kind == "vector3" else self.texture_coordinates()
+        if tag == "texcoord" or node.reads_uv:
+            return self.texture_coordinates(3 if kind == "vector3" else 2)
         if tag in ("image", "hextiledimage"):
-            return self._image(node, frame, where)
+            return self._image(node)
         if not kind:
             raise FileError(f"{where} has no type; give it one, such as color3")
         if tag not in NODES or kind not in CHANNELS:
@@ -196,7 +180,7 @@ class Evaluation:
                 f"{where} of type '{kind[:40]}' is of a kind that is not supported; {BAKE}"
             )
         try:
-            value = np.asarray(NODES[tag](self._call(node, frame, where)), np.float64)
+            value = np.asarray(NODES[tag](node, partial(self.input, node)), np.float64)
         except (ValueError, IndexError) as error:
             if isinstance(error, UrushiError):
                 raise
@@ -211,47 +195,42 @@ class Evaluation:
             )
         return np.broadcast_to(value, (*value.shape[:-1], channels))
 
-    def _call(self, node: Any, frame: Frame, where: str) -> Call:
-        tag, kind = node.getCategory(), node.getAttribute("type")
-        return Call(tag, kind, where, lambda name: self.input(node, name, frame))
-
-    def _image(self, node: Any, frame: Frame, where: str) -> np.ndarray:
-        kind = node.getAttribute("type")
+    def _image(self, node: Node) -> np.ndarray:
+        kind, where = node.type, node.where
         channels = CHANNELS.get(kind)
         if channels is None:
             raise FileError(f"{where} has type '{kind[:40]}', which images cannot have")
-        name = self.text(node, "file", frame)
-        if not name:
-            return self.input(node, "default", frame)
-        space = ""
-        if kind in ("color3", "color4"):
-            file = self._text_source(node, "file", frame)
-            space = "" if file is None else file.element.getActiveColorSpace()
-        modes = [self.text(node, f"{axis}addressmode", frame) or "periodic" for axis in "uv"]
+        file, space = self.text(node, "file")
+        if not file:
+            return self.input(node, "default")
+        modes = tuple(self.text(node, f"{axis}addressmode")[0] or "periodic" for axis in "uv")
         if bad := [mode for mode in modes if mode not in ADDRESS_MODES]:
             raise FileError(
                 f"{where}: the address mode '{bad[0][:40]}' is unknown; use one of "
                 f"{', '.join(ADDRESS_MODES)}"
             )
-        look = Look(modes[0], modes[1], self.text(node, "filtertype", frame) != "closest")
-        if self._texels is not None:
+        if self._uv is None:
+            assert self._texels is not None
             return self._texels
-        uv = self.input(node, "texcoord", frame)
-        default = self.input(node, "default", frame)
+        uv, default = self.input(node, "texcoord"), self.input(node, "default")
         if default.ndim > 1 or uv.shape[-1] != 2:
             raise FileError(f"{where}: its default must be a constant, and its texcoord a vector2")
-        image = self._graph.images.read(name, where)
-        assert self._uv is not None
-        uv = (np.broadcast_to(uv, (len(self._uv), 2)) - image.corner) / image.tiles
-        tiled = node.getCategory() == "hextiledimage"
-        matrix = None if tiled else _affine(self._uv[:PROBES], uv[:PROBES])
-        use = ImageUse(name, space, channels, look, matrix)
+        image = self._graph.images.read(file, where)
+        uv = (np.broadcast_to(uv, self._uv.shape) - image.corner) / image.tiles
+        use = ImageUse(
+            file,
+            space if kind in ("color3", "color4") else "",
+            channels,
+            modes,
+            blend=self.text(node, "filtertype")[0] != "closest",
+            matrix=_affine(self._uv[:PROBES], uv[:PROBES]) if node.tag == "image" else None,
+        )
         if use not in self.uses:
             self.uses.append(use)
-        values = self._graph.images.values(name, space, channels, where)
-        if tiled:
-            return hextiles(values, uv, self._call(node, frame, where))
-        return sample(values, uv, look, default)
+        values = self._graph.images.values(use, where)
+        if node.tag == "hextiledimage":
+            return hextiles(values, uv, partial(self.input, node))
+        return sample(values, uv, use.modes, use.blend, default)
 
 
 def parse_value(text: str, kind: str, where: str) -> np.ndarray:

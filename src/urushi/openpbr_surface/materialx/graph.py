@@ -6,7 +6,7 @@ The library of the package `materialx` has the definitions of nodes, and graphs 
 import warnings
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, cached_property
 from pathlib import Path
 from typing import Any
 
@@ -27,9 +27,6 @@ LIBRARY = (
     "bxdf/translation/standard_surface_to_gltf_pbr.mtlx",
     "bxdf/translation/standard_surface_to_usd.mtlx",
 )
-
-#: Largest number of nodes that are connected in a row.
-MAX_CHAIN = 80
 
 #: Nodes that `evaluation` evaluates itself, besides `nodes.NODES`.
 OWN = ("normal", "tangent", "bitangent", "texcoord", "position", "image", "hextiledimage")
@@ -55,7 +52,7 @@ def library() -> Any:
     return whole
 
 
-def _without_cycles(element: Any, read: Callable[[Any], Any]) -> Any:
+def _of_definition(element: Any, read: Callable[[Any], Any]) -> Any:
     """What is read from a node or a definition, which must not inherit from itself."""
     try:
         return read(element)
@@ -65,202 +62,182 @@ def _without_cycles(element: Any, read: Callable[[Any], Any]) -> Any:
         ) from error
 
 
-def definition_of(node: Any) -> Any | None:
-    """The definition that fits a node best."""
-    return _without_cycles(node, lambda x: x.getNodeDef("", True))
-
-
-def declared_inputs(definition: Any | None) -> dict[str, Any]:
+def _declared_inputs(definition: Any | None) -> dict[str, Any]:
     """The inputs of a definition by name, with inherited ones; none of None."""
-    given = definition and _without_cycles(definition, lambda x: x.getActiveInputs())
+    given = definition and _of_definition(definition, lambda x: x.getActiveInputs())
     return {element.getName(): element for element in given or ()}
 
 
-@dataclass(eq=False)
-class Frame:
-    """A node graph that is evaluated for one of its instances, or the document."""
+class Node:
+    """A node or node graph in its frame."""
 
-    scope: Any  # the graph, or the document
-    outer: "Frame | None" = None  # where the graph is, or its instance; None: it is the document
-    instance: Any = None  # the node whose graph it is; None: it stands for itself
-    definition: Any = None  # of the instance
+    def __init__(self, element: Any, frame: "Frame"):
+        self.element = element  # of the package
+        self.frame = frame
+        self.tag: str = element.getCategory()
+        self.type: str = element.getAttribute("type")
+        #: Begins errors about the node.
+        self.where = f"{frame.where}: the node '{element.getName()[:60]}' ({self.tag[:40]})"
 
-    def node(self, name: str) -> Any | None:
-        """The node or node graph of a name."""
-        mx, found = package(), self.scope.getChild(name)
-        return found if isinstance(found, mx.Node | mx.NodeGraph) else None
+    @cached_property
+    def _definition(self) -> Any | None:
+        """The definition that fits best."""
+        return _of_definition(self.element, lambda x: x.getNodeDef("", True))
+
+    @cached_property
+    def inputs(self) -> dict[str, Any]:
+        """The inputs of the definition by name; empty if there is none."""
+        return _declared_inputs(self._definition)
+
+    @property
+    def reads_uv(self) -> bool:
+        """Whether the node has texture coordinates by their name."""
+        return self.tag in ("geompropvalue", "UsdPrimvarReader") and self.type == "vector2"
+
+    @cached_property
+    def inside(self) -> "Frame | None":
+        """The graph that gives the node its value; None if it is elementary or unknown."""
+        if self.tag == "nodegraph":
+            return Frame(self.element, self.frame.where, self.frame)
+        self._warn_of_losses()
+        elementary = self.type in CHANNELS if self.tag in NODES else self.tag in (*OWN, *SHADERS)
+        return None if elementary or self.reads_uv else self.implemented(self._definition)
+
+    def implemented(self, definition: Any | None) -> "Frame | None":
+        """The graph of a definition, with this node's inputs; None if there is no graph."""
+        graph = None if definition is None else definition.getImplementation()
+        if graph is None or graph.getCategory() != "nodegraph":
+            return None
+        return Frame(graph, self.frame.where, self.frame, self, definition)
+
+    def _warn_of_losses(self) -> None:
+        """Warn of what the node asks for and MaterialX leaves out; shaders have their own."""
+        known = {} if self.tag in SHADERS else self.inputs
+        given = (x.getName() for x in self.element.getInputs()) if known else ()
+        lost = [f"the unknown input {name}" for name in given if name not in known]
+        if self.tag == "blur":
+            lost = ["blurring"]
+        if lost:
+            warnings.warn(
+                f"{self.where}: {', '.join(lost)[:200]} is left out, as by MaterialX",
+                UrushiWarning,
+                stacklevel=3,
+            )
+
+    def source(self, name: str) -> "Source | None":
+        """The source of an input; None if neither it nor a default is given."""
+        element = self.element.getInput(name)
+        found = None if element is None else self.frame.follow(element, self.where)
+        if (found is None or not found.is_given) and name in self.inputs:
+            return Source(self.inputs[name])
+        return found
 
 
 @dataclass(frozen=True, eq=False)
 class Source:
     """Where a value comes from: a node, or an input or output that has the value itself."""
 
-    element: Any  # the node, input or output
-    frame: Frame  # where it is
-    output: str = ""  # the node's output, "" for the first
-
-    @property
-    def is_node(self) -> bool:
-        return self.element.getCategory() not in ("input", "output")
+    element: Any
+    node: Node | None = None
 
     @property
     def is_given(self) -> bool:
         """Whether there is a value."""
-        return self.is_node or any(
+        return self.node is not None or any(
             self.element.getAttribute(x) for x in ("value", "defaultgeomprop")
         )
 
 
-class Graph:
-    """The nodes of a document, with the definitions and images that evaluation needs."""
+class Frame:
+    """A node graph that is evaluated for one of its instances, or the document."""
 
-    def __init__(self, root: Any, images: Images, where: str, uv_plane: bool = False):
-        """Take a document of the package.
+    def __init__(
+        self,
+        scope: Any,
+        where: str,
+        outer: "Frame | None" = None,
+        instance: Node | None = None,
+        definition: Any = None,
+    ):
+        """Take a graph, or a document, of the package.
 
-        uv_plane: whether positions in space are (u, v, 0); else they are refused.
+        where: begins errors. outer: where the graph is, or its instance; None: it is the document.
+        instance, definition: the node whose graph it is; None: the graph stands for itself.
         """
-        self.root = Frame(root)
-        root.setDataLibrary(library())
-        self.images = images
-        self.where = where
-        self.uv_plane = uv_plane
-        self._frames: dict[tuple[Frame, str], Frame | None] = {}
-        self._inputs: dict[tuple[Frame, str], dict[str, Any]] = {}
+        self.scope, self.where = scope, where
+        self._outer, self._instance, self._definition = outer, instance, definition
+        self._root: Frame = self if outer is None else outer._root
+        self._nodes: dict[str, Node] = {}
 
-    def named(self, node: Any) -> str:
-        """Begins errors about a node."""
-        return f"{self.where}: the node '{node.getName()[:60]}' ({node.getCategory()[:40]})"
+    def node(self, name: str) -> Node | None:
+        """The node or node graph of a name."""
+        mx, found = package(), self.scope.getChild(name)
+        if name not in self._nodes and isinstance(found, mx.Node | mx.NodeGraph):
+            self._nodes[name] = Node(found, self)
+        return self._nodes.get(name)
 
-    def inputs(self, node: Any, frame: Frame) -> dict[str, Any]:
-        """The inputs of a node's definition by name; empty if there is none."""
-        key = frame, node.getNamePath()
-        if key not in self._inputs:
-            self._inputs[key] = declared_inputs(definition_of(node))
-        return self._inputs[key]
+    def follow(self, element: Any, where: str) -> Source:
+        """The source of an input or output, followed through interfaces and graphs.
 
-    def source(self, node: Any, name: str, frame: Frame) -> Source | None:
-        """The source of a node's input; None if neither it nor a default is given."""
-        element = node.getInput(name)
-        found = None if element is None else self.follow(element, frame, node)
-        if found is None or not found.is_given:
-            declared = self.inputs(node, frame).get(name)
-            return found if declared is None else Source(declared, frame)
-        return found
-
-    def follow(self, element: Any, frame: Frame, node: Any) -> Source:
-        """The source of an input or output of a node, followed through interfaces and graphs."""
-        for _ in range(MAX_CHAIN):
-            if outside := element.getAttribute("interfacename"):
-                declared = self._declared(outside, frame, node)
-                if declared is None:
-                    return Source(element, frame)
-                element, frame = declared
-                continue
-            graph, output = (element.getAttribute(x) for x in ("nodegraph", "output"))
-            link = element.getAttribute("nodename") or graph
-            if not link and not output:
-                return Source(self._geometric(element, frame), frame)
-            if link:
-                target = frame.node(link)
-                if target is None and graph:
-                    frame = self.root  # as MaterialX looks for graphs
-                    target = frame.node(link)
-                if target is None:
-                    raise FileError(
-                        f"{self.named(node)} is connected to '{link[:60]}', which does not exist"
-                    )
-                inner = self.inside(target, frame)
-                if inner is None:
-                    return Source(target, frame, output)
-            else:  # an output of the document
-                inner = self.root
-            outputs = inner.scope.getOutputs()
-            found = next((child for child in outputs if output in ("", child.getName())), None)
-            if found is None:
-                raise FileError(
-                    f"{self.named(node)} is connected to the output '{output[:60]}' of "
-                    f"'{(link or 'the document')[:60]}', which does not exist"
-                )
-            element, frame = found, inner
-        raise FileError(
-            f"{self.named(node)} is connected to itself or through more than {MAX_CHAIN} graphs; "
-            "remove the cycle"
+        where: begins errors, the node that reads it.
+        """
+        interface, name, graph, output = (
+            element.getAttribute(x) for x in ("interfacename", "nodename", "nodegraph", "output")
         )
-
-    def inside(self, node: Any, frame: Frame) -> Frame | None:
-        """The graph that gives a node its value; None if the node is elementary or unknown."""
-        key = frame, node.getNamePath()
-        if key not in self._frames:
-            if node.getCategory() == "nodegraph":
-                self._frames[key] = Frame(node, frame)
-            elif _is_elementary(node):
-                self._frames[key] = None
-            else:
-                self._frames[key] = self._implementation(node, frame, definition_of(node))
-            self._warn_of_losses(node, frame)
-        return self._frames[key]
-
-    def _warn_of_losses(self, node: Any, frame: Frame) -> None:
-        """Warn of what a node asks for and MaterialX leaves out; shaders have their own warning."""
-        tag = node.getCategory()
-        known = {} if tag == "nodegraph" or tag in SHADERS else self.inputs(node, frame)
-        unknown = [x.getName() for x in node.getInputs() if x.getName() not in known]
-        lost = (
-            ["blurring"] if tag == "blur" else [f"the unknown input {x}" for x in unknown if known]
-        )
-        if lost:
-            warnings.warn(
-                f"{self.named(node)}: {', '.join(lost)[:200]} is left out, as by MaterialX",
-                UrushiWarning,
-                stacklevel=3,
+        if interface:
+            return self._interface(interface, where) or Source(element)
+        link, inner = name or graph, self._root
+        if link:
+            node = self.node(link) or (self._root.node(link) if graph else None)  # as MaterialX
+            if node is None:
+                raise FileError(f"{where} is connected to '{link[:60]}', which does not exist")
+            if node.inside is None:
+                return Source(node.element, node)
+            inner = node.inside
+        elif not output:
+            return Source(self._geometric(element))
+        outputs = inner.scope.getOutputs()
+        found = next((x for x in outputs if output in ("", x.getName())), None)
+        if found is None:
+            raise FileError(
+                f"{where} is connected to the output '{output[:60]}' of "
+                f"'{(link or 'the document')[:60]}', which does not exist"
             )
+        return inner.follow(found, where)
 
-    def _geometric(self, element: Any, frame: Frame) -> Any:
+    def _geometric(self, element: Any) -> Any:
         """The geometric property that MaterialX takes for an unconnected input, or the input."""
-        node = element.getParent()
-        known = self.inputs(node, frame) if isinstance(node, package().Node) else {}
-        declared = known.get(element.getName())
+        owner = element.getParent()
+        node = self.node(owner.getName()) if isinstance(owner, package().Node) else None
+        declared = None if node is None else node.inputs.get(element.getName())
         is_geometric = declared is not None and declared.getAttribute("defaultgeomprop")
         return declared if is_geometric else element
 
-    def translation(self, shader: Any, frame: Frame, category: str) -> Frame | None:
-        """The graph of a document for nodes of another category with a shader's inputs, if any."""
-        found = self.root.scope.getMatchingNodeDefs(category)
-        return self._implementation(shader, frame, found[0] if found else None)
-
-    def _implementation(self, node: Any, frame: Frame, definition: Any) -> Frame | None:
-        graph = None if definition is None else definition.getImplementation()
-        if graph is None or graph.getCategory() != "nodegraph":
-            return None
-        return Frame(graph, frame, node, definition)
-
-    def _declared(self, name: str, frame: Frame, node: Any) -> tuple[Any, Frame] | None:
-        """The input that gives an interface of a graph its value, and the input's frame."""
-        if frame.instance is not None:
-            assert frame.outer is not None
-            given = frame.instance.getInput(name)
-            if given is not None and self.follow(given, frame.outer, frame.instance).is_given:
-                return given, frame.outer
-            default = declared_inputs(frame.definition).get(name)
-            return None if default is None else (default, frame)
-        declared = frame.scope.getInput(name)
-        if declared is None and frame.outer is None:
-            raise FileError(
-                f"{self.named(node)} reads '{name[:60]}' from a node graph, but is not inside one"
-            )
-        if declared is None:
-            declared = declared_inputs(frame.scope.getNodeDef()).get(name)
-        return None if declared is None else (declared, frame.outer or frame)
+    def _interface(self, name: str, where: str) -> Source | None:
+        """The source of the value of an interface of this graph."""
+        outer, instance, definition = self._outer, self._instance, self._definition
+        if instance is None:
+            declared = self.scope.getInput(name)
+            if declared is not None:
+                return (outer or self).follow(declared, where)
+            if outer is None:
+                raise FileError(
+                    f"{where} reads '{name[:60]}' from a node graph, but is not inside one"
+                )
+            definition = self.scope.getNodeDef()
+        elif (given := instance.element.getInput(name)) is not None:
+            assert outer is not None
+            source = outer.follow(given, instance.where)
+            if source.is_given:
+                return source
+        default = _declared_inputs(definition).get(name)
+        return None if default is None else Source(default)
 
 
-def _is_elementary(node: Any) -> bool:
-    """Whether a node is evaluated here, or a surface shader that is translated."""
-    tag = node.getCategory()
-    if tag in NODES:
-        return node.getAttribute("type") in CHANNELS
-    return tag in OWN or tag in SHADERS or reads_uv(node)
+@dataclass(eq=False)
+class Graph:
+    """The nodes of a document, with the images that they read."""
 
-
-def reads_uv(node: Any) -> bool:
-    readers = ("geompropvalue", "UsdPrimvarReader")
-    return node.getCategory() in readers and node.getAttribute("type") == "vector2"
+    root: Frame
+    images: Images
+    uv_plane: bool = False  # whether positions in space are (u, v, 0); else they are refused

@@ -13,7 +13,7 @@ import numpy as np
 
 from urushi.errors import FileError, UrushiError
 from urushi.openpbr_surface.materialx.colour_spaces import to_linear_srgb
-from urushi.openpbr_surface.materialx.nodes import Call
+from urushi.openpbr_surface.materialx.nodes import Read
 
 #: Largest number of pixels of all images of a document together.
 MAX_PIXELS = 1 << 26
@@ -40,6 +40,19 @@ class Image:
     tiles: tuple[int, int] = (1, 1)  # the number of tiles along u and v
 
 
+@dataclass(frozen=True)
+class ImageUse:
+    """An image that a value depends on."""
+
+    file: str
+    space: str  # the colour space of its values, "" for none
+    channels: int  # the number that is used
+    modes: tuple[str, ...]  # of u and v, see `ADDRESS_MODES`
+    blend: bool  # whether pixels are interpolated
+    # Rows (2, 3) of the affine map from the surface's uv to the image's; None: it is not affine.
+    matrix: tuple[tuple[float, ...], ...] | None
+
+
 class Images:
     """Reads images once each."""
 
@@ -63,25 +76,24 @@ class Images:
                 raise FileError(f"{shown} cannot be read: {reason}") from error
         return self._read[name]
 
-    def values(self, name: str, space: str, channels: int, where: str) -> np.ndarray:
-        """Values (height, width, channels) of an image; see `ImageUse`.
+    def values(self, use: ImageUse, where: str) -> np.ndarray:
+        """Values (height, width, channels) of an image.
 
         Colours are in linear sRGB. A grey image has equal channels; a missing alpha is 1.
         """
-        key = name, space, channels
+        key = use.file, use.space, use.channels
         if key not in self._values:
-            self._values[key] = self._converted(*key, where)
+            pixels = self.read(use.file, where).pixels
+            have = pixels.shape[-1]
+            if have < 3 and use.channels >= 3:
+                pixels = pixels[..., [0, 0, 0, *range(1, have)]]
+            if pixels.shape[-1] < use.channels:
+                pixels = np.pad(pixels, ((0, 0), (0, 0), (0, 1)), constant_values=1)
+            values = pixels[..., : use.channels]
+            if use.space:
+                values = to_linear_srgb(values, use.space, where).astype(np.float32)
+            self._values[key] = values
         return self._values[key]
-
-    def _converted(self, name: str, space: str, channels: int, where: str) -> np.ndarray:
-        pixels = self.read(name, where).pixels
-        have = pixels.shape[-1]
-        if have < 3 and channels >= 3:
-            pixels = pixels[..., [0, 0, 0, *range(1, have)]]
-        if pixels.shape[-1] < channels:
-            pixels = np.pad(pixels, ((0, 0), (0, 0), (0, 1)), constant_values=1)
-        values = pixels[..., :channels]
-        return to_linear_srgb(values, space, where).astype(np.float32) if space else values
 
     def _image(self, name: str, where: str) -> Image:
         path = (self._folder / name.replace("\\", "/")).resolve()
@@ -173,48 +185,29 @@ def _other_case(path: Path) -> Path | None:
     return next((p for p in parent.iterdir() if p.name.casefold() == path.name.casefold()), None)
 
 
-@dataclass(frozen=True)
-class Look:
-    """How an image is looked up: the modes in u and v, and whether pixels are blended."""
-
-    u_mode: str = "periodic"
-    v_mode: str = "periodic"
-    blend: bool = True
-
-
-@dataclass(frozen=True)
-class ImageUse:
-    """An image that a value depends on."""
-
-    file: str
-    space: str  # the colour space of its values, "" for none
-    channels: int  # the number that is used
-    look: Look
-    # Rows (2, 3) of the affine map from the surface's uv to the image's; None: it is not affine.
-    matrix: tuple[tuple[float, ...], ...] | None
-
-
-def sample(pixels: np.ndarray, uv: np.ndarray, look: Look, default: np.ndarray) -> np.ndarray:
+def sample(
+    pixels: np.ndarray,
+    uv: np.ndarray,
+    modes: tuple[str, ...] = ("periodic", "periodic"),
+    blend: bool = True,
+    default: np.ndarray | float = 0.0,
+) -> np.ndarray:
     """Values (N, channels) of an image at uv (N, 2); the origin is its lower left corner.
 
-    default: (channels,), taken outside of [0, 1] where the mode is "constant"; 0 if "black".
+    default: number or (channels,), taken outside of [0, 1] where the mode is "constant"; 0 if it
+    is "black".
     """
-    height, width = pixels.shape[:2]
     uv = np.clip(np.nan_to_num(uv), -1e6, 1e6)
-    x, y = uv[:, 0] * width, (1 - uv[:, 1]) * height
-    if not look.blend:
-        i, j = _index(np.floor(x), width, look.u_mode), _index(np.floor(y), height, look.v_mode)
-        value = pixels[j, i].astype(np.float64)
-    else:
-        x, y = x - 0.5, y - 0.5
-        fx, fy = (x - np.floor(x))[:, None], (y - np.floor(y))[:, None]
-        columns = [_index(np.floor(x) + k, width, look.u_mode) for k in (0, 1)]
-        rows = [_index(np.floor(y) + k, height, look.v_mode) for k in (0, 1)]
-        upper, lower = (
-            pixels[row, columns[0]] * (1 - fx) + pixels[row, columns[1]] * fx for row in rows
-        )
-        value = upper * (1 - fy) + lower * fy
-    for axis, mode in enumerate((look.u_mode, look.v_mode)):
+    near = []  # the two nearest rows, then columns: indices (N,), and weights (N, 1)
+    axes = zip(pixels.shape, modes[::-1], (1 - uv[:, 1], uv[:, 0]), strict=False)
+    for size, mode, x in axes:
+        x = x * size - 0.5 * blend
+        first, f = np.floor(x), (x - np.floor(x))[:, None] * blend
+        near.append([(_index(first + k, size, mode), w) for k, w in ((0, 1 - f), (1, f))])
+    rows, columns = near
+    upper, lower = (sum(pixels[j, i] * w for i, w in columns) * weight for j, weight in rows)
+    value = upper + lower
+    for axis, mode in enumerate(modes):
         if mode in ("constant", "black"):
             outside = (uv[:, axis] < 0) | (uv[:, axis] > 1)
             value = np.where(outside[:, None], default if mode == "constant" else 0, value)
@@ -244,38 +237,37 @@ def _gain(x: np.ndarray, r: np.ndarray) -> np.ndarray:
     return np.where(x < 0.5, x / (a + 1), (a - x) / (a - 1))
 
 
-def hextiles(pixels: np.ndarray, uv: np.ndarray, call: Call) -> np.ndarray:
+def hextiles(pixels: np.ndarray, uv: np.ndarray, i: Read) -> np.ndarray:
     """Values (N, channels) of an image (height, width, channels) at uv (N, 2).
 
-    call: the node, whose inputs give the tiling and how much tiles differ.
+    i: the inputs of the node, which give the tiling and how much tiles differ.
     """
-    uv = uv * call["tiling"]
+    uv = uv * i("tiling")
     skewed = _TILES * uv @ _SKEW.T
     cell, (x, y) = np.floor(skewed), (skewed % 1).T
     upper = x + y >= 1
     corners = np.where(
         upper[:, None, None], [[1, 1], [1, 0], [0, 1]], [[0, 0], [0, 1], [1, 0]]
     )  # of the triangle around each point, the first opposite to its longest side
-    near = np.stack([np.where(upper, x + y - 1, 1 - x - y), np.where(upper, 1 - y, y)])
-    weights = np.concatenate([near, np.where(upper, 1 - x, x)[None]])
+    weights = np.where(upper, [x + y - 1, 1 - y, 1 - x], [1 - x - y, y, x])
     values = []
-    for k in range(3):
-        corner = cell + corners[:, k]
+    for corner in cell + corners.swapaxes(0, 1):
         centre = corner / _TILES @ np.linalg.inv(_SKEW).T
         random = _random(corner)
-        turn = _between(np.radians(call["rotationrange"]), random[:, :1] * call["rotation"])
-        scale = 1 + (_between(call["scalerange"], random[:, 1:]) - 1) * call["scale"]
-        shift = _between(call["offsetrange"], random * call["offset"])
+        turn = _between(np.radians(i("rotationrange")), random[:, :1] * i("rotation"))
+        scale = 1 + (_between(i("scalerange"), random[:, 1:]) - 1) * i("scale")
+        shift = _between(i("offsetrange"), random * i("offset"))
         s, c = np.sin(turn), np.cos(turn)
         dx, dy = np.split(uv - centre, 2, axis=-1)
         there = np.concatenate([c * dx - s * dy, s * dx + c * dy], axis=-1) / scale
-        values.append(sample(pixels, there + centre + shift, Look(), np.zeros(1)))
+        values.append(sample(pixels, there + centre + shift))
     tiles = np.stack(values)
-    luma = (tiles[..., :3] * call["lumacoeffs"]).sum(-1)
-    weighted = _weights(1 + (luma - 1) * call["falloffcontrast"], weights, call["falloff"])
-    colour = (weighted[..., None] * tiles[..., :3]).sum(0)
-    plain = _weights(np.ones_like(luma), weights, call["falloff"])
-    return np.concatenate([colour, (plain[..., None] * tiles[..., 3:]).sum(0)], axis=-1)
+    luma = (tiles[..., :3] * i("lumacoeffs")).sum(-1)
+    factors = np.stack([1 + (luma - 1) * i("falloffcontrast"), np.ones_like(luma)])
+    of_colour, plain = (_weights(x, weights, i("falloff"))[..., None] for x in factors)
+    return np.concatenate(
+        [(of_colour * tiles[..., :3]).sum(0), (plain * tiles[..., 3:]).sum(0)], axis=-1
+    )
 
 
 def _between(ends: np.ndarray, t: np.ndarray) -> np.ndarray:

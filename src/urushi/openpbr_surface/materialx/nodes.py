@@ -6,7 +6,6 @@ the library's graphs, if it has one for them.
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -38,18 +37,8 @@ EPSILON = 1e-8
 Function = Callable[..., Any]
 
 
-@dataclass(frozen=True)
-class Call:
-    """A node that is evaluated: its category and type, and the function that reads an input."""
-
-    tag: str
-    type: str
-    where: str
-    read: Callable[[str], np.ndarray]
-
-    def __getitem__(self, name: str) -> np.ndarray:
-        """The value of an input, or its default."""
-        return self.read(name)
+#: The value (..., channels) of an input, or its default, by its name.
+Read = Callable[[str], np.ndarray]
 
 
 def _smoothstep(x: np.ndarray, low: np.ndarray, high: np.ndarray) -> np.ndarray:
@@ -74,10 +63,10 @@ def _blend(mode: Function, divisor: Function = np.ones_like) -> Function:
     return blended
 
 
-def _condition(compare: Function) -> Callable[["Call"], np.ndarray]:
-    def choose(call: Call) -> np.ndarray:
-        holds = compare(call["value1"], call["value2"])
-        return holds if call.type == "boolean" else np.where(holds, call["in1"], call["in2"])
+def _condition(compare: Function) -> Function:
+    def choose(node: Any, i: Read) -> np.ndarray:
+        holds = compare(i("value1"), i("value2"))
+        return holds if node.type == "boolean" else np.where(holds, i("in1"), i("in2"))
 
     return choose
 
@@ -217,65 +206,65 @@ _FUNCTIONS: dict[str, dict[str, Function]] = {
 }
 
 
-def _combine(call: Call) -> np.ndarray:
+def _combine(node: Any, i: Read) -> np.ndarray:
     parts: list[np.ndarray] = []
-    while sum(part.shape[-1] for part in parts) < CHANNELS[call.type]:
-        parts.append(call[f"in{len(parts) + 1}"])
+    while sum(part.shape[-1] for part in parts) < CHANNELS[node.type]:
+        parts.append(i(f"in{len(parts) + 1}"))
     return _stack(parts)
 
 
-def _constant(call: Call, name: str, most: int) -> int:
+def _constant(node: Any, i: Read, name: str, most: int) -> int:
     """An input that must be the same number at all points, from 0 to `most`."""
-    value = call[name]
+    value = i(name)
     if value.ndim > 1 or not 0 <= value[0] <= most:
-        raise FileError(f"{call.where}: {name} must be a constant from 0 to {most}")
+        raise FileError(f"{node.where}: {name} must be a constant from 0 to {most}")
     return int(value[0])
 
 
-def _extract(call: Call) -> np.ndarray:
-    channel = _constant(call, "index", call["in"].shape[-1] - 1)
-    return call["in"][..., channel : channel + 1]
+def _extract(node: Any, i: Read) -> np.ndarray:
+    channel = _constant(node, i, "index", i("in").shape[-1] - 1)
+    return i("in")[..., channel : channel + 1]
 
 
-def _convert(call: Call) -> np.ndarray:
+def _convert(node: Any, i: Read) -> np.ndarray:
     """Fewer channels are the first; a missing alpha is 1, other missing channels are 0."""
-    source, channels = call["in"], CHANNELS[call.type]
+    source, channels = i("in"), CHANNELS[node.type]
     have = source.shape[-1]
-    if call.type == "boolean":
+    if node.type == "boolean":
         return np.where(source[..., :1] != 0, 1.0, 0.0)
     if have == 1 or have >= channels:
         return source if have == 1 else source[..., :channels]
-    fill = 1.0 if call.type in ("color4", "vector4") and have == 3 else 0.0
+    fill = 1.0 if node.type in ("color4", "vector4") and have == 3 else 0.0
     return _stack([source, *[np.full(1, fill)] * (channels - have)])
 
 
-def _place(call: Call) -> np.ndarray:
+def _place(node: Any, i: Read) -> np.ndarray:
     """The position (..., 2 or 3) that a noise is evaluated at."""
-    return call["texcoord" if call.tag.endswith("2d") else "position"]
+    return i("texcoord" if node.tag.endswith("2d") else "position")
 
 
-def _noise(call: Call) -> np.ndarray:
-    value = noise.perlin(_place(call), CHANNELS[call.type])
-    return value * call["amplitude"] + call["pivot"]
+def _noise(node: Any, i: Read) -> np.ndarray:
+    value = noise.perlin(_place(node, i), CHANNELS[node.type])
+    return value * i("amplitude") + i("pivot")
 
 
-def _fractal(call: Call) -> np.ndarray:
-    octaves = _constant(call, "octaves", MAX_OCTAVES)
-    channels, growth = CHANNELS[call.type], (call["lacunarity"], call["diminish"])
-    return noise.fractal(_place(call), channels, octaves, *growth) * call["amplitude"]
+def _fractal(node: Any, i: Read) -> np.ndarray:
+    octaves, growth = _constant(node, i, "octaves", MAX_OCTAVES), (i("lacunarity"), i("diminish"))
+    value = noise.fractal(_place(node, i), CHANNELS[node.type], octaves, *growth)
+    return value * i("amplitude")
 
 
-def _worley_noise(call: Call) -> np.ndarray:
-    style = _constant(call, "style", 1)
-    return noise.worley(_place(call), CHANNELS[call.type], call["jitter"], style)
+def _worley_noise(node: Any, i: Read) -> np.ndarray:
+    style = _constant(node, i, "style", 1)
+    return noise.worley(_place(node, i), CHANNELS[node.type], i("jitter"), style)
 
 
-def _of_inputs(function: Function, inputs: str) -> Callable[[Call], np.ndarray]:
-    return lambda call: function(*(call[name] for name in inputs.split()))
+def _of_inputs(function: Function, inputs: str) -> Function:
+    return lambda node, i: function(*map(i, inputs.split()))
 
 
-#: The elementary nodes by category.
-NODES: dict[str, Callable[[Call], np.ndarray]] = {
+#: The elementary nodes by category: functions of a `graph.Node` and of its inputs.
+NODES: dict[str, Callable[[Any, Read], np.ndarray]] = {
     category: _of_inputs(function, inputs)
     for inputs, functions in _FUNCTIONS.items()
     for category, function in functions.items()

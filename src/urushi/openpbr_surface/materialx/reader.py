@@ -8,13 +8,12 @@ import warnings
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import partial
-from typing import Any
 
 import numpy as np
 
 from urushi.errors import FileError, UrushiWarning
 from urushi.openpbr_surface.materialx.baking import Texture, Value, bake, changes
-from urushi.openpbr_surface.materialx.graph import Frame, Graph, Source
+from urushi.openpbr_surface.materialx.graph import Graph, Node, Source
 from urushi.openpbr_surface.materialx.shaders import (
     LOST,
     SHADERS,
@@ -95,14 +94,14 @@ def warn(message: str) -> None:
 class Reader:
     """Reads the parameters of one shader."""
 
-    def __init__(self, graph: Graph, shader: Source, resolution: int, where: str):
-        self._shader, self._frame = shader.element, shader.frame
-        self._graph, self._resolution, self._where = graph, resolution, where
+    def __init__(self, graph: Graph, shader: Node, resolution: int, where: str):
+        self._graph, self._shader = graph, shader
+        self._resolution, self._where = resolution, where
         self._ends: dict[str, tuple[np.ndarray, np.ndarray]] = {}  # by input
 
     def material(self, name: str) -> Surface | Mix:
         """The material of a name."""
-        tag, given = self._shader.getCategory(), self._given()
+        tag, given = self._shader.tag, self._given()
         if given is not None:
             return self._surface(name, given)
         self._warn_of_losses(tag)
@@ -137,32 +136,32 @@ class Reader:
                 found[key] = self._final(entry, baked)
             elif (normals := self._direction(entry, baked)) is not None:
                 found[key] = normals
-        return Surface(name, self._graph.named(self._shader), _bright(found))
+        return Surface(name, self._shader.where, _bright(found))
 
     def _given(self) -> Formulas | None:
         """The parameters that the shader itself, or a graph of the document, gives; else None."""
-        tag, inputs = self._shader.getCategory(), self._shader.getInputs()
+        shader, frame = self._shader, self._shader.frame
+        tag, inputs = shader.tag, shader.element.getInputs()
         if tag == TARGET:
             for element in inputs:
                 parameter(element.getName(), self._where)
-            follow = self._graph.follow
-            given = [e for e in inputs if follow(e, self._frame, self._shader).is_given]
-            return renamed(" ".join(element.getName() for element in given))
-        frame = self._graph.translation(self._shader, self._frame, f"{tag}_to_{TARGET}")
-        if frame is not None:
-            outputs = frame.scope.getOutputs()
-            named = {child.getName().removesuffix("_out"): child for child in outputs}
-            return {n: partial(self._output, e, frame) for n, e in named.items() if n in PARAMETERS}
+            given = [e.getName() for e in inputs if frame.follow(e, shader.where).is_given]
+            return renamed(" ".join(given))
+        definitions = self._graph.root.scope.getMatchingNodeDefs(f"{tag}_to_{TARGET}")
+        inside = shader.implemented(definitions[0]) if definitions else None
+        if inside is not None:
+            outputs = {x.getName().removesuffix("_out"): x for x in inside.scope.getOutputs()}
+            return {
+                name: partial(_output, inside.follow(output, shader.where))
+                for name, output in outputs.items()
+                if name in PARAMETERS
+            }
         if tag not in TRANSLATIONS:
             raise FileError(
                 f"{self._where} has a shader of kind {tag[:40]}, which is not read; translate it "
                 f"to one of {', '.join(SHADERS)}"
             )
         return None
-
-    def _output(self, output: Any, frame: Frame, inputs: Inputs) -> np.ndarray:
-        source = self._graph.follow(output, frame, self._shader)
-        return inputs.evaluation.value(source, self._shader)
 
     def ends(self, name: str) -> tuple[np.ndarray, np.ndarray]:
         """The least and the largest value (channels,) of an input on the surface."""
@@ -172,7 +171,7 @@ class Reader:
         return self._ends[name]
 
     def _value(self, formula: Formula) -> Value:
-        return lambda e: formula(Inputs(e, self._shader, self._frame, self.ends))
+        return lambda e: formula(Inputs(e, self._shader, self.ends))
 
     def _changes(self, formula: Formula) -> bool:
         return changes(self._graph, self._value(formula))
@@ -189,9 +188,8 @@ class Reader:
 
     def _warn_of_losses(self, tag: str) -> None:
         """Warn of inputs without a parameter, where they would change something."""
-        known = self._graph.inputs(self._shader, self._frame)
-        given = [element.getName() for element in self._shader.getInputs()]
-        lost = [name for name in given if name not in known]
+        given = [element.getName() for element in self._shader.element.getInputs()]
+        lost = [name for name in given if name not in self._shader.inputs]
         for name, formula in LOST.get(tag, {}).items():
             if name in given and self._changes(formula):
                 lost.append(name)
@@ -247,6 +245,11 @@ class Reader:
             ends = f"[{entry.low:g}, {entry.high:g}]{space}"
             warn(f"{self._where}: {entry.name} leaves {ends} and is clipped to it")
         return limited
+
+
+def _output(source: Source, i: Inputs) -> np.ndarray:
+    """A formula: the value of an output of a graph that translates a shader."""
+    return i.evaluation.value(source, i.shader.where)
 
 
 def _bright(values: dict[str, ParameterValue]) -> dict[str, ParameterValue]:

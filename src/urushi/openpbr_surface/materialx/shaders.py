@@ -32,8 +32,7 @@ class Inputs:
     """Inputs of a shader by name, or their defaults."""
 
     evaluation: Any  # at some points, an `evaluation.Evaluation`
-    shader: Any  # the node
-    frame: Any  # where it is
+    shader: Any  # its `graph.Node`
     # The least and the largest value (channels,) of an input on the surface. What the plugin needs
     # to be the same everywhere depends on them: thin walls, the index of what transmits light, the
     # medium inside.
@@ -41,7 +40,7 @@ class Inputs:
 
     def __call__(self, name: str) -> np.ndarray:
         """The value (..., channels) at the points."""
-        return self.evaluation.input(self.shader, name, self.frame)
+        return self.evaluation.input(self.shader, name)
 
 
 Formula = Callable[[Inputs], np.ndarray]

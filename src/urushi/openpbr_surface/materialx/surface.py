@@ -8,7 +8,7 @@ from urushi.checks import Check
 from urushi.errors import FileError
 from urushi.openpbr_surface.materialx.baking import MAX_RESOLUTION, bake, changes
 from urushi.openpbr_surface.materialx.document import find_material, read_document
-from urushi.openpbr_surface.materialx.graph import Frame, Graph, Source
+from urushi.openpbr_surface.materialx.graph import Frame, Graph, Node, Source, library
 from urushi.openpbr_surface.materialx.images import Images
 from urushi.openpbr_surface.materialx.reader import Mix, Reader, Surface, mixed, warn
 
@@ -37,74 +37,67 @@ def read_surface(
     material = find_material(document, name)
     name = material.getName()
     where = f"{document.where}: '{name[:60]}'"
-    images = Images(document.path.parent)
-    graph = Graph(document.root, images, document.where, uv_plane=uv_plane)
+    document.root.setDataLibrary(library())
+    root = Frame(document.root, document.where)
+    graph = Graph(root, Images(document.path.parent), uv_plane)
     try:
-        shader = _find_shader(graph, material, where)
-        return _read(graph, shader, resolution, name, iter(range(MAX_MIXED)))
+        shader = _shader_of(graph, material, where)
+        return _read(graph, shader, resolution, name, where, iter(range(MAX_MIXED)))
     except RecursionError:
         raise FileError(f"{where} has nodes nested too deeply; simplify it") from None
 
 
 def _read(
-    graph: Graph, shader: Source, resolution: int, name: str, left: Iterator[int]
+    graph: Graph, shader: Node, resolution: int, name: str, where: str, left: Iterator[int]
 ) -> Surface | Mix:
     """The material of a shader, or the mixture of two.
 
     name: the material's. left: has an item for every further shader that is allowed.
     """
-    node, named = shader.element, graph.named(shader.element)
-    where = f"{graph.where}: '{name[:60]}'"
     if next(left, None) is None:
         raise FileError(
             f"{where} mixes more than {MAX_MIXED} surface shaders; mix the inputs of one shader "
             "instead, or bake the material into images"
         )
-    if node.getCategory() != "mix":
+    if shader.tag != "mix":
         return Reader(graph, shader, resolution, where).material(name)
 
     def part(side: str) -> Surface | Mix:
-        source = _shader(graph, node, side, shader.frame, f"{named}: its {side}")
-        return _read(graph, source, resolution, name, left)
+        return _read(graph, _connected(shader, side), resolution, name, where, left)
 
-    weight = bake(graph, lambda e: e.input(node, "mix", shader.frame), resolution, f"{named}: mix")
-    return mixed(name, weight, f"{named}: mix", part)
+    weight = bake(graph, lambda e: e.input(shader, "mix"), resolution, f"{shader.where}: mix")
+    return mixed(name, weight, f"{shader.where}: mix", part)
 
 
-def _shader(graph: Graph, node: Any, name: str, frame: Frame, where: str) -> Source:
+def _connected(node: Node, name: str) -> Node:
     """The shader to which an input of a node is connected."""
-    link = node.getInput(name)
-    return _node(None if link is None else graph.follow(link, frame, node), where)
+    return _shader(node.source(name), f"{node.where}: its {name}")
 
 
-def _node(found: Source | None, where: str) -> Source:
-    if found is None or not found.is_node:
+def _shader(source: Source | None, where: str) -> Node:
+    if source is None or source.node is None:
         raise FileError(f"{where} is connected to no surface shader in the document")
-    return found
+    return source.node
 
 
-def _find_shader(graph: Graph, material: Any, where: str) -> Source:
+def _shader_of(graph: Graph, element: Any, where: str) -> Node:
     """The surface shader of a material, or of a shader's graph."""
-    frame, scope = graph.root, material.getParent()
-    if scope.getCategory() == "nodegraph":
-        frame = graph.inside(scope, frame) or frame
-    if material.getCategory() != "surfacematerial":
-        inner = graph.inside(material, frame)
-        outputs = [] if inner is None else inner.scope.getOutputs()
-        if inner is None or not outputs:
-            return Source(material, frame)
-        return _node(graph.follow(outputs[0], inner, material), where)
+    nested = graph.root.node(element.getParent().getName())
+    node = ((nested and nested.inside) or graph.root).node(element.getName())
+    assert node is not None
+    if node.tag != "surfacematerial":
+        outputs = node.inside.scope.getOutputs() if node.inside else []
+        if not node.inside or not outputs:
+            return node
+        return _shader(node.inside.follow(outputs[0], node.where), where)
     for name, part in _LOST_SHADERS.items():
-        element = material.getInput(name)
-        source = None if element is None else graph.follow(element, frame, material)
-        if source is not None and source.is_node and not _is_flat(graph, source):
+        given = node.source(name)
+        if given is not None and given.node is not None and not _is_flat(graph, given.node):
             warn(f"{where}: its {part} is left out; OpenPBR describes the front's surface")
-    return _shader(graph, material, "surfaceshader", frame, where)
+    return _connected(node, "surfaceshader")
 
 
-def _is_flat(graph: Graph, source: Source) -> bool:
+def _is_flat(graph: Graph, node: Node) -> bool:
     """Whether a node displaces by nothing."""
-    node, name = source.element, "displacement"
-    return node.getCategory() == name and not changes(
-        graph, lambda e: e.input(node, name, source.frame)
-    )
+    name = "displacement"
+    return node.tag == name and not changes(graph, lambda e: e.input(node, name))
