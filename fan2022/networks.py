@@ -60,7 +60,7 @@ class PaperNetworks:
         """
         self.arch, self.header = arch, dict(header)
         self.params = weights.checked_parameters(params, shapes(ALL))
-        self.fingerprint = weights.fingerprint(arch, self.params)
+        self.fingerprint = weights.fingerprint(arch.to_json(), self.params)
         self._lock = threading.Lock()
         self._kept: dict[bytes, np.ndarray] = {}  # the oldest first
 
@@ -81,7 +81,7 @@ class PaperNetworks:
         Raises:
             FileError: the file cannot be written.
         """
-        weights.write_file(path, self.arch, self.params, self.header)
+        weights.write_file(path, self.arch.to_json(), self.params, self.header)
         return self
 
     def encode(self, f: Any) -> np.ndarray:

@@ -6,10 +6,8 @@ from tests import mixtures
 from tests.directions import in_plane
 from tests.untrained import untrained
 
-from urushi.checks import Widths
 from urushi.core import microfacet
 from urushi.core.direction_sets import cosine_pairs
-from urushi.core.namespace import NUMPY
 from urushi.core.quadrature import half_vector_rule
 from urushi.nets import lobe as lobes
 from urushi.nets import proposal
@@ -49,22 +47,25 @@ def test_the_gain_scales_the_rest_alone():
     assert (weights[1, :, 0] > weights[0, :, 0]).all()
 
 
-def test_the_lobes_of_two_widths_are_stretched():
-    """GGX of the widths a / s and a s is round to half vectors (h_x s, h_y / s, h_z)."""
-    lobes_of_code = proposal.widths_of(Widths(0.1, 0.2), np.log(2.0), NUMPY)
-    for alpha, width in zip(proposal.ALPHAS, lobes_of_code[1:], strict=True):
-        assert width.v == pytest.approx(4 * width.u)
-        assert width.u * width.v == pytest.approx(alpha**2)
-    assert proposal.widths_of(0.1, 0.0, NUMPY) == [0.1, *proposal.ALPHAS]
-
-
 def test_a_smooth_metal_is_its_own_lobe():
     model = default_model()
-    z = np.zeros((1, model.arch.latent), np.float32)
-    z[0, : model.arch.lobe] = (0.05, 1, 1, 0, 1.5, 0)
-    z[0, model.arch.lobe :] = model.networks.empty_rest()
+    lobe = np.array([(0.05, 1, 1, 0, 1.5, 0)], np.float32)
+    z = np.concatenate([lobe, model.networks.empty_rest()[None]], axis=1)
     weights = mixtures.weights(model.networks.proposal(z, in_plane(np.array([0.0, 45.0, 80.0]))))
     np.testing.assert_allclose(weights[:, 0], 1 - proposal.MIN_COSINE_SHARE, atol=1e-3)
+
+
+def variation(networks, f, lobe, wi: np.ndarray) -> float:
+    """Coefficient of variation of f cos / pdf, over directions wi (A, 3), by quadrature.
+
+    A cosine lobe has up to 25.
+    """
+    z = networks.encode(f(*networks.pairs())[None].astype(np.float32), lobe[None])[0]
+    wo, share = half_vector_rule(wi, anisotropic=networks.arch.widths == 2)
+    f_cos = f(wi[:, None], wo) * wo[..., 2]
+    pdf = mixtures.pdf(networks.proposal(z, wi[:, None].astype(np.float32)), wi[:, None], wo)
+    second = np.sum(f_cos**2 / pdf * share, axis=-1) / np.sum(f_cos * share, axis=-1) ** 2
+    return np.sqrt(np.mean(second - 1))
 
 
 @pytest.mark.parametrize(
@@ -78,35 +79,22 @@ def test_a_smooth_metal_is_its_own_lobe():
     ],
 )
 def test_the_variance_of_samples_is_small(lobe, rest, most):
-    """Coefficient of variation of f cos / pdf, by quadrature; a cosine lobe has up to 25."""
-    networks = default_model().networks
-    lobe = np.array(lobe, np.float32)
-    wi, wo = networks.pairs()
-    z = networks.encode((lobes.f(lobe, wi, wo) + rest)[None].astype(np.float32), lobe[None])[0]
-    wi = in_plane(np.arange(0, 86, 5.0))
-    wo, share = half_vector_rule(wi)
-    f_cos = (lobes.f(lobe, wi[:, None], wo) + rest) * wo[..., 2]
-    pdf = mixtures.pdf(networks.proposal(z, wi[:, None]), wi[:, None].astype(float), wo)
-    second = np.sum(f_cos**2 / pdf * share, axis=-1) / np.sum(f_cos * share, axis=-1) ** 2
-    assert np.sqrt(np.mean(second - 1)) < most
+    lobe, wi = np.array(lobe, np.float32), in_plane(np.arange(0, 86, 5.0)).astype(float)
+    found = variation(default_model().networks, lambda *w: lobes.f(lobe, *w) + rest, lobe, wi)
+    assert found < most
 
 
 @pytest.mark.parametrize("widths", [(0.1, 0.1), (0.08, 0.3), (0.3, 0.08)])
 def test_a_brushed_rest_is_sampled_by_stretched_lobes(widths):
     """A metal that is a rest, under the lobe of a coat; round lobes would have one and more."""
-    networks = anisotropic_model().networks
     coat = np.array([0.1, 0, 0, 1, 1.5, 0, 0.1], np.float32)
     metal = np.array([widths[0], 0.8, 1, 0, 1.5, 0, widths[1]], np.float32)
-
-    def f(wi, wo):
-        return lobes.f(coat, wi, wo) + lobes.f(metal, wi, wo) + 0.01
-
-    z = networks.encode(f(*networks.pairs())[None].astype(np.float32), coat[None])[0]
     theta, phi = np.radians([[10, 40, 70], [0, 45, 90]])
     wi = np.stack([np.sin(theta) * np.cos(phi), np.sin(theta) * np.sin(phi), np.cos(theta)], -1)
-    wo, share = half_vector_rule(wi, anisotropic=True)
-    f_cos = f(wi[:, None], wo) * wo[..., 2]
-    mixture = networks.proposal(z, wi[:, None].astype(np.float32))
-    pdf = mixtures.pdf(mixture, wi[:, None], wo)
-    second = np.sum(f_cos**2 / pdf * share, axis=-1) / np.sum(f_cos * share, axis=-1) ** 2
-    assert np.sqrt(np.mean(second - 1)) < 0.5
+    found = variation(
+        anisotropic_model().networks,
+        lambda *w: lobes.f(coat, *w) + lobes.f(metal, *w) + 0.01,
+        coat,
+        wi,
+    )
+    assert found < 0.5

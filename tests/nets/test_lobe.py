@@ -1,9 +1,7 @@
-"""The analytic lobe: the physics floor's reflection, reciprocal to the bit, finite, and smooth."""
+"""The analytic lobe: reciprocal to the bit, finite, and linear; its features."""
 
 import math
 
-import jax
-import jax.numpy as jnp
 import numpy as np
 import pytest
 
@@ -42,12 +40,12 @@ def test_f_is_finite_at_the_horizon_and_at_the_mirror_direction(lobes):
 
 
 def test_f_is_linear_in_the_factors(lobes, pairs):
-    lobes = lobes[:, None]
     wi, wo = (w.astype(np.float64)[::20] for w in pairs)
     factor = np.random.default_rng(4).random((len(lobes), 1))
-    numbers = [1, factor, factor, factor, 1, 1]
-    scaled = lobe.f(lobes * np.stack(np.broadcast_arrays(*numbers), axis=-1), wi, wo)
-    np.testing.assert_allclose(scaled, factor * lobe.f(lobes, wi, wo), rtol=1e-12)
+    scaled = lobes.copy()
+    scaled[:, 1:4] *= factor
+    expected = factor * lobe.f(lobes[:, None], wi, wo)
+    np.testing.assert_allclose(lobe.f(scaled[:, None], wi, wo), expected, rtol=1e-12)
 
 
 def test_features_are_finite_and_of_about_unit_size(random_lobes):
@@ -63,19 +61,3 @@ def test_the_width_of_an_invisible_lobe_does_not_matter():
     none[:, 0], none[:, 4] = np.geomspace(0.01, 1, 5), np.linspace(0.5, 3, 5)
     features = lobe.lobe_features(none)
     assert np.array_equal(features, np.broadcast_to(features[0], features.shape))
-
-
-def test_numpy_and_jax_agree_and_gradients_are_finite(lobes, pairs):
-    wi, wo = pairs
-    lobes = lobes.astype(np.float32)[:, None]
-    ours, theirs = lobe.f(lobes, wi, wo), jax.jit(lobe.f)(lobes, wi, wo)
-    # The rounding of wi + wo, 1e-7, over the lobe's width in h at grazing angles.
-    np.testing.assert_allclose(theirs, ours, rtol=2e-2, atol=1e-6)
-    np.testing.assert_allclose(
-        jax.jit(lobe.lobe_features)(lobes), lobe.lobe_features(lobes), atol=1e-5
-    )
-
-    def total(x, wi, wo):
-        return jnp.sum(lobe.f(x, wi, wo)) + jnp.sum(lobe.lobe_features(x))
-
-    assert np.isfinite(np.asarray(jax.jit(jax.grad(total))(lobes, wi, wo))).all()

@@ -7,7 +7,7 @@ from urushi.core.direction_sets import cosine_pairs
 from urushi.core.namespace import NUMPY, Components
 from urushi.core.probe_pairs import pair_measure
 from urushi.core.stretched import FACTORS, stretched
-from urushi.core.table import SHAPE, node_pairs, pair_coordinates
+from urushi.core.table import SHAPE, node_pairs
 from urushi.nets import lobe as lobes
 from urushi.nets.basis import decode
 from urushi.nets.code_fit import log_stretch, solve_codes
@@ -76,13 +76,6 @@ def test_codes_of_one_width_are_codes_of_two(model, pairs):
     np.testing.assert_allclose(model.networks.f(two, *pairs), own.networks.f(z, *pairs), rtol=1e-4)
 
 
-def test_coordinates_without_stretch_are_those_of_one_width(pairs):
-    both, apart = components_of(*pairs)
-    places, _ = stretched(both, apart, 1.0, NUMPY)
-    for a, b in zip(places, pair_coordinates(*pairs), strict=True):
-        np.testing.assert_allclose(a, b, atol=1e-3)  # single precision
-
-
 def test_a_stretched_lobe_is_round():
     """The GGX distribution of two widths depends on the stretched half angle alone."""
     rng = np.random.default_rng(2)
@@ -140,12 +133,6 @@ def test_channels_share_the_stretch(model):
     f = np.stack([own, 0.5 * own + 0.2, 0.1 * own + 0.3])
     codes = model.networks.encode(f, np.float32(lobes.no_lobe(2)))
     assert (codes[:, -1] == codes[0, -1]).all() and codes[0, -1] > 0.4
-    brighter = np.array(codes)
-    model.networks.gains(brighter)[...] += np.log(2)
-    ratio = model.networks.f(brighter, *(w[:, None] for w in pairs))
-    np.testing.assert_allclose(
-        ratio, 2 * model.networks.f(codes, *(w[:, None] for w in pairs)), rtol=1e-3
-    )
 
 
 @pytest.mark.parametrize("degrees", [0, 10, 40, 70])
@@ -158,11 +145,8 @@ def test_f_is_continuous_where_azimuths_mean_nothing(degrees):
     rest = rng.standard_normal((4, networks.arch.rest)).astype(np.float32)
     rest[:, -1] = -0.5, 0, 0.5, 1
     z = np.concatenate([np.tile(np.float32(lobes.no_lobe(2)), (4, 1)), rest], axis=1)
-    turn, (sine, cosine) = (
-        np.linspace(0, 2 * np.pi, 25),
-        (f(np.radians(degrees)) for f in (np.sin, np.cos)),
-    )
-    wi = np.array([0.8 * sine, 0.6 * sine, cosine])
+    turn, polar = np.linspace(0, 2 * np.pi, 25), np.radians(degrees)
+    wi = np.array([0.8 * np.sin(polar), 0.6 * np.sin(polar), np.cos(polar)])
     away = 2e-5 * np.stack([np.cos(turn), np.sin(turn), 0 * turn], axis=-1)
     for centre in (wi * [-1, -1, 1], wi):
         wo = centre + away

@@ -20,8 +20,8 @@ def directions(azimuth=0.3):
     return np.stack([sine * np.cos(azimuth), sine * np.sin(azimuth), COSINES], axis=-1)
 
 
-def of_coat(alpha, eta, dtype=np.float64):
-    return lobes.of_coat(np.asarray(alpha, dtype), np.asarray(eta, dtype))
+def of_coat(alpha, eta):
+    return lobes.of_coat(np.asarray(alpha, np.float64), np.asarray(eta, np.float64))
 
 
 @pytest.mark.parametrize(
@@ -73,33 +73,29 @@ def test_it_goes_to_one_with_the_index(alpha):
 def test_single_precision_keeps_its_digits():
     alpha, eta = (x.ravel()[:, None] for x in np.meshgrid([0.01, 0.1, 0.5, 1], [0.5, 0.8, 0.999]))
     exact = transmittance.of_lobe(of_coat(alpha, eta), directions())
-    found = transmittance.of_lobe(of_coat(alpha, eta, np.float32), directions().astype(np.float32))
+    lobe = of_coat(alpha, eta).astype(np.float32)
+    found = transmittance.of_lobe(lobe, directions().astype(np.float32))
     assert found.dtype == np.float32
     np.testing.assert_allclose(found, exact, rtol=2e-3)
 
 
-def test_two_equal_widths_are_one():
-    own, two = (
-        transmittance.transmittance(alpha, (None, 0.7, None), _components(), NUMPY)
-        for alpha in (0.2, Widths(0.2, 0.2))
-    )
-    np.testing.assert_allclose(two, own, rtol=1e-9)
+@pytest.mark.parametrize(
+    ("alpha", "azimuth", "same"),
+    [(Widths(0.2, 0.2), 0.3, 0.2), (Widths(0.02, 0.2), 0, 0.02), (Widths(0.2, 0.02), 0, 0.2)],
+)
+def test_the_width_along_the_direction_counts(alpha, azimuth, same):
+    w = transmittance.components(directions(azimuth))
+    one, two = (transmittance.transmittance(x, (None, 0.7, None), w, NUMPY) for x in (same, alpha))
+    np.testing.assert_allclose(two, one, rtol=1e-9)
 
 
-def test_the_width_along_the_direction_counts():
-    narrow, two = (
-        transmittance.transmittance(alpha, (None, 0.7, None), _components(0), NUMPY)
-        for alpha in (0.02, Widths(0.02, 0.2))
-    )
-    np.testing.assert_allclose(two, narrow, rtol=1e-9)
-
-
-@pytest.mark.parametrize("model", [default_model, anisotropic_model])
-def test_a_lambertian_below_such_an_interface_is_exact(model):
+@pytest.mark.parametrize(
+    ("model", "alpha"),
+    [(default_model, np.float64(0.1)), (anisotropic_model, Widths(*np.array([0.1, 0.2])))],
+)
+def test_a_lambertian_below_such_an_interface_is_exact(model, alpha):
     """g is constant, as the first function of the basis is."""
-    model, g = model(), 0.2
-    alpha = 0.1 if model.widths == 1 else Widths(np.float64(0.1), np.float64(0.2))
-    lobe = lobes.of_coat(np.asarray(alpha) if model.widths == 1 else alpha, np.float64(0.7))
+    model, g, lobe = model(), 0.2, lobes.of_coat(alpha, np.float64(0.7))
 
     def f(wi, wo):
         return lobes.f(lobe, wi, wo) + g * transmittance.both_ways(lobe, wi, wo)
@@ -109,7 +105,3 @@ def test_a_lambertian_below_such_an_interface_is_exact(model):
     found = model.networks.f(code, wi, wo)
     np.testing.assert_allclose(found, f(wi, wo), rtol=5e-3)
     assert np.array_equal(found, model.networks.f(code, wo, wi))
-
-
-def _components(azimuth=0.3):
-    return transmittance.components(directions(azimuth))

@@ -96,7 +96,7 @@ def png(material: Material) -> bytes:
     with TemporaryDirectory() as temporary:
         file, networks = (Path(temporary, name) for name in ("material", "weights"))
         material.save(file)
-        weights.write_file(networks, material.model.arch, material.model.params, {})
+        weights.save(networks, material.model.arch, material.model.params, {})
         options = {"material": str(file), "weights": str(networks), "size": str(SIZE)}
         scene = mi.load_file(str(Path(__file__).parent / "sphere" / "scene.xml"), **options)
     picture = np.array(mi.render(scene, spp=SAMPLES))

@@ -21,6 +21,7 @@ is the product of such rows with codes.
 import functools
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -37,16 +38,15 @@ EMPTY_GAIN = -100.0
 KEPT = 16
 
 
-@dataclass(frozen=True, eq=False)
-class Functions:
+class Functions(NamedTuple):
     """The functions (..., 1 + K) of some pairs, from ln s."""
 
     wi: np.ndarray  # (..., 3)
     wo: np.ndarray
-    of_stretch: Callable[[float], np.ndarray]
+    at: Callable[[float], np.ndarray]
 
     def __call__(self, log_stretch: float) -> np.ndarray:
-        return self.of_stretch(log_stretch)
+        return self.at(log_stretch)
 
 
 @dataclass(frozen=True, eq=False)
@@ -87,9 +87,8 @@ class Basis:
 
     def _at(self, stretch2: float, wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
         both, apart = (Components(*w.T.astype(np.float64)) for w in (wi + wo, wi - wo))
-        around: tuple = ()
         if self.widths == 1:
-            places = coordinates(both, apart, NUMPY)
+            places, around = coordinates(both, apart, NUMPY), ()
         else:
             places, around = stretched(both, apart, stretch2, NUMPY)
         total = np.zeros((len(wi), self.size + 1), np.float32)

@@ -35,7 +35,7 @@ KNEE, DARK = 3e-3, 0.02
 #: Share of the prior in the least squares.
 PRIOR = 1e-6
 
-#: Rounds after the first.
+#: Rounds of least squares after the first.
 ROUNDS = 5
 
 #: Share of the mean of f below which a value counts as this share of it.
@@ -119,16 +119,16 @@ def fitted(
     total = _integral(rest, measure)
     f, light = np.maximum(rest, LEAST_SHARE * total + 1e-12), np.maximum(total, 1e-12)
     functions, logs = rows[:, 1:], np.log(f) - rows[:, 0]
-    codes = solved(functions, logs, measure * (f / light + FIRST_FLOOR), prior)
-    best, least = codes, np.full(len(f), np.inf)
-    for _ in range(ROUNDS):
+    weights, least = measure * (f / light + FIRST_FLOOR), np.full(len(f), np.inf)
+    best = np.zeros((len(f), functions.shape[1]))
+    for _ in range(1 + ROUNDS):
+        normal = weighted_products(functions, weights) + PRIOR * prior
+        right = ((weights * logs) @ functions).astype(np.float64)
+        codes = np.linalg.solve(normal, right[..., None])[..., 0]
         error, weights = weighed(rows, measure, f, light, codes)
         better = error < least
-        least = np.where(better, error, least)
         best = np.where(better[:, None], codes, best)
-        codes = solved(functions, logs, weights, prior)
-    error, _ = weighed(rows, measure, f, light, codes)
-    best = np.where((error < least)[:, None], codes, best)
+        least = np.where(better, error, least)
     dark = total[:, 0] < LEAST_REST
     best[dark], best[dark, 0] = 0, EMPTY_GAIN
     return best.astype(np.float32)
@@ -149,7 +149,7 @@ def form_about(
     f = np.exp(np.minimum(codes @ rows[:, 1:].T + rows[:, 0], MAX_LOG))
     light = np.maximum(_integral(f, measure), 1e-12)
     weights = weighed(rows, measure, f, light, codes)[1]
-    return normal(rows[:, 1:], weights, prior)
+    return weighted_products(rows[:, 1:], weights) + PRIOR * prior
 
 
 def weighed(
@@ -171,19 +171,6 @@ def error_slopes(
     slope = np.where(near, f, difference / np.where(near, 1, off))
     size = np.abs(difference)
     return size, slope * slope / (light * (size + KNEE * (f + DARK * light))) + FLOOR
-
-
-def solved(
-    functions: np.ndarray, logs: np.ndarray, weights: np.ndarray, prior: np.ndarray
-) -> np.ndarray:
-    """Codes (S, K) of least squares for logarithms and weights (S, N)."""
-    right = ((weights * logs) @ functions).astype(np.float64)
-    return np.linalg.solve(normal(functions, weights, prior), right[..., None])[..., 0]
-
-
-def normal(functions: np.ndarray, weights: np.ndarray, prior: np.ndarray) -> np.ndarray:
-    """The matrices (S, K, K) of the normal equations for weights (S, N)."""
-    return weighted_products(functions, weights) + PRIOR * prior
 
 
 def weighted_products(x: np.ndarray, weights: np.ndarray) -> np.ndarray:

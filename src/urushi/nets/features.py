@@ -1,7 +1,7 @@
 """Inputs of the layering network: normalised features of a coat."""
 
 from collections.abc import Sequence
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -22,30 +22,19 @@ def stacked(columns: Sequence[Any]) -> Any:
     return result
 
 
-class Normalisation:
-    """Means and scales of features, by which they have about mean 0 and variance 1."""
+class Normalisation(NamedTuple):
+    """Normalisation of features, by which they have about mean 0 and variance 1."""
 
-    def __init__(self, table: Sequence[tuple[Any, float, float]]):
-        """table: name, mean and scale of every column."""
-        _, means, scales = zip(*table, strict=True)
-        self._means, self._factors = np.array(means), 1.0 / np.array(scales)
-        self._of_type: dict[Any, tuple[np.ndarray, np.ndarray]] = {}
+    table: tuple[tuple[str, float, float], ...]  # name, mean and scale of every column
 
     def __call__(self, columns: Sequence[Any]) -> Any:
         """Normalised features (..., C) of columns (...), which broadcast against each other."""
-        features = stacked(columns)
-        dtype = features.real.dtype  # the precision of the columns
-        if dtype not in self._of_type:
-            self._of_type[dtype] = self._means.astype(dtype), self._factors.astype(dtype)
-        means, factors = self._of_type[dtype]
-        features -= means  # in place where arrays can be changed
-        features *= factors
-        return features
+        return stacked(self.each(columns))
 
     def each(self, columns: Sequence[Any]) -> list[Any]:
-        """Columns of any kind, normalised in the same way, as a list."""
-        constants = zip(columns, self._means.tolist(), self._factors.tolist(), strict=True)
-        return [(column - mean) * factor for column, mean, factor in constants]
+        """Columns of any kind, normalised, as a list."""
+        rows = zip(columns, self.table, strict=True)
+        return [(column - mean) * (1.0 / scale) for column, (_, mean, scale) in rows]
 
 
 #: Features of a coat: formula, mean, scale. Of its interface, whose index may be above or below
@@ -72,13 +61,10 @@ COAT_TABLE = (
     ("ln(1 + sigma_t (1 - albedo g))", 1.15, 0.69),
 )
 
-#: Number of features of a coat, of one GGX width or two; the second width has the
-#: first two features once more.
-COAT_FEATURES = {1: len(COAT_TABLE), 2: len(COAT_TABLE) + 2}
-
-
-#: Normalisations of the features, of one GGX width or two.
+#: Normalisations of the features, of one GGX width or two, and their numbers. The second width has
+#: the first two features once more.
 COATS = {1: Normalisation(COAT_TABLE), 2: Normalisation(COAT_TABLE + COAT_TABLE[:2])}
+COAT_FEATURES = {widths: len(own.table) for widths, own in COATS.items()}
 
 
 def coat_features(alpha: Any, eta: Any, albedo: Any, sigma_t: Any, g: Any) -> Any:

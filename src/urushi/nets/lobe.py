@@ -42,7 +42,7 @@ NO_LOBE = (1.0, 0.0, 0.0, 0.0, 1.5, 0.0)
 COSINES = (1.0, 0.5, 0.2)
 
 #: Features of a lobe: formula, mean, scale; see `lobe_features`. With F the reflectance, and F_m
-#: its mean over `COSINES`. Each further width has the first two.
+#: its mean over `COSINES`.
 FEATURE_TABLE = (
     ("s ln alpha, s = F_m / (F_m + 0.01)", -0.9, 1.1),
     ("s alpha", 0.22, 0.3),
@@ -51,10 +51,11 @@ FEATURE_TABLE = (
     ("F(0.2)", 0.55, 0.35),
     ("ln(F_m + 0.01)", -1.5, 1.5),
 )
-LOBE_FEATURES = {1: len(FEATURE_TABLE), 2: len(FEATURE_TABLE) + 2}
 
-#: Normalisations of the features of lobes with one width and with two.
+#: Normalisations of the features of lobes with one width and with two, and their numbers. Each
+#: further width has the first two features.
 FEATURES = {1: Normalisation(FEATURE_TABLE), 2: Normalisation(FEATURE_TABLE + FEATURE_TABLE[:2])}
+LOBE_FEATURES = {widths: len(own.table) for widths, own in FEATURES.items()}
 
 #: Mean reflectance at which half of a lobe's width counts in `lobe_features`.
 VISIBLE = 0.01

@@ -30,14 +30,9 @@ def split_linear(params: Params, name: str, x: Any, y: Any) -> Any:
     directions at the cost of one product. The first a rows of the weight belong to x.
     """
     weight = params[f"{name}.weight"]
-    rows = x.shape[-1]
-    from_x = product(x, weight[:rows, :])
+    from_x = product(x, weight[: x.shape[-1]])
     from_x += params[f"{name}.bias"]  # in place where arrays can be changed
-    from_y = product(y, weight[rows:, :])
-    if from_x.shape != from_y.shape:
-        return from_x + from_y
-    from_x += from_y
-    return from_x
+    return from_x + product(y, weight[x.shape[-1] :])
 
 
 def product(x: Any, weight: Any) -> Any:
@@ -68,27 +63,25 @@ def activate(x: Any, activation: str) -> Any:
     "relu" is the positive part. `POLYNOMIALS` resemble SiLU, x times its logistic function, without
     an exponential or a division, which makes rendering faster.
     """
-    if activation in POLYNOMIALS:
-        bound, coefficients = POLYNOMIALS[activation]
-        t = x.clip(-bound, bound)
-        u = t * t
-        *others, first = coefficients
-        q = u * first
-        for coefficient in reversed(others[1:]):  # in place where arrays can be changed
-            q += coefficient
-            q *= u
-        q += others[0]
-        q *= t
-        q += 0.5
-        q *= x
-        return q
-    return x.__array_namespace__().maximum(x, 0.0)
+    if activation == "relu":
+        return x.__array_namespace__().maximum(x, 0.0)
+    bound, (*others, last) = POLYNOMIALS[activation]
+    t = x.clip(-bound, bound)
+    u = t * t
+    q = u * last
+    for coefficient in reversed(others[1:]):  # in place where arrays can be changed
+        q += coefficient
+        q *= u
+    q += others[0]
+    q *= t
+    q += 0.5
+    q *= x
+    return q
 
 
 def shapes_of(prefix: str, sizes: Sequence[int]) -> dict[str, tuple[int, ...]]:
     """Shapes by name of the parameters of the network `prefix` with layers of these sizes."""
     shapes: dict[str, tuple[int, ...]] = {}
-    for index, (rows, columns) in enumerate(itertools.pairwise(sizes)):
-        shapes[f"{prefix}.{index}.weight"] = (rows, columns)
-        shapes[f"{prefix}.{index}.bias"] = (columns,)
+    for index, layer in enumerate(itertools.pairwise(sizes)):
+        shapes |= {f"{prefix}.{index}.weight": layer, f"{prefix}.{index}.bias": layer[1:]}
     return shapes

@@ -144,17 +144,16 @@ class Networks(NamedTuple):
         return codes
 
     def _encode(self, f: np.ndarray, lobe: np.ndarray | None = None) -> np.ndarray:
-        lobe = fit_lobes(f, self.arch.widths) if lobe is None else lobe
-        rest, stretch = np.maximum(f - lobes.f(lobe[..., None, :], *self.pairs()), 0), None
-        passed = transmittance.both_ways(lobe[..., None, :], *self.pairs())
-        rest /= passed
+        lobe, pairs = fit_lobes(f, self.arch.widths) if lobe is None else lobe, self.pairs()
+        passed = transmittance.both_ways(lobe[..., None, :], *pairs)
+        rest = np.maximum(f - lobes.f(lobe[..., None, :], *pairs), 0) / passed
+        count, stretch = f.shape[-1], None
         if self.arch.widths == 2:
             mean = rest.mean(axis=-2, keepdims=True) if rest.ndim > 1 else rest
-            stretch = log_stretch(mean.reshape(-1, f.shape[-1]), self.basis.measure)
+            stretch = log_stretch(mean.reshape(-1, count), self.basis.measure)
             stretch = np.broadcast_to(stretch.reshape(mean.shape[:-1]), rest.shape[:-1]).ravel()
-        rest, passed = (x.reshape(-1, f.shape[-1]) for x in (rest, passed))
-        codes = solve_codes(self.basis, rest, passed, stretch)
-        codes = codes.reshape(*f.shape[:-1], self.arch.rest)
+        rows = rest.reshape(-1, count), passed.reshape(-1, count)
+        codes = solve_codes(self.basis, *rows, stretch).reshape(*f.shape[:-1], self.arch.rest)
         return np.concatenate([lobe, codes], axis=-1, dtype=np.float32)
 
     def layer(self, z_bottom: Any, coat: CoatParameters) -> Any:

@@ -7,7 +7,7 @@ import os
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Protocol, TypeVar
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -24,18 +24,10 @@ FORMAT_VERSION = 1
 #: materials, which are made with them unless a user names others.
 DEFAULT, ANISOTROPIC = "default", "anisotropic"
 
-
 #: The system that files name as `kind`. Files without the entry are Urushi's own.
 KIND = "urushi"
 
 Read = TypeVar("Read")
-
-
-class Described(Protocol):
-    """An architecture that files describe."""
-
-    def to_json(self) -> str:
-        """The text of a JSON object; its entry `kind` names another system than Urushi's."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -64,7 +56,7 @@ class Model:
         if "basis.rows" in params:
             params = dict(params) | {"basis.rows": on_grid(np.asarray(params["basis.rows"]))}
         checked = checked_parameters(params, arch.parameter_shapes())
-        return cls(arch, checked, dict(header), fingerprint(arch, checked))
+        return cls(arch, checked, dict(header), fingerprint(arch.to_json(), checked))
 
     @property
     def widths(self) -> int:
@@ -103,9 +95,9 @@ def checked_parameters(
     return checked
 
 
-def fingerprint(arch: Described, params: Params) -> str:
-    """Return twelve hexadecimal digits of the SHA-256 of the architecture, names and arrays."""
-    digest = hashlib.sha256(arch.to_json().encode())
+def fingerprint(arch: str, params: Params) -> str:
+    """Twelve hexadecimal digits of the SHA-256 of an architecture's JSON, names and arrays."""
+    digest = hashlib.sha256(arch.encode())
     for name in sorted(params):
         digest.update(name.encode() + b"\0")
         digest.update(np.asarray(params[name], dtype="<f4").tobytes())
@@ -124,45 +116,40 @@ def save(
         FileError: the file cannot be written.
     """
     model = Model.of(arch, params, header)
-    write_file(path, arch, model.params, header)
+    rows = model.params["basis.rows"]
+    low, step = grid_of(rows)  # files hold the rows in 16 bits
+    numbers = np.rint((rows - low) / step).astype(np.uint16)
+    stored = {"basis.rows": numbers, "basis.grid": np.stack([low, step])}
+    write_file(path, arch.to_json(), dict(model.params) | stored, header)
     return model
 
 
 def write_file(
-    path: str | os.PathLike, arch: Described, params: Params, header: Mapping[str, Any]
+    path: str | os.PathLike, arch: str, params: Params, header: Mapping[str, Any]
 ) -> None:
-    """Write the weights of any system to a file."""
+    """Write the weights of any system to a file.
+
+    arch: the text of a JSON object; its entry `kind` names another system than Urushi's.
+    """
     description = {
         "version": FORMAT_VERSION,
-        "architecture": json.loads(arch.to_json()),
+        "architecture": json.loads(arch),
         "header": dict(header),
     }
-    files.write_tensors(path, "weights", description, _stored(params))
-
-
-def _stored(params: Params) -> dict[str, np.ndarray]:
-    """Parameters as files hold them: the rows of a basis in 16 bits."""
-    arrays = {name: np.asarray(array) for name, array in params.items()}
-    if "basis.rows" in arrays:
-        low, step = grid_of(arrays["basis.rows"])
-        numbers = np.rint((arrays["basis.rows"] - low) / step).astype(np.uint16)
-        arrays |= {"basis.rows": numbers, "basis.grid": np.stack([low, step])}
-    return arrays
-
-
-def _restored(arrays: Params) -> Params:
-    """The parameters of `_stored`."""
-    if "basis.grid" not in arrays:
-        return arrays
-    low, step = arrays["basis.grid"]
-    rows = (arrays["basis.rows"] * step + low).astype(np.float32)
-    others = {name: array for name, array in arrays.items() if name != "basis.grid"}
-    return others | {"basis.rows": rows}
+    files.write_tensors(path, "weights", description, params)
 
 
 def read(path: str | os.PathLike) -> Model:
     """Read a weights file that `save` wrote."""
-    return read_file(path, KIND, lambda arch, *rest: Model.of(Architecture.from_json(arch), *rest))
+
+    def made(arch: str, params: Params, header: Mapping[str, Any]) -> Model:
+        others = {name: array for name, array in params.items() if name != "basis.grid"}
+        if "basis.grid" in params:
+            low, step = params["basis.grid"]
+            others["basis.rows"] = (params["basis.rows"] * step + low).astype(np.float32)
+        return Model.of(Architecture.from_json(arch), others, header)
+
+    return read_file(path, KIND, made)
 
 
 def read_file(
@@ -188,14 +175,13 @@ def read_file(
             f"use the functions, plugins and commands of the system '{found}' for this file"
         )
     try:
-        return make(json.dumps(arch), _restored(arrays), description.get("header") or {})
+        return make(json.dumps(arch), arrays, description.get("header") or {})
     except (ParameterError, TypeError, ValueError) as error:
         raise FileError(f"the weights file '{path}' is damaged: {error}") from error
 
 
 #: Weights as a user may give them: a Model, a name of shipped ones, or a weights file.
 Weights = Model | str | os.PathLike
-
 
 #: The folder of the shipped weights.
 SHIPPED = Path(__file__).with_name("weights")
