@@ -11,6 +11,23 @@ def package():
     return pytest.importorskip("MaterialX")
 
 
+def element(tag, kind, name="n", **inputs):
+    """The text of a node.
+
+    inputs: numbers, truth values, colours as tuples, or pairs of a type and a text; a text that
+    begins with @ names a node, of type float unless another is given.
+    """
+    inside = ""
+    for key, x in inputs.items():
+        if isinstance(x, tuple) and not isinstance(x[0], str):
+            x = "color3", ", ".join(map(str, x))
+        kinds = {bool: "boolean", int: "integer", float: "float", str: "float"}
+        of, value = x if isinstance(x, tuple) else (kinds[type(x)], str(x).lower())
+        link = "nodename" if value.startswith("@") else "value"
+        inside += f'<input name="{key.rstrip("_")}" type="{of}" {link}="{value.lstrip("@")}"/>'
+    return f'<{tag} name="{name}" type="{kind}">{inside}</{tag}>'
+
+
 def write_image(path, pixels, kind="float"):
     """Write values (height, width, channels) as OpenEXR or TIFF, in single precision or a kind."""
     import OpenImageIO

@@ -3,8 +3,8 @@
 import mitsuba as mi
 import numpy as np
 import pytest
-from tests.openpbr_surface.materialx.conftest import write_image
-from tests.openpbr_surface.materialx.test_nodes import UV, element
+from tests.openpbr_surface.materialx.conftest import element, write_image
+from tests.openpbr_surface.materialx.test_nodes import UV
 
 from urushi.errors import FileError
 from urushi.openpbr_surface.materialx.images import sample
@@ -14,7 +14,7 @@ from urushi.openpbr_surface.plugins.materialx import mitsuba_value
 PIXELS = np.random.default_rng(3).random((6, 9, 3)).astype(np.float32)
 FILE = ("filename", "a.exr")
 IMAGE = element("image", "color3", "i", file=FILE)
-RAMP = element("ramplr", "color3", "r", valuer=("color3", "1,1,1"))
+RAMP = element("ramplr", "color3", "r", valuer=(1, 1, 1))
 BASE_COLOR = """<open_pbr_surface name="s" type="surfaceshader">
     <input name="base_color" type="color3" nodename="n"/></open_pbr_surface>"""
 NORMAL = BASE_COLOR.replace("base_color", "geometry_normal").replace("color3", "vector3")
@@ -58,12 +58,12 @@ def test_an_image_keeps_its_texels_and_its_place(textured, llvm, mode, blend):
     Single precision of uv moves look-ups by 1e-6 of a texel: nearest ones are compared where they
     are a thousandth of a texel from an edge.
     """
-    place = {"rotate": ("float", "25"), "scale": ("vector2", "0.3, 0.7")}
+    place = {"rotate": 25.0, "scale": ("vector2", "0.3, 0.7")}
     look = {f"{axis}addressmode": ("string", mode) for axis in "uv"}
     body = UV + element("place2d", "vector2", "p", texcoord=("vector2", "@uv"), **place)
     look |= {"texcoord": ("vector2", "@p"), "filtertype": ("string", blend)}
     body += element("image", "color3", "i", file=FILE, **look)
-    body += element("multiply", "color3", in1=("color3", "@i"), in2=("float", "0.5"))
+    body += element("multiply", "color3", in1=("color3", "@i"), in2=0.5)
     texture = textured(body)
     assert np.allclose(texture.pixels, 0.5 * PIXELS)
     uv = np.random.default_rng(1).random((200, 2)) * 3 - 1
@@ -101,7 +101,7 @@ def test_usd_textures_are_black_outside(textured):
 
 @pytest.mark.parametrize("file", [{"file": ("filename", "")}, {}])
 def test_an_image_without_a_file_has_its_default(textured, file):
-    body = element("image", "color3", **file, default=("color3", "0.2, 0.3, 0.4"))
+    body = element("image", "color3", **file, default=(0.2, 0.3, 0.4))
     assert textured(body) == pytest.approx((0.2, 0.3, 0.4))
 
 
@@ -115,7 +115,7 @@ def test_tokens_of_file_names_are_replaced(textured):
 
 def test_a_pattern_is_computed_on_a_grid(textured, llvm):
     """A ramp between pixel centres is linear, so that the interpolated grid is exact there."""
-    body = element("ramptb", "color3", valuet=("color3", "1,0,0"), valueb=("color3", "0,0,1"))
+    body = element("ramptb", "color3", valuet=(1, 0, 0), valueb=(0, 0, 1))
     texture = textured(body, 32)
     assert texture.pixels.shape == (32, 32, 3)
     uv = np.random.default_rng(1).uniform(1 / 32, 31 / 32, (50, 2))
@@ -147,10 +147,10 @@ def test_patterns_in_space_need_a_plane(textured):
     assert np.allclose(pixels, np.stack([*np.meshgrid(u, u[::-1]), np.zeros((4, 4))], -1))
 
 
-@pytest.mark.parametrize("falloff", ["0.5", "0.8"])
+@pytest.mark.parametrize("falloff", [0.5, 0.8])
 def test_hexagonal_tiles_that_do_not_differ_are_the_image(textured, falloff):
-    options = dict.fromkeys(("rotation", "scale", "offset"), ("float", "0"))
-    options |= {"tiling": ("vector2", "2, 3"), "falloff": ("float", falloff)}
+    options = dict.fromkeys(("rotation", "scale", "offset"), 0.0)
+    options |= {"tiling": ("vector2", "2, 3"), "falloff": falloff}
     texture = textured(element("hextiledimage", "color3", file=FILE, **options), 16)
     u = (np.arange(16) + 0.5) / 16
     uv = np.stack(np.meshgrid(u, 1 - u), -1).reshape(-1, 2) * [2, 3]
@@ -185,7 +185,7 @@ def test_tiles_are_parts_of_one_texture(document, llvm, grid):
     """
     image = element("image", "color3", "i", file=("filename", "a.<UDIM>.exr"))
     top = "@r" if grid else "0, 0, 0"
-    plus = element("plus", "color3", fg=("color3", top), bg=("color3", "@i"), mix=("float", "0"))
+    plus = element("plus", "color3", fg=("color3", top), bg=("color3", "@i"), mix=0.0)
     path = document(image + RAMP + plus + BASE_COLOR)
     colours = {(0, 0): (0.1, 0.2, 0.3), (2, 0): (0.9, 0.5, 0.2), (1, 1): (0.3, 0.7, 0.8)}
     for (u, v), colour in colours.items():

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from tests.openpbr_surface.materialx.conftest import element
 
 from urushi.errors import UrushiWarning
 from urushi.openpbr_surface.materialx import noise
@@ -13,15 +14,6 @@ from urushi.openpbr_surface.materialx.images import Images
 POINTS = np.random.default_rng(0).random((64, 2))
 U, V = POINTS.T
 ONE = np.ones(len(POINTS))
-
-
-def element(tag, kind, name="n", **inputs):
-    """The text of a node; inputs: type and value, or type and @node."""
-    inside = ""
-    for key, (of, value) in inputs.items():
-        link = "nodename" if value.startswith("@") else "value"
-        inside += f'<input name="{key.rstrip("_")}" type="{of}" {link}="{value.lstrip("@")}"/>'
-    return f'<{tag} name="{name}" type="{kind}">{inside}</{tag}>'
 
 
 @pytest.fixture
@@ -81,12 +73,12 @@ QUARTER = (
 
 CASES = {
     "RGB to HSV and back": (
-        element("rgbtohsv", "color3", "h", in_=("color3", "0.7, 0.2, 0.4"))
+        element("rgbtohsv", "color3", "h", in_=(0.7, 0.2, 0.4))
         + element("hsvtorgb", "color3", in_=("color3", "@h")),
         (0.7, 0.2, 0.4),
     ),
     "channels": (
-        element("combine3", "color3", "c", **{f"in{k}": ("float", str(k)) for k in (1, 2, 3)})
+        element("combine3", "color3", "c", **{f"in{k}": float(k) for k in (1, 2, 3)})
         + element("separate3", "multioutput", "s", in_=("color3", "@c"))
         + """<dot name="n" type="float">
         <input name="in" type="float" nodename="s" output="outg"/></dot>""",
@@ -103,7 +95,7 @@ CASES = {
             texcoord=("vector2", "@uv"),
             pivot=("vector2", "0.5, 0.5"),
             scale=("vector2", "2, 4"),
-            rotate=("float", "90"),
+            rotate=90.0,
             offset=("vector2", "0.1, 0.2"),
         ),
         ((V - 0.5) / 4 - 0.1 + 0.5, -(U - 0.5) / 2 - 0.2 + 0.5),
@@ -126,7 +118,7 @@ CASES = {
         (-BENT[1], BENT[0], BENT[2]),
     ),
     "a value beside a coordinate": (  # editors write it; MaterialX reads the property
-        element("ramplr", "float", valuer=("float", "1"), texcoord=("vector2", "0, 0")),
+        element("ramplr", "float", valuer=1.0, texcoord=("vector2", "0, 0")),
         (U,),
     ),
     "a value beside the coordinate of a graph": (
@@ -149,7 +141,7 @@ def test_nodes_of_vectors(evaluate, case):
 def test_a_comparison_is_a_truth_value(evaluate, tag, value):
     """Of type boolean it has no inputs but the compared ones."""
     truth = {"ifgreater": value > 1, "ifgreatereq": value >= 1, "ifequal": value == 1}[tag]
-    body = element(tag, "boolean", value1=("float", str(value)), value2=("float", "1"))
+    body = element(tag, "boolean", value1=float(value), value2=1.0)
     assert evaluate(body)[0, 0] == truth
 
 
@@ -163,8 +155,8 @@ def test_a_checkerboard_has_two_colours(evaluate):
 @pytest.mark.parametrize(
     ("body", "lost"),
     [
-        (element("add", "float", in3=("float", "1")), "the unknown input in3"),
-        (element("blur", "float", size=("float", "1")), "blurring"),
+        (element("add", "float", in3=1.0), "the unknown input in3"),
+        (element("blur", "float", size=1.0), "blurring"),
         (element("normalmap", "vector3", space=("string", "object")), "the unknown input space"),
     ],
 )

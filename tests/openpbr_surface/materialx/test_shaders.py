@@ -3,6 +3,7 @@
 import mitsuba as mi
 import numpy as np
 import pytest
+from tests.openpbr_surface.materialx.conftest import element
 
 from urushi.core.fresnel import EDGE_COSINE
 from urushi.errors import UrushiWarning
@@ -12,23 +13,12 @@ from urushi.openpbr_surface.materialx.surface import read_surface
 approx = pytest.approx
 
 
-def inputs(**values):
-    """Input elements: a number, a truth value, a colour as a tuple, or the name of a float node."""
-    kinds = {tuple: "color3", int: "integer", float: "float", bool: "boolean", str: "float"}
-    text = ""
-    for name, x in values.items():
-        link = "nodename" if isinstance(x, str) else "value"
-        value = ", ".join(map(str, x)) if isinstance(x, tuple) else str(x)
-        text += f'<input name="{name}" type="{kinds[type(x)]}" {link}="{value.lower()}"/>'
-    return text
-
-
 @pytest.fixture
 def translated(document):
     """A function: what a shader with some inputs becomes; nodes: that they are connected to."""
 
     def surface(tag, nodes="", **given):
-        shader = f'<{tag} name="s" type="surfaceshader">{inputs(**given)}</{tag}>'
+        shader = element(tag, "surfaceshader", **given)
         return read_surface(document(nodes + shader), resolution=8)
 
     return surface
@@ -218,11 +208,11 @@ MASK = """<splitlr name="map" type="float"><input name="valuel" type="float" val
 @pytest.mark.parametrize(
     ("given", "thin"),
     [
-        (dict(transmission="map"), True),
-        (dict(transmission="map", thickness=1.0), False),
-        (dict(transmission=1.0, thickness="map"), False),
-        (dict(transmission="map", thickness="map"), False),
-        (dict(thickness="map"), False),
+        (dict(transmission="@map"), True),
+        (dict(transmission="@map", thickness=1.0), False),
+        (dict(transmission=1.0, thickness="@map"), False),
+        (dict(transmission="@map", thickness="@map"), False),
+        (dict(thickness="@map"), False),
     ],
 )
 def test_maps_of_transmission_and_thickness(values, given, thin):
@@ -230,7 +220,7 @@ def test_maps_of_transmission_and_thickness(values, given, thin):
     assert values("gltf_pbr", MASK, **given)["geometry_thin_walled"] is thin
 
 
-@pytest.mark.parametrize("given", [dict(specular="map"), dict(metalness="map", specular=0.2)])
+@pytest.mark.parametrize("given", [dict(specular="@map"), dict(metalness="@map", specular=0.2)])
 def test_a_body_has_one_index(values, given):
     """What lets light inside needs one index: a map of the strength of reflections tints them."""
     found = values("standard_surface", MASK.replace('"0"', '"0.2"'), subsurface=1.0, **given)
@@ -357,4 +347,4 @@ def test_translations_of_materialx_are_nodes(values):
         <input name="metalness" type="float" value="0.25"/></standard_surface_to_gltf_pbr>
         <dot name="d" type="float"><input name="in" type="float" nodename="t"
         output="metallic_out"/></dot>"""
-    assert values("gltf_pbr", node, metallic="d")["base_metalness"] == 0.25
+    assert values("gltf_pbr", node, metallic="@d")["base_metalness"] == 0.25

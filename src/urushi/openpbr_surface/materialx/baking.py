@@ -22,9 +22,10 @@ Value = Callable[[Evaluation], np.ndarray]
 
 @dataclass(frozen=True, eq=False)
 class Texture:
-    """A parameter that varies over the surface."""
+    """A value on the surface; a number has one pixel."""
 
-    pixels: np.ndarray  # float32 (height, width, channels), the upper row first; linear sRGB
+    # (height, width, channels), the upper row first; linear sRGB; float32, but numbers float64.
+    pixels: np.ndarray
     # The map (3, 3) from the surface's uv to the texture's, both from the upper left as in Mitsuba.
     to_uv: np.ndarray
     wrap: str = "repeat"  # how it continues outside of [0, 1]: repeat, clamp or mirror
@@ -33,6 +34,10 @@ class Texture:
     def map(self, function: Callable[[np.ndarray], np.ndarray]) -> "Texture":
         """The texture whose pixels are `function` of these pixels."""
         return Texture(function(self.pixels), self.to_uv, self.wrap, self.blend)
+
+    @property
+    def is_number(self) -> bool:
+        return self.pixels.shape[:2] == (1, 1)
 
     @property
     def constant(self) -> np.ndarray | None:
@@ -45,8 +50,8 @@ _WRAPS = {"periodic": "repeat", "repeat": "repeat", "clamp": "clamp", "mirror": 
 
 
 @np.errstate(all="ignore")  # what is not finite is refused
-def bake(graph: Graph, value: Value, resolution: int, where: str) -> np.ndarray | Texture:
-    """The constant (channels,) or the texture that a graph's value is.
+def bake(graph: Graph, value: Value, resolution: int, where: str) -> Texture:
+    """A graph's value as a texture.
 
     A value that depends on one image, with an affine map of its coordinates, and on nothing else
     of the position, has that image's texels. All others are computed at the centres of a grid over
@@ -56,7 +61,7 @@ def bake(graph: Graph, value: Value, resolution: int, where: str) -> np.ndarray 
     few = _few(graph)
     first = _finite(value(few), where)
     if first.ndim == 1:
-        return first
+        return Texture(first[None, None], np.eye(3))
     most = max(64, MEMORY // (32 * max(few.size, 1)))
     # One texture with an affine map can replace one image.
     use = few.uses[0] if len(few.uses) == 1 else None

@@ -4,7 +4,7 @@ Vectors are in the tangent frame: the normal is (0, 0, 1), the tangent (1, 0, 0)
 """
 
 import re
-from functools import partial
+from functools import cache, partial
 
 import numpy as np
 
@@ -92,27 +92,16 @@ class Evaluation:
             return self._property(geometric, where) if geometric else zeros
         value = parse_value(text, kind, where)
         if unit := element.getAttribute("unit"):
-            value = value * self._unit(unit, where)
+            if unit not in (known := _units()):
+                names = ", ".join(known)
+                raise FileError(
+                    f"{where} has a value in '{unit[:40]}', an unknown unit; use {names}"
+                )
+            is_length, scale = known[unit]
+            value = value * (scale * (self._metre if is_length else 1))
         if kind in ("color3", "color4"):
             value = to_linear_srgb(value, element.getActiveColorSpace(), where)
         return value
-
-    def _unit(self, name: str, where: str) -> float:
-        """The factor from a unit to degrees, or to the units of length of the parameter."""
-        known = {
-            unit.getName(): (units.getUnitType(), unit.getAttribute("scale"))
-            for source in (library(), self._graph.root.scope)
-            for units in source.getUnitDefs()
-            for unit in units.getChildren()
-        }
-        if name not in known:
-            names = ", ".join(known)
-            raise FileError(f"{where} has a value in '{name[:40]}', an unknown unit; use {names}")
-        kind, scale = known[name]
-        try:
-            return float(scale or 1) * (self._metre if kind == "distance" else 1)
-        except ValueError as error:
-            raise FileError(f"{where}: the unit '{name[:40]}' has no number as scale") from error
 
     def _of_node(self, node: Node) -> np.ndarray:
         """The value (..., channels) of a node."""
@@ -243,17 +232,24 @@ def parse_value(text: str, kind: str, where: str) -> np.ndarray:
     if channels is None:
         raise FileError(f"{where} has an input of type '{kind[:40]}', which is not supported")
     if kind == "boolean":
-        value = np.array([_TRUTHS[x] for x in (text.strip().lower(),) if x in _TRUTHS])
+        numbers = [_TRUTHS.get(text.strip().lower(), np.nan)]
     else:
         parts = [_NUMBER.match(part) for part in re.split(r"[,\s]+", text) if part]
-        parts = parts[:1] if channels == 1 else parts
-        value = np.array([float(part[1]) for part in parts if part is not None])
-        value = np.trunc(value) if kind == "integer" else value
-        value = np.where(np.isfinite(value), np.clip(value, -1e30, 1e30), value)  # FLT_MAX: none
-        value = value if None not in parts else np.empty(0)
+        numbers = [np.nan if part is None else float(part[1]) for part in parts]
+    value = np.array(numbers[:1] if channels == 1 else numbers)
     if value.shape != (channels,) or not np.isfinite(value).all():
         raise FileError(f"{where} has the value '{text[:60]}', which is not of type {kind}")
-    return value
+    return np.clip(np.trunc(value) if kind == "integer" else value, -1e30, 1e30)  # FLT_MAX: none
+
+
+@cache
+def _units() -> dict[str, tuple[bool, float]]:
+    """The library's units: whether they are of length, and the factor to metres or degrees."""
+    return {
+        unit.getName(): (units.getUnitType() == "distance", float(unit.getAttribute("scale") or 1))
+        for units in library().getUnitDefs()
+        for unit in units.getChildren()
+    }
 
 
 def _affine(uv: np.ndarray, image_uv: np.ndarray) -> tuple[tuple[float, ...], ...] | None:

@@ -29,29 +29,17 @@ def _rotate(x: np.ndarray, bits: int) -> np.ndarray:
 
 
 def hash_integers(*numbers: np.ndarray) -> np.ndarray:
-    """Jenkins' hash of one to four integers, uint32."""
-    seed = (0xDEADBEEF + (len(numbers) << 2) + 13) & 0xFFFFFFFF
-    shape = np.broadcast_shapes(*(np.shape(n) for n in numbers))
-    a, b, c = (np.full(shape or (1,), seed, np.uint32) for _ in range(3))
-    for word, number in zip((a, b, c), numbers, strict=False):
-        word += np.asarray(number).astype(np.uint32)
+    """Jenkins' hash of one to four integers, uint32 (...,), at least (1,)."""
+    start = np.uint32((0xDEADBEEF + 4 * len(numbers) + 13) & 0xFFFFFFFF)
+    given = [np.atleast_1d(n).astype(np.uint32) for n in (*numbers, 0, 0)]
+    a, b, c = (start + n for n in given[:3])
     if len(numbers) > 3:
-        _mix(a, b, c)
-        a += np.asarray(numbers[3]).astype(np.uint32)
-    for bits in (14, 11, 25, 16, 4, 14, 24):  # lookup3's final mixing; the last word is the hash
-        c ^= b
-        c -= _rotate(b, bits)
-        a, b, c = b, c, a
-    return b.reshape(shape)
-
-
-def _mix(a: np.ndarray, b: np.ndarray, c: np.ndarray) -> None:
-    """Jenkins' reversible mixing of three words, in place."""
-    for bits in (4, 6, 8, 16, 19, 4):
-        a -= c
-        a ^= _rotate(c, bits)
-        c += b
-        a, b, c = b, c, a
+        for bits in (4, 6, 8, 16, 19, 4):  # reversible mixing of three words
+            a, b, c = b, c + b, (a - c) ^ _rotate(c, bits)
+        a = a + given[3]
+    for bits in (14, 11, 25, 16, 4, 14, 24):  # the final mixing; the last word is the hash
+        a, b, c = b, (c ^ b) - _rotate(b, bits), a
+    return b
 
 
 def _gradient(code: np.ndarray, p: np.ndarray) -> np.ndarray:
@@ -68,16 +56,16 @@ def _gradient(code: np.ndarray, p: np.ndarray) -> np.ndarray:
 
 
 def _perlin(p: np.ndarray, channels: int) -> np.ndarray:
-    """Gradient noise of one channel or three, which have 8 bits of the hash each."""
-    shifts, mask = ((0,), 0xFFFFFFFF) if channels == 1 else ((0, 8, 16), 0xFF)
+    """Gradient noise of one channel or three, of the bits of the hash from 0, 8 and 16."""
+    shifts = (0, 8, 16)[:channels]
     cell, inside = _cell(p)
     fade = inside**3 * (inside * (inside * 6 - 15) + 10)
     total = np.zeros((*p.shape[:-1], len(shifts)))
     for corner in product((0, 1), repeat=p.shape[-1]):
         code = hash_integers(*(x + i for x, i in zip(cell, corner, strict=True)))
-        codes = [(code >> np.uint32(shift)) & np.uint32(mask) for shift in shifts]
         weight = np.where(corner, fade, 1 - fade).prod(-1)[..., None]
-        total += weight * np.stack([_gradient(c, inside - corner) for c in codes], axis=-1)
+        slopes = [_gradient(code >> np.uint32(shift), inside - corner) for shift in shifts]
+        total += weight * np.stack(slopes, axis=-1)
     return _SCALE[p.shape[-1]] * total
 
 

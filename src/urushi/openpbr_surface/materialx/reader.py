@@ -69,19 +69,13 @@ class Mix:
 
 
 def mixed(
-    name: str,
-    weight: np.ndarray | Texture,
-    where: str,
-    part: Callable[[str], Surface | Mix],
+    name: str, weight: Texture, where: str, part: Callable[[str], Surface | Mix]
 ) -> Surface | Mix:
     """The mixture of the parts "bg" and "fg", or the only one of them that has a weight."""
-    if isinstance(weight, Texture):
-        weight = weight.map(lambda x: np.clip(x, 0, 1))
-        constant = weight.constant
-        weight = weight if constant is None else constant
-    if isinstance(weight, np.ndarray) and weight.shape != (1,):
-        raise FileError(f"{where} has {weight.shape[-1]} channels instead of 1")
-    share = weight if isinstance(weight, Texture) else float(np.clip(weight[0], 0, 1))
+    if (channels := weight.pixels.shape[-1]) != 1:
+        raise FileError(f"{where} has {channels} channels instead of 1")
+    weight = weight.map(lambda x: np.clip(x, 0, 1))
+    share = weight if weight.constant is None else float(weight.constant[0])
     if share in (0.0, 1.0):
         return part("fg" if share else "bg")
     return Mix(name, share, part("bg"), part("fg"))
@@ -132,10 +126,9 @@ class Reader:
         found: dict[str, ParameterValue] = {}
         for key, formula in formulas.items():
             entry, baked = parameter(key, self._where), self._baked(key, formula)
-            if entry.kind != "vector":
-                found[key] = self._final(entry, baked)
-            elif (normals := self._direction(entry, baked)) is not None:
-                found[key] = normals
+            read = self._direction if entry.kind == "vector" else self._final
+            if (value := read(entry, baked)) is not None:
+                found[key] = value
         return Surface(name, self._shader.where, _bright(found))
 
     def _given(self) -> Formulas | None:
@@ -167,7 +160,7 @@ class Reader:
         """The least and the largest value (channels,) of an input on the surface."""
         if name not in self._ends:
             pixels = self._pixels(name, renamed(name))
-            self._ends[name] = pixels.min(axis=0), pixels.max(axis=0)
+            self._ends[name] = pixels.min(axis=(0, 1)), pixels.max(axis=(0, 1))
         return self._ends[name]
 
     def _value(self, formula: Formula) -> Value:
@@ -176,15 +169,13 @@ class Reader:
     def _changes(self, formula: Formula) -> bool:
         return changes(self._graph, self._value(formula))
 
-    def _baked(self, name: str, formula: Formula) -> np.ndarray | Texture:
+    def _baked(self, name: str, formula: Formula) -> Texture:
         where = f"{self._where}: {name}"
         return bake(self._graph, self._value(formula), self._resolution, where)
 
     def _pixels(self, name: str, formulas: Formulas) -> np.ndarray:
-        """The values (N, channels) of a baked parameter."""
-        baked = self._baked(name, formulas[name])
-        pixels = baked.pixels if isinstance(baked, Texture) else baked
-        return pixels.reshape(-1, pixels.shape[-1])
+        """The values (height, width, channels) of a baked parameter."""
+        return self._baked(name, formulas[name]).pixels
 
     def _warn_of_losses(self, tag: str) -> None:
         """Warn of inputs without a parameter, where they would change something."""
@@ -196,46 +187,42 @@ class Reader:
         if lost:
             warn(f"{self._where}: OpenPBR has no counterpart of {', '.join(lost)[:200]} of {tag}")
 
-    def _direction(self, entry: Parameter, value: np.ndarray | Texture) -> Texture | None:
+    def _direction(self, entry: Parameter, value: Texture) -> Texture | None:
         """A normal map of directions; None if they are the geometry's own."""
-        own = np.array(_OWN[entry.name.rsplit("_", 1)[-1]])
-        if isinstance(value, np.ndarray):
-            length = np.linalg.norm(value)  # 0: editors write directions that are not set so
-            if value.shape == (3,) and np.allclose(value, length * own, atol=1e-6):
+        own, where = np.array(_OWN[entry.name.rsplit("_", 1)[-1]]), f"{self._where}: {entry.name}"
+        if value.is_number:
+            number = value.pixels[0, 0]
+            length = np.linalg.norm(number)  # 0: editors write directions that are not set so
+            if number.shape == (3,) and np.allclose(number, length * own, atol=1e-6):
                 return None
             raise FileError(
-                f"{self._where}: {entry.name} is a constant direction in space, which is not "
-                "supported; leave it out, or give a normal map"
+                f"{where} is a constant direction in space, which is not supported; leave it out, "
+                "or give a normal map"
             )
         if own[2] == 0 or value.pixels.shape[-1] != 3:
-            raise FileError(
-                f"{self._where}: {entry.name} varies over the surface, which is only supported for "
-                "normals"
-            )
+            raise FileError(f"{where} varies over the surface, which is only supported for normals")
         return value.map(lambda n: 0.5 * n + 0.5)
 
-    def _final(self, entry: Parameter, value: np.ndarray | Texture) -> ParameterValue:
-        """A value after checks; colours are limited to the parameter's range."""
-        where = self._where
+    def _final(self, entry: Parameter, value: Texture) -> ParameterValue:
+        """A value after checks; colours and textures are limited to the parameter's range."""
+        where, have = f"{self._where}: {entry.name}", value.pixels.shape[-1]
         channels = 3 if entry.kind == "color" else 1
-        have = (value.pixels if isinstance(value, Texture) else value).shape[-1]
         if have != channels:
-            raise FileError(f"{where}: {entry.name} has {have} channels instead of {channels}")
-        if isinstance(value, Texture):
-            if entry.kind == "boolean":
-                raise FileError(f"{where}: {entry.name} must not vary over the surface")
-            texture = value.map(lambda x: self._limited(entry, x).astype(np.float32))
-            if (constant := texture.constant) is None:
-                return texture
-            value = constant
+            raise FileError(f"{where} has {have} channels instead of {channels}")
+        if entry.kind == "boolean" and not value.is_number:
+            raise FileError(f"{where} must not vary over the surface")
+        if (
+            not value.is_number
+            or (entry.kind == "color" and entry.name != "emission_color")
+            or entry.name.startswith("transmission_")  # exporters write Abbe numbers as scales
+        ):
+            value = value.map(lambda x: self._limited(entry, x))
+        if (constant := value.constant) is None:
+            return value
         if entry.kind == "color":
-            if entry.name != "emission_color":
-                value = self._limited(entry, value)
-            r, g, b = (float(x) for x in np.broadcast_to(np.maximum(value, 0.0), 3))
+            r, g, b = np.maximum(constant, 0.0).tolist()
             return r, g, b
-        if entry.name.startswith("transmission_"):  # exporters write Abbe numbers as scales
-            value = self._limited(entry, value)
-        return checked(entry.name, float(value[0]), where)
+        return checked(entry.name, float(constant[0]), self._where)
 
     def _limited(self, entry: Parameter, value: np.ndarray) -> np.ndarray:
         """Values limited to the range of a parameter, with a warning if that changes them much."""
