@@ -19,32 +19,21 @@ def half_tangent(wi, wo):
 
 
 @pytest.mark.parametrize("name", ["cosine", "half_angle", "slope"])
-def test_pairs_are_unit_vectors_above_the_horizon(name):
-    for w in draw(name):
-        assert w.dtype == np.float32
-        assert w.shape == (N, 3)
-        assert w[:, 2].min() > 0
+def test_pairs_are_unit_vectors_above_the_horizon_and_depend_on_the_seed(name):
+    for w, again, other in zip(draw(name), draw(name), draw(name, seed=1), strict=True):
+        assert w.dtype == np.float32 and w.shape == (N, 3) and w[:, 2].min() > 0
         np.testing.assert_allclose(np.linalg.norm(w, axis=1), 1, atol=1e-6)  # float32 rounding
+        np.testing.assert_array_equal(w, again)
+        assert (w != other).any()
 
 
-@pytest.mark.parametrize("name", ["cosine", "half_angle", "slope"])
-def test_same_seed_gives_the_same_bits_and_another_does_not(name):
-    first, again, other = draw(name), draw(name), draw(name, seed=1)
-    for a, b, c in zip(first, again, other, strict=True):
-        np.testing.assert_array_equal(a, b)
-        assert (a != c).any()
-
-
-def test_cosine_pairs_have_cosine_density_on_both_sides():
+def test_directions_of_cosine_pairs_have_cosine_density_and_are_independent():
     # cos^2(theta) is uniform; KS at the 0.1 % level with a fixed seed.
-    for w in draw("cosine"):
+    wi, wo = draw("cosine")
+    for w in (wi, wo):
         assert stats.kstest(w[:, 2] ** 2, "uniform").pvalue > 1e-3
         azimuth = np.arctan2(w[:, 1], w[:, 0])
         assert stats.kstest(azimuth, "uniform", args=(-np.pi, 2 * np.pi)).pvalue > 1e-3
-
-
-def test_both_directions_of_a_cosine_pair_are_independent():
-    wi, wo = draw("cosine")
     # The correlation of n independent pairs has a standard deviation of 1 / sqrt(n): 4 of them.
     for axis in range(3):
         assert abs(np.corrcoef(wi[:, axis], wo[:, axis])[0, 1]) < 4 / np.sqrt(N)

@@ -7,24 +7,15 @@ from urushi.core import error_metrics as metrics
 from urushi.errors import ParameterError
 
 
-def test_stack_error_by_hand():
+def test_errors_of_brdfs_by_hand():
     # Weights 0.5 * 1, 1 * 1: (1 * 0.5 + 1 * 1) / (2 * 0.5 + 4 * 1) = 1.5 / 5.
     error = metrics.stack_error([3.0, 3.0], [2.0, 4.0], [0.5, 1.0], [1.0, 1.0])
     assert error == pytest.approx(0.3, rel=1e-12)
-
-
-def test_stack_error_clamps_grazing_cosines():
     # Both cosines at 0.02 give the weight 4e-4 to the first pair, below the horizon or not.
     error = metrics.stack_error([2.0, 1.0], [1.0, 1.0], [1e-6, 1.0], [-1.0, 1.0])
     assert error == pytest.approx(4e-4 / (1 + 4e-4), rel=1e-12)
-
-
-def test_pair_error_by_hand():
-    np.testing.assert_allclose(
-        metrics.pair_error([0.003, 2.0, 0.0], [0.001, 1.999, 0.0]),
-        [1.0, 0.0005, 0.0],
-        rtol=1e-9,
-    )
+    errors = metrics.pair_error([0.003, 2.0, 0.0], [0.001, 1.999, 0.0])
+    np.testing.assert_allclose(errors, [1.0, 0.0005, 0.0], rtol=1e-9)
 
 
 def test_image_errors_by_hand():
@@ -52,17 +43,12 @@ def linear(display):
     return np.where(display <= 0.04045, display / 12.92, ((display + 0.055) / 1.055) ** 2.4)
 
 
-def test_srgb_and_its_inverse():
+def test_srgb_is_that_of_the_norm_and_clipped():
     display = np.linspace(0, 1, 101)
-    np.testing.assert_allclose(
-        metrics.srgb(linear(display)), display, atol=1e-4
-    )  # the norm's own gap
-
-
-def test_shown_clips_values_outside_the_display_range():
-    np.testing.assert_allclose(
-        metrics.shown(np.array([[[-1.0, 0.0, 7.0]]])), [[[0, 0, 1]]], atol=1e-12
-    )
+    # The norm's own gap
+    np.testing.assert_allclose(metrics.srgb(linear(display)), display, atol=1e-4)
+    shown = metrics.shown(np.array([[[-1.0, 0.0, 7.0]]]))
+    np.testing.assert_allclose(shown, [[[0, 0, 1]]], atol=1e-12)
 
 
 @pytest.mark.parametrize(

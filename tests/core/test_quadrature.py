@@ -12,17 +12,12 @@ def _incident(cos_i, azimuth=0.4):
 
 
 @pytest.mark.parametrize("cos_i", [1.0, 0.999, 0.5, 0.1, 0.01, 0.001])
-def test_nodes_are_unit_vectors_above_the_horizon(cos_i):
-    wo, weights = half_vector_rule(_incident(cos_i))
-    np.testing.assert_allclose(np.linalg.norm(wo, axis=-1), 1, atol=1e-12)
-    assert (wo[..., 2] > 0).all() and (weights > 0).all()
-
-
-@pytest.mark.parametrize("cos_i", [1.0, 0.999, 0.5, 0.1, 0.01, 0.001])
 def test_moments_of_the_cosine(cos_i):
     # The integral of cos^n over the hemisphere is 2 pi / (n + 1): as albedos (f = cos^(n-1) / pi)
     # within the 0.001 that the rule promises.
     wo, weights = half_vector_rule(_incident(cos_i))
+    np.testing.assert_allclose(np.linalg.norm(wo, axis=-1), 1, atol=1e-12)
+    assert (wo[..., 2] > 0).all() and (weights > 0).all()
     for power in (1, 2, 5):
         total = np.sum(weights * wo[..., 2] ** power) / np.pi
         assert total == pytest.approx(2 / (power + 1), abs=1e-3)
