@@ -45,16 +45,6 @@ def material(model) -> Material:
 
 
 @pytest.fixture(scope="session")
-def small() -> Model:
-    return untrained(3)
-
-
-@pytest.fixture(scope="session")
-def other_small() -> Model:
-    return untrained(4)
-
-
-@pytest.fixture(scope="session")
 def trained() -> Model:
     """The networks that Urushi ships."""
     return default_model()

@@ -1,16 +1,17 @@
-"""Coats that are hardly there: the bottom remains, and f changes gradually."""
-
-import itertools
+"""Coats that are hardly there, or have no interface: what remains of the bottom."""
 
 import numpy as np
 import pytest
 
 from urushi.core.direction_sets import cosine_pairs
 from urushi.core.error_metrics import stack_error
+from urushi.core.namespace import NUMPY
 from urushi.material import Material, encode, layer
-from urushi.material.lerp import brighter_lobes
 from urushi.nets.lobe import f
 from urushi.walk import coat, conductor, dielectric, diffuse, simulate
+from urushi.walk.medium import hg
+
+NONE = dielectric(0.3, 1)
 
 
 @pytest.fixture(scope="module")
@@ -18,9 +19,10 @@ def pairs():
     return cosine_pairs(np.random.default_rng(3), 2000)
 
 
-def error(a: Material, b: Material, wi, wo) -> float:
-    """E between two materials, the mean over channels."""
-    return float(stack_error(a.f(wi, wo).T, b.f(wi, wo).T, wi[:, 2], wo[:, 2]).mean())
+def error(f, expected, wi, wo) -> np.ndarray:
+    """E of each channel, of materials or values."""
+    f, expected = (x.f(wi, wo) if isinstance(x, Material) else x for x in (f, expected))
+    return stack_error(f.T, expected.T, wi[:, 2], wo[:, 2])
 
 
 @pytest.mark.parametrize(
@@ -35,9 +37,9 @@ def test_the_bottom_remains(trained, pairs, bottom):
     bare = encode(bottom, trained)
     # 1.001 is the index nearest to one; its coat reflects (0.0005)^2 of the light. The tolerance is
     # the error of the networks.
-    assert error(layer(dielectric(0.02, 1.001), bare), bare, *pairs) < 0.02
+    assert error(layer(dielectric(0.02, 1.001), bare), bare, *pairs).mean() < 0.02
     thin = layer(dielectric(0.02, 1.001), bare, sigma_t=1e-4, albedo=0.5)
-    assert error(thin, bare, *pairs) < 0.02
+    assert error(thin, bare, *pairs).mean() < 0.02
 
 
 def test_the_bottom_remains_in_one_channel(trained, pairs):
@@ -58,7 +60,7 @@ def test_code_and_table_agree(trained, pairs):
     """Both are light transport, at other pairs; codes approximate."""
     for bottom, eta in ((diffuse(0.5), 1.5), (conductor(0.2, 0.9), 1.3)):
         table = layer(dielectric(0.1, eta), encode(bottom, trained), sigma_t=0.5, albedo=0.3)
-        assert error(Material(table.latents, trained), table, *pairs) < 0.01
+        assert error(Material(table.latents, trained), table, *pairs).mean() < 0.01
 
 
 @pytest.mark.parametrize(
@@ -76,8 +78,7 @@ def test_faint_coats_agree_with_the_walk(trained, pairs, bottom, eta):
     """
     few = [side[:300] for side in pairs]
     f, _ = simulate(coat(bottom, alpha=0.04, eta=eta), *few, walks=512, seed=5)
-    coated = layer(dielectric(0.04, eta), encode(bottom, trained)).f(*few)
-    assert stack_error(coated.T, f.T, few[0][:, 2], few[1][:, 2]).mean() < 0.04
+    assert error(layer(dielectric(0.04, eta), encode(bottom, trained)), f, *few).mean() < 0.04
 
 
 @pytest.mark.parametrize("eta", [0.99, 1.001])
@@ -87,21 +88,54 @@ def test_rough_interfaces_darken_whatever_their_index(trained, pairs, eta):
     bottom = diffuse(0.6)
     f, _ = simulate(coat(bottom, alpha=0.3, eta=eta), *few, walks=512, seed=6)
     bare = encode(bottom, trained)
-    coated = layer(dielectric(0.3, eta), bare).f(*few)
-    errors = [
-        stack_error(g.T, f.T, few[0][:, 2], few[1][:, 2]).mean() for g in (coated, bare.f(*few))
-    ]
-    assert errors[0] < 0.03 < errors[1]
+    assert (
+        error(layer(dielectric(0.3, eta), bare), f, *few).mean()
+        < 0.03
+        < error(bare, f, *few).mean()
+    )
 
 
-@pytest.mark.parametrize("share", [0.01, 0.3, 0.9])
-def test_the_lobe_of_a_blend_is_one_of_its_parts(share):
-    """So that the rest, f of the blend less its lobe, is nowhere negative."""
-    wi, wo = cosine_pairs(np.random.default_rng(4), 200)
-    gold, glass = (0.1, 0, 0, 1, 0.2, 3.9), (0.3, 0, 0, 1, 1.5, 0)
-    low, schlick = (0.05, 0, 0, 1, 0.7, 0), (0.2, 0.3, 0.9, 0, 1.5, 0)
-    for a, b in itertools.product((gold, glass, low, schlick), repeat=2):
-        a, b = (np.array([lobe], np.float32) for lobe in (a, b))
-        blend = brighter_lobes(a, b, np.array([share]))
-        mean = (1 - share) * f(a, wi, wo) + share * f(b, wi, wo)
-        assert (f(blend, wi, wo) <= mean * (1 + 1e-5)).all()
+@pytest.mark.parametrize("bottom", [conductor(0.01, (0.9, 0.5, 0.2)), diffuse(0.5)])
+def test_no_interface_and_no_medium_is_the_bottom(trained, pairs, bottom):
+    bare = encode(bottom, trained)
+    assert layer(NONE, bare, albedo=0.5) == bare
+    # One channel has a medium: the others are as they were, but for a table of their rest.
+    tinted = layer(NONE, bare, sigma_t=(0, 0.5, 0))
+    np.testing.assert_allclose(
+        tinted.f(*pairs)[:, ::2], bare.f(*pairs)[:, ::2], rtol=0.02, atol=1e-4
+    )
+
+
+def test_an_absorbing_medium_is_beers_law(trained, pairs):
+    depth, inverse = np.array([0.1, 0.3, 0.5]), 1 / pairs[0][:, 2] + 1 / pairs[1][:, 2]
+    expected = 0.5 / np.pi * np.exp(-inverse[:, None] * depth)
+    tinted = layer(NONE, diffuse(0.5), sigma_t=depth)
+    assert error(tinted, expected, *pairs).max() < 0.01
+    codes = Material(tinted.latents, trained)  # of textures; as accurate as for other indices
+    assert error(codes, expected, *pairs).max() < 0.1
+
+
+def test_a_scattering_medium_is_as_in_the_walk(trained, pairs):
+    medium = {"albedo": 0.9, "sigma_t": 0.7, "g": -0.3}
+    bottom, few = conductor(0.05, 0.9), [side[:300] for side in pairs]
+    truth, _ = simulate(coat(bottom, 0.3, 1, **medium), *few, walks=1 << 14)
+    assert error(layer(NONE, bottom, **medium), truth, *few).max() < 0.02
+
+
+def test_a_stack_without_its_topmost_interface_is_encoded_with_the_lobe_below(trained, pairs):
+    bottom = conductor(0.1, 0.9)
+    found = encode(coat(bottom, 0.3, 1), trained)
+    assert error(found, encode(bottom, trained), *pairs).max() < 0.01
+
+
+@pytest.mark.parametrize(("g", "most"), [(-0.8, 0.015), (-0.9, 0.05)])
+def test_backward_peaks_of_light_scattered_once(g, most):
+    """A dark medium over a black bottom scatters once. The grid of adding is wider than its peak:
+    errors were 3.7 and 9.9 %. Nodes of the table leave 1 and 3.9 %."""
+    wi, wo = cosine_pairs(np.random.default_rng(8), 4096)
+    dark = {"albedo": 0.01, "sigma_t": 1.0, "g": g}
+    coated = layer(dielectric(0.1, eta=1), diffuse(0.0), **dark)
+    slopes = 1 / wi[:, 2] + 1 / wo[:, 2]
+    single = 0.01 * hg(-(wi * wo).sum(axis=1), g, NUMPY) / (wi[:, 2] + wo[:, 2])
+    single *= -np.expm1(-slopes)
+    assert error(coated, np.repeat(single[:, None], 3, axis=1), wi, wo).max() < most

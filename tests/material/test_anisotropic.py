@@ -7,6 +7,7 @@ import pytest
 
 import urushi
 from urushi.core.direction_sets import cosine_pairs
+from urushi.core.directions import rotated
 from urushi.core.error_metrics import stack_error
 from urushi.errors import ParameterError, UrushiWarning
 from urushi.nets.weights import anisotropic_model, default_model
@@ -27,11 +28,6 @@ def lacquered():
     medium = {"albedo": 0.4, "sigma_t": [0.1, 0.5, 1.0]}
     plain = urushi.layer(urushi.dielectric(alpha=0.15, eta=1.5), BRUSHED, **medium)
     return plain, urushi.layer(SATIN, BRUSHED, **medium)
-
-
-def turned(w, degrees):
-    cos, sin = np.cos(np.radians(degrees)), np.sin(np.radians(degrees))
-    return np.stack([cos * w[:, 0] - sin * w[:, 1], sin * w[:, 0] + cos * w[:, 1], w[:, 2]], -1)
 
 
 def test_networks_follow_the_surface():
@@ -68,7 +64,9 @@ def test_sources_of_values_keep_their_anisotropy(pairs):
 def test_a_source_that_is_turned_is_averaged_about_the_tangent():
     """Mirrored at the tangent, a lobe of an axis at 30 degrees becomes another BRDF."""
     with pytest.warns(UrushiWarning, match="not symmetric about its tangent"):
-        urushi.encode(lambda wi, wo: analytic.f(BRUSHED, turned(wi, -30), turned(wo, -30)))
+        urushi.encode(
+            lambda wi, wo: analytic.f(BRUSHED, rotated(wi, -1 / 12), rotated(wo, -1 / 12))
+        )
 
 
 def test_bare_surfaces_are_exact(pairs):
@@ -138,7 +136,7 @@ def test_a_turned_material_is_seen_from_the_turned_frame(lacquered, pairs, tmp_p
     material = lacquered[1]
     other = material.rotated(40)
     assert other.rotation == 40 and other.rotated(-40) == material
-    sides = turned(wi, 40).astype(np.float32), turned(wo, 40).astype(np.float32)
+    sides = rotated(wi, 1 / 9), rotated(wo, 1 / 9)
     np.testing.assert_allclose(other.f(*sides), material.f(wi, wo), rtol=2e-3)
     np.testing.assert_allclose(other.pdf(*sides), material.pdf(wi, wo), rtol=2e-3)
     u = np.random.default_rng(1).random((len(wi), 3))

@@ -23,6 +23,7 @@ from urushi.walk.simulate import albedo
 #: Coats: alpha, eta, albedo, sigma_t and g.
 COATS = {
     "smooth": (0.02, 1.5, 0.0, 0.0, 0.0),
+    "rough": (0.3, 1.5, 0.0, 0.0, 0.0),
     "tinted": (0.2, 1.4, 0.0, 0.6, 0.0),
     "scattering": (0.05, 1.6, 0.9, 1.0, 0.5),
     "less dense": (0.1, 0.7, 0.0, 0.0, 0.0),
@@ -83,7 +84,14 @@ def walk_error(f, stack, wi, wo, walks=8192) -> float:
 
 @pytest.mark.parametrize(
     ("name", "alpha", "most"),
-    [("smooth", 0.05, 0.01), ("tinted", 0.1, 0.01), ("less dense", 0.3, 0.02)],
+    [
+        ("smooth", 0.05, 0.01),
+        ("tinted", 0.1, 0.01),
+        ("scattering", 0.2, 0.01),
+        ("less dense", 0.3, 0.02),
+        # Few pairs of directions of the interface meet the lobe of polished metal.
+        ("rough", 0.02, 0.03),
+    ],
 )
 def test_as_the_walk_over_metal(name, alpha, most):
     wi, wo = pairs(200)

@@ -23,19 +23,18 @@ def test_a_function_and_its_description_encode_alike(model):
 
 
 @pytest.mark.parametrize(
-    "description", [conductor(0.3, (0.9, 0.5, 0.2)), dielectric(0.2, 1.5), diffuse(0.4)]
+    "source",
+    [
+        conductor(0.3, (0.9, 0.5, 0.2)),
+        dielectric(0.2, 1.5),
+        diffuse(0.4),
+        coat(conductor(0.3, 0.9), alpha=0.2, eta=1.5, albedo=0.5, sigma_t=1),
+    ],
 )
-def test_descriptions_have_three_channels(description, model):
-    material = encode(description, model)
+def test_descriptions_and_stacks_have_three_channels_and_the_same_codes_every_time(source, model):
+    material = encode(source, model)
     assert material.latents.shape == (3, model.arch.latent)
-    assert encode(description, model) == material
-
-
-def test_a_stack_is_the_same_every_time(model):
-    stack = coat(conductor(0.3, 0.9), alpha=0.2, eta=1.5, albedo=0.5, sigma_t=1)
-    first = encode(stack, model)
-    assert first.latents.shape == (3, model.arch.latent)
-    assert first == encode(stack, model)
+    assert encode(source, model) == material
 
 
 def test_one_channel_functions(model):

@@ -1,11 +1,10 @@
 """Saved materials come back, know their weights, and hostile files are refused."""
 
-import json
-
 import numpy as np
 import pytest
-import safetensors.numpy
 
+from urushi import files
+from urushi.core.table import SHAPE
 from urushi.errors import FileError
 from urushi.material import encode, load
 from urushi.material.material import FORMAT_VERSION
@@ -44,22 +43,22 @@ def test_other_weights_are_refused_by_name(material, model, other_model, tmp_pat
         {"latents": np.ones((3, 14), np.int32)},
         {"latents": np.full((3, 14), np.inf, np.float32)},
         {"latents": np.ones((3, 14), np.float32), "coat": np.ones((5, 1))},
+        {"latents": np.ones((3, 14), np.float32), "table": np.zeros((*SHAPE, 1), np.float16)},
+        {"latents": np.ones((3, 14), np.float32), "table": np.full((*SHAPE, 3), np.nan)},
     ],
 )
 def test_damaged_files_are_refused(arrays, model, tmp_path):
     path = tmp_path / "a.safetensors"
-    text = json.dumps({"kind": "material", "version": FORMAT_VERSION, "weights": model.fingerprint})
-    path.write_bytes(safetensors.numpy.save(arrays, {"urushi": text}))
+    description = {"version": FORMAT_VERSION, "weights": model.fingerprint}
+    files.write_tensors(path, "material", description, arrays)
     with pytest.raises(FileError, match="is damaged: .*; copy or write it again"):
         load(path, model)
 
 
 def test_files_of_another_version_are_refused(material, model, tmp_path):
     path = tmp_path / "a.safetensors"
-    text = json.dumps(
-        {"kind": "material", "version": FORMAT_VERSION + 1, "weights": model.fingerprint}
-    )
-    path.write_bytes(safetensors.numpy.save({"latents": material.latents}, {"urushi": text}))
+    description = {"version": FORMAT_VERSION + 1, "weights": model.fingerprint}
+    files.write_tensors(path, "material", description, {"latents": material.latents})
     with pytest.raises(FileError, match=f"version {FORMAT_VERSION + 1}"):
         load(path, model)
 

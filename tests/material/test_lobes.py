@@ -29,57 +29,58 @@ def pairs(directions):
 
 
 @pytest.mark.parametrize("surface", BARE)
-def test_bare_interfaces_are_exact(surface, small, pairs):
+def test_bare_interfaces_are_exact(surface, model, pairs):
     """The tolerance is the rounding of single precision in sharp lobes."""
-    material = encode(surface, small)
+    material = encode(surface, model)
     np.testing.assert_allclose(
         material.f(*pairs), analytic.f(surface, *pairs), rtol=2e-3, atol=1e-6
     )
 
 
-def test_the_topmost_interface_of_a_stack_is_the_lobe(small):
+def test_the_topmost_interface_of_a_stack_is_the_lobe(model):
     stack = coat(conductor(0.3, 0.5), alpha=(0.1, 0.2, 0.3), eta=1.7, sigma_t=1.0)
-    found = encode(stack, small).latents[:, :6]
+    found = encode(stack, model).latents[:, :6]
     np.testing.assert_allclose(found[:, 0], (0.1, 0.2, 0.3), rtol=1e-6)
     np.testing.assert_allclose(found[:, 3:], [[1, 1.7, 0]] * 3, rtol=1e-6)
 
 
-def test_a_material_is_encoded_with_its_own_lobe(small, other_small):
-    first = encode(conductor(0.1, 0.8), small)
-    again = encode(first, other_small)
+def test_a_material_is_encoded_with_its_own_lobe(model, other_model):
+    first = encode(conductor(0.1, 0.8), model)
+    again = encode(first, other_model)
     np.testing.assert_allclose(again.latents[:, :6], first.latents[:, :6], rtol=1e-6)
 
 
-def test_a_lobe_that_reflects_everything_does_not_black_out_the_rest(small):
-    z = encode(conductor(0.01, 1.0), small).latents.copy()
+def test_a_lobe_that_reflects_everything_does_not_black_out_the_rest(model):
+    z = encode(conductor(0.01, 1.0), model).latents.copy()
     z[:, 6] = -3.0
-    limited = energy.limit_albedo(small, z)
-    rest = energy.rest_albedos(small, limited).max(axis=1)
+    limited = energy.limit_albedo(model, z)
+    rest = energy.rest_albedos(model, limited).max(axis=1)
     assert (rest > 0.5 * energy.LEAST_REST).all()
-    assert code_albedos(small, limited).max() < 1 + 2 * energy.LEAST_REST
+    assert code_albedos(model, limited).max() < 1 + 2 * energy.LEAST_REST
 
 
-def material_with(small, lobe, gain) -> Material:
-    z = encode(conductor(0.1, 0.8), small).latents[:1].copy()
+def material_with(model, lobe, gain) -> Material:
+    z = encode(conductor(0.1, 0.8), model).latents[:1].copy()
     z[:, :6] = lobe
     z[:, 6] = gain
     z[:, 7:] += np.random.default_rng(abs(int(10 * gain))).normal(size=z[:, 7:].shape) * 0.3
-    z = energy.limit_albedo(small, z)
-    return Material(z, small)
+    z = energy.limit_albedo(model, z)
+    return Material(z, model)
 
 
-def materials(small) -> list[Material]:
-    """Metal, a coat on something, diffuse, a sharp conductor with a rest, and nothing at all."""
+def materials(model) -> list[Material]:
+    """Metal, a coat on something, diffuse, a sharp conductor with a rest, nothing, and a table."""
     return [
-        encode(conductor(0.05, eta=0.2, k=3.9), small),
-        material_with(small, (0.3, 0, 0, 1, 1.5, 0), 0.0),
-        material_with(small, lobes.NO_LOBE, 0.5),
-        material_with(small, (0.1, 0.7, 1.0, 0, 1.5, 0), -1.0),
-        encode(diffuse(0.0), small),
+        encode(conductor(0.05, eta=0.2, k=3.9), model),
+        material_with(model, (0.3, 0, 0, 1, 1.5, 0), 0.0),
+        material_with(model, lobes.NO_LOBE, 0.5),
+        material_with(model, (0.1, 0.7, 1.0, 0, 1.5, 0), -1.0),
+        encode(diffuse(0.0), model),
+        encode(lambda wi, wo: 0.1 + analytic.f(BARE[1], wi, wo), model, table=True),
     ]
 
 
-@pytest.mark.parametrize(("first", "second"), [*itertools.combinations(range(5), 2)])
+@pytest.mark.parametrize(("first", "second"), [*itertools.combinations(range(6), 2)])
 def test_blends_are_linear_in_f(trained, pairs, first, second):
     """Within the error of a table."""
     a, b = materials(trained)[first], materials(trained)[second]

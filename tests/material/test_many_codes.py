@@ -80,6 +80,9 @@ def test_texels_are_encoded_like_plain_rows(model):
     assert codes.shape == (H, W, L) and codes.dtype == np.float32
     expected = model.networks.encode(values.reshape(-1, PROBES))
     np.testing.assert_allclose(codes.reshape(-1, L), expected, **ROUNDING)
+    for shape in ((0, 3), ()):  # none, and one
+        f = np.ones((*shape, PROBES))
+        assert limit_albedo(model, model.networks.encode(f)).shape == (*shape, L)
 
 
 @pytest.mark.parametrize("operation", ["layer", "encode"])
@@ -106,8 +109,3 @@ def test_memory_is_the_result_and_some_blocks(operation, model, draw_codes, monk
     fit = lobe_fit.BLOCK * PROBES * len(lobe_fit.GRID) * 8 if operation == "encode" else 0
     lobes = energy.LOBES * 2 * len(albedo_rule().directions) * energy.FACETS * 10 * 8
     assert peak < size + parameters + 2 * 6 * (block + fit) + lobes
-
-
-def test_one_texel_and_none(model):
-    assert limit_albedo(model, model.networks.encode(np.ones((0, 3, PROBES)))).shape == (0, 3, L)
-    assert limit_albedo(model, model.networks.encode(np.ones(PROBES))).shape == (L,)

@@ -31,9 +31,6 @@ def test_nodes_have_their_coordinates():
         assert (w[:, 2] > 0).all()
     # wi + wo loses digits in single precision where the half angle is small.
     np.testing.assert_allclose(pair_coordinates(wi, wo), inner, atol=2e-3)
-
-
-def test_no_direction_of_a_node_is_below_the_horizon():
     axes = (np.linspace(0, 1, count) for count in SHAPE)
     wi, wo = node_directions(*(x.ravel() for x in np.meshgrid(*axes, indexing="ij")))
     for w in (wi, wo):
