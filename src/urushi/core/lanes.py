@@ -46,10 +46,10 @@ class Lane:
         """The job's number of values (D,)."""
         return dr.gather(self._device.Float, self._floats(values), self._job)
 
-    def lattice(self, count: int, generator: int, first: int = 0) -> list[Any]:
-        """Four numbers of the point, from the point `first` on, of a lattice of Korobov (1959)."""
+    def lattice(self, count: int, generator: int, first: int = 0, numbers: int = 4) -> list[Any]:
+        """Numbers of the point, from the point `first` on, of a lattice of Korobov (1959)."""
         index = self._point + first
-        powers = (pow(generator, k, count) for k in range(4))
+        powers = (pow(generator, k, count) for k in range(numbers))
         return [(self._device.Float(index * p % count) + 0.5) / count for p in powers]
 
     def table(self, values: np.ndarray) -> Callable[[Sequence[Any]], Any]:

@@ -33,8 +33,8 @@ from urushi.walk.medium import hg
 #: Directions of the grid in elevation, and around.
 ELEVATIONS, AZIMUTHS = 24, 48
 
-#: Directions for each of the grid by which means about them are taken.
-FINE = 10
+#: Elevations for each of the grid by which means about them are taken, of one number and of modes.
+FINE, FINE_MODES = 10, 4
 
 #: Azimuths of a lobe for each of the grid.
 DENSE = 8
@@ -185,51 +185,30 @@ class Grid:
 
     def shares(self, angles: np.ndarray) -> np.ndarray:
         """Shares (..., N) of the nodes in values at angles (...), as by linear interpolation."""
-        index, part = self._place(angles, self.angles)
         nodes = np.arange(len(self.angles))
-        lower, upper = nodes == index[..., None], nodes == index[..., None] + 1
-        return np.where(lower, 1 - part[..., None], 0) + np.where(upper, part[..., None], 0)
+        place = np.interp(angles, self.angles, nodes)[..., None]
+        return np.maximum(1 - np.abs(place - nodes), 0)
 
-    def deposited(self, angles: np.ndarray, weights: np.ndarray) -> np.ndarray:
-        """Sums (M, N) at the nodes of weights (M, K) at angles (M, K), each as by `shares`."""
-        index, part = self._place(angles, self.angles)
-        size = len(self.angles)
-        places = index + size * np.arange(len(angles))[:, None]
-        lower, upper = (
-            np.bincount((places + step).ravel(), (weights * x).ravel(), size * len(angles))
-            for step, x in ((0, 1 - part), (1, part))
-        )
-        return (lower + upper).reshape(-1, size)
+    def received(self, w: Sequence[np.ndarray], weights: np.ndarray) -> np.ndarray:
+        """Modes (H, M, N) of the light that the nodes get, each its `shares` of weights (M, K).
 
-    def mean(self, function: Callable[[np.ndarray], np.ndarray]) -> np.ndarray:
-        """Means (N,) of a function of the cosine (M,) about each node, as by linear interpolation.
+        w: components (M, K) of directions, of light that comes from the azimuth 0.
+        """
+        x, y, z = w
+        shares, turn = self.shares(np.arccos(np.clip(z, 0, 1))), np.arctan2(y, x)
+        waves = (np.cos(order * turn) for order in range(self.orders))
+        return np.stack([np.einsum("mk,mkn->mn", weights * wave, shares) for wave in waves])
+
+    def averaged(self, function: Callable[["Grid"], np.ndarray], finer: int) -> np.ndarray:
+        """Means (..., N) about each node of a function of direction, as by linear interpolation.
 
         The values at the nodes alone would miss the edge of total reflection.
-        """
-        fine = _fine_grid(FINE * len(self.angles), self._edges)
-        weights = np.stack([fine.weights * function(fine.cosines), fine.weights])
-        values, sizes = self.deposited(np.tile(fine.angles, (2, 1)), weights)
-        return values / sizes
 
-    def averaged(self, modes: Callable[["Grid"], np.ndarray]) -> np.ndarray:
-        """Modes (H, N, M) of light from the nodes, averaged about them as by `mean`.
-
-        modes: returns them (H, L, M) for the L directions of a finer grid.
+        function: its values (L,), or (..., L, M), at the L nodes of a finer grid.
         """
-        fine = Grid(4 * len(self.angles), edges=self._edges)
+        fine = Grid(finer * len(self.angles), edges=self._edges)
         shares = self.shares(fine.angles) * fine.weights[:, None]
-        return (shares / shares.sum(axis=0)).T @ modes(fine)
-
-    @staticmethod
-    def _place(x: np.ndarray, nodes: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        place = np.interp(x, nodes, np.arange(len(nodes)))
-        index = np.minimum(place.astype(np.intp), len(nodes) - 2)
-        return index, place - index
-
-
-@functools.lru_cache(maxsize=8)
-def _fine_grid(elevations: int, edges: Edges) -> Grid:
-    return Grid(elevations, edges=edges)
+        return (shares / shares.sum(axis=0)).T @ function(fine)
 
 
 @functools.lru_cache(maxsize=64)
@@ -294,10 +273,10 @@ def interface_modes(alpha: float, eta: float, edges: Edges = ()) -> np.ndarray:
     lobe = microfacet.lobe_shape(np.float32(alpha), wi, wo, h, NUMPY)
     lobe *= fresnel.exact(microfacet.facet_cosine(h, NUMPY), np.float32(1 / eta), None, NUMPY)
 
-    def albedo(cosine: np.ndarray) -> np.ndarray:
-        return inner_albedo(in_plane(cosine.astype(np.float32)[:, None]), alpha, eta)
+    def albedo(fine: Grid) -> np.ndarray:
+        return inner_albedo(in_plane(fine.cosines.astype(np.float32)[:, None]), alpha, eta)
 
-    return own.brdf_modes(lobe, own.mean(albedo))
+    return own.brdf_modes(lobe, own.averaged(albedo, FINE))
 
 
 @functools.lru_cache(maxsize=4)
@@ -333,12 +312,6 @@ def interreflection(
     left = np.exp(-np.asarray(depths, np.float32) / MIRROR_COSINES[:, None])
     sums = 1 / (1 - upper * lower * left * left)
     return left * sums, np.sqrt(sums)
-
-
-def nearest(table: np.ndarray) -> Callable[[np.ndarray], np.ndarray]:
-    """Values (..., C) of a table (M, C) at `MIRROR_COSINES`, as a function of cosines (...)."""
-    last = len(MIRROR_COSINES) - 1
-    return lambda cosine: table.take((cosine * last).astype(np.intp), axis=0)
 
 
 class MediaTransport(NamedTuple):

@@ -131,11 +131,6 @@ def inner_albedo(inside: Vector, alpha: float | Widths, eta: float) -> np.ndarra
     return (reflectance * unblocked).mean(axis=1, dtype=np.float64)
 
 
-def sums(values: np.ndarray, rows: np.ndarray, count: int) -> np.ndarray:
-    """Sums (N, C) of the values (M, C) of each row (M,), below `count`."""
-    return np.stack([np.bincount(rows, column, count) for column in values.T], axis=-1)
-
-
 def visible_facets(outside: Any, alpha: Any, u: Any, xp: Namespace = NUMPY) -> Vector:
     """Facet normals (N, K) that are visible from directions (N, 1); u: as of `cross`."""
     width = microfacet.of_widths(_single, alpha)

@@ -7,7 +7,6 @@ cosines is the larger. f of importance is the table times the square of the inde
 exchanging wi and wo leaves the table's value the same.
 """
 
-import math
 from collections.abc import Callable, Sequence
 from typing import Any
 
@@ -28,14 +27,10 @@ from urushi.core.table import (
     node_directions,
     unknotted,
 )
-from urushi.parallel import fill_blocks
 from urushi.walk import slabs
 
 #: Nodes of a table of transmitted light: w has a sign.
 PASSED_SHAPE = (*SHAPE[:2], 2 * SHAPE[2] - 1)
-
-#: Pairs that are computed at once: their numbers stay in a core's cache.
-ROWS = 256
 
 #: The node in v from which on light in the denser medium does not leave it.
 CONE = 22
@@ -93,18 +88,12 @@ def passed_coordinates(above: Any, below: Any, index: float, xp: Namespace) -> t
     index: below the slab relative to above.
     """
     ratio = max(index, 1 / index)
-    above, below = refracted(above, below, index, ratio, xp)
-    return denser_coordinates(above, below, ratio, xp)
-
-
-def denser_coordinates(a: Any, b: Any, ratio: float, xp: Namespace) -> tuple[Any, ...]:
-    """Coordinates of pairs of directions in the denser medium; ratio: of the indices outside.
-
-    Within the cone of light that leaves that medium, v is in proportion to v outside.
-    """
+    a, b = _refracted(above, below, index, ratio, xp)
     both, apart = Components(a.x + b.x, a.y + b.y, a.z + b.z), Components(None, None, a.z - b.z)
     u, v, w = coordinates(both, apart, xp)
-    if knots := _passed_knots(ratio):
+    if knots := _passed_knots(
+        ratio
+    ):  # within the cone that leaves, v is in proportion to v outside
         edge = knots[0][0]
         v = knotted(xp.where(v < edge, edge * _refracted_v(v, ratio, xp), v), knots, xp)
     return u, v, 0.5 + xp.where(apart.z > 0, 0.5, -0.5) * w
@@ -122,7 +111,7 @@ def _passed_knots(ratio: float) -> Knots:
     return knots_of([1 / ratio], CONE) if ratio > 1 + MIN_INDEX_STEP else ()
 
 
-def refracted(above: Any, below: Any, index: float, ratio: float, xp: Namespace) -> tuple:
+def _refracted(above: Any, below: Any, index: float, ratio: float, xp: Namespace) -> tuple:
     """The pair with that of its directions refracted that is in the less dense medium.
 
     ratio: index to which it is refracted relative to its own; its inverse undoes that.
@@ -145,23 +134,20 @@ def passed_node_pairs(index: float) -> tuple[np.ndarray, np.ndarray]:
     low, high = node_directions(u, v, np.abs(w))
     pair = [Components(*np.where(w[:, None] > 0, *p).T) for p in ((high, low), (low, high))]
     found = []
-    for x, y, z in refracted(pair[0], pair[1], index, 1 / ratio, NUMPY):
+    for x, y, z in _refracted(pair[0], pair[1], index, 1 / ratio, NUMPY):
         raised = np.stack([x, y, np.maximum(z, MIN_COSINE)], axis=1)
         found.append((raised / np.linalg.norm(raised, axis=1, keepdims=True)).astype(np.float32))
     return found[0], found[1]
 
 
-def tabulated(
-    f: Callable[..., np.ndarray], index: float, channels: int, symmetric: bool = False
-) -> np.ndarray:
+def tabulated(f: Callable[..., np.ndarray], index: float, symmetric: bool = False) -> np.ndarray:
     """Values (*`PASSED_SHAPE`, C) of a function of directions above and below (N, 3)."""
     half, knots = SHAPE[2] if symmetric else PASSED_SHAPE[2], _passed_knots(max(index, 1 / index))
     rows = np.ix_(*known_nodes(knots), np.arange(half))
-    shape = [row.size for row in rows]
     pairs = (w.reshape(*PASSED_SHAPE, 3)[rows].reshape(-1, 3) for w in passed_node_pairs(index))
-    values = np.empty((math.prod(shape), channels), np.float32)
-    fill_blocks(values, f, *pairs, rows=ROWS)
-    result = interpolated_nodes(values.reshape(*shape, channels), knots)
+    values = f(*pairs)
+    shape = [row.size for row in rows]
+    result = interpolated_nodes(values.reshape(*shape, -1), knots)
     if symmetric:
         result = np.concatenate([result, result[:, :, half - 2 :: -1]], axis=2)
     return result

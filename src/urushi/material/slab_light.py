@@ -1,50 +1,32 @@
 """Light that slabs transmit, as a function of directions above and below.
 
-Light of the directions wi', after refraction at random facets of the topmost interface, meets
+Light that goes straight through n rough interfaces is a mean over paths, with a direction in each
+medium between them. One interface of a path is given by the directions on its two sides; those
+above it are drawn from above, and those below it from below. Every interface serves as the given
+one, and the balance heuristic combines all (Veach and Guibas 1995). The media attenuate a path,
+which counts light that smooth interfaces mirror to and fro.
 
-    1 / eta^2 E[w_i w_o S(wi', wo')] + E[w_i a(wi') t(wi', wo)],
-
-S being light that the media scatter or rough interfaces reflect, by adding and doubling
-(`urushi.material.adding`), w the transmitted fractions (`urushi.material.crossing`), t the straight
-light of all lower layers, a table too, and a the attenuation of the media, which counts light that
-smooth interfaces mirror to and fro. Below the last medium, t is the lowest interface itself: its
-directions are drawn from both sides. Light straight through a single interface is known.
+All other light is scattered by media or reflected by rough interfaces. It is computed by adding and
+doubling (`urushi.material.adding`).
 """
 
 import functools
-from collections.abc import Callable
-from typing import NamedTuple
+from collections.abc import Callable, Sequence
+from typing import Any
 
 import numpy as np
 
 from urushi.checks import MIN_ALPHA
-from urushi.core.namespace import NUMPY, Components
-from urushi.core.table import SHAPE, interpolated_at, squared_tangent
+from urushi.core import lanes
+from urushi.core.lanes import Lane
+from urushi.core.namespace import DRJIT
 from urushi.material import adding
-from urushi.material.crossing import (
-    LEAST_COSINE,
-    Vector,
-    cross,
-    crossing_at,
-    facet_points,
-    in_plane,
-    sums,
-)
-from urushi.material.slab_coordinates import (
-    Faces,
-    denser_coordinates,
-    grazing_factor,
-    refracted,
-    tabulated,
-)
+from urushi.material.crossing import GENERATORS, cross, crossing_at, facet_points, in_plane
 from urushi.material.slab_shares import Layers
 from urushi.material.substrate import OnGrid
 
-#: Directions inside for each node, drawn from either side.
-STRAIGHT = 34
-
-#: The same where one of the sides is a table.
-THROUGH_TABLE = 64
+#: Paths of straight light for each interface that is given.
+PATHS = 512
 
 #: Facets at which light of a direction is refracted, and elevations outside.
 FACETS, ELEVATIONS = 256, 48
@@ -52,66 +34,35 @@ FACETS, ELEVATIONS = 256, 48
 #: Least width of straight light, as a mirror of this width reflects: a table holds no narrower one.
 LEAST_SPREAD = MIN_ALPHA / 8
 
-#: Nodes in a table's v of the mean over half vectors: difference angles up to 45 degrees.
-PEAK_NODES = 17
-
-#: The share (..., C) of light that is left of cosines (...).
-Attenuation = Callable[[np.ndarray], np.ndarray]
-
-
-class HalfVectors(NamedTuple):
-    """The distribution of half vectors of a bottom, constant in solid angle between nodes in u."""
-
-    cosines: np.ndarray  # (U,) of the half angle at the nodes
-    cumulated: np.ndarray  # (U,) shares of the half vectors up to each node
-    density: np.ndarray  # float32 (U - 1,) [1/sr] between nodes
-
-    def draw(self, u: np.ndarray) -> Vector:
-        """Half vectors (K,) from numbers u (K, 2) in [0, 1)."""
-        cosine = np.interp(u[:, 0], self.cumulated, self.cosines)
-        sine, phi = np.sqrt(np.maximum(1 - cosine * cosine, 0)), 2 * np.pi * u[:, 1]
-        x, y, z = (w.astype(np.float32) for w in (sine * np.cos(phi), sine * np.sin(phi), cosine))
-        return x, y, z
-
-    def density_at(self, u: np.ndarray) -> np.ndarray:
-        """Density (N,) [1/sr] at the table's coordinates u (N,)."""
-        last = len(self.density) - 1
-        return self.density[np.clip(u * (last + 1), 0, last).astype(np.intp)]
-
 
 def transmitted(
-    layers: Layers, insides: list[OnGrid], faces: Faces, channels: int
-) -> Callable[[np.ndarray, np.ndarray], np.ndarray]:
-    """f / index^2 [1/sr] of transmission divided by `grazing_factor`, a function of wi and wo.
+    layers: Layers, insides: list[OnGrid], above: np.ndarray, below: np.ndarray, channels: int
+) -> np.ndarray:
+    """f / index^2 (N, C) [1/sr] of transmission for float32 directions (N, 3), both with z > 0.
 
     Args:
         layers: the slab.
         insides: what lies below each of its media.
-        faces: of `grazing_factor`.
     """
     scattered, attenuations = _scattered(layers, insides, channels)
-    straight = _straight(layers, attenuations, channels)
-
-    def whole(wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
-        every = straight(wi, wo) + np.maximum(scattered(wi, wo), 0)
-        return every / grazing_factor(Components(*wi.T), Components(*wo.T), faces, NUMPY)[:, None]
-
-    return whole
+    straight = _straight(layers, attenuations, above, below, channels)
+    return straight + np.maximum(scattered(above, below), 0)
 
 
 def _scattered(
     layers: Layers, insides: list[OnGrid], channels: int
-) -> tuple[Callable[[np.ndarray, np.ndarray], np.ndarray | float], list[Attenuation]]:
-    """f / index^2 [1/sr] of all but straight light, and the attenuations of the media."""
+) -> tuple[Callable[[np.ndarray, np.ndarray], np.ndarray], list[np.ndarray]]:
+    """f / index^2 [1/sr] of all but straight light, a function of directions above and below; and
+    the shares (M, C) of straight light at `adding.MIRROR_COSINES` that cross the media."""
     if not insides:
-        return lambda wi, wo: 0.0, []
+        return lambda wi, wo: np.zeros((len(wi), channels), np.float32), []
     indices, interfaces = layers.indices(), layers.interfaces
     grids = [adding.grid(below.edges) for below in insides]
     outside = adding.Grid(ELEVATIONS, edges=layers.edges(-1 if indices[-1] > 1 else 0))
     alpha, eta = interfaces[-1]
     # Light from below that arrives above the interfaces that have been passed, all and straight
     every = [_crossing_modes(outside, grids[-1], alpha, 1 / eta)] * channels
-    direct, attenuations = every, list[Attenuation]()
+    direct, attenuations = every, list[np.ndarray]()
     for level, (below, own) in reversed(list(enumerate(zip(insides, grids, strict=True)))):
         (alpha, eta), edges = interfaces[level], below.edges
         back, media = adding.interface_modes(alpha, eta, edges), layers.media[level]
@@ -125,13 +76,11 @@ def _scattered(
         every = [a @ b for a, b in zip(every, fields, strict=True)]
         direct = [a * b for a, b in zip(direct, straights, strict=True)]
         upper = adding.mirror(alpha, eta, edges)
-        crossing = adding.interreflection(depths, upper, below.mirrored)[0]
-        attenuations.insert(0, adding.nearest(crossing))
+        attenuations.insert(0, adding.interreflection(depths, upper, below.mirrored)[0])
         if level:
             above = grids[level - 1]
-            inner = own.averaged(
-                functools.partial(_crossing_modes, own=above, alpha=alpha, eta=1 / eta)
-            )
+            crossing = functools.partial(_crossing_modes, own=above, alpha=alpha, eta=1 / eta)
+            inner = own.averaged(crossing, adding.FINE_MODES)
             every, direct = ([modes @ inner for modes in x] for x in (every, direct))
     inwards = _crossing_modes(outside, own, alpha, eta)
     scattered = [
@@ -143,59 +92,6 @@ def _scattered(
     return functools.partial(outside.interpolated, values), attenuations
 
 
-def _straight(
-    layers: Layers, attenuations: list[Attenuation], channels: int
-) -> Callable[[np.ndarray, np.ndarray], np.ndarray]:
-    """f / index^2 [1/sr] of straight light; attenuations: of the media between interfaces."""
-    first, last = np.flatnonzero(layers.interfaces[:, 1] != 1)[[0, -1]]
-    indices, facets = layers.indices(), _facets(layers)
-    straight = _single_interface(facets[last], indices[-1], channels)
-    for level in reversed(range(first, last)):
-        index, attenuation = indices[level + 1], attenuations[level]
-        if level == last - 1:
-            straight = _two_interfaces(facets[level], facets[last], index, attenuation)
-            continue
-        ratio = indices[-1] / index
-        logs = np.log(np.maximum(tabulated(straight, ratio, channels), 1e-30))
-        straight = _one_interface(facets[level], logs, ratio, attenuation)
-
-    def whole(above: np.ndarray, below: np.ndarray) -> np.ndarray:
-        value = straight(above, below)
-        if first > 0:  # media outside the interfaces
-            value = value * attenuations[0](above[:, 2])
-        if last < len(facets) - 1:
-            value = value * attenuations[-1](below[:, 2])
-        return value
-
-    return whole
-
-
-def _facets(layers: Layers) -> list[tuple[float, float]]:
-    """Width and index of each interface, for straight light.
-
-    Widths are multiplied so that straight light has at least `LEAST_SPREAD`.
-    """
-    indices, (alphas, etas) = layers.indices(), layers.interfaces.T
-    spread = np.sqrt(np.sum((0.5 * indices[:-1] * (etas - 1) * alphas) ** 2))
-    factor = max(1.0, LEAST_SPREAD * max(indices[-1], 1) / spread)
-    return [(float(min(alpha * factor, 1)), float(eta)) for alpha, eta in layers.interfaces]
-
-
-def _single_interface(
-    facets: tuple[float, float], index: float, channels: int
-) -> Callable[[np.ndarray, np.ndarray], np.ndarray]:
-    """Straight light through one interface: a function as of `_two_interfaces`."""
-
-    def straight(above: np.ndarray, below: np.ndarray) -> np.ndarray:
-        outside = tuple(above.T)
-        inside = -below[:, 0], -below[:, 1], below[:, 2]  # mirrored
-        crossing = crossing_at(outside, inside, *facets)
-        f = crossing.weight * crossing.density / (below[:, 2] * np.float32(index * index))
-        return np.repeat(f[:, None], channels, axis=1)
-
-    return straight
-
-
 def _crossing_modes(outside: adding.Grid, own: adding.Grid, alpha: float, eta: float) -> np.ndarray:
     """Modes (H, M, N): shares of light of M directions outside that arrive at N nodes inside.
 
@@ -203,111 +99,79 @@ def _crossing_modes(outside: adding.Grid, own: adding.Grid, alpha: float, eta: f
     """
     if eta == 1:
         return np.stack([own.shares(outside.angles)] * len(own.azimuths))
-    u = facet_points(FACETS)
-    inside = cross(in_plane(outside.cosines.astype(np.float32)[:, None]), alpha, eta, u)
-    x, y, z = inside.inside
-    shares = own.shares(np.arccos(np.clip(z, 0, 1)))
-    turn = np.arctan2(y, x)
-    modes = []
-    for order in range(len(own.azimuths)):
-        weight = inside.weight * np.cos(order * turn) / FACETS
-        modes.append(np.einsum("mk,mkn->mn", weight, shares))
-    return np.stack(modes)
+    seen = in_plane(outside.cosines.astype(np.float32)[:, None])
+    crossing = cross(seen, alpha, eta, facet_points(FACETS))
+    return own.received(crossing.inside, crossing.weight / FACETS)
 
 
-def _turn(w: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Cosine and sine (N, 1) of the azimuth of directions (N, 3)."""
-    turn = np.arctan2(w[:, 1], w[:, 0])[:, None]
-    return np.cos(turn), np.sin(turn)
+def _straight(
+    layers: Layers,
+    attenuations: Sequence[np.ndarray],
+    above: np.ndarray,
+    below: np.ndarray,
+    channels: int,
+) -> np.ndarray:
+    """f / index^2 (N, C) [1/sr] of straight light; attenuations: as `_scattered` returns them."""
+    first, last = np.flatnonzero(layers.interfaces[:, 1] != 1)[[0, -1]]
+    widths, inner = _facets(layers)[first : last + 1], int(last - first)
+    media = slice(int(first == 0), inner + len(layers.interfaces) - last)  # of a path's directions
+    left = np.concatenate([np.ones((1, channels), np.float32), *attenuations])
+    _, distinct, which = np.unique(left, axis=1, return_index=True, return_inverse=True)
+    paths = PATHS if inner else 1
+
+    def value(lane: Lane) -> Any:
+        start, end = lane.directions()
+        end = type(end)(-end.x, -end.y, end.z)  # where straight light from `start` goes
+        media_left = [lane.nearest(x.T[distinct]) for x in attenuations]
+        columns = np.repeat(widths[..., None], len(distinct), axis=-1)
+        facets = [(lane.number(alpha), lane.number(eta)) for alpha, eta in columns]
+        u, total = lane.lattice(paths, GENERATORS[PATHS], numbers=2 * inner), 0.0
+        for given in range(inner + 1):
+            down, up, crosses = [start], [end], start.z > 0
+            for k in range(given):
+                crosses &= _draw(down, *facets[k], u[2 * k : 2 * k + 2])
+            for k in range(inner, given, -1):
+                crosses &= _draw(up, facets[k][0], 1 / facets[k][1], u[2 * k - 2 : 2 * k])
+            path = down + up[::-1]
+            f = _path_share(path, facets)
+            for w, of_medium in zip(path[media], media_left, strict=True):
+                f = f * of_medium(w.z)
+            total = total + DRJIT.where(crosses, f, 0)
+        return total / paths
+
+    found = lanes.sums(value, len(distinct), (above, below), paths)
+    return found[:, which.ravel()] / np.float32(layers.indices()[-1] ** 2)
 
 
-def _two_interfaces(
-    upper: tuple[float, float], lower: tuple[float, float], index: float, attenuation: Attenuation
-) -> Callable[[np.ndarray, np.ndarray], np.ndarray]:
-    """Straight light through two interfaces: a function of directions (N, 3), f (N, C).
+def _draw(path: list[Any], alpha: Any, eta: Any, u: Sequence[Any]) -> Any:
+    """Append a direction beyond the next interface to a path; returns whether light crosses it."""
+    crossing = cross(path[-1], alpha, eta, u, DRJIT)
+    path.append(type(path[-1])(*crossing.inside))
+    return crossing.weight > 0
 
-    Args:
-        upper, lower: alpha, and eta relative to the medium above.
-        index: of the medium between them.
-        attenuation: of that medium.
 
-    Half of the directions inside are drawn from either side, weighted by the balance heuristic.
+def _path_share(path: list[Any], facets: list[tuple[Any, Any]]) -> Any:
+    """f [1/sr] of a path over the sum of its densities, one for each given interface.
+
+    With the weight w and the density d of each interface from above, and its density u from below,
+    that is prod w over the cosine below and over the sum, for each given interface, of 1 / d times
+    the quotients u / d of all interfaces below it.
     """
-    u = facet_points(STRAIGHT)
-    lower = lower[0], 1 / lower[1]
-
-    def straight(above: np.ndarray, below: np.ndarray) -> np.ndarray:
-        total: np.ndarray | float = 0.0
-        for one, other, own, far in ((above, below, upper, lower), (below, above, lower, upper)):
-            a = cross(in_plane(one[:, 2, None]), *own, u)
-            (cos, sin), (x, y, z) = _turn(one), a.inside
-            inside: Vector = (sin * y - cos * x, -cos * y - sin * x, z)  # mirrored
-            b = crossing_at(tuple(other[:, i, None] for i in range(3)), inside, *far)
-            chances = a.density * b.density / np.maximum(a.density + b.density, np.float32(1e-30))
-            weight = (a.weight * b.weight * chances / (z * STRAIGHT)).ravel()
-            present = np.flatnonzero(weight)
-            values = attenuation(z.take(present)) * weight.take(present)[:, None]
-            total = total + sums(values, present // STRAIGHT, len(above))
-        return np.asarray(total) / np.float32(index * index)
-
-    return straight
+    weight, total = 1 / path[-1].z, 0.0
+    for outside, inside, (alpha, eta) in zip(path[:-1], path[1:], facets, strict=True):
+        down = crossing_at(outside, inside, alpha, eta, DRJIT)
+        up = crossing_at(inside, outside, alpha, 1 / eta, DRJIT)
+        weight = weight * down.weight
+        total = (total * up.density + 1) / DRJIT.maximum(down.density, 1e-30)
+    return DRJIT.where(weight > 0, weight / total, 0)
 
 
-def _half_vectors(f: np.ndarray) -> HalfVectors:
-    """The distribution of half vectors at which values f (U, ...) at a table's nodes are bright."""
-    tan2 = np.maximum(squared_tangent(np.linspace(0, 1, SHAPE[0])), 0)
-    cosines = 1 / np.sqrt(1 + tan2)
-    size = f[:, :PEAK_NODES].mean(axis=(1, 2, 3), dtype=np.float64)
-    angles = 2 * np.pi * (cosines[:-1] - cosines[1:])
-    shares = (size[:-1] + size[1:]) * (cosines[:-1] + cosines[1:]) * angles
-    shares /= shares.sum()
-    cumulated = np.concatenate([[0], np.cumsum(shares)])
-    return HalfVectors(cosines, cumulated, (shares / angles).astype(np.float32))
+def _facets(layers: Layers) -> np.ndarray:
+    """Width and index (n, 2) of each interface, for straight light.
 
-
-def _one_interface(
-    facets: tuple[float, float], logs: np.ndarray, index: float, attenuation: Attenuation
-) -> Callable[[np.ndarray, np.ndarray], np.ndarray]:
-    """Straight light through an interface and the layers below: a function as of `_two_interfaces`.
-
-    Args:
-        facets: alpha and eta of the interface.
-        logs: float32 (*`PASSED_SHAPE`, C) of the straight light of the layers.
-        index: below the layers relative to the medium between.
-        attenuation: of that medium.
-
-    Half of the directions inside are drawn by the interface, half by half vectors of the layers.
+    Widths are multiplied so that straight light has at least `LEAST_SPREAD`.
     """
-    u = facet_points(THROUGH_TABLE)
-    peak = _half_vectors(np.exp(logs))
-    half = peak.draw(u[:, ::-1].astype(np.float64))
-    index = float(index)  # in single precision
-    ratio = max(index, 1 / index)
-
-    def straight(above: np.ndarray, below: np.ndarray) -> np.ndarray:
-        (cos, sin), columns = _turn(above), [below[:, i, None] for i in range(3)]
-        (x, y, z), weight, _ = cross(in_plane(above[:, 2, None]), *facets, u)
-        drawn = Components(cos * x - sin * y, sin * x + cos * y, z)
-        _, far = refracted(drawn, Components(*columns), index, ratio, NUMPY)
-        dot = sum(w * h for w, h in zip(far, half, strict=True))
-        mirrored = Components(*(2 * dot * h - w for w, h in zip(far, half, strict=True)))
-        seen, _ = refracted(mirrored, far, index, 1 / ratio, NUMPY)
-        reached = (dot > 0) & (mirrored.z > 0) & (index * np.hypot(mirrored.x, mirrored.y) < 1)
-        present = np.concatenate([weight > 0, reached], axis=1)
-        inside = tuple(np.concatenate(w, axis=1) for w in zip(drawn, seen, strict=True))
-        chosen = np.flatnonzero(present & (inside[2] > LEAST_COSINE))
-        rows = chosen // present.shape[1]
-        inside = tuple(w.take(chosen) for w in inside)
-        far = Components(*(w.take(rows) for w in far))
-        b = crossing_at(tuple(above[:, i].take(rows) for i in range(3)), inside, *facets)
-        denser, _ = refracted(Components(*inside), far, index, ratio, NUMPY)
-        places = denser_coordinates(denser, far, ratio, NUMPY)
-        both = [p + q for p, q in zip(denser, far, strict=True)]
-        chance = peak.density_at(places[0]) / (2 * np.sqrt(sum(w * w for w in both)))
-        if index > 1:  # solid angles of refracted directions
-            chance = chance * inside[2] / (index * index * denser.z)
-        share = b.weight * b.density / np.maximum(b.density + chance, np.float32(1e-30))
-        values = interpolated_at(logs, *places) * attenuation(inside[2])
-        return sums(values * share[:, None], rows, len(above)) / THROUGH_TABLE
-
-    return straight
+    indices, (alphas, etas) = layers.indices(), layers.interfaces.T
+    spread = np.sqrt(np.sum((0.5 * indices[:-1] * (etas - 1) * alphas) ** 2))
+    factor = max(1.0, LEAST_SPREAD * max(indices[-1], 1) / spread)
+    return np.stack([np.minimum(alphas * factor, 1), etas], axis=1)

@@ -183,12 +183,8 @@ def _interface(
     outside, u = in_plane(grids[0].cosines.astype(np.float32)[:, None]), facet_points(FACETS)
     crossing, turned = cross(outside, alpha, eta, u), mirrored(outside, alpha, u)
     weight = turned.masking * fresnel.dielectric(turned.cosine, np.float32(eta), NUMPY)[0]
-    pairs = (turned.outwards[2], weight), (crossing.inside[2], crossing.weight)
-    reflected, passed = (
-        grid.deposited(np.arccos(np.clip(z, 0, 1)), weight / FACETS)
-        for grid, (z, weight) in zip(grids, pairs, strict=True)
-    )
-    return reflected, passed
+    reflected = grids[0].received(turned.outwards, weight / FACETS)[0]
+    return reflected, grids[1].received(crossing.inside, crossing.weight / FACETS)[0]
 
 
 @functools.lru_cache(maxsize=64)

@@ -10,12 +10,13 @@ the angles of both directions, by which f stays reciprocal, so that all light of
 share that adding finds on a fine grid (`urushi.material.slab_shares`).
 """
 
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
 
-from urushi.core.namespace import NUMPY, Components
+from urushi.core.namespace import NUMPY, Components, stacked_components
 from urushi.core.quadrature import half_vector_rule
 from urushi.core.table import (
     MAX_LOG,
@@ -149,8 +150,12 @@ def slab_tables(model: Model, interfaces: np.ndarray, media: np.ndarray) -> Slab
     sides = [shares(side, channels) for side in (layers, turned)[: 1 if symmetric else 2]]
     above, insides = _reflected(model, layers, sides[0])
     below = above if symmetric else _reflected(model, turned, sides[1])[0]
-    light = transmitted(layers, insides, faces, channels)
-    logs = np.log(np.maximum(tabulated(light, index, channels, symmetric), 1e-30))
+
+    def light(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+        known = grazing_factor(Components(*a.T), Components(*b.T), faces, NUMPY)
+        return transmitted(layers, insides, a, b, channels) / known[:, None]
+
+    logs = np.log(np.maximum(tabulated(light, index, symmetric), 1e-30))
     heights = [np.arccos(w[:, 2]) for w in passed_node_pairs(index)]
     passed_light = [_passed_light(x[0], index, faces, side) for side, x in enumerate(sides)]
     logs = _with_light(logs, heights, passed_light)
@@ -202,20 +207,44 @@ def _angles(own: Shares) -> np.ndarray:
     return angles[(angles >= 0) & (angles <= ANGLES[-1])]
 
 
-def _passed_light(own: Shares, index: float, faces: Faces, side: int) -> Light:
-    """The light of a table of transmission for directions above (side 0) or below (1)."""
+def _light(
+    own: Shares,
+    part: int,
+    seen: Callable[[Components], Components],
+    known: Callable[[Components, Components], np.ndarray],
+    places: Callable[[Components, Components], Sequence[np.ndarray]],
+) -> Light:
+    """The light of a table.
+
+    Args:
+        own, part: the shares that it should have, of reflected (0) or transmitted light (1).
+        seen: where light of a direction mostly goes, mirrored back.
+        known: the factor of f that the table does not hold, of pairs of directions.
+        places: coordinates of pairs in the table.
+    """
     angles = _angles(own)
     near = Components(np.sin(angles), 0 * angles, np.cos(angles))
-    seen = slabs.straight(near, index ** (1 - 2 * side), NUMPY)
-    far, weights = half_vector_rule(np.stack(list(seen), axis=1), azimuths=AROUND)
-    first = np.broadcast_to(np.stack(list(near), axis=1)[:, None], far.shape).reshape(-1, 3)
-    above, below = (Components(*w.T) for w in (first, far.reshape(-1, 3))[:: 1 - 2 * side])
-    scale = grazing_factor(above, below, faces, NUMPY).reshape(weights.shape) * index ** (
-        2 - 2 * side
+    far, weights = half_vector_rule(stacked_components(seen(near), np), azimuths=AROUND)
+    first = stacked_components(near, np)[:, None]
+    pair = [Components(*w.reshape(-1, 3).T) for w in np.broadcast_arrays(first, far)]
+    weights = weights * far[..., 2] * known(*pair).reshape(weights.shape)
+    return Light(angles, own.at(angles)[part], weights, list(places(*pair)))
+
+
+def _passed_light(own: Shares, index: float, faces: Faces, side: int) -> Light:
+    """The light of a table of transmission for directions above (side 0) or below (1)."""
+    ratio, scale = (1 / index, 1.0) if side else (index, index**2)
+
+    def sides(a: Components, b: Components) -> tuple[Components, Components]:
+        return (b, a) if side else (a, b)
+
+    return _light(
+        own,
+        1,
+        lambda w: slabs.straight(w, ratio, NUMPY),
+        lambda a, b: scale * grazing_factor(*sides(a, b), faces, NUMPY),
+        lambda a, b: passed_coordinates(*sides(a, b), index, NUMPY),
     )
-    weights = weights * far[..., 2] * scale
-    places = list(passed_coordinates(above, below, index, NUMPY))
-    return Light(angles, own.at(angles)[1], weights, places)
 
 
 def _reflected(model: Model, layers: Layers, every: list[Shares]) -> tuple[Material, list[OnGrid]]:
@@ -269,12 +298,10 @@ def _reflector(inner: Material) -> Reflector:
 
 def _reflected_light(own: Shares, knots: Knots, inner: InnerLobes) -> Light:
     """The light of a table of reflection."""
-    angles = _angles(own)
-    wi = np.stack([np.sin(angles), 0 * angles, np.cos(angles)], axis=1)
-    wo, weights = half_vector_rule(wi, azimuths=AROUND)
-    first = np.broadcast_to(wi[:, None], wo.shape).reshape(-1, 3)
-    second = wo.reshape(-1, 3)
-    places = list(pair_coordinates(first, second, knots))
-    factor = mirrored_inside(Components(*first.T), Components(*second.T), inner, NUMPY)
-    weights = weights * wo[..., 2] * factor.reshape(weights.shape)
-    return Light(angles, own.at(angles)[0], weights, places)
+    return _light(
+        own,
+        0,
+        lambda w: w,
+        lambda a, b: mirrored_inside(a, b, inner, NUMPY),
+        lambda a, b: pair_coordinates(np.stack(a, axis=1), np.stack(b, axis=1), knots),
+    )
