@@ -8,7 +8,7 @@ from urushi.core.error_metrics import stack_error
 from urushi.core.namespace import NUMPY
 from urushi.material import Material, encode, layer
 from urushi.nets.lobe import f
-from urushi.walk import coat, conductor, dielectric, diffuse, simulate
+from urushi.walk import coat, conductor, dielectric, diffuse
 from urushi.walk.medium import hg
 
 NONE = dielectric(0.3, 1)
@@ -63,38 +63,6 @@ def test_code_and_table_agree(trained, pairs):
         assert error(Material(table.latents, trained), table, *pairs).mean() < 0.01
 
 
-@pytest.mark.parametrize(
-    ("bottom", "eta"),
-    [
-        (conductor(0.1, eta=0.2, k=3.9), 1.003),
-        (dielectric(0.1, 1.5), 1.007),
-        (conductor(0.1, r0=0.8), 1.012),
-    ],
-    ids=["gold", "glass", "metal"],
-)
-def test_faint_coats_agree_with_the_walk(trained, pairs, bottom, eta):
-    """The tolerance is that of the networks for sharp lobes under thin coats; the walks' noise
-    is below 0.5 %.
-    """
-    few = [side[:300] for side in pairs]
-    f, _ = simulate(coat(bottom, alpha=0.04, eta=eta), *few, walks=512, seed=5)
-    assert error(layer(dielectric(0.04, eta), encode(bottom, trained)), f, *few).mean() < 0.04
-
-
-@pytest.mark.parametrize("eta", [0.99, 1.001])
-def test_rough_interfaces_darken_whatever_their_index(trained, pairs, eta):
-    """Their facets mask and shadow each other: the walk reflects 7 % less light than the bottom."""
-    few = [side[:300] for side in pairs]
-    bottom = diffuse(0.6)
-    f, _ = simulate(coat(bottom, alpha=0.3, eta=eta), *few, walks=512, seed=6)
-    bare = encode(bottom, trained)
-    assert (
-        error(layer(dielectric(0.3, eta), bare), f, *few).mean()
-        < 0.03
-        < error(bare, f, *few).mean()
-    )
-
-
 @pytest.mark.parametrize("bottom", [conductor(0.01, (0.9, 0.5, 0.2)), diffuse(0.5)])
 def test_no_interface_and_no_medium_is_the_bottom(trained, pairs, bottom):
     bare = encode(bottom, trained)
@@ -113,13 +81,6 @@ def test_an_absorbing_medium_is_beers_law(trained, pairs):
     assert error(tinted, expected, *pairs).max() < 0.01
     codes = Material(tinted.latents, trained)  # of textures; as accurate as for other indices
     assert error(codes, expected, *pairs).max() < 0.1
-
-
-def test_a_scattering_medium_is_as_in_the_walk(trained, pairs):
-    medium = {"albedo": 0.9, "sigma_t": 0.7, "g": -0.3}
-    bottom, few = conductor(0.05, 0.9), [side[:300] for side in pairs]
-    truth, _ = simulate(coat(bottom, 0.3, 1, **medium), *few, walks=1 << 14)
-    assert error(layer(NONE, bottom, **medium), truth, *few).max() < 0.02
 
 
 def test_a_stack_without_its_topmost_interface_is_encoded_with_the_lobe_below(trained, pairs):

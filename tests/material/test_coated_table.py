@@ -6,9 +6,8 @@ import numpy as np
 import pytest
 from tests.untrained import untrained
 
-import urushi
 from urushi.checks import CoatParameters
-from urushi.core import direction_sets, fresnel
+from urushi.core import fresnel
 from urushi.core.error_metrics import stack_error
 from urushi.core.namespace import NUMPY
 from urushi.core.table import node_pairs, table_of_values
@@ -88,20 +87,6 @@ def test_reciprocal_to_the_bit_and_zero_below_the_horizon(coated, directions):
     np.testing.assert_array_equal(f, coated.f(wo, wi))
     above = (wi[:, 2] > 0) & (wo[:, 2] > 0)
     assert (f[above] > 0).all() and not f[~above].any()
-
-
-def test_coats_nest(trained):
-    """Two clear coats of one index are one, apart from the inner interface, which is not there."""
-    red = with_table(lambda wi, wo: np.full(len(wi), 0.5 / np.pi), trained)
-    once = layer(dielectric(0.05, 1.3), red, sigma_t=0.2)
-    twice = layer(dielectric(0.1, 1.5), once, sigma_t=0.3)
-    assert once.beside_lobe and twice.beside_lobe
-    stack = urushi.coat(
-        urushi.coat(diffuse(0.5), alpha=0.05, eta=1.3, sigma_t=0.2), alpha=0.1, eta=1.5, sigma_t=0.3
-    )
-    wi, wo = direction_sets.cosine_pairs(np.random.default_rng(3), 200)
-    walk, _ = urushi.simulate(stack, wi, wo, walks=8192, progress=False)
-    assert error(twice.f(wi, wo), walk[:, :1], wi, wo) < 0.03
 
 
 def test_files_keep_the_kind_of_table(bottom, coated, trained, tmp_path):

@@ -9,7 +9,6 @@ import urushi
 from urushi.checks import CoatParameters, Widths
 from urushi.core import direction_sets
 from urushi.core.error_metrics import energy_weight, stack_error
-from urushi.core.microfacet import of_widths
 from urushi.core.quadrature import directional_albedos
 from urushi.core.table import MIN_LOG, SHAPE
 from urushi.material import adding
@@ -29,18 +28,6 @@ COATS = {
     "less dense": (0.1, 0.7, 0.0, 0.0, 0.0),
     "no interface": (0.1, 1.0, 0.5, 0.7, 0.3),
 }
-
-#: Coats of two widths or one over bottoms of two.
-COATS_OF_TWO = [
-    ("brushed", (0.05, 1.5, 0.0, 0.0, 0.0)),
-    ("brushed", (Widths(0.3, 0.1), 1.5, 0.0, 0.0, 0.0)),
-    ("brushed", (0.2, 1.0, 0.9, 1.0, 0.3)),
-    ("brushed", (0.2, 0.7, 0.0, 0.0, 0.0)),
-    ("lambertian", (Widths(0.1, 0.4), 1.5, 0.9, 1.0, 0.0)),
-    pytest.param("brushed", (0.05, 1.2, 0.0, 0.0, 0.0), marks=pytest.mark.slow),
-    pytest.param("brushed", (0.5, 2.0, 0.0, 0.5, 0.0), marks=pytest.mark.slow),
-    pytest.param("brushed", (0.2, 1.5, 0.9, 0.5, 0.0), marks=pytest.mark.slow),
-]
 
 
 def coat(*names) -> CoatParameters:
@@ -72,53 +59,6 @@ def brushed() -> Substrate:
 
 def pairs(count, seed=0):
     return direction_sets.cosine_pairs(np.random.default_rng(seed), count)
-
-
-def walk_error(f, stack, wi, wo, walks=8192) -> float:
-    """E of the first channel against the walk, whose noise is subtracted in squares."""
-    walk, se = (x[:, 0] for x in urushi.simulate(stack, wi, wo, walks=walks, progress=False))
-    weight = energy_weight(wi[:, 2], wo[:, 2]) / (walk * energy_weight(wi[:, 2], wo[:, 2])).sum()
-    e, noise = (np.abs(f - walk) * weight).sum(), math.sqrt(2 / math.pi) * (se * weight).sum()
-    return math.sqrt(max(e * e - noise * noise, 0))
-
-
-@pytest.mark.parametrize(
-    ("name", "alpha", "most"),
-    [
-        ("smooth", 0.05, 0.01),
-        ("tinted", 0.1, 0.01),
-        ("scattering", 0.2, 0.01),
-        ("less dense", 0.3, 0.02),
-        # Few pairs of directions of the interface meet the lobe of polished metal.
-        ("rough", 0.02, 0.03),
-    ],
-)
-def test_as_the_walk_over_metal(name, alpha, most):
-    wi, wo = pairs(200)
-    top = lobes.f(lobes.of_coat(*map(np.float64, COATS[name][:2])), wi, wo)
-    f = coated_f(bare(metal(alpha)), coat(name), wi, wo)[:, 0] + top
-    names = zip(("alpha", "eta", "albedo", "sigma_t", "g"), COATS[name], strict=True)
-    assert walk_error(f, urushi.coat(conductor(alpha, 0.8), **dict(names)), wi, wo) < most
-
-
-@pytest.mark.parametrize(("bottom", "values"), COATS_OF_TWO)
-def test_as_the_walk_of_two_widths(bottom, values):
-    """E of 0.3 to 1.5 %."""
-    alpha, *others = values
-    wi, wo = direction_sets.cosine_pairs(np.random.default_rng(0), 300, lowest_cosine=0.02)
-    below = brushed() if bottom == "brushed" else lambertian(0.7, np.ones(1))
-    width = of_widths(np.float64, alpha)
-    f = coated_f(below, CoatParameters(width, *map(np.float64, others)), wi, wo)[:, 0]
-    top = lobes.f(lobes.of_coat(width, np.float64(others[0])), wi, wo)
-    named = {"alpha": alpha}
-    if isinstance(alpha, Widths):
-        named = {"alpha_u": alpha.u, "alpha_v": alpha.v}
-    stack = urushi.coat(
-        conductor(alpha_u=0.1, alpha_v=0.4, r0=0.9) if bottom == "brushed" else diffuse(0.7),
-        **named,
-        **dict(zip(("eta", "albedo", "sigma_t", "g"), others, strict=True)),
-    )
-    assert walk_error(f + top, stack, wi, wo, walks=1 << 12) < 0.02
 
 
 def test_reciprocal_and_symmetric_about_both_planes():

@@ -98,23 +98,6 @@ def test_lossless_stacks_reflect_at_most_everything(bottom, trained):
         assert material.directional_albedo(WI).max() < 1 + BETWEEN
 
 
-@pytest.mark.parametrize("alpha", [0.015, 0.15])
-@pytest.mark.parametrize("eta", [0.55, 0.95])
-def test_total_reflection_does_not_darken_what_is_transmitted(alpha, eta, trained):
-    """Below the critical angle there is room for a dark bottom's light; the limit leaves it.
-
-    Beyond that angle the lobe reflects all light, and the rest, an edge in the angle, none.
-    """
-    bottom = encode(urushi.diffuse(0.5), trained)
-    coated = layer(urushi.dielectric(alpha, eta), bottom, albedo=0.5, sigma_t=0.2)
-    cosine = np.array([0.999])
-    wi = np.stack([np.sqrt(1 - cosine**2), 0 * cosine, cosine], axis=-1).astype(np.float32)
-    stack = urushi.coat(urushi.diffuse(0.5), alpha=alpha, eta=eta, albedo=0.5, sigma_t=0.2)
-    f = lambda *pairs: urushi.simulate(stack, *pairs, walks=64, seed=1)[0]  # noqa: E731
-    expected = directional_albedos(f, wi)[0]
-    np.testing.assert_allclose(coated.directional_albedo(wi)[0], expected, rtol=0.1)
-
-
 def test_a_gaining_code_is_brought_back_to_the_source(trained, gaining, directions):
     bright = urushi.diffuse((0.98, 0.77, 0.34))
     free = Material(encode(bright, trained).latents, gaining)
