@@ -1,4 +1,4 @@
-"""Axes of parameters: coordinates, interpolation between nodes, splines."""
+"""Axes of parameters: coordinates, interpolation between nodes and points."""
 
 import numpy as np
 import pytest
@@ -6,7 +6,7 @@ import pytest
 from urushi.core.namespace import NUMPY
 from urushi.textures import axes, baking
 from urushi.textures.axes import Axis
-from urushi.textures.spline import points, spline
+from urushi.textures.interpolation import interpolant, points
 
 
 @pytest.mark.parametrize(
@@ -42,14 +42,27 @@ def test_simplices_interpolate_linear_functions_exactly(dimensions):
 
 
 @pytest.mark.parametrize("dimensions", [1, 3])
-def test_splines_take_their_values_and_are_exact_for_linear_functions(dimensions):
+def test_interpolants_take_their_values(dimensions):
+    """Of points that coincide but for rounding, their mean."""
     x = points(dimensions, 40)
-    slope = np.arange(1, dimensions + 1)
-    linear = (x @ slope)[:, None]
-    other = np.random.default_rng(0).random((100, dimensions))
-    np.testing.assert_allclose(spline(x, linear)(other)[:, 0], other @ slope, atol=1e-8)
-    values = np.sin(3 * linear)
-    np.testing.assert_allclose(spline(x, values)(x), values, atol=1e-8)
+    values = np.sin(3 * x.sum(axis=1))[:, None]
+    found = interpolant(x, values, np.eye(1))
+    np.testing.assert_allclose(found(x), values, atol=1e-4)
+    twice = interpolant(
+        np.tile(x, (2, 1)), np.concatenate([values - 1e-6, values + 1e-6]), np.eye(1)
+    )
+    np.testing.assert_allclose(twice(x), values, atol=2e-5)
+
+
+def test_interpolants_find_the_coordinates_that_matter():
+    """Two of six: as accurate as if the others did not exist."""
+    x, other = points(6, 200), np.random.default_rng(0).random((100, 6))
+
+    def values(y):
+        return np.exp(-4 * y[:, 1:2]) + y[:, 4:5] ** 2
+
+    found = interpolant(x, values(x), np.eye(1))
+    np.testing.assert_allclose(found(other), values(other), atol=2e-3)
 
 
 def test_slopes_of_quadratics_are_exact():

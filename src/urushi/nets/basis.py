@@ -73,6 +73,19 @@ class Basis:
         """The functions (N, 1 + K) at the probe pairs."""
         return self.functions_at(*self.pairs())
 
+    @functools.cached_property
+    def norm(self) -> np.ndarray:
+        """The matrix N (L, L) by which a difference d of codes (L,) has the size |d N|.
+
+        It is the root mean square of the difference of ln g at the probe pairs, by their measure.
+        With two widths, that of the stretches is added.
+        """
+        shares = self.measure / self.measure.sum()
+        functions = self.probe_rows(0.0)[:, 1:] * np.sqrt(shares)[:, None]
+        result = np.eye(self.size + self.widths - 1)
+        result[: self.size, : self.size] = np.linalg.cholesky(functions.T @ functions)
+        return result
+
     def functions_at(self, wi: np.ndarray, wo: np.ndarray) -> Functions:
         """The functions at pairs (..., 3) above the horizon, which are kept for some ln s."""
         return Functions(wi, wo, functools.lru_cache(KEPT)(functools.partial(self.at, wi, wo)))

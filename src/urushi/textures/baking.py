@@ -1,7 +1,7 @@
 """Codes of materials over axes, at nodes between which renderers interpolate.
 
-Light transport is computed at some hundred points, which a polyharmonic spline (Duchon 1977)
-interpolates to the nodes. The lobe of the coat is known at every point.
+Light transport is computed at some hundred points, and interpolated to the nodes (`interpolation`).
+The lobe of the coat is known at every point.
 
 A material whose parameters are not known has the axes v and u, and its nodes are texels.
 """
@@ -19,7 +19,7 @@ from urushi.nets import lobe as lobes
 from urushi.nets import transmittance
 from urushi.nets.weights import Model
 from urushi.textures.axes import LINEAR, Axis, Changes, nearest, simplex
-from urushi.textures.spline import points, spline
+from urushi.textures.interpolation import interpolant, points
 from urushi.textures.store import TexelGrid
 
 #: Points of transport by the number of axes, of one width and of two; a point of two widths takes a
@@ -31,10 +31,10 @@ AXES = len(POINTS[1])
 
 #: Numbers of nodes of an axis, and the most nodes of all axes together: their codes fit into the
 #: caches of a processor.
-COUNTS, NODES = (2, 3, 5, 9, 17, 33, 65), 1 << 13
+COUNTS, NODES = (2, 3, 5, 9, 17, 33, 65), 1 << 14
 
 #: Root mean square error of ln f between nodes from which an axis has enough of them.
-SMOOTH = 5e-4
+SMOOTH = 1e-3
 
 #: Lines along one of several axes, and steps of each, by which its nodes are chosen.
 LINES, STEPS = 32, 32
@@ -144,7 +144,8 @@ def bake(
         return np.moveaxis(model.networks.encode(f + added, tops)[..., size:], 0, 1)
 
     x = points(len(own), POINTS[model.widths][len(own) - 1]) if own else np.zeros((1, 0))
-    smooth = spline(x, found(x, ())[:, :, 0])
+    norm = model.networks.basis.norm
+    smooth = interpolant(x, found(x, ())[:, :, 0], norm)
 
     def rests_at(x: np.ndarray) -> np.ndarray:
         """Rests (C, k, K) at coordinates (k, d)."""
@@ -177,7 +178,7 @@ def bake(
             used = np.flatnonzero(weights)
             rests = found(some, *([*(unit * changes[i])] for i in used))
             change = np.einsum("n,kcnj->kcj", weights[used], rests)
-            parts.append(np.moveaxis(spline(some, change)(nodes), 1, 0))
+            parts.append(np.moveaxis(interpolant(some, change, norm)(nodes), 1, 0))
         return np.stack(parts, axis=2).astype(np.float32)
 
     tops, rests = lobes_at(nodes)[None], rests_at(nodes)
@@ -191,15 +192,13 @@ def node_counts(
 
     rests_at: (C, k, K) at coordinates (k, d).
     """
-    basis = model.networks.basis
-    functions = basis.probe_rows(0.0)[:, 1:] * np.sqrt(basis.measure / basis.measure.sum())[:, None]
     rng, curvatures = np.random.default_rng(0), []
     lines = LINES if dimensions > 1 else 1  # a sole axis is one line
     for axis in range(dimensions):
         x = np.repeat(rng.random((lines, 1, dimensions)), STEPS + 1, axis=1)
         x[..., axis] = np.linspace(0, 1, STEPS + 1)
         found = rests_at(x.reshape(-1, dimensions)).reshape(-1, lines, STEPS + 1, model.arch.rest)
-        bent = np.diff(found[..., : functions.shape[1]], n=2, axis=2) @ functions.T
+        bent = np.diff(found, n=2, axis=2) @ model.networks.basis.norm
         curvatures.append(np.sqrt(np.quantile(np.square(bent).sum(axis=-1), 0.9)))
     steps, counts = np.array(curvatures) / 8 * STEPS**2, np.zeros(dimensions, int)
     growing = np.ones(dimensions, bool)

@@ -1,8 +1,8 @@
 """Layering of many different rows: by light transport at a few of them, which correct the network.
 
 A texture has few parameters that vary, and codes are linear and smooth in them. Light transport is
-computed at random rows. What the layering network lacks there is interpolated by a spline over
-features of coats and bottoms, and added to the network's codes of all rows.
+computed at random rows. What the layering network lacks there is interpolated over features of
+coats and bottoms, and added to the network's codes of all rows.
 """
 
 import numpy as np
@@ -26,7 +26,7 @@ from urushi.nets import lobe as lobes
 from urushi.nets.features import coat_features
 from urushi.nets.layerer import bottom_rest
 from urushi.nets.weights import Model
-from urushi.textures.spline import spline
+from urushi.textures.interpolation import interpolant
 
 #: Rows by light transport, by the number of GGX widths: a second.
 TRANSPORTED = {1: 384, 2: 12}
@@ -55,7 +55,7 @@ def layer_rows(model: Model, rows: np.ndarray) -> np.ndarray:
     chosen = representatives(x, count)
     exact = transported(model, z[chosen], _coats(model, rows[chosen]))
     lacks = exact[:, size:] - codes[chosen, size:]
-    codes[:, size:] += spline(x[chosen], lacks, degree=0)(x)
+    codes[:, size:] += interpolant(x[chosen], lacks, model.networks.basis.norm)(x)
     return limit_albedo(model, codes)
 
 
