@@ -25,12 +25,8 @@ LOST_SHARE = 0.1
 #: Share of the proposal that fuzz leaves to what lies below, at the least.
 LEAST_BELOW = 0.1
 
-
 #: The parameters of the coat.
 OF_COAT = ("coat_color", "coat_roughness", "coat_roughness_anisotropy", "coat_ior")
-
-#: The parameters of the surface.
-NAMES = names_of("base", "specular", "coat", "thin_film", "fuzz")
 
 
 class Part(NamedTuple):
@@ -39,15 +35,6 @@ class Part(NamedTuple):
     bsdf: Any  # of `mitsuba.surface.bsdf_of`
     vertex: Any  # its own
     weight: Any  # its weight in the mixture
-
-
-class Layers(NamedTuple):
-    """The parts of a surface; None for a part that the weights leave out."""
-
-    base: Any  # in air; None if the coat covers everything
-    below: Any  # the base as seen from inside the coat
-    coated: Any  # coat and base together
-    compensation: Compensation | None  # of the energy that `coated` loses; None: switched off
 
 
 class Vertex(NamedTuple):
@@ -79,46 +66,46 @@ class SurfaceProposal(NamedTuple):
         return wo
 
 
-def layers(inputs: Inputs, coating: Coating) -> Layers:
-    """The layers that parameters need."""
-
-    def base(inputs: Inputs, under_coat: bool) -> "mi.BSDF":
-        return bsdf_of(model.Base(inputs, under_coat))
-
-    def coated(inputs: Inputs, below: "mi.BSDF") -> "mi.BSDF":
-        given = coating.options if coating.tables else {}
-        plugin = {"type": COATS[not coating.tables], "bottom": below}
-        return load_part(inputs, plugin | coat_properties(inputs) | given)
-
-    # A coat of index one has no interface: it only absorbs, see `model.absorbed`.
-    if inputs.is_constant("coat_weight", 0) or inputs.is_constant("coat_ior", 1):
-        return Layers(base(inputs, False), None, None, None)
-    below, compensation = base(inputs, True), None
-    if coating.compensated:
-        compensation = Compensation(inputs, coating.tables, lambda x: coated(x, base(x, True)))
-    in_air = None if inputs.is_constant("coat_weight", 1) else base(inputs, False)
-    return Layers(in_air, below, coated(inputs, below), compensation)
-
-
 class OpenPBRSurface(Surface):
     """Mixes BRDFs: (1 - coat_weight) base + coat_weight coated, and fuzz above both."""
 
     def __init__(self, inputs: Inputs, coating: Coating):
         self._inputs, self._coating = inputs, coating
         self._turned = "geometry_tangent" in inputs.maps
-        self._configure(layers(inputs, coating))
+        self._configure()
         super().__init__(mi.Properties("openpbr"), inputs.where)
 
-    def _configure(self, layers: Layers):
-        self._layers, inputs = layers, self._inputs
-        self._base, self._coated = layers.base, layers.coated
-        self._compensation = layers.compensation
-        self._fuzz = not inputs.is_constant("fuzz_weight", 0)
-        # A coat without an interface, of index one, is its medium alone.
-        self._absorbs = self._coated is None and not (
-            inputs.is_constant("coat_weight", 0) or inputs.is_constant("coat_color", 1)
-        )
-        self._version = inputs.version
+    def _configure(self):
+        """Make the layers that parameters need; None: the weights leave it out."""
+        inputs = self._inputs
+        base = coated = compensation = None
+        below: Any = None
+        # A coat of index one has no interface: it only absorbs, see `model.absorbed`.
+        bare = inputs.is_constant("coat_weight", 0)
+        flat = bare or inputs.is_constant("coat_ior", 1)
+        if not flat:
+            below = bsdf_of(model.Base(inputs, under_coat=True))
+            if self._coating.compensated:
+                compensation = Compensation(inputs, self._coating.tables, self._white_coat)
+            coated = self._coat(inputs, below)
+        if flat or not inputs.is_constant("coat_weight", 1):
+            base = bsdf_of(model.Base(inputs, under_coat=False))
+        self._base, self._below, self._coated = base, below, coated  # in air, in the coat, with it
+        self._compensation = compensation  # of the energy that `_coated` loses
+        self._absorbs = flat and not (bare or inputs.is_constant("coat_color", 1))
+        self._find_fuzz()
+        self._is_current = True
+
+    def _coat(self, inputs: Inputs, below: "mi.BSDF") -> "mi.BSDF":
+        options = self._coating.options if self._coating.tables else {}
+        plugin = {"type": COATS[not self._coating.tables], "bottom": below}
+        return load_part(inputs, plugin | coat_properties(inputs) | options)
+
+    def _white_coat(self, inputs: Inputs) -> "mi.BSDF":
+        return self._coat(inputs, bsdf_of(model.Base(inputs, under_coat=True)))
+
+    def _find_fuzz(self):
+        self._fuzz = not self._inputs.is_constant("fuzz_weight", 0)
 
     def _turn(self, si, active):
         return Turn(*self._inputs.tangent(si, active)) if self._turned else None
@@ -170,10 +157,10 @@ class OpenPBRSurface(Surface):
         return replace(known_surface(self._base), table_source=lambda: self)
 
     def replaced(self, replacement):
-        """See `Surface.replaced`."""
         return bsdf_of(type(self)(self._inputs.with_textures(replacement), self._coating))
 
-    names = NAMES
+    #: The parameters that it reads.
+    names = names_of("base", "specular", "coat", "thin_film", "fuzz")
 
     def traverse(self, callback):
         # Walks have no derivatives.
@@ -181,16 +168,14 @@ class OpenPBRSurface(Surface):
         self._inputs.traverse(callback, self.names, self.names if walks else ())
 
     def _update(self, keys):
-        self._inputs.refresh()
-        renewed = self._version != self._inputs.version
+        self._is_current &= not self._inputs.refresh()
         if keys and all(key.startswith("fuzz") for key in keys):
-            if renewed:
-                self._configure(self._layers)
-            return
-        if renewed or (self._compensation and not self._compensation.is_current):
-            self._configure(layers(self._inputs, self._coating))
+            self._find_fuzz()
+            self._is_current = True  # no layer depends on it
+        elif not (self._is_current and (not self._compensation or self._compensation.is_current)):
+            self._configure()
         elif self._coated is not None:
-            base = not keys or not {*keys}.isdisjoint(self._layers.below.names)
+            base = not keys or not {*keys}.isdisjoint(self._below.names)
             self._coated.parameters_changed(["bottom"] if base else list(OF_COAT))
 
     def to_string(self):

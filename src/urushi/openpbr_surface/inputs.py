@@ -63,7 +63,6 @@ class Inputs(Recorded):
         self.maps: dict[str, mi.Texture] = {}  # of directions
         # Whether the shape has the medium inside of the material, which a BSDF does not hold.
         self.interior = bool(props.get("interior", False))
-        self.version = 0  # how often `refresh` has found changes
         self._numbers: list[str] = []  # parameters that are given as numbers
         self._relied: dict[str, np.ndarray] = {}  # values of textures when `known` returned them
         # First, because colours depend on it.
@@ -156,8 +155,8 @@ class Inputs(Recorded):
     def refresh(self) -> bool:
         """Whether numbers that `known` has returned have changed or have gradients now.
 
-        These parameters count as textures from then on, and `version` grows: the caller must make
-        the parts that it left out because of them.
+        These parameters count as textures from then on: the caller must make the parts that it left
+        out because of them.
         """
         for name in self._numbers:
             value = _texture_value(self.textures[name])[0].ravel()
@@ -171,7 +170,6 @@ class Inputs(Recorded):
         ]
         for name in changed:
             del self._relied[name], self.constants[name]
-        self.version += bool(changed)
         return bool(changed)
 
     def number(self, name: str, si, active) -> "mi.Float":

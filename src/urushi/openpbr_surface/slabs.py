@@ -1,7 +1,6 @@
 """Panes, and coats on what transmits light, as slabs of `layered` and `neural_layered`."""
 
-from collections.abc import Callable
-from typing import Any
+from typing import Any, NamedTuple
 
 import drjit as dr
 import mitsuba as mi
@@ -10,65 +9,104 @@ from urushi.checks import AIR
 from urushi.core.namespace import DRJIT
 from urushi.mitsuba.frames import SlabMixture, raised, relative
 from urushi.mitsuba.reading.nested import DECIMALS
-from urushi.mitsuba.recording import opaque
+from urushi.mitsuba.surface import Surface
 from urushi.openpbr_surface import formulas
-from urushi.openpbr_surface.bsdfs import SPREAD, SurfaceProposal
+from urushi.openpbr_surface.bsdfs import OF_COAT, SPREAD, SurfaceProposal
 from urushi.openpbr_surface.inputs import Inputs
-from urushi.openpbr_surface.lost_light import AXES, LostLight, Place
-from urushi.openpbr_surface.parts import absorption, coat_properties, width_properties
-from urushi.openpbr_surface.shares import index2, index_of, tint_of
+from urushi.openpbr_surface.lost_light import AXES, LostLight
+from urushi.openpbr_surface.parts import (
+    COATS,
+    Coating,
+    absorption,
+    coat_properties,
+    load_part,
+    width_properties,
+)
+from urushi.openpbr_surface.shares import INDICES, SHARES, index2, index_of, tint_of
 from urushi.walk import interface
 
+#: Colours that are white where losses are measured.
+COLORS = ("coat_color", "transmission_color", "specular_color")
 
-class Finish:
-    """What a part lacks: the tint of a coated body, and light that meets more than one facet.
+#: Parameters on which the light that slabs lose does not depend.
+LOSSLESS = {*COLORS, *SHARES, "coat_weight"}
 
-    The lobe that returns the light is as that of `Glass`.
+#: Parameters that the tables of slabs hold as constants.
+TABULATED = ("specular_roughness", "transmission_color", "coat_roughness", "coat_ior", "coat_color")
+
+#: The parameters of panes.
+OF_PANES = ("specular_roughness", "specular_roughness_anisotropy", "transmission_color", *INDICES)
+
+
+class Returned(NamedTuple):
+    """Light that meets more than one facet, at a vertex."""
+
+    place: Any  # in the table of lost light
+    lost: Any  # share of the light from wi
+    scale: Any  # of the lobe
+    proposal: Any  # of its directions
+    share: Any  # of this proposal
+
+
+class Slab(Surface):
+    """A pane, or coats on it or on a body: a slab of the coats' plugins, and what it lacks.
+
+    It lacks the tint of a coated body, and light that meets more than one facet. The lobe that
+    returns this light is as that of `two_sided.Glass`.
     """
 
-    def __init__(self, inputs: Inputs, coated: bool, white: Callable[..., Any] | None):
-        """white: makes the white slab, with some parameters replaced; None: it loses no light."""
-        self._inputs, self._coated = inputs, coated
-        self._index = opaque(1.0 if inputs.thin else index_of(inputs))
-        self._losses: LostLight | None = None
-        if white is not None:
-            layers = ("specular", "coat") if coated else ("specular",)
-            names = [name for name in AXES if name.split("_")[0] in layers]
-            self._losses = LostLight(inputs, names, layers, white)
+    def __init__(self, inputs: Inputs, coating: Coating, coated: bool):
+        self._inputs, self._coating, self._coated = inputs, coating, coated
+        self._transmit(None if inputs.thin else index_of(inputs))
+        self._layers = ("specular", "coat") if coated else ("specular",)
+        self._slab = self._made(inputs)
+        #: The parameters that it reads, and those by which it has no derivatives.
+        self.names = (*OF_PANES, *(OF_COAT if coated else ()))
+        colors = COLORS if self._is_table(inputs) and not mi.is_spectral else ()
+        self.fixed = {*self.names} - {*colors}
+        self._measure()
+        super().__init__(mi.Properties("openpbr_slab"), inputs.where)
 
-    def _scale(self, losses: LostLight, place: Place) -> tuple[Any, Any]:
-        """The scale of the lobe, and the share of the light that is returned below."""
-        _, above, _, below = losses.means(place)
+    def _made(self, inputs: Inputs) -> "mi.BSDF":
+        plugin = {"type": COATS[not self._is_table(inputs)]}
+        return load_part(inputs, slab_of(inputs, self._coated) | plugin)
+
+    def _is_table(self, inputs: Inputs) -> bool:
+        """Whether it is a table: where it is constant, also by no bitmap, and isotropic."""
+        isotropic = all(inputs.is_constant(f"{x}_roughness_anisotropy", 0) for x in self._layers)
+        given = [inputs.textures[x] for x in (TABULATED if self._coated else TABULATED[:2])]
+        varying = any(x.is_spatially_varying() for x in given)
+        return self._coating.tables and isotropic and not varying
+
+    def _measure(self):
+        """Measure the light that it loses, unless it stays lost."""
+        self._losses: Any = None
+        if self._coating.compensated:
+            names = [name for name in AXES if name.split("_")[0] in self._layers]
+            self._losses = LostLight(self._inputs, names, self._layers, self._white)
+
+    def _white(self, textures: dict[str, Any]) -> "mi.BSDF":
+        if not textures and all(self._inputs.is_constant(name, 1) for name in COLORS):
+            return self._slab
+        return self._made(self._inputs.replaced(dict.fromkeys(COLORS, 1.0) | textures))
+
+    def _vertex(self, si, active):
+        slab = self._slab._vertex(si, active)
+        if self._losses is None:
+            return slab, None
+        place = self._losses.at(si, active)
+        _, above, _, below = self._losses.means(place)
         below = dr.pi * self._index * self._index * below
         scale = dr.maximum(dr.pi * above + below, 1e-5)
-        return scale, below / scale
-
-    def _returned(self, losses: LostLight, si, active):
-        """Directions of the returned light, and their share of all."""
-        place = losses.at(si, active)
-        below = self._scale(losses, place)[1]
+        below = below / scale
         through = dr.select(si.wi.z > 0, below, 1 - below)
-        share = dr.clip(losses.lost(si.wi, place), 0, 0.9)
-        return SlabMixture(SPREAD, SPREAD, 1 - through, 1.0), share
+        lost, sides = self._losses.lost(si.wi, place), SlabMixture(SPREAD, SPREAD, 1 - through, 1.0)
+        return slab, Returned(place, lost, scale, sides, dr.clip(lost, 0, 0.9))
 
-    def proposal(self, slab, si, active):
-        """The proposal of the slab with it."""
-        if self._losses is None:
-            return slab
-        lobe, share = self._returned(self._losses, si, active)
-        return SurfaceProposal([(slab, 1 - share), (lobe, share)])
-
-    def density(self, density, si, wo, active):
-        """The density of `proposal` at wo, from the slab's [1/sr]."""
-        if self._losses is None:
-            return density
-        lobe, share = self._returned(self._losses, si, active)
-        return dr.lerp(density, lobe.pdf(si.wi, wo), share)
-
-    def f(self, f, ctx, si, wo, active):
-        """f [1/sr] of the slab with it."""
-        inputs, through = self._inputs, si.wi.z * wo.z < 0
-        tint = tint_of(inputs, si, active)
+    def _f_and_pdf(self, vertex, ctx, si, wo, active):
+        slab, returned = vertex
+        f, pdf = self._slab._f_and_pdf(slab, ctx, si, wo, active)
+        inputs, through, tint = self._inputs, si.wi.z * wo.z < 0, tint_of(self._inputs, si, active)
         if self._coated and not inputs.thin:
             # Light from below that the surface of the body does not reflect crosses it twice.
             coat = formulas.interface_index(inputs.number("coat_ior", si, active), DRJIT)
@@ -77,17 +115,31 @@ class Finish:
             first = interface.reflection(a, b, widths, coat / self._index)
             below = (si.wi.z < 0) & ~through
             f = dr.select(below, first + tint * tint * (f - first), f * dr.select(through, tint, 1))
-        if self._losses is None:
-            return f
-        place = self._losses.at(si, active)
-        one, other = (dr.maximum(self._losses.lost(w, place), 0) for w in (si.wi, wo))
-        lobe = one * other * (index2(wo, self._index) / self._scale(self._losses, place)[0])
+        if returned is None:
+            return f, pdf
+        one, other = returned.lost, self._losses.lost(wo, returned.place)
+        lobe = dr.maximum(one, 0) * dr.maximum(other, 0)
+        lobe *= index2(wo, self._index) / returned.scale
         if self._coated:
             tint *= dr.sqrt(inputs.color("coat_color", si, active))
         if ctx.mode != mi.TransportMode.Importance:
-            across = dr.select(si.wi.z > 0, self._index, 1 / self._index)
-            lobe = lobe / dr.select(through, across * across, 1)
-        return f + tint * lobe
+            lobe = lobe / dr.select(through, dr.square(self._index_across(si.wi)), 1)
+        pdf = dr.lerp(pdf, returned.proposal.pdf(si.wi, wo), returned.share)
+        return f + tint * lobe, pdf
+
+    def _proposal(self, vertex, si, active):
+        slab, returned = vertex
+        proposal = self._slab._proposal(slab, si, active)
+        if returned is None:
+            return proposal
+        return SurfaceProposal(
+            [(proposal, 1 - returned.share), (returned.proposal, returned.share)]
+        )
+
+    def _update(self, keys):
+        self._slab.parameters_changed(list(keys))
+        if not keys or not {*keys} <= LOSSLESS:
+            self._measure()
 
 
 def slab_of(inputs: Inputs, coated: bool) -> dict[str, Any]:

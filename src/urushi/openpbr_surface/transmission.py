@@ -9,7 +9,6 @@ a thin wall have the coat; specular_weight changes the index of the body, whatev
 """
 
 from dataclasses import dataclass
-from functools import partial
 from typing import Any
 
 import drjit as dr
@@ -21,22 +20,10 @@ from urushi.mitsuba.snapshot import has_gradients
 from urushi.mitsuba.surface import Surface, bsdf_of
 from urushi.openpbr_surface.bsdfs import OF_COAT, OpenPBRSurface, Part, SurfaceProposal
 from urushi.openpbr_surface.inputs import Inputs
-from urushi.openpbr_surface.parts import COATS, Coating, load_part
-from urushi.openpbr_surface.shares import INDICES, SHARES, index_of, opaque_share, shares
-from urushi.openpbr_surface.slabs import Finish, slab_of
+from urushi.openpbr_surface.parts import Coating
+from urushi.openpbr_surface.shares import SHARES, index_of, opaque_share, shares
+from urushi.openpbr_surface.slabs import Slab
 from urushi.openpbr_surface.two_sided import Glass, Sheet, Unseen
-
-#: Colours that are white where losses are measured.
-COLORS = ("coat_color", "transmission_color", "specular_color")
-
-#: Parameters that the tables of slabs hold as constants.
-TABULATED = ("specular_roughness", "transmission_color", "coat_roughness", "coat_ior", "coat_color")
-
-#: The parameters of panes.
-OF_PANES = ("specular_roughness", "specular_roughness_anisotropy", "transmission_color", *INDICES)
-
-#: Parameters on which the light that slabs lose does not depend.
-LOSSLESS = (*COLORS, *SHARES, "coat_weight")
 
 
 @dataclass(frozen=True)
@@ -46,7 +33,6 @@ class Layer:
     bsdf: Any  # of `bsdf_of`, or `Unseen`
     share: str  # of `Shares`
     coated: bool | None = None  # whether it has the coated or the bare part of it; None: all
-    finish: Finish | None = None  # what its BSDF lacks
 
 
 class Body(Surface):
@@ -54,66 +40,33 @@ class Body(Surface):
 
     def __init__(self, inputs: Inputs, coating: Coating):
         self._inputs, self._coating = inputs, coating
-        self._parts: list[Layer] = []
-        self._unseen: list[Layer] = []
         self._configure()
         super().__init__(mi.Properties("openpbr"), inputs.where)
 
     def _configure(self):
-        self._ior = index_of(self._inputs)
-        self._transmit(None if self._inputs.thin else self._ior)
-        self._make([])
-
-    def _make(self, former: list[Layer]) -> None:
-        """Make the layers; former: those whose BSDFs are reused, or an empty list."""
-        inputs = self._inputs
-        self._parts, self._unseen = [], []
-
-        def add(make, share, coated=None, finished=False):
-            bsdf = former[len(self._parts)].bsdf if former else make()
-            finish = self._finish(bsdf, coated) if finished else None
-            self._parts.append(Layer(bsdf, share, coated, finish))
-
+        """Make the layers that parameters need."""
+        self._ior: float | None = None  # until all are made
+        inputs, index = self._inputs, index_of(self._inputs)
+        parts, unseen = [], []
         rest = opaque_share(inputs)
         if rest is not None:
-            add(lambda: bsdf_of(OpenPBRSurface(rest, self._coating)), "opaque")
+            parts.append(Layer(bsdf_of(OpenPBRSurface(rest, self._coating)), "opaque"))
         clear, scatters = map(inputs.transmits, SHARES[1:])
         if inputs.thin and scatters:
-            add(lambda: bsdf_of(Sheet(inputs)), "scattering")
-        if not (clear or (scatters and not inputs.thin)):
-            return
-        share = "clear" if inputs.thin else "transmitting"
-        for coated, absent in ((False, 1), (True, 0)):
-            if inputs.is_constant("coat_weight", absent):
-                continue
-            if Unseen.is_right(inputs, coated):
-                self._unseen.append(Layer(Unseen(inputs, coated), share, coated))
-            elif coated or inputs.thin:
-                add(partial(self._slab, inputs, coated), share, coated, finished=True)
-            else:
-                add(lambda: bsdf_of(Glass(inputs)), share, coated)
-
-    def _slab(self, inputs: Inputs, coated: bool) -> "mi.BSDF":
-        """A pane, or coats on it or on a body, as a table where it is constant and isotropic."""
-        layers = ("specular", "coat") if coated else ("specular",)
-        one = all(inputs.is_constant(f"{x}_roughness_anisotropy", 0) for x in layers)
-        given = [inputs.textures[x] for x in (TABULATED if coated else TABULATED[:2])]
-        numbers = not any(x.is_spatially_varying() for x in given)  # nor bitmaps of one value
-        table = self._coating.tables and one and numbers
-        made = load_part(inputs, slab_of(inputs, coated) | {"type": COATS[not table]})
-        made.names = (*OF_PANES, *(OF_COAT if coated else ()))
-        made.fixed = {*made.names} - {*(COLORS if table and not mi.is_spectral else ())}
-        return made
-
-    def _finish(self, slab: "mi.BSDF", coated: bool) -> Finish:
-        inputs = self._inputs
-
-        def white(textures: dict[str, Any]) -> "mi.BSDF":
-            if not textures and all(inputs.is_constant(name, 1) for name in COLORS):
-                return slab
-            return self._slab(inputs.replaced(dict.fromkeys(COLORS, 1.0) | textures), coated)
-
-        return Finish(inputs, coated, white if self._coating.compensated else None)
+            parts.append(Layer(bsdf_of(Sheet(inputs)), "scattering"))
+        if clear or (scatters and not inputs.thin):
+            share = "clear" if inputs.thin else "transmitting"
+            for coated, absent in ((False, 1), (True, 0)):
+                if inputs.is_constant("coat_weight", absent):
+                    continue
+                if Unseen.is_right(inputs, coated):
+                    unseen.append(Layer(Unseen(inputs, coated), share, coated))
+                    continue
+                slab = coated or inputs.thin
+                surface = Slab(inputs, self._coating, coated) if slab else Glass(inputs)
+                parts.append(Layer(bsdf_of(surface), share, coated))
+        self._parts, self._unseen, self._ior = parts, unseen, index
+        self._transmit(None if inputs.thin else index)
 
     def _weights(self, layers: list[Layer], si, active) -> list:
         """The shares of layers at an interaction."""
@@ -173,28 +126,23 @@ class Body(Surface):
 
     def _f_and_pdf(self, vertex, ctx, si, wo, active):
         f, pdf, near = mi.Spectrum(0), mi.Float(0), si.wi.z * wo.z > 0
-        for part, layer in zip(vertex, self._parts, strict=True):
+        for part in vertex:
             if part.bsdf._transmits:
                 value, density = part.bsdf._f_and_pdf(part.vertex, ctx, si, wo, active)
             else:
                 seen = self._seen(part.bsdf, si), raised(wo), active & near
                 found = part.bsdf._f_and_pdf(part.vertex, ctx, *seen)
                 value, density = (dr.select(near, x, 0) for x in found)
-            if layer.finish is not None:
-                value = layer.finish.f(value, ctx, si, wo, active)
-                density = layer.finish.density(density, si, wo, active)
             f += part.weight * value
             pdf += part.weight * density
         return f, pdf
 
     def _proposal(self, vertex, si, active):
         proposals = []
-        for part, layer in zip(vertex, self._parts, strict=True):
+        for part in vertex:
             proposal = part.bsdf._proposal(part.vertex, self._seen(part.bsdf, si), active)
             if not part.bsdf._transmits:
                 proposal = with_far_side(proposal, 0.0)
-            elif layer.finish:
-                proposal = layer.finish.proposal(proposal, si, active)
             proposals.append((proposal, part.weight))
         return SurfaceProposal(proposals)
 
@@ -225,8 +173,6 @@ class Body(Surface):
             for part in self._parts:
                 if not changed or not changed.isdisjoint(part.bsdf.names):
                     part.bsdf.parameters_changed(list(keys))
-            if not changed or not changed <= {*LOSSLESS}:
-                self._make(self._parts)
 
     def to_string(self):
         parts = ",\n".join(str(part.bsdf) for part in self._parts)
